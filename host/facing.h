@@ -1,0 +1,8 @@
+// The facing rules of shaders/facing.h for C++.
+#pragma once
+#include <cstdint>
+
+namespace viewpeel {
+using uint = std::uint32_t;
+#include "../shaders/facing.h"
+}  // namespace viewpeel

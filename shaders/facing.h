@@ -1,0 +1,37 @@
+// The facing rules, written once for shaders, host and the exact path: what the gap between two consecutive layers of a
+// line contributes, and to whom. Included by GLSL and, through host/facing.h, by C++.
+//
+// A line runs along +u. Of a polygon that bounds the gap from below the upper side matters, of one that bounds it
+// from above the lower side. A side is `front` where the polygon's front is turned to the gap, or the polygon is
+// two-sided; `none` stands for no polygon: the gap reaches out of the scene.
+
+#ifdef __cplusplus
+#define SHARED_FUNCTION inline
+#else
+#define SHARED_FUNCTION
+#endif
+
+const uint kSideNone = 0u;
+const uint kSideFront = 1u;
+const uint kSideBack = 2u;
+
+const uint kGapNothing = 0u;           // inside a solid, or outside of everything
+const uint kGapFacingPair = 1u;        // lower and upper see each other
+const uint kGapLowerEnvironment = 2u;  // lower sees the environment
+const uint kGapUpperEnvironment = 3u;
+const uint kGapLowerLeak = 4u;         // lower sees the back of upper: counted as its leak
+const uint kGapUpperLeak = 5u;
+
+// The side that a polygon turns to the gap above it (above = true) or below it. front_up: its front faces +u.
+SHARED_FUNCTION uint sideTowardsGap(bool front_up, bool two_sided, bool above) {
+  return two_sided || front_up == above ? kSideFront : kSideBack;
+}
+
+SHARED_FUNCTION uint classifyGap(uint lower_side, uint upper_side) {
+  if (lower_side == kSideFront) {
+    if (upper_side == kSideFront) return kGapFacingPair;
+    return upper_side == kSideNone ? kGapLowerEnvironment : kGapLowerLeak;
+  }
+  if (upper_side == kSideFront) return lower_side == kSideNone ? kGapUpperEnvironment : kGapUpperLeak;
+  return kGapNothing;
+}
