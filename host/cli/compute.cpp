@@ -1,0 +1,116 @@
+#include <chrono>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "cli/commands.h"
+#include "cli/summary.h"
+#include "engines/graphics_engine.h"
+#include "error.h"
+#include "io/write_form_factors.h"
+
+namespace viewpeel::cli {
+namespace {
+
+struct ComputeOptions {
+  std::string scene;
+  std::vector<std::string> outputs;
+  By by = By::polygon;
+  GraphicsOptions graphics{.resolution = 128};
+  DeviceOptions device;
+  EstimateOptions estimate;
+  bool quiet = false;
+};
+
+using Clock = std::chrono::steady_clock;
+
+double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+// One line on the terminal, rewritten after every replicate.
+void showProgress(const EstimateProgress& progress, const EstimateOptions& options, Clock::time_point start) {
+  std::string goal = fmt::format("of {}", options.replicates);
+  if (options.tolerance) goal = fmt::format("largest standard error {:.1e}, goal {:.1e}", progress.largest_standard_error, *options.tolerance);
+  fmt::print(stderr, "\r\033[Kreplicate {} {}, {:.1f} s", progress.replicates, goal, secondsSince(start));
+  std::fflush(stderr);
+}
+
+// Messages of the validation layer are our errors: never a result beside them.
+void checkValidation(const Device& device) {
+  if (!device.validationErrors().empty())
+    throw Error(ErrorCode::device, "Vulkan validation: " + device.validationErrors().front());
+}
+
+int runCompute(ComputeOptions options) {
+  for (const std::string& output : options.outputs) checkOutput(output);
+  const Scene scene = loadScene(options.scene);
+  for (const std::string& warning : scene.warnings) fmt::print(stderr, "viewpeel: warning: {}\n", warning);
+  const Ids ids = makeIds(scene, options.by, options.graphics.two_sided);
+  const Device device(options.device);
+  if (!options.quiet) {
+    const DeviceDescription& d = device.description();
+    fmt::print("device     {} ({}; {})\n{}", d.name, d.kind, d.driver, describeScene(scene));
+    fmt::print("sampling   {} {} directions a replicate, lattice {} across, seed {}\n", options.estimate.directions,
+               options.estimate.sampler == Sampler::fibonacci ? "fibonacci" : "iid", options.graphics.resolution, options.estimate.seed);
+    std::fflush(stdout);
+  }
+
+  const auto start = Clock::now();
+  const bool show_progress = !options.quiet && ::isatty(STDERR_FILENO);
+  if (show_progress)
+    options.estimate.on_replicate = [&](const EstimateProgress& p) { showProgress(p, options.estimate, start); };
+  const auto engine = makeGraphicsEngine(device, scene, ids, options.graphics);
+  const Estimate estimate = estimateFormFactors(*engine, scene, ids, options.estimate);
+  if (show_progress) fmt::print(stderr, "\r\033[K");
+  checkValidation(device);
+  const double seconds = secondsSince(start);
+
+  for (const std::string& output : options.outputs) writeFormFactors(estimate.form_factors, output);
+  if (options.quiet) return 0;
+  fmt::print("\nlargest form factors between surfaces\n{}\n{}", tabulateLargest(estimate.between_surfaces, 20), describeErrors(estimate));
+  fmt::print("work       {} replicates, {} directions, {:.2f} s\n", estimate.replicates, estimate.directions, seconds);
+  for (const std::string& output : options.outputs) fmt::print("written    {}\n", output);
+  return 0;
+}
+
+}  // namespace
+
+void addCompute(CLI::App& app, Run& chosen) {
+  auto options = std::make_shared<ComputeOptions>();
+  EstimateOptions& estimate = options->estimate;
+  CLI::App* command = app.add_subcommand("compute", "Compute the form factors of a scene");
+  command->add_option("SCENE", options->scene, "Scene file: .obj, .stl or .ply")->required();
+  command->add_option("-o,--output", options->outputs, "Write the matrix: .csv or .mtx; may be given several times")
+      ->type_name("FILE")->allow_extra_args(false);
+  auto tolerance = std::make_shared<double>(1e-3);
+  CLI::Option* tolerance_option =
+      command->add_option("--tolerance", *tolerance, "Run until the largest standard error of all form factors is at most this")
+          ->type_name("T")->capture_default_str();
+  CLI::Option* directions_option =
+      command->add_option("--directions", estimate.directions, "Directions per replicate; without --tolerance, run --replicates of them")
+          ->type_name("N")->capture_default_str();
+  CLI::Option* replicates_option =
+      command->add_option("--replicates", estimate.replicates, "Independent replicates, at least; they give the standard errors")
+          ->type_name("R")->capture_default_str();
+  command->add_option("--resolution", options->graphics.resolution, "Lattice spacings across the scene's diameter")
+      ->type_name("PX")->check(CLI::Range(1, kMaxResolution))->capture_default_str();
+  command->add_option("--by", options->by, "One row per polygon or per named surface")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, By>{{"polygon", By::polygon}, {"surface", By::surface}}))
+      ->default_str("polygon")->type_name("polygon|surface");
+  command->add_option("--sampler", estimate.sampler, "Directions: rotated Fibonacci sets, or independent")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, Sampler>{{"fibonacci", Sampler::fibonacci}, {"iid", Sampler::iid}}))
+      ->default_str("fibonacci")->type_name("fibonacci|iid");
+  command->add_option("--seed", estimate.seed, "The same seed gives the same bits")->type_name("K")->capture_default_str();
+  command->add_flag("--two-sided", options->graphics.two_sided, "Every polygon emits and receives on both sides");
+  command->add_option("--device", options->device.selector, "Vulkan device: index, part of its name, cpu or gpu")->type_name("DEVICE");
+  command->add_option("--batch", options->graphics.batch_directions, "Directions peeled at once; 0 chooses. Never changes the result")
+      ->type_name("N")->capture_default_str();
+  command->add_flag("--quiet", options->quiet, "Print nothing but errors and warnings");
+  command->callback([=, &chosen] {
+    const bool fixed_work = directions_option->count() || replicates_option->count();
+    if (tolerance_option->count() || !fixed_work) options->estimate.tolerance = *tolerance;
+    chosen = [options] { return runCompute(*options); };
+  });
+}
+
+}  // namespace viewpeel::cli

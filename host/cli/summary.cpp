@@ -1,0 +1,88 @@
+#include "cli/summary.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+
+namespace viewpeel::cli {
+namespace {
+
+double shareOf(const FormFactors& form_factors, uint32_t column) {
+  double exchange = 0;
+  for (const auto& entry : form_factors.entries())
+    if (entry.j == column) exchange += entry.exchange_area.value;
+  const auto& areas = form_factors.ids().areas;
+  return exchange / std::accumulate(areas.begin(), areas.end(), 0.0);
+}
+
+}  // namespace
+
+std::string describeScene(const Scene& scene) {
+  double area = 0;
+  for (const Polygon& polygon : scene.polygons) area += polygon.area * scene.scale * scene.scale;
+  std::string split;
+  if (scene.polygons.size() != scene.faces.size()) split = fmt::format(" (split into {} convex ones)", scene.polygons.size());
+  return fmt::format("scene      {}: {} polygons{}, {} surfaces, total area {:.6g}, radius {:.6g}, {}\n", scene.file, scene.faces.size(),
+                     split, scene.surfaces.size(), area, scene.scale, isClosed(scene) ? "closed" : "open");
+}
+
+std::string tabulateLargest(const FormFactors& between_surfaces, size_t rows) {
+  struct Row {
+    uint32_t from, to;
+    Measured f;
+  };
+  std::vector<Row> table;
+  const auto& names = between_surfaces.ids().names;
+  for (const auto& entry : between_surfaces.entries()) {
+    table.push_back({entry.i, entry.j, between_surfaces.formFactor(entry.i, entry.j)});
+    if (entry.j < kEnvironment && entry.j != entry.i)
+      table.push_back({entry.j, entry.i, between_surfaces.formFactor(entry.j, entry.i)});
+  }
+  std::sort(table.begin(), table.end(), [](const Row& a, const Row& b) { return a.f.value > b.f.value; });
+  table.resize(std::min(table.size(), rows));
+  const auto nameOf = [&](uint32_t id) { return id == kEnvironment ? "environment" : id == kLeak ? "leak" : names[id]; };
+  size_t from_width = 4, to_width = 2;
+  for (const Row& row : table) {
+    from_width = std::max(from_width, names[row.from].size());
+    to_width = std::max(to_width, nameOf(row.to).size());
+  }
+  std::string text = fmt::format("  {:<{}}  {:<{}}  form factor  standard error\n", "from", from_width, "to", to_width);
+  for (const Row& row : table)
+    text += fmt::format("  {:<{}}  {:<{}}  {:11.6f}  {:14.1e}\n", names[row.from], from_width, nameOf(row.to), to_width, row.f.value,
+                        row.f.standard_error);
+  return text;
+}
+
+Closure measureClosure(const FormFactors& form_factors) {
+  Closure closure;
+  double squares = 0;
+  const auto& sums = form_factors.rowSums();
+  for (size_t k = 0; k < sums.size(); ++k) {
+    const double error = std::abs(sums[k].value - 1);
+    squares += error * error;
+    if (error >= closure.largest_error) {
+      closure.largest_error = error;
+      closure.row = form_factors.ids().names[k];
+    }
+  }
+  closure.rms_error = std::sqrt(squares / double(sums.size()));
+  return closure;
+}
+
+double environmentShare(const FormFactors& form_factors) { return shareOf(form_factors, kEnvironment); }
+double leakShare(const FormFactors& form_factors) { return shareOf(form_factors, kLeak); }
+
+std::string describeErrors(const Estimate& estimate) {
+  const FormFactors& f = estimate.form_factors;
+  const Closure closure = measureClosure(f);
+  return fmt::format(
+      "errors     largest standard error {:.1e} over {} nonzero form factors\n"
+      "closure    row sums differ from 1 by at most {:.1e} ({}), rms {:.1e}\n"
+      "outside    {:.3g} % of all emitted radiation leaves the scene, {:.3g} % ends on backs (leak)\n",
+      estimate.largest_standard_error, f.entries().size(), closure.largest_error, closure.row, closure.rms_error,
+      100 * environmentShare(f), 100 * leakShare(f));
+}
+
+}  // namespace viewpeel::cli

@@ -1,0 +1,30 @@
+// What the program prints for people.
+#pragma once
+#include <string>
+
+#include "estimator/estimate.h"
+
+namespace viewpeel::cli {
+
+// Polygons, surfaces, areas, closed or open; several lines.
+std::string describeScene(const Scene& scene);
+
+// The largest form factors between named surfaces, with standard errors.
+std::string tabulateLargest(const FormFactors& between_surfaces, size_t rows);
+
+// Standard errors, closure, leak and environment of the whole matrix.
+std::string describeErrors(const Estimate& estimate);
+
+// The shares of all emitting area whose lines leave the scene, and that end on a back.
+double environmentShare(const FormFactors& form_factors);
+double leakShare(const FormFactors& form_factors);
+
+// The row sum farthest from 1, and its row.
+struct Closure {
+  double largest_error = 0;
+  double rms_error = 0;
+  std::string row;
+};
+Closure measureClosure(const FormFactors& form_factors);
+
+}  // namespace viewpeel::cli

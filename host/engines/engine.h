@@ -1,0 +1,24 @@
+// What the estimator needs of an engine, whichever way it finds the facing pairs.
+#pragma once
+#include <span>
+
+#include "directions/direction.h"
+#include "matrix/pair_count.h"
+
+namespace viewpeel {
+
+class Engine {
+ public:
+  virtual ~Engine() = default;
+
+  // Sums the measures of all facing pairs, environment and leak over the directions, in integers: the result is independent
+  // of how the engine groups its work.
+  //   In: directions, any number    Out: counts; area in P(u) = count x unitArea()
+  //   Throws: Error device, Error limit.
+  virtual PairCounts count(std::span<const Direction> directions) = 0;
+
+  // Area of one count, unit-ball units squared.
+  virtual double unitArea() const = 0;
+};
+
+}  // namespace viewpeel

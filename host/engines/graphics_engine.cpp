@@ -1,0 +1,290 @@
+// The passes, in order, for a batch of directions side by side in one image:
+//   project       every polygon along every direction: snapped corners, boxes, depth planes
+//   peel          draw all polygons; what lies behind the previous layer competes in the depth test for this one
+//   (copy)        the layer becomes readable
+//   accumulate    layers k-1 and k: facing rules, counters; asks for layer k+1 where layer k has a polygon
+// peel and accumulate repeat until a layer is empty. Their draws and dispatches are indirect: recorded ahead, empty when not asked for.
+#include "engines/graphics_engine.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "engines/shared.h"
+#include "error.h"
+#include "shaders/accumulate.comp.h"
+#include "shaders/peel.frag.h"
+#include "shaders/peel.vert.h"
+#include "shaders/project.comp.h"
+#include "vulkan/commands.h"
+#include "vulkan/image.h"
+
+namespace viewpeel {
+namespace {
+
+using namespace device_data;
+
+constexpr VkFormat kLayerFormat = VK_FORMAT_R32G32_UINT;
+constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
+constexpr uint32_t kGroupSize = 64;  // local_size_x of the compute passes
+constexpr uint64_t kBatchPixels = 1u << 20;
+constexpr uint64_t kMostLayersRecorded = 64;
+constexpr uint64_t kBatchBytes = 256u << 20;  // of projected polygons
+
+uint32_t divideUp(uint64_t value, uint64_t by) { return static_cast<uint32_t>((value + by - 1) / by); }
+
+template <class T>
+Buffer uploadBuffer(const Device& device, const std::vector<T>& values) {
+  Buffer buffer(device, values.size() * sizeof(T), MemoryUse::upload);
+  buffer.write<T>(values);
+  return buffer;
+}
+
+class GraphicsEngine : public Engine {
+ public:
+  GraphicsEngine(const Device& device, const Scene& scene, const Ids& ids, const GraphicsOptions& options);
+  PairCounts count(std::span<const Direction> directions) override;
+  double unitArea() const override { return 4.0 / (double(options_.resolution) * options_.resolution); }
+
+ private:
+  void planBatch(uint64_t polygon_bytes_per_direction);
+  void prepareImages();
+  void countBatch(std::span<const Direction> directions);
+  void recordLayer(uint32_t layer, uint32_t direction_count);
+  void clearCounters();
+  void readCounters();
+  void makeRoomInCounters(uint64_t points);
+
+  const Device& device_;
+  GraphicsOptions options_;
+  uint32_t polygon_count_, corner_count_, id_count_;
+  uint64_t counter_count_;
+  int fraction_bits_;
+  uint32_t cell_size_, cells_per_row_, cell_rows_, batch_size_;
+  uint32_t layers_recorded_ = 4;  // per submission; follows the depth of the scene, up to kMostLayersRecorded
+  uint64_t most_in_counter_ = 0;  // bound on any device counter
+  std::vector<uint64_t> sums_;    // of the counters read so far
+
+  Kernel project_, peel_, accumulate_;
+  Commands commands_;
+  Buffer polygons_, corners_, directions_, snapped_, projected_, counters_, counters_read_;
+  std::array<Buffer, 2> layers_;  // layer k lies in layers_[k % 2], and layer -1, before everything, in layers_[1]
+  std::array<Buffer, 2> alive_, next_commands_;  // for layer k in [k % 2]
+  Buffer status_;
+  Image colour_, depth_;
+};
+
+GraphicsEngine::GraphicsEngine(const Device& device, const Scene& scene, const Ids& ids, const GraphicsOptions& options)
+    : device_(device),
+      options_(options),
+      polygon_count_(static_cast<uint32_t>(scene.polygons.size())),
+      corner_count_(static_cast<uint32_t>(scene.corners.size())),
+      id_count_(ids.count()),
+      counter_count_(counterIndex(id_count_ - 1, id_count_ + 1, id_count_) + 1),
+      project_(device, project_comp, sizeof(ProjectArgs)),
+      peel_(device, peel_vert, peel_frag, kLayerFormat, kDepthFormat, sizeof(PeelArgs)),
+      accumulate_(device, accumulate_comp, sizeof(AccumulateArgs)),
+      commands_(device) {
+  if (options.resolution < 1 || options.resolution > kMaxResolution)
+    throw Error(ErrorCode::bad_usage, fmt::format("resolution {} is out of range; choose 1 to {}", options.resolution, kMaxResolution));
+  const uint64_t counter_bytes = counter_count_ * sizeof(uint32_t);
+  const uint64_t budget = std::min<uint64_t>(options.counter_budget_bytes, device.maxAllocationBytes());
+  if (counter_bytes > budget)
+    throw Error(ErrorCode::limit, fmt::format("counters of all pairs of {} ids need {:.1f} MiB, more than the {:.1f} MiB allowed; "
+                                              "try --by surface",
+                                              id_count_, double(counter_bytes) / 1048576.0, double(budget) / 1048576.0));
+  // Lattice coordinates stay within resolution / 2 + 1.
+  fraction_bits_ = kSnapBits - std::bit_width(static_cast<uint32_t>(options.resolution / 2 + 1));
+  cell_size_ = static_cast<uint32_t>(options.resolution) + 4;
+
+  std::vector<PolygonData> polygons;
+  for (size_t k = 0; k < scene.polygons.size(); ++k) {
+    const Polygon& polygon = scene.polygons[k];
+    const Plane& plane = scene.planes[polygon.plane];
+    polygons.push_back({polygon.first_corner, polygon.corner_count, ids.of_polygon[k], 0, plane.normal, plane.offset});
+  }
+  polygons_ = uploadBuffer(device, polygons);
+  corners_ = uploadBuffer(device, scene.corners);
+  planBatch(uint64_t(polygon_count_) * sizeof(ProjectedPolygon) + uint64_t(corner_count_) * sizeof(ivec2));
+
+  directions_ = Buffer(device, batch_size_ * sizeof(DirectionData), MemoryUse::upload);
+  snapped_ = Buffer(device, uint64_t(batch_size_) * corner_count_ * sizeof(ivec2), MemoryUse::device);
+  projected_ = Buffer(device, uint64_t(batch_size_) * polygon_count_ * sizeof(ProjectedPolygon), MemoryUse::device);
+  counters_ = Buffer(device, counter_bytes, MemoryUse::device);
+  counters_read_ = Buffer(device, counter_bytes, MemoryUse::readback);
+  const uint64_t pixels = uint64_t(cells_per_row_) * cell_size_ * cell_rows_ * cell_size_;
+  for (Buffer& layer : layers_) layer = Buffer(device, pixels * sizeof(Layer), MemoryUse::device);
+  for (Buffer& alive : alive_) alive = Buffer(device, batch_size_ * sizeof(uint32_t), MemoryUse::device);
+  for (Buffer& next : next_commands_) next = Buffer(device, sizeof(LayerCommands), MemoryUse::device);
+  status_ = Buffer(device, sizeof(LayerCommands), MemoryUse::readback);
+  prepareImages();
+}
+
+// How many directions fit side by side in one image, and within the memory set aside for their projections.
+void GraphicsEngine::planBatch(uint64_t polygon_bytes_per_direction) {
+  const uint32_t largest_side = device_.properties().limits.maxImageDimension2D;
+  const uint64_t cell_pixels = uint64_t(cell_size_) * cell_size_;
+  uint64_t wanted = options_.batch_directions ? options_.batch_directions : std::max<uint64_t>(1, kBatchPixels / cell_pixels);
+  if (!options_.batch_directions) wanted = std::min(wanted, std::max<uint64_t>(1, kBatchBytes / polygon_bytes_per_direction));
+  wanted = std::min<uint64_t>({wanted, uint64_t(largest_side / cell_size_) * (largest_side / cell_size_),
+                               device_.properties().limits.maxComputeWorkGroupCount[1], (1ull << 31) / polygon_count_,
+                               std::max<uint64_t>(1, 0xFFFFFFFFull / (cell_pixels * kMostLayersRecorded))});
+  cells_per_row_ = std::min<uint32_t>(largest_side / cell_size_, static_cast<uint32_t>(std::ceil(std::sqrt(double(wanted)))));
+  cell_rows_ = divideUp(wanted, cells_per_row_);
+  batch_size_ = static_cast<uint32_t>(wanted);
+}
+
+void GraphicsEngine::prepareImages() {
+  const uint32_t width = cells_per_row_ * cell_size_, height = cell_rows_ * cell_size_;
+  colour_ = Image(device_, width, height, kLayerFormat, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
+                  VK_IMAGE_ASPECT_COLOR_BIT);
+  depth_ = Image(device_, width, height, kDepthFormat, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT, VK_IMAGE_ASPECT_DEPTH_BIT);
+  commands_.begin();
+  for (const Image* image : {&colour_, &depth_}) {
+    VkImageMemoryBarrier2 transition{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
+    transition.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+    transition.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
+    transition.newLayout = VK_IMAGE_LAYOUT_GENERAL;
+    transition.image = image->handle();
+    transition.subresourceRange = {image->aspect(), 0, 1, 0, 1};
+    VkDependencyInfo dependency{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+    dependency.imageMemoryBarrierCount = 1;
+    dependency.pImageMemoryBarriers = &transition;
+    vkCmdPipelineBarrier2(commands_.handle(), &dependency);
+  }
+  commands_.submitAndWait();
+}
+
+PairCounts GraphicsEngine::count(std::span<const Direction> directions) {
+  sums_.assign(counter_count_, 0);
+  clearCounters();
+  for (size_t done = 0; done < directions.size(); done += batch_size_)
+    countBatch(directions.subspan(done, std::min<size_t>(batch_size_, directions.size() - done)));
+  readCounters();
+  PairCounts counts;
+  uint64_t at = 0;
+  for (uint32_t i = 0; i < id_count_; ++i)
+    for (uint32_t column = i; column < id_count_ + 2; ++column, ++at)
+      if (sums_[at]) counts.push_back({i, column == id_count_ ? kEnvironment : column > id_count_ ? kLeak : column, sums_[at]});
+  return counts;
+}
+
+void GraphicsEngine::clearCounters() {
+  commands_.begin();
+  commands_.fill(counters_, 0);
+  commands_.submitAndWait();
+  most_in_counter_ = 0;
+}
+
+void GraphicsEngine::readCounters() {
+  commands_.begin();
+  commands_.copy(counters_, counters_read_, counter_count_ * sizeof(uint32_t));
+  commands_.submitAndWait();
+  const std::span<uint32_t> read = counters_read_.mapped<uint32_t>();
+  for (uint64_t k = 0; k < counter_count_; ++k) sums_[k] += read[k];
+}
+
+// A lattice point adds at most one to one counter in each layer: the device's 32-bit counters are emptied before they could overflow.
+void GraphicsEngine::makeRoomInCounters(uint64_t points) {
+  most_in_counter_ += points * layers_recorded_;
+  if (most_in_counter_ <= 0xFFFFFFFFull) return;
+  readCounters();
+  clearCounters();
+  most_in_counter_ = points * layers_recorded_;
+}
+
+void GraphicsEngine::countBatch(std::span<const Direction> directions) {
+  const auto direction_count = static_cast<uint32_t>(directions.size());
+  std::span<DirectionData> data = directions_.mapped<DirectionData>();
+  for (uint32_t k = 0; k < direction_count; ++k)
+    data[k] = {directions[k].x_axis, directions[k].y_axis, directions[k].u, directions[k].offset};
+
+  const uint64_t points = uint64_t(cell_size_) * cell_size_ * direction_count;
+  makeRoomInCounters(points);
+  commands_.begin();
+  ProjectArgs project{directions_.address(), polygons_.address(), corners_.address(), snapped_.address(), projected_.address(),
+                      polygon_count_, corner_count_, direction_count, options_.resolution, fraction_bits_, 0};
+  commands_.dispatch(project_, project, divideUp(polygon_count_, kGroupSize), direction_count);
+  // Layer -1 lies before everything: key 0, no polygon.
+  commands_.fill(layers_[1], 0);
+  commands_.fill(alive_[0], 1);
+  const LayerCommands first{4, polygon_count_ * direction_count, 0, 0, divideUp(uint64_t(cell_size_) * cell_size_, kGroupSize),
+                            direction_count, 1, 0};
+  vkCmdUpdateBuffer(commands_.handle(), next_commands_[0].handle(), 0, sizeof first, &first);
+  commands_.barrier();
+
+  for (uint32_t layer = 0;;) {
+    const uint32_t end = layer + layers_recorded_;
+    for (; layer < end; ++layer) recordLayer(layer, direction_count);
+    commands_.copy(next_commands_[layer % 2], status_, sizeof(LayerCommands));
+    commands_.submitAndWait();
+    if (status_.mapped<LayerCommands>()[0].draw_instance_count == 0) break;
+    layers_recorded_ = std::min<uint32_t>(layers_recorded_ * 2, kMostLayersRecorded);
+    makeRoomInCounters(points);
+    commands_.begin();
+  }
+}
+
+void GraphicsEngine::recordLayer(uint32_t layer, uint32_t direction_count) {
+  const uint32_t now = layer % 2, next = 1 - now;
+  const uint32_t width = cells_per_row_ * cell_size_, height = divideUp(direction_count, cells_per_row_) * cell_size_;
+  const VkCommandBuffer commands = commands_.handle();
+
+  // Until the layer is found not to be empty, there is no next one.
+  const LayerCommands none{4, 0, 0, 0, 0, direction_count, 1, 0};
+  vkCmdUpdateBuffer(commands, next_commands_[next].handle(), 0, sizeof none, &none);
+  commands_.fill(alive_[next], 0);
+
+  VkRenderingAttachmentInfo colour{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
+  colour.imageView = colour_.view();
+  colour.imageLayout = VK_IMAGE_LAYOUT_GENERAL;
+  colour.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
+  colour.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
+  colour.clearValue.color.uint32[0] = kKeyPastEverything;
+  VkRenderingAttachmentInfo depth = colour;
+  depth.imageView = depth_.view();
+  depth.storeOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
+  depth.clearValue.depthStencil = {1, 0};
+  VkRenderingInfo rendering{VK_STRUCTURE_TYPE_RENDERING_INFO};
+  rendering.renderArea.extent = {width, height};
+  rendering.layerCount = 1;
+  rendering.colorAttachmentCount = 1;
+  rendering.pColorAttachments = &colour;
+  rendering.pDepthAttachment = &depth;
+  const VkViewport viewport{0, 0, float(width), float(height), 0, 1};
+  const VkRect2D scissor{{0, 0}, {width, height}};
+  const PeelArgs peel{polygons_.address(), snapped_.address(), projected_.address(), layers_[next].address(), alive_[now].address(),
+                      polygon_count_, corner_count_, cell_size_, cells_per_row_, width, height, fraction_bits_, 0};
+  vkCmdBeginRendering(commands, &rendering);
+  commands_.bind(peel_, VK_PIPELINE_BIND_POINT_GRAPHICS);
+  commands_.push(peel_, peel);
+  vkCmdSetViewport(commands, 0, 1, &viewport);
+  vkCmdSetScissor(commands, 0, 1, &scissor);
+  vkCmdDrawIndirect(commands, next_commands_[now].handle(), 0, 1, 0);
+  vkCmdEndRendering(commands);
+  commands_.barrier();
+
+  VkBufferImageCopy region{};
+  region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+  region.imageExtent = {width, height, 1};
+  vkCmdCopyImageToBuffer(commands, colour_.handle(), VK_IMAGE_LAYOUT_GENERAL, layers_[now].handle(), 1, &region);
+  commands_.barrier();
+
+  const AccumulateArgs accumulate{polygons_.address(), layers_[next].address(), layers_[now].address(), counters_.address(),
+                                  alive_[next].address(), next_commands_[next].address(), id_count_, cell_size_, cells_per_row_, width,
+                                  direction_count, options_.two_sided ? 1u : 0u, polygon_count_ * direction_count,
+                                  divideUp(uint64_t(cell_size_) * cell_size_, kGroupSize)};
+  commands_.dispatchIndirect(accumulate_, accumulate, next_commands_[now], offsetof(LayerCommands, group_count_x));
+  commands_.barrier();
+}
+
+}  // namespace
+
+std::unique_ptr<Engine> makeGraphicsEngine(const Device& device, const Scene& scene, const Ids& ids, const GraphicsOptions& options) {
+  return std::make_unique<GraphicsEngine>(device, scene, ids, options);
+}
+
+}  // namespace viewpeel

@@ -1,0 +1,31 @@
+#include "estimator/estimate.h"
+
+#include "error.h"
+
+namespace viewpeel {
+
+Estimate estimateFormFactors(Engine& engine, const Scene& scene, const Ids& ids, const EstimateOptions& options) {
+  if (options.directions < 1) throw Error(ErrorCode::bad_usage, "0 directions per replicate; ask for at least 1");
+  if (options.replicates < 2) throw Error(ErrorCode::bad_usage, "a standard error needs at least 2 replicates");
+  if (options.tolerance && !(*options.tolerance > 0)) throw Error(ErrorCode::bad_usage, "the tolerance must be above 0");
+
+  const double measure_area = engine.unitArea() * scene.scale * scene.scale / options.directions;
+  const Ids surface_ids = makeIds(scene, By::surface, ids.two_sided);
+  ReplicateSums sums(ids), surface_sums(surface_ids);
+  double largest_error = 0;
+  const auto isDone = [&] {
+    return sums.replicateCount() >= options.replicates && (!options.tolerance || largest_error <= *options.tolerance);
+  };
+  while (!isDone()) {
+    const PairCounts counts =
+        engine.count(sampleDirections(options.sampler, options.directions, options.seed, sums.replicateCount()));
+    sums.add(counts);
+    surface_sums.add(mergeIds(counts, ids.surface));
+    largest_error = sums.largestStandardError(measure_area);
+    if (options.on_replicate) options.on_replicate({sums.replicateCount(), largest_error});
+  }
+  return {sums.formFactors(measure_area), surface_sums.formFactors(measure_area), sums.replicateCount(),
+          sums.replicateCount() * options.directions, largest_error};
+}
+
+}  // namespace viewpeel

@@ -1,0 +1,43 @@
+// Estimate mode: replicates of random directions until the standard error asked for, or the number of replicates asked for.
+#pragma once
+#include <functional>
+#include <optional>
+
+#include "directions/sampler.h"
+#include "engines/engine.h"
+#include "matrix/form_factors.h"
+
+namespace viewpeel {
+
+struct EstimateProgress {
+  uint64_t replicates = 0;
+  double largest_standard_error = 0;  // over all form factors so far; infinite before the second replicate
+};
+
+struct EstimateOptions {
+  Sampler sampler = Sampler::fibonacci;
+  uint32_t directions = 1000;  // per replicate
+  uint32_t replicates = 8;     // at least
+  // Go on after `replicates` until the largest standard error is at most this.
+  std::optional<double> tolerance;
+  uint64_t seed = 1;
+  std::function<void(const EstimateProgress&)> on_replicate;  // may be empty
+};
+
+struct Estimate {
+  FormFactors form_factors;
+  FormFactors between_surfaces;  // the same counts summed by surface
+  uint64_t replicates = 0;
+  uint64_t directions = 0;  // in all
+  double largest_standard_error = 0;
+};
+
+// Computes F_ij = (2 / A_i) E[A'_ij(u)] for all pairs (Pellegrini 1997, sections 4.3 and 5.1).
+//   In: scene and ids as the engine was made with
+//   Error: unbiased at any spacing and number of directions; the standard error is that of the mean over independent replicates.
+//     Tests: tests/closed_form_test.cpp.
+//   Throws: what the engine throws; Error bad_usage for zero directions, fewer than 2 replicates or a tolerance that is not positive.
+//   Cost: replicates x directions projections; memory O(nonzero pairs) beside the engine's.
+Estimate estimateFormFactors(Engine& engine, const Scene& scene, const Ids& ids, const EstimateOptions& options);
+
+}  // namespace viewpeel

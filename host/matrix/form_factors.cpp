@@ -1,0 +1,108 @@
+// With C_ij = E[A'_ij] the form factor is F_ij = 2 C_ij / A_i (Pellegrini 1997, section 5.1), so A_i F_ij = 2 C_ij. An id of several
+// polygons can see itself; each unordered pair of its polygons then exchanges both ways, so A_i F_ii = 4 C_ii.
+#include "matrix/form_factors.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace viewpeel {
+namespace {
+
+double exchangesPerLine(uint32_t i, uint32_t j) { return i == j ? 4 : 2; }
+
+template <class Pair>
+bool before(const Pair& pair, std::pair<uint32_t, uint32_t> key) {
+  return std::pair(pair.i, pair.j) < key;
+}
+
+}  // namespace
+
+FormFactors::FormFactors(Ids ids, std::vector<Entry> entries, std::vector<Measured> row_sums)
+    : ids_(std::move(ids)), entries_(std::move(entries)), row_sums_(std::move(row_sums)) {}
+
+Measured FormFactors::exchangeArea(uint32_t i, uint32_t j) const {
+  const std::pair key(std::min(i, j), std::max(i, j));
+  const auto at = std::lower_bound(entries_.begin(), entries_.end(), key, before<Entry>);
+  return at != entries_.end() && std::pair(at->i, at->j) == key ? at->exchange_area : Measured{};
+}
+
+Measured FormFactors::formFactor(uint32_t i, uint32_t j) const {
+  const Measured exchange = exchangeArea(i, j);
+  return {exchange.value / ids_.areas[i], exchange.standard_error / ids_.areas[i]};
+}
+
+void ReplicateSums::add(const PairCounts& counts) {
+  std::vector<PairSum> merged;
+  merged.reserve(std::max(pairs_.size(), counts.size()));
+  std::vector<uint64_t> rows(ids_.count(), 0);
+  auto old = pairs_.begin();
+  for (const PairCount& count : counts) {
+    const std::pair key(count.i, count.j);
+    while (old != pairs_.end() && before(*old, key)) merged.push_back(*old++);
+    merged.push_back(old != pairs_.end() && std::pair(old->i, old->j) == key ? *old++ : PairSum{count.i, count.j, {}});
+    merged.back().sum.add(count.count);
+    rows[count.i] += count.count;
+    if (count.j < kEnvironment) rows[count.j] += count.count;  // a pair within one id counts twice
+  }
+  merged.insert(merged.end(), old, pairs_.end());
+  pairs_ = std::move(merged);
+  for (size_t k = 0; k < rows.size(); ++k) row_sums_[k].add(rows[k]);
+  ++replicate_count_;
+}
+
+// Mean over replicates, and sqrt(sample variance / replicates); infinite from a single replicate.
+Measured ReplicateSums::measure(const Sum& sum) const {
+  const Wide replicates = replicate_count_;
+  Measured measured;
+  measured.value = double(sum.sum) / double(replicate_count_);
+  // sum of squares - sum^2 / R, times R, exactly
+  const Wide spread = replicates * sum.sum_of_squares - sum.sum * sum.sum;
+  const double r = double(replicate_count_);
+  measured.standard_error = replicate_count_ < 2 ? INFINITY : std::sqrt(double(spread) / (r * r * (r - 1)));
+  return measured;
+}
+
+FormFactors ReplicateSums::formFactors(double measure_area) const {
+  std::vector<FormFactors::Entry> entries;
+  entries.reserve(pairs_.size());
+  for (const PairSum& pair : pairs_) {
+    const Measured count = measure(pair.sum);
+    const double scale = exchangesPerLine(pair.i, pair.j) * measure_area;
+    entries.push_back({pair.i, pair.j, {count.value * scale, count.standard_error * scale}});
+  }
+  std::vector<Measured> rows;
+  for (size_t k = 0; k < row_sums_.size(); ++k) {
+    const Measured count = measure(row_sums_[k]);
+    const double scale = 2 * measure_area / ids_.areas[k];
+    rows.push_back({count.value * scale, count.standard_error * scale});
+  }
+  return {ids_, std::move(entries), std::move(rows)};
+}
+
+double ReplicateSums::largestStandardError(double measure_area) const {
+  double largest = 0;
+  for (const PairSum& pair : pairs_) {
+    const double smaller_area = pair.j < kEnvironment ? std::min(ids_.areas[pair.i], ids_.areas[pair.j]) : ids_.areas[pair.i];
+    largest = std::max(largest, measure(pair.sum).standard_error * exchangesPerLine(pair.i, pair.j) * measure_area / smaller_area);
+  }
+  return largest;
+}
+
+PairCounts mergeIds(const PairCounts& counts, const std::vector<uint32_t>& id_map) {
+  PairCounts mapped;
+  mapped.reserve(counts.size());
+  for (const PairCount& count : counts) {
+    const uint32_t i = id_map[count.i], j = count.j < kEnvironment ? id_map[count.j] : count.j;
+    mapped.push_back({std::min(i, j), std::max(i, j), count.count});
+  }
+  std::sort(mapped.begin(), mapped.end(), [](const auto& a, const auto& b) { return std::pair(a.i, a.j) < std::pair(b.i, b.j); });
+  PairCounts merged;
+  for (const PairCount& count : mapped) {
+    if (!merged.empty() && merged.back().i == count.i && merged.back().j == count.j) merged.back().count += count.count;
+    else merged.push_back(count);
+  }
+  return merged;
+}
+
+}  // namespace viewpeel

@@ -1,0 +1,85 @@
+// The result: sparse, symmetric, with standard errors.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "matrix/ids.h"
+#include "matrix/pair_count.h"
+
+namespace viewpeel {
+
+// A mean over replicates and the standard error of that mean.
+struct Measured {
+  double value = 0;
+  double standard_error = 0;
+};
+
+// Form factors of n ids. One symmetric quantity is stored per pair, the exchange area A_i F_ij = A_j F_ji, so that reciprocity
+// holds by construction: exchangeArea(i, j) and exchangeArea(j, i) are one number.
+class FormFactors {
+ public:
+  struct Entry {
+    uint32_t i, j;  // i <= j; j may be kEnvironment or kLeak
+    Measured exchange_area;  // input units squared
+  };
+
+  FormFactors(Ids ids, std::vector<Entry> entries, std::vector<Measured> row_sums);
+
+  const Ids& ids() const { return ids_; }
+  // Nonzero entries sorted by (i, j).
+  const std::vector<Entry>& entries() const { return entries_; }
+
+  // A_i F_ij in input units squared. Cost: O(log nonzeros).
+  Measured exchangeArea(uint32_t i, uint32_t j) const;
+  // F_ij = A_i F_ij / A_i, the fraction of what leaves i that reaches j directly; j may be kEnvironment or kLeak.
+  Measured formFactor(uint32_t i, uint32_t j) const;
+  // sum_j F_ij, environment and leak included; its expectation is 1.
+  const std::vector<Measured>& rowSums() const { return row_sums_; }
+
+ private:
+  Ids ids_;
+  std::vector<Entry> entries_;
+  std::vector<Measured> row_sums_;
+};
+
+// Sums the counts of replicates, exactly, and turns them into form factors.
+class ReplicateSums {
+ public:
+  explicit ReplicateSums(Ids ids) : ids_(std::move(ids)), row_sums_(ids_.count()) {}
+
+  // Cost: O(nonzeros).
+  void add(const PairCounts& counts);
+  uint64_t replicateCount() const { return replicate_count_; }
+
+  //   In: measure_area: input units squared of one count, that is unitArea() scale^2 / directions per replicate
+  //   Error: none but rounding: counts and their squares are summed in 128-bit integers.
+  FormFactors formFactors(double measure_area) const;
+
+  // Largest standard error over all form factors.
+  double largestStandardError(double measure_area) const;
+
+ private:
+  __extension__ using Wide = unsigned __int128;
+  struct Sum {
+    Wide sum = 0, sum_of_squares = 0;
+    void add(uint64_t count) {
+      sum += count;
+      sum_of_squares += Wide(count) * count;
+    }
+  };
+  struct PairSum {
+    uint32_t i, j;
+    Sum sum;
+  };
+  Measured measure(const Sum& sum) const;
+
+  Ids ids_;
+  std::vector<PairSum> pairs_;
+  std::vector<Sum> row_sums_;
+  uint64_t replicate_count_ = 0;
+};
+
+// The counts of a coarser set of ids: id k becomes id_map[k].
+PairCounts mergeIds(const PairCounts& counts, const std::vector<uint32_t>& id_map);
+
+}  // namespace viewpeel

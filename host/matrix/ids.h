@@ -1,0 +1,27 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "scene/scene.h"
+
+namespace viewpeel {
+
+// What counters are kept for: every input polygon (a face of the file), or every named surface as a whole.
+enum class By { polygon, surface };
+
+// The rows of the matrix.
+struct Ids {
+  std::vector<uint32_t> of_polygon;  // id of each Scene::polygons entry
+  std::vector<std::string> names;    // "desk[3]", or "desk" where the surface has one polygon only
+  std::vector<double> areas;         // emitting area, input units squared: both sides of a two-sided polygon count
+  std::vector<uint32_t> surface;     // Scene::surfaces index of each id
+  bool two_sided = false;
+
+  uint32_t count() const { return static_cast<uint32_t>(names.size()); }
+};
+
+//   Throws: Error bad_input where a surface is called `environment` or `leak`, which the result uses itself.
+Ids makeIds(const Scene& scene, By by, bool two_sided);
+
+}  // namespace viewpeel

@@ -1,0 +1,69 @@
+#include "vulkan/buffer.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "error.h"
+
+namespace viewpeel {
+namespace {
+
+VkMemoryPropertyFlags memoryFlags(MemoryUse use) {
+  switch (use) {
+    case MemoryUse::device: return VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
+    case MemoryUse::upload: return VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+    case MemoryUse::readback:
+      return VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT | VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
+  }
+  return 0;
+}
+
+}  // namespace
+
+Buffer::Buffer(const Device& device, VkDeviceSize size_bytes, MemoryUse use)
+    : device_(device.handle()), size_bytes_(std::max<VkDeviceSize>(size_bytes, 16)) {
+  VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
+  info.size = size_bytes_;
+  info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
+               VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+  check(vkCreateBuffer(device_, &info, nullptr, &buffer_), "vkCreateBuffer");
+  VkMemoryRequirements needs;
+  vkGetBufferMemoryRequirements(device_, buffer_, &needs);
+  VkMemoryAllocateFlagsInfo flags{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO};
+  flags.flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT;
+  VkMemoryAllocateInfo allocation{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, &flags};
+  allocation.allocationSize = needs.size;
+  allocation.memoryTypeIndex = device.memoryType(needs.memoryTypeBits, memoryFlags(use));
+  if (needs.size > device.maxAllocationBytes() || vkAllocateMemory(device_, &allocation, nullptr, &memory_) != VK_SUCCESS) {
+    vkDestroyBuffer(device_, buffer_, nullptr);
+    throw Error(ErrorCode::device, fmt::format("{}: cannot allocate {:.1f} MiB; try a smaller --resolution or scene",
+                                               device.description().name, static_cast<double>(needs.size) / 1048576.0));
+  }
+  check(vkBindBufferMemory(device_, buffer_, memory_, 0), "vkBindBufferMemory");
+  VkBufferDeviceAddressInfo address{VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO};
+  address.buffer = buffer_;
+  address_ = vkGetBufferDeviceAddress(device_, &address);
+  if (use != MemoryUse::device) check(vkMapMemory(device_, memory_, 0, VK_WHOLE_SIZE, 0, &mapped_), "vkMapMemory");
+}
+
+Buffer::~Buffer() {
+  if (!buffer_) return;
+  vkDestroyBuffer(device_, buffer_, nullptr);
+  vkFreeMemory(device_, memory_, nullptr);
+}
+
+Buffer::Buffer(Buffer&& other) noexcept { *this = std::move(other); }
+
+Buffer& Buffer::operator=(Buffer&& other) noexcept {
+  std::swap(device_, other.device_);
+  std::swap(buffer_, other.buffer_);
+  std::swap(memory_, other.memory_);
+  std::swap(address_, other.address_);
+  std::swap(size_bytes_, other.size_bytes_);
+  std::swap(mapped_, other.mapped_);
+  return *this;
+}
+
+}  // namespace viewpeel

@@ -1,0 +1,41 @@
+#pragma once
+#include <cstring>
+#include <span>
+
+#include "vulkan/device.h"
+
+namespace viewpeel {
+
+// Where a buffer lives: on the device only, or mapped for the host to write (upload) or to read (readback).
+enum class MemoryUse { device, upload, readback };
+
+// A buffer with memory of its own, reached by device address. Not for many small buffers.
+class Buffer {
+ public:
+  Buffer() = default;
+  // Throws: Error device where the memory cannot be had, naming the size.
+  Buffer(const Device& device, VkDeviceSize size_bytes, MemoryUse use);
+  ~Buffer();
+  Buffer(Buffer&& other) noexcept;
+  Buffer& operator=(Buffer&& other) noexcept;
+
+  VkBuffer handle() const { return buffer_; }
+  VkDeviceAddress address() const { return address_; }
+  VkDeviceSize sizeBytes() const { return size_bytes_; }
+
+  // Of upload and readback buffers.
+  template <class T>
+  std::span<T> mapped() const { return {static_cast<T*>(mapped_), size_bytes_ / sizeof(T)}; }
+  template <class T>
+  void write(std::span<const T> values) { std::memcpy(mapped_, values.data(), values.size_bytes()); }
+
+ private:
+  VkDevice device_ = VK_NULL_HANDLE;
+  VkBuffer buffer_ = VK_NULL_HANDLE;
+  VkDeviceMemory memory_ = VK_NULL_HANDLE;
+  VkDeviceAddress address_ = 0;
+  VkDeviceSize size_bytes_ = 0;
+  void* mapped_ = nullptr;
+};
+
+}  // namespace viewpeel

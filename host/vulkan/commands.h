@@ -1,0 +1,49 @@
+#pragma once
+#include "vulkan/buffer.h"
+#include "vulkan/kernel.h"
+
+namespace viewpeel {
+
+// A command buffer that is recorded, submitted and waited for, again and again.
+class Commands {
+ public:
+  explicit Commands(const Device& device);
+  ~Commands();
+  Commands(Commands&& other) noexcept;
+  Commands& operator=(Commands&& other) noexcept;
+
+  VkCommandBuffer handle() const { return commands_; }
+  void begin();
+  // Everything before is finished and visible to everything after.
+  void barrier();
+  void bind(const Kernel& kernel, VkPipelineBindPoint point);
+  template <class Args>
+  void push(const Kernel& kernel, const Args& args) {
+    vkCmdPushConstants(commands_, kernel.layout(), kernel.stages(), 0, sizeof(Args), &args);
+  }
+  template <class Args>
+  void dispatch(const Kernel& kernel, const Args& args, uint32_t groups_x, uint32_t groups_y) {
+    bind(kernel, VK_PIPELINE_BIND_POINT_COMPUTE);
+    push(kernel, args);
+    vkCmdDispatch(commands_, groups_x, groups_y, 1);
+  }
+  template <class Args>
+  void dispatchIndirect(const Kernel& kernel, const Args& args, const Buffer& groups, VkDeviceSize offset) {
+    bind(kernel, VK_PIPELINE_BIND_POINT_COMPUTE);
+    push(kernel, args);
+    vkCmdDispatchIndirect(commands_, groups.handle(), offset);
+  }
+  void copy(const Buffer& from, const Buffer& to, VkDeviceSize size_bytes);
+  void fill(const Buffer& buffer, uint32_t word, VkDeviceSize size_bytes = VK_WHOLE_SIZE);
+  // Throws: Error device where the device is lost.
+  void submitAndWait();
+
+ private:
+  VkDevice device_ = VK_NULL_HANDLE;
+  VkQueue queue_ = VK_NULL_HANDLE;
+  VkCommandPool pool_ = VK_NULL_HANDLE;
+  VkCommandBuffer commands_ = VK_NULL_HANDLE;
+  VkFence fence_ = VK_NULL_HANDLE;
+};
+
+}  // namespace viewpeel

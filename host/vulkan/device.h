@@ -1,0 +1,71 @@
+// A Vulkan device, chosen by the user or by rank, with one queue for compute, graphics and transfers.
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <volk.h>
+
+namespace viewpeel {
+
+// One physical device as `viewpeel devices` lists it.
+struct DeviceDescription {
+  uint32_t index = 0;
+  std::string name;
+  std::string kind;     // "discrete gpu", "integrated gpu", "virtual gpu", "cpu", "other"
+  std::string driver;   // name and version
+  std::string api;      // Vulkan version
+  std::string refusal;  // why it cannot be used; empty where it can
+};
+
+// Every physical device that the Vulkan loader finds.
+//   Throws: Error device where there is no Vulkan loader or driver.
+std::vector<DeviceDescription> listDevices();
+
+struct DeviceOptions {
+  // Index, part of the name, "cpu" or "gpu". Empty: the environment variable VIEWPEEL_DEVICE, else the best by kind.
+  std::string selector;
+  // Validation layer with synchronisation validation; also switched on by the environment variable VIEWPEEL_VALIDATION=1.
+  bool validation = false;
+};
+
+class Device {
+ public:
+  // Throws: Error device, naming every device and why it was refused.
+  explicit Device(const DeviceOptions& options = {});
+  ~Device();
+  Device(Device&&) noexcept;
+  Device& operator=(Device&&) noexcept;
+
+  VkDevice handle() const { return device_; }
+  VkPhysicalDevice physical() const { return physical_; }
+  VkQueue queue() const { return queue_; }
+  uint32_t queueFamily() const { return queue_family_; }
+  const DeviceDescription& description() const { return description_; }
+  const VkPhysicalDeviceProperties& properties() const { return properties_; }
+  // Largest single buffer or image allocation.
+  VkDeviceSize maxAllocationBytes() const { return max_allocation_bytes_; }
+  // Index of a memory type among `allowed` that has all of `flags`.
+  uint32_t memoryType(uint32_t allowed, VkMemoryPropertyFlags flags) const;
+
+  // Messages of error severity from the validation layer since the device was made; empty when validation is off.
+  const std::vector<std::string>& validationErrors() const;
+  bool validationEnabled() const { return messenger_ != VK_NULL_HANDLE; }
+
+ private:
+  VkInstance instance_ = VK_NULL_HANDLE;
+  VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
+  VkPhysicalDevice physical_ = VK_NULL_HANDLE;
+  VkDevice device_ = VK_NULL_HANDLE;
+  VkQueue queue_ = VK_NULL_HANDLE;
+  uint32_t queue_family_ = 0;
+  VkDeviceSize max_allocation_bytes_ = 0;
+  VkPhysicalDeviceProperties properties_{};
+  DeviceDescription description_;
+  std::unique_ptr<std::vector<std::string>> validation_errors_;
+};
+
+// Throws Error device naming the call where result is an error.
+void check(VkResult result, const char* call);
+
+}  // namespace viewpeel

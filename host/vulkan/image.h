@@ -1,0 +1,27 @@
+#pragma once
+#include "vulkan/device.h"
+
+namespace viewpeel {
+
+// A two-dimensional image used as an attachment and copied from; kept in the layout GENERAL.
+class Image {
+ public:
+  Image() = default;
+  Image(const Device& device, uint32_t width, uint32_t height, VkFormat format, VkImageUsageFlags usage, VkImageAspectFlags aspect);
+  ~Image();
+  Image(Image&& other) noexcept;
+  Image& operator=(Image&& other) noexcept;
+
+  VkImage handle() const { return image_; }
+  VkImageView view() const { return view_; }
+  VkImageAspectFlags aspect() const { return aspect_; }
+
+ private:
+  VkDevice device_ = VK_NULL_HANDLE;
+  VkImage image_ = VK_NULL_HANDLE;
+  VkImageView view_ = VK_NULL_HANDLE;
+  VkDeviceMemory memory_ = VK_NULL_HANDLE;
+  VkImageAspectFlags aspect_ = 0;
+};
+
+}  // namespace viewpeel

@@ -1,0 +1,49 @@
+#version 460
+// One invocation takes one lattice point, applies the facing rules to the gap between its layers k-1 and k and adds one to the
+// counter of what the gap contributes. Where layer k has a polygon it asks for layer k+1.
+#extension GL_GOOGLE_include_directive : require
+#define SHARED_FUNCTION
+#include "common.glsl"
+
+layout(local_size_x = 64) in;
+layout(push_constant, scalar) uniform Args { AccumulateArgs args; };
+
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Counter { uint value; };
+
+void addCount(uint i, uint column) {
+  atomicAdd(Counter(args.counters + counterIndex(i, column, args.id_count) * 4ul).value, 1u);
+}
+
+uint sideOf(Layer layer, bool above) {
+  if (layer.polygon == 0u) return kSideNone;
+  return sideTowardsGap((layer.key & 1u) == 0u, args.two_sided != 0u, above);
+}
+
+void main() {
+  uint points_per_cell = args.cell_size * args.cell_size;
+  uint direction_index = gl_WorkGroupID.y;
+  uint in_cell = gl_GlobalInvocationID.x;
+  if (in_cell >= points_per_cell) return;
+  uint x = (direction_index % args.cells_per_row) * args.cell_size + in_cell % args.cell_size;
+  uint y = (direction_index / args.cells_per_row) * args.cell_size + in_cell / args.cell_size;
+  uint at = y * args.image_width + x;
+
+  Layer lower = Layers(args.lower).at[at];
+  Layer upper = Layers(args.upper).at[at];
+  if (upper.polygon != 0u) {
+    Words(args.next_alive).at[direction_index] = 1u;
+    Commands next = Commands(args.next_commands);
+    next.at.draw_instance_count = args.instance_count;
+    next.at.group_count_x = args.group_count;
+  }
+  uint gap = classifyGap(sideOf(lower, true), sideOf(upper, false));
+  if (gap == kGapNothing) return;
+  Polygons polygons = Polygons(args.polygons);
+  uint lower_id = lower.polygon == 0u ? 0u : polygons.at[lower.polygon - 1u].id;
+  uint upper_id = upper.polygon == 0u ? 0u : polygons.at[upper.polygon - 1u].id;
+  if (gap == kGapFacingPair) addCount(min(lower_id, upper_id), max(lower_id, upper_id));
+  else if (gap == kGapLowerEnvironment) addCount(lower_id, args.id_count);
+  else if (gap == kGapUpperEnvironment) addCount(upper_id, args.id_count);
+  else if (gap == kGapLowerLeak) addCount(lower_id, args.id_count + 1u);
+  else addCount(upper_id, args.id_count + 1u);
+}

@@ -1,0 +1,15 @@
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+
+#include "facing.h"
+#include "shared.h"
+
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Directions { DirectionData at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Polygons { PolygonData at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Corners { dvec3 at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Snapped { ivec2 at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Projected { ProjectedPolygon at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Layers { Layer at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Words { uint at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Commands { LayerCommands at; };

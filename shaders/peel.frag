@@ -1,0 +1,31 @@
+#version 460
+// One fragment is one polygon at one lattice point: it survives where the polygon covers the point and lies strictly behind
+// the previous layer; the depth test then keeps the nearest, and of equal keys the lowest index, since polygons are drawn in order.
+#extension GL_GOOGLE_include_directive : require
+#define SHARED_FUNCTION
+#include "common.glsl"
+#include "geometry.glsl"
+
+layout(push_constant, scalar) uniform Args { PeelArgs args; };
+layout(location = 0) flat in uint instance;
+layout(location = 0) out uvec2 layer;
+
+void main() {
+  uint direction_index = instance / args.polygon_count;
+  uint polygon_index = instance - direction_index * args.polygon_count;
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  ivec2 cell = ivec2(direction_index % args.cells_per_row, direction_index / args.cells_per_row) * int(args.cell_size);
+  ivec2 p = pixel - cell - int(args.cell_size) / 2;
+
+  ProjectedPolygon polygon = Projected(args.projected).at[instance];
+  uint key = layerKey(polygon, p);
+  Layer previous = Layers(args.previous).at[uint(pixel.y) * args.image_width + uint(pixel.x)];
+  if (key < previous.key || (key == previous.key && polygon_index + 1u <= previous.polygon)) discard;
+
+  PolygonData corners = Polygons(args.polygons).at[polygon_index];
+  if (!coversPoint(Snapped(args.snapped), direction_index * args.corner_count + corners.first_corner, corners.corner_count,
+                   polygon.front_up != 0u ? 1 : -1, p, args.fraction_bits)) discard;
+  layer = uvec2(key, polygon_index + 1u);
+  // Bit patterns of positive floats are ordered as the floats are: a 32-bit depth buffer compares the keys exactly.
+  gl_FragDepth = uintBitsToFloat(key + 0x00800000u);
+}

@@ -1,0 +1,107 @@
+// Structs that host and shaders share, written once. GLSL reads them in scalar layout, which is C++'s own. Included by C++
+// through host/engines/shared.h. A word "lattice point" is an integer pair; lattice coordinates are x / h + offset.
+
+struct DirectionData {
+  dvec3 x_axis;
+  dvec3 y_axis;
+  dvec3 u;
+  dvec2 offset;  // lattice spacings
+};
+
+struct PolygonData {
+  uint first_corner;
+  uint corner_count;
+  uint id;  // of its counters
+  uint padding;
+  dvec3 plane_normal;
+  double plane_offset;
+};
+
+// A polygon in one direction. Depth at a lattice point p is
+//   clamp((depth_0 + depth_x p.x + depth_y p.y) >> depth_shift, depth_min, depth_max), in units of 2^-kDepthBits above -1.
+struct ProjectedPolygon {
+  ivec2 box_min;  // lattice points it can cover; box_min.x > box_max.x where it covers none
+  ivec2 box_max;
+  int64_t depth_0;
+  int64_t depth_x;
+  int64_t depth_y;
+  int depth_shift;
+  int depth_min;
+  int depth_max;
+  uint front_up;  // 1 where its front faces +u
+};
+
+const int kDepthBits = 27;  // of a unit length; the unit ball spans 2^28 depths
+const int kSnapBits = 29;   // of a snapped coordinate: products of differences stay below 2^61
+
+// The nearest polygon of a lattice point that peeling has not passed yet. Ordered by (key, polygon): key is twice the depth,
+// plus one where the front faces -u, so that at equal depths fronts that face +u come first.
+struct Layer {
+  uint key;
+  uint polygon;  // index + 1; 0 where the line has left the scene
+};
+
+const uint kKeyPastEverything = 0xFFFFFFFFu;
+
+// Written by the device for layer k+1 when layer k has any polygon.
+struct LayerCommands {
+  uint draw_vertex_count, draw_instance_count, draw_first_vertex, draw_first_instance;
+  uint group_count_x, group_count_y, group_count_z;
+  uint padding;
+};
+
+struct ProjectArgs {
+  uint64_t directions;  // DirectionData[direction_count]
+  uint64_t polygons;    // PolygonData[polygon_count]
+  uint64_t corners;     // dvec3[corner_count]
+  uint64_t snapped;     // ivec2[direction_count][corner_count]
+  uint64_t projected;   // ProjectedPolygon[direction_count][polygon_count]
+  uint polygon_count;
+  uint corner_count;
+  uint direction_count;
+  int resolution;       // lattice spacings across the unit ball's diameter
+  int fraction_bits;    // of a snapped coordinate
+  uint padding;
+};
+
+// Directions lie side by side in one image, cells_per_row cells of cell_size^2 pixels a row; a cell's centre pixel is
+// lattice point (0, 0).
+struct PeelArgs {
+  uint64_t polygons;
+  uint64_t snapped;
+  uint64_t projected;
+  uint64_t previous;       // Layer[image_height][image_width]
+  uint64_t alive;          // uint[direction_count]: the direction's last layer had a polygon
+  uint polygon_count;
+  uint corner_count;
+  uint cell_size;
+  uint cells_per_row;
+  uint image_width;
+  uint image_height;
+  int fraction_bits;
+  uint padding;
+};
+
+struct AccumulateArgs {
+  uint64_t polygons;
+  uint64_t lower;          // Layer[image_height][image_width], layer k-1
+  uint64_t upper;          // layer k
+  uint64_t counters;       // uint, see counterIndex
+  uint64_t next_alive;     // uint[direction_count]
+  uint64_t next_commands;  // LayerCommands
+  uint id_count;
+  uint cell_size;
+  uint cells_per_row;
+  uint image_width;
+  uint direction_count;
+  uint two_sided;
+  uint instance_count;
+  uint group_count;
+};
+
+// Counters of ids i <= j as the rows of an upper triangle, each row followed by the row's environment (column id_count)
+// and leak (column id_count + 1).
+SHARED_FUNCTION uint64_t counterIndex(uint i, uint column, uint id_count) {
+  uint64_t row = uint64_t(i);
+  return row * uint64_t(id_count + 2u) - row * (row + uint64_t(1u)) / uint64_t(2u) + uint64_t(column);
+}
