@@ -9,6 +9,12 @@
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Args { ProjectArgs args; };
 
+// The same sum in the same order on every device, which dot() does not promise.
+double dotInOrder(dvec3 a, dvec3 b) {
+  precise double sum = a.x * b.x + a.y * b.y + a.z * b.z;
+  return sum;
+}
+
 // floor(log2(x)) of a normal x > 0.
 int exponentOf(double x) { return int((unpackDouble2x32(x).y >> 20) & 0x7FFu) - 1023; }
 
@@ -31,13 +37,13 @@ void main() {
   ivec2 first, previous;
   for (uint k = 0u; k < polygon.corner_count; ++k) {
     dvec3 corner = corners.at[polygon.first_corner + k];
-    precise double x = dot(corner, direction.x_axis) * per_spacing + direction.offset.x;
-    precise double y = dot(corner, direction.y_axis) * per_spacing + direction.offset.y;
+    precise double x = dotInOrder(corner, direction.x_axis) * per_spacing + direction.offset.x;
+    precise double y = dotInOrder(corner, direction.y_axis) * per_spacing + direction.offset.y;
     ivec2 at = ivec2(int(floor(x * fixed_one + 0.5LF)), int(floor(y * fixed_one + 0.5LF)));
     snapped.at[corner_at + k] = at;
     low = min(low, at);
     high = max(high, at);
-    precise double z = dot(corner, direction.u);
+    precise double z = dotInOrder(corner, direction.u);
     z_min = min(z_min, z);
     z_max = max(z_max, z);
     if (k == 0u) first = at;
@@ -56,9 +62,9 @@ void main() {
   }
 
   // normal . (x, y, z) = plane_offset, solved for z at lattice points.
-  precise double nx = dot(polygon.plane_normal, direction.x_axis);
-  precise double ny = dot(polygon.plane_normal, direction.y_axis);
-  precise double nz = dot(polygon.plane_normal, direction.u);
+  precise double nx = dotInOrder(polygon.plane_normal, direction.x_axis);
+  precise double ny = dotInOrder(polygon.plane_normal, direction.y_axis);
+  precise double nz = dotInOrder(polygon.plane_normal, direction.u);
   precise double unit = double(1 << kDepthBits);
   precise double steepness = 1.0LF / max(abs(nz), 1e-30LF);
   precise double dx = -nx / (nz * per_spacing) * unit;

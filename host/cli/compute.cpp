@@ -73,6 +73,11 @@ int runCompute(ComputeOptions options) {
   return 0;
 }
 
+std::string isPositive(const std::string& text) {
+  double value = 0;
+  return CLI::detail::lexical_cast(text, value) && value > 0 && std::isfinite(value) ? "" : text + " is not a number above 0";
+}
+
 }  // namespace
 
 void addCompute(CLI::App& app, Run& chosen) {
@@ -85,13 +90,13 @@ void addCompute(CLI::App& app, Run& chosen) {
   auto tolerance = std::make_shared<double>(1e-3);
   CLI::Option* tolerance_option =
       command->add_option("--tolerance", *tolerance, "Run until the largest standard error of all form factors is at most this")
-          ->type_name("T")->capture_default_str();
+          ->type_name("T")->check(isPositive)->capture_default_str();
   CLI::Option* directions_option =
       command->add_option("--directions", estimate.directions, "Directions per replicate; without --tolerance, run --replicates of them")
-          ->type_name("N")->capture_default_str();
+          ->type_name("N")->check(CLI::Range(1u, 1u << 30))->capture_default_str();
   CLI::Option* replicates_option =
       command->add_option("--replicates", estimate.replicates, "Independent replicates, at least; they give the standard errors")
-          ->type_name("R")->capture_default_str();
+          ->type_name("R")->check(CLI::Range(2u, 1u << 30))->capture_default_str();
   command->add_option("--resolution", options->graphics.resolution, "Lattice spacings across the scene's diameter")
       ->type_name("PX")->check(CLI::Range(1, kMaxResolution))->capture_default_str();
   command->add_option("--by", options->by, "One row per polygon or per named surface")

@@ -20,10 +20,16 @@ VkMemoryPropertyFlags memoryFlags(MemoryUse use) {
   return 0;
 }
 
+[[noreturn]] void refuse(const Device& device, VkDeviceSize size_bytes) {
+  throw Error(ErrorCode::device, fmt::format("{}: cannot allocate {:.1f} MiB; try a smaller --resolution or scene",
+                                             device.description().name, static_cast<double>(size_bytes) / 1048576.0));
+}
+
 }  // namespace
 
 Buffer::Buffer(const Device& device, VkDeviceSize size_bytes, MemoryUse use)
     : device_(device.handle()), size_bytes_(std::max<VkDeviceSize>(size_bytes, 16)) {
+  if (size_bytes_ > device.maxAllocationBytes()) refuse(device, size_bytes_);
   VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
   info.size = size_bytes_;
   info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
@@ -36,10 +42,9 @@ Buffer::Buffer(const Device& device, VkDeviceSize size_bytes, MemoryUse use)
   VkMemoryAllocateInfo allocation{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, &flags};
   allocation.allocationSize = needs.size;
   allocation.memoryTypeIndex = device.memoryType(needs.memoryTypeBits, memoryFlags(use));
-  if (needs.size > device.maxAllocationBytes() || vkAllocateMemory(device_, &allocation, nullptr, &memory_) != VK_SUCCESS) {
+  if (vkAllocateMemory(device_, &allocation, nullptr, &memory_) != VK_SUCCESS) {
     vkDestroyBuffer(device_, buffer_, nullptr);
-    throw Error(ErrorCode::device, fmt::format("{}: cannot allocate {:.1f} MiB; try a smaller --resolution or scene",
-                                               device.description().name, static_cast<double>(needs.size) / 1048576.0));
+    refuse(device, needs.size);
   }
   check(vkBindBufferMemory(device_, buffer_, memory_, 0), "vkBindBufferMemory");
   VkBufferDeviceAddressInfo address{VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO};

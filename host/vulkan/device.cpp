@@ -249,7 +249,10 @@ Device::~Device() {
     vkDeviceWaitIdle(device_);
     vkDestroyDevice(device_, nullptr);
   }
-  if (messenger_) vkDestroyDebugUtilsMessengerEXT(instance_, messenger_, nullptr);
+  // Looked up in this instance: the global pointer belongs to the instance that was made last.
+  const auto destroy_messenger = reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(
+      instance_ ? vkGetInstanceProcAddr(instance_, "vkDestroyDebugUtilsMessengerEXT") : nullptr);
+  if (messenger_) destroy_messenger(instance_, messenger_, nullptr);
   if (instance_) vkDestroyInstance(instance_, nullptr);
 }
 

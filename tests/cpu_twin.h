@@ -1,0 +1,12 @@
+#pragma once
+#include "directions/direction.h"
+#include "matrix/ids.h"
+#include "matrix/pair_count.h"
+
+namespace viewpeel {
+
+// What an engine must count, to the last bit: the raster rules of shaders/geometry.glsl and project.comp and the facing rules, written a
+// second time and without any of the engines' passes: every lattice point sorts all polygons that cover it.
+PairCounts countPairsOnCpu(const Scene& scene, const Ids& ids, const std::vector<Direction>& directions, int resolution);
+
+}  // namespace viewpeel

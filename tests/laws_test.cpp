@@ -1,0 +1,147 @@
+// Laws that hold whatever the scene: reciprocity, closure, rigid motion, scale, order of corners, subdivision, reproducibility.
+#include <cstdlib>
+
+#include <gtest/gtest.h>
+
+#include "compare.h"
+#include "scenes.h"
+#include "test_device.h"
+
+namespace viewpeel {
+namespace {
+
+namespace ts = test_scenes;
+
+TEST(Laws, ReciprocityToTheLastBit) {
+  const Estimate e = estimateScene(ts::roomWithTouchingBoxes());
+  const FormFactors& f = e.form_factors;
+  const auto& areas = f.ids().areas;
+  ASSERT_FALSE(f.entries().empty());
+  for (uint32_t i = 0; i < f.ids().count(); ++i)
+    for (uint32_t j = 0; j < f.ids().count(); ++j) {
+      EXPECT_EQ(f.exchangeArea(i, j).value, f.exchangeArea(j, i).value);
+      // The factors themselves are the nearest doubles to that one number over the areas.
+      EXPECT_EQ(f.formFactor(i, j).value, f.exchangeArea(j, i).value / areas[i]);
+    }
+}
+
+TEST(Laws, ClosedSceneClosesAndDoesNotLeak) {
+  for (const InputScene& scene : {ts::insideOfCube(), ts::cubeInCube(0.3), ts::roomWithTouchingBoxes()}) {
+    const Estimate e = estimateScene(scene);
+    for (uint32_t i = 0; i < e.form_factors.ids().count(); ++i) {
+      EXPECT_EQ(e.form_factors.formFactor(i, kLeak).value, 0) << scene.file;
+      EXPECT_EQ(e.form_factors.formFactor(i, kEnvironment).value, 0) << scene.file;
+      EXPECT_TRUE(isEstimateOf(e.form_factors.rowSums()[i], 1, e.replicates)) << scene.file << " row " << i;
+    }
+  }
+}
+
+TEST(Laws, OfficeClosesAndDoesNotLeak) {
+  const Scene scene = loadScene(VIEWPEEL_SCENES "/office.obj");
+  const Ids ids = makeIds(scene, By::polygon, false);
+  const auto engine = makeGraphicsEngine(testDevice(), scene, ids, {.resolution = 96});
+  const Estimate e = estimateFormFactors(*engine, scene, ids, {.directions = 150, .replicates = 8});
+  for (uint32_t i = 0; i < ids.count(); ++i) {
+    EXPECT_EQ(e.form_factors.formFactor(i, kLeak).value, 0) << ids.names[i];
+    EXPECT_EQ(e.form_factors.formFactor(i, kEnvironment).value, 0) << ids.names[i];
+    EXPECT_TRUE(isEstimateOf(e.form_factors.rowSums()[i], 1, e.replicates)) << ids.names[i];
+  }
+}
+
+// Compares all entries of two estimates of the same matrix.
+void expectSame(const Estimate& a, const Estimate& b, const std::string& what) {
+  ASSERT_EQ(a.form_factors.ids().count(), b.form_factors.ids().count());
+  uint64_t compared = 0;
+  for (uint32_t i = 0; i < a.form_factors.ids().count(); ++i)
+    for (uint32_t j = 0; j < a.form_factors.ids().count(); ++j, ++compared)
+      EXPECT_TRUE(areEstimatesOfTheSame(a.form_factors.formFactor(i, j), b.form_factors.formFactor(i, j), a.replicates))
+          << what << ": F[" << i << "][" << j << "]";
+  EXPECT_GT(compared, 0u);
+}
+
+TEST(Laws, RigidMotionAndScaleLeaveFactorsAlone) {
+  const InputScene scene = ts::cubeInCube(0.5);
+  TestRun run, other;
+  other.estimate.seed = 2;
+  const Estimate expected = estimateScene(scene, run);
+  const double c = std::cos(0.7), s = std::sin(0.7), d = std::cos(-1.1), t = std::sin(-1.1);
+  const glm::dmat3 turn = glm::dmat3(c, s, 0, -s, c, 0, 0, 0, 1) * glm::dmat3(1, 0, 0, 0, d, t, 0, -t, d);
+  expectSame(expected, estimateScene(ts::transformed(scene, turn, 1, {100, -20, 3}), other), "turned and moved");
+  expectSame(expected, estimateScene(ts::transformed(scene, glm::dmat3(1), 1e-6, {0, 0, 0}), other), "scaled by 1e-6");
+  expectSame(expected, estimateScene(ts::transformed(scene, turn, 1e6, {1e6, 0, 0}), other), "scaled by 1e6");
+}
+
+TEST(Laws, ComparisonOfMatricesRejectsAnotherScene) {
+  const Estimate a = estimateScene(ts::cubeInCube(0.5)), b = estimateScene(ts::cubeInCube(0.52));
+  int rejected = 0;
+  for (uint32_t i = 0; i < 12; ++i)
+    for (uint32_t j = 0; j < 12; ++j)
+      rejected += !areEstimatesOfTheSame(a.form_factors.formFactor(i, j), b.form_factors.formFactor(i, j), a.replicates);
+  EXPECT_GT(rejected, 0);
+}
+
+// Where its corners start does not matter to the last bit: the same points are snapped, the same plane is found.
+TEST(Laws, FirstCornerDoesNotMatter) {
+  InputScene scene = ts::insideOfCube();
+  const Estimate a = estimateScene(scene);
+  for (InputFace& face : scene.faces) std::rotate(face.corners.begin(), face.corners.begin() + 1, face.corners.end());
+  const Estimate b = estimateScene(scene);
+  expectSame(a, b, "corners rotated");
+}
+
+TEST(Laws, SplittingAPolygonLeavesSumsAlone) {
+  const InputScene whole = ts::perpendicularSquares();
+  InputScene split{"split", {}, {}};
+  ts::addFace(split, "floor", {{0, 0, 0}, {0.3, 0, 0}, {0.6, 1, 0}, {0, 1, 0}});
+  ts::addFace(split, "floor", {{0.3, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0.6, 1, 0}});
+  split.surface_names.push_back("wall");
+  split.faces.push_back({whole.faces[1].corners, 1, 0});
+  TestRun run;
+  run.estimate.seed = 5;
+  const Estimate a = estimateScene(whole), b = estimateScene(split, run);
+  EXPECT_TRUE(areEstimatesOfTheSame(a.between_surfaces.formFactor(0, 1), b.between_surfaces.formFactor(0, 1), a.replicates));
+  // By polygon, the wall's factors to the two pieces add up to its factor to the floor, exactly: they are the same counts.
+  EXPECT_NEAR(b.form_factors.formFactor(2, 0).value + b.form_factors.formFactor(2, 1).value, b.between_surfaces.formFactor(1, 0).value,
+              4e-16);
+}
+
+void expectSameBits(const FormFactors& a, const FormFactors& b) {
+  ASSERT_EQ(a.entries().size(), b.entries().size());
+  for (size_t k = 0; k < a.entries().size(); ++k) {
+    EXPECT_EQ(a.entries()[k].exchange_area.value, b.entries()[k].exchange_area.value);
+    EXPECT_EQ(a.entries()[k].exchange_area.standard_error, b.entries()[k].exchange_area.standard_error);
+  }
+}
+
+TEST(Laws, SameSeedSameBitsWhateverTheBatch) {
+  TestRun run, small_batches;
+  run.estimate.directions = small_batches.estimate.directions = 60;
+  small_batches.graphics.batch_directions = 7;
+  expectSameBits(estimateScene(ts::roomWithTouchingBoxes(), run).form_factors,
+                 estimateScene(ts::roomWithTouchingBoxes(), small_batches).form_factors);
+}
+
+TEST(Laws, AnotherSeedGivesOtherBits) {
+  TestRun run, other;
+  run.estimate.directions = other.estimate.directions = 60;
+  other.estimate.seed = 2;
+  EXPECT_NE(estimateScene(ts::insideOfCube(), run).form_factors.formFactor(0, 1).value,
+            estimateScene(ts::insideOfCube(), other).form_factors.formFactor(0, 1).value);
+}
+
+TEST(Laws, ToleranceIsKept) {
+  TestRun run;
+  run.estimate.directions = 50;
+  run.estimate.replicates = 4;
+  run.estimate.tolerance = 1.5e-3;
+  const Estimate e = estimateScene(ts::insideOfCube(), run);
+  EXPECT_GT(e.replicates, 4u);  // four replicates alone miss it
+  double largest = 0;
+  for (uint32_t i = 0; i < 6; ++i)
+    for (uint32_t j = 0; j < 6; ++j) largest = std::max(largest, e.form_factors.formFactor(i, j).standard_error);
+  EXPECT_LE(largest, 1.5e-3);
+  EXPECT_DOUBLE_EQ(largest, e.largest_standard_error);
+}
+
+}  // namespace
+}  // namespace viewpeel

@@ -1,0 +1,113 @@
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "error.h"
+#include "io/write_file.h"
+#include "io/write_form_factors.h"
+
+namespace viewpeel {
+namespace {
+
+namespace fs = std::filesystem;
+
+FormFactors exampleMatrix() {
+  Ids ids;
+  ids.names = {"floor", "wall, \"north\""};
+  ids.areas = {3, 0.7};
+  ids.surface = {0, 1};
+  return {ids, {{0, 0, {0.3, 0.001}}, {0, 1, {1 / 3.0, 1e-4}}, {1, kEnvironment, {0.1, 0.01}}, {1, kLeak, {0.05, 0.02}}}, {{1, 0}, {1, 0}}};
+}
+
+std::vector<std::string> linesOf(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
+TEST(Output, CsvHasOneNonzeroEntryALineBothWays) {
+  std::ostringstream out;
+  writeCsv(exampleMatrix(), out);
+  const auto lines = linesOf(out.str());
+  ASSERT_EQ(lines.size(), 6u);
+  EXPECT_EQ(lines[0], "from,to,form_factor,standard_error");
+  EXPECT_EQ(lines[1].substr(0, 12), "floor,floor,");
+  EXPECT_EQ(lines[2].substr(0, 26), "floor,\"wall, \"\"north\"\"\",0.");
+  EXPECT_EQ(lines[3].substr(0, 26), "\"wall, \"\"north\"\"\",floor,0.");
+  EXPECT_EQ(lines[4].find("\"wall, \"\"north\"\"\",environment,"), 0u);
+  EXPECT_EQ(lines[5].find("\"wall, \"\"north\"\"\",leak,"), 0u);
+}
+
+// Text gives back the same doubles.
+TEST(Output, NumbersReadBackToTheSameBits) {
+  const FormFactors f = exampleMatrix();
+  std::ostringstream out;
+  writeCsv(f, out);
+  const std::string line = linesOf(out.str())[2];
+  const size_t comma = line.rfind(',');
+  EXPECT_EQ(std::stod(line.substr(comma + 1)), f.formFactor(0, 1).standard_error);
+  EXPECT_EQ(std::stod(line.substr(line.rfind(',', comma - 1) + 1)), f.formFactor(0, 1).value);
+}
+
+TEST(Output, MatrixMarketIsSquareAndCountsItsEntries) {
+  const FormFactors f = exampleMatrix();
+  std::ostringstream out;
+  writeMatrixMarket(f, out);
+  const auto lines = linesOf(out.str());
+  EXPECT_EQ(lines[0], "%%MatrixMarket matrix coordinate real general");
+  size_t at = 1;
+  while (lines[at][0] == '%') ++at;
+  EXPECT_EQ(lines[at], "2 2 3");
+  ASSERT_EQ(lines.size(), at + 4);
+  std::istringstream entry(lines[at + 3]);
+  int i = 0, j = 0;
+  double value = 0;
+  entry >> i >> j >> value;
+  EXPECT_EQ(i, 2);
+  EXPECT_EQ(j, 1);
+  EXPECT_EQ(value, f.formFactor(1, 0).value);
+}
+
+class OutputFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("viewpeel_output_test_" + std::to_string(::getpid()));
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  fs::path folder_;
+};
+
+TEST_F(OutputFile, FailedWriteLeavesTheOldFileAndNothingElse) {
+  const fs::path file = folder_ / "kept.csv";
+  writeFile(file, [](std::ostream& out) { out << "old"; });
+  EXPECT_THROW(writeFile(file, [](std::ostream& out) {
+                 out << "half";
+                 throw std::runtime_error("interrupted");
+               }),
+               std::runtime_error);
+  std::ifstream in(file);
+  std::string text;
+  in >> text;
+  EXPECT_EQ(text, "old");
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1);
+}
+
+TEST_F(OutputFile, BadPlacesAreFoundBeforehand) {
+  EXPECT_NO_THROW(checkOutput(folder_ / "good.mtx"));
+  EXPECT_THROW(checkOutput(folder_ / "missing" / "a.csv"), Error);
+  EXPECT_THROW(checkOutput(folder_ / "a.xyz"), Error);
+  fs::create_directory(folder_ / "folder.csv");
+  EXPECT_THROW(checkOutput(folder_ / "folder.csv"), Error);
+}
+
+TEST_F(OutputFile, FullDiskIsAnError) {
+  EXPECT_THROW(writeFormFactors(exampleMatrix(), "/dev/full/a.csv"), Error);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 0);
+}
+
+}  // namespace
+}  // namespace viewpeel

@@ -1,0 +1,140 @@
+// The program as a user meets it: exit status, messages, files.
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Result {
+  int status;
+  std::string output;  // stdout and stderr
+};
+
+Result run(const std::string& arguments, const std::string& environment = "VIEWPEEL_VALIDATION=1") {
+  const std::string command = environment + " " VIEWPEEL_PROGRAM " " + arguments + " 2>&1 </dev/null";
+  FILE* pipe = popen(command.c_str(), "r");
+  Result result{-1, ""};
+  std::array<char, 4096> buffer;
+  while (size_t got = fread(buffer.data(), 1, buffer.size(), pipe)) result.output.append(buffer.data(), got);
+  const int status = pclose(pipe);
+  result.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  return result;
+}
+
+std::string readFile(const fs::path& file) {
+  std::ifstream in(file);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+class Program : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("viewpeel_program_test_" + std::to_string(::getpid()));
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  std::string file(const std::string& name) const { return (folder_ / name).string(); }
+  fs::path folder_;
+};
+
+TEST_F(Program, ComputesPlatesAndWritesBothFiles) {
+  const Result r = run("compute " VIEWPEEL_SCENES "/plates.obj --resolution 32 --directions 100 -o " + file("p.csv") + " -o " + file("p.mtx"));
+  EXPECT_EQ(r.status, 0) << r.output;
+  for (const char* part : {"device", "2 polygons", "form factor", "standard error", "closure", "environment"})
+    EXPECT_NE(r.output.find(part), std::string::npos) << part << " not in:\n" << r.output;
+  EXPECT_EQ(readFile(file("p.csv")).find("from,to,form_factor,standard_error\nlower,upper,0."), 0u) << readFile(file("p.csv"));
+  EXPECT_EQ(readFile(file("p.mtx")).find("%%MatrixMarket"), 0u);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 2);
+}
+
+TEST_F(Program, SameSeedSameFileWhateverBatchAndThreads) {
+  const std::string scene = "compute " VIEWPEEL_SCENES "/cube.obj --quiet --resolution 40 --directions 60 --replicates 3 -o ";
+  EXPECT_EQ(run(scene + file("a.csv"), "LP_NUM_THREADS=1").status, 0);
+  EXPECT_EQ(run(scene + file("b.csv") + " --batch 7", "LP_NUM_THREADS=3").status, 0);
+  EXPECT_EQ(run(scene + file("c.csv") + " --seed 2").status, 0);
+  EXPECT_FALSE(readFile(file("a.csv")).empty());
+  EXPECT_EQ(readFile(file("a.csv")), readFile(file("b.csv")));
+  EXPECT_NE(readFile(file("a.csv")), readFile(file("c.csv")));
+}
+
+TEST_F(Program, QuietPrintsNothing) {
+  const Result r = run("compute " VIEWPEEL_SCENES "/plates.obj --quiet --resolution 8 --directions 10 --replicates 2");
+  EXPECT_EQ(r.status, 0);
+  EXPECT_EQ(r.output, "");
+}
+
+// Wrong usage and wrong input: status 2, one line, and it says what to do.
+TEST_F(Program, BadUsageAndInputEndWithOneLineAndStatus2) {
+  std::ofstream(file("broken.obj")) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n";
+  std::ofstream(file("taken.obj")) << "o environment\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  const std::string plates = "compute " VIEWPEEL_SCENES "/plates.obj ";
+  const std::pair<std::string, std::string> cases[] = {
+      {"", "subcommand"},
+      {"compute", "SCENE"},
+      {"compute " + file("missing.obj"), "missing.obj"},
+      {"compute " + file("broken.obj"), "broken.obj:4"},
+      {"compute " + file("taken.obj"), "environment"},
+      {plates + "--resolution 0", "--resolution"},
+      {plates + "--resolution 100000", "--resolution"},
+      {plates + "--directions 0", "directions"},
+      {plates + "--replicates 1", "replicates"},
+      {plates + "--tolerance 0", "tolerance"},
+      {plates + "--tolerance x", "--tolerance"},
+      {plates + "--by face", "--by"},
+      {plates + "--no-such-option", "--no-such-option"},
+      {plates + "-o " + file("a.xyz"), ".csv or .mtx"},
+  };
+  for (const auto& [arguments, part] : cases) {
+    const Result r = run(arguments);
+    EXPECT_EQ(r.status, 2) << arguments << "\n" << r.output;
+    EXPECT_NE(r.output.find(part), std::string::npos) << arguments << "\n" << r.output;
+    EXPECT_EQ(std::count(r.output.begin(), r.output.end(), '\n'), 1) << arguments << "\n" << r.output;
+    EXPECT_EQ(r.output.find("viewpeel: "), 0u) << r.output;
+  }
+}
+
+TEST_F(Program, UnwritableOutputIsFoundBeforeTheComputation) {
+  const Result r = run("compute " VIEWPEEL_SCENES "/plates.obj -o " + file("missing/a.csv"));
+  EXPECT_EQ(r.status, 1);
+  EXPECT_EQ(r.output.find("viewpeel: "), 0u) << r.output;
+  EXPECT_EQ(r.output.find("form factor"), std::string::npos) << r.output;
+}
+
+TEST_F(Program, UnknownDeviceIsRefusedWithReasons) {
+  const Result r = run("compute " VIEWPEEL_SCENES "/plates.obj --quiet --device nonsense");
+  EXPECT_EQ(r.status, 1);
+  EXPECT_NE(r.output.find("nonsense"), std::string::npos) << r.output;
+  EXPECT_NE(r.output.find("not asked for"), std::string::npos) << r.output;
+}
+
+TEST_F(Program, NoDriverIsAClearError) {
+  const Result r = run("compute " VIEWPEEL_SCENES "/plates.obj --quiet", "VK_DRIVER_FILES=/nowhere.json VK_ICD_FILENAMES=/nowhere.json");
+  EXPECT_EQ(r.status, 1);
+  EXPECT_NE(r.output.find("mesa-vulkan-drivers"), std::string::npos) << r.output;
+}
+
+TEST_F(Program, DevicesListsThem) {
+  const Result r = run("devices");
+  EXPECT_EQ(r.status, 0);
+  EXPECT_NE(r.output.find("usable"), std::string::npos) << r.output;
+}
+
+TEST_F(Program, HelpNamesEveryOption) {
+  const Result r = run("compute --help");
+  EXPECT_EQ(r.status, 0);
+  for (const char* option : {"--output", "--tolerance", "--directions", "--replicates", "--resolution", "--by", "--sampler", "--seed",
+                             "--two-sided", "--device", "--quiet"})
+    EXPECT_NE(r.output.find(option), std::string::npos) << option;
+}
+
+}  // namespace

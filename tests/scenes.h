@@ -1,0 +1,115 @@
+// Named scenes for tests, as a file would give them.
+#pragma once
+#include <random>
+#include <string>
+
+#include <glm/glm.hpp>
+
+#include "scene/scene.h"
+
+namespace viewpeel::test_scenes {
+
+using Corners = std::vector<glm::dvec3>;
+
+inline void addFace(InputScene& scene, const std::string& surface, const Corners& corners) {
+  if (scene.surface_names.empty() || scene.surface_names.back() != surface) scene.surface_names.push_back(surface);
+  scene.faces.push_back({corners, static_cast<uint32_t>(scene.surface_names.size() - 1), 0});
+}
+
+// A parallelogram from `origin`, counter-clockwise a then b.
+inline Corners parallelogram(glm::dvec3 origin, glm::dvec3 a, glm::dvec3 b) { return {origin, origin + a, origin + a + b, origin + b}; }
+
+// The six faces of an axis-parallel box, fronts inward or outward: -x, +x, -y, +y, -z, +z.
+inline void addBox(InputScene& scene, const std::string& surface, glm::dvec3 low, glm::dvec3 high, bool inward, bool face_names = false) {
+  const glm::dvec3 size = high - low;
+  for (int axis = 0; axis < 3; ++axis)
+    for (int upper = 0; upper < 2; ++upper) {
+      glm::dvec3 origin = low, a(0), b(0);
+      if (upper) origin[axis] = high[axis];
+      a[(axis + 1) % 3] = size[(axis + 1) % 3];
+      b[(axis + 2) % 3] = size[(axis + 2) % 3];
+      if ((upper == 1) == inward) std::swap(a, b);  // a x b points along the front
+      addFace(scene, face_names ? surface + "xyz"[axis] + "01"[upper] : surface, parallelogram(origin, a, b));
+    }
+}
+
+// Two unit squares that face each other at distance 1.
+inline InputScene parallelSquares() {
+  InputScene scene{"parallel squares", {}, {}};
+  addFace(scene, "lower", {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
+  addFace(scene, "upper", {{0, 0, 1}, {0, 1, 1}, {1, 1, 1}, {1, 0, 1}});
+  return scene;
+}
+
+// Two unit squares at a right angle that share an edge.
+inline InputScene perpendicularSquares() {
+  InputScene scene{"perpendicular squares", {}, {}};
+  addFace(scene, "floor", {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
+  addFace(scene, "wall", {{0, 0, 0}, {0, 1, 0}, {0, 1, 1}, {0, 0, 1}});
+  return scene;
+}
+
+inline InputScene insideOfCube() {
+  InputScene scene{"inside of a cube", {}, {}};
+  addBox(scene, "", {0, 0, 0}, {1, 1, 1}, true, true);
+  return scene;
+}
+
+// A cube of edge `inner` in the middle of a cube of edge 1.
+inline InputScene cubeInCube(double inner) {
+  InputScene scene{"cube in cube", {}, {}};
+  addBox(scene, "outer", {0, 0, 0}, {1, 1, 1}, true);
+  addBox(scene, "inner", glm::dvec3(0.5 - inner / 2), glm::dvec3(0.5 + inner / 2), false);
+  return scene;
+}
+
+// Unit squares above one another at the given heights; those of even index face up, of odd index down.
+inline InputScene stackOfSheets(const std::vector<double>& heights) {
+  InputScene scene{"stack of sheets", {}, {}};
+  for (size_t k = 0; k < heights.size(); ++k) {
+    const double z = heights[k];
+    Corners corners{{0, 0, z}, {1, 0, z}, {1, 1, z}, {0, 1, z}};
+    if (k % 2) std::reverse(corners.begin(), corners.end());
+    addFace(scene, "sheet" + std::to_string(k), corners);
+  }
+  return scene;
+}
+
+// A closed room of patches with boxes in it that touch its floor and each other: T-junctions, coplanar and touching polygons.
+inline InputScene roomWithTouchingBoxes() {
+  InputScene scene{"room with touching boxes", {}, {}};
+  for (int x = 0; x < 4; ++x)
+    for (int y = 0; y < 4; ++y) addFace(scene, "floor", parallelogram({x, y, 0}, {1, 0, 0}, {0, 1, 0}));
+  for (int x = 0; x < 3; ++x) addFace(scene, "ceiling", parallelogram({x * 4 / 3.0, 0, 3}, {0, 4, 0}, {4 / 3.0, 0, 0}));
+  addFace(scene, "walls", parallelogram({0, 0, 0}, {0, 4, 0}, {0, 0, 3}));
+  addFace(scene, "walls", parallelogram({4, 0, 0}, {0, 0, 3}, {0, 4, 0}));
+  addFace(scene, "walls", parallelogram({0, 0, 0}, {0, 0, 3}, {4, 0, 0}));
+  addFace(scene, "walls", parallelogram({0, 4, 0}, {4, 0, 0}, {0, 0, 3}));
+  addBox(scene, "lower box", {0.5, 0.5, 0}, {2, 1.75, 1}, false);
+  addBox(scene, "upper box", {0.75, 0.75, 1}, {1.5, 1.5, 1.5}, false);
+  addBox(scene, "box at wall", {3, 2, 0}, {4, 3, 2}, false);
+  return scene;
+}
+
+// Triangles of random size and direction in a ball; fronts at random. They may cross: for tests that compare two engines.
+inline InputScene triangleSoup(int count, double size, uint64_t seed) {
+  InputScene scene{"triangle soup, seed " + std::to_string(seed), {}, {}};
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  const auto point = [&] { return glm::dvec3(uniform(random), uniform(random), uniform(random)); };
+  for (int k = 0; k < count; ++k) {
+    const glm::dvec3 centre = point();
+    addFace(scene, "soup", {centre + size * point(), centre + size * point(), centre + size * point()});
+  }
+  return scene;
+}
+
+// Every face turned, scaled and moved: x -> scale R x + offset.
+inline InputScene transformed(InputScene scene, const glm::dmat3& rotation, double scale, glm::dvec3 offset) {
+  scene.file += ", moved";
+  for (InputFace& face : scene.faces)
+    for (glm::dvec3& corner : face.corners) corner = scale * (rotation * corner) + offset;
+  return scene;
+}
+
+}  // namespace viewpeel::test_scenes
