@@ -1,0 +1,136 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+#include <glm/glm.hpp>
+
+#include "error.h"
+#include "scene/group_planes.h"
+#include "scene/scene.h"
+#include "scene/split_face.h"
+
+namespace viewpeel {
+namespace {
+
+std::string place(const InputScene& input, const InputFace& face) {
+  return face.line ? fmt::format("{}:{}", input.file, face.line) : input.file;
+}
+
+// Centre and radius of the bounding box's own ball, which holds every corner.
+void fitUnitBall(const InputScene& input, Scene& scene) {
+  glm::dvec3 low(INFINITY), high(-INFINITY);
+  for (const InputFace& face : input.faces)
+    for (const glm::dvec3& corner : face.corners) {
+      if (!std::isfinite(corner.x) || !std::isfinite(corner.y) || !std::isfinite(corner.z))
+        throw Error(ErrorCode::bad_input, fmt::format("{}: a coordinate is not a finite number; correct it", place(input, face)));
+      low = glm::min(low, corner);
+      high = glm::max(high, corner);
+    }
+  scene.centre = low / 2.0 + high / 2.0;
+  double squared = 0;
+  // Scaled first, so that squares neither overflow nor vanish.
+  const glm::dvec3 half = high / 2.0 - low / 2.0;
+  const double largest = std::max({half.x, half.y, half.z});
+  if (!std::isfinite(largest))
+    throw Error(ErrorCode::bad_input, fmt::format("{}: coordinates differ by more than 1e308; scale the scene down", input.file));
+  if (largest == 0 || !std::isnormal(largest))
+    throw Error(ErrorCode::bad_input, fmt::format("{}: no usable polygon: all corners lie at one point; check the file", input.file));
+  for (const InputFace& face : input.faces)
+    for (const glm::dvec3& corner : face.corners) {
+      const glm::dvec3 v = (corner - scene.centre) / largest;
+      squared = std::max(squared, glm::dot(v, v));
+    }
+  scene.scale = std::sqrt(squared) * largest * (1 + 1e-15);
+}
+
+// Without corners that repeat the one before.
+std::vector<glm::dvec3> distinctCorners(const InputFace& face, const Scene& scene) {
+  std::vector<glm::dvec3> corners;
+  for (const glm::dvec3& input : face.corners) {
+    const glm::dvec3 corner = (input - scene.centre) / scene.scale;
+    if (corners.empty() || corner != corners.back()) corners.push_back(corner);
+  }
+  while (corners.size() > 1 && corners.back() == corners.front()) corners.pop_back();
+  return corners;
+}
+
+// A face narrower than what rounding leaves of its coordinates in the unit ball (2^-53 each, in a cross product of edges) has no area.
+bool hasArea(const std::vector<glm::dvec3>& corners) {
+  double perimeter = 0;
+  for (size_t k = 0; k < corners.size(); ++k) perimeter += glm::length(corners[(k + 1) % corners.size()] - corners[k]);
+  return glm::length(twiceVectorArea(corners)) > 8 * 0x1p-53 * perimeter;
+}
+
+class Dropped {
+ public:
+  void count(const char* reason, const std::string& where) {
+    auto& [number, first] = reasons_[reason];
+    if (number++ == 0) first = where;
+  }
+  std::vector<std::string> warnings() const {
+    std::vector<std::string> lines;
+    for (const auto& [reason, counted] : reasons_)
+      lines.push_back(fmt::format("{}: {} {} dropped: {}", counted.second, counted.first,
+                                  counted.first == 1 ? "face" : "faces, this one first,", reason));
+    return lines;
+  }
+
+ private:
+  std::map<std::string, std::pair<uint64_t, std::string>> reasons_;
+};
+
+}  // namespace
+
+Scene buildScene(const InputScene& input) {
+  Scene scene;
+  scene.file = input.file;
+  if (input.faces.empty())
+    throw Error(ErrorCode::bad_input, fmt::format("{}: no usable polygon; the file has no faces, check the export", input.file));
+  fitUnitBall(input, scene);
+
+  constexpr uint32_t kNone = UINT32_MAX;
+  std::vector<uint32_t> surface_of_input(input.surface_names.size(), kNone);  // surfaces without polygons vanish
+  Dropped dropped;
+  for (const InputFace& face : input.faces) {
+    const std::vector<glm::dvec3> corners = distinctCorners(face, scene);
+    if (corners.size() < 3) {
+      dropped.count("fewer than three different corners", place(input, face));
+      continue;
+    }
+    if (!hasArea(corners)) {
+      dropped.count("zero area", place(input, face));
+      continue;
+    }
+    const Pieces pieces = splitFace(corners);
+    if (pieces.empty())
+      throw Error(ErrorCode::bad_input, fmt::format("{}: the face crosses itself; split it into simple ones", place(input, face)));
+
+    uint32_t& surface = surface_of_input[face.surface];
+    if (surface == kNone) {
+      surface = static_cast<uint32_t>(scene.surfaces.size());
+      scene.surfaces.push_back({input.surface_names[face.surface], 0});
+    }
+    const auto face_index = static_cast<uint32_t>(scene.faces.size());
+    scene.faces.push_back({surface, ++scene.surfaces[surface].face_count});
+    for (const std::vector<uint32_t>& piece : pieces) {
+      std::vector<glm::dvec3> piece_corners;
+      for (uint32_t k : piece) piece_corners.push_back(corners[k]);
+      Polygon polygon;
+      polygon.first_corner = static_cast<uint32_t>(scene.corners.size());
+      polygon.corner_count = static_cast<uint32_t>(piece.size());
+      polygon.face = face_index;
+      polygon.area = glm::length(twiceVectorArea(piece_corners)) / 2;
+      scene.polygons.push_back(polygon);
+      scene.corners.insert(scene.corners.end(), piece_corners.begin(), piece_corners.end());
+    }
+  }
+  scene.warnings = dropped.warnings();
+  if (scene.polygons.empty())
+    throw Error(ErrorCode::bad_input, fmt::format("{}: no usable polygon; all {} faces have no area, check the export", input.file,
+                                                  input.faces.size()));
+  groupPlanes(scene);
+  return scene;
+}
+
+}  // namespace viewpeel

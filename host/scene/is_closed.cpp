@@ -1,0 +1,68 @@
+#include <algorithm>
+#include <map>
+#include <tuple>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "scene/scene.h"
+
+namespace viewpeel {
+namespace {
+
+using Key = std::tuple<double, double, double>;
+using EdgeCounts = std::map<std::pair<Key, Key>, int>;  // uses of an edge from the lesser end, less those from the greater
+
+Key keyOf(const glm::dvec3& p) { return {p.x, p.y, p.z}; }
+glm::dvec3 pointOf(const Key& k) { return {std::get<0>(k), std::get<1>(k), std::get<2>(k)}; }
+
+void addEdge(EdgeCounts& counts, const Key& from, const Key& to, int uses) {
+  if (from < to) counts[{from, to}] += uses;
+  else counts[{to, from}] -= uses;
+}
+
+EdgeCounts unmatched(EdgeCounts counts) {
+  std::erase_if(counts, [](const auto& edge) { return edge.second == 0; });
+  return counts;
+}
+
+// Whether p lies inside the segment, to within the rounding of coordinates.
+bool splits(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& p) {
+  const double along = glm::dot(p - a, b - a) / glm::dot(b - a, b - a);
+  return along > 1e-12 && along < 1 - 1e-12 && glm::length(a + along * (b - a) - p) < 1e-12;
+}
+
+}  // namespace
+
+bool isClosed(const Scene& scene) {
+  EdgeCounts counts;
+  for (const Polygon& polygon : scene.polygons)
+    for (uint32_t k = 0; k < polygon.corner_count; ++k)
+      addEdge(counts, keyOf(scene.corners[polygon.first_corner + k]),
+              keyOf(scene.corners[polygon.first_corner + (k + 1) % polygon.corner_count]), 1);
+  const EdgeCounts open = unmatched(std::move(counts));
+  if (open.empty()) return true;
+
+  // T-junctions: cut what is left at one another's ends. Quadratic, so only where little is left.
+  constexpr size_t kMostOpenEdges = 4000;
+  if (open.size() > kMostOpenEdges) return false;
+  std::vector<Key> ends;
+  for (const auto& [edge, uses] : open) {
+    ends.push_back(edge.first);
+    ends.push_back(edge.second);
+  }
+  std::sort(ends.begin(), ends.end());
+  ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
+  EdgeCounts pieces;
+  for (const auto& [edge, uses] : open) {
+    const glm::dvec3 a = pointOf(edge.first), b = pointOf(edge.second);
+    std::vector<std::pair<double, Key>> cuts = {{0, edge.first}, {glm::length(b - a), edge.second}};
+    for (const Key& end : ends)
+      if (splits(a, b, pointOf(end))) cuts.push_back({glm::length(pointOf(end) - a), end});
+    std::sort(cuts.begin(), cuts.end());
+    for (size_t k = 0; k + 1 < cuts.size(); ++k) addEdge(pieces, cuts[k].second, cuts[k + 1].second, uses);
+  }
+  return unmatched(std::move(pieces)).empty();
+}
+
+}  // namespace viewpeel

@@ -1,0 +1,155 @@
+// Wavefront OBJ: v, f, o and g. Read here because readers that keep single precision lose small scenes far from the origin, and because an
+// error has to name its line.
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <unordered_map>
+
+#include <fmt/format.h>
+
+#include "error.h"
+#include "scene/readers.h"
+
+namespace viewpeel {
+namespace {
+
+// Statements that carry no polygons, and so nothing that is wanted.
+constexpr std::string_view kIgnored[] = {"vt",  "vn",  "vp",    "s",     "usemtl",   "mtllib",   "l",          "p",         "mg",
+                                         "lod", "end", "bevel", "usemap", "c_interp", "d_interp", "shadow_obj", "trace_obj", "maplib"};
+
+class ObjReader {
+ public:
+  explicit ObjReader(const std::filesystem::path& file) : file_(file) { scene_.file = file.string(); }
+
+  InputScene read() {
+    std::ifstream in(file_, std::ios::binary);
+    std::string line, more;
+    for (uint32_t number = 1; std::getline(in, line); ++number) {
+      line_ = number;
+      while (chompContinuation(line) && std::getline(in, more)) {
+        line += more;
+        ++number;
+      }
+      readStatement(line);
+    }
+    return finish();
+  }
+
+ private:
+  [[noreturn]] void refuse(const std::string& what, uint32_t line) const {
+    throw Error(ErrorCode::bad_input, fmt::format("{}:{}: {}", scene_.file, line, what));
+  }
+
+  // Removes the end of line and a continuation mark; true where there was one.
+  static bool chompContinuation(std::string& line) {
+    while (!line.empty() && (line.back() == '\r' || line.back() == ' ' || line.back() == '\t')) line.pop_back();
+    if (line.empty() || line.back() != '\\') return false;
+    line.back() = ' ';
+    return true;
+  }
+
+  static std::string_view nextWord(std::string_view& rest) {
+    const size_t start = rest.find_first_not_of(" \t");
+    if (start == std::string_view::npos) return rest = {};
+    const size_t end = std::min(rest.find_first_of(" \t", start), rest.size());
+    const std::string_view word = rest.substr(start, end - start);
+    rest.remove_prefix(end);
+    return word;
+  }
+
+  void readStatement(std::string_view rest) {
+    if (const size_t comment = rest.find('#'); comment != std::string_view::npos) rest = rest.substr(0, comment);
+    const std::string_view keyword = nextWord(rest);
+    if (keyword.empty()) return;
+    if (keyword == "v") readVertex(rest);
+    else if (keyword == "f" || keyword == "fo") readFace(rest);
+    else if (keyword == "o") object_ = name_ = joinWords(rest);
+    else if (keyword == "g") name_ = joinWords(rest);
+    else if (std::find(std::begin(kIgnored), std::end(kIgnored), keyword) == std::end(kIgnored))
+      refuse(fmt::format("'{}' is not a statement that is understood; export polygons as OBJ text", printable(keyword)), line_);
+  }
+
+  static std::string printable(std::string_view text) {
+    std::string out(text.substr(0, 20));
+    for (char& c : out)
+      if (static_cast<unsigned char>(c) < 32) c = '?';
+    return out;
+  }
+
+  static std::string joinWords(std::string_view rest) {
+    std::string joined;
+    for (std::string_view word = nextWord(rest); !word.empty(); word = nextWord(rest)) joined += (joined.empty() ? "" : " ") + std::string(word);
+    return joined;
+  }
+
+  void readVertex(std::string_view rest) {
+    glm::dvec3 vertex;
+    for (int axis = 0; axis < 3; ++axis) {
+      std::string_view word = nextWord(rest);
+      if (word.empty()) refuse("a vertex needs three coordinates; complete it", line_);
+      if (word.front() == '+') word.remove_prefix(1);
+      const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), vertex[axis]);
+      if (failure == std::errc::invalid_argument || (failure == std::errc() && end != word.data() + word.size()))
+        refuse(fmt::format("'{}' is not a number; correct it", printable(word)), line_);
+      if (failure != std::errc() || !std::isfinite(vertex[axis]))
+        refuse(fmt::format("'{}' is not a finite number; correct it", printable(word)), line_);
+    }
+    vertices_.push_back(vertex);
+  }
+
+  void readFace(std::string_view rest) {
+    Face face{{}, surfaceInForce(), line_};
+    for (std::string_view word = nextWord(rest); !word.empty(); word = nextWord(rest)) {
+      int64_t index = 0;
+      const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), index);
+      if (failure != std::errc() || (end != word.data() + word.size() && *end != '/'))
+        refuse(fmt::format("'{}' is not a vertex index; correct it", printable(word)), line_);
+      // Negative indices count back from the vertex read last; positive ones may run ahead and are checked at the end.
+      const int64_t absolute = index < 0 ? int64_t(vertices_.size()) + index + 1 : index;
+      if (absolute < 1) refuse(fmt::format("vertex index {} is out of range; indices start at 1", index), line_);
+      face.vertices.push_back(static_cast<uint64_t>(absolute));
+    }
+    if (face.vertices.size() < 3) refuse("a face needs three corners or more; complete or remove it", line_);
+    faces_.push_back(std::move(face));
+  }
+
+  // The latest `o` or `g` names the surface; a nameless `g` falls back to the object, and that to the file.
+  uint32_t surfaceInForce() {
+    const std::string& name = !name_.empty() ? name_ : object_;
+    const auto [at, is_new] = surfaces_.try_emplace(name.empty() ? file_.stem().string() : name, uint32_t(scene_.surface_names.size()));
+    if (is_new) scene_.surface_names.push_back(at->first);
+    return at->second;
+  }
+
+  InputScene finish() {
+    for (const Face& face : faces_) {
+      InputFace input{{}, face.surface, face.line};
+      for (uint64_t index : face.vertices) {
+        if (index > vertices_.size())
+          refuse(fmt::format("vertex index {} is out of range; the file has {} vertices", index, vertices_.size()), face.line);
+        input.corners.push_back(vertices_[index - 1]);
+      }
+      scene_.faces.push_back(std::move(input));
+    }
+    return std::move(scene_);
+  }
+
+  struct Face {
+    std::vector<uint64_t> vertices;  // from 1
+    uint32_t surface, line;
+  };
+  std::filesystem::path file_;
+  InputScene scene_;
+  uint32_t line_ = 0;
+  std::string object_, name_;
+  std::unordered_map<std::string, uint32_t> surfaces_;
+  std::vector<glm::dvec3> vertices_;
+  std::vector<Face> faces_;
+};
+
+}  // namespace
+
+InputScene readObj(const std::filesystem::path& file) { return ObjReader(file).read(); }
+
+}  // namespace viewpeel

@@ -1,0 +1,141 @@
+#include "scene/split_face.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <numeric>
+
+#include <glm/geometric.hpp>
+
+namespace viewpeel {
+namespace {
+
+using Flat = std::vector<glm::dvec2>;
+
+double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
+double turn(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) { return cross(b - a, c - b); }
+
+// The corners in the plane orthogonal to the normal, counter-clockwise.
+Flat flatten(const std::vector<glm::dvec3>& corners, const glm::dvec3& normal) {
+  const glm::dvec3 helper = std::abs(normal.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+  const glm::dvec3 x = glm::normalize(glm::cross(helper, normal)), y = glm::cross(normal, x);
+  Flat flat;
+  for (const glm::dvec3& corner : corners) flat.push_back({glm::dot(corner - corners[0], x), glm::dot(corner - corners[0], y)});
+  return flat;
+}
+
+bool isPlanar(const std::vector<glm::dvec3>& corners, const glm::dvec3& normal) {
+  const glm::dvec3 centre = std::accumulate(corners.begin(), corners.end(), glm::dvec3(0)) / double(corners.size());
+  return std::all_of(corners.begin(), corners.end(),
+                     [&](const glm::dvec3& c) { return std::abs(glm::dot(c - centre, normal)) <= kPlanarTolerance; });
+}
+
+// Rounding of a turn: its terms are products of two lengths that carry a few units in the last place of the unit ball.
+double turnSlack(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) { return 4e-16 * (glm::length(b - a) + glm::length(c - b)); }
+
+// Left turns only, once around.
+bool isConvex(const Flat& flat, const std::vector<uint32_t>& loop) {
+  double turned_rad = 0;
+  for (size_t k = 0; k < loop.size(); ++k) {
+    const glm::dvec2 a = flat[loop[k]], b = flat[loop[(k + 1) % loop.size()]], c = flat[loop[(k + 2) % loop.size()]];
+    if (turn(a, b, c) < -turnSlack(a, b, c)) return false;
+    turned_rad += std::atan2(turn(a, b, c), glm::dot(b - a, c - b));
+  }
+  return std::abs(turned_rad - 2 * std::numbers::pi) < 1;
+}
+
+bool crossesItself(const Flat& flat) {
+  const size_t m = flat.size();
+  const auto sideOf = [&](size_t edge, size_t point) {
+    const glm::dvec2 a = flat[edge], b = flat[(edge + 1) % m], p = flat[point % m];
+    const double side = turn(a, b, p);
+    return std::abs(side) <= turnSlack(a, b, p) ? 0 : side > 0 ? 1 : -1;
+  };
+  for (size_t i = 0; i < m; ++i)
+    for (size_t j = i + 2; j < m; ++j)
+      if (sideOf(i, j) * sideOf(i, j + 1) < 0 && sideOf(j, i) * sideOf(j, i + 1) < 0) return true;
+  return false;
+}
+
+bool isEar(const Flat& flat, const std::vector<uint32_t>& loop, size_t at) {
+  const size_t m = loop.size();
+  const glm::dvec2 a = flat[loop[(at + m - 1) % m]], b = flat[loop[at]], c = flat[loop[(at + 1) % m]];
+  if (turn(a, b, c) <= turnSlack(a, b, c)) return false;
+  for (uint32_t index : loop) {
+    const glm::dvec2 p = flat[index];
+    if (p == a || p == b || p == c) continue;  // also corners that a bridge to a hole repeats
+    if (cross(b - a, p - a) >= 0 && cross(c - b, p - b) >= 0 && cross(a - c, p - c) >= 0) return false;
+  }
+  return true;
+}
+
+Pieces clipEars(const Flat& flat) {
+  std::vector<uint32_t> loop(flat.size());
+  std::iota(loop.begin(), loop.end(), 0u);
+  Pieces triangles;
+  while (loop.size() >= 3) {
+    const size_t m = loop.size();
+    size_t at = 0;
+    while (at < m && !isEar(flat, loop, at)) ++at;
+    if (at == m) {
+      // Nothing but corners on straight edges is left to cut off: they bound no area.
+      for (at = 0; at < m; ++at) {
+        const glm::dvec2 a = flat[loop[(at + m - 1) % m]], b = flat[loop[at]], c = flat[loop[(at + 1) % m]];
+        if (std::abs(turn(a, b, c)) <= turnSlack(a, b, c)) break;
+      }
+      if (at == m) return {};
+    } else {
+      triangles.push_back({loop[(at + m - 1) % m], loop[at], loop[(at + 1) % m]});
+    }
+    loop.erase(loop.begin() + static_cast<std::ptrdiff_t>(at));
+  }
+  return triangles;
+}
+
+// Removes every diagonal whose removal leaves a convex piece.
+Pieces mergePieces(const Flat& flat, Pieces pieces) {
+  std::map<std::pair<uint32_t, uint32_t>, size_t> owner;  // piece that has the directed edge
+  for (size_t p = 0; p < pieces.size(); ++p)
+    for (size_t k = 0; k < pieces[p].size(); ++k) owner[{pieces[p][k], pieces[p][(k + 1) % pieces[p].size()]}] = p;
+  std::vector<std::pair<uint32_t, uint32_t>> diagonals;
+  for (const auto& [edge, piece] : owner)
+    if (edge.first < edge.second && owner.count({edge.second, edge.first})) diagonals.push_back(edge);
+  for (const auto& [a, b] : diagonals) {
+    const size_t p = owner[{a, b}], q = owner[{b, a}];
+    std::vector<uint32_t> first = pieces[p], second = pieces[q];
+    // first: b ... a, second: a ... b; joined without repeating a and b.
+    std::rotate(first.begin(), std::find(first.begin(), first.end(), b), first.end());
+    std::rotate(second.begin(), std::find(second.begin(), second.end(), a), second.end());
+    first.insert(first.end(), second.begin() + 1, second.end() - 1);
+    if (!isConvex(flat, first)) continue;
+    for (size_t k = 0; k < first.size(); ++k) owner[{first[k], first[(k + 1) % first.size()]}] = p;
+    pieces[p] = std::move(first);
+    pieces[q].clear();
+  }
+  std::erase_if(pieces, [](const auto& piece) { return piece.empty(); });
+  return pieces;
+}
+
+}  // namespace
+
+glm::dvec3 twiceVectorArea(const std::vector<glm::dvec3>& corners) {
+  glm::dvec3 sum(0);
+  for (size_t k = 1; k + 1 < corners.size(); ++k) sum += glm::cross(corners[k] - corners[0], corners[k + 1] - corners[0]);
+  return sum;
+}
+
+Pieces splitFace(const std::vector<glm::dvec3>& corners) {
+  std::vector<uint32_t> whole(corners.size());
+  std::iota(whole.begin(), whole.end(), 0u);
+  if (corners.size() == 3) return {whole};
+  const glm::dvec3 normal = glm::normalize(twiceVectorArea(corners));
+  const Flat flat = flatten(corners, normal);
+  const bool planar = isPlanar(corners, normal);
+  if (planar && isConvex(flat, whole)) return {whole};
+  if (crossesItself(flat)) return {};
+  Pieces triangles = clipEars(flat);
+  return planar ? mergePieces(flat, std::move(triangles)) : triangles;
+}
+
+}  // namespace viewpeel
