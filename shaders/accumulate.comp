@@ -31,7 +31,9 @@ void main() {
   Layer lower = Layers(args.lower).at[at];
   Layer upper = Layers(args.upper).at[at];
   if (upper.polygon != 0u) {
-    Words(args.next_alive).at[direction_index] = 1u;
+    uint block = 8u * blockAlong(in_cell / args.cell_size, args.cell_size) + blockAlong(in_cell % args.cell_size, args.cell_size);
+    uint word = 2u * direction_index + block / 32u, bit = 1u << (block % 32u);
+    if ((Words(args.next_alive).at[word] & bit) == 0u) atomicOr(Words(args.next_alive).at[word], bit);
     Commands next = Commands(args.next_commands);
     next.at.draw_instance_count = args.instance_count;
     next.at.group_count_x = args.group_count;

@@ -1,22 +1,23 @@
 // Coverage and depth at lattice points, in integers: the same on every device.
 
-// Whether the snapped polygon covers lattice point p. A point on an edge belongs to the polygon that holds it after the
-// point has moved by an infinitesimal (-e, e^2): to exactly one of two polygons on either side (the top-left rule).
-//   corner_at: index of the polygon's first snapped corner; orientation: +1 where the corners run counter-clockwise, else -1.
-// Error: none. With coordinates below 2^kSnapBits each product is below 2^(2 kSnapBits + 2).
-bool coversPoint(Snapped snapped, uint corner_at, uint corner_count, int orientation, ivec2 p, int fraction_bits) {
-  ivec2 point = p << fraction_bits;
-  ivec2 from = snapped.at[corner_at + corner_count - 1u];
-  for (uint k = 0u; k < corner_count; ++k) {
-    ivec2 to = snapped.at[corner_at + k];
-    ivec2 edge = (to - from) * orientation;
-    ivec2 away = point - from;
-    int64_t side = int64_t(edge.x) * int64_t(away.y) - int64_t(edge.y) * int64_t(away.x);
-    bool owns_edge = edge.y > 0 || (edge.y == 0 && edge.x > 0);
-    if (edge != ivec2(0) && (side < 0 || (side == 0 && !owns_edge))) return false;
-    from = to;
-  }
-  return true;
+// Whether lattice point p lies on the polygon's side of an edge.
+bool isInside(Edge edge, ivec2 p) {
+  return int64_t(edge.a) * int64_t(p.x) + int64_t(edge.b) * int64_t(p.y) + edge.c >= int64_t(0);
+}
+
+// The edge between two snapped corners of a polygon whose corners run counter-clockwise (orientation +1) or clockwise (-1).
+// A point on an edge belongs to the polygon that holds it after the point has moved by an infinitesimal (-e, e^2): to exactly one of
+// the two on either side (the top-left rule).
+// Error: none. Coordinates are below 2^kSnapBits, so c below 2^(2 kSnapBits + 2); an edge of no length lets every point pass.
+Edge makeEdge(ivec2 from, ivec2 to, int orientation, int fraction_bits) {
+  ivec2 along = (to - from) * orientation;
+  Edge edge;
+  edge.a = -along.y;
+  edge.b = along.x;
+  bool owns_points = along.y > 0 || (along.y == 0 && along.x >= 0);
+  int64_t c = -(int64_t(edge.a) * int64_t(from.x) + int64_t(edge.b) * int64_t(from.y)) - (owns_points ? int64_t(0) : int64_t(1));
+  edge.c = c >> fraction_bits;  // rounds down, which is exact: at lattice points the rest of the sum is a multiple of 2^fraction_bits
+  return edge;
 }
 
 // The order of a polygon along the line through lattice point p (Layer.key).

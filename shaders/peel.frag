@@ -17,14 +17,14 @@ void main() {
   ivec2 cell = ivec2(direction_index % args.cells_per_row, direction_index / args.cells_per_row) * int(args.cell_size);
   ivec2 p = pixel - cell - int(args.cell_size) / 2;
 
-  ProjectedPolygon polygon = Projected(args.projected).at[instance];
-  uint key = layerKey(polygon, p);
+  uint key = layerKey(Projected(args.projected).at[instance], p);
   Layer previous = Layers(args.previous).at[uint(pixel.y) * args.image_width + uint(pixel.x)];
   if (key < previous.key || (key == previous.key && polygon_index + 1u <= previous.polygon)) discard;
 
-  PolygonData corners = Polygons(args.polygons).at[polygon_index];
-  if (!coversPoint(Snapped(args.snapped), direction_index * args.corner_count + corners.first_corner, corners.corner_count,
-                   polygon.front_up != 0u ? 1 : -1, p, args.fraction_bits)) discard;
+  PolygonData polygon = Polygons(args.polygons).at[polygon_index];
+  uint edge = direction_index * args.corner_count + polygon.first_corner;
+  for (uint end = edge + polygon.corner_count; edge < end; ++edge)
+    if (!isInside(Edges(args.edges).at[edge], p)) discard;
   layer = uvec2(key, polygon_index + 1u);
   // Bit patterns of positive floats are ordered as the floats are: a 32-bit depth buffer compares the keys exactly.
   gl_FragDepth = uintBitsToFloat(key + 0x00800000u);

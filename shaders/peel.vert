@@ -1,5 +1,5 @@
 #version 460
-// One instance is one polygon in one direction: four vertices span the pixels of the lattice points it can cover.
+// One instance is one polygon in one direction: a strip of four vertices around the pixels of all lattice points it can cover.
 #extension GL_GOOGLE_include_directive : require
 #define SHARED_FUNCTION
 #include "common.glsl"
@@ -9,13 +9,12 @@ layout(location = 0) flat out uint instance;
 
 void main() {
   uint direction_index = gl_InstanceIndex / args.polygon_count;
-  ProjectedPolygon polygon = Projected(args.projected).at[gl_InstanceIndex];
   instance = gl_InstanceIndex;
   gl_Position = vec4(0, 0, 0, 1);
-  if (polygon.box_min.x > polygon.box_max.x || Words(args.alive).at[direction_index] == 0u) return;
+  uvec2 alive = uvec2(Words(args.alive).at[2u * direction_index], Words(args.alive).at[2u * direction_index + 1u]);
+  if (all(equal(alive & unpack32(Projected(args.projected).at[gl_InstanceIndex].blocks), uvec2(0)))) return;
   ivec2 cell = ivec2(direction_index % args.cells_per_row, direction_index / args.cells_per_row) * int(args.cell_size);
-  ivec2 corner = ivec2((gl_VertexIndex & 1) != 0 ? polygon.box_max.x + 1 : polygon.box_min.x,
-                       (gl_VertexIndex & 2) != 0 ? polygon.box_max.y + 1 : polygon.box_min.y);
-  vec2 pixel = vec2(cell + corner + int(args.cell_size) / 2);
+  vec2 point = Projected(args.projected).at[gl_InstanceIndex].outline[gl_VertexIndex];
+  vec2 pixel = vec2(cell + int(args.cell_size) / 2) + point + 0.5;  // a pixel's centre is its lattice point
   gl_Position.xy = pixel / vec2(args.image_width, args.image_height) * 2.0 - 1.0;
 }

@@ -1,10 +1,12 @@
 #version 460
-// One invocation projects one polygon along one direction: snaps its corners to the lattice's fixed point, finds the box of lattice
-// points it can cover and writes its depth as a plane over the lattice.
-//   In:  directions, polygons, corners (ProjectArgs)     Out: snapped, projected
+// One invocation projects one polygon along one direction: snaps its corners to the lattice's fixed point and writes its edges,
+// an outline of the lattice points it can cover, and its depth as a plane over the lattice.
+//   In:  directions, polygons, corners (ProjectArgs)     Out: edges, projected
 #extension GL_GOOGLE_include_directive : require
 #define SHARED_FUNCTION
 #include "common.glsl"
+
+#include "geometry.glsl"
 
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Args { ProjectArgs args; };
@@ -18,6 +20,27 @@ double dotInOrder(dvec3 a, dvec3 b) {
 // floor(log2(x)) of a normal x > 0.
 int exponentOf(double x) { return int((unpackDouble2x32(x).y >> 20) & 0x7FFu) - 1023; }
 
+ivec2 snap(dvec3 corner, DirectionData direction, double per_spacing, double fixed_one) {
+  precise double x = dotInOrder(corner, direction.x_axis) * per_spacing + direction.offset.x;
+  precise double y = dotInOrder(corner, direction.y_axis) * per_spacing + direction.offset.y;
+  return ivec2(int(floor(x * fixed_one + 0.5LF)), int(floor(y * fixed_one + 0.5LF)));
+}
+
+// The corner between two edges, moved outward by a little on either side, so that a rasteriser that snaps and rounds as it likes
+// finds every lattice point of the polygon. False where the corner is too sharp for that.
+bool widenCorner(Edge before, Edge after, vec2 corner, out vec2 widened) {
+  const float kMargin = 1.0 / 16.0;  // of a spacing; rasterisers snap to 1/16 or finer
+  vec2 n1 = -vec2(before.a, before.b), n2 = -vec2(after.a, after.b);
+  float l1 = length(n1), l2 = length(n2);
+  widened = corner;
+  if (l1 == 0.0 || l2 == 0.0) return false;
+  n1 /= l1;
+  n2 /= l2;
+  float both = 1.0 + dot(n1, n2);
+  widened += kMargin / both * (n1 + n2);
+  return both > 0.02;  // moved by at most kMargin sqrt(2 / 0.02) = 0.625
+}
+
 void main() {
   uint polygon_index = gl_GlobalInvocationID.x;
   uint direction_index = gl_WorkGroupID.y;
@@ -25,8 +48,8 @@ void main() {
   DirectionData direction = Directions(args.directions).at[direction_index];
   PolygonData polygon = Polygons(args.polygons).at[polygon_index];
   Corners corners = Corners(args.corners);
-  Snapped snapped = Snapped(args.snapped);
-  uint corner_at = direction_index * args.corner_count + polygon.first_corner;
+  Edges edges = Edges(args.edges);
+  uint edge_at = direction_index * args.corner_count + polygon.first_corner;
 
   // Corners in lattice coordinates, x / h + offset with 1 / h = resolution / 2.
   precise double per_spacing = double(args.resolution) * 0.5LF;
@@ -37,10 +60,7 @@ void main() {
   ivec2 first, previous;
   for (uint k = 0u; k < polygon.corner_count; ++k) {
     dvec3 corner = corners.at[polygon.first_corner + k];
-    precise double x = dotInOrder(corner, direction.x_axis) * per_spacing + direction.offset.x;
-    precise double y = dotInOrder(corner, direction.y_axis) * per_spacing + direction.offset.y;
-    ivec2 at = ivec2(int(floor(x * fixed_one + 0.5LF)), int(floor(y * fixed_one + 0.5LF)));
-    snapped.at[corner_at + k] = at;
+    ivec2 at = snap(corner, direction, per_spacing, fixed_one);
     low = min(low, at);
     high = max(high, at);
     precise double z = dotInOrder(corner, direction.u);
@@ -50,15 +70,45 @@ void main() {
     else twice_area += int64_t(previous.x - first.x) * int64_t(at.y - first.y) - int64_t(previous.y - first.y) * int64_t(at.x - first.x);
     previous = at;
   }
+  int orientation = twice_area > int64_t(0) ? 1 : -1;
+  for (uint k = 0u; k < polygon.corner_count; ++k) {  // previous is the last corner
+    ivec2 at = snap(corners.at[polygon.first_corner + k], direction, per_spacing, fixed_one);
+    uint edge_of_polygon = k == 0u ? polygon.corner_count - 1u : k - 1u;
+    edges.at[edge_at + edge_of_polygon] = makeEdge(previous, at, orientation, args.fraction_bits);
+    previous = at;
+  }
 
   ProjectedPolygon projected;
   projected.front_up = twice_area > int64_t(0) ? 1u : 0u;
+  int half_cell = int(args.cell_size) / 2;
   int round_up = (1 << args.fraction_bits) - 1;
-  projected.box_min = (low + round_up) >> args.fraction_bits;
-  projected.box_max = high >> args.fraction_bits;
-  if (twice_area == int64_t(0) || any(greaterThan(projected.box_min, projected.box_max))) {
-    projected.box_min = ivec2(1);
-    projected.box_max = ivec2(0);
+  ivec2 box_min = (low + round_up) >> args.fraction_bits, box_max = high >> args.fraction_bits;  // lattice points
+  projected.blocks = uint64_t(0);
+  if (twice_area == int64_t(0) || any(greaterThan(box_min, box_max))) {
+    for (int k = 0; k < 4; ++k) projected.outline[k] = vec2(0);
+  } else {
+    for (int k = 0; k < 4; ++k)
+      projected.outline[k] = vec2((k & 1) != 0 ? box_max.x : box_min.x, (k & 2) != 0 ? box_max.y : box_min.y) +
+                             vec2((k & 1) != 0 ? 0.5 : -0.5, (k & 2) != 0 ? 0.5 : -0.5);
+    uint left = blockAlong(uint(box_min.x + half_cell), args.cell_size), right = blockAlong(uint(box_max.x + half_cell), args.cell_size);
+    uint bottom = blockAlong(uint(box_min.y + half_cell), args.cell_size), top = blockAlong(uint(box_max.y + half_cell), args.cell_size);
+    for (uint row = bottom; row <= top; ++row) projected.blocks |= uint64_t((2u << right) - (1u << left)) << (8u * row);
+    if (polygon.corner_count <= 4u) {
+      vec2 widened[4];
+      bool usable = true;
+      for (uint k = 0u; k < 4u; ++k) {
+        uint m = polygon.corner_count, at = min(k, m - 1u);
+        usable = widenCorner(edges.at[edge_at + (at == 0u ? m - 1u : at - 1u)], edges.at[edge_at + at],
+                             vec2(snap(corners.at[polygon.first_corner + at], direction, per_spacing, fixed_one)) / float(fixed_one),
+                             widened[k]) && usable;
+      }
+      if (usable) {  // a strip goes 0, 1, 3, 2
+        projected.outline[0] = widened[0];
+        projected.outline[1] = widened[1];
+        projected.outline[2] = widened[3];
+        projected.outline[3] = widened[2];
+      }
+    }
   }
 
   // normal . (x, y, z) = plane_offset, solved for z at lattice points.

@@ -17,18 +17,24 @@ struct PolygonData {
   double plane_offset;
 };
 
+// An edge over the lattice: a p.x + b p.y + c >= 0 where point p lies on the polygon's side of it.
+struct Edge {
+  int a, b;
+  int64_t c;
+};
+
 // A polygon in one direction. Depth at a lattice point p is
 //   clamp((depth_0 + depth_x p.x + depth_y p.y) >> depth_shift, depth_min, depth_max), in units of 2^-kDepthBits above -1.
 struct ProjectedPolygon {
-  ivec2 box_min;  // lattice points it can cover; box_min.x > box_max.x where it covers none
-  ivec2 box_max;
+  vec2 outline[4];  // in lattice coordinates, a triangle strip around all lattice points it can cover; one point where it covers none
+  uint64_t blocks;  // of its cell that it can cover points of, see blockBit
   int64_t depth_0;
   int64_t depth_x;
   int64_t depth_y;
   int depth_shift;
   int depth_min;
   int depth_max;
-  uint front_up;  // 1 where its front faces +u
+  uint front_up;      // 1 where its front faces +u
 };
 
 const int kDepthBits = 27;  // of a unit length; the unit ball spans 2^28 depths
@@ -54,32 +60,30 @@ struct ProjectArgs {
   uint64_t directions;  // DirectionData[direction_count]
   uint64_t polygons;    // PolygonData[polygon_count]
   uint64_t corners;     // dvec3[corner_count]
-  uint64_t snapped;     // ivec2[direction_count][corner_count]
+  uint64_t edges;       // Edge[direction_count][corner_count], edge k from corner k to the next of its polygon
   uint64_t projected;   // ProjectedPolygon[direction_count][polygon_count]
   uint polygon_count;
   uint corner_count;
   uint direction_count;
   int resolution;       // lattice spacings across the unit ball's diameter
   int fraction_bits;    // of a snapped coordinate
-  uint padding;
+  uint cell_size;       // see PeelArgs
 };
 
 // Directions lie side by side in one image, cells_per_row cells of cell_size^2 pixels a row; a cell's centre pixel is
 // lattice point (0, 0).
 struct PeelArgs {
   uint64_t polygons;
-  uint64_t snapped;
+  uint64_t edges;
   uint64_t projected;
   uint64_t previous;       // Layer[image_height][image_width]
-  uint64_t alive;          // uint[direction_count]: the direction's last layer had a polygon
+  uint64_t alive;          // uint[direction_count][2]: the blocks of the cell in which the previous layer had a polygon
   uint polygon_count;
   uint corner_count;
   uint cell_size;
   uint cells_per_row;
   uint image_width;
   uint image_height;
-  int fraction_bits;
-  uint padding;
 };
 
 struct AccumulateArgs {
@@ -87,7 +91,7 @@ struct AccumulateArgs {
   uint64_t lower;          // Layer[image_height][image_width], layer k-1
   uint64_t upper;          // layer k
   uint64_t counters;       // uint, see counterIndex
-  uint64_t next_alive;     // uint[direction_count]
+  uint64_t next_alive;     // uint[direction_count][2], alive for layer k+1
   uint64_t next_commands;  // LayerCommands
   uint id_count;
   uint cell_size;
@@ -98,6 +102,10 @@ struct AccumulateArgs {
   uint instance_count;
   uint group_count;
 };
+
+// A cell has 8 x 8 blocks, one bit each: where the previous layer has no polygon, nothing is behind it, and polygons that can cover points of
+// no other blocks are not drawn.
+SHARED_FUNCTION uint blockAlong(uint in_cell, uint cell_size) { return in_cell * 8u / cell_size; }
 
 // Counters of ids i <= j as the rows of an upper triangle, each row followed by the row's environment (column id_count)
 // and leak (column id_count + 1).

@@ -17,7 +17,7 @@ struct ComputeOptions {
   std::string scene;
   std::vector<std::string> outputs;
   By by = By::polygon;
-  GraphicsOptions graphics{.resolution = 128};
+  GraphicsOptions graphics;
   DeviceOptions device;
   EstimateOptions estimate;
   bool quiet = false;
@@ -87,16 +87,14 @@ void addCompute(CLI::App& app, Run& chosen) {
   command->add_option("SCENE", options->scene, "Scene file: .obj, .stl or .ply")->required();
   command->add_option("-o,--output", options->outputs, "Write the matrix: .csv or .mtx; may be given several times")
       ->type_name("FILE")->allow_extra_args(false);
-  auto tolerance = std::make_shared<double>(1e-3);
+  auto tolerance = std::make_shared<double>(0);
   CLI::Option* tolerance_option =
-      command->add_option("--tolerance", *tolerance, "Run until the largest standard error of all form factors is at most this")
-          ->type_name("T")->check(isPositive)->capture_default_str();
-  CLI::Option* directions_option =
-      command->add_option("--directions", estimate.directions, "Directions per replicate; without --tolerance, run --replicates of them")
-          ->type_name("N")->check(CLI::Range(1u, 1u << 30))->capture_default_str();
-  CLI::Option* replicates_option =
-      command->add_option("--replicates", estimate.replicates, "Independent replicates, at least; they give the standard errors")
-          ->type_name("R")->check(CLI::Range(2u, 1u << 30))->capture_default_str();
+      command->add_option("--tolerance", *tolerance, "Go on until the largest standard error of all form factors is at most this")
+          ->type_name("T")->check(isPositive);
+  command->add_option("--directions", estimate.directions, "Directions per replicate")
+      ->type_name("N")->check(CLI::Range(1u, 1u << 30))->capture_default_str();
+  command->add_option("--replicates", estimate.replicates, "Independent replicates, at least; their spread gives the standard errors")
+      ->type_name("R")->check(CLI::Range(2u, 1u << 30))->capture_default_str();
   command->add_option("--resolution", options->graphics.resolution, "Lattice spacings across the scene's diameter")
       ->type_name("PX")->check(CLI::Range(1, kMaxResolution))->capture_default_str();
   command->add_option("--by", options->by, "One row per polygon or per named surface")
@@ -112,8 +110,7 @@ void addCompute(CLI::App& app, Run& chosen) {
       ->type_name("N")->capture_default_str();
   command->add_flag("--quiet", options->quiet, "Print nothing but errors and warnings");
   command->callback([=, &chosen] {
-    const bool fixed_work = directions_option->count() || replicates_option->count();
-    if (tolerance_option->count() || !fixed_work) options->estimate.tolerance = *tolerance;
+    if (tolerance_option->count()) options->estimate.tolerance = *tolerance;
     chosen = [options] { return runCompute(*options); };
   });
 }

@@ -1,5 +1,5 @@
 // The passes, in order, for a batch of directions side by side in one image:
-//   project       every polygon along every direction: snapped corners, boxes, depth planes
+//   project       every polygon along every direction: edges, outline and depth over the lattice
 //   peel          draw all polygons; what lies behind the previous layer competes in the depth test for this one
 //   (copy)        the layer becomes readable
 //   accumulate    layers k-1 and k: facing rules, counters; asks for layer k+1 where layer k has a polygon
@@ -31,7 +31,7 @@ constexpr VkFormat kLayerFormat = VK_FORMAT_R32G32_UINT;
 constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
 constexpr uint32_t kGroupSize = 64;  // local_size_x of the compute passes
 constexpr uint64_t kBatchPixels = 1u << 20;
-constexpr uint64_t kMostLayersRecorded = 64;
+constexpr uint64_t kLayersRecorded = 4;  // per submission; an unused one costs as much as clearing and copying an image
 constexpr uint64_t kBatchBytes = 256u << 20;  // of projected polygons
 
 uint32_t divideUp(uint64_t value, uint64_t by) { return static_cast<uint32_t>((value + by - 1) / by); }
@@ -64,13 +64,12 @@ class GraphicsEngine : public Engine {
   uint64_t counter_count_;
   int fraction_bits_;
   uint32_t cell_size_, cells_per_row_, cell_rows_, batch_size_;
-  uint32_t layers_recorded_ = 4;  // per submission; follows the depth of the scene, up to kMostLayersRecorded
   uint64_t most_in_counter_ = 0;  // bound on any device counter
   std::vector<uint64_t> sums_;    // of the counters read so far
 
   Kernel project_, peel_, accumulate_;
   Commands commands_;
-  Buffer polygons_, corners_, directions_, snapped_, projected_, counters_, counters_read_;
+  Buffer polygons_, corners_, directions_, edges_, projected_, counters_, counters_read_;
   std::array<Buffer, 2> layers_;  // layer k lies in layers_[k % 2], and layer -1, before everything, in layers_[1]
   std::array<Buffer, 2> alive_, next_commands_;  // for layer k in [k % 2]
   Buffer status_;
@@ -108,16 +107,16 @@ GraphicsEngine::GraphicsEngine(const Device& device, const Scene& scene, const I
   }
   polygons_ = uploadBuffer(device, polygons);
   corners_ = uploadBuffer(device, scene.corners);
-  planBatch(uint64_t(polygon_count_) * sizeof(ProjectedPolygon) + uint64_t(corner_count_) * sizeof(ivec2));
+  planBatch(uint64_t(polygon_count_) * sizeof(ProjectedPolygon) + uint64_t(corner_count_) * sizeof(Edge));
 
   directions_ = Buffer(device, batch_size_ * sizeof(DirectionData), MemoryUse::upload);
-  snapped_ = Buffer(device, uint64_t(batch_size_) * corner_count_ * sizeof(ivec2), MemoryUse::device);
+  edges_ = Buffer(device, uint64_t(batch_size_) * corner_count_ * sizeof(Edge), MemoryUse::device);
   projected_ = Buffer(device, uint64_t(batch_size_) * polygon_count_ * sizeof(ProjectedPolygon), MemoryUse::device);
   counters_ = Buffer(device, counter_bytes, MemoryUse::device);
   counters_read_ = Buffer(device, counter_bytes, MemoryUse::readback);
   const uint64_t pixels = uint64_t(cells_per_row_) * cell_size_ * cell_rows_ * cell_size_;
   for (Buffer& layer : layers_) layer = Buffer(device, pixels * sizeof(Layer), MemoryUse::device);
-  for (Buffer& alive : alive_) alive = Buffer(device, batch_size_ * sizeof(uint32_t), MemoryUse::device);
+  for (Buffer& alive : alive_) alive = Buffer(device, batch_size_ * sizeof(uint64_t), MemoryUse::device);
   for (Buffer& next : next_commands_) next = Buffer(device, sizeof(LayerCommands), MemoryUse::device);
   status_ = Buffer(device, sizeof(LayerCommands), MemoryUse::readback);
   prepareImages();
@@ -131,7 +130,7 @@ void GraphicsEngine::planBatch(uint64_t polygon_bytes_per_direction) {
   if (!options_.batch_directions) wanted = std::min(wanted, std::max<uint64_t>(1, kBatchBytes / polygon_bytes_per_direction));
   wanted = std::min<uint64_t>({wanted, uint64_t(largest_side / cell_size_) * (largest_side / cell_size_),
                                device_.properties().limits.maxComputeWorkGroupCount[1], (1ull << 31) / polygon_count_,
-                               std::max<uint64_t>(1, 0xFFFFFFFFull / (cell_pixels * kMostLayersRecorded))});
+                               std::max<uint64_t>(1, 0xFFFFFFFFull / (cell_pixels * kLayersRecorded))});
   cells_per_row_ = std::min<uint32_t>(largest_side / cell_size_, static_cast<uint32_t>(std::ceil(std::sqrt(double(wanted)))));
   cell_rows_ = divideUp(wanted, cells_per_row_);
   batch_size_ = static_cast<uint32_t>(wanted);
@@ -189,11 +188,11 @@ void GraphicsEngine::readCounters() {
 
 // A lattice point adds at most one to one counter in each layer: the device's 32-bit counters are emptied before they could overflow.
 void GraphicsEngine::makeRoomInCounters(uint64_t points) {
-  most_in_counter_ += points * layers_recorded_;
+  most_in_counter_ += points * kLayersRecorded;
   if (most_in_counter_ <= 0xFFFFFFFFull) return;
   readCounters();
   clearCounters();
-  most_in_counter_ = points * layers_recorded_;
+  most_in_counter_ = points * kLayersRecorded;
 }
 
 void GraphicsEngine::countBatch(std::span<const Direction> directions) {
@@ -205,24 +204,22 @@ void GraphicsEngine::countBatch(std::span<const Direction> directions) {
   const uint64_t points = uint64_t(cell_size_) * cell_size_ * direction_count;
   makeRoomInCounters(points);
   commands_.begin();
-  ProjectArgs project{directions_.address(), polygons_.address(), corners_.address(), snapped_.address(), projected_.address(),
-                      polygon_count_, corner_count_, direction_count, options_.resolution, fraction_bits_, 0};
+  ProjectArgs project{directions_.address(), polygons_.address(), corners_.address(), edges_.address(), projected_.address(),
+                      polygon_count_, corner_count_, direction_count, options_.resolution, fraction_bits_, cell_size_};
   commands_.dispatch(project_, project, divideUp(polygon_count_, kGroupSize), direction_count);
   // Layer -1 lies before everything: key 0, no polygon.
   commands_.fill(layers_[1], 0);
-  commands_.fill(alive_[0], 1);
+  commands_.fill(alive_[0], 0xFFFFFFFFu);
   const LayerCommands first{4, polygon_count_ * direction_count, 0, 0, divideUp(uint64_t(cell_size_) * cell_size_, kGroupSize),
                             direction_count, 1, 0};
   vkCmdUpdateBuffer(commands_.handle(), next_commands_[0].handle(), 0, sizeof first, &first);
   commands_.barrier();
 
   for (uint32_t layer = 0;;) {
-    const uint32_t end = layer + layers_recorded_;
-    for (; layer < end; ++layer) recordLayer(layer, direction_count);
+    for (uint32_t k = 0; k < kLayersRecorded; ++k) recordLayer(layer++, direction_count);
     commands_.copy(next_commands_[layer % 2], status_, sizeof(LayerCommands));
     commands_.submitAndWait();
     if (status_.mapped<LayerCommands>()[0].draw_instance_count == 0) break;
-    layers_recorded_ = std::min<uint32_t>(layers_recorded_ * 2, kMostLayersRecorded);
     makeRoomInCounters(points);
     commands_.begin();
   }
@@ -256,8 +253,8 @@ void GraphicsEngine::recordLayer(uint32_t layer, uint32_t direction_count) {
   rendering.pDepthAttachment = &depth;
   const VkViewport viewport{0, 0, float(width), float(height), 0, 1};
   const VkRect2D scissor{{0, 0}, {width, height}};
-  const PeelArgs peel{polygons_.address(), snapped_.address(), projected_.address(), layers_[next].address(), alive_[now].address(),
-                      polygon_count_, corner_count_, cell_size_, cells_per_row_, width, height, fraction_bits_, 0};
+  const PeelArgs peel{polygons_.address(), edges_.address(), projected_.address(), layers_[next].address(), alive_[now].address(),
+                      polygon_count_, corner_count_, cell_size_, cells_per_row_, width, height};
   vkCmdBeginRendering(commands, &rendering);
   commands_.bind(peel_, VK_PIPELINE_BIND_POINT_GRAPHICS);
   commands_.push(peel_, peel);

@@ -12,8 +12,9 @@ using uint = std::uint32_t;
 using glm::dvec2;
 using glm::dvec3;
 using glm::ivec2;
+using glm::vec2;
 #include "../../shaders/shared.h"
 
-static_assert(sizeof(DirectionData) == 88 && sizeof(PolygonData) == 48 && sizeof(ProjectedPolygon) == 56);
+static_assert(sizeof(DirectionData) == 88 && sizeof(PolygonData) == 48 && sizeof(ProjectedPolygon) == 80 && sizeof(Edge) == 16);
 static_assert(sizeof(ProjectArgs) <= 128 && sizeof(PeelArgs) <= 128 && sizeof(AccumulateArgs) <= 128);
 }  // namespace viewpeel::device_data

@@ -16,7 +16,7 @@ struct EstimateProgress {
 
 struct EstimateOptions {
   Sampler sampler = Sampler::fibonacci;
-  uint32_t directions = 1000;  // per replicate
+  uint32_t directions = 400;   // per replicate
   uint32_t replicates = 8;     // at least
   // Go on after `replicates` until the largest standard error is at most this.
   std::optional<double> tolerance;

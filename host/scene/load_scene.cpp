@@ -36,7 +36,8 @@ Scene loadScene(const fs::path& file) {
   in.close();
   const std::string extension = extensionOf(file);
   if (extension == ".obj") return buildScene(readObj(file));
-  if (extension == ".stl" || extension == ".ply") return buildScene(readWithAssimp(file));
+  if (extension == ".stl") return buildScene(readStl(file));
+  if (extension == ".ply") return buildScene(readPly(file));
   refuse(file, "unknown format; use .obj, .stl or .ply");
 }
 

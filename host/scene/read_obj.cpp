@@ -1,15 +1,10 @@
-// Wavefront OBJ: v, f, o and g. Read here because readers that keep single precision lose small scenes far from the origin, and because an
-// error has to name its line.
+// Wavefront OBJ: v, f, o and g.
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <fstream>
 #include <unordered_map>
 
-#include <fmt/format.h>
-
-#include "error.h"
 #include "scene/readers.h"
+#include "scene/words.h"
 
 namespace viewpeel {
 namespace {
@@ -38,7 +33,7 @@ class ObjReader {
 
  private:
   [[noreturn]] void refuse(const std::string& what, uint32_t line) const {
-    throw Error(ErrorCode::bad_input, fmt::format("{}:{}: {}", scene_.file, line, what));
+    FilePlace{scene_.file, line}.refuse(what);
   }
 
   // Removes the end of line and a continuation mark; true where there was one.
@@ -47,15 +42,6 @@ class ObjReader {
     if (line.empty() || line.back() != '\\') return false;
     line.back() = ' ';
     return true;
-  }
-
-  static std::string_view nextWord(std::string_view& rest) {
-    const size_t start = rest.find_first_not_of(" \t");
-    if (start == std::string_view::npos) return rest = {};
-    const size_t end = std::min(rest.find_first_of(" \t", start), rest.size());
-    const std::string_view word = rest.substr(start, end - start);
-    rest.remove_prefix(end);
-    return word;
   }
 
   void readStatement(std::string_view rest) {
@@ -70,30 +56,12 @@ class ObjReader {
       refuse(fmt::format("'{}' is not a statement that is understood; export polygons as OBJ text", printable(keyword)), line_);
   }
 
-  static std::string printable(std::string_view text) {
-    std::string out(text.substr(0, 20));
-    for (char& c : out)
-      if (static_cast<unsigned char>(c) < 32) c = '?';
-    return out;
-  }
-
-  static std::string joinWords(std::string_view rest) {
-    std::string joined;
-    for (std::string_view word = nextWord(rest); !word.empty(); word = nextWord(rest)) joined += (joined.empty() ? "" : " ") + std::string(word);
-    return joined;
-  }
-
   void readVertex(std::string_view rest) {
     glm::dvec3 vertex;
     for (int axis = 0; axis < 3; ++axis) {
-      std::string_view word = nextWord(rest);
+      const std::string_view word = nextWord(rest);
       if (word.empty()) refuse("a vertex needs three coordinates; complete it", line_);
-      if (word.front() == '+') word.remove_prefix(1);
-      const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), vertex[axis]);
-      if (failure == std::errc::invalid_argument || (failure == std::errc() && end != word.data() + word.size()))
-        refuse(fmt::format("'{}' is not a number; correct it", printable(word)), line_);
-      if (failure != std::errc() || !std::isfinite(vertex[axis]))
-        refuse(fmt::format("'{}' is not a finite number; correct it", printable(word)), line_);
+      vertex[axis] = parseFinite(word, {scene_.file, line_});
     }
     vertices_.push_back(vertex);
   }

@@ -1,4 +1,5 @@
-// One reader per family of formats. The file is known to exist and to be readable.
+// One reader per format. They are our own because the file has to be read in double, errors have to name their line, and a file that is cut
+// short has to be refused. The file is known to exist and to be readable.
 #pragma once
 #include "scene/scene.h"
 
@@ -7,8 +8,12 @@ namespace viewpeel {
 //   Throws: Error bad_input naming file and line.
 InputScene readObj(const std::filesystem::path& file);
 
-// .stl and .ply, through Assimp, which keeps coordinates in single precision.
-//   Throws: Error bad_input naming the file, and the line of a coordinate that is not finite.
-InputScene readWithAssimp(const std::filesystem::path& file);
+// Text and binary; every solid is a surface.
+//   Throws: Error bad_input naming the file, and the line where it is text.
+InputScene readStl(const std::filesystem::path& file);
+
+// Text and binary, either byte order; one surface, named after the file.
+//   Throws: Error bad_input naming the file, and the line where it is text.
+InputScene readPly(const std::filesystem::path& file);
 
 }  // namespace viewpeel

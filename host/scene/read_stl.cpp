@@ -1,0 +1,103 @@
+// STL, text and binary.
+#include <bit>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+
+#include "scene/readers.h"
+#include "scene/words.h"
+
+namespace viewpeel {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "binary STL is little-endian and copied as it is");
+
+constexpr size_t kHeaderBytes = 80, kFacetBytes = 50;
+
+template <class T>
+T readAt(const std::string& bytes, size_t at) {
+  T value;
+  std::memcpy(&value, bytes.data() + at, sizeof value);
+  return value;
+}
+
+uint32_t surfaceNamed(InputScene& scene, const std::string& name) {
+  for (uint32_t k = 0; k < scene.surface_names.size(); ++k)
+    if (scene.surface_names[k] == name) return k;
+  scene.surface_names.push_back(name);
+  return static_cast<uint32_t>(scene.surface_names.size() - 1);
+}
+
+void readBinary(const std::string& bytes, InputScene& scene) {
+  const FilePlace place{scene.file};
+  if (bytes.size() < kHeaderBytes + 4) place.refuse("the file ends in its header; export it again");
+  const auto count = readAt<uint32_t>(bytes, kHeaderBytes);
+  if (bytes.size() < kHeaderBytes + 4 + uint64_t(count) * kFacetBytes)
+    place.refuse(fmt::format("neither STL text nor {} binary facets, as its header says; export it again", count));
+  for (uint32_t k = 0; k < count; ++k) {
+    InputFace face{{}, 0, 0};
+    for (size_t corner = 0; corner < 3; ++corner) {
+      const size_t at = kHeaderBytes + 4 + k * kFacetBytes + 12 + 12 * corner;
+      face.corners.emplace_back(readAt<float>(bytes, at), readAt<float>(bytes, at + 4), readAt<float>(bytes, at + 8));
+      for (int axis = 0; axis < 3; ++axis)
+        if (!std::isfinite(face.corners.back()[axis])) place.refuse(fmt::format("facet {}: a coordinate is not a finite number; correct it", k + 1));
+    }
+    scene.faces.push_back(std::move(face));
+  }
+}
+
+void readText(const std::string& bytes, const std::string& stem, InputScene& scene) {
+  FilePlace place{scene.file};
+  bool in_solid = false, in_facet = false;
+  uint32_t surface = 0;
+  InputFace face;
+  std::string_view rest(bytes);
+  while (!rest.empty()) {
+    const size_t end = std::min(rest.find('\n'), rest.size());
+    std::string_view line = rest.substr(0, end);
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+    ++place.line;
+    const std::string_view keyword = nextWord(line);
+    if (keyword == "solid") {
+      const std::string name = joinWords(line);
+      surface = surfaceNamed(scene, name.empty() ? stem : name);
+      in_solid = true;
+    } else if (keyword == "facet" && in_solid) {
+      face = {{}, surface, place.line};
+      in_facet = true;
+    } else if (keyword == "vertex" && in_facet) {
+      glm::dvec3 corner;
+      for (int axis = 0; axis < 3; ++axis) corner[axis] = parseFinite(nextWord(line), place);
+      face.corners.push_back(corner);
+    } else if (keyword == "endfacet" && in_facet) {
+      if (face.corners.size() < 3) place.refuse("a facet needs three vertices; complete it");
+      scene.faces.push_back(std::move(face));
+      in_facet = false;
+    } else if (keyword == "endsolid" && !in_facet) {
+      in_solid = false;
+    } else if (!keyword.empty() && keyword != "outer" && keyword != "endloop") {
+      place.refuse(fmt::format("'{}' is out of place; export the file again", printable(keyword)));
+    }
+  }
+  if (in_solid) place.refuse("the file ends before 'endsolid'; export it again");
+}
+
+}  // namespace
+
+InputScene readStl(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  InputScene scene{file.string(), {}, {}};
+  // Some binary files begin with "solid" too; their size gives them away.
+  const bool fits_binary =
+      bytes.size() >= kHeaderBytes + 4 && bytes.size() == kHeaderBytes + 4 + uint64_t(readAt<uint32_t>(bytes, kHeaderBytes)) * kFacetBytes;
+  if (bytes.starts_with("solid") && !fits_binary) {
+    readText(bytes, file.stem().string(), scene);
+  } else {
+    scene.surface_names.push_back(file.stem().string());
+    readBinary(bytes, scene);
+  }
+  return scene;
+}
+
+}  // namespace viewpeel
