@@ -1,0 +1,16 @@
+// Engine `exact`: the estimator on exact pair areas.
+#pragma once
+#include <memory>
+
+#include "engines/engine.h"
+#include "matrix/ids.h"
+
+namespace viewpeel::reference {
+
+// Areas in units of 2^-40, rounded to the nearest: the sum over directions is an integer, whatever the number of threads.
+//   Error: 2^-41 unit-ball units squared per pair and direction, plus computePairAreas's.
+//   Throws (constructor): Error bad_input where polygons pass through each other, naming the first two and the place.
+//   Cost: computePairAreas per direction, over `thread_count` threads (0: all cores).
+std::unique_ptr<Engine> makeExactEngine(const Scene& scene, const Ids& ids, unsigned thread_count = 0);
+
+}  // namespace viewpeel::reference
