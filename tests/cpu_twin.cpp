@@ -83,7 +83,8 @@ Flat flatten(const Scene& scene, const Polygon& polygon, const Direction& direct
 
 }  // namespace
 
-PairCounts countPairsOnCpu(const Scene& scene, const Ids& ids, const std::vector<Direction>& directions, int resolution) {
+PairCounts countPairsOnCpu(const Scene& scene, const Ids& ids, const std::vector<Direction>& directions, int resolution,
+                           Fault fault) {
   const int bits = 29 - std::bit_width(static_cast<uint32_t>(resolution / 2 + 1));
   const int64_t one = int64_t(1) << bits;
   std::map<std::pair<uint32_t, uint32_t>, uint64_t> counters;
@@ -101,6 +102,8 @@ PairCounts countPairsOnCpu(const Scene& scene, const Ids& ids, const std::vector
             layers.emplace_back(std::clamp(z, flats[k].low, flats[k].high), !flats[k].front_up, k);
           }
         std::sort(layers.begin(), layers.end());
+        if (fault == Fault::last_layer_dropped && !layers.empty()) layers.pop_back();
+        if (fault == Fault::two_depths_swapped && layers.size() > 3) std::swap(layers[1], layers[2]);
         for (size_t k = 0; k <= layers.size() && !layers.empty(); ++k) {
           const bool has_lower = k > 0, has_upper = k < layers.size();
           const uint32_t lower = has_lower ? ids.of_polygon[std::get<2>(layers[k - 1])] : 0;

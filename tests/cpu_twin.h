@@ -5,8 +5,12 @@
 
 namespace viewpeel {
 
+// Faults to plant, for tests of what must notice them.
+enum class Fault { none, last_layer_dropped, two_depths_swapped };
+
 // What an engine must count, to the last bit: the raster rules of shaders/geometry.glsl and project.comp and the facing rules, written a
 // second time and without any of the engines' passes: every lattice point sorts all polygons that cover it.
-PairCounts countPairsOnCpu(const Scene& scene, const Ids& ids, const std::vector<Direction>& directions, int resolution);
+PairCounts countPairsOnCpu(const Scene& scene, const Ids& ids, const std::vector<Direction>& directions, int resolution,
+                           Fault fault = Fault::none);
 
 }  // namespace viewpeel

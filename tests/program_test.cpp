@@ -123,6 +123,37 @@ TEST_F(Program, NoDriverIsAClearError) {
   EXPECT_NE(r.output.find("mesa-vulkan-drivers"), std::string::npos) << r.output;
 }
 
+TEST_F(Program, ExactEngineComputesWithoutADevice) {
+  const Result r = run("compute " VIEWPEEL_SCENES "/cube.obj --engine exact --directions 50 --replicates 4 -o " + file("e.csv"),
+                       "VK_DRIVER_FILES=/nowhere.json VK_ICD_FILENAMES=/nowhere.json");
+  EXPECT_EQ(r.status, 0) << r.output;
+  EXPECT_NE(r.output.find("exact areas"), std::string::npos);
+  EXPECT_EQ(readFile(file("e.csv")).find("from,to,"), 0u);
+}
+
+TEST_F(Program, CheckPassesOnAGoodScene) {
+  const std::string check = "check " VIEWPEEL_SCENES "/cube.obj --resolution 32 --directions 2 --lattices 16";
+  const Result r = run(check);
+  EXPECT_EQ(r.status, 0) << r.output;
+  EXPECT_NE(r.output.find("behave as claimed"), std::string::npos) << r.output;
+  const Result json = run(check + " --json");
+  EXPECT_EQ(json.status, 0);
+  EXPECT_EQ(json.output.find("{\n  \"passes\": true,"), 0u) << json.output;
+}
+
+// Polygons that pass through each other: `check` warns and fails, the exact engine refuses, both name the place.
+TEST_F(Program, InterpenetrationIsNamed) {
+  std::ofstream(file("crossing.obj")) << "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 0.5 -1\nv 1 1.5 -1\nv 1 1.5 1\nv 1 0.5 1\n"
+                                         "o table\nf 1 2 3 4\no blade\nf 5 6 7 8\n";
+  const std::string what = "polygons table and blade pass through each other at (1, 1, ";
+  const Result check = run("check " + file("crossing.obj") + " --resolution 16 --directions 1 --lattices 8");
+  EXPECT_EQ(check.status, 1);
+  EXPECT_NE(check.output.find(what), std::string::npos) << check.output;
+  const Result exact = run("compute --quiet --engine exact " + file("crossing.obj"));
+  EXPECT_EQ(exact.status, 2);
+  EXPECT_NE(exact.output.find(what), std::string::npos) << exact.output;
+}
+
 TEST_F(Program, DevicesListsThem) {
   const Result r = run("devices");
   EXPECT_EQ(r.status, 0);

@@ -1,5 +1,6 @@
 #include <chrono>
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -9,14 +10,18 @@
 #include "engines/graphics_engine.h"
 #include "error.h"
 #include "io/write_form_factors.h"
+#include "reference/exact_engine.h"
 
 namespace viewpeel::cli {
 namespace {
+
+enum class EngineKind { graphics, exact };
 
 struct ComputeOptions {
   std::string scene;
   std::vector<std::string> outputs;
   By by = By::polygon;
+  EngineKind engine = EngineKind::graphics;
   GraphicsOptions graphics;
   DeviceOptions device;
   EstimateOptions estimate;
@@ -35,23 +40,18 @@ void showProgress(const EstimateProgress& progress, const EstimateOptions& optio
   std::fflush(stderr);
 }
 
-// Messages of the validation layer are our errors: never a result beside them.
-void checkValidation(const Device& device) {
-  if (!device.validationErrors().empty())
-    throw Error(ErrorCode::device, "Vulkan validation: " + device.validationErrors().front());
-}
-
 int runCompute(ComputeOptions options) {
   for (const std::string& output : options.outputs) checkOutput(output);
   const Scene scene = loadScene(options.scene);
   for (const std::string& warning : scene.warnings) fmt::print(stderr, "viewpeel: warning: {}\n", warning);
   const Ids ids = makeIds(scene, options.by, options.graphics.two_sided);
-  const Device device(options.device);
+  std::optional<Device> device;
+  if (options.engine == EngineKind::graphics) device.emplace(options.device);
   if (!options.quiet) {
-    const DeviceDescription& d = device.description();
-    fmt::print("device     {} ({}; {})\n{}", d.name, d.kind, d.driver, describeScene(scene));
-    fmt::print("sampling   {} {} directions a replicate, lattice {} across, seed {}\n", options.estimate.directions,
-               options.estimate.sampler == Sampler::fibonacci ? "fibonacci" : "iid", options.graphics.resolution, options.estimate.seed);
+    fmt::print("{}{}", device ? describeDevice(*device) : "device     none: exact areas on the CPU\n", describeScene(scene));
+    fmt::print("sampling   {} {} directions a replicate, {}, seed {}\n", options.estimate.directions,
+               options.estimate.sampler == Sampler::fibonacci ? "fibonacci" : "iid",
+               device ? fmt::format("lattice {} across", options.graphics.resolution) : "exact areas", options.estimate.seed);
     std::fflush(stdout);
   }
 
@@ -59,10 +59,10 @@ int runCompute(ComputeOptions options) {
   const bool show_progress = !options.quiet && ::isatty(STDERR_FILENO);
   if (show_progress)
     options.estimate.on_replicate = [&](const EstimateProgress& p) { showProgress(p, options.estimate, start); };
-  const auto engine = makeGraphicsEngine(device, scene, ids, options.graphics);
+  const auto engine = device ? makeGraphicsEngine(*device, scene, ids, options.graphics) : reference::makeExactEngine(scene, ids);
   const Estimate estimate = estimateFormFactors(*engine, scene, ids, options.estimate);
   if (show_progress) fmt::print(stderr, "\r\033[K");
-  checkValidation(device);
+  if (device) checkValidation(*device);
   const double seconds = secondsSince(start);
 
   for (const std::string& output : options.outputs) writeFormFactors(estimate.form_factors, output);
@@ -100,6 +100,9 @@ void addCompute(CLI::App& app, Run& chosen) {
   command->add_option("--by", options->by, "One row per polygon or per named surface")
       ->transform(CLI::CheckedTransformer(std::map<std::string, By>{{"polygon", By::polygon}, {"surface", By::surface}}))
       ->default_str("polygon")->type_name("polygon|surface");
+  command->add_option("--engine", options->engine, "Depth peeling on a Vulkan device, or exact areas on the CPU")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, EngineKind>{{"graphics", EngineKind::graphics}, {"exact", EngineKind::exact}}))
+      ->default_str("graphics")->type_name("graphics|exact");
   command->add_option("--sampler", estimate.sampler, "Directions: rotated Fibonacci sets, or independent")
       ->transform(CLI::CheckedTransformer(std::map<std::string, Sampler>{{"fibonacci", Sampler::fibonacci}, {"iid", Sampler::iid}}))
       ->default_str("fibonacci")->type_name("fibonacci|iid");

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "error.h"
+
 namespace viewpeel::cli {
 namespace {
 
@@ -18,6 +20,26 @@ double shareOf(const FormFactors& form_factors, uint32_t column) {
 }
 
 }  // namespace
+
+std::string describeDevice(const Device& device) {
+  const DeviceDescription& d = device.description();
+  return fmt::format("device     {} ({}; {})\n", d.name, d.kind, d.driver);
+}
+
+void checkValidation(const Device& device) {
+  if (!device.validationErrors().empty())
+    throw Error(ErrorCode::device, "Vulkan validation: " + device.validationErrors().front());
+}
+
+std::string escapeJson(const std::string& text) {
+  std::string escaped;
+  for (char c : text) {
+    if (c == '"' || c == '\\') escaped += '\\';
+    if (static_cast<unsigned char>(c) < 32) escaped += fmt::format("\\u{:04x}", int(c));
+    else escaped += c;
+  }
+  return escaped;
+}
 
 std::string describeScene(const Scene& scene) {
   double area = 0;

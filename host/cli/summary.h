@@ -3,8 +3,11 @@
 #include <string>
 
 #include "estimator/estimate.h"
+#include "vulkan/device.h"
 
 namespace viewpeel::cli {
+
+std::string describeDevice(const Device& device);
 
 // Polygons, surfaces, areas, closed or open; several lines.
 std::string describeScene(const Scene& scene);
@@ -26,5 +29,12 @@ struct Closure {
   std::string row;
 };
 Closure measureClosure(const FormFactors& form_factors);
+
+// Messages of the validation layer are our errors: there is never a result beside them.
+//   Throws: Error device.
+void checkValidation(const Device& device);
+
+// With quotes, backslashes and control characters escaped, for use between quotes.
+std::string escapeJson(const std::string& text);
 
 }  // namespace viewpeel::cli

@@ -73,4 +73,11 @@ std::vector<Direction> sampleDirections(Sampler sampler, uint32_t count, uint64_
   return directions;
 }
 
+std::vector<Direction> sampleLattices(const glm::dvec3& u, uint32_t count, uint64_t seed) {
+  Random random(seed, 0);
+  std::vector<Direction> directions;
+  for (uint32_t k = 0; k < count; ++k) directions.push_back(directionAlong(u, random));
+  return directions;
+}
+
 }  // namespace viewpeel

@@ -18,4 +18,8 @@ enum class Sampler {
 //   Cost: O(count).
 std::vector<Direction> sampleDirections(Sampler sampler, uint32_t count, uint64_t seed, uint64_t replicate);
 
+// Independent random lattices, offset and rotation, along one direction.
+//   In: u of unit length    Out: count directions that differ in axes and offset only
+std::vector<Direction> sampleLattices(const glm::dvec3& u, uint32_t count, uint64_t seed);
+
 }  // namespace viewpeel

@@ -1,0 +1,58 @@
+// The check of the discretisation: lattice counts against exact areas, direction by direction.
+#pragma once
+#include <functional>
+
+#include "directions/direction.h"
+#include "matrix/ids.h"
+#include "matrix/pair_count.h"
+
+namespace viewpeel::reference {
+
+struct CheckOptions {
+  std::vector<int> resolutions = {32, 64, 128};
+  uint32_t directions = 6;  // iid
+  uint32_t lattices = 64;   // random offsets and rotations per direction
+  uint64_t seed = 1;
+  double false_alarm_rate = 1e-4;  // that a right discretisation fails the test of unbiasedness, over all regions and resolutions together
+};
+
+// How many lattice points of one random lattice fall to each pair, at a resolution.
+using CountLattice = std::function<PairCounts(const Direction&, int resolution)>;
+
+struct CheckRow {
+  int resolution = 0;
+  uint64_t regions_tested = 0;      // visible regions of pairs, one direction each, tested one by one
+  uint64_t regions_pooled = 0;      // small or thin ones, tested together
+  double largest_deviation = 0;     // |mean counted area - exact area| in standard errors
+  double allowed_deviation = 0;     // from the false-alarm rate
+  std::string worst_pair;           // where the deviation is largest
+  double worst_difference = 0;      // its mean difference, unit-ball units squared
+  double worst_standard_error = 0;
+  uint64_t spread_regions = 0;      // wide enough for the asymptotic variance
+  double spread_ratio = 1;          // measured over predicted variance, summed over them
+  double total_counted = 0, total_exact = 0;  // area of all pairs, environment and leak, mean over lattices, summed over directions
+  double leak_counted = 0, leak_exact = 0;
+  bool unbiased = true;
+  bool spread_as_predicted = true;
+};
+
+struct CheckReport {
+  std::vector<CheckRow> rows;
+  double exact_seconds = 0, counting_seconds = 0;
+  bool passes() const;
+};
+
+// Variance of h^2 x (number of points of a lattice with uniformly random offset and rotation in a region of perimeter P) for h small against the
+// region: kLatticeVariance h^3 P. The constant is sum over integer pairs (m, n) != 0 of (m^2 + n^2)^(-3/2), over 4 pi^3: the mean of the region's
+// squared Fourier transform at distance rho from 0 is P / (4 pi^3 rho^3) (Kendall & Moran 1963, chapter 5).
+constexpr double kLatticeVariance = 0.0728372;
+
+// Tests for every pair, direction and resolution whether the mean of h^2 x count over random lattices is the exact area, and whether its variance
+// is as predicted.
+//   Method: Student's test per visible region with Bonferroni's correction; regions with an expected count below 1/2 a lattice or thinner than
+//   h / 2 (2 A / P) are pooled into one sum per resolution. The ratio of variances must lie in [1/2, 2] over regions with A / P >= h, where terms of
+//   relative size h / width may still be felt.
+//   Cost: directions exact projections, directions x lattices x resolutions counts.
+CheckReport checkLattice(const Scene& scene, const Ids& ids, const CountLattice& count, const CheckOptions& options);
+
+}  // namespace viewpeel::reference
