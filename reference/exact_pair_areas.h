@@ -1,63 +1,88 @@
-// The exact path: pair areas of one direction without a lattice.
+// The exact area of every consecutive facing pair along one direction: the oracle of the rasterisers, and an engine for
+// small scenes.
 //
-// Method: Pellegrini 1997, section 6: the scene projected along u is cut into faces over each of which the order of polygons is constant;
-// every consecutive facing pair gets the face's area. The projection is a shear onto a coordinate plane, which keeps coordinates rational;
-// the faces are those of CGAL's arrangement of the projected edges (exact predicates, exact constructions, filtered by intervals).
+// Method: the pair area is an integral over the boundary of the regions in P(u) where the pair is consecutive (Green).
+// Along an edge of polygon P the order of layers changes by P alone: with X next below and Y next above P, the gaps
+// (X, P) and (P, Y) exist on the inner side of the edge and (X, Y) on the outer side. So it suffices to know X and Y
+// along every projected edge, a one-dimensional problem: cut the edge where it enters and leaves the other projected
+// polygons, and sort those it lies in. A piece from t0 to t1 of the edge a -> b adds (t1 - t0) cross(a, b) / 2 to
+// both gaps inside and takes it from the gap outside. All decisions are exact: the scene is sheared along u onto a
+// coordinate plane, where coordinates are integers times one power of two; a filter in double decides what it safely
+// can, integers decide the rest. Background: J. R. Shewchuk, Adaptive precision floating-point arithmetic (1997).
+//
+// Degeneracies: an edge shared by polygons is crossed one polygon at a time, in the order of their indices, as if the
+// polygons were shrunk by infinitesimals of different size. No general position is assumed anywhere.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
 
+#include <glm/vec3.hpp>
+
 #include "matrix/pair_count.h"
+#include "reference/interpenetration.h"
 #include "scene/scene.h"
 
 namespace viewpeel::reference {
 
-// Polygons a <= b are consecutive and facing over a region of the projection; b may be kEnvironment or kLeak.
+// Polygons a < b that face each other; b is kEnvironment or kLeak for what a sees of those.
 struct PairArea {
-  uint32_t a, b;     // Scene::polygons
-  double area;       // of the region in P(u), unit-ball units squared
-  double perimeter;  // of the region in P(u), unit-ball units
+  uint32_t a, b;
+  double area;   // in P(u), unit-ball units squared
+  double error;  // |area - exact area| <= error
+  double perimeter;  // of the pair's regions in P(u), unit-ball units; with ExactOptions::perimeters, else 0
+};
+
+struct ExactPairAreas {
+  std::vector<PairArea> pairs;  // sorted by (a, b), every pair at most once
+  uint64_t cut_count = 0;       // places where an edge enters or leaves an outline: the size of the problem
+
+  // Filled by Arithmetic::exact only, by sums of rational numbers without any rounding:
+  // polygons whose pairs, environment and leak do not add up to the area of their projection (twice, if two-sided),
+  std::vector<uint32_t> open_polygons;
+  // and pairs whose regions have a boundary that does not close, which the sums above cannot see.
+  std::vector<std::array<uint32_t, 2>> open_pairs;
+};
+
+enum class Arithmetic {
+  bounded,  // exact decisions, areas in double with a bound on their rounding
+  exact,    // areas too as rational numbers, rounded once at the end; closure is verified. For tests and small scenes.
 };
 
 struct ExactOptions {
   bool two_sided = false;
-  // Also sum all areas as rational numbers: see largest_sum_defect. Slow: for tests.
-  bool check_sums = false;
+  // Find perimeters too. Where edges overlap in part without sharing both ends, a length that cancels may be counted.
+  bool perimeters = false;
+  Arithmetic arithmetic = Arithmetic::bounded;
+  double touching_depth = kTouchingDepth;  // of requireDisjoint
+  unsigned thread_count = 0;               // 0: one per core
 };
 
-struct PairAreas {
-  std::vector<PairArea> pairs;  // sorted by (a, b), areas above 0
-  uint64_t edge_count = 0;      // of the arrangement: grows with the crossings of projected edges
-  // With check_sums: the largest difference between a polygon's exact projected area (twice that when two-sided) and the exact sum of the
-  // areas of its pairs, environment and leak, over all polygons. Exactly 0 when nothing is lost or counted twice.
-  double largest_sum_defect = 0;
-};
+// A'_ab(u) = area in P(u) of the lines along u on which polygons a and b are consecutive and facing, by the rules of
+// facing.h; for b = kEnvironment of those on which a's front sees no polygon, for b = kLeak the back of one.
+// Order along a line: height on the planes of the polygons (Scene::planes); at equal heights the polygon whose front
+// faces +u comes first, then the lower index. Two polygons of a valid scene keep one order wherever both are met, so it
+// is decided once per pair, exactly, where their heights differ most: corners off their plane by rounding do no harm.
+// A polygon whose plane contains u, or whose projection has no area, contributes nothing. Corners that rounding makes
+// reflex in the projection are replaced by their convex hull.
+//   In: scene in unit-ball units, polygons convex, interiors disjoint up to options.touching_depth; u finite, not zero,
+//     of any length, taken as an exact rational vector.
+//   Out: pairs in unit-ball units squared. Zero areas are left out; with Arithmetic::bounded also those not above
+//     their error.
+//   Error: PairArea::error, of the order of 1e-15 times the number of edge pieces that bound the pair's regions;
+//     2 ulp with Arithmetic::exact. tests/exact_test.cpp.
+//   Throws: Error bad_input where polygons interpenetrate, naming both and the place; Error bad_usage for a useless u.
+//   Cost: O(n + k d) expected work for n edges, k cuts (ExactPairAreas::cut_count) and depth complexity d, up to
+//     sorting along each edge; O(n + overlapping pairs) memory. Arithmetic::exact: quadratic in the pieces around a
+//     polygon.
+//   Source: M. Pellegrini, Monte Carlo approximation of form factors with error bounded a priori, section 5.
+ExactPairAreas computeExactPairAreas(const Scene& scene, const glm::dvec3& u, const ExactOptions& options = {});
 
-// Computes A'_ij(u) for all pairs that are consecutive and facing (host/facing.h).
-//   In: interior-disjoint convex polygons; direction u, not zero, need not be of unit length
-//   Out: see PairAreas. Polygons in one plane are ordered at equal height by facing, those whose fronts face +u first, then by index: touching
-//     solids face each other. Polygons with |normal . u| below 1e-12 |u| or no projected area contribute nothing.
-//   Error: areas are exact but for the rounding of each face's area to double, below 1e-15; tests/exact_test.cpp checks the sums as rationals.
-//     Polygons that interpenetrate by less than kInterpenetrationTolerance are ordered as at one point of each face.
-//   Cost: O((n + k) log n) for k crossings of projected edges, and O(depth) for each face.
-//   Source: heights as the engines have them, from Scene::planes.
-PairAreas computePairAreas(const Scene& scene, const glm::dvec3& u, const ExactOptions& options = {});
-
-// Two polygons pass through each other deeper than this, unit-ball units: a hundred times what rounding of coordinates and planes explains.
-constexpr double kInterpenetrationTolerance = 1e-9;
-
-struct Interpenetration {
-  uint32_t a, b;     // Scene::polygons
-  glm::dvec3 place;  // a common point, unit-ball units
-};
-
-// All pairs of polygons that pass through each other; touching along edges, at corners or in a plane is none.
-//   Error: decided in double with kInterpenetrationTolerance.    Cost: O(n log^2 n + pairs of overlapping boxes).
-std::vector<Interpenetration> findInterpenetrations(const Scene& scene);
-
-// One line that names both polygons and the place in input coordinates.
-std::string describe(const Scene& scene, const Interpenetration& interpenetration);
+// The same for every direction, directions in parallel over options.thread_count threads, result k for directions[k].
+//   Cost: as above for each direction; the scene is checked for interpenetration once.
+std::vector<ExactPairAreas> computeExactPairAreas(const Scene& scene, std::span<const glm::dvec3> directions,
+                                                  const ExactOptions& options = {});
 
 }  // namespace viewpeel::reference

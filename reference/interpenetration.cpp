@@ -1,83 +1,104 @@
+#include "reference/interpenetration.h"
+
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
+#include <CGAL/Box_intersection_d/Box_with_info_d.h>
 #include <CGAL/box_intersection_d.h>
 #include <fmt/format.h>
-#include <glm/glm.hpp>
+#include <glm/geometric.hpp>
 
+#include "error.h"
 #include "matrix/ids.h"
-#include "reference/exact_pair_areas.h"
 
 namespace viewpeel::reference {
 namespace {
 
-struct Interval {
-  double low, high;
+using Box = CGAL::Box_intersection_d::Box_with_info_d<double, 3, uint32_t>;
+
+struct Chord {
+  bool exists = false;
+  glm::dvec3 begin{0}, end{0};
 };
 
-// Where the polygon meets the line of its plane with `other`, as parameters along `along` from `origin`; none where it does not pass through
-// `other` by more than the tolerance on both sides.
-std::optional<Interval> crossing(const Scene& scene, const Polygon& polygon, const Plane& other, const glm::dvec3& along) {
-  double below = 0, above = 0;
-  Interval interval{INFINITY, -INFINITY};
-  const glm::dvec3* corners = &scene.corners[polygon.first_corner];
-  for (uint32_t k = 0; k < polygon.corner_count; ++k) {
-    const glm::dvec3 &p = corners[k], &q = corners[(k + 1) % polygon.corner_count];
-    const double hp = glm::dot(other.normal, p) - other.offset, hq = glm::dot(other.normal, q) - other.offset;
-    below = std::min(below, hp);
-    above = std::max(above, hp);
-    if ((hp < 0) == (hq < 0)) continue;
-    const double t = glm::dot(along, p + (q - p) * (hp / (hp - hq)));
-    interval = {std::min(interval.low, t), std::max(interval.high, t)};
-  }
-  if (below > -kInterpenetrationTolerance || above < kInterpenetrationTolerance) return std::nullopt;
-  return interval;
+const glm::dvec3& corner(const Scene& scene, const Polygon& polygon, uint32_t k) {
+  return scene.corners[polygon.first_corner + k % polygon.corner_count];
 }
 
-std::optional<glm::dvec3> findCommonPoint(const Scene& scene, const Polygon& a, const Polygon& b) {
-  const Plane &pa = scene.planes[a.plane], &pb = scene.planes[b.plane];
-  const glm::dvec3 line = glm::cross(pa.normal, pb.normal);
-  const double sine_squared = glm::dot(line, line);
-  if (a.plane == b.plane || sine_squared == 0) return std::nullopt;
-  const glm::dvec3 along = line / std::sqrt(sine_squared);
-  const auto ia = crossing(scene, a, pb, along), ib = crossing(scene, b, pa, along);
-  if (!ia || !ib) return std::nullopt;
-  const double low = std::max(ia->low, ib->low), high = std::min(ia->high, ib->high);
-  if (high - low <= kInterpenetrationTolerance) return std::nullopt;
-  const glm::dvec3 on_line = (pa.offset * glm::cross(pb.normal, line) + pb.offset * glm::cross(line, pa.normal)) / sine_squared;
-  return on_line + along * ((low + high) / 2);
+// Where the polygon meets the plane, if it has corners further than depth on both sides of it.
+Chord cutByPlane(const Scene& scene, const Polygon& polygon, const Plane& plane, double depth) {
+  double lowest = 0, highest = 0;
+  for (uint32_t k = 0; k < polygon.corner_count; ++k) {
+    const double height = glm::dot(plane.normal, corner(scene, polygon, k)) - plane.offset;
+    lowest = std::min(lowest, height);
+    highest = std::max(highest, height);
+  }
+  Chord chord;
+  if (lowest >= -depth || highest <= depth) return chord;
+  for (uint32_t k = 0; k < polygon.corner_count; ++k) {
+    const glm::dvec3 &p = corner(scene, polygon, k), &q = corner(scene, polygon, k + 1);
+    const double p_height = glm::dot(plane.normal, p) - plane.offset;
+    const double q_height = glm::dot(plane.normal, q) - plane.offset;
+    if ((p_height < 0) == (q_height < 0)) continue;
+    const glm::dvec3 cut = p + (q - p) * (p_height / (p_height - q_height));
+    (p_height < 0 ? chord.begin : chord.end) = cut;
+    chord.exists = true;
+  }
+  return chord;
 }
 
 }  // namespace
 
-std::vector<Interpenetration> findInterpenetrations(const Scene& scene) {
-  using Box = CGAL::Box_intersection_d::Box_with_handle_d<double, 3, const Polygon*>;
+std::vector<Interpenetration> findInterpenetrations(const Scene& scene, double touching_depth) {
   std::vector<Box> boxes;
-  for (const Polygon& polygon : scene.polygons) {
-    glm::dvec3 low(INFINITY), high(-INFINITY);
-    for (uint32_t k = 0; k < polygon.corner_count; ++k) {
-      low = glm::min(low, scene.corners[polygon.first_corner + k]);
-      high = glm::max(high, scene.corners[polygon.first_corner + k]);
+  boxes.reserve(scene.polygons.size());
+  for (uint32_t i = 0; i < scene.polygons.size(); ++i) {
+    glm::dvec3 low = corner(scene, scene.polygons[i], 0), high = low;
+    for (uint32_t k = 1; k < scene.polygons[i].corner_count; ++k) {
+      low = glm::min(low, corner(scene, scene.polygons[i], k));
+      high = glm::max(high, corner(scene, scene.polygons[i], k));
     }
-    boxes.emplace_back(CGAL::Bbox_3(low.x, low.y, low.z, high.x, high.y, high.z), &polygon);
+    boxes.emplace_back(CGAL::Bbox_3(low.x, low.y, low.z, high.x, high.y, high.z), i);
   }
+
   std::vector<Interpenetration> found;
-  CGAL::box_self_intersection_d(boxes.begin(), boxes.end(), [&](const Box& first, const Box& second) {
-    const Polygon *a = std::min(first.handle(), second.handle()), *b = std::max(first.handle(), second.handle());
-    if (const auto place = findCommonPoint(scene, *a, *b))
-      found.push_back({uint32_t(a - scene.polygons.data()), uint32_t(b - scene.polygons.data()), *place});
+  const auto test = [&](const Box& box_a, const Box& box_b) {
+    const uint32_t a = std::min(box_a.info(), box_b.info()), b = std::max(box_a.info(), box_b.info());
+    const Polygon &polygon_a = scene.polygons[a], &polygon_b = scene.polygons[b];
+    if (polygon_a.plane == polygon_b.plane) return;
+    const Plane &plane_a = scene.planes[polygon_a.plane], &plane_b = scene.planes[polygon_b.plane];
+    const Chord of_a = cutByPlane(scene, polygon_a, plane_b, touching_depth);
+    if (!of_a.exists) return;
+    const Chord of_b = cutByPlane(scene, polygon_b, plane_a, touching_depth);
+    if (!of_b.exists) return;
+    // Both chords lie on the common line of the planes.
+    const glm::dvec3 along = glm::normalize(glm::cross(plane_a.normal, plane_b.normal));
+    const auto [a_begin, a_end] = std::minmax({glm::dot(along, of_a.begin), glm::dot(along, of_a.end)});
+    const auto [b_begin, b_end] = std::minmax({glm::dot(along, of_b.begin), glm::dot(along, of_b.end)});
+    const double begin = std::max(a_begin, b_begin), end = std::min(a_end, b_end);
+    if (end - begin <= touching_depth) return;
+    const glm::dvec3 middle = of_a.begin + along * ((begin + end) / 2 - glm::dot(along, of_a.begin));
+    found.push_back({a, b, scene.centre + scene.scale * middle, end - begin});
+  };
+  CGAL::box_self_intersection_d(boxes.begin(), boxes.end(), test);
+  std::sort(found.begin(), found.end(), [](const Interpenetration& p, const Interpenetration& q) {
+    return std::pair(p.a, p.b) < std::pair(q.a, q.b);
   });
-  std::sort(found.begin(), found.end(), [](const auto& p, const auto& q) { return std::pair(p.a, p.b) < std::pair(q.a, q.b); });
   return found;
 }
 
-std::string describe(const Scene& scene, const Interpenetration& interpenetration) {
-  const Ids ids = makeIds(scene, By::polygon, false);
-  const glm::dvec3 place = scene.centre + scene.scale * interpenetration.place;
-  return fmt::format("{}: polygons {} and {} pass through each other at ({:.6g}, {:.6g}, {:.6g}); cut them there, or move one of them",
-                     scene.file, ids.names[ids.of_polygon[interpenetration.a]], ids.names[ids.of_polygon[interpenetration.b]], place.x,
-                     place.y, place.z);
+std::string describe(const Scene& scene, const Interpenetration& found) {
+  return fmt::format("{}: {} and {} pass through each other at ({:.6g}, {:.6g}, {:.6g})", scene.file,
+                     faceName(scene, scene.polygons[found.a].face), faceName(scene, scene.polygons[found.b].face), found.place.x,
+                     found.place.y, found.place.z);
+}
+
+void requireDisjoint(const Scene& scene, double touching_depth) {
+  const std::vector<Interpenetration> found = findInterpenetrations(scene, touching_depth);
+  if (found.empty()) return;
+  std::string message = describe(scene, found.front());
+  if (found.size() > 1) message += fmt::format(", and {} more pairs", found.size() - 1);
+  throw Error(ErrorCode::bad_input, message + "; split them where they meet");
 }
 
 }  // namespace viewpeel::reference

@@ -25,7 +25,10 @@ using Regions = std::map<Key, Region>;
 // By id: regions of polygons with one id add up. Their perimeters bound that of the union.
 Regions exactRegions(const Scene& scene, const Ids& ids, const glm::dvec3& u) {
   Regions regions;
-  for (const PairArea& pair : computePairAreas(scene, u, {.two_sided = ids.two_sided}).pairs) {
+  ExactOptions options;
+  options.two_sided = ids.two_sided;
+  options.perimeters = true;
+  for (const PairArea& pair : computeExactPairAreas(scene, u, options).pairs) {
     const uint32_t i = ids.of_polygon[pair.a], j = pair.b < kEnvironment ? ids.of_polygon[pair.b] : pair.b;
     Region& region = regions[{std::min(i, j), std::max(i, j)}];
     region.area += pair.area;

@@ -1,223 +1,307 @@
-// The exact path: sums that close as rational numbers, and other ways to the same areas.
-#include "reference/exact_pair_areas.h"
-
-#include <cmath>
-#include <map>
-
-#include <glm/glm.hpp>
+// The exact path against slabs of rational numbers, clipping and sampling, and its own exact closure.
 #include <gtest/gtest.h>
 
-#include "compare.h"
-#include "error.h"
-#include "facing.h"
-#include "reference/closed_forms.h"
-#include "reference/exact_engine.h"
-#include "scenes.h"
+#include <cmath>
+#include <random>
+#include <set>
 
-namespace viewpeel::reference {
+#include <glm/geometric.hpp>
+
+#include "error.h"
+#include "exact_oracle.h"
+#include "exact_scenes.h"
+#include "reference/exact_pair_areas.h"
+#include "reference/pair_sums.h"
+
+namespace viewpeel::tests {
 namespace {
 
-namespace ts = test_scenes;
+using namespace reference;
 
-std::vector<glm::dvec3> directionsToTry() {
-  std::vector<glm::dvec3> directions = {{1, 0, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1},          // along axes: edge-on walls, ties
-                                        {1, 1, 0}, {0, 1, -1}, {1, 1, 1}, {-1, 0.5, 0},        // in planes, along diagonals of faces
-                                        {4, 0.5, 0}, {1e-9, 1, 0}, {1, 2e-17, 0}, {3, 2, -1}};  // all but parallel to edges and faces
-  for (const Direction& d : sampleDirections(Sampler::iid, 6, 17, 0)) directions.push_back(d.u);
+struct NamedScene {
+  const char* name;
+  Scene scene;
+};
+
+const std::vector<NamedScene>& smallScenes() {
+  static const std::vector<NamedScene> scenes = {
+      {"room", makeRoom()},           {"cube in cube", makeCubeInCube()}, {"two plates", makeTwoPlates()},
+      {"staircase", makeStaircase()}, {"stack", makeStack()},             {"tiles", makeTiles()},
+      {"duplicates", makeDuplicates()}, {"creases", makeCreases()},       {"soup", makeSoup(12, 5)}};
+  return scenes;
+}
+
+// A rotation from four normal variates: a random unit quaternion.
+glm::dmat3 randomRotation(std::mt19937& random) {
+  std::normal_distribution<double> normal;
+  const double w = normal(random), x = normal(random), y = normal(random), z = normal(random);
+  const double s = 2 / (w * w + x * x + y * y + z * z);
+  return {1 - s * (y * y + z * z), s * (x * y + w * z), s * (x * z - w * y),
+          s * (x * y - w * z), 1 - s * (x * x + z * z), s * (y * z + w * x),
+          s * (x * z + w * y), s * (y * z - w * x), 1 - s * (x * x + y * y)};
+}
+
+// Along the axes, in face planes, along edges and diagonals, at grazing angles, and anywhere.
+std::vector<glm::dvec3> hardDirections(const Scene& scene) {
+  std::vector<glm::dvec3> directions = {{0, 0, 1},  {0, -1, 0},  {1, 0, 0},     {1, 1, 0},       {0, 0.25, -1},
+                                        {-1, 1, 1}, {1, 0, 0.5}, {1e-9, 0, -1}, {0.3, 1e-16, 1}, {0.4, 0.7, 0.59}};
+  const auto& corners = scene.corners;
+  directions.push_back(corners[1] - corners[0]);
+  directions.push_back(corners[2] - corners[0]);
+  directions.push_back(corners.back() - corners[1]);
+  std::mt19937 random(11);
+  for (int k = 0; k < 3; ++k) directions.push_back(randomRotation(random) * glm::dvec3(0, 0, 1));
   return directions;
 }
 
-std::vector<InputScene> scenesToTry() {
-  InputScene neighbours{"coplanar neighbours, T-junctions", {}, {}};
-  ts::addFace(neighbours, "floor", ts::parallelogram({0, 0, 0}, {1, 0, 0}, {0, 2, 0}));
-  ts::addFace(neighbours, "floor", ts::parallelogram({1, 0, 0}, {1, 0, 0}, {0, 1, 0}));
-  ts::addFace(neighbours, "floor", ts::parallelogram({1, 1, 0}, {1, 0, 0}, {0, 1, 0}));
-  ts::addFace(neighbours, "lid", ts::parallelogram({0, 0, 1}, {0, 2, 0}, {2, 0, 0}));
-  return {ts::parallelSquares(),          ts::perpendicularSquares(), ts::insideOfCube(),      ts::cubeInCube(0.4), ts::roomWithTouchingBoxes(),
-          ts::stackOfSheets({0, 0, 0, 0.5, 0.5, 1}),  // coincident duplicates and touching sheets
-          ts::triangleSoup(40, 0.3, 5),  neighbours};
+// Empty where both agree within `bound` in every pair, else the first disagreement.
+std::string disagreement(const ExactPairAreas& found, const AreaMap& expected, double bound) {
+  AreaMap rest = expected;
+  for (const PairArea& pair : found.pairs) rest[{pair.a, pair.b}] -= pair.area;
+  for (const auto& [key, difference] : rest) {
+    if (std::abs(difference) <= bound) continue;
+    const auto value = expected.find(key);
+    return "pair (" + std::to_string(key.first) + ", " + std::to_string(key.second) + ") expected " +
+           std::to_string(value == expected.end() ? 0 : value->second) + ", off by " + std::to_string(difference);
+  }
+  return "";
 }
 
-TEST(ExactPairAreas, SumsCloseAsRationals) {
-  for (const InputScene& input : scenesToTry())
-    for (const glm::dvec3& u : directionsToTry())
-      for (bool two_sided : {false, true}) {
-        const PairAreas areas = computePairAreas(buildScene(input), u, {.two_sided = two_sided, .check_sums = true});
-        EXPECT_EQ(areas.largest_sum_defect, 0) << input.file << ", u = " << u.x << " " << u.y << " " << u.z << (two_sided ? ", two-sided" : "");
-      }
+std::string text(const glm::dvec3& u) {
+  return "u = (" + std::to_string(u.x) + ", " + std::to_string(u.y) + ", " + std::to_string(u.z) + ")";
 }
 
-// The sums of the doubles, per polygon, against projected areas found here: |normal . u| area, for one front each.
-TEST(ExactPairAreas, RowsAreProjectedAreas) {
-  for (const InputScene& input : scenesToTry())
-    for (const Direction& d : sampleDirections(Sampler::iid, 4, 3, 0)) {
-      const Scene scene = buildScene(input);
-      std::vector<double> rows(scene.polygons.size(), 0.0);
-      for (const PairArea& pair : computePairAreas(scene, 3.0 * d.u).pairs) {
-        rows[pair.a] += pair.area;
-        if (pair.b < kEnvironment) rows[pair.b] += pair.area;
-      }
-      for (size_t p = 0; p < rows.size(); ++p) {
-        const Polygon& polygon = scene.polygons[p];
-        // A face's area is rounded at 1e-16 for each of its corners; no polygon here is cut into more than 1000.
-        EXPECT_NEAR(rows[p], polygon.area * std::abs(glm::dot(scene.planes[polygon.plane].normal, d.u)), 1e-12) << input.file;
-      }
+// Slabs round once per trapezoid: fewer than 1e4 trapezoids a pair, 1e-16 each.
+constexpr double kSlabBound = 1e-12;
+
+void expectExact(const Scene& scene, const glm::dvec3& u, bool two_sided) {
+  ExactOptions options;
+  options.two_sided = two_sided;
+  const ExactPairAreas bounded = computeExactPairAreas(scene, u, options);
+  options.arithmetic = Arithmetic::exact;
+  const ExactPairAreas exact = computeExactPairAreas(scene, u, options);
+
+  EXPECT_TRUE(exact.open_polygons.empty());
+  EXPECT_TRUE(exact.open_pairs.empty());
+  AreaMap exact_areas;
+  for (const PairArea& pair : exact.pairs) {
+    EXPECT_GT(pair.area, 0);
+    EXPECT_LT(pair.a, pair.b);
+    exact_areas[{pair.a, pair.b}] = pair.area;
+  }
+  EXPECT_EQ(disagreement(exact, cutIntoSlabs(scene, u, two_sided), kSlabBound), "");
+  for (const PairArea& pair : bounded.pairs) {
+    EXPECT_LE(std::abs(pair.area - exact_areas[{pair.a, pair.b}]), pair.error * (1 + 1e-12));
+    EXPECT_LT(pair.error, 1e-12);
+  }
+  EXPECT_EQ(disagreement(bounded, exact_areas, 1e-12), "");
+}
+
+TEST(ExactPairAreas, SlabsAgreeAndSumsCloseOnExactCorners) {
+  for (const NamedScene& named : smallScenes())
+    for (const glm::dvec3& u : hardDirections(named.scene)) {
+      SCOPED_TRACE(std::string(named.name) + ", " + text(u));
+      expectExact(named.scene, u, false);
     }
 }
 
-// In a convex room every pair sees itself whole: A'_ij is the intersection of two projections.
-TEST(ExactPairAreas, ConvexRoomGivesIntersectionsOfProjections) {
-  const Scene scene = buildScene(ts::insideOfCube());
-  for (const Direction& d : sampleDirections(Sampler::iid, 20, 4, 0)) {
-    std::map<std::pair<uint32_t, uint32_t>, double> areas;
-    for (const PairArea& pair : computePairAreas(scene, d.u).pairs) areas[{pair.a, pair.b}] = pair.area;
+TEST(ExactPairAreas, SlabsAgreeAndSumsCloseTwoSided) {
+  for (const NamedScene& named : smallScenes())
+    for (const glm::dvec3& u : {glm::dvec3(0, 0, 1), glm::dvec3(0.3, -0.5, 0.4)}) {
+      SCOPED_TRACE(std::string(named.name) + ", " + text(u));
+      expectExact(named.scene, u, true);
+    }
+}
+
+TEST(ExactPairAreas, SlabsAgreeAndSumsCloseOnRoundedCorners) {
+  std::mt19937 random(3);
+  for (const NamedScene& named : smallScenes()) {
+    const glm::dmat3 rotation = randomRotation(random);
+    const Scene turned = turn(named.scene, rotation);
+    for (const glm::dvec3& u : hardDirections(named.scene)) {
+      SCOPED_TRACE(std::string(named.name) + " turned, " + text(u));
+      expectExact(turned, rotation * u, false);
+    }
+  }
+}
+
+// A desk whose sides and legs share planes and touch: edges that coincide up to rounding, faces of width 1e-17 beside
+// them.
+TEST(ExactPairAreas, SlabsAgreeAndSumsCloseInAnOffice) {
+  std::mt19937 random(77);
+  const Scene office = makeOffice(1, 1);
+  for (int k = 0; k < 3; ++k) {
+    const glm::dvec3 u = randomRotation(random) * glm::dvec3(0, 0, 1);
+    SCOPED_TRACE(text(u));
+    expectExact(office, u, false);
+  }
+}
+
+// Half a degree off a plane and less, by powers of ten: slivers of every width, down to that of rounding.
+TEST(ExactPairAreas, SlabsAgreeAndSumsCloseAtGrazingAngles) {
+  std::mt19937 random(13);
+  for (const Scene& scene : {makeCubeInCube(), makeCreases()}) {
+    const glm::dmat3 rotation = randomRotation(random);
+    const Scene turned = turn(scene, rotation);
+    for (int power = 2; power <= 17; ++power) {
+      const glm::dvec3 u(0.3, std::pow(10.0, -power), 1);
+      SCOPED_TRACE(text(u) + ", 1e-" + std::to_string(power));
+      expectExact(scene, u, false);
+      expectExact(turned, rotation * u, false);
+    }
+  }
+}
+
+TEST(ExactPairAreas, SlabComparatorSeesWrongAnswers) {
+  const Scene scene = makeCubeInCube();
+  const glm::dvec3 u(0.3, -0.5, 0.4);
+  const ExactPairAreas found = computeExactPairAreas(scene, u);
+  EXPECT_EQ(disagreement(found, cutIntoSlabs(scene, u), kSlabBound), "");
+  EXPECT_NE(disagreement(found, cutIntoSlabs(scene, u + glm::dvec3(1e-9, 0, 0)), kSlabBound), "");
+  EXPECT_NE(disagreement(found, cutIntoSlabs(flip(scene, 7), u), kSlabBound), "");
+  EXPECT_NE(disagreement(found, cutIntoSlabs(scene, u, true), kSlabBound), "");
+}
+
+TEST(ExactPairAreas, ConvexRoomIsIntersectionOfProjections) {
+  const Scene room = makeRoom();
+  std::mt19937 random(7);
+  for (int trial = 0; trial < 50; ++trial) {
+    const glm::dvec3 u = randomRotation(random) * glm::dvec3(0, 0, 1);
+    AreaMap expected;
     for (uint32_t a = 0; a < 6; ++a)
       for (uint32_t b = a + 1; b < 6; ++b) {
-        const auto frontUp = [&](uint32_t p) {
-          const Polygon& polygon = scene.polygons[p];
-          return (glm::dot(scene.planes[polygon.plane].normal, d.u) > 0) == polygon.front_along_plane_normal;
+        // Both face the gap: one front towards +u, the other against it.
+        const auto facing = [&](uint32_t p) {
+          const Polygon& polygon = room.polygons[p];
+          return (glm::dot(room.planes[polygon.plane].normal, u) > 0) == polygon.front_along_plane_normal;
         };
-        Loop common;
-        for (int k = 0; k < 4; ++k) {
-          const glm::dvec3 p = scene.corners[scene.polygons[a].first_corner + k];
-          common.push_back(p - glm::dot(p, d.u) * d.u);
-        }
-        for (int k = 0; k < 4 && !common.empty(); ++k) {
-          const glm::dvec3 p = scene.corners[scene.polygons[b].first_corner + k], q = scene.corners[scene.polygons[b].first_corner + (k + 1) % 4];
-          const glm::dvec3 inward = glm::cross(d.u, q - p) * (frontUp(b) ? 1.0 : -1.0);
-          common = clip(common, inward, glm::dot(inward, p));
-        }
-        const double expected = frontUp(a) == frontUp(b) || common.empty() ? 0 : areaOf(common);
-        EXPECT_NEAR(areas[std::pair(a, b)], expected, 1e-13);
+        if (facing(a) != facing(b)) expected[{a, b}] = overlapArea(room, u, a, b);
       }
+    SCOPED_TRACE(text(u));
+    EXPECT_EQ(disagreement(computeExactPairAreas(room, u), expected, 1e-12), "");
+    expected.begin()->second += 2e-12;
+    EXPECT_NE(disagreement(computeExactPairAreas(room, u), expected, 1e-12), "");
   }
 }
 
-// Lines at random points, all polygons sorted by brute force: hits per pair are binomial. 5.5 standard deviations over at most 2000 pairs:
-// false-alarm rate 8e-5.
-TEST(ExactPairAreas, AgreeWithRandomLines) {
-  int wrong_seen = 0;
-  for (const InputScene& input : {ts::roomWithTouchingBoxes(), ts::cubeInCube(0.4), ts::triangleSoup(12, 0.2, 8)}) {
-    const Scene scene = buildScene(input);
-    ASSERT_TRUE(findInterpenetrations(scene).empty()) << input.file;
-    for (const Direction& d : sampleDirections(Sampler::iid, 3, 23, 0)) {
-      const PairAreas exact = computePairAreas(scene, d.u);
-      std::map<std::pair<uint32_t, uint32_t>, double> hits;
-      std::mt19937_64 random(1);
-      std::uniform_real_distribution<double> uniform(-1, 1);
-      const int lines = 20000;
-      for (int n = 0; n < lines; ++n) {
-        const glm::dvec3 p = uniform(random) * d.x_axis + uniform(random) * d.y_axis;
-        std::vector<std::tuple<double, bool, uint32_t>> layers;  // height, front down, polygon
-        for (uint32_t q = 0; q < scene.polygons.size(); ++q) {
-          const Polygon& polygon = scene.polygons[q];
-          const Plane& plane = scene.planes[polygon.plane];
-          const double nu = glm::dot(plane.normal, d.u);
-          const bool front_up = (nu > 0) == polygon.front_along_plane_normal;
-          bool inside = true;
-          for (uint32_t k = 0; k < polygon.corner_count && inside; ++k) {
-            const glm::dvec3 a = scene.corners[polygon.first_corner + k], b = scene.corners[polygon.first_corner + (k + 1) % polygon.corner_count];
-            inside = glm::dot(glm::cross(b - a, p - a), d.u) * (front_up ? 1 : -1) > 0;
-          }
-          if (inside) layers.emplace_back((plane.offset - glm::dot(plane.normal, p)) / nu, !front_up, q);
-        }
-        std::sort(layers.begin(), layers.end());
-        for (size_t k = 0; k <= layers.size() && !layers.empty(); ++k) {
-          const bool lower = k > 0, upper = k < layers.size();
-          const uint32_t a = lower ? std::get<2>(layers[k - 1]) : 0, b = upper ? std::get<2>(layers[k]) : 0;
-          const uint gap = classifyGap(lower ? sideTowardsGap(!std::get<1>(layers[k - 1]), false, true) : kSideNone,
-                                       upper ? sideTowardsGap(!std::get<1>(layers[k]), false, false) : kSideNone);
-          if (gap == kGapFacingPair) ++hits[{std::min(a, b), std::max(a, b)}];
-          else if (gap == kGapLowerEnvironment) ++hits[{a, kEnvironment}];
-          else if (gap == kGapUpperEnvironment) ++hits[{b, kEnvironment}];
-          else if (gap == kGapLowerLeak) ++hits[{a, kLeak}];
-          else if (gap == kGapUpperLeak) ++hits[{b, kLeak}];
-        }
-      }
-      for (const PairArea& pair : exact.pairs) {
-        const double p = pair.area / 4, expected = p * lines, deviation = std::sqrt(lines * p * (1 - p));
-        const double found = hits[{pair.a, pair.b}];
-        hits.erase({pair.a, pair.b});
-        EXPECT_LE(std::abs(found - expected), 5.5 * deviation + 8) << input.file << " " << pair.a << " " << pair.b;  // + 8: Poisson tail of rare pairs
-        wrong_seen += std::abs(found - 1.2 * expected) > 5.5 * deviation + 8;
-      }
-      for (const auto& [key, found] : hits) EXPECT_LE(found, 8) << input.file << " " << key.first << " " << key.second;
-    }
+// The largest deviation of a pair from the samples, in standard deviations of the estimate.
+double worstDeviation(const ExactPairAreas& found, const Samples& samples, uint32_t sample_count) {
+  AreaMap areas;
+  for (const PairArea& pair : found.pairs) areas[{pair.a, pair.b}] = pair.area;
+  for (const auto& [key, area] : samples.areas) areas.try_emplace(key, 0);
+  double worst = 0;
+  for (const auto& [key, area] : areas) {
+    const auto sampled = samples.areas.find(key);
+    const double difference = (sampled == samples.areas.end() ? 0 : sampled->second) - area;
+    // One sample more than expected is no deviation where less than one is expected.
+    const double variance = samples.square * (area + samples.square / sample_count) / sample_count;
+    worst = std::max(worst, std::abs(difference) / std::sqrt(variance));
   }
-  EXPECT_GT(wrong_seen, 10);  // 20 % more would be seen
+  return worst;
+}
+
+// About 2e3 pairs in all. A count of mean m is off by more than 9 (m + 1)^1/2 with probability below 3e-10 (Chernoff's
+// bound exp(k - m - k log(k / m)) at k = m +- 9 (m + 1)^1/2), so a false alarm has probability below 1e-6.
+TEST(ExactPairAreas, RandomLinesAgree) {
+  constexpr uint32_t kSampleCount = 100'000;
+  const Scene soup = makeSoup(150, 1), office = makeOffice(2, 1);
+  std::mt19937 random(23);
+  for (int trial = 0; trial < 3; ++trial)
+    for (const Scene* scene : {&soup, &office}) {
+      const glm::dvec3 u = randomRotation(random) * glm::dvec3(0, 0, 1);
+      const Samples samples = sampleLines(*scene, u, kSampleCount, 100 + trial);
+      SCOPED_TRACE(text(u) + ", seed " + std::to_string(100 + trial));
+      const ExactPairAreas found = computeExactPairAreas(*scene, u);
+      EXPECT_LT(worstDeviation(found, samples, kSampleCount), 9);
+      EXPECT_GT(worstDeviation(computeExactPairAreas(*scene, u + glm::dvec3(0.1)), samples, kSampleCount), 9);
+    }
+}
+
+TEST(ExactPairAreas, LargerScenesCloseExactly) {
+  ExactOptions options;
+  options.arithmetic = Arithmetic::exact;
+  for (const Scene& scene : {makeOffice(2, 1), makeSoup(100, 2)})
+    for (const glm::dvec3& u : {glm::dvec3(0, 0, 1), glm::dvec3(1, 1, 0.25), glm::dvec3(0.2, 0.5, -0.7)}) {
+      SCOPED_TRACE(text(u));
+      const ExactPairAreas areas = computeExactPairAreas(scene, u, options);
+      EXPECT_TRUE(areas.open_polygons.empty());
+      EXPECT_TRUE(areas.open_pairs.empty());
+    }
+}
+
+// The lower plate alone: its boundary as one piece closes, the same area with an open boundary or a part of it does not.
+TEST(ExactPairAreas, ClosureSeesMissingPieces) {
+  SceneBuilder builder;
+  builder.addPolygon("plate", {{0, 0, 0}, {0.5, 0, 0}, {0.5, 0.5, 0}, {0, 0.5, 0}});
+  ExactOptions options;
+  options.arithmetic = Arithmetic::exact;
+  const Projection projection(builder.scene, IntegerCorners(builder.scene), {0, 0, 1});
+  const mpz_class twice_area = 2 * projection.exactCross(0, 1, 2);
+  const auto finish = [&](const mpq_class& area, const mpq_class& dx) {
+    PairSums sums(projection, options);
+    Piece piece;
+    piece.exact = Piece::Exact{area, dx, 0};
+    sums.addGap(0, kNoOutline, piece);
+    return sums.finish();
+  };
+  const ExactPairAreas whole = finish(twice_area, 0);
+  EXPECT_TRUE(whole.open_polygons.empty() && whole.open_pairs.empty());
+  const mpq_class tiny = mpq_class(1) / (mpz_class(1) << 300);
+  EXPECT_EQ(finish(twice_area - tiny, 0).open_polygons.size(), 1u);
+  EXPECT_EQ(finish(twice_area, tiny).open_pairs.size(), 1u);
+}
+
+TEST(ExactPairAreas, EdgeOnPolygonsContributeNothing) {
+  const ExactPairAreas areas = computeExactPairAreas(makeRoom(), {0, 0, 1});
+  ASSERT_EQ(areas.pairs.size(), 1u);  // floor and ceiling
+  EXPECT_EQ(areas.pairs[0].a, 0u);
+  EXPECT_EQ(areas.pairs[0].b, 1u);
+  EXPECT_NEAR(areas.pairs[0].area, 1, areas.pairs[0].error);
 }
 
 TEST(ExactPairAreas, TouchingSolidsFaceEachOther) {
-  const Scene scene = buildScene(ts::roomWithTouchingBoxes());
-  for (const PairArea& pair : computePairAreas(scene, {0.2, -0.3, 1}).pairs) {
+  // Boxes bottom and middle of the stack share 0.3 x 0.4 of the plane z = -0.2.
+  const ExactPairAreas areas = computeExactPairAreas(makeStack(), {0, 0, 1});
+  const uint32_t top_of_bottom = 7, bottom_of_middle = 12;
+  double area = 0;
+  for (const PairArea& pair : areas.pairs) {
     EXPECT_NE(pair.b, kLeak);
-    EXPECT_NE(pair.b, kEnvironment);
+    if (pair.a == top_of_bottom && pair.b == bottom_of_middle) area = pair.area;
+  }
+  EXPECT_NEAR(area, 0.3 * 0.4, 1e-15);
+}
+
+TEST(ExactPairAreas, LengthAndSignOfDirectionDoNotMatter) {
+  const Scene scene = makeStaircase();
+  const glm::dvec3 u(0.3, -0.5, 0.4);
+  const ExactPairAreas one = computeExactPairAreas(scene, u);
+  for (const double factor : {1024.0, -1.0, 0x1p-600}) {
+    const ExactPairAreas other = computeExactPairAreas(scene, factor * u);
+    ASSERT_EQ(one.pairs.size(), other.pairs.size());
+    for (size_t k = 0; k < one.pairs.size(); ++k)
+      EXPECT_NEAR(one.pairs[k].area, other.pairs[k].area, one.pairs[k].error + other.pairs[k].error);
   }
 }
 
-// A unit square in the middle of a plane hides its own perimeter: the regions' perimeters are those of the shapes.
-TEST(ExactPairAreas, PerimetersAreThoseOfTheRegions) {
-  const Scene scene = buildScene(ts::parallelSquares());
-  const double side = 1 / scene.scale;
-  for (const PairArea& pair : computePairAreas(scene, {0, 0, 1}).pairs) {
-    EXPECT_EQ(pair.a, 0u);
-    EXPECT_EQ(pair.b, 1u);
-    EXPECT_NEAR(pair.perimeter, 4 * side, 1e-14);
-    EXPECT_NEAR(pair.area, side * side, 1e-14);
+TEST(ExactPairAreas, ThreadsDoNotChangeBits) {
+  const Scene scene = makeOffice(2, 1);
+  std::mt19937 random(31);
+  std::vector<glm::dvec3> directions;
+  for (int k = 0; k < 12; ++k) directions.push_back(randomRotation(random) * glm::dvec3(0, 0, 1));
+  ExactOptions options;
+  options.thread_count = 4;
+  const std::vector<ExactPairAreas> together = computeExactPairAreas(scene, directions, options);
+  for (size_t k = 0; k < directions.size(); ++k) {
+    const ExactPairAreas alone = computeExactPairAreas(scene, directions[k]);
+    ASSERT_EQ(alone.pairs.size(), together[k].pairs.size());
+    for (size_t p = 0; p < alone.pairs.size(); ++p) EXPECT_EQ(alone.pairs[p].area, together[k].pairs[p].area);
   }
 }
 
-TEST(Interpenetration, CrossingPolygonsAreNamedWithTheirPlace) {
-  InputScene input{"crossing", {}, {}};
-  ts::addFace(input, "table", ts::parallelogram({0, 0, 0}, {2, 0, 0}, {0, 2, 0}));
-  ts::addFace(input, "blade", ts::parallelogram({1, 0.5, -1}, {0, 1, 0}, {0, 0, 3}));
-  const Scene scene = buildScene(input);
-  const auto found = findInterpenetrations(scene);
-  ASSERT_EQ(found.size(), 1u);
-  const glm::dvec3 place = scene.centre + scene.scale * found[0].place;
-  EXPECT_LT(glm::length(place - glm::dvec3(1, 1, 0)), 1e-12);
-  EXPECT_EQ(describe(scene, found[0]).find("crossing: polygons table and blade pass through each other at (1, 1, "), 0u) << describe(scene, found[0]);
-  EXPECT_THROW(makeExactEngine(scene, makeIds(scene, By::polygon, false)), Error);
-}
-
-TEST(Interpenetration, TouchingIsNone) {
-  for (const InputScene& input : {ts::roomWithTouchingBoxes(), ts::perpendicularSquares(), ts::stackOfSheets({0, 0, 0.1})})
-    EXPECT_TRUE(findInterpenetrations(buildScene(input)).empty()) << input.file;
-  InputScene standing{"blade stands on the table", {}, {}};
-  ts::addFace(standing, "table", ts::parallelogram({0, 0, 0}, {2, 0, 0}, {0, 2, 0}));
-  ts::addFace(standing, "blade", ts::parallelogram({1, 0.5, 0}, {0, 1, 0}, {0, 0, 3}));
-  EXPECT_TRUE(findInterpenetrations(buildScene(standing)).empty());
-}
-
-TEST(ExactEngine, EstimatesAreThoseOfTheClosedForm) {
-  const Scene scene = buildScene(ts::perpendicularSquares());
-  const Ids ids = makeIds(scene, By::polygon, false);
-  const auto engine = makeExactEngine(scene, ids);
-  const Estimate e = estimateFormFactors(*engine, scene, ids, {.directions = 200, .replicates = 16});
-  EXPECT_TRUE(isEstimateOf(e.form_factors.formFactor(0, 1), perpendicularRectangles({0, 1}, {0, 1}, {0, 1}, {0, 1}), e.replicates, 1e-11));
-  EXPECT_LT(e.largest_standard_error, 1e-3);
-}
-
-// A polygon past a convex blocker, by the estimator and by quadrature.
-TEST(ExactEngine, SeesPastABlocker) {
-  InputScene input = ts::parallelSquares();
-  const Loop blocker{{0.2, 0.3, 0.4}, {0.9, 0.4, 0.6}, {0.3, 0.8, 0.5}};
-  ts::addFace(input, "blocker", blocker);
-  const Scene scene = buildScene(input);
-  const Ids ids = makeIds(scene, By::polygon, false);
-  const Estimate e = estimateFormFactors(*makeExactEngine(scene, ids), scene, ids, {.directions = 200, .replicates = 16});
-  EXPECT_TRUE(isEstimateOf(e.form_factors.formFactor(0, 1), polygonPastBlocker(input.faces[0].corners, input.faces[1].corners, blocker), e.replicates, 1e-7));
-  EXPECT_GT(e.form_factors.formFactor(1, 2).value + e.form_factors.formFactor(1, kLeak).value, 0.01);  // it is in the way
-}
-
-TEST(ExactEngine, ThreadsNeverChangeTheCounts) {
-  const Scene scene = buildScene(ts::roomWithTouchingBoxes());
-  const Ids ids = makeIds(scene, By::surface, false);
-  const auto directions = sampleDirections(Sampler::fibonacci, 20, 1, 0);
-  const PairCounts one = makeExactEngine(scene, ids, 1)->count(directions), three = makeExactEngine(scene, ids, 3)->count(directions);
-  ASSERT_EQ(one.size(), three.size());
-  for (size_t k = 0; k < one.size(); ++k) EXPECT_EQ(one[k].count, three[k].count);
+TEST(ExactPairAreas, UselessDirectionsAreRefused) {
+  EXPECT_THROW(computeExactPairAreas(makeRoom(), {0, 0, 0}), Error);
+  EXPECT_THROW(computeExactPairAreas(makeRoom(), {0, NAN, 1}), Error);
 }
 
 }  // namespace
-}  // namespace viewpeel::reference
+}  // namespace viewpeel::tests

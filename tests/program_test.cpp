@@ -145,7 +145,7 @@ TEST_F(Program, CheckPassesOnAGoodScene) {
 TEST_F(Program, InterpenetrationIsNamed) {
   std::ofstream(file("crossing.obj")) << "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 0.5 -1\nv 1 1.5 -1\nv 1 1.5 1\nv 1 0.5 1\n"
                                          "o table\nf 1 2 3 4\no blade\nf 5 6 7 8\n";
-  const std::string what = "polygons table and blade pass through each other at (1, 1, ";
+  const std::string what = "table and blade pass through each other at (1, 1, ";
   const Result check = run("check " + file("crossing.obj") + " --resolution 16 --directions 1 --lattices 8");
   EXPECT_EQ(check.status, 1);
   EXPECT_NE(check.output.find(what), std::string::npos) << check.output;

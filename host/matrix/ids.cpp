@@ -6,6 +6,12 @@
 
 namespace viewpeel {
 
+std::string faceName(const Scene& scene, uint32_t face_index) {
+  const Face& face = scene.faces[face_index];
+  const Surface& surface = scene.surfaces[face.surface];
+  return surface.face_count == 1 ? surface.name : fmt::format("{}[{}]", surface.name, face.number);
+}
+
 Ids makeIds(const Scene& scene, By by, bool two_sided) {
   Ids ids;
   ids.two_sided = two_sided;
@@ -19,10 +25,9 @@ Ids makeIds(const Scene& scene, By by, bool two_sided) {
       ids.names.push_back(surface.name);
     }
   } else {
-    for (const Face& face : scene.faces) {
-      const Surface& surface = scene.surfaces[face.surface];
-      ids.surface.push_back(face.surface);
-      ids.names.push_back(surface.face_count == 1 ? surface.name : fmt::format("{}[{}]", surface.name, face.number));
+    for (uint32_t k = 0; k < scene.faces.size(); ++k) {
+      ids.surface.push_back(scene.faces[k].surface);
+      ids.names.push_back(faceName(scene, k));
     }
   }
   ids.areas.assign(ids.names.size(), 0.0);

@@ -10,10 +10,13 @@ namespace viewpeel {
 // What counters are kept for: every input polygon (a face of the file), or every named surface as a whole.
 enum class By { polygon, surface };
 
+// "desk[3]", or "desk" where the surface has one face only.
+std::string faceName(const Scene& scene, uint32_t face_index);
+
 // The rows of the matrix.
 struct Ids {
   std::vector<uint32_t> of_polygon;  // id of each Scene::polygons entry
-  std::vector<std::string> names;    // "desk[3]", or "desk" where the surface has one polygon only
+  std::vector<std::string> names;    // faceName, or the surface's name
   std::vector<double> areas;         // emitting area, input units squared: both sides of a two-sided polygon count
   std::vector<uint32_t> surface;     // Scene::surfaces index of each id
   bool two_sided = false;

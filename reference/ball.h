@@ -1,0 +1,40 @@
+// Doubles with a bound on their rounding error: the filter in front of the exact arithmetic.
+#pragma once
+#include <cmath>
+
+namespace viewpeel::reference {
+
+// Some number within `error` of `value`. kUnit is twice the unit roundoff: the surplus covers the rounding of the
+// errors themselves, which costs a relative 2^-51 per operation at most.
+struct Ball {
+  static constexpr double kUnit = 0x1p-52;
+  double value = 0;
+  double error = 0;
+};
+
+inline Ball operator+(Ball a, Ball b) {
+  const double sum = a.value + b.value;
+  return {sum, a.error + b.error + Ball::kUnit * (std::abs(sum) + a.error + b.error)};
+}
+
+inline Ball operator-(Ball a) { return {-a.value, a.error}; }
+inline Ball operator-(Ball a, Ball b) { return a + -b; }
+
+inline Ball operator*(Ball a, Ball b) {
+  const double product = a.value * b.value;
+  const double error = std::abs(a.value) * b.error + std::abs(b.value) * a.error + a.error * b.error;
+  return {product, error + 4 * Ball::kUnit * (std::abs(product) + error) + 0x1p-1000};
+}
+
+// Infinite error where b may be 0.
+inline Ball operator/(Ball a, Ball b) {
+  const double quotient = a.value / b.value, room = std::abs(b.value) - b.error;
+  if (!(room > 0)) return {0, HUGE_VAL};
+  const double error = (a.error + std::abs(quotient) * b.error) / room;
+  return {quotient, error + 8 * Ball::kUnit * (std::abs(quotient) + error) + 0x1p-1000};
+}
+
+// The sign where the error leaves no doubt, else 0.
+inline int certainSign(Ball a) { return a.value > a.error ? 1 : a.value < -a.error ? -1 : 0; }
+
+}  // namespace viewpeel::reference

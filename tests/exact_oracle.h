@@ -1,0 +1,31 @@
+// Slow, plain ways to the areas of pairs that share nothing with the exact path but the facing rules.
+#pragma once
+#include <cstdint>
+#include <map>
+#include <utility>
+
+#include <glm/vec3.hpp>
+
+#include "scene/scene.h"
+
+namespace viewpeel::tests {
+
+using AreaMap = std::map<std::pair<uint32_t, uint32_t>, double>;  // (a, b), a < b -> area in P(u)
+
+// The plane cut into slabs between all x of end points and crossings, the slabs into trapezoids by all edges; each
+// trapezoid's layers sorted by exact height at its middle. Rational numbers throughout, rounded once per trapezoid.
+//   Error: 1e-15 per trapezoid of a pair. Cost: O(crossings x edges x polygons) rational operations: small scenes only.
+AreaMap cutIntoSlabs(const Scene& scene, const glm::dvec3& u, bool two_sided = false);
+
+// The same at random lines along u through a square that covers the projection: the share of lines times its area.
+//   Error: standard deviation sqrt(area (square - area) / samples). Cost: O(samples x polygons), double.
+struct Samples {
+  AreaMap areas;
+  double square = 0;  // area that was sampled
+};
+Samples sampleLines(const Scene& scene, const glm::dvec3& u, uint32_t sample_count, uint32_t seed);
+
+// Area in P(u) of the common part of two projected polygons, by clipping in double.
+double overlapArea(const Scene& scene, const glm::dvec3& u, uint32_t a, uint32_t b);
+
+}  // namespace viewpeel::tests

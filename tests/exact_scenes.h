@@ -1,0 +1,41 @@
+// Small scenes in unit-ball units for the tests of the exact path, written down corner by corner.
+#pragma once
+#include <string>
+#include <vector>
+
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+
+#include "scene/scene.h"
+
+namespace viewpeel::tests {
+
+// One surface per polygon, named by the caller, so that messages name polygons.
+struct SceneBuilder {
+  Scene scene;
+
+  SceneBuilder() { scene.file = "test"; }
+  void addPolygon(const std::string& name, const std::vector<glm::dvec3>& corners);
+  // Six quads with fronts outwards, or inwards for a room.
+  void addBox(const std::string& name, const glm::dvec3& low, const glm::dvec3& high, bool inwards = false);
+};
+
+// The scene turned: every corner is rounded, so corners leave their planes and edges their neighbours by about 1e-16.
+Scene turn(const Scene& scene, const glm::dmat3& rotation);
+
+// The scene with the polygon's corners in reverse: its front is its back.
+Scene flip(const Scene& scene, uint32_t polygon_index);
+
+Scene makeRoom();              // the inside of a cube
+Scene makeCubeInCube();        // a solid cube within it
+Scene makeTwoPlates();         // parallel squares of different size
+Scene makeStaircase();         // steps of different width in a room: T-junctions
+Scene makeStack();             // three boxes that touch, in a room: zero gaps
+Scene makeTiles();             // coplanar neighbours, regular and shifted, under a plate
+Scene makeDuplicates();        // coincident polygons, equally and oppositely facing
+Scene makeCreases();           // several polygons on one edge, folded over each other
+Scene makeSoup(uint32_t triangle_count, uint32_t seed);  // random triangles in disjoint balls
+// A room with desks of five boxes each on a grid, cut so that every quad of a box or a wall is subdivided.
+Scene makeOffice(uint32_t desks_per_side, uint32_t subdivision);
+
+}  // namespace viewpeel::tests
