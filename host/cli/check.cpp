@@ -95,11 +95,11 @@ void addCheck(CLI::App& app, Run& chosen) {
   CLI::App* command = app.add_subcommand("check", "Check lattice counts against exact areas; exit status 1 where they do not agree");
   command->add_option("SCENE", options->scene, "Scene file: .obj, .stl or .ply")->required();
   command->add_option("--directions", options->check.directions, "Random directions")
-      ->type_name("N")->check(CLI::Range(1u, 1u << 20))->capture_default_str();
+      ->type_name("N")->check(CLI::Range(1u, 1u << 20).description(""))->capture_default_str();
   command->add_option("--lattices", options->check.lattices, "Random lattices per direction")
-      ->type_name("M")->check(CLI::Range(8u, 1u << 20))->capture_default_str();
+      ->type_name("M")->check(CLI::Range(8u, 1u << 20).description(""))->capture_default_str();
   command->add_option("--resolution", options->check.resolutions, "Lattice spacings across the scene's diameter; may be given several times")
-      ->type_name("PX")->check(CLI::Range(1, kMaxResolution))->allow_extra_args(false)->capture_default_str();
+      ->type_name("PX")->check(CLI::Range(1, kMaxResolution).description(""))->allow_extra_args(false)->capture_default_str();
   command->add_option("--seed", options->check.seed, "Of directions and lattices")->type_name("K")->capture_default_str();
   command->add_flag("--two-sided", options->two_sided, "Every polygon emits and receives on both sides");
   command->add_option("--device", options->device.selector, "Vulkan device: index, part of its name, cpu or gpu")->type_name("DEVICE");

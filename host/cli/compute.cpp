@@ -78,6 +78,22 @@ std::string isPositive(const std::string& text) {
   return CLI::detail::lexical_cast(text, value) && value > 0 && std::isfinite(value) ? "" : text + " is not a number above 0";
 }
 
+// An option that takes one of a few words; the first is the default.
+template <class T>
+void addChoice(CLI::App* command, const std::string& name, T& value, const std::vector<std::pair<std::string, T>>& choices, const std::string& text) {
+  std::string words;
+  for (const auto& choice : choices) words += (words.empty() ? "" : "|") + choice.first;
+  const auto choose = [&value, choices, name, words](const std::string& word) {
+    for (const auto& choice : choices) {
+      if (choice.first != word) continue;
+      value = choice.second;
+      return;
+    }
+    throw CLI::ValidationError(name, fmt::format("'{}' is not one of {}", word, words));
+  };
+  command->add_option_function<std::string>(name, choose, text)->default_str(choices.front().first)->type_name(words);
+}
+
 }  // namespace
 
 void addCompute(CLI::App& app, Run& chosen) {
@@ -92,20 +108,16 @@ void addCompute(CLI::App& app, Run& chosen) {
       command->add_option("--tolerance", *tolerance, "Go on until the largest standard error of all form factors is at most this")
           ->type_name("T")->check(isPositive);
   command->add_option("--directions", estimate.directions, "Directions per replicate")
-      ->type_name("N")->check(CLI::Range(1u, 1u << 30))->capture_default_str();
+      ->type_name("N")->check(CLI::Range(1u, 1u << 30).description(""))->capture_default_str();
   command->add_option("--replicates", estimate.replicates, "Independent replicates, at least; their spread gives the standard errors")
-      ->type_name("R")->check(CLI::Range(2u, 1u << 30))->capture_default_str();
+      ->type_name("R")->check(CLI::Range(2u, 1u << 30).description(""))->capture_default_str();
   command->add_option("--resolution", options->graphics.resolution, "Lattice spacings across the scene's diameter")
-      ->type_name("PX")->check(CLI::Range(1, kMaxResolution))->capture_default_str();
-  command->add_option("--by", options->by, "One row per polygon or per named surface")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, By>{{"polygon", By::polygon}, {"surface", By::surface}}))
-      ->default_str("polygon")->type_name("polygon|surface");
-  command->add_option("--engine", options->engine, "Depth peeling on a Vulkan device, or exact areas on the CPU")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, EngineKind>{{"graphics", EngineKind::graphics}, {"exact", EngineKind::exact}}))
-      ->default_str("graphics")->type_name("graphics|exact");
-  command->add_option("--sampler", estimate.sampler, "Directions: rotated Fibonacci sets, or independent")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, Sampler>{{"fibonacci", Sampler::fibonacci}, {"iid", Sampler::iid}}))
-      ->default_str("fibonacci")->type_name("fibonacci|iid");
+      ->type_name("PX")->check(CLI::Range(1, kMaxResolution).description(""))->capture_default_str();
+  addChoice(command, "--by", options->by, {{"polygon", By::polygon}, {"surface", By::surface}}, "One row per polygon or per named surface");
+  addChoice(command, "--engine", options->engine, {{"graphics", EngineKind::graphics}, {"exact", EngineKind::exact}},
+            "Depth peeling on a Vulkan device, or exact areas on the CPU");
+  addChoice(command, "--sampler", estimate.sampler, {{"fibonacci", Sampler::fibonacci}, {"iid", Sampler::iid}},
+            "Directions: rotated Fibonacci sets, or independent");
   command->add_option("--seed", estimate.seed, "The same seed gives the same bits")->type_name("K")->capture_default_str();
   command->add_flag("--two-sided", options->graphics.two_sided, "Every polygon emits and receives on both sides");
   command->add_option("--device", options->device.selector, "Vulkan device: index, part of its name, cpu or gpu")->type_name("DEVICE");
