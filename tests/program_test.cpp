@@ -18,7 +18,7 @@ struct Result {
   std::string output;  // stdout and stderr
 };
 
-Result run(const std::string& arguments, const std::string& environment = "VIEWPEEL_VALIDATION=1") {
+Result run(const std::string& arguments, const std::string& environment = "") {
   const std::string command = environment + " " VIEWPEEL_PROGRAM " " + arguments + " 2>&1 </dev/null";
   FILE* pipe = popen(command.c_str(), "r");
   Result result{-1, ""};

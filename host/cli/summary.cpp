@@ -42,12 +42,14 @@ std::string escapeJson(const std::string& text) {
 }
 
 std::string describeScene(const Scene& scene) {
-  double area = 0;
-  for (const Polygon& polygon : scene.polygons) area += polygon.area * scene.scale * scene.scale;
+  const Ids ids = makeIds(scene, By::polygon, false);
+  const auto [least, most] = std::minmax_element(ids.areas.begin(), ids.areas.end());
   std::string split;
   if (scene.polygons.size() != scene.faces.size()) split = fmt::format(" (split into {} convex ones)", scene.polygons.size());
-  return fmt::format("scene      {}: {} polygons{}, {} surfaces, total area {:.6g}, radius {:.6g}, {}\n", scene.file, scene.faces.size(),
-                     split, scene.surfaces.size(), area, scene.scale, isClosed(scene) ? "closed" : "open");
+  return fmt::format("scene      {}: {} polygons{}, {} surfaces, {}\n"
+                     "areas      {:.6g} in all, polygons {:.3g} to {:.3g}; radius {:.4g}\n",
+                     scene.file, scene.faces.size(), split, scene.surfaces.size(), isClosed(scene) ? "closed" : "open",
+                     std::accumulate(ids.areas.begin(), ids.areas.end(), 0.0), *least, *most, scene.scale);
 }
 
 std::string tabulateLargest(const FormFactors& between_surfaces, size_t rows) {
