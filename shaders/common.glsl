@@ -13,3 +13,4 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Projected { 
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Layers { Layer at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Words { uint at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Commands { LayerCommands at; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Status { BinStatus at; };

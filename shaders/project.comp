@@ -84,8 +84,12 @@ void main() {
   int round_up = (1 << args.fraction_bits) - 1;
   ivec2 box_min = (low + round_up) >> args.fraction_bits, box_max = high >> args.fraction_bits;  // lattice points
   projected.blocks = uint64_t(0);
+  projected.box_min = box_min;
+  projected.box_max = box_max;
   if (twice_area == int64_t(0) || any(greaterThan(box_min, box_max))) {
     for (int k = 0; k < 4; ++k) projected.outline[k] = vec2(0);
+    projected.box_min = ivec2(1);
+    projected.box_max = ivec2(0);
   } else {
     for (int k = 0; k < 4; ++k)
       projected.outline[k] = vec2((k & 1) != 0 ? box_max.x : box_min.x, (k & 2) != 0 ? box_max.y : box_min.y) +

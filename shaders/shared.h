@@ -27,7 +27,9 @@ struct Edge {
 //   clamp((depth_0 + depth_x p.x + depth_y p.y) >> depth_shift, depth_min, depth_max), in units of 2^-kDepthBits above -1.
 struct ProjectedPolygon {
   vec2 outline[4];  // in lattice coordinates, a triangle strip around all lattice points it can cover; one point where it covers none
-  uint64_t blocks;  // of its cell that it can cover points of, see blockBit
+  uint64_t blocks;  // of its cell that it can cover points of, see blockAlong
+  ivec2 box_min;    // lattice points it can cover; box_min.x > box_max.x where it covers none
+  ivec2 box_max;
   int64_t depth_0;
   int64_t depth_x;
   int64_t depth_y;
@@ -38,7 +40,7 @@ struct ProjectedPolygon {
 };
 
 const int kDepthBits = 27;  // of a unit length; the unit ball spans 2^28 depths
-const int kSnapBits = 29;   // of a snapped coordinate: products of differences stay below 2^61
+const int kSnapBits = 25;   // of a snapped coordinate: what an edge changes by within a tile stays below 2^30
 
 // The nearest polygon of a lattice point that peeling has not passed yet. Ordered by (key, polygon): key is twice the depth,
 // plus one where the front faces -u, so that at equal depths fronts that face +u come first.
@@ -101,6 +103,48 @@ struct AccumulateArgs {
   uint two_sided;
   uint instance_count;
   uint group_count;
+};
+
+const int kTileSize = 8;            // lattice points a side, of the compute engine's tiles
+const uint kGroupsPerRow = 32768u;  // of a dispatch over tiles
+
+// What binning found, for the host.
+struct BinStatus {
+  uint active_tiles;
+  uint list_length;  // of all tiles together
+};
+
+struct BinArgs {
+  uint64_t polygons;
+  uint64_t edges;
+  uint64_t projected;
+  uint64_t tile_counts;   // uint[direction_count][tiles_per_side][tiles_per_side]
+  uint64_t tile_starts;   // the same: where the tile's list begins
+  uint64_t lists;         // uint[list_capacity]: polygons
+  uint64_t active_tiles;  // uint[tile_count][2]: tile, length of its list
+  uint64_t status;        // BinStatus
+  uint polygon_count;
+  uint corner_count;
+  uint tiles_per_side;
+  uint tile_count;
+  uint list_capacity;
+  uint scatter;           // 0 counts, 1 fills the lists
+};
+
+struct PeelTilesArgs {
+  uint64_t polygons;
+  uint64_t edges;
+  uint64_t projected;
+  uint64_t tile_starts;
+  uint64_t lists;
+  uint64_t active_tiles;
+  uint64_t counters;
+  uint polygon_count;
+  uint corner_count;
+  uint tiles_per_side;
+  uint active_tile_count;
+  uint id_count;
+  uint two_sided;
 };
 
 // A cell has 8 x 8 blocks, one bit each: where the previous layer has no polygon, nothing is behind it, and polygons that can cover points of

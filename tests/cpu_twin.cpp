@@ -85,7 +85,7 @@ Flat flatten(const Scene& scene, const Polygon& polygon, const Direction& direct
 
 PairCounts countPairsOnCpu(const Scene& scene, const Ids& ids, const std::vector<Direction>& directions, int resolution,
                            Fault fault) {
-  const int bits = 29 - std::bit_width(static_cast<uint32_t>(resolution / 2 + 1));
+  const int bits = 25 - std::bit_width(static_cast<uint32_t>(resolution / 2 + 1));
   const int64_t one = int64_t(1) << bits;
   std::map<std::pair<uint32_t, uint32_t>, uint64_t> counters;
   const auto add = [&](uint32_t i, uint32_t j) { ++counters[{std::min(i, j), std::max(i, j)}]; };

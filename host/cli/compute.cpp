@@ -7,6 +7,7 @@
 
 #include "cli/commands.h"
 #include "cli/summary.h"
+#include "engines/compute_engine.h"
 #include "engines/graphics_engine.h"
 #include "error.h"
 #include "io/write_form_factors.h"
@@ -15,9 +16,9 @@
 namespace viewpeel::cli {
 namespace {
 
-enum class EngineKind { graphics, exact };
+enum class EngineKind { graphics, compute, exact };
 
-struct ComputeOptions {
+struct ProgramOptions {
   std::string scene;
   std::vector<std::string> outputs;
   By by = By::polygon;
@@ -40,13 +41,23 @@ void showProgress(const EstimateProgress& progress, const EstimateOptions& optio
   std::fflush(stderr);
 }
 
-int runCompute(ComputeOptions options) {
+std::unique_ptr<Engine> makeEngine(const ProgramOptions& options, const std::optional<Device>& device, const Scene& scene, const Ids& ids) {
+  const GraphicsOptions& g = options.graphics;
+  switch (options.engine) {
+    case EngineKind::exact: return reference::makeExactEngine(scene, ids);
+    case EngineKind::graphics: return makeGraphicsEngine(*device, scene, ids, g);
+    case EngineKind::compute: break;
+  }
+  return makeComputeEngine(*device, scene, ids, {.resolution = g.resolution, .two_sided = g.two_sided, .batch_directions = g.batch_directions});
+}
+
+int runCompute(ProgramOptions options) {
   for (const std::string& output : options.outputs) checkOutput(output);
   const Scene scene = loadScene(options.scene);
   for (const std::string& warning : scene.warnings) fmt::print(stderr, "viewpeel: warning: {}\n", warning);
   const Ids ids = makeIds(scene, options.by, options.graphics.two_sided);
   std::optional<Device> device;
-  if (options.engine == EngineKind::graphics) device.emplace(options.device);
+  if (options.engine != EngineKind::exact) device.emplace(options.device);
   if (!options.quiet) {
     fmt::print("{}{}", device ? describeDevice(*device) : "device     none: exact areas on the CPU\n", describeScene(scene));
     fmt::print("sampling   {} {} directions a replicate, {}, seed {}\n", options.estimate.directions,
@@ -59,7 +70,7 @@ int runCompute(ComputeOptions options) {
   const bool show_progress = !options.quiet && ::isatty(STDERR_FILENO);
   if (show_progress)
     options.estimate.on_replicate = [&](const EstimateProgress& p) { showProgress(p, options.estimate, start); };
-  const auto engine = device ? makeGraphicsEngine(*device, scene, ids, options.graphics) : reference::makeExactEngine(scene, ids);
+  const auto engine = makeEngine(options, device, scene, ids);
   const Estimate estimate = estimateFormFactors(*engine, scene, ids, options.estimate);
   if (show_progress) fmt::print(stderr, "\r\033[K");
   if (device) checkValidation(*device);
@@ -97,7 +108,7 @@ void addChoice(CLI::App* command, const std::string& name, T& value, const std::
 }  // namespace
 
 void addCompute(CLI::App& app, Run& chosen) {
-  auto options = std::make_shared<ComputeOptions>();
+  auto options = std::make_shared<ProgramOptions>();
   EstimateOptions& estimate = options->estimate;
   CLI::App* command = app.add_subcommand("compute", "Compute the form factors of a scene");
   command->add_option("SCENE", options->scene, "Scene file: .obj, .stl or .ply")->required();
@@ -114,8 +125,8 @@ void addCompute(CLI::App& app, Run& chosen) {
   command->add_option("--resolution", options->graphics.resolution, "Lattice spacings across the scene's diameter")
       ->type_name("PX")->check(CLI::Range(1, kMaxResolution).description(""))->capture_default_str();
   addChoice(command, "--by", options->by, {{"polygon", By::polygon}, {"surface", By::surface}}, "One row per polygon or per named surface");
-  addChoice(command, "--engine", options->engine, {{"graphics", EngineKind::graphics}, {"exact", EngineKind::exact}},
-            "Depth peeling on a Vulkan device, or exact areas on the CPU");
+  addChoice(command, "--engine", options->engine, {{"graphics", EngineKind::graphics}, {"compute", EngineKind::compute}, {"exact", EngineKind::exact}},
+            "Depth peeling on a Vulkan device, by its raster pipeline or in compute shaders, or exact areas on the CPU");
   addChoice(command, "--sampler", estimate.sampler, {{"fibonacci", Sampler::fibonacci}, {"iid", Sampler::iid}},
             "Directions: rotated Fibonacci sets, or independent");
   command->add_option("--seed", estimate.seed, "The same seed gives the same bits")->type_name("K")->capture_default_str();

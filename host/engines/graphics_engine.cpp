@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include "engines/pair_counters.h"
 #include "engines/shared.h"
 #include "error.h"
 #include "shaders/accumulate.comp.h"
@@ -36,13 +37,6 @@ constexpr uint64_t kBatchBytes = 256u << 20;  // of projected polygons
 
 uint32_t divideUp(uint64_t value, uint64_t by) { return static_cast<uint32_t>((value + by - 1) / by); }
 
-template <class T>
-Buffer uploadBuffer(const Device& device, const std::vector<T>& values) {
-  Buffer buffer(device, values.size() * sizeof(T), MemoryUse::upload);
-  buffer.write<T>(values);
-  return buffer;
-}
-
 class GraphicsEngine : public Engine {
  public:
   GraphicsEngine(const Device& device, const Scene& scene, const Ids& ids, const GraphicsOptions& options);
@@ -54,22 +48,17 @@ class GraphicsEngine : public Engine {
   void prepareImages();
   void countBatch(std::span<const Direction> directions);
   void recordLayer(uint32_t layer, uint32_t direction_count);
-  void clearCounters();
-  void readCounters();
-  void makeRoomInCounters(uint64_t points);
 
   const Device& device_;
   GraphicsOptions options_;
-  uint32_t polygon_count_, corner_count_, id_count_;
-  uint64_t counter_count_;
+  SceneBuffers scene_;
+  PairCounters counters_;
   int fraction_bits_;
   uint32_t cell_size_, cells_per_row_, cell_rows_, batch_size_;
-  uint64_t most_in_counter_ = 0;  // bound on any device counter
-  std::vector<uint64_t> sums_;    // of the counters read so far
 
   Kernel project_, peel_, accumulate_;
   Commands commands_;
-  Buffer polygons_, corners_, directions_, edges_, projected_, counters_, counters_read_;
+  Buffer directions_, edges_, projected_;
   std::array<Buffer, 2> layers_;  // layer k lies in layers_[k % 2], and layer -1, before everything, in layers_[1]
   std::array<Buffer, 2> alive_, next_commands_;  // for layer k in [k % 2]
   Buffer status_;
@@ -79,41 +68,23 @@ class GraphicsEngine : public Engine {
 GraphicsEngine::GraphicsEngine(const Device& device, const Scene& scene, const Ids& ids, const GraphicsOptions& options)
     : device_(device),
       options_(options),
-      polygon_count_(static_cast<uint32_t>(scene.polygons.size())),
-      corner_count_(static_cast<uint32_t>(scene.corners.size())),
-      id_count_(ids.count()),
-      counter_count_(counterIndex(id_count_ - 1, id_count_ + 1, id_count_) + 1),
+      scene_(device, scene, ids),
+      counters_(device, ids.count(), options.counter_budget_bytes),
       project_(device, project_comp, sizeof(ProjectArgs)),
       peel_(device, peel_vert, peel_frag, kLayerFormat, kDepthFormat, sizeof(PeelArgs)),
       accumulate_(device, accumulate_comp, sizeof(AccumulateArgs)),
       commands_(device) {
   if (options.resolution < 1 || options.resolution > kMaxResolution)
     throw Error(ErrorCode::bad_usage, fmt::format("resolution {} is out of range; choose 1 to {}", options.resolution, kMaxResolution));
-  const uint64_t counter_bytes = counter_count_ * sizeof(uint32_t);
-  const uint64_t budget = std::min<uint64_t>(options.counter_budget_bytes, device.maxAllocationBytes());
-  if (counter_bytes > budget)
-    throw Error(ErrorCode::limit, fmt::format("counters of all pairs of {} ids need {:.1f} MiB, more than the {:.1f} MiB allowed; "
-                                              "try --by surface",
-                                              id_count_, double(counter_bytes) / 1048576.0, double(budget) / 1048576.0));
   // Lattice coordinates stay within resolution / 2 + 1.
   fraction_bits_ = kSnapBits - std::bit_width(static_cast<uint32_t>(options.resolution / 2 + 1));
   cell_size_ = static_cast<uint32_t>(options.resolution) + 4;
 
-  std::vector<PolygonData> polygons;
-  for (size_t k = 0; k < scene.polygons.size(); ++k) {
-    const Polygon& polygon = scene.polygons[k];
-    const Plane& plane = scene.planes[polygon.plane];
-    polygons.push_back({polygon.first_corner, polygon.corner_count, ids.of_polygon[k], 0, plane.normal, plane.offset});
-  }
-  polygons_ = uploadBuffer(device, polygons);
-  corners_ = uploadBuffer(device, scene.corners);
-  planBatch(uint64_t(polygon_count_) * sizeof(ProjectedPolygon) + uint64_t(corner_count_) * sizeof(Edge));
+  planBatch(uint64_t(scene_.polygon_count) * sizeof(ProjectedPolygon) + uint64_t(scene_.corner_count) * sizeof(Edge));
 
   directions_ = Buffer(device, batch_size_ * sizeof(DirectionData), MemoryUse::upload);
-  edges_ = Buffer(device, uint64_t(batch_size_) * corner_count_ * sizeof(Edge), MemoryUse::device);
-  projected_ = Buffer(device, uint64_t(batch_size_) * polygon_count_ * sizeof(ProjectedPolygon), MemoryUse::device);
-  counters_ = Buffer(device, counter_bytes, MemoryUse::device);
-  counters_read_ = Buffer(device, counter_bytes, MemoryUse::readback);
+  edges_ = Buffer(device, uint64_t(batch_size_) * scene_.corner_count * sizeof(Edge), MemoryUse::device);
+  projected_ = Buffer(device, uint64_t(batch_size_) * scene_.polygon_count * sizeof(ProjectedPolygon), MemoryUse::device);
   const uint64_t pixels = uint64_t(cells_per_row_) * cell_size_ * cell_rows_ * cell_size_;
   for (Buffer& layer : layers_) layer = Buffer(device, pixels * sizeof(Layer), MemoryUse::device);
   for (Buffer& alive : alive_) alive = Buffer(device, batch_size_ * sizeof(uint64_t), MemoryUse::device);
@@ -129,7 +100,7 @@ void GraphicsEngine::planBatch(uint64_t polygon_bytes_per_direction) {
   uint64_t wanted = options_.batch_directions ? options_.batch_directions : std::max<uint64_t>(1, kBatchPixels / cell_pixels);
   if (!options_.batch_directions) wanted = std::min(wanted, std::max<uint64_t>(1, kBatchBytes / polygon_bytes_per_direction));
   wanted = std::min<uint64_t>({wanted, uint64_t(largest_side / cell_size_) * (largest_side / cell_size_),
-                               device_.properties().limits.maxComputeWorkGroupCount[1], (1ull << 31) / polygon_count_,
+                               device_.properties().limits.maxComputeWorkGroupCount[1], (1ull << 31) / scene_.polygon_count,
                                std::max<uint64_t>(1, 0xFFFFFFFFull / (cell_pixels * kLayersRecorded))});
   cells_per_row_ = std::min<uint32_t>(largest_side / cell_size_, static_cast<uint32_t>(std::ceil(std::sqrt(double(wanted)))));
   cell_rows_ = divideUp(wanted, cells_per_row_);
@@ -158,41 +129,10 @@ void GraphicsEngine::prepareImages() {
 }
 
 PairCounts GraphicsEngine::count(std::span<const Direction> directions) {
-  sums_.assign(counter_count_, 0);
-  clearCounters();
+  counters_.start(commands_);
   for (size_t done = 0; done < directions.size(); done += batch_size_)
     countBatch(directions.subspan(done, std::min<size_t>(batch_size_, directions.size() - done)));
-  readCounters();
-  PairCounts counts;
-  uint64_t at = 0;
-  for (uint32_t i = 0; i < id_count_; ++i)
-    for (uint32_t column = i; column < id_count_ + 2; ++column, ++at)
-      if (sums_[at]) counts.push_back({i, column == id_count_ ? kEnvironment : column > id_count_ ? kLeak : column, sums_[at]});
-  return counts;
-}
-
-void GraphicsEngine::clearCounters() {
-  commands_.begin();
-  commands_.fill(counters_, 0);
-  commands_.submitAndWait();
-  most_in_counter_ = 0;
-}
-
-void GraphicsEngine::readCounters() {
-  commands_.begin();
-  commands_.copy(counters_, counters_read_, counter_count_ * sizeof(uint32_t));
-  commands_.submitAndWait();
-  const std::span<uint32_t> read = counters_read_.mapped<uint32_t>();
-  for (uint64_t k = 0; k < counter_count_; ++k) sums_[k] += read[k];
-}
-
-// A lattice point adds at most one to one counter in each layer: the device's 32-bit counters are emptied before they could overflow.
-void GraphicsEngine::makeRoomInCounters(uint64_t points) {
-  most_in_counter_ += points * kLayersRecorded;
-  if (most_in_counter_ <= 0xFFFFFFFFull) return;
-  readCounters();
-  clearCounters();
-  most_in_counter_ = points * kLayersRecorded;
+  return counters_.finish(commands_);
 }
 
 void GraphicsEngine::countBatch(std::span<const Direction> directions) {
@@ -201,16 +141,17 @@ void GraphicsEngine::countBatch(std::span<const Direction> directions) {
   for (uint32_t k = 0; k < direction_count; ++k)
     data[k] = {directions[k].x_axis, directions[k].y_axis, directions[k].u, directions[k].offset};
 
-  const uint64_t points = uint64_t(cell_size_) * cell_size_ * direction_count;
-  makeRoomInCounters(points);
+  // A lattice point adds at most one to one counter in each layer.
+  const uint64_t most = uint64_t(cell_size_) * cell_size_ * direction_count * kLayersRecorded;
+  counters_.makeRoom(commands_, most);
   commands_.begin();
-  ProjectArgs project{directions_.address(), polygons_.address(), corners_.address(), edges_.address(), projected_.address(),
-                      polygon_count_, corner_count_, direction_count, options_.resolution, fraction_bits_, cell_size_};
-  commands_.dispatch(project_, project, divideUp(polygon_count_, kGroupSize), direction_count);
+  ProjectArgs project{directions_.address(), scene_.polygons.address(), scene_.corners.address(), edges_.address(), projected_.address(),
+                      scene_.polygon_count, scene_.corner_count, direction_count, options_.resolution, fraction_bits_, cell_size_};
+  commands_.dispatch(project_, project, divideUp(scene_.polygon_count, kGroupSize), direction_count);
   // Layer -1 lies before everything: key 0, no polygon.
   commands_.fill(layers_[1], 0);
   commands_.fill(alive_[0], 0xFFFFFFFFu);
-  const LayerCommands first{4, polygon_count_ * direction_count, 0, 0, divideUp(uint64_t(cell_size_) * cell_size_, kGroupSize),
+  const LayerCommands first{4, scene_.polygon_count * direction_count, 0, 0, divideUp(uint64_t(cell_size_) * cell_size_, kGroupSize),
                             direction_count, 1, 0};
   vkCmdUpdateBuffer(commands_.handle(), next_commands_[0].handle(), 0, sizeof first, &first);
   commands_.barrier();
@@ -220,7 +161,7 @@ void GraphicsEngine::countBatch(std::span<const Direction> directions) {
     commands_.copy(next_commands_[layer % 2], status_, sizeof(LayerCommands));
     commands_.submitAndWait();
     if (status_.mapped<LayerCommands>()[0].draw_instance_count == 0) break;
-    makeRoomInCounters(points);
+    counters_.makeRoom(commands_, most);
     commands_.begin();
   }
 }
@@ -253,8 +194,8 @@ void GraphicsEngine::recordLayer(uint32_t layer, uint32_t direction_count) {
   rendering.pDepthAttachment = &depth;
   const VkViewport viewport{0, 0, float(width), float(height), 0, 1};
   const VkRect2D scissor{{0, 0}, {width, height}};
-  const PeelArgs peel{polygons_.address(), edges_.address(), projected_.address(), layers_[next].address(), alive_[now].address(),
-                      polygon_count_, corner_count_, cell_size_, cells_per_row_, width, height};
+  const PeelArgs peel{scene_.polygons.address(), edges_.address(), projected_.address(), layers_[next].address(), alive_[now].address(),
+                      scene_.polygon_count, scene_.corner_count, cell_size_, cells_per_row_, width, height};
   vkCmdBeginRendering(commands, &rendering);
   commands_.bind(peel_, VK_PIPELINE_BIND_POINT_GRAPHICS);
   commands_.push(peel_, peel);
@@ -270,9 +211,9 @@ void GraphicsEngine::recordLayer(uint32_t layer, uint32_t direction_count) {
   vkCmdCopyImageToBuffer(commands, colour_.handle(), VK_IMAGE_LAYOUT_GENERAL, layers_[now].handle(), 1, &region);
   commands_.barrier();
 
-  const AccumulateArgs accumulate{polygons_.address(), layers_[next].address(), layers_[now].address(), counters_.address(),
-                                  alive_[next].address(), next_commands_[next].address(), id_count_, cell_size_, cells_per_row_, width,
-                                  direction_count, options_.two_sided ? 1u : 0u, polygon_count_ * direction_count,
+  const AccumulateArgs accumulate{scene_.polygons.address(), layers_[next].address(), layers_[now].address(), counters_.address(),
+                                  alive_[next].address(), next_commands_[next].address(), counters_.idCount(), cell_size_, cells_per_row_, width,
+                                  direction_count, options_.two_sided ? 1u : 0u, scene_.polygon_count * direction_count,
                                   divideUp(uint64_t(cell_size_) * cell_size_, kGroupSize)};
   commands_.dispatchIndirect(accumulate_, accumulate, next_commands_[now], offsetof(LayerCommands, group_count_x));
   commands_.barrier();

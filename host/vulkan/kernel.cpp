@@ -33,12 +33,15 @@ VkPipelineShaderStageCreateInfo ShaderModule::stage(VkShaderStageFlagBits stage)
   return info;
 }
 
-Kernel::Kernel(const Device& device, std::span<const uint32_t> spirv, uint32_t push_bytes)
+Kernel::Kernel(const Device& device, std::span<const uint32_t> spirv, uint32_t push_bytes, uint32_t local_size_x)
     : device_(device.handle()), stages_(VK_SHADER_STAGE_COMPUTE_BIT) {
   const ShaderModule module(device, spirv);
   layout_ = createLayout(device_, stages_, push_bytes);
   VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
   info.stage = module.stage(VK_SHADER_STAGE_COMPUTE_BIT);
+  const VkSpecializationMapEntry entry{0, 0, sizeof local_size_x};
+  const VkSpecializationInfo constants{1, &entry, sizeof local_size_x, &local_size_x};
+  if (local_size_x) info.stage.pSpecializationInfo = &constants;
   info.layout = layout_;
   check(vkCreateComputePipelines(device_, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline_), "vkCreateComputePipelines");
 }

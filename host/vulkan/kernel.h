@@ -23,8 +23,8 @@ class ShaderModule {
 class Kernel {
  public:
   Kernel() = default;
-  // A compute kernel.
-  Kernel(const Device& device, std::span<const uint32_t> spirv, uint32_t push_bytes);
+  // A compute kernel. local_size_x becomes specialisation constant 0 of a shader that leaves it open.
+  Kernel(const Device& device, std::span<const uint32_t> spirv, uint32_t push_bytes, uint32_t local_size_x = 0);
   // A graphics kernel without vertex buffers: triangle strips, one colour and one depth attachment of the formats given, depth
   // test LESS, as dynamic rendering.
   Kernel(const Device& device, std::span<const uint32_t> vertex_spirv, std::span<const uint32_t> fragment_spirv,
