@@ -13,11 +13,13 @@ namespace ts = test_scenes;
 // Howell, A Catalog of Radiation Heat Transfer Configuration Factors, C-11 and C-14, to ten digits.
 constexpr double kParallelSquares = 0.1998248957, kPerpendicularSquares = 0.2000437761, kTenDigits = 5e-11;
 
-// Both samplers, and a lattice so coarse that a square is only a few spacings wide: resolution costs variance, never bias.
+// Both samplers, both engines, and a lattice so coarse that a square is only a few spacings wide: resolution costs variance, never bias.
 std::vector<TestRun> runsToTry() {
-  std::vector<TestRun> runs(3);
-  runs[1].graphics.resolution = 6;
+  std::vector<TestRun> runs(4);
+  runs[1].lattice.resolution = 6;
   runs[2].estimate.sampler = Sampler::iid;
+  runs[3].make_engine = makeGraphicsEngine;
+  runs[3].lattice.resolution = 24;
   return runs;
 }
 
@@ -26,7 +28,7 @@ void expectFactor(const InputScene& scene, double truth) {
     const Estimate e = estimateScene(scene, run);
     for (const auto& [i, j] : {std::pair(0, 1), std::pair(1, 0)})
       EXPECT_TRUE(isEstimateOf(e.form_factors.formFactor(i, j), truth, e.replicates, kTenDigits))
-          << scene.file << " F[" << i << "][" << j << "], resolution " << run.graphics.resolution << ", seed " << run.estimate.seed;
+          << scene.file << " F[" << i << "][" << j << "], resolution " << run.lattice.resolution << ", seed " << run.estimate.seed;
     EXPECT_LT(e.largest_standard_error, run.estimate.sampler == Sampler::iid ? 0.02 : 0.005);  // the comparison means something
   }
 }
@@ -67,7 +69,7 @@ TEST(ClosedForm, CubeInsideALargerCube) {
 
 TEST(ClosedForm, TwoSidedPlatesShareWhatBothSidesEmit) {
   TestRun run;
-  run.graphics.two_sided = true;
+  run.two_sided = true;
   const Estimate e = estimateScene(ts::parallelSquares(), run);
   EXPECT_TRUE(isEstimateOf(e.form_factors.formFactor(0, 1), kParallelSquares / 2, e.replicates, kTenDigits));
   EXPECT_TRUE(isEstimateOf(e.form_factors.formFactor(0, kEnvironment), 1 - kParallelSquares / 2, e.replicates, kTenDigits));

@@ -24,13 +24,16 @@ const Device& testDevice() {
 
 Estimate estimateScene(const InputScene& input, const TestRun& run) {
   const Scene scene = buildScene(input);
-  const Ids ids = makeIds(scene, run.by, run.graphics.two_sided);
-  const auto engine = makeGraphicsEngine(testDevice(), scene, ids, run.graphics);
+  const Ids ids = makeIds(scene, run.by, run.two_sided);
+  const auto engine = run.make_engine(testDevice(), scene, ids, run.lattice);
   return estimateFormFactors(*engine, scene, ids, run.estimate);
 }
 
-PairCounts countPairs(const Scene& scene, const std::vector<Direction>& directions, const GraphicsOptions& options, By by) {
-  return makeGraphicsEngine(testDevice(), scene, makeIds(scene, by, options.two_sided), options)->count(directions);
+PairCounts countPairs(const Scene& scene, const std::vector<Direction>& directions, const CountRun& run) {
+  const Ids ids = makeIds(scene, run.by, run.two_sided);
+  const PairCounts counts = makeComputeEngine(testDevice(), scene, ids, run.lattice)->count(directions);
+  EXPECT_EQ(counts, makeGraphicsEngine(testDevice(), scene, ids, run.lattice)->count(directions)) << scene.file << ": compute and graphics differ";
+  return counts;
 }
 
 }  // namespace viewpeel

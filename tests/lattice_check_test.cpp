@@ -30,12 +30,12 @@ struct CheckedScene {
   }
 };
 
-TEST(LatticeCheck, GraphicsEngineBehavesAsClaimed) {
+TEST(LatticeCheck, ComputeEngineBehavesAsClaimed) {
   for (const InputScene& input : {ts::roomWithTouchingBoxes(), ts::cubeInCube(0.4)}) {
     const Scene scene = buildScene(input);
     const Ids ids = makeIds(scene, By::polygon, false);
     const auto count = [&](const Direction& d, int resolution) {
-      return makeGraphicsEngine(testDevice(), scene, ids, {.resolution = resolution, .batch_directions = 1})->count({&d, 1});
+      return makeComputeEngine(testDevice(), scene, ids, {.resolution = resolution, .batch_directions = 1})->count({&d, 1});
     };
     CheckOptions options = smallCheck();
     options.lattices = 24;

@@ -39,7 +39,7 @@ TEST(Laws, ClosedSceneClosesAndDoesNotLeak) {
 TEST(Laws, OfficeClosesAndDoesNotLeak) {
   const Scene scene = loadScene(VIEWPEEL_SCENES "/office.obj");
   const Ids ids = makeIds(scene, By::polygon, false);
-  const auto engine = makeGraphicsEngine(testDevice(), scene, ids, {.resolution = 96});
+  const auto engine = makeComputeEngine(testDevice(), scene, ids, {.resolution = 96});
   const Estimate e = estimateFormFactors(*engine, scene, ids, {.directions = 150, .replicates = 8});
   for (uint32_t i = 0; i < ids.count(); ++i) {
     EXPECT_EQ(e.form_factors.formFactor(i, kLeak).value, 0) << ids.names[i];
@@ -116,7 +116,7 @@ void expectSameBits(const FormFactors& a, const FormFactors& b) {
 TEST(Laws, SameSeedSameBitsWhateverTheBatch) {
   TestRun run, small_batches;
   run.estimate.directions = small_batches.estimate.directions = 60;
-  small_batches.graphics.batch_directions = 7;
+  small_batches.lattice.batch_directions = 7;
   expectSameBits(estimateScene(ts::roomWithTouchingBoxes(), run).form_factors,
                  estimateScene(ts::roomWithTouchingBoxes(), small_batches).form_factors);
 }

@@ -9,10 +9,6 @@
 
 namespace viewpeel {
 
-// For failure messages and ==.
-bool operator==(const PairCount& a, const PairCount& b) { return a.i == b.i && a.j == b.j && a.count == b.count; }
-void PrintTo(const PairCount& c, std::ostream* out) { *out << "(" << c.i << ", " << c.j << "): " << c.count; }
-
 namespace {
 
 namespace ts = test_scenes;
@@ -23,24 +19,25 @@ uint64_t countOf(const PairCounts& counts, uint32_t i, uint32_t j) {
   return 0;
 }
 
-void expectTwinAgrees(const InputScene& input, const std::vector<Direction>& directions, const GraphicsOptions& options, By by) {
+void expectTwinAgrees(const InputScene& input, const std::vector<Direction>& directions, const CountRun& run) {
   const Scene scene = buildScene(input);
-  const PairCounts device = countPairs(scene, directions, options, by);
-  const PairCounts twin = countPairsOnCpu(scene, makeIds(scene, by, options.two_sided), directions, options.resolution);
-  EXPECT_EQ(device, twin) << input.file << ", resolution " << options.resolution;
+  const PairCounts device = countPairs(scene, directions, run);
+  const PairCounts twin = countPairsOnCpu(scene, makeIds(scene, run.by, run.two_sided), directions, run.lattice.resolution);
+  EXPECT_EQ(device, twin) << input.file << ", resolution " << run.lattice.resolution;
   EXPECT_FALSE(twin.empty());
 }
 
 TEST(Peel, CountsAreThoseOfTheCpuTwin) {
   const auto directions = sampleDirections(Sampler::iid, 12, 7, 0);
   for (int resolution : {1, 7, 33, 64}) {
-    const GraphicsOptions one_sided{.resolution = resolution}, two_sided{.resolution = resolution, .two_sided = true};
-    expectTwinAgrees(ts::insideOfCube(), directions, one_sided, By::polygon);
-    expectTwinAgrees(ts::cubeInCube(0.4), directions, one_sided, By::surface);
-    expectTwinAgrees(ts::roomWithTouchingBoxes(), directions, one_sided, By::polygon);
-    expectTwinAgrees(ts::roomWithTouchingBoxes(), directions, two_sided, By::polygon);
-    expectTwinAgrees(ts::triangleSoup(60, 0.5, 3), directions, one_sided, By::polygon);
-    expectTwinAgrees(ts::triangleSoup(60, 0.5, 4), directions, two_sided, By::polygon);
+    const CountRun one_sided{.lattice = {.resolution = resolution}}, two_sided{.lattice = {.resolution = resolution}, .two_sided = true};
+    const CountRun by_surface{.lattice = {.resolution = resolution}, .by = By::surface};
+    expectTwinAgrees(ts::insideOfCube(), directions, one_sided);
+    expectTwinAgrees(ts::cubeInCube(0.4), directions, by_surface);
+    expectTwinAgrees(ts::roomWithTouchingBoxes(), directions, one_sided);
+    expectTwinAgrees(ts::roomWithTouchingBoxes(), directions, two_sided);
+    expectTwinAgrees(ts::triangleSoup(60, 0.5, 3), directions, one_sided);
+    expectTwinAgrees(ts::triangleSoup(60, 0.5, 4), directions, two_sided);
   }
 }
 
@@ -58,16 +55,16 @@ TEST(Peel, CountsAreThoseOfTheCpuTwinAlongAxesAndEdges) {
   const glm::dvec3 u = glm::normalize(glm::dvec3(1, 1, 0)), x(0, 0, 1);
   directions.push_back({x, glm::cross(u, x), u, {0, 0}});
   for (int resolution : {8, 32}) {
-    expectTwinAgrees(ts::roomWithTouchingBoxes(), directions, {.resolution = resolution}, By::polygon);
-    expectTwinAgrees(ts::insideOfCube(), directions, {.resolution = resolution}, By::polygon);
-    expectTwinAgrees(ts::stackOfSheets({0, 0, 0, 0.25, 0.25}), directions, {.resolution = resolution}, By::polygon);
+    expectTwinAgrees(ts::roomWithTouchingBoxes(), directions, {.lattice = {.resolution = resolution}});
+    expectTwinAgrees(ts::insideOfCube(), directions, {.lattice = {.resolution = resolution}});
+    expectTwinAgrees(ts::stackOfSheets({0, 0, 0, 0.25, 0.25}), directions, {.lattice = {.resolution = resolution}});
   }
 }
 
 TEST(Peel, TwinComparisonFailsOnOneWrongCount) {
   const Scene scene = buildScene(ts::insideOfCube());
   const auto directions = sampleDirections(Sampler::iid, 3, 7, 0);
-  PairCounts wrong = countPairs(scene, directions, {.resolution = 16});
+  PairCounts wrong = countPairs(scene, directions, {.lattice = {.resolution = 16}});
   ++wrong[2].count;
   EXPECT_NE(wrong, countPairsOnCpu(scene, makeIds(scene, By::polygon, false), directions, 16));
 }
@@ -79,7 +76,7 @@ TEST(Peel, KeepsEveryLayerOfAStackOfSheets) {
     for (int k = 0; k < 100; ++k) heights.push_back(gap * k);
     const Scene scene = buildScene(ts::stackOfSheets(heights));
     const Direction up{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.3, 0.6}};
-    const PairCounts counts = countPairs(scene, {up}, {.resolution = 16});
+    const PairCounts counts = countPairs(scene, {up}, {.lattice = {.resolution = 16}});
     uint64_t facing = 0, through = 0;
     for (const PairCount& c : counts) {
       if (c.j < kEnvironment) facing += c.count;
@@ -110,8 +107,8 @@ TEST(Peel, SharedEdgeCoveredOnce) {
   // Here the lattice lies on the tiles' edges and corners: the window is 8 sqrt(2) wide, so 1 / h = 8 / sqrt(2) makes a tile one step.
   directions.push_back({{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0}});
   for (int resolution : {12, 64}) {
-    const PairCounts a = countPairs(buildScene(tiles), directions, {.resolution = resolution}, By::surface);
-    const PairCounts b = countPairs(buildScene(whole), directions, {.resolution = resolution}, By::surface);
+    const PairCounts a = countPairs(buildScene(tiles), directions, {.lattice = {.resolution = resolution}, .by = By::surface});
+    const PairCounts b = countPairs(buildScene(whole), directions, {.lattice = {.resolution = resolution}, .by = By::surface});
     EXPECT_EQ(a, b);
     EXPECT_EQ(countOf(a, 0, kLeak), 0u);
   }
@@ -120,7 +117,7 @@ TEST(Peel, SharedEdgeCoveredOnce) {
 // Two blocks that touch face each other over the contact and nowhere leak.
 TEST(Peel, TouchingSolidsDoNotLeak) {
   const Scene scene = buildScene(ts::roomWithTouchingBoxes());
-  const PairCounts counts = countPairs(scene, sampleDirections(Sampler::fibonacci, 500, 9, 0), {.resolution = 64}, By::surface);
+  const PairCounts counts = countPairs(scene, sampleDirections(Sampler::fibonacci, 500, 9, 0), {.lattice = {.resolution = 64}, .by = By::surface});
   for (const PairCount& c : counts) {
     EXPECT_NE(c.j, kLeak) << scene.surfaces[c.i].name << " leaks " << c.count;
     EXPECT_NE(c.j, kEnvironment) << scene.surfaces[c.i].name << " sees the environment " << c.count;
@@ -133,10 +130,10 @@ TEST(Peel, BackOfAPolygonIsLeak) {
   ts::addFace(input, "lower", ts::parallelogram({0, 0, 0}, {1, 0, 0}, {0, 1, 0}));
   ts::addFace(input, "upper", ts::parallelogram({0, 0, 1}, {1, 0, 0}, {0, 1, 0}));
   const Direction up{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.3, 0.6}};
-  const PairCounts counts = countPairs(buildScene(input), {up}, {.resolution = 16});
+  const PairCounts counts = countPairs(buildScene(input), {up}, {.lattice = {.resolution = 16}});
   ASSERT_EQ(counts.size(), 2u);
   EXPECT_EQ(countOf(counts, 0, kLeak), countOf(counts, 1, kEnvironment));
-  const PairCounts two_sided = countPairs(buildScene(input), {up}, {.resolution = 16, .two_sided = true});
+  const PairCounts two_sided = countPairs(buildScene(input), {up}, {.lattice = {.resolution = 16}, .two_sided = true});
   EXPECT_EQ(countOf(two_sided, 0, 1), countOf(counts, 0, kLeak));
   EXPECT_EQ(countOf(two_sided, 0, kEnvironment), countOf(counts, 0, kLeak));
   EXPECT_EQ(countOf(two_sided, 0, kLeak), 0u);
@@ -145,15 +142,24 @@ TEST(Peel, BackOfAPolygonIsLeak) {
 TEST(Peel, BatchSizeNeverChangesTheCounts) {
   const Scene scene = buildScene(ts::roomWithTouchingBoxes());
   const auto directions = sampleDirections(Sampler::fibonacci, 50, 11, 0);
-  const PairCounts expected = countPairs(scene, directions, {.resolution = 40});
+  const PairCounts expected = countPairs(scene, directions, {.lattice = {.resolution = 40}});
   for (uint32_t batch : {1u, 3u, 50u, 64u})
-    EXPECT_EQ(countPairs(scene, directions, {.resolution = 40, .batch_directions = batch}), expected) << "batch " << batch;
+    EXPECT_EQ(countPairs(scene, directions, {.lattice = {.resolution = 40, .batch_directions = batch}}), expected) << "batch " << batch;
+}
+
+// Lists that are too small for a batch grow, whatever they started with, and nothing is counted twice.
+TEST(Peel, TileListsGrowAndLoseNothing) {
+  const Scene scene = buildScene(ts::roomWithTouchingBoxes());
+  const auto directions = sampleDirections(Sampler::fibonacci, 30, 11, 0);
+  const PairCounts expected = countPairs(scene, directions, {.lattice = {.resolution = 40}});
+  for (uint32_t capacity : {4u, 100u, 2000u})
+    EXPECT_EQ(countPairs(scene, directions, {.lattice = {.resolution = 40, .list_capacity = capacity}}), expected) << "capacity " << capacity;
 }
 
 TEST(Peel, RefusesCountersBeyondTheBudget) {
   const Scene scene = buildScene(ts::roomWithTouchingBoxes());
   try {
-    countPairs(scene, {}, {.resolution = 8, .counter_budget_bytes = 1000});
+    countPairs(scene, {}, {.lattice = {.resolution = 8, .counter_budget_bytes = 1000}});
     FAIL() << "accepted";
   } catch (const std::exception& error) {
     EXPECT_NE(std::string(error.what()).find("--by surface"), std::string::npos) << error.what();

@@ -1,22 +1,40 @@
 #pragma once
+#include <ostream>
+
+#include "engines/compute_engine.h"
 #include "engines/graphics_engine.h"
 #include "estimator/estimate.h"
 #include "vulkan/device.h"
 
 namespace viewpeel {
 
+// For failure messages and ==.
+inline bool operator==(const PairCount& a, const PairCount& b) { return a.i == b.i && a.j == b.j && a.count == b.count; }
+inline void PrintTo(const PairCount& c, std::ostream* out) { *out << "(" << c.i << ", " << c.j << "): " << c.count; }
+
 // The device all tests share, with validation and synchronisation validation on. Any error message fails the test in which it came.
 const Device& testDevice();
 
+using MakeEngine = std::unique_ptr<Engine> (*)(const Device&, const Scene&, const Ids&, const LatticeOptions&);
+
 struct TestRun {
-  GraphicsOptions graphics{.resolution = 64};
+  LatticeOptions lattice;
+  bool two_sided = false;
   By by = By::polygon;
+  MakeEngine make_engine = makeComputeEngine;
   EstimateOptions estimate{.directions = 400, .replicates = 16};
 };
 
 Estimate estimateScene(const InputScene& input, const TestRun& run = {});
 
-// Counts of one set of directions.
-PairCounts countPairs(const Scene& scene, const std::vector<Direction>& directions, const GraphicsOptions& options, By by = By::polygon);
+// How counts of one set of directions are made.
+struct CountRun {
+  LatticeOptions lattice;
+  bool two_sided = false;
+  By by = By::polygon;
+};
+
+// The counts of the compute engine; the graphics engine has to agree to the last bit.
+PairCounts countPairs(const Scene& scene, const std::vector<Direction>& directions, const CountRun& run);
 
 }  // namespace viewpeel

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include "cli/commands.h"
+#include "cli/options.h"
 #include "cli/summary.h"
-#include "engines/graphics_engine.h"
 #include "error.h"
 #include "reference/interpenetration.h"
 #include "reference/lattice_check.h"
@@ -18,6 +18,7 @@ using reference::CheckRow;
 struct CheckCommand {
   std::string scene;
   reference::CheckOptions check;
+  EngineKind engine = EngineKind::compute;
   DeviceOptions device;
   bool two_sided = false;
   bool json = false;
@@ -72,7 +73,7 @@ int runCheck(const CheckCommand& command) {
   const Device device(command.device);
   std::map<int, std::unique_ptr<Engine>> engines;
   for (int resolution : command.check.resolutions)
-    engines[resolution] = makeGraphicsEngine(device, scene, ids, {.resolution = resolution, .two_sided = command.two_sided, .batch_directions = 1});
+    engines[resolution] = makeLatticeEngine(command.engine, device, scene, ids, {.resolution = resolution, .batch_directions = 1});
   const auto count = [&](const Direction& direction, int resolution) { return engines.at(resolution)->count({&direction, 1}); };
   const CheckReport report = reference::checkLattice(scene, ids, count, command.check);
   checkValidation(device);
@@ -100,6 +101,7 @@ void addCheck(CLI::App& app, Run& chosen) {
       ->type_name("M")->check(CLI::Range(8u, 1u << 20).description(""))->capture_default_str();
   command->add_option("--resolution", options->check.resolutions, "Lattice spacings across the scene's diameter; may be given several times")
       ->type_name("PX")->check(CLI::Range(1, kMaxResolution).description(""))->allow_extra_args(false)->capture_default_str();
+  addChoice(command, "--engine", options->engine, {{"compute", EngineKind::compute}, {"graphics", EngineKind::graphics}}, "The engine to check");
   command->add_option("--seed", options->check.seed, "Of directions and lattices")->type_name("K")->capture_default_str();
   command->add_flag("--two-sided", options->two_sided, "Every polygon emits and receives on both sides");
   command->add_option("--device", options->device.selector, "Vulkan device: index, part of its name, cpu or gpu")->type_name("DEVICE");

@@ -6,9 +6,8 @@
 #include <unistd.h>
 
 #include "cli/commands.h"
+#include "cli/options.h"
 #include "cli/summary.h"
-#include "engines/compute_engine.h"
-#include "engines/graphics_engine.h"
 #include "error.h"
 #include "io/write_form_factors.h"
 #include "reference/exact_engine.h"
@@ -16,14 +15,13 @@
 namespace viewpeel::cli {
 namespace {
 
-enum class EngineKind { graphics, compute, exact };
-
 struct ProgramOptions {
   std::string scene;
   std::vector<std::string> outputs;
   By by = By::polygon;
-  EngineKind engine = EngineKind::graphics;
-  GraphicsOptions graphics;
+  EngineKind engine = EngineKind::compute;
+  LatticeOptions lattice;
+  bool two_sided = false;
   DeviceOptions device;
   EstimateOptions estimate;
   bool quiet = false;
@@ -41,28 +39,18 @@ void showProgress(const EstimateProgress& progress, const EstimateOptions& optio
   std::fflush(stderr);
 }
 
-std::unique_ptr<Engine> makeEngine(const ProgramOptions& options, const std::optional<Device>& device, const Scene& scene, const Ids& ids) {
-  const GraphicsOptions& g = options.graphics;
-  switch (options.engine) {
-    case EngineKind::exact: return reference::makeExactEngine(scene, ids);
-    case EngineKind::graphics: return makeGraphicsEngine(*device, scene, ids, g);
-    case EngineKind::compute: break;
-  }
-  return makeComputeEngine(*device, scene, ids, {.resolution = g.resolution, .two_sided = g.two_sided, .batch_directions = g.batch_directions});
-}
-
 int runCompute(ProgramOptions options) {
   for (const std::string& output : options.outputs) checkOutput(output);
   const Scene scene = loadScene(options.scene);
   for (const std::string& warning : scene.warnings) fmt::print(stderr, "viewpeel: warning: {}\n", warning);
-  const Ids ids = makeIds(scene, options.by, options.graphics.two_sided);
+  const Ids ids = makeIds(scene, options.by, options.two_sided);
   std::optional<Device> device;
   if (options.engine != EngineKind::exact) device.emplace(options.device);
   if (!options.quiet) {
     fmt::print("{}{}", device ? describeDevice(*device) : "device     none: exact areas on the CPU\n", describeScene(scene));
     fmt::print("sampling   {} {} directions a replicate, {}, seed {}\n", options.estimate.directions,
                options.estimate.sampler == Sampler::fibonacci ? "fibonacci" : "iid",
-               device ? fmt::format("lattice {} across", options.graphics.resolution) : "exact areas", options.estimate.seed);
+               device ? fmt::format("lattice {} across", options.lattice.resolution) : "exact areas", options.estimate.seed);
     std::fflush(stdout);
   }
 
@@ -70,7 +58,7 @@ int runCompute(ProgramOptions options) {
   const bool show_progress = !options.quiet && ::isatty(STDERR_FILENO);
   if (show_progress)
     options.estimate.on_replicate = [&](const EstimateProgress& p) { showProgress(p, options.estimate, start); };
-  const auto engine = makeEngine(options, device, scene, ids);
+  const auto engine = device ? makeLatticeEngine(options.engine, *device, scene, ids, options.lattice) : reference::makeExactEngine(scene, ids);
   const Estimate estimate = estimateFormFactors(*engine, scene, ids, options.estimate);
   if (show_progress) fmt::print(stderr, "\r\033[K");
   if (device) checkValidation(*device);
@@ -87,22 +75,6 @@ int runCompute(ProgramOptions options) {
 std::string isPositive(const std::string& text) {
   double value = 0;
   return CLI::detail::lexical_cast(text, value) && value > 0 && std::isfinite(value) ? "" : text + " is not a number above 0";
-}
-
-// An option that takes one of a few words; the first is the default.
-template <class T>
-void addChoice(CLI::App* command, const std::string& name, T& value, const std::vector<std::pair<std::string, T>>& choices, const std::string& text) {
-  std::string words;
-  for (const auto& choice : choices) words += (words.empty() ? "" : "|") + choice.first;
-  const auto choose = [&value, choices, name, words](const std::string& word) {
-    for (const auto& choice : choices) {
-      if (choice.first != word) continue;
-      value = choice.second;
-      return;
-    }
-    throw CLI::ValidationError(name, fmt::format("'{}' is not one of {}", word, words));
-  };
-  command->add_option_function<std::string>(name, choose, text)->default_str(choices.front().first)->type_name(words);
 }
 
 }  // namespace
@@ -122,17 +94,17 @@ void addCompute(CLI::App& app, Run& chosen) {
       ->type_name("N")->check(CLI::Range(1u, 1u << 30).description(""))->capture_default_str();
   command->add_option("--replicates", estimate.replicates, "Independent replicates, at least; their spread gives the standard errors")
       ->type_name("R")->check(CLI::Range(2u, 1u << 30).description(""))->capture_default_str();
-  command->add_option("--resolution", options->graphics.resolution, "Lattice spacings across the scene's diameter")
+  command->add_option("--resolution", options->lattice.resolution, "Lattice spacings across the scene's diameter")
       ->type_name("PX")->check(CLI::Range(1, kMaxResolution).description(""))->capture_default_str();
   addChoice(command, "--by", options->by, {{"polygon", By::polygon}, {"surface", By::surface}}, "One row per polygon or per named surface");
-  addChoice(command, "--engine", options->engine, {{"graphics", EngineKind::graphics}, {"compute", EngineKind::compute}, {"exact", EngineKind::exact}},
-            "Depth peeling on a Vulkan device, by its raster pipeline or in compute shaders, or exact areas on the CPU");
+  addChoice(command, "--engine", options->engine, {{"compute", EngineKind::compute}, {"graphics", EngineKind::graphics}, {"exact", EngineKind::exact}},
+            "Depth peeling on a Vulkan device, in compute shaders or by its raster pipeline, or exact areas on the CPU");
   addChoice(command, "--sampler", estimate.sampler, {{"fibonacci", Sampler::fibonacci}, {"iid", Sampler::iid}},
             "Directions: rotated Fibonacci sets, or independent");
   command->add_option("--seed", estimate.seed, "The same seed gives the same bits")->type_name("K")->capture_default_str();
-  command->add_flag("--two-sided", options->graphics.two_sided, "Every polygon emits and receives on both sides");
+  command->add_flag("--two-sided", options->two_sided, "Every polygon emits and receives on both sides");
   command->add_option("--device", options->device.selector, "Vulkan device: index, part of its name, cpu or gpu")->type_name("DEVICE");
-  command->add_option("--batch", options->graphics.batch_directions, "Directions peeled at once; 0 chooses. Never changes the result")
+  command->add_option("--batch", options->lattice.batch_directions, "Directions peeled at once; 0 chooses. Never changes the result")
       ->type_name("N")->capture_default_str();
   command->add_flag("--quiet", options->quiet, "Print nothing but errors and warnings");
   command->callback([=, &chosen] {

@@ -8,11 +8,9 @@
 #include "engines/compute_engine.h"
 
 #include <algorithm>
-#include <bit>
 
 #include <fmt/format.h>
 
-#include "engines/graphics_engine.h"
 #include "engines/pair_counters.h"
 #include "engines/shared.h"
 #include "error.h"
@@ -36,7 +34,7 @@ uint32_t divideUp(uint64_t value, uint64_t by) { return static_cast<uint32_t>((v
 
 class ComputeEngine : public Engine {
  public:
-  ComputeEngine(const Device& device, const Scene& scene, const Ids& ids, const ComputeOptions& options);
+  ComputeEngine(const Device& device, const Scene& scene, const Ids& ids, const LatticeOptions& options);
   PairCounts count(std::span<const Direction> directions) override;
   double unitArea() const override { return 4.0 / (double(options_.resolution) * options_.resolution); }
 
@@ -47,10 +45,11 @@ class ComputeEngine : public Engine {
   bool countBatch(std::span<const Direction> directions);
 
   const Device& device_;
-  ComputeOptions options_;
+  LatticeOptions options_;
+  bool two_sided_;
+  int fraction_bits_;
   SceneBuffers scene_;
   PairCounters counters_;
-  int fraction_bits_;
   uint32_t tiles_per_side_, batch_size_;
 
   Kernel project_, bin_, allocate_, peel_;
@@ -72,9 +71,11 @@ uint32_t subgroupSize(const Device& device) {
   return subgroup.subgroupSize;
 }
 
-ComputeEngine::ComputeEngine(const Device& device, const Scene& scene, const Ids& ids, const ComputeOptions& options)
+ComputeEngine::ComputeEngine(const Device& device, const Scene& scene, const Ids& ids, const LatticeOptions& options)
     : device_(device),
       options_(options),
+      two_sided_(ids.two_sided),
+      fraction_bits_(chooseFractionBits(options.resolution)),
       scene_(device, scene, ids),
       counters_(device, ids.count(), options.counter_budget_bytes),
       project_(device, project_comp, sizeof(ProjectArgs)),
@@ -82,10 +83,6 @@ ComputeEngine::ComputeEngine(const Device& device, const Scene& scene, const Ids
       allocate_(device, allocate_comp, sizeof(BinArgs)),
       peel_(device, peel_comp, sizeof(PeelTilesArgs), subgroupSize(device)),
       commands_(device) {
-  if (options.resolution < 1 || options.resolution > kMaxResolution)
-    throw Error(ErrorCode::bad_usage, fmt::format("resolution {} is out of range; choose 1 to {}", options.resolution, kMaxResolution));
-  // Lattice coordinates stay within resolution / 2 + 1.
-  fraction_bits_ = kSnapBits - std::bit_width(static_cast<uint32_t>(options.resolution / 2 + 1));
   tiles_per_side_ = 2 * divideUp(static_cast<uint64_t>(options.resolution / 2 + 2), kTileSize);
   planBatch();
   directions_ = Buffer(device, batch_size_ * sizeof(DirectionData), MemoryUse::upload);
@@ -169,7 +166,7 @@ bool ComputeEngine::countBatch(std::span<const Direction> directions) {
   commands_.begin();
   const PeelTilesArgs peel{scene_.polygons.address(), edges_.address(), projected_.address(), tile_starts_.address(), lists_.address(),
                            active_tiles_.address(), counters_.address(), scene_.polygon_count, scene_.corner_count, tiles_per_side_,
-                           found.active_tiles, counters_.idCount(), options_.two_sided ? 1u : 0u};
+                           found.active_tiles, counters_.idCount(), two_sided_ ? 1u : 0u};
   commands_.dispatch(peel_, peel, std::min(found.active_tiles, kGroupsPerRow), divideUp(found.active_tiles, kGroupsPerRow));
   commands_.submitAndWait();
   return true;
@@ -177,7 +174,7 @@ bool ComputeEngine::countBatch(std::span<const Direction> directions) {
 
 }  // namespace
 
-std::unique_ptr<Engine> makeComputeEngine(const Device& device, const Scene& scene, const Ids& ids, const ComputeOptions& options) {
+std::unique_ptr<Engine> makeComputeEngine(const Device& device, const Scene& scene, const Ids& ids, const LatticeOptions& options) {
   return std::make_unique<ComputeEngine>(device, scene, ids, options);
 }
 

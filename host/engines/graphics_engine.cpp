@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -39,7 +38,7 @@ uint32_t divideUp(uint64_t value, uint64_t by) { return static_cast<uint32_t>((v
 
 class GraphicsEngine : public Engine {
  public:
-  GraphicsEngine(const Device& device, const Scene& scene, const Ids& ids, const GraphicsOptions& options);
+  GraphicsEngine(const Device& device, const Scene& scene, const Ids& ids, const LatticeOptions& options);
   PairCounts count(std::span<const Direction> directions) override;
   double unitArea() const override { return 4.0 / (double(options_.resolution) * options_.resolution); }
 
@@ -50,10 +49,11 @@ class GraphicsEngine : public Engine {
   void recordLayer(uint32_t layer, uint32_t direction_count);
 
   const Device& device_;
-  GraphicsOptions options_;
+  LatticeOptions options_;
+  bool two_sided_;
+  int fraction_bits_;
   SceneBuffers scene_;
   PairCounters counters_;
-  int fraction_bits_;
   uint32_t cell_size_, cells_per_row_, cell_rows_, batch_size_;
 
   Kernel project_, peel_, accumulate_;
@@ -65,19 +65,17 @@ class GraphicsEngine : public Engine {
   Image colour_, depth_;
 };
 
-GraphicsEngine::GraphicsEngine(const Device& device, const Scene& scene, const Ids& ids, const GraphicsOptions& options)
+GraphicsEngine::GraphicsEngine(const Device& device, const Scene& scene, const Ids& ids, const LatticeOptions& options)
     : device_(device),
       options_(options),
+      two_sided_(ids.two_sided),
+      fraction_bits_(chooseFractionBits(options.resolution)),
       scene_(device, scene, ids),
       counters_(device, ids.count(), options.counter_budget_bytes),
       project_(device, project_comp, sizeof(ProjectArgs)),
       peel_(device, peel_vert, peel_frag, kLayerFormat, kDepthFormat, sizeof(PeelArgs)),
       accumulate_(device, accumulate_comp, sizeof(AccumulateArgs)),
       commands_(device) {
-  if (options.resolution < 1 || options.resolution > kMaxResolution)
-    throw Error(ErrorCode::bad_usage, fmt::format("resolution {} is out of range; choose 1 to {}", options.resolution, kMaxResolution));
-  // Lattice coordinates stay within resolution / 2 + 1.
-  fraction_bits_ = kSnapBits - std::bit_width(static_cast<uint32_t>(options.resolution / 2 + 1));
   cell_size_ = static_cast<uint32_t>(options.resolution) + 4;
 
   planBatch(uint64_t(scene_.polygon_count) * sizeof(ProjectedPolygon) + uint64_t(scene_.corner_count) * sizeof(Edge));
@@ -213,7 +211,7 @@ void GraphicsEngine::recordLayer(uint32_t layer, uint32_t direction_count) {
 
   const AccumulateArgs accumulate{scene_.polygons.address(), layers_[next].address(), layers_[now].address(), counters_.address(),
                                   alive_[next].address(), next_commands_[next].address(), counters_.idCount(), cell_size_, cells_per_row_, width,
-                                  direction_count, options_.two_sided ? 1u : 0u, scene_.polygon_count * direction_count,
+                                  direction_count, two_sided_ ? 1u : 0u, scene_.polygon_count * direction_count,
                                   divideUp(uint64_t(cell_size_) * cell_size_, kGroupSize)};
   commands_.dispatchIndirect(accumulate_, accumulate, next_commands_[now], offsetof(LayerCommands, group_count_x));
   commands_.barrier();
@@ -221,7 +219,7 @@ void GraphicsEngine::recordLayer(uint32_t layer, uint32_t direction_count) {
 
 }  // namespace
 
-std::unique_ptr<Engine> makeGraphicsEngine(const Device& device, const Scene& scene, const Ids& ids, const GraphicsOptions& options) {
+std::unique_ptr<Engine> makeGraphicsEngine(const Device& device, const Scene& scene, const Ids& ids, const LatticeOptions& options) {
   return std::make_unique<GraphicsEngine>(device, scene, ids, options);
 }
 

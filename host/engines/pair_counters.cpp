@@ -1,9 +1,11 @@
 #include "engines/pair_counters.h"
 
 #include <algorithm>
+#include <bit>
 
 #include <fmt/format.h>
 
+#include "engines/lattice_options.h"
 #include "engines/shared.h"
 #include "error.h"
 
@@ -34,6 +36,12 @@ SceneBuffers::SceneBuffers(const Device& device, const Scene& scene, const Ids& 
       corners(uploadBuffer(device, scene.corners)),
       polygon_count(static_cast<uint32_t>(scene.polygons.size())),
       corner_count(static_cast<uint32_t>(scene.corners.size())) {}
+
+int chooseFractionBits(int resolution) {
+  if (resolution < 1 || resolution > kMaxResolution)
+    throw Error(ErrorCode::bad_usage, fmt::format("resolution {} is out of range; choose 1 to {}", resolution, kMaxResolution));
+  return device_data::kSnapBits - std::bit_width(static_cast<uint32_t>(resolution / 2 + 1));
+}
 
 PairCounters::PairCounters(const Device& device, uint32_t id_count, uint64_t budget_bytes)
     : id_count_(id_count), counter_count_(device_data::counterIndex(id_count - 1, id_count + 1, id_count) + 1) {

@@ -16,6 +16,10 @@ struct SceneBuffers {
   SceneBuffers(const Device& device, const Scene& scene, const Ids& ids);
 };
 
+// Fraction bits of snapped coordinates: lattice coordinates stay within resolution / 2 + 1, and kSnapBits hold them.
+//   Throws: Error bad_usage where the resolution is out of range.
+int chooseFractionBits(int resolution);
+
 // Dense counters of all pairs of ids, 32 bits each on the device, summed in 64 bits on the host.
 class PairCounters {
  public:

@@ -1,6 +1,6 @@
 #include <cstdio>
 
-#include <engines/graphics_engine.h>
+#include <engines/compute_engine.h>
 #include <estimator/estimate.h>
 
 int main() {
@@ -9,7 +9,7 @@ int main() {
                                                                  {{{0, 0, 1}, {0, 1, 1}, {1, 1, 1}, {1, 0, 1}}, 1, 0}}});
   const Device device;
   const Ids ids = makeIds(scene, By::polygon, false);
-  const auto engine = makeGraphicsEngine(device, scene, ids, {});
+  const auto engine = makeComputeEngine(device, scene, ids, {});
   const auto f = estimateFormFactors(*engine, scene, ids, {}).form_factors.formFactor(0, 1);
   std::printf("F = %.4f +- %.4f\n", f.value, f.standard_error);
   return f.value > 0.19 && f.value < 0.21 && device.validationErrors().empty() ? 0 : 1;
