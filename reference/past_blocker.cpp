@@ -1,92 +1,193 @@
-// A polygon seen past a blocker: Lambert's formula leaves only the mean over the seeing polygon to quadrature.
-#include <cmath>
-#include <queue>
+#include "reference/past_blocker.h"
 
-#include <glm/glm.hpp>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+#include <glm/geometric.hpp>
 
 #include "error.h"
-#include "reference/closed_forms.h"
+#include "reference/convex_polygon.h"
 
 namespace viewpeel::reference {
 namespace {
 
-constexpr size_t kMostTriangles = 2'000'000;
+constexpr long double kPi = std::numbers::pi_v<long double>;
+constexpr size_t kMaxTriangles = 200'000;
+constexpr long double kTiny = 1e-17L;  // lengths in the unit ball below this are rounding
 
-glm::dvec3 normalOf(std::span<const glm::dvec3> polygon) {
-  glm::dvec3 sum(0);
-  for (size_t k = 1; k + 1 < polygon.size(); ++k) sum += glm::cross(polygon[k] - polygon[0], polygon[k + 1] - polygon[0]);
-  return glm::normalize(sum);
+// Lambert's formula: the form factor from the point x with the given normal to a polygon seen counter-clockwise from x.
+long double pointFormFactor(const Vec3& x, const Vec3& normal, const ConvexPolygon& polygon) {
+  long double sum = 0;
+  for (size_t k = 0; k < polygon.size(); ++k) {
+    const Vec3 r = polygon[k] - x, s = polygon[(k + 1) % polygon.size()] - x, c = glm::cross(r, s);
+    const long double sine = glm::length(c);
+    if (sine > 0) sum -= std::atan2(sine, glm::dot(r, s)) * glm::dot(normal, c) / sine;
+  }
+  return sum / (2 * kPi);
 }
 
-// What the point p with normal n sees of b when the part of the blocker on p's side of b is in the way.
-double visibleFromPoint(const glm::dvec3& p, const glm::dvec3& n, std::span<const glm::dvec3> b, std::span<const glm::dvec3> blocker) {
-  Loop shadow(b.begin(), b.end());
-  glm::dvec3 inside(0);
-  for (const glm::dvec3& corner : blocker) inside += corner / double(blocker.size());
-  // The cone from p over the blocker is bounded by the planes through p and its edges.
-  for (size_t k = 0; k < blocker.size() && !shadow.empty(); ++k) {
-    glm::dvec3 plane = glm::cross(blocker[k] - p, blocker[(k + 1) % blocker.size()] - p);
-    if (glm::dot(plane, inside - p) < 0) plane = -plane;
-    shadow = clip(shadow, plane, glm::dot(plane, p));
+// The part of b that the blocker hides from x. The blocker lies in front of b's plane and of the plane of a, so every line
+// from x through it meets it before b.
+ConvexPolygon hiddenPart(const Vec3& x, const ConvexPolygon& b, const ConvexPolygon& blocker, const HalfSpace& blocker_front) {
+  const long double depth = blocker_front.depth(x);
+  if (std::abs(depth) <= kTiny) return {};
+  ConvexPolygon hidden = b;
+  for (size_t k = 0; k < blocker.size() && !hidden.empty(); ++k) {
+    const Vec3 p = blocker[k] - x, q = blocker[(k + 1) % blocker.size()] - x;
+    const Vec3 inward = depth > 0 ? glm::cross(q, p) : glm::cross(p, q);
+    const long double length = glm::length(inward);
+    if (length > 0) hidden = clip(hidden, {inward / length, glm::dot(inward, x) / length}, 0);
   }
-  return pointToPolygon(p, n, b) - (shadow.empty() ? 0 : pointToPolygon(p, n, shadow));
+  return hidden;
+}
+
+// The planes through an edge of one polygon and a corner of the other.
+void addEdgeCornerPlanes(const ConvexPolygon& with_edges, const ConvexPolygon& with_corners, std::vector<HalfSpace>& planes) {
+  for (size_t k = 0; k < with_edges.size(); ++k)
+    for (const Vec3& corner : with_corners) {
+      const Vec3& p = with_edges[k];
+      const Vec3 normal = glm::cross(with_edges[(k + 1) % with_edges.size()] - p, corner - p);
+      const long double length = glm::length(normal);
+      if (length > kTiny) planes.push_back({normal / length, glm::dot(normal, p) / length});
+    }
+}
+
+// Over a's points near the foot of an edge that hangs at a small height over a, f changes within that height, which a rule
+// with points further apart does not see. Cuts along the foot, at distances that grow from the height on, make it visible.
+void addCutsUnderLowEdges(const ConvexPolygon& polygon, const HalfSpace& front_a, std::vector<HalfSpace>& planes) {
+  constexpr long double kLow = 1e-2L, kNegligible = 1e-9L, kGrowth = 8;  // a layer that thin holds that little of a
+  for (size_t k = 0; k < polygon.size(); ++k) {
+    const Vec3 &p = polygon[k], &q = polygon[(k + 1) % polygon.size()];
+    const long double height = std::max(front_a.depth(p), front_a.depth(q));
+    const Vec3 across = glm::cross(front_a.normal, q - p);
+    const long double length = glm::length(across);
+    if (height > kLow || height < kNegligible || length <= kTiny) continue;
+    const Vec3 normal = across / length;
+    const long double foot = glm::dot(normal, p);
+    planes.push_back({normal, foot});
+    for (long double distance = height; distance < kLow * kGrowth; distance *= kGrowth)
+      for (long double side : {-1, 1}) planes.push_back({normal, foot + side * distance});
+  }
 }
 
 struct Triangle {
-  glm::dvec3 a, b, c;
-  double integral, error;
+  Vec3 p, q, r;
+  long double value = 0, error = 0;
   bool operator<(const Triangle& other) const { return error < other.error; }
 };
 
-// Seven points, exact to degree 5 (Radon 1948), times the area.
-template <class F>
-double integrate(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, F f) {
-  const double r = std::sqrt(15.0), w[2] = {(155 - r) / 1200, (155 + r) / 1200}, s[2] = {(6 - r) / 21, (6 + r) / 21};
-  double sum = 0.225 * f((a + b + c) / 3.0);
-  for (int k = 0; k < 2; ++k) {
-    const double t = 1 - 2 * s[k];
-    sum += w[k] * (f(t * a + s[k] * (b + c)) + f(t * b + s[k] * (a + c)) + f(t * c + s[k] * (a + b)));
+struct View {
+  Vec3 normal{0};  // of a
+  ConvexPolygon b, blocker;
+  HalfSpace blocker_front;
+
+  long double at(const Vec3& x) const {
+    const long double open = pointFormFactor(x, normal, b);
+    return blocker.empty() ? open : open - pointFormFactor(x, normal, hiddenPart(x, b, blocker, blocker_front));
   }
-  return sum * glm::length(glm::cross(b - a, c - a)) / 2;
+
+  Triangle integrate(const Vec3& p, const Vec3& q, const Vec3& r) const {
+    Triangle triangle{p, q, r};
+    const long double fine = rule(p, q, r, gaussRule(5));
+    triangle.value = fine;
+    triangle.error = std::abs(fine - rule(p, q, r, gaussRule(3)));
+    return triangle;
+  }
+
+  long double rule(const Vec3& p, const Vec3& q, const Vec3& r, const GaussRule& gauss) const {
+    long double sum = 0;
+    for (size_t i = 0; i < gauss.nodes.size(); ++i)
+      for (size_t j = 0; j < gauss.nodes.size(); ++j) {
+        const long double s = gauss.nodes[i], t = gauss.nodes[j];
+        sum += gauss.weights[i] * gauss.weights[j] * s * at(p + s * ((1 - t) * (q - p) + t * (r - p)));
+      }
+    return sum * glm::length(glm::cross(q - p, r - p));
+  }
+};
+
+std::vector<ConvexPolygon> cut(const ConvexPolygon& polygon, const std::vector<HalfSpace>& planes) {
+  std::vector<ConvexPolygon> pieces{polygon};
+  for (const HalfSpace& plane : planes) {
+    std::vector<ConvexPolygon> next;
+    for (const ConvexPolygon& piece : pieces)
+      for (const HalfSpace& side : {plane, HalfSpace{-plane.normal, -plane.offset}}) {
+        // A piece wholly within kTiny of the plane is kept once, whole.
+        const bool inside = std::any_of(piece.begin(), piece.end(), [&](const Vec3& x) { return side.depth(x) > kTiny; });
+        if (!inside) continue;
+        ConvexPolygon part = clip(piece, side, kTiny);
+        if (!part.empty()) next.push_back(std::move(part));
+      }
+    pieces = std::move(next);
+  }
+  return pieces;
 }
 
 }  // namespace
 
-double polygonPastBlocker(std::span<const glm::dvec3> a, std::span<const glm::dvec3> b, std::span<const glm::dvec3> blocker, double tolerance) {
-  const glm::dvec3 na = normalOf(a), nb = normalOf(b);
-  // Only what is in front of both can come between them.
-  const Loop in_front = clip(clip(blocker, na, glm::dot(na, a[0])), nb, glm::dot(nb, b[0]));
-  const Loop seeing = clip(a, nb, glm::dot(nb, b[0]));
-  if (in_front.empty()) return polygonToPolygon(a, b);
-  if (seeing.empty()) return 0;
-  const auto f = [&](const glm::dvec3& p) { return visibleFromPoint(p, na, b, in_front); };
-  const double area = areaOf(a);
+Approximation formFactorPastBlocker(std::span<const glm::dvec3> a, std::span<const glm::dvec3> b,
+                                    std::span<const glm::dvec3> blocker) {
+  const UnitFrame frame = toUnitFrame({a, b, blocker});
+  const ConvexPolygon &whole_a = frame.polygons[0], &whole_b = frame.polygons[1];
+  const FacingParts parts = facingParts(whole_a, whole_b, frame.rounding);
+  if (parts.a.empty()) return {};
 
-  // A triangle's error is what cutting it in four changes; the worst is cut next, until the errors add up to less than the tolerance.
-  std::priority_queue<Triangle> queue;
-  double sum = 0, error = 0;
-  const auto add = [&](const glm::dvec3& p, const glm::dvec3& q, const glm::dvec3& r) {
-    const glm::dvec3 pq = (p + q) / 2.0, qr = (q + r) / 2.0, rp = (r + p) / 2.0;
-    const double whole = integrate(p, q, r, f);
-    const double parts = integrate(p, pq, rp, f) + integrate(pq, q, qr, f) + integrate(rp, qr, r, f) + integrate(pq, qr, rp, f);
-    queue.push({p, q, r, parts, std::abs(parts - whole)});
-    sum += parts;
-    error += std::abs(parts - whole);
-  };
-  for (size_t k = 1; k + 1 < seeing.size(); ++k) add(seeing[0], seeing[k], seeing[k + 1]);
-  while (error > tolerance * area && queue.size() < kMostTriangles) {
-    const Triangle worst = queue.top();
-    queue.pop();
-    sum -= worst.integral;
-    error -= worst.error;
-    const glm::dvec3 ab = (worst.a + worst.b) / 2.0, bc = (worst.b + worst.c) / 2.0, ca = (worst.c + worst.a) / 2.0;
-    add(worst.a, ab, ca);
-    add(ab, worst.b, bc);
-    add(ca, bc, worst.c);
-    add(ab, bc, ca);
+  const HalfSpace front_a = frontOf(whole_a), front_b = frontOf(whole_b);
+  View view{front_a.normal, parts.b, clip(clip(frame.polygons[2], front_b, frame.rounding), front_a, frame.rounding),
+            frontOf(frame.polygons[2])};
+  if (std::none_of(view.blocker.begin(), view.blocker.end(), [&](const Vec3& x) { return front_a.depth(x) > frame.rounding; }))
+    view.blocker.clear();
+  std::vector<HalfSpace> planes;
+  addCutsUnderLowEdges(view.b, front_a, planes);
+  addCutsUnderLowEdges(view.blocker, front_a, planes);
+  if (!view.blocker.empty()) {
+    planes.push_back(view.blocker_front);
+    addEdgeCornerPlanes(view.blocker, view.b, planes);
+    addEdgeCornerPlanes(view.b, view.blocker, planes);
+    // The plane of a itself, met where the blocker or b touches a, cuts nothing.
+    std::erase_if(planes, [&](const HalfSpace& plane) { return glm::length(glm::cross(plane.normal, front_a.normal)) <= kTiny; });
   }
-  if (queue.size() >= kMostTriangles) throw Error(ErrorCode::limit, "the view past a blocker does not converge; ask for a larger tolerance");
-  return sum / area;
+
+  const long double total_area = area(whole_a);
+  long double error = 0, kept_area = 0;
+  std::vector<Triangle> triangles;  // a heap, the worst first
+  const auto add = [&](const Vec3& p, const Vec3& q, const Vec3& r) {
+    triangles.push_back(view.integrate(p, q, r));
+    error += triangles.back().error;
+    std::push_heap(triangles.begin(), triangles.end());
+  };
+  for (const ConvexPolygon& piece : cut(parts.a, planes)) {
+    kept_area += area(piece);
+    for (size_t k = 2; k < piece.size(); ++k) add(piece[0], piece[k - 1], piece[k]);
+  }
+  const long double lost = std::abs(area(parts.a) - kept_area), target = kPastBlockerError / 2 * total_area;
+  while (error + lost > target && triangles.size() < kMaxTriangles) {
+    std::pop_heap(triangles.begin(), triangles.end());
+    Triangle worst = triangles.back();
+    triangles.pop_back();
+    error -= worst.error;
+    // Halve the longest edge, pq.
+    const auto length = [](const Vec3& x, const Vec3& y) { return glm::length(y - x); };
+    for (int turn = 0; turn < 2; ++turn)
+      if (length(worst.q, worst.r) > length(worst.p, worst.q) || length(worst.r, worst.p) > length(worst.p, worst.q))
+        worst = {worst.q, worst.r, worst.p};
+    const Vec3 middle = (worst.p + worst.q) / 2.0L;
+    add(worst.p, middle, worst.r);
+    add(middle, worst.q, worst.r);
+  }
+
+  long double value = 0;
+  error = lost;
+  for (const Triangle& triangle : triangles) {
+    value += triangle.value;
+    error += triangle.error;
+  }
+  const Approximation result{(double)std::max(value / total_area, 0.0L), (double)(error / total_area)};
+  if (!(result.error <= kPastBlockerError))
+    throw Error(ErrorCode::limit, fmt::format("form factor {} past a blocker is only good to {:.1e}: split the larger or thinner polygon",
+                                              result.value, result.error));
+  return result;
 }
 
 }  // namespace viewpeel::reference

@@ -1,0 +1,29 @@
+// The form factor of two convex polygons with nothing between them, estimated from random projections.
+#pragma once
+#include <cstdint>
+#include <span>
+
+#include <glm/vec3.hpp>
+
+namespace viewpeel::reference {
+
+struct ProjectedEstimate {
+  double value = 0;
+  double standard_error = 0;  // from the sample's spread
+};
+
+// F from polygon a to polygon b, fronts only, from N independent uniform directions u:
+//   F ~ 2/(N A) sum_u area(projections of a and b along u, intersected),
+// counting only directions that leave a's front and arrive at b's front, and only the lines that meet a first.
+//   In: convex planar polygons of 3 or more corners, counter-clockwise seen from the front, any unit; direction_count >= 2.
+//   Out: the mean, and its standard error.
+//   Error: unbiased; the standard deviation of one term is at most sqrt(v(F)) <= 0.798, v(F) = 4/3 (1 - (1-F)^(3/2)) - F^2,
+//          so the standard error's expectation is at most 0.798 / sqrt(N). tests/projected_estimate_test.cpp.
+//   Throws: Error bad_input (a degenerate polygon, fewer than 2 directions).
+//   Cost: O(N corners_a corners_b).
+//   Source: M. Pellegrini, Monte Carlo approximation of form factors with error bounded a priori, Discrete & Computational
+//           Geometry 17, 1997, section 4.1, procedure ff(A, B).
+ProjectedEstimate estimateFormFactor(std::span<const glm::dvec3> a, std::span<const glm::dvec3> b, uint64_t direction_count,
+                                     uint64_t seed);
+
+}  // namespace viewpeel::reference
