@@ -45,7 +45,7 @@ struct CheckReport {
 // Variance of h^2 x (number of points of a lattice with uniformly random offset and rotation in a region of perimeter P) for h small against the
 // region: kLatticeVariance h^3 P. The constant is sum over integer pairs (m, n) != 0 of (m^2 + n^2)^(-3/2), over 4 pi^3: the mean of the region's
 // squared Fourier transform at distance rho from 0 is P / (4 pi^3 rho^3) (Kendall & Moran 1963, chapter 5).
-constexpr double kLatticeVariance = 0.0728372;
+constexpr double kLatticeVariance = 0.0728370;
 
 // Tests for every pair, direction and resolution whether the mean of h^2 x count over random lattices is the exact area, and whether its variance
 // is as predicted.
