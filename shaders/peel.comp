@@ -12,6 +12,7 @@
 #include "geometry.glsl"
 
 layout(local_size_x_id = 0) in;  // the subgroup size, 8 to 64
+layout(constant_id = 1) const int kLayersKept = 4;
 layout(push_constant, scalar) uniform Args { PeelTilesArgs args; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Counter { uint value; };
 
@@ -41,7 +42,7 @@ void addGap(uint64_t lower, uint64_t upper) {
 
 void main() {
   uint place = gl_WorkGroupID.y * kGroupsPerRow + gl_WorkGroupID.x;
-  if (place >= args.active_tile_count) return;
+  if (place >= args.active_tile_count || gl_SubgroupID != 0u) return;  // a device may split the workgroup into several subgroups
   uint tile = Words(args.active_tiles).at[2u * place], count = Words(args.active_tiles).at[2u * place + 1u];
   uint start = Words(args.tile_starts).at[tile];
   uint tiles_per_direction = args.tiles_per_side * args.tiles_per_side;
@@ -53,9 +54,10 @@ void main() {
 
   for (int row = int(lane) / kTileSize, first_row = 0; first_row < kTileSize; first_row += int(lanes) / kTileSize, row += int(lanes) / kTileSize) {
     uint64_t last = 0ul;  // the farthest layer of the rounds before
-    bool more = true, open = true;
+    bool open = true;    // whether the line may meet more layers
     do {
-      uint64_t layer_0 = kNoLayer, layer_1 = kNoLayer, layer_2 = kNoLayer, layer_3 = kNoLayer;
+      uint64_t nearest[kLayersKept];
+      for (int k = 0; k < kLayersKept; ++k) nearest[k] = kNoLayer;
       for (uint base = 0u; base < count; base += lanes) {
         // This invocation's polygon, moved to the tile's corner.
         uint polygon_index = Words(args.lists).at[start + min(base + lane, count - 1u)];
@@ -83,27 +85,20 @@ void main() {
           uint key = 2u * uint(clamp(z, int64_t(d2.z), int64_t(d2.w))) + (1u - (uint(other.y) & 1u));
           uint64_t layer = uint64_t(key) << 32 | uint64_t(uint(other.x));
           layer = covered && layer > last ? layer : kNoLayer;
-          uint64_t far = max(layer_0, layer);
-          layer_0 = min(layer_0, layer);
-          layer = max(layer_1, far);
-          layer_1 = min(layer_1, far);
-          far = max(layer_2, layer);
-          layer_2 = min(layer_2, layer);
-          layer_3 = min(layer_3, far);
+          for (int k = 0; k < kLayersKept; ++k) {
+            uint64_t farther = max(nearest[k], layer);
+            nearest[k] = min(nearest[k], layer);
+            layer = farther;
+          }
         }
       }
       uint64_t lower = last;
-      for (int k = 0; k < 4; ++k) {
-        if (open) addGap(lower, layer_0);
-        open = open && layer_0 != kNoLayer;
-        lower = layer_0 != kNoLayer ? layer_0 : lower;
-        layer_0 = layer_1;
-        layer_1 = layer_2;
-        layer_2 = layer_3;
-        layer_3 = kNoLayer;
+      for (int k = 0; k < kLayersKept; ++k) {
+        if (open) addGap(lower, nearest[k]);
+        open = open && nearest[k] != kNoLayer;
+        lower = nearest[k] != kNoLayer ? nearest[k] : lower;
       }
       last = lower;
-      more = open;
-    } while (subgroupAny(more));
+    } while (subgroupAny(open));
   }
 }
