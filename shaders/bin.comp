@@ -1,5 +1,5 @@
 #version 460
-// One invocation takes one polygon in one direction and finds the tiles of lattice points that it can cover: first to count them, then, when
+// One invocation takes one polygon in one direction, and some rows of tiles, and finds the tiles of lattice points that it can cover: first to count them, then, when
 // lists have been allocated, to enter itself.
 //   In: projected, edges     counting: Out tile_counts     scattering: In tile_starts, Out lists; tile_counts is counted down to 0
 #extension GL_GOOGLE_include_directive : require
@@ -9,9 +9,9 @@
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Args { BinArgs args; };
 
-// False where the whole tile lies outside of one of the polygon's edges.
+// False where the whole tile lies outside of one of the polygon's edges, of the first ones where it has many.
 bool reachesTile(uint edge_at, uint corner_count, ivec2 origin) {
-  for (uint k = 0u; k < corner_count; ++k) {
+  for (uint k = 0u; k < min(corner_count, kMostEdgesTested); ++k) {
     Edge edge = Edges(args.edges).at[edge_at + k];
     int64_t most = int64_t(edge.a) * int64_t(origin.x) + int64_t(edge.b) * int64_t(origin.y) + edge.c +
                    int64_t(kTileSize - 1) * (int64_t(max(edge.a, 0)) + int64_t(max(edge.b, 0)));
@@ -30,6 +30,9 @@ void main() {
   uint edge_at = direction_index * args.corner_count + data.first_corner;
   int half_window = int(args.tiles_per_side) * kTileSize / 2;
   ivec2 first = (polygon.box_min + half_window) / kTileSize, last = (polygon.box_max + half_window) / kTileSize;
+  int first_row = int(gl_WorkGroupID.z * args.rows_per_invocation);
+  first.y = max(first.y, first_row);
+  last.y = min(last.y, first_row + int(args.rows_per_invocation) - 1);
   for (int y = first.y; y <= last.y; ++y)
     for (int x = first.x; x <= last.x; ++x) {
       if (!reachesTile(edge_at, data.corner_count, ivec2(x, y) * kTileSize - half_window)) continue;

@@ -108,9 +108,15 @@ struct AccumulateArgs {
 const int kTileSize = 8;            // lattice points a side, of the compute engine's tiles
 const uint kGroupsPerRow = 32768u;  // of a dispatch over tiles
 
-// What binning found, for the host.
+// Software devices end a shader's loops after 65,535 iterations in all (llvmpipe's LP_MAX_TGSI_LOOP_ITERATIONS). An invocation of bin stays below that;
+// peel, whose loops follow the scene, notices and says so.
+const uint kMostTilesPerInvocation = 4096u;
+const uint kMostEdgesTested = 8u;
+
+// What binning and peeling found, for the host.
 struct BinStatus {
   uint active_tiles;
+  uint truncated;    // 1 where the device ended a loop of peel before its time
   uint list_length;  // of all tiles together
 };
 
@@ -128,7 +134,8 @@ struct BinArgs {
   uint tiles_per_side;
   uint tile_count;
   uint list_capacity;
-  uint scatter;           // 0 counts, 1 fills the lists
+  uint scatter;              // 0 counts, 1 fills the lists
+  uint rows_per_invocation;  // of tiles
 };
 
 struct PeelTilesArgs {
@@ -138,6 +145,7 @@ struct PeelTilesArgs {
   uint64_t tile_starts;
   uint64_t lists;
   uint64_t active_tiles;
+  uint64_t status;
   uint64_t counters;
   uint polygon_count;
   uint corner_count;

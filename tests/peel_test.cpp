@@ -156,6 +156,27 @@ TEST(Peel, TileListsGrowAndLoseNothing) {
     EXPECT_EQ(countPairs(scene, directions, {.lattice = {.resolution = 40, .list_capacity = capacity}}), expected) << "capacity " << capacity;
 }
 
+// Software devices end loops after 65,535 iterations: a polygon over tens of thousands of tiles is binned in parts.
+TEST(Peel, LargePolygonsOnFineLattices) {
+  const Scene scene = buildScene(ts::insideOfCube());
+  const auto directions = sampleDirections(Sampler::iid, 1, 4, 0);
+  for (const PairCount& c : countPairs(scene, directions, {.lattice = {.resolution = 2000}})) EXPECT_LT(c.j, kEnvironment) << c.i << ": " << c.count;
+}
+
+// Thousands of layers over one tile are counted right or refused, never cut short.
+TEST(Peel, ThousandsOfLayersAreRightOrRefused) {
+  std::vector<double> heights;
+  for (int k = 0; k < 3000; ++k) heights.push_back(1e-3 * k);
+  const Scene scene = buildScene(ts::stackOfSheets(heights));
+  const Ids ids = makeIds(scene, By::polygon, false);
+  const std::vector<Direction> up = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.3, 0.6}}};
+  try {
+    EXPECT_EQ(makeComputeEngine(testDevice(), scene, ids, {.resolution = 4})->count(up), countPairsOnCpu(scene, ids, up, 4));
+  } catch (const std::exception& error) {
+    EXPECT_NE(std::string(error.what()).find("--engine graphics"), std::string::npos) << error.what();
+  }
+}
+
 TEST(Peel, RefusesCountersBeyondTheBudget) {
   const Scene scene = buildScene(ts::roomWithTouchingBoxes());
   try {

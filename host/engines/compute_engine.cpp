@@ -50,7 +50,7 @@ class ComputeEngine : public Engine {
   int fraction_bits_;
   SceneBuffers scene_;
   PairCounters counters_;
-  uint32_t tiles_per_side_, batch_size_;
+  uint32_t subgroup_size_, tiles_per_side_, batch_size_;
 
   Kernel project_, bin_, allocate_, peel_;
   Commands commands_;
@@ -78,10 +78,11 @@ ComputeEngine::ComputeEngine(const Device& device, const Scene& scene, const Ids
       fraction_bits_(chooseFractionBits(options.resolution)),
       scene_(device, scene, ids),
       counters_(device, ids.count(), options.counter_budget_bytes),
+      subgroup_size_(subgroupSize(device)),
       project_(device, project_comp, sizeof(ProjectArgs)),
       bin_(device, bin_comp, sizeof(BinArgs)),
       allocate_(device, allocate_comp, sizeof(BinArgs)),
-      peel_(device, peel_comp, sizeof(PeelTilesArgs), subgroupSize(device)),
+      peel_(device, peel_comp, sizeof(PeelTilesArgs), subgroup_size_),
       commands_(device) {
   tiles_per_side_ = 2 * divideUp(static_cast<uint64_t>(options.resolution / 2 + 2), kTileSize);
   planBatch();
@@ -138,7 +139,7 @@ bool ComputeEngine::countBatch(std::span<const Direction> directions) {
   counters_.makeRoom(commands_, mostCounts(list_capacity, tile_count));
 
   commands_.begin();
-  const BinStatus none{0, 0};
+  const BinStatus none{0, 0, 0};
   vkCmdUpdateBuffer(commands_.handle(), status_.handle(), 0, sizeof none, &none);
   commands_.fill(tile_counts_, 0, tile_count * sizeof(uint32_t));
   const ProjectArgs project{directions_.address(), scene_.polygons.address(), scene_.corners.address(), edges_.address(), projected_.address(),
@@ -148,13 +149,15 @@ bool ComputeEngine::countBatch(std::span<const Direction> directions) {
   commands_.dispatch(project_, project, polygon_groups, direction_count);
   commands_.barrier();
   BinArgs bin{scene_.polygons.address(), edges_.address(), projected_.address(), tile_counts_.address(), tile_starts_.address(), lists_.address(),
-              active_tiles_.address(), status_.address(), scene_.polygon_count, scene_.corner_count, tiles_per_side_, tile_count, list_capacity, 0};
-  commands_.dispatch(bin_, bin, polygon_groups, direction_count);
+              active_tiles_.address(), status_.address(), scene_.polygon_count, scene_.corner_count, tiles_per_side_, tile_count, list_capacity, 0,
+              std::max(1u, kMostTilesPerInvocation / tiles_per_side_)};
+  const uint32_t row_groups = divideUp(tiles_per_side_, bin.rows_per_invocation);
+  commands_.dispatch(bin_, bin, polygon_groups, direction_count, row_groups);
   commands_.barrier();
   commands_.dispatch(allocate_, bin, divideUp(tile_count, kGroupSize), 1);
   commands_.barrier();
   bin.scatter = 1;
-  commands_.dispatch(bin_, bin, polygon_groups, direction_count);
+  commands_.dispatch(bin_, bin, polygon_groups, direction_count, row_groups);
   commands_.copy(status_, status_read_, sizeof(BinStatus));
   commands_.submitAndWait();
   const BinStatus found = status_read_.mapped<BinStatus>()[0];
@@ -165,10 +168,16 @@ bool ComputeEngine::countBatch(std::span<const Direction> directions) {
 
   commands_.begin();
   const PeelTilesArgs peel{scene_.polygons.address(), edges_.address(), projected_.address(), tile_starts_.address(), lists_.address(),
-                           active_tiles_.address(), counters_.address(), scene_.polygon_count, scene_.corner_count, tiles_per_side_,
+                           active_tiles_.address(), status_.address(), counters_.address(), scene_.polygon_count, scene_.corner_count, tiles_per_side_,
                            found.active_tiles, counters_.idCount(), two_sided_ ? 1u : 0u};
-  commands_.dispatch(peel_, peel, std::min(found.active_tiles, kGroupsPerRow), divideUp(found.active_tiles, kGroupsPerRow));
+  commands_.dispatch(peel_, peel, std::min(found.active_tiles, kGroupsPerRow), divideUp(found.active_tiles, kGroupsPerRow),
+                     kTileSize * kTileSize / subgroup_size_);
+  commands_.barrier();
+  commands_.copy(status_, status_read_, sizeof(BinStatus));
   commands_.submitAndWait();
+  if (status_read_.mapped<BinStatus>()[0].truncated)
+    throw Error(ErrorCode::limit, fmt::format("{}: more polygons over one tile than its loops can count; try a larger --resolution, or --engine graphics",
+                                              device_.description().name));
   return true;
 }
 

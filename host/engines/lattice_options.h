@@ -3,7 +3,8 @@
 
 namespace viewpeel {
 
-constexpr int kMaxResolution = 4096;
+// A window of 2043 x 2043 points is the largest whose groups of 64 every device can dispatch in one row (65,535).
+constexpr int kMaxResolution = 2039;
 
 // What the engines that count lattice points have in common. None but `resolution` changes a result.
 struct LatticeOptions {

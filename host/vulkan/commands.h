@@ -22,10 +22,10 @@ class Commands {
     vkCmdPushConstants(commands_, kernel.layout(), kernel.stages(), 0, sizeof(Args), &args);
   }
   template <class Args>
-  void dispatch(const Kernel& kernel, const Args& args, uint32_t groups_x, uint32_t groups_y) {
+  void dispatch(const Kernel& kernel, const Args& args, uint32_t groups_x, uint32_t groups_y, uint32_t groups_z = 1) {
     bind(kernel, VK_PIPELINE_BIND_POINT_COMPUTE);
     push(kernel, args);
-    vkCmdDispatch(commands_, groups_x, groups_y, 1);
+    vkCmdDispatch(commands_, groups_x, groups_y, groups_z);
   }
   template <class Args>
   void dispatchIndirect(const Kernel& kernel, const Args& args, const Buffer& groups, VkDeviceSize offset) {
