@@ -2,17 +2,13 @@
 // One invocation takes one lattice point, applies the facing rules to the gap between its layers k-1 and k and adds one to the
 // counter of what the gap contributes. Where layer k has a polygon it asks for layer k+1.
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_shader_atomic_int64 : require
 #define SHARED_FUNCTION
 #include "common.glsl"
+#include "counters.glsl"
 
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Args { AccumulateArgs args; };
-
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Counter { uint value; };
-
-void addCount(uint i, uint column) {
-  atomicAdd(Counter(args.counters + counterIndex(i, column, args.id_count) * 4ul).value, 1u);
-}
 
 uint sideOf(Layer layer, bool above) {
   if (layer.polygon == 0u) return kSideNone;
@@ -41,11 +37,7 @@ void main() {
   uint gap = classifyGap(sideOf(lower, true), sideOf(upper, false));
   if (gap == kGapNothing) return;
   Polygons polygons = Polygons(args.polygons);
-  uint lower_id = lower.polygon == 0u ? 0u : polygons.at[lower.polygon - 1u].id;
-  uint upper_id = upper.polygon == 0u ? 0u : polygons.at[upper.polygon - 1u].id;
-  if (gap == kGapFacingPair) addCount(min(lower_id, upper_id), max(lower_id, upper_id));
-  else if (gap == kGapLowerEnvironment) addCount(lower_id, args.id_count);
-  else if (gap == kGapUpperEnvironment) addCount(upper_id, args.id_count);
-  else if (gap == kGapLowerLeak) addCount(lower_id, args.id_count + 1u);
-  else addCount(upper_id, args.id_count + 1u);
+  uint lower_id = lower.polygon == 0u ? 0u : polygons.at[lower.polygon - 1u].id & kIdMask;
+  uint upper_id = upper.polygon == 0u ? 0u : polygons.at[upper.polygon - 1u].id & kIdMask;
+  addCount(args.counters, uint64_t(0), 0u, args.status, args.id_count, false, pairOf(gap, lower_id, upper_id), 1u);
 }

@@ -1,6 +1,6 @@
 #version 460
 // One invocation gives one tile its list and, when it has any polygon, its place among the active tiles.
-//   In: tile_counts   Out: tile_starts, active_tiles (tile, length), status
+//   In: tile_counts   Out: tile_starts, active_tiles, status
 #extension GL_GOOGLE_include_directive : require
 #define SHARED_FUNCTION
 #include "common.glsl"
@@ -14,8 +14,23 @@ void main() {
   uint count = Words(args.tile_counts).at[tile];
   if (count == 0u) return;
   Status status = Status(args.status);
-  Words(args.tile_starts).at[tile] = atomicAdd(status.at.list_length, count);
+  uint start = atomicAdd(status.at.list_length, count);
+  Words(args.tile_starts).at[tile] = start;
+  if (start + count > args.list_capacity || start + count < start) {
+    atomicOr(status.at.overflows, kListsOverflowed);
+    return;
+  }
   uint place = atomicAdd(status.at.active_tiles, 1u);
-  Words(args.active_tiles).at[2u * place] = tile;
-  Words(args.active_tiles).at[2u * place + 1u] = count;
+  atomicMax(status.at.slice_groups.x, min(place + 1u, kGroupsPerRow));
+  atomicMax(status.at.slice_groups.y, place / kGroupsPerRow + 1u);
+  uint tiles_per_direction = args.tiles_wide * args.tiles_high;
+  uint direction = tile / tiles_per_direction, in_direction = tile - direction * tiles_per_direction;
+  uint y = in_direction / args.tiles_wide, x = in_direction - y * args.tiles_wide;
+  ActiveTile found;
+  found.list_start = start;
+  found.list_length = count;
+  found.direction = direction;
+  found.column = int(x * args.tile_width) - int(args.tiles_wide * args.tile_width / 2u);
+  found.row = int(y * args.tile_rows) - int(args.tiles_high * args.tile_rows / 2u);
+  ActiveTiles(args.active_tiles).at[place] = found;
 }

@@ -1,47 +1,61 @@
 #version 460
-// One invocation takes one polygon in one direction, and some rows of tiles, and finds the tiles of lattice points that it can cover: first to count them, then, when
-// lists have been allocated, to enter itself.
-//   In: projected, edges     counting: Out tile_counts     scattering: In tile_starts, Out lists; tile_counts is counted down to 0
+// One invocation takes one polygon in one direction, and some rows of tiles, and finds the tiles that it can cover samples of:
+// to note its roles there, to count the polygons of tiles, or, when lists have been allocated, to enter itself.
+//   In: projected, edges     Out, by mode: tile_roles; tile_counts; lists (tile_counts is counted down to 0)
 #extension GL_GOOGLE_include_directive : require
 #define SHARED_FUNCTION
 #include "common.glsl"
+#include "texels.glsl"
 
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Args { BinArgs args; };
-
-// False where the whole tile lies outside of one of the polygon's edges, of the first ones where it has many.
-bool reachesTile(uint edge_at, uint corner_count, ivec2 origin) {
-  for (uint k = 0u; k < min(corner_count, kMostEdgesTested); ++k) {
-    Edge edge = Edges(args.edges).at[edge_at + k];
-    int64_t most = int64_t(edge.a) * int64_t(origin.x) + int64_t(edge.b) * int64_t(origin.y) + edge.c +
-                   int64_t(kTileSize - 1) * (int64_t(max(edge.a, 0)) + int64_t(max(edge.b, 0)));
-    if (most < int64_t(0)) return false;
-  }
-  return true;
-}
 
 void main() {
   uint polygon_index = gl_GlobalInvocationID.x;
   uint direction_index = gl_WorkGroupID.y;
   if (polygon_index >= args.polygon_count) return;
-  ProjectedPolygon polygon = Projected(args.projected).at[direction_index * args.polygon_count + polygon_index];
-  if (polygon.box_min.x > polygon.box_max.x) return;
-  PolygonData data = Polygons(args.polygons).at[polygon_index];
-  uint edge_at = direction_index * args.corner_count + data.first_corner;
-  int half_window = int(args.tiles_per_side) * kTileSize / 2;
-  ivec2 first = (polygon.box_min + half_window) / kTileSize, last = (polygon.box_max + half_window) / kTileSize;
+  if (args.mode == kBinScatter && Status(args.status).at.overflows != 0u) return;
+  uint projected_at = 4u * (direction_index * args.polygon_count + polygon_index);
+  ivec4 box = ivec4(texelFetch(projected_texels, int(projected_at)));
+  if (box.x > box.z) return;
+  uvec3 corners = texelFetch(polygon_texels, int(3u * polygon_index)).xyz;  // first, count, id with roles
+  uint roles = corners.z >> kRolesShift;
+  if (args.mode == kBinRoles && roles == 0u) return;
+
+  // The most that the first four edges reach over a tile, at the grid's first tile, and what it changes by from tile to tile.
+  // A polygon with more edges may enter tiles that it misses.
+  ivec2 grid = -ivec2(args.tiles_wide * args.tile_width, args.tiles_high * args.tile_rows) / 2;
+  int64_t most[4], per_column[4], per_row[4];
+  for (uint k = 0u; k < 4u; ++k) {
+    Edge edge = fetchEdge(direction_index * args.corner_count + corners.x + min(k, corners.y - 1u));
+    int64_t a = int64_t(edge.a), b = int64_t(edge.b) << args.column_bits;
+    int64_t columns = int64_t(args.tile_width) << args.column_bits, rows = int64_t(args.tile_rows);
+    per_column[k] = a * columns;
+    per_row[k] = b * rows;
+    most[k] = a * (int64_t(grid.x) << args.column_bits) + b * int64_t(grid.y) + edge.c + max(a, int64_t(0)) * (columns - int64_t(1)) +
+              max(b, int64_t(0)) * (rows - int64_t(1));
+  }
+  ivec2 tile_size = ivec2(args.tile_width, args.tile_rows);
+  ivec2 first = (box.xy - grid) / tile_size, last = (box.zw - grid) / tile_size;
   int first_row = int(gl_WorkGroupID.z * args.rows_per_invocation);
   first.y = max(first.y, first_row);
   last.y = min(last.y, first_row + int(args.rows_per_invocation) - 1);
   for (int y = first.y; y <= last.y; ++y)
     for (int x = first.x; x <= last.x; ++x) {
-      if (!reachesTile(edge_at, data.corner_count, ivec2(x, y) * kTileSize - half_window)) continue;
-      uint tile = (direction_index * args.tiles_per_side + uint(y)) * args.tiles_per_side + uint(x);
-      if (args.scatter == 0u) {
+      int64_t least_of_most = int64_t(0);
+      for (uint k = 0u; k < 4u; ++k) least_of_most = min(least_of_most, most[k] + per_column[k] * int64_t(x) + per_row[k] * int64_t(y));
+      if (least_of_most < int64_t(0)) continue;
+      uint tile = (direction_index * args.tiles_high + uint(y)) * args.tiles_wide + uint(x);
+      if (args.mode == kBinRoles) {
+        atomicOr(Words(args.tile_roles).at[tile], roles);
+        continue;
+      }
+      if (args.needed_roles != 0u && (Words(args.tile_roles).at[tile] & args.needed_roles) != args.needed_roles) continue;
+      if (args.mode == kBinCount) {
         atomicAdd(Words(args.tile_counts).at[tile], 1u);
       } else {
         uint at = Words(args.tile_starts).at[tile] + atomicAdd(Words(args.tile_counts).at[tile], ~0u) - 1u;
-        if (at < args.list_capacity) Words(args.lists).at[at] = polygon_index;
+        Words(args.lists).at[at] = polygon_index;
       }
     }
 }

@@ -1,6 +1,6 @@
 // Coverage and depth at lattice points, in integers: the same on every device.
 
-// Whether lattice point p lies on the polygon's side of an edge.
+// Whether lattice point p lies on the polygon's side of an edge whose columns are the lattice's own.
 bool isInside(Edge edge, ivec2 p) {
   return int64_t(edge.a) * int64_t(p.x) + int64_t(edge.b) * int64_t(p.y) + edge.c >= int64_t(0);
 }
@@ -9,14 +9,15 @@ bool isInside(Edge edge, ivec2 p) {
 // A point on an edge belongs to the polygon that holds it after the point has moved by an infinitesimal (-e, e^2): to exactly one of
 // the two on either side (the top-left rule).
 // Error: none. Coordinates are below 2^kSnapBits, so c below 2^(2 kSnapBits + 2); an edge of no length lets every point pass.
-Edge makeEdge(ivec2 from, ivec2 to, int orientation, int fraction_bits) {
+Edge makeEdge(ivec2 from, ivec2 to, int orientation, int fraction_bits, int column_bits) {
   ivec2 along = (to - from) * orientation;
   Edge edge;
   edge.a = -along.y;
   edge.b = along.x;
   bool owns_points = along.y > 0 || (along.y == 0 && along.x >= 0);
   int64_t c = -(int64_t(edge.a) * int64_t(from.x) + int64_t(edge.b) * int64_t(from.y)) - (owns_points ? int64_t(0) : int64_t(1));
-  edge.c = c >> fraction_bits;  // rounds down, which is exact: at lattice points the rest of the sum is a multiple of 2^fraction_bits
+  // Rounds down, which is exact: at columns in units of 2^-column_bits the rest of the sum is a multiple of what is cut off.
+  edge.c = c >> (fraction_bits - column_bits);
   return edge;
 }
 

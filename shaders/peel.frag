@@ -6,7 +6,7 @@
 #include "common.glsl"
 #include "geometry.glsl"
 
-layout(push_constant, scalar) uniform Args { PeelArgs args; };
+layout(push_constant, scalar) uniform Args { DrawArgs args; };
 layout(location = 0) flat in uint instance;
 layout(location = 0) out uvec2 layer;
 

@@ -4,7 +4,7 @@
 #define SHARED_FUNCTION
 #include "common.glsl"
 
-layout(push_constant, scalar) uniform Args { PeelArgs args; };
+layout(push_constant, scalar) uniform Args { DrawArgs args; };
 layout(location = 0) flat out uint instance;
 
 void main() {
@@ -12,9 +12,9 @@ void main() {
   instance = gl_InstanceIndex;
   gl_Position = vec4(0, 0, 0, 1);
   uvec2 alive = uvec2(Words(args.alive).at[2u * direction_index], Words(args.alive).at[2u * direction_index + 1u]);
-  if (all(equal(alive & unpack32(Projected(args.projected).at[gl_InstanceIndex].blocks), uvec2(0)))) return;
+  if (all(equal(alive & unpack32(Outlines(args.outlines).at[gl_InstanceIndex].blocks), uvec2(0)))) return;
   ivec2 cell = ivec2(direction_index % args.cells_per_row, direction_index / args.cells_per_row) * int(args.cell_size);
-  vec2 point = Projected(args.projected).at[gl_InstanceIndex].outline[gl_VertexIndex];
+  vec2 point = Outlines(args.outlines).at[gl_InstanceIndex].strip[gl_VertexIndex];
   vec2 pixel = vec2(cell + int(args.cell_size) / 2) + point + 0.5;  // a pixel's centre is its lattice point
   gl_Position.xy = pixel / vec2(args.image_width, args.image_height) * 2.0 - 1.0;
 }

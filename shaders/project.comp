@@ -1,7 +1,7 @@
 #version 460
-// One invocation projects one polygon along one direction: snaps its corners to the lattice's fixed point and writes its edges,
-// an outline of the lattice points it can cover, and its depth as a plane over the lattice.
-//   In:  directions, polygons, corners (ProjectArgs)     Out: edges, projected
+// One invocation projects one polygon along one direction: snaps its corners to the lattice's fixed point and writes its edges, its depth as a
+// plane over the lattice and, for drawing, an outline of the lattice points it can cover.
+//   In:  directions, polygons, corners (ProjectArgs)     Out: edges, projected, outlines
 #extension GL_GOOGLE_include_directive : require
 #define SHARED_FUNCTION
 #include "common.glsl"
@@ -74,45 +74,51 @@ void main() {
   for (uint k = 0u; k < polygon.corner_count; ++k) {  // previous is the last corner
     ivec2 at = snap(corners.at[polygon.first_corner + k], direction, per_spacing, fixed_one);
     uint edge_of_polygon = k == 0u ? polygon.corner_count - 1u : k - 1u;
-    edges.at[edge_at + edge_of_polygon] = makeEdge(previous, at, orientation, args.fraction_bits);
+    edges.at[edge_at + edge_of_polygon] = makeEdge(previous, at, orientation, args.fraction_bits, args.column_bits);
     previous = at;
   }
 
   ProjectedPolygon projected;
   projected.front_up = twice_area > int64_t(0) ? 1u : 0u;
-  int half_cell = int(args.cell_size) / 2;
-  int round_up = (1 << args.fraction_bits) - 1;
-  ivec2 box_min = (low + round_up) >> args.fraction_bits, box_max = high >> args.fraction_bits;  // lattice points
-  projected.blocks = uint64_t(0);
-  projected.box_min = box_min;
-  projected.box_max = box_max;
-  if (twice_area == int64_t(0) || any(greaterThan(box_min, box_max))) {
-    for (int k = 0; k < 4; ++k) projected.outline[k] = vec2(0);
+  int column_shift = args.fraction_bits - args.column_bits;
+  int first_column = (low.x + (1 << column_shift) - 1) >> column_shift, last_column = high.x >> column_shift;
+  projected.box_min = ivec2(first_column >> args.column_bits, (low.y + (1 << args.fraction_bits) - 1) >> args.fraction_bits);
+  projected.box_max = ivec2(last_column >> args.column_bits, high.y >> args.fraction_bits);
+  bool covers_none = twice_area == int64_t(0) || first_column > last_column || projected.box_min.y > projected.box_max.y;
+  if (covers_none) {
     projected.box_min = ivec2(1);
     projected.box_max = ivec2(0);
-  } else {
-    for (int k = 0; k < 4; ++k)
-      projected.outline[k] = vec2((k & 1) != 0 ? box_max.x : box_min.x, (k & 2) != 0 ? box_max.y : box_min.y) +
-                             vec2((k & 1) != 0 ? 0.5 : -0.5, (k & 2) != 0 ? 0.5 : -0.5);
-    uint left = blockAlong(uint(box_min.x + half_cell), args.cell_size), right = blockAlong(uint(box_max.x + half_cell), args.cell_size);
-    uint bottom = blockAlong(uint(box_min.y + half_cell), args.cell_size), top = blockAlong(uint(box_max.y + half_cell), args.cell_size);
-    for (uint row = bottom; row <= top; ++row) projected.blocks |= uint64_t((2u << right) - (1u << left)) << (8u * row);
-    if (polygon.corner_count <= 4u) {
-      vec2 widened[4];
-      bool usable = true;
-      for (uint k = 0u; k < 4u; ++k) {
-        uint m = polygon.corner_count, at = min(k, m - 1u);
-        usable = widenCorner(edges.at[edge_at + (at == 0u ? m - 1u : at - 1u)], edges.at[edge_at + at],
-                             vec2(snap(corners.at[polygon.first_corner + at], direction, per_spacing, fixed_one)) / float(fixed_one),
-                             widened[k]) && usable;
-      }
-      if (usable) {  // a strip goes 0, 1, 3, 2
-        projected.outline[0] = widened[0];
-        projected.outline[1] = widened[1];
-        projected.outline[2] = widened[3];
-        projected.outline[3] = widened[2];
+  }
+  if (args.outlines != uint64_t(0)) {
+    Outline outline;
+    outline.blocks = uint64_t(0);
+    for (int k = 0; k < 4; ++k) outline.strip[k] = vec2(0);
+    if (!covers_none) {
+      for (int k = 0; k < 4; ++k)
+        outline.strip[k] = vec2((k & 1) != 0 ? projected.box_max.x : projected.box_min.x, (k & 2) != 0 ? projected.box_max.y : projected.box_min.y) +
+                           vec2((k & 1) != 0 ? 0.5 : -0.5, (k & 2) != 0 ? 0.5 : -0.5);
+      uvec2 low_block = uvec2(projected.box_min + int(args.cell_size) / 2), high_block = uvec2(projected.box_max + int(args.cell_size) / 2);
+      uint left = blockAlong(low_block.x, args.cell_size), right = blockAlong(high_block.x, args.cell_size);
+      uint bottom = blockAlong(low_block.y, args.cell_size), top = blockAlong(high_block.y, args.cell_size);
+      for (uint row = bottom; row <= top; ++row) outline.blocks |= uint64_t((2u << right) - (1u << left)) << (8u * row);
+      if (polygon.corner_count <= 4u) {
+        vec2 widened[4];
+        bool usable = true;
+        for (uint k = 0u; k < 4u; ++k) {
+          uint m = polygon.corner_count, at = min(k, m - 1u);
+          usable = widenCorner(edges.at[edge_at + (at == 0u ? m - 1u : at - 1u)], edges.at[edge_at + at],
+                               vec2(snap(corners.at[polygon.first_corner + at], direction, per_spacing, fixed_one)) / float(fixed_one),
+                               widened[k]) && usable;
+        }
+        if (usable) {  // a strip goes 0, 1, 3, 2
+          outline.strip[0] = widened[0];
+          outline.strip[1] = widened[1];
+          outline.strip[2] = widened[3];
+          outline.strip[3] = widened[2];
+        }
       }
     }
+    Outlines(args.outlines).at[direction_index * args.polygon_count + polygon_index] = outline;
   }
 
   // normal . (x, y, z) = plane_offset, solved for z at lattice points.

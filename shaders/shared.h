@@ -6,18 +6,21 @@ struct DirectionData {
   dvec3 y_axis;
   dvec3 u;
   dvec2 offset;  // lattice spacings
+  uint weight;   // of every sample
+  uint padding;
 };
 
 struct PolygonData {
   uint first_corner;
   uint corner_count;
-  uint id;  // of its counters
+  uint id;  // of its counters, and its roles
   uint padding;
   dvec3 plane_normal;
   double plane_offset;
 };
 
-// An edge over the lattice: a p.x + b p.y + c >= 0 where point p lies on the polygon's side of it.
+// An edge over the lattice: a X + b y 2^column_bits + c >= 0 where the point (X / 2^column_bits, y) lies on the polygon's side of it.
+// One texel, and a ProjectedPolygon is four: software devices fetch texels several times faster than they load words.
 struct Edge {
   int a, b;
   int64_t c;
@@ -26,21 +29,26 @@ struct Edge {
 // A polygon in one direction. Depth at a lattice point p is
 //   clamp((depth_0 + depth_x p.x + depth_y p.y) >> depth_shift, depth_min, depth_max), in units of 2^-kDepthBits above -1.
 struct ProjectedPolygon {
-  vec2 outline[4];  // in lattice coordinates, a triangle strip around all lattice points it can cover; one point where it covers none
-  uint64_t blocks;  // of its cell that it can cover points of, see blockAlong
-  ivec2 box_min;    // lattice points it can cover; box_min.x > box_max.x where it covers none
+  ivec2 box_min;  // lattice points it can cover, between columns too; box_min.x > box_max.x where it covers none
   ivec2 box_max;
   int64_t depth_0;
   int64_t depth_x;
   int64_t depth_y;
-  int depth_shift;
   int depth_min;
   int depth_max;
-  uint front_up;      // 1 where its front faces +u
+  int depth_shift;
+  uint front_up;  // 1 where its front faces +u
+  uint padding[2];
+};
+
+// What the graphics engine draws of it.
+struct Outline {
+  vec2 strip[4];    // in lattice coordinates, a triangle strip around all lattice points it can cover; one point where it covers none
+  uint64_t blocks;  // of its cell that it can cover points of, see blockAlong
 };
 
 const int kDepthBits = 27;  // of a unit length; the unit ball spans 2^28 depths
-const int kSnapBits = 25;   // of a snapped coordinate: what an edge changes by within a tile stays below 2^30
+const int kSnapBits = 25;   // of a snapped coordinate
 
 // The nearest polygon of a lattice point that peeling has not passed yet. Ordered by (key, polygon): key is twice the depth,
 // plus one where the front faces -u, so that at equal depths fronts that face +u come first.
@@ -64,20 +72,23 @@ struct ProjectArgs {
   uint64_t corners;     // dvec3[corner_count]
   uint64_t edges;       // Edge[direction_count][corner_count], edge k from corner k to the next of its polygon
   uint64_t projected;   // ProjectedPolygon[direction_count][polygon_count]
+  uint64_t outlines;    // Outline[direction_count][polygon_count], or 0 where nobody draws them
   uint polygon_count;
   uint corner_count;
   uint direction_count;
   int resolution;       // lattice spacings across the unit ball's diameter
   int fraction_bits;    // of a snapped coordinate
-  uint cell_size;       // see PeelArgs
+  int column_bits;      // of an edge's column coordinate
+  uint cell_size;       // see DrawArgs
 };
 
 // Directions lie side by side in one image, cells_per_row cells of cell_size^2 pixels a row; a cell's centre pixel is
 // lattice point (0, 0).
-struct PeelArgs {
+struct DrawArgs {
   uint64_t polygons;
   uint64_t edges;
   uint64_t projected;
+  uint64_t outlines;
   uint64_t previous;       // Layer[image_height][image_width]
   uint64_t alive;          // uint[direction_count][2]: the blocks of the cell in which the previous layer had a polygon
   uint polygon_count;
@@ -92,7 +103,8 @@ struct AccumulateArgs {
   uint64_t polygons;
   uint64_t lower;          // Layer[image_height][image_width], layer k-1
   uint64_t upper;          // layer k
-  uint64_t counters;       // uint, see counterIndex
+  uint64_t counters;       // uint64_t, see counterIndex
+  uint64_t status;         // BatchStatus
   uint64_t next_alive;     // uint[direction_count][2], alive for layer k+1
   uint64_t next_commands;  // LayerCommands
   uint id_count;
@@ -105,61 +117,132 @@ struct AccumulateArgs {
   uint group_count;
 };
 
-const int kTileSize = 8;            // lattice points a side, of the compute engine's tiles
-const uint kGroupsPerRow = 32768u;  // of a dispatch over tiles
+const uint kGroupsPerRow = 32768u;  // of a dispatch over tiles or rows
 
-// Software devices end a shader's loops after 65,535 iterations in all (llvmpipe's LP_MAX_TGSI_LOOP_ITERATIONS). An invocation of bin stays below that;
-// peel, whose loops follow the scene, notices and says so.
+// Software devices end a shader's loops after 65,535 iterations in all (llvmpipe's LP_MAX_TGSI_LOOP_ITERATIONS). An invocation of bin stays below that.
 const uint kMostTilesPerInvocation = 4096u;
-const uint kMostEdgesTested = 8u;
+const uint kMostRowsPerTile = 8u;
 
-// What binning and peeling found, for the host.
-struct BinStatus {
-  uint active_tiles;
-  uint truncated;    // 1 where the device ended a loop of peel before its time
-  uint list_length;  // of all tiles together
+// Polygons' roles: what their facing pairs are counted for. A facing pair counts where one of the two emits and the other receives.
+const uint kEmits = 1u;
+const uint kReceives = 2u;
+const uint kRolesShift = 30u;  // in the word that holds a polygon's id
+const uint kIdMask = 0x3FFFFFFFu;
+
+// What went wrong in a batch. After one of the first two nothing has been counted.
+const uint kListsOverflowed = 1u;
+const uint kTileCut = 2u;             // the device ended a loop over a tile's polygons before its time
+const uint kCountersOverflowed = 4u;
+const uint kRowCut = 8u;              // the same, over a row's layers
+
+struct Groups {
+  uint x, y, z;
 };
 
+// What the passes of a batch found, for the passes after them and for the host.
+struct BatchStatus {
+  Groups slice_groups;  // over active tiles
+  Groups peel_groups;   // over rows
+  uint active_tiles;
+  uint list_length;     // of all tiles together
+  uint rows;
+  uint unfinished;
+  uint overflows;       // kListsOverflowed and so on
+  uint pairs;           // that entered the hash table
+  // Work done, where it is measured.
+  uint64_t spans;
+  uint64_t samples;
+  uint64_t rounds;      // over one subgroup's samples
+  uint64_t tests;       // of a sample against a span
+  uint64_t fragments;   // samples covered by a span, in the first round
+  uint64_t gaps;        // between consecutive layers, the classified ones
+};
+
+// A tile is tile_width lattice columns by tile_rows lattice rows; a direction's tiles form a square grid around the lattice's origin.
 struct BinArgs {
-  uint64_t polygons;
-  uint64_t edges;
-  uint64_t projected;
-  uint64_t tile_counts;   // uint[direction_count][tiles_per_side][tiles_per_side]
+  uint64_t tile_roles;    // uint[direction_count][tiles_high][tiles_wide]: which roles its polygons have, where only some tiles count
+  uint64_t tile_counts;   // the same: of polygons
   uint64_t tile_starts;   // the same: where the tile's list begins
   uint64_t lists;         // uint[list_capacity]: polygons
-  uint64_t active_tiles;  // uint[tile_count][2]: tile, length of its list
-  uint64_t status;        // BinStatus
+  uint64_t active_tiles;  // ActiveTile[tile_count]
+  uint64_t status;        // BatchStatus
   uint polygon_count;
   uint corner_count;
-  uint tiles_per_side;
+  uint tiles_wide, tiles_high;
+  uint tile_width, tile_rows;
   uint tile_count;
   uint list_capacity;
-  uint scatter;              // 0 counts, 1 fills the lists
+  uint mode;              // kBinRoles, kBinCount or kBinScatter
   uint rows_per_invocation;  // of tiles
+  uint needed_roles;         // of an active tile
+  int column_bits;
 };
 
-struct PeelTilesArgs {
-  uint64_t polygons;
-  uint64_t edges;
-  uint64_t projected;
-  uint64_t tile_starts;
-  uint64_t lists;
+const uint kBinRoles = 0u;
+const uint kBinCount = 1u;
+const uint kBinScatter = 2u;
+
+struct ActiveTile {
+  uint list_start;
+  uint list_length;
+  uint direction;
+  int column, row;  // of the lattice, its least
+  uint padding[3];
+};
+
+// The part of a polygon in one row of a tile.
+struct Span {
+  uint polygon;
+  uint columns;  // first column from the tile's least, and the last one less the first << 16; in units of 2^-column_bits of a spacing
+};
+
+// A row of a tile that has any span.
+struct Row {
+  uint span_start;
+  uint span_count;
+  uint sample_count;
+  uint direction;
+  int column, row;  // of the lattice
+  uint first_sample;
+  uint resume;      // where its lines have got to: index into `reached` of the first + 1; 0 at the start
+};
+
+struct SliceArgs {
   uint64_t active_tiles;
+  uint64_t lists;
+  uint64_t spans;    // Span[list_capacity][tile_rows]
+  uint64_t samples;  // uint[list_capacity][tile_rows][2]: ends of spans of a row in order, each once
+  uint64_t rows;     // Row[]
   uint64_t status;
-  uint64_t counters;
   uint polygon_count;
   uint corner_count;
-  uint tiles_per_side;
-  uint active_tile_count;
+  uint tile_width;
+  int column_bits;
+};
+
+struct PeelArgs {
+  uint64_t directions;
+  uint64_t reached;       // uint64_t[]: the layers that the lines of unfinished rows have reached; ~0 where they are finished
+  uint64_t reached_next;  // the same, of the rows that this dispatch leaves unfinished
+  uint64_t unfinished;    // Row[]: those rows
+  uint64_t status;
+  uint64_t counters;
+  uint64_t counter_keys;
+  uint polygon_count;
   uint id_count;
+  int column_bits;
   uint two_sided;
+  uint counter_mask;
+  uint counts_environment;
+  uint most_blocks;  // of spans that one invocation goes through
+  uint resumes;      // how many unfinished rows it works off; 0 where it begins
 };
 
 // A cell has 8 x 8 blocks, one bit each: where the previous layer has no polygon, nothing is behind it, and polygons that can cover points of
 // no other blocks are not drawn.
 SHARED_FUNCTION uint blockAlong(uint in_cell, uint cell_size) { return in_cell * 8u / cell_size; }
 
-// Counters of ids i <= j as the rows of an upper triangle, each row followed by the row's environment (column id_count)
+// Dense counters of ids i <= j as the rows of an upper triangle, each row followed by the row's environment (column id_count)
 // and leak (column id_count + 1).
 SHARED_FUNCTION uint64_t counterIndex(uint i, uint column, uint id_count) {
   uint64_t row = uint64_t(i);

@@ -8,6 +8,7 @@ namespace viewpeel {
 struct Direction {
   glm::dvec3 x_axis, y_axis, u;  // orthonormal, right-handed
   glm::dvec2 offset;             // of the lattice, in spacings, each in [0, 1)
+  uint32_t weight = 1;           // of everything counted along it
 };
 
 }  // namespace viewpeel

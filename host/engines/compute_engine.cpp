@@ -1,16 +1,21 @@
 // The passes, in order, for a batch of directions:
 //   project    every polygon along every direction: edges, box and depth over the lattice
+//   bin        where only some polygons count: the roles of the polygons that reach each tile
 //   bin        count the polygons that reach each tile
 //   allocate   give every tile its list, list the active tiles
 //   bin        fill the lists
-//   peel       every active tile: layers in order, facing rules, counters
-// Before peel the host reads how long the lists had to be. Where they were too small they grow and the batch is binned again.
+//   slice      every active tile: spans of its polygons along its rows; with scanlines, the samples
+//   peel       every row of a tile: layers in order, facing rules, counters
+// A batch is one submission, and two are in flight. What overflows says so in the batch's status: the host makes room and repeats.
 #include "engines/compute_engine.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 
 #include <fmt/format.h>
 
+#include "engines/lattice.h"
 #include "engines/pair_counters.h"
 #include "engines/shared.h"
 #include "error.h"
@@ -18,167 +23,377 @@
 #include "shaders/bin.comp.h"
 #include "shaders/peel.comp.h"
 #include "shaders/project.comp.h"
+#include "shaders/slice.comp.h"
 #include "vulkan/commands.h"
+#include "vulkan/timestamps.h"
 
 namespace viewpeel {
 namespace {
 
 using namespace device_data;
 
-constexpr uint32_t kGroupSize = 64;             // local_size_x of all passes but peel
-constexpr uint64_t kBatchBytes = 64u << 20;     // of projected polygons
-constexpr uint64_t kBatchPoints = 1u << 20;     // lattice points
-constexpr uint64_t kMostCounts = 0xFFFFFFFFull;  // in a device counter
+constexpr uint32_t kGroupSize = 64;           // local_size_x of project, bin and allocate
+constexpr uint64_t kMemoryBudget = 1u << 30;  // of everything but the counters
+constexpr uint64_t kBatchWork = 1u << 15;     // polygons, or tiles: enough to outweigh a submission
+constexpr int kScanlineBits = 10;             // of a column coordinate: an interval's ends are rounded to 2^-10 of a spacing
+constexpr uint32_t kTexelBuffers = 8;
+const std::array<const char*, 7> kPasses = {"project", "bin roles", "bin count", "allocate", "bin scatter", "slice", "peel"};
 
-uint32_t divideUp(uint64_t value, uint64_t by) { return static_cast<uint32_t>((value + by - 1) / by); }
+// What one batch of directions is done with.
+struct Batch {
+  Commands commands;
+  Timestamps timestamps;
+  Buffer directions, edges, projected, tile_roles, tile_counts, tile_starts, active_tiles, lists, spans, samples, rows, status, status_read;
+  std::array<Buffer, 2> unfinished, reached;
+  std::span<const Direction> asked;
+  bool in_flight = false;
+};
+
+struct Tuning {
+  uint32_t subgroup_size, tile_width, tile_rows, layers_kept, most_blocks;
+};
+
+Tuning tune(const Device& device, const LatticeOptions& options) {
+  VkPhysicalDeviceSubgroupProperties subgroup{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
+  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &subgroup};
+  vkGetPhysicalDeviceProperties2(device.physical(), &properties);
+  constexpr VkSubgroupFeatureFlags kNeeded = VK_SUBGROUP_FEATURE_VOTE_BIT | VK_SUBGROUP_FEATURE_SHUFFLE_BIT | VK_SUBGROUP_FEATURE_ARITHMETIC_BIT;
+  if (subgroup.subgroupSize < 8 || subgroup.subgroupSize > 64 || (subgroup.supportedOperations & kNeeded) != kNeeded)
+    throw Error(ErrorCode::device, fmt::format("{}: subgroups of {} without vote, arithmetic and shuffle, or not of 8 to 64; use --engine graphics",
+                                               device.description().name, subgroup.subgroupSize));
+  const bool on_cpu = device.properties().deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+  const auto choose = [](uint32_t asked, uint32_t otherwise) { return asked ? asked : otherwise; };
+  const uint32_t tile_width = choose(options.tile_width, options.sampling == Sampling::scanline ? 8 : subgroup.subgroupSize);
+  return {subgroup.subgroupSize, std::min(tile_width, 32768u >> (options.sampling == Sampling::scanline ? kScanlineBits : 0)),
+          std::clamp(choose(options.tile_rows, kMostRowsPerTile), 1u, kMostRowsPerTile), choose(options.layers_kept, 4),
+          choose(options.most_blocks, on_cpu ? 1000 : 1u << 30)};
+}
 
 class ComputeEngine : public Engine {
  public:
   ComputeEngine(const Device& device, const Scene& scene, const Ids& ids, const LatticeOptions& options);
   PairCounts count(std::span<const Direction> directions) override;
-  double unitArea() const override { return 4.0 / (double(options_.resolution) * options_.resolution); }
+  double unitArea() const override { return pointArea(options_.resolution) / double(1 << column_bits_); }
+  const Work* work() const override { return options_.measure_work ? &work_ : nullptr; }
+  std::string describePlan() const override;
 
  private:
-  void planBatch();
-  void growLists(uint64_t needed);
-  // False where the lists were too small: nothing has been counted, and they have grown.
-  bool countBatch(std::span<const Direction> directions);
+  void makeKernels();
+  void planBatches();
+  void makeBatches();
+  void makeLists(Batch& batch, uint64_t capacity);
+  bool countAll(std::span<const Direction> directions);
+  void submit(Batch& batch);
+  bool finish(Batch& batch);
+  BatchStatus peelUnfinished(Batch& batch, BatchStatus found);
+  void addWork(const Batch& batch, const BatchStatus& found);
+  PeelArgs peelArgs(const Batch& batch) const;
+  void bindTexels(Batch& batch, const Kernel& kernel, const Buffer& rows);
+  uint64_t memoryBytes() const;
 
   const Device& device_;
   LatticeOptions options_;
-  bool two_sided_;
-  int fraction_bits_;
+  Tuning tuning_;
+  bool two_sided_, all_count_, counts_environment_;
+  int fraction_bits_, column_bits_;
   SceneBuffers scene_;
   PairCounters counters_;
-  uint32_t subgroup_size_, tiles_per_side_, batch_size_;
-
-  Kernel project_, bin_, allocate_, peel_;
-  Commands commands_;
-  Buffer directions_, edges_, projected_, tile_counts_, tile_starts_, active_tiles_, lists_, status_, status_read_;
+  uint32_t tiles_wide_ = 0, tiles_high_ = 0, batch_size_ = 0, needed_roles_ = 0;
+  uint64_t list_capacity_ = 0;
+  Kernel project_, bin_, allocate_, slice_, peel_;
+  std::vector<Batch> batches_;
+  Commands commands_;       // of what is done between batches
+  bool must_grow_ = false;  // the hash table
+  Work work_;
 };
-
-// A polygon of a tile's list adds at most one count at each of the tile's points, and every line ends in one gap more.
-uint64_t mostCounts(uint64_t list_entries, uint64_t tiles) { return uint64_t(kTileSize) * kTileSize * (list_entries + tiles); }
-
-uint32_t subgroupSize(const Device& device) {
-  VkPhysicalDeviceSubgroupProperties subgroup{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
-  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &subgroup};
-  vkGetPhysicalDeviceProperties2(device.physical(), &properties);
-  constexpr VkSubgroupFeatureFlags kNeeded = VK_SUBGROUP_FEATURE_VOTE_BIT | VK_SUBGROUP_FEATURE_SHUFFLE_BIT;
-  if (subgroup.subgroupSize < 8 || subgroup.subgroupSize > 64 || (subgroup.supportedOperations & kNeeded) != kNeeded)
-    throw Error(ErrorCode::device, fmt::format("{}: subgroups of {} without vote and shuffle, or not of 8 to 64; use --engine graphics",
-                                               device.description().name, subgroup.subgroupSize));
-  return subgroup.subgroupSize;
-}
 
 ComputeEngine::ComputeEngine(const Device& device, const Scene& scene, const Ids& ids, const LatticeOptions& options)
     : device_(device),
       options_(options),
+      tuning_(tune(device, options)),
       two_sided_(ids.two_sided),
+      all_count_(ids.roles.empty()),
+      counts_environment_(ids.counts_environment),
       fraction_bits_(chooseFractionBits(options.resolution)),
+      column_bits_(options.sampling == Sampling::scanline ? kScanlineBits : 0),
       scene_(device, scene, ids),
-      counters_(device, ids.count(), options.counter_budget_bytes),
-      subgroup_size_(subgroupSize(device)),
-      project_(device, project_comp, sizeof(ProjectArgs)),
-      bin_(device, bin_comp, sizeof(BinArgs)),
-      allocate_(device, allocate_comp, sizeof(BinArgs)),
-      peel_(device, peel_comp, sizeof(PeelTilesArgs), subgroup_size_),
+      counters_(device, ids.count(), options.counter_budget_bytes, true, options.table_capacity),
       commands_(device) {
-  tiles_per_side_ = 2 * divideUp(static_cast<uint64_t>(options.resolution / 2 + 2), kTileSize);
-  planBatch();
-  directions_ = Buffer(device, batch_size_ * sizeof(DirectionData), MemoryUse::upload);
-  edges_ = Buffer(device, uint64_t(batch_size_) * scene_.corner_count * sizeof(Edge), MemoryUse::device);
-  projected_ = Buffer(device, uint64_t(batch_size_) * scene_.polygon_count * sizeof(ProjectedPolygon), MemoryUse::device);
-  const uint64_t tiles = uint64_t(batch_size_) * tiles_per_side_ * tiles_per_side_;
-  tile_counts_ = Buffer(device, tiles * sizeof(uint32_t), MemoryUse::device);
-  tile_starts_ = Buffer(device, tiles * sizeof(uint32_t), MemoryUse::device);
-  active_tiles_ = Buffer(device, tiles * 2 * sizeof(uint32_t), MemoryUse::device);
-  status_ = Buffer(device, sizeof(BinStatus), MemoryUse::device);
-  status_read_ = Buffer(device, sizeof(BinStatus), MemoryUse::readback);
-  lists_ = Buffer(device, (options.list_capacity ? options.list_capacity : 4 * uint64_t(batch_size_) * scene_.polygon_count) * sizeof(uint32_t),
-                  MemoryUse::device);
+  if (ids.count() > kIdMask) throw Error(ErrorCode::limit, fmt::format("{} polygons are more than {}; try --by surface", ids.count(), kIdMask));
+  if (!all_count_) needed_roles_ = counts_environment_ ? viewpeel::kEmits : viewpeel::kEmits | viewpeel::kReceives;
+  makeKernels();
+  planBatches();
+  makeBatches();
 }
 
-void ComputeEngine::planBatch() {
-  const uint64_t bytes = uint64_t(scene_.polygon_count) * sizeof(ProjectedPolygon) + uint64_t(scene_.corner_count) * sizeof(Edge);
-  const uint64_t points = uint64_t(tiles_per_side_) * tiles_per_side_ * kTileSize * kTileSize;
-  const uint64_t chosen = std::max<uint64_t>(1, std::min(kBatchBytes / bytes, kBatchPoints / points));
-  batch_size_ = static_cast<uint32_t>(std::min<uint64_t>({options_.batch_directions ? options_.batch_directions : chosen,
-                                                          device_.properties().limits.maxComputeWorkGroupCount[1], (1u << 28) / points + 1}));
+void ComputeEngine::makeKernels() {
+  const uint32_t scanlines = options_.sampling == Sampling::scanline;
+  project_ = Kernel(device_, project_comp, sizeof(ProjectArgs));
+  bin_ = Kernel(device_, bin_comp, sizeof(BinArgs), {}, kTexelBuffers);
+  allocate_ = Kernel(device_, allocate_comp, sizeof(BinArgs));
+  slice_ = Kernel(device_, slice_comp, sizeof(SliceArgs), {tuning_.subgroup_size, tuning_.tile_rows, scanlines}, kTexelBuffers);
+  peel_ = Kernel(device_, peel_comp, sizeof(PeelArgs),
+                 {tuning_.subgroup_size, tuning_.layers_kept, scanlines, counters_.isSparse(), all_count_, options_.aggregate, options_.measure_work},
+                 kTexelBuffers);
 }
 
-// Lists of `needed` entries, or, where counters could overflow within one batch of that size, half the batch.
-void ComputeEngine::growLists(uint64_t needed) {
-  const uint64_t tiles = uint64_t(batch_size_) * tiles_per_side_ * tiles_per_side_;
-  if (mostCounts(needed, tiles) > kMostCounts) {
-    if (batch_size_ == 1)
-      throw Error(ErrorCode::limit, fmt::format("polygons of one direction reach {} tiles, too many for 32-bit counters; try a smaller --resolution",
-                                                needed));
-    batch_size_ /= 2;
-    return;
+// The window holds the unit ball with its offset; a direction's tiles form a grid that is symmetric about the lattice's origin.
+void ComputeEngine::planBatches() {
+  const auto reach = static_cast<uint64_t>(options_.resolution / 2 + 2);
+  tiles_wide_ = 2 * divideUp(reach, tuning_.tile_width);
+  tiles_high_ = 2 * divideUp(reach, tuning_.tile_rows);
+  const uint64_t tiles = uint64_t(tiles_wide_) * tiles_high_, rows = tiles * tuning_.tile_rows;
+  const uint64_t lists_per_direction = 4 * uint64_t(scene_.polygon_count) + tiles;
+  const uint64_t list_bytes = sizeof(uint32_t) + tuning_.tile_rows * (sizeof(Span) + (column_bits_ ? 8 : 0));
+  const uint64_t bytes = scene_.polygon_count * sizeof(ProjectedPolygon) + scene_.corner_count * sizeof(Edge) + tiles * (12 + sizeof(ActiveTile)) +
+                         rows * (2 * sizeof(Row) + 2 * sizeof(uint64_t) * tuning_.subgroup_size) + lists_per_direction * list_bytes;
+  const uint64_t budget = (options_.memory_budget_bytes ? options_.memory_budget_bytes : kMemoryBudget) / 2;
+  const uint64_t largest = std::min<uint64_t>(device_.maxAllocationBytes(), device_.properties().limits.maxTexelBufferElements * uint64_t(8));
+  const uint64_t per_buffer = std::max<uint64_t>(scene_.corner_count * sizeof(Edge), lists_per_direction * tuning_.tile_rows * sizeof(Span));
+  const uint64_t by_memory = std::max<uint64_t>(1, std::min(budget / bytes, largest / per_buffer));
+  const uint64_t worthwhile = std::max<uint64_t>(1, kBatchWork / std::max<uint64_t>(scene_.polygon_count, tiles));
+  const uint64_t chosen = options_.batch_directions ? options_.batch_directions : std::min(by_memory, worthwhile);
+  batch_size_ = static_cast<uint32_t>(std::min<uint64_t>(
+      {chosen, device_.properties().limits.maxComputeWorkGroupCount[1], (1ull << 31) / std::max<uint64_t>(rows, 2 * scene_.corner_count)}));
+  if (batch_size_ == 0) throw Error(ErrorCode::limit, fmt::format("one direction has {} tile rows and {} corners, more than can be addressed; "
+                                                                  "try a smaller --resolution or scene", rows, scene_.corner_count));
+  list_capacity_ = options_.list_capacity ? options_.list_capacity : batch_size_ * lists_per_direction;
+}
+
+void ComputeEngine::makeBatches() {
+  const uint64_t tiles = uint64_t(batch_size_) * tiles_wide_ * tiles_high_, rows = tiles * tuning_.tile_rows;
+  const auto texels = VK_FORMAT_R32G32B32A32_UINT;
+  batches_.clear();
+  for (int k = 0; k < 2; ++k) {
+    Batch batch{Commands(device_)};
+    if (options_.measure_work) batch.timestamps = Timestamps(device_, kPasses.size() + 1);
+    batch.directions = Buffer(device_, batch_size_ * sizeof(DirectionData), MemoryUse::upload);
+    batch.edges = Buffer(device_, uint64_t(batch_size_) * scene_.corner_count * sizeof(Edge), MemoryUse::device, texels);
+    batch.projected = Buffer(device_, uint64_t(batch_size_) * scene_.polygon_count * sizeof(ProjectedPolygon), MemoryUse::device, texels);
+    batch.tile_roles = Buffer(device_, needed_roles_ ? tiles * sizeof(uint32_t) : 0, MemoryUse::device);
+    batch.tile_counts = Buffer(device_, tiles * sizeof(uint32_t), MemoryUse::device);
+    batch.tile_starts = Buffer(device_, tiles * sizeof(uint32_t), MemoryUse::device);
+    batch.active_tiles = Buffer(device_, tiles * sizeof(ActiveTile), MemoryUse::device, texels);
+    batch.rows = Buffer(device_, rows * sizeof(Row), MemoryUse::device, texels);
+    for (Buffer& unfinished : batch.unfinished) unfinished = Buffer(device_, rows * sizeof(Row), MemoryUse::device, texels);
+    for (Buffer& reached : batch.reached) reached = Buffer(device_, rows * tuning_.subgroup_size * sizeof(uint64_t), MemoryUse::device);
+    batch.status = Buffer(device_, sizeof(BatchStatus), MemoryUse::device);
+    batch.status_read = Buffer(device_, sizeof(BatchStatus), MemoryUse::readback);
+    makeLists(batch, list_capacity_);
+    batches_.push_back(std::move(batch));
   }
-  lists_ = Buffer(device_, needed * sizeof(uint32_t), MemoryUse::device);
+}
+
+void ComputeEngine::makeLists(Batch& batch, uint64_t capacity) {
+  if (capacity * tuning_.tile_rows > 0x7FFFFFFF)
+    throw Error(ErrorCode::limit, fmt::format("polygons of one batch reach {} tiles, more than can be addressed; try a smaller --resolution or --batch 1", capacity));
+  for (Buffer* buffer : {&batch.lists, &batch.spans, &batch.samples}) *buffer = Buffer();  // room for the next
+  batch.lists = Buffer(device_, capacity * sizeof(uint32_t), MemoryUse::device, VK_FORMAT_R32_UINT);
+  batch.spans = Buffer(device_, capacity * tuning_.tile_rows * sizeof(Span), MemoryUse::device, VK_FORMAT_R32G32_UINT);
+  const uint64_t ends = options_.sampling == Sampling::scanline ? 2 * capacity * tuning_.tile_rows : 1;
+  batch.samples = Buffer(device_, ends * sizeof(uint32_t), MemoryUse::device, VK_FORMAT_R32_UINT);
 }
 
 PairCounts ComputeEngine::count(std::span<const Direction> directions) {
   counters_.start(commands_);
-  for (size_t done = 0; done < directions.size();) {
-    const size_t batch = std::min<size_t>(batch_size_, directions.size() - done);
-    if (countBatch(directions.subspan(done, batch))) done += batch;
+  while (!countAll(directions)) {
+    if (must_grow_) counters_.enlarge();
+    must_grow_ = false;
+    counters_.start(commands_);
   }
   return counters_.finish(commands_);
 }
 
-bool ComputeEngine::countBatch(std::span<const Direction> directions) {
-  const auto direction_count = static_cast<uint32_t>(directions.size());
-  const uint32_t tile_count = direction_count * tiles_per_side_ * tiles_per_side_;
-  const auto list_capacity = static_cast<uint32_t>(lists_.sizeBytes() / sizeof(uint32_t));
-  std::span<DirectionData> data = directions_.mapped<DirectionData>();
-  for (uint32_t k = 0; k < direction_count; ++k)
-    data[k] = {directions[k].x_axis, directions[k].y_axis, directions[k].u, directions[k].offset};
-  counters_.makeRoom(commands_, mostCounts(list_capacity, tile_count));
+// False where what was counted is lost, because the hash table or peel's work had to be given more room.
+bool ComputeEngine::countAll(std::span<const Direction> directions) {
+  bool complete = true;
+  size_t done = 0;
+  for (uint32_t turn = 0; complete && (done < directions.size() || batches_[turn % 2].in_flight); ++turn) {
+    Batch& batch = batches_[turn % 2];
+    if (batch.in_flight) complete = finish(batch);
+    if (complete && counters_.isCrowded()) {
+      if (batches_[1 - turn % 2].in_flight) complete = finish(batches_[1 - turn % 2]);
+      if (complete) counters_.makeRoom(commands_);
+    }
+    if (!complete || done == directions.size()) continue;
+    batch.asked = directions.subspan(done, std::min<size_t>(batch_size_, directions.size() - done));
+    done += batch.asked.size();
+    submit(batch);
+  }
+  for (Batch& batch : batches_)
+    if (batch.in_flight) complete = finish(batch) && complete;
+  return complete;
+}
 
-  commands_.begin();
-  const BinStatus none{0, 0, 0};
-  vkCmdUpdateBuffer(commands_.handle(), status_.handle(), 0, sizeof none, &none);
-  commands_.fill(tile_counts_, 0, tile_count * sizeof(uint32_t));
-  const ProjectArgs project{directions_.address(), scene_.polygons.address(), scene_.corners.address(), edges_.address(), projected_.address(),
-                            scene_.polygon_count, scene_.corner_count, direction_count, options_.resolution, fraction_bits_,
-                            static_cast<uint32_t>(options_.resolution) + 4};
+void ComputeEngine::bindTexels(Batch& batch, const Kernel& kernel, const Buffer& rows) {
+  const std::array<VkBufferView, kTexelBuffers> views = {batch.edges.texels(), batch.projected.texels(), scene_.polygons.texels(), batch.lists.texels(),
+                                                         batch.active_tiles.texels(), batch.spans.texels(), batch.samples.texels(), rows.texels()};
+  batch.commands.bindTexels(kernel, views);
+}
+
+PeelArgs ComputeEngine::peelArgs(const Batch& batch) const {
+  return {batch.directions.address(), batch.reached[1].address(), batch.reached[0].address(), batch.unfinished[0].address(), batch.status.address(),
+          counters_.address(), counters_.keys(), scene_.polygon_count, counters_.idCount(), column_bits_, two_sided_ ? 1u : 0u, counters_.mask(),
+          counts_environment_ ? 1u : 0u, tuning_.most_blocks, 0};
+}
+
+void ComputeEngine::submit(Batch& batch) {
+  const auto direction_count = static_cast<uint32_t>(batch.asked.size());
+  const uint32_t tile_count = direction_count * tiles_wide_ * tiles_high_;
+  Commands& commands = batch.commands;
+  writeDirections(batch.asked, batch.directions);
+
+  commands.begin();
+  batch.timestamps.reset(commands.handle());
+  const auto endPass = [&] {
+    commands.barrier();
+    batch.timestamps.mark(commands.handle());
+  };
+  BatchStatus none{};
+  none.slice_groups = none.peel_groups = {0, 1, 1};
+  vkCmdUpdateBuffer(commands.handle(), batch.status.handle(), 0, sizeof none, &none);
+  commands.fill(batch.tile_counts, 0, tile_count * sizeof(uint32_t));
+  if (needed_roles_) commands.fill(batch.tile_roles, 0, tile_count * sizeof(uint32_t));
+  endPass();
+  const ProjectArgs project{batch.directions.address(), scene_.polygons.address(), scene_.corners.address(), batch.edges.address(),
+                            batch.projected.address(), 0, scene_.polygon_count, scene_.corner_count, direction_count, options_.resolution,
+                            fraction_bits_, column_bits_, 0};
   const uint32_t polygon_groups = divideUp(scene_.polygon_count, kGroupSize);
-  commands_.dispatch(project_, project, polygon_groups, direction_count);
-  commands_.barrier();
-  BinArgs bin{scene_.polygons.address(), edges_.address(), projected_.address(), tile_counts_.address(), tile_starts_.address(), lists_.address(),
-              active_tiles_.address(), status_.address(), scene_.polygon_count, scene_.corner_count, tiles_per_side_, tile_count, list_capacity, 0,
-              std::max(1u, kMostTilesPerInvocation / tiles_per_side_)};
-  const uint32_t row_groups = divideUp(tiles_per_side_, bin.rows_per_invocation);
-  commands_.dispatch(bin_, bin, polygon_groups, direction_count, row_groups);
-  commands_.barrier();
-  commands_.dispatch(allocate_, bin, divideUp(tile_count, kGroupSize), 1);
-  commands_.barrier();
-  bin.scatter = 1;
-  commands_.dispatch(bin_, bin, polygon_groups, direction_count, row_groups);
-  commands_.copy(status_, status_read_, sizeof(BinStatus));
-  commands_.submitAndWait();
-  const BinStatus found = status_read_.mapped<BinStatus>()[0];
-  if (found.list_length > list_capacity) {
-    growLists(uint64_t(found.list_length) + found.list_length / 4);
+  commands.dispatch(project_, project, polygon_groups, direction_count);
+  endPass();
+
+  BinArgs bin{batch.tile_roles.address(), batch.tile_counts.address(), batch.tile_starts.address(), batch.lists.address(), batch.active_tiles.address(),
+              batch.status.address(), scene_.polygon_count, scene_.corner_count, tiles_wide_, tiles_high_, tuning_.tile_width, tuning_.tile_rows,
+              tile_count, static_cast<uint32_t>(batch.lists.sizeBytes() / sizeof(uint32_t)), kBinRoles,
+              std::max(1u, kMostTilesPerInvocation / tiles_wide_), needed_roles_, column_bits_};
+  const auto runBin = [&](uint32_t mode) {
+    bin.mode = mode;
+    commands.bind(bin_, VK_PIPELINE_BIND_POINT_COMPUTE);
+    bindTexels(batch, bin_, batch.rows);
+    commands.dispatch(bin_, bin, polygon_groups, direction_count, divideUp(tiles_high_, bin.rows_per_invocation));
+    endPass();
+  };
+  if (needed_roles_) runBin(kBinRoles);
+  else endPass();
+  runBin(kBinCount);
+  commands.dispatch(allocate_, bin, divideUp(tile_count, kGroupSize), 1);
+  endPass();
+  runBin(kBinScatter);
+
+  const SliceArgs slice{batch.active_tiles.address(), batch.lists.address(), batch.spans.address(), batch.samples.address(), batch.rows.address(),
+                        batch.status.address(), scene_.polygon_count, scene_.corner_count, tuning_.tile_width, column_bits_};
+  commands.bind(slice_, VK_PIPELINE_BIND_POINT_COMPUTE);
+  bindTexels(batch, slice_, batch.rows);
+  commands.dispatchIndirect(slice_, slice, batch.status, offsetof(BatchStatus, slice_groups));
+  endPass();
+  commands.bind(peel_, VK_PIPELINE_BIND_POINT_COMPUTE);
+  bindTexels(batch, peel_, batch.rows);
+  commands.dispatchIndirect(peel_, peelArgs(batch), batch.status, offsetof(BatchStatus, peel_groups));
+  endPass();
+  commands.copy(batch.status, batch.status_read, sizeof(BatchStatus));
+  commands.submit();
+  batch.in_flight = true;
+}
+
+// Waits, makes room where the batch lacked it and does it again. False where the counters have lost something.
+bool ComputeEngine::finish(Batch& batch) {
+  batch.commands.wait();
+  batch.in_flight = false;
+  BatchStatus found = batch.status_read.mapped<BatchStatus>()[0];
+  while (found.overflows & kListsOverflowed) {
+    ++work_.repeats;
+    makeLists(batch, uint64_t(found.list_length) + found.list_length / 4);
+    submit(batch);
+    batch.commands.wait();
+    batch.in_flight = false;
+    found = batch.status_read.mapped<BatchStatus>()[0];
+  }
+  if (found.overflows & kTileCut)
+    throw Error(ErrorCode::limit, "more polygons lie over one tile than this device's loops can take; try a larger --resolution");
+  if (!found.overflows && found.unfinished) found = peelUnfinished(batch, found);
+  if (found.overflows & kRowCut) {
+    if (tuning_.most_blocks < 2) throw Error(ErrorCode::limit, "more polygons lie over one row than this device's loops can take; try --engine graphics");
+    tuning_.most_blocks /= 2;
+  }
+  must_grow_ = must_grow_ || (found.overflows & kCountersOverflowed);
+  if (found.overflows) {
+    ++work_.repeats;
     return false;
   }
-
-  commands_.begin();
-  const PeelTilesArgs peel{scene_.polygons.address(), edges_.address(), projected_.address(), tile_starts_.address(), lists_.address(),
-                           active_tiles_.address(), status_.address(), counters_.address(), scene_.polygon_count, scene_.corner_count, tiles_per_side_,
-                           found.active_tiles, counters_.idCount(), two_sided_ ? 1u : 0u};
-  commands_.dispatch(peel_, peel, std::min(found.active_tiles, kGroupsPerRow), divideUp(found.active_tiles, kGroupsPerRow),
-                     kTileSize * kTileSize / subgroup_size_);
-  commands_.barrier();
-  commands_.copy(status_, status_read_, sizeof(BinStatus));
-  commands_.submitAndWait();
-  if (status_read_.mapped<BinStatus>()[0].truncated)
-    throw Error(ErrorCode::limit, fmt::format("{}: more polygons over one tile than its loops can count; try a larger --resolution, or --engine graphics",
-                                              device_.description().name));
+  addWork(batch, found);
+  counters_.notePairs(found.pairs);
   return true;
+}
+
+// Rows whose layers one invocation could not get through go on where they had got to.
+BatchStatus ComputeEngine::peelUnfinished(Batch& batch, BatchStatus found) {
+  Commands& commands = batch.commands;
+  for (uint32_t from = 0; found.unfinished && !found.overflows; from = 1 - from) {
+    PeelArgs peel = peelArgs(batch);
+    peel.reached = batch.reached[from].address();
+    peel.reached_next = batch.reached[1 - from].address();
+    peel.unfinished = batch.unfinished[1 - from].address();
+    peel.resumes = found.unfinished;
+    const uint32_t none = 0;
+    commands.begin();
+    vkCmdUpdateBuffer(commands.handle(), batch.status.handle(), offsetof(BatchStatus, unfinished), sizeof none, &none);
+    commands.barrier();
+    commands.bind(peel_, VK_PIPELINE_BIND_POINT_COMPUTE);
+    bindTexels(batch, peel_, batch.unfinished[from]);
+    commands.dispatch(peel_, peel, std::min(found.unfinished, kGroupsPerRow), divideUp(found.unfinished, kGroupsPerRow));
+    commands.barrier();
+    commands.copy(batch.status, batch.status_read, sizeof(BatchStatus));
+    commands.submitAndWait();
+    found = batch.status_read.mapped<BatchStatus>()[0];
+    ++work_.resumed;
+  }
+  return found;
+}
+
+void ComputeEngine::addWork(const Batch& batch, const BatchStatus& found) {
+  if (!options_.measure_work) return;
+  work_.directions += batch.asked.size();
+  work_.tiles += batch.asked.size() * tiles_wide_ * tiles_high_;
+  work_.active_tiles += found.active_tiles;
+  work_.lattice_points += uint64_t(found.active_tiles) * tuning_.tile_width * tuning_.tile_rows;
+  work_.list_entries += found.list_length;
+  work_.rows += found.rows;
+  work_.spans += found.spans;
+  work_.samples += found.samples;
+  work_.rounds += found.rounds;
+  work_.tests += found.tests;
+  work_.fragments += found.fragments;
+  work_.gaps += found.gaps;
+  work_.memory_bytes = memoryBytes();
+  const std::vector<double> seconds = batch.timestamps.seconds();
+  work_.pass_seconds.resize(seconds.size());
+  for (size_t k = 0; k < seconds.size(); ++k) work_.pass_seconds[k] = {kPasses[k], work_.pass_seconds[k].second + seconds[k]};
+}
+
+uint64_t ComputeEngine::memoryBytes() const {
+  uint64_t bytes = counters_.sizeBytes() + scene_.polygons.sizeBytes() + scene_.corners.sizeBytes();
+  for (const Batch& batch : batches_) {
+    for (const Buffer* buffer : {&batch.directions, &batch.edges, &batch.projected, &batch.tile_roles, &batch.tile_counts, &batch.tile_starts,
+                                 &batch.active_tiles, &batch.lists, &batch.spans, &batch.samples, &batch.rows, &batch.status, &batch.status_read,
+                                 &batch.unfinished[0], &batch.unfinished[1], &batch.reached[0], &batch.reached[1]})
+      bytes += buffer->sizeBytes();
+  }
+  return bytes;
+}
+
+std::string ComputeEngine::describePlan() const {
+  const auto mib = [](uint64_t bytes) { return double(bytes) / 1048576.0; };
+  uint64_t lists = 0, projected = 0;
+  for (const Batch& batch : batches_) {
+    lists += batch.lists.sizeBytes() + batch.spans.sizeBytes() + batch.samples.sizeBytes();
+    projected += batch.edges.sizeBytes() + batch.projected.sizeBytes();
+  }
+  return fmt::format(
+      "plan       {} batches of {} directions in flight; {} x {} tiles of {} x {}; subgroups of {}, {} layers a round\n"
+      "memory     {:.1f} MiB on the device: {} counters {:.1f}, scene {:.1f}, projections {:.1f}, tile lists and spans {:.1f}\n",
+      batches_.size(), batch_size_, tiles_wide_, tiles_high_, tuning_.tile_width, tuning_.tile_rows, tuning_.subgroup_size, tuning_.layers_kept,
+      mib(memoryBytes()), counters_.isSparse() ? "hashed" : "dense", mib(counters_.sizeBytes()),
+      mib(scene_.polygons.sizeBytes() + scene_.corners.sizeBytes()), mib(projected), mib(lists));
 }
 
 }  // namespace

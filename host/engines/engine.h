@@ -1,8 +1,10 @@
 // What the estimator needs of an engine, whichever way it finds the facing pairs.
 #pragma once
 #include <span>
+#include <string>
 
 #include "directions/direction.h"
+#include "engines/work.h"
 #include "matrix/pair_count.h"
 
 namespace viewpeel {
@@ -19,6 +21,11 @@ class Engine {
 
   // Area of one count, unit-ball units squared.
   virtual double unitArea() const = 0;
+
+  // Work done so far, where the engine was asked to measure it; else nullptr.
+  virtual const Work* work() const { return nullptr; }
+  // How the engine has divided its work and what memory that takes, a few lines.
+  virtual std::string describePlan() const { return {}; }
 };
 
 }  // namespace viewpeel

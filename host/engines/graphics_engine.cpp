@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "engines/lattice.h"
 #include "engines/pair_counters.h"
 #include "engines/shared.h"
 #include "error.h"
@@ -34,13 +35,11 @@ constexpr uint64_t kBatchPixels = 1u << 20;
 constexpr uint64_t kLayersRecorded = 4;  // per submission; an unused one costs as much as clearing and copying an image
 constexpr uint64_t kBatchBytes = 256u << 20;  // of projected polygons
 
-uint32_t divideUp(uint64_t value, uint64_t by) { return static_cast<uint32_t>((value + by - 1) / by); }
-
 class GraphicsEngine : public Engine {
  public:
   GraphicsEngine(const Device& device, const Scene& scene, const Ids& ids, const LatticeOptions& options);
   PairCounts count(std::span<const Direction> directions) override;
-  double unitArea() const override { return 4.0 / (double(options_.resolution) * options_.resolution); }
+  double unitArea() const override { return pointArea(options_.resolution); }
 
  private:
   void planBatch(uint64_t polygon_bytes_per_direction);
@@ -58,10 +57,10 @@ class GraphicsEngine : public Engine {
 
   Kernel project_, peel_, accumulate_;
   Commands commands_;
-  Buffer directions_, edges_, projected_;
+  Buffer directions_, edges_, projected_, outlines_;
   std::array<Buffer, 2> layers_;  // layer k lies in layers_[k % 2], and layer -1, before everything, in layers_[1]
   std::array<Buffer, 2> alive_, next_commands_;  // for layer k in [k % 2]
-  Buffer status_;
+  Buffer status_, batch_status_;
   Image colour_, depth_;
 };
 
@@ -71,18 +70,20 @@ GraphicsEngine::GraphicsEngine(const Device& device, const Scene& scene, const I
       two_sided_(ids.two_sided),
       fraction_bits_(chooseFractionBits(options.resolution)),
       scene_(device, scene, ids),
-      counters_(device, ids.count(), options.counter_budget_bytes),
+      counters_(device, ids.count(), options.counter_budget_bytes, false),
       project_(device, project_comp, sizeof(ProjectArgs)),
-      peel_(device, peel_vert, peel_frag, kLayerFormat, kDepthFormat, sizeof(PeelArgs)),
+      peel_(device, peel_vert, peel_frag, kLayerFormat, kDepthFormat, sizeof(DrawArgs)),
       accumulate_(device, accumulate_comp, sizeof(AccumulateArgs)),
       commands_(device) {
   cell_size_ = static_cast<uint32_t>(options.resolution) + 4;
 
-  planBatch(uint64_t(scene_.polygon_count) * sizeof(ProjectedPolygon) + uint64_t(scene_.corner_count) * sizeof(Edge));
+  planBatch(uint64_t(scene_.polygon_count) * (sizeof(ProjectedPolygon) + sizeof(Outline)) + uint64_t(scene_.corner_count) * sizeof(Edge));
 
   directions_ = Buffer(device, batch_size_ * sizeof(DirectionData), MemoryUse::upload);
   edges_ = Buffer(device, uint64_t(batch_size_) * scene_.corner_count * sizeof(Edge), MemoryUse::device);
   projected_ = Buffer(device, uint64_t(batch_size_) * scene_.polygon_count * sizeof(ProjectedPolygon), MemoryUse::device);
+  outlines_ = Buffer(device, uint64_t(batch_size_) * scene_.polygon_count * sizeof(Outline), MemoryUse::device);
+  batch_status_ = Buffer(device, sizeof(BatchStatus), MemoryUse::device);
   const uint64_t pixels = uint64_t(cells_per_row_) * cell_size_ * cell_rows_ * cell_size_;
   for (Buffer& layer : layers_) layer = Buffer(device, pixels * sizeof(Layer), MemoryUse::device);
   for (Buffer& alive : alive_) alive = Buffer(device, batch_size_ * sizeof(uint64_t), MemoryUse::device);
@@ -98,8 +99,7 @@ void GraphicsEngine::planBatch(uint64_t polygon_bytes_per_direction) {
   uint64_t wanted = options_.batch_directions ? options_.batch_directions : std::max<uint64_t>(1, kBatchPixels / cell_pixels);
   if (!options_.batch_directions) wanted = std::min(wanted, std::max<uint64_t>(1, kBatchBytes / polygon_bytes_per_direction));
   wanted = std::min<uint64_t>({wanted, uint64_t(largest_side / cell_size_) * (largest_side / cell_size_),
-                               device_.properties().limits.maxComputeWorkGroupCount[1], (1ull << 31) / scene_.polygon_count,
-                               std::max<uint64_t>(1, 0xFFFFFFFFull / (cell_pixels * kLayersRecorded))});
+                               device_.properties().limits.maxComputeWorkGroupCount[1], (1ull << 31) / scene_.polygon_count});
   cells_per_row_ = std::min<uint32_t>(largest_side / cell_size_, static_cast<uint32_t>(std::ceil(std::sqrt(double(wanted)))));
   cell_rows_ = divideUp(wanted, cells_per_row_);
   batch_size_ = static_cast<uint32_t>(wanted);
@@ -135,16 +135,10 @@ PairCounts GraphicsEngine::count(std::span<const Direction> directions) {
 
 void GraphicsEngine::countBatch(std::span<const Direction> directions) {
   const auto direction_count = static_cast<uint32_t>(directions.size());
-  std::span<DirectionData> data = directions_.mapped<DirectionData>();
-  for (uint32_t k = 0; k < direction_count; ++k)
-    data[k] = {directions[k].x_axis, directions[k].y_axis, directions[k].u, directions[k].offset};
-
-  // A lattice point adds at most one to one counter in each layer.
-  const uint64_t most = uint64_t(cell_size_) * cell_size_ * direction_count * kLayersRecorded;
-  counters_.makeRoom(commands_, most);
+  writeDirections(directions, directions_);
   commands_.begin();
   ProjectArgs project{directions_.address(), scene_.polygons.address(), scene_.corners.address(), edges_.address(), projected_.address(),
-                      scene_.polygon_count, scene_.corner_count, direction_count, options_.resolution, fraction_bits_, cell_size_};
+                      outlines_.address(), scene_.polygon_count, scene_.corner_count, direction_count, options_.resolution, fraction_bits_, 0, cell_size_};
   commands_.dispatch(project_, project, divideUp(scene_.polygon_count, kGroupSize), direction_count);
   // Layer -1 lies before everything: key 0, no polygon.
   commands_.fill(layers_[1], 0);
@@ -159,7 +153,6 @@ void GraphicsEngine::countBatch(std::span<const Direction> directions) {
     commands_.copy(next_commands_[layer % 2], status_, sizeof(LayerCommands));
     commands_.submitAndWait();
     if (status_.mapped<LayerCommands>()[0].draw_instance_count == 0) break;
-    counters_.makeRoom(commands_, most);
     commands_.begin();
   }
 }
@@ -192,7 +185,7 @@ void GraphicsEngine::recordLayer(uint32_t layer, uint32_t direction_count) {
   rendering.pDepthAttachment = &depth;
   const VkViewport viewport{0, 0, float(width), float(height), 0, 1};
   const VkRect2D scissor{{0, 0}, {width, height}};
-  const PeelArgs peel{scene_.polygons.address(), edges_.address(), projected_.address(), layers_[next].address(), alive_[now].address(),
+  const DrawArgs peel{scene_.polygons.address(), edges_.address(), projected_.address(), outlines_.address(), layers_[next].address(), alive_[now].address(),
                       scene_.polygon_count, scene_.corner_count, cell_size_, cells_per_row_, width, height};
   vkCmdBeginRendering(commands, &rendering);
   commands_.bind(peel_, VK_PIPELINE_BIND_POINT_GRAPHICS);
@@ -209,7 +202,7 @@ void GraphicsEngine::recordLayer(uint32_t layer, uint32_t direction_count) {
   vkCmdCopyImageToBuffer(commands, colour_.handle(), VK_IMAGE_LAYOUT_GENERAL, layers_[now].handle(), 1, &region);
   commands_.barrier();
 
-  const AccumulateArgs accumulate{scene_.polygons.address(), layers_[next].address(), layers_[now].address(), counters_.address(),
+  const AccumulateArgs accumulate{scene_.polygons.address(), layers_[next].address(), layers_[now].address(), counters_.address(), batch_status_.address(),
                                   alive_[next].address(), next_commands_[next].address(), counters_.idCount(), cell_size_, cells_per_row_, width,
                                   direction_count, two_sided_ ? 1u : 0u, scene_.polygon_count * direction_count,
                                   divideUp(uint64_t(cell_size_) * cell_size_, kGroupSize)};

@@ -6,12 +6,28 @@ namespace viewpeel {
 // A window of 2043 x 2043 points is the largest whose groups of 64 every device can dispatch in one row (65,535).
 constexpr int kMaxResolution = 2039;
 
-// What the engines that count lattice points have in common. None but `resolution` changes a result.
+enum class Sampling {
+  lattice,   // points, each of weight one
+  scanline,  // the intervals of lattice rows between two ends of polygons, with their lengths as weights
+};
+
+// What the engines that count lattice points have in common. None but `resolution` and `sampling` changes a result.
 struct LatticeOptions {
   int resolution = 64;            // lattice spacings across the unit ball's diameter, 1 to kMaxResolution
+  Sampling sampling = Sampling::lattice;
   uint32_t batch_directions = 0;  // directions peeled at once; 0 chooses by memory
-  uint64_t counter_budget_bytes = 2ull << 30;
-  uint32_t list_capacity = 0;     // of the compute engine's tile lists at first, for tests of their growth; 0 chooses
+  uint64_t counter_budget_bytes = 1ull << 30;  // of the dense counters; beyond it the compute engine keeps a hash table
+
+  // Of the compute engine, 0 chooses. Tests set them to show that they do not matter.
+  uint32_t tile_width = 0;       // lattice columns
+  uint32_t tile_rows = 0;        // 1 to 8
+  uint32_t layers_kept = 0;      // a round
+  bool aggregate = true;         // contributions of neighbouring samples before they are added
+  uint32_t list_capacity = 0;    // of the tile lists at first
+  uint32_t table_capacity = 0;   // of the hash table at first
+  uint32_t most_blocks = 0;      // of spans that one invocation of peel goes through
+  uint64_t memory_budget_bytes = 0;  // of everything but the counters
+  bool measure_work = false;
 };
 
 }  // namespace viewpeel

@@ -5,91 +5,109 @@
 
 #include <fmt/format.h>
 
-#include "engines/lattice_options.h"
 #include "engines/shared.h"
 #include "error.h"
 
 namespace viewpeel {
 namespace {
 
-template <class T>
-Buffer uploadBuffer(const Device& device, const std::vector<T>& values) {
-  Buffer buffer(device, values.size() * sizeof(T), MemoryUse::upload);
-  buffer.write<T>(values);
-  return buffer;
-}
+constexpr uint32_t kFirstCapacity = 1u << 20, kMostCapacity = 1u << 31;
+constexpr uint64_t kReadBytes = 32u << 20;  // at a time
 
-std::vector<device_data::PolygonData> listPolygons(const Scene& scene, const Ids& ids) {
-  std::vector<device_data::PolygonData> polygons;
-  for (size_t k = 0; k < scene.polygons.size(); ++k) {
-    const Polygon& polygon = scene.polygons[k];
-    const Plane& plane = scene.planes[polygon.plane];
-    polygons.push_back({polygon.first_corner, polygon.corner_count, ids.of_polygon[k], 0, plane.normal, plane.offset});
-  }
-  return polygons;
-}
+uint64_t denseCount(uint32_t id_count) { return device_data::counterIndex(id_count - 1, id_count + 1, id_count) + 1; }
+
+bool isBefore(const PairCount& a, const PairCount& b) { return a.i != b.i ? a.i < b.i : a.j < b.j; }
 
 }  // namespace
 
-SceneBuffers::SceneBuffers(const Device& device, const Scene& scene, const Ids& ids)
-    : polygons(uploadBuffer(device, listPolygons(scene, ids))),
-      corners(uploadBuffer(device, scene.corners)),
-      polygon_count(static_cast<uint32_t>(scene.polygons.size())),
-      corner_count(static_cast<uint32_t>(scene.corners.size())) {}
-
-int chooseFractionBits(int resolution) {
-  if (resolution < 1 || resolution > kMaxResolution)
-    throw Error(ErrorCode::bad_usage, fmt::format("resolution {} is out of range; choose 1 to {}", resolution, kMaxResolution));
-  return device_data::kSnapBits - std::bit_width(static_cast<uint32_t>(resolution / 2 + 1));
+PairCounters::PairCounters(const Device& device, uint32_t id_count, uint64_t budget_bytes, bool may_be_sparse, uint32_t table_capacity)
+    : device_(device), id_count_(id_count), counter_count_(denseCount(id_count)) {
+  const uint64_t bytes = counter_count_ * sizeof(uint64_t), budget = std::min<uint64_t>(budget_bytes, device.maxAllocationBytes());
+  if (bytes > budget) {
+    if (!may_be_sparse)
+      throw Error(ErrorCode::limit, fmt::format("dense counters of all pairs of {} ids need {:.1f} MiB, more than the {:.1f} MiB allowed; "
+                                                "try --by surface or --engine compute",
+                                                id_count, double(bytes) / 1048576.0, double(budget) / 1048576.0));
+    capacity_ = std::bit_ceil(table_capacity ? table_capacity : kFirstCapacity);
+  }
+  allocate();
+  read_back_ = Buffer(device, kReadBytes, MemoryUse::readback);
 }
 
-PairCounters::PairCounters(const Device& device, uint32_t id_count, uint64_t budget_bytes)
-    : id_count_(id_count), counter_count_(device_data::counterIndex(id_count - 1, id_count + 1, id_count) + 1) {
-  const uint64_t bytes = counter_count_ * sizeof(uint32_t), budget = std::min<uint64_t>(budget_bytes, device.maxAllocationBytes());
-  if (bytes > budget)
-    throw Error(ErrorCode::limit, fmt::format("counters of all pairs of {} ids need {:.1f} MiB, more than the {:.1f} MiB allowed; "
-                                              "try --by surface",
-                                              id_count, double(bytes) / 1048576.0, double(budget) / 1048576.0));
-  counters_ = Buffer(device, bytes, MemoryUse::device);
-  read_back_ = Buffer(device, bytes, MemoryUse::readback);
+uint64_t PairCounters::sizeBytes() const { return counters_.sizeBytes() + (isSparse() ? keys_.sizeBytes() : 0) + kReadBytes; }
+
+void PairCounters::allocate() {
+  if (isSparse()) {
+    counter_count_ = capacity_;
+    for (Buffer* buffer : {&counters_, &keys_}) *buffer = Buffer();  // room for the next
+    keys_ = Buffer(device_, counter_count_ * sizeof(uint64_t), MemoryUse::device);
+  }
+  counters_ = Buffer(device_, counter_count_ * sizeof(uint64_t), MemoryUse::device);
 }
 
 void PairCounters::start(Commands& commands) {
-  sums_.assign(counter_count_, 0);
+  drained_.clear();
   clear(commands);
 }
 
-void PairCounters::makeRoom(Commands& commands, uint64_t most) {
-  most_in_counter_ += most;
-  if (most_in_counter_ <= 0xFFFFFFFFull) return;
-  read(commands);
+void PairCounters::makeRoom(Commands& commands) {
+  drained_ = addCounts(drained_, read(commands));
+  enlarge();
   clear(commands);
-  most_in_counter_ = most;
 }
 
-PairCounts PairCounters::finish(Commands& commands) {
-  read(commands);
-  PairCounts counts;
-  uint64_t at = 0;
-  for (uint32_t i = 0; i < id_count_; ++i)
-    for (uint32_t column = i; column < id_count_ + 2; ++column, ++at)
-      if (sums_[at]) counts.push_back({i, column == id_count_ ? kEnvironment : column > id_count_ ? kLeak : column, sums_[at]});
-  return counts;
+void PairCounters::enlarge() {
+  if (capacity_ >= kMostCapacity) throw Error(ErrorCode::limit, fmt::format("the table of facing pairs outgrows {} places; try --by surface", capacity_));
+  capacity_ *= 2;
+  allocate();
 }
+
+PairCounts PairCounters::finish(Commands& commands) { return addCounts(drained_, read(commands)); }
 
 void PairCounters::clear(Commands& commands) {
   commands.begin();
   commands.fill(counters_, 0);
+  if (isSparse()) commands.fill(keys_, 0xFFFFFFFFu);
   commands.submitAndWait();
-  most_in_counter_ = 0;
+  pairs_ = 0;
 }
 
-void PairCounters::read(Commands& commands) {
-  commands.begin();
-  commands.copy(counters_, read_back_, counter_count_ * sizeof(uint32_t));
-  commands.submitAndWait();
-  const std::span<uint32_t> read = read_back_.mapped<uint32_t>();
-  for (uint64_t k = 0; k < counter_count_; ++k) sums_[k] += read[k];
+PairCounts PairCounters::read(Commands& commands) {
+  PairCounts counts;
+  const std::span<uint64_t> words = read_back_.mapped<uint64_t>();
+  const uint64_t at_once = kReadBytes / sizeof(uint64_t) / (isSparse() ? 2 : 1);
+  uint32_t i = 0, column = 0;  // of the dense counter next in order
+  for (uint64_t first = 0; first < counter_count_; first += at_once) {
+    const uint64_t count = std::min(at_once, counter_count_ - first), bytes = count * sizeof(uint64_t);
+    commands.begin();
+    commands.copy(counters_, read_back_, bytes, first * sizeof(uint64_t), 0);
+    if (isSparse()) commands.copy(keys_, read_back_, bytes, first * sizeof(uint64_t), kReadBytes / 2);
+    commands.submitAndWait();
+    for (uint64_t k = 0; k < count; ++k) {
+      if (isSparse()) {
+        const uint64_t key = words[at_once + k];
+        if (words[k]) counts.push_back({static_cast<uint32_t>(key >> 32), static_cast<uint32_t>(key), words[k]});
+        continue;
+      }
+      if (words[k]) counts.push_back({i, column == id_count_ ? kEnvironment : column > id_count_ ? kLeak : column, words[k]});
+      if (++column == id_count_ + 2) column = ++i;
+    }
+  }
+  if (isSparse()) std::sort(counts.begin(), counts.end(), isBefore);
+  return counts;
+}
+
+PairCounts addCounts(const PairCounts& a, const PairCounts& b) {
+  PairCounts sum;
+  sum.reserve(a.size() + b.size());
+  size_t at = 0;
+  for (const PairCount& count : b) {
+    while (at < a.size() && isBefore(a[at], count)) sum.push_back(a[at++]);
+    sum.push_back(count);
+    if (at < a.size() && !isBefore(count, a[at])) sum.back().count += a[at++].count;
+  }
+  sum.insert(sum.end(), a.begin() + at, a.end());
+  return sum;
 }
 
 }  // namespace viewpeel

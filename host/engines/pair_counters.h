@@ -1,51 +1,54 @@
 #pragma once
 #include <vector>
 
-#include "matrix/ids.h"
 #include "matrix/pair_count.h"
 #include "vulkan/commands.h"
 
 namespace viewpeel {
 
-// The scene as the shaders read it.
-struct SceneBuffers {
-  Buffer polygons;  // PolygonData[polygon_count]
-  Buffer corners;   // dvec3[corner_count]
-  uint32_t polygon_count, corner_count;
-
-  SceneBuffers(const Device& device, const Scene& scene, const Ids& ids);
-};
-
-// Fraction bits of snapped coordinates: lattice coordinates stay within resolution / 2 + 1, and kSnapBits hold them.
-//   Throws: Error bad_usage where the resolution is out of range.
-int chooseFractionBits(int resolution);
-
-// Dense counters of all pairs of ids, 32 bits each on the device, summed in 64 bits on the host.
+// Counters of all pairs of ids on the device, 64 bits each: dense, or a hash table of the pairs met.
 class PairCounters {
  public:
-  // Throws: Error limit where they need more than `budget_bytes` or than the device allows in one allocation.
-  PairCounters(const Device& device, uint32_t id_count, uint64_t budget_bytes);
+  // Dense where their bytes fit the budget, else, if `may_be_sparse`, a hash table of `table_capacity` places at first (0 chooses).
+  //   Throws: Error limit where dense counters are needed and do not fit.
+  PairCounters(const Device& device, uint32_t id_count, uint64_t budget_bytes, bool may_be_sparse, uint32_t table_capacity = 0);
 
-  VkDeviceAddress address() const { return counters_.address(); }
+  bool isSparse() const { return capacity_ != 0; }
   uint32_t idCount() const { return id_count_; }
+  VkDeviceAddress address() const { return counters_.address(); }
+  VkDeviceAddress keys() const { return isSparse() ? keys_.address() : 0; }
+  uint32_t mask() const { return capacity_ - 1; }
+  uint64_t sizeBytes() const;
 
   // Empties everything.
   void start(Commands& commands);
-  // Called before a submission that adds at most `most` to any one counter, less than 2^32: the device's counters are read and emptied before
-  // one could overflow.
-  void makeRoom(Commands& commands, uint64_t most);
+  // Pairs that entered the table.
+  void notePairs(uint64_t pairs) { pairs_ += pairs; }
+  // Whether the table is half full.
+  bool isCrowded() const { return isSparse() && pairs_ >= capacity_ / 2; }
+  // Empties the table into the host's sums and makes it larger; nothing is lost. The device must be idle.
+  void makeRoom(Commands& commands);
+  // Makes the table larger; start() has to follow.
+  //   Throws: Error limit where the device has no room for it.
+  void enlarge();
   // Everything counted since start().
   PairCounts finish(Commands& commands);
 
  private:
+  void allocate();
   void clear(Commands& commands);
-  void read(Commands& commands);
+  PairCounts read(Commands& commands);
 
+  const Device& device_;
   uint32_t id_count_;
+  uint32_t capacity_ = 0;  // of the hash table, a power of 2; 0 where counters are dense
   uint64_t counter_count_;
-  uint64_t most_in_counter_ = 0;  // bound on any device counter
-  Buffer counters_, read_back_;
-  std::vector<uint64_t> sums_;
+  uint64_t pairs_ = 0;     // in the table
+  Buffer counters_, keys_, read_back_;
+  PairCounts drained_;     // from tables before this one
 };
+
+// The sum of two sorted lists of counts.
+PairCounts addCounts(const PairCounts& a, const PairCounts& b);
 
 }  // namespace viewpeel

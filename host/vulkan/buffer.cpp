@@ -20,6 +20,10 @@ VkMemoryPropertyFlags memoryFlags(MemoryUse use) {
   return 0;
 }
 
+VkDeviceSize texelBytes(VkFormat format) {
+  return format == VK_FORMAT_R32_UINT ? 4 : format == VK_FORMAT_R32G32_UINT ? 8 : 16;
+}
+
 [[noreturn]] void refuse(const Device& device, VkDeviceSize size_bytes) {
   throw Error(ErrorCode::device, fmt::format("{}: cannot allocate {:.1f} MiB; try a smaller --resolution or scene",
                                              device.description().name, static_cast<double>(size_bytes) / 1048576.0));
@@ -27,13 +31,15 @@ VkMemoryPropertyFlags memoryFlags(MemoryUse use) {
 
 }  // namespace
 
-Buffer::Buffer(const Device& device, VkDeviceSize size_bytes, MemoryUse use)
+Buffer::Buffer(const Device& device, VkDeviceSize size_bytes, MemoryUse use, VkFormat texels)
     : device_(device.handle()), size_bytes_(std::max<VkDeviceSize>(size_bytes, 16)) {
   if (size_bytes_ > device.maxAllocationBytes()) refuse(device, size_bytes_);
+  if (texels != VK_FORMAT_UNDEFINED && size_bytes_ / texelBytes(texels) > device.properties().limits.maxTexelBufferElements)
+    refuse(device, size_bytes_);
   VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
   info.size = size_bytes_;
   info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
-               VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+               VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT;
   check(vkCreateBuffer(device_, &info, nullptr, &buffer_), "vkCreateBuffer");
   VkMemoryRequirements needs;
   vkGetBufferMemoryRequirements(device_, buffer_, &needs);
@@ -50,11 +56,19 @@ Buffer::Buffer(const Device& device, VkDeviceSize size_bytes, MemoryUse use)
   VkBufferDeviceAddressInfo address{VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO};
   address.buffer = buffer_;
   address_ = vkGetBufferDeviceAddress(device_, &address);
+  if (texels != VK_FORMAT_UNDEFINED) {
+    VkBufferViewCreateInfo view{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
+    view.buffer = buffer_;
+    view.format = texels;
+    view.range = size_bytes_ / texelBytes(texels) * texelBytes(texels);
+    check(vkCreateBufferView(device_, &view, nullptr, &texels_), "vkCreateBufferView");
+  }
   if (use != MemoryUse::device) check(vkMapMemory(device_, memory_, 0, VK_WHOLE_SIZE, 0, &mapped_), "vkMapMemory");
 }
 
 Buffer::~Buffer() {
   if (!buffer_) return;
+  if (texels_) vkDestroyBufferView(device_, texels_, nullptr);
   vkDestroyBuffer(device_, buffer_, nullptr);
   vkFreeMemory(device_, memory_, nullptr);
 }
@@ -65,6 +79,7 @@ Buffer& Buffer::operator=(Buffer&& other) noexcept {
   std::swap(device_, other.device_);
   std::swap(buffer_, other.buffer_);
   std::swap(memory_, other.memory_);
+  std::swap(texels_, other.texels_);
   std::swap(address_, other.address_);
   std::swap(size_bytes_, other.size_bytes_);
   std::swap(mapped_, other.mapped_);

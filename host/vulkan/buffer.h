@@ -9,17 +9,18 @@ namespace viewpeel {
 // Where a buffer lives: on the device only, or mapped for the host to write (upload) or to read (readback).
 enum class MemoryUse { device, upload, readback };
 
-// A buffer with memory of its own, reached by device address. Not for many small buffers.
+// A buffer with memory of its own, reached by device address and, where it has a texel format, read as texels. Not for many small buffers.
 class Buffer {
  public:
   Buffer() = default;
-  // Throws: Error device where the memory cannot be had, naming the size.
-  Buffer(const Device& device, VkDeviceSize size_bytes, MemoryUse use);
+  // Throws: Error device where the memory cannot be had, or has more texels than the device reads, naming the size.
+  Buffer(const Device& device, VkDeviceSize size_bytes, MemoryUse use, VkFormat texels = VK_FORMAT_UNDEFINED);
   ~Buffer();
   Buffer(Buffer&& other) noexcept;
   Buffer& operator=(Buffer&& other) noexcept;
 
   VkBuffer handle() const { return buffer_; }
+  VkBufferView texels() const { return texels_; }
   VkDeviceAddress address() const { return address_; }
   VkDeviceSize sizeBytes() const { return size_bytes_; }
 
@@ -33,6 +34,7 @@ class Buffer {
   VkDevice device_ = VK_NULL_HANDLE;
   VkBuffer buffer_ = VK_NULL_HANDLE;
   VkDeviceMemory memory_ = VK_NULL_HANDLE;
+  VkBufferView texels_ = VK_NULL_HANDLE;
   VkDeviceAddress address_ = 0;
   VkDeviceSize size_bytes_ = 0;
   void* mapped_ = nullptr;

@@ -1,6 +1,7 @@
 #include "vulkan/commands.h"
 
 #include <utility>
+#include <vector>
 
 namespace viewpeel {
 
@@ -54,8 +55,8 @@ void Commands::barrier() {
 
 void Commands::bind(const Kernel& kernel, VkPipelineBindPoint point) { vkCmdBindPipeline(commands_, point, kernel.pipeline()); }
 
-void Commands::copy(const Buffer& from, const Buffer& to, VkDeviceSize size_bytes) {
-  const VkBufferCopy region{0, 0, size_bytes};
+void Commands::copy(const Buffer& from, const Buffer& to, VkDeviceSize size_bytes, VkDeviceSize from_offset, VkDeviceSize to_offset) {
+  const VkBufferCopy region{from_offset, to_offset, size_bytes};
   vkCmdCopyBuffer(commands_, from.handle(), to.handle(), 1, &region);
 }
 
@@ -63,7 +64,20 @@ void Commands::fill(const Buffer& buffer, uint32_t word, VkDeviceSize size_bytes
   vkCmdFillBuffer(commands_, buffer.handle(), 0, size_bytes, word);
 }
 
-void Commands::submitAndWait() {
+void Commands::bindTexels(const Kernel& kernel, std::span<const VkBufferView> views) {
+  std::vector<VkWriteDescriptorSet> writes;
+  for (uint32_t k = 0; k < views.size(); ++k) {
+    VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
+    write.dstBinding = k;
+    write.descriptorCount = 1;
+    write.descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+    write.pTexelBufferView = &views[k];
+    writes.push_back(write);
+  }
+  vkCmdPushDescriptorSetKHR(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, kernel.layout(), 0, static_cast<uint32_t>(writes.size()), writes.data());
+}
+
+void Commands::submit() {
   // What the host reads from mapped memory after the fence.
   VkMemoryBarrier2 host{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
   host.srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
@@ -81,6 +95,9 @@ void Commands::submitAndWait() {
   submit.commandBufferInfoCount = 1;
   submit.pCommandBufferInfos = &buffer;
   check(vkQueueSubmit2(queue_, 1, &submit, fence_), "vkQueueSubmit2");
+}
+
+void Commands::wait() {
   check(vkWaitForFences(device_, 1, &fence_, VK_TRUE, UINT64_MAX), "vkWaitForFences");
   check(vkResetFences(device_, 1, &fence_), "vkResetFences");
 }

@@ -1,4 +1,6 @@
 #pragma once
+#include <span>
+
 #include "vulkan/buffer.h"
 #include "vulkan/kernel.h"
 
@@ -21,6 +23,8 @@ class Commands {
   void push(const Kernel& kernel, const Args& args) {
     vkCmdPushConstants(commands_, kernel.layout(), kernel.stages(), 0, sizeof(Args), &args);
   }
+  // What a kernel reads as texels, in the order of its bindings.
+  void bindTexels(const Kernel& kernel, std::span<const VkBufferView> views);
   template <class Args>
   void dispatch(const Kernel& kernel, const Args& args, uint32_t groups_x, uint32_t groups_y, uint32_t groups_z = 1) {
     bind(kernel, VK_PIPELINE_BIND_POINT_COMPUTE);
@@ -33,10 +37,15 @@ class Commands {
     push(kernel, args);
     vkCmdDispatchIndirect(commands_, groups.handle(), offset);
   }
-  void copy(const Buffer& from, const Buffer& to, VkDeviceSize size_bytes);
+  void copy(const Buffer& from, const Buffer& to, VkDeviceSize size_bytes, VkDeviceSize from_offset = 0, VkDeviceSize to_offset = 0);
   void fill(const Buffer& buffer, uint32_t word, VkDeviceSize size_bytes = VK_WHOLE_SIZE);
   // Throws: Error device where the device is lost.
-  void submitAndWait();
+  void submit();
+  void wait();
+  void submitAndWait() {
+    submit();
+    wait();
+  }
 
  private:
   VkDevice device_ = VK_NULL_HANDLE;

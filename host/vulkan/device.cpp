@@ -26,6 +26,8 @@ struct Features {
   Features(const Features&) = delete;  // the chain points into itself
 };
 
+constexpr const char* kNeededExtension = VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME;
+
 struct NeededFeature {
   const char* name;
   VkBool32& (*in)(Features&);
@@ -34,6 +36,7 @@ struct NeededFeature {
 constexpr NeededFeature kNeededFeatures[] = {
     {"shaderInt64", [](Features& f) -> VkBool32& { return f.v10.features.shaderInt64; }},
     {"shaderFloat64", [](Features& f) -> VkBool32& { return f.v10.features.shaderFloat64; }},
+    {"shaderBufferInt64Atomics", [](Features& f) -> VkBool32& { return f.v12.shaderBufferInt64Atomics; }},
     {"bufferDeviceAddress", [](Features& f) -> VkBool32& { return f.v12.bufferDeviceAddress; }},
     {"scalarBlockLayout", [](Features& f) -> VkBool32& { return f.v12.scalarBlockLayout; }},
     {"synchronization2", [](Features& f) -> VkBool32& { return f.v13.synchronization2; }},
@@ -126,12 +129,21 @@ int findQueueFamily(VkPhysicalDevice device) {
   return -1;
 }
 
+bool hasExtension(VkPhysicalDevice device, const char* name) {
+  uint32_t count = 0;
+  check(vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr), "vkEnumerateDeviceExtensionProperties");
+  std::vector<VkExtensionProperties> extensions(count);
+  check(vkEnumerateDeviceExtensionProperties(device, nullptr, &count, extensions.data()), "vkEnumerateDeviceExtensionProperties");
+  return std::any_of(extensions.begin(), extensions.end(), [&](const auto& e) { return std::strcmp(e.extensionName, name) == 0; });
+}
+
 std::string findRefusal(VkPhysicalDevice device, uint32_t api_version) {
   if (api_version < VK_API_VERSION_1_3) return "needs Vulkan 1.3";
   if (findQueueFamily(device) < 0) return "no queue for graphics and compute";
   Features have;
   vkGetPhysicalDeviceFeatures2(device, &have.v10);
   std::string missing;
+  if (!hasExtension(device, kNeededExtension)) missing = fmt::format("lacks {}", kNeededExtension);
   for (const NeededFeature& needed : kNeededFeatures)
     if (!needed.in(have)) missing += fmt::format("{}{}", missing.empty() ? "lacks " : ", ", needed.name);
   return missing;
@@ -240,6 +252,8 @@ Device::Device(const DeviceOptions& options) : validation_errors_(std::make_uniq
   VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &features.v10};
   info.queueCreateInfoCount = 1;
   info.pQueueCreateInfos = &queue;
+  info.enabledExtensionCount = 1;
+  info.ppEnabledExtensionNames = &kNeededExtension;
   check(vkCreateDevice(physical_, &info, nullptr, &device_), "vkCreateDevice");
   vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
 }

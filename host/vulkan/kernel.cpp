@@ -6,11 +6,26 @@
 namespace viewpeel {
 namespace {
 
-VkPipelineLayout createLayout(VkDevice device, VkShaderStageFlags stages, uint32_t push_bytes) {
+VkDescriptorSetLayout createTexelLayout(VkDevice device, uint32_t count) {
+  std::vector<VkDescriptorSetLayoutBinding> bindings;
+  for (uint32_t k = 0; k < count; ++k)
+    bindings.push_back({k, VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
+  VkDescriptorSetLayoutCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
+  info.flags = VK_DESCRIPTOR_SET_LAYOUT_CREATE_PUSH_DESCRIPTOR_BIT_KHR;
+  info.bindingCount = count;
+  info.pBindings = bindings.data();
+  VkDescriptorSetLayout layout = VK_NULL_HANDLE;
+  check(vkCreateDescriptorSetLayout(device, &info, nullptr, &layout), "vkCreateDescriptorSetLayout");
+  return layout;
+}
+
+VkPipelineLayout createLayout(VkDevice device, VkShaderStageFlags stages, uint32_t push_bytes, VkDescriptorSetLayout texels = VK_NULL_HANDLE) {
   const VkPushConstantRange range{stages, 0, push_bytes};
   VkPipelineLayoutCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
   info.pushConstantRangeCount = 1;
   info.pPushConstantRanges = &range;
+  info.setLayoutCount = texels ? 1 : 0;
+  info.pSetLayouts = &texels;
   VkPipelineLayout layout = VK_NULL_HANDLE;
   check(vkCreatePipelineLayout(device, &info, nullptr, &layout), "vkCreatePipelineLayout");
   return layout;
@@ -33,15 +48,18 @@ VkPipelineShaderStageCreateInfo ShaderModule::stage(VkShaderStageFlagBits stage)
   return info;
 }
 
-Kernel::Kernel(const Device& device, std::span<const uint32_t> spirv, uint32_t push_bytes, uint32_t local_size_x)
+Kernel::Kernel(const Device& device, std::span<const uint32_t> spirv, uint32_t push_bytes, const std::vector<uint32_t>& constants,
+               uint32_t texel_buffers)
     : device_(device.handle()), stages_(VK_SHADER_STAGE_COMPUTE_BIT) {
   const ShaderModule module(device, spirv);
-  layout_ = createLayout(device_, stages_, push_bytes);
+  if (texel_buffers) texels_ = createTexelLayout(device_, texel_buffers);
+  layout_ = createLayout(device_, stages_, push_bytes, texels_);
   VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
   info.stage = module.stage(VK_SHADER_STAGE_COMPUTE_BIT);
-  const VkSpecializationMapEntry entry{0, 0, sizeof local_size_x};
-  const VkSpecializationInfo constants{1, &entry, sizeof local_size_x, &local_size_x};
-  if (local_size_x) info.stage.pSpecializationInfo = &constants;
+  std::vector<VkSpecializationMapEntry> entries;
+  for (uint32_t k = 0; k < constants.size(); ++k) entries.push_back({k, k * 4, 4});
+  const VkSpecializationInfo specialisation{static_cast<uint32_t>(entries.size()), entries.data(), constants.size() * 4, constants.data()};
+  if (!constants.empty()) info.stage.pSpecializationInfo = &specialisation;
   info.layout = layout_;
   check(vkCreateComputePipelines(device_, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline_), "vkCreateComputePipelines");
 }
@@ -97,12 +115,14 @@ Kernel::~Kernel() {
   if (!device_) return;
   vkDestroyPipeline(device_, pipeline_, nullptr);
   vkDestroyPipelineLayout(device_, layout_, nullptr);
+  if (texels_) vkDestroyDescriptorSetLayout(device_, texels_, nullptr);
 }
 
 Kernel::Kernel(Kernel&& other) noexcept { *this = std::move(other); }
 
 Kernel& Kernel::operator=(Kernel&& other) noexcept {
   std::swap(device_, other.device_);
+  std::swap(texels_, other.texels_);
   std::swap(layout_, other.layout_);
   std::swap(pipeline_, other.pipeline_);
   std::swap(stages_, other.stages_);

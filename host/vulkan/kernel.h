@@ -1,5 +1,6 @@
 #pragma once
 #include <span>
+#include <vector>
 
 #include "vulkan/device.h"
 
@@ -19,12 +20,13 @@ class ShaderModule {
   VkShaderModule module_ = VK_NULL_HANDLE;
 };
 
-// A pipeline, compute or graphics, whose only input is one push-constant struct.
+// A pipeline, compute or graphics, whose input is one push-constant struct and, where it reads texels, buffers at bindings 0, 1, ...
 class Kernel {
  public:
   Kernel() = default;
-  // A compute kernel. local_size_x becomes specialisation constant 0 of a shader that leaves it open.
-  Kernel(const Device& device, std::span<const uint32_t> spirv, uint32_t push_bytes, uint32_t local_size_x = 0);
+  // A compute kernel. constants: specialisation constants 0, 1, ... of the shader.
+  Kernel(const Device& device, std::span<const uint32_t> spirv, uint32_t push_bytes, const std::vector<uint32_t>& constants = {},
+         uint32_t texel_buffers = 0);
   // A graphics kernel without vertex buffers: triangle strips, one colour and one depth attachment of the formats given, depth
   // test LESS, as dynamic rendering.
   Kernel(const Device& device, std::span<const uint32_t> vertex_spirv, std::span<const uint32_t> fragment_spirv,
@@ -39,6 +41,7 @@ class Kernel {
 
  private:
   VkDevice device_ = VK_NULL_HANDLE;
+  VkDescriptorSetLayout texels_ = VK_NULL_HANDLE;
   VkPipelineLayout layout_ = VK_NULL_HANDLE;
   VkPipeline pipeline_ = VK_NULL_HANDLE;
   VkShaderStageFlags stages_ = 0;

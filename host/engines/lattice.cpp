@@ -1,0 +1,55 @@
+#include "engines/lattice.h"
+
+#include <bit>
+
+#include <fmt/format.h>
+
+#include "engines/lattice_options.h"
+#include "engines/shared.h"
+#include "error.h"
+
+namespace viewpeel {
+namespace {
+
+static_assert(device_data::kEmits == kEmits && device_data::kReceives == kReceives);
+
+template <class T>
+Buffer uploadBuffer(const Device& device, const std::vector<T>& values, VkFormat texels = VK_FORMAT_UNDEFINED) {
+  Buffer buffer(device, values.size() * sizeof(T), MemoryUse::upload, texels);
+  buffer.write<T>(values);
+  return buffer;
+}
+
+std::vector<device_data::PolygonData> listPolygons(const Scene& scene, const Ids& ids) {
+  std::vector<device_data::PolygonData> polygons;
+  polygons.reserve(scene.polygons.size());
+  for (size_t k = 0; k < scene.polygons.size(); ++k) {
+    const Polygon& polygon = scene.polygons[k];
+    const Plane& plane = scene.planes[polygon.plane];
+    const uint32_t id = ids.of_polygon[k] | ids.rolesOf(static_cast<uint32_t>(k)) << device_data::kRolesShift;
+    polygons.push_back({polygon.first_corner, polygon.corner_count, id, 0, plane.normal, plane.offset});
+  }
+  return polygons;
+}
+
+}  // namespace
+
+SceneBuffers::SceneBuffers(const Device& device, const Scene& scene, const Ids& ids)
+    : polygons(uploadBuffer(device, listPolygons(scene, ids), VK_FORMAT_R32G32B32A32_UINT)),
+      corners(uploadBuffer(device, scene.corners)),
+      polygon_count(static_cast<uint32_t>(scene.polygons.size())),
+      corner_count(static_cast<uint32_t>(scene.corners.size())) {}
+
+int chooseFractionBits(int resolution) {
+  if (resolution < 1 || resolution > kMaxResolution)
+    throw Error(ErrorCode::bad_usage, fmt::format("resolution {} is out of range; choose 1 to {}", resolution, kMaxResolution));
+  return device_data::kSnapBits - std::bit_width(static_cast<uint32_t>(resolution / 2 + 1));
+}
+
+void writeDirections(std::span<const Direction> directions, Buffer& buffer) {
+  std::span<device_data::DirectionData> data = buffer.mapped<device_data::DirectionData>();
+  for (size_t k = 0; k < directions.size(); ++k)
+    data[k] = {directions[k].x_axis, directions[k].y_axis, directions[k].u, directions[k].offset, directions[k].weight, 0};
+}
+
+}  // namespace viewpeel

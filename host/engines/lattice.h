@@ -1,0 +1,32 @@
+// What the engines that count lattice points share.
+#pragma once
+#include <span>
+
+#include "directions/direction.h"
+#include "matrix/ids.h"
+#include "vulkan/buffer.h"
+
+namespace viewpeel {
+
+// The scene as the shaders read it.
+struct SceneBuffers {
+  Buffer polygons;  // PolygonData[polygon_count], as texels too
+  Buffer corners;   // dvec3[corner_count]
+  uint32_t polygon_count, corner_count;
+
+  SceneBuffers(const Device& device, const Scene& scene, const Ids& ids);
+};
+
+// Fraction bits of snapped coordinates: lattice coordinates stay within resolution / 2 + 1, and kSnapBits hold them.
+//   Throws: Error bad_usage where the resolution is out of range.
+int chooseFractionBits(int resolution);
+
+// Area of a lattice point, unit-ball units squared.
+inline double pointArea(int resolution) { return 4.0 / (double(resolution) * resolution); }
+
+// DirectionData[directions.size()] into an upload buffer.
+void writeDirections(std::span<const Direction> directions, Buffer& buffer);
+
+constexpr uint32_t divideUp(uint64_t value, uint64_t by) { return static_cast<uint32_t>((value + by - 1) / by); }
+
+}  // namespace viewpeel
