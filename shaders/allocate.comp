@@ -17,12 +17,12 @@ void main() {
   uint start = atomicAdd(status.at.list_length, count);
   Words(args.tile_starts).at[tile] = start;
   if (start + count > args.list_capacity || start + count < start) {
-    atomicOr(status.at.overflows, kListsOverflowed);
+    atomicOr(status.at.active_tiles, kListsOverflowed);
     return;
   }
-  uint place = atomicAdd(status.at.active_tiles, 1u);
-  atomicMax(status.at.slice_groups.x, min(place + 1u, kGroupsPerRow));
-  atomicMax(status.at.slice_groups.y, place / kGroupsPerRow + 1u);
+  uint place = atomicAdd(status.at.active_tiles, 1u) & ~kListsOverflowed;
+  atomicMax(status.at.peel_groups.x, min(place + 1u, kGroupsPerRow));
+  atomicMax(status.at.peel_groups.y, place / kGroupsPerRow + 1u);
   uint tiles_per_direction = args.tiles_wide * args.tiles_high;
   uint direction = tile / tiles_per_direction, in_direction = tile - direction * tiles_per_direction;
   uint y = in_direction / args.tiles_wide, x = in_direction - y * args.tiles_wide;
@@ -30,6 +30,7 @@ void main() {
   found.list_start = start;
   found.list_length = count;
   found.direction = direction;
+  found.weight = Directions(args.directions).at[direction].weight;
   found.column = int(x * args.tile_width) - int(args.tiles_wide * args.tile_width / 2u);
   found.row = int(y * args.tile_rows) - int(args.tiles_high * args.tile_rows / 2u);
   ActiveTiles(args.active_tiles).at[place] = found;

@@ -14,7 +14,7 @@ void main() {
   uint polygon_index = gl_GlobalInvocationID.x;
   uint direction_index = gl_WorkGroupID.y;
   if (polygon_index >= args.polygon_count) return;
-  if (args.mode == kBinScatter && Status(args.status).at.overflows != 0u) return;
+  if (args.mode == kBinScatter && (Status(args.status).at.active_tiles & kListsOverflowed) != 0u) return;
   uint projected_at = 4u * (direction_index * args.polygon_count + polygon_index);
   ivec4 box = ivec4(texelFetch(projected_texels, int(projected_at)));
   if (box.x > box.z) return;

@@ -17,5 +17,4 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Outlines { O
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Longs { uint64_t at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Status { BatchStatus at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ActiveTiles { ActiveTile at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Spans { Span at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Rows { Row at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer UnfinishedRows { UnfinishedRow at[]; };

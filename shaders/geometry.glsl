@@ -27,3 +27,23 @@ uint layerKey(ProjectedPolygon polygon, ivec2 p) {
   depth = clamp(depth, int64_t(polygon.depth_min), int64_t(polygon.depth_max));
   return 2u * uint(depth) + (1u - polygon.front_up);
 }
+
+// The least X in [0, width] with |a| X + value >= 0; width where there is none.
+// The quotient is off by less than one: tried and mended in integers.
+int firstColumn(int size, int64_t value, double reciprocal, int width) {
+  int x = int(clamp(ceil(-double(value) * reciprocal), 0.0LF, double(width)));
+  int64_t at = int64_t(size) * int64_t(x) + value;
+  if (at < int64_t(0)) return min(x + 1, width);
+  return x > 0 && at - int64_t(size) >= int64_t(0) ? x - 1 : x;
+}
+
+// Keeps of the columns [low, high) of a row those on an edge's inner side. value: the edge's at the row's first column.
+void cutRow(Edge edge, int64_t value, int width, inout int low, inout int high) {
+  int size = max(abs(edge.a), 1);
+  bool from_left = edge.a > 0;
+  // To the right of an edge that ends the span: |a| X - value - 1 >= 0.
+  int x = firstColumn(size, from_left ? value : ~value, 1.0LF / double(size), width);
+  if (from_left) low = max(low, x);
+  else if (edge.a < 0) high = min(high, x);
+  else if (value < int64_t(0)) high = 0;
+}

@@ -1,9 +1,10 @@
 #version 460
-// One workgroup, meant to be one subgroup, peels one row of one tile: each invocation takes one sample (a lattice point, or an interval of a
-// scanline) and keeps the kLayersKept nearest layers behind those of the round before in registers; it adds what the gaps
-// between consecutive layers contribute to the counters, and goes round again where more layers remain. The row's spans
-// are loaded one by each invocation and passed on by shuffles.
-//   In: rows, spans, samples, projected, polygons, directions     Out: counters, unfinished rows and the layers that they reached
+// One workgroup, meant to be one subgroup, peels one tile, or with scanlines one row of it: each invocation takes kSteps samples and keeps the
+// kLayersKept nearest layers of each behind those of the round before in registers; it adds what the gaps between consecutive
+// layers contribute to the counters, and goes round again where more layers remain. A sample is a lattice point or, with
+// scanlines, the interval between two ends of spans: the order of polygons does not change in it, and its length is its weight. The
+// tile's polygons are loaded one by each invocation and passed on by shuffles.
+//   In: active_tiles, lists, projected, edges, polygons     Out: counters, unfinished tiles or rows and the layers that they reached
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_shader_atomic_int64 : require
@@ -14,6 +15,7 @@
 #define SHARED_FUNCTION
 #include "common.glsl"
 #include "texels.glsl"
+#include "geometry.glsl"
 #include "counters.glsl"
 
 layout(local_size_x_id = 0) in;  // the subgroup size, 8 to 64
@@ -23,28 +25,153 @@ layout(constant_id = 3) const bool kSparse = false;      // counters in a hash t
 layout(constant_id = 4) const bool kAllCount = true;     // every polygon emits and receives
 layout(constant_id = 5) const bool kAggregates = true;   // adds runs of equal contributions at once
 layout(constant_id = 6) const bool kMeasuresWork = false;
+layout(constant_id = 7) const int kSteps = 8;            // samples of an invocation: 1, 2, 4 or 8
+layout(constant_id = 8) const bool kIdsAreIndices = false;  // of polygons
+layout(constant_id = 9) const bool kMoreEdges = false;      // polygons may have more than four
+layout(constant_id = 10) const uint kTileWidth = 8u;        // lattice points
 layout(push_constant, scalar) uniform Args { PeelArgs args; };
 
-const uint64_t kNoLayer = ~0ul;  // a layer is key << 32 | polygon + 1, so that layers are ordered as numbers
+const int kMostSteps = 8;
+const uint64_t kNoLayer = ~0ul;    // a layer is key << 32 | polygon + 1, so that layers are ordered as numbers
+const int kSaturated = 1 << 30;    // beyond what an edge can change by within a tile
+const uint kBackMark = 0x80000000u;
+const uint kNoColumns = 0xFFFFu;   // a span that holds no sample
+const uint kEndless = 0xFFFFFFu;   // beyond any column
 
-uint sideOf(uint64_t layer, bool above) {
-  if (layer == 0ul || layer == kNoLayer) return kSideNone;
-  return sideTowardsGap((layer >> 32 & 1ul) == 0ul, args.two_sided != 0u, above);
+// With scanlines, the spans of the row: polygon, and columns as in spanOf; and their ends in order.
+shared uvec2 spans[kScanlines ? kMostSpans : 1];
+shared uint ends[kScanlines ? 2 * kMostSpans : 1];
+
+// The samples of an invocation while it goes through the tile's polygons.
+uint64_t nearest[kMostSteps][kLayersKept];
+uint64_t last[kMostSteps];  // the farthest layer of the rounds before
+bool open[kMostSteps];      // whether the line may meet more layers
+bool lost[kMostSteps];      // whether a layer found no room
+uint64_t farthest_emitter[kMostSteps], farthest_receiver[kMostSteps];
+
+// One polygon on its way past the samples.
+struct Passing {
+  ivec4 edges, edges_per_step;    // without scanlines
+  uint first_edge, edge_count;
+  ivec2 point, point_per_step;    // of the lattice
+  bool covered;                   // with scanlines
+  int64_t z, z_per_step;
+  int z_shift, z_min, z_max;
+  uint front_up, layer_polygon, roles;
+};
+
+struct Tile {
+  uint list_start, list_length, direction, weight;
+  ivec2 corner;  // of the lattice: the least column and row, or the one row, of what is peeled
+};
+
+// A polygon's part in the row, in columns from the tile's first in units of 2^-column_bits: first | last - first << 16.
+uint spanOf(Tile tile, uint first_edge, uint edge_count) {
+  int width = int(args.tile_width) << args.column_bits;
+  int low = 0, high = width;
+  uint k = 0u;
+  do {
+    [[unroll]] for (uint four = 0u; four < 4u; ++four) {
+      Edge edge = fetchEdge(first_edge + min(k + four, edge_count - 1u));
+      int64_t value = int64_t(edge.a) * int64_t(tile.corner.x << args.column_bits) + (int64_t(edge.b) * int64_t(tile.corner.y) << args.column_bits) + edge.c;
+      cutRow(edge, value, width, low, high);
+    }
+    k += 4u;
+  } while (k < edge_count);
+  return low < high ? uint(low) | uint(high - low - 1) << 16 : kNoColumns;
 }
 
-// Adds up what lanes with the same counter have, for runs of neighbouring lanes: the first of a run adds for all.
+// Puts the row's spans and their ends, each once and in order, into shared memory.
+// Returns the number of spans and of ends; more than kMostSpans spans: nothing but their number.
+uvec2 sliceRow(Tile tile, uint lane) {
+  const uint lanes = gl_WorkGroupSize.x;
+  uint span_count = 0u;
+  for (uint base = 0u; base < tile.list_length; base += lanes) {
+    uint mine = base + lane;
+    uint polygon = texelFetch(list_texels, int(tile.list_start + min(mine, tile.list_length - 1u))).x;
+    uvec4 projected = texelFetch(projected_texels, int(4u * (tile.direction * args.polygon_count + polygon) + 3u));
+    uint columns = spanOf(tile, projected.z, projected.w);
+    bool covers = mine < tile.list_length && columns != kNoColumns;
+    uint place = span_count + subgroupExclusiveAdd(covers ? 1u : 0u);
+    if (covers && place < kMostSpans) spans[place] = uvec2(polygon, columns);
+    span_count += subgroupAdd(covers ? 1u : 0u);
+  }
+  memoryBarrierShared();
+  subgroupBarrier();
+  if (span_count > kMostSpans || span_count == 0u) return uvec2(span_count, 0u);
+
+  for (uint base = 0u; base < span_count; base += lanes) {
+    uint mine = base + lane;
+    uint columns = spans[min(mine, span_count - 1u)].y;
+    uint low = columns & 0xFFFFu, high = low + (columns >> 16) + 1u;
+    uint low_rank = 0u, high_rank = 0u;  // ends that come before; of equal ones the earlier span's, and its left one, come first
+    for (uint other_base = 0u; other_base < span_count; other_base += lanes) {
+      uint other = other_base + lane;
+      uint other_columns = spans[min(other, span_count - 1u)].y;
+      uint other_low = other < span_count ? other_columns & 0xFFFFu : kEndless;
+      uint other_high = other < span_count ? other_low + (other_columns >> 16) + 1u : kEndless;
+      [[unroll]] for (uint t = 0u; t < 8u; ++t)
+        for (uint eight = 0u; eight < lanes; eight += 8u) {
+          uint a = subgroupShuffle(other_low, eight + t), b = subgroupShuffle(other_high, eight + t);
+          uint before = other_base + eight + t < mine ? 1u : 0u, not_after = other_base + eight + t <= mine ? 1u : 0u;
+          low_rank += uint(a < low + before) + uint(b < low + before);
+          high_rank += uint(a < high + not_after) + uint(b < high + before);
+        }
+    }
+    if (mine < span_count) {
+      ends[low_rank] = low;
+      ends[high_rank] = high;
+    }
+  }
+  memoryBarrierShared();
+  subgroupBarrier();
+  uint kept = 0u, last = kEndless;
+  for (uint base = 0u; base < 2u * span_count; base += lanes) {
+    uint at = base + lane;
+    uint end = ends[min(at, 2u * span_count - 1u)];
+    uint before = subgroupShuffle(end, max(lane, 1u) - 1u);
+    before = lane == 0u ? last : before;
+    last = subgroupShuffle(end, lanes - 1u);
+    bool keep = at < 2u * span_count && end != before;
+    uint place = kept + subgroupExclusiveAdd(keep ? 1u : 0u);
+    memoryBarrierShared();
+    subgroupBarrier();
+    if (keep) ends[place] = end;
+    kept += subgroupAdd(keep ? 1u : 0u);
+  }
+  memoryBarrierShared();
+  subgroupBarrier();
+  return uvec2(span_count, kept);
+}
+
+// Whether a gap contributes to anything that was asked for; lower and upper: ids with roles.
+bool isCounted(uint gap, uint lower, uint upper) {
+  if (kAllCount) return gap != kGapNothing;
+  uint lower_roles = lower >> kRolesShift, upper_roles = upper >> kRolesShift;
+  if (gap == kGapFacingPair)
+    return ((lower_roles & kEmits) != 0u && (upper_roles & kReceives) != 0u) || ((upper_roles & kEmits) != 0u && (lower_roles & kReceives) != 0u);
+  if (gap == kGapNothing || args.counts_environment == 0u) return false;
+  return ((gap == kGapLowerEnvironment || gap == kGapLowerLeak ? lower_roles : upper_roles) & kEmits) != 0u;
+}
+
+uint idOf(uint layer_polygon) {
+  if (layer_polygon == 0u) return 0u;
+  return kIdsAreIndices ? layer_polygon - 1u : fetchId(layer_polygon - 1u);
+}
+
+// Adds up what neighbouring lanes with the same pair have: the first of a run adds for all.
 void addRuns(bool has, uvec2 pair, uint weight, uint lane) {
   if (kAggregates) {
     const uint lanes = gl_WorkGroupSize.x;
     uvec2 key = has ? pair : uvec2(~0u);
     uvec2 before = subgroupShuffle(key, max(lane, 1u) - 1u);
     bool head = lane == 0u || key != before;
-    uint end = head ? lane : lanes;  // of the run before: where the next one begins
-    end = lane + 1u < lanes ? subgroupShuffle(end, min(lane + 1u, lanes - 1u)) : lanes;
+    uint end = subgroupShuffle(head ? lane : lanes, min(lane + 1u, lanes - 1u));  // of the run: where the next one begins
+    if (lane + 1u == lanes) end = lanes;
     uint sum = weight;
     [[unroll]] for (uint step = 1u; step < lanes; step *= 2u) {
       uint next_end = subgroupShuffle(end, min(lane + step, lanes - 1u));
-      end = lane + step < lanes ? min(end, next_end) : end;
+      end = min(end, lane + step < lanes ? next_end : lanes);
       uint other = subgroupShuffle(sum, max(lane, step) - step);
       sum += lane >= step ? other : 0u;
     }
@@ -55,157 +182,262 @@ void addRuns(bool has, uvec2 pair, uint weight, uint lane) {
   if (has) addCount(args.counters, args.counter_keys, args.counter_mask, args.status, args.id_count, kSparse, pair, weight);
 }
 
-// What the gap between two consecutive layers is counted for, if anything.
-bool isCounted(uint gap, uint lower_id, uint upper_id) {
-  if (kAllCount) return gap != kGapNothing;
-  uint lower_roles = lower_id >> kRolesShift, upper_roles = upper_id >> kRolesShift;
-  if (gap == kGapFacingPair) return ((lower_roles & kEmits) != 0u && (upper_roles & kReceives) != 0u) || ((upper_roles & kEmits) != 0u && (lower_roles & kReceives) != 0u);
-  if (gap == kGapNothing || args.counts_environment == 0u) return false;
-  return ((gap == kGapLowerEnvironment || gap == kGapLowerLeak ? lower_roles : upper_roles) & kEmits) != 0u;
+// Adds the gaps below the layers kept of one sample a lane and, where none was lost, the one above the last. Returns the number of gaps counted.
+// Gaps that count are gathered first: of the layers of closed solids only every other gap does.
+uint addGaps(uint64_t last, uint64_t layers[kLayersKept], bool lost, bool open, uint weight, uint lane, inout bool cut) {
+  uvec2 found[kLayersKept + 1];  // lower and upper polygon, + 1, with the side of either that is turned to the gap
+  uint count = 0u;
+  uint64_t lower = last;
+  [[unroll]] for (int k = 0; k <= kLayersKept; ++k) found[k] = uvec2(0);
+  [[unroll]] for (int k = 0; k <= kLayersKept; ++k) {
+    uint64_t upper = k < kLayersKept ? layers[k] : kNoLayer;
+    if (k == kLayersKept && lost) open = false;
+    bool lower_front = lower != 0ul && (args.two_sided != 0u || (lower >> 32 & 1ul) == 0ul);
+    bool upper_front = upper != kNoLayer && (args.two_sided != 0u || (upper >> 32 & 1ul) != 0ul);
+    uvec2 gap = uvec2(unpackUint2x32(lower).x, upper == kNoLayer ? 0u : unpackUint2x32(upper).x);
+    bool counted = open && (lower_front || upper_front);
+    // What is not seen is marked: kept as a polygon only to tell a leak from the environment.
+    gap |= uvec2(lower_front ? 0u : kBackMark, upper_front ? 0u : kBackMark);
+    [[unroll]] for (int m = 0; m <= k; ++m) found[m] = counted && count == uint(m) ? gap : found[m];
+    count += counted ? 1u : 0u;
+    open = open && upper != kNoLayer;
+    lower = upper;
+  }
+  uint added = 0u, left = count;
+  while (subgroupAny(left > 0u)) {
+    uvec2 gap = found[0];
+    [[unroll]] for (int k = 0; k < kLayersKept; ++k) found[k] = found[k + 1];
+    bool has = left > 0u;
+    left -= has ? 1u : 0u;
+    uint lower_side = (gap.x & ~kBackMark) == 0u ? kSideNone : (gap.x & kBackMark) != 0u ? kSideBack : kSideFront;
+    uint upper_side = (gap.y & ~kBackMark) == 0u ? kSideNone : (gap.y & kBackMark) != 0u ? kSideBack : kSideFront;
+    uint kind = classifyGap(lower_side, upper_side);
+    uint lower_id = idOf(gap.x & ~kBackMark), upper_id = idOf(gap.y & ~kBackMark);
+    has = has && isCounted(kind, lower_id, upper_id);
+    addRuns(has, pairOf(kind, lower_id & kIdMask, upper_id & kIdMask), weight, lane);
+    added += has ? 1u : 0u;
+  }
+  cut = cut || left > 0u;
+  return added;
+}
+
+// Takes sample s past the polygon: its layer goes among the nearest, the farthest of those goes when there is no room.
+// Called with a literal s, so that all indices become constants.
+void takeStep(int s, inout Passing polygon, inout bool cut, inout uint fragments) {
+  bool covered = kScanlines ? polygon.covered : (polygon.edges.x | polygon.edges.y | polygon.edges.z | polygon.edges.w) >= 0;
+  if (!kScanlines && kMoreEdges) {
+    uint edge = 4u;
+    for (; edge < polygon.edge_count; ++edge) covered = covered && isInside(fetchEdge(polygon.first_edge + edge), polygon.point);
+    cut = cut || edge < polygon.edge_count;
+  }
+  uint depth = uint(clamp(polygon.z >> polygon.z_shift, int64_t(polygon.z_min), int64_t(polygon.z_max)));
+  uint64_t layer = packUint2x32(uvec2(polygon.layer_polygon, 2u * depth + 1u - polygon.front_up));
+  if (!kAllCount) {
+    if (covered && (polygon.roles & kEmits) != 0u) farthest_emitter[s] = max(farthest_emitter[s], layer);
+    if (covered && (polygon.roles & kReceives) != 0u) farthest_receiver[s] = max(farthest_receiver[s], layer);
+  }
+  if (kMeasuresWork) fragments += covered && last[s] == 0ul && open[s] ? 1u : 0u;
+  layer = covered && layer > last[s] ? layer : kNoLayer;
+  [[unroll]] for (int k = 0; k < kLayersKept; ++k) {
+    uint64_t farther = max(nearest[s][k], layer);
+    nearest[s][k] = min(nearest[s][k], layer);
+    layer = farther;
+  }
+  lost[s] = lost[s] || layer != kNoLayer;
+  polygon.edges += polygon.edges_per_step;
+  polygon.z += polygon.z_per_step;
+  polygon.point += polygon.point_per_step;
 }
 
 void main() {
   const uint lanes = gl_WorkGroupSize.x;
+  const int rows_per_step = kScanlines ? 1 : int(lanes / kTileWidth);
   uint lane = gl_SubgroupInvocationID;
   uint place = gl_WorkGroupID.y * kGroupsPerRow + gl_WorkGroupID.x;
+  uint row = gl_WorkGroupID.z, first = 0u, resume = 0u;
   Status status = Status(args.status);
-  if ((status.at.overflows & (kListsOverflowed | kTileCut)) != 0u) return;
-  if (place >= (args.resumes != 0u ? args.resumes : status.at.rows)) return;
-  uvec4 row = texelFetch(row_texels, int(2u * place));         // span_start, span_count, sample_count, direction
-  uvec4 where = texelFetch(row_texels, int(2u * place + 1u));  // column, row, first_sample, resume
-  uint direction_weight = Directions(args.directions).at[row.w].weight;
+  if (args.resumes != 0u) {
+    if (place >= args.resumes) return;
+    UnfinishedRow rest = UnfinishedRows(args.rows).at[place];
+    resume = place * lanes * uint(kSteps) + 1u;
+    place = rest.tile;
+    row = rest.row;
+    first = rest.first_sample;
+  } else if (place >= status.at.active_tiles) {  // none where lists overflowed
+    return;
+  }
+  uvec4 texel = texelFetch(tile_texels, int(2u * place));
+  uvec2 corner = texelFetch(tile_texels, int(2u * place + 1u)).xy;
+  Tile tile = Tile(texel.x, texel.y, texel.z, texel.w, ivec2(corner) + ivec2(0, row));
+  bool cut = false;  // whether a loop ended before its time
+  uint sample_count = lanes, polygon_count = tile.list_length;
+  // Lattice points: a lane's column, and the row of its first sample; the others follow rows_per_step apart.
+  int column = kScanlines ? 0 : int(lane % kTileWidth), lane_row = kScanlines ? 0 : int(lane / kTileWidth);
+  if (kScanlines) {
+    uvec2 counts = sliceRow(tile, lane);
+    polygon_count = counts.x;
+    sample_count = max(counts.y, 1u) - 1u;
+    if (counts.x > kMostSpans) {
+      atomicOr(status.at.overflows, kTooManySpans);
+      return;
+    }
+    cut = counts.x > 0u && counts.y < 2u;
+  }
+
   uint blocks_done = 0u, rounds = 0u, fragments = 0u, gaps = 0u;
-  uint first = where.z, resume = where.w;
-  bool cut = false;  // a loop ended before its time
-  do {
-    uint sample_index = first + lane;
-    bool open = sample_index < row.z;  // whether the line may meet more layers
-    int column = int(sample_index);
-    uint weight = direction_weight;
+  while (first < sample_count && !cut) {
+    uint weight = tile.weight;
+    [[unroll]] for (int k = 0; k < kMostSteps; ++k) {
+      open[k] = k < kSteps && first + lane < sample_count && lane_row + k * rows_per_step < int(args.tile_rows);
+      last[k] = resume == 0u || k >= kSteps ? 0ul : Longs(args.reached).at[resume - 1u + lane * uint(kSteps) + uint(k)];
+      open[k] = open[k] && last[k] != kNoLayer;
+    }
+    resume = 0u;
     if (kScanlines) {
-      uint at = 2u * row.x + min(sample_index, row.z - 1u);
-      int from = int(texelFetch(sample_texels, int(at)).x), to = int(texelFetch(sample_texels, int(at + 1u)).x);
+      uint at = min(first + lane, sample_count - 1u);
+      int from = int(ends[at]), to = int(ends[at + 1u]);
       column = (from + to - 1) >> 1;  // the middle: where polygons meet at an end, depths tie
       weight *= uint(to - from);
     }
-    uint64_t last = 0ul;  // the farthest layer of the rounds before
-    if (resume != 0u) last = Longs(args.reached).at[resume - 1u + lane];
-    resume = 0u;
-    open = open && last != kNoLayer;
     bool again;
     do {
-      if (blocks_done >= args.most_blocks) {  // the rest of the row goes to another dispatch
+      if (blocks_done >= args.most_blocks) {  // the rest goes to another dispatch
         uint index = 0u;
-        if (lane == 0u) index = atomicAdd(status.at.unfinished, 1u);
-        index = subgroupShuffle(index, 0u);
-        Longs(args.reached_next).at[index * lanes + lane] = open ? last : kNoLayer;
         if (lane == 0u) {
-          Row rest;
-          rest.span_start = row.x;
-          rest.span_count = row.y;
-          rest.sample_count = row.z;
-          rest.direction = row.w;
-          rest.column = int(where.x);
-          rest.row = int(where.y);
+          index = atomicAdd(status.at.unfinished, 1u);
+          UnfinishedRow rest;
+          rest.tile = place;
+          rest.row = row;
           rest.first_sample = first;
-          rest.resume = index * lanes + 1u;
-          Rows(args.unfinished).at[index] = rest;
+          UnfinishedRows(args.unfinished).at[index] = rest;
         }
-        return;
+        index = subgroupShuffle(index, 0u);
+        [[unroll]] for (int k = 0; k < kMostSteps; ++k) {
+          if (k < kSteps) Longs(args.reached_next).at[(index * lanes + lane) * uint(kSteps) + uint(k)] = open[k] ? last[k] : kNoLayer;
+          open[k] = false;
+        }
+        first = sample_count;
+        break;
       }
-      uint64_t nearest[kLayersKept];
-      [[unroll]] for (int k = 0; k < kLayersKept; ++k) nearest[k] = kNoLayer;
-      uint64_t lost = kNoLayer;  // the nearest layer that found no room
-      uint64_t farthest_emitter = 0ul, farthest_receiver = 0ul;
+      [[unroll]] for (int k = 0; k < kMostSteps; ++k) {
+        [[unroll]] for (int m = 0; m < kLayersKept; ++m) nearest[k][m] = kNoLayer;
+        lost[k] = false;
+        farthest_emitter[k] = farthest_receiver[k] = 0ul;
+      }
       uint base = 0u;
       do {
-        // This invocation's span, and its polygon's depth at the tile's first column.
-        uint mine = base + lane;
-        uvec2 span = texelFetch(span_texels, int(row.x + min(mine, row.y - 1u))).xy;
-        uint projected_at = 4u * (row.w * args.polygon_count + span.x);
+        // This invocation's polygon: its edges or its span, and its depth, at the corner.
+        uint mine = min(base + lane, polygon_count - 1u);
+        uvec2 span = kScanlines ? spans[mine] : uvec2(texelFetch(list_texels, int(tile.list_start + mine)).x, 0u);
+        uint projected_at = 4u * (tile.direction * args.polygon_count + span.x);
         uvec4 depth_01 = texelFetch(projected_texels, int(projected_at + 1u));
         uvec4 depth_2 = texelFetch(projected_texels, int(projected_at + 2u));
-        uvec2 rest = texelFetch(projected_texels, int(projected_at + 3u)).xy;
-        int64_t depth_x = longFrom(depth_01.zw);
-        int64_t depth = longFrom(depth_01.xy) + depth_x * int64_t(int(where.x)) + longFrom(depth_2.xy) * int64_t(int(where.y));
+        uvec4 rest = texelFetch(projected_texels, int(projected_at + 3u));
+        if (base + lane >= polygon_count) span.y = kNoColumns;
+        ivec4 a = ivec4(0), b = ivec4(0), c = ivec4(base + lane < polygon_count ? 0 : -1);
+        if (!kScanlines) {
+          [[unroll]] for (uint k = 0u; k < 4u; ++k) {
+            Edge edge = fetchEdge(rest.z + min(k, rest.w - 1u));
+            a[k] = edge.a;
+            b[k] = edge.b;
+            int64_t at_corner = int64_t(edge.a) * int64_t(tile.corner.x) + int64_t(edge.b) * int64_t(tile.corner.y) + edge.c;
+            if (c[k] >= 0) c[k] = int(clamp(at_corner, int64_t(-kSaturated), int64_t(kSaturated)));
+          }
+        }
+        int64_t depth = longFrom(depth_01.xy) + longFrom(depth_01.zw) * int64_t(tile.corner.x) + longFrom(depth_2.xy) * int64_t(tile.corner.y);
         uvec4 plane = uvec4(unpackUint2x32(uint64_t(depth)), depth_01.zw);
+        uvec2 plane_y = depth_2.xy;
         uvec4 bounds = uvec4(depth_2.zw, span.x + 1u, 2u * rest.x + rest.y);
-        uint columns = mine < row.y ? span.y : 0xFFFFu;  // a span that no sample is in
         uint roles = kAllCount ? 0u : fetchId(span.x) >> kRolesShift;
         uint t = 0u;
         do {
-          [[unroll]] for (uint four = 0u; four < 4u; ++four) {
-            uint from = t + four;
-            uint in_span = subgroupShuffle(columns, from);
-            bool covered = uint(column) - (in_span & 0xFFFFu) <= in_span >> 16;
-            uvec4 p = subgroupShuffle(plane, from), b = subgroupShuffle(bounds, from);
-            int64_t z = (longFrom(p.xy) + (longFrom(p.zw) * int64_t(column) >> args.column_bits)) >> (b.w >> 1);
-            uint key = 2u * uint(clamp(z, int64_t(int(b.x)), int64_t(int(b.y)))) + (1u - (b.w & 1u));
-            uint64_t layer = packUint2x32(uvec2(b.z, key));
-            if (!kAllCount) {
-              uint its_roles = subgroupShuffle(roles, from);
-              if (covered && (its_roles & kEmits) != 0u) farthest_emitter = max(farthest_emitter, layer);
-              if (covered && (its_roles & kReceives) != 0u) farthest_receiver = max(farthest_receiver, layer);
+          uvec4 p = subgroupShuffle(plane, t), d = subgroupShuffle(bounds, t);
+          Passing polygon;
+          polygon.z_shift = int(d.w >> 1);
+          polygon.z_min = int(d.x);
+          polygon.z_max = int(d.y);
+          polygon.layer_polygon = d.z;
+          polygon.front_up = d.w & 1u;
+          polygon.roles = kAllCount ? 0u : subgroupShuffle(roles, t);
+          if (kScanlines) {
+            uint in_span = subgroupShuffle(span.y, t);
+            polygon.covered = uint(column) - (in_span & 0xFFFFu) <= in_span >> 16 && in_span != kNoColumns;
+            polygon.z = longFrom(p.xy) + (longFrom(p.zw) * int64_t(column) >> args.column_bits);
+          } else {
+            ivec4 per_row = subgroupShuffle(b, t);
+            polygon.edges = subgroupShuffle(a, t) * column + per_row * lane_row + subgroupShuffle(c, t);
+            polygon.edges_per_step = per_row * rows_per_step;
+            int64_t z_per_row = longFrom(subgroupShuffle(plane_y, t));
+            polygon.z = longFrom(p.xy) + longFrom(p.zw) * int64_t(column) + z_per_row * int64_t(lane_row);
+            polygon.z_per_step = z_per_row * int64_t(rows_per_step);
+            if (kMoreEdges) {
+              polygon.edge_count = subgroupShuffle(rest.w, t);
+              polygon.first_edge = subgroupShuffle(rest.z, t);
+              polygon.point = tile.corner + ivec2(column, lane_row);
+              polygon.point_per_step = ivec2(0, rows_per_step);
             }
-            if (kMeasuresWork) fragments += covered && last == 0ul ? 1u : 0u;
-            layer = covered && layer > last ? layer : kNoLayer;
-            [[unroll]] for (int k = 0; k < kLayersKept; ++k) {
-              uint64_t farther = max(nearest[k], layer);
-              nearest[k] = min(nearest[k], layer);
-              layer = farther;
-            }
-            lost = min(lost, layer);
           }
-          t += 4u;
-        } while (t < lanes && base + t < row.y);
-        cut = cut || (t < lanes && base + t < row.y);
+          takeStep(0, polygon, cut, fragments);
+          if (kSteps > 1) takeStep(1, polygon, cut, fragments);
+          if (kSteps > 2) takeStep(2, polygon, cut, fragments);
+          if (kSteps > 2) takeStep(3, polygon, cut, fragments);
+          if (kSteps > 4) takeStep(4, polygon, cut, fragments);
+          if (kSteps > 4) takeStep(5, polygon, cut, fragments);
+          if (kSteps > 4) takeStep(6, polygon, cut, fragments);
+          if (kSteps > 4) takeStep(7, polygon, cut, fragments);
+          ++t;
+        } while (t < lanes && base + t < polygon_count);
+        cut = cut || (t < lanes && base + t < polygon_count);
         base += lanes;
         ++blocks_done;
-      } while (base < row.y);
-      cut = cut || base < row.y;
+      } while (base < polygon_count);
+      cut = cut || base < polygon_count;
       ++rounds;
 
-      // The gaps below the layers kept and, where none was lost, the one above the last.
-      uint64_t lower = last;
-      uint lower_id = lower == 0ul ? 0u : fetchId(uint(lower) - 1u);
-      bool counting = open;
-      uint kept = 0u;
-      bool more;
+      again = false;
+      int s = 0;
       do {
-        uint64_t upper = nearest[0];
-        [[unroll]] for (int k = 0; k + 1 < kLayersKept; ++k) nearest[k] = nearest[k + 1];
-        nearest[kLayersKept - 1] = kNoLayer;
-        uint upper_id = upper == kNoLayer ? 0u : fetchId(uint(upper) - 1u);
-        uint gap = classifyGap(sideOf(lower, true), sideOf(upper, false));
-        bool counted = counting && isCounted(gap, lower_id, upper_id);
-        addRuns(counted, pairOf(gap, lower_id & kIdMask, upper_id & kIdMask), weight, lane);
-        if (kMeasuresWork) gaps += counted ? 1u : 0u;
-        counting = counting && upper != kNoLayer;
-        lower = upper != kNoLayer ? upper : lower;
-        lower_id = upper_id;
-        ++kept;
-        // After the last of the layers kept comes the scene's end, unless a layer was lost.
-        more = counting && (kept < uint(kLayersKept) || (kept == uint(kLayersKept) && lost == kNoLayer));
-        counting = more;
-      } while (subgroupAny(more));
-      cut = cut || more;
-      open = open && lost != kNoLayer;
-      if (!kAllCount) open = open && lower <= (args.counts_environment != 0u ? farthest_emitter : min(farthest_emitter, farthest_receiver));
-      last = lower;
-      again = subgroupAny(open);
+        uint64_t layers[kLayersKept];
+        [[unroll]] for (int k = 0; k < kLayersKept; ++k) layers[k] = nearest[0][k];
+        uint64_t before = last[0], emitter = farthest_emitter[0], receiver = farthest_receiver[0];
+        bool was_open = open[0], lost_any = lost[0];
+        [[unroll]] for (int m = 1; m < kMostSteps; ++m) {
+          if (m >= kSteps) continue;
+          [[unroll]] for (int k = 0; k < kLayersKept; ++k) layers[k] = s == m ? nearest[m][k] : layers[k];
+          before = s == m ? last[m] : before;
+          emitter = s == m ? farthest_emitter[m] : emitter;
+          receiver = s == m ? farthest_receiver[m] : receiver;
+          was_open = s == m ? open[m] : was_open;
+          lost_any = s == m ? lost[m] : lost_any;
+        }
+        gaps += addGaps(before, layers, lost_any, was_open, weight, lane, cut);
+        uint64_t reached = before;
+        [[unroll]] for (int k = 0; k < kLayersKept; ++k) reached = layers[k] != kNoLayer ? layers[k] : reached;
+        bool stays_open = was_open && lost_any;
+        if (!kAllCount) stays_open = stays_open && reached <= (args.counts_environment != 0u ? emitter : min(emitter, receiver));
+        again = again || stays_open;
+        [[unroll]] for (int m = 0; m < kMostSteps; ++m) {
+          last[m] = s == m ? reached : last[m];
+          open[m] = s == m ? stays_open : open[m];
+        }
+        ++s;
+      } while (s < kSteps);
+      cut = cut || s < kSteps;
+      again = subgroupAny(again);
     } while (again);
-    cut = cut || open;
+    cut = cut || again;
     first += lanes;
-  } while (first < row.z);
-  if (cut || first < row.z) atomicOr(status.at.overflows, kRowCut);
+  }
+  if (cut || first < sample_count) atomicOr(status.at.overflows, kLoopCut);
   if (kMeasuresWork) {
-    uint samples = where.z == 0u && where.w == 0u ? row.z : 0u;
     uint all_fragments = subgroupAdd(fragments), all_gaps = subgroupAdd(gaps);
+    bool begins = args.resumes == 0u && polygon_count > 0u;
     if (lane == 0u) {
-      atomicAdd(status.at.spans, uint64_t(samples != 0u ? row.y : 0u));
-      atomicAdd(status.at.samples, uint64_t(samples));
+      atomicAdd(status.at.rows, begins ? kScanlines ? 1ul : uint64_t(args.tile_rows) : 0ul);
+      atomicAdd(status.at.spans, begins ? uint64_t(polygon_count) : 0ul);
+      atomicAdd(status.at.samples, begins ? uint64_t(kScanlines ? sample_count : kTileWidth * args.tile_rows) : 0ul);
       atomicAdd(status.at.rounds, uint64_t(rounds));
-      atomicAdd(status.at.tests, uint64_t(rounds) * uint64_t(row.y) * uint64_t(lanes));
+      atomicAdd(status.at.tests, uint64_t(rounds) * uint64_t(polygon_count) * uint64_t(lanes * uint(kSteps)));
       atomicAdd(status.at.fragments, uint64_t(all_fragments));
       atomicAdd(status.at.gaps, uint64_t(all_gaps));
     }

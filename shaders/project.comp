@@ -143,6 +143,8 @@ void main() {
     projected.depth_0 = int64_t((0.5LF * (z_min + z_max) + 1.0LF) * unit);
     projected.depth_x = projected.depth_y = int64_t(0);
   }
+  projected.first_edge = edge_at;
+  projected.edge_count = polygon.corner_count;
   // Corners lie within 1e-8 of their plane; the slack keeps the clamp from parting coplanar polygons.
   double slack = 4.0LF + 2.0LF * min(steepness, 1e6LF);
   projected.depth_min = int(max((z_min + 1.0LF) * unit - slack, 0.0LF));

@@ -38,7 +38,8 @@ struct ProjectedPolygon {
   int depth_max;
   int depth_shift;
   uint front_up;  // 1 where its front faces +u
-  uint padding[2];
+  uint first_edge;
+  uint edge_count;
 };
 
 // What the graphics engine draws of it.
@@ -117,11 +118,12 @@ struct AccumulateArgs {
   uint group_count;
 };
 
-const uint kGroupsPerRow = 32768u;  // of a dispatch over tiles or rows
+const uint kGroupsPerRow = 32768u;  // of a dispatch over tiles
+const uint kMostSpans = 1024u;      // of a row of a tile, with scanlines
 
 // Software devices end a shader's loops after 65,535 iterations in all (llvmpipe's LP_MAX_TGSI_LOOP_ITERATIONS). An invocation of bin stays below that.
 const uint kMostTilesPerInvocation = 4096u;
-const uint kMostRowsPerTile = 8u;
+const uint kMostTileRows = 8u;
 
 // Polygons' roles: what their facing pairs are counted for. A facing pair counts where one of the two emits and the other receives.
 const uint kEmits = 1u;
@@ -129,11 +131,11 @@ const uint kReceives = 2u;
 const uint kRolesShift = 30u;  // in the word that holds a polygon's id
 const uint kIdMask = 0x3FFFFFFFu;
 
-// What went wrong in a batch. After one of the first two nothing has been counted.
-const uint kListsOverflowed = 1u;
-const uint kTileCut = 2u;             // the device ended a loop over a tile's polygons before its time
-const uint kCountersOverflowed = 4u;
-const uint kRowCut = 8u;              // the same, over a row's layers
+// What went wrong in a batch. After the first nothing has been counted.
+const uint kListsOverflowed = 0x80000000u;
+const uint kTooManySpans = 1u;        // in a row, for its ends to be put in order
+const uint kCountersOverflowed = 2u;
+const uint kLoopCut = 4u;             // the device ended a loop before its time
 
 struct Groups {
   uint x, y, z;
@@ -141,21 +143,20 @@ struct Groups {
 
 // What the passes of a batch found, for the passes after them and for the host.
 struct BatchStatus {
-  Groups slice_groups;  // over active tiles
-  Groups peel_groups;   // over rows
-  uint active_tiles;
+  Groups peel_groups;   // over active tiles, and their rows
+  uint active_tiles;    // kListsOverflowed set where lists overflowed
   uint list_length;     // of all tiles together
-  uint rows;
-  uint unfinished;
-  uint overflows;       // kListsOverflowed and so on
+  uint unfinished;      // rows
+  uint overflows;       // kTileCut and so on
   uint pairs;           // that entered the hash table
   // Work done, where it is measured.
+  uint64_t rows;
   uint64_t spans;
   uint64_t samples;
   uint64_t rounds;      // over one subgroup's samples
-  uint64_t tests;       // of a sample against a span
-  uint64_t fragments;   // samples covered by a span, in the first round
-  uint64_t gaps;        // between consecutive layers, the classified ones
+  uint64_t tests;       // of a sample against a polygon of its tile
+  uint64_t fragments;   // samples covered by a polygon: layers
+  uint64_t gaps;        // between consecutive layers, the counted ones
 };
 
 // A tile is tile_width lattice columns by tile_rows lattice rows; a direction's tiles form a square grid around the lattice's origin.
@@ -165,6 +166,7 @@ struct BinArgs {
   uint64_t tile_starts;   // the same: where the tile's list begins
   uint64_t lists;         // uint[list_capacity]: polygons
   uint64_t active_tiles;  // ActiveTile[tile_count]
+  uint64_t directions;    // DirectionData[]
   uint64_t status;        // BatchStatus
   uint polygon_count;
   uint corner_count;
@@ -186,55 +188,35 @@ struct ActiveTile {
   uint list_start;
   uint list_length;
   uint direction;
+  uint weight;      // of its samples
   int column, row;  // of the lattice, its least
-  uint padding[3];
+  uint padding[2];
 };
 
-// The part of a polygon in one row of a tile.
-struct Span {
-  uint polygon;
-  uint columns;  // first column from the tile's least, and the last one less the first << 16; in units of 2^-column_bits of a spacing
-};
-
-// A row of a tile that has any span.
-struct Row {
-  uint span_start;
-  uint span_count;
-  uint sample_count;
-  uint direction;
-  int column, row;  // of the lattice
+// A tile, or a row of it, whose layers one invocation could not get through.
+struct UnfinishedRow {
+  uint tile;
+  uint row;
   uint first_sample;
-  uint resume;      // where its lines have got to: index into `reached` of the first + 1; 0 at the start
-};
-
-struct SliceArgs {
-  uint64_t active_tiles;
-  uint64_t lists;
-  uint64_t spans;    // Span[list_capacity][tile_rows]
-  uint64_t samples;  // uint[list_capacity][tile_rows][2]: ends of spans of a row in order, each once
-  uint64_t rows;     // Row[]
-  uint64_t status;
-  uint polygon_count;
-  uint corner_count;
-  uint tile_width;
-  int column_bits;
+  uint padding;
 };
 
 struct PeelArgs {
-  uint64_t directions;
-  uint64_t reached;       // uint64_t[]: the layers that the lines of unfinished rows have reached; ~0 where they are finished
-  uint64_t reached_next;  // the same, of the rows that this dispatch leaves unfinished
-  uint64_t unfinished;    // Row[]: those rows
+  uint64_t rows;          // UnfinishedRow[], where it works off those
+  uint64_t reached;       // uint64_t[]: the layers that the lines of those rows have reached; ~0 where they are finished
+  uint64_t unfinished;    // UnfinishedRow[]: what this dispatch leaves
+  uint64_t reached_next;
   uint64_t status;
   uint64_t counters;
   uint64_t counter_keys;
   uint polygon_count;
   uint id_count;
+  uint tile_width, tile_rows;
   int column_bits;
   uint two_sided;
   uint counter_mask;
   uint counts_environment;
-  uint most_blocks;  // of spans that one invocation goes through
+  uint most_blocks;  // of polygons that one invocation goes through
   uint resumes;      // how many unfinished rows it works off; 0 where it begins
 };
 

@@ -4,8 +4,7 @@
 //   bin        count the polygons that reach each tile
 //   allocate   give every tile its list, list the active tiles
 //   bin        fill the lists
-//   slice      every active tile: spans of its polygons along its rows; with scanlines, the samples
-//   peel       every row of a tile: layers in order, facing rules, counters
+//   peel       every row of every active tile: spans of its polygons, samples, layers in order, facing rules, counters
 // A batch is one submission, and two are in flight. What overflows says so in the batch's status: the host makes room and repeats.
 #include "engines/compute_engine.h"
 
@@ -23,7 +22,6 @@
 #include "shaders/bin.comp.h"
 #include "shaders/peel.comp.h"
 #include "shaders/project.comp.h"
-#include "shaders/slice.comp.h"
 #include "vulkan/commands.h"
 #include "vulkan/timestamps.h"
 
@@ -36,21 +34,21 @@ constexpr uint32_t kGroupSize = 64;           // local_size_x of project, bin an
 constexpr uint64_t kMemoryBudget = 1u << 30;  // of everything but the counters
 constexpr uint64_t kBatchWork = 1u << 15;     // polygons, or tiles: enough to outweigh a submission
 constexpr int kScanlineBits = 10;             // of a column coordinate: an interval's ends are rounded to 2^-10 of a spacing
-constexpr uint32_t kTexelBuffers = 8;
-const std::array<const char*, 7> kPasses = {"project", "bin roles", "bin count", "allocate", "bin scatter", "slice", "peel"};
+constexpr uint32_t kTexelBuffers = 5;
+const std::array<const char*, 6> kPasses = {"project", "bin roles", "bin count", "allocate", "bin scatter", "peel"};
 
 // What one batch of directions is done with.
 struct Batch {
   Commands commands;
   Timestamps timestamps;
-  Buffer directions, edges, projected, tile_roles, tile_counts, tile_starts, active_tiles, lists, spans, samples, rows, status, status_read;
+  Buffer directions, edges, projected, tile_roles, tile_counts, tile_starts, active_tiles, lists, status, status_read;
   std::array<Buffer, 2> unfinished, reached;
   std::span<const Direction> asked;
   bool in_flight = false;
 };
 
 struct Tuning {
-  uint32_t subgroup_size, tile_width, tile_rows, layers_kept, most_blocks;
+  uint32_t subgroup_size, tile_width, tile_rows, steps, layers_kept, most_blocks;
 };
 
 Tuning tune(const Device& device, const LatticeOptions& options) {
@@ -63,10 +61,13 @@ Tuning tune(const Device& device, const LatticeOptions& options) {
                                                device.description().name, subgroup.subgroupSize));
   const bool on_cpu = device.properties().deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
   const auto choose = [](uint32_t asked, uint32_t otherwise) { return asked ? asked : otherwise; };
-  const uint32_t tile_width = choose(options.tile_width, options.sampling == Sampling::scanline ? 8 : subgroup.subgroupSize);
-  return {subgroup.subgroupSize, std::min(tile_width, 32768u >> (options.sampling == Sampling::scanline ? kScanlineBits : 0)),
-          std::clamp(choose(options.tile_rows, kMostRowsPerTile), 1u, kMostRowsPerTile), choose(options.layers_kept, 4),
-          choose(options.most_blocks, on_cpu ? 1000 : 1u << 30)};
+  const uint32_t subgroup_size = subgroup.subgroupSize, layers_kept = choose(options.layers_kept, 4), most_blocks = choose(options.most_blocks, on_cpu ? 1000 : 1u << 30);
+  const uint32_t tile_rows = std::min(std::bit_ceil(choose(options.tile_rows, kMostTileRows)), kMostTileRows);
+  if (options.sampling == Sampling::scanline)
+    return {subgroup_size, std::min(choose(options.tile_width, 8), 32768u >> kScanlineBits), tile_rows, 1, layers_kept, most_blocks};
+  // Lattice points: as many columns as divide a subgroup, and the rows in steps.
+  const uint32_t tile_width = std::min(std::bit_ceil(choose(options.tile_width, 8)), subgroup_size);
+  return {subgroup_size, tile_width, tile_rows, std::max(1u, tile_width * tile_rows / subgroup_size), layers_kept, most_blocks};
 }
 
 class ComputeEngine : public Engine {
@@ -88,19 +89,19 @@ class ComputeEngine : public Engine {
   BatchStatus peelUnfinished(Batch& batch, BatchStatus found);
   void addWork(const Batch& batch, const BatchStatus& found);
   PeelArgs peelArgs(const Batch& batch) const;
-  void bindTexels(Batch& batch, const Kernel& kernel, const Buffer& rows);
+  void bindTexels(Batch& batch, const Kernel& kernel);
   uint64_t memoryBytes() const;
 
   const Device& device_;
   LatticeOptions options_;
   Tuning tuning_;
-  bool two_sided_, all_count_, counts_environment_;
+  bool two_sided_, all_count_, counts_environment_, ids_are_indices_, more_edges_;
   int fraction_bits_, column_bits_;
   SceneBuffers scene_;
   PairCounters counters_;
   uint32_t tiles_wide_ = 0, tiles_high_ = 0, batch_size_ = 0, needed_roles_ = 0;
   uint64_t list_capacity_ = 0;
-  Kernel project_, bin_, allocate_, slice_, peel_;
+  Kernel project_, bin_, allocate_, peel_;
   std::vector<Batch> batches_;
   Commands commands_;       // of what is done between batches
   bool must_grow_ = false;  // the hash table
@@ -114,11 +115,14 @@ ComputeEngine::ComputeEngine(const Device& device, const Scene& scene, const Ids
       two_sided_(ids.two_sided),
       all_count_(ids.roles.empty()),
       counts_environment_(ids.counts_environment),
+      ids_are_indices_(ids.roles.empty() && ids.of_polygon.size() == ids.count()),
+      more_edges_(std::any_of(scene.polygons.begin(), scene.polygons.end(), [](const Polygon& p) { return p.corner_count > 4; })),
       fraction_bits_(chooseFractionBits(options.resolution)),
       column_bits_(options.sampling == Sampling::scanline ? kScanlineBits : 0),
       scene_(device, scene, ids),
       counters_(device, ids.count(), options.counter_budget_bytes, true, options.table_capacity),
       commands_(device) {
+  for (uint32_t k = 0; ids_are_indices_ && k < ids.of_polygon.size(); ++k) ids_are_indices_ = ids.of_polygon[k] == k;
   if (ids.count() > kIdMask) throw Error(ErrorCode::limit, fmt::format("{} polygons are more than {}; try --by surface", ids.count(), kIdMask));
   if (!all_count_) needed_roles_ = counts_environment_ ? viewpeel::kEmits : viewpeel::kEmits | viewpeel::kReceives;
   makeKernels();
@@ -131,9 +135,9 @@ void ComputeEngine::makeKernels() {
   project_ = Kernel(device_, project_comp, sizeof(ProjectArgs));
   bin_ = Kernel(device_, bin_comp, sizeof(BinArgs), {}, kTexelBuffers);
   allocate_ = Kernel(device_, allocate_comp, sizeof(BinArgs));
-  slice_ = Kernel(device_, slice_comp, sizeof(SliceArgs), {tuning_.subgroup_size, tuning_.tile_rows, scanlines}, kTexelBuffers);
   peel_ = Kernel(device_, peel_comp, sizeof(PeelArgs),
-                 {tuning_.subgroup_size, tuning_.layers_kept, scanlines, counters_.isSparse(), all_count_, options_.aggregate, options_.measure_work},
+                 {tuning_.subgroup_size, tuning_.layers_kept, scanlines, counters_.isSparse(), all_count_, options_.aggregate, options_.measure_work,
+                  tuning_.steps, ids_are_indices_, more_edges_, tuning_.tile_width},
                  kTexelBuffers);
 }
 
@@ -144,12 +148,11 @@ void ComputeEngine::planBatches() {
   tiles_high_ = 2 * divideUp(reach, tuning_.tile_rows);
   const uint64_t tiles = uint64_t(tiles_wide_) * tiles_high_, rows = tiles * tuning_.tile_rows;
   const uint64_t lists_per_direction = 4 * uint64_t(scene_.polygon_count) + tiles;
-  const uint64_t list_bytes = sizeof(uint32_t) + tuning_.tile_rows * (sizeof(Span) + (column_bits_ ? 8 : 0));
   const uint64_t bytes = scene_.polygon_count * sizeof(ProjectedPolygon) + scene_.corner_count * sizeof(Edge) + tiles * (12 + sizeof(ActiveTile)) +
-                         rows * (2 * sizeof(Row) + 2 * sizeof(uint64_t) * tuning_.subgroup_size) + lists_per_direction * list_bytes;
+                         rows * 2 * (sizeof(UnfinishedRow) + sizeof(uint64_t) * tuning_.subgroup_size * tuning_.steps) + lists_per_direction * sizeof(uint32_t);
   const uint64_t budget = (options_.memory_budget_bytes ? options_.memory_budget_bytes : kMemoryBudget) / 2;
   const uint64_t largest = std::min<uint64_t>(device_.maxAllocationBytes(), device_.properties().limits.maxTexelBufferElements * uint64_t(8));
-  const uint64_t per_buffer = std::max<uint64_t>(scene_.corner_count * sizeof(Edge), lists_per_direction * tuning_.tile_rows * sizeof(Span));
+  const uint64_t per_buffer = std::max<uint64_t>(scene_.corner_count * sizeof(Edge), 2 * lists_per_direction * sizeof(uint32_t));
   const uint64_t by_memory = std::max<uint64_t>(1, std::min(budget / bytes, largest / per_buffer));
   const uint64_t worthwhile = std::max<uint64_t>(1, kBatchWork / std::max<uint64_t>(scene_.polygon_count, tiles));
   const uint64_t chosen = options_.batch_directions ? options_.batch_directions : std::min(by_memory, worthwhile);
@@ -174,9 +177,8 @@ void ComputeEngine::makeBatches() {
     batch.tile_counts = Buffer(device_, tiles * sizeof(uint32_t), MemoryUse::device);
     batch.tile_starts = Buffer(device_, tiles * sizeof(uint32_t), MemoryUse::device);
     batch.active_tiles = Buffer(device_, tiles * sizeof(ActiveTile), MemoryUse::device, texels);
-    batch.rows = Buffer(device_, rows * sizeof(Row), MemoryUse::device, texels);
-    for (Buffer& unfinished : batch.unfinished) unfinished = Buffer(device_, rows * sizeof(Row), MemoryUse::device, texels);
-    for (Buffer& reached : batch.reached) reached = Buffer(device_, rows * tuning_.subgroup_size * sizeof(uint64_t), MemoryUse::device);
+    for (Buffer& unfinished : batch.unfinished) unfinished = Buffer(device_, rows * sizeof(UnfinishedRow), MemoryUse::device);
+    for (Buffer& reached : batch.reached) reached = Buffer(device_, rows * tuning_.subgroup_size * tuning_.steps * sizeof(uint64_t), MemoryUse::device);
     batch.status = Buffer(device_, sizeof(BatchStatus), MemoryUse::device);
     batch.status_read = Buffer(device_, sizeof(BatchStatus), MemoryUse::readback);
     makeLists(batch, list_capacity_);
@@ -185,13 +187,10 @@ void ComputeEngine::makeBatches() {
 }
 
 void ComputeEngine::makeLists(Batch& batch, uint64_t capacity) {
-  if (capacity * tuning_.tile_rows > 0x7FFFFFFF)
+  if (capacity > 0x7FFFFFFF)
     throw Error(ErrorCode::limit, fmt::format("polygons of one batch reach {} tiles, more than can be addressed; try a smaller --resolution or --batch 1", capacity));
-  for (Buffer* buffer : {&batch.lists, &batch.spans, &batch.samples}) *buffer = Buffer();  // room for the next
+  batch.lists = Buffer();  // room for the next
   batch.lists = Buffer(device_, capacity * sizeof(uint32_t), MemoryUse::device, VK_FORMAT_R32_UINT);
-  batch.spans = Buffer(device_, capacity * tuning_.tile_rows * sizeof(Span), MemoryUse::device, VK_FORMAT_R32G32_UINT);
-  const uint64_t ends = options_.sampling == Sampling::scanline ? 2 * capacity * tuning_.tile_rows : 1;
-  batch.samples = Buffer(device_, ends * sizeof(uint32_t), MemoryUse::device, VK_FORMAT_R32_UINT);
 }
 
 PairCounts ComputeEngine::count(std::span<const Direction> directions) {
@@ -225,15 +224,15 @@ bool ComputeEngine::countAll(std::span<const Direction> directions) {
   return complete;
 }
 
-void ComputeEngine::bindTexels(Batch& batch, const Kernel& kernel, const Buffer& rows) {
+void ComputeEngine::bindTexels(Batch& batch, const Kernel& kernel) {
   const std::array<VkBufferView, kTexelBuffers> views = {batch.edges.texels(), batch.projected.texels(), scene_.polygons.texels(), batch.lists.texels(),
-                                                         batch.active_tiles.texels(), batch.spans.texels(), batch.samples.texels(), rows.texels()};
+                                                         batch.active_tiles.texels()};
   batch.commands.bindTexels(kernel, views);
 }
 
 PeelArgs ComputeEngine::peelArgs(const Batch& batch) const {
-  return {batch.directions.address(), batch.reached[1].address(), batch.reached[0].address(), batch.unfinished[0].address(), batch.status.address(),
-          counters_.address(), counters_.keys(), scene_.polygon_count, counters_.idCount(), column_bits_, two_sided_ ? 1u : 0u, counters_.mask(),
+  return {batch.unfinished[1].address(), batch.reached[1].address(), batch.unfinished[0].address(), batch.reached[0].address(), batch.status.address(),
+          counters_.address(), counters_.keys(), scene_.polygon_count, counters_.idCount(), tuning_.tile_width, tuning_.tile_rows, column_bits_, two_sided_ ? 1u : 0u, counters_.mask(),
           counts_environment_ ? 1u : 0u, tuning_.most_blocks, 0};
 }
 
@@ -250,7 +249,7 @@ void ComputeEngine::submit(Batch& batch) {
     batch.timestamps.mark(commands.handle());
   };
   BatchStatus none{};
-  none.slice_groups = none.peel_groups = {0, 1, 1};
+  none.peel_groups = {0, 1, options_.sampling == Sampling::scanline ? tuning_.tile_rows : 1};
   vkCmdUpdateBuffer(commands.handle(), batch.status.handle(), 0, sizeof none, &none);
   commands.fill(batch.tile_counts, 0, tile_count * sizeof(uint32_t));
   if (needed_roles_) commands.fill(batch.tile_roles, 0, tile_count * sizeof(uint32_t));
@@ -263,13 +262,13 @@ void ComputeEngine::submit(Batch& batch) {
   endPass();
 
   BinArgs bin{batch.tile_roles.address(), batch.tile_counts.address(), batch.tile_starts.address(), batch.lists.address(), batch.active_tiles.address(),
-              batch.status.address(), scene_.polygon_count, scene_.corner_count, tiles_wide_, tiles_high_, tuning_.tile_width, tuning_.tile_rows,
+              batch.directions.address(), batch.status.address(), scene_.polygon_count, scene_.corner_count, tiles_wide_, tiles_high_, tuning_.tile_width, tuning_.tile_rows,
               tile_count, static_cast<uint32_t>(batch.lists.sizeBytes() / sizeof(uint32_t)), kBinRoles,
               std::max(1u, kMostTilesPerInvocation / tiles_wide_), needed_roles_, column_bits_};
   const auto runBin = [&](uint32_t mode) {
     bin.mode = mode;
     commands.bind(bin_, VK_PIPELINE_BIND_POINT_COMPUTE);
-    bindTexels(batch, bin_, batch.rows);
+    bindTexels(batch, bin_);
     commands.dispatch(bin_, bin, polygon_groups, direction_count, divideUp(tiles_high_, bin.rows_per_invocation));
     endPass();
   };
@@ -280,14 +279,8 @@ void ComputeEngine::submit(Batch& batch) {
   endPass();
   runBin(kBinScatter);
 
-  const SliceArgs slice{batch.active_tiles.address(), batch.lists.address(), batch.spans.address(), batch.samples.address(), batch.rows.address(),
-                        batch.status.address(), scene_.polygon_count, scene_.corner_count, tuning_.tile_width, column_bits_};
-  commands.bind(slice_, VK_PIPELINE_BIND_POINT_COMPUTE);
-  bindTexels(batch, slice_, batch.rows);
-  commands.dispatchIndirect(slice_, slice, batch.status, offsetof(BatchStatus, slice_groups));
-  endPass();
   commands.bind(peel_, VK_PIPELINE_BIND_POINT_COMPUTE);
-  bindTexels(batch, peel_, batch.rows);
+  bindTexels(batch, peel_);
   commands.dispatchIndirect(peel_, peelArgs(batch), batch.status, offsetof(BatchStatus, peel_groups));
   endPass();
   commands.copy(batch.status, batch.status_read, sizeof(BatchStatus));
@@ -300,7 +293,7 @@ bool ComputeEngine::finish(Batch& batch) {
   batch.commands.wait();
   batch.in_flight = false;
   BatchStatus found = batch.status_read.mapped<BatchStatus>()[0];
-  while (found.overflows & kListsOverflowed) {
+  while (found.active_tiles & kListsOverflowed) {
     ++work_.repeats;
     makeLists(batch, uint64_t(found.list_length) + found.list_length / 4);
     submit(batch);
@@ -308,10 +301,10 @@ bool ComputeEngine::finish(Batch& batch) {
     batch.in_flight = false;
     found = batch.status_read.mapped<BatchStatus>()[0];
   }
-  if (found.overflows & kTileCut)
-    throw Error(ErrorCode::limit, "more polygons lie over one tile than this device's loops can take; try a larger --resolution");
+  if (found.overflows & kTooManySpans)
+    throw Error(ErrorCode::limit, fmt::format("more than {} polygons cross one row of a tile; try a larger --resolution", kMostSpans));
   if (!found.overflows && found.unfinished) found = peelUnfinished(batch, found);
-  if (found.overflows & kRowCut) {
+  if (found.overflows & kLoopCut) {
     if (tuning_.most_blocks < 2) throw Error(ErrorCode::limit, "more polygons lie over one row than this device's loops can take; try --engine graphics");
     tuning_.most_blocks /= 2;
   }
@@ -330,6 +323,7 @@ BatchStatus ComputeEngine::peelUnfinished(Batch& batch, BatchStatus found) {
   Commands& commands = batch.commands;
   for (uint32_t from = 0; found.unfinished && !found.overflows; from = 1 - from) {
     PeelArgs peel = peelArgs(batch);
+    peel.rows = batch.unfinished[from].address();
     peel.reached = batch.reached[from].address();
     peel.reached_next = batch.reached[1 - from].address();
     peel.unfinished = batch.unfinished[1 - from].address();
@@ -339,7 +333,7 @@ BatchStatus ComputeEngine::peelUnfinished(Batch& batch, BatchStatus found) {
     vkCmdUpdateBuffer(commands.handle(), batch.status.handle(), offsetof(BatchStatus, unfinished), sizeof none, &none);
     commands.barrier();
     commands.bind(peel_, VK_PIPELINE_BIND_POINT_COMPUTE);
-    bindTexels(batch, peel_, batch.unfinished[from]);
+    bindTexels(batch, peel_);
     commands.dispatch(peel_, peel, std::min(found.unfinished, kGroupsPerRow), divideUp(found.unfinished, kGroupsPerRow));
     commands.barrier();
     commands.copy(batch.status, batch.status_read, sizeof(BatchStatus));
@@ -374,7 +368,7 @@ uint64_t ComputeEngine::memoryBytes() const {
   uint64_t bytes = counters_.sizeBytes() + scene_.polygons.sizeBytes() + scene_.corners.sizeBytes();
   for (const Batch& batch : batches_) {
     for (const Buffer* buffer : {&batch.directions, &batch.edges, &batch.projected, &batch.tile_roles, &batch.tile_counts, &batch.tile_starts,
-                                 &batch.active_tiles, &batch.lists, &batch.spans, &batch.samples, &batch.rows, &batch.status, &batch.status_read,
+                                 &batch.active_tiles, &batch.lists, &batch.status, &batch.status_read,
                                  &batch.unfinished[0], &batch.unfinished[1], &batch.reached[0], &batch.reached[1]})
       bytes += buffer->sizeBytes();
   }
@@ -385,12 +379,12 @@ std::string ComputeEngine::describePlan() const {
   const auto mib = [](uint64_t bytes) { return double(bytes) / 1048576.0; };
   uint64_t lists = 0, projected = 0;
   for (const Batch& batch : batches_) {
-    lists += batch.lists.sizeBytes() + batch.spans.sizeBytes() + batch.samples.sizeBytes();
+    lists += batch.lists.sizeBytes() + batch.tile_counts.sizeBytes() + batch.tile_starts.sizeBytes() + batch.active_tiles.sizeBytes();
     projected += batch.edges.sizeBytes() + batch.projected.sizeBytes();
   }
   return fmt::format(
       "plan       {} batches of {} directions in flight; {} x {} tiles of {} x {}; subgroups of {}, {} layers a round\n"
-      "memory     {:.1f} MiB on the device: {} counters {:.1f}, scene {:.1f}, projections {:.1f}, tile lists and spans {:.1f}\n",
+      "memory     {:.1f} MiB on the device: {} counters {:.1f}, scene {:.1f}, projections {:.1f}, tile lists {:.1f}\n",
       batches_.size(), batch_size_, tiles_wide_, tiles_high_, tuning_.tile_width, tuning_.tile_rows, tuning_.subgroup_size, tuning_.layers_kept,
       mib(memoryBytes()), counters_.isSparse() ? "hashed" : "dense", mib(counters_.sizeBytes()),
       mib(scene_.polygons.sizeBytes() + scene_.corners.sizeBytes()), mib(projected), mib(lists));
