@@ -114,9 +114,9 @@ InputScene roomWithBoxes(uint32_t refine) {
 InputScene randomTriangles(uint32_t n) {
   InputScene scene{fmt::format("{} random triangles", n), {"triangles"}, {}};
   Random random(2);
-  // A line meets area x chord / (2 volume) of them on average. Corners lie on a sphere of radius r about the centre, which makes a mean area of
-  // 0.465 r^2 (measured over a million); 60 on the diameter at n = 100,000.
-  constexpr double kMeanArea = 0.465, kDepth = 60;
+  // A line meets n x area x chord / (2 volume) of them on average: 60 on the diameter at n = 100,000. Corners lie on a sphere of radius r about
+  // the centre, which makes a mean area of pi/5 r^2.
+  constexpr double kMeanArea = std::numbers::pi / 5, kDepth = 60;
   const double volume = 4 / 3.0 * std::numbers::pi;
   const double r = std::sqrt(kDepth * volume / (1e5 * kMeanArea)) * std::cbrt(1e5 / n);
   scene.faces.reserve(n);
