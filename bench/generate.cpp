@@ -53,6 +53,8 @@ void addBox(InputScene& scene, std::span<const uint32_t> surfaces, glm::dvec3 lo
     }
 }
 
+constexpr uint32_t kTriangleSurfaces = 100;
+
 constexpr double kBay = 3, kFloor = 3, kSill = 1.2;  // metres; a window reaches from the sill to the next floor
 constexpr uint32_t kBays = 7, kStreetTiles = 3;      // of a building's side; across a street
 constexpr double kBuilding = kBays * kBay, kStreet = kStreetTiles * kBay, kPitch = kBuilding + kStreet;
@@ -112,18 +114,19 @@ InputScene roomWithBoxes(uint32_t refine) {
 }
 
 InputScene randomTriangles(uint32_t n) {
-  InputScene scene{fmt::format("{} random triangles", n), {"triangles"}, {}};
+  InputScene scene{fmt::format("{} random triangles", n), {}, {}};
   Random random(2);
   // A line meets n x area x chord / (2 volume) of them on average: 60 on the diameter at n = 100,000. Corners lie on a sphere of radius r about
   // the centre, which makes a mean area of pi/5 r^2.
   constexpr double kMeanArea = std::numbers::pi / 5, kDepth = 60;
   const double volume = 4 / 3.0 * std::numbers::pi;
   const double r = std::sqrt(kDepth * volume / (1e5 * kMeanArea)) * std::cbrt(1e5 / n);
+  for (uint32_t k = 0; k < kTriangleSurfaces; ++k) addSurface(scene, fmt::format("triangles_{}", k + 1));
   scene.faces.reserve(n);
   for (uint32_t k = 0; k < n; ++k) {
     const glm::dvec3 centre = std::cbrt(random.uniform()) * random.onSphere();
     const glm::dvec3 a = centre + r * random.onSphere(), b = centre + r * random.onSphere(), c = centre + r * random.onSphere();
-    scene.faces.push_back({{a, b, c}, 0, 0});
+    scene.faces.push_back({{a, b, c}, k % kTriangleSurfaces, 0});
   }
   return scene;
 }

@@ -11,7 +11,8 @@ namespace viewpeel::bench {
 InputScene roomWithBoxes(uint32_t refine);
 
 // n triangles of random shape and direction with centres uniform in a ball. Their size shrinks as n^(-1/3), as their distances do; at
-// n = 100,000 a line meets 20 to 60 of them but near the rim. They may cross.
+// n = 100,000 a line meets 20 to 60 of them but near the rim. They may cross. A hundred surfaces take
+// them in turn.
 InputScene randomTriangles(uint32_t n);
 
 // About n quads: buildings 7 bays wide and 2 to 12 floors high, some towers up to 40, on a square grid of streets; a wall and a window quad
