@@ -3,7 +3,7 @@
 // Methods: `viewpeel`, the compute engine; `embree_lines_*`, the lines of the same lattices traced by Embree and sorted; `embree_rays_*`, rays
 // shot from the surfaces. A sample is a facing pair seen by a line, or a ray that ends on a front; other rays cost time and count for nothing.
 // An engine's fixed cost, emptying and reading its counters, is a call without directions, timed in every round and left out; Embree's tables are
-// neither emptied nor read while it is timed.
+// neither emptied nor read while it is timed. Debian builds its Embree with assertions on: Embree's own release build may be faster than this one.
 #include <cmath>
 #include <functional>
 #include <optional>

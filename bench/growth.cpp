@@ -47,11 +47,12 @@ double fitExponent(std::span<const Point> points) {
 
 void printExponents(const std::string& what, const std::vector<Point>& points) {
   if (points.size() < 2) return;
-  // Sizes are only about what was asked for: a quarter more than a decade is still the last one.
-  const auto decade = std::find_if(points.begin(), points.end(), [&](const Point& p) { return p.x * 12.5 >= points.back().x; });
+  // Sizes are only about what was asked for, and grow in steps: from the last that is a factor of 8 or more below the largest.
+  auto decade = points.end() - 1;
+  while (decade != points.begin() && decade->x * 8 > points.back().x) --decade;
   const std::span<const Point> last(decade, points.end());
   fmt::print("# {}: time grows as x^{:.2f} from {:.0f} to {:.0f}", what, fitExponent(points), points.front().x, points.back().x);
-  if (last.size() > 1) fmt::print(", as x^{:.2f} over the last decade, from {:.0f}", fitExponent(last), last.front().x);
+  if (last.size() > 1) fmt::print(", as x^{:.2f} over the last decade or so, from {:.0f}", fitExponent(last), last.front().x);
   fmt::print("\n");
   std::fflush(stdout);
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <string>
 #include <thread>
 #include <vector>
@@ -43,8 +44,10 @@ inline std::string commitOf(const std::string& directory) {
 
 inline void printPlace(const Device& device, const std::string& source_directory) {
   const DeviceDescription& description = device.description();
-  fmt::print("# device {} ({}; {})\n# commit {}\n# {} cores\n", description.name, description.kind, description.driver, commitOf(source_directory),
-             std::thread::hardware_concurrency());
+  double load = 0;
+  ::getloadavg(&load, 1);
+  fmt::print("# device {} ({}; {})\n# commit {}\n# {} cores, load {:.1f} before the start\n", description.name, description.kind, description.driver,
+             commitOf(source_directory), std::thread::hardware_concurrency(), load);
 }
 
 }  // namespace viewpeel::bench
