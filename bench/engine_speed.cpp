@@ -1,0 +1,209 @@
+// How fast is the compute engine beside Embree on the same cores? Interleaved rounds, CSV on stdout.
+//   engine_speed [--scene NAME] [--resolution PX] [--by polygon|surface] [--rounds N] [--seconds S]
+// Methods: `viewpeel`, the compute engine; `embree_lines_*`, the lines of the same lattices traced by Embree and sorted; `embree_rays_*`, rays
+// shot from the surfaces. A sample is a facing pair seen by a line, or a ray that ends on a front; other rays cost time and count for nothing.
+// An engine's fixed cost, emptying and reading its counters, is a call without directions, timed in every round and left out; Embree's tables are
+// neither emptied nor read while it is timed. Debian builds its Embree with assertions on: Embree's own release build may be faster than this one.
+#include <cmath>
+#include <functional>
+#include <optional>
+
+#include <CLI/CLI.hpp>
+
+#include "directions/sampler.h"
+#include "embree_rivals.h"
+#include "engines/compute_engine.h"
+#include "error.h"
+#include "generate.h"
+#include "measure.h"
+
+namespace viewpeel::bench {
+namespace {
+
+constexpr uint32_t kMostDirections = 1u << 16;
+constexpr uint32_t kSeed = 1;
+
+struct Options {
+  int rounds = 3;
+  double seconds = 0.25;
+  std::vector<std::string> scenes{"room", "room4", "triangles"};
+  std::vector<int> resolutions{64, 128, 256, 512};
+  By by = By::polygon;
+  DeviceOptions device;
+};
+
+
+// One way to count. run(n) works through n directions, or n groups of rays, and returns samples and seconds.
+struct Method {
+  std::string name;
+  bool has_directions;
+  std::function<std::pair<uint64_t, double>(uint64_t)> run;
+  std::function<double()> fixed_s = [] { return 0.0; };
+  uint64_t amount = 1;
+  std::vector<double> directions_per_second = {}, samples_per_second = {};
+};
+
+// Also warms up: the first dispatch on a device may compile. A method that leaves out a fixed cost runs for as long as that at least: a small
+// difference of two long times is noise.
+void calibrate(Method& method, double least_seconds) {
+  const uint64_t most = method.has_directions ? kMostDirections : 1u << 30;
+  method.run(1);
+  const double seconds = std::max(least_seconds, method.fixed_s());
+  for (;;) {
+    const double spent_s = method.run(method.amount).second;
+    if (spent_s >= seconds || method.amount == most) return;
+    const double factor = std::clamp(1.2 * seconds / std::max(spent_s, 1e-6), 1.5, 16.0);
+    method.amount = std::min<uint64_t>(most, static_cast<uint64_t>(std::ceil(double(method.amount) * factor)));
+  }
+}
+
+uint64_t facingPairs(const PairCounts& counts) {
+  uint64_t sum = 0;
+  for (const PairCount& count : counts)
+    if (count.j < kEnvironment) sum += count.count;
+  return sum;
+}
+
+// Of |a - b| over all pairs, environment and leak.
+uint64_t distance(const PairCounts& a, const PairCounts& b) {
+  uint64_t sum = 0;
+  size_t at = 0;
+  for (const PairCount& count : a) {
+    for (; at < b.size() && std::pair(b[at].i, b[at].j) < std::pair(count.i, count.j); ++at) sum += b[at].count;
+    const bool both = at < b.size() && b[at].i == count.i && b[at].j == count.j;
+    const uint64_t other = both ? b[at++].count : 0;
+    sum += std::max(count.count, other) - std::min(count.count, other);
+  }
+  for (; at < b.size(); ++at) sum += b[at].count;
+  return sum;
+}
+
+void verify(Engine& engine, EmbreeRivals& embree, std::span<const Direction> directions, int resolution) {
+  const PairCounts ours = engine.count(directions);
+  embree.clear();
+  embree.countLines(Trace::packets_of_8, directions, resolution);
+  const PairCounts theirs = embree.counts();
+  const double pairs = double(facingPairs(ours));
+  fmt::print("# check over {} directions: facing pairs per direction {:.0f}, Embree/viewpeel {:.6f}, counts that differ {:.2e} of them\n",
+             directions.size(), pairs / double(directions.size()), double(facingPairs(theirs)) / pairs, double(distance(ours, theirs)) / pairs);
+}
+
+void measure(const std::string& name, const Scene& scene, const Ids& ids, EmbreeRivals& embree, const Device& device, int resolution,
+             const Options& options) {
+  const std::vector<Direction> directions = sampleDirections(Sampler::iid, kMostDirections, kSeed, 0);
+  const auto first = [&](uint64_t count) { return std::span(directions).first(count); };
+  std::vector<Method> methods;
+  std::unique_ptr<Engine> engine;
+  std::string refusal;
+  try {
+    engine = makeComputeEngine(device, scene, ids, {.resolution = resolution});
+    verify(*engine, embree, first(4), resolution);
+    const auto fixed = [&] { return secondsOf([&] { engine->count({}); }); };
+    methods.push_back({"viewpeel", true,
+                       [&, fixed](uint64_t count) {
+                         const double fixed_s = fixed();
+                         PairCounts counts;
+                         const double spent_s = secondsOf([&] { counts = engine->count(first(count)); });
+                         return std::pair(facingPairs(counts), std::max(spent_s - fixed_s, 1e-9));
+                       },
+                       fixed});
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::limit) throw;
+    engine.reset();
+    fmt::print("# viewpeel refused: {}\n{},{},{},viewpeel,refused,refused,\n", error.what(), name, scene.polygons.size(), resolution);
+  }
+  embree.clear();
+  uint64_t seed = kSeed;
+  uint64_t rays = 0, ray_samples = 0;
+  const std::pair<Trace, const char*> traces[] = {{Trace::single, "single"}, {Trace::packets_of_8, "packets"}, {Trace::streams, "streams"}};
+  for (const auto& [trace, suffix] : traces)
+    methods.push_back({fmt::format("embree_lines_{}", suffix), true, [&, trace = trace](uint64_t count) {
+                         uint64_t samples = 0;
+                         const double spent_s = secondsOf([&] { samples = embree.countLines(trace, first(count), resolution); });
+                         return std::pair(samples, spent_s);
+                       }});
+  for (const auto& [trace, suffix] : traces)
+    methods.push_back({fmt::format("embree_rays_{}", suffix), false, [&, trace = trace](uint64_t count) {
+                         RayCount counted;
+                         const double spent_s = secondsOf([&] { counted = embree.shootRays(trace, 64 * count, seed++); });
+                         rays += counted.rays;
+                         ray_samples += counted.samples;
+                         return std::pair(counted.samples, spent_s);
+                       }});
+
+  for (Method& method : methods) calibrate(method, options.seconds);
+  for (int round = 0; round < options.rounds; ++round)
+    for (Method& method : methods) {
+      const auto [samples, spent_s] = method.run(method.amount);
+      method.directions_per_second.push_back(double(method.amount) / spent_s);
+      method.samples_per_second.push_back(double(samples) / spent_s);
+    }
+
+  const double ours = engine ? median(methods.front().samples_per_second) : 0;
+  double best_lines = 0, best_rays = 0;
+  const auto printRow = [&](const std::string& method, const std::string& directions_text, double samples) {
+    fmt::print("{},{},{},{},{},{:.4g},{}\n", name, scene.polygons.size(), resolution, method, directions_text, samples,
+               engine ? fmt::format("{:.3f}", samples / ours) : "");
+  };
+  double best_directions = 0;
+  for (const Method& method : methods) {
+    const double samples = median(method.samples_per_second), per_second = median(method.directions_per_second);
+    printRow(method.name, method.has_directions ? fmt::format("{:.4g}", per_second) : "", samples);
+    if (!method.has_directions) {
+      best_rays = std::max(best_rays, samples);
+    } else if (method.name != "viewpeel" && samples > best_lines) {
+      best_lines = samples;
+      best_directions = per_second;
+    }
+  }
+  printRow("embree_lines_best", fmt::format("{:.4g}", best_directions), best_lines);
+  printRow("embree_rays_best", "", best_rays);
+  std::string spread;
+  for (const Method& method : methods) {
+    const auto [low, high] = std::minmax_element(method.samples_per_second.begin(), method.samples_per_second.end());
+    spread += fmt::format(" {} {:.2f}", method.name, *high / *low);
+  }
+  fmt::print("# fastest over slowest round:{}\n# rays that ended on a front: {:.4f} of all\n", spread, double(ray_samples) / double(rays));
+  if (engine) fmt::print("# viewpeel/Embree: lines {:.2f}, rays {:.2f}\n", ours / best_lines, ours / best_rays);
+  std::fflush(stdout);
+}
+
+void measureAll(const Options& options) {
+  const Device device(options.device);
+  printPlace(device, VIEWPEEL_SOURCE);
+  fmt::print("# Embree {}; counters by {}; medians of {} rounds of {} s and more; ratio_to_viewpeel: samples per second, method / viewpeel\n",
+             embreeVersion(), options.by == By::polygon ? "polygon" : "surface", options.rounds, options.seconds);
+  fmt::print("scene,polygons,resolution,method,directions_per_second,samples_per_second,ratio_to_viewpeel\n");
+  for (const std::string& name : options.scenes) {
+    const bool triangles = name == "triangles";
+    const Scene scene = buildScene(triangles ? randomTriangles(100'000) : roomWithBoxes(name == "room" ? 1 : 4));
+    const Ids ids = makeIds(scene, options.by, triangles);  // two-sided where fronts are random, so that every gap counts
+    EmbreeRivals embree(scene, ids);
+    for (int resolution : options.resolutions) measure(name, scene, ids, embree, device, resolution, options);
+  }
+}
+
+}  // namespace
+}  // namespace viewpeel::bench
+
+int main(int argc, char** argv) {
+  using namespace viewpeel;
+  bench::Options options;
+  std::string by = "polygon";
+  CLI::App app("The compute engine beside Embree on the same cores: CSV on stdout");
+  app.add_option("--scene", options.scenes)->check(CLI::IsMember({"room", "room4", "triangles"}));
+  app.add_option("--resolution", options.resolutions)->check(CLI::Range(1, kMaxResolution));
+  app.add_option("--by", by)->check(CLI::IsMember({"polygon", "surface"}));
+  app.add_option("--rounds", options.rounds)->check(CLI::PositiveNumber);
+  app.add_option("--seconds", options.seconds, "of each measurement, at least")->check(CLI::PositiveNumber);
+  app.add_option("--device", options.device.selector);
+  CLI11_PARSE(app, argc, argv);
+  options.by = by == "polygon" ? By::polygon : By::surface;
+  try {
+    bench::measureAll(options);
+    return 0;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return 1;
+  }
+}

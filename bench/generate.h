@@ -1,0 +1,23 @@
+// Scenes of any size for benches, deterministic and the same on every machine.
+#pragma once
+#include <cstdint>
+
+#include "scene/scene.h"
+
+namespace viewpeel::bench {
+
+// A closed room, 8 x 8 quads a wall, with ten boxes of 2 x 2 quads a face that hover just above its floor: 624 quads, each cut into
+// refine x refine. Nothing touches or crosses, so that no line leaks and layers never tie.
+InputScene roomWithBoxes(uint32_t refine);
+
+// n triangles of random shape and direction with centres uniform in a ball. Their size shrinks as n^(-1/3), as their distances do; at
+// n = 100,000 a line meets 20 to 60 of them but near the rim. They may cross. A hundred surfaces take
+// them in turn.
+InputScene randomTriangles(uint32_t n);
+
+// About n quads: buildings 7 bays wide and 2 to 12 floors high, some towers up to 40, on a square grid of streets; a wall and a window quad
+// for every bay and floor. Surfaces: `streets`, and for each building its walls with the roof, and its windows. Grows by whole buildings, so
+// that a larger city has more of the same. Ground ends where a building stands; nothing crosses.
+InputScene city(uint32_t n);
+
+}  // namespace viewpeel::bench
