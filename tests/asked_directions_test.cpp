@@ -138,7 +138,8 @@ TEST(PairRegion, MissesNoLine) {
     for (uint64_t seed : {0, 7}) {
       const PairScene placed = sceneOf(pair, seed);
       const DirectionRegion region = regionOf(placed.scene);
-      const Vec3 front_a = placed.scene.planes[placed.scene.polygons[0].plane].normal, front_b = placed.scene.planes[placed.scene.polygons[1].plane].normal;
+      const Vec3 front_a = placed.scene.planes[placed.scene.polygons[0].plane].normal;
+      const Vec3 front_b = placed.scene.planes[placed.scene.polygons[1].plane].normal;
       Random random(5 + seed);
       int lines = 0, missed = 0;
       for (int k = 0; k < 8000; ++k) {
@@ -165,7 +166,8 @@ TEST(PairRegion, CheckSeesMissedLines) {
   region.close();
   Random random(5);
   int missed = 0;
-  for (int k = 0; k < 8000; ++k) missed += !region.contains(glm::normalize(glm::dvec3(pointIn(placed.b, random) - pointIn(placed.a, random))));
+  for (int k = 0; k < 8000; ++k)
+    missed += !region.contains(glm::normalize(glm::dvec3(pointIn(placed.b, random) - pointIn(placed.a, random))));
   EXPECT_GT(missed, 0);
 }
 
@@ -230,7 +232,7 @@ TEST(PairRegion, MapKeepsAreas) {
   for (const Case& pair : cases()) {
     const DirectionRegion region = regionOf(sceneOf(pair, 13).scene);
     if (region.isEmpty()) continue;
-    const int around = 601, outwards = 599, count = around * outwards;
+    const int around = 251, outwards = 241, count = around * outwards;
     Random random(31);
     const glm::dvec3 centre = region.map(0, 0);
     for (int cut = 0; cut < 4; ++cut) {
@@ -244,7 +246,7 @@ TEST(PairRegion, MapKeepsAreas) {
       for (int i = 0; i < around; ++i)
         for (int j = 0; j < outwards; ++j) {
           const glm::dvec3 u = region.map((i + 0.5) / around, (j + 0.5) / outwards);
-          if (i % 50 == 0) {
+          if (i % 25 == 0) {
             EXPECT_TRUE(region.contains(u)) << pair.name << " " << i << " " << j;
             EXPECT_NEAR(glm::length(u), 1, 1e-15);
           }
@@ -498,8 +500,8 @@ TEST(AskedEmitter, WeightsAreBounded) {
       most = std::max(most, weight);
     }
   EXPECT_GE(least, 1u << 11);
-  EXPECT_LE(most, 1u << 18);
-  EXPECT_GT(most, 1u << 17);
+  EXPECT_LE(most, 1u << 14);
+  EXPECT_GT(most, 1u << 13);
 }
 
 TEST(AskedEmitter, MeansAreFormFactors) {
@@ -541,7 +543,7 @@ TEST(AskedDirections, DISABLED_Gain) {
                                    {"unit squares at 3", square, squareAbove(3)},
                                    {"unit squares at 10", square, squareAbove(10)},
                                    {"perpendicular, common edge", square, hinged(kPi / 2)},
-                                   {"patches of 0.1 at 10", rectangle({0, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0}), rectangle({0, 0, 10}, {0, 0.1, 0}, {0.1, 0, 0})}};
+                                   {"patches of 0.1 at 10", rectangle({0, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0}), squareAbove(10, 0.1)}};
   for (const Case& pair : pairs) {
     const PairScene placed = sceneOf(pair, 9);
     const DirectionRegion region = regionOf(placed.scene);

@@ -419,7 +419,8 @@ DirectionRegion findPairRegion(const Scene& scene, std::span<const uint32_t> a, 
   }
   const glm::dvec3 zero(0), front_a = commonFront(scene, a), front_b = commonFront(scene, b);
   if (two_sided || (front_a == zero && front_b == zero)) return DirectionRegion::hemisphere({0, 0, 1});
-  if (front_a == zero || front_b == zero || glm::dot(front_a, front_b) < -1 + 1e-12) return DirectionRegion::hemisphere(front_a == zero ? -front_b : front_a);
+  if (front_a == zero || front_b == zero || glm::dot(front_a, front_b) < -1 + 1e-12)
+    return DirectionRegion::hemisphere(front_a == zero ? -front_b : front_a);
   DirectionRegion region = DirectionRegion::hemisphere(front_a);
   region.clip(-front_b);
   region.close();
