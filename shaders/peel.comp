@@ -263,8 +263,9 @@ void main() {
     place = rest.tile;
     row = rest.row;
     first = rest.first_sample;
-  } else if (place >= status.at.active_tiles) {  // none where lists overflowed
-    return;
+  } else {
+    uint active_tiles = status.at.active_tiles;
+    if (place >= active_tiles || active_tiles >= kListsOverflowed) return;
   }
   uvec4 texel = texelFetch(tile_texels, int(2u * place));
   uvec2 corner = texelFetch(tile_texels, int(2u * place + 1u)).xy;
