@@ -22,8 +22,7 @@ void main() {
   uint roles = corners.z >> kRolesShift;
   if (args.mode == kBinRoles && roles == 0u) return;
 
-  // The most that the first four edges reach over a tile, at the grid's first tile, and what it changes by from tile to tile.
-  // A polygon with more edges may enter tiles that it misses.
+  // The most that the edges reach over a tile, at the grid's first tile, and what it changes by from tile to tile.
   ivec2 grid = -ivec2(args.tiles_wide * args.tile_width, args.tiles_high * args.tile_rows) / 2;
   int64_t most[4], per_column[4], per_row[4];
   for (uint k = 0u; k < 4u; ++k) {

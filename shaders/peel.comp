@@ -27,8 +27,7 @@ layout(constant_id = 5) const bool kAggregates = true;   // adds runs of equal c
 layout(constant_id = 6) const bool kMeasuresWork = false;
 layout(constant_id = 7) const int kSteps = 8;            // samples of an invocation: 1, 2, 4 or 8
 layout(constant_id = 8) const bool kIdsAreIndices = false;  // of polygons
-layout(constant_id = 9) const bool kMoreEdges = false;      // polygons may have more than four
-layout(constant_id = 10) const uint kTileWidth = 8u;        // lattice points
+layout(constant_id = 9) const uint kTileWidth = 8u;        // lattice points
 layout(push_constant, scalar) uniform Args { PeelArgs args; };
 
 const int kMostSteps = 8;
@@ -52,8 +51,6 @@ uint64_t farthest_emitter[kMostSteps], farthest_receiver[kMostSteps];
 // One polygon on its way past the samples.
 struct Passing {
   ivec4 edges, edges_per_step;    // without scanlines
-  uint first_edge, edge_count;
-  ivec2 point, point_per_step;    // of the lattice
   bool covered;                   // with scanlines
   int64_t z, z_per_step;
   int z_shift, z_min, z_max;
@@ -69,15 +66,11 @@ struct Tile {
 uint spanOf(Tile tile, uint first_edge, uint edge_count) {
   int width = int(args.tile_width) << args.column_bits;
   int low = 0, high = width;
-  uint k = 0u;
-  do {
-    [[unroll]] for (uint four = 0u; four < 4u; ++four) {
-      Edge edge = fetchEdge(first_edge + min(k + four, edge_count - 1u));
-      int64_t value = int64_t(edge.a) * int64_t(tile.corner.x << args.column_bits) + (int64_t(edge.b) * int64_t(tile.corner.y) << args.column_bits) + edge.c;
-      cutRow(edge, value, width, low, high);
-    }
-    k += 4u;
-  } while (k < edge_count);
+  [[unroll]] for (uint k = 0u; k < 4u; ++k) {
+    Edge edge = fetchEdge(first_edge + min(k, edge_count - 1u));
+    int64_t value = int64_t(edge.a) * int64_t(tile.corner.x << args.column_bits) + (int64_t(edge.b) * int64_t(tile.corner.y) << args.column_bits) + edge.c;
+    cutRow(edge, value, width, low, high);
+  }
   return low < high ? uint(low) | uint(high - low - 1) << 16 : kNoColumns;
 }
 
@@ -223,13 +216,8 @@ uint addGaps(uint64_t last, uint64_t layers[kLayersKept], bool lost, bool open, 
 
 // Takes sample s past the polygon: its layer goes among the nearest, the farthest of those goes when there is no room.
 // Called with a literal s, so that all indices become constants.
-void takeStep(int s, inout Passing polygon, inout bool cut, inout uint fragments) {
+void takeStep(int s, inout Passing polygon, inout uint fragments) {
   bool covered = kScanlines ? polygon.covered : (polygon.edges.x | polygon.edges.y | polygon.edges.z | polygon.edges.w) >= 0;
-  if (!kScanlines && kMoreEdges) {
-    uint edge = 4u;
-    for (; edge < polygon.edge_count; ++edge) covered = covered && isInside(fetchEdge(polygon.first_edge + edge), polygon.point);
-    cut = cut || edge < polygon.edge_count;
-  }
   uint depth = uint(clamp(polygon.z >> polygon.z_shift, int64_t(polygon.z_min), int64_t(polygon.z_max)));
   uint64_t layer = packUint2x32(uvec2(polygon.layer_polygon, 2u * depth + 1u - polygon.front_up));
   if (!kAllCount) {
@@ -246,7 +234,6 @@ void takeStep(int s, inout Passing polygon, inout bool cut, inout uint fragments
   lost[s] = lost[s] || layer != kNoLayer;
   polygon.edges += polygon.edges_per_step;
   polygon.z += polygon.z_per_step;
-  polygon.point += polygon.point_per_step;
 }
 
 void main() {
@@ -371,21 +358,15 @@ void main() {
             int64_t z_per_row = longFrom(subgroupShuffle(plane_y, t));
             polygon.z = longFrom(p.xy) + longFrom(p.zw) * int64_t(column) + z_per_row * int64_t(lane_row);
             polygon.z_per_step = z_per_row * int64_t(rows_per_step);
-            if (kMoreEdges) {
-              polygon.edge_count = subgroupShuffle(rest.w, t);
-              polygon.first_edge = subgroupShuffle(rest.z, t);
-              polygon.point = tile.corner + ivec2(column, lane_row);
-              polygon.point_per_step = ivec2(0, rows_per_step);
-            }
           }
-          takeStep(0, polygon, cut, fragments);
-          if (kSteps > 1) takeStep(1, polygon, cut, fragments);
-          if (kSteps > 2) takeStep(2, polygon, cut, fragments);
-          if (kSteps > 2) takeStep(3, polygon, cut, fragments);
-          if (kSteps > 4) takeStep(4, polygon, cut, fragments);
-          if (kSteps > 4) takeStep(5, polygon, cut, fragments);
-          if (kSteps > 4) takeStep(6, polygon, cut, fragments);
-          if (kSteps > 4) takeStep(7, polygon, cut, fragments);
+          takeStep(0, polygon, fragments);
+          if (kSteps > 1) takeStep(1, polygon, fragments);
+          if (kSteps > 2) takeStep(2, polygon, fragments);
+          if (kSteps > 2) takeStep(3, polygon, fragments);
+          if (kSteps > 4) takeStep(4, polygon, fragments);
+          if (kSteps > 4) takeStep(5, polygon, fragments);
+          if (kSteps > 4) takeStep(6, polygon, fragments);
+          if (kSteps > 4) takeStep(7, polygon, fragments);
           ++t;
         } while (t < lanes && base + t < polygon_count);
         cut = cut || (t < lanes && base + t < polygon_count);

@@ -101,21 +101,19 @@ void main() {
       uint left = blockAlong(low_block.x, args.cell_size), right = blockAlong(high_block.x, args.cell_size);
       uint bottom = blockAlong(low_block.y, args.cell_size), top = blockAlong(high_block.y, args.cell_size);
       for (uint row = bottom; row <= top; ++row) outline.blocks |= uint64_t((2u << right) - (1u << left)) << (8u * row);
-      if (polygon.corner_count <= 4u) {
-        vec2 widened[4];
-        bool usable = true;
-        for (uint k = 0u; k < 4u; ++k) {
-          uint m = polygon.corner_count, at = min(k, m - 1u);
-          usable = widenCorner(edges.at[edge_at + (at == 0u ? m - 1u : at - 1u)], edges.at[edge_at + at],
-                               vec2(snap(corners.at[polygon.first_corner + at], direction, per_spacing, fixed_one)) / float(fixed_one),
-                               widened[k]) && usable;
-        }
-        if (usable) {  // a strip goes 0, 1, 3, 2
-          outline.strip[0] = widened[0];
-          outline.strip[1] = widened[1];
-          outline.strip[2] = widened[3];
-          outline.strip[3] = widened[2];
-        }
+      vec2 widened[4];
+      bool usable = true;
+      for (uint k = 0u; k < 4u; ++k) {
+        uint m = polygon.corner_count, at = min(k, m - 1u);
+        usable = widenCorner(edges.at[edge_at + (at == 0u ? m - 1u : at - 1u)], edges.at[edge_at + at],
+                             vec2(snap(corners.at[polygon.first_corner + at], direction, per_spacing, fixed_one)) / float(fixed_one),
+                             widened[k]) && usable;
+      }
+      if (usable) {  // a strip goes 0, 1, 3, 2
+        outline.strip[0] = widened[0];
+        outline.strip[1] = widened[1];
+        outline.strip[2] = widened[3];
+        outline.strip[3] = widened[2];
       }
     }
     Outlines(args.outlines).at[direction_index * args.polygon_count + polygon_index] = outline;

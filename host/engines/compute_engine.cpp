@@ -95,7 +95,7 @@ class ComputeEngine : public Engine {
   const Device& device_;
   LatticeOptions options_;
   Tuning tuning_;
-  bool two_sided_, all_count_, counts_environment_, ids_are_indices_, more_edges_;
+  bool two_sided_, all_count_, counts_environment_, ids_are_indices_;
   int fraction_bits_, column_bits_;
   SceneBuffers scene_;
   PairCounters counters_;
@@ -116,7 +116,6 @@ ComputeEngine::ComputeEngine(const Device& device, const Scene& scene, const Ids
       all_count_(ids.roles.empty()),
       counts_environment_(ids.counts_environment),
       ids_are_indices_(ids.roles.empty() && ids.of_polygon.size() == ids.count()),
-      more_edges_(std::any_of(scene.polygons.begin(), scene.polygons.end(), [](const Polygon& p) { return p.corner_count > 4; })),
       fraction_bits_(chooseFractionBits(options.resolution)),
       column_bits_(options.sampling == Sampling::scanline ? kScanlineBits : 0),
       scene_(device, scene, ids),
@@ -137,7 +136,7 @@ void ComputeEngine::makeKernels() {
   allocate_ = Kernel(device_, allocate_comp, sizeof(BinArgs));
   peel_ = Kernel(device_, peel_comp, sizeof(PeelArgs),
                  {tuning_.subgroup_size, tuning_.layers_kept, scanlines, counters_.isSparse(), all_count_, options_.aggregate, options_.measure_work,
-                  tuning_.steps, ids_are_indices_, more_edges_, tuning_.tile_width},
+                  tuning_.steps, ids_are_indices_, tuning_.tile_width},
                  kTexelBuffers);
 }
 

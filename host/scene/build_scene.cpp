@@ -113,17 +113,20 @@ Scene buildScene(const InputScene& input) {
     }
     const auto face_index = static_cast<uint32_t>(scene.faces.size());
     scene.faces.push_back({surface, ++scene.surfaces[surface].face_count});
-    for (const std::vector<uint32_t>& piece : pieces) {
-      std::vector<glm::dvec3> piece_corners;
-      for (uint32_t k : piece) piece_corners.push_back(corners[k]);
-      Polygon polygon;
-      polygon.first_corner = static_cast<uint32_t>(scene.corners.size());
-      polygon.corner_count = static_cast<uint32_t>(piece.size());
-      polygon.face = face_index;
-      polygon.area = glm::length(twiceVectorArea(piece_corners)) / 2;
-      scene.polygons.push_back(polygon);
-      scene.corners.insert(scene.corners.end(), piece_corners.begin(), piece_corners.end());
-    }
+    for (const std::vector<uint32_t>& piece : pieces)
+      // A convex piece becomes triangles and quadrilaterals about its first corner.
+      for (size_t k = 1; k + 1 < piece.size(); k += 2) {
+        std::vector<glm::dvec3> polygon_corners = {corners[piece[0]], corners[piece[k]], corners[piece[k + 1]]};
+        if (k + 2 < piece.size()) polygon_corners.push_back(corners[piece[k + 2]]);
+        if (piece.size() > 4 && !hasArea(polygon_corners)) continue;  // corners in the middle of an edge
+        Polygon polygon;
+        polygon.first_corner = static_cast<uint32_t>(scene.corners.size());
+        polygon.corner_count = static_cast<uint32_t>(polygon_corners.size());
+        polygon.face = face_index;
+        polygon.area = glm::length(twiceVectorArea(polygon_corners)) / 2;
+        scene.polygons.push_back(polygon);
+        scene.corners.insert(scene.corners.end(), polygon_corners.begin(), polygon_corners.end());
+      }
   }
   scene.warnings = dropped.warnings();
   if (scene.polygons.empty())

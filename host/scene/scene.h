@@ -22,10 +22,10 @@ struct InputScene {
   std::vector<InputFace> faces;
 };
 
-// A convex planar piece of an input face. Its front is the side from which its corners run counter-clockwise.
+// A convex planar piece of an input face, a triangle or a quadrilateral. Its front is the side from which its corners run counter-clockwise.
 struct Polygon {
   uint32_t first_corner = 0;  // into Scene::corners
-  uint32_t corner_count = 0;  // 3 or more
+  uint32_t corner_count = 0;  // 3 or 4
   uint32_t face = 0;          // into Scene::faces
   uint32_t plane = 0;         // into Scene::planes
   bool front_along_plane_normal = true;
