@@ -6,6 +6,7 @@
 #define SHARED_FUNCTION
 #include "common.glsl"
 #include "texels.glsl"
+#include "geometry.glsl"
 
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Args { BinArgs args; };
@@ -34,6 +35,8 @@ void main() {
     most[k] = a * (int64_t(grid.x) << args.column_bits) + b * int64_t(grid.y) + edge.c + max(a, int64_t(0)) * (columns - int64_t(1)) +
               max(b, int64_t(0)) * (rows - int64_t(1));
   }
+  uvec4 depth_01 = texelFetch(projected_texels, int(projected_at + 1u)), depth_2 = texelFetch(projected_texels, int(projected_at + 2u));
+  int depth_shift = int(texelFetch(projected_texels, int(projected_at + 3u)).x);
   ivec2 tile_size = ivec2(args.tile_width, args.tile_rows);
   ivec2 first = (box.xy - grid) / tile_size, last = (box.zw - grid) / tile_size;
   int first_row = int(gl_WorkGroupID.z * args.rows_per_invocation);
@@ -54,7 +57,16 @@ void main() {
         atomicAdd(Words(args.tile_counts).at[tile], 1u);
       } else {
         uint at = Words(args.tile_starts).at[tile] + atomicAdd(Words(args.tile_counts).at[tile], ~0u) - 1u;
-        Words(args.lists).at[at] = polygon_index;
+        if (args.sorts == 0u) {
+          Words(args.lists).at[at] = polygon_index;
+          continue;
+        }
+        ivec2 corner = grid + ivec2(x, y) * tile_size;
+        int64_t depth = longFrom(depth_01.xy) + longFrom(depth_01.zw) * int64_t(corner.x) + longFrom(depth_2.xy) * int64_t(corner.y);
+        ListEntry entry;
+        entry.polygon = polygon_index;
+        entry.nearest_depth = nearestDepth(depth, longFrom(depth_01.zw), longFrom(depth_2.xy), depth_shift, ivec2(depth_2.zw), tile_size);
+        ListEntries(args.lists).at[at] = entry;
       }
     }
 }

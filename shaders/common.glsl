@@ -16,5 +16,6 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Commands { L
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Outlines { Outline at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Longs { uint64_t at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Status { BatchStatus at; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer ListEntries { ListEntry at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ActiveTiles { ActiveTile at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer UnfinishedRows { UnfinishedRow at[]; };

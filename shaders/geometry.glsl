@@ -47,3 +47,9 @@ void cutRow(Edge edge, int64_t value, int width, inout int low, inout int high) 
   else if (edge.a < 0) high = min(high, x);
   else if (value < int64_t(0)) high = 0;
 }
+
+// The least depth that a polygon can have at the lattice points of a tile; depth: its plane's at the tile's corner, see ProjectedPolygon.
+uint nearestDepth(int64_t depth, int64_t depth_x, int64_t depth_y, int shift, ivec2 range, ivec2 tile_size) {
+  int64_t least = depth + min(depth_x * int64_t(tile_size.x), int64_t(0)) + min(depth_y * int64_t(tile_size.y), int64_t(0));
+  return uint(clamp(least >> shift, int64_t(range.x), int64_t(range.y)));
+}

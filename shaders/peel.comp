@@ -28,6 +28,7 @@ layout(constant_id = 6) const bool kMeasuresWork = false;
 layout(constant_id = 7) const int kSteps = 8;            // samples of an invocation: 1, 2, 4 or 8
 layout(constant_id = 8) const bool kIdsAreIndices = false;  // of polygons
 layout(constant_id = 9) const uint kTileWidth = 8u;        // lattice points
+layout(constant_id = 10) const bool kSorted = false;       // lists are in the order of their polygons' nearest depths in the tile, not with scanlines
 layout(push_constant, scalar) uniform Args { PeelArgs args; };
 
 const int kMostSteps = 8;
@@ -45,7 +46,7 @@ shared uint ends[kScanlines ? 2 * kMostSpans : 1];
 uint64_t nearest[kMostSteps][kLayersKept];
 uint64_t last[kMostSteps];  // the farthest layer of the rounds before
 bool open[kMostSteps];      // whether the line may meet more layers
-bool lost[kMostSteps];      // whether a layer found no room
+uint64_t lost[kMostSteps];  // the nearest layer that found no room
 uint64_t farthest_emitter[kMostSteps], farthest_receiver[kMostSteps];
 
 // One polygon on its way past the samples.
@@ -175,26 +176,25 @@ void addRuns(bool has, uvec2 pair, uint weight, uint lane) {
   if (has) addCount(args.counters, args.counter_keys, args.counter_mask, args.status, args.id_count, kSparse, pair, weight);
 }
 
-// Adds the gaps below the layers kept of one sample a lane and, where none was lost, the one above the last. Returns the number of gaps counted.
+// Adds the gaps between consecutive layers of one sample a lane: below those nearer than `bound`, and at the end the one above the last of them. Moves
+// `before` to the last of them. Returns the number of gaps counted.
 // Gaps that count are gathered first: of the layers of closed solids only every other gap does.
-uint addGaps(uint64_t last, uint64_t layers[kLayersKept], bool lost, bool open, uint weight, uint lane, inout bool cut) {
-  uvec2 found[kLayersKept + 1];  // lower and upper polygon, + 1, with the side of either that is turned to the gap
+uint addGaps(inout uint64_t before, uint64_t layers[kLayersKept], uint64_t bound, bool at_end, bool is_open, uint weight, uint lane, inout bool cut) {
+  uvec2 found[kLayersKept + 1];  // lower and upper polygon, + 1; kBackMark where it does not turn a front to the gap
   uint count = 0u;
-  uint64_t lower = last;
   [[unroll]] for (int k = 0; k <= kLayersKept; ++k) found[k] = uvec2(0);
   [[unroll]] for (int k = 0; k <= kLayersKept; ++k) {
     uint64_t upper = k < kLayersKept ? layers[k] : kNoLayer;
-    if (k == kLayersKept && lost) open = false;
-    bool lower_front = lower != 0ul && (args.two_sided != 0u || (lower >> 32 & 1ul) == 0ul);
+    is_open = is_open && (upper < bound || (at_end && bound == kNoLayer));
+    bool lower_front = before != 0ul && (args.two_sided != 0u || (before >> 32 & 1ul) == 0ul);
     bool upper_front = upper != kNoLayer && (args.two_sided != 0u || (upper >> 32 & 1ul) != 0ul);
-    uvec2 gap = uvec2(unpackUint2x32(lower).x, upper == kNoLayer ? 0u : unpackUint2x32(upper).x);
-    bool counted = open && (lower_front || upper_front);
-    // What is not seen is marked: kept as a polygon only to tell a leak from the environment.
+    uvec2 gap = uvec2(unpackUint2x32(before).x, upper == kNoLayer ? 0u : unpackUint2x32(upper).x);
     gap |= uvec2(lower_front ? 0u : kBackMark, upper_front ? 0u : kBackMark);
+    bool counted = is_open && (lower_front || upper_front);
     [[unroll]] for (int m = 0; m <= k; ++m) found[m] = counted && count == uint(m) ? gap : found[m];
     count += counted ? 1u : 0u;
-    open = open && upper != kNoLayer;
-    lower = upper;
+    is_open = is_open && upper != kNoLayer;
+    before = is_open ? upper : before;
   }
   uint added = 0u, left = count;
   while (subgroupAny(left > 0u)) {
@@ -214,6 +214,41 @@ uint addGaps(uint64_t last, uint64_t layers[kLayersKept], bool lost, bool open, 
   return added;
 }
 
+// Adds, step by step, the gaps of the layers nearer than `bound`, which nothing that is still to come can part, and makes room for others.
+uint flush(uint64_t bound, bool at_end, uint weight, uint lane, inout bool cut) {
+  uint gaps = 0u;
+  int s = 0;
+  do {
+    uint64_t layers[kLayersKept];
+    [[unroll]] for (int k = 0; k < kLayersKept; ++k) layers[k] = nearest[0][k];
+    uint64_t before = last[0], its_bound = min(bound, lost[0]);
+    bool is_open = open[0];
+    [[unroll]] for (int m = 1; m < kMostSteps; ++m) {
+      if (m >= kSteps) continue;
+      [[unroll]] for (int k = 0; k < kLayersKept; ++k) layers[k] = s == m ? nearest[m][k] : layers[k];
+      before = s == m ? last[m] : before;
+      its_bound = s == m ? min(bound, lost[m]) : its_bound;
+      is_open = s == m ? open[m] : is_open;
+    }
+    gaps += addGaps(before, layers, its_bound, at_end, is_open, weight, lane, cut);
+    if (kSorted) {
+      [[unroll]] for (int k = 0; k < kLayersKept; ++k) {  // what has been added goes
+        bool first_gone = layers[0] <= before && layers[0] < its_bound;
+        [[unroll]] for (int m = 0; m < kLayersKept; ++m) layers[m] = first_gone ? m + 1 < kLayersKept ? layers[m + 1] : kNoLayer : layers[m];
+      }
+    }
+    [[unroll]] for (int m = 0; m < kMostSteps; ++m) {
+      last[m] = s == m ? before : last[m];
+      if (kSorted) {
+        [[unroll]] for (int k = 0; k < kLayersKept; ++k) nearest[m][k] = s == m ? layers[k] : nearest[m][k];
+      }
+    }
+    ++s;
+  } while (s < kSteps);
+  cut = cut || s < kSteps;
+  return gaps;
+}
+
 // Takes sample s past the polygon: its layer goes among the nearest, the farthest of those goes when there is no room.
 // Called with a literal s, so that all indices become constants.
 void takeStep(int s, inout Passing polygon, inout uint fragments) {
@@ -231,7 +266,7 @@ void takeStep(int s, inout Passing polygon, inout uint fragments) {
     nearest[s][k] = min(nearest[s][k], layer);
     layer = farther;
   }
-  lost[s] = lost[s] || layer != kNoLayer;
+  lost[s] = min(lost[s], layer);
   polygon.edges += polygon.edges_per_step;
   polygon.z += polygon.z_per_step;
 }
@@ -256,6 +291,7 @@ void main() {
   }
   uvec4 texel = texelFetch(tile_texels, int(2u * place));
   uvec2 corner = texelFetch(tile_texels, int(2u * place + 1u)).xy;
+  bool is_sorted = kSorted && texelFetch(tile_texels, int(2u * place + 1u)).z != 0u;
   Tile tile = Tile(texel.x, texel.y, texel.z, texel.w, ivec2(corner) + ivec2(0, row));
   bool cut = false;  // whether a loop ended before its time
   uint sample_count = lanes, polygon_count = tile.list_length;
@@ -309,102 +345,101 @@ void main() {
       }
       [[unroll]] for (int k = 0; k < kMostSteps; ++k) {
         [[unroll]] for (int m = 0; m < kLayersKept; ++m) nearest[k][m] = kNoLayer;
-        lost[k] = false;
+        lost[k] = kNoLayer;
         farthest_emitter[k] = farthest_receiver[k] = 0ul;
       }
-      uint base = 0u;
+      // A segment ends where a sample has no room left or the list ends; its layers are added as far as they are settled.
+      uint base = 0u, t = 0u;
       do {
-        // This invocation's polygon: its edges or its span, and its depth, at the corner.
-        uint mine = min(base + lane, polygon_count - 1u);
-        uvec2 span = kScanlines ? spans[mine] : uvec2(texelFetch(list_texels, int(tile.list_start + mine)).x, 0u);
-        uint projected_at = 4u * (tile.direction * args.polygon_count + span.x);
-        uvec4 depth_01 = texelFetch(projected_texels, int(projected_at + 1u));
-        uvec4 depth_2 = texelFetch(projected_texels, int(projected_at + 2u));
-        uvec4 rest = texelFetch(projected_texels, int(projected_at + 3u));
-        if (base + lane >= polygon_count) span.y = kNoColumns;
-        ivec4 a = ivec4(0), b = ivec4(0), c = ivec4(base + lane < polygon_count ? 0 : -1);
-        if (!kScanlines) {
-          [[unroll]] for (uint k = 0u; k < 4u; ++k) {
-            Edge edge = fetchEdge(rest.z + min(k, rest.w - 1u));
-            a[k] = edge.a;
-            b[k] = edge.b;
-            int64_t at_corner = int64_t(edge.a) * int64_t(tile.corner.x) + int64_t(edge.b) * int64_t(tile.corner.y) + edge.c;
-            if (c[k] >= 0) c[k] = int(clamp(at_corner, int64_t(-kSaturated), int64_t(kSaturated)));
-          }
-        }
-        int64_t depth = longFrom(depth_01.xy) + longFrom(depth_01.zw) * int64_t(tile.corner.x) + longFrom(depth_2.xy) * int64_t(tile.corner.y);
-        uvec4 plane = uvec4(unpackUint2x32(uint64_t(depth)), depth_01.zw);
-        uvec2 plane_y = depth_2.xy;
-        uvec4 bounds = uvec4(depth_2.zw, span.x + 1u, 2u * rest.x + rest.y);
-        uint roles = kAllCount ? 0u : fetchId(span.x) >> kRolesShift;
-        uint t = 0u;
+        bool full = false;
         do {
-          uvec4 p = subgroupShuffle(plane, t), d = subgroupShuffle(bounds, t);
-          Passing polygon;
-          polygon.z_shift = int(d.w >> 1);
-          polygon.z_min = int(d.x);
-          polygon.z_max = int(d.y);
-          polygon.layer_polygon = d.z;
-          polygon.front_up = d.w & 1u;
-          polygon.roles = kAllCount ? 0u : subgroupShuffle(roles, t);
-          if (kScanlines) {
-            uint in_span = subgroupShuffle(span.y, t);
-            polygon.covered = uint(column) - (in_span & 0xFFFFu) <= in_span >> 16 && in_span != kNoColumns;
-            polygon.z = longFrom(p.xy) + (longFrom(p.zw) * int64_t(column) >> args.column_bits);
-          } else {
-            ivec4 per_row = subgroupShuffle(b, t);
-            polygon.edges = subgroupShuffle(a, t) * column + per_row * lane_row + subgroupShuffle(c, t);
-            polygon.edges_per_step = per_row * rows_per_step;
-            int64_t z_per_row = longFrom(subgroupShuffle(plane_y, t));
-            polygon.z = longFrom(p.xy) + longFrom(p.zw) * int64_t(column) + z_per_row * int64_t(lane_row);
-            polygon.z_per_step = z_per_row * int64_t(rows_per_step);
+          // This invocation's polygon: its edges or its span, and its depth, at the corner.
+          uint mine = min(base + lane, polygon_count - 1u);
+          uvec2 span = kScanlines ? spans[mine] : uvec2(texelFetch(list_texels, int(tile.list_start + mine)).x, 0u);
+          uint projected_at = 4u * (tile.direction * args.polygon_count + span.x);
+          uvec4 depth_01 = texelFetch(projected_texels, int(projected_at + 1u));
+          uvec4 depth_2 = texelFetch(projected_texels, int(projected_at + 2u));
+          uvec4 rest = texelFetch(projected_texels, int(projected_at + 3u));
+          if (base + lane >= polygon_count) span.y = kNoColumns;
+          ivec4 a = ivec4(0), b = ivec4(0), c = ivec4(base + lane < polygon_count ? 0 : -1);
+          if (!kScanlines) {
+            [[unroll]] for (uint k = 0u; k < 4u; ++k) {
+              Edge edge = fetchEdge(rest.z + min(k, rest.w - 1u));
+              a[k] = edge.a;
+              b[k] = edge.b;
+              int64_t at_corner = int64_t(edge.a) * int64_t(tile.corner.x) + int64_t(edge.b) * int64_t(tile.corner.y) + edge.c;
+              if (c[k] >= 0) c[k] = int(clamp(at_corner, int64_t(-kSaturated), int64_t(kSaturated)));
+            }
           }
-          takeStep(0, polygon, fragments);
-          if (kSteps > 1) takeStep(1, polygon, fragments);
-          if (kSteps > 2) takeStep(2, polygon, fragments);
-          if (kSteps > 2) takeStep(3, polygon, fragments);
-          if (kSteps > 4) takeStep(4, polygon, fragments);
-          if (kSteps > 4) takeStep(5, polygon, fragments);
-          if (kSteps > 4) takeStep(6, polygon, fragments);
-          if (kSteps > 4) takeStep(7, polygon, fragments);
-          ++t;
-        } while (t < lanes && base + t < polygon_count);
-        cut = cut || (t < lanes && base + t < polygon_count);
-        base += lanes;
-        ++blocks_done;
+          int64_t depth = longFrom(depth_01.xy) + longFrom(depth_01.zw) * int64_t(tile.corner.x) + longFrom(depth_2.xy) * int64_t(tile.corner.y);
+          uvec4 plane = uvec4(unpackUint2x32(uint64_t(depth)), depth_01.zw);
+          uvec2 plane_y = depth_2.xy;
+          uvec4 bounds = uvec4(depth_2.zw, span.x + 1u, 2u * rest.x + rest.y);
+          uint roles = kAllCount ? 0u : fetchId(span.x) >> kRolesShift;
+          do {
+            uvec4 p = subgroupShuffle(plane, t), d = subgroupShuffle(bounds, t);
+            Passing polygon;
+            polygon.z_shift = int(d.w >> 1);
+            polygon.z_min = int(d.x);
+            polygon.z_max = int(d.y);
+            polygon.layer_polygon = d.z;
+            polygon.front_up = d.w & 1u;
+            polygon.roles = kAllCount ? 0u : subgroupShuffle(roles, t);
+            if (kScanlines) {
+              uint in_span = subgroupShuffle(span.y, t);
+              polygon.covered = uint(column) - (in_span & 0xFFFFu) <= in_span >> 16 && in_span != kNoColumns;
+              polygon.z = longFrom(p.xy) + (longFrom(p.zw) * int64_t(column) >> args.column_bits);
+            } else {
+              ivec4 per_row = subgroupShuffle(b, t);
+              polygon.edges = subgroupShuffle(a, t) * column + per_row * lane_row + subgroupShuffle(c, t);
+              polygon.edges_per_step = per_row * rows_per_step;
+              int64_t z_per_row = longFrom(subgroupShuffle(plane_y, t));
+              polygon.z = longFrom(p.xy) + longFrom(p.zw) * int64_t(column) + z_per_row * int64_t(lane_row);
+              polygon.z_per_step = z_per_row * int64_t(rows_per_step);
+            }
+            takeStep(0, polygon, fragments);
+            if (kSteps > 1) takeStep(1, polygon, fragments);
+            if (kSteps > 2) takeStep(2, polygon, fragments);
+            if (kSteps > 2) takeStep(3, polygon, fragments);
+            if (kSteps > 4) takeStep(4, polygon, fragments);
+            if (kSteps > 4) takeStep(5, polygon, fragments);
+            if (kSteps > 4) takeStep(6, polygon, fragments);
+            if (kSteps > 4) takeStep(7, polygon, fragments);
+            ++t;
+            if (kSorted) {
+              bool no_room = false;
+              [[unroll]] for (int k = 0; k < kMostSteps; ++k) no_room = no_room || (k < kSteps && nearest[k][kLayersKept - 1] != kNoLayer);
+              full = subgroupAny(no_room && is_sorted);
+            }
+          } while (t < lanes && base + t < polygon_count && !full);
+          cut = cut || (t < lanes && base + t < polygon_count && !full);
+          bool block_ends = t >= lanes || base + t >= polygon_count;
+          base += block_ends ? lanes : 0u;
+          t = block_ends ? 0u : t;
+          ++blocks_done;
+        } while (base < polygon_count && !full);
+        cut = cut || (base < polygon_count && !full);
+        uint64_t bound = kNoLayer;
+        if (kSorted) {  // nothing from the next polygon on is nearer than its nearest depth in the tile
+          uint next = texelFetch(list_texels, int(tile.list_start + min(base + t, polygon_count - 1u))).x;
+          uint projected_at = 4u * (tile.direction * args.polygon_count + next);
+          uvec4 depth_01 = texelFetch(projected_texels, int(projected_at + 1u)), depth_2 = texelFetch(projected_texels, int(projected_at + 2u));
+          int shift = int(texelFetch(projected_texels, int(projected_at + 3u)).x);
+          int64_t depth = longFrom(depth_01.xy) + longFrom(depth_01.zw) * int64_t(tile.corner.x) + longFrom(depth_2.xy) * int64_t(tile.corner.y);
+          uint nearest_depth = nearestDepth(depth, longFrom(depth_01.zw), longFrom(depth_2.xy), shift, ivec2(depth_2.zw), ivec2(kTileWidth, args.tile_rows));
+          if (base < polygon_count) bound = uint64_t(2u * nearest_depth) << 32;
+        }
+        gaps += flush(bound, base >= polygon_count, weight, lane, cut);
       } while (base < polygon_count);
       cut = cut || base < polygon_count;
       ++rounds;
 
       again = false;
-      int s = 0;
-      do {
-        uint64_t layers[kLayersKept];
-        [[unroll]] for (int k = 0; k < kLayersKept; ++k) layers[k] = nearest[0][k];
-        uint64_t before = last[0], emitter = farthest_emitter[0], receiver = farthest_receiver[0];
-        bool was_open = open[0], lost_any = lost[0];
-        [[unroll]] for (int m = 1; m < kMostSteps; ++m) {
-          if (m >= kSteps) continue;
-          [[unroll]] for (int k = 0; k < kLayersKept; ++k) layers[k] = s == m ? nearest[m][k] : layers[k];
-          before = s == m ? last[m] : before;
-          emitter = s == m ? farthest_emitter[m] : emitter;
-          receiver = s == m ? farthest_receiver[m] : receiver;
-          was_open = s == m ? open[m] : was_open;
-          lost_any = s == m ? lost[m] : lost_any;
-        }
-        gaps += addGaps(before, layers, lost_any, was_open, weight, lane, cut);
-        uint64_t reached = before;
-        [[unroll]] for (int k = 0; k < kLayersKept; ++k) reached = layers[k] != kNoLayer ? layers[k] : reached;
-        bool stays_open = was_open && lost_any;
-        if (!kAllCount) stays_open = stays_open && reached <= (args.counts_environment != 0u ? emitter : min(emitter, receiver));
-        again = again || stays_open;
-        [[unroll]] for (int m = 0; m < kMostSteps; ++m) {
-          last[m] = s == m ? reached : last[m];
-          open[m] = s == m ? stays_open : open[m];
-        }
-        ++s;
-      } while (s < kSteps);
-      cut = cut || s < kSteps;
+      [[unroll]] for (int k = 0; k < kMostSteps; ++k) {
+        open[k] = open[k] && lost[k] != kNoLayer;
+        if (!kAllCount) open[k] = open[k] && last[k] <= (args.counts_environment != 0u ? farthest_emitter[k] : min(farthest_emitter[k], farthest_receiver[k]));
+        again = again || open[k];
+      }
       again = subgroupAny(again);
     } while (again);
     cut = cut || again;

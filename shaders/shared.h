@@ -164,7 +164,7 @@ struct BinArgs {
   uint64_t tile_roles;    // uint[direction_count][tiles_high][tiles_wide]: which roles its polygons have, where only some tiles count
   uint64_t tile_counts;   // the same: of polygons
   uint64_t tile_starts;   // the same: where the tile's list begins
-  uint64_t lists;         // uint[list_capacity]: polygons
+  uint64_t lists;         // uint[list_capacity]: polygons; ListEntry[list_capacity] where they are to be sorted
   uint64_t active_tiles;  // ActiveTile[tile_count]
   uint64_t directions;    // DirectionData[]
   uint64_t status;        // BatchStatus
@@ -177,6 +177,7 @@ struct BinArgs {
   uint mode;              // kBinRoles, kBinCount or kBinScatter
   uint rows_per_invocation;  // of tiles
   uint needed_roles;         // of an active tile
+  uint sorts;
   int column_bits;
 };
 
@@ -190,7 +191,22 @@ struct ActiveTile {
   uint direction;
   uint weight;      // of its samples
   int column, row;  // of the lattice, its least
-  uint padding[2];
+  uint is_sorted;   // its list
+  uint padding;
+};
+
+// An entry of a list that is to be sorted.
+struct ListEntry {
+  uint polygon;
+  uint nearest_depth;  // in the tile
+};
+
+const uint kMostSorted = 2048u;  // entries of a list
+
+struct SortArgs {
+  uint64_t sorted_lists;  // uint[list_capacity]
+  uint64_t active_tiles;
+  uint64_t status;
 };
 
 // A tile, or a row of it, whose layers one invocation could not get through.

@@ -4,6 +4,7 @@
 //   bin        count the polygons that reach each tile
 //   allocate   give every tile its list, list the active tiles
 //   bin        fill the lists
+//   sort       where lines meet many polygons: the lists by depth
 //   peel       every row of every active tile: spans of its polygons, samples, layers in order, facing rules, counters
 // A batch is one submission, and two are in flight. What overflows says so in the batch's status: the host makes room and repeats.
 #include "engines/compute_engine.h"
@@ -22,6 +23,7 @@
 #include "shaders/bin.comp.h"
 #include "shaders/peel.comp.h"
 #include "shaders/project.comp.h"
+#include "shaders/sort.comp.h"
 #include "vulkan/commands.h"
 #include "vulkan/timestamps.h"
 
@@ -35,13 +37,13 @@ constexpr uint64_t kMemoryBudget = 1u << 30;  // of everything but the counters
 constexpr uint64_t kBatchWork = 1u << 15;     // polygons, or tiles: enough to outweigh a submission
 constexpr int kScanlineBits = 10;             // of a column coordinate: an interval's ends are rounded to 2^-10 of a spacing
 constexpr uint32_t kTexelBuffers = 5;
-const std::array<const char*, 6> kPasses = {"project", "bin roles", "bin count", "allocate", "bin scatter", "peel"};
+const std::array<const char*, 7> kPasses = {"project", "bin roles", "bin count", "allocate", "bin scatter", "sort", "peel"};
 
 // What one batch of directions is done with.
 struct Batch {
   Commands commands;
   Timestamps timestamps;
-  Buffer directions, edges, projected, tile_roles, tile_counts, tile_starts, active_tiles, lists, status, status_read;
+  Buffer directions, edges, projected, tile_roles, tile_counts, tile_starts, active_tiles, entries, lists, status, status_read;
   std::array<Buffer, 2> unfinished, reached;
   std::span<const Direction> asked;
   bool in_flight = false;
@@ -49,6 +51,7 @@ struct Batch {
 
 struct Tuning {
   uint32_t subgroup_size, tile_width, tile_rows, steps, layers_kept, most_blocks;
+  bool sorts;
 };
 
 Tuning tune(const Device& device, const LatticeOptions& options) {
@@ -64,10 +67,10 @@ Tuning tune(const Device& device, const LatticeOptions& options) {
   const uint32_t subgroup_size = subgroup.subgroupSize, layers_kept = choose(options.layers_kept, 4), most_blocks = choose(options.most_blocks, on_cpu ? 1000 : 1u << 30);
   const uint32_t tile_rows = std::min(std::bit_ceil(choose(options.tile_rows, kMostTileRows)), kMostTileRows);
   if (options.sampling == Sampling::scanline)
-    return {subgroup_size, std::min(choose(options.tile_width, 8), 32768u >> kScanlineBits), tile_rows, 1, layers_kept, most_blocks};
+    return {subgroup_size, std::min(choose(options.tile_width, 8), 32768u >> kScanlineBits), tile_rows, 1, layers_kept, most_blocks, false};
   // Lattice points: as many columns as divide a subgroup, and the rows in steps.
   const uint32_t tile_width = std::min(std::bit_ceil(choose(options.tile_width, 8)), subgroup_size);
-  return {subgroup_size, tile_width, tile_rows, std::max(1u, tile_width * tile_rows / subgroup_size), layers_kept, most_blocks};
+  return {subgroup_size, tile_width, tile_rows, std::max(1u, tile_width * tile_rows / subgroup_size), layers_kept, most_blocks, options.sort};
 }
 
 class ComputeEngine : public Engine {
@@ -89,7 +92,7 @@ class ComputeEngine : public Engine {
   BatchStatus peelUnfinished(Batch& batch, BatchStatus found);
   void addWork(const Batch& batch, const BatchStatus& found);
   PeelArgs peelArgs(const Batch& batch) const;
-  void bindTexels(Batch& batch, const Kernel& kernel);
+  void bindTexels(Batch& batch, const Kernel& kernel, const Buffer& lists);
   uint64_t memoryBytes() const;
 
   const Device& device_;
@@ -101,7 +104,7 @@ class ComputeEngine : public Engine {
   PairCounters counters_;
   uint32_t tiles_wide_ = 0, tiles_high_ = 0, batch_size_ = 0, needed_roles_ = 0;
   uint64_t list_capacity_ = 0;
-  Kernel project_, bin_, allocate_, peel_;
+  Kernel project_, bin_, allocate_, sort_, peel_;
   std::vector<Batch> batches_;
   Commands commands_;       // of what is done between batches
   bool must_grow_ = false;  // the hash table
@@ -134,9 +137,10 @@ void ComputeEngine::makeKernels() {
   project_ = Kernel(device_, project_comp, sizeof(ProjectArgs));
   bin_ = Kernel(device_, bin_comp, sizeof(BinArgs), {}, kTexelBuffers);
   allocate_ = Kernel(device_, allocate_comp, sizeof(BinArgs));
+  if (tuning_.sorts) sort_ = Kernel(device_, sort_comp, sizeof(SortArgs), {tuning_.subgroup_size}, kTexelBuffers);
   peel_ = Kernel(device_, peel_comp, sizeof(PeelArgs),
                  {tuning_.subgroup_size, tuning_.layers_kept, scanlines, counters_.isSparse(), all_count_, options_.aggregate, options_.measure_work,
-                  tuning_.steps, ids_are_indices_, tuning_.tile_width},
+                  tuning_.steps, ids_are_indices_, tuning_.tile_width, tuning_.sorts},
                  kTexelBuffers);
 }
 
@@ -148,7 +152,7 @@ void ComputeEngine::planBatches() {
   const uint64_t tiles = uint64_t(tiles_wide_) * tiles_high_, rows = tiles * tuning_.tile_rows;
   const uint64_t lists_per_direction = 4 * uint64_t(scene_.polygon_count) + tiles;
   const uint64_t bytes = scene_.polygon_count * sizeof(ProjectedPolygon) + scene_.corner_count * sizeof(Edge) + tiles * (12 + sizeof(ActiveTile)) +
-                         rows * 2 * (sizeof(UnfinishedRow) + sizeof(uint64_t) * tuning_.subgroup_size * tuning_.steps) + lists_per_direction * sizeof(uint32_t);
+                         rows * 2 * (sizeof(UnfinishedRow) + sizeof(uint64_t) * tuning_.subgroup_size * tuning_.steps) + lists_per_direction * (sizeof(uint32_t) + (tuning_.sorts ? sizeof(ListEntry) : 0));
   const uint64_t budget = (options_.memory_budget_bytes ? options_.memory_budget_bytes : kMemoryBudget) / 2;
   const uint64_t largest = std::min<uint64_t>(device_.maxAllocationBytes(), device_.properties().limits.maxTexelBufferElements * uint64_t(8));
   const uint64_t per_buffer = std::max<uint64_t>(scene_.corner_count * sizeof(Edge), 2 * lists_per_direction * sizeof(uint32_t));
@@ -188,7 +192,8 @@ void ComputeEngine::makeBatches() {
 void ComputeEngine::makeLists(Batch& batch, uint64_t capacity) {
   if (capacity > 0x7FFFFFFF)
     throw Error(ErrorCode::limit, fmt::format("polygons of one batch reach {} tiles, more than can be addressed; try a smaller --resolution or --batch 1", capacity));
-  batch.lists = Buffer();  // room for the next
+  for (Buffer* buffer : {&batch.lists, &batch.entries}) *buffer = Buffer();  // room for the next
+  if (tuning_.sorts) batch.entries = Buffer(device_, capacity * sizeof(ListEntry), MemoryUse::device, VK_FORMAT_R32G32_UINT);
   batch.lists = Buffer(device_, capacity * sizeof(uint32_t), MemoryUse::device, VK_FORMAT_R32_UINT);
 }
 
@@ -223,8 +228,8 @@ bool ComputeEngine::countAll(std::span<const Direction> directions) {
   return complete;
 }
 
-void ComputeEngine::bindTexels(Batch& batch, const Kernel& kernel) {
-  const std::array<VkBufferView, kTexelBuffers> views = {batch.edges.texels(), batch.projected.texels(), scene_.polygons.texels(), batch.lists.texels(),
+void ComputeEngine::bindTexels(Batch& batch, const Kernel& kernel, const Buffer& lists) {
+  const std::array<VkBufferView, kTexelBuffers> views = {batch.edges.texels(), batch.projected.texels(), scene_.polygons.texels(), lists.texels(),
                                                          batch.active_tiles.texels()};
   batch.commands.bindTexels(kernel, views);
 }
@@ -260,14 +265,14 @@ void ComputeEngine::submit(Batch& batch) {
   commands.dispatch(project_, project, polygon_groups, direction_count);
   endPass();
 
-  BinArgs bin{batch.tile_roles.address(), batch.tile_counts.address(), batch.tile_starts.address(), batch.lists.address(), batch.active_tiles.address(),
+  BinArgs bin{batch.tile_roles.address(), batch.tile_counts.address(), batch.tile_starts.address(), (tuning_.sorts ? batch.entries : batch.lists).address(), batch.active_tiles.address(),
               batch.directions.address(), batch.status.address(), scene_.polygon_count, scene_.corner_count, tiles_wide_, tiles_high_, tuning_.tile_width, tuning_.tile_rows,
               tile_count, static_cast<uint32_t>(batch.lists.sizeBytes() / sizeof(uint32_t)), kBinRoles,
-              std::max(1u, kMostTilesPerInvocation / tiles_wide_), needed_roles_, column_bits_};
+              std::max(1u, kMostTilesPerInvocation / tiles_wide_), needed_roles_, tuning_.sorts ? 1u : 0u, column_bits_};
   const auto runBin = [&](uint32_t mode) {
     bin.mode = mode;
     commands.bind(bin_, VK_PIPELINE_BIND_POINT_COMPUTE);
-    bindTexels(batch, bin_);
+    bindTexels(batch, bin_, batch.lists);
     commands.dispatch(bin_, bin, polygon_groups, direction_count, divideUp(tiles_high_, bin.rows_per_invocation));
     endPass();
   };
@@ -278,8 +283,15 @@ void ComputeEngine::submit(Batch& batch) {
   endPass();
   runBin(kBinScatter);
 
+  if (tuning_.sorts) {
+    const SortArgs sort{batch.lists.address(), batch.active_tiles.address(), batch.status.address()};
+    commands.bind(sort_, VK_PIPELINE_BIND_POINT_COMPUTE);
+    bindTexels(batch, sort_, batch.entries);
+    commands.dispatchIndirect(sort_, sort, batch.status, offsetof(BatchStatus, peel_groups));
+  }
+  endPass();
   commands.bind(peel_, VK_PIPELINE_BIND_POINT_COMPUTE);
-  bindTexels(batch, peel_);
+  bindTexels(batch, peel_, batch.lists);
   commands.dispatchIndirect(peel_, peelArgs(batch), batch.status, offsetof(BatchStatus, peel_groups));
   endPass();
   commands.copy(batch.status, batch.status_read, sizeof(BatchStatus));
@@ -332,7 +344,7 @@ BatchStatus ComputeEngine::peelUnfinished(Batch& batch, BatchStatus found) {
     vkCmdUpdateBuffer(commands.handle(), batch.status.handle(), offsetof(BatchStatus, unfinished), sizeof none, &none);
     commands.barrier();
     commands.bind(peel_, VK_PIPELINE_BIND_POINT_COMPUTE);
-    bindTexels(batch, peel_);
+    bindTexels(batch, peel_, batch.lists);
     commands.dispatch(peel_, peel, std::min(found.unfinished, kGroupsPerRow), divideUp(found.unfinished, kGroupsPerRow));
     commands.barrier();
     commands.copy(batch.status, batch.status_read, sizeof(BatchStatus));
@@ -367,7 +379,7 @@ uint64_t ComputeEngine::memoryBytes() const {
   uint64_t bytes = counters_.sizeBytes() + scene_.polygons.sizeBytes() + scene_.corners.sizeBytes();
   for (const Batch& batch : batches_) {
     for (const Buffer* buffer : {&batch.directions, &batch.edges, &batch.projected, &batch.tile_roles, &batch.tile_counts, &batch.tile_starts,
-                                 &batch.active_tiles, &batch.lists, &batch.status, &batch.status_read,
+                                 &batch.active_tiles, &batch.entries, &batch.lists, &batch.status, &batch.status_read,
                                  &batch.unfinished[0], &batch.unfinished[1], &batch.reached[0], &batch.reached[1]})
       bytes += buffer->sizeBytes();
   }
