@@ -7,9 +7,8 @@
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Directions { DirectionData at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Polygons { PolygonData at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Corners { dvec3 at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Edges { Edge at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Projected { ProjectedPolygon at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Projected { ProjectedPolygon at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Layers { Layer at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Words { uint at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Commands { LayerCommands at; };

@@ -341,6 +341,7 @@ void main() {
           open[k] = false;
         }
         first = sample_count;
+        again = false;
         break;
       }
       [[unroll]] for (int k = 0; k < kMostSteps; ++k) {
@@ -446,6 +447,7 @@ void main() {
     first += lanes;
   }
   if (cut || first < sample_count) atomicOr(status.at.overflows, kLoopCut);
+  if (lane == 0u) atomicAdd(status.at.rounds, rounds);
   if (kMeasuresWork) {
     uint all_fragments = subgroupAdd(fragments), all_gaps = subgroupAdd(gaps);
     bool begins = args.resumes == 0u && polygon_count > 0u;
@@ -453,7 +455,6 @@ void main() {
       atomicAdd(status.at.rows, begins ? kScanlines ? 1ul : uint64_t(args.tile_rows) : 0ul);
       atomicAdd(status.at.spans, begins ? uint64_t(polygon_count) : 0ul);
       atomicAdd(status.at.samples, begins ? uint64_t(kScanlines ? sample_count : kTileWidth * args.tile_rows) : 0ul);
-      atomicAdd(status.at.rounds, uint64_t(rounds));
       atomicAdd(status.at.tests, uint64_t(rounds) * uint64_t(polygon_count) * uint64_t(lanes * uint(kSteps)));
       atomicAdd(status.at.fragments, uint64_t(all_fragments));
       atomicAdd(status.at.gaps, uint64_t(all_gaps));

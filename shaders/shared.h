@@ -19,6 +19,11 @@ struct PolygonData {
   double plane_offset;
 };
 
+struct CornerData {
+  dvec3 at;
+  double padding;
+};
+
 // An edge over the lattice: a X + b y 2^column_bits + c >= 0 where the point (X / 2^column_bits, y) lies on the polygon's side of it.
 // One texel, and a ProjectedPolygon is four: software devices fetch texels several times faster than they load words.
 struct Edge {
@@ -68,9 +73,6 @@ struct LayerCommands {
 };
 
 struct ProjectArgs {
-  uint64_t directions;  // DirectionData[direction_count]
-  uint64_t polygons;    // PolygonData[polygon_count]
-  uint64_t corners;     // dvec3[corner_count]
   uint64_t edges;       // Edge[direction_count][corner_count], edge k from corner k to the next of its polygon
   uint64_t projected;   // ProjectedPolygon[direction_count][polygon_count]
   uint64_t outlines;    // Outline[direction_count][polygon_count], or 0 where nobody draws them
@@ -149,11 +151,12 @@ struct BatchStatus {
   uint unfinished;      // rows
   uint overflows;       // kTileCut and so on
   uint pairs;           // that entered the hash table
+  uint rounds;          // over the samples of a subgroup
+  uint padding;
   // Work done, where it is measured.
   uint64_t rows;
   uint64_t spans;
   uint64_t samples;
-  uint64_t rounds;      // over one subgroup's samples
   uint64_t tests;       // of a sample against a polygon of its tile
   uint64_t fragments;   // samples covered by a polygon: layers
   uint64_t gaps;        // between consecutive layers, the counted ones

@@ -35,6 +35,9 @@ using namespace device_data;
 constexpr uint32_t kGroupSize = 64;           // local_size_x of project, bin and allocate
 constexpr uint64_t kMemoryBudget = 1u << 30;  // of everything but the counters
 constexpr uint64_t kBatchWork = 1u << 15;     // polygons, or tiles: enough to outweigh a submission
+constexpr uint32_t kTrialDirections = 4;      // after which the tuning is settled
+constexpr uint32_t kLongList = 48;            // polygons over a tile, on the average, from which on smaller tiles are faster
+constexpr double kManyRounds = 1.5;           // a tile, from which on lists are sorted
 constexpr int kScanlineBits = 10;             // of a column coordinate: an interval's ends are rounded to 2^-10 of a spacing
 constexpr uint32_t kTexelBuffers = 5;
 const std::array<const char*, 7> kPasses = {"project", "bin roles", "bin count", "allocate", "bin scatter", "sort", "peel"};
@@ -84,6 +87,7 @@ class ComputeEngine : public Engine {
  private:
   void makeKernels();
   void planBatches();
+  void retune(const BatchStatus& found);
   void makeBatches();
   void makeLists(Batch& batch, uint64_t capacity);
   bool countAll(std::span<const Direction> directions);
@@ -108,6 +112,8 @@ class ComputeEngine : public Engine {
   std::vector<Batch> batches_;
   Commands commands_;       // of what is done between batches
   bool must_grow_ = false;  // the hash table
+  bool tuned_ = false;
+  BatchStatus first_found_{};
   Work work_;
 };
 
@@ -134,7 +140,7 @@ ComputeEngine::ComputeEngine(const Device& device, const Scene& scene, const Ids
 
 void ComputeEngine::makeKernels() {
   const uint32_t scanlines = options_.sampling == Sampling::scanline;
-  project_ = Kernel(device_, project_comp, sizeof(ProjectArgs));
+  project_ = Kernel(device_, project_comp, sizeof(ProjectArgs), {}, 3);
   bin_ = Kernel(device_, bin_comp, sizeof(BinArgs), {}, kTexelBuffers);
   allocate_ = Kernel(device_, allocate_comp, sizeof(BinArgs));
   if (tuning_.sorts) sort_ = Kernel(device_, sort_comp, sizeof(SortArgs), {tuning_.subgroup_size}, kTexelBuffers);
@@ -142,6 +148,24 @@ void ComputeEngine::makeKernels() {
                  {tuning_.subgroup_size, tuning_.layers_kept, scanlines, counters_.isSparse(), all_count_, options_.aggregate, options_.measure_work,
                   tuning_.steps, ids_are_indices_, tuning_.tile_width, tuning_.sorts},
                  kTexelBuffers);
+}
+
+// Chooses the rest by what the first batch met: it changes no result.
+void ComputeEngine::retune(const BatchStatus& found) {
+  tuned_ = true;
+  if (options_.sampling == Sampling::scanline || found.active_tiles == 0) return;
+  const Tuning before = tuning_;
+  if (!options_.tile_rows && found.list_length / found.active_tiles >= kLongList) options_.tile_rows = 4;
+  if (!options_.layers_kept && found.rounds > kManyRounds * found.active_tiles) {
+    options_.sort = true;
+    options_.layers_kept = 8;
+  }
+  tuning_ = tune(device_, options_);
+  if (tuning_.tile_rows == before.tile_rows && tuning_.sorts == before.sorts) return;
+  options_.list_capacity = 0;
+  makeKernels();
+  planBatches();
+  makeBatches();
 }
 
 // The window holds the unit ball with its offset; a direction's tiles form a grid that is symmetric about the lattice's origin.
@@ -173,7 +197,7 @@ void ComputeEngine::makeBatches() {
   for (int k = 0; k < 2; ++k) {
     Batch batch{Commands(device_)};
     if (options_.measure_work) batch.timestamps = Timestamps(device_, kPasses.size() + 1);
-    batch.directions = Buffer(device_, batch_size_ * sizeof(DirectionData), MemoryUse::upload);
+    batch.directions = Buffer(device_, batch_size_ * sizeof(DirectionData), MemoryUse::upload, texels);
     batch.edges = Buffer(device_, uint64_t(batch_size_) * scene_.corner_count * sizeof(Edge), MemoryUse::device, texels);
     batch.projected = Buffer(device_, uint64_t(batch_size_) * scene_.polygon_count * sizeof(ProjectedPolygon), MemoryUse::device, texels);
     batch.tile_roles = Buffer(device_, needed_roles_ ? tiles * sizeof(uint32_t) : 0, MemoryUse::device);
@@ -219,9 +243,12 @@ bool ComputeEngine::countAll(std::span<const Direction> directions) {
       if (complete) counters_.makeRoom(commands_);
     }
     if (!complete || done == directions.size()) continue;
-    batch.asked = directions.subspan(done, std::min<size_t>(batch_size_, directions.size() - done));
+    batch.asked = directions.subspan(done, std::min<size_t>(tuned_ ? batch_size_ : std::min(batch_size_, kTrialDirections), directions.size() - done));
     done += batch.asked.size();
     submit(batch);
+    if (tuned_) continue;
+    complete = finish(batch);
+    if (complete) retune(first_found_);
   }
   for (Batch& batch : batches_)
     if (batch.in_flight) complete = finish(batch) && complete;
@@ -258,10 +285,12 @@ void ComputeEngine::submit(Batch& batch) {
   commands.fill(batch.tile_counts, 0, tile_count * sizeof(uint32_t));
   if (needed_roles_) commands.fill(batch.tile_roles, 0, tile_count * sizeof(uint32_t));
   endPass();
-  const ProjectArgs project{batch.directions.address(), scene_.polygons.address(), scene_.corners.address(), batch.edges.address(),
+  const ProjectArgs project{batch.edges.address(),
                             batch.projected.address(), 0, scene_.polygon_count, scene_.corner_count, direction_count, options_.resolution,
                             fraction_bits_, column_bits_, 0};
   const uint32_t polygon_groups = divideUp(scene_.polygon_count, kGroupSize);
+  commands.bind(project_, VK_PIPELINE_BIND_POINT_COMPUTE);
+  commands.bindTexels(project_, std::array{batch.directions.texels(), scene_.polygons.texels(), scene_.corners.texels()});
   commands.dispatch(project_, project, polygon_groups, direction_count);
   endPass();
 
@@ -315,15 +344,16 @@ bool ComputeEngine::finish(Batch& batch) {
   if (found.overflows & kTooManySpans)
     throw Error(ErrorCode::limit, fmt::format("more than {} polygons cross one row of a tile; try a larger --resolution", kMostSpans));
   if (!found.overflows && found.unfinished) found = peelUnfinished(batch, found);
-  if (found.overflows & kLoopCut) {
+  must_grow_ = must_grow_ || (found.overflows & kCountersOverflowed);
+  if ((found.overflows & kLoopCut) && !(found.overflows & kCountersOverflowed)) {  // a full table alone makes loops long
     if (tuning_.most_blocks < 2) throw Error(ErrorCode::limit, "more polygons lie over one row than this device's loops can take; try --engine graphics");
     tuning_.most_blocks /= 2;
   }
-  must_grow_ = must_grow_ || (found.overflows & kCountersOverflowed);
   if (found.overflows) {
     ++work_.repeats;
     return false;
   }
+  if (!tuned_) first_found_ = found;
   addWork(batch, found);
   counters_.notePairs(found.pairs);
   return true;

@@ -71,7 +71,7 @@ GraphicsEngine::GraphicsEngine(const Device& device, const Scene& scene, const I
       fraction_bits_(chooseFractionBits(options.resolution)),
       scene_(device, scene, ids),
       counters_(device, ids.count(), options.counter_budget_bytes, false),
-      project_(device, project_comp, sizeof(ProjectArgs)),
+      project_(device, project_comp, sizeof(ProjectArgs), std::vector<uint32_t>{}, 3),
       peel_(device, peel_vert, peel_frag, kLayerFormat, kDepthFormat, sizeof(DrawArgs)),
       accumulate_(device, accumulate_comp, sizeof(AccumulateArgs)),
       commands_(device) {
@@ -79,7 +79,7 @@ GraphicsEngine::GraphicsEngine(const Device& device, const Scene& scene, const I
 
   planBatch(uint64_t(scene_.polygon_count) * (sizeof(ProjectedPolygon) + sizeof(Outline)) + uint64_t(scene_.corner_count) * sizeof(Edge));
 
-  directions_ = Buffer(device, batch_size_ * sizeof(DirectionData), MemoryUse::upload);
+  directions_ = Buffer(device, batch_size_ * sizeof(DirectionData), MemoryUse::upload, VK_FORMAT_R32G32B32A32_UINT);
   edges_ = Buffer(device, uint64_t(batch_size_) * scene_.corner_count * sizeof(Edge), MemoryUse::device);
   projected_ = Buffer(device, uint64_t(batch_size_) * scene_.polygon_count * sizeof(ProjectedPolygon), MemoryUse::device);
   outlines_ = Buffer(device, uint64_t(batch_size_) * scene_.polygon_count * sizeof(Outline), MemoryUse::device);
@@ -137,8 +137,10 @@ void GraphicsEngine::countBatch(std::span<const Direction> directions) {
   const auto direction_count = static_cast<uint32_t>(directions.size());
   writeDirections(directions, directions_);
   commands_.begin();
-  ProjectArgs project{directions_.address(), scene_.polygons.address(), scene_.corners.address(), edges_.address(), projected_.address(),
+  ProjectArgs project{edges_.address(), projected_.address(),
                       outlines_.address(), scene_.polygon_count, scene_.corner_count, direction_count, options_.resolution, fraction_bits_, 0, cell_size_};
+  commands_.bind(project_, VK_PIPELINE_BIND_POINT_COMPUTE);
+  commands_.bindTexels(project_, std::array{directions_.texels(), scene_.polygons.texels(), scene_.corners.texels()});
   commands_.dispatch(project_, project, divideUp(scene_.polygon_count, kGroupSize), direction_count);
   // Layer -1 lies before everything: key 0, no polygon.
   commands_.fill(layers_[1], 0);

@@ -32,11 +32,18 @@ std::vector<device_data::PolygonData> listPolygons(const Scene& scene, const Ids
   return polygons;
 }
 
+std::vector<device_data::CornerData> listCorners(const Scene& scene) {
+  std::vector<device_data::CornerData> corners;
+  corners.reserve(scene.corners.size());
+  for (const glm::dvec3& corner : scene.corners) corners.push_back({corner, 0});
+  return corners;
+}
+
 }  // namespace
 
 SceneBuffers::SceneBuffers(const Device& device, const Scene& scene, const Ids& ids)
     : polygons(uploadBuffer(device, listPolygons(scene, ids), VK_FORMAT_R32G32B32A32_UINT)),
-      corners(uploadBuffer(device, scene.corners)),
+      corners(uploadBuffer(device, listCorners(scene), VK_FORMAT_R32G32B32A32_UINT)),
       polygon_count(static_cast<uint32_t>(scene.polygons.size())),
       corner_count(static_cast<uint32_t>(scene.corners.size())) {}
 

@@ -11,7 +11,7 @@ namespace viewpeel {
 // The scene as the shaders read it.
 struct SceneBuffers {
   Buffer polygons;  // PolygonData[polygon_count], as texels too
-  Buffer corners;   // dvec3[corner_count]
+  Buffer corners;   // CornerData[corner_count], as texels only
   uint32_t polygon_count, corner_count;
 
   SceneBuffers(const Device& device, const Scene& scene, const Ids& ids);

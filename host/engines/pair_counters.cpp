@@ -28,7 +28,7 @@ PairCounters::PairCounters(const Device& device, uint32_t id_count, uint64_t bud
       throw Error(ErrorCode::limit, fmt::format("dense counters of all pairs of {} ids need {:.1f} MiB, more than the {:.1f} MiB allowed; "
                                                 "try --by surface or --engine compute",
                                                 id_count, double(bytes) / 1048576.0, double(budget) / 1048576.0));
-    capacity_ = std::bit_ceil(table_capacity ? table_capacity : kFirstCapacity);
+    capacity_ = std::bit_ceil(table_capacity ? table_capacity : std::max(kFirstCapacity, 32 * id_count));
   }
   allocate();
   read_back_ = Buffer(device, kReadBytes, MemoryUse::readback);
@@ -57,8 +57,8 @@ void PairCounters::makeRoom(Commands& commands) {
 }
 
 void PairCounters::enlarge() {
-  if (capacity_ >= kMostCapacity) throw Error(ErrorCode::limit, fmt::format("the table of facing pairs outgrows {} places; try --by surface", capacity_));
-  capacity_ *= 2;
+  if (capacity_ > kMostCapacity / 4) throw Error(ErrorCode::limit, fmt::format("the table of facing pairs outgrows {} places; try --by surface", capacity_));
+  capacity_ *= 4;
   allocate();
 }
 
