@@ -39,5 +39,5 @@ void main() {
   Polygons polygons = Polygons(args.polygons);
   uint lower_id = lower.polygon == 0u ? 0u : polygons.at[lower.polygon - 1u].id & kIdMask;
   uint upper_id = upper.polygon == 0u ? 0u : polygons.at[upper.polygon - 1u].id & kIdMask;
-  addCount(args.counters, uint64_t(0), 0u, args.status, args.id_count, false, pairOf(gap, lower_id, upper_id), 1u);
+  addCount(args.counters, 0u, args.status, args.id_count, false, pairOf(gap, lower_id, upper_id), 1u);
 }

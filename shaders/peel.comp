@@ -173,7 +173,7 @@ void addRuns(bool has, uvec2 pair, uint weight, uint lane) {
     has = has && head;
     weight = to_end - sum + weight;
   }
-  if (has) addCount(args.counters, args.counter_keys, args.counter_mask, args.status, args.id_count, kSparse, pair, weight);
+  if (has) addCount(args.counters, args.counter_mask, args.status, args.id_count, kSparse, pair, weight);
 }
 
 // Adds the gaps between consecutive layers of one sample a lane: below those nearer than `bound`, and at the end the one above the last of them. Moves

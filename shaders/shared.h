@@ -227,7 +227,6 @@ struct PeelArgs {
   uint64_t reached_next;
   uint64_t status;
   uint64_t counters;
-  uint64_t counter_keys;
   uint polygon_count;
   uint id_count;
   uint tile_width, tile_rows;

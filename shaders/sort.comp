@@ -26,10 +26,10 @@ void main() {
   uint compared_end = sorts ? list.y : 0u;
   uint done = 0u;
   do {
-    uvec2 mine[kRanked];
+    uint64_t mine[kRanked];  // depth << 32 | polygon
     uint rank[kRanked];
     [[unroll]] for (int k = 0; k < kRanked; ++k) {
-      mine[k] = texelFetch(list_texels, int(list.x + min(done + uint(k) * lanes + lane, list.y - 1u))).xy;
+      mine[k] = packUint2x32(texelFetch(list_texels, int(list.x + min(done + uint(k) * lanes + lane, list.y - 1u))).xy);
       rank[k] = sorts ? 0u : done + uint(k) * lanes + lane;
     }
     for (uint base = 0u; base < compared_end; base += lanes) {
@@ -38,14 +38,14 @@ void main() {
       uint t = 0u;
       do {
         [[unroll]] for (uint m = 0u; m < 4u; ++m) {
-          uvec2 other = subgroupShuffle(theirs, t + m);
-          [[unroll]] for (int k = 0; k < kRanked; ++k) rank[k] += other.y < mine[k].y || (other.y == mine[k].y && other.x < mine[k].x) ? 1u : 0u;
+          uint64_t other = packUint2x32(subgroupShuffle(theirs, t + m));
+          [[unroll]] for (int k = 0; k < kRanked; ++k) rank[k] += other < mine[k] ? 1u : 0u;
         }
         t += 4u;
       } while (t < lanes);
     }
     [[unroll]] for (int k = 0; k < kRanked; ++k)
-      if (done + uint(k) * lanes + lane < list.y) Words(args.sorted_lists).at[list.x + rank[k]] = mine[k].x;
+      if (done + uint(k) * lanes + lane < list.y) Words(args.sorted_lists).at[list.x + rank[k]] = unpackUint2x32(mine[k]).x;
     done += uint(kRanked) * lanes;
   } while (done < list.y);
   if (lane == 0u) ActiveTiles(args.active_tiles).at[place].is_sorted = sorts ? 1u : 0u;

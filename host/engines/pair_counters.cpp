@@ -34,15 +34,12 @@ PairCounters::PairCounters(const Device& device, uint32_t id_count, uint64_t bud
   read_back_ = Buffer(device, kReadBytes, MemoryUse::readback);
 }
 
-uint64_t PairCounters::sizeBytes() const { return counters_.sizeBytes() + (isSparse() ? keys_.sizeBytes() : 0) + kReadBytes; }
+uint64_t PairCounters::sizeBytes() const { return counters_.sizeBytes() + kReadBytes; }
 
 void PairCounters::allocate() {
-  if (isSparse()) {
-    counter_count_ = capacity_;
-    for (Buffer* buffer : {&counters_, &keys_}) *buffer = Buffer();  // room for the next
-    keys_ = Buffer(device_, counter_count_ * sizeof(uint64_t), MemoryUse::device);
-  }
-  counters_ = Buffer(device_, counter_count_ * sizeof(uint64_t), MemoryUse::device);
+  if (isSparse()) counter_count_ = capacity_;
+  counters_ = Buffer();  // room for the next
+  counters_ = Buffer(device_, counter_count_ * bytesEach(), MemoryUse::device);
 }
 
 void PairCounters::start(Commands& commands) {
@@ -67,7 +64,6 @@ PairCounts PairCounters::finish(Commands& commands) { return addCounts(drained_,
 void PairCounters::clear(Commands& commands) {
   commands.begin();
   commands.fill(counters_, 0);
-  if (isSparse()) commands.fill(keys_, 0xFFFFFFFFu);
   commands.submitAndWait();
   pairs_ = 0;
 }
@@ -75,18 +71,17 @@ void PairCounters::clear(Commands& commands) {
 PairCounts PairCounters::read(Commands& commands) {
   PairCounts counts;
   const std::span<uint64_t> words = read_back_.mapped<uint64_t>();
-  const uint64_t at_once = kReadBytes / sizeof(uint64_t) / (isSparse() ? 2 : 1);
+  const uint64_t at_once = kReadBytes / bytesEach();
   uint32_t i = 0, column = 0;  // of the dense counter next in order
   for (uint64_t first = 0; first < counter_count_; first += at_once) {
-    const uint64_t count = std::min(at_once, counter_count_ - first), bytes = count * sizeof(uint64_t);
+    const uint64_t count = std::min(at_once, counter_count_ - first);
     commands.begin();
-    commands.copy(counters_, read_back_, bytes, first * sizeof(uint64_t), 0);
-    if (isSparse()) commands.copy(keys_, read_back_, bytes, first * sizeof(uint64_t), kReadBytes / 2);
+    commands.copy(counters_, read_back_, count * bytesEach(), first * bytesEach(), 0);
     commands.submitAndWait();
     for (uint64_t k = 0; k < count; ++k) {
       if (isSparse()) {
-        const uint64_t key = words[at_once + k];
-        if (words[k]) counts.push_back({static_cast<uint32_t>(key >> 32), static_cast<uint32_t>(key), words[k]});
+        const uint64_t pair = ~words[2 * k];
+        if (words[2 * k]) counts.push_back({static_cast<uint32_t>(pair >> 32), static_cast<uint32_t>(pair), words[2 * k + 1]});
         continue;
       }
       if (words[k]) counts.push_back({i, column == id_count_ ? kEnvironment : column > id_count_ ? kLeak : column, words[k]});

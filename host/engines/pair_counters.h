@@ -16,7 +16,6 @@ class PairCounters {
   bool isSparse() const { return capacity_ != 0; }
   uint32_t idCount() const { return id_count_; }
   VkDeviceAddress address() const { return counters_.address(); }
-  VkDeviceAddress keys() const { return isSparse() ? keys_.address() : 0; }
   uint32_t mask() const { return capacity_ - 1; }
   uint64_t sizeBytes() const;
 
@@ -36,15 +35,16 @@ class PairCounters {
 
  private:
   void allocate();
+  uint64_t bytesEach() const { return isSparse() ? 16 : 8; }
   void clear(Commands& commands);
   PairCounts read(Commands& commands);
 
   const Device& device_;
   uint32_t id_count_;
   uint32_t capacity_ = 0;  // of the hash table, a power of 2; 0 where counters are dense
-  uint64_t counter_count_;
+  uint64_t counter_count_;  // or places in the table
   uint64_t pairs_ = 0;     // in the table
-  Buffer counters_, keys_, read_back_;
+  Buffer counters_, read_back_;
   PairCounts drained_;     // from tables before this one
 };
 
