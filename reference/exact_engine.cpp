@@ -26,10 +26,12 @@ class ExactEngine : public Engine {
     for (size_t done = 0; done < directions.size(); done += kDirectionsAtOnce) {
       std::vector<glm::dvec3> along;
       for (size_t k = done; k < std::min(directions.size(), done + kDirectionsAtOnce); ++k) along.push_back(directions[k].u);
-      for (const ExactPairAreas& areas : computeExactPairAreas(scene_, along, options_))
-        for (const PairArea& pair : areas.pairs) {
+      const std::vector<ExactPairAreas> results = computeExactPairAreas(scene_, along, options_);
+      for (size_t k = 0; k < results.size(); ++k)
+        for (const PairArea& pair : results[k].pairs) {
+          if (!isCounted(pair)) continue;
           const uint32_t i = ids_.of_polygon[pair.a], j = pair.b < kEnvironment ? ids_.of_polygon[pair.b] : pair.b;
-          sums[{std::min(i, j), std::max(i, j)}] += static_cast<uint64_t>(std::llround(pair.area / kUnit));
+          sums[{std::min(i, j), std::max(i, j)}] += static_cast<uint64_t>(std::llround(pair.area / kUnit)) * directions[done + k].weight;
         }
     }
     PairCounts counts;
@@ -41,6 +43,13 @@ class ExactEngine : public Engine {
   double unitArea() const override { return kUnit; }
 
  private:
+  bool isCounted(const PairArea& pair) const {
+    const uint32_t a = ids_.rolesOf(pair.a);
+    if (pair.b >= kEnvironment) return (a & kEmits) && ids_.counts_environment;
+    const uint32_t b = ids_.rolesOf(pair.b);
+    return ((a & kEmits) && (b & kReceives)) || ((b & kEmits) && (a & kReceives));
+  }
+
   const Scene& scene_;
   const Ids& ids_;
   ExactOptions options_;

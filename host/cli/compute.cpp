@@ -1,5 +1,6 @@
 #include <chrono>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include <fmt/format.h>
@@ -24,48 +25,102 @@ struct ProgramOptions {
   bool two_sided = false;
   DeviceOptions device;
   EstimateOptions estimate;
-  bool quiet = false;
+  Question question;
+  bool whole_sphere = false;  // a sampler was asked for by name
+  bool quiet = false, verbose = false, json = false;
 };
 
 using Clock = std::chrono::steady_clock;
 
 double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-// One line on the terminal, rewritten after every replicate.
-void showProgress(const EstimateProgress& progress, const EstimateOptions& options, Clock::time_point start) {
-  std::string goal = fmt::format("of {}", options.replicates);
-  if (options.tolerance) goal = fmt::format("largest standard error {:.1e}, goal {:.1e}", progress.largest_standard_error, *options.tolerance);
-  fmt::print(stderr, "\r\033[Kreplicate {} {}, {:.1f} s", progress.replicates, goal, secondsSince(start));
-  std::fflush(stderr);
+// One line on the terminal, rewritten after every batch of directions and every replicate.
+class ProgressLine {
+ public:
+  explicit ProgressLine(const EstimateOptions& options) : options_(options) {}
+  void onBatch(uint64_t directions) {
+    directions_ += directions;
+    show();
+  }
+  void onReplicate(const EstimateProgress& progress) {
+    progress_ = progress;
+    directions_ = 0;
+    show();
+  }
+
+ private:
+  void show() {
+    if (secondsSince(shown_) < 0.1) return;
+    shown_ = Clock::now();
+    std::string goal = fmt::format("of {}", options_.replicates);
+    if (options_.tolerance && progress_.replicates) goal = fmt::format("largest standard error {:.1e}, goal {:.1e}", progress_.largest_standard_error, *options_.tolerance);
+    fmt::print(stderr, "\r\033[Kreplicate {} {}, direction {} of {}, {:.1f} s", progress_.replicates + 1, goal, directions_, options_.directions, secondsSince(start_));
+    std::fflush(stderr);
+  }
+
+  const EstimateOptions& options_;
+  EstimateProgress progress_;
+  uint64_t directions_ = 0;
+  Clock::time_point start_ = Clock::now(), shown_ = start_;
+};
+
+// Fewer directions where not everything is asked for. Returns how they are drawn, in words.
+std::string askDirections(const Question& question, const Scene& scene, bool two_sided, EstimateOptions& estimate) {
+  if (!question.pair.empty()) {
+    const DirectionRegion region = findPairRegion(scene, findPolygons(scene, question.pair[0]), findPolygons(scene, question.pair[1]), two_sided);
+    estimate.asked_directions = [region, &estimate](uint64_t replicate) { return sampleRegion(region, estimate.directions, estimate.seed, replicate); };
+    return region.isEmpty() ? "none: no front of one sees a front of the other"
+                            : fmt::format("in the pair's anti-convex-hull, {:.3g} % of a half sphere", region.solidAngle() / (2 * std::numbers::pi) * 100);
+  }
+  std::vector<uint32_t> emitter;
+  for (const std::string& name : question.from) {
+    const std::vector<uint32_t> polygons = findPolygons(scene, name);
+    emitter.insert(emitter.end(), polygons.begin(), polygons.end());
+  }
+  estimate.asked_directions = [emitter, &scene, &estimate](uint64_t replicate) { return sampleEmitter(scene, emitter, estimate.directions, estimate.seed, replicate); };
+  return "by the emitter's cosine, if it has one normal";
 }
 
 int runCompute(ProgramOptions options) {
   for (const std::string& output : options.outputs) checkOutput(output);
   const Scene scene = loadScene(options.scene);
   for (const std::string& warning : scene.warnings) fmt::print(stderr, "viewpeel: warning: {}\n", warning);
-  const Ids ids = makeIds(scene, options.by, options.two_sided);
+  Ids ids = makeIds(scene, options.by, options.two_sided);
+  askOnlyFor(options.question, scene, ids);
+  if (!ids.roles.empty() && options.engine == EngineKind::graphics)
+    throw Error(ErrorCode::bad_usage, "--from, --pair and --blocker need --engine compute or exact");
+  std::string sampler = options.estimate.sampler == Sampler::fibonacci ? "fibonacci" : "iid";
+  if (!options.whole_sphere && (!options.question.pair.empty() || (!options.question.from.empty() && !options.two_sided)))
+    sampler = askDirections(options.question, scene, options.two_sided, options.estimate);
   std::optional<Device> device;
   if (options.engine != EngineKind::exact) device.emplace(options.device);
-  if (!options.quiet) {
+  const bool talks = !options.quiet && !options.json;
+  if (talks) {
     fmt::print("{}{}", device ? describeDevice(*device) : "device     none: exact areas on the CPU\n", describeScene(scene));
-    fmt::print("sampling   {} {} directions a replicate, {}, seed {}\n", options.estimate.directions,
-               options.estimate.sampler == Sampler::fibonacci ? "fibonacci" : "iid",
-               device ? fmt::format("lattice {} across", options.lattice.resolution) : "exact areas", options.estimate.seed);
+    fmt::print("sampling   {} {} directions a replicate, {}, seed {}\n", options.estimate.directions, sampler,
+               device ? fmt::format("{} {} across", options.lattice.sampling == Sampling::scanline ? "scanlines" : "lattice", options.lattice.resolution) : "exact areas",
+               options.estimate.seed);
     std::fflush(stdout);
   }
 
   const auto start = Clock::now();
   const bool show_progress = !options.quiet && ::isatty(STDERR_FILENO);
-  if (show_progress)
-    options.estimate.on_replicate = [&](const EstimateProgress& p) { showProgress(p, options.estimate, start); };
+  ProgressLine progress(options.estimate);
+  if (show_progress) {
+    options.estimate.on_replicate = [&](const EstimateProgress& p) { progress.onReplicate(p); };
+    options.lattice.on_batch = [&](uint64_t directions) { progress.onBatch(directions); };
+  }
+  options.lattice.measure_work = options.json;
   const auto engine = device ? makeLatticeEngine(options.engine, *device, scene, ids, options.lattice) : reference::makeExactEngine(scene, ids);
+  if (options.verbose && talks) fmt::print("{}", engine->describePlan());
   const Estimate estimate = estimateFormFactors(*engine, scene, ids, options.estimate);
   if (show_progress) fmt::print(stderr, "\r\033[K");
   if (device) checkValidation(*device);
   const double seconds = secondsSince(start);
 
   for (const std::string& output : options.outputs) writeFormFactors(estimate.form_factors, output);
-  if (options.quiet) return 0;
+  if (options.json) fmt::print("{}", asJson(options.scene, device ? device->description().name : "none", estimate, seconds, engine->work()));
+  if (!talks) return 0;
   fmt::print("\nlargest form factors between surfaces\n{}\n{}", tabulateLargest(estimate.between_surfaces, 20), describeErrors(estimate));
   fmt::print("work       {} replicates, {} directions, {:.2f} s\n", estimate.replicates, estimate.directions, seconds);
   for (const std::string& output : options.outputs) fmt::print("written    {}\n", output);
@@ -99,16 +154,24 @@ void addCompute(CLI::App& app, Run& chosen) {
   addChoice(command, "--by", options->by, {{"polygon", By::polygon}, {"surface", By::surface}}, "One row per polygon or per named surface");
   addChoice(command, "--engine", options->engine, {{"compute", EngineKind::compute}, {"graphics", EngineKind::graphics}, {"exact", EngineKind::exact}},
             "Depth peeling on a Vulkan device, in compute shaders or by its raster pipeline, or exact areas on the CPU");
+  addChoice(command, "--sampling", options->lattice.sampling, {{"lattice", Sampling::lattice}, {"scanline", Sampling::scanline}},
+            "Samples of a direction: lattice points, or lattice rows cut where polygons end (engine compute)");
   addChoice(command, "--sampler", estimate.sampler, {{"fibonacci", Sampler::fibonacci}, {"iid", Sampler::iid}},
-            "Directions: rotated Fibonacci sets, or independent");
+            "Directions over the sphere: rotated Fibonacci sets, or independent. Without it --from and --pair draw fewer, better ones");
+  command->add_option("--from", options->question.from, "Only the rows of this surface or face; may be given several times")->type_name("NAME")->allow_extra_args(false);
+  command->add_option("--pair", options->question.pair, "Only the form factors between two surfaces or faces")->type_name("A B")->expected(2);
+  command->add_option("--blocker", options->question.blockers, "A surface or face that only blocks; may be given several times")->type_name("NAME")->allow_extra_args(false);
   command->add_option("--seed", estimate.seed, "The same seed gives the same bits")->type_name("K")->capture_default_str();
   command->add_flag("--two-sided", options->two_sided, "Every polygon emits and receives on both sides");
   command->add_option("--device", options->device.selector, "Vulkan device: index, part of its name, cpu or gpu")->type_name("DEVICE");
   command->add_option("--batch", options->lattice.batch_directions, "Directions peeled at once; 0 chooses. Never changes the result")
       ->type_name("N")->capture_default_str();
   command->add_flag("--quiet", options->quiet, "Print nothing but errors and warnings");
+  command->add_flag("--verbose", options->verbose, "Print how work and memory are divided, too");
+  command->add_flag("--json", options->json, "Print the outcome and the work done as JSON");
   command->callback([=, &chosen] {
     if (tolerance_option->count()) options->estimate.tolerance = *tolerance;
+    options->whole_sphere = command->get_option("--sampler")->count() > 0;
     chosen = [options] { return runCompute(*options); };
   });
 }

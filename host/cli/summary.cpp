@@ -15,8 +15,10 @@ double shareOf(const FormFactors& form_factors, uint32_t column) {
   double exchange = 0;
   for (const auto& entry : form_factors.entries())
     if (entry.j == column) exchange += entry.exchange_area.value;
-  const auto& areas = form_factors.ids().areas;
-  return exchange / std::accumulate(areas.begin(), areas.end(), 0.0);
+  double area = 0;
+  for (uint32_t k = 0; k < form_factors.ids().count(); ++k)
+    if (form_factors.ids().isAsked(k)) area += form_factors.ids().areas[k];
+  return exchange / area;
 }
 
 }  // namespace
@@ -60,8 +62,8 @@ std::string tabulateLargest(const FormFactors& between_surfaces, size_t rows) {
   std::vector<Row> table;
   const auto& names = between_surfaces.ids().names;
   for (const auto& entry : between_surfaces.entries()) {
-    table.push_back({entry.i, entry.j, between_surfaces.formFactor(entry.i, entry.j)});
-    if (entry.j < kEnvironment && entry.j != entry.i)
+    if (between_surfaces.ids().isAsked(entry.i)) table.push_back({entry.i, entry.j, between_surfaces.formFactor(entry.i, entry.j)});
+    if (entry.j < kEnvironment && entry.j != entry.i && between_surfaces.ids().isAsked(entry.j))
       table.push_back({entry.j, entry.i, between_surfaces.formFactor(entry.j, entry.i)});
   }
   std::sort(table.begin(), table.end(), [](const Row& a, const Row& b) { return a.f.value > b.f.value; });
@@ -83,7 +85,10 @@ Closure measureClosure(const FormFactors& form_factors) {
   Closure closure;
   double squares = 0;
   const auto& sums = form_factors.rowSums();
-  for (size_t k = 0; k < sums.size(); ++k) {
+  size_t row_count = 0;
+  for (uint32_t k = 0; k < sums.size(); ++k) {
+    if (!form_factors.ids().isAsked(k)) continue;
+    ++row_count;
     const double error = std::abs(sums[k].value - 1);
     squares += error * error;
     if (error >= closure.largest_error) {
@@ -91,7 +96,7 @@ Closure measureClosure(const FormFactors& form_factors) {
       closure.row = form_factors.ids().names[k];
     }
   }
-  closure.rms_error = std::sqrt(squares / double(sums.size()));
+  closure.rms_error = std::sqrt(squares / double(row_count));
   return closure;
 }
 
@@ -100,13 +105,37 @@ double leakShare(const FormFactors& form_factors) { return shareOf(form_factors,
 
 std::string describeErrors(const Estimate& estimate) {
   const FormFactors& f = estimate.form_factors;
+  std::string text = fmt::format("errors     largest standard error {:.1e} over {} nonzero form factors\n", estimate.largest_standard_error, f.entries().size());
+  if (!f.ids().rows_sum_to_one) return text;
   const Closure closure = measureClosure(f);
-  return fmt::format(
-      "errors     largest standard error {:.1e} over {} nonzero form factors\n"
-      "closure    row sums differ from 1 by at most {:.1e} ({}), rms {:.1e}\n"
-      "outside    {:.3g} % of all emitted radiation leaves the scene, {:.3g} % ends on backs (leak)\n",
-      estimate.largest_standard_error, f.entries().size(), closure.largest_error, closure.row, closure.rms_error,
-      100 * environmentShare(f), 100 * leakShare(f));
+  return text + fmt::format("closure    row sums differ from 1 by at most {:.1e} ({}), rms {:.1e}\n"
+                            "outside    {:.3g} % of all emitted radiation leaves the scene, {:.3g} % ends on backs (leak)\n",
+                            closure.largest_error, closure.row, closure.rms_error, 100 * environmentShare(f), 100 * leakShare(f));
+}
+
+std::string asJson(const std::string& scene, const std::string& device, const Estimate& estimate, double seconds, const Work* work) {
+  const FormFactors& f = estimate.form_factors;
+  std::string text = fmt::format(
+      "{{\n  \"scene\": \"{}\",\n  \"device\": \"{}\",\n  \"ids\": {},\n  \"replicates\": {},\n  \"directions\": {},\n  \"seconds\": {:.6g},\n"
+      "  \"largest_standard_error\": {:.6g},\n  \"nonzero_form_factors\": {}",
+      escapeJson(scene), escapeJson(device), f.ids().count(), estimate.replicates, estimate.directions, seconds, estimate.largest_standard_error,
+      f.entries().size());
+  if (f.ids().rows_sum_to_one) {
+    const Closure closure = measureClosure(f);
+    text += fmt::format(",\n  \"closure\": {{\"largest\": {:.6g}, \"rms\": {:.6g}, \"row\": \"{}\"}},\n  \"environment_share\": {:.6g},\n  \"leak_share\": {:.6g}",
+                        closure.largest_error, closure.rms_error, escapeJson(closure.row), environmentShare(f), leakShare(f));
+  }
+  if (work) {
+    text += fmt::format(
+        ",\n  \"work\": {{\"directions\": {}, \"lattice_points\": {}, \"tiles\": {}, \"active_tiles\": {}, \"list_entries\": {}, \"rows\": {}, \"spans\": {}, "
+        "\"samples\": {}, \"rounds\": {}, \"tests\": {}, \"layers\": {}, \"gaps\": {}, \"repeats\": {}, \"resumed\": {}, \"bytes\": {}, \"pass_seconds\": {{",
+        work->directions, work->lattice_points, work->tiles, work->active_tiles, work->list_entries, work->rows, work->spans, work->samples, work->rounds,
+        work->tests, work->fragments, work->gaps, work->repeats, work->resumed, work->memory_bytes);
+    for (size_t k = 0; k < work->pass_seconds.size(); ++k)
+      text += fmt::format("{}\"{}\": {:.6g}", k ? ", " : "", work->pass_seconds[k].first, work->pass_seconds[k].second);
+    text += "}}";
+  }
+  return text + "\n}\n";
 }
 
 }  // namespace viewpeel::cli

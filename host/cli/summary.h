@@ -2,6 +2,7 @@
 #pragma once
 #include <string>
 
+#include "engines/work.h"
 #include "estimator/estimate.h"
 #include "vulkan/device.h"
 
@@ -18,7 +19,10 @@ std::string tabulateLargest(const FormFactors& between_surfaces, size_t rows);
 // Standard errors, closure, leak and environment of the whole matrix.
 std::string describeErrors(const Estimate& estimate);
 
-// The shares of all emitting area whose lines leave the scene, and that end on a back.
+// The same and the work done, as JSON.    In: work may be nullptr
+std::string asJson(const std::string& scene, const std::string& device, const Estimate& estimate, double seconds, const Work* work);
+
+// The shares of the emitting area asked for whose lines leave the scene, and that end on a back.
 double environmentShare(const FormFactors& form_factors);
 double leakShare(const FormFactors& form_factors);
 

@@ -357,6 +357,7 @@ bool ComputeEngine::finish(Batch& batch) {
     return false;
   }
   if (!tuned_) first_found_ = found;
+  if (options_.on_batch) options_.on_batch(batch.asked.size());
   addWork(batch, found);
   counters_.notePairs(found.pairs);
   return true;

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <functional>
 
 namespace viewpeel {
 
@@ -30,6 +31,7 @@ struct LatticeOptions {
   uint32_t most_blocks = 0;      // of spans that one invocation of peel goes through
   uint64_t memory_budget_bytes = 0;  // of everything but the counters
   bool measure_work = false;
+  std::function<void(uint64_t directions)> on_batch;  // told how many directions have been counted; may be empty
 };
 
 }  // namespace viewpeel

@@ -9,16 +9,28 @@ Estimate estimateFormFactors(Engine& engine, const Scene& scene, const Ids& ids,
   if (options.replicates < 2) throw Error(ErrorCode::bad_usage, "a standard error needs at least 2 replicates");
   if (options.tolerance && !(*options.tolerance > 0)) throw Error(ErrorCode::bad_usage, "the tolerance must be above 0");
 
-  const double measure_area = engine.unitArea() * scene.scale * scene.scale / options.directions;
-  const Ids surface_ids = makeIds(scene, By::surface, ids.two_sided);
+  const auto directionsOf = [&](uint64_t replicate) -> AskedDirections {
+    if (options.asked_directions) return options.asked_directions(replicate);
+    return {sampleDirections(options.sampler, options.directions, options.seed, replicate), {}, 1};
+  };
+  double measure_area = engine.unitArea() * scene.scale * scene.scale / options.directions;
+  Ids surface_ids = makeIds(scene, By::surface, ids.two_sided);
+  surface_ids.rows_sum_to_one = ids.rows_sum_to_one;
+  if (!ids.asked.empty()) {
+    surface_ids.asked.assign(surface_ids.count(), false);
+    for (uint32_t k = 0; k < ids.count(); ++k)
+      if (ids.asked[k]) surface_ids.asked[ids.surface[k]] = true;
+  }
   ReplicateSums sums(ids), surface_sums(surface_ids);
   double largest_error = 0;
   const auto isDone = [&] {
     return sums.replicateCount() >= options.replicates && (!options.tolerance || largest_error <= *options.tolerance);
   };
   while (!isDone()) {
-    const PairCounts counts =
-        engine.count(sampleDirections(options.sampler, options.directions, options.seed, sums.replicateCount()));
+    AskedDirections asked = directionsOf(sums.replicateCount());
+    for (size_t k = 0; k < asked.weights.size(); ++k) asked.directions[k].weight = asked.weights[k];
+    if (sums.replicateCount() == 0) measure_area *= asked.weight_unit;
+    const PairCounts counts = asked.directions.empty() ? PairCounts{} : engine.count(asked.directions);
     sums.add(counts);
     surface_sums.add(mergeIds(counts, ids.surface));
     largest_error = sums.largestStandardError(measure_area);

@@ -3,6 +3,7 @@
 #include <functional>
 #include <optional>
 
+#include "directions/asked_directions.h"
 #include "directions/sampler.h"
 #include "engines/engine.h"
 #include "matrix/form_factors.h"
@@ -21,6 +22,8 @@ struct EstimateOptions {
   // Go on after `replicates` until the largest standard error is at most this.
   std::optional<double> tolerance;
   uint64_t seed = 1;
+  // In place of the sampler: the directions of a replicate. None: nothing can be seen, every form factor is 0.
+  std::function<AskedDirections(uint64_t replicate)> asked_directions;
   std::function<void(const EstimateProgress&)> on_replicate;  // may be empty
 };
 

@@ -23,7 +23,7 @@ std::string quoteName(const std::string& name) {
   return quoted + '"';
 }
 
-// Calls use(i, j, F_ij) for every nonzero entry, both ways, row by row.
+// Calls use(i, j, F_ij) for every nonzero entry of the rows asked for, both ways, row by row.
 template <class Use>
 void forEachEntry(const FormFactors& form_factors, Use use) {
   std::vector<std::vector<FormFactors::Entry>> rows(form_factors.ids().count());
@@ -31,7 +31,8 @@ void forEachEntry(const FormFactors& form_factors, Use use) {
     if (entry.j < kEnvironment && entry.j != entry.i) rows[entry.j].push_back({entry.j, entry.i, entry.exchange_area});
   for (const FormFactors::Entry& entry : form_factors.entries()) rows[entry.i].push_back(entry);
   for (const auto& row : rows)
-    for (const FormFactors::Entry& entry : row) use(entry.i, entry.j, form_factors.formFactor(entry.i, entry.j));
+    for (const FormFactors::Entry& entry : row)
+      if (form_factors.ids().isAsked(entry.i)) use(entry.i, entry.j, form_factors.formFactor(entry.i, entry.j));
 }
 
 }  // namespace

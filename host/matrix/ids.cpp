@@ -40,4 +40,45 @@ Ids makeIds(const Scene& scene, By by, bool two_sided) {
   return ids;
 }
 
+std::vector<uint32_t> findPolygons(const Scene& scene, const std::string& name) {
+  std::vector<uint32_t> found;
+  for (uint32_t k = 0; k < scene.polygons.size(); ++k) {
+    const uint32_t face = scene.polygons[k].face;
+    if (scene.surfaces[scene.faces[face].surface].name == name || faceName(scene, face) == name) found.push_back(k);
+  }
+  if (found.empty()) {
+    std::string known;
+    for (size_t k = 0; k < std::min<size_t>(scene.surfaces.size(), 5); ++k) known += fmt::format("{}{}", k ? ", " : "", scene.surfaces[k].name);
+    throw Error(ErrorCode::bad_usage, fmt::format("{}: no surface or face is called '{}'; surfaces are {}{}", scene.file, name, known,
+                                                  scene.surfaces.size() > 5 ? ", ..." : ""));
+  }
+  return found;
+}
+
+void askOnlyFor(const Question& question, const Scene& scene, Ids& ids) {
+  if (question.isEverything()) return;
+  if (!question.pair.empty() && !question.from.empty()) throw Error(ErrorCode::bad_usage, "--pair and --from ask for different things; use one of them");
+  ids.roles.assign(scene.polygons.size(), question.pair.empty() ? kReceives | (question.from.empty() ? kEmits : 0) : 0);
+  const auto give = [&](const std::string& name, uint32_t role) {
+    for (uint32_t polygon : findPolygons(scene, name)) ids.roles[polygon] |= role;
+  };
+  for (const std::string& name : question.from) give(name, kEmits);
+  if (!question.pair.empty()) {
+    give(question.pair.at(0), kEmits);
+    give(question.pair.at(1), kReceives);
+    ids.counts_environment = false;
+  }
+  ids.asked.assign(ids.count(), question.from.empty() && question.pair.empty());
+  for (uint32_t k = 0; k < scene.polygons.size(); ++k)
+    if (ids.roles[k] & kEmits || (ids.roles[k] && !question.pair.empty())) ids.asked[ids.of_polygon[k]] = true;
+  for (const std::string& name : question.blockers)
+    for (uint32_t polygon : findPolygons(scene, name)) {
+      if ((!question.from.empty() && (ids.roles[polygon] & kEmits)) || (!question.pair.empty() && ids.roles[polygon]))
+        throw Error(ErrorCode::bad_usage, fmt::format("'{}' is asked for and only blocks; drop one of the two", name));
+      ids.roles[polygon] = 0;
+      ids.asked[ids.of_polygon[polygon]] = false;
+    }
+  ids.rows_sum_to_one = question.pair.empty() && question.blockers.empty();
+}
+
 }  // namespace viewpeel

@@ -22,14 +22,34 @@ struct Ids {
   std::vector<uint32_t> of_polygon;  // id of each Scene::polygons entry
   std::vector<uint32_t> roles;       // of each Scene::polygons entry; empty where every one has both
   bool counts_environment = true;    // environment and leak, too
+  std::vector<bool> asked;           // whether the row was asked for; empty where all are
+  bool rows_sum_to_one = true;       // whether everything that a row asked for can see is counted
   std::vector<std::string> names;    // faceName, or the surface's name
   std::vector<double> areas;         // emitting area, input units squared: both sides of a two-sided polygon count
   std::vector<uint32_t> surface;     // Scene::surfaces index of each id
   bool two_sided = false;
 
   uint32_t rolesOf(uint32_t polygon_index) const { return roles.empty() ? kEmits | kReceives : roles[polygon_index]; }
+  bool isAsked(uint32_t id) const { return asked.empty() || asked[id]; }
   uint32_t count() const { return static_cast<uint32_t>(names.size()); }
 };
+
+// What to compute where not all form factors are wanted. Names are of surfaces ("desk") or faces ("desk[3]").
+struct Question {
+  std::vector<std::string> from;      // only rows of these; all where empty
+  std::vector<std::string> pair;      // empty, or two: only the form factors between them
+  std::vector<std::string> blockers;  // only block: no rows or columns
+
+  bool isEverything() const { return from.empty() && pair.empty() && blockers.empty(); }
+};
+
+// Scene::polygons of the surface or face of that name.
+//   Throws: Error bad_usage where there is none.
+std::vector<uint32_t> findPolygons(const Scene& scene, const std::string& name);
+
+// Sets roles, counts_environment, asked and rows_sum_to_one.
+//   Throws: Error bad_usage: unknown names, a pair beside --from, what is asked for among the blockers.
+void askOnlyFor(const Question& question, const Scene& scene, Ids& ids);
 
 //   Throws: Error bad_input where a surface is called `environment` or `leak`, which the result uses itself.
 Ids makeIds(const Scene& scene, By by, bool two_sided);
