@@ -47,13 +47,13 @@ void expectSplitsWell(const ts::Corners& corners, size_t most_pieces) {
   EXPECT_NEAR(area, areaOf(corners), 1e-13 * areaOf(corners));
 }
 
-TEST(BuildScene, ConvexFacesStayWhole) {
+TEST(BuildScene, ConvexFacesBecomeTrianglesAndQuadrilaterals) {
   for (int m : {3, 4, 5, 64}) {
     ts::Corners ring;
     for (int k = 0; k < m; ++k) ring.push_back({std::cos(2 * std::numbers::pi * k / m), std::sin(2 * std::numbers::pi * k / m), 0.3});
-    expectSplitsWell(ring, 1);
+    expectSplitsWell(ring, static_cast<size_t>((m - 1) / 2));
   }
-  expectSplitsWell({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {0, 1, 0}}, 1);  // a corner in the middle of an edge
+  expectSplitsWell({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {0, 1, 0}}, 2);  // a corner in the middle of an edge
 }
 
 TEST(BuildScene, NonConvexFacesAreCutIntoFewConvexOnes) {

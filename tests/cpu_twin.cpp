@@ -81,44 +81,142 @@ Flat flatten(const Scene& scene, const Polygon& polygon, const Direction& direct
   return flat;
 }
 
+using Layers = std::vector<std::tuple<int64_t, bool, uint32_t>>;  // depth, front down, polygon
+
+class Counters {
+ public:
+  explicit Counters(const Ids& ids) : ids_(ids) {}
+
+  // Adds the gaps of one line.
+  void add(const Layers& layers, uint64_t weight) {
+    for (size_t k = 0; k <= layers.size() && !layers.empty(); ++k) {
+      const bool has_lower = k > 0, has_upper = k < layers.size();
+      const uint32_t lower = has_lower ? std::get<2>(layers[k - 1]) : 0, upper = has_upper ? std::get<2>(layers[k]) : 0;
+      const bool lower_sees = has_lower && (ids_.two_sided || !std::get<1>(layers[k - 1]));
+      const bool upper_sees = has_upper && (ids_.two_sided || std::get<1>(layers[k]));
+      const bool lower_emits = ids_.rolesOf(lower) & kEmits, upper_emits = ids_.rolesOf(upper) & kEmits;
+      const bool lower_receives = ids_.rolesOf(lower) & kReceives, upper_receives = ids_.rolesOf(upper) & kReceives;
+      const uint32_t i = ids_.of_polygon[lower], j = ids_.of_polygon[upper];
+      if (lower_sees && upper_sees) {
+        if ((lower_emits && upper_receives) || (upper_emits && lower_receives)) count(i, j, weight);
+      } else if (ids_.counts_environment && lower_sees && lower_emits) {
+        count(i, has_upper ? kLeak : kEnvironment, weight);
+      } else if (ids_.counts_environment && upper_sees && upper_emits) {
+        count(j, has_lower ? kLeak : kEnvironment, weight);
+      }
+    }
+  }
+
+  PairCounts counts() const {
+    PairCounts all;
+    for (const auto& [key, number] : counters_) all.push_back({key.first, key.second, number});
+    return all;
+  }
+
+ private:
+  void count(uint32_t i, uint32_t j, uint64_t weight) { counters_[{std::min(i, j), std::max(i, j)}] += weight; }
+
+  const Ids& ids_;
+  std::map<std::pair<uint32_t, uint32_t>, uint64_t> counters_;
+};
+
+// The columns [low, high) of row y that a polygon covers, in units of 2^-column_bits of a spacing: each bound found by bisection of the covering
+// test from a column inside.
+std::pair<int64_t, int64_t> spanOf(const Flat& flat, int64_t y, int column_bits, int bits) {
+  const int64_t unit = int64_t(1) << (bits - column_bits);
+  const auto covers = [&](int64_t column) { return flat.covers({column * unit, y << bits}); };
+  // Where the row crosses the edges, so where some column inside must be.
+  std::vector<int64_t> crossings;
+  for (size_t k = 0; k < flat.corners.size(); ++k) {
+    const Point a = flat.corners[k], b = flat.corners[(k + 1) % flat.corners.size()];
+    if (a.y == b.y) {
+      if (a.y == y << bits) crossings.insert(crossings.end(), {a.x / unit, b.x / unit});
+      continue;
+    }
+    if (std::min(a.y, b.y) <= y << bits && y << bits <= std::max(a.y, b.y))
+      crossings.push_back(static_cast<int64_t>(std::floor((double(a.x) + double(b.x - a.x) * double((y << bits) - a.y) / double(b.y - a.y)) / double(unit))));
+  }
+  for (int64_t crossing : crossings)
+    for (int64_t inside = crossing - 2; inside <= crossing + 2; ++inside) {
+      if (!covers(inside)) continue;
+      const auto lastCovered = [&](int64_t step) {
+        int64_t reach = inside;
+        for (int64_t stride = int64_t(1) << 24; stride > 0; stride /= 2)
+          while (covers(reach + step * stride)) reach += step * stride;
+        return reach;
+      };
+      return {lastCovered(-1), lastCovered(1) + 1};
+    }
+  return {0, 0};
+}
+
+Layers layersAt(const std::vector<Flat>& flats, const std::vector<uint32_t>& covering, int64_t column, int64_t y, int column_bits) {
+  Layers layers;
+  for (uint32_t k : covering) {
+    // Columns count from the cell's first.
+    const int64_t cell = column >> (column_bits + 3) << 3, in_cell = column - (cell << column_bits);
+    const int64_t z = (flats[k].z0 + flats[k].zx * cell + flats[k].zy * y + (flats[k].zx * in_cell >> column_bits)) >> flats[k].shift;
+    layers.emplace_back(std::clamp(z, flats[k].low, flats[k].high), !flats[k].front_up, k);
+  }
+  std::sort(layers.begin(), layers.end());
+  return layers;
+}
+
 }  // namespace
 
-PairCounts countPairsOnCpu(const Scene& scene, const Ids& ids, const std::vector<Direction>& directions, int resolution,
-                           Fault fault) {
+PairCounts countPairsOnCpu(const Scene& scene, const Ids& ids, const std::vector<Direction>& directions, int resolution, Fault fault) {
   const int bits = 25 - std::bit_width(static_cast<uint32_t>(resolution / 2 + 1));
   const int64_t one = int64_t(1) << bits;
-  std::map<std::pair<uint32_t, uint32_t>, uint64_t> counters;
-  const auto add = [&](uint32_t i, uint32_t j) { ++counters[{std::min(i, j), std::max(i, j)}]; };
+  Counters counters(ids);
   for (const Direction& direction : directions) {
     std::vector<Flat> flats;
     for (const Polygon& polygon : scene.polygons) flats.push_back(flatten(scene, polygon, direction, resolution, bits));
     const int reach = resolution / 2 + 2;
     for (int y = -reach; y <= reach; ++y)
       for (int x = -reach; x <= reach; ++x) {
-        std::vector<std::tuple<int64_t, bool, uint32_t>> layers;  // depth, front down, polygon
+        std::vector<uint32_t> covering;
         for (uint32_t k = 0; k < flats.size(); ++k)
-          if (!flats[k].corners.empty() && flats[k].covers({x * one, y * one})) {
-            const int64_t z = (flats[k].z0 + flats[k].zx * x + flats[k].zy * y) >> flats[k].shift;
-            layers.emplace_back(std::clamp(z, flats[k].low, flats[k].high), !flats[k].front_up, k);
-          }
-        std::sort(layers.begin(), layers.end());
+          if (!flats[k].corners.empty() && flats[k].covers({x * one, y * one})) covering.push_back(k);
+        Layers layers = layersAt(flats, covering, x, y, 0);
         if (fault == Fault::last_layer_dropped && !layers.empty()) layers.pop_back();
         if (fault == Fault::two_depths_swapped && layers.size() > 3) std::swap(layers[1], layers[2]);
-        for (size_t k = 0; k <= layers.size() && !layers.empty(); ++k) {
-          const bool has_lower = k > 0, has_upper = k < layers.size();
-          const uint32_t lower = has_lower ? ids.of_polygon[std::get<2>(layers[k - 1])] : 0;
-          const uint32_t upper = has_upper ? ids.of_polygon[std::get<2>(layers[k])] : 0;
-          const bool lower_sees = has_lower && (ids.two_sided || !std::get<1>(layers[k - 1]));
-          const bool upper_sees = has_upper && (ids.two_sided || std::get<1>(layers[k]));
-          if (lower_sees && upper_sees) add(lower, upper);
-          else if (lower_sees) add(lower, has_upper ? kLeak : kEnvironment);
-          else if (upper_sees) add(upper, has_lower ? kLeak : kEnvironment);
-        }
+        counters.add(layers, direction.weight);
       }
   }
-  PairCounts counts;
-  for (const auto& [key, count] : counters) counts.push_back({key.first, key.second, count});
-  return counts;
+  return counters.counts();
+}
+
+PairCounts countIntervalsOnCpu(const Scene& scene, const Ids& ids, const std::vector<Direction>& directions, int resolution) {
+  constexpr int kColumnBits = 10;
+  constexpr int64_t kCell = int64_t(8) << kColumnBits;
+  const int bits = 25 - std::bit_width(static_cast<uint32_t>(resolution / 2 + 1));
+  Counters counters(ids);
+  for (const Direction& direction : directions) {
+    std::vector<Flat> flats;
+    for (const Polygon& polygon : scene.polygons) flats.push_back(flatten(scene, polygon, direction, resolution, bits));
+    const int reach = resolution / 2 + 2;
+    for (int y = -reach; y <= reach; ++y) {
+      std::vector<std::pair<int64_t, int64_t>> spans;
+      std::vector<int64_t> ends;
+      for (int64_t cell = -reach - 8; cell <= reach + 8; ++cell)
+        if (cell % 8 == 0) ends.push_back(cell << kColumnBits);
+      for (const Flat& flat : flats) {
+        spans.push_back(flat.corners.empty() ? std::pair<int64_t, int64_t>(0, 0) : spanOf(flat, y, kColumnBits, bits));
+        if (spans.back().first < spans.back().second) ends.insert(ends.end(), {spans.back().first, spans.back().second});
+      }
+      std::sort(ends.begin(), ends.end());
+      for (size_t e = 0; e + 1 < ends.size(); ++e) {
+        const int64_t cell = ends[e] >> (kColumnBits + 3), from = ends[e] - cell * kCell, to = ends[e + 1] - cell * kCell;
+        if (from == to) continue;
+        const int64_t middle = cell * kCell + ((from + to - 1) >> 1);
+        std::vector<uint32_t> covering;
+        for (uint32_t k = 0; k < flats.size(); ++k)
+          if (spans[k].first <= middle && middle < spans[k].second) covering.push_back(k);
+        counters.add(layersAt(flats, covering, middle, y, kColumnBits), direction.weight * static_cast<uint64_t>(to - from));
+      }
+    }
+  }
+  return counters.counts();
 }
 
 }  // namespace viewpeel

@@ -13,4 +13,7 @@ enum class Fault { none, last_layer_dropped, two_depths_swapped };
 PairCounts countPairsOnCpu(const Scene& scene, const Ids& ids, const std::vector<Direction>& directions, int resolution,
                            Fault fault = Fault::none);
 
+// The same with scanlines: every interval between consecutive ends of spans sorts all polygons that hold its middle.
+PairCounts countIntervalsOnCpu(const Scene& scene, const Ids& ids, const std::vector<Direction>& directions, int resolution);
+
 }  // namespace viewpeel

@@ -225,7 +225,6 @@ TEST_F(Load, ExampleScenesAreWhatTheyClaim) {
   const Scene office = loadScene(VIEWPEEL_SCENES "/office.obj");
   EXPECT_GE(office.polygons.size(), 300u);
   EXPECT_LE(office.polygons.size(), 1000u);
-  EXPECT_EQ(office.polygons.size(), office.faces.size());  // nothing had to be split
 }
 
 }  // namespace

@@ -163,24 +163,125 @@ TEST(Peel, LargePolygonsOnFineLattices) {
   for (const PairCount& c : countPairs(scene, directions, {.lattice = {.resolution = 2000}})) EXPECT_LT(c.j, kEnvironment) << c.i << ": " << c.count;
 }
 
-// Thousands of layers over one tile are counted right or refused, never cut short.
-TEST(Peel, ThousandsOfLayersAreRightOrRefused) {
+PairCounts countWith(const Scene& scene, const Ids& ids, const std::vector<Direction>& directions, const LatticeOptions& lattice, Work* work = nullptr) {
+  LatticeOptions options = lattice;
+  options.measure_work = work != nullptr;
+  const auto engine = makeComputeEngine(testDevice(), scene, ids, options);
+  const PairCounts counts = engine->count(directions);
+  if (work) *work = *engine->work();
+  return counts;
+}
+
+// Thousands of layers over one tile are more than one invocation can go through: the rest goes to further dispatches.
+TEST(Peel, ThousandsOfLayersTakeMoreDispatches) {
   std::vector<double> heights;
   for (int k = 0; k < 3000; ++k) heights.push_back(1e-3 * k);
   const Scene scene = buildScene(ts::stackOfSheets(heights));
   const Ids ids = makeIds(scene, By::polygon, false);
   const std::vector<Direction> up = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.3, 0.6}}};
-  try {
-    EXPECT_EQ(makeComputeEngine(testDevice(), scene, ids, {.resolution = 4})->count(up), countPairsOnCpu(scene, ids, up, 4));
-  } catch (const std::exception& error) {
-    EXPECT_NE(std::string(error.what()).find("--engine graphics"), std::string::npos) << error.what();
+  const PairCounts expected = countPairsOnCpu(scene, ids, up, 4);
+  Work work;
+  EXPECT_EQ(countWith(scene, ids, up, {.resolution = 4}, &work), expected);
+  EXPECT_GT(work.resumed, 0u);
+  EXPECT_EQ(countWith(scene, ids, up, {.resolution = 4, .layers_kept = 8, .sort = true}, &work), expected);
+}
+
+// Neither tiles nor layers kept nor how contributions are gathered, sorted, resumed or stored is seen in a count.
+TEST(Peel, NoTuningChangesTheCounts) {
+  const auto directions = sampleDirections(Sampler::fibonacci, 9, 11, 0);
+  for (const InputScene& input : {ts::roomWithTouchingBoxes(), ts::triangleSoup(300, 0.6, 5), ts::stackOfSheets(std::vector<double>(40, 0.01))}) {
+    const Scene scene = buildScene(input);
+    for (bool two_sided : {false, true}) {
+      const Ids ids = makeIds(scene, By::polygon, two_sided);
+      const PairCounts expected = countPairsOnCpu(scene, ids, directions, 40);
+      std::vector<LatticeOptions> all(1, {.resolution = 40});
+      for (uint32_t n : {1u, 2u, 4u, 8u}) {
+        all.push_back({.resolution = 40, .tile_width = n});
+        all.push_back({.resolution = 40, .tile_rows = n});
+        all.push_back({.resolution = 40, .layers_kept = n});
+        all.push_back({.resolution = 40, .tile_rows = n, .layers_kept = n + 1, .sort = true});
+        all.push_back({.resolution = 40, .most_blocks = n});
+        all.push_back({.resolution = 40, .batch_directions = n});
+        all.push_back({.resolution = 40, .list_capacity = n});
+        all.push_back({.resolution = 40, .counter_budget_bytes = 1, .table_capacity = n});
+      }
+      all.push_back({.resolution = 40, .small_polygons = true});
+      all.push_back({.resolution = 40, .aggregate = false});
+      all.push_back({.resolution = 40, .memory_budget_bytes = 1});
+      for (size_t k = 0; k < all.size(); ++k)
+        EXPECT_EQ(countWith(scene, ids, directions, all[k]), expected) << input.file << ", two-sided " << two_sided << ", options " << k;
+    }
   }
 }
 
-TEST(Peel, RefusesCountersBeyondTheBudget) {
+// What is too small grows and the batch is done again; each kind of growth is seen to happen.
+TEST(Peel, BuffersGrowAndRepeat) {
+  const Scene scene = buildScene(ts::triangleSoup(300, 0.6, 5));
+  const Ids ids = makeIds(scene, By::polygon, false);
+  const auto directions = sampleDirections(Sampler::fibonacci, 40, 11, 0);
+  Work work;
+  const PairCounts expected = countWith(scene, ids, directions, {.resolution = 40}, &work);
+  EXPECT_EQ(work.repeats, 0u);
+  EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 40, .list_capacity = 10}, &work), expected);
+  EXPECT_GT(work.repeats, 0u) << "tile lists";
+  EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 40, .counter_budget_bytes = 1, .table_capacity = 1}, &work), expected);
+  EXPECT_GT(work.repeats, 0u) << "hash table";
+  EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 40, .most_blocks = 1}, &work), expected);
+  EXPECT_GT(work.resumed, 0u) << "layers";
+}
+
+TEST(Peel, IntervalsAreThoseOfTheCpuTwin) {
+  const auto directions = sampleDirections(Sampler::iid, 6, 7, 0);
+  for (int resolution : {1, 7, 33, 64})
+    for (const InputScene& input : {ts::insideOfCube(), ts::roomWithTouchingBoxes(), ts::triangleSoup(60, 0.5, 3)}) {
+      const Scene scene = buildScene(input);
+      for (bool two_sided : {false, true}) {
+        const Ids ids = makeIds(scene, By::polygon, two_sided);
+        const PairCounts expected = countIntervalsOnCpu(scene, ids, directions, resolution);
+        EXPECT_FALSE(expected.empty());
+        for (uint32_t n : {1u, 3u, 8u})
+          EXPECT_EQ(countWith(scene, ids, directions, {.resolution = resolution, .sampling = Sampling::scanline, .tile_rows = n, .layers_kept = n, .most_blocks = 2 * n}),
+                    expected) << input.file << ", resolution " << resolution << ", two-sided " << two_sided;
+      }
+    }
+}
+
+// Weighted directions, and only what was asked for.
+TEST(Peel, CountsWhatWasAskedFor) {
+  const Scene scene = buildScene(ts::roomWithTouchingBoxes());
+  auto directions = sampleDirections(Sampler::fibonacci, 20, 3, 0);
+  for (size_t k = 0; k < directions.size(); ++k) directions[k].weight = static_cast<uint32_t>(1 + 3 * k);
+  const auto& surfaces = scene.surfaces;
+  ASSERT_GE(surfaces.size(), 3u);
+  const std::string a = surfaces[0].name, b = surfaces[1].name, c = surfaces[2].name;
+  const Question everything, row{.from = {b}}, rows{.from = {b, c}}, pair{.pair = {a, b}}, with_itself{.pair = {a, a}}, blocker{.blockers = {c}},
+      row_and_blocker{.from = {a}, .blockers = {c}};
+  for (const Question& question : {everything, row, rows, pair, with_itself, blocker, row_and_blocker})
+    for (By by : {By::polygon, By::surface})
+      for (uint32_t n : {1u, 4u}) {
+        Ids ids = makeIds(scene, by, false);
+        askOnlyFor(question, scene, ids);
+        EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 40, .layers_kept = n}), countPairsOnCpu(scene, ids, directions, 40));
+        EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 40, .sampling = Sampling::scanline, .layers_kept = n}),
+                  countIntervalsOnCpu(scene, ids, directions, 40));
+      }
+}
+
+// The table of counters grows in the middle of a run, too, not only by repeating.
+TEST(Peel, HashTableIsEmptiedWhenHalfFull) {
+  const Scene scene = buildScene(ts::triangleSoup(300, 0.6, 5));
+  const Ids ids = makeIds(scene, By::polygon, true);
+  const auto directions = sampleDirections(Sampler::fibonacci, 300, 11, 0);
+  Work work;
+  EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 24, .batch_directions = 2, .counter_budget_bytes = 1, .table_capacity = 4096}, &work),
+            countPairsOnCpu(scene, ids, directions, 24));
+  EXPECT_EQ(work.repeats, 0u);
+}
+
+TEST(Peel, GraphicsEngineRefusesCountersBeyondTheBudget) {
   const Scene scene = buildScene(ts::roomWithTouchingBoxes());
   try {
-    countPairs(scene, {}, {.lattice = {.resolution = 8, .counter_budget_bytes = 1000}});
+    makeGraphicsEngine(testDevice(), scene, makeIds(scene, By::polygon, false), {.resolution = 8, .counter_budget_bytes = 1000});
     FAIL() << "accepted";
   } catch (const std::exception& error) {
     EXPECT_NE(std::string(error.what()).find("--by surface"), std::string::npos) << error.what();

@@ -97,7 +97,7 @@ int runCompute(ProgramOptions options) {
   const bool talks = !options.quiet && !options.json;
   if (talks) {
     fmt::print("{}{}", device ? describeDevice(*device) : "device     none: exact areas on the CPU\n", describeScene(scene));
-    fmt::print("sampling   {} {} directions a replicate, {}, seed {}\n", options.estimate.directions, sampler,
+    fmt::print("sampling   {} directions a replicate, {}; {}; seed {}\n", options.estimate.directions, sampler,
                device ? fmt::format("{} {} across", options.lattice.sampling == Sampling::scanline ? "scanlines" : "lattice", options.lattice.resolution) : "exact areas",
                options.estimate.seed);
     std::fflush(stdout);

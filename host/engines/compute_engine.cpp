@@ -70,7 +70,7 @@ Tuning tune(const Device& device, const LatticeOptions& options) {
   const uint32_t subgroup_size = subgroup.subgroupSize, layers_kept = choose(options.layers_kept, 4), most_blocks = choose(options.most_blocks, on_cpu ? 1000 : 1u << 30);
   const uint32_t tile_rows = std::min(std::bit_ceil(choose(options.tile_rows, kMostTileRows)), kMostTileRows);
   if (options.sampling == Sampling::scanline)
-    return {subgroup_size, std::min(choose(options.tile_width, 8), 32768u >> kScanlineBits), tile_rows, 1, layers_kept, most_blocks, false, true};
+    return {subgroup_size, kScanlineCell, tile_rows, 1, layers_kept, most_blocks, false, true};
   // Lattice points: as many columns as divide a subgroup, and the rows in steps.
   const uint32_t tile_width = std::min(std::bit_ceil(choose(options.tile_width, 8)), subgroup_size);
   return {subgroup_size, tile_width, tile_rows, std::max(1u, tile_width * tile_rows / subgroup_size), layers_kept, most_blocks, options.sort, !options.small_polygons};

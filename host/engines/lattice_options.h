@@ -9,7 +9,7 @@ constexpr int kMaxResolution = 2039;
 
 enum class Sampling {
   lattice,   // points, each of weight one
-  scanline,  // the intervals of lattice rows between two ends of polygons, with their lengths as weights
+  scanline,  // the intervals of lattice rows between two ends of polygons, cut every 8 columns, with their lengths as weights
 };
 
 // What the engines that count lattice points have in common. None but `resolution` and `sampling` changes a result.
@@ -20,7 +20,7 @@ struct LatticeOptions {
   uint64_t counter_budget_bytes = 256ull << 20;  // of the dense counters; beyond it the compute engine keeps a hash table
 
   // Of the compute engine, 0 chooses. Tests set them to show that they do not matter.
-  uint32_t tile_width = 0;       // lattice columns
+  uint32_t tile_width = 0;       // lattice columns; 8 with scanlines
   uint32_t tile_rows = 0;        // 1 to 8
   uint32_t layers_kept = 0;      // a round
   bool sort = false;             // lists of tiles by depth

@@ -83,7 +83,8 @@ FormFactors ReplicateSums::formFactors(double measure_area) const {
 double ReplicateSums::largestStandardError(double measure_area) const {
   double largest = 0;
   for (const PairSum& pair : pairs_) {
-    const double smaller_area = pair.j < kEnvironment ? std::min(ids_.areas[pair.i], ids_.areas[pair.j]) : ids_.areas[pair.i];
+    double smaller_area = ids_.isAsked(pair.i) ? ids_.areas[pair.i] : INFINITY;
+    if (pair.j < kEnvironment && ids_.isAsked(pair.j)) smaller_area = std::min(smaller_area, ids_.areas[pair.j]);
     largest = std::max(largest, measure(pair.sum).standard_error * exchangesPerLine(pair.i, pair.j) * measure_area / smaller_area);
   }
   return largest;

@@ -55,7 +55,7 @@ class ReplicateSums {
   //   Error: none but rounding: counts and their squares are summed in 128-bit integers.
   FormFactors formFactors(double measure_area) const;
 
-  // Largest standard error over all form factors.
+  // Largest standard error over all form factors of the rows asked for.
   double largestStandardError(double measure_area) const;
 
  private:
