@@ -58,7 +58,7 @@ double secondsSince(std::chrono::steady_clock::time_point start) {
 class RowCheck {
  public:
   RowCheck(int resolution, const Ids& ids, const CheckOptions& options)
-      : ids_(ids), options_(options), h_(2.0 / resolution), n_(options.lattices), pooled_(options.lattices, 0.0) {
+      : ids_(ids), options_(options), h_(2.0 / resolution), count_area_(h_ * h_ / options.counts_per_point), n_(options.lattices), pooled_(options.lattices, 0.0) {
     row_.resolution = resolution;
   }
 
@@ -66,7 +66,7 @@ class RowCheck {
     std::map<Key, Sums> sums;
     for (const auto& [key, region] : exact) sums[key];
     for (const PairCounts& lattice : counts)
-      for (const PairCount& c : lattice) sums[{c.i, c.j}].add(double(c.count) * h_ * h_);
+      for (const PairCount& c : lattice) sums[{c.i, c.j}].add(double(c.count) * count_area_);
     std::set<Key> pooled_keys;
     for (const auto& [key, sum] : sums) {
       const auto at = exact.find(key);
@@ -88,12 +88,12 @@ class RowCheck {
       if (region.area >= h_ * region.perimeter) {
         ++row_.spread_regions;
         measured_variance_ += sum.variance(n_);
-        predicted_variance_ += kLatticeVariance * h_ * h_ * h_ * region.perimeter;
+        predicted_variance_ += options_.variance * h_ * h_ * h_ * region.perimeter;
       }
     }
     for (size_t m = 0; m < counts.size(); ++m)
       for (const PairCount& c : counts[m])
-        if (pooled_keys.count({c.i, c.j})) pooled_[m] += double(c.count) * h_ * h_;
+        if (pooled_keys.count({c.i, c.j})) pooled_[m] += double(c.count) * count_area_;
   }
 
   CheckRow finish(double tests) {
@@ -133,7 +133,7 @@ class RowCheck {
 
   const Ids& ids_;
   const CheckOptions& options_;
-  double h_, n_;
+  double h_, count_area_, n_;
   CheckRow row_;
   std::vector<double> pooled_;  // per lattice
   double pooled_expectation_ = 0, measured_variance_ = 0, predicted_variance_ = 0;

@@ -8,15 +8,26 @@
 
 namespace viewpeel::reference {
 
+// Variance of h^2 x (number of points of a lattice with uniformly random offset and rotation in a region of perimeter P) for h small against the
+// region: kLatticeVariance h^3 P. The constant is sum over integer pairs (m, n) != 0 of (m^2 + n^2)^(-3/2), over 4 pi^3: the mean of the region's
+// squared Fourier transform at distance rho from 0 is P / (4 pi^3 rho^3) (Kendall & Moran 1963, chapter 5).
+constexpr double kLatticeVariance = 0.0728370;
+
+// The same of h x (length of lattice rows in the region): only the pairs (0, n) remain, 2 zeta(3) / (4 pi^3). It is the mean over rotations: one at which
+// no edge runs along the rows has a variance of order h^4, from corners alone, and the few that have one nearly along them bring the h^3.
+constexpr double kScanlineVariance = 0.0193841;
+
 struct CheckOptions {
   std::vector<int> resolutions = {32, 64, 128};
   uint32_t directions = 6;  // iid
   uint32_t lattices = 64;   // random offsets and rotations per direction
   uint64_t seed = 1;
+  double counts_per_point = 1;     // 1 / h^2 of the area of one count
+  double variance = kLatticeVariance;  // or kScanlineVariance
   double false_alarm_rate = 1e-4;  // that a right discretisation fails the test of unbiasedness, over all regions and resolutions together
 };
 
-// How many lattice points of one random lattice fall to each pair, at a resolution.
+// The counts of one random lattice, at a resolution.
 using CountLattice = std::function<PairCounts(const Direction&, int resolution)>;
 
 struct CheckRow {
@@ -42,12 +53,7 @@ struct CheckReport {
   bool passes() const;
 };
 
-// Variance of h^2 x (number of points of a lattice with uniformly random offset and rotation in a region of perimeter P) for h small against the
-// region: kLatticeVariance h^3 P. The constant is sum over integer pairs (m, n) != 0 of (m^2 + n^2)^(-3/2), over 4 pi^3: the mean of the region's
-// squared Fourier transform at distance rho from 0 is P / (4 pi^3 rho^3) (Kendall & Moran 1963, chapter 5).
-constexpr double kLatticeVariance = 0.0728370;
-
-// Tests for every pair, direction and resolution whether the mean of h^2 x count over random lattices is the exact area, and whether its variance
+// Tests for every pair, direction and resolution whether the mean of the counted area over random lattices is the exact area, and whether its variance
 // is as predicted.
 //   Method: Student's test per visible region with Bonferroni's correction; regions with an expected count below 1/2 a lattice or thinner than
 //   h / 2 (2 A / P) are pooled into one sum per resolution. The ratio of variances must lie in [1/2, 2] over regions with A / P >= h, where terms of

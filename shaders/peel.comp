@@ -389,7 +389,9 @@ void main() {
             if (kScanlines) {
               uint in_span = subgroupShuffle(span.y, t);
               polygon.covered = uint(column) - (in_span & 0xFFFFu) <= in_span >> 16 && in_span != kNoColumns;
-              polygon.z = longFrom(p.xy) + (longFrom(p.zw) * int64_t(column) >> args.column_bits);
+              // z per spacing x column / 2^column_bits, rounded down; the product itself may need more than 64 bits.
+              int64_t z_x = longFrom(p.zw), whole = z_x >> args.column_bits, rest_x = z_x - (whole << args.column_bits);
+              polygon.z = longFrom(p.xy) + whole * int64_t(column) + (rest_x * int64_t(column) >> args.column_bits);
             } else {
               ivec4 per_row = subgroupShuffle(b, t);
               polygon.edges = subgroupShuffle(a, t) * column + per_row * lane_row + subgroupShuffle(c, t);

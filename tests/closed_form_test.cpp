@@ -15,11 +15,13 @@ constexpr double kParallelSquares = 0.1998248957, kPerpendicularSquares = 0.2000
 
 // Both samplers, both engines, and a lattice so coarse that a square is only a few spacings wide: resolution costs variance, never bias.
 std::vector<TestRun> runsToTry() {
-  std::vector<TestRun> runs(4);
+  std::vector<TestRun> runs(6);
   runs[1].lattice.resolution = 6;
   runs[2].estimate.sampler = Sampler::iid;
   runs[3].make_engine = makeGraphicsEngine;
   runs[3].lattice.resolution = 24;
+  runs[4].lattice.sampling = Sampling::scanline;
+  runs[5].lattice = {.resolution = 6, .sampling = Sampling::scanline};
   return runs;
 }
 
@@ -73,6 +75,49 @@ TEST(ClosedForm, TwoSidedPlatesShareWhatBothSidesEmit) {
   const Estimate e = estimateScene(ts::parallelSquares(), run);
   EXPECT_TRUE(isEstimateOf(e.form_factors.formFactor(0, 1), kParallelSquares / 2, e.replicates, kTenDigits));
   EXPECT_TRUE(isEstimateOf(e.form_factors.formFactor(0, kEnvironment), 1 - kParallelSquares / 2, e.replicates, kTenDigits));
+}
+
+Estimate estimateAsked(const InputScene& input, const Question& question, const LatticeOptions& lattice, By by = By::polygon) {
+  const Scene scene = buildScene(input);
+  Ids ids = makeIds(scene, by, false);
+  askOnlyFor(question, scene, ids);
+  EstimateOptions options{.directions = 100, .replicates = 16};
+  if (!question.pair.empty()) {
+    const DirectionRegion region = findPairRegion(scene, findPolygons(scene, question.pair[0]), findPolygons(scene, question.pair[1]));
+    options.asked_directions = [=](uint64_t replicate) { return sampleRegion(region, 100, 7, replicate); };
+  } else {
+    const std::vector<uint32_t> emitter = findPolygons(scene, question.from.at(0));
+    options.asked_directions = [=](uint64_t replicate) { return sampleEmitter(scene, emitter, 100, 7, replicate); };
+  }
+  return estimateFormFactors(*makeComputeEngine(testDevice(), scene, ids, lattice), scene, ids, options);
+}
+
+// Directions inside the anti-convex-hull, and by the emitter's cosine: unbiased, and better than as many over the whole sphere.
+TEST(ClosedForm, DirectionsDrawnForAPairOrAnEmitter) {
+  TestRun whole;
+  whole.estimate.directions = 100;
+  whole.lattice.resolution = 128;
+  for (const auto& [scene, truth] : {std::pair(ts::parallelSquares(), kParallelSquares), std::pair(ts::perpendicularSquares(), kPerpendicularSquares)}) {
+    const Measured all = estimateScene(scene, whole).form_factors.formFactor(0, 1);
+    for (Sampling sampling : {Sampling::lattice, Sampling::scanline}) {
+      const LatticeOptions lattice{.resolution = 128, .sampling = sampling};
+      const Estimate pair = estimateAsked(scene, {.pair = {scene.surface_names[0], scene.surface_names[1]}}, lattice);
+      const Estimate row = estimateAsked(scene, {.from = {scene.surface_names[1]}}, lattice);
+      EXPECT_TRUE(isEstimateOf(pair.form_factors.formFactor(0, 1), truth, pair.replicates, kTenDigits)) << scene.file;
+      EXPECT_TRUE(isEstimateOf(row.form_factors.formFactor(1, 0), truth, row.replicates, kTenDigits)) << scene.file;
+      EXPECT_TRUE(isEstimateOf(row.form_factors.formFactor(1, kEnvironment), 1 - truth, row.replicates, kTenDigits)) << scene.file;
+      EXPECT_LT(pair.form_factors.formFactor(0, 1).standard_error, all.standard_error / 2) << scene.file;
+      EXPECT_EQ(pair.form_factors.entries().size(), 1u);
+    }
+  }
+}
+
+// A cube's face and what it sees, past a blocker that gets no row.
+TEST(ClosedForm, BlockersTakeWhatTheyHide) {
+  const InputScene scene = ts::cubeInCube(0.4);
+  const Estimate e = estimateAsked(scene, {.from = {"outer"}, .blockers = {"inner"}}, {}, By::surface);
+  EXPECT_TRUE(isEstimateOf(e.form_factors.formFactor(0, 0), 1 - 0.16, e.replicates));
+  EXPECT_EQ(e.form_factors.entries().size(), 1u);
 }
 
 TEST(ClosedForm, ComparisonRejectsAWrongFactor) {

@@ -81,6 +81,7 @@ Flat flatten(const Scene& scene, const Polygon& polygon, const Direction& direct
   return flat;
 }
 
+__extension__ using Wide = __int128;
 using Layers = std::vector<std::tuple<int64_t, bool, uint32_t>>;  // depth, front down, polygon
 
 class Counters {
@@ -155,7 +156,7 @@ Layers layersAt(const std::vector<Flat>& flats, const std::vector<uint32_t>& cov
   for (uint32_t k : covering) {
     // Columns count from the cell's first.
     const int64_t cell = column >> (column_bits + 3) << 3, in_cell = column - (cell << column_bits);
-    const int64_t z = (flats[k].z0 + flats[k].zx * cell + flats[k].zy * y + (flats[k].zx * in_cell >> column_bits)) >> flats[k].shift;
+    const int64_t z = (flats[k].z0 + flats[k].zx * cell + flats[k].zy * y + int64_t(Wide(flats[k].zx) * in_cell >> column_bits)) >> flats[k].shift;
     layers.emplace_back(std::clamp(z, flats[k].low, flats[k].high), !flats[k].front_up, k);
   }
   std::sort(layers.begin(), layers.end());

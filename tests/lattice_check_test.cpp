@@ -1,6 +1,9 @@
 // `viewpeel check`: right lattices pass, planted faults do not.
 #include "reference/lattice_check.h"
 
+#include <map>
+#include <memory>
+
 #include <gtest/gtest.h>
 
 #include "cpu_twin.h"
@@ -21,6 +24,16 @@ CheckOptions smallCheck(uint64_t seed = 1) {
   return options;
 }
 
+// Counts of the compute engine, one engine for each resolution.
+CountLattice countOnDevice(const Scene& scene, const Ids& ids, Sampling sampling) {
+  const auto engines = std::make_shared<std::map<int, std::unique_ptr<Engine>>>();
+  return [&scene, &ids, sampling, engines](const Direction& direction, int resolution) {
+    std::unique_ptr<Engine>& engine = (*engines)[resolution];
+    if (!engine) engine = makeComputeEngine(testDevice(), scene, ids, {.resolution = resolution, .sampling = sampling, .batch_directions = 1});
+    return engine->count({&direction, 1});
+  };
+}
+
 struct CheckedScene {
   Scene scene = buildScene(ts::roomWithTouchingBoxes());
   Ids ids = makeIds(scene, By::polygon, false);
@@ -30,16 +43,29 @@ struct CheckedScene {
   }
 };
 
+TEST(LatticeCheck, ScanlinesBehaveAsClaimed) {
+  const Scene scene = buildScene(ts::roomWithTouchingBoxes());
+  const Ids ids = makeIds(scene, By::polygon, false);
+  CheckOptions options = smallCheck();
+  options.variance = kScanlineVariance;
+  options.counts_per_point = 1024;
+  const CheckReport report = checkLattice(scene, ids, countOnDevice(scene, ids, Sampling::scanline), options);
+  for (const CheckRow& row : report.rows)
+    EXPECT_TRUE(row.unbiased && row.spread_as_predicted) << row.resolution << ": " << row.worst_pair << " deviates by " << row.largest_deviation
+                                                         << ", allowed " << row.allowed_deviation << "; spread " << row.spread_ratio;
+  EXPECT_GT(report.rows[1].spread_regions, 10u);
+  // Lattice points spread nearly four times as much: what is predicted for scanlines does not fit them.
+  options.counts_per_point = 1;
+  EXPECT_FALSE(checkLattice(scene, ids, countOnDevice(scene, ids, Sampling::lattice), options).passes());
+}
+
 TEST(LatticeCheck, ComputeEngineBehavesAsClaimed) {
   for (const InputScene& input : {ts::roomWithTouchingBoxes(), ts::cubeInCube(0.4)}) {
     const Scene scene = buildScene(input);
     const Ids ids = makeIds(scene, By::polygon, false);
-    const auto count = [&](const Direction& d, int resolution) {
-      return makeComputeEngine(testDevice(), scene, ids, {.resolution = resolution, .batch_directions = 1})->count({&d, 1});
-    };
     CheckOptions options = smallCheck();
     options.lattices = 24;
-    const CheckReport report = checkLattice(scene, ids, count, options);
+    const CheckReport report = checkLattice(scene, ids, countOnDevice(scene, ids, Sampling::lattice), options);
     for (const CheckRow& row : report.rows)
       EXPECT_TRUE(row.unbiased && row.spread_as_predicted) << input.file << " at " << row.resolution << ": " << row.worst_pair << " deviates by "
                                                            << row.largest_deviation << ", allowed " << row.allowed_deviation << "; spread "

@@ -5,6 +5,7 @@
 #include "cli/commands.h"
 #include "cli/options.h"
 #include "cli/summary.h"
+#include "engines/lattice.h"
 #include "error.h"
 #include "reference/interpenetration.h"
 #include "reference/lattice_check.h"
@@ -19,6 +20,7 @@ struct CheckCommand {
   std::string scene;
   reference::CheckOptions check;
   EngineKind engine = EngineKind::compute;
+  Sampling sampling = Sampling::lattice;
   DeviceOptions device;
   bool two_sided = false;
   bool json = false;
@@ -73,9 +75,15 @@ int runCheck(const CheckCommand& command) {
   const Device device(command.device);
   std::map<int, std::unique_ptr<Engine>> engines;
   for (int resolution : command.check.resolutions)
-    engines[resolution] = makeLatticeEngine(command.engine, device, scene, ids, {.resolution = resolution, .batch_directions = 1});
+    engines[resolution] = makeLatticeEngine(command.engine, device, scene, ids, {.resolution = resolution, .sampling = command.sampling, .batch_directions = 1});
+  reference::CheckOptions options = command.check;
+  if (command.sampling == Sampling::scanline) {
+    if (command.engine == EngineKind::graphics) throw Error(ErrorCode::bad_usage, "--sampling scanline needs --engine compute");
+    options.variance = reference::kScanlineVariance;
+    options.counts_per_point = pointArea(options.resolutions.front()) / engines.at(options.resolutions.front())->unitArea();
+  }
   const auto count = [&](const Direction& direction, int resolution) { return engines.at(resolution)->count({&direction, 1}); };
-  const CheckReport report = reference::checkLattice(scene, ids, count, command.check);
+  const CheckReport report = reference::checkLattice(scene, ids, count, options);
   checkValidation(device);
   if (command.json) {
     fmt::print("{}", asJson(report));
@@ -102,6 +110,7 @@ void addCheck(CLI::App& app, Run& chosen) {
   command->add_option("--resolution", options->check.resolutions, "Lattice spacings across the scene's diameter; may be given several times")
       ->type_name("PX")->check(CLI::Range(1, kMaxResolution).description(""))->allow_extra_args(false)->capture_default_str();
   addChoice(command, "--engine", options->engine, {{"compute", EngineKind::compute}, {"graphics", EngineKind::graphics}}, "The engine to check");
+  addChoice(command, "--sampling", options->sampling, {{"lattice", Sampling::lattice}, {"scanline", Sampling::scanline}}, "The samples to check");
   command->add_option("--seed", options->check.seed, "Of directions and lattices")->type_name("K")->capture_default_str();
   command->add_flag("--two-sided", options->two_sided, "Every polygon emits and receives on both sides");
   command->add_option("--device", options->device.selector, "Vulkan device: index, part of its name, cpu or gpu")->type_name("DEVICE");

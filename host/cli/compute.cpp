@@ -89,6 +89,8 @@ int runCompute(ProgramOptions options) {
   askOnlyFor(options.question, scene, ids);
   if (!ids.roles.empty() && options.engine == EngineKind::graphics)
     throw Error(ErrorCode::bad_usage, "--from, --pair and --blocker need --engine compute or exact");
+  if (options.lattice.sampling == Sampling::scanline && options.engine != EngineKind::compute)
+    throw Error(ErrorCode::bad_usage, "--sampling scanline needs --engine compute");
   std::string sampler = options.estimate.sampler == Sampler::fibonacci ? "fibonacci" : "iid";
   if (!options.whole_sphere && (!options.question.pair.empty() || (!options.question.from.empty() && !options.two_sided)))
     sampler = askDirections(options.question, scene, options.two_sided, options.estimate);
