@@ -278,6 +278,23 @@ TEST(Peel, HashTableIsEmptiedWhenHalfFull) {
   EXPECT_EQ(work.repeats, 0u);
 }
 
+// Batches shrink to what memory holds; what not even one direction fits into is refused with the size that it needs.
+TEST(Peel, MemoryIsPlanned) {
+  const Scene scene = buildScene(ts::triangleSoup(300, 0.6, 5));
+  const Ids ids = makeIds(scene, By::polygon, false);
+  const auto directions = sampleDirections(Sampler::fibonacci, 9, 11, 0);
+  const auto roomy = makeComputeEngine(testDevice(), scene, ids, {.resolution = 40}), tight = makeComputeEngine(testDevice(), scene, ids, {.resolution = 40, .memory_budget_bytes = 1});
+  EXPECT_NE(roomy->describePlan().find("2 x "), std::string::npos) << roomy->describePlan();
+  EXPECT_NE(tight->describePlan().find("1 x 1 directions"), std::string::npos) << tight->describePlan();
+  EXPECT_EQ(tight->count(directions), roomy->count(directions));
+  try {
+    makeComputeEngine(testDevice(), scene, ids, {.resolution = 40, .available_bytes = 1 << 20});
+    FAIL() << "accepted";
+  } catch (const std::exception& error) {
+    EXPECT_NE(std::string(error.what()).find("300 polygons at resolution 40 need"), std::string::npos) << error.what();
+  }
+}
+
 TEST(Peel, GraphicsEngineRefusesCountersBeyondTheBudget) {
   const Scene scene = buildScene(ts::roomWithTouchingBoxes());
   try {

@@ -6,7 +6,7 @@
 //   bin        fill the lists
 //   sort       where lines meet many polygons: the lists by depth
 //   peel       every row of every active tile: spans of its polygons, samples, layers in order, facing rules, counters
-// A batch is one submission, and two are in flight. What overflows says so in the batch's status: the host makes room and repeats.
+// A batch is one submission, and two are in flight where memory allows. What overflows says so in the batch's status: the host makes room and repeats.
 #include "engines/compute_engine.h"
 
 #include <algorithm>
@@ -106,7 +106,7 @@ class ComputeEngine : public Engine {
   int fraction_bits_, column_bits_;
   SceneBuffers scene_;
   PairCounters counters_;
-  uint32_t tiles_wide_ = 0, tiles_high_ = 0, batch_size_ = 0, needed_roles_ = 0;
+  uint32_t tiles_wide_ = 0, tiles_high_ = 0, batch_size_ = 0, in_flight_ = 2, needed_roles_ = 0;
   uint64_t list_capacity_ = 0;
   Kernel project_, bin_, allocate_, sort_, peel_;
   std::vector<Batch> batches_;
@@ -180,7 +180,14 @@ void ComputeEngine::planBatches() {
   const uint64_t lists_per_direction = 4 * uint64_t(scene_.polygon_count) + tiles;
   const uint64_t bytes = scene_.polygon_count * sizeof(ProjectedPolygon) + scene_.corner_count * sizeof(Edge) + tiles * (12 + sizeof(ActiveTile)) +
                          rows * 2 * (sizeof(UnfinishedRow) + sizeof(uint64_t) * tuning_.subgroup_size * tuning_.steps) + lists_per_direction * (sizeof(uint32_t) + (tuning_.sorts ? sizeof(ListEntry) : 0));
-  const uint64_t budget = (options_.memory_budget_bytes ? options_.memory_budget_bytes : kMemoryBudget) / 2;
+  const uint64_t fixed_bytes = counters_.sizeBytes() + scene_.polygons.sizeBytes() + scene_.corners.sizeBytes();
+  const uint64_t available = options_.available_bytes ? options_.available_bytes : device_.memoryBytes();
+  if (fixed_bytes + bytes > available)
+    throw Error(ErrorCode::limit, fmt::format("{} polygons at resolution {} need {:.0f} MiB, {} has {:.0f} MiB; try a smaller --resolution or scene, or --by surface",
+                                              scene_.polygon_count, options_.resolution, double(fixed_bytes + bytes) / 1048576.0,
+                                              device_.description().name, double(available) / 1048576.0));
+  const uint64_t budget = std::min<uint64_t>(options_.memory_budget_bytes ? options_.memory_budget_bytes : kMemoryBudget, available - fixed_bytes) / 2;
+  in_flight_ = bytes > budget ? 1 : 2;
   const uint64_t largest = std::min<uint64_t>(device_.maxAllocationBytes(), device_.properties().limits.maxTexelBufferElements * uint64_t(8));
   const uint64_t per_buffer = std::max<uint64_t>(scene_.corner_count * sizeof(Edge), 2 * lists_per_direction * sizeof(uint32_t));
   const uint64_t by_memory = std::max<uint64_t>(1, std::min(budget / bytes, largest / per_buffer));
@@ -197,7 +204,7 @@ void ComputeEngine::makeBatches() {
   const uint64_t tiles = uint64_t(batch_size_) * tiles_wide_ * tiles_high_, rows = tiles * tuning_.tile_rows;
   const auto texels = VK_FORMAT_R32G32B32A32_UINT;
   batches_.clear();
-  for (int k = 0; k < 2; ++k) {
+  for (uint32_t k = 0; k < in_flight_; ++k) {
     Batch batch{Commands(device_)};
     if (options_.measure_work) batch.timestamps = Timestamps(device_, kPasses.size() + 1);
     batch.directions = Buffer(device_, batch_size_ * sizeof(DirectionData), MemoryUse::upload, texels);
@@ -238,11 +245,12 @@ PairCounts ComputeEngine::count(std::span<const Direction> directions) {
 bool ComputeEngine::countAll(std::span<const Direction> directions) {
   bool complete = true;
   size_t done = 0;
-  for (uint32_t turn = 0; complete && (done < directions.size() || batches_[turn % 2].in_flight); ++turn) {
-    Batch& batch = batches_[turn % 2];
+  for (uint32_t turn = 0; complete && (done < directions.size() || batches_[turn % batches_.size()].in_flight); ++turn) {
+    Batch& batch = batches_[turn % batches_.size()];
     if (batch.in_flight) complete = finish(batch);
     if (complete && counters_.isCrowded()) {
-      if (batches_[1 - turn % 2].in_flight) complete = finish(batches_[1 - turn % 2]);
+      for (Batch& other : batches_)
+        if (complete && other.in_flight) complete = finish(other);
       if (complete) counters_.makeRoom(commands_);
     }
     if (!complete || done == directions.size()) continue;
@@ -428,7 +436,7 @@ std::string ComputeEngine::describePlan() const {
     projected += batch.edges.sizeBytes() + batch.projected.sizeBytes();
   }
   return fmt::format(
-      "plan       {} batches of {} directions in flight; {} x {} tiles of {} x {}; subgroups of {}, {} layers a round\n"
+      "plan       {} x {} directions in flight; {} x {} tiles of {} x {}; subgroups of {}, {} layers a round\n"
       "memory     {:.1f} MiB on the device: {} counters {:.1f}, scene {:.1f}, projections {:.1f}, tile lists {:.1f}\n",
       batches_.size(), batch_size_, tiles_wide_, tiles_high_, tuning_.tile_width, tuning_.tile_rows, tuning_.subgroup_size, tuning_.layers_kept,
       mib(memoryBytes()), counters_.isSparse() ? "hashed" : "dense", mib(counters_.sizeBytes()),

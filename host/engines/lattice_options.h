@@ -29,7 +29,8 @@ struct LatticeOptions {
   uint32_t list_capacity = 0;    // of the tile lists at first
   uint32_t table_capacity = 0;   // of the hash table at first
   uint32_t most_blocks = 0;      // of spans that one invocation of peel goes through
-  uint64_t memory_budget_bytes = 0;  // of everything but the counters
+  uint64_t memory_budget_bytes = 0;  // of batches; a direction that needs more gets it, and one batch at a time
+  uint64_t available_bytes = 0;      // on the device; what needs more is refused
   bool measure_work = false;
   std::function<void(uint64_t directions)> on_batch;  // told how many directions have been counted; may be empty
 };

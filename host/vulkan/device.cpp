@@ -9,6 +9,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "error.h"
 
@@ -284,6 +285,16 @@ Device& Device::operator=(Device&& other) noexcept {
   std::swap(description_, other.description_);
   std::swap(validation_errors_, other.validation_errors_);
   return *this;
+}
+
+uint64_t Device::memoryBytes() const {
+  if (properties_.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU) return uint64_t(sysconf(_SC_PHYS_PAGES)) * uint64_t(sysconf(_SC_PAGESIZE));
+  VkPhysicalDeviceMemoryProperties memory;
+  vkGetPhysicalDeviceMemoryProperties(physical_, &memory);
+  uint64_t largest = 0;
+  for (uint32_t k = 0; k < memory.memoryHeapCount; ++k)
+    if (memory.memoryHeaps[k].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT) largest = std::max<uint64_t>(largest, memory.memoryHeaps[k].size);
+  return largest;
 }
 
 uint32_t Device::memoryType(uint32_t allowed, VkMemoryPropertyFlags flags) const {

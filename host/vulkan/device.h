@@ -45,6 +45,8 @@ class Device {
   const VkPhysicalDeviceProperties& properties() const { return properties_; }
   // Largest single buffer or image allocation.
   VkDeviceSize maxAllocationBytes() const { return max_allocation_bytes_; }
+  // Of the device, or of the machine where the device is its CPU.
+  uint64_t memoryBytes() const;
   // Index of a memory type among `allowed` that has all of `flags`.
   uint32_t memoryType(uint32_t allowed, VkMemoryPropertyFlags flags) const;
 
