@@ -9,7 +9,6 @@
 #include "geometry.glsl"
 
 layout(local_size_x = 64) in;
-layout(constant_id = 0) const bool kTestsEdges = true;  // polygons enter only tiles that they reach, not all of their boxes
 layout(push_constant, scalar) uniform Args { BinArgs args; };
 
 void main() {
@@ -27,7 +26,7 @@ void main() {
   // The most that the edges reach over a tile, at the grid's first tile, and what it changes by from tile to tile.
   ivec2 grid = -ivec2(args.tiles_wide * args.tile_width, args.tiles_high * args.tile_rows) / 2;
   int64_t most[4], per_column[4], per_row[4];
-  for (uint k = 0u; kTestsEdges && k < 4u; ++k) {
+  for (uint k = 0u; k < 4u; ++k) {
     Edge edge = fetchEdge(direction_index * args.corner_count + corners.x + min(k, corners.y - 1u));
     int64_t a = int64_t(edge.a), b = int64_t(edge.b) << args.column_bits;
     int64_t columns = int64_t(args.tile_width) << args.column_bits, rows = int64_t(args.tile_rows);
@@ -46,7 +45,7 @@ void main() {
   for (int y = first.y; y <= last.y; ++y)
     for (int x = first.x; x <= last.x; ++x) {
       int64_t least_of_most = int64_t(0);
-      for (uint k = 0u; kTestsEdges && k < 4u; ++k) least_of_most = min(least_of_most, most[k] + per_column[k] * int64_t(x) + per_row[k] * int64_t(y));
+      for (uint k = 0u; k < 4u; ++k) least_of_most = min(least_of_most, most[k] + per_column[k] * int64_t(x) + per_row[k] * int64_t(y));
       if (least_of_most < int64_t(0)) continue;
       uint tile = (direction_index * args.tiles_high + uint(y)) * args.tiles_wide + uint(x);
       if (args.mode == kBinRoles) {

@@ -233,7 +233,7 @@ struct PeelArgs {
   uint tile_width, tile_rows;
   int column_bits;
   uint two_sided;
-  uint counter_mask;
+  uint counter_mask;  // of a hash table: places - 1
   uint counts_environment;
   uint most_blocks;  // of polygons that one invocation goes through
   uint resumes;      // how many unfinished rows it works off; 0 where it begins

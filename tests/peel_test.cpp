@@ -205,7 +205,6 @@ TEST(Peel, NoTuningChangesTheCounts) {
         all.push_back({.resolution = 40, .list_capacity = n});
         all.push_back({.resolution = 40, .counter_budget_bytes = 1, .table_capacity = n});
       }
-      all.push_back({.resolution = 40, .small_polygons = true});
       all.push_back({.resolution = 40, .aggregate = false});
       all.push_back({.resolution = 40, .memory_budget_bytes = 1});
       for (size_t k = 0; k < all.size(); ++k)

@@ -54,7 +54,7 @@ struct Batch {
 
 struct Tuning {
   uint32_t subgroup_size, tile_width, tile_rows, steps, layers_kept, most_blocks;
-  bool sorts, tests_edges;
+  bool sorts;
 };
 
 Tuning tune(const Device& device, const LatticeOptions& options) {
@@ -70,10 +70,10 @@ Tuning tune(const Device& device, const LatticeOptions& options) {
   const uint32_t subgroup_size = subgroup.subgroupSize, layers_kept = choose(options.layers_kept, 4), most_blocks = choose(options.most_blocks, on_cpu ? 1000 : 1u << 30);
   const uint32_t tile_rows = std::min(std::bit_ceil(choose(options.tile_rows, kMostTileRows)), kMostTileRows);
   if (options.sampling == Sampling::scanline)
-    return {subgroup_size, kScanlineCell, tile_rows, 1, layers_kept, most_blocks, false, true};
+    return {subgroup_size, kScanlineCell, tile_rows, 1, layers_kept, most_blocks, false};
   // Lattice points: as many columns as divide a subgroup, and the rows in steps.
   const uint32_t tile_width = std::min(std::bit_ceil(choose(options.tile_width, 8)), subgroup_size);
-  return {subgroup_size, tile_width, tile_rows, std::max(1u, tile_width * tile_rows / subgroup_size), layers_kept, most_blocks, options.sort, !options.small_polygons};
+  return {subgroup_size, tile_width, tile_rows, std::max(1u, tile_width * tile_rows / subgroup_size), layers_kept, most_blocks, options.sort};
 }
 
 class ComputeEngine : public Engine {
@@ -141,7 +141,7 @@ ComputeEngine::ComputeEngine(const Device& device, const Scene& scene, const Ids
 void ComputeEngine::makeKernels() {
   const uint32_t scanlines = options_.sampling == Sampling::scanline;
   project_ = Kernel(device_, project_comp, sizeof(ProjectArgs), {}, 3);
-  bin_ = Kernel(device_, bin_comp, sizeof(BinArgs), {tuning_.tests_edges}, kTexelBuffers);
+  bin_ = Kernel(device_, bin_comp, sizeof(BinArgs), {}, kTexelBuffers);
   allocate_ = Kernel(device_, allocate_comp, sizeof(BinArgs));
   if (tuning_.sorts) sort_ = Kernel(device_, sort_comp, sizeof(SortArgs), {tuning_.subgroup_size}, kTexelBuffers);
   peel_ = Kernel(device_, peel_comp, sizeof(PeelArgs),
@@ -155,10 +155,7 @@ void ComputeEngine::retune(const BatchStatus& found) {
   tuned_ = true;
   if (options_.sampling == Sampling::scanline || found.active_tiles == 0) return;
   const Tuning before = tuning_;
-  if (!options_.tile_rows && found.list_length / found.active_tiles >= kLongList) {
-    options_.tile_rows = 4;
-    options_.small_polygons = true;
-  }
+  if (!options_.tile_rows && found.list_length / found.active_tiles >= kLongList) options_.tile_rows = 4;
   if (!options_.layers_kept && found.rounds > kManyRounds * found.active_tiles) {
     options_.sort = true;
     options_.layers_kept = 8;

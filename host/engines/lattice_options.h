@@ -24,7 +24,6 @@ struct LatticeOptions {
   uint32_t tile_rows = 0;        // 1 to 8
   uint32_t layers_kept = 0;      // a round
   bool sort = false;             // lists of tiles by depth
-  bool small_polygons = false;   // compared with tiles
   bool aggregate = true;         // contributions of neighbouring samples before they are added
   uint32_t list_capacity = 0;    // of the tile lists at first
   uint32_t table_capacity = 0;   // of the hash table at first

@@ -1,0 +1,191 @@
+// Which samples of a direction, lattice points or scanlines, give the smaller error for the same time, and how does the error fall with the number of them?
+// CSV on stdout: rms error over all ordered pairs of polygons, of single replicates of rotated Fibonacci directions; in comments, for each sampling, the
+// exponent a of rms ~ T^-a at the best split of T samples (lattice points, or scanlines) between directions and spacing, and the time to given errors.
+//   sampling_error [--scene plates|cube|office|room4]... [--resolution PX]... [--directions N]... [--repeats K] [--reference N]
+// References: the closed form by contour integrals for plates and the inside of a cube of 96 patches; for scenes with occlusion a long run with
+// scanlines, whose own error is printed.
+#include <cmath>
+#include <map>
+
+#include <CLI/CLI.hpp>
+
+#include "directions/sampler.h"
+#include "engines/compute_engine.h"
+#include "error.h"
+#include "generate.h"
+#include "measure.h"
+#include "reference/contour_integral.h"
+
+namespace viewpeel::bench {
+namespace {
+
+struct Options {
+  std::vector<std::string> scenes{"plates", "cube", "office", "room4"};
+  std::vector<int> resolutions{16, 32, 64, 128, 256};
+  std::vector<uint32_t> directions{50, 200, 800};
+  uint32_t repeats = 4, reference = 20'000;
+  DeviceOptions device;
+};
+
+using Factors = std::map<std::pair<uint32_t, uint32_t>, double>;  // F_ij, i != j, nonzero ones
+
+struct Reference {
+  Factors factors;
+  double rms_error = 0;  // over all ordered pairs
+};
+
+struct Run {
+  double samples, seconds, rms;
+};
+
+InputScene cubeOfPatches() {
+  InputScene scene{"inside of a cube", {"cube"}, {}};
+  for (int axis = 0; axis < 3; ++axis)
+    for (int side = 0; side < 2; ++side)
+      for (int y = 0; y < 4; ++y)
+        for (int x = 0; x < 4; ++x) {
+          InputFace face;
+          for (const auto& [dx, dy] : {std::pair(0, 0), std::pair(1, 0), std::pair(1, 1), std::pair(0, 1)}) {
+            glm::dvec3 corner(0);
+            corner[axis] = side;
+            corner[(axis + 1) % 3] = (x + dx) / 4.0;
+            corner[(axis + 2) % 3] = (y + dy) / 4.0;
+            face.corners.push_back(corner);
+          }
+          if (side == 1) std::reverse(face.corners.begin(), face.corners.end());
+          scene.faces.push_back(face);
+        }
+  return scene;
+}
+
+Scene makeScene(const std::string& name) {
+  if (name == "cube") return buildScene(cubeOfPatches());
+  if (name == "room4") return buildScene(roomWithBoxes(4));
+  return loadScene(VIEWPEEL_SOURCE "/scenes/" + name + ".obj");
+}
+
+Factors factorsOf(const PairCounts& counts, const Ids& ids, double measure_area) {
+  Factors factors;
+  for (const PairCount& c : counts) {
+    if (c.j >= kEnvironment || c.i == c.j) continue;
+    factors[{c.i, c.j}] = 2 * double(c.count) * measure_area / ids.areas[c.i];
+    factors[{c.j, c.i}] = 2 * double(c.count) * measure_area / ids.areas[c.j];
+  }
+  return factors;
+}
+
+double sumOfSquares(const Factors& a, const Factors& b) {
+  double sum = 0;
+  auto at = b.begin();
+  for (const auto& [key, value] : a) {
+    while (at != b.end() && at->first < key) sum += at->second * at->second, ++at;
+    const double other = at != b.end() && at->first == key ? (at++)->second : 0;
+    sum += (value - other) * (value - other);
+  }
+  for (; at != b.end(); ++at) sum += at->second * at->second;
+  return sum;
+}
+
+double measureArea(const Engine& engine, const Scene& scene, uint32_t directions) {
+  return engine.unitArea() * scene.scale * scene.scale / directions;
+}
+
+// Closed forms where nothing is in the way; else the mean of two long runs, and half their difference as its error.
+Reference makeReference(const std::string& name, const Device& device, const Scene& scene, const Ids& ids, uint32_t directions) {
+  Reference reference;
+  const double pairs = double(ids.count()) * (ids.count() - 1);
+  if (name == "plates" || name == "cube") {
+    std::vector<std::vector<glm::dvec3>> corners;
+    for (const Polygon& p : scene.polygons) corners.emplace_back(scene.corners.begin() + p.first_corner, scene.corners.begin() + p.first_corner + p.corner_count);
+    for (uint32_t i = 0; i < corners.size(); ++i)
+      for (uint32_t j = 0; j < corners.size(); ++j)
+        if (i != j) reference.factors[{i, j}] = reference::formFactor(corners[i], corners[j]);
+    return reference;
+  }
+  Factors halves[2];
+  for (uint64_t half = 0; half < 2; ++half) {
+    const auto engine = makeComputeEngine(device, scene, ids, {.resolution = 256, .sampling = Sampling::scanline});
+    halves[half] = factorsOf(engine->count(sampleDirections(Sampler::fibonacci, directions / 2, 77, half)), ids, measureArea(*engine, scene, directions / 2));
+  }
+  reference.rms_error = std::sqrt(sumOfSquares(halves[0], halves[1]) / pairs) / 2;
+  for (const Factors& half : halves)
+    for (const auto& [key, value] : half) reference.factors[key] += value / 2;
+  return reference;
+}
+
+// Of runs that no other beats in both `cost` and error: a line through the logarithms.
+double fitEnvelope(std::vector<Run> runs, double Run::*cost, double* intercept = nullptr) {
+  std::sort(runs.begin(), runs.end(), [&](const Run& a, const Run& b) { return a.*cost < b.*cost; });
+  std::vector<Run> best;
+  for (const Run& run : runs)
+    if (best.empty() || run.rms < best.back().rms) best.push_back(run);
+  double mx = 0, my = 0, xy = 0, xx = 0;
+  for (const Run& r : best) mx += std::log(r.*cost) / double(best.size()), my += std::log(r.rms) / double(best.size());
+  for (const Run& r : best) xy += (std::log(r.*cost) - mx) * (std::log(r.rms) - my), xx += (std::log(r.*cost) - mx) * (std::log(r.*cost) - mx);
+  const double slope = xy / xx;
+  if (intercept) *intercept = my - slope * mx;
+  return slope;
+}
+
+void measureScene(const std::string& name, const Device& device, const Options& options) {
+  const Scene scene = makeScene(name);
+  const Ids ids = makeIds(scene, By::polygon, false);
+  const double pairs = double(ids.count()) * (ids.count() - 1);
+  const Reference reference = makeReference(name, device, scene, ids, options.reference);
+  fmt::print("# {}: {} polygons; rms error of the reference {:.1e}\n", name, ids.count(), reference.rms_error);
+  for (Sampling sampling : {Sampling::lattice, Sampling::scanline}) {
+    const char* word = sampling == Sampling::lattice ? "lattice" : "scanline";
+    std::vector<Run> runs;
+    for (int resolution : options.resolutions) {
+      const auto engine = makeComputeEngine(device, scene, ids, {.resolution = resolution, .sampling = sampling});
+      engine->count(sampleDirections(Sampler::fibonacci, 64, 5, 0));  // compiles and tunes
+      const double fixed = secondsOf([&] { engine->count({}); });     // counters read back, once a replicate
+      for (uint32_t directions : options.directions) {
+        double squares = 0, seconds = 0;
+        for (uint32_t repeat = 0; repeat < options.repeats; ++repeat) {
+          const std::vector<Direction> set = sampleDirections(Sampler::fibonacci, directions, 1, repeat);
+          PairCounts counts;
+          seconds += secondsOf([&] { counts = engine->count(set); }) - fixed;
+          squares += sumOfSquares(factorsOf(counts, ids, measureArea(*engine, scene, directions)), reference.factors) / pairs;
+        }
+        const double rms = std::sqrt(std::max(0.0, squares / options.repeats - reference.rms_error * reference.rms_error));
+        const double samples = double(directions) * resolution * (sampling == Sampling::lattice ? resolution : 1);
+        fmt::print("{},{},{},{},{},{:.4g},{:.4g}\n", name, ids.count(), word, resolution, directions, rms, seconds / options.repeats);
+        std::fflush(stdout);
+        if (rms > 3 * reference.rms_error) runs.push_back({samples, seconds / options.repeats, rms});
+      }
+    }
+    if (runs.size() < 4) continue;
+    double intercept = 0;
+    const double in_samples = fitEnvelope(runs, &Run::samples), in_seconds = fitEnvelope(runs, &Run::seconds, &intercept);
+    fmt::print("# {} {}: rms ~ T^{:.2f} in samples, ~ t^{:.2f} in seconds; to 1e-3 {:.2g} s, to 1e-4 {:.2g} s, to 1e-5 {:.2g} s, along that line\n", name, word,
+               in_samples, in_seconds, std::exp((std::log(1e-3) - intercept) / in_seconds), std::exp((std::log(1e-4) - intercept) / in_seconds),
+               std::exp((std::log(1e-5) - intercept) / in_seconds));
+  }
+}
+
+}  // namespace
+}  // namespace viewpeel::bench
+
+int main(int argc, char** argv) {
+  using namespace viewpeel;
+  using namespace viewpeel::bench;
+  CLI::App app("Error of lattice points and scanlines against time", "sampling_error");
+  Options options;
+  app.add_option("--scene", options.scenes, "plates, cube, office, room4")->capture_default_str();
+  app.add_option("--resolution", options.resolutions, "Spacings across the scene")->capture_default_str();
+  app.add_option("--directions", options.directions, "Directions of a replicate")->capture_default_str();
+  app.add_option("--repeats", options.repeats, "Replicates to take the mean of")->capture_default_str();
+  app.add_option("--reference", options.reference, "Directions of the reference where there is no closed form")->capture_default_str();
+  app.add_option("--device", options.device.selector, "As for viewpeel");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    const Device device(options.device);
+    printPlace(device, VIEWPEEL_SOURCE);
+    fmt::print("scene,polygons,sampling,resolution,directions,rms_error,seconds\n");
+    for (const std::string& scene : options.scenes) measureScene(scene, device, options);
+  } catch (const Error& error) {
+    fmt::print(stderr, "sampling_error: {}\n", error.what());
+    return 1;
+  }
+}
