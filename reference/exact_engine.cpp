@@ -4,12 +4,15 @@
 #include <cmath>
 #include <map>
 
+#include "error.h"
 #include "reference/exact_pair_areas.h"
 
 namespace viewpeel::reference {
 namespace {
 
+__extension__ using Wide = unsigned __int128;
 constexpr double kUnit = 0x1p-40;
+constexpr Wide kMostCounts = UINT64_MAX;
 constexpr size_t kDirectionsAtOnce = 64;  // bounds the memory of their results
 
 class ExactEngine : public Engine {
@@ -22,7 +25,7 @@ class ExactEngine : public Engine {
   }
 
   PairCounts count(std::span<const Direction> directions) override {
-    std::map<std::pair<uint32_t, uint32_t>, uint64_t> sums;
+    std::map<std::pair<uint32_t, uint32_t>, Wide> sums;
     for (size_t done = 0; done < directions.size(); done += kDirectionsAtOnce) {
       std::vector<glm::dvec3> along;
       for (size_t k = done; k < std::min(directions.size(), done + kDirectionsAtOnce); ++k) along.push_back(directions[k].u);
@@ -31,12 +34,13 @@ class ExactEngine : public Engine {
         for (const PairArea& pair : results[k].pairs) {
           if (!isCounted(pair)) continue;
           const uint32_t i = ids_.of_polygon[pair.a], j = pair.b < kEnvironment ? ids_.of_polygon[pair.b] : pair.b;
-          sums[{std::min(i, j), std::max(i, j)}] += static_cast<uint64_t>(std::llround(pair.area / kUnit)) * directions[done + k].weight;
+          sums[{std::min(i, j), std::max(i, j)}] += Wide(std::llround(pair.area / kUnit)) * directions[done + k].weight;
         }
     }
     PairCounts counts;
     for (const auto& [key, sum] : sums)
-      if (sum) counts.push_back({key.first, key.second, sum});
+      if (sum > kMostCounts) throw Error(ErrorCode::limit, "areas of so many weighted directions pass 64 bits; ask for fewer --directions and more --replicates");
+      else if (sum) counts.push_back({key.first, key.second, static_cast<uint64_t>(sum)});
     return counts;
   }
 

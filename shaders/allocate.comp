@@ -17,10 +17,10 @@ void main() {
   uint start = atomicAdd(status.at.list_length, count);
   Words(args.tile_starts).at[tile] = start;
   if (start + count > args.list_capacity || start + count < start) {
-    atomicOr(status.at.active_tiles, kListsOverflowed);
+    atomicOr(status.at.active_tiles, start + count < start ? kListsOverflowed | kListsUncountable : kListsOverflowed);
     return;
   }
-  uint place = atomicAdd(status.at.active_tiles, 1u) & ~kListsOverflowed;
+  uint place = atomicAdd(status.at.active_tiles, 1u) & ~(kListsOverflowed | kListsUncountable);
   atomicMax(status.at.peel_groups.x, min(place + 1u, kGroupsPerRow));
   atomicMax(status.at.peel_groups.y, place / kGroupsPerRow + 1u);
   uint tiles_per_direction = args.tiles_wide * args.tiles_high;

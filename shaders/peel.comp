@@ -46,6 +46,7 @@ shared uint ends[kScanlines ? 2 * kMostSpans : 1];
 uint64_t nearest[kMostSteps][kLayersKept];
 uint64_t last[kMostSteps];  // the farthest layer of the rounds before
 bool open[kMostSteps];      // whether the line may meet more layers
+uint fresh;                 // samples, a bit each, whose layers have not been counted yet
 uint64_t lost[kMostSteps];  // the nearest layer that found no room
 uint64_t farthest_emitter[kMostSteps], farthest_receiver[kMostSteps];
 
@@ -259,7 +260,7 @@ void takeStep(int s, inout Passing polygon, inout uint fragments) {
     if (covered && (polygon.roles & kEmits) != 0u) farthest_emitter[s] = max(farthest_emitter[s], layer);
     if (covered && (polygon.roles & kReceives) != 0u) farthest_receiver[s] = max(farthest_receiver[s], layer);
   }
-  if (kMeasuresWork) fragments += covered && last[s] == 0ul && open[s] ? 1u : 0u;
+  if (kMeasuresWork) fragments += covered ? fresh >> s & 1u : 0u;
   layer = covered && layer > last[s] ? layer : kNoLayer;
   [[unroll]] for (int k = 0; k < kLayersKept; ++k) {
     uint64_t farther = max(nearest[s][k], layer);
@@ -315,6 +316,7 @@ void main() {
       open[k] = k < kSteps && first + lane < sample_count && lane_row + k * rows_per_step < int(args.tile_rows);
       last[k] = resume == 0u || k >= kSteps ? 0ul : Longs(args.reached).at[resume - 1u + lane * uint(kSteps) + uint(k)];
       open[k] = open[k] && last[k] != kNoLayer;
+      fresh = (k == 0 ? 0u : fresh) | (open[k] && last[k] == 0ul ? 1u << k : 0u);
     }
     resume = 0u;
     if (kScanlines) {
@@ -350,7 +352,7 @@ void main() {
         farthest_emitter[k] = farthest_receiver[k] = 0ul;
       }
       // A segment ends where a sample has no room left or the list ends; its layers are added as far as they are settled.
-      uint base = 0u, t = 0u;
+      uint base = 0u, t = 0u, passed = 0u, patience = 0u;
       do {
         bool full = false;
         do {
@@ -409,10 +411,11 @@ void main() {
             if (kSteps > 4) takeStep(6, polygon, fragments);
             if (kSteps > 4) takeStep(7, polygon, fragments);
             ++t;
+            ++passed;
             if (kSorted) {
               bool no_room = false;
-              [[unroll]] for (int k = 0; k < kMostSteps; ++k) no_room = no_room || (k < kSteps && nearest[k][kLayersKept - 1] != kNoLayer);
-              full = subgroupAny(no_room && is_sorted);
+              [[unroll]] for (int k = 0; k < kMostSteps; ++k) no_room = no_room || (k < kSteps && open[k] && nearest[k][kLayersKept - 1] != kNoLayer);
+              full = subgroupAny(no_room && is_sorted && passed >= patience);
             }
           } while (t < lanes && base + t < polygon_count && !full);
           cut = cut || (t < lanes && base + t < polygon_count && !full);
@@ -433,8 +436,14 @@ void main() {
           if (base < polygon_count) bound = uint64_t(2u * nearest_depth) << 32;
         }
         gaps += flush(bound, base >= polygon_count, weight, lane, cut);
+        if (kSorted) {  // where nothing could be let go of, the next polygons are better left to another round than to a segment each
+          bool stuck = false;
+          [[unroll]] for (int k = 0; k < kMostSteps; ++k) stuck = stuck || (k < kSteps && open[k] && nearest[k][kLayersKept - 1] != kNoLayer);
+          patience = subgroupAny(stuck) ? polygon_count : 0u;
+        }
       } while (base < polygon_count);
       cut = cut || base < polygon_count;
+      fresh = 0u;
       ++rounds;
 
       again = false;

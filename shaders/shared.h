@@ -127,6 +127,7 @@ const uint kScanlineCell = 8u;      // lattice columns: a scanline is cut at the
 // Software devices end a shader's loops after 65,535 iterations in all (llvmpipe's LP_MAX_TGSI_LOOP_ITERATIONS). An invocation of bin stays below that.
 const uint kMostTilesPerInvocation = 4096u;
 const uint kMostTileRows = 8u;
+const uint kMostTileWidth = 8u;  // with lattice points: an edge changes by less than 2^30 within a tile
 
 // Polygons' roles: what their facing pairs are counted for. A facing pair counts where one of the two emits and the other receives.
 const uint kEmits = 1u;
@@ -136,6 +137,7 @@ const uint kIdMask = 0x3FFFFFFFu;
 
 // What went wrong in a batch. After the first nothing has been counted.
 const uint kListsOverflowed = 0x80000000u;
+const uint kListsUncountable = 0x40000000u;
 const uint kTooManySpans = 1u;        // in a row, for its ends to be put in order
 const uint kCountersOverflowed = 2u;
 const uint kLoopCut = 4u;             // the device ended a loop before its time
@@ -147,10 +149,10 @@ struct Groups {
 // What the passes of a batch found, for the passes after them and for the host.
 struct BatchStatus {
   Groups peel_groups;   // over active tiles, and their rows
-  uint active_tiles;    // kListsOverflowed set where lists overflowed
+  uint active_tiles;    // with kListsOverflowed where lists overflowed, kListsUncountable where their length did
   uint list_length;     // of all tiles together
   uint unfinished;      // rows
-  uint overflows;       // kTileCut and so on
+  uint overflows;       // kTooManySpans and so on
   uint pairs;           // that entered the hash table
   uint rounds;          // over the samples of a subgroup
   uint padding;

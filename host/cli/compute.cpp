@@ -39,7 +39,7 @@ class ProgressLine {
  public:
   explicit ProgressLine(const EstimateOptions& options) : options_(options) {}
   void onBatch(uint64_t directions) {
-    directions_ += directions;
+    directions_ = directions;
     show();
   }
   void onReplicate(const EstimateProgress& progress) {

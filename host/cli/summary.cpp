@@ -47,7 +47,7 @@ std::string describeScene(const Scene& scene) {
   const Ids ids = makeIds(scene, By::polygon, false);
   const auto [least, most] = std::minmax_element(ids.areas.begin(), ids.areas.end());
   std::string split;
-  if (scene.polygons.size() != scene.faces.size()) split = fmt::format(" (split into {} convex ones)", scene.polygons.size());
+  if (scene.polygons.size() != scene.faces.size()) split = fmt::format(" (as {} triangles and quadrilaterals)", scene.polygons.size());
   return fmt::format("scene      {}: {} polygons{}, {} surfaces, {}\n"
                      "areas      {:.6g} in all, polygons {:.3g} to {:.3g}; radius {:.4g}\n",
                      scene.file, scene.faces.size(), split, scene.surfaces.size(), isClosed(scene) ? "closed" : "open",

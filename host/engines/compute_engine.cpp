@@ -48,6 +48,7 @@ struct Batch {
   Timestamps timestamps;
   Buffer directions, edges, projected, tile_roles, tile_counts, tile_starts, active_tiles, entries, lists, status, status_read;
   std::array<Buffer, 2> unfinished, reached;
+  uint32_t list_capacity = 0;
   std::span<const Direction> asked;
   bool in_flight = false;
 };
@@ -72,13 +73,14 @@ Tuning tune(const Device& device, const LatticeOptions& options) {
   if (options.sampling == Sampling::scanline)
     return {subgroup_size, kScanlineCell, tile_rows, 1, layers_kept, most_blocks, false};
   // Lattice points: as many columns as divide a subgroup, and the rows in steps.
-  const uint32_t tile_width = std::min(std::bit_ceil(choose(options.tile_width, 8)), subgroup_size);
+  const uint32_t tile_width = std::min(std::bit_ceil(choose(options.tile_width, 8)), kMostTileWidth);
   return {subgroup_size, tile_width, tile_rows, std::max(1u, tile_width * tile_rows / subgroup_size), layers_kept, most_blocks, options.sort};
 }
 
 class ComputeEngine : public Engine {
  public:
   ComputeEngine(const Device& device, const Scene& scene, const Ids& ids, const LatticeOptions& options);
+  ~ComputeEngine() override;
   PairCounts count(std::span<const Direction> directions) override;
   double unitArea() const override { return pointArea(options_.resolution) / double(1 << column_bits_); }
   const Work* work() const override { return options_.measure_work ? &work_ : nullptr; }
@@ -98,6 +100,8 @@ class ComputeEngine : public Engine {
   PeelArgs peelArgs(const Batch& batch) const;
   void bindTexels(Batch& batch, const Kernel& kernel, const Buffer& lists);
   uint64_t memoryBytes() const;
+  // Workgroups of peel for one tile.
+  uint32_t rowGroups() const { return options_.sampling == Sampling::scanline ? tuning_.tile_rows : 1; }
 
   const Device& device_;
   LatticeOptions options_;
@@ -113,6 +117,7 @@ class ComputeEngine : public Engine {
   Commands commands_;       // of what is done between batches
   bool must_grow_ = false;  // the hash table
   bool tuned_ = false;
+  uint64_t counted_ = 0;  // directions of this call
   BatchStatus first_found_{};
   Work work_;
 };
@@ -138,6 +143,12 @@ ComputeEngine::ComputeEngine(const Device& device, const Scene& scene, const Ids
   makeBatches();
 }
 
+// After an error a batch may still be running on what is about to go.
+ComputeEngine::~ComputeEngine() {
+  for (Batch& batch : batches_)
+    if (batch.in_flight) vkDeviceWaitIdle(device_.handle());
+}
+
 void ComputeEngine::makeKernels() {
   const uint32_t scanlines = options_.sampling == Sampling::scanline;
   project_ = Kernel(device_, project_comp, sizeof(ProjectArgs), {}, 3);
@@ -161,6 +172,7 @@ void ComputeEngine::retune(const BatchStatus& found) {
     options_.layers_kept = 8;
   }
   tuning_ = tune(device_, options_);
+  tuning_.most_blocks = before.most_blocks;
   if (tuning_.tile_rows == before.tile_rows && tuning_.sorts == before.sorts) return;
   options_.list_capacity = 0;
   makeKernels();
@@ -173,7 +185,7 @@ void ComputeEngine::planBatches() {
   const auto reach = static_cast<uint64_t>(options_.resolution / 2 + 2);
   tiles_wide_ = 2 * divideUp(reach, tuning_.tile_width);
   tiles_high_ = 2 * divideUp(reach, tuning_.tile_rows);
-  const uint64_t tiles = uint64_t(tiles_wide_) * tiles_high_, rows = tiles * tuning_.tile_rows;
+  const uint64_t tiles = uint64_t(tiles_wide_) * tiles_high_, rows = tiles * rowGroups();
   const uint64_t lists_per_direction = 4 * uint64_t(scene_.polygon_count) + tiles;
   const uint64_t bytes = scene_.polygon_count * sizeof(ProjectedPolygon) + scene_.corner_count * sizeof(Edge) + tiles * (12 + sizeof(ActiveTile)) +
                          rows * 2 * (sizeof(UnfinishedRow) + sizeof(uint64_t) * tuning_.subgroup_size * tuning_.steps) + lists_per_direction * (sizeof(uint32_t) + (tuning_.sorts ? sizeof(ListEntry) : 0));
@@ -192,13 +204,16 @@ void ComputeEngine::planBatches() {
   const uint64_t chosen = options_.batch_directions ? options_.batch_directions : std::min(by_memory, worthwhile);
   batch_size_ = static_cast<uint32_t>(std::min<uint64_t>(
       {chosen, device_.properties().limits.maxComputeWorkGroupCount[1], (1ull << 31) / std::max<uint64_t>(rows, 2 * scene_.corner_count)}));
+  if (divideUp(scene_.polygon_count, kGroupSize) > device_.properties().limits.maxComputeWorkGroupCount[0])
+    throw Error(ErrorCode::limit, fmt::format("{} polygons are more than {} can be asked to project at once; try a smaller scene", scene_.polygon_count,
+                                              device_.description().name));
   if (batch_size_ == 0) throw Error(ErrorCode::limit, fmt::format("one direction has {} tile rows and {} corners, more than can be addressed; "
                                                                   "try a smaller --resolution or scene", rows, scene_.corner_count));
   list_capacity_ = options_.list_capacity ? options_.list_capacity : batch_size_ * lists_per_direction;
 }
 
 void ComputeEngine::makeBatches() {
-  const uint64_t tiles = uint64_t(batch_size_) * tiles_wide_ * tiles_high_, rows = tiles * tuning_.tile_rows;
+  const uint64_t tiles = uint64_t(batch_size_) * tiles_wide_ * tiles_high_, rows = tiles * rowGroups();
   const auto texels = VK_FORMAT_R32G32B32A32_UINT;
   batches_.clear();
   for (uint32_t k = 0; k < in_flight_; ++k) {
@@ -224,13 +239,18 @@ void ComputeEngine::makeLists(Batch& batch, uint64_t capacity) {
   if (capacity > 0x7FFFFFFF)
     throw Error(ErrorCode::limit, fmt::format("polygons of one batch reach {} tiles, more than can be addressed; try a smaller --resolution or --batch 1", capacity));
   for (Buffer* buffer : {&batch.lists, &batch.entries}) *buffer = Buffer();  // room for the next
+  batch.list_capacity = static_cast<uint32_t>(capacity);
   if (tuning_.sorts) batch.entries = Buffer(device_, capacity * sizeof(ListEntry), MemoryUse::device, VK_FORMAT_R32G32_UINT);
   batch.lists = Buffer(device_, capacity * sizeof(uint32_t), MemoryUse::device, VK_FORMAT_R32_UINT);
 }
 
 PairCounts ComputeEngine::count(std::span<const Direction> directions) {
   counters_.start(commands_);
+  const Work work_before = work_;
   while (!countAll(directions)) {
+    const uint64_t repeats = work_.repeats;
+    work_ = work_before;
+    work_.repeats = repeats;
     if (must_grow_) counters_.enlarge();
     must_grow_ = false;
     counters_.start(commands_);
@@ -242,6 +262,7 @@ PairCounts ComputeEngine::count(std::span<const Direction> directions) {
 bool ComputeEngine::countAll(std::span<const Direction> directions) {
   bool complete = true;
   size_t done = 0;
+  counted_ = 0;
   for (uint32_t turn = 0; complete && (done < directions.size() || batches_[turn % batches_.size()].in_flight); ++turn) {
     Batch& batch = batches_[turn % batches_.size()];
     if (batch.in_flight) complete = finish(batch);
@@ -288,7 +309,7 @@ void ComputeEngine::submit(Batch& batch) {
     batch.timestamps.mark(commands.handle());
   };
   BatchStatus none{};
-  none.peel_groups = {0, 1, options_.sampling == Sampling::scanline ? tuning_.tile_rows : 1};
+  none.peel_groups = {0, 1, rowGroups()};
   vkCmdUpdateBuffer(commands.handle(), batch.status.handle(), 0, sizeof none, &none);
   commands.fill(batch.tile_counts, 0, tile_count * sizeof(uint32_t));
   if (needed_roles_) commands.fill(batch.tile_roles, 0, tile_count * sizeof(uint32_t));
@@ -304,7 +325,7 @@ void ComputeEngine::submit(Batch& batch) {
 
   BinArgs bin{batch.tile_roles.address(), batch.tile_counts.address(), batch.tile_starts.address(), (tuning_.sorts ? batch.entries : batch.lists).address(), batch.active_tiles.address(),
               batch.directions.address(), batch.status.address(), scene_.polygon_count, scene_.corner_count, tiles_wide_, tiles_high_, tuning_.tile_width, tuning_.tile_rows,
-              tile_count, static_cast<uint32_t>(batch.lists.sizeBytes() / sizeof(uint32_t)), kBinRoles,
+              tile_count, batch.list_capacity, kBinRoles,
               std::max(1u, kMostTilesPerInvocation / tiles_wide_), needed_roles_, tuning_.sorts ? 1u : 0u, column_bits_};
   const auto runBin = [&](uint32_t mode) {
     bin.mode = mode;
@@ -342,6 +363,8 @@ bool ComputeEngine::finish(Batch& batch) {
   batch.in_flight = false;
   BatchStatus found = batch.status_read.mapped<BatchStatus>()[0];
   while (found.active_tiles & kListsOverflowed) {
+    if (found.active_tiles & kListsUncountable)
+      throw Error(ErrorCode::limit, "polygons of one batch reach more than 2^32 tiles; try a smaller --resolution or --batch");
     ++work_.repeats;
     makeLists(batch, uint64_t(found.list_length) + found.list_length / 4);
     submit(batch);
@@ -362,7 +385,8 @@ bool ComputeEngine::finish(Batch& batch) {
     return false;
   }
   if (!tuned_) first_found_ = found;
-  if (options_.on_batch) options_.on_batch(batch.asked.size());
+  counted_ += batch.asked.size();
+  if (options_.on_batch) options_.on_batch(counted_);
   addWork(batch, found);
   counters_.notePairs(found.pairs);
   return true;
@@ -427,17 +451,18 @@ uint64_t ComputeEngine::memoryBytes() const {
 
 std::string ComputeEngine::describePlan() const {
   const auto mib = [](uint64_t bytes) { return double(bytes) / 1048576.0; };
-  uint64_t lists = 0, projected = 0;
+  uint64_t lists = 0, projected = 0, unfinished = 0;
   for (const Batch& batch : batches_) {
-    lists += batch.lists.sizeBytes() + batch.tile_counts.sizeBytes() + batch.tile_starts.sizeBytes() + batch.active_tiles.sizeBytes();
+    unfinished += batch.unfinished[0].sizeBytes() + batch.unfinished[1].sizeBytes() + batch.reached[0].sizeBytes() + batch.reached[1].sizeBytes();
+    lists += batch.entries.sizeBytes() + batch.lists.sizeBytes() + batch.tile_counts.sizeBytes() + batch.tile_starts.sizeBytes() + batch.active_tiles.sizeBytes();
     projected += batch.edges.sizeBytes() + batch.projected.sizeBytes();
   }
   return fmt::format(
-      "plan       {} x {} directions in flight; {} x {} tiles of {} x {}; subgroups of {}, {} layers a round\n"
-      "memory     {:.1f} MiB on the device: {} counters {:.1f}, scene {:.1f}, projections {:.1f}, tile lists {:.1f}\n",
+      "plan       {} x {} directions in flight; {} x {} tiles of {} x {}; subgroups of {}, {} layers a round{}\n"
+      "memory     {:.1f} MiB on the device: {} counters {:.1f}, scene {:.1f}, projections {:.1f}, tile lists {:.1f}, lines to go on with {:.1f}\n",
       batches_.size(), batch_size_, tiles_wide_, tiles_high_, tuning_.tile_width, tuning_.tile_rows, tuning_.subgroup_size, tuning_.layers_kept,
-      mib(memoryBytes()), counters_.isSparse() ? "hashed" : "dense", mib(counters_.sizeBytes()),
-      mib(scene_.polygons.sizeBytes() + scene_.corners.sizeBytes()), mib(projected), mib(lists));
+      tuning_.sorts ? ", lists sorted by depth" : "", mib(memoryBytes()), counters_.isSparse() ? "hashed" : "dense", mib(counters_.sizeBytes()),
+      mib(scene_.polygons.sizeBytes() + scene_.corners.sizeBytes()), mib(projected), mib(lists), mib(unfinished));
 }
 
 }  // namespace

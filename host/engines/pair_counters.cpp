@@ -49,14 +49,24 @@ void PairCounters::start(Commands& commands) {
 
 void PairCounters::makeRoom(Commands& commands) {
   drained_ = addCounts(drained_, read(commands));
-  enlarge();
+  try {
+    enlarge();
+  } catch (const Error&) {
+    allocate();  // as it was
+  }
   clear(commands);
 }
 
 void PairCounters::enlarge() {
   if (capacity_ > kMostCapacity / 4) throw Error(ErrorCode::limit, fmt::format("the table of facing pairs outgrows {} places; try --by surface", capacity_));
+  const uint32_t before = capacity_;
   capacity_ *= 4;
-  allocate();
+  try {
+    allocate();
+  } catch (const Error&) {
+    capacity_ = before;
+    throw;
+  }
 }
 
 PairCounts PairCounters::finish(Commands& commands) { return addCounts(drained_, read(commands)); }

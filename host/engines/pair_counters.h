@@ -22,10 +22,13 @@ class PairCounters {
   // Empties everything.
   void start(Commands& commands);
   // Pairs that entered the table.
-  void notePairs(uint64_t pairs) { pairs_ += pairs; }
-  // Whether the table is half full.
-  bool isCrowded() const { return isSparse() && pairs_ >= capacity_ / 2; }
-  // Empties the table into the host's sums and makes it larger; nothing is lost. The device must be idle.
+  void notePairs(uint64_t pairs) {
+    pairs_ += pairs;
+    last_pairs_ = pairs;
+  }
+  // Whether the table may be more than half full after two more batches like the last.
+  bool isCrowded() const { return isSparse() && pairs_ > 0 && pairs_ + 2 * last_pairs_ > capacity_ / 2; }
+  // Empties the table into the host's sums and makes it larger, where the device has room for that; nothing is lost. The device must be idle.
   void makeRoom(Commands& commands);
   // Makes the table larger; start() has to follow.
   //   Throws: Error limit where the device has no room for it.
@@ -44,6 +47,7 @@ class PairCounters {
   uint32_t capacity_ = 0;  // of the hash table, a power of 2; 0 where counters are dense
   uint64_t counter_count_;  // or places in the table
   uint64_t pairs_ = 0;     // in the table
+  uint64_t last_pairs_ = 0;  // of them, from the last batch
   Buffer counters_, read_back_;
   PairCounts drained_;     // from tables before this one
 };

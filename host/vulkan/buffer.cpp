@@ -25,7 +25,7 @@ VkDeviceSize texelBytes(VkFormat format) {
 }
 
 [[noreturn]] void refuse(const Device& device, VkDeviceSize size_bytes) {
-  throw Error(ErrorCode::device, fmt::format("{}: cannot allocate {:.1f} MiB; try a smaller --resolution or scene",
+  throw Error(ErrorCode::device, fmt::format("{}: cannot allocate {:.1f} MiB; try a smaller --resolution, --batch or scene, or --by surface",
                                              device.description().name, static_cast<double>(size_bytes) / 1048576.0));
 }
 
