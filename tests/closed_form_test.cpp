@@ -120,6 +120,23 @@ TEST(ClosedForm, BlockersTakeWhatTheyHide) {
   EXPECT_EQ(e.form_factors.entries().size(), 1u);
 }
 
+// One face of a surface has a row of its own, or none.
+TEST(ClosedForm, AFaceOfASurface) {
+  const Scene scene = buildScene(ts::roomWithTouchingBoxes());
+  Ids ids = makeIds(scene, By::polygon, false);
+  askOnlyFor({.from = {"floor[3]"}}, scene, ids);
+  EXPECT_TRUE(ids.splits_surfaces);
+  Ids by_surface = makeIds(scene, By::surface, false);
+  for (const Question& question : {Question{.from = {"floor[3]"}}, Question{.blockers = {"floor[3]"}}, Question{.pair = {"floor[3]", "upper box"}}}) {
+    try {
+      askOnlyFor(question, scene, by_surface);
+      ADD_FAILURE() << "accepted";
+    } catch (const std::exception& error) {
+      EXPECT_NE(std::string(error.what()).find("--by polygon"), std::string::npos) << error.what();
+    }
+  }
+}
+
 TEST(ClosedForm, ComparisonRejectsAWrongFactor) {
   const Estimate e = estimateScene(ts::parallelSquares());
   const Measured f = e.form_factors.formFactor(0, 1);

@@ -294,6 +294,22 @@ TEST(Peel, MemoryIsPlanned) {
   }
 }
 
+// An error of one batch while the other is on the device is only that.
+TEST(Peel, ErrorsWaitForTheOtherBatch) {
+  std::vector<double> heights;
+  for (int k = 0; k < 1100; ++k) heights.push_back(0.004 * k);
+  const Scene scene = buildScene(ts::stackOfSheets(heights));
+  const Ids ids = makeIds(scene, By::polygon, false);
+  const auto directions = sampleDirections(Sampler::fibonacci, 12, 1, 0);
+  const auto engine = makeComputeEngine(testDevice(), scene, ids, {.resolution = 4, .sampling = Sampling::scanline, .batch_directions = 1});
+  try {
+    engine->count(directions);
+    FAIL() << "accepted";
+  } catch (const std::exception& error) {
+    EXPECT_NE(std::string(error.what()).find("larger --resolution"), std::string::npos) << error.what();
+  }
+}
+
 TEST(Peel, GraphicsEngineRefusesCountersBeyondTheBudget) {
   const Scene scene = buildScene(ts::roomWithTouchingBoxes());
   try {

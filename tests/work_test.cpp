@@ -84,6 +84,24 @@ TEST(Work, NothingIsPeeledBehindTheLastPolygonThatMatters) {
   EXPECT_GE(back.rounds, 25 * back.active_tiles);
 }
 
+// Work is counted once, however often a batch was done again and whether lists were sorted.
+TEST(Work, IsCountedOnce) {
+  const InputScene soup = ts::triangleSoup(300, 0.6, 5);
+  const auto directions = sampleDirections(Sampler::fibonacci, 20, 3, 0);
+  const Work plain = workOf(soup, directions, {.resolution = 40, .tile_rows = 8, .layers_kept = 4});
+  const Work sorted = workOf(soup, directions, {.resolution = 40, .tile_rows = 8, .layers_kept = 4, .sort = true});
+  const Work repeated = workOf(soup, directions, {.resolution = 40, .counter_budget_bytes = 1, .tile_rows = 8, .layers_kept = 4, .table_capacity = 1});
+  const Work resumed = workOf(soup, directions, {.resolution = 40, .tile_rows = 8, .layers_kept = 4, .most_blocks = 5});
+  EXPECT_GT(repeated.repeats, 0u);
+  EXPECT_GT(resumed.resumed, 0u);
+  for (const Work& work : {sorted, repeated, resumed}) {
+    EXPECT_EQ(work.directions, 20u);
+    EXPECT_EQ(work.fragments, plain.fragments);
+    EXPECT_EQ(work.gaps, plain.gaps);
+    EXPECT_EQ(work.active_tiles, plain.active_tiles);
+  }
+}
+
 TEST(Work, LongListsAndManyLayersChangeTheTuningAfterATrial) {
   const Scene scene = buildScene(ts::triangleSoup(4000, 0.3, 5));
   const Ids ids = makeIds(scene, By::polygon, true);

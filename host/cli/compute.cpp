@@ -1,9 +1,11 @@
 #include <chrono>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <optional>
 
 #include <fmt/format.h>
+#include <glm/geometric.hpp>
 #include <unistd.h>
 
 #include "cli/commands.h"
@@ -69,7 +71,7 @@ std::string askDirections(const Question& question, const Scene& scene, bool two
   if (!question.pair.empty()) {
     const DirectionRegion region = findPairRegion(scene, findPolygons(scene, question.pair[0]), findPolygons(scene, question.pair[1]), two_sided);
     estimate.asked_directions = [region, &estimate](uint64_t replicate) { return sampleRegion(region, estimate.directions, estimate.seed, replicate); };
-    return region.isEmpty() ? "none: no front of one sees a front of the other"
+    return region.isEmpty() ? "but none in which a front of one sees a front of the other"
                             : fmt::format("in the pair's anti-convex-hull, {:.3g} % of a half sphere", region.solidAngle() / (2 * std::numbers::pi) * 100);
   }
   std::vector<uint32_t> emitter;
@@ -78,7 +80,11 @@ std::string askDirections(const Question& question, const Scene& scene, bool two
     emitter.insert(emitter.end(), polygons.begin(), polygons.end());
   }
   estimate.asked_directions = [emitter, &scene, &estimate](uint64_t replicate) { return sampleEmitter(scene, emitter, estimate.directions, estimate.seed, replicate); };
-  return "by the emitter's cosine, if it has one normal";
+  const bool planar = std::all_of(emitter.begin(), emitter.end(), [&](uint32_t k) {
+    const Polygon &a = scene.polygons[k], &b = scene.polygons[emitter[0]];
+    return glm::dot(scene.planes[a.plane].normal, scene.planes[b.plane].normal) * (a.front_along_plane_normal == b.front_along_plane_normal ? 1 : -1) > 1 - 1e-9;
+  });
+  return planar ? "by the emitter's cosine" : "fibonacci";
 }
 
 int runCompute(ProgramOptions options) {
@@ -114,7 +120,8 @@ int runCompute(ProgramOptions options) {
   }
   options.lattice.measure_work = options.json;
   const auto engine = device ? makeLatticeEngine(options.engine, *device, scene, ids, options.lattice) : reference::makeExactEngine(scene, ids);
-  if (options.verbose && talks) fmt::print("{}", engine->describePlan());
+  const std::string plan = engine->describePlan();
+  if (options.verbose && talks) fmt::print("{}", plan);
   const Estimate estimate = estimateFormFactors(*engine, scene, ids, options.estimate);
   if (show_progress) fmt::print(stderr, "\r\033[K");
   if (device) checkValidation(*device);
@@ -123,7 +130,11 @@ int runCompute(ProgramOptions options) {
   for (const std::string& output : options.outputs) writeFormFactors(estimate.form_factors, output);
   if (options.json) fmt::print("{}", asJson(options.scene, device ? device->description().name : "none", estimate, seconds, engine->work()));
   if (!talks) return 0;
-  fmt::print("\nlargest form factors between surfaces\n{}\n{}", tabulateLargest(estimate.between_surfaces, 20), describeErrors(estimate));
+  if (options.verbose && engine->describePlan() != plan) fmt::print("after a trial\n{}", engine->describePlan());
+  if (estimate.form_factors.entries().empty()) fmt::print("\nNothing that was asked for sees anything: every form factor is 0.\n\n");
+  else if (ids.splits_surfaces) fmt::print("\nlargest form factors\n{}\n", tabulateLargest(estimate.form_factors, 20));
+  else fmt::print("\nlargest form factors between surfaces\n{}\n", tabulateLargest(estimate.between_surfaces, 20));
+  fmt::print("{}", describeErrors(estimate));
   fmt::print("work       {} replicates, {} directions, {:.2f} s\n", estimate.replicates, estimate.directions, seconds);
   for (const std::string& output : options.outputs) fmt::print("written    {}\n", output);
   return 0;
@@ -161,7 +172,7 @@ void addCompute(CLI::App& app, Run& chosen) {
   addChoice(command, "--sampler", estimate.sampler, {{"fibonacci", Sampler::fibonacci}, {"iid", Sampler::iid}},
             "Directions over the sphere: rotated Fibonacci sets, or independent. Without it --from and --pair draw fewer, better ones");
   command->add_option("--from", options->question.from, "Only the rows of this surface or face; may be given several times")->type_name("NAME")->allow_extra_args(false);
-  command->add_option("--pair", options->question.pair, "Only the form factors between two surfaces or faces")->type_name("A B")->expected(2);
+  command->add_option("--pair", options->question.pair, "Only the form factors between two surfaces or faces")->type_name("A B")->expected(0, 2);
   command->add_option("--blocker", options->question.blockers, "A surface or face that only blocks; may be given several times")->type_name("NAME")->allow_extra_args(false);
   command->add_option("--seed", estimate.seed, "The same seed gives the same bits")->type_name("K")->capture_default_str();
   command->add_flag("--two-sided", options->two_sided, "Every polygon emits and receives on both sides");

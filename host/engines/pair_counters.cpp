@@ -98,8 +98,14 @@ PairCounts PairCounters::read(Commands& commands) {
       if (++column == id_count_ + 2) column = ++i;
     }
   }
-  if (isSparse()) std::sort(counts.begin(), counts.end(), isBefore);
-  return counts;
+  if (!isSparse()) return counts;
+  std::sort(counts.begin(), counts.end(), isBefore);
+  PairCounts merged;  // a pair may have got two places where two invocations met it at once
+  for (const PairCount& count : counts) {
+    if (!merged.empty() && !isBefore(merged.back(), count)) merged.back().count += count.count;
+    else merged.push_back(count);
+  }
+  return merged;
 }
 
 PairCounts addCounts(const PairCounts& a, const PairCounts& b) {

@@ -44,7 +44,8 @@ std::vector<uint32_t> findPolygons(const Scene& scene, const std::string& name) 
   std::vector<uint32_t> found;
   for (uint32_t k = 0; k < scene.polygons.size(); ++k) {
     const uint32_t face = scene.polygons[k].face;
-    if (scene.surfaces[scene.faces[face].surface].name == name || faceName(scene, face) == name) found.push_back(k);
+    const Surface& surface = scene.surfaces[scene.faces[face].surface];
+    if (surface.name == name || faceName(scene, face) == name || fmt::format("{}[{}]", surface.name, scene.faces[face].number) == name) found.push_back(k);
   }
   if (found.empty()) {
     std::string known;
@@ -58,6 +59,7 @@ std::vector<uint32_t> findPolygons(const Scene& scene, const std::string& name) 
 void askOnlyFor(const Question& question, const Scene& scene, Ids& ids) {
   if (question.isEverything()) return;
   if (!question.pair.empty() && !question.from.empty()) throw Error(ErrorCode::bad_usage, "--pair and --from ask for different things; use one of them");
+  if (!question.pair.empty() && question.pair.size() != 2) throw Error(ErrorCode::bad_usage, "--pair takes two names of surfaces or faces");
   ids.roles.assign(scene.polygons.size(), question.pair.empty() ? kReceives | (question.from.empty() ? kEmits : 0) : 0);
   const auto give = [&](const std::string& name, uint32_t role) {
     for (uint32_t polygon : findPolygons(scene, name)) ids.roles[polygon] |= role;
@@ -78,6 +80,15 @@ void askOnlyFor(const Question& question, const Scene& scene, Ids& ids) {
       ids.roles[polygon] = 0;
       ids.asked[ids.of_polygon[polygon]] = false;
     }
+  std::vector<uint32_t> roles_of_id(ids.count(), UINT32_MAX), roles_of_surface(scene.surfaces.size(), UINT32_MAX);
+  for (uint32_t k = 0; k < scene.polygons.size(); ++k) {
+    uint32_t& of_id = roles_of_id[ids.of_polygon[k]];
+    uint32_t& of_surface = roles_of_surface[scene.faces[scene.polygons[k].face].surface];
+    if (of_id != UINT32_MAX && of_id != ids.roles[k])
+      throw Error(ErrorCode::bad_usage, fmt::format("only a part of '{}' was named, which has one row; use --by polygon", ids.names[ids.of_polygon[k]]));
+    ids.splits_surfaces = ids.splits_surfaces || (of_surface != UINT32_MAX && of_surface != ids.roles[k]);
+    of_id = of_surface = ids.roles[k];
+  }
   ids.rows_sum_to_one = question.pair.empty() && question.blockers.empty();
 }
 

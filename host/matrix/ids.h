@@ -23,6 +23,7 @@ struct Ids {
   std::vector<uint32_t> roles;       // of each Scene::polygons entry; empty where every one has both
   bool counts_environment = true;    // environment and leak, too
   std::vector<bool> asked;           // whether the row was asked for; empty where all are
+  bool splits_surfaces = false;      // roles differ within a surface: sums by surface would mean nothing
   bool rows_sum_to_one = true;       // whether everything that a row asked for can see is counted
   std::vector<std::string> names;    // faceName, or the surface's name
   std::vector<double> areas;         // emitting area, input units squared: both sides of a two-sided polygon count
@@ -48,7 +49,7 @@ struct Question {
 std::vector<uint32_t> findPolygons(const Scene& scene, const std::string& name);
 
 // Sets roles, counts_environment, asked and rows_sum_to_one.
-//   Throws: Error bad_usage: unknown names, a pair beside --from, what is asked for among the blockers.
+//   Throws: Error bad_usage: unknown names, a pair beside --from, what is asked for among the blockers, part of a surface with By::surface.
 void askOnlyFor(const Question& question, const Scene& scene, Ids& ids);
 
 //   Throws: Error bad_input where a surface is called `environment` or `leak`, which the result uses itself.
