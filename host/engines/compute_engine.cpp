@@ -77,6 +77,11 @@ Tuning tune(const Device& device, const LatticeOptions& options) {
   return {subgroup_size, tile_width, tile_rows, std::max(1u, tile_width * tile_rows / subgroup_size), layers_kept, most_blocks, options.sort};
 }
 
+// Adding to dense counters is quicker than to a hash table, reading them after every replicate takes longer: they pay where a direction adds much.
+uint64_t counterBudget(const LatticeOptions& options) {
+  return options.counter_budget_bytes ? options.counter_budget_bytes : options.resolution < 128 ? 256ull << 20 : 512ull << 20;
+}
+
 class ComputeEngine : public Engine {
  public:
   ComputeEngine(const Device& device, const Scene& scene, const Ids& ids, const LatticeOptions& options);
@@ -133,7 +138,7 @@ ComputeEngine::ComputeEngine(const Device& device, const Scene& scene, const Ids
       fraction_bits_(chooseFractionBits(options.resolution)),
       column_bits_(options.sampling == Sampling::scanline ? kScanlineBits : 0),
       scene_(device, scene, ids),
-      counters_(device, ids.count(), options.counter_budget_bytes, true, options.table_capacity),
+      counters_(device, ids.count(), counterBudget(options), true, options.table_capacity),
       commands_(device) {
   for (uint32_t k = 0; ids_are_indices_ && k < ids.of_polygon.size(); ++k) ids_are_indices_ = ids.of_polygon[k] == k;
   if (ids.count() > kIdMask) throw Error(ErrorCode::limit, fmt::format("{} polygons are more than {}; try --by surface", ids.count(), kIdMask));

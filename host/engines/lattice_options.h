@@ -17,7 +17,7 @@ struct LatticeOptions {
   int resolution = 64;            // lattice spacings across the unit ball's diameter, 1 to kMaxResolution
   Sampling sampling = Sampling::lattice;
   uint32_t batch_directions = 0;  // directions peeled at once; 0 chooses by memory
-  uint64_t counter_budget_bytes = 256ull << 20;  // of the dense counters; beyond it the compute engine keeps a hash table
+  uint64_t counter_budget_bytes = 0;  // of the dense counters, beyond which the compute engine keeps a hash table; 0 chooses
 
   // Of the compute engine, 0 chooses. Tests set them to show that they do not matter.
   uint32_t tile_width = 0;       // lattice columns; 8 with scanlines

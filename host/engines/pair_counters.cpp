@@ -22,7 +22,8 @@ bool isBefore(const PairCount& a, const PairCount& b) { return a.i != b.i ? a.i 
 
 PairCounters::PairCounters(const Device& device, uint32_t id_count, uint64_t budget_bytes, bool may_be_sparse, uint32_t table_capacity)
     : device_(device), id_count_(id_count), counter_count_(denseCount(id_count)) {
-  const uint64_t bytes = counter_count_ * sizeof(uint64_t), budget = std::min<uint64_t>(budget_bytes, device.maxAllocationBytes());
+  const uint64_t bytes = counter_count_ * sizeof(uint64_t);
+  const uint64_t budget = std::min<uint64_t>(budget_bytes ? budget_bytes : 1ull << 30, device.maxAllocationBytes());
   if (bytes > budget) {
     if (!may_be_sparse)
       throw Error(ErrorCode::limit, fmt::format("dense counters of all pairs of {} ids need {:.1f} MiB, more than the {:.1f} MiB allowed; "

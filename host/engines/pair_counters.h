@@ -9,7 +9,7 @@ namespace viewpeel {
 // Counters of all pairs of ids on the device, 64 bits each: dense, or a hash table of the pairs met.
 class PairCounters {
  public:
-  // Dense where their bytes fit the budget, else, if `may_be_sparse`, a hash table of `table_capacity` places at first (0 chooses).
+  // Dense where their bytes fit the budget (0: 1 GiB), else, if `may_be_sparse`, a hash table of `table_capacity` places at first (0 chooses).
   //   Throws: Error limit where dense counters are needed and do not fit.
   PairCounters(const Device& device, uint32_t id_count, uint64_t budget_bytes, bool may_be_sparse, uint32_t table_capacity = 0);
 
