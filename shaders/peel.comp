@@ -279,6 +279,10 @@ void main() {
   uint place = gl_WorkGroupID.y * kGroupsPerRow + gl_WorkGroupID.x;
   uint row = gl_WorkGroupID.z, first = 0u, resume = 0u;
   Status status = Status(args.status);
+  if (gl_NumSubgroups != 1u) {
+    atomicOr(status.at.overflows, kOtherSubgroups);
+    return;
+  }
   if (args.resumes != 0u) {
     if (place >= args.resumes) return;
     UnfinishedRow rest = UnfinishedRows(args.rows).at[place];

@@ -141,6 +141,7 @@ const uint kListsUncountable = 0x40000000u;
 const uint kTooManySpans = 1u;        // in a row, for its ends to be put in order
 const uint kCountersOverflowed = 2u;
 const uint kLoopCut = 4u;             // the device ended a loop before its time
+const uint kOtherSubgroups = 8u;      // a workgroup was not one subgroup; nothing has been counted
 
 struct Groups {
   uint x, y, z;

@@ -15,12 +15,14 @@ constexpr double kParallelSquares = 0.1998248957, kPerpendicularSquares = 0.2000
 
 // Both samplers, both engines, and a lattice so coarse that a square is only a few spacings wide: resolution costs variance, never bias.
 std::vector<TestRun> runsToTry() {
-  std::vector<TestRun> runs(6);
+  std::vector<TestRun> runs(8);
   runs[1].lattice.resolution = 6;
   runs[2].estimate.sampler = Sampler::iid;
   runs[3].make_engine = makeGraphicsEngine;
   runs[3].lattice.resolution = 24;
   runs[4].lattice.sampling = Sampling::scanline;
+  runs[6].estimate.sampler = Sampler::jittered;
+  runs[7].estimate.sampler = Sampler::sobol;
   runs[5].lattice = {.resolution = 6, .sampling = Sampling::scanline};
   return runs;
 }

@@ -32,6 +32,15 @@ struct ProgramOptions {
   bool quiet = false, verbose = false, json = false;
 };
 
+const std::vector<std::pair<std::string, Sampler>> kSamplers = {
+    {"fibonacci", Sampler::fibonacci}, {"jittered", Sampler::jittered}, {"sobol", Sampler::sobol}, {"iid", Sampler::iid}};
+
+std::string nameOf(Sampler sampler) {
+  for (const auto& [name, value] : kSamplers)
+    if (value == sampler) return name;
+  return {};
+}
+
 using Clock = std::chrono::steady_clock;
 
 double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
@@ -97,7 +106,7 @@ int runCompute(ProgramOptions options) {
     throw Error(ErrorCode::bad_usage, "--from, --pair and --blocker need --engine compute or exact");
   if (options.lattice.sampling == Sampling::scanline && options.engine != EngineKind::compute)
     throw Error(ErrorCode::bad_usage, "--sampling scanline needs --engine compute");
-  std::string sampler = options.estimate.sampler == Sampler::fibonacci ? "fibonacci" : "iid";
+  std::string sampler = nameOf(options.estimate.sampler);
   if (!options.whole_sphere && (!options.question.pair.empty() || (!options.question.from.empty() && !options.two_sided)))
     sampler = askDirections(options.question, scene, options.two_sided, options.estimate);
   std::optional<Device> device;
@@ -169,8 +178,9 @@ void addCompute(CLI::App& app, Run& chosen) {
             "Depth peeling on a Vulkan device, in compute shaders or by its raster pipeline, or exact areas on the CPU");
   addChoice(command, "--sampling", options->lattice.sampling, {{"lattice", Sampling::lattice}, {"scanline", Sampling::scanline}},
             "Samples of a direction: lattice points, or lattice rows cut where polygons end (engine compute)");
-  addChoice(command, "--sampler", estimate.sampler, {{"fibonacci", Sampler::fibonacci}, {"iid", Sampler::iid}},
-            "Directions over the sphere: rotated Fibonacci sets, or independent. Without it --from and --pair draw fewer, better ones");
+  addChoice(command, "--sampler", estimate.sampler, kSamplers,
+            "Directions over the sphere: rotated Fibonacci sets, one in each of as many cells, scrambled Sobol' points, or independent. Without it --from and "
+            "--pair draw better ones");
   command->add_option("--from", options->question.from, "Only the rows of this surface or face; may be given several times")->type_name("NAME")->allow_extra_args(false);
   command->add_option("--pair", options->question.pair, "Only the form factors between two surfaces or faces")->type_name("A B")->expected(0, 2);
   command->add_option("--blocker", options->question.blockers, "A surface or face that only blocks; may be given several times")->type_name("NAME")->allow_extra_args(false);

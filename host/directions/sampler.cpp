@@ -19,6 +19,7 @@ class Random {
     engine_.seed(words);
   }
   // Uniform in [0, 1), the same on every platform.
+  uint64_t word() { return engine_(); }
   double uniform() { return double(engine_() >> 11) * 0x1p-53; }
 
  private:
@@ -53,6 +54,54 @@ Direction directionAlong(const glm::dvec3& along, Random& random) {
   return direction;
 }
 
+// Cells of equal area: zones about as high as their cells are wide, each cut at equal azimuths.
+void addJittered(uint32_t count, const glm::dmat3& rotation, Random& random, std::vector<Direction>& directions) {
+  const double side_rad = std::sqrt(4 * std::numbers::pi / count);
+  const auto zones = std::max<uint32_t>(1, static_cast<uint32_t>(std::lround(std::numbers::pi / side_rad)));
+  for (uint32_t zone = 0, done = 0; zone < zones; ++zone) {
+    // A zone ends at the number of cells that is nearest to its share of the sphere.
+    const double share = (1 - std::cos(std::numbers::pi * (zone + 1) / zones)) / 2;
+    const auto end = zone + 1 == zones ? count : std::max<uint32_t>(done, static_cast<uint32_t>(std::lround(share * count)));
+    const uint32_t cells = end - done;
+    for (uint32_t cell = 0; cell < cells; ++cell) {
+      const double z = 1 - 2 * (done + cells * random.uniform()) / count;
+      directions.push_back(directionAlong(rotation * fromHeightAndAzimuth(z, kTwoPi * (cell + random.uniform()) / cells), random));
+    }
+    done = end;
+  }
+}
+
+// A bit that depends on all of the key.
+uint32_t randomBit(uint64_t key) {
+  key = (key ^ key >> 31) * 0x7FB5D329728EA185ull;
+  key = (key ^ key >> 27) * 0x81DADEF4BC2DD44Dull;
+  return static_cast<uint32_t>(key >> 63);
+}
+
+// Owen's scrambling: every bit is flipped at random, by a coin of its own for each value of the bits before it.
+double scramble(uint32_t bits, uint64_t seed) {
+  uint32_t scrambled = 0;
+  for (uint32_t level = 0; level < 32; ++level) {
+    const uint64_t before = level == 0 ? 0 : bits >> (32 - level);
+    scrambled |= ((bits >> (31 - level) & 1) ^ randomBit(seed + 0x9E3779B97F4A7C15ull * (before + (uint64_t(1) << level)))) << (31 - level);
+  }
+  return (scrambled + 0.5) * 0x1p-32;
+}
+
+uint32_t reverseBits(uint32_t x) {
+  uint32_t reversed = 0;
+  for (int k = 0; k < 32; ++k) reversed = reversed << 1 | (x >> k & 1);
+  return reversed;
+}
+
+// The second dimension of Sobol's sequence: direction numbers of the polynomial x + 1.
+uint32_t sobolSecond(uint32_t index) {
+  uint32_t x = 0;
+  for (uint32_t direction = 1u << 31; index; index >>= 1, direction ^= direction >> 1)
+    if (index & 1) x ^= direction;
+  return x;
+}
+
 }  // namespace
 
 std::vector<Direction> sampleDirections(Sampler sampler, uint32_t count, uint64_t seed, uint64_t replicate) {
@@ -64,6 +113,14 @@ std::vector<Direction> sampleDirections(Sampler sampler, uint32_t count, uint64_
     const glm::dmat3 rotation = randomRotation(random);
     for (uint32_t k = 0; k < count; ++k)
       directions.push_back(directionAlong(rotation * fromHeightAndAzimuth(1 - (2.0 * k + 1) / count, golden_angle_rad * k), random));
+  } else if (sampler == Sampler::jittered) {
+    const glm::dmat3 rotation = randomRotation(random);
+    addJittered(count, rotation, random, directions);
+  } else if (sampler == Sampler::sobol) {
+    const glm::dmat3 rotation = randomRotation(random);
+    const uint64_t first = random.word(), second = random.word();
+    for (uint32_t k = 0; k < count; ++k)
+      directions.push_back(directionAlong(rotation * fromHeightAndAzimuth(1 - 2 * scramble(reverseBits(k), first), kTwoPi * scramble(sobolSecond(k), second)), random));
   } else {
     for (uint32_t k = 0; k < count; ++k) {
       const double z = 2 * random.uniform() - 1;

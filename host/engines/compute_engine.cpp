@@ -377,6 +377,8 @@ bool ComputeEngine::finish(Batch& batch) {
     batch.in_flight = false;
     found = batch.status_read.mapped<BatchStatus>()[0];
   }
+  if (found.overflows & kOtherSubgroups)
+    throw Error(ErrorCode::device, fmt::format("{}: subgroups are not of {} as it says; use --engine graphics", device_.description().name, tuning_.subgroup_size));
   if (found.overflows & kTooManySpans)
     throw Error(ErrorCode::limit, fmt::format("more than {} polygons cross one row of a tile; try a larger --resolution", kMostSpans));
   if (!found.overflows && found.unfinished) found = peelUnfinished(batch, found);
