@@ -143,5 +143,28 @@ TEST(Laws, ToleranceIsKept) {
   EXPECT_DOUBLE_EQ(largest, e.largest_standard_error);
 }
 
+// Goals are reached and not overshot by much; time is kept.
+TEST(Laws, GoalsStopTheReplicates) {
+  TestRun run;
+  run.estimate = {.directions = 50, .replicates = 2};
+  run.estimate.relative = 0.01;
+  const Estimate relative = estimateScene(test_scenes::insideOfCube(), run);
+  EXPECT_LE(relative.largest_relative_error, 0.01);
+  EXPECT_GT(relative.replicates, 2u);
+  double largest = 0;
+  for (const auto& entry : relative.form_factors.entries()) {
+    const Measured f = relative.form_factors.formFactor(entry.i, entry.j);
+    if (f.value >= 0.01) largest = std::max(largest, f.standard_error / f.value);
+  }
+  EXPECT_NEAR(relative.largest_relative_error, largest, 1e-12);
+
+  run.estimate = {.directions = 50, .replicates = 1000};
+  run.estimate.seconds = 1e-6;
+  EXPECT_EQ(estimateScene(test_scenes::insideOfCube(), run).replicates, 2u);
+  run.estimate.tolerance = 1e-9;  // out of reach in a moment
+  run.estimate.seconds = 0.2;
+  EXPECT_GT(estimateScene(test_scenes::insideOfCube(), run).largest_standard_error, 1e-9);
+}
+
 }  // namespace
 }  // namespace viewpeel

@@ -64,7 +64,9 @@ class ProgressLine {
     if (secondsSince(shown_) < 0.1) return;
     shown_ = Clock::now();
     std::string goal = fmt::format("of {}", options_.replicates);
-    if (options_.tolerance && progress_.replicates) goal = fmt::format("largest standard error {:.1e}, goal {:.1e}", progress_.largest_standard_error, *options_.tolerance);
+    if (options_.relative && progress_.replicates) goal = fmt::format("goal {:.1e} of a form factor", *options_.relative);
+    else if (options_.seconds && progress_.replicates) goal = fmt::format("largest standard error {:.1e}, until {:.0f} s", progress_.largest_standard_error, *options_.seconds);
+    else if (options_.tolerance && progress_.replicates) goal = fmt::format("largest standard error {:.1e}, goal {:.1e}", progress_.largest_standard_error, *options_.tolerance);
     fmt::print(stderr, "\r\033[Kreplicate {} {}, direction {} of {}, {:.1f} s", progress_.replicates + 1, goal, directions_, options_.directions, secondsSince(start_));
     std::fflush(stderr);
   }
@@ -167,6 +169,14 @@ void addCompute(CLI::App& app, Run& chosen) {
   CLI::Option* tolerance_option =
       command->add_option("--tolerance", *tolerance, "Go on until the largest standard error of all form factors is at most this")
           ->type_name("T")->check(isPositive);
+  auto relative = std::make_shared<double>(0), seconds = std::make_shared<double>(0);
+  CLI::Option* relative_option =
+      command->add_option("--relative", *relative, "Go on until the largest standard error is at most this share of its form factor, over those above --floor")
+          ->type_name("R")->check(isPositive);
+  command->add_option("--floor", estimate.relative_floor, "Least form factor that --relative looks at")->type_name("F")->check(isPositive)->capture_default_str();
+  CLI::Option* seconds_option =
+      command->add_option("--seconds", *seconds, "As many replicates as fit into this time, 2 at least; with a goal: stop short of it when time is up")
+          ->type_name("S")->check(isPositive);
   command->add_option("--directions", estimate.directions, "Directions per replicate")
       ->type_name("N")->check(CLI::Range(1u, 1u << 30).description(""))->capture_default_str();
   command->add_option("--replicates", estimate.replicates, "Independent replicates, at least; their spread gives the standard errors")
@@ -194,6 +204,8 @@ void addCompute(CLI::App& app, Run& chosen) {
   command->add_flag("--json", options->json, "Print the outcome and the work done as JSON");
   command->callback([=, &chosen] {
     if (tolerance_option->count()) options->estimate.tolerance = *tolerance;
+    if (relative_option->count()) options->estimate.relative = *relative;
+    if (seconds_option->count()) options->estimate.seconds = *seconds;
     options->whole_sphere = command->get_option("--sampler")->count() > 0;
     chosen = [options] { return runCompute(*options); };
   });

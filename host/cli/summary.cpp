@@ -105,7 +105,8 @@ double leakShare(const FormFactors& form_factors) { return shareOf(form_factors,
 
 std::string describeErrors(const Estimate& estimate) {
   const FormFactors& f = estimate.form_factors;
-  std::string text = fmt::format("errors     largest standard error {:.1e} over {} nonzero form factors\n", estimate.largest_standard_error, f.entries().size());
+  std::string text = fmt::format("errors     largest standard error {:.1e} over {} nonzero form factors; {:.1e} of its form factor over the larger ones\n",
+                                 estimate.largest_standard_error, f.entries().size(), estimate.largest_relative_error);
   if (!f.ids().rows_sum_to_one) return text;
   const Closure closure = measureClosure(f);
   return text + fmt::format("closure    row sums differ from 1 by at most {:.1e} ({}), rms {:.1e}\n"

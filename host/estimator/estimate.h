@@ -21,6 +21,12 @@ struct EstimateOptions {
   uint32_t replicates = 8;     // at least
   // Go on after `replicates` until the largest standard error is at most this.
   std::optional<double> tolerance;
+  // Go on after `replicates` until the largest standard error relative to its form factor, over form factors of at least
+  // `relative_floor`, is at most this.
+  std::optional<double> relative;
+  double relative_floor = 0.01;
+  // Stop before the replicate that would end later than this, `replicates` or not, but not before the second.
+  std::optional<double> seconds;
   uint64_t seed = 1;
   // In place of the sampler: the directions of a replicate. None: nothing can be seen, every form factor is 0.
   std::function<AskedDirections(uint64_t replicate)> asked_directions;
@@ -33,13 +39,14 @@ struct Estimate {
   uint64_t replicates = 0;
   uint64_t directions = 0;  // in all
   double largest_standard_error = 0;
+  double largest_relative_error = 0;  // over form factors of at least relative_floor
 };
 
 // Computes F_ij = (2 / A_i) E[A'_ij(u)] for all pairs (Pellegrini 1997, sections 4.3 and 5.1).
 //   In: scene and ids as the engine was made with
 //   Error: unbiased at any spacing and number of directions; the standard error is that of the mean over independent replicates.
 //     Tests: tests/closed_form_test.cpp.
-//   Throws: what the engine throws; Error bad_usage for zero directions, fewer than 2 replicates or a tolerance that is not positive.
+//   Throws: what the engine throws; Error bad_usage for zero directions, fewer than 2 replicates, or a goal that is not positive.
 //   Cost: replicates x directions projections; memory O(nonzero pairs) beside the engine's.
 Estimate estimateFormFactors(Engine& engine, const Scene& scene, const Ids& ids, const EstimateOptions& options);
 

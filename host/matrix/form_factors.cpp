@@ -90,6 +90,18 @@ double ReplicateSums::largestStandardError(double measure_area) const {
   return largest;
 }
 
+double ReplicateSums::largestRelativeError(double measure_area, double floor) const {
+  double largest = 0;
+  for (const PairSum& pair : pairs_) {
+    const Measured count = measure(pair.sum);
+    // Both ways the relative error is the same: it counts if one of the two reaches the floor.
+    double smaller_area = ids_.isAsked(pair.i) ? ids_.areas[pair.i] : INFINITY;
+    if (pair.j < kEnvironment && ids_.isAsked(pair.j)) smaller_area = std::min(smaller_area, ids_.areas[pair.j]);
+    if (count.value * exchangesPerLine(pair.i, pair.j) * measure_area / smaller_area >= floor) largest = std::max(largest, count.standard_error / count.value);
+  }
+  return largest;
+}
+
 PairCounts mergeIds(const PairCounts& counts, const std::vector<uint32_t>& id_map) {
   PairCounts mapped;
   mapped.reserve(counts.size());

@@ -57,6 +57,8 @@ class ReplicateSums {
 
   // Largest standard error over all form factors of the rows asked for.
   double largestStandardError(double measure_area) const;
+  // The same relative to the form factor, over form factors of at least `floor`.
+  double largestRelativeError(double measure_area, double floor) const;
 
  private:
   __extension__ using Wide = unsigned __int128;
