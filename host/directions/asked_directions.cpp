@@ -5,11 +5,11 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <random>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "directions/random.h"
 #include "directions/sampler.h"
 
 namespace viewpeel {
@@ -270,32 +270,6 @@ size_t cornerCount(const Scene& scene, std::span<const uint32_t> polygons) {
 }
 
 // --- samplers ---------------------------------------------------------------------------------------------------------
-
-// As in sampler.cpp.
-class Random {
- public:
-  Random(uint64_t seed, uint64_t replicate) {
-    std::seed_seq words{uint32_t(seed), uint32_t(seed >> 32), uint32_t(replicate), uint32_t(replicate >> 32)};
-    engine_.seed(words);
-  }
-  // Uniform in [0, 1), the same on every platform.
-  double uniform() { return double(engine_() >> 11) * 0x1p-53; }
-
- private:
-  std::mt19937_64 engine_;
-};
-
-Direction directionAlong(const glm::dvec3& along, Random& random) {
-  Direction direction;
-  direction.u = glm::normalize(along);
-  const Frame frame = frameAbout(direction.u);
-  const double turn_rad = 2 * kPi * random.uniform();
-  direction.x_axis = std::cos(turn_rad) * frame.x + std::sin(turn_rad) * frame.y;
-  direction.y_axis = glm::cross(direction.u, direction.x_axis);
-  direction.offset.x = random.uniform();
-  direction.offset.y = random.uniform();
-  return direction;
-}
 
 // Points of the unit square, each uniform in it: a lattice under one random shift, periodic in `around`, folded (t and 1 - t alike) in
 // `outwards`.

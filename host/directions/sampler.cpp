@@ -1,8 +1,9 @@
 #include "directions/sampler.h"
 
+#include "directions/random.h"
+
 #include <cmath>
 #include <numbers>
-#include <random>
 
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
@@ -11,20 +12,6 @@ namespace viewpeel {
 namespace {
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
-
-class Random {
- public:
-  Random(uint64_t seed, uint64_t replicate) {
-    std::seed_seq words{uint32_t(seed), uint32_t(seed >> 32), uint32_t(replicate), uint32_t(replicate >> 32)};
-    engine_.seed(words);
-  }
-  // Uniform in [0, 1), the same on every platform.
-  uint64_t word() { return engine_(); }
-  double uniform() { return double(engine_() >> 11) * 0x1p-53; }
-
- private:
-  std::mt19937_64 engine_;
-};
 
 // A rotation uniform over SO(3), from a uniform unit quaternion (Shoemake 1992).
 glm::dmat3 randomRotation(Random& random) {
@@ -39,19 +26,6 @@ glm::dmat3 randomRotation(Random& random) {
 glm::dvec3 fromHeightAndAzimuth(double z, double azimuth_rad) {
   const double r = std::sqrt(std::max(0.0, 1 - z * z));
   return {r * std::cos(azimuth_rad), r * std::sin(azimuth_rad), z};
-}
-
-Direction directionAlong(const glm::dvec3& along, Random& random) {
-  Direction direction;
-  direction.u = glm::normalize(along);
-  const glm::dvec3 helper = std::abs(direction.u.z) < 0.9 ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0);
-  const glm::dvec3 a = glm::normalize(glm::cross(helper, direction.u)), b = glm::cross(direction.u, a);
-  const double turn_rad = kTwoPi * random.uniform();
-  direction.x_axis = std::cos(turn_rad) * a + std::sin(turn_rad) * b;
-  direction.y_axis = glm::cross(direction.u, direction.x_axis);
-  direction.offset.x = random.uniform();
-  direction.offset.y = random.uniform();
-  return direction;
 }
 
 // Cells of equal area: zones about as high as their cells are wide, each cut at equal azimuths.

@@ -1,0 +1,112 @@
+// Part of peel.comp: what the gaps between the layers of a line contribute, and to which counters.
+
+// Whether a gap contributes to anything that was asked for; lower and upper: ids with roles.
+bool isCounted(uint gap, uint lower, uint upper) {
+  if (kAllCount) return gap != kGapNothing;
+  uint lower_roles = lower >> kRolesShift, upper_roles = upper >> kRolesShift;
+  if (gap == kGapFacingPair)
+    return ((lower_roles & kEmits) != 0u && (upper_roles & kReceives) != 0u) || ((upper_roles & kEmits) != 0u && (lower_roles & kReceives) != 0u);
+  if (gap == kGapNothing || args.counts_environment == 0u) return false;
+  return ((gap == kGapLowerEnvironment || gap == kGapLowerLeak ? lower_roles : upper_roles) & kEmits) != 0u;
+}
+
+uint idOf(uint layer_polygon) {
+  if (layer_polygon == 0u) return 0u;
+  return kIdsAreIndices ? layer_polygon - 1u : fetchId(layer_polygon - 1u);
+}
+
+// Adds up what neighbouring lanes with the same pair have: the first of a run adds for all.
+void addRuns(bool has, uvec2 pair, uint weight, uint lane) {
+  if (kAggregates) {
+    const uint lanes = gl_WorkGroupSize.x;
+    uvec2 key = has ? pair : uvec2(~0u);
+    uvec2 before = subgroupShuffle(key, max(lane, 1u) - 1u);
+    bool head = lane == 0u || key != before;
+    uint end = subgroupShuffle(head ? lane : lanes, min(lane + 1u, lanes - 1u));  // of the run: where the next one begins
+    if (lane + 1u == lanes) end = lanes;
+    uint sum = weight;
+    [[unroll]] for (uint step = 1u; step < lanes; step *= 2u) {
+      uint next_end = subgroupShuffle(end, min(lane + step, lanes - 1u));
+      end = min(end, lane + step < lanes ? next_end : lanes);
+      uint other = subgroupShuffle(sum, max(lane, step) - step);
+      sum += lane >= step ? other : 0u;
+    }
+    uint to_end = subgroupShuffle(sum, end - 1u);
+    has = has && head;
+    weight = to_end - sum + weight;
+  }
+  if (has) addCount(args.counters, args.counter_mask, args.status, args.id_count, kSparse, pair, weight);
+}
+
+// Adds the gaps between consecutive layers of one sample a lane: below those nearer than `bound`, and at the end the one above the last of them. Moves
+// `before` to the last of them. Returns the number of gaps counted.
+// Gaps that count are gathered first: of the layers of closed solids only every other gap does.
+uint addGaps(inout uint64_t before, uint64_t layers[kLayersKept], uint64_t bound, bool at_end, bool is_open, uint weight, uint lane, inout bool cut) {
+  uvec2 found[kLayersKept + 1];  // lower and upper polygon, + 1; kBackMark where it does not turn a front to the gap
+  uint count = 0u;
+  [[unroll]] for (int k = 0; k <= kLayersKept; ++k) found[k] = uvec2(0);
+  [[unroll]] for (int k = 0; k <= kLayersKept; ++k) {
+    uint64_t upper = k < kLayersKept ? layers[k] : kNoLayer;
+    is_open = is_open && (upper < bound || (at_end && bound == kNoLayer));
+    bool lower_front = before != 0ul && (args.two_sided != 0u || (before >> 32 & 1ul) == 0ul);
+    bool upper_front = upper != kNoLayer && (args.two_sided != 0u || (upper >> 32 & 1ul) != 0ul);
+    uvec2 gap = uvec2(unpackUint2x32(before).x, upper == kNoLayer ? 0u : unpackUint2x32(upper).x);
+    gap |= uvec2(lower_front ? 0u : kBackMark, upper_front ? 0u : kBackMark);
+    bool counted = is_open && (lower_front || upper_front);
+    [[unroll]] for (int m = 0; m <= k; ++m) found[m] = counted && count == uint(m) ? gap : found[m];
+    count += counted ? 1u : 0u;
+    is_open = is_open && upper != kNoLayer;
+    before = is_open ? upper : before;
+  }
+  uint added = 0u, left = count;
+  while (subgroupAny(left > 0u)) {
+    uvec2 gap = found[0];
+    [[unroll]] for (int k = 0; k < kLayersKept; ++k) found[k] = found[k + 1];
+    bool has = left > 0u;
+    left -= has ? 1u : 0u;
+    uint lower_side = (gap.x & ~kBackMark) == 0u ? kSideNone : (gap.x & kBackMark) != 0u ? kSideBack : kSideFront;
+    uint upper_side = (gap.y & ~kBackMark) == 0u ? kSideNone : (gap.y & kBackMark) != 0u ? kSideBack : kSideFront;
+    uint kind = classifyGap(lower_side, upper_side);
+    uint lower_id = idOf(gap.x & ~kBackMark), upper_id = idOf(gap.y & ~kBackMark);
+    has = has && isCounted(kind, lower_id, upper_id);
+    addRuns(has, pairOf(kind, lower_id & kIdMask, upper_id & kIdMask), weight, lane);
+    added += has ? 1u : 0u;
+  }
+  cut = cut || left > 0u;
+  return added;
+}
+
+// Adds, step by step, the gaps of the layers nearer than `bound`, which nothing that is still to come can part, and makes room for others.
+uint flush(uint64_t bound, bool at_end, uint weight, uint lane, inout bool cut) {
+  uint gaps = 0u;
+  int s = 0;
+  do {
+    uint64_t layers[kLayersKept];
+    [[unroll]] for (int k = 0; k < kLayersKept; ++k) layers[k] = nearest[0][k];
+    uint64_t before = last[0], its_bound = min(bound, lost[0]);
+    bool is_open = open[0];
+    [[unroll]] for (int m = 1; m < kMostSteps; ++m) {
+      if (m >= kSteps) continue;
+      [[unroll]] for (int k = 0; k < kLayersKept; ++k) layers[k] = s == m ? nearest[m][k] : layers[k];
+      before = s == m ? last[m] : before;
+      its_bound = s == m ? min(bound, lost[m]) : its_bound;
+      is_open = s == m ? open[m] : is_open;
+    }
+    gaps += addGaps(before, layers, its_bound, at_end, is_open, weight, lane, cut);
+    if (kSorted) {
+      [[unroll]] for (int k = 0; k < kLayersKept; ++k) {  // what has been added goes
+        bool first_gone = layers[0] <= before && layers[0] < its_bound;
+        [[unroll]] for (int m = 0; m < kLayersKept; ++m) layers[m] = first_gone ? m + 1 < kLayersKept ? layers[m + 1] : kNoLayer : layers[m];
+      }
+    }
+    [[unroll]] for (int m = 0; m < kMostSteps; ++m) {
+      last[m] = s == m ? before : last[m];
+      if (kSorted) {
+        [[unroll]] for (int k = 0; k < kLayersKept; ++k) nearest[m][k] = s == m ? layers[k] : nearest[m][k];
+      }
+    }
+    ++s;
+  } while (s < kSteps);
+  cut = cut || s < kSteps;
+  return gaps;
+}
