@@ -150,7 +150,8 @@ void main() {
   precise double dx = -nx / (nz * per_spacing) * unit;
   precise double dy = -ny / (nz * per_spacing) * unit;
   precise double d0 = (plane_23.y / nz + 1.0LF) * unit - dx * direction.offset.x - dy * direction.offset.y;
-  double bound = abs(d0) + (abs(dx) + abs(dy)) * double(args.resolution) + 1.0LF;
+  // Tiles reach up to 18 spacings beyond half the resolution: what is multiplied with their corners stays below 2^62.
+  double bound = abs(d0) + (abs(dx) + abs(dy)) * double(max(args.resolution, 32)) + 1.0LF;
   int exponent = exponentOf(bound);
   if (abs(nz) > 1e-12LF && exponent < 60) {
     projected.depth_shift = min(60 - exponent, 30);

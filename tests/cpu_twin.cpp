@@ -65,7 +65,7 @@ Flat flatten(const Scene& scene, const Polygon& polygon, const Direction& direct
   const double nz = dotInOrder(plane.normal, direction.u);
   const double dx = -nx / (nz * per_spacing) * unit, dy = -ny / (nz * per_spacing) * unit;
   const double d0 = (plane.offset / nz + 1.0) * unit - dx * direction.offset.x - dy * direction.offset.y;
-  const int exponent = std::ilogb(std::abs(d0) + (std::abs(dx) + std::abs(dy)) * resolution + 1.0);
+  const int exponent = std::ilogb(std::abs(d0) + (std::abs(dx) + std::abs(dy)) * std::max(resolution, 32) + 1.0);
   if (std::abs(nz) > 1e-12 && exponent < 60) {
     flat.shift = std::min(60 - exponent, 30);
     const auto fixed = [&](double d) { return static_cast<int64_t>(std::floor(std::ldexp(d, flat.shift) + 0.5)); };
