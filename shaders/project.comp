@@ -94,10 +94,10 @@ void main() {
   projected.front_up = twice_area > int64_t(0) ? 1u : 0u;
   int column_shift = args.fraction_bits - args.column_bits;
   int first_column = (low.x + (1 << column_shift) - 1) >> column_shift, last_column = high.x >> column_shift;
-  projected.box_min = ivec2(first_column >> args.column_bits, (low.y + (1 << args.fraction_bits) - 1) >> args.fraction_bits);
-  projected.box_max = ivec2(last_column >> args.column_bits, high.y >> args.fraction_bits);
-  // Many polygons of a fine mesh lie between lattice points: nothing more is written of them.
-  bool covers_none = twice_area == int64_t(0) || first_column > last_column || projected.box_min.y > projected.box_max.y;
+  projected.box_min = max(ivec2(first_column >> args.column_bits, (low.y + (1 << args.fraction_bits) - 1) >> args.fraction_bits), ivec2(-args.window));
+  projected.box_max = min(ivec2(last_column >> args.column_bits, high.y >> args.fraction_bits), ivec2(args.window - 1));
+  // Many polygons of a fine mesh lie between lattice points, or beside a window: nothing more is written of them.
+  bool covers_none = twice_area == int64_t(0) || first_column > last_column || any(greaterThan(projected.box_min, projected.box_max));
   if (covers_none) {
     projected.box_min = ivec2(1);
     projected.box_max = ivec2(0);

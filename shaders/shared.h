@@ -83,6 +83,7 @@ struct ProjectArgs {
   int fraction_bits;    // of a snapped coordinate
   int column_bits;      // of an edge's column coordinate
   uint cell_size;       // see DrawArgs
+  int window;           // lattice points from the origin to its left and lower border; beyond it nothing is looked at
 };
 
 // Directions lie side by side in one image, cells_per_row cells of cell_size^2 pixels a row; a cell's centre pixel is

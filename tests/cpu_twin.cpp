@@ -165,14 +165,15 @@ Layers layersAt(const std::vector<Flat>& flats, const std::vector<uint32_t>& cov
 
 }  // namespace
 
-PairCounts countPairsOnCpu(const Scene& scene, const Ids& ids, const std::vector<Direction>& directions, int resolution, Fault fault) {
-  const int bits = 25 - std::bit_width(static_cast<uint32_t>(resolution / 2 + 1));
+PairCounts countPairsOnCpu(const Scene& scene, const Ids& ids, const std::vector<Direction>& directions, int resolution, Fault fault, const Window& window) {
+  const int bits = 25 - std::bit_width(static_cast<uint32_t>(resolution / 2 + std::ceil(resolution * 0.5 * glm::length(window.centre)) + 1));
   const int64_t one = int64_t(1) << bits;
   Counters counters(ids);
-  for (const Direction& direction : directions) {
+  for (Direction direction : directions) {
+    direction.offset -= resolution * 0.5 * glm::dvec2(dotInOrder(window.centre, direction.x_axis), dotInOrder(window.centre, direction.y_axis));
     std::vector<Flat> flats;
     for (const Polygon& polygon : scene.polygons) flats.push_back(flatten(scene, polygon, direction, resolution, bits));
-    const int reach = resolution / 2 + 2;
+    const int reach = static_cast<int>(resolution * 0.5 * window.radius) + 2;
     for (int y = -reach; y <= reach; ++y)
       for (int x = -reach; x <= reach; ++x) {
         std::vector<uint32_t> covering;

@@ -137,11 +137,12 @@ ComputeEngine::ComputeEngine(const Device& device, const Scene& scene, const Ids
       all_count_(ids.roles.empty()),
       counts_environment_(ids.counts_environment),
       ids_are_indices_(ids.roles.empty() && ids.of_polygon.size() == ids.count()),
-      fraction_bits_(chooseFractionBits(options.resolution)),
+      fraction_bits_(chooseFractionBits(options.resolution, options.window)),
       column_bits_(options.sampling == Sampling::scanline ? kScanlineBits : 0),
       scene_(device, scene, ids),
       counters_(device, ids.count(), counterBudget(options), true, options.table_capacity),
       commands_(device) {
+  if (fraction_bits_ < column_bits_) throw Error(ErrorCode::bad_usage, "scanlines cannot be this fine; use --sampling lattice");
   for (uint32_t k = 0; ids_are_indices_ && k < ids.of_polygon.size(); ++k) ids_are_indices_ = ids.of_polygon[k] == k;
   if (ids.count() > kIdMask) throw Error(ErrorCode::limit, fmt::format("{} polygons are more than {}; try --by surface", ids.count(), kIdMask));
   if (!all_count_) needed_roles_ = counts_environment_ ? viewpeel::kEmits : viewpeel::kEmits | viewpeel::kReceives;
@@ -187,9 +188,9 @@ void ComputeEngine::retune(const BatchStatus& found) {
   makeBatches();
 }
 
-// The window holds the unit ball with its offset; a direction's tiles form a grid that is symmetric about the lattice's origin.
+// The window holds its ball with the lattice's offset; a direction's tiles form a grid that is symmetric about the lattice's origin.
 void ComputeEngine::planBatches() {
-  const auto reach = static_cast<uint64_t>(options_.resolution / 2 + 2);
+  const auto reach = static_cast<uint64_t>(windowReach(options_.resolution, options_.window));
   tiles_wide_ = 2 * divideUp(reach, tuning_.tile_width);
   tiles_high_ = 2 * divideUp(reach, tuning_.tile_rows);
   const uint64_t tiles = uint64_t(tiles_wide_) * tiles_high_, rows = tiles * rowGroups();
@@ -307,7 +308,7 @@ void ComputeEngine::submit(Batch& batch) {
   const auto direction_count = static_cast<uint32_t>(batch.asked.size());
   const uint32_t tile_count = direction_count * tiles_wide_ * tiles_high_;
   Commands& commands = batch.commands;
-  writeDirections(batch.asked, batch.directions);
+  writeDirections(batch.asked, options_.resolution, options_.window, batch.directions);
 
   commands.begin();
   batch.timestamps.reset(commands.handle());
@@ -323,7 +324,7 @@ void ComputeEngine::submit(Batch& batch) {
   endPass();
   const ProjectArgs project{batch.edges.address(),
                             batch.projected.address(), 0, scene_.polygon_count, scene_.corner_count, direction_count, options_.resolution,
-                            fraction_bits_, column_bits_, 0};
+                            fraction_bits_, column_bits_, 0, windowReach(options_.resolution, options_.window)};
   const uint32_t polygon_groups = divideUp(scene_.polygon_count, kGroupSize);
   commands.bind(project_, VK_PIPELINE_BIND_POINT_COMPUTE);
   commands.bindTexels(project_, std::array{batch.directions.texels(), scene_.polygons.texels(), scene_.corners.texels()});

@@ -75,6 +75,8 @@ GraphicsEngine::GraphicsEngine(const Device& device, const Scene& scene, const I
       peel_(device, peel_vert, peel_frag, kLayerFormat, kDepthFormat, sizeof(DrawArgs)),
       accumulate_(device, accumulate_comp, sizeof(AccumulateArgs)),
       commands_(device) {
+  if (options.resolution > kMaxResolution)
+    throw Error(ErrorCode::bad_usage, fmt::format("resolution {} is out of range; choose 1 to {}", options.resolution, kMaxResolution));
   cell_size_ = static_cast<uint32_t>(options.resolution) + 4;
 
   planBatch(uint64_t(scene_.polygon_count) * (sizeof(ProjectedPolygon) + sizeof(Outline)) + uint64_t(scene_.corner_count) * sizeof(Edge));
@@ -135,10 +137,11 @@ PairCounts GraphicsEngine::count(std::span<const Direction> directions) {
 
 void GraphicsEngine::countBatch(std::span<const Direction> directions) {
   const auto direction_count = static_cast<uint32_t>(directions.size());
-  writeDirections(directions, directions_);
+  writeDirections(directions, options_.resolution, {}, directions_);
   commands_.begin();
   ProjectArgs project{edges_.address(), projected_.address(),
-                      outlines_.address(), scene_.polygon_count, scene_.corner_count, direction_count, options_.resolution, fraction_bits_, 0, cell_size_};
+                      outlines_.address(), scene_.polygon_count, scene_.corner_count, direction_count, options_.resolution, fraction_bits_, 0, cell_size_,
+                      windowReach(options_.resolution)};
   commands_.bind(project_, VK_PIPELINE_BIND_POINT_COMPUTE);
   commands_.bindTexels(project_, std::array{directions_.texels(), scene_.polygons.texels(), scene_.corners.texels()});
   commands_.dispatch(project_, project, divideUp(scene_.polygon_count, kGroupSize), direction_count);

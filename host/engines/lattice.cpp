@@ -1,10 +1,11 @@
 #include "engines/lattice.h"
 
 #include <bit>
+#include <cmath>
 
 #include <fmt/format.h>
+#include <glm/geometric.hpp>
 
-#include "engines/lattice_options.h"
 #include "engines/shared.h"
 #include "error.h"
 
@@ -47,16 +48,22 @@ SceneBuffers::SceneBuffers(const Device& device, const Scene& scene, const Ids& 
       polygon_count(static_cast<uint32_t>(scene.polygons.size())),
       corner_count(static_cast<uint32_t>(scene.corners.size())) {}
 
-int chooseFractionBits(int resolution) {
-  if (resolution < 1 || resolution > kMaxResolution)
+int chooseFractionBits(int resolution, const Window& window) {
+  if (resolution < 1 || resolution > kMaxWindowResolution || windowReach(resolution, window) > windowReach(kMostWindowPoints))
     throw Error(ErrorCode::bad_usage, fmt::format("resolution {} is out of range; choose 1 to {}", resolution, kMaxResolution));
-  return device_data::kSnapBits - std::bit_width(static_cast<uint32_t>(resolution / 2 + 1));
+  const auto farthest = static_cast<uint32_t>(resolution / 2 + std::ceil(resolution / 2.0 * glm::length(window.centre)) + 1);
+  return device_data::kSnapBits - std::bit_width(farthest);
 }
 
-void writeDirections(std::span<const Direction> directions, Buffer& buffer) {
+int windowReach(int resolution, const Window& window) { return static_cast<int>(std::floor(resolution / 2.0 * window.radius)) + 2; }
+
+void writeDirections(std::span<const Direction> directions, int resolution, const Window& window, Buffer& buffer) {
   std::span<device_data::DirectionData> data = buffer.mapped<device_data::DirectionData>();
-  for (size_t k = 0; k < directions.size(); ++k)
-    data[k] = {directions[k].x_axis, directions[k].y_axis, directions[k].u, directions[k].offset, directions[k].weight, 0};
+  for (size_t k = 0; k < directions.size(); ++k) {
+    const Direction& direction = directions[k];
+    const glm::dvec2 middle = resolution / 2.0 * glm::dvec2(glm::dot(window.centre, direction.x_axis), glm::dot(window.centre, direction.y_axis));
+    data[k] = {direction.x_axis, direction.y_axis, direction.u, direction.offset - middle, direction.weight, 0};
+  }
 }
 
 }  // namespace viewpeel

@@ -3,6 +3,7 @@
 #include <span>
 
 #include "directions/direction.h"
+#include "engines/lattice_options.h"
 #include "matrix/ids.h"
 #include "vulkan/buffer.h"
 
@@ -17,15 +18,18 @@ struct SceneBuffers {
   SceneBuffers(const Device& device, const Scene& scene, const Ids& ids);
 };
 
-// Fraction bits of snapped coordinates: lattice coordinates stay within resolution / 2 + 1, and kSnapBits hold them.
+// Fraction bits of snapped coordinates: lattice coordinates stay within resolution / 2 (1 + |window.centre|) + 1, and kSnapBits hold them.
 //   Throws: Error bad_usage where the resolution is out of range.
-int chooseFractionBits(int resolution);
+int chooseFractionBits(int resolution, const Window& window = {});
+
+// Lattice points from the middle of a window to its border.
+int windowReach(int resolution, const Window& window = {});
 
 // Area of a lattice point, unit-ball units squared.
 inline double pointArea(int resolution) { return 4.0 / (double(resolution) * resolution); }
 
-// DirectionData[directions.size()] into an upload buffer.
-void writeDirections(std::span<const Direction> directions, Buffer& buffer);
+// DirectionData[directions.size()] into an upload buffer; the lattice's origin goes to the middle of the window.
+void writeDirections(std::span<const Direction> directions, int resolution, const Window& window, Buffer& buffer);
 
 constexpr uint32_t divideUp(uint64_t value, uint64_t by) { return static_cast<uint32_t>((value + by - 1) / by); }
 

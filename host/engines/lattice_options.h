@@ -2,20 +2,33 @@
 #include <cstdint>
 #include <functional>
 
+#include <glm/vec3.hpp>
+
 namespace viewpeel {
 
-// A window of 2043 x 2043 points is the largest whose groups of 64 every device can dispatch in one row (65,535).
+// A lattice of 2043 x 2043 points is the largest whose groups of 64 every device can dispatch in one row (65,535).
 constexpr int kMaxResolution = 2039;
+
+// Of the compute engine in windows: corners across the whole scene still have 4 bits after the point.
+constexpr int kMaxWindowResolution = 1 << 20;
+constexpr int kMostWindowPoints = 8192;  // across a window
+
+// The part of the scene whose projections are looked at: a ball that holds every polygon that emits.
+struct Window {
+  glm::dvec3 centre{0};  // unit-ball units
+  double radius = 1;
+};
 
 enum class Sampling {
   lattice,   // points, each of weight one
   scanline,  // the intervals of lattice rows between two ends of polygons, cut every 8 columns, with their lengths as weights
 };
 
-// What the engines that count lattice points have in common. None but `resolution` and `sampling` changes a result.
+// What the engines that count lattice points have in common. None but `resolution`, `sampling` and `window` changes a result.
 struct LatticeOptions {
   int resolution = 64;            // lattice spacings across the unit ball's diameter, 1 to kMaxResolution
   Sampling sampling = Sampling::lattice;
+  Window window;                  // of the compute engine; smaller than the scene it may have up to kMaxWindowResolution
   uint32_t batch_directions = 0;  // directions peeled at once; 0 chooses by memory
   uint64_t counter_budget_bytes = 0;  // of the dense counters, beyond which the compute engine keeps a hash table; 0 chooses
 

@@ -1,0 +1,166 @@
+#include "engines/size_groups.h"
+
+#include <algorithm>
+#include <map>
+
+#include <fmt/format.h>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include "engines/compute_engine.h"
+#include "engines/pair_counters.h"
+#include "error.h"
+
+namespace viewpeel {
+namespace {
+
+constexpr int kStep = 4;  // between the resolutions of groups
+constexpr double kUsualWindowPoints = 2048;
+
+struct Box {
+  glm::dvec3 low{2}, high{-2};
+  void add(const glm::dvec3& p) {
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
+  void add(const Box& box) {
+    low = glm::min(low, box.low);
+    high = glm::max(high, box.high);
+  }
+  glm::dvec3 middle() const { return 0.5 * (low + high); }
+  double radius() const { return 0.5 * glm::length(high - low); }
+};
+
+Box boxOf(const Scene& scene, uint32_t polygon_index) {
+  const Polygon& polygon = scene.polygons[polygon_index];
+  Box box;
+  for (uint32_t k = 0; k < polygon.corner_count; ++k) box.add(scene.corners[polygon.first_corner + k]);
+  return box;
+}
+
+Box boxOf(const Scene& scene, const std::vector<uint32_t>& polygons) {
+  Box box;
+  for (uint32_t k : polygons) box.add(boxOf(scene, k));
+  return box;
+}
+
+// Halves the polygons by place until their windows are small enough, or hold one polygon.
+void split(const Scene& scene, std::vector<uint32_t> polygons, int resolution, std::vector<SizeGroup>& groups) {
+  const Box box = boxOf(scene, polygons);
+  if (box.radius() * resolution <= kUsualWindowPoints || polygons.size() == 1) {
+    // The window's ball is a little larger than the box, whose corners and middle are rounded.
+    const Window window{box.middle(), box.radius() * (1 + 1e-9) + 1e-12};
+    groups.push_back({resolution, window.radius < 1 ? window : Window{}, std::move(polygons)});
+    return;
+  }
+  const glm::dvec3 size = box.high - box.low;
+  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  const auto middleOf = [&](uint32_t k) { return boxOf(scene, k).middle()[axis]; };
+  auto half = std::stable_partition(polygons.begin(), polygons.end(), [&](uint32_t k) { return middleOf(k) < box.middle()[axis]; });
+  if (half == polygons.begin() || half == polygons.end()) half = polygons.begin() + static_cast<std::ptrdiff_t>(polygons.size() / 2);
+  split(scene, {polygons.begin(), half}, resolution, groups);
+  split(scene, {half, polygons.end()}, resolution, groups);
+}
+
+void addWork(const Work& part, Work& sum) {
+  sum.directions = std::max(sum.directions, part.directions);  // every part takes all of them
+  for (uint64_t Work::* member : {&Work::lattice_points, &Work::tiles, &Work::active_tiles, &Work::list_entries, &Work::rows, &Work::spans, &Work::samples,
+                                  &Work::rounds, &Work::tests, &Work::fragments, &Work::gaps, &Work::repeats, &Work::resumed, &Work::memory_bytes})
+    sum.*member += part.*member;
+  sum.pass_seconds.resize(part.pass_seconds.size());
+  for (size_t k = 0; k < part.pass_seconds.size(); ++k)
+    sum.pass_seconds[k] = {part.pass_seconds[k].first, sum.pass_seconds[k].second + part.pass_seconds[k].second};
+}
+
+class GroupedEngine : public Engine {
+ public:
+  GroupedEngine(const Device& device, const Scene& scene, const Ids& ids, const LatticeOptions& options, const std::vector<SizeGroup>& groups) {
+    if (!ids.roles.empty()) throw Error(ErrorCode::bad_usage, "windows on small polygons need the whole matrix; leave out --from, --pair and --blocker, or give --resolution");
+    for (size_t g = 0; g < groups.size(); ++g) {
+      if (groups[g].polygons.empty()) continue;
+      Part part{nullptr, groups[g].resolution, groups[g].polygons.size(), 1};
+      Ids roles = ids;
+      roles.roles.assign(scene.polygons.size(), 0);
+      for (size_t earlier = 0; earlier <= g; ++earlier)
+        for (uint32_t k : groups[earlier].polygons) roles.roles[k] = earlier == g ? kEmits | kReceives : kReceives;
+      if (groups.size() == 1) roles.roles.clear();
+      LatticeOptions own = options;
+      own.resolution = part.resolution;
+      own.window = groups[g].window;
+      const size_t index = parts_.size(), all = groups.size();
+      if (options.on_batch)
+        own.on_batch = [told = options.on_batch, index, all, this](uint64_t done) { told((index * asked_ + done) / all); };
+      part.engine = makeComputeEngine(device, scene, roles, own);
+      finest_ = std::max(finest_, part.resolution);
+      parts_.push_back(std::move(part));
+    }
+    for (Part& part : parts_) part.weight = uint64_t(finest_ / part.resolution) * uint64_t(finest_ / part.resolution);
+  }
+
+  PairCounts count(std::span<const Direction> directions) override {
+    asked_ = directions.size();
+    PairCounts sum;
+    for (const Part& part : parts_) {
+      PairCounts counts = part.engine->count(directions);
+      for (PairCount& count : counts) count.count *= part.weight;
+      sum = addCounts(sum, counts);
+    }
+    return sum;
+  }
+
+  double unitArea() const override {
+    for (const Part& part : parts_)
+      if (part.resolution == finest_) return part.engine->unitArea();
+    return 1;
+  }
+
+  const Work* work() const override {
+    work_ = {};
+    for (const Part& part : parts_) {
+      const Work* own = part.engine->work();
+      if (!own) return nullptr;
+      addWork(*own, work_);
+    }
+    return &work_;
+  }
+
+  std::string describePlan() const override {
+    std::string text;
+    for (const Part& part : parts_) text += fmt::format("lattice    {} across, for {} polygons\n{}", part.resolution, part.polygons, part.engine->describePlan());
+    return text;
+  }
+
+ private:
+  struct Part {
+    std::unique_ptr<Engine> engine;
+    int resolution;
+    size_t polygons;
+    uint64_t weight;  // of its counts, in those of the finest
+  };
+  std::vector<Part> parts_;
+  int finest_ = 1;
+  uint64_t asked_ = 0;
+  mutable Work work_;
+};
+
+}  // namespace
+
+std::vector<SizeGroup> groupBySize(const Scene& scene, const std::vector<double>& needed, int base) {
+  std::vector<SizeGroup> groups{{base, {}, {}}};
+  std::map<int, std::vector<uint32_t>> fine;
+  for (uint32_t k = 0; k < needed.size(); ++k) {
+    const double radius = boxOf(scene, k).radius();
+    int resolution = base;
+    while (resolution < needed[k] && resolution * kStep <= kMaxWindowResolution && radius * resolution * kStep <= kMostWindowPoints) resolution *= kStep;
+    (resolution == base ? groups[0].polygons : fine[resolution]).push_back(k);
+  }
+  for (auto& [resolution, polygons] : fine) split(scene, std::move(polygons), resolution, groups);
+  return groups;
+}
+
+std::unique_ptr<Engine> makeGroupedEngine(const Device& device, const Scene& scene, const Ids& ids, const LatticeOptions& options,
+                                          const std::vector<SizeGroup>& groups) {
+  return std::make_unique<GroupedEngine>(device, scene, ids, options, groups);
+}
+
+}  // namespace viewpeel

@@ -1,0 +1,35 @@
+// Polygons of very different sizes, each looked at with the lattice spacing that it needs.
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "engines/engine.h"
+#include "engines/lattice_options.h"
+#include "matrix/ids.h"
+#include "vulkan/device.h"
+
+namespace viewpeel {
+
+// Polygons that are peeled at one resolution, in a window around them. Groups are in order, the whole scene's first: a facing pair is counted
+// by the later of its two polygons' groups, once, so that all of the smaller polygon is in the window and the spacing is the one it needs.
+struct SizeGroup {
+  int resolution = 0;
+  Window window;
+  std::vector<uint32_t> polygons;  // Scene::polygons
+};
+
+// Groups the polygons by the resolutions that they need, in steps of 4, and those of a resolution by place.
+//   In: needed[k]: the least resolution for Scene::polygons[k]; base: the first group's, which takes all polygons that need no more
+//   Out: groups whose resolutions are base x 4^m, at most kMaxWindowResolution; the first holds the whole scene, even where it has no polygons.
+//     A polygon too large for a window at the resolution it needs gets the finest that its window allows.
+//   Cost: O(n log n).
+std::vector<SizeGroup> groupBySize(const Scene& scene, const std::vector<double>& needed, int base);
+
+// An engine that peels every group at its own resolution. unitArea() is that of the finest.
+//   In: groups as from groupBySize; ids without roles, so with nothing asked for in particular
+//   Throws: as makeComputeEngine; Error bad_usage where the ids have roles.
+//   Cost: for every group and direction the scene is projected and the group's window peeled.
+std::unique_ptr<Engine> makeGroupedEngine(const Device& device, const Scene& scene, const Ids& ids, const LatticeOptions& options,
+                                          const std::vector<SizeGroup>& groups);
+
+}  // namespace viewpeel

@@ -1,0 +1,129 @@
+// Polygons of very different sizes, each at the resolution it needs.
+#include <cmath>
+#include <set>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "cpu_twin.h"
+#include "engines/size_groups.h"
+#include "scenes.h"
+#include "test_device.h"
+
+namespace viewpeel {
+namespace {
+
+namespace ts = test_scenes;
+
+// Squares of edges from 1 to 1e-4 above a large one, facing it and, in pairs, each other; scattered, so that windows differ.
+InputScene squaresOfAllSizes() {
+  InputScene scene{"squares of all sizes", {}, {}};
+  ts::addFace(scene, "floor", {{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}});
+  double x = 0.1;
+  for (int k = 0; k < 5; ++k) {
+    const double edge = std::pow(10.0, -k), z = 0.5 + 0.1 * k;
+    const std::string name = fmt::format("k{}", k);
+    ts::addFace(scene, name + "_down", {{x, 0.5, z}, {x, 0.5 + edge, z}, {x + edge, 0.5 + edge, z}, {x + edge, 0.5, z}});
+    if (k > 0)  // a partner that looks up at it, at a distance of its own edge
+      ts::addFace(scene, name + "_up", {{x, 0.5, z - edge}, {x + edge, 0.5, z - edge}, {x + edge, 0.5 + edge, z - edge}, {x, 0.5 + edge, z - edge}});
+    x += edge + 0.15;
+  }
+  return scene;
+}
+
+std::vector<double> neededFor(const Scene& scene, double spacings) {
+  std::vector<double> needed;
+  for (const Polygon& polygon : scene.polygons) needed.push_back(2 * spacings / std::sqrt(polygon.area));
+  return needed;
+}
+
+TEST(SizeGroups, EveryPolygonIsInOneWindowThatHoldsIt) {
+  for (const InputScene& input : {squaresOfAllSizes(), ts::triangleSoup(200, 0.3, 5), ts::roomWithTouchingBoxes()}) {
+    const Scene scene = buildScene(input);
+    const std::vector<double> needed = neededFor(scene, 8);
+    const auto groups = groupBySize(scene, needed, 16);
+    EXPECT_EQ(groups[0].resolution, 16);
+    EXPECT_EQ(groups[0].window.radius, 1);
+    std::set<uint32_t> seen;
+    int before = 0;
+    for (const SizeGroup& group : groups) {
+      EXPECT_GE(group.resolution, before);
+      before = group.resolution;
+      for (uint32_t k : group.polygons) {
+        EXPECT_TRUE(seen.insert(k).second);
+        const Polygon& polygon = scene.polygons[k];
+        double radius = 0;
+        for (uint32_t c = 0; c < polygon.corner_count; ++c) {
+          const glm::dvec3& corner = scene.corners[polygon.first_corner + c];
+          EXPECT_LE(glm::length(corner - group.window.centre), group.window.radius + 1e-12);
+          radius = std::max(radius, glm::length(corner - scene.corners[polygon.first_corner]));
+        }
+        // What it needs, within a step of 4 unless its own window would be too large.
+        const bool fits = group.resolution >= needed[k] || radius * group.resolution * 4 > kMostWindowPoints / 2.0;
+        EXPECT_TRUE(fits) << group.resolution << " " << needed[k];
+      }
+    }
+    EXPECT_EQ(seen.size(), scene.polygons.size());
+  }
+}
+
+// The counts of a window are the twin's, for the polygons that the group owns.
+TEST(SizeGroups, CountsAreThoseOfTheCpuTwin) {
+  const auto directions = sampleDirections(Sampler::iid, 6, 11, 0);
+  for (By by : {By::polygon, By::surface})
+    for (const InputScene& input : {squaresOfAllSizes(), ts::triangleSoup(60, 0.5, 3)}) {
+      const Scene scene = buildScene(input);
+      Ids ids = makeIds(scene, by, false);
+      const auto groups = groupBySize(scene, neededFor(scene, 2), 8);
+      ASSERT_GT(groups.size(), 1u);
+      const int finest = groups.back().resolution;
+      std::map<std::pair<uint32_t, uint32_t>, uint64_t> expected;
+      for (size_t g = 0; g < groups.size(); ++g) {
+        ids.roles.assign(scene.polygons.size(), 0);
+        for (size_t earlier = 0; earlier <= g; ++earlier)
+          for (uint32_t k : groups[earlier].polygons) ids.roles[k] = earlier == g ? kEmits | kReceives : kReceives;
+        const uint64_t weight = uint64_t(finest / groups[g].resolution) * uint64_t(finest / groups[g].resolution);
+        for (const PairCount& c : countPairsOnCpu(scene, ids, directions, groups[g].resolution, Fault::none, groups[g].window))
+          expected[{c.i, c.j}] += weight * c.count;
+      }
+      PairCounts twin;
+      for (const auto& [pair, count] : expected) twin.push_back({pair.first, pair.second, count});
+      EXPECT_EQ(makeGroupedEngine(testDevice(), scene, makeIds(scene, by, false), {}, groups)->count(directions), twin);
+    }
+}
+
+// One group is the plain engine.
+TEST(SizeGroups, OneGroupIsTheWholeMatrix) {
+  const Scene scene = buildScene(ts::roomWithTouchingBoxes());
+  const Ids ids = makeIds(scene, By::polygon, false);
+  const auto directions = sampleDirections(Sampler::fibonacci, 20, 3, 0);
+  const auto engine = makeGroupedEngine(testDevice(), scene, ids, {}, groupBySize(scene, std::vector<double>(scene.polygons.size(), 1), 33));
+  EXPECT_EQ(engine->count(directions), countPairs(scene, directions, {.lattice = {.resolution = 33}}));
+  EXPECT_EQ(engine->unitArea(), 4.0 / (33 * 33));
+}
+
+// Areas from 1 to 1e-8, and pairs of equal squares at a distance of their own edge at all sizes: within five standard errors, which
+// are those of polygons well above the spacing.
+TEST(SizeGroups, SmallPolygonsHaveTheirClosedForms) {
+  const Scene scene = buildScene(squaresOfAllSizes());
+  const Ids ids = makeIds(scene, By::polygon, false);
+  const auto engine = makeGroupedEngine(testDevice(), scene, ids, {}, groupBySize(scene, neededFor(scene, 8), 16));
+  const Estimate estimate = estimateFormFactors(*engine, scene, ids, {.directions = 300, .replicates = 16});
+  const auto indexOf = [&](const std::string& name) {
+    return static_cast<uint32_t>(std::find(ids.names.begin(), ids.names.end(), name) - ids.names.begin());
+  };
+  for (int k = 1; k < 5; ++k) {
+    const std::string name = fmt::format("k{}", k);
+    const Measured f = estimate.form_factors.formFactor(indexOf(name + "_up"), indexOf(name + "_down"));
+    // Two equal squares at a distance of their edge (Howell, C-11).
+    EXPECT_NEAR(f.value, 0.199824895698, 5 * f.standard_error) << name;
+    EXPECT_LT(f.standard_error, 2e-3) << name;
+    EXPECT_EQ(estimate.form_factors.exchangeArea(indexOf(name + "_up"), indexOf(name + "_down")).value,
+              estimate.form_factors.exchangeArea(indexOf(name + "_down"), indexOf(name + "_up")).value);
+  }
+  // All that leaves a polygon is accounted for.
+  for (uint32_t k = 0; k < ids.count(); ++k) EXPECT_NEAR(estimate.form_factors.rowSums()[k].value, 1, 6 * estimate.form_factors.rowSums()[k].standard_error + 1e-12) << ids.names[k];
+}
+
+}  // namespace
+}  // namespace viewpeel
