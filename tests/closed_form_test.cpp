@@ -86,10 +86,10 @@ Estimate estimateAsked(const InputScene& input, const Question& question, const 
   EstimateOptions options{.directions = 100, .replicates = 16};
   if (!question.pair.empty()) {
     const DirectionRegion region = findPairRegion(scene, findPolygons(scene, question.pair[0]), findPolygons(scene, question.pair[1]));
-    options.asked_directions = [=](uint64_t replicate) { return sampleRegion(region, 100, 7, replicate); };
+    options.asked_directions = [=](uint32_t count, uint64_t replicate) { return sampleRegion(region, count, 7, replicate); };
   } else {
     const std::vector<uint32_t> emitter = findPolygons(scene, question.from.at(0));
-    options.asked_directions = [=](uint64_t replicate) { return sampleEmitter(scene, emitter, 100, 7, replicate); };
+    options.asked_directions = [=](uint32_t count, uint64_t replicate) { return sampleEmitter(scene, emitter, count, 7, replicate); };
   }
   return estimateFormFactors(*makeComputeEngine(testDevice(), scene, ids, lattice), scene, ids, options);
 }

@@ -11,6 +11,7 @@ using Run = std::function<int()>;
 
 // Sets `chosen` to the subcommand's Run when the command line names it.
 void addCompute(CLI::App& app, Run& chosen);
+void addPlan(CLI::App& app, Run& chosen);
 void addCheck(CLI::App& app, Run& chosen);
 void addDevices(CLI::App& app, Run& chosen);
 

@@ -12,6 +12,7 @@
 #include "cli/options.h"
 #include "cli/summary.h"
 #include "error.h"
+#include "estimator/plan.h"
 #include "io/write_form_factors.h"
 #include "reference/exact_engine.h"
 
@@ -29,6 +30,8 @@ struct ProgramOptions {
   EstimateOptions estimate;
   Question question;
   bool whole_sphere = false;  // a sampler was asked for by name
+  bool plans = true;          // directions and, where 0, resolution
+  int resolution = 0, finest = 0;
   bool quiet = false, verbose = false, json = false;
 };
 
@@ -81,7 +84,7 @@ class ProgressLine {
 std::string askDirections(const Question& question, const Scene& scene, bool two_sided, EstimateOptions& estimate) {
   if (!question.pair.empty()) {
     const DirectionRegion region = findPairRegion(scene, findPolygons(scene, question.pair[0]), findPolygons(scene, question.pair[1]), two_sided);
-    estimate.asked_directions = [region, &estimate](uint64_t replicate) { return sampleRegion(region, estimate.directions, estimate.seed, replicate); };
+    estimate.asked_directions = [region, seed = estimate.seed](uint32_t count, uint64_t replicate) { return sampleRegion(region, count, seed, replicate); };
     return region.isEmpty() ? "but none in which a front of one sees a front of the other"
                             : fmt::format("in the pair's anti-convex-hull, {:.3g} % of a half sphere", region.solidAngle() / (2 * std::numbers::pi) * 100);
   }
@@ -90,7 +93,7 @@ std::string askDirections(const Question& question, const Scene& scene, bool two
     const std::vector<uint32_t> polygons = findPolygons(scene, name);
     emitter.insert(emitter.end(), polygons.begin(), polygons.end());
   }
-  estimate.asked_directions = [emitter, &scene, &estimate](uint64_t replicate) { return sampleEmitter(scene, emitter, estimate.directions, estimate.seed, replicate); };
+  estimate.asked_directions = [emitter, &scene, seed = estimate.seed](uint32_t count, uint64_t replicate) { return sampleEmitter(scene, emitter, count, seed, replicate); };
   const bool planar = std::all_of(emitter.begin(), emitter.end(), [&](uint32_t k) {
     const Polygon &a = scene.polygons[k], &b = scene.polygons[emitter[0]];
     return glm::dot(scene.planes[a.plane].normal, scene.planes[b.plane].normal) * (a.front_along_plane_normal == b.front_along_plane_normal ? 1 : -1) > 1 - 1e-9;
@@ -98,31 +101,92 @@ std::string askDirections(const Question& question, const Scene& scene, bool two
   return planar ? "by the emitter's cosine" : "fibonacci";
 }
 
-int runCompute(ProgramOptions options) {
-  for (const std::string& output : options.outputs) checkOutput(output);
-  const Scene scene = loadScene(options.scene);
+// What a run works on.
+struct Session {
+  ProgramOptions& options;
+  const Scene scene;
+  Ids ids;
+  std::string sampler;  // in words
+  std::optional<Device> device;
+
+  explicit Session(ProgramOptions& asked);
+  bool talks() const { return !options.quiet && !options.json; }
+  Lattices lattices() const;
+  void describe() const;
+};
+
+Session::Session(ProgramOptions& asked) : options(asked), scene(loadScene(asked.scene)), ids(makeIds(scene, asked.by, asked.two_sided)), sampler(nameOf(asked.estimate.sampler)) {
   for (const std::string& warning : scene.warnings) fmt::print(stderr, "viewpeel: warning: {}\n", warning);
-  Ids ids = makeIds(scene, options.by, options.two_sided);
   askOnlyFor(options.question, scene, ids);
   if (!ids.roles.empty() && options.engine == EngineKind::graphics)
     throw Error(ErrorCode::bad_usage, "--from, --pair and --blocker need --engine compute or exact");
   if (options.lattice.sampling == Sampling::scanline && options.engine != EngineKind::compute)
     throw Error(ErrorCode::bad_usage, "--sampling scanline needs --engine compute");
-  std::string sampler = nameOf(options.estimate.sampler);
+  if (options.finest && (options.engine != EngineKind::compute || !ids.roles.empty()))
+    throw Error(ErrorCode::bad_usage, "--finest needs --engine compute and the whole matrix");
   if (!options.whole_sphere && (!options.question.pair.empty() || (!options.question.from.empty() && !options.two_sided)))
     sampler = askDirections(options.question, scene, options.two_sided, options.estimate);
-  std::optional<Device> device;
   if (options.engine != EngineKind::exact) device.emplace(options.device);
-  const bool talks = !options.quiet && !options.json;
-  if (talks) {
-    fmt::print("{}{}", device ? describeDevice(*device) : "device     none: exact areas on the CPU\n", describeScene(scene));
-    fmt::print("sampling   {} directions a replicate, {}; {}; seed {}\n", options.estimate.directions, sampler,
-               device ? fmt::format("{} {} across", options.lattice.sampling == Sampling::scanline ? "scanlines" : "lattice", options.lattice.resolution) : "exact areas",
-               options.estimate.seed);
-    std::fflush(stdout);
-  }
+}
 
-  const auto start = Clock::now();
+Lattices Session::lattices() const {
+  const auto make = [this](const std::vector<SizeGroup>& groups) -> std::unique_ptr<Engine> {
+    if (!device) return reference::makeExactEngine(scene, ids);
+    LatticeOptions lattice = options.lattice;
+    lattice.resolution = groups[0].resolution;
+    return groups.size() > 1 ? makeGroupedEngine(*device, scene, ids, lattice, groups) : makeLatticeEngine(options.engine, *device, scene, ids, lattice);
+  };
+  return {make, options.resolution, options.engine == EngineKind::compute && ids.roles.empty() && !options.resolution};
+}
+
+// The lattices of groups of polygons.
+std::string describeGroups(const std::vector<SizeGroup>& groups, Sampling sampling) {
+  std::string text = fmt::format("{} {} across", sampling == Sampling::scanline ? "scanlines" : "lattice", groups[0].resolution);
+  for (size_t g = 1; g < groups.size();) {
+    size_t windows = 0, polygons = 0;
+    const int resolution = groups[g].resolution;
+    for (; g < groups.size() && groups[g].resolution == resolution; ++g, ++windows) polygons += groups[g].polygons.size();
+    text += fmt::format(", {} in {} window{} on {} polygons", resolution, windows, windows == 1 ? "" : "s", polygons);
+  }
+  return text;
+}
+
+void Session::describe() const {
+  fmt::print("{}{}", device ? describeDevice(*device) : "device     none: exact areas on the CPU\n", describeScene(scene));
+  std::fflush(stdout);
+}
+
+void describeSampling(const Session& session, const std::vector<SizeGroup>& groups) {
+  const EstimateOptions& estimate = session.options.estimate;
+  fmt::print("sampling   {} directions a replicate, {}; {}; seed {}\n", estimate.directions, session.sampler,
+             session.device ? describeGroups(groups, session.options.lattice.sampling) : "exact areas", estimate.seed);
+  std::fflush(stdout);
+}
+
+// What a plan promises, and how to have the same run again.
+void describePlan(const Session& session, const Plan& plan) {
+  const EstimateOptions& estimate = session.options.estimate;
+  const std::string what = estimate.relative && !estimate.tolerance ? " of its form factor" : "";
+  const std::string finest = plan.finest > plan.groups[0].resolution || plan.groups.size() > 1 ? fmt::format(" --finest {}", plan.finest) : "";
+  fmt::print("expected   largest standard error {:.1e}{} after {} replicates, {:.2g} s (found out in {:.2g} s); the same again: --directions {} --resolution {}{}\n",
+             plan.standard_error, what, estimate.replicates, plan.seconds, plan.pilot_seconds, plan.directions, plan.groups[0].resolution, finest);
+  std::fflush(stdout);
+}
+
+Plan choosePlan(const Session& session) {
+  const ProgramOptions& options = session.options;
+  if (session.device && options.plans) return planEstimate(session.scene, session.ids, options.estimate, session.lattices());
+  Plan plan;
+  plan.directions = options.estimate.directions;
+  const int resolution = options.resolution ? options.resolution : options.lattice.resolution;
+  plan.groups = options.finest ? planGroups(session.scene, session.ids, resolution, options.finest, double(plan.directions) * double(options.estimate.replicates))
+                               : groupBySize(session.scene, std::vector<double>(session.scene.polygons.size(), 1), resolution);
+  plan.engine = session.lattices().make_engine(plan.groups);
+  return plan;
+}
+
+int runCompute(ProgramOptions options) {
+  for (const std::string& output : options.outputs) checkOutput(output);
   const bool show_progress = !options.quiet && ::isatty(STDERR_FILENO);
   ProgressLine progress(options.estimate);
   if (show_progress) {
@@ -130,24 +194,46 @@ int runCompute(ProgramOptions options) {
     options.lattice.on_batch = [&](uint64_t directions) { progress.onBatch(directions); };
   }
   options.lattice.measure_work = options.json;
-  const auto engine = device ? makeLatticeEngine(options.engine, *device, scene, ids, options.lattice) : reference::makeExactEngine(scene, ids);
-  const std::string plan = engine->describePlan();
-  if (options.verbose && talks) fmt::print("{}", plan);
-  const Estimate estimate = estimateFormFactors(*engine, scene, ids, options.estimate);
+  const Session session(options);
+  if (session.talks()) session.describe();
+
+  const auto start = Clock::now();
+  const Plan plan = choosePlan(session);
+  options.estimate.directions = plan.directions;
   if (show_progress) fmt::print(stderr, "\r\033[K");
-  if (device) checkValidation(*device);
+  if (session.talks()) describeSampling(session, plan.groups);
+  if (session.talks() && plan.pilot_seconds > 0) describePlan(session, plan);
+  const std::string division = plan.engine->describePlan();
+  if (options.verbose && session.talks()) fmt::print("{}", division);
+  const Estimate estimate = estimateFormFactors(*plan.engine, session.scene, session.ids, options.estimate);
+  if (show_progress) fmt::print(stderr, "\r\033[K");
+  if (session.device) checkValidation(*session.device);
   const double seconds = secondsSince(start);
 
   for (const std::string& output : options.outputs) writeFormFactors(estimate.form_factors, output);
-  if (options.json) fmt::print("{}", asJson(options.scene, device ? device->description().name : "none", estimate, seconds, engine->work()));
-  if (!talks) return 0;
-  if (options.verbose && engine->describePlan() != plan) fmt::print("after a trial\n{}", engine->describePlan());
+  if (options.json) fmt::print("{}", asJson(options.scene, session.device ? session.device->description().name : "none", estimate, seconds, plan.engine->work()));
+  if (!session.talks()) return 0;
+  if (options.verbose && plan.engine->describePlan() != division) fmt::print("after a trial\n{}", plan.engine->describePlan());
   if (estimate.form_factors.entries().empty()) fmt::print("\nNothing that was asked for sees anything: every form factor is 0.\n\n");
-  else if (ids.splits_surfaces) fmt::print("\nlargest form factors\n{}\n", tabulateLargest(estimate.form_factors, 20));
+  else if (session.ids.splits_surfaces) fmt::print("\nlargest form factors\n{}\n", tabulateLargest(estimate.form_factors, 20));
   else fmt::print("\nlargest form factors between surfaces\n{}\n", tabulateLargest(estimate.between_surfaces, 20));
   fmt::print("{}", describeErrors(estimate));
   fmt::print("work       {} replicates, {} directions, {:.2f} s\n", estimate.replicates, estimate.directions, seconds);
   for (const std::string& output : options.outputs) fmt::print("written    {}\n", output);
+  return 0;
+}
+
+// Everything but the run.
+int runPlan(ProgramOptions options) {
+  const Session session(options);
+  session.describe();
+  if (!session.device) throw Error(ErrorCode::bad_usage, "plans are made for devices; leave out --engine exact");
+  const Plan plan = planEstimate(session.scene, session.ids, options.estimate, session.lattices());
+  options.estimate.directions = plan.directions;
+  describeSampling(session, plan.groups);
+  describePlan(session, plan);
+  fmt::print("{}", plan.engine->describePlan());
+  checkValidation(*session.device);
   return 0;
 }
 
@@ -156,33 +242,26 @@ std::string isPositive(const std::string& text) {
   return CLI::detail::lexical_cast(text, value) && value > 0 && std::isfinite(value) ? "" : text + " is not a number above 0";
 }
 
-}  // namespace
-
-void addCompute(CLI::App& app, Run& chosen) {
+// What `compute` and `plan` share.
+std::shared_ptr<ProgramOptions> addOptions(CLI::App* command) {
   auto options = std::make_shared<ProgramOptions>();
   EstimateOptions& estimate = options->estimate;
-  CLI::App* command = app.add_subcommand("compute", "Compute the form factors of a scene");
   command->add_option("SCENE", options->scene, "Scene file: .obj, .stl or .ply")->required();
-  command->add_option("-o,--output", options->outputs, "Write the matrix: .csv or .mtx; may be given several times")
-      ->type_name("FILE")->allow_extra_args(false);
-  auto tolerance = std::make_shared<double>(0);
-  CLI::Option* tolerance_option =
-      command->add_option("--tolerance", *tolerance, "Go on until the largest standard error of all form factors is at most this")
-          ->type_name("T")->check(isPositive);
-  auto relative = std::make_shared<double>(0), seconds = std::make_shared<double>(0);
-  CLI::Option* relative_option =
-      command->add_option("--relative", *relative, "Go on until the largest standard error is at most this share of its form factor, over those above --floor")
-          ->type_name("R")->check(isPositive);
+  const auto addGoal = [&](const std::string& name, std::optional<double>& goal, const std::string& text, const std::string& type) {
+    command->add_option_function<double>(name, [&goal](const double& value) { goal = value; }, text)->type_name(type)->check(isPositive);
+  };
+  addGoal("--tolerance", estimate.tolerance, "Go on until the largest standard error of all form factors is at most this; 1e-3 unless another goal or --directions is given", "T");
+  addGoal("--relative", estimate.relative, "Go on until the largest standard error is at most this share of its form factor, over those above --floor", "R");
   command->add_option("--floor", estimate.relative_floor, "Least form factor that --relative looks at")->type_name("F")->check(isPositive)->capture_default_str();
-  CLI::Option* seconds_option =
-      command->add_option("--seconds", *seconds, "As many replicates as fit into this time, 2 at least; with a goal: stop short of it when time is up")
-          ->type_name("S")->check(isPositive);
-  command->add_option("--directions", estimate.directions, "Directions per replicate")
-      ->type_name("N")->check(CLI::Range(1u, 1u << 30).description(""))->capture_default_str();
+  addGoal("--seconds", estimate.seconds, "As many replicates as fit into this time, 2 at least; with a goal: stop short of it when time is up", "S");
+  command->add_option("--directions", estimate.directions, "Directions per replicate, in place of a plan")
+      ->type_name("N")->check(CLI::Range(1u, 1u << 30).description(""));
   command->add_option("--replicates", estimate.replicates, "Independent replicates, at least; their spread gives the standard errors")
       ->type_name("R")->check(CLI::Range(2u, 1u << 30).description(""))->capture_default_str();
-  command->add_option("--resolution", options->lattice.resolution, "Lattice spacings across the scene's diameter")
-      ->type_name("PX")->check(CLI::Range(1, kMaxResolution).description(""))->capture_default_str();
+  command->add_option("--resolution", options->resolution, "Lattice spacings across the scene's diameter; planned, or 64 with --directions")
+      ->type_name("PX")->check(CLI::Range(1, kMaxResolution).description(""));
+  command->add_option("--finest", options->finest, "With --directions and --resolution: spacings for the polygon that needs most of them, in windows; the others get their share")
+      ->type_name("PX")->check(CLI::Range(1, kMaxWindowResolution).description(""));
   addChoice(command, "--by", options->by, {{"polygon", By::polygon}, {"surface", By::surface}}, "One row per polygon or per named surface");
   addChoice(command, "--engine", options->engine, {{"compute", EngineKind::compute}, {"graphics", EngineKind::graphics}, {"exact", EngineKind::exact}},
             "Depth peeling on a Vulkan device, in compute shaders or by its raster pipeline, or exact areas on the CPU");
@@ -194,20 +273,45 @@ void addCompute(CLI::App& app, Run& chosen) {
   command->add_option("--from", options->question.from, "Only the rows of this surface or face; may be given several times")->type_name("NAME")->allow_extra_args(false);
   command->add_option("--pair", options->question.pair, "Only the form factors between two surfaces or faces")->type_name("A B")->expected(0, 2);
   command->add_option("--blocker", options->question.blockers, "A surface or face that only blocks; may be given several times")->type_name("NAME")->allow_extra_args(false);
-  command->add_option("--seed", estimate.seed, "The same seed gives the same bits")->type_name("K")->capture_default_str();
+  command->add_option("--seed", estimate.seed, "The same seed and plan give the same bits")->type_name("K")->capture_default_str();
   command->add_flag("--two-sided", options->two_sided, "Every polygon emits and receives on both sides");
   command->add_option("--device", options->device.selector, "Vulkan device: index, part of its name, cpu or gpu")->type_name("DEVICE");
   command->add_option("--batch", options->lattice.batch_directions, "Directions peeled at once; 0 chooses. Never changes the result")
       ->type_name("N")->capture_default_str();
+  return options;
+}
+
+// What follows from the options given.
+void settle(const CLI::App* command, ProgramOptions& options) {
+  options.whole_sphere = command->get_option("--sampler")->count() > 0;
+  options.plans = command->get_option("--directions")->count() == 0;
+  if (options.finest && (options.plans || !options.resolution)) throw Error(ErrorCode::bad_usage, "--finest needs --directions and --resolution");
+  const EstimateOptions& e = options.estimate;
+  if (options.plans && !e.tolerance && !e.relative && !e.seconds && options.engine != EngineKind::exact) options.estimate.tolerance = 1e-3;
+}
+
+}  // namespace
+
+void addCompute(CLI::App& app, Run& chosen) {
+  CLI::App* command = app.add_subcommand("compute", "Compute the form factors of a scene");
+  const auto options = addOptions(command);
+  command->add_option("-o,--output", options->outputs, "Write the matrix: .csv or .mtx; may be given several times")
+      ->type_name("FILE")->allow_extra_args(false);
   command->add_flag("--quiet", options->quiet, "Print nothing but errors and warnings");
   command->add_flag("--verbose", options->verbose, "Print how work and memory are divided, too");
   command->add_flag("--json", options->json, "Print the outcome and the work done as JSON");
   command->callback([=, &chosen] {
-    if (tolerance_option->count()) options->estimate.tolerance = *tolerance;
-    if (relative_option->count()) options->estimate.relative = *relative;
-    if (seconds_option->count()) options->estimate.seconds = *seconds;
-    options->whole_sphere = command->get_option("--sampler")->count() > 0;
+    settle(command, *options);
     chosen = [options] { return runCompute(*options); };
+  });
+}
+
+void addPlan(CLI::App& app, Run& chosen) {
+  CLI::App* command = app.add_subcommand("plan", "Say what `compute` would do with the same options, how long it would take and in how much memory");
+  const auto options = addOptions(command);
+  command->callback([=, &chosen] {
+    settle(command, *options);
+    chosen = [options] { return runPlan(*options); };
   });
 }
 

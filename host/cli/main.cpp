@@ -22,6 +22,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   viewpeel::cli::Run chosen;
   viewpeel::cli::addCompute(app, chosen);
+  viewpeel::cli::addPlan(app, chosen);
   viewpeel::cli::addCheck(app, chosen);
   viewpeel::cli::addDevices(app, chosen);
   try {

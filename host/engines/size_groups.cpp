@@ -151,7 +151,7 @@ std::vector<SizeGroup> groupBySize(const Scene& scene, const std::vector<double>
   for (uint32_t k = 0; k < needed.size(); ++k) {
     const double radius = boxOf(scene, k).radius();
     int resolution = base;
-    while (resolution < needed[k] && resolution * kStep <= kMaxWindowResolution && radius * resolution * kStep <= kMostWindowPoints) resolution *= kStep;
+    while (resolution < needed[k] * kEnough && resolution * kStep <= kMaxWindowResolution && radius * resolution * kStep <= kMostWindowPoints) resolution *= kStep;
     (resolution == base ? groups[0].polygons : fine[resolution]).push_back(k);
   }
   for (auto& [resolution, polygons] : fine) split(scene, std::move(polygons), resolution, groups);

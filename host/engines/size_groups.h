@@ -10,6 +10,8 @@
 
 namespace viewpeel {
 
+constexpr double kEnough = 1 - 1e-9;  // of the resolution needed, which is rounded
+
 // Polygons that are peeled at one resolution, in a window around them. Groups are in order, the whole scene's first: a facing pair is counted
 // by the later of its two polygons' groups, once, so that all of the smaller polygon is in the window and the spacing is the one it needs.
 struct SizeGroup {

@@ -13,7 +13,7 @@ Estimate estimateFormFactors(Engine& engine, const Scene& scene, const Ids& ids,
     if (goal && !(*goal > 0)) throw Error(ErrorCode::bad_usage, "a tolerance, relative error or time to reach must be above 0");
 
   const auto directionsOf = [&](uint64_t replicate) -> AskedDirections {
-    if (options.asked_directions) return options.asked_directions(replicate);
+    if (options.asked_directions) return options.asked_directions(options.directions, replicate);
     return {sampleDirections(options.sampler, options.directions, options.seed, replicate), {}, 1};
   };
   double measure_area = engine.unitArea() * scene.scale * scene.scale / options.directions;

@@ -28,8 +28,8 @@ struct EstimateOptions {
   // Stop before the replicate that would end later than this, `replicates` or not, but not before the second.
   std::optional<double> seconds;
   uint64_t seed = 1;
-  // In place of the sampler: the directions of a replicate. None: nothing can be seen, every form factor is 0.
-  std::function<AskedDirections(uint64_t replicate)> asked_directions;
+  // In place of the sampler: `count` directions of a replicate. None: nothing can be seen, every form factor is 0.
+  std::function<AskedDirections(uint32_t count, uint64_t replicate)> asked_directions;
   std::function<void(const EstimateProgress&)> on_replicate;  // may be empty
 };
 

@@ -1,0 +1,349 @@
+#include "estimator/plan.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <map>
+
+#include <glm/geometric.hpp>
+
+#include "directions/random.h"
+
+namespace viewpeel {
+namespace {
+
+constexpr uint64_t kFirstPilot = uint64_t(1) << 40;  // replicate numbers that no run reaches
+constexpr uint32_t kPilotReplicates = 8, kPilotDirections = 32;
+constexpr int kFirstResolution = 64, kStep = 4;
+constexpr double kLatticePoints = 100;  // that every id meets in a run
+constexpr double kDefaultTolerance = 1e-3;
+constexpr double kMostPoints = 8192.0 * 8192;  // of a direction
+
+// The lattice of a plan: groups at `base` x 4^m, up to the resolution that the neediest polygon gets.
+struct Shape {
+  int base = kFirstResolution;
+  int finest = kFirstResolution;
+  bool operator==(const Shape&) const = default;
+};
+
+// What a direction's time is made of, and the lattice variance of the worst id, by the rule below.
+struct Load {
+  double groups = 1, points = 1, variance = 0;
+};
+
+// Variance of a form factor of an id of area A and perimeter P, all of which one other sees: 4 / A^2 of the count's, whose is 0.0728 h^3 pi/4 P (tests/lattice_check_test.cpp;
+// the mean projected perimeter is pi/4 P), or on lattices coarser than the id that of hit or miss, h^2 times the mean projected area A / 2.
+double latticeVariance(double perimeter_per_area_squared, double area, double h) {
+  return std::min(0.229 * h * h * h * perimeter_per_area_squared, 2 * h * h / area);
+}
+
+// Variances of one replicate's form factors, those of the largest.
+struct Pilot {
+  uint32_t directions = 0;
+  Shape shape;
+  double direction_variance = 0;  // at that number of directions
+  double lattice_variance = 0;    // of one direction
+  double seconds = 0;             // a direction
+  Load load;
+};
+
+// Polygons that need about the same resolution.
+struct SizeClass {
+  double fineness = 0;
+  double perimeter_per_area_squared = 0;
+  double area = 0;        // share of all
+  double least_area = 1;  // of an id, unit-ball units squared
+};
+
+// P / A^2 of ids, in unit-ball units.
+std::vector<double> perimetersPerAreaSquared(const Scene& scene, const Ids& ids) {
+  std::vector<double> ratios(ids.count(), 0);
+  for (size_t k = 0; k < scene.polygons.size(); ++k) {
+    const Polygon& polygon = scene.polygons[k];
+    for (uint32_t c = 0; c < polygon.corner_count; ++c)
+      ratios[ids.of_polygon[k]] += glm::length(scene.corners[polygon.first_corner + (c + 1) % polygon.corner_count] - scene.corners[polygon.first_corner + c]);
+  }
+  for (uint32_t id = 0; id < ids.count(); ++id) ratios[id] /= std::pow(ids.areas[id] / (scene.scale * scene.scale), 2);
+  return ratios;
+}
+
+// Resolutions at which the lattice variance of every id is that of the neediest, as shares of its own.
+std::vector<double> finenessOf(const std::vector<double>& perimeters_per_area_squared) {
+  const double most = *std::max_element(perimeters_per_area_squared.begin(), perimeters_per_area_squared.end());
+  std::vector<double> fineness;
+  for (double ratio : perimeters_per_area_squared) fineness.push_back(std::cbrt(ratio / most));
+  return fineness;
+}
+
+// What an id's lattice variance asks for, and enough points in the whole run.
+double neededResolution(double fineness, double area, int finest, double directions) {
+  return std::max(fineness * finest, 2 * std::sqrt(2 * kLatticePoints / (directions * area)));
+}
+
+bool areAlike(const std::vector<SizeGroup>& a, const std::vector<SizeGroup>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const SizeGroup& x, const SizeGroup& y) { return x.resolution == y.resolution && x.polygons == y.polygons; });
+}
+
+class Planner {
+ public:
+  Planner(const Scene& scene, const Ids& ids, const EstimateOptions& options, const Lattices& lattices);
+  Plan plan();
+
+ private:
+  struct Choice {
+    uint32_t directions = 0;
+    Shape shape;
+    double seconds = 0, variance = INFINITY;
+  };
+  AskedDirections directionsOf(uint32_t count, uint64_t replicate) const;
+  void measure(uint32_t directions, const Shape& shape);
+  Choice choose() const;
+  double directionVariance(double directions) const;
+  Load loadOf(const Shape& shape, double directions) const;
+  double secondsOf(const Load& load) const;
+  double neededBy(const SizeClass& size, const Shape& shape, double directions) const;
+  std::vector<SizeGroup> groupsOf(const Shape& shape, double directions) const;
+
+  const Scene& scene_;
+  const Ids& ids_;
+  const EstimateOptions& options_;
+  const Lattices& lattices_;
+  std::vector<double> ratios_;     // perimetersPerAreaSquared
+  std::vector<double> areas_;      // of ids, unit-ball units squared
+  std::vector<SizeClass> classes_;
+  std::vector<Pilot> pilots_;
+  std::vector<SizeGroup> groups_;
+  std::unique_ptr<Engine> engine_;
+  double pilot_seconds_ = 0;
+  uint64_t pilot_replicates_ = 0;
+};
+
+Planner::Planner(const Scene& scene, const Ids& ids, const EstimateOptions& options, const Lattices& lattices)
+    : scene_(scene), ids_(ids), options_(options), lattices_(lattices), ratios_(perimetersPerAreaSquared(scene, ids)) {
+  const std::vector<double> fineness = finenessOf(ratios_);
+  double all = 0;
+  for (double area : ids.areas) {
+    areas_.push_back(area / (scene.scale * scene.scale));
+    all += areas_.back();
+  }
+  std::map<int, SizeClass> classes;
+  for (size_t k = 0; k < scene.polygons.size(); ++k) {
+    const uint32_t id = ids.of_polygon[k];
+    SizeClass& size = classes[static_cast<int>(std::ceil(4 * std::log2(fineness[id])))];
+    size.fineness = std::max(size.fineness, fineness[id]);
+    size.perimeter_per_area_squared = std::max(size.perimeter_per_area_squared, ratios_[id]);
+    size.area += scene.polygons[k].area / all;
+    size.least_area = std::min(size.least_area, areas_[id]);
+  }
+  for (const auto& [key, size] : classes) classes_.push_back(size);
+}
+
+AskedDirections Planner::directionsOf(uint32_t count, uint64_t replicate) const {
+  AskedDirections asked = options_.asked_directions ? options_.asked_directions(count, replicate)
+                                                    : AskedDirections{sampleDirections(options_.sampler, count, options_.seed, replicate), {}, 1};
+  for (size_t k = 0; k < asked.weights.size(); ++k) asked.directions[k].weight = asked.weights[k];
+  return asked;
+}
+
+double Planner::neededBy(const SizeClass& size, const Shape& shape, double directions) const {
+  return neededResolution(size.fineness, size.least_area, shape.finest, directions);
+}
+
+std::vector<SizeGroup> Planner::groupsOf(const Shape& shape, double directions) const {
+  if (lattices_.may_group) return planGroups(scene_, ids_, shape.base, shape.finest, directions);
+  return groupBySize(scene_, std::vector<double>(scene_.polygons.size(), 1), shape.base);
+}
+
+void Planner::measure(uint32_t directions, const Shape& shape) {
+  auto groups = groupsOf(shape, double(directions) * kPilotReplicates);
+  if (!engine_ || !areAlike(groups, groups_)) {
+    engine_.reset();
+    groups_ = std::move(groups);
+    engine_ = lattices_.make_engine(groups_);
+    engine_->count(directionsOf(4, kFirstPilot - 1).directions);  // kernels are compiled and tuned
+  }
+  struct Sums {
+    uint32_t i, j;
+    double a = 0, b = 0, aa = 0, bb = 0, ab = 0;
+  };
+  std::vector<Sums> sums;
+  double weight_unit = 1;
+  const auto start = std::chrono::steady_clock::now();
+  for (uint32_t r = 0; r < kPilotReplicates; ++r) {
+    AskedDirections asked = directionsOf(directions, kFirstPilot + pilot_replicates_);
+    weight_unit = asked.weight_unit;
+    const PairCounts a = engine_->count(asked.directions);
+    Random random(options_.seed, 2 * kFirstPilot + pilot_replicates_++);
+    for (Direction& direction : asked.directions) {
+      const uint32_t weight = direction.weight;
+      direction = directionAlong(direction.u, random);
+      direction.weight = weight;
+    }
+    const PairCounts b = engine_->count(asked.directions);
+    std::vector<Sums> merged;
+    merged.reserve(std::max(sums.size(), a.size()));
+    auto at = a.begin(), bt = b.begin();
+    auto st = sums.begin();
+    const auto keyOf = [](const auto& it, const auto& end) { return it == end ? std::pair(~0u, ~0u) : std::pair(it->i, it->j); };
+    while (at != a.end() || bt != b.end() || st != sums.end()) {
+      const auto key = std::min({keyOf(at, a.end()), keyOf(bt, b.end()), keyOf(st, sums.end())});
+      Sums sum = keyOf(st, sums.end()) == key && st != sums.end() ? *st++ : Sums{key.first, key.second};
+      const double x = keyOf(at, a.end()) == key && at != a.end() ? double((at++)->count) : 0;
+      const double y = keyOf(bt, b.end()) == key && bt != b.end() ? double((bt++)->count) : 0;
+      sum.a += x, sum.b += y, sum.aa += x * x, sum.bb += y * y, sum.ab += x * y;
+      merged.push_back(sum);
+    }
+    sums = std::move(merged);
+  }
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+
+  // Per entry, the variance of one replicate in units of the larger form factor of the two ways.
+  struct Spread {
+    double total, between_lattices;
+  };
+  std::vector<Spread> spreads;
+  const double measure_area = engine_->unitArea() * scene_.scale * scene_.scale / directions * weight_unit;
+  constexpr double kR = kPilotReplicates;
+  for (const Sums& s : sums) {
+    double area = ids_.isAsked(s.i) ? ids_.areas[s.i] : INFINITY;
+    if (s.j < kEnvironment && ids_.isAsked(s.j)) area = std::min(area, ids_.areas[s.j]);
+    double unit = (s.i == s.j ? 4 : 2) * measure_area / area;
+    if (options_.relative && !options_.tolerance) {
+      const double factor = unit * (s.a + s.b) / (2 * kR);
+      if (!(factor >= options_.relative_floor)) continue;
+      unit /= factor;
+    }
+    const double total = (s.aa - s.a * s.a / kR + s.bb - s.b * s.b / kR) / (2 * (kR - 1)), common = (s.ab - s.a * s.b / kR) / (kR - 1);
+    spreads.push_back({total * unit * unit, (total - common) * unit * unit});
+  }
+  Pilot pilot{directions, shape, 0, 0, seconds / (2 * kPilotReplicates * directions), loadOf(shape, double(directions) * kPilotReplicates)};
+  if (!spreads.empty()) {
+    // The largest of each, of different entries. A covariance is known from few replicates only: its share is a mean over some of the largest variances.
+    const size_t top = std::clamp<size_t>(spreads.size() / 50, 1, 64);
+    std::partial_sort(spreads.begin(), spreads.begin() + static_cast<std::ptrdiff_t>(top), spreads.end(), [](const Spread& a, const Spread& b) { return a.total > b.total; });
+    double total = 0, lattice = 0;
+    for (size_t k = 0; k < top; ++k) {
+      total += spreads[k].total;
+      lattice += spreads[k].between_lattices;
+    }
+    pilot.direction_variance = total > 0 ? spreads[0].total * std::clamp(1 - lattice / total, 0.0, 1.0) : 0;
+    for (const Spread& spread : spreads) pilot.lattice_variance = std::max(pilot.lattice_variance, spread.between_lattices * directions);
+  }
+  pilot_seconds_ += seconds;
+  pilots_.push_back(pilot);
+}
+
+double Planner::directionVariance(double directions) const {
+  const Pilot& last = pilots_.back();
+  double exponent = options_.sampler == Sampler::iid && !options_.asked_directions ? 1 : 2;
+  for (const Pilot& pilot : pilots_)
+    if (pilot.directions * 3 <= last.directions && pilot.direction_variance > 0 && last.direction_variance > 0)
+      exponent = std::clamp(std::log(pilot.direction_variance / last.direction_variance) / std::log(double(last.directions) / pilot.directions), 1.0, 3.0);
+  return last.direction_variance * std::pow(last.directions / directions, exponent);
+}
+
+Load Planner::loadOf(const Shape& shape, double directions) const {
+  Load load{1, double(shape.base) * shape.base};
+  std::map<double, double> fine;  // share of the area by resolution
+  for (const SizeClass& size : classes_) {
+    double resolution = shape.base;
+    while (lattices_.may_group && resolution < neededBy(size, shape, directions) * kEnough && resolution * kStep <= kMaxWindowResolution) resolution *= kStep;
+    if (resolution > shape.base) fine[resolution] += size.area;
+    load.variance = std::max(load.variance, latticeVariance(size.perimeter_per_area_squared, size.least_area, 2 / resolution));
+  }
+  for (const auto& [resolution, share] : fine) {
+    load.points += resolution * resolution * std::min(1.0, 2 * share);  // tiles reach beyond their polygons
+    ++load.groups;
+  }
+  return load;
+}
+
+// A direction costs something for every group, and for every lattice point over the group's polygons; half each where pilots do not tell.
+double Planner::secondsOf(const Load& load) const {
+  const Pilot& last = pilots_.back();
+  double per_group = 0.5 * last.seconds / last.load.groups, per_point = 0.5 * last.seconds / last.load.points;
+  for (const Pilot& pilot : pilots_) {
+    const double determinant = pilot.load.groups * last.load.points - last.load.groups * pilot.load.points;
+    if (std::abs(determinant) < 0.5 * pilot.load.groups * last.load.points) continue;
+    per_point = std::clamp((pilot.load.groups * last.seconds - last.load.groups * pilot.seconds) / determinant, 0.0, last.seconds / last.load.points);
+    per_group = (last.seconds - per_point * last.load.points) / last.load.groups;
+  }
+  return per_group * load.groups + per_point * load.points;
+}
+
+Planner::Choice Planner::choose() const {
+  const double replicates = double(options_.replicates);
+  double goal = kDefaultTolerance;
+  if (options_.tolerance) goal = *options_.tolerance;
+  else if (options_.relative) goal = *options_.relative;
+  const bool by_time = options_.seconds && !options_.tolerance && !options_.relative;
+  double least_area = 1;
+  for (const SizeClass& size : classes_) least_area = std::min(least_area, size.least_area);
+
+  Choice best;
+  for (int n = 8; n <= 48; ++n) {
+    const auto directions = static_cast<uint32_t>(std::lround(std::pow(2.0, n / 2.0)));
+    const double in_all = directions * replicates;
+    for (int f = lattices_.resolution ? 40 : 8; f <= 40; ++f) {
+      const int finest = lattices_.resolution ? lattices_.resolution : static_cast<int>(std::lround(std::pow(2.0, f / 2.0)));
+      for (int step = 1; step == 1 || (lattices_.may_group && finest / step >= 8); step *= kStep) {
+        const Shape shape{(finest + step - 1) / step, finest};
+        if (shape.base > kMaxResolution) continue;
+        // One lattice for all: fine enough for the least of them, or as fine as there is.
+        if (!lattices_.may_group && !lattices_.resolution && finest < std::min(neededBy({1, 0, 0, least_area}, shape, in_all), kMaxResolution / 1.5)) continue;
+        const Load load = loadOf(shape, in_all);
+        if (load.points > kMostPoints && best.directions) continue;
+        const Choice choice{directions, shape, secondsOf(load) * in_all, (directionVariance(directions) + pilots_.back().lattice_variance * load.variance / pilots_.back().load.variance / directions) / replicates};
+        const auto isBetter = [&](bool reaches, bool best_reaches, double value, double best_value) { return reaches != best_reaches ? reaches : value < best_value; };
+        const bool is_better = by_time ? isBetter(choice.seconds <= *options_.seconds, best.seconds <= *options_.seconds, choice.variance, best.variance)
+                                       : isBetter(choice.variance <= goal * goal, best.variance <= goal * goal, choice.seconds, best.seconds);
+        if (best.directions == 0 || is_better) best = choice;
+      }
+    }
+  }
+  return best;
+}
+
+Plan Planner::plan() {
+  const int first = lattices_.resolution ? lattices_.resolution : kFirstResolution;
+  measure(kPilotDirections, {first, first});
+  Choice choice = choose();
+  // A pilot nearer to the plan, where that costs little beside the run.
+  for (int more = 0; more < 2; ++more) {
+    const Pilot& last = pilots_.back();
+    const double share = 0.03 * double(options_.replicates) / kPilotReplicates;
+    const auto directions = static_cast<uint32_t>(std::clamp(share * choice.directions, double(kPilotDirections), 1e6));
+    if (directions < 3 * last.directions && std::max(choice.shape.finest, last.shape.finest) <= 2 * std::min(choice.shape.finest, last.shape.finest)) break;
+    if (choice.seconds < 10 * pilot_seconds_) break;
+    measure(std::max(directions, last.directions), choice.shape);
+    choice = choose();
+  }
+  Plan plan;
+  plan.directions = choice.directions;
+  plan.finest = choice.shape.finest;
+  plan.groups = groupsOf(choice.shape, double(choice.directions) * double(options_.replicates));
+  plan.seconds = choice.seconds;
+  plan.standard_error = std::sqrt(choice.variance);
+  plan.pilot_seconds = pilot_seconds_;
+  if (!areAlike(plan.groups, groups_)) {
+    engine_.reset();
+    engine_ = lattices_.make_engine(plan.groups);
+  }
+  plan.engine = std::move(engine_);
+  return plan;
+}
+
+}  // namespace
+
+std::vector<SizeGroup> planGroups(const Scene& scene, const Ids& ids, int base, int finest, double directions) {
+  const std::vector<double> fineness = finenessOf(perimetersPerAreaSquared(scene, ids));
+  std::vector<double> needed;
+  for (uint32_t id : ids.of_polygon) needed.push_back(neededResolution(fineness[id], ids.areas[id] / (scene.scale * scene.scale), finest, directions));
+  return groupBySize(scene, needed, base);
+}
+
+Plan planEstimate(const Scene& scene, const Ids& ids, const EstimateOptions& options, const Lattices& lattices) {
+  return Planner(scene, ids, options, lattices).plan();
+}
+
+}  // namespace viewpeel
