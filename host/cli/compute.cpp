@@ -12,6 +12,7 @@
 #include "cli/options.h"
 #include "cli/summary.h"
 #include "error.h"
+#include "estimator/guarantee.h"
 #include "estimator/plan.h"
 #include "io/write_form_factors.h"
 #include "reference/exact_engine.h"
@@ -32,6 +33,9 @@ struct ProgramOptions {
   bool whole_sphere = false;  // a sampler was asked for by name
   bool plans = true;          // directions and, where 0, resolution
   int resolution = 0, finest = 0;
+  std::optional<double> epsilon;  // guarantee mode
+  double delta = 0.01;
+  Statistic statistic = Statistic::mean;
   bool quiet = false, verbose = false, json = false;
 };
 
@@ -55,6 +59,12 @@ class ProgressLine {
   void onBatch(uint64_t directions) {
     directions_ = directions;
     show();
+  }
+  void onBlock(const GuaranteeProgress& progress) {
+    if (secondsSince(shown_) < 0.1) return;
+    shown_ = Clock::now();
+    fmt::print(stderr, "\r\033[Kblock {} of {} expected, {} at most, {:.1f} s", progress.blocks, progress.expected_blocks, progress.most_blocks, secondsSince(start_));
+    std::fflush(stderr);
   }
   void onReplicate(const EstimateProgress& progress) {
     progress_ = progress;
@@ -185,40 +195,90 @@ Plan choosePlan(const Session& session) {
   return plan;
 }
 
+// A time for people.
+std::string inWords(double seconds) {
+  if (seconds < 120) return fmt::format("{:.2g} s", seconds);
+  if (seconds < 7200) return fmt::format("{:.0f} minutes", seconds / 60);
+  if (seconds < 48 * 3600) return fmt::format("{:.0f} hours", seconds / 3600);
+  return fmt::format("{:.3g} days", seconds / 86400);
+}
+
+GuaranteeOptions guaranteeOptions(const Session& session) {
+  const EstimateOptions& estimate = session.options.estimate;
+  const Sampler independent = session.options.statistic == Statistic::median ? Sampler::iid : Sampler::jittered;
+  return {*session.options.epsilon, session.options.delta, session.options.statistic, session.options.whole_sphere ? estimate.sampler : independent, estimate.seed, {}};
+}
+
+void describeGuarantee(const Session& session, const GuaranteePlan& plan) {
+  const bool is_median = session.options.statistic == Statistic::median;
+  fmt::print("goal       every form factor within {} with probability {}: {:.0f} bounds at once, a direction adds at most {:.2f}\n", plan.epsilon, 1 - plan.delta,
+             plan.bounds, plan.largest_range);
+  fmt::print("sampling   {} directions; {}; seed {}\n", nameOf(guaranteeOptions(session).sampler),
+             session.device ? describeGroups(plan.groups, session.options.lattice.sampling) : "exact areas", session.options.estimate.seed);
+  if (is_median) fmt::print("plan       median of {} runs of {} directions, {}\n", plan.runs, plan.run_directions, inWords(plan.most_seconds));
+  else
+    fmt::print("plan       blocks of {} directions: {} by Hoeffding's bound, {}; {} ({}) expected, {} ({}) at least, by Bernstein's\n", plan.block_directions, plan.most_blocks,
+               inWords(plan.most_seconds), plan.expected_blocks, inWords(plan.expected_seconds), plan.least_blocks, inWords(plan.least_seconds));
+  fmt::print("beside     directions: Hoeffding {}; Pellegrini's Lemma 1 {:.3g} for one pair, {:.3g} for all; median of runs {:.3g}\n", plan.hoeffding, plan.lemma_1,
+             plan.lemma_1_all, double(plan.runs) * double(plan.run_directions));
+  std::fflush(stdout);
+}
+
+GuaranteePlan chooseGuarantee(const Session& session) {
+  const ProgramOptions& options = session.options;
+  GuaranteePlan plan = planGuarantee(session.scene, session.ids, guaranteeOptions(session), session.lattices(), options.lattice.sampling, !session.device);
+  if (options.estimate.seconds && plan.least_seconds > *options.estimate.seconds)
+    throw Error(ErrorCode::bad_usage, fmt::format("a guarantee of {} takes {} at least, {} at most, more than --seconds {}; ask for a larger --epsilon, or an estimate by --tolerance",
+                                                  plan.epsilon, inWords(plan.least_seconds), inWords(plan.most_seconds), *options.estimate.seconds));
+  return plan;
+}
+
 int runCompute(ProgramOptions options) {
   for (const std::string& output : options.outputs) checkOutput(output);
   const bool show_progress = !options.quiet && ::isatty(STDERR_FILENO);
   ProgressLine progress(options.estimate);
   if (show_progress) {
     options.estimate.on_replicate = [&](const EstimateProgress& p) { progress.onReplicate(p); };
-    options.lattice.on_batch = [&](uint64_t directions) { progress.onBatch(directions); };
+    if (!options.epsilon) options.lattice.on_batch = [&](uint64_t directions) { progress.onBatch(directions); };
   }
   options.lattice.measure_work = options.json;
   const Session session(options);
   if (session.talks()) session.describe();
 
   const auto start = Clock::now();
-  const Plan plan = choosePlan(session);
-  options.estimate.directions = plan.directions;
+  Plan plan;
+  GuaranteePlan guarantee;
+  if (options.epsilon) guarantee = chooseGuarantee(session);
+  else plan = choosePlan(session);
+  Engine& engine = options.epsilon ? *guarantee.engine : *plan.engine;
+  if (!options.epsilon) options.estimate.directions = plan.directions;
   if (show_progress) fmt::print(stderr, "\r\033[K");
-  if (session.talks()) describeSampling(session, plan.groups);
-  if (session.talks() && plan.pilot_seconds > 0) describePlan(session, plan);
-  const std::string division = plan.engine->describePlan();
+  if (session.talks()) {
+    if (options.epsilon) describeGuarantee(session, guarantee);
+    else describeSampling(session, plan.groups);
+    if (plan.pilot_seconds > 0) describePlan(session, plan);
+  }
+  const std::string division = engine.describePlan();
   if (options.verbose && session.talks()) fmt::print("{}", division);
-  const Estimate estimate = estimateFormFactors(*plan.engine, session.scene, session.ids, options.estimate);
+  GuaranteeOptions guaranteed;
+  if (options.epsilon) guaranteed = guaranteeOptions(session);
+  if (show_progress) guaranteed.on_block = [&](const GuaranteeProgress& p) { progress.onBlock(p); };
+  const Estimate estimate = options.epsilon ? guaranteeFormFactors(session.scene, session.ids, guaranteed, guarantee)
+                                            : estimateFormFactors(engine, session.scene, session.ids, options.estimate);
   if (show_progress) fmt::print(stderr, "\r\033[K");
   if (session.device) checkValidation(*session.device);
   const double seconds = secondsSince(start);
 
   for (const std::string& output : options.outputs) writeFormFactors(estimate.form_factors, output);
-  if (options.json) fmt::print("{}", asJson(options.scene, session.device ? session.device->description().name : "none", estimate, seconds, plan.engine->work()));
+  if (options.json) fmt::print("{}", asJson(options.scene, session.device ? session.device->description().name : "none", estimate, seconds, engine.work()));
   if (!session.talks()) return 0;
-  if (options.verbose && plan.engine->describePlan() != division) fmt::print("after a trial\n{}", plan.engine->describePlan());
+  if (options.verbose && engine.describePlan() != division) fmt::print("after a trial\n{}", engine.describePlan());
   if (estimate.form_factors.entries().empty()) fmt::print("\nNothing that was asked for sees anything: every form factor is 0.\n\n");
   else if (session.ids.splits_surfaces) fmt::print("\nlargest form factors\n{}\n", tabulateLargest(estimate.form_factors, 20));
   else fmt::print("\nlargest form factors between surfaces\n{}\n", tabulateLargest(estimate.between_surfaces, 20));
   fmt::print("{}", describeErrors(estimate));
-  fmt::print("work       {} replicates, {} directions, {:.2f} s\n", estimate.replicates, estimate.directions, seconds);
+  fmt::print("work       {} {}, {} directions, {:.2f} s\n", estimate.replicates, !estimate.guarantee ? "replicates" : options.statistic == Statistic::median ? "runs" : "blocks",
+             estimate.directions, seconds);
   for (const std::string& output : options.outputs) fmt::print("written    {}\n", output);
   return 0;
 }
@@ -227,6 +287,13 @@ int runCompute(ProgramOptions options) {
 int runPlan(ProgramOptions options) {
   const Session session(options);
   session.describe();
+  if (options.epsilon) {
+    const GuaranteePlan plan = chooseGuarantee(session);
+    describeGuarantee(session, plan);
+    fmt::print("{}", plan.engine->describePlan());
+    if (session.device) checkValidation(*session.device);
+    return 0;
+  }
   if (!session.device) throw Error(ErrorCode::bad_usage, "plans are made for devices; leave out --engine exact");
   const Plan plan = planEstimate(session.scene, session.ids, options.estimate, session.lattices());
   options.estimate.directions = plan.directions;
@@ -254,6 +321,10 @@ std::shared_ptr<ProgramOptions> addOptions(CLI::App* command) {
   addGoal("--relative", estimate.relative, "Go on until the largest standard error is at most this share of its form factor, over those above --floor", "R");
   command->add_option("--floor", estimate.relative_floor, "Least form factor that --relative looks at")->type_name("F")->check(isPositive)->capture_default_str();
   addGoal("--seconds", estimate.seconds, "As many replicates as fit into this time, 2 at least; with a goal: stop short of it when time is up", "S");
+  addGoal("--epsilon", options->epsilon, "Guarantee: every form factor within E with probability 1 - D; see --delta", "E");
+  command->add_option("--delta", options->delta, "Probability with which a guarantee may fail")->type_name("D")->check(isPositive)->capture_default_str();
+  addChoice(command, "--statistic", options->statistic, {{"mean", Statistic::mean}, {"median", Statistic::median}},
+            "Of a guarantee: the mean of jittered directions, or the median of runs of independent ones");
   command->add_option("--directions", estimate.directions, "Directions per replicate, in place of a plan")
       ->type_name("N")->check(CLI::Range(1u, 1u << 30).description(""));
   command->add_option("--replicates", estimate.replicates, "Independent replicates, at least; their spread gives the standard errors")
@@ -287,6 +358,10 @@ void settle(const CLI::App* command, ProgramOptions& options) {
   options.plans = command->get_option("--directions")->count() == 0;
   if (options.finest && (options.plans || !options.resolution)) throw Error(ErrorCode::bad_usage, "--finest needs --directions and --resolution");
   const EstimateOptions& e = options.estimate;
+  if (!options.epsilon && (command->get_option("--delta")->count() || command->get_option("--statistic")->count()))
+    throw Error(ErrorCode::bad_usage, "--delta and --statistic are of a guarantee; give its --epsilon");
+  if (options.epsilon && (e.tolerance || e.relative || !options.plans || options.finest || command->get_option("--replicates")->count()))
+    throw Error(ErrorCode::bad_usage, "a guarantee plans for itself: leave out --tolerance, --relative, --directions, --finest and --replicates");
   if (options.plans && !e.tolerance && !e.relative && !e.seconds && options.engine != EngineKind::exact) options.estimate.tolerance = 1e-3;
 }
 

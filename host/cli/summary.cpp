@@ -107,6 +107,9 @@ std::string describeErrors(const Estimate& estimate) {
   const FormFactors& f = estimate.form_factors;
   std::string text = fmt::format("errors     largest standard error {:.1e} over {} nonzero form factors; {:.1e} of its form factor over the larger ones\n",
                                  estimate.largest_standard_error, f.entries().size(), estimate.largest_relative_error);
+  if (const auto& g = estimate.guarantee)
+    text = fmt::format("guarantee  every form factor within {:.3g} with probability {}, by {}\n", g->bound, 1 - g->delta,
+                       g->by == GuaranteedBy::hoeffding ? "Hoeffding's bound" : g->by == GuaranteedBy::bernstein ? "the empirical Bernstein bound" : "the median of runs") + text;
   if (!f.ids().rows_sum_to_one) return text;
   const Closure closure = measureClosure(f);
   return text + fmt::format("closure    row sums differ from 1 by at most {:.1e} ({}), rms {:.1e}\n"

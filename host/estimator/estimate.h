@@ -33,6 +33,15 @@ struct EstimateOptions {
   std::function<void(const EstimateProgress&)> on_replicate;  // may be empty
 };
 
+enum class GuaranteedBy { hoeffding, bernstein, median };
+
+// What holds of all form factors at once (guarantee.h).
+struct Guarantee {
+  double epsilon = 0, delta = 0;
+  double bound = 0;  // on the error, with probability 1 - delta
+  GuaranteedBy by = GuaranteedBy::hoeffding;
+};
+
 struct Estimate {
   FormFactors form_factors;
   FormFactors between_surfaces;  // the same counts summed by surface
@@ -40,6 +49,7 @@ struct Estimate {
   uint64_t directions = 0;  // in all
   double largest_standard_error = 0;
   double largest_relative_error = 0;  // over form factors of at least relative_floor
+  std::optional<Guarantee> guarantee;
 };
 
 // Computes F_ij = (2 / A_i) E[A'_ij(u)] for all pairs (Pellegrini 1997, sections 4.3 and 5.1).

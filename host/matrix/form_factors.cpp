@@ -63,14 +63,16 @@ Measured ReplicateSums::measure(const Sum& sum) const {
   return measured;
 }
 
+Measured ReplicateSums::exchangeArea(const PairSum& pair, double measure_area) const {
+  const Measured count = measure(pair.sum);
+  const double scale = exchangesPerLine(pair.i, pair.j) * measure_area;
+  return {count.value * scale, count.standard_error * scale};
+}
+
 FormFactors ReplicateSums::formFactors(double measure_area) const {
   std::vector<FormFactors::Entry> entries;
   entries.reserve(pairs_.size());
-  for (const PairSum& pair : pairs_) {
-    const Measured count = measure(pair.sum);
-    const double scale = exchangesPerLine(pair.i, pair.j) * measure_area;
-    entries.push_back({pair.i, pair.j, {count.value * scale, count.standard_error * scale}});
-  }
+  for (const PairSum& pair : pairs_) entries.push_back({pair.i, pair.j, exchangeArea(pair, measure_area)});
   std::vector<Measured> rows;
   for (size_t k = 0; k < row_sums_.size(); ++k) {
     const Measured count = measure(row_sums_[k]);

@@ -55,6 +55,12 @@ class ReplicateSums {
   //   Error: none but rounding: counts and their squares are summed in 128-bit integers.
   FormFactors formFactors(double measure_area) const;
 
+  // Calls f(i, j, A_i F_ij) for every pair met, and for environment and leak.
+  template <class F>
+  void forEachPair(double measure_area, F f) const {
+    for (const PairSum& pair : pairs_) f(pair.i, pair.j, exchangeArea(pair, measure_area));
+  }
+
   // Largest standard error over all form factors of the rows asked for.
   double largestStandardError(double measure_area) const;
   // The same relative to the form factor, over form factors of at least `floor`.
@@ -74,6 +80,7 @@ class ReplicateSums {
     Sum sum;
   };
   Measured measure(const Sum& sum) const;
+  Measured exchangeArea(const PairSum& pair, double measure_area) const;
 
   Ids ids_;
   std::vector<PairSum> pairs_;

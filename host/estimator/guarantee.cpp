@@ -1,0 +1,307 @@
+#include "estimator/guarantee.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include <glm/geometric.hpp>
+
+#include "engines/pair_counters.h"
+#include "error.h"
+#include "estimator/bounds.h"
+
+namespace viewpeel {
+namespace {
+
+constexpr double kFinestResolution = 1 << 14;  // corners keep 10 bits after the point
+constexpr double kBaseShare = 0.9;             // of the area, that the first group's resolution is fine enough for
+constexpr double kEpochGrowth = 1.15;          // of the blocks from one look at Bernstein's bound to the next
+constexpr uint64_t kPilot = uint64_t(1) << 40; // replicate numbers that no run reaches
+constexpr uint32_t kPilotBlocks = 24, kPilotDirections = 8;
+constexpr uint64_t kSurfaceSums = 32;          // replicates of the sums by surface, about
+constexpr uint64_t kFewestBlocks = 8;          // for standard errors
+constexpr uint64_t kMostAtOnce = 1 << 16;      // directions held at a time
+
+using Clock = std::chrono::steady_clock;
+
+double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+double diameterOf(const Scene& scene, const Polygon& polygon) {
+  double diameter = 0;
+  for (uint32_t a = 0; a < polygon.corner_count; ++a)
+    for (uint32_t b = 0; b < a; ++b) diameter = std::max(diameter, glm::length(scene.corners[polygon.first_corner + a] - scene.corners[polygon.first_corner + b]));
+  return diameter;
+}
+
+ConvexSize sizeOf(const Scene& scene, const Polygon& polygon) {
+  ConvexSize size{polygon.area, 0, diameterOf(scene, polygon)};
+  for (uint32_t c = 0; c < polygon.corner_count; ++c)
+    size.perimeter += glm::length(scene.corners[polygon.first_corner + (c + 1) % polygon.corner_count] - scene.corners[polygon.first_corner + c]);
+  return size;
+}
+
+// Resolutions at which the ranges of ids are at most `range`, as far as they are not too fine.
+std::vector<double> neededFor(const Scene& scene, const Ids& ids, double range, Sampling sampling) {
+  // sum 2 A + (p or 2 d) h + 2 h^2 = range A has one positive root h.
+  std::vector<double> areas(ids.count(), 0), slopes(ids.count(), 0), numbers(ids.count(), 0);
+  for (size_t k = 0; k < scene.polygons.size(); ++k) {
+    const ConvexSize size = sizeOf(scene, scene.polygons[k]);
+    const uint32_t id = ids.of_polygon[k];
+    areas[id] += size.area;
+    slopes[id] += sampling == Sampling::scanline ? 2.01 * size.diameter : size.perimeter;
+    numbers[id] += 2;
+  }
+  std::vector<double> needed;
+  for (uint32_t id : ids.of_polygon) {
+    const double c = (range - 2) * areas[id], h = 2 * c / (slopes[id] + std::sqrt(slopes[id] * slopes[id] + 4 * numbers[id] * c));
+    needed.push_back(std::min(2 / h, kFinestResolution));
+  }
+  return needed;
+}
+
+std::vector<double> resolutionsOf(const Scene& scene, const std::vector<SizeGroup>& groups) {
+  std::vector<double> resolutions(scene.polygons.size(), 0);
+  for (const SizeGroup& group : groups)
+    for (uint32_t k : group.polygons) resolutions[k] = group.resolution;
+  return resolutions;
+}
+
+// Lattices for that range: one for most of the area, windows for what needs more.
+std::vector<SizeGroup> groupsFor(const Scene& scene, const std::vector<double>& needed, const Lattices& lattices) {
+  if (lattices.resolution) return groupBySize(scene, std::vector<double>(needed.size(), 1), lattices.resolution);
+  const double most = *std::max_element(needed.begin(), needed.end());
+  if (!lattices.may_group) return groupBySize(scene, std::vector<double>(needed.size(), 1), static_cast<int>(std::min<double>(std::ceil(most), kMaxResolution)));
+  std::vector<uint32_t> order(needed.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return needed[a] < needed[b]; });
+  double all = 0, area = 0;
+  for (const Polygon& polygon : scene.polygons) all += polygon.area;
+  double base = most;
+  for (uint32_t k : order) {
+    area += scene.polygons[k].area;
+    if (area < kBaseShare * all) continue;
+    base = needed[k];
+    break;
+  }
+  return groupBySize(scene, needed, static_cast<int>(std::min<double>(std::ceil(base), kMaxResolution)));
+}
+
+// The area of the smaller of a pair's ids, in which a form factor is largest.
+double smallerArea(const Ids& ids, uint32_t i, uint32_t j) { return j < kEnvironment ? std::min(ids.areas[i], ids.areas[j]) : ids.areas[i]; }
+
+// The most that sums of blocks are off by, with Bernstein's inequality, over all ids and pairs.
+double largestBernsteinBound(const ReplicateSums& sums, const Ids& ids, const std::vector<double>& ranges, double measure_area, double p) {
+  const auto blocks = double(sums.replicateCount());
+  double largest = bernsteinBound(0, *std::max_element(ranges.begin(), ranges.end()), blocks, p);  // what was never met
+  sums.forEachPair(measure_area, [&](uint32_t i, uint32_t j, const Measured& exchange) {
+    const double area = smallerArea(ids, i, j);
+    const uint32_t smaller = j < kEnvironment && ids.areas[j] < ids.areas[i] ? j : i;
+    const double error = exchange.standard_error / area;
+    largest = std::max(largest, bernsteinBound(error * error * blocks, ranges[smaller], blocks, p));
+  });
+  return largest;
+}
+
+// Blocks until Bernstein's bound is epsilon.
+double blocksUntil(double epsilon, double variance, double range, double bounds, double delta) {
+  double low = 2, high = 1e15;
+  for (int step = 0; step < 100; ++step) {
+    const double blocks = std::sqrt(low * high), looks = 1 + std::log(std::max(blocks, 10.0)) / std::log(kEpochGrowth);
+    (bernsteinBound(variance, range, blocks, delta / (2 * looks * (looks + 1) * bounds)) > epsilon ? low : high) = blocks;
+  }
+  return high;
+}
+
+PairCounts countBlock(Engine& engine, const GuaranteeOptions& options, uint64_t directions, uint64_t block) {
+  const uint64_t parts = (directions + kMostAtOnce - 1) / kMostAtOnce;  // more than one are of iid directions
+  PairCounts sum;
+  for (uint64_t part = 0; part < parts; ++part) {
+    const uint64_t count = directions * (part + 1) / parts - directions * part / parts;
+    sum = addCounts(sum, engine.count(sampleDirections(options.sampler, static_cast<uint32_t>(count), options.seed, block * parts + part)));
+  }
+  return sum;
+}
+
+// The medians over runs of what `means` has the means of. Standard errors as for normal errors, of which the median has pi / 2 times the mean's variance; row sums stay those of means.
+FormFactors medianOf(const std::vector<PairCounts>& runs, const FormFactors& means, double measure_area) {
+  std::vector<FormFactors::Entry> entries = means.entries();
+  std::vector<size_t> at(runs.size(), 0);
+  std::vector<uint64_t> counts(runs.size());
+  for (FormFactors::Entry& entry : entries) {
+    for (size_t r = 0; r < runs.size(); ++r) {
+      const bool met = at[r] < runs[r].size() && runs[r][at[r]].i == entry.i && runs[r][at[r]].j == entry.j;
+      counts[r] = met ? runs[r][at[r]++].count : 0;
+    }
+    std::nth_element(counts.begin(), counts.begin() + static_cast<std::ptrdiff_t>(counts.size() / 2), counts.end());
+    entry.exchange_area.value = (entry.i == entry.j ? 4 : 2) * measure_area * double(counts[counts.size() / 2]);
+    entry.exchange_area.standard_error *= std::sqrt(std::numbers::pi / 2);
+  }
+  return {means.ids(), std::move(entries), means.rowSums()};
+}
+
+}  // namespace
+
+std::vector<double> formFactorRanges(const Scene& scene, const Ids& ids, const std::vector<double>& resolutions, Sampling sampling) {
+  std::vector<double> ranges(ids.count(), 0);
+  for (size_t k = 0; k < scene.polygons.size(); ++k) {
+    const ConvexSize size = sizeOf(scene, scene.polygons[k]);
+    const double h = resolutions.empty() ? 0 : 2 / resolutions[k];
+    ranges[ids.of_polygon[k]] += (sampling == Sampling::scanline ? scanlineRange(size, h) : latticeRange(size, h)) * (ids.two_sided ? 2 : 1);
+  }
+  for (uint32_t id = 0; id < ids.count(); ++id) ranges[id] *= scene.scale * scene.scale / ids.areas[id];
+  return ranges;
+}
+
+std::vector<double> countBounds(const Ids& ids) {
+  std::vector<uint32_t> order(ids.count()), polygons(ids.count(), 0);
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return ids.areas[a] < ids.areas[b]; });
+  for (uint32_t id : ids.of_polygon) ++polygons[id];
+  std::vector<double> bounds(ids.count());
+  for (size_t k = 0; k < order.size(); ++k) bounds[order[k]] = double(order.size() - 1 - k) + 2 + (polygons[order[k]] > 1 ? 1 : 0);
+  return bounds;
+}
+
+uint64_t hoeffdingDirections(const std::vector<double>& ranges, const std::vector<double>& bounds, double epsilon, double delta) {
+  const auto failure = [&](double n) {
+    double sum = 0;
+    for (size_t k = 0; k < ranges.size(); ++k) sum += bounds[k] * 2 * std::exp(-2 * n * epsilon * epsilon / (ranges[k] * ranges[k]));
+    return sum;
+  };
+  double low = 0, high = 1;
+  while (failure(high) > delta) high *= 2;
+  while (high - low > 1) (failure(std::floor((low + high) / 2)) > delta ? low : high) = std::floor((low + high) / 2);
+  return static_cast<uint64_t>(high);
+}
+
+double bernsteinBound(double variance, double range, double blocks, double p) {
+  const double l = std::log(4 / p);
+  return std::sqrt(2 * variance * l / blocks) + 7 * range * l / (3 * (blocks - 1));
+}
+
+GuaranteePlan planGuarantee(const Scene& scene, const Ids& ids, const GuaranteeOptions& options, const Lattices& lattices, Sampling sampling, bool exact) {
+  if (!(options.epsilon > 0 && options.epsilon < 1 && options.delta > 0 && options.delta < 1))
+    throw Error(ErrorCode::bad_usage, "epsilon and delta have to lie between 0 and 1");
+  if (options.sampler != Sampler::iid && (options.sampler != Sampler::jittered || options.statistic == Statistic::median))
+    throw Error(ErrorCode::bad_usage, options.statistic == Statistic::median ? "the median needs independent runs of independent directions: --sampler iid"
+                                                                             : "a guarantee needs independent directions: --sampler jittered or iid");
+  GuaranteePlan plan;
+  plan.epsilon = options.epsilon;
+  plan.delta = options.delta;
+  const std::vector<double> bounds = countBounds(ids);
+  plan.bounds = std::accumulate(bounds.begin(), bounds.end(), 0.0);
+
+  // The lattices: finer ones lower the range and with it the number of directions, and cost more each. Timed on a few directions.
+  double block_seconds = 0, direction_seconds = 0;
+  std::unique_ptr<Engine> engine;
+  for (double range : exact || lattices.resolution ? std::vector{4.0} : std::vector{5.0, 3.5, 2.8, 2.4, 2.2}) {
+    const std::vector<SizeGroup> groups = exact ? groupBySize(scene, std::vector<double>(scene.polygons.size(), 1), 1)
+                                                : groupsFor(scene, neededFor(scene, ids, range, sampling), lattices);
+    engine.reset();
+    engine = lattices.make_engine(groups);
+    const auto secondsOf = [&](uint32_t directions) {
+      const auto start = Clock::now();
+      engine->count(sampleDirections(options.sampler, directions, options.seed, kPilot - 2));
+      return secondsSince(start);
+    };
+    secondsOf(kPilotDirections);  // kernels are compiled and tuned
+    const double few = std::min(secondsOf(1), secondsOf(1)), many = secondsOf(kPilotDirections);
+    const std::vector<double> ranges = formFactorRanges(scene, ids, exact ? std::vector<double>{} : resolutionsOf(scene, groups), sampling);
+    const double largest = *std::max_element(ranges.begin(), ranges.end());
+    // Most of the time goes in proportion to the range.
+    const double cost = many / kPilotDirections * largest, cost_before = plan.engine ? direction_seconds * plan.largest_range : INFINITY;
+    if (cost >= cost_before) break;
+    plan.engine = std::move(engine);
+    plan.groups = groups;
+    plan.ranges = ranges;
+    plan.largest_range = largest;
+    direction_seconds = many / kPilotDirections;
+    block_seconds = std::max(few - direction_seconds, 0.0);
+  }
+  const double m = plan.largest_range, e = options.epsilon, d = options.delta;
+  plan.hoeffding = hoeffdingDirections(plan.ranges, bounds, e, d / 2);
+  plan.lemma_1 = std::ceil(1 / (e * e * d));
+  plan.lemma_1_all = std::ceil(plan.bounds / (e * e * d));
+  plan.runs = static_cast<uint64_t>(std::ceil(8 * std::log(plan.bounds / d))) | 1;
+  plan.run_directions = static_cast<uint64_t>(std::ceil(std::max(4.0, m * m) / (e * e) * (1 - 1e-12)));
+  if (options.statistic == Statistic::median) {
+    plan.least_seconds = plan.expected_seconds = plan.most_seconds = double(plan.runs) * (block_seconds + double(plan.run_directions) * direction_seconds);
+    return plan;
+  }
+
+  // The variance of blocks, from some, says which size of block is expected to end first; that it does end is not at stake.
+  double best = INFINITY;
+  for (uint32_t size : {1u, 2u, 4u, 8u, 16u, 32u}) {
+    ReplicateSums sums(ids);
+    for (uint32_t b = 0; b < kPilotBlocks; ++b) sums.add(plan.engine->count(sampleDirections(options.sampler, size, options.seed, kPilot + b)));
+    double variance = 0;
+    sums.forEachPair(plan.engine->unitArea() * scene.scale * scene.scale / size, [&](uint32_t i, uint32_t j, const Measured& exchange) {
+      const double error = exchange.standard_error / smallerArea(ids, i, j);
+      variance = std::max(variance, error * error * kPilotBlocks);
+    });
+    const double blocks = std::min(blocksUntil(e, variance, m, plan.bounds, d), std::ceil(double(plan.hoeffding) / size));
+    const double seconds = blocks * (block_seconds + size * direction_seconds);
+    if (seconds >= best) continue;
+    best = seconds;
+    plan.block_directions = size;
+    plan.expected_blocks = static_cast<uint64_t>(std::ceil(blocks));
+  }
+  const double block = block_seconds + plan.block_directions * direction_seconds;
+  const uint64_t most = std::max(kFewestBlocks, (plan.hoeffding + plan.block_directions - 1) / plan.block_directions);
+  plan.least_blocks = std::min(most, static_cast<uint64_t>(std::ceil(1 + 7 * m * std::log(4 * 2 * 2 * plan.bounds / d) / (3 * e))));
+  plan.blocks_together = std::max<uint64_t>(1, plan.least_blocks / kSurfaceSums);
+  plan.most_blocks = (most + plan.blocks_together - 1) / plan.blocks_together * plan.blocks_together;
+  plan.least_seconds = double(plan.least_blocks) * block;
+  plan.expected_seconds = double(plan.expected_blocks) * block;
+  plan.most_seconds = double(plan.most_blocks) * block;
+  return plan;
+}
+
+Estimate guaranteeFormFactors(const Scene& scene, const Ids& ids, const GuaranteeOptions& options, const GuaranteePlan& plan) {
+  Ids surface_ids = makeIds(scene, By::surface, ids.two_sided);
+  const bool is_median = options.statistic == Statistic::median;
+  const uint64_t directions = is_median ? plan.run_directions : plan.block_directions;
+  const uint64_t most_blocks = is_median ? plan.runs : plan.most_blocks, together = is_median ? 1 : plan.blocks_together;
+  const double measure_area = plan.engine->unitArea() * scene.scale * scene.scale / double(directions);
+  ReplicateSums sums(ids), surface_sums(surface_ids);
+  PairCounts gathered;
+  std::vector<PairCounts> runs;
+  Guarantee guarantee{options.epsilon, options.delta, INFINITY, GuaranteedBy::hoeffding};
+  uint64_t look = 0, next_look = std::max<uint64_t>(2, plan.least_blocks);
+  bool done = false;
+  while (!done) {
+    const uint64_t block = sums.replicateCount();
+    const PairCounts counts = countBlock(*plan.engine, options, directions, block);
+    sums.add(counts);
+    gathered = addCounts(gathered, counts);
+    if (is_median) runs.push_back(counts);
+    if ((block + 1) % together == 0) {
+      surface_sums.add(mergeIds(gathered, ids.surface));
+      gathered.clear();
+    }
+    done = block + 1 >= most_blocks;
+    if (!is_median && !done && block + 1 >= next_look && (block + 1) % together == 0) {
+      ++look;
+      const double p = options.delta / (2 * double(look) * double(look + 1) * plan.bounds);
+      guarantee.bound = largestBernsteinBound(sums, ids, plan.ranges, measure_area, p);
+      next_look = static_cast<uint64_t>(std::ceil(double(block + 1) * kEpochGrowth));
+      if (guarantee.bound <= options.epsilon) {
+        guarantee.by = GuaranteedBy::bernstein;
+        done = true;
+      }
+    }
+    if (options.on_block) options.on_block({block + 1, is_median ? plan.runs : plan.expected_blocks, most_blocks, guarantee.bound});
+  }
+  FormFactors form_factors = sums.formFactors(measure_area);
+  if (is_median) {
+    guarantee.by = GuaranteedBy::median;
+    form_factors = medianOf(runs, form_factors, measure_area);
+  }
+  guarantee.bound = guarantee.by == GuaranteedBy::bernstein ? guarantee.bound : options.epsilon;
+  return {std::move(form_factors), surface_sums.formFactors(measure_area / double(together)), sums.replicateCount(), sums.replicateCount() * directions,
+          sums.largestStandardError(measure_area), sums.largestRelativeError(measure_area, 0.01), guarantee};
+}
+
+}  // namespace viewpeel

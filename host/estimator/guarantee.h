@@ -1,0 +1,83 @@
+// Guarantee mode: every form factor within epsilon with probability 1 - delta, by bounds that hold for every scene, rasterisation included.
+//
+// A direction's estimate of F_ij lies in [0, M_i], i the smaller of the two, M_i = range of i / A_i (bounds.h): 2 for exact areas, more on a lattice. The other way
+// F_ji errs by A_i / A_j times as much, so that m bounds do for all: unordered pairs of ids, each id with itself where it has several polygons, environment and leak.
+//   Hoeffding 1963, theorem 2: the estimates of N independent directions, in strata or not, have a mean that is off by epsilon or more with probability at most
+//     2 exp(-2 N epsilon^2 / M^2). With half of delta: N such that the sum over the m bounds is delta / 2.
+//   Empirical Bernstein (Maurer & Pontil 2009, theorem 4, both tails): the means of K independent blocks of directions lie in [0, M], too; with sample variance V the
+//     mean of all is off by more than sqrt(2 V L / K) + 7 M L / (3 (K - 1)), L = ln(4 / p), with probability at most p. It is looked at after set numbers of
+//     blocks, the k-th time with p = delta / (2 k (k + 1) m): all those p of all m bounds together are delta / 2. Blocks of one direction in each of B strata have a V that is
+//     far smaller than that of B independent directions.
+//   The run ends when one of the two is at most epsilon for everything; either way the error exceeds epsilon with probability at most delta.
+//   Snapping moves corners by at most 2^-11 of a spacing, to either side alike: its mean effect, of second order, is below 1e-6 of an area, and left out.
+#pragma once
+#include <functional>
+#include <memory>
+
+#include "engines/lattice_options.h"
+#include "estimator/estimate.h"
+#include "estimator/plan.h"
+
+namespace viewpeel {
+
+enum class Statistic {
+  mean,    // of blocks
+  median,  // of Q runs of M^2 / epsilon^2 directions (Pellegrini 1997, section 5.3): each is off by more than epsilon with probability 1/4 at most, by Chebyshev
+};
+
+struct GuaranteeProgress {
+  uint64_t blocks = 0, expected_blocks = 0, most_blocks = 0;
+  double bound = 0;  // Bernstein's, so far; infinite before the first look
+};
+
+struct GuaranteeOptions {
+  double epsilon = 1e-2;
+  double delta = 1e-2;
+  Statistic statistic = Statistic::mean;
+  Sampler sampler = Sampler::jittered;  // or iid
+  uint64_t seed = 1;
+  std::function<void(const GuaranteeProgress&)> on_block;  // may be empty
+};
+
+// The ranges M_i of ids: the most that one direction can contribute to a form factor of id i, or to one with i the smaller polygon.
+//   In: resolutions of Scene::polygons, empty for exact areas
+std::vector<double> formFactorRanges(const Scene& scene, const Ids& ids, const std::vector<double>& resolutions, Sampling sampling);
+
+// How many bounds have to hold at once, by id: pairs with larger ids, environment, leak, and itself.
+std::vector<double> countBounds(const Ids& ids);
+
+// The least N with sum_i bounds_i 2 exp(-2 N epsilon^2 / ranges_i^2) <= delta.    Cost: O(n) a step of bisection.
+uint64_t hoeffdingDirections(const std::vector<double>& ranges, const std::vector<double>& bounds, double epsilon, double delta);
+
+// sqrt(2 V L / K) + 7 M L / (3 (K - 1)), L = ln(4 / p).
+double bernsteinBound(double variance, double range, double blocks, double p);
+
+struct GuaranteePlan {
+  double epsilon = 0, delta = 0;
+  double bounds = 0;          // m
+  double largest_range = 0;   // M
+  uint64_t hoeffding = 0;     // directions
+  uint32_t block_directions = 0;
+  uint64_t least_blocks = 0;  // before which Bernstein's bound cannot be epsilon
+  uint64_t most_blocks = 0;   // that Hoeffding's asks for
+  uint64_t expected_blocks = 0;  // an estimate, from a pilot
+  uint64_t blocks_together = 1;  // enter the sums by surface
+  double lemma_1 = 0, lemma_1_all = 0;  // directions of Pellegrini's Lemma 1: for one pair, and for m bounds at once
+  uint64_t runs = 0, run_directions = 0;  // of the median
+  std::vector<double> ranges;     // of ids
+  std::vector<SizeGroup> groups;
+  std::unique_ptr<Engine> engine;
+  double least_seconds = 0, expected_seconds = 0, most_seconds = 0;  // estimates
+};
+
+// Chooses lattices, fine enough for ranges near 2, and blocks, by their measured cost.
+//   In: lattices as for planEstimate, with what they sample; `exact` where areas are exact
+//   Throws: Error bad_usage where epsilon or delta is not in (0, 1), or the sampler's directions are not independent; what engines throw.
+//   Cost: a pilot of some hundred directions.
+GuaranteePlan planGuarantee(const Scene& scene, const Ids& ids, const GuaranteeOptions& options, const Lattices& lattices, Sampling sampling, bool exact);
+
+// Carries the plan out.    Out: form factors of which all are within epsilon with probability 1 - delta; standard errors are estimates, as ever.
+//   Tests: tests/guarantee_test.cpp.
+Estimate guaranteeFormFactors(const Scene& scene, const Ids& ids, const GuaranteeOptions& options, const GuaranteePlan& plan);
+
+}  // namespace viewpeel

@@ -1,0 +1,181 @@
+// Guarantee mode: the bounds by hand, ranges that single directions keep to, and how often a guarantee fails.
+#include <cmath>
+#include <numeric>
+
+#include <gtest/gtest.h>
+
+#include "engines/size_groups.h"
+#include "error.h"
+#include "estimator/guarantee.h"
+#include "reference/exact_engine.h"
+#include "scenes.h"
+#include "test_device.h"
+
+namespace viewpeel {
+namespace {
+
+namespace ts = test_scenes;
+
+constexpr double kParallelSquares = 0.1998248957;  // Howell, C-11
+
+Lattices latticesFor(const Scene& scene, const Ids& ids) {
+  return {[&](const std::vector<SizeGroup>& groups) { return makeGroupedEngine(testDevice(), scene, ids, {}, groups); }, 0, true};
+}
+
+TEST(Guarantee, HoeffdingsDirections) {
+  // One bound: 2 exp(-2 N e^2 / M^2) <= d.
+  for (double range : {2.0, 3.7})
+    for (double epsilon : {0.1, 1e-3})
+      EXPECT_EQ(hoeffdingDirections({range}, {1}, epsilon, 0.01), std::ceil(range * range * std::log(2 / 0.01) / (2 * epsilon * epsilon)));
+  // Equal ranges: the bounds count together.
+  EXPECT_EQ(hoeffdingDirections({2, 2, 2}, {4, 3, 2}, 0.01, 0.01), std::ceil(4 * std::log(2 * 9 / 0.01) / (2e-4)));
+  // A larger range decides alone where the others' terms vanish beside it.
+  EXPECT_EQ(hoeffdingDirections({2, 20}, {1000, 1}, 0.1, 0.01), std::ceil(400 * std::log(2 / 0.01) / 0.02));
+}
+
+TEST(Guarantee, BernsteinsBound) {
+  // By hand: L = ln(4 / 0.04) = 4.60517; sqrt(2 0.5 L / 101) = 0.213532; 7 2 L / 300 = 0.214908.
+  EXPECT_NEAR(bernsteinBound(0.5, 2, 101, 0.04), 0.213532 + 0.214908, 2e-6);
+}
+
+TEST(Guarantee, EveryFormFactorHasItsBound) {
+  const Scene scene = buildScene(ts::roomWithTouchingBoxes());
+  for (By by : {By::polygon, By::surface}) {
+    const Ids ids = makeIds(scene, by, false);
+    const auto bounds = countBounds(ids);
+    std::vector<uint32_t> polygons(ids.count(), 0);
+    for (uint32_t id : ids.of_polygon) ++polygons[id];
+    const auto n = double(ids.count()), with_itself = double(std::count_if(polygons.begin(), polygons.end(), [](uint32_t k) { return k > 1; }));
+    EXPECT_EQ(std::accumulate(bounds.begin(), bounds.end(), 0.0), n * (n - 1) / 2 + 2 * n + with_itself);
+  }
+}
+
+// No direction adds more than the range, and some a fair part of it: on coarse and fine lattices, in windows, with scanlines, on both sides, by surface.
+TEST(Guarantee, SingleDirectionsKeepToTheirRanges) {
+  const auto directions = sampleDirections(Sampler::iid, 24, 5, 0);
+  for (const InputScene& input : {ts::parallelSquares(), ts::roomWithTouchingBoxes(), ts::triangleSoup(30, 0.6, 2)})
+    for (const bool two_sided : {false, true})
+      for (const By by : {By::polygon, By::surface})
+        for (const auto& [base, sampling] : {std::pair(6, Sampling::lattice), std::pair(40, Sampling::lattice), std::pair(6, Sampling::scanline)}) {
+          const Scene scene = buildScene(input);
+          const Ids ids = makeIds(scene, by, two_sided);
+          std::vector<double> needed, resolutions(scene.polygons.size());
+          for (const Polygon& polygon : scene.polygons) needed.push_back(3 / std::sqrt(polygon.area));
+          const auto groups = groupBySize(scene, needed, base);
+          for (const SizeGroup& group : groups)
+            for (uint32_t k : group.polygons) resolutions[k] = group.resolution;
+          const auto ranges = formFactorRanges(scene, ids, resolutions, sampling);
+          const auto engine = makeGroupedEngine(testDevice(), scene, ids, {.sampling = sampling}, groups);
+          const double unit = engine->unitArea() * scene.scale * scene.scale;
+          double largest_share = 0;
+          for (const Direction& direction : directions)
+            for (const PairCount& c : engine->count(std::span(&direction, 1))) {
+              const uint32_t smaller = c.j < kEnvironment && ids.areas[c.j] < ids.areas[c.i] ? c.j : c.i;
+              const double share = (c.i == c.j ? 4 : 2) * unit * double(c.count) / ids.areas[smaller] / ranges[smaller];
+              EXPECT_LE(share, 1) << input.file << " " << base;
+              largest_share = std::max(largest_share, share);
+            }
+          EXPECT_GT(largest_share, 0.1) << input.file << " " << base;  // the comparison means something
+        }
+}
+
+// An engine that knows no geometry: every direction adds all of its range or nothing to F_01, the most variable there is.
+class CoinEngine : public Engine {
+ public:
+  CoinEngine(double share, double area) : share_(share), area_(area) {}
+  PairCounts count(std::span<const Direction> directions) override {
+    uint64_t heads = 0;
+    for (const Direction& direction : directions) heads += direction.offset.x < share_;  // uniform, and independent of all else
+    return heads ? PairCounts{{0, 1, heads}} : PairCounts{};
+  }
+  double unitArea() const override { return area_; }
+
+ private:
+  double share_, area_;
+};
+
+// Failures over many seeds: at most delta of them but for chance, that is within four standard deviations of the binomial law. The bounds are not sharp:
+// there are far fewer.
+int failures(double share, double epsilon, double delta, int seeds, bool expect_bernstein) {
+  const Scene scene = buildScene(ts::parallelSquares());
+  const Ids ids = makeIds(scene, By::polygon, false);
+  GuaranteePlan plan;
+  plan.epsilon = epsilon;
+  plan.delta = delta;
+  plan.ranges = {2, 2};
+  plan.bounds = 5;
+  plan.largest_range = 2;
+  plan.hoeffding = hoeffdingDirections(plan.ranges, countBounds(ids), epsilon, delta / 2);
+  plan.block_directions = 1;
+  plan.most_blocks = plan.hoeffding;
+  plan.least_blocks = 50;
+  plan.engine = std::make_unique<CoinEngine>(share, ids.areas[0] / (scene.scale * scene.scale));
+  int failed = 0;
+  for (int seed = 0; seed < seeds; ++seed) {
+    GuaranteeOptions options{.epsilon = epsilon, .delta = delta};
+    options.sampler = Sampler::iid;
+    options.seed = static_cast<uint64_t>(seed);
+    const Estimate estimate = guaranteeFormFactors(scene, ids, options, plan);
+    failed += std::abs(estimate.form_factors.formFactor(0, 1).value - 2 * share) > epsilon;
+    EXPECT_EQ(estimate.guarantee->by == GuaranteedBy::bernstein, expect_bernstein);
+    EXPECT_LE(estimate.guarantee->bound, epsilon);
+  }
+  return failed;
+}
+
+TEST(Guarantee, FailsNoMoreOftenThanItMay) {
+  constexpr int kSeeds = 150;
+  const double allowed = 0.2 * kSeeds + 4 * std::sqrt(0.2 * 0.8 * kSeeds);
+  EXPECT_LE(failures(0.5, 0.3, 0.2, kSeeds, false), allowed);
+  EXPECT_LE(failures(0.02, 0.04, 0.2, kSeeds, true), allowed);
+  EXPECT_LE(failures(0.002, 0.04, 0.2, kSeeds, true), allowed);
+}
+
+// The whole chain, planned for the scene.
+TEST(Guarantee, HoldsForTheClosedForm) {
+  const Scene scene = buildScene(ts::parallelSquares());
+  const Ids ids = makeIds(scene, By::polygon, false);
+  GuaranteeOptions options{.epsilon = 0.1, .delta = 0.2};
+  const GuaranteePlan plan = planGuarantee(scene, ids, options, latticesFor(scene, ids), Sampling::lattice, false);
+  EXPECT_GT(plan.largest_range, 2);
+  EXPECT_LE(plan.least_blocks, plan.most_blocks);
+  EXPECT_GE(plan.most_blocks * plan.block_directions, plan.hoeffding);
+  EXPECT_EQ(plan.lemma_1, 500);
+  int failed = 0;
+  for (options.seed = 0; options.seed < 12; ++options.seed) {
+    const Estimate estimate = guaranteeFormFactors(scene, ids, options, plan);
+    failed += std::abs(estimate.form_factors.formFactor(0, 1).value - kParallelSquares) > options.epsilon;
+  }
+  EXPECT_LE(failed, 0.2 * 12 + 4 * std::sqrt(0.2 * 0.8 * 12));
+}
+
+TEST(Guarantee, TheMedianOfRunsHoldsToo) {
+  const Scene scene = buildScene(ts::parallelSquares());
+  const Ids ids = makeIds(scene, By::polygon, false);
+  GuaranteeOptions options{.epsilon = 0.1, .delta = 0.1, .statistic = Statistic::median, .sampler = Sampler::iid};
+  const Lattices exact{[&](const std::vector<SizeGroup>&) { return reference::makeExactEngine(scene, ids); }, 1, false};
+  const GuaranteePlan plan = planGuarantee(scene, ids, options, exact, Sampling::lattice, true);
+  // Pellegrini 1997, section 5.3, for five form factors at once: Q = 8 ln(5 / delta) runs of 4 / epsilon^2.
+  EXPECT_EQ(plan.run_directions, 400u);
+  EXPECT_EQ(plan.runs, 33u);
+  const Estimate estimate = guaranteeFormFactors(scene, ids, options, plan);
+  EXPECT_EQ(estimate.replicates, 33u);
+  EXPECT_EQ(estimate.guarantee->by, GuaranteedBy::median);
+  const Measured f = estimate.form_factors.formFactor(0, 1);
+  EXPECT_NEAR(f.value, kParallelSquares, options.epsilon);
+  EXPECT_NEAR(f.value, kParallelSquares, 5 * f.standard_error);
+  EXPECT_EQ(estimate.form_factors.exchangeArea(0, 1).value, estimate.form_factors.exchangeArea(1, 0).value);
+}
+
+TEST(Guarantee, WhatCannotBeKeptIsRefused) {
+  const Scene scene = buildScene(ts::parallelSquares());
+  const Ids ids = makeIds(scene, By::polygon, false);
+  const auto plan = [&](const GuaranteeOptions& options) { return planGuarantee(scene, ids, options, latticesFor(scene, ids), Sampling::lattice, false); };
+  EXPECT_THROW(plan({.epsilon = 0}), Error);
+  EXPECT_THROW(plan({.epsilon = 0.1, .delta = 1}), Error);
+  EXPECT_THROW(plan({.epsilon = 0.1, .sampler = Sampler::fibonacci}), Error);
+  EXPECT_THROW(plan({.epsilon = 0.1, .statistic = Statistic::median, .sampler = Sampler::jittered}), Error);
+}
+
+}  // namespace
+}  // namespace viewpeel

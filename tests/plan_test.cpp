@@ -1,0 +1,88 @@
+// Plans: what pilots predict, and that nothing goes unseen.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "estimator/plan.h"
+#include "scenes.h"
+#include "test_device.h"
+
+namespace viewpeel {
+namespace {
+
+namespace ts = test_scenes;
+
+Lattices latticesFor(const Scene& scene, const Ids& ids) {
+  return {[&](const std::vector<SizeGroup>& groups) { return makeGroupedEngine(testDevice(), scene, ids, {}, groups); }, 0, true};
+}
+
+// A run reaches about what its plan promised. The largest of standard errors from 8 replicates each, predicted from 8 others: their squares have 7 degrees of
+// freedom, and F(7, 7) stays below 10^2 with probability 1 - 1e-6. Interpolation between pilots may add a factor of 2.
+TEST(Plan, PredictsTheStandardError) {
+  for (const InputScene& input : {ts::parallelSquares(), ts::insideOfCube(), ts::roomWithTouchingBoxes()})
+    for (double tolerance : {0.02, 0.002}) {
+      const Scene scene = buildScene(input);
+      const Ids ids = makeIds(scene, By::surface, false);
+      EstimateOptions options{.tolerance = tolerance};
+      const Plan plan = planEstimate(scene, ids, options, latticesFor(scene, ids));
+      EXPECT_LE(plan.standard_error, tolerance);
+      EXPECT_GT(plan.seconds, 0);
+      options.directions = plan.directions;
+      options.tolerance.reset();
+      const Estimate estimate = estimateFormFactors(*plan.engine, scene, ids, options);
+      EXPECT_LT(estimate.largest_standard_error, 20 * plan.standard_error) << input.file << " " << tolerance;
+      EXPECT_GT(estimate.largest_standard_error, plan.standard_error / 20) << input.file << " " << tolerance;
+    }
+}
+
+// A finer tolerance asks for more.
+TEST(Plan, WorkGrowsWithTheTolerance) {
+  const Scene scene = buildScene(ts::roomWithTouchingBoxes());
+  const Ids ids = makeIds(scene, By::polygon, false);
+  double points = 0;
+  for (double tolerance : {0.1, 0.01, 0.001}) {
+    const Plan plan = planEstimate(scene, ids, {.tolerance = tolerance}, latticesFor(scene, ids));
+    const double planned = plan.directions * std::pow(plan.groups[0].resolution, 2);
+    EXPECT_GT(planned, points);
+    points = planned;
+  }
+}
+
+// A square of 1e-8 of the area of the floor that it looks at would be hit by one lattice point in 1e4 directions: it gets a window.
+TEST(Plan, SmallPolygonsAreSeen) {
+  InputScene input{"speck", {}, {}};
+  ts::addFace(input, "floor", {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
+  ts::addFace(input, "speck", {{0.5, 0.5, 0.1}, {0.5, 0.5001, 0.1}, {0.5001, 0.5001, 0.1}, {0.5001, 0.5, 0.1}});
+  const Scene scene = buildScene(input);
+  const Ids ids = makeIds(scene, By::polygon, false);
+  EstimateOptions options{.tolerance = 0.02};
+  const Plan plan = planEstimate(scene, ids, options, latticesFor(scene, ids));
+  EXPECT_GT(plan.groups.size(), 1u);
+  options.directions = plan.directions;
+  const Estimate estimate = estimateFormFactors(*plan.engine, scene, ids, options);
+  EXPECT_LE(estimate.largest_standard_error, 0.02);
+  EXPECT_LT(estimate.replicates, 100u);
+  // A differential element in the middle of a square, at a tenth of its edge: four times Howell's B-4 with both ratios 1/2 / 0.1.
+  const double x = 0.5 / 0.1, r = std::sqrt(1 + x * x);
+  const double truth = 4 / (2 * M_PI) * 2 * x / r * std::atan(x / r);
+  const Measured f = estimate.form_factors.formFactor(1, 0);
+  EXPECT_NEAR(f.value, truth, 5 * f.standard_error);
+  EXPECT_GT(truth, 0.9);
+}
+
+// The figures that a plan prints make the same lattices again.
+TEST(Plan, CanBeRepeated) {
+  const Scene scene = buildScene(ts::triangleSoup(40, 0.4, 9));
+  const Ids ids = makeIds(scene, By::polygon, false);
+  const EstimateOptions options{.tolerance = 0.01};
+  const Plan plan = planEstimate(scene, ids, options, latticesFor(scene, ids));
+  const auto again = planGroups(scene, ids, plan.groups[0].resolution, plan.finest, double(plan.directions) * double(options.replicates));
+  ASSERT_EQ(again.size(), plan.groups.size());
+  for (size_t g = 0; g < again.size(); ++g) {
+    EXPECT_EQ(again[g].resolution, plan.groups[g].resolution);
+    EXPECT_EQ(again[g].polygons, plan.groups[g].polygons);
+  }
+}
+
+}  // namespace
+}  // namespace viewpeel
