@@ -145,4 +145,24 @@ InputScene city(uint32_t n) {
   }
 }
 
+InputScene spreadOfSizes() {
+  InputScene scene{"spread of sizes", {}, {}};
+  const auto addSquare = [&](const std::string& name, glm::dvec3 corner, double edge, bool up) {
+    const glm::dvec3 a(edge, 0, 0), b(0, edge, 0);
+    scene.faces.push_back({up ? std::vector{corner, corner + a, corner + a + b, corner + b} : std::vector{corner, corner + b, corner + a + b, corner + a},
+                           addSurface(scene, name), 0});
+  };
+  addSquare("floor", {-1, -1, -1}, 14, true);
+  double x = 0;
+  for (int k = 0; k < 5; ++k) {
+    const double edge = std::pow(10.0, -k);
+    for (const auto& [name, times] : {std::pair("near", 1), std::pair("far", 10)}) {
+      addSquare(fmt::format("{}_{}_up", name, k), {x, 0, 0}, edge, true);
+      addSquare(fmt::format("{}_{}_down", name, k), {x, 0, times * edge}, edge, false);
+      x += edge + 1;
+    }
+  }
+  return scene;
+}
+
 }  // namespace viewpeel::bench

@@ -20,4 +20,8 @@ InputScene randomTriangles(uint32_t n);
 // that a larger city has more of the same. Ground ends where a building stands; nothing crosses.
 InputScene city(uint32_t n);
 
+// Areas from 1 to 1e-8: above a floor, for every edge of 1, 0.1, ... 1e-4, two squares that face each other at the distance of their edge
+// (surfaces near_k_down, near_k_up, F = 0.19982) and two at ten times that (far_k_down, far_k_up, F = 0.0031620).
+InputScene spreadOfSizes();
+
 }  // namespace viewpeel::bench

@@ -1,4 +1,4 @@
-// Writes a generated scene as binary PLY: make_scene room|triangles|city N FILE.ply
+// Writes a generated scene as binary PLY: make_scene room|triangles|city|sizes N FILE.ply
 #include <bit>
 #include <chrono>
 #include <cstring>
@@ -59,7 +59,7 @@ void writePly(const InputScene& scene, const std::string& file) {
 
 int makeScene(const std::string& kind, uint32_t n, const std::string& file) {
   Clock::time_point start = Clock::now();
-  const InputScene input = kind == "room" ? roomWithBoxes(n) : kind == "triangles" ? randomTriangles(n) : city(n);
+  const InputScene input = kind == "room" ? roomWithBoxes(n) : kind == "triangles" ? randomTriangles(n) : kind == "sizes" ? spreadOfSizes() : city(n);
   const double generate_s = secondsSince(start);
   start = Clock::now();
   writePly(input, file);
@@ -82,7 +82,7 @@ int main(int argc, char** argv) {
   std::string kind, file;
   uint32_t n = 0;
   CLI::App app("Writes a generated scene as binary PLY and reads it back. Surfaces have no names in PLY.");
-  app.add_option("kind", kind)->required()->check(CLI::IsMember({"room", "triangles", "city"}));
+  app.add_option("kind", kind)->required()->check(CLI::IsMember({"room", "triangles", "city", "sizes"}));
   app.add_option("n", n, "polygons; of the room: cuts of each quad's side")->required()->check(CLI::PositiveNumber);
   app.add_option("file", file)->required();
   CLI11_PARSE(app, argc, argv);
