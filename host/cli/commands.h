@@ -13,5 +13,6 @@ using Run = std::function<int()>;
 void addCompute(CLI::App& app, Run& chosen);
 void addCheck(CLI::App& app, Run& chosen);
 void addDevices(CLI::App& app, Run& chosen);
+void addMerge(CLI::App& app, Run& chosen);
 
 }  // namespace viewpeel::cli

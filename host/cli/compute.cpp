@@ -1,6 +1,7 @@
 #include <chrono>
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <numbers>
 #include <optional>
 
@@ -8,7 +9,9 @@
 #include <glm/geometric.hpp>
 #include <unistd.h>
 
+#include "cli/checkpoint_keeper.h"
 #include "cli/commands.h"
+#include "cli/interrupts.h"
 #include "cli/options.h"
 #include "cli/summary.h"
 #include "error.h"
@@ -27,6 +30,7 @@ struct ProgramOptions {
   bool two_sided = false;
   DeviceOptions device;
   EstimateOptions estimate;
+  CheckpointOptions checkpoint;
   Question question;
   bool whole_sphere = false;  // a sampler was asked for by name
   bool quiet = false, verbose = false, json = false;
@@ -98,6 +102,33 @@ std::string askDirections(const Question& question, const Scene& scene, bool two
   return planar ? "by the emitter's cosine" : "fibonacci";
 }
 
+// An option that changes counts has its line here: a checkpoint is gone on with under the same settings only.
+Settings listSettings(const ProgramOptions& options, const Scene& scene, const std::string& sampler) {
+  const bool is_exact = options.engine == EngineKind::exact;
+  return {
+      {"version", VIEWPEEL_VERSION},
+      {"scene", fmt::format("{} polygons, fingerprint {:016x}", scene.faces.size(), fingerprint(scene))},
+      {"--by", options.by == By::polygon ? "polygon" : "surface"},
+      {"--two-sided", options.two_sided ? "yes" : "no"},
+      {"--from", fmt::format("{}", fmt::join(options.question.from, ", "))},
+      {"--pair", fmt::format("{}", fmt::join(options.question.pair, ", "))},
+      {"--blocker", fmt::format("{}", fmt::join(options.question.blockers, ", "))},
+      {"--sampler", sampler},
+      {"--directions", std::to_string(options.estimate.directions)},
+      {"--seed", std::to_string(options.estimate.seed)},
+      {"--sampling", is_exact ? "exact areas" : options.lattice.sampling == Sampling::scanline ? "scanline" : "lattice"},
+      {"--resolution", is_exact ? "any" : std::to_string(options.lattice.resolution)},
+  };
+}
+
+// One line on stderr: what is left of a run that was stopped.
+void tellInterruption(const ProgramOptions& options, uint64_t replicates) {
+  std::string left;
+  if (!options.checkpoint.file.empty() && replicates > 0) left = fmt::format("; {} has what was counted, go on with --resume", options.checkpoint.file);
+  if (!options.outputs.empty()) left += replicates < 2 ? "; too few to write results" : "; results are written";
+  fmt::print(stderr, "viewpeel: stopped by {}, {} replicate{} done{}\n", interruption() == SIGINT ? "SIGINT" : "SIGTERM", replicates, replicates == 1 ? "" : "s", left);
+}
+
 int runCompute(ProgramOptions options) {
   for (const std::string& output : options.outputs) checkOutput(output);
   const Scene scene = loadScene(options.scene);
@@ -111,6 +142,12 @@ int runCompute(ProgramOptions options) {
   std::string sampler = nameOf(options.estimate.sampler);
   if (!options.whole_sphere && (!options.question.pair.empty() || (!options.question.from.empty() && !options.two_sided)))
     sampler = askDirections(options.question, scene, options.two_sided, options.estimate);
+  std::optional<CheckpointKeeper> keeper;
+  if (!options.checkpoint.file.empty()) {
+    keeper.emplace(options.checkpoint, listSettings(options, scene, sampler), options.estimate.first_replicate);
+    options.estimate.resumed = keeper->resumed();
+    options.estimate.on_sums = [&](const RunSums& sums, bool last) { keeper->keep(sums, last); };
+  }
   std::optional<Device> device;
   if (options.engine != EngineKind::exact) device.emplace(options.device);
   const bool talks = !options.quiet && !options.json;
@@ -119,18 +156,24 @@ int runCompute(ProgramOptions options) {
     fmt::print("sampling   {} directions a replicate, {}; {}; seed {}\n", options.estimate.directions, sampler,
                device ? fmt::format("{} {} across", options.lattice.sampling == Sampling::scanline ? "scanlines" : "lattice", options.lattice.resolution) : "exact areas",
                options.estimate.seed);
+    if (keeper) fmt::print("{}", keeper->describe());
     std::fflush(stdout);
   }
 
   const auto start = Clock::now();
   const bool show_progress = !options.quiet && ::isatty(STDERR_FILENO);
   ProgressLine progress(options.estimate);
-  if (show_progress) {
-    options.estimate.on_replicate = [&](const EstimateProgress& p) { progress.onReplicate(p); };
-    options.lattice.on_batch = [&](uint64_t directions) { progress.onBatch(directions); };
-  }
+  if (keeper || !options.outputs.empty()) holdInterrupts();
+  options.estimate.on_replicate = [&](const EstimateProgress& p) {
+    stopIfInterrupted();
+    if (show_progress) progress.onReplicate(p);
+  };
+  options.lattice.on_batch = [&](uint64_t directions) {
+    stopIfInterrupted();
+    if (show_progress) progress.onBatch(directions);
+  };
   options.lattice.measure_work = options.json;
-  const auto engine = device ? makeLatticeEngine(options.engine, *device, scene, ids, options.lattice) : reference::makeExactEngine(scene, ids);
+  const auto engine = device ? makeLatticeEngine(options.engine, *device, scene, ids, options.lattice) : reference::makeExactEngine(scene, ids, {.on_direction = stopIfInterrupted});
   const std::string plan = engine->describePlan();
   if (options.verbose && talks) fmt::print("{}", plan);
   const Estimate estimate = estimateFormFactors(*engine, scene, ids, options.estimate);
@@ -138,17 +181,17 @@ int runCompute(ProgramOptions options) {
   if (device) checkValidation(*device);
   const double seconds = secondsSince(start);
 
+  if (estimate.interrupted) tellInterruption(options, estimate.replicates);
+  const int status = estimate.interrupted ? 128 + interruption() : keeper && !keeper->isKept() ? 1 : 0;
+  if (estimate.interrupted && estimate.replicates < 2) return status;
   for (const std::string& output : options.outputs) writeFormFactors(estimate.form_factors, output);
   if (options.json) fmt::print("{}", asJson(options.scene, device ? device->description().name : "none", estimate, seconds, engine->work()));
-  if (!talks) return 0;
+  if (!talks) return status;
   if (options.verbose && engine->describePlan() != plan) fmt::print("after a trial\n{}", engine->describePlan());
-  if (estimate.form_factors.entries().empty()) fmt::print("\nNothing that was asked for sees anything: every form factor is 0.\n\n");
-  else if (ids.splits_surfaces) fmt::print("\nlargest form factors\n{}\n", tabulateLargest(estimate.form_factors, 20));
-  else fmt::print("\nlargest form factors between surfaces\n{}\n", tabulateLargest(estimate.between_surfaces, 20));
-  fmt::print("{}", describeErrors(estimate));
+  fmt::print("{}", describeResult(estimate));
   fmt::print("work       {} replicates, {} directions, {:.2f} s\n", estimate.replicates, estimate.directions, seconds);
   for (const std::string& output : options.outputs) fmt::print("written    {}\n", output);
-  return 0;
+  return status;
 }
 
 std::string isPositive(const std::string& text) {
@@ -195,6 +238,9 @@ void addCompute(CLI::App& app, Run& chosen) {
   command->add_option("--pair", options->question.pair, "Only the form factors between two surfaces or faces")->type_name("A B")->expected(0, 2);
   command->add_option("--blocker", options->question.blockers, "A surface or face that only blocks; may be given several times")->type_name("NAME")->allow_extra_args(false);
   command->add_option("--seed", estimate.seed, "The same seed gives the same bits")->type_name("K")->capture_default_str();
+  command->add_option("--first-replicate", estimate.first_replicate, "Count replicates from this one on: parts of a run, for viewpeel merge")
+      ->type_name("K")->check(CLI::Range(uint64_t(0), uint64_t(1) << 62).description(""))->capture_default_str();
+  addCheckpointOptions(command, options->checkpoint);
   command->add_flag("--two-sided", options->two_sided, "Every polygon emits and receives on both sides");
   command->add_option("--device", options->device.selector, "Vulkan device: index, part of its name, cpu or gpu")->type_name("DEVICE");
   command->add_option("--batch", options->lattice.batch_directions, "Directions peeled at once; 0 chooses. Never changes the result")
