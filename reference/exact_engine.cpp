@@ -17,11 +17,12 @@ constexpr size_t kDirectionsAtOnce = 64;  // bounds the memory of their results
 
 class ExactEngine : public Engine {
  public:
-  ExactEngine(const Scene& scene, const Ids& ids, unsigned thread_count)
+  ExactEngine(const Scene& scene, const Ids& ids, const ExactOptions& options)
       : scene_(scene), ids_(ids) {
     requireDisjoint(scene);
     options_.two_sided = ids.two_sided;
-    options_.thread_count = thread_count;
+    options_.thread_count = options.thread_count;
+    options_.on_direction = options.on_direction;
   }
 
   PairCounts count(std::span<const Direction> directions) override {
@@ -61,8 +62,8 @@ class ExactEngine : public Engine {
 
 }  // namespace
 
-std::unique_ptr<Engine> makeExactEngine(const Scene& scene, const Ids& ids, unsigned thread_count) {
-  return std::make_unique<ExactEngine>(scene, ids, thread_count);
+std::unique_ptr<Engine> makeExactEngine(const Scene& scene, const Ids& ids, const ExactOptions& options) {
+  return std::make_unique<ExactEngine>(scene, ids, options);
 }
 
 }  // namespace viewpeel::reference

@@ -4,13 +4,15 @@
 
 #include "engines/engine.h"
 #include "matrix/ids.h"
+#include "reference/exact_pair_areas.h"
 
 namespace viewpeel::reference {
 
 // Areas in units of 2^-40, rounded to the nearest: the sum over directions is an integer, whatever the number of threads.
+//   In: options: thread_count and on_direction; the others are the engine's own
 //   Error: 2^-41 unit-ball units squared per pair and direction, plus computeExactPairAreas's.
 //   Throws (constructor): Error bad_input where polygons pass through each other, naming two and the place.
-//   Cost: computeExactPairAreas per direction, over `thread_count` threads (0: all cores).
-std::unique_ptr<Engine> makeExactEngine(const Scene& scene, const Ids& ids, unsigned thread_count = 0);
+//   Cost: computeExactPairAreas per direction, over `thread_count` threads.
+std::unique_ptr<Engine> makeExactEngine(const Scene& scene, const Ids& ids, const ExactOptions& options = {});
 
 }  // namespace viewpeel::reference

@@ -162,6 +162,7 @@ std::vector<ExactPairAreas> computeExactPairAreas(const Scene& scene, std::span<
   const auto work = [&] {
     try {
       for (size_t k = next++; k < directions.size(); k = next++) {
+        if (options.on_direction) options.on_direction();
         const Projection projection(scene, corners, directions[k]);
         results[k] = Walk(projection, options).run();
       }

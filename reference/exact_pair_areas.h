@@ -15,6 +15,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -58,6 +59,7 @@ struct ExactOptions {
   Arithmetic arithmetic = Arithmetic::bounded;
   double touching_depth = kTouchingDepth;  // of requireDisjoint
   unsigned thread_count = 0;               // 0: one per core
+  std::function<void()> on_direction;      // called before every direction, by any thread; what it throws ends the call; may be empty
 };
 
 // A'_ab(u) = area in P(u) of the lines along u on which polygons a and b are consecutive and facing, by the rules of

@@ -64,7 +64,7 @@ TEST(ExactEngine, ThreadsNeverChangeTheCounts) {
   const Scene scene = buildScene(ts::roomWithTouchingBoxes());
   const Ids ids = makeIds(scene, By::surface, false);
   const auto directions = sampleDirections(Sampler::fibonacci, 20, 1, 0);
-  const PairCounts one = makeExactEngine(scene, ids, 1)->count(directions), three = makeExactEngine(scene, ids, 3)->count(directions);
+  const PairCounts one = makeExactEngine(scene, ids, {.thread_count = 1})->count(directions), three = makeExactEngine(scene, ids, {.thread_count = 3})->count(directions);
   ASSERT_EQ(one.size(), three.size());
   for (size_t k = 0; k < one.size(); ++k) EXPECT_EQ(one[k].count, three[k].count);
 }

@@ -310,6 +310,23 @@ TEST(Peel, ErrorsWaitForTheOtherBatch) {
   }
 }
 
+// A callback may end a call between two batches: the next one starts from nothing. Lists too short make the other batch want to be repeated.
+TEST(Peel, EnginesCountAgainAfterACallbackThrew) {
+  const Scene scene = buildScene(ts::roomWithTouchingBoxes());
+  const Ids ids = makeIds(scene, By::polygon, false);
+  const auto directions = sampleDirections(Sampler::fibonacci, 60, 1, 0);
+  const PairCounts expected = makeComputeEngine(testDevice(), scene, ids, {})->count(directions);
+  for (MakeEngine make_engine : {MakeEngine(makeComputeEngine), MakeEngine(makeGraphicsEngine)})
+    for (int batches : {1, 2, 5}) {
+      int left = batches;
+      const auto engine = make_engine(testDevice(), scene, ids, {.batch_directions = 7, .list_capacity = 1, .on_batch = [&](uint64_t) {
+                                        if (--left == 0) throw Interrupted{};
+                                      }});
+      EXPECT_THROW(engine->count(directions), Interrupted);
+      EXPECT_EQ(engine->count(directions), expected) << "after " << batches << " batches";
+    }
+}
+
 TEST(Peel, GraphicsEngineRefusesCountersBeyondTheBudget) {
   const Scene scene = buildScene(ts::roomWithTouchingBoxes());
   try {

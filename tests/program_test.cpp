@@ -1,51 +1,10 @@
 // The program as a user meets it: exit status, messages, files.
-#include <array>
-#include <cstdio>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
+#include "program.h"
 
-#include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
+namespace viewpeel {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct Result {
-  int status;
-  std::string output;  // stdout and stderr
-};
-
-Result run(const std::string& arguments, const std::string& environment = "") {
-  const std::string command = environment + " " VIEWPEEL_PROGRAM " " + arguments + " 2>&1 </dev/null";
-  FILE* pipe = popen(command.c_str(), "r");
-  Result result{-1, ""};
-  std::array<char, 4096> buffer;
-  while (size_t got = fread(buffer.data(), 1, buffer.size(), pipe)) result.output.append(buffer.data(), got);
-  const int status = pclose(pipe);
-  result.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  return result;
-}
-
-std::string readFile(const fs::path& file) {
-  std::ifstream in(file);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
-class Program : public testing::Test {
- protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("viewpeel_program_test_" + std::to_string(::getpid()));
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-  std::string file(const std::string& name) const { return (folder_ / name).string(); }
-  fs::path folder_;
-};
 
 TEST_F(Program, ComputesPlatesAndWritesBothFiles) {
   const Result r = run("compute " VIEWPEEL_SCENES "/plates.obj --resolution 32 --directions 100 -o " + file("p.csv") + " -o " + file("p.mtx"));
@@ -164,8 +123,9 @@ TEST_F(Program, HelpNamesEveryOption) {
   const Result r = run("compute --help");
   EXPECT_EQ(r.status, 0);
   for (const char* option : {"--output", "--tolerance", "--directions", "--replicates", "--resolution", "--by", "--sampler", "--seed",
-                             "--two-sided", "--device", "--quiet"})
+                             "--two-sided", "--device", "--quiet", "--checkpoint", "--resume", "--first-replicate"})
     EXPECT_NE(r.output.find(option), std::string::npos) << option;
 }
 
 }  // namespace
+}  // namespace viewpeel

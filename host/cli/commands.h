@@ -14,5 +14,6 @@ void addCompute(CLI::App& app, Run& chosen);
 void addPlan(CLI::App& app, Run& chosen);
 void addCheck(CLI::App& app, Run& chosen);
 void addDevices(CLI::App& app, Run& chosen);
+void addMerge(CLI::App& app, Run& chosen);
 
 }  // namespace viewpeel::cli

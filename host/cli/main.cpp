@@ -24,6 +24,7 @@ int main(int argc, char** argv) {
   viewpeel::cli::addCompute(app, chosen);
   viewpeel::cli::addPlan(app, chosen);
   viewpeel::cli::addCheck(app, chosen);
+  viewpeel::cli::addMerge(app, chosen);
   viewpeel::cli::addDevices(app, chosen);
   try {
     app.parse(argc, argv);

@@ -117,6 +117,14 @@ std::string describeErrors(const Estimate& estimate) {
                             closure.largest_error, closure.row, closure.rms_error, 100 * environmentShare(f), 100 * leakShare(f));
 }
 
+std::string describeResult(const Estimate& estimate) {
+  const FormFactors& f = estimate.form_factors;
+  if (f.entries().empty()) return "\nNothing that was asked for sees anything: every form factor is 0.\n\n" + describeErrors(estimate);
+  const bool splits_surfaces = f.ids().splits_surfaces;
+  return fmt::format("\nlargest form factors{}\n{}\n{}", splits_surfaces ? "" : " between surfaces",
+                     tabulateLargest(splits_surfaces ? f : estimate.between_surfaces, 20), describeErrors(estimate));
+}
+
 std::string asJson(const std::string& scene, const std::string& device, const Estimate& estimate, double seconds, const Work* work) {
   const FormFactors& f = estimate.form_factors;
   std::string text = fmt::format(

@@ -16,6 +16,9 @@ std::string describeScene(const Scene& scene);
 // The largest form factors between named surfaces, with standard errors.
 std::string tabulateLargest(const FormFactors& between_surfaces, size_t rows);
 
+// The largest form factors and describeErrors.
+std::string describeResult(const Estimate& estimate);
+
 // Standard errors, closure, leak and environment of the whole matrix.
 std::string describeErrors(const Estimate& estimate);
 

@@ -253,6 +253,10 @@ void ComputeEngine::makeLists(Batch& batch, uint64_t capacity) {
 }
 
 PairCounts ComputeEngine::count(std::span<const Direction> directions) {
+  for (Batch& batch : batches_) {  // what a call that ended in an error left running
+    if (batch.in_flight) batch.commands.wait();
+    batch.in_flight = false;
+  }
   counters_.start(commands_);
   const Work work_before = work_;
   while (!countAll(directions)) {

@@ -130,8 +130,12 @@ void GraphicsEngine::prepareImages() {
 
 PairCounts GraphicsEngine::count(std::span<const Direction> directions) {
   counters_.start(commands_);
-  for (size_t done = 0; done < directions.size(); done += batch_size_)
-    countBatch(directions.subspan(done, std::min<size_t>(batch_size_, directions.size() - done)));
+  for (size_t done = 0; done < directions.size();) {
+    const size_t count = std::min<size_t>(batch_size_, directions.size() - done);
+    countBatch(directions.subspan(done, count));
+    done += count;
+    if (options_.on_batch) options_.on_batch(done);
+  }
   return counters_.finish(commands_);
 }
 

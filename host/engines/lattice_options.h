@@ -44,7 +44,7 @@ struct LatticeOptions {
   uint64_t memory_budget_bytes = 0;  // of batches; a direction that needs more gets it, and one batch at a time
   uint64_t available_bytes = 0;      // on the device; what needs more is refused
   bool measure_work = false;
-  std::function<void(uint64_t directions)> on_batch;  // told how many of a call have been counted; may be empty
+  std::function<void(uint64_t directions)> on_batch;  // told how many of a call have been counted; what it throws ends the call; may be empty
 };
 
 }  // namespace viewpeel

@@ -16,37 +16,58 @@ Estimate estimateFormFactors(Engine& engine, const Scene& scene, const Ids& ids,
     if (options.asked_directions) return options.asked_directions(options.directions, replicate);
     return {sampleDirections(options.sampler, options.directions, options.seed, replicate), {}, 1};
   };
-  double measure_area = engine.unitArea() * scene.scale * scene.scale / options.directions;
-  Ids surface_ids = makeIds(scene, By::surface, ids.two_sided);
-  surface_ids.rows_sum_to_one = ids.rows_sum_to_one;
-  if (!ids.asked.empty()) {
-    surface_ids.asked.assign(surface_ids.count(), false);
-    for (uint32_t k = 0; k < ids.count(); ++k)
-      if (ids.asked[k]) surface_ids.asked[ids.surface[k]] = true;
-  }
-  ReplicateSums sums(ids), surface_sums(surface_ids);
+  const double count_area = engine.unitArea() * scene.scale * scene.scale / options.directions;
+  RunSums sums = makeRunSums(scene, ids);
   double largest_error = 0, largest_relative_error = 0;
+  const auto measureErrors = [&] {
+    largest_error = sums.by_id.largestStandardError(sums.measure_area);
+    largest_relative_error = sums.by_id.largestRelativeError(sums.measure_area, options.relative_floor);
+  };
+  if (options.resumed) {
+    sums.add(*options.resumed);
+    measureErrors();
+  }
+  const uint64_t resumed_count = sums.replicateCount();
   const auto start = std::chrono::steady_clock::now();
   const auto isDone = [&] {
-    const auto done = double(sums.replicateCount());
+    const uint64_t done = sums.replicateCount();
+    const auto done_here = double(done - resumed_count);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    if (options.seconds && done >= 2 && seconds * (done + 1) / done > *options.seconds) return true;
+    if (options.seconds && done >= 2 && done_here > 0 && seconds * (done_here + 1) / done_here > *options.seconds) return true;
     return done >= options.replicates && (!options.tolerance || largest_error <= *options.tolerance) &&
            (!options.relative || largest_relative_error <= *options.relative) && !(options.seconds && !options.tolerance && !options.relative);
   };
-  while (!isDone()) {
-    AskedDirections asked = directionsOf(sums.replicateCount());
-    for (size_t k = 0; k < asked.weights.size(); ++k) asked.directions[k].weight = asked.weights[k];
-    if (sums.replicateCount() == 0) measure_area *= asked.weight_unit;
-    const PairCounts counts = asked.directions.empty() ? PairCounts{} : engine.count(asked.directions);
-    sums.add(counts);
-    surface_sums.add(mergeIds(counts, ids.surface));
-    largest_error = sums.largestStandardError(measure_area);
-    largest_relative_error = sums.largestRelativeError(measure_area, options.relative_floor);
-    if (options.on_replicate) options.on_replicate({sums.replicateCount(), largest_error});
+  bool interrupted = false;
+  try {
+    while (!isDone()) {
+      const uint64_t replicate = options.first_replicate + sums.replicateCount();
+      AskedDirections asked = directionsOf(replicate);
+      for (size_t k = 0; k < asked.weights.size(); ++k) asked.directions[k].weight = asked.weights[k];
+      if (sums.replicateCount() == 0) sums.measure_area = count_area * asked.weight_unit;
+      sums.add(replicate, asked.directions.empty() ? PairCounts{} : engine.count(asked.directions), options.directions);
+      measureErrors();
+      if (options.on_sums) options.on_sums(sums, false);
+      if (options.on_replicate) options.on_replicate({sums.replicateCount(), largest_error});
+    }
+  } catch (const Interrupted&) {
+    interrupted = true;
+  } catch (...) {
+    if (options.on_sums) options.on_sums(sums, true);
+    throw;
   }
-  return {sums.formFactors(measure_area), surface_sums.formFactors(measure_area), sums.replicateCount(),
-          sums.replicateCount() * options.directions, largest_error, largest_relative_error};
+  if (options.on_sums) options.on_sums(sums, true);
+  Estimate estimate = makeEstimate(sums, options.relative_floor);
+  estimate.interrupted = interrupted;
+  return estimate;
+}
+
+Estimate makeEstimate(const RunSums& sums, double relative_floor) {
+  return {sums.by_id.formFactors(sums.measure_area),
+          sums.by_surface.formFactors(sums.measure_area),
+          sums.replicateCount(),
+          sums.directions,
+          sums.by_id.largestStandardError(sums.measure_area),
+          sums.by_id.largestRelativeError(sums.measure_area, relative_floor)};
 }
 
 }  // namespace viewpeel

@@ -6,9 +6,12 @@
 #include "directions/asked_directions.h"
 #include "directions/sampler.h"
 #include "engines/engine.h"
-#include "matrix/form_factors.h"
+#include "matrix/run_sums.h"
 
 namespace viewpeel {
+
+// What a callback of an engine (on_batch) or of the estimator throws to stop a run: the replicate in progress is dropped.
+struct Interrupted {};
 
 struct EstimateProgress {
   uint64_t replicates = 0;
@@ -25,12 +28,17 @@ struct EstimateOptions {
   // `relative_floor`, is at most this.
   std::optional<double> relative;
   double relative_floor = 0.01;
-  // Stop before the replicate that would end later than this, `replicates` or not, but not before the second.
+  // Stop before the replicate that would end later than this, `replicates` or not, but not before the second, nor before the first of this call.
   std::optional<double> seconds;
   uint64_t seed = 1;
   // In place of the sampler: `count` directions of a replicate. None: nothing can be seen, every form factor is 0.
   std::function<AskedDirections(uint32_t count, uint64_t replicate)> asked_directions;
+  uint64_t first_replicate = 0;
+  // Go on after these, which count towards `replicates`: first_replicate and those that follow it, of the same scene, ids and options. May be nullptr.
+  const RunSums* resumed = nullptr;
   std::function<void(const EstimateProgress&)> on_replicate;  // may be empty
+  // Told the sums after every replicate, and once more with `last` when there will be no further one, be it for an error; may be empty.
+  std::function<void(const RunSums& sums, bool last)> on_sums;
 };
 
 enum class GuaranteedBy { hoeffding, bernstein, median };
@@ -49,14 +57,18 @@ struct Estimate {
   uint64_t directions = 0;  // in all
   double largest_standard_error = 0;
   double largest_relative_error = 0;  // over form factors of at least relative_floor
+  bool interrupted = false;           // goals may not be reached; standard errors are infinite where fewer than 2 replicates are done
   std::optional<Guarantee> guarantee;
 };
+
+// The form factors and errors of what was counted.    Cost: O(nonzeros).
+Estimate makeEstimate(const RunSums& sums, double relative_floor);
 
 // Computes F_ij = (2 / A_i) E[A'_ij(u)] for all pairs (Pellegrini 1997, sections 4.3 and 5.1).
 //   In: scene and ids as the engine was made with
 //   Error: unbiased at any spacing and number of directions; the standard error is that of the mean over independent replicates.
 //     Tests: tests/closed_form_test.cpp.
-//   Throws: what the engine throws; Error bad_usage for zero directions, fewer than 2 replicates, or a goal that is not positive.
+//   Throws: what the engine and callbacks throw, but for Interrupted; Error bad_usage for zero directions, fewer than 2 replicates, or a goal that is not positive.
 //   Cost: replicates x directions projections; memory O(nonzero pairs) beside the engine's.
 Estimate estimateFormFactors(Engine& engine, const Scene& scene, const Ids& ids, const EstimateOptions& options);
 

@@ -20,7 +20,6 @@ constexpr double kBaseShare = 0.9;             // of the area, that the first gr
 constexpr double kEpochGrowth = 1.15;          // of the blocks from one look at Bernstein's bound to the next
 constexpr uint64_t kPilot = uint64_t(1) << 40; // replicate numbers that no run reaches
 constexpr uint32_t kPilotBlocks = 24, kPilotDirections = 8;
-constexpr uint64_t kSurfaceSums = 32;          // replicates of the sums by surface, about
 constexpr uint64_t kFewestBlocks = 8;          // for standard errors
 constexpr uint64_t kMostAtOnce = 1 << 16;      // directions held at a time
 
@@ -196,7 +195,7 @@ GuaranteePlan planGuarantee(const Scene& scene, const Ids& ids, const GuaranteeO
   // The lattices: finer ones lower the range and with it the number of directions, and cost more each. Timed on a few directions.
   double block_seconds = 0, direction_seconds = 0;
   std::unique_ptr<Engine> engine;
-  for (double range : exact || lattices.resolution ? std::vector{4.0} : std::vector{5.0, 3.5, 2.8, 2.4, 2.2}) {
+  for (double range : options.range > 0 ? std::vector{options.range} : exact || lattices.resolution ? std::vector{4.0} : std::vector{5.0, 3.5, 2.8, 2.4, 2.2}) {
     const std::vector<SizeGroup> groups = exact ? groupBySize(scene, std::vector<double>(scene.polygons.size(), 1), 1)
                                                 : groupsFor(scene, neededFor(scene, ids, range, sampling), lattices);
     engine.reset();
@@ -216,6 +215,7 @@ GuaranteePlan planGuarantee(const Scene& scene, const Ids& ids, const GuaranteeO
     plan.engine = std::move(engine);
     plan.groups = groups;
     plan.ranges = ranges;
+    plan.range = range;
     plan.largest_range = largest;
     direction_seconds = many / kPilotDirections;
     block_seconds = std::max(few - direction_seconds, 0.0);
@@ -233,7 +233,7 @@ GuaranteePlan planGuarantee(const Scene& scene, const Ids& ids, const GuaranteeO
 
   // The variance of blocks, from some, says which size of block is expected to end first; that it does end is not at stake.
   double best = INFINITY;
-  for (uint32_t size : {1u, 2u, 4u, 8u, 16u, 32u}) {
+  for (uint32_t size : options.block_directions ? std::vector{options.block_directions} : std::vector{1u, 2u, 4u, 8u, 16u, 32u}) {
     ReplicateSums sums(ids);
     for (uint32_t b = 0; b < kPilotBlocks; ++b) sums.add(plan.engine->count(sampleDirections(options.sampler, size, options.seed, kPilot + b)));
     double variance = 0;
@@ -249,10 +249,8 @@ GuaranteePlan planGuarantee(const Scene& scene, const Ids& ids, const GuaranteeO
     plan.expected_blocks = static_cast<uint64_t>(std::ceil(blocks));
   }
   const double block = block_seconds + plan.block_directions * direction_seconds;
-  const uint64_t most = std::max(kFewestBlocks, (plan.hoeffding + plan.block_directions - 1) / plan.block_directions);
-  plan.least_blocks = std::min(most, static_cast<uint64_t>(std::ceil(1 + 7 * m * std::log(4 * 2 * 2 * plan.bounds / d) / (3 * e))));
-  plan.blocks_together = std::max<uint64_t>(1, plan.least_blocks / kSurfaceSums);
-  plan.most_blocks = (most + plan.blocks_together - 1) / plan.blocks_together * plan.blocks_together;
+  plan.most_blocks = std::max(kFewestBlocks, (plan.hoeffding + plan.block_directions - 1) / plan.block_directions);
+  plan.least_blocks = std::min(plan.most_blocks, static_cast<uint64_t>(std::ceil(1 + 7 * m * std::log(4 * 2 * 2 * plan.bounds / d) / (3 * e))));
   plan.least_seconds = double(plan.least_blocks) * block;
   plan.expected_seconds = double(plan.expected_blocks) * block;
   plan.most_seconds = double(plan.most_blocks) * block;
@@ -260,48 +258,54 @@ GuaranteePlan planGuarantee(const Scene& scene, const Ids& ids, const GuaranteeO
 }
 
 Estimate guaranteeFormFactors(const Scene& scene, const Ids& ids, const GuaranteeOptions& options, const GuaranteePlan& plan) {
-  Ids surface_ids = makeIds(scene, By::surface, ids.two_sided);
   const bool is_median = options.statistic == Statistic::median;
   const uint64_t directions = is_median ? plan.run_directions : plan.block_directions;
-  const uint64_t most_blocks = is_median ? plan.runs : plan.most_blocks, together = is_median ? 1 : plan.blocks_together;
-  const double measure_area = plan.engine->unitArea() * scene.scale * scene.scale / double(directions);
-  ReplicateSums sums(ids), surface_sums(surface_ids);
-  PairCounts gathered;
+  const uint64_t most_blocks = is_median ? plan.runs : plan.most_blocks;
+  RunSums sums = makeRunSums(scene, ids);
+  sums.measure_area = plan.engine->unitArea() * scene.scale * scene.scale / double(directions);
+  if (options.resumed) sums.add(*options.resumed);
   std::vector<PairCounts> runs;
-  Guarantee guarantee{options.epsilon, options.delta, INFINITY, GuaranteedBy::hoeffding};
+  Guarantee guarantee{options.epsilon, options.delta, INFINITY, is_median ? GuaranteedBy::median : GuaranteedBy::hoeffding};
+  // The looks at Bernstein's bound are after set numbers of blocks. Those that a run did before it was stopped found nothing.
   uint64_t look = 0, next_look = std::max<uint64_t>(2, plan.least_blocks);
-  bool done = false;
-  while (!done) {
-    const uint64_t block = sums.replicateCount();
-    const PairCounts counts = countBlock(*plan.engine, options, directions, block);
-    sums.add(counts);
-    gathered = addCounts(gathered, counts);
-    if (is_median) runs.push_back(counts);
-    if ((block + 1) % together == 0) {
-      surface_sums.add(mergeIds(gathered, ids.surface));
-      gathered.clear();
+  const auto passLook = [&] {
+    ++look;
+    next_look = static_cast<uint64_t>(std::ceil(double(next_look) * kEpochGrowth));
+  };
+  while (next_look < sums.replicateCount()) passLook();
+  const auto isDone = [&] {
+    const uint64_t blocks = sums.replicateCount();
+    if (blocks >= most_blocks || is_median || blocks != next_look) return blocks >= most_blocks;
+    passLook();
+    guarantee.bound = largestBernsteinBound(sums.by_id, ids, plan.ranges, sums.measure_area, options.delta / (2 * double(look) * double(look + 1) * plan.bounds));
+    if (guarantee.bound > options.epsilon) return false;
+    guarantee.by = GuaranteedBy::bernstein;
+    return true;
+  };
+  bool interrupted = false;
+  try {
+    while (!isDone()) {
+      const uint64_t block = sums.replicateCount();
+      PairCounts counts = countBlock(*plan.engine, options, directions, block);
+      sums.add(block, counts, directions);
+      if (is_median) runs.push_back(std::move(counts));
+      if (options.on_sums) options.on_sums(sums, false);
+      if (options.on_block) options.on_block({block + 1, is_median ? plan.runs : plan.expected_blocks, most_blocks, guarantee.bound});
     }
-    done = block + 1 >= most_blocks;
-    if (!is_median && !done && block + 1 >= next_look && (block + 1) % together == 0) {
-      ++look;
-      const double p = options.delta / (2 * double(look) * double(look + 1) * plan.bounds);
-      guarantee.bound = largestBernsteinBound(sums, ids, plan.ranges, measure_area, p);
-      next_look = static_cast<uint64_t>(std::ceil(double(block + 1) * kEpochGrowth));
-      if (guarantee.bound <= options.epsilon) {
-        guarantee.by = GuaranteedBy::bernstein;
-        done = true;
-      }
-    }
-    if (options.on_block) options.on_block({block + 1, is_median ? plan.runs : plan.expected_blocks, most_blocks, guarantee.bound});
+  } catch (const Interrupted&) {
+    interrupted = true;
+  } catch (...) {
+    if (options.on_sums) options.on_sums(sums, true);
+    throw;
   }
-  FormFactors form_factors = sums.formFactors(measure_area);
-  if (is_median) {
-    guarantee.by = GuaranteedBy::median;
-    form_factors = medianOf(runs, form_factors, measure_area);
-  }
-  guarantee.bound = guarantee.by == GuaranteedBy::bernstein ? guarantee.bound : options.epsilon;
-  return {std::move(form_factors), surface_sums.formFactors(measure_area / double(together)), sums.replicateCount(), sums.replicateCount() * directions,
-          sums.largestStandardError(measure_area), sums.largestRelativeError(measure_area, 0.01), guarantee};
+  if (options.on_sums) options.on_sums(sums, true);
+  Estimate estimate = makeEstimate(sums, EstimateOptions{}.relative_floor);
+  estimate.interrupted = interrupted;
+  if (interrupted) return estimate;  // an estimate is left, and no guarantee
+  if (is_median) estimate.form_factors = medianOf(runs, estimate.form_factors, sums.measure_area);
+  if (guarantee.by != GuaranteedBy::bernstein) guarantee.bound = options.epsilon;
+  estimate.guarantee = guarantee;
+  return estimate;
 }
 
 }  // namespace viewpeel

@@ -36,7 +36,11 @@ struct GuaranteeOptions {
   Statistic statistic = Statistic::mean;
   Sampler sampler = Sampler::jittered;  // or iid
   uint64_t seed = 1;
-  std::function<void(const GuaranteeProgress&)> on_block;  // may be empty
+  double range = 0;               // that lattices are made for; 0 chooses
+  uint32_t block_directions = 0;  // 0 chooses
+  const RunSums* resumed = nullptr;  // go on after these blocks, of the same plan; may be nullptr
+  std::function<void(const GuaranteeProgress&)> on_block;               // may be empty
+  std::function<void(const RunSums& sums, bool last)> on_sums;  // as for estimates; may be empty
 };
 
 // The ranges M_i of ids: the most that one direction can contribute to a form factor of id i, or to one with i the smaller polygon.
@@ -55,13 +59,13 @@ double bernsteinBound(double variance, double range, double blocks, double p);
 struct GuaranteePlan {
   double epsilon = 0, delta = 0;
   double bounds = 0;          // m
+  double range = 0;           // that lattices were made for
   double largest_range = 0;   // M
   uint64_t hoeffding = 0;     // directions
   uint32_t block_directions = 0;
   uint64_t least_blocks = 0;  // before which Bernstein's bound cannot be epsilon
   uint64_t most_blocks = 0;   // that Hoeffding's asks for
   uint64_t expected_blocks = 0;  // an estimate, from a pilot
-  uint64_t blocks_together = 1;  // enter the sums by surface
   double lemma_1 = 0, lemma_1_all = 0;  // directions of Pellegrini's Lemma 1: for one pair, and for m bounds at once
   uint64_t runs = 0, run_directions = 0;  // of the median
   std::vector<double> ranges;     // of ids

@@ -15,7 +15,7 @@ namespace {
 constexpr uint64_t kFirstPilot = uint64_t(1) << 40;  // replicate numbers that no run reaches
 constexpr uint32_t kPilotReplicates = 8, kPilotDirections = 32;
 constexpr int kFirstResolution = 64, kStep = 4;
-constexpr double kLatticePoints = 100;  // that every id meets in a run
+constexpr double kLatticePoints = 100, kUsualReplicates = 8;  // every id meets so many points in so many replicates
 constexpr double kDefaultTolerance = 1e-3;
 constexpr double kMostPoints = 8192.0 * 8192;  // of a direction
 
@@ -75,9 +75,9 @@ std::vector<double> finenessOf(const std::vector<double>& perimeters_per_area_sq
   return fineness;
 }
 
-// What an id's lattice variance asks for, and enough points in the whole run.
+// What an id's lattice variance asks for, and enough points in the whole run of so many directions a replicate.
 double neededResolution(double fineness, double area, int finest, double directions) {
-  return std::max(fineness * finest, 2 * std::sqrt(2 * kLatticePoints / (directions * area)));
+  return std::max(fineness * finest, 2 * std::sqrt(2 * kLatticePoints / (kUsualReplicates * directions * area)));
 }
 
 bool areAlike(const std::vector<SizeGroup>& a, const std::vector<SizeGroup>& b) {
@@ -98,6 +98,7 @@ class Planner {
   AskedDirections directionsOf(uint32_t count, uint64_t replicate) const;
   void measure(uint32_t directions, const Shape& shape);
   Choice choose() const;
+  Choice choose(bool by_time) const;
   double directionVariance(double directions) const;
   Load loadOf(const Shape& shape, double directions) const;
   double secondsOf(const Load& load) const;
@@ -155,7 +156,7 @@ std::vector<SizeGroup> Planner::groupsOf(const Shape& shape, double directions) 
 }
 
 void Planner::measure(uint32_t directions, const Shape& shape) {
-  auto groups = groupsOf(shape, double(directions) * kPilotReplicates);
+  auto groups = groupsOf(shape, directions);
   if (!engine_ || !areAlike(groups, groups_)) {
     engine_.reset();
     groups_ = std::move(groups);
@@ -216,7 +217,7 @@ void Planner::measure(uint32_t directions, const Shape& shape) {
     const double total = (s.aa - s.a * s.a / kR + s.bb - s.b * s.b / kR) / (2 * (kR - 1)), common = (s.ab - s.a * s.b / kR) / (kR - 1);
     spreads.push_back({total * unit * unit, (total - common) * unit * unit});
   }
-  Pilot pilot{directions, shape, 0, 0, seconds / (2 * kPilotReplicates * directions), loadOf(shape, double(directions) * kPilotReplicates)};
+  Pilot pilot{directions, shape, 0, 0, seconds / (2 * kPilotReplicates * directions), loadOf(shape, directions)};
   if (!spreads.empty()) {
     // The largest of each, of different entries. A covariance is known from few replicates only: its share is a mean over some of the largest variances.
     const size_t top = std::clamp<size_t>(spreads.size() / 50, 1, 64);
@@ -271,12 +272,17 @@ double Planner::secondsOf(const Load& load) const {
   return per_group * load.groups + per_point * load.points;
 }
 
+// The least time to the goal; the least error in the time there is, where there is no goal or no time for it.
 Planner::Choice Planner::choose() const {
+  const Choice choice = choose(options_.seconds && !options_.tolerance && !options_.relative);
+  return options_.seconds && choice.seconds > *options_.seconds ? choose(true) : choice;
+}
+
+Planner::Choice Planner::choose(bool by_time) const {
   const double replicates = double(options_.replicates);
   double goal = kDefaultTolerance;
   if (options_.tolerance) goal = *options_.tolerance;
   else if (options_.relative) goal = *options_.relative;
-  const bool by_time = options_.seconds && !options_.tolerance && !options_.relative;
   double least_area = 1;
   for (const SizeClass& size : classes_) least_area = std::min(least_area, size.least_area);
 
@@ -290,8 +296,8 @@ Planner::Choice Planner::choose() const {
         const Shape shape{(finest + step - 1) / step, finest};
         if (shape.base > kMaxResolution) continue;
         // One lattice for all: fine enough for the least of them, or as fine as there is.
-        if (!lattices_.may_group && !lattices_.resolution && finest < std::min(neededBy({1, 0, 0, least_area}, shape, in_all), kMaxResolution / 1.5)) continue;
-        const Load load = loadOf(shape, in_all);
+        if (!lattices_.may_group && !lattices_.resolution && finest < std::min(neededBy({1, 0, 0, least_area}, shape, directions), kMaxResolution / 1.5)) continue;
+        const Load load = loadOf(shape, directions);
         if (load.points > kMostPoints && best.directions) continue;
         const Choice choice{directions, shape, secondsOf(load) * in_all, (directionVariance(directions) + pilots_.back().lattice_variance * load.variance / pilots_.back().load.variance / directions) / replicates};
         const auto isBetter = [&](bool reaches, bool best_reaches, double value, double best_value) { return reaches != best_reaches ? reaches : value < best_value; };
@@ -321,7 +327,7 @@ Plan Planner::plan() {
   Plan plan;
   plan.directions = choice.directions;
   plan.finest = choice.shape.finest;
-  plan.groups = groupsOf(choice.shape, double(choice.directions) * double(options_.replicates));
+  plan.groups = groupsOf(choice.shape, choice.directions);
   plan.seconds = choice.seconds;
   plan.standard_error = std::sqrt(choice.variance);
   plan.pilot_seconds = pilot_seconds_;

@@ -32,7 +32,7 @@ struct Lattices {
 //   largest variance. V_lattice goes with h^3 P / A^2 (tests/lattice_check_test.cpp), which says how fine a lattice each polygon needs beside the others; V_directions
 //   falls with N as the pilots show, or as 1 / N^2 (1 / N for iid directions) where one pilot is enough. Time per direction is measured, too. The plan is
 //   the least time among powers of sqrt(2) of N and of resolution, with one lattice or groups (size_groups.h).
-//   Every id gets a lattice that it meets at 100 points or more in the run, so that none goes unseen.
+//   Every id gets a lattice that it meets at 100 points or more in eight replicates, so that none goes unseen.
 //   In: options: goal, replicates, sampler, seed, asked_directions    Out: the plan, with its engine
 //   Error: a prediction; what was reached is measured by the run. Directions and lattices of pilots are none of the run's.
 //   Throws: what engines throw.
@@ -41,7 +41,7 @@ Plan planEstimate(const Scene& scene, const Ids& ids, const EstimateOptions& opt
 
 // The groups of polygons that a plan with these figures has.
 //   In: base: the resolution of the whole scene; finest: that of the neediest polygon, beside which the others get what makes the lattice variance of their ids
-//     no larger, 2 / h ~ (P / A^2)^(1/3); directions: of the whole run, in which every id is to be met at 100 lattice points
+//     no larger, 2 / h ~ (P / A^2)^(1/3); directions: of a replicate, in eight of which every id is to be met at 100 lattice points
 //   Cost: O(n log n).
 std::vector<SizeGroup> planGroups(const Scene& scene, const Ids& ids, int base, int finest, double directions);
 

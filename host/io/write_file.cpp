@@ -4,6 +4,7 @@
 #include <cstring>
 #include <fstream>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -15,7 +16,16 @@ namespace {
 namespace fs = std::filesystem;
 
 [[noreturn]] void refuse(const fs::path& file, const std::string& reason) {
-  throw Error(ErrorCode::output, fmt::format("{}: cannot write: {}; choose another place with -o", file.string(), reason));
+  throw Error(ErrorCode::output, fmt::format("{}: cannot write: {}; choose another place", file.string(), reason));
+}
+
+// Waits until the disk has what was written to the file, or the names in the folder. Returns errno; file systems that cannot say EINVAL,
+// folders that may be written but not read EACCES: that is as much as can be had.
+int waitForDisk(const fs::path& file) {
+  const int opened = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
+  const int number = opened >= 0 && ::fsync(opened) == 0 ? 0 : errno;
+  if (opened >= 0) ::close(opened);
+  return number == EINVAL || number == EACCES ? 0 : number;
 }
 
 fs::path temporaryName(const fs::path& file) { return file.string() + fmt::format(".{}.part", ::getpid()); }
@@ -32,6 +42,7 @@ void writeFile(const fs::path& file, const std::function<void(std::ostream&)>& w
     write(out);
     out.close();
     if (!out) refuse(file, errno ? std::strerror(errno) : "the disk is full");
+    if (const int number = waitForDisk(temporary)) refuse(file, std::strerror(number));
     std::error_code failure;
     fs::rename(temporary, file, failure);
     if (failure) refuse(file, failure.message());
@@ -39,6 +50,7 @@ void writeFile(const fs::path& file, const std::function<void(std::ostream&)>& w
     fs::remove(temporary, ignored);
     throw;
   }
+  if (const int number = waitForDisk(file.has_parent_path() ? file.parent_path() : ".")) refuse(file, std::strerror(number));
 }
 
 void checkWritable(const fs::path& file) {

@@ -5,7 +5,8 @@
 
 namespace viewpeel {
 
-// Writes to a temporary name beside `file` and renames it, so that `file` is either whole or untouched.
+// Writes to a temporary name beside `file`, has the disk keep that, and renames it: `file` is at any time, after a power cut too, either whole
+// or untouched. What ends the program meanwhile leaves the temporary file, FILE.PID.part.
 //   Throws: Error output, naming the file and the system's reason.
 void writeFile(const std::filesystem::path& file, const std::function<void(std::ostream&)>& write);
 

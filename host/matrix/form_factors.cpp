@@ -32,23 +32,37 @@ Measured FormFactors::formFactor(uint32_t i, uint32_t j) const {
   return {exchange.value / ids_.areas[i], exchange.standard_error / ids_.areas[i]};
 }
 
-void ReplicateSums::add(const PairCounts& counts) {
+// The sums with others, sorted alike, added: add_to(sum, pair) for each of them.
+template <class Pairs, class AddTo>
+std::vector<ReplicateSums::PairSum> ReplicateSums::addPairs(const Pairs& pairs, AddTo add_to) const {
   std::vector<PairSum> merged;
-  merged.reserve(std::max(pairs_.size(), counts.size()));
-  std::vector<uint64_t> rows(ids_.count(), 0);
+  merged.reserve(std::max(pairs_.size(), pairs.size()));
   auto old = pairs_.begin();
-  for (const PairCount& count : counts) {
-    const std::pair key(count.i, count.j);
+  for (const auto& pair : pairs) {
+    const std::pair key(pair.i, pair.j);
     while (old != pairs_.end() && before(*old, key)) merged.push_back(*old++);
-    merged.push_back(old != pairs_.end() && std::pair(old->i, old->j) == key ? *old++ : PairSum{count.i, count.j, {}});
-    merged.back().sum.add(count.count);
-    rows[count.i] += count.count;
-    if (count.j < kEnvironment) rows[count.j] += count.count;  // a pair within one id counts twice
+    merged.push_back(old != pairs_.end() && std::pair(old->i, old->j) == key ? *old++ : PairSum{pair.i, pair.j, {}});
+    add_to(merged.back().sum, pair);
   }
   merged.insert(merged.end(), old, pairs_.end());
-  pairs_ = std::move(merged);
+  return merged;
+}
+
+void ReplicateSums::add(const PairCounts& counts) {
+  std::vector<uint64_t> rows(ids_.count(), 0);
+  pairs_ = addPairs(counts, [&](Sum& sum, const PairCount& count) {
+    sum.add(count.count);
+    rows[count.i] += count.count;
+    if (count.j < kEnvironment) rows[count.j] += count.count;  // a pair within one id counts twice
+  });
   for (size_t k = 0; k < rows.size(); ++k) row_sums_[k].add(rows[k]);
   ++replicate_count_;
+}
+
+void ReplicateSums::add(const ReplicateSums& others) {
+  pairs_ = addPairs(others.pairs_, [](Sum& sum, const PairSum& pair) { sum.add(pair.sum); });
+  for (size_t k = 0; k < row_sums_.size(); ++k) row_sums_[k].add(others.row_sums_[k]);
+  replicate_count_ += others.replicate_count_;
 }
 
 // Mean over replicates, and sqrt(sample variance / replicates); infinite from a single replicate.

@@ -45,10 +45,36 @@ class FormFactors {
 // Sums the counts of replicates, exactly, and turns them into form factors.
 class ReplicateSums {
  public:
+  __extension__ using Wide = unsigned __int128;
+  struct Sum {
+    Wide sum = 0, sum_of_squares = 0;
+    void add(uint64_t count) {
+      sum += count;
+      sum_of_squares += Wide(count) * count;
+    }
+    void add(const Sum& other) {
+      sum += other.sum;
+      sum_of_squares += other.sum_of_squares;
+    }
+  };
+  struct PairSum {
+    uint32_t i, j;
+    Sum sum;
+  };
+
   explicit ReplicateSums(Ids ids) : ids_(std::move(ids)), row_sums_(ids_.count()) {}
+  // As they were summed before.    In: pairs sorted by (i, j), every pair at most once; row_sums: one for each id
+  ReplicateSums(Ids ids, uint64_t replicate_count, std::vector<PairSum> pairs, std::vector<Sum> row_sums)
+      : ids_(std::move(ids)), pairs_(std::move(pairs)), row_sums_(std::move(row_sums)), replicate_count_(replicate_count) {}
 
   // Cost: O(nonzeros).
   void add(const PairCounts& counts);
+  // Sums of other replicates.    In: others of the same ids    Cost: O(nonzeros).
+  void add(const ReplicateSums& others);
+
+  const Ids& ids() const { return ids_; }
+  const std::vector<PairSum>& pairs() const { return pairs_; }
+  const std::vector<Sum>& rowSums() const { return row_sums_; }
   uint64_t replicateCount() const { return replicate_count_; }
 
   //   In: measure_area: input units squared of one count, that is unitArea() scale^2 / directions per replicate
@@ -67,18 +93,8 @@ class ReplicateSums {
   double largestRelativeError(double measure_area, double floor) const;
 
  private:
-  __extension__ using Wide = unsigned __int128;
-  struct Sum {
-    Wide sum = 0, sum_of_squares = 0;
-    void add(uint64_t count) {
-      sum += count;
-      sum_of_squares += Wide(count) * count;
-    }
-  };
-  struct PairSum {
-    uint32_t i, j;
-    Sum sum;
-  };
+  template <class Pairs, class AddTo>
+  std::vector<PairSum> addPairs(const Pairs& pairs, AddTo add_to) const;
   Measured measure(const Sum& sum) const;
   Measured exchangeArea(const PairSum& pair, double measure_area) const;
 

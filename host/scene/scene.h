@@ -80,4 +80,7 @@ Scene loadScene(const std::filesystem::path& file);
 // Touching of edges in part (T-junctions) counts. An estimate of intent for the summary, never used in numerics.
 bool isClosed(const Scene& scene);
 
+// 64 bits of all that a count can depend on: geometry to the last bit, order, names; not the file's place.    Cost: O(corners).
+uint64_t fingerprint(const Scene& scene);
+
 }  // namespace viewpeel

@@ -1,0 +1,54 @@
+// What --checkpoint and --resume do.
+#pragma once
+#include <chrono>
+#include <optional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "io/checkpoint.h"
+
+namespace viewpeel::cli {
+
+struct CheckpointOptions {
+  std::string file;  // empty: none is kept
+  bool resume = false;
+  double seconds_apart = 10;
+};
+
+void addCheckpointOptions(CLI::App* command, CheckpointOptions& options);
+
+// That nothing is written over by mistake.    Throws: Error bad_usage where there is such a file; Error output where none can be written.
+void requireNewCheckpoint(const std::string& file);
+
+// Keeps the checkpoint of one run up to date.
+class CheckpointKeeper {
+ public:
+  // Reads what there is to go on with.
+  //   Throws: Error bad_usage where there is a file and nobody said to resume, or it is of another run; as readCheckpoint; Error output
+  //     where none can be written.
+  CheckpointKeeper(const CheckpointOptions& options, Settings settings, uint64_t first_replicate);
+
+  // nullptr where the run starts afresh.
+  const RunSums* resumed() const { return resumed_ ? &*resumed_ : nullptr; }
+  // One line: what was found.
+  std::string describe() const;
+
+  // Writes where the last time is long enough ago, or `last`. A failure is a warning: the run is worth more than its checkpoint.
+  void keep(const RunSums& sums, bool last);
+  // False where the last attempt failed.
+  bool isKept() const { return is_kept_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  using Seconds = std::chrono::duration<double>;
+
+  CheckpointOptions options_;
+  Settings settings_;
+  std::optional<RunSums> resumed_;
+  Clock::time_point written_ = Clock::now();
+  Seconds pause_;  // between writes
+  bool is_kept_ = true;
+};
+
+}  // namespace viewpeel::cli

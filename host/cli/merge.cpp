@@ -1,0 +1,48 @@
+#include <fmt/format.h>
+
+#include "cli/checkpoint_keeper.h"
+#include "cli/commands.h"
+#include "cli/summary.h"
+#include "error.h"
+#include "io/write_form_factors.h"
+
+namespace viewpeel::cli {
+namespace {
+
+struct MergeCommand {
+  std::vector<std::string> inputs, outputs;
+  std::string checkpoint;
+  bool quiet = false;
+};
+
+int runMerge(const MergeCommand& command) {
+  for (const std::string& output : command.outputs) checkOutput(output);
+  if (!command.checkpoint.empty()) requireNewCheckpoint(command.checkpoint);
+  const Checkpoint merged = mergeCheckpoints({command.inputs.begin(), command.inputs.end()});
+  if (!command.outputs.empty() && merged.sums.replicateCount() < 2)
+    throw Error(ErrorCode::bad_usage, fmt::format("{}: holds 1 replicate, a standard error needs 2; go on with it, or merge it with others", command.inputs.front()));
+  if (!command.checkpoint.empty()) writeCheckpoint(merged.settings, merged.sums, command.checkpoint);
+  const Estimate estimate = makeEstimate(merged.sums, EstimateOptions{}.relative_floor);
+  for (const std::string& output : command.outputs) writeFormFactors(estimate.form_factors, output);
+  if (command.quiet) return 0;
+  for (const auto& [name, value] : merged.settings) fmt::print("{:<14} {}\n", name, value);
+  fmt::print("{:<14} {}\n{}", "replicates", describeReplicates(merged.sums.replicates), describeResult(estimate));
+  fmt::print("work       {} replicates, {} directions\n", estimate.replicates, estimate.directions);
+  if (!command.checkpoint.empty()) fmt::print("written    {}\n", command.checkpoint);
+  for (const std::string& output : command.outputs) fmt::print("written    {}\n", output);
+  return 0;
+}
+
+}  // namespace
+
+void addMerge(CLI::App& app, Run& chosen) {
+  auto options = std::make_shared<MergeCommand>();
+  CLI::App* command = app.add_subcommand("merge", "Add up checkpoints of different replicates of one run; of one alone, show it and write its results");
+  command->add_option("CHECKPOINT", options->inputs, "Files of --checkpoint, in any order")->required();
+  command->add_option("-o,--output", options->outputs, "Write the matrix: .csv or .mtx; may be given several times")->type_name("FILE")->allow_extra_args(false);
+  command->add_option("--checkpoint", options->checkpoint, "Write the sum as a checkpoint, to go on with or to merge again")->type_name("FILE");
+  command->add_flag("--quiet", options->quiet, "Print nothing but errors");
+  command->callback([options, &chosen] { chosen = [options] { return runMerge(*options); }; });
+}
+
+}  // namespace viewpeel::cli

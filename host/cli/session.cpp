@@ -1,0 +1,262 @@
+#include "cli/session.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <glm/geometric.hpp>
+
+#include "cli/interrupts.h"
+#include "cli/summary.h"
+#include "error.h"
+#include "reference/exact_engine.h"
+#include "scene/fingerprint.h"
+
+namespace viewpeel::cli {
+namespace {
+
+const std::vector<std::pair<std::string, Sampler>> kSamplers = {
+    {"fibonacci", Sampler::fibonacci}, {"jittered", Sampler::jittered}, {"sobol", Sampler::sobol}, {"iid", Sampler::iid}};
+
+std::string nameOf(Sampler sampler) {
+  for (const auto& [name, value] : kSamplers)
+    if (value == sampler) return name;
+  return {};
+}
+
+// Fewer directions where not everything is asked for. Returns how they are drawn, in words.
+std::string askDirections(const Question& question, const Scene& scene, bool two_sided, EstimateOptions& estimate) {
+  if (!question.pair.empty()) {
+    const DirectionRegion region = findPairRegion(scene, findPolygons(scene, question.pair[0]), findPolygons(scene, question.pair[1]), two_sided);
+    estimate.asked_directions = [region, seed = estimate.seed](uint32_t count, uint64_t replicate) { return sampleRegion(region, count, seed, replicate); };
+    return region.isEmpty() ? "but none in which a front of one sees a front of the other"
+                            : fmt::format("in the pair's anti-convex-hull, {:.3g} % of a half sphere", region.solidAngle() / (2 * std::numbers::pi) * 100);
+  }
+  std::vector<uint32_t> emitter;
+  for (const std::string& name : question.from) {
+    const std::vector<uint32_t> polygons = findPolygons(scene, name);
+    emitter.insert(emitter.end(), polygons.begin(), polygons.end());
+  }
+  estimate.asked_directions = [emitter, &scene, seed = estimate.seed](uint32_t count, uint64_t replicate) { return sampleEmitter(scene, emitter, count, seed, replicate); };
+  const bool planar = std::all_of(emitter.begin(), emitter.end(), [&](uint32_t k) {
+    const Polygon &a = scene.polygons[k], &b = scene.polygons[emitter[0]];
+    return glm::dot(scene.planes[a.plane].normal, scene.planes[b.plane].normal) * (a.front_along_plane_normal == b.front_along_plane_normal ? 1 : -1) > 1 - 1e-9;
+  });
+  return planar ? "by the emitter's cosine" : "fibonacci";
+}
+
+// The lattices of groups of polygons.
+std::string describeGroups(const std::vector<SizeGroup>& groups, Sampling sampling) {
+  std::string text = fmt::format("{} {} across", sampling == Sampling::scanline ? "scanlines" : "lattice", groups[0].resolution);
+  for (size_t g = 1; g < groups.size();) {
+    size_t windows = 0, polygons = 0;
+    const int resolution = groups[g].resolution;
+    for (; g < groups.size() && groups[g].resolution == resolution; ++g, ++windows) polygons += groups[g].polygons.size();
+    text += fmt::format(", {} in {} window{} on {} polygons", resolution, windows, windows == 1 ? "" : "s", polygons);
+  }
+  return text;
+}
+
+// A time for people.
+std::string inWords(double seconds) {
+  if (seconds < 120) return fmt::format("{:.2g} s", seconds);
+  if (seconds < 7200) return fmt::format("{:.0f} minutes", seconds / 60);
+  if (seconds < 48 * 3600) return fmt::format("{:.0f} hours", seconds / 3600);
+  return fmt::format("{:.3g} days", seconds / 86400);
+}
+
+std::string isPositive(const std::string& text) {
+  double value = 0;
+  return CLI::detail::lexical_cast(text, value) && value > 0 && std::isfinite(value) ? "" : text + " is not a number above 0";
+}
+
+}  // namespace
+
+Session::Session(ProgramOptions& asked) : options(asked), scene(loadScene(asked.scene)), ids(makeIds(scene, asked.by, asked.two_sided)), sampler(nameOf(asked.estimate.sampler)) {
+  for (const std::string& warning : scene.warnings) fmt::print(stderr, "viewpeel: warning: {}\n", warning);
+  askOnlyFor(options.question, scene, ids);
+  if (!ids.roles.empty() && options.engine == EngineKind::graphics)
+    throw Error(ErrorCode::bad_usage, "--from, --pair and --blocker need --engine compute or exact");
+  if (options.lattice.sampling == Sampling::scanline && options.engine != EngineKind::compute)
+    throw Error(ErrorCode::bad_usage, "--sampling scanline needs --engine compute");
+  if (options.finest && (options.engine != EngineKind::compute || !ids.roles.empty()))
+    throw Error(ErrorCode::bad_usage, "--finest needs --engine compute and the whole matrix");
+  if (!options.whole_sphere && (!options.question.pair.empty() || (!options.question.from.empty() && !options.two_sided)))
+    sampler = askDirections(options.question, scene, options.two_sided, options.estimate);
+  if (options.engine != EngineKind::exact) device.emplace(options.device);
+}
+
+Lattices Session::lattices() const {
+  const auto make = [this](const std::vector<SizeGroup>& groups) -> std::unique_ptr<Engine> {
+    if (!device) return reference::makeExactEngine(scene, ids, {.on_direction = stopIfInterrupted});
+    LatticeOptions lattice = options.lattice;
+    lattice.resolution = groups[0].resolution;
+    return groups.size() > 1 ? makeGroupedEngine(*device, scene, ids, lattice, groups) : makeLatticeEngine(options.engine, *device, scene, ids, lattice);
+  };
+  return {make, options.resolution, options.engine == EngineKind::compute && ids.roles.empty() && !options.resolution};
+}
+
+GuaranteeOptions Session::guaranteeOptions() const {
+  GuaranteeOptions asked;
+  asked.epsilon = *options.epsilon;
+  asked.delta = options.delta;
+  asked.statistic = options.statistic;
+  asked.sampler = options.whole_sphere ? options.estimate.sampler : options.statistic == Statistic::median ? Sampler::iid : Sampler::jittered;
+  asked.seed = options.estimate.seed;
+  asked.range = options.range;
+  asked.block_directions = options.block;
+  return asked;
+}
+
+Plan Session::plan() const {
+  if (device && options.plans) return planEstimate(scene, ids, options.estimate, lattices());
+  Plan plan;
+  plan.directions = options.estimate.directions;
+  plan.finest = options.finest;
+  const int resolution = options.resolution ? options.resolution : options.lattice.resolution;
+  plan.groups = options.finest ? planGroups(scene, ids, resolution, options.finest, plan.directions)
+                               : groupBySize(scene, std::vector<double>(scene.polygons.size(), 1), resolution);
+  plan.engine = lattices().make_engine(plan.groups);
+  return plan;
+}
+
+GuaranteePlan Session::planGuarantee() const {
+  GuaranteePlan plan = viewpeel::planGuarantee(scene, ids, guaranteeOptions(), lattices(), options.lattice.sampling, !device);
+  if (options.estimate.seconds && plan.least_seconds > *options.estimate.seconds)
+    throw Error(ErrorCode::bad_usage, fmt::format("a guarantee of {} takes {} at least, {} at most, more than --seconds {}; ask for a larger --epsilon, or an estimate by --tolerance",
+                                                  plan.epsilon, inWords(plan.least_seconds), inWords(plan.most_seconds), *options.estimate.seconds));
+  return plan;
+}
+
+void Session::describe() const {
+  fmt::print("{}{}", device ? describeDevice(*device) : "device     none: exact areas on the CPU\n", describeScene(scene));
+  std::fflush(stdout);
+}
+
+std::string Session::describe(const Plan& plan) const {
+  const EstimateOptions& estimate = options.estimate;
+  const std::string text = fmt::format("sampling   {} directions a replicate, {}; {}; seed {}\n", plan.directions, sampler,
+                                       device ? describeGroups(plan.groups, options.lattice.sampling) : "exact areas", estimate.seed);
+  if (!(plan.pilot_seconds > 0)) return text;
+  return text + fmt::format("expected   largest standard error {:.1e}{} after {} replicates, {} (found out in {}); the same again: --directions {} --resolution {}{}\n",
+                            plan.standard_error, estimate.relative && !estimate.tolerance ? " of its form factor" : "", estimate.replicates, inWords(plan.seconds),
+                            inWords(plan.pilot_seconds), plan.directions, plan.groups[0].resolution,
+                            plan.groups.size() > 1 ? fmt::format(" --finest {}", plan.finest) : "");
+}
+
+std::string Session::describe(const GuaranteePlan& plan) const {
+  const bool is_median = options.statistic == Statistic::median;
+  std::string text = fmt::format("goal       every form factor within {} with probability {}: {:.0f} bounds at once, a direction adds at most {:.2f}\n", plan.epsilon, 1 - plan.delta,
+                                 plan.bounds, plan.largest_range);
+  text += fmt::format("sampling   {} directions; {}; seed {}\n", nameOf(guaranteeOptions().sampler), device ? describeGroups(plan.groups, options.lattice.sampling) : "exact areas",
+                      options.estimate.seed);
+  if (is_median) text += fmt::format("plan       median of {} runs of {} directions, {}\n", plan.runs, plan.run_directions, inWords(plan.most_seconds));
+  else
+    text += fmt::format("plan       blocks of {} directions: {} ({}) by Hoeffding's bound; by Bernstein's {} ({}) expected, {} ({}) at least; the same again: --range {} --block {}\n",
+                        plan.block_directions, plan.most_blocks, inWords(plan.most_seconds), plan.expected_blocks, inWords(plan.expected_seconds), plan.least_blocks,
+                        inWords(plan.least_seconds), plan.range, plan.block_directions);
+  return text + fmt::format("beside     directions: Hoeffding {}; Pellegrini's Lemma 1 {:.3g} for one pair, {:.3g} for all; median of runs {:.3g}\n", plan.hoeffding, plan.lemma_1,
+                            plan.lemma_1_all, double(plan.runs) * double(plan.run_directions));
+}
+
+// An option that changes counts has its line here, or in what calls this.
+Settings Session::settings() const {
+  const Question& question = options.question;
+  return {
+      {"version", VIEWPEEL_VERSION},
+      {"scene", fmt::format("{} polygons, fingerprint {:016x}", scene.faces.size(), fingerprint(scene))},
+      {"--by", options.by == By::polygon ? "polygon" : "surface"},
+      {"--two-sided", options.two_sided ? "yes" : "no"},
+      {"--from", fmt::format("{}", fmt::join(question.from, ", "))},
+      {"--pair", fmt::format("{}", fmt::join(question.pair, ", "))},
+      {"--blocker", fmt::format("{}", fmt::join(question.blockers, ", "))},
+      {"--seed", std::to_string(options.estimate.seed)},
+      {"--sampling", !device ? "exact areas" : options.lattice.sampling == Sampling::scanline ? "scanline" : "lattice"},
+  };
+}
+
+Settings Session::settings(const Plan& plan) const {
+  Settings all = settings();
+  all.insert(all.end(), {{"--sampler", sampler},
+                         {"--directions", std::to_string(plan.directions)},
+                         {"--resolution", device ? std::to_string(plan.groups[0].resolution) : "any"},
+                         {"--finest", plan.groups.size() > 1 ? std::to_string(plan.finest) : "0"}});
+  return all;
+}
+
+Settings Session::settings(const GuaranteePlan& plan) const {
+  if (options.statistic == Statistic::median) throw Error(ErrorCode::bad_usage, "--checkpoint keeps means only; leave out --statistic median");
+  Settings all = settings();
+  all.insert(all.end(), {{"--sampler", nameOf(guaranteeOptions().sampler)},
+                         {"--epsilon", fmt::format("{}", plan.epsilon)},
+                         {"--delta", fmt::format("{}", plan.delta)},
+                         {"--resolution", std::to_string(options.resolution)},
+                         {"--range", fmt::format("{}", plan.range)},
+                         {"--block", std::to_string(plan.block_directions)}});
+  return all;
+}
+
+// What `compute` and `plan` share.
+std::shared_ptr<ProgramOptions> addOptions(CLI::App* command) {
+  auto options = std::make_shared<ProgramOptions>();
+  EstimateOptions& estimate = options->estimate;
+  command->add_option("SCENE", options->scene, "Scene file: .obj, .stl or .ply")->required();
+  const auto addGoal = [&](const std::string& name, std::optional<double>& goal, const std::string& text, const std::string& type) {
+    command->add_option_function<double>(name, [&goal](const double& value) { goal = value; }, text)->type_name(type)->check(isPositive);
+  };
+  addGoal("--tolerance", estimate.tolerance, "Go on until the largest standard error of all form factors is at most this; 1e-3 unless another goal or --directions is given", "T");
+  addGoal("--relative", estimate.relative, "Go on until the largest standard error is at most this share of its form factor, over those above --floor", "R");
+  command->add_option("--floor", estimate.relative_floor, "Least form factor that --relative looks at")->type_name("F")->check(isPositive)->capture_default_str();
+  addGoal("--seconds", estimate.seconds, "As many replicates as fit into this time, 2 at least; with a goal: stop short of it when time is up", "S");
+  addGoal("--epsilon", options->epsilon, "Guarantee: every form factor within E with probability 1 - D; see --delta", "E");
+  command->add_option("--delta", options->delta, "Probability with which a guarantee may fail")->type_name("D")->check(isPositive)->capture_default_str();
+  command->add_option("--range", options->range, "Of a guarantee: lattices so fine that a direction adds at most about this to a form factor; chosen")
+      ->type_name("M")->check(CLI::Range(2.001, 100.0).description(""));
+  command->add_option("--block", options->block, "Of a guarantee: directions of a block; chosen")->type_name("N")->check(CLI::Range(1u, 1u << 16).description(""));
+  addChoice(command, "--statistic", options->statistic, {{"mean", Statistic::mean}, {"median", Statistic::median}},
+            "Of a guarantee: the mean of jittered directions, or the median of runs of independent ones");
+  command->add_option("--directions", estimate.directions, "Directions per replicate, in place of a plan")
+      ->type_name("N")->check(CLI::Range(1u, 1u << 30).description(""));
+  command->add_option("--replicates", estimate.replicates, "Independent replicates, at least; their spread gives the standard errors")
+      ->type_name("R")->check(CLI::Range(2u, 1u << 30).description(""))->capture_default_str();
+  command->add_option("--resolution", options->resolution, "Lattice spacings across the scene's diameter; planned, or 64 with --directions")
+      ->type_name("PX")->check(CLI::Range(1, kMaxResolution).description(""));
+  command->add_option("--finest", options->finest, "With --directions and --resolution: spacings for the polygon that needs most of them, in windows; the others get their share")
+      ->type_name("PX")->check(CLI::Range(1, kMaxWindowResolution).description(""));
+  addChoice(command, "--by", options->by, {{"polygon", By::polygon}, {"surface", By::surface}}, "One row per polygon or per named surface");
+  addChoice(command, "--engine", options->engine, {{"compute", EngineKind::compute}, {"graphics", EngineKind::graphics}, {"exact", EngineKind::exact}},
+            "Depth peeling on a Vulkan device, in compute shaders or by its raster pipeline, or exact areas on the CPU");
+  addChoice(command, "--sampling", options->lattice.sampling, {{"lattice", Sampling::lattice}, {"scanline", Sampling::scanline}},
+            "Samples of a direction: lattice points, or lattice rows cut where polygons end (engine compute)");
+  addChoice(command, "--sampler", estimate.sampler, kSamplers,
+            "Directions over the sphere: rotated Fibonacci sets, one in each of as many cells, scrambled Sobol' points, or independent. Without it --from and "
+            "--pair draw better ones");
+  command->add_option("--from", options->question.from, "Only the rows of this surface or face; may be given several times")->type_name("NAME")->allow_extra_args(false);
+  command->add_option("--pair", options->question.pair, "Only the form factors between two surfaces or faces")->type_name("A B")->expected(0, 2);
+  command->add_option("--blocker", options->question.blockers, "A surface or face that only blocks; may be given several times")->type_name("NAME")->allow_extra_args(false);
+  command->add_option("--first-replicate", estimate.first_replicate, "Count replicates from this one on: parts of a run, for viewpeel merge")
+      ->type_name("K")->check(CLI::Range(uint64_t(0), uint64_t(1) << 39).description(""))->capture_default_str();
+  command->add_option("--seed", estimate.seed, "The same seed and plan give the same bits")->type_name("K")->capture_default_str();
+  command->add_flag("--two-sided", options->two_sided, "Every polygon emits and receives on both sides");
+  command->add_option("--device", options->device.selector, "Vulkan device: index, part of its name, cpu or gpu")->type_name("DEVICE");
+  command->add_option("--batch", options->lattice.batch_directions, "Directions peeled at once; 0 chooses. Never changes the result")
+      ->type_name("N")->capture_default_str();
+  return options;
+}
+
+// What follows from the options given.
+void settle(const CLI::App* command, ProgramOptions& options) {
+  options.whole_sphere = command->get_option("--sampler")->count() > 0;
+  options.plans = command->get_option("--directions")->count() == 0;
+  if (options.finest && (options.plans || !options.resolution)) throw Error(ErrorCode::bad_usage, "--finest needs --directions and --resolution");
+  const EstimateOptions& e = options.estimate;
+  for (const char* name : {"--delta", "--statistic", "--range", "--block"})
+    if (!options.epsilon && command->get_option(name)->count()) throw Error(ErrorCode::bad_usage, fmt::format("{} is of a guarantee; give its --epsilon", name));
+  if (options.epsilon && (e.tolerance || e.relative || !options.plans || options.finest || e.first_replicate || command->get_option("--replicates")->count()))
+    throw Error(ErrorCode::bad_usage, "a guarantee plans for itself: leave out --tolerance, --relative, --directions, --finest, --replicates and --first-replicate");
+  if (options.plans && !e.tolerance && !e.relative && !e.seconds && options.engine != EngineKind::exact) options.estimate.tolerance = 1e-3;
+}
+
+}  // namespace viewpeel::cli

@@ -1,0 +1,73 @@
+// What `compute` and `plan` share: their options, and the scene, device and plan that these come to.
+#pragma once
+#include <memory>
+#include <optional>
+
+#include "cli/checkpoint_keeper.h"
+#include "cli/options.h"
+#include "estimator/guarantee.h"
+#include "estimator/plan.h"
+
+namespace viewpeel::cli {
+
+struct ProgramOptions {
+  std::string scene;
+  std::vector<std::string> outputs;
+  By by = By::polygon;
+  EngineKind engine = EngineKind::compute;
+  LatticeOptions lattice;
+  bool two_sided = false;
+  DeviceOptions device;
+  EstimateOptions estimate;
+  CheckpointOptions checkpoint;
+  Question question;
+  bool whole_sphere = false;  // a sampler was asked for by name
+  bool plans = true;          // directions and, where 0, resolution
+  int resolution = 0, finest = 0;
+  std::optional<double> epsilon;  // guarantee mode
+  double delta = 0.01, range = 0;
+  uint32_t block = 0;
+  Statistic statistic = Statistic::mean;
+  bool closure = false;
+  bool quiet = false, verbose = false, json = false;
+};
+
+// The options of both.
+std::shared_ptr<ProgramOptions> addOptions(CLI::App* command);
+// What follows from those given, once all are read.    Throws: Error bad_usage for those that contradict each other.
+void settle(const CLI::App* command, ProgramOptions& options);
+
+// What a run works on.
+struct Session {
+  ProgramOptions& options;
+  const Scene scene;
+  Ids ids;
+  std::string sampler;  // in words
+  std::optional<Device> device;
+
+  // Prints warnings on stderr.    Throws: what reading the scene and finding a device throw; Error bad_usage.
+  explicit Session(ProgramOptions& asked);
+  bool talks() const { return !options.quiet && !options.json; }
+  Lattices lattices() const;
+  GuaranteeOptions guaranteeOptions() const;
+
+  // As asked for, or planned.
+  Plan plan() const;
+  //   Throws: Error bad_usage where it would take longer than --seconds.
+  GuaranteePlan planGuarantee() const;
+
+  // Prints device and scene.
+  void describe() const;
+  // What a plan promises, and how to have the same run again; several lines.
+  std::string describe(const Plan& plan) const;
+  std::string describe(const GuaranteePlan& plan) const;
+
+  // What decides about the counts of a run: a checkpoint is gone on with under the same settings only.
+  Settings settings(const Plan& plan) const;
+  Settings settings(const GuaranteePlan& plan) const;
+
+ private:
+  Settings settings() const;
+};
+
+}  // namespace viewpeel::cli

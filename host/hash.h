@@ -1,0 +1,29 @@
+#pragma once
+#include <bit>
+#include <concepts>
+#include <cstdint>
+#include <string>
+
+namespace viewpeel {
+
+// 64 bits of whatever is added, in order: tells apart what differs by accident, with a chance of 2^-64 to miss it, and never misses a
+// difference in one number alone. Not against intent.
+class Hash {
+ public:
+  template <std::unsigned_integral T>
+  void add(T number) {
+    value_ = (value_ ^ number) * 0x9E3779B97F4A7C15u;  // odd: every step can be undone, so that different numbers stay different
+    value_ ^= value_ >> 32;
+  }
+  void add(double number) { add(std::bit_cast<uint64_t>(number)); }
+  void add(const std::string& text) {
+    add(text.size());
+    for (char c : text) add(static_cast<unsigned char>(c));
+  }
+  uint64_t value() const { return value_; }
+
+ private:
+  uint64_t value_ = 0x243F6A8885A308D3u;  // the first bits of pi - 3
+};
+
+}  // namespace viewpeel

@@ -1,0 +1,178 @@
+#include "io/checkpoint.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "error.h"
+#include "io/hdf5_file.h"
+#include "io/write_file.h"
+
+namespace viewpeel {
+namespace {
+
+constexpr uint64_t kFormat = 1;  // of the file: changes with every change of what is written below
+
+using Sum = ReplicateSums::Sum;
+using PairSum = ReplicateSums::PairSum;
+using Wide = ReplicateSums::Wide;
+
+uint64_t highOf(Wide number) { return static_cast<uint64_t>(number >> 64); }
+uint64_t lowOf(Wide number) { return static_cast<uint64_t>(number); }
+
+template <class T, class Rows, class Value>
+void writeColumn(Hdf5Output& out, const std::string& name, const Rows& rows, Value value) {
+  std::vector<T> column;
+  column.reserve(rows.size());
+  for (const auto& row : rows) column.push_back(value(row));
+  out.write(name, column);
+}
+
+// As many rows as `rows` has get their values.
+template <class T, class Rows, class Set>
+void readColumn(Hdf5Input& in, const std::string& name, Rows& rows, Set set) {
+  const std::vector<T> column = in.read<T>(name);
+  if (column.size() != rows.size()) in.refuse(fmt::format("its '{}' has {} values for {}", name, column.size(), rows.size()));
+  for (size_t k = 0; k < column.size(); ++k) set(rows[k], column[k]);
+}
+
+template <class Rows, class SumOf>
+void writeSums(Hdf5Output& out, const std::string& group, const Rows& rows, SumOf sum_of) {
+  writeColumn<uint64_t>(out, group + "/sum_high", rows, [&](const auto& row) { return highOf(sum_of(row).sum); });
+  writeColumn<uint64_t>(out, group + "/sum_low", rows, [&](const auto& row) { return lowOf(sum_of(row).sum); });
+  writeColumn<uint64_t>(out, group + "/sum_of_squares_high", rows, [&](const auto& row) { return highOf(sum_of(row).sum_of_squares); });
+  writeColumn<uint64_t>(out, group + "/sum_of_squares_low", rows, [&](const auto& row) { return lowOf(sum_of(row).sum_of_squares); });
+}
+
+template <class Rows, class SumOf>
+void readSums(Hdf5Input& in, const std::string& group, Rows& rows, SumOf sum_of) {
+  readColumn<uint64_t>(in, group + "/sum_high", rows, [&](auto& row, uint64_t word) { sum_of(row).sum = Wide(word) << 64; });
+  readColumn<uint64_t>(in, group + "/sum_low", rows, [&](auto& row, uint64_t word) { sum_of(row).sum |= word; });
+  readColumn<uint64_t>(in, group + "/sum_of_squares_high", rows, [&](auto& row, uint64_t word) { sum_of(row).sum_of_squares = Wide(word) << 64; });
+  readColumn<uint64_t>(in, group + "/sum_of_squares_low", rows, [&](auto& row, uint64_t word) { sum_of(row).sum_of_squares |= word; });
+}
+
+void writeReplicateSums(Hdf5Output& out, const std::string& group, const ReplicateSums& sums) {
+  const Ids& ids = sums.ids();
+  out.write(group + "/names", ids.names);
+  out.write(group + "/areas", ids.areas);
+  out.write(group + "/surfaces", ids.surface);
+  writeColumn<uint8_t>(out, group + "/asked", ids.asked, [](bool asked) { return asked; });
+  out.write(group + "/splits_surfaces", std::vector<uint8_t>{ids.splits_surfaces});
+  out.write(group + "/rows_sum_to_one", std::vector<uint8_t>{ids.rows_sum_to_one});
+  out.write(group + "/two_sided", std::vector<uint8_t>{ids.two_sided});
+  out.write(group + "/replicate_count", std::vector<uint64_t>{sums.replicateCount()});
+  writeSums(out, group + "/rows", sums.rowSums(), [](const Sum& sum) -> const Sum& { return sum; });
+  writeColumn<uint32_t>(out, group + "/pairs/i", sums.pairs(), [](const PairSum& pair) { return pair.i; });
+  writeColumn<uint32_t>(out, group + "/pairs/j", sums.pairs(), [](const PairSum& pair) { return pair.j; });
+  writeSums(out, group + "/pairs", sums.pairs(), [](const PairSum& pair) -> const Sum& { return pair.sum; });
+}
+
+template <class T>
+T readOne(Hdf5Input& in, const std::string& name) {
+  const std::vector<T> values = in.read<T>(name);
+  if (values.size() != 1) in.refuse(fmt::format("its '{}' is not one number", name));
+  return values.front();
+}
+
+ReplicateSums readReplicateSums(Hdf5Input& in, const std::string& group) {
+  Ids ids;
+  ids.names = in.read<std::string>(group + "/names");
+  ids.areas.resize(ids.count());
+  ids.surface.resize(ids.count());
+  readColumn<double>(in, group + "/areas", ids.areas, [](double& area, double stored) { area = stored; });
+  readColumn<uint32_t>(in, group + "/surfaces", ids.surface, [](uint32_t& surface, uint32_t stored) { surface = stored; });
+  for (uint8_t asked : in.read<uint8_t>(group + "/asked")) ids.asked.push_back(asked);
+  if (!ids.asked.empty() && ids.asked.size() != ids.count()) in.refuse(fmt::format("its '{}/asked' has {} values for {}", group, ids.asked.size(), ids.count()));
+  ids.splits_surfaces = readOne<uint8_t>(in, group + "/splits_surfaces");
+  ids.rows_sum_to_one = readOne<uint8_t>(in, group + "/rows_sum_to_one");
+  ids.two_sided = readOne<uint8_t>(in, group + "/two_sided");
+  const auto replicate_count = readOne<uint64_t>(in, group + "/replicate_count");
+  std::vector<Sum> rows(ids.count());
+  readSums(in, group + "/rows", rows, [](Sum& sum) -> Sum& { return sum; });
+  std::vector<PairSum> pairs;
+  for (uint32_t i : in.read<uint32_t>(group + "/pairs/i")) pairs.push_back({i, 0, {}});
+  readColumn<uint32_t>(in, group + "/pairs/j", pairs, [](PairSum& pair, uint32_t j) { pair.j = j; });
+  readSums(in, group + "/pairs", pairs, [](PairSum& pair) -> Sum& { return pair.sum; });
+  for (size_t k = 0; k < pairs.size(); ++k) {
+    const auto [i, j] = std::pair(pairs[k].i, pairs[k].j);
+    const bool is_pair = i < ids.count() && i <= j && (j < ids.count() || j >= kEnvironment);
+    if (!is_pair || (k && std::pair(pairs[k - 1].i, pairs[k - 1].j) >= std::pair(i, j))) in.refuse(fmt::format("its '{}/pairs' are out of order", group));
+  }
+  return {std::move(ids), replicate_count, std::move(pairs), std::move(rows)};
+}
+
+}  // namespace
+
+void writeCheckpoint(const Settings& settings, const RunSums& sums, const std::filesystem::path& file) {
+  Hdf5Output out;
+  out.write("format", std::vector<uint64_t>{kFormat});
+  writeColumn<std::string>(out, "settings/names", settings, [](const auto& setting) { return setting.first; });
+  writeColumn<std::string>(out, "settings/values", settings, [](const auto& setting) { return setting.second; });
+  writeColumn<uint64_t>(out, "replicates/first", sums.replicates, [](const ReplicateRange& range) { return range.first; });
+  writeColumn<uint64_t>(out, "replicates/end", sums.replicates, [](const ReplicateRange& range) { return range.end; });
+  out.write("directions", std::vector<uint64_t>{sums.directions});
+  out.write("measure_area", std::vector<double>{sums.measure_area});
+  writeReplicateSums(out, "by_id", sums.by_id);
+  writeReplicateSums(out, "by_surface", sums.by_surface);
+  const std::vector<char> bytes = out.finish();
+  writeFile(file, [&](std::ostream& stream) { stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size())); });
+}
+
+Checkpoint readCheckpoint(const std::filesystem::path& file) {
+  Hdf5Input in(file);
+  const auto format = readOne<uint64_t>(in, "format");
+  if (format != kFormat)
+    throw Error(ErrorCode::bad_input, fmt::format("{}: a checkpoint of format {}, not {}; go on with the viewpeel that wrote it, or start afresh with another file",
+                                                  file.string(), format, kFormat));
+  Settings settings;
+  for (const std::string& name : in.read<std::string>("settings/names")) settings.push_back({name, {}});
+  readColumn<std::string>(in, "settings/values", settings, [](auto& setting, const std::string& value) { setting.second = value; });
+  std::vector<ReplicateRange> replicates;
+  for (uint64_t first : in.read<uint64_t>("replicates/first")) replicates.push_back({first, 0});
+  readColumn<uint64_t>(in, "replicates/end", replicates, [](ReplicateRange& range, uint64_t end) { range.end = end; });
+  const auto directions = readOne<uint64_t>(in, "directions");
+  const auto measure_area = readOne<double>(in, "measure_area");
+  ReplicateSums by_id = readReplicateSums(in, "by_id"), by_surface = readReplicateSums(in, "by_surface");
+  Checkpoint checkpoint{std::move(settings), {std::move(by_id), std::move(by_surface), std::move(replicates), directions, measure_area}};
+  if (!checkpoint.sums.isWhole()) in.refuse("its replicates are not those it has sums of");
+  return checkpoint;
+}
+
+void requireSameSettings(const Settings& expected, const Settings& found, const std::filesystem::path& file) {
+  const auto valueOf = [](const Settings& settings, const std::string& name) -> std::string {
+    const auto at = std::find_if(settings.begin(), settings.end(), [&](const auto& setting) { return setting.first == name; });
+    return at == settings.end() ? "not set" : at->second;
+  };
+  for (const Settings* settings : {&expected, &found})
+    for (const auto& [name, ignored] : *settings)
+      if (valueOf(expected, name) != valueOf(found, name))
+        throw Error(ErrorCode::bad_usage, fmt::format("{}: a checkpoint of another run: {} is '{}' there, '{}' here; ask for the same, or take another file",
+                                                      file.string(), name, valueOf(found, name), valueOf(expected, name)));
+}
+
+Checkpoint mergeCheckpoints(const std::vector<std::filesystem::path>& files) {
+  Checkpoint merged = readCheckpoint(files.front());
+  for (size_t k = 1; k < files.size(); ++k) {
+    const Checkpoint other = readCheckpoint(files[k]);
+    requireSameSettings(merged.settings, other.settings, files[k]);
+    const ReplicateRange shared = findShared(merged.sums.replicates, other.sums.replicates);
+    if (shared.first < shared.end)
+      throw Error(ErrorCode::bad_usage, fmt::format("{}: replicates {} to {} are in a file before it, too; take each of them once", files[k].string(), shared.first,
+                                                    shared.end - 1));
+    if (other.sums.by_id.ids().areas != merged.sums.by_id.ids().areas || other.sums.by_surface.ids().areas != merged.sums.by_surface.ids().areas ||
+        other.sums.measure_area != merged.sums.measure_area)
+      throw Error(ErrorCode::bad_usage, fmt::format("{}: areas are not those of {}, though the settings are the same; were they made by one build of viewpeel?",
+                                                    files[k].string(), files.front().string()));
+    merged.sums.add(other.sums);
+  }
+  return merged;
+}
+
+std::string describeReplicates(const std::vector<ReplicateRange>& replicates) {
+  std::string text;
+  for (const ReplicateRange& range : replicates) text += fmt::format("{}{} to {}", text.empty() ? "" : ", ", range.first, range.end - 1);
+  return text;
+}
+
+}  // namespace viewpeel

@@ -1,0 +1,43 @@
+// Checkpoints: what a run has counted so far, in a file, so that another run can go on from there.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "matrix/run_sums.h"
+
+namespace viewpeel {
+
+// Everything that changes a run's counts, by name, in words: two runs with the same settings count the same in the same replicate.
+using Settings = std::vector<std::pair<std::string, std::string>>;
+
+struct Checkpoint {
+  Settings settings;
+  // Ids have names, areas, surfaces, what was asked for and which sums mean something; of_polygon and roles are empty.
+  RunSums sums;
+};
+
+// Writes HDF5: settings, ranges of replicates, and by id and by surface names, areas and all sums. The same sums make the same bytes.
+//   In: sums.isWhole()
+//   Error: none: integers and the bits of doubles.
+//   Throws: Error output, Error limit where memory is short; `file` is then what it was.
+//   Cost: 40 bytes of disk for each nonzero pair, 44 and the longest name for each id; twice that in memory.
+void writeCheckpoint(const Settings& settings, const RunSums& sums, const std::filesystem::path& file);
+
+//   Throws: Error bad_input where the file is none, of another format, cut off or damaged (all it holds is under a check sum).
+Checkpoint readCheckpoint(const std::filesystem::path& file);
+
+//   Throws: Error bad_usage naming the first setting that differs, and `file` as where `found` is from.
+void requireSameSettings(const Settings& expected, const Settings& found, const std::filesystem::path& file);
+
+// Adds up checkpoints of different replicates of one run: the bits of one run over all of them, in any order of files.
+//   In: files: one or more
+//   Throws: as readCheckpoint; Error bad_usage where settings differ or a replicate is in two of them.
+//   Cost: O(nonzeros) for each file; memory for the sum and one of them.
+Checkpoint mergeCheckpoints(const std::vector<std::filesystem::path>& files);
+
+// "0 to 7, 16 to 23"
+std::string describeReplicates(const std::vector<ReplicateRange>& replicates);
+
+}  // namespace viewpeel

@@ -1,0 +1,224 @@
+#include "io/hdf5_file.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <type_traits>
+
+#include <fmt/format.h>
+#include <hdf5.h>
+
+#include "error.h"
+#include "hash.h"
+
+namespace viewpeel {
+namespace {
+
+static_assert(std::is_same_v<hid_t, int64_t> && std::is_same_v<H5E_auto2_t, int (*)(int64_t, void*)>);
+static_assert(std::endian::native == std::endian::little);  // of check sums
+constexpr size_t kCheckSumBytes = sizeof(uint64_t);
+constexpr size_t kGrowthBytes = 1 << 20;  // of a file in memory; read at a time
+
+// An HDF5 identifier that closes itself; below 0 where HDF5 failed.
+class Handle {
+ public:
+  Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
+  ~Handle() {
+    if (id_ >= 0) close_(id_);
+  }
+  Handle(const Handle&) = delete;
+  operator hid_t() const { return id_; }
+  bool isValid() const { return id_ >= 0; }
+
+ private:
+  hid_t id_;
+  herr_t (*close_)(hid_t);
+};
+
+// In memory, and in files: little-endian everywhere.
+struct Type {
+  hid_t native, stored;
+};
+template <class T>
+Type typeOf() {
+  if constexpr (std::is_same_v<T, uint8_t>) return {H5T_NATIVE_UINT8, H5T_STD_U8LE};
+  else if constexpr (std::is_same_v<T, uint32_t>) return {H5T_NATIVE_UINT32, H5T_STD_U32LE};
+  else if constexpr (std::is_same_v<T, uint64_t>) return {H5T_NATIVE_UINT64, H5T_STD_U64LE};
+  else return {H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE};
+}
+
+Handle stringType(size_t width) {
+  const hid_t id = H5Tcopy(H5T_C_S1);
+  H5Tset_size(id, width);
+  H5Tset_strpad(id, H5T_STR_NULLPAD);
+  H5Tset_cset(id, H5T_CSET_UTF8);
+  return {id, H5Tclose};
+}
+
+hid_t createFile() {
+  const Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose), access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_obj_track_times(creation, false);
+  H5Pset_fapl_core(access, kGrowthBytes, false);
+  return H5Fcreate("checkpoint", H5F_ACC_TRUNC, creation, access);
+}
+
+// Of bytes: a Hash of words of 8, the last one filled up with zeros.
+class CheckSum {
+ public:
+  //   In: bytes: of all calls but the last a multiple of 8
+  void add(const char* bytes, size_t count) {
+    for (size_t at = 0; at < count; at += kCheckSumBytes) {
+      uint64_t word = 0;
+      std::memcpy(&word, bytes + at, std::min(kCheckSumBytes, count - at));
+      hash_.add(word);
+    }
+  }
+  std::array<char, kCheckSumBytes> bytes() const { return std::bit_cast<std::array<char, kCheckSumBytes>>(hash_.value()); }
+
+ private:
+  Hash hash_;
+};
+
+bool endsInCheckSum(std::istream& file, uint64_t size) {
+  if (size < kCheckSumBytes) return false;
+  CheckSum sum;
+  std::vector<char> block(kGrowthBytes);
+  for (uint64_t left = size - kCheckSumBytes; left > 0;) {
+    const size_t count = std::min<uint64_t>(left, block.size());
+    if (!file.read(block.data(), static_cast<std::streamsize>(count))) return false;
+    sum.add(block.data(), count);
+    left -= count;
+  }
+  std::array<char, kCheckSumBytes> found;
+  return file.read(found.data(), found.size()) && found == sum.bytes();
+}
+
+[[noreturn]] void failToWrite(const std::string& what) {
+  throw Error(ErrorCode::limit, fmt::format("HDF5 cannot make {} of a checkpoint, for want of memory it seems; try --by surface", what));
+}
+
+// The groups on the way to a column: without times, which HDF5 would give those that it makes itself.
+void makeGroups(hid_t file, const std::string& name) {
+  const Handle creation(H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
+  H5Pset_obj_track_times(creation, false);
+  for (size_t slash = name.find('/'); slash != std::string::npos; slash = name.find('/', slash + 1)) {
+    const std::string group = name.substr(0, slash);
+    if (H5Lexists(file, group.c_str(), H5P_DEFAULT) == 0) const Handle made(H5Gcreate2(file, group.c_str(), H5P_DEFAULT, creation, H5P_DEFAULT), H5Gclose);
+  }
+}
+
+bool writeColumn(hid_t file, const std::string& name, hid_t native, hid_t stored, hsize_t count, const void* values) {
+  makeGroups(file, name);
+  const Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  H5Pset_obj_track_times(creation, false);
+  const Handle space(H5Screate_simple(1, &count, nullptr), H5Sclose);
+  const Handle column(H5Dcreate2(file, name.c_str(), stored, space, H5P_DEFAULT, creation, H5P_DEFAULT), H5Dclose);
+  return column.isValid() && H5Dwrite(column, native, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0;
+}
+
+}  // namespace
+
+Hdf5Silence::Hdf5Silence() {
+  H5Eget_auto2(H5E_DEFAULT, &print_, &print_data_);
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
+
+Hdf5Silence::~Hdf5Silence() { H5Eset_auto2(H5E_DEFAULT, print_, print_data_); }
+
+Hdf5Output::Hdf5Output() : id_(createFile()) {
+  if (id_ < 0) failToWrite("the file");
+}
+
+Hdf5Output::~Hdf5Output() {
+  if (id_ >= 0) H5Fclose(id_);
+}
+
+template <class T>
+void Hdf5Output::write(const std::string& name, const std::vector<T>& values) {
+  bool written;
+  if constexpr (std::is_same_v<T, std::string>) {
+    size_t width = 1;
+    for (const std::string& text : values) width = std::max(width, text.size());
+    std::vector<char> padded(values.size() * width, '\0');
+    for (size_t k = 0; k < values.size(); ++k) std::copy(values[k].begin(), values[k].end(), padded.begin() + static_cast<std::ptrdiff_t>(k * width));
+    const Handle type = stringType(width);
+    written = writeColumn(id_, name, type, type, values.size(), padded.data());
+  } else {
+    written = writeColumn(id_, name, typeOf<T>().native, typeOf<T>().stored, values.size(), values.data());
+  }
+  if (!written) failToWrite(name);
+}
+
+std::vector<char> Hdf5Output::finish() {
+  if (H5Fflush(id_, H5F_SCOPE_GLOBAL) < 0) failToWrite("the file");
+  const ssize_t size = H5Fget_file_image(id_, nullptr, 0);
+  if (size <= 0) failToWrite("the file");
+  std::vector<char> bytes(static_cast<size_t>(size) + kCheckSumBytes);
+  if (H5Fget_file_image(id_, bytes.data(), static_cast<size_t>(size)) < 0) failToWrite("the file");
+  CheckSum sum;
+  sum.add(bytes.data(), static_cast<size_t>(size));
+  const auto appended = sum.bytes();
+  std::copy(appended.begin(), appended.end(), bytes.end() - kCheckSumBytes);
+  return bytes;
+}
+
+Hdf5Input::Hdf5Input(const std::filesystem::path& file) : file_(file) {
+  errno = 0;
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream || std::filesystem::is_directory(file))
+    throw Error(ErrorCode::bad_input, fmt::format("{}: cannot be read: {}", file.string(), errno ? std::strerror(errno) : "it is a directory"));
+  if (!endsInCheckSum(stream, std::filesystem::file_size(file))) refuse("it is another file, cut off or damaged");
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_file_locking(access, false, true);  // not every file system can
+  id_ = H5Fopen(file.c_str(), H5F_ACC_RDONLY, access);
+  if (id_ < 0) refuse("it is not HDF5");
+}
+
+Hdf5Input::~Hdf5Input() {
+  if (id_ >= 0) H5Fclose(id_);
+}
+
+template <class T>
+std::vector<T> Hdf5Input::read(const std::string& name) {
+  constexpr bool is_text = std::is_same_v<T, std::string>;
+  const Handle column(H5Dopen2(id_, name.c_str(), H5P_DEFAULT), H5Dclose);
+  if (!column.isValid()) refuse(fmt::format("it has no readable '{}'", name));
+  const Handle space(H5Dget_space(column), H5Sclose), stored(H5Dget_type(column), H5Tclose);
+  hsize_t count = 0;
+  const size_t width = H5Tget_size(stored);
+  const bool type_fits = is_text ? H5Tget_class(stored) == H5T_STRING && H5Tis_variable_str(stored) == 0 && width > 0
+                                 : H5Tequal(stored, typeOf<std::conditional_t<is_text, double, T>>().stored) > 0;
+  const bool shape_fits = H5Sget_simple_extent_ndims(space) == 1 && H5Sget_simple_extent_dims(space, &count, nullptr) == 1;
+  if (!type_fits || !shape_fits || count > std::filesystem::file_size(file_) / width) refuse(fmt::format("its '{}' is of another kind", name));
+  std::vector<T> values(count);
+  bool is_read;
+  if constexpr (is_text) {
+    std::vector<char> padded(count * width);
+    is_read = H5Dread(column, stringType(width), H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()) >= 0;
+    for (size_t k = 0; k < count; ++k) values[k].assign(padded.data() + k * width, strnlen(padded.data() + k * width, width));
+  } else {
+    is_read = H5Dread(column, typeOf<T>().native, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) >= 0;
+  }
+  if (!is_read) refuse(fmt::format("its '{}' cannot be read", name));
+  return values;
+}
+
+void Hdf5Input::refuse(const std::string& reason) const {
+  throw Error(ErrorCode::bad_input, fmt::format("{}: not a whole checkpoint: {}; take another, or remove it and start afresh", file_.string(), reason));
+}
+
+template void Hdf5Output::write(const std::string&, const std::vector<uint8_t>&);
+template void Hdf5Output::write(const std::string&, const std::vector<uint32_t>&);
+template void Hdf5Output::write(const std::string&, const std::vector<uint64_t>&);
+template void Hdf5Output::write(const std::string&, const std::vector<double>&);
+template void Hdf5Output::write(const std::string&, const std::vector<std::string>&);
+template std::vector<uint8_t> Hdf5Input::read(const std::string&);
+template std::vector<uint32_t> Hdf5Input::read(const std::string&);
+template std::vector<uint64_t> Hdf5Input::read(const std::string&);
+template std::vector<double> Hdf5Input::read(const std::string&);
+template std::vector<std::string> Hdf5Input::read(const std::string&);
+
+}  // namespace viewpeel

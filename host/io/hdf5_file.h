@@ -1,0 +1,61 @@
+// HDF5 files of flat columns, followed by a check sum of all bytes, 8 of them, little-endian: readers of HDF5 do not look there, and what is
+// cut off or damaged never gets to HDF5, which does not always survive it. Nor does it survive a full disk: files are made in memory.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace viewpeel {
+
+// Switches HDF5's printing of errors off while it lives.
+class Hdf5Silence {
+ public:
+  Hdf5Silence();
+  ~Hdf5Silence();
+  Hdf5Silence(const Hdf5Silence&) = delete;
+
+ private:
+  int (*print_)(int64_t, void*) = nullptr;
+  void* print_data_ = nullptr;
+};
+
+// Makes a file in memory. Columns are of uint8_t, uint32_t, uint64_t, double or std::string (all as wide as the longest). The same columns make
+// the same bytes.
+class Hdf5Output {
+ public:
+  Hdf5Output();
+  ~Hdf5Output();
+  Hdf5Output(const Hdf5Output&) = delete;
+
+  // In: name: with slashes for groups    Throws: Error limit where memory is short.
+  template <class T>
+  void write(const std::string& name, const std::vector<T>& values);
+  // The bytes of the whole file. To be called last.    Throws: Error limit.
+  std::vector<char> finish();
+
+ private:
+  Hdf5Silence silence_;
+  int64_t id_;
+};
+
+// Reads them back.
+class Hdf5Input {
+ public:
+  // Throws: Error bad_input where there is no such file, or its check sum is wrong.
+  explicit Hdf5Input(const std::filesystem::path& file);
+  ~Hdf5Input();
+  Hdf5Input(const Hdf5Input&) = delete;
+
+  // Throws: Error bad_input where there is no such column of this type.
+  template <class T>
+  std::vector<T> read(const std::string& name);
+  [[noreturn]] void refuse(const std::string& reason) const;
+
+ private:
+  Hdf5Silence silence_;
+  std::filesystem::path file_;
+  int64_t id_;
+};
+
+}  // namespace viewpeel

@@ -1,0 +1,67 @@
+#include "matrix/run_sums.h"
+
+#include <algorithm>
+
+namespace viewpeel {
+namespace {
+
+// Sorts and joins ranges that touch.
+std::vector<ReplicateRange> joinRanges(std::vector<ReplicateRange> ranges) {
+  std::sort(ranges.begin(), ranges.end(), [](const ReplicateRange& a, const ReplicateRange& b) { return a.first < b.first; });
+  std::vector<ReplicateRange> joined;
+  for (const ReplicateRange& range : ranges) {
+    if (!joined.empty() && joined.back().end == range.first) joined.back().end = range.end;
+    else joined.push_back(range);
+  }
+  return joined;
+}
+
+}  // namespace
+
+RunSums makeRunSums(const Scene& scene, const Ids& ids) {
+  Ids surface_ids = makeIds(scene, By::surface, ids.two_sided);
+  surface_ids.rows_sum_to_one = ids.rows_sum_to_one;
+  if (!ids.asked.empty()) {
+    surface_ids.asked.assign(surface_ids.count(), false);
+    for (uint32_t k = 0; k < ids.count(); ++k)
+      if (ids.asked[k]) surface_ids.asked[ids.surface[k]] = true;
+  }
+  return {ReplicateSums(ids), ReplicateSums(std::move(surface_ids)), {}};
+}
+
+bool RunSums::isWhole() const {
+  uint64_t count = 0;
+  for (size_t k = 0; k < replicates.size(); ++k) {
+    if (replicates[k].first >= replicates[k].end || (k && replicates[k].first <= replicates[k - 1].end)) return false;
+    count += replicates[k].end - replicates[k].first;
+  }
+  return by_id.replicateCount() == count && by_surface.replicateCount() == count;
+}
+
+void RunSums::add(uint64_t replicate, const PairCounts& counts, uint64_t direction_count) {
+  by_surface.add(mergeIds(counts, by_id.ids().surface));
+  by_id.add(counts);
+  replicates.push_back({replicate, replicate + 1});
+  replicates = joinRanges(std::move(replicates));
+  directions += direction_count;
+}
+
+void RunSums::add(const RunSums& others) {
+  if (replicates.empty()) measure_area = others.measure_area;
+  by_surface.add(others.by_surface);
+  by_id.add(others.by_id);
+  replicates.insert(replicates.end(), others.replicates.begin(), others.replicates.end());
+  replicates = joinRanges(std::move(replicates));
+  directions += others.directions;
+}
+
+ReplicateRange findShared(const std::vector<ReplicateRange>& a, const std::vector<ReplicateRange>& b) {
+  for (const ReplicateRange& of_b : b)
+    for (const ReplicateRange& of_a : a) {
+      const ReplicateRange shared{std::max(of_a.first, of_b.first), std::min(of_a.end, of_b.end)};
+      if (shared.first < shared.end) return shared;
+    }
+  return {};
+}
+
+}  // namespace viewpeel

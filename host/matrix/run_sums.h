@@ -1,0 +1,43 @@
+// What a run has counted: what a checkpoint keeps, and what sums of several runs are made of.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "matrix/form_factors.h"
+
+namespace viewpeel {
+
+// Replicates first to end - 1.
+struct ReplicateRange {
+  uint64_t first = 0, end = 0;
+
+  bool operator==(const ReplicateRange&) const = default;
+};
+
+// All that a result, and going on towards it, needs of the replicates done. Integers throughout: the order of replicates does not matter.
+struct RunSums {
+  ReplicateSums by_id;
+  ReplicateSums by_surface;                // the same counts summed by surface
+  std::vector<ReplicateRange> replicates;  // sorted; a gap between each and the next
+  uint64_t directions = 0;                 // in all
+  double measure_area = 0;                 // input units squared of one count; unknown, 0, before the first replicate
+
+  uint64_t replicateCount() const { return by_id.replicateCount(); }
+  // False where something ended a call of add early, and for sums that do not go with each other.
+  bool isWhole() const;
+
+  //   In: a replicate that is not there yet; counts by id
+  //   Cost: O(nonzeros log nonzeros).
+  void add(uint64_t replicate, const PairCounts& counts, uint64_t direction_count);
+  //   In: replicates that are not there yet, of the same run: the same ids, the same measure_area
+  //   Cost: O(nonzeros).
+  void add(const RunSums& others);
+};
+
+// Sums of no replicates.
+RunSums makeRunSums(const Scene& scene, const Ids& ids);
+
+// The first range of `b` that shares a replicate with `a`; an empty range where there is none.    In: both sorted
+ReplicateRange findShared(const std::vector<ReplicateRange>& a, const std::vector<ReplicateRange>& b);
+
+}  // namespace viewpeel

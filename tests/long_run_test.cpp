@@ -1,0 +1,225 @@
+// Long runs lose nothing: the program is killed, interrupted, split, and ends with the same bytes.
+#include <chrono>
+#include <csignal>
+#include <random>
+#include <thread>
+
+#include "program.h"
+
+namespace viewpeel {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+void waitFor(double seconds) { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
+
+// The program in the background.
+class Running {
+ public:
+  Running(const std::string& arguments, const std::string& messages) {
+    pid_ = ::fork();
+    if (pid_ == 0) {
+      const std::string command = "exec " VIEWPEEL_PROGRAM " " + arguments + " >" + messages + " 2>&1 </dev/null";
+      ::execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
+      ::_exit(127);
+    }
+  }
+  ~Running() {
+    if (!hasEnded()) {
+      send(SIGKILL);
+      wait();
+    }
+  }
+  void send(int signal) { ::kill(pid_, signal); }
+  bool hasEnded() { return ended_ || (ended_ = ::waitpid(pid_, &status_, WNOHANG) == pid_); }
+  // Its exit status, or minus the signal that ended it.
+  int wait() {
+    if (!ended_) ::waitpid(pid_, &status_, 0);
+    ended_ = true;
+    return WIFEXITED(status_) ? WEXITSTATUS(status_) : -WTERMSIG(status_);
+  }
+
+ private:
+  pid_t pid_;
+  int status_ = 0;
+  bool ended_ = false;
+};
+
+const std::string kOffice = "compute " VIEWPEEL_SCENES "/office.obj --quiet --by surface ";
+
+class LongRun : public Program {
+ protected:
+  // The replicates a checkpoint holds, as merge shows them.
+  std::string replicatesOf(const std::string& name) const {
+    const std::string shown = run("merge " + file(name)).output;
+    const size_t at = shown.find("\nreplicates ");
+    return at == std::string::npos ? shown : shown.substr(shown.find_first_not_of(' ', at + 12), shown.find('\n', at + 1) - shown.find_first_not_of(' ', at + 12));
+  }
+};
+
+// Kills fall at random within a replicate, a write of the checkpoint, or the start of the program.
+TEST_F(LongRun, KilledAnywhereAndResumedIsTheSameRun) {
+  const auto seed = std::random_device{}();
+  std::printf("seed %u\n", seed);
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  std::mt19937 random(seed);
+  const std::string options = kOffice + "--directions 100 --replicates 40 --checkpoint-seconds 0 ";
+  ASSERT_EQ(run(options + "-o " + file("whole.csv") + " --checkpoint " + file("whole.h5")).status, 0);
+
+  const std::string resumed = options + "-o " + file("a.csv") + " --checkpoint " + file("a.h5") + " --resume";
+  const auto waitForCheckpoint = [&](Running& running, const std::string& old) {
+    while (!running.hasEnded() && readFile(file("a.h5")) == old) waitFor(0.002);
+  };
+  int kills = 0;
+  while (kills < 7) {
+    const std::string old = readFile(file("a.h5"));
+    Running running(resumed, file("messages"));
+    // Every third at any time after its start; the others after a replicate, so that the run gets on.
+    if (kills % 3 == 2) waitFor(std::uniform_real_distribution(0.0, 0.4)(random));
+    else waitForCheckpoint(running, old);
+    waitFor(std::uniform_real_distribution(0.0, 0.15)(random));
+    if (running.hasEnded()) break;
+    running.send(SIGKILL);
+    EXPECT_EQ(running.wait(), -SIGKILL);
+    ++kills;
+    EXPECT_FALSE(fs::exists(file("a.csv")));
+  }
+  EXPECT_GE(kills, 2);
+  EXPECT_EQ(replicatesOf("a.h5").find("0 to "), 0u) << replicatesOf("a.h5");  // there was something to go on with
+  const Result last = run(resumed);
+  EXPECT_EQ(last.status, 0) << last.output;
+  EXPECT_EQ(replicatesOf("a.h5"), "0 to 39");
+  EXPECT_EQ(readFile(file("a.csv")), readFile(file("whole.csv")));
+  EXPECT_EQ(readFile(file("a.h5")), readFile(file("whole.h5")));
+}
+
+// A replicate takes minutes here: the program does not wait for its end.
+TEST_F(LongRun, SignalsStopItWithinSeconds) {
+  for (const auto& [signal, name] : {std::pair(SIGINT, "SIGINT"), std::pair(SIGTERM, "SIGTERM")}) {
+    Running running(kOffice + "--directions 300000 -o " + file("a.csv") + " --checkpoint " + file("a.h5"), file("messages"));
+    waitFor(3);
+    const auto start = Clock::now();
+    running.send(signal);
+    EXPECT_EQ(running.wait(), 128 + signal) << readFile(file("messages"));
+    EXPECT_LT(secondsSince(start), 5) << "2 s, and some for a busy machine";
+    EXPECT_EQ(readFile(file("messages")), std::string("viewpeel: stopped by ") + name + ", 0 replicates done; too few to write results\n");
+    EXPECT_FALSE(fs::exists(file("a.h5")) || fs::exists(file("a.csv")));
+  }
+}
+
+TEST_F(LongRun, InterruptedIsWrittenAndResumed) {
+  for (const std::string engine : {"compute", "graphics", "exact"}) {
+    const std::string options = kOffice + "--directions 20 --replicates 5000 --engine " + engine + " --checkpoint " + file(engine + ".h5") + " ";
+    {
+      Running running(options + "--checkpoint-seconds 0 -o " + file("a.csv"), file("messages"));
+      while (!running.hasEnded() && !fs::exists(file(engine + ".h5"))) waitFor(0.01);
+      const std::string first = readFile(file(engine + ".h5"));
+      while (!running.hasEnded() && readFile(file(engine + ".h5")) == first) waitFor(0.01);
+      running.send(SIGTERM);
+      EXPECT_EQ(running.wait(), 143) << engine << readFile(file("messages"));
+    }
+    const std::string messages = readFile(file("messages"));
+    EXPECT_NE(messages.find(engine + ".h5 has what was counted, go on with --resume; results are written\n"), std::string::npos) << messages;
+    EXPECT_EQ(std::count(messages.begin(), messages.end(), '\n'), 1) << messages;
+    // The results are those of as many replicates in one run.
+    EXPECT_EQ(run("merge --quiet " + file(engine + ".h5") + " -o " + file("merged.csv")).status, 0);
+    EXPECT_EQ(readFile(file("a.csv")), readFile(file("merged.csv")));
+    const std::string replicates = replicatesOf(engine + ".h5");
+    ASSERT_EQ(replicates.find("0 to "), 0u) << replicates;
+    const std::string done = std::to_string(std::stoul(replicates.substr(5)) + 1);
+    EXPECT_EQ(run(kOffice + "--directions 20 --engine " + engine + " --replicates " + done + " -o " + file("one.csv")).status, 0);
+    EXPECT_EQ(readFile(file("a.csv")), readFile(file("one.csv")));
+  }
+}
+
+TEST_F(LongRun, PartsMergeToOneRun) {
+  const std::string options = "compute " VIEWPEEL_SCENES "/office.obj --quiet --directions 30 ";
+  ASSERT_EQ(run(options + "--replicates 9 -o " + file("whole.csv") + " -o " + file("whole.mtx") + " --checkpoint " + file("whole.h5")).status, 0);
+  for (const auto& [first, count] : {std::pair("0", "2"), {"2", "4"}, {"6", "3"}})
+    ASSERT_EQ(run(options + "--replicates " + count + " --first-replicate " + first + " --checkpoint " + file(std::string("p") + first + ".h5")).status, 0);
+  for (const std::string order : {"0 2 6", "6 2 0", "2 6 0"}) {
+    std::string inputs;
+    for (char part : order)
+      if (part != ' ') inputs += " " + file(std::string("p") + part + ".h5");
+    fs::remove(file("m.h5"));
+    const Result merged = run("merge --quiet" + inputs + " -o " + file("m.csv") + " -o " + file("m.mtx") + " --checkpoint " + file("m.h5"));
+    EXPECT_EQ(merged.status, 0);
+    EXPECT_EQ(merged.output, "");
+    for (const char* kind : {"csv", "mtx", "h5"}) {
+      EXPECT_FALSE(readFile(file(std::string("m.") + kind)).empty());
+      EXPECT_EQ(readFile(file(std::string("m.") + kind)), readFile(file(std::string("whole.") + kind))) << kind << " of " << order;
+    }
+  }
+  // What is merged can be gone on with, and in pieces: (0 to 5) and (6 to 8), then to 11.
+  EXPECT_EQ(run("merge --quiet " + file("p2.h5") + " " + file("p0.h5") + " --checkpoint " + file("q.h5")).status, 0);
+  EXPECT_EQ(run(options + "--replicates 12 --resume --checkpoint " + file("q.h5") + " -o " + file("q.csv")).status, 0);
+  EXPECT_EQ(run(options + "--replicates 12 -o " + file("r.csv")).status, 0);
+  EXPECT_EQ(readFile(file("q.csv")), readFile(file("r.csv")));
+}
+
+// One line, status 2, and the file stays what it was.
+TEST_F(LongRun, WrongCheckpointsAreRefused) {
+  std::ofstream(file("scene.obj")) << "o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no b\nv 0 0 1\nv 0 1 1\nv 1 0 1\nf 4 5 6\n";
+  std::ofstream(file("other.obj")) << "o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no b\nv 0 0 2\nv 0 1 2\nv 1 0 2\nf 4 5 6\n";
+  std::ofstream(file("no.h5")) << "not a checkpoint";
+  const std::string exact = " --quiet --engine exact --directions 5 --checkpoint ";
+  const std::string scene = "compute " + file("scene.obj") + exact + file("a.h5");
+  ASSERT_EQ(run(scene).status, 0);
+  ASSERT_EQ(run("compute " + file("scene.obj") + exact + file("b.h5") + " --first-replicate 12").status, 0);
+  ASSERT_EQ(run("merge --quiet " + file("a.h5") + " " + file("b.h5") + " --checkpoint " + file("gap.h5")).status, 0);
+  const std::string before = readFile(file("a.h5"));
+  const std::pair<std::string, std::string> cases[] = {
+      {scene, "--resume, or remove it"},
+      {"compute " + file("other.obj") + exact + file("a.h5") + " --resume", "scene is '2 polygons"},
+      {scene + " --resume --seed 2", "--seed is '1' there, '2' here"},
+      {scene + "  --resume --two-sided", "--two-sided"},
+      {scene + "  --resume --by surface", "--by"},
+      {scene + "  --resume --sampler iid", "--sampler"},
+      {scene + "  --resume --from a", "--from"},
+      {scene + "  --resume --pair a b", "--pair"},
+      {scene + "  --resume --blocker a", "--blocker"},
+      {"compute " + file("scene.obj") + " --quiet --engine exact --directions 6 --resume --checkpoint " + file("a.h5"), "--directions is '5' there, '6' here"},
+      {"compute " + file("scene.obj") + " --quiet --directions 5 --resume --checkpoint " + file("a.h5"), "--sampling is 'exact areas' there, 'lattice' here"},
+      {scene + "  --resume --first-replicate 3", "--first-replicate 3"},
+      {"compute " + file("scene.obj") + exact + file("gap.h5") + " --resume", "0 to 7, 12 to 19"},
+      {"compute " + file("scene.obj") + exact + file("no.h5") + " --resume", "another file"},
+      {"compute " + file("scene.obj") + " --resume", "--checkpoint"},
+      {"merge " + file("a.h5") + " " + file("no.h5"), "another file"},
+      {"merge " + file("a.h5") + " " + file("a.h5"), "replicates 0 to 7"},
+      {"merge " + file("b.h5") + " --checkpoint " + file("a.h5"), "there is a checkpoint already"},
+      {"merge " + file("missing.h5"), "No such file"},
+      {"merge " + file("a.h5") + " -o " + file("a.xyz"), ".csv or .mtx"},
+  };
+  for (const auto& [arguments, part] : cases) {
+    const Result r = run(arguments);
+    EXPECT_EQ(r.status, 2) << arguments << "\n" << r.output;
+    EXPECT_NE(r.output.find(part), std::string::npos) << arguments << "\n" << r.output;
+    EXPECT_EQ(std::count(r.output.begin(), r.output.end(), '\n'), 1) << arguments << "\n" << r.output;
+    EXPECT_EQ(r.output.find("viewpeel: "), 0u) << r.output;
+  }
+  EXPECT_EQ(readFile(file("a.h5")), before);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 6);  // two scenes, four checkpoints, and no leftovers
+  // The same options do go on.
+  EXPECT_EQ(run(scene + " --resume --replicates 10").status, 0);
+  EXPECT_EQ(replicatesOf("a.h5"), "0 to 9");
+}
+
+// Files may grow to 40 x 512 bytes only: the old checkpoint stays, the results are written, and the status tells.
+TEST_F(LongRun, FullDiskCostsTheCheckpointAlone) {
+  const std::string options = "compute " VIEWPEEL_SCENES "/office.obj --by surface --quiet --engine exact --directions 5 --checkpoint " + file("a.h5");
+  ASSERT_EQ(run(options).status, 0);
+  const std::string before = readFile(file("a.h5"));
+  ASSERT_GT(before.size(), 20480u);
+  const Result r = run(options + " --resume --replicates 12 -o " + file("a.csv"), "trap '' XFSZ; ulimit -f 40;");
+  EXPECT_EQ(r.status, 1) << r.output;
+  EXPECT_NE(r.output.find("viewpeel: warning: checkpoint: " + file("a.h5") + ": cannot write: File too large"), std::string::npos) << r.output;
+  EXPECT_EQ(readFile(file("a.h5")), before);
+  EXPECT_EQ(run("compute " VIEWPEEL_SCENES "/office.obj --by surface --quiet --engine exact --directions 5 --replicates 12 -o " + file("b.csv")).status, 0);
+  EXPECT_EQ(readFile(file("a.csv")), readFile(file("b.csv")));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 3);
+}
+
+}  // namespace
+}  // namespace viewpeel
