@@ -13,6 +13,7 @@
 #include "cli/summary.h"
 #include "error.h"
 #include "io/write_form_factors.h"
+#include "matrix/closure.h"
 #include "reference/exact_engine.h"
 
 namespace viewpeel::cli {
@@ -29,6 +30,7 @@ struct ProgramOptions {
   EstimateOptions estimate;
   Question question;
   bool whole_sphere = false;  // a sampler was asked for by name
+  bool closure = false;
   bool quiet = false, verbose = false, json = false;
 };
 
@@ -98,8 +100,19 @@ std::string askDirections(const Question& question, const Scene& scene, bool two
   return planar ? "by the emitter's cosine" : "fibonacci";
 }
 
+// Where closure is refused the form factors are written as measured.
+ClosedFormFactors closeOrKeep(const FormFactors& measured, const std::vector<std::string>& outputs) {
+  try {
+    return closeRows(measured);
+  } catch (const Error& error) {
+    for (const std::string& output : outputs) writeFormFactors(measured, output);
+    throw Error(error.code(), fmt::format("{}{}", error.what(), outputs.empty() ? "" : "; form factors were written as measured"));
+  }
+}
+
 int runCompute(ProgramOptions options) {
-  for (const std::string& output : options.outputs) checkOutput(output);
+  if (options.closure && !options.question.isEverything()) throw Error(ErrorCode::bad_usage, kClosureNeedsEveryRow);
+  for (const std::string& output : options.outputs) checkOutput(output, options.closure);
   const Scene scene = loadScene(options.scene);
   for (const std::string& warning : scene.warnings) fmt::print(stderr, "viewpeel: warning: {}\n", warning);
   Ids ids = makeIds(scene, options.by, options.two_sided);
@@ -138,16 +151,20 @@ int runCompute(ProgramOptions options) {
   if (device) checkValidation(*device);
   const double seconds = secondsSince(start);
 
-  for (const std::string& output : options.outputs) writeFormFactors(estimate.form_factors, output);
-  if (options.json) fmt::print("{}", asJson(options.scene, device ? device->description().name : "none", estimate, seconds, engine->work()));
+  std::optional<ClosedFormFactors> closed;
+  if (options.closure) closed = closeOrKeep(estimate.form_factors, options.outputs);
+  for (const std::string& output : options.outputs) writeFormFactors(estimate.form_factors, output, closed ? &closed->form_factors : nullptr);
+  if (options.json)
+    fmt::print("{}", asJson(options.scene, device ? device->description().name : "none", estimate, seconds, engine->work(), closed ? &*closed : nullptr));
   if (!talks) return 0;
   if (options.verbose && engine->describePlan() != plan) fmt::print("after a trial\n{}", engine->describePlan());
   if (estimate.form_factors.entries().empty()) fmt::print("\nNothing that was asked for sees anything: every form factor is 0.\n\n");
   else if (ids.splits_surfaces) fmt::print("\nlargest form factors\n{}\n", tabulateLargest(estimate.form_factors, 20));
   else fmt::print("\nlargest form factors between surfaces\n{}\n", tabulateLargest(estimate.between_surfaces, 20));
-  fmt::print("{}", describeErrors(estimate));
+  fmt::print("{}{}", describeErrors(estimate), closed ? describeClosed(*closed) : "");
   fmt::print("work       {} replicates, {} directions, {:.2f} s\n", estimate.replicates, estimate.directions, seconds);
-  for (const std::string& output : options.outputs) fmt::print("written    {}\n", output);
+  for (const std::string& output : options.outputs)
+    for (const std::filesystem::path& file : filesOf(output, options.closure)) fmt::print("written    {}\n", file.string());
   return 0;
 }
 
@@ -194,6 +211,7 @@ void addCompute(CLI::App& app, Run& chosen) {
   command->add_option("--from", options->question.from, "Only the rows of this surface or face; may be given several times")->type_name("NAME")->allow_extra_args(false);
   command->add_option("--pair", options->question.pair, "Only the form factors between two surfaces or faces")->type_name("A B")->expected(0, 2);
   command->add_option("--blocker", options->question.blockers, "A surface or face that only blocks; may be given several times")->type_name("NAME")->allow_extra_args(false);
+  command->add_flag("--closure", options->closure, "Closed scenes: also the nearest form factors whose rows sum to 1, beside those measured");
   command->add_option("--seed", estimate.seed, "The same seed gives the same bits")->type_name("K")->capture_default_str();
   command->add_flag("--two-sided", options->two_sided, "Every polygon emits and receives on both sides");
   command->add_option("--device", options->device.selector, "Vulkan device: index, part of its name, cpu or gpu")->type_name("DEVICE");
