@@ -1,5 +1,6 @@
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <sstream>
 
 #include <gtest/gtest.h>
@@ -39,6 +40,21 @@ TEST(Output, CsvHasOneNonzeroEntryALineBothWays) {
   EXPECT_EQ(lines[3].substr(0, 26), "\"wall, \"\"north\"\"\",floor,0.");
   EXPECT_EQ(lines[4].find("\"wall, \"\"north\"\"\",environment,"), 0u);
   EXPECT_EQ(lines[5].find("\"wall, \"\"north\"\"\",leak,"), 0u);
+}
+
+TEST(Output, ClosedFormFactorsAreAColumnMore) {
+  const FormFactors f = exampleMatrix();
+  FormFactors::Entry moved = f.entries()[1];
+  moved.exchange_area.value = 0.3;
+  std::ostringstream plain, out;
+  writeCsv(f, plain);
+  writeCsv(f, out, std::make_unique<FormFactors>(f.ids(), std::vector{f.entries()[0], moved, f.entries()[2], f.entries()[3]}, f.rowSums()).get());
+  const auto lines = linesOf(out.str()), lines_before = linesOf(plain.str());
+  ASSERT_EQ(lines.size(), lines_before.size());
+  for (size_t k = 0; k < lines.size(); ++k) EXPECT_EQ(lines[k].substr(0, lines[k].rfind(',')), lines_before[k]);
+  EXPECT_EQ(lines[0].substr(lines[0].rfind(',')), ",closed_form_factor");
+  EXPECT_EQ(std::stod(lines[2].substr(lines[2].rfind(',') + 1)), 0.3 / 3);
+  EXPECT_EQ(std::stod(lines[3].substr(lines[3].rfind(',') + 1)), 0.3 / 0.7);
 }
 
 // Text gives back the same doubles.
@@ -102,6 +118,26 @@ TEST_F(OutputFile, BadPlacesAreFoundBeforehand) {
   EXPECT_THROW(checkOutput(folder_ / "a.xyz"), Error);
   fs::create_directory(folder_ / "folder.csv");
   EXPECT_THROW(checkOutput(folder_ / "folder.csv"), Error);
+}
+
+TEST_F(OutputFile, ClosedMatrixHasAFileOfItsOwn) {
+  const FormFactors f = exampleMatrix();
+  writeFormFactors(f, folder_ / "a.mtx", &f);
+  ASSERT_EQ(filesOf(folder_ / "a.mtx", true), (std::vector<fs::path>{folder_ / "a.mtx", folder_ / "a.closed.mtx"}));
+  EXPECT_EQ(filesOf(folder_ / "a.mtx", false).size(), 1u);
+  EXPECT_EQ(filesOf(folder_ / "a.csv", true).size(), 1u);
+  const auto textOf = [](const fs::path& file) {
+    std::ostringstream text;
+    text << std::ifstream(file).rdbuf();
+    return text.str();
+  };
+  std::ostringstream plain, closed;
+  writeMatrixMarket(f, plain);
+  writeMatrixMarket(f, closed, "closed form factors");
+  EXPECT_EQ(textOf(folder_ / "a.mtx"), plain.str());
+  EXPECT_EQ(textOf(folder_ / "a.closed.mtx"), closed.str());
+  EXPECT_THROW(checkOutput(folder_ / "a.closed.mtx", true), Error);
+  EXPECT_NO_THROW(checkOutput(folder_ / "a.closed.mtx"));
 }
 
 TEST_F(OutputFile, FullDiskIsAnError) {

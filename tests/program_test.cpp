@@ -1,4 +1,6 @@
 // The program as a user meets it: exit status, messages, files.
+#include <map>
+
 #include "program.h"
 
 namespace viewpeel {
@@ -50,6 +52,10 @@ TEST_F(Program, BadUsageAndInputEndWithOneLineAndStatus2) {
       {plates + "--tolerance 0", "tolerance"},
       {plates + "--tolerance x", "--tolerance"},
       {plates + "--by face", "--by"},
+      {plates + "--closure --from lower", "--from"},
+      {plates + "--closure --pair lower upper", "--pair"},
+      {plates + "--closure --blocker lower", "--blocker"},
+      {plates + "--closure -o " + file("a.closed.mtx"), ".closed.mtx"},
       {plates + "--no-such-option", "--no-such-option"},
       {plates + "-o " + file("a.xyz"), ".csv or .mtx"},
   };
@@ -60,6 +66,51 @@ TEST_F(Program, BadUsageAndInputEndWithOneLineAndStatus2) {
     EXPECT_EQ(std::count(r.output.begin(), r.output.end(), '\n'), 1) << arguments << "\n" << r.output;
     EXPECT_EQ(r.output.find("viewpeel: "), 0u) << r.output;
   }
+}
+
+// Row sums of the last column, by the first.
+std::map<std::string, double> sumRows(const std::string& csv) {
+  std::map<std::string, double> sums;
+  std::istringstream in(csv);
+  std::string line;
+  std::getline(in, line);
+  while (std::getline(in, line)) sums[line.substr(0, line.find(','))] += std::stod(line.substr(line.rfind(',') + 1));
+  return sums;
+}
+
+TEST_F(Program, ClosureIsWrittenBesideWhatWasMeasured) {
+  const std::string office = "compute " VIEWPEEL_SCENES "/office.obj --directions 200 ";
+  const Result plain = run(office + "-o " + file("raw.csv") + " -o " + file("raw.mtx"));
+  const Result closed = run(office + "--closure -o " + file("c.csv") + " -o " + file("c.mtx"));
+  EXPECT_EQ(plain.status, 0) << plain.output;
+  EXPECT_EQ(closed.status, 0) << closed.output;
+  EXPECT_NE(closed.output.find("\nclosed     row sums differ from 1 by at most"), std::string::npos) << closed.output;
+  EXPECT_NE(closed.output.find("c.closed.mtx"), std::string::npos) << closed.output;
+  EXPECT_EQ(plain.output.find("closed     "), std::string::npos);
+  EXPECT_EQ(readFile(file("raw.mtx")), readFile(file("c.mtx")));
+  std::istringstream raw_lines(readFile(file("raw.csv"))), closed_lines(readFile(file("c.csv")));
+  std::string a, b;
+  while (std::getline(raw_lines, a)) {
+    ASSERT_TRUE(std::getline(closed_lines, b));
+    ASSERT_EQ(b.substr(0, b.rfind(',')), a);
+  }
+  const auto sums = sumRows(readFile(file("c.csv")));
+  EXPECT_EQ(sums.size(), 576u);
+  for (const auto& [row, sum] : sums) EXPECT_NEAR(sum, 1, 1.1e-12) << row;  // kClosureTolerance, and 576 roundings
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 5);
+  const Result json = run("compute " VIEWPEEL_SCENES "/cube.obj --directions 20 --closure --json");
+  EXPECT_NE(json.output.find("\"closed\": {\"largest\": "), std::string::npos) << json.output;
+}
+
+// The scene is open: found after the computation, whose result is kept.
+TEST_F(Program, RefusedClosureKeepsWhatWasMeasured) {
+  const std::string plates = "compute " VIEWPEEL_SCENES "/plates.obj --quiet --directions 20 ";
+  const Result r = run(plates + "--closure -o " + file("p.csv"));
+  EXPECT_EQ(r.status, 2);
+  EXPECT_EQ(r.output.find("viewpeel: closure: 79."), 0u) << r.output;
+  EXPECT_EQ(std::count(r.output.begin(), r.output.end(), '\n'), 1) << r.output;
+  EXPECT_EQ(run(plates + "-o " + file("q.csv")).status, 0);
+  EXPECT_EQ(readFile(file("p.csv")), readFile(file("q.csv")));
 }
 
 TEST_F(Program, UnwritableOutputIsFoundBeforeTheComputation) {
@@ -123,7 +174,7 @@ TEST_F(Program, HelpNamesEveryOption) {
   const Result r = run("compute --help");
   EXPECT_EQ(r.status, 0);
   for (const char* option : {"--output", "--tolerance", "--directions", "--replicates", "--resolution", "--by", "--sampler", "--seed",
-                             "--two-sided", "--device", "--quiet", "--checkpoint", "--resume", "--first-replicate"})
+                             "--two-sided", "--device", "--quiet", "--closure", "--checkpoint", "--resume", "--first-replicate"})
     EXPECT_NE(r.output.find(option), std::string::npos) << option;
 }
 

@@ -12,7 +12,6 @@
 #include "cli/summary.h"
 #include "error.h"
 #include "reference/exact_engine.h"
-#include "scene/fingerprint.h"
 
 namespace viewpeel::cli {
 namespace {

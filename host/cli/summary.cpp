@@ -125,7 +125,16 @@ std::string describeResult(const Estimate& estimate) {
                      tabulateLargest(splits_surfaces ? f : estimate.between_surfaces, 20), describeErrors(estimate));
 }
 
-std::string asJson(const std::string& scene, const std::string& device, const Estimate& estimate, double seconds, const Work* work) {
+std::string describeClosed(const ClosedFormFactors& closed) {
+  const std::vector<std::string>& names = closed.form_factors.ids().names;
+  return fmt::format("closed     row sums differ from 1 by at most {:.1e} after {} steps; moved by {:.2g} standard errors rms, {:.2g} at most\n"
+                     "           largest change of a form factor {:.1e} ({} to {})\n",
+                     measureClosure(closed.form_factors).largest_error, closed.steps, closed.rms_change, closed.largest_change,
+                     closed.largest_form_factor_change, names[closed.from], names[closed.to]);
+}
+
+std::string asJson(const std::string& scene, const std::string& device, const Estimate& estimate, double seconds, const Work* work,
+                   const ClosedFormFactors* closed) {
   const FormFactors& f = estimate.form_factors;
   std::string text = fmt::format(
       "{{\n  \"scene\": \"{}\",\n  \"device\": \"{}\",\n  \"ids\": {},\n  \"replicates\": {},\n  \"directions\": {},\n  \"seconds\": {:.6g},\n"
@@ -136,6 +145,13 @@ std::string asJson(const std::string& scene, const std::string& device, const Es
     const Closure closure = measureClosure(f);
     text += fmt::format(",\n  \"closure\": {{\"largest\": {:.6g}, \"rms\": {:.6g}, \"row\": \"{}\"}},\n  \"environment_share\": {:.6g},\n  \"leak_share\": {:.6g}",
                         closure.largest_error, closure.rms_error, escapeJson(closure.row), environmentShare(f), leakShare(f));
+  }
+  if (closed) {
+    const std::vector<std::string>& names = closed->form_factors.ids().names;
+    text += fmt::format(",\n  \"closed\": {{\"largest\": {:.6g}, \"steps\": {}, \"rms_change\": {:.6g}, \"largest_change\": {:.6g}, "
+                        "\"largest_form_factor_change\": {:.6g}, \"from\": \"{}\", \"to\": \"{}\"}}",
+                        measureClosure(closed->form_factors).largest_error, closed->steps, closed->rms_change, closed->largest_change,
+                        closed->largest_form_factor_change, escapeJson(names[closed->from]), escapeJson(names[closed->to]));
   }
   if (work) {
     text += fmt::format(

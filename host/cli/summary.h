@@ -4,6 +4,7 @@
 
 #include "engines/work.h"
 #include "estimator/estimate.h"
+#include "matrix/closure.h"
 #include "vulkan/device.h"
 
 namespace viewpeel::cli {
@@ -22,8 +23,12 @@ std::string describeResult(const Estimate& estimate);
 // Standard errors, closure, leak and environment of the whole matrix.
 std::string describeErrors(const Estimate& estimate);
 
-// The same and the work done, as JSON.    In: work may be nullptr
-std::string asJson(const std::string& scene, const std::string& device, const Estimate& estimate, double seconds, const Work* work);
+// What closing the rows changed.
+std::string describeClosed(const ClosedFormFactors& closed);
+
+// The same and the work done, as JSON.    In: work and closed may be nullptr
+std::string asJson(const std::string& scene, const std::string& device, const Estimate& estimate, double seconds, const Work* work,
+                   const ClosedFormFactors* closed);
 
 // The shares of the emitting area asked for whose lines leave the scene, and that end on a back.
 double environmentShare(const FormFactors& form_factors);

@@ -8,11 +8,9 @@
 namespace viewpeel {
 namespace {
 
-using Writer = void (*)(const FormFactors&, std::ostream&);
-
-Writer findWriter(const std::filesystem::path& file) {
-  if (file.extension() == ".csv") return writeCsv;
-  if (file.extension() == ".mtx") return writeMatrixMarket;
+bool isMatrixMarket(const std::filesystem::path& file) {
+  if (file.extension() == ".csv") return false;
+  if (file.extension() == ".mtx") return true;
   throw Error(ErrorCode::bad_usage, fmt::format("{}: unknown output format; use a name that ends in .csv or .mtx", file.string()));
 }
 
@@ -37,20 +35,22 @@ void forEachEntry(const FormFactors& form_factors, Use use) {
 
 }  // namespace
 
-void writeCsv(const FormFactors& form_factors, std::ostream& out) {
+void writeCsv(const FormFactors& form_factors, std::ostream& out, const FormFactors* closed) {
   const auto& names = form_factors.ids().names;
-  out << "from,to,form_factor,standard_error\n";
+  out << "from,to,form_factor,standard_error" << (closed ? ",closed_form_factor\n" : "\n");
   forEachEntry(form_factors, [&](uint32_t i, uint32_t j, const Measured& f) {
     const std::string to = j == kEnvironment ? "environment" : j == kLeak ? "leak" : quoteName(names[j]);
-    fmt::print(out, "{},{},{},{}\n", quoteName(names[i]), to, f.value, f.standard_error);
+    fmt::print(out, "{},{},{},{}", quoteName(names[i]), to, f.value, f.standard_error);
+    if (closed) fmt::print(out, ",{}", closed->formFactor(i, j).value);
+    out << '\n';
   });
 }
 
-void writeMatrixMarket(const FormFactors& form_factors, std::ostream& out) {
+void writeMatrixMarket(const FormFactors& form_factors, std::ostream& out, const char* what) {
   const Ids& ids = form_factors.ids();
   uint64_t nonzeros = 0;
   forEachEntry(form_factors, [&](uint32_t, uint32_t j, const Measured&) { nonzeros += j < kEnvironment; });
-  out << "%%MatrixMarket matrix coordinate real general\n% form factors; per row: number, area, environment share, name\n";
+  fmt::print(out, "%%MatrixMarket matrix coordinate real general\n% {}; per row: number, area, environment share, name\n", what);
   for (uint32_t i = 0; i < ids.count(); ++i)
     fmt::print(out, "% {} {} {} {}\n", i + 1, ids.areas[i], form_factors.formFactor(i, kEnvironment).value, ids.names[i]);
   fmt::print(out, "{} {} {}\n", ids.count(), ids.count(), nonzeros);
@@ -59,14 +59,25 @@ void writeMatrixMarket(const FormFactors& form_factors, std::ostream& out) {
   });
 }
 
-void writeFormFactors(const FormFactors& form_factors, const std::filesystem::path& file) {
-  const Writer write = findWriter(file);
-  writeFile(file, [&](std::ostream& out) { write(form_factors, out); });
+void writeFormFactors(const FormFactors& form_factors, const std::filesystem::path& file, const FormFactors* closed) {
+  if (!isMatrixMarket(file)) {
+    writeFile(file, [&](std::ostream& out) { writeCsv(form_factors, out, closed); });
+    return;
+  }
+  writeFile(file, [&](std::ostream& out) { writeMatrixMarket(form_factors, out); });
+  if (closed) writeFile(filesOf(file, true)[1], [&](std::ostream& out) { writeMatrixMarket(*closed, out, "closed form factors"); });
 }
 
-void checkOutput(const std::filesystem::path& file) {
-  findWriter(file);
-  checkWritable(file);
+std::vector<std::filesystem::path> filesOf(const std::filesystem::path& file, bool with_closure) {
+  if (!with_closure || !isMatrixMarket(file)) return {file};
+  return {file, std::filesystem::path(file).replace_extension(".closed.mtx")};
+}
+
+void checkOutput(const std::filesystem::path& file, bool with_closure) {
+  if (with_closure && isMatrixMarket(file) && file.stem().extension() == ".closed")
+    throw Error(ErrorCode::bad_usage, fmt::format("{}: --closure takes names that end in .closed.mtx itself; use another one", file.string()));
+  isMatrixMarket(file);
+  for (const std::filesystem::path& written : filesOf(file, with_closure)) checkWritable(written);
 }
 
 }  // namespace viewpeel
