@@ -134,6 +134,35 @@ TEST_F(LongRun, InterruptedIsWrittenAndResumed) {
   }
 }
 
+// What a plan chose from measured times is kept with the checkpoint: the rest of the run is that plan's, whatever another plan would be.
+TEST_F(LongRun, PlansAndGuaranteesAreGoneOnWith) {
+  const std::pair<std::string, std::vector<std::string>> runs[] = {
+      {kOffice + "--tolerance 2e-3 ", {"--directions", "--resolution", "--finest"}},
+      {"compute " VIEWPEEL_SCENES "/plates.obj --quiet --epsilon 0.03 ", {"--range", "--block"}}};
+  int k = 0;
+  for (const auto& [options, chosen] : runs) {
+    const std::string name = "c" + std::to_string(k++) + ".h5", checkpoint = options + "--checkpoint " + file(name);
+    {
+      Running running(checkpoint + " --checkpoint-seconds 0", file("messages"));
+      while (!running.hasEnded() && !fs::exists(file(name))) waitFor(0.002);
+      running.send(SIGKILL);
+      running.wait();
+    }
+    const std::string shown = run("merge " + file(name)).output;
+    ASSERT_EQ(run(checkpoint + " --resume -o " + file("resumed.csv")).status, 0);
+    std::string same = options;
+    for (const std::string& option : chosen) {
+      const size_t at = shown.find("\n" + option + " ");
+      ASSERT_NE(at, std::string::npos) << shown;
+      const std::string value = shown.substr(shown.find_first_not_of(' ', at + 1 + option.size()), shown.find('\n', at + 1) - shown.find_first_not_of(' ', at + 1 + option.size()));
+      if (value != "0") same += option + " " + value + " ";
+    }
+    ASSERT_EQ(run(same + "-o " + file("whole.csv")).status, 0) << same;
+    EXPECT_EQ(readFile(file("resumed.csv")), readFile(file("whole.csv"))) << same;
+    EXPECT_FALSE(readFile(file("whole.csv")).empty());
+  }
+}
+
 TEST_F(LongRun, PartsMergeToOneRun) {
   const std::string options = "compute " VIEWPEEL_SCENES "/office.obj --quiet --directions 30 ";
   ASSERT_EQ(run(options + "--replicates 9 -o " + file("whole.csv") + " -o " + file("whole.mtx") + " --checkpoint " + file("whole.h5")).status, 0);

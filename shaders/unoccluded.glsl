@@ -1,0 +1,92 @@
+// What the closed forms' kernels share: pairs of sides, and the parts of two polygons that see each other's front.
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+#extension GL_EXT_control_flow_attributes : require
+#include "unoccluded.h"
+
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer SidePairs { SidePairData at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Doubles { double at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Words { uint at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Edges { EdgeData at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer LineValues { LineValue at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Unreached { UnreachedData at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Status { UnoccludedStatus at; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Work { WorkList at; };
+
+const double kPi = 3.14159265358979323846LF;
+
+// Two sides, the lower number first, so that the order asked for does not matter.
+struct Sides {
+  ShapeData a, b;
+  dvec3 normal_a, normal_b;  // of the sides
+  bool is_flipped;           // exactly one of them is a back
+  bool are_one;              // of the same polygon
+};
+
+layout(binding = 0) uniform usamplerBuffer texels;  // ShapeData[], or points of line rules: software devices fetch texels faster than they load words
+
+dvec2 fetchDoubles(uint texel) {
+  uvec4 bits = texelFetch(texels, int(texel));
+  return dvec2(packDouble2x32(bits.xy), packDouble2x32(bits.zw));
+}
+
+ShapeData fetchShape(uint index) {
+  dvec2 d[kShapeTexels - 1u];
+  uint first = index * kShapeTexels;
+  [[unroll]] for (uint k = 0u; k < kShapeTexels - 1u; ++k) d[k] = fetchDoubles(first + k);
+  ShapeData shape;
+  shape.corners = dvec3[](dvec3(d[0], d[1].x), dvec3(d[1].y, d[2]), dvec3(d[3], d[4].x), dvec3(d[4].y, d[5]));
+  shape.normal = dvec3(d[6], d[7].x);
+  shape.density = d[7].y;
+  shape.density_u = d[8].x;
+  shape.density_v = d[8].y;
+  shape.reach = d[9].x;
+  shape.radius = d[9].y;
+  shape.skew = d[10].x;
+  shape.tilt = d[10].y;
+  uvec4 last = texelFetch(texels, int(first + kShapeTexels - 1u));
+  shape.area = packDouble2x32(last.xy);
+  shape.plane = last.z;
+  return shape;
+}
+
+Sides loadSides(uint64_t pairs, uint pair) {
+  SidePairData asked = SidePairs(pairs).at[pair];
+  uint first = min(asked.i, asked.j), second = max(asked.i, asked.j);
+  Sides sides;
+  sides.a = fetchShape(first >> 1);
+  sides.b = fetchShape(second >> 1);
+  sides.a.plane ^= first & 1u;
+  sides.b.plane ^= second & 1u;
+  sides.normal_a = (first & 1u) == 0u ? sides.a.normal : -sides.a.normal;
+  sides.normal_b = (second & 1u) == 0u ? sides.b.normal : -sides.b.normal;
+  sides.is_flipped = ((first ^ second) & 1u) != 0u;
+  sides.are_one = (first >> 1) == (second >> 1);
+  return sides;
+}
+
+dvec3 meanCorner(ShapeData shape) { return 0.25LF * ((shape.corners[0] + shape.corners[1]) + (shape.corners[2] + shape.corners[3])); }
+
+// Of a shape's corners over another's plane.
+dvec4 depthsOf(ShapeData shape, ShapeData plane, dvec3 normal) {
+  dvec4 depths;
+  [[unroll]] for (int k = 0; k < 4; ++k) depths[k] = dot(normal, shape.corners[k] - plane.corners[0]);
+  return depths;
+}
+
+// How far a depth over the plane of `plane` may be off by the rounding of its corners.
+double depthRounding(ShapeData plane, double distance) { return kFrontRounding + plane.tilt * distance; }
+
+// Takes a place in a list.
+uint append(Work work) {
+  uint at = atomicAdd(work.at.count, 1u);
+  if (at % kUnoccludedGroupSize == 0u) atomicAdd(work.at.groups_x, 1u);
+  return at;
+}
+
+double leastOf(dvec4 v) { return min(min(v.x, v.y), min(v.z, v.w)); }
+double greatestOf(dvec4 v) { return max(max(v.x, v.y), max(v.z, v.w)); }
+
+// In one plane and face to face, as touching solids are.
+bool areTouching(Sides sides) { return (sides.a.plane ^ sides.b.plane) == 1u; }
