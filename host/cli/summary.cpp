@@ -21,6 +21,37 @@ double shareOf(const FormFactors& form_factors, uint32_t column) {
   return exchange / area;
 }
 
+std::string columnName(const Ids& ids, uint32_t j) { return j == kEnvironment ? "environment" : j == kLeak ? "leak" : ids.names[j]; }
+
+struct StandardErrors {
+  size_t count = 0;  // of nonzero form factors, both ways
+  double rms = 0;
+  std::vector<std::pair<uint32_t, uint32_t>> worst;  // from, to; the largest first
+};
+
+StandardErrors measureStandardErrors(const FormFactors& form_factors, size_t worst) {
+  StandardErrors errors;
+  std::vector<std::pair<double, std::pair<uint32_t, uint32_t>>> largest;  // sorted, at most `worst`
+  double squares = 0;
+  const auto add = [&](uint32_t from, uint32_t to, const Measured& exchange) {
+    if (!form_factors.ids().isAsked(from)) return;
+    const double error = exchange.standard_error / form_factors.ids().areas[from];
+    ++errors.count;
+    squares += error * error;
+    if (worst == 0 || (largest.size() == worst && error <= largest.back().first)) return;
+    const auto at = std::find_if(largest.begin(), largest.end(), [&](const auto& other) { return other.first < error; });
+    largest.insert(at, {error, {from, to}});
+    if (largest.size() > worst) largest.pop_back();
+  };
+  for (const auto& entry : form_factors.entries()) {
+    add(entry.i, entry.j, entry.exchange_area);
+    if (entry.j < kEnvironment && entry.j != entry.i) add(entry.j, entry.i, entry.exchange_area);
+  }
+  for (const auto& [error, pair] : largest) errors.worst.push_back(pair);
+  errors.rms = errors.count ? std::sqrt(squares / double(errors.count)) : 0;
+  return errors;
+}
+
 }  // namespace
 
 std::string describeDevice(const Device& device) {
@@ -68,7 +99,7 @@ std::string tabulateLargest(const FormFactors& between_surfaces, size_t rows) {
   }
   std::sort(table.begin(), table.end(), [](const Row& a, const Row& b) { return a.f.value > b.f.value; });
   table.resize(std::min(table.size(), rows));
-  const auto nameOf = [&](uint32_t id) { return id == kEnvironment ? "environment" : id == kLeak ? "leak" : names[id]; };
+  const auto nameOf = [&](uint32_t id) { return columnName(between_surfaces.ids(), id); };
   size_t from_width = 4, to_width = 2;
   for (const Row& row : table) {
     from_width = std::max(from_width, names[row.from].size());
@@ -105,8 +136,15 @@ double leakShare(const FormFactors& form_factors) { return shareOf(form_factors,
 
 std::string describeErrors(const Estimate& estimate) {
   const FormFactors& f = estimate.form_factors;
-  std::string text = fmt::format("errors     largest standard error {:.1e} over {} nonzero form factors; {:.1e} of its form factor over the larger ones\n",
-                                 estimate.largest_standard_error, f.entries().size(), estimate.largest_relative_error);
+  const StandardErrors errors = measureStandardErrors(f, 3);
+  std::string text = fmt::format("errors     standard errors of {} nonzero form factors: largest {:.1e}, rms {:.1e}; {:.1e} of its form factor over the larger ones\n", errors.count,
+                                 estimate.largest_standard_error, errors.rms, estimate.largest_relative_error);
+  for (size_t k = 0; k < errors.worst.size(); ++k) {
+    const auto& [i, j] = errors.worst[k];
+    const Measured value = f.formFactor(i, j);
+    text += fmt::format("{}{} to {} ({:.4f} +- {:.1e})", k ? ", " : "           worst: ", f.ids().names[i], columnName(f.ids(), j), value.value, value.standard_error);
+  }
+  if (!errors.worst.empty()) text += "\n";
   if (const auto& g = estimate.guarantee)
     text = fmt::format("guarantee  every form factor within {:.3g} with probability {}, by {}\n", g->bound, 1 - g->delta,
                        g->by == GuaranteedBy::hoeffding ? "Hoeffding's bound" : g->by == GuaranteedBy::bernstein ? "the empirical Bernstein bound" : "the median of runs") + text;
@@ -136,11 +174,13 @@ std::string describeClosed(const ClosedFormFactors& closed) {
 std::string asJson(const std::string& scene, const std::string& device, const Estimate& estimate, double seconds, const Work* work,
                    const ClosedFormFactors* closed) {
   const FormFactors& f = estimate.form_factors;
+  const StandardErrors errors = measureStandardErrors(f, 0);
   std::string text = fmt::format(
       "{{\n  \"scene\": \"{}\",\n  \"device\": \"{}\",\n  \"ids\": {},\n  \"replicates\": {},\n  \"directions\": {},\n  \"seconds\": {:.6g},\n"
-      "  \"largest_standard_error\": {:.6g},\n  \"nonzero_form_factors\": {}",
+      "  \"largest_standard_error\": {:.6g},\n  \"rms_standard_error\": {:.6g},\n  \"nonzero_form_factors\": {}",
       escapeJson(scene), escapeJson(device), f.ids().count(), estimate.replicates, estimate.directions, seconds, estimate.largest_standard_error,
-      f.entries().size());
+      errors.rms, errors.count);
+  if (const auto& g = estimate.guarantee) text += fmt::format(",\n  \"guarantee\": {{\"epsilon\": {}, \"delta\": {}, \"bound\": {:.6g}}}", g->epsilon, g->delta, g->bound);
   if (f.ids().rows_sum_to_one) {
     const Closure closure = measureClosure(f);
     text += fmt::format(",\n  \"closure\": {{\"largest\": {:.6g}, \"rms\": {:.6g}, \"row\": \"{}\"}},\n  \"environment_share\": {:.6g},\n  \"leak_share\": {:.6g}",

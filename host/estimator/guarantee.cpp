@@ -1,6 +1,7 @@
 #include "estimator/guarantee.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <numbers>
@@ -20,6 +21,7 @@ constexpr double kBaseShare = 0.9;             // of the area, that the first gr
 constexpr double kEpochGrowth = 1.15;          // of the blocks from one look at Bernstein's bound to the next
 constexpr uint64_t kPilot = uint64_t(1) << 40; // replicate numbers that no run reaches
 constexpr uint32_t kPilotBlocks = 24, kPilotDirections = 8;
+constexpr std::array kRanges = {5.0, 3.5, 2.8, 2.4, 2.2};  // that lattices are tried for
 constexpr uint64_t kFewestBlocks = 8;          // for standard errors
 constexpr uint64_t kMostAtOnce = 1 << 16;      // directions held at a time
 
@@ -181,80 +183,77 @@ double bernsteinBound(double variance, double range, double blocks, double p) {
 }
 
 GuaranteePlan planGuarantee(const Scene& scene, const Ids& ids, const GuaranteeOptions& options, const Lattices& lattices, Sampling sampling, bool exact) {
-  if (!(options.epsilon > 0 && options.epsilon < 1 && options.delta > 0 && options.delta < 1))
-    throw Error(ErrorCode::bad_usage, "epsilon and delta have to lie between 0 and 1");
-  if (options.sampler != Sampler::iid && (options.sampler != Sampler::jittered || options.statistic == Statistic::median))
-    throw Error(ErrorCode::bad_usage, options.statistic == Statistic::median ? "the median needs independent runs of independent directions: --sampler iid"
-                                                                             : "a guarantee needs independent directions: --sampler jittered or iid");
-  GuaranteePlan plan;
-  plan.epsilon = options.epsilon;
-  plan.delta = options.delta;
+  const double e = options.epsilon, d = options.delta;
+  if (!(e > 0 && e < 1 && d > 0 && d < 1)) throw Error(ErrorCode::bad_usage, "epsilon and delta have to lie between 0 and 1");
+  const bool is_median = options.statistic == Statistic::median;
+  if (options.sampler != Sampler::iid && (options.sampler != Sampler::jittered || is_median))
+    throw Error(ErrorCode::bad_usage, is_median ? "the median needs independent runs of independent directions: --sampler iid"
+                                                : "a guarantee needs independent directions: --sampler jittered or iid");
   const std::vector<double> bounds = countBounds(ids);
-  plan.bounds = std::accumulate(bounds.begin(), bounds.end(), 0.0);
 
-  // The lattices: finer ones lower the range and with it the number of directions, and cost more each. Timed on a few directions.
-  double block_seconds = 0, direction_seconds = 0;
-  std::unique_ptr<Engine> engine;
-  for (double range : options.range > 0 ? std::vector{options.range} : exact || lattices.resolution ? std::vector{4.0} : std::vector{5.0, 3.5, 2.8, 2.4, 2.2}) {
-    const std::vector<SizeGroup> groups = exact ? groupBySize(scene, std::vector<double>(scene.polygons.size(), 1), 1)
-                                                : groupsFor(scene, neededFor(scene, ids, range, sampling), lattices);
-    engine.reset();
-    engine = lattices.make_engine(groups);
+  // With lattices for one range: the bounds, and what a pilot says of the time until they are met.
+  const auto planFor = [&](double range) {
+    GuaranteePlan plan;
+    plan.epsilon = e;
+    plan.delta = d;
+    plan.bounds = std::accumulate(bounds.begin(), bounds.end(), 0.0);
+    plan.range = range;
+    plan.groups = exact ? groupBySize(scene, std::vector<double>(scene.polygons.size(), 1), 1) : groupsFor(scene, neededFor(scene, ids, range, sampling), lattices);
+    plan.engine = lattices.make_engine(plan.groups);
+    plan.ranges = formFactorRanges(scene, ids, exact ? std::vector<double>{} : resolutionsOf(scene, plan.groups), sampling);
+    const double m = plan.largest_range = *std::max_element(plan.ranges.begin(), plan.ranges.end());
+    plan.hoeffding = hoeffdingDirections(plan.ranges, bounds, e, d / 2);
+    plan.lemma_1 = std::ceil(1 / (e * e * d));
+    plan.lemma_1_all = std::ceil(plan.bounds / (e * e * d));
+    plan.runs = static_cast<uint64_t>(std::ceil(8 * std::log(plan.bounds / d))) | 1;
+    plan.run_directions = static_cast<uint64_t>(std::ceil(std::max(4.0, m * m) / (e * e) * (1 - 1e-12)));
+
     const auto secondsOf = [&](uint32_t directions) {
       const auto start = Clock::now();
-      engine->count(sampleDirections(options.sampler, directions, options.seed, kPilot - 2));
+      plan.engine->count(sampleDirections(options.sampler, directions, options.seed, kPilot - 2));
       return secondsSince(start);
     };
     secondsOf(kPilotDirections);  // kernels are compiled and tuned
-    const double few = std::min(secondsOf(1), secondsOf(1)), many = secondsOf(kPilotDirections);
-    const std::vector<double> ranges = formFactorRanges(scene, ids, exact ? std::vector<double>{} : resolutionsOf(scene, groups), sampling);
-    const double largest = *std::max_element(ranges.begin(), ranges.end());
-    // Most of the time goes in proportion to the range.
-    const double cost = many / kPilotDirections * largest, cost_before = plan.engine ? direction_seconds * plan.largest_range : INFINITY;
-    if (cost >= cost_before) break;
-    plan.engine = std::move(engine);
-    plan.groups = groups;
-    plan.ranges = ranges;
-    plan.range = range;
-    plan.largest_range = largest;
-    direction_seconds = many / kPilotDirections;
-    block_seconds = std::max(few - direction_seconds, 0.0);
-  }
-  const double m = plan.largest_range, e = options.epsilon, d = options.delta;
-  plan.hoeffding = hoeffdingDirections(plan.ranges, bounds, e, d / 2);
-  plan.lemma_1 = std::ceil(1 / (e * e * d));
-  plan.lemma_1_all = std::ceil(plan.bounds / (e * e * d));
-  plan.runs = static_cast<uint64_t>(std::ceil(8 * std::log(plan.bounds / d))) | 1;
-  plan.run_directions = static_cast<uint64_t>(std::ceil(std::max(4.0, m * m) / (e * e) * (1 - 1e-12)));
-  if (options.statistic == Statistic::median) {
-    plan.least_seconds = plan.expected_seconds = plan.most_seconds = double(plan.runs) * (block_seconds + double(plan.run_directions) * direction_seconds);
+    const double few = std::min(secondsOf(1), secondsOf(1)), direction_seconds = secondsOf(kPilotDirections) / kPilotDirections;
+    const double block_seconds = std::max(few - direction_seconds, 0.0);
+    if (is_median) {
+      plan.least_seconds = plan.expected_seconds = plan.most_seconds = double(plan.runs) * (block_seconds + double(plan.run_directions) * direction_seconds);
+      return plan;
+    }
+    // The variance of some blocks says which size of block is expected to end first; that it does end is not at stake.
+    plan.expected_seconds = INFINITY;
+    for (uint32_t size : options.block_directions ? std::vector{options.block_directions} : std::vector{1u, 4u, 16u}) {
+      ReplicateSums sums(ids);
+      for (uint32_t b = 0; b < kPilotBlocks; ++b) sums.add(plan.engine->count(sampleDirections(options.sampler, size, options.seed, kPilot + b)));
+      double variance = 0;
+      sums.forEachPair(plan.engine->unitArea() * scene.scale * scene.scale / size, [&](uint32_t i, uint32_t j, const Measured& exchange) {
+        const double error = exchange.standard_error / smallerArea(ids, i, j);
+        variance = std::max(variance, error * error * kPilotBlocks);
+      });
+      const double blocks = std::min(blocksUntil(e, variance, m, plan.bounds, d), std::ceil(double(plan.hoeffding) / size));
+      const double seconds = blocks * (block_seconds + size * direction_seconds);
+      if (seconds >= plan.expected_seconds) continue;
+      plan.block_directions = size;
+      plan.expected_blocks = static_cast<uint64_t>(std::ceil(blocks));
+      plan.expected_seconds = seconds;
+    }
+    const double block = block_seconds + plan.block_directions * direction_seconds;
+    plan.most_blocks = std::max(kFewestBlocks, (plan.hoeffding + plan.block_directions - 1) / plan.block_directions);
+    plan.least_blocks = std::min(plan.most_blocks, static_cast<uint64_t>(std::ceil(1 + 7 * m * std::log(4 * 2 * 2 * plan.bounds / d) / (3 * e))));
+    plan.least_seconds = double(plan.least_blocks) * block;
+    plan.most_seconds = double(plan.most_blocks) * block;
     return plan;
-  }
+  };
 
-  // The variance of blocks, from some, says which size of block is expected to end first; that it does end is not at stake.
-  double best = INFINITY;
-  for (uint32_t size : options.block_directions ? std::vector{options.block_directions} : std::vector{1u, 2u, 4u, 8u, 16u, 32u}) {
-    ReplicateSums sums(ids);
-    for (uint32_t b = 0; b < kPilotBlocks; ++b) sums.add(plan.engine->count(sampleDirections(options.sampler, size, options.seed, kPilot + b)));
-    double variance = 0;
-    sums.forEachPair(plan.engine->unitArea() * scene.scale * scene.scale / size, [&](uint32_t i, uint32_t j, const Measured& exchange) {
-      const double error = exchange.standard_error / smallerArea(ids, i, j);
-      variance = std::max(variance, error * error * kPilotBlocks);
-    });
-    const double blocks = std::min(blocksUntil(e, variance, m, plan.bounds, d), std::ceil(double(plan.hoeffding) / size));
-    const double seconds = blocks * (block_seconds + size * direction_seconds);
-    if (seconds >= best) continue;
-    best = seconds;
-    plan.block_directions = size;
-    plan.expected_blocks = static_cast<uint64_t>(std::ceil(blocks));
+  // Finer lattices lower ranges and variances, and cost more each.
+  const bool one = exact || lattices.resolution;
+  GuaranteePlan best = planFor(options.range > 0 ? options.range : one ? kRanges.back() : kRanges.front());
+  for (size_t k = 1; k < kRanges.size() && !one && !(options.range > 0); ++k) {
+    GuaranteePlan plan = planFor(kRanges[k]);
+    if (plan.expected_seconds > 1.5 * best.expected_seconds) break;
+    if (plan.expected_seconds < best.expected_seconds) best = std::move(plan);
   }
-  const double block = block_seconds + plan.block_directions * direction_seconds;
-  plan.most_blocks = std::max(kFewestBlocks, (plan.hoeffding + plan.block_directions - 1) / plan.block_directions);
-  plan.least_blocks = std::min(plan.most_blocks, static_cast<uint64_t>(std::ceil(1 + 7 * m * std::log(4 * 2 * 2 * plan.bounds / d) / (3 * e))));
-  plan.least_seconds = double(plan.least_blocks) * block;
-  plan.expected_seconds = double(plan.expected_blocks) * block;
-  plan.most_seconds = double(plan.most_blocks) * block;
-  return plan;
+  return best;
 }
 
 Estimate guaranteeFormFactors(const Scene& scene, const Ids& ids, const GuaranteeOptions& options, const GuaranteePlan& plan) {
