@@ -8,9 +8,10 @@
 namespace viewpeel::reference {
 
 // Areas in units of 2^-40, rounded to the nearest: the sum over directions is an integer, whatever the number of threads.
+// Blocked pairs too where `count_blocked`.
 //   Error: 2^-41 unit-ball units squared per pair and direction, plus computeExactPairAreas's.
 //   Throws (constructor): Error bad_input where polygons pass through each other, naming two and the place.
 //   Cost: computeExactPairAreas per direction, over `thread_count` threads (0: all cores).
-std::unique_ptr<Engine> makeExactEngine(const Scene& scene, const Ids& ids, unsigned thread_count = 0);
+std::unique_ptr<Engine> makeExactEngine(const Scene& scene, const Ids& ids, unsigned thread_count = 0, bool count_blocked = false);
 
 }  // namespace viewpeel::reference

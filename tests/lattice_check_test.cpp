@@ -39,7 +39,7 @@ struct CheckedScene {
   Ids ids = makeIds(scene, By::polygon, false);
   CheckReport check(const CountLattice& count, const CheckOptions& options = smallCheck()) const { return checkLattice(scene, ids, count, options); }
   CheckReport checkTwin(Fault fault) const {
-    return check([&](const Direction& d, int resolution) { return countPairsOnCpu(scene, ids, {d}, resolution, fault); });
+    return check([&](const Direction& d, int resolution) { return countPairsOnCpu(scene, ids, {d}, resolution, false, fault); });
   }
 };
 

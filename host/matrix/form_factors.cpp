@@ -38,6 +38,7 @@ void ReplicateSums::add(const PairCounts& counts) {
   std::vector<uint64_t> rows(ids_.count(), 0);
   auto old = pairs_.begin();
   for (const PairCount& count : counts) {
+    if (count.count == 0) continue;  // only blocked
     const std::pair key(count.i, count.j);
     while (old != pairs_.end() && before(*old, key)) merged.push_back(*old++);
     merged.push_back(old != pairs_.end() && std::pair(old->i, old->j) == key ? *old++ : PairSum{count.i, count.j, {}});
@@ -107,13 +108,17 @@ PairCounts mergeIds(const PairCounts& counts, const std::vector<uint32_t>& id_ma
   mapped.reserve(counts.size());
   for (const PairCount& count : counts) {
     const uint32_t i = id_map[count.i], j = count.j < kEnvironment ? id_map[count.j] : count.j;
-    mapped.push_back({std::min(i, j), std::max(i, j), count.count});
+    mapped.push_back({std::min(i, j), std::max(i, j), count.count, count.blocked});
   }
   std::sort(mapped.begin(), mapped.end(), [](const auto& a, const auto& b) { return std::pair(a.i, a.j) < std::pair(b.i, b.j); });
   PairCounts merged;
   for (const PairCount& count : mapped) {
-    if (!merged.empty() && merged.back().i == count.i && merged.back().j == count.j) merged.back().count += count.count;
-    else merged.push_back(count);
+    if (merged.empty() || merged.back().i != count.i || merged.back().j != count.j) {
+      merged.push_back(count);
+      continue;
+    }
+    merged.back().count += count.count;
+    merged.back().blocked += count.blocked;
   }
   return merged;
 }
