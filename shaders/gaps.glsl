@@ -4,8 +4,7 @@
 bool isCounted(uint gap, uint lower, uint upper) {
   if (kAllCount) return gap != kGapNothing;
   uint lower_roles = lower >> kRolesShift, upper_roles = upper >> kRolesShift;
-  if (gap == kGapFacingPair)
-    return ((lower_roles & kEmits) != 0u && (upper_roles & kReceives) != 0u) || ((upper_roles & kEmits) != 0u && (lower_roles & kReceives) != 0u);
+  if (gap == kGapFacingPair) return exchange(lower_roles, upper_roles);
   if (gap == kGapNothing || args.counts_environment == 0u) return false;
   return ((gap == kGapLowerEnvironment || gap == kGapLowerLeak ? lower_roles : upper_roles) & kEmits) != 0u;
 }
@@ -14,6 +13,8 @@ uint idOf(uint layer_polygon) {
   if (layer_polygon == 0u) return 0u;
   return kIdsAreIndices ? layer_polygon - 1u : fetchId(layer_polygon - 1u);
 }
+
+Counters peelCounters() { return Counters(args.counters, args.status, args.id_count, args.counter_mask, kSparse, kCountsBlocked ? 2u : 1u); }
 
 // Adds up what neighbouring lanes with the same pair have: the first of a run adds for all.
 void addRuns(bool has, uvec2 pair, uint weight, uint lane) {
@@ -35,7 +36,7 @@ void addRuns(bool has, uvec2 pair, uint weight, uint lane) {
     has = has && head;
     weight = to_end - sum + weight;
   }
-  if (has) addCount(args.counters, args.counter_mask, args.status, args.id_count, kSparse, pair, weight);
+  if (has) addCount(peelCounters(), kFacing, pair, uint64_t(weight));
 }
 
 // Adds the gaps between consecutive layers of one sample a lane: below those nearer than `bound`, and at the end the one above the last of them. Moves

@@ -29,11 +29,11 @@ layout(constant_id = 7) const int kSteps = 8;            // samples of an invoca
 layout(constant_id = 8) const bool kIdsAreIndices = false;  // of polygons
 layout(constant_id = 9) const uint kTileWidth = 8u;        // lattice points
 layout(constant_id = 10) const bool kSorted = false;       // lists are in the order of their polygons' nearest depths in the tile, not with scanlines
+layout(constant_id = 11) const bool kCountsBlocked = false;
 layout(push_constant, scalar) uniform Args { PeelArgs args; };
 
 const int kMostSteps = 8;
 const uint64_t kNoLayer = ~0ul;    // a layer is key << 32 | polygon + 1, so that layers are ordered as numbers
-const int kSaturated = 1 << 30;    // beyond what an edge can change by within a tile
 const uint kBackMark = 0x80000000u;
 const uint kNoColumns = 0xFFFFu;   // a span that holds no sample
 const uint kEndless = 0xFFFFFFu;   // beyond any column
@@ -191,8 +191,7 @@ void main() {
               Edge edge = fetchEdge(rest.z + min(k, rest.w - 1u));
               a[k] = edge.a;
               b[k] = edge.b;
-              int64_t at_corner = int64_t(edge.a) * int64_t(tile.corner.x) + int64_t(edge.b) * int64_t(tile.corner.y) + edge.c;
-              if (c[k] >= 0) c[k] = int(clamp(at_corner, int64_t(-kSaturated), int64_t(kSaturated)));
+              if (c[k] >= 0) c[k] = valueAtCorner(edge, tile.corner);
             }
           }
           int64_t depth = longFrom(depth_01.xy) + longFrom(depth_01.zw) * int64_t(tile.corner.x) + longFrom(depth_2.xy) * int64_t(tile.corner.y);

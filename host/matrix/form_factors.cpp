@@ -113,12 +113,8 @@ PairCounts mergeIds(const PairCounts& counts, const std::vector<uint32_t>& id_ma
   std::sort(mapped.begin(), mapped.end(), [](const auto& a, const auto& b) { return std::pair(a.i, a.j) < std::pair(b.i, b.j); });
   PairCounts merged;
   for (const PairCount& count : mapped) {
-    if (merged.empty() || merged.back().i != count.i || merged.back().j != count.j) {
-      merged.push_back(count);
-      continue;
-    }
-    merged.back().count += count.count;
-    merged.back().blocked += count.blocked;
+    if (!merged.empty() && merged.back().i == count.i && merged.back().j == count.j) merged.back().add(count);
+    else merged.push_back(count);
   }
   return merged;
 }

@@ -18,6 +18,11 @@ struct PairCount {
   uint32_t i, j;         // i <= j
   uint64_t count;        // of lines on which they are consecutive and face each other
   uint64_t blocked = 0;  // of lines on which they face each other with others between them, where the engine was asked for it
+
+  void add(const PairCount& other) {
+    count += other.count;
+    blocked += other.blocked;
+  }
 };
 
 // Sorted by (i, j), every pair at most once, none with both counts 0.
