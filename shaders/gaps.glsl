@@ -49,8 +49,8 @@ uint addGaps(inout uint64_t before, uint64_t layers[kLayersKept], uint64_t bound
   [[unroll]] for (int k = 0; k <= kLayersKept; ++k) {
     uint64_t upper = k < kLayersKept ? layers[k] : kNoLayer;
     is_open = is_open && (upper < bound || (at_end && bound == kNoLayer));
-    bool lower_front = before != 0ul && (args.two_sided != 0u || (before >> 32 & 1ul) == 0ul);
-    bool upper_front = upper != kNoLayer && (args.two_sided != 0u || (upper >> 32 & 1ul) != 0ul);
+    bool lower_front = before != 0ul && (kTwoSided || (before >> 32 & 1ul) == 0ul);
+    bool upper_front = upper != kNoLayer && (kTwoSided || (upper >> 32 & 1ul) != 0ul);
     uvec2 gap = uvec2(unpackUint2x32(before).x, upper == kNoLayer ? 0u : unpackUint2x32(upper).x);
     gap |= uvec2(lower_front ? 0u : kBackMark, upper_front ? 0u : kBackMark);
     bool counted = is_open && (lower_front || upper_front);

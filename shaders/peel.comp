@@ -3,7 +3,7 @@
 // kLayersKept nearest layers of each behind those of the round before in registers; it adds what the gaps between consecutive
 // layers contribute to the counters, and goes round again where more layers remain. A sample is a lattice point or, with
 // scanlines, the interval between two ends of spans: the order of polygons does not change in it, and its length is its weight. The
-// tile's polygons are loaded one by each invocation and passed on by shuffles.
+// tile's polygons are loaded one by each invocation and passed on by shuffles. With scanlines it counts blocked pairs, too.
 //   In: active_tiles, lists, projected, edges, polygons     Out: counters, unfinished tiles or rows and the layers that they reached
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -29,7 +29,8 @@ layout(constant_id = 7) const int kSteps = 8;            // samples of an invoca
 layout(constant_id = 8) const bool kIdsAreIndices = false;  // of polygons
 layout(constant_id = 9) const uint kTileWidth = 8u;        // lattice points
 layout(constant_id = 10) const bool kSorted = false;       // lists are in the order of their polygons' nearest depths in the tile, not with scanlines
-layout(constant_id = 11) const bool kCountsBlocked = false;
+layout(constant_id = 11) const bool kTwoSided = false;
+layout(constant_id = 12) const bool kCountsBlocked = false;
 layout(push_constant, scalar) uniform Args { PeelArgs args; };
 
 const int kMostSteps = 8;
@@ -46,6 +47,7 @@ shared uint ends[kScanlines ? 2 * kMostSpans : 1];
 uint64_t nearest[kMostSteps][kLayersKept];
 uint64_t last[kMostSteps];  // the farthest layer of the rounds before
 bool open[kMostSteps];      // whether the line may meet more layers
+uint end_count;             // with scanlines
 uint fresh;                 // samples, a bit each, whose layers have not been counted yet
 uint64_t lost[kMostSteps];  // the nearest layer that found no room
 uint64_t farthest_emitter[kMostSteps], farthest_receiver[kMostSteps];
@@ -66,6 +68,8 @@ struct Tile {
 
 #include "slice.glsl"
 #include "gaps.glsl"
+#include "meetings.glsl"
+#include "meet_spans.glsl"
 
 // Takes sample s past the polygon: its layer goes among the nearest, the farthest of those goes when there is no room.
 // Called with a literal s, so that all indices become constants.
@@ -89,12 +93,27 @@ void takeStep(int s, inout Passing polygon, inout uint fragments) {
   polygon.z += polygon.z_per_step;
 }
 
+// Leaves the rest of a row to another dispatch. Returns where the layers go that its lines have reached.
+uint leaveRow(uint place, uint row, uint first_sample, uint first_meeting, uint lane) {
+  uint index = 0u;
+  if (lane == 0u) {
+    index = atomicAdd(Status(args.status).at.unfinished, 1u);
+    UnfinishedRow rest;
+    rest.tile = place;
+    rest.row = row;
+    rest.first_sample = first_sample;
+    rest.first_meeting = first_meeting;
+    UnfinishedRows(args.unfinished).at[index] = rest;
+  }
+  return (subgroupShuffle(index, 0u) * gl_WorkGroupSize.x + lane) * uint(kSteps);
+}
+
 void main() {
   const uint lanes = gl_WorkGroupSize.x;
   const int rows_per_step = kScanlines ? 1 : int(lanes / kTileWidth);
   uint lane = gl_SubgroupInvocationID;
   uint place = gl_WorkGroupID.y * kGroupsPerRow + gl_WorkGroupID.x;
-  uint row = gl_WorkGroupID.z, first = 0u, resume = 0u;
+  uint row = gl_WorkGroupID.z, first = 0u, resume = 0u, first_meeting = 0u;
   Status status = Status(args.status);
   if (gl_NumSubgroups != 1u) {
     atomicOr(status.at.overflows, kOtherSubgroups);
@@ -107,6 +126,7 @@ void main() {
     place = rest.tile;
     row = rest.row;
     first = rest.first_sample;
+    first_meeting = rest.first_meeting;
   } else {
     uint active_tiles = status.at.active_tiles;
     if (place >= active_tiles || active_tiles >= kListsOverflowed) return;
@@ -116,21 +136,30 @@ void main() {
   bool is_sorted = kSorted && texelFetch(tile_texels, int(2u * place + 1u)).z != 0u;
   Tile tile = Tile(texel.x, texel.y, texel.z, texel.w, ivec2(corner) + ivec2(0, row));
   bool cut = false;  // whether a loop ended before its time
-  uint sample_count = lanes, polygon_count = tile.list_length;
+  uint sample_count = lanes, polygon_count = tile.list_length, ups = tile.list_length, blocks_done = 0u;
   // Lattice points: a lane's column, and the row of its first sample; the others follow rows_per_step apart.
   int column = kScanlines ? 0 : int(lane % kTileWidth), lane_row = kScanlines ? 0 : int(lane / kTileWidth);
   if (kScanlines) {
-    uvec2 counts = sliceRow(tile, lane);
+    uvec3 counts = sliceRow(tile, lane);
     polygon_count = counts.x;
-    sample_count = max(counts.y, 1u) - 1u;
-    if (counts.x > kMostSpans) {
+    ups = counts.y;
+    end_count = counts.z;
+    sample_count = max(end_count, 1u) - 1u;
+    if (polygon_count > kMostSpans) {
       atomicOr(status.at.overflows, kTooManySpans);
       return;
     }
-    cut = counts.x > 0u && counts.y < 2u;
+    cut = polygon_count > 0u && end_count < 2u;
+    if (kCountsBlocked) {
+      first_meeting = meetSpans(tile, first_meeting, ups, polygon_count, blocks_done, cut);
+      if (first_meeting < ups) {
+        Longs(args.reached_next).at[leaveRow(place, row, 0u, first_meeting, lane)] = 0ul;
+        first = sample_count;
+      }
+    }
   }
 
-  uint blocks_done = 0u, rounds = 0u, fragments = 0u, gaps = 0u;
+  uint rounds = 0u, fragments = 0u, gaps = 0u;
   while (first < sample_count && !cut) {
     uint weight = tile.weight;
     [[unroll]] for (int k = 0; k < kMostSteps; ++k) {
@@ -149,18 +178,9 @@ void main() {
     bool again;
     do {
       if (blocks_done >= args.most_blocks) {  // the rest goes to another dispatch
-        uint index = 0u;
-        if (lane == 0u) {
-          index = atomicAdd(status.at.unfinished, 1u);
-          UnfinishedRow rest;
-          rest.tile = place;
-          rest.row = row;
-          rest.first_sample = first;
-          UnfinishedRows(args.unfinished).at[index] = rest;
-        }
-        index = subgroupShuffle(index, 0u);
+        uint reached_at = leaveRow(place, row, first, first_meeting, lane);
         [[unroll]] for (int k = 0; k < kMostSteps; ++k) {
-          if (k < kSteps) Longs(args.reached_next).at[(index * lanes + lane) * uint(kSteps) + uint(k)] = open[k] ? last[k] : kNoLayer;
+          if (k < kSteps) Longs(args.reached_next).at[reached_at + uint(k)] = open[k] ? last[k] : kNoLayer;
           open[k] = false;
         }
         first = sample_count;
@@ -179,7 +199,7 @@ void main() {
         do {
           // This invocation's polygon: its edges or its span, and its depth, at the corner.
           uint mine = min(base + lane, polygon_count - 1u);
-          uvec2 span = kScanlines ? spans[mine] : uvec2(texelFetch(list_texels, int(tile.list_start + mine)).x, 0u);
+          uvec2 span = kScanlines ? spans[placeOfSpan(mine, ups)] : uvec2(texelFetch(list_texels, int(tile.list_start + mine)).x, 0u);
           uint projected_at = 4u * (tile.direction * args.polygon_count + span.x);
           uvec4 depth_01 = texelFetch(projected_texels, int(projected_at + 1u));
           uvec4 depth_2 = texelFetch(projected_texels, int(projected_at + 2u));

@@ -255,7 +255,7 @@ struct UnfinishedRow {
   uint tile;
   uint row;
   uint first_sample;
-  uint padding;
+  uint first_meeting;  // of spans that may be the nearer: the first whose meetings have not been counted
 };
 
 struct PeelArgs {
@@ -269,7 +269,6 @@ struct PeelArgs {
   uint id_count;
   uint tile_width, tile_rows;
   int column_bits;
-  uint two_sided;
   uint counter_mask;  // of a hash table: places - 1
   uint counts_environment;
   uint most_blocks;  // of polygons that one invocation goes through

@@ -263,11 +263,13 @@ TEST(Peel, IntervalsAreThoseOfTheCpuTwin) {
       const Scene scene = buildScene(input);
       for (bool two_sided : {false, true}) {
         const Ids ids = makeIds(scene, By::polygon, two_sided);
-        const PairCounts expected = countIntervalsOnCpu(scene, ids, directions, resolution);
+        const PairCounts expected = countIntervalsOnCpu(scene, ids, directions, resolution, true);
         EXPECT_FALSE(expected.empty());
         for (uint32_t n : {1u, 3u, 8u})
-          EXPECT_EQ(countWith(scene, ids, directions, {.resolution = resolution, .sampling = Sampling::scanline, .tile_rows = n, .layers_kept = n, .most_blocks = 2 * n}),
-                    expected) << input.file << ", resolution " << resolution << ", two-sided " << two_sided;
+          for (bool blocked : {false, true})
+            EXPECT_EQ(countWith(scene, ids, directions, {.resolution = resolution, .sampling = Sampling::scanline, .count_blocked = blocked, .tile_rows = n, .layers_kept = n,
+                                                         .most_blocks = 2 * n}),
+                      blocked ? expected : withoutBlocked(expected)) << input.file << ", resolution " << resolution << ", two-sided " << two_sided << ", blocked " << blocked;
       }
     }
 }
@@ -290,8 +292,9 @@ TEST(Peel, CountsWhatWasAskedFor) {
         const PairCounts expected = countPairsOnCpu(scene, ids, directions, 40, true);
         EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 40, .layers_kept = n}), withoutBlocked(expected));
         EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 40, .count_blocked = true, .layers_kept = n}), expected);
-        EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 40, .sampling = Sampling::scanline, .layers_kept = n}),
-                  countIntervalsOnCpu(scene, ids, directions, 40));
+        const PairCounts intervals = countIntervalsOnCpu(scene, ids, directions, 40, true);
+        EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 40, .sampling = Sampling::scanline, .layers_kept = n}), withoutBlocked(intervals));
+        EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 40, .sampling = Sampling::scanline, .count_blocked = true, .layers_kept = n}), intervals);
       }
 }
 

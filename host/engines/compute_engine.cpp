@@ -172,7 +172,7 @@ void ComputeEngine::makeKernels() {
   if (tuning_.sorts) sort_ = Kernel(device_, sort_comp, sizeof(SortArgs), {tuning_.subgroup_size}, kTexelBuffers);
   peel_ = Kernel(device_, peel_comp, sizeof(PeelArgs),
                  {tuning_.subgroup_size, tuning_.layers_kept, scanlines, counters_.isSparse(), all_count_, options_.aggregate, options_.measure_work,
-                  tuning_.steps, ids_are_indices_, tuning_.tile_width, tuning_.sorts, options_.count_blocked},
+                  tuning_.steps, ids_are_indices_, tuning_.tile_width, tuning_.sorts, two_sided_, options_.count_blocked},
                  kTexelBuffers);
   if (!meets()) return;
   cover_ = Kernel(device_, cover_comp, sizeof(MeetArgs), {tuning_.subgroup_size, tuning_.tile_width, all_count_, two_sided_}, kTexelBuffers);
@@ -322,7 +322,7 @@ void ComputeEngine::bindTexels(Batch& batch, const Kernel& kernel, const Buffer&
 
 PeelArgs ComputeEngine::peelArgs(const Batch& batch) const {
   return {batch.unfinished[1].address(), batch.reached[1].address(), batch.unfinished[0].address(), batch.reached[0].address(), batch.status.address(),
-          counters_.address(), scene_.polygon_count, counters_.idCount(), tuning_.tile_width, tuning_.tile_rows, column_bits_, two_sided_ ? 1u : 0u, counters_.mask(),
+          counters_.address(), scene_.polygon_count, counters_.idCount(), tuning_.tile_width, tuning_.tile_rows, column_bits_, counters_.mask(),
           counts_environment_ ? 1u : 0u, tuning_.most_blocks, 0};
 }
 
