@@ -1,4 +1,4 @@
-// Part of peel.comp: what the gaps between the layers of a line contribute, and to which counters.
+// Part of peel.glsl: what the gaps between the layers of a line contribute, and to which counters.
 
 // Whether a gap contributes to anything that was asked for; lower and upper: ids with roles.
 bool isCounted(uint gap, uint lower, uint upper) {

@@ -1,4 +1,4 @@
-// Part of peel.comp: with scanlines, what meetings need to know of the row's spans. Samples are a span's columns, first and end; their number is a length.
+// Part of peel_blocked.comp: with scanlines, what meetings need to know of the row's spans. Samples are a span's columns, first and end; their number is a length.
 
 uint depthInRow(DepthPlane plane, int column) {
   // Depth per spacing x column / 2^column_bits, rounded down; the product itself may need more than 64 bits.
@@ -40,7 +40,6 @@ uint countInOrder(uvec2 samples, uvec2 others, DepthPlane nearer, DepthPlane far
   return count;
 }
 
-// Adds up all that meet in the row, from the `from`th span of those that may be nearer on, as far as one invocation may go. Returns how far it got.
 uint meetSpans(Tile tile, uint from, uint ups, uint span_count, inout uint blocks_done, inout bool cut) {
   const uint lanes = gl_WorkGroupSize.x;
   Parties parties;

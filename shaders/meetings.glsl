@@ -1,4 +1,4 @@
-// Part of meet.comp and, with scanlines, of peel.comp: on how many samples two polygons face each other, whatever is between them. Each invocation has one of the
+// Part of meet.comp and, with scanlines, of peel_blocked.comp: on how many samples two polygons face each other, whatever is between them. Each invocation has one of the
 // polygons that may be the nearer and goes through those that may be the farther, which are loaded one by each and passed on by shuffles. Where the depths of
 // two leave no doubt which is nearer, the samples that they have in common are all; otherwise each of those is looked at. Of two-sided polygons the order
 // does not matter.

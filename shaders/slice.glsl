@@ -1,4 +1,4 @@
-// Part of peel.comp: with scanlines, the samples of a row.
+// Part of peel.glsl: with scanlines, the samples of a row.
 
 // A polygon's part in the row, in columns from the tile's first in units of 2^-column_bits: first | last - first << 16.
 uint spanOf(Tile tile, uint first_edge, uint edge_count) {

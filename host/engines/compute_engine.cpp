@@ -26,6 +26,7 @@
 #include "shaders/cover.comp.h"
 #include "shaders/meet.comp.h"
 #include "shaders/peel.comp.h"
+#include "shaders/peel_blocked.comp.h"
 #include "shaders/project.comp.h"
 #include "shaders/sort.comp.h"
 #include "vulkan/commands.h"
@@ -170,7 +171,8 @@ void ComputeEngine::makeKernels() {
   bin_ = Kernel(device_, bin_comp, sizeof(BinArgs), {}, kTexelBuffers);
   allocate_ = Kernel(device_, allocate_comp, sizeof(BinArgs));
   if (tuning_.sorts) sort_ = Kernel(device_, sort_comp, sizeof(SortArgs), {tuning_.subgroup_size}, kTexelBuffers);
-  peel_ = Kernel(device_, peel_comp, sizeof(PeelArgs),
+  const bool meets_spans = scanlines && options_.count_blocked;
+  peel_ = Kernel(device_, meets_spans ? std::span<const uint32_t>(peel_blocked_comp) : peel_comp, sizeof(PeelArgs),
                  {tuning_.subgroup_size, tuning_.layers_kept, scanlines, counters_.isSparse(), all_count_, options_.aggregate, options_.measure_work,
                   tuning_.steps, ids_are_indices_, tuning_.tile_width, tuning_.sorts, two_sided_, options_.count_blocked},
                  kTexelBuffers);
