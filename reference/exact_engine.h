@@ -9,7 +9,7 @@
 namespace viewpeel::reference {
 
 // Areas in units of 2^-40, rounded to the nearest: the sum over directions is an integer, whatever the number of threads.
-//   In: options: thread_count and on_direction; the others are the engine's own
+//   In: options: thread_count, on_direction and blocked; the others are the engine's own
 //   Error: 2^-41 unit-ball units squared per pair and direction, plus computeExactPairAreas's.
 //   Throws (constructor): Error bad_input where polygons pass through each other, naming two and the place.
 //   Cost: computeExactPairAreas per direction, over `thread_count` threads.

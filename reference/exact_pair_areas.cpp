@@ -43,7 +43,7 @@ std::vector<Edge> listEdges(const Projection& projection) {
 class Walk {
  public:
   Walk(const Projection& projection, const ExactOptions& options)
-      : projection_(projection), options_(options), grid_(projection), order_(projection), layers_(order_),
+      : projection_(projection), options_(options), grid_(projection), order_(projection), layers_(order_, options.blocked),
         sums_(projection, options) {}
 
   ExactPairAreas run() {
@@ -121,14 +121,27 @@ class Walk {
     }
     const Piece opposite = -piece;
     const Piece &inside = edge.side > 0 ? piece : opposite, &outside = edge.side > 0 ? opposite : piece;
-    if (change.inside.empty()) {
-      sums_.addGap(change.lower, change.own, inside);
-      sums_.addGap(change.own, change.upper, inside);
-      sums_.addGap(change.lower, change.upper, outside);
+    if (change.is_cyclic) {
+      addAll(change.inside, inside);
+      addAll(change.outside, outside);
       return;
     }
-    for (size_t k = 1; k < change.inside.size(); ++k) sums_.addGap(change.inside[k - 1], change.inside[k], inside);
-    for (size_t k = 1; k < change.outside.size(); ++k) sums_.addGap(change.outside[k - 1], change.outside[k], outside);
+    sums_.addGap(change.lower, change.own, inside);
+    sums_.addGap(change.own, change.upper, inside);
+    sums_.addGap(change.lower, change.upper, outside);
+    if (!options_.blocked) return;
+    sums_.addBlocked(change.lower, change.upper, inside);
+    const std::vector<uint32_t>& layers = change.inside;
+    const size_t own = static_cast<size_t>(std::find(layers.begin(), layers.end(), change.own) - layers.begin());
+    for (size_t k = 0; k + 1 < own; ++k) sums_.addBlocked(layers[k], change.own, inside);
+    for (size_t k = own + 2; k < layers.size(); ++k) sums_.addBlocked(change.own, layers[k], inside);
+  }
+
+  void addAll(const std::vector<uint32_t>& layers, const Piece& piece) {
+    for (size_t k = 1; k < layers.size(); ++k) {
+      sums_.addGap(layers[k - 1], layers[k], piece);
+      for (size_t m = 0; options_.blocked && m + 1 < k; ++m) sums_.addBlocked(layers[m], layers[k], piece);
+    }
   }
 
   const Projection& projection_;

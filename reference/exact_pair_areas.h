@@ -37,7 +37,8 @@ struct PairArea {
 };
 
 struct ExactPairAreas {
-  std::vector<PairArea> pairs;  // sorted by (a, b), every pair at most once
+  std::vector<PairArea> pairs;    // sorted by (a, b), every pair at most once
+  std::vector<PairArea> blocked;  // likewise: a and b face each other with others between them; with ExactOptions::blocked, else empty
   uint64_t cut_count = 0;       // places where an edge enters or leaves an outline: the size of the problem
 
   // Filled by Arithmetic::exact only, by sums of rational numbers without any rounding:
@@ -56,6 +57,7 @@ struct ExactOptions {
   bool two_sided = false;
   // Find perimeters too. Where edges overlap in part without sharing both ends, a length that cancels may be counted.
   bool perimeters = false;
+  bool blocked = false;  // find blocked pairs too
   Arithmetic arithmetic = Arithmetic::bounded;
   double touching_depth = kTouchingDepth;  // of requireDisjoint
   unsigned thread_count = 0;               // 0: one per core
@@ -69,6 +71,8 @@ struct ExactOptions {
 // is decided once per pair, exactly, where their heights differ most: corners off their plane by rounding do no harm.
 // A polygon whose plane contains u, or whose projection has no area, contributes nothing. Corners that rounding makes
 // reflex in the projection are replaced by their convex hull.
+// Blocked areas are the same integral: along an edge of polygon P these are its pairs with all layers but X and Y, on the
+// inner side, and the pair (X, Y), which P parts there.
 //   In: scene in unit-ball units, polygons convex, interiors disjoint up to options.touching_depth; u finite, not zero,
 //     of any length, taken as an exact rational vector.
 //   Out: pairs in unit-ball units squared. Zero areas are left out; with Arithmetic::bounded also those not above
@@ -76,7 +80,7 @@ struct ExactOptions {
 //   Error: PairArea::error, of the order of 1e-15 times the number of edge pieces that bound the pair's regions;
 //     2 ulp with Arithmetic::exact. tests/exact_test.cpp.
 //   Throws: Error bad_input where polygons interpenetrate, naming both and the place; Error bad_usage for a useless u.
-//   Cost: O(n + k d) expected work for n edges, k cuts (ExactPairAreas::cut_count) and depth complexity d, up to
+//   Cost: O(n + k d) expected work, with blocked pairs O(n + k d log d), for n edges, k cuts (ExactPairAreas::cut_count) and depth complexity d, up to
 //     sorting along each edge; O(n + overlapping pairs) memory. Arithmetic::exact: quadratic in the pieces around a
 //     polygon.
 //   Source: M. Pellegrini, Monte Carlo approximation of form factors with error bounded a priori, section 5.

@@ -15,7 +15,11 @@
 namespace viewpeel::reference {
 namespace {
 
-using Key = std::pair<uint32_t, uint32_t>;
+struct Key {
+  uint32_t i, j;  // i <= j
+  bool blocked;
+  auto operator<=>(const Key&) const = default;
+};
 
 struct Region {
   double area = 0, perimeter = 0;  // exact
@@ -23,18 +27,28 @@ struct Region {
 using Regions = std::map<Key, Region>;
 
 // By id: regions of polygons with one id add up. Their perimeters bound that of the union.
-Regions exactRegions(const Scene& scene, const Ids& ids, const glm::dvec3& u) {
+Regions exactRegions(const Scene& scene, const Ids& ids, bool blocked, const glm::dvec3& u) {
   Regions regions;
   ExactOptions options;
   options.two_sided = ids.two_sided;
   options.perimeters = true;
-  for (const PairArea& pair : computeExactPairAreas(scene, u, options).pairs) {
-    const uint32_t i = ids.of_polygon[pair.a], j = pair.b < kEnvironment ? ids.of_polygon[pair.b] : pair.b;
-    Region& region = regions[{std::min(i, j), std::max(i, j)}];
-    region.area += pair.area;
-    region.perimeter += pair.perimeter;
-  }
+  options.blocked = blocked;
+  const ExactPairAreas areas = computeExactPairAreas(scene, u, options);
+  for (const std::vector<PairArea>* pairs : {&areas.pairs, &areas.blocked})
+    for (const PairArea& pair : *pairs) {
+      const uint32_t i = ids.of_polygon[pair.a], j = pair.b < kEnvironment ? ids.of_polygon[pair.b] : pair.b;
+      Region& region = regions[{std::min(i, j), std::max(i, j), pairs == &areas.blocked}];
+      region.area += pair.area;
+      region.perimeter += pair.perimeter;
+    }
   return regions;
+}
+
+// Calls add(key, count) for the facing pair and the blocked pair.
+template <class Add>
+void forCounts(const PairCount& pair, const Add& add) {
+  if (pair.count) add(Key{pair.i, pair.j, false}, double(pair.count));
+  if (pair.blocked) add(Key{pair.i, pair.j, true}, double(pair.blocked));
 }
 
 struct Sums {
@@ -48,7 +62,7 @@ struct Sums {
 };
 
 std::string pairName(const Ids& ids, const Key& key) {
-  return ids.names[key.first] + " - " + (key.second == kEnvironment ? "environment" : key.second == kLeak ? "leak" : ids.names[key.second]);
+  return ids.names[key.i] + " - " + (key.j == kEnvironment ? "environment" : key.j == kLeak ? "leak" : ids.names[key.j]) + (key.blocked ? ", blocked" : "");
 }
 
 double secondsSince(std::chrono::steady_clock::time_point start) {
@@ -66,14 +80,14 @@ class RowCheck {
     std::map<Key, Sums> sums;
     for (const auto& [key, region] : exact) sums[key];
     for (const PairCounts& lattice : counts)
-      for (const PairCount& c : lattice) sums[{c.i, c.j}].add(double(c.count) * count_area_);
+      for (const PairCount& c : lattice) forCounts(c, [&](const Key& key, double count) { sums[key].add(count * count_area_); });
     std::set<Key> pooled_keys;
     for (const auto& [key, sum] : sums) {
       const auto at = exact.find(key);
       const Region region = at == exact.end() ? Region{} : at->second;
       row_.total_counted += sum.mean(n_);
       row_.total_exact += region.area;
-      if (key.second == kLeak) {
+      if (key.j == kLeak) {
         row_.leak_counted += sum.mean(n_);
         row_.leak_exact += region.area;
       }
@@ -93,7 +107,9 @@ class RowCheck {
     }
     for (size_t m = 0; m < counts.size(); ++m)
       for (const PairCount& c : counts[m])
-        if (pooled_keys.count({c.i, c.j})) pooled_[m] += double(c.count) * count_area_;
+        forCounts(c, [&](const Key& key, double count) {
+          if (pooled_keys.count(key)) pooled_[m] += count * count_area_;
+        });
   }
 
   CheckRow finish(double tests) {
@@ -152,7 +168,7 @@ CheckReport checkLattice(const Scene& scene, const Ids& ids, const CountLattice&
   const auto directions = sampleDirections(Sampler::iid, options.directions, options.seed, 0);
   for (uint32_t d = 0; d < options.directions; ++d) {
     auto start = std::chrono::steady_clock::now();
-    const Regions exact = exactRegions(scene, ids, directions[d].u);
+    const Regions exact = exactRegions(scene, ids, options.blocked, directions[d].u);
     report.exact_seconds += secondsSince(start);
     start = std::chrono::steady_clock::now();
     for (size_t r = 0; r < rows.size(); ++r) {

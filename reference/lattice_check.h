@@ -22,6 +22,7 @@ struct CheckOptions {
   uint32_t directions = 6;  // iid
   uint32_t lattices = 64;   // random offsets and rotations per direction
   uint64_t seed = 1;
+  bool blocked = false;            // blocked pairs, too: their regions are tested like the others
   double counts_per_point = 1;     // 1 / h^2 of the area of one count
   double variance = kLatticeVariance;  // or kScanlineVariance
   double false_alarm_rate = 1e-4;  // that a right discretisation fails the test of unbiasedness, over all regions and resolutions together
@@ -32,7 +33,7 @@ using CountLattice = std::function<PairCounts(const Direction&, int resolution)>
 
 struct CheckRow {
   int resolution = 0;
-  uint64_t regions_tested = 0;      // visible regions of pairs, one direction each, tested one by one
+  uint64_t regions_tested = 0;      // visible, or blocked, regions of pairs, one direction each, tested one by one
   uint64_t regions_pooled = 0;      // small or thin ones, tested together
   double largest_deviation = 0;     // |mean counted area - exact area| in standard errors
   double allowed_deviation = 0;     // from the false-alarm rate

@@ -7,8 +7,8 @@ namespace viewpeel::reference {
 
 void Layers::assign(uint32_t own) {
   layers_.assign(1, {own, 0, false});
-  change_ = {};
   change_.own = own;
+  update();
 }
 
 void Layers::insert(uint32_t outline) {
@@ -31,19 +31,25 @@ void Layers::erase(uint32_t outline) {
 
 void Layers::update() {
   change_.lower = change_.upper = kNoOutline;
+  change_.is_cyclic = false;
   change_.inside.clear();
   change_.outside.clear();
+  findNeighbours();
+  if (change_.is_cyclic) change_.lower = change_.upper = kNoOutline;
+  if (change_.is_cyclic || lists_all_) listAll();
+}
+
+void Layers::findNeighbours() {
   taken_.assign(layers_.size(), false);
   const uint32_t own_count = layers_.front().below_count;
   for (const Layer& layer : layers_) {
-    if (std::exchange(taken_[layer.below_count], true)) return sortCyclic();
+    if (std::exchange(taken_[layer.below_count], true)) change_.is_cyclic = true;
     if (layer.below_count + 1 == own_count) change_.lower = layer.outline;
     if (layer.below_count == own_count + 1) change_.upper = layer.outline;
   }
 }
 
-void Layers::sortCyclic() {
-  change_.lower = change_.upper = kNoOutline;
+void Layers::listAll() {
   std::vector<std::pair<uint32_t, uint32_t>> inside, outside;  // below_count, outline
   for (const Layer& layer : layers_) {
     inside.emplace_back(layer.below_count, layer.outline);

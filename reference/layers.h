@@ -13,7 +13,8 @@ constexpr uint32_t kNoOutline = 0xFFFFFFFFu;
 // and `upper` on the outer.
 struct LayerChange {
   uint32_t lower = kNoOutline, own = kNoOutline, upper = kNoOutline;
-  // All layers of both sides, only where rounding made the pairwise order cyclic.
+  bool is_cyclic = false;  // the pairwise order, by rounding: `lower` and `upper` say nothing
+  // All layers of both sides between two kNoOutline, where the order is cyclic or they were asked for.
   std::vector<uint32_t> inside, outside;
 
   bool operator==(const LayerChange&) const = default;
@@ -25,8 +26,8 @@ struct LayerChange {
 // meaningful order.
 class Layers {
  public:
-  // Keeps a reference.
-  explicit Layers(HeightOrder& order) : order_(order) {}
+  // Keeps a reference. lists_all: all layers of every change.
+  Layers(HeightOrder& order, bool lists_all) : order_(order), lists_all_(lists_all) {}
 
   void assign(uint32_t own);  // the inner side of an edge of `own`, and nothing else
   // Cost: O(layers).
@@ -41,9 +42,11 @@ class Layers {
     bool is_below_own;
   };
   void update();
-  void sortCyclic();
+  void findNeighbours();
+  void listAll();
 
   HeightOrder& order_;
+  bool lists_all_;
   std::vector<Layer> layers_;  // own first
   std::vector<char> taken_;
   LayerChange change_;

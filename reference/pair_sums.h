@@ -28,13 +28,46 @@ struct Piece {
   Piece operator-() const;
 };
 
+// The regions of pairs a < b of polygons, by what bounds them.
+class RegionSums {
+ public:
+  struct Sum {
+    uint32_t a, b;
+    Ball twice_area;
+    std::optional<Piece::Exact> exact;
+    double perimeter = 0;
+  };
+
+  // Keeps a reference.
+  explicit RegionSums(const ExactOptions& options) : options_(options) {}
+
+  void add(uint32_t a, uint32_t b, const Piece& piece);
+  void closeEdge(double length);
+  // Sorted by (a, b), without zero areas.
+  std::vector<PairArea> list(const Projection& projection) const;
+  void appendOpenPairs(std::vector<std::array<uint32_t, 2>>& open) const;
+  const std::unordered_map<uint64_t, Sum>& sums() const { return sums_; }
+
+ private:
+  struct Step {
+    double at;
+    int change;  // of the number of pieces that run one way less those that run the other
+  };
+
+  const ExactOptions& options_;
+  std::unordered_map<uint64_t, Sum> sums_;
+  std::unordered_map<uint64_t, std::vector<Step>> steps_;  // along the current edge
+};
+
 class PairSums {
  public:
-  // Keeps a reference to the projection.
+  // Keeps references.
   PairSums(const Projection& projection, const ExactOptions& options);
 
   // Adds the piece to the pair that the gap between two consecutive outlines belongs to, by facing.h. kNoOutline: none.
   void addGap(uint32_t lower, uint32_t upper, const Piece& piece);
+  // Adds it to the blocked pair of two outlines with others between them, where they face each other.
+  void addBlocked(uint32_t lower, uint32_t upper, const Piece& piece);
 
   // The pieces since the last call lie on one edge of this length in P(u): what they leave of each other bounds the regions.
   void closeEdge(double length);
@@ -43,23 +76,12 @@ class PairSums {
   ExactPairAreas finish() const;
 
  private:
-  struct Sum {
-    Ball twice_area;
-    std::optional<Piece::Exact> exact;
-    double perimeter = 0;
-  };
-  struct Step {
-    double at;
-    int change;  // of the number of pieces that run one way less those that run the other
-  };
-  void add(uint32_t a, uint32_t b, const Piece& piece);
+  uint32_t classify(uint32_t lower, uint32_t upper) const;
   std::vector<uint32_t> findOpenPolygons() const;
-  std::vector<std::array<uint32_t, 2>> findOpenPairs() const;
 
   const Projection& projection_;
   const ExactOptions& options_;
-  std::unordered_map<uint64_t, Sum> sums_;
-  std::unordered_map<uint64_t, std::vector<Step>> steps_;  // along the current edge
+  RegionSums gaps_, blocked_;
 };
 
 }  // namespace viewpeel::reference

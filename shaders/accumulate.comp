@@ -1,6 +1,7 @@
 #version 460
 // One invocation takes one lattice point, applies the facing rules to the gap between its layers k-1 and k and adds one to the
-// counter of what the gap contributes. Where layer k has a polygon it asks for layer k+1.
+// counter of what the gap contributes. Where layer k has a polygon it asks for layer k+1. Where blocked pairs are counted it adds one for
+// every layer before k that layer k faces.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_shader_atomic_int64 : require
 #define SHARED_FUNCTION
@@ -34,10 +35,19 @@ void main() {
     next.at.draw_instance_count = args.instance_count;
     next.at.group_count_x = args.group_count;
   }
-  uint gap = classifyGap(sideOf(lower, true), sideOf(upper, false));
-  if (gap == kGapNothing) return;
   Polygons polygons = Polygons(args.polygons);
+  Counters counters = Counters(args.counters, args.status, args.id_count, 0u, false, args.layers != 0ul ? 2u : 1u);
+  uint upper_side = sideOf(upper, false);
+  if (args.layers != 0ul && upper_side == kSideFront)
+    for (uint k = 0u; k < args.layer; ++k) {
+      Layer before = Layers(Longs(args.layers).at[k]).at[at];
+      if (classifyGap(sideOf(before, true), upper_side) != kGapFacingPair) continue;
+      uint id = polygons.at[before.polygon - 1u].id & kIdMask, upper_id = polygons.at[upper.polygon - 1u].id & kIdMask;
+      addCount(counters, kFacingOrBlocked, pairOf(kGapFacingPair, id, upper_id), 1ul);
+    }
+  uint gap = classifyGap(sideOf(lower, true), upper_side);
+  if (gap == kGapNothing) return;
   uint lower_id = lower.polygon == 0u ? 0u : polygons.at[lower.polygon - 1u].id & kIdMask;
   uint upper_id = upper.polygon == 0u ? 0u : polygons.at[upper.polygon - 1u].id & kIdMask;
-  addCount(args.counters, 0u, args.status, args.id_count, false, pairOf(gap, lower_id, upper_id), 1u);
+  addCount(counters, kFacing, pairOf(gap, lower_id, upper_id), 1ul);
 }

@@ -17,4 +17,6 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Longs { uint
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Status { BatchStatus at; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer ListEntries { ListEntry at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ActiveTiles { ActiveTile at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Covers { Cover at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Meetings { Meeting at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer UnfinishedRows { UnfinishedRow at[]; };

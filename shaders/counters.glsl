@@ -1,4 +1,5 @@
-// Counters of pairs of ids, 64 bits each: a dense triangle, or an open-addressing hash table of the pairs met.
+// Counters of pairs of ids, 64 bits each: a dense triangle, or an open-addressing hash table of the pairs met. A pair has one, of its facing pairs, or two:
+// beside it the lines on which the two face each other, blocked or not.
 layout(buffer_reference, scalar, buffer_reference_align = 8) coherent buffer Counter { uint64_t value; };
 
 const uint kMostProbes = 256u;
@@ -13,12 +14,24 @@ uvec2 pairOf(uint gap, uint lower_id, uint upper_id) {
   return uvec2(of_lower ? lower_id : upper_id, gap == kGapLowerLeak || gap == kGapUpperLeak ? kLeakColumn : kEnvironmentColumn);
 }
 
-// Adds to the pair's counter. A hash table that has no place left says so in the status.
-//   counters: the dense triangle, uint64_t each, or mask + 1 places of two words, the one's complement of the pair (0: free) and the count
-void addCount(uint64_t counters, uint mask, uint64_t status, uint id_count, bool sparse, uvec2 pair, uint weight) {
-  if (!sparse) {
-    uint column = pair.y >= kEnvironmentColumn ? id_count + (pair.y - kEnvironmentColumn) : pair.y;
-    atomicAdd(Counter(counters + counterIndex(pair.x, column, id_count) * 8ul).value, uint64_t(weight));
+const uint kFacing = 0u;
+const uint kFacingOrBlocked = 1u;
+
+struct Counters {
+  uint64_t at;      // the dense triangle, per_pair words each, or mask + 1 places of 1 + per_pair words: the one's complement of the pair (0: free), and counts
+  uint64_t status;  // BatchStatus
+  uint id_count;
+  uint mask;
+  bool sparse;
+  uint per_pair;
+};
+
+// Adds to the pair's counter, kFacing or kFacingOrBlocked. A hash table that has no place left says so in the status.
+void addCount(Counters counters, uint which, uvec2 pair, uint64_t weight) {
+  if (!counters.sparse) {
+    uint column = pair.y >= kEnvironmentColumn ? counters.id_count + (pair.y - kEnvironmentColumn) : pair.y;
+    uint64_t index = counterIndex(pair.x, column, counters.id_count) * uint64_t(counters.per_pair) + uint64_t(which);
+    atomicAdd(Counter(counters.at + index * 8ul).value, weight);
     return;
   }
   uint64_t key = ~packUint2x32(pair.yx);
@@ -27,15 +40,15 @@ void addCount(uint64_t counters, uint mask, uint64_t status, uint id_count, bool
   at *= 0x2C1B3C6Du;
   at ^= at >> 13;
   for (uint probe = 0u; probe < kMostProbes; ++probe) {
-    at &= mask;
-    uint64_t place = counters + uint64_t(at) * 16ul, found = Counter(place).value;
+    at &= counters.mask;
+    uint64_t place = counters.at + uint64_t(at) * uint64_t(8u + 8u * counters.per_pair), found = Counter(place).value;
     if (found == 0ul) found = atomicCompSwap(Counter(place).value, 0ul, key);
-    if (found == 0ul) atomicAdd(Status(status).at.pairs, 1u);
+    if (found == 0ul) atomicAdd(Status(counters.status).at.pairs, 1u);
     if (found == 0ul || found == key) {
-      atomicAdd(Counter(place + 8ul).value, uint64_t(weight));
+      atomicAdd(Counter(place + uint64_t(8u + 8u * which)).value, weight);
       return;
     }
     ++at;
   }
-  atomicOr(Status(status).at.overflows, kCountersOverflowed);
+  atomicOr(Status(counters.status).at.overflows, kCountersOverflowed);
 }

@@ -1,11 +1,10 @@
-// Part of peel.comp: what the gaps between the layers of a line contribute, and to which counters.
+// Part of peel.glsl: what the gaps between the layers of a line contribute, and to which counters.
 
 // Whether a gap contributes to anything that was asked for; lower and upper: ids with roles.
 bool isCounted(uint gap, uint lower, uint upper) {
   if (kAllCount) return gap != kGapNothing;
   uint lower_roles = lower >> kRolesShift, upper_roles = upper >> kRolesShift;
-  if (gap == kGapFacingPair)
-    return ((lower_roles & kEmits) != 0u && (upper_roles & kReceives) != 0u) || ((upper_roles & kEmits) != 0u && (lower_roles & kReceives) != 0u);
+  if (gap == kGapFacingPair) return exchange(lower_roles, upper_roles);
   if (gap == kGapNothing || args.counts_environment == 0u) return false;
   return ((gap == kGapLowerEnvironment || gap == kGapLowerLeak ? lower_roles : upper_roles) & kEmits) != 0u;
 }
@@ -14,6 +13,8 @@ uint idOf(uint layer_polygon) {
   if (layer_polygon == 0u) return 0u;
   return kIdsAreIndices ? layer_polygon - 1u : fetchId(layer_polygon - 1u);
 }
+
+Counters peelCounters() { return Counters(args.counters, args.status, args.id_count, args.counter_mask, kSparse, kCountsBlocked ? 2u : 1u); }
 
 // Adds up what neighbouring lanes with the same pair have: the first of a run adds for all.
 void addRuns(bool has, uvec2 pair, uint weight, uint lane) {
@@ -35,7 +36,7 @@ void addRuns(bool has, uvec2 pair, uint weight, uint lane) {
     has = has && head;
     weight = to_end - sum + weight;
   }
-  if (has) addCount(args.counters, args.counter_mask, args.status, args.id_count, kSparse, pair, weight);
+  if (has) addCount(peelCounters(), kFacing, pair, uint64_t(weight));
 }
 
 // Adds the gaps between consecutive layers of one sample a lane: below those nearer than `bound`, and at the end the one above the last of them. Moves
@@ -48,8 +49,8 @@ uint addGaps(inout uint64_t before, uint64_t layers[kLayersKept], uint64_t bound
   [[unroll]] for (int k = 0; k <= kLayersKept; ++k) {
     uint64_t upper = k < kLayersKept ? layers[k] : kNoLayer;
     is_open = is_open && (upper < bound || (at_end && bound == kNoLayer));
-    bool lower_front = before != 0ul && (args.two_sided != 0u || (before >> 32 & 1ul) == 0ul);
-    bool upper_front = upper != kNoLayer && (args.two_sided != 0u || (upper >> 32 & 1ul) != 0ul);
+    bool lower_front = before != 0ul && (kTwoSided || (before >> 32 & 1ul) == 0ul);
+    bool upper_front = upper != kNoLayer && (kTwoSided || (upper >> 32 & 1ul) != 0ul);
     uvec2 gap = uvec2(unpackUint2x32(before).x, upper == kNoLayer ? 0u : unpackUint2x32(upper).x);
     gap |= uvec2(lower_front ? 0u : kBackMark, upper_front ? 0u : kBackMark);
     bool counted = is_open && (lower_front || upper_front);

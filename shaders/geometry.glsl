@@ -53,3 +53,9 @@ uint nearestDepth(int64_t depth, int64_t depth_x, int64_t depth_y, int shift, iv
   int64_t least = depth + min(depth_x * int64_t(tile_size.x), int64_t(0)) + min(depth_y * int64_t(tile_size.y), int64_t(0));
   return uint(clamp(least >> shift, int64_t(range.x), int64_t(range.y)));
 }
+
+// The greatest.
+uint farthestDepth(int64_t depth, int64_t depth_x, int64_t depth_y, int shift, ivec2 range, ivec2 tile_size) {
+  int64_t most = depth + max(depth_x * int64_t(tile_size.x), int64_t(0)) + max(depth_y * int64_t(tile_size.y), int64_t(0));
+  return uint(clamp(most >> shift, int64_t(range.x), int64_t(range.y)));
+}

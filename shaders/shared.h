@@ -107,7 +107,7 @@ struct AccumulateArgs {
   uint64_t polygons;
   uint64_t lower;          // Layer[image_height][image_width], layer k-1
   uint64_t upper;          // layer k
-  uint64_t counters;       // uint64_t, see counterIndex
+  uint64_t counters;       // uint64_t, see counterIndex, two of each where blocked pairs are counted
   uint64_t status;         // BatchStatus
   uint64_t next_alive;     // uint[direction_count][2], alive for layer k+1
   uint64_t next_commands;  // LayerCommands
@@ -119,6 +119,8 @@ struct AccumulateArgs {
   uint two_sided;
   uint instance_count;
   uint group_count;
+  uint layer;              // k
+  uint64_t layers;         // uint64_t[]: addresses of layers 0, 1, ..., where blocked pairs are counted, else 0
 };
 
 const uint kGroupsPerRow = 32768u;  // of a dispatch over tiles
@@ -135,6 +137,9 @@ const uint kEmits = 1u;
 const uint kReceives = 2u;
 const uint kRolesShift = 30u;  // in the word that holds a polygon's id
 const uint kIdMask = 0x3FFFFFFFu;
+SHARED_FUNCTION bool exchange(uint roles, uint others_roles) {
+  return ((roles & kEmits) != 0u && (others_roles & kReceives) != 0u) || ((others_roles & kEmits) != 0u && (roles & kReceives) != 0u);
+}
 
 // What went wrong in a batch. After the first nothing has been counted.
 const uint kListsOverflowed = 0x80000000u;
@@ -157,6 +162,8 @@ struct BatchStatus {
   uint overflows;       // kTooManySpans and so on
   uint pairs;           // that entered the hash table
   uint rounds;          // over the samples of a subgroup
+  Groups meet_groups;   // over meetings, and parts of their farther polygons
+  uint meetings;
   uint padding;
   // Work done, where it is measured.
   uint64_t rows;
@@ -217,12 +224,39 @@ struct SortArgs {
   uint64_t status;
 };
 
+// Where blocked pairs are counted: the samples of a tile that a polygon covers, and how its depth ranges over the tile.
+struct Cover {
+  uint64_t samples;  // bit row * tile_width + column
+  uint nearest, farthest;
+};
+
+// Polygons of a tile that may face others of it: a few that may be the nearer, all that may be the farther. Places in the lists of covers.
+struct Meeting {
+  uint tile;                       // its place among the active ones
+  uint nearer, nearer_end;
+  uint farther, farther_end;
+};
+
+const uint kMostFarther = 256u;  // that one invocation of meet goes through
+
+struct MeetArgs {
+  uint64_t covers;          // Cover[list_capacity]: of each tile, where its list is, those with fronts that face +u first, the others last
+  uint64_t cover_polygons;  // uint[list_capacity]: whose they are
+  uint64_t meetings;        // Meeting[]
+  uint64_t status;
+  uint64_t counters;
+  uint polygon_count;
+  uint id_count;
+  uint tile_rows;
+  uint counter_mask;
+};
+
 // A tile, or a row of it, whose layers one invocation could not get through.
 struct UnfinishedRow {
   uint tile;
   uint row;
   uint first_sample;
-  uint padding;
+  uint first_meeting;  // of spans that may be the nearer: the first whose meetings have not been counted
 };
 
 struct PeelArgs {
@@ -236,7 +270,6 @@ struct PeelArgs {
   uint id_count;
   uint tile_width, tile_rows;
   int column_bits;
-  uint two_sided;
   uint counter_mask;  // of a hash table: places - 1
   uint counts_environment;
   uint most_blocks;  // of polygons that one invocation goes through

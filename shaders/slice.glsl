@@ -1,4 +1,4 @@
-// Part of peel.comp: with scanlines, the samples of a row.
+// Part of peel.glsl: with scanlines, the samples of a row.
 
 // A polygon's part in the row, in columns from the tile's first in units of 2^-column_bits: first | last - first << 16.
 uint spanOf(Tile tile, uint first_edge, uint edge_count) {
@@ -12,33 +12,44 @@ uint spanOf(Tile tile, uint first_edge, uint edge_count) {
   return low < high ? uint(low) | uint(high - low - 1) << 16 : kNoColumns;
 }
 
-// Puts the row's spans and their ends, each once and in order, into shared memory.
-// Returns the number of spans and of ends; more than kMostSpans spans: nothing but their number.
-uvec2 sliceRow(Tile tile, uint lane) {
+// Where span k of the row is: the first `ups` from the beginning, the others from the end.
+uint placeOfSpan(uint k, uint ups) { return kCountsBlocked && k >= ups ? kMostSpans - 1u - (k - ups) : k; }
+
+// Puts the row's spans and their ends, each once and in order, into shared memory. Where blocked pairs are counted the spans of polygons whose fronts face +u
+// come first; of two-sided polygons all do.
+// Returns the number of spans, of those that come first, and of ends; more than kMostSpans spans: nothing but their number.
+uvec3 sliceRow(Tile tile, uint lane) {
   const uint lanes = gl_WorkGroupSize.x;
-  uint span_count = 0u;
+  uint ups = 0u, downs = 0u;
   for (uint base = 0u; base < tile.list_length; base += lanes) {
     uint mine = base + lane;
     uint polygon = texelFetch(list_texels, int(tile.list_start + min(mine, tile.list_length - 1u))).x;
     uvec4 projected = texelFetch(projected_texels, int(4u * (tile.direction * args.polygon_count + polygon) + 3u));
     uint columns = spanOf(tile, projected.z, projected.w);
     bool covers = mine < tile.list_length && columns != kNoColumns;
-    uint place = span_count + subgroupExclusiveAdd(covers ? 1u : 0u);
+    bool is_up = !kCountsBlocked || kTwoSided || projected.y != 0u;
+    uint place = ups + subgroupExclusiveAdd(covers && is_up ? 1u : 0u);
+    ups += subgroupAdd(covers && is_up ? 1u : 0u);
+    if (kCountsBlocked) {
+      uint from_end = downs + subgroupExclusiveAdd(covers && !is_up ? 1u : 0u);
+      downs += subgroupAdd(covers && !is_up ? 1u : 0u);
+      place = is_up ? place : kMostSpans - 1u - from_end;
+    }
     if (covers && place < kMostSpans) spans[place] = uvec2(polygon, columns);
-    span_count += subgroupAdd(covers ? 1u : 0u);
   }
+  uint span_count = ups + downs;
   memoryBarrierShared();
   subgroupBarrier();
-  if (span_count > kMostSpans || span_count == 0u) return uvec2(span_count, 0u);
+  if (span_count > kMostSpans || span_count == 0u) return uvec3(span_count, ups, 0u);
 
   for (uint base = 0u; base < span_count; base += lanes) {
     uint mine = base + lane;
-    uint columns = spans[min(mine, span_count - 1u)].y;
+    uint columns = spans[placeOfSpan(min(mine, span_count - 1u), ups)].y;
     uint low = columns & 0xFFFFu, high = low + (columns >> 16) + 1u;
     uint low_rank = 0u, high_rank = 0u;  // ends that come before; of equal ones the earlier span's, and its left one, come first
     for (uint other_base = 0u; other_base < span_count; other_base += lanes) {
       uint other = other_base + lane;
-      uint other_columns = spans[min(other, span_count - 1u)].y;
+      uint other_columns = spans[placeOfSpan(min(other, span_count - 1u), ups)].y;
       uint other_low = other < span_count ? other_columns & 0xFFFFu : kEndless;
       uint other_high = other < span_count ? other_low + (other_columns >> 16) + 1u : kEndless;
       [[unroll]] for (uint t = 0u; t < 8u; ++t)
@@ -72,5 +83,5 @@ uvec2 sliceRow(Tile tile, uint lane) {
   }
   memoryBarrierShared();
   subgroupBarrier();
-  return uvec2(span_count, kept);
+  return uvec3(span_count, ups, kept);
 }

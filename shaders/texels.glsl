@@ -17,3 +17,34 @@ Edge fetchEdge(uint index) {
 }
 
 uint fetchId(uint polygon) { return texelFetch(polygon_texels, int(3u * polygon)).z; }
+
+// The value of an edge at a tile's corner, within what leaves room for its changes over the tile.
+const int kSaturated = 1 << 30;
+
+int valueAtCorner(Edge edge, ivec2 corner) {
+  int64_t value = int64_t(edge.a) * int64_t(corner.x) + int64_t(edge.b) * int64_t(corner.y) + edge.c;
+  return int(clamp(value, int64_t(-kSaturated), int64_t(kSaturated)));
+}
+
+// The depth plane of a polygon in one direction, its constant at a tile's corner.
+struct DepthPlane {
+  int64_t at_corner, per_column, per_row;
+  ivec2 range;
+  int shift;
+};
+
+DepthPlane fetchDepthPlane(uint projected_at, ivec2 corner) {
+  uvec4 depth_01 = texelFetch(projected_texels, int(projected_at + 1u)), depth_2 = texelFetch(projected_texels, int(projected_at + 2u));
+  DepthPlane plane;
+  plane.per_column = longFrom(depth_01.zw);
+  plane.per_row = longFrom(depth_2.xy);
+  plane.at_corner = longFrom(depth_01.xy) + plane.per_column * int64_t(corner.x) + plane.per_row * int64_t(corner.y);
+  plane.range = ivec2(depth_2.zw);
+  plane.shift = int(texelFetch(projected_texels, int(projected_at + 3u)).x);
+  return plane;
+}
+
+uint depthAt(DepthPlane plane, ivec2 in_tile) {
+  int64_t depth = plane.at_corner + plane.per_column * int64_t(in_tile.x) + plane.per_row * int64_t(in_tile.y);
+  return uint(clamp(depth >> plane.shift, int64_t(plane.range.x), int64_t(plane.range.y)));
+}

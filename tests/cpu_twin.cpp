@@ -86,39 +86,49 @@ using Layers = std::vector<std::tuple<int64_t, bool, uint32_t>>;  // depth, fron
 
 class Counters {
  public:
-  explicit Counters(const Ids& ids) : ids_(ids) {}
+  Counters(const Ids& ids, bool blocked) : ids_(ids), blocked_(blocked) {}
 
-  // Adds the gaps of one line.
+  // Adds the gaps of one line, and what they keep apart.
   void add(const Layers& layers, uint64_t weight) {
+    for (size_t a = 0; blocked_ && a < layers.size(); ++a)
+      for (size_t b = a + 2; b < layers.size(); ++b) {
+        if (!ids_.two_sided && (std::get<1>(layers[a]) || !std::get<1>(layers[b]))) continue;
+        const uint32_t near = std::get<2>(layers[a]), far = std::get<2>(layers[b]);
+        if (areAskedFor(near, far)) counterOf(ids_.of_polygon[near], ids_.of_polygon[far]).second += weight;
+      }
     for (size_t k = 0; k <= layers.size() && !layers.empty(); ++k) {
       const bool has_lower = k > 0, has_upper = k < layers.size();
       const uint32_t lower = has_lower ? std::get<2>(layers[k - 1]) : 0, upper = has_upper ? std::get<2>(layers[k]) : 0;
       const bool lower_sees = has_lower && (ids_.two_sided || !std::get<1>(layers[k - 1]));
       const bool upper_sees = has_upper && (ids_.two_sided || std::get<1>(layers[k]));
       const bool lower_emits = ids_.rolesOf(lower) & kEmits, upper_emits = ids_.rolesOf(upper) & kEmits;
-      const bool lower_receives = ids_.rolesOf(lower) & kReceives, upper_receives = ids_.rolesOf(upper) & kReceives;
       const uint32_t i = ids_.of_polygon[lower], j = ids_.of_polygon[upper];
       if (lower_sees && upper_sees) {
-        if ((lower_emits && upper_receives) || (upper_emits && lower_receives)) count(i, j, weight);
+        if (areAskedFor(lower, upper)) counterOf(i, j).first += weight;
       } else if (ids_.counts_environment && lower_sees && lower_emits) {
-        count(i, has_upper ? kLeak : kEnvironment, weight);
+        counterOf(i, has_upper ? kLeak : kEnvironment).first += weight;
       } else if (ids_.counts_environment && upper_sees && upper_emits) {
-        count(j, has_lower ? kLeak : kEnvironment, weight);
+        counterOf(j, has_lower ? kLeak : kEnvironment).first += weight;
       }
     }
   }
 
   PairCounts counts() const {
     PairCounts all;
-    for (const auto& [key, number] : counters_) all.push_back({key.first, key.second, number});
+    for (const auto& [key, numbers] : counters_) all.push_back({key.first, key.second, numbers.first, numbers.second});
     return all;
   }
 
  private:
-  void count(uint32_t i, uint32_t j, uint64_t weight) { counters_[{std::min(i, j), std::max(i, j)}] += weight; }
+  bool areAskedFor(uint32_t a, uint32_t b) const {
+    const uint32_t a_roles = ids_.rolesOf(a), b_roles = ids_.rolesOf(b);
+    return ((a_roles & kEmits) && (b_roles & kReceives)) || ((b_roles & kEmits) && (a_roles & kReceives));
+  }
+  std::pair<uint64_t, uint64_t>& counterOf(uint32_t i, uint32_t j) { return counters_[{std::min(i, j), std::max(i, j)}]; }
 
   const Ids& ids_;
-  std::map<std::pair<uint32_t, uint32_t>, uint64_t> counters_;
+  bool blocked_;
+  std::map<std::pair<uint32_t, uint32_t>, std::pair<uint64_t, uint64_t>> counters_;  // facing, blocked
 };
 
 // The columns [low, high) of row y that a polygon covers, in units of 2^-column_bits of a spacing: each bound found by bisection of the covering
@@ -165,10 +175,10 @@ Layers layersAt(const std::vector<Flat>& flats, const std::vector<uint32_t>& cov
 
 }  // namespace
 
-PairCounts countPairsOnCpu(const Scene& scene, const Ids& ids, const std::vector<Direction>& directions, int resolution, Fault fault, const Window& window) {
+PairCounts countPairsOnCpu(const Scene& scene, const Ids& ids, const std::vector<Direction>& directions, int resolution, bool blocked, Fault fault, const Window& window) {
   const int bits = 25 - std::bit_width(static_cast<uint32_t>(resolution / 2 + std::ceil(resolution * 0.5 * glm::length(window.centre)) + 1));
   const int64_t one = int64_t(1) << bits;
-  Counters counters(ids);
+  Counters counters(ids, blocked);
   for (Direction direction : directions) {
     direction.offset -= resolution * 0.5 * glm::dvec2(dotInOrder(window.centre, direction.x_axis), dotInOrder(window.centre, direction.y_axis));
     std::vector<Flat> flats;
@@ -188,11 +198,11 @@ PairCounts countPairsOnCpu(const Scene& scene, const Ids& ids, const std::vector
   return counters.counts();
 }
 
-PairCounts countIntervalsOnCpu(const Scene& scene, const Ids& ids, const std::vector<Direction>& directions, int resolution) {
+PairCounts countIntervalsOnCpu(const Scene& scene, const Ids& ids, const std::vector<Direction>& directions, int resolution, bool blocked) {
   constexpr int kColumnBits = 10;
   constexpr int64_t kCell = int64_t(8) << kColumnBits;
   const int bits = 25 - std::bit_width(static_cast<uint32_t>(resolution / 2 + 1));
-  Counters counters(ids);
+  Counters counters(ids, blocked);
   for (const Direction& direction : directions) {
     std::vector<Flat> flats;
     for (const Polygon& polygon : scene.polygons) flats.push_back(flatten(scene, polygon, direction, resolution, bits));

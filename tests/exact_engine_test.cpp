@@ -69,5 +69,24 @@ TEST(ExactEngine, ThreadsNeverChangeTheCounts) {
   for (size_t k = 0; k < one.size(); ++k) EXPECT_EQ(one[k].count, three[k].count);
 }
 
+// Lines through a smaller square between two: each square faces the screen's front or its back, and the other through it.
+TEST(ExactEngine, CountsBlockedPairsWhereAsked) {
+  InputScene input = ts::parallelSquares();
+  ts::addFace(input, "screen", {{0.25, 0.25, 0.5}, {0.25, 0.75, 0.5}, {0.75, 0.75, 0.5}, {0.75, 0.25, 0.5}});  // faces down
+  const Scene scene = buildScene(input);
+  const Ids ids = makeIds(scene, By::polygon, false);
+  const std::vector<Direction> up = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0}, 3}};
+  const auto engine = makeExactEngine(scene, ids, {.blocked = true, .thread_count = 1});
+  const double unit = engine->unitArea() * scene.scale * scene.scale;
+  const PairCounts counts = engine->count(up), plain = makeExactEngine(scene, ids)->count(up);
+  ASSERT_EQ(counts.size(), plain.size());
+  for (size_t k = 0; k < counts.size(); ++k) {
+    EXPECT_EQ(counts[k].count, plain[k].count);
+    EXPECT_EQ(plain[k].blocked, 0u);
+    const bool is_pair_of_squares = counts[k].i == 0 && counts[k].j == 1;
+    EXPECT_NEAR(double(counts[k].blocked) * unit, is_pair_of_squares ? 3 * 0.25 : 0, 1e-11);
+  }
+}
+
 }  // namespace
 }  // namespace viewpeel::reference

@@ -21,9 +21,9 @@ struct Layer {
   bool front_up;
 };
 
-// Calls add(a, b) for every gap of a line that counts.
-template <class Layers, class Add>
-void classifyLine(const Layers& layers, bool two_sided, const Add& add) {
+// Calls add(a, b) for every gap of a line that counts, and block(a, b) for every two that face each other across more than a gap.
+template <class Layers, class Add, class Block>
+void classifyLine(const Layers& layers, bool two_sided, const Add& add, const Block& block) {
   for (size_t k = 0; k <= layers.size(); ++k) {
     const uint lower = k == 0 ? kSideNone : sideTowardsGap(layers[k - 1].front_up, two_sided, true);
     const uint upper = k == layers.size() ? kSideNone : sideTowardsGap(layers[k].front_up, two_sided, false);
@@ -37,6 +37,10 @@ void classifyLine(const Layers& layers, bool two_sided, const Add& add) {
       default: break;
     }
   }
+  for (size_t far = 0; far < layers.size(); ++far)
+    for (size_t near = 0; near + 1 < far; ++near)
+      if (two_sided || (layers[near].front_up && !layers[far].front_up))
+        block(std::min(layers[near].polygon, layers[far].polygon), std::max(layers[near].polygon, layers[far].polygon));
 }
 
 struct Point {
@@ -81,7 +85,7 @@ bool contains(const Outline& outline, const Point& p) {
 
 }  // namespace
 
-AreaMap cutIntoSlabs(const Scene& scene, const glm::dvec3& u, bool two_sided) {
+SlabAreas cutIntoSlabs(const Scene& scene, const glm::dvec3& u, bool two_sided) {
   const Frame frame(u);
   std::vector<Outline> outlines;
   std::vector<std::pair<Point, Point>> edges;
@@ -115,7 +119,7 @@ AreaMap cutIntoSlabs(const Scene& scene, const glm::dvec3& u, bool two_sided) {
   std::sort(cuts.begin(), cuts.end());
   cuts.erase(std::unique(cuts.begin(), cuts.end()), cuts.end());
 
-  AreaMap areas;
+  SlabAreas areas;
   const double factor = std::abs(u[frame.k]) / glm::length(u);
   for (size_t s = 0; s + 1 < cuts.size(); ++s) {
     const mpq_class middle = (cuts[s] + cuts[s + 1]) / 2, width = cuts[s + 1] - cuts[s];
@@ -138,7 +142,8 @@ AreaMap cutIntoSlabs(const Scene& scene, const glm::dvec3& u, bool two_sided) {
         return p.front_up != q.front_up ? p.front_up : p.polygon < q.polygon;
       });
       const double area = factor * mpq_class(width * (heights[h + 1] - heights[h])).get_d();
-      classifyLine(layers, two_sided, [&](uint32_t a, uint32_t b) { areas[{a, b}] += area; });
+      classifyLine(
+          layers, two_sided, [&](uint32_t a, uint32_t b) { areas.pairs[{a, b}] += area; }, [&](uint32_t a, uint32_t b) { areas.blocked[{a, b}] += area; });
     }
   }
   return areas;
@@ -203,12 +208,13 @@ Samples sampleLines(const Scene& scene, const glm::dvec3& u, uint32_t sample_cou
       if (p.height != q.height) return p.height < q.height;
       return p.front_up != q.front_up ? p.front_up : p.polygon < q.polygon;
     });
-    classifyLine(hits, false, [&](uint32_t a, uint32_t b) { samples.areas[{a, b}] += samples.square / sample_count; });
+    classifyLine(
+        hits, false, [&](uint32_t a, uint32_t b) { samples.areas[{a, b}] += samples.square / sample_count; }, [](uint32_t, uint32_t) {});
   }
   return samples;
 }
 
-double overlapArea(const Scene& scene, const glm::dvec3& u, uint32_t a, uint32_t b) {
+Overlap overlap(const Scene& scene, const glm::dvec3& u, uint32_t a, uint32_t b) {
   const auto [x, y] = axesAcross(u);
   std::vector<glm::dvec2> part = project(scene, scene.polygons[a], x, y);
   const std::vector<glm::dvec2> frame = project(scene, scene.polygons[b], x, y);
@@ -224,7 +230,14 @@ double overlapArea(const Scene& scene, const glm::dvec3& u, uint32_t a, uint32_t
     }
     part.swap(clipped);
   }
-  return std::abs(area2(part)) / 2;
+  if (part.empty()) return {};
+  glm::dvec2 middle(0);
+  for (const glm::dvec2& p : part) middle += p / double(part.size());
+  const auto height = [&](uint32_t p) {
+    const Plane& plane = scene.planes[scene.polygons[p].plane];
+    return (plane.offset - glm::dot(plane.normal, middle.x * x + middle.y * y)) / glm::dot(plane.normal, u);
+  };
+  return {std::abs(area2(part)) / 2, (height(b) - height(a)) * glm::length(u)};
 }
 
 }  // namespace viewpeel::tests

@@ -15,7 +15,10 @@ using AreaMap = std::map<std::pair<uint32_t, uint32_t>, double>;  // (a, b), a <
 // The plane cut into slabs between all x of end points and crossings, the slabs into trapezoids by all edges; each
 // trapezoid's layers sorted by exact height at its middle. Rational numbers throughout, rounded once per trapezoid.
 //   Error: 1e-15 per trapezoid of a pair. Cost: O(crossings x edges x polygons) rational operations: small scenes only.
-AreaMap cutIntoSlabs(const Scene& scene, const glm::dvec3& u, bool two_sided = false);
+struct SlabAreas {
+  AreaMap pairs, blocked;
+};
+SlabAreas cutIntoSlabs(const Scene& scene, const glm::dvec3& u, bool two_sided = false);
 
 // The same at random lines along u through a square that covers the projection: the share of lines times its area.
 //   Error: standard deviation sqrt(area (square - area) / samples). Cost: O(samples x polygons), double.
@@ -25,7 +28,11 @@ struct Samples {
 };
 Samples sampleLines(const Scene& scene, const glm::dvec3& u, uint32_t sample_count, uint32_t seed);
 
-// Area in P(u) of the common part of two projected polygons, by clipping in double.
-double overlapArea(const Scene& scene, const glm::dvec3& u, uint32_t a, uint32_t b);
+// The common part of two projected polygons, by clipping in double.
+struct Overlap {
+  double area = 0;    // in P(u)
+  double height = 0;  // of b's plane above a's in its middle, along u
+};
+Overlap overlap(const Scene& scene, const glm::dvec3& u, uint32_t a, uint32_t b);
 
 }  // namespace viewpeel::tests

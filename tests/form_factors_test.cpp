@@ -67,5 +67,22 @@ TEST(MergeIds, AddsUpAndOrdersPairs) {
   EXPECT_EQ(merged[2].j, kLeak);
 }
 
+TEST(ReplicateSums, BlockedPairsAddNothing) {
+  ReplicateSums sums(twoIds(1, 1));
+  for (int k = 0; k < 2; ++k) sums.add({{0, 1, 0, 5}, {0, kEnvironment, 2}});
+  const FormFactors factors = sums.formFactors(1);
+  ASSERT_EQ(factors.entries().size(), 1u);
+  EXPECT_EQ(factors.entries()[0].j, kEnvironment);
+}
+
+TEST(MergeIds, AddsUpBlockedPairs) {
+  const PairCounts merged = mergeIds({{0, 1, 2, 1}, {0, 2, 0, 3}, {1, 2, 5, 7}}, {1, 0, 1});
+  ASSERT_EQ(merged.size(), 2u);
+  EXPECT_EQ(merged[0].count, 7u);
+  EXPECT_EQ(merged[0].blocked, 8u);
+  EXPECT_EQ(merged[1].count, 0u);
+  EXPECT_EQ(merged[1].blocked, 3u);
+}
+
 }  // namespace
 }  // namespace viewpeel

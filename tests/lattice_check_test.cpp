@@ -25,11 +25,11 @@ CheckOptions smallCheck(uint64_t seed = 1) {
 }
 
 // Counts of the compute engine, one engine for each resolution.
-CountLattice countOnDevice(const Scene& scene, const Ids& ids, Sampling sampling) {
+CountLattice countOnDevice(const Scene& scene, const Ids& ids, Sampling sampling, bool blocked = false) {
   const auto engines = std::make_shared<std::map<int, std::unique_ptr<Engine>>>();
-  return [&scene, &ids, sampling, engines](const Direction& direction, int resolution) {
+  return [&scene, &ids, sampling, blocked, engines](const Direction& direction, int resolution) {
     std::unique_ptr<Engine>& engine = (*engines)[resolution];
-    if (!engine) engine = makeComputeEngine(testDevice(), scene, ids, {.resolution = resolution, .sampling = sampling, .batch_directions = 1});
+    if (!engine) engine = makeComputeEngine(testDevice(), scene, ids, {.resolution = resolution, .sampling = sampling, .count_blocked = blocked, .batch_directions = 1});
     return engine->count({&direction, 1});
   };
 }
@@ -39,7 +39,7 @@ struct CheckedScene {
   Ids ids = makeIds(scene, By::polygon, false);
   CheckReport check(const CountLattice& count, const CheckOptions& options = smallCheck()) const { return checkLattice(scene, ids, count, options); }
   CheckReport checkTwin(Fault fault) const {
-    return check([&](const Direction& d, int resolution) { return countPairsOnCpu(scene, ids, {d}, resolution, fault); });
+    return check([&](const Direction& d, int resolution) { return countPairsOnCpu(scene, ids, {d}, resolution, false, fault); });
   }
 };
 
@@ -71,6 +71,25 @@ TEST(LatticeCheck, ComputeEngineBehavesAsClaimed) {
                                                            << row.largest_deviation << ", allowed " << row.allowed_deviation << "; spread "
                                                            << row.spread_ratio;
     EXPECT_GT(report.rows[0].regions_tested, 20u);
+  }
+}
+
+// Blocked pairs are counted without bias, too, and spread as much. One that is not counted is noticed.
+TEST(LatticeCheck, BlockedPairsBehaveAsClaimed) {
+  const CheckedScene checked;
+  CheckOptions options = smallCheck();
+  const uint64_t regions_of_facing_pairs = checked.check(countOnDevice(checked.scene, checked.ids, Sampling::lattice), options).rows[1].regions_tested;
+  options.blocked = true;
+  for (Sampling sampling : {Sampling::lattice, Sampling::scanline}) {
+    const bool points = sampling == Sampling::lattice;
+    options.variance = points ? kLatticeVariance : kScanlineVariance;
+    options.counts_per_point = points ? 1 : 1024;
+    const CheckReport report = checked.check(countOnDevice(checked.scene, checked.ids, sampling, true), options);
+    for (const CheckRow& row : report.rows)
+      EXPECT_TRUE(row.unbiased && row.spread_as_predicted) << row.resolution << ": " << row.worst_pair << " deviates by " << row.largest_deviation
+                                                           << ", allowed " << row.allowed_deviation << "; spread " << row.spread_ratio;
+    EXPECT_GT(report.rows[1].regions_tested, regions_of_facing_pairs + 20);
+    EXPECT_FALSE(checked.check(countOnDevice(checked.scene, checked.ids, sampling, false), options).passes());
   }
 }
 

@@ -19,11 +19,25 @@ uint64_t countOf(const PairCounts& counts, uint32_t i, uint32_t j) {
   return 0;
 }
 
-void expectTwinAgrees(const InputScene& input, const std::vector<Direction>& directions, const CountRun& run) {
+uint64_t totalBlocked(const PairCounts& counts) {
+  uint64_t total = 0;
+  for (const PairCount& c : counts) total += c.blocked;
+  return total;
+}
+
+// What must be counted where blocked pairs were not asked for.
+PairCounts withoutBlocked(PairCounts counts) {
+  for (PairCount& c : counts) c.blocked = 0;
+  std::erase_if(counts, [](const PairCount& c) { return c.count == 0; });
+  return counts;
+}
+
+void expectTwinAgrees(const InputScene& input, const std::vector<Direction>& directions, CountRun run) {
   const Scene scene = buildScene(input);
-  const PairCounts device = countPairs(scene, directions, run);
-  const PairCounts twin = countPairsOnCpu(scene, makeIds(scene, run.by, run.two_sided), directions, run.lattice.resolution);
-  EXPECT_EQ(device, twin) << input.file << ", resolution " << run.lattice.resolution;
+  const PairCounts twin = countPairsOnCpu(scene, makeIds(scene, run.by, run.two_sided), directions, run.lattice.resolution, true);
+  EXPECT_EQ(countPairs(scene, directions, run), withoutBlocked(twin)) << input.file << ", resolution " << run.lattice.resolution;
+  run.lattice.count_blocked = true;
+  EXPECT_EQ(countPairs(scene, directions, run), twin) << input.file << ", resolution " << run.lattice.resolution << ", blocked";
   EXPECT_FALSE(twin.empty());
 }
 
@@ -186,6 +200,23 @@ TEST(Peel, ThousandsOfLayersTakeMoreDispatches) {
   EXPECT_EQ(countWith(scene, ids, up, {.resolution = 4, .layers_kept = 8, .sort = true}, &work), expected);
 }
 
+// A meeting has more to go through than one invocation may, and a tile has more meetings than one workgroup takes.
+TEST(Peel, HundredsOfLayersMeet) {
+  std::vector<double> heights;
+  for (int k = 0; k < 1000; ++k) heights.push_back(1e-3 * (k / 2 * 2));  // two each at one height
+  const Scene scene = buildScene(ts::stackOfSheets(heights));
+  const std::vector<Direction> up = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.3, 0.6}}};
+  for (bool two_sided : {false, true}) {
+    const Ids ids = makeIds(scene, By::polygon, two_sided);
+    const PairCounts expected = countPairsOnCpu(scene, ids, up, 4, true);
+    EXPECT_EQ(countWith(scene, ids, up, {.resolution = 4, .count_blocked = true}), expected);
+    EXPECT_EQ(makeGraphicsEngine(testDevice(), scene, ids, {.resolution = 4, .count_blocked = true})->count(up), expected);
+    Work work;
+    EXPECT_EQ(countWith(scene, ids, up, {.resolution = 4, .sampling = Sampling::scanline, .count_blocked = true}, &work), countIntervalsOnCpu(scene, ids, up, 4, true));
+    EXPECT_GT(work.resumed, 0u);
+  }
+}
+
 // Neither tiles nor layers kept nor how contributions are gathered, sorted, resumed or stored is seen in a count.
 TEST(Peel, NoTuningChangesTheCounts) {
   const auto directions = sampleDirections(Sampler::fibonacci, 9, 11, 0);
@@ -193,7 +224,8 @@ TEST(Peel, NoTuningChangesTheCounts) {
     const Scene scene = buildScene(input);
     {
       const Ids ids = makeIds(scene, By::polygon, two_sided);
-      const PairCounts expected = countPairsOnCpu(scene, ids, directions, 40);
+      const PairCounts expected = countPairsOnCpu(scene, ids, directions, 40, true);
+      EXPECT_GT(totalBlocked(expected), 1000u);
       std::vector<LatticeOptions> all(1, {.resolution = 40});
       for (uint32_t n : {1u, 2u, 4u, 8u}) {
         all.push_back({.resolution = 40, .tile_width = n});
@@ -207,8 +239,11 @@ TEST(Peel, NoTuningChangesTheCounts) {
       }
       all.push_back({.resolution = 40, .aggregate = false});
       all.push_back({.resolution = 40, .memory_budget_bytes = 1});
-      for (size_t k = 0; k < all.size(); ++k)
-        EXPECT_EQ(countWith(scene, ids, directions, all[k]), expected) << input.file << ", two-sided " << two_sided << ", options " << k;
+      for (size_t k = 0; k < all.size(); ++k) {
+        EXPECT_EQ(countWith(scene, ids, directions, all[k]), withoutBlocked(expected)) << input.file << ", two-sided " << two_sided << ", options " << k;
+        all[k].count_blocked = true;
+        EXPECT_EQ(countWith(scene, ids, directions, all[k]), expected) << input.file << ", two-sided " << two_sided << ", options " << k << ", blocked";
+      }
     }
   }
 }
@@ -218,15 +253,22 @@ TEST(Peel, BuffersGrowAndRepeat) {
   const Scene scene = buildScene(ts::triangleSoup(300, 0.6, 5));
   const Ids ids = makeIds(scene, By::polygon, false);
   const auto directions = sampleDirections(Sampler::fibonacci, 40, 11, 0);
-  Work work;
-  const PairCounts expected = countWith(scene, ids, directions, {.resolution = 40}, &work);
-  EXPECT_EQ(work.repeats, 0u);
-  EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 40, .list_capacity = 10}, &work), expected);
-  EXPECT_GT(work.repeats, 0u) << "tile lists";
-  EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 40, .counter_budget_bytes = 1, .table_capacity = 1}, &work), expected);
-  EXPECT_GT(work.repeats, 0u) << "hash table";
-  EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 40, .most_blocks = 1}, &work), expected);
-  EXPECT_GT(work.resumed, 0u) << "layers";
+  for (bool blocked : {false, true}) {
+    const auto options = [&](LatticeOptions rest) {
+      rest.resolution = 40;
+      rest.count_blocked = blocked;
+      return rest;
+    };
+    Work work;
+    const PairCounts expected = countWith(scene, ids, directions, options({}), &work);
+    EXPECT_EQ(work.repeats, 0u);
+    EXPECT_EQ(countWith(scene, ids, directions, options({.list_capacity = 10}), &work), expected);
+    EXPECT_GT(work.repeats, 0u) << "tile lists";
+    EXPECT_EQ(countWith(scene, ids, directions, options({.counter_budget_bytes = 1, .table_capacity = 1}), &work), expected);
+    EXPECT_GT(work.repeats, 0u) << "hash table";
+    EXPECT_EQ(countWith(scene, ids, directions, options({.most_blocks = 1}), &work), expected);
+    EXPECT_GT(work.resumed, 0u) << "layers";
+  }
 }
 
 TEST(Peel, IntervalsAreThoseOfTheCpuTwin) {
@@ -236,11 +278,13 @@ TEST(Peel, IntervalsAreThoseOfTheCpuTwin) {
       const Scene scene = buildScene(input);
       for (bool two_sided : {false, true}) {
         const Ids ids = makeIds(scene, By::polygon, two_sided);
-        const PairCounts expected = countIntervalsOnCpu(scene, ids, directions, resolution);
+        const PairCounts expected = countIntervalsOnCpu(scene, ids, directions, resolution, true);
         EXPECT_FALSE(expected.empty());
         for (uint32_t n : {1u, 3u, 8u})
-          EXPECT_EQ(countWith(scene, ids, directions, {.resolution = resolution, .sampling = Sampling::scanline, .tile_rows = n, .layers_kept = n, .most_blocks = 2 * n}),
-                    expected) << input.file << ", resolution " << resolution << ", two-sided " << two_sided;
+          for (bool blocked : {false, true})
+            EXPECT_EQ(countWith(scene, ids, directions, {.resolution = resolution, .sampling = Sampling::scanline, .count_blocked = blocked, .tile_rows = n, .layers_kept = n,
+                                                         .most_blocks = 2 * n}),
+                      blocked ? expected : withoutBlocked(expected)) << input.file << ", resolution " << resolution << ", two-sided " << two_sided << ", blocked " << blocked;
       }
     }
 }
@@ -260,9 +304,12 @@ TEST(Peel, CountsWhatWasAskedFor) {
       for (uint32_t n : {1u, 4u}) {
         Ids ids = makeIds(scene, by, false);
         askOnlyFor(question, scene, ids);
-        EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 40, .layers_kept = n}), countPairsOnCpu(scene, ids, directions, 40));
-        EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 40, .sampling = Sampling::scanline, .layers_kept = n}),
-                  countIntervalsOnCpu(scene, ids, directions, 40));
+        const PairCounts expected = countPairsOnCpu(scene, ids, directions, 40, true);
+        EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 40, .layers_kept = n}), withoutBlocked(expected));
+        EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 40, .count_blocked = true, .layers_kept = n}), expected);
+        const PairCounts intervals = countIntervalsOnCpu(scene, ids, directions, 40, true);
+        EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 40, .sampling = Sampling::scanline, .layers_kept = n}), withoutBlocked(intervals));
+        EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 40, .sampling = Sampling::scanline, .count_blocked = true, .layers_kept = n}), intervals);
       }
 }
 
@@ -272,8 +319,10 @@ TEST(Peel, HashTableIsEmptiedWhenHalfFull) {
   const Ids ids = makeIds(scene, By::polygon, true);
   const auto directions = sampleDirections(Sampler::fibonacci, 300, 11, 0);
   Work work;
-  EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 24, .batch_directions = 2, .counter_budget_bytes = 1, .table_capacity = 4096}, &work),
-            countPairsOnCpu(scene, ids, directions, 24));
+  const PairCounts expected = countPairsOnCpu(scene, ids, directions, 24, true);
+  EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 24, .batch_directions = 2, .counter_budget_bytes = 1, .table_capacity = 4096}, &work), withoutBlocked(expected));
+  EXPECT_EQ(work.repeats, 0u);
+  EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 24, .count_blocked = true, .batch_directions = 2, .counter_budget_bytes = 1, .table_capacity = 16384}, &work), expected);
   EXPECT_EQ(work.repeats, 0u);
 }
 

@@ -83,7 +83,7 @@ TEST(SizeGroups, CountsAreThoseOfTheCpuTwin) {
         for (size_t earlier = 0; earlier <= g; ++earlier)
           for (uint32_t k : groups[earlier].polygons) ids.roles[k] = earlier == g ? kEmits | kReceives : kReceives;
         const uint64_t weight = uint64_t(finest / groups[g].resolution) * uint64_t(finest / groups[g].resolution);
-        for (const PairCount& c : countPairsOnCpu(scene, ids, directions, groups[g].resolution, Fault::none, groups[g].window))
+        for (const PairCount& c : countPairsOnCpu(scene, ids, directions, groups[g].resolution, false, Fault::none, groups[g].window))
           expected[{c.i, c.j}] += weight * c.count;
       }
       PairCounts twin;

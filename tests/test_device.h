@@ -9,8 +9,8 @@
 namespace viewpeel {
 
 // For failure messages and ==.
-inline bool operator==(const PairCount& a, const PairCount& b) { return a.i == b.i && a.j == b.j && a.count == b.count; }
-inline void PrintTo(const PairCount& c, std::ostream* out) { *out << "(" << c.i << ", " << c.j << "): " << c.count; }
+inline bool operator==(const PairCount& a, const PairCount& b) { return a.i == b.i && a.j == b.j && a.count == b.count && a.blocked == b.blocked; }
+inline void PrintTo(const PairCount& c, std::ostream* out) { *out << "(" << c.i << ", " << c.j << "): " << c.count << ", blocked " << c.blocked; }
 
 // The device all tests share, with validation and synchronisation validation on. Any error message fails the test in which it came.
 const Device& testDevice();

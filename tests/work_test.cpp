@@ -102,6 +102,18 @@ TEST(Work, IsCountedOnce) {
   }
 }
 
+// Blocked pairs of lattice points take passes of their own, and change no other's work.
+TEST(Work, BlockedPairsAreCountedApart) {
+  const auto directions = sampleDirections(Sampler::fibonacci, 20, 3, 0);
+  const Work without = workOf(ts::roomWithTouchingBoxes(), directions, {.resolution = 40});
+  const Work with = workOf(ts::roomWithTouchingBoxes(), directions, {.resolution = 40, .count_blocked = true});
+  EXPECT_EQ(without.pass_seconds.size(), 7u);
+  EXPECT_EQ(with.pass_seconds.size(), 9u);
+  EXPECT_EQ(with.tests, without.tests);
+  EXPECT_EQ(with.gaps, without.gaps);
+  EXPECT_GT(with.memory_bytes, without.memory_bytes);
+}
+
 TEST(Work, LongListsAndManyLayersChangeTheTuningAfterATrial) {
   const Scene scene = buildScene(ts::triangleSoup(4000, 0.3, 5));
   const Ids ids = makeIds(scene, By::polygon, true);

@@ -75,7 +75,7 @@ int runCheck(const CheckCommand& command) {
   const Device device(command.device);
   std::map<int, std::unique_ptr<Engine>> engines;
   for (int resolution : command.check.resolutions)
-    engines[resolution] = makeLatticeEngine(command.engine, device, scene, ids, {.resolution = resolution, .sampling = command.sampling, .batch_directions = 1});
+    engines[resolution] = makeLatticeEngine(command.engine, device, scene, ids, {.resolution = resolution, .sampling = command.sampling, .count_blocked = command.check.blocked, .batch_directions = 1});
   reference::CheckOptions options = command.check;
   if (command.sampling == Sampling::scanline) {
     if (command.engine == EngineKind::graphics) throw Error(ErrorCode::bad_usage, "--sampling scanline needs --engine compute");
@@ -112,6 +112,7 @@ void addCheck(CLI::App& app, Run& chosen) {
   addChoice(command, "--engine", options->engine, {{"compute", EngineKind::compute}, {"graphics", EngineKind::graphics}}, "The engine to check");
   addChoice(command, "--sampling", options->sampling, {{"lattice", Sampling::lattice}, {"scanline", Sampling::scanline}}, "The samples to check");
   command->add_option("--seed", options->check.seed, "Of directions and lattices")->type_name("K")->capture_default_str();
+  command->add_flag("--blocked", options->check.blocked, "Pairs whose fronts look at each other past something, too");
   command->add_flag("--two-sided", options->two_sided, "Every polygon emits and receives on both sides");
   command->add_option("--device", options->device.selector, "Vulkan device: index, part of its name, cpu or gpu")->type_name("DEVICE");
   command->add_flag("--json", options->json, "Print the report as JSON");

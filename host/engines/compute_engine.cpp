@@ -6,6 +6,8 @@
 //   bin        fill the lists
 //   sort       where lines meet many polygons: the lists by depth
 //   peel       every row of every active tile: spans of its polygons, samples, layers in order, facing rules, counters
+//   cover      where blocked pairs are counted: the lattice points of every active tile that each of its polygons covers
+//   meet       of every two of those that may face each other, how many they share
 // A batch is one submission, and two are in flight where memory allows. What overflows says so in the batch's status: the host makes room and repeats.
 #include "engines/compute_engine.h"
 
@@ -21,7 +23,10 @@
 #include "error.h"
 #include "shaders/allocate.comp.h"
 #include "shaders/bin.comp.h"
+#include "shaders/cover.comp.h"
+#include "shaders/meet.comp.h"
 #include "shaders/peel.comp.h"
+#include "shaders/peel_blocked.comp.h"
 #include "shaders/project.comp.h"
 #include "shaders/sort.comp.h"
 #include "vulkan/commands.h"
@@ -40,13 +45,13 @@ constexpr uint32_t kLongList = 48;            // polygons over a tile, on the av
 constexpr double kManyRounds = 1.5;           // a tile, from which on lists are sorted
 constexpr int kScanlineBits = 10;             // of a column coordinate: an interval's ends are rounded to 2^-10 of a spacing
 constexpr uint32_t kTexelBuffers = 5;
-const std::array<const char*, 7> kPasses = {"project", "bin roles", "bin count", "allocate", "bin scatter", "sort", "peel"};
+const std::array<const char*, 9> kPasses = {"project", "bin roles", "bin count", "allocate", "bin scatter", "sort", "peel", "cover", "meet"};
 
 // What one batch of directions is done with.
 struct Batch {
   Commands commands;
   Timestamps timestamps;
-  Buffer directions, edges, projected, tile_roles, tile_counts, tile_starts, active_tiles, entries, lists, status, status_read;
+  Buffer directions, edges, projected, tile_roles, tile_counts, tile_starts, active_tiles, entries, lists, covers, cover_polygons, meetings, status, status_read;
   std::array<Buffer, 2> unfinished, reached;
   uint32_t list_capacity = 0;
   std::span<const Direction> asked;
@@ -81,7 +86,8 @@ Tuning tune(const Device& device, const LatticeOptions& options) {
 
 // Adding to dense counters is quicker than to a hash table, reading them after every replicate takes longer: they pay where a direction adds much.
 uint64_t counterBudget(const LatticeOptions& options) {
-  return options.counter_budget_bytes ? options.counter_budget_bytes : options.resolution < 128 ? 256ull << 20 : 512ull << 20;
+  const uint64_t chosen = options.resolution < 128 ? 256ull << 20 : 512ull << 20;
+  return options.counter_budget_bytes ? options.counter_budget_bytes : options.count_blocked ? 2 * chosen : chosen;
 }
 
 class ComputeEngine : public Engine {
@@ -107,6 +113,9 @@ class ComputeEngine : public Engine {
   PeelArgs peelArgs(const Batch& batch) const;
   void bindTexels(Batch& batch, const Kernel& kernel, const Buffer& lists);
   uint64_t memoryBytes() const;
+  uint64_t listEntryBytes() const;
+  // Whether blocked pairs are counted by passes of their own.
+  bool meets() const { return options_.count_blocked && options_.sampling == Sampling::lattice; }
   // Workgroups of peel for one tile.
   uint32_t rowGroups() const { return options_.sampling == Sampling::scanline ? tuning_.tile_rows : 1; }
 
@@ -119,7 +128,7 @@ class ComputeEngine : public Engine {
   PairCounters counters_;
   uint32_t tiles_wide_ = 0, tiles_high_ = 0, batch_size_ = 0, in_flight_ = 2, needed_roles_ = 0;
   uint64_t list_capacity_ = 0;
-  Kernel project_, bin_, allocate_, sort_, peel_;
+  Kernel project_, bin_, allocate_, sort_, peel_, cover_, meet_;
   std::vector<Batch> batches_;
   Commands commands_;       // of what is done between batches
   bool must_grow_ = false;  // the hash table
@@ -140,7 +149,7 @@ ComputeEngine::ComputeEngine(const Device& device, const Scene& scene, const Ids
       fraction_bits_(chooseFractionBits(options.resolution, options.window)),
       column_bits_(options.sampling == Sampling::scanline ? kScanlineBits : 0),
       scene_(device, scene, ids),
-      counters_(device, ids.count(), counterBudget(options), true, options.table_capacity),
+      counters_(device, ids.count(), options.count_blocked, counterBudget(options), true, options.table_capacity),
       commands_(device) {
   if (fraction_bits_ < column_bits_) throw Error(ErrorCode::bad_usage, "scanlines cannot be this fine; use --sampling lattice");
   for (uint32_t k = 0; ids_are_indices_ && k < ids.of_polygon.size(); ++k) ids_are_indices_ = ids.of_polygon[k] == k;
@@ -163,10 +172,15 @@ void ComputeEngine::makeKernels() {
   bin_ = Kernel(device_, bin_comp, sizeof(BinArgs), {}, kTexelBuffers);
   allocate_ = Kernel(device_, allocate_comp, sizeof(BinArgs));
   if (tuning_.sorts) sort_ = Kernel(device_, sort_comp, sizeof(SortArgs), {tuning_.subgroup_size}, kTexelBuffers);
-  peel_ = Kernel(device_, peel_comp, sizeof(PeelArgs),
+  const bool meets_spans = scanlines && options_.count_blocked;
+  peel_ = Kernel(device_, meets_spans ? std::span<const uint32_t>(peel_blocked_comp) : peel_comp, sizeof(PeelArgs),
                  {tuning_.subgroup_size, tuning_.layers_kept, scanlines, counters_.isSparse(), all_count_, options_.aggregate, options_.measure_work,
-                  tuning_.steps, ids_are_indices_, tuning_.tile_width, tuning_.sorts},
+                  tuning_.steps, ids_are_indices_, tuning_.tile_width, tuning_.sorts, two_sided_, options_.count_blocked},
                  kTexelBuffers);
+  if (!meets()) return;
+  cover_ = Kernel(device_, cover_comp, sizeof(MeetArgs), {tuning_.subgroup_size, tuning_.tile_width, all_count_, two_sided_}, kTexelBuffers);
+  meet_ = Kernel(device_, meet_comp, sizeof(MeetArgs),
+                 {tuning_.subgroup_size, tuning_.tile_width, all_count_, two_sided_, counters_.isSparse(), ids_are_indices_}, kTexelBuffers + 1);
 }
 
 // Chooses the rest by what the first batch met: it changes no result.
@@ -196,7 +210,7 @@ void ComputeEngine::planBatches() {
   const uint64_t tiles = uint64_t(tiles_wide_) * tiles_high_, rows = tiles * rowGroups();
   const uint64_t lists_per_direction = 4 * uint64_t(scene_.polygon_count) + tiles;
   const uint64_t bytes = scene_.polygon_count * sizeof(ProjectedPolygon) + scene_.corner_count * sizeof(Edge) + tiles * (12 + sizeof(ActiveTile)) +
-                         rows * 2 * (sizeof(UnfinishedRow) + sizeof(uint64_t) * tuning_.subgroup_size * tuning_.steps) + lists_per_direction * (sizeof(uint32_t) + (tuning_.sorts ? sizeof(ListEntry) : 0));
+                         rows * 2 * (sizeof(UnfinishedRow) + sizeof(uint64_t) * tuning_.subgroup_size * tuning_.steps) + lists_per_direction * listEntryBytes() + (meets() ? tiles * sizeof(Meeting) : 0);
   const uint64_t fixed_bytes = counters_.sizeBytes() + scene_.polygons.sizeBytes() + scene_.corners.sizeBytes();
   const uint64_t available = options_.available_bytes ? options_.available_bytes : device_.memoryBytes();
   if (fixed_bytes + bytes > available)
@@ -206,7 +220,7 @@ void ComputeEngine::planBatches() {
   const uint64_t budget = std::min<uint64_t>(options_.memory_budget_bytes ? options_.memory_budget_bytes : kMemoryBudget, available - fixed_bytes) / 2;
   in_flight_ = bytes > budget ? 1 : 2;
   const uint64_t largest = std::min<uint64_t>(device_.maxAllocationBytes(), device_.properties().limits.maxTexelBufferElements * uint64_t(8));
-  const uint64_t per_buffer = std::max<uint64_t>(scene_.corner_count * sizeof(Edge), 2 * lists_per_direction * sizeof(uint32_t));
+  const uint64_t per_buffer = std::max<uint64_t>(scene_.corner_count * sizeof(Edge), lists_per_direction * (meets() ? sizeof(Cover) : 2 * sizeof(uint32_t)));
   const uint64_t by_memory = std::max<uint64_t>(1, std::min(budget / bytes, largest / per_buffer));
   const uint64_t worthwhile = std::max<uint64_t>(1, kBatchWork / std::max<uint64_t>(scene_.polygon_count, tiles));
   const uint64_t chosen = options_.batch_directions ? options_.batch_directions : std::min(by_memory, worthwhile);
@@ -246,10 +260,21 @@ void ComputeEngine::makeBatches() {
 void ComputeEngine::makeLists(Batch& batch, uint64_t capacity) {
   if (capacity > 0x7FFFFFFF)
     throw Error(ErrorCode::limit, fmt::format("polygons of one batch reach {} tiles, more than can be addressed; try a smaller --resolution or --batch 1", capacity));
-  for (Buffer* buffer : {&batch.lists, &batch.entries}) *buffer = Buffer();  // room for the next
+  for (Buffer* buffer : {&batch.lists, &batch.entries, &batch.covers, &batch.cover_polygons, &batch.meetings}) *buffer = Buffer();  // room for the next
   batch.list_capacity = static_cast<uint32_t>(capacity);
   if (tuning_.sorts) batch.entries = Buffer(device_, capacity * sizeof(ListEntry), MemoryUse::device, VK_FORMAT_R32G32_UINT);
   batch.lists = Buffer(device_, capacity * sizeof(uint32_t), MemoryUse::device, VK_FORMAT_R32_UINT);
+  if (!meets()) return;
+  batch.covers = Buffer(device_, capacity * sizeof(Cover), MemoryUse::device, VK_FORMAT_R32G32B32A32_UINT);
+  batch.cover_polygons = Buffer(device_, capacity * sizeof(uint32_t), MemoryUse::device, VK_FORMAT_R32_UINT);
+  // Every tile has as many as subgroups hold its polygons, the last not full.
+  const uint64_t meetings = uint64_t(batch_size_) * tiles_wide_ * tiles_high_ + capacity / tuning_.subgroup_size;
+  batch.meetings = Buffer(device_, meetings * sizeof(Meeting), MemoryUse::device);
+}
+
+uint64_t ComputeEngine::listEntryBytes() const {
+  const uint64_t sorted = tuning_.sorts ? sizeof(ListEntry) : 0;
+  return sizeof(uint32_t) + sorted + (meets() ? sizeof(Cover) + sizeof(uint32_t) + sizeof(Meeting) / tuning_.subgroup_size : 0);
 }
 
 PairCounts ComputeEngine::count(std::span<const Direction> directions) {
@@ -304,7 +329,7 @@ void ComputeEngine::bindTexels(Batch& batch, const Kernel& kernel, const Buffer&
 
 PeelArgs ComputeEngine::peelArgs(const Batch& batch) const {
   return {batch.unfinished[1].address(), batch.reached[1].address(), batch.unfinished[0].address(), batch.reached[0].address(), batch.status.address(),
-          counters_.address(), scene_.polygon_count, counters_.idCount(), tuning_.tile_width, tuning_.tile_rows, column_bits_, two_sided_ ? 1u : 0u, counters_.mask(),
+          counters_.address(), scene_.polygon_count, counters_.idCount(), tuning_.tile_width, tuning_.tile_rows, column_bits_, counters_.mask(),
           counts_environment_ ? 1u : 0u, tuning_.most_blocks, 0};
 }
 
@@ -364,6 +389,19 @@ void ComputeEngine::submit(Batch& batch) {
   bindTexels(batch, peel_, batch.lists);
   commands.dispatchIndirect(peel_, peelArgs(batch), batch.status, offsetof(BatchStatus, peel_groups));
   endPass();
+  if (meets()) {
+    const MeetArgs meet{batch.covers.address(), batch.cover_polygons.address(), batch.meetings.address(), batch.status.address(), counters_.address(),
+                        scene_.polygon_count, counters_.idCount(), tuning_.tile_rows, counters_.mask()};
+    commands.bind(cover_, VK_PIPELINE_BIND_POINT_COMPUTE);
+    bindTexels(batch, cover_, batch.lists);
+    commands.dispatchIndirect(cover_, meet, batch.status, offsetof(BatchStatus, peel_groups));
+    endPass();
+    commands.bind(meet_, VK_PIPELINE_BIND_POINT_COMPUTE);
+    commands.bindTexels(meet_, std::array{batch.edges.texels(), batch.projected.texels(), scene_.polygons.texels(), batch.cover_polygons.texels(),
+                                          batch.active_tiles.texels(), batch.covers.texels()});
+    commands.dispatchIndirect(meet_, meet, batch.status, offsetof(BatchStatus, meet_groups));
+    endPass();
+  }
   commands.copy(batch.status, batch.status_read, sizeof(BatchStatus));
   commands.submit();
   batch.in_flight = true;
@@ -456,7 +494,7 @@ uint64_t ComputeEngine::memoryBytes() const {
   uint64_t bytes = counters_.sizeBytes() + scene_.polygons.sizeBytes() + scene_.corners.sizeBytes();
   for (const Batch& batch : batches_) {
     for (const Buffer* buffer : {&batch.directions, &batch.edges, &batch.projected, &batch.tile_roles, &batch.tile_counts, &batch.tile_starts,
-                                 &batch.active_tiles, &batch.entries, &batch.lists, &batch.status, &batch.status_read,
+                                 &batch.active_tiles, &batch.entries, &batch.lists, &batch.covers, &batch.cover_polygons, &batch.meetings, &batch.status, &batch.status_read,
                                  &batch.unfinished[0], &batch.unfinished[1], &batch.reached[0], &batch.reached[1]})
       bytes += buffer->sizeBytes();
   }
@@ -468,6 +506,7 @@ std::string ComputeEngine::describePlan() const {
   uint64_t lists = 0, projected = 0, unfinished = 0;
   for (const Batch& batch : batches_) {
     unfinished += batch.unfinished[0].sizeBytes() + batch.unfinished[1].sizeBytes() + batch.reached[0].sizeBytes() + batch.reached[1].sizeBytes();
+    for (const Buffer* buffer : {&batch.covers, &batch.cover_polygons, &batch.meetings}) lists += buffer->sizeBytes();
     lists += batch.entries.sizeBytes() + batch.lists.sizeBytes() + batch.tile_counts.sizeBytes() + batch.tile_starts.sizeBytes() + batch.active_tiles.sizeBytes();
     projected += batch.edges.sizeBytes() + batch.projected.sizeBytes();
   }

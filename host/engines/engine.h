@@ -13,8 +13,8 @@ class Engine {
  public:
   virtual ~Engine() = default;
 
-  // Sums the measures of all facing pairs, environment and leak over the directions, in integers: the result is independent
-  // of how the engine groups its work.
+  // Sums the measures of all facing pairs, of blocked pairs where the engine was made to, environment and leak over the directions, in
+  // integers: the result is independent of how the engine groups its work.
   //   In: directions, any number    Out: counts; area in P(u) = count x unitArea()
   //   Throws: Error device, Error limit.
   virtual PairCounts count(std::span<const Direction> directions) = 0;

@@ -32,6 +32,8 @@ constexpr VkFormat kLayerFormat = VK_FORMAT_R32G32_UINT;
 constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
 constexpr uint32_t kGroupSize = 64;  // local_size_x of the compute passes
 constexpr uint64_t kBatchPixels = 1u << 20;
+constexpr uint64_t kBatchPixelsOfAllLayers = 1u << 17;  // where all layers are kept
+constexpr uint32_t kMostLayers = 1u << 15;              // that can be kept: a software device's loops are no longer
 constexpr uint64_t kLayersRecorded = 4;  // per submission; an unused one costs as much as clearing and copying an image
 constexpr uint64_t kBatchBytes = 256u << 20;  // of projected polygons
 
@@ -45,7 +47,10 @@ class GraphicsEngine : public Engine {
   void planBatch(uint64_t polygon_bytes_per_direction);
   void prepareImages();
   void countBatch(std::span<const Direction> directions);
-  void recordLayer(uint32_t layer, uint32_t direction_count);
+  void recordLayer(uint32_t k, uint32_t direction_count);
+  void makeLayer();
+  // Layer -1 lies before everything. Where blocked pairs are counted every layer is kept.
+  const Buffer& layerBuffer(uint32_t k_plus_1) const { return layers_[options_.count_blocked ? k_plus_1 : k_plus_1 % 2]; }
 
   const Device& device_;
   LatticeOptions options_;
@@ -58,7 +63,8 @@ class GraphicsEngine : public Engine {
   Kernel project_, peel_, accumulate_;
   Commands commands_;
   Buffer directions_, edges_, projected_, outlines_;
-  std::array<Buffer, 2> layers_;  // layer k lies in layers_[k % 2], and layer -1, before everything, in layers_[1]
+  std::vector<Buffer> layers_;
+  Buffer layer_addresses_;  // uint64_t[kMostLayers], of layers 0, 1, ...
   std::array<Buffer, 2> alive_, next_commands_;  // for layer k in [k % 2]
   Buffer status_, batch_status_;
   Image colour_, depth_;
@@ -70,7 +76,7 @@ GraphicsEngine::GraphicsEngine(const Device& device, const Scene& scene, const I
       two_sided_(ids.two_sided),
       fraction_bits_(chooseFractionBits(options.resolution)),
       scene_(device, scene, ids),
-      counters_(device, ids.count(), options.counter_budget_bytes, false),
+      counters_(device, ids.count(), options.count_blocked, options.counter_budget_bytes, false),
       project_(device, project_comp, sizeof(ProjectArgs), std::vector<uint32_t>{}, 3),
       peel_(device, peel_vert, peel_frag, kLayerFormat, kDepthFormat, sizeof(DrawArgs)),
       accumulate_(device, accumulate_comp, sizeof(AccumulateArgs)),
@@ -86,8 +92,8 @@ GraphicsEngine::GraphicsEngine(const Device& device, const Scene& scene, const I
   projected_ = Buffer(device, uint64_t(batch_size_) * scene_.polygon_count * sizeof(ProjectedPolygon), MemoryUse::device);
   outlines_ = Buffer(device, uint64_t(batch_size_) * scene_.polygon_count * sizeof(Outline), MemoryUse::device);
   batch_status_ = Buffer(device, sizeof(BatchStatus), MemoryUse::device);
-  const uint64_t pixels = uint64_t(cells_per_row_) * cell_size_ * cell_rows_ * cell_size_;
-  for (Buffer& layer : layers_) layer = Buffer(device, pixels * sizeof(Layer), MemoryUse::device);
+  if (options.count_blocked) layer_addresses_ = Buffer(device, kMostLayers * sizeof(uint64_t), MemoryUse::upload);
+  for (int k = 0; k < 2; ++k) makeLayer();
   for (Buffer& alive : alive_) alive = Buffer(device, batch_size_ * sizeof(uint64_t), MemoryUse::device);
   for (Buffer& next : next_commands_) next = Buffer(device, sizeof(LayerCommands), MemoryUse::device);
   status_ = Buffer(device, sizeof(LayerCommands), MemoryUse::readback);
@@ -98,13 +104,21 @@ GraphicsEngine::GraphicsEngine(const Device& device, const Scene& scene, const I
 void GraphicsEngine::planBatch(uint64_t polygon_bytes_per_direction) {
   const uint32_t largest_side = device_.properties().limits.maxImageDimension2D;
   const uint64_t cell_pixels = uint64_t(cell_size_) * cell_size_;
-  uint64_t wanted = options_.batch_directions ? options_.batch_directions : std::max<uint64_t>(1, kBatchPixels / cell_pixels);
+  uint64_t wanted = options_.batch_directions ? options_.batch_directions : std::max<uint64_t>(1, (options_.count_blocked ? kBatchPixelsOfAllLayers : kBatchPixels) / cell_pixels);
   if (!options_.batch_directions) wanted = std::min(wanted, std::max<uint64_t>(1, kBatchBytes / polygon_bytes_per_direction));
   wanted = std::min<uint64_t>({wanted, uint64_t(largest_side / cell_size_) * (largest_side / cell_size_),
                                device_.properties().limits.maxComputeWorkGroupCount[1], (1ull << 31) / scene_.polygon_count});
   cells_per_row_ = std::min<uint32_t>(largest_side / cell_size_, static_cast<uint32_t>(std::ceil(std::sqrt(double(wanted)))));
   cell_rows_ = divideUp(wanted, cells_per_row_);
   batch_size_ = static_cast<uint32_t>(wanted);
+}
+
+void GraphicsEngine::makeLayer() {
+  if (layers_.size() > kMostLayers)
+    throw Error(ErrorCode::limit, fmt::format("more than {} polygons lie over one lattice point, too many to count blocked pairs; try --engine compute", kMostLayers));
+  const uint64_t pixels = uint64_t(cells_per_row_) * cell_size_ * cell_rows_ * cell_size_;
+  layers_.emplace_back(device_, pixels * sizeof(Layer), MemoryUse::device);
+  if (options_.count_blocked && layers_.size() > 1) layer_addresses_.mapped<uint64_t>()[layers_.size() - 2] = layers_.back().address();
 }
 
 void GraphicsEngine::prepareImages() {
@@ -150,7 +164,7 @@ void GraphicsEngine::countBatch(std::span<const Direction> directions) {
   commands_.bindTexels(project_, std::array{directions_.texels(), scene_.polygons.texels(), scene_.corners.texels()});
   commands_.dispatch(project_, project, divideUp(scene_.polygon_count, kGroupSize), direction_count);
   // Layer -1 lies before everything: key 0, no polygon.
-  commands_.fill(layers_[1], 0);
+  commands_.fill(layerBuffer(0), 0);
   commands_.fill(alive_[0], 0xFFFFFFFFu);
   const LayerCommands first{4, scene_.polygon_count * direction_count, 0, 0, divideUp(uint64_t(cell_size_) * cell_size_, kGroupSize),
                             direction_count, 1, 0};
@@ -166,8 +180,10 @@ void GraphicsEngine::countBatch(std::span<const Direction> directions) {
   }
 }
 
-void GraphicsEngine::recordLayer(uint32_t layer, uint32_t direction_count) {
-  const uint32_t now = layer % 2, next = 1 - now;
+void GraphicsEngine::recordLayer(uint32_t k, uint32_t direction_count) {
+  const uint32_t now = k % 2, next = 1 - now;
+  while (options_.count_blocked && layers_.size() < k + 2) makeLayer();
+  const Buffer &lower = layerBuffer(k), &upper = layerBuffer(k + 1);
   const uint32_t width = cells_per_row_ * cell_size_, height = divideUp(direction_count, cells_per_row_) * cell_size_;
   const VkCommandBuffer commands = commands_.handle();
 
@@ -194,7 +210,7 @@ void GraphicsEngine::recordLayer(uint32_t layer, uint32_t direction_count) {
   rendering.pDepthAttachment = &depth;
   const VkViewport viewport{0, 0, float(width), float(height), 0, 1};
   const VkRect2D scissor{{0, 0}, {width, height}};
-  const DrawArgs peel{scene_.polygons.address(), edges_.address(), projected_.address(), outlines_.address(), layers_[next].address(), alive_[now].address(),
+  const DrawArgs peel{scene_.polygons.address(), edges_.address(), projected_.address(), outlines_.address(), lower.address(), alive_[now].address(),
                       scene_.polygon_count, scene_.corner_count, cell_size_, cells_per_row_, width, height};
   vkCmdBeginRendering(commands, &rendering);
   commands_.bind(peel_, VK_PIPELINE_BIND_POINT_GRAPHICS);
@@ -208,13 +224,14 @@ void GraphicsEngine::recordLayer(uint32_t layer, uint32_t direction_count) {
   VkBufferImageCopy region{};
   region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
   region.imageExtent = {width, height, 1};
-  vkCmdCopyImageToBuffer(commands, colour_.handle(), VK_IMAGE_LAYOUT_GENERAL, layers_[now].handle(), 1, &region);
+  vkCmdCopyImageToBuffer(commands, colour_.handle(), VK_IMAGE_LAYOUT_GENERAL, upper.handle(), 1, &region);
   commands_.barrier();
 
-  const AccumulateArgs accumulate{scene_.polygons.address(), layers_[next].address(), layers_[now].address(), counters_.address(), batch_status_.address(),
+  const AccumulateArgs accumulate{scene_.polygons.address(), lower.address(), upper.address(), counters_.address(), batch_status_.address(),
                                   alive_[next].address(), next_commands_[next].address(), counters_.idCount(), cell_size_, cells_per_row_, width,
                                   direction_count, two_sided_ ? 1u : 0u, scene_.polygon_count * direction_count,
-                                  divideUp(uint64_t(cell_size_) * cell_size_, kGroupSize)};
+                                  divideUp(uint64_t(cell_size_) * cell_size_, kGroupSize), k,
+                                  options_.count_blocked ? layer_addresses_.address() : 0};
   commands_.dispatchIndirect(accumulate_, accumulate, next_commands_[now], offsetof(LayerCommands, group_count_x));
   commands_.barrier();
 }

@@ -24,11 +24,12 @@ enum class Sampling {
   scanline,  // the intervals of lattice rows between two ends of polygons, cut every 8 columns, with their lengths as weights
 };
 
-// What the engines that count lattice points have in common. None but `resolution`, `sampling` and `window` changes a result.
+// What the engines that count lattice points have in common. None but `resolution`, `sampling`, `window` and `count_blocked` changes a result.
 struct LatticeOptions {
   int resolution = 64;            // lattice spacings across the unit ball's diameter, 1 to kMaxResolution
   Sampling sampling = Sampling::lattice;
   Window window;                  // of the compute engine; smaller than the scene it may have up to kMaxWindowResolution
+  bool count_blocked = false;     // pairs, too: PairCount::blocked
   uint32_t batch_directions = 0;  // directions peeled at once; 0 chooses by memory
   uint64_t counter_budget_bytes = 0;  // of the dense counters, beyond which the compute engine keeps a hash table; 0 chooses
 

@@ -20,9 +20,9 @@ bool isBefore(const PairCount& a, const PairCount& b) { return a.i != b.i ? a.i 
 
 }  // namespace
 
-PairCounters::PairCounters(const Device& device, uint32_t id_count, uint64_t budget_bytes, bool may_be_sparse, uint32_t table_capacity)
-    : device_(device), id_count_(id_count), counter_count_(denseCount(id_count)) {
-  const uint64_t bytes = counter_count_ * sizeof(uint64_t);
+PairCounters::PairCounters(const Device& device, uint32_t id_count, bool counts_blocked, uint64_t budget_bytes, bool may_be_sparse, uint32_t table_capacity)
+    : device_(device), id_count_(id_count), counts_blocked_(counts_blocked), counter_count_(denseCount(id_count)) {
+  const uint64_t bytes = counter_count_ * wordsEach() * sizeof(uint64_t);
   const uint64_t budget = std::min<uint64_t>(budget_bytes ? budget_bytes : 1ull << 30, device.maxAllocationBytes());
   if (bytes > budget) {
     if (!may_be_sparse)
@@ -40,7 +40,7 @@ uint64_t PairCounters::sizeBytes() const { return counters_.sizeBytes() + kReadB
 void PairCounters::allocate() {
   if (isSparse()) counter_count_ = capacity_;
   counters_ = Buffer();  // room for the next
-  counters_ = Buffer(device_, counter_count_ * bytesEach(), MemoryUse::device);
+  counters_ = Buffer(device_, counter_count_ * wordsEach() * sizeof(uint64_t), MemoryUse::device);
 }
 
 void PairCounters::start(Commands& commands) {
@@ -70,7 +70,12 @@ void PairCounters::enlarge() {
   }
 }
 
-PairCounts PairCounters::finish(Commands& commands) { return addCounts(drained_, read(commands)); }
+PairCounts PairCounters::finish(Commands& commands) {
+  PairCounts counts = addCounts(drained_, read(commands));
+  for (PairCount& count : counts)
+    if (counts_blocked_ && count.j < kEnvironment) count.blocked -= count.count;
+  return counts;
+}
 
 void PairCounters::clear(Commands& commands) {
   commands.begin();
@@ -82,20 +87,23 @@ void PairCounters::clear(Commands& commands) {
 PairCounts PairCounters::read(Commands& commands) {
   PairCounts counts;
   const std::span<uint64_t> words = read_back_.mapped<uint64_t>();
-  const uint64_t at_once = kReadBytes / bytesEach();
+  const uint64_t words_each = wordsEach(), bytes_each = words_each * sizeof(uint64_t), at_once = kReadBytes / bytes_each;
   uint32_t i = 0, column = 0;  // of the dense counter next in order
   for (uint64_t first = 0; first < counter_count_; first += at_once) {
     const uint64_t count = std::min(at_once, counter_count_ - first);
     commands.begin();
-    commands.copy(counters_, read_back_, count * bytesEach(), first * bytesEach(), 0);
+    commands.copy(counters_, read_back_, count * bytes_each, first * bytes_each, 0);
     commands.submitAndWait();
     for (uint64_t k = 0; k < count; ++k) {
+      const uint64_t* record = &words[k * words_each];
+      const uint64_t* numbers = isSparse() ? record + 1 : record;
+      const uint64_t in_all = counts_blocked_ ? numbers[1] : 0;
       if (isSparse()) {
-        const uint64_t pair = ~words[2 * k];
-        if (words[2 * k]) counts.push_back({static_cast<uint32_t>(pair >> 32), static_cast<uint32_t>(pair), words[2 * k + 1]});
+        const uint64_t pair = ~record[0];
+        if (record[0]) counts.push_back({static_cast<uint32_t>(pair >> 32), static_cast<uint32_t>(pair), numbers[0], in_all});
         continue;
       }
-      if (words[k]) counts.push_back({i, column == id_count_ ? kEnvironment : column > id_count_ ? kLeak : column, words[k]});
+      if (numbers[0] || in_all) counts.push_back({i, column == id_count_ ? kEnvironment : column > id_count_ ? kLeak : column, numbers[0], in_all});
       if (++column == id_count_ + 2) column = ++i;
     }
   }
@@ -103,7 +111,7 @@ PairCounts PairCounters::read(Commands& commands) {
   std::sort(counts.begin(), counts.end(), isBefore);
   PairCounts merged;  // a pair may have got two places where two invocations met it at once
   for (const PairCount& count : counts) {
-    if (!merged.empty() && !isBefore(merged.back(), count)) merged.back().count += count.count;
+    if (!merged.empty() && !isBefore(merged.back(), count)) merged.back().add(count);
     else merged.push_back(count);
   }
   return merged;
@@ -116,7 +124,7 @@ PairCounts addCounts(const PairCounts& a, const PairCounts& b) {
   for (const PairCount& count : b) {
     while (at < a.size() && isBefore(a[at], count)) sum.push_back(a[at++]);
     sum.push_back(count);
-    if (at < a.size() && !isBefore(count, a[at])) sum.back().count += a[at++].count;
+    if (at < a.size() && !isBefore(count, a[at])) sum.back().add(a[at++]);
   }
   sum.insert(sum.end(), a.begin() + at, a.end());
   return sum;

@@ -6,12 +6,13 @@
 
 namespace viewpeel {
 
-// Counters of all pairs of ids on the device, 64 bits each: dense, or a hash table of the pairs met.
+// Counters of all pairs of ids on the device, 64 bits each: dense, or a hash table of the pairs met. One a pair, of facing pairs, or two:
+// beside it the lines on which the two face each other, blocked or not.
 class PairCounters {
  public:
   // Dense where their bytes fit the budget (0: 1 GiB), else, if `may_be_sparse`, a hash table of `table_capacity` places at first (0 chooses).
   //   Throws: Error limit where dense counters are needed and do not fit.
-  PairCounters(const Device& device, uint32_t id_count, uint64_t budget_bytes, bool may_be_sparse, uint32_t table_capacity = 0);
+  PairCounters(const Device& device, uint32_t id_count, bool counts_blocked, uint64_t budget_bytes, bool may_be_sparse, uint32_t table_capacity = 0);
 
   bool isSparse() const { return capacity_ != 0; }
   uint32_t idCount() const { return id_count_; }
@@ -38,18 +39,19 @@ class PairCounters {
 
  private:
   void allocate();
-  uint64_t bytesEach() const { return isSparse() ? 16 : 8; }
+  uint64_t wordsEach() const { return (isSparse() ? 2 : 1) + (counts_blocked_ ? 1 : 0); }
   void clear(Commands& commands);
   PairCounts read(Commands& commands);
 
   const Device& device_;
   uint32_t id_count_;
+  bool counts_blocked_;
   uint32_t capacity_ = 0;  // of the hash table, a power of 2; 0 where counters are dense
   uint64_t counter_count_;  // or places in the table
   uint64_t pairs_ = 0;     // in the table
   uint64_t last_pairs_ = 0;  // of them, from the last batch
   Buffer counters_, read_back_;
-  PairCounts drained_;     // from tables before this one
+  PairCounts drained_;     // from tables before this one; `blocked` holds all lines on which the two face each other
 };
 
 // The sum of two sorted lists of counts.

@@ -102,7 +102,10 @@ class GroupedEngine : public Engine {
     PairCounts sum;
     for (const Part& part : parts_) {
       PairCounts counts = part.engine->count(directions);
-      for (PairCount& count : counts) count.count *= part.weight;
+      for (PairCount& count : counts) {
+        count.count *= part.weight;
+        count.blocked *= part.weight;
+      }
       sum = addCounts(sum, counts);
     }
     return sum;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 namespace viewpeel {
@@ -50,7 +51,9 @@ std::vector<ReplicateSums::PairSum> ReplicateSums::addPairs(const Pairs& pairs, 
 
 void ReplicateSums::add(const PairCounts& counts) {
   std::vector<uint64_t> rows(ids_.count(), 0);
-  pairs_ = addPairs(counts, [&](Sum& sum, const PairCount& count) {
+  PairCounts facing;  // blocked pairs that were never seen are left out
+  std::copy_if(counts.begin(), counts.end(), std::back_inserter(facing), [](const PairCount& count) { return count.count > 0; });
+  pairs_ = addPairs(facing, [&](Sum& sum, const PairCount& count) {
     sum.add(count.count);
     rows[count.i] += count.count;
     if (count.j < kEnvironment) rows[count.j] += count.count;  // a pair within one id counts twice
@@ -123,12 +126,12 @@ PairCounts mergeIds(const PairCounts& counts, const std::vector<uint32_t>& id_ma
   mapped.reserve(counts.size());
   for (const PairCount& count : counts) {
     const uint32_t i = id_map[count.i], j = count.j < kEnvironment ? id_map[count.j] : count.j;
-    mapped.push_back({std::min(i, j), std::max(i, j), count.count});
+    mapped.push_back({std::min(i, j), std::max(i, j), count.count, count.blocked});
   }
   std::sort(mapped.begin(), mapped.end(), [](const auto& a, const auto& b) { return std::pair(a.i, a.j) < std::pair(b.i, b.j); });
   PairCounts merged;
   for (const PairCount& count : mapped) {
-    if (!merged.empty() && merged.back().i == count.i && merged.back().j == count.j) merged.back().count += count.count;
+    if (!merged.empty() && merged.back().i == count.i && merged.back().j == count.j) merged.back().add(count);
     else merged.push_back(count);
   }
   return merged;

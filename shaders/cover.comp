@@ -1,0 +1,95 @@
+#version 460
+// One workgroup, meant to be one subgroup, takes one tile: which of its samples each polygon covers and between which depths it lies there. Polygons that cover
+// none, or whose pairs nobody asked for, are left out; of the others those whose fronts face +u come first, the others last. A meeting is some of the former
+// with all of the latter. Of two-sided polygons all come first, and meet those that come after them.
+//   In: active_tiles, lists, projected, edges, polygons     Out: covers, cover_polygons, meetings, status
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_shuffle : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
+#define SHARED_FUNCTION
+#include "common.glsl"
+#include "texels.glsl"
+#include "geometry.glsl"
+
+layout(local_size_x_id = 0) in;  // the subgroup size, 8 to 64
+layout(constant_id = 1) const uint kTileWidth = 8u;
+layout(constant_id = 2) const bool kAllCount = true;
+layout(constant_id = 3) const bool kTwoSided = false;
+layout(push_constant, scalar) uniform Args { MeetArgs args; };
+
+uint64_t samplesOf(uint first_edge, uint edge_count, ivec2 corner) {
+  ivec4 a, b, value;
+  [[unroll]] for (uint k = 0u; k < 4u; ++k) {
+    Edge edge = fetchEdge(first_edge + min(k, edge_count - 1u));
+    a[k] = edge.a;
+    b[k] = edge.b;
+    value[k] = valueAtCorner(edge, corner);
+  }
+  uint64_t samples = 0ul;
+  for (uint row = 0u; row < args.tile_rows; ++row) {
+    ivec4 at = value;
+    uint bits = 0u;
+    [[unroll]] for (uint column = 0u; column < kTileWidth; ++column) {
+      bits |= (at.x | at.y | at.z | at.w) >= 0 ? 1u << column : 0u;
+      at += a;
+    }
+    samples |= uint64_t(bits) << (row * kTileWidth);
+    value += b;
+  }
+  return samples;
+}
+
+void main() {
+  const uint lanes = gl_WorkGroupSize.x;
+  uint lane = gl_SubgroupInvocationID;
+  uint place = gl_WorkGroupID.y * kGroupsPerRow + gl_WorkGroupID.x;
+  Status status = Status(args.status);
+  uint active_tiles = status.at.active_tiles;
+  if (gl_NumSubgroups != 1u || place >= active_tiles || active_tiles >= kListsOverflowed) return;  // peel says so
+  uvec4 tile = texelFetch(tile_texels, int(2u * place));  // list_start, list_length, direction, weight
+  ivec2 corner = ivec2(texelFetch(tile_texels, int(2u * place + 1u)).xy);
+  uint ups = 0u, downs = 0u;
+  for (uint base = 0u; base < tile.y; base += lanes) {
+    uint mine = min(base + lane, tile.y - 1u);
+    uint polygon = texelFetch(list_texels, int(tile.x + mine)).x;
+    uint projected_at = 4u * (tile.z * args.polygon_count + polygon);
+    uvec4 rest = texelFetch(projected_texels, int(projected_at + 3u));  // depth_shift, front_up, first_edge, edge_count
+    DepthPlane plane = fetchDepthPlane(projected_at, corner);
+    Cover cover;
+    cover.samples = samplesOf(rest.z, rest.w, corner);
+    cover.nearest = nearestDepth(plane.at_corner, plane.per_column, plane.per_row, plane.shift, plane.range, ivec2(kTileWidth, args.tile_rows));
+    cover.farthest = farthestDepth(plane.at_corner, plane.per_column, plane.per_row, plane.shift, plane.range, ivec2(kTileWidth, args.tile_rows));
+    bool meets = base + lane < tile.y && cover.samples != 0ul && (kAllCount || fetchId(polygon) >> kRolesShift != 0u);
+    bool is_up = kTwoSided || rest.y != 0u;
+    uint kind = meets ? is_up ? 1u : 0x10000u : 0u;
+    uint before = subgroupExclusiveAdd(kind), all = subgroupAdd(kind);
+    uint at = tile.x + (is_up ? ups + (before & 0xFFFFu) : tile.y - 1u - downs - (before >> 16));
+    if (meets) {
+      Covers(args.covers).at[at] = cover;
+      Words(args.cover_polygons).at[at] = polygon;
+    }
+    ups += all & 0xFFFFu;
+    downs += all >> 16;
+  }
+  uint farther = kTwoSided ? ups : downs, count = farther == 0u ? 0u : (ups + lanes - 1u) / lanes;
+  if (count == 0u) return;
+  uint first = 0u;
+  if (lane == 0u) {
+    first = atomicAdd(status.at.meetings, count);
+    atomicMax(status.at.meet_groups.x, min(first + count, kGroupsPerRow));
+    atomicMax(status.at.meet_groups.y, (first + count - 1u) / kGroupsPerRow + 1u);
+    atomicMax(status.at.meet_groups.z, (farther + kMostFarther - 1u) / kMostFarther);
+  }
+  first = subgroupShuffle(first, 0u);
+  for (uint k = lane; k < count; k += lanes) {
+    Meeting meeting;
+    meeting.tile = place;
+    meeting.nearer = tile.x + k * lanes;
+    meeting.nearer_end = tile.x + min((k + 1u) * lanes, ups);
+    meeting.farther = kTwoSided ? tile.x : tile.x + tile.y - downs;
+    meeting.farther_end = meeting.farther + farther;
+    Meetings(args.meetings).at[first + k] = meeting;
+  }
+}

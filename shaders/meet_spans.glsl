@@ -1,0 +1,62 @@
+// Part of peel_blocked.comp: with scanlines, what meetings need to know of the row's spans. Samples are a span's columns, first and end; their number is a length.
+
+uint depthInRow(DepthPlane plane, int column) {
+  // Depth per spacing x column / 2^column_bits, rounded down; the product itself may need more than 64 bits.
+  int64_t whole = plane.per_column >> args.column_bits, rest = plane.per_column - (whole << args.column_bits);
+  int64_t depth = plane.at_corner + whole * int64_t(column) + (rest * int64_t(column) >> args.column_bits);
+  return uint(clamp(depth >> plane.shift, int64_t(plane.range.x), int64_t(plane.range.y)));
+}
+
+Party fetchParty(uint place, uint direction, ivec2 corner) {
+  uvec2 span = spans[place];
+  DepthPlane plane = fetchDepthPlane(4u * (direction * args.polygon_count + span.x), corner);
+  Party party;
+  party.polygon = span.x;
+  party.samples.x = span.y & 0xFFFFu;
+  party.samples.y = party.samples.x + (span.y >> 16) + 1u;
+  uint depth_first = depthInRow(plane, int(party.samples.x)), depth_last = depthInRow(plane, int(party.samples.y) - 1);
+  party.nearest = min(depth_first, depth_last);
+  party.farthest = max(depth_first, depth_last);
+  return party;
+}
+
+bool haveCommon(uvec2 samples, uvec2 others) { return max(samples.x, others.x) < min(samples.y, others.y); }
+
+uint countCommon(uvec2 samples, uvec2 others) { return min(samples.y, others.y) - max(samples.x, others.x); }
+
+// Interval by interval between ends of any spans, as peel orders them.
+uint countInOrder(uvec2 samples, uvec2 others, DepthPlane nearer, DepthPlane farther, inout bool cut) {
+  uint from = max(samples.x, others.x), to = min(samples.y, others.y), at = 0u, count = 0u;
+  [[unroll]] for (uint step = kMostSpans; step > 0u; step /= 2u)
+    if (at + step < end_count && ends[at + step] <= from) at += step;
+  while (from < to) {
+    uint end = min(ends[min(at + 1u, end_count - 1u)], to);
+    int middle = int(from + end - 1u) >> 1;
+    count += depthInRow(nearer, middle) <= depthInRow(farther, middle) ? end - from : 0u;
+    from = end;
+    ++at;
+  }
+  cut = cut || from < to;
+  return count;
+}
+
+uint meetSpans(Tile tile, uint from, uint ups, uint span_count, inout uint blocks_done, inout bool cut) {
+  const uint lanes = gl_WorkGroupSize.x;
+  Parties parties;
+  parties.farther = kTwoSided ? 0u : kMostSpans - (span_count - ups);
+  parties.farther_end = kTwoSided ? ups : kMostSpans;
+  parties.direction = tile.direction;
+  parties.weight = tile.weight;
+  parties.corner = tile.corner;
+  if (parties.farther == parties.farther_end) return ups;
+  while (from < ups && blocks_done < args.most_blocks) {
+    uint steps = 0u;
+    parties.nearer = from;
+    parties.nearer_end = min(from + lanes, ups);
+    addMet(parties, peelCounters(), false, steps, cut);
+    if (!kTwoSided) addMet(parties, peelCounters(), true, steps, cut);
+    blocks_done += (steps + lanes - 1u) / lanes;
+    from += lanes;
+  }
+  return from;
+}

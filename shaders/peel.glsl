@@ -1,0 +1,314 @@
+// One workgroup, meant to be one subgroup, peels one tile, or with scanlines one row of it: each invocation takes kSteps samples and keeps the
+// kLayersKept nearest layers of each behind those of the round before in registers; it adds what the gaps between consecutive
+// layers contribute to the counters, and goes round again where more layers remain. A sample is a lattice point or, with
+// scanlines, the interval between two ends of spans: the order of polygons does not change in it, and its length is its weight. The
+// tile's polygons are loaded one by each invocation and passed on by shuffles.
+//   In: active_tiles, lists, projected, edges, polygons     Out: counters, unfinished tiles or rows and the layers that they reached
+#extension GL_EXT_control_flow_attributes : require
+#extension GL_EXT_shader_atomic_int64 : require
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_shuffle : require
+#extension GL_KHR_shader_subgroup_vote : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
+#define SHARED_FUNCTION
+#include "common.glsl"
+#include "texels.glsl"
+#include "geometry.glsl"
+#include "counters.glsl"
+
+layout(local_size_x_id = 0) in;  // the subgroup size, 8 to 64
+layout(constant_id = 1) const int kLayersKept = 4;
+layout(constant_id = 2) const bool kScanlines = false;
+layout(constant_id = 3) const bool kSparse = false;      // counters in a hash table
+layout(constant_id = 4) const bool kAllCount = true;     // every polygon emits and receives
+layout(constant_id = 5) const bool kAggregates = true;   // adds runs of equal contributions at once
+layout(constant_id = 6) const bool kMeasuresWork = false;
+layout(constant_id = 7) const int kSteps = 8;            // samples of an invocation: 1, 2, 4 or 8
+layout(constant_id = 8) const bool kIdsAreIndices = false;  // of polygons
+layout(constant_id = 9) const uint kTileWidth = 8u;        // lattice points
+layout(constant_id = 10) const bool kSorted = false;       // lists are in the order of their polygons' nearest depths in the tile, not with scanlines
+layout(constant_id = 11) const bool kTwoSided = false;
+layout(constant_id = 12) const bool kCountsBlocked = false;
+layout(push_constant, scalar) uniform Args { PeelArgs args; };
+
+const int kMostSteps = 8;
+const uint64_t kNoLayer = ~0ul;    // a layer is key << 32 | polygon + 1, so that layers are ordered as numbers
+const uint kBackMark = 0x80000000u;
+const uint kNoColumns = 0xFFFFu;   // a span that holds no sample
+const uint kEndless = 0xFFFFFFu;   // beyond any column
+
+// With scanlines, the spans of the row: polygon, and columns as in spanOf; and their ends in order.
+shared uvec2 spans[kScanlines ? kMostSpans : 1];
+shared uint ends[kScanlines ? 2 * kMostSpans : 1];
+
+// The samples of an invocation while it goes through the tile's polygons.
+uint64_t nearest[kMostSteps][kLayersKept];
+uint64_t last[kMostSteps];  // the farthest layer of the rounds before
+bool open[kMostSteps];      // whether the line may meet more layers
+uint end_count;             // with scanlines
+uint fresh;                 // samples, a bit each, whose layers have not been counted yet
+uint64_t lost[kMostSteps];  // the nearest layer that found no room
+uint64_t farthest_emitter[kMostSteps], farthest_receiver[kMostSteps];
+
+// One polygon on its way past the samples.
+struct Passing {
+  ivec4 edges, edges_per_step;    // without scanlines
+  bool covered;                   // with scanlines
+  int64_t z, z_per_step;
+  int z_shift, z_min, z_max;
+  uint front_up, layer_polygon, roles;
+};
+
+struct Tile {
+  uint list_start, list_length, direction, weight;
+  ivec2 corner;  // of the lattice: the least column and row, or the one row, of what is peeled
+};
+
+#include "slice.glsl"
+#include "gaps.glsl"
+
+// Adds up all that meet in the row, of the spans that may be the nearer, the first `ups`, from the one `from` on, as far as one invocation may go. Returns how far
+// it got. With scanlines; peel_blocked.comp does it, peel.comp has nothing to do.
+uint meetSpans(Tile tile, uint from, uint ups, uint span_count, inout uint blocks_done, inout bool cut);
+
+// Takes sample s past the polygon: its layer goes among the nearest, the farthest of those goes when there is no room.
+// Called with a literal s, so that all indices become constants.
+void takeStep(int s, inout Passing polygon, inout uint fragments) {
+  bool covered = kScanlines ? polygon.covered : (polygon.edges.x | polygon.edges.y | polygon.edges.z | polygon.edges.w) >= 0;
+  uint depth = uint(clamp(polygon.z >> polygon.z_shift, int64_t(polygon.z_min), int64_t(polygon.z_max)));
+  uint64_t layer = packUint2x32(uvec2(polygon.layer_polygon, 2u * depth + 1u - polygon.front_up));
+  if (!kAllCount) {
+    if (covered && (polygon.roles & kEmits) != 0u) farthest_emitter[s] = max(farthest_emitter[s], layer);
+    if (covered && (polygon.roles & kReceives) != 0u) farthest_receiver[s] = max(farthest_receiver[s], layer);
+  }
+  if (kMeasuresWork) fragments += covered ? fresh >> s & 1u : 0u;
+  layer = covered && layer > last[s] ? layer : kNoLayer;
+  [[unroll]] for (int k = 0; k < kLayersKept; ++k) {
+    uint64_t farther = max(nearest[s][k], layer);
+    nearest[s][k] = min(nearest[s][k], layer);
+    layer = farther;
+  }
+  lost[s] = min(lost[s], layer);
+  polygon.edges += polygon.edges_per_step;
+  polygon.z += polygon.z_per_step;
+}
+
+// Leaves the rest of a row to another dispatch. Returns where the layers go that its lines have reached.
+uint leaveRow(uint place, uint row, uint first_sample, uint first_meeting, uint lane) {
+  uint index = 0u;
+  if (lane == 0u) {
+    index = atomicAdd(Status(args.status).at.unfinished, 1u);
+    UnfinishedRow rest;
+    rest.tile = place;
+    rest.row = row;
+    rest.first_sample = first_sample;
+    rest.first_meeting = first_meeting;
+    UnfinishedRows(args.unfinished).at[index] = rest;
+  }
+  return (subgroupShuffle(index, 0u) * gl_WorkGroupSize.x + lane) * uint(kSteps);
+}
+
+void main() {
+  const uint lanes = gl_WorkGroupSize.x;
+  const int rows_per_step = kScanlines ? 1 : int(lanes / kTileWidth);
+  uint lane = gl_SubgroupInvocationID;
+  uint place = gl_WorkGroupID.y * kGroupsPerRow + gl_WorkGroupID.x;
+  uint row = gl_WorkGroupID.z, first = 0u, resume = 0u, first_meeting = 0u;
+  Status status = Status(args.status);
+  if (gl_NumSubgroups != 1u) {
+    atomicOr(status.at.overflows, kOtherSubgroups);
+    return;
+  }
+  if (args.resumes != 0u) {
+    if (place >= args.resumes) return;
+    UnfinishedRow rest = UnfinishedRows(args.rows).at[place];
+    resume = place * lanes * uint(kSteps) + 1u;
+    place = rest.tile;
+    row = rest.row;
+    first = rest.first_sample;
+    first_meeting = rest.first_meeting;
+  } else {
+    uint active_tiles = status.at.active_tiles;
+    if (place >= active_tiles || active_tiles >= kListsOverflowed) return;
+  }
+  uvec4 texel = texelFetch(tile_texels, int(2u * place));
+  uvec2 corner = texelFetch(tile_texels, int(2u * place + 1u)).xy;
+  bool is_sorted = kSorted && texelFetch(tile_texels, int(2u * place + 1u)).z != 0u;
+  Tile tile = Tile(texel.x, texel.y, texel.z, texel.w, ivec2(corner) + ivec2(0, row));
+  bool cut = false;  // whether a loop ended before its time
+  uint sample_count = lanes, polygon_count = tile.list_length, ups = tile.list_length, blocks_done = 0u;
+  // Lattice points: a lane's column, and the row of its first sample; the others follow rows_per_step apart.
+  int column = kScanlines ? 0 : int(lane % kTileWidth), lane_row = kScanlines ? 0 : int(lane / kTileWidth);
+  if (kScanlines) {
+    uvec3 counts = sliceRow(tile, lane);
+    polygon_count = counts.x;
+    ups = counts.y;
+    end_count = counts.z;
+    sample_count = max(end_count, 1u) - 1u;
+    if (polygon_count > kMostSpans) {
+      atomicOr(status.at.overflows, kTooManySpans);
+      return;
+    }
+    cut = polygon_count > 0u && end_count < 2u;
+    if (kCountsBlocked) {
+      first_meeting = meetSpans(tile, first_meeting, ups, polygon_count, blocks_done, cut);
+      if (first_meeting < ups) {
+        Longs(args.reached_next).at[leaveRow(place, row, 0u, first_meeting, lane)] = 0ul;
+        first = sample_count;
+      }
+    }
+  }
+
+  uint rounds = 0u, fragments = 0u, gaps = 0u;
+  while (first < sample_count && !cut) {
+    uint weight = tile.weight;
+    [[unroll]] for (int k = 0; k < kMostSteps; ++k) {
+      open[k] = k < kSteps && first + lane < sample_count && lane_row + k * rows_per_step < int(args.tile_rows);
+      last[k] = resume == 0u || k >= kSteps ? 0ul : Longs(args.reached).at[resume - 1u + lane * uint(kSteps) + uint(k)];
+      open[k] = open[k] && last[k] != kNoLayer;
+      fresh = (k == 0 ? 0u : fresh) | (open[k] && last[k] == 0ul ? 1u << k : 0u);
+    }
+    resume = 0u;
+    if (kScanlines) {
+      uint at = min(first + lane, sample_count - 1u);
+      int from = int(ends[at]), to = int(ends[at + 1u]);
+      column = (from + to - 1) >> 1;  // the middle: where polygons meet at an end, depths tie
+      weight *= uint(to - from);
+    }
+    bool again;
+    do {
+      if (blocks_done >= args.most_blocks) {  // the rest goes to another dispatch
+        uint reached_at = leaveRow(place, row, first, first_meeting, lane);
+        [[unroll]] for (int k = 0; k < kMostSteps; ++k) {
+          if (k < kSteps) Longs(args.reached_next).at[reached_at + uint(k)] = open[k] ? last[k] : kNoLayer;
+          open[k] = false;
+        }
+        first = sample_count;
+        again = false;
+        break;
+      }
+      [[unroll]] for (int k = 0; k < kMostSteps; ++k) {
+        [[unroll]] for (int m = 0; m < kLayersKept; ++m) nearest[k][m] = kNoLayer;
+        lost[k] = kNoLayer;
+        farthest_emitter[k] = farthest_receiver[k] = 0ul;
+      }
+      // A segment ends where a sample has no room left or the list ends; its layers are added as far as they are settled.
+      uint base = 0u, t = 0u, passed = 0u, patience = 0u;
+      do {
+        bool full = false;
+        do {
+          // This invocation's polygon: its edges or its span, and its depth, at the corner.
+          uint mine = min(base + lane, polygon_count - 1u);
+          uvec2 span = kScanlines ? spans[placeOfSpan(mine, ups)] : uvec2(texelFetch(list_texels, int(tile.list_start + mine)).x, 0u);
+          uint projected_at = 4u * (tile.direction * args.polygon_count + span.x);
+          uvec4 depth_01 = texelFetch(projected_texels, int(projected_at + 1u));
+          uvec4 depth_2 = texelFetch(projected_texels, int(projected_at + 2u));
+          uvec4 rest = texelFetch(projected_texels, int(projected_at + 3u));
+          if (base + lane >= polygon_count) span.y = kNoColumns;
+          ivec4 a = ivec4(0), b = ivec4(0), c = ivec4(base + lane < polygon_count ? 0 : -1);
+          if (!kScanlines) {
+            [[unroll]] for (uint k = 0u; k < 4u; ++k) {
+              Edge edge = fetchEdge(rest.z + min(k, rest.w - 1u));
+              a[k] = edge.a;
+              b[k] = edge.b;
+              if (c[k] >= 0) c[k] = valueAtCorner(edge, tile.corner);
+            }
+          }
+          int64_t depth = longFrom(depth_01.xy) + longFrom(depth_01.zw) * int64_t(tile.corner.x) + longFrom(depth_2.xy) * int64_t(tile.corner.y);
+          uvec4 plane = uvec4(unpackUint2x32(uint64_t(depth)), depth_01.zw);
+          uvec2 plane_y = depth_2.xy;
+          uvec4 bounds = uvec4(depth_2.zw, span.x + 1u, 2u * rest.x + rest.y);
+          uint roles = kAllCount ? 0u : fetchId(span.x) >> kRolesShift;
+          do {
+            uvec4 p = subgroupShuffle(plane, t), d = subgroupShuffle(bounds, t);
+            Passing polygon;
+            polygon.z_shift = int(d.w >> 1);
+            polygon.z_min = int(d.x);
+            polygon.z_max = int(d.y);
+            polygon.layer_polygon = d.z;
+            polygon.front_up = d.w & 1u;
+            polygon.roles = kAllCount ? 0u : subgroupShuffle(roles, t);
+            if (kScanlines) {
+              uint in_span = subgroupShuffle(span.y, t);
+              polygon.covered = uint(column) - (in_span & 0xFFFFu) <= in_span >> 16 && in_span != kNoColumns;
+              // z per spacing x column / 2^column_bits, rounded down; the product itself may need more than 64 bits.
+              int64_t z_x = longFrom(p.zw), whole = z_x >> args.column_bits, rest_x = z_x - (whole << args.column_bits);
+              polygon.z = longFrom(p.xy) + whole * int64_t(column) + (rest_x * int64_t(column) >> args.column_bits);
+            } else {
+              ivec4 per_row = subgroupShuffle(b, t);
+              polygon.edges = subgroupShuffle(a, t) * column + per_row * lane_row + subgroupShuffle(c, t);
+              polygon.edges_per_step = per_row * rows_per_step;
+              int64_t z_per_row = longFrom(subgroupShuffle(plane_y, t));
+              polygon.z = longFrom(p.xy) + longFrom(p.zw) * int64_t(column) + z_per_row * int64_t(lane_row);
+              polygon.z_per_step = z_per_row * int64_t(rows_per_step);
+            }
+            takeStep(0, polygon, fragments);
+            if (kSteps > 1) takeStep(1, polygon, fragments);
+            if (kSteps > 2) takeStep(2, polygon, fragments);
+            if (kSteps > 2) takeStep(3, polygon, fragments);
+            if (kSteps > 4) takeStep(4, polygon, fragments);
+            if (kSteps > 4) takeStep(5, polygon, fragments);
+            if (kSteps > 4) takeStep(6, polygon, fragments);
+            if (kSteps > 4) takeStep(7, polygon, fragments);
+            ++t;
+            ++passed;
+            if (kSorted) {
+              bool no_room = false;
+              [[unroll]] for (int k = 0; k < kMostSteps; ++k) no_room = no_room || (k < kSteps && open[k] && nearest[k][kLayersKept - 1] != kNoLayer);
+              full = subgroupAny(no_room && is_sorted && passed >= patience);
+            }
+          } while (t < lanes && base + t < polygon_count && !full);
+          cut = cut || (t < lanes && base + t < polygon_count && !full);
+          bool block_ends = t >= lanes || base + t >= polygon_count;
+          base += block_ends ? lanes : 0u;
+          t = block_ends ? 0u : t;
+          ++blocks_done;
+        } while (base < polygon_count && !full);
+        cut = cut || (base < polygon_count && !full);
+        uint64_t bound = kNoLayer;
+        if (kSorted) {  // nothing from the next polygon on is nearer than its nearest depth in the tile
+          uint next = texelFetch(list_texels, int(tile.list_start + min(base + t, polygon_count - 1u))).x;
+          uint projected_at = 4u * (tile.direction * args.polygon_count + next);
+          uvec4 depth_01 = texelFetch(projected_texels, int(projected_at + 1u)), depth_2 = texelFetch(projected_texels, int(projected_at + 2u));
+          int shift = int(texelFetch(projected_texels, int(projected_at + 3u)).x);
+          int64_t depth = longFrom(depth_01.xy) + longFrom(depth_01.zw) * int64_t(tile.corner.x) + longFrom(depth_2.xy) * int64_t(tile.corner.y);
+          uint nearest_depth = nearestDepth(depth, longFrom(depth_01.zw), longFrom(depth_2.xy), shift, ivec2(depth_2.zw), ivec2(kTileWidth, args.tile_rows));
+          if (base < polygon_count) bound = uint64_t(2u * nearest_depth) << 32;
+        }
+        gaps += flush(bound, base >= polygon_count, weight, lane, cut);
+        if (kSorted) {  // where nothing could be let go of, the next polygons are better left to another round than to a segment each
+          bool stuck = false;
+          [[unroll]] for (int k = 0; k < kMostSteps; ++k) stuck = stuck || (k < kSteps && open[k] && nearest[k][kLayersKept - 1] != kNoLayer);
+          patience = subgroupAny(stuck) ? polygon_count : 0u;
+        }
+      } while (base < polygon_count);
+      cut = cut || base < polygon_count;
+      fresh = 0u;
+      ++rounds;
+
+      again = false;
+      [[unroll]] for (int k = 0; k < kMostSteps; ++k) {
+        open[k] = open[k] && lost[k] != kNoLayer;
+        if (!kAllCount) open[k] = open[k] && last[k] <= (args.counts_environment != 0u ? farthest_emitter[k] : min(farthest_emitter[k], farthest_receiver[k]));
+        again = again || open[k];
+      }
+      again = subgroupAny(again);
+    } while (again);
+    cut = cut || again;
+    first += lanes;
+  }
+  if (cut || first < sample_count) atomicOr(status.at.overflows, kLoopCut);
+  if (lane == 0u) atomicAdd(status.at.rounds, rounds);
+  if (kMeasuresWork) {
+    uint all_fragments = subgroupAdd(fragments), all_gaps = subgroupAdd(gaps);
+    bool begins = args.resumes == 0u && polygon_count > 0u;
+    if (lane == 0u) {
+      atomicAdd(status.at.rows, begins ? kScanlines ? 1ul : uint64_t(args.tile_rows) : 0ul);
+      atomicAdd(status.at.spans, begins ? uint64_t(polygon_count) : 0ul);
+      atomicAdd(status.at.samples, begins ? uint64_t(kScanlines ? sample_count : kTileWidth * args.tile_rows) : 0ul);
+      atomicAdd(status.at.tests, uint64_t(rounds) * uint64_t(polygon_count) * uint64_t(lanes * uint(kSteps)));
+      atomicAdd(status.at.fragments, uint64_t(all_fragments));
+      atomicAdd(status.at.gaps, uint64_t(all_gaps));
+    }
+  }
+}
