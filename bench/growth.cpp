@@ -33,16 +33,10 @@ struct Point {
   double x, seconds;
 };
 
-// Of a least-squares line through the logarithms.
 double fitExponent(std::span<const Point> points) {
-  double mean_x = 0, mean_y = 0, xy = 0, xx = 0;
-  for (const Point& p : points) mean_x += std::log(p.x) / double(points.size()), mean_y += std::log(p.seconds) / double(points.size());
-  for (const Point& p : points) {
-    const double dx = std::log(p.x) - mean_x;
-    xy += dx * (std::log(p.seconds) - mean_y);
-    xx += dx * dx;
-  }
-  return xy / xx;
+  std::vector<double> x, seconds;
+  for (const Point& p : points) x.push_back(p.x), seconds.push_back(p.seconds);
+  return fitPowerLaw(x, seconds).exponent;
 }
 
 void printExponents(const std::string& what, const std::vector<Point>& points) {

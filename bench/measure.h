@@ -2,6 +2,7 @@
 #pragma once
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
@@ -28,6 +29,26 @@ double secondsOf(Run run) {
 inline double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   return (values[(values.size() - 1) / 2] + values[values.size() / 2]) / 2;
+}
+
+// y = exp(intercept) x^exponent, by least squares on logarithms. The standard error is that of the exponent from the residuals.
+struct PowerLaw {
+  double exponent = 0, intercept = 0, standard_error = 0;
+  double at(double x) const { return std::exp(intercept) * std::pow(x, exponent); }
+};
+
+inline PowerLaw fitPowerLaw(const std::vector<double>& x, const std::vector<double>& y) {
+  const auto n = double(x.size());
+  double mean_x = 0, mean_y = 0, xx = 0, xy = 0, yy = 0;
+  for (size_t k = 0; k < x.size(); ++k) mean_x += std::log(x[k]) / n, mean_y += std::log(y[k]) / n;
+  for (size_t k = 0; k < x.size(); ++k) {
+    const double dx = std::log(x[k]) - mean_x, dy = std::log(y[k]) - mean_y;
+    xx += dx * dx, xy += dx * dy, yy += dy * dy;
+  }
+  PowerLaw law{.exponent = xy / xx};
+  law.intercept = mean_y - law.exponent * mean_x;
+  law.standard_error = std::sqrt(std::max(0.0, yy - xy * xy / xx) / (n - 2) / xx);
+  return law;
 }
 
 // Of the source tree at `directory` as it is now; "unknown" without git.

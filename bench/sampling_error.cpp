@@ -113,18 +113,13 @@ Reference makeReference(const std::string& name, const Device& device, const Sce
   return reference;
 }
 
-// Of runs that no other beats in both `cost` and error: a line through the logarithms.
-double fitEnvelope(std::vector<Run> runs, double Run::*cost, double* intercept = nullptr) {
+// Through the runs that no other beats in both `cost` and error.
+PowerLaw fitEnvelope(std::vector<Run> runs, double Run::*cost) {
   std::sort(runs.begin(), runs.end(), [&](const Run& a, const Run& b) { return a.*cost < b.*cost; });
-  std::vector<Run> best;
+  std::vector<double> costs, errors;
   for (const Run& run : runs)
-    if (best.empty() || run.rms < best.back().rms) best.push_back(run);
-  double mx = 0, my = 0, xy = 0, xx = 0;
-  for (const Run& r : best) mx += std::log(r.*cost) / double(best.size()), my += std::log(r.rms) / double(best.size());
-  for (const Run& r : best) xy += (std::log(r.*cost) - mx) * (std::log(r.rms) - my), xx += (std::log(r.*cost) - mx) * (std::log(r.*cost) - mx);
-  const double slope = xy / xx;
-  if (intercept) *intercept = my - slope * mx;
-  return slope;
+    if (errors.empty() || run.rms < errors.back()) costs.push_back(run.*cost), errors.push_back(run.rms);
+  return fitPowerLaw(costs, errors);
 }
 
 void measureScene(const std::string& name, const Device& device, const Options& options) {
@@ -156,11 +151,10 @@ void measureScene(const std::string& name, const Device& device, const Options& 
       }
     }
     if (runs.size() < 4) continue;
-    double intercept = 0;
-    const double in_samples = fitEnvelope(runs, &Run::samples), in_seconds = fitEnvelope(runs, &Run::seconds, &intercept);
+    const PowerLaw in_samples = fitEnvelope(runs, &Run::samples), in_seconds = fitEnvelope(runs, &Run::seconds);
+    const auto secondsTo = [&](double rms) { return std::exp((std::log(rms) - in_seconds.intercept) / in_seconds.exponent); };
     fmt::print("# {} {}: rms ~ T^{:.2f} in samples, ~ t^{:.2f} in seconds; to 1e-3 {:.2g} s, to 1e-4 {:.2g} s, to 1e-5 {:.2g} s, along that line\n", name, word,
-               in_samples, in_seconds, std::exp((std::log(1e-3) - intercept) / in_seconds), std::exp((std::log(1e-4) - intercept) / in_seconds),
-               std::exp((std::log(1e-5) - intercept) / in_seconds));
+               in_samples.exponent, in_seconds.exponent, secondsTo(1e-3), secondsTo(1e-4), secondsTo(1e-5));
   }
 }
 

@@ -51,63 +51,63 @@ struct Frame {
   glm::dvec3 x_axis, y_axis, u;
 };
 
-// u is uniform on the sphere; the axes follow from it (Duff et al., Building an orthonormal basis, revisited, JCGT 2017).
-Frame randomFrame(std::mt19937_64& bits) {
+glm::dvec3 randomDirection(std::mt19937_64& bits) {
   const auto uniform = [&bits] { return (double)(bits() >> 11) * 0x1p-53; };
   const double z = 2 * uniform() - 1, angle_rad = 2 * std::numbers::pi * uniform(), ring = std::sqrt(std::fmax(0.0, 1 - z * z));
-  const glm::dvec3 u(ring * std::cos(angle_rad), ring * std::sin(angle_rad), z);
-  const double sign = std::copysign(1.0, z), a = -1 / (sign + z), b = u.x * u.y * a;
+  return {ring * std::cos(angle_rad), ring * std::sin(angle_rad), z};
+}
+
+// Duff et al., Building an orthonormal basis, revisited, JCGT 2017.
+Frame frameAlong(const glm::dvec3& u) {
+  const double sign = std::copysign(1.0, u.z), a = -1 / (sign + u.z), b = u.x * u.y * a;
   return {{1 + sign * u.x * u.x * a, sign * b, -sign * u.x}, {b, sign + u.y * u.y * a, -u.y}, u};
 }
 
-struct FlatPolygon {
-  std::vector<glm::dvec3> corners;
-  glm::dvec3 normal{0};
+PlanePolygon project(const std::vector<glm::dvec3>& corners, const Frame& frame) {
+  PlanePolygon projected;
+  for (const glm::dvec3& corner : corners) projected.push_back({glm::dot(corner, frame.x_axis), glm::dot(corner, frame.y_axis)});
+  return projected;
+}
 
-  explicit FlatPolygon(const ConvexPolygon& polygon) : corners(polygon.begin(), polygon.end()), normal(frontOf(polygon).normal) {}
+// Depth along u of the point above (x, y) of the plane through `point`.
+HalfPlane depthOver(const glm::dvec3& normal, const glm::dvec3& point, const Frame& frame) {
+  const double slope = glm::dot(normal, frame.u);
+  return {-glm::dot(normal, frame.x_axis) / slope, -glm::dot(normal, frame.y_axis) / slope, glm::dot(normal, point) / slope};
+}
 
-  PlanePolygon along(const Frame& frame) const {
-    PlanePolygon projected;
-    for (const glm::dvec3& corner : corners) projected.push_back({glm::dot(corner, frame.x_axis), glm::dot(corner, frame.y_axis)});
-    return projected;
-  }
+}  // namespace
 
-  // Depth along u of the plane's point above (x, y).
-  HalfPlane depthOver(const Frame& frame) const {
-    const double slope = glm::dot(normal, frame.u);
-    return {-glm::dot(normal, frame.x_axis) / slope, -glm::dot(normal, frame.y_axis) / slope, glm::dot(normal, corners[0]) / slope};
-  }
-};
+ProjectedPair::ProjectedPair(std::span<const glm::dvec3> a, std::span<const glm::dvec3> b) {
+  const UnitFrame unit_frame = toUnitFrame({a, b});
+  const auto flatten = [](const ConvexPolygon& polygon) { return FlatPolygon{{polygon.begin(), polygon.end()}, frontOf(polygon).normal}; };
+  a_ = flatten(unit_frame.polygons[0]);
+  b_ = flatten(unit_frame.polygons[1]);
+  area_ = (double)area(unit_frame.polygons[0]);
+}
 
-// The area of the lines along u that leave a's front and then meet b's front.
-double commonArea(const FlatPolygon& a, const FlatPolygon& b, const Frame& frame) {
-  PlanePolygon common = a.along(frame);
-  const PlanePolygon other = b.along(frame);
+double ProjectedPair::zeta(const glm::dvec3& u) const {
+  // u and -u are one direction: take the end that leaves a's front.
+  const Frame frame = frameAlong(glm::dot(a_.normal, u) < 0 ? -u : u);
+  if (!(glm::dot(a_.normal, frame.u) > 0 && glm::dot(b_.normal, frame.u) < 0)) return 0;
+  PlanePolygon common = project(a_.corners, frame);
+  const PlanePolygon other = project(b_.corners, frame);
   // b is seen from its front against u, so its corners run clockwise in the plane of (x_axis, y_axis), which u looks out of.
   for (size_t k = 0; k < other.size() && !common.empty(); ++k) {
     const PlanePoint &p = other[k], &q = other[(k + 1) % other.size()];
     common = clipped(common, {q.y - p.y, p.x - q.x, p.y * q.x - p.x * q.y});
   }
-  const HalfPlane depth_a = a.depthOver(frame), depth_b = b.depthOver(frame);
-  return signedArea(clipped(common, {depth_b.a - depth_a.a, depth_b.b - depth_a.b, depth_b.c - depth_a.c}));
+  const HalfPlane depth_a = depthOver(a_.normal, a_.corners[0], frame), depth_b = depthOver(b_.normal, b_.corners[0], frame);
+  return 2 * signedArea(clipped(common, {depth_b.a - depth_a.a, depth_b.b - depth_a.b, depth_b.c - depth_a.c})) / area_;
 }
-
-}  // namespace
 
 ProjectedEstimate estimateFormFactor(std::span<const glm::dvec3> a, std::span<const glm::dvec3> b, uint64_t direction_count,
                                      uint64_t seed) {
   if (direction_count < 2) throw Error(ErrorCode::bad_input, "a standard error needs 2 directions or more");
-  const UnitFrame unit_frame = toUnitFrame({a, b});
-  const FlatPolygon flat_a(unit_frame.polygons[0]), flat_b(unit_frame.polygons[1]);
-  const double area_a = (double)area(unit_frame.polygons[0]);
+  const ProjectedPair pair(a, b);
   std::mt19937_64 bits(seed);
   double mean = 0, squares = 0;  // Welford's running sums
   for (uint64_t n = 1; n <= direction_count; ++n) {
-    Frame frame = randomFrame(bits);
-    // u and -u are one direction: take the end that leaves a's front. The mirrored frame stays right-handed.
-    if (glm::dot(flat_a.normal, frame.u) < 0) frame = {frame.y_axis, frame.x_axis, -frame.u};
-    double term = 0;
-    if (glm::dot(flat_a.normal, frame.u) > 0 && glm::dot(flat_b.normal, frame.u) < 0) term = 2 * commonArea(flat_a, flat_b, frame) / area_a;
+    const double term = pair.zeta(randomDirection(bits));
     const double difference = term - mean;
     mean += difference / (double)n;
     squares += difference * (term - mean);

@@ -19,8 +19,7 @@ inline double allowedStandardErrors(uint64_t replicates) {
   return quantile(complement(distribution, kFalseAlarmRate / 2));
 }
 
-// Whether `measured` may be an estimate of `truth`. `truth_error` bounds the error of truth itself. What every replicate counted alike
-// has standard error 0 and must be right but for rounding.
+// Whether `measured` may be an estimate of `truth`. `truth_error` bounds the error of truth itself; what no replicate met has standard error 0.
 inline testing::AssertionResult isEstimateOf(const Measured& measured, double truth, uint64_t replicates, double truth_error = 0) {
   const double bound = allowedStandardErrors(replicates) * measured.standard_error + truth_error + 4e-15 * std::abs(truth);
   if (std::abs(measured.value - truth) <= bound) return testing::AssertionSuccess();

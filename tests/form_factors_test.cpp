@@ -1,6 +1,7 @@
 #include "matrix/form_factors.h"
 
 #include <cmath>
+#include <random>
 
 #include <gtest/gtest.h>
 
@@ -21,12 +22,13 @@ TEST(ReplicateSums, MeanAndStandardErrorOfThree) {
   sums.add({{0, 1, 14}});
   sums.add({{0, 1, 18}});
   const FormFactors f = sums.formFactors(0.5);
-  // Mean count 14; sample variance 16, so the mean's standard error is sqrt(16 / 3). A_i F_ij = 2 C_ij.
+  // Sum 42; sample variance 16, so that of the sum 48, dispersion 48 / 42: the mean's standard error is sqrt(48 + (48 / 42)^2) / 3. A_i F_ij = 2 C_ij.
+  const double standard_error = std::hypot(std::sqrt(48.0), 48 / 42.0) / 3;
   EXPECT_DOUBLE_EQ(f.exchangeArea(0, 1).value, 14);
-  EXPECT_DOUBLE_EQ(f.exchangeArea(1, 0).standard_error, std::sqrt(16 / 3.0));
+  EXPECT_DOUBLE_EQ(f.exchangeArea(1, 0).standard_error, standard_error);
   EXPECT_DOUBLE_EQ(f.formFactor(0, 1).value, 7);
   EXPECT_DOUBLE_EQ(f.formFactor(1, 0).value, 3.5);
-  EXPECT_DOUBLE_EQ(sums.largestStandardError(0.5), std::sqrt(16 / 3.0) / 2);
+  EXPECT_DOUBLE_EQ(sums.largestStandardError(0.5), standard_error / 2);
 }
 
 // An entry that some replicates never met counts as zero in them.
@@ -43,14 +45,65 @@ TEST(ReplicateSums, MissingEntriesAreZeros) {
   // Rows: id 0 has 6 lines, then 4; id 1 has 5, then 4.
   EXPECT_DOUBLE_EQ(f.rowSums()[0].value, 2 * 5);
   EXPECT_DOUBLE_EQ(f.rowSums()[1].value, 2 * 4.5);
-  EXPECT_DOUBLE_EQ(f.rowSums()[1].standard_error, 2 * 0.5);
+  EXPECT_DOUBLE_EQ(f.rowSums()[1].standard_error, 2 * std::hypot(1.0, 1.0) / 2);  // of 5 + 4: variance 1, dispersion 1/9, but at least 1
 }
 
 TEST(ReplicateSums, HugeCountsKeepTheirSpread) {
   const uint64_t base = 1ull << 52;
   ReplicateSums sums(twoIds(1, 1));
   for (uint64_t k : {0, 2, 4}) sums.add({{0, 1, base + k}});
-  EXPECT_DOUBLE_EQ(sums.formFactors(1).exchangeArea(0, 1).standard_error, 2 * std::sqrt(4 / 3.0));
+  EXPECT_DOUBLE_EQ(sums.formFactors(1).exchangeArea(0, 1).standard_error, 2 * std::sqrt(13.0) / 3);  // of the sum: variance 12, and 1
+}
+
+// They seem exact, but one of them might as well have counted one more.
+TEST(ReplicateSums, ReplicatesThatAgreeHaveTheErrorOfOneCount) {
+  ReplicateSums sums(twoIds(1, 1));
+  for (int k = 0; k < 4; ++k) sums.add({{0, 1, 7}});
+  EXPECT_DOUBLE_EQ(sums.formFactors(1).exchangeArea(0, 1).standard_error, 2 / 4.0);
+}
+
+// How often, of 4000 runs of 8 replicates, the 95 % interval holds the expectation of lines that come in bunches.
+struct Coverages {
+  double printed = 0, by_spread_alone = 0;
+};
+
+Coverages coverBunches(double bunches, uint64_t bunch) {
+  constexpr int kRuns = 4000, kReplicates = 8;
+  constexpr double kStudent = 2.364624;  // 97.5 %, 7 degrees of freedom
+  std::mt19937_64 bits(1);
+  const auto poisson = [&bits](double expectation) {  // how many uniform factors keep the product above exp(-expectation)
+    uint64_t count = 0;
+    for (double product = 1; (product *= double(bits() >> 11) * 0x1p-53) > std::exp(-expectation);) ++count;
+    return count;
+  };
+  const double truth = 2 * bunches * double(bunch) / kReplicates;
+  Coverages coverages;
+  for (int run = 0; run < kRuns; ++run) {
+    ReplicateSums sums(twoIds(1, 1));
+    double sum = 0, squares = 0;
+    for (int k = 0; k < kReplicates; ++k) {
+      const uint64_t count = bunch * poisson(bunches / kReplicates);
+      sums.add(count ? PairCounts{{0, 1, count}} : PairCounts{});
+      sum += double(count), squares += double(count) * double(count);
+    }
+    const Measured f = sums.formFactors(1).formFactor(0, 1);
+    const double spread_alone = 2 * std::sqrt((squares - sum * sum / kReplicates) / (kReplicates - 1) / kReplicates);
+    coverages.printed += (std::abs(f.value - truth) <= kStudent * f.standard_error) / double(kRuns);
+    coverages.by_spread_alone += (std::abs(f.value - truth) <= kStudent * spread_alone) / double(kRuns);
+  }
+  return coverages;
+}
+
+// Of single lines 95 % are seen within 4 standard errors of 0.34 %, but for one seed in 16,000. How large bunches are is known from the spread only:
+// there intervals are better than by the spread alone, and may still be a little short.
+TEST(ReplicateSums, IntervalsOfFewCountsHoldTheTruth) {
+  constexpr double kLeast = 0.95 - 4 * 0.0034;
+  for (double lines : {4.0, 8.0, 16.0}) EXPECT_GT(coverBunches(lines, 1).printed, kLeast) << lines << " lines";
+  EXPECT_LT(coverBunches(4, 1).by_spread_alone, kLeast);  // the comparison means something
+  for (double bunches : {4.0, 8.0, 16.0}) {
+    const Coverages coverages = coverBunches(bunches, 5);
+    EXPECT_GT(coverages.printed, coverages.by_spread_alone) << bunches << " bunches";
+  }
 }
 
 TEST(ReplicateSums, OneReplicateHasNoStandardError) {

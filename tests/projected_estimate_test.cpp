@@ -2,7 +2,9 @@
 
 #include "error.h"
 #include "reference/contour_integral.h"
+#include "reference/exact_pair_areas.h"
 #include "reference_shapes.h"
+#include "scenes.h"
 
 namespace viewpeel::reference {
 namespace {
@@ -28,6 +30,29 @@ TEST(ProjectedEstimate, RandomPairsAgreeWithContourIntegral) {
     EXPECT_LE(estimate.standard_error, 0.798 / std::sqrt((double)kDirections) * 1.1) << "trial " << trial;
     EXPECT_FALSE(isEstimateOf(estimate.value, estimate.standard_error, truth + 10 * estimate.standard_error)) << "trial " << trial;
   }
+}
+
+// Rounding moves a region's boundary by some 1e-15 of the unit ball, and its area by at most that times its perimeter, 6.3.
+TEST(ProjectedPair, OneDirectionIsTheExactArea) {
+  InputScene slanted{"slanted", {}, {}};
+  test_scenes::addFace(slanted, "a", {{0, 0, 0}, {1, 0.1, 0}, {0.2, 0.9, 0.3}});
+  test_scenes::addFace(slanted, "b", {{0, 0, 1}, {0.3, 1, 1.4}, {1.1, 0.2, 0.7}});
+  test::Random random(3);
+  int seen = 0;
+  for (const InputScene& input : {test_scenes::parallelSquares(), test_scenes::perpendicularSquares(), slanted}) {
+    const Scene scene = buildScene(input);
+    const ProjectedPair pair(input.faces[0].corners, input.faces[1].corners);
+    for (int trial = 0; trial < 50; ++trial) {
+      const glm::dvec3 u = random.direction();
+      double exact = 0;
+      for (const PairArea& area : computeExactPairAreas(scene, u).pairs)
+        if (area.a == 0 && area.b == 1) exact = 2 * area.area / scene.polygons[0].area;
+      EXPECT_TRUE(test::isWithin(pair.zeta(u), exact, 2 * 1e-14 / scene.polygons[0].area)) << input.file << ", trial " << trial;
+      EXPECT_EQ(pair.zeta(u) > 0, exact > 0) << input.file << ", trial " << trial;
+      seen += exact > 0;
+    }
+  }
+  EXPECT_GT(seen, 30);  // the comparison means something
 }
 
 TEST(ProjectedEstimate, KnownValues) {
