@@ -13,6 +13,7 @@
 #include "cli/interrupts.h"
 #include "cli/session.h"
 #include "cli/summary.h"
+#include "estimator/visible_share.h"
 #include "error.h"
 #include "io/write_form_factors.h"
 #include "matrix/closure.h"
@@ -156,6 +157,12 @@ int runCompute(ProgramOptions options) {
     }
     EstimateOptions asked = options.estimate;
     asked.directions = plan.directions;
+    if (session.usesClosedForms()) {
+      const VisibleShares known = findVisibleShares(engine, *session.device, session.scene, session.face_ids, asked);
+      if (session.talks()) fmt::print("{}", session.describe(known));
+      if (asked.seconds) asked.seconds = std::max(*asked.seconds - secondsSince(start), 1e-3);
+      return estimateVisibleShares(engine, session.scene, session.face_ids, options.by, asked, known);
+    }
     asked.resumed = keeper ? keeper->resumed() : nullptr;
     asked.on_sums = keep;
     if (asked.seconds) asked.seconds = std::max(*asked.seconds - secondsSince(start), 1e-3);

@@ -16,6 +16,8 @@
 namespace viewpeel::cli {
 namespace {
 
+constexpr double kSurfaceShareTolerance = 2e-4;
+
 const std::vector<std::pair<std::string, Sampler>> kSamplers = {
     {"fibonacci", Sampler::fibonacci}, {"jittered", Sampler::jittered}, {"sobol", Sampler::sobol}, {"iid", Sampler::iid}};
 
@@ -73,7 +75,7 @@ std::string isPositive(const std::string& text) {
 
 }  // namespace
 
-Session::Session(ProgramOptions& asked) : options(asked), scene(loadScene(asked.scene)), ids(makeIds(scene, asked.by, asked.two_sided)), sampler(nameOf(asked.estimate.sampler)) {
+Session::Session(ProgramOptions& asked) : options(asked), scene(loadScene(asked.scene)), ids(makeIds(scene, asked.by, asked.two_sided)), face_ids(makeIds(scene, By::polygon, asked.two_sided)), sampler(nameOf(asked.estimate.sampler)) {
   for (const std::string& warning : scene.warnings) fmt::print(stderr, "viewpeel: warning: {}\n", warning);
   askOnlyFor(options.question, scene, ids);
   if (!ids.roles.empty() && options.engine == EngineKind::graphics)
@@ -92,9 +94,16 @@ Lattices Session::lattices() const {
     if (!device) return reference::makeExactEngine(scene, ids, {.on_direction = stopIfInterrupted});
     LatticeOptions lattice = options.lattice;
     lattice.resolution = groups[0].resolution;
-    return groups.size() > 1 ? makeGroupedEngine(*device, scene, ids, lattice, groups) : makeLatticeEngine(options.engine, *device, scene, ids, lattice);
+    lattice.count_blocked = usesClosedForms();
+    const Ids& counted = usesClosedForms() ? face_ids : ids;
+    return groups.size() > 1 ? makeGroupedEngine(*device, scene, counted, lattice, groups) : makeLatticeEngine(options.engine, *device, scene, counted, lattice);
   };
-  return {make, options.resolution, options.engine == EngineKind::compute && ids.roles.empty() && !options.resolution};
+  Lattices lattices{make, options.resolution, options.engine == EngineKind::compute && ids.roles.empty() && !options.resolution, {}};
+  if (usesClosedForms()) {
+    lattices.id_of_face.resize(face_ids.count());
+    for (uint32_t k = 0; k < scene.polygons.size(); ++k) lattices.id_of_face[face_ids.of_polygon[k]] = ids.of_polygon[k];
+  }
+  return lattices;
 }
 
 GuaranteeOptions Session::guaranteeOptions() const {
@@ -142,7 +151,7 @@ std::string Session::describe(const Plan& plan) const {
   return text + fmt::format("expected   largest standard error {:.1e}{} after {} replicates, {} (found out in {}); the same again: --directions {} --resolution {}{}\n",
                             plan.standard_error, estimate.relative && !estimate.tolerance ? " of its form factor" : "", estimate.replicates, inWords(plan.seconds),
                             inWords(plan.pilot_seconds), plan.directions, plan.groups[0].resolution,
-                            plan.groups.size() > 1 ? fmt::format(" --finest {}", plan.finest) : "");
+                            fmt::format("{}{}", plan.groups.size() > 1 ? fmt::format(" --finest {}", plan.finest) : "", usesClosedForms() ? " --closed-forms on" : ""));
 }
 
 std::string Session::describe(const GuaranteePlan& plan) const {
@@ -158,6 +167,13 @@ std::string Session::describe(const GuaranteePlan& plan) const {
                         inWords(plan.least_seconds), plan.range, plan.block_directions);
   return text + fmt::format("beside     directions: Hoeffding {}; Pellegrini's Lemma 1 {:.3g} for one pair, {:.3g} for all; median of runs {:.3g}\n", plan.hoeffding, plan.lemma_1,
                             plan.lemma_1_all, double(plan.runs) * double(plan.run_directions));
+}
+
+std::string Session::describe(const VisibleShares& known) const {
+  uint64_t whole = 0;
+  for (const PairShare& share : known.shares) whole += share.share == kShareOne;
+  return fmt::format("closed     forms of {} pairs of polygons in {:.2g} s; {} were never blocked in a pilot of {:.2g} s{}\n", known.shares.size(), known.closed_form_seconds, whole,
+                     known.pilot_seconds, known.unreached ? fmt::format("; {} more are sampled alone", known.unreached) : "");
 }
 
 // An option that changes counts has its line here, or in what calls this.
@@ -232,6 +248,10 @@ std::shared_ptr<ProgramOptions> addOptions(CLI::App* command) {
   addChoice(command, "--sampler", estimate.sampler, kSamplers,
             "Directions over the sphere: rotated Fibonacci sets, one in each of as many cells, scrambled Sobol' points, or independent. Without it --from and "
             "--pair draw better ones");
+  command->add_option_function<std::string>("--closed-forms", [options](const std::string& word) { options->closed_forms = word == "on"; },
+                                            "Sample only the share of the lines between two polygons that nothing blocks: without occlusion form factors are closed forms. "
+                                            "Planned runs do, where they can")
+      ->type_name("on|off")->check(CLI::IsMember({"on", "off"}).description(""));
   command->add_option("--from", options->question.from, "Only the rows of this surface or face; may be given several times")->type_name("NAME")->allow_extra_args(false);
   command->add_option("--pair", options->question.pair, "Only the form factors between two surfaces or faces")->type_name("A B")->expected(0, 2);
   command->add_option("--blocker", options->question.blockers, "A surface or face that only blocks; may be given several times")->type_name("NAME")->allow_extra_args(false);
@@ -251,6 +271,13 @@ void settle(const CLI::App* command, ProgramOptions& options) {
   options.plans = command->get_option("--directions")->count() == 0;
   if (options.finest && (options.plans || !options.resolution)) throw Error(ErrorCode::bad_usage, "--finest needs --directions and --resolution");
   const EstimateOptions& e = options.estimate;
+  const bool can_use = options.engine == EngineKind::compute && options.lattice.sampling == Sampling::lattice && options.question.isEverything() && !options.epsilon &&
+                       options.checkpoint.file.empty() && !e.first_replicate;
+  if (options.closed_forms.value_or(false) && !can_use)
+    throw Error(ErrorCode::bad_usage, "--closed-forms on needs an estimate of the whole matrix by --engine compute and --sampling lattice, without --checkpoint");
+  // Between surfaces counts vary less than their parts: there shares pay for small tolerances only (README, Speed).
+  const bool pays = options.by == By::polygon || (e.tolerance && *e.tolerance <= kSurfaceShareTolerance);
+  options.closed_forms = options.closed_forms.value_or(options.plans && can_use && pays);
   for (const char* name : {"--delta", "--statistic", "--range", "--block"})
     if (!options.epsilon && command->get_option(name)->count()) throw Error(ErrorCode::bad_usage, fmt::format("{} is of a guarantee; give its --epsilon", name));
   if (options.epsilon && (e.tolerance || e.relative || !options.plans || options.finest || e.first_replicate || command->get_option("--replicates")->count()))

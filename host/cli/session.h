@@ -7,6 +7,7 @@
 #include "cli/options.h"
 #include "estimator/guarantee.h"
 #include "estimator/plan.h"
+#include "estimator/visible_share.h"
 
 namespace viewpeel::cli {
 
@@ -29,6 +30,7 @@ struct ProgramOptions {
   uint32_t block = 0;
   Statistic statistic = Statistic::mean;
   bool closure = false;
+  std::optional<bool> closed_forms;  // unset: where a plan is made
   bool quiet = false, verbose = false, json = false;
 };
 
@@ -42,11 +44,13 @@ struct Session {
   ProgramOptions& options;
   const Scene scene;
   Ids ids;
+  Ids face_ids;  // by polygon, whatever was asked for
   std::string sampler;  // in words
   std::optional<Device> device;
 
   // Prints warnings on stderr.    Throws: what reading the scene and finding a device throw; Error bad_usage.
   explicit Session(ProgramOptions& asked);
+  bool usesClosedForms() const { return *options.closed_forms; }
   bool talks() const { return !options.quiet && !options.json; }
   Lattices lattices() const;
   GuaranteeOptions guaranteeOptions() const;
@@ -61,6 +65,7 @@ struct Session {
   // What a plan promises, and how to have the same run again; several lines.
   std::string describe(const Plan& plan) const;
   std::string describe(const GuaranteePlan& plan) const;
+  std::string describe(const VisibleShares& known) const;
 
   // What decides about the counts of a run: a checkpoint is gone on with under the same settings only.
   Settings settings(const Plan& plan) const;

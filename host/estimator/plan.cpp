@@ -1,6 +1,7 @@
 #include "estimator/plan.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <map>
@@ -8,6 +9,8 @@
 #include <glm/geometric.hpp>
 
 #include "directions/random.h"
+#include "engines/pair_counters.h"
+#include "estimator/visible_share.h"
 
 namespace viewpeel {
 namespace {
@@ -29,6 +32,7 @@ struct Shape {
 // What a direction's time is made of, and the lattice variance of the worst id, by the rule below.
 struct Load {
   double groups = 1, points = 1, variance = 0;
+  double line = 0;  // what one line adds to the form factor of the worst id: standard errors are no less than one line's in the whole run
 };
 
 // Variance of a form factor of an id of area A and perimeter P, all of which one other sees: 4 / A^2 of the count's, whose is 0.0728 h^3 pi/4 P (tests/lattice_check_test.cpp;
@@ -163,40 +167,60 @@ void Planner::measure(uint32_t directions, const Shape& shape) {
     engine_ = lattices_.make_engine(groups_);
     engine_->count(directionsOf(4, kFirstPilot - 1).directions);  // kernels are compiled and tuned
   }
-  struct Sums {
-    uint32_t i, j;
-    double a = 0, b = 0, aa = 0, bb = 0, ab = 0;
-  };
-  std::vector<Sums> sums;
+  // Of both lattices, every replicate.
+  std::vector<std::pair<PairCounts, PairCounts>> counted;
   double weight_unit = 1;
   const auto start = std::chrono::steady_clock::now();
   for (uint32_t r = 0; r < kPilotReplicates; ++r) {
     AskedDirections asked = directionsOf(directions, kFirstPilot + pilot_replicates_);
     weight_unit = asked.weight_unit;
-    const PairCounts a = engine_->count(asked.directions);
+    counted.emplace_back(engine_->count(asked.directions), PairCounts{});
     Random random(options_.seed, 2 * kFirstPilot + pilot_replicates_++);
     for (Direction& direction : asked.directions) {
       const uint32_t weight = direction.weight;
       direction = directionAlong(direction.u, random);
       direction.weight = weight;
     }
-    const PairCounts b = engine_->count(asked.directions);
-    std::vector<Sums> merged;
-    merged.reserve(std::max(sums.size(), a.size()));
-    auto at = a.begin(), bt = b.begin();
-    auto st = sums.begin();
-    const auto keyOf = [](const auto& it, const auto& end) { return it == end ? std::pair(~0u, ~0u) : std::pair(it->i, it->j); };
-    while (at != a.end() || bt != b.end() || st != sums.end()) {
-      const auto key = std::min({keyOf(at, a.end()), keyOf(bt, b.end()), keyOf(st, sums.end())});
-      Sums sum = keyOf(st, sums.end()) == key && st != sums.end() ? *st++ : Sums{key.first, key.second};
-      const double x = keyOf(at, a.end()) == key && at != a.end() ? double((at++)->count) : 0;
-      const double y = keyOf(bt, b.end()) == key && bt != b.end() ? double((bt++)->count) : 0;
-      sum.a += x, sum.b += y, sum.aa += x * x, sum.bb += y * y, sum.ab += x * y;
-      merged.push_back(sum);
-    }
-    sums = std::move(merged);
+    counted.back().second = engine_->count(asked.directions);
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+
+  // With closed forms, what varies is left when shares are taken off: each half of the pilot takes those that the other half tells.
+  constexpr uint32_t kHalf = kPilotReplicates / 2;
+  struct Sums {
+    uint32_t i, j;
+    std::array<double, 2> a{}, b{}, aa{}, bb{}, ab{};  // by half
+  };
+  std::vector<Sums> sums;
+  for (uint32_t half = 0; half < 2; ++half) {
+    std::vector<PairShare> shares;
+    if (!lattices_.id_of_face.empty()) {
+      PairCounts others;
+      for (uint32_t k = 0; k < kHalf; ++k) others = addCounts(addCounts(others, counted[(1 - half) * kHalf + k].first), counted[(1 - half) * kHalf + k].second);
+      shares = fitShares(others);
+    }
+    const auto controlsOf = [&](const PairCounts& counts) {
+      std::vector<ControlCount> controls = takeShares(counts, shares);
+      return lattices_.id_of_face.empty() ? controls : mergeIds(controls, lattices_.id_of_face);
+    };
+    for (uint32_t k = 0; k < kHalf; ++k) {
+      const std::vector<ControlCount> a = controlsOf(counted[half * kHalf + k].first), b = controlsOf(counted[half * kHalf + k].second);
+      std::vector<Sums> merged;
+      merged.reserve(std::max(sums.size(), a.size()));
+      auto at = a.begin(), bt = b.begin();
+      auto st = sums.begin();
+      const auto keyOf = [](const auto& it, const auto& end) { return it == end ? std::pair(~0u, ~0u) : std::pair(it->i, it->j); };
+      while (at != a.end() || bt != b.end() || st != sums.end()) {
+        const auto key = std::min({keyOf(at, a.end()), keyOf(bt, b.end()), keyOf(st, sums.end())});
+        Sums sum = keyOf(st, sums.end()) == key && st != sums.end() ? *st++ : Sums{key.first, key.second};
+        const double x = keyOf(at, a.end()) == key && at != a.end() ? double((at++)->control) / kShareOne : 0;
+        const double y = keyOf(bt, b.end()) == key && bt != b.end() ? double((bt++)->control) / kShareOne : 0;
+        sum.a[half] += x, sum.b[half] += y, sum.aa[half] += x * x, sum.bb[half] += y * y, sum.ab[half] += x * y;
+        merged.push_back(sum);
+      }
+      sums = std::move(merged);
+    }
+  }
 
   // Per entry, the variance of one replicate in units of the larger form factor of the two ways.
   struct Spread {
@@ -204,17 +228,20 @@ void Planner::measure(uint32_t directions, const Shape& shape) {
   };
   std::vector<Spread> spreads;
   const double measure_area = engine_->unitArea() * scene_.scale * scene_.scale / directions * weight_unit;
-  constexpr double kR = kPilotReplicates;
   for (const Sums& s : sums) {
     double area = ids_.isAsked(s.i) ? ids_.areas[s.i] : INFINITY;
     if (s.j < kEnvironment && ids_.isAsked(s.j)) area = std::min(area, ids_.areas[s.j]);
     double unit = (s.i == s.j ? 4 : 2) * measure_area / area;
     if (options_.relative && !options_.tolerance) {
-      const double factor = unit * (s.a + s.b) / (2 * kR);
+      const double factor = unit * (s.a[0] + s.a[1] + s.b[0] + s.b[1]) / (2 * kPilotReplicates);
       if (!(factor >= options_.relative_floor)) continue;
       unit /= factor;
     }
-    const double total = (s.aa - s.a * s.a / kR + s.bb - s.b * s.b / kR) / (2 * (kR - 1)), common = (s.ab - s.a * s.b / kR) / (kR - 1);
+    double total = 0, common = 0;  // means of the two halves
+    for (uint32_t half = 0; half < 2; ++half) {
+      total += (s.aa[half] - s.a[half] * s.a[half] / kHalf + s.bb[half] - s.b[half] * s.b[half] / kHalf) / (4.0 * (kHalf - 1));
+      common += (s.ab[half] - s.a[half] * s.b[half] / kHalf) / (2.0 * (kHalf - 1));
+    }
     spreads.push_back({total * unit * unit, (total - common) * unit * unit});
   }
   Pilot pilot{directions, shape, 0, 0, seconds / (2 * kPilotReplicates * directions), loadOf(shape, directions)};
@@ -251,6 +278,7 @@ Load Planner::loadOf(const Shape& shape, double directions) const {
     while (lattices_.may_group && resolution < neededBy(size, shape, directions) * kEnough && resolution * kStep <= kMaxWindowResolution) resolution *= kStep;
     if (resolution > shape.base) fine[resolution] += size.area;
     load.variance = std::max(load.variance, latticeVariance(size.perimeter_per_area_squared, size.least_area, 2 / resolution));
+    load.line = std::max(load.line, 8 / (resolution * resolution * size.least_area));
   }
   for (const auto& [resolution, share] : fine) {
     load.points += resolution * resolution * std::min(1.0, 2 * share);  // tiles reach beyond their polygons
@@ -299,7 +327,7 @@ Planner::Choice Planner::choose(bool by_time) const {
         if (!lattices_.may_group && !lattices_.resolution && finest < std::min(neededBy({1, 0, 0, least_area}, shape, directions), kMaxResolution / 1.5)) continue;
         const Load load = loadOf(shape, directions);
         if (load.points > kMostPoints && best.directions) continue;
-        const Choice choice{directions, shape, secondsOf(load) * in_all, (directionVariance(directions) + pilots_.back().lattice_variance * load.variance / pilots_.back().load.variance / directions) / replicates};
+        const Choice choice{directions, shape, secondsOf(load) * in_all, (directionVariance(directions) + pilots_.back().lattice_variance * load.variance / pilots_.back().load.variance / directions) / replicates + std::pow(load.line / in_all, 2)};
         const auto isBetter = [&](bool reaches, bool best_reaches, double value, double best_value) { return reaches != best_reaches ? reaches : value < best_value; };
         const bool is_better = by_time ? isBetter(choice.seconds <= *options_.seconds, best.seconds <= *options_.seconds, choice.variance, best.variance)
                                        : isBetter(choice.variance <= goal * goal, best.variance <= goal * goal, choice.seconds, best.seconds);

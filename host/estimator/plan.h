@@ -24,6 +24,8 @@ struct Lattices {
   std::function<std::unique_ptr<Engine>(const std::vector<SizeGroup>&)> make_engine;
   int resolution = 0;      // 0: to be planned
   bool may_group = false;  // whether small polygons may have lattices of their own
+  // Where closed forms are to be used (visible_share.h) the engines count by face, blocked pairs too; this makes ids of their ids.
+  std::vector<uint32_t> id_of_face;
 };
 
 // Plans the replicates of estimateFormFactors for its goal: the tolerance, or the relative error, or else the time; none of the three: an error of 1e-3.
