@@ -17,6 +17,7 @@ namespace viewpeel::cli {
 namespace {
 
 constexpr double kSurfaceShareTolerance = 2e-4;
+constexpr size_t kMostSharedFaces = 20'000;  // beyond which blocked pairs take gigabytes
 
 const std::vector<std::pair<std::string, Sampler>> kSamplers = {
     {"fibonacci", Sampler::fibonacci}, {"jittered", Sampler::jittered}, {"sobol", Sampler::sobol}, {"iid", Sampler::iid}};
@@ -84,6 +85,7 @@ Session::Session(ProgramOptions& asked) : options(asked), scene(loadScene(asked.
     throw Error(ErrorCode::bad_usage, "--sampling scanline needs --engine compute");
   if (options.finest && (options.engine != EngineKind::compute || !ids.roles.empty()))
     throw Error(ErrorCode::bad_usage, "--finest needs --engine compute and the whole matrix");
+  if (scene.faces.size() > kMostSharedFaces && options.closed_forms_by_default) options.closed_forms = false;
   if (!options.whole_sphere && (!options.question.pair.empty() || (!options.question.from.empty() && !options.two_sided)))
     sampler = askDirections(options.question, scene, options.two_sided, options.estimate);
   if (options.engine != EngineKind::exact) device.emplace(options.device);
@@ -275,8 +277,10 @@ void settle(const CLI::App* command, ProgramOptions& options) {
                        options.checkpoint.file.empty() && !e.first_replicate;
   if (options.closed_forms.value_or(false) && !can_use)
     throw Error(ErrorCode::bad_usage, "--closed-forms on needs an estimate of the whole matrix by --engine compute and --sampling lattice, without --checkpoint");
-  // Between surfaces counts vary less than their parts: there shares pay for small tolerances only (README, Speed).
-  const bool pays = options.by == By::polygon || (e.tolerance && *e.tolerance <= kSurfaceShareTolerance);
+  // Between surfaces counts vary less than their parts: there shares pay for small tolerances only. Where lines meet many fronts, as with two-sided polygons, blocked pairs
+  // cost more than they gain (README).
+  const bool pays = !options.two_sided && (options.by == By::polygon || (e.tolerance && *e.tolerance <= kSurfaceShareTolerance));
+  options.closed_forms_by_default = !options.closed_forms.has_value();
   options.closed_forms = options.closed_forms.value_or(options.plans && can_use && pays);
   for (const char* name : {"--delta", "--statistic", "--range", "--block"})
     if (!options.epsilon && command->get_option(name)->count()) throw Error(ErrorCode::bad_usage, fmt::format("{} is of a guarantee; give its --epsilon", name));

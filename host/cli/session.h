@@ -30,7 +30,8 @@ struct ProgramOptions {
   uint32_t block = 0;
   Statistic statistic = Statistic::mean;
   bool closure = false;
-  std::optional<bool> closed_forms;  // unset: where a plan is made
+  std::optional<bool> closed_forms;  // settled where unset
+  bool closed_forms_by_default = false;
   bool quiet = false, verbose = false, json = false;
 };
 
