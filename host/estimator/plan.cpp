@@ -103,6 +103,8 @@ class Planner {
   void measure(uint32_t directions, const Shape& shape);
   Choice choose() const;
   Choice choose(bool by_time) const;
+  // For the run, of the time that was given, with some to spare for making engines.
+  double secondsLeft() const { return std::max(0.8 * (*options_.seconds - pilot_seconds_), 0.1 * *options_.seconds); }
   double directionVariance(double directions) const;
   Load loadOf(const Shape& shape, double directions) const;
   double secondsOf(const Load& load) const;
@@ -160,6 +162,7 @@ std::vector<SizeGroup> Planner::groupsOf(const Shape& shape, double directions) 
 }
 
 void Planner::measure(uint32_t directions, const Shape& shape) {
+  const auto begun = std::chrono::steady_clock::now();
   auto groups = groupsOf(shape, directions);
   if (!engine_ || !areAlike(groups, groups_)) {
     engine_.reset();
@@ -257,7 +260,7 @@ void Planner::measure(uint32_t directions, const Shape& shape) {
     pilot.direction_variance = total > 0 ? spreads[0].total * std::clamp(1 - lattice / total, 0.0, 1.0) : 0;
     for (const Spread& spread : spreads) pilot.lattice_variance = std::max(pilot.lattice_variance, spread.between_lattices * directions);
   }
-  pilot_seconds_ += seconds;
+  pilot_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   pilots_.push_back(pilot);
 }
 
@@ -303,7 +306,7 @@ double Planner::secondsOf(const Load& load) const {
 // The least time to the goal; the least error in the time there is, where there is no goal or no time for it.
 Planner::Choice Planner::choose() const {
   const Choice choice = choose(options_.seconds && !options_.tolerance && !options_.relative);
-  return options_.seconds && choice.seconds > *options_.seconds ? choose(true) : choice;
+  return options_.seconds && choice.seconds > secondsLeft() ? choose(true) : choice;
 }
 
 Planner::Choice Planner::choose(bool by_time) const {
@@ -329,7 +332,7 @@ Planner::Choice Planner::choose(bool by_time) const {
         if (load.points > kMostPoints && best.directions) continue;
         const Choice choice{directions, shape, secondsOf(load) * in_all, (directionVariance(directions) + pilots_.back().lattice_variance * load.variance / pilots_.back().load.variance / directions) / replicates + std::pow(load.line / in_all, 2)};
         const auto isBetter = [&](bool reaches, bool best_reaches, double value, double best_value) { return reaches != best_reaches ? reaches : value < best_value; };
-        const bool is_better = by_time ? isBetter(choice.seconds <= *options_.seconds, best.seconds <= *options_.seconds, choice.variance, best.variance)
+        const bool is_better = by_time ? isBetter(choice.seconds <= secondsLeft(), best.seconds <= secondsLeft(), choice.variance, best.variance)
                                        : isBetter(choice.variance <= goal * goal, best.variance <= goal * goal, choice.seconds, best.seconds);
         if (best.directions == 0 || is_better) best = choice;
       }
