@@ -173,6 +173,8 @@ TEST(Guarantee, WhatCannotBeKeptIsRefused) {
   const auto plan = [&](const GuaranteeOptions& options) { return planGuarantee(scene, ids, options, latticesFor(scene, ids), Sampling::lattice, false); };
   EXPECT_THROW(plan({.epsilon = 0}), Error);
   EXPECT_THROW(plan({.epsilon = 0.1, .delta = 1}), Error);
+  EXPECT_THROW(plan({.epsilon = 1e-9}), Error);
+  EXPECT_THROW(hoeffdingDirections({2, 1e9}, {1, 1}, 0.1, 0.01), Error);
   EXPECT_THROW(plan({.epsilon = 0.1, .sampler = Sampler::fibonacci}), Error);
   EXPECT_THROW(plan({.epsilon = 0.1, .statistic = Statistic::median, .sampler = Sampler::jittered}), Error);
 }

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <numeric>
 
+#include <fmt/format.h>
 #include <glm/geometric.hpp>
 
 #include "engines/pair_counters.h"
@@ -23,6 +24,7 @@ constexpr uint64_t kPilot = uint64_t(1) << 40; // replicate numbers that no run 
 constexpr uint32_t kPilotBlocks = 24, kPilotDirections = 8;
 constexpr std::array kRanges = {5.0, 3.5, 2.8, 2.4, 2.2};  // that lattices are tried for
 constexpr uint64_t kFewestBlocks = 8;          // for standard errors
+constexpr double kMostDirections = 1e15;       // of a guarantee; beyond 2^53 doubles do not count
 constexpr uint64_t kMostAtOnce = 1 << 16;      // directions held at a time
 
 using Clock = std::chrono::steady_clock;
@@ -171,6 +173,10 @@ uint64_t hoeffdingDirections(const std::vector<double>& ranges, const std::vecto
     for (size_t k = 0; k < ranges.size(); ++k) sum += bounds[k] * 2 * std::exp(-2 * n * epsilon * epsilon / (ranges[k] * ranges[k]));
     return sum;
   };
+  if (!(failure(kMostDirections) <= delta))
+    throw Error(ErrorCode::bad_usage, fmt::format("a guarantee of {} takes more than {:.0e} directions where one adds up to {:.3g} to a form factor (2 but for polygons far smaller than "
+                                                  "the scene); ask for a larger --epsilon, or an estimate by --tolerance",
+                                                  epsilon, kMostDirections, *std::max_element(ranges.begin(), ranges.end())));
   double low = 0, high = 1;
   while (failure(high) > delta) high *= 2;
   while (high - low > 1) (failure(std::floor((low + high) / 2)) > delta ? low : high) = std::floor((low + high) / 2);
@@ -239,7 +245,7 @@ GuaranteePlan planGuarantee(const Scene& scene, const Ids& ids, const GuaranteeO
     }
     const double block = block_seconds + plan.block_directions * direction_seconds;
     plan.most_blocks = std::max(kFewestBlocks, (plan.hoeffding + plan.block_directions - 1) / plan.block_directions);
-    plan.least_blocks = std::min(plan.most_blocks, static_cast<uint64_t>(std::ceil(1 + 7 * m * std::log(4 * 2 * 2 * plan.bounds / d) / (3 * e))));
+    plan.least_blocks = static_cast<uint64_t>(std::min(double(plan.most_blocks), std::ceil(1 + 7 * m * std::log(4 * 2 * 2 * plan.bounds / d) / (3 * e))));
     plan.least_seconds = double(plan.least_blocks) * block;
     plan.most_seconds = double(plan.most_blocks) * block;
     return plan;

@@ -50,7 +50,7 @@ std::vector<double> formFactorRanges(const Scene& scene, const Ids& ids, const s
 // How many bounds have to hold at once, by id: pairs with larger ids, environment, leak, and itself.
 std::vector<double> countBounds(const Ids& ids);
 
-// The least N with sum_i bounds_i 2 exp(-2 N epsilon^2 / ranges_i^2) <= delta.    Cost: O(n) a step of bisection.
+// The least N with sum_i bounds_i 2 exp(-2 N epsilon^2 / ranges_i^2) <= delta.    Throws: Error bad_usage where that is above 1e15.    Cost: O(n) a step of bisection.
 uint64_t hoeffdingDirections(const std::vector<double>& ranges, const std::vector<double>& bounds, double epsilon, double delta);
 
 // sqrt(2 V L / K) + 7 M L / (3 (K - 1)), L = ln(4 / p).
