@@ -4,6 +4,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <numeric>
 
@@ -147,11 +148,29 @@ FormFactors medianOf(const std::vector<PairCounts>& runs, const FormFactors& mea
 }  // namespace
 
 std::vector<double> formFactorRanges(const Scene& scene, const Ids& ids, const std::vector<double>& resolutions, Sampling sampling) {
-  std::vector<double> ranges(ids.count(), 0);
-  for (size_t k = 0; k < scene.polygons.size(); ++k) {
+  const auto rangeOn = [&](uint32_t k, double resolution) {
     const ConvexSize size = sizeOf(scene, scene.polygons[k]);
-    const double h = resolutions.empty() ? 0 : 2 / resolutions[k];
-    ranges[ids.of_polygon[k]] += (sampling == Sampling::scanline ? scanlineRange(size, h) : latticeRange(size, h)) * (ids.two_sided ? 2 : 1);
+    const double h = resolutions.empty() ? 0 : 2 / resolution;
+    return (sampling == Sampling::scanline ? scanlineRange(size, h) : latticeRange(size, h)) * (ids.two_sided ? 2 : 1);
+  };
+  std::vector<double> ranges(ids.count(), 0), coarsest(ids.count(), INFINITY), finest(ids.count(), 0);
+  for (uint32_t k = 0; k < scene.polygons.size(); ++k) {
+    const uint32_t id = ids.of_polygon[k];
+    const double resolution = resolutions.empty() ? 1 : resolutions[k];
+    ranges[id] += rangeOn(k, resolution);
+    coarsest[id] = std::min(coarsest[id], resolution);
+    finest[id] = std::max(finest[id], resolution);
+  }
+  // Ids of several resolutions: on each finer lattice another polygon may be counted once more, as far as their polygons of that lattice allow.
+  std::map<double, std::map<uint32_t, double>> mixed;
+  for (uint32_t k = 0; k < scene.polygons.size(); ++k)
+    if (const uint32_t id = ids.of_polygon[k]; coarsest[id] < finest[id]) mixed[resolutions[k]][id] += rangeOn(k, resolutions[k]);
+  for (const auto& [resolution, range_of] : mixed) {
+    const double most = std::max_element(range_of.begin(), range_of.end(), [](const auto& a, const auto& b) { return a.second < b.second; })->second;
+    std::vector<double> once_more(ids.count(), 0);
+    for (uint32_t k = 0; k < scene.polygons.size(); ++k)
+      if (resolutions[k] < resolution) once_more[ids.of_polygon[k]] += rangeOn(k, resolution);
+    for (uint32_t id = 0; id < ids.count(); ++id) ranges[id] += std::min(once_more[id], most);
   }
   for (uint32_t id = 0; id < ids.count(); ++id) ranges[id] *= scene.scale * scene.scale / ids.areas[id];
   return ranges;

@@ -44,6 +44,9 @@ struct GuaranteeOptions {
 };
 
 // The ranges M_i of ids: the most that one direction can contribute to a form factor of id i, or to one with i the smaller polygon.
+//   A facing pair of polygons is counted on the finer lattice of the two. With an id j of one resolution polygon a of i is so counted on one lattice only, no coarser than its
+//   own, whose points in a count once (all windows of a resolution are parts of one lattice). Where j has several, a may be counted on every finer one, too: what that adds is
+//   at most the range of the polygons of i on that lattice, and of those of j that have it, the most over all such j.
 //   In: resolutions of Scene::polygons, empty for exact areas
 std::vector<double> formFactorRanges(const Scene& scene, const Ids& ids, const std::vector<double>& resolutions, Sampling sampling);
 
