@@ -180,7 +180,7 @@ PairCounts countPairsOnCpu(const Scene& scene, const Ids& ids, const std::vector
   const int64_t one = int64_t(1) << bits;
   Counters counters(ids, blocked);
   for (Direction direction : directions) {
-    direction.offset -= resolution * 0.5 * glm::dvec2(dotInOrder(window.centre, direction.x_axis), dotInOrder(window.centre, direction.y_axis));
+    direction.offset -= glm::floor(direction.offset + resolution * 0.5 * glm::dvec2(dotInOrder(window.centre, direction.x_axis), dotInOrder(window.centre, direction.y_axis)));
     std::vector<Flat> flats;
     for (const Polygon& polygon : scene.polygons) flats.push_back(flatten(scene, polygon, direction, resolution, bits));
     const int reach = static_cast<int>(resolution * 0.5 * window.radius) + 2;

@@ -50,6 +50,24 @@ TEST(Guarantee, EveryFormFactorHasItsBound) {
   }
 }
 
+// Where an id has polygons of two resolutions, one of another id is counted on both lattices.
+TEST(Guarantee, RangesAddUpOverLattices) {
+  InputScene input{"floor and two plates", {}, {}};
+  ts::addFace(input, "floor", {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
+  ts::addFace(input, "plates", {{0, 0, 1}, {0, 1, 1}, {1, 1, 1}, {1, 0, 1}});
+  ts::addFace(input, "plates", {{0, 0, 2}, {0, 1, 2}, {1, 1, 2}, {1, 0, 2}});
+  const Scene scene = buildScene(input);
+  const double a = scene.polygons[0].area, p = 4 * std::sqrt(a);
+  const auto range = [&](double resolution) { return (2 * a + p * 2 / resolution + 8 / (resolution * resolution)) / a; };
+  const auto rangesFor = [&](By by, const std::vector<double>& resolutions) { return formFactorRanges(scene, makeIds(scene, by, false), resolutions, Sampling::lattice); };
+  const auto one = rangesFor(By::surface, {8, 32, 32}), two = rangesFor(By::surface, {8, 8, 32}), each = rangesFor(By::polygon, {8, 8, 32});
+  EXPECT_DOUBLE_EQ(one[0], range(8));
+  EXPECT_DOUBLE_EQ(one[1], range(32));
+  EXPECT_DOUBLE_EQ(two[0], range(8) + range(32));
+  EXPECT_DOUBLE_EQ(two[1], (range(8) + range(32)) / 2 + range(32) / 2);  // the plates among themselves
+  EXPECT_DOUBLE_EQ(each[0], range(8));
+}
+
 // No direction adds more than the range, and some a fair part of it: on coarse and fine lattices, in windows, with scanlines, on both sides, by surface.
 TEST(Guarantee, SingleDirectionsKeepToTheirRanges) {
   const auto directions = sampleDirections(Sampler::iid, 24, 5, 0);
@@ -173,6 +191,8 @@ TEST(Guarantee, WhatCannotBeKeptIsRefused) {
   const auto plan = [&](const GuaranteeOptions& options) { return planGuarantee(scene, ids, options, latticesFor(scene, ids), Sampling::lattice, false); };
   EXPECT_THROW(plan({.epsilon = 0}), Error);
   EXPECT_THROW(plan({.epsilon = 0.1, .delta = 1}), Error);
+  EXPECT_THROW(plan({.epsilon = 1e-9}), Error);
+  EXPECT_THROW(hoeffdingDirections({2, 1e9}, {1, 1}, 0.1, 0.01), Error);
   EXPECT_THROW(plan({.epsilon = 0.1, .sampler = Sampler::fibonacci}), Error);
   EXPECT_THROW(plan({.epsilon = 0.1, .statistic = Statistic::median, .sampler = Sampler::jittered}), Error);
 }

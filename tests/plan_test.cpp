@@ -48,6 +48,18 @@ TEST(Plan, WorkGrowsWithTheTolerance) {
   }
 }
 
+// Where time does for no plan, with a goal or without, the quickest is taken, and found without long pilots.
+TEST(Plan, TooLittleTimeGetsTheQuickest) {
+  const Scene scene = buildScene(ts::parallelSquares());
+  const Ids ids = makeIds(scene, By::polygon, false);
+  for (const std::optional<double>& tolerance : {std::optional<double>(), std::optional(1e-12)}) {
+    EstimateOptions options;
+    options.tolerance = tolerance;
+    options.seconds = 1e-9;
+    EXPECT_EQ(planEstimate(scene, ids, options, latticesFor(scene, ids)).directions, 16u);  // the fewest that are tried
+  }
+}
+
 // A square of 1e-8 of the area of the floor that it looks at would be hit by one lattice point in 1e4 directions: it gets a window.
 TEST(Plan, SmallPolygonsAreSeen) {
   InputScene input{"speck", {}, {}};

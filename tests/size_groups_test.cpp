@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "cpu_twin.h"
+#include "engines/compute_engine.h"
 #include "engines/size_groups.h"
 #include "scenes.h"
 #include "test_device.h"
@@ -90,6 +91,23 @@ TEST(SizeGroups, CountsAreThoseOfTheCpuTwin) {
       for (const auto& [pair, count] : expected) twin.push_back({pair.first, pair.second, count});
       EXPECT_EQ(makeGroupedEngine(testDevice(), scene, makeIds(scene, by, false), {}, groups)->count(directions), twin);
     }
+}
+
+// A window shows a part of the whole scene's lattice, point by point. Both snap alike here: their coordinates stay below 512 spacings.
+TEST(SizeGroups, WindowsAreOnOneLattice) {
+  const Scene scene = buildScene(squaresOfAllSizes());
+  Ids ids = makeIds(scene, By::polygon, false);
+  ids.roles.assign(scene.polygons.size(), kReceives);
+  const auto own = static_cast<uint32_t>(std::find(ids.names.begin(), ids.names.end(), "k1_down") - ids.names.begin());
+  ids.roles[own] = kEmits | kReceives;
+  const glm::dvec3 corner = scene.corners[scene.polygons[own].first_corner];
+  const auto whole = makeComputeEngine(testDevice(), scene, ids, {.resolution = 512});
+  for (const Window& window : {Window{corner, 0.2}, Window{0.9 * corner, 0.3}}) {
+    ASSERT_LT(glm::length(corner - window.centre) + 0.1 / scene.scale * 1.5, window.radius);
+    const auto part = makeComputeEngine(testDevice(), scene, ids, {.resolution = 512, .window = window});
+    for (const Direction& direction : sampleDirections(Sampler::iid, 30, 12, 0))
+      EXPECT_EQ(part->count(std::span(&direction, 1)), whole->count(std::span(&direction, 1)));
+  }
 }
 
 // One group is the plain engine.

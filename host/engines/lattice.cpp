@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include "engines/shared.h"
@@ -62,7 +63,8 @@ void writeDirections(std::span<const Direction> directions, int resolution, cons
   for (size_t k = 0; k < directions.size(); ++k) {
     const Direction& direction = directions[k];
     const glm::dvec2 middle = resolution / 2.0 * glm::dvec2(glm::dot(window.centre, direction.x_axis), glm::dot(window.centre, direction.y_axis));
-    data[k] = {direction.x_axis, direction.y_axis, direction.u, direction.offset - middle, direction.weight, 0};
+    // By whole spacings: all windows of a resolution are parts of one lattice.
+    data[k] = {direction.x_axis, direction.y_axis, direction.u, direction.offset - glm::floor(direction.offset + middle), direction.weight, 0};
   }
 }
 

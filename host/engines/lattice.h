@@ -28,7 +28,8 @@ int windowReach(int resolution, const Window& window = {});
 // Area of a lattice point, unit-ball units squared.
 inline double pointArea(int resolution) { return 4.0 / (double(resolution) * resolution); }
 
-// DirectionData[directions.size()] into an upload buffer; the lattice's origin goes to the middle of the window.
+// DirectionData[directions.size()] into an upload buffer; the lattice's origin goes to the middle of the window,
+// within a spacing: the lattice itself is that of the direction, the same in all windows of a resolution.
 void writeDirections(std::span<const Direction> directions, int resolution, const Window& window, Buffer& buffer);
 
 constexpr uint32_t divideUp(uint64_t value, uint64_t by) { return static_cast<uint32_t>((value + by - 1) / by); }

@@ -4,9 +4,11 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <numeric>
 
+#include <fmt/format.h>
 #include <glm/geometric.hpp>
 
 #include "engines/pair_counters.h"
@@ -23,6 +25,7 @@ constexpr uint64_t kPilot = uint64_t(1) << 40; // replicate numbers that no run 
 constexpr uint32_t kPilotBlocks = 24, kPilotDirections = 8;
 constexpr std::array kRanges = {5.0, 3.5, 2.8, 2.4, 2.2};  // that lattices are tried for
 constexpr uint64_t kFewestBlocks = 8;          // for standard errors
+constexpr double kMostDirections = 1e15;       // of a guarantee; beyond 2^53 doubles do not count
 constexpr uint64_t kMostAtOnce = 1 << 16;      // directions held at a time
 
 using Clock = std::chrono::steady_clock;
@@ -145,11 +148,29 @@ FormFactors medianOf(const std::vector<PairCounts>& runs, const FormFactors& mea
 }  // namespace
 
 std::vector<double> formFactorRanges(const Scene& scene, const Ids& ids, const std::vector<double>& resolutions, Sampling sampling) {
-  std::vector<double> ranges(ids.count(), 0);
-  for (size_t k = 0; k < scene.polygons.size(); ++k) {
+  const auto rangeOn = [&](uint32_t k, double resolution) {
     const ConvexSize size = sizeOf(scene, scene.polygons[k]);
-    const double h = resolutions.empty() ? 0 : 2 / resolutions[k];
-    ranges[ids.of_polygon[k]] += (sampling == Sampling::scanline ? scanlineRange(size, h) : latticeRange(size, h)) * (ids.two_sided ? 2 : 1);
+    const double h = resolutions.empty() ? 0 : 2 / resolution;
+    return (sampling == Sampling::scanline ? scanlineRange(size, h) : latticeRange(size, h)) * (ids.two_sided ? 2 : 1);
+  };
+  std::vector<double> ranges(ids.count(), 0), coarsest(ids.count(), INFINITY), finest(ids.count(), 0);
+  for (uint32_t k = 0; k < scene.polygons.size(); ++k) {
+    const uint32_t id = ids.of_polygon[k];
+    const double resolution = resolutions.empty() ? 1 : resolutions[k];
+    ranges[id] += rangeOn(k, resolution);
+    coarsest[id] = std::min(coarsest[id], resolution);
+    finest[id] = std::max(finest[id], resolution);
+  }
+  // Ids of several resolutions: on each finer lattice another polygon may be counted once more, as far as their polygons of that lattice allow.
+  std::map<double, std::map<uint32_t, double>> mixed;
+  for (uint32_t k = 0; k < scene.polygons.size(); ++k)
+    if (const uint32_t id = ids.of_polygon[k]; coarsest[id] < finest[id]) mixed[resolutions[k]][id] += rangeOn(k, resolutions[k]);
+  for (const auto& [resolution, range_of] : mixed) {
+    const double most = std::max_element(range_of.begin(), range_of.end(), [](const auto& a, const auto& b) { return a.second < b.second; })->second;
+    std::vector<double> once_more(ids.count(), 0);
+    for (uint32_t k = 0; k < scene.polygons.size(); ++k)
+      if (resolutions[k] < resolution) once_more[ids.of_polygon[k]] += rangeOn(k, resolution);
+    for (uint32_t id = 0; id < ids.count(); ++id) ranges[id] += std::min(once_more[id], most);
   }
   for (uint32_t id = 0; id < ids.count(); ++id) ranges[id] *= scene.scale * scene.scale / ids.areas[id];
   return ranges;
@@ -171,6 +192,10 @@ uint64_t hoeffdingDirections(const std::vector<double>& ranges, const std::vecto
     for (size_t k = 0; k < ranges.size(); ++k) sum += bounds[k] * 2 * std::exp(-2 * n * epsilon * epsilon / (ranges[k] * ranges[k]));
     return sum;
   };
+  if (!(failure(kMostDirections) <= delta))
+    throw Error(ErrorCode::bad_usage, fmt::format("a guarantee of {} takes more than {:.0e} directions where one adds up to {:.3g} to a form factor (2 but for polygons far smaller than "
+                                                  "the scene); ask for a larger --epsilon, or an estimate by --tolerance",
+                                                  epsilon, kMostDirections, *std::max_element(ranges.begin(), ranges.end())));
   double low = 0, high = 1;
   while (failure(high) > delta) high *= 2;
   while (high - low > 1) (failure(std::floor((low + high) / 2)) > delta ? low : high) = std::floor((low + high) / 2);
@@ -239,7 +264,7 @@ GuaranteePlan planGuarantee(const Scene& scene, const Ids& ids, const GuaranteeO
     }
     const double block = block_seconds + plan.block_directions * direction_seconds;
     plan.most_blocks = std::max(kFewestBlocks, (plan.hoeffding + plan.block_directions - 1) / plan.block_directions);
-    plan.least_blocks = std::min(plan.most_blocks, static_cast<uint64_t>(std::ceil(1 + 7 * m * std::log(4 * 2 * 2 * plan.bounds / d) / (3 * e))));
+    plan.least_blocks = static_cast<uint64_t>(std::min(double(plan.most_blocks), std::ceil(1 + 7 * m * std::log(4 * 2 * 2 * plan.bounds / d) / (3 * e))));
     plan.least_seconds = double(plan.least_blocks) * block;
     plan.most_seconds = double(plan.most_blocks) * block;
     return plan;

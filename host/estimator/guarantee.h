@@ -44,13 +44,16 @@ struct GuaranteeOptions {
 };
 
 // The ranges M_i of ids: the most that one direction can contribute to a form factor of id i, or to one with i the smaller polygon.
+//   A facing pair of polygons is counted on the finer lattice of the two. With an id j of one resolution polygon a of i is so counted on one lattice only, no coarser than its
+//   own, whose points in a count once (all windows of a resolution are parts of one lattice). Where j has several, a may be counted on every finer one, too: what that adds is
+//   at most the range of the polygons of i on that lattice, and of those of j that have it, the most over all such j.
 //   In: resolutions of Scene::polygons, empty for exact areas
 std::vector<double> formFactorRanges(const Scene& scene, const Ids& ids, const std::vector<double>& resolutions, Sampling sampling);
 
 // How many bounds have to hold at once, by id: pairs with larger ids, environment, leak, and itself.
 std::vector<double> countBounds(const Ids& ids);
 
-// The least N with sum_i bounds_i 2 exp(-2 N epsilon^2 / ranges_i^2) <= delta.    Cost: O(n) a step of bisection.
+// The least N with sum_i bounds_i 2 exp(-2 N epsilon^2 / ranges_i^2) <= delta.    Throws: Error bad_usage where that is above 1e15.    Cost: O(n) a step of bisection.
 uint64_t hoeffdingDirections(const std::vector<double>& ranges, const std::vector<double>& bounds, double epsilon, double delta);
 
 // sqrt(2 V L / K) + 7 M L / (3 (K - 1)), L = ln(4 / p).

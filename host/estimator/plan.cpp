@@ -21,6 +21,7 @@ constexpr int kFirstResolution = 64, kStep = 4;
 constexpr double kLatticePoints = 100, kUsualReplicates = 8;  // every id meets so many points in so many replicates
 constexpr double kDefaultTolerance = 1e-3;
 constexpr double kMostPoints = 8192.0 * 8192;  // of a direction
+constexpr double kMostPilotSeconds = 30;       // of each further pilot
 
 // The lattice of a plan: groups at `base` x 4^m, up to the resolution that the neediest polygon gets.
 struct Shape {
@@ -331,9 +332,13 @@ Planner::Choice Planner::choose(bool by_time) const {
         const Load load = loadOf(shape, directions);
         if (load.points > kMostPoints && best.directions) continue;
         const Choice choice{directions, shape, secondsOf(load) * in_all, (directionVariance(directions) + pilots_.back().lattice_variance * load.variance / pilots_.back().load.variance / directions) / replicates + std::pow(load.line / in_all, 2)};
-        const auto isBetter = [&](bool reaches, bool best_reaches, double value, double best_value) { return reaches != best_reaches ? reaches : value < best_value; };
-        const bool is_better = by_time ? isBetter(choice.seconds <= secondsLeft(), best.seconds <= secondsLeft(), choice.variance, best.variance)
-                                       : isBetter(choice.variance <= goal * goal, best.variance <= goal * goal, choice.seconds, best.seconds);
+        // Where nothing is quick enough, the quickest; where no error is small enough, what gets there first with more replicates.
+        const auto meets = [&](const Choice& c) { return by_time ? c.seconds <= secondsLeft() : c.variance <= goal * goal; };
+        const auto costOf = [&](const Choice& c) {
+          if (by_time) return meets(c) ? c.variance : c.seconds;
+          return meets(c) ? c.seconds : c.seconds * c.variance;
+        };
+        const bool is_better = meets(choice) != meets(best) ? meets(choice) : costOf(choice) < costOf(best);
         if (best.directions == 0 || is_better) best = choice;
       }
     }
@@ -349,9 +354,11 @@ Plan Planner::plan() {
   for (int more = 0; more < 2; ++more) {
     const Pilot& last = pilots_.back();
     const double share = 0.03 * double(options_.replicates) / kPilotReplicates;
-    const auto directions = static_cast<uint32_t>(std::clamp(share * choice.directions, double(kPilotDirections), 1e6));
+    const double allowed = std::min(kMostPilotSeconds, 0.1 * options_.seconds.value_or(INFINITY));
+    const double most = allowed / (2 * kPilotReplicates * choice.seconds / (choice.directions * double(options_.replicates)));
+    const auto directions = static_cast<uint32_t>(std::clamp(std::min(share * choice.directions, most), double(kPilotDirections), 1e6));
     if (directions < 3 * last.directions && std::max(choice.shape.finest, last.shape.finest) <= 2 * std::min(choice.shape.finest, last.shape.finest)) break;
-    if (choice.seconds < 10 * pilot_seconds_) break;
+    if (choice.seconds < 10 * pilot_seconds_ || std::max(directions, last.directions) > 2 * most) break;
     measure(std::max(directions, last.directions), choice.shape);
     choice = choose();
   }

@@ -38,7 +38,7 @@ struct Lattices {
 //   In: options: goal, replicates, sampler, seed, asked_directions    Out: the plan, with its engine
 //   Error: a prediction; what was reached is measured by the run. Directions and lattices of pilots are none of the run's.
 //   Throws: what engines throw.
-//   Cost: pilots are kept below about a tenth of the run, 512 directions at least.
+//   Cost: pilots are kept below about a tenth of the run or of the time there is, and half a minute each, 512 directions at least.
 Plan planEstimate(const Scene& scene, const Ids& ids, const EstimateOptions& options, const Lattices& lattices);
 
 // The groups of polygons that a plan with these figures has.
