@@ -183,6 +183,7 @@ TEST(Guarantee, TheMedianOfRunsHoldsToo) {
   EXPECT_NEAR(f.value, kParallelSquares, options.epsilon);
   EXPECT_NEAR(f.value, kParallelSquares, 5 * f.standard_error);
   EXPECT_EQ(estimate.form_factors.exchangeArea(0, 1).value, estimate.form_factors.exchangeArea(1, 0).value);
+  EXPECT_EQ(estimate.between_surfaces.formFactor(0, 1).value, f.value);  // surfaces of one polygon
 }
 
 TEST(Guarantee, WhatCannotBeKeptIsRefused) {

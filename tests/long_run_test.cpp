@@ -198,6 +198,8 @@ TEST_F(LongRun, WrongCheckpointsAreRefused) {
   ASSERT_EQ(run(scene).status, 0);
   ASSERT_EQ(run("compute " + file("scene.obj") + exact + file("b.h5") + " --first-replicate 12").status, 0);
   ASSERT_EQ(run("merge --quiet " + file("a.h5") + " " + file("b.h5") + " --checkpoint " + file("gap.h5")).status, 0);
+  const std::string planned = "compute " + file("scene.obj") + " --quiet --tolerance 0.1 --checkpoint " + file("planned.h5");
+  ASSERT_EQ(run(planned).status, 0);
   const std::string before = readFile(file("a.h5"));
   const std::pair<std::string, std::string> cases[] = {
       {scene, "--resume, or remove it"},
@@ -213,6 +215,7 @@ TEST_F(LongRun, WrongCheckpointsAreRefused) {
       {"compute " + file("scene.obj") + " --quiet --directions 5 --resume --checkpoint " + file("a.h5"), "--sampling is 'exact areas' there, 'lattice' here"},
       {scene + "  --resume --first-replicate 3", "--first-replicate 3"},
       {"compute " + file("scene.obj") + exact + file("gap.h5") + " --resume", "0 to 7, 12 to 19"},
+      {planned + " --resume --resolution 2000", "--resolution is '"},
       {"compute " + file("scene.obj") + exact + file("no.h5") + " --resume", "another file"},
       {"compute " + file("scene.obj") + " --resume", "--checkpoint"},
       {"merge " + file("a.h5") + " " + file("no.h5"), "another file"},
@@ -229,7 +232,7 @@ TEST_F(LongRun, WrongCheckpointsAreRefused) {
     EXPECT_EQ(r.output.find("viewpeel: "), 0u) << r.output;
   }
   EXPECT_EQ(readFile(file("a.h5")), before);
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 6);  // two scenes, four checkpoints, and no leftovers
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 7);  // two scenes, five checkpoints, and no leftovers
   // The same options do go on.
   EXPECT_EQ(run(scene + " --resume --replicates 10").status, 0);
   EXPECT_EQ(replicatesOf("a.h5"), "0 to 9");

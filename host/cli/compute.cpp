@@ -71,7 +71,7 @@ void tellInterruption(const ProgramOptions& options, uint64_t replicates) {
   fmt::print(stderr, "viewpeel: stopped by {}, {} replicate{} done{}\n", interruption() == SIGINT ? "SIGINT" : "SIGTERM", replicates, replicates == 1 ? "" : "s", left);
 }
 
-// A run that is gone on with keeps its plan: what a plan chose is among the settings of its checkpoint.
+// A run that is gone on with keeps its plan: what a plan chose is among the settings of its checkpoint. What is said beside has to be the same there.
 void adoptPlan(ProgramOptions& options) {
   if (!options.checkpoint.resume || !std::filesystem::exists(options.checkpoint.file)) return;
   const Settings stored = readCheckpoint(options.checkpoint.file).settings;
@@ -85,7 +85,7 @@ void adoptPlan(ProgramOptions& options) {
   } else if (options.plans && options.engine != EngineKind::exact && figureOf("--directions") >= 1) {
     options.plans = false;
     options.estimate.directions = static_cast<uint32_t>(figureOf("--directions"));
-    options.resolution = static_cast<int>(figureOf("--resolution"));
+    if (!options.resolution) options.resolution = static_cast<int>(figureOf("--resolution"));
     options.finest = static_cast<int>(figureOf("--finest"));
   }
 }

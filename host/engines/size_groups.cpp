@@ -103,6 +103,10 @@ class GroupedEngine : public Engine {
     for (const Part& part : parts_) {
       PairCounts counts = part.engine->count(directions);
       for (PairCount& count : counts) {
+        // Of all windows together a pair has little more than of the coarsest alone: twice that is within 64 bits.
+        if (std::max(count.count, count.blocked) > UINT64_MAX / 2 / part.weight)
+          throw Error(ErrorCode::bad_usage, fmt::format("{} directions at resolutions of {} and {} are too many to count in 64 bits; ask for fewer --directions and more --replicates, "
+                                                        "or a coarser --finest", directions.size(), part.resolution, finest_));
         count.count *= part.weight;
         count.blocked *= part.weight;
       }

@@ -128,6 +128,12 @@ PairCounts countBlock(Engine& engine, const GuaranteeOptions& options, uint64_t 
   return sum;
 }
 
+std::vector<PairCounts> mergeIdsOfAll(const std::vector<PairCounts>& runs, const std::vector<uint32_t>& id_map) {
+  std::vector<PairCounts> merged;
+  for (const PairCounts& run : runs) merged.push_back(mergeIds(run, id_map));
+  return merged;
+}
+
 // The medians over runs of what `means` has the means of. Standard errors as for normal errors, of which the median has pi / 2 times the mean's variance; row sums stay those of means.
 FormFactors medianOf(const std::vector<PairCounts>& runs, const FormFactors& means, double measure_area) {
   std::vector<FormFactors::Entry> entries = means.entries();
@@ -326,7 +332,10 @@ Estimate guaranteeFormFactors(const Scene& scene, const Ids& ids, const Guarante
   Estimate estimate = makeEstimate(sums, EstimateOptions{}.relative_floor);
   estimate.interrupted = interrupted;
   if (interrupted) return estimate;  // an estimate is left, and no guarantee
-  if (is_median) estimate.form_factors = medianOf(runs, estimate.form_factors, sums.measure_area);
+  if (is_median) {
+    estimate.form_factors = medianOf(runs, estimate.form_factors, sums.measure_area);
+    estimate.between_surfaces = medianOf(mergeIdsOfAll(runs, ids.surface), estimate.between_surfaces, sums.measure_area);
+  }
   if (guarantee.by != GuaranteedBy::bernstein) guarantee.bound = options.epsilon;
   estimate.guarantee = guarantee;
   return estimate;
