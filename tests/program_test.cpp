@@ -28,6 +28,15 @@ TEST_F(Program, SameSeedSameFileWhateverBatchAndThreads) {
   EXPECT_NE(readFile(file("a.csv")), readFile(file("c.csv")));
 }
 
+// A polygon that no line met is told from one that sees nothing.
+TEST_F(Program, RowsThatWereNeverMetAreNamed) {
+  std::ofstream(file("speck.obj")) << "o floor\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no speck\nv 0.3 0.3 1\nv 0.3 0.30001 1\nv 0.30001 0.3 1\nf 4 5 6\n";
+  const Result r = run("compute " + file("speck.obj") + " --directions 10 --resolution 16");
+  EXPECT_EQ(r.status, 0) << r.output;
+  EXPECT_NE(r.output.find("\nunmet      1 of 2 rows (speck)"), std::string::npos) << r.output;
+  EXPECT_EQ(run("compute " VIEWPEEL_SCENES "/plates.obj --directions 10 --resolution 16").output.find("unmet"), std::string::npos);
+}
+
 TEST_F(Program, QuietPrintsNothing) {
   const Result r = run("compute " VIEWPEEL_SCENES "/plates.obj --quiet --resolution 8 --directions 10 --replicates 2");
   EXPECT_EQ(r.status, 0);
@@ -58,6 +67,10 @@ TEST_F(Program, BadUsageAndInputEndWithOneLineAndStatus2) {
       {plates + "--closure -o " + file("a.closed.mtx"), ".closed.mtx"},
       {plates + "--no-such-option", "--no-such-option"},
       {plates + "-o " + file("a.xyz"), ".csv or .mtx"},
+      {plates + "--quiet --epsilon 1e-9", "epsilon"},
+      {plates + "--epsilon 0.1 --resolution 64 --range 3", "--range"},
+      {plates + "--epsilon 0.1 --statistic median --block 3", "--block"},
+      {plates + "--engine exact --resolution 64", "--resolution"},
   };
   for (const auto& [arguments, part] : cases) {
     const Result r = run(arguments);

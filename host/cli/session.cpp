@@ -56,7 +56,7 @@ std::string describeGroups(const std::vector<SizeGroup>& groups, Sampling sampli
     size_t windows = 0, polygons = 0;
     const int resolution = groups[g].resolution;
     for (; g < groups.size() && groups[g].resolution == resolution; ++g, ++windows) polygons += groups[g].polygons.size();
-    text += fmt::format(", {} in {} window{} on {} polygons", resolution, windows, windows == 1 ? "" : "s", polygons);
+    text += fmt::format(", {} in {} window{} on {} polygon{}", resolution, windows, windows == 1 ? "" : "s", polygons, polygons == 1 ? "" : "s");
   }
   return text;
 }
@@ -164,9 +164,10 @@ std::string Session::describe(const GuaranteePlan& plan) const {
                       options.estimate.seed);
   if (is_median) text += fmt::format("plan       median of {} runs of {} directions, {}\n", plan.runs, plan.run_directions, inWords(plan.most_seconds));
   else
-    text += fmt::format("plan       blocks of {} directions: {} ({}) by Hoeffding's bound; by Bernstein's {} ({}) expected, {} ({}) at least; the same again: --range {} --block {}\n",
+    text += fmt::format("plan       blocks of {} directions: {} ({}) by Hoeffding's bound; by Bernstein's {} ({}) expected, {} ({}) at least; the same again:{} --block {}\n",
                         plan.block_directions, plan.most_blocks, inWords(plan.most_seconds), plan.expected_blocks, inWords(plan.expected_seconds), plan.least_blocks,
-                        inWords(plan.least_seconds), plan.range, plan.block_directions);
+                        inWords(plan.least_seconds), !device ? "" : options.resolution ? fmt::format(" --resolution {}", options.resolution) : fmt::format(" --range {}", plan.range),
+                        plan.block_directions);
   return text + fmt::format("beside     directions: Hoeffding {}; Pellegrini's Lemma 1 {:.3g} for one pair, {:.3g} for all; median of runs {:.3g}\n", plan.hoeffding, plan.lemma_1,
                             plan.lemma_1_all, double(plan.runs) * double(plan.run_directions));
 }
@@ -286,6 +287,9 @@ void settle(const CLI::App* command, ProgramOptions& options) {
     if (!options.epsilon && command->get_option(name)->count()) throw Error(ErrorCode::bad_usage, fmt::format("{} is of a guarantee; give its --epsilon", name));
   if (options.epsilon && (e.tolerance || e.relative || !options.plans || options.finest || e.first_replicate || command->get_option("--replicates")->count()))
     throw Error(ErrorCode::bad_usage, "a guarantee plans for itself: leave out --tolerance, --relative, --directions, --finest, --replicates and --first-replicate");
+  if (options.engine == EngineKind::exact && (options.resolution || options.range > 0)) throw Error(ErrorCode::bad_usage, "--engine exact has no lattice; leave out --resolution and --range");
+  if (options.resolution && options.range > 0) throw Error(ErrorCode::bad_usage, "--range chooses the --resolution of a guarantee; give one of the two");
+  if (options.statistic == Statistic::median && options.block) throw Error(ErrorCode::bad_usage, "--statistic median has runs, not blocks; leave out --block");
   if (options.plans && !e.tolerance && !e.relative && !e.seconds && options.engine != EngineKind::exact) options.estimate.tolerance = 1e-3;
 }
 

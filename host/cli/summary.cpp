@@ -149,6 +149,13 @@ std::string describeErrors(const Estimate& estimate) {
     text = fmt::format("guarantee  every form factor within {:.3g} with probability {}, by {}\n", g->bound, 1 - g->delta,
                        g->by == GuaranteedBy::hoeffding ? "Hoeffding's bound" : g->by == GuaranteedBy::bernstein ? "the empirical Bernstein bound" : "the median of runs") + text;
   if (!f.ids().rows_sum_to_one) return text;
+  size_t unmet = 0;
+  std::string first;
+  for (uint32_t k = 0; k < f.ids().count(); ++k)
+    if (f.ids().isAsked(k) && !(f.rowSums()[k].value > 0) && ++unmet == 1) first = f.ids().names[k];
+  if (unmet)
+    text += fmt::format("unmet      {} of {} rows ({}{}): too small for this lattice and so few directions; their form factors are unknown, not 0\n", unmet, f.ids().count(), first,
+                        unmet > 1 ? ", ..." : "");
   const Closure closure = measureClosure(f);
   return text + fmt::format("closure    row sums differ from 1 by at most {:.1e} ({}), rms {:.1e}\n"
                             "outside    {:.3g} % of all emitted radiation leaves the scene, {:.3g} % ends on backs (leak)\n",

@@ -34,7 +34,7 @@ struct Lattices {
 //   largest variance. V_lattice goes with h^3 P / A^2 (tests/lattice_check_test.cpp), which says how fine a lattice each polygon needs beside the others; V_directions
 //   falls with N as the pilots show, or as 1 / N^2 (1 / N for iid directions) where one pilot is enough. Time per direction is measured, too. The plan is
 //   the least time among powers of sqrt(2) of N and of resolution, with one lattice or groups (size_groups.h).
-//   Every id gets a lattice that it meets at 100 points or more in eight replicates, so that none goes unseen.
+//   Every id gets a lattice that it meets at 100 points or more in eight replicates, so that none goes unseen, as far as the finest lattice there is allows.
 //   In: options: goal, replicates, sampler, seed, asked_directions    Out: the plan, with its engine
 //   Error: a prediction; what was reached is measured by the run. Directions and lattices of pilots are none of the run's.
 //   Throws: what engines throw.
