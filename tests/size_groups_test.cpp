@@ -68,6 +68,23 @@ TEST(SizeGroups, EveryPolygonIsInOneWindowThatHoldsIt) {
   }
 }
 
+// Specks all over the place would be a window each: they get fewer, coarser ones.
+TEST(SizeGroups, WindowsAreFew) {
+  InputScene input{"specks", {}, {}};
+  ts::addFace(input, "floor", {{0, 0, 0}, {20, 0, 0}, {20, 20, 0}, {0, 20, 0}});
+  for (int k = 0; k < 400; ++k) {
+    const double x = k % 20 + 0.5, y = k / 20 + 0.5, d = 1e-3;
+    ts::addFace(input, "specks", {{x, y, 1}, {x, y + d, 1}, {x + d, y + d, 1}, {x + d, y, 1}});
+  }
+  const Scene scene = buildScene(input);
+  const auto groups = groupBySize(scene, neededFor(scene, 8), 16);
+  EXPECT_GT(groups.size(), 1u);
+  EXPECT_LE(groups.size(), 33u);
+  size_t polygons = 0;
+  for (const SizeGroup& group : groups) polygons += group.polygons.size();
+  EXPECT_EQ(polygons, scene.polygons.size());
+}
+
 // The counts of a window are the twin's, for the polygons that the group owns.
 TEST(SizeGroups, CountsAreThoseOfTheCpuTwin) {
   const auto directions = sampleDirections(Sampler::iid, 6, 11, 0);

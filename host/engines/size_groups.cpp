@@ -16,6 +16,7 @@ namespace {
 
 constexpr int kStep = 4;  // between the resolutions of groups
 constexpr double kUsualWindowPoints = 2048;
+constexpr size_t kMostWindows = 32;  // each takes memory, compiles its kernels and projects the whole scene
 
 struct Box {
   glm::dvec3 low{2}, high{-2};
@@ -153,16 +154,18 @@ class GroupedEngine : public Engine {
 }  // namespace
 
 std::vector<SizeGroup> groupBySize(const Scene& scene, const std::vector<double>& needed, int base) {
-  std::vector<SizeGroup> groups{{base, {}, {}}};
-  std::map<int, std::vector<uint32_t>> fine;
-  for (uint32_t k = 0; k < needed.size(); ++k) {
-    const double radius = boxOf(scene, k).radius();
-    int resolution = base;
-    while (resolution < needed[k] * kEnough && resolution * kStep <= kMaxWindowResolution && radius * resolution * kStep <= kMostWindowPoints) resolution *= kStep;
-    (resolution == base ? groups[0].polygons : fine[resolution]).push_back(k);
+  for (int finest = kMaxWindowResolution;; finest /= kStep) {
+    std::vector<SizeGroup> groups{{base, {}, {}}};
+    std::map<int, std::vector<uint32_t>> fine;
+    for (uint32_t k = 0; k < needed.size(); ++k) {
+      const double radius = boxOf(scene, k).radius();
+      int resolution = base;
+      while (resolution < needed[k] * kEnough && resolution <= finest / kStep && radius * resolution * kStep <= kMostWindowPoints) resolution *= kStep;
+      (resolution == base ? groups[0].polygons : fine[resolution]).push_back(k);
+    }
+    for (auto& [resolution, polygons] : fine) split(scene, std::move(polygons), resolution, groups);
+    if (groups.size() <= kMostWindows + 1 || fine.empty()) return groups;
   }
-  for (auto& [resolution, polygons] : fine) split(scene, std::move(polygons), resolution, groups);
-  return groups;
 }
 
 std::unique_ptr<Engine> makeGroupedEngine(const Device& device, const Scene& scene, const Ids& ids, const LatticeOptions& options,
