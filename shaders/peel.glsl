@@ -243,13 +243,14 @@ void main() {
           uvec4 rest = texelFetch(projected_texels, int(projected_at + 3u));
           if (polygon_count == 0u) rest = uvec4(0);  // what was read is nobody's
           if (base + lane >= polygon_count) span.y = kNoColumns;
-          ivec4 a = ivec4(0), b = ivec4(0), c = ivec4(base + lane < polygon_count ? 0 : -1);
+          ivec4 a = ivec4(0), b = ivec4(0), c = ivec4(-1);  // covers nothing
           if (!kScanlines) {
+            bool is_polygon = base + lane < polygon_count;
             [[unroll]] for (uint k = 0u; k < 4u; ++k) {
               Edge edge = fetchEdge(rest.z + min(k, rest.w - 1u));
-              a[k] = edge.a;
-              b[k] = edge.b;
-              if (c[k] >= 0) c[k] = valueAtCorner(edge, tile.corner);
+              a[k] = is_polygon ? edge.a : 0;
+              b[k] = is_polygon ? edge.b : 0;
+              c[k] = is_polygon ? valueAtCorner(edge, tile.corner) : -1;
             }
           }
           int64_t depth = longFrom(depth_01.xy) + longFrom(depth_01.zw) * int64_t(tile.corner.x) + longFrom(depth_2.xy) * int64_t(tile.corner.y);

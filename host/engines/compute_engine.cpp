@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -46,7 +47,8 @@ constexpr uint32_t kTrialDirections = 4;      // after which the tuning is settl
 constexpr uint32_t kLongList = 48;            // polygons over a tile, on the average, from which on smaller tiles are faster
 constexpr double kManyRounds = 1.5;           // a tile, from which on more layers are kept
 constexpr uint32_t kSortedList = 16;          // polygons over such a tile, on the average, from which on lists are sorted
-constexpr uint32_t kFewPoints = 64;           // see LatticeOptions
+constexpr uint32_t kFewPoints = 64;           // see LatticeOptions; in boxes, which hold up to three times what a polygon covers
+constexpr double kFewAcross = 5;              // such a polygon, on the average over directions, as a square
 constexpr uint32_t kFragmentCapacity = 8;     // of a lattice point at first
 constexpr int kScanlineBits = 10;             // of a column coordinate: an interval's ends are rounded to 2^-10 of a spacing
 constexpr uint32_t kTexelBuffers = 5;
@@ -94,6 +96,18 @@ Tuning tune(const Device& device, const LatticeOptions& options) {
 uint64_t counterBudget(const LatticeOptions& options) {
   const uint64_t chosen = options.resolution < 128 ? 256ull << 20 : 512ull << 20;
   return options.counter_budget_bytes ? options.counter_budget_bytes : options.count_blocked ? 2 * chosen : chosen;
+}
+
+// Entering spares tiles' lists the polygons over few lattice points, each of which is tested for every point of the tile; where those are not most of the lists,
+// making room for fragments costs more than it spares. Tiles are 8 x 8, and a polygon's mean projection is half its area.
+uint32_t chooseFewPoints(const Scene& scene, int resolution) {
+  double entries = 0, spared = 0;
+  for (const Polygon& polygon : scene.polygons) {
+    const double across = std::sqrt(polygon.area / 2) * resolution / 2, its = (across / 8 + 1) * (across / 8 + 1);
+    entries += its;
+    spared += across <= kFewAcross ? its : 0;
+  }
+  return spared > entries / 2 ? kFewPoints : 0;
 }
 
 class ComputeEngine : public Engine {
@@ -169,6 +183,7 @@ ComputeEngine::ComputeEngine(const Device& device, const Scene& scene, const Ids
   for (uint32_t k = 0; ids_are_indices_ && k < ids.of_polygon.size(); ++k) ids_are_indices_ = ids.of_polygon[k] == k;
   if (ids.count() > kIdMask) throw Error(ErrorCode::limit, fmt::format("{} polygons are more than {}; try --by surface", ids.count(), kIdMask));
   if (!all_count_) needed_roles_ = counts_environment_ ? viewpeel::kEmits : viewpeel::kEmits | viewpeel::kReceives;
+  if (!options_.few_points) options_.few_points = chooseFewPoints(scene, options.resolution);
   rebuild();
 }
 
@@ -241,7 +256,7 @@ void ComputeEngine::planBatches() {
   const uint64_t points = tiles * tuning_.tile_width * tuning_.tile_rows;
   const uint64_t fragment_bytes = points * (sizeof(uint32_t) + fragment_capacity_ * sizeof(uint64_t));
   const bool may_enter = options_.sampling == Sampling::lattice && all_count_ && !options_.count_blocked;
-  few_points_ = may_enter && bytes + fragment_bytes <= budget && fragment_bytes <= largest ? options_.few_points.value_or(kFewPoints) : 0;
+  few_points_ = may_enter && bytes + fragment_bytes <= budget && fragment_bytes <= largest ? *options_.few_points : 0;
   if (enters()) bytes += fragment_bytes;
   in_flight_ = bytes > budget ? 1 : 2;
   const uint64_t per_buffer = std::max<uint64_t>({scene_.corner_count * sizeof(Edge), lists_per_direction * (meets() ? sizeof(Cover) : 2 * sizeof(uint32_t)),
