@@ -125,18 +125,18 @@ TEST_F(Fault, SignalInALongBatchKeepsTheReplicatesBefore) {
 TEST_F(Fault, TwoRunsDoNotDisturbEachOther) {
   const std::string options = kSteady + "--checkpoint-seconds 0 --checkpoint " + file("a.h5") + " --replicates ";
   {
-    Running first(options + "200", file("first")), second(options + "200", file("second"));  // both find no file
+    Running first(options + "60", file("first")), second(options + "60", file("second"));  // both find no file
     const int a = first.wait(), b = second.wait();
     EXPECT_EQ(std::min(a, b), 0) << readFile(file("first")) << readFile(file("second"));
     EXPECT_GE(std::max(a, b), 1) << readFile(file("first")) << readFile(file("second"));
     const std::string told = readFile(file(a == 0 ? "second" : "first"));
     EXPECT_TRUE(told.find("another run has put its own there") != std::string::npos || told.find("there is a checkpoint already") != std::string::npos) << told;
-    EXPECT_EQ(replicatesOf("a.h5"), 200u);
+    EXPECT_EQ(replicatesOf("a.h5"), 60u);
   }
   {
     Running first(options + "100000 --resume", file("first"));
-    while (!first.hasEnded() && replicatesOf("a.h5") < 202) waitFor(0.1);
-    expectOneLine(run(options + "300 --resume"), 2, {"another run is keeping its checkpoint there"});
+    while (!first.hasEnded() && replicatesOf("a.h5") < 62) waitFor(0.1);
+    expectOneLine(run(options + "70 --resume"), 2, {"another run is keeping its checkpoint there"});
     first.send(SIGTERM);
     EXPECT_EQ(first.wait(), 143);
   }
