@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "cli/options.h"
 #include "error.h"
 #include "io/write_file.h"
 
@@ -22,7 +23,7 @@ void addCheckpointOptions(CLI::App* command, CheckpointOptions& options) {
   CLI::Option* file = command->add_option("--checkpoint", options.file, "Keep what was counted in this file, to go on with --resume or to merge")->type_name("FILE");
   command->add_flag("--resume", options.resume, "Go on from the checkpoint's file; start afresh where there is none")->needs(file);
   command->add_option("--checkpoint-seconds", options.seconds_apart, "Least time between two writes of the checkpoint, which take 5 % of the time at most")
-      ->type_name("S")->check(CLI::NonNegativeNumber.description(""))->needs(file)->capture_default_str();
+      ->type_name("S")->check([](const std::string& text) { return isNumber(text, 0, 1e9); })->needs(file)->capture_default_str();
 }
 
 void requireNewCheckpoint(const std::string& file) {

@@ -19,15 +19,15 @@ struct CheckpointOptions {
 
 void addCheckpointOptions(CLI::App* command, CheckpointOptions& options);
 
-// That nothing is written over by mistake.    Throws: Error bad_usage where there is such a file; Error output where none can be written.
+// That nothing is written over by mistake.    Throws: Error bad_usage where there is such a file, or none can be written.
 void requireNewCheckpoint(const std::string& file);
 
 // Keeps the checkpoint of one run up to date.
 class CheckpointKeeper {
  public:
   // Reads what there is to go on with.
-  //   Throws: Error bad_usage where there is a file and nobody said to resume, it is of another run, or another run is keeping it; as readCheckpoint; Error output
-  //     where none can be written.
+  //   Throws: Error bad_usage where there is a file and nobody said to resume, it is of another run, another run is keeping it, or none can be written;
+  //     as readCheckpoint.
   CheckpointKeeper(const CheckpointOptions& options, Settings settings, uint64_t first_replicate);
 
   // nullptr where the run starts afresh.

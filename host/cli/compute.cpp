@@ -11,6 +11,7 @@
 #include "cli/checkpoint_keeper.h"
 #include "cli/commands.h"
 #include "cli/interrupts.h"
+#include "cli/outputs.h"
 #include "cli/session.h"
 #include "cli/summary.h"
 #include "estimator/visible_share.h"
@@ -95,14 +96,14 @@ ClosedFormFactors closeOrKeep(const FormFactors& measured, const std::vector<std
   try {
     return closeRows(measured);
   } catch (const Error& error) {
-    for (const std::string& output : outputs) writeFormFactors(measured, output);
+    writeOutputs(measured, outputs);
     throw Error(error.code(), fmt::format("{}{}", error.what(), outputs.empty() ? "" : "; form factors were written as measured"));
   }
 }
 
 int runCompute(ProgramOptions options) {
   if (options.closure && !options.question.isEverything()) throw Error(ErrorCode::bad_usage, kClosureNeedsEveryRow);
-  for (const std::string& output : options.outputs) checkOutput(output, options.closure);
+  checkOutputs(options.outputs, options.checkpoint.file, options.closure);
   const bool keeps = !options.checkpoint.file.empty(), show_progress = !options.quiet && ::isatty(STDERR_FILENO);
   if (keeps && !options.checkpoint.resume) requireNewCheckpoint(options.checkpoint.file);
   adoptPlan(options);
@@ -162,7 +163,7 @@ int runCompute(ProgramOptions options) {
     if (estimate.interrupted && estimate.replicates < 2) return status;
     std::optional<ClosedFormFactors> closed;
     if (options.closure) closed = closeOrKeep(estimate.form_factors, options.outputs);
-    for (const std::string& output : options.outputs) writeFormFactors(estimate.form_factors, output, closed ? &closed->form_factors : nullptr);
+    writeOutputs(estimate.form_factors, options.outputs, closed ? &closed->form_factors : nullptr);
     if (options.json)
       fmt::print("{}", asJson(options.scene, session.device ? session.device->description().name : "none", estimate, seconds, is_at_rest ? engine.work() : nullptr,
                               closed ? &*closed : nullptr));
@@ -224,9 +225,9 @@ void addCompute(CLI::App& app, Run& chosen) {
       ->type_name("FILE")->allow_extra_args(false);
   command->add_flag("--closure", options->closure, "Closed scenes: also the nearest form factors whose rows sum to 1, beside those measured");
   addCheckpointOptions(command, options->checkpoint);
-  command->add_flag("--quiet", options->quiet, "Print nothing but errors and warnings");
-  command->add_flag("--verbose", options->verbose, "Print how work and memory are divided, too");
-  command->add_flag("--json", options->json, "Print the outcome and the work done as JSON");
+  CLI::Option* quiet = command->add_flag("--quiet", options->quiet, "Print nothing but errors and warnings");
+  CLI::Option* verbose = command->add_flag("--verbose", options->verbose, "Print how work and memory are divided, too")->excludes(quiet);
+  command->add_flag("--json", options->json, "Print the outcome and the work done as JSON")->excludes(quiet)->excludes(verbose);
   command->callback([=, &chosen] {
     settle(command, *options);
     chosen = [options] { return runCompute(*options); };
