@@ -18,7 +18,7 @@
 namespace viewpeel {
 namespace {
 
-constexpr double kFinestResolution = 1 << 14;  // corners keep 10 bits after the point
+constexpr double kFinestResolution = 1 << 14;  // asked for; steps of 4 end below 2^16, where corners keep 9 bits after the point
 constexpr double kBaseShare = 0.9;             // of the area, that the first group's resolution is fine enough for
 constexpr double kEpochGrowth = 1.15;          // of the blocks from one look at Bernstein's bound to the next
 constexpr uint64_t kPilot = uint64_t(1) << 40; // replicate numbers that no run reaches
