@@ -299,7 +299,7 @@ Load Planner::loadOf(const Shape& shape, double directions) const {
     const double resolution = resolutions[k];
     if (resolution > shape.base) fine[resolution] += size.area;
     load.variance = std::max(load.variance, latticeVariance(size.perimeter_per_area_squared, size.least_area, 2 / resolution));
-    load.line = std::max(load.line, 8 / (resolution * resolution * size.least_area));
+    load.line = std::max(load.line, 8 / (resolution * resolution * size.least_area) + 8 / 27.0);  // and half of what it counts with others (form_factors.cpp)
   }
   for (const auto& [resolution, share] : fine) load.points += resolution * resolution * std::min(1.0, 2 * share);  // tiles reach beyond their polygons
   load.groups += double(windowsOf(resolutions, shape.base));
