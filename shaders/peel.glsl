@@ -52,6 +52,7 @@ uint end_count;             // with scanlines
 uint fresh;                 // samples, a bit each, whose layers have not been counted yet
 uint64_t lost[kMostSteps];  // the nearest layer that found no room
 uint64_t farthest_emitter[kMostSteps], farthest_receiver[kMostSteps];
+uint block;                 // whose counters the tile adds to
 
 // One polygon on its way past the samples.
 struct Passing {
@@ -65,7 +66,7 @@ struct Passing {
 struct Tile {
   uint list_start, list_length, direction, weight;
   ivec2 corner;  // of the lattice: the least column and row, or the one row, of what is peeled
-  uint most_fragments, first_point;
+  uint first_point, most_fragments;
 };
 
 #include "slice.glsl"
@@ -148,10 +149,11 @@ void main() {
     uint active_tiles = status.at.active_tiles;
     if (place >= active_tiles || active_tiles >= kListsOverflowed) return;
   }
-  uvec4 texel = texelFetch(tile_texels, int(kTileTexels * place)), placed = texelFetch(tile_texels, int(kTileTexels * place + 1u));
-  uint first_point = kFragments ? texelFetch(tile_texels, int(kTileTexels * place + 2u)).x : 0u;
-  bool is_sorted = kSorted && placed.z != 0u;
-  Tile tile = Tile(texel.x, texel.y, texel.z, texel.w, ivec2(placed.xy) + ivec2(0, row), placed.w, first_point);
+  uvec4 texel = texelFetch(tile_texels, int(kTileTexels * place)), corner = texelFetch(tile_texels, int(kTileTexels * place + 1u));
+  uvec2 fragments_at = kFragments ? texelFetch(tile_texels, int(kTileTexels * place + 2u)).xy : uvec2(0);
+  bool is_sorted = kSorted && corner.z != 0u;
+  block = corner.w;
+  Tile tile = Tile(texel.x, texel.y, texel.z, texel.w, ivec2(corner.xy) + ivec2(0, row), fragments_at.x, fragments_at.y);
   bool cut = false;  // whether a loop ended before its time
   uint sample_count = lanes, polygon_count = tile.list_length, ups = tile.list_length, blocks_done = 0u;
   // Lattice points: a lane's column, and the row of its first sample; the others follow rows_per_step apart.

@@ -7,7 +7,7 @@ struct DirectionData {
   dvec3 u;
   dvec2 offset;  // lattice spacings
   uint weight;   // of every sample
-  uint padding;
+  uint block;    // that it is counted with
 };
 
 struct PolygonData {
@@ -222,9 +222,10 @@ struct ActiveTile {
   uint weight;      // of its samples
   int column, row;  // of the lattice, its least
   uint is_sorted;   // its list
-  uint most_fragments;  // of its lattice points
+  uint block;
   uint first_point;     // see ProjectArgs::fragments
-  uint padding[3];
+  uint most_fragments;  // of its lattice points
+  uint padding[2];
 };
 
 // An entry of a list that is to be sorted.
@@ -266,6 +267,7 @@ struct MeetArgs {
   uint id_count;
   uint tile_rows;
   uint counter_mask;
+  uint64_t block_bytes;
 };
 
 // A tile, or a row of it, whose layers one invocation could not get through.
@@ -292,6 +294,7 @@ struct PeelArgs {
   uint most_blocks;  // of polygons that one invocation goes through
   uint point_count;  // see ProjectArgs
   uint resumes;      // how many unfinished rows it works off; 0 where it begins
+  uint64_t block_bytes;  // of the dense counters of one block, which follow each other
 };
 
 // A cell has 8 x 8 blocks, one bit each: where the previous layer has no polygon, nothing is behind it, and polygons that can cover points of

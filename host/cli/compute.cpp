@@ -73,9 +73,7 @@ void tellInterruption(const ProgramOptions& options, uint64_t replicates) {
 }
 
 // A run that is gone on with keeps its plan: what a plan chose is among the settings of its checkpoint. What is said beside has to be the same there.
-void adoptPlan(ProgramOptions& options) {
-  if (!options.checkpoint.resume || !std::filesystem::exists(options.checkpoint.file)) return;
-  const Settings stored = readCheckpoint(options.checkpoint.file).settings;
+void adoptPlan(const Settings& stored, ProgramOptions& options) {
   const auto figureOf = [&](const char* name) {
     const auto at = std::find_if(stored.begin(), stored.end(), [&](const auto& setting) { return setting.first == name; });
     return at == stored.end() ? 0 : std::atof(at->second.c_str());
@@ -106,7 +104,6 @@ int runCompute(ProgramOptions options) {
   checkOutputs(options.outputs, options.checkpoint.file, options.closure);
   const bool keeps = !options.checkpoint.file.empty(), show_progress = !options.quiet && ::isatty(STDERR_FILENO);
   if (keeps && !options.checkpoint.resume) requireNewCheckpoint(options.checkpoint.file);
-  adoptPlan(options);
   ProgressLine progress(options.estimate);
   if (keeps || !options.outputs.empty())
     holdInterrupts([&] {
@@ -124,6 +121,11 @@ int runCompute(ProgramOptions options) {
   options.lattice.measure_work = options.json;
   const Session session(options);
   if (session.talks()) session.describe();
+  std::optional<CheckpointKeeper> keeper;
+  if (keeps) {
+    keeper.emplace(options.checkpoint, session.settings(), options.estimate.first_replicate);
+    adoptPlan(keeper->found(), options);
+  }
 
   const auto start = Clock::now();
   Plan plan;
@@ -142,14 +144,13 @@ int runCompute(ProgramOptions options) {
   Engine& engine = *planned;
   if (show_progress) fmt::print(stderr, "\r\033[K");
   if (session.talks()) fmt::print("{}", options.epsilon ? session.describe(guarantee) : session.describe(plan));
-  std::optional<CheckpointKeeper> keeper;
-  if (keeps) {
-    keeper.emplace(options.checkpoint, options.epsilon ? session.settings(guarantee) : session.settings(plan), options.estimate.first_replicate);
+  if (keeper) {
+    keeper->setSettings(options.epsilon ? session.settings(guarantee) : session.settings(plan));
     if (session.talks()) fmt::print("{}", keeper->describe());
   }
-  const RunSums* counted = nullptr;
+  const RunSums* last_sums = nullptr;
   const auto keep = [&](const RunSums& sums, bool last) {
-    counted = &sums;
+    last_sums = &sums;
     if (keeper) keeper->keep(sums, last);
   };
   const std::string division = engine.describePlan();
@@ -158,6 +159,9 @@ int runCompute(ProgramOptions options) {
   const auto conclude = [&](const Estimate& estimate, bool is_at_rest) {
     if (show_progress) fmt::print(stderr, "\r\033[K");
     const double seconds = secondsSince(start);
+    if (options.estimate.relative && !(estimate.largest_relative_error > 0))
+      fmt::print(stderr, "viewpeel: warning: no form factor reaches --floor {}, so that --relative {} asked for nothing; lower --floor, or ask by --tolerance\n",
+                 options.estimate.relative_floor, *options.estimate.relative);
     if (estimate.interrupted) tellInterruption(options, estimate.replicates);
     const int status = estimate.interrupted ? 128 + interruption() : keeper && !keeper->isKept() ? 1 : 0;
     if (estimate.interrupted && estimate.replicates < 2) return status;
@@ -170,15 +174,15 @@ int runCompute(ProgramOptions options) {
     if (!session.talks()) return status;
     if (options.verbose && is_at_rest && engine.describePlan() != division) fmt::print("after a trial\n{}", engine.describePlan());
     fmt::print("{}{}", describeResult(estimate), closed ? describeClosed(*closed) : "");
-    fmt::print("work       {} {}, {} directions, {:.2f} s\n", estimate.replicates, !options.epsilon ? "replicates" : options.statistic == Statistic::median ? "runs" : "blocks",
-               estimate.directions, seconds);
+    fmt::print("work       {}, {}, {:.2f} s\n", counted(estimate.replicates, !options.epsilon ? "replicate" : options.statistic == Statistic::median ? "run" : "block"),
+               counted(estimate.directions, "direction"), seconds);
     for (const std::string& output : options.outputs)
       for (const std::filesystem::path& file : filesOf(output, options.closure)) fmt::print("written    {}\n", file.string());
     return status;
   };
   const auto offer = [&](const std::function<Estimate()>& so_far) {
     offerResults([&, so_far] {
-      if (keeper && counted) keeper->keep(*counted, true);
+      if (keeper && last_sums) keeper->keep(*last_sums, true);
       Estimate estimate = so_far();
       estimate.interrupted = true;
       return conclude(estimate, false);

@@ -58,18 +58,27 @@ class InterruptibleEngine final : public Engine {
  public:
   explicit InterruptibleEngine(Engine& engine) : engine_(engine) {}
   PairCounts count(std::span<const Direction> directions) override {
-    if (!watch) return engine_.count(directions);
-    struct Rest {
-      Rest() { watch->at_work.unlock(); }
-      ~Rest() { watch->at_work.lock(); }
-    } rest;
-    return engine_.count(directions);
+    return atRest([&] { return engine_.count(directions); });
+  }
+  std::vector<PairCounts> countBlocks(std::span<const Direction> directions, size_t block_directions) override {
+    return atRest([&] { return engine_.countBlocks(directions, block_directions); });
   }
   double unitArea() const override { return engine_.unitArea(); }
   const Work* work() const override { return engine_.work(); }
   std::string describePlan() const override { return engine_.describePlan(); }
 
  private:
+  // While the engine counts, the results there are may be written.
+  template <class Count>
+  static auto atRest(const Count& count) {
+    if (!watch) return count();
+    struct Rest {
+      Rest() { watch->at_work.unlock(); }
+      ~Rest() { watch->at_work.lock(); }
+    } rest;
+    return count();
+  }
+
   Engine& engine_;
 };
 

@@ -14,9 +14,7 @@
 namespace viewpeel {
 namespace {
 
-constexpr int kStep = 4;  // between the resolutions of groups
 constexpr double kUsualWindowPoints = 2048;
-constexpr size_t kMostWindows = 32;  // each takes memory, compiles its kernels and projects the whole scene
 
 struct Box {
   glm::dvec3 low{2}, high{-2};
@@ -103,17 +101,23 @@ class GroupedEngine : public Engine {
     PairCounts sum;
     for (const Part& part : parts_) {
       PairCounts counts = part.engine->count(directions);
-      for (PairCount& count : counts) {
-        // Of all windows together a pair has little more than of the coarsest alone: twice that is within 64 bits.
-        if (std::max(count.count, count.blocked) > UINT64_MAX / 2 / part.weight)
-          throw Error(ErrorCode::bad_usage, fmt::format("{} directions at resolutions of {} and {} are too many to count in 64 bits; ask for fewer --directions and more --replicates, "
-                                                        "or a coarser --finest", directions.size(), part.resolution, finest_));
-        count.count *= part.weight;
-        count.blocked *= part.weight;
-      }
+      weigh(counts, part, directions.size());
       sum = addCounts(sum, counts);
     }
     return sum;
+  }
+
+  std::vector<PairCounts> countBlocks(std::span<const Direction> directions, size_t block_directions) override {
+    asked_ = directions.size();
+    std::vector<PairCounts> sums(directions.size() / block_directions);
+    for (const Part& part : parts_) {
+      std::vector<PairCounts> blocks = part.engine->countBlocks(directions, block_directions);
+      for (size_t k = 0; k < sums.size(); ++k) {
+        weigh(blocks[k], part, block_directions);
+        sums[k] = addCounts(sums[k], blocks[k]);
+      }
+    }
+    return sums;
   }
 
   double unitArea() const override {
@@ -134,7 +138,7 @@ class GroupedEngine : public Engine {
 
   std::string describePlan() const override {
     std::string text;
-    for (const Part& part : parts_) text += fmt::format("lattice    {} across, for {} polygons\n{}", part.resolution, part.polygons, part.engine->describePlan());
+    for (const Part& part : parts_) text += fmt::format("lattice    {} across, for {} polygon{}\n{}", part.resolution, part.polygons, part.polygons == 1 ? "" : "s", part.engine->describePlan());
     return text;
   }
 
@@ -145,6 +149,16 @@ class GroupedEngine : public Engine {
     size_t polygons;
     uint64_t weight;  // of its counts, in those of the finest
   };
+  void weigh(PairCounts& counts, const Part& part, size_t directions) const {
+    for (PairCount& count : counts) {
+      // Of all windows together a pair has little more than of the coarsest alone: twice that is within 64 bits.
+      if (std::max(count.count, count.blocked) > UINT64_MAX / 2 / part.weight)
+        throw Error(ErrorCode::bad_usage, fmt::format("{} directions at resolutions of {} and {} are too many to count in 64 bits; ask for fewer --directions and more --replicates, "
+                                                      "or a coarser --finest", directions, part.resolution, finest_));
+      count.count *= part.weight;
+      count.blocked *= part.weight;
+    }
+  }
   std::vector<Part> parts_;
   int finest_ = 1;
   uint64_t asked_ = 0;
@@ -154,19 +168,27 @@ class GroupedEngine : public Engine {
 }  // namespace
 
 std::vector<SizeGroup> groupBySize(const Scene& scene, const std::vector<double>& needed, int base) {
-  for (int finest = kMaxWindowResolution;; finest /= kStep) {
+  for (int finest = kMaxWindowResolution;; finest /= kGroupStep) {
     std::vector<SizeGroup> groups{{base, {}, {}}};
     std::map<int, std::vector<uint32_t>> fine;
     for (uint32_t k = 0; k < needed.size(); ++k) {
-      const double radius = boxOf(scene, k).radius();
+      const double radius = boxRadius(scene, k);
       int resolution = base;
-      while (resolution < needed[k] * kEnough && resolution <= finest / kStep && radius * resolution * kStep <= kMostWindowPoints) resolution *= kStep;
+      while (resolution < needed[k] * kEnough && resolution <= finest / kGroupStep && radius * resolution * kGroupStep <= kMostWindowPoints) resolution *= kGroupStep;
       (resolution == base ? groups[0].polygons : fine[resolution]).push_back(k);
     }
     for (auto& [resolution, polygons] : fine) split(scene, std::move(polygons), resolution, groups);
     if (groups.size() <= kMostWindows + 1 || fine.empty()) return groups;
   }
 }
+
+size_t countWindows(const Scene& scene, std::vector<uint32_t> polygons, int resolution) {
+  std::vector<SizeGroup> groups;
+  split(scene, std::move(polygons), resolution, groups);
+  return groups.size();
+}
+
+double boxRadius(const Scene& scene, uint32_t polygon_index) { return boxOf(scene, polygon_index).radius(); }
 
 std::unique_ptr<Engine> makeGroupedEngine(const Device& device, const Scene& scene, const Ids& ids, const LatticeOptions& options,
                                           const std::vector<SizeGroup>& groups) {

@@ -1,5 +1,6 @@
 #include "estimator/estimate.h"
 
+#include <algorithm>
 #include <chrono>
 
 #include "error.h"
@@ -20,8 +21,8 @@ Estimate estimateFormFactors(Engine& engine, const Scene& scene, const Ids& ids,
   RunSums sums = makeRunSums(scene, ids);
   double largest_error = 0, largest_relative_error = 0;
   const auto measureErrors = [&] {
-    largest_error = sums.by_id.largestStandardError(sums.measure_area);
-    largest_relative_error = sums.by_id.largestRelativeError(sums.measure_area, options.relative_floor);
+    largest_error = sums.by_id.largestStandardError(sums.measure_area, sums.countArea());
+    largest_relative_error = sums.by_id.largestRelativeError(sums.measure_area, options.relative_floor, sums.countArea());
   };
   if (options.resumed) {
     sums.add(*options.resumed);
@@ -63,12 +64,16 @@ Estimate estimateFormFactors(Engine& engine, const Scene& scene, const Ids& ids,
 }
 
 Estimate makeEstimate(const RunSums& sums, double relative_floor) {
-  return {sums.by_id.formFactors(sums.measure_area),
-          sums.by_surface.formFactors(sums.measure_area),
-          sums.replicateCount(),
-          sums.directions,
-          sums.by_id.largestStandardError(sums.measure_area),
-          sums.by_id.largestRelativeError(sums.measure_area, relative_floor)};
+  const double count_area = sums.countArea();
+  Estimate estimate{sums.by_id.formFactors(sums.measure_area, count_area),
+                    sums.by_surface.formFactors(sums.measure_area, count_area),
+                    sums.replicateCount(),
+                    sums.directions,
+                    sums.by_id.largestStandardError(sums.measure_area, count_area),
+                    sums.by_id.largestRelativeError(sums.measure_area, relative_floor, count_area)};
+  const std::vector<double>& areas = sums.by_id.ids().areas;
+  if (!std::isinf(count_area)) estimate.unmet_bound = unmetBound(*std::min_element(areas.begin(), areas.end()), count_area, double(sums.directions));
+  return estimate;
 }
 
 }  // namespace viewpeel

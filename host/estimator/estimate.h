@@ -63,6 +63,7 @@ struct Estimate {
   double largest_relative_error = 0;  // over form factors of at least relative_floor
   bool interrupted = false;           // goals may not be reached; standard errors are infinite where fewer than 2 replicates are done
   std::optional<Guarantee> guarantee;
+  double unmet_bound = INFINITY;  // on each form factor that no line met, from the smaller of its pair; 95 %
 };
 
 // The form factors and errors of what was counted.    Cost: O(nonzeros).

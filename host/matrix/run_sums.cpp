@@ -29,6 +29,10 @@ RunSums makeRunSums(const Scene& scene, const Ids& ids) {
   return {ReplicateSums(ids), ReplicateSums(std::move(surface_ids)), {}};
 }
 
+double RunSums::countArea() const {
+  return by_id.ids().asked.empty() && replicateCount() ? measure_area * double(directions) / double(replicateCount()) : INFINITY;
+}
+
 bool RunSums::isWhole() const {
   uint64_t count = 0;
   for (size_t k = 0; k < replicates.size(); ++k) {
