@@ -75,6 +75,10 @@ void tellInterruption(const ProgramOptions& options, uint64_t replicates) {
 void adoptPlan(ProgramOptions& options) {
   if (!options.checkpoint.resume || !std::filesystem::exists(options.checkpoint.file)) return;
   const Settings stored = readCheckpoint(options.checkpoint.file).settings;
+  if (options.closed_forms_by_default && options.closed_forms_possible) {
+    options.closed_forms = std::find(stored.begin(), stored.end(), std::pair<std::string, std::string>("--closed-forms", "on")) != stored.end();
+    options.closed_forms_by_default = false;
+  }
   const auto figureOf = [&](const char* name) {
     const auto at = std::find_if(stored.begin(), stored.end(), [&](const auto& setting) { return setting.first == name; });
     return at == stored.end() ? 0 : std::atof(at->second.c_str());
@@ -144,6 +148,19 @@ int runCompute(ProgramOptions options) {
   const std::string division = engine.describePlan();
   if (options.verbose && session.talks()) fmt::print("{}", division);
   std::fflush(stdout);
+  VisibleShares shares;
+  if (session.usesClosedForms() && !options.epsilon && !(keeper && keeper->resumed())) {
+    EstimateOptions pilot = options.estimate;
+    pilot.directions = plan.directions;
+    try {
+      shares = findVisibleShares(engine, *session.device, session.scene, session.face_ids, plan.groups, pilot);
+    } catch (const Interrupted&) {
+      tellInterruption(options, 0);
+      return 128 + interruption();
+    }
+    if (session.talks()) fmt::print("{}", session.describe(shares));
+    std::fflush(stdout);
+  }
   const auto estimateAsAsked = [&] {
     if (options.epsilon) {
       GuaranteeOptions asked = session.guaranteeOptions();
@@ -157,16 +174,12 @@ int runCompute(ProgramOptions options) {
     }
     EstimateOptions asked = options.estimate;
     asked.directions = plan.directions;
-    if (session.usesClosedForms()) {
-      const VisibleShares known = findVisibleShares(engine, *session.device, session.scene, session.face_ids, asked);
-      if (session.talks()) fmt::print("{}", session.describe(known));
-      if (asked.seconds) asked.seconds = std::max(*asked.seconds - secondsSince(start), 1e-3);
-      return estimateVisibleShares(engine, session.scene, session.face_ids, options.by, asked, known);
-    }
     asked.resumed = keeper ? keeper->resumed() : nullptr;
     asked.on_sums = keep;
+    asked.by = options.by;
+    asked.known = session.usesClosedForms() ? &shares.known : nullptr;
     if (asked.seconds) asked.seconds = std::max(*asked.seconds - secondsSince(start), 1e-3);
-    return estimateFormFactors(engine, session.scene, session.ids, asked);
+    return estimateFormFactors(engine, session.scene, session.usesClosedForms() ? session.face_ids : session.ids, asked);
   };
   const Estimate estimate = estimateAsAsked();
   if (show_progress) fmt::print(stderr, "\r\033[K");

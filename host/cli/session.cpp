@@ -174,8 +174,12 @@ std::string Session::describe(const GuaranteePlan& plan) const {
 
 std::string Session::describe(const VisibleShares& known) const {
   uint64_t whole = 0;
-  for (const PairShare& share : known.shares) whole += share.share == kShareOne;
-  return fmt::format("closed     forms of {} pairs of polygons in {:.2g} s; {} were never blocked in a pilot of {:.2g} s{}\n", known.shares.size(), known.closed_form_seconds, whole,
+  uint64_t pairs = 0;
+  for (const KnownPair& pair : known.known.pairs) {
+    pairs += pair.j < kEnvironment;
+    whole += pair.j < kEnvironment && pair.share == kShareOne;
+  }
+  return fmt::format("closed     forms of {} pairs of polygons in {:.2g} s; {} were never blocked in a pilot of {:.2g} s{}\n", pairs, known.closed_form_seconds, whole,
                      known.pilot_seconds, known.unreached ? fmt::format("; {} more are sampled alone", known.unreached) : "");
 }
 
@@ -192,6 +196,7 @@ Settings Session::settings() const {
       {"--blocker", fmt::format("{}", fmt::join(question.blockers, ", "))},
       {"--seed", std::to_string(options.estimate.seed)},
       {"--sampling", !device ? "exact areas" : options.lattice.sampling == Sampling::scanline ? "scanline" : "lattice"},
+      {"--closed-forms", usesClosedForms() ? "on" : "off"},
   };
 }
 
@@ -274,14 +279,14 @@ void settle(const CLI::App* command, ProgramOptions& options) {
   options.plans = command->get_option("--directions")->count() == 0;
   if (options.finest && (options.plans || !options.resolution)) throw Error(ErrorCode::bad_usage, "--finest needs --directions and --resolution");
   const EstimateOptions& e = options.estimate;
-  const bool can_use = options.engine == EngineKind::compute && options.lattice.sampling == Sampling::lattice && options.question.isEverything() && !options.epsilon &&
-                       options.checkpoint.file.empty() && !e.first_replicate;
+  const bool can_use = options.engine == EngineKind::compute && options.question.isEverything() && !options.epsilon;
   if (options.closed_forms.value_or(false) && !can_use)
-    throw Error(ErrorCode::bad_usage, "--closed-forms on needs an estimate of the whole matrix by --engine compute and --sampling lattice, without --checkpoint");
+    throw Error(ErrorCode::bad_usage, "--closed-forms on needs an estimate of the whole matrix by --engine compute");
   // Between surfaces counts vary less than their parts: there shares pay for small tolerances only. Where lines meet many fronts, as with two-sided polygons, blocked pairs
   // cost more than they gain (README).
   const bool pays = !options.two_sided && (options.by == By::polygon || (e.tolerance && *e.tolerance <= kSurfaceShareTolerance));
   options.closed_forms_by_default = !options.closed_forms.has_value();
+  options.closed_forms_possible = can_use;
   options.closed_forms = options.closed_forms.value_or(options.plans && can_use && pays);
   for (const char* name : {"--delta", "--statistic", "--range", "--block"})
     if (!options.epsilon && command->get_option(name)->count()) throw Error(ErrorCode::bad_usage, fmt::format("{} is of a guarantee; give its --epsilon", name));

@@ -18,8 +18,16 @@ Estimate estimateFormFactors(Engine& engine, const Scene& scene, const Ids& ids,
   };
   const double count_area = engine.unitArea() * scene.scale * scene.scale / options.directions;
   RunSums sums = makeRunSums(scene, ids);
+  if (options.known && !options.resumed) sums.visible.emplace(sums.by_id.ids(), sums.by_surface.ids(), options.by, *options.known);
   double largest_error = 0, largest_relative_error = 0;
   const auto measureErrors = [&] {
+    if (sums.visible) {
+      if (sums.replicateCount() < options.replicates && !options.on_replicate) return;  // nobody asks
+      const FormFactors so_far = sums.formFactors();
+      largest_error = largestStandardError(so_far);
+      largest_relative_error = largestRelativeError(so_far, options.relative_floor);
+      return;
+    }
     largest_error = sums.by_id.largestStandardError(sums.measure_area);
     largest_relative_error = sums.by_id.largestRelativeError(sums.measure_area, options.relative_floor);
   };
@@ -62,12 +70,9 @@ Estimate estimateFormFactors(Engine& engine, const Scene& scene, const Ids& ids,
 }
 
 Estimate makeEstimate(const RunSums& sums, double relative_floor) {
-  return {sums.by_id.formFactors(sums.measure_area),
-          sums.by_surface.formFactors(sums.measure_area),
-          sums.replicateCount(),
-          sums.directions,
-          sums.by_id.largestStandardError(sums.measure_area),
-          sums.by_id.largestRelativeError(sums.measure_area, relative_floor)};
+  FormFactors form_factors = sums.formFactors();
+  const double largest_error = largestStandardError(form_factors), largest_relative_error = largestRelativeError(form_factors, relative_floor);
+  return {std::move(form_factors), sums.betweenSurfaces(), sums.replicateCount(), sums.directions, largest_error, largest_relative_error};
 }
 
 }  // namespace viewpeel

@@ -36,6 +36,9 @@ struct EstimateOptions {
   uint64_t first_replicate = 0;
   // Go on after these, which count towards `replicates`: first_replicate and those that follow it, of the same scene, ids and options. May be nullptr.
   const RunSums* resumed = nullptr;
+  // Closed forms times visible shares (visible_share.h), which need an engine and ids by face; goals and the result are those of `by`. May be nullptr.
+  const KnownShares* known = nullptr;
+  By by = By::polygon;
   std::function<void(const EstimateProgress&)> on_replicate;  // may be empty
   // Told the sums after every replicate, and once more with `last` when there will be no further one, be it for an error; may be empty.
   std::function<void(const RunSums& sums, bool last)> on_sums;
