@@ -245,11 +245,14 @@ TEST(VisibleShare, PairsThatNoLineMetAreUncertain) {
   const EstimateOptions options{.directions = 1, .replicates = 2};
   const VisibleShares shares = made.find(options);
   EXPECT_TRUE(shares.known.has_all_pairs);
-  const Estimate few = made.estimate(options), sampled = estimateFormFactors(*made.engine, made.scene, made.ids, options);
+  std::optional<FormFactors> with_unseen;
+  EstimateOptions watched = options;
+  watched.on_sums = [&](const RunSums& sums, bool) { with_unseen = sums.formFactors(); };
+  const Estimate few = made.estimate(watched), sampled = estimateFormFactors(*made.engine, made.scene, made.ids, options);
   const double line = 2 * made.engine->unitArea() * made.scene.scale * made.scene.scale / 2;
   size_t unmet = 0;
   for (const KnownPair& pair : shares.known.pairs) {
-    const Measured seen = sampled.form_factors.exchangeArea(pair.i, pair.j), f = few.form_factors.exchangeArea(pair.i, pair.j);
+    const Measured seen = sampled.form_factors.exchangeArea(pair.i, pair.j), f = with_unseen->exchangeArea(pair.i, pair.j);
     if (pair.j >= kEnvironment || pair.share || seen.value > 0) continue;
     ++unmet;
     EXPECT_EQ(f.value, 0);
@@ -257,6 +260,8 @@ TEST(VisibleShare, PairsThatNoLineMetAreUncertain) {
     EXPECT_GE(few.largest_standard_error, f.standard_error / std::min(made.ids.areas[pair.i], made.ids.areas[pair.j]));
   }
   EXPECT_GT(unmet, 20u);
+  EXPECT_GE(few.unseen_pairs, unmet);
+  EXPECT_TRUE(std::none_of(few.form_factors.entries().begin(), few.form_factors.entries().end(), [](const auto& entry) { return entry.exchange_area.value == 0; }));
   // Every pair that counts see is among those known.
   const Estimate many = estimateFormFactors(*made.engine, made.scene, made.ids, {.directions = 2000});
   for (const auto& entry : many.form_factors.entries()) {

@@ -1,10 +1,21 @@
 #include "estimator/estimate.h"
 
+#include <algorithm>
 #include <chrono>
+#include <iterator>
 
 #include "error.h"
 
 namespace viewpeel {
+namespace {
+
+FormFactors keepSeen(const FormFactors& all) {
+  std::vector<FormFactors::Entry> seen;
+  std::copy_if(all.entries().begin(), all.entries().end(), std::back_inserter(seen), [](const FormFactors::Entry& entry) { return entry.exchange_area.value > 0; });
+  return {all.ids(), std::move(seen), all.rowSums()};
+}
+
+}  // namespace
 
 Estimate estimateFormFactors(Engine& engine, const Scene& scene, const Ids& ids, const EstimateOptions& options) {
   if (options.directions < 1) throw Error(ErrorCode::bad_usage, "0 directions per replicate; ask for at least 1");
@@ -70,9 +81,15 @@ Estimate estimateFormFactors(Engine& engine, const Scene& scene, const Ids& ids,
 }
 
 Estimate makeEstimate(const RunSums& sums, double relative_floor) {
-  FormFactors form_factors = sums.formFactors();
-  const double largest_error = largestStandardError(form_factors), largest_relative_error = largestRelativeError(form_factors, relative_floor);
-  return {std::move(form_factors), sums.betweenSurfaces(), sums.replicateCount(), sums.directions, largest_error, largest_relative_error};
+  const FormFactors all = sums.formFactors();
+  Estimate estimate{keepSeen(all), keepSeen(sums.betweenSurfaces()), sums.replicateCount(), sums.directions, largestStandardError(all), largestRelativeError(all, relative_floor)};
+  for (const FormFactors::Entry& entry : all.entries()) {
+    if (entry.exchange_area.value > 0 || entry.j >= kEnvironment) continue;
+    ++estimate.unseen_pairs;
+    const double area = std::min(all.ids().areas[entry.i], all.ids().areas[entry.j]);
+    estimate.largest_unseen_error = std::max(estimate.largest_unseen_error, entry.exchange_area.standard_error / area);
+  }
+  return estimate;
 }
 
 }  // namespace viewpeel

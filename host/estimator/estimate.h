@@ -62,6 +62,9 @@ struct Estimate {
   double largest_relative_error = 0;  // over form factors of at least relative_floor
   bool interrupted = false;           // goals may not be reached; standard errors are infinite where fewer than 2 replicates are done
   std::optional<Guarantee> guarantee;
+  // Pairs of ids that can see each other by their closed forms, and were never seen: form factors of 0, whose standard errors count among the largest.
+  uint64_t unseen_pairs = 0;
+  double largest_unseen_error = 0;
 };
 
 // The form factors and errors of what was counted.    Cost: O(nonzeros).

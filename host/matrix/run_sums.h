@@ -36,7 +36,7 @@ struct RunSums {
   //   Cost: O(nonzeros).
   void add(const RunSums& others);
 
-  // What was counted comes to: with closed forms where there are, then of the ids asked for (VisibleSums::by), else of by_id.
+  // What was counted comes to: with closed forms where there are, then of the ids asked for (VisibleSums::by) and with entries of 0 for pairs never seen, else of by_id.
   FormFactors formFactors() const;
   FormFactors betweenSurfaces() const;
 };
