@@ -31,6 +31,7 @@ void main() {
   found.list_length = count;
   found.direction = direction;
   found.weight = Directions(args.directions).at[direction].weight;
+  found.block = Directions(args.directions).at[direction].block;
   found.column = int(x * args.tile_width) - int(args.tiles_wide * args.tile_width / 2u);
   found.row = int(y * args.tile_rows) - int(args.tiles_high * args.tile_rows / 2u);
   ActiveTiles(args.active_tiles).at[place] = found;

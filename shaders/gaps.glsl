@@ -14,7 +14,7 @@ uint idOf(uint layer_polygon) {
   return kIdsAreIndices ? layer_polygon - 1u : fetchId(layer_polygon - 1u);
 }
 
-Counters peelCounters() { return Counters(args.counters, args.status, args.id_count, args.counter_mask, kSparse, kCountsBlocked ? 2u : 1u); }
+Counters peelCounters() { return Counters(args.counters + uint64_t(block) * args.block_bytes, args.status, args.id_count, args.counter_mask, kSparse, kCountsBlocked ? 2u : 1u); }
 
 // Adds up what neighbouring lanes with the same pair have: the first of a run adds for all.
 void addRuns(bool has, uvec2 pair, uint weight, uint lane) {

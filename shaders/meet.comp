@@ -65,9 +65,10 @@ void main() {
   parties.farther_end = min(parties.farther + kMostFarther, meeting.farther_end);
   parties.direction = tile.z;
   parties.weight = tile.w;
-  parties.corner = ivec2(texelFetch(tile_texels, int(2u * meeting.tile + 1u)).xy);
+  uvec4 corner = texelFetch(tile_texels, int(2u * meeting.tile + 1u));  // column, row, is_sorted, block
+  parties.corner = ivec2(corner.xy);
   if (parties.farther >= parties.farther_end) return;
-  Counters counters = Counters(args.counters, args.status, args.id_count, args.counter_mask, kSparse, 2u);
+  Counters counters = Counters(args.counters + uint64_t(corner.w) * args.block_bytes, args.status, args.id_count, args.counter_mask, kSparse, 2u);
   uint steps = 0u;
   bool cut = false;
   addMet(parties, counters, false, steps, cut);

@@ -49,6 +49,7 @@ uint end_count;             // with scanlines
 uint fresh;                 // samples, a bit each, whose layers have not been counted yet
 uint64_t lost[kMostSteps];  // the nearest layer that found no room
 uint64_t farthest_emitter[kMostSteps], farthest_receiver[kMostSteps];
+uint block;                 // whose counters the tile adds to
 
 // One polygon on its way past the samples.
 struct Passing {
@@ -132,9 +133,10 @@ void main() {
     if (place >= active_tiles || active_tiles >= kListsOverflowed) return;
   }
   uvec4 texel = texelFetch(tile_texels, int(2u * place));
-  uvec2 corner = texelFetch(tile_texels, int(2u * place + 1u)).xy;
-  bool is_sorted = kSorted && texelFetch(tile_texels, int(2u * place + 1u)).z != 0u;
-  Tile tile = Tile(texel.x, texel.y, texel.z, texel.w, ivec2(corner) + ivec2(0, row));
+  uvec4 corner = texelFetch(tile_texels, int(2u * place + 1u));
+  bool is_sorted = kSorted && corner.z != 0u;
+  block = corner.w;
+  Tile tile = Tile(texel.x, texel.y, texel.z, texel.w, ivec2(corner.xy) + ivec2(0, row));
   bool cut = false;  // whether a loop ended before its time
   uint sample_count = lanes, polygon_count = tile.list_length, ups = tile.list_length, blocks_done = 0u;
   // Lattice points: a lane's column, and the row of its first sample; the others follow rows_per_step apart.

@@ -7,7 +7,7 @@ struct DirectionData {
   dvec3 u;
   dvec2 offset;  // lattice spacings
   uint weight;   // of every sample
-  uint padding;
+  uint block;    // that it is counted with
 };
 
 struct PolygonData {
@@ -207,7 +207,7 @@ struct ActiveTile {
   uint weight;      // of its samples
   int column, row;  // of the lattice, its least
   uint is_sorted;   // its list
-  uint padding;
+  uint block;
 };
 
 // An entry of a list that is to be sorted.
@@ -249,6 +249,7 @@ struct MeetArgs {
   uint id_count;
   uint tile_rows;
   uint counter_mask;
+  uint64_t block_bytes;
 };
 
 // A tile, or a row of it, whose layers one invocation could not get through.
@@ -274,6 +275,7 @@ struct PeelArgs {
   uint counts_environment;
   uint most_blocks;  // of polygons that one invocation goes through
   uint resumes;      // how many unfinished rows it works off; 0 where it begins
+  uint64_t block_bytes;  // of the dense counters of one block, which follow each other
 };
 
 // A cell has 8 x 8 blocks, one bit each: where the previous layer has no polygon, nothing is behind it, and polygons that can cover points of

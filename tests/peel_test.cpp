@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "cpu_twin.h"
+#include "engines/compute_engine.h"
+#include "engines/pair_counters.h"
 #include "scenes.h"
 #include "test_device.h"
 
@@ -53,6 +55,30 @@ TEST(Peel, CountsAreThoseOfTheCpuTwin) {
     expectTwinAgrees(ts::triangleSoup(60, 0.5, 3), directions, one_sided);
     expectTwinAgrees(ts::triangleSoup(60, 0.5, 4), directions, two_sided);
   }
+}
+
+// Blocks with counters of their own on the device, more than fit at once, too; hashed counters take them one by one.
+TEST(Peel, BlocksAreCountedApart) {
+  const Scene scene = buildScene(ts::triangleSoup(60, 0.5, 3));
+  const Ids ids = makeIds(scene, By::polygon, false);
+  const auto directions = sampleDirections(Sampler::iid, 3 * 1030, 7, 0);
+  for (const bool blocked : {false, true})
+    for (const Sampling sampling : {Sampling::lattice, Sampling::scanline})
+      for (const uint64_t budget : {uint64_t(0), uint64_t(1)}) {
+        const LatticeOptions options{.resolution = 5, .sampling = sampling, .count_blocked = blocked, .counter_budget_bytes = budget};
+        const auto engine = makeComputeEngine(testDevice(), scene, ids, options);
+        const size_t block_count = budget ? 4 : 1030;
+        const auto blocks = engine->countBlocks(std::span(directions).first(3 * block_count), 3);
+        ASSERT_EQ(blocks.size(), block_count);
+        PairCounts sum;
+        for (size_t k = 0; k < block_count; ++k) {
+          sum = addCounts(sum, blocks[k]);
+          if (k % 103 > 1) continue;
+          EXPECT_EQ(blocks[k], engine->count(std::span(directions).subspan(3 * k, 3))) << k;
+        }
+        EXPECT_EQ(sum, engine->count(std::span(directions).first(3 * block_count)));
+        EXPECT_NE(blocks[0], blocks[1]);
+      }
 }
 
 // Along the axes polygons are edge-on, depths tie and lattice points fall on edges.

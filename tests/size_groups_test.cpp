@@ -106,7 +106,12 @@ TEST(SizeGroups, CountsAreThoseOfTheCpuTwin) {
       }
       PairCounts twin;
       for (const auto& [pair, count] : expected) twin.push_back({pair.first, pair.second, count});
-      EXPECT_EQ(makeGroupedEngine(testDevice(), scene, makeIds(scene, by, false), {}, groups)->count(directions), twin);
+      const auto engine = makeGroupedEngine(testDevice(), scene, makeIds(scene, by, false), {}, groups);
+      EXPECT_EQ(engine->count(directions), twin);
+      const size_t half = directions.size() / 2;
+      const auto halves = engine->countBlocks(directions, half);
+      ASSERT_EQ(halves.size(), 2u);
+      for (size_t k = 0; k < 2; ++k) EXPECT_EQ(halves[k], engine->count(std::span(directions).subspan(k * half, half)));
     }
 }
 

@@ -55,6 +55,7 @@ struct Batch {
   std::array<Buffer, 2> unfinished, reached;
   uint32_t list_capacity = 0;
   std::span<const Direction> asked;
+  uint64_t first = 0;  // of them, in the call
   bool in_flight = false;
 };
 
@@ -95,6 +96,7 @@ class ComputeEngine : public Engine {
   ComputeEngine(const Device& device, const Scene& scene, const Ids& ids, const LatticeOptions& options);
   ~ComputeEngine() override;
   PairCounts count(std::span<const Direction> directions) override;
+  std::vector<PairCounts> countBlocks(std::span<const Direction> directions, size_t block_directions) override;
   double unitArea() const override { return pointArea(options_.resolution) / double(1 << column_bits_); }
   const Work* work() const override { return options_.measure_work ? &work_ : nullptr; }
   std::string describePlan() const override;
@@ -105,6 +107,7 @@ class ComputeEngine : public Engine {
   void retune(const BatchStatus& found);
   void makeBatches();
   void makeLists(Batch& batch, uint64_t capacity);
+  void countInto(std::span<const Direction> directions, size_t block_directions);
   bool countAll(std::span<const Direction> directions);
   void submit(Batch& batch);
   bool finish(Batch& batch);
@@ -134,6 +137,7 @@ class ComputeEngine : public Engine {
   bool must_grow_ = false;  // the hash table
   bool tuned_ = false;
   uint64_t counted_ = 0;  // directions of this call
+  uint64_t block_directions_ = 1;
   BatchStatus first_found_{};
   Work work_;
 };
@@ -278,11 +282,30 @@ uint64_t ComputeEngine::listEntryBytes() const {
 }
 
 PairCounts ComputeEngine::count(std::span<const Direction> directions) {
+  countInto(directions, std::max<size_t>(directions.size(), 1));
+  return counters_.finish(commands_);
+}
+
+std::vector<PairCounts> ComputeEngine::countBlocks(std::span<const Direction> directions, size_t block_directions) {
+  const size_t at_once = counters_.mostBlocks() * block_directions;
+  if (at_once == block_directions) return Engine::countBlocks(directions, block_directions);
+  std::vector<PairCounts> blocks;
+  for (size_t first = 0; first < directions.size(); first += at_once) {
+    countInto(directions.subspan(first, std::min(at_once, directions.size() - first)), block_directions);
+    std::ranges::move(counters_.finishBlocks(commands_), std::back_inserter(blocks));
+  }
+  return blocks;
+}
+
+// Counts every block into counters of its own.
+void ComputeEngine::countInto(std::span<const Direction> directions, size_t block_directions) {
+  block_directions_ = block_directions;
+  const uint32_t blocks = std::max(divideUp(directions.size(), block_directions), 1u);
   for (Batch& batch : batches_) {  // what a call that ended in an error left running
     if (batch.in_flight) batch.commands.wait();
     batch.in_flight = false;
   }
-  counters_.start(commands_);
+  counters_.start(commands_, blocks);
   const Work work_before = work_;
   while (!countAll(directions)) {
     const uint64_t repeats = work_.repeats;
@@ -290,9 +313,8 @@ PairCounts ComputeEngine::count(std::span<const Direction> directions) {
     work_.repeats = repeats;
     if (must_grow_) counters_.enlarge();
     must_grow_ = false;
-    counters_.start(commands_);
+    counters_.start(commands_, blocks);
   }
-  return counters_.finish(commands_);
 }
 
 // False where what was counted is lost, because the hash table or peel's work had to be given more room.
@@ -310,6 +332,7 @@ bool ComputeEngine::countAll(std::span<const Direction> directions) {
     }
     if (!complete || done == directions.size()) continue;
     batch.asked = directions.subspan(done, std::min<size_t>(tuned_ ? batch_size_ : std::min(batch_size_, kTrialDirections), directions.size() - done));
+    batch.first = done;
     done += batch.asked.size();
     submit(batch);
     if (tuned_) continue;
@@ -330,14 +353,14 @@ void ComputeEngine::bindTexels(Batch& batch, const Kernel& kernel, const Buffer&
 PeelArgs ComputeEngine::peelArgs(const Batch& batch) const {
   return {batch.unfinished[1].address(), batch.reached[1].address(), batch.unfinished[0].address(), batch.reached[0].address(), batch.status.address(),
           counters_.address(), scene_.polygon_count, counters_.idCount(), tuning_.tile_width, tuning_.tile_rows, column_bits_, counters_.mask(),
-          counts_environment_ ? 1u : 0u, tuning_.most_blocks, 0};
+          counts_environment_ ? 1u : 0u, tuning_.most_blocks, 0, counters_.blockBytes()};
 }
 
 void ComputeEngine::submit(Batch& batch) {
   const auto direction_count = static_cast<uint32_t>(batch.asked.size());
   const uint32_t tile_count = direction_count * tiles_wide_ * tiles_high_;
   Commands& commands = batch.commands;
-  writeDirections(batch.asked, options_.resolution, options_.window, batch.directions);
+  writeDirections(batch.asked, options_.resolution, options_.window, batch.directions, batch.first, block_directions_);
 
   commands.begin();
   batch.timestamps.reset(commands.handle());
@@ -391,7 +414,7 @@ void ComputeEngine::submit(Batch& batch) {
   endPass();
   if (meets()) {
     const MeetArgs meet{batch.covers.address(), batch.cover_polygons.address(), batch.meetings.address(), batch.status.address(), counters_.address(),
-                        scene_.polygon_count, counters_.idCount(), tuning_.tile_rows, counters_.mask()};
+                        scene_.polygon_count, counters_.idCount(), tuning_.tile_rows, counters_.mask(), counters_.blockBytes()};
     commands.bind(cover_, VK_PIPELINE_BIND_POINT_COMPUTE);
     bindTexels(batch, cover_, batch.lists);
     commands.dispatchIndirect(cover_, meet, batch.status, offsetof(BatchStatus, peel_groups));

@@ -2,6 +2,7 @@
 #pragma once
 #include <span>
 #include <string>
+#include <vector>
 
 #include "directions/direction.h"
 #include "engines/work.h"
@@ -18,6 +19,14 @@ class Engine {
   //   In: directions, any number    Out: counts; area in P(u) = count x unitArea()
   //   Throws: Error device, Error limit.
   virtual PairCounts count(std::span<const Direction> directions) = 0;
+
+  // The same of every block_directions of them, in order: what count() says of each.
+  //   In: a multiple of block_directions    Throws: as count().
+  virtual std::vector<PairCounts> countBlocks(std::span<const Direction> directions, size_t block_directions) {
+    std::vector<PairCounts> blocks;
+    for (size_t first = 0; first < directions.size(); first += block_directions) blocks.push_back(count(directions.subspan(first, block_directions)));
+    return blocks;
+  }
 
   // Area of one count, unit-ball units squared.
   virtual double unitArea() const = 0;

@@ -155,7 +155,7 @@ PairCounts GraphicsEngine::count(std::span<const Direction> directions) {
 
 void GraphicsEngine::countBatch(std::span<const Direction> directions) {
   const auto direction_count = static_cast<uint32_t>(directions.size());
-  writeDirections(directions, options_.resolution, {}, directions_);
+  writeDirections(directions, options_.resolution, {}, directions_, 0, directions.size());
   commands_.begin();
   ProjectArgs project{edges_.address(), projected_.address(),
                       outlines_.address(), scene_.polygon_count, scene_.corner_count, direction_count, options_.resolution, fraction_bits_, 0, cell_size_,

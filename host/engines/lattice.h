@@ -30,7 +30,8 @@ inline double pointArea(int resolution) { return 4.0 / (double(resolution) * res
 
 // DirectionData[directions.size()] into an upload buffer; the lattice's origin goes to the middle of the window,
 // within a spacing: the lattice itself is that of the direction, the same in all windows of a resolution.
-void writeDirections(std::span<const Direction> directions, int resolution, const Window& window, Buffer& buffer);
+//   In: first: how many directions came before; block_directions: of each block
+void writeDirections(std::span<const Direction> directions, int resolution, const Window& window, Buffer& buffer, uint64_t first, uint64_t block_directions);
 
 constexpr uint32_t divideUp(uint64_t value, uint64_t by) { return static_cast<uint32_t>((value + by - 1) / by); }
 

@@ -13,6 +13,7 @@ namespace {
 
 constexpr uint32_t kFirstCapacity = 1u << 20, kMostCapacity = 1u << 31;
 constexpr uint64_t kReadBytes = 32u << 20;  // at a time
+constexpr uint64_t kMostBlocks = 1024;
 
 uint64_t denseCount(uint32_t id_count) { return device_data::counterIndex(id_count - 1, id_count + 1, id_count) + 1; }
 
@@ -40,16 +41,22 @@ uint64_t PairCounters::sizeBytes() const { return counters_.sizeBytes() + kReadB
 void PairCounters::allocate() {
   if (isSparse()) counter_count_ = capacity_;
   counters_ = Buffer();  // room for the next
-  counters_ = Buffer(device_, counter_count_ * wordsEach() * sizeof(uint64_t), MemoryUse::device);
+  counters_ = Buffer(device_, blocks_ * blockBytes(), MemoryUse::device);
 }
 
-void PairCounters::start(Commands& commands) {
+uint32_t PairCounters::mostBlocks() const {
+  return isSparse() ? 1 : static_cast<uint32_t>(std::clamp<uint64_t>(std::min(kReadBytes, device_.maxAllocationBytes()) / blockBytes(), 1, kMostBlocks));
+}
+
+void PairCounters::start(Commands& commands, uint32_t blocks) {
   drained_.clear();
+  blocks_ = blocks;
+  if (blocks * blockBytes() > counters_.sizeBytes()) allocate();
   clear(commands);
 }
 
 void PairCounters::makeRoom(Commands& commands) {
-  drained_ = addCounts(drained_, read(commands));
+  drained_ = addCounts(drained_, read(commands)[0]);
   try {
     enlarge();
   } catch (const Error&) {
@@ -71,26 +78,38 @@ void PairCounters::enlarge() {
 }
 
 PairCounts PairCounters::finish(Commands& commands) {
-  PairCounts counts = addCounts(drained_, read(commands));
+  PairCounts counts = addCounts(drained_, read(commands)[0]);
+  takeBlocked(counts);
+  return counts;
+}
+
+std::vector<PairCounts> PairCounters::finishBlocks(Commands& commands) {
+  std::vector<PairCounts> blocks = read(commands);
+  for (PairCounts& counts : blocks) takeBlocked(counts);
+  return blocks;
+}
+
+// Of all lines on which two face each other leaves those that are blocked.
+void PairCounters::takeBlocked(PairCounts& counts) const {
   for (PairCount& count : counts)
     if (counts_blocked_ && count.j < kEnvironment) count.blocked -= count.count;
-  return counts;
 }
 
 void PairCounters::clear(Commands& commands) {
   commands.begin();
-  commands.fill(counters_, 0);
+  commands.fill(counters_, 0, blocks_ * blockBytes());
   commands.submitAndWait();
   pairs_ = 0;
 }
 
-PairCounts PairCounters::read(Commands& commands) {
-  PairCounts counts;
+std::vector<PairCounts> PairCounters::read(Commands& commands) {
+  std::vector<PairCounts> blocks(blocks_);
   const std::span<uint64_t> words = read_back_.mapped<uint64_t>();
   const uint64_t words_each = wordsEach(), bytes_each = words_each * sizeof(uint64_t), at_once = kReadBytes / bytes_each;
-  uint32_t i = 0, column = 0;  // of the dense counter next in order
-  for (uint64_t first = 0; first < counter_count_; first += at_once) {
-    const uint64_t count = std::min(at_once, counter_count_ - first);
+  uint32_t i = 0, column = 0, block = 0;  // of the dense counter next in order
+  const uint64_t all = blocks_ * counter_count_;
+  for (uint64_t first = 0; first < all; first += at_once) {
+    const uint64_t count = std::min(at_once, all - first);
     commands.begin();
     commands.copy(counters_, read_back_, count * bytes_each, first * bytes_each, 0);
     commands.submitAndWait();
@@ -100,21 +119,25 @@ PairCounts PairCounters::read(Commands& commands) {
       const uint64_t in_all = counts_blocked_ ? numbers[1] : 0;
       if (isSparse()) {
         const uint64_t pair = ~record[0];
-        if (record[0]) counts.push_back({static_cast<uint32_t>(pair >> 32), static_cast<uint32_t>(pair), numbers[0], in_all});
+        if (record[0]) blocks[0].push_back({static_cast<uint32_t>(pair >> 32), static_cast<uint32_t>(pair), numbers[0], in_all});
         continue;
       }
-      if (numbers[0] || in_all) counts.push_back({i, column == id_count_ ? kEnvironment : column > id_count_ ? kLeak : column, numbers[0], in_all});
-      if (++column == id_count_ + 2) column = ++i;
+      if (numbers[0] || in_all) blocks[block].push_back({i, column == id_count_ ? kEnvironment : column > id_count_ ? kLeak : column, numbers[0], in_all});
+      if (++column < id_count_ + 2) continue;
+      column = ++i;
+      if (i == id_count_) i = column = 0, ++block;
     }
   }
-  if (!isSparse()) return counts;
+  if (!isSparse()) return blocks;
+  PairCounts& counts = blocks[0];
   std::sort(counts.begin(), counts.end(), isBefore);
   PairCounts merged;  // a pair may have got two places where two invocations met it at once
   for (const PairCount& count : counts) {
     if (!merged.empty() && !isBefore(merged.back(), count)) merged.back().add(count);
     else merged.push_back(count);
   }
-  return merged;
+  counts = std::move(merged);
+  return blocks;
 }
 
 PairCounts addCounts(const PairCounts& a, const PairCounts& b) {

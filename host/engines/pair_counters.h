@@ -7,7 +7,7 @@
 namespace viewpeel {
 
 // Counters of all pairs of ids on the device, 64 bits each: dense, or a hash table of the pairs met. One a pair, of facing pairs, or two:
-// beside it the lines on which the two face each other, blocked or not.
+// beside it the lines on which the two face each other, blocked or not. Blocks of directions may have dense counters of their own.
 class PairCounters {
  public:
   // Dense where their bytes fit the budget (0: 1 GiB), else, if `may_be_sparse`, a hash table of `table_capacity` places at first (0 chooses).
@@ -20,8 +20,13 @@ class PairCounters {
   uint32_t mask() const { return capacity_ - 1; }
   uint64_t sizeBytes() const;
 
-  // Empties everything.
-  void start(Commands& commands);
+  // How many blocks of directions can have counters of their own: more than one where they are dense and small.
+  uint32_t mostBlocks() const;
+  // Of the dense counters of one block; those of the next follow.
+  uint64_t blockBytes() const { return counter_count_ * wordsEach() * sizeof(uint64_t); }
+
+  // Empties everything, and makes room for so many blocks, mostBlocks() at most.
+  void start(Commands& commands, uint32_t blocks = 1);
   // Pairs that entered the table.
   void notePairs(uint64_t pairs) {
     pairs_ += pairs;
@@ -34,20 +39,24 @@ class PairCounters {
   // Makes the table larger; start() has to follow.
   //   Throws: Error limit where the device has no room for it.
   void enlarge();
-  // Everything counted since start().
+  // Everything counted since start(), of one block.
   PairCounts finish(Commands& commands);
+  // The same of each block.
+  std::vector<PairCounts> finishBlocks(Commands& commands);
 
  private:
   void allocate();
   uint64_t wordsEach() const { return (isSparse() ? 2 : 1) + (counts_blocked_ ? 1 : 0); }
   void clear(Commands& commands);
-  PairCounts read(Commands& commands);
+  std::vector<PairCounts> read(Commands& commands);
+  void takeBlocked(PairCounts& counts) const;
 
   const Device& device_;
   uint32_t id_count_;
   bool counts_blocked_;
   uint32_t capacity_ = 0;  // of the hash table, a power of 2; 0 where counters are dense
-  uint64_t counter_count_;  // or places in the table
+  uint64_t counter_count_;  // of a block, or places in the table
+  uint32_t blocks_ = 1;
   uint64_t pairs_ = 0;     // in the table
   uint64_t last_pairs_ = 0;  // of them, from the last batch
   Buffer counters_, read_back_;

@@ -103,17 +103,23 @@ class GroupedEngine : public Engine {
     PairCounts sum;
     for (const Part& part : parts_) {
       PairCounts counts = part.engine->count(directions);
-      for (PairCount& count : counts) {
-        // Of all windows together a pair has little more than of the coarsest alone: twice that is within 64 bits.
-        if (std::max(count.count, count.blocked) > UINT64_MAX / 2 / part.weight)
-          throw Error(ErrorCode::bad_usage, fmt::format("{} directions at resolutions of {} and {} are too many to count in 64 bits; ask for fewer --directions and more --replicates, "
-                                                        "or a coarser --finest", directions.size(), part.resolution, finest_));
-        count.count *= part.weight;
-        count.blocked *= part.weight;
-      }
+      weigh(counts, part, directions.size());
       sum = addCounts(sum, counts);
     }
     return sum;
+  }
+
+  std::vector<PairCounts> countBlocks(std::span<const Direction> directions, size_t block_directions) override {
+    asked_ = directions.size();
+    std::vector<PairCounts> sums(directions.size() / block_directions);
+    for (const Part& part : parts_) {
+      std::vector<PairCounts> blocks = part.engine->countBlocks(directions, block_directions);
+      for (size_t k = 0; k < sums.size(); ++k) {
+        weigh(blocks[k], part, block_directions);
+        sums[k] = addCounts(sums[k], blocks[k]);
+      }
+    }
+    return sums;
   }
 
   double unitArea() const override {
@@ -145,6 +151,16 @@ class GroupedEngine : public Engine {
     size_t polygons;
     uint64_t weight;  // of its counts, in those of the finest
   };
+  void weigh(PairCounts& counts, const Part& part, size_t directions) const {
+    for (PairCount& count : counts) {
+      // Of all windows together a pair has little more than of the coarsest alone: twice that is within 64 bits.
+      if (std::max(count.count, count.blocked) > UINT64_MAX / 2 / part.weight)
+        throw Error(ErrorCode::bad_usage, fmt::format("{} directions at resolutions of {} and {} are too many to count in 64 bits; ask for fewer --directions and more --replicates, "
+                                                      "or a coarser --finest", directions, part.resolution, finest_));
+      count.count *= part.weight;
+      count.blocked *= part.weight;
+    }
+  }
   std::vector<Part> parts_;
   int finest_ = 1;
   uint64_t asked_ = 0;

@@ -18,7 +18,7 @@
 namespace viewpeel {
 namespace {
 
-constexpr double kFinestResolution = 1 << 14;  // corners keep 10 bits after the point
+constexpr double kFinestResolution = 1 << 14;  // asked for; steps of 4 end below 2^16, where corners keep 9 bits after the point
 constexpr double kBaseShare = 0.9;             // of the area, that the first group's resolution is fine enough for
 constexpr double kEpochGrowth = 1.15;          // of the blocks from one look at Bernstein's bound to the next
 constexpr uint64_t kPilot = uint64_t(1) << 40; // replicate numbers that no run reaches
@@ -27,6 +27,7 @@ constexpr std::array kRanges = {5.0, 3.5, 2.8, 2.4, 2.2};  // that lattices are 
 constexpr uint64_t kFewestBlocks = 8;          // for standard errors
 constexpr double kMostDirections = 1e15;       // of a guarantee; beyond 2^53 doubles do not count
 constexpr uint64_t kMostAtOnce = 1 << 16;      // directions held at a time
+constexpr uint64_t kTogether = 512;            // directions of several blocks counted at once
 
 using Clock = std::chrono::steady_clock;
 
@@ -126,6 +127,16 @@ PairCounts countBlock(Engine& engine, const GuaranteeOptions& options, uint64_t 
     sum = addCounts(sum, engine.count(sampleDirections(options.sampler, static_cast<uint32_t>(count), options.seed, block * parts + part)));
   }
   return sum;
+}
+
+std::vector<PairCounts> countBlocks(Engine& engine, const GuaranteeOptions& options, uint64_t directions, uint64_t first, uint64_t blocks) {
+  if (blocks == 1) return {countBlock(engine, options, directions, first)};
+  std::vector<Direction> all;
+  for (uint64_t block = first; block < first + blocks; ++block) {
+    const std::vector<Direction> own = sampleDirections(options.sampler, static_cast<uint32_t>(directions), options.seed, block);
+    all.insert(all.end(), own.begin(), own.end());
+  }
+  return engine.countBlocks(all, directions);
 }
 
 std::vector<PairCounts> mergeIdsOfAll(const std::vector<PairCounts>& runs, const std::vector<uint32_t>& id_map) {
@@ -245,34 +256,36 @@ GuaranteePlan planGuarantee(const Scene& scene, const Ids& ids, const GuaranteeO
       return secondsSince(start);
     };
     secondsOf(kPilotDirections);  // kernels are compiled and tuned
-    const double few = std::min(secondsOf(1), secondsOf(1)), direction_seconds = secondsOf(kPilotDirections) / kPilotDirections;
-    const double block_seconds = std::max(few - direction_seconds, 0.0);
     if (is_median) {
-      plan.least_seconds = plan.expected_seconds = plan.most_seconds = double(plan.runs) * (block_seconds + double(plan.run_directions) * direction_seconds);
+      const double direction_seconds = secondsOf(kPilotDirections) / kPilotDirections;
+      plan.least_seconds = plan.expected_seconds = plan.most_seconds = double(plan.runs) * double(plan.run_directions) * direction_seconds;
       return plan;
     }
     // The variance of some blocks says which size of block is expected to end first; that it does end is not at stake.
     plan.expected_seconds = INFINITY;
+    double block_seconds = 0;
     for (uint32_t size : options.block_directions ? std::vector{options.block_directions} : std::vector{1u, 4u, 16u}) {
+      const auto start = Clock::now();
       ReplicateSums sums(ids);
-      for (uint32_t b = 0; b < kPilotBlocks; ++b) sums.add(plan.engine->count(sampleDirections(options.sampler, size, options.seed, kPilot + b)));
+      for (const PairCounts& counts : countBlocks(*plan.engine, options, size, kPilot, kPilotBlocks)) sums.add(counts);
+      const double seconds_each = secondsSince(start) / kPilotBlocks;
       double variance = 0;
       sums.forEachPair(plan.engine->unitArea() * scene.scale * scene.scale / size, [&](uint32_t i, uint32_t j, const Measured& exchange) {
         const double error = exchange.standard_error / smallerArea(ids, i, j);
         variance = std::max(variance, error * error * kPilotBlocks);
       });
       const double blocks = std::min(blocksUntil(e, variance, m, plan.bounds, d), std::ceil(double(plan.hoeffding) / size));
-      const double seconds = blocks * (block_seconds + size * direction_seconds);
+      const double seconds = blocks * seconds_each;
       if (seconds >= plan.expected_seconds) continue;
       plan.block_directions = size;
       plan.expected_blocks = static_cast<uint64_t>(std::ceil(blocks));
       plan.expected_seconds = seconds;
+      block_seconds = seconds_each;
     }
-    const double block = block_seconds + plan.block_directions * direction_seconds;
     plan.most_blocks = std::max(kFewestBlocks, (plan.hoeffding + plan.block_directions - 1) / plan.block_directions);
     plan.least_blocks = static_cast<uint64_t>(std::min(double(plan.most_blocks), std::ceil(1 + 7 * m * std::log(4 * 2 * 2 * plan.bounds / d) / (3 * e))));
-    plan.least_seconds = double(plan.least_blocks) * block;
-    plan.most_seconds = double(plan.most_blocks) * block;
+    plan.least_seconds = double(plan.least_blocks) * block_seconds;
+    plan.most_seconds = double(plan.most_blocks) * block_seconds;
     return plan;
   };
 
@@ -315,12 +328,16 @@ Estimate guaranteeFormFactors(const Scene& scene, const Ids& ids, const Guarante
   bool interrupted = false;
   try {
     while (!isDone()) {
-      const uint64_t block = sums.replicateCount();
-      PairCounts counts = countBlock(*plan.engine, options, directions, block);
-      sums.add(block, counts, directions);
-      if (is_median) runs.push_back(std::move(counts));
-      if (options.on_sums) options.on_sums(sums, false);
-      if (options.on_block) options.on_block({block + 1, is_median ? plan.runs : plan.expected_blocks, most_blocks, guarantee.bound});
+      // As many at once as there are until the next look.
+      uint64_t block = sums.replicateCount();
+      const uint64_t end = is_median ? most_blocks : std::min(most_blocks, next_look), together = std::max<uint64_t>(kTogether / directions, 1);
+      for (PairCounts& counts : countBlocks(*plan.engine, options, directions, block, std::min(end - block, together))) {
+        sums.add(block, counts, directions);
+        if (is_median) runs.push_back(std::move(counts));
+        if (options.on_sums) options.on_sums(sums, false);
+        ++block;
+        if (options.on_block) options.on_block({block, is_median ? plan.runs : plan.expected_blocks, most_blocks, guarantee.bound});
+      }
     }
   } catch (const Interrupted&) {
     interrupted = true;

@@ -9,7 +9,8 @@
 //     blocks, the k-th time with p = delta / (2 k (k + 1) m): all those p of all m bounds together are delta / 2. Blocks of one direction in each of B strata have a V that is
 //     far smaller than that of B independent directions.
 //   The run ends when one of the two is at most epsilon for everything; either way the error exceeds epsilon with probability at most delta.
-//   Snapping moves corners by at most 2^-11 of a spacing, to either side alike: its mean effect, of second order, is below 1e-6 of an area, and left out.
+//   Snapping moves corners by at most s = 2^-10 of a spacing h along each axis, to either side alike. An area is linear in each of its corners, so that what is left in the mean
+//   are products of two corners' errors, E[e_x e_y'] <= s^2 / 3: at most 4/3 s^2 h^2 for four corners, that is 1.3e-6 M of a form factor (M >= 2 h^2 / A), and left out.
 #pragma once
 #include <functional>
 #include <memory>
