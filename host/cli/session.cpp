@@ -85,6 +85,12 @@ Session::Session(ProgramOptions& asked) : options(asked), scene(loadScene(asked.
     throw Error(ErrorCode::bad_usage, "--sampling scanline needs --engine compute");
   if (options.finest && (options.engine != EngineKind::compute || !ids.roles.empty()))
     throw Error(ErrorCode::bad_usage, "--finest needs --engine compute and the whole matrix");
+  if (options.epsilon && *options.closed_forms && scene.faces.size() * (scene.faces.size() - 1) / 2 > kMostKnownPairs) {
+    if (!options.closed_forms_by_default)
+      throw Error(ErrorCode::bad_usage, fmt::format("a guarantee with closed forms needs those of all pairs of polygons: {} at most, not {}; say --closed-forms off", kMostKnownPairs,
+                                                    scene.faces.size() * (scene.faces.size() - 1) / 2));
+    options.closed_forms = false;
+  }
   if (scene.faces.size() > kMostSharedFaces && options.closed_forms_by_default) options.closed_forms = false;
   if (!options.whole_sphere && (!options.question.pair.empty() || (!options.question.from.empty() && !options.two_sided)))
     sampler = askDirections(options.question, scene, options.two_sided, options.estimate);
@@ -117,6 +123,7 @@ GuaranteeOptions Session::guaranteeOptions() const {
   asked.seed = options.estimate.seed;
   asked.range = options.range;
   asked.block_directions = options.block;
+  asked.closed_forms_on = usesClosedForms() ? &*device : nullptr;
   return asked;
 }
 
@@ -168,6 +175,7 @@ std::string Session::describe(const GuaranteePlan& plan) const {
                         plan.block_directions, plan.most_blocks, inWords(plan.most_seconds), plan.expected_blocks, inWords(plan.expected_seconds), plan.least_blocks,
                         inWords(plan.least_seconds), !device ? "" : options.resolution ? fmt::format(" --resolution {}", options.resolution) : fmt::format(" --range {}", plan.range),
                         plan.block_directions);
+  if (plan.share_bounds) text += fmt::format("closed     forms of {} pairs of polygons, shares of {} from a pilot\n", plan.known.pairs.size(), std::count_if(plan.known.pairs.begin(), plan.known.pairs.end(), [](const KnownPair& pair) { return pair.share > 0; }));
   return text + fmt::format("beside     directions: Hoeffding {}; Pellegrini's Lemma 1 {:.3g} for one pair, {:.3g} for all; median of runs {:.3g}\n", plan.hoeffding, plan.lemma_1,
                             plan.lemma_1_all, double(plan.runs) * double(plan.run_directions));
 }
@@ -279,9 +287,10 @@ void settle(const CLI::App* command, ProgramOptions& options) {
   options.plans = command->get_option("--directions")->count() == 0;
   if (options.finest && (options.plans || !options.resolution)) throw Error(ErrorCode::bad_usage, "--finest needs --directions and --resolution");
   const EstimateOptions& e = options.estimate;
-  const bool can_use = options.engine == EngineKind::compute && options.question.isEverything() && !options.epsilon;
+  const bool can_use = options.engine == EngineKind::compute && options.question.isEverything() &&
+                       (!options.epsilon || (options.by == By::polygon && options.statistic == Statistic::mean));
   if (options.closed_forms.value_or(false) && !can_use)
-    throw Error(ErrorCode::bad_usage, "--closed-forms on needs an estimate of the whole matrix by --engine compute");
+    throw Error(ErrorCode::bad_usage, "--closed-forms on needs the whole matrix and --engine compute; of a guarantee also --by polygon and --statistic mean");
   // Between surfaces counts vary less than their parts: there shares pay for small tolerances only. Where lines meet many fronts, as with two-sided polygons, blocked pairs
   // cost more than they gain (README).
   const bool pays = !options.two_sided && (options.by == By::polygon || (e.tolerance && *e.tolerance <= kSurfaceShareTolerance));

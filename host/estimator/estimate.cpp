@@ -7,15 +7,12 @@
 #include "error.h"
 
 namespace viewpeel {
-namespace {
 
 FormFactors keepSeen(const FormFactors& all) {
   std::vector<FormFactors::Entry> seen;
   std::copy_if(all.entries().begin(), all.entries().end(), std::back_inserter(seen), [](const FormFactors::Entry& entry) { return entry.exchange_area.value > 0; });
   return {all.ids(), std::move(seen), all.rowSums()};
 }
-
-}  // namespace
 
 Estimate estimateFormFactors(Engine& engine, const Scene& scene, const Ids& ids, const EstimateOptions& options) {
   if (options.directions < 1) throw Error(ErrorCode::bad_usage, "0 directions per replicate; ask for at least 1");

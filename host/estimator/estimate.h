@@ -67,6 +67,9 @@ struct Estimate {
   double largest_unseen_error = 0;
 };
 
+// Without entries of 0.
+FormFactors keepSeen(const FormFactors& form_factors);
+
 // The form factors and errors of what was counted.    Cost: O(nonzeros).
 Estimate makeEstimate(const RunSums& sums, double relative_floor);
 

@@ -110,6 +110,12 @@ void ControlSums::add(const ControlSums& others) {
   replicate_count_ += others.replicate_count_;
 }
 
+double ControlSums::variance(const PairSum& pair, double measure_area) const {
+  const auto replicates = static_cast<long double>(replicate_count_), sum = static_cast<long double>(pair.sum);
+  const double scale = (pair.i == pair.j ? 4 : 2) * measure_area / kShareOne;
+  return static_cast<double>(std::max(0.0L, static_cast<long double>(pair.sum_of_squares) - sum * sum / replicates) / (replicates - 1)) * scale * scale;
+}
+
 FormFactors ControlSums::formFactors(double measure_area, const std::vector<KnownExchange>& known) const {
   std::vector<FormFactors::Entry> entries;
   entries.reserve(pairs_.size());

@@ -72,6 +72,12 @@ class ControlSums {
   const std::vector<PairSum>& pairs() const { return pairs_; }
   uint64_t replicateCount() const { return replicate_count_; }
 
+  // Calls f(i, j, variance) for every pair met, with the sample variance of single replicates' A_i F_ij; there have to be two of them.
+  template <class F>
+  void forEachVariance(double measure_area, F f) const {
+    for (const PairSum& pair : pairs_) f(pair.i, pair.j, variance(pair, measure_area));
+  }
+
   //   In: measure_area as in ReplicateSums; known: sorted by (i, j), every pair at most once
   //   Out: without row sums
   //   Error: unbiased but for the ends of [0, most], to which values are moved: the truth lies within. Standard errors as in ReplicateSums, with the squares in the place of
@@ -81,6 +87,7 @@ class ControlSums {
  private:
   template <class Pairs, class AddTo>
   std::vector<PairSum> addPairs(const Pairs& pairs, AddTo add_to) const;
+  double variance(const PairSum& pair, double measure_area) const;
 
   Ids ids_;
   std::vector<PairSum> pairs_;

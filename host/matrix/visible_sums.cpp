@@ -95,4 +95,8 @@ FormFactors VisibleSums::formFactors(By by, double measure_area, const FormFacto
   return chooseBetter((of_faces ? by_face_ : by_surface_).formFactors(measure_area, of_faces ? exchanges_ : surface_exchanges_), sampled);
 }
 
+FormFactors VisibleSums::controlledFormFactors(double measure_area, const FormFactors& sampled) const {
+  return {sampled.ids(), by_face_.formFactors(measure_area, exchanges_).entries(), sampled.rowSums()};
+}
+
 }  // namespace viewpeel

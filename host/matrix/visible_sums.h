@@ -45,6 +45,8 @@ class VisibleSums {
 
   //   In: sampled: of the same replicates and kind of ids, for row sums and where shares are of no use
   FormFactors formFactors(By by, double measure_area, const FormFactors& sampled) const;
+  // With the shares in any case: of faces.
+  FormFactors controlledFormFactors(double measure_area, const FormFactors& sampled) const;
 
  private:
   void prepare();
