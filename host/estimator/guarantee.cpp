@@ -333,7 +333,10 @@ Estimate guaranteeFormFactors(const Scene& scene, const Ids& ids, const Guarante
   const uint64_t directions = is_median ? plan.run_directions : plan.block_directions;
   const uint64_t most_blocks = is_median ? plan.runs : plan.most_blocks;
   RunSums sums = makeGuaranteeSums(scene, ids, plan, directions);
-  if (options.resumed) sums.add(*options.resumed);
+  if (options.resumed) {
+    sums.visible.reset();  // theirs
+    sums.add(*options.resumed);
+  }
   std::vector<PairCounts> runs;
   Guarantee guarantee{options.epsilon, options.delta, INFINITY, is_median ? GuaranteedBy::median : GuaranteedBy::hoeffding};
   // The looks at Bernstein's bound are after set numbers of blocks. Those that a run did before it was stopped found nothing.
