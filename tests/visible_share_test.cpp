@@ -178,6 +178,27 @@ TEST(VisibleShare, UnblockedPairsAreExact) {
     }
 }
 
+// Where pilots saw nothing blocked all pairs are exact, those too that few lines or none told.
+TEST(VisibleShare, NothingInBetweenIsExactForEveryPair) {
+  InputScene room{"two by two squares above each other", {"low", "high"}, {}};
+  for (int k = 0; k < 4; ++k) {
+    const double x = k % 2, y = k / 2;
+    ts::addFace(room, "low", ts::parallelogram({x, y, 0}, {1, 0, 0}, {0, 1, 0}));
+    ts::addFace(room, "high", ts::parallelogram({x, y, 4}, {0, 1, 0}, {1, 0, 0}));
+  }
+  const Shared made = share(room, 4);
+  const EstimateOptions options{.directions = 8, .replicates = 2};
+  const VisibleShares shares = made.find(options);
+  const FormFactors few = made.estimate(options).form_factors;
+  size_t pairs = 0;
+  for (const KnownPair& pair : shares.known.pairs) {
+    if (pair.j >= kEnvironment) continue;
+    ++pairs;
+    EXPECT_NEAR(few.exchangeArea(pair.i, pair.j).value, pair.exchange, 1e-12 * pair.exchange);
+  }
+  EXPECT_EQ(pairs, 16u);
+}
+
 InputScene squaresPastABlocker() {
   InputScene input = ts::parallelSquares();
   ts::addFace(input, "blocker", {{0.2, 0.1, 0.4}, {0.7, 0.1, 0.4}, {0.7, 0.6, 0.4}, {0.2, 0.6, 0.4}});

@@ -115,6 +115,17 @@ VisibleShares findVisibleShares(Engine& engine, const Device& device, const Scen
     pair.surface_share = shareOf(surface_share, surface_shares.end(), pair);
   }
 
+  // Faces of which no pilot saw a line blocked most likely see all of each other, also where no line told.
+  std::vector<bool> is_blocked(n, false);
+  bool is_any_blocked = false;
+  for (const PairCount& count : all)
+    if (count.j < kEnvironment && count.blocked) is_any_blocked = is_blocked[count.i] = is_blocked[count.j] = true;
+  for (KnownPair& pair : pairs) {
+    if (pair.j >= kEnvironment || is_blocked[pair.i] || is_blocked[pair.j]) continue;
+    pair.share = kShareOne;
+    if (!is_any_blocked) pair.surface_share = kShareOne;
+  }
+
   std::vector<std::vector<uint32_t>> polygons(n);
   for (uint32_t k = 0; k < ids.of_polygon.size(); ++k) polygons[ids.of_polygon[k]].push_back(k);
   std::vector<SidePair> sides;
@@ -140,7 +151,7 @@ VisibleShares findVisibleShares(Engine& engine, const Device& device, const Scen
     found.unreached += pair.exchange < INFINITY;
     pairs[known_pair[side.pair]] = {pair.i, pair.j, 0, 0, INFINITY};
   }
-  std::erase_if(pairs, [](const KnownPair& pair) { return pair.exchange == 0 && pair.share == 0 && pair.surface_share == 0; });
+  std::erase_if(pairs, [](const KnownPair& pair) { return pair.exchange == 0; });
   found.closed_form_seconds = secondsSince(start);
   return found;
 }
