@@ -1,6 +1,6 @@
 // Are the standard errors honest? How often the 95 % interval, mean +- t_0.975(R - 1) standard errors, holds the true form factor, over many seeds.
 // CSV on stdout, one row for each scene, setting, rule when to stop and class of entries.
-//   coverage [--scene facing|edge|far|cube]... [--sampler fibonacci|jittered|sobol|iid]... [--setting PXxN]... [--rule RULE]... [--seeds K] [--device D]
+//   coverage [--scene facing|edge|far|cube|blocked]... [--closed-forms] [--sampler fibonacci|jittered|sobol|iid]... [--setting PXxN]... [--rule RULE]... [--seeds K] [--device D]
 // A rule is R, a fixed number of replicates, or R:G, at least R and on until the largest standard error reaches the tolerance that takes G on the average.
 // Entries fall into classes by the lattice points that a replicate is expected to count for them. The last class are all that some replicate met. Entries of one run are correlated, so the standard error of a coverage comes from the spread
 // between seeds. What no line met is covered where the bound for that holds the truth (unmetBound).
@@ -14,8 +14,9 @@
 
 #include "engines/compute_engine.h"
 #include "error.h"
-#include "estimator/estimate.h"
+#include "estimator/visible_share.h"
 #include "measure.h"
+#include "reference/past_blocker.h"
 #include "reference/rectangles.h"
 #include "scenes.h"
 
@@ -32,6 +33,7 @@ const std::map<std::string, Sampler> kSamplers{
 struct Options {
   std::vector<std::string> scenes{"facing", "edge", "far", "cube"}, samplers{"fibonacci", "jittered"}, settings{"32x50"};
   std::vector<std::string> rules{"4", "8", "16", "8:12"};
+  bool closed_forms = false;
   uint32_t seeds = 200;
   DeviceOptions device;
 };
@@ -91,10 +93,19 @@ Case cutCube(int cuts) {
   return cube;
 }
 
+// Two squares that see each other past a third one.
+Case squaresPastABlocker() {
+  InputScene input = test_scenes::parallelSquares();
+  test_scenes::addFace(input, "blocker", {{0.2, 0.1, 0.4}, {0.7, 0.1, 0.4}, {0.7, 0.6, 0.4}, {0.2, 0.6, 0.4}});
+  const double factor = reference::formFactorPastBlocker(input.faces[0].corners, input.faces[1].corners, input.faces[2].corners).value;
+  return {std::move(input), {{{0, 1}, factor}}};
+}
+
 Case makeCase(const std::string& name) {
   if (name == "facing") return twoSquares(test_scenes::parallelSquares(), reference::parallelRectangles({0, 1}, {0, 1}, {0, 1}, {0, 1}, 1));
   if (name == "edge") return twoSquares(test_scenes::perpendicularSquares(), reference::perpendicularRectangles({0, 1}, {0, 1}, {0, 1}, {0, 1}));
   if (name == "far") return twoSquares(test_scenes::stackOfSheets({0, 10}), reference::parallelRectangles({0, 1}, {0, 1}, {0, 1}, {0, 1}, 10));
+  if (name == "blocked") return squaresPastABlocker();
   return cutCube(6);
 }
 
@@ -201,7 +212,7 @@ void measureCase(const std::string& name, const Device& device, const Options& o
     int resolution = 0;
     EstimateOptions estimate;
     if (std::sscanf(setting.c_str(), "%dx%u", &resolution, &estimate.directions) != 2) throw Error(ErrorCode::bad_usage, "--setting " + setting + ": give PXxN");
-    const auto engine = makeComputeEngine(device, scene, ids, {.resolution = resolution});
+    const auto engine = makeComputeEngine(device, scene, ids, {.resolution = resolution, .count_blocked = options.closed_forms});
     RememberingEngine remembering(*engine);
     std::vector<Entry> entries;
     const double count_area = engine->unitArea() * scene.scale * scene.scale;
@@ -209,10 +220,17 @@ void measureCase(const std::string& name, const Device& device, const Options& o
       entries.push_back({truth, truth * ids.areas[pair.first] * estimate.directions / (2 * count_area), std::min(ids.areas[pair.first], pair.second < kEnvironment ? ids.areas[pair.second] : INFINITY)});
     for (const std::string& sampler : options.samplers) {
       estimate.sampler = kSamplers.at(sampler);
+      VisibleShares shares;
+      uint64_t shares_seed = 0;  // of none
       const auto run = [&](const Rule& rule, double tolerance, uint64_t seed) {
         estimate.replicates = rule.replicates;
         estimate.tolerance = rule.goal_replicates ? std::optional(tolerance) : std::nullopt;
         estimate.seed = seed;
+        if (options.closed_forms && shares_seed != seed) {
+          shares = findVisibleShares(*engine, device, scene, ids, groupBySize(scene, std::vector<double>(scene.polygons.size(), 1), resolution), estimate);
+          shares_seed = seed;
+        }
+        estimate.known = options.closed_forms ? &shares.known : nullptr;
         remembering.startAgain();
         return estimateFormFactors(remembering, scene, ids, estimate);
       };
@@ -248,7 +266,8 @@ int main(int argc, char** argv) {
   using namespace viewpeel::bench;
   CLI::App app("How often 95 % intervals hold the true form factor", "coverage");
   Options options;
-  app.add_option("--scene", options.scenes, "facing, edge, far, cube")->check(CLI::IsMember({"facing", "edge", "far", "cube"}))->capture_default_str();
+  app.add_option("--scene", options.scenes, "facing, edge, far, cube, blocked")->check(CLI::IsMember({"facing", "edge", "far", "cube", "blocked"}))->capture_default_str();
+  app.add_flag("--closed-forms", options.closed_forms, "Closed forms times visible shares");
   app.add_option("--sampler", options.samplers, "fibonacci, jittered, sobol, iid")->check(CLI::IsMember(kSamplers))->capture_default_str();
   app.add_option("--setting", options.settings, "PXxN: lattice spacings and directions of a replicate")->capture_default_str();
   app.add_option("--rule", options.rules, "R, or R:G: replicates, or at least R and on to the tolerance that takes G")->capture_default_str();

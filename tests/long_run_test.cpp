@@ -1,6 +1,8 @@
 // Long runs lose nothing: the program is killed, interrupted, split, and ends with the same bytes.
 #include <random>
 
+#include <fmt/format.h>
+
 #include "running.h"
 
 namespace viewpeel {
@@ -20,12 +22,16 @@ class LongRun : public Program {
 };
 
 // Kills fall at random within a replicate, a write of the checkpoint, or the start of the program.
-TEST_F(LongRun, KilledAnywhereAndResumedIsTheSameRun) {
+class KilledRun : public LongRun, public testing::WithParamInterface<const char*> {};
+
+INSTANTIATE_TEST_SUITE_P(LongRun, KilledRun, testing::Values("off", "on"), [](const auto& closed_forms) { return fmt::format("ClosedForms_{}", closed_forms.param); });
+
+TEST_P(KilledRun, AnywhereAndResumedIsTheSameRun) {
   const auto seed = std::random_device{}();
   std::printf("seed %u\n", seed);
   SCOPED_TRACE("seed " + std::to_string(seed));
   std::mt19937 random(seed);
-  const std::string options = kOffice + "--directions 100 --replicates 40 --checkpoint-seconds 0 ";
+  const std::string options = kOffice + "--directions 100 --replicates 40 --checkpoint-seconds 0 --closed-forms " + GetParam() + " ";
   ASSERT_EQ(run(options + "-o " + file("whole.csv") + " --checkpoint " + file("whole.h5")).status, 0);
 
   const std::string resumed = options + "-o " + file("a.csv") + " --checkpoint " + file("a.h5") + " --resume";
@@ -98,6 +104,7 @@ TEST_F(LongRun, InterruptedIsWrittenAndResumed) {
 TEST_F(LongRun, PlansAndGuaranteesAreGoneOnWith) {
   const std::pair<std::string, std::vector<std::string>> runs[] = {
       {kOffice + "--tolerance 2e-3 ", {"--directions", "--resolution", "--finest"}},
+      {"compute " VIEWPEEL_SCENES "/office.obj --quiet --tolerance 3e-2 ", {"--directions", "--resolution", "--finest", "--closed-forms"}},
       {"compute " VIEWPEEL_SCENES "/plates.obj --quiet --epsilon 0.03 ", {"--range", "--block"}}};
   int k = 0;
   for (const auto& [options, chosen] : runs) {
@@ -123,8 +130,12 @@ TEST_F(LongRun, PlansAndGuaranteesAreGoneOnWith) {
   }
 }
 
-TEST_F(LongRun, PartsMergeToOneRun) {
-  const std::string options = "compute " VIEWPEEL_SCENES "/office.obj --quiet --directions 30 ";
+class PartsOfARun : public LongRun, public testing::WithParamInterface<const char*> {};
+
+INSTANTIATE_TEST_SUITE_P(LongRun, PartsOfARun, testing::Values("", "--closed-forms on ", "--closed-forms on --by surface "), [](const auto& options) { return fmt::format("Options{}", options.index); });
+
+TEST_P(PartsOfARun, MergeToOneRun) {
+  const std::string options = std::string("compute " VIEWPEEL_SCENES "/office.obj --quiet --directions 30 ") + GetParam();
   ASSERT_EQ(run(options + "--replicates 9 -o " + file("whole.csv") + " -o " + file("whole.mtx") + " --checkpoint " + file("whole.h5")).status, 0);
   for (const auto& [first, count] : {std::pair("0", "2"), {"2", "4"}, {"6", "3"}})
     ASSERT_EQ(run(options + "--replicates " + count + " --first-replicate " + first + " --checkpoint " + file(std::string("p") + first + ".h5")).status, 0);
@@ -160,6 +171,7 @@ TEST_F(LongRun, WrongCheckpointsAreRefused) {
   ASSERT_EQ(run("merge --quiet " + file("a.h5") + " " + file("b.h5") + " --checkpoint " + file("gap.h5")).status, 0);
   const std::string planned = "compute " + file("scene.obj") + " --quiet --tolerance 0.1 --checkpoint " + file("planned.h5");
   ASSERT_EQ(run(planned).status, 0);
+  ASSERT_EQ(run("compute " + file("scene.obj") + " --quiet --directions 5 --checkpoint " + file("lattice.h5")).status, 0);
   const std::string before = readFile(file("a.h5"));
   const std::pair<std::string, std::string> cases[] = {
       {scene, "--resume, or remove it"},
@@ -167,6 +179,7 @@ TEST_F(LongRun, WrongCheckpointsAreRefused) {
       {scene + " --resume --seed 2", "--seed is '1' there, '2' here"},
       {scene + "  --resume --two-sided", "--two-sided"},
       {scene + "  --resume --by surface", "--by"},
+      {"compute " + file("scene.obj") + " --quiet --directions 5 --resume --closed-forms on --checkpoint " + file("lattice.h5"), "--closed-forms is 'off' there, 'on' here"},
       {scene + "  --resume --sampler iid", "--sampler"},
       {scene + "  --resume --from a", "--from"},
       {scene + "  --resume --pair a b", "--pair"},
@@ -199,7 +212,7 @@ TEST_F(LongRun, WrongCheckpointsAreRefused) {
     EXPECT_EQ(r.output.find("sampling   "), std::string::npos) << r.output;
   }
   EXPECT_EQ(readFile(file("a.h5")), before);
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 7);  // two scenes, five checkpoints, and no leftovers
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 8);  // two scenes, six checkpoints, and no leftovers
   // The same options do go on.
   EXPECT_EQ(run(scene + " --resume --replicates 10").status, 0);
   EXPECT_EQ(replicatesOf("a.h5"), "0 to 9");

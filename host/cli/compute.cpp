@@ -73,6 +73,14 @@ void tellInterruption(const ProgramOptions& options, uint64_t replicates) {
 }
 
 // A run that is gone on with keeps its plan: what a plan chose is among the settings of its checkpoint. What is said beside has to be the same there.
+// Of these, whether closed forms are used has to be known before there is a session.
+void adoptClosedForms(ProgramOptions& options) {
+  if (!options.checkpoint.resume || !std::filesystem::exists(options.checkpoint.file) || !options.closed_forms_by_default || !options.closed_forms_possible) return;
+  const Settings stored = readCheckpoint(options.checkpoint.file).settings;
+  options.closed_forms = std::find(stored.begin(), stored.end(), std::pair<std::string, std::string>("--closed-forms", "on")) != stored.end();
+  options.closed_forms_by_default = false;
+}
+
 void adoptPlan(const Settings& stored, ProgramOptions& options) {
   const auto figureOf = [&](const char* name) {
     const auto at = std::find_if(stored.begin(), stored.end(), [&](const auto& setting) { return setting.first == name; });
@@ -119,6 +127,7 @@ int runCompute(ProgramOptions options) {
     if (show_progress && !options.epsilon) progress.onBatch(directions);
   };
   options.lattice.measure_work = options.json;
+  adoptClosedForms(options);
   const Session session(options);
   if (session.talks()) session.describe();
   std::optional<CheckpointKeeper> keeper;
@@ -156,6 +165,20 @@ int runCompute(ProgramOptions options) {
   const std::string division = engine.describePlan();
   if (options.verbose && session.talks()) fmt::print("{}", division);
   std::fflush(stdout);
+  VisibleShares shares;
+  if (session.usesClosedForms() && !options.epsilon && !(keeper && keeper->resumed())) {
+    EstimateOptions pilot = options.estimate;
+    pilot.directions = plan.directions;
+    try {
+      shares = findVisibleShares(engine, *session.device, session.scene, session.face_ids, plan.groups, pilot);
+    } catch (const Interrupted&) {
+      endByItself();
+      tellInterruption(options, 0);
+      return 128 + interruption();
+    }
+    if (session.talks()) fmt::print("{}", session.describe(shares));
+    std::fflush(stdout);
+  }
   const auto conclude = [&](const Estimate& estimate, bool is_at_rest) {
     if (show_progress) fmt::print(stderr, "\r\033[K");
     const double seconds = secondsSince(start);
@@ -203,16 +226,12 @@ int runCompute(ProgramOptions options) {
     EstimateOptions asked = options.estimate;
     asked.directions = plan.directions;
     asked.on_so_far = offer;
-    if (session.usesClosedForms()) {
-      const VisibleShares known = findVisibleShares(engine, *session.device, session.scene, session.face_ids, asked);
-      if (session.talks()) fmt::print("{}", session.describe(known));
-      if (asked.seconds) asked.seconds = std::max(*asked.seconds - secondsSince(start), 1e-3);
-      return estimateVisibleShares(engine, session.scene, session.face_ids, options.by, asked, known);
-    }
     asked.resumed = keeper ? keeper->resumed() : nullptr;
     asked.on_sums = keep;
+    asked.by = options.by;
+    asked.known = session.usesClosedForms() ? &shares.known : nullptr;
     if (asked.seconds) asked.seconds = std::max(*asked.seconds - secondsSince(start), 1e-3);
-    return estimateFormFactors(engine, session.scene, session.ids, asked);
+    return estimateFormFactors(engine, session.scene, session.usesClosedForms() ? session.face_ids : session.ids, asked);
   };
   const Estimate estimate = estimateAsAsked();
   endByItself();

@@ -55,6 +55,17 @@ void watchForWord() {
 }
 
 class InterruptibleEngine final : public Engine {
+  // While the engine counts, the results there are may be written.
+  template <class Count>
+  static auto atRest(const Count& count) {
+    if (!watch) return count();
+    struct Rest {
+      Rest() { watch->at_work.unlock(); }
+      ~Rest() { watch->at_work.lock(); }
+    } rest;
+    return count();
+  }
+
  public:
   explicit InterruptibleEngine(Engine& engine) : engine_(engine) {}
   PairCounts count(std::span<const Direction> directions) override {
@@ -68,17 +79,6 @@ class InterruptibleEngine final : public Engine {
   std::string describePlan() const override { return engine_.describePlan(); }
 
  private:
-  // While the engine counts, the results there are may be written.
-  template <class Count>
-  static auto atRest(const Count& count) {
-    if (!watch) return count();
-    struct Rest {
-      Rest() { watch->at_work.unlock(); }
-      ~Rest() { watch->at_work.lock(); }
-    } rest;
-    return count();
-  }
-
   Engine& engine_;
 };
 

@@ -88,6 +88,12 @@ Session::Session(ProgramOptions& asked) : options(asked), scene(loadScene(asked.
     throw Error(ErrorCode::bad_usage, "--sampling scanline needs --engine compute");
   if (options.finest && (options.engine != EngineKind::compute || !ids.roles.empty()))
     throw Error(ErrorCode::bad_usage, "--finest needs --engine compute and the whole matrix");
+  if (options.epsilon && *options.closed_forms && scene.faces.size() * (scene.faces.size() - 1) / 2 > kMostKnownPairs) {
+    if (!options.closed_forms_by_default)
+      throw Error(ErrorCode::bad_usage, fmt::format("a guarantee with closed forms needs those of all pairs of polygons: {} at most, not {}; say --closed-forms off", kMostKnownPairs,
+                                                    scene.faces.size() * (scene.faces.size() - 1) / 2));
+    options.closed_forms = false;
+  }
   if (scene.faces.size() > kMostSharedFaces && options.closed_forms_by_default) options.closed_forms = false;
   if (!options.whole_sphere && (!options.question.pair.empty() || (!options.question.from.empty() && !options.two_sided)))
     sampler = askDirections(options.question, scene, options.two_sided, options.estimate);
@@ -120,6 +126,7 @@ GuaranteeOptions Session::guaranteeOptions() const {
   asked.seed = options.estimate.seed;
   asked.range = options.range;
   asked.block_directions = options.block;
+  asked.closed_forms_on = usesClosedForms() ? &*device : nullptr;
   return asked;
 }
 
@@ -197,14 +204,19 @@ std::string Session::describe(const GuaranteePlan& plan) const {
                         counted(plan.block_directions, "direction"), plan.most_blocks, inWords(plan.most_seconds), plan.expected_blocks, inWords(plan.expected_seconds), plan.least_blocks,
                         inWords(plan.least_seconds), !device ? "" : options.resolution ? fmt::format(" --resolution {}", options.resolution) : fmt::format(" --range {}", plan.range),
                         plan.block_directions);
+  if (plan.share_bounds) text += fmt::format("closed     forms of {} pairs of polygons, shares of {} from a pilot\n", plan.known.pairs.size(), std::count_if(plan.known.pairs.begin(), plan.known.pairs.end(), [](const KnownPair& pair) { return pair.share > 0; }));
   return text + fmt::format("beside     directions: Hoeffding {}; Pellegrini's Lemma 1 {:.3g} for one pair, {:.3g} for all; median of runs {:.3g}\n", plan.hoeffding, plan.lemma_1,
                             plan.lemma_1_all, double(plan.runs) * double(plan.run_directions));
 }
 
 std::string Session::describe(const VisibleShares& known) const {
   uint64_t whole = 0;
-  for (const PairShare& share : known.shares) whole += share.share == kShareOne;
-  return fmt::format("closed     forms of {} of polygons in {:.2g} s; {} of them never blocked in a pilot of {:.2g} s{}\n", counted(known.shares.size(), "pair"), known.closed_form_seconds, whole,
+  uint64_t pairs = 0;
+  for (const KnownPair& pair : known.known.pairs) {
+    pairs += pair.j < kEnvironment;
+    whole += pair.j < kEnvironment && pair.share == kShareOne;
+  }
+  return fmt::format("closed     forms of {} of polygons in {:.2g} s; {} of them never blocked in a pilot of {:.2g} s{}\n", counted(pairs, "pair"), known.closed_form_seconds, whole,
                      known.pilot_seconds, known.unreached ? fmt::format("; {} more are sampled alone", known.unreached) : "");
 }
 
@@ -222,6 +234,7 @@ Settings Session::settings() const {
       {"--seed", std::to_string(options.estimate.seed)},
       {"--sampling", !device ? "exact areas" : options.lattice.sampling == Sampling::scanline ? "scanline" : "lattice"},
       {"--sampler", options.epsilon ? nameOf(guaranteeOptions().sampler) : sampler},
+      {"--closed-forms", usesClosedForms() ? "on" : "off"},
   };
   if (!options.epsilon) return all;
   if (options.statistic == Statistic::median) throw Error(ErrorCode::bad_usage, "--checkpoint keeps means only; leave out --statistic median");
@@ -305,14 +318,15 @@ void settle(const CLI::App* command, ProgramOptions& options) {
     throw Error(ErrorCode::bad_usage, fmt::format("--finest {} is coarser than --resolution {}, which all polygons get; give a finer one, or leave it out", options.finest, options.resolution));
   if (options.finest && (options.plans || !options.resolution)) throw Error(ErrorCode::bad_usage, "--finest needs --directions and --resolution");
   const EstimateOptions& e = options.estimate;
-  const bool can_use = options.engine == EngineKind::compute && options.lattice.sampling == Sampling::lattice && options.question.isEverything() && !options.epsilon &&
-                       options.checkpoint.file.empty() && !e.first_replicate;
+  const bool can_use = options.engine == EngineKind::compute && options.question.isEverything() &&
+                       (!options.epsilon || (options.by == By::polygon && options.statistic == Statistic::mean));
   if (options.closed_forms.value_or(false) && !can_use)
-    throw Error(ErrorCode::bad_usage, "--closed-forms on needs an estimate of the whole matrix by --engine compute and --sampling lattice, without --checkpoint");
+    throw Error(ErrorCode::bad_usage, "--closed-forms on needs the whole matrix and --engine compute; of a guarantee also --by polygon and --statistic mean");
   // Between surfaces counts vary less than their parts: there shares pay for small tolerances only. Where lines meet many fronts, as with two-sided polygons, blocked pairs
   // cost more than they gain (README).
   const bool pays = !options.two_sided && (options.by == By::polygon || (e.tolerance && *e.tolerance <= kSurfaceShareTolerance));
   options.closed_forms_by_default = !options.closed_forms.has_value();
+  options.closed_forms_possible = can_use;
   options.closed_forms = options.closed_forms.value_or(options.plans && can_use && pays);
   for (const char* name : {"--delta", "--statistic", "--range", "--block"})
     if (!options.epsilon && command->get_option(name)->count()) throw Error(ErrorCode::bad_usage, fmt::format("{} is of a guarantee; give its --epsilon", name));

@@ -31,7 +31,7 @@ struct ProgramOptions {
   Statistic statistic = Statistic::mean;
   bool closure = false;
   std::optional<bool> closed_forms;  // settled where unset
-  bool closed_forms_by_default = false;
+  bool closed_forms_by_default = false, closed_forms_possible = false;
   bool quiet = false, verbose = false, json = false;
 };
 

@@ -153,6 +153,8 @@ std::string describeErrors(const Estimate& estimate) {
   if (double(met) < all && estimate.unmet_bound < 1)
     text += fmt::format("unseen     {:.0f} of {:.0f} pairs, which no line met: form factors below {:.1e} each, from the smaller of the two, at 95 % confidence\n", all - double(met), all,
                         estimate.unmet_bound);
+  if (estimate.unseen_pairs)
+    text += fmt::format("unseen     {} pairs that can see each other but for what is between them: no line told, 0 +- {:.1e} at most\n", estimate.unseen_pairs, estimate.largest_unseen_error);
   if (const auto& g = estimate.guarantee)
     text = fmt::format("guarantee  every form factor within {:.3g} with probability {}, by {}\n", g->bound, 1 - g->delta,
                        g->by == GuaranteedBy::hoeffding ? "Hoeffding's bound" : g->by == GuaranteedBy::bernstein ? "the empirical Bernstein bound" : "the median of runs") + text;
@@ -195,6 +197,7 @@ std::string asJson(const std::string& scene, const std::string& device, const Es
       "  \"largest_standard_error\": {:.6g},\n  \"rms_standard_error\": {:.6g},\n  \"nonzero_form_factors\": {}",
       escapeJson(scene), escapeJson(device), f.ids().count(), estimate.replicates, estimate.directions, seconds, estimate.largest_standard_error,
       errors.rms, errors.count);
+  if (estimate.unseen_pairs) text += fmt::format(",\n  \"unseen\": {{\"pairs\": {}, \"largest_standard_error\": {:.6g}}}", estimate.unseen_pairs, estimate.largest_unseen_error);
   if (const auto& g = estimate.guarantee) text += fmt::format(",\n  \"guarantee\": {{\"epsilon\": {}, \"delta\": {}, \"bound\": {:.6g}}}", g->epsilon, g->delta, g->bound);
   if (f.ids().rows_sum_to_one) {
     const Closure closure = measureClosure(f);

@@ -2,10 +2,17 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 
 #include "error.h"
 
 namespace viewpeel {
+
+FormFactors keepSeen(const FormFactors& all) {
+  std::vector<FormFactors::Entry> seen;
+  std::copy_if(all.entries().begin(), all.entries().end(), std::back_inserter(seen), [](const FormFactors::Entry& entry) { return entry.exchange_area.value > 0; });
+  return {all.ids(), std::move(seen), all.rowSums()};
+}
 
 Estimate estimateFormFactors(Engine& engine, const Scene& scene, const Ids& ids, const EstimateOptions& options) {
   if (options.directions < 1) throw Error(ErrorCode::bad_usage, "0 directions per replicate; ask for at least 1");
@@ -19,8 +26,16 @@ Estimate estimateFormFactors(Engine& engine, const Scene& scene, const Ids& ids,
   };
   const double count_area = engine.unitArea() * scene.scale * scene.scale / options.directions;
   RunSums sums = makeRunSums(scene, ids);
+  if (options.known && !options.resumed) sums.visible.emplace(sums.by_id.ids(), sums.by_surface.ids(), options.by, *options.known);
   double largest_error = 0, largest_relative_error = 0;
   const auto measureErrors = [&] {
+    if (sums.visible) {
+      if (sums.replicateCount() < options.replicates && !options.on_replicate) return;  // nobody asks
+      const FormFactors so_far = sums.formFactors();
+      largest_error = largestStandardError(so_far);
+      largest_relative_error = largestRelativeError(so_far, options.relative_floor);
+      return;
+    }
     largest_error = sums.by_id.largestStandardError(sums.measure_area, sums.countArea());
     largest_relative_error = sums.by_id.largestRelativeError(sums.measure_area, options.relative_floor, sums.countArea());
   };
@@ -64,15 +79,16 @@ Estimate estimateFormFactors(Engine& engine, const Scene& scene, const Ids& ids,
 }
 
 Estimate makeEstimate(const RunSums& sums, double relative_floor) {
-  const double count_area = sums.countArea();
-  Estimate estimate{sums.by_id.formFactors(sums.measure_area, count_area),
-                    sums.by_surface.formFactors(sums.measure_area, count_area),
-                    sums.replicateCount(),
-                    sums.directions,
-                    sums.by_id.largestStandardError(sums.measure_area, count_area),
-                    sums.by_id.largestRelativeError(sums.measure_area, relative_floor, count_area)};
-  const std::vector<double>& areas = sums.by_id.ids().areas;
-  if (!std::isinf(count_area)) estimate.unmet_bound = unmetBound(*std::min_element(areas.begin(), areas.end()), count_area, double(sums.directions));
+  const FormFactors all = sums.formFactors();
+  Estimate estimate{keepSeen(all), keepSeen(sums.betweenSurfaces()), sums.replicateCount(), sums.directions, largestStandardError(all), largestRelativeError(all, relative_floor)};
+  for (const FormFactors::Entry& entry : all.entries()) {
+    if (entry.exchange_area.value > 0 || entry.j >= kEnvironment) continue;
+    ++estimate.unseen_pairs;
+    const double area = std::min(all.ids().areas[entry.i], all.ids().areas[entry.j]);
+    estimate.largest_unseen_error = std::max(estimate.largest_unseen_error, entry.exchange_area.standard_error / area);
+  }
+  const std::vector<double>& areas = all.ids().areas;
+  if (!sums.visible && !std::isinf(sums.countArea())) estimate.unmet_bound = unmetBound(*std::min_element(areas.begin(), areas.end()), sums.countArea(), double(sums.directions));
   return estimate;
 }
 

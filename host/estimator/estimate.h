@@ -38,6 +38,9 @@ struct EstimateOptions {
   uint64_t first_replicate = 0;
   // Go on after these, which count towards `replicates`: first_replicate and those that follow it, of the same scene, ids and options. May be nullptr.
   const RunSums* resumed = nullptr;
+  // Closed forms times visible shares (visible_share.h), which need an engine and ids by face; goals and the result are those of `by`. May be nullptr.
+  const KnownShares* known = nullptr;
+  By by = By::polygon;
   std::function<void(const EstimateProgress&)> on_replicate;  // may be empty
   // Told the sums after every replicate, and once more with `last` when there will be no further one, be it for an error; may be empty.
   std::function<void(const RunSums& sums, bool last)> on_sums;
@@ -64,7 +67,13 @@ struct Estimate {
   bool interrupted = false;           // goals may not be reached; standard errors are infinite where fewer than 2 replicates are done
   std::optional<Guarantee> guarantee;
   double unmet_bound = INFINITY;  // on each form factor that no line met, from the smaller of its pair; 95 %
+  // Pairs of ids that can see each other by their closed forms, and were never seen: form factors of 0, whose standard errors count among the largest.
+  uint64_t unseen_pairs = 0;
+  double largest_unseen_error = 0;
 };
+
+// Without entries of 0.
+FormFactors keepSeen(const FormFactors& form_factors);
 
 // The form factors and errors of what was counted.    Cost: O(nonzeros).
 Estimate makeEstimate(const RunSums& sums, double relative_floor);

@@ -14,6 +14,7 @@
 #include "engines/pair_counters.h"
 #include "error.h"
 #include "estimator/bounds.h"
+#include "estimator/visible_share.h"
 
 namespace viewpeel {
 namespace {
@@ -24,6 +25,7 @@ constexpr double kEpochGrowth = 1.15;          // of the blocks from one look at
 constexpr uint64_t kPilot = uint64_t(1) << 40; // replicate numbers that no run reaches
 constexpr uint32_t kPilotBlocks = 24, kPilotDirections = 8;
 constexpr std::array kRanges = {5.0, 3.5, 2.8, 2.4, 2.2};  // that lattices are tried for
+constexpr uint32_t kSharePilotDirections = 1024;
 constexpr uint64_t kFewestBlocks = 8;          // for standard errors
 constexpr double kMostDirections = 1e15;       // of a guarantee; beyond 2^53 doubles do not count
 constexpr uint64_t kMostAtOnce = 1 << 16;      // directions held at a time
@@ -93,30 +95,24 @@ std::vector<SizeGroup> groupsFor(const Scene& scene, const std::vector<double>& 
   return groupBySize(scene, needed, static_cast<int>(std::min<double>(std::ceil(base), kMaxResolution)));
 }
 
-// The area of the smaller of a pair's ids, in which a form factor is largest.
-double smallerArea(const Ids& ids, uint32_t i, uint32_t j) { return j < kEnvironment ? std::min(ids.areas[i], ids.areas[j]) : ids.areas[i]; }
-
-// The most that sums of blocks are off by, with Bernstein's inequality, over all ids and pairs.
-double largestBernsteinBound(const ReplicateSums& sums, const Ids& ids, const std::vector<double>& ranges, double measure_area, double p) {
-  const auto blocks = double(sums.replicateCount());
-  double largest = bernsteinBound(0, *std::max_element(ranges.begin(), ranges.end()), blocks, p);  // what was never met
-  sums.forEachPair(measure_area, [&](uint32_t i, uint32_t j, const Measured& exchange) {
-    const double area = smallerArea(ids, i, j);
-    const uint32_t smaller = j < kEnvironment && ids.areas[j] < ids.areas[i] ? j : i;
-    const double error = exchange.standard_error / area;
-    largest = std::max(largest, bernsteinBound(error * error * blocks, ranges[smaller], blocks, p));
-  });
-  return largest;
-}
-
-// Blocks until Bernstein's bound is epsilon.
-double blocksUntil(double epsilon, double variance, double range, double bounds, double delta) {
+// Blocks until a bound, bound_at(blocks, p) for all at once, is epsilon.
+template <class BoundAt>
+double blocksUntil(double epsilon, double delta, BoundAt bound_at) {
   double low = 2, high = 1e15;
-  for (int step = 0; step < 100; ++step) {
+  for (int step = 0; step < 50; ++step) {
     const double blocks = std::sqrt(low * high), looks = 1 + std::log(std::max(blocks, 10.0)) / std::log(kEpochGrowth);
-    (bernsteinBound(variance, range, blocks, delta / (2 * looks * (looks + 1) * bounds)) > epsilon ? low : high) = blocks;
+    (bound_at(blocks, delta / (2 * looks * (looks + 1))) > epsilon ? low : high) = blocks;
   }
   return high;
+}
+
+// Shares from a pilot, in few directions: they serve any number of blocks.
+KnownShares findShares(const GuaranteePlan& plan, const Scene& scene, const Ids& ids, const GuaranteeOptions& options) {
+  EstimateOptions pilot;
+  pilot.directions = kSharePilotDirections;
+  pilot.sampler = options.sampler;
+  pilot.seed = options.seed;
+  return keepBounded(findVisibleShares(*plan.engine, *options.closed_forms_on, scene, ids, plan.groups, pilot).known, ids, plan.groups.size() == 1);
 }
 
 PairCounts countBlock(Engine& engine, const GuaranteeOptions& options, uint64_t directions, uint64_t block) {
@@ -137,6 +133,33 @@ std::vector<PairCounts> countBlocks(Engine& engine, const GuaranteeOptions& opti
     all.insert(all.end(), own.begin(), own.end());
   }
   return engine.countBlocks(all, directions);
+}
+
+RunSums makeGuaranteeSums(const Scene& scene, const Ids& ids, const GuaranteePlan& plan, uint64_t directions) {
+  RunSums sums = makeRunSums(scene, ids);
+  sums.measure_area = plan.engine->unitArea() * scene.scale * scene.scale / double(directions);
+  if (plan.share_bounds) sums.visible.emplace(sums.by_id.ids(), sums.by_surface.ids(), By::polygon, plan.known);
+  return sums;
+}
+
+// What all errors are below after so many blocks, but for probability p, if blocks go on to vary as those of `sums` do.
+std::function<double(double blocks, double p)> boundFor(const RunSums& sums, const Ids& ids, const GuaranteePlan& plan, uint32_t block_directions) {
+  if (plan.share_bounds)
+    return [&plan, block_directions, variances = plan.share_bounds->measureVariances(sums.visible->byFace(), sums.measure_area)](double blocks, double p) {
+      return plan.share_bounds->largestBound(variances, blocks, block_directions, p);
+    };
+  // What was never met has the largest range.
+  std::vector<std::pair<double, double>> entries{{0, *std::max_element(plan.ranges.begin(), plan.ranges.end())}};
+  sums.by_id.forEachPair(sums.measure_area, [&](uint32_t i, uint32_t j, const Measured& exchange) {
+    const uint32_t smaller = j < kEnvironment && ids.areas[j] < ids.areas[i] ? j : i;
+    const double error = exchange.standard_error / ids.areas[smaller];
+    entries.push_back({error * error * double(sums.replicateCount()), plan.ranges[smaller]});
+  });
+  return [entries = std::move(entries), bounds = plan.bounds](double blocks, double p) {
+    double largest = 0;
+    for (const auto& [variance, range] : entries) largest = std::max(largest, bernsteinBound(variance, range, blocks, p / bounds));
+    return largest;
+  };
 }
 
 std::vector<PairCounts> mergeIdsOfAll(const std::vector<PairCounts>& runs, const std::vector<uint32_t>& id_map) {
@@ -209,10 +232,14 @@ uint64_t hoeffdingDirections(const std::vector<double>& ranges, const std::vecto
     for (size_t k = 0; k < ranges.size(); ++k) sum += bounds[k] * 2 * std::exp(-2 * n * epsilon * epsilon / (ranges[k] * ranges[k]));
     return sum;
   };
+  return leastDirections(failure, delta, epsilon, *std::max_element(ranges.begin(), ranges.end()));
+}
+
+uint64_t leastDirections(const std::function<double(double)>& failure, double delta, double epsilon, double range) {
   if (!(failure(kMostDirections) <= delta))
     throw Error(ErrorCode::bad_usage, fmt::format("a guarantee of {} takes more than {:.0e} directions where one adds up to {:.3g} to a form factor (2 but for polygons far smaller than "
                                                   "the scene); ask for a larger --epsilon, or an estimate by --tolerance",
-                                                  epsilon, kMostDirections, *std::max_element(ranges.begin(), ranges.end())));
+                                                  epsilon, kMostDirections, range));
   double low = 0, high = 1;
   while (failure(high) > delta) high *= 2;
   while (high - low > 1) (failure(std::floor((low + high) / 2)) > delta ? low : high) = std::floor((low + high) / 2);
@@ -244,7 +271,11 @@ GuaranteePlan planGuarantee(const Scene& scene, const Ids& ids, const GuaranteeO
     plan.engine = lattices.make_engine(plan.groups);
     plan.ranges = formFactorRanges(scene, ids, exact ? std::vector<double>{} : resolutionsOf(scene, plan.groups), sampling);
     const double m = plan.largest_range = *std::max_element(plan.ranges.begin(), plan.ranges.end());
-    plan.hoeffding = hoeffdingDirections(plan.ranges, bounds, e, d / 2);
+    if (options.closed_forms_on) {
+      plan.known = findShares(plan, scene, ids, options);
+      plan.share_bounds.emplace(ids, plan.ranges, plan.known);
+    }
+    plan.hoeffding = plan.share_bounds ? plan.share_bounds->directionsFor(e, d / 2) : hoeffdingDirections(plan.ranges, bounds, e, d / 2);
     plan.lemma_1 = std::ceil(1 / (e * e * d));
     plan.lemma_1_all = std::ceil(plan.bounds / (e * e * d));
     plan.runs = static_cast<uint64_t>(std::ceil(8 * std::log(plan.bounds / d))) | 1;
@@ -266,15 +297,11 @@ GuaranteePlan planGuarantee(const Scene& scene, const Ids& ids, const GuaranteeO
     double block_seconds = 0;
     for (uint32_t size : options.block_directions ? std::vector{options.block_directions} : std::vector{1u, 4u, 16u}) {
       const auto start = Clock::now();
-      ReplicateSums sums(ids);
-      for (const PairCounts& counts : countBlocks(*plan.engine, options, size, kPilot, kPilotBlocks)) sums.add(counts);
+      RunSums sums = makeGuaranteeSums(scene, ids, plan, size);
+      uint64_t block = 0;
+      for (const PairCounts& counts : countBlocks(*plan.engine, options, size, kPilot, kPilotBlocks)) sums.add(block++, counts, size);
       const double seconds_each = secondsSince(start) / kPilotBlocks;
-      double variance = 0;
-      sums.forEachPair(plan.engine->unitArea() * scene.scale * scene.scale / size, [&](uint32_t i, uint32_t j, const Measured& exchange) {
-        const double error = exchange.standard_error / smallerArea(ids, i, j);
-        variance = std::max(variance, error * error * kPilotBlocks);
-      });
-      const double blocks = std::min(blocksUntil(e, variance, m, plan.bounds, d), std::ceil(double(plan.hoeffding) / size));
+      const double blocks = std::min(blocksUntil(e, d, boundFor(sums, ids, plan, size)), std::ceil(double(plan.hoeffding) / size));
       const double seconds = blocks * seconds_each;
       if (seconds >= plan.expected_seconds) continue;
       plan.block_directions = size;
@@ -283,7 +310,8 @@ GuaranteePlan planGuarantee(const Scene& scene, const Ids& ids, const GuaranteeO
       block_seconds = seconds_each;
     }
     plan.most_blocks = std::max(kFewestBlocks, (plan.hoeffding + plan.block_directions - 1) / plan.block_directions);
-    plan.least_blocks = static_cast<uint64_t>(std::min(double(plan.most_blocks), std::ceil(1 + 7 * m * std::log(4 * 2 * 2 * plan.bounds / d) / (3 * e))));
+    const double bounds_of_empirical = plan.share_bounds ? plan.share_bounds->rowBounds() : plan.bounds;
+    plan.least_blocks = static_cast<uint64_t>(std::min(double(plan.most_blocks), std::ceil(1 + 7 * m * std::log(4 * 2 * 2 * bounds_of_empirical / d) / (3 * e))));
     plan.least_seconds = double(plan.least_blocks) * block_seconds;
     plan.most_seconds = double(plan.most_blocks) * block_seconds;
     return plan;
@@ -304,9 +332,11 @@ Estimate guaranteeFormFactors(const Scene& scene, const Ids& ids, const Guarante
   const bool is_median = options.statistic == Statistic::median;
   const uint64_t directions = is_median ? plan.run_directions : plan.block_directions;
   const uint64_t most_blocks = is_median ? plan.runs : plan.most_blocks;
-  RunSums sums = makeRunSums(scene, ids);
-  sums.measure_area = plan.engine->unitArea() * scene.scale * scene.scale / double(directions);
-  if (options.resumed) sums.add(*options.resumed);
+  RunSums sums = makeGuaranteeSums(scene, ids, plan, directions);
+  if (options.resumed) {
+    sums.visible.reset();  // theirs
+    sums.add(*options.resumed);
+  }
   std::vector<PairCounts> runs;
   Guarantee guarantee{options.epsilon, options.delta, INFINITY, is_median ? GuaranteedBy::median : GuaranteedBy::hoeffding};
   // The looks at Bernstein's bound are after set numbers of blocks. Those that a run did before it was stopped found nothing.
@@ -320,7 +350,7 @@ Estimate guaranteeFormFactors(const Scene& scene, const Ids& ids, const Guarante
     const uint64_t blocks = sums.replicateCount();
     if (blocks >= most_blocks || is_median || blocks != next_look) return blocks >= most_blocks;
     passLook();
-    guarantee.bound = largestBernsteinBound(sums.by_id, ids, plan.ranges, sums.measure_area, options.delta / (2 * double(look) * double(look + 1) * plan.bounds));
+    guarantee.bound = boundFor(sums, ids, plan, static_cast<uint32_t>(directions))(double(blocks), options.delta / (2 * double(look) * double(look + 1)));
     if (guarantee.bound > options.epsilon) return false;
     guarantee.by = GuaranteedBy::bernstein;
     return true;
@@ -354,6 +384,7 @@ Estimate guaranteeFormFactors(const Scene& scene, const Ids& ids, const Guarante
     estimate.form_factors = medianOf(runs, estimate.form_factors, sums.measure_area);
     estimate.between_surfaces = medianOf(mergeIdsOfAll(runs, ids.surface), estimate.between_surfaces, sums.measure_area);
   }
+  if (sums.visible) estimate.form_factors = keepSeen(sums.visible->controlledFormFactors(sums.measure_area, sums.by_id.formFactors(sums.measure_area)));
   if (guarantee.by != GuaranteedBy::bernstein) guarantee.bound = options.epsilon;
   estimate.guarantee = guarantee;
   return estimate;

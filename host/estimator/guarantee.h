@@ -8,6 +8,7 @@
 //     mean of all is off by more than sqrt(2 V L / K) + 7 M L / (3 (K - 1)), L = ln(4 / p), with probability at most p. It is looked at after set numbers of
 //     blocks, the k-th time with p = delta / (2 k (k + 1) m): all those p of all m bounds together are delta / 2. Blocks of one direction in each of B strata have a V that is
 //     far smaller than that of B independent directions.
+//   With closed forms the mean is that of V - b (V + O - F0), whose bounds are in share_bounds.h.
 //   The run ends when one of the two is at most epsilon for everything; either way the error exceeds epsilon with probability at most delta.
 //   Snapping moves corners by at most s = 2^-10 of a spacing h along each axis, to either side alike. An area is linear in each of its corners, so that what is left in the mean
 //   are products of two corners' errors, E[e_x e_y'] <= s^2 / 3: at most 4/3 s^2 h^2 for four corners, that is 1.3e-6 M of a form factor (M >= 2 h^2 / A), and left out.
@@ -18,6 +19,8 @@
 #include "engines/lattice_options.h"
 #include "estimator/estimate.h"
 #include "estimator/plan.h"
+#include "estimator/share_bounds.h"
+#include "vulkan/device.h"
 
 namespace viewpeel {
 
@@ -39,6 +42,7 @@ struct GuaranteeOptions {
   uint64_t seed = 1;
   double range = 0;               // that lattices are made for; 0 chooses
   uint32_t block_directions = 0;  // 0 chooses
+  const Device* closed_forms_on = nullptr;  // closed forms, computed there: ids are by face, all pairs of them few enough (kMostKnownPairs), and engines count blocked pairs
   const RunSums* resumed = nullptr;  // go on after these blocks, of the same plan; may be nullptr
   std::function<void(const GuaranteeProgress&)> on_block;               // may be empty
   std::function<void(const RunSums& sums, bool last)> on_sums;  // as for estimates; may be empty
@@ -58,6 +62,10 @@ std::vector<double> countBounds(const Ids& ids);
 // The least N with sum_i bounds_i 2 exp(-2 N epsilon^2 / ranges_i^2) <= delta.    Throws: Error bad_usage where that is above 1e15.    Cost: O(n) a step of bisection.
 uint64_t hoeffdingDirections(const std::vector<double>& ranges, const std::vector<double>& bounds, double epsilon, double delta);
 
+// The least N, 1e15 at most, with failure(N) <= delta.    In: failure: falls with N; epsilon, range: for the message
+//   Throws: Error bad_usage where there is none.
+uint64_t leastDirections(const std::function<double(double)>& failure, double delta, double epsilon, double range);
+
 // sqrt(2 V L / K) + 7 M L / (3 (K - 1)), L = ln(4 / p).
 double bernsteinBound(double variance, double range, double blocks, double p);
 
@@ -74,6 +82,8 @@ struct GuaranteePlan {
   double lemma_1 = 0, lemma_1_all = 0;  // directions of Pellegrini's Lemma 1: for one pair, and for m bounds at once
   uint64_t runs = 0, run_directions = 0;  // of the median
   std::vector<double> ranges;     // of ids
+  KnownShares known;              // with closed forms
+  std::optional<ShareBounds> share_bounds;
   std::vector<SizeGroup> groups;
   std::unique_ptr<Engine> engine;
   double least_seconds = 0, expected_seconds = 0, most_seconds = 0;  // estimates

@@ -217,10 +217,10 @@ void Planner::measure(uint32_t directions, const Shape& shape) {
     if (!lattices_.id_of_face.empty()) {
       PairCounts others;
       for (uint32_t k = 0; k < kHalf; ++k) others = addCounts(addCounts(others, counted[(1 - half) * kHalf + k].first), counted[(1 - half) * kHalf + k].second);
-      shares = fitShares(others);
+      shares = fitShares(withRows(std::move(others)));
     }
     const auto controlsOf = [&](const PairCounts& counts) {
-      std::vector<ControlCount> controls = takeShares(counts, shares);
+      std::vector<ControlCount> controls = takeShares(shares.empty() ? counts : withRows(counts), shares);
       return lattices_.id_of_face.empty() ? controls : mergeIds(controls, lattices_.id_of_face);
     };
     for (uint32_t k = 0; k < kHalf; ++k) {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <iterator>
 
+#include "engines/lattice.h"
 #include "engines/pair_counters.h"
-#include "error.h"
 
 namespace viewpeel {
 namespace {
@@ -17,23 +17,6 @@ constexpr uint32_t kPilots = 8;
 using Clock = std::chrono::steady_clock;
 
 double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
-std::vector<KnownExchange> mergeBySurface(const std::vector<KnownExchange>& exchanges, const std::vector<uint32_t>& surface) {
-  std::vector<KnownExchange> mapped;
-  mapped.reserve(exchanges.size());
-  for (const KnownExchange& e : exchanges) {
-    const uint32_t i = surface[e.i], j = surface[e.j];
-    // Two polygons of one surface exchange both ways within it.
-    mapped.push_back({std::min(i, j), std::max(i, j), i == j ? 2 * e.area : e.area, INFINITY});
-  }
-  std::sort(mapped.begin(), mapped.end(), [](const auto& a, const auto& b) { return std::pair(a.i, a.j) < std::pair(b.i, b.j); });
-  std::vector<KnownExchange> merged;
-  for (const KnownExchange& e : mapped) {
-    if (!merged.empty() && merged.back().i == e.i && merged.back().j == e.j) merged.back().area += e.area;
-    else merged.push_back(e);
-  }
-  return merged;
-}
 
 // Those of `shares` whose pairs are among `others`.
 std::vector<PairShare> shared(const std::vector<PairShare>& shares, const std::vector<PairShare>& others) {
@@ -67,7 +50,7 @@ std::vector<PairShare> keepUseful(const std::vector<PairShare>& shares, const st
   };
   std::vector<PairShare> kept;
   for (const PairShare& share : shares) {
-    const uint32_t i = id_map.empty() ? share.i : id_map[share.i], j = id_map.empty() ? share.j : id_map[share.j];
+    const uint32_t i = id_map.empty() ? share.i : id_map[share.i], j = id_map.empty() || share.j >= kEnvironment ? share.j : id_map[share.j];
     if (errorOf(controlled, std::min(i, j), std::max(i, j)) <= errorOf(counted, std::min(i, j), std::max(i, j))) kept.push_back(share);
   }
   return kept;
@@ -78,7 +61,7 @@ std::vector<PairShare> keepUseful(const std::vector<PairShare>& shares, const st
 std::vector<PairShare> fitShares(const PairCounts& counts) {
   std::vector<PairShare> shares;
   for (const PairCount& count : counts) {
-    if (count.j >= kEnvironment || count.i == count.j || count.count == 0) continue;
+    if (count.i == count.j || count.count == 0) continue;
     const double share = double(count.count) / (double(count.count) + double(count.blocked));
     const auto rounded = static_cast<uint32_t>(std::lround(share * kShareOne));
     if (rounded > 0) shares.push_back({count.i, count.j, rounded});
@@ -86,13 +69,23 @@ std::vector<PairShare> fitShares(const PairCounts& counts) {
   return shares;
 }
 
-VisibleShares findVisibleShares(Engine& engine, const Device& device, const Scene& scene, const Ids& ids, const EstimateOptions& options) {
+std::vector<uint64_t> countsOfLines(const Ids& face_ids, const std::vector<SizeGroup>& groups, double unit_area) {
+  std::vector<uint64_t> lines(face_ids.count(), 1);
+  for (const SizeGroup& group : groups)
+    for (uint32_t k : group.polygons) {
+      uint64_t& line = lines[face_ids.of_polygon[k]];
+      line = std::max(line, static_cast<uint64_t>(std::llround(pointArea(group.resolution) / unit_area)));
+    }
+  return lines;
+}
+
+VisibleShares findVisibleShares(Engine& engine, const Device& device, const Scene& scene, const Ids& ids, const std::vector<SizeGroup>& groups, const EstimateOptions& options) {
   VisibleShares found;
   auto start = Clock::now();
   std::vector<PairCounts> pilots;
   PairCounts all;
   for (uint32_t k = 0; k < kPilots; ++k) {
-    pilots.push_back(engine.count(sampleDirections(options.sampler, (options.directions + kPilots - 1u) / kPilots, options.seed, kSharePilot + k)));
+    pilots.push_back(withRows(engine.count(sampleDirections(options.sampler, (options.directions + kPilots - 1u) / kPilots, options.seed, kSharePilot + k))));
     all = addCounts(all, pilots.back());
   }
   // A share that few lines told adds more noise than it takes away: then counts are left alone, pair by pair of faces, and of surfaces, whose sums vary less than their parts.
@@ -101,86 +94,66 @@ VisibleShares findVisibleShares(Engine& engine, const Device& device, const Scen
   found.pilot_seconds = secondsSince(start);
 
   start = Clock::now();
-  std::vector<std::vector<uint32_t>> polygons(ids.count());
+  const uint64_t n = ids.count();
+  found.known.lines = countsOfLines(ids, groups, engine.unitArea());
+  found.known.has_all_pairs = n * (n - 1) / 2 <= kMostKnownPairs;
+  std::vector<KnownPair>& pairs = found.known.pairs;
+  if (found.known.has_all_pairs) {
+    for (uint32_t i = 0; i < n; ++i)
+      for (uint32_t j = i + 1; j < n; ++j) pairs.push_back({i, j});
+  }
+  for (const PairShare& share : shares)
+    if (share.j >= kEnvironment || !found.known.has_all_pairs) pairs.push_back({share.i, share.j});
+  std::sort(pairs.begin(), pairs.end(), [](const KnownPair& a, const KnownPair& b) { return std::pair(a.i, a.j) < std::pair(b.i, b.j); });
+  const auto shareOf = [](std::vector<PairShare>::const_iterator& at, std::vector<PairShare>::const_iterator end, const KnownPair& pair) {
+    while (at != end && std::pair(at->i, at->j) < std::pair(pair.i, pair.j)) ++at;
+    return at != end && at->i == pair.i && at->j == pair.j ? at->share : 0;
+  };
+  auto share = shares.begin(), surface_share = surface_shares.begin();
+  for (KnownPair& pair : pairs) {
+    pair.share = shareOf(share, shares.end(), pair);
+    pair.surface_share = shareOf(surface_share, surface_shares.end(), pair);
+  }
+
+  // Faces of which no pilot saw a line blocked most likely see all of each other, also where no line told.
+  std::vector<bool> is_blocked(n, false);
+  bool is_any_blocked = false;
+  for (const PairCount& count : all)
+    if (count.j < kEnvironment && count.blocked) is_any_blocked = is_blocked[count.i] = is_blocked[count.j] = true;
+  for (KnownPair& pair : pairs) {
+    if (pair.j >= kEnvironment || is_blocked[pair.i] || is_blocked[pair.j]) continue;
+    pair.share = kShareOne;
+    if (!is_any_blocked) pair.surface_share = kShareOne;
+  }
+
+  std::vector<std::vector<uint32_t>> polygons(n);
   for (uint32_t k = 0; k < ids.of_polygon.size(); ++k) polygons[ids.of_polygon[k]].push_back(k);
   std::vector<SidePair> sides;
-  std::vector<uint32_t> face_pair;  // of each of `sides`
-  for (uint32_t s = 0; s < shares.size(); ++s)
-    for (uint32_t p : polygons[shares[s].i])
-      for (uint32_t q : polygons[shares[s].j])
-        for (uint32_t side = 0; side < (ids.two_sided ? 4u : 1u); ++side) {
-          sides.push_back({frontSide(p) + side % 2, frontSide(q) + side / 2});
-          face_pair.push_back(s);
-        }
-  std::vector<double> areas(sides.size());
-  std::vector<bool> is_reached(shares.size(), true);
-  if (!sides.empty())
-    for (const UnreachedPair& pair : UnoccludedExchange(device, scene).compute(sides, areas)) is_reached[face_pair[pair.pair]] = false;
-  std::vector<double> exchange(shares.size(), 0);
-  for (size_t k = 0; k < sides.size(); ++k) exchange[face_pair[k]] += areas[k] * scene.scale * scene.scale;
-  for (size_t s = 0; s < shares.size(); ++s) {
-    if (!is_reached[s]) {
-      ++found.unreached;
+  std::vector<uint32_t> known_pair;  // of each of `sides`
+  for (uint32_t s = 0; s < pairs.size(); ++s) {
+    if (pairs[s].j >= kEnvironment) {
+      pairs[s].exchange = ids.areas[pairs[s].i];
       continue;
     }
-    found.shares.push_back(shares[s]);
-    const double most = std::min({exchange[s], ids.areas[shares[s].i], ids.areas[shares[s].j]});  // which closed forms exceed by rounding
-    found.exchanges.push_back({shares[s].i, shares[s].j, most * shares[s].share / kShareOne, most});
+    for (uint32_t p : polygons[pairs[s].i])
+      for (uint32_t q : polygons[pairs[s].j])
+        for (uint32_t side = 0; side < (ids.two_sided ? 4u : 1u); ++side) {
+          sides.push_back({frontSide(p) + side % 2, frontSide(q) + side / 2});
+          known_pair.push_back(s);
+        }
   }
-  found.surface_shares = shared(surface_shares, found.shares);
-  std::vector<KnownExchange> surface_exchanges;
-  for (size_t k = 0, at = 0; k < found.shares.size() && at < found.surface_shares.size(); ++k) {
-    if (found.shares[k].i != found.surface_shares[at].i || found.shares[k].j != found.surface_shares[at].j) continue;
-    surface_exchanges.push_back(found.exchanges[k]);
-    ++at;
+  std::vector<double> areas(sides.size());
+  std::vector<UnreachedPair> unreached;
+  if (!sides.empty()) unreached = UnoccludedExchange(device, scene).compute(sides, areas);
+  for (size_t k = 0; k < sides.size(); ++k) pairs[known_pair[k]].exchange += areas[k] * scene.scale * scene.scale;
+  for (const UnreachedPair& side : unreached) {
+    const KnownPair& pair = pairs[known_pair[side.pair]];
+    found.unreached += pair.exchange < INFINITY;
+    pairs[known_pair[side.pair]] = {pair.i, pair.j, 0, 0, INFINITY};
   }
-  found.surface_exchanges = mergeBySurface(surface_exchanges, ids.surface);
+  std::erase_if(pairs, [](const KnownPair& pair) { return pair.exchange == 0; });
   found.closed_form_seconds = secondsSince(start);
   return found;
-}
-
-Estimate estimateVisibleShares(Engine& engine, const Scene& scene, const Ids& ids, By by, const EstimateOptions& options, const VisibleShares& known) {
-  RunSums sums = makeRunSums(scene, ids);
-  sums.measure_area = engine.unitArea() * scene.scale * scene.scale / options.directions;
-  ControlSums controls(ids), surface_controls(makeIds(scene, By::surface, ids.two_sided));
-  const auto start = Clock::now();
-  const auto resultBy = [&](By result) {
-    const ControlSums& chosen = result == By::polygon ? controls : surface_controls;
-    const ReplicateSums& sampled = result == By::polygon ? sums.by_id : sums.by_surface;
-    return chooseBetter(chosen.formFactors(sums.measure_area, result == By::polygon ? known.exchanges : known.surface_exchanges), sampled.formFactors(sums.measure_area));
-  };
-  double largest_error = INFINITY, largest_relative_error = INFINITY;
-  const auto isDone = [&] {
-    const auto done = double(sums.replicateCount());
-    if (options.seconds && done >= 2 && secondsSince(start) * (done + 1) / done > *options.seconds) return true;
-    return sums.replicateCount() >= options.replicates && (!options.tolerance || largest_error <= *options.tolerance) &&
-           (!options.relative || largest_relative_error <= *options.relative) && !(options.seconds && !options.tolerance && !options.relative);
-  };
-  bool interrupted = false;
-  const auto estimateSoFar = [&]() -> Estimate {
-    FormFactors result = resultBy(by);
-    const double error = largestStandardError(result), relative_error = largestRelativeError(result, options.relative_floor);
-    return {std::move(result), resultBy(By::surface), sums.replicateCount(), sums.directions, error, relative_error, interrupted, {}};
-  };
-  try {
-    while (!isDone()) {
-      const uint64_t replicate = sums.replicateCount();
-      const PairCounts counts = engine.count(sampleDirections(options.sampler, options.directions, options.seed, replicate));
-      surface_controls.add(mergeIds(takeShares(counts, known.surface_shares), ids.surface));
-      controls.add(takeShares(counts, known.shares));
-      sums.add(replicate, counts, options.directions);
-      if (sums.replicateCount() >= options.replicates || options.on_replicate) {
-        const FormFactors so_far = resultBy(by);
-        largest_error = largestStandardError(so_far);
-        largest_relative_error = largestRelativeError(so_far, options.relative_floor);
-      }
-      if (options.on_so_far) options.on_so_far(estimateSoFar);
-      if (options.on_replicate) options.on_replicate({sums.replicateCount(), largest_error});
-    }
-  } catch (const Interrupted&) {
-    interrupted = true;
-  }
-  return estimateSoFar();
 }
 
 }  // namespace viewpeel

@@ -4,38 +4,39 @@
 // E[V + O] is A_i F0_ij / 2 in the units of areas in P(u). With a share b from a pilot,
 //   F_ij = V - b (V + O - F0_ij)       (in F's units)
 // is unbiased for any b, and varies least for b = Cov(V, V + O) / Var(V + O), which is near E[V] / E[V + O]: pairs never blocked are exact with b = 1, pairs that never
-// see each other with b = 0. b is fixed before the run, so controls are integers and add up in any order.
+// see each other with b = 0. b is fixed before the run, so controls are integers and add up in any order. What leaves the scene or ends on backs has all lines of its row
+// in the place of V + O: rows sum to 1. Estimates with them are unbiased but for the clamp to [0, F0], row sums stay the sampled ones, whose distance from 1 is a check as
+// ever, and standard errors are those of replicates, never less than one line's: no line says that nothing is there. Tests: tests/visible_share_test.cpp.
 #pragma once
 #include "closed_forms/unoccluded.h"
+#include "engines/size_groups.h"
 #include "estimator/estimate.h"
-#include "matrix/control_sums.h"
+#include "matrix/visible_sums.h"
 
 namespace viewpeel {
 
 // What a pilot and closed forms know of a scene's faces.
 struct VisibleShares {
-  std::vector<PairShare> shares;              // of pairs of faces, sorted
-  std::vector<KnownExchange> exchanges;       // of the same pairs
-  // Of those of them that are of use in sums between surfaces.
-  std::vector<PairShare> surface_shares;
-  std::vector<KnownExchange> surface_exchanges;  // of surfaces
+  KnownShares known;
   double pilot_seconds = 0, closed_form_seconds = 0;
-  uint64_t unreached = 0;                     // pairs left to sampling alone, as their closed forms were not accurate enough
+  uint64_t unreached = 0;  // pairs left to sampling alone, as their closed forms were not accurate enough
 };
+
+// Of every pair of so many faces the closed form is computed, met by a line or not: a pair that none has met is uncertain by its own at most. Of more, those that pilots met.
+constexpr uint64_t kMostKnownPairs = uint64_t(1) << 22;
 
 // Facing lines over all lines, for every pair with any of them; b = 0 is left out.
 std::vector<PairShare> fitShares(const PairCounts& counts);
 
-//   In: an engine for ids by face (By::polygon), of everything, that counts blocked pairs; options: directions, sampler, seed
-//   Out: shares from pilots with one replicate's directions in all, the same for the same options, and the closed forms of their pairs
+// Of every face, the engine's counts that one lattice point adds: more than 1 with scanlines, and on the coarser of several lattices.
+//   In: groups that the engine was made with, its unitArea()
+std::vector<uint64_t> countsOfLines(const Ids& face_ids, const std::vector<SizeGroup>& groups, double unit_area);
+
+//   In: an engine for ids by face (By::polygon), of everything, that counts blocked pairs, and its groups; options: directions, sampler, seed
+//   Out: shares from pilots with one replicate's directions in all, the same for the same options, and closed forms
 //   Error: of exchange areas: kUnoccludedRelativeError or kUnoccludedAbsoluteError for each pair of polygons.
 //   Throws: what the engine and the device throw.
 //   Cost: one replicate; closed forms: some 0.1 to 3 microseconds a pair.
-VisibleShares findVisibleShares(Engine& engine, const Device& device, const Scene& scene, const Ids& ids, const EstimateOptions& options);
-
-// As estimateFormFactors, with shares. Goals are those of `by`: form factors of polygons or between surfaces, which then are the result.
-//   In: engine and ids as above    Out: row sums are the sampled ones: their distance from 1 is a check, as ever
-//   Error: unbiased but for the clamp to [0, F0]. Standard errors are those of replicates, and never less than one line's. Tests: tests/visible_share_test.cpp.
-Estimate estimateVisibleShares(Engine& engine, const Scene& scene, const Ids& ids, By by, const EstimateOptions& options, const VisibleShares& known);
+VisibleShares findVisibleShares(Engine& engine, const Device& device, const Scene& scene, const Ids& ids, const std::vector<SizeGroup>& groups, const EstimateOptions& options);
 
 }  // namespace viewpeel

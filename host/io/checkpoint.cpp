@@ -11,10 +11,11 @@
 namespace viewpeel {
 namespace {
 
-constexpr uint64_t kFormat = 1;  // of the file: changes with every change of what is written below
+constexpr uint64_t kFormat = 2;  // of the file: changes with every change of what is written below
 
 using Sum = ReplicateSums::Sum;
 using PairSum = ReplicateSums::PairSum;
+using ControlSum = ControlSums::PairSum;
 using Wide = ReplicateSums::Wide;
 
 uint64_t highOf(Wide number) { return static_cast<uint64_t>(number >> 64); }
@@ -75,6 +76,78 @@ T readOne(Hdf5Input& in, const std::string& name) {
   return values.front();
 }
 
+void writeVisibleSums(Hdf5Output& out, const RunSums& sums) {
+  out.write("visible/is_there", std::vector<uint8_t>{sums.visible.has_value()});
+  if (!sums.visible) return;
+  out.write("visible/by_surface", std::vector<uint8_t>{sums.visible->by() == By::surface});
+  const KnownShares& known = sums.visible->known();
+  out.write("visible/has_all_pairs", std::vector<uint8_t>{known.has_all_pairs});
+  out.write("visible/lines", known.lines);
+  writeColumn<uint32_t>(out, "visible/known/i", known.pairs, [](const KnownPair& pair) { return pair.i; });
+  writeColumn<uint32_t>(out, "visible/known/j", known.pairs, [](const KnownPair& pair) { return pair.j; });
+  writeColumn<uint32_t>(out, "visible/known/share", known.pairs, [](const KnownPair& pair) { return pair.share; });
+  writeColumn<uint32_t>(out, "visible/known/surface_share", known.pairs, [](const KnownPair& pair) { return pair.surface_share; });
+  writeColumn<double>(out, "visible/known/exchange", known.pairs, [](const KnownPair& pair) { return pair.exchange; });
+  for (const auto& [group, controls] : {std::pair("visible/faces", &sums.visible->byFace()), {"visible/surfaces", &sums.visible->bySurface()}}) {
+    const auto writeWords = [&, name = std::string(group)](const std::string& column, auto value) {
+      writeColumn<uint64_t>(out, name + column + "_high", controls->pairs(), [&](const ControlSum& pair) { return highOf(Wide(value(pair))); });
+      writeColumn<uint64_t>(out, name + column + "_low", controls->pairs(), [&](const ControlSum& pair) { return lowOf(Wide(value(pair))); });
+    };
+    out.write(fmt::format("{}/replicate_count", group), std::vector<uint64_t>{controls->replicateCount()});
+    writeColumn<uint32_t>(out, fmt::format("{}/i", group), controls->pairs(), [](const ControlSum& pair) { return pair.i; });
+    writeColumn<uint32_t>(out, fmt::format("{}/j", group), controls->pairs(), [](const ControlSum& pair) { return pair.j; });
+    writeColumn<uint64_t>(out, fmt::format("{}/line", group), controls->pairs(), [](const ControlSum& pair) { return pair.line; });
+    writeWords("/sum", [](const ControlSum& pair) { return pair.sum; });
+    writeWords("/sum_of_squares", [](const ControlSum& pair) { return pair.sum_of_squares; });
+    writeWords("/squares", [](const ControlSum& pair) { return pair.squares; });
+  }
+}
+
+template <class Pairs>
+void requireOrder(Hdf5Input& in, const std::string& group, const Pairs& pairs, uint32_t count) {
+  for (size_t k = 0; k < pairs.size(); ++k) {
+    const auto [i, j] = std::pair(pairs[k].i, pairs[k].j);
+    const bool is_pair = i < count && i <= j && (j < count || j >= kEnvironment);
+    if (!is_pair || (k && std::pair(pairs[k - 1].i, pairs[k - 1].j) >= std::pair(i, j))) in.refuse(fmt::format("its '{}' are out of order", group));
+  }
+}
+
+ControlSums readControlSums(Hdf5Input& in, const std::string& group, const Ids& ids) {
+  const auto replicate_count = readOne<uint64_t>(in, group + "/replicate_count");
+  std::vector<ControlSum> pairs;
+  for (uint32_t i : in.read<uint32_t>(group + "/i")) pairs.push_back({i, 0});
+  readColumn<uint32_t>(in, group + "/j", pairs, [](ControlSum& pair, uint32_t j) { pair.j = j; });
+  readColumn<uint64_t>(in, group + "/line", pairs, [](ControlSum& pair, uint64_t line) { pair.line = line; });
+  std::vector<Wide> words(pairs.size());
+  const auto readWords = [&](const std::string& column, auto set) {
+    readColumn<uint64_t>(in, group + column + "_high", words, [](Wide& wide, uint64_t word) { wide = Wide(word) << 64; });
+    readColumn<uint64_t>(in, group + column + "_low", words, [](Wide& wide, uint64_t word) { wide |= word; });
+    for (size_t k = 0; k < pairs.size(); ++k) set(pairs[k], words[k]);
+  };
+  readWords("/sum", [](ControlSum& pair, Wide wide) { pair.sum = static_cast<ControlSums::SignedWide>(wide); });
+  readWords("/sum_of_squares", [](ControlSum& pair, Wide wide) { pair.sum_of_squares = wide; });
+  readWords("/squares", [](ControlSum& pair, Wide wide) { pair.squares = wide; });
+  requireOrder(in, group, pairs, ids.count());
+  return {ids, replicate_count, std::move(pairs)};
+}
+
+std::optional<VisibleSums> readVisibleSums(Hdf5Input& in, const Ids& face_ids, const Ids& surface_ids) {
+  if (!readOne<uint8_t>(in, "visible/is_there")) return {};
+  KnownShares known;
+  known.has_all_pairs = readOne<uint8_t>(in, "visible/has_all_pairs");
+  known.lines.resize(face_ids.count());
+  readColumn<uint64_t>(in, "visible/lines", known.lines, [](uint64_t& line, uint64_t stored) { line = stored; });
+  for (uint32_t i : in.read<uint32_t>("visible/known/i")) known.pairs.push_back({i, 0});
+  readColumn<uint32_t>(in, "visible/known/j", known.pairs, [](KnownPair& pair, uint32_t j) { pair.j = j; });
+  readColumn<uint32_t>(in, "visible/known/share", known.pairs, [](KnownPair& pair, uint32_t share) { pair.share = share; });
+  readColumn<uint32_t>(in, "visible/known/surface_share", known.pairs, [](KnownPair& pair, uint32_t share) { pair.surface_share = share; });
+  readColumn<double>(in, "visible/known/exchange", known.pairs, [](KnownPair& pair, double exchange) { pair.exchange = exchange; });
+  requireOrder(in, "visible/known", known.pairs, face_ids.count());
+  const By by = readOne<uint8_t>(in, "visible/by_surface") ? By::surface : By::polygon;
+  ControlSums by_face = readControlSums(in, "visible/faces", face_ids), by_surface = readControlSums(in, "visible/surfaces", surface_ids);
+  return VisibleSums(by, std::move(known), std::move(by_face), std::move(by_surface));
+}
+
 ReplicateSums readReplicateSums(Hdf5Input& in, const std::string& group) {
   Ids ids;
   ids.names = in.read<std::string>(group + "/names");
@@ -94,11 +167,7 @@ ReplicateSums readReplicateSums(Hdf5Input& in, const std::string& group) {
   for (uint32_t i : in.read<uint32_t>(group + "/pairs/i")) pairs.push_back({i, 0, {}});
   readColumn<uint32_t>(in, group + "/pairs/j", pairs, [](PairSum& pair, uint32_t j) { pair.j = j; });
   readSums(in, group + "/pairs", pairs, [](PairSum& pair) -> Sum& { return pair.sum; });
-  for (size_t k = 0; k < pairs.size(); ++k) {
-    const auto [i, j] = std::pair(pairs[k].i, pairs[k].j);
-    const bool is_pair = i < ids.count() && i <= j && (j < ids.count() || j >= kEnvironment);
-    if (!is_pair || (k && std::pair(pairs[k - 1].i, pairs[k - 1].j) >= std::pair(i, j))) in.refuse(fmt::format("its '{}/pairs' are out of order", group));
-  }
+  requireOrder(in, group + "/pairs", pairs, ids.count());
   return {std::move(ids), replicate_count, std::move(pairs), std::move(rows)};
 }
 
@@ -115,6 +184,7 @@ void writeCheckpoint(const Settings& settings, const RunSums& sums, const std::f
   out.write("measure_area", std::vector<double>{sums.measure_area});
   writeReplicateSums(out, "by_id", sums.by_id);
   writeReplicateSums(out, "by_surface", sums.by_surface);
+  writeVisibleSums(out, sums);
   const std::vector<char> bytes = out.finish();
   writeFile(file, [&](std::ostream& stream) { stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size())); });
 }
@@ -134,7 +204,8 @@ Checkpoint readCheckpoint(const std::filesystem::path& file) {
   const auto directions = readOne<uint64_t>(in, "directions");
   const auto measure_area = readOne<double>(in, "measure_area");
   ReplicateSums by_id = readReplicateSums(in, "by_id"), by_surface = readReplicateSums(in, "by_surface");
-  Checkpoint checkpoint{std::move(settings), {std::move(by_id), std::move(by_surface), std::move(replicates), directions, measure_area}};
+  std::optional<VisibleSums> visible = readVisibleSums(in, by_id.ids(), by_surface.ids());
+  Checkpoint checkpoint{std::move(settings), {std::move(by_id), std::move(by_surface), std::move(replicates), directions, measure_area, std::move(visible)}};
   if (!checkpoint.sums.isWhole()) in.refuse("its replicates are not those it has sums of");
   return checkpoint;
 }
@@ -163,6 +234,9 @@ Checkpoint mergeCheckpoints(const std::vector<std::filesystem::path>& files) {
     if (other.sums.by_id.ids().areas != merged.sums.by_id.ids().areas || other.sums.by_surface.ids().areas != merged.sums.by_surface.ids().areas ||
         other.sums.measure_area != merged.sums.measure_area)
       throw Error(ErrorCode::bad_usage, fmt::format("{}: areas are not those of {}, though the settings are the same; were they made by one build of viewpeel?",
+                                                    files[k].string(), files.front().string()));
+    if (other.sums.visible.has_value() != merged.sums.visible.has_value() || (merged.sums.visible && !merged.sums.visible->goesWith(*other.sums.visible)))
+      throw Error(ErrorCode::bad_usage, fmt::format("{}: its closed forms have other visible shares than {}, though the settings are the same; were they made by one build of viewpeel?",
                                                     files[k].string(), files.front().string()));
     merged.sums.add(other.sums);
   }

@@ -4,8 +4,15 @@
 #include <cmath>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "error.h"
+
 namespace viewpeel {
 namespace {
+
+constexpr uint64_t kMostCounts = uint64_t(1) << 50;  // with kShareBits more the squares of 2^3 replicates are within 128 bits
+
 
 template <class Pair>
 std::pair<uint32_t, uint32_t> keyOf(const Pair& pair) {
@@ -14,16 +21,36 @@ std::pair<uint32_t, uint32_t> keyOf(const Pair& pair) {
 
 }  // namespace
 
-std::vector<ControlCount> takeShares(const PairCounts& counts, const std::vector<PairShare>& shares) {
+PairCounts withRows(PairCounts counts) {
+  std::vector<uint64_t> rows;
+  const auto addTo = [&](uint32_t id, uint64_t count) {
+    if (id >= rows.size()) rows.resize(id + 1, 0);
+    rows[id] += count;
+  };
+  for (const PairCount& count : counts) {
+    addTo(count.i, count.count);
+    if (count.j < kEnvironment) addTo(count.j, count.count);  // a pair within one id counts twice
+  }
+  for (PairCount& count : counts)
+    if (count.j >= kEnvironment) count.blocked = rows[count.i] - count.count;
+  return counts;
+}
+
+std::vector<ControlCount> takeShares(const PairCounts& counts, const std::vector<PairShare>& shares, const std::vector<uint64_t>& lines) {
   std::vector<ControlCount> controls;
   controls.reserve(counts.size());
   auto share = shares.begin();
   for (const PairCount& count : counts) {
+    if (std::max(count.count, count.blocked) > kMostCounts)
+      throw Error(ErrorCode::bad_usage, fmt::format("a replicate's counts of a pair, {}, are too large for closed forms; ask for fewer --directions and more --replicates, or "
+                                                    "--closed-forms off", std::max(count.count, count.blocked)));
     while (share != shares.end() && keyOf(*share) < keyOf(count)) ++share;
     const uint64_t b = share != shares.end() && keyOf(*share) == keyOf(count) ? share->share : 0;
     const auto control = static_cast<int64_t>(count.count * (kShareOne - b)) - static_cast<int64_t>(count.blocked * b);
-    const ControlCount::Wide squares = ControlCount::Wide(count.count) * (kShareOne - b) * (kShareOne - b) + ControlCount::Wide(count.blocked) * b * b;
-    if (squares) controls.push_back({count.i, count.j, control, squares});
+    const uint64_t line = lines.empty() ? 1 : count.j < kEnvironment ? std::min(lines[count.i], lines[count.j]) : lines[count.i];
+    // count / line lines, each of which adds `line` times 1 - b
+    const ControlCount::Wide squares = (ControlCount::Wide(count.count) * (kShareOne - b) * (kShareOne - b) + ControlCount::Wide(count.blocked) * b * b) * line;
+    if (squares) controls.push_back({count.i, count.j, control, squares, line});
   }
   return controls;
 }
@@ -33,7 +60,7 @@ std::vector<ControlCount> mergeIds(const std::vector<ControlCount>& controls, co
   mapped.reserve(controls.size());
   for (const ControlCount& control : controls) {
     const uint32_t i = id_map[control.i], j = control.j < kEnvironment ? id_map[control.j] : control.j;
-    mapped.push_back({std::min(i, j), std::max(i, j), control.control, control.squares});
+    mapped.push_back({std::min(i, j), std::max(i, j), control.control, control.squares, control.line});
   }
   std::sort(mapped.begin(), mapped.end(), [](const auto& a, const auto& b) { return keyOf(a) < keyOf(b); });
   std::vector<ControlCount> merged;
@@ -44,25 +71,49 @@ std::vector<ControlCount> mergeIds(const std::vector<ControlCount>& controls, co
     }
     merged.back().control += control.control;
     merged.back().squares += control.squares;
+    merged.back().line = std::max(merged.back().line, control.line);
   }
   return merged;
 }
 
-void ControlSums::add(const std::vector<ControlCount>& controls) {
+// The sums with others, sorted alike, added: add_to(sum, pair) for each of them.
+template <class Pairs, class AddTo>
+std::vector<ControlSums::PairSum> ControlSums::addPairs(const Pairs& pairs, AddTo add_to) const {
   std::vector<PairSum> merged;
-  merged.reserve(std::max(pairs_.size(), controls.size()));
+  merged.reserve(std::max(pairs_.size(), pairs.size()));
   auto old = pairs_.begin();
-  for (const ControlCount& control : controls) {
-    while (old != pairs_.end() && keyOf(*old) < keyOf(control)) merged.push_back(*old++);
-    merged.push_back(old != pairs_.end() && keyOf(*old) == keyOf(control) ? *old++ : PairSum{control.i, control.j});
-    PairSum& sum = merged.back();
+  for (const auto& pair : pairs) {
+    while (old != pairs_.end() && keyOf(*old) < keyOf(pair)) merged.push_back(*old++);
+    merged.push_back(old != pairs_.end() && keyOf(*old) == keyOf(pair) ? *old++ : PairSum{pair.i, pair.j});
+    merged.back().line = std::max(merged.back().line, pair.line);
+    add_to(merged.back(), pair);
+  }
+  merged.insert(merged.end(), old, pairs_.end());
+  return merged;
+}
+
+void ControlSums::add(const std::vector<ControlCount>& controls) {
+  pairs_ = addPairs(controls, [](PairSum& sum, const ControlCount& control) {
     sum.sum += control.control;
     sum.sum_of_squares += Wide(SignedWide(control.control) * control.control);
     sum.squares += control.squares;
-  }
-  merged.insert(merged.end(), old, pairs_.end());
-  pairs_ = std::move(merged);
+  });
   ++replicate_count_;
+}
+
+void ControlSums::add(const ControlSums& others) {
+  pairs_ = addPairs(others.pairs_, [](PairSum& sum, const PairSum& other) {
+    sum.sum += other.sum;
+    sum.sum_of_squares += other.sum_of_squares;
+    sum.squares += other.squares;
+  });
+  replicate_count_ += others.replicate_count_;
+}
+
+double ControlSums::variance(const PairSum& pair, double measure_area) const {
+  const auto replicates = static_cast<long double>(replicate_count_), sum = static_cast<long double>(pair.sum);
+  const double scale = (pair.i == pair.j ? 4 : 2) * measure_area / kShareOne;
+  return static_cast<double>(std::max(0.0L, static_cast<long double>(pair.sum_of_squares) - sum * sum / replicates) / (replicates - 1)) * scale * scale;
 }
 
 FormFactors ControlSums::formFactors(double measure_area, const std::vector<KnownExchange>& known) const {
@@ -70,15 +121,18 @@ FormFactors ControlSums::formFactors(double measure_area, const std::vector<Know
   entries.reserve(pairs_.size());
   const auto replicates = static_cast<long double>(replicate_count_);
   const auto add = [&](uint32_t i, uint32_t j, const PairSum& pair, const KnownExchange* more) {
+    const double line = kShareOne * double(pair.squares || !more ? pair.line : more->line);
     const double scale = (i == j ? 4 : 2) * measure_area / kShareOne;
     const long double mean = static_cast<long double>(pair.sum) / replicates;
     // R s^2, the variance of the sum over replicates
     const long double variance = std::max(0.0L, (static_cast<long double>(pair.sum_of_squares) - mean * static_cast<long double>(pair.sum)) * replicates / (replicates - 1));
     // Lines at a time: the variance over what that of independent lines would be; one at least.
-    const long double together = pair.squares ? kShareOne * std::max(1.0L, variance / static_cast<long double>(pair.squares)) : kShareOne;
+    const long double together = pair.squares ? line * std::max(1.0L, variance / static_cast<long double>(pair.squares)) : line;
     Measured exchange{static_cast<double>(mean) * scale + (more ? more->area : 0),
                       replicate_count_ < 2 ? INFINITY : static_cast<double>(std::sqrt(variance + together * together) / replicates) * scale};
-    exchange.value = std::clamp(exchange.value, 0.0, more ? more->most : INFINITY);
+    const double most = more ? more->most : INFINITY;
+    exchange.value = std::clamp(exchange.value, 0.0, most);
+    if (replicate_count_ > 1) exchange.standard_error = std::min(exchange.standard_error, std::max(exchange.value, most - exchange.value));
     entries.push_back({i, j, exchange});
   };
   auto at = known.begin();

@@ -25,10 +25,16 @@ struct ControlCount {
   uint32_t i, j;
   int64_t control;
   Wide squares;
+  uint64_t line = 1;  // counts that one line adds, at most
 };
 
-//   In: shares sorted by (i, j); pairs without one, environment and leak have b = 0
-std::vector<ControlCount> takeShares(const PairCounts& counts, const std::vector<PairShare>& shares);
+// What leaves the scene, or ends on a back, beside all lines of its row, as `blocked`: their number is known as well, for rows sum to 1.
+PairCounts withRows(PairCounts counts);
+
+//   In: shares sorted by (i, j); pairs without one have b = 0
+//     lines: of each id, the counts that one line adds, where all of it is counted on one lattice: a pair has the less of its two; none: 1
+//   Throws: Error bad_usage where counts are too large for shares of them.
+std::vector<ControlCount> takeShares(const PairCounts& counts, const std::vector<PairShare>& shares, const std::vector<uint64_t>& lines = {});
 
 // The controls of a coarser set of ids: id k becomes id_map[k].
 std::vector<ControlCount> mergeIds(const std::vector<ControlCount>& controls, const std::vector<uint32_t>& id_map);
@@ -38,24 +44,12 @@ struct KnownExchange {
   uint32_t i, j;
   double area;   // input units squared: b times the exchange area
   double most;   // the exchange area itself, which what is visible cannot exceed; infinite where not all of it is known
+  uint64_t line = 1;  // as in ControlCount
 };
 
 // Sums the controls of replicates, exactly.
 class ControlSums {
  public:
-  explicit ControlSums(Ids ids) : ids_(std::move(ids)) {}
-
-  // Cost: O(nonzeros).
-  void add(const std::vector<ControlCount>& controls);
-  uint64_t replicateCount() const { return replicate_count_; }
-
-  //   In: measure_area as in ReplicateSums; known: sorted by (i, j), every pair at most once
-  //   Out: without row sums
-  //   Error: unbiased but for the ends of [0, most], to which values are moved: the truth lies within. Standard errors as in ReplicateSums, with the squares in the place of
-  //     counts, and never less than one line's.
-  FormFactors formFactors(double measure_area, const std::vector<KnownExchange>& known) const;
-
- private:
   __extension__ using Wide = unsigned __int128;
   __extension__ using SignedWide = __int128;
   struct PairSum {
@@ -63,7 +57,38 @@ class ControlSums {
     SignedWide sum = 0;
     Wide sum_of_squares = 0;  // over replicates
     Wide squares = 0;         // over lines
+    uint64_t line = 1;
   };
+
+  explicit ControlSums(Ids ids) : ids_(std::move(ids)) {}
+  // As they were summed before.    In: pairs sorted by (i, j), every pair at most once
+  ControlSums(Ids ids, uint64_t replicate_count, std::vector<PairSum> pairs) : ids_(std::move(ids)), pairs_(std::move(pairs)), replicate_count_(replicate_count) {}
+
+  // Cost: O(nonzeros).
+  void add(const std::vector<ControlCount>& controls);
+  // Controls of other replicates, with the same shares.
+  void add(const ControlSums& others);
+  const Ids& ids() const { return ids_; }
+  const std::vector<PairSum>& pairs() const { return pairs_; }
+  uint64_t replicateCount() const { return replicate_count_; }
+
+  // Calls f(i, j, variance) for every pair met, with the sample variance of single replicates' A_i F_ij; there have to be two of them.
+  template <class F>
+  void forEachVariance(double measure_area, F f) const {
+    for (const PairSum& pair : pairs_) f(pair.i, pair.j, variance(pair, measure_area));
+  }
+
+  //   In: measure_area as in ReplicateSums; known: sorted by (i, j), every pair at most once
+  //   Out: without row sums
+  //   Error: unbiased but for the ends of [0, most], to which values are moved: the truth lies within. Standard errors as in ReplicateSums, with the squares in the place of
+  //     counts: never less than one line's, and no more than the distance to the farther end. So a pair that no line met has a value of 0 and a standard error, too.
+  FormFactors formFactors(double measure_area, const std::vector<KnownExchange>& known) const;
+
+ private:
+  template <class Pairs, class AddTo>
+  std::vector<PairSum> addPairs(const Pairs& pairs, AddTo add_to) const;
+  double variance(const PairSum& pair, double measure_area) const;
+
   Ids ids_;
   std::vector<PairSum> pairs_;
   uint64_t replicate_count_ = 0;

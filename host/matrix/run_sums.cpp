@@ -39,10 +39,11 @@ bool RunSums::isWhole() const {
     if (replicates[k].first >= replicates[k].end || (k && replicates[k].first <= replicates[k - 1].end)) return false;
     count += replicates[k].end - replicates[k].first;
   }
-  return by_id.replicateCount() == count && by_surface.replicateCount() == count;
+  return by_id.replicateCount() == count && by_surface.replicateCount() == count && (!visible || (visible->byFace().replicateCount() == count && visible->bySurface().replicateCount() == count));
 }
 
 void RunSums::add(uint64_t replicate, const PairCounts& counts, uint64_t direction_count) {
+  if (visible) visible->add(counts);
   by_surface.add(mergeIds(counts, by_id.ids().surface));
   by_id.add(counts);
   replicates.push_back({replicate, replicate + 1});
@@ -52,11 +53,24 @@ void RunSums::add(uint64_t replicate, const PairCounts& counts, uint64_t directi
 
 void RunSums::add(const RunSums& others) {
   if (replicates.empty()) measure_area = others.measure_area;
+  if (others.visible && !visible) visible = others.visible;
+  else if (visible) visible->add(*others.visible, !others.replicates.empty() && (replicates.empty() || others.replicates.front().first < replicates.front().first));
   by_surface.add(others.by_surface);
   by_id.add(others.by_id);
   replicates.insert(replicates.end(), others.replicates.begin(), others.replicates.end());
   replicates = joinRanges(std::move(replicates));
   directions += others.directions;
+}
+
+FormFactors RunSums::formFactors() const {
+  if (visible && visible->by() == By::surface) return betweenSurfaces();
+  if (!visible) return by_id.formFactors(measure_area, countArea());
+  return visible->formFactors(By::polygon, measure_area, by_id.formFactors(measure_area));
+}
+
+FormFactors RunSums::betweenSurfaces() const {
+  if (!visible) return by_surface.formFactors(measure_area, countArea());
+  return visible->formFactors(By::surface, measure_area, by_surface.formFactors(measure_area));
 }
 
 ReplicateRange findShared(const std::vector<ReplicateRange>& a, const std::vector<ReplicateRange>& b) {

@@ -1,9 +1,11 @@
 // What a run has counted: what a checkpoint keeps, and what sums of several runs are made of.
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "matrix/form_factors.h"
+#include "matrix/visible_sums.h"
 
 namespace viewpeel {
 
@@ -21,6 +23,7 @@ struct RunSums {
   std::vector<ReplicateRange> replicates;  // sorted; a gap between each and the next
   uint64_t directions = 0;                 // in all
   double measure_area = 0;                 // input units squared of one count; unknown, 0, before the first replicate
+  std::optional<VisibleSums> visible{};    // with closed forms: by_id is by face then
 
   uint64_t replicateCount() const { return by_id.replicateCount(); }
   // Input units squared of one count along its direction; infinite, not known, where only some rows were asked for and directions are drawn for them.
@@ -31,9 +34,13 @@ struct RunSums {
   //   In: a replicate that is not there yet; counts by id
   //   Cost: O(nonzeros log nonzeros).
   void add(uint64_t replicate, const PairCounts& counts, uint64_t direction_count);
-  //   In: replicates that are not there yet, of the same run: the same ids, the same measure_area
+  //   In: replicates that are not there yet, of the same run: the same ids, the same measure_area, the same shares
   //   Cost: O(nonzeros).
   void add(const RunSums& others);
+
+  // What was counted comes to: with closed forms where there are, then of the ids asked for (VisibleSums::by) and with entries of 0 for pairs never seen, else of by_id.
+  FormFactors formFactors() const;
+  FormFactors betweenSurfaces() const;
 };
 
 // Sums of no replicates.
