@@ -4,7 +4,8 @@
 // double_area_random and double_area_sobol (embree_rays.h), hemicube (hemicube.h), view3d (view3d.h). Rivals are verified first (verify_rivals.h). Each method climbs a ladder of
 // growing work until its next run would take longer than --seconds; short runs are repeated with other seeds, and rounds of all ladders follow each other.
 // seconds: from a method made ready to its result; setup_seconds: to make it ready (kernels compiled, trees built). Errors: exchange_matrix.h; reference_error is the reference's own rms
-// error. waiting_share: of seconds, what the calling thread does not compute. passes: shares of the time on the device, over other directions.
+// error. chosen: parameters that a method chose itself. waiting_share: of seconds, what the calling thread does not compute. passes: shares of the time on the device, over other directions.
+#include <algorithm>
 #include <fstream>
 
 #include <CLI/CLI.hpp>
@@ -60,6 +61,10 @@ double peakMib() {
 
 std::string inQuotes(const std::string& text) { return "\"" + text + "\""; }
 
+bool isAsked(const std::string& method, const Options& options) {
+  return options.methods.empty() || std::find(options.methods.begin(), options.methods.end(), method) != options.methods.end();
+}
+
 struct Place {
   std::string commit, device, driver;
 };
@@ -87,11 +92,11 @@ void climb(const Ladder& ladder, const std::string& scene_name, const std::vecto
         const double seconds = outcome.time.seconds;
         spent_s += seconds;
         least_s_per_cost = std::min(least_s_per_cost, seconds / rung.cost);
-        const std::string parameters = fmt::format("{}{}={:.10g}{}{}", ladder.parameters, ladder.amount_name, rung.amount, runner.chosen, outcome.chosen);
+        const std::string parameters = fmt::format("{}{}={:.10g}", ladder.parameters, ladder.amount_name, rung.amount);
         const double device_mib = double(runner.profile.device_bytes) / (1 << 20), peak_mib = peakMib();
         const MatrixError error = errorOf(outcome.exchange, reference.exchange, areas);
-        fmt::print("{},{},{},{},{},{},{},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{},{:.3g},{:.4g},{:.4g},{:.3f},{:.0f},{:.0f},{}\n", describe(place, ladder), scene_name,
-                   reference.exchange.count(), ladder.method, seed, inQuotes(parameters), round, runner.setup_seconds, seconds, error.rms, error.largest, error.weighted_rms,
+        fmt::print("{},{},{},{},{},{},{},{},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{},{:.3g},{:.4g},{:.4g},{:.3f},{:.0f},{:.0f},{}\n", describe(place, ladder), scene_name,
+                   reference.exchange.count(), ladder.method, seed, inQuotes(parameters), inQuotes(runner.chosen + outcome.chosen), round, runner.setup_seconds, seconds, error.rms, error.largest, error.weighted_rms,
                    error.weighted_largest, outcome.standard_error ? fmt::format("{:.4g}", *outcome.standard_error) : "", reference.error.rms, outcome.time.cpu_seconds,
                    outcome.time.host_seconds, 1 - outcome.time.host_seconds / seconds, peak_mib, device_mib, inQuotes(runner.profile.passes));
         std::fflush(stdout);
@@ -115,16 +120,16 @@ void measureScene(const std::string& name, const Device& device, const Place& pl
   const std::vector<Ladder> ladders = makeLadders(device, scene, options.method);
   for (uint64_t round = 0; round < options.rounds; ++round)
     for (const Ladder& ladder : ladders)
-      if (options.methods.empty() || std::find(options.methods.begin(), options.methods.end(), ladder.method) != options.methods.end())
-        climb(ladder, name, areas, reference, round, place, options);
+      if (isAsked(ladder.method, options)) climb(ladder, name, areas, reference, round, place, options);
 }
 
 void run(const Options& options) {
   const Device device(options.device);
   printPlace(device, VIEWPEEL_SOURCE);
   const Place place{commitOf(VIEWPEEL_SOURCE), device.description().name, device.description().driver};
-  verifyRivals(device);
-  fmt::print("commit,device,driver,cores,scene,n,method,seed,parameters,round,setup_seconds,seconds,rms_error,max_error,weighted_rms_error,weighted_max_error,standard_error,reference_error,"
+  const std::vector<std::string> rivals = rivalNames();
+  if (std::any_of(rivals.begin(), rivals.end(), [&](const std::string& rival) { return isAsked(rival, options); })) verifyRivals(device);
+  fmt::print("commit,device,driver,cores,scene,n,method,seed,parameters,chosen,round,setup_seconds,seconds,rms_error,max_error,weighted_rms_error,weighted_max_error,standard_error,reference_error,"
              "cpu_seconds,host_seconds,waiting_share,resident_mib,device_mib,passes\n");
   for (const std::string& scene : options.scenes) measureScene(scene, device, place, options);
 }

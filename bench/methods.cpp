@@ -66,6 +66,11 @@ Outcome outcomeOf(const Estimate& estimate, const Scene& scene, RunTime time) {
   return outcome;
 }
 
+// The first call compiles and tunes; the next compiles what was tuned.
+void warmUp(Engine& engine) {
+  for (uint64_t replicate = 0; replicate < 2; ++replicate) engine.count(sampleDirections(Sampler::fibonacci, 16, 5, replicate));
+}
+
 // viewpeel's own methods, all by polygon.
 class Viewpeel {
  public:
@@ -91,7 +96,7 @@ class Viewpeel {
     std::shared_ptr<Engine> engine;
     runner.setup_seconds = secondsOf([&] {
       engine = make(false);
-      engine->count(sampleDirections(Sampler::fibonacci, 16, 5, 0));  // compiles and tunes
+      warmUp(*engine);
     });
     if (const std::unique_ptr<Engine> measured = make(true); measured->work()) runner.profile = profileOf(*measured);
     runner.run = [this, engine, sampler, closed_forms](double amount, uint64_t seed) {
@@ -134,14 +139,14 @@ class Viewpeel {
     for (uint32_t k = 0; k < ids_.count(); ++k) lattices.id_of_face.push_back(k);
     const Plan plan = planEstimate(scene_, ids_, options, lattices);
     options.directions = plan.directions;
-    chosen = fmt::format(" directions={} resolution={} lattices={}", plan.directions, plan.groups[0].resolution, plan.groups.size());
+    chosen = fmt::format("directions={} resolution={} lattices={}", plan.directions, plan.groups[0].resolution, plan.groups.size());
     const VisibleShares known = findVisibleShares(*plan.engine, device_, scene_, ids_, options);
     return estimateVisibleShares(*plan.engine, scene_, ids_, By::polygon, options, known);
   }
 
   Estimate runLong(double seconds) const {
     const std::unique_ptr<Engine> engine = grouped(planGroups(scene_, ids_, kLongRunResolution, 4 * kLongRunResolution, 4096));
-    engine->count(sampleDirections(Sampler::fibonacci, 16, 5, 0));  // compiles and tunes
+    warmUp(*engine);
     const double direction_s = secondsOf([&] { engine->count(sampleDirections(Sampler::fibonacci, kProfileDirections, 6, 0)); }) / kProfileDirections;
     EstimateOptions options;
     options.seed = kLongRunSeed;
@@ -158,7 +163,7 @@ class Viewpeel {
   }
 
   static Profile profileOf(Engine& engine) {
-    engine.count(sampleDirections(Sampler::fibonacci, kProfileDirections, 5, 0));  // compiles and tunes
+    warmUp(engine);
     const Work before = *engine.work();
     engine.count(sampleDirections(Sampler::fibonacci, kProfileDirections, 6, 0));
     const Work& after = *engine.work();
@@ -187,7 +192,7 @@ std::pair<Trace, std::string> fastestTrace(Run run) {
     run(trace);
     double trace_s = INFINITY;
     for (int k = 0; k < 3; ++k) trace_s = std::min(trace_s, secondsOf([&] { run(trace); }));
-    if (trace_s < least_s) least_s = trace_s, best = {trace, std::string(" trace=") + name};
+    if (trace_s < least_s) least_s = trace_s, best = {trace, std::string("trace=") + name};
   }
   return best;
 }
@@ -280,6 +285,8 @@ std::vector<Ladder> makeLadders(const Device& device, const Scene& scene, const 
   addRivals(device, scene, options, ladders);
   return ladders;
 }
+
+std::vector<std::string> rivalNames() { return {"rays_random", "rays_sobol", "double_area_random", "double_area_sobol", "hemicube"}; }
 
 LongRun runLong(const Device& device, const Scene& scene, double seconds) {
   const Estimate estimate = Viewpeel(device, scene).runLong(seconds);

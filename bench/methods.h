@@ -22,7 +22,7 @@ struct Outcome {
   ExchangeMatrix exchange;  // unit-ball units squared
   std::optional<double> standard_error;  // rms over all ordered pairs, where the method states one
   RunTime time;
-  std::string chosen;  // parameters that the method chose itself
+  std::string chosen;  // parameters that the method chose itself: "directions=64 resolution=32"
 };
 
 struct Profile {
@@ -56,6 +56,9 @@ struct MethodOptions {
 
 // All ladders for a scene whose polygons are faces, both of which have to outlive them.
 std::vector<Ladder> makeLadders(const Device& device, const Scene& scene, const MethodOptions& options);
+
+// The methods that verifyRivals is about.
+std::vector<std::string> rivalNames();
 
 // The exchange areas and standard errors of all pairs by viewpeel with closed forms, as a reference: as many directions as a time allows, on fine lattices, small polygons in windows.
 struct LongRun {
