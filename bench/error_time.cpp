@@ -132,6 +132,7 @@ void run(const Options& options) {
   fmt::print("commit,device,driver,cores,scene,n,method,seed,parameters,chosen,round,setup_seconds,seconds,rms_error,max_error,weighted_rms_error,weighted_max_error,standard_error,reference_error,"
              "cpu_seconds,host_seconds,waiting_share,resident_mib,device_mib,passes\n");
   for (const std::string& scene : options.scenes) measureScene(scene, device, place, options);
+  if (!device.validationErrors().empty()) throw Error(ErrorCode::device, device.validationErrors().front());
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "engines/graphics_engine.h"
 #include "estimator/plan.h"
 #include "estimator/visible_share.h"
+#include "error.h"
 #include "hemicube.h"
 #include "measure.h"
 #include "reference/exact_engine.h"
@@ -22,6 +23,7 @@ namespace {
 
 constexpr uint32_t kReplicates = 8;         // the program's default
 constexpr uint32_t kProfileDirections = 64;
+constexpr size_t kManyPolygons = 5000;      // beyond which hemicubes and View3D take minutes even once
 constexpr int kLongRunResolution = 256;
 constexpr uint64_t kLongRunSeed = 1u << 20;  // no run of a ladder has it
 
@@ -231,7 +233,8 @@ void addRivals(const Device& device, const Scene& scene, const MethodOptions& op
                          return runner;
                        }});
   }
-  for (const uint32_t resolution : options.full ? std::vector<uint32_t>{32, 64, 128, 256, 512} : std::vector<uint32_t>{32, 128})
+  const std::vector<uint32_t> all{32, 64, 128, 256, 512}, some{32, 128};
+  for (const uint32_t resolution : options.full && scene.polygons.size() < kManyPolygons ? all : some)
     ladders.push_back({"hemicube", fmt::format("resolution={} ", resolution), "points_per_polygon", true, climb(1, 4, 1u << 16), [&device, &scene, resolution] {
                          Runner runner;
                          std::shared_ptr<Hemicube> hemicube;
@@ -250,6 +253,7 @@ void addRivals(const Device& device, const Scene& scene, const MethodOptions& op
   std::vector<Ladder::Rung> rungs;  // time about doubles from one eps to the next
   for (int k = 2; k <= 9; ++k) rungs.push_back({std::pow(10.0, -k), std::pow(2.0, k)});
   ladders.push_back({"view3d", "", "eps", false, rungs, [&scene, options] {
+                       if (scene.polygons.size() >= kManyPolygons) throw Error(ErrorCode::limit, "View3D takes a quarter of an hour or more at every eps; choose a smaller scene");
                        Runner runner;
                        runner.run = [&scene, options](double amount, uint64_t) {
                          View3dRun run = runView3d(options.view3d, scene, amount, options.work_directory);
