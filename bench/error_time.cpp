@@ -145,9 +145,9 @@ int main(int argc, char** argv) {
   app.add_option("--scene", options.scenes, "plates, cube, sizes, office, office2, office4, city")->check(CLI::IsMember(bench::kScenes))->allow_extra_args(false)->capture_default_str();
   app.add_option("--method", options.methods, "Only these")->allow_extra_args(false);
   app.add_flag("--full", options.method.full, "Every resolution");
-  app.add_option("--seconds", options.seconds, "The longest run of a method")->check(CLI::PositiveNumber)->capture_default_str();
-  app.add_option("--reference-seconds", options.reference_seconds, "Of a long run where there are no closed forms")->check(CLI::PositiveNumber)->capture_default_str();
-  app.add_option("--rounds", options.rounds, "Of all ladders, each with other seeds")->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--seconds", options.seconds, "The longest run of a method")->check(CLI::PositiveNumber)->take_last()->capture_default_str();
+  app.add_option("--reference-seconds", options.reference_seconds, "Of a long run where there are no closed forms")->check(CLI::PositiveNumber)->take_last()->capture_default_str();
+  app.add_option("--rounds", options.rounds, "Of all ladders, each with other seeds")->check(CLI::PositiveNumber)->take_last()->capture_default_str();
   app.add_option("--view3d", options.method.view3d, "View3D's program, run as PROGRAM IN.vs3 OUT.txt");
   app.add_option("--cache", options.cache, "Directory for references, and for View3D's files")->capture_default_str();
   app.add_option("--device", options.device.selector, "As for viewpeel");

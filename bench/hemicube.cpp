@@ -172,7 +172,7 @@ ExchangeMatrix Hemicube::compute(uint32_t points_per_polygon, uint64_t seed) {
     const std::span<const uint32_t> sums = state.host_sums.mapped<const uint32_t>();
     for (size_t k = 0; k < eyes.size(); ++k)
       for (uint32_t j = 0; j < state.polygon_count; ++j)
-        if (const uint32_t sum = sums[k * state.polygon_count + j]; sum && j != eyes[k].polygon) exchange.at(eyes[k].polygon, j) += sum / kWeightOne / points_per_polygon;
+        if (const uint32_t sum = sums[k * state.polygon_count + j]; sum && j != eyes[k].polygon) exchange.at(eyes[k].polygon, j) += sum / kWeightOne / points_per_polygon / std::sqrt(scene.polygons[eyes[k].polygon].area);
     eyes.clear();
   };
   for (uint32_t i = 0; i < state.polygon_count; ++i) {
@@ -195,7 +195,7 @@ ExchangeMatrix Hemicube::compute(uint32_t points_per_polygon, uint64_t seed) {
   if (!eyes.empty()) lookAndAdd();
   for (uint32_t i = 0; i < state.polygon_count; ++i)
     for (uint32_t j = i + 1; j < state.polygon_count; ++j)
-      if (double& value = exchange.at(i, j); value > 0) value /= 1 / scene.polygons[i].area + 1 / scene.polygons[j].area;
+      if (double& value = exchange.at(i, j); value > 0) value /= std::pow(scene.polygons[i].area, -1.5) + std::pow(scene.polygons[j].area, -1.5);
   return exchange;
 }
 

@@ -73,7 +73,7 @@ void verifyOn(const Device& device, const std::string& name, const Scene& scene,
              }, 1024, area, truth, 0);
     }
   }
-  constexpr uint32_t kResolution = 512;
+  constexpr uint32_t kResolution = 128;
   Hemicube hemicube(device, scene, kResolution);
   verify(name, "hemicube", [&](double eyes, uint64_t seed) { return hemicube.compute(static_cast<uint32_t>(eyes), seed); }, 4, area, truth, hemicubeBias(kResolution));
 }
