@@ -24,7 +24,7 @@ namespace {
 constexpr uint32_t kReplicates = 8;         // the program's default
 constexpr uint32_t kProfileDirections = 64;
 constexpr size_t kManyPolygons = 5000;      // beyond which hemicubes and View3D take minutes even once
-constexpr int kLongRunResolution = 256;
+constexpr int kLongRunResolution = 256;     // beyond which more directions gain more (office)
 constexpr uint64_t kLongRunSeed = 1u << 20;  // no run of a ladder has it
 
 template <class Run>
@@ -147,7 +147,7 @@ class Viewpeel {
   }
 
   Estimate runLong(double seconds) const {
-    const std::unique_ptr<Engine> engine = grouped(planGroups(scene_, ids_, kLongRunResolution, 4 * kLongRunResolution, 4096));
+    const std::unique_ptr<Engine> engine = grouped(planGroups(scene_, ids_, kLongRunResolution, kLongRunResolution, 4096));
     warmUp(*engine);
     const double direction_s = secondsOf([&] { engine->count(sampleDirections(Sampler::fibonacci, kProfileDirections, 6, 0)); }) / kProfileDirections;
     EstimateOptions options;
