@@ -4,7 +4,7 @@
 // double_area_random and double_area_sobol (embree_rays.h), hemicube (hemicube.h), view3d (view3d.h). Rivals are verified first (verify_rivals.h). Each method climbs a ladder of
 // growing work until its next run would take longer than --seconds; short runs are repeated with other seeds, and rounds of all ladders follow each other.
 // seconds: from a method made ready to its result; setup_seconds: to make it ready (kernels compiled, trees built). Errors: exchange_matrix.h; reference_error is the reference's own rms
-// error. chosen: parameters that a method chose itself. waiting_share: of seconds, what the calling thread does not compute. passes: shares of the time on the device, over other directions.
+// error (a reference kept in --cache from a busy machine is a poor one: delete it). chosen: parameters that a method chose itself. waiting_share: of seconds, what the calling thread does not compute. passes: shares of the time on the device, over other directions.
 #include <algorithm>
 #include <fstream>
 
