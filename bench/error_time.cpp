@@ -4,7 +4,8 @@
 // double_area_random and double_area_sobol (embree_rays.h), hemicube (hemicube.h), view3d (view3d.h). Rivals are verified first (verify_rivals.h). Each method climbs a ladder of
 // growing work until its next run would take longer than --seconds; short runs are repeated with other seeds, and rounds of all ladders follow each other.
 // seconds: from a method made ready to its result; setup_seconds: to make it ready (kernels compiled, trees built). Errors: exchange_matrix.h; reference_error is the reference's own rms
-// error (a reference kept in --cache from a busy machine is a poor one: delete it). chosen: parameters that a method chose itself. waiting_share: of seconds, what the calling thread does not compute. passes: shares of the time on the device, over other directions.
+// error (a reference kept in --cache from a busy machine is a poor one: delete it). chosen: parameters that a method chose
+// itself. waiting_share: of seconds, what the calling thread does not compute. passes: shares of the time on the device, over other directions.
 #include <algorithm>
 #include <fstream>
 
@@ -76,7 +77,8 @@ std::string describe(const Place& place, const Ladder& ladder) {
   return fmt::format("{},{},{},{}", place.commit, inQuotes(device), inQuotes(driver), threadCount());
 }
 
-void climb(const Ladder& ladder, const std::string& scene_name, const std::vector<double>& areas, const ReferenceMatrix& reference, uint64_t round, const Place& place, const Options& options) {
+void climb(const Ladder& ladder, const std::string& scene_name, const std::vector<double>& areas, const ReferenceMatrix& reference, uint64_t round,
+           const Place& place, const Options& options) {
   try {
     const Runner runner = ladder.set_up();
     double least_s_per_cost = INFINITY;
@@ -95,10 +97,13 @@ void climb(const Ladder& ladder, const std::string& scene_name, const std::vecto
         const std::string parameters = fmt::format("{}{}={:.10g}", ladder.parameters, ladder.amount_name, rung.amount);
         const double device_mib = double(runner.profile.device_bytes) / (1 << 20), peak_mib = peakMib();
         const MatrixError error = errorOf(outcome.exchange, reference.exchange, areas);
-        fmt::print("{},{},{},{},{},{},{},{},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{},{:.3g},{:.4g},{:.4g},{:.3f},{:.0f},{:.0f},{}\n", describe(place, ladder), scene_name,
-                   reference.exchange.count(), ladder.method, seed, inQuotes(parameters), inQuotes(runner.chosen + outcome.chosen), round, runner.setup_seconds, seconds, error.rms, error.largest, error.weighted_rms,
-                   error.weighted_largest, outcome.standard_error ? fmt::format("{:.4g}", *outcome.standard_error) : "", reference.error.rms, outcome.time.cpu_seconds,
-                   outcome.time.host_seconds, 1 - outcome.time.host_seconds / seconds, peak_mib, device_mib, inQuotes(runner.profile.passes));
+        const std::string standard_error = outcome.standard_error ? fmt::format("{:.4g}", *outcome.standard_error) : "";
+        fmt::print("{},{},{},{},{},{},{},{},", describe(place, ladder), scene_name, reference.exchange.count(), ladder.method, seed, inQuotes(parameters),
+                   inQuotes(runner.chosen + outcome.chosen), round);
+        fmt::print("{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{},{:.3g},", runner.setup_seconds, seconds, error.rms, error.largest, error.weighted_rms,
+                   error.weighted_largest, standard_error, reference.error.rms);
+        fmt::print("{:.4g},{:.4g},{:.3f},{:.0f},{:.0f},{}\n", outcome.time.cpu_seconds, outcome.time.host_seconds, 1 - outcome.time.host_seconds / seconds, peak_mib,
+                   device_mib, inQuotes(runner.profile.passes));
         std::fflush(stdout);
       }
     }
@@ -129,8 +134,8 @@ void run(const Options& options) {
   const Place place{commitOf(VIEWPEEL_SOURCE), device.description().name, device.description().driver};
   const std::vector<std::string> rivals = rivalNames();
   if (std::any_of(rivals.begin(), rivals.end(), [&](const std::string& rival) { return isAsked(rival, options); })) verifyRivals(device);
-  fmt::print("commit,device,driver,cores,scene,n,method,seed,parameters,chosen,round,setup_seconds,seconds,rms_error,max_error,weighted_rms_error,weighted_max_error,standard_error,reference_error,"
-             "cpu_seconds,host_seconds,waiting_share,resident_mib,device_mib,passes\n");
+  fmt::print("commit,device,driver,cores,scene,n,method,seed,parameters,chosen,round,setup_seconds,seconds,rms_error,max_error,weighted_rms_error,"
+             "weighted_max_error,standard_error,reference_error,cpu_seconds,host_seconds,waiting_share,resident_mib,device_mib,passes\n");
   for (const std::string& scene : options.scenes) measureScene(scene, device, place, options);
   if (!device.validationErrors().empty()) throw Error(ErrorCode::device, device.validationErrors().front());
 }

@@ -170,9 +170,12 @@ ExchangeMatrix Hemicube::compute(uint32_t points_per_polygon, uint64_t seed) {
   const auto lookAndAdd = [&] {
     state.look(eyes);
     const std::span<const uint32_t> sums = state.host_sums.mapped<const uint32_t>();
-    for (size_t k = 0; k < eyes.size(); ++k)
+    for (size_t k = 0; k < eyes.size(); ++k) {
+      const uint32_t i = eyes[k].polygon;
+      const double share = 1 / (kWeightOne * points_per_polygon * std::sqrt(scene.polygons[i].area));
       for (uint32_t j = 0; j < state.polygon_count; ++j)
-        if (const uint32_t sum = sums[k * state.polygon_count + j]; sum && j != eyes[k].polygon) exchange.at(eyes[k].polygon, j) += sum / kWeightOne / points_per_polygon / std::sqrt(scene.polygons[eyes[k].polygon].area);
+        if (const uint32_t sum = sums[k * state.polygon_count + j]; sum && j != i) exchange.at(i, j) += sum * share;
+    }
     eyes.clear();
   };
   for (uint32_t i = 0; i < state.polygon_count; ++i) {

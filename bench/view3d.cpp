@@ -61,7 +61,9 @@ View3dRun runView3d(const std::string& program, const Scene& scene, double epsil
   const std::string command = fmt::format("'{}' '{}' '{}' >/dev/null 2>&1", program, input, output);
   int status = 0;
   const double seconds = secondsOf([&] { status = std::system(command.c_str()); });
-  if (status != 0) throw Error(ErrorCode::bad_usage, fmt::format("{}: ends with status {}; give the path of View3D's program, which takes an input and an output file", program, WEXITSTATUS(status)));
+  if (status != 0)
+    throw Error(ErrorCode::bad_usage, fmt::format("{}: ends with status {}; give the path of View3D's program, which takes an input and an output file", program,
+                                                  WEXITSTATUS(status)));
   std::ifstream file(output);
   return {readView3d(file, static_cast<uint32_t>(scene.polygons.size()), output), seconds};
 }
