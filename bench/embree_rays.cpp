@@ -9,7 +9,8 @@
 namespace viewpeel::bench {
 namespace {
 
-constexpr float kAway = 1e-5f;  // a ray's start and end, unit-ball units from its polygons
+// A ray's start and end, unit-ball units from its polygons: beyond rounding to 32 bits, and short beside the distance of small ones.
+constexpr float kMostAway = 1e-5f, kLeastAway = 2e-7f, kAwayPerSize = 0.01f;
 constexpr uint64_t kRaysAtOnce = 1u << 14;
 constexpr uint32_t kAngles = 4096;
 
@@ -58,7 +59,8 @@ EmbreeRays::EmbreeRays(const Scene& scene) : scene_(scene), embree_(scene) {
     const double first = glm::length(glm::cross(a, b)), second = triangle ? 0 : glm::length(glm::cross(b, c));
     const bool parallelogram = !triangle && glm::length(a + c - b) < 1e-12;
     const glm::vec3 x = glm::normalize(a), normal = embree_.normal(index);
-    emitters_.push_back({p[0], a, b, c, float(first / (first + second)), parallelogram, x, glm::cross(normal, x), normal});
+    emitters_.push_back({p[0], a, b, c, float(first / (first + second)), parallelogram, x, glm::cross(normal, x), normal,
+                         std::clamp(kAwayPerSize * float(std::sqrt(polygon.area)), kLeastAway, kMostAway)});
   }
 }
 
@@ -95,7 +97,7 @@ RayCounts EmbreeRays::shoot(Trace trace, Points points, uint64_t rays_per_polygo
           const auto point = source.next();
           const float squared = toUnit(point[2]), radius = std::sqrt(squared);
           const glm::vec2 local = radius * kCircle.at(point[3]);
-          rays[k] = {pointOn(emitter, point[0], point[1]), local.x * emitter.x + local.y * emitter.y + std::sqrt(1 - squared) * emitter.normal, kAway, 4};
+          rays[k] = {pointOn(emitter, point[0], point[1]), local.x * emitter.x + local.y * emitter.y + std::sqrt(1 - squared) * emitter.normal, emitter.away, 4};
         }
         embree_.findFirst(trace, context, std::span(rays).first(count), hit);
         for (uint32_t k = 0; k < count; ++k) {
@@ -177,7 +179,7 @@ RayEstimate EmbreeRays::integrate(Trace trace, Points points, uint32_t samples_p
           const float squared = glm::dot(line, line), cosines = glm::dot(from.normal, line) * -glm::dot(to.normal, line);
           if (glm::dot(from.normal, line) <= 0 || cosines <= 0) continue;
           const float length = std::sqrt(squared);
-          rays[waiting] = {p, line / length, kAway, length - kAway};
+          rays[waiting] = {p, line / length, from.away, length - to.away};
           samples[waiting] = {j, cosines / (float(std::numbers::pi) * squared * squared)};
           if (++waiting == kRayGroup) traceWaiting();
         }

@@ -48,6 +48,7 @@ class EmbreeRays {
     float share = 1;             // of the first triangle
     bool parallelogram = false;
     glm::vec3 x, y, normal;      // orthonormal
+    float away = 0;              // where rays from and to it start and end
   };
   static glm::vec3 pointOn(const Emitter& emitter, uint32_t s, uint32_t t);
 

@@ -9,7 +9,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Cor
 layout(push_constant, scalar) uniform Args { HemicubeDraw args; };
 layout(location = 0) flat out uint seen;  // 1 + the polygon whose front this is; kBack
 
-const float kNear = 1e-5;  // unit-ball units
+const float kNear = 1e-8;  // unit-ball units; of depths that are floats near 0, so that none is lost
 const uint kBack = 0xFFFFFFFFu;
 
 void main() {
