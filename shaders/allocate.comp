@@ -1,20 +1,35 @@
 #version 460
-// One invocation gives one tile its list and, when it has any polygon, its place among the active tiles.
-//   In: tile_counts   Out: tile_starts, active_tiles, status
+// One invocation gives one tile its list and, when it has any polygon or fragment, its place among the active tiles.
+//   In: tile_counts, fragment_counts   Out: tile_starts, active_tiles, status
 #extension GL_GOOGLE_include_directive : require
 #define SHARED_FUNCTION
 #include "common.glsl"
 
 layout(local_size_x = 64) in;
+layout(constant_id = 0) const bool kFragments = false;
 layout(push_constant, scalar) uniform Args { BinArgs args; };
 
 void main() {
   uint tile = gl_GlobalInvocationID.x;
   if (tile >= args.tile_count) return;
   uint count = Words(args.tile_counts).at[tile];
-  if (count == 0u) return;
   Status status = Status(args.status);
-  uint start = atomicAdd(status.at.list_length, count);
+  uint points = args.tile_width * args.tile_rows, most_fragments = 0u;
+  if (kFragments) {
+    uint fragments = 0u;
+    for (uint k = 0u; k < points; ++k) {
+      uint its = Words(args.fragment_counts).at[tile * points + k];
+      most_fragments = max(most_fragments, its);
+      fragments += its;
+    }
+    if (fragments != 0u) atomicAdd(status.at.entered, fragments);
+    if (most_fragments > args.fragment_capacity) {
+      atomicMax(status.at.most_fragments, most_fragments);
+      atomicOr(status.at.active_tiles, kListsOverflowed);
+    }
+  }
+  if (count == 0u && most_fragments == 0u) return;
+  uint start = count == 0u ? 0u : atomicAdd(status.at.list_length, count);
   Words(args.tile_starts).at[tile] = start;
   if (start + count > args.list_capacity || start + count < start) {
     atomicOr(status.at.active_tiles, start + count < start ? kListsOverflowed | kListsUncountable : kListsOverflowed);
@@ -33,5 +48,7 @@ void main() {
   found.weight = Directions(args.directions).at[direction].weight;
   found.column = int(x * args.tile_width) - int(args.tiles_wide * args.tile_width / 2u);
   found.row = int(y * args.tile_rows) - int(args.tiles_high * args.tile_rows / 2u);
+  found.most_fragments = most_fragments;
+  found.first_point = tile * points;
   ActiveTiles(args.active_tiles).at[place] = found;
 }

@@ -1,7 +1,7 @@
 #version 460
-// One invocation takes one polygon in one direction, and some rows of tiles, and finds the tiles that it can cover samples of:
+// One invocation takes one listed polygon in one direction, and some rows of tiles, and finds the tiles that it can cover samples of:
 // to note its roles there, to count the polygons of tiles, or, when lists have been allocated, to enter itself.
-//   In: projected, edges     Out, by mode: tile_roles; tile_counts; lists (tile_counts is counted down to 0)
+//   In: listed, projected, edges     Out, by mode: tile_roles; tile_counts; lists (tile_counts is counted down to 0)
 #extension GL_GOOGLE_include_directive : require
 #define SHARED_FUNCTION
 #include "common.glsl"
@@ -12,13 +12,12 @@ layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Args { BinArgs args; };
 
 void main() {
-  uint polygon_index = gl_GlobalInvocationID.x;
-  uint direction_index = gl_WorkGroupID.y;
-  if (polygon_index >= args.polygon_count) return;
+  if (gl_GlobalInvocationID.x >= Status(args.status).at.listed) return;
   if (args.mode == kBinScatter && (Status(args.status).at.active_tiles & kListsOverflowed) != 0u) return;
-  uint projected_at = 4u * (direction_index * args.polygon_count + polygon_index);
+  uint listed = Words(args.listed).at[gl_GlobalInvocationID.x];
+  uint direction_index = listed / args.polygon_count, polygon_index = listed - direction_index * args.polygon_count;
+  uint projected_at = 4u * listed;
   ivec4 box = ivec4(texelFetch(projected_texels, int(projected_at)));
-  if (box.x > box.z) return;
   uvec3 corners = texelFetch(polygon_texels, int(3u * polygon_index)).xyz;  // first, count, id with roles
   uint roles = corners.z >> kRolesShift;
   if (args.mode == kBinRoles && roles == 0u) return;

@@ -48,8 +48,8 @@ void main() {
   Status status = Status(args.status);
   uint active_tiles = status.at.active_tiles;
   if (gl_NumSubgroups != 1u || place >= active_tiles || active_tiles >= kListsOverflowed) return;  // peel says so
-  uvec4 tile = texelFetch(tile_texels, int(2u * place));  // list_start, list_length, direction, weight
-  ivec2 corner = ivec2(texelFetch(tile_texels, int(2u * place + 1u)).xy);
+  uvec4 tile = texelFetch(tile_texels, int(kTileTexels * place));  // list_start, list_length, direction, weight
+  ivec2 corner = ivec2(texelFetch(tile_texels, int(kTileTexels * place + 1u)).xy);
   uint ups = 0u, downs = 0u;
   for (uint base = 0u; base < tile.y; base += lanes) {
     uint mine = min(base + lane, tile.y - 1u);

@@ -1,5 +1,13 @@
 // Coverage and depth at lattice points, in integers: the same on every device.
 
+// The value of an edge at a corner, within what leaves room for its changes over a tile: fewer than 2^30.
+const int kSaturated = 1 << 30;
+
+int valueAtCorner(Edge edge, ivec2 corner) {
+  int64_t value = int64_t(edge.a) * int64_t(corner.x) + int64_t(edge.b) * int64_t(corner.y) + edge.c;
+  return int(clamp(value, int64_t(-kSaturated), int64_t(kSaturated)));
+}
+
 // Whether lattice point p lies on the polygon's side of an edge whose columns are the lattice's own.
 bool isInside(Edge edge, ivec2 p) {
   return int64_t(edge.a) * int64_t(p.x) + int64_t(edge.b) * int64_t(p.y) + edge.c >= int64_t(0);
@@ -21,11 +29,14 @@ Edge makeEdge(ivec2 from, ivec2 to, int orientation, int fraction_bits, int colu
   return edge;
 }
 
+// depth: the plane's at a lattice point, see ProjectedPolygon.
+uint layerKeyOf(int64_t depth, ProjectedPolygon polygon) {
+  return 2u * uint(clamp(depth >> polygon.depth_shift, int64_t(polygon.depth_min), int64_t(polygon.depth_max))) + (1u - polygon.front_up);
+}
+
 // The order of a polygon along the line through lattice point p (Layer.key).
 uint layerKey(ProjectedPolygon polygon, ivec2 p) {
-  int64_t depth = (polygon.depth_0 + polygon.depth_x * int64_t(p.x) + polygon.depth_y * int64_t(p.y)) >> polygon.depth_shift;
-  depth = clamp(depth, int64_t(polygon.depth_min), int64_t(polygon.depth_max));
-  return 2u * uint(depth) + (1u - polygon.front_up);
+  return layerKeyOf(polygon.depth_0 + polygon.depth_x * int64_t(p.x) + polygon.depth_y * int64_t(p.y), polygon);
 }
 
 // The least X in [0, width] with |a| X + value >= 0; width where there is none.

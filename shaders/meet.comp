@@ -57,7 +57,7 @@ void main() {
   Status status = Status(args.status);
   if (place >= status.at.meetings) return;
   Meeting meeting = Meetings(args.meetings).at[place];
-  uvec4 tile = texelFetch(tile_texels, int(2u * meeting.tile));  // list_start, list_length, direction, weight
+  uvec4 tile = texelFetch(tile_texels, int(kTileTexels * meeting.tile));  // list_start, list_length, direction, weight
   Parties parties;
   parties.nearer = meeting.nearer;
   parties.nearer_end = meeting.nearer_end;
@@ -65,7 +65,7 @@ void main() {
   parties.farther_end = min(parties.farther + kMostFarther, meeting.farther_end);
   parties.direction = tile.z;
   parties.weight = tile.w;
-  parties.corner = ivec2(texelFetch(tile_texels, int(2u * meeting.tile + 1u)).xy);
+  parties.corner = ivec2(texelFetch(tile_texels, int(kTileTexels * meeting.tile + 1u)).xy);
   if (parties.farther >= parties.farther_end) return;
   Counters counters = Counters(args.counters, args.status, args.id_count, args.counter_mask, kSparse, 2u);
   uint steps = 0u;

@@ -3,7 +3,7 @@
 // layers contribute to the counters, and goes round again where more layers remain. A sample is a lattice point or, with
 // scanlines, the interval between two ends of spans: the order of polygons does not change in it, and its length is its weight. The
 // tile's polygons are loaded one by each invocation and passed on by shuffles.
-//   In: active_tiles, lists, projected, edges, polygons     Out: counters, unfinished tiles or rows and the layers that they reached
+//   In: active_tiles, lists, projected, edges, polygons, fragments     Out: counters, unfinished tiles or rows and the layers that they reached
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_shader_atomic_int64 : require
 #extension GL_KHR_shader_subgroup_basic : require
@@ -29,6 +29,9 @@ layout(constant_id = 9) const uint kTileWidth = 8u;        // lattice points
 layout(constant_id = 10) const bool kSorted = false;       // lists are in the order of their polygons' nearest depths in the tile, not with scanlines
 layout(constant_id = 11) const bool kTwoSided = false;
 layout(constant_id = 12) const bool kCountsBlocked = false;
+layout(constant_id = 13) const bool kFragments = false;  // lattice points have layers beside those of the tile's polygons
+layout(binding = 5) uniform usamplerBuffer fragment_texels;        // uint64_t
+layout(binding = 6) uniform usamplerBuffer fragment_count_texels;  // uint
 layout(push_constant, scalar) uniform Args { PeelArgs args; };
 
 const int kMostSteps = 8;
@@ -62,6 +65,7 @@ struct Passing {
 struct Tile {
   uint list_start, list_length, direction, weight;
   ivec2 corner;  // of the lattice: the least column and row, or the one row, of what is peeled
+  uint most_fragments, first_point;
 };
 
 #include "slice.glsl"
@@ -71,8 +75,27 @@ struct Tile {
 // it got. With scanlines; peel_blocked.comp does it, peel.comp has nothing to do.
 uint meetSpans(Tile tile, uint from, uint ups, uint span_count, inout uint blocks_done, inout bool cut);
 
-// Takes sample s past the polygon: its layer goes among the nearest, the farthest of those goes when there is no room.
+// A layer of sample s, or kNoLayer, goes among the nearest; the farthest of those goes when there is no room.
 // Called with a literal s, so that all indices become constants.
+void keepLayer(int s, uint64_t layer) {
+  layer = layer > last[s] ? layer : kNoLayer;
+  [[unroll]] for (int k = 0; k < kLayersKept; ++k) {
+    uint64_t farther = max(nearest[s][k], layer);
+    nearest[s][k] = min(nearest[s][k], layer);
+    layer = farther;
+  }
+  lost[s] = min(lost[s], layer);
+}
+
+// Fragment k of sample s, at the lattice point `point`, where it has so many.
+void keepFragment(int s, uint k, uint point, uint count, inout uint fragments) {
+  bool has = k < count;
+  uint64_t layer = packUint2x32(texelFetch(fragment_texels, int(k * args.point_count + point)).xy);
+  if (kMeasuresWork) fragments += has ? fresh >> s & 1u : 0u;
+  keepLayer(s, has ? layer : kNoLayer);
+}
+
+// Takes sample s past the polygon.
 void takeStep(int s, inout Passing polygon, inout uint fragments) {
   bool covered = kScanlines ? polygon.covered : (polygon.edges.x | polygon.edges.y | polygon.edges.z | polygon.edges.w) >= 0;
   uint depth = uint(clamp(polygon.z >> polygon.z_shift, int64_t(polygon.z_min), int64_t(polygon.z_max)));
@@ -82,13 +105,7 @@ void takeStep(int s, inout Passing polygon, inout uint fragments) {
     if (covered && (polygon.roles & kReceives) != 0u) farthest_receiver[s] = max(farthest_receiver[s], layer);
   }
   if (kMeasuresWork) fragments += covered ? fresh >> s & 1u : 0u;
-  layer = covered && layer > last[s] ? layer : kNoLayer;
-  [[unroll]] for (int k = 0; k < kLayersKept; ++k) {
-    uint64_t farther = max(nearest[s][k], layer);
-    nearest[s][k] = min(nearest[s][k], layer);
-    layer = farther;
-  }
-  lost[s] = min(lost[s], layer);
+  keepLayer(s, covered ? layer : kNoLayer);
   polygon.edges += polygon.edges_per_step;
   polygon.z += polygon.z_per_step;
 }
@@ -131,10 +148,10 @@ void main() {
     uint active_tiles = status.at.active_tiles;
     if (place >= active_tiles || active_tiles >= kListsOverflowed) return;
   }
-  uvec4 texel = texelFetch(tile_texels, int(2u * place));
-  uvec2 corner = texelFetch(tile_texels, int(2u * place + 1u)).xy;
-  bool is_sorted = kSorted && texelFetch(tile_texels, int(2u * place + 1u)).z != 0u;
-  Tile tile = Tile(texel.x, texel.y, texel.z, texel.w, ivec2(corner) + ivec2(0, row));
+  uvec4 texel = texelFetch(tile_texels, int(kTileTexels * place)), placed = texelFetch(tile_texels, int(kTileTexels * place + 1u));
+  uint first_point = kFragments ? texelFetch(tile_texels, int(kTileTexels * place + 2u)).x : 0u;
+  bool is_sorted = kSorted && placed.z != 0u;
+  Tile tile = Tile(texel.x, texel.y, texel.z, texel.w, ivec2(placed.xy) + ivec2(0, row), placed.w, first_point);
   bool cut = false;  // whether a loop ended before its time
   uint sample_count = lanes, polygon_count = tile.list_length, ups = tile.list_length, blocks_done = 0u;
   // Lattice points: a lane's column, and the row of its first sample; the others follow rows_per_step apart.
@@ -192,26 +209,48 @@ void main() {
         lost[k] = kNoLayer;
         farthest_emitter[k] = farthest_receiver[k] = 0ul;
       }
+      if (kFragments) {
+        uint point = tile.first_point + (lane_row < int(args.tile_rows) ? uint(lane_row) * kTileWidth : 0u) + uint(column), k = 0u;
+        const uint step = uint(rows_per_step) * kTileWidth;
+        uint counts[kMostSteps];
+        [[unroll]] for (uint s = 0u; s < uint(kMostSteps); ++s)
+          counts[s] = int(s) < kSteps ? texelFetch(fragment_count_texels, int(point + s * step)).x : 0u;
+        do {
+          keepFragment(0, k, point, counts[0], fragments);
+          if (kSteps > 1) keepFragment(1, k, point + step, counts[1], fragments);
+          if (kSteps > 2) keepFragment(2, k, point + 2u * step, counts[2], fragments);
+          if (kSteps > 2) keepFragment(3, k, point + 3u * step, counts[3], fragments);
+          if (kSteps > 4) keepFragment(4, k, point + 4u * step, counts[4], fragments);
+          if (kSteps > 4) keepFragment(5, k, point + 5u * step, counts[5], fragments);
+          if (kSteps > 4) keepFragment(6, k, point + 6u * step, counts[6], fragments);
+          if (kSteps > 4) keepFragment(7, k, point + 7u * step, counts[7], fragments);
+          ++k;
+        } while (k < tile.most_fragments);
+        cut = cut || k < tile.most_fragments;
+        blocks_done += tile.most_fragments / lanes;
+      }
       // A segment ends where a sample has no room left or the list ends; its layers are added as far as they are settled.
       uint base = 0u, t = 0u, passed = 0u, patience = 0u;
       do {
         bool full = false;
         do {
           // This invocation's polygon: its edges or its span, and its depth, at the corner.
-          uint mine = min(base + lane, polygon_count - 1u);
-          uvec2 span = kScanlines ? spans[placeOfSpan(mine, ups)] : uvec2(texelFetch(list_texels, int(tile.list_start + mine)).x, 0u);
+          uint mine = min(base + lane, max(polygon_count, 1u) - 1u);
+          uvec2 span = kScanlines ? spans[placeOfSpan(mine, ups)] : uvec2(polygon_count == 0u ? 0u : texelFetch(list_texels, int(tile.list_start + mine)).x, 0u);
           uint projected_at = 4u * (tile.direction * args.polygon_count + span.x);
           uvec4 depth_01 = texelFetch(projected_texels, int(projected_at + 1u));
           uvec4 depth_2 = texelFetch(projected_texels, int(projected_at + 2u));
           uvec4 rest = texelFetch(projected_texels, int(projected_at + 3u));
+          if (polygon_count == 0u) rest = uvec4(0);  // what was read is nobody's
           if (base + lane >= polygon_count) span.y = kNoColumns;
-          ivec4 a = ivec4(0), b = ivec4(0), c = ivec4(base + lane < polygon_count ? 0 : -1);
+          ivec4 a = ivec4(0), b = ivec4(0), c = ivec4(-1);  // covers nothing
           if (!kScanlines) {
+            bool is_polygon = base + lane < polygon_count;
             [[unroll]] for (uint k = 0u; k < 4u; ++k) {
               Edge edge = fetchEdge(rest.z + min(k, rest.w - 1u));
-              a[k] = edge.a;
-              b[k] = edge.b;
-              if (c[k] >= 0) c[k] = valueAtCorner(edge, tile.corner);
+              a[k] = is_polygon ? edge.a : 0;
+              b[k] = is_polygon ? edge.b : 0;
+              c[k] = is_polygon ? valueAtCorner(edge, tile.corner) : -1;
             }
           }
           int64_t depth = longFrom(depth_01.xy) + longFrom(depth_01.zw) * int64_t(tile.corner.x) + longFrom(depth_2.xy) * int64_t(tile.corner.y);
@@ -267,7 +306,7 @@ void main() {
         cut = cut || (base < polygon_count && !full);
         uint64_t bound = kNoLayer;
         if (kSorted) {  // nothing from the next polygon on is nearer than its nearest depth in the tile
-          uint next = texelFetch(list_texels, int(tile.list_start + min(base + t, polygon_count - 1u))).x;
+          uint next = texelFetch(list_texels, int(tile.list_start + min(base + t, max(polygon_count, 1u) - 1u))).x;
           uint projected_at = 4u * (tile.direction * args.polygon_count + next);
           uvec4 depth_01 = texelFetch(projected_texels, int(projected_at + 1u)), depth_2 = texelFetch(projected_texels, int(projected_at + 2u));
           int shift = int(texelFetch(projected_texels, int(projected_at + 3u)).x);

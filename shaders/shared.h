@@ -84,6 +84,15 @@ struct ProjectArgs {
   int column_bits;      // of an edge's column coordinate
   uint cell_size;       // see DrawArgs
   int window;           // lattice points from the origin to its left and lower border; beyond it nothing is looked at
+  // Of the compute engine.
+  uint64_t listed;           // uint[direction_count * polygon_count]: of what the passes over tiles look at, places in projected
+  uint64_t status;           // BatchStatus
+  uint64_t fragments;        // uint64_t[fragment_capacity][point_count]: layers, key << 32 | polygon + 1; points are those of tile 0, of tile 1, ...
+  uint64_t fragment_counts;  // uint[point_count]
+  uint fragment_capacity;
+  uint point_count;
+  uint few_points;           // in the box of a polygon that enters itself
+  uint tiles_wide, tiles_high;
 };
 
 // Directions lie side by side in one image, cells_per_row cells of cell_size^2 pixels a row; a cell's centre pixel is
@@ -155,8 +164,12 @@ struct Groups {
 
 // What the passes of a batch found, for the passes after them and for the host.
 struct BatchStatus {
+  Groups project_groups, bin_groups;  // over what is listed
+  uint listed;
+  uint most_fragments;  // of a lattice point
+  uint entered;         // fragments, of all points
   Groups peel_groups;   // over active tiles, and their rows
-  uint active_tiles;    // with kListsOverflowed where lists overflowed, kListsUncountable where their length did
+  uint active_tiles;    // with kListsOverflowed where lists or fragments overflowed, kListsUncountable where the lists' length did
   uint list_length;     // of all tiles together
   uint unfinished;      // rows
   uint overflows;       // kTooManySpans and so on
@@ -164,7 +177,6 @@ struct BatchStatus {
   uint rounds;          // over the samples of a subgroup
   Groups meet_groups;   // over meetings, and parts of their farther polygons
   uint meetings;
-  uint padding;
   // Work done, where it is measured.
   uint64_t rows;
   uint64_t spans;
@@ -183,6 +195,9 @@ struct BinArgs {
   uint64_t active_tiles;  // ActiveTile[tile_count]
   uint64_t directions;    // DirectionData[]
   uint64_t status;        // BatchStatus
+  uint64_t listed;        // see ProjectArgs
+  uint64_t fragment_counts;
+  uint fragment_capacity;
   uint polygon_count;
   uint corner_count;
   uint tiles_wide, tiles_high;
@@ -207,7 +222,9 @@ struct ActiveTile {
   uint weight;      // of its samples
   int column, row;  // of the lattice, its least
   uint is_sorted;   // its list
-  uint padding;
+  uint most_fragments;  // of its lattice points
+  uint first_point;     // see ProjectArgs::fragments
+  uint padding[3];
 };
 
 // An entry of a list that is to be sorted.
@@ -273,6 +290,7 @@ struct PeelArgs {
   uint counter_mask;  // of a hash table: places - 1
   uint counts_environment;
   uint most_blocks;  // of polygons that one invocation goes through
+  uint point_count;  // see ProjectArgs
   uint resumes;      // how many unfinished rows it works off; 0 where it begins
 };
 

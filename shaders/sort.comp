@@ -21,7 +21,7 @@ void main() {
   uint place = gl_WorkGroupID.y * kGroupsPerRow + gl_WorkGroupID.x;
   uint active_tiles = Status(args.status).at.active_tiles;
   if (place >= active_tiles || active_tiles >= kListsOverflowed) return;
-  uvec2 list = texelFetch(tile_texels, int(2u * place)).xy;  // start, length
+  uvec2 list = texelFetch(tile_texels, int(kTileTexels * place)).xy;  // start, length
   bool sorts = list.y <= kMostSorted;
   uint compared_end = sorts ? list.y : 0u;
   uint done = 0u;
@@ -29,7 +29,7 @@ void main() {
     uint64_t mine[kRanked];  // depth << 32 | polygon
     uint rank[kRanked];
     [[unroll]] for (int k = 0; k < kRanked; ++k) {
-      mine[k] = packUint2x32(texelFetch(list_texels, int(list.x + min(done + uint(k) * lanes + lane, list.y - 1u))).xy);
+      mine[k] = packUint2x32(texelFetch(list_texels, int(list.x + min(done + uint(k) * lanes + lane, max(list.y, 1u) - 1u))).xy);
       rank[k] = sorts ? 0u : done + uint(k) * lanes + lane;
     }
     for (uint base = 0u; base < compared_end; base += lanes) {

@@ -5,6 +5,8 @@ layout(binding = 2) uniform usamplerBuffer polygon_texels;    // PolygonData
 layout(binding = 3) uniform usamplerBuffer list_texels;       // polygons of tiles
 layout(binding = 4) uniform usamplerBuffer tile_texels;       // ActiveTile
 
+const uint kTileTexels = 3u;
+
 int64_t longFrom(uvec2 words) { return int64_t(packUint2x32(words)); }
 
 Edge fetchEdge(uint index) {
@@ -17,14 +19,6 @@ Edge fetchEdge(uint index) {
 }
 
 uint fetchId(uint polygon) { return texelFetch(polygon_texels, int(3u * polygon)).z; }
-
-// The value of an edge at a tile's corner, within what leaves room for its changes over the tile.
-const int kSaturated = 1 << 30;
-
-int valueAtCorner(Edge edge, ivec2 corner) {
-  int64_t value = int64_t(edge.a) * int64_t(corner.x) + int64_t(edge.b) * int64_t(corner.y) + edge.c;
-  return int(clamp(value, int64_t(-kSaturated), int64_t(kSaturated)));
-}
 
 // The depth plane of a polygon in one direction, its constant at a tile's corner.
 struct DepthPlane {

@@ -69,6 +69,72 @@ TEST(Laws, RigidMotionAndScaleLeaveFactorsAlone) {
   expectSame(expected, estimateScene(ts::transformed(scene, turn, 1, {100, -20, 3}), other), "turned and moved");
   expectSame(expected, estimateScene(ts::transformed(scene, glm::dmat3(1), 1e-6, {0, 0, 0}), other), "scaled by 1e-6");
   expectSame(expected, estimateScene(ts::transformed(scene, turn, 1e6, {1e6, 0, 0}), other), "scaled by 1e6");
+  expectSame(expected, estimateScene(ts::transformed(scene, turn, 1e-12, {0, 0, 0}), other), "scaled by 1e-12");
+  expectSame(expected, estimateScene(ts::transformed(scene, turn, 1e12, {0, 0, 0}), other), "scaled by 1e12");
+}
+
+// Coordinates are then rounded to 1.5e-8 of the scene's size, more than what makes planes one: form factors stay, no line is lost, and it is said where planes are in doubt.
+TEST(Laws, MovedFarAwayFactorsStay) {
+  TestRun run, other;
+  run.estimate.directions = other.estimate.directions = 150;
+  other.estimate.seed = 2;
+  const double c = std::cos(0.7), s = std::sin(0.7);
+  const glm::dmat3 turn(c, s, 0, -s, c, 0, 0, 0, 1);
+  for (const InputScene& scene : {ts::cubeInCube(0.5), ts::transformed(ts::cubeInCube(0.5), turn, 1, {0, 0, 0})}) {
+    const InputScene moved = ts::transformed(scene, glm::dmat3(1), 1, {1e8, -1e8, 1e8});
+    const Estimate expected = estimateScene(scene, run), found = estimateScene(moved, other);
+    expectSame(expected, found, "moved by 1e8");
+    for (uint32_t i = 0; i < 12; ++i) EXPECT_EQ(found.form_factors.formFactor(i, kLeak).value, 0) << i;
+  }
+}
+
+TEST(Laws, ReflectionLeavesFactorsAlone) {
+  const InputScene scene = ts::roomWithTouchingBoxes();
+  InputScene mirrored = ts::transformed(scene, glm::dmat3(-1, 0, 0, 0, 1, 0, 0, 0, 1), 1, {0, 0, 0});
+  for (InputFace& face : mirrored.faces) std::reverse(face.corners.begin(), face.corners.end());  // a mirror turns fronts to backs
+  TestRun run, other;
+  run.estimate.directions = other.estimate.directions = 150;
+  other.estimate.seed = 2;
+  expectSame(estimateScene(scene, run), estimateScene(mirrored, other), "mirrored");
+}
+
+// Order of polygons decides nothing but ties; here is none, and the counts are the same to the last bit.
+TEST(Laws, OrderOfPolygonsDoesNotMatter) {
+  const InputScene scene = ts::cubeInCube(0.5);
+  InputScene reversed{"reversed", {}, {}};
+  for (auto face = scene.faces.rbegin(); face != scene.faces.rend(); ++face) ts::addFace(reversed, scene.surface_names[face->surface], face->corners);
+  TestRun run;
+  run.estimate.directions = 150;
+  const Estimate a = estimateScene(scene, run), b = estimateScene(reversed, run);
+  const auto last = static_cast<uint32_t>(scene.faces.size() - 1);
+  for (uint32_t i = 0; i <= last; ++i)
+    for (uint32_t j = 0; j <= last; ++j) EXPECT_EQ(a.form_factors.exchangeArea(i, j).value, b.form_factors.exchangeArea(last - i, last - j).value) << i << ", " << j;
+}
+
+// Each quadrilateral cut into 3 x 5: factors between surfaces stay.
+TEST(Laws, SubdivisionLeavesFactorsBetweenSurfacesAlone) {
+  const InputScene scene = ts::roomWithTouchingBoxes();
+  InputScene fine{"fine", scene.surface_names, {}};
+  for (const InputFace& face : scene.faces)
+    for (int x = 0; x < 3; ++x)
+      for (int y = 0; y < 5; ++y) {
+        const auto at = [&](double s, double t) { return face.corners[0] + s / 3 * (face.corners[1] - face.corners[0]) + t / 5 * (face.corners[3] - face.corners[0]); };
+        fine.faces.push_back({{at(x, y), at(x + 1, y), at(x + 1, y + 1), at(x, y + 1)}, face.surface, 0});
+      }
+  TestRun run, other;
+  run.estimate.directions = other.estimate.directions = 150;
+  run.by = other.by = By::surface;
+  other.estimate.seed = 2;
+  const Estimate found = estimateScene(fine, other);
+  expectSame(estimateScene(scene, run), found, "subdivided");
+  // A corner in the middle of another's edge is snapped off it by 2^-24 of the scene's diameter at most, which opens a crack of an area below that times its length.
+  // A_i F_i,leak is twice the mean area in which i meets a back.
+  const Scene built = buildScene(fine);
+  double edges = 0, leak = 0;
+  for (const InputFace& face : fine.faces)
+    for (size_t k = 0; k < 4; ++k) edges += glm::length(face.corners[(k + 1) % 4] - face.corners[k]);
+  for (uint32_t i = 0; i < found.form_factors.ids().count(); ++i) leak += found.form_factors.exchangeArea(i, kLeak).value;
+  EXPECT_LE(leak, 2 * edges * 0x1p-24 * 2 * built.scale);
 }
 
 TEST(Laws, ComparisonOfMatricesRejectsAnotherScene) {

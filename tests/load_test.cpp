@@ -111,6 +111,33 @@ TEST_F(Load, ObjRefusesWhatIsBroken) {
   expectRefused("a.obj", std::string("\x7f" "ELF\0\1\2", 7), "a.obj:1", "not a statement");
 }
 
+std::string asciiStl(const std::string& name, const std::string& last_x = "1") {
+  return "solid " + name + "\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1 0 0\n   vertex " + last_x +
+         " 1 0\n  endloop\n endfacet\nendsolid " + name + "\n";
+}
+
+std::string asciiPly(const std::string& face, const std::string& x = "0") {
+  return "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+         "property list uchar int vertex_indices\nend_header\n" + x + " 0 0\n1 0 0\n1 1 0\n0 1 0\n" + face + "\n";
+}
+
+// The mark some editors begin UTF-8 with is no part of the first word.
+TEST_F(Load, ByteOrderMarkIsSkipped) {
+  const std::string mark = "\xEF\xBB\xBF";
+  EXPECT_EQ(load("a.obj", mark + kSquare + "f 1 2 3 4\n").polygons.size(), 1u);
+  EXPECT_EQ(load("a.obj", mark + "# comment\n" + kSquare + "f 1 2 3 4\n").polygons.size(), 1u);
+  EXPECT_EQ(load("a.stl", mark + asciiStl("part")).surfaces[0].name, "part");
+  EXPECT_EQ(load("a.ply", mark + asciiPly("4 0 1 2 3")).polygons.size(), 1u);
+  expectRefused("a.obj", kSquare + mark + "f 1 2 3 4\n", "a.obj:5", "not a statement");  // anywhere else it is
+}
+
+// What a message quotes is cut between characters, and cannot steer a terminal.
+TEST_F(Load, MessagesQuoteWholePrintableCharacters) {
+  expectRefused("a.obj", "aaaaaaaaaaaaaaaaaaa\u00FC\n", "a.obj:1", "'aaaaaaaaaaaaaaaaaaa' is not");
+  expectRefused("a.obj", "aaaaaaaaaaaaaaaaaa\u00FCb\n", "a.obj:1", "'aaaaaaaaaaaaaaaaaa\u00FC' is not");
+  expectRefused("a.obj", "a\x1B[2J\x7F\n", "a.obj:1", "'a?[2J?' is not");
+}
+
 TEST_F(Load, MissingFileDirectoryAndUnknownFormat) {
   for (const auto& [file, what] : {std::pair(folder_ / "none.obj", "no such file"), std::pair(folder_, "directory"),
                                    std::pair(write("a.xyz", "hello"), "unknown format")}) {
@@ -123,11 +150,6 @@ TEST_F(Load, MissingFileDirectoryAndUnknownFormat) {
       EXPECT_EQ(std::string(error.what()).find(file.string()), 0u) << error.what();
     }
   }
-}
-
-std::string asciiStl(const std::string& name, const std::string& last_x = "1") {
-  return "solid " + name + "\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1 0 0\n   vertex " + last_x +
-         " 1 0\n  endloop\n endfacet\nendsolid " + name + "\n";
 }
 
 std::string binaryStl(uint32_t count, size_t bytes_missing = 0) {
@@ -161,11 +183,6 @@ TEST_F(Load, StlRefusesWhatIsBroken) {
   expectRefused("a.stl", "nonsense", "a.stl", "header");
 }
 
-std::string asciiPly(const std::string& face, const std::string& x = "0") {
-  return "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
-         "property list uchar int vertex_indices\nend_header\n" + x + " 0 0\n1 0 0\n1 1 0\n0 1 0\n" + face + "\n";
-}
-
 TEST_F(Load, PlyKeepsPolygons) {
   const Scene scene = load("a.ply", asciiPly("4 0 1 2 3"));
   ASSERT_EQ(scene.polygons.size(), 1u);
@@ -181,6 +198,14 @@ TEST_F(Load, PlyRefusesWhatIsBroken) {
   expectRefused("a.ply", asciiPly("3 0 1 2", "inf"), "a.ply:10", "finite");
   expectRefused("a.ply", "ply\nformat ascii 1.0\nelement vertex 4\n", "a.ply:3", "ends too early");
   expectRefused("a.ply", "nonsense\n", "a.ply:1", "not a PLY file");
+  expectRefused("a.ply", asciiPly("3.5 0 1 2 3"), "a.ply:14", "3.5 is not the length");
+  expectRefused("a.ply", asciiPly("-1"), "a.ply:14", "-1 is not the length");
+  const std::string head = "ply\nformat binary_little_endian 1.0\n", end = "end_header\n";
+  const std::string xyz = "property float x\nproperty float y\nproperty float z\n";
+  expectRefused("a.ply", head + "element vertex 4\nproperty float x\nproperty list uchar float y\nproperty float z\n" + end, "a.ply:7", "no property 'y'");
+  expectRefused("a.ply", head + "element face 1\nproperty list uchar int vertices\n" + end, "a.ply:5", "no list 'vertex_indices'");
+  // Records of no bytes: 4e9 of them fit into any file, but not into memory.
+  expectRefused("a.ply", head + "element edge 4000000000\nelement vertex 4000000000\n" + xyz + end, "a.ply:8", "element 'edge' has no property");
 }
 
 std::string binaryPly(bool little) {

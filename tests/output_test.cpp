@@ -140,10 +140,5 @@ TEST_F(OutputFile, ClosedMatrixHasAFileOfItsOwn) {
   EXPECT_NO_THROW(checkOutput(folder_ / "a.closed.mtx"));
 }
 
-TEST_F(OutputFile, FullDiskIsAnError) {
-  EXPECT_THROW(writeFormFactors(exampleMatrix(), "/dev/full/a.csv"), Error);
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 0);
-}
-
 }  // namespace
 }  // namespace viewpeel

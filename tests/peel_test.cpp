@@ -195,9 +195,11 @@ TEST(Peel, ThousandsOfLayersTakeMoreDispatches) {
   const std::vector<Direction> up = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.3, 0.6}}};
   const PairCounts expected = countPairsOnCpu(scene, ids, up, 4);
   Work work;
-  EXPECT_EQ(countWith(scene, ids, up, {.resolution = 4}, &work), expected);
-  EXPECT_GT(work.resumed, 0u);
-  EXPECT_EQ(countWith(scene, ids, up, {.resolution = 4, .layers_kept = 8, .sort = true}, &work), expected);
+  for (uint32_t few_points : {0u, 64u}) {  // in lists, and as fragments of their points
+    EXPECT_EQ(countWith(scene, ids, up, {.resolution = 4, .few_points = few_points}, &work), expected);
+    EXPECT_GT(work.resumed, 0u) << few_points;
+    EXPECT_EQ(countWith(scene, ids, up, {.resolution = 4, .layers_kept = 8, .few_points = few_points, .sort = true}, &work), expected);
+  }
 }
 
 // A meeting has more to go through than one invocation may, and a tile has more meetings than one workgroup takes.
@@ -237,6 +239,15 @@ TEST(Peel, NoTuningChangesTheCounts) {
         all.push_back({.resolution = 40, .list_capacity = n});
         all.push_back({.resolution = 40, .counter_budget_bytes = 1, .table_capacity = n});
       }
+      for (uint32_t n : {0u, 1u, 6u, 64u}) all.push_back({.resolution = 40, .few_points = n});
+      for (uint32_t n : {1u, 2u, 4u, 8u}) {
+        all.push_back({.resolution = 40, .tile_width = n, .few_points = 64});
+        all.push_back({.resolution = 40, .tile_rows = n, .layers_kept = n, .few_points = 30, .fragment_capacity = n});
+        all.push_back({.resolution = 40, .tile_rows = n, .layers_kept = n + 1, .few_points = 6, .sort = true});
+        all.push_back({.resolution = 40, .few_points = 20, .most_blocks = n});
+        all.push_back({.resolution = 40, .batch_directions = n, .few_points = 64});
+      }
+      all.push_back({.resolution = 40, .few_points = 64, .memory_budget_bytes = 1});
       all.push_back({.resolution = 40, .aggregate = false});
       all.push_back({.resolution = 40, .memory_budget_bytes = 1});
       for (size_t k = 0; k < all.size(); ++k) {
@@ -260,10 +271,12 @@ TEST(Peel, BuffersGrowAndRepeat) {
       return rest;
     };
     Work work;
-    const PairCounts expected = countWith(scene, ids, directions, options({}), &work);
+    const PairCounts expected = countWith(scene, ids, directions, options({.fragment_capacity = 64}), &work);
     EXPECT_EQ(work.repeats, 0u);
     EXPECT_EQ(countWith(scene, ids, directions, options({.list_capacity = 10}), &work), expected);
     EXPECT_GT(work.repeats, 0u) << "tile lists";
+    EXPECT_EQ(countWith(scene, ids, directions, options({.few_points = 64, .fragment_capacity = 1}), &work), expected);
+    EXPECT_EQ(work.repeats > 0, !blocked) << "fragments, which blocked pairs do without";
     EXPECT_EQ(countWith(scene, ids, directions, options({.counter_budget_bytes = 1, .table_capacity = 1}), &work), expected);
     EXPECT_GT(work.repeats, 0u) << "hash table";
     EXPECT_EQ(countWith(scene, ids, directions, options({.most_blocks = 1}), &work), expected);

@@ -126,13 +126,6 @@ TEST_F(Program, RefusedClosureKeepsWhatWasMeasured) {
   EXPECT_EQ(readFile(file("p.csv")), readFile(file("q.csv")));
 }
 
-TEST_F(Program, UnwritableOutputIsFoundBeforeTheComputation) {
-  const Result r = run("compute " VIEWPEEL_SCENES "/plates.obj -o " + file("missing/a.csv"));
-  EXPECT_EQ(r.status, 1);
-  EXPECT_EQ(r.output.find("viewpeel: "), 0u) << r.output;
-  EXPECT_EQ(r.output.find("form factor"), std::string::npos) << r.output;
-}
-
 TEST_F(Program, UnknownDeviceIsRefusedWithReasons) {
   const Result r = run("compute " VIEWPEEL_SCENES "/plates.obj --quiet --device nonsense");
   EXPECT_EQ(r.status, 1);

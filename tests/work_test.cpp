@@ -30,7 +30,7 @@ TEST(Work, OneRoundWhereNoLineMeetsMoreThanIsKept) {
     EXPECT_EQ(work.fragments, 2 * work.gaps);  // every line meets two walls, which face each other
     EXPECT_EQ(work.directions, 50u);
     EXPECT_GT(work.memory_bytes, 0u);
-    EXPECT_EQ(work.pass_seconds.size(), 7u);
+    EXPECT_EQ(work.pass_seconds.size(), 8u);
   }
 }
 
@@ -102,13 +102,28 @@ TEST(Work, IsCountedOnce) {
   }
 }
 
+// Small polygons are tested for the lattice points of their boxes only, those between lattice points for none; who is large is not changed by that.
+TEST(Work, SmallPolygonsAreNotTestedAllOverTheirTiles) {
+  const auto directions = sampleDirections(Sampler::fibonacci, 12, 3, 0);
+  const InputScene soup = ts::triangleSoup(4000, 0.05, 5), room = ts::roomWithTouchingBoxes();
+  const Work lists = workOf(soup, directions, {.resolution = 40, .tile_rows = 8, .layers_kept = 4, .few_points = 0});
+  const Work fragments = workOf(soup, directions, {.resolution = 40, .tile_rows = 8, .layers_kept = 4});
+  EXPECT_EQ(fragments.list_entries, 0u);
+  EXPECT_LT(fragments.tests, lists.tests / 10);
+  EXPECT_GT(lists.fragments, 1000u);
+  EXPECT_EQ(fragments.fragments, lists.fragments);
+  EXPECT_EQ(fragments.gaps, lists.gaps);
+  const auto entries = [&](LatticeOptions options) { return workOf(room, directions, options).list_entries; };
+  EXPECT_EQ(entries({.resolution = 256}), entries({.resolution = 256, .few_points = 0})) << "large polygons are left to lists";
+}
+
 // Blocked pairs of lattice points take passes of their own, and change no other's work.
 TEST(Work, BlockedPairsAreCountedApart) {
   const auto directions = sampleDirections(Sampler::fibonacci, 20, 3, 0);
-  const Work without = workOf(ts::roomWithTouchingBoxes(), directions, {.resolution = 40});
+  const Work without = workOf(ts::roomWithTouchingBoxes(), directions, {.resolution = 40, .few_points = 0});
   const Work with = workOf(ts::roomWithTouchingBoxes(), directions, {.resolution = 40, .count_blocked = true});
-  EXPECT_EQ(without.pass_seconds.size(), 7u);
-  EXPECT_EQ(with.pass_seconds.size(), 9u);
+  EXPECT_EQ(without.pass_seconds.size(), 8u);
+  EXPECT_EQ(with.pass_seconds.size(), 10u);
   EXPECT_EQ(with.tests, without.tests);
   EXPECT_EQ(with.gaps, without.gaps);
   EXPECT_GT(with.memory_bytes, without.memory_bytes);

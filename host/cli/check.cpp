@@ -111,7 +111,7 @@ void addCheck(CLI::App& app, Run& chosen) {
       ->type_name("PX")->check(CLI::Range(1, kMaxResolution).description(""))->allow_extra_args(false)->capture_default_str();
   addChoice(command, "--engine", options->engine, {{"compute", EngineKind::compute}, {"graphics", EngineKind::graphics}}, "The engine to check");
   addChoice(command, "--sampling", options->sampling, {{"lattice", Sampling::lattice}, {"scanline", Sampling::scanline}}, "The samples to check");
-  command->add_option("--seed", options->check.seed, "Of directions and lattices")->type_name("K")->capture_default_str();
+  command->add_option("--seed", options->check.seed, "Of directions and lattices")->type_name("K")->check(isWholeNumber)->capture_default_str();
   command->add_flag("--blocked", options->check.blocked, "Pairs whose fronts look at each other past something, too");
   command->add_flag("--two-sided", options->two_sided, "Every polygon emits and receives on both sides");
   command->add_option("--device", options->device.selector, "Vulkan device: index, part of its name, cpu or gpu")->type_name("DEVICE");

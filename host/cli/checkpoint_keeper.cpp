@@ -4,12 +4,16 @@
 #include <filesystem>
 
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include "cli/options.h"
 #include "error.h"
 #include "io/write_file.h"
 
 namespace viewpeel::cli {
 namespace {
+
+bool isReadable(const std::string& file) { return ::access(file.c_str(), R_OK) == 0; }
 
 constexpr int kRunPerWrite = 20;  // times as long as writing took, at least, passes to the next: writing takes no more than 5 %
 
@@ -19,7 +23,7 @@ void addCheckpointOptions(CLI::App* command, CheckpointOptions& options) {
   CLI::Option* file = command->add_option("--checkpoint", options.file, "Keep what was counted in this file, to go on with --resume or to merge")->type_name("FILE");
   command->add_flag("--resume", options.resume, "Go on from the checkpoint's file; start afresh where there is none")->needs(file);
   command->add_option("--checkpoint-seconds", options.seconds_apart, "Least time between two writes of the checkpoint, which take 5 % of the time at most")
-      ->type_name("S")->check(CLI::NonNegativeNumber.description(""))->needs(file)->capture_default_str();
+      ->type_name("S")->check([](const std::string& text) { return isNumber(text, 0, 1e9); })->needs(file)->capture_default_str();
 }
 
 void requireNewCheckpoint(const std::string& file) {
@@ -34,6 +38,8 @@ CheckpointKeeper::CheckpointKeeper(const CheckpointOptions& options, Settings se
     requireNewCheckpoint(options_.file);
     return;
   }
+  if (!std::filesystem::is_directory(options_.file) && !lock_.take(options_.file) && isReadable(options_.file))
+    throw Error(ErrorCode::bad_usage, fmt::format("{}: another run is keeping its checkpoint there; wait for its end, or take another file", options_.file));
   Checkpoint found = readCheckpoint(options_.file);
   requireSameSettings(settings_, found.settings, options_.file);
   const ReplicateRange expected{first_replicate, first_replicate + found.sums.replicateCount()};
@@ -54,7 +60,10 @@ void CheckpointKeeper::keep(const RunSums& sums, bool last) {
   const auto start = Clock::now();
   if (sums.replicates.empty() || !sums.isWhole() || (!last && start - written_ < pause_)) return;
   try {
+    if (std::filesystem::exists(options_.file) && !lock_.isOn(options_.file))
+      throw Error(ErrorCode::output, fmt::format("{}: another run has put its own there; this one is not kept", options_.file));
     writeCheckpoint(settings_, sums, options_.file);
+    lock_.take(options_.file);
     is_kept_ = true;
   } catch (const std::exception& error) {
     if (is_kept_ || last) fmt::print(stderr, "viewpeel: warning: checkpoint: {}\n", error.what());

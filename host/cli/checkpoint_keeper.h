@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 
 #include "io/checkpoint.h"
+#include "io/file_lock.h"
 
 namespace viewpeel::cli {
 
@@ -18,15 +19,15 @@ struct CheckpointOptions {
 
 void addCheckpointOptions(CLI::App* command, CheckpointOptions& options);
 
-// That nothing is written over by mistake.    Throws: Error bad_usage where there is such a file; Error output where none can be written.
+// That nothing is written over by mistake.    Throws: Error bad_usage where there is such a file, or none can be written.
 void requireNewCheckpoint(const std::string& file);
 
 // Keeps the checkpoint of one run up to date.
 class CheckpointKeeper {
  public:
   // Reads what there is to go on with.
-  //   Throws: Error bad_usage where there is a file and nobody said to resume, or it is of another run; as readCheckpoint; Error output
-  //     where none can be written.
+  //   Throws: Error bad_usage where there is a file and nobody said to resume, it is of another run, another run is keeping it, or none can be written;
+  //     as readCheckpoint.
   CheckpointKeeper(const CheckpointOptions& options, Settings settings, uint64_t first_replicate);
 
   // nullptr where the run starts afresh.
@@ -34,7 +35,8 @@ class CheckpointKeeper {
   // One line: what was found.
   std::string describe() const;
 
-  // Writes where the last time is long enough ago, or `last`. A failure is a warning: the run is worth more than its checkpoint.
+  // Writes where the last time is long enough ago, or `last`. A failure is a warning: the run is worth more than its checkpoint. What another run has put there
+  // is left alone.
   void keep(const RunSums& sums, bool last);
   // False where the last attempt failed.
   bool isKept() const { return is_kept_; }
@@ -46,6 +48,7 @@ class CheckpointKeeper {
   CheckpointOptions options_;
   Settings settings_;
   std::optional<RunSums> resumed_;
+  FileLock lock_;  // on the file that was read or written last
   Clock::time_point written_ = Clock::now();
   Seconds pause_;  // between writes
   bool is_kept_ = true;

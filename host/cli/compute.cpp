@@ -11,6 +11,7 @@
 #include "cli/checkpoint_keeper.h"
 #include "cli/commands.h"
 #include "cli/interrupts.h"
+#include "cli/outputs.h"
 #include "cli/session.h"
 #include "cli/summary.h"
 #include "estimator/visible_share.h"
@@ -95,19 +96,23 @@ ClosedFormFactors closeOrKeep(const FormFactors& measured, const std::vector<std
   try {
     return closeRows(measured);
   } catch (const Error& error) {
-    for (const std::string& output : outputs) writeFormFactors(measured, output);
+    writeOutputs(measured, outputs);
     throw Error(error.code(), fmt::format("{}{}", error.what(), outputs.empty() ? "" : "; form factors were written as measured"));
   }
 }
 
 int runCompute(ProgramOptions options) {
   if (options.closure && !options.question.isEverything()) throw Error(ErrorCode::bad_usage, kClosureNeedsEveryRow);
-  for (const std::string& output : options.outputs) checkOutput(output, options.closure);
+  checkOutputs(options.outputs, options.checkpoint.file, options.closure);
   const bool keeps = !options.checkpoint.file.empty(), show_progress = !options.quiet && ::isatty(STDERR_FILENO);
   if (keeps && !options.checkpoint.resume) requireNewCheckpoint(options.checkpoint.file);
   adoptPlan(options);
   ProgressLine progress(options.estimate);
-  if (keeps || !options.outputs.empty()) holdInterrupts();
+  if (keeps || !options.outputs.empty())
+    holdInterrupts([&] {
+      tellInterruption(options, 0);
+      return 128 + interruption();
+    });
   options.estimate.on_replicate = [&](const EstimateProgress& p) {
     stopIfInterrupted();
     if (show_progress) progress.onReplicate(p);
@@ -127,10 +132,14 @@ int runCompute(ProgramOptions options) {
     if (options.epsilon) guarantee = session.planGuarantee();
     else plan = session.plan();
   } catch (const Interrupted&) {
+    endByItself();
     tellInterruption(options, 0);
     return 128 + interruption();
   }
-  Engine& engine = options.epsilon ? *guarantee.engine : *plan.engine;
+  std::unique_ptr<Engine>& planned = options.epsilon ? guarantee.engine : plan.engine;
+  const std::unique_ptr<Engine> found = std::move(planned);
+  planned = interruptible(*found);
+  Engine& engine = *planned;
   if (show_progress) fmt::print(stderr, "\r\033[K");
   if (session.talks()) fmt::print("{}", options.epsilon ? session.describe(guarantee) : session.describe(plan));
   std::optional<CheckpointKeeper> keeper;
@@ -138,17 +147,49 @@ int runCompute(ProgramOptions options) {
     keeper.emplace(options.checkpoint, options.epsilon ? session.settings(guarantee) : session.settings(plan), options.estimate.first_replicate);
     if (session.talks()) fmt::print("{}", keeper->describe());
   }
+  const RunSums* counted = nullptr;
   const auto keep = [&](const RunSums& sums, bool last) {
+    counted = &sums;
     if (keeper) keeper->keep(sums, last);
   };
   const std::string division = engine.describePlan();
   if (options.verbose && session.talks()) fmt::print("{}", division);
   std::fflush(stdout);
+  const auto conclude = [&](const Estimate& estimate, bool is_at_rest) {
+    if (show_progress) fmt::print(stderr, "\r\033[K");
+    const double seconds = secondsSince(start);
+    if (estimate.interrupted) tellInterruption(options, estimate.replicates);
+    const int status = estimate.interrupted ? 128 + interruption() : keeper && !keeper->isKept() ? 1 : 0;
+    if (estimate.interrupted && estimate.replicates < 2) return status;
+    std::optional<ClosedFormFactors> closed;
+    if (options.closure) closed = closeOrKeep(estimate.form_factors, options.outputs);
+    writeOutputs(estimate.form_factors, options.outputs, closed ? &closed->form_factors : nullptr);
+    if (options.json)
+      fmt::print("{}", asJson(options.scene, session.device ? session.device->description().name : "none", estimate, seconds, is_at_rest ? engine.work() : nullptr,
+                              closed ? &*closed : nullptr));
+    if (!session.talks()) return status;
+    if (options.verbose && is_at_rest && engine.describePlan() != division) fmt::print("after a trial\n{}", engine.describePlan());
+    fmt::print("{}{}", describeResult(estimate), closed ? describeClosed(*closed) : "");
+    fmt::print("work       {} {}, {} directions, {:.2f} s\n", estimate.replicates, !options.epsilon ? "replicates" : options.statistic == Statistic::median ? "runs" : "blocks",
+               estimate.directions, seconds);
+    for (const std::string& output : options.outputs)
+      for (const std::filesystem::path& file : filesOf(output, options.closure)) fmt::print("written    {}\n", file.string());
+    return status;
+  };
+  const auto offer = [&](const std::function<Estimate()>& so_far) {
+    offerResults([&, so_far] {
+      if (keeper && counted) keeper->keep(*counted, true);
+      Estimate estimate = so_far();
+      estimate.interrupted = true;
+      return conclude(estimate, false);
+    });
+  };
   const auto estimateAsAsked = [&] {
     if (options.epsilon) {
       GuaranteeOptions asked = session.guaranteeOptions();
       asked.resumed = keeper ? keeper->resumed() : nullptr;
       asked.on_sums = keep;
+      asked.on_so_far = offer;
       asked.on_block = [&](const GuaranteeProgress& p) {
         stopIfInterrupted();
         if (show_progress) progress.onBlock(p);
@@ -157,6 +198,7 @@ int runCompute(ProgramOptions options) {
     }
     EstimateOptions asked = options.estimate;
     asked.directions = plan.directions;
+    asked.on_so_far = offer;
     if (session.usesClosedForms()) {
       const VisibleShares known = findVisibleShares(engine, *session.device, session.scene, session.face_ids, asked);
       if (session.talks()) fmt::print("{}", session.describe(known));
@@ -169,26 +211,9 @@ int runCompute(ProgramOptions options) {
     return estimateFormFactors(engine, session.scene, session.ids, asked);
   };
   const Estimate estimate = estimateAsAsked();
-  if (show_progress) fmt::print(stderr, "\r\033[K");
+  endByItself();
   if (session.device) checkValidation(*session.device);
-  const double seconds = secondsSince(start);
-
-  if (estimate.interrupted) tellInterruption(options, estimate.replicates);
-  const int status = estimate.interrupted ? 128 + interruption() : keeper && !keeper->isKept() ? 1 : 0;
-  if (estimate.interrupted && estimate.replicates < 2) return status;
-  std::optional<ClosedFormFactors> closed;
-  if (options.closure) closed = closeOrKeep(estimate.form_factors, options.outputs);
-  for (const std::string& output : options.outputs) writeFormFactors(estimate.form_factors, output, closed ? &closed->form_factors : nullptr);
-  if (options.json)
-    fmt::print("{}", asJson(options.scene, session.device ? session.device->description().name : "none", estimate, seconds, engine.work(), closed ? &*closed : nullptr));
-  if (!session.talks()) return status;
-  if (options.verbose && engine.describePlan() != division) fmt::print("after a trial\n{}", engine.describePlan());
-  fmt::print("{}{}", describeResult(estimate), closed ? describeClosed(*closed) : "");
-  fmt::print("work       {} {}, {} directions, {:.2f} s\n", estimate.replicates, !options.epsilon ? "replicates" : options.statistic == Statistic::median ? "runs" : "blocks",
-             estimate.directions, seconds);
-  for (const std::string& output : options.outputs)
-    for (const std::filesystem::path& file : filesOf(output, options.closure)) fmt::print("written    {}\n", file.string());
-  return status;
+  return conclude(estimate, true);
 }
 
 }  // namespace
@@ -200,9 +225,9 @@ void addCompute(CLI::App& app, Run& chosen) {
       ->type_name("FILE")->allow_extra_args(false);
   command->add_flag("--closure", options->closure, "Closed scenes: also the nearest form factors whose rows sum to 1, beside those measured");
   addCheckpointOptions(command, options->checkpoint);
-  command->add_flag("--quiet", options->quiet, "Print nothing but errors and warnings");
-  command->add_flag("--verbose", options->verbose, "Print how work and memory are divided, too");
-  command->add_flag("--json", options->json, "Print the outcome and the work done as JSON");
+  CLI::Option* quiet = command->add_flag("--quiet", options->quiet, "Print nothing but errors and warnings");
+  CLI::Option* verbose = command->add_flag("--verbose", options->verbose, "Print how work and memory are divided, too")->excludes(quiet);
+  command->add_flag("--json", options->json, "Print the outcome and the work done as JSON")->excludes(quiet)->excludes(verbose);
   command->callback([=, &chosen] {
     settle(command, *options);
     chosen = [options] { return runCompute(*options); };

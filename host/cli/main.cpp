@@ -1,6 +1,9 @@
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 #include <exception>
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include "cli/commands.h"
 #include "error.h"
@@ -11,6 +14,13 @@ constexpr int kFailed = 1, kBadUsage = 2;
 
 int exitStatus(viewpeel::ErrorCode code) {
   return code == viewpeel::ErrorCode::bad_input || code == viewpeel::ErrorCode::bad_usage ? kBadUsage : kFailed;
+}
+
+// One line on stderr, also where the message quotes control characters of a name.
+void report(std::string message) {
+  for (char& c : message)
+    if (static_cast<unsigned char>(c) < 32 || c == 127) c = '?';
+  std::fputs(fmt::format("viewpeel: {}\n", message).c_str(), stderr);  // where stderr is full, fmt::print would throw
 }
 
 }  // namespace
@@ -28,18 +38,22 @@ int main(int argc, char** argv) {
   viewpeel::cli::addDevices(app, chosen);
   try {
     app.parse(argc, argv);
-    return chosen();
+    const int status = chosen();
+    errno = 0;
+    if (std::fflush(stdout) != 0 || std::ferror(stdout))
+      throw viewpeel::Error(viewpeel::ErrorCode::output, fmt::format("standard output: cannot write: {}; send it to another place", std::strerror(errno ? errno : EIO)));
+    return status;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // help and version
-    fmt::print(stderr, "viewpeel: {}; see 'viewpeel --help'\n", error.what());
+    report(fmt::format("{}; see 'viewpeel --help'", error.what()));
     return kBadUsage;
   } catch (const viewpeel::Error& error) {
-    fmt::print(stderr, "viewpeel: {}\n", error.what());
+    report(error.what());
     return exitStatus(error.code());
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "viewpeel: out of memory; try --by surface or a smaller scene\n");
+    report("out of memory; try --by surface or a smaller scene");
   } catch (const std::exception& error) {
-    fmt::print(stderr, "viewpeel: {}\n", error.what());
+    report(error.what());
   }
   return kFailed;
 }

@@ -2,9 +2,9 @@
 
 #include "cli/checkpoint_keeper.h"
 #include "cli/commands.h"
+#include "cli/outputs.h"
 #include "cli/summary.h"
 #include "error.h"
-#include "io/write_form_factors.h"
 
 namespace viewpeel::cli {
 namespace {
@@ -16,14 +16,14 @@ struct MergeCommand {
 };
 
 int runMerge(const MergeCommand& command) {
-  for (const std::string& output : command.outputs) checkOutput(output);
+  checkOutputs(command.outputs, command.checkpoint);
   if (!command.checkpoint.empty()) requireNewCheckpoint(command.checkpoint);
   const Checkpoint merged = mergeCheckpoints({command.inputs.begin(), command.inputs.end()});
   if (!command.outputs.empty() && merged.sums.replicateCount() < 2)
     throw Error(ErrorCode::bad_usage, fmt::format("{}: holds 1 replicate, a standard error needs 2; go on with it, or merge it with others", command.inputs.front()));
   if (!command.checkpoint.empty()) writeCheckpoint(merged.settings, merged.sums, command.checkpoint);
   const Estimate estimate = makeEstimate(merged.sums, EstimateOptions{}.relative_floor);
-  for (const std::string& output : command.outputs) writeFormFactors(estimate.form_factors, output);
+  writeOutputs(estimate.form_factors, command.outputs);
   if (command.quiet) return 0;
   for (const auto& [name, value] : merged.settings) fmt::print("{:<14} {}\n", name, value);
   fmt::print("{:<14} {}\n{}", "replicates", describeReplicates(merged.sums.replicates), describeResult(estimate));

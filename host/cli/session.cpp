@@ -226,7 +226,7 @@ std::shared_ptr<ProgramOptions> addOptions(CLI::App* command) {
   };
   addGoal("--tolerance", estimate.tolerance, "Go on until the largest standard error of all form factors is at most this; 1e-3 unless another goal or --directions is given", "T");
   addGoal("--relative", estimate.relative, "Go on until the largest standard error is at most this share of its form factor, over those above --floor", "R");
-  command->add_option("--floor", estimate.relative_floor, "Least form factor that --relative looks at")->type_name("F")->check(isPositive)->capture_default_str();
+  command->add_option("--floor", estimate.relative_floor, "Least form factor that --relative looks at")->type_name("F")->check(isPositive)->check([](const std::string& text) { return isNumber(text, 0, 1); })->capture_default_str();
   addGoal("--seconds", estimate.seconds, "As many replicates as fit into this time, 2 at least; with a goal: stop short of it when time is up", "S");
   addGoal("--epsilon", options->epsilon, "Guarantee: every form factor within E with probability 1 - D; see --delta", "E");
   command->add_option("--delta", options->delta, "Probability with which a guarantee may fail")->type_name("D")->check(isPositive)->capture_default_str();
@@ -260,7 +260,7 @@ std::shared_ptr<ProgramOptions> addOptions(CLI::App* command) {
   command->add_option("--blocker", options->question.blockers, "A surface or face that only blocks; may be given several times")->type_name("NAME")->allow_extra_args(false);
   command->add_option("--first-replicate", estimate.first_replicate, "Count replicates from this one on: parts of a run, for viewpeel merge")
       ->type_name("K")->check(CLI::Range(uint64_t(0), uint64_t(1) << 39).description(""))->capture_default_str();
-  command->add_option("--seed", estimate.seed, "The same seed and plan give the same bits")->type_name("K")->capture_default_str();
+  command->add_option("--seed", estimate.seed, "The same seed and plan give the same bits")->type_name("K")->check(isWholeNumber)->capture_default_str();
   command->add_flag("--two-sided", options->two_sided, "Every polygon emits and receives on both sides");
   command->add_option("--device", options->device.selector, "Vulkan device: index, part of its name, cpu or gpu")->type_name("DEVICE");
   command->add_option("--batch", options->lattice.batch_directions, "Directions peeled at once; 0 chooses. Never changes the result")
@@ -285,6 +285,7 @@ void settle(const CLI::App* command, ProgramOptions& options) {
   options.closed_forms = options.closed_forms.value_or(options.plans && can_use && pays);
   for (const char* name : {"--delta", "--statistic", "--range", "--block"})
     if (!options.epsilon && command->get_option(name)->count()) throw Error(ErrorCode::bad_usage, fmt::format("{} is of a guarantee; give its --epsilon", name));
+  if (options.epsilon && (*options.epsilon >= 1 || options.delta >= 1)) throw Error(ErrorCode::bad_usage, "--epsilon and --delta have to lie between 0 and 1");
   if (options.epsilon && (e.tolerance || e.relative || !options.plans || options.finest || e.first_replicate || command->get_option("--replicates")->count()))
     throw Error(ErrorCode::bad_usage, "a guarantee plans for itself: leave out --tolerance, --relative, --directions, --finest, --replicates and --first-replicate");
   if (options.engine == EngineKind::exact && (options.resolution || options.range > 0)) throw Error(ErrorCode::bad_usage, "--engine exact has no lattice; leave out --resolution and --range");

@@ -1,5 +1,6 @@
 // The passes, in order, for a batch of directions:
-//   project    every polygon along every direction: edges, box and depth over the lattice
+//   enter      where all count: polygons over few lattice points enter themselves there, the others are listed
+//   project    every polygon along every direction, or every listed one: edges, box and depth over the lattice
 //   bin        where only some polygons count: the roles of the polygons that reach each tile
 //   bin        count the polygons that reach each tile
 //   allocate   give every tile its list, list the active tiles
@@ -14,6 +15,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -24,6 +26,7 @@
 #include "shaders/allocate.comp.h"
 #include "shaders/bin.comp.h"
 #include "shaders/cover.comp.h"
+#include "shaders/enter.comp.h"
 #include "shaders/meet.comp.h"
 #include "shaders/peel.comp.h"
 #include "shaders/peel_blocked.comp.h"
@@ -42,18 +45,23 @@ constexpr uint64_t kMemoryBudget = 1u << 30;  // of everything but the counters
 constexpr uint64_t kBatchWork = 1u << 15;     // polygons, or tiles: enough to outweigh a submission
 constexpr uint32_t kTrialDirections = 4;      // after which the tuning is settled
 constexpr uint32_t kLongList = 48;            // polygons over a tile, on the average, from which on smaller tiles are faster
-constexpr double kManyRounds = 1.5;           // a tile, from which on lists are sorted
+constexpr double kManyRounds = 1.5;           // a tile, from which on more layers are kept
+constexpr uint32_t kSortedList = 16;          // polygons over such a tile, on the average, from which on lists are sorted
+constexpr uint32_t kFewPoints = 64;           // see LatticeOptions; in boxes, which hold up to three times what a polygon covers
+constexpr double kFewAcross = 5;              // such a polygon, on the average over directions, as a square
+constexpr uint32_t kFragmentCapacity = 8;     // of a lattice point at first
 constexpr int kScanlineBits = 10;             // of a column coordinate: an interval's ends are rounded to 2^-10 of a spacing
 constexpr uint32_t kTexelBuffers = 5;
-const std::array<const char*, 9> kPasses = {"project", "bin roles", "bin count", "allocate", "bin scatter", "sort", "peel", "cover", "meet"};
+const std::array<const char*, 10> kPasses = {"enter", "project", "bin roles", "bin count", "allocate", "bin scatter", "sort", "peel", "cover", "meet"};
 
 // What one batch of directions is done with.
 struct Batch {
   Commands commands;
   Timestamps timestamps;
-  Buffer directions, edges, projected, tile_roles, tile_counts, tile_starts, active_tiles, entries, lists, covers, cover_polygons, meetings, status, status_read;
+  Buffer directions, listed, edges, projected, fragments, fragment_counts, tile_roles, tile_counts, tile_starts, active_tiles, entries, lists, covers, cover_polygons, meetings;
+  Buffer status, status_read;
   std::array<Buffer, 2> unfinished, reached;
-  uint32_t list_capacity = 0;
+  uint32_t list_capacity = 0, fragment_capacity = 0;
   std::span<const Direction> asked;
   bool in_flight = false;
 };
@@ -90,6 +98,18 @@ uint64_t counterBudget(const LatticeOptions& options) {
   return options.counter_budget_bytes ? options.counter_budget_bytes : options.count_blocked ? 2 * chosen : chosen;
 }
 
+// Entering spares tiles' lists the polygons over few lattice points, each of which is tested for every point of the tile; where those are not most of the lists,
+// making room for fragments costs more than it spares. Tiles are 8 x 8, and a polygon's mean projection is half its area.
+uint32_t chooseFewPoints(const Scene& scene, int resolution) {
+  double entries = 0, spared = 0;
+  for (const Polygon& polygon : scene.polygons) {
+    const double across = std::sqrt(polygon.area / 2) * resolution / 2, its = (across / 8 + 1) * (across / 8 + 1);
+    entries += its;
+    spared += across <= kFewAcross ? its : 0;
+  }
+  return spared > entries / 2 ? kFewPoints : 0;
+}
+
 class ComputeEngine : public Engine {
  public:
   ComputeEngine(const Device& device, const Scene& scene, const Ids& ids, const LatticeOptions& options);
@@ -100,11 +120,13 @@ class ComputeEngine : public Engine {
   std::string describePlan() const override;
 
  private:
+  void rebuild();
   void makeKernels();
   void planBatches();
   void retune(const BatchStatus& found);
   void makeBatches();
   void makeLists(Batch& batch, uint64_t capacity);
+  void makeFragments(Batch& batch, uint32_t capacity);
   bool countAll(std::span<const Direction> directions);
   void submit(Batch& batch);
   bool finish(Batch& batch);
@@ -113,7 +135,12 @@ class ComputeEngine : public Engine {
   PeelArgs peelArgs(const Batch& batch) const;
   void bindTexels(Batch& batch, const Kernel& kernel, const Buffer& lists);
   uint64_t memoryBytes() const;
+  uint64_t largestBuffer() const { return std::min<uint64_t>(device_.maxAllocationBytes(), device_.properties().limits.maxTexelBufferElements * uint64_t(8)); }
+  bool makeRoomForFragments(Batch& batch, uint32_t most);
   uint64_t listEntryBytes() const;
+  // Whether polygons enter themselves where they cover few lattice points: enough of them then, and all of them count.
+  bool enters() const { return few_points_ != 0; }
+  uint32_t pointsPerDirection() const { return tiles_wide_ * tiles_high_ * tuning_.tile_width * tuning_.tile_rows; }
   // Whether blocked pairs are counted by passes of their own.
   bool meets() const { return options_.count_blocked && options_.sampling == Sampling::lattice; }
   // Workgroups of peel for one tile.
@@ -126,12 +153,13 @@ class ComputeEngine : public Engine {
   int fraction_bits_, column_bits_;
   SceneBuffers scene_;
   PairCounters counters_;
-  uint32_t tiles_wide_ = 0, tiles_high_ = 0, batch_size_ = 0, in_flight_ = 2, needed_roles_ = 0;
+  uint32_t tiles_wide_ = 0, tiles_high_ = 0, batch_size_ = 0, in_flight_ = 2, needed_roles_ = 0, few_points_ = 0, fragment_capacity_ = 0;
   uint64_t list_capacity_ = 0;
-  Kernel project_, bin_, allocate_, sort_, peel_, cover_, meet_;
+  Kernel enter_, project_, bin_, allocate_, sort_, peel_, cover_, meet_;
   std::vector<Batch> batches_;
   Commands commands_;       // of what is done between batches
-  bool must_grow_ = false;  // the hash table
+  bool must_grow_ = false;   // the hash table
+  bool must_refit_ = false;  // the batches, to more fragments
   bool tuned_ = false;
   uint64_t counted_ = 0;  // directions of this call
   BatchStatus first_found_{};
@@ -155,9 +183,8 @@ ComputeEngine::ComputeEngine(const Device& device, const Scene& scene, const Ids
   for (uint32_t k = 0; ids_are_indices_ && k < ids.of_polygon.size(); ++k) ids_are_indices_ = ids.of_polygon[k] == k;
   if (ids.count() > kIdMask) throw Error(ErrorCode::limit, fmt::format("{} polygons are more than {}; try --by surface", ids.count(), kIdMask));
   if (!all_count_) needed_roles_ = counts_environment_ ? viewpeel::kEmits : viewpeel::kEmits | viewpeel::kReceives;
-  makeKernels();
-  planBatches();
-  makeBatches();
+  if (!options_.few_points) options_.few_points = chooseFewPoints(scene, options.resolution);
+  rebuild();
 }
 
 // After an error a batch may still be running on what is about to go.
@@ -166,17 +193,24 @@ ComputeEngine::~ComputeEngine() {
     if (batch.in_flight) vkDeviceWaitIdle(device_.handle());
 }
 
+void ComputeEngine::rebuild() {
+  planBatches();
+  makeKernels();
+  makeBatches();
+}
+
 void ComputeEngine::makeKernels() {
   const uint32_t scanlines = options_.sampling == Sampling::scanline;
-  project_ = Kernel(device_, project_comp, sizeof(ProjectArgs), {}, 3);
+  if (enters()) enter_ = Kernel(device_, enter_comp, sizeof(ProjectArgs), {tuning_.tile_width, tuning_.tile_rows}, 3);
+  project_ = Kernel(device_, project_comp, sizeof(ProjectArgs), {enters(), !enters()}, 3);
   bin_ = Kernel(device_, bin_comp, sizeof(BinArgs), {}, kTexelBuffers);
-  allocate_ = Kernel(device_, allocate_comp, sizeof(BinArgs));
+  allocate_ = Kernel(device_, allocate_comp, sizeof(BinArgs), {enters()});
   if (tuning_.sorts) sort_ = Kernel(device_, sort_comp, sizeof(SortArgs), {tuning_.subgroup_size}, kTexelBuffers);
   const bool meets_spans = scanlines && options_.count_blocked;
   peel_ = Kernel(device_, meets_spans ? std::span<const uint32_t>(peel_blocked_comp) : peel_comp, sizeof(PeelArgs),
                  {tuning_.subgroup_size, tuning_.layers_kept, scanlines, counters_.isSparse(), all_count_, options_.aggregate, options_.measure_work,
-                  tuning_.steps, ids_are_indices_, tuning_.tile_width, tuning_.sorts, two_sided_, options_.count_blocked},
-                 kTexelBuffers);
+                  tuning_.steps, ids_are_indices_, tuning_.tile_width, tuning_.sorts, two_sided_, options_.count_blocked, enters()},
+                 kTexelBuffers + 2);
   if (!meets()) return;
   cover_ = Kernel(device_, cover_comp, sizeof(MeetArgs), {tuning_.subgroup_size, tuning_.tile_width, all_count_, two_sided_}, kTexelBuffers);
   meet_ = Kernel(device_, meet_comp, sizeof(MeetArgs),
@@ -190,16 +224,14 @@ void ComputeEngine::retune(const BatchStatus& found) {
   const Tuning before = tuning_;
   if (!options_.tile_rows && found.list_length / found.active_tiles >= kLongList) options_.tile_rows = 4;
   if (!options_.layers_kept && found.rounds > kManyRounds * found.active_tiles) {
-    options_.sort = true;
+    options_.sort = found.list_length / found.active_tiles >= kSortedList;
     options_.layers_kept = 8;
   }
   tuning_ = tune(device_, options_);
   tuning_.most_blocks = before.most_blocks;
-  if (tuning_.tile_rows == before.tile_rows && tuning_.sorts == before.sorts) return;
+  if (tuning_.tile_rows == before.tile_rows && tuning_.sorts == before.sorts && tuning_.layers_kept == before.layers_kept) return;
   options_.list_capacity = 0;
-  makeKernels();
-  planBatches();
-  makeBatches();
+  rebuild();
 }
 
 // The window holds its ball with the lattice's offset; a direction's tiles form a grid that is symmetric about the lattice's origin.
@@ -209,7 +241,7 @@ void ComputeEngine::planBatches() {
   tiles_high_ = 2 * divideUp(reach, tuning_.tile_rows);
   const uint64_t tiles = uint64_t(tiles_wide_) * tiles_high_, rows = tiles * rowGroups();
   const uint64_t lists_per_direction = 4 * uint64_t(scene_.polygon_count) + tiles;
-  const uint64_t bytes = scene_.polygon_count * sizeof(ProjectedPolygon) + scene_.corner_count * sizeof(Edge) + tiles * (12 + sizeof(ActiveTile)) +
+  uint64_t bytes = scene_.polygon_count * (sizeof(uint32_t) + sizeof(ProjectedPolygon)) + scene_.corner_count * sizeof(Edge) + tiles * (12 + sizeof(ActiveTile)) +
                          rows * 2 * (sizeof(UnfinishedRow) + sizeof(uint64_t) * tuning_.subgroup_size * tuning_.steps) + lists_per_direction * listEntryBytes() + (meets() ? tiles * sizeof(Meeting) : 0);
   const uint64_t fixed_bytes = counters_.sizeBytes() + scene_.polygons.sizeBytes() + scene_.corners.sizeBytes();
   const uint64_t available = options_.available_bytes ? options_.available_bytes : device_.memoryBytes();
@@ -218,14 +250,23 @@ void ComputeEngine::planBatches() {
                                               scene_.polygon_count, options_.resolution, double(fixed_bytes + bytes) / 1048576.0,
                                               device_.description().name, double(available) / 1048576.0));
   const uint64_t budget = std::min<uint64_t>(options_.memory_budget_bytes ? options_.memory_budget_bytes : kMemoryBudget, available - fixed_bytes) / 2;
+  const uint64_t largest = largestBuffer();
+  // Fragments are for speed alone: they get what room there is.
+  fragment_capacity_ = std::max(fragment_capacity_, options_.fragment_capacity ? options_.fragment_capacity : kFragmentCapacity);
+  const uint64_t points = tiles * tuning_.tile_width * tuning_.tile_rows;
+  const uint64_t fragment_bytes = points * (sizeof(uint32_t) + fragment_capacity_ * sizeof(uint64_t));
+  const bool may_enter = options_.sampling == Sampling::lattice && all_count_ && !options_.count_blocked;
+  few_points_ = may_enter && bytes + fragment_bytes <= budget && fragment_bytes <= largest ? *options_.few_points : 0;
+  if (enters()) bytes += fragment_bytes;
   in_flight_ = bytes > budget ? 1 : 2;
-  const uint64_t largest = std::min<uint64_t>(device_.maxAllocationBytes(), device_.properties().limits.maxTexelBufferElements * uint64_t(8));
-  const uint64_t per_buffer = std::max<uint64_t>(scene_.corner_count * sizeof(Edge), lists_per_direction * (meets() ? sizeof(Cover) : 2 * sizeof(uint32_t)));
+  const uint64_t per_buffer = std::max<uint64_t>({scene_.corner_count * sizeof(Edge), lists_per_direction * (meets() ? sizeof(Cover) : 2 * sizeof(uint32_t)),
+                                                  enters() ? fragment_bytes : 0});
   const uint64_t by_memory = std::max<uint64_t>(1, std::min(budget / bytes, largest / per_buffer));
   const uint64_t worthwhile = std::max<uint64_t>(1, kBatchWork / std::max<uint64_t>(scene_.polygon_count, tiles));
   const uint64_t chosen = options_.batch_directions ? options_.batch_directions : std::min(by_memory, worthwhile);
   batch_size_ = static_cast<uint32_t>(std::min<uint64_t>(
-      {chosen, device_.properties().limits.maxComputeWorkGroupCount[1], (1ull << 31) / std::max<uint64_t>(rows, 2 * scene_.corner_count)}));
+      {chosen, device_.properties().limits.maxComputeWorkGroupCount[1], (1ull << 31) / std::max<uint64_t>(rows, 2 * scene_.corner_count),
+       std::max<uint64_t>(1, uint64_t(device_.properties().limits.maxComputeWorkGroupCount[0]) * kGroupSize / scene_.polygon_count)}));
   if (divideUp(scene_.polygon_count, kGroupSize) > device_.properties().limits.maxComputeWorkGroupCount[0])
     throw Error(ErrorCode::limit, fmt::format("{} polygons are more than {} can be asked to project at once; try a smaller scene", scene_.polygon_count,
                                               device_.description().name));
@@ -242,6 +283,7 @@ void ComputeEngine::makeBatches() {
     Batch batch{Commands(device_)};
     if (options_.measure_work) batch.timestamps = Timestamps(device_, kPasses.size() + 1);
     batch.directions = Buffer(device_, batch_size_ * sizeof(DirectionData), MemoryUse::upload, texels);
+    batch.listed = Buffer(device_, uint64_t(batch_size_) * scene_.polygon_count * sizeof(uint32_t), MemoryUse::device);
     batch.edges = Buffer(device_, uint64_t(batch_size_) * scene_.corner_count * sizeof(Edge), MemoryUse::device, texels);
     batch.projected = Buffer(device_, uint64_t(batch_size_) * scene_.polygon_count * sizeof(ProjectedPolygon), MemoryUse::device, texels);
     batch.tile_roles = Buffer(device_, needed_roles_ ? tiles * sizeof(uint32_t) : 0, MemoryUse::device);
@@ -253,6 +295,10 @@ void ComputeEngine::makeBatches() {
     batch.status = Buffer(device_, sizeof(BatchStatus), MemoryUse::device);
     batch.status_read = Buffer(device_, sizeof(BatchStatus), MemoryUse::readback);
     makeLists(batch, list_capacity_);
+    if (enters()) {
+      batch.fragment_counts = Buffer(device_, uint64_t(batch_size_) * pointsPerDirection() * sizeof(uint32_t), MemoryUse::device, VK_FORMAT_R32_UINT);
+      makeFragments(batch, fragment_capacity_);
+    }
     batches_.push_back(std::move(batch));
   }
 }
@@ -270,6 +316,21 @@ void ComputeEngine::makeLists(Batch& batch, uint64_t capacity) {
   // Every tile has as many as subgroups hold its polygons, the last not full.
   const uint64_t meetings = uint64_t(batch_size_) * tiles_wide_ * tiles_high_ + capacity / tuning_.subgroup_size;
   batch.meetings = Buffer(device_, meetings * sizeof(Meeting), MemoryUse::device);
+}
+
+void ComputeEngine::makeFragments(Batch& batch, uint32_t capacity) {
+  batch.fragments = Buffer();
+  batch.fragment_capacity = capacity;
+  batch.fragments = Buffer(device_, uint64_t(batch_size_) * pointsPerDirection() * capacity * sizeof(uint64_t), MemoryUse::device, VK_FORMAT_R32G32_UINT);
+}
+
+// False where that takes smaller batches, or lists instead of fragments.
+bool ComputeEngine::makeRoomForFragments(Batch& batch, uint32_t most) {
+  fragment_capacity_ = std::max(fragment_capacity_, most + most / 4);
+  const uint64_t bytes = uint64_t(batch_size_) * pointsPerDirection() * fragment_capacity_ * sizeof(uint64_t);
+  must_refit_ = bytes > largestBuffer() || bytes > kMemoryBudget / 4;
+  if (!must_refit_) makeFragments(batch, fragment_capacity_);
+  return !must_refit_;
 }
 
 uint64_t ComputeEngine::listEntryBytes() const {
@@ -290,6 +351,8 @@ PairCounts ComputeEngine::count(std::span<const Direction> directions) {
     work_.repeats = repeats;
     if (must_grow_) counters_.enlarge();
     must_grow_ = false;
+    if (must_refit_) rebuild();
+    must_refit_ = false;
     counters_.start(commands_);
   }
   return counters_.finish(commands_);
@@ -322,15 +385,16 @@ bool ComputeEngine::countAll(std::span<const Direction> directions) {
 }
 
 void ComputeEngine::bindTexels(Batch& batch, const Kernel& kernel, const Buffer& lists) {
-  const std::array<VkBufferView, kTexelBuffers> views = {batch.edges.texels(), batch.projected.texels(), scene_.polygons.texels(), lists.texels(),
-                                                         batch.active_tiles.texels()};
+  std::vector<VkBufferView> views = {batch.edges.texels(), batch.projected.texels(), scene_.polygons.texels(), lists.texels(), batch.active_tiles.texels()};
+  if (&kernel == &peel_)  // without fragments it reads none
+    for (const Buffer* buffer : {&batch.fragments, &batch.fragment_counts}) views.push_back((enters() ? buffer : &batch.edges)->texels());
   batch.commands.bindTexels(kernel, views);
 }
 
 PeelArgs ComputeEngine::peelArgs(const Batch& batch) const {
   return {batch.unfinished[1].address(), batch.reached[1].address(), batch.unfinished[0].address(), batch.reached[0].address(), batch.status.address(),
           counters_.address(), scene_.polygon_count, counters_.idCount(), tuning_.tile_width, tuning_.tile_rows, column_bits_, counters_.mask(),
-          counts_environment_ ? 1u : 0u, tuning_.most_blocks, 0};
+          counts_environment_ ? 1u : 0u, tuning_.most_blocks, static_cast<uint32_t>(batch.asked.size()) * pointsPerDirection(), 0};
 }
 
 void ComputeEngine::submit(Batch& batch) {
@@ -345,30 +409,42 @@ void ComputeEngine::submit(Batch& batch) {
     commands.barrier();
     batch.timestamps.mark(commands.handle());
   };
+  const uint32_t rows_per_invocation = std::max(1u, kMostTilesPerInvocation / tiles_wide_);
   BatchStatus none{};
+  none.project_groups = {0, 1, 1};
+  none.bin_groups = {0, 1, divideUp(tiles_high_, rows_per_invocation)};
   none.peel_groups = {0, 1, rowGroups()};
   vkCmdUpdateBuffer(commands.handle(), batch.status.handle(), 0, sizeof none, &none);
   commands.fill(batch.tile_counts, 0, tile_count * sizeof(uint32_t));
+  if (enters()) commands.fill(batch.fragment_counts, 0, direction_count * pointsPerDirection() * sizeof(uint32_t));
   if (needed_roles_) commands.fill(batch.tile_roles, 0, tile_count * sizeof(uint32_t));
   endPass();
   const ProjectArgs project{batch.edges.address(),
                             batch.projected.address(), 0, scene_.polygon_count, scene_.corner_count, direction_count, options_.resolution,
-                            fraction_bits_, column_bits_, 0, windowReach(options_.resolution, options_.window)};
+                            fraction_bits_, column_bits_, 0, windowReach(options_.resolution, options_.window), batch.listed.address(), batch.status.address(),
+                            batch.fragments.address(), batch.fragment_counts.address(), batch.fragment_capacity, direction_count * pointsPerDirection(), few_points_,
+                            tiles_wide_, tiles_high_};
   const uint32_t polygon_groups = divideUp(scene_.polygon_count, kGroupSize);
-  commands.bind(project_, VK_PIPELINE_BIND_POINT_COMPUTE);
-  commands.bindTexels(project_, std::array{batch.directions.texels(), scene_.polygons.texels(), scene_.corners.texels()});
-  commands.dispatch(project_, project, polygon_groups, direction_count);
+  const std::array scene_texels{batch.directions.texels(), scene_.polygons.texels(), scene_.corners.texels()};
+  if (enters()) {
+    commands.bindTexels(enter_, scene_texels);
+    commands.dispatch(enter_, project, polygon_groups, direction_count);
+  }
+  endPass();
+  commands.bindTexels(project_, scene_texels);
+  if (enters()) commands.dispatchIndirect(project_, project, batch.status, offsetof(BatchStatus, project_groups));
+  else commands.dispatch(project_, project, polygon_groups, direction_count);
   endPass();
 
   BinArgs bin{batch.tile_roles.address(), batch.tile_counts.address(), batch.tile_starts.address(), (tuning_.sorts ? batch.entries : batch.lists).address(), batch.active_tiles.address(),
-              batch.directions.address(), batch.status.address(), scene_.polygon_count, scene_.corner_count, tiles_wide_, tiles_high_, tuning_.tile_width, tuning_.tile_rows,
+              batch.directions.address(), batch.status.address(), batch.listed.address(), batch.fragment_counts.address(), batch.fragment_capacity, scene_.polygon_count, scene_.corner_count, tiles_wide_, tiles_high_, tuning_.tile_width, tuning_.tile_rows,
               tile_count, batch.list_capacity, kBinRoles,
-              std::max(1u, kMostTilesPerInvocation / tiles_wide_), needed_roles_, tuning_.sorts ? 1u : 0u, column_bits_};
+              rows_per_invocation, needed_roles_, tuning_.sorts ? 1u : 0u, column_bits_};
   const auto runBin = [&](uint32_t mode) {
     bin.mode = mode;
     commands.bind(bin_, VK_PIPELINE_BIND_POINT_COMPUTE);
     bindTexels(batch, bin_, batch.lists);
-    commands.dispatch(bin_, bin, polygon_groups, direction_count, divideUp(tiles_high_, bin.rows_per_invocation));
+    commands.dispatchIndirect(bin_, bin, batch.status, offsetof(BatchStatus, bin_groups));
     endPass();
   };
   if (needed_roles_) runBin(kBinRoles);
@@ -416,7 +492,8 @@ bool ComputeEngine::finish(Batch& batch) {
     if (found.active_tiles & kListsUncountable)
       throw Error(ErrorCode::limit, "polygons of one batch reach more than 2^32 tiles; try a smaller --resolution or --batch");
     ++work_.repeats;
-    makeLists(batch, uint64_t(found.list_length) + found.list_length / 4);
+    if (found.most_fragments > batch.fragment_capacity && !makeRoomForFragments(batch, found.most_fragments)) return false;
+    if (found.list_length > batch.list_capacity) makeLists(batch, uint64_t(found.list_length) + found.list_length / 4);
     submit(batch);
     batch.commands.wait();
     batch.in_flight = false;
@@ -493,7 +570,7 @@ void ComputeEngine::addWork(const Batch& batch, const BatchStatus& found) {
 uint64_t ComputeEngine::memoryBytes() const {
   uint64_t bytes = counters_.sizeBytes() + scene_.polygons.sizeBytes() + scene_.corners.sizeBytes();
   for (const Batch& batch : batches_) {
-    for (const Buffer* buffer : {&batch.directions, &batch.edges, &batch.projected, &batch.tile_roles, &batch.tile_counts, &batch.tile_starts,
+    for (const Buffer* buffer : {&batch.directions, &batch.listed, &batch.edges, &batch.projected, &batch.fragments, &batch.fragment_counts, &batch.tile_roles, &batch.tile_counts, &batch.tile_starts,
                                  &batch.active_tiles, &batch.entries, &batch.lists, &batch.covers, &batch.cover_polygons, &batch.meetings, &batch.status, &batch.status_read,
                                  &batch.unfinished[0], &batch.unfinished[1], &batch.reached[0], &batch.reached[1]})
       bytes += buffer->sizeBytes();
@@ -503,8 +580,9 @@ uint64_t ComputeEngine::memoryBytes() const {
 
 std::string ComputeEngine::describePlan() const {
   const auto mib = [](uint64_t bytes) { return double(bytes) / 1048576.0; };
-  uint64_t lists = 0, projected = 0, unfinished = 0;
+  uint64_t lists = 0, projected = 0, unfinished = 0, fragments = 0;
   for (const Batch& batch : batches_) {
+    fragments += batch.fragments.sizeBytes() + batch.fragment_counts.sizeBytes();
     unfinished += batch.unfinished[0].sizeBytes() + batch.unfinished[1].sizeBytes() + batch.reached[0].sizeBytes() + batch.reached[1].sizeBytes();
     for (const Buffer* buffer : {&batch.covers, &batch.cover_polygons, &batch.meetings}) lists += buffer->sizeBytes();
     lists += batch.entries.sizeBytes() + batch.lists.sizeBytes() + batch.tile_counts.sizeBytes() + batch.tile_starts.sizeBytes() + batch.active_tiles.sizeBytes();
@@ -512,10 +590,10 @@ std::string ComputeEngine::describePlan() const {
   }
   return fmt::format(
       "plan       {} x {} directions in flight; {} x {} tiles of {} x {}; subgroups of {}, {} layers a round{}\n"
-      "memory     {:.1f} MiB on the device: {} counters {:.1f}, scene {:.1f}, projections {:.1f}, tile lists {:.1f}, lines to go on with {:.1f}\n",
+      "memory     {:.1f} MiB on the device: {} counters {:.1f}, scene {:.1f}, projections {:.1f}, tile lists {:.1f}, fragments {:.1f}, lines to go on with {:.1f}\n",
       batches_.size(), batch_size_, tiles_wide_, tiles_high_, tuning_.tile_width, tuning_.tile_rows, tuning_.subgroup_size, tuning_.layers_kept,
       tuning_.sorts ? ", lists sorted by depth" : "", mib(memoryBytes()), counters_.isSparse() ? "hashed" : "dense", mib(counters_.sizeBytes()),
-      mib(scene_.polygons.sizeBytes() + scene_.corners.sizeBytes()), mib(projected), mib(lists), mib(unfinished));
+      mib(scene_.polygons.sizeBytes() + scene_.corners.sizeBytes()), mib(projected), mib(lists), mib(fragments), mib(unfinished));
 }
 
 }  // namespace

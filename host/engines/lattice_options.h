@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <optional>
 
 #include <glm/vec3.hpp>
 
@@ -37,6 +38,8 @@ struct LatticeOptions {
   uint32_t tile_width = 0;       // lattice columns; 8 with scanlines
   uint32_t tile_rows = 0;        // 1 to 8
   uint32_t layers_kept = 0;      // a round
+  std::optional<uint32_t> few_points;  // a polygon over no more lattice points, in a box of at most 8 x 8, enters itself at each; 0: none does
+  uint32_t fragment_capacity = 0;      // of a lattice point at first: layers that entered themselves
   bool sort = false;             // lists of tiles by depth
   bool aggregate = true;         // contributions of neighbouring samples before they are added
   uint32_t list_capacity = 0;    // of the tile lists at first

@@ -47,6 +47,7 @@ Estimate estimateFormFactors(Engine& engine, const Scene& scene, const Ids& ids,
       sums.add(replicate, asked.directions.empty() ? PairCounts{} : engine.count(asked.directions), options.directions);
       measureErrors();
       if (options.on_sums) options.on_sums(sums, false);
+      if (options.on_so_far) options.on_so_far([&] { return makeEstimate(sums, options.relative_floor); });
       if (options.on_replicate) options.on_replicate({sums.replicateCount(), largest_error});
     }
   } catch (const Interrupted&) {

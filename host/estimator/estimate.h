@@ -18,6 +18,8 @@ struct EstimateProgress {
   double largest_standard_error = 0;  // over all form factors so far; infinite before the second replicate
 };
 
+struct Estimate;
+
 struct EstimateOptions {
   Sampler sampler = Sampler::fibonacci;
   uint32_t directions = 400;   // per replicate
@@ -39,6 +41,8 @@ struct EstimateOptions {
   std::function<void(const EstimateProgress&)> on_replicate;  // may be empty
   // Told the sums after every replicate, and once more with `last` when there will be no further one, be it for an error; may be empty.
   std::function<void(const RunSums& sums, bool last)> on_sums;
+  // Given after every replicate what makes the estimate of all so far; to be called before the engine returns from its next count, from any thread; may be empty.
+  std::function<void(const std::function<Estimate()>& so_far)> on_so_far;
 };
 
 enum class GuaranteedBy { hoeffding, bernstein, median };

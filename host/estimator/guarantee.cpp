@@ -320,6 +320,7 @@ Estimate guaranteeFormFactors(const Scene& scene, const Ids& ids, const Guarante
       sums.add(block, counts, directions);
       if (is_median) runs.push_back(std::move(counts));
       if (options.on_sums) options.on_sums(sums, false);
+      if (options.on_so_far) options.on_so_far([&] { return makeEstimate(sums, EstimateOptions{}.relative_floor); });
       if (options.on_block) options.on_block({block + 1, is_median ? plan.runs : plan.expected_blocks, most_blocks, guarantee.bound});
     }
   } catch (const Interrupted&) {

@@ -41,6 +41,7 @@ struct GuaranteeOptions {
   const RunSums* resumed = nullptr;  // go on after these blocks, of the same plan; may be nullptr
   std::function<void(const GuaranteeProgress&)> on_block;               // may be empty
   std::function<void(const RunSums& sums, bool last)> on_sums;  // as for estimates; may be empty
+  std::function<void(const std::function<Estimate()>& so_far)> on_so_far;  // likewise; no guarantee is left then
 };
 
 // The ranges M_i of ids: the most that one direction can contribute to a form factor of id i, or to one with i the smaller polygon.

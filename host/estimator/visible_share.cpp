@@ -157,6 +157,11 @@ Estimate estimateVisibleShares(Engine& engine, const Scene& scene, const Ids& id
            (!options.relative || largest_relative_error <= *options.relative) && !(options.seconds && !options.tolerance && !options.relative);
   };
   bool interrupted = false;
+  const auto estimateSoFar = [&]() -> Estimate {
+    FormFactors result = resultBy(by);
+    const double error = largestStandardError(result), relative_error = largestRelativeError(result, options.relative_floor);
+    return {std::move(result), resultBy(By::surface), sums.replicateCount(), sums.directions, error, relative_error, interrupted, {}};
+  };
   try {
     while (!isDone()) {
       const uint64_t replicate = sums.replicateCount();
@@ -169,15 +174,13 @@ Estimate estimateVisibleShares(Engine& engine, const Scene& scene, const Ids& id
         largest_error = largestStandardError(so_far);
         largest_relative_error = largestRelativeError(so_far, options.relative_floor);
       }
+      if (options.on_so_far) options.on_so_far(estimateSoFar);
       if (options.on_replicate) options.on_replicate({sums.replicateCount(), largest_error});
     }
   } catch (const Interrupted&) {
     interrupted = true;
   }
-  FormFactors result = resultBy(by);
-  largest_error = largestStandardError(result);
-  largest_relative_error = largestRelativeError(result, options.relative_floor);
-  return {std::move(result), resultBy(By::surface), sums.replicateCount(), sums.directions, largest_error, largest_relative_error, interrupted, {}};
+  return estimateSoFar();
 }
 
 }  // namespace viewpeel

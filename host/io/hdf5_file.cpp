@@ -169,7 +169,7 @@ Hdf5Input::Hdf5Input(const std::filesystem::path& file) : file_(file) {
   errno = 0;
   std::ifstream stream(file, std::ios::binary);
   if (!stream || std::filesystem::is_directory(file))
-    throw Error(ErrorCode::bad_input, fmt::format("{}: cannot be read: {}", file.string(), errno ? std::strerror(errno) : "it is a directory"));
+    throw Error(ErrorCode::bad_input, fmt::format("{}: cannot be read: {}; check the name", file.string(), errno ? std::strerror(errno) : "it is a directory"));
   if (!endsInCheckSum(stream, std::filesystem::file_size(file))) refuse("it is another file, cut off or damaged");
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_file_locking(access, false, true);  // not every file system can

@@ -15,8 +15,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void refuse(const fs::path& file, const std::string& reason) {
-  throw Error(ErrorCode::output, fmt::format("{}: cannot write: {}; choose another place", file.string(), reason));
+constexpr size_t kBlockBytes = 4096;  // of a file system
+
+[[noreturn]] void refuse(const fs::path& file, const std::string& reason, ErrorCode code = ErrorCode::output) {
+  throw Error(code, fmt::format("{}: cannot write: {}; choose another place", file.string(), reason));
 }
 
 // Waits until the disk has what was written to the file, or the names in the folder. Returns errno; file systems that cannot say EINVAL,
@@ -54,14 +56,19 @@ void writeFile(const fs::path& file, const std::function<void(std::ostream&)>& w
 }
 
 void checkWritable(const fs::path& file) {
-  if (fs::is_directory(file)) refuse(file, "it is a directory");
+  std::error_code failure;
+  const fs::file_status status = fs::status(file, failure);
+  if (fs::is_directory(status)) refuse(file, "it is a directory", ErrorCode::bad_usage);
+  if (fs::exists(status) && !fs::is_regular_file(status)) refuse(file, "it is not a regular file", ErrorCode::bad_usage);
   const fs::path temporary = temporaryName(file);
   errno = 0;
-  const bool opened = std::ofstream(temporary).is_open();
+  std::ofstream out(temporary, std::ios::binary | std::ios::trunc);
+  // A full disk takes empty files.
+  out << std::string(kBlockBytes, ' ');
+  out.close();
   const int reason = errno;
-  std::error_code ignored;
-  fs::remove(temporary, ignored);
-  if (!opened) refuse(file, std::strerror(reason));
+  fs::remove(temporary, failure);
+  if (!out) refuse(file, reason ? std::strerror(reason) : "the disk is full", ErrorCode::bad_usage);
 }
 
 }  // namespace viewpeel

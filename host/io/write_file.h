@@ -10,8 +10,8 @@ namespace viewpeel {
 //   Throws: Error output, naming the file and the system's reason.
 void writeFile(const std::filesystem::path& file, const std::function<void(std::ostream&)>& write);
 
-// Finds before a long computation that writeFile could not work: missing folder, a directory in the way, no permission.
-//   Throws: Error output.
+// Finds before a long computation that writeFile could not work: missing folder, a directory in the way, no permission, a full disk.
+//   Throws: Error bad_usage, naming the file and the system's reason.
 void checkWritable(const std::filesystem::path& file);
 
 }  // namespace viewpeel

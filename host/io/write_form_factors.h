@@ -26,7 +26,7 @@ void writeFormFactors(const FormFactors& form_factors, const std::filesystem::pa
 std::vector<std::filesystem::path> filesOf(const std::filesystem::path& file, bool with_closure);
 
 // Refuses what writeFormFactors would refuse, before anything is computed.
-//   Throws: Error bad_usage for an unknown extension, or a name that closure takes; Error output.
+//   Throws: Error bad_usage: an unknown extension, a name that closure takes, what cannot be written.
 void checkOutput(const std::filesystem::path& file, bool with_closure = false);
 
 }  // namespace viewpeel

@@ -13,6 +13,9 @@
 namespace viewpeel {
 namespace {
 
+// Radii in input units whose areas, and squares of areas, are doubles with room to spare, for polygons of 1e-32 of the radius squared, too.
+constexpr double kLargestRadius = 1e60, kSmallestRadius = 1e-60;
+
 std::string place(const InputScene& input, const InputFace& face) {
   return face.line ? fmt::format("{}:{}", input.file, face.line) : input.file;
 }
@@ -32,8 +35,6 @@ void fitUnitBall(const InputScene& input, Scene& scene) {
   // Scaled first, so that squares neither overflow nor vanish.
   const glm::dvec3 half = high / 2.0 - low / 2.0;
   const double largest = std::max({half.x, half.y, half.z});
-  if (!std::isfinite(largest))
-    throw Error(ErrorCode::bad_input, fmt::format("{}: coordinates differ by more than 1e308; scale the scene down", input.file));
   if (largest == 0 || !std::isnormal(largest))
     throw Error(ErrorCode::bad_input, fmt::format("{}: no usable polygon: all corners lie at one point; check the file", input.file));
   for (const InputFace& face : input.faces)
@@ -42,6 +43,9 @@ void fitUnitBall(const InputScene& input, Scene& scene) {
       squared = std::max(squared, glm::dot(v, v));
     }
   scene.scale = std::sqrt(squared) * largest * (1 + 1e-15);
+  if (scene.scale > kLargestRadius || scene.scale < kSmallestRadius)
+    throw Error(ErrorCode::bad_input, fmt::format("{}: the scene's radius of {:.3g} is beyond {:g} to {:g}: areas would not be numbers; take another unit of length", input.file,
+                                                  scene.scale, kSmallestRadius, kLargestRadius));
 }
 
 // Without corners that repeat the one before.

@@ -6,6 +6,7 @@
 #include <map>
 #include <numeric>
 
+#include <fmt/format.h>
 #include <glm/glm.hpp>
 
 namespace viewpeel {
@@ -50,10 +51,12 @@ Plane planeOf(const Scene& scene, const Polygon& polygon) {
   return {normal, glm::dot(normal, centre)};
 }
 
-bool liesIn(const Scene& scene, const Polygon& polygon, const Plane& plane) {
+// Of the corner furthest off.
+double distanceFrom(const Plane& plane, const Scene& scene, const Polygon& polygon) {
+  double distance = 0;
   for (uint32_t k = 0; k < polygon.corner_count; ++k)
-    if (std::abs(glm::dot(plane.normal, scene.corners[polygon.first_corner + k]) - plane.offset) > kCoplanarTolerance) return false;
-  return true;
+    distance = std::max(distance, std::abs(glm::dot(plane.normal, scene.corners[polygon.first_corner + k]) - plane.offset));
+  return distance;
 }
 
 double perimeterOf(const Scene& scene, const Polygon& polygon) {
@@ -71,6 +74,9 @@ void groupPlanes(Scene& scene) {
   std::stable_sort(by_area.begin(), by_area.end(),
                    [&](uint32_t a, uint32_t b) { return scene.polygons[a].area > scene.polygons[b].area; });
   PlaneIndex index;
+  uint64_t lost_gaps = 0;
+  double widest_gap = 0;
+  uint32_t widest_face = 0;
   for (uint32_t polygon_index : by_area) {
     Polygon& polygon = scene.polygons[polygon_index];
     const Plane own = planeOf(scene, polygon);
@@ -80,16 +86,27 @@ void groupPlanes(Scene& scene) {
     uint32_t found = UINT32_MAX;
     for (double sign : {1.0, -1.0})
       index.forEachNear(sign * own.normal, sign * own.offset, reach, [&](uint32_t candidate) {
-        if (candidate < found && liesIn(scene, polygon, scene.planes[candidate])) found = candidate;
+        if (candidate < found && distanceFrom(scene.planes[candidate], scene, polygon) <= kCoplanarTolerance) found = candidate;
       });
     if (found == UINT32_MAX) {
       found = static_cast<uint32_t>(scene.planes.size());
       scene.planes.push_back(own);
       index.add(own, found);
     }
+    const double gap = distanceFrom(scene.planes[found], scene, polygon);
+    if (gap > kLostGap) {
+      ++lost_gaps;
+      if (gap > widest_gap) widest_face = polygon.face;
+      widest_gap = std::max(widest_gap, gap);
+    }
     polygon.plane = found;
     polygon.front_along_plane_normal = glm::dot(scene.planes[found].normal, own.normal) > 0;
   }
+  if (lost_gaps > 0)
+    scene.warnings.push_back(fmt::format("{}: {} {} up to {:.1e} off the plane of another, too near to be told apart (1e-8 of the scene's radius), and taken to lie in it; the furthest is {}[{}]; "
+                                         "compute narrow gaps as a smaller scene",
+                                         scene.file, lost_gaps, lost_gaps == 1 ? "polygon lies" : "polygons lie", widest_gap * scene.scale,
+                                         scene.surfaces[scene.faces[widest_face].surface].name, scene.faces[widest_face].number));
 }
 
 }  // namespace viewpeel

@@ -29,6 +29,8 @@ Scene loadScene(const fs::path& file) {
   const fs::file_status status = fs::status(file, failure);
   if (status.type() == fs::file_type::not_found) refuse(file, "no such file; check the name");
   if (status.type() == fs::file_type::directory) refuse(file, "is a directory; name a scene file");
+  // Readers open a file anew, and a pipe would wait for ever.
+  if (fs::exists(status) && !fs::is_regular_file(status)) refuse(file, "is not a regular file; write the scene to one");
   errno = 0;
   std::ifstream in(file, std::ios::binary);
   if (!in) refuse(file, fmt::format("cannot be read: {}", std::strerror(errno)));

@@ -26,7 +26,7 @@ class ObjReader {
         line += more;
         ++number;
       }
-      readStatement(line);
+      readStatement(number == 1 ? skipByteOrderMark(line) : line);
     }
     return finish();
   }

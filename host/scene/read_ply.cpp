@@ -48,7 +48,7 @@ class PlyReader {
   explicit PlyReader(const std::filesystem::path& file) : place_{file.string()} {
     std::ifstream in(file, std::ios::binary);
     bytes_.assign(std::istreambuf_iterator<char>(in), {});
-    rest_ = bytes_;
+    rest_ = skipByteOrderMark(bytes_);
     scene_ = {file.string(), {file.stem().string()}, {}};
   }
 
@@ -115,6 +115,23 @@ class PlyReader {
       }
     }
     if (!has_format) place_.refuse("the header has no 'format' line; add it");
+    for (const Element& element : elements_) checkProperties(element);
+  }
+
+  // Without properties records take no bytes, and any number of them would fit into any file.
+  void checkProperties(const Element& element) const {
+    const auto require = [&](bool has, std::string_view what) {
+      if (!has && element.count > 0) place_.refuse(fmt::format("element '{}' has no {}; export the file again", printable(element.name), what));
+    };
+    const auto has = [&](auto is_wanted) { return std::any_of(element.properties.begin(), element.properties.end(), is_wanted); };
+    require(!element.properties.empty(), "property");
+    for (const char* axis : {"x", "y", "z"})
+      if (element.name == "vertex") require(has([&](const Property& property) { return property.name == axis && !property.count_type; }), fmt::format("property '{}'", axis));
+    if (element.name == "face") require(has(isCornerList), "list 'vertex_indices'");
+  }
+
+  static bool isCornerList(const Property& property) {
+    return property.count_type && (property.name == "vertex_indices" || property.name == "vertex_index");
   }
 
   double readNumber(const Type& type) {
@@ -142,7 +159,8 @@ class PlyReader {
     for (const Property& property : element.properties) {
       if (property.count_type) {
         const double count = readNumber(*property.count_type);
-        const bool wanted = property.name == "vertex_indices" || property.name == "vertex_index";
+        if (count < 0 || count != std::floor(count)) place_.refuse(fmt::format("{} is not the length of a list; correct it", count));
+        const bool wanted = isCornerList(property);
         for (double k = 0; k < count; ++k) {
           const double index = readNumber(*property.type);
           if (wanted) indices.push_back(index);

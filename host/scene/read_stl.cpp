@@ -3,6 +3,7 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <unordered_map>
 
 #include "scene/readers.h"
 #include "scene/words.h"
@@ -19,13 +20,6 @@ T readAt(const std::string& bytes, size_t at) {
   T value;
   std::memcpy(&value, bytes.data() + at, sizeof value);
   return value;
-}
-
-uint32_t surfaceNamed(InputScene& scene, const std::string& name) {
-  for (uint32_t k = 0; k < scene.surface_names.size(); ++k)
-    if (scene.surface_names[k] == name) return k;
-  scene.surface_names.push_back(name);
-  return static_cast<uint32_t>(scene.surface_names.size() - 1);
 }
 
 void readBinary(const std::string& bytes, InputScene& scene) {
@@ -46,12 +40,12 @@ void readBinary(const std::string& bytes, InputScene& scene) {
   }
 }
 
-void readText(const std::string& bytes, const std::string& stem, InputScene& scene) {
+void readText(std::string_view rest, const std::string& stem, InputScene& scene) {
   FilePlace place{scene.file};
   bool in_solid = false, in_facet = false;
   uint32_t surface = 0;
   InputFace face;
-  std::string_view rest(bytes);
+  std::unordered_map<std::string, uint32_t> surfaces;
   while (!rest.empty()) {
     const size_t end = std::min(rest.find('\n'), rest.size());
     std::string_view line = rest.substr(0, end);
@@ -60,7 +54,9 @@ void readText(const std::string& bytes, const std::string& stem, InputScene& sce
     const std::string_view keyword = nextWord(line);
     if (keyword == "solid") {
       const std::string name = joinWords(line);
-      surface = surfaceNamed(scene, name.empty() ? stem : name);
+      const auto [at, is_new] = surfaces.try_emplace(name.empty() ? stem : name, static_cast<uint32_t>(surfaces.size()));
+      if (is_new) scene.surface_names.push_back(at->first);
+      surface = at->second;
       in_solid = true;
     } else if (keyword == "facet" && in_solid) {
       face = {{}, surface, place.line};
@@ -91,8 +87,9 @@ InputScene readStl(const std::filesystem::path& file) {
   // Some binary files begin with "solid" too; their size gives them away.
   const bool fits_binary =
       bytes.size() >= kHeaderBytes + 4 && bytes.size() == kHeaderBytes + 4 + uint64_t(readAt<uint32_t>(bytes, kHeaderBytes)) * kFacetBytes;
-  if (bytes.starts_with("solid") && !fits_binary) {
-    readText(bytes, file.stem().string(), scene);
+  const std::string_view text = skipByteOrderMark(bytes);
+  if (text.starts_with("solid") && !fits_binary) {
+    readText(text, file.stem().string(), scene);
   } else {
     scene.surface_names.push_back(file.stem().string());
     readBinary(bytes, scene);

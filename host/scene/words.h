@@ -1,5 +1,6 @@
 // Words and numbers of text formats, shared by the readers.
 #pragma once
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <string>
@@ -31,11 +32,19 @@ inline std::string joinWords(std::string_view rest) {
   return joined;
 }
 
-// Short and without control characters, for messages.
+// The text without the mark that some editors begin UTF-8 files with.
+inline std::string_view skipByteOrderMark(std::string_view text) {
+  constexpr std::string_view kMark = "\xEF\xBB\xBF";
+  return text.substr(text.starts_with(kMark) ? kMark.size() : 0);
+}
+
+// Short and without control characters, for messages. UTF-8 is not cut within a character.
 inline std::string printable(std::string_view text) {
-  std::string out(text.substr(0, 20));
+  size_t length = std::min<size_t>(text.size(), 20);
+  while (length > 0 && length < text.size() && (text[length] & 0xC0) == 0x80) --length;
+  std::string out(text.substr(0, length));
   for (char& c : out)
-    if (static_cast<unsigned char>(c) < 32) c = '?';
+    if (static_cast<unsigned char>(c) < 32 || c == 127) c = '?';
   return out;
 }
 

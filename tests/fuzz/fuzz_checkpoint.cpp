@@ -1,0 +1,117 @@
+// A checkpoint whose columns are not what they should be, with a check sum that is right: HDF5 itself gets sound files, for it is not made to survive others, and the check
+// sum keeps damaged ones from it (host/io/hdf5_file.h). The bytes say, column by column, what is stored: nothing left to say is the column of a checkpoint that is whole.
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+#include "error.h"
+#include "estimator/estimate.h"
+#include "input_file.h"
+#include "io/checkpoint.h"
+#include "io/hdf5_file.h"
+#include "io/write_form_factors.h"
+
+namespace viewpeel {
+namespace {
+
+class Bytes {
+ public:
+  Bytes(const uint8_t* bytes, size_t count) : at_(bytes), end_(bytes + count) {}
+  // Zeros behind the end.
+  template <class T>
+  T take() {
+    T value{};
+    const size_t count = std::min(sizeof value, static_cast<size_t>(end_ - at_));
+    if (count) std::memcpy(&value, at_, count);
+    at_ += count;
+    return value;
+  }
+  template <class T>
+  std::vector<T> takeColumn() {
+    std::vector<T> column(take<uint8_t>() % 8);
+    for (T& value : column) value = take<T>();
+    return column;
+  }
+  std::vector<std::string> takeTexts() {
+    std::vector<std::string> column(take<uint8_t>() % 8);
+    for (std::string& text : column)
+      for (uint8_t left = take<uint8_t>() % 16; left > 0; --left) text += take<char>();
+    return column;
+  }
+
+ private:
+  const uint8_t *at_, *end_;
+};
+
+template <class T>
+void writeColumn(Hdf5Output& out, Bytes& bytes, const std::string& name, const std::vector<T>& whole) {
+  switch (bytes.take<uint8_t>() % 7) {
+    case 0: return out.write(name, whole);
+    case 1: return out.write(name, bytes.takeColumn<uint8_t>());
+    case 2: return out.write(name, bytes.takeColumn<uint32_t>());
+    case 3: return out.write(name, bytes.takeColumn<uint64_t>());
+    case 4: return out.write(name, bytes.takeColumn<double>());
+    case 5: return out.write(name, bytes.takeTexts());
+    default: return;  // missing
+  }
+}
+
+// Two ids, two replicates, one pair and the environment.
+void writeSums(Hdf5Output& out, Bytes& bytes, const std::string& group) {
+  using U8 = std::vector<uint8_t>;
+  using U32 = std::vector<uint32_t>;
+  using U64 = std::vector<uint64_t>;
+  writeColumn(out, bytes, group + "/names", std::vector<std::string>{"floor", "wall"});
+  writeColumn(out, bytes, group + "/areas", std::vector<double>{1, 2});
+  writeColumn(out, bytes, group + "/surfaces", U32{0, 1});
+  writeColumn(out, bytes, group + "/asked", U8{});
+  writeColumn(out, bytes, group + "/splits_surfaces", U8{0});
+  writeColumn(out, bytes, group + "/rows_sum_to_one", U8{1});
+  writeColumn(out, bytes, group + "/two_sided", U8{0});
+  writeColumn(out, bytes, group + "/replicate_count", U64{2});
+  for (const std::string part : {"rows", "pairs"}) {
+    if (part == "pairs") {
+      writeColumn(out, bytes, group + "/pairs/i", U32{0, 1});
+      writeColumn(out, bytes, group + "/pairs/j", U32{1, kEnvironment});
+    }
+    writeColumn(out, bytes, group + "/" + part + "/sum_high", U64{0, 0});
+    writeColumn(out, bytes, group + "/" + part + "/sum_low", U64{20, 20});
+    writeColumn(out, bytes, group + "/" + part + "/sum_of_squares_high", U64{0, 0});
+    writeColumn(out, bytes, group + "/" + part + "/sum_of_squares_low", U64{202, 202});
+  }
+}
+
+}  // namespace
+}  // namespace viewpeel
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t count) {
+  using namespace viewpeel;
+  Bytes bytes(data, count);
+  Hdf5Output out;
+  writeColumn(out, bytes, "format", std::vector<uint64_t>{1});
+  writeColumn(out, bytes, "settings/names", std::vector<std::string>{"--seed"});
+  writeColumn(out, bytes, "settings/values", std::vector<std::string>{"1"});
+  writeColumn(out, bytes, "replicates/first", std::vector<uint64_t>{0});
+  writeColumn(out, bytes, "replicates/end", std::vector<uint64_t>{2});
+  writeColumn(out, bytes, "directions", std::vector<uint64_t>{20});
+  writeColumn(out, bytes, "measure_area", std::vector<double>{0.1});
+  writeSums(out, bytes, "by_id");
+  writeSums(out, bytes, "by_surface");
+  const std::vector<char> file = out.finish();
+  try {
+    Checkpoint checkpoint = readCheckpoint(fuzz::makeFile(reinterpret_cast<const uint8_t*>(file.data()), file.size()));
+    requireSameSettings(checkpoint.settings, checkpoint.settings, "again");
+    describeReplicates(checkpoint.sums.replicates);
+    if (checkpoint.sums.replicateCount() >= 2) {
+      const Estimate estimate = makeEstimate(checkpoint.sums, 0.01);
+      std::ostringstream text;
+      writeCsv(estimate.form_factors, text);
+      writeMatrixMarket(estimate.form_factors, text);
+    }
+    const RunSums others = checkpoint.sums;
+    checkpoint.sums.add(others);
+  } catch (const Error& error) {
+    fuzz::requireOneLine(error.what());
+  }
+  return 0;
+}
