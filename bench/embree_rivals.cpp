@@ -6,9 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <numbers>
-#include <thread>
 
-#include <embree3/rtcore.h>
 #include <fmt/format.h>
 #include <glm/glm.hpp>
 
@@ -19,20 +17,9 @@
 namespace viewpeel::bench {
 namespace {
 
-constexpr uint32_t kGroup = 64;         // rays traced together: a stream, 8 packets, or a tile of 8 x 8 lattice points
 constexpr float kStart = -1.001f;       // of a line, outside the unit ball
 constexpr float kAwayFromOwn = 1e-5f;   // a ray's start, unit-ball units off its polygon
 constexpr uint32_t kCosineCount = 4096;
-
-uint32_t threadCount() { return std::max(1u, std::thread::hardware_concurrency()); }
-
-template <class Run>
-void runOnAllCores(Run run) {
-  std::vector<std::thread> threads;
-  for (uint32_t k = 1; k < threadCount(); ++k) threads.emplace_back(run, k);
-  run(0u);
-  for (std::thread& thread : threads) thread.join();
-}
 
 struct Random {  // splitmix64: costs next to nothing beside a ray
   uint64_t state;
@@ -63,15 +50,10 @@ struct Emitter {
   bool triangle;
 };
 
-struct Ray {
-  glm::vec3 origin, direction;
-  float near, far;
-};
-
 // Hits of the lines of a group, filled by the filter. A hit is its distance and its primitive in one word: positive floats sort as integers do.
 struct LineContext {
   RTCIntersectContext context;
-  std::array<std::vector<uint64_t>, kGroup> hits;
+  std::array<std::vector<uint64_t>, kRayGroup> hits;
 };
 
 // Records every hit and rejects it, so that the traversal goes on to the next.
@@ -85,30 +67,17 @@ void recordHit(const RTCFilterFunctionNArguments* args) {
   }
 }
 
-void fill(RTCRay& to, const Ray& from, uint32_t id) {
-  to = {from.origin.x, from.origin.y, from.origin.z, from.near, from.direction.x, from.direction.y, from.direction.z, 0, from.far, ~0u, id, 0};
-}
-
-void fill(RTCRay8& to, uint32_t lane, const Ray& from, uint32_t id) {
-  to.org_x[lane] = from.origin.x, to.org_y[lane] = from.origin.y, to.org_z[lane] = from.origin.z;
-  to.dir_x[lane] = from.direction.x, to.dir_y[lane] = from.direction.y, to.dir_z[lane] = from.direction.z;
-  to.tnear[lane] = from.near, to.tfar[lane] = from.far, to.time[lane] = 0, to.mask[lane] = ~0u, to.id[lane] = id, to.flags[lane] = 0;
-}
-
 }  // namespace
 
 struct EmbreeRivals::State {
   const Ids& ids;
-  RTCDevice device = nullptr;
-  RTCScene scene = nullptr;
-  std::vector<uint32_t> polygon_of_primitive;
-  std::vector<glm::vec3> normals;  // of polygons
+  EmbreeScene scene;
   std::vector<Emitter> emitters;   // of polygons
   std::vector<PairTable> tables;   // of threads
   std::array<glm::vec3, kCosineCount> cosine_directions = cosineDirections();
   uint64_t polygons_shot = 0;
 
-  explicit State(const Ids& the_ids) : ids(the_ids) {}
+  State(const Scene& the_scene, const Ids& the_ids) : ids(the_ids), scene(the_scene) {}
 
   // Environment and leak come after the ids, as in viewpeel's counters.
   void countGap(PairTable& table, uint32_t gap, uint32_t lower, uint32_t upper) const {
@@ -125,11 +94,11 @@ struct EmbreeRivals::State {
     uint32_t lower_side = kSideNone, lower = 0, last = UINT32_MAX, pairs = 0;
     for (const uint64_t hit : hits) {
       // A polygon that the tree holds twice, or that is hit on the diagonal where it was cut, comes twice.
-      const uint32_t polygon = polygon_of_primitive[static_cast<uint32_t>(hit)];
+      const uint32_t polygon = scene.polygonOf(static_cast<uint32_t>(hit));
       if (polygon == last) continue;
       last = polygon;
       const uint32_t id = ids.of_polygon[polygon];
-      const bool front_up = glm::dot(normals[polygon], u) > 0;
+      const bool front_up = glm::dot(scene.normal(polygon), u) > 0;
       const uint32_t gap = classifyGap(lower_side, sideTowardsGap(front_up, ids.two_sided, false));
       pairs += gap == kGapFacingPair;
       countGap(table, gap, lower, id);
@@ -138,69 +107,6 @@ struct EmbreeRivals::State {
     }
     countGap(table, classifyGap(lower_side, kSideNone), lower, 0);
     return pairs;
-  }
-
-  void traceLines(Trace trace, LineContext& lines, std::span<const Ray> rays) const {
-    const auto count = static_cast<uint32_t>(rays.size());
-    if (trace == Trace::single) {
-      for (uint32_t k = 0; k < count; ++k) {
-        RTCRay ray;
-        fill(ray, rays[k], k);
-        rtcOccluded1(scene, &lines.context, &ray);
-      }
-    } else if (trace == Trace::packets_of_8) {
-      for (uint32_t first = 0; first < count; first += 8) {
-        alignas(32) RTCRay8 packet;
-        alignas(32) int valid[8];
-        for (uint32_t lane = 0; lane < 8; ++lane) {
-          valid[lane] = first + lane < count ? -1 : 0;
-          fill(packet, lane, rays[std::min(first + lane, count - 1)], first + lane);
-        }
-        rtcOccluded8(valid, scene, &lines.context, &packet);
-      }
-    } else {
-      alignas(64) RTCRay stream[kGroup];
-      for (uint32_t k = 0; k < count; ++k) fill(stream[k], rays[k], k);
-      rtcOccluded1M(scene, &lines.context, stream, count, sizeof(RTCRay));
-    }
-  }
-
-  // Sets hit[k] to the polygon that ray k hits first, or UINT32_MAX.
-  void traceRays(Trace trace, RTCIntersectContext& context, std::span<const Ray> rays, std::span<uint32_t> hit) const {
-    const auto count = static_cast<uint32_t>(rays.size());
-    const auto polygonOf = [&](uint32_t geometry, uint32_t primitive) {
-      return geometry == RTC_INVALID_GEOMETRY_ID ? UINT32_MAX : polygon_of_primitive[primitive];
-    };
-    if (trace == Trace::single) {
-      for (uint32_t k = 0; k < count; ++k) {
-        RTCRayHit ray;
-        fill(ray.ray, rays[k], k);
-        ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-        rtcIntersect1(scene, &context, &ray);
-        hit[k] = polygonOf(ray.hit.geomID, ray.hit.primID);
-      }
-    } else if (trace == Trace::packets_of_8) {
-      for (uint32_t first = 0; first < count; first += 8) {
-        alignas(32) RTCRayHit8 packet;
-        alignas(32) int valid[8];
-        for (uint32_t lane = 0; lane < 8; ++lane) {
-          valid[lane] = first + lane < count ? -1 : 0;
-          fill(packet.ray, lane, rays[std::min(first + lane, count - 1)], first + lane);
-          packet.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
-        }
-        rtcIntersect8(valid, scene, &context, &packet);
-        for (uint32_t lane = 0; lane < 8 && first + lane < count; ++lane)
-          hit[first + lane] = polygonOf(packet.hit.geomID[lane], packet.hit.primID[lane]);
-      }
-    } else {
-      alignas(64) RTCRayHit stream[kGroup];
-      for (uint32_t k = 0; k < count; ++k) {
-        fill(stream[k].ray, rays[k], k);
-        stream[k].hit.geomID = RTC_INVALID_GEOMETRY_ID;
-      }
-      rtcIntersect1M(scene, &context, stream, count, sizeof(RTCRayHit));
-      for (uint32_t k = 0; k < count; ++k) hit[k] = polygonOf(stream[k].hit.geomID, stream[k].hit.primID);
-    }
   }
 
   Ray rayFrom(const Emitter& emitter, Random& random) const {
@@ -213,60 +119,20 @@ struct EmbreeRivals::State {
   }
 };
 
-EmbreeRivals::EmbreeRivals(const Scene& scene, const Ids& ids) : state_(std::make_unique<State>(ids)) {
-  State& state = *state_;
-  state.device = rtcNewDevice(nullptr);
-  if (!state.device) throw Error(ErrorCode::device, "Embree makes no device; check its installation");
-  if (!rtcGetDeviceProperty(state.device, RTC_DEVICE_PROPERTY_FILTER_FUNCTION_SUPPORTED))
-    throw Error(ErrorCode::device, "Embree was built without filter functions; build it with them");
-  state.scene = rtcNewScene(state.device);
-  rtcSetSceneBuildQuality(state.scene, RTC_BUILD_QUALITY_HIGH);
-  rtcSetSceneFlags(state.scene, RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
-
-  const bool quads = std::all_of(scene.polygons.begin(), scene.polygons.end(), [](const Polygon& polygon) { return polygon.corner_count == 4; });
-  std::vector<uint32_t> indices;
+EmbreeRivals::EmbreeRivals(const Scene& scene, const Ids& ids) : state_(std::make_unique<State>(scene, ids)) {
   for (uint32_t index = 0; index < scene.polygons.size(); ++index) {
     const Polygon& polygon = scene.polygons[index];
     const glm::dvec3* corners = &scene.corners[polygon.first_corner];
-    const Plane& plane = scene.planes[polygon.plane];
-    const glm::vec3 normal = (polygon.front_along_plane_normal ? 1.0 : -1.0) * plane.normal;
-    state.normals.push_back(normal);
     const bool triangle = polygon.corner_count == 3;
     if (!triangle && (polygon.corner_count != 4 || glm::length(corners[0] + corners[2] - corners[1] - corners[3]) > 1e-12))
       throw Error(ErrorCode::bad_input, fmt::format("{}: a polygon is neither triangle nor parallelogram; choose another scene", scene.file));
-    const glm::vec3 a = corners[1] - corners[0], b = corners[polygon.corner_count - 1] - corners[0], x = glm::normalize(a);
-    state.emitters.push_back({corners[0], a, b, x, glm::cross(normal, x), normal, ids.of_polygon[index], triangle});
-    for (uint32_t k = 2; k < polygon.corner_count && !quads; ++k) {
-      for (uint32_t corner : {0u, k - 1, k}) indices.push_back(polygon.first_corner + corner);
-      state.polygon_of_primitive.push_back(index);
-    }
-    if (quads) {
-      for (uint32_t corner = 0; corner < 4; ++corner) indices.push_back(polygon.first_corner + corner);
-      state.polygon_of_primitive.push_back(index);
-    }
+    const glm::vec3 a = corners[1] - corners[0], b = corners[polygon.corner_count - 1] - corners[0], x = glm::normalize(a), normal = state_->scene.normal(index);
+    state_->emitters.push_back({corners[0], a, b, x, glm::cross(normal, x), normal, ids.of_polygon[index], triangle});
   }
-  RTCGeometry geometry = rtcNewGeometry(state.device, quads ? RTC_GEOMETRY_TYPE_QUAD : RTC_GEOMETRY_TYPE_TRIANGLE);
-  auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), scene.corners.size()));
-  for (size_t k = 0; k < scene.corners.size(); ++k)
-    for (int axis = 0; axis < 3; ++axis) vertices[3 * k + axis] = static_cast<float>(scene.corners[k][axis]);
-  const size_t corner_count = quads ? 4 : 3;
-  auto* index_buffer = static_cast<uint32_t*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, quads ? RTC_FORMAT_UINT4 : RTC_FORMAT_UINT3,
-                                                                      corner_count * sizeof(uint32_t), indices.size() / corner_count));
-  std::copy(indices.begin(), indices.end(), index_buffer);
-  rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_HIGH);
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometry(state.scene, geometry);
-  rtcReleaseGeometry(geometry);
-  rtcCommitScene(state.scene);
-  if (const RTCError error = rtcGetDeviceError(state.device); error != RTC_ERROR_NONE)
-    throw Error(ErrorCode::device, fmt::format("Embree fails with error {}; try a smaller scene", int(error)));
-  state.tables.assign(threadCount(), PairTable(ids.count()));
+  state_->tables.assign(threadCount(), PairTable(ids.count()));
 }
 
-EmbreeRivals::~EmbreeRivals() {
-  if (state_->scene) rtcReleaseScene(state_->scene);
-  if (state_->device) rtcReleaseDevice(state_->device);
-}
+EmbreeRivals::~EmbreeRivals() = default;
 
 uint64_t EmbreeRivals::countLines(Trace trace, std::span<const Direction> directions, int resolution) {
   const int tiles_per_side = 2 * ((resolution / 2 + 2 + 7) / 8);
@@ -279,6 +145,7 @@ uint64_t EmbreeRivals::countLines(Trace trace, std::span<const Direction> direct
     lines.context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     lines.context.filter = recordHit;
     std::vector<Ray> rays;
+    std::array<bool, kRayGroup> blocked;  // none: every hit is rejected
     uint64_t own_pairs = 0;
     for (uint64_t row; (row = next_row++) < rows;) {
       const Direction& direction = directions[row / tiles_per_side];
@@ -296,7 +163,7 @@ uint64_t EmbreeRivals::countLines(Trace trace, std::span<const Direction> direct
             }
         if (rays.empty()) continue;
         for (size_t k = 0; k < rays.size(); ++k) lines.hits[k].clear();
-        state_->traceLines(trace, lines, rays);
+        state_->scene.findBlocked(trace, lines.context, rays, std::span(blocked).first(rays.size()));
         for (size_t k = 0; k < rays.size(); ++k)
           if (!lines.hits[k].empty()) own_pairs += state_->countLine(table, lines.hits[k], u);
       }
@@ -307,7 +174,7 @@ uint64_t EmbreeRivals::countLines(Trace trace, std::span<const Direction> direct
 }
 
 RayCount EmbreeRivals::shootRays(Trace trace, uint64_t ray_count, uint64_t seed) {
-  const uint64_t groups = (ray_count + kGroup - 1) / kGroup, first_group = state_->polygons_shot;
+  const uint64_t groups = (ray_count + kRayGroup - 1) / kRayGroup, first_group = state_->polygons_shot;
   state_->polygons_shot += groups;
   std::atomic<uint64_t> next = 0, samples = 0;
   runOnAllCores([&](uint32_t thread) {
@@ -316,20 +183,20 @@ RayCount EmbreeRivals::shootRays(Trace trace, uint64_t ray_count, uint64_t seed)
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-    std::array<Ray, kGroup> rays;
-    std::array<uint32_t, kGroup> hit;
+    std::array<Ray, kRayGroup> rays;
+    std::array<uint32_t, kRayGroup> hit;
     uint64_t own_samples = 0;
     for (uint64_t begin; (begin = next.fetch_add(kAtOnce)) < groups;)
       for (uint64_t group = begin; group < std::min(begin + kAtOnce, groups); ++group) {
         Random random{seed ^ (first_group + group) * 0xD1342543DE82EF95ull};
         const Emitter& emitter = state_->emitters[(first_group + group) % state_->emitters.size()];
-        for (uint32_t k = 0; k < kGroup; ++k) rays[k] = state_->rayFrom(emitter, random);
-        state_->traceRays(trace, context, rays, hit);
+        for (uint32_t k = 0; k < kRayGroup; ++k) rays[k] = state_->rayFrom(emitter, random);
+        state_->scene.findFirst(trace, context, rays, hit);
         const uint32_t from = emitter.id, id_count = state_->ids.count();
-        for (uint32_t k = 0; k < kGroup; ++k) {
+        for (uint32_t k = 0; k < kRayGroup; ++k) {
           if (hit[k] == UINT32_MAX) {
             table.add(from, id_count);
-          } else if (state_->ids.two_sided || glm::dot(state_->normals[hit[k]], rays[k].direction) < 0) {
+          } else if (state_->ids.two_sided || glm::dot(state_->scene.normal(hit[k]), rays[k].direction) < 0) {
             table.add(from, state_->ids.of_polygon[hit[k]]);
             ++own_samples;
           } else {
@@ -339,7 +206,7 @@ RayCount EmbreeRivals::shootRays(Trace trace, uint64_t ray_count, uint64_t seed)
       }
     samples += own_samples;
   });
-  return {groups * kGroup, samples};
+  return {groups * kRayGroup, samples};
 }
 
 PairCounts EmbreeRivals::counts() const {
@@ -359,7 +226,5 @@ PairCounts EmbreeRivals::counts() const {
 void EmbreeRivals::clear() {
   for (PairTable& table : state_->tables) table.clear();
 }
-
-std::string embreeVersion() { return RTC_VERSION_STRING; }
 
 }  // namespace viewpeel::bench

@@ -3,15 +3,13 @@
 #pragma once
 #include <memory>
 #include <span>
-#include <string>
 
 #include "directions/direction.h"
+#include "embree_scene.h"
 #include "matrix/ids.h"
 #include "matrix/pair_count.h"
 
 namespace viewpeel::bench {
-
-enum class Trace { single, packets_of_8, streams };
 
 struct RayCount {
   uint64_t rays = 0;
@@ -20,7 +18,6 @@ struct RayCount {
 
 class EmbreeRivals {
  public:
-  // Builds with RTC_BUILD_QUALITY_HIGH: quads where all polygons have four corners, else triangles.
   //   Throws: Error bad_input where a polygon is neither triangle nor parallelogram.
   EmbreeRivals(const Scene& scene, const Ids& ids);
   ~EmbreeRivals();
@@ -40,8 +37,5 @@ class EmbreeRivals {
   struct State;
   std::unique_ptr<State> state_;
 };
-
-// "3.13.5"
-std::string embreeVersion();
 
 }  // namespace viewpeel::bench

@@ -165,4 +165,44 @@ InputScene spreadOfSizes() {
   return scene;
 }
 
+InputScene twoPlates(uint32_t cuts) {
+  InputScene scene{"two plates", {}, {}};
+  addGrid(scene, addSurface(scene, "lower"), {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, cuts, cuts);
+  addGrid(scene, addSurface(scene, "upper"), {0, 0, 1}, {0, 1, 0}, {1, 0, 0}, cuts, cuts);
+  return scene;
+}
+
+InputScene insideOfCube(uint32_t cuts) {
+  InputScene scene{"inside of a cube", {}, {}};
+  const uint32_t cube = addSurface(scene, "cube");
+  addBox(scene, std::span(&cube, 1), {0, 0, 0}, {1, 1, 1}, true, cuts);
+  return scene;
+}
+
+InputScene refined(const Scene& scene, uint32_t refine) {
+  InputScene result{scene.file, {}, {}};
+  for (const Surface& surface : scene.surfaces) result.surface_names.push_back(surface.name);
+  for (const Polygon& polygon : scene.polygons) {
+    const glm::dvec3* corners = &scene.corners[polygon.first_corner];
+    const bool triangle = polygon.corner_count == 3;
+    const auto at = [&](uint32_t x, uint32_t y) {  // the triangle: corners[0] + x, y along its sides
+      const double s = double(x) / refine, t = double(y) / refine;
+      const glm::dvec3 p = triangle ? (1 - s - t) * corners[0] + s * corners[1] + t * corners[2]
+                                    : (1 - t) * ((1 - s) * corners[0] + s * corners[1]) + t * ((1 - s) * corners[3] + s * corners[2]);
+      return scene.centre + scene.scale * p;
+    };
+    const auto add = [&](std::vector<glm::dvec3> cut) { result.faces.push_back({std::move(cut), scene.faces[polygon.face].surface, 0}); };
+    for (uint32_t y = 0; y < refine; ++y)
+      for (uint32_t x = 0; x + (triangle ? y : 0) < refine; ++x) {
+        if (!triangle) {
+          add({at(x, y), at(x + 1, y), at(x + 1, y + 1), at(x, y + 1)});
+          continue;
+        }
+        add({at(x, y), at(x + 1, y), at(x, y + 1)});
+        if (x + y + 1 < refine) add({at(x + 1, y), at(x + 1, y + 1), at(x, y + 1)});
+      }
+  }
+  return result;
+}
+
 }  // namespace viewpeel::bench

@@ -24,4 +24,13 @@ InputScene city(uint32_t n);
 // (surfaces near_k_down, near_k_up, F = 0.19982) and two at ten times that (far_k_down, far_k_up, F = 0.0031620).
 InputScene spreadOfSizes();
 
+// Two unit squares that face each other at distance 1, each cut into cuts x cuts.
+InputScene twoPlates(uint32_t cuts);
+
+// The inside of a unit cube, cuts x cuts squares a face.
+InputScene insideOfCube(uint32_t cuts);
+
+// Every polygon of a scene as a face of its own, cut into refine x refine: quadrilaterals along lines between opposite sides, triangles into like ones.
+InputScene refined(const Scene& scene, uint32_t refine);
+
 }  // namespace viewpeel::bench

@@ -38,28 +38,8 @@ struct Run {
   double samples, seconds, rms;
 };
 
-InputScene cubeOfPatches() {
-  InputScene scene{"inside of a cube", {"cube"}, {}};
-  for (int axis = 0; axis < 3; ++axis)
-    for (int side = 0; side < 2; ++side)
-      for (int y = 0; y < 4; ++y)
-        for (int x = 0; x < 4; ++x) {
-          InputFace face;
-          for (const auto& [dx, dy] : {std::pair(0, 0), std::pair(1, 0), std::pair(1, 1), std::pair(0, 1)}) {
-            glm::dvec3 corner(0);
-            corner[axis] = side;
-            corner[(axis + 1) % 3] = (x + dx) / 4.0;
-            corner[(axis + 2) % 3] = (y + dy) / 4.0;
-            face.corners.push_back(corner);
-          }
-          if (side == 1) std::reverse(face.corners.begin(), face.corners.end());
-          scene.faces.push_back(face);
-        }
-  return scene;
-}
-
 Scene makeScene(const std::string& name) {
-  if (name == "cube") return buildScene(cubeOfPatches());
+  if (name == "cube") return buildScene(insideOfCube(4));
   if (name == "room4") return buildScene(roomWithBoxes(4));
   return loadScene(VIEWPEEL_SOURCE "/scenes/" + name + ".obj");
 }

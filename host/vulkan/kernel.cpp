@@ -65,7 +65,7 @@ Kernel::Kernel(const Device& device, std::span<const uint32_t> spirv, uint32_t p
 }
 
 Kernel::Kernel(const Device& device, std::span<const uint32_t> vertex_spirv, std::span<const uint32_t> fragment_spirv,
-               VkFormat colour, VkFormat depth, uint32_t push_bytes)
+               VkFormat colour, VkFormat depth, uint32_t push_bytes, VkCompareOp nearer)
     : device_(device.handle()), stages_(VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT) {
   const ShaderModule vertex(device, vertex_spirv), fragment(device, fragment_spirv);
   const std::array stages = {vertex.stage(VK_SHADER_STAGE_VERTEX_BIT), fragment.stage(VK_SHADER_STAGE_FRAGMENT_BIT)};
@@ -85,7 +85,7 @@ Kernel::Kernel(const Device& device, std::span<const uint32_t> vertex_spirv, std
   samples.rasterizationSamples = VK_SAMPLE_COUNT_1_BIT;
   VkPipelineDepthStencilStateCreateInfo depth_state{VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO};
   depth_state.depthTestEnable = depth_state.depthWriteEnable = VK_TRUE;
-  depth_state.depthCompareOp = VK_COMPARE_OP_LESS;
+  depth_state.depthCompareOp = nearer;
   VkPipelineColorBlendAttachmentState attachment{};
   attachment.colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT;
   VkPipelineColorBlendStateCreateInfo blend{VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO};

@@ -1,0 +1,18 @@
+// Structs that the host and the hemicube's shaders share, written once; as shaders/shared.h.
+
+// One face of a hemicube: what its eye sees in a pyramid, above the horizon only where it is a side.
+struct HemicubeDraw {
+  uint64_t polygons;  // PolygonData[polygon_count]
+  uint64_t corners;   // CornerData[]
+  dvec3 eye;
+  vec3 right, up, forward;
+  float up_scale, up_shift;  // y of the face = up_scale y / depth - up_shift
+};
+
+struct HemicubeSum {
+  uint64_t pixels;   // uint[], of the image
+  uint64_t weights;  // uint[], of a cell
+  uint64_t sums;     // uint[hemicubes x polygon_count]
+  uint polygon_count;
+  uint cell_width, cell_height, cells_per_row, image_width, hemicubes;
+};
