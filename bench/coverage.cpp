@@ -2,9 +2,8 @@
 // CSV on stdout, one row for each scene, setting, rule when to stop and class of entries.
 //   coverage [--scene facing|edge|far|cube|blocked]... [--closed-forms] [--sampler fibonacci|jittered|sobol|iid]... [--setting PXxN]... [--rule RULE]... [--seeds K] [--device D]
 // A rule is R, a fixed number of replicates, or R:G, at least R and on until the largest standard error reaches the tolerance that takes G on the average.
-// Entries fall into classes by the lattice points that a replicate is expected to count for them. One that no replicate met is not in the output: it
-// counts as not covered; the last class are all others. Entries of one run are correlated, so the standard error of a coverage comes from the spread
-// between seeds.
+// Entries fall into classes by the lattice points that a replicate is expected to count for them. The last class are all that some replicate met. Entries of one run are correlated, so the standard error of a coverage comes from the spread
+// between seeds. What no line met is covered where the bound for that holds the truth (unmetBound).
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -142,11 +141,12 @@ Rule ruleOf(const std::string& text) {
 
 // A form factor, and how often a replicate is expected to count it.
 struct Entry {
-  double truth, expected_count;
+  double truth, expected_count, area;  // the smaller of the two
 };
 
 struct RunOutcome {
   std::vector<Measured> factors;  // of the entries
+  std::vector<double> unmet_bounds;
   uint64_t replicates = 0;
 };
 
@@ -154,11 +154,11 @@ struct RunOutcome {
 class Tally {
  public:
   void startRun() { runs_.push_back({}); }
-  void add(const Measured& measured, double truth, double quantile) {
+  void add(const Measured& measured, double truth, double quantile, double unmet_bound) {
     const double error = std::abs(measured.value - truth);
     Run& run = runs_.back();
     ++run.entries;
-    run.covered += error <= quantile * measured.standard_error;
+    run.covered += measured.value > 0 ? error <= quantile * measured.standard_error : truth <= unmet_bound;
     covered_normal_ += error <= kNormalQuantile * measured.standard_error;
     unmet_ += measured.value == 0;
     squares_ += error * error;
@@ -195,8 +195,8 @@ void report(const std::string& key, const std::vector<Entry>& entries, const std
     met.startRun();
     for (size_t k = 0; k < entries.size(); ++k) {
       const auto which = std::lower_bound(kCountEnds.begin(), kCountEnds.end(), entries[k].expected_count) - kCountEnds.begin();
-      by_count[which].add(run.factors[k], entries[k].truth, student);
-      if (run.factors[k].value > 0) met.add(run.factors[k], entries[k].truth, student);
+      by_count[which].add(run.factors[k], entries[k].truth, student, run.unmet_bounds[k]);
+      if (run.factors[k].value > 0) met.add(run.factors[k], entries[k].truth, student, 0);
     }
   }
   for (size_t k = 0; k < by_count.size(); ++k) by_count[k].print(fmt::format("{},to {} counts", key, kCountEnds[k]), mean_replicates);
@@ -215,8 +215,9 @@ void measureCase(const std::string& name, const Device& device, const Options& o
     const auto engine = makeComputeEngine(device, scene, ids, {.resolution = resolution, .count_blocked = options.closed_forms});
     RememberingEngine remembering(*engine);
     std::vector<Entry> entries;
+    const double count_area = engine->unitArea() * scene.scale * scene.scale;
     for (const auto& [pair, truth] : scene_case.truths)
-      entries.push_back({truth, truth * ids.areas[pair.first] * estimate.directions / (2 * engine->unitArea() * scene.scale * scene.scale)});
+      entries.push_back({truth, truth * ids.areas[pair.first] * estimate.directions / (2 * count_area), std::min(ids.areas[pair.first], pair.second < kEnvironment ? ids.areas[pair.second] : INFINITY)});
     for (const std::string& sampler : options.samplers) {
       estimate.sampler = kSamplers.at(sampler);
       VisibleShares shares;
@@ -247,6 +248,7 @@ void measureCase(const std::string& name, const Device& device, const Options& o
           const Estimate e = run(rule, largest / std::sqrt(rule.goal_replicates), seed);
           RunOutcome& outcome = outcomes[k].emplace_back();
           outcome.replicates = e.replicates;
+          for (const Entry& entry : entries) outcome.unmet_bounds.push_back(unmetBound(entry.area, count_area, double(e.directions)));
           for (const auto& [pair, truth] : scene_case.truths) outcome.factors.push_back(e.form_factors.formFactor(pair.first, pair.second));
         }
       }

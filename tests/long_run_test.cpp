@@ -244,6 +244,13 @@ TEST_F(LongRun, WrongCheckpointsAreRefused) {
     EXPECT_EQ(std::count(r.output.begin(), r.output.end(), '\n'), 1) << arguments << "\n" << r.output;
     EXPECT_EQ(r.output.find("viewpeel: "), 0u) << r.output;
   }
+  // Before anything is planned: a plan for another goal would take its time first.
+  for (const char* other : {"--seed 2", "--two-sided", "--epsilon 0.5"}) {
+    const Result r = run("compute " + file("scene.obj") + " --resume --checkpoint " + file("planned.h5") + " " + other);
+    EXPECT_EQ(r.status, 2) << r.output;
+    EXPECT_NE(r.output.find("a checkpoint of another run"), std::string::npos) << r.output;
+    EXPECT_EQ(r.output.find("sampling   "), std::string::npos) << r.output;
+  }
   EXPECT_EQ(readFile(file("a.h5")), before);
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 8);  // two scenes, six checkpoints, and no leftovers
   // The same options do go on.

@@ -82,6 +82,17 @@ TEST(Plan, SmallPolygonsAreSeen) {
   EXPECT_GT(truth, 0.9);
 }
 
+// A square of 2.5e-17 of the scene's area has less than one point of the finest lattice there is in what a run of this length takes: the plan says so, of it alone.
+TEST(Plan, WhatMayGoUnmetIsNamed) {
+  InputScene input{"speck", {}, {}};
+  ts::addFace(input, "floor", {{0, 0, 0}, {2000, 0, 0}, {2000, 2000, 0}, {0, 2000, 0}});
+  ts::addFace(input, "speck", {{900, 900, 1}, {900, 900.00001, 1}, {900.00001, 900.00001, 1}, {900.00001, 900, 1}});
+  const Scene scene = buildScene(input);
+  const Ids ids = makeIds(scene, By::polygon, false);
+  EstimateOptions options{.seconds = 1e-9};  // the fewest directions
+  EXPECT_EQ(planEstimate(scene, ids, options, latticesFor(scene, ids)).barely_met, std::vector<uint32_t>{1});
+}
+
 // The figures that a plan prints make the same lattices again.
 TEST(Plan, CanBeRepeated) {
   const Scene scene = buildScene(ts::triangleSoup(40, 0.4, 9));

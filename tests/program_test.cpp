@@ -37,6 +37,27 @@ TEST_F(Program, RowsThatWereNeverMetAreNamed) {
   EXPECT_EQ(run("compute " VIEWPEEL_SCENES "/plates.obj --directions 10 --resolution 16").output.find("unmet"), std::string::npos);
 }
 
+// No form factor is looked at by --relative: that is said, not taken for success in silence.
+TEST_F(Program, AFloorThatNothingReachesIsSaid) {
+  const std::string plates = "compute " VIEWPEEL_SCENES "/plates.obj --directions 20 --resolution 16 --quiet --relative 0.5 --floor ";
+  EXPECT_NE(run(plates + "0.9").output.find("no form factor reaches --floor 0.9"), std::string::npos);
+  EXPECT_EQ(run(plates + "0.1").output, "");
+}
+
+// Time is said of every plan, and what its goal takes where its replicates do not do.
+TEST_F(Program, PlansSayWhatARunTakes) {
+  const std::string plates = "plan " VIEWPEEL_SCENES "/plates.obj ";
+  for (const char* options : {"--engine exact", "--directions 10 --resolution 16", "--directions 10 --pair lower upper", "--epsilon 0.3"}) {
+    const Result r = run(plates + options);
+    EXPECT_EQ(r.status, 0) << r.output;
+    EXPECT_NE(r.output.find(" s"), std::string::npos) << r.output;
+    EXPECT_NE(r.output.find(std::string(options).starts_with("--epsilon") ? "plan       blocks of " : "expected   "), std::string::npos) << r.output;
+  }
+  const Result r = run(plates + "--tolerance 1e-9 --seconds 1");
+  EXPECT_NE(r.output.find("more than --seconds 1 allow; the run ends short of it"), std::string::npos) << r.output;
+  EXPECT_EQ(run(plates + "--tolerance 0.1").output.find("takes about"), std::string::npos);
+}
+
 TEST_F(Program, QuietPrintsNothing) {
   const Result r = run("compute " VIEWPEEL_SCENES "/plates.obj --quiet --resolution 8 --directions 10 --replicates 2");
   EXPECT_EQ(r.status, 0);
@@ -71,6 +92,7 @@ TEST_F(Program, BadUsageAndInputEndWithOneLineAndStatus2) {
       {plates + "--epsilon 0.1 --resolution 64 --range 3", "--range"},
       {plates + "--epsilon 0.1 --statistic median --block 3", "--block"},
       {plates + "--engine exact --resolution 64", "--resolution"},
+      {plates + "--directions 10 --resolution 64 --finest 32", "--finest 32 is coarser"},
   };
   for (const auto& [arguments, part] : cases) {
     const Result r = run(arguments);

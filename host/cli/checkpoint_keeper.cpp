@@ -1,7 +1,9 @@
 #include "cli/checkpoint_keeper.h"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -11,6 +13,7 @@
 namespace viewpeel::cli {
 namespace {
 
+constexpr std::array<std::string_view, 6> kPlanned = {"--closed-forms", "--directions", "--resolution", "--finest", "--range", "--block"};  // settings that a plan may choose
 constexpr int kRunPerWrite = 20;  // times as long as writing took, at least, passes to the next: writing takes no more than 5 %
 
 }  // namespace
@@ -28,20 +31,28 @@ void requireNewCheckpoint(const std::string& file) {
   checkWritable(file);
 }
 
-CheckpointKeeper::CheckpointKeeper(const CheckpointOptions& options, Settings settings, uint64_t first_replicate)
-    : options_(options), settings_(std::move(settings)), pause_(options.seconds_apart) {
+CheckpointKeeper::CheckpointKeeper(const CheckpointOptions& options, const Settings& asked, uint64_t first_replicate)
+    : options_(options), pause_(options.seconds_apart) {
   if (!options_.resume || !std::filesystem::exists(options_.file)) {
     requireNewCheckpoint(options_.file);
     return;
   }
   Checkpoint found = readCheckpoint(options_.file);
-  requireSameSettings(settings_, found.settings, options_.file);
+  Settings unplanned = found.settings;
+  std::erase_if(unplanned, [](const auto& setting) { return std::ranges::find(kPlanned, setting.first) != kPlanned.end(); });
+  requireSameSettings(asked, unplanned, options_.file);
   const ReplicateRange expected{first_replicate, first_replicate + found.sums.replicateCount()};
   if (found.sums.replicates != std::vector{expected})
     throw Error(ErrorCode::bad_usage, fmt::format("{}: holds replicates {}, not all from --first-replicate {} on; merge it with those that are missing",
                                                   options_.file, describeReplicates(found.sums.replicates), first_replicate));
   checkWritable(options_.file);
   resumed_ = std::move(found.sums);
+  found_ = std::move(found.settings);
+}
+
+void CheckpointKeeper::setSettings(Settings settings) {
+  if (resumed_) requireSameSettings(settings, found_, options_.file);
+  settings_ = std::move(settings);
 }
 
 std::string CheckpointKeeper::describe() const {

@@ -25,9 +25,15 @@ void requireNewCheckpoint(const std::string& file);
 class CheckpointKeeper {
  public:
   // Reads what there is to go on with.
+  //   In: asked: what is known of the run before it is planned
   //   Throws: Error bad_usage where there is a file and nobody said to resume, or it is of another run; as readCheckpoint; Error output
   //     where none can be written.
-  CheckpointKeeper(const CheckpointOptions& options, Settings settings, uint64_t first_replicate);
+  CheckpointKeeper(const CheckpointOptions& options, const Settings& asked, uint64_t first_replicate);
+
+  // Of the checkpoint to go on with, its plan's included; none where the run starts afresh.
+  const Settings& found() const { return found_; }
+  // All that decides about counts, once the run is planned.    Throws: Error bad_usage where the checkpoint is of another run.
+  void setSettings(Settings settings);
 
   // nullptr where the run starts afresh.
   const RunSums* resumed() const { return resumed_ ? &*resumed_ : nullptr; }
@@ -44,7 +50,7 @@ class CheckpointKeeper {
   using Seconds = std::chrono::duration<double>;
 
   CheckpointOptions options_;
-  Settings settings_;
+  Settings settings_, found_;
   std::optional<RunSums> resumed_;
   Clock::time_point written_ = Clock::now();
   Seconds pause_;  // between writes

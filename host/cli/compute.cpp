@@ -72,10 +72,8 @@ void tellInterruption(const ProgramOptions& options, uint64_t replicates) {
 }
 
 // A run that is gone on with keeps its plan: what a plan chose is among the settings of its checkpoint. What is said beside has to be the same there.
-void adoptPlan(ProgramOptions& options) {
-  if (!options.checkpoint.resume || !std::filesystem::exists(options.checkpoint.file)) return;
-  const Settings stored = readCheckpoint(options.checkpoint.file).settings;
-  if (options.closed_forms_by_default && options.closed_forms_possible) {
+void adoptPlan(const Settings& stored, ProgramOptions& options) {
+  if (options.closed_forms_by_default && options.closed_forms_possible && !stored.empty()) {
     options.closed_forms = std::find(stored.begin(), stored.end(), std::pair<std::string, std::string>("--closed-forms", "on")) != stored.end();
     options.closed_forms_by_default = false;
   }
@@ -109,7 +107,6 @@ int runCompute(ProgramOptions options) {
   for (const std::string& output : options.outputs) checkOutput(output, options.closure);
   const bool keeps = !options.checkpoint.file.empty(), show_progress = !options.quiet && ::isatty(STDERR_FILENO);
   if (keeps && !options.checkpoint.resume) requireNewCheckpoint(options.checkpoint.file);
-  adoptPlan(options);
   ProgressLine progress(options.estimate);
   if (keeps || !options.outputs.empty()) holdInterrupts();
   options.estimate.on_replicate = [&](const EstimateProgress& p) {
@@ -123,6 +120,11 @@ int runCompute(ProgramOptions options) {
   options.lattice.measure_work = options.json;
   const Session session(options);
   if (session.talks()) session.describe();
+  std::optional<CheckpointKeeper> keeper;
+  if (keeps) {
+    keeper.emplace(options.checkpoint, session.settings(), options.estimate.first_replicate);
+    adoptPlan(keeper->found(), options);
+  }
 
   const auto start = Clock::now();
   Plan plan;
@@ -137,9 +139,8 @@ int runCompute(ProgramOptions options) {
   Engine& engine = options.epsilon ? *guarantee.engine : *plan.engine;
   if (show_progress) fmt::print(stderr, "\r\033[K");
   if (session.talks()) fmt::print("{}", options.epsilon ? session.describe(guarantee) : session.describe(plan));
-  std::optional<CheckpointKeeper> keeper;
-  if (keeps) {
-    keeper.emplace(options.checkpoint, options.epsilon ? session.settings(guarantee) : session.settings(plan), options.estimate.first_replicate);
+  if (keeper) {
+    keeper->setSettings(options.epsilon ? session.settings(guarantee) : session.settings(plan));
     if (session.talks()) fmt::print("{}", keeper->describe());
   }
   const auto keep = [&](const RunSums& sums, bool last) {
@@ -186,6 +187,9 @@ int runCompute(ProgramOptions options) {
   if (session.device) checkValidation(*session.device);
   const double seconds = secondsSince(start);
 
+  if (options.estimate.relative && !(estimate.largest_relative_error > 0))
+    fmt::print(stderr, "viewpeel: warning: no form factor reaches --floor {}, so that --relative {} asked for nothing; lower --floor, or ask by --tolerance\n",
+               options.estimate.relative_floor, *options.estimate.relative);
   if (estimate.interrupted) tellInterruption(options, estimate.replicates);
   const int status = estimate.interrupted ? 128 + interruption() : keeper && !keeper->isKept() ? 1 : 0;
   if (estimate.interrupted && estimate.replicates < 2) return status;
@@ -197,8 +201,8 @@ int runCompute(ProgramOptions options) {
   if (!session.talks()) return status;
   if (options.verbose && engine.describePlan() != division) fmt::print("after a trial\n{}", engine.describePlan());
   fmt::print("{}{}", describeResult(estimate), closed ? describeClosed(*closed) : "");
-  fmt::print("work       {} {}, {} directions, {:.2f} s\n", estimate.replicates, !options.epsilon ? "replicates" : options.statistic == Statistic::median ? "runs" : "blocks",
-             estimate.directions, seconds);
+  fmt::print("work       {}, {}, {:.2f} s\n", counted(estimate.replicates, !options.epsilon ? "replicate" : options.statistic == Statistic::median ? "run" : "block"),
+             counted(estimate.directions, "direction"), seconds);
   for (const std::string& output : options.outputs)
     for (const std::filesystem::path& file : filesOf(output, options.closure)) fmt::print("written    {}\n", file.string());
   return status;

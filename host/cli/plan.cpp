@@ -16,7 +16,9 @@ int runPlan(ProgramOptions options) {
     fmt::print("{}{}", session.describe(plan), plan.engine->describePlan());
   } else {
     const Plan plan = session.plan();
-    fmt::print("{}{}", session.describe(plan), plan.engine->describePlan());
+    fmt::print("{}", session.describe(plan));
+    if (!(plan.pilot_seconds > 0)) fmt::print("expected   {}\n", session.describeTime(plan));
+    fmt::print("{}", plan.engine->describePlan());
   }
   if (session.device) checkValidation(*session.device);
   return 0;

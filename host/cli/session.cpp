@@ -1,6 +1,7 @@
 #include "cli/session.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <numbers>
 
@@ -16,6 +17,8 @@
 namespace viewpeel::cli {
 namespace {
 
+constexpr uint64_t kTrial = uint64_t(1) << 40;  // a replicate number that no run reaches
+constexpr double kTrialSeconds = 0.5;
 constexpr double kSurfaceShareTolerance = 2e-4;
 constexpr size_t kMostSharedFaces = 20'000;  // beyond which blocked pairs take gigabytes
 
@@ -56,7 +59,7 @@ std::string describeGroups(const std::vector<SizeGroup>& groups, Sampling sampli
     size_t windows = 0, polygons = 0;
     const int resolution = groups[g].resolution;
     for (; g < groups.size() && groups[g].resolution == resolution; ++g, ++windows) polygons += groups[g].polygons.size();
-    text += fmt::format(", {} in {} window{} on {} polygon{}", resolution, windows, windows == 1 ? "" : "s", polygons, polygons == 1 ? "" : "s");
+    text += fmt::format(", {} in {} on {}", resolution, counted(windows, "window"), counted(polygons, "polygon"));
   }
   return text;
 }
@@ -154,25 +157,51 @@ void Session::describe() const {
 
 std::string Session::describe(const Plan& plan) const {
   const EstimateOptions& estimate = options.estimate;
-  const std::string text = fmt::format("sampling   {} directions a replicate, {}; {}; seed {}\n", plan.directions, sampler,
+  std::string text = fmt::format("sampling   {} a replicate, {}; {}; seed {}\n", counted(plan.directions, "direction"), sampler,
                                        device ? describeGroups(plan.groups, options.lattice.sampling) : "exact areas", estimate.seed);
   if (!(plan.pilot_seconds > 0)) return text;
-  return text + fmt::format("expected   largest standard error {:.1e}{} after {} replicates, {} (found out in {}); the same again: --directions {} --resolution {}{}\n",
+  text += fmt::format("expected   largest standard error {:.1e}{} after {} replicates, {} (found out in {}); the same again: --directions {} --resolution {}{}\n",
                             plan.standard_error, estimate.relative && !estimate.tolerance ? " of its form factor" : "", estimate.replicates, inWords(plan.seconds),
                             inWords(plan.pilot_seconds), plan.directions, plan.groups[0].resolution,
                             fmt::format("{}{}", plan.groups.size() > 1 ? fmt::format(" --finest {}", plan.finest) : "", usesClosedForms() ? " --closed-forms on" : ""));
+  const double goal = estimate.tolerance ? *estimate.tolerance : estimate.relative.value_or(INFINITY);
+  if (plan.standard_error > goal) {  // errors fall with the root of the number of replicates
+    const double more = std::pow(plan.standard_error / goal, 2), seconds = more * plan.seconds;
+    text += fmt::format("           {:.1e} takes about {:.3g} replicates, {}{}\n", goal, std::ceil(more * estimate.replicates), inWords(seconds),
+                        estimate.seconds && seconds > *estimate.seconds ? fmt::format(": more than --seconds {} allow; the run ends short of it", *estimate.seconds) : "");
+  }
+  if (!plan.barely_met.empty())
+    text += fmt::format("           {} ({}{}) {} too small even for the finest lattice there is: {} may go unmet\n", counted(plan.barely_met.size(), "row"), ids.names[plan.barely_met[0]],
+                        plan.barely_met.size() > 1 ? ", ..." : "", plan.barely_met.size() > 1 ? "are" : "is", plan.barely_met.size() > 1 ? "they" : "it");
+  return text;
+}
+
+std::string Session::describeTime(const Plan& plan) const {
+  const EstimateOptions& estimate = options.estimate;
+  const auto directionsOf = [&](uint32_t count) {
+    return estimate.asked_directions ? estimate.asked_directions(count, kTrial).directions : sampleDirections(estimate.sampler, count, estimate.seed, kTrial);
+  };
+  double each = 0;
+  uint32_t count = std::min(4u, plan.directions);
+  for (uint32_t turn = 0; turn < 2; ++turn, count = std::clamp(static_cast<uint32_t>(kTrialSeconds / each), 1u, plan.directions)) {
+    if (turn == 0) plan.engine->count(directionsOf(count));  // kernels are compiled and tuned
+    const auto start = std::chrono::steady_clock::now();
+    plan.engine->count(directionsOf(count));
+    each = std::max(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 1e-9) / count;
+  }
+  return fmt::format("{} for {}", inWords(each * plan.directions * estimate.replicates), counted(estimate.replicates, "replicate"));
 }
 
 std::string Session::describe(const GuaranteePlan& plan) const {
   const bool is_median = options.statistic == Statistic::median;
-  std::string text = fmt::format("goal       every form factor within {} with probability {}: {:.0f} bounds at once, a direction adds at most {:.2f}\n", plan.epsilon, 1 - plan.delta,
-                                 plan.bounds, plan.largest_range);
+  std::string text = fmt::format("goal       every form factor within {} with probability {}: {} at once, a direction adds at most {:.2f}\n", plan.epsilon, 1 - plan.delta,
+                                 counted(static_cast<uint64_t>(plan.bounds), "bound"), plan.largest_range);
   text += fmt::format("sampling   {} directions; {}; seed {}\n", nameOf(guaranteeOptions().sampler), device ? describeGroups(plan.groups, options.lattice.sampling) : "exact areas",
                       options.estimate.seed);
-  if (is_median) text += fmt::format("plan       median of {} runs of {} directions, {}\n", plan.runs, plan.run_directions, inWords(plan.most_seconds));
+  if (is_median) text += fmt::format("plan       median of {} of {}, {}\n", counted(plan.runs, "run"), counted(plan.run_directions, "direction"), inWords(plan.most_seconds));
   else
-    text += fmt::format("plan       blocks of {} directions: {} ({}) by Hoeffding's bound; by Bernstein's {} ({}) expected, {} ({}) at least; the same again:{} --block {}\n",
-                        plan.block_directions, plan.most_blocks, inWords(plan.most_seconds), plan.expected_blocks, inWords(plan.expected_seconds), plan.least_blocks,
+    text += fmt::format("plan       blocks of {}: {} ({}) by Hoeffding's bound; by Bernstein's {} ({}) expected, {} ({}) at least; the same again:{} --block {}\n",
+                        counted(plan.block_directions, "direction"), plan.most_blocks, inWords(plan.most_seconds), plan.expected_blocks, inWords(plan.expected_seconds), plan.least_blocks,
                         inWords(plan.least_seconds), !device ? "" : options.resolution ? fmt::format(" --resolution {}", options.resolution) : fmt::format(" --range {}", plan.range),
                         plan.block_directions);
   if (plan.share_bounds) text += fmt::format("closed     forms of {} pairs of polygons, shares of {} from a pilot\n", plan.known.pairs.size(), std::count_if(plan.known.pairs.begin(), plan.known.pairs.end(), [](const KnownPair& pair) { return pair.share > 0; }));
@@ -187,14 +216,14 @@ std::string Session::describe(const VisibleShares& known) const {
     pairs += pair.j < kEnvironment;
     whole += pair.j < kEnvironment && pair.share == kShareOne;
   }
-  return fmt::format("closed     forms of {} pairs of polygons in {:.2g} s; {} were never blocked in a pilot of {:.2g} s{}\n", pairs, known.closed_form_seconds, whole,
+  return fmt::format("closed     forms of {} of polygons in {:.2g} s; {} of them never blocked in a pilot of {:.2g} s{}\n", counted(pairs, "pair"), known.closed_form_seconds, whole,
                      known.pilot_seconds, known.unreached ? fmt::format("; {} more are sampled alone", known.unreached) : "");
 }
 
 // An option that changes counts has its line here, or in what calls this.
 Settings Session::settings() const {
   const Question& question = options.question;
-  return {
+  Settings all = {
       {"version", VIEWPEEL_VERSION},
       {"scene", fmt::format("{} polygons, fingerprint {:016x}", scene.faces.size(), fingerprint(scene))},
       {"--by", options.by == By::polygon ? "polygon" : "surface"},
@@ -204,26 +233,27 @@ Settings Session::settings() const {
       {"--blocker", fmt::format("{}", fmt::join(question.blockers, ", "))},
       {"--seed", std::to_string(options.estimate.seed)},
       {"--sampling", !device ? "exact areas" : options.lattice.sampling == Sampling::scanline ? "scanline" : "lattice"},
-      {"--closed-forms", usesClosedForms() ? "on" : "off"},
+      {"--sampler", options.epsilon ? nameOf(guaranteeOptions().sampler) : sampler},
   };
+  if (!options.epsilon) return all;
+  if (options.statistic == Statistic::median) throw Error(ErrorCode::bad_usage, "--checkpoint keeps means only; leave out --statistic median");
+  all.insert(all.end(), {{"--epsilon", fmt::format("{}", *options.epsilon)}, {"--delta", fmt::format("{}", options.delta)}});
+  return all;
 }
 
 Settings Session::settings(const Plan& plan) const {
   Settings all = settings();
-  all.insert(all.end(), {{"--sampler", sampler},
-                         {"--directions", std::to_string(plan.directions)},
+  all.push_back({"--closed-forms", usesClosedForms() ? "on" : "off"});
+  all.insert(all.end(), {{"--directions", std::to_string(plan.directions)},
                          {"--resolution", device ? std::to_string(plan.groups[0].resolution) : "any"},
                          {"--finest", plan.groups.size() > 1 ? std::to_string(plan.finest) : "0"}});
   return all;
 }
 
 Settings Session::settings(const GuaranteePlan& plan) const {
-  if (options.statistic == Statistic::median) throw Error(ErrorCode::bad_usage, "--checkpoint keeps means only; leave out --statistic median");
   Settings all = settings();
-  all.insert(all.end(), {{"--sampler", nameOf(guaranteeOptions().sampler)},
-                         {"--epsilon", fmt::format("{}", plan.epsilon)},
-                         {"--delta", fmt::format("{}", plan.delta)},
-                         {"--resolution", std::to_string(options.resolution)},
+  all.push_back({"--closed-forms", usesClosedForms() ? "on" : "off"});
+  all.insert(all.end(), {{"--resolution", std::to_string(options.resolution)},
                          {"--range", fmt::format("{}", plan.range)},
                          {"--block", std::to_string(plan.block_directions)}});
   return all;
@@ -285,6 +315,8 @@ std::shared_ptr<ProgramOptions> addOptions(CLI::App* command) {
 void settle(const CLI::App* command, ProgramOptions& options) {
   options.whole_sphere = command->get_option("--sampler")->count() > 0;
   options.plans = command->get_option("--directions")->count() == 0;
+  if (options.finest && options.finest < options.resolution)
+    throw Error(ErrorCode::bad_usage, fmt::format("--finest {} is coarser than --resolution {}, which all polygons get; give a finer one, or leave it out", options.finest, options.resolution));
   if (options.finest && (options.plans || !options.resolution)) throw Error(ErrorCode::bad_usage, "--finest needs --directions and --resolution");
   const EstimateOptions& e = options.estimate;
   const bool can_use = options.engine == EngineKind::compute && options.question.isEverything() &&

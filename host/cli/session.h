@@ -66,14 +66,15 @@ struct Session {
   // What a plan promises, and how to have the same run again; several lines.
   std::string describe(const Plan& plan) const;
   std::string describe(const GuaranteePlan& plan) const;
+  // Of one that was asked for, not found out by pilots: how long it takes, from a few directions.
+  std::string describeTime(const Plan& plan) const;
   std::string describe(const VisibleShares& known) const;
 
-  // What decides about the counts of a run: a checkpoint is gone on with under the same settings only.
+  // What decides about the counts of a run: a checkpoint is gone on with under the same settings only. Before it is planned, and then.
+  //   Throws: Error bad_usage for runs that checkpoints cannot keep.
+  Settings settings() const;
   Settings settings(const Plan& plan) const;
   Settings settings(const GuaranteePlan& plan) const;
-
- private:
-  Settings settings() const;
 };
 
 }  // namespace viewpeel::cli

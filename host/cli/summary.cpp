@@ -74,14 +74,16 @@ std::string escapeJson(const std::string& text) {
   return escaped;
 }
 
+std::string counted(uint64_t count, const char* noun) { return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s"); }
+
 std::string describeScene(const Scene& scene) {
   const Ids ids = makeIds(scene, By::polygon, false);
   const auto [least, most] = std::minmax_element(ids.areas.begin(), ids.areas.end());
   std::string split;
   if (scene.polygons.size() != scene.faces.size()) split = fmt::format(" (as {} triangles and quadrilaterals)", scene.polygons.size());
-  return fmt::format("scene      {}: {} polygons{}, {} surfaces, {}\n"
+  return fmt::format("scene      {}: {}{}, {}, {}\n"
                      "areas      {:.6g} in all, polygons {:.3g} to {:.3g}; radius {:.4g}\n",
-                     scene.file, scene.faces.size(), split, scene.surfaces.size(), isClosed(scene) ? "closed" : "open",
+                     scene.file, counted(scene.faces.size(), "polygon"), split, counted(scene.surfaces.size(), "surface"), isClosed(scene) ? "closed" : "open",
                      std::accumulate(ids.areas.begin(), ids.areas.end(), 0.0), *least, *most, scene.scale);
 }
 
@@ -137,8 +139,9 @@ double leakShare(const FormFactors& form_factors) { return shareOf(form_factors,
 std::string describeErrors(const Estimate& estimate) {
   const FormFactors& f = estimate.form_factors;
   const StandardErrors errors = measureStandardErrors(f, 3);
-  std::string text = fmt::format("errors     standard errors of {} nonzero form factors: largest {:.1e}, rms {:.1e}; {:.1e} of its form factor over the larger ones\n", errors.count,
-                                 estimate.largest_standard_error, errors.rms, estimate.largest_relative_error);
+  std::string text = fmt::format("errors     standard errors of {}: largest {:.1e}, rms {:.1e}{}\n", counted(errors.count, "nonzero form factor"),
+                                 estimate.largest_standard_error, errors.rms,
+                                 estimate.largest_relative_error > 0 ? fmt::format("; {:.1e} of its form factor over the larger ones", estimate.largest_relative_error) : "");
   for (size_t k = 0; k < errors.worst.size(); ++k) {
     const auto& [i, j] = errors.worst[k];
     const Measured value = f.formFactor(i, j);
@@ -147,6 +150,11 @@ std::string describeErrors(const Estimate& estimate) {
   if (!errors.worst.empty()) text += "\n";
   if (estimate.unseen_pairs)
     text += fmt::format("unseen     {} pairs that can see each other but for what is between them: no line told, 0 +- {:.1e} at most\n", estimate.unseen_pairs, estimate.largest_unseen_error);
+  const double n = double(f.ids().count()), all = n * (n - 1) / 2;
+  const auto met = std::count_if(f.entries().begin(), f.entries().end(), [](const FormFactors::Entry& entry) { return entry.i != entry.j && entry.j < kEnvironment; });
+  if (!estimate.unseen_pairs && double(met) < all && estimate.unmet_bound < 1)
+    text += fmt::format("unseen     {:.0f} of {:.0f} pairs, which no line met: form factors below {:.1e} each, from the smaller of the two, at 95 % confidence\n", all - double(met), all,
+                        estimate.unmet_bound);
   if (const auto& g = estimate.guarantee)
     text = fmt::format("guarantee  every form factor within {:.3g} with probability {}, by {}\n", g->bound, 1 - g->delta,
                        g->by == GuaranteedBy::hoeffding ? "Hoeffding's bound" : g->by == GuaranteedBy::bernstein ? "the empirical Bernstein bound" : "the median of runs") + text;
@@ -174,9 +182,9 @@ std::string describeResult(const Estimate& estimate) {
 
 std::string describeClosed(const ClosedFormFactors& closed) {
   const std::vector<std::string>& names = closed.form_factors.ids().names;
-  return fmt::format("closed     row sums differ from 1 by at most {:.1e} after {} steps; moved by {:.2g} standard errors rms, {:.2g} at most\n"
+  return fmt::format("closed     row sums differ from 1 by at most {:.1e} after {}; moved by {:.2g} standard errors rms, {:.2g} at most\n"
                      "           largest change of a form factor {:.1e} ({} to {})\n",
-                     measureClosure(closed.form_factors).largest_error, closed.steps, closed.rms_change, closed.largest_change,
+                     measureClosure(closed.form_factors).largest_error, counted(closed.steps, "step"), closed.rms_change, closed.largest_change,
                      closed.largest_form_factor_change, names[closed.from], names[closed.to]);
 }
 

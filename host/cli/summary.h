@@ -11,6 +11,9 @@ namespace viewpeel::cli {
 
 std::string describeDevice(const Device& device);
 
+// "1 polygon", "2 polygons".
+std::string counted(uint64_t count, const char* noun);
+
 // Polygons, surfaces, areas, closed or open; several lines.
 std::string describeScene(const Scene& scene);
 

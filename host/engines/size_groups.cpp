@@ -14,9 +14,7 @@
 namespace viewpeel {
 namespace {
 
-constexpr int kStep = 4;  // between the resolutions of groups
 constexpr double kUsualWindowPoints = 2048;
-constexpr size_t kMostWindows = 32;  // each takes memory, compiles its kernels and projects the whole scene
 
 struct Box {
   glm::dvec3 low{2}, high{-2};
@@ -140,7 +138,7 @@ class GroupedEngine : public Engine {
 
   std::string describePlan() const override {
     std::string text;
-    for (const Part& part : parts_) text += fmt::format("lattice    {} across, for {} polygons\n{}", part.resolution, part.polygons, part.engine->describePlan());
+    for (const Part& part : parts_) text += fmt::format("lattice    {} across, for {} polygon{}\n{}", part.resolution, part.polygons, part.polygons == 1 ? "" : "s", part.engine->describePlan());
     return text;
   }
 
@@ -170,19 +168,27 @@ class GroupedEngine : public Engine {
 }  // namespace
 
 std::vector<SizeGroup> groupBySize(const Scene& scene, const std::vector<double>& needed, int base) {
-  for (int finest = kMaxWindowResolution;; finest /= kStep) {
+  for (int finest = kMaxWindowResolution;; finest /= kGroupStep) {
     std::vector<SizeGroup> groups{{base, {}, {}}};
     std::map<int, std::vector<uint32_t>> fine;
     for (uint32_t k = 0; k < needed.size(); ++k) {
-      const double radius = boxOf(scene, k).radius();
+      const double radius = boxRadius(scene, k);
       int resolution = base;
-      while (resolution < needed[k] * kEnough && resolution <= finest / kStep && radius * resolution * kStep <= kMostWindowPoints) resolution *= kStep;
+      while (resolution < needed[k] * kEnough && resolution <= finest / kGroupStep && radius * resolution * kGroupStep <= kMostWindowPoints) resolution *= kGroupStep;
       (resolution == base ? groups[0].polygons : fine[resolution]).push_back(k);
     }
     for (auto& [resolution, polygons] : fine) split(scene, std::move(polygons), resolution, groups);
     if (groups.size() <= kMostWindows + 1 || fine.empty()) return groups;
   }
 }
+
+size_t countWindows(const Scene& scene, std::vector<uint32_t> polygons, int resolution) {
+  std::vector<SizeGroup> groups;
+  split(scene, std::move(polygons), resolution, groups);
+  return groups.size();
+}
+
+double boxRadius(const Scene& scene, uint32_t polygon_index) { return boxOf(scene, polygon_index).radius(); }
 
 std::unique_ptr<Engine> makeGroupedEngine(const Device& device, const Scene& scene, const Ids& ids, const LatticeOptions& options,
                                           const std::vector<SizeGroup>& groups) {

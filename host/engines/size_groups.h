@@ -11,6 +11,8 @@
 namespace viewpeel {
 
 constexpr double kEnough = 1 - 1e-9;  // of the resolution needed, which is rounded
+constexpr int kGroupStep = 4;         // between the resolutions of groups
+constexpr size_t kMostWindows = 32;   // each takes memory, compiles its kernels and projects the whole scene
 
 // Polygons that are peeled at one resolution, in a window around them. Groups are in order, the whole scene's first: a facing pair is counted
 // by the later of its two polygons' groups, once, so that all of the smaller polygon is in the window and the spacing is the one it needs.
@@ -27,6 +29,12 @@ struct SizeGroup {
 //     polygons get at most the finest resolution with fewer.
 //   Cost: O(n log n).
 std::vector<SizeGroup> groupBySize(const Scene& scene, const std::vector<double>& needed, int base);
+
+// How many windows polygons get at a resolution; no polygon may be too large for one.    Cost: O(n log n).
+size_t countWindows(const Scene& scene, std::vector<uint32_t> polygons, int resolution);
+
+// Half the diagonal of its box, unit-ball units: radius x resolution <= kMostWindowPoints where a window of that resolution can hold it.
+double boxRadius(const Scene& scene, uint32_t polygon_index);
 
 // An engine that peels every group at its own resolution. unitArea() is that of the finest.
 //   In: groups as from groupBySize; ids without roles, so with nothing asked for in particular

@@ -36,8 +36,8 @@ Estimate estimateFormFactors(Engine& engine, const Scene& scene, const Ids& ids,
       largest_relative_error = largestRelativeError(so_far, options.relative_floor);
       return;
     }
-    largest_error = sums.by_id.largestStandardError(sums.measure_area);
-    largest_relative_error = sums.by_id.largestRelativeError(sums.measure_area, options.relative_floor);
+    largest_error = sums.by_id.largestStandardError(sums.measure_area, sums.countArea());
+    largest_relative_error = sums.by_id.largestRelativeError(sums.measure_area, options.relative_floor, sums.countArea());
   };
   if (options.resumed) {
     sums.add(*options.resumed);
@@ -86,6 +86,8 @@ Estimate makeEstimate(const RunSums& sums, double relative_floor) {
     const double area = std::min(all.ids().areas[entry.i], all.ids().areas[entry.j]);
     estimate.largest_unseen_error = std::max(estimate.largest_unseen_error, entry.exchange_area.standard_error / area);
   }
+  const std::vector<double>& areas = all.ids().areas;
+  if (!std::isinf(sums.countArea())) estimate.unmet_bound = unmetBound(*std::min_element(areas.begin(), areas.end()), sums.countArea(), double(sums.directions));
   return estimate;
 }
 

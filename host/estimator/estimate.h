@@ -65,6 +65,7 @@ struct Estimate {
   // Pairs of ids that can see each other by their closed forms, and were never seen: form factors of 0, whose standard errors count among the largest.
   uint64_t unseen_pairs = 0;
   double largest_unseen_error = 0;
+  double unmet_bound = INFINITY;  // on each form factor that no line met, from the smaller of its pair; 95 %
 };
 
 // Without entries of 0.

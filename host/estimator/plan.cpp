@@ -17,11 +17,12 @@ namespace {
 
 constexpr uint64_t kFirstPilot = uint64_t(1) << 40;  // replicate numbers that no run reaches
 constexpr uint32_t kPilotReplicates = 8, kPilotDirections = 32;
-constexpr int kFirstResolution = 64, kStep = 4;
+constexpr int kFirstResolution = 64;
+constexpr double kFewPoints = 5;               // of an id in the whole run, below which it may go unmet
 constexpr double kLatticePoints = 100, kUsualReplicates = 8;  // every id meets so many points in so many replicates
 constexpr double kDefaultTolerance = 1e-3;
 constexpr double kMostPoints = 8192.0 * 8192;  // of a direction
-constexpr double kMostPilotSeconds = 30;       // of each further pilot
+constexpr double kMostPilotSeconds = 30;       // of each pilot
 
 // The lattice of a plan: groups at `base` x 4^m, up to the resolution that the neediest polygon gets.
 struct Shape {
@@ -58,6 +59,8 @@ struct SizeClass {
   double perimeter_per_area_squared = 0;
   double area = 0;        // share of all
   double least_area = 1;  // of an id, unit-ball units squared
+  double radius = 0;      // of a polygon's box
+  std::vector<uint32_t> polygons;
 };
 
 // P / A^2 of ids, in unit-ball units.
@@ -104,12 +107,16 @@ class Planner {
   void measure(uint32_t directions, const Shape& shape);
   Choice choose() const;
   Choice choose(bool by_time) const;
+  // For a pilot.
+  double allowedSeconds() const { return std::min(kMostPilotSeconds, 0.1 * options_.seconds.value_or(INFINITY)); }
   // For the run, of the time that was given, with some to spare for making engines.
   double secondsLeft() const { return std::max(0.8 * (*options_.seconds - pilot_seconds_), 0.1 * *options_.seconds); }
   double directionVariance(double directions) const;
   Load loadOf(const Shape& shape, double directions) const;
   double secondsOf(const Load& load) const;
   double neededBy(const SizeClass& size, const Shape& shape, double directions) const;
+  std::vector<int> resolutionsOf(const Shape& shape, double directions) const;
+  size_t windowsOf(const std::vector<int>& resolutions, int base) const;
   std::vector<SizeGroup> groupsOf(const Shape& shape, double directions) const;
 
   const Scene& scene_;
@@ -119,6 +126,7 @@ class Planner {
   std::vector<double> ratios_;     // perimetersPerAreaSquared
   std::vector<double> areas_;      // of ids, unit-ball units squared
   std::vector<SizeClass> classes_;
+  mutable std::map<std::array<int, 3>, size_t> windows_;  // of classes from one to another at a resolution
   std::vector<Pilot> pilots_;
   std::vector<SizeGroup> groups_;
   std::unique_ptr<Engine> engine_;
@@ -142,6 +150,8 @@ Planner::Planner(const Scene& scene, const Ids& ids, const EstimateOptions& opti
     size.perimeter_per_area_squared = std::max(size.perimeter_per_area_squared, ratios_[id]);
     size.area += scene.polygons[k].area / all;
     size.least_area = std::min(size.least_area, areas_[id]);
+    size.radius = std::max(size.radius, boxRadius(scene, static_cast<uint32_t>(k)));
+    size.polygons.push_back(static_cast<uint32_t>(k));
   }
   for (const auto& [key, size] : classes) classes_.push_back(size);
 }
@@ -170,6 +180,12 @@ void Planner::measure(uint32_t directions, const Shape& shape) {
     groups_ = std::move(groups);
     engine_ = lattices_.make_engine(groups_);
     engine_->count(directionsOf(4, kFirstPilot - 1).directions);  // kernels are compiled and tuned
+  }
+  if (pilots_.empty()) {  // in the time there is, too
+    const auto again = std::chrono::steady_clock::now();
+    engine_->count(directionsOf(2, kFirstPilot - 2).directions);
+    const double each = std::chrono::duration<double>(std::chrono::steady_clock::now() - again).count() / 2;
+    directions = static_cast<uint32_t>(std::clamp(allowedSeconds() / (2 * kPilotReplicates * each), 1.0, double(directions)));
   }
   // Of both lattices, every replicate.
   std::vector<std::pair<PairCounts, PairCounts>> counted;
@@ -277,18 +293,50 @@ double Planner::directionVariance(double directions) const {
 Load Planner::loadOf(const Shape& shape, double directions) const {
   Load load{1, double(shape.base) * shape.base};
   std::map<double, double> fine;  // share of the area by resolution
-  for (const SizeClass& size : classes_) {
-    double resolution = shape.base;
-    while (lattices_.may_group && resolution < neededBy(size, shape, directions) * kEnough && resolution * kStep <= kMaxWindowResolution) resolution *= kStep;
+  const std::vector<int> resolutions = resolutionsOf(shape, directions);
+  for (size_t k = 0; k < classes_.size(); ++k) {
+    const SizeClass& size = classes_[k];
+    const double resolution = resolutions[k];
     if (resolution > shape.base) fine[resolution] += size.area;
     load.variance = std::max(load.variance, latticeVariance(size.perimeter_per_area_squared, size.least_area, 2 / resolution));
-    load.line = std::max(load.line, 8 / (resolution * resolution * size.least_area));
+    load.line = std::max(load.line, 8 / (resolution * resolution * size.least_area) + 8 / 27.0);  // and half of what it counts with others (form_factors.cpp)
   }
-  for (const auto& [resolution, share] : fine) {
-    load.points += resolution * resolution * std::min(1.0, 2 * share);  // tiles reach beyond their polygons
-    ++load.groups;
-  }
+  for (const auto& [resolution, share] : fine) load.points += resolution * resolution * std::min(1.0, 2 * share);  // tiles reach beyond their polygons
+  load.groups += double(windowsOf(resolutions, shape.base));
   return load;
+}
+
+// What groupBySize makes of the classes: no finer than windows can be, and than there may be windows.
+std::vector<int> Planner::resolutionsOf(const Shape& shape, double directions) const {
+  std::vector<int> resolutions(classes_.size(), shape.base);
+  for (int finest = kMaxWindowResolution; lattices_.may_group; finest /= kGroupStep) {
+    bool is_fine = false;
+    for (size_t k = 0; k < classes_.size(); ++k) {
+      int& resolution = resolutions[k] = shape.base;
+      const double needed = neededBy(classes_[k], shape, directions) * kEnough;
+      while (resolution < needed && resolution <= finest / kGroupStep && classes_[k].radius * resolution * kGroupStep <= kMostWindowPoints) resolution *= kGroupStep;
+      is_fine = is_fine || resolution > shape.base;
+    }
+    if (!is_fine || windowsOf(resolutions, shape.base) <= kMostWindows) break;
+  }
+  return resolutions;
+}
+
+// Beside the whole scene's. Classes of one resolution are taken to follow each other.
+size_t Planner::windowsOf(const std::vector<int>& resolutions, int base) const {
+  size_t windows = 0;
+  for (size_t first = 0, end = 0; first < resolutions.size(); first = end) {
+    for (end = first; end < resolutions.size() && resolutions[end] == resolutions[first];) ++end;
+    if (resolutions[first] == base) continue;
+    size_t& count = windows_[{static_cast<int>(first), static_cast<int>(end), resolutions[first]}];
+    if (count == 0) {
+      std::vector<uint32_t> polygons;
+      for (size_t k = first; k < end; ++k) polygons.insert(polygons.end(), classes_[k].polygons.begin(), classes_[k].polygons.end());
+      count = countWindows(scene_, std::move(polygons), resolutions[first]);
+    }
+    windows += count;
+  }
+  return windows;
 }
 
 // A direction costs something for every group, and for every lattice point over the group's polygons; half each where pilots do not tell.
@@ -324,7 +372,7 @@ Planner::Choice Planner::choose(bool by_time) const {
     const double in_all = directions * replicates;
     for (int f = lattices_.resolution ? 40 : 8; f <= 40; ++f) {
       const int finest = lattices_.resolution ? lattices_.resolution : static_cast<int>(std::lround(std::pow(2.0, f / 2.0)));
-      for (int step = 1; step == 1 || (lattices_.may_group && finest / step >= 8); step *= kStep) {
+      for (int step = 1; step == 1 || (lattices_.may_group && finest / step >= 8); step *= kGroupStep) {
         const Shape shape{(finest + step - 1) / step, finest};
         if (shape.base > kMaxResolution) continue;
         // One lattice for all: fine enough for the least of them, or as fine as there is.
@@ -354,8 +402,7 @@ Plan Planner::plan() {
   for (int more = 0; more < 2; ++more) {
     const Pilot& last = pilots_.back();
     const double share = 0.03 * double(options_.replicates) / kPilotReplicates;
-    const double allowed = std::min(kMostPilotSeconds, 0.1 * options_.seconds.value_or(INFINITY));
-    const double most = allowed / (2 * kPilotReplicates * choice.seconds / (choice.directions * double(options_.replicates)));
+    const double most = allowedSeconds() / (2 * kPilotReplicates * choice.seconds / (choice.directions * double(options_.replicates)));
     const auto directions = static_cast<uint32_t>(std::clamp(std::min(share * choice.directions, most), double(kPilotDirections), 1e6));
     if (directions < 3 * last.directions && std::max(choice.shape.finest, last.shape.finest) <= 2 * std::min(choice.shape.finest, last.shape.finest)) break;
     if (choice.seconds < 10 * pilot_seconds_ || std::max(directions, last.directions) > 2 * most) break;
@@ -369,6 +416,13 @@ Plan Planner::plan() {
   plan.seconds = choice.seconds;
   plan.standard_error = std::sqrt(choice.variance);
   plan.pilot_seconds = pilot_seconds_;
+  // A convex polygon's mean projected area is half its own.
+  std::vector<double> points(ids_.count(), 0);
+  for (const SizeGroup& group : plan.groups)
+    for (uint32_t k : group.polygons)
+      points[ids_.of_polygon[k]] += scene_.polygons[k].area * std::pow(group.resolution, 2) / 8 * choice.directions * double(options_.replicates);
+  for (uint32_t id = 0; id < ids_.count(); ++id)
+    if (!options_.asked_directions && points[id] < kFewPoints) plan.barely_met.push_back(id);
   if (!areAlike(plan.groups, groups_)) {
     engine_.reset();
     engine_ = lattices_.make_engine(plan.groups);

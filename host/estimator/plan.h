@@ -17,6 +17,7 @@ struct Plan {
   double seconds = 0;             // of the replicates asked for, predicted
   double standard_error = 0;      // largest over all form factors, or of its form factor for a relative goal; predicted
   double pilot_seconds = 0;       // spent on finding out
+  std::vector<uint32_t> barely_met;  // ids that the replicates asked for meet at fewer than 5 lattice points, expected: even the finest lattice is too coarse for them
 };
 
 // How engines are made for a plan.
@@ -38,7 +39,7 @@ struct Lattices {
 //   In: options: goal, replicates, sampler, seed, asked_directions    Out: the plan, with its engine
 //   Error: a prediction; what was reached is measured by the run. Directions and lattices of pilots are none of the run's.
 //   Throws: what engines throw.
-//   Cost: pilots are kept below about a tenth of the run or of the time there is, and half a minute each, 512 directions at least.
+//   Cost: pilots are kept below about a tenth of the run or of the time there is, and half a minute each; the first has 512 directions, or what these allow, 16 at least.
 Plan planEstimate(const Scene& scene, const Ids& ids, const EstimateOptions& options, const Lattices& lattices);
 
 // The groups of polygons that a plan with these figures has.

@@ -69,14 +69,21 @@ void ReplicateSums::add(const ReplicateSums& others) {
 }
 
 // With R replicates that count c_r, K = sum c_r and s^2 = sum (c_r - K / R)^2 / (R - 1), the estimate is K / R and its standard error
-//   sqrt(R s^2 + max(1, R s^2 / K)^2) / R,
+//   sqrt(R s^2 + D^2) / R,   D = (K + D_0) / (K / max(1, R s^2 / K) + 1),
 // infinite from a single replicate. R s^2 alone has the variance of K as its mean, but where few lines count, K and s fall short together and
-// K +- t sqrt(R s^2) holds the expectation m too rarely. With D = R s^2 / K, the counts that come at a time, the variance is D m; |K - m| <= z sqrt(D m)
+// K +- t sqrt(R s^2) holds the expectation m too rarely. With D counts that come at a time the variance is D m; |K - m| <= z sqrt(D m)
 // (the score interval) is K + D z^2 / 2 +- z sqrt(D K + D^2 z^2 / 4), and z^2 / 4 is 0.96 at 95 %: hence D^2. The centre stays, for the estimate is to
-// be unbiased. Where s^2 is all there is to know the surplus is nothing: a factor of sqrt(1 + q^2) for a relative standard error q. D is at least 1,
-// for counts are integers: replicates that agree by chance are not exact. How often intervals hold the truth: bench/coverage.cpp.
+// be unbiased. Where s^2 is all there is to know the surplus is nothing: a factor of sqrt(1 + q^2) for a relative standard error q. D_1 = R s^2 / K would be
+// those counts, at least 1, for they are integers: replicates that agree by chance are not exact. But one or two directions that saw a pair, each with many lines or only grazing it, do not tell
+// how many lines others would have seen. So K / D_1 of them are joined by one more with D_0, what a direction that sees the pair counts: along it two convex regions overlap
+// as they happen to lie. Of an area X that varies so, and of counts on a lattice beside, E[X^2] / E[X] is 4/9 of the smaller region for parallelograms of one shape; lines leave
+// a polygon with 2/3 as their mean cosine; counts are at least 1: D_0 = 1 + 8/27 A / h^2 with A the smaller of the two areas and h^2 that of a count. Where many directions saw the pair this
+// is nothing.
+// What no line met has no entry. Of n directions none meets a pair with probability (1 - p)^n, which is 5 % for p = ln 20 / n, where p is the share of lattices and directions that meet it; E[A'] is at
+// most p max(h^2, A), for a lattice meets an area a below h^2 with probability a / h^2. Hence F <= 2 ln 20 max(1, h^2 / A) / n at 95 %, from the smaller of the two (unmetBound).
+// How often intervals hold the truth: bench/coverage.cpp.
 // Source: A. Agresti & B. A. Coull, Approximate is better than "exact" for interval estimation of binomial proportions, The American Statistician 52, 1998.
-Measured ReplicateSums::measure(const Sum& sum) const {
+Measured ReplicateSums::measure(const Sum& sum, double most_counts) const {
   const Wide replicates = replicate_count_;
   Measured measured;
   measured.value = double(sum.sum) / double(replicate_count_);
@@ -87,51 +94,54 @@ Measured ReplicateSums::measure(const Sum& sum) const {
   // R (R - 1) s^2, exactly
   const Wide spread = replicates * sum.sum_of_squares - sum.sum * sum.sum;
   const double r = double(replicate_count_), variance = double(spread) / (r - 1);
-  const double dispersion = spread ? variance / double(sum.sum) : 0;
-  measured.standard_error = std::hypot(std::sqrt(variance), std::max(1.0, dispersion)) / r;
+  const double counted = double(sum.sum), at_a_time = spread ? std::max(1.0, variance / counted) : 1;
+  measured.standard_error = std::hypot(std::sqrt(variance), (counted + 1 + 8 / 27.0 * most_counts) / (counted / at_a_time + 1)) / r;
   return measured;
 }
 
-Measured ReplicateSums::exchangeArea(const PairSum& pair, double measure_area) const {
-  const Measured count = measure(pair.sum);
+// Of those whose rows were asked for.
+double ReplicateSums::smallerArea(const PairSum& pair) const {
+  double area = ids_.isAsked(pair.i) ? ids_.areas[pair.i] : INFINITY;
+  if (pair.j < kEnvironment && ids_.isAsked(pair.j)) area = std::min(area, ids_.areas[pair.j]);
+  return area;
+}
+
+Measured ReplicateSums::exchangeArea(const PairSum& pair, double measure_area, double count_area) const {
+  const Measured count = measure(pair.sum, std::isinf(count_area) ? 0 : smallerArea(pair) / count_area);
   const double scale = exchangesPerLine(pair.i, pair.j) * measure_area;
   return {count.value * scale, count.standard_error * scale};
 }
 
-FormFactors ReplicateSums::formFactors(double measure_area) const {
+FormFactors ReplicateSums::formFactors(double measure_area, double count_area) const {
   std::vector<FormFactors::Entry> entries;
   entries.reserve(pairs_.size());
-  for (const PairSum& pair : pairs_) entries.push_back({pair.i, pair.j, exchangeArea(pair, measure_area)});
+  for (const PairSum& pair : pairs_) entries.push_back({pair.i, pair.j, exchangeArea(pair, measure_area, count_area)});
   std::vector<Measured> rows;
   for (size_t k = 0; k < row_sums_.size(); ++k) {
-    const Measured count = measure(row_sums_[k]);
+    const Measured count = measure(row_sums_[k], 0);
     const double scale = 2 * measure_area / ids_.areas[k];
     rows.push_back({count.value * scale, count.standard_error * scale});
   }
   return {ids_, std::move(entries), std::move(rows)};
 }
 
-double ReplicateSums::largestStandardError(double measure_area) const {
+double ReplicateSums::largestStandardError(double measure_area, double count_area) const {
+  double largest = 0;
+  for (const PairSum& pair : pairs_) largest = std::max(largest, exchangeArea(pair, measure_area, count_area).standard_error / smallerArea(pair));
+  return largest;
+}
+
+double ReplicateSums::largestRelativeError(double measure_area, double floor, double count_area) const {
   double largest = 0;
   for (const PairSum& pair : pairs_) {
-    double smaller_area = ids_.isAsked(pair.i) ? ids_.areas[pair.i] : INFINITY;
-    if (pair.j < kEnvironment && ids_.isAsked(pair.j)) smaller_area = std::min(smaller_area, ids_.areas[pair.j]);
-    largest = std::max(largest, measure(pair.sum).standard_error * exchangesPerLine(pair.i, pair.j) * measure_area / smaller_area);
+    // Both ways the relative error is the same: it counts if one of the two reaches the floor.
+    const Measured exchange = exchangeArea(pair, measure_area, count_area);
+    if (exchange.value / smallerArea(pair) >= floor) largest = std::max(largest, exchange.standard_error / exchange.value);
   }
   return largest;
 }
 
-double ReplicateSums::largestRelativeError(double measure_area, double floor) const {
-  double largest = 0;
-  for (const PairSum& pair : pairs_) {
-    const Measured count = measure(pair.sum);
-    // Both ways the relative error is the same: it counts if one of the two reaches the floor.
-    double smaller_area = ids_.isAsked(pair.i) ? ids_.areas[pair.i] : INFINITY;
-    if (pair.j < kEnvironment && ids_.isAsked(pair.j)) smaller_area = std::min(smaller_area, ids_.areas[pair.j]);
-    if (count.value * exchangesPerLine(pair.i, pair.j) * measure_area / smaller_area >= floor) largest = std::max(largest, count.standard_error / count.value);
-  }
-  return largest;
-}
+double unmetBound(double area, double count_area, double directions) { return 2 * std::log(20.0) * std::max(1.0, count_area / area) / directions; }
 
 PairCounts mergeIds(const PairCounts& counts, const std::vector<uint32_t>& id_map) {
   PairCounts mapped;

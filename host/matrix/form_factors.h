@@ -1,5 +1,6 @@
 // The result: sparse, symmetric, with standard errors.
 #pragma once
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -79,31 +80,36 @@ class ReplicateSums {
   uint64_t replicateCount() const { return replicate_count_; }
 
   //   In: measure_area: input units squared of one count, that is unitArea() scale^2 / directions per replicate
+  //     count_area: of one count along its direction, measure_area x directions per replicate where these are over the whole sphere; infinite where it is not known
   //   Error: none but rounding: counts and their squares are summed in 128-bit integers. Standard errors: form_factors.cpp; tests/form_factors_test.cpp.
-  FormFactors formFactors(double measure_area) const;
+  FormFactors formFactors(double measure_area, double count_area = INFINITY) const;
 
   // Calls f(i, j, A_i F_ij) for every pair met, and for environment and leak.
   template <class F>
   void forEachPair(double measure_area, F f) const {
-    for (const PairSum& pair : pairs_) f(pair.i, pair.j, exchangeArea(pair, measure_area));
+    for (const PairSum& pair : pairs_) f(pair.i, pair.j, exchangeArea(pair, measure_area, INFINITY));
   }
 
   // Largest standard error over all form factors of the rows asked for.
-  double largestStandardError(double measure_area) const;
+  double largestStandardError(double measure_area, double count_area = INFINITY) const;
   // The same relative to the form factor, over form factors of at least `floor`.
-  double largestRelativeError(double measure_area, double floor) const;
+  double largestRelativeError(double measure_area, double floor, double count_area = INFINITY) const;
 
  private:
   template <class Pairs, class AddTo>
   std::vector<PairSum> addPairs(const Pairs& pairs, AddTo add_to) const;
-  Measured measure(const Sum& sum) const;
-  Measured exchangeArea(const PairSum& pair, double measure_area) const;
+  Measured measure(const Sum& sum, double most_counts) const;
+  double smallerArea(const PairSum& pair) const;
+  Measured exchangeArea(const PairSum& pair, double measure_area, double count_area) const;
 
   Ids ids_;
   std::vector<PairSum> pairs_;
   std::vector<Sum> row_sums_;
   uint64_t replicate_count_ = 0;
 };
+
+// What a form factor of an id of this area, the smaller of its pair, is at most where none of so many directions met it: with 95 % confidence (form_factors.cpp).
+double unmetBound(double area, double count_area, double directions);
 
 // The counts of a coarser set of ids: id k becomes id_map[k].
 PairCounts mergeIds(const PairCounts& counts, const std::vector<uint32_t>& id_map);

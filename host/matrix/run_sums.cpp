@@ -29,6 +29,10 @@ RunSums makeRunSums(const Scene& scene, const Ids& ids) {
   return {ReplicateSums(ids), ReplicateSums(std::move(surface_ids)), {}};
 }
 
+double RunSums::countArea() const {
+  return by_id.ids().asked.empty() && replicateCount() ? measure_area * double(directions) / double(replicateCount()) : INFINITY;
+}
+
 bool RunSums::isWhole() const {
   uint64_t count = 0;
   for (size_t k = 0; k < replicates.size(); ++k) {
@@ -60,12 +64,12 @@ void RunSums::add(const RunSums& others) {
 
 FormFactors RunSums::formFactors() const {
   if (visible && visible->by() == By::surface) return betweenSurfaces();
-  const FormFactors sampled = by_id.formFactors(measure_area);
+  const FormFactors sampled = by_id.formFactors(measure_area, countArea());
   return visible ? visible->formFactors(By::polygon, measure_area, sampled) : sampled;
 }
 
 FormFactors RunSums::betweenSurfaces() const {
-  const FormFactors sampled = by_surface.formFactors(measure_area);
+  const FormFactors sampled = by_surface.formFactors(measure_area, countArea());
   return visible ? visible->formFactors(By::surface, measure_area, sampled) : sampled;
 }
 

@@ -26,6 +26,8 @@ struct RunSums {
   std::optional<VisibleSums> visible{};    // with closed forms: by_id is by face then
 
   uint64_t replicateCount() const { return by_id.replicateCount(); }
+  // Input units squared of one count along its direction; infinite, not known, where only some rows were asked for and directions are drawn for them.
+  double countArea() const;
   // False where something ended a call of add early, and for sums that do not go with each other.
   bool isWhole() const;
 
