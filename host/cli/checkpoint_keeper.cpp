@@ -17,7 +17,7 @@ namespace {
 
 bool isReadable(const std::string& file) { return ::access(file.c_str(), R_OK) == 0; }
 
-constexpr std::array<std::string_view, 5> kPlanned = {"--directions", "--resolution", "--finest", "--range", "--block"};  // settings that a plan may choose
+constexpr std::array<std::string_view, 6> kPlanned = {"--closed-forms", "--directions", "--resolution", "--finest", "--range", "--block"};  // settings that a plan may choose
 constexpr int kRunPerWrite = 20;  // times as long as writing took, at least, passes to the next: writing takes no more than 5 %
 
 }  // namespace

@@ -73,15 +73,11 @@ void tellInterruption(const ProgramOptions& options, uint64_t replicates) {
 }
 
 // A run that is gone on with keeps its plan: what a plan chose is among the settings of its checkpoint. What is said beside has to be the same there.
-// Of these, whether closed forms are used has to be known before there is a session.
-void adoptClosedForms(ProgramOptions& options) {
-  if (!options.checkpoint.resume || !std::filesystem::exists(options.checkpoint.file) || !options.closed_forms_by_default || !options.closed_forms_possible) return;
-  const Settings stored = readCheckpoint(options.checkpoint.file).settings;
-  options.closed_forms = std::find(stored.begin(), stored.end(), std::pair<std::string, std::string>("--closed-forms", "on")) != stored.end();
-  options.closed_forms_by_default = false;
-}
-
 void adoptPlan(const Settings& stored, ProgramOptions& options) {
+  if (options.closed_forms_by_default && options.closed_forms_possible && !stored.empty()) {
+    options.closed_forms = std::find(stored.begin(), stored.end(), std::pair<std::string, std::string>("--closed-forms", "on")) != stored.end();
+    options.closed_forms_by_default = false;
+  }
   const auto figureOf = [&](const char* name) {
     const auto at = std::find_if(stored.begin(), stored.end(), [&](const auto& setting) { return setting.first == name; });
     return at == stored.end() ? 0 : std::atof(at->second.c_str());
@@ -127,7 +123,6 @@ int runCompute(ProgramOptions options) {
     if (show_progress && !options.epsilon) progress.onBatch(directions);
   };
   options.lattice.measure_work = options.json;
-  adoptClosedForms(options);
   const Session session(options);
   if (session.talks()) session.describe();
   std::optional<CheckpointKeeper> keeper;

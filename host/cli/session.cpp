@@ -234,7 +234,6 @@ Settings Session::settings() const {
       {"--seed", std::to_string(options.estimate.seed)},
       {"--sampling", !device ? "exact areas" : options.lattice.sampling == Sampling::scanline ? "scanline" : "lattice"},
       {"--sampler", options.epsilon ? nameOf(guaranteeOptions().sampler) : sampler},
-      {"--closed-forms", usesClosedForms() ? "on" : "off"},
   };
   if (!options.epsilon) return all;
   if (options.statistic == Statistic::median) throw Error(ErrorCode::bad_usage, "--checkpoint keeps means only; leave out --statistic median");
@@ -244,6 +243,7 @@ Settings Session::settings() const {
 
 Settings Session::settings(const Plan& plan) const {
   Settings all = settings();
+  all.push_back({"--closed-forms", usesClosedForms() ? "on" : "off"});
   all.insert(all.end(), {{"--directions", std::to_string(plan.directions)},
                          {"--resolution", device ? std::to_string(plan.groups[0].resolution) : "any"},
                          {"--finest", plan.groups.size() > 1 ? std::to_string(plan.finest) : "0"}});
@@ -252,6 +252,7 @@ Settings Session::settings(const Plan& plan) const {
 
 Settings Session::settings(const GuaranteePlan& plan) const {
   Settings all = settings();
+  all.push_back({"--closed-forms", usesClosedForms() ? "on" : "off"});
   all.insert(all.end(), {{"--resolution", std::to_string(options.resolution)},
                          {"--range", fmt::format("{}", plan.range)},
                          {"--block", std::to_string(plan.block_directions)}});

@@ -148,13 +148,13 @@ std::string describeErrors(const Estimate& estimate) {
     text += fmt::format("{}{} to {} ({:.4f} +- {:.1e})", k ? ", " : "           worst: ", f.ids().names[i], columnName(f.ids(), j), value.value, value.standard_error);
   }
   if (!errors.worst.empty()) text += "\n";
-  const double n = double(f.ids().count()), all = n * (n - 1) / 2;
-  const auto met = std::count_if(f.entries().begin(), f.entries().end(), [](const FormFactors::Entry& entry) { return entry.i != entry.j && entry.j < kEnvironment; });
-  if (double(met) < all && estimate.unmet_bound < 1)
-    text += fmt::format("unseen     {:.0f} of {:.0f} pairs, which no line met: form factors below {:.1e} each, from the smaller of the two, at 95 % confidence\n", all - double(met), all,
-                        estimate.unmet_bound);
   if (estimate.unseen_pairs)
     text += fmt::format("unseen     {} pairs that can see each other but for what is between them: no line told, 0 +- {:.1e} at most\n", estimate.unseen_pairs, estimate.largest_unseen_error);
+  const double n = double(f.ids().count()), all = n * (n - 1) / 2;
+  const auto met = std::count_if(f.entries().begin(), f.entries().end(), [](const FormFactors::Entry& entry) { return entry.i != entry.j && entry.j < kEnvironment; });
+  if (!estimate.unseen_pairs && double(met) < all && estimate.unmet_bound < 1)
+    text += fmt::format("unseen     {:.0f} of {:.0f} pairs, which no line met: form factors below {:.1e} each, from the smaller of the two, at 95 % confidence\n", all - double(met), all,
+                        estimate.unmet_bound);
   if (const auto& g = estimate.guarantee)
     text = fmt::format("guarantee  every form factor within {:.3g} with probability {}, by {}\n", g->bound, 1 - g->delta,
                        g->by == GuaranteedBy::hoeffding ? "Hoeffding's bound" : g->by == GuaranteedBy::bernstein ? "the empirical Bernstein bound" : "the median of runs") + text;

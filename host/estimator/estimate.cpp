@@ -88,7 +88,7 @@ Estimate makeEstimate(const RunSums& sums, double relative_floor) {
     estimate.largest_unseen_error = std::max(estimate.largest_unseen_error, entry.exchange_area.standard_error / area);
   }
   const std::vector<double>& areas = all.ids().areas;
-  if (!sums.visible && !std::isinf(sums.countArea())) estimate.unmet_bound = unmetBound(*std::min_element(areas.begin(), areas.end()), sums.countArea(), double(sums.directions));
+  if (!std::isinf(sums.countArea())) estimate.unmet_bound = unmetBound(*std::min_element(areas.begin(), areas.end()), sums.countArea(), double(sums.directions));
   return estimate;
 }
 

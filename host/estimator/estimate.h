@@ -66,10 +66,10 @@ struct Estimate {
   double largest_relative_error = 0;  // over form factors of at least relative_floor
   bool interrupted = false;           // goals may not be reached; standard errors are infinite where fewer than 2 replicates are done
   std::optional<Guarantee> guarantee;
-  double unmet_bound = INFINITY;  // on each form factor that no line met, from the smaller of its pair; 95 %
   // Pairs of ids that can see each other by their closed forms, and were never seen: form factors of 0, whose standard errors count among the largest.
   uint64_t unseen_pairs = 0;
   double largest_unseen_error = 0;
+  double unmet_bound = INFINITY;  // on each form factor that no line met, from the smaller of its pair; 95 %
 };
 
 // Without entries of 0.

@@ -384,7 +384,7 @@ Estimate guaranteeFormFactors(const Scene& scene, const Ids& ids, const Guarante
     estimate.form_factors = medianOf(runs, estimate.form_factors, sums.measure_area);
     estimate.between_surfaces = medianOf(mergeIdsOfAll(runs, ids.surface), estimate.between_surfaces, sums.measure_area);
   }
-  if (sums.visible) estimate.form_factors = keepSeen(sums.visible->controlledFormFactors(sums.measure_area, sums.by_id.formFactors(sums.measure_area)));
+  if (sums.visible) estimate.form_factors = keepSeen(sums.visible->controlledFormFactors(sums.measure_area, sums.by_id.formFactors(sums.measure_area, sums.countArea())));
   if (guarantee.by != GuaranteedBy::bernstein) guarantee.bound = options.epsilon;
   estimate.guarantee = guarantee;
   return estimate;

@@ -64,13 +64,13 @@ void RunSums::add(const RunSums& others) {
 
 FormFactors RunSums::formFactors() const {
   if (visible && visible->by() == By::surface) return betweenSurfaces();
-  if (!visible) return by_id.formFactors(measure_area, countArea());
-  return visible->formFactors(By::polygon, measure_area, by_id.formFactors(measure_area));
+  const FormFactors sampled = by_id.formFactors(measure_area, countArea());
+  return visible ? visible->formFactors(By::polygon, measure_area, sampled) : sampled;
 }
 
 FormFactors RunSums::betweenSurfaces() const {
-  if (!visible) return by_surface.formFactors(measure_area, countArea());
-  return visible->formFactors(By::surface, measure_area, by_surface.formFactors(measure_area));
+  const FormFactors sampled = by_surface.formFactors(measure_area, countArea());
+  return visible ? visible->formFactors(By::surface, measure_area, sampled) : sampled;
 }
 
 ReplicateRange findShared(const std::vector<ReplicateRange>& a, const std::vector<ReplicateRange>& b) {
