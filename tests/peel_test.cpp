@@ -359,7 +359,7 @@ TEST(Peel, HashTableIsEmptiedWhenHalfFull) {
   const auto directions = sampleDirections(Sampler::fibonacci, 300, 11, 0);
   Work work;
   const PairCounts expected = countPairsOnCpu(scene, ids, directions, 24, true);
-  EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 24, .batch_directions = 2, .counter_budget_bytes = 1, .table_capacity = 4096}, &work), withoutBlocked(expected));
+  EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 24, .batch_directions = 2, .counter_budget_bytes = 1, .few_points = 0, .table_capacity = 4096}, &work), withoutBlocked(expected));
   EXPECT_EQ(work.repeats, 0u);
   EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 24, .count_blocked = true, .batch_directions = 2, .counter_budget_bytes = 1, .table_capacity = 16384}, &work), expected);
   EXPECT_EQ(work.repeats, 0u);
