@@ -94,8 +94,8 @@ class Viewpeel {
     return [this](bool) { return reference::makeExactEngine(scene_, ids_); };
   }
 
-  // Amounts are directions of a replicate.
-  Runner runner(const MakeEngine& make, Sampler sampler, bool closed_forms) const {
+  // Amounts are directions of a replicate. closed_forms: the lattice's resolution with them, 0 without.
+  Runner runner(const MakeEngine& make, Sampler sampler, int closed_forms) const {
     Runner runner;
     std::shared_ptr<Engine> engine;
     runner.setup_seconds = secondsOf([&] {
@@ -111,7 +111,7 @@ class Viewpeel {
       options.seed = seed;
       std::optional<Estimate> estimate;
       const RunTime time = timeOf([&] {
-        estimate = closed_forms ? estimateVisibleShares(*engine, scene_, ids_, By::polygon, options, findVisibleShares(*engine, device_, scene_, ids_, options))
+        estimate = closed_forms ? withClosedForms(*engine, groupBySize(scene_, std::vector<double>(scene_.polygons.size(), 1), closed_forms), options)
                                 : estimateFormFactors(*engine, scene_, ids_, options);
       });
       return outcomeOf(*estimate, scene_, time);
@@ -144,21 +144,27 @@ class Viewpeel {
     const Plan plan = planEstimate(scene_, ids_, options, lattices);
     options.directions = plan.directions;
     chosen = fmt::format("directions={} resolution={} lattices={}", plan.directions, plan.groups[0].resolution, plan.groups.size());
-    const VisibleShares known = findVisibleShares(*plan.engine, device_, scene_, ids_, options);
-    return estimateVisibleShares(*plan.engine, scene_, ids_, By::polygon, options, known);
+    return withClosedForms(*plan.engine, plan.groups, options);
   }
 
   Estimate runLong(double seconds) const {
-    const std::unique_ptr<Engine> engine = grouped(planGroups(scene_, ids_, kLongRunResolution, kLongRunResolution, 4096));
+    const std::vector<SizeGroup> groups = planGroups(scene_, ids_, kLongRunResolution, kLongRunResolution, 4096);
+    const std::unique_ptr<Engine> engine = grouped(groups);
     warmUp(*engine);
     const double direction_s = secondsOf([&] { engine->count(sampleDirections(Sampler::fibonacci, kProfileDirections, 6, 0)); }) / kProfileDirections;
     EstimateOptions options;
     options.seed = kLongRunSeed;
     options.directions = static_cast<uint32_t>(std::clamp(seconds / ((kReplicates + 1) * direction_s), 64.0, double(1u << 24)));  // shares take one replicate
-    return estimateVisibleShares(*engine, scene_, ids_, By::polygon, options, findVisibleShares(*engine, device_, scene_, ids_, options));
+    return withClosedForms(*engine, groups, options);
   }
 
  private:
+  Estimate withClosedForms(Engine& engine, const std::vector<SizeGroup>& groups, EstimateOptions options) const {
+    const VisibleShares shares = findVisibleShares(engine, device_, scene_, ids_, groups, options);
+    options.known = &shares.known;
+    return estimateFormFactors(engine, scene_, ids_, options);
+  }
+
   std::unique_ptr<Engine> grouped(const std::vector<SizeGroup>& groups) const {
     LatticeOptions lattice;
     lattice.resolution = groups[0].resolution;
@@ -273,7 +279,7 @@ void addRivals(const Device& device, const Scene& scene, const MethodOptions& op
 std::vector<Ladder> makeLadders(const Device& device, const Scene& scene, const MethodOptions& options) {
   const auto viewpeel = std::make_shared<Viewpeel>(device, scene);
   std::vector<Ladder> ladders;
-  const auto add = [&](const std::string& method, const std::string& parameters, const Viewpeel::MakeEngine& make, Sampler sampler, bool closed_forms, double first) {
+  const auto add = [&](const std::string& method, const std::string& parameters, const Viewpeel::MakeEngine& make, Sampler sampler, int closed_forms, double first) {
     ladders.push_back({method, parameters, "directions", method != "exact", climb(first, 4, 1u << 22),
                        [=] { return viewpeel->runner(make, sampler, closed_forms); }});
   };
@@ -285,11 +291,11 @@ std::vector<Ladder> makeLadders(const Device& device, const Scene& scene, const 
     for (const bool closed_forms : {false, true})
       for (const int resolution : sampler == Sampler::fibonacci ? all : one)
         add(fmt::format("{}{}", name, closed_forms ? "_closed" : ""), fmt::format("resolution={} ", resolution),
-            viewpeel->compute({.resolution = resolution, .count_blocked = closed_forms}), sampler, closed_forms, 32);
+            viewpeel->compute({.resolution = resolution, .count_blocked = closed_forms}), sampler, closed_forms ? resolution : 0, 32);
   for (const int resolution : options.full ? std::vector<int>{64, 128, 256} : one)
-    add("scanline", fmt::format("resolution={} ", resolution), viewpeel->compute({.resolution = resolution, .sampling = Sampling::scanline}), Sampler::fibonacci, false, 32);
-  add("graphics", "resolution=128 ", viewpeel->graphics({.resolution = 128}), Sampler::fibonacci, false, 8);
-  add("exact", "", viewpeel->exact(), Sampler::fibonacci, false, 8);
+    add("scanline", fmt::format("resolution={} ", resolution), viewpeel->compute({.resolution = resolution, .sampling = Sampling::scanline}), Sampler::fibonacci, 0, 32);
+  add("graphics", "resolution=128 ", viewpeel->graphics({.resolution = 128}), Sampler::fibonacci, 0, 8);
+  add("exact", "", viewpeel->exact(), Sampler::fibonacci, 0, 8);
   addRivals(device, scene, options, ladders);
   return ladders;
 }
