@@ -42,7 +42,7 @@ using namespace device_data;
 
 constexpr uint32_t kGroupSize = 64;           // local_size_x of project, bin and allocate
 constexpr uint64_t kMemoryBudget = 1u << 30;  // of everything but the counters
-constexpr uint64_t kBatchWork = 1u << 15;     // polygons, or tiles: enough to outweigh a submission
+constexpr uint64_t kBatchWork = 1u << 17;     // polygons, or tiles: enough to outweigh a submission
 constexpr uint32_t kTrialDirections = 4;      // after which the tuning is settled
 constexpr uint32_t kLongList = 48;            // polygons over a tile, on the average, from which on smaller tiles are faster
 constexpr double kManyRounds = 1.5;           // a tile, from which on more layers are kept
@@ -266,7 +266,7 @@ void ComputeEngine::planBatches() {
   const uint64_t per_buffer = std::max<uint64_t>({scene_.corner_count * sizeof(Edge), lists_per_direction * (meets() ? sizeof(Cover) : 2 * sizeof(uint32_t)),
                                                   enters() ? fragment_bytes : 0});
   const uint64_t by_memory = std::max<uint64_t>(1, std::min(budget / bytes, largest / per_buffer));
-  const uint64_t worthwhile = std::max<uint64_t>(1, kBatchWork / std::max<uint64_t>(scene_.polygon_count, tiles));
+  const uint64_t worthwhile = std::max<uint64_t>(kTrialDirections, kBatchWork / std::max<uint64_t>(scene_.polygon_count, tiles));
   const uint64_t chosen = options_.batch_directions ? options_.batch_directions : std::min(by_memory, worthwhile);
   batch_size_ = static_cast<uint32_t>(std::min<uint64_t>(
       {chosen, device_.properties().limits.maxComputeWorkGroupCount[1], (1ull << 31) / std::max<uint64_t>(rows, 2 * scene_.corner_count),
