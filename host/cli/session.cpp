@@ -324,8 +324,8 @@ void settle(const CLI::App* command, ProgramOptions& options) {
   if (options.closed_forms.value_or(false) && !can_use)
     throw Error(ErrorCode::bad_usage, "--closed-forms on needs the whole matrix and --engine compute; of a guarantee also --by polygon and --statistic mean");
   // Between surfaces counts vary less than their parts: there shares pay for small tolerances only. Where lines meet many fronts, as with two-sided polygons, blocked pairs
-  // cost more than they gain (README).
-  const bool pays = !options.two_sided && (options.by == By::polygon || (e.tolerance && *e.tolerance <= kSurfaceShareTolerance));
+  // cost more than they gain, and a guarantee's tests of lattices each wait for closed forms of all pairs (README).
+  const bool pays = !options.two_sided && !options.epsilon && (options.by == By::polygon || (e.tolerance && *e.tolerance <= kSurfaceShareTolerance));
   options.closed_forms_by_default = !options.closed_forms.has_value();
   options.closed_forms_possible = can_use;
   options.closed_forms = options.closed_forms.value_or(options.plans && can_use && pays);
