@@ -89,9 +89,9 @@ void writeVisibleSums(Hdf5Output& out, const RunSums& sums) {
   writeColumn<uint32_t>(out, "visible/known/surface_share", known.pairs, [](const KnownPair& pair) { return pair.surface_share; });
   writeColumn<double>(out, "visible/known/exchange", known.pairs, [](const KnownPair& pair) { return pair.exchange; });
   for (const auto& [group, controls] : {std::pair("visible/faces", &sums.visible->byFace()), {"visible/surfaces", &sums.visible->bySurface()}}) {
-    const auto writeWords = [&, name = std::string(group)](const std::string& column, auto value) {
-      writeColumn<uint64_t>(out, name + column + "_high", controls->pairs(), [&](const ControlSum& pair) { return highOf(Wide(value(pair))); });
-      writeColumn<uint64_t>(out, name + column + "_low", controls->pairs(), [&](const ControlSum& pair) { return lowOf(Wide(value(pair))); });
+    const auto writeWords = [&out, name = std::string(group), &pairs = controls->pairs()](const std::string& column, auto value) {
+      writeColumn<uint64_t>(out, name + column + "_high", pairs, [&](const ControlSum& pair) { return highOf(Wide(value(pair))); });
+      writeColumn<uint64_t>(out, name + column + "_low", pairs, [&](const ControlSum& pair) { return lowOf(Wide(value(pair))); });
     };
     out.write(fmt::format("{}/replicate_count", group), std::vector<uint64_t>{controls->replicateCount()});
     writeColumn<uint32_t>(out, fmt::format("{}/i", group), controls->pairs(), [](const ControlSum& pair) { return pair.i; });
