@@ -16,13 +16,7 @@ void main() {
   Status status = Status(args.status);
   uint points = args.tile_width * args.tile_rows, most_fragments = 0u;
   if (kFragments) {
-    uint fragments = 0u;
-    for (uint k = 0u; k < points; ++k) {
-      uint its = Words(args.fragment_counts).at[tile * points + k];
-      most_fragments = max(most_fragments, its);
-      fragments += its;
-    }
-    if (fragments != 0u) atomicAdd(status.at.entered, fragments);
+    for (uint k = 0u; k < points; ++k) most_fragments = max(most_fragments, Words(args.fragment_counts).at[tile * points + k]);
     if (most_fragments > args.fragment_capacity) {
       atomicMax(status.at.most_fragments, most_fragments);
       atomicOr(status.at.active_tiles, kListsOverflowed);

@@ -167,7 +167,6 @@ struct BatchStatus {
   Groups project_groups, bin_groups;  // over what is listed
   uint listed;
   uint most_fragments;  // of a lattice point
-  uint entered;         // fragments, of all points
   Groups peel_groups;   // over active tiles, and their rows
   uint active_tiles;    // with kListsOverflowed where lists or fragments overflowed, kListsUncountable where the lists' length did
   uint list_length;     // of all tiles together
@@ -177,6 +176,7 @@ struct BatchStatus {
   uint rounds;          // over the samples of a subgroup
   Groups meet_groups;   // over meetings, and parts of their farther polygons
   uint meetings;
+  uint padding;
   // Work done, where it is measured.
   uint64_t rows;
   uint64_t spans;
