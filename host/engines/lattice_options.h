@@ -48,6 +48,7 @@ struct LatticeOptions {
   uint64_t memory_budget_bytes = 0;  // of batches; a direction that needs more gets it, and one batch at a time
   uint64_t available_bytes = 0;      // on the device; what needs more is refused
   bool measure_work = false;
+  uint32_t thread_count = 0;     // of the host engine; 0: one per core
   std::function<void(uint64_t directions)> on_batch;  // told how many of a call have been counted; what it throws ends the call; may be empty
 };
 

@@ -8,7 +8,6 @@
 #include <glm/geometric.hpp>
 
 #include "engines/compute_engine.h"
-#include "engines/pair_counters.h"
 #include "error.h"
 
 namespace viewpeel {
@@ -59,16 +58,6 @@ void split(const Scene& scene, std::vector<uint32_t> polygons, int resolution, s
   if (half == polygons.begin() || half == polygons.end()) half = polygons.begin() + static_cast<std::ptrdiff_t>(polygons.size() / 2);
   split(scene, {polygons.begin(), half}, resolution, groups);
   split(scene, {half, polygons.end()}, resolution, groups);
-}
-
-void addWork(const Work& part, Work& sum) {
-  sum.directions = std::max(sum.directions, part.directions);  // every part takes all of them
-  for (uint64_t Work::* member : {&Work::lattice_points, &Work::tiles, &Work::active_tiles, &Work::list_entries, &Work::rows, &Work::spans, &Work::samples,
-                                  &Work::rounds, &Work::tests, &Work::fragments, &Work::gaps, &Work::repeats, &Work::resumed, &Work::memory_bytes})
-    sum.*member += part.*member;
-  sum.pass_seconds.resize(part.pass_seconds.size());
-  for (size_t k = 0; k < part.pass_seconds.size(); ++k)
-    sum.pass_seconds[k] = {part.pass_seconds[k].first, sum.pass_seconds[k].second + part.pass_seconds[k].second};
 }
 
 class GroupedEngine : public Engine {

@@ -9,7 +9,7 @@
 #include <glm/geometric.hpp>
 
 #include "directions/random.h"
-#include "engines/pair_counters.h"
+#include "matrix/pair_count.h"
 #include "estimator/visible_share.h"
 
 namespace viewpeel {

@@ -6,7 +6,7 @@
 #include <iterator>
 
 #include "engines/lattice.h"
-#include "engines/pair_counters.h"
+#include "matrix/pair_count.h"
 
 namespace viewpeel {
 namespace {
