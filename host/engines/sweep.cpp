@@ -18,6 +18,8 @@ using device_data::kDepthBits, device_data::kScanlineCell;
 
 constexpr std::array<const char*, 3> kPasses = {"project", "slice", "sweep"};
 
+constexpr size_t kAhead = 8;  // spans whose surfaces are on their way from memory
+
 double secondsNow() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 // floor(x) of |x| < 2^31.
@@ -80,7 +82,7 @@ Sweep::Sweep(const SweepScene& scene, const LatticeOptions& options)
 }
 
 uint64_t Sweep::memoryBytes() const {
-  return scene_.x.size() * 16 + planes_.size() * sizeof(DepthPlane) + scene_.polygons.size() * sizeof(Outline) + spans_.capacity() * sizeof(Span) +
+  return scene_.x.size() * 16 + planes_.size() * sizeof(DepthPlane) + scene_.polygons.size() * (sizeof(Outline) + sizeof(Surface)) + spans_.capacity() * sizeof(Span) +
          layers_.capacity() * sizeof(Layer) + open_.capacity() * sizeof(Open);
 }
 
@@ -135,6 +137,7 @@ void Sweep::project(const Direction& direction) {
     plane.per_row = static_cast<int64_t>(std::floor(dy * scale + 0.5));
   }
   outlines_.clear();
+  surfaces_.clear();
   for (uint32_t k = 0; k < scene_.polygons.size(); ++k) outlinePolygon(k);
   if (!scene_.all_count) keepWhatMatters();
 }
@@ -154,10 +157,10 @@ void Sweep::outlinePolygon(uint32_t polygon_index) {
   int64_t twice_area = 0;
   for (size_t k = 1; k < 3; ++k) twice_area += (x[k] - x[0]) * (y[k + 1] - y[0]) - (y[k] - y[0]) * (x[k + 1] - x[0]);
   if (twice_area == 0) return;
-  outline.polygon = polygon_index;
-  outline.front_up = twice_area > 0;
+  outline.roles = polygon.roles;
+  const bool front_up = twice_area > 0;
   const int column_shift = fraction_bits_ - column_bits_;
-  const int64_t orientation = outline.front_up ? 1 : -1, columns = int64_t(reach_) << column_bits_;
+  const int64_t orientation = front_up ? 1 : -1, columns = int64_t(reach_) << column_bits_;
   outline.first_column = static_cast<int32_t>(std::clamp(std::min({x[0], x[1], x[2], x[3]}) >> column_shift, -columns, columns));
   outline.last_column = static_cast<int32_t>(std::clamp((std::max({x[0], x[1], x[2], x[3]}) >> column_shift) + 1, -columns, columns));
 
@@ -188,9 +191,9 @@ void Sweep::outlinePolygon(uint32_t polygon_index) {
     z_max = std::max(z_max, height_[corner]);
   }
   const double unit = double(1 << kDepthBits);
-  outline.edge_on_depth = static_cast<int64_t>((0.5 * (z_min + z_max) + 1.0) * unit);
-  outline.depth_min = static_cast<int32_t>(std::max((z_min + 1.0) * unit - plane.slack, 0.0));
-  outline.depth_max = static_cast<int32_t>(std::min((z_max + 1.0) * unit + plane.slack, 2.0 * unit));
+  surfaces_.push_back({plane.is_edge_on ? static_cast<int64_t>((0.5 * (z_min + z_max) + 1.0) * unit) : plane.at_origin, plane.per_column, plane.per_row,
+                       static_cast<int32_t>(std::max((z_min + 1.0) * unit - plane.slack, 0.0)), static_cast<int32_t>(std::min((z_max + 1.0) * unit + plane.slack, 2.0 * unit)),
+                       plane.shift, polygon_index, polygon.id, polygon.roles, front_up});
   outlines_.push_back(outline);
 }
 
@@ -198,15 +201,21 @@ void Sweep::outlinePolygon(uint32_t polygon_index) {
 void Sweep::keepWhatMatters() {
   Outline box{.first_row = INT_MAX, .last_row = INT_MIN, .first_column = INT_MAX, .last_column = INT_MIN};
   for (const Outline& outline : outlines_) {
-    if (!(scene_.polygons[outline.polygon].roles & kEmits)) continue;
+    if (!(outline.roles & kEmits)) continue;
     box.first_row = std::min(box.first_row, outline.first_row);
     box.last_row = std::max(box.last_row, outline.last_row);
     box.first_column = std::min(box.first_column, outline.first_column);
     box.last_column = std::max(box.last_column, outline.last_column);
   }
-  std::erase_if(outlines_, [&](const Outline& outline) {
-    return outline.last_row < box.first_row || outline.first_row > box.last_row || outline.last_column < box.first_column || outline.first_column > box.last_column;
-  });
+  size_t kept = 0;
+  for (size_t k = 0; k < outlines_.size(); ++k) {
+    const Outline& outline = outlines_[k];
+    if (outline.last_row < box.first_row || outline.first_row > box.last_row || outline.last_column < box.first_column || outline.first_column > box.last_column) continue;
+    outlines_[kept] = outline;
+    surfaces_[kept++] = surfaces_[k];
+  }
+  outlines_.resize(kept);
+  surfaces_.resize(kept);
   for (Outline& outline : outlines_) {
     outline.first_row = std::max(outline.first_row, box.first_row);
     outline.last_row = std::min(outline.last_row, box.last_row);
@@ -249,24 +258,11 @@ void Sweep::slice() {
 }
 
 Sweep::Layer Sweep::enter(const Span& span, int row) const {
-  const Outline& outline = outlines_[span.outline];
-  const SweepScene::Polygon& polygon = scene_.polygons[outline.polygon];
-  const DepthPlane& plane = planes_[polygon.plane];
-  Layer layer;
-  layer.depth = (plane.is_edge_on ? outline.edge_on_depth : plane.at_origin) + plane.per_row * row;
-  layer.whole = plane.per_column >> column_bits_;
-  layer.rest = plane.per_column - layer.whole * (int64_t(1) << column_bits_);
-  layer.depth_min = outline.depth_min;
-  layer.depth_max = outline.depth_max;
-  layer.shift = plane.shift;
-  layer.high = span.high;
-  layer.polygon = outline.polygon;
-  layer.front_down = !outline.front_up;
-  layer.id = polygon.id;
-  layer.roles = polygon.roles;
-  layer.sees_up = scene_.two_sided || outline.front_up;
-  layer.sees_down = scene_.two_sided || !outline.front_up;
-  return layer;
+  const Surface& surface = surfaces_[span.outline];
+  const int64_t whole = surface.per_column >> column_bits_;
+  return {surface.at_origin + surface.per_row * row, whole, surface.per_column - whole * (int64_t(1) << column_bits_),
+          surface.depth_min, surface.depth_max, surface.shift, span.high, surface.polygon, surface.id, surface.roles,
+          !surface.front_up, scene_.two_sided || surface.front_up, scene_.two_sided || !surface.front_up};
 }
 
 // The order along the line through a column: depth, of equal ones fronts that face +u first, then the polygon's number (Layer.key in shaders/shared.h).
@@ -297,6 +293,7 @@ void Sweep::sweepRow(int row, std::span<Span> spans, uint64_t weight, PairTable&
     if (next < spans.size() && spans[next].low <= column) {
       settle();
       for (; next < spans.size() && spans[next].low <= column; ++next) {
+        __builtin_prefetch(&surfaces_[spans[std::min(next + kAhead, spans.size() - 1)].outline]);
         layers_[next] = enter(spans[next], row);
         open_.push_back({0, &layers_[next]});
         first_end = std::min(first_end, spans[next].high);

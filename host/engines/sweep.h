@@ -51,18 +51,22 @@ class Sweep {
   };
   // What a polygon covers: in a row, the columns from the rightmost crossing with its left edges to the leftmost with its right ones.
   struct Outline {
-    uint32_t polygon;
     int32_t first_row, last_row;
     int32_t first_column, last_column;
-    int32_t depth_min, depth_max;
-    int64_t edge_on_depth;
-    bool front_up;
-    uint8_t left_count, right_count;         // left edges from the first place on, right ones from the last
+    uint32_t roles;
+    uint8_t left_count, right_count;                // left edges from the first place on, right ones from the last
     std::array<double, 4> row_0, per_row, inverse;  // the crossing with row y: ceil((row_0 + per_row y) inverse), see cut()
+  };
+  // What is asked of it where a row enters it, on one line of the processor's cache.
+  struct alignas(64) Surface {
+    int64_t at_origin, per_column, per_row;  // its depth
+    int32_t depth_min, depth_max, shift;
+    uint32_t polygon, id, roles;
+    bool front_up;
   };
   struct Span {
     int32_t low, high;  // columns [low, high), in units of 2^-column_bits
-    uint32_t outline;
+    uint32_t outline;   // and surface
   };
   // A span that the row has entered.
   struct Layer {
@@ -99,6 +103,7 @@ class Sweep {
   std::vector<double> height_;
   std::vector<DepthPlane> planes_;
   std::vector<Outline> outlines_;
+  std::vector<Surface> surfaces_;  // of each outline
   std::vector<uint32_t> row_starts_, row_ends_;  // in spans_, of row -reach first
   std::vector<Span> spans_;
   std::vector<Layer> layers_;
