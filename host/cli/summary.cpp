@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <thread>
 
 #include <fmt/format.h>
 
@@ -58,6 +59,8 @@ std::string describeDevice(const Device& device) {
   const DeviceDescription& d = device.description();
   return fmt::format("device     {} ({}; {})\n", d.name, d.kind, d.driver);
 }
+
+std::string describeProcessor() { return fmt::format("device     processor, {}\n", counted(std::max(1u, std::thread::hardware_concurrency()), "thread")); }
 
 void checkValidation(const Device& device) {
   if (!device.validationErrors().empty())

@@ -81,13 +81,23 @@ PairCounts SharedPairs::take(uint32_t part_index) {
 
 PairTable::PairTable(uint32_t id_count, bool counts_blocked) : id_count_(id_count), stride_(counts_blocked ? 2 : 1), dense_(denseWords(id_count, counts_blocked), 0) {
   for (uint32_t i = 0; i < id_count; ++i) row_starts_.push_back(device_data::counterIndex(i, 0, id_count));
+  coming_.fill({dense_.data(), 0});
 }
 
 PairTable::PairTable(SharedPairs& shared) : shared_(&shared), waiting_(SharedPairs::kParts * kWaiting), counts_(SharedPairs::kParts, 0) {}
 
 uint64_t PairTable::denseBytes(uint32_t id_count, bool counts_blocked) { return denseWords(id_count, counts_blocked) * sizeof(uint64_t); }
 
+// Adds what is still on its way.
+void PairTable::settle() {
+  for (Coming& coming : coming_) {
+    if (coming.weight) *coming.counter += coming.weight;
+    coming.weight = 0;
+  }
+}
+
 PairCounts PairTable::take() {
+  settle();
   PairCounts counts;
   const uint64_t* word = dense_.data();
   for (uint32_t i = 0; i < id_count_; ++i)
@@ -100,11 +110,13 @@ PairCounts PairTable::take() {
 }
 
 void PairTable::moveInto(PairTable& sum) {
+  settle();
   for (uint64_t k = 0; k < dense_.size(); ++k) sum.dense_[k] += dense_[k];
   std::fill(dense_.begin(), dense_.end(), 0);
 }
 
 void PairTable::clear() {
+  settle();
   std::fill(dense_.begin(), dense_.end(), 0);
   std::fill(counts_.begin(), counts_.end(), 0);
 }

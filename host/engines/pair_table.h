@@ -1,5 +1,6 @@
 // Counters of pairs of ids on the host: dense ones of each thread, or hash tables that all threads share.
 #pragma once
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <mutex>
@@ -74,10 +75,20 @@ class PairTable {
 
  private:
   static constexpr uint32_t kWaiting = 512;  // additions, of each part
+  static constexpr uint32_t kComing = 16;    // additions to dense counters that are on their way from memory
+
+  struct Coming {
+    uint64_t* counter;
+    uint64_t weight;
+  };
 
   void addTo(uint32_t i, uint32_t j, uint64_t weight, uint32_t blocked) {
     if (!shared_) {
-      dense_[(row_starts_[i] + (j < kEnvironment ? j : id_count_ + (j - kEnvironment))) * stride_ + blocked] += weight;
+      uint64_t* counter = &dense_[(row_starts_[i] + (j < kEnvironment ? j : id_count_ + (j - kEnvironment))) * stride_ + blocked];
+      __builtin_prefetch(counter, 1);
+      Coming& earlier = coming_[turn_++ % kComing];
+      *earlier.counter += earlier.weight;
+      earlier = {counter, weight};
       return;
     }
     const uint32_t part = shared_->partOf(i);
@@ -86,9 +97,12 @@ class PairTable {
     if (count == kWaiting) flush(part);
   }
   void flush(uint32_t part);
+  void settle();
 
   uint32_t id_count_ = 0, stride_ = 1;
   std::vector<uint64_t> row_starts_, dense_;  // by counterIndex (shaders/shared.h), facing and blocked of each
+  std::array<Coming, kComing> coming_{};
+  uint32_t turn_ = 0;
   SharedPairs* shared_ = nullptr;
   std::vector<SharedPairs::Addition> waiting_;
   std::vector<uint32_t> counts_;  // of what waits, by part

@@ -77,6 +77,7 @@ std::vector<double> resolutionsOf(const Scene& scene, const std::vector<SizeGrou
 
 // Lattices for that range: one for most of the area, windows for what needs more.
 std::vector<SizeGroup> groupsFor(const Scene& scene, const std::vector<double>& needed, const Lattices& lattices) {
+  const int finest = maxWindowResolution(lattices.sampling);
   if (lattices.resolution) return groupBySize(scene, std::vector<double>(needed.size(), 1), lattices.resolution);
   const double most = *std::max_element(needed.begin(), needed.end());
   if (!lattices.may_group) return groupBySize(scene, std::vector<double>(needed.size(), 1), static_cast<int>(std::min<double>(std::ceil(most), kMaxResolution)));
@@ -92,7 +93,7 @@ std::vector<SizeGroup> groupsFor(const Scene& scene, const std::vector<double>& 
     base = needed[k];
     break;
   }
-  return groupBySize(scene, needed, static_cast<int>(std::min<double>(std::ceil(base), kMaxResolution)));
+  return groupBySize(scene, needed, static_cast<int>(std::min<double>(std::ceil(base), kMaxResolution)), finest);
 }
 
 // Blocks until a bound, bound_at(blocks, p) for all at once, is epsilon.
@@ -251,7 +252,8 @@ double bernsteinBound(double variance, double range, double blocks, double p) {
   return std::sqrt(2 * variance * l / blocks) + 7 * range * l / (3 * (blocks - 1));
 }
 
-GuaranteePlan planGuarantee(const Scene& scene, const Ids& ids, const GuaranteeOptions& options, const Lattices& lattices, Sampling sampling, bool exact) {
+GuaranteePlan planGuarantee(const Scene& scene, const Ids& ids, const GuaranteeOptions& options, const Lattices& lattices, bool exact) {
+  const Sampling sampling = lattices.sampling;
   const double e = options.epsilon, d = options.delta;
   if (!(e > 0 && e < 1 && d > 0 && d < 1)) throw Error(ErrorCode::bad_usage, "epsilon and delta have to lie between 0 and 1");
   const bool is_median = options.statistic == Statistic::median;

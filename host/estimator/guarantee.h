@@ -93,7 +93,7 @@ struct GuaranteePlan {
 //   In: lattices as for planEstimate, with what they sample; `exact` where areas are exact
 //   Throws: Error bad_usage where epsilon or delta is not in (0, 1), or the sampler's directions are not independent; what engines throw.
 //   Cost: a pilot of some hundred directions.
-GuaranteePlan planGuarantee(const Scene& scene, const Ids& ids, const GuaranteeOptions& options, const Lattices& lattices, Sampling sampling, bool exact);
+GuaranteePlan planGuarantee(const Scene& scene, const Ids& ids, const GuaranteeOptions& options, const Lattices& lattices, bool exact);
 
 // Carries the plan out.    Out: form factors of which all are within epsilon with probability 1 - delta; standard errors are estimates, as ever.
 //   Tests: tests/guarantee_test.cpp.
