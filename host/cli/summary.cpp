@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <thread>
 
 #include <fmt/format.h>
 
 #include "error.h"
+#include "threads.h"
 
 namespace viewpeel::cli {
 namespace {
@@ -60,7 +60,7 @@ std::string describeDevice(const Device& device) {
   return fmt::format("device     {} ({}; {})\n", d.name, d.kind, d.driver);
 }
 
-std::string describeProcessor() { return fmt::format("device     processor, {}\n", counted(std::max(1u, std::thread::hardware_concurrency()), "thread")); }
+std::string describeProcessor() { return fmt::format("device     processor, {}\n", counted(threadCount(), "thread")); }
 
 void checkValidation(const Device& device) {
   if (!device.validationErrors().empty())

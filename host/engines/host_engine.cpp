@@ -3,17 +3,14 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
-#include <exception>
-#include <mutex>
 #include <optional>
-#include <thread>
 
 #include <fmt/format.h>
 
 #include "engines/lattice.h"
 #include "engines/sweep.h"
 #include "error.h"
+#include "threads.h"
 
 namespace viewpeel {
 namespace {
@@ -37,8 +34,6 @@ class HostEngine : public Engine {
     Sweep sweep;
     PairTable table;
   };
-  // Shares out `tasks` by number, `chunk` at a time, and tells of directions done, where tasks have any.
-  void shareOut(size_t tasks, size_t chunk, const std::function<void(Worker&, size_t)>& doTask, size_t directions_each = 0);
   void clear();
   PairCounts takeShared();
   uint64_t memoryBytes() const;
@@ -63,41 +58,9 @@ HostEngine::HostEngine(const Scene& scene, const Ids& ids, const LatticeOptions&
   if (each > available / 2)
     throw Error(ErrorCode::limit, fmt::format("{} polygons need {:.0f} MiB to sweep, half of the memory there is is {:.0f} MiB; try a smaller scene, or --by surface", scene.polygons.size(),
                                               double(each) / 1048576.0, double(available / 2) / 1048576.0));
-  const uint64_t threads = options.thread_count ? options.thread_count : std::max(1u, std::thread::hardware_concurrency());
+  const uint64_t threads = options.thread_count ? options.thread_count : threadCount();
   for (uint64_t k = 0; k < std::min(threads, available / 2 / each); ++k)
     workers_.push_back(std::make_unique<Worker>(Sweep(scene_, options), shared_ ? PairTable(*shared_) : PairTable(id_count_, options.count_blocked)));
-}
-
-void HostEngine::shareOut(size_t tasks, size_t chunk, const std::function<void(Worker&, size_t)>& doTask, size_t directions_each) {
-  const bool tells = options_.on_batch && directions_each;
-  std::atomic<size_t> next = 0, done = 0;
-  std::atomic<bool> stopped = false;
-  std::exception_ptr failure;
-  std::mutex failing;
-  const auto fail = [&] {
-    const std::lock_guard lock(failing);
-    if (!failure) failure = std::current_exception();
-    stopped = true;
-  };
-  const auto work = [&](Worker& worker) {
-    try {
-      for (size_t first = next.fetch_add(chunk); first < tasks && !stopped; first = next.fetch_add(chunk)) {
-        const size_t end = std::min(first + chunk, tasks);
-        for (size_t k = first; k < end && !stopped; ++k) doTask(worker, k);
-        done += end - first;
-        if (tells && &worker == workers_[0].get()) options_.on_batch(done * directions_each);
-      }
-    } catch (...) {
-      fail();
-    }
-  };
-  {
-    std::vector<std::jthread> threads;
-    for (size_t k = 1; k < std::min(workers_.size(), (tasks + chunk - 1) / chunk); ++k) threads.emplace_back([&, k] { work(*workers_[k]); });
-    work(*workers_[0]);
-  }
-  if (failure) std::rethrow_exception(failure);
-  if (tells) options_.on_batch(tasks * directions_each);
 }
 
 void HostEngine::clear() {
@@ -111,7 +74,7 @@ void HostEngine::clear() {
 PairCounts HostEngine::count(std::span<const Direction> directions) {
   clear();
   const size_t chunk = std::clamp<size_t>(directions.size() / (8 * workers_.size()), 1, kMostChunk);
-  shareOut(directions.size(), chunk, [&](Worker& worker, size_t k) { worker.sweep.count(directions[k], worker.table); }, 1);
+  shareOut(workers_.size(), directions.size(), chunk, [&](size_t worker, size_t k) { workers_[worker]->sweep.count(directions[k], workers_[worker]->table); }, options_.on_batch);
   directions_ += directions.size();
   is_clear_ = true;
   if (shared_) {
@@ -124,7 +87,7 @@ PairCounts HostEngine::count(std::span<const Direction> directions) {
 
 PairCounts HostEngine::takeShared() {
   std::vector<PairCounts> parts(SharedPairs::kParts);
-  shareOut(parts.size(), 1, [&](Worker&, size_t part) { parts[part] = shared_->take(static_cast<uint32_t>(part)); });
+  shareOut(workers_.size(), parts.size(), 1, [&](size_t, size_t part) { parts[part] = shared_->take(static_cast<uint32_t>(part)); });
   size_t count = 0;
   for (const PairCounts& part : parts) count += part.size();
   PairCounts counts;
@@ -141,11 +104,15 @@ std::vector<PairCounts> HostEngine::countBlocks(std::span<const Direction> direc
   if (shared_) return Engine::countBlocks(directions, block_directions);
   clear();
   std::vector<PairCounts> blocks(directions.size() / block_directions);
-  const auto countBlock = [&](Worker& worker, size_t k) {
+  const auto countBlock = [&](size_t thread, size_t k) {
+    Worker& worker = *workers_[thread];
     for (const Direction& direction : directions.subspan(k * block_directions, block_directions)) worker.sweep.count(direction, worker.table);
     blocks[k] = worker.table.take();
   };
-  shareOut(blocks.size(), 1, countBlock, block_directions);
+  const auto tell = [&](size_t done) {
+    if (options_.on_batch) options_.on_batch(done * block_directions);
+  };
+  shareOut(workers_.size(), blocks.size(), 1, countBlock, tell);
   directions_ += directions.size();
   is_clear_ = true;
   return blocks;
