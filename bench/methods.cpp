@@ -170,7 +170,7 @@ class Viewpeel {
 
  private:
   Estimate withClosedForms(Engine& engine, const std::vector<SizeGroup>& groups, EstimateOptions options) const {
-    const VisibleShares shares = findVisibleShares(engine, device_, scene_, ids_, groups, options);
+    const VisibleShares shares = findVisibleShares(engine, on_host_ ? nullptr : &device_, scene_, ids_, groups, options);
     options.known = &shares.known;
     return estimateFormFactors(engine, scene_, ids_, options);
   }

@@ -77,7 +77,7 @@ TEST_F(Fault, LostDeviceKeepsTheCheckpoint) {
     fs::remove(file("a.h5"));
   }
   EXPECT_GE(most, 1u);  // some were lost in the middle
-  for (const std::string planned : {"--tolerance 1e-3 --engine compute", "--epsilon 0.1 --engine compute", "--closed-forms on --engine compute", "--closed-forms on --engine host", "--engine graphics --directions 20"})
+  for (const std::string planned : {"--tolerance 1e-3 --engine compute", "--epsilon 0.1 --engine compute", "--closed-forms on --engine compute", "--engine graphics --directions 20"})
     expectOneLine(run(kOffice + planned, withFault("lost:8")), 1, {"the device was lost"});
 }
 

@@ -271,7 +271,8 @@ TEST(Guarantee, WithClosedFormsTheWholeChainHolds) {
   const Scene scene = buildScene(ts::perpendicularSquares());
   const Ids ids = makeIds(scene, By::polygon, false);
   GuaranteeOptions options{.epsilon = 0.08, .delta = 0.2, .seed = 4};
-  options.closed_forms_on = &testDevice();
+  options.closed_forms = true;
+  options.device = &testDevice();
   const Lattices lattices{[&](const std::vector<SizeGroup>& groups) { return makeGroupedEngine(testDevice(), scene, ids, {.count_blocked = true}, groups); }, 0, true};
   const GuaranteePlan plan = planGuarantee(scene, ids, options, lattices, false);
   ASSERT_TRUE(plan.share_bounds);

@@ -165,7 +165,7 @@ int runCompute(ProgramOptions options) {
     EstimateOptions pilot = options.estimate;
     pilot.directions = plan.directions;
     try {
-      shares = findVisibleShares(engine, *session.device, session.scene, session.face_ids, plan.groups, pilot);
+      shares = findVisibleShares(engine, session.deviceOrNone(), session.scene, session.face_ids, plan.groups, pilot);
     } catch (const Interrupted&) {
       endByItself();
       tellInterruption(options, 0);

@@ -102,7 +102,7 @@ Session::Session(ProgramOptions& asked) : options(asked), scene(loadScene(asked.
   if (scene.faces.size() > kMostSharedFaces && options.closed_forms_by_default) options.closed_forms = false;
   if (!options.whole_sphere && (!options.question.pair.empty() || (!options.question.from.empty() && !options.two_sided)))
     sampler = askDirections(options.question, scene, options.two_sided, options.estimate);
-  findDevice();
+  if (!isExact() && options.engine != EngineKind::host) device.emplace(options.device);
 }
 
 // Compute shaders on a GPU; on a processor its own threads are many times faster than the shaders are through a software driver (README). The counts are the same.
@@ -123,18 +123,6 @@ void Session::chooseEngine() {
   options.lattice.sampling = options.sampling.value_or(options.engine == EngineKind::host && least_area > kScanlineArea ? Sampling::scanline : Sampling::lattice);
 }
 
-// For an engine, or for closed forms, which are left out where that is all there is no device for.
-void Session::findDevice() {
-  if (isExact() || (options.engine == EngineKind::host && !usesClosedForms())) return;
-  try {
-    device.emplace(options.device);
-  } catch (const Error& error) {
-    if (options.engine != EngineKind::host || !options.closed_forms_by_default) throw;
-    options.closed_forms = false;
-    fmt::print(stderr, "viewpeel: warning: closed forms, which make errors smaller, are left out: {}\n", error.what());
-  }
-}
-
 Lattices Session::lattices() const {
   const auto make = [this](const std::vector<SizeGroup>& groups) -> std::unique_ptr<Engine> {
     if (isExact()) return reference::makeExactEngine(scene, ids, {.on_direction = stopIfInterrupted});
@@ -142,7 +130,7 @@ Lattices Session::lattices() const {
     lattice.resolution = groups[0].resolution;
     lattice.count_blocked = usesClosedForms();
     const Ids& counted = usesClosedForms() ? face_ids : ids;
-    const auto makeOne = [this](const Scene& of, const Ids& own_ids, const LatticeOptions& own) { return makeLatticeEngine(options.engine, device ? &*device : nullptr, of, own_ids, own); };
+    const auto makeOne = [this](const Scene& of, const Ids& own_ids, const LatticeOptions& own) { return makeLatticeEngine(options.engine, deviceOrNone(), of, own_ids, own); };
     return groups.size() > 1 ? makeGroupedEngine(makeOne, scene, counted, lattice, groups) : makeOne(scene, counted, lattice);
   };
   Lattices lattices{make, options.resolution, hasWindows() && ids.roles.empty() && !options.resolution, options.lattice.sampling, {}};
@@ -162,7 +150,8 @@ GuaranteeOptions Session::guaranteeOptions() const {
   asked.seed = options.estimate.seed;
   asked.range = options.range;
   asked.block_directions = options.block;
-  asked.closed_forms_on = usesClosedForms() ? &*device : nullptr;
+  asked.closed_forms = usesClosedForms();
+  asked.device = deviceOrNone();
   return asked;
 }
 

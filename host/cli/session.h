@@ -48,13 +48,14 @@ struct Session {
   Ids ids;
   Ids face_ids;  // by polygon, whatever was asked for
   std::string sampler;  // in words
-  std::optional<Device> device;  // of an engine that needs one, or for closed forms
+  std::optional<Device> device;  // of an engine that needs one
 
   // Prints warnings on stderr.    Throws: what reading the scene and finding a device throw; Error bad_usage.
   explicit Session(ProgramOptions& asked);
   bool hasWindows() const { return options.engine == EngineKind::compute || options.engine == EngineKind::host; }
   // Of what counts.
   std::string deviceName() const { return isExact() ? "none" : options.engine == EngineKind::host ? "processor" : device->description().name; }
+  const Device* deviceOrNone() const { return device ? &*device : nullptr; }
   bool isExact() const { return options.engine == EngineKind::exact; }
   bool usesClosedForms() const { return *options.closed_forms; }
   bool talks() const { return !options.quiet && !options.json; }
@@ -83,7 +84,6 @@ struct Session {
 
  private:
   void chooseEngine();
-  void findDevice();
 };
 
 }  // namespace viewpeel::cli

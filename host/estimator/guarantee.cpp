@@ -113,7 +113,7 @@ KnownShares findShares(const GuaranteePlan& plan, const Scene& scene, const Ids&
   pilot.directions = kSharePilotDirections;
   pilot.sampler = options.sampler;
   pilot.seed = options.seed;
-  return keepBounded(findVisibleShares(*plan.engine, *options.closed_forms_on, scene, ids, plan.groups, pilot).known, ids, plan.groups.size() == 1);
+  return keepBounded(findVisibleShares(*plan.engine, options.device, scene, ids, plan.groups, pilot).known, ids, plan.groups.size() == 1);
 }
 
 PairCounts countBlock(Engine& engine, const GuaranteeOptions& options, uint64_t directions, uint64_t block) {
@@ -273,7 +273,7 @@ GuaranteePlan planGuarantee(const Scene& scene, const Ids& ids, const GuaranteeO
     plan.engine = lattices.make_engine(plan.groups);
     plan.ranges = formFactorRanges(scene, ids, exact ? std::vector<double>{} : resolutionsOf(scene, plan.groups), sampling);
     const double m = plan.largest_range = *std::max_element(plan.ranges.begin(), plan.ranges.end());
-    if (options.closed_forms_on) {
+    if (options.closed_forms) {
       plan.known = findShares(plan, scene, ids, options);
       plan.share_bounds.emplace(ids, plan.ranges, plan.known);
     }
