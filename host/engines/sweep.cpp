@@ -250,10 +250,28 @@ void Sweep::slice() {
     before += in_row;
   }
   if (spans_.size() < before) spans_.resize(before);
-  for (uint32_t k = 0; k < outlines_.size(); ++k)
-    for (int32_t y = outlines_[k].first_row; y <= outlines_[k].last_row; ++y) {
-      const Span span = cut(k, y);
-      if (span.low < span.high) spans_[row_ends_[static_cast<size_t>(y + reach_)]++] = span;
+  const auto keep = [&](const Span& span, int32_t y) { spans_[row_ends_[static_cast<size_t>(y + reach_)]++] = span; };
+  if (scene_.all_count) {
+    for (uint32_t k = 0; k < outlines_.size(); ++k)
+      for (int32_t y = outlines_[k].first_row; y <= outlines_[k].last_row; ++y)
+        if (const Span span = cut(k, y); span.low < span.high) keep(span, y);
+    return;
+  }
+  // Of the others no more than what shares a column with those that emit.
+  emitting_.assign(row_starts_.size(), {INT_MAX, INT_MIN});
+  for (const bool emits : {true, false})
+    for (uint32_t k = 0; k < outlines_.size(); ++k) {
+      if (((outlines_[k].roles & kEmits) != 0) != emits) continue;
+      for (int32_t y = outlines_[k].first_row; y <= outlines_[k].last_row; ++y) {
+        auto& [low, high] = emitting_[static_cast<size_t>(y + reach_)];
+        if (!emits && (low >= high || outlines_[k].first_column >= high || outlines_[k].last_column <= low)) continue;
+        const Span span = cut(k, y);
+        if (span.low >= span.high || (!emits && (span.low >= high || span.high <= low))) continue;
+        keep(span, y);
+        if (!emits) continue;
+        low = std::min(low, span.low);
+        high = std::max(high, span.high);
+      }
     }
 }
 

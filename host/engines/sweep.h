@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "directions/direction.h"
@@ -106,6 +107,7 @@ class Sweep {
   std::vector<Surface> surfaces_;  // of each outline
   std::vector<uint32_t> row_starts_, row_ends_;  // in spans_, of row -reach first
   std::vector<Span> spans_;
+  std::vector<std::pair<int32_t, int32_t>> emitting_;  // columns between the first and the last that emits, of every row
   std::vector<Layer> layers_;
   std::vector<Open> open_;
 };
