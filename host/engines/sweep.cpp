@@ -5,7 +5,6 @@
 #include <chrono>
 #include <climits>
 #include <cmath>
-#include <map>
 
 #include "engines/lattice.h"
 #include "engines/shared.h"
@@ -36,15 +35,21 @@ int64_t divideUpward(int64_t value, int64_t by) { return value >= 0 ? (value + b
 }  // namespace
 
 SweepScene::SweepScene(const Scene& scene, const Ids& ids) : two_sided(ids.two_sided), all_count(ids.roles.empty()), counts_environment(ids.counts_environment) {
-  std::map<std::array<double, 3>, uint32_t> places;
+  // An open-addressing table of the corners met.
+  std::vector<uint32_t> places(std::bit_ceil(2 * scene.corners.size() + 1), UINT32_MAX);
   const auto placeOf = [&](const glm::dvec3& corner) {
-    const auto [at, is_new] = places.emplace(std::array{corner.x, corner.y, corner.z}, static_cast<uint32_t>(x.size()));
-    if (is_new) {
-      x.push_back(corner.x);
-      y.push_back(corner.y);
-      z.push_back(corner.z);
+    uint64_t hash = 0;
+    for (const double c : {corner.x, corner.y, corner.z}) hash = (hash ^ std::bit_cast<uint64_t>(c)) * 0x9E3779B97F4A7C15u, hash ^= hash >> 32;
+    for (size_t at = hash & (places.size() - 1);; at = (at + 1) & (places.size() - 1)) {
+      uint32_t& place = places[at];
+      if (place == UINT32_MAX) {
+        place = static_cast<uint32_t>(x.size());
+        x.push_back(corner.x);
+        y.push_back(corner.y);
+        z.push_back(corner.z);
+      }
+      if (x[place] == corner.x && y[place] == corner.y && z[place] == corner.z) return place;
     }
-    return at->second;
   };
   for (const Plane& plane : scene.planes) {
     normal_x.push_back(plane.normal.x);
