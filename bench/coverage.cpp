@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <sstream>
 
 #include <CLI/CLI.hpp>
 #include <boost/math/distributions/students_t.hpp>
@@ -132,9 +133,17 @@ struct Rule {
   uint32_t replicates = 0, goal_replicates = 0;  // goal 0: none
 };
 
+// Two whole numbers with a separator between them.
+template <class First>
+bool readPair(const std::string& text, char separator, First& first, uint32_t& second) {
+  std::istringstream in(text);
+  char between = 0;
+  return in >> first >> between >> second && between == separator && in.peek() == EOF;
+}
+
 Rule ruleOf(const std::string& text) {
   Rule rule;
-  if (std::sscanf(text.c_str(), "%u:%u", &rule.replicates, &rule.goal_replicates) < 1 || rule.replicates < 2)
+  if (!readPair(text.find(':') == std::string::npos ? text + ":0" : text, ':', rule.replicates, rule.goal_replicates) || rule.replicates < 2)
     throw Error(ErrorCode::bad_usage, "--rule " + text + ": give R or R:G, R at least 2");
   return rule;
 }
@@ -211,7 +220,7 @@ void measureCase(const std::string& name, const Device& device, const Options& o
   for (const std::string& setting : options.settings) {
     int resolution = 0;
     EstimateOptions estimate;
-    if (std::sscanf(setting.c_str(), "%dx%u", &resolution, &estimate.directions) != 2) throw Error(ErrorCode::bad_usage, "--setting " + setting + ": give PXxN");
+    if (!readPair(setting, 'x', resolution, estimate.directions)) throw Error(ErrorCode::bad_usage, "--setting " + setting + ": give PXxN");
     const auto engine = makeComputeEngine(device, scene, ids, {.resolution = resolution, .count_blocked = options.closed_forms});
     RememberingEngine remembering(*engine);
     std::vector<Entry> entries;

@@ -176,7 +176,7 @@ Layers layersAt(const std::vector<Flat>& flats, const std::vector<uint32_t>& cov
 }  // namespace
 
 PairCounts countPairsOnCpu(const Scene& scene, const Ids& ids, const std::vector<Direction>& directions, int resolution, bool blocked, Fault fault, const Window& window) {
-  const int bits = 25 - std::bit_width(static_cast<uint32_t>(resolution / 2 + std::ceil(resolution * 0.5 * glm::length(window.centre)) + 1));
+  const int bits = 25 - std::bit_width(static_cast<uint32_t>(resolution / 2) + static_cast<uint32_t>(std::ceil(resolution * 0.5 * glm::length(window.centre))) + 1);
   const int64_t one = int64_t(1) << bits;
   Counters counters(ids, blocked);
   for (Direction direction : directions) {

@@ -5,6 +5,7 @@
 #include "error.h"
 #include "test_device.h"
 #include "vulkan/buffer.h"
+#include "vulkan/commands.h"
 
 namespace viewpeel {
 namespace {
@@ -55,6 +56,22 @@ TEST(Device, ValidationSeesMisuse) {
   VkBuffer buffer = VK_NULL_HANDLE;
   if (vkCreateBuffer(device.handle(), &info, nullptr, &buffer) == VK_SUCCESS) vkDestroyBuffer(device.handle(), buffer, nullptr);
   EXPECT_FALSE(device.validationErrors().empty());
+}
+
+// So can its part that watches over barriers: two transfers to one buffer with nothing between them. It does not see what shaders reach by device address.
+TEST(Device, ValidationSeesAMissingBarrier) {
+  for (bool waits : {true, false}) {
+    const Device device({.selector = "", .validation = true});
+    const Buffer buffer(device, 256, MemoryUse::device);
+    Commands commands(device);
+    commands.begin();
+    commands.fill(buffer, 1);
+    if (waits) commands.barrier();
+    commands.fill(buffer, 2);
+    commands.submitAndWait();
+    EXPECT_EQ(device.validationErrors().empty(), waits);
+    for (const std::string& message : device.validationErrors()) EXPECT_NE(message.find("SYNC-HAZARD-WRITE-AFTER-WRITE"), std::string::npos) << message;
+  }
 }
 
 TEST(Buffer, ImpossibleSizeIsAnErrorThatNamesIt) {

@@ -233,9 +233,10 @@ Overlap overlap(const Scene& scene, const glm::dvec3& u, uint32_t a, uint32_t b)
   if (part.empty()) return {};
   glm::dvec2 middle(0);
   for (const glm::dvec2& p : part) middle += p / double(part.size());
+  const glm::dvec3 at = middle.x * x + middle.y * y;
   const auto height = [&](uint32_t p) {
     const Plane& plane = scene.planes[scene.polygons[p].plane];
-    return (plane.offset - glm::dot(plane.normal, middle.x * x + middle.y * y)) / glm::dot(plane.normal, u);
+    return (plane.offset - glm::dot(plane.normal, at)) / glm::dot(plane.normal, u);
   };
   return {std::abs(area2(part)) / 2, (height(b) - height(a)) * glm::length(u)};
 }

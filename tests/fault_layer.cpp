@@ -1,6 +1,7 @@
 // A Vulkan layer that fails on purpose, for tests of what the program does then. VIEWPEEL_FAULT says how:
 //   lost:N      the device is lost at the N-th submission, from 1, and stays lost
 //   memory:N    no memory is left at the N-th allocation and after it
+//   space:N     the device has N KiB of memory in all
 //   version     devices speak Vulkan 1.2 only
 //   feature     devices lack 64-bit integers in shaders
 //   none        there are no devices
@@ -11,6 +12,8 @@
 #include <atomic>
 #include <cstdlib>
 #include <cstring>
+#include <map>
+#include <mutex>
 #include <string>
 
 namespace {
@@ -21,6 +24,9 @@ PFN_vkGetDeviceProcAddr next_device_proc = nullptr;
 VkInstance the_instance = VK_NULL_HANDLE;
 VkDevice the_device = VK_NULL_HANDLE;
 std::atomic<int> submissions = 0, allocations = 0;
+std::mutex space_mutex;
+std::map<VkDeviceMemory, VkDeviceSize> allocated;
+VkDeviceSize allocated_bytes = 0;
 
 std::string fault() {
   const char* text = std::getenv("VIEWPEEL_FAULT");
@@ -30,7 +36,12 @@ std::string fault() {
 // Whether the count-th call is one that `kind` makes fail.
 bool failsAt(const std::string& kind, int count) {
   const std::string asked = fault();
-  return asked.rfind(kind + ":", 0) == 0 && count >= std::atoi(asked.c_str() + kind.size() + 1);
+  return asked.rfind(kind + ":", 0) == 0 && count >= std::strtol(asked.c_str() + kind.size() + 1, nullptr, 10);
+}
+
+bool hasSpace(VkDeviceSize size_bytes) {
+  const std::string asked = fault();
+  return asked.rfind("space:", 0) != 0 || allocated_bytes + size_bytes <= std::strtoull(asked.c_str() + 6, nullptr, 10) << 10;
 }
 
 // Of what lies below; looked up when the instance and the device are made, for later the loader answers with the top of its layers.
@@ -41,6 +52,7 @@ struct Next {
   PFN_vkQueueSubmit2 queueSubmit2;
   PFN_vkWaitForFences waitForFences;
   PFN_vkAllocateMemory allocateMemory;
+  PFN_vkFreeMemory freeMemory;
 } next{};
 
 template <class Function>
@@ -81,6 +93,7 @@ VKAPI_ATTR VkResult VKAPI_CALL createDevice(VkPhysicalDevice physical, const VkD
   findOfDevice("vkQueueSubmit2", next.queueSubmit2);
   findOfDevice("vkWaitForFences", next.waitForFences);
   findOfDevice("vkAllocateMemory", next.allocateMemory);
+  findOfDevice("vkFreeMemory", next.freeMemory);
   return result;
 }
 
@@ -113,8 +126,20 @@ VKAPI_ATTR VkResult VKAPI_CALL waitForFences(VkDevice device, uint32_t count, co
 }
 
 VKAPI_ATTR VkResult VKAPI_CALL allocateMemory(VkDevice device, const VkMemoryAllocateInfo* info, const VkAllocationCallbacks* allocator, VkDeviceMemory* memory) {
-  if (failsAt("memory", ++allocations)) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
-  return next.allocateMemory(device, info, allocator, memory);
+  const std::lock_guard lock(space_mutex);
+  if (failsAt("memory", ++allocations) || !hasSpace(info->allocationSize)) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+  const VkResult result = next.allocateMemory(device, info, allocator, memory);
+  if (result == VK_SUCCESS) allocated_bytes += allocated[*memory] = info->allocationSize;
+  return result;
+}
+
+VKAPI_ATTR void VKAPI_CALL freeMemory(VkDevice device, VkDeviceMemory memory, const VkAllocationCallbacks* allocator) {
+  const std::lock_guard lock(space_mutex);
+  if (const auto found = allocated.find(memory); found != allocated.end()) {
+    allocated_bytes -= found->second;
+    allocated.erase(found);
+  }
+  next.freeMemory(device, memory, allocator);
 }
 
 PFN_vkVoidFunction find(const char* name);
@@ -142,7 +167,8 @@ PFN_vkVoidFunction find(const char* name) {
               {"vkGetPhysicalDeviceFeatures2", reinterpret_cast<PFN_vkVoidFunction>(getFeatures2)},
               {"vkQueueSubmit2", reinterpret_cast<PFN_vkVoidFunction>(queueSubmit2)},
               {"vkWaitForFences", reinterpret_cast<PFN_vkVoidFunction>(waitForFences)},
-              {"vkAllocateMemory", reinterpret_cast<PFN_vkVoidFunction>(allocateMemory)}};
+              {"vkAllocateMemory", reinterpret_cast<PFN_vkVoidFunction>(allocateMemory)},
+              {"vkFreeMemory", reinterpret_cast<PFN_vkVoidFunction>(freeMemory)}};
   for (const auto& entry : mine)
     if (std::strcmp(name, entry.name) == 0) return entry.function;
   return nullptr;

@@ -86,6 +86,46 @@ TEST_F(Fault, LackOfDeviceMemoryIsAClearError) {
     for (int allocation : {1, 12}) expectOneLine(run(kOffice + planned, withFault(fmt::format("memory:{}", allocation))), 1, {"cannot allocate", "try a smaller"});
 }
 
+// On devices of less and less memory: enough for the plan; for smaller batches; for smaller ones than those, once the lists of tiles grow, as sheets above one another make them;
+// and not for one direction. What is computed has the same bits.
+TEST_F(Fault, LackOfDeviceMemoryMakesBatchesSmaller) {
+  std::ofstream scene(file("sheets.obj"));
+  for (int k = 0; k < 200; ++k) scene << fmt::format("v 0 0 {0}\nv 1 0 {0}\nv 1 1 {0}\nv 0 1 {0}\nf -4 -3 -2 -1\n", 0.01 * k);
+  scene.close();
+  const std::string options = "compute " + file("sheets.obj") + " --two-sided --directions 16 --resolution 128 --batch 8 --replicates 2 --verbose -o " + file("a.csv");
+  // Directions on the device at once, as planned and, where lists grew, in the end.
+  const auto atOnce = [](const Result& result, const char* after) {
+    unsigned batches = 0, directions = 0;
+    std::string word;
+    std::istringstream plan(result.output.substr(std::min(result.output.find("plan       ", result.output.find(after)), result.output.size())));
+    EXPECT_TRUE(plan >> word >> batches >> word >> directions) << result.output;
+    return batches * directions;
+  };
+  ASSERT_EQ(run(options, withFault("")).status, 0);
+  const std::string whole = readFile(file("a.csv"));
+  int as_planned = 0, smaller = 0, smaller_later = 0, refused = 0;
+  // Beside the 32 MiB in which counters are read back, which are there before batches.
+  for (double mib = 20; mib > 0.3; mib = mib / 1.5 - 0.1) {
+    fs::remove(file("a.csv"));
+    const Result result = run(options, withFault(fmt::format("space:{}", int((32 + mib) * 1024))));
+    if (result.status != 0) {
+      EXPECT_EQ(result.status, 1) << result.output;
+      EXPECT_NE(result.output.find("\nviewpeel: one direction at a time does not fit: "), std::string::npos) << result.output;
+      ++refused;
+      continue;
+    }
+    EXPECT_EQ(readFile(file("a.csv")), whole) << mib;
+    const unsigned first = atOnce(result, "sampling"), last = atOnce(result, "after a trial");
+    as_planned += first == 16 && last == 16;
+    smaller += first < 16;
+    smaller_later += last < first;
+  }
+  EXPECT_GT(as_planned, 0);
+  EXPECT_GT(smaller, 0);
+  EXPECT_GT(smaller_later, 0);
+  EXPECT_GT(refused, 0);
+}
+
 // Whatever goes on: a scene being read, a plan, closed forms, one long batch of either engine.
 TEST_F(Fault, SignalEndsALargeRunWithinTwoSeconds) {
   const std::string large = "compute " + writeLargeScene(100'000) + " --quiet ";
@@ -104,7 +144,7 @@ TEST_F(Fault, SignalEndsALargeRunWithinTwoSeconds) {
     const auto start = Clock::now();
     running.send(SIGINT);
     EXPECT_EQ(running.wait(), 130) << options << readFile(file("messages"));
-    EXPECT_LT(secondsSince(start), 5) << options << ": 2 s, and some for a busy machine";
+    EXPECT_LT(secondsSince(start), kSoon) << options;
     EXPECT_EQ(readFile(file("messages")).find("viewpeel: stopped by SIGINT, "), 0u) << readFile(file("messages"));
   }
 }
@@ -117,7 +157,7 @@ TEST_F(Fault, SignalInALongBatchKeepsTheReplicatesBefore) {
   const auto start = Clock::now();
   running.send(SIGTERM);
   EXPECT_EQ(running.wait(), 143) << readFile(file("messages"));
-  EXPECT_LT(secondsSince(start), 5);
+  EXPECT_LT(secondsSince(start), kSoon);
   EXPECT_NE(readFile(file("messages")).find("results are written"), std::string::npos) << readFile(file("messages"));
   EXPECT_EQ(run("merge --quiet " + file("a.h5") + " -o " + file("b.csv")).status, 0);
   EXPECT_EQ(readFile(file("a.csv")), readFile(file("b.csv")));

@@ -69,7 +69,7 @@ TEST_F(LongRun, SignalsStopItWithinSeconds) {
     const auto start = Clock::now();
     running.send(signal);
     EXPECT_EQ(running.wait(), 128 + signal) << readFile(file("messages"));
-    EXPECT_LT(secondsSince(start), 5) << "2 s, and some for a busy machine";
+    EXPECT_LT(secondsSince(start), kSoon);
     EXPECT_EQ(readFile(file("messages")), std::string("viewpeel: stopped by ") + name + ", 0 replicates done; too few to write results\n");
     EXPECT_FALSE(fs::exists(file("a.h5")) || fs::exists(file("a.csv")));
   }

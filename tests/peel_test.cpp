@@ -207,7 +207,7 @@ PairCounts countWith(const Scene& scene, const Ids& ids, const std::vector<Direc
   LatticeOptions options = lattice;
   options.measure_work = work != nullptr;
   const auto engine = makeComputeEngine(testDevice(), scene, ids, options);
-  const PairCounts counts = engine->count(directions);
+  PairCounts counts = engine->count(directions);
   if (work) *work = *engine->work();
   return counts;
 }
@@ -231,7 +231,7 @@ TEST(Peel, ThousandsOfLayersTakeMoreDispatches) {
 // A meeting has more to go through than one invocation may, and a tile has more meetings than one workgroup takes.
 TEST(Peel, HundredsOfLayersMeet) {
   std::vector<double> heights;
-  for (int k = 0; k < 1000; ++k) heights.push_back(1e-3 * (k / 2 * 2));  // two each at one height
+  for (int k = 0; k < 1000; k += 2) heights.insert(heights.end(), 2, 1e-3 * k);  // two each at one height
   const Scene scene = buildScene(ts::stackOfSheets(heights));
   const std::vector<Direction> up = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.3, 0.6}}};
   for (bool two_sided : {false, true}) {

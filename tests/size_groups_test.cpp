@@ -73,7 +73,8 @@ TEST(SizeGroups, WindowsAreFew) {
   InputScene input{"specks", {}, {}};
   ts::addFace(input, "floor", {{0, 0, 0}, {20, 0, 0}, {20, 20, 0}, {0, 20, 0}});
   for (int k = 0; k < 400; ++k) {
-    const double x = k % 20 + 0.5, y = k / 20 + 0.5, d = 1e-3;
+    const int column = k % 20, row = k / 20;
+    const double x = column + 0.5, y = row + 0.5, d = 1e-3;
     ts::addFace(input, "specks", {{x, y, 1}, {x, y + d, 1}, {x + d, y + d, 1}, {x + d, y, 1}});
   }
   const Scene scene = buildScene(input);

@@ -106,7 +106,7 @@ TEST(View3d, WhatIsNoOutputIsRefused) {
 
 // A program in the place of View3D.
 std::string writeProgram(const std::string& body) {
-  const std::string file = testing::TempDir() + "viewpeel_view3d_program";
+  std::string file = testing::TempDir() + "viewpeel_view3d_program";
   std::ofstream(file) << "#!/bin/sh\n" << body;
   std::filesystem::permissions(file, std::filesystem::perms::owner_all);
   return file;

@@ -181,7 +181,8 @@ TEST(VisibleShare, UnblockedPairsAreExact) {
 TEST(VisibleShare, NothingInBetweenIsExactForEveryPair) {
   InputScene room{"two by two squares above each other", {"low", "high"}, {}};
   for (int k = 0; k < 4; ++k) {
-    const double x = k % 2, y = k / 2;
+    const int column = k % 2, row = k / 2;
+    const double x = column, y = row;
     ts::addFace(room, "low", ts::parallelogram({x, y, 0}, {1, 0, 0}, {0, 1, 0}));
     ts::addFace(room, "high", ts::parallelogram({x, y, 4}, {0, 1, 0}, {1, 0, 0}));
   }

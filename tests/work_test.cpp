@@ -113,7 +113,7 @@ TEST(Work, SmallPolygonsAreNotTestedAllOverTheirTiles) {
   EXPECT_GT(lists.fragments, 1000u);
   EXPECT_EQ(fragments.fragments, lists.fragments);
   EXPECT_EQ(fragments.gaps, lists.gaps);
-  const auto entries = [&](LatticeOptions options) { return workOf(room, directions, options).list_entries; };
+  const auto entries = [&](const LatticeOptions& options) { return workOf(room, directions, options).list_entries; };
   EXPECT_EQ(entries({.resolution = 256}), entries({.resolution = 256, .few_points = 0})) << "large polygons are left to lists";
 }
 

@@ -80,7 +80,7 @@ void adoptPlan(const Settings& stored, ProgramOptions& options) {
   }
   const auto figureOf = [&](const char* name) {
     const auto at = std::find_if(stored.begin(), stored.end(), [&](const auto& setting) { return setting.first == name; });
-    return at == stored.end() ? 0 : std::atof(at->second.c_str());
+    return at == stored.end() ? 0 : std::strtod(at->second.c_str(), nullptr);
   };
   if (options.epsilon) {
     if (!options.range) options.range = figureOf("--range");

@@ -9,19 +9,20 @@
 //   peel       every row of every active tile: spans of its polygons, samples, layers in order, facing rules, counters
 //   cover      where blocked pairs are counted: the lattice points of every active tile that each of its polygons covers
 //   meet       of every two of those that may face each other, how many they share
-// A batch is one submission, and two are in flight where memory allows. What overflows says so in the batch's status: the host makes room and repeats.
+// A batch is one submission, and two are in flight where memory allows. What overflows says so in the batch's status: the host makes room and repeats,
+// with smaller batches where the device has no memory for that.
 #include "engines/compute_engine.h"
 
 #include <algorithm>
 #include <array>
-#include <bit>
-#include <cmath>
 
 #include <fmt/format.h>
 
+#include "engines/batch_plan.h"
 #include "engines/lattice.h"
 #include "engines/pair_counters.h"
 #include "engines/shared.h"
+#include "engines/tuning.h"
 #include "error.h"
 #include "shaders/allocate.comp.h"
 #include "shaders/bin.comp.h"
@@ -40,15 +41,9 @@ namespace {
 
 using namespace device_data;
 
-constexpr uint32_t kGroupSize = 64;           // local_size_x of project, bin and allocate
-constexpr uint64_t kMemoryBudget = 1u << 30;  // of everything but the counters
-constexpr uint64_t kBatchWork = 1u << 17;     // polygons, or tiles: enough to outweigh a submission
-constexpr uint32_t kTrialDirections = 4;      // after which the tuning is settled
 constexpr uint32_t kLongList = 48;            // polygons over a tile, on the average, from which on smaller tiles are faster
 constexpr double kManyRounds = 1.5;           // a tile, from which on more layers are kept
 constexpr uint32_t kSortedList = 16;          // polygons over such a tile, on the average, from which on lists are sorted
-constexpr uint32_t kFewPoints = 64;           // see LatticeOptions; in boxes, which hold up to three times what a polygon covers
-constexpr double kFewAcross = 5;              // such a polygon, on the average over directions, as a square
 constexpr uint32_t kFragmentCapacity = 8;     // of a lattice point at first
 constexpr uint32_t kTexelBuffers = 5;
 const std::array<const char*, 10> kPasses = {"enter", "project", "bin roles", "bin count", "allocate", "bin scatter", "sort", "peel", "cover", "meet"};
@@ -66,50 +61,6 @@ struct Batch {
   bool in_flight = false;
 };
 
-struct Tuning {
-  uint32_t subgroup_size, tile_width, tile_rows, steps, layers_kept, most_blocks;
-  bool sorts;
-};
-
-Tuning tune(const Device& device, const LatticeOptions& options) {
-  VkPhysicalDeviceSubgroupProperties subgroup{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
-  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &subgroup};
-  vkGetPhysicalDeviceProperties2(device.physical(), &properties);
-  constexpr VkSubgroupFeatureFlags kNeeded = VK_SUBGROUP_FEATURE_VOTE_BIT | VK_SUBGROUP_FEATURE_SHUFFLE_BIT | VK_SUBGROUP_FEATURE_ARITHMETIC_BIT;
-  if (subgroup.subgroupSize < 8 || subgroup.subgroupSize > 64 || (subgroup.supportedOperations & kNeeded) != kNeeded)
-    throw Error(ErrorCode::device, fmt::format("{}: subgroups of {} without vote, arithmetic and shuffle, or not of 8 to 64; use --engine graphics",
-                                               device.description().name, subgroup.subgroupSize));
-  const bool on_cpu = device.properties().deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
-  const auto choose = [](uint32_t asked, uint32_t otherwise) { return asked ? asked : otherwise; };
-  const uint32_t subgroup_size = subgroup.subgroupSize, layers_kept = choose(options.layers_kept, 4), most_blocks = choose(options.most_blocks, on_cpu ? 1000 : 1u << 30);
-  // Every row of a tile is cut from the tile's whole list with scanlines: there smaller tiles are faster.
-  const uint32_t default_rows = options.sampling == Sampling::scanline ? 2 : kMostTileRows;
-  const uint32_t tile_rows = std::min(std::bit_ceil(choose(options.tile_rows, default_rows)), kMostTileRows);
-  if (options.sampling == Sampling::scanline)
-    return {subgroup_size, kScanlineCell, tile_rows, 1, layers_kept, most_blocks, false};
-  // Lattice points: as many columns as divide a subgroup, and the rows in steps.
-  const uint32_t tile_width = std::min(std::bit_ceil(choose(options.tile_width, 8)), kMostTileWidth);
-  return {subgroup_size, tile_width, tile_rows, std::max(1u, tile_width * tile_rows / subgroup_size), layers_kept, most_blocks, options.sort};
-}
-
-// Adding to dense counters is quicker than to a hash table, reading them after every replicate takes longer: they pay where a direction adds much.
-uint64_t counterBudget(const LatticeOptions& options) {
-  const uint64_t chosen = options.resolution < 128 ? 256ull << 20 : 512ull << 20;
-  return options.counter_budget_bytes ? options.counter_budget_bytes : options.count_blocked ? 2 * chosen : chosen;
-}
-
-// Entering spares tiles' lists the polygons over few lattice points, each of which is tested for every point of the tile; where those are not most of the lists,
-// making room for fragments costs more than it spares. Tiles are 8 x 8, and a polygon's mean projection is half its area.
-uint32_t chooseFewPoints(const Scene& scene, int resolution) {
-  double entries = 0, spared = 0;
-  for (const Polygon& polygon : scene.polygons) {
-    const double across = std::sqrt(polygon.area / 2) * resolution / 2, its = (across / 8 + 1) * (across / 8 + 1);
-    entries += its;
-    spared += across <= kFewAcross ? its : 0;
-  }
-  return spared > entries / 2 ? kFewPoints : 0;
-}
-
 class ComputeEngine : public Engine {
  public:
   ComputeEngine(const Device& device, const Scene& scene, const Ids& ids, const LatticeOptions& options);
@@ -123,7 +74,8 @@ class ComputeEngine : public Engine {
  private:
   void rebuild();
   void makeKernels();
-  void planBatches();
+  void plan();
+  void shrink(const Error& error);
   void retune(const BatchStatus& found);
   void makeBatches();
   void makeLists(Batch& batch, uint64_t capacity);
@@ -137,11 +89,11 @@ class ComputeEngine : public Engine {
   PeelArgs peelArgs(const Batch& batch) const;
   void bindTexels(Batch& batch, const Kernel& kernel, const Buffer& lists);
   uint64_t memoryBytes() const;
-  uint64_t largestBuffer() const { return std::min<uint64_t>(device_.maxAllocationBytes(), device_.properties().limits.maxTexelBufferElements * uint64_t(8)); }
-  bool makeRoomForFragments(Batch& batch, uint32_t most);
+  bool makeRoom(Batch& batch, const BatchStatus& found);
+  void startCounters(uint32_t blocks);
   uint64_t listEntryBytes() const;
-  // Whether polygons enter themselves where they cover few lattice points: enough of them then, and all of them count.
-  bool enters() const { return few_points_ != 0; }
+  // Whether polygons enter themselves where they cover few lattice points.
+  bool enters() const { return plan_.enters; }
   uint32_t pointsPerDirection() const { return tiles_wide_ * tiles_high_ * tuning_.tile_width * tuning_.tile_rows; }
   // Whether blocked pairs are counted by passes of their own.
   bool meets() const { return options_.count_blocked && options_.sampling == Sampling::lattice; }
@@ -155,13 +107,14 @@ class ComputeEngine : public Engine {
   int fraction_bits_, column_bits_;
   SceneBuffers scene_;
   PairCounters counters_;
-  uint32_t tiles_wide_ = 0, tiles_high_ = 0, batch_size_ = 0, in_flight_ = 2, needed_roles_ = 0, few_points_ = 0, fragment_capacity_ = 0;
+  uint32_t tiles_wide_ = 0, tiles_high_ = 0, needed_roles_ = 0, fragment_capacity_ = 0;
+  BatchPlan plan_;
   uint64_t list_capacity_ = 0;
   Kernel enter_, project_, bin_, allocate_, sort_, peel_, cover_, meet_;
   std::vector<Batch> batches_;
   Commands commands_;       // of what is done between batches
   bool must_grow_ = false;   // the hash table
-  bool must_refit_ = false;  // the batches, to more fragments
+  bool must_refit_ = false;  // the batches, to more fragments or less memory
   bool tuned_ = false;
   uint64_t counted_ = 0;  // directions of this call
   uint64_t block_directions_ = 1;
@@ -197,9 +150,25 @@ ComputeEngine::~ComputeEngine() {
 }
 
 void ComputeEngine::rebuild() {
-  planBatches();
-  makeKernels();
-  makeBatches();
+  do {
+    batches_.clear();  // room for the next
+    must_refit_ = false;
+    plan();
+    makeKernels();
+    try {
+      makeBatches();
+    } catch (const Error& error) {
+      shrink(error);
+    }
+  } while (must_refit_);
+}
+
+// Where the device had no memory: the next batches, once rebuilt, are smaller.
+//   Throws: the error, where they cannot be or it was another.
+void ComputeEngine::shrink(const Error& error) {
+  if (error.code() != ErrorCode::memory) throw error;
+  must_refit_ = true;
+  if (!planSmaller(plan_, options_)) throw Error(ErrorCode::memory, fmt::format("one direction at a time does not fit: {}", error.what()));
 }
 
 void ComputeEngine::makeKernels() {
@@ -238,57 +207,33 @@ void ComputeEngine::retune(const BatchStatus& found) {
 }
 
 // The window holds its ball with the lattice's offset; a direction's tiles form a grid that is symmetric about the lattice's origin.
-void ComputeEngine::planBatches() {
+void ComputeEngine::plan() {
   const auto reach = static_cast<uint64_t>(windowReach(options_.resolution, options_.window));
   tiles_wide_ = 2 * divideUp(reach, tuning_.tile_width);
   tiles_high_ = 2 * divideUp(reach, tuning_.tile_rows);
   const uint64_t tiles = uint64_t(tiles_wide_) * tiles_high_, rows = tiles * rowGroups();
-  const uint64_t lists_per_direction = 4 * uint64_t(scene_.polygon_count) + tiles;
-  uint64_t bytes = scene_.polygon_count * (sizeof(uint32_t) + sizeof(ProjectedPolygon)) + scene_.corner_count * sizeof(Edge) + tiles * (12 + sizeof(ActiveTile)) +
-                         rows * 2 * (sizeof(UnfinishedRow) + sizeof(uint64_t) * tuning_.subgroup_size * tuning_.steps) + lists_per_direction * listEntryBytes() + (meets() ? tiles * sizeof(Meeting) : 0);
-  const uint64_t fixed_bytes = counters_.sizeBytes() + scene_.polygons.sizeBytes() + scene_.corners.sizeBytes();
-  const uint64_t available = options_.available_bytes ? options_.available_bytes : device_.memoryBytes();
-  if (fixed_bytes + bytes > available)
-    throw Error(ErrorCode::limit, fmt::format("{} polygons at resolution {} need {:.0f} MiB, {} has {:.0f} MiB; try a smaller --resolution or scene, or --by surface",
-                                              scene_.polygon_count, options_.resolution, double(fixed_bytes + bytes) / 1048576.0,
-                                              device_.description().name, double(available) / 1048576.0));
-  const uint64_t budget = std::min<uint64_t>(options_.memory_budget_bytes ? options_.memory_budget_bytes : kMemoryBudget, available - fixed_bytes) / 2;
-  const uint64_t largest = largestBuffer();
-  // Fragments are for speed alone: they get what room there is.
+  const uint64_t lists = 4 * uint64_t(scene_.polygon_count) + tiles;  // of a direction
+  const uint64_t bytes = scene_.polygon_count * (sizeof(uint32_t) + sizeof(ProjectedPolygon)) + scene_.corner_count * sizeof(Edge) + tiles * (12 + sizeof(ActiveTile)) +
+                         rows * 2 * (sizeof(UnfinishedRow) + sizeof(uint64_t) * tuning_.subgroup_size * tuning_.steps) + lists * listEntryBytes() + (meets() ? tiles * sizeof(Meeting) : 0);
+  const uint64_t largest = std::max<uint64_t>(scene_.corner_count * sizeof(Edge), lists * (meets() ? sizeof(Cover) : 2 * sizeof(uint32_t)));
   fragment_capacity_ = std::max(fragment_capacity_, options_.fragment_capacity ? options_.fragment_capacity : kFragmentCapacity);
-  const uint64_t points = tiles * tuning_.tile_width * tuning_.tile_rows;
-  const uint64_t fragment_bytes = points * (sizeof(uint32_t) + fragment_capacity_ * sizeof(uint64_t));
-  const bool may_enter = options_.sampling == Sampling::lattice && all_count_ && !options_.count_blocked;
-  few_points_ = may_enter && bytes + fragment_bytes <= budget && fragment_bytes <= largest ? *options_.few_points : 0;
-  if (enters()) bytes += fragment_bytes;
-  in_flight_ = bytes > budget ? 1 : 2;
-  const uint64_t per_buffer = std::max<uint64_t>({scene_.corner_count * sizeof(Edge), lists_per_direction * (meets() ? sizeof(Cover) : 2 * sizeof(uint32_t)),
-                                                  enters() ? fragment_bytes : 0});
-  const uint64_t by_memory = std::max<uint64_t>(1, std::min(budget / bytes, largest / per_buffer));
-  const uint64_t worthwhile = std::max<uint64_t>(kTrialDirections, kBatchWork / std::max<uint64_t>(scene_.polygon_count, tiles));
-  const uint64_t chosen = options_.batch_directions ? options_.batch_directions : std::min(by_memory, worthwhile);
-  batch_size_ = static_cast<uint32_t>(std::min<uint64_t>(
-      {chosen, device_.properties().limits.maxComputeWorkGroupCount[1], (1ull << 31) / std::max<uint64_t>(rows, 2 * scene_.corner_count),
-       std::max<uint64_t>(1, uint64_t(device_.properties().limits.maxComputeWorkGroupCount[0]) * kGroupSize / scene_.polygon_count)}));
-  if (divideUp(scene_.polygon_count, kGroupSize) > device_.properties().limits.maxComputeWorkGroupCount[0])
-    throw Error(ErrorCode::limit, fmt::format("{} polygons are more than {} can be asked to project at once; try a smaller scene", scene_.polygon_count,
-                                              device_.description().name));
-  if (batch_size_ == 0) throw Error(ErrorCode::limit, fmt::format("one direction has {} tile rows and {} corners, more than can be addressed; "
-                                                                  "try a smaller --resolution or scene", rows, scene_.corner_count));
-  list_capacity_ = options_.list_capacity ? options_.list_capacity : batch_size_ * lists_per_direction;
+  const bool may_enter = *options_.few_points && options_.sampling == Sampling::lattice && all_count_ && !options_.count_blocked;
+  const uint64_t fragment_bytes = may_enter ? uint64_t(pointsPerDirection()) * (sizeof(uint32_t) + fragment_capacity_ * sizeof(uint64_t)) : 0;
+  plan_ = planBatches(device_, options_, {scene_.polygon_count, scene_.corner_count, tiles, rows, bytes, largest, fragment_bytes},
+                      counters_.sizeBytes() + scene_.polygons.sizeBytes() + scene_.corners.sizeBytes());
+  list_capacity_ = options_.list_capacity ? options_.list_capacity : plan_.directions * lists;
 }
 
 void ComputeEngine::makeBatches() {
-  const uint64_t tiles = uint64_t(batch_size_) * tiles_wide_ * tiles_high_, rows = tiles * rowGroups();
+  const uint64_t tiles = uint64_t(plan_.directions) * tiles_wide_ * tiles_high_, rows = tiles * rowGroups();
   const auto texels = VK_FORMAT_R32G32B32A32_UINT;
-  batches_.clear();
-  for (uint32_t k = 0; k < in_flight_; ++k) {
+  for (uint32_t k = 0; k < plan_.in_flight; ++k) {
     Batch batch{Commands(device_)};
     if (options_.measure_work) batch.timestamps = Timestamps(device_, kPasses.size() + 1);
-    batch.directions = Buffer(device_, batch_size_ * sizeof(DirectionData), MemoryUse::upload, texels);
-    batch.listed = Buffer(device_, uint64_t(batch_size_) * scene_.polygon_count * sizeof(uint32_t), MemoryUse::device);
-    batch.edges = Buffer(device_, uint64_t(batch_size_) * scene_.corner_count * sizeof(Edge), MemoryUse::device, texels);
-    batch.projected = Buffer(device_, uint64_t(batch_size_) * scene_.polygon_count * sizeof(ProjectedPolygon), MemoryUse::device, texels);
+    batch.directions = Buffer(device_, plan_.directions * sizeof(DirectionData), MemoryUse::upload, texels);
+    batch.listed = Buffer(device_, uint64_t(plan_.directions) * scene_.polygon_count * sizeof(uint32_t), MemoryUse::device);
+    batch.edges = Buffer(device_, uint64_t(plan_.directions) * scene_.corner_count * sizeof(Edge), MemoryUse::device, texels);
+    batch.projected = Buffer(device_, uint64_t(plan_.directions) * scene_.polygon_count * sizeof(ProjectedPolygon), MemoryUse::device, texels);
     batch.tile_roles = Buffer(device_, needed_roles_ ? tiles * sizeof(uint32_t) : 0, MemoryUse::device);
     batch.tile_counts = Buffer(device_, tiles * sizeof(uint32_t), MemoryUse::device);
     batch.tile_starts = Buffer(device_, tiles * sizeof(uint32_t), MemoryUse::device);
@@ -299,7 +244,7 @@ void ComputeEngine::makeBatches() {
     batch.status_read = Buffer(device_, sizeof(BatchStatus), MemoryUse::readback);
     makeLists(batch, list_capacity_);
     if (enters()) {
-      batch.fragment_counts = Buffer(device_, uint64_t(batch_size_) * pointsPerDirection() * sizeof(uint32_t), MemoryUse::device, VK_FORMAT_R32_UINT);
+      batch.fragment_counts = Buffer(device_, uint64_t(plan_.directions) * pointsPerDirection() * sizeof(uint32_t), MemoryUse::device, VK_FORMAT_R32_UINT);
       makeFragments(batch, fragment_capacity_);
     }
     batches_.push_back(std::move(batch));
@@ -317,23 +262,44 @@ void ComputeEngine::makeLists(Batch& batch, uint64_t capacity) {
   batch.covers = Buffer(device_, capacity * sizeof(Cover), MemoryUse::device, VK_FORMAT_R32G32B32A32_UINT);
   batch.cover_polygons = Buffer(device_, capacity * sizeof(uint32_t), MemoryUse::device, VK_FORMAT_R32_UINT);
   // Every tile has as many as subgroups hold its polygons, the last not full.
-  const uint64_t meetings = uint64_t(batch_size_) * tiles_wide_ * tiles_high_ + capacity / tuning_.subgroup_size;
+  const uint64_t meetings = uint64_t(plan_.directions) * tiles_wide_ * tiles_high_ + capacity / tuning_.subgroup_size;
   batch.meetings = Buffer(device_, meetings * sizeof(Meeting), MemoryUse::device);
 }
 
 void ComputeEngine::makeFragments(Batch& batch, uint32_t capacity) {
   batch.fragments = Buffer();
   batch.fragment_capacity = capacity;
-  batch.fragments = Buffer(device_, uint64_t(batch_size_) * pointsPerDirection() * capacity * sizeof(uint64_t), MemoryUse::device, VK_FORMAT_R32G32_UINT);
+  batch.fragments = Buffer(device_, uint64_t(plan_.directions) * pointsPerDirection() * capacity * sizeof(uint64_t), MemoryUse::device, VK_FORMAT_R32G32_UINT);
 }
 
 // False where that takes smaller batches, or lists instead of fragments.
-bool ComputeEngine::makeRoomForFragments(Batch& batch, uint32_t most) {
-  fragment_capacity_ = std::max(fragment_capacity_, most + most / 4);
-  const uint64_t bytes = uint64_t(batch_size_) * pointsPerDirection() * fragment_capacity_ * sizeof(uint64_t);
-  must_refit_ = bytes > largestBuffer() || bytes > kMemoryBudget / 4;
-  if (!must_refit_) makeFragments(batch, fragment_capacity_);
+bool ComputeEngine::makeRoom(Batch& batch, const BatchStatus& found) {
+  try {
+    if (found.most_fragments > batch.fragment_capacity) {
+      fragment_capacity_ = std::max(fragment_capacity_, found.most_fragments + found.most_fragments / 4);
+      const uint64_t bytes = uint64_t(plan_.directions) * pointsPerDirection() * fragment_capacity_ * sizeof(uint64_t);
+      must_refit_ = bytes > largestBuffer(device_) || bytes > kMemoryBudget / 4;
+      if (!must_refit_) makeFragments(batch, fragment_capacity_);
+    }
+    if (!must_refit_ && found.list_length > batch.list_capacity) makeLists(batch, uint64_t(found.list_length) + found.list_length / 4);
+  } catch (const Error& error) {
+    shrink(error);
+  }
   return !must_refit_;
+}
+
+// Empty and as large as they have to be, before batches where memory is short.
+void ComputeEngine::startCounters(uint32_t blocks) {
+  for (;;) {
+    try {
+      if (must_grow_) counters_.enlarge();
+      must_grow_ = false;
+      return counters_.start(commands_, blocks);
+    } catch (const Error& error) {
+      shrink(error);
+      rebuild();
+    }
+  }
 }
 
 uint64_t ComputeEngine::listEntryBytes() const {
@@ -365,17 +331,15 @@ void ComputeEngine::countInto(std::span<const Direction> directions, size_t bloc
     if (batch.in_flight) batch.commands.wait();
     batch.in_flight = false;
   }
-  counters_.start(commands_, blocks);
+  if (must_refit_) rebuild();
+  startCounters(blocks);
   const Work work_before = work_;
   while (!countAll(directions)) {
     const uint64_t repeats = work_.repeats;
     work_ = work_before;
     work_.repeats = repeats;
-    if (must_grow_) counters_.enlarge();
-    must_grow_ = false;
     if (must_refit_) rebuild();
-    must_refit_ = false;
-    counters_.start(commands_, blocks);
+    startCounters(blocks);
   }
 }
 
@@ -388,12 +352,11 @@ bool ComputeEngine::countAll(std::span<const Direction> directions) {
     Batch& batch = batches_[turn % batches_.size()];
     if (batch.in_flight) complete = finish(batch);
     if (complete && counters_.isCrowded()) {
-      for (Batch& other : batches_)
-        if (complete && other.in_flight) complete = finish(other);
+      for (Batch& other : batches_) complete = complete && (!other.in_flight || finish(other));
       if (complete) counters_.makeRoom(commands_);
     }
     if (!complete || done == directions.size()) continue;
-    batch.asked = directions.subspan(done, std::min<size_t>(tuned_ ? batch_size_ : std::min(batch_size_, kTrialDirections), directions.size() - done));
+    batch.asked = directions.subspan(done, std::min<size_t>(tuned_ ? plan_.directions : std::min(plan_.directions, kTrialDirections), directions.size() - done));
     batch.first = done;
     done += batch.asked.size();
     submit(batch);
@@ -444,7 +407,7 @@ void ComputeEngine::submit(Batch& batch) {
   const ProjectArgs project{batch.edges.address(),
                             batch.projected.address(), 0, scene_.polygon_count, scene_.corner_count, direction_count, options_.resolution,
                             fraction_bits_, column_bits_, 0, windowReach(options_.resolution, options_.window), batch.listed.address(), batch.status.address(),
-                            batch.fragments.address(), batch.fragment_counts.address(), batch.fragment_capacity, direction_count * pointsPerDirection(), few_points_,
+                            batch.fragments.address(), batch.fragment_counts.address(), batch.fragment_capacity, direction_count * pointsPerDirection(), *options_.few_points,
                             tiles_wide_, tiles_high_};
   const uint32_t polygon_groups = divideUp(scene_.polygon_count, kGroupSize);
   const std::array scene_texels{batch.directions.texels(), scene_.polygons.texels(), scene_.corners.texels()};
@@ -514,8 +477,7 @@ bool ComputeEngine::finish(Batch& batch) {
     if (found.active_tiles & kListsUncountable)
       throw Error(ErrorCode::limit, "polygons of one batch reach more than 2^32 tiles; try a smaller --resolution or --batch");
     ++work_.repeats;
-    if (found.most_fragments > batch.fragment_capacity && !makeRoomForFragments(batch, found.most_fragments)) return false;
-    if (found.list_length > batch.list_capacity) makeLists(batch, uint64_t(found.list_length) + found.list_length / 4);
+    if (must_refit_ || !makeRoom(batch, found)) return false;
     submit(batch);
     batch.commands.wait();
     batch.in_flight = false;
@@ -613,7 +575,7 @@ std::string ComputeEngine::describePlan() const {
   return fmt::format(
       "plan       {} x {} directions in flight; {} x {} tiles of {} x {}; subgroups of {}, {} layers a round{}\n"
       "memory     {:.1f} MiB on the device: {} counters {:.1f}, scene {:.1f}, projections {:.1f}, tile lists {:.1f}, fragments {:.1f}, lines to go on with {:.1f}\n",
-      batches_.size(), batch_size_, tiles_wide_, tiles_high_, tuning_.tile_width, tuning_.tile_rows, tuning_.subgroup_size, tuning_.layers_kept,
+      batches_.size(), plan_.directions, tiles_wide_, tiles_high_, tuning_.tile_width, tuning_.tile_rows, tuning_.subgroup_size, tuning_.layers_kept,
       tuning_.sorts ? ", lists sorted by depth" : "", mib(memoryBytes()), counters_.isSparse() ? "hashed" : "dense", mib(counters_.sizeBytes()),
       mib(scene_.polygons.sizeBytes() + scene_.corners.sizeBytes()), mib(projected), mib(lists), mib(fragments), mib(unfinished));
 }

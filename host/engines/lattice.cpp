@@ -52,7 +52,7 @@ SceneBuffers::SceneBuffers(const Device& device, const Scene& scene, const Ids& 
 int chooseFractionBits(int resolution, const Window& window) {
   if (resolution < 1 || resolution > kMaxWindowResolution || windowReach(resolution, window) > windowReach(kMostWindowPoints))
     throw Error(ErrorCode::bad_usage, fmt::format("resolution {} is out of range; choose 1 to {}", resolution, kMaxResolution));
-  const auto farthest = static_cast<uint32_t>(resolution / 2 + std::ceil(resolution / 2.0 * glm::length(window.centre)) + 1);
+  const auto farthest = static_cast<uint32_t>(resolution / 2) + static_cast<uint32_t>(std::ceil(resolution / 2.0 * glm::length(window.centre))) + 1;
   return device_data::kSnapBits - std::bit_width(farthest);
 }
 

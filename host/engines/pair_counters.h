@@ -37,7 +37,7 @@ class PairCounters {
   // Empties the table into the host's sums and makes it larger, where the device has room for that; nothing is lost. The device must be idle.
   void makeRoom(Commands& commands);
   // Makes the table larger; start() has to follow.
-  //   Throws: Error limit where the device has no room for it.
+  //   Throws: Error limit where it has too many places; Error memory where the device has no room for them: then start() makes the table that was.
   void enlarge();
   // Everything counted since start(), of one block.
   PairCounts finish(Commands& commands);

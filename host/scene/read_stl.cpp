@@ -4,6 +4,7 @@
 #include <fstream>
 #include <iterator>
 #include <unordered_map>
+#include <utility>
 
 #include "scene/readers.h"
 #include "scene/words.h"
@@ -67,7 +68,7 @@ void readText(std::string_view rest, const std::string& stem, InputScene& scene)
       face.corners.push_back(corner);
     } else if (keyword == "endfacet" && in_facet) {
       if (face.corners.size() < 3) place.refuse("a facet needs three vertices; complete it");
-      scene.faces.push_back(std::move(face));
+      scene.faces.push_back(std::exchange(face, {}));
       in_facet = false;
     } else if (keyword == "endsolid" && !in_facet) {
       in_solid = false;

@@ -25,14 +25,16 @@ VkDeviceSize texelBytes(VkFormat format) {
 }
 
 [[noreturn]] void refuse(const Device& device, VkDeviceSize size_bytes) {
-  throw Error(ErrorCode::device, fmt::format("{}: cannot allocate {:.1f} MiB; try a smaller --resolution, --batch or scene, or --by surface",
+  throw Error(ErrorCode::memory, fmt::format("{}: cannot allocate {:.1f} MiB; try a smaller --resolution or scene, or --by surface",
                                              device.description().name, static_cast<double>(size_bytes) / 1048576.0));
 }
 
 }  // namespace
 
-Buffer::Buffer(const Device& device, VkDeviceSize size_bytes, MemoryUse use, VkFormat texels)
-    : device_(device.handle()), size_bytes_(std::max<VkDeviceSize>(size_bytes, 16)) {
+// The other constructor first: so what was made before an error goes.
+Buffer::Buffer(const Device& device, VkDeviceSize size_bytes, MemoryUse use, VkFormat texels) : Buffer() {
+  device_ = device.handle();
+  size_bytes_ = std::max<VkDeviceSize>(size_bytes, 16);
   if (size_bytes_ > device.maxAllocationBytes()) refuse(device, size_bytes_);
   if (texels != VK_FORMAT_UNDEFINED && size_bytes_ / texelBytes(texels) > device.properties().limits.maxTexelBufferElements)
     refuse(device, size_bytes_);
@@ -48,10 +50,7 @@ Buffer::Buffer(const Device& device, VkDeviceSize size_bytes, MemoryUse use, VkF
   VkMemoryAllocateInfo allocation{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, &flags};
   allocation.allocationSize = needs.size;
   allocation.memoryTypeIndex = device.memoryType(needs.memoryTypeBits, memoryFlags(use));
-  if (vkAllocateMemory(device_, &allocation, nullptr, &memory_) != VK_SUCCESS) {
-    vkDestroyBuffer(device_, buffer_, nullptr);
-    refuse(device, needs.size);
-  }
+  if (vkAllocateMemory(device_, &allocation, nullptr, &memory_) != VK_SUCCESS) refuse(device, needs.size);
   check(vkBindBufferMemory(device_, buffer_, memory_, 0), "vkBindBufferMemory");
   VkBufferDeviceAddressInfo address{VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO};
   address.buffer = buffer_;

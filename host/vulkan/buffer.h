@@ -13,7 +13,7 @@ enum class MemoryUse { device, upload, readback };
 class Buffer {
  public:
   Buffer() = default;
-  // Throws: Error device where the memory cannot be had, or has more texels than the device reads, naming the size.
+  // Throws: Error memory where it cannot be had, or has more texels than the device reads, naming the size.
   Buffer(const Device& device, VkDeviceSize size_bytes, MemoryUse use, VkFormat texels = VK_FORMAT_UNDEFINED);
   ~Buffer();
   Buffer(Buffer&& other) noexcept;

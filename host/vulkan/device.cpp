@@ -202,7 +202,8 @@ void check(VkResult result, const char* call) {
                         : result == VK_ERROR_OUT_OF_HOST_MEMORY ? ": out of host memory"
                         : result == VK_ERROR_DEVICE_LOST        ? ": the device was lost; run again, or choose another with --device"
                                                                 : "";
-  throw Error(ErrorCode::device, fmt::format("{} failed with VkResult {}{}", call, static_cast<int>(result), meaning));
+  throw Error(result == VK_ERROR_OUT_OF_DEVICE_MEMORY ? ErrorCode::memory : ErrorCode::device,
+              fmt::format("{} failed with VkResult {}{}", call, static_cast<int>(result), meaning));
 }
 
 std::vector<DeviceDescription> listDevices() {

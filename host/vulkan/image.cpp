@@ -25,7 +25,7 @@ Image::Image(const Device& device, uint32_t width, uint32_t height, VkFormat for
   allocation.memoryTypeIndex = device.memoryType(needs.memoryTypeBits, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
   if (needs.size > device.maxAllocationBytes() || vkAllocateMemory(device_, &allocation, nullptr, &memory_) != VK_SUCCESS) {
     vkDestroyImage(device_, image_, nullptr);
-    throw Error(ErrorCode::device, fmt::format("{}: cannot allocate an image of {} x {} pixels; try a smaller --resolution",
+    throw Error(ErrorCode::memory, fmt::format("{}: cannot allocate an image of {} x {} pixels; try a smaller --resolution",
                                                device.description().name, width, height));
   }
   check(vkBindImageMemory(device_, image_, memory_, 0), "vkBindImageMemory");

@@ -1,0 +1,62 @@
+#include "engines/tuning.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "engines/shared.h"
+#include "error.h"
+
+namespace viewpeel {
+
+using namespace device_data;
+
+namespace {
+
+constexpr uint32_t kFewPoints = 64;  // in boxes, which hold up to three times what a polygon covers
+constexpr double kFewAcross = 5;     // such a polygon, on the average over directions, as a square
+
+}  // namespace
+
+Tuning tune(const Device& device, const LatticeOptions& options) {
+  VkPhysicalDeviceSubgroupProperties subgroup{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
+  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &subgroup};
+  vkGetPhysicalDeviceProperties2(device.physical(), &properties);
+  constexpr VkSubgroupFeatureFlags kNeeded = VK_SUBGROUP_FEATURE_VOTE_BIT | VK_SUBGROUP_FEATURE_SHUFFLE_BIT | VK_SUBGROUP_FEATURE_ARITHMETIC_BIT;
+  if (subgroup.subgroupSize < 8 || subgroup.subgroupSize > 64 || (subgroup.supportedOperations & kNeeded) != kNeeded)
+    throw Error(ErrorCode::device, fmt::format("{}: subgroups of {} without vote, arithmetic and shuffle, or not of 8 to 64; use --engine graphics",
+                                               device.description().name, subgroup.subgroupSize));
+  const bool on_cpu = device.properties().deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+  const auto choose = [](uint32_t asked, uint32_t otherwise) { return asked ? asked : otherwise; };
+  const uint32_t subgroup_size = subgroup.subgroupSize, layers_kept = choose(options.layers_kept, 4), most_blocks = choose(options.most_blocks, on_cpu ? 1000 : 1u << 30);
+  // Every row of a tile is cut from the tile's whole list with scanlines: there smaller tiles are faster.
+  const uint32_t default_rows = options.sampling == Sampling::scanline ? 2 : kMostTileRows;
+  const uint32_t tile_rows = std::min(std::bit_ceil(choose(options.tile_rows, default_rows)), kMostTileRows);
+  if (options.sampling == Sampling::scanline)
+    return {subgroup_size, kScanlineCell, tile_rows, 1, layers_kept, most_blocks, false};
+  // Lattice points: as many columns as divide a subgroup, and the rows in steps.
+  const uint32_t tile_width = std::min(std::bit_ceil(choose(options.tile_width, 8)), kMostTileWidth);
+  return {subgroup_size, tile_width, tile_rows, std::max(1u, tile_width * tile_rows / subgroup_size), layers_kept, most_blocks, options.sort};
+}
+
+// Adding to dense counters is quicker than to a hash table, reading them after every replicate takes longer: they pay where a direction adds much.
+uint64_t counterBudget(const LatticeOptions& options) {
+  const uint64_t chosen = options.resolution < 128 ? 256ull << 20 : 512ull << 20;
+  return options.counter_budget_bytes ? options.counter_budget_bytes : options.count_blocked ? 2 * chosen : chosen;
+}
+
+// Entering spares tiles' lists the polygons over few lattice points, each of which is tested for every point of the tile; where those are not most of the lists,
+// making room for fragments costs more than it spares. Tiles are 8 x 8, and a polygon's mean projection is half its area.
+uint32_t chooseFewPoints(const Scene& scene, int resolution) {
+  double entries = 0, spared = 0;
+  for (const Polygon& polygon : scene.polygons) {
+    const double across = std::sqrt(polygon.area / 2) * resolution / 2, its = (across / 8 + 1) * (across / 8 + 1);
+    entries += its;
+    spared += across <= kFewAcross ? its : 0;
+  }
+  return spared > entries / 2 ? kFewPoints : 0;
+}
+
+}  // namespace viewpeel

@@ -1,0 +1,26 @@
+// What the compute engine chooses by device, scene and options. None of it changes a result.
+#pragma once
+#include <cstdint>
+
+#include "engines/lattice_options.h"
+#include "scene/scene.h"
+#include "vulkan/device.h"
+
+namespace viewpeel {
+
+struct Tuning {
+  uint32_t subgroup_size, tile_width, tile_rows, steps, layers_kept, most_blocks;
+  bool sorts;
+};
+
+// As asked for, or what suits the device.
+//   Throws: Error device where its subgroups are not of use.
+Tuning tune(const Device& device, const LatticeOptions& options);
+
+// Of dense counters, beyond which they are kept in a hash table.
+uint64_t counterBudget(const LatticeOptions& options);
+
+// Lattice points of a polygon that enters itself, see LatticeOptions; 0 where none should.
+uint32_t chooseFewPoints(const Scene& scene, int resolution);
+
+}  // namespace viewpeel

@@ -1,0 +1,32 @@
+// The bytes as a command line, an argument a line. What it asks for is not run.
+#include <cstdlib>
+#include <sstream>
+
+#include "cli/commands.h"
+#include "error.h"
+#include "input_file.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t count) {
+  using namespace viewpeel;
+  std::istringstream in(std::string(bytes, bytes + count));
+  std::vector<std::string> arguments = {"viewpeel"};
+  for (std::string line; std::getline(in, line);) arguments.push_back(line.substr(0, line.find('\0')));  // as a program gets them
+  std::vector<const char*> argv;
+  for (const std::string& argument : arguments) argv.push_back(argument.c_str());
+  CLI::App app;
+  app.require_subcommand(1);
+  cli::Run chosen;
+  cli::addCompute(app, chosen);
+  cli::addPlan(app, chosen);
+  cli::addCheck(app, chosen);
+  cli::addMerge(app, chosen);
+  cli::addDevices(app, chosen);
+  try {
+    app.parse(static_cast<int>(argv.size()), argv.data());
+    if (!chosen) std::abort();  // accepted, with nothing to do
+  } catch (const CLI::ParseError&) {
+  } catch (const Error& error) {
+    fuzz::requireOneLine(error.what());
+  }
+  return 0;
+}
