@@ -276,7 +276,9 @@ TEST(VisibleShare, PairsThatNoLineMetAreUncertain) {
     if (pair.j >= kEnvironment || pair.share || seen.value > 0) continue;
     ++unmet;
     EXPECT_EQ(f.value, 0);
-    EXPECT_EQ(f.standard_error, std::min({line, pair.exchange, made.ids.areas[pair.i], made.ids.areas[pair.j]}));
+    // Of two directions none meets it with a probability of e^-F at most, F from the smaller of the two.
+    const double area = std::min(made.ids.areas[pair.i], made.ids.areas[pair.j]), most = std::min(pair.exchange, area);
+    EXPECT_NEAR(f.standard_error, std::min(most, std::max(line, most * std::exp(-most / area))), 1e-14 * most);  // rounding
     EXPECT_GE(few.largest_standard_error, f.standard_error / std::min(made.ids.areas[pair.i], made.ids.areas[pair.j]));
   }
   EXPECT_GT(unmet, 20u);
