@@ -61,7 +61,7 @@ struct PredictedError {
   double variance = 0;  // of one replicate
   double line = 0;      // one line's in one replicate
   double most = INFINITY, area = 0, directions = 0;
-  bool is_told = false;  // by a line, or taken for wholly visible
+  bool is_told = false;  // by a line
 
   double after(double replicates) const {
     double floor = line / replicates;
@@ -130,7 +130,7 @@ std::vector<Need> findNeeds(const Ids& ids, const KnownShares& known, const Comm
     const std::optional<double> variance = variances.of(pair);
     // Of one replicate, whose directions are those of all pilots.
     error.variance = variance.value_or(0) * pilots.directions / directions;
-    error.is_told = variance || (of_known && of_known->share == kShareOne);
+    error.is_told = variance.has_value();
     const bool may_direct = is_pair && error.most < INFINITY;
     double exchange = 2 * double(count) * pilots.count_area / (pilots.directions * pilot_count);
     if (may_direct) exchange = std::max(exchange, error.most * of_known->share / kShareOne);

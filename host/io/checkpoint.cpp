@@ -260,6 +260,9 @@ Checkpoint mergeCheckpoints(const std::vector<std::filesystem::path>& files) {
     if (other.sums.visible.has_value() != merged.sums.visible.has_value() || (merged.sums.visible && !merged.sums.visible->goesWith(*other.sums.visible)))
       throw Error(ErrorCode::bad_usage, fmt::format("{}: its closed forms have other visible shares than {}, though the settings are the same; were they made by one build of viewpeel?",
                                                     files[k].string(), files.front().string()));
+    if (merged.sums.visible && !merged.sums.visible->directsAs(*other.sums.visible))
+      throw Error(ErrorCode::bad_usage, fmt::format("{}: other pairs have directions of their own than in {}, for it had another goal; give all parts of a run the same goal and --replicates",
+                                                    files[k].string(), files.front().string()));
     merged.sums.add(other.sums);
   }
   return merged;

@@ -126,12 +126,17 @@ Measured ControlSums::measure(const PairSum& pair, double measure_area, const Kn
   if (replicate_count_ < 2) return exchange;
   // R s^2, the variance of the sum over replicates
   const long double variance = std::max(0.0L, (static_cast<long double>(pair.sum_of_squares) - mean * static_cast<long double>(pair.sum)) * replicates / (replicates - 1));
-  // Lines at a time: the variance over what that of independent lines would be; one at least.
-  const long double together = pair.squares ? line * std::max(1.0L, variance / static_cast<long double>(pair.squares)) : line;
-  exchange.standard_error = static_cast<double>(std::sqrt(variance + together * together) / replicates) * scale;
-  if (!pair.squares && known && pair.j < kEnvironment && known->area < most && most < INFINITY) {
+  const double area = std::min(ids_.areas[pair.i], pair.j < kEnvironment ? ids_.areas[pair.j] : INFINITY);
+  long double surplus = line;
+  if (pair.squares) {
+    // Lines at a time: the variance over what that of independent lines would be; one at least. D as in ReplicateSums.
+    const long double at_a_time = std::max(1.0L, variance / static_cast<long double>(pair.squares)), lines = static_cast<long double>(pair.squares) / line / line;
+    surplus *= (lines + 1 + 8 / 27.0L * area * kShareOne / (count_area * line)) / (lines / at_a_time + 1);
+  }
+  exchange.standard_error = static_cast<double>(std::sqrt(variance + surplus * surplus) / replicates) * scale;
+  if (!pair.squares && pair.j < kEnvironment && most < INFINITY) {
     const double directions = double(replicate_count_) * count_area / measure_area;
-    exchange.standard_error = std::max(exchange.standard_error, most * std::exp(-directions * most / (2 * std::min(ids_.areas[pair.i], ids_.areas[pair.j]))));
+    exchange.standard_error = std::max(exchange.standard_error, most * std::exp(-directions * most / (2 * area)));
   }
   exchange.standard_error = std::min(exchange.standard_error, std::max(exchange.value, most - exchange.value));
   return exchange;

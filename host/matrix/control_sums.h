@@ -82,8 +82,8 @@ class ControlSums {
   //   Out: without row sums
   //   Error: unbiased but for the ends of [0, most], to which values are moved: the truth lies within. Standard errors as in ReplicateSums, with the squares in the place of
   //     counts: never less than one line's, and no more than the distance to the farther end. So a pair that no line met has a value of 0 and a standard error, too: of n directions
-  //     none meets it with a probability of e^(-n F / 2) at most, F from the smaller of the two and with nothing in between, for E[A'] = F A / 2 and A' <= A. Where it is not taken for
-  //     wholly visible and no line told anything else, its standard error is not less than that times `most`.
+  //     none meets it with a probability of e^(-n F / 2) at most, F from the smaller of the two and with nothing in between, for E[A'] = F A / 2 and A' <= A. Where no line
+  //     told anything but what was taken for granted, a standard error is not less than that times `most`.
   FormFactors formFactors(double measure_area, const std::vector<KnownExchange>& known, double count_area = INFINITY) const;
   // The same of one pair.    Cost: O(log nonzeros).
   Measured exchangeArea(double measure_area, const KnownExchange& known, double count_area = INFINITY) const;

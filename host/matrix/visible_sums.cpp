@@ -122,7 +122,6 @@ bool VisibleSums::goesWith(const VisibleSums& others) const {
     std::vector<std::array<uint32_t, 4>> shares;
     for (const KnownPair& pair : sums.known_.pairs)
       if (pair.share || pair.surface_share) shares.push_back({pair.i, pair.j, pair.share, pair.surface_share});
-    for (const DirectedPair& pair : sums.known_.directed) shares.insert(shares.end(), {{pair.i, pair.j, pair.directions, pair.resolution}, {pair.share, pair.line}});
     return shares;
   };
   return by_ == others.by_ && known_.lines == others.known_.lines && known_.has_all_pairs == others.known_.has_all_pairs && sharesOf(*this) == sharesOf(others);
@@ -157,6 +156,11 @@ FormFactors VisibleSums::formFactors(By by, double measure_area, double count_ar
     sum.standard_error = std::hypot(sum.standard_error, ways * directed.exchange_area.standard_error);
   }
   return chooseBetter({others.ids(), std::move(entries), {}}, sampled);
+}
+
+bool VisibleSums::directsAs(const VisibleSums& others) const {
+  const auto countsOf = [](const DirectedPair& pair) { return std::array{pair.i, pair.j, pair.directions, pair.resolution, pair.share, pair.line}; };
+  return std::ranges::equal(known_.directed, others.known_.directed, {}, countsOf, countsOf);
 }
 
 FormFactors VisibleSums::controlledFormFactors(double measure_area, const FormFactors& sampled) const {

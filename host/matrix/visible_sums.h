@@ -60,6 +60,8 @@ class VisibleSums {
   const ControlSums& directed() const { return directed_; }  // by face
   // Whether the shares, that is the integers, are the same.
   bool goesWith(const VisibleSums& others) const;
+  // Whether the same pairs have as many directions of their own.
+  bool directsAs(const VisibleSums& others) const;
 
   //   In: measure_area, count_area as in ReplicateSums; sampled: of the same replicates and kind of ids, for row sums and where shares are of no use
   FormFactors formFactors(By by, double measure_area, double count_area, const FormFactors& sampled) const;
