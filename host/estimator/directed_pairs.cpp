@@ -25,10 +25,10 @@ constexpr double kEmitterSpacings = 16;       // in the root of the emitter's ar
 constexpr double kPolygonCost = 100, kDirectedPolygonCost = 30;  // of projecting a polygon along a direction
 constexpr double kPointCost = 4;                                 // with what is blocked
 constexpr double kDirectionCost = 2000, kEngineCost = 2e7;
-constexpr double kDearest = 8;                // directions of a pair, in those that all pairs have in common
-constexpr double kFewMet = 3;
-constexpr int64_t kMostOnTrust = 8;
-constexpr size_t kMostDirected = 256, kMostEngines = 32;
+constexpr double kDearest = 8;                // most directions of a pair, in those that all pairs have in common
+constexpr double kFewMet = 3;                 // directions that meet a pair tell little of its share; none of so many meets it in e^-3 = 5 % of cases
+constexpr int64_t kMostOnTrust = 8;           // pairs
+constexpr size_t kMostDirected = 256, kMostEngines = 32;  // each engine takes memory and compiles its kernels
 constexpr double kWorthIt = 0.8;              // of the work without them
 constexpr double kMostReplicates = 1e12;
 
@@ -126,7 +126,7 @@ std::vector<Need> findNeeds(const Ids& ids, const KnownShares& known, const Comm
     PredictedError error{0, line, INFINITY, area, directions};
     const bool is_pair = pair.second < kEnvironment;
     error.line *= double(is_pair ? std::min(known.lines[pair.first], known.lines[pair.second]) : known.lines[pair.first]);
-    if (of_known && is_pair) error.most = std::min(of_known->exchange, area);
+    if (of_known && is_pair && of_known->exchange < INFINITY) error.most = std::min(of_known->exchange, area);
     const std::optional<double> variance = variances.of(pair);
     // Of one replicate, whose directions are those of all pilots.
     error.variance = variance.value_or(0) * pilots.directions / directions;

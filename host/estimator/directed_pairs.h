@@ -8,7 +8,7 @@
 // sums. A weighted mean of both would be unbiased, too, but of two variances, one of which is many times the other, it gains nothing.
 //
 // Replicates of a pair are those of the run, with random numbers of their own: counts are a function of seed, pair and number of the replicate, and add up as integers.
-// Row sums, environment and leak stay those of common directions. Tests: tests/directed_pairs_test.cpp; coverage: bench/coverage.cpp, scenes `gap` and `gaps`.
+// Row sums, environment and leak stay those of common directions. Tests: tests/directed_pairs_test.cpp; coverage: bench/coverage.cpp, scene `gap`.
 #pragma once
 #include <functional>
 #include <map>
@@ -74,11 +74,12 @@ struct CommonPilots {
 };
 
 // The pairs that keep a run from its goal, if directions of their own bring it there sooner.
-//   A replicate of N common directions leaves a pair with a variance v, and one line with l, so that R replicates have the error min(most, sqrt(v / R + (l / R)^2)); where no line told, l is not less than the
-//   unmet pair's error (ControlSums). Sorted by the replicates R_k that each needs, the first k get directions of their own, such that
-//     max(R_0, R_k) (N + sum M / 8) + 64 engines + 16 k
-//   is least: work in units of a common direction, one of the pair's own taken as an eighth of it, and R_0 the replicates asked for. M is what brings a pair below half of the goal in R_0 replicates,
-//   by pilots of its own.
+//   A replicate of N common directions leaves a pair with a variance v, and one line with l, so that R replicates have the error min(most, sqrt(v / R + (l / R)^2)); where no line told, l / R is not less than
+//   an unmet pair's error (ControlSums). Of a pair that few directions meet, N F0 / 2 < 3, half of these may see it, whatever pilots saw: v is not less than F0^2 / (4 N F0 / 2). That is looked into
+//   also where no polygon of the pair was seen blocked, if it concerns 8 pairs at most. Sorted by the replicates R_k that each needs, the first k get directions of their own, such that
+//     max(R_0, R_k) (N w + sum M w') + engines + pilots
+//   is least, w and w' being the work of a direction of either kind by numbers of polygons and lattice points, and R_0 the replicates asked for. M is what brings a pair below half of the
+//   goal in R_0 replicates, by pilots of its own.
 //   In: options: goals, replicates, directions, seed
 //   Out: sorted; none without a goal, and where that would save less than a fifth of the work. A function of counts and options alone, not of time: parts of a run choose alike.
 //   Cost: O(known pairs log) and 128 directions for each pair tried.
