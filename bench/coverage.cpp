@@ -263,7 +263,7 @@ void measureCase(const std::string& name, const Device& device, const Options& o
             pilot.relative_floor = 1e-5;
             pilot.tolerance.reset();
           }
-          shares = findVisibleShares(*engine, device, scene, ids, groupBySize(scene, std::vector<double>(scene.polygons.size(), 1), resolution), pilot);
+          shares = findVisibleShares(*engine, &device, scene, ids, groupBySize(scene, std::vector<double>(scene.polygons.size(), 1), resolution), pilot);
           shares_seed = seed;
           ++runs;
           directed_runs += !shares.known.directed.empty();

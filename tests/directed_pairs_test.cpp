@@ -55,7 +55,7 @@ struct Directed {
   }
   VisibleShares find(EstimateOptions options, PairSampler* pairs) {
     options.pairs = pairs;
-    return findVisibleShares(*engine, testDevice(), scene, ids, groups, options);
+    return findVisibleShares(*engine, &testDevice(), scene, ids, groups, options);
   }
   Estimate estimate(EstimateOptions options, const VisibleShares& shares, PairSampler* pairs) {
     options.known = &shares.known;
@@ -179,6 +179,9 @@ TEST(DirectedPairs, PairsOfOneEmitterShareAnEngine) {
     other_seed.prepare({&pair, 1});
     EXPECT_NE(other_seed.count(pair, 7), counts[k]);
   }
+  // Where engines have no finer lattices, the pair makes do.
+  EXPECT_GT(pairs[0].resolution, 50u);
+  EXPECT_EQ(PairSampler(scene, ids, 5, make, 50).direct(0, 3, 20).resolution, 50u);
   // Nothing tells of squares that face alike.
   EXPECT_EQ(together.direct(1, 3, 10).directions, 0u);
 }

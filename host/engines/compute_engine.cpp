@@ -50,7 +50,6 @@ constexpr uint32_t kSortedList = 16;          // polygons over such a tile, on t
 constexpr uint32_t kFewPoints = 64;           // see LatticeOptions; in boxes, which hold up to three times what a polygon covers
 constexpr double kFewAcross = 5;              // such a polygon, on the average over directions, as a square
 constexpr uint32_t kFragmentCapacity = 8;     // of a lattice point at first
-constexpr int kScanlineBits = 10;             // of a column coordinate: an interval's ends are rounded to 2^-10 of a spacing
 constexpr uint32_t kTexelBuffers = 5;
 const std::array<const char*, 10> kPasses = {"enter", "project", "bin roles", "bin count", "allocate", "bin scatter", "sort", "peel", "cover", "meet"};
 

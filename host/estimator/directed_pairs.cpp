@@ -9,11 +9,11 @@
 #include <utility>
 
 #include "engines/lattice.h"
-#include "engines/pair_counters.h"
 #include "engines/size_groups.h"
 #include "estimator/estimate.h"
 #include "estimator/visible_share.h"
 #include "hash.h"
+#include "matrix/pair_count.h"
 
 namespace viewpeel {
 namespace {
@@ -241,8 +241,8 @@ DirectedPair fit(PairSampler& sampler, const Ids& ids, const Need& need, Directe
 
 }  // namespace
 
-PairSampler::PairSampler(const Scene& scene, const Ids& face_ids, uint64_t seed, MakePairEngine make)
-    : scene_(scene), face_ids_(face_ids), seed_(seed), make_(std::move(make)), polygons_(face_ids.count()) {
+PairSampler::PairSampler(const Scene& scene, const Ids& face_ids, uint64_t seed, MakePairEngine make, int finest)
+    : scene_(scene), face_ids_(face_ids), seed_(seed), make_(std::move(make)), finest_(finest), polygons_(face_ids.count()) {
   for (uint32_t k = 0; k < face_ids.of_polygon.size(); ++k) polygons_[face_ids.of_polygon[k]].push_back(k);
 }
 
@@ -257,7 +257,7 @@ DirectedPair PairSampler::direct(uint32_t i, uint32_t j, uint32_t directions) {
   const std::vector<uint32_t>& emitter = polygons_[emitterOf(i, j)];
   double area = 0;
   for (uint32_t k : emitter) area += scene_.polygons[k].area;
-  const double finest = std::min<double>(kMostWindowPoints / windowAround(scene_, emitter).radius, kMaxWindowResolution);
+  const double finest = std::min<double>(kMostWindowPoints / windowAround(scene_, emitter).radius, finest_);
   return {i, j, directions, static_cast<uint32_t>(std::clamp(2 * kEmitterSpacings / std::sqrt(area), 1.0, finest))};
 }
 

@@ -31,8 +31,8 @@ using MakePairEngine = std::function<std::unique_ptr<Engine>(const Ids& ids, int
 // Counts pairs along directions of their own. The smaller face of a pair is the emitter: its pairs share an engine, whose window is around it.
 class PairSampler {
  public:
-  //   In: scene, ids by face, without roles: both are referred to
-  PairSampler(const Scene& scene, const Ids& face_ids, uint64_t seed, MakePairEngine make);
+  //   In: scene, ids by face, without roles: both are referred to; finest: the finest lattice that engines can have
+  PairSampler(const Scene& scene, const Ids& face_ids, uint64_t seed, MakePairEngine make, int finest = kMaxWindowResolution);
 
   // The pair with so many directions a replicate, and a lattice of 16 spacings in the root of the emitter's area; 0 directions where no line can tell of it.
   DirectedPair direct(uint32_t i, uint32_t j, uint32_t directions);
@@ -61,6 +61,7 @@ class PairSampler {
   const Ids& face_ids_;
   uint64_t seed_;
   MakePairEngine make_;
+  int finest_;
   std::vector<std::vector<uint32_t>> polygons_;  // of faces
   std::map<Key, DirectionRegion> regions_;       // of pairs
   std::map<Key, Part> parts_;                    // by emitter and resolution
