@@ -134,12 +134,29 @@ Measured ControlSums::measure(const PairSum& pair, double measure_area, const Kn
     surplus *= (lines + 1 + 8 / 27.0L * area * kShareOne / (count_area * line)) / (lines / at_a_time + 1);
   }
   exchange.standard_error = static_cast<double>(std::sqrt(variance + surplus * surplus) / replicates) * scale;
-  if (!pair.squares && pair.j < kEnvironment && most < INFINITY) {
-    const double directions = double(replicate_count_) * count_area / measure_area;
-    exchange.standard_error = std::max(exchange.standard_error, most * std::exp(-directions * most / (2 * area)));
-  }
   exchange.standard_error = std::min(exchange.standard_error, std::max(exchange.value, most - exchange.value));
   return exchange;
+}
+
+Measured ControlSums::allowForUnmet(Measured exchange, double measure_area, const KnownExchange& known, double count_area) const {
+  if (known.j >= kEnvironment || std::isinf(known.most) || replicate_count_ < 2) return exchange;
+  const double directions = double(replicate_count_) * count_area / measure_area, area = std::min(ids_.areas[known.i], ids_.areas[known.j]);
+  const double unmet = known.most * std::exp(-directions * known.most / (2 * area));
+  exchange.standard_error = std::max(exchange.standard_error, std::min(unmet, std::max(exchange.value, known.most - exchange.value)));
+  return exchange;
+}
+
+FormFactors ControlSums::allowForUnmet(const FormFactors& form_factors, double measure_area, const std::vector<KnownExchange>& known, double count_area) const {
+  std::vector<FormFactors::Entry> entries = form_factors.entries();
+  auto told = pairs_.begin();
+  auto at = known.begin();
+  for (FormFactors::Entry& entry : entries) {
+    while (told != pairs_.end() && keyOf(*told) < keyOf(entry)) ++told;
+    while (at != known.end() && keyOf(*at) < keyOf(entry)) ++at;
+    const bool is_told = told != pairs_.end() && keyOf(*told) == keyOf(entry), is_known = at != known.end() && keyOf(*at) == keyOf(entry);
+    if (is_known && !is_told) entry.exchange_area = allowForUnmet(entry.exchange_area, measure_area, *at, count_area);
+  }
+  return {form_factors.ids(), std::move(entries), form_factors.rowSums()};
 }
 
 FormFactors ControlSums::formFactors(double measure_area, const std::vector<KnownExchange>& known, double count_area) const {
@@ -159,7 +176,9 @@ FormFactors ControlSums::formFactors(double measure_area, const std::vector<Know
 
 Measured ControlSums::exchangeArea(double measure_area, const KnownExchange& known, double count_area) const {
   const auto at = std::lower_bound(pairs_.begin(), pairs_.end(), known, [](const PairSum& pair, const KnownExchange& key) { return keyOf(pair) < keyOf(key); });
-  return measure(at != pairs_.end() && keyOf(*at) == keyOf(known) ? *at : PairSum{known.i, known.j}, measure_area, &known, count_area);
+  const bool is_told = at != pairs_.end() && keyOf(*at) == keyOf(known);
+  const Measured exchange = measure(is_told ? *at : PairSum{known.i, known.j}, measure_area, &known, count_area);
+  return is_told ? exchange : allowForUnmet(exchange, measure_area, known, count_area);
 }
 
 FormFactors chooseBetter(const FormFactors& controlled, const FormFactors& sampled) {

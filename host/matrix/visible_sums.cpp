@@ -138,14 +138,14 @@ std::vector<FormFactors::Entry> VisibleSums::directedEntries() const {
 
 FormFactors VisibleSums::formFactors(By by, double measure_area, double count_area, const FormFactors& sampled) const {
   if (by == By::polygon) {
-    const FormFactors common = chooseBetter(by_face_.formFactors(measure_area, exchanges_, count_area), sampled);
+    const FormFactors common = by_face_.allowForUnmet(chooseBetter(by_face_.formFactors(measure_area, exchanges_, count_area), sampled), measure_area, exchanges_, count_area);
     std::vector<FormFactors::Entry> entries = common.entries();
     for (const FormFactors::Entry& directed : directedEntries())  // among the pairs known, so there
       std::lower_bound(entries.begin(), entries.end(), std::pair(directed.i, directed.j), isBefore<FormFactors::Entry>)->exchange_area = directed.exchange_area;
     return {common.ids(), std::move(entries), sampled.rowSums()};
   }
   // Directed pairs have random numbers of their own: their variances add up with that of the others.
-  const FormFactors others = by_surface_.formFactors(measure_area, surface_exchanges_, count_area);
+  const FormFactors others = by_surface_.allowForUnmet(by_surface_.formFactors(measure_area, surface_exchanges_, count_area), measure_area, surface_exchanges_, count_area);
   std::vector<FormFactors::Entry> entries = others.entries();
   const std::vector<uint32_t>& surface = by_face_.ids().surface;
   for (const FormFactors::Entry& directed : directedEntries()) {
