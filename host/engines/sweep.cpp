@@ -80,29 +80,28 @@ Sweep::Sweep(const SweepScene& scene, const LatticeOptions& options)
       snapped_y_(scene.x.size()),
       height_(scene.x.size()),
       planes_(scene.offset.size()),
-      row_starts_(2 * static_cast<size_t>(reach_) + 1),
-      row_ends_(row_starts_.size()) {
+      rows_(2 * static_cast<size_t>(reach_)) {
   if (fraction_bits_ < column_bits_) throw Error(ErrorCode::bad_usage, "scanlines cannot be this fine; use --sampling lattice");
   for (const char* pass : kPasses) work_.pass_seconds.emplace_back(pass, 0);
 }
 
 uint64_t Sweep::memoryBytes() const {
-  return scene_.x.size() * 16 + planes_.size() * sizeof(DepthPlane) + scene_.polygons.size() * (sizeof(Outline) + sizeof(Surface)) + spans_.capacity() * sizeof(Span) +
-         layers_.capacity() * sizeof(Layer) + open_.capacity() * sizeof(Open);
+  uint64_t bytes = scene_.x.size() * 16 + planes_.size() * sizeof(DepthPlane) + scene_.polygons.size() * sizeof(Surface) + layers_.capacity() * sizeof(Layer) + open_.capacity() * sizeof(Open);
+  for (const std::vector<Span>& row : rows_) bytes += row.capacity() * sizeof(Span);
+  return bytes;
 }
 
 void Sweep::count(const Direction& direction, PairTable& table) {
   const double start = measures_ ? secondsNow() : 0;
   project(direction);
   const double projected = measures_ ? secondsNow() : 0;
-  slice();
+  slice(direction);
   const double sliced = measures_ ? secondsNow() : 0;
-  for (size_t row = 0; row + 1 < row_starts_.size(); ++row) {
-    const std::span<Span> spans(spans_.data() + row_starts_[row], row_ends_[row] - row_starts_[row]);
-    if (spans.empty()) continue;
+  for (size_t row = 0; row < rows_.size(); ++row) {
+    if (rows_[row].empty()) continue;
     const int y = static_cast<int>(row) - reach_;
-    if (scene_.all_count) counts_blocked_ ? sweepRow<true, true>(y, spans, direction.weight, table) : sweepRow<true, false>(y, spans, direction.weight, table);
-    else counts_blocked_ ? sweepRow<false, true>(y, spans, direction.weight, table) : sweepRow<false, false>(y, spans, direction.weight, table);
+    if (scene_.all_count) counts_blocked_ ? sweepRow<true, true>(y, rows_[row], direction.weight, table) : sweepRow<true, false>(y, rows_[row], direction.weight, table);
+    else counts_blocked_ ? sweepRow<false, true>(y, rows_[row], direction.weight, table) : sweepRow<false, false>(y, rows_[row], direction.weight, table);
   }
   if (!measures_) return;
   const double swept = secondsNow();
@@ -112,64 +111,58 @@ void Sweep::count(const Direction& direction, PairTable& table) {
 }
 
 void Sweep::project(const Direction& direction) {
-  const glm::dvec2 origin = latticeOrigin(direction, resolution_, window_);
+  origin_ = latticeOrigin(direction, resolution_, window_);
   const double per_spacing = resolution_ * 0.5, fixed_one = double(1 << fraction_bits_);
   for (size_t k = 0; k < scene_.x.size(); ++k) {
     const double x = scene_.x[k], y = scene_.y[k], z = scene_.z[k];
-    snapped_x_[k] = floorOf((dotInOrder(x, y, z, direction.x_axis) * per_spacing + origin.x) * fixed_one + 0.5);
-    snapped_y_[k] = floorOf((dotInOrder(x, y, z, direction.y_axis) * per_spacing + origin.y) * fixed_one + 0.5);
+    snapped_x_[k] = floorOf((dotInOrder(x, y, z, direction.x_axis) * per_spacing + origin_.x) * fixed_one + 0.5);
+    snapped_y_[k] = floorOf((dotInOrder(x, y, z, direction.y_axis) * per_spacing + origin_.y) * fixed_one + 0.5);
     height_[k] = dotInOrder(x, y, z, direction.u);
   }
-  const double unit = double(1 << kDepthBits);
-  for (size_t k = 0; k < planes_.size(); ++k) {
-    const double px = scene_.normal_x[k], py = scene_.normal_y[k], pz = scene_.normal_z[k];
-    const double nx = dotInOrder(px, py, pz, direction.x_axis), ny = dotInOrder(px, py, pz, direction.y_axis), nz = dotInOrder(px, py, pz, direction.u);
-    const double dx = -nx / (nz * per_spacing) * unit, dy = -ny / (nz * per_spacing) * unit;
-    const double d0 = (scene_.offset[k] / nz + 1.0) * unit - dx * origin.x - dy * origin.y;
-    const double bound = std::abs(d0) + (std::abs(dx) + std::abs(dy)) * double(std::max(resolution_, 32)) + 1.0;
-    const int exponent = static_cast<int>(std::bit_cast<uint64_t>(bound) >> 52 & 0x7FF) - 1023;
-    DepthPlane& plane = planes_[k];
-    plane.slack = 4.0 + 2.0 * std::min(1.0 / std::max(std::abs(nz), 1e-30), 1e6);
-    plane.is_edge_on = !(std::abs(nz) > 1e-12 && exponent < 60);
-    if (plane.is_edge_on) {
-      plane.at_origin = plane.per_column = plane.per_row = plane.shift = 0;
-      continue;
-    }
-    plane.shift = std::min(60 - exponent, 30);
-    const double scale = double(1 << plane.shift);
-    plane.at_origin = static_cast<int64_t>(std::floor(d0 * scale + 0.5));
-    plane.per_column = static_cast<int64_t>(std::floor(dx * scale + 0.5));
-    plane.per_row = static_cast<int64_t>(std::floor(dy * scale + 0.5));
-  }
-  outlines_.clear();
-  surfaces_.clear();
-  for (uint32_t k = 0; k < scene_.polygons.size(); ++k) outlinePolygon(k);
-  if (!scene_.all_count) keepWhatMatters();
 }
 
-void Sweep::outlinePolygon(uint32_t polygon_index) {
-  const SweepScene::Polygon& polygon = scene_.polygons[polygon_index];
+const Sweep::DepthPlane& Sweep::depthPlane(uint32_t plane_index, const Direction& direction) {
+  DepthPlane& plane = planes_[plane_index];
+  if (plane.turn == turn_) return plane;
+  const double px = scene_.normal_x[plane_index], py = scene_.normal_y[plane_index], pz = scene_.normal_z[plane_index];
+  const double per_spacing = resolution_ * 0.5, unit = double(1 << kDepthBits);
+  const double nx = dotInOrder(px, py, pz, direction.x_axis), ny = dotInOrder(px, py, pz, direction.y_axis), nz = dotInOrder(px, py, pz, direction.u);
+  const double dx = -nx / (nz * per_spacing) * unit, dy = -ny / (nz * per_spacing) * unit;
+  const double d0 = (scene_.offset[plane_index] / nz + 1.0) * unit - dx * origin_.x - dy * origin_.y;
+  const double bound = std::abs(d0) + (std::abs(dx) + std::abs(dy)) * double(std::max(resolution_, 32)) + 1.0;
+  const int exponent = static_cast<int>(std::bit_cast<uint64_t>(bound) >> 52 & 0x7FF) - 1023;
+  plane = {turn_, 0, 0, 0, 4.0 + 2.0 * std::min(1.0 / std::max(std::abs(nz), 1e-30), 1e6), 0, !(std::abs(nz) > 1e-12 && exponent < 60)};
+  if (plane.is_edge_on) return plane;
+  plane.shift = std::min(60 - exponent, 30);
+  const double scale = double(1 << plane.shift);
+  plane.at_origin = static_cast<int64_t>(std::floor(d0 * scale + 0.5));
+  plane.per_column = static_cast<int64_t>(std::floor(dx * scale + 0.5));
+  plane.per_row = static_cast<int64_t>(std::floor(dy * scale + 0.5));
+  return plane;
+}
+
+// False where it covers nothing in the window.
+bool Sweep::outlineOf(const SweepScene::Polygon& polygon, Outline& outline) const {
   std::array<int64_t, 4> x, y;
   for (size_t k = 0; k < 4; ++k) {
     x[k] = snapped_x_[polygon.corners[k]];
     y[k] = snapped_y_[polygon.corners[k]];
   }
-  const int64_t one = int64_t(1) << fraction_bits_;
-  Outline outline;
-  outline.first_row = static_cast<int32_t>(std::max<int64_t>((std::min({y[0], y[1], y[2], y[3]}) + one - 1) >> fraction_bits_, -reach_));
-  outline.last_row = static_cast<int32_t>(std::min<int64_t>(std::max({y[0], y[1], y[2], y[3]}) >> fraction_bits_, reach_ - 1));
-  if (outline.first_row > outline.last_row) return;
+  const int column_shift = fraction_bits_ - column_bits_;
+  const auto upward = [](int64_t value, int bits) { return (value + (int64_t(1) << bits) - 1) >> bits; };
+  const int64_t first_column = upward(std::min({x[0], x[1], x[2], x[3]}), column_shift), last_column = std::max({x[0], x[1], x[2], x[3]}) >> column_shift;
+  const int64_t first_row = std::max<int64_t>(upward(std::min({y[0], y[1], y[2], y[3]}), fraction_bits_), -reach_);
+  const int64_t last_row = std::min<int64_t>(std::max({y[0], y[1], y[2], y[3]}) >> fraction_bits_, reach_ - 1);
+  if (first_row > last_row || first_column > last_column) return false;
   int64_t twice_area = 0;
   for (size_t k = 1; k < 3; ++k) twice_area += (x[k] - x[0]) * (y[k + 1] - y[0]) - (y[k] - y[0]) * (x[k + 1] - x[0]);
-  if (twice_area == 0) return;
-  outline.roles = polygon.roles;
-  const bool front_up = twice_area > 0;
-  const int column_shift = fraction_bits_ - column_bits_;
-  const int64_t orientation = front_up ? 1 : -1, columns = int64_t(reach_) << column_bits_;
-  outline.first_column = static_cast<int32_t>(std::clamp(std::min({x[0], x[1], x[2], x[3]}) >> column_shift, -columns, columns));
-  outline.last_column = static_cast<int32_t>(std::clamp((std::max({x[0], x[1], x[2], x[3]}) >> column_shift) + 1, -columns, columns));
+  if (twice_area == 0) return false;
+  outline.front_up = twice_area > 0;
+  outline.first_row = static_cast<int32_t>(first_row);
+  outline.last_row = static_cast<int32_t>(last_row);
 
   // Edges a X + b y 2^column_bits + c >= 0 with the top-left rule, as in geometry.glsl; all of these are below 2^53, so doubles hold them.
+  const int64_t orientation = outline.front_up ? 1 : -1;
   outline.left_count = outline.right_count = 0;
   for (size_t k = 0; k < polygon.corner_count; ++k) {
     const size_t next = k + 1 < polygon.corner_count ? k + 1 : 0;
@@ -187,51 +180,13 @@ void Sweep::outlinePolygon(uint32_t polygon_index) {
     outline.per_row[place] = double(a > 0 ? per_row : -per_row);
     outline.inverse[place] = -1.0 / double(std::abs(a));
   }
-  if (outline.first_row > outline.last_row) return;
-
-  const DepthPlane& plane = planes_[polygon.plane];
-  double z_min = 2, z_max = -2;
-  for (uint32_t corner : polygon.corners) {
-    z_min = std::min(z_min, height_[corner]);
-    z_max = std::max(z_max, height_[corner]);
-  }
-  const double unit = double(1 << kDepthBits);
-  surfaces_.push_back({plane.is_edge_on ? static_cast<int64_t>((0.5 * (z_min + z_max) + 1.0) * unit) : plane.at_origin, plane.per_column, plane.per_row,
-                       static_cast<int32_t>(std::max((z_min + 1.0) * unit - plane.slack, 0.0)), static_cast<int32_t>(std::min((z_max + 1.0) * unit + plane.slack, 2.0 * unit)),
-                       plane.shift, polygon_index, polygon.id, polygon.roles, front_up});
-  outlines_.push_back(outline);
+  return outline.first_row <= outline.last_row;
 }
 
-// Of what only some polygons count for, no more than what lies before or behind those.
-void Sweep::keepWhatMatters() {
-  Outline box{.first_row = INT_MAX, .last_row = INT_MIN, .first_column = INT_MAX, .last_column = INT_MIN};
-  for (const Outline& outline : outlines_) {
-    if (!(outline.roles & kEmits)) continue;
-    box.first_row = std::min(box.first_row, outline.first_row);
-    box.last_row = std::max(box.last_row, outline.last_row);
-    box.first_column = std::min(box.first_column, outline.first_column);
-    box.last_column = std::max(box.last_column, outline.last_column);
-  }
-  size_t kept = 0;
-  for (size_t k = 0; k < outlines_.size(); ++k) {
-    const Outline& outline = outlines_[k];
-    if (outline.last_row < box.first_row || outline.first_row > box.last_row || outline.last_column < box.first_column || outline.first_column > box.last_column) continue;
-    outlines_[kept] = outline;
-    surfaces_[kept++] = surfaces_[k];
-  }
-  outlines_.resize(kept);
-  surfaces_.resize(kept);
-  for (Outline& outline : outlines_) {
-    outline.first_row = std::max(outline.first_row, box.first_row);
-    outline.last_row = std::min(outline.last_row, box.last_row);
-  }
-}
-
-// The columns of a row that a polygon covers. A crossing is the least X with |a| X + v >= 0 (left edges; right edges: the first X beyond the polygon), v = row_0 + per_row y
-// exact in doubles, so X = ceil(-v / |a|). Of crossings within the window, |X| <= 2^23, v inverse is off by less than 2^-28, and -v / |a| is whole or at least 2^-26 from
-// whole numbers, since |a| < 2^26: less 2^-27 it rounds up to the same.
-Sweep::Span Sweep::cut(uint32_t outline_index, int row) const {
-  const Outline& outline = outlines_[outline_index];
+// The columns [first, second) of a row that a polygon covers. A crossing is the least X with |a| X + v >= 0 (left edges; right edges: the first X beyond the polygon),
+// v = row_0 + per_row y exact in doubles, so X = ceil(-v / |a|). Of crossings within the window, |X| <= 2^23, v inverse is off by less than 2^-28, and -v / |a| is whole or
+// at least 2^-26 from whole numbers, since |a| < 2^26: less 2^-27 it rounds up to the same.
+std::pair<int32_t, int32_t> Sweep::cut(const Outline& outline, int row) const {
   double low = -double(reach_ << column_bits_), high = -low;
   const auto crossing = [&](size_t k) { return (outline.row_0[k] + outline.per_row[k] * row) * outline.inverse[k] - 0x1p-27; };
   for (size_t k = 0; k < outline.left_count; ++k) low = std::max(low, crossing(k));
@@ -240,48 +195,61 @@ Sweep::Span Sweep::cut(uint32_t outline_index, int row) const {
     const auto whole = static_cast<int32_t>(x);
     return whole + (double(whole) < x);
   };
-  return {low < high ? ceilOf(low) : 0, low < high ? ceilOf(high) : 0, outline_index};
+  if (!(low < high)) return {0, 0};
+  return {ceilOf(low), ceilOf(high)};
 }
 
-// Spans by row.
-void Sweep::slice() {
-  std::fill(row_starts_.begin(), row_starts_.end(), 0);
-  for (const Outline& outline : outlines_)  // how many more spans a row has than the one before it
-    ++row_starts_[static_cast<size_t>(outline.first_row + reach_)], --row_starts_[static_cast<size_t>(outline.last_row + 1 + reach_)];
-  uint32_t in_row = 0, before = 0;
-  for (size_t row = 0; row < row_starts_.size(); ++row) {
-    in_row += row_starts_[row];
-    row_starts_[row] = row_ends_[row] = before;
-    before += in_row;
-  }
-  if (spans_.size() < before) spans_.resize(before);
-  const auto keep = [&](const Span& span, int32_t y) { spans_[row_ends_[static_cast<size_t>(y + reach_)]++] = span; };
+// Spans by row. Where only some polygons emit, of the others no more than what shares a column with those.
+void Sweep::slice(const Direction& direction) {
+  ++turn_;
+  surfaces_.clear();
+  for (std::vector<Span>& row : rows_) row.clear();
   if (scene_.all_count) {
-    for (uint32_t k = 0; k < outlines_.size(); ++k)
-      for (int32_t y = outlines_[k].first_row; y <= outlines_[k].last_row; ++y)
-        if (const Span span = cut(k, y); span.low < span.high) keep(span, y);
+    for (uint32_t k = 0; k < scene_.polygons.size(); ++k) slicePolygon<true>(k, direction);
     return;
   }
-  // Of the others no more than what shares a column with those that emit.
-  emitting_.assign(row_starts_.size(), {INT_MAX, INT_MIN});
+  emitting_.assign(rows_.size(), {INT_MAX, INT_MIN});
   for (const bool emits : {true, false})
-    for (uint32_t k = 0; k < outlines_.size(); ++k) {
-      if (((outlines_[k].roles & kEmits) != 0) != emits) continue;
-      for (int32_t y = outlines_[k].first_row; y <= outlines_[k].last_row; ++y) {
-        auto& [low, high] = emitting_[static_cast<size_t>(y + reach_)];
-        if (!emits && (low >= high || outlines_[k].first_column >= high || outlines_[k].last_column <= low)) continue;
-        const Span span = cut(k, y);
-        if (span.low >= span.high || (!emits && (span.low >= high || span.high <= low))) continue;
-        keep(span, y);
-        if (!emits) continue;
-        low = std::min(low, span.low);
-        high = std::max(high, span.high);
-      }
-    }
+    for (uint32_t k = 0; k < scene_.polygons.size(); ++k)
+      if (((scene_.polygons[k].roles & kEmits) != 0) == emits) slicePolygon<false>(k, direction);
+}
+
+template <bool kAllCount>
+void Sweep::slicePolygon(uint32_t polygon_index, const Direction& direction) {
+  const SweepScene::Polygon& polygon = scene_.polygons[polygon_index];
+  Outline outline;
+  if (!outlineOf(polygon, outline)) return;
+  const bool emits = polygon.roles & kEmits;
+  bool is_entered = false;  // among the surfaces
+  for (int32_t y = outline.first_row; y <= outline.last_row; ++y) {
+    const auto row = static_cast<size_t>(y + reach_);
+    if (!kAllCount && !emits && emitting_[row].first > emitting_[row].second) continue;
+    const auto [low, high] = cut(outline, y);
+    if (low >= high) continue;
+    if (!kAllCount && !emits && (low >= emitting_[row].second || high <= emitting_[row].first)) continue;
+    if (!kAllCount && emits) emitting_[row] = {std::min(emitting_[row].first, low), std::max(emitting_[row].second, high)};
+    if (!is_entered) surfaces_.push_back(surfaceOf(polygon_index, outline.front_up, direction));
+    is_entered = true;
+    rows_[row].push_back({low, high, static_cast<uint32_t>(surfaces_.size() - 1)});
+  }
+}
+
+Sweep::Surface Sweep::surfaceOf(uint32_t polygon_index, bool front_up, const Direction& direction) {
+  const SweepScene::Polygon& polygon = scene_.polygons[polygon_index];
+  const DepthPlane& plane = depthPlane(polygon.plane, direction);
+  double z_min = 2, z_max = -2;
+  for (uint32_t corner : polygon.corners) {
+    z_min = std::min(z_min, height_[corner]);
+    z_max = std::max(z_max, height_[corner]);
+  }
+  const double unit = double(1 << kDepthBits);
+  return {plane.is_edge_on ? static_cast<int64_t>((0.5 * (z_min + z_max) + 1.0) * unit) : plane.at_origin, plane.per_column, plane.per_row,
+          static_cast<int32_t>(std::max((z_min + 1.0) * unit - plane.slack, 0.0)), static_cast<int32_t>(std::min((z_max + 1.0) * unit + plane.slack, 2.0 * unit)),
+          plane.shift, polygon_index, polygon.id, polygon.roles, front_up};
 }
 
 Sweep::Layer Sweep::enter(const Span& span, int row) const {
-  const Surface& surface = surfaces_[span.outline];
+  const Surface& surface = surfaces_[span.surface];
   const int64_t whole = surface.per_column >> column_bits_;
   return {surface.at_origin + surface.per_row * row, whole, surface.per_column - whole * (int64_t(1) << column_bits_),
           surface.depth_min, surface.depth_max, surface.shift, span.high, surface.polygon, surface.id, surface.roles,
@@ -316,7 +284,7 @@ void Sweep::sweepRow(int row, std::span<Span> spans, uint64_t weight, PairTable&
     if (next < spans.size() && spans[next].low <= column) {
       settle();
       for (; next < spans.size() && spans[next].low <= column; ++next) {
-        __builtin_prefetch(&surfaces_[spans[std::min(next + kAhead, spans.size() - 1)].outline]);
+        __builtin_prefetch(&surfaces_[spans[std::min(next + kAhead, spans.size() - 1)].surface]);
         layers_[next] = enter(spans[next], row);
         open_.push_back({0, &layers_[next]});
         first_end = std::min(first_end, spans[next].high);

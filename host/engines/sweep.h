@@ -43,8 +43,9 @@ class Sweep {
   uint64_t memoryBytes() const;
 
  private:
-  // Depth over the lattice, as in ProjectedPolygon (shaders/shared.h).
+  // Depth over the lattice, as in ProjectedPolygon (shaders/shared.h), of the direction of that turn.
   struct DepthPlane {
+    uint64_t turn = 0;
     int64_t at_origin, per_column, per_row;
     double slack;
     int shift;
@@ -53,8 +54,7 @@ class Sweep {
   // What a polygon covers: in a row, the columns from the rightmost crossing with its left edges to the leftmost with its right ones.
   struct Outline {
     int32_t first_row, last_row;
-    int32_t first_column, last_column;
-    uint32_t roles;
+    bool front_up;
     uint8_t left_count, right_count;                // left edges from the first place on, right ones from the last
     std::array<double, 4> row_0, per_row, inverse;  // the crossing with row y: ceil((row_0 + per_row y) inverse), see cut()
   };
@@ -67,7 +67,7 @@ class Sweep {
   };
   struct Span {
     int32_t low, high;  // columns [low, high), in units of 2^-column_bits
-    uint32_t outline;   // and surface
+    uint32_t surface;
   };
   // A span that the row has entered.
   struct Layer {
@@ -82,10 +82,13 @@ class Sweep {
   };
 
   void project(const Direction& direction);
-  void outlinePolygon(uint32_t polygon_index);
-  void keepWhatMatters();
-  void slice();
-  Span cut(uint32_t outline_index, int row) const;
+  void slice(const Direction& direction);
+  template <bool kAllCount>
+  void slicePolygon(uint32_t polygon_index, const Direction& direction);
+  bool outlineOf(const SweepScene::Polygon& polygon, Outline& outline) const;
+  std::pair<int32_t, int32_t> cut(const Outline& outline, int row) const;
+  const DepthPlane& depthPlane(uint32_t plane_index, const Direction& direction);
+  Surface surfaceOf(uint32_t polygon_index, bool front_up, const Direction& direction);
   Layer enter(const Span& span, int row) const;
   uint64_t keyAt(const Layer& layer, int32_t column) const;
   template <bool kAllCount, bool kBlocked>
@@ -103,10 +106,10 @@ class Sweep {
   std::vector<int32_t> snapped_x_, snapped_y_;  // of corners
   std::vector<double> height_;
   std::vector<DepthPlane> planes_;
-  std::vector<Outline> outlines_;
-  std::vector<Surface> surfaces_;  // of each outline
-  std::vector<uint32_t> row_starts_, row_ends_;  // in spans_, of row -reach first
-  std::vector<Span> spans_;
+  glm::dvec2 origin_{0};  // of the lattice, in the direction at hand
+  uint64_t turn_ = 0;     // directions so far
+  std::vector<Surface> surfaces_;
+  std::vector<std::vector<Span>> rows_;  // row -reach first
   std::vector<std::pair<int32_t, int32_t>> emitting_;  // columns between the first and the last that emits, of every row
   std::vector<Layer> layers_;
   std::vector<Open> open_;
