@@ -1,6 +1,7 @@
 // Are the standard errors honest? How often the 95 % interval, mean +- t_0.975(R - 1) standard errors, holds the true form factor, over many seeds.
 // CSV on stdout, one row for each scene, setting, rule when to stop and class of entries.
-//   coverage [--scene facing|edge|far|cube|blocked]... [--closed-forms] [--sampler fibonacci|jittered|sobol|iid]... [--setting PXxN]... [--rule RULE]... [--seeds K] [--device D]
+//   coverage [--scene facing|edge|far|cube|blocked|gap]... [--closed-forms] [--directed R] [--sampler fibonacci|jittered|sobol|iid]... [--setting PXxN]... [--rule RULE]... [--seeds K] [--device D]
+// With --directed pairs that pilots tell to keep the run from a relative error of R have directions of their own.
 // A rule is R, a fixed number of replicates, or R:G, at least R and on until the largest standard error reaches the tolerance that takes G on the average.
 // Entries fall into classes by the lattice points that a replicate is expected to count for them. The last class are all that some replicate met. Entries of one run are correlated, so the standard error of a coverage comes from the spread
 // between seeds. What no line met is covered where the bound for that holds the truth (unmetBound).
@@ -8,6 +9,8 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <memory>
+#include <optional>
 #include <sstream>
 
 #include <CLI/CLI.hpp>
@@ -15,6 +18,7 @@
 
 #include "engines/compute_engine.h"
 #include "error.h"
+#include "estimator/directed_pairs.h"
 #include "estimator/visible_share.h"
 #include "measure.h"
 #include "reference/past_blocker.h"
@@ -35,6 +39,7 @@ struct Options {
   std::vector<std::string> scenes{"facing", "edge", "far", "cube"}, samplers{"fibonacci", "jittered"}, settings{"32x50"};
   std::vector<std::string> rules{"4", "8", "16", "8:12"};
   bool closed_forms = false;
+  double directed = 0;
   uint32_t seeds = 200;
   DeviceOptions device;
 };
@@ -94,19 +99,24 @@ Case cutCube(int cuts) {
   return cube;
 }
 
-// Two squares that see each other past a third one.
-Case squaresPastABlocker() {
-  InputScene input = test_scenes::parallelSquares();
-  test_scenes::addFace(input, "blocker", {{0.2, 0.1, 0.4}, {0.7, 0.1, 0.4}, {0.7, 0.6, 0.4}, {0.2, 0.6, 0.4}});
+// Two squares, first in the scene, that see each other past a third one.
+Case pastABlocker(InputScene input) {
   const double factor = reference::formFactorPastBlocker(input.faces[0].corners, input.faces[1].corners, input.faces[2].corners).value;
   return {std::move(input), {{{0, 1}, factor}}};
+}
+
+InputScene squaresPastABlocker() {
+  InputScene input = test_scenes::parallelSquares();
+  test_scenes::addFace(input, "blocker", {{0.2, 0.1, 0.4}, {0.7, 0.1, 0.4}, {0.7, 0.6, 0.4}, {0.2, 0.6, 0.4}});
+  return input;
 }
 
 Case makeCase(const std::string& name) {
   if (name == "facing") return twoSquares(test_scenes::parallelSquares(), reference::parallelRectangles({0, 1}, {0, 1}, {0, 1}, {0, 1}, 1));
   if (name == "edge") return twoSquares(test_scenes::perpendicularSquares(), reference::perpendicularRectangles({0, 1}, {0, 1}, {0, 1}, {0, 1}));
   if (name == "far") return twoSquares(test_scenes::stackOfSheets({0, 10}), reference::parallelRectangles({0, 1}, {0, 1}, {0, 1}, {0, 1}, 10));
-  if (name == "blocked") return squaresPastABlocker();
+  if (name == "blocked") return pastABlocker(squaresPastABlocker());
+  if (name == "gap") return pastABlocker(test_scenes::squaresPastAnEdge());
   return cutCube(6);
 }
 
@@ -127,6 +137,17 @@ class RememberingEngine : public Engine {
   Engine& engine_;
   std::vector<PairCounts> counts_;
   size_t next_ = 0;
+};
+
+// One for the samplers of all seeds.
+class SharedEngine : public Engine {
+ public:
+  explicit SharedEngine(Engine& engine) : engine_(engine) {}
+  PairCounts count(std::span<const Direction> directions) override { return engine_.count(directions); }
+  double unitArea() const override { return engine_.unitArea(); }
+
+ private:
+  Engine& engine_;
 };
 
 struct Rule {
@@ -230,15 +251,33 @@ void measureCase(const std::string& name, const Device& device, const Options& o
     for (const std::string& sampler : options.samplers) {
       estimate.sampler = kSamplers.at(sampler);
       VisibleShares shares;
-      uint64_t shares_seed = 0;  // of none
+      std::optional<PairSampler> pairs;
+      std::map<std::pair<int, double>, std::unique_ptr<Engine>> pair_engines;  // by resolution and window, which tell them apart in these scenes
+      const auto makePairEngine = [&](const Ids& pair_ids, int pair_resolution, const Window& window) {
+        std::unique_ptr<Engine>& made = pair_engines[{pair_resolution, window.radius}];
+        if (!made) made = makeComputeEngine(device, scene, pair_ids, {.resolution = pair_resolution, .window = window, .count_blocked = true});
+        return std::make_unique<SharedEngine>(*made);
+      };
+      uint64_t shares_seed = 0, directed_runs = 0, runs = 0;
       const auto run = [&](const Rule& rule, double tolerance, uint64_t seed) {
         estimate.replicates = rule.replicates;
         estimate.tolerance = rule.goal_replicates ? std::optional(tolerance) : std::nullopt;
         estimate.seed = seed;
         if (options.closed_forms && shares_seed != seed) {
-          shares = findVisibleShares(*engine, &device, scene, ids, groupBySize(scene, std::vector<double>(scene.polygons.size(), 1), resolution), estimate);
+          EstimateOptions pilot = estimate;
+          if (options.directed > 0) {
+            pairs.emplace(scene, ids, seed, makePairEngine);
+            pilot.pairs = &*pairs;
+            pilot.relative = options.directed;
+            pilot.relative_floor = 1e-5;
+            pilot.tolerance.reset();
+          }
+          shares = findVisibleShares(*engine, &device, scene, ids, groupBySize(scene, std::vector<double>(scene.polygons.size(), 1), resolution), pilot);
           shares_seed = seed;
+          ++runs;
+          directed_runs += !shares.known.directed.empty();
         }
+        estimate.pairs = pairs ? &*pairs : nullptr;
         estimate.known = options.closed_forms ? &shares.known : nullptr;
         remembering.startAgain();
         return estimateFormFactors(remembering, scene, ids, estimate);
@@ -261,6 +300,7 @@ void measureCase(const std::string& name, const Device& device, const Options& o
           for (const auto& [pair, truth] : scene_case.truths) outcome.factors.push_back(e.form_factors.formFactor(pair.first, pair.second));
         }
       }
+      if (options.directed > 0) fmt::print("# {}: directed pairs in {} of {} runs\n", name, directed_runs, runs);
       for (size_t k = 0; k < options.rules.size(); ++k)
         report(fmt::format("{},{},{},{},{}", name, sampler, resolution, estimate.directions, options.rules[k]), entries, outcomes[k]);
     }
@@ -275,8 +315,9 @@ int main(int argc, char** argv) {
   using namespace viewpeel::bench;
   CLI::App app("How often 95 % intervals hold the true form factor", "coverage");
   Options options;
-  app.add_option("--scene", options.scenes, "facing, edge, far, cube, blocked")->check(CLI::IsMember({"facing", "edge", "far", "cube", "blocked"}))->capture_default_str();
+  app.add_option("--scene", options.scenes, "facing, edge, far, cube, blocked, gap")->check(CLI::IsMember({"facing", "edge", "far", "cube", "blocked", "gap"}))->capture_default_str();
   app.add_flag("--closed-forms", options.closed_forms, "Closed forms times visible shares");
+  app.add_option("--directed", options.directed, "With closed forms: directions of their own for pairs that keep a run from this relative error")->check(CLI::PositiveNumber);
   app.add_option("--sampler", options.samplers, "fibonacci, jittered, sobol, iid")->check(CLI::IsMember(kSamplers))->capture_default_str();
   app.add_option("--setting", options.settings, "PXxN: lattice spacings and directions of a replicate")->capture_default_str();
   app.add_option("--rule", options.rules, "R, or R:G: replicates, or at least R and on to the tolerance that takes G")->capture_default_str();

@@ -187,6 +187,11 @@ def make_small():
     plates.add("lower", [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)])
     plates.add("upper", [(0, 0, 1), (0, 1, 1), (1, 1, 1), (1, 0, 1)])
     plates.write("plates.obj", "Two unit squares that face each other at distance 1")
+    past = Scene()
+    past.add("lower", [(0, 0, 0), (0.5, 0, 0), (0.5, 0.5, 0), (0, 0.5, 0)])
+    past.add("upper", [(0, 0, 6), (0, 0.5, 6), (0.5, 0.5, 6), (0.5, 0, 6)])
+    past.add("blocker", [(-0.1, -1, 3), (0.4, -1, 3), (0.4, 1, 3), (-0.1, 1, 3)])
+    past.write("past_edge.obj", "Two squares far apart that see each other past an edge: one direction in 200 or so meets the two")
 
 
 if __name__ == "__main__":

@@ -171,20 +171,22 @@ TEST_F(CheckpointFile, WhatDoesNotBelongTogetherIsRefused) {
 // With closed forms: controls are integers, too, and shares are the same in all parts. What closed forms gave may differ in the last bits from device to device: in any order of
 // files it is that of the first replicate which stays.
 TEST_F(CheckpointFile, ControlsAddUpToOneRun) {
-  const auto sumsWithShares = [&](const std::vector<uint64_t>& replicates, uint32_t one_share = 0) {
+  const auto sumsWithShares = [&](const std::vector<uint64_t>& replicates, uint32_t one_share = 0, uint32_t directions = 16) {
     KnownShares known{{}, std::vector<uint64_t>(ids_.count(), 16), true};
     std::mt19937_64 random(4);
     for (uint32_t i = 0; i < ids_.count(); ++i)
       for (uint32_t j = i + 1; j < ids_.count(); ++j)
         if (random() % 2) known.pairs.push_back({i, j, static_cast<uint32_t>(random() % kShareOne), static_cast<uint32_t>(random() % 2 * 77), replicates[0] == 0 ? 0.1 : std::nextafter(0.1, 1)});
     if (one_share) known.pairs[3].share = one_share;
+    known.directed = {{known.pairs[2].i, known.pairs[2].j, directions, 200, 1000, 1, 0.01, 0.2}, {known.pairs[9].i, known.pairs[9].j, 32, 300, 0, 4, replicates[0] == 0 ? 0.1 : std::nextafter(0.1, 1), 0.2}};
     RunSums sums = makeRunSums(scene_, ids_);
     sums.visible.emplace(ids_, sums.by_surface.ids(), By::polygon, known);
     sums.measure_area = 0.1;
     for (uint64_t replicate : replicates) {
       PairCounts counts = randomCounts(ids_, replicate);
       for (PairCount& count : counts) count = {count.i, count.j, count.count >> 8, count.j < kEnvironment ? count.count % 1'000'003 << 20 : 0};
-      sums.add(replicate, counts, 10);
+      const PairCounts directed{{known.pairs[2].i, known.pairs[2].j, replicate * 3, 7}, {known.pairs[9].i, known.pairs[9].j, 1 + replicate % 3, replicate}};
+      sums.add(replicate, counts, 10, directed);
     }
     return sums;
   };
@@ -192,6 +194,7 @@ TEST_F(CheckpointFile, ControlsAddUpToOneRun) {
   const std::string whole = bytesOf(sums);
   const Checkpoint read = readCheckpoint(file("bytes.h5"));
   ASSERT_TRUE(read.sums.visible);
+  ASSERT_EQ(read.sums.visible->directed().pairs().size(), 2u);
   EXPECT_EQ(read.sums.visible->known(), sums.visible->known());
   EXPECT_TRUE(std::any_of(sums.visible->byFace().pairs().begin(), sums.visible->byFace().pairs().end(), [](const auto& pair) { return pair.sum < 0; }));
   EXPECT_TRUE(std::any_of(sums.visible->byFace().pairs().begin(), sums.visible->byFace().pairs().end(), [](const auto& pair) { return pair.sum_of_squares >> 64; }));
@@ -209,10 +212,11 @@ TEST_F(CheckpointFile, ControlsAddUpToOneRun) {
   do EXPECT_EQ(bytesOf(mergeCheckpoints(files).sums), whole) << files[0] << files[1] << files[2] << files[3];
   while (std::next_permutation(files.begin(), files.end()));
   writeCheckpoint(kSettings, sumsWithShares({9}, 5), file("other.h5"));
+  writeCheckpoint(kSettings, sumsWithShares({9}, 0, 17), file("directed.h5"));
   writeCheckpoint(kSettings, sumsOf({9}), file("without.h5"));
-  for (const char* name : {"other.h5", "without.h5"}) {
+  for (const auto& [name, reason] : {std::pair("other.h5", "other visible shares"), {"without.h5", "other visible shares"}, {"directed.h5", "give all parts of a run the same goal"}}) {
     const std::string message = messageOf([&] { mergeCheckpoints({file("part0.h5"), file(name)}); });
-    EXPECT_NE(message.find("other visible shares"), std::string::npos) << message;
+    EXPECT_NE(message.find(reason), std::string::npos) << message;
   }
 }
 
@@ -247,7 +251,7 @@ TEST_F(CheckpointFile, OtherFilesAreRefused) {
   };
   write("other.h5", std::pair("temperatures", std::vector<double>{1, 2}));
   write("later.h5", std::pair("format", std::vector<uint64_t>{1000}));
-  write("short.h5", std::pair("format", std::vector<uint64_t>{2}), std::pair("settings/names", std::vector<std::string>{"--seed"}),
+  write("short.h5", std::pair("format", std::vector<uint64_t>{3}), std::pair("settings/names", std::vector<std::string>{"--seed"}),
         std::pair("settings/values", std::vector<std::string>{"1", "2"}));
   const auto message = [&](const char* name) { return messageOf([&] { readCheckpoint(file(name)); }); };
   EXPECT_NE(message("missing.h5").find("No such file"), std::string::npos) << message("missing.h5");

@@ -159,6 +159,29 @@ TEST_P(PartsOfARun, MergeToOneRun) {
   EXPECT_EQ(readFile(file("q.csv")), readFile(file("r.csv")));
 }
 
+// A pair with directions of its own: the same bits in any batches and pieces, which choose alike for the same goal.
+TEST_F(LongRun, DirectedPairsGoOnAndMerge) {
+  const std::string all = "compute " VIEWPEEL_SCENES "/past_edge.obj --directions 512 --resolution 64 --closed-forms on --floor 1e-4 ", options = all + "--relative 0.05 ";
+  const Result whole = run(options + "-o " + file("whole.csv") + " --checkpoint " + file("whole.h5"));
+  ASSERT_EQ(whole.status, 0);
+  EXPECT_NE(whole.output.find("directions of its own"), std::string::npos) << whole.output;
+  const std::string csv = readFile(file("whole.csv")), h5 = readFile(file("whole.h5"));
+  EXPECT_EQ(run(options + "--batch 7 -o " + file("batch.csv")).status, 0);
+  EXPECT_EQ(readFile(file("batch.csv")), csv);
+  EXPECT_EQ(run(options + "--seconds 1e-6 --checkpoint " + file("part.h5")).status, 0);
+  EXPECT_NE(readFile(file("part.h5")), h5);
+  EXPECT_EQ(run(options + "--resume --checkpoint " + file("part.h5") + " -o " + file("resumed.csv")).status, 0);
+  EXPECT_EQ(readFile(file("resumed.csv")), csv);
+  EXPECT_EQ(readFile(file("part.h5")), h5);
+  EXPECT_EQ(run(options + "--seconds 1e-6 --first-replicate 1000 --checkpoint " + file("later.h5")).status, 0);
+  EXPECT_EQ(run("merge --quiet " + file("later.h5") + " " + file("whole.h5") + " -o " + file("merged.csv")).status, 0);
+  EXPECT_NE(readFile(file("merged.csv")), csv);
+  EXPECT_EQ(run(all + "--relative 0.005 --seconds 1e-6 --first-replicate 1000 --checkpoint " + file("other.h5")).status, 0);
+  const Result refused = run("merge --quiet " + file("other.h5") + " " + file("whole.h5"));
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_NE(refused.output.find("give all parts of a run the same goal"), std::string::npos) << refused.output;
+}
+
 // One line, status 2, and the file stays what it was.
 TEST_F(LongRun, WrongCheckpointsAreRefused) {
   std::ofstream(file("scene.obj")) << "o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no b\nv 0 0 1\nv 0 1 1\nv 1 0 1\nf 4 5 6\n";

@@ -41,6 +41,15 @@ inline InputScene parallelSquares() {
   return scene;
 }
 
+// Two squares far apart that see each other past the edge of a third polygon: one direction in 200 or so meets the two.
+inline InputScene squaresPastAnEdge(double edge = 0.4) {
+  InputScene scene{"squares past an edge", {}, {}};
+  addFace(scene, "lower", {{0, 0, 0}, {0.5, 0, 0}, {0.5, 0.5, 0}, {0, 0.5, 0}});
+  addFace(scene, "upper", {{0, 0, 6}, {0, 0.5, 6}, {0.5, 0.5, 6}, {0.5, 0, 6}});
+  addFace(scene, "blocker", {{-0.1, -1, 3}, {edge, -1, 3}, {edge, 1, 3}, {-0.1, 1, 3}});
+  return scene;
+}
+
 // Two unit squares at a right angle that share an edge.
 inline InputScene perpendicularSquares() {
   InputScene scene{"perpendicular squares", {}, {}};

@@ -81,10 +81,10 @@ TEST(ControlSums, ByHand) {
   ControlSums sums(ids);
   sums.add(controls);
   sums.add(takeShares(second, shares));
-  // Controls of (0, 1): 1 and -2, mean -0.5; variance of the sum 2 x 4.5 = 9; squares 2 + 1.25 lines, so 9 / 3.25 lines at a time.
+  // Controls of (0, 1): 1 and -2, mean -0.5; variance of the sum 2 x 4.5 = 9; squares 2 + 1.25 lines, so 9 / 3.25 lines at a time, and one more.
   const Measured f = sums.formFactors(0.5, {{0, 1, 4, 16}}).exchangeArea(0, 1);
   EXPECT_DOUBLE_EQ(f.value, 3.5);
-  EXPECT_DOUBLE_EQ(f.standard_error, std::sqrt(9 + 9 / 3.25 * 9 / 3.25) / 2);
+  EXPECT_DOUBLE_EQ(f.standard_error, std::hypot(3, 4.25 / (3.25 * 3.25 / 9 + 1)) / 2);
   // What is visible is not less than nothing, nor more than all.
   EXPECT_EQ(sums.formFactors(0.5, {{0, 1, 0.25, 16}}).exchangeArea(0, 1).value, 0);
   EXPECT_EQ(sums.formFactors(0.5, {{0, 1, 17, 16}}).exchangeArea(0, 1).value, 16);
@@ -277,7 +277,9 @@ TEST(VisibleShare, PairsThatNoLineMetAreUncertain) {
     if (pair.j >= kEnvironment || pair.share || seen.value > 0) continue;
     ++unmet;
     EXPECT_EQ(f.value, 0);
-    EXPECT_EQ(f.standard_error, std::min({line, pair.exchange, made.ids.areas[pair.i], made.ids.areas[pair.j]}));
+    // Of two directions none meets it with a probability of e^-F at most, F from the smaller of the two.
+    const double area = std::min(made.ids.areas[pair.i], made.ids.areas[pair.j]), most = std::min(pair.exchange, area);
+    EXPECT_NEAR(f.standard_error, std::min(most, std::max(line, most * std::exp(-most / area))), 1e-14 * most);  // rounding
     EXPECT_GE(few.largest_standard_error, f.standard_error / std::min(made.ids.areas[pair.i], made.ids.areas[pair.j]));
   }
   EXPECT_GT(unmet, 20u);

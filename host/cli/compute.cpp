@@ -161,9 +161,12 @@ int runCompute(ProgramOptions options) {
   if (options.verbose && session.talks()) fmt::print("{}", division);
   std::fflush(stdout);
   VisibleShares shares;
+  PairSampler pairs(session.scene, session.face_ids, options.estimate.seed, session.pairEngines(), maxWindowResolution(options.lattice.sampling));
   if (session.usesClosedForms() && !options.epsilon && !(keeper && keeper->resumed())) {
     EstimateOptions pilot = options.estimate;
     pilot.directions = plan.directions;
+    pilot.by = options.by;
+    pilot.pairs = &pairs;
     try {
       shares = findVisibleShares(engine, session.deviceOrNone(), session.scene, session.face_ids, plan.groups, pilot);
     } catch (const Interrupted&) {
@@ -192,8 +195,8 @@ int runCompute(ProgramOptions options) {
     if (!session.talks()) return status;
     if (options.verbose && is_at_rest && engine.describePlan() != division) fmt::print("after a trial\n{}", engine.describePlan());
     fmt::print("{}{}", describeResult(estimate), closed ? describeClosed(*closed) : "");
-    fmt::print("work       {}, {}, {:.2f} s\n", counted(estimate.replicates, !options.epsilon ? "replicate" : options.statistic == Statistic::median ? "run" : "block"),
-               counted(estimate.directions, "direction"), seconds);
+    fmt::print("work       {}, {}{}, {:.2f} s\n", counted(estimate.replicates, !options.epsilon ? "replicate" : options.statistic == Statistic::median ? "run" : "block"),
+               counted(estimate.directions, "direction"), describeDirected(estimate), seconds);
     for (const std::string& output : options.outputs)
       for (const std::filesystem::path& file : filesOf(output, options.closure)) fmt::print("written    {}\n", file.string());
     return status;
@@ -224,6 +227,7 @@ int runCompute(ProgramOptions options) {
     asked.resumed = keeper ? keeper->resumed() : nullptr;
     asked.on_sums = keep;
     asked.by = options.by;
+    asked.pairs = &pairs;
     asked.known = session.usesClosedForms() ? &shares.known : nullptr;
     if (asked.seconds) asked.seconds = std::max(*asked.seconds - secondsSince(start), 1e-3);
     return estimateFormFactors(engine, session.scene, session.usesClosedForms() ? session.face_ids : session.ids, asked);

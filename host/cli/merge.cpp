@@ -27,7 +27,7 @@ int runMerge(const MergeCommand& command) {
   if (command.quiet) return 0;
   for (const auto& [name, value] : merged.settings) fmt::print("{:<14} {}\n", name, value);
   fmt::print("{:<14} {}\n{}", "replicates", describeReplicates(merged.sums.replicates), describeResult(estimate));
-  fmt::print("work       {} replicates, {} directions\n", estimate.replicates, estimate.directions);
+  fmt::print("work       {} replicates, {} directions{}\n", estimate.replicates, estimate.directions, describeDirected(estimate));
   if (!command.checkpoint.empty()) fmt::print("written    {}\n", command.checkpoint);
   for (const std::string& output : command.outputs) fmt::print("written    {}\n", output);
   return 0;

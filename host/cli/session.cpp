@@ -141,6 +141,18 @@ Lattices Session::lattices() const {
   return lattices;
 }
 
+MakePairEngine Session::pairEngines() const {
+  return [this](const Ids& pair_ids, int resolution, const Window& window) {
+    LatticeOptions lattice = options.lattice;
+    lattice.resolution = resolution;
+    lattice.window = window;
+    lattice.count_blocked = true;
+    lattice.measure_work = false;
+    lattice.on_batch = [](uint64_t) { stopIfInterrupted(); };
+    return makeLatticeEngine(options.engine, deviceOrNone(), scene, pair_ids, lattice);
+  };
+}
+
 GuaranteeOptions Session::guaranteeOptions() const {
   GuaranteeOptions asked;
   asked.epsilon = *options.epsilon;
@@ -242,8 +254,15 @@ std::string Session::describe(const VisibleShares& known) const {
     pairs += pair.j < kEnvironment;
     whole += pair.j < kEnvironment && pair.share == kShareOne;
   }
-  return fmt::format("closed     forms of {} of polygons in {:.2g} s; {} of them never blocked in a pilot of {:.2g} s{}\n", counted(pairs, "pair"), known.closed_form_seconds, whole,
-                     known.pilot_seconds, known.unreached ? fmt::format("; {} more are sampled alone", known.unreached) : "");
+  std::string text = fmt::format("closed     forms of {} of polygons in {:.2g} s; {} of them never blocked in a pilot of {:.2g} s{}\n", counted(pairs, "pair"), known.closed_form_seconds, whole,
+                                 known.pilot_seconds, known.unreached ? fmt::format("; {} more are sampled alone", known.unreached) : "");
+  const std::vector<DirectedPair>& directed = known.known.directed;
+  uint64_t directions = 0;
+  for (const DirectedPair& pair : directed) directions += pair.directions;
+  if (!directed.empty())
+    text += fmt::format("directed   {} that the others hardly meet {} directions of {} own, {} a replicate in all (found out in {:.2g} s)\n", counted(directed.size(), "pair"),
+                        directed.size() == 1 ? "has" : "have", directed.size() == 1 ? "its" : "their", directions, known.directed_seconds);
+  return text;
 }
 
 // An option that changes counts has its line here, or in what calls this.

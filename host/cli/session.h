@@ -5,6 +5,7 @@
 
 #include "cli/checkpoint_keeper.h"
 #include "cli/options.h"
+#include "estimator/directed_pairs.h"
 #include "estimator/guarantee.h"
 #include "estimator/plan.h"
 #include "estimator/visible_share.h"
@@ -60,6 +61,8 @@ struct Session {
   bool usesClosedForms() const { return *options.closed_forms; }
   bool talks() const { return !options.quiet && !options.json; }
   Lattices lattices() const;
+  // Engines for pairs with directions of their own.
+  MakePairEngine pairEngines() const;
   GuaranteeOptions guaranteeOptions() const;
 
   // As asked for, or planned.

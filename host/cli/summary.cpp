@@ -175,6 +175,10 @@ std::string describeErrors(const Estimate& estimate) {
                             closure.largest_error, closure.row, closure.rms_error, 100 * environmentShare(f), 100 * leakShare(f));
 }
 
+std::string describeDirected(const Estimate& estimate) {
+  return estimate.directed_pairs ? fmt::format(" and {} of {} alone", estimate.directed_directions, counted(estimate.directed_pairs, "pair")) : "";
+}
+
 std::string describeResult(const Estimate& estimate) {
   const FormFactors& f = estimate.form_factors;
   if (f.entries().empty()) return "\nNothing that was asked for sees anything: every form factor is 0.\n\n" + describeErrors(estimate);
@@ -201,6 +205,7 @@ std::string asJson(const std::string& scene, const std::string& device, const Es
       escapeJson(scene), escapeJson(device), f.ids().count(), estimate.replicates, estimate.directions, seconds, estimate.largest_standard_error,
       errors.rms, errors.count);
   if (estimate.unseen_pairs) text += fmt::format(",\n  \"unseen\": {{\"pairs\": {}, \"largest_standard_error\": {:.6g}}}", estimate.unseen_pairs, estimate.largest_unseen_error);
+  if (estimate.directed_pairs) text += fmt::format(",\n  \"directed\": {{\"pairs\": {}, \"directions\": {}}}", estimate.directed_pairs, estimate.directed_directions);
   if (const auto& g = estimate.guarantee) text += fmt::format(",\n  \"guarantee\": {{\"epsilon\": {}, \"delta\": {}, \"bound\": {:.6g}}}", g->epsilon, g->delta, g->bound);
   if (f.ids().rows_sum_to_one) {
     const Closure closure = measureClosure(f);

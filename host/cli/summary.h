@@ -22,6 +22,9 @@ std::string describeScene(const Scene& scene);
 // The largest form factors between named surfaces, with standard errors.
 std::string tabulateLargest(const FormFactors& between_surfaces, size_t rows);
 
+// Directions of pairs that have their own, after the number of common ones; empty where there are none.
+std::string describeDirected(const Estimate& estimate);
+
 // The largest form factors and describeErrors.
 std::string describeResult(const Estimate& estimate);
 

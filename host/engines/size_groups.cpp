@@ -46,9 +46,7 @@ Box boxOf(const Scene& scene, const std::vector<uint32_t>& polygons) {
 void split(const Scene& scene, std::vector<uint32_t> polygons, int resolution, std::vector<SizeGroup>& groups) {
   const Box box = boxOf(scene, polygons);
   if (box.radius() * resolution <= kUsualWindowPoints || polygons.size() == 1) {
-    // The window's ball is a little larger than the box, whose corners and middle are rounded.
-    const Window window{box.middle(), box.radius() * (1 + 1e-9) + 1e-12};
-    groups.push_back({resolution, window.radius < 1 ? window : Window{}, std::move(polygons)});
+    groups.push_back({resolution, windowAround(scene, polygons), std::move(polygons)});
     return;
   }
   const glm::dvec3 size = box.high - box.low;
@@ -175,6 +173,12 @@ size_t countWindows(const Scene& scene, std::vector<uint32_t> polygons, int reso
   std::vector<SizeGroup> groups;
   split(scene, std::move(polygons), resolution, groups);
   return groups.size();
+}
+
+Window windowAround(const Scene& scene, const std::vector<uint32_t>& polygons) {
+  const Box box = boxOf(scene, polygons);
+  const Window window{box.middle(), box.radius() * (1 + 1e-9) + 1e-12};
+  return window.radius < 1 ? window : Window{};
 }
 
 double boxRadius(const Scene& scene, uint32_t polygon_index) { return boxOf(scene, polygon_index).radius(); }

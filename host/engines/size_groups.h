@@ -34,6 +34,9 @@ std::vector<SizeGroup> groupBySize(const Scene& scene, const std::vector<double>
 // How many windows polygons get at a resolution; no polygon may be too large for one.    Cost: O(n log n).
 size_t countWindows(const Scene& scene, std::vector<uint32_t> polygons, int resolution);
 
+// A ball around their box, a little larger, for corners are rounded; the whole scene's where that is no larger.
+Window windowAround(const Scene& scene, const std::vector<uint32_t>& polygons);
+
 // Half the diagonal of its box, unit-ball units: radius x resolution <= kMostWindowPoints where a window of that resolution can hold it.
 double boxRadius(const Scene& scene, uint32_t polygon_index);
 

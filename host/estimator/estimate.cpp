@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "error.h"
+#include "estimator/directed_pairs.h"
 
 namespace viewpeel {
 
@@ -27,6 +28,11 @@ Estimate estimateFormFactors(Engine& engine, const Scene& scene, const Ids& ids,
   const double count_area = engine.unitArea() * scene.scale * scene.scale / options.directions;
   RunSums sums = makeRunSums(scene, ids);
   if (options.known && !options.resumed) sums.visible.emplace(sums.by_id.ids(), sums.by_surface.ids(), options.by, *options.known);
+  std::vector<DirectedPair> directed;
+  if (const RunSums& begun = options.resumed ? *options.resumed : sums; begun.visible) directed = begun.visible->known().directed;
+  if (!directed.empty() && !options.pairs)
+    throw Error(ErrorCode::bad_usage, "some pairs have directions of their own, and nothing to count them with; give EstimateOptions::pairs");
+  if (!directed.empty()) options.pairs->prepare(directed);
   double largest_error = 0, largest_relative_error = 0;
   const auto measureErrors = [&] {
     if (sums.visible) {
@@ -60,7 +66,8 @@ Estimate estimateFormFactors(Engine& engine, const Scene& scene, const Ids& ids,
       AskedDirections asked = directionsOf(replicate);
       for (size_t k = 0; k < asked.weights.size(); ++k) asked.directions[k].weight = asked.weights[k];
       if (sums.replicateCount() == 0) sums.measure_area = count_area * asked.weight_unit;
-      sums.add(replicate, asked.directions.empty() ? PairCounts{} : engine.count(asked.directions), options.directions);
+      const PairCounts of_directed = directed.empty() ? PairCounts{} : options.pairs->count(directed, replicate);
+      sums.add(replicate, asked.directions.empty() ? PairCounts{} : engine.count(asked.directions), options.directions, of_directed);
       measureErrors();
       if (options.on_sums) options.on_sums(sums, false);
       if (options.on_so_far) options.on_so_far([&] { return makeEstimate(sums, options.relative_floor); });
@@ -86,6 +93,11 @@ Estimate makeEstimate(const RunSums& sums, double relative_floor) {
     ++estimate.unseen_pairs;
     const double area = std::min(all.ids().areas[entry.i], all.ids().areas[entry.j]);
     estimate.largest_unseen_error = std::max(estimate.largest_unseen_error, entry.exchange_area.standard_error / area);
+  }
+  if (sums.visible) {
+    const std::vector<DirectedPair>& directed = sums.visible->known().directed;
+    estimate.directed_pairs = directed.size();
+    for (const DirectedPair& pair : directed) estimate.directed_directions += pair.directions * sums.replicateCount();
   }
   const std::vector<double>& areas = all.ids().areas;
   if (!std::isinf(sums.countArea())) estimate.unmet_bound = unmetBound(*std::min_element(areas.begin(), areas.end()), sums.countArea(), double(sums.directions));

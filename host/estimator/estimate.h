@@ -10,6 +10,8 @@
 
 namespace viewpeel {
 
+class PairSampler;
+
 // What a callback of an engine (on_batch) or of the estimator throws to stop a run: the replicate in progress is dropped.
 struct Interrupted {};
 
@@ -41,6 +43,8 @@ struct EstimateOptions {
   // Closed forms times visible shares (visible_share.h), which need an engine and ids by face; goals and the result are those of `by`. May be nullptr.
   const KnownShares* known = nullptr;
   By by = By::polygon;
+  // For pairs that common directions hardly meet (directed_pairs.h), of the same scene, ids and seed; nullptr: they have no directions of their own.
+  PairSampler* pairs = nullptr;
   std::function<void(const EstimateProgress&)> on_replicate;  // may be empty
   // Told the sums after every replicate, and once more with `last` when there will be no further one, be it for an error; may be empty.
   std::function<void(const RunSums& sums, bool last)> on_sums;
@@ -61,7 +65,7 @@ struct Estimate {
   FormFactors form_factors;
   FormFactors between_surfaces;  // the same counts summed by surface
   uint64_t replicates = 0;
-  uint64_t directions = 0;  // in all
+  uint64_t directions = 0;  // in all, those of directed pairs not counted
   double largest_standard_error = 0;
   double largest_relative_error = 0;  // over form factors of at least relative_floor
   bool interrupted = false;           // goals may not be reached; standard errors are infinite where fewer than 2 replicates are done
@@ -69,6 +73,7 @@ struct Estimate {
   // Pairs of ids that can see each other by their closed forms, and were never seen: form factors of 0, whose standard errors count among the largest.
   uint64_t unseen_pairs = 0;
   double largest_unseen_error = 0;
+  uint64_t directed_pairs = 0, directed_directions = 0;  // pairs with directions of their own, and all of these
   double unmet_bound = INFINITY;  // on each form factor that no line met, from the smaller of its pair; 95 %
 };
 
@@ -82,7 +87,8 @@ Estimate makeEstimate(const RunSums& sums, double relative_floor);
 //   In: scene and ids as the engine was made with
 //   Error: unbiased at any spacing and number of directions; the standard error is that of the mean over independent replicates.
 //     Tests: tests/closed_form_test.cpp.
-//   Throws: what the engine and callbacks throw, but for Interrupted; Error bad_usage for zero directions, fewer than 2 replicates, or a goal that is not positive.
+//   Throws: what the engine and callbacks throw, but for Interrupted; Error bad_usage for zero directions, fewer than 2 replicates, a goal that is not positive, or directed pairs
+//     without what samples them.
 //   Cost: replicates x directions projections; memory O(nonzero pairs) beside the engine's.
 Estimate estimateFormFactors(Engine& engine, const Scene& scene, const Ids& ids, const EstimateOptions& options);
 

@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "engines/lattice.h"
+#include "estimator/directed_pairs.h"
 #include "matrix/pair_count.h"
 
 namespace viewpeel {
@@ -153,6 +154,13 @@ VisibleShares findVisibleShares(Engine& engine, const Device* device, const Scen
   }
   std::erase_if(pairs, [](const KnownPair& pair) { return pair.exchange == 0; });
   found.closed_form_seconds = secondsSince(start);
+
+  // Between surfaces, of many pairs, common directions meet more: there they stay as they are.
+  if (!options.pairs || options.by != By::polygon) return found;
+  start = Clock::now();
+  const CommonPilots common{pilots, (options.directions + kPilots - 1u) / kPilots, engine.unitArea() * scene.scale * scene.scale};
+  found.known.directed = chooseDirectedPairs(*options.pairs, ids, found.known, common, options);
+  found.directed_seconds = secondsSince(start);
   return found;
 }
 

@@ -18,7 +18,7 @@ namespace viewpeel {
 // What a pilot and closed forms know of a scene's faces.
 struct VisibleShares {
   KnownShares known;
-  double pilot_seconds = 0, closed_form_seconds = 0;
+  double pilot_seconds = 0, closed_form_seconds = 0, directed_seconds = 0;
   uint64_t unreached = 0;  // pairs left to sampling alone, as their closed forms were not accurate enough
 };
 
@@ -33,7 +33,8 @@ std::vector<PairShare> fitShares(const PairCounts& counts);
 std::vector<uint64_t> countsOfLines(const Ids& face_ids, const std::vector<SizeGroup>& groups, double unit_area);
 
 //   In: an engine for ids by face (By::polygon), of everything, that counts blocked pairs, and its groups; device: for closed forms, none: on the processor; options: directions, sampler, seed
-//   Out: shares from pilots with one replicate's directions in all, the same for the same options, and closed forms
+//   Out: shares from pilots with one replicate's directions in all, the same for the same options, closed forms, and, with options.pairs and for goals of faces,
+//     pairs that get directions of their own (directed_pairs.h)
 //   Error: of exchange areas: kUnoccludedRelativeError or kUnoccludedAbsoluteError for each pair of polygons.
 //   Throws: what the engine and the device throw.
 //   Cost: one replicate; closed forms: some 0.1 to 3 microseconds a pair.

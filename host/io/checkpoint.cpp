@@ -11,7 +11,7 @@
 namespace viewpeel {
 namespace {
 
-constexpr uint64_t kFormat = 2;  // of the file: changes with every change of what is written below
+constexpr uint64_t kFormat = 3;  // of the file: changes with every change of what is written below
 
 using Sum = ReplicateSums::Sum;
 using PairSum = ReplicateSums::PairSum;
@@ -88,7 +88,15 @@ void writeVisibleSums(Hdf5Output& out, const RunSums& sums) {
   writeColumn<uint32_t>(out, "visible/known/share", known.pairs, [](const KnownPair& pair) { return pair.share; });
   writeColumn<uint32_t>(out, "visible/known/surface_share", known.pairs, [](const KnownPair& pair) { return pair.surface_share; });
   writeColumn<double>(out, "visible/known/exchange", known.pairs, [](const KnownPair& pair) { return pair.exchange; });
-  for (const auto& [group, controls] : {std::pair("visible/faces", &sums.visible->byFace()), {"visible/surfaces", &sums.visible->bySurface()}}) {
+  writeColumn<uint32_t>(out, "visible/known/directed/i", known.directed, [](const DirectedPair& pair) { return pair.i; });
+  writeColumn<uint32_t>(out, "visible/known/directed/j", known.directed, [](const DirectedPair& pair) { return pair.j; });
+  writeColumn<uint32_t>(out, "visible/known/directed/directions", known.directed, [](const DirectedPair& pair) { return pair.directions; });
+  writeColumn<uint32_t>(out, "visible/known/directed/resolution", known.directed, [](const DirectedPair& pair) { return pair.resolution; });
+  writeColumn<uint32_t>(out, "visible/known/directed/share", known.directed, [](const DirectedPair& pair) { return pair.share; });
+  writeColumn<uint32_t>(out, "visible/known/directed/line", known.directed, [](const DirectedPair& pair) { return pair.line; });
+  writeColumn<double>(out, "visible/known/directed/measure_area", known.directed, [](const DirectedPair& pair) { return pair.measure_area; });
+  writeColumn<double>(out, "visible/known/directed/count_area", known.directed, [](const DirectedPair& pair) { return pair.count_area; });
+  for (const auto& [group, controls] : {std::pair("visible/faces", &sums.visible->byFace()), {"visible/surfaces", &sums.visible->bySurface()}, {"visible/directed", &sums.visible->directed()}}) {
     const auto writeWords = [&out, name = std::string(group), &pairs = controls->pairs()](const std::string& column, auto value) {
       writeColumn<uint64_t>(out, name + column + "_high", pairs, [&](const ControlSum& pair) { return highOf(Wide(value(pair))); });
       writeColumn<uint64_t>(out, name + column + "_low", pairs, [&](const ControlSum& pair) { return lowOf(Wide(value(pair))); });
@@ -143,9 +151,23 @@ std::optional<VisibleSums> readVisibleSums(Hdf5Input& in, const Ids& face_ids, c
   readColumn<uint32_t>(in, "visible/known/surface_share", known.pairs, [](KnownPair& pair, uint32_t share) { pair.surface_share = share; });
   readColumn<double>(in, "visible/known/exchange", known.pairs, [](KnownPair& pair, double exchange) { pair.exchange = exchange; });
   requireOrder(in, "visible/known", known.pairs, face_ids.count());
+  for (uint32_t i : in.read<uint32_t>("visible/known/directed/i")) known.directed.push_back({i, 0});
+  readColumn<uint32_t>(in, "visible/known/directed/j", known.directed, [](DirectedPair& pair, uint32_t j) { pair.j = j; });
+  readColumn<uint32_t>(in, "visible/known/directed/directions", known.directed, [](DirectedPair& pair, uint32_t directions) { pair.directions = directions; });
+  readColumn<uint32_t>(in, "visible/known/directed/resolution", known.directed, [](DirectedPair& pair, uint32_t resolution) { pair.resolution = resolution; });
+  readColumn<uint32_t>(in, "visible/known/directed/share", known.directed, [](DirectedPair& pair, uint32_t share) { pair.share = share; });
+  readColumn<uint32_t>(in, "visible/known/directed/line", known.directed, [](DirectedPair& pair, uint32_t line) { pair.line = line; });
+  readColumn<double>(in, "visible/known/directed/measure_area", known.directed, [](DirectedPair& pair, double area) { pair.measure_area = area; });
+  readColumn<double>(in, "visible/known/directed/count_area", known.directed, [](DirectedPair& pair, double area) { pair.count_area = area; });
+  requireOrder(in, "visible/known/directed", known.directed, face_ids.count());
+  const bool are_known = std::ranges::all_of(known.directed, [&](const DirectedPair& pair) {
+    return pair.j < kEnvironment && pair.directions > 0 && pair.share <= kShareOne &&
+           std::ranges::any_of(std::ranges::equal_range(known.pairs, pair.i, {}, &KnownPair::i), [&](const KnownPair& other) { return other.j == pair.j; });
+  });
+  if (!are_known) in.refuse("its 'visible/known/directed' are none of its pairs");
   const By by = readOne<uint8_t>(in, "visible/by_surface") ? By::surface : By::polygon;
-  ControlSums by_face = readControlSums(in, "visible/faces", face_ids), by_surface = readControlSums(in, "visible/surfaces", surface_ids);
-  return VisibleSums(by, std::move(known), std::move(by_face), std::move(by_surface));
+  ControlSums by_face = readControlSums(in, "visible/faces", face_ids), by_surface = readControlSums(in, "visible/surfaces", surface_ids), directed = readControlSums(in, "visible/directed", face_ids);
+  return VisibleSums(by, std::move(known), std::move(by_face), std::move(by_surface), std::move(directed));
 }
 
 ReplicateSums readReplicateSums(Hdf5Input& in, const std::string& group) {
@@ -237,6 +259,9 @@ Checkpoint mergeCheckpoints(const std::vector<std::filesystem::path>& files) {
                                                     files[k].string(), files.front().string()));
     if (other.sums.visible.has_value() != merged.sums.visible.has_value() || (merged.sums.visible && !merged.sums.visible->goesWith(*other.sums.visible)))
       throw Error(ErrorCode::bad_usage, fmt::format("{}: its closed forms have other visible shares than {}, though the settings are the same; were they made by one build of viewpeel?",
+                                                    files[k].string(), files.front().string()));
+    if (merged.sums.visible && !merged.sums.visible->directsAs(*other.sums.visible))
+      throw Error(ErrorCode::bad_usage, fmt::format("{}: other pairs have directions of their own than in {}, for it had another goal; give all parts of a run the same goal and --replicates",
                                                     files[k].string(), files.front().string()));
     merged.sums.add(other.sums);
   }

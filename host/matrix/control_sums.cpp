@@ -116,34 +116,69 @@ double ControlSums::variance(const PairSum& pair, double measure_area) const {
   return static_cast<double>(std::max(0.0L, static_cast<long double>(pair.sum_of_squares) - sum * sum / replicates) / (replicates - 1)) * scale * scale;
 }
 
-FormFactors ControlSums::formFactors(double measure_area, const std::vector<KnownExchange>& known) const {
+Measured ControlSums::measure(const PairSum& pair, double measure_area, const KnownExchange* known, double count_area) const {
+  const auto replicates = static_cast<long double>(replicate_count_);
+  const double line = kShareOne * double(pair.squares || !known ? pair.line : known->line);
+  const double scale = (pair.i == pair.j ? 4 : 2) * measure_area / kShareOne, most = known ? known->most : INFINITY;
+  const long double mean = static_cast<long double>(pair.sum) / replicates;
+  Measured exchange{static_cast<double>(mean) * scale + (known ? known->area : 0), INFINITY};
+  exchange.value = std::clamp(exchange.value, 0.0, most);
+  if (replicate_count_ < 2) return exchange;
+  // R s^2, the variance of the sum over replicates
+  const long double variance = std::max(0.0L, (static_cast<long double>(pair.sum_of_squares) - mean * static_cast<long double>(pair.sum)) * replicates / (replicates - 1));
+  const double area = std::min(ids_.areas[pair.i], pair.j < kEnvironment ? ids_.areas[pair.j] : INFINITY);
+  long double surplus = line;
+  if (pair.squares) {
+    // Lines at a time: the variance over what that of independent lines would be; one at least. D as in ReplicateSums.
+    const long double at_a_time = std::max(1.0L, variance / static_cast<long double>(pair.squares)), lines = static_cast<long double>(pair.squares) / line / line;
+    surplus *= (lines + 1 + 8 / 27.0L * area * kShareOne / (count_area * line)) / (lines / at_a_time + 1);
+  }
+  exchange.standard_error = static_cast<double>(std::sqrt(variance + surplus * surplus) / replicates) * scale;
+  exchange.standard_error = std::min(exchange.standard_error, std::max(exchange.value, most - exchange.value));
+  return exchange;
+}
+
+Measured ControlSums::allowForUnmet(Measured exchange, double measure_area, const KnownExchange& known, double count_area) const {
+  if (known.j >= kEnvironment || std::isinf(known.most) || replicate_count_ < 2) return exchange;
+  const double directions = double(replicate_count_) * count_area / measure_area, area = std::min(ids_.areas[known.i], ids_.areas[known.j]);
+  const double unmet = known.most * std::exp(-directions * known.most / (2 * area));
+  exchange.standard_error = std::max(exchange.standard_error, std::min(unmet, std::max(exchange.value, known.most - exchange.value)));
+  return exchange;
+}
+
+FormFactors ControlSums::allowForUnmet(const FormFactors& form_factors, double measure_area, const std::vector<KnownExchange>& known, double count_area) const {
+  std::vector<FormFactors::Entry> entries = form_factors.entries();
+  auto told = pairs_.begin();
+  auto at = known.begin();
+  for (FormFactors::Entry& entry : entries) {
+    while (told != pairs_.end() && keyOf(*told) < keyOf(entry)) ++told;
+    while (at != known.end() && keyOf(*at) < keyOf(entry)) ++at;
+    const bool is_told = told != pairs_.end() && keyOf(*told) == keyOf(entry), is_known = at != known.end() && keyOf(*at) == keyOf(entry);
+    if (is_known && !is_told) entry.exchange_area = allowForUnmet(entry.exchange_area, measure_area, *at, count_area);
+  }
+  return {form_factors.ids(), std::move(entries), form_factors.rowSums()};
+}
+
+FormFactors ControlSums::formFactors(double measure_area, const std::vector<KnownExchange>& known, double count_area) const {
   std::vector<FormFactors::Entry> entries;
   entries.reserve(pairs_.size());
-  const auto replicates = static_cast<long double>(replicate_count_);
-  const auto add = [&](uint32_t i, uint32_t j, const PairSum& pair, const KnownExchange* more) {
-    const double line = kShareOne * double(pair.squares || !more ? pair.line : more->line);
-    const double scale = (i == j ? 4 : 2) * measure_area / kShareOne;
-    const long double mean = static_cast<long double>(pair.sum) / replicates;
-    // R s^2, the variance of the sum over replicates
-    const long double variance = std::max(0.0L, (static_cast<long double>(pair.sum_of_squares) - mean * static_cast<long double>(pair.sum)) * replicates / (replicates - 1));
-    // Lines at a time: the variance over what that of independent lines would be; one at least.
-    const long double together = pair.squares ? line * std::max(1.0L, variance / static_cast<long double>(pair.squares)) : line;
-    Measured exchange{static_cast<double>(mean) * scale + (more ? more->area : 0),
-                      replicate_count_ < 2 ? INFINITY : static_cast<double>(std::sqrt(variance + together * together) / replicates) * scale};
-    const double most = more ? more->most : INFINITY;
-    exchange.value = std::clamp(exchange.value, 0.0, most);
-    if (replicate_count_ > 1) exchange.standard_error = std::min(exchange.standard_error, std::max(exchange.value, most - exchange.value));
-    entries.push_back({i, j, exchange});
-  };
   auto at = known.begin();
+  const auto addUnmet = [&](const KnownExchange& unmet) { entries.push_back({unmet.i, unmet.j, measure({unmet.i, unmet.j}, measure_area, &unmet, count_area)}); };
   for (const PairSum& pair : pairs_) {
-    for (; at != known.end() && keyOf(*at) < keyOf(pair); ++at) add(at->i, at->j, {at->i, at->j}, &*at);
+    for (; at != known.end() && keyOf(*at) < keyOf(pair); ++at) addUnmet(*at);
     const bool is_known = at != known.end() && keyOf(*at) == keyOf(pair);
-    add(pair.i, pair.j, pair, is_known ? &*at : nullptr);
+    entries.push_back({pair.i, pair.j, measure(pair, measure_area, is_known ? &*at : nullptr, count_area)});
     if (is_known) ++at;
   }
-  for (; at != known.end(); ++at) add(at->i, at->j, {at->i, at->j}, &*at);
+  for (; at != known.end(); ++at) addUnmet(*at);
   return {ids_, std::move(entries), {}};
+}
+
+Measured ControlSums::exchangeArea(double measure_area, const KnownExchange& known, double count_area) const {
+  const auto at = std::lower_bound(pairs_.begin(), pairs_.end(), known, [](const PairSum& pair, const KnownExchange& key) { return keyOf(pair) < keyOf(key); });
+  const bool is_told = at != pairs_.end() && keyOf(*at) == keyOf(known);
+  const Measured exchange = measure(is_told ? *at : PairSum{known.i, known.j}, measure_area, &known, count_area);
+  return is_told ? exchange : allowForUnmet(exchange, measure_area, known, count_area);
 }
 
 FormFactors chooseBetter(const FormFactors& controlled, const FormFactors& sampled) {

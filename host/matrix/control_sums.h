@@ -78,16 +78,23 @@ class ControlSums {
     for (const PairSum& pair : pairs_) f(pair.i, pair.j, variance(pair, measure_area));
   }
 
-  //   In: measure_area as in ReplicateSums; known: sorted by (i, j), every pair at most once
+  //   In: measure_area, count_area as in ReplicateSums; known: sorted by (i, j), every pair at most once
   //   Out: without row sums
   //   Error: unbiased but for the ends of [0, most], to which values are moved: the truth lies within. Standard errors as in ReplicateSums, with the squares in the place of
   //     counts: never less than one line's, and no more than the distance to the farther end. So a pair that no line met has a value of 0 and a standard error, too.
-  FormFactors formFactors(double measure_area, const std::vector<KnownExchange>& known) const;
+  FormFactors formFactors(double measure_area, const std::vector<KnownExchange>& known, double count_area = INFINITY) const;
+  // Of n directions none meets a pair with a probability of e^(-n F / 2) at most, F from the smaller of the two and with nothing in between, for E[A'] = F A / 2 and A' <= A. Where no line told
+  // anything but what was taken for granted, standard errors are raised to that times `most`.
+  FormFactors allowForUnmet(const FormFactors& form_factors, double measure_area, const std::vector<KnownExchange>& known, double count_area) const;
+  // Both, of one pair.    Cost: O(log nonzeros).
+  Measured exchangeArea(double measure_area, const KnownExchange& known, double count_area = INFINITY) const;
 
  private:
   template <class Pairs, class AddTo>
   std::vector<PairSum> addPairs(const Pairs& pairs, AddTo add_to) const;
   double variance(const PairSum& pair, double measure_area) const;
+  Measured allowForUnmet(Measured exchange, double measure_area, const KnownExchange& known, double count_area) const;
+  Measured measure(const PairSum& pair, double measure_area, const KnownExchange* known, double count_area) const;
 
   Ids ids_;
   std::vector<PairSum> pairs_;

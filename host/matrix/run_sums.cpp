@@ -39,11 +39,11 @@ bool RunSums::isWhole() const {
     if (replicates[k].first >= replicates[k].end || (k && replicates[k].first <= replicates[k - 1].end)) return false;
     count += replicates[k].end - replicates[k].first;
   }
-  return by_id.replicateCount() == count && by_surface.replicateCount() == count && (!visible || (visible->byFace().replicateCount() == count && visible->bySurface().replicateCount() == count));
+  return by_id.replicateCount() == count && by_surface.replicateCount() == count && (!visible || (visible->byFace().replicateCount() == count && visible->bySurface().replicateCount() == count && visible->directed().replicateCount() == count));
 }
 
-void RunSums::add(uint64_t replicate, const PairCounts& counts, uint64_t direction_count) {
-  if (visible) visible->add(counts);
+void RunSums::add(uint64_t replicate, const PairCounts& counts, uint64_t direction_count, const PairCounts& directed) {
+  if (visible) visible->add(counts, directed);
   by_surface.add(mergeIds(counts, by_id.ids().surface));
   by_id.add(counts);
   replicates.push_back({replicate, replicate + 1});
@@ -65,12 +65,12 @@ void RunSums::add(const RunSums& others) {
 FormFactors RunSums::formFactors() const {
   if (visible && visible->by() == By::surface) return betweenSurfaces();
   const FormFactors sampled = by_id.formFactors(measure_area, countArea());
-  return visible ? visible->formFactors(By::polygon, measure_area, sampled) : sampled;
+  return visible ? visible->formFactors(By::polygon, measure_area, countArea(), sampled) : sampled;
 }
 
 FormFactors RunSums::betweenSurfaces() const {
   const FormFactors sampled = by_surface.formFactors(measure_area, countArea());
-  return visible ? visible->formFactors(By::surface, measure_area, sampled) : sampled;
+  return visible ? visible->formFactors(By::surface, measure_area, countArea(), sampled) : sampled;
 }
 
 ReplicateRange findShared(const std::vector<ReplicateRange>& a, const std::vector<ReplicateRange>& b) {

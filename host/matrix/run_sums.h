@@ -21,7 +21,7 @@ struct RunSums {
   ReplicateSums by_id;
   ReplicateSums by_surface;                // the same counts summed by surface
   std::vector<ReplicateRange> replicates;  // sorted; a gap between each and the next
-  uint64_t directions = 0;                 // in all
+  uint64_t directions = 0;                 // in all, those of directed pairs not counted
   double measure_area = 0;                 // input units squared of one count; unknown, 0, before the first replicate
   std::optional<VisibleSums> visible{};    // with closed forms: by_id is by face then
 
@@ -31,9 +31,9 @@ struct RunSums {
   // False where something ended a call of add early, and for sums that do not go with each other.
   bool isWhole() const;
 
-  //   In: a replicate that is not there yet; counts by id
+  //   In: a replicate that is not there yet; counts by id; of directed pairs (VisibleSums) those along their own directions
   //   Cost: O(nonzeros log nonzeros).
-  void add(uint64_t replicate, const PairCounts& counts, uint64_t direction_count);
+  void add(uint64_t replicate, const PairCounts& counts, uint64_t direction_count, const PairCounts& directed = {});
   //   In: replicates that are not there yet, of the same run: the same ids, the same measure_area, the same shares
   //   Cost: O(nonzeros).
   void add(const RunSums& others);

@@ -36,21 +36,38 @@ std::vector<KnownExchange> mergeBySurface(const std::vector<KnownExchange>& exch
   return merged;
 }
 
+template <class T>
+bool isBefore(const T& a, std::pair<uint32_t, uint32_t> b) {
+  return std::pair(a.i, a.j) < b;
+}
+
 }  // namespace
 
+std::vector<ControlCount> takeDirectedShares(const PairCounts& counts, const std::vector<DirectedPair>& directed) {
+  std::vector<PairShare> shares;
+  for (const DirectedPair& pair : directed) shares.push_back({pair.i, pair.j, pair.share});
+  std::vector<ControlCount> controls = takeShares(counts, shares);
+  for (ControlCount& control : controls) {
+    control.line = std::lower_bound(directed.begin(), directed.end(), std::pair(control.i, control.j), isBefore<DirectedPair>)->line;
+    control.squares *= control.line;
+  }
+  return controls;
+}
+
 VisibleSums::VisibleSums(const Ids& face_ids, const Ids& surface_ids, By by, KnownShares known)
-    : by_(by), known_(std::move(known)), by_face_(face_ids), by_surface_(surface_ids) {
+    : by_(by), known_(std::move(known)), by_face_(face_ids), by_surface_(surface_ids), directed_(face_ids) {
   prepare();
 }
 
-VisibleSums::VisibleSums(By by, KnownShares known, ControlSums by_face, ControlSums by_surface)
-    : by_(by), known_(std::move(known)), by_face_(std::move(by_face)), by_surface_(std::move(by_surface)) {
+VisibleSums::VisibleSums(By by, KnownShares known, ControlSums by_face, ControlSums by_surface, ControlSums directed)
+    : by_(by), known_(std::move(known)), by_face_(std::move(by_face)), by_surface_(std::move(by_surface)), directed_(std::move(directed)) {
   prepare();
 }
 
 void VisibleSums::prepare() {
   const std::vector<double>& areas = by_face_.ids().areas;
   std::vector<KnownExchange> for_surfaces;
+  auto directed = known_.directed.begin();
   for (const KnownPair& pair : known_.pairs) {
     if (pair.share) shares_.push_back({pair.i, pair.j, pair.share});
     if (pair.surface_share) surface_shares_.push_back({pair.i, pair.j, pair.surface_share});
@@ -59,25 +76,45 @@ void VisibleSums::prepare() {
     // Closed forms exceed areas by rounding.
     const double most = std::min({pair.exchange, areas[pair.i], is_pair ? areas[pair.j] : INFINITY});
     exchanges_.push_back({pair.i, pair.j, most * pair.share / kShareOne, most, line});
+    if (directed != known_.directed.end() && std::pair(directed->i, directed->j) == std::pair(pair.i, pair.j)) {
+      directed_exchanges_.push_back({pair.i, pair.j, most * directed->share / kShareOne, most, directed->line});
+      ++directed;
+      for_surfaces.push_back({pair.i, pair.j, 0, 0, line});
+      continue;
+    }
     for_surfaces.push_back({pair.i, pair.j, most * pair.surface_share / kShareOne, most, line});
   }
   surface_exchanges_ = mergeBySurface(for_surfaces, known_.has_all_pairs, by_face_.ids().surface, by_surface_.ids().areas);
 }
 
-void VisibleSums::add(const PairCounts& counts) {
-  const PairCounts with_rows = withRows(counts);
-  std::vector<ControlCount> of_faces = takeShares(with_rows, shares_, known_.lines);
-  by_surface_.add(mergeIds(takeShares(with_rows, surface_shares_, known_.lines), by_face_.ids().surface));
+PairCounts VisibleSums::withoutDirected(PairCounts counts) const {
+  if (!known_.directed.empty())
+    std::erase_if(counts, [&](const PairCount& count) {
+      const std::pair key(count.i, count.j);
+      const auto at = std::lower_bound(known_.directed.begin(), known_.directed.end(), key, isBefore<DirectedPair>);
+      return at != known_.directed.end() && std::pair(at->i, at->j) == key;
+    });
+  return counts;
+}
+
+void VisibleSums::add(const PairCounts& counts, const PairCounts& directed) {
+  const PairCounts common = withoutDirected(withRows(counts));
+  std::vector<ControlCount> of_faces = takeShares(common, shares_, known_.lines);
+  const std::vector<ControlCount> of_directed = takeDirectedShares(directed, known_.directed);
+  by_surface_.add(mergeIds(takeShares(common, surface_shares_, known_.lines), by_face_.ids().surface));
   by_face_.add(of_faces);
+  directed_.add(of_directed);
 }
 
 void VisibleSums::add(const VisibleSums& others, bool others_are_first) {
   by_face_.add(others.by_face_);
   by_surface_.add(others.by_surface_);
+  directed_.add(others.directed_);
   if (!others_are_first) return;
   known_ = others.known_;
   exchanges_ = others.exchanges_;
   surface_exchanges_ = others.surface_exchanges_;
+  directed_exchanges_ = others.directed_exchanges_;
 }
 
 bool VisibleSums::goesWith(const VisibleSums& others) const {
@@ -90,9 +127,40 @@ bool VisibleSums::goesWith(const VisibleSums& others) const {
   return by_ == others.by_ && known_.lines == others.known_.lines && known_.has_all_pairs == others.known_.has_all_pairs && sharesOf(*this) == sharesOf(others);
 }
 
-FormFactors VisibleSums::formFactors(By by, double measure_area, const FormFactors& sampled) const {
-  const bool of_faces = by == By::polygon;
-  return chooseBetter((of_faces ? by_face_ : by_surface_).formFactors(measure_area, of_faces ? exchanges_ : surface_exchanges_), sampled);
+std::vector<FormFactors::Entry> VisibleSums::directedEntries() const {
+  std::vector<FormFactors::Entry> entries;
+  for (size_t k = 0; k < known_.directed.size(); ++k) {
+    const DirectedPair& pair = known_.directed[k];
+    entries.push_back({pair.i, pair.j, directed_.exchangeArea(pair.measure_area, directed_exchanges_[k], pair.count_area)});
+  }
+  return entries;
+}
+
+FormFactors VisibleSums::formFactors(By by, double measure_area, double count_area, const FormFactors& sampled) const {
+  if (by == By::polygon) {
+    const FormFactors common = by_face_.allowForUnmet(chooseBetter(by_face_.formFactors(measure_area, exchanges_, count_area), sampled), measure_area, exchanges_, count_area);
+    std::vector<FormFactors::Entry> entries = common.entries();
+    for (const FormFactors::Entry& directed : directedEntries())  // among the pairs known, so there
+      std::lower_bound(entries.begin(), entries.end(), std::pair(directed.i, directed.j), isBefore<FormFactors::Entry>)->exchange_area = directed.exchange_area;
+    return {common.ids(), std::move(entries), sampled.rowSums()};
+  }
+  // Directed pairs have random numbers of their own: their variances add up with that of the others.
+  const FormFactors others = by_surface_.allowForUnmet(by_surface_.formFactors(measure_area, surface_exchanges_, count_area), measure_area, surface_exchanges_, count_area);
+  std::vector<FormFactors::Entry> entries = others.entries();
+  const std::vector<uint32_t>& surface = by_face_.ids().surface;
+  for (const FormFactors::Entry& directed : directedEntries()) {
+    const auto [i, j] = std::minmax(surface[directed.i], surface[directed.j]);
+    Measured& sum = std::lower_bound(entries.begin(), entries.end(), std::pair(i, j), isBefore<FormFactors::Entry>)->exchange_area;
+    const double ways = i == j ? 2 : 1;
+    sum.value += ways * directed.exchange_area.value;
+    sum.standard_error = std::hypot(sum.standard_error, ways * directed.exchange_area.standard_error);
+  }
+  return chooseBetter({others.ids(), std::move(entries), {}}, sampled);
+}
+
+bool VisibleSums::directsAs(const VisibleSums& others) const {
+  const auto countsOf = [](const DirectedPair& pair) { return std::array{pair.i, pair.j, pair.directions, pair.resolution, pair.share, pair.line}; };
+  return std::ranges::equal(known_.directed, others.known_.directed, {}, countsOf, countsOf);
 }
 
 FormFactors VisibleSums::controlledFormFactors(double measure_area, const FormFactors& sampled) const {

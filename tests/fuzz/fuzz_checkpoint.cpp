@@ -88,7 +88,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t count) {
   using namespace viewpeel;
   Bytes bytes(data, count);
   Hdf5Output out;
-  writeColumn(out, bytes, "format", std::vector<uint64_t>{1});
+  writeColumn(out, bytes, "format", std::vector<uint64_t>{3});
   writeColumn(out, bytes, "settings/names", std::vector<std::string>{"--seed"});
   writeColumn(out, bytes, "settings/values", std::vector<std::string>{"1"});
   writeColumn(out, bytes, "replicates/first", std::vector<uint64_t>{0});
@@ -97,6 +97,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t count) {
   writeColumn(out, bytes, "measure_area", std::vector<double>{0.1});
   writeSums(out, bytes, "by_id");
   writeSums(out, bytes, "by_surface");
+  writeColumn(out, bytes, "visible/is_there", std::vector<uint8_t>{0});
   const std::vector<char> file = out.finish();
   try {
     Checkpoint checkpoint = readCheckpoint(fuzz::makeFile(reinterpret_cast<const uint8_t*>(file.data()), file.size()));

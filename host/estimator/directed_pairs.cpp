@@ -1,0 +1,365 @@
+#include "estimator/directed_pairs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <numbers>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "engines/lattice.h"
+#include "engines/size_groups.h"
+#include "estimator/estimate.h"
+#include "estimator/visible_share.h"
+#include "hash.h"
+#include "matrix/pair_count.h"
+
+namespace viewpeel {
+namespace {
+
+constexpr uint64_t kDirectedPilot = uint64_t(4) << 40;  // replicates that no run reaches
+constexpr uint32_t kPilots = 8, kPilotDirections = 16, kUsualDirections = 32;
+constexpr double kEmitterSpacings = 16;       // in the root of the emitter's area
+// Work in the time that one polygon takes at one lattice point, some 10 ns; measured on lavapipe, and the same on every device, for parts of a run have to choose alike.
+constexpr double kPolygonCost = 100, kDirectedPolygonCost = 30;  // of projecting a polygon along a direction
+constexpr double kPointCost = 4;                                 // with what is blocked
+constexpr double kDirectionCost = 2000, kEngineCost = 2e7;
+constexpr double kDearest = 8;                // most directions of a pair, in those that all pairs have in common
+constexpr double kFewMet = 3;                 // directions that meet a pair tell little of its share; none of so many meets it in e^-3 = 5 % of cases
+constexpr int64_t kMostOnTrust = 8;           // pairs
+constexpr size_t kMostDirected = 256, kMostEngines = 32;  // each engine takes memory and compiles its kernels
+constexpr double kWorthIt = 0.8;              // of the work without them
+constexpr double kMostReplicates = 1e12;
+
+using Key = std::pair<uint32_t, uint32_t>;
+
+template <class T>
+Key keyOf(const T& pair) {
+  return {pair.i, pair.j};
+}
+
+double smallerArea(const Ids& ids, Key pair) { return std::min(ids.areas[pair.first], pair.second < kEnvironment ? ids.areas[pair.second] : INFINITY); }
+
+// What the goals allow of a pair's exchange area to err; infinite where they do not look at it.
+double allowedError(const EstimateOptions& options, double area, double exchange) {
+  double allowed = options.tolerance ? *options.tolerance * area : INFINITY;
+  if (options.relative && exchange >= options.relative_floor * area) allowed = std::min(allowed, *options.relative * exchange);
+  return allowed;
+}
+
+// A pair that does not reach the goal in the replicates asked for.
+struct Need {
+  Key pair;
+  double replicates = 0;  // that it takes
+  double allowed = 0, most = INFINITY;
+  bool may_direct = false;
+  bool on_trust = false;  // neither face was seen blocked, and few lines told of the pair
+};
+
+struct PredictedError {
+  double variance = 0;  // of one replicate
+  double line = 0;      // one line's in one replicate
+  double most = INFINITY, area = 0, directions = 0;
+  bool is_told = false;  // by a line
+
+  double after(double replicates) const {
+    double floor = line / replicates;
+    if (!is_told && most < INFINITY) floor = std::max(floor, most * std::exp(-replicates * directions * most / (2 * area)));
+    return std::min(most, std::sqrt(variance / replicates + floor * floor));
+  }
+};
+
+// Variances of one pilot's exchange area, for pairs in order.
+class PilotVariances {
+ public:
+  // Each half of the pilots is taken with the shares that the other half tells, so that those which few lines told do not look better than they are.
+  PilotVariances(const Ids& ids, const KnownShares& known, const CommonPilots& pilots) {
+    const size_t half = pilots.counts.size() / 2;
+    for (const bool second : {false, true}) {
+      PairCounts others;
+      for (size_t k = 0; k < half; ++k) others = addCounts(others, pilots.counts[second ? k : half + k]);
+      const std::vector<PairShare> told = fitShares(others);
+      std::vector<PairShare> shares;
+      auto at = told.begin();
+      for (const KnownPair& pair : known.pairs) {
+        while (at != told.end() && keyOf(*at) < keyOf(pair)) ++at;
+        if (pair.share == kShareOne) shares.push_back({pair.i, pair.j, kShareOne});
+        else if (pair.share && at != told.end() && keyOf(*at) == keyOf(pair)) shares.push_back(*at);
+      }
+      ControlSums sums(ids);
+      for (size_t k = 0; k < half; ++k) sums.add(takeShares(pilots.counts[second ? half + k : k], shares, known.lines));
+      sums.forEachVariance(pilots.count_area / pilots.directions, [&](uint32_t i, uint32_t j, double variance) { of_half_[second].push_back({{i, j}, variance}); });
+    }
+  }
+  // In rising order of pairs; nothing where no line told.
+  std::optional<double> of(Key pair) {
+    double sum = 0;
+    bool is_told = false;
+    for (int half = 0; half < 2; ++half) {
+      size_t& at = at_[half];
+      while (at < of_half_[half].size() && of_half_[half][at].first < pair) ++at;
+      if (at == of_half_[half].size() || of_half_[half][at].first != pair) continue;
+      is_told = true;
+      sum += of_half_[half][at].second / 2;
+    }
+    return is_told ? std::optional(sum) : std::nullopt;
+  }
+
+ private:
+  std::vector<std::pair<Key, double>> of_half_[2];
+  size_t at_[2] = {0, 0};
+};
+
+// Sorted, those that need most replicates first.
+std::vector<Need> findNeeds(const Ids& ids, const KnownShares& known, const CommonPilots& pilots, const EstimateOptions& options) {
+  PairCounts all;
+  for (const PairCounts& counts : pilots.counts) all = addCounts(all, counts);
+  std::vector<bool> is_blocked(ids.count(), false);
+  for (const PairCount& count : all)
+    if (count.j < kEnvironment && count.blocked) is_blocked[count.i] = is_blocked[count.j] = true;
+  PilotVariances variances(ids, known, pilots);
+  const double pilot_count = double(pilots.counts.size()), directions = options.directions, line = 2 * pilots.count_area / directions;
+  std::vector<Need> needs;
+  const auto look = [&](Key pair, const KnownPair* of_known, uint64_t count) {
+    const double area = smallerArea(ids, pair);
+    PredictedError error{0, line, INFINITY, area, directions};
+    const bool is_pair = pair.second < kEnvironment;
+    error.line *= double(is_pair ? std::min(known.lines[pair.first], known.lines[pair.second]) : known.lines[pair.first]);
+    if (of_known && is_pair && of_known->exchange < INFINITY) error.most = std::min(of_known->exchange, area);
+    const std::optional<double> variance = variances.of(pair);
+    // Of one replicate, whose directions are those of all pilots.
+    error.variance = variance.value_or(0) * pilots.directions / directions;
+    error.is_told = variance.has_value();
+    const bool may_direct = is_pair && error.most < INFINITY;
+    double exchange = 2 * double(count) * pilots.count_area / (pilots.directions * pilot_count);
+    if (may_direct) exchange = std::max(exchange, error.most * of_known->share / kShareOne);
+    PredictedError unsure = error;
+    // Few directions that agree do not tell. Of those that meet a pair, `met` at least, half may see it.
+    if (const double met = directions * error.most / (2 * area); may_direct && met < kFewMet && error.most * error.most / (4 * met) > error.variance) {
+      unsure.variance = error.most * error.most / (4 * met);
+      exchange = std::max(exchange, error.most / 2);
+    }
+    const double allowed = allowedError(options, area, exchange);
+    if (unsure.after(options.replicates) <= allowed) return;
+    const bool on_trust = is_pair && !is_blocked[pair.first] && !is_blocked[pair.second] && error.after(options.replicates) <= allowed;
+    double replicates = options.replicates;
+    while (unsure.after(replicates) > allowed && replicates < kMostReplicates) replicates *= std::sqrt(std::sqrt(2.0));
+    needs.push_back({pair, replicates, allowed, error.most, may_direct, on_trust});
+  };
+  auto count = all.begin();
+  auto at = known.pairs.begin();
+  while (count != all.end() || at != known.pairs.end()) {
+    const Key key = count == all.end() ? keyOf(*at) : at == known.pairs.end() ? keyOf(*count) : std::min(keyOf(*at), keyOf(*count));
+    const bool is_counted = count != all.end() && keyOf(*count) == key, is_known = at != known.pairs.end() && keyOf(*at) == key;
+    if (key.first != key.second) look(key, is_known ? &*at : nullptr, is_counted ? count->count : 0);
+    if (is_counted) ++count;
+    if (is_known) ++at;
+  }
+  // What is only unlikely is looked into where that costs little.
+  if (std::count_if(needs.begin(), needs.end(), [](const Need& need) { return need.on_trust; }) > kMostOnTrust)
+    std::erase_if(needs, [](const Need& need) { return need.on_trust; });
+  std::sort(needs.begin(), needs.end(), [](const Need& a, const Need& b) { return std::pair(-a.replicates, a.pair) < std::pair(-b.replicates, b.pair); });
+  return needs;
+}
+
+// The work of runs in which the first of `needs` have directions of their own.
+class RunWork {
+ public:
+  RunWork(const PairSampler& sampler, const std::vector<Need>& needs, const Ids& ids, const KnownShares& known, const CommonPilots& pilots, const EstimateOptions& options)
+      : sampler_(sampler), needs_(needs), options_(options) {
+    const double polygons = double(ids.of_polygon.size());
+    double points = 0;  // that faces are counted at along a direction, half of their areas being their mean projection
+    for (uint32_t k = 0; k < ids.count(); ++k) points += ids.areas[k] / (2 * pilots.count_area * double(known.lines[k]));
+    common_ = kDirectionCost + kPolygonCost * polygons + kPointCost * points;
+    directed_ = kDirectionCost + kDirectedPolygonCost * polygons + kPointCost * kEmitterSpacings * kEmitterSpacings;
+  }
+
+  // Of the first pairs of `directed`, in the order of needs, as many as make for the least work; none where that is not worth it.
+  std::vector<DirectedPair> keepLeast(const std::vector<DirectedPair>& directed) const {
+    std::vector<DirectedPair> tried, best;
+    const double without = of({});
+    double least = kWorthIt * without;
+    for (const DirectedPair& pair : directed) {
+      tried.push_back(pair);
+      if (const double work = of(tried); work < least) best = tried, least = work;
+    }
+    return best;
+  }
+
+ private:
+  double of(const std::vector<DirectedPair>& directed) const {
+    double directions = 0;
+    for (const DirectedPair& pair : directed) directions += pair.directions;
+    const double replicates = directed.size() < needs_.size() ? needs_[directed.size()].replicates : options_.replicates;
+    return replicates * (options_.directions * common_ + directions * directed_) + kEngineCost * double(sampler_.countEngines(directed)) +
+           kPilots * kPilotDirections * directed_ * double(directed.size());
+  }
+
+  const PairSampler& sampler_;
+  const std::vector<Need>& needs_;
+  const EstimateOptions& options_;
+  double common_ = 0, directed_ = 0;  // of a direction
+};
+
+// Its share and as many directions as it needs; 0 directions where that is no gain.
+DirectedPair fit(PairSampler& sampler, const Ids& ids, const Need& need, DirectedPair pair, const EstimateOptions& options) {
+  pair.directions = kPilotDirections;
+  sampler.prepare({&pair, 1});
+  std::vector<PairCounts> counts;
+  PairCounts halves[2];
+  for (uint32_t k = 0; k < kPilots; ++k) {
+    const PairCount count = sampler.count(pair, kDirectedPilot + k);
+    counts.push_back(count.count || count.blocked ? PairCounts{count} : PairCounts{});
+    PairCounts& half = halves[2 * k / kPilots];
+    half = addCounts(half, counts.back());
+  }
+  const auto shareOf = [](const PairCounts& told) {
+    const std::vector<PairShare> shares = fitShares(told);
+    return shares.empty() ? 0 : shares[0].share;
+  };
+  // Each half with the share that the other half tells, or none.
+  const auto errorWith = [&](bool has_share) {
+    double squares = 0;
+    for (const bool second : {false, true}) {
+      pair.share = has_share ? shareOf(halves[!second]) : 0;
+      ControlSums sums(ids);
+      for (uint32_t k = 0; k < kPilots / 2; ++k) sums.add(takeDirectedShares(counts[(second ? kPilots / 2 : 0) + k], std::vector{pair}));
+      const KnownExchange known{pair.i, pair.j, need.most * pair.share / kShareOne, need.most, pair.line};
+      squares += std::pow(sums.exchangeArea(pair.measure_area, known, pair.count_area).standard_error / 2, 2);
+    }
+    return std::sqrt(squares);
+  };
+  const double without = errorWith(false), with = errorWith(true);
+  pair.share = with <= without ? shareOf(addCounts(halves[0], halves[1])) : 0;
+  // To half of what is allowed, for errors of pilots are not those of the run; and no direction is worth more than that.
+  const double goal = need.allowed / 2;
+  const double directions = std::max(kPilots * kPilotDirections * std::pow(std::min(with, without) / goal, 2), need.most / goal) / options.replicates;
+  pair.directions = directions > options.directions * kDearest ? 0 : std::max(kPilotDirections, static_cast<uint32_t>(std::ceil(directions)));
+  return pair;
+}
+
+}  // namespace
+
+PairSampler::PairSampler(const Scene& scene, const Ids& face_ids, uint64_t seed, MakePairEngine make, int finest)
+    : scene_(scene), face_ids_(face_ids), seed_(seed), make_(std::move(make)), finest_(finest), polygons_(face_ids.count()) {
+  for (uint32_t k = 0; k < face_ids.of_polygon.size(); ++k) polygons_[face_ids.of_polygon[k]].push_back(k);
+}
+
+const DirectionRegion& PairSampler::regionOf(Key pair) {
+  const auto [at, is_new] = regions_.try_emplace(pair);
+  if (is_new) at->second = findPairRegion(scene_, polygons_[pair.first], polygons_[pair.second], face_ids_.two_sided);
+  return at->second;
+}
+
+DirectedPair PairSampler::direct(uint32_t i, uint32_t j, uint32_t directions) {
+  if (regionOf({i, j}).isEmpty()) return {i, j};
+  const std::vector<uint32_t>& emitter = polygons_[emitterOf(i, j)];
+  double area = 0;
+  for (uint32_t k : emitter) area += scene_.polygons[k].area;
+  const double finest = std::min<double>(kMostWindowPoints / windowAround(scene_, emitter).radius, finest_);
+  return {i, j, directions, static_cast<uint32_t>(std::clamp(2 * kEmitterSpacings / std::sqrt(area), 1.0, finest))};
+}
+
+size_t PairSampler::countEngines(std::span<const DirectedPair> pairs) const {
+  std::set<Key> keys;
+  for (const DirectedPair& pair : pairs) keys.insert(partKey(pair));
+  return keys.size();
+}
+
+void PairSampler::prepare(std::span<DirectedPair> pairs) {
+  std::map<Key, std::vector<uint32_t>> partners;
+  for (const DirectedPair& pair : pairs) partners[partKey(pair)].push_back(emitterOf(pair.i, pair.j) == pair.i ? pair.j : pair.i);
+  for (auto& [key, others] : partners) {
+    std::sort(others.begin(), others.end());
+    Part& part = parts_[key];
+    std::vector<uint32_t> all;
+    std::set_union(part.partners.begin(), part.partners.end(), others.begin(), others.end(), std::back_inserter(all));
+    if (part.engine && all == part.partners) continue;
+    part.engine.reset();
+    part.partners = std::move(all);
+    part.ids = idsOf(key.first, part.partners);
+    part.engine = make_(part.ids, static_cast<int>(key.second), windowAround(scene_, polygons_[key.first]));
+  }
+  for (DirectedPair& pair : pairs) {
+    const Engine& engine = *parts_.at(partKey(pair)).engine;
+    pair.line = std::max(1u, static_cast<uint32_t>(std::lround(pointArea(static_cast<int>(pair.resolution)) / engine.unitArea())));
+    pair.count_area = engine.unitArea() * scene_.scale * scene_.scale;
+    pair.measure_area = pair.count_area * regionOf({pair.i, pair.j}).solidAngle() / (2 * std::numbers::pi) / pair.directions;
+  }
+}
+
+// 0 the emitter, from 1 on its partners, and one for all that is only in the way.
+Ids PairSampler::idsOf(uint32_t emitter, const std::vector<uint32_t>& partners) const {
+  Ids ids;
+  ids.two_sided = face_ids_.two_sided;
+  ids.counts_environment = false;
+  const auto rest = static_cast<uint32_t>(partners.size() + 1);
+  ids.of_polygon.assign(scene_.polygons.size(), rest);
+  ids.roles.assign(scene_.polygons.size(), 0);
+  ids.asked.assign(rest + 1, true);
+  ids.asked.back() = false;
+  const auto give = [&](uint32_t face, uint32_t id, uint32_t role) {
+    for (uint32_t k : polygons_[face]) ids.of_polygon[k] = id, ids.roles[k] = role;
+    ids.names.push_back(face_ids_.names[face]);
+    ids.areas.push_back(face_ids_.areas[face]);
+    ids.surface.push_back(id);
+  };
+  give(emitter, 0, kEmits);
+  for (uint32_t id = 1; id < rest; ++id) give(partners[id - 1], id, kReceives);
+  ids.names.push_back("rest");
+  ids.areas.push_back(1);
+  ids.surface.push_back(rest);
+  return ids;
+}
+
+PairCount PairSampler::count(const DirectedPair& pair, uint64_t replicate) {
+  const Part& part = parts_.at(partKey(pair));
+  const uint32_t partner = emitterOf(pair.i, pair.j) == pair.i ? pair.j : pair.i;
+  const auto id = static_cast<uint32_t>(std::lower_bound(part.partners.begin(), part.partners.end(), partner) - part.partners.begin() + 1);
+  Hash stream;
+  stream.add(seed_);
+  stream.add(pair.i);
+  stream.add(pair.j);
+  PairCount sum{pair.i, pair.j, 0, 0};
+  for (const PairCount& count : part.engine->count(sampleRegion(regionOf({pair.i, pair.j}), pair.directions, stream.value(), replicate).directions))
+    if (count.i == 0 && count.j == id) sum.add(count);
+  return sum;
+}
+
+PairCounts PairSampler::count(std::span<const DirectedPair> pairs, uint64_t replicate) {
+  PairCounts counts;
+  for (const DirectedPair& pair : pairs) {
+    counts.push_back(count(pair, replicate));
+    if (counts.back().count == 0 && counts.back().blocked == 0) counts.pop_back();
+  }
+  return counts;
+}
+
+std::vector<DirectedPair> chooseDirectedPairs(PairSampler& sampler, const Ids& face_ids, const KnownShares& known, const CommonPilots& pilots, const EstimateOptions& options) {
+  if (!options.tolerance && !options.relative) return {};
+  const std::vector<Need> needs = findNeeds(face_ids, known, pilots, options);
+  std::vector<DirectedPair> tried;
+  for (const Need& need : needs) {
+    if (!need.may_direct || tried.size() == kMostDirected) break;
+    const DirectedPair pair = sampler.direct(need.pair.first, need.pair.second, kUsualDirections);
+    if (pair.directions == 0) break;
+    tried.push_back(pair);
+    if (sampler.countEngines(tried) <= kMostEngines) continue;
+    tried.pop_back();
+    break;
+  }
+  const RunWork work(sampler, needs, face_ids, known, pilots, options);
+  tried = work.keepLeast(tried);
+  sampler.prepare(tried);
+  for (size_t k = 0; k < tried.size(); ++k) {
+    tried[k] = fit(sampler, face_ids, needs[k], tried[k], options);
+    if (tried[k].directions == 0) tried.resize(k);
+  }
+  tried = work.keepLeast(tried);
+  std::sort(tried.begin(), tried.end(), [](const DirectedPair& a, const DirectedPair& b) { return keyOf(a) < keyOf(b); });
+  sampler.prepare(tried);
+  return tried;
+}
+
+}  // namespace viewpeel
