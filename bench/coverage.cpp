@@ -236,7 +236,7 @@ void measureCase(const std::string& name, const Device& device, const Options& o
         estimate.tolerance = rule.goal_replicates ? std::optional(tolerance) : std::nullopt;
         estimate.seed = seed;
         if (options.closed_forms && shares_seed != seed) {
-          shares = findVisibleShares(*engine, device, scene, ids, groupBySize(scene, std::vector<double>(scene.polygons.size(), 1), resolution), estimate);
+          shares = findVisibleShares(*engine, &device, scene, ids, groupBySize(scene, std::vector<double>(scene.polygons.size(), 1), resolution), estimate);
           shares_seed = seed;
         }
         estimate.known = options.closed_forms ? &shares.known : nullptr;

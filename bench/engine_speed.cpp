@@ -1,6 +1,6 @@
-// How fast is the compute engine beside Embree on the same cores? Interleaved rounds, CSV on stdout.
+// How fast are the compute and the host engine beside Embree on the same cores? Interleaved rounds, CSV on stdout.
 //   engine_speed [--scene NAME] [--resolution PX] [--by polygon|surface] [--rounds N] [--seconds S]
-// Methods: `viewpeel`, the compute engine; `embree_lines_*`, the lines of the same lattices traced by Embree and sorted; `embree_rays_*`, rays
+// Methods: `viewpeel`, the compute engine; `host`, the same lattices by the host engine, `host_scanlines`, its scanlines, of which a sample is counted where a lattice point would be; `embree_lines_*`, the lines of the same lattices traced by Embree and sorted; `embree_rays_*`, rays
 // shot from the surfaces. A sample is a facing pair seen by a line, or a ray that ends on a front; other rays cost time and count for nothing.
 // An engine's fixed cost, emptying and reading its counters, is a call without directions, timed in every round and left out; Embree's tables are
 // neither emptied nor read while it is timed. Debian builds its Embree with assertions on: Embree's own release build may be faster than this one.
@@ -13,6 +13,8 @@
 #include "directions/sampler.h"
 #include "embree_rivals.h"
 #include "engines/compute_engine.h"
+#include "engines/host_engine.h"
+#include "engines/lattice.h"
 #include "error.h"
 #include "generate.h"
 #include "measure.h"
@@ -93,25 +95,29 @@ void measure(const std::string& name, const Scene& scene, const Ids& ids, Embree
   const std::vector<Direction> directions = sampleDirections(Sampler::iid, kMostDirections, kSeed, 0);
   const auto first = [&](uint64_t count) { return std::span(directions).first(count); };
   std::vector<Method> methods;
-  std::unique_ptr<Engine> engine;
-  std::string refusal;
-  try {
-    engine = makeComputeEngine(device, scene, ids, {.resolution = resolution});
-    verify(*engine, embree, first(4), resolution);
-    const auto fixed = [&] { return secondsOf([&] { engine->count({}); }); };
-    methods.push_back({"viewpeel", true,
-                       [&, fixed](uint64_t count) {
-                         const double fixed_s = fixed();
-                         PairCounts counts;
-                         const double spent_s = secondsOf([&] { counts = engine->count(first(count)); });
-                         return std::pair(facingPairs(counts), std::max(spent_s - fixed_s, 1e-9));
-                       },
-                       fixed});
-  } catch (const Error& error) {
-    if (error.code() != ErrorCode::limit) throw;
-    engine.reset();
-    fmt::print("# viewpeel refused: {}\n{},{},{},viewpeel,refused,refused,\n", error.what(), name, scene.polygons.size(), resolution);
-  }
+  const auto addEngine = [&](const std::string& method, const std::function<std::unique_ptr<Engine>()>& make) {
+    try {
+      const std::shared_ptr<Engine> engine = make();
+      const double points_each = engine->unitArea() / pointArea(resolution);  // lattice points' worth of a count
+      if (points_each == 1) verify(*engine, embree, first(4), resolution);
+      const auto fixed = [engine] { return secondsOf([&] { engine->count({}); }); };
+      methods.push_back({method, true,
+                         [=](uint64_t count) {
+                           const double fixed_s = fixed();
+                           PairCounts counts;
+                           const double spent_s = secondsOf([&] { counts = engine->count(first(count)); });
+                           return std::pair(static_cast<uint64_t>(double(facingPairs(counts)) * points_each), std::max(spent_s - fixed_s, 1e-9));
+                         },
+                         fixed});
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::limit) throw;
+      fmt::print("# {} refused: {}\n{},{},{},{},refused,refused,\n", method, error.what(), name, scene.polygons.size(), resolution, method);
+    }
+  };
+  addEngine("viewpeel", [&] { return makeComputeEngine(device, scene, ids, {.resolution = resolution}); });
+  addEngine("host", [&] { return makeHostEngine(scene, ids, {.resolution = resolution}); });
+  addEngine("host_scanlines", [&] { return makeHostEngine(scene, ids, {.resolution = resolution, .sampling = Sampling::scanline}); });
+  const size_t engine_count = methods.size();
   embree.clear();
   uint64_t seed = kSeed;
   uint64_t rays = 0, ray_samples = 0;
@@ -139,19 +145,21 @@ void measure(const std::string& name, const Scene& scene, const Ids& ids, Embree
       method.samples_per_second.push_back(double(samples) / spent_s);
     }
 
-  const double ours = engine ? median(methods.front().samples_per_second) : 0;
+  const auto samplesOf = [](const Method& method) { return median(method.samples_per_second); };
+  const double ours = engine_count ? samplesOf(methods.front()) : 0;
   double best_lines = 0, best_rays = 0;
   const auto printRow = [&](const std::string& method, const std::string& directions_text, double samples) {
     fmt::print("{},{},{},{},{},{:.4g},{}\n", name, scene.polygons.size(), resolution, method, directions_text, samples,
-               engine ? fmt::format("{:.3f}", samples / ours) : "");
+               engine_count ? fmt::format("{:.3f}", samples / ours) : "");
   };
   double best_directions = 0;
-  for (const Method& method : methods) {
-    const double samples = median(method.samples_per_second), per_second = median(method.directions_per_second);
+  for (size_t k = 0; k < methods.size(); ++k) {
+    const Method& method = methods[k];
+    const double samples = samplesOf(method), per_second = median(method.directions_per_second);
     printRow(method.name, method.has_directions ? fmt::format("{:.4g}", per_second) : "", samples);
     if (!method.has_directions) {
       best_rays = std::max(best_rays, samples);
-    } else if (method.name != "viewpeel" && samples > best_lines) {
+    } else if (k >= engine_count && samples > best_lines) {
       best_lines = samples;
       best_directions = per_second;
     }
@@ -164,7 +172,8 @@ void measure(const std::string& name, const Scene& scene, const Ids& ids, Embree
     spread += fmt::format(" {} {:.2f}", method.name, *high / *low);
   }
   fmt::print("# fastest over slowest round:{}\n# rays that ended on a front: {:.4f} of all\n", spread, double(ray_samples) / double(rays));
-  if (engine) fmt::print("# viewpeel/Embree: lines {:.2f}, rays {:.2f}\n", ours / best_lines, ours / best_rays);
+  for (size_t k = 0; k < engine_count; ++k)
+    fmt::print("# {}/Embree: lines {:.2f}, rays {:.2f}\n", methods[k].name, samplesOf(methods[k]) / best_lines, samplesOf(methods[k]) / best_rays);
   std::fflush(stdout);
 }
 

@@ -1,6 +1,6 @@
 // What error does each method have after what time? All form factors of a scene by viewpeel and by what users would pick instead, in one run on one machine. CSV on stdout.
 //   error_time [--scene NAME]... [--method NAME]... [--full] [--seconds S] [--reference-seconds S] [--rounds K] [--view3d PROGRAM] [--cache DIR] [--device D]
-// Methods (methods.cpp): planned (the program's default), fibonacci, jittered, iid and the same with closed forms, scanline, graphics, exact; rays_random and rays_sobol,
+// Methods (methods.cpp): planned (the program's default), fibonacci, jittered, iid and the same with closed forms, scanline, host and host_closed (scanlines on the processor), graphics, exact; rays_random and rays_sobol,
 // double_area_random and double_area_sobol (embree_rays.h), hemicube (hemicube.h), view3d (view3d.h). Rivals are verified first (verify_rivals.h). Each method climbs a ladder of
 // growing work until its next run would take longer than --seconds; short runs are repeated with other seeds, and rounds of all ladders follow each other.
 // seconds: from a method made ready to its result; setup_seconds: to make it ready (kernels compiled, trees built). Errors: exchange_matrix.h; reference_error is the reference's own rms
@@ -73,7 +73,7 @@ struct Place {
 // The first four columns.
 std::string describe(const Place& place, const Ladder& ladder) {
   const std::string device = ladder.on_device ? place.device : "CPU";
-  const std::string driver = ladder.on_device ? place.driver : ladder.method == "view3d" || ladder.method == "exact" ? "none" : "Embree " + embreeVersion();
+  const std::string driver = ladder.on_device ? place.driver : ladder.method == "view3d" || ladder.method == "exact" || ladder.method.starts_with("host") ? "none" : "Embree " + embreeVersion();
   return fmt::format("{},{},{},{}", place.commit, inQuotes(device), inQuotes(driver), threadCount());
 }
 

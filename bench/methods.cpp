@@ -12,6 +12,7 @@
 #include "embree_rays.h"
 #include "engines/compute_engine.h"
 #include "engines/graphics_engine.h"
+#include "engines/host_engine.h"
 #include "estimator/plan.h"
 #include "estimator/visible_share.h"
 #include "error.h"
@@ -87,7 +88,13 @@ class Viewpeel {
       return makeComputeEngine(device, scene_, ids_, lattice);
     };
   }
-  MakeEngine graphics(LatticeOptions lattice) const {
+  MakeEngine host(LatticeOptions lattice) const {
+    return [this, lattice](const Device&, bool measure_work) mutable {
+      lattice.measure_work = measure_work;
+      return makeHostEngine(scene_, ids_, lattice);
+    };
+  }
+  MakeEngine graphics(const LatticeOptions& lattice) const {
     return [this, lattice](const Device& device, bool) { return makeGraphicsEngine(device, scene_, ids_, lattice); };
   }
   MakeEngine exact() const {
@@ -142,6 +149,7 @@ class Viewpeel {
     Lattices lattices;
     lattices.make_engine = [this](const std::vector<SizeGroup>& groups) { return grouped(groups); };
     lattices.may_group = true;
+    lattices.sampling = sampling();
     for (uint32_t k = 0; k < ids_.count(); ++k) lattices.id_of_face.push_back(k);
     const Plan plan = planEstimate(scene_, ids_, options, lattices);
     options.directions = plan.directions;
@@ -150,7 +158,7 @@ class Viewpeel {
   }
 
   Estimate runLong(double seconds) const {
-    const std::vector<SizeGroup> groups = planGroups(scene_, ids_, kLongRunResolution, kLongRunResolution, 4096);
+    const std::vector<SizeGroup> groups = planGroups(scene_, ids_, sampling(), kLongRunResolution, kLongRunResolution, 4096);
     const std::unique_ptr<Engine> engine = grouped(groups);
     warmUp(*engine);
     const double direction_s = secondsOf([&] { engine->count(sampleDirections(Sampler::fibonacci, kProfileDirections, 6, 0)); }) / kProfileDirections;
@@ -162,7 +170,7 @@ class Viewpeel {
 
  private:
   Estimate withClosedForms(Engine& engine, const std::vector<SizeGroup>& groups, EstimateOptions options) const {
-    const VisibleShares shares = findVisibleShares(engine, device_, scene_, ids_, groups, options);
+    const VisibleShares shares = findVisibleShares(engine, on_host_ ? nullptr : &device_, scene_, ids_, groups, options);
     options.known = &shares.known;
     return estimateFormFactors(engine, scene_, ids_, options);
   }
@@ -170,9 +178,14 @@ class Viewpeel {
   std::unique_ptr<Engine> grouped(const std::vector<SizeGroup>& groups) const {
     LatticeOptions lattice;
     lattice.resolution = groups[0].resolution;
+    lattice.sampling = sampling();
     lattice.count_blocked = true;
-    return groups.size() > 1 ? makeGroupedEngine(device_, scene_, ids_, lattice, groups) : makeComputeEngine(device_, scene_, ids_, lattice);
+    const LatticeEngineMaker make = [this](const Scene& scene, const Ids& ids, const LatticeOptions& own) { return on_host_ ? makeHostEngine(scene, ids, own) : makeComputeEngine(device_, scene, ids, own); };
+    return groups.size() > 1 ? makeGroupedEngine(make, scene_, ids_, lattice, groups) : make(scene_, ids_, lattice);
   }
+
+  // As the program chooses it.
+  Sampling sampling() const { return on_host_ ? Sampling::scanline : Sampling::lattice; }
 
   static Profile profileOf(Engine& engine) {
     warmUp(engine);
@@ -195,6 +208,7 @@ class Viewpeel {
   const Device& device_;
   const Scene& scene_;
   Ids ids_;
+  const bool on_host_ = device_.description().kind == "cpu";
 };
 
 // The form of tracing that is fastest on a small share of the work.
@@ -205,7 +219,7 @@ std::pair<Trace, std::string> fastestTrace(Run run) {
   for (const auto& [trace, name] : {std::pair(Trace::packets_of_8, "packets"), std::pair(Trace::streams, "streams"), std::pair(Trace::single, "single")}) {
     run(trace);
     double trace_s = INFINITY;
-    for (int k = 0; k < 3; ++k) trace_s = std::min(trace_s, secondsOf([&] { run(trace); }));
+    for (int k = 0; k < 3; ++k) trace_s = std::min(trace_s, secondsOf([&, tried = trace] { run(tried); }));
     if (trace_s < least_s) least_s = trace_s, best = {trace, std::string("trace=") + name};
   }
   return best;
@@ -282,7 +296,7 @@ std::vector<Ladder> makeLadders(const Device& device, const Scene& scene, const 
   const auto viewpeel = std::make_shared<Viewpeel>(device, scene);
   std::vector<Ladder> ladders;
   const auto add = [&](const std::string& method, const std::string& parameters, const Viewpeel::MakeEngine& make, Sampler sampler, int closed_forms, double first) {
-    ladders.push_back({method, parameters, "directions", method != "exact", climb(first, 4, 1u << 22),
+    ladders.push_back({method, parameters, "directions", method != "exact" && !method.starts_with("host"), climb(first, 4, 1u << 22),
                        [=] { return viewpeel->runner(make, sampler, closed_forms); }});
   };
   std::vector<Ladder::Rung> tolerances;  // the lattice's error falls as the square root of time
@@ -296,6 +310,10 @@ std::vector<Ladder> makeLadders(const Device& device, const Scene& scene, const 
             viewpeel->compute({.resolution = resolution, .count_blocked = closed_forms}), sampler, closed_forms ? resolution : 0, 32);
   for (const int resolution : options.full ? std::vector<int>{64, 128, 256} : one)
     add("scanline", fmt::format("resolution={} ", resolution), viewpeel->compute({.resolution = resolution, .sampling = Sampling::scanline}), Sampler::fibonacci, 0, 32);
+  for (const bool closed_forms : {false, true})
+    for (const int resolution : options.full ? std::vector<int>{32, 64, 128, 256, 512} : std::vector<int>{64, 128})
+      add(closed_forms ? "host_closed" : "host", fmt::format("resolution={} ", resolution),
+          viewpeel->host({.resolution = resolution, .sampling = Sampling::scanline, .count_blocked = closed_forms}), Sampler::fibonacci, closed_forms ? resolution : 0, 32);
   add("graphics", "resolution=128 ", viewpeel->graphics({.resolution = 128}), Sampler::fibonacci, 0, 8);
   add("exact", "", viewpeel->exact(), Sampler::fibonacci, 0, 8);
   addRivals(device, scene, options, ladders);

@@ -1,7 +1,7 @@
-// Which samples of a direction, lattice points or scanlines, give the smaller error for the same time, and how does the error fall with the number of them?
-// CSV on stdout: rms error over all ordered pairs of polygons, of single replicates of rotated Fibonacci directions; in comments, for each sampling, the
+// Which samples of a direction, lattice points or scanlines, give the smaller error for the same time, on which engine, and how does the error fall with the number of them?
+// CSV on stdout: rms error over all ordered pairs of polygons, of single replicates of rotated Fibonacci directions; in comments, for each engine and sampling, the
 // exponent a of rms ~ T^-a at the best split of T samples (lattice points, or scanlines) between directions and spacing, and the time to given errors.
-//   sampling_error [--scene plates|cube|office|room4]... [--resolution PX]... [--directions N]... [--repeats K] [--reference N]
+//   sampling_error [--scene plates|cube|office|room4]... [--resolution PX]... [--directions N]... [--repeats K] [--reference N] [--engine compute|host]...
 // References: the closed form by contour integrals for plates and the inside of a cube of 96 patches; for scenes with occlusion a long run with
 // scanlines, whose own error is printed.
 #include <cmath>
@@ -11,6 +11,7 @@
 
 #include "directions/sampler.h"
 #include "engines/compute_engine.h"
+#include "engines/host_engine.h"
 #include "error.h"
 #include "generate.h"
 #include "measure.h"
@@ -20,7 +21,7 @@ namespace viewpeel::bench {
 namespace {
 
 struct Options {
-  std::vector<std::string> scenes{"plates", "cube", "office", "room4"};
+  std::vector<std::string> scenes{"plates", "cube", "office", "room4"}, engines{"compute", "host"};
   std::vector<int> resolutions{16, 32, 64, 128, 256};
   std::vector<uint32_t> directions{50, 200, 800};
   uint32_t repeats = 4, reference = 20'000;
@@ -71,7 +72,7 @@ double measureArea(const Engine& engine, const Scene& scene, uint32_t directions
 }
 
 // Closed forms where nothing is in the way; else the mean of two long runs, and half their difference as its error.
-Reference makeReference(const std::string& name, const Device& device, const Scene& scene, const Ids& ids, uint32_t directions) {
+Reference makeReference(const std::string& name, const Scene& scene, const Ids& ids, uint32_t directions) {
   Reference reference;
   const double pairs = double(ids.count()) * (ids.count() - 1);
   if (name == "plates" || name == "cube") {
@@ -84,7 +85,7 @@ Reference makeReference(const std::string& name, const Device& device, const Sce
   }
   Factors halves[2];
   for (uint64_t half = 0; half < 2; ++half) {
-    const auto engine = makeComputeEngine(device, scene, ids, {.resolution = 256, .sampling = Sampling::scanline});
+    const auto engine = makeHostEngine(scene, ids, {.resolution = 256, .sampling = Sampling::scanline});
     halves[half] = factorsOf(engine->count(sampleDirections(Sampler::fibonacci, directions / 2, 77, half)), ids, measureArea(*engine, scene, directions / 2));
   }
   reference.rms_error = std::sqrt(sumOfSquares(halves[0], halves[1]) / pairs) / 2;
@@ -102,40 +103,45 @@ PowerLaw fitEnvelope(std::vector<Run> runs, double Run::*cost) {
   return fitPowerLaw(costs, errors);
 }
 
+void measureSampling(const std::string& name, const std::string& kind, Sampling sampling, const Device& device, const Scene& scene, const Ids& ids, const Reference& reference,
+                     const Options& options) {
+  const char* word = sampling == Sampling::lattice ? "lattice" : "scanline";
+  const double pairs = double(ids.count()) * (ids.count() - 1);
+  std::vector<Run> runs;
+  for (int resolution : options.resolutions) {
+    const LatticeOptions lattice{.resolution = resolution, .sampling = sampling};
+    const auto engine = kind == "host" ? makeHostEngine(scene, ids, lattice) : makeComputeEngine(device, scene, ids, lattice);
+    engine->count(sampleDirections(Sampler::fibonacci, 64, 5, 0));  // compiles and tunes
+    const double fixed = secondsOf([&] { engine->count({}); });     // counters read back, once a replicate
+    for (uint32_t directions : options.directions) {
+      double squares = 0, seconds = 0;
+      for (uint32_t repeat = 0; repeat < options.repeats; ++repeat) {
+        const std::vector<Direction> set = sampleDirections(Sampler::fibonacci, directions, 1, repeat);
+        PairCounts counts;
+        seconds += secondsOf([&] { counts = engine->count(set); }) - fixed;
+        squares += sumOfSquares(factorsOf(counts, ids, measureArea(*engine, scene, directions)), reference.factors) / pairs;
+      }
+      const double rms = std::sqrt(std::max(0.0, squares / options.repeats - reference.rms_error * reference.rms_error));
+      const double samples = double(directions) * resolution * (sampling == Sampling::lattice ? resolution : 1);
+      fmt::print("{},{},{},{},{},{},{:.4g},{:.4g}\n", name, ids.count(), kind, word, resolution, directions, rms, seconds / options.repeats);
+      std::fflush(stdout);
+      if (rms > 3 * reference.rms_error) runs.push_back({samples, seconds / options.repeats, rms});
+    }
+  }
+  if (runs.size() < 4) return;
+  const PowerLaw in_samples = fitEnvelope(runs, &Run::samples), in_seconds = fitEnvelope(runs, &Run::seconds);
+  const auto secondsTo = [&](double rms) { return std::exp((std::log(rms) - in_seconds.intercept) / in_seconds.exponent); };
+  fmt::print("# {} {} {}: rms ~ T^{:.2f} in samples, ~ t^{:.2f} in seconds; to 1e-3 {:.2g} s, to 1e-4 {:.2g} s, to 1e-5 {:.2g} s, along that line\n", name, kind, word,
+             in_samples.exponent, in_seconds.exponent, secondsTo(1e-3), secondsTo(1e-4), secondsTo(1e-5));
+}
+
 void measureScene(const std::string& name, const Device& device, const Options& options) {
   const Scene scene = makeScene(name);
   const Ids ids = makeIds(scene, By::polygon, false);
-  const double pairs = double(ids.count()) * (ids.count() - 1);
-  const Reference reference = makeReference(name, device, scene, ids, options.reference);
+  const Reference reference = makeReference(name, scene, ids, options.reference);
   fmt::print("# {}: {} polygons; rms error of the reference {:.1e}\n", name, ids.count(), reference.rms_error);
-  for (Sampling sampling : {Sampling::lattice, Sampling::scanline}) {
-    const char* word = sampling == Sampling::lattice ? "lattice" : "scanline";
-    std::vector<Run> runs;
-    for (int resolution : options.resolutions) {
-      const auto engine = makeComputeEngine(device, scene, ids, {.resolution = resolution, .sampling = sampling});
-      engine->count(sampleDirections(Sampler::fibonacci, 64, 5, 0));  // compiles and tunes
-      const double fixed = secondsOf([&] { engine->count({}); });     // counters read back, once a replicate
-      for (uint32_t directions : options.directions) {
-        double squares = 0, seconds = 0;
-        for (uint32_t repeat = 0; repeat < options.repeats; ++repeat) {
-          const std::vector<Direction> set = sampleDirections(Sampler::fibonacci, directions, 1, repeat);
-          PairCounts counts;
-          seconds += secondsOf([&] { counts = engine->count(set); }) - fixed;
-          squares += sumOfSquares(factorsOf(counts, ids, measureArea(*engine, scene, directions)), reference.factors) / pairs;
-        }
-        const double rms = std::sqrt(std::max(0.0, squares / options.repeats - reference.rms_error * reference.rms_error));
-        const double samples = double(directions) * resolution * (sampling == Sampling::lattice ? resolution : 1);
-        fmt::print("{},{},{},{},{},{:.4g},{:.4g}\n", name, ids.count(), word, resolution, directions, rms, seconds / options.repeats);
-        std::fflush(stdout);
-        if (rms > 3 * reference.rms_error) runs.push_back({samples, seconds / options.repeats, rms});
-      }
-    }
-    if (runs.size() < 4) continue;
-    const PowerLaw in_samples = fitEnvelope(runs, &Run::samples), in_seconds = fitEnvelope(runs, &Run::seconds);
-    const auto secondsTo = [&](double rms) { return std::exp((std::log(rms) - in_seconds.intercept) / in_seconds.exponent); };
-    fmt::print("# {} {}: rms ~ T^{:.2f} in samples, ~ t^{:.2f} in seconds; to 1e-3 {:.2g} s, to 1e-4 {:.2g} s, to 1e-5 {:.2g} s, along that line\n", name, word,
-               in_samples.exponent, in_seconds.exponent, secondsTo(1e-3), secondsTo(1e-4), secondsTo(1e-5));
-  }
+  for (const std::string& kind : options.engines)
+    for (Sampling sampling : {Sampling::lattice, Sampling::scanline}) measureSampling(name, kind, sampling, device, scene, ids, reference, options);
 }
 
 }  // namespace
@@ -151,12 +157,13 @@ int main(int argc, char** argv) {
   app.add_option("--directions", options.directions, "Directions of a replicate")->capture_default_str();
   app.add_option("--repeats", options.repeats, "Replicates to take the mean of")->capture_default_str();
   app.add_option("--reference", options.reference, "Directions of the reference where there is no closed form")->capture_default_str();
+  app.add_option("--engine", options.engines, "compute, host")->check(CLI::IsMember({"compute", "host"}))->capture_default_str();
   app.add_option("--device", options.device.selector, "As for viewpeel");
   CLI11_PARSE(app, argc, argv);
   try {
     const Device device(options.device);
     printPlace(device, VIEWPEEL_SOURCE);
-    fmt::print("scene,polygons,sampling,resolution,directions,rms_error,seconds\n");
+    fmt::print("scene,polygons,engine,sampling,resolution,directions,rms_error,seconds\n");
     for (const std::string& scene : options.scenes) measureScene(scene, device, options);
   } catch (const Error& error) {
     fmt::print(stderr, "sampling_error: {}\n", error.what());

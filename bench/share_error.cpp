@@ -91,7 +91,7 @@ struct Case {
     const auto start = Clock::now();
     VisibleShares shares;
     if (closed_forms) {
-      shares = findVisibleShares(*engine, device, scene, ids, groupBySize(scene, std::vector<double>(scene.polygons.size(), 1), resolution), options);
+      shares = findVisibleShares(*engine, &device, scene, ids, groupBySize(scene, std::vector<double>(scene.polygons.size(), 1), resolution), options);
       options.known = &shares.known;
     }
     FormFactors result = estimateFormFactors(*engine, scene, ids, options).form_factors;

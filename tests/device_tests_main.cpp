@@ -33,6 +33,7 @@ PairCounts countPairs(const Scene& scene, const std::vector<Direction>& directio
   const Ids ids = makeIds(scene, run.by, run.two_sided);
   PairCounts counts = makeComputeEngine(testDevice(), scene, ids, run.lattice)->count(directions);
   EXPECT_EQ(counts, makeGraphicsEngine(testDevice(), scene, ids, run.lattice)->count(directions)) << scene.file << ": compute and graphics differ";
+  EXPECT_EQ(counts, makeHostEngine(scene, ids, run.lattice)->count(directions)) << scene.file << ": compute and host differ";
   return counts;
 }
 

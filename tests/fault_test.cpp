@@ -17,7 +17,7 @@ std::string withFault(const std::string& fault) {
 }
 
 const std::string kOffice = "compute " VIEWPEEL_SCENES "/office.obj --quiet --by surface ";
-const std::string kSteady = kOffice + "--directions 50 --resolution 64 --batch 25 ";
+const std::string kSteady = kOffice + "--engine compute --directions 50 --resolution 64 --batch 25 ";
 
 class Fault : public Program {
  protected:
@@ -55,7 +55,7 @@ TEST_F(Fault, LayerIsUsed) {
 }
 
 TEST_F(Fault, NoUsableDeviceIsToldWithTheReason) {
-  const std::string plates = "compute " VIEWPEEL_SCENES "/plates.obj --quiet";
+  const std::string plates = "compute " VIEWPEEL_SCENES "/plates.obj --quiet --engine compute";
   expectOneLine(run(plates, "VK_DRIVER_FILES=/nowhere.json VK_ICD_FILENAMES=/nowhere.json"), 1, {"no Vulkan driver found; install"});
   expectOneLine(run(plates, withFault("none")), 1, {"no Vulkan driver found; install"});
   expectOneLine(run(plates, withFault("version")), 1, {"no usable device: 0: ", "(needs Vulkan 1.3)", "viewpeel devices"});
@@ -77,12 +77,12 @@ TEST_F(Fault, LostDeviceKeepsTheCheckpoint) {
     fs::remove(file("a.h5"));
   }
   EXPECT_GE(most, 1u);  // some were lost in the middle
-  for (const std::string planned : {"--tolerance 1e-3", "--epsilon 0.1", "--closed-forms on", "--engine graphics --directions 20"})
+  for (const std::string planned : {"--tolerance 1e-3 --engine compute", "--epsilon 0.1 --engine compute", "--closed-forms on --engine compute", "--engine graphics --directions 20"})
     expectOneLine(run(kOffice + planned, withFault("lost:8")), 1, {"the device was lost"});
 }
 
 TEST_F(Fault, LackOfDeviceMemoryIsAClearError) {
-  for (const std::string planned : {"--directions 50", "--tolerance 1e-3", "--epsilon 0.1", "--closed-forms on", "--engine graphics --directions 20"})
+  for (const std::string planned : {"--directions 50 --engine compute", "--tolerance 1e-3 --engine compute", "--epsilon 0.1 --engine compute", "--closed-forms on --engine compute", "--engine graphics --directions 20"})
     for (int allocation : {1, 12}) expectOneLine(run(kOffice + planned, withFault(fmt::format("memory:{}", allocation))), 1, {"cannot allocate", "try a smaller"});
 }
 
@@ -92,7 +92,7 @@ TEST_F(Fault, LackOfDeviceMemoryMakesBatchesSmaller) {
   std::ofstream scene(file("sheets.obj"));
   for (int k = 0; k < 200; ++k) scene << fmt::format("v 0 0 {0}\nv 1 0 {0}\nv 1 1 {0}\nv 0 1 {0}\nf -4 -3 -2 -1\n", 0.01 * k);
   scene.close();
-  const std::string options = "compute " + file("sheets.obj") + " --two-sided --directions 16 --resolution 128 --batch 8 --replicates 2 --verbose -o " + file("a.csv");
+  const std::string options = "compute --engine compute " + file("sheets.obj") + " --two-sided --directions 16 --resolution 128 --batch 8 --replicates 2 --verbose -o " + file("a.csv");
   // Directions on the device at once, as planned and, where lists grew, in the end.
   const auto atOnce = [](const Result& result, const char* after) {
     unsigned batches = 0, directions = 0;
@@ -131,6 +131,8 @@ TEST_F(Fault, SignalEndsALargeRunWithinTwoSeconds) {
   const std::string large = "compute " + writeLargeScene(100'000) + " --quiet ";
   const std::pair<std::string, double> runs[] = {{large, 0.2},
                                                  {large, 2.5},
+                                                 {large + "--engine compute", 2.5},
+                                                 {large + "--directions 1000 --resolution 1000 --engine compute --by surface", 2.5},
                                                  {large + "--directions 1000 --resolution 1000 --by surface", 2.5},
                                                  {large + "--engine graphics --by surface --directions 1000 --resolution 256", 2.5},
                                                  {large + "--engine exact --directions 10", 1.5},

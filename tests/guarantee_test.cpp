@@ -271,9 +271,10 @@ TEST(Guarantee, WithClosedFormsTheWholeChainHolds) {
   const Scene scene = buildScene(ts::perpendicularSquares());
   const Ids ids = makeIds(scene, By::polygon, false);
   GuaranteeOptions options{.epsilon = 0.08, .delta = 0.2, .seed = 4};
-  options.closed_forms_on = &testDevice();
+  options.closed_forms = true;
+  options.device = &testDevice();
   const Lattices lattices{[&](const std::vector<SizeGroup>& groups) { return makeGroupedEngine(testDevice(), scene, ids, {.count_blocked = true}, groups); }, 0, true};
-  const GuaranteePlan plan = planGuarantee(scene, ids, options, lattices, Sampling::lattice, false);
+  const GuaranteePlan plan = planGuarantee(scene, ids, options, lattices, false);
   ASSERT_TRUE(plan.share_bounds);
   std::optional<RunSums> half;
   options.on_sums = [&](const RunSums& sums, bool) {
@@ -296,7 +297,7 @@ TEST(Guarantee, HoldsForTheClosedForm) {
   const Scene scene = buildScene(ts::parallelSquares());
   const Ids ids = makeIds(scene, By::polygon, false);
   GuaranteeOptions options{.epsilon = 0.1, .delta = 0.2};
-  const GuaranteePlan plan = planGuarantee(scene, ids, options, latticesFor(scene, ids), Sampling::lattice, false);
+  const GuaranteePlan plan = planGuarantee(scene, ids, options, latticesFor(scene, ids), false);
   EXPECT_GT(plan.largest_range, 2);
   EXPECT_LE(plan.least_blocks, plan.most_blocks);
   EXPECT_GE(plan.most_blocks * plan.block_directions, plan.hoeffding);
@@ -314,7 +315,7 @@ TEST(Guarantee, TheMedianOfRunsHoldsToo) {
   const Ids ids = makeIds(scene, By::polygon, false);
   GuaranteeOptions options{.epsilon = 0.1, .delta = 0.1, .statistic = Statistic::median, .sampler = Sampler::iid};
   const Lattices exact{[&](const std::vector<SizeGroup>&) { return reference::makeExactEngine(scene, ids); }, 1, false};
-  const GuaranteePlan plan = planGuarantee(scene, ids, options, exact, Sampling::lattice, true);
+  const GuaranteePlan plan = planGuarantee(scene, ids, options, exact, true);
   // Pellegrini 1997, section 5.3, for five form factors at once: Q = 8 ln(5 / delta) runs of 4 / epsilon^2.
   EXPECT_EQ(plan.run_directions, 400u);
   EXPECT_EQ(plan.runs, 33u);
@@ -331,7 +332,7 @@ TEST(Guarantee, TheMedianOfRunsHoldsToo) {
 TEST(Guarantee, WhatCannotBeKeptIsRefused) {
   const Scene scene = buildScene(ts::parallelSquares());
   const Ids ids = makeIds(scene, By::polygon, false);
-  const auto plan = [&](const GuaranteeOptions& options) { return planGuarantee(scene, ids, options, latticesFor(scene, ids), Sampling::lattice, false); };
+  const auto plan = [&](const GuaranteeOptions& options) { return planGuarantee(scene, ids, options, latticesFor(scene, ids), false); };
   EXPECT_THROW(plan({.epsilon = 0}), Error);
   EXPECT_THROW(plan({.epsilon = 0.1, .delta = 1}), Error);
   EXPECT_THROW(plan({.epsilon = 1e-9}), Error);

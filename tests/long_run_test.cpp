@@ -185,7 +185,7 @@ TEST_F(LongRun, WrongCheckpointsAreRefused) {
       {scene + "  --resume --pair a b", "--pair"},
       {scene + "  --resume --blocker a", "--blocker"},
       {"compute " + file("scene.obj") + " --quiet --engine exact --directions 6 --resume --checkpoint " + file("a.h5"), "--directions is '5' there, '6' here"},
-      {"compute " + file("scene.obj") + " --quiet --directions 5 --resume --checkpoint " + file("a.h5"), "--sampling is 'exact areas' there, 'lattice' here"},
+      {"compute " + file("scene.obj") + " --quiet --engine host --directions 5 --resume --checkpoint " + file("a.h5"), "--sampling is 'exact areas' there, 'scanline' here"},
       {scene + "  --resume --first-replicate 3", "--first-replicate 3"},
       {"compute " + file("scene.obj") + exact + file("gap.h5") + " --resume", "0 to 7, 12 to 19"},
       {planned + " --resume --resolution 2000", "--resolution is '"},

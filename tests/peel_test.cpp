@@ -5,7 +5,7 @@
 
 #include "cpu_twin.h"
 #include "engines/compute_engine.h"
-#include "engines/pair_counters.h"
+#include "matrix/pair_count.h"
 #include "scenes.h"
 #include "test_device.h"
 

@@ -98,7 +98,7 @@ TEST(Plan, CanBeRepeated) {
   const Scene scene = buildScene(ts::triangleSoup(40, 0.4, 9));
   const Ids ids = makeIds(scene, By::polygon, false);
   const Plan plan = planEstimate(scene, ids, {.tolerance = 0.01}, latticesFor(scene, ids));
-  const auto again = planGroups(scene, ids, plan.groups[0].resolution, plan.finest, plan.directions);
+  const auto again = planGroups(scene, ids, Sampling::lattice, plan.groups[0].resolution, plan.finest, plan.directions);
   ASSERT_EQ(again.size(), plan.groups.size());
   for (size_t g = 0; g < again.size(); ++g) {
     EXPECT_EQ(again[g].resolution, plan.groups[g].resolution);

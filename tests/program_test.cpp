@@ -155,10 +155,33 @@ TEST_F(Program, UnknownDeviceIsRefusedWithReasons) {
   EXPECT_NE(r.output.find("not asked for"), std::string::npos) << r.output;
 }
 
+// Where nothing but a Vulkan driver will do.
 TEST_F(Program, NoDriverIsAClearError) {
-  const Result r = run("compute " VIEWPEEL_SCENES "/plates.obj --quiet", "VK_DRIVER_FILES=/nowhere.json VK_ICD_FILENAMES=/nowhere.json");
-  EXPECT_EQ(r.status, 1);
-  EXPECT_NE(r.output.find("mesa-vulkan-drivers"), std::string::npos) << r.output;
+  for (const char* options : {"--engine compute", "--engine graphics", "--device cpu"}) {
+    const Result r = run(std::string("compute " VIEWPEEL_SCENES "/plates.obj --quiet ") + options, "VK_DRIVER_FILES=/nowhere.json VK_ICD_FILENAMES=/nowhere.json");
+    EXPECT_EQ(r.status, 1) << options;
+    EXPECT_NE(r.output.find("mesa-vulkan-drivers"), std::string::npos) << r.output;
+  }
+}
+
+TEST_F(Program, HostEngineComputesWithoutADevice) {
+  const std::string plates = "compute " VIEWPEEL_SCENES "/plates.obj --quiet --replicates 4 -o ";
+  const Result r = run(plates + file("planned.csv"), "VK_DRIVER_FILES=/nowhere.json VK_ICD_FILENAMES=/nowhere.json");
+  EXPECT_EQ(r.status, 0) << r.output;
+  EXPECT_EQ(r.output, "");
+  EXPECT_EQ(readFile(file("planned.csv")).find("from,to,"), 0u);
+}
+
+// Engines are chosen for speed: what is counted is the same.
+TEST_F(Program, EnginesWriteTheSameFiles) {
+  for (const char* options : {"--sampling lattice", "--sampling scanline", "--sampling scanline --resolution 32 --finest 512", "--sampling lattice --from floor",
+                              "--sampling scanline --two-sided --by surface"}) {
+    const std::string office = std::string("compute " VIEWPEEL_SCENES "/office.obj --quiet --directions 20 --replicates 2 ") + options;
+    ASSERT_EQ(run(office + " --engine compute -o " + file("compute.csv")).output, "");
+    ASSERT_EQ(run(office + " --engine host -o " + file("host.csv")).output, "");
+    EXPECT_EQ(readFile(file("compute.csv")), readFile(file("host.csv"))) << options;
+    EXPECT_GT(readFile(file("host.csv")).size(), 1000u);
+  }
 }
 
 TEST_F(Program, ExactEngineComputesWithoutADevice) {

@@ -128,8 +128,13 @@ TEST(SizeGroups, WindowsAreOnOneLattice) {
   for (const Window& window : {Window{corner, 0.2}, Window{0.9 * corner, 0.3}}) {
     ASSERT_LT(glm::length(corner - window.centre) + 0.1 / scene.scale * 1.5, window.radius);
     const auto part = makeComputeEngine(testDevice(), scene, ids, {.resolution = 512, .window = window});
-    for (const Direction& direction : sampleDirections(Sampler::iid, 30, 12, 0))
-      EXPECT_EQ(part->count(std::span(&direction, 1)), whole->count(std::span(&direction, 1)));
+    const auto directions = sampleDirections(Sampler::iid, 30, 12, 0);
+    for (const Direction& direction : directions) EXPECT_EQ(part->count(std::span(&direction, 1)), whole->count(std::span(&direction, 1)));
+    for (const int resolution : {512, 8000})
+      for (const Sampling sampling : {Sampling::lattice, Sampling::scanline}) {
+        const LatticeOptions options{.resolution = resolution, .sampling = sampling, .window = window, .count_blocked = true};
+        EXPECT_EQ(makeHostEngine(scene, ids, options)->count(directions), makeComputeEngine(testDevice(), scene, ids, options)->count(directions)) << resolution;
+      }
   }
 }
 

@@ -10,6 +10,7 @@
 
 #include "engines/compute_engine.h"
 #include "engines/graphics_engine.h"
+#include "engines/host_engine.h"
 #include "directions/sampler.h"
 #include "reference/exact_pair_areas.h"
 #include "reference/lattice_check.h"
@@ -179,6 +180,9 @@ Tally judge(const Device& device, Kind kind, uint64_t seed, bool shrunk) {
   const std::vector<glm::dvec3> directions = hardDirections(scene, random);
   const auto compute = makeComputeEngine(device, scene, ids, {.resolution = kResolution});
   const auto graphics = makeGraphicsEngine(device, scene, ids, {.resolution = kResolution});
+  const LatticeOptions scanlines{.resolution = kResolution, .sampling = Sampling::scanline, .count_blocked = true, .thread_count = 1};
+  const auto host = makeHostEngine(scene, ids, {.resolution = kResolution, .thread_count = 1});
+  const auto compute_scanlines = makeComputeEngine(device, scene, ids, scanlines), host_scanlines = makeHostEngine(scene, ids, scanlines);
   Scene judged = scene;
   if (shrunk) {
     const Polygon& largest = *std::max_element(scene.polygons.begin(), scene.polygons.end(), [](const Polygon& a, const Polygon& b) { return a.area < b.area; });
@@ -195,6 +199,8 @@ Tally judge(const Device& device, Kind kind, uint64_t seed, bool shrunk) {
     const Pairs counts = byPair(compute->count(lattices));
     const std::span drawn(lattices.data(), kDrawn);
     tally.unequal += byPair(graphics->count(drawn)) != byPair(compute->count(drawn));
+    tally.unequal += byPair(host->count(lattices)) != counts;
+    tally.unequal += byPair(host_scanlines->count(drawn)) != byPair(compute_scanlines->count(drawn));
     ++tally.directions;
     std::map<std::pair<uint32_t, uint32_t>, Region> regions;
     for (const auto& [pair, count] : counts) regions[pair];

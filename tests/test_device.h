@@ -3,6 +3,7 @@
 
 #include "engines/compute_engine.h"
 #include "engines/graphics_engine.h"
+#include "engines/host_engine.h"
 #include "estimator/estimate.h"
 #include "vulkan/device.h"
 
@@ -34,7 +35,7 @@ struct CountRun {
   By by = By::polygon;
 };
 
-// The counts of the compute engine; the graphics engine has to agree to the last bit.
+// The counts of the compute engine; graphics and host engine have to agree to the last bit.
 PairCounts countPairs(const Scene& scene, const std::vector<Direction>& directions, const CountRun& run);
 
 }  // namespace viewpeel

@@ -59,6 +59,18 @@ testing::AssertionResult isAccurate(double form_factor, double truth, double tru
                                                     allowedError(truth) + truth_error);
 }
 
+bool on_host = false;  // whether this run of a test is about the processor
+
+UnoccludedExchange makeExchange(const Scene& scene, const UnoccludedOptions& options = {}) {
+  return on_host ? UnoccludedExchange(scene, options) : UnoccludedExchange(testDevice(), scene, options);
+}
+
+class Unoccluded : public testing::TestWithParam<bool> {
+ protected:
+  void SetUp() override { on_host = GetParam(); }
+};
+INSTANTIATE_TEST_SUITE_P(Everywhere, Unoccluded, testing::Bool(), [](const auto& where) { return where.param ? "Host" : "Device"; });
+
 struct Outcome {
   std::vector<double> factors;  // from the smaller polygon
   UnoccludedWork work;
@@ -66,7 +78,7 @@ struct Outcome {
 
 // All pairs in both orders: the same bits, none short of the accuracy.
 Outcome computeBothWays(const Scene& scene, const std::string& what) {
-  UnoccludedExchange exchange(testDevice(), scene);
+  UnoccludedExchange exchange = makeExchange(scene);
   std::vector<SidePair> pairs, reversed;
   for (uint32_t k = 0; k + 1 < scene.polygons.size(); k += 2) pairs.push_back({frontSide(k), frontSide(k + 1)});
   for (const SidePair& pair : pairs) reversed.push_back({pair.j, pair.i});
@@ -101,7 +113,7 @@ CornerPair randomPair(Random& random, double most, double ratio) {
   return {a, b};
 }
 
-TEST(Unoccluded, RandomPairs) {
+TEST_P(Unoccluded, RandomPairs) {
   constexpr uint64_t kSeed = 41;
   Random random(kSeed);
   for (const auto& [most, ratio] : {std::pair(3.0, 1.001), std::pair(30.0, 1.001), std::pair(1000.0, 30.0), std::pair(3.0, 300.0)}) {
@@ -111,7 +123,7 @@ TEST(Unoccluded, RandomPairs) {
   }
 }
 
-TEST(Unoccluded, CommonEdgesFrom1To179Degrees) {
+TEST_P(Unoccluded, CommonEdgesFrom1To179Degrees) {
   Random random(42);
   std::vector<CornerPair> pairs;
   for (double angle_deg : {1.0, 2.0, 5.0, 15.0, 30.0, 60.0, 90.0, 120.0, 150.0, 170.0, 178.0, 179.0})
@@ -143,7 +155,7 @@ void expectKnown(const std::vector<KnownPair>& known, const std::string& what, d
   for (size_t k = 0; k < known.size(); ++k) EXPECT_TRUE(isAccurate(outcome.factors[k], known[k].truth, truth_error)) << what << ", pair " << k;
 }
 
-TEST(Unoccluded, Slivers) {
+TEST_P(Unoccluded, Slivers) {
   for (double width : {1e-2, 1e-4, 1e-5, 1e-6}) {
     const Corners floor = rectangle({0, 0, 0}, {width, 0, 0}, {0, 1, 0}), wall = rectangle({0, 0, 0}, {0, 1, 0}, {0, 0, 1});
     const Corners thin_wall = rectangle({0, 0, 0}, {0, 1, 0}, {0, 0, width});
@@ -163,7 +175,7 @@ TEST(Unoccluded, Slivers) {
 }
 
 // Triangles and quadrilaterals 1e4 to 1e6 times as long as wide, near each other in any position.
-TEST(Unoccluded, RandomSlivers) {
+TEST_P(Unoccluded, RandomSlivers) {
   constexpr uint64_t kSeed = 49;
   Random random(kSeed);
   std::vector<CornerPair> pairs;
@@ -178,7 +190,7 @@ TEST(Unoccluded, RandomSlivers) {
 }
 
 // Gaps down to less than what makes polygons coplanar: those exchange the area of their overlap, which is the limit.
-TEST(Unoccluded, ParallelPlatesCloseTogether) {
+TEST_P(Unoccluded, ParallelPlatesCloseTogether) {
   std::vector<KnownPair> known;
   for (double gap : {1e-1, 1e-2, 1e-3, 1e-5, 1e-7, 1e-9, 0.0})
     for (double shift : {0.0, 0.3, 0.999}) {
@@ -189,7 +201,7 @@ TEST(Unoccluded, ParallelPlatesCloseTogether) {
   expectKnown(known, "plates", 1e-10);
 }
 
-TEST(Unoccluded, NearlyCoplanar) {
+TEST_P(Unoccluded, NearlyCoplanar) {
   std::vector<CornerPair> pairs;
   for (double angle_deg : {1e-1, 1e-2, 1e-3, 1e-4, 1e-5}) {
     const double angle_rad = angle_deg * kPi / 180;
@@ -203,7 +215,7 @@ TEST(Unoccluded, NearlyCoplanar) {
 }
 
 // Random planes through each other's neighbourhood: most reach behind.
-TEST(Unoccluded, ClipsWhatReachesBehind) {
+TEST_P(Unoccluded, ClipsWhatReachesBehind) {
   Random random(43);
   std::vector<CornerPair> pairs;
   for (int k = 0; k < 400; ++k) {
@@ -227,7 +239,7 @@ bool areWhole(const CornerPair& pair) {
 }
 
 // The bound on a product rule's error is relative, and holds in every direction, for thin, skew and grazing shapes too.
-TEST(Unoccluded, FarPairsToRelativeError) {
+TEST_P(Unoccluded, FarPairsToRelativeError) {
   constexpr uint64_t kSeed = 44;
   Random random(kSeed);
   std::vector<CornerPair> pairs;
@@ -259,7 +271,7 @@ TEST(Unoccluded, FarPairsToRelativeError) {
   EXPECT_GT(worst, 0.1 * kUnoccludedRelativeError);  // the rules are no finer than they need be
 }
 
-TEST(Unoccluded, PairsThatDoNotSeeEachOtherAreExactlyZero) {
+TEST_P(Unoccluded, PairsThatDoNotSeeEachOtherAreExactlyZero) {
   const Corners square = rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}), above = rectangle({0, 0, 1}, {0, 1, 0}, {1, 0, 0});
   Random random(45);
   std::vector<CornerPair> pairs{{square, flipped(above)},
@@ -279,11 +291,11 @@ TEST(Unoccluded, PairsThatDoNotSeeEachOtherAreExactlyZero) {
   const Outcome outcome = computeBothWays(scene, "unseen");
   for (size_t k = 0; k < pairs.size(); ++k) EXPECT_EQ(outcome.factors[k], 0) << k;
   std::vector<double> areas(1, -1);
-  UnoccludedExchange(testDevice(), scene).compute(std::vector<SidePair>{{frontSide(0), backSide(0)}}, areas);
+  makeExchange(scene).compute(std::vector<SidePair>{{frontSide(0), backSide(0)}}, areas);
   EXPECT_EQ(areas[0], 0) << "a polygon's own sides";
 }
 
-TEST(Unoccluded, SidesAreThoseOfFlippedPolygons) {
+TEST_P(Unoccluded, SidesAreThoseOfFlippedPolygons) {
   Random random(46);
   std::vector<CornerPair> pairs;
   for (int k = 0; k < 40; ++k)
@@ -300,7 +312,7 @@ TEST(Unoccluded, SidesAreThoseOfFlippedPolygons) {
         truths.push_back(reference::formFactor(back_a ? flipped(a) : a, back_b ? flipped(b) : b));
       }
   std::vector<double> areas(asked.size());
-  EXPECT_TRUE(UnoccludedExchange(testDevice(), scene).compute(asked, areas).empty());
+  EXPECT_TRUE(makeExchange(scene).compute(asked, areas).empty());
   for (size_t k = 0; k < asked.size(); ++k) {
     const double area_a = scene.polygons[asked[k].i / 2].area, area_b = scene.polygons[asked[k].j / 2].area;
     // The reference's F is from a.
@@ -310,7 +322,7 @@ TEST(Unoccluded, SidesAreThoseOfFlippedPolygons) {
 }
 
 // Every polygon of a closed, convex room: its form factors add up to 1, over all classes of pairs at once.
-TEST(Unoccluded, RoomCloses) {
+TEST_P(Unoccluded, RoomCloses) {
   constexpr int kCuts = 6;
   Random random(47);
   const glm::dvec3 x = random.direction(), y = glm::normalize(glm::cross(x, random.direction())), z = glm::cross(x, y);
@@ -331,7 +343,7 @@ TEST(Unoccluded, RoomCloses) {
   for (uint32_t i = 0; i < n; ++i)
     for (uint32_t j = i; j < n; ++j) pairs.push_back({frontSide(i), frontSide(j)});
   std::vector<double> areas(pairs.size()), sums(n);
-  UnoccludedExchange exchange(testDevice(), scene);
+  UnoccludedExchange exchange = makeExchange(scene);
   EXPECT_TRUE(exchange.compute(pairs, areas).empty());
   for (size_t k = 0; k < pairs.size(); ++k)
     for (uint32_t side : {pairs[k].i, pairs[k].j}) sums[side / 2] += areas[k];
@@ -339,7 +351,7 @@ TEST(Unoccluded, RoomCloses) {
   for (uint32_t i = 0; i < n; ++i) EXPECT_NEAR(sums[i] / scene.polygons[i].area, 1, kUnoccludedRelativeError + n * kUnoccludedAbsoluteError + 1e-12) << "polygon " << i;
 }
 
-TEST(Unoccluded, ChunksDoNotMatter) {
+TEST_P(Unoccluded, ChunksDoNotMatter) {
   Random random(48);
   std::vector<CornerPair> pairs;
   for (int k = 0; k < 60; ++k) pairs.push_back(randomPair(random, k % 2 ? 3 : 60, 2));
@@ -351,8 +363,8 @@ TEST(Unoccluded, ChunksDoNotMatter) {
   std::vector<SidePair> asked;
   for (uint32_t k = 0; k < scene.polygons.size(); k += 2) asked.push_back({frontSide(k), frontSide(k + 1)});
   std::vector<double> whole(asked.size()), parts(asked.size());
-  UnoccludedExchange large(testDevice(), scene);
-  UnoccludedExchange small(testDevice(), scene, {.chunk_pairs = 11, .near_pairs = 3});
+  UnoccludedExchange large = makeExchange(scene);
+  UnoccludedExchange small = makeExchange(scene, {.chunk_pairs = 11, .near_pairs = 3, .thread_count = 3});
   large.compute(asked, whole);
   small.compute(asked, parts);
   EXPECT_EQ(whole, parts);
@@ -362,13 +374,13 @@ TEST(Unoccluded, ChunksDoNotMatter) {
 }
 
 // Strips so thin that rounding alone is more than the error allowed: the value is there, and so is the report.
-TEST(Unoccluded, ReportsWhatItCannotReach) {
+TEST_P(Unoccluded, ReportsWhatItCannotReach) {
   constexpr double kWidth = 1e-10;
   const Scene scene = sceneOf({{rectangle({0, 0, 0}, {kWidth, 0, 0}, {0, 1, 0}), rectangle({0, 0, 0.1}, {0, 1, 0}, {1, 0, 0})},
                                {rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}), rectangle({0, 0, 0.1}, {0, 1, 0}, {1, 0, 0})}});
   std::vector<double> areas(2);
   const std::vector<UnreachedPair> unreached =
-      UnoccludedExchange(testDevice(), scene, {.chunk_pairs = 1}).compute(std::vector<SidePair>{{frontSide(2), frontSide(3)}, {frontSide(0), frontSide(1)}}, areas);
+      makeExchange(scene, {.chunk_pairs = 1}).compute(std::vector<SidePair>{{frontSide(2), frontSide(3)}, {frontSide(0), frontSide(1)}}, areas);
   ASSERT_EQ(unreached.size(), 1u);
   EXPECT_EQ(unreached[0].pair, 1u);
   EXPECT_GT(unreached[0].error, kUnoccludedRelativeError * areas[1]);
@@ -376,9 +388,9 @@ TEST(Unoccluded, ReportsWhatItCannotReach) {
   EXPECT_LE(std::abs(areas[1] - truth), unreached[0].error);
 }
 
-TEST(Unoccluded, RefusesWhatIsNotThere) {
+TEST_P(Unoccluded, RefusesWhatIsNotThere) {
   const Scene scene = sceneOf({{rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}), rectangle({0, 0, 1}, {0, 1, 0}, {1, 0, 0})}});
-  UnoccludedExchange exchange(testDevice(), scene);
+  UnoccludedExchange exchange = makeExchange(scene);
   std::vector<double> areas(1);
   EXPECT_THROW(exchange.compute(std::vector<SidePair>{{0, 4}}, areas), Error);
   EXPECT_THROW(exchange.compute(std::vector<SidePair>{{0, 2}, {2, 0}}, areas), Error);
@@ -386,7 +398,7 @@ TEST(Unoccluded, RefusesWhatIsNotThere) {
 }
 
 // The comparator notices a wrong value.
-TEST(Unoccluded, WrongValuesAreNoticed) {
+TEST_P(Unoccluded, WrongValuesAreNoticed) {
   EXPECT_TRUE(isAccurate(0.25, 0.25 * (1 + 9e-7), 0));
   EXPECT_FALSE(isAccurate(0.25, 0.25 * (1 + 1.1e-6), 0));
   EXPECT_FALSE(isAccurate(0, 1.1e-9, 0));

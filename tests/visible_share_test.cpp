@@ -24,7 +24,7 @@ struct Shared {
   Ids ids;
   std::unique_ptr<Engine> engine;
   std::vector<SizeGroup> groups;
-  VisibleShares find(const EstimateOptions& options) const { return findVisibleShares(*engine, testDevice(), scene, ids, groups, options); }
+  VisibleShares find(const EstimateOptions& options) const { return findVisibleShares(*engine, &testDevice(), scene, ids, groups, options); }
   Estimate estimate(EstimateOptions options, By by = By::polygon) const {
     const VisibleShares shares = find(options);
     options.known = &shares.known;

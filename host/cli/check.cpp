@@ -72,23 +72,24 @@ int runCheck(const CheckCommand& command) {
                                               interpenetrations.size()));
 
   const Ids ids = makeIds(scene, By::polygon, command.two_sided);
-  const Device device(command.device);
+  std::optional<Device> device;
+  if (command.engine != EngineKind::host) device.emplace(command.device);
   std::map<int, std::unique_ptr<Engine>> engines;
   for (int resolution : command.check.resolutions)
-    engines[resolution] = makeLatticeEngine(command.engine, device, scene, ids, {.resolution = resolution, .sampling = command.sampling, .count_blocked = command.check.blocked, .batch_directions = 1});
+    engines[resolution] = makeLatticeEngine(command.engine, device ? &*device : nullptr, scene, ids, {.resolution = resolution, .sampling = command.sampling, .count_blocked = command.check.blocked, .batch_directions = 1});
   reference::CheckOptions options = command.check;
   if (command.sampling == Sampling::scanline) {
-    if (command.engine == EngineKind::graphics) throw Error(ErrorCode::bad_usage, "--sampling scanline needs --engine compute");
+    if (command.engine == EngineKind::graphics) throw Error(ErrorCode::bad_usage, "--sampling scanline needs --engine compute or host");
     options.variance = reference::kScanlineVariance;
     options.counts_per_point = pointArea(options.resolutions.front()) / engines.at(options.resolutions.front())->unitArea();
   }
   const auto count = [&](const Direction& direction, int resolution) { return engines.at(resolution)->count({&direction, 1}); };
   const CheckReport report = reference::checkLattice(scene, ids, count, options);
-  checkValidation(device);
+  if (device) checkValidation(*device);
   if (command.json) {
     fmt::print("{}", asJson(report));
   } else {
-    fmt::print("{}{}{}", describeDevice(device), describeScene(scene),
+    fmt::print("{}{}{}", device ? describeDevice(*device) : describeProcessor(), describeScene(scene),
                fmt::format("check      {} directions, {} random lattices each: h^2 x counts against exact areas, chance of a false alarm {:.0e}\n\n",
                            command.check.directions, command.check.lattices, command.check.false_alarm_rate));
     fmt::print("{}\nexact {:.1f} s, counting {:.1f} s\n{}\n", tabulate(report), report.exact_seconds, report.counting_seconds,
@@ -109,7 +110,7 @@ void addCheck(CLI::App& app, Run& chosen) {
       ->type_name("M")->check(CLI::Range(8u, 1u << 20).description(""))->capture_default_str();
   command->add_option("--resolution", options->check.resolutions, "Lattice spacings across the scene's diameter; may be given several times")
       ->type_name("PX")->check(CLI::Range(1, kMaxResolution).description(""))->allow_extra_args(false)->capture_default_str();
-  addChoice(command, "--engine", options->engine, {{"compute", EngineKind::compute}, {"graphics", EngineKind::graphics}}, "The engine to check");
+  addChoice(command, "--engine", options->engine, {{"compute", EngineKind::compute}, {"host", EngineKind::host}, {"graphics", EngineKind::graphics}}, "The engine to check");
   addChoice(command, "--sampling", options->sampling, {{"lattice", Sampling::lattice}, {"scanline", Sampling::scanline}}, "The samples to check");
   command->add_option("--seed", options->check.seed, "Of directions and lattices")->type_name("K")->check(isWholeNumber)->capture_default_str();
   command->add_flag("--blocked", options->check.blocked, "Pairs whose fronts look at each other past something, too");

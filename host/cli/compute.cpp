@@ -165,7 +165,7 @@ int runCompute(ProgramOptions options) {
     EstimateOptions pilot = options.estimate;
     pilot.directions = plan.directions;
     try {
-      shares = findVisibleShares(engine, *session.device, session.scene, session.face_ids, plan.groups, pilot);
+      shares = findVisibleShares(engine, session.deviceOrNone(), session.scene, session.face_ids, plan.groups, pilot);
     } catch (const Interrupted&) {
       endByItself();
       tellInterruption(options, 0);
@@ -187,7 +187,7 @@ int runCompute(ProgramOptions options) {
     if (options.closure) closed = closeOrKeep(estimate.form_factors, options.outputs);
     writeOutputs(estimate.form_factors, options.outputs, closed ? &closed->form_factors : nullptr);
     if (options.json)
-      fmt::print("{}", asJson(options.scene, session.device ? session.device->description().name : "none", estimate, seconds, is_at_rest ? engine.work() : nullptr,
+      fmt::print("{}", asJson(options.scene, session.deviceName(), estimate, seconds, is_at_rest ? engine.work() : nullptr,
                               closed ? &*closed : nullptr));
     if (!session.talks()) return status;
     if (options.verbose && is_at_rest && engine.describePlan() != division) fmt::print("after a trial\n{}", engine.describePlan());

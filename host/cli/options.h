@@ -42,9 +42,9 @@ void addChoice(CLI::App* command, const std::string& name, T& value, const std::
   command->add_option_function<std::string>(name, choose, text)->default_str(choices.front().first)->type_name(words);
 }
 
-enum class EngineKind { compute, graphics, exact };
+enum class EngineKind { automatic, compute, host, graphics, exact };
 
-// An engine that counts lattice points on the device.
-std::unique_ptr<Engine> makeLatticeEngine(EngineKind kind, const Device& device, const Scene& scene, const Ids& ids, const LatticeOptions& options);
+// An engine that counts lattice points; the host engine needs no device.
+std::unique_ptr<Engine> makeLatticeEngine(EngineKind kind, const Device* device, const Scene& scene, const Ids& ids, const LatticeOptions& options);
 
 }  // namespace viewpeel::cli

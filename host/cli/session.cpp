@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -20,6 +21,7 @@ namespace {
 constexpr uint64_t kTrial = uint64_t(1) << 40;  // a replicate number that no run reaches
 constexpr double kTrialSeconds = 0.5;
 constexpr double kSurfaceShareTolerance = 2e-4;
+constexpr double kScanlineArea = 1e-10;           // of the least id, unit-ball units squared: so large that scanlines in windows meet it often enough (plan.cpp)
 constexpr size_t kMostSharedFaces = 20'000;  // beyond which blocked pairs take gigabytes
 
 const std::vector<std::pair<std::string, Sampler>> kSamplers = {
@@ -82,12 +84,15 @@ std::string isPositive(const std::string& text) {
 Session::Session(ProgramOptions& asked) : options(asked), scene(loadScene(asked.scene)), ids(makeIds(scene, asked.by, asked.two_sided)), face_ids(makeIds(scene, By::polygon, asked.two_sided)), sampler(nameOf(asked.estimate.sampler)) {
   for (const std::string& warning : scene.warnings) fmt::print(stderr, "viewpeel: warning: {}\n", warning);
   askOnlyFor(options.question, scene, ids);
+  chooseEngine();
   if (!ids.roles.empty() && options.engine == EngineKind::graphics)
-    throw Error(ErrorCode::bad_usage, "--from, --pair and --blocker need --engine compute or exact");
-  if (options.lattice.sampling == Sampling::scanline && options.engine != EngineKind::compute)
-    throw Error(ErrorCode::bad_usage, "--sampling scanline needs --engine compute");
-  if (options.finest && (options.engine != EngineKind::compute || !ids.roles.empty()))
-    throw Error(ErrorCode::bad_usage, "--finest needs --engine compute and the whole matrix");
+    throw Error(ErrorCode::bad_usage, "--from, --pair and --blocker need --engine compute, host or exact");
+  if (options.lattice.sampling == Sampling::scanline && !hasWindows())
+    throw Error(ErrorCode::bad_usage, "--sampling scanline needs --engine compute or host");
+  if (options.finest && (!hasWindows() || !ids.roles.empty()))
+    throw Error(ErrorCode::bad_usage, "--finest needs --engine compute or host and the whole matrix");
+  if (options.finest > maxWindowResolution(options.lattice.sampling))
+    throw Error(ErrorCode::bad_usage, fmt::format("scanlines cannot be finer than {}; give a coarser --finest, or --sampling lattice", kMaxScanlineResolution));
   if (options.epsilon && *options.closed_forms && scene.faces.size() * (scene.faces.size() - 1) / 2 > kMostKnownPairs) {
     if (!options.closed_forms_by_default)
       throw Error(ErrorCode::bad_usage, fmt::format("a guarantee with closed forms needs those of all pairs of polygons: {} at most, not {}; say --closed-forms off", kMostKnownPairs,
@@ -97,19 +102,38 @@ Session::Session(ProgramOptions& asked) : options(asked), scene(loadScene(asked.
   if (scene.faces.size() > kMostSharedFaces && options.closed_forms_by_default) options.closed_forms = false;
   if (!options.whole_sphere && (!options.question.pair.empty() || (!options.question.from.empty() && !options.two_sided)))
     sampler = askDirections(options.question, scene, options.two_sided, options.estimate);
-  if (options.engine != EngineKind::exact) device.emplace(options.device);
+  if (!isExact() && options.engine != EngineKind::host) device.emplace(options.device);
+}
+
+// Compute shaders on a GPU; on a processor its own threads are many times faster than the shaders are through a software driver (README). The counts are the same.
+void Session::chooseEngine() {
+  if (options.engine == EngineKind::automatic) {
+    options.engine = EngineKind::compute;
+    if (options.device.selector.empty() && !std::getenv("VIEWPEEL_DEVICE")) {
+      bool has_gpu = false;
+      try {
+        for (const DeviceDescription& found : listDevices()) has_gpu = has_gpu || (found.refusal.empty() && found.kind != "cpu");
+      } catch (const Error&) {  // no driver
+      }
+      if (!has_gpu) options.engine = EngineKind::host;
+    }
+  }
+  // Scanlines where they are quick, as far as they can be fine enough (README).
+  const double least_area = *std::min_element(ids.areas.begin(), ids.areas.end()) / (scene.scale * scene.scale);
+  options.lattice.sampling = options.sampling.value_or(options.engine == EngineKind::host && least_area > kScanlineArea ? Sampling::scanline : Sampling::lattice);
 }
 
 Lattices Session::lattices() const {
   const auto make = [this](const std::vector<SizeGroup>& groups) -> std::unique_ptr<Engine> {
-    if (!device) return reference::makeExactEngine(scene, ids, {.on_direction = stopIfInterrupted});
+    if (isExact()) return reference::makeExactEngine(scene, ids, {.on_direction = stopIfInterrupted});
     LatticeOptions lattice = options.lattice;
     lattice.resolution = groups[0].resolution;
     lattice.count_blocked = usesClosedForms();
     const Ids& counted = usesClosedForms() ? face_ids : ids;
-    return groups.size() > 1 ? makeGroupedEngine(*device, scene, counted, lattice, groups) : makeLatticeEngine(options.engine, *device, scene, counted, lattice);
+    const auto makeOne = [this](const Scene& of, const Ids& own_ids, const LatticeOptions& own) { return makeLatticeEngine(options.engine, deviceOrNone(), of, own_ids, own); };
+    return groups.size() > 1 ? makeGroupedEngine(makeOne, scene, counted, lattice, groups) : makeOne(scene, counted, lattice);
   };
-  Lattices lattices{make, options.resolution, options.engine == EngineKind::compute && ids.roles.empty() && !options.resolution, {}};
+  Lattices lattices{make, options.resolution, hasWindows() && ids.roles.empty() && !options.resolution, options.lattice.sampling, {}};
   if (usesClosedForms()) {
     lattices.id_of_face.resize(face_ids.count());
     for (uint32_t k = 0; k < scene.polygons.size(); ++k) lattices.id_of_face[face_ids.of_polygon[k]] = ids.of_polygon[k];
@@ -126,24 +150,25 @@ GuaranteeOptions Session::guaranteeOptions() const {
   asked.seed = options.estimate.seed;
   asked.range = options.range;
   asked.block_directions = options.block;
-  asked.closed_forms_on = usesClosedForms() ? &*device : nullptr;
+  asked.closed_forms = usesClosedForms();
+  asked.device = deviceOrNone();
   return asked;
 }
 
 Plan Session::plan() const {
-  if (device && options.plans) return planEstimate(scene, ids, options.estimate, lattices());
+  if (!isExact() && options.plans) return planEstimate(scene, ids, options.estimate, lattices());
   Plan plan;
   plan.directions = options.estimate.directions;
   plan.finest = options.finest;
   const int resolution = options.resolution ? options.resolution : options.lattice.resolution;
-  plan.groups = options.finest ? planGroups(scene, ids, resolution, options.finest, plan.directions)
+  plan.groups = options.finest ? planGroups(scene, ids, options.lattice.sampling, resolution, options.finest, plan.directions)
                                : groupBySize(scene, std::vector<double>(scene.polygons.size(), 1), resolution);
   plan.engine = lattices().make_engine(plan.groups);
   return plan;
 }
 
 GuaranteePlan Session::planGuarantee() const {
-  GuaranteePlan plan = viewpeel::planGuarantee(scene, ids, guaranteeOptions(), lattices(), options.lattice.sampling, !device);
+  GuaranteePlan plan = viewpeel::planGuarantee(scene, ids, guaranteeOptions(), lattices(), isExact());
   if (options.estimate.seconds && plan.least_seconds > *options.estimate.seconds)
     throw Error(ErrorCode::bad_usage, fmt::format("a guarantee of {} takes {} at least, {} at most, more than --seconds {}; ask for a larger --epsilon, or an estimate by --tolerance",
                                                   plan.epsilon, inWords(plan.least_seconds), inWords(plan.most_seconds), *options.estimate.seconds));
@@ -151,19 +176,20 @@ GuaranteePlan Session::planGuarantee() const {
 }
 
 void Session::describe() const {
-  fmt::print("{}{}", device ? describeDevice(*device) : "device     none: exact areas on the CPU\n", describeScene(scene));
+  fmt::print("{}{}", isExact() ? "device     none: exact areas on the CPU\n" : options.engine == EngineKind::host ? describeProcessor() : describeDevice(*device), describeScene(scene));
   std::fflush(stdout);
 }
 
 std::string Session::describe(const Plan& plan) const {
   const EstimateOptions& estimate = options.estimate;
   std::string text = fmt::format("sampling   {} a replicate, {}; {}; seed {}\n", counted(plan.directions, "direction"), sampler,
-                                       device ? describeGroups(plan.groups, options.lattice.sampling) : "exact areas", estimate.seed);
+                                       isExact() ? "exact areas" : describeGroups(plan.groups, options.lattice.sampling), estimate.seed);
   if (!(plan.pilot_seconds > 0)) return text;
   text += fmt::format("expected   largest standard error {:.1e}{} after {} replicates, {} (found out in {}); the same again: --directions {} --resolution {}{}\n",
                             plan.standard_error, estimate.relative && !estimate.tolerance ? " of its form factor" : "", estimate.replicates, inWords(plan.seconds),
                             inWords(plan.pilot_seconds), plan.directions, plan.groups[0].resolution,
-                            fmt::format("{}{}", plan.groups.size() > 1 ? fmt::format(" --finest {}", plan.finest) : "", usesClosedForms() ? " --closed-forms on" : ""));
+                            fmt::format("{}{}{}", plan.groups.size() > 1 ? fmt::format(" --finest {}", plan.finest) : "", options.lattice.sampling == Sampling::scanline ? " --sampling scanline" : "",
+                                        usesClosedForms() ? " --closed-forms on" : ""));
   const double goal = estimate.tolerance ? *estimate.tolerance : estimate.relative.value_or(INFINITY);
   if (plan.standard_error > goal) {  // errors fall with the root of the number of replicates
     const double more = std::pow(plan.standard_error / goal, 2), seconds = more * plan.seconds;
@@ -196,13 +222,13 @@ std::string Session::describe(const GuaranteePlan& plan) const {
   const bool is_median = options.statistic == Statistic::median;
   std::string text = fmt::format("goal       every form factor within {} with probability {}: {} at once, a direction adds at most {:.2f}\n", plan.epsilon, 1 - plan.delta,
                                  counted(static_cast<uint64_t>(plan.bounds), "bound"), plan.largest_range);
-  text += fmt::format("sampling   {} directions; {}; seed {}\n", nameOf(guaranteeOptions().sampler), device ? describeGroups(plan.groups, options.lattice.sampling) : "exact areas",
+  text += fmt::format("sampling   {} directions; {}; seed {}\n", nameOf(guaranteeOptions().sampler), isExact() ? "exact areas" : describeGroups(plan.groups, options.lattice.sampling),
                       options.estimate.seed);
   if (is_median) text += fmt::format("plan       median of {} of {}, {}\n", counted(plan.runs, "run"), counted(plan.run_directions, "direction"), inWords(plan.most_seconds));
   else
     text += fmt::format("plan       blocks of {}: {} ({}) by Hoeffding's bound; by Bernstein's {} ({}) expected, {} ({}) at least; the same again:{} --block {}\n",
                         counted(plan.block_directions, "direction"), plan.most_blocks, inWords(plan.most_seconds), plan.expected_blocks, inWords(plan.expected_seconds), plan.least_blocks,
-                        inWords(plan.least_seconds), !device ? "" : options.resolution ? fmt::format(" --resolution {}", options.resolution) : fmt::format(" --range {}", plan.range),
+                        inWords(plan.least_seconds), isExact() ? "" : options.resolution ? fmt::format(" --resolution {}", options.resolution) : fmt::format(" --range {}", plan.range),
                         plan.block_directions);
   if (plan.share_bounds) text += fmt::format("closed     forms of {} pairs of polygons, shares of {} from a pilot\n", plan.known.pairs.size(), std::count_if(plan.known.pairs.begin(), plan.known.pairs.end(), [](const KnownPair& pair) { return pair.share > 0; }));
   return text + fmt::format("beside     directions: Hoeffding {}; Pellegrini's Lemma 1 {:.3g} for one pair, {:.3g} for all; median of runs {:.3g}\n", plan.hoeffding, plan.lemma_1,
@@ -232,7 +258,7 @@ Settings Session::settings() const {
       {"--pair", fmt::format("{}", fmt::join(question.pair, ", "))},
       {"--blocker", fmt::format("{}", fmt::join(question.blockers, ", "))},
       {"--seed", std::to_string(options.estimate.seed)},
-      {"--sampling", !device ? "exact areas" : options.lattice.sampling == Sampling::scanline ? "scanline" : "lattice"},
+      {"--sampling", isExact() ? "exact areas" : options.lattice.sampling == Sampling::scanline ? "scanline" : "lattice"},
       {"--sampler", options.epsilon ? nameOf(guaranteeOptions().sampler) : sampler},
   };
   if (!options.epsilon) return all;
@@ -245,7 +271,7 @@ Settings Session::settings(const Plan& plan) const {
   Settings all = settings();
   all.push_back({"--closed-forms", usesClosedForms() ? "on" : "off"});
   all.insert(all.end(), {{"--directions", std::to_string(plan.directions)},
-                         {"--resolution", device ? std::to_string(plan.groups[0].resolution) : "any"},
+                         {"--resolution", isExact() ? "any" : std::to_string(plan.groups[0].resolution)},
                          {"--finest", plan.groups.size() > 1 ? std::to_string(plan.finest) : "0"}});
   return all;
 }
@@ -287,10 +313,11 @@ std::shared_ptr<ProgramOptions> addOptions(CLI::App* command) {
   command->add_option("--finest", options->finest, "With --directions and --resolution: spacings for the polygon that needs most of them, in windows; the others get their share")
       ->type_name("PX")->check(CLI::Range(1, kMaxWindowResolution).description(""));
   addChoice(command, "--by", options->by, {{"polygon", By::polygon}, {"surface", By::surface}}, "One row per polygon or per named surface");
-  addChoice(command, "--engine", options->engine, {{"compute", EngineKind::compute}, {"graphics", EngineKind::graphics}, {"exact", EngineKind::exact}},
-            "Depth peeling on a Vulkan device, in compute shaders or by its raster pipeline, or exact areas on the CPU");
-  addChoice(command, "--sampling", options->lattice.sampling, {{"lattice", Sampling::lattice}, {"scanline", Sampling::scanline}},
-            "Samples of a direction: lattice points, or lattice rows cut where polygons end (engine compute)");
+  addChoice(command, "--engine", options->engine, {{"auto", EngineKind::automatic}, {"compute", EngineKind::compute}, {"host", EngineKind::host}, {"graphics", EngineKind::graphics}, {"exact", EngineKind::exact}},
+            "Depth peeling on a Vulkan device, in compute shaders or by its raster pipeline; the same counts on the processor's threads (host); or exact areas there. "
+            "auto: compute on a GPU, or on the --device named, else host");
+  addChoice<std::optional<Sampling>>(command, "--sampling", options->sampling, {{"auto", std::nullopt}, {"lattice", Sampling::lattice}, {"scanline", Sampling::scanline}},
+            "Samples of a direction: lattice points, or lattice rows cut where polygons end. auto: scanlines with engine host");
   addChoice(command, "--sampler", estimate.sampler, kSamplers,
             "Directions over the sphere: rotated Fibonacci sets, one in each of as many cells, scrambled Sobol' points, or independent. Without it --from and "
             "--pair draw better ones");
@@ -319,10 +346,10 @@ void settle(const CLI::App* command, ProgramOptions& options) {
     throw Error(ErrorCode::bad_usage, fmt::format("--finest {} is coarser than --resolution {}, which all polygons get; give a finer one, or leave it out", options.finest, options.resolution));
   if (options.finest && (options.plans || !options.resolution)) throw Error(ErrorCode::bad_usage, "--finest needs --directions and --resolution");
   const EstimateOptions& e = options.estimate;
-  const bool can_use = options.engine == EngineKind::compute && options.question.isEverything() &&
+  const bool can_use = options.engine != EngineKind::graphics && options.engine != EngineKind::exact && options.question.isEverything() &&
                        (!options.epsilon || (options.by == By::polygon && options.statistic == Statistic::mean));
   if (options.closed_forms.value_or(false) && !can_use)
-    throw Error(ErrorCode::bad_usage, "--closed-forms on needs the whole matrix and --engine compute; of a guarantee also --by polygon and --statistic mean");
+    throw Error(ErrorCode::bad_usage, "--closed-forms on needs the whole matrix and --engine compute or host; of a guarantee also --by polygon and --statistic mean");
   // Between surfaces counts vary less than their parts: there shares pay for small tolerances only. Where lines meet many fronts, as with two-sided polygons, blocked pairs
   // cost more than they gain, and a guarantee's tests of lattices each wait for closed forms of all pairs (README).
   const bool pays = !options.two_sided && !options.epsilon && (options.by == By::polygon || (e.tolerance && *e.tolerance <= kSurfaceShareTolerance));

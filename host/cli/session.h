@@ -15,7 +15,8 @@ struct ProgramOptions {
   std::string scene;
   std::vector<std::string> outputs;
   By by = By::polygon;
-  EngineKind engine = EngineKind::compute;
+  EngineKind engine = EngineKind::automatic;
+  std::optional<Sampling> sampling;  // chosen where unset
   LatticeOptions lattice;
   bool two_sided = false;
   DeviceOptions device;
@@ -47,10 +48,15 @@ struct Session {
   Ids ids;
   Ids face_ids;  // by polygon, whatever was asked for
   std::string sampler;  // in words
-  std::optional<Device> device;
+  std::optional<Device> device;  // of an engine that needs one
 
   // Prints warnings on stderr.    Throws: what reading the scene and finding a device throw; Error bad_usage.
   explicit Session(ProgramOptions& asked);
+  bool hasWindows() const { return options.engine == EngineKind::compute || options.engine == EngineKind::host; }
+  // Of what counts.
+  std::string deviceName() const { return isExact() ? "none" : options.engine == EngineKind::host ? "processor" : device->description().name; }
+  const Device* deviceOrNone() const { return device ? &*device : nullptr; }
+  bool isExact() const { return options.engine == EngineKind::exact; }
   bool usesClosedForms() const { return *options.closed_forms; }
   bool talks() const { return !options.quiet && !options.json; }
   Lattices lattices() const;
@@ -75,6 +81,9 @@ struct Session {
   Settings settings() const;
   Settings settings(const Plan& plan) const;
   Settings settings(const GuaranteePlan& plan) const;
+
+ private:
+  void chooseEngine();
 };
 
 }  // namespace viewpeel::cli

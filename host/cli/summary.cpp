@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "error.h"
+#include "threads.h"
 
 namespace viewpeel::cli {
 namespace {
@@ -58,6 +59,8 @@ std::string describeDevice(const Device& device) {
   const DeviceDescription& d = device.description();
   return fmt::format("device     {} ({}; {})\n", d.name, d.kind, d.driver);
 }
+
+std::string describeProcessor() { return fmt::format("device     processor, {}\n", counted(threadCount(), "thread")); }
 
 void checkValidation(const Device& device) {
   if (!device.validationErrors().empty())

@@ -10,6 +10,8 @@
 namespace viewpeel::cli {
 
 std::string describeDevice(const Device& device);
+// The same of what the host engine runs on.
+std::string describeProcessor();
 
 // "1 polygon", "2 polygons".
 std::string counted(uint64_t count, const char* noun);

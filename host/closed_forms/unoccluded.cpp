@@ -14,6 +14,8 @@
 #include <fmt/format.h>
 #include <glm/vec2.hpp>
 
+#include "closed_forms/far_rules.h"
+#include "closed_forms/host_unoccluded.h"
 #include "closed_forms/line_rules.h"
 #include "closed_forms/shapes.h"
 #include "closed_forms/shared.h"
@@ -34,15 +36,6 @@ using namespace closed_form_data;
 constexpr uint32_t kGradedRule = kLineRules - 1;
 const std::array<const char*, 1 + kFarRules> kChunkPasses = {"classify", "far 2", "far 3", "far 4", "far 5", "far 6"};
 const std::array<const char*, 3> kNearPasses = {"edges", "line", "sum"};
-
-double binomialOf3(int n) { return double(n) * (n - 1) * (n - 2) / 6; }
-
-FarBound boundOf(int n) {
-  const double error = largestMonomialError(n);
-  // Binomials of the three sums grow by less than the last from one even power to the next.
-  return {float(error * binomialOf3(2 * n + 3)), float(error * binomialOf3(2 * n + 2)), float(error * binomialOf3(2 * n + 1)),
-          float(binomialOf3(2 * n + 3) / binomialOf3(2 * n + 1))};
-}
 
 constexpr uint32_t groupsFor(uint64_t invocations) { return static_cast<uint32_t>((invocations + kUnoccludedGroupSize - 1) / kUnoccludedGroupSize); }
 
@@ -104,7 +97,7 @@ UnoccludedExchange::State::State(const Device& device, const Scene& scene, const
     const uint32_t n = kFewestFarPoints + k;
     far.emplace_back(device, unoccluded_far_comp, sizeof(FarArgs), std::vector<uint32_t>{n}, 1);
     far_points.push_back(gaussPoints(static_cast<int>(n)));
-    bounds.push_back(boundOf(static_cast<int>(n)));
+    bounds.push_back(farBound(static_cast<int>(n)));
   }
 
   upload(commands, device, makeShapes(scene), shapes);
@@ -252,13 +245,18 @@ void UnoccludedExchange::State::computeChunk(std::span<const SidePair> asked, st
 UnoccludedExchange::UnoccludedExchange(const Device& device, const Scene& scene, const UnoccludedOptions& options)
     : state_(std::make_unique<State>(device, scene, options)) {}
 
+UnoccludedExchange::UnoccludedExchange(const Scene& scene, const UnoccludedOptions& options)
+    : host_(std::make_unique<HostUnoccluded>(scene, options.thread_count)) {}
+
 UnoccludedExchange::~UnoccludedExchange() = default;
 
 std::vector<UnreachedPair> UnoccludedExchange::compute(std::span<const SidePair> pairs, std::span<double> areas) {
   if (pairs.size() != areas.size()) throw Error(ErrorCode::bad_usage, fmt::format("{} pairs but room for {} areas", pairs.size(), areas.size()));
+  const uint64_t side_count = host_ ? host_->sideCount() : state_->side_count;
   for (const SidePair& pair : pairs)
-    if (std::max(pair.i, pair.j) >= state_->side_count)
-      throw Error(ErrorCode::bad_usage, fmt::format("sides {} and {} of a scene that has {}", pair.i, pair.j, state_->side_count));
+    if (std::max(pair.i, pair.j) >= side_count)
+      throw Error(ErrorCode::bad_usage, fmt::format("sides {} and {} of a scene that has {}", pair.i, pair.j, side_count));
+  if (host_) return host_->compute(pairs, areas);
   std::vector<UnreachedPair> unreached;
   for (size_t first = 0; first < pairs.size(); first += state_->options.chunk_pairs) {
     const size_t count = std::min<size_t>(state_->options.chunk_pairs, pairs.size() - first), known = unreached.size();
@@ -270,6 +268,6 @@ std::vector<UnreachedPair> UnoccludedExchange::compute(std::span<const SidePair>
   return unreached;
 }
 
-const UnoccludedWork& UnoccludedExchange::work() const { return state_->work; }
+const UnoccludedWork& UnoccludedExchange::work() const { return host_ ? host_->work() : state_->work; }
 
 }  // namespace viewpeel

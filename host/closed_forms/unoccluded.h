@@ -28,6 +28,7 @@ constexpr uint32_t backSide(uint32_t polygon_index) { return 2 * polygon_index +
 struct UnoccludedOptions {
   uint32_t chunk_pairs = 1u << 19;  // pairs on the device at once: 96 bytes each
   uint32_t near_pairs = 1u << 14;   // of them integrated along their contours at once: about 1.3 KB each
+  uint32_t thread_count = 0;        // on the processor; 0: one per core
 };
 
 // A pair whose accuracy was not reached.
@@ -45,6 +46,8 @@ struct UnoccludedWork {
   std::vector<std::pair<std::string, double>> pass_seconds;  // on the device
 };
 
+class HostUnoccluded;
+
 // A_i F_ij = A_j F_ji of pairs of sides of a scene's polygons, as if nothing were in between:
 //   A_i F_ij = int_i int_j cos cos / (pi r^2) over the parts in front of each other's planes
 //            = 1/(2 pi) oint_i oint_j ln r ds . dt.
@@ -56,6 +59,8 @@ class UnoccludedExchange {
   //   Throws: Error device where memory cannot be had; Error limit (2^31 polygons or more).
   //   Cost: 192 bytes a polygon on the device; kernels are compiled: 0.3 s on lavapipe.
   UnoccludedExchange(const Device& device, const Scene& scene, const UnoccludedOptions& options = {});
+  // The same on the processor's threads: other rounding, and nothing to compile.
+  explicit UnoccludedExchange(const Scene& scene, const UnoccludedOptions& options = {});
   ~UnoccludedExchange();
 
   //   In: pairs of sides, in any order; `areas` of the same size.
@@ -76,7 +81,8 @@ class UnoccludedExchange {
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  std::unique_ptr<State> state_;  // on a device
+  std::unique_ptr<HostUnoccluded> host_;
 };
 
 }  // namespace viewpeel

@@ -45,7 +45,6 @@ constexpr uint32_t kLongList = 48;            // polygons over a tile, on the av
 constexpr double kManyRounds = 1.5;           // a tile, from which on more layers are kept
 constexpr uint32_t kSortedList = 16;          // polygons over such a tile, on the average, from which on lists are sorted
 constexpr uint32_t kFragmentCapacity = 8;     // of a lattice point at first
-constexpr int kScanlineBits = 10;             // of a column coordinate: an interval's ends are rounded to 2^-10 of a spacing
 constexpr uint32_t kTexelBuffers = 5;
 const std::array<const char*, 10> kPasses = {"enter", "project", "bin roles", "bin count", "allocate", "bin scatter", "sort", "peel", "cover", "meet"};
 

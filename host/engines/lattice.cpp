@@ -58,13 +58,16 @@ int chooseFractionBits(int resolution, const Window& window) {
 
 int windowReach(int resolution, const Window& window) { return static_cast<int>(std::floor(resolution / 2.0 * window.radius)) + 2; }
 
+glm::dvec2 latticeOrigin(const Direction& direction, int resolution, const Window& window) {
+  const glm::dvec2 middle = resolution / 2.0 * glm::dvec2(glm::dot(window.centre, direction.x_axis), glm::dot(window.centre, direction.y_axis));
+  return direction.offset - glm::floor(direction.offset + middle);  // by whole spacings
+}
+
 void writeDirections(std::span<const Direction> directions, int resolution, const Window& window, Buffer& buffer, uint64_t first, uint64_t block_directions) {
   std::span<device_data::DirectionData> data = buffer.mapped<device_data::DirectionData>();
   for (size_t k = 0; k < directions.size(); ++k) {
     const Direction& direction = directions[k];
-    const glm::dvec2 middle = resolution / 2.0 * glm::dvec2(glm::dot(window.centre, direction.x_axis), glm::dot(window.centre, direction.y_axis));
-    // By whole spacings: all windows of a resolution are parts of one lattice.
-    data[k] = {direction.x_axis, direction.y_axis, direction.u, direction.offset - glm::floor(direction.offset + middle), direction.weight,
+    data[k] = {direction.x_axis, direction.y_axis, direction.u, latticeOrigin(direction, resolution, window), direction.weight,
                static_cast<uint32_t>((first + k) / block_directions)};
   }
 }

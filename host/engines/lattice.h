@@ -22,14 +22,20 @@ struct SceneBuffers {
 //   Throws: Error bad_usage where the resolution is out of range.
 int chooseFractionBits(int resolution, const Window& window = {});
 
+// Of a column coordinate with scanlines: an interval's ends are rounded to 2^-10 of a spacing.
+constexpr int kScanlineBits = 10;
+
 // Lattice points from the middle of a window to its border.
 int windowReach(int resolution, const Window& window = {});
 
 // Area of a lattice point, unit-ball units squared.
 inline double pointArea(int resolution) { return 4.0 / (double(resolution) * resolution); }
 
-// DirectionData[directions.size()] into an upload buffer; the lattice's origin goes to the middle of the window,
-// within a spacing: the lattice itself is that of the direction, the same in all windows of a resolution.
+// Where the lattice's origin lies in P(u), in spacings: in the middle of the window, within a spacing. The lattice itself is that of the direction, the same in
+// all windows of a resolution.
+glm::dvec2 latticeOrigin(const Direction& direction, int resolution, const Window& window);
+
+// DirectionData[directions.size()] into an upload buffer.
 //   In: first: how many directions came before; block_directions: of each block
 void writeDirections(std::span<const Direction> directions, int resolution, const Window& window, Buffer& buffer, uint64_t first, uint64_t block_directions);
 

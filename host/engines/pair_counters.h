@@ -63,7 +63,4 @@ class PairCounters {
   PairCounts drained_;     // from tables before this one; `blocked` holds all lines on which the two face each other
 };
 
-// The sum of two sorted lists of counts.
-PairCounts addCounts(const PairCounts& a, const PairCounts& b);
-
 }  // namespace viewpeel

@@ -8,7 +8,6 @@
 #include <glm/geometric.hpp>
 
 #include "engines/compute_engine.h"
-#include "engines/pair_counters.h"
 #include "error.h"
 
 namespace viewpeel {
@@ -61,19 +60,9 @@ void split(const Scene& scene, std::vector<uint32_t> polygons, int resolution, s
   split(scene, {half, polygons.end()}, resolution, groups);
 }
 
-void addWork(const Work& part, Work& sum) {
-  sum.directions = std::max(sum.directions, part.directions);  // every part takes all of them
-  for (uint64_t Work::* member : {&Work::lattice_points, &Work::tiles, &Work::active_tiles, &Work::list_entries, &Work::rows, &Work::spans, &Work::samples,
-                                  &Work::rounds, &Work::tests, &Work::fragments, &Work::gaps, &Work::repeats, &Work::resumed, &Work::memory_bytes})
-    sum.*member += part.*member;
-  sum.pass_seconds.resize(part.pass_seconds.size());
-  for (size_t k = 0; k < part.pass_seconds.size(); ++k)
-    sum.pass_seconds[k] = {part.pass_seconds[k].first, sum.pass_seconds[k].second + part.pass_seconds[k].second};
-}
-
 class GroupedEngine : public Engine {
  public:
-  GroupedEngine(const Device& device, const Scene& scene, const Ids& ids, const LatticeOptions& options, const std::vector<SizeGroup>& groups) {
+  GroupedEngine(const LatticeEngineMaker& make_engine, const Scene& scene, const Ids& ids, const LatticeOptions& options, const std::vector<SizeGroup>& groups) {
     if (!ids.roles.empty()) throw Error(ErrorCode::bad_usage, "windows on small polygons need the whole matrix; leave out --from, --pair and --blocker, or give --resolution");
     for (size_t g = 0; g < groups.size(); ++g) {
       if (groups[g].polygons.empty()) continue;
@@ -89,7 +78,7 @@ class GroupedEngine : public Engine {
       const size_t index = parts_.size(), all = groups.size();
       if (options.on_batch)
         own.on_batch = [told = options.on_batch, index, all, this](uint64_t done) { told((index * asked_ + done) / all); };
-      part.engine = makeComputeEngine(device, scene, roles, own);
+      part.engine = make_engine(scene, roles, own);
       finest_ = std::max(finest_, part.resolution);
       parts_.push_back(std::move(part));
     }
@@ -167,8 +156,8 @@ class GroupedEngine : public Engine {
 
 }  // namespace
 
-std::vector<SizeGroup> groupBySize(const Scene& scene, const std::vector<double>& needed, int base) {
-  for (int finest = kMaxWindowResolution;; finest /= kGroupStep) {
+std::vector<SizeGroup> groupBySize(const Scene& scene, const std::vector<double>& needed, int base, int finest) {
+  for (;; finest /= kGroupStep) {
     std::vector<SizeGroup> groups{{base, {}, {}}};
     std::map<int, std::vector<uint32_t>> fine;
     for (uint32_t k = 0; k < needed.size(); ++k) {
@@ -190,9 +179,15 @@ size_t countWindows(const Scene& scene, std::vector<uint32_t> polygons, int reso
 
 double boxRadius(const Scene& scene, uint32_t polygon_index) { return boxOf(scene, polygon_index).radius(); }
 
+std::unique_ptr<Engine> makeGroupedEngine(const LatticeEngineMaker& make_engine, const Scene& scene, const Ids& ids, const LatticeOptions& options,
+                                          const std::vector<SizeGroup>& groups) {
+  return std::make_unique<GroupedEngine>(make_engine, scene, ids, options, groups);
+}
+
 std::unique_ptr<Engine> makeGroupedEngine(const Device& device, const Scene& scene, const Ids& ids, const LatticeOptions& options,
                                           const std::vector<SizeGroup>& groups) {
-  return std::make_unique<GroupedEngine>(device, scene, ids, options, groups);
+  const auto makeOne = [&](const Scene& of, const Ids& own_ids, const LatticeOptions& own) { return makeComputeEngine(device, of, own_ids, own); };
+  return makeGroupedEngine(makeOne, scene, ids, options, groups);
 }
 
 }  // namespace viewpeel

@@ -1,5 +1,6 @@
 // Polygons of very different sizes, each looked at with the lattice spacing that it needs.
 #pragma once
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -23,12 +24,12 @@ struct SizeGroup {
 };
 
 // Groups the polygons by the resolutions that they need, in steps of 4, and those of a resolution by place.
-//   In: needed[k]: the least resolution for Scene::polygons[k]; base: the first group's, which takes all polygons that need no more
-//   Out: groups whose resolutions are base x 4^m, at most kMaxWindowResolution; the first holds the whole scene, even where it has no polygons.
+//   In: needed[k]: the least resolution for Scene::polygons[k]; base: the first group's, which takes all polygons that need no more; finest: the most any may get
+//   Out: groups whose resolutions are base x 4^m, at most `finest`; the first holds the whole scene, even where it has no polygons.
 //     A polygon too large for a window at the resolution it needs gets the finest that its window allows; where there would be more than 32 windows, all
 //     polygons get at most the finest resolution with fewer.
 //   Cost: O(n log n).
-std::vector<SizeGroup> groupBySize(const Scene& scene, const std::vector<double>& needed, int base);
+std::vector<SizeGroup> groupBySize(const Scene& scene, const std::vector<double>& needed, int base, int finest = kMaxWindowResolution);
 
 // How many windows polygons get at a resolution; no polygon may be too large for one.    Cost: O(n log n).
 size_t countWindows(const Scene& scene, std::vector<uint32_t> polygons, int resolution);
@@ -36,10 +37,16 @@ size_t countWindows(const Scene& scene, std::vector<uint32_t> polygons, int reso
 // Half the diagonal of its box, unit-ball units: radius x resolution <= kMostWindowPoints where a window of that resolution can hold it.
 double boxRadius(const Scene& scene, uint32_t polygon_index);
 
+// Makes an engine that looks at a window.
+using LatticeEngineMaker = std::function<std::unique_ptr<Engine>(const Scene&, const Ids&, const LatticeOptions&)>;
+
 // An engine that peels every group at its own resolution. unitArea() is that of the finest.
 //   In: groups as from groupBySize; ids without roles, so with nothing asked for in particular
 //   Throws: as makeComputeEngine; Error bad_usage where the ids have roles.
 //   Cost: for every group and direction the scene is projected and the group's window peeled.
+std::unique_ptr<Engine> makeGroupedEngine(const LatticeEngineMaker& make_engine, const Scene& scene, const Ids& ids, const LatticeOptions& options,
+                                          const std::vector<SizeGroup>& groups);
+// Of compute engines.
 std::unique_ptr<Engine> makeGroupedEngine(const Device& device, const Scene& scene, const Ids& ids, const LatticeOptions& options,
                                           const std::vector<SizeGroup>& groups);
 

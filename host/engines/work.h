@@ -26,4 +26,7 @@ struct Work {
   std::vector<std::pair<std::string, double>> pass_seconds;
 };
 
+// Of engines, or threads, that take the same directions.
+void addWork(const Work& part, Work& sum);
+
 }  // namespace viewpeel

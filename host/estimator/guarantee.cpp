@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
-#include "engines/pair_counters.h"
+#include "matrix/pair_count.h"
 #include "error.h"
 #include "estimator/bounds.h"
 #include "estimator/visible_share.h"
@@ -77,6 +77,7 @@ std::vector<double> resolutionsOf(const Scene& scene, const std::vector<SizeGrou
 
 // Lattices for that range: one for most of the area, windows for what needs more.
 std::vector<SizeGroup> groupsFor(const Scene& scene, const std::vector<double>& needed, const Lattices& lattices) {
+  const int finest = maxWindowResolution(lattices.sampling);
   if (lattices.resolution) return groupBySize(scene, std::vector<double>(needed.size(), 1), lattices.resolution);
   const double most = *std::max_element(needed.begin(), needed.end());
   if (!lattices.may_group) return groupBySize(scene, std::vector<double>(needed.size(), 1), static_cast<int>(std::min<double>(std::ceil(most), kMaxResolution)));
@@ -92,7 +93,7 @@ std::vector<SizeGroup> groupsFor(const Scene& scene, const std::vector<double>& 
     base = needed[k];
     break;
   }
-  return groupBySize(scene, needed, static_cast<int>(std::min<double>(std::ceil(base), kMaxResolution)));
+  return groupBySize(scene, needed, static_cast<int>(std::min<double>(std::ceil(base), kMaxResolution)), finest);
 }
 
 // Blocks until a bound, bound_at(blocks, p) for all at once, is epsilon.
@@ -112,7 +113,7 @@ KnownShares findShares(const GuaranteePlan& plan, const Scene& scene, const Ids&
   pilot.directions = kSharePilotDirections;
   pilot.sampler = options.sampler;
   pilot.seed = options.seed;
-  return keepBounded(findVisibleShares(*plan.engine, *options.closed_forms_on, scene, ids, plan.groups, pilot).known, ids, plan.groups.size() == 1);
+  return keepBounded(findVisibleShares(*plan.engine, options.device, scene, ids, plan.groups, pilot).known, ids, plan.groups.size() == 1);
 }
 
 PairCounts countBlock(Engine& engine, const GuaranteeOptions& options, uint64_t directions, uint64_t block) {
@@ -251,7 +252,8 @@ double bernsteinBound(double variance, double range, double blocks, double p) {
   return std::sqrt(2 * variance * l / blocks) + 7 * range * l / (3 * (blocks - 1));
 }
 
-GuaranteePlan planGuarantee(const Scene& scene, const Ids& ids, const GuaranteeOptions& options, const Lattices& lattices, Sampling sampling, bool exact) {
+GuaranteePlan planGuarantee(const Scene& scene, const Ids& ids, const GuaranteeOptions& options, const Lattices& lattices, bool exact) {
+  const Sampling sampling = lattices.sampling;
   const double e = options.epsilon, d = options.delta;
   if (!(e > 0 && e < 1 && d > 0 && d < 1)) throw Error(ErrorCode::bad_usage, "epsilon and delta have to lie between 0 and 1");
   const bool is_median = options.statistic == Statistic::median;
@@ -271,7 +273,7 @@ GuaranteePlan planGuarantee(const Scene& scene, const Ids& ids, const GuaranteeO
     plan.engine = lattices.make_engine(plan.groups);
     plan.ranges = formFactorRanges(scene, ids, exact ? std::vector<double>{} : resolutionsOf(scene, plan.groups), sampling);
     const double m = plan.largest_range = *std::max_element(plan.ranges.begin(), plan.ranges.end());
-    if (options.closed_forms_on) {
+    if (options.closed_forms) {
       plan.known = findShares(plan, scene, ids, options);
       plan.share_bounds.emplace(ids, plan.ranges, plan.known);
     }

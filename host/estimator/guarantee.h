@@ -42,7 +42,8 @@ struct GuaranteeOptions {
   uint64_t seed = 1;
   double range = 0;               // that lattices are made for; 0 chooses
   uint32_t block_directions = 0;  // 0 chooses
-  const Device* closed_forms_on = nullptr;  // closed forms, computed there: ids are by face, all pairs of them few enough (kMostKnownPairs), and engines count blocked pairs
+  bool closed_forms = false;  // ids are then by face, all pairs of them few enough (kMostKnownPairs), and engines count blocked pairs
+  const Device* device = nullptr;  // that computes closed forms; none: the processor
   const RunSums* resumed = nullptr;  // go on after these blocks, of the same plan; may be nullptr
   std::function<void(const GuaranteeProgress&)> on_block;               // may be empty
   std::function<void(const RunSums& sums, bool last)> on_sums;  // as for estimates; may be empty
@@ -93,7 +94,7 @@ struct GuaranteePlan {
 //   In: lattices as for planEstimate, with what they sample; `exact` where areas are exact
 //   Throws: Error bad_usage where epsilon or delta is not in (0, 1), or the sampler's directions are not independent; what engines throw.
 //   Cost: a pilot of some hundred directions.
-GuaranteePlan planGuarantee(const Scene& scene, const Ids& ids, const GuaranteeOptions& options, const Lattices& lattices, Sampling sampling, bool exact);
+GuaranteePlan planGuarantee(const Scene& scene, const Ids& ids, const GuaranteeOptions& options, const Lattices& lattices, bool exact);
 
 // Carries the plan out.    Out: form factors of which all are within epsilon with probability 1 - delta; standard errors are estimates, as ever.
 //   Tests: tests/guarantee_test.cpp.

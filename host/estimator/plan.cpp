@@ -5,11 +5,12 @@
 #include <chrono>
 #include <cmath>
 #include <map>
+#include <numbers>
 
 #include <glm/geometric.hpp>
 
 #include "directions/random.h"
-#include "engines/pair_counters.h"
+#include "matrix/pair_count.h"
 #include "estimator/visible_share.h"
 
 namespace viewpeel {
@@ -21,7 +22,7 @@ constexpr int kFirstResolution = 64;
 constexpr double kFewPoints = 5;               // of an id in the whole run, below which it may go unmet
 constexpr double kLatticePoints = 100, kUsualReplicates = 8;  // every id meets so many points in so many replicates
 constexpr double kDefaultTolerance = 1e-3;
-constexpr double kMostPoints = 8192.0 * 8192;  // of a direction
+constexpr double kMostPoints = 8192.0 * 8192, kMostScanlines = 4 * 8192;  // of a direction
 constexpr double kMostPilotSeconds = 30;       // of each pilot
 
 // The lattice of a plan: groups at `base` x 4^m, up to the resolution that the neediest polygon gets.
@@ -33,15 +34,20 @@ struct Shape {
 
 // What a direction's time is made of, and the lattice variance of the worst id, by the rule below.
 struct Load {
-  double groups = 1, points = 1, variance = 0;
+  double groups = 1, points = 1, variance = 0;  // points, or scanlines
   double line = 0;  // what one line adds to the form factor of the worst id: standard errors are no less than one line's in the whole run
 };
 
 // Variance of a form factor of an id of area A and perimeter P, all of which one other sees: 4 / A^2 of the count's, whose is 0.0728 h^3 pi/4 P (tests/lattice_check_test.cpp;
-// the mean projected perimeter is pi/4 P), or on lattices coarser than the id that of hit or miss, h^2 times the mean projected area A / 2.
-double latticeVariance(double perimeter_per_area_squared, double area, double h) {
+// the mean projected perimeter is pi/4 P), or on lattices coarser than the id that of hit or miss, h^2 times the mean projected area A / 2. With scanlines a quarter of the former,
+// or h times that of a line's length in it, (A / 2)^(3/2) for a square.
+double latticeVariance(Sampling sampling, double perimeter_per_area_squared, double area, double h) {
+  if (sampling == Sampling::scanline) return std::min(0.061 * h * h * h * perimeter_per_area_squared, std::numbers::sqrt2 * h / std::sqrt(area));
   return std::min(0.229 * h * h * h * perimeter_per_area_squared, 2 * h * h / area);
 }
+
+// How many lattice points, or scanlines, of a direction meet an id, on the average: of its mean projection, taken for a square.
+double timesMet(Sampling sampling, double area, double h) { return sampling == Sampling::scanline ? std::sqrt(area / 2) / h : area / 2 / (h * h); }
 
 // Variances of one replicate's form factors, those of the largest.
 struct Pilot {
@@ -84,8 +90,9 @@ std::vector<double> finenessOf(const std::vector<double>& perimeters_per_area_sq
 }
 
 // What an id's lattice variance asks for, and enough points in the whole run of so many directions a replicate.
-double neededResolution(double fineness, double area, int finest, double directions) {
-  return std::max(fineness * finest, 2 * std::sqrt(2 * kLatticePoints / (kUsualReplicates * directions * area)));
+double neededResolution(Sampling sampling, double fineness, double area, int finest, double directions) {
+  const double times = timesMet(sampling, area, 2) * kUsualReplicates * directions;  // on a lattice of one spacing across
+  return std::max(fineness * finest, sampling == Sampling::scanline ? kLatticePoints / times : std::sqrt(kLatticePoints / times));
 }
 
 bool areAlike(const std::vector<SizeGroup>& a, const std::vector<SizeGroup>& b) {
@@ -164,11 +171,11 @@ AskedDirections Planner::directionsOf(uint32_t count, uint64_t replicate) const 
 }
 
 double Planner::neededBy(const SizeClass& size, const Shape& shape, double directions) const {
-  return neededResolution(size.fineness, size.least_area, shape.finest, directions);
+  return neededResolution(lattices_.sampling, size.fineness, size.least_area, shape.finest, directions);
 }
 
 std::vector<SizeGroup> Planner::groupsOf(const Shape& shape, double directions) const {
-  if (lattices_.may_group) return planGroups(scene_, ids_, shape.base, shape.finest, directions);
+  if (lattices_.may_group) return planGroups(scene_, ids_, lattices_.sampling, shape.base, shape.finest, directions);
   return groupBySize(scene_, std::vector<double>(scene_.polygons.size(), 1), shape.base);
 }
 
@@ -291,17 +298,18 @@ double Planner::directionVariance(double directions) const {
 }
 
 Load Planner::loadOf(const Shape& shape, double directions) const {
-  Load load{1, double(shape.base) * shape.base};
+  const bool is_scanline = lattices_.sampling == Sampling::scanline;
+  Load load{1, is_scanline ? double(shape.base) : double(shape.base) * shape.base};
   std::map<double, double> fine;  // share of the area by resolution
   const std::vector<int> resolutions = resolutionsOf(shape, directions);
   for (size_t k = 0; k < classes_.size(); ++k) {
     const SizeClass& size = classes_[k];
     const double resolution = resolutions[k];
     if (resolution > shape.base) fine[resolution] += size.area;
-    load.variance = std::max(load.variance, latticeVariance(size.perimeter_per_area_squared, size.least_area, 2 / resolution));
+    load.variance = std::max(load.variance, latticeVariance(lattices_.sampling, size.perimeter_per_area_squared, size.least_area, 2 / resolution));
     load.line = std::max(load.line, 8 / (resolution * resolution * size.least_area) + 8 / 27.0);  // and half of what it counts with others (form_factors.cpp)
   }
-  for (const auto& [resolution, share] : fine) load.points += resolution * resolution * std::min(1.0, 2 * share);  // tiles reach beyond their polygons
+  for (const auto& [resolution, share] : fine) load.points += (is_scanline ? resolution : resolution * resolution) * std::min(1.0, 2 * share);  // what is looked at reaches beyond polygons
   load.groups += double(windowsOf(resolutions, shape.base));
   return load;
 }
@@ -309,7 +317,7 @@ Load Planner::loadOf(const Shape& shape, double directions) const {
 // What groupBySize makes of the classes: no finer than windows can be, and than there may be windows.
 std::vector<int> Planner::resolutionsOf(const Shape& shape, double directions) const {
   std::vector<int> resolutions(classes_.size(), shape.base);
-  for (int finest = kMaxWindowResolution; lattices_.may_group; finest /= kGroupStep) {
+  for (int finest = maxWindowResolution(lattices_.sampling); lattices_.may_group; finest /= kGroupStep) {
     bool is_fine = false;
     for (size_t k = 0; k < classes_.size(); ++k) {
       int& resolution = resolutions[k] = shape.base;
@@ -378,7 +386,7 @@ Planner::Choice Planner::choose(bool by_time) const {
         // One lattice for all: fine enough for the least of them, or as fine as there is.
         if (!lattices_.may_group && !lattices_.resolution && finest < std::min(neededBy({1, 0, 0, least_area}, shape, directions), kMaxResolution / 1.5)) continue;
         const Load load = loadOf(shape, directions);
-        if (load.points > kMostPoints && best.directions) continue;
+        if (load.points > (lattices_.sampling == Sampling::scanline ? kMostScanlines : kMostPoints) && best.directions) continue;
         const Choice choice{directions, shape, secondsOf(load) * in_all, (directionVariance(directions) + pilots_.back().lattice_variance * load.variance / pilots_.back().load.variance / directions) / replicates + std::pow(load.line / in_all, 2)};
         // Where nothing is quick enough, the quickest; where no error is small enough, what gets there first with more replicates.
         const auto meets = [&](const Choice& c) { return by_time ? c.seconds <= secondsLeft() : c.variance <= goal * goal; };
@@ -416,11 +424,10 @@ Plan Planner::plan() {
   plan.seconds = choice.seconds;
   plan.standard_error = std::sqrt(choice.variance);
   plan.pilot_seconds = pilot_seconds_;
-  // A convex polygon's mean projected area is half its own.
   std::vector<double> points(ids_.count(), 0);
   for (const SizeGroup& group : plan.groups)
     for (uint32_t k : group.polygons)
-      points[ids_.of_polygon[k]] += scene_.polygons[k].area * std::pow(group.resolution, 2) / 8 * choice.directions * double(options_.replicates);
+      points[ids_.of_polygon[k]] += timesMet(lattices_.sampling, scene_.polygons[k].area, 2.0 / group.resolution) * choice.directions * double(options_.replicates);
   for (uint32_t id = 0; id < ids_.count(); ++id)
     if (!options_.asked_directions && points[id] < kFewPoints) plan.barely_met.push_back(id);
   if (!areAlike(plan.groups, groups_)) {
@@ -433,11 +440,11 @@ Plan Planner::plan() {
 
 }  // namespace
 
-std::vector<SizeGroup> planGroups(const Scene& scene, const Ids& ids, int base, int finest, double directions) {
+std::vector<SizeGroup> planGroups(const Scene& scene, const Ids& ids, Sampling sampling, int base, int finest, double directions) {
   const std::vector<double> fineness = finenessOf(perimetersPerAreaSquared(scene, ids));
   std::vector<double> needed;
-  for (uint32_t id : ids.of_polygon) needed.push_back(neededResolution(fineness[id], ids.areas[id] / (scene.scale * scene.scale), finest, directions));
-  return groupBySize(scene, needed, base);
+  for (uint32_t id : ids.of_polygon) needed.push_back(neededResolution(sampling, fineness[id], ids.areas[id] / (scene.scale * scene.scale), finest, directions));
+  return groupBySize(scene, needed, base, maxWindowResolution(sampling));
 }
 
 Plan planEstimate(const Scene& scene, const Ids& ids, const EstimateOptions& options, const Lattices& lattices) {

@@ -17,7 +17,7 @@ struct Plan {
   double seconds = 0;             // of the replicates asked for, predicted
   double standard_error = 0;      // largest over all form factors, or of its form factor for a relative goal; predicted
   double pilot_seconds = 0;       // spent on finding out
-  std::vector<uint32_t> barely_met;  // ids that the replicates asked for meet at fewer than 5 lattice points, expected: even the finest lattice is too coarse for them
+  std::vector<uint32_t> barely_met;  // ids that the replicates asked for meet at fewer than 5 lattice points, or scanlines, expected: even the finest lattice is too coarse for them
 };
 
 // How engines are made for a plan.
@@ -25,6 +25,7 @@ struct Lattices {
   std::function<std::unique_ptr<Engine>(const std::vector<SizeGroup>&)> make_engine;
   int resolution = 0;      // 0: to be planned
   bool may_group = false;  // whether small polygons may have lattices of their own
+  Sampling sampling = Sampling::lattice;
   // Where closed forms are to be used (visible_share.h) the engines count by face, blocked pairs too; this makes ids of their ids.
   std::vector<uint32_t> id_of_face;
 };
@@ -32,10 +33,10 @@ struct Lattices {
 // Plans the replicates of estimateFormFactors for its goal: the tolerance, or the relative error, or else the time; none of the three: an error of 1e-3.
 //   The variance of one replicate is V_directions(N) + V_lattice(h) / N for N directions and spacing h. Pilot replicates measure both: every direction
 //   is counted on two lattices, so that the covariance of the two sums over replicates is V_directions and what is left V_lattice / N, for the entries with the
-//   largest variance. V_lattice goes with h^3 P / A^2 (tests/lattice_check_test.cpp), which says how fine a lattice each polygon needs beside the others; V_directions
+//   largest variance. V_lattice goes with h^3 P / A^2, with scanlines, too (tests/lattice_check_test.cpp), which says how fine a lattice each polygon needs beside the others; V_directions
 //   falls with N as the pilots show, or as 1 / N^2 (1 / N for iid directions) where one pilot is enough. Time per direction is measured, too. The plan is
 //   the least time among powers of sqrt(2) of N and of resolution, with one lattice or groups (size_groups.h).
-//   Every id gets a lattice that it meets at 100 points or more in eight replicates, so that none goes unseen, as far as the finest lattice there is allows.
+//   Every id gets a lattice that it meets at 100 points or more (or 100 scanlines) in eight replicates, so that none goes unseen, as far as the finest lattice there is allows.
 //   In: options: goal, replicates, sampler, seed, asked_directions    Out: the plan, with its engine
 //   Error: a prediction; what was reached is measured by the run. Directions and lattices of pilots are none of the run's.
 //   Throws: what engines throw.
@@ -44,8 +45,8 @@ Plan planEstimate(const Scene& scene, const Ids& ids, const EstimateOptions& opt
 
 // The groups of polygons that a plan with these figures has.
 //   In: base: the resolution of the whole scene; finest: that of the neediest polygon, beside which the others get what makes the lattice variance of their ids
-//     no larger, 2 / h ~ (P / A^2)^(1/3); directions: of a replicate, in eight of which every id is to be met at 100 lattice points
+//     no larger, 2 / h ~ (P / A^2)^(1/3); directions: of a replicate, in eight of which every id is to be met at 100 lattice points, or by 100 scanlines
 //   Cost: O(n log n).
-std::vector<SizeGroup> planGroups(const Scene& scene, const Ids& ids, int base, int finest, double directions);
+std::vector<SizeGroup> planGroups(const Scene& scene, const Ids& ids, Sampling sampling, int base, int finest, double directions);
 
 }  // namespace viewpeel

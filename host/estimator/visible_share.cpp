@@ -6,7 +6,7 @@
 #include <iterator>
 
 #include "engines/lattice.h"
-#include "engines/pair_counters.h"
+#include "matrix/pair_count.h"
 
 namespace viewpeel {
 namespace {
@@ -79,7 +79,7 @@ std::vector<uint64_t> countsOfLines(const Ids& face_ids, const std::vector<SizeG
   return lines;
 }
 
-VisibleShares findVisibleShares(Engine& engine, const Device& device, const Scene& scene, const Ids& ids, const std::vector<SizeGroup>& groups, const EstimateOptions& options) {
+VisibleShares findVisibleShares(Engine& engine, const Device* device, const Scene& scene, const Ids& ids, const std::vector<SizeGroup>& groups, const EstimateOptions& options) {
   VisibleShares found;
   auto start = Clock::now();
   std::vector<PairCounts> pilots;
@@ -144,7 +144,7 @@ VisibleShares findVisibleShares(Engine& engine, const Device& device, const Scen
   }
   std::vector<double> areas(sides.size());
   std::vector<UnreachedPair> unreached;
-  if (!sides.empty()) unreached = UnoccludedExchange(device, scene).compute(sides, areas);
+  if (!sides.empty()) unreached = (device ? UnoccludedExchange(*device, scene) : UnoccludedExchange(scene)).compute(sides, areas);
   for (size_t k = 0; k < sides.size(); ++k) pairs[known_pair[k]].exchange += areas[k] * scene.scale * scene.scale;
   for (const UnreachedPair& side : unreached) {
     const KnownPair& pair = pairs[known_pair[side.pair]];

@@ -32,11 +32,11 @@ std::vector<PairShare> fitShares(const PairCounts& counts);
 //   In: groups that the engine was made with, its unitArea()
 std::vector<uint64_t> countsOfLines(const Ids& face_ids, const std::vector<SizeGroup>& groups, double unit_area);
 
-//   In: an engine for ids by face (By::polygon), of everything, that counts blocked pairs, and its groups; options: directions, sampler, seed
+//   In: an engine for ids by face (By::polygon), of everything, that counts blocked pairs, and its groups; device: for closed forms, none: on the processor; options: directions, sampler, seed
 //   Out: shares from pilots with one replicate's directions in all, the same for the same options, and closed forms
 //   Error: of exchange areas: kUnoccludedRelativeError or kUnoccludedAbsoluteError for each pair of polygons.
 //   Throws: what the engine and the device throw.
 //   Cost: one replicate; closed forms: some 0.1 to 3 microseconds a pair.
-VisibleShares findVisibleShares(Engine& engine, const Device& device, const Scene& scene, const Ids& ids, const std::vector<SizeGroup>& groups, const EstimateOptions& options);
+VisibleShares findVisibleShares(Engine& engine, const Device* device, const Scene& scene, const Ids& ids, const std::vector<SizeGroup>& groups, const EstimateOptions& options);
 
 }  // namespace viewpeel

@@ -28,4 +28,11 @@ struct PairCount {
 // Sorted by (i, j), every pair at most once, none with both counts 0.
 using PairCounts = std::vector<PairCount>;
 
+// The sum of two sorted lists of counts.
+PairCounts addCounts(const PairCounts& a, const PairCounts& b);
+
+// In order, equal pairs as one.
+//   In: counts in any order, i < id_count    Cost: O(n) and the sorting of each i's own.
+PairCounts sortAndJoin(const PairCounts& counts, uint32_t id_count);
+
 }  // namespace viewpeel

@@ -1,0 +1,145 @@
+#include "engines/host_engine.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "engines/lattice.h"
+#include "engines/sweep.h"
+#include "error.h"
+#include "threads.h"
+
+namespace viewpeel {
+namespace {
+
+constexpr uint64_t kDenseBudget = 64u << 20;  // of a thread: beyond it counters are seldom in the processor's caches anyway, and clearing them takes long
+constexpr uint64_t kMostChunk = 64;           // directions that a thread takes at once
+
+uint64_t memoryOfMachine() { return static_cast<uint64_t>(::sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(::sysconf(_SC_PAGESIZE)); }
+
+class HostEngine : public Engine {
+ public:
+  HostEngine(const Scene& scene, const Ids& ids, const LatticeOptions& options);
+  PairCounts count(std::span<const Direction> directions) override;
+  std::vector<PairCounts> countBlocks(std::span<const Direction> directions, size_t block_directions) override;
+  double unitArea() const override { return pointArea(options_.resolution) / (options_.sampling == Sampling::scanline ? double(1 << kScanlineBits) : 1.0); }
+  const Work* work() const override;
+  std::string describePlan() const override;
+
+ private:
+  struct Worker {
+    Sweep sweep;
+    PairTable table;
+  };
+  void clear();
+  PairCounts takeShared();
+  uint64_t memoryBytes() const;
+
+  SweepScene scene_;
+  LatticeOptions options_;
+  uint32_t id_count_;
+  std::optional<SharedPairs> shared_;
+  std::vector<std::unique_ptr<Worker>> workers_;
+  uint64_t directions_ = 0;
+  bool is_clear_ = true;  // nothing is left of a call that ended in an error
+  mutable Work work_;
+};
+
+HostEngine::HostEngine(const Scene& scene, const Ids& ids, const LatticeOptions& options) : scene_(scene, ids), options_(options), id_count_(ids.count()) {
+  const uint64_t available = options.available_bytes ? options.available_bytes : memoryOfMachine();
+  const uint64_t sweep_bytes = Sweep(scene_, options).memoryBytes();
+  const uint64_t dense_bytes = PairTable::denseBytes(id_count_, options.count_blocked);
+  if (dense_bytes > (options.counter_budget_bytes ? options.counter_budget_bytes : kDenseBudget)) shared_.emplace(id_count_, options.count_blocked, available / 2);
+  // Spans take up to as much again.
+  const uint64_t each = 2 * sweep_bytes + (shared_ ? 0 : dense_bytes);
+  if (each > available / 2)
+    throw Error(ErrorCode::limit, fmt::format("{} polygons need {:.0f} MiB to sweep, half of the memory there is is {:.0f} MiB; try a smaller scene, or --by surface", scene.polygons.size(),
+                                              double(each) / 1048576.0, double(available / 2) / 1048576.0));
+  const uint64_t threads = options.thread_count ? options.thread_count : threadCount();
+  for (uint64_t k = 0; k < std::min(threads, available / 2 / each); ++k)
+    workers_.push_back(std::make_unique<Worker>(Sweep(scene_, options), shared_ ? PairTable(*shared_) : PairTable(id_count_, options.count_blocked)));
+}
+
+void HostEngine::clear() {
+  if (!is_clear_) {
+    for (const auto& worker : workers_) worker->table.clear();
+    for (uint32_t part = 0; shared_ && part < SharedPairs::kParts; ++part) shared_->take(part);
+  }
+  is_clear_ = false;
+}
+
+PairCounts HostEngine::count(std::span<const Direction> directions) {
+  clear();
+  const size_t chunk = std::clamp<size_t>(directions.size() / (8 * workers_.size()), 1, kMostChunk);
+  shareOut(workers_.size(), directions.size(), chunk, [&](size_t worker, size_t k) { workers_[worker]->sweep.count(directions[k], workers_[worker]->table); }, options_.on_batch);
+  directions_ += directions.size();
+  is_clear_ = true;
+  if (shared_) {
+    for (const auto& worker : workers_) worker->table.flush();
+    return takeShared();
+  }
+  for (size_t k = 1; k < workers_.size(); ++k) workers_[k]->table.moveInto(workers_[0]->table);
+  return workers_[0]->table.take();
+}
+
+PairCounts HostEngine::takeShared() {
+  std::vector<PairCounts> parts(SharedPairs::kParts);
+  shareOut(workers_.size(), parts.size(), 1, [&](size_t, size_t part) { parts[part] = shared_->take(static_cast<uint32_t>(part)); });
+  size_t count = 0;
+  for (const PairCounts& part : parts) count += part.size();
+  PairCounts counts;
+  counts.reserve(count);
+  for (PairCounts& part : parts) {
+    counts.insert(counts.end(), part.begin(), part.end());
+    part = {};
+  }
+  return counts;
+}
+
+// Every block by one thread, in dense counters of its own.
+std::vector<PairCounts> HostEngine::countBlocks(std::span<const Direction> directions, size_t block_directions) {
+  if (shared_) return Engine::countBlocks(directions, block_directions);
+  clear();
+  std::vector<PairCounts> blocks(directions.size() / block_directions);
+  const auto countBlock = [&](size_t thread, size_t k) {
+    Worker& worker = *workers_[thread];
+    for (const Direction& direction : directions.subspan(k * block_directions, block_directions)) worker.sweep.count(direction, worker.table);
+    blocks[k] = worker.table.take();
+  };
+  const auto tell = [&](size_t done) {
+    if (options_.on_batch) options_.on_batch(done * block_directions);
+  };
+  shareOut(workers_.size(), blocks.size(), 1, countBlock, tell);
+  directions_ += directions.size();
+  is_clear_ = true;
+  return blocks;
+}
+
+uint64_t HostEngine::memoryBytes() const {
+  uint64_t bytes = shared_ ? shared_->sizeBytes() : 0;
+  for (const auto& worker : workers_) bytes += worker->sweep.memoryBytes() + worker->table.sizeBytes();
+  return bytes;
+}
+
+const Work* HostEngine::work() const {
+  if (!options_.measure_work) return nullptr;
+  work_ = {};
+  for (const auto& worker : workers_) addWork(worker->sweep.work(), work_);
+  work_.directions = directions_;
+  work_.memory_bytes = memoryBytes();
+  return &work_;
+}
+
+std::string HostEngine::describePlan() const {
+  return fmt::format("host       {} thread{}, counters {}, {:.1f} MiB\n", workers_.size(), workers_.size() == 1 ? "" : "s", shared_ ? "in a hash table" : "dense, each its own",
+                     double(memoryBytes()) / 1048576.0);
+}
+
+}  // namespace
+
+std::unique_ptr<Engine> makeHostEngine(const Scene& scene, const Ids& ids, const LatticeOptions& options) { return std::make_unique<HostEngine>(scene, ids, options); }
+
+}  // namespace viewpeel

@@ -1,0 +1,18 @@
+// Engine `host`: on the processor's own threads.
+#pragma once
+#include <memory>
+
+#include "engines/engine.h"
+#include "engines/lattice_options.h"
+#include "matrix/ids.h"
+
+namespace viewpeel {
+
+// Counts lattice points or scanlines, the same to the last bit as engine `compute`. Needs no Vulkan device.
+//   In: of the options resolution, sampling, window, count_blocked, counter_budget_bytes (of each thread's dense counters), thread_count, available_bytes,
+//     measure_work and on_batch
+//   Throws (constructor): Error bad_usage where the resolution is out of range; Error limit where one thread's work does not fit the memory.
+//   Cost: per direction and thread as Sweep.
+std::unique_ptr<Engine> makeHostEngine(const Scene& scene, const Ids& ids, const LatticeOptions& options);
+
+}  // namespace viewpeel

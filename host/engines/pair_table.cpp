@@ -1,0 +1,134 @@
+#include "engines/pair_table.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "engines/shared.h"
+#include "error.h"
+
+namespace viewpeel {
+namespace {
+
+constexpr uint64_t kFirstPlaces = 1024;
+constexpr size_t kAhead = 8;  // additions whose places are on their way from memory
+
+uint64_t denseWords(uint32_t id_count, bool counts_blocked) {
+  return (device_data::counterIndex(id_count - 1, id_count + 1, id_count) + 1) * (counts_blocked ? 2 : 1);
+}
+
+}  // namespace
+
+SharedPairs::SharedPairs(uint32_t id_count, bool counts_blocked, uint64_t most_bytes)
+    : parts_per_id_((uint64_t(kParts) << 32) / id_count), id_count_(id_count), stride_(counts_blocked ? 3 : 2), most_bytes_(most_bytes), parts_(kParts) {}
+
+// The counters of a key, which are new where there were none.
+uint64_t* SharedPairs::find(Part& part, uint64_t key) const {
+  uint64_t place = placeOf(key, part.words.size() / stride_);
+  while (part.words[place] != key) {
+    if (part.words[place] == 0) {
+      part.words[place] = key;
+      ++part.used;
+      break;
+    }
+    place = place + stride_ == part.words.size() ? 0 : place + stride_;
+  }
+  return &part.words[place + 1];
+}
+
+// So that so many more leave it no more than half full.
+void SharedPairs::makeRoom(Part& part, uint64_t more) {
+  const uint64_t places = part.words.size() / stride_;
+  if (2 * (part.used + more) <= places) return;
+  const uint64_t wanted = std::max(2 * places, kFirstPlaces), bytes = (wanted - places) * stride_ * sizeof(uint64_t);
+  if ((bytes_ += bytes) > most_bytes_) {
+    bytes_ -= bytes;
+    throw Error(ErrorCode::limit, fmt::format("the tables of facing pairs outgrow {:.0f} MiB of memory; try --by surface", double(most_bytes_) / 1048576.0));
+  }
+  std::vector<uint64_t> words(wanted * stride_, 0);
+  std::swap(words, part.words);
+  part.used = 0;
+  for (uint64_t place = 0; place < words.size(); place += stride_)
+    if (words[place]) std::copy_n(&words[place + 1], stride_ - 1, find(part, words[place]));
+}
+
+void SharedPairs::add(uint32_t part_index, const Addition* additions, size_t count) {
+  Part& part = parts_[part_index];
+  const std::lock_guard lock(part.mutex);
+  makeRoom(part, count);
+  const uint64_t places = part.words.size() / stride_;
+  for (size_t k = 0; k < std::min(kAhead, count); ++k) __builtin_prefetch(&part.words[placeOf(additions[k].key, places)], 1);
+  for (size_t k = 0; k < count; ++k) {
+    if (k + kAhead < count) __builtin_prefetch(&part.words[placeOf(additions[k + kAhead].key, places)], 1);
+    find(part, additions[k].key)[additions[k].weight & 1] += additions[k].weight >> 1;
+  }
+}
+
+PairCounts SharedPairs::take(uint32_t part_index) {
+  Part& part = parts_[part_index];
+  PairCounts counts;
+  counts.reserve(part.used);
+  for (uint64_t place = 0; place < part.words.size(); place += stride_) {
+    if (part.words[place] == 0) continue;
+    const uint64_t pair = ~part.words[place];
+    counts.push_back({static_cast<uint32_t>(pair >> 32), static_cast<uint32_t>(pair), part.words[place + 1], stride_ > 2 ? part.words[place + 2] : 0});
+  }
+  std::sort(counts.begin(), counts.end(), [](const PairCount& a, const PairCount& b) { return a.i != b.i ? a.i < b.i : a.j < b.j; });
+  std::fill(part.words.begin(), part.words.end(), 0);
+  part.used = 0;
+  return counts;
+}
+
+PairTable::PairTable(uint32_t id_count, bool counts_blocked) : id_count_(id_count), stride_(counts_blocked ? 2 : 1), dense_(denseWords(id_count, counts_blocked), 0) {
+  for (uint32_t i = 0; i < id_count; ++i) row_starts_.push_back(device_data::counterIndex(i, 0, id_count));
+  coming_.fill({dense_.data(), 0});
+}
+
+PairTable::PairTable(SharedPairs& shared) : shared_(&shared), waiting_(SharedPairs::kParts * kWaiting), counts_(SharedPairs::kParts, 0) {}
+
+uint64_t PairTable::denseBytes(uint32_t id_count, bool counts_blocked) { return denseWords(id_count, counts_blocked) * sizeof(uint64_t); }
+
+// Adds what is still on its way.
+void PairTable::settle() {
+  for (Coming& coming : coming_) {
+    if (coming.weight) *coming.counter += coming.weight;
+    coming.weight = 0;
+  }
+}
+
+PairCounts PairTable::take() {
+  settle();
+  PairCounts counts;
+  const uint64_t* word = dense_.data();
+  for (uint32_t i = 0; i < id_count_; ++i)
+    for (uint32_t column = i; column < id_count_ + 2; ++column, word += stride_) {
+      const uint64_t facing = word[0], blocked = stride_ > 1 ? word[1] : 0;
+      if (facing | blocked) counts.push_back({i, column < id_count_ ? column : kEnvironment + (column - id_count_), facing, blocked});
+    }
+  std::fill(dense_.begin(), dense_.end(), 0);
+  return counts;
+}
+
+void PairTable::moveInto(PairTable& sum) {
+  settle();
+  for (uint64_t k = 0; k < dense_.size(); ++k) sum.dense_[k] += dense_[k];
+  std::fill(dense_.begin(), dense_.end(), 0);
+}
+
+void PairTable::clear() {
+  settle();
+  std::fill(dense_.begin(), dense_.end(), 0);
+  std::fill(counts_.begin(), counts_.end(), 0);
+}
+
+void PairTable::flush() {
+  for (uint32_t part = 0; part < counts_.size(); ++part) flush(part);
+}
+
+void PairTable::flush(uint32_t part) {
+  const uint32_t count = counts_[part];
+  counts_[part] = 0;
+  if (count) shared_->add(part, &waiting_[part * kWaiting], count);
+}
+
+}  // namespace viewpeel

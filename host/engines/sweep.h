@@ -1,0 +1,118 @@
+// What engine `host` does with one direction: lattice rows cut the projected scene into spans; going along a row, the polygons between any two of their ends
+// are sorted by depth. After the scan-line algorithms: Watkins, "A real time visible surface algorithm" (1970).
+#pragma once
+#include <array>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "directions/direction.h"
+#include "engines/lattice_options.h"
+#include "engines/pair_table.h"
+#include "engines/work.h"
+#include "matrix/ids.h"
+
+namespace viewpeel {
+
+// The scene as sweeps read it: every corner and every plane once, however many polygons share it.
+struct SweepScene {
+  struct Polygon {
+    std::array<uint32_t, 4> corners;  // a triangle's last twice
+    uint32_t corner_count, plane, id, roles;
+  };
+  std::vector<double> x, y, z;                               // of corners, unit-ball units
+  std::vector<double> normal_x, normal_y, normal_z, offset;  // of planes
+  std::vector<Polygon> polygons;
+  bool two_sided, all_count, counts_environment;
+
+  SweepScene(const Scene& scene, const Ids& ids);
+};
+
+// Counts what the compute engine counts, to the last bit; of one thread.
+//   Cost: per direction, O(polygons + spans log (spans of a row) + samples x layers).
+class Sweep {
+ public:
+  //   Throws: Error bad_usage where the resolution is out of range, or too fine for scanlines.
+  Sweep(const SweepScene& scene, const LatticeOptions& options);
+
+  // Adds all gaps between consecutive layers of a direction's lines, and what is blocked where that was asked for.
+  void count(const Direction& direction, PairTable& table);
+
+  const Work& work() const { return work_; }  // but for directions and memory
+  uint64_t memoryBytes() const;
+
+ private:
+  // Depth over the lattice, as in ProjectedPolygon (shaders/shared.h), of the direction of that turn.
+  struct DepthPlane {
+    uint64_t turn = 0;
+    int64_t at_origin, per_column, per_row;
+    double slack;
+    int shift;
+    bool is_edge_on;  // then every polygon has a depth of its own
+  };
+  // What a polygon covers: in a row, the columns from the rightmost crossing with its left edges to the leftmost with its right ones.
+  struct Outline {
+    int32_t first_row, last_row;
+    bool front_up;
+    uint8_t left_count, right_count;                // left edges from the first place on, right ones from the last
+    std::array<double, 4> row_0, per_row, inverse;  // the crossing with row y: ceil((row_0 + per_row y) inverse), see cut()
+  };
+  // What is asked of it where a row enters it, on one line of the processor's cache.
+  struct alignas(64) Surface {
+    int64_t at_origin, per_column, per_row;  // its depth
+    int32_t depth_min, depth_max, shift;
+    uint32_t polygon, id, roles;
+    bool front_up;
+  };
+  struct Span {
+    int32_t low, high;  // columns [low, high), in units of 2^-column_bits
+    uint32_t surface;
+  };
+  // A span that the row has entered.
+  struct Layer {
+    int64_t depth, whole, rest;  // depth in column X: depth + whole X + (rest X >> column_bits), before the shift
+    int32_t depth_min, depth_max, shift, high;
+    uint32_t polygon, id, roles;
+    bool front_down, sees_up, sees_down;
+  };
+  struct Open {
+    uint64_t key;
+    const Layer* layer;
+  };
+
+  void project(const Direction& direction);
+  void slice(const Direction& direction);
+  template <bool kAllCount>
+  void slicePolygon(uint32_t polygon_index, const Direction& direction);
+  bool outlineOf(const SweepScene::Polygon& polygon, Outline& outline) const;
+  std::pair<int32_t, int32_t> cut(const Outline& outline, int row) const;
+  const DepthPlane& depthPlane(uint32_t plane_index, const Direction& direction);
+  Surface surfaceOf(uint32_t polygon_index, bool front_up, const Direction& direction);
+  Layer enter(const Span& span, int row) const;
+  uint64_t keyAt(const Layer& layer, int32_t column) const;
+  template <bool kAllCount, bool kBlocked>
+  void sweepRow(int row, std::span<Span> spans, uint64_t weight, PairTable& table);
+  template <bool kAllCount, bool kBlocked>
+  void addGaps(uint64_t weight, PairTable& table);
+
+  const SweepScene& scene_;
+  const int resolution_;
+  const Window window_;
+  const bool is_scanline_, counts_blocked_, measures_;
+  const int fraction_bits_, column_bits_, reach_;
+  Work work_;
+
+  std::vector<int32_t> snapped_x_, snapped_y_;  // of corners
+  std::vector<double> height_;
+  std::vector<DepthPlane> planes_;
+  glm::dvec2 origin_{0};  // of the lattice, in the direction at hand
+  uint64_t turn_ = 0;     // directions so far
+  std::vector<Surface> surfaces_;
+  std::vector<std::vector<Span>> rows_;  // row -reach first
+  std::vector<std::pair<int32_t, int32_t>> emitting_;  // columns between the first and the last that emits, of every row
+  std::vector<Layer> layers_;
+  std::vector<Open> open_;
+};
+
+}  // namespace viewpeel

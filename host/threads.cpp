@@ -1,0 +1,42 @@
+#include "threads.h"
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace viewpeel {
+
+size_t threadCount() { return std::max(1u, std::thread::hardware_concurrency()); }
+
+void shareOut(size_t threads, size_t tasks, size_t chunk, const std::function<void(size_t thread, size_t task)>& do_task, const std::function<void(size_t done)>& on_done) {
+  std::atomic<size_t> next = 0, done = 0;
+  std::atomic<bool> stopped = false;
+  std::exception_ptr failure;
+  std::mutex failing;
+  const auto work = [&](size_t thread) {
+    try {
+      for (size_t first = next.fetch_add(chunk); first < tasks && !stopped; first = next.fetch_add(chunk)) {
+        const size_t end = std::min(first + chunk, tasks);
+        for (size_t task = first; task < end && !stopped; ++task) do_task(thread, task);
+        done += end - first;
+        if (thread == 0 && on_done) on_done(done);
+      }
+    } catch (...) {
+      const std::lock_guard lock(failing);
+      if (!failure) failure = std::current_exception();
+      stopped = true;
+    }
+  };
+  {
+    std::vector<std::jthread> others;
+    for (size_t thread = 1; thread < std::min(threads, (tasks + chunk - 1) / chunk); ++thread) others.emplace_back(work, thread);
+    work(0);
+  }
+  if (failure) std::rethrow_exception(failure);
+  if (on_done) on_done(tasks);
+}
+
+}  // namespace viewpeel
