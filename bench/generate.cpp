@@ -104,7 +104,8 @@ InputScene roomWithBoxes(uint32_t refine) {
   addBox(scene, walls, {0, 0, 0}, {6, 5, 3}, true, 8 * refine);
   Random random(1);
   for (uint32_t k = 0; k < 10; ++k) {  // one in each of 4 x 3 cells but two
-    const double x = 1.5 * (k % 4), y = 5 / 3.0 * (k / 4);
+    const uint32_t column = k % 4, row = k / 4;
+    const double x = 1.5 * column, y = 5 / 3.0 * row;
     const glm::dvec3 low(x + random.uniform(0.1, 0.4), y + random.uniform(0.1, 0.4), kGap);
     const glm::dvec3 high(x + random.uniform(0.9, 1.4), y + random.uniform(1.0, 1.5), random.uniform(0.4, 2.4));
     const uint32_t box = addSurface(scene, fmt::format("box_{}", k + 1));
@@ -141,7 +142,8 @@ InputScene city(uint32_t n) {
   for (uint32_t k = 0;; ++k) {
     const uint32_t floors = floorsOf(random);
     if (k > 0 && scene.faces.size() + quadsOf(floors) / 2 > n) return scene;
-    addBuilding(scene, streets, k + 1, {k % side * kPitch, k / side * kPitch, 0}, floors);
+    const uint32_t column = k % side, row = k / side;
+    addBuilding(scene, streets, k + 1, {column * kPitch, row * kPitch, 0}, floors);
   }
 }
 

@@ -94,7 +94,7 @@ class Viewpeel {
       return makeHostEngine(scene_, ids_, lattice);
     };
   }
-  MakeEngine graphics(LatticeOptions lattice) const {
+  MakeEngine graphics(const LatticeOptions& lattice) const {
     return [this, lattice](const Device& device, bool) { return makeGraphicsEngine(device, scene_, ids_, lattice); };
   }
   MakeEngine exact() const {
@@ -219,7 +219,7 @@ std::pair<Trace, std::string> fastestTrace(Run run) {
   for (const auto& [trace, name] : {std::pair(Trace::packets_of_8, "packets"), std::pair(Trace::streams, "streams"), std::pair(Trace::single, "single")}) {
     run(trace);
     double trace_s = INFINITY;
-    for (int k = 0; k < 3; ++k) trace_s = std::min(trace_s, secondsOf([&] { run(trace); }));
+    for (int k = 0; k < 3; ++k) trace_s = std::min(trace_s, secondsOf([&, tried = trace] { run(tried); }));
     if (trace_s < least_s) least_s = trace_s, best = {trace, std::string("trace=") + name};
   }
   return best;

@@ -92,7 +92,7 @@ TEST_F(Fault, LackOfDeviceMemoryMakesBatchesSmaller) {
   std::ofstream scene(file("sheets.obj"));
   for (int k = 0; k < 200; ++k) scene << fmt::format("v 0 0 {0}\nv 1 0 {0}\nv 1 1 {0}\nv 0 1 {0}\nf -4 -3 -2 -1\n", 0.01 * k);
   scene.close();
-  const std::string options = "compute " + file("sheets.obj") + " --two-sided --directions 16 --resolution 128 --batch 8 --replicates 2 --verbose -o " + file("a.csv");
+  const std::string options = "compute --engine compute " + file("sheets.obj") + " --two-sided --directions 16 --resolution 128 --batch 8 --replicates 2 --verbose -o " + file("a.csv");
   // Directions on the device at once, as planned and, where lists grew, in the end.
   const auto atOnce = [](const Result& result, const char* after) {
     unsigned batches = 0, directions = 0;
