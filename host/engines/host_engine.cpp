@@ -31,6 +31,7 @@ class HostEngine : public Engine {
 
  private:
   struct Worker {
+    Worker(const SweepScene& scene, const LatticeOptions& options, PairTable own) : sweep(scene, options), table(std::move(own)) {}
     Sweep sweep;
     PairTable table;
   };
@@ -60,7 +61,7 @@ HostEngine::HostEngine(const Scene& scene, const Ids& ids, const LatticeOptions&
                                               double(each) / 1048576.0, double(available / 2) / 1048576.0));
   const uint64_t threads = options.thread_count ? options.thread_count : threadCount();
   for (uint64_t k = 0; k < std::min(threads, available / 2 / each); ++k)
-    workers_.push_back(std::make_unique<Worker>(Sweep(scene_, options), shared_ ? PairTable(*shared_) : PairTable(id_count_, options.count_blocked)));
+    workers_.push_back(std::make_unique<Worker>(scene_, options, shared_ ? PairTable(*shared_) : PairTable(id_count_, options.count_blocked)));
 }
 
 void HostEngine::clear() {

@@ -162,7 +162,7 @@ std::optional<VisibleSums> readVisibleSums(Hdf5Input& in, const Ids& face_ids, c
   requireOrder(in, "visible/known/directed", known.directed, face_ids.count());
   const bool are_known = std::ranges::all_of(known.directed, [&](const DirectedPair& pair) {
     return pair.j < kEnvironment && pair.directions > 0 && pair.share <= kShareOne &&
-           std::ranges::any_of(std::ranges::equal_range(known.pairs, pair.i, {}, &KnownPair::i), [&](const KnownPair& other) { return other.j == pair.j; });
+           std::ranges::binary_search(known.pairs, std::pair(pair.i, pair.j), {}, [](const KnownPair& other) { return std::pair(other.i, other.j); });
   });
   if (!are_known) in.refuse("its 'visible/known/directed' are none of its pairs");
   const By by = readOne<uint8_t>(in, "visible/by_surface") ? By::surface : By::polygon;
