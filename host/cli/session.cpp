@@ -12,6 +12,7 @@
 
 #include "cli/interrupts.h"
 #include "cli/summary.h"
+#include "engines/host_engine.h"
 #include "error.h"
 #include "reference/exact_engine.h"
 
@@ -21,7 +22,6 @@ namespace {
 constexpr uint64_t kTrial = uint64_t(1) << 40;  // a replicate number that no run reaches
 constexpr double kTrialSeconds = 0.5;
 constexpr double kSurfaceShareTolerance = 2e-4;
-constexpr double kScanlineArea = 1e-10;           // of the least id, unit-ball units squared: so large that scanlines in windows meet it often enough (plan.cpp)
 constexpr size_t kMostSharedFaces = 20'000;  // beyond which blocked pairs take gigabytes
 
 const std::vector<std::pair<std::string, Sampler>> kSamplers = {
@@ -118,9 +118,7 @@ void Session::chooseEngine() {
       if (!has_gpu) options.engine = EngineKind::host;
     }
   }
-  // Scanlines where they are quick, as far as they can be fine enough (README).
-  const double least_area = *std::min_element(ids.areas.begin(), ids.areas.end()) / (scene.scale * scene.scale);
-  options.lattice.sampling = options.sampling.value_or(options.engine == EngineKind::host && least_area > kScanlineArea ? Sampling::scanline : Sampling::lattice);
+  options.lattice.sampling = options.sampling.value_or(options.engine == EngineKind::host ? chooseSampling(scene, ids) : Sampling::lattice);
 }
 
 Lattices Session::lattices() const {
@@ -336,7 +334,7 @@ std::shared_ptr<ProgramOptions> addOptions(CLI::App* command) {
             "Depth peeling on a Vulkan device, in compute shaders or by its raster pipeline; the same counts on the processor's threads (host); or exact areas there. "
             "auto: compute on a GPU, or on the --device named, else host");
   addChoice<std::optional<Sampling>>(command, "--sampling", options->sampling, {{"auto", std::nullopt}, {"lattice", Sampling::lattice}, {"scanline", Sampling::scanline}},
-            "Samples of a direction: lattice points, or lattice rows cut where polygons end. auto: scanlines with engine host");
+            "Samples of a direction: lattice points, or lattice rows cut where polygons end. auto: the quicker ones for the engine and scene");
   addChoice(command, "--sampler", estimate.sampler, kSamplers,
             "Directions over the sphere: rotated Fibonacci sets, one in each of as many cells, scrambled Sobol' points, or independent. Without it --from and "
             "--pair draw better ones");
