@@ -27,25 +27,10 @@ std::vector<InputScene> scenes() {
   return {ts::insideOfCube(), ts::cubeInCube(0.4), ts::roomWithTouchingBoxes(), ts::triangleSoup(60, 0.5, 3), ts::triangleSoup(200, 0.05, 4)};
 }
 
-// Along the axes and diagonals polygons are edge-on, depths tie and lattice points fall on edges.
-std::vector<Direction> awkwardDirections() {
-  std::vector<Direction> directions;
-  for (int axis = 0; axis < 3; ++axis)
-    for (double sign : {1.0, -1.0})
-      for (double offset : {0.0, 0.5}) {
-        glm::dvec3 u(0), x(0);
-        u[axis] = sign;
-        x[(axis + 1) % 3] = 1;
-        directions.push_back({x, glm::cross(u, x), u, {offset, offset}});
-      }
-  const glm::dvec3 u = glm::normalize(glm::dvec3(1, 1, 0)), x(0, 0, 1);
-  directions.push_back({x, glm::cross(u, x), u, {0, 0}, 3});
-  return directions;
-}
-
 TEST(HostEngine, CountsAreThoseOfTheCpuTwin) {
   std::vector<Direction> directions = sampleDirections(Sampler::iid, 6, 7, 0);
-  for (const Direction& direction : awkwardDirections()) directions.push_back(direction);
+  for (const Direction& direction : ts::alongAxesAndEdges()) directions.push_back(direction);
+  directions.back().weight = 3;
   for (const InputScene& input : scenes()) {
     const Scene scene = buildScene(input);
     for (const bool two_sided : {false, true})

@@ -81,19 +81,8 @@ TEST(Peel, BlocksAreCountedApart) {
       }
 }
 
-// Along the axes polygons are edge-on, depths tie and lattice points fall on edges.
 TEST(Peel, CountsAreThoseOfTheCpuTwinAlongAxesAndEdges) {
-  std::vector<Direction> directions;
-  for (int axis = 0; axis < 3; ++axis)
-    for (double sign : {1.0, -1.0})
-      for (double offset : {0.0, 0.5}) {
-        glm::dvec3 u(0), x(0);
-        u[axis] = sign;
-        x[(axis + 1) % 3] = 1;
-        directions.push_back({x, glm::cross(u, x), u, {offset, offset}});
-      }
-  const glm::dvec3 u = glm::normalize(glm::dvec3(1, 1, 0)), x(0, 0, 1);
-  directions.push_back({x, glm::cross(u, x), u, {0, 0}});
+  const std::vector<Direction> directions = ts::alongAxesAndEdges();
   for (int resolution : {8, 32}) {
     expectTwinAgrees(ts::roomWithTouchingBoxes(), directions, {.lattice = {.resolution = resolution}});
     expectTwinAgrees(ts::insideOfCube(), directions, {.lattice = {.resolution = resolution}});

@@ -5,6 +5,7 @@
 
 #include <glm/glm.hpp>
 
+#include "directions/direction.h"
 #include "scene/scene.h"
 
 namespace viewpeel::test_scenes {
@@ -119,6 +120,22 @@ inline InputScene transformed(InputScene scene, const glm::dmat3& rotation, doub
   for (InputFace& face : scene.faces)
     for (glm::dvec3& corner : face.corners) corner = scale * (rotation * corner) + offset;
   return scene;
+}
+
+// Along the axes and diagonals polygons are edge-on, depths tie and lattice points fall on edges.
+inline std::vector<Direction> alongAxesAndEdges() {
+  std::vector<Direction> directions;
+  for (int axis = 0; axis < 3; ++axis)
+    for (double sign : {1.0, -1.0})
+      for (double offset : {0.0, 0.5}) {
+        glm::dvec3 u(0), x(0);
+        u[axis] = sign;
+        x[(axis + 1) % 3] = 1;
+        directions.push_back({x, glm::cross(u, x), u, {offset, offset}});
+      }
+  const glm::dvec3 u = glm::normalize(glm::dvec3(1, 1, 0)), x(0, 0, 1);
+  directions.push_back({x, glm::cross(u, x), u, {0, 0}});
+  return directions;
 }
 
 }  // namespace viewpeel::test_scenes
