@@ -1,11 +1,7 @@
 #include "reference/exact_pair_areas.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <exception>
-#include <mutex>
-#include <thread>
 
 #include "reference/edge_cuts.h"
 #include "reference/height_order.h"
@@ -13,6 +9,7 @@
 #include "reference/outline_grid.h"
 #include "reference/pair_sums.h"
 #include "reference/projection.h"
+#include "threads.h"
 
 namespace viewpeel::reference {
 namespace {
@@ -169,27 +166,11 @@ std::vector<ExactPairAreas> computeExactPairAreas(const Scene& scene, std::span<
   requireDisjoint(scene, options.touching_depth);
   const IntegerCorners corners(scene);
   std::vector<ExactPairAreas> results(directions.size());
-  std::atomic<size_t> next = 0;
-  std::exception_ptr failure;
-  std::mutex failure_mutex;
-  const auto work = [&] {
-    try {
-      for (size_t k = next++; k < directions.size(); k = next++) {
-        if (options.on_direction) options.on_direction();
-        const Projection projection(scene, corners, directions[k]);
-        results[k] = Walk(projection, options).run();
-      }
-    } catch (...) {
-      const std::lock_guard lock(failure_mutex);
-      failure = std::current_exception();
-    }
-  };
-  const size_t wanted = options.thread_count ? options.thread_count : std::max(1u, std::thread::hardware_concurrency());
-  std::vector<std::jthread> threads;
-  for (size_t k = 1; k < std::min(wanted, directions.size()); ++k) threads.emplace_back(work);
-  work();
-  threads.clear();
-  if (failure) std::rethrow_exception(failure);
+  shareOut(options.thread_count ? options.thread_count : threadCount(), directions.size(), 1, [&](size_t, size_t k) {
+    if (options.on_direction) options.on_direction();
+    const Projection projection(scene, corners, directions[k]);
+    results[k] = Walk(projection, options).run();
+  });
   return results;
 }
 

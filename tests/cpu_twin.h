@@ -18,4 +18,11 @@ PairCounts countPairsOnCpu(const Scene& scene, const Ids& ids, const std::vector
 // The same with scanlines: every interval between consecutive ends of spans sorts all polygons that hold its middle.
 PairCounts countIntervalsOnCpu(const Scene& scene, const Ids& ids, const std::vector<Direction>& directions, int resolution, bool blocked = false);
 
+// What must be counted where blocked pairs were not asked for.
+inline PairCounts withoutBlocked(PairCounts counts) {
+  for (PairCount& c : counts) c.blocked = 0;
+  std::erase_if(counts, [](const PairCount& c) { return c.count == 0; });
+  return counts;
+}
+
 }  // namespace viewpeel

@@ -13,12 +13,6 @@ namespace {
 
 namespace ts = test_scenes;
 
-PairCounts withoutBlocked(PairCounts counts) {
-  for (PairCount& c : counts) c.blocked = 0;
-  std::erase_if(counts, [](const PairCount& c) { return c.count == 0; });
-  return counts;
-}
-
 PairCounts countWith(const Scene& scene, const Ids& ids, const std::vector<Direction>& directions, const LatticeOptions& options) {
   return makeHostEngine(scene, ids, options)->count(directions);
 }

@@ -27,13 +27,6 @@ uint64_t totalBlocked(const PairCounts& counts) {
   return total;
 }
 
-// What must be counted where blocked pairs were not asked for.
-PairCounts withoutBlocked(PairCounts counts) {
-  for (PairCount& c : counts) c.blocked = 0;
-  std::erase_if(counts, [](const PairCount& c) { return c.count == 0; });
-  return counts;
-}
-
 void expectTwinAgrees(const InputScene& input, const std::vector<Direction>& directions, CountRun run) {
   const Scene scene = buildScene(input);
   const PairCounts twin = countPairsOnCpu(scene, makeIds(scene, run.by, run.two_sided), directions, run.lattice.resolution, true);

@@ -73,7 +73,7 @@ PairCounts SharedPairs::take(uint32_t part_index) {
     const uint64_t pair = ~part.words[place];
     counts.push_back({static_cast<uint32_t>(pair >> 32), static_cast<uint32_t>(pair), part.words[place + 1], stride_ > 2 ? part.words[place + 2] : 0});
   }
-  std::sort(counts.begin(), counts.end(), [](const PairCount& a, const PairCount& b) { return a.i != b.i ? a.i < b.i : a.j < b.j; });
+  std::sort(counts.begin(), counts.end(), isBefore);
   std::fill(part.words.begin(), part.words.end(), 0);
   part.used = 0;
   return counts;

@@ -4,11 +4,6 @@
 #include <numeric>
 
 namespace viewpeel {
-namespace {
-
-bool isBefore(const PairCount& a, const PairCount& b) { return a.i != b.i ? a.i < b.i : a.j < b.j; }
-
-}  // namespace
 
 // First to each i its own, for the counts of one i are few.
 PairCounts sortAndJoin(const PairCounts& counts, uint32_t id_count) {

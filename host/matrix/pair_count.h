@@ -28,6 +28,9 @@ struct PairCount {
 // Sorted by (i, j), every pair at most once, none with both counts 0.
 using PairCounts = std::vector<PairCount>;
 
+// The order of lists.
+inline bool isBefore(const PairCount& a, const PairCount& b) { return a.i != b.i ? a.i < b.i : a.j < b.j; }
+
 // The sum of two sorted lists of counts.
 PairCounts addCounts(const PairCounts& a, const PairCounts& b);
 
