@@ -37,7 +37,7 @@ std::vector<KnownExchange> mergeBySurface(const std::vector<KnownExchange>& exch
 }
 
 template <class T>
-bool isBefore(const T& a, std::pair<uint32_t, uint32_t> b) {
+bool isBeforePair(const T& a, std::pair<uint32_t, uint32_t> b) {
   return std::pair(a.i, a.j) < b;
 }
 
@@ -48,7 +48,7 @@ std::vector<ControlCount> takeDirectedShares(const PairCounts& counts, const std
   for (const DirectedPair& pair : directed) shares.push_back({pair.i, pair.j, pair.share});
   std::vector<ControlCount> controls = takeShares(counts, shares);
   for (ControlCount& control : controls) {
-    control.line = std::lower_bound(directed.begin(), directed.end(), std::pair(control.i, control.j), isBefore<DirectedPair>)->line;
+    control.line = std::lower_bound(directed.begin(), directed.end(), std::pair(control.i, control.j), isBeforePair<DirectedPair>)->line;
     control.squares *= control.line;
   }
   return controls;
@@ -91,7 +91,7 @@ PairCounts VisibleSums::withoutDirected(PairCounts counts) const {
   if (!known_.directed.empty())
     std::erase_if(counts, [&](const PairCount& count) {
       const std::pair key(count.i, count.j);
-      const auto at = std::lower_bound(known_.directed.begin(), known_.directed.end(), key, isBefore<DirectedPair>);
+      const auto at = std::lower_bound(known_.directed.begin(), known_.directed.end(), key, isBeforePair<DirectedPair>);
       return at != known_.directed.end() && std::pair(at->i, at->j) == key;
     });
   return counts;
@@ -141,7 +141,7 @@ FormFactors VisibleSums::formFactors(By by, double measure_area, double count_ar
     const FormFactors common = by_face_.allowForUnmet(chooseBetter(by_face_.formFactors(measure_area, exchanges_, count_area), sampled), measure_area, exchanges_, count_area);
     std::vector<FormFactors::Entry> entries = common.entries();
     for (const FormFactors::Entry& directed : directedEntries())  // among the pairs known, so there
-      std::lower_bound(entries.begin(), entries.end(), std::pair(directed.i, directed.j), isBefore<FormFactors::Entry>)->exchange_area = directed.exchange_area;
+      std::lower_bound(entries.begin(), entries.end(), std::pair(directed.i, directed.j), isBeforePair<FormFactors::Entry>)->exchange_area = directed.exchange_area;
     return {common.ids(), std::move(entries), sampled.rowSums()};
   }
   // Directed pairs have random numbers of their own: their variances add up with that of the others.
@@ -150,7 +150,7 @@ FormFactors VisibleSums::formFactors(By by, double measure_area, double count_ar
   const std::vector<uint32_t>& surface = by_face_.ids().surface;
   for (const FormFactors::Entry& directed : directedEntries()) {
     const auto [i, j] = std::minmax(surface[directed.i], surface[directed.j]);
-    Measured& sum = std::lower_bound(entries.begin(), entries.end(), std::pair(i, j), isBefore<FormFactors::Entry>)->exchange_area;
+    Measured& sum = std::lower_bound(entries.begin(), entries.end(), std::pair(i, j), isBeforePair<FormFactors::Entry>)->exchange_area;
     const double ways = i == j ? 2 : 1;
     sum.value += ways * directed.exchange_area.value;
     sum.standard_error = std::hypot(sum.standard_error, ways * directed.exchange_area.standard_error);
