@@ -7,6 +7,8 @@
 #include <iterator>
 #include <utility>
 
+#include "matrix/add_pairs.h"
+
 namespace viewpeel {
 namespace {
 
@@ -33,39 +35,23 @@ Measured FormFactors::formFactor(uint32_t i, uint32_t j) const {
   return {exchange.value / ids_.areas[i], exchange.standard_error / ids_.areas[i]};
 }
 
-// The sums with others, sorted alike, added: add_to(sum, pair) for each of them.
-template <class Pairs, class AddTo>
-std::vector<ReplicateSums::PairSum> ReplicateSums::addPairs(const Pairs& pairs, AddTo add_to) const {
-  std::vector<PairSum> merged;
-  merged.reserve(std::max(pairs_.size(), pairs.size()));
-  auto old = pairs_.begin();
-  for (const auto& pair : pairs) {
-    const std::pair key(pair.i, pair.j);
-    while (old != pairs_.end() && before(*old, key)) merged.push_back(*old++);
-    merged.push_back(old != pairs_.end() && std::pair(old->i, old->j) == key ? *old++ : PairSum{pair.i, pair.j, {}});
-    add_to(merged.back().sum, pair);
-  }
-  merged.insert(merged.end(), old, pairs_.end());
-  return merged;
-}
-
 void ReplicateSums::add(const PairCounts& counts) {
+  ++replicate_count_;  // first: what ends early is seen (RunSums::isWhole)
   std::vector<uint64_t> rows(ids_.count(), 0);
   PairCounts facing;  // blocked pairs that were never seen are left out
   std::copy_if(counts.begin(), counts.end(), std::back_inserter(facing), [](const PairCount& count) { return count.count > 0; });
-  pairs_ = addPairs(facing, [&](Sum& sum, const PairCount& count) {
-    sum.add(count.count);
+  addPairs(pairs_, facing, [&](PairSum& sum, const PairCount& count) {
+    sum.sum.add(count.count);
     rows[count.i] += count.count;
     if (count.j < kEnvironment) rows[count.j] += count.count;  // a pair within one id counts twice
   });
   for (size_t k = 0; k < rows.size(); ++k) row_sums_[k].add(rows[k]);
-  ++replicate_count_;
 }
 
 void ReplicateSums::add(const ReplicateSums& others) {
-  pairs_ = addPairs(others.pairs_, [](Sum& sum, const PairSum& pair) { sum.add(pair.sum); });
-  for (size_t k = 0; k < row_sums_.size(); ++k) row_sums_[k].add(others.row_sums_[k]);
   replicate_count_ += others.replicate_count_;
+  addPairs(pairs_, others.pairs_, [](PairSum& sum, const PairSum& pair) { sum.sum.add(pair.sum); });
+  for (size_t k = 0; k < row_sums_.size(); ++k) row_sums_[k].add(others.row_sums_[k]);
 }
 
 // With R replicates that count c_r, K = sum c_r and s^2 = sum (c_r - K / R)^2 / (R - 1), the estimate is K / R and its standard error

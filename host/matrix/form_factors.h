@@ -61,7 +61,7 @@ class ReplicateSums {
   };
   struct PairSum {
     uint32_t i, j;
-    Sum sum;
+    Sum sum{};
   };
 
   explicit ReplicateSums(Ids ids) : ids_(std::move(ids)), row_sums_(ids_.count()) {}
@@ -96,8 +96,6 @@ class ReplicateSums {
   double largestRelativeError(double measure_area, double floor, double count_area = INFINITY) const;
 
  private:
-  template <class Pairs, class AddTo>
-  std::vector<PairSum> addPairs(const Pairs& pairs, AddTo add_to) const;
   Measured measure(const Sum& sum, double most_counts) const;
   double smallerArea(const PairSum& pair) const;
   Measured exchangeArea(const PairSum& pair, double measure_area, double count_area) const;

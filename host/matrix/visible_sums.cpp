@@ -59,7 +59,7 @@ VisibleSums::VisibleSums(const Ids& face_ids, const Ids& surface_ids, By by, Kno
   prepare();
 }
 
-VisibleSums::VisibleSums(By by, KnownShares known, ControlSums by_face, ControlSums by_surface, ControlSums directed)
+VisibleSums::VisibleSums(By by, KnownShares known, ShareSums by_face, ControlSums by_surface, ControlSums directed)
     : by_(by), known_(std::move(known)), by_face_(std::move(by_face)), by_surface_(std::move(by_surface)), directed_(std::move(directed)) {
   prepare();
 }
@@ -99,10 +99,9 @@ PairCounts VisibleSums::withoutDirected(PairCounts counts) const {
 
 void VisibleSums::add(const PairCounts& counts, const PairCounts& directed) {
   const PairCounts common = withoutDirected(withRows(counts));
-  std::vector<ControlCount> of_faces = takeShares(common, shares_, known_.lines);
   const std::vector<ControlCount> of_directed = takeDirectedShares(directed, known_.directed);
   by_surface_.add(mergeIds(takeShares(common, surface_shares_, known_.lines), by_face_.ids().surface));
-  by_face_.add(of_faces);
+  by_face_.add(by_ == By::polygon ? common : PairCounts{});
   directed_.add(of_directed);
 }
 
@@ -138,7 +137,7 @@ std::vector<FormFactors::Entry> VisibleSums::directedEntries() const {
 
 FormFactors VisibleSums::formFactors(By by, double measure_area, double count_area, const FormFactors& sampled) const {
   if (by == By::polygon) {
-    const FormFactors common = by_face_.allowForUnmet(chooseBetter(by_face_.formFactors(measure_area, exchanges_, count_area), sampled), measure_area, exchanges_, count_area);
+    const FormFactors common = by_face_.formFactors(measure_area, exchanges_, count_area, sampled);
     std::vector<FormFactors::Entry> entries = common.entries();
     for (const FormFactors::Entry& directed : directedEntries())  // among the pairs known, so there
       std::lower_bound(entries.begin(), entries.end(), std::pair(directed.i, directed.j), isBeforePair<FormFactors::Entry>)->exchange_area = directed.exchange_area;
@@ -164,7 +163,7 @@ bool VisibleSums::directsAs(const VisibleSums& others) const {
 }
 
 FormFactors VisibleSums::controlledFormFactors(double measure_area, const FormFactors& sampled) const {
-  return {sampled.ids(), by_face_.formFactors(measure_area, exchanges_).entries(), sampled.rowSums()};
+  return {sampled.ids(), faceControls().formFactors(measure_area, exchanges_).entries(), sampled.rowSums()};
 }
 
 }  // namespace viewpeel

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "matrix/control_sums.h"
+#include "matrix/share_sums.h"
 
 namespace viewpeel {
 
@@ -46,7 +47,7 @@ class VisibleSums {
   //   In: ids by face and by surface; by: which of the two form factors are asked for
   VisibleSums(const Ids& face_ids, const Ids& surface_ids, By by, KnownShares known);
   // As they were summed before.
-  VisibleSums(By by, KnownShares known, ControlSums by_face, ControlSums by_surface, ControlSums directed);
+  VisibleSums(By by, KnownShares known, ShareSums by_face, ControlSums by_surface, ControlSums directed);
 
   // One replicate.    In: counts of common directions; of KnownShares::directed what their own have counted    Throws: as takeShares.    Cost: O(nonzeros log nonzeros).
   void add(const PairCounts& counts, const PairCounts& directed);
@@ -55,7 +56,7 @@ class VisibleSums {
 
   By by() const { return by_; }
   const KnownShares& known() const { return known_; }
-  const ControlSums& byFace() const { return by_face_; }
+  const ShareSums& byFace() const { return by_face_; }  // empty where surfaces are asked for
   const ControlSums& bySurface() const { return by_surface_; }
   const ControlSums& directed() const { return directed_; }  // by face
   // Whether the shares, that is the integers, are the same.
@@ -65,7 +66,8 @@ class VisibleSums {
 
   //   In: measure_area, count_area as in ReplicateSums; sampled: of the same replicates and kind of ids, for row sums and where shares are of no use
   FormFactors formFactors(By by, double measure_area, double count_area, const FormFactors& sampled) const;
-  // With the shares in any case: of faces.
+  // Of faces, with the shares fixed beforehand.
+  ControlSums faceControls() const { return by_face_.controls(shares_, known_.lines); }
   FormFactors controlledFormFactors(double measure_area, const FormFactors& sampled) const;
 
  private:
@@ -75,7 +77,8 @@ class VisibleSums {
 
   By by_;
   KnownShares known_;
-  ControlSums by_face_, by_surface_, directed_;
+  ShareSums by_face_;
+  ControlSums by_surface_, directed_;
   // Made of known_.
   std::vector<PairShare> shares_, surface_shares_;
   std::vector<KnownExchange> exchanges_, surface_exchanges_, directed_exchanges_;
