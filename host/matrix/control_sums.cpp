@@ -66,24 +66,11 @@ std::vector<ControlCount> takeShares(const PairCounts& counts, const std::vector
 }
 
 std::vector<ControlCount> mergeIds(const std::vector<ControlCount>& controls, const std::vector<uint32_t>& id_map) {
-  std::vector<ControlCount> mapped;
-  mapped.reserve(controls.size());
-  for (const ControlCount& control : controls) {
-    const uint32_t i = id_map[control.i], j = control.j < kEnvironment ? id_map[control.j] : control.j;
-    mapped.push_back({std::min(i, j), std::max(i, j), control.control, control.squares, control.line});
-  }
-  std::sort(mapped.begin(), mapped.end(), [](const auto& a, const auto& b) { return keyOf(a) < keyOf(b); });
-  std::vector<ControlCount> merged;
-  for (const ControlCount& control : mapped) {
-    if (merged.empty() || keyOf(merged.back()) != keyOf(control)) {
-      merged.push_back(control);
-      continue;
-    }
-    merged.back().control += control.control;
-    merged.back().squares += control.squares;
-    merged.back().line = std::max(merged.back().line, control.line);
-  }
-  return merged;
+  return mergePairs(controls, id_map, [](ControlCount& sum, const ControlCount& control) {
+    sum.control += control.control;
+    sum.squares += control.squares;
+    sum.line = std::max(sum.line, control.line);
+  });
 }
 
 // Lines at a time: the variance over what that of independent lines would be; one at least. D as in ReplicateSums.

@@ -130,19 +130,7 @@ double ReplicateSums::largestRelativeError(double measure_area, double floor, do
 double unmetBound(double area, double count_area, double directions) { return 2 * std::log(20.0) * std::max(1.0, count_area / area) / directions; }
 
 PairCounts mergeIds(const PairCounts& counts, const std::vector<uint32_t>& id_map) {
-  PairCounts mapped;
-  mapped.reserve(counts.size());
-  for (const PairCount& count : counts) {
-    const uint32_t i = id_map[count.i], j = count.j < kEnvironment ? id_map[count.j] : count.j;
-    mapped.push_back({std::min(i, j), std::max(i, j), count.count, count.blocked});
-  }
-  std::sort(mapped.begin(), mapped.end(), [](const auto& a, const auto& b) { return std::pair(a.i, a.j) < std::pair(b.i, b.j); });
-  PairCounts merged;
-  for (const PairCount& count : mapped) {
-    if (!merged.empty() && merged.back().i == count.i && merged.back().j == count.j) merged.back().add(count);
-    else merged.push_back(count);
-  }
-  return merged;
+  return mergePairs(counts, id_map, [](PairCount& sum, const PairCount& count) { sum.add(count); });
 }
 
 }  // namespace viewpeel
