@@ -55,7 +55,8 @@ struct Directed {
   }
   VisibleShares find(EstimateOptions options, PairSampler* pairs) {
     options.pairs = pairs;
-    return findVisibleShares(*engine, &testDevice(), scene, ids, groups, options);
+    FaceExchanges exchanges(&testDevice(), scene, ids);
+    return findVisibleShares(*engine, exchanges, scene, ids, groups, options);
   }
   Estimate estimate(EstimateOptions options, const VisibleShares& shares, PairSampler* pairs) {
     options.known = &shares.known;

@@ -22,8 +22,8 @@ Ids idsOf(std::vector<double> areas) {
 
 const FormFactors kNothing({}, {}, {});
 
-Measured exchangeOf(const ShareSums& sums, double measure_area, const KnownExchange& known) {
-  return sums.formFactors(measure_area, {known}, INFINITY, kNothing).exchangeArea(known.i, known.j);
+Measured exchangeOf(const ShareSums& sums, double measure_area, const KnownPair& known) {
+  return sums.formFactors({known}, {}, measure_area, INFINITY, kNothing).exchangeArea(known.i, known.j);
 }
 
 TEST(ShareSums, ByHand) {
@@ -31,20 +31,20 @@ TEST(ShareSums, ByHand) {
   sums.add({{0, 1, 3, 5}, {0, 2, 4, 0}});
   sums.add({{0, 1, 1, 11}, {0, 2, 6, 0}});
   // 4 of 20 lines are facing; residuals are 0.8 x 3 - 0.2 x 5 = 1.4 and -1.4, R s^2 = 2 x 3.92; squares 0.64 x 4 + 0.04 x 16 = 3.2 lines, so 7.84 / 3.2 at a time.
-  const Measured f = exchangeOf(sums, 0.5, {0, 1, 0, 16});
+  const Measured f = exchangeOf(sums, 0.5, {0, 1, 0, 0, 16});
   EXPECT_DOUBLE_EQ(f.value, 3.2);
   EXPECT_DOUBLE_EQ(f.standard_error, 0.8 * std::hypot(std::sqrt(7.84), 4.2 / (3.2 * 3.2 / 7.84 + 1)));
   // Never blocked: all of it, but for one line of ten.
-  const Measured whole = exchangeOf(sums, 0.5, {0, 2, 7, 8});
+  const Measured whole = exchangeOf(sums, 0.5, {0, 2, 0, 0, 8});
   EXPECT_EQ(whole.value, 8);
   EXPECT_DOUBLE_EQ(whole.standard_error, 0.8);
   // No line: what was said beforehand, with one line's error, 2 x 0.5 / 2.
-  const Measured unmet = exchangeOf(sums, 0.5, {1, 2, 3, 4});
+  const Measured unmet = exchangeOf(sums, 0.5, {1, 2, kShareOne / 4 * 3, 0, 4});
   EXPECT_EQ(unmet.value, 3);
   EXPECT_EQ(unmet.standard_error, 0.5);
   // Not known: as it was sampled.
   const FormFactors sampled({}, {{0, 1, {5, 2}}, {1, 2, {7, 3}}}, {});
-  const FormFactors all = sums.formFactors(0.5, {{0, 1, 0, INFINITY}, {0, 2, 0, 8}}, INFINITY, sampled);
+  const FormFactors all = sums.formFactors({{0, 1, 0, 0, INFINITY}, {0, 2, 0, 0, 8}}, {}, 0.5, INFINITY, sampled);
   ASSERT_EQ(all.entries().size(), 3u);
   EXPECT_EQ(all.exchangeArea(0, 1).value, 5);
   EXPECT_EQ(all.exchangeArea(0, 2).value, 8);
@@ -100,14 +100,14 @@ TEST(ShareSums, LinesByChanceHaveNoBias) {
       double sum = 0, squares = 0;
       int met = 0, held = 0;
       for (int trial = 0; trial < kTrials; ++trial) {
-        ShareSums sums(idsOf({1, 1}));
+        ShareSums sums(idsOf({1e9, 1e9}));
         uint64_t all = 0;
         for (int r = 0; r < kReplicates; ++r) {
           const uint64_t of_replicate = some(random), facing = std::binomial_distribution<uint64_t>(of_replicate, b)(random);
           all += of_replicate;
           sums.add({{0, 1, facing, of_replicate - facing}});
         }
-        const Measured f = exchangeOf(sums, kReplicates / 2.0, {0, 1, 0, lines});
+        const Measured f = exchangeOf(sums, kReplicates / 2.0, {0, 1, 0, 0, lines});
         if (all == 0) continue;
         ++met;
         sum += f.value - b * lines;
@@ -136,7 +136,7 @@ TEST(ShareSums, BiasIsBounded) {
         sums.add({counts});
         all += double(counts.count + counts.blocked);
       }
-      values.push_back(exchangeOf(sums, 1, {0, 1, 0, 1}).value);
+      values.push_back(exchangeOf(sums, 1, {0, 1, 0, 0, 1}).value);
       lines += all, squared_lines += all * all;
     }
     double mean = 0, variance = 0;

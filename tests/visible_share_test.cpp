@@ -33,7 +33,10 @@ struct Shared {
         if (count.i == i && count.j == j) sum.add(count);
     return sum;
   }
-  VisibleShares find(const EstimateOptions& options) const { return findVisibleShares(*engine, &testDevice(), scene, ids, groups, options); }
+  VisibleShares find(const EstimateOptions& options) const {
+    FaceExchanges exchanges(&testDevice(), scene, ids);
+    return findVisibleShares(*engine, exchanges, scene, ids, groups, options);
+  }
   Estimate estimate(EstimateOptions options, By by = By::polygon) const {
     const VisibleShares shares = find(options);
     options.known = &shares.known;

@@ -113,7 +113,8 @@ KnownShares findShares(const GuaranteePlan& plan, const Scene& scene, const Ids&
   pilot.directions = kSharePilotDirections;
   pilot.sampler = options.sampler;
   pilot.seed = options.seed;
-  return keepBounded(findVisibleShares(*plan.engine, options.device, scene, ids, plan.groups, pilot).known, ids, plan.groups.size() == 1);
+  FaceExchanges exchanges(options.device, scene, ids);
+  return keepBounded(findVisibleShares(*plan.engine, exchanges, scene, ids, plan.groups, pilot).known, ids, plan.groups.size() == 1);
 }
 
 PairCounts countBlock(Engine& engine, const GuaranteeOptions& options, uint64_t directions, uint64_t block) {

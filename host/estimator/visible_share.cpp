@@ -80,7 +80,7 @@ std::vector<uint64_t> countsOfLines(const Ids& face_ids, const std::vector<SizeG
   return lines;
 }
 
-VisibleShares findVisibleShares(Engine& engine, const Device* device, const Scene& scene, const Ids& ids, const std::vector<SizeGroup>& groups, const EstimateOptions& options) {
+VisibleShares findVisibleShares(Engine& engine, FaceExchanges& exchanges, const Scene& scene, const Ids& ids, const std::vector<SizeGroup>& groups, const EstimateOptions& options) {
   VisibleShares found;
   auto start = Clock::now();
   std::vector<PairCounts> pilots;
@@ -127,31 +127,7 @@ VisibleShares findVisibleShares(Engine& engine, const Device* device, const Scen
     if (!is_any_blocked) pair.surface_share = kShareOne;
   }
 
-  std::vector<std::vector<uint32_t>> polygons(n);
-  for (uint32_t k = 0; k < ids.of_polygon.size(); ++k) polygons[ids.of_polygon[k]].push_back(k);
-  std::vector<SidePair> sides;
-  std::vector<uint32_t> known_pair;  // of each of `sides`
-  for (uint32_t s = 0; s < pairs.size(); ++s) {
-    if (pairs[s].j >= kEnvironment) {
-      pairs[s].exchange = ids.areas[pairs[s].i];
-      continue;
-    }
-    for (uint32_t p : polygons[pairs[s].i])
-      for (uint32_t q : polygons[pairs[s].j])
-        for (uint32_t side = 0; side < (ids.two_sided ? 4u : 1u); ++side) {
-          sides.push_back({frontSide(p) + side % 2, frontSide(q) + side / 2});
-          known_pair.push_back(s);
-        }
-  }
-  std::vector<double> areas(sides.size());
-  std::vector<UnreachedPair> unreached;
-  if (!sides.empty()) unreached = (device ? UnoccludedExchange(*device, scene) : UnoccludedExchange(scene)).compute(sides, areas);
-  for (size_t k = 0; k < sides.size(); ++k) pairs[known_pair[k]].exchange += areas[k] * scene.scale * scene.scale;
-  for (const UnreachedPair& side : unreached) {
-    const KnownPair& pair = pairs[known_pair[side.pair]];
-    found.unreached += pair.exchange < INFINITY;
-    pairs[known_pair[side.pair]] = {pair.i, pair.j, 0, 0, INFINITY};
-  }
+  found.unreached = exchanges.compute(pairs);
   std::erase_if(pairs, [](const KnownPair& pair) { return pair.exchange == 0; });
   found.closed_form_seconds = secondsSince(start);
 

@@ -55,18 +55,18 @@ Measured ShareSums::measure(const PairSum& pair, double measure_area, const Know
   return squares > 0 ? exchange : allowForUnmet(exchange, known, replicates * count_area / measure_area, area);
 }
 
-FormFactors ShareSums::formFactors(double measure_area, const std::vector<KnownExchange>& known, double count_area, const FormFactors& sampled) const {
+FormFactors ShareSums::formFactors(const std::vector<KnownPair>& known, const std::vector<uint64_t>& lines, double measure_area, double count_area, const FormFactors& sampled) const {
   std::vector<FormFactors::Entry> entries;
   entries.reserve(std::max(known.size(), sampled.entries().size()));
   auto pair = pairs_.begin();
   auto other = sampled.entries().begin();
   const auto end = sampled.entries().end();
-  for (const KnownExchange& at : known) {
+  for (const KnownPair& at : known) {
     for (; other != end && keyOf(*other) < keyOf(at); ++other) entries.push_back(*other);
     while (pair != pairs_.end() && keyOf(*pair) < keyOf(at)) ++pair;
     const bool is_told = pair != pairs_.end() && keyOf(*pair) == keyOf(at), is_sampled = other != end && keyOf(*other) == keyOf(at);
-    if (is_sampled && std::isinf(at.most)) entries.push_back(*other);
-    else entries.push_back({at.i, at.j, measure(is_told ? *pair : PairSum{at.i, at.j}, measure_area, at, count_area)});
+    if (is_sampled && std::isinf(at.exchange)) entries.push_back(*other);
+    else entries.push_back({at.i, at.j, measure(is_told ? *pair : PairSum{at.i, at.j}, measure_area, exchangeOf(at, at.share, ids_.areas, lines), count_area)});
     if (is_sampled) ++other;
   }
   entries.insert(entries.end(), other, end);

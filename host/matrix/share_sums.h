@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "matrix/control_sums.h"
+#include "matrix/known_pair.h"
 
 namespace viewpeel {
 
@@ -34,11 +34,11 @@ class ShareSums {
   const std::vector<PairSum>& pairs() const { return pairs_; }
   uint64_t replicateCount() const { return replicate_count_; }
 
-  //   In: measure_area, count_area as in ReplicateSums; known: sorted by (i, j), every pair at most once, `area` for those that no line met; sampled: of the same replicates, for
-  //     row sums and for pairs not known
+  //   In: known: sorted by (i, j), every pair at most once; lines as in lineOf; measure_area, count_area as in ReplicateSums; sampled: of the same replicates, for row sums and for pairs
+  //     not known
   //   Error: biased by less than a standard error (above). Standard errors are those of replicates, never less than one line's (ControlSums), and no more than the distance to the farther end
   //     of [0, most]. So a pair that no line met has a standard error, too. Tests: tests/visible_share_test.cpp, bench/coverage.cpp.
-  FormFactors formFactors(double measure_area, const std::vector<KnownExchange>& known, double count_area, const FormFactors& sampled) const;
+  FormFactors formFactors(const std::vector<KnownPair>& known, const std::vector<uint64_t>& lines, double measure_area, double count_area, const FormFactors& sampled) const;
 
   // The same lines with shares fixed beforehand.    In: shares, lines as in takeShares
   ControlSums controls(const std::vector<PairShare>& shares, const std::vector<uint64_t>& lines) const;

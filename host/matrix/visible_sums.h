@@ -2,20 +2,9 @@
 #pragma once
 #include <vector>
 
-#include "matrix/control_sums.h"
 #include "matrix/share_sums.h"
 
 namespace viewpeel {
-
-// What is known before a run of a pair of faces, or of a face with environment or leak.
-struct KnownPair {
-  uint32_t i, j;               // i < j
-  uint32_t share = 0;          // in the controls of faces; units of 2^-kShareBits
-  uint32_t surface_share = 0;  // in those between surfaces: the same, or 0
-  double exchange = 0;         // A_i F_ij with nothing in between, A_i for environment and leak; infinite where unknown, and shares 0
-
-  bool operator==(const KnownPair&) const = default;
-};
 
 // A pair of faces that directions of its own count, on a lattice of its own: what common directions see of it does not enter its form factor.
 struct DirectedPair {
@@ -34,7 +23,7 @@ struct DirectedPair {
 std::vector<ControlCount> takeDirectedShares(const PairCounts& counts, const std::vector<DirectedPair>& directed);
 
 struct KnownShares {
-  std::vector<KnownPair> pairs;  // sorted
+  std::vector<KnownPair> pairs;  // sorted; without has_all_pairs those that pilots met, and what the run meets beside
   std::vector<uint64_t> lines;   // of faces: counts that one line adds (takeShares)
   bool has_all_pairs = false;    // pairs that are not there do not see each other
   std::vector<DirectedPair> directed{};  // sorted
@@ -51,6 +40,10 @@ class VisibleSums {
 
   // One replicate.    In: counts of common directions; of KnownShares::directed what their own have counted    Throws: as takeShares.    Cost: O(nonzeros log nonzeros).
   void add(const PairCounts& counts, const PairCounts& directed);
+  // Pairs of faces that lines met and whose closed forms are not known, nor found out to be out of reach, with shares of 0.
+  std::vector<KnownPair> unknownPairs() const;
+  // Their closed forms.    In: sorted, and none of them known
+  void learn(const std::vector<KnownPair>& pairs);
   // Other replicates of the same run. What closed forms gave may differ in rounding between devices: that of the one with the first replicate stays.
   void add(const VisibleSums& others, bool others_are_first);
 
@@ -81,7 +74,7 @@ class VisibleSums {
   ControlSums by_surface_, directed_;
   // Made of known_.
   std::vector<PairShare> shares_, surface_shares_;
-  std::vector<KnownExchange> exchanges_, surface_exchanges_, directed_exchanges_;
+  std::vector<KnownExchange> surface_exchanges_, directed_exchanges_;
 };
 
 }  // namespace viewpeel
