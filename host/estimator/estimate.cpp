@@ -38,7 +38,8 @@ Estimate estimateFormFactors(Engine& engine, const Scene& scene, const Ids& ids,
   double largest_error = 0, largest_relative_error = 0;
   const auto measureErrors = [&] {
     if (sums.visible) {
-      if (sums.replicateCount() < options.replicates && !options.on_replicate) return;  // nobody asks
+      const bool has_goal = options.tolerance || options.relative;
+      if (!options.on_replicate && (!has_goal || sums.replicateCount() < options.replicates)) return;  // nobody asks
       const FormFactors so_far = sums.formFactors();
       largest_error = largestStandardError(so_far);
       largest_relative_error = largestRelativeError(so_far, options.relative_floor);
