@@ -171,7 +171,7 @@ class Viewpeel {
  private:
   Estimate withClosedForms(Engine& engine, const std::vector<SizeGroup>& groups, EstimateOptions options) const {
     FaceExchanges exchanges(on_host_ ? nullptr : &device_, scene_, ids_);
-    const VisibleShares shares = findVisibleShares(engine, exchanges, scene_, ids_, groups, options);
+    const VisibleShares shares = findVisibleShares(engine, exchanges, scene_, ids_, groups, options, pilotDirections(options));
     options.known = &shares.known;
     options.exchanges = &exchanges;
     return estimateFormFactors(engine, scene_, ids_, options);

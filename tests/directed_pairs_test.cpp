@@ -56,7 +56,7 @@ struct Directed {
   VisibleShares find(EstimateOptions options, PairSampler* pairs) {
     options.pairs = pairs;
     FaceExchanges exchanges(&testDevice(), scene, ids);
-    return findVisibleShares(*engine, exchanges, scene, ids, groups, options);
+    return findVisibleShares(*engine, exchanges, scene, ids, groups, options, pilotDirections(options));
   }
   Estimate estimate(EstimateOptions options, const VisibleShares& shares, PairSampler* pairs) {
     options.known = &shares.known;

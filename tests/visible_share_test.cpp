@@ -35,7 +35,7 @@ struct Shared {
   }
   VisibleShares find(const EstimateOptions& options) const {
     FaceExchanges exchanges(&testDevice(), scene, ids);
-    return findVisibleShares(*engine, exchanges, scene, ids, groups, options);
+    return findVisibleShares(*engine, exchanges, scene, ids, groups, options, pilotDirections(options));
   }
   Estimate estimate(EstimateOptions options, By by = By::polygon) const {
     const VisibleShares shares = find(options);

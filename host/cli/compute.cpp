@@ -169,7 +169,7 @@ int runCompute(ProgramOptions options) {
     pilot.by = options.by;
     pilot.pairs = &pairs;
     try {
-      shares = findVisibleShares(engine, exchanges, session.scene, session.face_ids, plan.groups, pilot);
+      shares = findVisibleShares(engine, exchanges, session.scene, session.face_ids, plan.groups, pilot, pilotDirections(pilot));
     } catch (const Interrupted&) {
       endByItself();
       tellInterruption(options, 0);

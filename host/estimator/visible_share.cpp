@@ -70,6 +70,11 @@ std::vector<PairShare> fitShares(const PairCounts& counts) {
   return shares;
 }
 
+uint32_t pilotDirections(const EstimateOptions& options) {
+  const bool chooses_pairs = options.pairs && (options.tolerance || options.relative);
+  return options.by == By::surface || chooses_pairs ? options.directions : (options.directions + 3) / 4;
+}
+
 std::vector<uint64_t> countsOfLines(const Ids& face_ids, const std::vector<SizeGroup>& groups, double unit_area) {
   std::vector<uint64_t> lines(face_ids.count(), 1);
   for (const SizeGroup& group : groups)
@@ -80,13 +85,15 @@ std::vector<uint64_t> countsOfLines(const Ids& face_ids, const std::vector<SizeG
   return lines;
 }
 
-VisibleShares findVisibleShares(Engine& engine, FaceExchanges& exchanges, const Scene& scene, const Ids& ids, const std::vector<SizeGroup>& groups, const EstimateOptions& options) {
+VisibleShares findVisibleShares(Engine& engine, FaceExchanges& exchanges, const Scene& scene, const Ids& ids, const std::vector<SizeGroup>& groups, const EstimateOptions& options,
+                                uint32_t pilot_directions) {
   VisibleShares found;
   auto start = Clock::now();
   std::vector<PairCounts> pilots;
   PairCounts all;
+  const uint32_t each = (pilot_directions + kPilots - 1u) / kPilots;
   for (uint32_t k = 0; k < kPilots; ++k) {
-    pilots.push_back(withRows(engine.count(sampleDirections(options.sampler, (options.directions + kPilots - 1u) / kPilots, options.seed, kSharePilot + k))));
+    pilots.push_back(withRows(engine.count(sampleDirections(options.sampler, each, options.seed, kSharePilot + k))));
     all = addCounts(all, pilots.back());
   }
   // A share that few lines told adds more noise than it takes away: then counts are left alone, pair by pair of faces, and of surfaces, whose sums vary less than their parts.
@@ -134,7 +141,7 @@ VisibleShares findVisibleShares(Engine& engine, FaceExchanges& exchanges, const 
   // Between surfaces, of many pairs, common directions meet more: there they stay as they are.
   if (!options.pairs || options.by != By::polygon) return found;
   start = Clock::now();
-  const CommonPilots common{pilots, (options.directions + kPilots - 1u) / kPilots, engine.unitArea() * scene.scale * scene.scale};
+  const CommonPilots common{pilots, each, engine.unitArea() * scene.scale * scene.scale};
   found.known.directed = chooseDirectedPairs(*options.pairs, ids, found.known, common, options);
   found.directed_seconds = secondsSince(start);
   return found;

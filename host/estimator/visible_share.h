@@ -33,11 +33,16 @@ std::vector<PairShare> fitShares(const PairCounts& counts);
 //   In: groups that the engine was made with, its unitArea()
 std::vector<uint64_t> countsOfLines(const Ids& face_ids, const std::vector<SizeGroup>& groups, double unit_area);
 
-//   In: an engine for ids by face (By::polygon), of everything, that counts blocked pairs, and its groups; options: directions, sampler, seed
-//   Out: shares from pilots with one replicate's directions in all, the same for the same options, closed forms, and, with options.pairs and for goals of faces,
+// How many directions pilots take in all: as many as a replicate where shares are fixed by them or pairs chosen, a quarter where they only stand in for pairs that the run does not meet.
+uint32_t pilotDirections(const EstimateOptions& options);
+
+//   In: an engine for ids by face (By::polygon), of everything, that counts blocked pairs, and its groups; options: sampler, seed; directions: of a
+//     replicate of the run; pilot_directions: of all pilots
+//   Out: shares from pilots, the same for the same options, closed forms, and, with options.pairs and for goals of faces,
 //     pairs that get directions of their own (directed_pairs.h)
 //   Throws: what the engine and FaceExchanges throw.
-//   Cost: one replicate; closed forms: some 0.1 to 3 microseconds a pair.
-VisibleShares findVisibleShares(Engine& engine, FaceExchanges& exchanges, const Scene& scene, const Ids& ids, const std::vector<SizeGroup>& groups, const EstimateOptions& options);
+//   Cost: the pilots; closed forms: some 0.1 to 3 microseconds a pair.
+VisibleShares findVisibleShares(Engine& engine, FaceExchanges& exchanges, const Scene& scene, const Ids& ids, const std::vector<SizeGroup>& groups, const EstimateOptions& options,
+                                uint32_t pilot_directions);
 
 }  // namespace viewpeel
