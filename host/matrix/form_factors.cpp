@@ -81,7 +81,8 @@ Measured ReplicateSums::measure(const Sum& sum, double most_counts) const {
   const Wide spread = replicates * sum.sum_of_squares - sum.sum * sum.sum;
   const double r = double(replicate_count_), variance = double(spread) / (r - 1);
   const double counted = double(sum.sum), at_a_time = spread ? std::max(1.0, variance / counted) : 1;
-  measured.standard_error = std::hypot(std::sqrt(variance), (counted + 1 + 8 / 27.0 * most_counts) / (counted / at_a_time + 1)) / r;
+  const double surplus = (counted + 1 + 8 / 27.0 * most_counts) / (counted / at_a_time + 1);
+  measured.standard_error = std::sqrt(variance + surplus * surplus) / r;
   return measured;
 }
 
@@ -98,10 +99,11 @@ Measured ReplicateSums::exchangeArea(const PairSum& pair, double measure_area, d
   return {count.value * scale, count.standard_error * scale};
 }
 
-FormFactors ReplicateSums::formFactors(double measure_area, double count_area) const {
+FormFactors ReplicateSums::formFactors(double measure_area, double count_area, const std::function<bool(uint32_t, uint32_t)>& is_wanted) const {
   std::vector<FormFactors::Entry> entries;
-  entries.reserve(pairs_.size());
-  for (const PairSum& pair : pairs_) entries.push_back({pair.i, pair.j, exchangeArea(pair, measure_area, count_area)});
+  if (!is_wanted) entries.reserve(pairs_.size());
+  for (const PairSum& pair : pairs_)
+    if (!is_wanted || is_wanted(pair.i, pair.j)) entries.push_back({pair.i, pair.j, exchangeArea(pair, measure_area, count_area)});
   std::vector<Measured> rows;
   for (size_t k = 0; k < row_sums_.size(); ++k) {
     const Measured count = measure(row_sums_[k], 0);

@@ -1,6 +1,7 @@
 #include "matrix/run_sums.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace viewpeel {
 namespace {
@@ -64,8 +65,15 @@ void RunSums::add(const RunSums& others) {
 
 FormFactors RunSums::formFactors() const {
   if (visible && visible->by() == By::surface) return betweenSurfaces();
-  const FormFactors sampled = by_id.formFactors(measure_area, countArea());
-  return visible ? visible->formFactors(By::polygon, measure_area, countArea(), sampled) : sampled;
+  if (!visible) return by_id.formFactors(measure_area, countArea());
+  // What counts alone say of pairs whose closed forms are known is not looked at.
+  auto at = visible->known().pairs.begin();
+  const auto end = visible->known().pairs.end();
+  const auto isUnknown = [&](uint32_t i, uint32_t j) {
+    while (at != end && std::pair(at->i, at->j) < std::pair(i, j)) ++at;
+    return at == end || std::pair(at->i, at->j) != std::pair(i, j) || std::isinf(at->exchange);
+  };
+  return visible->formFactors(By::polygon, measure_area, countArea(), by_id.formFactors(measure_area, countArea(), isUnknown));
 }
 
 FormFactors RunSums::betweenSurfaces() const {
