@@ -88,6 +88,35 @@ TEST(ShareSums, AreControlsOfAnyShares) {
   }
 }
 
+// More pairs than one thread takes at once, a whole multiple of them too: each is what it is alone, and pairs not known stand in their places.
+TEST(ShareSums, ManyPairsAreEachWhatTheyAreAlone) {
+  constexpr uint32_t n = 520;
+  const Ids ids = idsOf(std::vector<double>(n, 100.0));
+  std::mt19937_64 random(5);
+  for (const size_t most_known : {size_t(1) << 16, size_t(1) << 17, size_t(100'000)}) {
+    PairCounts counts;
+    std::vector<KnownPair> known;
+    std::vector<FormFactors::Entry> others;
+    for (uint32_t i = 0; i < n; ++i)
+      for (uint32_t j = i + 1; j < n; ++j) {
+        if (random() % 4) counts.push_back({i, j, 1 + random() % 9, random() % 9});
+        if (random() % 50 && known.size() < most_known) known.push_back({i, j, 0, 0, 1.0 + double(random() % 9)});
+        else if (random() % 2) others.push_back({i, j, {double(i), double(j)}});
+      }
+    ShareSums sums(ids);
+    sums.add(counts);
+    sums.add(counts);
+    const FormFactors all = sums.formFactors(known, {}, 0.1, INFINITY, FormFactors(ids, others, {}));
+    ASSERT_EQ(all.entries().size(), known.size() + others.size());
+    EXPECT_TRUE(std::ranges::is_sorted(all.entries(), {}, [](const FormFactors::Entry& entry) { return std::pair(entry.i, entry.j); }));
+    for (const FormFactors::Entry& entry : others) ASSERT_EQ(all.exchangeArea(entry.i, entry.j).value, double(entry.i));
+    for (size_t k = 0; k < known.size(); k += 97) {
+      const Measured alone = exchangeOf(sums, 0.1, known[k]), together = all.exchangeArea(known[k].i, known[k].j);
+      ASSERT_TRUE(alone.value == together.value && alone.standard_error == together.standard_error) << k;
+    }
+  }
+}
+
 // Of lines as many as Poisson's law has, each facing with probability b: no bias, however few lines there are; and 95 % intervals hold the truth as often as those of plain counts do, at
 // least 88 times in 100 (README, Accuracy), where a line told anything.
 TEST(ShareSums, LinesByChanceHaveNoBias) {

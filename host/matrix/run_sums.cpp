@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "threads.h"
+
 namespace viewpeel {
 namespace {
 
@@ -44,9 +46,12 @@ bool RunSums::isWhole() const {
 }
 
 void RunSums::add(uint64_t replicate, const PairCounts& counts, uint64_t direction_count, const PairCounts& directed) {
-  if (visible) visible->add(counts, directed);
-  by_surface.add(mergeIds(counts, by_id.ids().surface));
-  by_id.add(counts);
+  const auto addTo = [&](size_t, size_t k) {
+    if (k == 0 && visible) visible->add(counts, directed);
+    if (k == 1) by_surface.add(mergeIds(counts, by_id.ids().surface));
+    if (k == 2) by_id.add(counts);
+  };
+  shareOut(threadsFor(counts.size()), 3, 1, addTo);
   replicates.push_back({replicate, replicate + 1});
   replicates = joinRanges(std::move(replicates));
   directions += direction_count;

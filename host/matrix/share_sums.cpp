@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "matrix/add_pairs.h"
+#include "threads.h"
 
 namespace viewpeel {
 namespace {
@@ -56,20 +57,32 @@ Measured ShareSums::measure(const PairSum& pair, double measure_area, const Know
 }
 
 FormFactors ShareSums::formFactors(const std::vector<KnownPair>& known, const std::vector<uint64_t>& lines, double measure_area, double count_area, const FormFactors& sampled) const {
-  std::vector<FormFactors::Entry> entries;
-  entries.reserve(std::max(known.size(), sampled.entries().size()));
-  auto pair = pairs_.begin();
-  auto other = sampled.entries().begin();
-  const auto end = sampled.entries().end();
-  for (const KnownPair& at : known) {
-    for (; other != end && keyOf(*other) < keyOf(at); ++other) entries.push_back(*other);
-    while (pair != pairs_.end() && keyOf(*pair) < keyOf(at)) ++pair;
-    const bool is_told = pair != pairs_.end() && keyOf(*pair) == keyOf(at), is_sampled = other != end && keyOf(*other) == keyOf(at);
-    if (is_sampled && std::isinf(at.exchange)) entries.push_back(*other);
-    else entries.push_back({at.i, at.j, measure(is_told ? *pair : PairSum{at.i, at.j}, measure_area, exchangeOf(at, at.share, ids_.areas, lines), count_area)});
-    if (is_sampled) ++other;
-  }
-  entries.insert(entries.end(), other, end);
+  // Parts of the known pairs, each with what lies between its first pair and the next part's.
+  constexpr size_t kPart = size_t(1) << 16;
+  std::vector<std::vector<FormFactors::Entry>> parts(std::max<size_t>(1, (known.size() + kPart - 1) / kPart));
+  const auto addPart = [&](size_t, size_t part) {
+    std::vector<FormFactors::Entry>& entries = parts[part];
+    const size_t first = part * kPart, end = std::min(first + kPart, known.size());
+    const auto from = [&](const auto& pairs) {
+      return part ? std::lower_bound(pairs.begin(), pairs.end(), keyOf(known[first]), [](const auto& pair, const auto& key) { return keyOf(pair) < key; }) : pairs.begin();
+    };
+    auto pair = from(pairs_);
+    auto other = from(sampled.entries());
+    const auto others_end = sampled.entries().end();
+    for (size_t k = first; k < end; ++k) {
+      const KnownPair& at = known[k];
+      for (; other != others_end && keyOf(*other) < keyOf(at); ++other) entries.push_back(*other);
+      while (pair != pairs_.end() && keyOf(*pair) < keyOf(at)) ++pair;
+      const bool is_told = pair != pairs_.end() && keyOf(*pair) == keyOf(at), is_sampled = other != others_end && keyOf(*other) == keyOf(at);
+      if (is_sampled && std::isinf(at.exchange)) entries.push_back(*other);
+      else entries.push_back({at.i, at.j, measure(is_told ? *pair : PairSum{at.i, at.j}, measure_area, exchangeOf(at, at.share, ids_.areas, lines), count_area)});
+      if (is_sampled) ++other;
+    }
+    for (; other != others_end && (end == known.size() || keyOf(*other) < keyOf(known[end])); ++other) entries.push_back(*other);
+  };
+  shareOut(threadsFor(known.size()), parts.size(), 1, addPart);
+  std::vector<FormFactors::Entry> entries = std::move(parts[0]);
+  for (size_t part = 1; part < parts.size(); ++part) entries.insert(entries.end(), parts[part].begin(), parts[part].end());
   return {ids_, std::move(entries), sampled.rowSums()};
 }
 

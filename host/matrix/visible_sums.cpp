@@ -6,6 +6,8 @@
 #include <iterator>
 #include <utility>
 
+#include "threads.h"
+
 namespace viewpeel {
 namespace {
 
@@ -97,10 +99,12 @@ PairCounts VisibleSums::withoutDirected(PairCounts counts) const {
 
 void VisibleSums::add(const PairCounts& counts, const PairCounts& directed) {
   const PairCounts common = withoutDirected(withRows(counts));
-  const std::vector<ControlCount> of_directed = takeDirectedShares(directed, known_.directed);
-  by_surface_.add(mergeIds(takeShares(common, surface_shares_, known_.lines), by_face_.ids().surface));
-  by_face_.add(by_ == By::polygon ? common : PairCounts{});
-  directed_.add(of_directed);
+  const auto addTo = [&](size_t, size_t k) {
+    if (k == 0) by_surface_.add(mergeIds(takeShares(common, surface_shares_, known_.lines), by_face_.ids().surface));
+    if (k == 1) by_face_.add(by_ == By::polygon ? common : PairCounts{});
+  };
+  directed_.add(takeDirectedShares(directed, known_.directed));
+  shareOut(threadsFor(common.size()), 2, 1, addTo);
 }
 
 std::vector<KnownPair> VisibleSums::unknownPairs() const {
