@@ -187,7 +187,7 @@ class Viewpeel {
   }
 
   // As the program chooses it.
-  Sampling sampling() const { return on_host_ ? chooseSampling(scene_, ids_) : Sampling::lattice; }
+  Sampling sampling() const { return on_host_ ? chooseSampling(scene_, ids_, true) : Sampling::lattice; }
 
   static Profile profileOf(Engine& engine) {
     warmUp(engine);
