@@ -33,11 +33,12 @@ InputScene cubeOfPatches() {
     for (int side = 0; side < 2; ++side)
       for (int patch = 0; patch < 16; ++patch) {
         InputFace face;
+        const int column = patch % 4, row = patch / 4;
         for (const auto& [dx, dy] : {std::pair(0, 0), std::pair(1, 0), std::pair(1, 1), std::pair(0, 1)}) {
           glm::dvec3 corner(0);
           corner[axis] = side;
-          corner[(axis + 1) % 3] = (patch % 4 + dx) / 4.0;
-          corner[(axis + 2) % 3] = (patch / 4 + dy) / 4.0;
+          corner[(axis + 1) % 3] = (column + dx) / 4.0;
+          corner[(axis + 2) % 3] = (row + dy) / 4.0;
           face.corners.push_back(corner);
         }
         if (side == 1) std::reverse(face.corners.begin(), face.corners.end());

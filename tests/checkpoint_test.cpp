@@ -215,7 +215,8 @@ TEST_F(CheckpointFile, ControlsAddUpToOneRun) {
   writeCheckpoint(kSettings, sumsWithShares({9}, 0, 17), file("directed.h5"));
   writeCheckpoint(kSettings, sumsOf({9}), file("without.h5"));
   for (const auto& [name, reason] : {std::pair("other.h5", "other visible shares"), {"without.h5", "other visible shares"}, {"directed.h5", "give all parts of a run the same goal"}}) {
-    const std::string message = messageOf([&] { mergeCheckpoints({file("part0.h5"), file(name)}); });
+    const std::vector<fs::path> apart = {file("part0.h5"), file(name)};
+    const std::string message = messageOf([&] { mergeCheckpoints(apart); });
     EXPECT_NE(message.find(reason), std::string::npos) << message;
   }
 }

@@ -22,6 +22,16 @@ const Device& testDevice() {
   return device;
 }
 
+std::unique_ptr<Engine> makeHost(const Device&, const Scene& scene, const Ids& ids, const LatticeOptions& options) { return makeHostEngine(scene, ids, options); }
+
+std::vector<TestRun> withEngines(TestRun run) {
+  std::vector<TestRun> runs(3, run);
+  for (size_t k : {1, 2}) runs[k].make_engine = makeHost, runs[k].name = "host";
+  runs[2].lattice.sampling = Sampling::scanline;
+  runs[2].name = "host, scanlines";
+  return runs;
+}
+
 Estimate estimateScene(const InputScene& input, const TestRun& run) {
   const Scene scene = buildScene(input);
   const Ids ids = makeIds(scene, run.by, run.two_sided);

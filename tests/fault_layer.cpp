@@ -2,6 +2,7 @@
 //   lost:N      the device is lost at the N-th submission, from 1, and stays lost
 //   memory:N    no memory is left at the N-th allocation and after it
 //   space:N     the device has N KiB of memory in all
+//   texels:N    devices address N texels of a buffer
 //   version     devices speak Vulkan 1.2 only
 //   feature     devices lack 64-bit integers in shaders
 //   none        there are no devices
@@ -108,6 +109,8 @@ VKAPI_ATTR VkResult VKAPI_CALL enumeratePhysicalDevices(VkInstance instance, uin
 VKAPI_ATTR void VKAPI_CALL getProperties2(VkPhysicalDevice device, VkPhysicalDeviceProperties2* properties) {
   next.getProperties2(device, properties);
   if (fault() == "version") properties->properties.apiVersion = VK_API_VERSION_1_2;
+  if (const std::string asked = fault(); asked.rfind("texels:", 0) == 0)
+    properties->properties.limits.maxTexelBufferElements = static_cast<uint32_t>(std::strtoul(asked.c_str() + 7, nullptr, 10));
 }
 
 VKAPI_ATTR void VKAPI_CALL getFeatures2(VkPhysicalDevice device, VkPhysicalDeviceFeatures2* features) {

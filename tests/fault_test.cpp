@@ -32,6 +32,19 @@ class Fault : public Program {
     const size_t at = shown.find("\nreplicates     0 to ");
     return at == std::string::npos ? 0 : std::stoul(shown.substr(at + 21)) + 1;
   }
+  std::string writeSheets() const {
+    std::ofstream out(file("sheets.obj"));
+    for (int k = 0; k < 200; ++k) out << fmt::format("v 0 0 {0}\nv 1 0 {0}\nv 1 1 {0}\nv 0 1 {0}\nf -4 -3 -2 -1\n", 0.01 * k);
+    return file("sheets.obj");
+  }
+  // Directions on the device at once, as planned and, where lists grew, in the end.
+  static unsigned atOnce(const Result& result, const char* after) {
+    unsigned batches = 0, directions = 0;
+    std::string word;
+    std::istringstream plan(result.output.substr(std::min(result.output.find("plan       ", result.output.find(after)), result.output.size())));
+    EXPECT_TRUE(plan >> word >> batches >> word >> directions) << result.output;
+    return batches * directions;
+  }
   // Squares of random place and size above one another: every direction takes a device some time, and reading them, too.
   std::string writeLargeScene(int count) const {
     std::ofstream out(file("large.obj"));
@@ -89,18 +102,7 @@ TEST_F(Fault, LackOfDeviceMemoryIsAClearError) {
 // On devices of less and less memory: enough for the plan; for smaller batches; for smaller ones than those, once the lists of tiles grow, as sheets above one another make them;
 // and not for one direction. What is computed has the same bits.
 TEST_F(Fault, LackOfDeviceMemoryMakesBatchesSmaller) {
-  std::ofstream scene(file("sheets.obj"));
-  for (int k = 0; k < 200; ++k) scene << fmt::format("v 0 0 {0}\nv 1 0 {0}\nv 1 1 {0}\nv 0 1 {0}\nf -4 -3 -2 -1\n", 0.01 * k);
-  scene.close();
-  const std::string options = "compute --engine compute " + file("sheets.obj") + " --two-sided --directions 16 --resolution 128 --batch 8 --replicates 2 --verbose -o " + file("a.csv");
-  // Directions on the device at once, as planned and, where lists grew, in the end.
-  const auto atOnce = [](const Result& result, const char* after) {
-    unsigned batches = 0, directions = 0;
-    std::string word;
-    std::istringstream plan(result.output.substr(std::min(result.output.find("plan       ", result.output.find(after)), result.output.size())));
-    EXPECT_TRUE(plan >> word >> batches >> word >> directions) << result.output;
-    return batches * directions;
-  };
+  const std::string options = "compute --engine compute " + writeSheets() + " --two-sided --directions 16 --resolution 128 --batch 8 --replicates 2 --verbose -o " + file("a.csv");
   ASSERT_EQ(run(options, withFault("")).status, 0);
   const std::string whole = readFile(file("a.csv"));
   int as_planned = 0, smaller = 0, smaller_later = 0, refused = 0;
@@ -123,6 +125,31 @@ TEST_F(Fault, LackOfDeviceMemoryMakesBatchesSmaller) {
   EXPECT_GT(as_planned, 0);
   EXPECT_GT(smaller, 0);
   EXPECT_GT(smaller_later, 0);
+  EXPECT_GT(refused, 0);
+}
+
+// The same on devices that address shorter and shorter lists: that too depends on the batch.
+TEST_F(Fault, ListsTooLongToAddressMakeBatchesSmaller) {
+  const std::string options = "compute --engine compute " + writeSheets() + " --two-sided --directions 16 --resolution 128 --batch 8 --replicates 2 --verbose -o " + file("a.csv");
+  ASSERT_EQ(run(options, withFault("")).status, 0);
+  const std::string whole = readFile(file("a.csv"));
+  int as_planned = 0, smaller = 0, refused = 0;
+  for (uint32_t texels = 1u << 17; texels >= 1u << 13; texels /= 2) {
+    fs::remove(file("a.csv"));
+    const Result result = run(options, withFault(fmt::format("texels:{}", texels)));
+    if (result.status != 0) {
+      EXPECT_EQ(result.status, 1) << result.output;
+      EXPECT_NE(result.output.find(fmt::format("\nviewpeel: one direction at a time does not fit: polygons reach more than {} tiles", texels)), std::string::npos) << result.output;
+      ++refused;
+      continue;
+    }
+    EXPECT_EQ(readFile(file("a.csv")), whole) << texels;
+    const unsigned last = atOnce(result, "after a trial");
+    as_planned += last == 16;
+    smaller += last < 16;
+  }
+  EXPECT_GT(as_planned, 0);
+  EXPECT_GT(smaller, 0);
   EXPECT_GT(refused, 0);
 }
 

@@ -202,6 +202,7 @@ TEST(Peel, ThousandsOfLayersTakeMoreDispatches) {
   const Ids ids = makeIds(scene, By::polygon, false);
   const std::vector<Direction> up = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.3, 0.6}}};
   const PairCounts expected = countPairsOnCpu(scene, ids, up, 4);
+  EXPECT_EQ(makeHostEngine(scene, ids, {.resolution = 4})->count(up), expected);
   Work work;
   for (uint32_t few_points : {0u, 64u}) {  // in lists, and as fragments of their points
     EXPECT_EQ(countWith(scene, ids, up, {.resolution = 4, .few_points = few_points}, &work), expected);
@@ -221,8 +222,12 @@ TEST(Peel, HundredsOfLayersMeet) {
     const PairCounts expected = countPairsOnCpu(scene, ids, up, 4, true);
     EXPECT_EQ(countWith(scene, ids, up, {.resolution = 4, .count_blocked = true}), expected);
     EXPECT_EQ(makeGraphicsEngine(testDevice(), scene, ids, {.resolution = 4, .count_blocked = true})->count(up), expected);
+    EXPECT_EQ(makeHostEngine(scene, ids, {.resolution = 4, .count_blocked = true})->count(up), expected);
+    const LatticeOptions scanlines{.resolution = 4, .sampling = Sampling::scanline, .count_blocked = true};
+    const PairCounts intervals = countIntervalsOnCpu(scene, ids, up, 4, true);
     Work work;
-    EXPECT_EQ(countWith(scene, ids, up, {.resolution = 4, .sampling = Sampling::scanline, .count_blocked = true}, &work), countIntervalsOnCpu(scene, ids, up, 4, true));
+    EXPECT_EQ(countWith(scene, ids, up, scanlines, &work), intervals);
+    EXPECT_EQ(makeHostEngine(scene, ids, scanlines)->count(up), intervals);
     EXPECT_GT(work.resumed, 0u);
   }
 }

@@ -153,22 +153,27 @@ TEST(SizeGroups, OneGroupIsTheWholeMatrix) {
 TEST(SizeGroups, SmallPolygonsHaveTheirClosedForms) {
   const Scene scene = buildScene(squaresOfAllSizes());
   const Ids ids = makeIds(scene, By::polygon, false);
-  const auto engine = makeGroupedEngine(testDevice(), scene, ids, {}, groupBySize(scene, neededFor(scene, 8), 16));
-  const Estimate estimate = estimateFormFactors(*engine, scene, ids, {.directions = 300, .replicates = 16});
-  const auto indexOf = [&](const std::string& name) {
-    return static_cast<uint32_t>(std::find(ids.names.begin(), ids.names.end(), name) - ids.names.begin());
-  };
-  for (int k = 1; k < 5; ++k) {
-    const std::string name = fmt::format("k{}", k);
-    const Measured f = estimate.form_factors.formFactor(indexOf(name + "_up"), indexOf(name + "_down"));
-    // Two equal squares at a distance of their edge (Howell, C-11).
-    EXPECT_NEAR(f.value, 0.199824895698, 5 * f.standard_error) << name;
-    EXPECT_LT(f.standard_error, 2e-3) << name;
-    EXPECT_EQ(estimate.form_factors.exchangeArea(indexOf(name + "_up"), indexOf(name + "_down")).value,
-              estimate.form_factors.exchangeArea(indexOf(name + "_down"), indexOf(name + "_up")).value);
+  for (const TestRun& run : withEngines()) {
+    SCOPED_TRACE(run.name);
+    const auto makeOne = [&](const Scene& of, const Ids& own_ids, const LatticeOptions& own) { return run.make_engine(testDevice(), of, own_ids, own); };
+    const auto engine = makeGroupedEngine(makeOne, scene, ids, run.lattice, groupBySize(scene, neededFor(scene, 8), 16, maxWindowResolution(run.lattice.sampling)));
+    const Estimate estimate = estimateFormFactors(*engine, scene, ids, {.directions = 300, .replicates = 16});
+    const auto indexOf = [&](const std::string& name) {
+      return static_cast<uint32_t>(std::find(ids.names.begin(), ids.names.end(), name) - ids.names.begin());
+    };
+    for (int k = 1; k < 5; ++k) {
+      const std::string name = fmt::format("k{}", k);
+      const Measured f = estimate.form_factors.formFactor(indexOf(name + "_up"), indexOf(name + "_down"));
+      // Two equal squares at a distance of their edge (Howell, C-11).
+      EXPECT_NEAR(f.value, 0.199824895698, 5 * f.standard_error) << name;
+      // Scanlines end at 2^14 rows, some 15 times too few for the smallest squares: of rows that seldom meet one the variance is as their spacing.
+      EXPECT_LT(f.standard_error, run.lattice.sampling == Sampling::scanline && k == 4 ? 8e-3 : 2e-3) << name;
+      EXPECT_EQ(estimate.form_factors.exchangeArea(indexOf(name + "_up"), indexOf(name + "_down")).value,
+                estimate.form_factors.exchangeArea(indexOf(name + "_down"), indexOf(name + "_up")).value);
+    }
+    // All that leaves a polygon is accounted for.
+    for (uint32_t k = 0; k < ids.count(); ++k) EXPECT_NEAR(estimate.form_factors.rowSums()[k].value, 1, 6 * estimate.form_factors.rowSums()[k].standard_error + 1e-12) << ids.names[k];
   }
-  // All that leaves a polygon is accounted for.
-  for (uint32_t k = 0; k < ids.count(); ++k) EXPECT_NEAR(estimate.form_factors.rowSums()[k].value, 1, 6 * estimate.form_factors.rowSums()[k].standard_error + 1e-12) << ids.names[k];
 }
 
 }  // namespace

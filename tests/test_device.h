@@ -24,7 +24,14 @@ struct TestRun {
   By by = By::polygon;
   MakeEngine make_engine = makeComputeEngine;
   EstimateOptions estimate{.directions = 400, .replicates = 16};
+  const char* name = "compute";
 };
+
+// For TestRun: the engine that needs no device.
+std::unique_ptr<Engine> makeHost(const Device&, const Scene& scene, const Ids& ids, const LatticeOptions& options);
+
+// The same run with lattice points of the compute and the host engine, whose counts are the same, and with the host engine's scanlines.
+std::vector<TestRun> withEngines(TestRun run = {});
 
 Estimate estimateScene(const InputScene& input, const TestRun& run = {});
 

@@ -92,6 +92,9 @@ class ComputeEngine : public Engine {
   bool makeRoom(Batch& batch, const BatchStatus& found);
   void startCounters(uint32_t blocks);
   uint64_t listEntryBytes() const;
+  // Entries that lists of a batch can have.
+  uint64_t mostListed() const { return std::min<uint64_t>(device_.properties().limits.maxTexelBufferElements, 0x7FFFFFFF); }
+  Error listsTooLong() const;
   // Whether polygons enter themselves where they cover few lattice points.
   bool enters() const { return plan_.enters; }
   uint32_t pointsPerDirection() const { return tiles_wide_ * tiles_high_ * tuning_.tile_width * tuning_.tile_rows; }
@@ -163,7 +166,7 @@ void ComputeEngine::rebuild() {
   } while (must_refit_);
 }
 
-// Where the device had no memory: the next batches, once rebuilt, are smaller.
+// Where the device had no memory, or lists were too long: the next batches, once rebuilt, are smaller.
 //   Throws: the error, where they cannot be or it was another.
 void ComputeEngine::shrink(const Error& error) {
   if (error.code() != ErrorCode::memory) throw error;
@@ -251,9 +254,13 @@ void ComputeEngine::makeBatches() {
   }
 }
 
+// Smaller batches have shorter ones: as where memory is short.
+Error ComputeEngine::listsTooLong() const {
+  return Error(ErrorCode::memory, fmt::format("polygons reach more than {} tiles, which is as many as {} can address; try a smaller --resolution", mostListed(), device_.description().name));
+}
+
 void ComputeEngine::makeLists(Batch& batch, uint64_t capacity) {
-  if (capacity > 0x7FFFFFFF)
-    throw Error(ErrorCode::limit, fmt::format("polygons of one batch reach {} tiles, more than can be addressed; try a smaller --resolution or --batch 1", capacity));
+  if (capacity > mostListed()) throw listsTooLong();
   for (Buffer* buffer : {&batch.lists, &batch.entries, &batch.covers, &batch.cover_polygons, &batch.meetings}) *buffer = Buffer();  // room for the next
   batch.list_capacity = static_cast<uint32_t>(capacity);
   if (tuning_.sorts) batch.entries = Buffer(device_, capacity * sizeof(ListEntry), MemoryUse::device, VK_FORMAT_R32G32_UINT);
@@ -474,9 +481,8 @@ bool ComputeEngine::finish(Batch& batch) {
   batch.in_flight = false;
   BatchStatus found = batch.status_read.mapped<BatchStatus>()[0];
   while (found.active_tiles & kListsOverflowed) {
-    if (found.active_tiles & kListsUncountable)
-      throw Error(ErrorCode::limit, "polygons of one batch reach more than 2^32 tiles; try a smaller --resolution or --batch");
     ++work_.repeats;
+    if (!must_refit_ && (found.active_tiles & kListsUncountable)) shrink(listsTooLong());
     if (must_refit_ || !makeRoom(batch, found)) return false;
     submit(batch);
     batch.commands.wait();

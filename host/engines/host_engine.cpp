@@ -58,7 +58,7 @@ HostEngine::HostEngine(const Scene& scene, const Ids& ids, const LatticeOptions&
   const uint64_t each = 2 * sweep_bytes + (shared_ ? 0 : dense_bytes);
   if (each > available / 2)
     throw Error(ErrorCode::limit, fmt::format("{} polygons need {:.0f} MiB to sweep, half of the memory there is is {:.0f} MiB; try a smaller scene, or --by surface", scene.polygons.size(),
-                                              double(each) / 1048576.0, double(available / 2) / 1048576.0));
+                                              double(each) / 1048576.0, double(available) / 2 / 1048576.0));
   const uint64_t threads = options.thread_count ? options.thread_count : threadCount();
   for (uint64_t k = 0; k < std::min(threads, available / 2 / each); ++k)
     workers_.push_back(std::make_unique<Worker>(scene_, options, shared_ ? PairTable(*shared_) : PairTable(id_count_, options.count_blocked)));

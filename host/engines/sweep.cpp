@@ -229,7 +229,7 @@ void Sweep::slicePolygon(uint32_t polygon_index, const Direction& direction) {
   const bool emits = polygon.roles & kEmits;
   bool is_entered = false;  // among the surfaces
   for (int32_t y = outline.first_row; y <= outline.last_row; ++y) {
-    const auto row = static_cast<size_t>(y + reach_);
+    const size_t row = y + reach_;
     if (!kAllCount && !emits && emitting_[row].first > emitting_[row].second) continue;
     const auto [low, high] = cut(outline, y);
     if (low >= high) continue;

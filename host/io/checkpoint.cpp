@@ -19,6 +19,9 @@ using ControlSum = ControlSums::PairSum;
 using ShareSum = ShareSums::PairSum;
 using Wide = ReplicateSums::Wide;
 
+constexpr ControlSums::SignedWide kMostControl = ControlSums::SignedWide(1) << 126;  // 2^64 replicates of 2^62 (takeShares); two such sums can be added
+constexpr uint64_t kMostLines = uint64_t(1) << 63;  // of facing ones, or blocked ones: two such sums can be added
+
 uint64_t highOf(Wide number) { return static_cast<uint64_t>(number >> 64); }
 uint64_t lowOf(Wide number) { return static_cast<uint64_t>(number); }
 
@@ -147,7 +150,10 @@ ControlSums readControlSums(Hdf5Input& in, const std::string& group, const Ids& 
   for (uint32_t i : in.read<uint32_t>(group + "/i")) pairs.push_back({i, 0});
   readColumn<uint32_t>(in, group + "/j", pairs, [](ControlSum& pair, uint32_t j) { pair.j = j; });
   readColumn<uint64_t>(in, group + "/line", pairs, [](ControlSum& pair, uint64_t line) { pair.line = line; });
-  readWide(in, group + "/sum", pairs, [](ControlSum& pair, Wide wide) { pair.sum = static_cast<ControlSums::SignedWide>(wide); });
+  readWide(in, group + "/sum", pairs, [&](ControlSum& pair, Wide wide) {
+    pair.sum = static_cast<ControlSums::SignedWide>(wide);
+    if (pair.sum >= kMostControl || pair.sum <= -kMostControl) in.refuse(fmt::format("its '{}/sum' are larger than sums come to", group));
+  });
   readWide(in, group + "/sum_of_squares", pairs, [](ControlSum& pair, Wide wide) { pair.sum_of_squares = wide; });
   readWide(in, group + "/squares", pairs, [](ControlSum& pair, Wide wide) { pair.squares = wide; });
   requireOrder(in, group, pairs, ids.count());
@@ -164,6 +170,8 @@ ShareSums readShareSums(Hdf5Input& in, const std::string& group, const Ids& ids)
   readWide(in, group + "/facing_squared", pairs, [](ShareSum& pair, Wide wide) { pair.facing_squared = wide; });
   readWide(in, group + "/product", pairs, [](ShareSum& pair, Wide wide) { pair.product = wide; });
   readWide(in, group + "/blocked_squared", pairs, [](ShareSum& pair, Wide wide) { pair.blocked_squared = wide; });
+  for (const ShareSum& pair : pairs)
+    if (std::max(pair.facing, pair.blocked) >= kMostLines) in.refuse(fmt::format("its '{}' are larger than sums come to", group));
   requireOrder(in, group, pairs, ids.count());
   return {ids, replicate_count, std::move(pairs)};
 }
@@ -180,6 +188,8 @@ std::optional<VisibleSums> readVisibleSums(Hdf5Input& in, const Ids& face_ids, c
   readColumn<uint32_t>(in, "visible/known/surface_share", known.pairs, [](KnownPair& pair, uint32_t share) { pair.surface_share = share; });
   readColumn<double>(in, "visible/known/exchange", known.pairs, [](KnownPair& pair, double exchange) { pair.exchange = exchange; });
   requireOrder(in, "visible/known", known.pairs, face_ids.count());
+  const bool are_shares = std::ranges::all_of(known.pairs, [](const KnownPair& pair) { return pair.share <= kShareOne && pair.surface_share <= kShareOne && pair.exchange >= 0; });
+  if (!are_shares) in.refuse("its 'visible/known' are no shares of exchange areas");
   for (uint32_t i : in.read<uint32_t>("visible/known/directed/i")) known.directed.push_back({i, 0});
   readColumn<uint32_t>(in, "visible/known/directed/j", known.directed, [](DirectedPair& pair, uint32_t j) { pair.j = j; });
   readColumn<uint32_t>(in, "visible/known/directed/directions", known.directed, [](DirectedPair& pair, uint32_t directions) { pair.directions = directions; });
@@ -256,6 +266,8 @@ Checkpoint readCheckpoint(const std::filesystem::path& file) {
   const auto directions = readOne<uint64_t>(in, "directions");
   const auto measure_area = readOne<double>(in, "measure_area");
   ReplicateSums by_id = readReplicateSums(in, "by_id"), by_surface = readReplicateSums(in, "by_surface");
+  for (const ReplicateSums* sums : {&by_id, &by_surface})
+    if (std::ranges::any_of(sums->ids().surface, [&](uint32_t surface) { return surface >= by_surface.ids().count(); })) in.refuse("its ids are of surfaces that it does not have");
   std::optional<VisibleSums> visible = readVisibleSums(in, by_id.ids(), by_surface.ids());
   Checkpoint checkpoint{std::move(settings), {std::move(by_id), std::move(by_surface), std::move(replicates), directions, measure_area, std::move(visible)}};
   if (!checkpoint.sums.isWhole()) in.refuse("its replicates are not those it has sums of");

@@ -237,10 +237,10 @@ Device::Device(const DeviceOptions& options) : validation_errors_(std::make_uniq
     descriptions.push_back(describe(candidate, static_cast<uint32_t>(descriptions.size())));
   description_ = chooseDevice(descriptions, selector);
   physical_ = candidates[description_.index];
-  vkGetPhysicalDeviceProperties(physical_, &properties_);
   VkPhysicalDeviceMaintenance3Properties maintenance{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES};
   VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &maintenance};
   vkGetPhysicalDeviceProperties2(physical_, &properties);
+  properties_ = properties.properties;
   max_allocation_bytes_ = maintenance.maxMemoryAllocationSize;
 
   queue_family_ = static_cast<uint32_t>(findQueueFamily(physical_));

@@ -1,8 +1,13 @@
 // A checkpoint whose columns are not what they should be, with a check sum that is right: HDF5 itself gets sound files, for it is not made to survive others, and the check
 // sum keeps damaged ones from it (host/io/hdf5_file.h). The bytes say, column by column, what is stored: nothing left to say is the column of a checkpoint that is whole.
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <sstream>
+
+#include <fmt/format.h>
+#include <unistd.h>
 
 #include "error.h"
 #include "estimator/estimate.h"
@@ -81,14 +86,64 @@ void writeSums(Hdf5Output& out, Bytes& bytes, const std::string& group) {
   }
 }
 
-}  // namespace
-}  // namespace viewpeel
+// The closed form of that pair, the lines that end in the environment, and directions of the pair's own.
+void writeVisibleSums(Hdf5Output& out, Bytes& bytes) {
+  using U8 = std::vector<uint8_t>;
+  using U32 = std::vector<uint32_t>;
+  using U64 = std::vector<uint64_t>;
+  writeColumn(out, bytes, "visible/is_there", U8{1});
+  writeColumn(out, bytes, "visible/by_surface", U8{0});
+  writeColumn(out, bytes, "visible/has_all_pairs", U8{1});
+  writeColumn(out, bytes, "visible/lines", U64{1, 1});
+  writeColumn(out, bytes, "visible/known/i", U32{0, 1});
+  writeColumn(out, bytes, "visible/known/j", U32{1, kEnvironment});
+  writeColumn(out, bytes, "visible/known/share", U32{3000, 4096});
+  writeColumn(out, bytes, "visible/known/surface_share", U32{3000, 4096});
+  writeColumn(out, bytes, "visible/known/exchange", std::vector<double>{0.5, 2});
+  writeColumn(out, bytes, "visible/known/directed/i", U32{0});
+  writeColumn(out, bytes, "visible/known/directed/j", U32{1});
+  writeColumn(out, bytes, "visible/known/directed/directions", U32{16});
+  writeColumn(out, bytes, "visible/known/directed/resolution", U32{64});
+  writeColumn(out, bytes, "visible/known/directed/share", U32{3000});
+  writeColumn(out, bytes, "visible/known/directed/line", U32{1});
+  writeColumn(out, bytes, "visible/known/directed/measure_area", std::vector<double>{0.01});
+  writeColumn(out, bytes, "visible/known/directed/count_area", std::vector<double>{0.1});
+  for (const std::string group : {"visible/faces", "visible/surfaces", "visible/directed"}) {
+    const bool of_faces = group == "visible/faces";
+    writeColumn(out, bytes, group + "/replicate_count", U64{2});
+    writeColumn(out, bytes, group + "/i", U32{0, 1});
+    writeColumn(out, bytes, group + "/j", U32{1, kEnvironment});
+    if (of_faces) {
+      writeColumn(out, bytes, group + "/facing", U64{200, 300});
+      writeColumn(out, bytes, group + "/blocked", U64{100, 50});
+    } else {
+      writeColumn(out, bytes, group + "/line", U64{1, 1});
+    }
+    for (const std::string sum : of_faces ? std::vector<std::string>{"facing_squared", "product", "blocked_squared"} : std::vector<std::string>{"sum", "sum_of_squares", "squares"}) {
+      writeColumn(out, bytes, group + "/" + sum + "_high", U64{0, 0});
+      writeColumn(out, bytes, group + "/" + sum + "_low", U64{40000, 40000});
+    }
+  }
+}
 
-extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t count) {
-  using namespace viewpeel;
+// With a name of its own: HDF5 opens no file that has none left. The same one for every call.
+class NamedFile {
+ public:
+  ~NamedFile() { std::filesystem::remove(path_); }
+  const std::filesystem::path& write(const std::vector<char>& bytes) const {
+    std::ofstream(path_, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    return path_;
+  }
+
+ private:
+  std::filesystem::path path_ = std::filesystem::temp_directory_path() / fmt::format("fuzz_checkpoint.{}", ::getpid());
+};
+
+Checkpoint readBytes(const uint8_t* data, size_t count) {
+  static const NamedFile file;
   Bytes bytes(data, count);
   Hdf5Output out;
-  writeColumn(out, bytes, "format", std::vector<uint64_t>{3});
+  writeColumn(out, bytes, "format", std::vector<uint64_t>{4});
   writeColumn(out, bytes, "settings/names", std::vector<std::string>{"--seed"});
   writeColumn(out, bytes, "settings/values", std::vector<std::string>{"1"});
   writeColumn(out, bytes, "replicates/first", std::vector<uint64_t>{0});
@@ -97,22 +152,52 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t count) {
   writeColumn(out, bytes, "measure_area", std::vector<double>{0.1});
   writeSums(out, bytes, "by_id");
   writeSums(out, bytes, "by_surface");
-  writeColumn(out, bytes, "visible/is_there", std::vector<uint8_t>{0});
-  const std::vector<char> file = out.finish();
+  writeVisibleSums(out, bytes);
+  return readCheckpoint(file.write(out.finish()));
+}
+
+// What the program does with a checkpoint: report, merge, go on.
+void use(Checkpoint checkpoint) {
+  requireSameSettings(checkpoint.settings, checkpoint.settings, "again");
+  describeReplicates(checkpoint.sums.replicates);
+  if (checkpoint.sums.replicateCount() >= 2) {
+    const Estimate estimate = makeEstimate(checkpoint.sums, 0.01);
+    std::ostringstream text;
+    writeCsv(estimate.form_factors, text);
+    writeMatrixMarket(estimate.form_factors, text);
+  }
+  const RunSums others = checkpoint.sums;
+  if (others.visible && !(checkpoint.sums.visible->goesWith(*others.visible) && checkpoint.sums.visible->directsAs(*others.visible))) std::abort();
+  checkpoint.sums.add(others);
+  if (checkpoint.sums.by_id.ids().count() < 2) return;
+  PairCounts directed;
+  if (checkpoint.sums.visible)
+    for (const DirectedPair& pair : checkpoint.sums.visible->known().directed) directed.push_back({pair.i, pair.j, 7, 4});
+  const uint64_t next = checkpoint.sums.replicates.empty() ? 0 : checkpoint.sums.replicates.back().end;
+  checkpoint.sums.add(next, {{0, 1, 5, 3}, {0, kEnvironment, 2, 0}}, 10, directed);
+  checkpoint.sums.betweenSurfaces();
+}
+
+}  // namespace
+}  // namespace viewpeel
+
+// Nothing left to say is read, and with closed forms, or what the target finds means nothing.
+extern "C" int LLVMFuzzerInitialize(int*, char***) {
   try {
-    Checkpoint checkpoint = readCheckpoint(fuzz::makeFile(reinterpret_cast<const uint8_t*>(file.data()), file.size()));
-    requireSameSettings(checkpoint.settings, checkpoint.settings, "again");
-    describeReplicates(checkpoint.sums.replicates);
-    if (checkpoint.sums.replicateCount() >= 2) {
-      const Estimate estimate = makeEstimate(checkpoint.sums, 0.01);
-      std::ostringstream text;
-      writeCsv(estimate.form_factors, text);
-      writeMatrixMarket(estimate.form_factors, text);
-    }
-    const RunSums others = checkpoint.sums;
-    checkpoint.sums.add(others);
+    if (viewpeel::readBytes(nullptr, 0).sums.visible) return 0;
+  } catch (const viewpeel::Error& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+  }
+  std::abort();
+}
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t count) {
+  using namespace viewpeel;
+  try {
+    use(readBytes(data, count));
   } catch (const Error& error) {
     fuzz::requireOneLine(error.what());
   }
   return 0;
 }
+
