@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "compare.h"
+#include "engines/host_engine.h"
 #include "engines/lattice.h"
 #include "error.h"
 #include "estimator/visible_share.h"
@@ -210,6 +211,66 @@ TEST(VisibleShare, NothingInBetweenIsExactForEveryPair) {
     EXPECT_NEAR(few.exchangeArea(pair.i, pair.j).value, pair.exchange, 1e-12 * pair.exchange);
   }
   EXPECT_EQ(pairs, 16u);
+}
+
+// Of more polygons than closed forms are known of beforehand: every pair that the run sees gets its own, whatever pilots met; going on with sums, and sums of parts, come to the same bits.
+TEST(VisibleShare, PairsThatTheRunSeesGetClosedForms) {
+  constexpr uint32_t kCuts = 40;
+  InputScene input{"two squares in 1600 parts each", {"low", "high"}, {}};
+  for (uint32_t k = 0; k < kCuts * kCuts; ++k) {
+    const double edge = 1.0 / kCuts, x = edge * (k % kCuts), y = edge * (k / kCuts);
+    ts::addFace(input, "low", ts::parallelogram({x, y, 0}, {edge, 0, 0}, {0, edge, 0}));
+    ts::addFace(input, "high", ts::parallelogram({x, y, 1}, {0, edge, 0}, {edge, 0, 0}));
+  }
+  const Scene scene = buildScene(input);
+  const Ids ids = makeIds(scene, By::polygon, false);
+  ASSERT_GT(uint64_t(ids.count()) * (ids.count() - 1) / 2, kMostKnownPairs);
+  const auto engine = makeHostEngine(scene, ids, {.resolution = 64, .count_blocked = true});
+  EstimateOptions options{.directions = 16, .replicates = 4};
+  FaceExchanges exchanges(nullptr, scene, ids);
+  const VisibleShares shares = findVisibleShares(*engine, exchanges, scene, ids, groupBySize(scene, std::vector<double>(scene.polygons.size(), 1), 64), options, pilotDirections(options));
+  EXPECT_FALSE(shares.known.has_all_pairs);
+  options.known = &shares.known;
+  options.exchanges = &exchanges;
+  std::vector<RunSums> after;
+  options.on_sums = [&](const RunSums& sums, bool last) {
+    if (!last) after.push_back(sums);
+  };
+  const Estimate whole = estimateFormFactors(*engine, scene, ids, options);
+  size_t learnt = 0;
+  for (const FormFactors::Entry& entry : whole.form_factors.entries()) {
+    if (entry.j >= kEnvironment) continue;
+    const bool was_known = std::ranges::binary_search(shares.known.pairs, std::pair(entry.i, entry.j), {}, [](const KnownPair& pair) { return std::pair(pair.i, pair.j); });
+    if (was_known || learnt++ % 500) continue;
+    KnownPair alone{entry.i, entry.j};
+    exchanges.compute(std::span(&alone, 1));
+    EXPECT_EQ(entry.exchange_area.value, alone.exchange);
+  }
+  EXPECT_GT(learnt, 5000u);
+
+  const auto isTheSame = [&](const FormFactors& other) {
+    const auto& a = whole.form_factors.entries();
+    const auto& b = other.entries();
+    return std::ranges::equal(a, b, [](const FormFactors::Entry& x, const FormFactors::Entry& y) {
+      return x.i == y.i && x.j == y.j && x.exchange_area.value == y.exchange_area.value && x.exchange_area.standard_error == y.exchange_area.standard_error;
+    });
+  };
+  ASSERT_EQ(after.size(), 4u);
+  const RunSums begun = after[1];
+  options.resumed = &begun;
+  EXPECT_TRUE(isTheSame(estimateFormFactors(*engine, scene, ids, options).form_factors));
+  EstimateOptions second = options;
+  second.resumed = nullptr;
+  second.first_replicate = 2;
+  second.replicates = 2;
+  after.clear();
+  second.on_sums = options.on_sums;
+  estimateFormFactors(*engine, scene, ids, second);
+  for (const bool in_order : {true, false}) {
+    RunSums sum = in_order ? begun : after[1];
+    sum.add(in_order ? after[1] : begun);
+    EXPECT_TRUE(isTheSame(keepSeen(sum.formFactors()))) << in_order;
+  }
 }
 
 InputScene squaresPastABlocker() {

@@ -43,7 +43,7 @@ struct EstimateOptions {
   const RunSums* resumed = nullptr;
   // Closed forms times visible shares (visible_share.h), which need an engine and ids by face; goals and the result are those of `by`. May be nullptr.
   const KnownShares* known = nullptr;
-  // For pairs that the run meets and pilots did not; nullptr: they are sampled alone.
+  // For pairs that the run sees and pilots did not meet; nullptr: they are sampled alone.
   FaceExchanges* exchanges = nullptr;
   By by = By::polygon;
   // For pairs that common directions hardly meet (directed_pairs.h), of the same scene, ids and seed; nullptr: they have no directions of their own.

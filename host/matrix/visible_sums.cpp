@@ -114,7 +114,7 @@ std::vector<KnownPair> VisibleSums::unknownPairs() const {
   for (const ShareSums::PairSum& pair : by_face_.pairs()) {
     while (at != known_.pairs.end() && isBeforePair(*at, std::pair(pair.i, pair.j))) ++at;
     const bool is_known = at != known_.pairs.end() && at->i == pair.i && at->j == pair.j;
-    if (!is_known && pair.j < kEnvironment && pair.i != pair.j) unknown.push_back({pair.i, pair.j});
+    if (!is_known && pair.facing > 0 && pair.j < kEnvironment && pair.i != pair.j) unknown.push_back({pair.i, pair.j});
   }
   return unknown;
 }

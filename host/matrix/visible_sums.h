@@ -23,7 +23,7 @@ struct DirectedPair {
 std::vector<ControlCount> takeDirectedShares(const PairCounts& counts, const std::vector<DirectedPair>& directed);
 
 struct KnownShares {
-  std::vector<KnownPair> pairs;  // sorted; without has_all_pairs those that pilots met, and what the run meets beside
+  std::vector<KnownPair> pairs;  // sorted; without has_all_pairs those that pilots met, and what the run sees beside
   std::vector<uint64_t> lines;   // of faces: counts that one line adds (takeShares)
   bool has_all_pairs = false;    // pairs that are not there do not see each other
   std::vector<DirectedPair> directed{};  // sorted
@@ -40,7 +40,7 @@ class VisibleSums {
 
   // One replicate.    In: counts of common directions; of KnownShares::directed what their own have counted    Throws: as takeShares.    Cost: O(nonzeros log nonzeros).
   void add(const PairCounts& counts, const PairCounts& directed);
-  // Pairs of faces that lines met and whose closed forms are not known, nor found out to be out of reach, with shares of 0.
+  // Pairs of faces that saw each other and whose closed forms are not known, nor found out to be out of reach, with shares of 0.
   std::vector<KnownPair> unknownPairs() const;
   // Their closed forms.    In: sorted, and none of them known
   void learn(const std::vector<KnownPair>& pairs);
