@@ -313,9 +313,9 @@ std::vector<Ladder> makeLadders(const Device& device, const Scene& scene, const 
   for (const int resolution : options.full ? std::vector<int>{64, 128, 256} : one)
     add("scanline", fmt::format("resolution={} ", resolution), viewpeel->compute({.resolution = resolution, .sampling = Sampling::scanline}), Sampler::fibonacci, 0, 32);
   for (const bool closed_forms : {false, true})
-    for (const int resolution : options.full ? std::vector<int>{32, 64, 128, 256, 512} : std::vector<int>{64, 128})
+    for (const int resolution : options.full ? std::vector<int>{32, 64, 128, 256, 512} : std::vector<int>{32, 64, 128})
       add(closed_forms ? "host_closed" : "host", fmt::format("resolution={} ", resolution),
-          viewpeel->host({.resolution = resolution, .sampling = Sampling::scanline, .count_blocked = closed_forms}), Sampler::fibonacci, closed_forms ? resolution : 0, 32);
+          viewpeel->host({.resolution = resolution, .sampling = Sampling::scanline, .count_blocked = closed_forms}), Sampler::fibonacci, closed_forms ? resolution : 0, 8);
   add("graphics", "resolution=128 ", viewpeel->graphics({.resolution = 128}), Sampler::fibonacci, 0, 8);
   add("exact", "", viewpeel->exact(), Sampler::fibonacci, 0, 8);
   addRivals(device, scene, options, ladders);
