@@ -272,7 +272,8 @@ void measureCase(const std::string& name, const Device& device, const Options& o
             pilot.relative_floor = 1e-5;
             pilot.tolerance.reset();
           }
-          shares = findVisibleShares(*engine, &device, scene, ids, groupBySize(scene, std::vector<double>(scene.polygons.size(), 1), resolution), pilot);
+          FaceExchanges exchanges(&device, scene, ids);
+          shares = findVisibleShares(*engine, exchanges, scene, ids, groupBySize(scene, std::vector<double>(scene.polygons.size(), 1), resolution), pilot, pilotDirections(pilot));
           shares_seed = seed;
           ++runs;
           directed_runs += !shares.known.directed.empty();

@@ -15,6 +15,7 @@
 #include "error.h"
 #include "generate.h"
 #include "measure.h"
+#include "memory.h"
 #include "methods.h"
 #include "reference_matrix.h"
 #include "verify_rivals.h"
@@ -145,6 +146,7 @@ void run(const Options& options) {
 
 int main(int argc, char** argv) {
   using namespace viewpeel;
+  keepFreedMemory();
   bench::Options options;
   CLI::App app("Error of all form factors of a scene against time, viewpeel and its rivals: CSV on stdout", "error_time");
   app.add_option("--scene", options.scenes, "plates, cube, sizes, office, office2, office4, city")->check(CLI::IsMember(bench::kScenes))->allow_extra_args(false)->capture_default_str();

@@ -170,8 +170,10 @@ class Viewpeel {
 
  private:
   Estimate withClosedForms(Engine& engine, const std::vector<SizeGroup>& groups, EstimateOptions options) const {
-    const VisibleShares shares = findVisibleShares(engine, on_host_ ? nullptr : &device_, scene_, ids_, groups, options);
+    FaceExchanges exchanges(on_host_ ? nullptr : &device_, scene_, ids_);
+    const VisibleShares shares = findVisibleShares(engine, exchanges, scene_, ids_, groups, options, pilotDirections(options));
     options.known = &shares.known;
+    options.exchanges = &exchanges;
     return estimateFormFactors(engine, scene_, ids_, options);
   }
 
@@ -185,7 +187,7 @@ class Viewpeel {
   }
 
   // As the program chooses it.
-  Sampling sampling() const { return on_host_ ? chooseSampling(scene_, ids_) : Sampling::lattice; }
+  Sampling sampling() const { return on_host_ ? chooseSampling(scene_, ids_, true) : Sampling::lattice; }
 
   static Profile profileOf(Engine& engine) {
     warmUp(engine);

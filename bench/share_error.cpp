@@ -91,9 +91,11 @@ struct Case {
     EstimateOptions options{.directions = directions, .replicates = replicates, .seed = seed};
     const auto start = Clock::now();
     VisibleShares shares;
+    FaceExchanges exchanges(&device, scene, ids);
     if (closed_forms) {
-      shares = findVisibleShares(*engine, &device, scene, ids, groupBySize(scene, std::vector<double>(scene.polygons.size(), 1), resolution), options);
+      shares = findVisibleShares(*engine, exchanges, scene, ids, groupBySize(scene, std::vector<double>(scene.polygons.size(), 1), resolution), options, pilotDirections(options));
       options.known = &shares.known;
+      options.exchanges = &exchanges;
     }
     FormFactors result = estimateFormFactors(*engine, scene, ids, options).form_factors;
     return {std::move(result), secondsSince(start)};

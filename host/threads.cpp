@@ -11,6 +11,11 @@ namespace viewpeel {
 
 size_t threadCount() { return std::max(1u, std::thread::hardware_concurrency()); }
 
+size_t threadsFor(size_t entries) {
+  constexpr size_t kFew = 20'000;  // about 0.1 ms
+  return entries < kFew ? 1 : threadCount();
+}
+
 void shareOut(size_t threads, size_t tasks, size_t chunk, const std::function<void(size_t thread, size_t task)>& do_task, const std::function<void(size_t done)>& on_done) {
   std::atomic<size_t> next = 0, done = 0;
   std::atomic<bool> stopped = false;

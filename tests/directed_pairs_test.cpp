@@ -55,7 +55,8 @@ struct Directed {
   }
   VisibleShares find(EstimateOptions options, PairSampler* pairs) {
     options.pairs = pairs;
-    return findVisibleShares(*engine, &testDevice(), scene, ids, groups, options);
+    FaceExchanges exchanges(&testDevice(), scene, ids);
+    return findVisibleShares(*engine, exchanges, scene, ids, groups, options, pilotDirections(options));
   }
   Estimate estimate(EstimateOptions options, const VisibleShares& shares, PairSampler* pairs) {
     options.known = &shares.known;
@@ -131,7 +132,7 @@ TEST(DirectedPairs, AgreeWithTheTruthOverSeeds) {
   EXPECT_LE(std::abs(sum / kSeeds), 4 * std::sqrt(squares) / kSeeds);
 }
 
-// The goal is reached in a tenth of the replicates, at least, that common directions take.
+// The goal is reached with a fifth of the directions, at most, that common ones alone take.
 TEST(DirectedPairs, ReachTheGoalSooner) {
   Directed made(ts::squaresPastAnEdge());
   EstimateOptions goal = kGoal;
@@ -140,7 +141,7 @@ TEST(DirectedPairs, ReachTheGoalSooner) {
   const Estimate with = made.estimate(goal, made.find(goal, &pairs), &pairs), without = made.estimate(goal, made.find(goal, nullptr), nullptr);
   EXPECT_LE(with.largest_relative_error, 0.15);
   EXPECT_LE(without.largest_relative_error, 0.15);
-  EXPECT_LT(10 * (with.directions + with.directed_directions), without.directions);
+  EXPECT_LT(5 * (with.directions + with.directed_directions), without.directions);
   EXPECT_TRUE(areEstimatesOfTheSame(with.form_factors.formFactor(0, 1), without.form_factors.formFactor(0, 1), with.replicates));
   // Those between surfaces, of one polygon each, are the same.
   EXPECT_EQ(with.form_factors.exchangeArea(0, 1).value, with.between_surfaces.exchangeArea(0, 1).value);

@@ -162,13 +162,14 @@ int runCompute(ProgramOptions options) {
   std::fflush(stdout);
   VisibleShares shares;
   PairSampler pairs(session.scene, session.face_ids, options.estimate.seed, session.pairEngines(), maxWindowResolution(options.lattice.sampling));
+  FaceExchanges exchanges(session.deviceOrNone(), session.scene, session.face_ids, stopIfInterrupted);
   if (session.usesClosedForms() && !options.epsilon && !(keeper && keeper->resumed())) {
     EstimateOptions pilot = options.estimate;
     pilot.directions = plan.directions;
     pilot.by = options.by;
     pilot.pairs = &pairs;
     try {
-      shares = findVisibleShares(engine, session.deviceOrNone(), session.scene, session.face_ids, plan.groups, pilot);
+      shares = findVisibleShares(engine, exchanges, session.scene, session.face_ids, plan.groups, pilot, pilotDirections(pilot));
     } catch (const Interrupted&) {
       endByItself();
       tellInterruption(options, 0);
@@ -229,6 +230,7 @@ int runCompute(ProgramOptions options) {
     asked.by = options.by;
     asked.pairs = &pairs;
     asked.known = session.usesClosedForms() ? &shares.known : nullptr;
+    asked.exchanges = session.usesClosedForms() ? &exchanges : nullptr;
     if (asked.seconds) asked.seconds = std::max(*asked.seconds - secondsSince(start), 1e-3);
     return estimateFormFactors(engine, session.scene, session.usesClosedForms() ? session.face_ids : session.ids, asked);
   };

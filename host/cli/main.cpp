@@ -7,6 +7,7 @@
 
 #include "cli/commands.h"
 #include "error.h"
+#include "memory.h"
 
 namespace {
 
@@ -26,6 +27,7 @@ void report(std::string message) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  viewpeel::keepFreedMemory();
   CLI::App app("viewpeel: form factors (view factors) of polygonal scenes with occlusion, for every pair at once, with a stated error",
                "viewpeel");
   app.set_version_flag("--version", "viewpeel " VIEWPEEL_VERSION);

@@ -84,6 +84,7 @@ std::string isPositive(const std::string& text) {
 Session::Session(ProgramOptions& asked) : options(asked), scene(loadScene(asked.scene)), ids(makeIds(scene, asked.by, asked.two_sided)), face_ids(makeIds(scene, By::polygon, asked.two_sided)), sampler(nameOf(asked.estimate.sampler)) {
   for (const std::string& warning : scene.warnings) fmt::print(stderr, "viewpeel: warning: {}\n", warning);
   askOnlyFor(options.question, scene, ids);
+  if (scene.faces.size() > kMostSharedFaces && options.closed_forms_by_default) options.closed_forms = false;
   chooseEngine();
   if (!ids.roles.empty() && options.engine == EngineKind::graphics)
     throw Error(ErrorCode::bad_usage, "--from, --pair and --blocker need --engine compute, host or exact");
@@ -99,7 +100,6 @@ Session::Session(ProgramOptions& asked) : options(asked), scene(loadScene(asked.
                                                     scene.faces.size() * (scene.faces.size() - 1) / 2));
     options.closed_forms = false;
   }
-  if (scene.faces.size() > kMostSharedFaces && options.closed_forms_by_default) options.closed_forms = false;
   if (!options.whole_sphere && (!options.question.pair.empty() || (!options.question.from.empty() && !options.two_sided)))
     sampler = askDirections(options.question, scene, options.two_sided, options.estimate);
   if (!isExact() && options.engine != EngineKind::host) device.emplace(options.device);
@@ -118,7 +118,7 @@ void Session::chooseEngine() {
       if (!has_gpu) options.engine = EngineKind::host;
     }
   }
-  options.lattice.sampling = options.sampling.value_or(options.engine == EngineKind::host ? chooseSampling(scene, ids) : Sampling::lattice);
+  options.lattice.sampling = options.sampling.value_or(options.engine == EngineKind::host ? chooseSampling(scene, ids, usesClosedForms() && options.by == By::polygon) : Sampling::lattice);
 }
 
 Lattices Session::lattices() const {

@@ -51,16 +51,23 @@ SweepScene::SweepScene(const Scene& scene, const Ids& ids) : two_sided(ids.two_s
       if (x[place] == corner.x && y[place] == corner.y && z[place] == corner.z) return place;
     }
   };
-  for (const Plane& plane : scene.planes) {
+  // Planes in the order in which polygons come to them: a pass over the polygons reads them one after the other.
+  std::vector<uint32_t> number_of(scene.planes.size(), UINT32_MAX);
+  const auto numberOf = [&](uint32_t plane_index) {
+    uint32_t& number = number_of[plane_index];
+    if (number != UINT32_MAX) return number;
+    const Plane& plane = scene.planes[plane_index];
+    number = static_cast<uint32_t>(offset.size());
     normal_x.push_back(plane.normal.x);
     normal_y.push_back(plane.normal.y);
     normal_z.push_back(plane.normal.z);
     offset.push_back(plane.offset);
-  }
+    return number;
+  };
   polygons.reserve(scene.polygons.size());
   for (uint32_t k = 0; k < scene.polygons.size(); ++k) {
     const viewpeel::Polygon& polygon = scene.polygons[k];
-    Polygon own{{}, polygon.corner_count, polygon.plane, ids.of_polygon[k], ids.rolesOf(k)};
+    Polygon own{{}, polygon.corner_count, numberOf(polygon.plane), ids.of_polygon[k], ids.rolesOf(k)};
     for (uint32_t c = 0; c < 4; ++c) own.corners[c] = placeOf(scene.corners[polygon.first_corner + std::min(c, polygon.corner_count - 1)]);
     polygons.push_back(own);
   }
@@ -263,11 +270,30 @@ uint64_t Sweep::keyAt(const Layer& layer, int32_t column) const {
   return (2 * clamped + layer.front_down) << 32 | layer.polygon;
 }
 
+// By whole columns first, each with places of its own; within them few are left to put in order.
+void Sweep::sortByLow(std::span<Span> spans) {
+  const auto columns = 2 * static_cast<size_t>(reach_);
+  if (spans.size() < columns / 4) return std::sort(spans.begin(), spans.end(), [](const Span& a, const Span& b) { return a.low < b.low; });
+  const auto columnOf = [&](const Span& span) { return static_cast<size_t>((span.low >> column_bits_) + reach_); };
+  places_.assign(columns + 1, 0);
+  for (const Span& span : spans) ++places_[columnOf(span) + 1];
+  for (size_t k = 1; k <= columns; ++k) places_[k] += places_[k - 1];
+  unsorted_.assign(spans.begin(), spans.end());
+  for (const Span& span : unsorted_) spans[places_[columnOf(span)]++] = span;
+  if (!is_scanline_) return;
+  for (size_t k = 1; k < spans.size(); ++k) {
+    const Span moved = spans[k];
+    size_t place = k;
+    for (; place > 0 && moved.low < spans[place - 1].low; --place) spans[place] = spans[place - 1];
+    spans[place] = moved;
+  }
+}
+
 // Goes from one end of a span to the next. Between them the order of the polygons does not change, but for rounding: it is decided in the middle of every sample,
 // a lattice point or, with scanlines, what lies between two ends in a cell of 8 columns.
 template <bool kAllCount, bool kBlocked>
 void Sweep::sweepRow(int row, std::span<Span> spans, uint64_t weight, PairTable& table) {
-  std::sort(spans.begin(), spans.end(), [](const Span& a, const Span& b) { return a.low < b.low; });
+  sortByLow(spans);
   if (layers_.size() < spans.size()) layers_.resize(spans.size());
   open_.clear();
   const int32_t cell_bits = column_bits_ + std::countr_zero(kScanlineCell);

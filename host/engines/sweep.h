@@ -89,6 +89,7 @@ class Sweep {
   std::pair<int32_t, int32_t> cut(const Outline& outline, int row) const;
   const DepthPlane& depthPlane(uint32_t plane_index, const Direction& direction);
   Surface surfaceOf(uint32_t polygon_index, bool front_up, const Direction& direction);
+  void sortByLow(std::span<Span> spans);
   Layer enter(const Span& span, int row) const;
   uint64_t keyAt(const Layer& layer, int32_t column) const;
   template <bool kAllCount, bool kBlocked>
@@ -111,6 +112,8 @@ class Sweep {
   std::vector<Surface> surfaces_;
   std::vector<std::vector<Span>> rows_;  // row -reach first
   std::vector<std::pair<int32_t, int32_t>> emitting_;  // columns between the first and the last that emits, of every row
+  std::vector<uint32_t> places_;  // of a row's spans, by their first column
+  std::vector<Span> unsorted_;
   std::vector<Layer> layers_;
   std::vector<Open> open_;
 };

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <iterator>
 
 #include "error.h"
 #include "estimator/directed_pairs.h"
+#include "estimator/face_exchanges.h"
 
 namespace viewpeel {
 
@@ -36,7 +38,8 @@ Estimate estimateFormFactors(Engine& engine, const Scene& scene, const Ids& ids,
   double largest_error = 0, largest_relative_error = 0;
   const auto measureErrors = [&] {
     if (sums.visible) {
-      if (sums.replicateCount() < options.replicates && !options.on_replicate) return;  // nobody asks
+      const bool has_goal = options.tolerance || options.relative;
+      if (!options.on_replicate && (!has_goal || sums.replicateCount() < options.replicates)) return;  // nobody asks
       const FormFactors so_far = sums.formFactors();
       largest_error = largestStandardError(so_far);
       largest_relative_error = largestRelativeError(so_far, options.relative_floor);
@@ -68,6 +71,13 @@ Estimate estimateFormFactors(Engine& engine, const Scene& scene, const Ids& ids,
       if (sums.replicateCount() == 0) sums.measure_area = count_area * asked.weight_unit;
       const PairCounts of_directed = directed.empty() ? PairCounts{} : options.pairs->count(directed, replicate);
       sums.add(replicate, asked.directions.empty() ? PairCounts{} : engine.count(asked.directions), options.directions, of_directed);
+      if (sums.visible && options.exchanges) {
+        std::vector<KnownPair> met = sums.visible->unknownPairs();
+        options.exchanges->compute(met);
+        for (KnownPair& pair : met)
+          if (pair.exchange == 0) pair.exchange = INFINITY;  // one lies in the other's plane but for rounding
+        sums.visible->learn(met);
+      }
       measureErrors();
       if (options.on_sums) options.on_sums(sums, false);
       if (options.on_so_far) options.on_so_far([&] { return makeEstimate(sums, options.relative_floor); });

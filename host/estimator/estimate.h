@@ -10,6 +10,7 @@
 
 namespace viewpeel {
 
+class FaceExchanges;
 class PairSampler;
 
 // What a callback of an engine (on_batch) or of the estimator throws to stop a run: the replicate in progress is dropped.
@@ -42,6 +43,8 @@ struct EstimateOptions {
   const RunSums* resumed = nullptr;
   // Closed forms times visible shares (visible_share.h), which need an engine and ids by face; goals and the result are those of `by`. May be nullptr.
   const KnownShares* known = nullptr;
+  // For pairs that the run sees and pilots did not meet; nullptr: they are sampled alone.
+  FaceExchanges* exchanges = nullptr;
   By by = By::polygon;
   // For pairs that common directions hardly meet (directed_pairs.h), of the same scene, ids and seed; nullptr: they have no directions of their own.
   PairSampler* pairs = nullptr;

@@ -113,7 +113,8 @@ KnownShares findShares(const GuaranteePlan& plan, const Scene& scene, const Ids&
   pilot.directions = kSharePilotDirections;
   pilot.sampler = options.sampler;
   pilot.seed = options.seed;
-  return keepBounded(findVisibleShares(*plan.engine, options.device, scene, ids, plan.groups, pilot).known, ids, plan.groups.size() == 1);
+  FaceExchanges exchanges(options.device, scene, ids);
+  return keepBounded(findVisibleShares(*plan.engine, exchanges, scene, ids, plan.groups, pilot, pilot.directions).known, ids, plan.groups.size() == 1);
 }
 
 PairCounts countBlock(Engine& engine, const GuaranteeOptions& options, uint64_t directions, uint64_t block) {
@@ -146,7 +147,7 @@ RunSums makeGuaranteeSums(const Scene& scene, const Ids& ids, const GuaranteePla
 // What all errors are below after so many blocks, but for probability p, if blocks go on to vary as those of `sums` do.
 std::function<double(double blocks, double p)> boundFor(const RunSums& sums, const Ids& ids, const GuaranteePlan& plan, uint32_t block_directions) {
   if (plan.share_bounds)
-    return [&plan, block_directions, variances = plan.share_bounds->measureVariances(sums.visible->byFace(), sums.measure_area)](double blocks, double p) {
+    return [&plan, block_directions, variances = plan.share_bounds->measureVariances(sums.visible->faceControls(), sums.measure_area)](double blocks, double p) {
       return plan.share_bounds->largestBound(variances, blocks, block_directions, p);
     };
   // What was never met has the largest range.

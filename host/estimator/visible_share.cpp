@@ -70,6 +70,11 @@ std::vector<PairShare> fitShares(const PairCounts& counts) {
   return shares;
 }
 
+uint32_t pilotDirections(const EstimateOptions& options) {
+  const bool chooses_pairs = options.pairs && (options.tolerance || options.relative);
+  return options.by == By::surface || chooses_pairs ? options.directions : (options.directions + 3) / 4;
+}
+
 std::vector<uint64_t> countsOfLines(const Ids& face_ids, const std::vector<SizeGroup>& groups, double unit_area) {
   std::vector<uint64_t> lines(face_ids.count(), 1);
   for (const SizeGroup& group : groups)
@@ -80,13 +85,15 @@ std::vector<uint64_t> countsOfLines(const Ids& face_ids, const std::vector<SizeG
   return lines;
 }
 
-VisibleShares findVisibleShares(Engine& engine, const Device* device, const Scene& scene, const Ids& ids, const std::vector<SizeGroup>& groups, const EstimateOptions& options) {
+VisibleShares findVisibleShares(Engine& engine, FaceExchanges& exchanges, const Scene& scene, const Ids& ids, const std::vector<SizeGroup>& groups, const EstimateOptions& options,
+                                uint32_t pilot_directions) {
   VisibleShares found;
   auto start = Clock::now();
   std::vector<PairCounts> pilots;
   PairCounts all;
+  const uint32_t each = (pilot_directions + kPilots - 1u) / kPilots;
   for (uint32_t k = 0; k < kPilots; ++k) {
-    pilots.push_back(withRows(engine.count(sampleDirections(options.sampler, (options.directions + kPilots - 1u) / kPilots, options.seed, kSharePilot + k))));
+    pilots.push_back(withRows(engine.count(sampleDirections(options.sampler, each, options.seed, kSharePilot + k))));
     all = addCounts(all, pilots.back());
   }
   // A share that few lines told adds more noise than it takes away: then counts are left alone, pair by pair of faces, and of surfaces, whose sums vary less than their parts.
@@ -127,38 +134,14 @@ VisibleShares findVisibleShares(Engine& engine, const Device* device, const Scen
     if (!is_any_blocked) pair.surface_share = kShareOne;
   }
 
-  std::vector<std::vector<uint32_t>> polygons(n);
-  for (uint32_t k = 0; k < ids.of_polygon.size(); ++k) polygons[ids.of_polygon[k]].push_back(k);
-  std::vector<SidePair> sides;
-  std::vector<uint32_t> known_pair;  // of each of `sides`
-  for (uint32_t s = 0; s < pairs.size(); ++s) {
-    if (pairs[s].j >= kEnvironment) {
-      pairs[s].exchange = ids.areas[pairs[s].i];
-      continue;
-    }
-    for (uint32_t p : polygons[pairs[s].i])
-      for (uint32_t q : polygons[pairs[s].j])
-        for (uint32_t side = 0; side < (ids.two_sided ? 4u : 1u); ++side) {
-          sides.push_back({frontSide(p) + side % 2, frontSide(q) + side / 2});
-          known_pair.push_back(s);
-        }
-  }
-  std::vector<double> areas(sides.size());
-  std::vector<UnreachedPair> unreached;
-  if (!sides.empty()) unreached = (device ? UnoccludedExchange(*device, scene) : UnoccludedExchange(scene)).compute(sides, areas);
-  for (size_t k = 0; k < sides.size(); ++k) pairs[known_pair[k]].exchange += areas[k] * scene.scale * scene.scale;
-  for (const UnreachedPair& side : unreached) {
-    const KnownPair& pair = pairs[known_pair[side.pair]];
-    found.unreached += pair.exchange < INFINITY;
-    pairs[known_pair[side.pair]] = {pair.i, pair.j, 0, 0, INFINITY};
-  }
+  found.unreached = exchanges.compute(pairs);
   std::erase_if(pairs, [](const KnownPair& pair) { return pair.exchange == 0; });
   found.closed_form_seconds = secondsSince(start);
 
   // Between surfaces, of many pairs, common directions meet more: there they stay as they are.
   if (!options.pairs || options.by != By::polygon) return found;
   start = Clock::now();
-  const CommonPilots common{pilots, (options.directions + kPilots - 1u) / kPilots, engine.unitArea() * scene.scale * scene.scale};
+  const CommonPilots common{pilots, each, engine.unitArea() * scene.scale * scene.scale};
   found.known.directed = chooseDirectedPairs(*options.pairs, ids, found.known, common, options);
   found.directed_seconds = secondsSince(start);
   return found;

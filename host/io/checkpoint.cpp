@@ -11,14 +11,16 @@
 namespace viewpeel {
 namespace {
 
-constexpr uint64_t kFormat = 3;  // of the file: changes with every change of what is written below
+constexpr uint64_t kFormat = 4;  // of the file: changes with every change of what is written below
 
 using Sum = ReplicateSums::Sum;
 using PairSum = ReplicateSums::PairSum;
 using ControlSum = ControlSums::PairSum;
+using ShareSum = ShareSums::PairSum;
 using Wide = ReplicateSums::Wide;
 
 constexpr ControlSums::SignedWide kMostControl = ControlSums::SignedWide(1) << 126;  // 2^64 replicates of 2^62 (takeShares); two such sums can be added
+constexpr uint64_t kMostLines = uint64_t(1) << 63;  // of facing ones, or blocked ones: two such sums can be added
 
 uint64_t highOf(Wide number) { return static_cast<uint64_t>(number >> 64); }
 uint64_t lowOf(Wide number) { return static_cast<uint64_t>(number); }
@@ -78,6 +80,21 @@ T readOne(Hdf5Input& in, const std::string& name) {
   return values.front();
 }
 
+// 128-bit numbers, as two columns.
+template <class Pairs, class Value>
+void writeWide(Hdf5Output& out, const std::string& name, const Pairs& pairs, Value value) {
+  writeColumn<uint64_t>(out, name + "_high", pairs, [&](const auto& pair) { return highOf(Wide(value(pair))); });
+  writeColumn<uint64_t>(out, name + "_low", pairs, [&](const auto& pair) { return lowOf(Wide(value(pair))); });
+}
+
+template <class Pairs, class Set>
+void readWide(Hdf5Input& in, const std::string& name, Pairs& pairs, Set set) {
+  std::vector<Wide> words(pairs.size());
+  readColumn<uint64_t>(in, name + "_high", words, [](Wide& wide, uint64_t word) { wide = Wide(word) << 64; });
+  readColumn<uint64_t>(in, name + "_low", words, [](Wide& wide, uint64_t word) { wide |= word; });
+  for (size_t k = 0; k < pairs.size(); ++k) set(pairs[k], words[k]);
+}
+
 void writeVisibleSums(Hdf5Output& out, const RunSums& sums) {
   out.write("visible/is_there", std::vector<uint8_t>{sums.visible.has_value()});
   if (!sums.visible) return;
@@ -98,18 +115,23 @@ void writeVisibleSums(Hdf5Output& out, const RunSums& sums) {
   writeColumn<uint32_t>(out, "visible/known/directed/line", known.directed, [](const DirectedPair& pair) { return pair.line; });
   writeColumn<double>(out, "visible/known/directed/measure_area", known.directed, [](const DirectedPair& pair) { return pair.measure_area; });
   writeColumn<double>(out, "visible/known/directed/count_area", known.directed, [](const DirectedPair& pair) { return pair.count_area; });
-  for (const auto& [group, controls] : {std::pair("visible/faces", &sums.visible->byFace()), {"visible/surfaces", &sums.visible->bySurface()}, {"visible/directed", &sums.visible->directed()}}) {
-    const auto writeWords = [&out, name = std::string(group), &pairs = controls->pairs()](const std::string& column, auto value) {
-      writeColumn<uint64_t>(out, name + column + "_high", pairs, [&](const ControlSum& pair) { return highOf(Wide(value(pair))); });
-      writeColumn<uint64_t>(out, name + column + "_low", pairs, [&](const ControlSum& pair) { return lowOf(Wide(value(pair))); });
-    };
-    out.write(fmt::format("{}/replicate_count", group), std::vector<uint64_t>{controls->replicateCount()});
-    writeColumn<uint32_t>(out, fmt::format("{}/i", group), controls->pairs(), [](const ControlSum& pair) { return pair.i; });
-    writeColumn<uint32_t>(out, fmt::format("{}/j", group), controls->pairs(), [](const ControlSum& pair) { return pair.j; });
-    writeColumn<uint64_t>(out, fmt::format("{}/line", group), controls->pairs(), [](const ControlSum& pair) { return pair.line; });
-    writeWords("/sum", [](const ControlSum& pair) { return pair.sum; });
-    writeWords("/sum_of_squares", [](const ControlSum& pair) { return pair.sum_of_squares; });
-    writeWords("/squares", [](const ControlSum& pair) { return pair.squares; });
+  const std::vector<ShareSum>& faces = sums.visible->byFace().pairs();
+  out.write("visible/faces/replicate_count", std::vector<uint64_t>{sums.visible->byFace().replicateCount()});
+  writeColumn<uint32_t>(out, "visible/faces/i", faces, [](const ShareSum& pair) { return pair.i; });
+  writeColumn<uint32_t>(out, "visible/faces/j", faces, [](const ShareSum& pair) { return pair.j; });
+  writeColumn<uint64_t>(out, "visible/faces/facing", faces, [](const ShareSum& pair) { return pair.facing; });
+  writeColumn<uint64_t>(out, "visible/faces/blocked", faces, [](const ShareSum& pair) { return pair.blocked; });
+  writeWide(out, "visible/faces/facing_squared", faces, [](const ShareSum& pair) { return pair.facing_squared; });
+  writeWide(out, "visible/faces/product", faces, [](const ShareSum& pair) { return pair.product; });
+  writeWide(out, "visible/faces/blocked_squared", faces, [](const ShareSum& pair) { return pair.blocked_squared; });
+  for (const auto& [name, controls] : {std::pair(std::string("visible/surfaces"), &sums.visible->bySurface()), {"visible/directed", &sums.visible->directed()}}) {
+    out.write(name + "/replicate_count", std::vector<uint64_t>{controls->replicateCount()});
+    writeColumn<uint32_t>(out, name + "/i", controls->pairs(), [](const ControlSum& pair) { return pair.i; });
+    writeColumn<uint32_t>(out, name + "/j", controls->pairs(), [](const ControlSum& pair) { return pair.j; });
+    writeColumn<uint64_t>(out, name + "/line", controls->pairs(), [](const ControlSum& pair) { return pair.line; });
+    writeWide(out, name + "/sum", controls->pairs(), [](const ControlSum& pair) { return pair.sum; });
+    writeWide(out, name + "/sum_of_squares", controls->pairs(), [](const ControlSum& pair) { return pair.sum_of_squares; });
+    writeWide(out, name + "/squares", controls->pairs(), [](const ControlSum& pair) { return pair.squares; });
   }
 }
 
@@ -128,18 +150,28 @@ ControlSums readControlSums(Hdf5Input& in, const std::string& group, const Ids& 
   for (uint32_t i : in.read<uint32_t>(group + "/i")) pairs.push_back({i, 0});
   readColumn<uint32_t>(in, group + "/j", pairs, [](ControlSum& pair, uint32_t j) { pair.j = j; });
   readColumn<uint64_t>(in, group + "/line", pairs, [](ControlSum& pair, uint64_t line) { pair.line = line; });
-  std::vector<Wide> words(pairs.size());
-  const auto readWords = [&](const std::string& column, auto set) {
-    readColumn<uint64_t>(in, group + column + "_high", words, [](Wide& wide, uint64_t word) { wide = Wide(word) << 64; });
-    readColumn<uint64_t>(in, group + column + "_low", words, [](Wide& wide, uint64_t word) { wide |= word; });
-    for (size_t k = 0; k < pairs.size(); ++k) set(pairs[k], words[k]);
-  };
-  readWords("/sum", [&](ControlSum& pair, Wide wide) {
+  readWide(in, group + "/sum", pairs, [&](ControlSum& pair, Wide wide) {
     pair.sum = static_cast<ControlSums::SignedWide>(wide);
     if (pair.sum >= kMostControl || pair.sum <= -kMostControl) in.refuse(fmt::format("its '{}/sum' are larger than sums come to", group));
   });
-  readWords("/sum_of_squares", [](ControlSum& pair, Wide wide) { pair.sum_of_squares = wide; });
-  readWords("/squares", [](ControlSum& pair, Wide wide) { pair.squares = wide; });
+  readWide(in, group + "/sum_of_squares", pairs, [](ControlSum& pair, Wide wide) { pair.sum_of_squares = wide; });
+  readWide(in, group + "/squares", pairs, [](ControlSum& pair, Wide wide) { pair.squares = wide; });
+  requireOrder(in, group, pairs, ids.count());
+  return {ids, replicate_count, std::move(pairs)};
+}
+
+ShareSums readShareSums(Hdf5Input& in, const std::string& group, const Ids& ids) {
+  const auto replicate_count = readOne<uint64_t>(in, group + "/replicate_count");
+  std::vector<ShareSum> pairs;
+  for (uint32_t i : in.read<uint32_t>(group + "/i")) pairs.push_back({i, 0});
+  readColumn<uint32_t>(in, group + "/j", pairs, [](ShareSum& pair, uint32_t j) { pair.j = j; });
+  readColumn<uint64_t>(in, group + "/facing", pairs, [](ShareSum& pair, uint64_t facing) { pair.facing = facing; });
+  readColumn<uint64_t>(in, group + "/blocked", pairs, [](ShareSum& pair, uint64_t blocked) { pair.blocked = blocked; });
+  readWide(in, group + "/facing_squared", pairs, [](ShareSum& pair, Wide wide) { pair.facing_squared = wide; });
+  readWide(in, group + "/product", pairs, [](ShareSum& pair, Wide wide) { pair.product = wide; });
+  readWide(in, group + "/blocked_squared", pairs, [](ShareSum& pair, Wide wide) { pair.blocked_squared = wide; });
+  for (const ShareSum& pair : pairs)
+    if (std::max(pair.facing, pair.blocked) >= kMostLines) in.refuse(fmt::format("its '{}' are larger than sums come to", group));
   requireOrder(in, group, pairs, ids.count());
   return {ids, replicate_count, std::move(pairs)};
 }
@@ -173,7 +205,8 @@ std::optional<VisibleSums> readVisibleSums(Hdf5Input& in, const Ids& face_ids, c
   });
   if (!are_known) in.refuse("its 'visible/known/directed' are none of its pairs");
   const By by = readOne<uint8_t>(in, "visible/by_surface") ? By::surface : By::polygon;
-  ControlSums by_face = readControlSums(in, "visible/faces", face_ids), by_surface = readControlSums(in, "visible/surfaces", surface_ids), directed = readControlSums(in, "visible/directed", face_ids);
+  ShareSums by_face = readShareSums(in, "visible/faces", face_ids);
+  ControlSums by_surface = readControlSums(in, "visible/surfaces", surface_ids), directed = readControlSums(in, "visible/directed", face_ids);
   return VisibleSums(by, std::move(known), std::move(by_face), std::move(by_surface), std::move(directed));
 }
 

@@ -31,9 +31,14 @@ struct ControlCount {
 // What leaves the scene, or ends on a back, beside all lines of its row, as `blocked`: their number is known as well, for rows sum to 1.
 PairCounts withRows(PairCounts counts);
 
-//   In: shares sorted by (i, j); pairs without one have b = 0
-//     lines: of each id, the counts that one line adds, where all of it is counted on one lattice: a pair has the less of its two; none: 1
-//   Throws: Error bad_usage where counts are too large for shares of them.
+// Throws: Error bad_usage where counts are too large for shares of them.
+void requireCountsForShares(const PairCount& count);
+
+// Counts that one line adds to a pair: the less of its ids', where all of each is counted on one lattice.    In: lines: of each id; none: 1
+uint64_t lineOf(const std::vector<uint64_t>& lines, uint32_t i, uint32_t j);
+
+//   In: shares sorted by (i, j); pairs without one have b = 0; lines as in lineOf
+//   Throws: as requireCountsForShares.
 std::vector<ControlCount> takeShares(const PairCounts& counts, const std::vector<PairShare>& shares, const std::vector<uint64_t>& lines = {});
 
 // The controls of a coarser set of ids: id k becomes id_map[k].
@@ -46,6 +51,15 @@ struct KnownExchange {
   double most;   // the exchange area itself, which what is visible cannot exceed; infinite where not all of it is known
   uint64_t line = 1;  // as in ControlCount
 };
+
+// The standard error of what replicates add up to, in counts.
+//   In: variance: R s^2, of the sum of R replicates; squares: the sum over lines of the squares of what each adds; line: what one adds; most: counts that a direction which sees the pair may
+//     add: the smaller area over a count's
+double errorOfSum(double variance, double squares, double line, double most);
+
+// Of n directions none meets a pair with a probability of e^(-n F / 2) at most, F from the smaller of the two and with nothing in between, for E[A'] = F A / 2 and A' <= A. Where no line told
+// anything but what was taken for granted, standard errors are raised to that times `most`.    In: area: the smaller of the two
+Measured allowForUnmet(Measured exchange, const KnownExchange& known, double directions, double area);
 
 // Sums the controls of replicates, exactly.
 class ControlSums {
@@ -83,17 +97,14 @@ class ControlSums {
   //   Error: unbiased but for the ends of [0, most], to which values are moved: the truth lies within. Standard errors as in ReplicateSums, with the squares in the place of
   //     counts: never less than one line's, and no more than the distance to the farther end. So a pair that no line met has a value of 0 and a standard error, too.
   FormFactors formFactors(double measure_area, const std::vector<KnownExchange>& known, double count_area = INFINITY) const;
-  // Of n directions none meets a pair with a probability of e^(-n F / 2) at most, F from the smaller of the two and with nothing in between, for E[A'] = F A / 2 and A' <= A. Where no line told
-  // anything but what was taken for granted, standard errors are raised to that times `most`.
+  // The same, of pairs that no line told.
   FormFactors allowForUnmet(const FormFactors& form_factors, double measure_area, const std::vector<KnownExchange>& known, double count_area) const;
   // Both, of one pair.    Cost: O(log nonzeros).
   Measured exchangeArea(double measure_area, const KnownExchange& known, double count_area = INFINITY) const;
 
  private:
-  template <class Pairs, class AddTo>
-  std::vector<PairSum> addPairs(const Pairs& pairs, AddTo add_to) const;
   double variance(const PairSum& pair, double measure_area) const;
-  Measured allowForUnmet(Measured exchange, double measure_area, const KnownExchange& known, double count_area) const;
+  Measured allowForUnmetPair(const Measured& exchange, double measure_area, const KnownExchange& known, double count_area) const;
   Measured measure(const PairSum& pair, double measure_area, const KnownExchange* known, double count_area) const;
 
   Ids ids_;

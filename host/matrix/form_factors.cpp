@@ -7,6 +7,8 @@
 #include <iterator>
 #include <utility>
 
+#include "matrix/add_pairs.h"
+
 namespace viewpeel {
 namespace {
 
@@ -33,39 +35,23 @@ Measured FormFactors::formFactor(uint32_t i, uint32_t j) const {
   return {exchange.value / ids_.areas[i], exchange.standard_error / ids_.areas[i]};
 }
 
-// The sums with others, sorted alike, added: add_to(sum, pair) for each of them.
-template <class Pairs, class AddTo>
-std::vector<ReplicateSums::PairSum> ReplicateSums::addPairs(const Pairs& pairs, AddTo add_to) const {
-  std::vector<PairSum> merged;
-  merged.reserve(std::max(pairs_.size(), pairs.size()));
-  auto old = pairs_.begin();
-  for (const auto& pair : pairs) {
-    const std::pair key(pair.i, pair.j);
-    while (old != pairs_.end() && before(*old, key)) merged.push_back(*old++);
-    merged.push_back(old != pairs_.end() && std::pair(old->i, old->j) == key ? *old++ : PairSum{pair.i, pair.j, {}});
-    add_to(merged.back().sum, pair);
-  }
-  merged.insert(merged.end(), old, pairs_.end());
-  return merged;
-}
-
 void ReplicateSums::add(const PairCounts& counts) {
+  ++replicate_count_;  // first: what ends early is seen (RunSums::isWhole)
   std::vector<uint64_t> rows(ids_.count(), 0);
   PairCounts facing;  // blocked pairs that were never seen are left out
   std::copy_if(counts.begin(), counts.end(), std::back_inserter(facing), [](const PairCount& count) { return count.count > 0; });
-  pairs_ = addPairs(facing, [&](Sum& sum, const PairCount& count) {
-    sum.add(count.count);
+  addPairs(pairs_, facing, [&](PairSum& sum, const PairCount& count) {
+    sum.sum.add(count.count);
     rows[count.i] += count.count;
     if (count.j < kEnvironment) rows[count.j] += count.count;  // a pair within one id counts twice
   });
   for (size_t k = 0; k < rows.size(); ++k) row_sums_[k].add(rows[k]);
-  ++replicate_count_;
 }
 
 void ReplicateSums::add(const ReplicateSums& others) {
-  pairs_ = addPairs(others.pairs_, [](Sum& sum, const PairSum& pair) { sum.add(pair.sum); });
-  for (size_t k = 0; k < row_sums_.size(); ++k) row_sums_[k].add(others.row_sums_[k]);
   replicate_count_ += others.replicate_count_;
+  addPairs(pairs_, others.pairs_, [](PairSum& sum, const PairSum& pair) { sum.sum.add(pair.sum); });
+  for (size_t k = 0; k < row_sums_.size(); ++k) row_sums_[k].add(others.row_sums_[k]);
 }
 
 // With R replicates that count c_r, K = sum c_r and s^2 = sum (c_r - K / R)^2 / (R - 1), the estimate is K / R and its standard error
@@ -95,7 +81,8 @@ Measured ReplicateSums::measure(const Sum& sum, double most_counts) const {
   const Wide spread = replicates * sum.sum_of_squares - sum.sum * sum.sum;
   const double r = double(replicate_count_), variance = double(spread) / (r - 1);
   const double counted = double(sum.sum), at_a_time = spread ? std::max(1.0, variance / counted) : 1;
-  measured.standard_error = std::hypot(std::sqrt(variance), (counted + 1 + 8 / 27.0 * most_counts) / (counted / at_a_time + 1)) / r;
+  const double surplus = (counted + 1 + 8 / 27.0 * most_counts) / (counted / at_a_time + 1);
+  measured.standard_error = std::sqrt(variance + surplus * surplus) / r;
   return measured;
 }
 
@@ -112,10 +99,11 @@ Measured ReplicateSums::exchangeArea(const PairSum& pair, double measure_area, d
   return {count.value * scale, count.standard_error * scale};
 }
 
-FormFactors ReplicateSums::formFactors(double measure_area, double count_area) const {
+FormFactors ReplicateSums::formFactors(double measure_area, double count_area, const std::function<bool(uint32_t, uint32_t)>& is_wanted) const {
   std::vector<FormFactors::Entry> entries;
-  entries.reserve(pairs_.size());
-  for (const PairSum& pair : pairs_) entries.push_back({pair.i, pair.j, exchangeArea(pair, measure_area, count_area)});
+  if (!is_wanted) entries.reserve(pairs_.size());
+  for (const PairSum& pair : pairs_)
+    if (!is_wanted || is_wanted(pair.i, pair.j)) entries.push_back({pair.i, pair.j, exchangeArea(pair, measure_area, count_area)});
   std::vector<Measured> rows;
   for (size_t k = 0; k < row_sums_.size(); ++k) {
     const Measured count = measure(row_sums_[k], 0);
@@ -144,19 +132,7 @@ double ReplicateSums::largestRelativeError(double measure_area, double floor, do
 double unmetBound(double area, double count_area, double directions) { return 2 * std::log(20.0) * std::max(1.0, count_area / area) / directions; }
 
 PairCounts mergeIds(const PairCounts& counts, const std::vector<uint32_t>& id_map) {
-  PairCounts mapped;
-  mapped.reserve(counts.size());
-  for (const PairCount& count : counts) {
-    const uint32_t i = id_map[count.i], j = count.j < kEnvironment ? id_map[count.j] : count.j;
-    mapped.push_back({std::min(i, j), std::max(i, j), count.count, count.blocked});
-  }
-  std::sort(mapped.begin(), mapped.end(), [](const auto& a, const auto& b) { return std::pair(a.i, a.j) < std::pair(b.i, b.j); });
-  PairCounts merged;
-  for (const PairCount& count : mapped) {
-    if (!merged.empty() && merged.back().i == count.i && merged.back().j == count.j) merged.back().add(count);
-    else merged.push_back(count);
-  }
-  return merged;
+  return mergePairs(counts, id_map, [](PairCount& sum, const PairCount& count) { sum.add(count); });
 }
 
 }  // namespace viewpeel

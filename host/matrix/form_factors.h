@@ -2,6 +2,7 @@
 #pragma once
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "matrix/ids.h"
@@ -61,7 +62,7 @@ class ReplicateSums {
   };
   struct PairSum {
     uint32_t i, j;
-    Sum sum;
+    Sum sum{};
   };
 
   explicit ReplicateSums(Ids ids) : ids_(std::move(ids)), row_sums_(ids_.count()) {}
@@ -82,7 +83,8 @@ class ReplicateSums {
   //   In: measure_area: input units squared of one count, that is unitArea() scale^2 / directions per replicate
   //     count_area: of one count along its direction, measure_area x directions per replicate where these are over the whole sphere; infinite where it is not known
   //   Error: none but rounding: counts and their squares are summed in 128-bit integers. Standard errors: form_factors.cpp; tests/form_factors_test.cpp.
-  FormFactors formFactors(double measure_area, double count_area = INFINITY) const;
+  //   is_wanted: asked of every pair in order; none: all are
+  FormFactors formFactors(double measure_area, double count_area = INFINITY, const std::function<bool(uint32_t i, uint32_t j)>& is_wanted = {}) const;
 
   // Calls f(i, j, A_i F_ij) for every pair met, and for environment and leak.
   template <class F>
@@ -96,8 +98,6 @@ class ReplicateSums {
   double largestRelativeError(double measure_area, double floor, double count_area = INFINITY) const;
 
  private:
-  template <class Pairs, class AddTo>
-  std::vector<PairSum> addPairs(const Pairs& pairs, AddTo add_to) const;
   Measured measure(const Sum& sum, double most_counts) const;
   double smallerArea(const PairSum& pair) const;
   Measured exchangeArea(const PairSum& pair, double measure_area, double count_area) const;

@@ -28,8 +28,8 @@ struct PairCount {
 // Sorted by (i, j), every pair at most once, none with both counts 0.
 using PairCounts = std::vector<PairCount>;
 
-// The order of lists.
-inline bool isBefore(const PairCount& a, const PairCount& b) { return a.i != b.i ? a.i < b.i : a.j < b.j; }
+// The order of lists; no function, so that sorting inlines it.
+inline constexpr auto isBefore = [](const PairCount& a, const PairCount& b) { return a.i != b.i ? a.i < b.i : a.j < b.j; };
 
 // The sum of two sorted lists of counts.
 PairCounts addCounts(const PairCounts& a, const PairCounts& b);

@@ -1,6 +1,9 @@
 #include "matrix/run_sums.h"
 
 #include <algorithm>
+#include <cmath>
+
+#include "threads.h"
 
 namespace viewpeel {
 namespace {
@@ -43,9 +46,12 @@ bool RunSums::isWhole() const {
 }
 
 void RunSums::add(uint64_t replicate, const PairCounts& counts, uint64_t direction_count, const PairCounts& directed) {
-  if (visible) visible->add(counts, directed);
-  by_surface.add(mergeIds(counts, by_id.ids().surface));
-  by_id.add(counts);
+  const auto addTo = [&](size_t, size_t k) {
+    if (k == 0 && visible) visible->add(counts, directed);
+    if (k == 1) by_surface.add(mergeIds(counts, by_id.ids().surface));
+    if (k == 2) by_id.add(counts);
+  };
+  shareOut(threadsFor(counts.size()), 3, 1, addTo);
   replicates.push_back({replicate, replicate + 1});
   replicates = joinRanges(std::move(replicates));
   directions += direction_count;
@@ -64,8 +70,15 @@ void RunSums::add(const RunSums& others) {
 
 FormFactors RunSums::formFactors() const {
   if (visible && visible->by() == By::surface) return betweenSurfaces();
-  const FormFactors sampled = by_id.formFactors(measure_area, countArea());
-  return visible ? visible->formFactors(By::polygon, measure_area, countArea(), sampled) : sampled;
+  if (!visible) return by_id.formFactors(measure_area, countArea());
+  // What counts alone say of pairs whose closed forms are known is not looked at.
+  auto at = visible->known().pairs.begin();
+  const auto end = visible->known().pairs.end();
+  const auto isUnknown = [&](uint32_t i, uint32_t j) {
+    while (at != end && std::pair(at->i, at->j) < std::pair(i, j)) ++at;
+    return at == end || std::pair(at->i, at->j) != std::pair(i, j) || std::isinf(at->exchange);
+  };
+  return visible->formFactors(By::polygon, measure_area, countArea(), by_id.formFactors(measure_area, countArea(), isUnknown));
 }
 
 FormFactors RunSums::betweenSurfaces() const {

@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <utility>
+
+#include "threads.h"
 
 namespace viewpeel {
 namespace {
@@ -37,7 +40,7 @@ std::vector<KnownExchange> mergeBySurface(const std::vector<KnownExchange>& exch
 }
 
 template <class T>
-bool isBefore(const T& a, std::pair<uint32_t, uint32_t> b) {
+bool isBeforePair(const T& a, std::pair<uint32_t, uint32_t> b) {
   return std::pair(a.i, a.j) < b;
 }
 
@@ -48,7 +51,7 @@ std::vector<ControlCount> takeDirectedShares(const PairCounts& counts, const std
   for (const DirectedPair& pair : directed) shares.push_back({pair.i, pair.j, pair.share});
   std::vector<ControlCount> controls = takeShares(counts, shares);
   for (ControlCount& control : controls) {
-    control.line = std::lower_bound(directed.begin(), directed.end(), std::pair(control.i, control.j), isBefore<DirectedPair>)->line;
+    control.line = std::lower_bound(directed.begin(), directed.end(), std::pair(control.i, control.j), isBeforePair<DirectedPair>)->line;
     control.squares *= control.line;
   }
   return controls;
@@ -59,7 +62,7 @@ VisibleSums::VisibleSums(const Ids& face_ids, const Ids& surface_ids, By by, Kno
   prepare();
 }
 
-VisibleSums::VisibleSums(By by, KnownShares known, ControlSums by_face, ControlSums by_surface, ControlSums directed)
+VisibleSums::VisibleSums(By by, KnownShares known, ShareSums by_face, ControlSums by_surface, ControlSums directed)
     : by_(by), known_(std::move(known)), by_face_(std::move(by_face)), by_surface_(std::move(by_surface)), directed_(std::move(directed)) {
   prepare();
 }
@@ -71,18 +74,15 @@ void VisibleSums::prepare() {
   for (const KnownPair& pair : known_.pairs) {
     if (pair.share) shares_.push_back({pair.i, pair.j, pair.share});
     if (pair.surface_share) surface_shares_.push_back({pair.i, pair.j, pair.surface_share});
-    const bool is_pair = pair.j < kEnvironment;
-    const uint64_t line = is_pair ? std::min(known_.lines[pair.i], known_.lines[pair.j]) : known_.lines[pair.i];
-    // Closed forms exceed areas by rounding.
-    const double most = std::min({pair.exchange, areas[pair.i], is_pair ? areas[pair.j] : INFINITY});
-    exchanges_.push_back({pair.i, pair.j, most * pair.share / kShareOne, most, line});
     if (directed != known_.directed.end() && std::pair(directed->i, directed->j) == std::pair(pair.i, pair.j)) {
-      directed_exchanges_.push_back({pair.i, pair.j, most * directed->share / kShareOne, most, directed->line});
+      directed_exchanges_.push_back(exchangeOf(pair, directed->share, areas, {}));
+      directed_exchanges_.back().line = directed->line;
       ++directed;
-      for_surfaces.push_back({pair.i, pair.j, 0, 0, line});
+      for_surfaces.push_back({pair.i, pair.j, 0, 0, lineOf(known_.lines, pair.i, pair.j)});
       continue;
     }
-    for_surfaces.push_back({pair.i, pair.j, most * pair.surface_share / kShareOne, most, line});
+    const bool is_learnt = !known_.has_all_pairs && pair.share == 0 && pair.surface_share == 0;  // from the run: no part of what was fixed beforehand
+    if (!is_learnt) for_surfaces.push_back(exchangeOf(pair, pair.surface_share, areas, known_.lines));
   }
   surface_exchanges_ = mergeBySurface(for_surfaces, known_.has_all_pairs, by_face_.ids().surface, by_surface_.ids().areas);
 }
@@ -91,7 +91,7 @@ PairCounts VisibleSums::withoutDirected(PairCounts counts) const {
   if (!known_.directed.empty())
     std::erase_if(counts, [&](const PairCount& count) {
       const std::pair key(count.i, count.j);
-      const auto at = std::lower_bound(known_.directed.begin(), known_.directed.end(), key, isBefore<DirectedPair>);
+      const auto at = std::lower_bound(known_.directed.begin(), known_.directed.end(), key, isBeforePair<DirectedPair>);
       return at != known_.directed.end() && std::pair(at->i, at->j) == key;
     });
   return counts;
@@ -99,22 +99,47 @@ PairCounts VisibleSums::withoutDirected(PairCounts counts) const {
 
 void VisibleSums::add(const PairCounts& counts, const PairCounts& directed) {
   const PairCounts common = withoutDirected(withRows(counts));
-  std::vector<ControlCount> of_faces = takeShares(common, shares_, known_.lines);
-  const std::vector<ControlCount> of_directed = takeDirectedShares(directed, known_.directed);
-  by_surface_.add(mergeIds(takeShares(common, surface_shares_, known_.lines), by_face_.ids().surface));
-  by_face_.add(of_faces);
-  directed_.add(of_directed);
+  const auto addTo = [&](size_t, size_t k) {
+    if (k == 0) by_surface_.add(mergeIds(takeShares(common, surface_shares_, known_.lines), by_face_.ids().surface));
+    if (k == 1) by_face_.add(by_ == By::polygon ? common : PairCounts{});
+  };
+  directed_.add(takeDirectedShares(directed, known_.directed));
+  shareOut(threadsFor(common.size()), 2, 1, addTo);
+}
+
+std::vector<KnownPair> VisibleSums::unknownPairs() const {
+  std::vector<KnownPair> unknown;
+  if (known_.has_all_pairs) return unknown;
+  auto at = known_.pairs.begin();
+  for (const ShareSums::PairSum& pair : by_face_.pairs()) {
+    while (at != known_.pairs.end() && isBeforePair(*at, std::pair(pair.i, pair.j))) ++at;
+    const bool is_known = at != known_.pairs.end() && at->i == pair.i && at->j == pair.j;
+    if (!is_known && pair.facing > 0 && pair.j < kEnvironment && pair.i != pair.j) unknown.push_back({pair.i, pair.j});
+  }
+  return unknown;
+}
+
+void VisibleSums::learn(const std::vector<KnownPair>& pairs) {
+  const auto old_count = static_cast<std::ptrdiff_t>(known_.pairs.size());
+  known_.pairs.insert(known_.pairs.end(), pairs.begin(), pairs.end());
+  std::inplace_merge(known_.pairs.begin(), known_.pairs.begin() + old_count, known_.pairs.end(),
+                     [](const KnownPair& a, const KnownPair& b) { return isBeforePair(a, std::pair(b.i, b.j)); });
 }
 
 void VisibleSums::add(const VisibleSums& others, bool others_are_first) {
   by_face_.add(others.by_face_);
   by_surface_.add(others.by_surface_);
   directed_.add(others.directed_);
-  if (!others_are_first) return;
-  known_ = others.known_;
-  exchanges_ = others.exchanges_;
-  surface_exchanges_ = others.surface_exchanges_;
-  directed_exchanges_ = others.directed_exchanges_;
+  KnownShares second = others.known_;
+  if (others_are_first) {
+    std::swap(known_, second);
+    surface_exchanges_ = others.surface_exchanges_;
+    directed_exchanges_ = others.directed_exchanges_;
+  }
+  // What only one of them has met.
+  std::vector<KnownPair> missing;
+  std::ranges::set_difference(second.pairs, known_.pairs, std::back_inserter(missing), [](const KnownPair& a, const KnownPair& b) { return isBeforePair(a, std::pair(b.i, b.j)); });
+  if (!missing.empty()) learn(missing);
 }
 
 bool VisibleSums::goesWith(const VisibleSums& others) const {
@@ -138,10 +163,10 @@ std::vector<FormFactors::Entry> VisibleSums::directedEntries() const {
 
 FormFactors VisibleSums::formFactors(By by, double measure_area, double count_area, const FormFactors& sampled) const {
   if (by == By::polygon) {
-    const FormFactors common = by_face_.allowForUnmet(chooseBetter(by_face_.formFactors(measure_area, exchanges_, count_area), sampled), measure_area, exchanges_, count_area);
+    const FormFactors common = by_face_.formFactors(known_.pairs, known_.lines, measure_area, count_area, sampled);
     std::vector<FormFactors::Entry> entries = common.entries();
     for (const FormFactors::Entry& directed : directedEntries())  // among the pairs known, so there
-      std::lower_bound(entries.begin(), entries.end(), std::pair(directed.i, directed.j), isBefore<FormFactors::Entry>)->exchange_area = directed.exchange_area;
+      std::lower_bound(entries.begin(), entries.end(), std::pair(directed.i, directed.j), isBeforePair<FormFactors::Entry>)->exchange_area = directed.exchange_area;
     return {common.ids(), std::move(entries), sampled.rowSums()};
   }
   // Directed pairs have random numbers of their own: their variances add up with that of the others.
@@ -150,7 +175,7 @@ FormFactors VisibleSums::formFactors(By by, double measure_area, double count_ar
   const std::vector<uint32_t>& surface = by_face_.ids().surface;
   for (const FormFactors::Entry& directed : directedEntries()) {
     const auto [i, j] = std::minmax(surface[directed.i], surface[directed.j]);
-    Measured& sum = std::lower_bound(entries.begin(), entries.end(), std::pair(i, j), isBefore<FormFactors::Entry>)->exchange_area;
+    Measured& sum = std::lower_bound(entries.begin(), entries.end(), std::pair(i, j), isBeforePair<FormFactors::Entry>)->exchange_area;
     const double ways = i == j ? 2 : 1;
     sum.value += ways * directed.exchange_area.value;
     sum.standard_error = std::hypot(sum.standard_error, ways * directed.exchange_area.standard_error);
@@ -164,7 +189,9 @@ bool VisibleSums::directsAs(const VisibleSums& others) const {
 }
 
 FormFactors VisibleSums::controlledFormFactors(double measure_area, const FormFactors& sampled) const {
-  return {sampled.ids(), by_face_.formFactors(measure_area, exchanges_).entries(), sampled.rowSums()};
+  std::vector<KnownExchange> exchanges;
+  for (const KnownPair& pair : known_.pairs) exchanges.push_back(exchangeOf(pair, pair.share, by_face_.ids().areas, known_.lines));
+  return {sampled.ids(), faceControls().formFactors(measure_area, exchanges).entries(), sampled.rowSums()};
 }
 
 }  // namespace viewpeel

@@ -2,19 +2,9 @@
 #pragma once
 #include <vector>
 
-#include "matrix/control_sums.h"
+#include "matrix/share_sums.h"
 
 namespace viewpeel {
-
-// What is known before a run of a pair of faces, or of a face with environment or leak.
-struct KnownPair {
-  uint32_t i, j;               // i < j
-  uint32_t share = 0;          // in the controls of faces; units of 2^-kShareBits
-  uint32_t surface_share = 0;  // in those between surfaces: the same, or 0
-  double exchange = 0;         // A_i F_ij with nothing in between, A_i for environment and leak; infinite where unknown, and shares 0
-
-  bool operator==(const KnownPair&) const = default;
-};
 
 // A pair of faces that directions of its own count, on a lattice of its own: what common directions see of it does not enter its form factor.
 struct DirectedPair {
@@ -33,7 +23,7 @@ struct DirectedPair {
 std::vector<ControlCount> takeDirectedShares(const PairCounts& counts, const std::vector<DirectedPair>& directed);
 
 struct KnownShares {
-  std::vector<KnownPair> pairs;  // sorted
+  std::vector<KnownPair> pairs;  // sorted; without has_all_pairs those that pilots met, and what the run sees beside
   std::vector<uint64_t> lines;   // of faces: counts that one line adds (takeShares)
   bool has_all_pairs = false;    // pairs that are not there do not see each other
   std::vector<DirectedPair> directed{};  // sorted
@@ -46,16 +36,20 @@ class VisibleSums {
   //   In: ids by face and by surface; by: which of the two form factors are asked for
   VisibleSums(const Ids& face_ids, const Ids& surface_ids, By by, KnownShares known);
   // As they were summed before.
-  VisibleSums(By by, KnownShares known, ControlSums by_face, ControlSums by_surface, ControlSums directed);
+  VisibleSums(By by, KnownShares known, ShareSums by_face, ControlSums by_surface, ControlSums directed);
 
   // One replicate.    In: counts of common directions; of KnownShares::directed what their own have counted    Throws: as takeShares.    Cost: O(nonzeros log nonzeros).
   void add(const PairCounts& counts, const PairCounts& directed);
+  // Pairs of faces that saw each other and whose closed forms are not known, nor found out to be out of reach, with shares of 0.
+  std::vector<KnownPair> unknownPairs() const;
+  // Their closed forms.    In: sorted, and none of them known
+  void learn(const std::vector<KnownPair>& pairs);
   // Other replicates of the same run. What closed forms gave may differ in rounding between devices: that of the one with the first replicate stays.
   void add(const VisibleSums& others, bool others_are_first);
 
   By by() const { return by_; }
   const KnownShares& known() const { return known_; }
-  const ControlSums& byFace() const { return by_face_; }
+  const ShareSums& byFace() const { return by_face_; }  // empty where surfaces are asked for
   const ControlSums& bySurface() const { return by_surface_; }
   const ControlSums& directed() const { return directed_; }  // by face
   // Whether the shares, that is the integers, are the same.
@@ -65,7 +59,8 @@ class VisibleSums {
 
   //   In: measure_area, count_area as in ReplicateSums; sampled: of the same replicates and kind of ids, for row sums and where shares are of no use
   FormFactors formFactors(By by, double measure_area, double count_area, const FormFactors& sampled) const;
-  // With the shares in any case: of faces.
+  // Of faces, with the shares fixed beforehand.
+  ControlSums faceControls() const { return by_face_.controls(shares_, known_.lines); }
   FormFactors controlledFormFactors(double measure_area, const FormFactors& sampled) const;
 
  private:
@@ -75,10 +70,11 @@ class VisibleSums {
 
   By by_;
   KnownShares known_;
-  ControlSums by_face_, by_surface_, directed_;
+  ShareSums by_face_;
+  ControlSums by_surface_, directed_;
   // Made of known_.
   std::vector<PairShare> shares_, surface_shares_;
-  std::vector<KnownExchange> exchanges_, surface_exchanges_, directed_exchanges_;
+  std::vector<KnownExchange> surface_exchanges_, directed_exchanges_;
 };
 
 }  // namespace viewpeel

@@ -109,11 +109,17 @@ void writeVisibleSums(Hdf5Output& out, Bytes& bytes) {
   writeColumn(out, bytes, "visible/known/directed/measure_area", std::vector<double>{0.01});
   writeColumn(out, bytes, "visible/known/directed/count_area", std::vector<double>{0.1});
   for (const std::string group : {"visible/faces", "visible/surfaces", "visible/directed"}) {
+    const bool of_faces = group == "visible/faces";
     writeColumn(out, bytes, group + "/replicate_count", U64{2});
     writeColumn(out, bytes, group + "/i", U32{0, 1});
     writeColumn(out, bytes, group + "/j", U32{1, kEnvironment});
-    writeColumn(out, bytes, group + "/line", U64{1, 1});
-    for (const std::string sum : {"sum", "sum_of_squares", "squares"}) {
+    if (of_faces) {
+      writeColumn(out, bytes, group + "/facing", U64{200, 300});
+      writeColumn(out, bytes, group + "/blocked", U64{100, 50});
+    } else {
+      writeColumn(out, bytes, group + "/line", U64{1, 1});
+    }
+    for (const std::string sum : of_faces ? std::vector<std::string>{"facing_squared", "product", "blocked_squared"} : std::vector<std::string>{"sum", "sum_of_squares", "squares"}) {
       writeColumn(out, bytes, group + "/" + sum + "_high", U64{0, 0});
       writeColumn(out, bytes, group + "/" + sum + "_low", U64{40000, 40000});
     }
@@ -137,7 +143,7 @@ Checkpoint readBytes(const uint8_t* data, size_t count) {
   static const NamedFile file;
   Bytes bytes(data, count);
   Hdf5Output out;
-  writeColumn(out, bytes, "format", std::vector<uint64_t>{3});
+  writeColumn(out, bytes, "format", std::vector<uint64_t>{4});
   writeColumn(out, bytes, "settings/names", std::vector<std::string>{"--seed"});
   writeColumn(out, bytes, "settings/values", std::vector<std::string>{"1"});
   writeColumn(out, bytes, "replicates/first", std::vector<uint64_t>{0});

@@ -1,0 +1,58 @@
+#include "estimator/face_exchanges.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace viewpeel {
+namespace {
+
+constexpr size_t kChunk = size_t(1) << 19;  // pairs of faces
+
+}  // namespace
+
+FaceExchanges::FaceExchanges(const Device* device, const Scene& scene, const Ids& ids, std::function<void()> on_chunk)
+    : scene_(scene), ids_(ids), device_(device), on_chunk_(std::move(on_chunk)), polygons_(ids.count()) {
+  for (uint32_t k = 0; k < ids.of_polygon.size(); ++k) polygons_[ids.of_polygon[k]].push_back(k);
+}
+
+uint64_t FaceExchanges::compute(std::span<KnownPair> pairs) {
+  uint64_t unreached = 0;
+  for (size_t first = 0; first < pairs.size(); first += kChunk) {
+    if (on_chunk_) on_chunk_();
+    unreached += computeChunk(pairs.subspan(first, std::min(kChunk, pairs.size() - first)));
+  }
+  return unreached;
+}
+
+uint64_t FaceExchanges::computeChunk(std::span<KnownPair> pairs) {
+  std::vector<SidePair> sides;
+  std::vector<uint32_t> known_pair;  // of each of `sides`
+  for (uint32_t s = 0; s < pairs.size(); ++s) {
+    KnownPair& pair = pairs[s];
+    if (pair.j >= kEnvironment) {
+      pair.exchange = ids_.areas[pair.i];
+      continue;
+    }
+    pair.exchange = 0;
+    for (uint32_t p : polygons_[pair.i])
+      for (uint32_t q : polygons_[pair.j])
+        for (uint32_t side = 0; side < (ids_.two_sided ? 4u : 1u); ++side) {
+          sides.push_back({frontSide(p) + side % 2, frontSide(q) + side / 2});
+          known_pair.push_back(s);
+        }
+  }
+  if (sides.empty()) return 0;
+  if (!exchange_) exchange_ = device_ ? std::make_unique<UnoccludedExchange>(*device_, scene_) : std::make_unique<UnoccludedExchange>(scene_);
+  std::vector<double> areas(sides.size());
+  const std::vector<UnreachedPair> unreached = exchange_->compute(sides, areas);
+  for (size_t k = 0; k < sides.size(); ++k) pairs[known_pair[k]].exchange += areas[k] * scene_.scale * scene_.scale;
+  uint64_t count = 0;
+  for (const UnreachedPair& side : unreached) {
+    KnownPair& pair = pairs[known_pair[side.pair]];
+    count += pair.exchange < INFINITY;
+    pair = {pair.i, pair.j, 0, 0, INFINITY};
+  }
+  return count;
+}
+
+}  // namespace viewpeel

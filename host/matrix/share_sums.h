@@ -1,0 +1,54 @@
+// Facing and blocked lines of replicates, and what they make of closed forms: the visible share of each.
+//
+// Of a pair's lines V_r are facing in replicate r, O_r blocked, and E[V_r + O_r] is known: it is the exchange area with nothing in between, X_0, in counts. So the exchange area
+// is X = b X_0 with b = sum V_r / sum (V_r + O_r), the ratio estimator of survey sampling (Cochran, Sampling Techniques, 1977, chapter 6): what V and V + O have in
+// common cancels. Its variance is that of V_r - b (V_r + O_r) = (1 - b) V_r - b O_r. A ratio is biased: by no more than its standard error times the relative standard error of
+// sum (V_r + O_r) (Hartley & Ross, Unbiased ratio estimators, Nature 174, 1954), and not at all where every line is facing or blocked by chance of its own, however few lines there are.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "matrix/known_pair.h"
+
+namespace viewpeel {
+
+class ShareSums {
+ public:
+  __extension__ using Wide = unsigned __int128;
+  // Over replicates.
+  struct PairSum {
+    uint32_t i, j;
+    uint64_t facing = 0, blocked = 0;
+    Wide facing_squared = 0, product = 0, blocked_squared = 0;
+  };
+
+  explicit ShareSums(Ids ids) : ids_(std::move(ids)) {}
+  // As they were summed before.    In: pairs sorted by (i, j), every pair at most once
+  ShareSums(Ids ids, uint64_t replicate_count, std::vector<PairSum> pairs) : ids_(std::move(ids)), pairs_(std::move(pairs)), replicate_count_(replicate_count) {}
+
+  // One replicate.    Throws: Error bad_usage where counts are too large for closed forms.    Cost: O(nonzeros).
+  void add(const PairCounts& counts);
+  // Other replicates.
+  void add(const ShareSums& others);
+  const Ids& ids() const { return ids_; }
+  const std::vector<PairSum>& pairs() const { return pairs_; }
+  uint64_t replicateCount() const { return replicate_count_; }
+
+  //   In: known: sorted by (i, j), every pair at most once; lines as in lineOf; measure_area, count_area as in ReplicateSums; sampled: of the same replicates, for row sums and for pairs
+  //     not known
+  //   Error: biased by less than a standard error (above). Standard errors are those of replicates, never less than one line's (ControlSums), and no more than the distance to the farther end
+  //     of [0, most]. So a pair that no line met has a standard error, too. Tests: tests/visible_share_test.cpp, bench/coverage.cpp.
+  FormFactors formFactors(const std::vector<KnownPair>& known, const std::vector<uint64_t>& lines, double measure_area, double count_area, const FormFactors& sampled) const;
+
+  // The same lines with shares fixed beforehand.    In: shares, lines as in takeShares
+  ControlSums controls(const std::vector<PairShare>& shares, const std::vector<uint64_t>& lines) const;
+
+ private:
+  Measured measure(const PairSum& pair, double measure_area, const KnownExchange& known, double count_area) const;
+
+  Ids ids_;
+  std::vector<PairSum> pairs_;
+  uint64_t replicate_count_ = 0;
+};
+
+}  // namespace viewpeel
