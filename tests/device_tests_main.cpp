@@ -24,7 +24,7 @@ const Device& testDevice() {
 
 std::unique_ptr<Engine> makeHost(const Device&, const Scene& scene, const Ids& ids, const LatticeOptions& options) { return makeHostEngine(scene, ids, options); }
 
-std::vector<TestRun> withEngines(TestRun run) {
+std::vector<TestRun> withEngines(const TestRun& run) {
   std::vector<TestRun> runs(3, run);
   for (size_t k : {1, 2}) runs[k].make_engine = makeHost, runs[k].name = "host";
   runs[2].lattice.sampling = Sampling::scanline;

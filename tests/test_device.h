@@ -31,7 +31,7 @@ struct TestRun {
 std::unique_ptr<Engine> makeHost(const Device&, const Scene& scene, const Ids& ids, const LatticeOptions& options);
 
 // The same run with lattice points of the compute and the host engine, whose counts are the same, and with the host engine's scanlines.
-std::vector<TestRun> withEngines(TestRun run = {});
+std::vector<TestRun> withEngines(const TestRun& run = {});
 
 Estimate estimateScene(const InputScene& input, const TestRun& run = {});
 
