@@ -1,6 +1,7 @@
 #include "engines/pair_table.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -15,6 +16,26 @@ constexpr size_t kAhead = 8;  // additions whose places are on their way from me
 
 uint64_t denseWords(uint32_t id_count, bool counts_blocked) {
   return (device_data::counterIndex(id_count - 1, id_count + 1, id_count) + 1) * (counts_blocked ? 2 : 1);
+}
+
+// Counts to the places of their keys, those of one key in the order they had.
+template <class KeyOf>
+PairCounts inOrderOf(const PairCounts& counts, size_t keys, KeyOf keyOf) {
+  std::vector<uint32_t> places(keys + 1, 0);
+  for (const PairCount& count : counts) ++places[keyOf(count) + 1];
+  std::partial_sum(places.begin(), places.end(), places.begin());
+  PairCounts sorted(counts.size());
+  for (const PairCount& count : counts) sorted[places[keyOf(count)]++] = count;
+  return sorted;
+}
+
+// By i and j: where there are many, first by j and then by i, of which a part has few.
+void sortPart(PairCounts& counts, uint32_t id_count) {
+  if (8 * counts.size() < id_count) return std::sort(counts.begin(), counts.end(), isBefore);
+  const auto [first, last] = std::minmax_element(counts.begin(), counts.end(), [](const PairCount& a, const PairCount& b) { return a.i < b.i; });
+  const uint32_t first_i = first->i, i_count = last->i - first_i + 1;
+  counts = inOrderOf(counts, id_count + 2, [&](const PairCount& count) { return count.j < kEnvironment ? count.j : id_count + (count.j - kEnvironment); });
+  counts = inOrderOf(counts, i_count, [&](const PairCount& count) { return count.i - first_i; });
 }
 
 }  // namespace
@@ -73,7 +94,7 @@ PairCounts SharedPairs::take(uint32_t part_index) {
     const uint64_t pair = ~part.words[place];
     counts.push_back({static_cast<uint32_t>(pair >> 32), static_cast<uint32_t>(pair), part.words[place + 1], stride_ > 2 ? part.words[place + 2] : 0});
   }
-  std::sort(counts.begin(), counts.end(), isBefore);
+  sortPart(counts, id_count_);
   std::fill(part.words.begin(), part.words.end(), 0);
   part.used = 0;
   return counts;

@@ -150,17 +150,21 @@ const Sweep::DepthPlane& Sweep::depthPlane(uint32_t plane_index, const Direction
 
 // False where it covers nothing in the window.
 bool Sweep::outlineOf(const SweepScene::Polygon& polygon, Outline& outline) const {
+  // Many small polygons lie between two rows.
+  std::array<int32_t, 4> snapped;
+  for (size_t k = 0; k < 4; ++k) snapped[k] = snapped_y_[polygon.corners[k]];
+  const auto [low_y, high_y] = std::minmax({snapped[0], snapped[1], snapped[2], snapped[3]});
+  const auto upward = [](int64_t value, int bits) { return (value + (int64_t(1) << bits) - 1) >> bits; };
+  const int64_t first_row = std::max<int64_t>(upward(low_y, fraction_bits_), -reach_), last_row = std::min<int64_t>(high_y >> fraction_bits_, reach_ - 1);
+  if (first_row > last_row) return false;
   std::array<int64_t, 4> x, y;
   for (size_t k = 0; k < 4; ++k) {
     x[k] = snapped_x_[polygon.corners[k]];
-    y[k] = snapped_y_[polygon.corners[k]];
+    y[k] = snapped[k];
   }
   const int column_shift = fraction_bits_ - column_bits_;
-  const auto upward = [](int64_t value, int bits) { return (value + (int64_t(1) << bits) - 1) >> bits; };
   const int64_t first_column = upward(std::min({x[0], x[1], x[2], x[3]}), column_shift), last_column = std::max({x[0], x[1], x[2], x[3]}) >> column_shift;
-  const int64_t first_row = std::max<int64_t>(upward(std::min({y[0], y[1], y[2], y[3]}), fraction_bits_), -reach_);
-  const int64_t last_row = std::min<int64_t>(std::max({y[0], y[1], y[2], y[3]}) >> fraction_bits_, reach_ - 1);
-  if (first_row > last_row || first_column > last_column) return false;
+  if (first_column > last_column) return false;
   int64_t twice_area = 0;
   for (size_t k = 1; k < 3; ++k) twice_area += (x[k] - x[0]) * (y[k + 1] - y[0]) - (y[k] - y[0]) * (x[k + 1] - x[0]);
   if (twice_area == 0) return false;
