@@ -1,5 +1,7 @@
 #include "threads.h"
 
+#include <sched.h>
+
 #include <algorithm>
 #include <atomic>
 #include <exception>
@@ -9,7 +11,10 @@
 
 namespace viewpeel {
 
-size_t threadCount() { return std::max(1u, std::thread::hardware_concurrency()); }
+size_t threadCount() {
+  cpu_set_t allowed;
+  return ::sched_getaffinity(0, sizeof allowed, &allowed) == 0 ? std::max(1, CPU_COUNT(&allowed)) : std::max(1u, std::thread::hardware_concurrency());
+}
 
 size_t threadsFor(size_t entries) {
   constexpr size_t kFew = 20'000;  // about 0.1 ms

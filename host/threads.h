@@ -5,7 +5,7 @@
 
 namespace viewpeel {
 
-// As many as the processor has.
+// As many as the processors that the process may run on (taskset).
 size_t threadCount();
 
 // The same for lists of so many entries, one where that takes less than to start another.
