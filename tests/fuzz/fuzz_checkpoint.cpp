@@ -119,7 +119,7 @@ void writeVisibleSums(Hdf5Output& out, Bytes& bytes) {
     } else {
       writeColumn(out, bytes, group + "/line", U64{1, 1});
     }
-    for (const std::string sum : of_faces ? std::vector<std::string>{"facing_squared", "product", "blocked_squared"} : std::vector<std::string>{"sum", "sum_of_squares", "squares"}) {
+    for (const std::string& sum : of_faces ? std::vector<std::string>{"facing_squared", "product", "blocked_squared"} : std::vector<std::string>{"sum", "sum_of_squares", "squares"}) {
       writeColumn(out, bytes, group + "/" + sum + "_high", U64{0, 0});
       writeColumn(out, bytes, group + "/" + sum + "_low", U64{40000, 40000});
     }
