@@ -218,7 +218,8 @@ TEST(VisibleShare, PairsThatTheRunSeesGetClosedForms) {
   constexpr uint32_t kCuts = 40;
   InputScene input{"two squares in 1600 parts each", {"low", "high"}, {}};
   for (uint32_t k = 0; k < kCuts * kCuts; ++k) {
-    const double edge = 1.0 / kCuts, x = edge * (k % kCuts), y = edge * (k / kCuts);
+    const uint32_t column = k % kCuts, row = k / kCuts;
+    const double edge = 1.0 / kCuts, x = edge * column, y = edge * row;
     ts::addFace(input, "low", ts::parallelogram({x, y, 0}, {edge, 0, 0}, {0, edge, 0}));
     ts::addFace(input, "high", ts::parallelogram({x, y, 1}, {0, edge, 0}, {edge, 0, 0}));
   }

@@ -278,7 +278,10 @@ uint64_t Sweep::keyAt(const Layer& layer, int32_t column) const {
 void Sweep::sortByLow(std::span<Span> spans) {
   const auto columns = 2 * static_cast<size_t>(reach_);
   if (spans.size() < columns / 4) return std::sort(spans.begin(), spans.end(), [](const Span& a, const Span& b) { return a.low < b.low; });
-  const auto columnOf = [&](const Span& span) { return static_cast<size_t>((span.low >> column_bits_) + reach_); };
+  const auto columnOf = [&](const Span& span) {
+    const int32_t column = (span.low >> column_bits_) + reach_;
+    return static_cast<size_t>(column);
+  };
   places_.assign(columns + 1, 0);
   for (const Span& span : spans) ++places_[columnOf(span) + 1];
   for (size_t k = 1; k <= columns; ++k) places_[k] += places_[k - 1];
