@@ -2,6 +2,7 @@
 #pragma once
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -9,11 +10,16 @@
 
 namespace viewpeel {
 
+// By which lists are sorted.
+template <class Pair>
+std::pair<uint32_t, uint32_t> keyOf(const Pair& pair) {
+  return {pair.i, pair.j};
+}
+
 // add_to(sum, pair) for each of `pairs`, whose sum is Sum{i, j} where there was none.
 //   In: sums and pairs sorted by (i, j), every pair at most once    Cost: O(sums + pairs); memory for the sums that are new.
 template <class Sum, class Pairs, class AddTo>
 void addPairs(std::vector<Sum>& sums, const Pairs& pairs, AddTo add_to) {
-  const auto keyOf = [](const auto& pair) { return std::pair(pair.i, pair.j); };
   std::vector<Sum> fresh;
   auto at = sums.begin();
   for (const auto& pair : pairs) {
@@ -25,14 +31,14 @@ void addPairs(std::vector<Sum>& sums, const Pairs& pairs, AddTo add_to) {
   if (fresh.empty()) return;
   const auto old_count = static_cast<std::ptrdiff_t>(sums.size());
   sums.insert(sums.end(), fresh.begin(), fresh.end());
-  std::inplace_merge(sums.begin(), sums.begin() + old_count, sums.end(), [&](const Sum& a, const Sum& b) { return keyOf(a) < keyOf(b); });
+  std::inplace_merge(sums.begin(), sums.begin() + old_count, sums.end(), [](const Sum& a, const Sum& b) { return keyOf(a) < keyOf(b); });
 }
 
 // The pairs of a coarser set of ids, in order: id k becomes id_map[k], and add_to(sum, pair) joins a pair to one that is there.
 //   Cost: O(pairs) where there are few coarse ids, else O(pairs log pairs).
 template <class Pair, class AddTo>
 std::vector<Pair> mergePairs(const std::vector<Pair>& pairs, const std::vector<uint32_t>& id_map, AddTo add_to) {
-  const auto precedes = [](const Pair& a, const Pair& b) { return std::pair(a.i, a.j) < std::pair(b.i, b.j); };
+  const auto precedes = [](const Pair& a, const Pair& b) { return keyOf(a) < keyOf(b); };
   const auto mapped = [&](Pair pair) {
     const uint32_t i = id_map[pair.i], j = pair.j < kEnvironment ? id_map[pair.j] : pair.j;
     pair.i = std::min(i, j), pair.j = std::max(i, j);

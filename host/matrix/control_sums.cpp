@@ -14,12 +14,6 @@ namespace {
 
 constexpr uint64_t kMostCounts = uint64_t(1) << 50;  // with kShareBits more the squares of 2^3 replicates are within 128 bits
 
-
-template <class Pair>
-std::pair<uint32_t, uint32_t> keyOf(const Pair& pair) {
-  return {pair.i, pair.j};
-}
-
 }  // namespace
 
 PairCounts withRows(PairCounts counts) {

@@ -8,14 +8,6 @@
 #include "threads.h"
 
 namespace viewpeel {
-namespace {
-
-template <class Pair>
-std::pair<uint32_t, uint32_t> keyOf(const Pair& pair) {
-  return {pair.i, pair.j};
-}
-
-}  // namespace
 
 void ShareSums::add(const PairCounts& counts) {
   ++replicate_count_;  // first: what ends early is seen (RunSums::isWhole)

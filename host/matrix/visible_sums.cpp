@@ -6,6 +6,7 @@
 #include <iterator>
 #include <utility>
 
+#include "matrix/add_pairs.h"
 #include "threads.h"
 
 namespace viewpeel {
@@ -112,18 +113,15 @@ std::vector<KnownPair> VisibleSums::unknownPairs() const {
   if (known_.has_all_pairs) return unknown;
   auto at = known_.pairs.begin();
   for (const ShareSums::PairSum& pair : by_face_.pairs()) {
-    while (at != known_.pairs.end() && isBeforePair(*at, std::pair(pair.i, pair.j))) ++at;
-    const bool is_known = at != known_.pairs.end() && at->i == pair.i && at->j == pair.j;
+    while (at != known_.pairs.end() && keyOf(*at) < keyOf(pair)) ++at;
+    const bool is_known = at != known_.pairs.end() && keyOf(*at) == keyOf(pair);
     if (!is_known && pair.facing > 0 && pair.j < kEnvironment && pair.i != pair.j) unknown.push_back({pair.i, pair.j});
   }
   return unknown;
 }
 
 void VisibleSums::learn(const std::vector<KnownPair>& pairs) {
-  const auto old_count = static_cast<std::ptrdiff_t>(known_.pairs.size());
-  known_.pairs.insert(known_.pairs.end(), pairs.begin(), pairs.end());
-  std::inplace_merge(known_.pairs.begin(), known_.pairs.begin() + old_count, known_.pairs.end(),
-                     [](const KnownPair& a, const KnownPair& b) { return isBeforePair(a, std::pair(b.i, b.j)); });
+  addPairs(known_.pairs, pairs, [](KnownPair& known, const KnownPair& pair) { known = pair; });
 }
 
 void VisibleSums::add(const VisibleSums& others, bool others_are_first) {
@@ -138,7 +136,7 @@ void VisibleSums::add(const VisibleSums& others, bool others_are_first) {
   }
   // What only one of them has met.
   std::vector<KnownPair> missing;
-  std::ranges::set_difference(second.pairs, known_.pairs, std::back_inserter(missing), [](const KnownPair& a, const KnownPair& b) { return isBeforePair(a, std::pair(b.i, b.j)); });
+  std::ranges::set_difference(second.pairs, known_.pairs, std::back_inserter(missing), [](const KnownPair& a, const KnownPair& b) { return keyOf(a) < keyOf(b); });
   if (!missing.empty()) learn(missing);
 }
 
