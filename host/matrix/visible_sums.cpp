@@ -99,10 +99,10 @@ PairCounts VisibleSums::withoutDirected(PairCounts counts) const {
 }
 
 void VisibleSums::add(const PairCounts& counts, const PairCounts& directed) {
-  const PairCounts common = withoutDirected(withRows(counts));
+  const PairCounts common = withoutDirected(withRows(counts)), none;
   const auto addTo = [&](size_t, size_t k) {
     if (k == 0) by_surface_.add(mergeIds(takeShares(common, surface_shares_, known_.lines), by_face_.ids().surface));
-    if (k == 1) by_face_.add(by_ == By::polygon ? common : PairCounts{});
+    if (k == 1) by_face_.add(by_ == By::polygon ? common : none);
   };
   directed_.add(takeDirectedShares(directed, known_.directed));
   shareOut(threadsFor(common.size()), 2, 1, addTo);
