@@ -262,7 +262,11 @@ TEST(VisibleShare, EveryPairOfManyPolygonsGetsItsClosedForm) {
     if (line_count >= kLinesToLearn) {
       EXPECT_EQ(entry.exchange_area.value, alone.exchange);
     }
-    if (row_of != entry.i) row(row_of = entry.i, later);
+    if (row_of != entry.i) {
+      row_of = entry.i;
+      later.assign(ids.count() - row_of - 1, {});
+      row(row_of, later);
+    }
     const BoundedExchange& bounded = later[entry.j - entry.i - 1];
     EXPECT_NEAR(entry.exchange_area.value, alone.exchange, bounded.error + kUnoccludedRelativeError * alone.exchange);
     EXPECT_LT(bounded.error, 0.01 * alone.exchange);  // a part of 1/40 at a distance of 1 at least: far

@@ -84,14 +84,13 @@ RowExchange::RowExchange(const Scene& scene, const Ids& ids) : near_(scene, 1), 
   std::partial_sum(first_.begin(), first_.end(), first_.begin());
 }
 
-void RowExchange::compute(uint32_t i, std::vector<BoundedExchange>& later) const {
-  later.assign(id_.empty() ? 0 : first_.size() - 2 - i, {});
+void RowExchange::compute(uint32_t i, std::span<BoundedExchange> later) const {
   for (uint32_t a = first_[i]; a < first_[i + 1]; ++a) addPolygon(a, first_[i + 1], later, i + 1);
 }
 
 // The mean over a polygon of max(0, depth), depth linear, is at most 0.045 of the depth's half range off the rule's over a line, where its zero is at a point of the rule, and over the square no more
 // than twice that: over one coordinate at a time; kCutError allows for weights that are not constant, too.
-void RowExchange::addPolygon(uint32_t a, uint32_t first, std::vector<BoundedExchange>& later, uint32_t first_id) const {
+void RowExchange::addPolygon(uint32_t a, uint32_t first, std::span<BoundedExchange> later, uint32_t first_id) const {
   for (size_t start = first; start < id_.size(); start += kLanes) {
     Floats errors;
     const Flags ways = classify(a, start, errors);
@@ -100,6 +99,7 @@ void RowExchange::addPolygon(uint32_t a, uint32_t first, std::vector<BoundedExch
     for (size_t k = 0; k < std::min(kLanes, id_.size() - start); ++k) {
       if (ways[k] == kUnseen) continue;
       BoundedExchange& sum = later[id_[start + k] - first_id];
+      if (sum.error < 0) continue;
       const double area = areas[k], error = errors[k];
       if (ways[k] != kNear) {
         sum.area += unit_ * area;
@@ -122,7 +122,7 @@ RowExchange::Flags RowExchange::classify(uint32_t a, size_t start, Floats& error
   const auto errorOf = [this](Floats reach, Floats other_radius, Floats skew, Floats distance, Floats depth) {
     const Floats t = reach / greater(distance - reach - other_radius, reach), square = t * t, slope = reach / greater(depth - reach, reach), product = slope * skew;
     const Floats stretch = (1 + t) * (1 + t), rest = bound_.tail * square, series = bound_.even * square + bound_.odd * (slope + skew) * t + bound_.skew * product;
-    const Floats error = 2 * stretch * stretch / (1 - product / 3) * square * series * (1 + 2 * rest);
+    const Floats error = 2 * stretch * stretch * (1 + product / 2) * square * series * (1 + 2 * rest);  // 1 / (1 - x / 3) <= 1 + x / 2 up to 1
     return rest < 0.5f ? error : lanesOf(1);
   };
   const Floats none{}, x = load(middle_[0], start) - middle_[0][a], y = load(middle_[1], start) - middle_[1][a], z = load(middle_[2], start) - middle_[2][a], distance = lengthOf(x, y, z);
@@ -132,16 +132,17 @@ RowExchange::Flags RowExchange::classify(uint32_t a, size_t start, Floats& error
     depth_a = greater(depth_a, -depth_a);
   }
   const Floats radius_a = lanesOf(radius_[a]), radius_b = load(radius_, start), least_b = depth_b - radius_b - kRounding, least_a = depth_a - radius_a - kRounding;
-  const Flags cuts_b = least_b <= 0, cuts_a = least_a <= 0, cuts = cuts_a | cuts_b;
   Flags is_one_plane;
   for (size_t k = 0; k < kLanes; ++k) is_one_plane[k] = plane_[start + k] >> 1 == plane_[a] >> 1 ? -1 : 0;
+  const Flags is_behind = (depth_b < -radius_b - kRounding) | (depth_a < -radius_a - kRounding) | (is_one_plane & (distance > radius_a + radius_b));
+  if (is_behind[0] & is_behind[1] & is_behind[2] & is_behind[3]) return Flags{} + kUnseen;
+  const Flags cuts_b = least_b <= 0, cuts_a = least_a <= 0, cuts = cuts_a | cuts_b;
   const Floats clear = greater(distance - radius_a - radius_b, lanesOf(1e-9f)), rounding = lanesOf(kRounding);
   const Floats error = errorOf(load(reach_, start), radius_a, load(skew_, start), distance, depth_b) + errorOf(lanesOf(reach_[a]), radius_b, lanesOf(skew_[a]), distance, depth_a) +
                        4 * rounding / clear + (cuts_b ? none : rounding / greater(least_b, rounding)) + (cuts_a ? none : rounding / greater(least_a, rounding));
   const Floats largest = kCutError / std::numbers::pi_v<float> * area_[a] * load(area_, start) / (clear * clear * clear * clear);
   const Floats of_cuts = largest * ((cuts_b ? radius_b * (depth_a + radius_a) : none) + (cuts_a ? radius_a * (depth_b + radius_b) : none));
   errors = cuts ? of_cuts : error;
-  const Flags is_behind = (depth_b < -radius_b - kRounding) | (depth_a < -radius_a - kRounding) | (is_one_plane & (distance > radius_a + radius_b));
   const Flags way = ((error > kMostError) | is_one_plane) ? Flags{} + kNear : cuts ? Flags{} + (two_sided_ ? kNear : kCut) : Flags{} + kFar;
   return is_behind ? Flags{} + kUnseen : way;
 }

@@ -5,6 +5,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "closed_forms/host_unoccluded.h"
@@ -24,15 +25,16 @@ class RowExchange {
   RowExchange(const Scene& scene, const Ids& ids);
 
   // May be called by several threads at once.
-  //   Out: later: of id i with i + 1, i + 2, ..., input units squared; 0 and 0 for those that cannot see each other
+  //   In: later: one for each of i + 1, i + 2, ...; 0 and 0, or an error below 0: it is not wanted
+  //   Out: later: exchange areas with id i, input units squared; 0 and 0 where the two cannot see each other
   //   Error: at most that given: where it is more than 5 % of an exchange area, one polygon is cut by the other's plane. tests/row_exchange_test.cpp.
   //   Cost: O(n).
-  void compute(uint32_t i, std::vector<BoundedExchange>& later) const;
+  void compute(uint32_t i, std::span<BoundedExchange> later) const;
 
  private:
   Flags classify(uint32_t a, size_t start, Floats& errors) const;
   Floats integrate(uint32_t a, size_t start) const;
-  void addPolygon(uint32_t a, uint32_t first, std::vector<BoundedExchange>& later, uint32_t first_id) const;
+  void addPolygon(uint32_t a, uint32_t first, std::span<BoundedExchange> later, uint32_t first_id) const;
 
   HostUnoccluded near_;
   bool two_sided_;

@@ -40,7 +40,7 @@ bool FaceExchanges::hasRows() const { return uint64_t(ids_.count()) * (ids_.coun
 ExchangeRow FaceExchanges::rows() {
   if (!hasRows()) return {};
   if (!row_exchange_) row_exchange_ = std::make_unique<RowExchange>(scene_, ids_);
-  return [this](uint32_t i, std::vector<BoundedExchange>& later) { row_exchange_->compute(i, later); };
+  return [this](uint32_t i, std::span<BoundedExchange> later) { row_exchange_->compute(i, later); };
 }
 
 uint64_t FaceExchanges::computeChunk(std::span<KnownPair> pairs) {

@@ -52,7 +52,12 @@ class ShareSums::Entries {
     std::vector<BoundedExchange> later;
     if (row) entries_.reserve(size_t(end_row - first_row) * (sums_.ids_.count() - first_row));  // no memory before it is written to
     for (uint32_t i = first_row; i < end_row; ++i) {
-      if (row) row(i, later);
+      if (row) {
+        later.assign(sums_.ids_.count() - i - 1, {});
+        for (auto known = known_; known != known_pairs_.end() && known->i == i; ++known)
+          if (known->j > i && known->j < kEnvironment) later[known->j - i - 1].error = -1;
+        row(i, later);
+      }
       for (uint32_t j = i + 1, end = static_cast<uint32_t>(i + 1 + later.size()); j < end; ++j) {
         // Up to the next that anything is known of.
         for (const uint32_t next = std::min(nextAfter(i, j), end); j < next; ++j)

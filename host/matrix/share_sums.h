@@ -7,6 +7,7 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "matrix/known_pair.h"
@@ -15,8 +16,8 @@ namespace viewpeel {
 
 class NeighbourShares;
 
-// Closed forms of an id with each one after it, to the bounds given: no closer than pairs of which few lines tell deserve. By several threads at once.
-using ExchangeRow = std::function<void(uint32_t i, std::vector<BoundedExchange>& later)>;
+// Closed forms of an id with each one after it, to the bounds given: no closer than pairs of which few lines tell deserve (RowExchange::compute). By several threads at once.
+using ExchangeRow = std::function<void(uint32_t i, std::span<BoundedExchange> later)>;
 
 class ShareSums {
  public:
