@@ -65,7 +65,11 @@ class ShareSums::Entries {
         if (j == end) break;
         addBefore(i, j);
         const BoundedExchange& exchange = later[j - i - 1];
-        if (isAt(known_, known_pairs_, i, j) || !(exchange.area > 0 || exchange.error > 0)) continue;
+        if (isAt(known_, known_pairs_, i, j)) {
+          addBefore(i, j + 1);  // before what is told of it is passed
+          continue;
+        }
+        if (!(exchange.area > 0 || exchange.error > 0)) continue;
         const PairSum told = take(i, j);
         if (isAt(sampled_, sampled_entries_, i, j)) ++sampled_;
         add(told, {i, j, 0, 0, exchange.area}, exchange.error);
