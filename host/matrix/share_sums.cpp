@@ -103,8 +103,7 @@ class ShareSums::Entries {
 
   Measured fromNeighbours(uint32_t i, uint32_t j, double most, double error) const {
     const NeighbourShares::Share share = neighbours_->of(i, j);
-    const double spread = share.deviation * most, rest = share.mean * error;
-    return {share.mean * most, sums_.replicate_count_ < 2 ? INFINITY : std::sqrt(spread * spread + rest * rest)};
+    return {share.mean * most, sums_.replicate_count_ < 2 ? INFINITY : share.deviation * most + share.mean * error};
   }
 
   // Pairs that are known, and those sampled alone.
@@ -143,7 +142,7 @@ class ShareSums::Entries {
     exchange.standard_error = errorOfSum(variance, squares, double(known.line), area / count_area_) * count_exchange;
     exchange.standard_error = std::min(exchange.standard_error, std::max(exchange.value, known.most - exchange.value));
     if (squares == 0) exchange = allowForUnmet(exchange, known, replicates * count_area_ / measure_area_, area);
-    if (error > 0) exchange.standard_error = std::hypot(exchange.standard_error, b * error);
+    exchange.standard_error += b * error;  // a bound, whatever the lines told
     return exchange;
   }
 
