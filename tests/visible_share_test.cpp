@@ -302,6 +302,37 @@ TEST(VisibleShare, EveryPairOfManyPolygonsGetsItsClosedForm) {
   }
 }
 
+// A goal is reached with the first replicate after which all standard errors are small enough, those of rough closed forms and of pairs that no line met among them.
+TEST(VisibleShare, GoalsAreReachedByEveryPairOfManyPolygons) {
+  constexpr uint32_t kCuts = 55;
+  InputScene input{"a floor in 3025 parts below a lamp and a screen", {}, {}};
+  for (uint32_t k = 0; k < kCuts * kCuts; ++k) ts::addFace(input, "floor", ts::parallelogram({double(k % kCuts), double(k / kCuts), 0}, {1, 0, 0}, {0, 1, 0}));
+  ts::addFace(input, "lamp", ts::parallelogram({20, 20, 30}, {0, 6, 0}, {6, 0, 0}));
+  ts::addFace(input, "screen", ts::parallelogram({24, 16, 15}, {9, 0, 0}, {0, 9, 0}));
+  const Scene scene = buildScene(input);
+  const Ids ids = makeIds(scene, By::polygon, false);
+  ASSERT_GT(uint64_t(ids.count()) * (ids.count() - 1) / 2, kMostKnownPairs);
+  const auto engine = makeHostEngine(scene, ids, {.resolution = 64, .count_blocked = true});
+  EstimateOptions options{.directions = 32, .replicates = 3};
+  FaceExchanges exchanges(nullptr, scene, ids);
+  const VisibleShares shares = findVisibleShares(*engine, exchanges, scene, ids, groupBySize(scene, std::vector<double>(scene.polygons.size(), 1), 64), options, pilotDirections(options));
+  options.known = &shares.known;
+  options.exchanges = &exchanges;
+  const double first = estimateFormFactors(*engine, scene, ids, options).largest_standard_error;
+  for (const double share : {0.9, 0.7}) {
+    options.tolerance = share * first;
+    std::vector<double> largest;
+    options.on_sums = [&](const RunSums& sums, bool last) {
+      if (!last) largest.push_back(makeEstimate(sums, options.relative_floor, exchanges.rows()).largest_standard_error);
+    };
+    const Estimate reached = estimateFormFactors(*engine, scene, ids, options);
+    ASSERT_EQ(reached.replicates, largest.size());
+    EXPECT_GT(reached.replicates, 3u);
+    EXPECT_EQ(reached.largest_standard_error, largest.back());
+    for (size_t r = 2; r < largest.size(); ++r) EXPECT_EQ(largest[r] <= *options.tolerance, r + 1 == largest.size()) << r;
+  }
+}
+
 InputScene squaresPastABlocker() {
   InputScene input = ts::parallelSquares();
   ts::addFace(input, "blocker", {{0.2, 0.1, 0.4}, {0.7, 0.1, 0.4}, {0.7, 0.6, 0.4}, {0.2, 0.6, 0.4}});

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
 
 #include "error.h"
 #include "estimator/directed_pairs.h"
@@ -40,12 +41,21 @@ Estimate estimateFormFactors(Engine& engine, const Scene& scene, const Ids& ids,
   ExchangeRow row;
   if (const RunSums& begun = options.resumed ? *options.resumed : sums; begun.visible && options.exchanges && !begun.visible->known().has_all_pairs) row = options.exchanges->rows();
   double largest_error = INFINITY, largest_relative_error = INFINITY;
+  const auto isReached = [&] { return (!options.tolerance || largest_error <= *options.tolerance) && (!options.relative || largest_relative_error <= *options.relative); };
+  std::optional<FormFactors> found;  // where the goal is reached
   const auto measureErrors = [&] {
+    found.reset();
     if (sums.visible) {
       if (!(options.tolerance || options.relative) || sums.replicateCount() < options.replicates) return;  // nobody asks
-      const FormFactors so_far = sums.formFactors(row);
-      largest_error = largestStandardError(so_far);
-      largest_relative_error = largestRelativeError(so_far, options.relative_floor);
+      const auto measure = [&](const FormFactors& so_far) {
+        largest_error = largestStandardError(so_far);
+        largest_relative_error = largestRelativeError(so_far, options.relative_floor);
+        return isReached();
+      };
+      // Rows of all pairs take seconds, and mostly it is one of those known for which there have to be more replicates.
+      if (row && !measure(sums.knownFormFactors())) return;
+      FormFactors all = sums.formFactors(row);
+      if (measure(all)) found = std::move(all);
       return;
     }
     largest_error = sums.by_id.largestStandardError(sums.measure_area, sums.countArea());
@@ -53,6 +63,7 @@ Estimate estimateFormFactors(Engine& engine, const Scene& scene, const Ids& ids,
   };
   if (options.resumed) {
     sums.add(*options.resumed);
+    if (options.exchanges) options.exchanges->learn(sums);
     measureErrors();
   }
   const uint64_t resumed_count = sums.replicateCount();
@@ -62,8 +73,7 @@ Estimate estimateFormFactors(Engine& engine, const Scene& scene, const Ids& ids,
     const auto done_here = double(done - resumed_count);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (options.seconds && done >= 2 && done_here > 0 && seconds * (done_here + 1) / done_here > *options.seconds) return true;
-    return done >= options.replicates && (!options.tolerance || largest_error <= *options.tolerance) &&
-           (!options.relative || largest_relative_error <= *options.relative) && !(options.seconds && !options.tolerance && !options.relative);
+    return done >= options.replicates && isReached() && !(options.seconds && !options.tolerance && !options.relative);
   };
   bool interrupted = false;
   try {
@@ -87,13 +97,14 @@ Estimate estimateFormFactors(Engine& engine, const Scene& scene, const Ids& ids,
     throw;
   }
   if (options.on_sums) options.on_sums(sums, true);
-  Estimate estimate = makeEstimate(sums, options.relative_floor, row);
+  Estimate estimate = found ? makeEstimate(sums, options.relative_floor, std::move(*found)) : makeEstimate(sums, options.relative_floor, row);
   estimate.interrupted = interrupted;
   return estimate;
 }
 
-Estimate makeEstimate(const RunSums& sums, double relative_floor, const ExchangeRow& row) {
-  FormFactors all = sums.formFactors(row);
+Estimate makeEstimate(const RunSums& sums, double relative_floor, const ExchangeRow& row) { return makeEstimate(sums, relative_floor, sums.formFactors(row)); }
+
+Estimate makeEstimate(const RunSums& sums, double relative_floor, FormFactors all) {
   Estimate estimate{FormFactors({}, {}, {}), keepSeen(sums.betweenSurfaces()), sums.replicateCount(), sums.directions, largestStandardError(all), largestRelativeError(all, relative_floor)};
   const std::vector<double> areas = all.ids().areas;
   const std::vector<ShareSums::PairSum> no_sums;

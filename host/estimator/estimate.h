@@ -88,6 +88,8 @@ FormFactors keepSeen(FormFactors form_factors);
 
 // The form factors and errors of what was counted.    In: row: as in VisibleSums    Cost: O(nonzeros).
 Estimate makeEstimate(const RunSums& sums, double relative_floor, const ExchangeRow& row = {});
+// The same of those that sums.formFactors(row) made.
+Estimate makeEstimate(const RunSums& sums, double relative_floor, FormFactors all);
 
 // Computes F_ij = (2 / A_i) E[A'_ij(u)] for all pairs (Pellegrini 1997, sections 4.3 and 5.1).
 //   In: scene and ids as the engine was made with

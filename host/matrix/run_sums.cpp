@@ -81,6 +81,13 @@ FormFactors RunSums::formFactors(const ExchangeRow& row) const {
   return visible->formFactors(By::polygon, measure_area, countArea(), by_id.formFactors(measure_area, countArea(), isUnknown), row);
 }
 
+FormFactors RunSums::knownFormFactors() const {
+  std::vector<FormFactors::Entry> entries = visible->formFactors(By::polygon, measure_area, countArea(), FormFactors({}, {}, {})).entries();
+  auto at = visible->known().pairs.begin();  // one of each of these
+  std::erase_if(entries, [&](const FormFactors::Entry&) { return std::isinf((at++)->exchange); });
+  return {by_id.ids(), std::move(entries), {}};
+}
+
 FormFactors RunSums::betweenSurfaces() const {
   const FormFactors sampled = by_surface.formFactors(measure_area, countArea());
   return visible ? visible->formFactors(By::surface, measure_area, countArea(), sampled) : sampled;

@@ -41,6 +41,8 @@ struct RunSums {
   // What was counted comes to: with closed forms where there are, then of the ids asked for (VisibleSums::by) and with entries of 0 for pairs never seen, else of by_id.
   //   In: row: as in VisibleSums
   FormFactors formFactors(const ExchangeRow& row = {}) const;
+  // Only those by polygon whose closed forms are known, as they are among all; needs VisibleSums.
+  FormFactors knownFormFactors() const;
   FormFactors betweenSurfaces() const;
 };
 

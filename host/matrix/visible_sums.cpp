@@ -164,7 +164,7 @@ std::vector<FormFactors::Entry> VisibleSums::directedEntries() const {
 FormFactors VisibleSums::formFactors(By by, double measure_area, double count_area, const FormFactors& sampled, const ExchangeRow& row) const {
   if (by == By::polygon) {
     std::optional<NeighbourShares> neighbours;
-    if (!known_.ranks.empty() && (known_.has_all_pairs || row)) neighbours.emplace(by_face_, known_.lines, known_.ranks);
+    if (!known_.ranks.empty()) neighbours.emplace(by_face_, known_.lines, known_.ranks);
     FormFactors common = by_face_.formFactors(known_.pairs, known_.lines, measure_area, count_area, sampled, neighbours ? &*neighbours : nullptr, row);
     if (known_.directed.empty()) return common;
     std::vector<FormFactors::Entry> entries = std::move(common).entries();
