@@ -181,9 +181,10 @@ TEST(VisibleShare, UnblockedPairsAreExact) {
       const EstimateOptions options{.directions = 24, .replicates = 4};
       const Measured f = made.estimate(options).form_factors.formFactor(0, 1);
       EXPECT_NEAR(f.value, truth, kUnoccludedRelativeError * truth + kTenDigits);
-      // One line's of all that met the pair: nothing says that no blocker is there. With scanlines a line is as much as a lattice point, in counts.
-      const double line = pointArea(16) / made.engine->unitArea();
-      EXPECT_NEAR(f.standard_error, truth * line / double(made.countsOf(options, 0, 1).count), 1e-9 * truth);  // the closed form's error
+      // Nothing says that no blocker is there: of the order of one line of all that met the pair. With scanlines a line is as much as a lattice point, in counts.
+      const double line = pointArea(16) / made.engine->unitArea(), one = truth * line / double(made.countsOf(options, 0, 1).count);
+      EXPECT_GT(f.standard_error, 0.1 * one);
+      EXPECT_LT(f.standard_error, 10 * one);
     }
   }
   const Estimate cube = share(ts::insideOfCube(), 16).estimate({.directions = 24, .replicates = 4});
@@ -419,8 +420,8 @@ TEST(VisibleShare, PairsThatNoLineMetAreUncertain) {
     if (counts.blocked > 0) {
       ++blocked_pairs;
       EXPECT_EQ(f.value, 0);
-      // One of the lines blocked, or, where that is more, what two directions meet with a probability of 1 - e^-F at most, F from the smaller of the two.
-      EXPECT_NEAR(f.standard_error, std::min(most, std::max(most / double(counts.blocked), most * std::exp(-most / area))), 1e-14 * most);  // rounding
+      EXPECT_GT(f.standard_error, 0.01 * most / double(counts.blocked));  // few lines of 8 say little; what they do: tests/share_sums_test.cpp
+      EXPECT_LE(f.standard_error, most);
       continue;
     }
     ++unmet;

@@ -6,21 +6,13 @@
 namespace viewpeel {
 namespace {
 
-struct Lines {
-  float facing = 0, all = 0;
-};
-
-// Of square blocks of ids; those below the diagonal are empty.
-struct Level {
-  size_t side;
-  std::vector<Lines> blocks;
-};
+float smoothed(float facing, float all) { return (facing + 0.5f) / (all + 1); }
 
 }  // namespace
 
 NeighbourShares::NeighbourShares(const ShareSums& sums, const std::vector<uint64_t>& lines, const std::vector<uint32_t>& ranks)
     : ranks_(ranks), side_(((ranks.size() - 1) >> kStep) + 1), shares_(side_ * side_) {
-  std::vector<Level> levels{{side_, std::vector<Lines>(side_ * side_)}};
+  std::vector<Level> levels{{kStep, side_, std::vector<Lines>(side_ * side_)}};
   for (const ShareSums::PairSum& pair : sums.pairs()) {
     if (pair.j >= kEnvironment || pair.i == pair.j || pair.facing + pair.blocked == 0) continue;
     // Lines of a replicate that come as one, or parts of lines, count as the replicates do (Kish, Survey Sampling, 1965, section 8.2).
@@ -34,7 +26,7 @@ NeighbourShares::NeighbourShares(const ShareSums& sums, const std::vector<uint64
   while (levels.back().side > 1) {
     const Level& fine = levels.back();
     const size_t side = ((fine.side - 1) >> kStep) + 1;
-    Level coarse{side, std::vector<Lines>(side * side)};
+    Level coarse{fine.shift + kStep, side, std::vector<Lines>(side * side)};
     for (size_t a = 0; a < fine.side; ++a)
       for (size_t b = a; b < fine.side; ++b) {
         Lines& block = coarse.blocks[(a >> kStep) * side + (b >> kStep)];
@@ -43,15 +35,25 @@ NeighbourShares::NeighbourShares(const ShareSums& sums, const std::vector<uint64
       }
     levels.push_back(std::move(coarse));
   }
-  for (size_t a = 0; a < side_; ++a)
-    for (size_t b = a; b < side_; ++b) {
-      size_t level = 0;
-      const auto linesOf = [&] { return levels[level].blocks[(a >> (kStep * level)) * levels[level].side + (b >> (kStep * level))]; };
-      while (level + 1 < levels.size() && linesOf().all < kEnoughLines) ++level;
-      const auto [facing, all] = linesOf();
-      const float smoothed = (facing + 0.5f) / (all + 1);
-      shares_[a * side_ + b] = {all > 0 ? facing / all : 0.5f, std::sqrt(smoothed * (1 - smoothed) * (1 + 1 / (all + 1)))};
+  for (uint32_t a = 0; a < side_; ++a)
+    for (uint32_t b = a; b < side_; ++b) {
+      const auto [facing, all] = linesOf(levels, a << kStep, b << kStep, kEnoughLines);
+      const float mean = (facing + 1) / (all + 2);
+      shares_[a * side_ + b] = {all > 0 ? facing / all : 0.5f, std::sqrt(mean * (1 - mean) * (1 + 1 / (all + 1)))};
     }
+  if (levels.size() > 1) levels.erase(levels.begin());
+  coarse_ = std::move(levels);
+}
+
+NeighbourShares::Lines NeighbourShares::linesOf(std::span<const Level> levels, uint32_t rank_a, uint32_t rank_b, float enough) {
+  const auto at = [&](const Level& level) { return level.blocks[(rank_a >> level.shift) * level.side + (rank_b >> level.shift)]; };
+  while (levels.size() > 1 && at(levels.front()).all < enough) levels = levels.subspan(1);
+  return at(levels.front());
+}
+
+float NeighbourShares::around(uint32_t i, uint32_t j, float enough) const {
+  const Lines lines = linesOf(coarse_, std::min(ranks_[i], ranks_[j]), std::max(ranks_[i], ranks_[j]), enough);
+  return smoothed(lines.facing, lines.all);
 }
 
 }  // namespace viewpeel
