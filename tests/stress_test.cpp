@@ -188,21 +188,29 @@ ts::Corners regularPolygon(uint32_t corner_count, double z, bool up) {
   return corners;
 }
 
-// 3 to 64 corners; one of them moved in by 1e-12 to 1e-3, so that the polygon is not convex, or up, so that it is not planar: F moves by no more than that.
+// Two polygons face to face; one corner of the lower moved in by so much, beyond the chord of its neighbours, so that it is not convex, or up, so that it is not planar.
+enum class Way { in, up };
+InputScene polygonsFaceToFace(uint32_t corner_count, double moved, Way way) {
+  ts::Corners lower = regularPolygon(corner_count, 0, true);
+  // A corner of a polygon of 64 stands out by 0.005.
+  if (moved > 0 && way == Way::in) lower[1] = (lower[0] + lower[2]) / 2.0 * (1 - moved);
+  if (moved > 0 && way == Way::up) lower[1].z += moved;
+  InputScene scene{"polygons", {}, {}};
+  ts::addFace(scene, "lower", lower);
+  ts::addFace(scene, "upper", regularPolygon(corner_count, 0.7, false));
+  return scene;
+}
+
+// 3 to 64 corners; one of them moved in or up by 1e-12 to 1e-3: F moves by no more than that.
 TEST(Stress, PolygonsOfManyCorners) {
   for (uint32_t corner_count : {3u, 64u}) {
     const ts::Corners lower = regularPolygon(corner_count, 0, true), upper = regularPolygon(corner_count, 0.7, false);
     const double truth = reference::formFactor(lower, upper);
     for (double moved : {0.0, 1e-12, 1e-3})
-      for (int way = 0; way < (moved > 0 && corner_count > 4 ? 2 : 1); ++way) {
-        InputScene scene{"polygons", {}, {}};
-        ts::Corners dented = lower;
-        // Into the chord of its neighbours and beyond: a corner of a polygon of 64 stands out by 0.005.
-        if (moved > 0 && corner_count > 4 && way == 0) dented[1] = (dented[0] + dented[2]) / 2.0 * (1 - moved);
-        if (moved > 0 && way == 1) dented[1].z += moved;
-        ts::addFace(scene, "lower", dented);
-        ts::addFace(scene, "upper", upper);
-        const double missing = way == 0 && moved > 0 && corner_count > 4 ? glm::length(glm::cross(lower[1] - lower[0], lower[2] - lower[0])) / 2 : 0;
+      for (const Way way : {Way::in, Way::up}) {
+        if (moved == 0 ? way == Way::up : corner_count == 3) continue;  // the same scene again; a triangle stays convex and planar
+        const InputScene scene = polygonsFaceToFace(corner_count, moved, way);
+        const double missing = way == Way::in && moved > 0 ? glm::length(glm::cross(lower[1] - lower[0], lower[2] - lower[0])) / 2 : 0;
         for (const TestRun& run : withEngines({.lattice = {.resolution = 32}, .estimate = {.directions = 60, .replicates = 8}})) {
           SCOPED_TRACE(fmt::format("{} corners, moved {}, {}", corner_count, moved, run.name));
           const Estimate e = estimateScene(scene, run);
@@ -213,6 +221,26 @@ TEST(Stress, PolygonsOfManyCorners) {
           EXPECT_EQ(e.form_factors.formFactor(1, kLeak).value, 0);
         }
       }
+  }
+}
+
+// The graphics engine, too, where the tests here and those of laws have estimates of compute and host engine: counts are the same, along the axes, which are the poles of the maps of
+// directions, and as little beside them as doubles tell, and at random.
+TEST(Stress, GraphicsCountsAsTheOthers) {
+  std::vector<Direction> directions = sampleDirections(Sampler::iid, 8, 5, 0);
+  for (const glm::dvec3& pole : {glm::dvec3(0, 0, 1), glm::dvec3(0, 0, -1), glm::dvec3(0, 1, 0), glm::dvec3(1, 0, 0)})
+    for (const double beside : {0.0, 1e-16, 1e-8})
+      for (const Direction& direction : sampleLattices(pole + beside * glm::dvec3(0.6, 0.5, 0.4), 1, 7)) directions.push_back(direction);
+  std::vector<InputScene> scenes;
+  for (const double gap : {1.0, 1e-2, 1e-4, 1e-6, 1e-8}) scenes.push_back(plates(gap, true));
+  const glm::dmat3 turn(0.6, 0.8, 0, -0.8, 0.6, 0, 0, 0, 1);
+  for (const auto& [scale, offset] : {std::pair(1.0, 1e8), {1e-12, 0.0}, {1e12, 0.0}}) scenes.push_back(ts::transformed(ts::cubeInCube(0.5), turn, scale, glm::dvec3(offset)));
+  for (const double moved : {1e-12, 1e-3})
+    for (const Way way : {Way::in, Way::up}) scenes.push_back(polygonsFaceToFace(64, moved, way));
+  for (size_t k = 0; k < scenes.size(); ++k) {
+    SCOPED_TRACE(fmt::format("scene {}, {}", k, scenes[k].file));
+    const PairCounts counts = countPairs(buildScene(scenes[k]), directions, {.lattice = {.resolution = 24}});
+    EXPECT_TRUE(std::ranges::any_of(counts, [](const PairCount& count) { return count.j < kEnvironment && count.count > 0; }));
   }
 }
 
