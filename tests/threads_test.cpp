@@ -59,10 +59,11 @@ TEST(Threads, NeverChangeARunWithClosedForms) {
   constexpr int kCuts = 9;
   InputScene input{"cube in cube, cut", {}, {}};
   for (const InputFace& face : ts::cubeInCube(0.3).faces)
-    for (int k = 0; k < kCuts * kCuts; ++k) {
-      const glm::dvec3 a = (face.corners[1] - face.corners[0]) / double(kCuts), b = (face.corners[3] - face.corners[0]) / double(kCuts);
-      ts::addFace(input, face.surface ? "inner" : "outer", ts::parallelogram(face.corners[0] + double(k % kCuts) * a + double(k / kCuts) * b, a, b));
-    }
+    for (int x = 0; x < kCuts; ++x)
+      for (int y = 0; y < kCuts; ++y) {
+        const glm::dvec3 a = (face.corners[1] - face.corners[0]) / double(kCuts), b = (face.corners[3] - face.corners[0]) / double(kCuts);
+        ts::addFace(input, face.surface ? "inner" : "outer", ts::parallelogram(face.corners[0] + double(x) * a + double(y) * b, a, b));
+      }
   const Scene scene = buildScene(input);
   const Ids ids = makeIds(scene, By::polygon, false);
   const auto estimate = [&](By by) {
