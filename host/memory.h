@@ -1,6 +1,10 @@
 #pragma once
 #include <malloc.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
+#include <cstdint>
+#include <cstdlib>
 #include <limits>
 
 namespace viewpeel {
@@ -10,6 +14,13 @@ namespace viewpeel {
 inline void keepFreedMemory() {
   ::mallopt(M_MMAP_MAX, 0);
   ::mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
+  const size_t bytes = size_t(::sysconf(_SC_PHYS_PAGES)) * size_t(::sysconf(_SC_PAGESIZE)) / 2;
+  char* const ahead = static_cast<char*>(std::malloc(bytes));
+  if (!ahead) return;
+  constexpr uintptr_t kHuge = uintptr_t(1) << 21;
+  char* const first = ahead + (kHuge - reinterpret_cast<uintptr_t>(ahead) % kHuge);
+  ::madvise(first, (bytes - size_t(first - ahead)) / kHuge * kHuge, MADV_HUGEPAGE);
+  std::free(ahead);
 }
 
 }  // namespace viewpeel

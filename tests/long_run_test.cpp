@@ -182,6 +182,37 @@ TEST_F(LongRun, DirectedPairsGoOnAndMerge) {
   EXPECT_NE(refused.output.find("give all parts of a run the same goal"), std::string::npos) << refused.output;
 }
 
+// Of more polygons than checkpoints keep closed forms of all pairs for: with the scene parts come to the same bits as a whole run; without it what few lines told is sampled alone, with a warning.
+TEST_F(LongRun, PartsOfManyPolygonsMergeWithTheirScene) {
+  constexpr int kCuts = 54;
+  const auto writeScene = [&](const std::string& name, double height) {
+    std::ofstream scene(file(name));
+    const auto square = [&](const char* surface, double x, double y, double z, double edge, bool up) {
+      scene << fmt::format("o {}\nv {} {} {}\nv {} {} {}\nv {} {} {}\nv {} {} {}\nf {}\n", surface, x, y, z, x + edge, y, z, x + edge, y + edge, z, x, y + edge, z, up ? "-4 -3 -2 -1" : "-1 -2 -3 -4");
+    };
+    for (int k = 0; k < kCuts * kCuts; ++k) square("floor", k % kCuts, k / kCuts, 0, 1, true);
+    square("lamp", 20, 20, height, 6, false);
+    square("screen", 24, 16, height / 2, 9, true);
+  };
+  writeScene("scene.obj", 30);
+  writeScene("other.obj", 31);
+  const std::string options = "compute " + file("scene.obj") + " --quiet --closed-forms on --directions 16 --resolution 64 --sampling scanline --checkpoint ";
+  ASSERT_EQ(run(options + file("whole.h5") + " --replicates 5 -o " + file("whole.csv")).status, 0);
+  ASSERT_EQ(run(options + file("a.h5") + " --replicates 2").status, 0);
+  ASSERT_EQ(run(options + file("b.h5") + " --replicates 3 --first-replicate 2").status, 0);
+  const std::string merge = "merge --quiet " + file("b.h5") + " " + file("a.h5") + " -o ";
+  const Result with = run(merge + file("with.csv") + " --scene " + file("scene.obj")), without = run(merge + file("without.csv")), other = run(merge + file("no.csv") + " --scene " + file("other.obj"));
+  EXPECT_EQ(with.status, 0) << with.output;
+  EXPECT_EQ(with.output, "");
+  EXPECT_EQ(readFile(file("with.csv")), readFile(file("whole.csv")));
+  EXPECT_EQ(without.status, 0);
+  EXPECT_NE(without.output.find("give --scene FILE"), std::string::npos) << without.output;
+  EXPECT_LT(readFile(file("without.csv")).size(), readFile(file("whole.csv")).size());
+  EXPECT_EQ(other.status, 2);
+  EXPECT_NE(other.output.find("another scene"), std::string::npos) << other.output;
+  EXPECT_FALSE(fs::exists(file("no.csv")));
+}
+
 // One line, status 2, and the file stays what it was.
 TEST_F(LongRun, WrongCheckpointsAreRefused) {
   std::ofstream(file("scene.obj")) << "o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no b\nv 0 0 1\nv 0 1 1\nv 1 0 1\nf 4 5 6\n";

@@ -2,13 +2,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <random>
 
 #include <boost/math/distributions/students_t.hpp>
 #include <gtest/gtest.h>
 
 #include "error.h"
-#include "matrix/share_sums.h"
+#include "matrix/neighbour_shares.h"
 
 namespace viewpeel {
 namespace {
@@ -51,6 +52,69 @@ TEST(ShareSums, ByHand) {
   EXPECT_EQ(all.exchangeArea(1, 2).standard_error, 3);
   ShareSums large(idsOf({1, 1}));
   EXPECT_THROW(large.add({{0, 1, 0, uint64_t(1) << 51}}), Error);
+}
+
+// With rows of closed forms every pair is as it is alone, whether its closed form was known, or a row has it; what no row has is as it was sampled, and pairs that no line met have their
+// neighbours' share.
+TEST(ShareSums, RowsAndKnownPairsAndSampledOnesGoTogether) {
+  constexpr uint32_t n = 40;
+  const Ids ids = idsOf(std::vector<double>(n, 100.0));
+  std::mt19937_64 random(7);
+  const auto isOneOf = [&](int count) { return random() % count == 0; };
+  ShareSums sums(ids);
+  for (int r = 0; r < 3; ++r) {
+    PairCounts counts;
+    for (uint32_t i = 0; i < n; ++i) {
+      for (uint32_t j = i + 1; j < n; ++j)
+        if (isOneOf(4)) counts.push_back({i, j, random() % 9, 1 + random() % 9});
+      counts.push_back({i, kEnvironment, 1 + random() % 9, 5});
+    }
+    sums.add(counts);
+  }
+  std::vector<KnownPair> known;
+  std::vector<FormFactors::Entry> sampled_entries;
+  std::vector<std::vector<double>> areas(n, std::vector<double>(n, 0.0));
+  for (uint32_t i = 0; i < n; ++i) {
+    for (uint32_t j = i + 1; j < n; ++j) {
+      areas[i][j] = isOneOf(5) ? 0 : 1 + double(random() % 50);
+      if (isOneOf(3)) known.push_back({i, j, 0, 0, 1 + double(random() % 50)});
+      if (isOneOf(3)) sampled_entries.push_back({i, j, {7, 2}});
+    }
+    known.push_back({i, kEnvironment, 0, 0, 100});
+    sampled_entries.push_back({i, kLeak, {3, 1}});
+  }
+  const FormFactors sampled({}, sampled_entries, {});
+  std::vector<uint32_t> ranks(n);
+  std::iota(ranks.begin(), ranks.end(), 0u);
+  const NeighbourShares neighbours(sums, {}, ranks);
+  const ExchangeRow row = [&](uint32_t i, std::span<BoundedExchange> later) {
+    for (size_t k = 0; k < later.size(); ++k) later[k] = {areas[i][i + 1 + k], 0};
+  };
+  const FormFactors all = sums.formFactors(known, {}, 0.5, INFINITY, sampled, &neighbours, row);
+  EXPECT_TRUE(std::ranges::is_sorted(all.entries(), {}, [](const FormFactors::Entry& entry) { return std::pair(entry.i, entry.j); }));
+  std::array<size_t, 5> kinds{};
+  for (uint32_t i = 0; i < n; ++i) {
+    EXPECT_EQ(all.exchangeArea(i, kLeak).value, 3);
+    EXPECT_EQ(all.exchangeArea(i, kEnvironment).value, exchangeOf(sums, 0.5, {i, kEnvironment, 0, 0, 100}).value);
+    for (uint32_t j = i + 1; j < n; ++j) {
+      const auto at = std::ranges::find(known, std::pair(i, j), [](const KnownPair& pair) { return std::pair(pair.i, pair.j); });
+      const bool is_known = at != known.end(), is_told = std::ranges::any_of(sums.pairs(), [&](const ShareSums::PairSum& pair) { return pair.i == i && pair.j == j; });
+      const double most = is_known ? at->exchange : areas[i][j];
+      const Measured f = all.exchangeArea(i, j);
+      ++kinds[most == 0 ? 0 : 1 + 2 * is_known + is_told];
+      if (most == 0) {
+        EXPECT_EQ(f.value, sampled.exchangeArea(i, j).value);
+      } else if (is_told) {
+        const Measured alone = exchangeOf(sums, 0.5, {i, j, 0, 0, most});
+        EXPECT_EQ(f.value, alone.value) << i << " " << j;
+        EXPECT_EQ(f.standard_error, alone.standard_error) << i << " " << j;
+      } else {
+        EXPECT_DOUBLE_EQ(f.value, double(neighbours.of(i, j).mean) * most) << i << " " << j;
+        EXPECT_DOUBLE_EQ(f.standard_error, double(neighbours.of(i, j).deviation) * most) << i << " " << j;
+      }
+    }
+  }
+  for (const size_t count : kinds) EXPECT_GT(count, 50u);
 }
 
 // With shares fixed beforehand they are what ControlSums add up, to the last bit; in any order, and in parts.

@@ -1,5 +1,7 @@
 // Closed forms times visible shares: exact where nothing is in between, honest where something is.
 #include <cmath>
+#include <map>
+#include <optional>
 #include <random>
 
 #include <boost/math/distributions/students_t.hpp>
@@ -10,6 +12,7 @@
 #include "engines/lattice.h"
 #include "error.h"
 #include "estimator/visible_share.h"
+#include "matrix/neighbour_shares.h"
 #include "reference/past_blocker.h"
 #include "scenes.h"
 #include "test_device.h"
@@ -213,21 +216,23 @@ TEST(VisibleShare, NothingInBetweenIsExactForEveryPair) {
   EXPECT_EQ(pairs, 16u);
 }
 
-// Of more polygons than closed forms are known of beforehand: every pair that the run sees gets its own, whatever pilots met; going on with sums, and sums of parts, come to the same bits.
-TEST(VisibleShare, PairsThatTheRunSeesGetClosedForms) {
+// Of more polygons than closed forms are known of beforehand: every pair gets its own, that of which many lines tell to the last digit, whatever pilots met; going on with sums, and sums of
+// parts, come to the same bits. Nothing is blocked, so that neighbours tell the truth of pairs that no line met.
+TEST(VisibleShare, EveryPairOfManyPolygonsGetsItsClosedForm) {
   constexpr uint32_t kCuts = 40;
-  InputScene input{"two squares in 1600 parts each", {"low", "high"}, {}};
+  InputScene input{"two squares in 1600 parts each, and a wall", {"low", "high", "wall"}, {}};
   for (uint32_t k = 0; k < kCuts * kCuts; ++k) {
     const uint32_t column = k % kCuts, row = k / kCuts;
     const double edge = 1.0 / kCuts, x = edge * column, y = edge * row;
     ts::addFace(input, "low", ts::parallelogram({x, y, 0}, {edge, 0, 0}, {0, edge, 0}));
     ts::addFace(input, "high", ts::parallelogram({x, y, 1}, {0, edge, 0}, {edge, 0, 0}));
   }
+  ts::addFace(input, "wall", ts::parallelogram({-0.5, 0, 0}, {0, 1, 0}, {0, 0, 1}));  // many lines between it and each part
   const Scene scene = buildScene(input);
   const Ids ids = makeIds(scene, By::polygon, false);
   ASSERT_GT(uint64_t(ids.count()) * (ids.count() - 1) / 2, kMostKnownPairs);
   const auto engine = makeHostEngine(scene, ids, {.resolution = 64, .count_blocked = true});
-  EstimateOptions options{.directions = 16, .replicates = 4};
+  EstimateOptions options{.directions = 128, .replicates = 4};
   FaceExchanges exchanges(nullptr, scene, ids);
   const VisibleShares shares = findVisibleShares(*engine, exchanges, scene, ids, groupBySize(scene, std::vector<double>(scene.polygons.size(), 1), 64), options, pilotDirections(options));
   EXPECT_FALSE(shares.known.has_all_pairs);
@@ -238,16 +243,38 @@ TEST(VisibleShare, PairsThatTheRunSeesGetClosedForms) {
     if (!last) after.push_back(sums);
   };
   const Estimate whole = estimateFormFactors(*engine, scene, ids, options);
-  size_t learnt = 0;
+  std::map<std::pair<uint32_t, uint32_t>, uint64_t> lines;
+  for (const ShareSums::PairSum& pair : after.back().visible->byFace().pairs()) lines[{pair.i, pair.j}] = pair.facing + pair.blocked;
+  const ExchangeRow row = exchanges.rows();
+  std::vector<BoundedExchange> later;
+  uint32_t row_of = UINT32_MAX;
+  size_t learnt = 0, told = 0, guessed = 0, unmet = 0, all = 0;
   for (const FormFactors::Entry& entry : whole.form_factors.entries()) {
     if (entry.j >= kEnvironment) continue;
+    ++all;
     const bool was_known = std::ranges::binary_search(shares.known.pairs, std::pair(entry.i, entry.j), {}, [](const KnownPair& pair) { return std::pair(pair.i, pair.j); });
-    if (was_known || learnt++ % 500) continue;
+    const uint64_t line_count = lines[{entry.i, entry.j}];
+    unmet += line_count == 0;
+    size_t& kind = line_count >= kLinesToLearn ? learnt : line_count ? told : guessed;
+    if (was_known || kind++ % 100) continue;
     KnownPair alone{entry.i, entry.j};
     exchanges.compute(std::span(&alone, 1));
-    EXPECT_EQ(entry.exchange_area.value, alone.exchange);
+    if (line_count >= kLinesToLearn) {
+      EXPECT_EQ(entry.exchange_area.value, alone.exchange);
+    }
+    if (row_of != entry.i) {
+      row_of = entry.i;
+      later.assign(ids.count() - row_of - 1, {});
+      row(row_of, later);
+    }
+    const BoundedExchange& bounded = later[entry.j - entry.i - 1];
+    EXPECT_NEAR(entry.exchange_area.value, alone.exchange, bounded.error + kUnoccludedRelativeError * alone.exchange);
+    EXPECT_LT(bounded.error, 0.01 * alone.exchange);  // a part of 1/40 at a distance of 1 at least: far
   }
-  EXPECT_GT(learnt, 5000u);
+  EXPECT_EQ(all, size_t(kCuts) * kCuts * (kCuts * kCuts + 2));
+  EXPECT_EQ(whole.unmet_pairs, unmet);
+  EXPECT_GT(learnt, 0u);  // pilots have met nearly all of these
+  for (const size_t count : {told, guessed}) EXPECT_GT(count, 500u);
 
   const auto isTheSame = [&](const FormFactors& other) {
     const auto& a = whole.form_factors.entries();
@@ -270,7 +297,8 @@ TEST(VisibleShare, PairsThatTheRunSeesGetClosedForms) {
   for (const bool in_order : {true, false}) {
     RunSums sum = in_order ? begun : after[1];
     sum.add(in_order ? after[1] : begun);
-    EXPECT_TRUE(isTheSame(keepSeen(sum.formFactors()))) << in_order;
+    exchanges.learn(sum);
+    EXPECT_TRUE(isTheSame(keepSeen(sum.formFactors(row)))) << in_order;
   }
 }
 
@@ -335,32 +363,45 @@ TEST(VisibleShare, WhatLeavesTheSceneIsExactBesideExactPairs) {
   EXPECT_LT(f.standard_error, plain.standard_error);
 }
 
-// Pairs that no line met are there with what they may be at most: with eight lines in all, most are not met.
+// Pairs that no line met are there with what their neighbours tell, and its spread; blocked ones with what they may be at most: with eight lines in all, most are not met.
 TEST(VisibleShare, PairsThatNoLineMetAreUncertain) {
   const Shared made = share(ts::roomWithTouchingBoxes(), 4);
   const EstimateOptions options{.directions = 1, .replicates = 2};
   const VisibleShares shares = made.find(options);
   EXPECT_TRUE(shares.known.has_all_pairs);
   std::optional<FormFactors> with_unseen;
+  std::optional<NeighbourShares> neighbours;
   EstimateOptions watched = options;
-  watched.on_sums = [&](const RunSums& sums, bool) { with_unseen = sums.formFactors(); };
-  const Estimate few = made.estimate(watched), sampled = estimateFormFactors(*made.engine, made.scene, made.ids, options);
-  const double line = 2 * made.engine->unitArea() * made.scene.scale * made.scene.scale / 2;
-  size_t unmet = 0;
+  watched.on_sums = [&](const RunSums& sums, bool last) {
+    if (!last) return;
+    with_unseen = sums.formFactors();
+    neighbours.emplace(sums.visible->byFace(), sums.visible->known().lines, shares.known.ranks);
+  };
+  const Estimate few = made.estimate(watched);
+  size_t unmet = 0, blocked_pairs = 0;
   for (const KnownPair& pair : shares.known.pairs) {
-    const Measured seen = sampled.form_factors.exchangeArea(pair.i, pair.j), f = with_unseen->exchangeArea(pair.i, pair.j);
-    if (pair.j >= kEnvironment || pair.share || seen.value > 0) continue;
-    ++unmet;
-    EXPECT_EQ(f.value, 0);
-    // Of two directions none meets it with a probability of e^-F at most, F from the smaller of the two.
+    const PairCount counts = made.countsOf(options, pair.i, pair.j);
+    const Measured f = with_unseen->exchangeArea(pair.i, pair.j);
+    if (pair.j >= kEnvironment || counts.count > 0) continue;
     const double area = std::min(made.ids.areas[pair.i], made.ids.areas[pair.j]), most = std::min(pair.exchange, area);
-    // One line's, or where lines were blocked that of one of them.
-    const auto blocked = double(made.countsOf(options, pair.i, pair.j).blocked), one = blocked > 0 ? most / blocked : line;
-    EXPECT_NEAR(f.standard_error, std::min(most, std::max(one, most * std::exp(-most / area))), 1e-14 * most);  // rounding
-    EXPECT_GE(few.largest_standard_error, f.standard_error / std::min(made.ids.areas[pair.i], made.ids.areas[pair.j]));
+    EXPECT_GE(few.largest_standard_error, f.standard_error / area);
+    if (counts.blocked > 0) {
+      ++blocked_pairs;
+      EXPECT_EQ(f.value, 0);
+      // One of the lines blocked, or, where that is more, what two directions meet with a probability of 1 - e^-F at most, F from the smaller of the two.
+      EXPECT_NEAR(f.standard_error, std::min(most, std::max(most / double(counts.blocked), most * std::exp(-most / area))), 1e-14 * most);  // rounding
+      continue;
+    }
+    ++unmet;
+    const NeighbourShares::Share share = neighbours->of(pair.i, pair.j);
+    EXPECT_NEAR(f.value, share.mean * most, 1e-14 * most);  // rounding
+    EXPECT_NEAR(f.standard_error, share.deviation * most, 1e-14 * most);
+    EXPECT_GT(f.standard_error, 0);
   }
   EXPECT_GT(unmet, 20u);
-  EXPECT_GE(few.unseen_pairs, unmet);
+  EXPECT_GT(blocked_pairs, 0u);
+  EXPECT_EQ(few.unmet_pairs, unmet);
+  EXPECT_GE(few.unseen_pairs, blocked_pairs);
   EXPECT_TRUE(std::none_of(few.form_factors.entries().begin(), few.form_factors.entries().end(), [](const auto& entry) { return entry.exchange_area.value == 0; }));
   // Every pair that counts see is among those known.
   const Estimate many = estimateFormFactors(*made.engine, made.scene, made.ids, {.directions = 2000});

@@ -268,7 +268,7 @@ Settings Session::settings() const {
   const Question& question = options.question;
   Settings all = {
       {"version", VIEWPEEL_VERSION},
-      {"scene", fmt::format("{} polygons, fingerprint {:016x}", scene.faces.size(), fingerprint(scene))},
+      {"scene", identityOf(scene)},
       {"--by", options.by == By::polygon ? "polygon" : "surface"},
       {"--two-sided", options.two_sided ? "yes" : "no"},
       {"--from", fmt::format("{}", fmt::join(question.from, ", "))},

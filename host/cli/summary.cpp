@@ -79,6 +79,8 @@ std::string escapeJson(const std::string& text) {
 
 std::string counted(uint64_t count, const char* noun) { return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s"); }
 
+std::string identityOf(const Scene& scene) { return fmt::format("{} polygons, fingerprint {:016x}", scene.faces.size(), fingerprint(scene)); }
+
 std::string describeScene(const Scene& scene) {
   const Ids ids = makeIds(scene, By::polygon, false);
   const auto [least, most] = std::minmax_element(ids.areas.begin(), ids.areas.end());
@@ -151,11 +153,13 @@ std::string describeErrors(const Estimate& estimate) {
     text += fmt::format("{}{} to {} ({:.4f} +- {:.1e})", k ? ", " : "           worst: ", f.ids().names[i], columnName(f.ids(), j), value.value, value.standard_error);
   }
   if (!errors.worst.empty()) text += "\n";
+  if (estimate.unmet_pairs)
+    text += fmt::format("unmet      {} pairs that no line met: closed forms times the visible share of their neighbours, +- {:.1e} at most\n", estimate.unmet_pairs, estimate.largest_unmet_error);
   if (estimate.unseen_pairs)
     text += fmt::format("unseen     {} pairs that can see each other but for what is between them: no line told, 0 +- {:.1e} at most\n", estimate.unseen_pairs, estimate.largest_unseen_error);
   const double n = double(f.ids().count()), all = n * (n - 1) / 2;
   const auto met = std::count_if(f.entries().begin(), f.entries().end(), [](const FormFactors::Entry& entry) { return entry.i != entry.j && entry.j < kEnvironment; });
-  if (!estimate.unseen_pairs && double(met) < all && estimate.unmet_bound < 1)
+  if (!estimate.unmet_pairs && !estimate.unseen_pairs && double(met) < all && estimate.unmet_bound < 1)
     text += fmt::format("unseen     {:.0f} of {:.0f} pairs, which no line met: form factors below {:.1e} each, from the smaller of the two, at 95 % confidence\n", all - double(met), all,
                         estimate.unmet_bound);
   if (const auto& g = estimate.guarantee)
@@ -204,6 +208,7 @@ std::string asJson(const std::string& scene, const std::string& device, const Es
       "  \"largest_standard_error\": {:.6g},\n  \"rms_standard_error\": {:.6g},\n  \"nonzero_form_factors\": {}",
       escapeJson(scene), escapeJson(device), f.ids().count(), estimate.replicates, estimate.directions, seconds, estimate.largest_standard_error,
       errors.rms, errors.count);
+  if (estimate.unmet_pairs) text += fmt::format(",\n  \"unmet\": {{\"pairs\": {}, \"largest_standard_error\": {:.6g}}}", estimate.unmet_pairs, estimate.largest_unmet_error);
   if (estimate.unseen_pairs) text += fmt::format(",\n  \"unseen\": {{\"pairs\": {}, \"largest_standard_error\": {:.6g}}}", estimate.unseen_pairs, estimate.largest_unseen_error);
   if (estimate.directed_pairs) text += fmt::format(",\n  \"directed\": {{\"pairs\": {}, \"directions\": {}}}", estimate.directed_pairs, estimate.directed_directions);
   if (const auto& g = estimate.guarantee) text += fmt::format(",\n  \"guarantee\": {{\"epsilon\": {}, \"delta\": {}, \"bound\": {:.6g}}}", g->epsilon, g->delta, g->bound);

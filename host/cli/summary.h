@@ -18,6 +18,8 @@ std::string counted(uint64_t count, const char* noun);
 
 // Polygons, surfaces, areas, closed or open; several lines.
 std::string describeScene(const Scene& scene);
+// By which checkpoints know theirs.
+std::string identityOf(const Scene& scene);
 
 // The largest form factors between named surfaces, with standard errors.
 std::string tabulateLargest(const FormFactors& between_surfaces, size_t rows);

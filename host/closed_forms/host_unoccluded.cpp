@@ -286,35 +286,38 @@ double HostUnoccluded::integrateNear(const Sides& sides, size_t round, double& e
   return (sides.is_flipped ? -sum : sum) / (2 * kPi);
 }
 
+HostUnoccluded::Found HostUnoccluded::find(const SidePair& pair, UnoccludedWork& work) const {
+  const Sides sides = sidesOf(pair);
+  const uint32_t way = classify(sides);
+  if (way == unseen) {
+    ++work.unseen_pairs;
+    return {};
+  }
+  if (way != kNearList) {
+    ++work.far_pairs[way];
+    return {integrateFar(sides, way)};
+  }
+  ++work.near_pairs;
+  const double least = kUnoccludedAbsoluteError * std::min(sides.a.area, sides.b.area);
+  Found found;
+  for (size_t round = 0; round < kLineRounds.size(); ++round) {
+    work.again_pairs += round > 0;
+    found.area = integrateNear(sides, round, found.error, work);
+    found.is_reached = found.error <= std::max(least, kUnoccludedRelativeError * found.area);
+    if (sides.areTouching() && found.area <= least) found.area = 0;  // polygons of one plane that do not overlap
+    found.area = std::max(found.area, 0.0);
+    if (found.is_reached) break;
+  }
+  return found;
+}
+
 std::vector<UnreachedPair> HostUnoccluded::compute(std::span<const SidePair> pairs, std::span<double> areas) {
   std::vector<UnoccludedWork> works(threads_);
   std::vector<std::vector<UnreachedPair>> unreached(threads_);
   shareOut(threads_, pairs.size(), kChunk, [&](size_t thread, size_t k) {
-    const Sides sides = sidesOf(pairs[k]);
-    UnoccludedWork& work = works[thread];
-    const uint32_t way = classify(sides);
-    areas[k] = 0;
-    if (way == unseen) {
-      ++work.unseen_pairs;
-      return;
-    }
-    if (way != kNearList) {
-      ++work.far_pairs[way];
-      areas[k] = integrateFar(sides, way);
-      return;
-    }
-    ++work.near_pairs;
-    const double least = kUnoccludedAbsoluteError * std::min(sides.a.area, sides.b.area);
-    for (size_t round = 0; round < kLineRounds.size(); ++round) {
-      work.again_pairs += round > 0;
-      double error = 0;
-      double area = integrateNear(sides, round, error, work);
-      const bool is_reached = error <= std::max(least, kUnoccludedRelativeError * area);
-      if (sides.areTouching() && area <= least) area = 0;  // polygons of one plane that do not overlap
-      areas[k] = std::max(area, 0.0);
-      if (is_reached) return;
-      if (round + 1 == kLineRounds.size()) unreached[thread].push_back({k, error});
-    }
+    const Found found = find(pairs[k], works[thread]);
+    areas[k] = found.area;
+    if (!found.is_reached) unreached[thread].push_back({k, found.error});
   });
   std::vector<UnreachedPair> all;
   for (size_t thread = 0; thread < threads_; ++thread) {

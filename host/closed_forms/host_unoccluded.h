@@ -18,6 +18,13 @@ class HostUnoccluded {
   // As UnoccludedExchange::compute, of sides that the scene has.
   std::vector<UnreachedPair> compute(std::span<const SidePair> pairs, std::span<double> areas);
 
+  struct Found {
+    double area = 0, error = 0;  // unit-ball units squared; error: estimated, 0 for far pairs
+    bool is_reached = true;
+  };
+  // Of one pair, by several threads at once.    Out: work: added to
+  Found find(const SidePair& pair, UnoccludedWork& work) const;
+
   uint64_t sideCount() const { return 2 * shapes_.size(); }
   const UnoccludedWork& work() const { return work_; }
 

@@ -3,18 +3,20 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <iterator>
 
 #include "error.h"
 #include "estimator/directed_pairs.h"
 #include "estimator/face_exchanges.h"
+#include "matrix/add_pairs.h"
 
 namespace viewpeel {
 
-FormFactors keepSeen(const FormFactors& all) {
-  std::vector<FormFactors::Entry> seen;
-  std::copy_if(all.entries().begin(), all.entries().end(), std::back_inserter(seen), [](const FormFactors::Entry& entry) { return entry.exchange_area.value > 0; });
-  return {all.ids(), std::move(seen), all.rowSums()};
+FormFactors keepSeen(FormFactors all) {
+  Ids ids = all.ids();
+  std::vector<Measured> row_sums = all.rowSums();
+  std::vector<FormFactors::Entry> entries = std::move(all).entries();
+  std::erase_if(entries, [](const FormFactors::Entry& entry) { return !(entry.exchange_area.value > 0); });
+  return {std::move(ids), std::move(entries), std::move(row_sums)};
 }
 
 Estimate estimateFormFactors(Engine& engine, const Scene& scene, const Ids& ids, const EstimateOptions& options) {
@@ -35,12 +37,13 @@ Estimate estimateFormFactors(Engine& engine, const Scene& scene, const Ids& ids,
   if (!directed.empty() && !options.pairs)
     throw Error(ErrorCode::bad_usage, "some pairs have directions of their own, and nothing to count them with; give EstimateOptions::pairs");
   if (!directed.empty()) options.pairs->prepare(directed);
-  double largest_error = 0, largest_relative_error = 0;
+  ExchangeRow row;
+  if (const RunSums& begun = options.resumed ? *options.resumed : sums; begun.visible && options.exchanges && !begun.visible->known().has_all_pairs) row = options.exchanges->rows();
+  double largest_error = INFINITY, largest_relative_error = INFINITY;
   const auto measureErrors = [&] {
     if (sums.visible) {
-      const bool has_goal = options.tolerance || options.relative;
-      if (!options.on_replicate && (!has_goal || sums.replicateCount() < options.replicates)) return;  // nobody asks
-      const FormFactors so_far = sums.formFactors();
+      if (!(options.tolerance || options.relative) || sums.replicateCount() < options.replicates) return;  // nobody asks
+      const FormFactors so_far = sums.formFactors(row);
       largest_error = largestStandardError(so_far);
       largest_relative_error = largestRelativeError(so_far, options.relative_floor);
       return;
@@ -71,16 +74,10 @@ Estimate estimateFormFactors(Engine& engine, const Scene& scene, const Ids& ids,
       if (sums.replicateCount() == 0) sums.measure_area = count_area * asked.weight_unit;
       const PairCounts of_directed = directed.empty() ? PairCounts{} : options.pairs->count(directed, replicate);
       sums.add(replicate, asked.directions.empty() ? PairCounts{} : engine.count(asked.directions), options.directions, of_directed);
-      if (sums.visible && options.exchanges) {
-        std::vector<KnownPair> met = sums.visible->unknownPairs();
-        options.exchanges->compute(met);
-        for (KnownPair& pair : met)
-          if (pair.exchange == 0) pair.exchange = INFINITY;  // one lies in the other's plane but for rounding
-        sums.visible->learn(met);
-      }
+      if (options.exchanges) options.exchanges->learn(sums);
       measureErrors();
       if (options.on_sums) options.on_sums(sums, false);
-      if (options.on_so_far) options.on_so_far([&] { return makeEstimate(sums, options.relative_floor); });
+      if (options.on_so_far) options.on_so_far([&] { return makeEstimate(sums, options.relative_floor, row); });
       if (options.on_replicate) options.on_replicate({sums.replicateCount(), largest_error});
     }
   } catch (const Interrupted&) {
@@ -90,26 +87,42 @@ Estimate estimateFormFactors(Engine& engine, const Scene& scene, const Ids& ids,
     throw;
   }
   if (options.on_sums) options.on_sums(sums, true);
-  Estimate estimate = makeEstimate(sums, options.relative_floor);
+  Estimate estimate = makeEstimate(sums, options.relative_floor, row);
   estimate.interrupted = interrupted;
   return estimate;
 }
 
-Estimate makeEstimate(const RunSums& sums, double relative_floor) {
-  const FormFactors all = sums.formFactors();
-  Estimate estimate{keepSeen(all), keepSeen(sums.betweenSurfaces()), sums.replicateCount(), sums.directions, largestStandardError(all), largestRelativeError(all, relative_floor)};
+Estimate makeEstimate(const RunSums& sums, double relative_floor, const ExchangeRow& row) {
+  FormFactors all = sums.formFactors(row);
+  Estimate estimate{FormFactors({}, {}, {}), keepSeen(sums.betweenSurfaces()), sums.replicateCount(), sums.directions, largestStandardError(all), largestRelativeError(all, relative_floor)};
+  const std::vector<double> areas = all.ids().areas;
+  const std::vector<ShareSums::PairSum> no_sums;
+  const std::vector<DirectedPair> no_pairs;
+  const bool by_face = sums.visible && sums.visible->by() == By::polygon;
+  const auto& told = by_face ? sums.visible->byFace().pairs() : no_sums;
+  const auto& directed = by_face ? sums.visible->known().directed : no_pairs;
+  auto at = told.begin();
+  auto own = directed.begin();
+  const auto isAmong = [](const auto& pairs, auto& next, const FormFactors::Entry& entry) {
+    while (next != pairs.end() && keyOf(*next) < keyOf(entry)) ++next;
+    return next != pairs.end() && keyOf(*next) == keyOf(entry);
+  };
   for (const FormFactors::Entry& entry : all.entries()) {
-    if (entry.exchange_area.value > 0 || entry.j >= kEnvironment) continue;
-    ++estimate.unseen_pairs;
-    const double area = std::min(all.ids().areas[entry.i], all.ids().areas[entry.j]);
-    estimate.largest_unseen_error = std::max(estimate.largest_unseen_error, entry.exchange_area.standard_error / area);
+    if (entry.j >= kEnvironment) continue;
+    const bool is_unmet = by_face && entry.i != entry.j && !isAmong(told, at, entry) && !isAmong(directed, own, entry);
+    if (!is_unmet && entry.exchange_area.value > 0) continue;
+    const double error = entry.exchange_area.standard_error / std::min(areas[entry.i], areas[entry.j]);
+    uint64_t& pairs = is_unmet ? estimate.unmet_pairs : estimate.unseen_pairs;
+    double& largest = is_unmet ? estimate.largest_unmet_error : estimate.largest_unseen_error;
+    ++pairs;
+    largest = std::max(largest, error);
   }
+  estimate.form_factors = keepSeen(std::move(all));
   if (sums.visible) {
-    const std::vector<DirectedPair>& directed = sums.visible->known().directed;
-    estimate.directed_pairs = directed.size();
-    for (const DirectedPair& pair : directed) estimate.directed_directions += pair.directions * sums.replicateCount();
+    const std::vector<DirectedPair>& directed_pairs = sums.visible->known().directed;
+    estimate.directed_pairs = directed_pairs.size();
+    for (const DirectedPair& pair : directed_pairs) estimate.directed_directions += pair.directions * sums.replicateCount();
   }
-  const std::vector<double>& areas = all.ids().areas;
   if (!std::isinf(sums.countArea())) estimate.unmet_bound = unmetBound(*std::min_element(areas.begin(), areas.end()), sums.countArea(), double(sums.directions));
   return estimate;
 }

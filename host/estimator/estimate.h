@@ -43,7 +43,7 @@ struct EstimateOptions {
   const RunSums* resumed = nullptr;
   // Closed forms times visible shares (visible_share.h), which need an engine and ids by face; goals and the result are those of `by`. May be nullptr.
   const KnownShares* known = nullptr;
-  // For pairs that the run sees and pilots did not meet; nullptr: they are sampled alone.
+  // For pairs that pilots did not meet; nullptr: they are sampled alone.
   FaceExchanges* exchanges = nullptr;
   By by = By::polygon;
   // For pairs that common directions hardly meet (directed_pairs.h), of the same scene, ids and seed; nullptr: they have no directions of their own.
@@ -73,7 +73,10 @@ struct Estimate {
   double largest_relative_error = 0;  // over form factors of at least relative_floor
   bool interrupted = false;           // goals may not be reached; standard errors are infinite where fewer than 2 replicates are done
   std::optional<Guarantee> guarantee;
-  // Pairs of ids that can see each other by their closed forms, and were never seen: form factors of 0, whose standard errors count among the largest.
+  // Pairs of ids that can see each other by their closed forms and that no line met: their shares are their neighbours' (neighbour_shares.h).
+  uint64_t unmet_pairs = 0;
+  double largest_unmet_error = 0;  // standard error, from the smaller of the two
+  // Pairs that can see each other and were never seen: form factors of 0, whose standard errors count among the largest.
   uint64_t unseen_pairs = 0;
   double largest_unseen_error = 0;
   uint64_t directed_pairs = 0, directed_directions = 0;  // pairs with directions of their own, and all of these
@@ -81,10 +84,10 @@ struct Estimate {
 };
 
 // Without entries of 0.
-FormFactors keepSeen(const FormFactors& form_factors);
+FormFactors keepSeen(FormFactors form_factors);
 
-// The form factors and errors of what was counted.    Cost: O(nonzeros).
-Estimate makeEstimate(const RunSums& sums, double relative_floor);
+// The form factors and errors of what was counted.    In: row: as in VisibleSums    Cost: O(nonzeros).
+Estimate makeEstimate(const RunSums& sums, double relative_floor, const ExchangeRow& row = {});
 
 // Computes F_ij = (2 / A_i) E[A'_ij(u)] for all pairs (Pellegrini 1997, sections 4.3 and 5.1).
 //   In: scene and ids as the engine was made with

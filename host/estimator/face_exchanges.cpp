@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "matrix/run_sums.h"
+
 namespace viewpeel {
 namespace {
 
@@ -22,6 +24,23 @@ uint64_t FaceExchanges::compute(std::span<KnownPair> pairs) {
     unreached += computeChunk(pairs.subspan(first, std::min(kChunk, pairs.size() - first)));
   }
   return unreached;
+}
+
+void FaceExchanges::learn(RunSums& sums) {
+  if (!sums.visible) return;
+  std::vector<KnownPair> met = sums.visible->unknownPairs(hasRows() ? kLinesToLearn : 0);
+  compute(met);
+  for (KnownPair& pair : met)
+    if (pair.exchange == 0) pair.exchange = INFINITY;  // one lies in the other's plane but for rounding
+  sums.visible->learn(met);
+}
+
+bool FaceExchanges::hasRows() const { return uint64_t(ids_.count()) * (ids_.count() - 1) / 2 <= kMostRowPairs; }
+
+ExchangeRow FaceExchanges::rows() {
+  if (!hasRows()) return {};
+  if (!row_exchange_) row_exchange_ = std::make_unique<RowExchange>(scene_, ids_);
+  return [this](uint32_t i, std::span<BoundedExchange> later) { row_exchange_->compute(i, later); };
 }
 
 uint64_t FaceExchanges::computeChunk(std::span<KnownPair> pairs) {

@@ -5,11 +5,18 @@
 #include <span>
 #include <vector>
 
+#include "closed_forms/row_exchange.h"
 #include "closed_forms/unoccluded.h"
 #include "matrix/ids.h"
-#include "matrix/known_pair.h"
+#include "matrix/share_sums.h"
 
 namespace viewpeel {
+
+// As many pairs as rows of closed forms are made for: their form factors take 24 bytes each, and few runs meet most of them where there are more.
+constexpr uint64_t kMostRowPairs = 50'000'000;
+constexpr uint64_t kLinesToLearn = 32;  // of a pair, before its closed form to the last digit is worth its time
+
+struct RunSums;
 
 class FaceExchanges {
  public:
@@ -22,7 +29,14 @@ class FaceExchanges {
   //   Throws: as UnoccludedExchange::compute.
   uint64_t compute(std::span<KnownPair> pairs);
 
+  // Closed forms of the pairs that the run saw, which pilots did not meet: where there are rows, of those of which kLinesToLearn told. Which they are depends on the sums alone.
+  void learn(RunSums& sums);
+
+  // Of every pair, less accurately (RowExchange); empty where there are more than kMostRowPairs. It refers to this object.
+  ExchangeRow rows();
+
  private:
+  bool hasRows() const;
   uint64_t computeChunk(std::span<KnownPair> pairs);
 
   const Scene& scene_;
@@ -30,7 +44,9 @@ class FaceExchanges {
   const Device* device_;
   std::function<void()> on_chunk_;
   std::vector<std::vector<uint32_t>> polygons_;  // of faces
-  std::unique_ptr<UnoccludedExchange> exchange_;  // once it is needed
+  // Once they are needed.
+  std::unique_ptr<UnoccludedExchange> exchange_;
+  std::unique_ptr<RowExchange> row_exchange_;
 };
 
 }  // namespace viewpeel

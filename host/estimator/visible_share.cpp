@@ -8,6 +8,7 @@
 #include "engines/lattice.h"
 #include "estimator/directed_pairs.h"
 #include "matrix/pair_count.h"
+#include "scene/rank_by_place.h"
 
 namespace viewpeel {
 namespace {
@@ -104,6 +105,7 @@ VisibleShares findVisibleShares(Engine& engine, FaceExchanges& exchanges, const 
   start = Clock::now();
   const uint64_t n = ids.count();
   found.known.lines = countsOfLines(ids, groups, engine.unitArea());
+  found.known.ranks = rankByPlace(scene, ids.of_polygon, ids.count());
   found.known.has_all_pairs = n * (n - 1) / 2 <= kMostKnownPairs;
   std::vector<KnownPair>& pairs = found.known.pairs;
   if (found.known.has_all_pairs) {

@@ -11,7 +11,7 @@
 namespace viewpeel {
 namespace {
 
-constexpr uint64_t kFormat = 4;  // of the file: changes with every change of what is written below
+constexpr uint64_t kFormat = 5;  // of the file: changes with every change of what is written below
 
 using Sum = ReplicateSums::Sum;
 using PairSum = ReplicateSums::PairSum;
@@ -102,6 +102,7 @@ void writeVisibleSums(Hdf5Output& out, const RunSums& sums) {
   const KnownShares& known = sums.visible->known();
   out.write("visible/has_all_pairs", std::vector<uint8_t>{known.has_all_pairs});
   out.write("visible/lines", known.lines);
+  out.write("visible/ranks", known.ranks);
   writeColumn<uint32_t>(out, "visible/known/i", known.pairs, [](const KnownPair& pair) { return pair.i; });
   writeColumn<uint32_t>(out, "visible/known/j", known.pairs, [](const KnownPair& pair) { return pair.j; });
   writeColumn<uint32_t>(out, "visible/known/share", known.pairs, [](const KnownPair& pair) { return pair.share; });
@@ -182,6 +183,13 @@ std::optional<VisibleSums> readVisibleSums(Hdf5Input& in, const Ids& face_ids, c
   known.has_all_pairs = readOne<uint8_t>(in, "visible/has_all_pairs");
   known.lines.resize(face_ids.count());
   readColumn<uint64_t>(in, "visible/lines", known.lines, [](uint64_t& line, uint64_t stored) { line = stored; });
+  known.ranks = in.read<uint32_t>("visible/ranks");
+  std::vector<bool> is_taken(face_ids.count(), false);
+  for (uint32_t rank : known.ranks) {
+    if (rank >= is_taken.size() || is_taken[rank]) in.refuse("its 'visible/ranks' are no order of its ids");
+    is_taken[rank] = true;
+  }
+  if (!known.ranks.empty() && known.ranks.size() != face_ids.count()) in.refuse(fmt::format("its 'visible/ranks' has {} values for {}", known.ranks.size(), face_ids.count()));
   for (uint32_t i : in.read<uint32_t>("visible/known/i")) known.pairs.push_back({i, 0});
   readColumn<uint32_t>(in, "visible/known/j", known.pairs, [](KnownPair& pair, uint32_t j) { pair.j = j; });
   readColumn<uint32_t>(in, "visible/known/share", known.pairs, [](KnownPair& pair, uint32_t share) { pair.share = share; });

@@ -30,7 +30,8 @@ class FormFactors {
 
   const Ids& ids() const { return ids_; }
   // Nonzero entries sorted by (i, j).
-  const std::vector<Entry>& entries() const { return entries_; }
+  const std::vector<Entry>& entries() const& { return entries_; }
+  std::vector<Entry> entries() && { return std::move(entries_); }
 
   // A_i F_ij in input units squared. Cost: O(log nonzeros).
   Measured exchangeArea(uint32_t i, uint32_t j) const;

@@ -19,6 +19,11 @@ struct KnownPair {
   bool operator==(const KnownPair&) const = default;
 };
 
+// An exchange area with nothing in between, and what it may be off by; input units squared.
+struct BoundedExchange {
+  double area = 0, error = 0;
+};
+
 // What shares of it add back.    In: areas, lines: of faces
 inline KnownExchange exchangeOf(const KnownPair& pair, uint32_t share, const std::vector<double>& areas, const std::vector<uint64_t>& lines) {
   // Closed forms exceed areas by rounding.

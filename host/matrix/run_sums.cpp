@@ -68,7 +68,7 @@ void RunSums::add(const RunSums& others) {
   directions += others.directions;
 }
 
-FormFactors RunSums::formFactors() const {
+FormFactors RunSums::formFactors(const ExchangeRow& row) const {
   if (visible && visible->by() == By::surface) return betweenSurfaces();
   if (!visible) return by_id.formFactors(measure_area, countArea());
   // What counts alone say of pairs whose closed forms are known is not looked at.
@@ -78,7 +78,7 @@ FormFactors RunSums::formFactors() const {
     while (at != end && std::pair(at->i, at->j) < std::pair(i, j)) ++at;
     return at == end || std::pair(at->i, at->j) != std::pair(i, j) || std::isinf(at->exchange);
   };
-  return visible->formFactors(By::polygon, measure_area, countArea(), by_id.formFactors(measure_area, countArea(), isUnknown));
+  return visible->formFactors(By::polygon, measure_area, countArea(), by_id.formFactors(measure_area, countArea(), isUnknown), row);
 }
 
 FormFactors RunSums::betweenSurfaces() const {

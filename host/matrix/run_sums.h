@@ -39,7 +39,8 @@ struct RunSums {
   void add(const RunSums& others);
 
   // What was counted comes to: with closed forms where there are, then of the ids asked for (VisibleSums::by) and with entries of 0 for pairs never seen, else of by_id.
-  FormFactors formFactors() const;
+  //   In: row: as in VisibleSums
+  FormFactors formFactors(const ExchangeRow& row = {}) const;
   FormFactors betweenSurfaces() const;
 };
 

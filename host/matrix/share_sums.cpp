@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "matrix/add_pairs.h"
+#include "matrix/neighbour_shares.h"
 #include "threads.h"
 
 namespace viewpeel {
@@ -32,49 +33,151 @@ void ShareSums::add(const ShareSums& others) {
   });
 }
 
-Measured ShareSums::measure(const PairSum& pair, double measure_area, const KnownExchange& known, double count_area) const {
-  const auto replicates = static_cast<double>(replicate_count_), facing = double(pair.facing), blocked = double(pair.blocked), lines = facing + blocked;
-  const double b = lines > 0 ? facing / lines : 0;
-  const bool is_share = lines > 0 && !std::isinf(known.most);
-  Measured exchange{is_share ? b * known.most : known.area, INFINITY};
-  if (replicate_count_ < 2) return exchange;
-  const double area = std::min(ids_.areas[pair.i], pair.j < kEnvironment ? ids_.areas[pair.j] : INFINITY);
-  // The replicates' variance in units of counts: of residuals (1 - b) V_r - b O_r, whose sum is 0; and of lines, each by chance of its own.
-  const double residuals = (1 - b) * (1 - b) * double(pair.facing_squared) - 2 * b * (1 - b) * double(pair.product) + b * b * double(pair.blocked_squared);
-  const double variance = std::max(0.0, residuals) * replicates / (replicates - 1), squares = b * blocked * double(known.line);
-  const double count_exchange = is_share ? known.most / lines : (pair.i == pair.j ? 4 : 2) * measure_area / replicates;
-  exchange.standard_error = errorOfSum(variance, squares, double(known.line), area / count_area) * count_exchange;
-  exchange.standard_error = std::min(exchange.standard_error, std::max(exchange.value, known.most - exchange.value));
-  return squares > 0 ? exchange : allowForUnmet(exchange, known, replicates * count_area / measure_area, area);
-}
+// Makes the entries of some rows. What is known, told and sampled goes along with the pairs, in their order.
+class ShareSums::Entries {
+  template <class Pairs>
+  static auto firstOf(const Pairs& pairs, uint32_t i) {
+    return std::lower_bound(pairs.begin(), pairs.end(), i, [](const auto& pair, uint32_t row) { return pair.i < row; });
+  }
 
-FormFactors ShareSums::formFactors(const std::vector<KnownPair>& known, const std::vector<uint64_t>& lines, double measure_area, double count_area, const FormFactors& sampled) const {
-  // Parts of the known pairs, each with what lies between its first pair and the next part's.
-  constexpr size_t kPart = size_t(1) << 16;
-  std::vector<std::vector<FormFactors::Entry>> parts(std::max<size_t>(1, (known.size() + kPart - 1) / kPart));
-  const auto addPart = [&](size_t, size_t part) {
-    std::vector<FormFactors::Entry>& entries = parts[part];
-    const size_t first = part * kPart, end = std::min(first + kPart, known.size());
-    const auto from = [&](const auto& pairs) {
-      return part ? std::lower_bound(pairs.begin(), pairs.end(), keyOf(known[first]), [](const auto& pair, const auto& key) { return keyOf(pair) < key; }) : pairs.begin();
-    };
-    auto pair = from(pairs_);
-    auto other = from(sampled.entries());
-    const auto others_end = sampled.entries().end();
-    for (size_t k = first; k < end; ++k) {
-      const KnownPair& at = known[k];
-      for (; other != others_end && keyOf(*other) < keyOf(at); ++other) entries.push_back(*other);
-      while (pair != pairs_.end() && keyOf(*pair) < keyOf(at)) ++pair;
-      const bool is_told = pair != pairs_.end() && keyOf(*pair) == keyOf(at), is_sampled = other != others_end && keyOf(*other) == keyOf(at);
-      if (is_sampled && std::isinf(at.exchange)) entries.push_back(*other);
-      else entries.push_back({at.i, at.j, measure(is_told ? *pair : PairSum{at.i, at.j}, measure_area, exchangeOf(at, at.share, ids_.areas, lines), count_area)});
-      if (is_sampled) ++other;
+ public:
+  Entries(const ShareSums& sums, const std::vector<KnownPair>& known, const std::vector<uint64_t>& lines, double measure_area, double count_area, const FormFactors& sampled,
+          const NeighbourShares* neighbours)
+      : sums_(sums), known_pairs_(known), lines_(lines), sampled_entries_(sampled.entries()), neighbours_(neighbours), measure_area_(measure_area), count_area_(count_area) {}
+
+  std::vector<FormFactors::Entry> of(uint32_t first_row, uint32_t end_row, const ExchangeRow& row) {
+    known_ = firstOf(known_pairs_, first_row);
+    told_ = firstOf(sums_.pairs_, first_row);
+    sampled_ = firstOf(sampled_entries_, first_row);
+    std::vector<BoundedExchange> later;
+    if (row) entries_.reserve(size_t(end_row - first_row) * (sums_.ids_.count() - first_row));  // no memory before it is written to
+    for (uint32_t i = first_row; i < end_row; ++i) {
+      if (row) {
+        later.assign(sums_.ids_.count() - i - 1, {});
+        for (auto known = known_; known != known_pairs_.end() && known->i == i; ++known)
+          if (known->j > i && known->j < kEnvironment) later[known->j - i - 1].error = -1;
+        row(i, later);
+      }
+      for (uint32_t j = i + 1, end = static_cast<uint32_t>(i + 1 + later.size()); j < end; ++j) {
+        // Up to the next that anything is known of.
+        for (const uint32_t next = std::min(nextAfter(i, j), end); j < next; ++j)
+          if (const BoundedExchange& exchange = later[j - i - 1]; exchange.area > 0 || exchange.error > 0) entries_.push_back({i, j, fromNeighbours(i, j, exchange.area, exchange.error)});
+        if (j == end) break;
+        addBefore(i, j);
+        const BoundedExchange& exchange = later[j - i - 1];
+        if (isAt(known_, known_pairs_, i, j)) {
+          addBefore(i, j + 1);  // before what is told of it is passed
+          continue;
+        }
+        if (!(exchange.area > 0 || exchange.error > 0)) continue;
+        const PairSum told = take(i, j);
+        if (isAt(sampled_, sampled_entries_, i, j)) ++sampled_;
+        add(told, {i, j, 0, 0, exchange.area}, exchange.error);
+      }
+      addBefore(i + 1, 0);
     }
-    for (; other != others_end && (end == known.size() || keyOf(*other) < keyOf(known[end])); ++other) entries.push_back(*other);
+    return std::move(entries_);
+  }
+
+ private:
+  template <class At, class Pairs>
+  static bool isAt(const At& at, const Pairs& pairs, uint32_t i, uint32_t j) {
+    return at != pairs.end() && keyOf(*at) == std::pair(i, j);
+  }
+
+  // The sums of a pair, 0 where no line told.
+  PairSum take(uint32_t i, uint32_t j) {
+    while (told_ != sums_.pairs_.end() && keyOf(*told_) < std::pair(i, j)) ++told_;
+    return isAt(told_, sums_.pairs_, i, j) ? *told_ : PairSum{i, j};
+  }
+
+  // The least j of row i, of at least `from`, of a pair that is known, told or sampled.
+  uint32_t nextAfter(uint32_t i, uint32_t from) {
+    while (told_ != sums_.pairs_.end() && keyOf(*told_) < std::pair(i, from)) ++told_;
+    uint32_t next = UINT32_MAX;
+    if (told_ != sums_.pairs_.end() && told_->i == i) next = told_->j;
+    if (known_ != known_pairs_.end() && known_->i == i) next = std::min(next, std::max(from, known_->j));
+    if (sampled_ != sampled_entries_.end() && sampled_->i == i) next = std::min(next, std::max(from, sampled_->j));
+    return next;
+  }
+
+  Measured fromNeighbours(uint32_t i, uint32_t j, double most, double error) const {
+    const NeighbourShares::Share share = neighbours_->of(i, j);
+    return {share.mean * most, sums_.replicate_count_ < 2 ? INFINITY : share.deviation * most + share.mean * error};
+  }
+
+  // Pairs that are known, and those sampled alone.
+  void addBefore(uint32_t i, uint32_t j) {
+    const std::pair key(i, j);
+    for (;;) {
+      const bool has_known = known_ != known_pairs_.end() && keyOf(*known_) < key, has_sampled = sampled_ != sampled_entries_.end() && keyOf(*sampled_) < key;
+      if (!has_known && !has_sampled) return;
+      if (has_sampled && (!has_known || keyOf(*sampled_) < keyOf(*known_))) {
+        entries_.push_back(*sampled_++);
+        continue;
+      }
+      const KnownPair& pair = *known_++;
+      const bool is_sampled = has_sampled && keyOf(*sampled_) == keyOf(pair);
+      if (is_sampled && std::isinf(pair.exchange)) entries_.push_back(*sampled_);
+      else add(take(pair.i, pair.j), pair, 0);
+      if (is_sampled) ++sampled_;
+    }
+  }
+
+  void add(const PairSum& told, const KnownPair& pair, double error) { entries_.push_back({pair.i, pair.j, measure(told, exchangeOf(pair, pair.share, sums_.ids_.areas, lines_), error)}); }
+
+  //   In: error: of known.most
+  Measured measure(const PairSum& pair, const KnownExchange& known, double error) const {
+    const auto replicates = static_cast<double>(sums_.replicate_count_), facing = double(pair.facing), blocked = double(pair.blocked), lines = facing + blocked;
+    const bool has_form = !std::isinf(known.most), is_share = lines > 0 && has_form;
+    if (lines == 0 && has_form && neighbours_ && pair.j < kEnvironment) return fromNeighbours(pair.i, pair.j, known.most, error);
+    const double b = lines > 0 ? facing / lines : 0;
+    Measured exchange{is_share ? b * known.most : known.area, INFINITY};
+    if (sums_.replicate_count_ < 2) return exchange;
+    const double area = std::min(sums_.ids_.areas[pair.i], pair.j < kEnvironment ? sums_.ids_.areas[pair.j] : INFINITY);
+    // The replicates' variance in units of counts: of residuals (1 - b) V_r - b O_r, whose sum is 0; and of lines, each by chance of its own.
+    const double residuals = (1 - b) * (1 - b) * double(pair.facing_squared) - 2 * b * (1 - b) * double(pair.product) + b * b * double(pair.blocked_squared);
+    const double variance = std::max(0.0, residuals) * replicates / (replicates - 1), squares = b * blocked * double(known.line);
+    const double count_exchange = is_share ? known.most / lines : (pair.i == pair.j ? 4 : 2) * measure_area_ / replicates;
+    exchange.standard_error = errorOfSum(variance, squares, double(known.line), area / count_area_) * count_exchange;
+    exchange.standard_error = std::min(exchange.standard_error, std::max(exchange.value, known.most - exchange.value));
+    if (squares == 0) exchange = allowForUnmet(exchange, known, replicates * count_area_ / measure_area_, area);
+    exchange.standard_error += b * error;  // a bound, whatever the lines told
+    return exchange;
+  }
+
+  const ShareSums& sums_;
+  const std::vector<KnownPair>& known_pairs_;
+  const std::vector<uint64_t>& lines_;
+  const std::vector<FormFactors::Entry>& sampled_entries_;
+  const NeighbourShares* neighbours_;
+  double measure_area_, count_area_;
+  std::vector<KnownPair>::const_iterator known_;
+  std::vector<PairSum>::const_iterator told_;
+  std::vector<FormFactors::Entry>::const_iterator sampled_;
+  std::vector<FormFactors::Entry> entries_;
+};
+
+FormFactors ShareSums::formFactors(const std::vector<KnownPair>& known, const std::vector<uint64_t>& lines, double measure_area, double count_area, const FormFactors& sampled,
+                                   const NeighbourShares* neighbours, const ExchangeRow& row) const {
+  // Some rows at a time: the first have the most pairs.
+  constexpr size_t kParts = 64;
+  const size_t n = ids_.count(), part_count = std::min(n, kParts);
+  std::vector<std::vector<FormFactors::Entry>> parts(part_count);
+  const auto firstRow = [&](size_t part) { return static_cast<uint32_t>(double(n) * (1 - std::sqrt(1 - double(part) / double(part_count)))); };
+  const auto addPart = [&](size_t, size_t part) {
+    const uint32_t end = part + 1 == part_count ? static_cast<uint32_t>(n) : firstRow(part + 1);
+    parts[part] = Entries(*this, known, lines, measure_area, count_area, sampled, neighbours).of(firstRow(part), end, row);
   };
-  shareOut(threadsFor(known.size()), parts.size(), 1, addPart);
+  shareOut(threadsFor(row ? n * n / 2 : known.size()), part_count, 1, addPart);
+  size_t count = 0;
+  for (const auto& part : parts) count += part.size();
   std::vector<FormFactors::Entry> entries = std::move(parts[0]);
-  for (size_t part = 1; part < parts.size(); ++part) entries.insert(entries.end(), parts[part].begin(), parts[part].end());
+  entries.reserve(count);
+  for (size_t part = 1; part < parts.size(); ++part) {
+    entries.insert(entries.end(), parts[part].begin(), parts[part].end());
+    parts[part] = {};
+  }
   return {ids_, std::move(entries), sampled.rowSums()};
 }
 

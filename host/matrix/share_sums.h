@@ -6,11 +6,18 @@
 // sum (V_r + O_r) (Hartley & Ross, Unbiased ratio estimators, Nature 174, 1954), and not at all where every line is facing or blocked by chance of its own, however few lines there are.
 #pragma once
 #include <cstdint>
+#include <functional>
+#include <span>
 #include <vector>
 
 #include "matrix/known_pair.h"
 
 namespace viewpeel {
+
+class NeighbourShares;
+
+// Closed forms of an id with each one after it, to the bounds given: no closer than pairs of which few lines tell deserve (RowExchange::compute). By several threads at once.
+using ExchangeRow = std::function<void(uint32_t i, std::span<BoundedExchange> later)>;
 
 class ShareSums {
  public:
@@ -35,16 +42,18 @@ class ShareSums {
   uint64_t replicateCount() const { return replicate_count_; }
 
   //   In: known: sorted by (i, j), every pair at most once; lines as in lineOf; measure_area, count_area as in ReplicateSums; sampled: of the same replicates, for row sums and for pairs
-  //     not known
+  //     not known; neighbours: of these sums, nullptr: pairs that no line met have the share that is known; row: for all other pairs, empty: those that no line met are left out
   //   Error: biased by less than a standard error (above). Standard errors are those of replicates, never less than one line's (ControlSums), and no more than the distance to the farther end
-  //     of [0, most]. So a pair that no line met has a standard error, too. Tests: tests/visible_share_test.cpp, bench/coverage.cpp.
-  FormFactors formFactors(const std::vector<KnownPair>& known, const std::vector<uint64_t>& lines, double measure_area, double count_area, const FormFactors& sampled) const;
+  //     of [0, most]. A pair that no line met has that of its neighbours' shares. Tests: tests/visible_share_test.cpp, bench/coverage.cpp.
+  FormFactors formFactors(const std::vector<KnownPair>& known, const std::vector<uint64_t>& lines, double measure_area, double count_area, const FormFactors& sampled,
+                          const NeighbourShares* neighbours = nullptr, const ExchangeRow& row = {}) const;
 
   // The same lines with shares fixed beforehand.    In: shares, lines as in takeShares
   ControlSums controls(const std::vector<PairShare>& shares, const std::vector<uint64_t>& lines) const;
 
  private:
-  Measured measure(const PairSum& pair, double measure_area, const KnownExchange& known, double count_area) const;
+  class Entries;
+
 
   Ids ids_;
   std::vector<PairSum> pairs_;

@@ -4,9 +4,11 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <optional>
 #include <utility>
 
 #include "matrix/add_pairs.h"
+#include "matrix/neighbour_shares.h"
 #include "threads.h"
 
 namespace viewpeel {
@@ -108,14 +110,14 @@ void VisibleSums::add(const PairCounts& counts, const PairCounts& directed) {
   shareOut(threadsFor(common.size()), 2, 1, addTo);
 }
 
-std::vector<KnownPair> VisibleSums::unknownPairs() const {
+std::vector<KnownPair> VisibleSums::unknownPairs(uint64_t least_lines) const {
   std::vector<KnownPair> unknown;
   if (known_.has_all_pairs) return unknown;
   auto at = known_.pairs.begin();
   for (const ShareSums::PairSum& pair : by_face_.pairs()) {
     while (at != known_.pairs.end() && keyOf(*at) < keyOf(pair)) ++at;
     const bool is_known = at != known_.pairs.end() && keyOf(*at) == keyOf(pair);
-    if (!is_known && pair.facing > 0 && pair.j < kEnvironment && pair.i != pair.j) unknown.push_back({pair.i, pair.j});
+    if (!is_known && pair.facing > 0 && pair.facing + pair.blocked >= least_lines * lineOf(known_.lines, pair.i, pair.j) && pair.j < kEnvironment && pair.i != pair.j) unknown.push_back({pair.i, pair.j});
   }
   return unknown;
 }
@@ -159,13 +161,16 @@ std::vector<FormFactors::Entry> VisibleSums::directedEntries() const {
   return entries;
 }
 
-FormFactors VisibleSums::formFactors(By by, double measure_area, double count_area, const FormFactors& sampled) const {
+FormFactors VisibleSums::formFactors(By by, double measure_area, double count_area, const FormFactors& sampled, const ExchangeRow& row) const {
   if (by == By::polygon) {
-    const FormFactors common = by_face_.formFactors(known_.pairs, known_.lines, measure_area, count_area, sampled);
-    std::vector<FormFactors::Entry> entries = common.entries();
+    std::optional<NeighbourShares> neighbours;
+    if (!known_.ranks.empty() && (known_.has_all_pairs || row)) neighbours.emplace(by_face_, known_.lines, known_.ranks);
+    FormFactors common = by_face_.formFactors(known_.pairs, known_.lines, measure_area, count_area, sampled, neighbours ? &*neighbours : nullptr, row);
+    if (known_.directed.empty()) return common;
+    std::vector<FormFactors::Entry> entries = std::move(common).entries();
     for (const FormFactors::Entry& directed : directedEntries())  // among the pairs known, so there
       std::lower_bound(entries.begin(), entries.end(), std::pair(directed.i, directed.j), isBeforePair<FormFactors::Entry>)->exchange_area = directed.exchange_area;
-    return {common.ids(), std::move(entries), sampled.rowSums()};
+    return {by_face_.ids(), std::move(entries), sampled.rowSums()};
   }
   // Directed pairs have random numbers of their own: their variances add up with that of the others.
   const FormFactors others = by_surface_.allowForUnmet(by_surface_.formFactors(measure_area, surface_exchanges_, count_area), measure_area, surface_exchanges_, count_area);

@@ -27,6 +27,7 @@ struct KnownShares {
   std::vector<uint64_t> lines;   // of faces: counts that one line adds (takeShares)
   bool has_all_pairs = false;    // pairs that are not there do not see each other
   std::vector<DirectedPair> directed{};  // sorted
+  std::vector<uint32_t> ranks{};         // of faces, by place (rankByPlace); empty: pairs that no line met are not compared with their neighbours
 
   bool operator==(const KnownShares&) const = default;
 };
@@ -41,7 +42,8 @@ class VisibleSums {
   // One replicate.    In: counts of common directions; of KnownShares::directed what their own have counted    Throws: as takeShares.    Cost: O(nonzeros log nonzeros).
   void add(const PairCounts& counts, const PairCounts& directed);
   // Pairs of faces that saw each other and whose closed forms are not known, nor found out to be out of reach, with shares of 0.
-  std::vector<KnownPair> unknownPairs() const;
+  // but those that fewer lines told than `least`.
+  std::vector<KnownPair> unknownPairs(uint64_t least_lines = 0) const;
   // Their closed forms.    In: sorted, and none of them known
   void learn(const std::vector<KnownPair>& pairs);
   // Other replicates of the same run. What closed forms gave may differ in rounding between devices: that of the one with the first replicate stays.
@@ -58,7 +60,8 @@ class VisibleSums {
   bool directsAs(const VisibleSums& others) const;
 
   //   In: measure_area, count_area as in ReplicateSums; sampled: of the same replicates and kind of ids, for row sums and where shares are of no use
-  FormFactors formFactors(By by, double measure_area, double count_area, const FormFactors& sampled) const;
+  //     row: closed forms of pairs that are not known, by polygon; empty: what is not known is sampled, or left out
+  FormFactors formFactors(By by, double measure_area, double count_area, const FormFactors& sampled, const ExchangeRow& row = {}) const;
   // Of faces, with the shares fixed beforehand.
   ControlSums faceControls() const { return by_face_.controls(shares_, known_.lines); }
   FormFactors controlledFormFactors(double measure_area, const FormFactors& sampled) const;
