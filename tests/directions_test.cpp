@@ -21,6 +21,23 @@ TEST(Directions, FramesAreOrthonormalAndRightHanded) {
     }
 }
 
+// Along the axes, where heights and azimuths have their poles, and beside them, where frames change from one helper to another.
+TEST(Directions, FramesAtPolesAreOrthonormal) {
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double sign : {1.0, -1.0})
+      for (const double beside : {0.0, 1e-300, 1e-16, 1e-8, 0.48, 0.49}) {
+        glm::dvec3 u(0);
+        u[axis] = sign;
+        u[(axis + 1) % 3] = beside;
+        for (const Direction& d : sampleLattices(u, 20, 3)) {
+          EXPECT_NEAR(glm::length(d.u), 1, 1e-15);
+          EXPECT_NEAR(glm::length(d.x_axis), 1, 1e-15);
+          EXPECT_NEAR(glm::dot(d.u, d.x_axis), 0, 1e-15);
+          EXPECT_LT(glm::length(glm::cross(d.x_axis, d.y_axis) - d.u), 2e-15);
+        }
+      }
+}
+
 TEST(Directions, AreAFunctionOfSeedAndReplicate) {
   const auto a = sampleDirections(Sampler::fibonacci, 10, 3, 1), b = sampleDirections(Sampler::fibonacci, 10, 3, 1);
   const auto c = sampleDirections(Sampler::fibonacci, 10, 3, 2), d = sampleDirections(Sampler::fibonacci, 10, 4, 1);

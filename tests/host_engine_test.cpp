@@ -1,8 +1,4 @@
 // Engine `host`: bit-exact against the CPU twin, whatever its threads and counters. That it agrees with the other engines is tested wherever these are compared (countPairs).
-#include <sched.h>
-
-#include <thread>
-
 #include <gtest/gtest.h>
 
 #include "test_device.h"
@@ -11,7 +7,6 @@
 #include "engines/host_engine.h"
 #include "error.h"
 #include "scenes.h"
-#include "threads.h"
 
 namespace viewpeel {
 namespace {
@@ -141,21 +136,6 @@ TEST(HostEngine, RefusesWhatDoesNotFit) {
   const auto engine = makeHostEngine(scene, ids, {.counter_budget_bytes = 1, .available_bytes = 5'000'000});
   EXPECT_THROW(engine->count(sampleDirections(Sampler::fibonacci, 2000, 11, 0)), Error) << "a table of all pairs";
   EXPECT_THROW(makeHostEngine(scene, ids, {.resolution = 0}), Error);
-}
-
-// As many threads as processors that may be used: one under `taskset -c 0`.
-TEST(Threads, AreAsManyAsProcessorsAllowed) {
-  std::jthread([] {
-    cpu_set_t allowed;
-    ASSERT_EQ(::sched_getaffinity(0, sizeof allowed, &allowed), 0);
-    EXPECT_EQ(threadCount(), static_cast<size_t>(CPU_COUNT(&allowed)));
-    int first = 0;
-    while (!CPU_ISSET(first, &allowed)) ++first;
-    CPU_ZERO(&allowed);
-    CPU_SET(first, &allowed);
-    ASSERT_EQ(::sched_setaffinity(0, sizeof allowed, &allowed), 0);  // of this thread
-    EXPECT_EQ(threadCount(), 1u);
-  });
 }
 
 }  // namespace

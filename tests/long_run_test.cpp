@@ -190,7 +190,8 @@ TEST_F(LongRun, PartsOfManyPolygonsMergeWithTheirScene) {
     const auto square = [&](const char* surface, double x, double y, double z, double edge, bool up) {
       scene << fmt::format("o {}\nv {} {} {}\nv {} {} {}\nv {} {} {}\nv {} {} {}\nf {}\n", surface, x, y, z, x + edge, y, z, x + edge, y + edge, z, x, y + edge, z, up ? "-4 -3 -2 -1" : "-1 -2 -3 -4");
     };
-    for (int k = 0; k < kCuts * kCuts; ++k) square("floor", k % kCuts, k / kCuts, 0, 1, true);
+    for (int y = 0; y < kCuts; ++y)
+      for (int x = 0; x < kCuts; ++x) square("floor", x, y, 0, 1, true);
     square("lamp", 20, 20, height, 6, false);
     square("screen", 24, 16, height / 2, 9, true);
   };

@@ -41,7 +41,8 @@ TEST(RankByPlace, BlocksOfRanksLieTogether) {
   constexpr uint32_t kCuts = 64;
   InputScene input{"two squares in parts", {"low", "high"}, {}};
   for (uint32_t k = 0; k < kCuts * kCuts; ++k) {
-    const double x = k % kCuts, y = k / kCuts;
+    const uint32_t column = k % kCuts, row = k / kCuts;
+    const double x = column, y = row;
     ts::addFace(input, "low", ts::parallelogram({x, y, 0}, {1, 0, 0}, {0, 1, 0}));
     ts::addFace(input, "high", ts::parallelogram({x, y, 10}, {0, 1, 0}, {1, 0, 0}));
   }
@@ -106,7 +107,8 @@ TEST(NeighbourShares, ErrorsAreAsStated) {
   constexpr uint32_t kCuts = 8;
   InputScene input{"two squares in parts past a blocker", {"low", "high", "blocker"}, {}};
   for (uint32_t k = 0; k < kCuts * kCuts; ++k) {
-    const double edge = 1.0 / kCuts, x = edge * (k % kCuts), y = edge * (k / kCuts);
+    const uint32_t column = k % kCuts, row = k / kCuts;
+    const double edge = 1.0 / kCuts, x = edge * column, y = edge * row;
     ts::addFace(input, "low", ts::parallelogram({x, y, 0}, {edge, 0, 0}, {0, edge, 0}));
     ts::addFace(input, "high", ts::parallelogram({x, y, 1}, {0, edge, 0}, {edge, 0, 0}));
   }

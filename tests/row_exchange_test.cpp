@@ -62,7 +62,8 @@ TEST(RowExchange, EveryWayIsTaken) {
   InputScene room{"walls in parts", {"floor", "wall", "square"}, {}};
   constexpr int kParts = 12;
   for (int k = 0; k < kParts * kParts; ++k) {
-    const double edge = 1.0 / kParts, u = edge * (k % kParts), v = edge * (k / kParts);
+    const int column = k % kParts, row = k / kParts;
+    const double edge = 1.0 / kParts, u = edge * column, v = edge * row;
     ts::addFace(room, "floor", ts::parallelogram({u, v, 0}, {edge, 0, 0}, {0, edge, 0}));
     ts::addFace(room, "wall", ts::parallelogram({0, u, v}, {0, edge, 0}, {0, 0, edge}));
   }
