@@ -101,8 +101,9 @@ class ShareSums::Entries {
     return next;
   }
 
-  Measured fromNeighbours(uint32_t i, uint32_t j, double most, double error) const {
+  Measured fromNeighbours(uint32_t i, uint32_t j, double area, double error) const {
     const NeighbourShares::Share share = neighbours_->of(i, j);
+    const double most = std::min({area, sums_.ids_.areas[i], sums_.ids_.areas[j]});
     return {share.mean * most, sums_.replicate_count_ < 2 ? INFINITY : share.deviation * most + share.mean * error};
   }
 
