@@ -12,8 +12,6 @@
 
 namespace viewpeel {
 
-// As many pairs as rows of closed forms are made for: their form factors take 24 bytes each, and few runs meet most of them where there are more.
-constexpr uint64_t kMostRowPairs = 50'000'000;
 constexpr uint64_t kLinesToLearn = 32;  // of a pair, before its closed form to the last digit is worth its time
 
 struct RunSums;

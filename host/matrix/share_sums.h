@@ -19,6 +19,9 @@ class NeighbourShares;
 // Closed forms of an id with each one after it, to the bounds given: no closer than pairs of which few lines tell deserve (RowExchange::compute). By several threads at once.
 using ExchangeRow = std::function<void(uint32_t i, std::span<BoundedExchange> later)>;
 
+// As many pairs of ids as rows of closed forms are made for, and neighbours looked at: form factors of theirs take 24 bytes each, and few runs meet most of them where there are more.
+constexpr uint64_t kMostRowPairs = 50'000'000;
+
 class ShareSums {
  public:
   __extension__ using Wide = unsigned __int128;

@@ -95,6 +95,7 @@ void writeVisibleSums(Hdf5Output& out, Bytes& bytes) {
   writeColumn(out, bytes, "visible/by_surface", U8{0});
   writeColumn(out, bytes, "visible/has_all_pairs", U8{1});
   writeColumn(out, bytes, "visible/lines", U64{1, 1});
+  writeColumn(out, bytes, "visible/ranks", U32{1, 0});
   writeColumn(out, bytes, "visible/known/i", U32{0, 1});
   writeColumn(out, bytes, "visible/known/j", U32{1, kEnvironment});
   writeColumn(out, bytes, "visible/known/share", U32{3000, 4096});
@@ -143,7 +144,7 @@ Checkpoint readBytes(const uint8_t* data, size_t count) {
   static const NamedFile file;
   Bytes bytes(data, count);
   Hdf5Output out;
-  writeColumn(out, bytes, "format", std::vector<uint64_t>{4});
+  writeColumn(out, bytes, "format", std::vector<uint64_t>{5});
   writeColumn(out, bytes, "settings/names", std::vector<std::string>{"--seed"});
   writeColumn(out, bytes, "settings/values", std::vector<std::string>{"1"});
   writeColumn(out, bytes, "replicates/first", std::vector<uint64_t>{0});
