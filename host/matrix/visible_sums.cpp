@@ -165,7 +165,7 @@ FormFactors VisibleSums::formFactors(By by, double measure_area, double count_ar
   if (by == By::polygon) {
     std::optional<NeighbourShares> neighbours;
     if (!known_.ranks.empty()) neighbours.emplace(by_face_, known_.lines, known_.ranks);
-    FormFactors common = by_face_.formFactors(known_.pairs, known_.lines, measure_area, count_area, sampled, neighbours ? &*neighbours : nullptr, row);
+    FormFactors common = by_face_.formFactors(known_.pairs, known_.lines, measure_area, count_area, sampled, neighbours ? &*neighbours : nullptr, neighbours ? row : ExchangeRow{});
     if (known_.directed.empty()) return common;
     std::vector<FormFactors::Entry> entries = std::move(common).entries();
     for (const FormFactors::Entry& directed : directedEntries())  // among the pairs known, so there
