@@ -24,6 +24,7 @@
 #include "reference/past_blocker.h"
 #include "reference/rectangles.h"
 #include "scenes.h"
+#include "shared_engine.h"
 
 namespace viewpeel::bench {
 namespace {
@@ -105,17 +106,11 @@ Case pastABlocker(InputScene input) {
   return {std::move(input), {{{0, 1}, factor}}};
 }
 
-InputScene squaresPastABlocker() {
-  InputScene input = test_scenes::parallelSquares();
-  test_scenes::addFace(input, "blocker", {{0.2, 0.1, 0.4}, {0.7, 0.1, 0.4}, {0.7, 0.6, 0.4}, {0.2, 0.6, 0.4}});
-  return input;
-}
-
 Case makeCase(const std::string& name) {
   if (name == "facing") return twoSquares(test_scenes::parallelSquares(), reference::parallelRectangles({0, 1}, {0, 1}, {0, 1}, {0, 1}, 1));
   if (name == "edge") return twoSquares(test_scenes::perpendicularSquares(), reference::perpendicularRectangles({0, 1}, {0, 1}, {0, 1}, {0, 1}));
   if (name == "far") return twoSquares(test_scenes::stackOfSheets({0, 10}), reference::parallelRectangles({0, 1}, {0, 1}, {0, 1}, {0, 1}, 10));
-  if (name == "blocked") return pastABlocker(squaresPastABlocker());
+  if (name == "blocked") return pastABlocker(test_scenes::squaresPastABlocker());
   if (name == "gap") return pastABlocker(test_scenes::squaresPastAnEdge());
   return cutCube(6);
 }
@@ -137,17 +132,6 @@ class RememberingEngine : public Engine {
   Engine& engine_;
   std::vector<PairCounts> counts_;
   size_t next_ = 0;
-};
-
-// One for the samplers of all seeds.
-class SharedEngine : public Engine {
- public:
-  explicit SharedEngine(Engine& engine) : engine_(engine) {}
-  PairCounts count(std::span<const Direction> directions) override { return engine_.count(directions); }
-  double unitArea() const override { return engine_.unitArea(); }
-
- private:
-  Engine& engine_;
 };
 
 struct Rule {

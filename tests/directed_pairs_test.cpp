@@ -12,23 +12,13 @@
 #include "reference/exact_engine.h"
 #include "reference/past_blocker.h"
 #include "scenes.h"
+#include "shared_engine.h"
 #include "test_device.h"
 
 namespace viewpeel {
 namespace {
 
 namespace ts = test_scenes;
-
-// One engine for samplers of many seeds.
-class SharedEngine : public Engine {
- public:
-  explicit SharedEngine(Engine& engine) : engine_(engine) {}
-  PairCounts count(std::span<const Direction> directions) override { return engine_.count(directions); }
-  double unitArea() const override { return engine_.unitArea(); }
-
- private:
-  Engine& engine_;
-};
 
 struct Directed {
   Scene scene;

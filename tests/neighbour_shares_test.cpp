@@ -39,14 +39,7 @@ std::vector<uint32_t> inOrder(uint32_t count) {
 // Every rank is given once, and the 64 ids of any block of ranks lie in one of 64 squares of 8 x 8 parts, or their mirror images above: those of other places or directions come elsewhere.
 TEST(RankByPlace, BlocksOfRanksLieTogether) {
   constexpr uint32_t kCuts = 64;
-  InputScene input{"two squares in parts", {"low", "high"}, {}};
-  for (uint32_t k = 0; k < kCuts * kCuts; ++k) {
-    const uint32_t column = k % kCuts, row = k / kCuts;
-    const double x = column, y = row;
-    ts::addFace(input, "low", ts::parallelogram({x, y, 0}, {1, 0, 0}, {0, 1, 0}));
-    ts::addFace(input, "high", ts::parallelogram({x, y, 10}, {0, 1, 0}, {1, 0, 0}));
-  }
-  const Scene scene = buildScene(input);
+  const Scene scene = buildScene(ts::squaresInParts(kCuts, 1, 10));
   const Ids ids = makeIds(scene, By::polygon, false);
   const std::vector<uint32_t> ranks = rankByPlace(scene, ids.of_polygon, ids.count());
   std::vector<uint32_t> id_of(ids.count(), UINT32_MAX);
@@ -105,14 +98,8 @@ TEST(NeighbourShares, LinesThatComeTogetherAreOne) {
 // pairs that no line met are half of what taking them for 0 would make, or less.
 TEST(NeighbourShares, ErrorsAreAsStated) {
   constexpr uint32_t kCuts = 8;
-  InputScene input{"two squares in parts past a blocker", {"low", "high", "blocker"}, {}};
-  for (uint32_t k = 0; k < kCuts * kCuts; ++k) {
-    const uint32_t column = k % kCuts, row = k / kCuts;
-    const double edge = 1.0 / kCuts, x = edge * column, y = edge * row;
-    ts::addFace(input, "low", ts::parallelogram({x, y, 0}, {edge, 0, 0}, {0, edge, 0}));
-    ts::addFace(input, "high", ts::parallelogram({x, y, 1}, {0, edge, 0}, {edge, 0, 0}));
-  }
-  const std::vector<glm::dvec3> blocker = {{0.2, 0.1, 0.4}, {0.7, 0.1, 0.4}, {0.7, 0.6, 0.4}, {0.2, 0.6, 0.4}};
+  InputScene input = ts::squaresInParts(kCuts, 1.0 / kCuts, 1);
+  const ts::Corners blocker = ts::squaresPastABlocker().faces.back().corners;
   ts::addFace(input, "blocker", blocker);
   const Scene scene = buildScene(input);
   const Ids ids = makeIds(scene, By::polygon, false);

@@ -42,12 +42,30 @@ inline InputScene parallelSquares() {
   return scene;
 }
 
+// Two squares in cuts x cuts parts each, of the edge given, that face each other at `height`: a part of the lower one, then the part above it.
+inline InputScene squaresInParts(uint32_t cuts, double edge, double height) {
+  InputScene scene{"two squares in parts", {"low", "high"}, {}};
+  for (uint32_t k = 0; k < cuts * cuts; ++k) {
+    const double x = edge * (k % cuts), y = edge * (k / cuts);
+    scene.faces.push_back({parallelogram({x, y, 0}, {edge, 0, 0}, {0, edge, 0}), 0, 0});
+    scene.faces.push_back({parallelogram({x, y, height}, {0, edge, 0}, {edge, 0, 0}), 1, 0});
+  }
+  return scene;
+}
+
 // Two squares far apart that see each other past the edge of a third polygon: one direction in 200 or so meets the two.
 inline InputScene squaresPastAnEdge(double edge = 0.4) {
   InputScene scene{"squares past an edge", {}, {}};
   addFace(scene, "lower", {{0, 0, 0}, {0.5, 0, 0}, {0.5, 0.5, 0}, {0, 0.5, 0}});
   addFace(scene, "upper", {{0, 0, 6}, {0, 0.5, 6}, {0.5, 0.5, 6}, {0.5, 0, 6}});
   addFace(scene, "blocker", {{-0.1, -1, 3}, {edge, -1, 3}, {edge, 1, 3}, {-0.1, 1, 3}});
+  return scene;
+}
+
+// Parallel squares with a smaller one between them, off their middle.
+inline InputScene squaresPastABlocker() {
+  InputScene scene = parallelSquares();
+  addFace(scene, "blocker", {{0.2, 0.1, 0.4}, {0.7, 0.1, 0.4}, {0.7, 0.6, 0.4}, {0.2, 0.6, 0.4}});
   return scene;
 }
 

@@ -197,14 +197,7 @@ TEST(VisibleShare, UnblockedPairsAreExact) {
 
 // Where pilots saw nothing blocked all pairs are exact, those too that few lines or none told.
 TEST(VisibleShare, NothingInBetweenIsExactForEveryPair) {
-  InputScene room{"two by two squares above each other", {"low", "high"}, {}};
-  for (int k = 0; k < 4; ++k) {
-    const int column = k % 2, row = k / 2;
-    const double x = column, y = row;
-    ts::addFace(room, "low", ts::parallelogram({x, y, 0}, {1, 0, 0}, {0, 1, 0}));
-    ts::addFace(room, "high", ts::parallelogram({x, y, 4}, {0, 1, 0}, {1, 0, 0}));
-  }
-  const Shared made = share(room, 4);
+  const Shared made = share(ts::squaresInParts(2, 1, 4), 4);
   const EstimateOptions options{.directions = 8, .replicates = 2};
   const VisibleShares shares = made.find(options);
   const FormFactors few = made.estimate(options).form_factors;
@@ -221,13 +214,7 @@ TEST(VisibleShare, NothingInBetweenIsExactForEveryPair) {
 // parts, come to the same bits. Nothing is blocked, so that neighbours tell the truth of pairs that no line met.
 TEST(VisibleShare, EveryPairOfManyPolygonsGetsItsClosedForm) {
   constexpr uint32_t kCuts = 40;
-  InputScene input{"two squares in 1600 parts each, and a wall", {"low", "high", "wall"}, {}};
-  for (uint32_t k = 0; k < kCuts * kCuts; ++k) {
-    const uint32_t column = k % kCuts, row = k / kCuts;
-    const double edge = 1.0 / kCuts, x = edge * column, y = edge * row;
-    ts::addFace(input, "low", ts::parallelogram({x, y, 0}, {edge, 0, 0}, {0, edge, 0}));
-    ts::addFace(input, "high", ts::parallelogram({x, y, 1}, {0, edge, 0}, {edge, 0, 0}));
-  }
+  InputScene input = ts::squaresInParts(kCuts, 1.0 / kCuts, 1);
   ts::addFace(input, "wall", ts::parallelogram({-0.5, 0, 0}, {0, 1, 0}, {0, 0, 1}));  // many lines between it and each part
   const Scene scene = buildScene(input);
   const Ids ids = makeIds(scene, By::polygon, false);
@@ -334,21 +321,15 @@ TEST(VisibleShare, GoalsAreReachedByEveryPairOfManyPolygons) {
   }
 }
 
-InputScene squaresPastABlocker() {
-  InputScene input = ts::parallelSquares();
-  ts::addFace(input, "blocker", {{0.2, 0.1, 0.4}, {0.7, 0.1, 0.4}, {0.7, 0.6, 0.4}, {0.2, 0.6, 0.4}});
-  return input;
-}
-
 double truthPastTheBlocker() {
-  const InputScene input = squaresPastABlocker();
+  const InputScene input = ts::squaresPastABlocker();
   return reference::formFactorPastBlocker(input.faces[0].corners, input.faces[1].corners, input.faces[2].corners).value;
 }
 
 // Partly blocked: unbiased, with less error than counting alone, and 95 % intervals that hold the truth 95 times in 100 but for chance, that is within four
 // standard deviations of the binomial law.
 TEST(VisibleShare, PartlyBlockedPairsAreSampledWell) {
-  const Shared made = share(squaresPastABlocker(), 24);
+  const Shared made = share(ts::squaresPastABlocker(), 24);
   const double truth = truthPastTheBlocker();
   constexpr int kSeeds = 60;
   const double t = quantile(complement(boost::math::students_t(7), 0.025));
@@ -371,7 +352,7 @@ TEST(VisibleShare, PartlyBlockedPairsAreSampledWell) {
 
 // Scanlines count lengths, the same way.
 TEST(VisibleShare, PartlyBlockedPairsByScanlines) {
-  const Shared made = share(squaresPastABlocker(), 24, Sampling::scanline);
+  const Shared made = share(ts::squaresPastABlocker(), 24, Sampling::scanline);
   const double truth = truthPastTheBlocker();
   double squares = 0, plain_squares = 0;
   for (uint64_t seed = 1; seed <= 12; ++seed) {

@@ -1,0 +1,17 @@
+// One engine for the samplers of many seeds, each of which owns engines.
+#pragma once
+#include "engines/engine.h"
+
+namespace viewpeel {
+
+class SharedEngine : public Engine {
+ public:
+  explicit SharedEngine(Engine& engine) : engine_(engine) {}
+  PairCounts count(std::span<const Direction> directions) override { return engine_.count(directions); }
+  double unitArea() const override { return engine_.unitArea(); }
+
+ private:
+  Engine& engine_;
+};
+
+}  // namespace viewpeel
