@@ -110,6 +110,9 @@ TEST_F(CheckpointFile, ReadsBackEveryBit) {
   writeCheckpoint(kSettings, sums, file("a.h5"));
   const Checkpoint read = readCheckpoint(file("a.h5"));
   EXPECT_EQ(read.settings, kSettings);
+  EXPECT_EQ(findSetting(read.settings, "--seed"), "7");
+  EXPECT_EQ(findSetting(read.settings, "--from"), "");
+  EXPECT_EQ(findSetting(read.settings, "--see"), std::nullopt);
   EXPECT_EQ(read.sums.measure_area, 1 / 3.0);
   EXPECT_EQ(read.sums.directions, 30u);
   EXPECT_EQ(read.sums.replicates, (std::vector<ReplicateRange>{{3, 5}, {9, 10}}));

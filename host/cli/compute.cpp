@@ -75,12 +75,12 @@ void tellInterruption(const ProgramOptions& options, uint64_t replicates) {
 // A run that is gone on with keeps its plan: what a plan chose is among the settings of its checkpoint. What is said beside has to be the same there.
 void adoptPlan(const Settings& stored, ProgramOptions& options) {
   if (options.closed_forms_by_default && options.closed_forms_possible && !stored.empty()) {
-    options.closed_forms = std::find(stored.begin(), stored.end(), std::pair<std::string, std::string>("--closed-forms", "on")) != stored.end();
+    options.closed_forms = findSetting(stored, "--closed-forms") == "on";
     options.closed_forms_by_default = false;
   }
   const auto figureOf = [&](const char* name) {
-    const auto at = std::find_if(stored.begin(), stored.end(), [&](const auto& setting) { return setting.first == name; });
-    return at == stored.end() ? 0 : std::strtod(at->second.c_str(), nullptr);
+    const std::optional<std::string> figure = findSetting(stored, name);
+    return figure ? std::strtod(figure->c_str(), nullptr) : 0;
   };
   if (options.epsilon) {
     if (!options.range) options.range = figureOf("--range");

@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <memory>
 
 #include <fmt/format.h>
@@ -28,11 +27,6 @@ struct MergedScene {
   MergedScene(const std::string& file, bool two_sided) : scene(loadScene(file)), face_ids(makeIds(scene, By::polygon, two_sided)), exchanges(nullptr, scene, face_ids) {}
 };
 
-std::string settingOf(const Settings& settings, const std::string& name) {
-  const auto at = std::find_if(settings.begin(), settings.end(), [&](const auto& setting) { return setting.first == name; });
-  return at == settings.end() ? "" : at->second;
-}
-
 int runMerge(const MergeCommand& command) {
   checkOutputs(command.outputs, command.checkpoint);
   if (!command.checkpoint.empty()) requireNewCheckpoint(command.checkpoint);
@@ -41,10 +35,11 @@ int runMerge(const MergeCommand& command) {
     throw Error(ErrorCode::bad_usage, fmt::format("{}: holds 1 replicate, a standard error needs 2; go on with it, or merge it with others", command.inputs.front()));
   std::unique_ptr<MergedScene> of;
   if (!command.scene.empty()) {
-    of = std::make_unique<MergedScene>(command.scene, settingOf(merged.settings, "--two-sided") == "yes");
-    if (identityOf(of->scene) != settingOf(merged.settings, "scene"))
+    of = std::make_unique<MergedScene>(command.scene, findSetting(merged.settings, "--two-sided") == "yes");
+    const std::string computed = findSetting(merged.settings, "scene").value_or("");
+    if (identityOf(of->scene) != computed)
       throw Error(ErrorCode::bad_usage, fmt::format("{}: another scene than that of {}: {}, not {}; give the scene that was computed", command.scene, command.inputs.front(),
-                                                    identityOf(of->scene), settingOf(merged.settings, "scene")));
+                                                    identityOf(of->scene), computed));
   }
   const bool is_sparse = merged.sums.visible && merged.sums.visible->by() == By::polygon && !merged.sums.visible->known().has_all_pairs;
   if (is_sparse && !of) fmt::print(stderr, "viewpeel: warning: pairs of which few lines told are sampled alone, and those that no line met left out; for their closed forms give --scene FILE\n");

@@ -245,6 +245,12 @@ ReplicateSums readReplicateSums(Hdf5Input& in, const std::string& group) {
 }  // namespace
 
 void writeCheckpoint(const Settings& settings, const RunSums& sums, const std::filesystem::path& file) {
+std::optional<std::string> findSetting(const Settings& settings, const std::string& name) {
+  const auto at = std::ranges::find(settings, name, [](const auto& setting) -> const std::string& { return setting.first; });
+  if (at == settings.end()) return {};
+  return at->second;
+}
+
   Hdf5Output out;
   out.write("format", std::vector<uint64_t>{kFormat});
   writeColumn<std::string>(out, "settings/names", settings, [](const auto& setting) { return setting.first; });
@@ -284,10 +290,7 @@ Checkpoint readCheckpoint(const std::filesystem::path& file) {
 }
 
 void requireSameSettings(const Settings& expected, const Settings& found, const std::filesystem::path& file) {
-  const auto valueOf = [](const Settings& settings, const std::string& name) -> std::string {
-    const auto at = std::find_if(settings.begin(), settings.end(), [&](const auto& setting) { return setting.first == name; });
-    return at == settings.end() ? "not set" : at->second;
-  };
+  const auto valueOf = [](const Settings& settings, const std::string& name) { return findSetting(settings, name).value_or("not set"); };
   for (const Settings* settings : {&expected, &found})
     for (const auto& [name, ignored] : *settings)
       if (valueOf(expected, name) != valueOf(found, name))

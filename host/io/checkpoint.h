@@ -1,6 +1,7 @@
 // Checkpoints: what a run has counted so far, in a file, so that another run can go on from there.
 #pragma once
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,6 +12,9 @@ namespace viewpeel {
 
 // Everything that changes a run's counts, by name, in words: two runs with the same settings count the same in the same replicate.
 using Settings = std::vector<std::pair<std::string, std::string>>;
+
+// What a setting is, where it is there.
+std::optional<std::string> findSetting(const Settings& settings, const std::string& name);
 
 struct Checkpoint {
   Settings settings;
