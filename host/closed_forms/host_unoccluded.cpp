@@ -24,8 +24,6 @@ constexpr double kUnit = 2.2e-16;     // rounding of double
 constexpr double kLeast = 1e-290;     // stands for 0 where a logarithm or an angle is multiplied by it
 constexpr size_t kChunk = 256;        // pairs that a thread takes at once
 
-dvec3 meanCorner(const ShapeData& shape) { return 0.25 * ((shape.corners[0] + shape.corners[1]) + (shape.corners[2] + shape.corners[3])); }
-
 double leastOf(const std::array<double, 4>& v) { return std::min(std::min(v[0], v[1]), std::min(v[2], v[3])); }
 double greatestOf(const std::array<double, 4>& v) { return std::max(std::max(v[0], v[1]), std::max(v[2], v[3])); }
 
@@ -74,15 +72,13 @@ float errorOf(const FarBound& rule, const Coordinates& c) {
 
 // Of the square, as a polynomial: a position, and the weight of its points.
 struct Patch {
-  dvec3 along_u, along_v, along_uv;
+  Stretch along;
   std::array<double, 4> depth;  // 1, u, v, uv: over the other's plane
   std::array<double, 3> density;
 };
 
 Patch patchOf(const ShapeData& shape, const std::array<double, 4>& d) {
-  return {0.25 * ((shape.corners[1] - shape.corners[0]) + (shape.corners[2] - shape.corners[3])),
-          0.25 * ((shape.corners[3] - shape.corners[0]) + (shape.corners[2] - shape.corners[1])),
-          0.25 * ((shape.corners[0] - shape.corners[1]) + (shape.corners[2] - shape.corners[3])),
+  return {stretchOf(shape),
           {0.25 * (d[0] + d[1] + d[2] + d[3]), 0.25 * (d[1] + d[2] - d[0] - d[3]), 0.25 * (d[2] + d[3] - d[0] - d[1]), 0.25 * (d[0] + d[2] - d[1] - d[3])},
           {shape.density, shape.density_u, shape.density_v}};
 }
@@ -196,7 +192,7 @@ double HostUnoccluded::integrateFar(const Sides& sides, uint32_t rule) const {
     size_t k = 0;
     for (const Point& u : points)
       for (const Point& v : points) {
-        const dvec3 at = middle + u.at * patch.along_u + v.at * (patch.along_v + u.at * patch.along_uv);
+        const dvec3 at = middle + u.at * patch.along.along_u + v.at * (patch.along.along_v + u.at * patch.along.along_uv);
         const double density = patch.density[0] + patch.density[1] * u.at + patch.density[2] * v.at;
         const double depth = patch.depth[0] + patch.depth[1] * u.at + patch.depth[2] * v.at + patch.depth[3] * (u.at * v.at);
         all.x[k] = at.x;

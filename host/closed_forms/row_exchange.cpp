@@ -49,7 +49,6 @@ RowExchange::RowExchange(const Scene& scene, const Ids& ids) : near_(scene, 1), 
   first_.assign(ids.count() + 1, 0);
   for (uint32_t k : polygon_) {
     const closed_form_data::ShapeData& s = shapes[k];
-    const auto& c = s.corners;
     id_.push_back(ids.of_polygon[k]);
     ++first_[ids.of_polygon[k] + 1];
     plane_.push_back(s.plane);
@@ -57,8 +56,8 @@ RowExchange::RowExchange(const Scene& scene, const Ids& ids) : near_(scene, 1), 
     radius_.push_back(static_cast<float>(s.radius));
     reach_.push_back(static_cast<float>(s.reach));
     skew_.push_back(static_cast<float>(s.skew));
-    const glm::dvec3 mean = 0.25 * ((c[0] + c[1]) + (c[2] + c[3])), along_u = 0.25 * ((c[1] - c[0]) + (c[2] - c[3])), along_v = 0.25 * ((c[3] - c[0]) + (c[2] - c[1])),
-                     along_uv = 0.25 * ((c[0] - c[1]) + (c[2] - c[3]));
+    const glm::dvec3 mean = meanCorner(s);
+    const auto [along_u, along_v, along_uv] = stretchOf(s);
     for (size_t axis = 0; axis < 3; ++axis) {
       const auto at = static_cast<glm::length_t>(axis);
       middle_[axis].push_back(static_cast<float>(mean[at]));

@@ -26,8 +26,8 @@ ShapeData makeShape(const Scene& scene, const Polygon& polygon) {
   ShapeData shape{};
   for (uint32_t k = 0; k < 4; ++k) shape.corners[k] = scene.corners[polygon.first_corner + std::min(k, polygon.corner_count - 1)];
   const auto& c = shape.corners;
-  const glm::dvec3 along_u = ((c[1] - c[0]) + (c[2] - c[3])) / 4.0, along_v = ((c[3] - c[0]) + (c[2] - c[1])) / 4.0;
-  const glm::dvec3 along_uv = ((c[0] - c[1]) + (c[2] - c[3])) / 4.0, mean = ((c[0] + c[1]) + (c[2] + c[3])) / 4.0;
+  const glm::dvec3 mean = meanCorner(shape);
+  const auto [along_u, along_v, along_uv] = stretchOf(shape);
   const glm::dvec3 area_vector = glm::cross(c[2] - c[0], c[3] - c[1]) / 2.0;
   shape.area = glm::length(area_vector);
   shape.normal = area_vector / shape.area;
