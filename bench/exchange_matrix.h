@@ -5,12 +5,14 @@
 #include <utility>
 #include <vector>
 
+#include "matrix/ids.h"
+
 namespace viewpeel::bench {
 
 // Symmetric, zero on the diagonal; dense: n (n - 1) / 2 doubles.
 class ExchangeMatrix {
  public:
-  explicit ExchangeMatrix(uint32_t count = 0) : count_(count), values_(count ? uint64_t(count) * (count - 1) / 2 : 0) {}
+  explicit ExchangeMatrix(uint32_t count = 0) : count_(count), values_(pairCount(count)) {}
 
   uint32_t count() const { return count_; }
   //   In: i != j

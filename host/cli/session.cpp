@@ -94,10 +94,10 @@ Session::Session(ProgramOptions& asked) : options(asked), scene(loadScene(asked.
     throw Error(ErrorCode::bad_usage, "--finest needs --engine compute or host and the whole matrix");
   if (options.finest > maxWindowResolution(options.lattice.sampling))
     throw Error(ErrorCode::bad_usage, fmt::format("scanlines cannot be finer than {}; give a coarser --finest, or --sampling lattice", kMaxScanlineResolution));
-  if (options.epsilon && *options.closed_forms && scene.faces.size() * (scene.faces.size() - 1) / 2 > kMostKnownPairs) {
+  if (options.epsilon && *options.closed_forms && pairCount(scene.faces.size()) > kMostKnownPairs) {
     if (!options.closed_forms_by_default)
       throw Error(ErrorCode::bad_usage, fmt::format("a guarantee with closed forms needs those of all pairs of polygons: {} at most, not {}; say --closed-forms off", kMostKnownPairs,
-                                                    scene.faces.size() * (scene.faces.size() - 1) / 2));
+                                                    pairCount(scene.faces.size())));
     options.closed_forms = false;
   }
   if (!options.whole_sphere && (!options.question.pair.empty() || (!options.question.from.empty() && !options.two_sided)))

@@ -157,7 +157,7 @@ std::string describeErrors(const Estimate& estimate) {
     text += fmt::format("unmet      {} pairs that no line met: closed forms times the visible share of their neighbours, +- {:.1e} at most\n", estimate.unmet_pairs, estimate.largest_unmet_error);
   if (estimate.unseen_pairs)
     text += fmt::format("unseen     {} pairs that can see each other but for what is between them: no line saw one, 0 +- {:.1e} at most\n", estimate.unseen_pairs, estimate.largest_unseen_error);
-  const double n = double(f.ids().count()), all = n * (n - 1) / 2;
+  const auto all = double(pairCount(f.ids().count()));
   const auto met = std::count_if(f.entries().begin(), f.entries().end(), [](const FormFactors::Entry& entry) { return entry.i != entry.j && entry.j < kEnvironment; });
   if (!estimate.unmet_pairs && !estimate.unseen_pairs && double(met) < all && estimate.unmet_bound < 1)
     text += fmt::format("unseen     {:.0f} of {:.0f} pairs, which no line met: form factors below {:.1e} each, from the smaller of the two, at 95 % confidence\n", all - double(met), all,

@@ -35,7 +35,7 @@ void FaceExchanges::learn(RunSums& sums) {
   sums.visible->learn(met);
 }
 
-bool FaceExchanges::hasRows() const { return uint64_t(ids_.count()) * (ids_.count() - 1) / 2 <= kMostRowPairs; }
+bool FaceExchanges::hasRows() const { return pairCount(ids_.count()) <= kMostRowPairs; }
 
 ExchangeRow FaceExchanges::rows() {
   if (!hasRows()) return {};

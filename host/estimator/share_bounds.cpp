@@ -22,8 +22,7 @@ double knownVarianceBound(double variance, double range, double directions, doub
 }
 
 ShareBounds::ShareBounds(const Ids& ids, const std::vector<double>& ranges, const KnownShares& known) : areas_(ids.areas), ranges_(ranges), row_bounds_(ids.count(), 2) {
-  const auto n = double(ids.count());
-  pair_count_ = n * (n - 1) / 2;
+  pair_count_ = double(pairCount(ids.count()));
   std::vector<uint32_t> polygons(ids.count(), 0);
   for (uint32_t id : ids.of_polygon) ++polygons[id];
   for (uint32_t id = 0; id < ids.count(); ++id) {

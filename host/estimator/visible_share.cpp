@@ -105,8 +105,8 @@ VisibleShares findVisibleShares(Engine& engine, FaceExchanges& exchanges, const 
   start = Clock::now();
   const uint64_t n = ids.count();
   found.known.lines = countsOfLines(ids, groups, engine.unitArea());
-  if (n * (n - 1) / 2 <= kMostRowPairs) found.known.ranks = rankByPlace(scene, ids.of_polygon, ids.count());
-  found.known.has_all_pairs = n * (n - 1) / 2 <= kMostKnownPairs;
+  if (pairCount(n) <= kMostRowPairs) found.known.ranks = rankByPlace(scene, ids.of_polygon, ids.count());
+  found.known.has_all_pairs = pairCount(n) <= kMostKnownPairs;
   std::vector<KnownPair>& pairs = found.known.pairs;
   if (found.known.has_all_pairs) {
     for (uint32_t i = 0; i < n; ++i)

@@ -189,7 +189,7 @@ std::optional<VisibleSums> readVisibleSums(Hdf5Input& in, const Ids& face_ids, c
     if (rank >= is_taken.size() || is_taken[rank]) in.refuse("its 'visible/ranks' are no order of its ids");
     is_taken[rank] = true;
   }
-  if (const uint64_t n = known.ranks.size(); n > 0 && n * (n - 1) / 2 > kMostRowPairs) in.refuse("its 'visible/ranks' are of more ids than neighbours are looked at for");
+  if (pairCount(known.ranks.size()) > kMostRowPairs) in.refuse("its 'visible/ranks' are of more ids than neighbours are looked at for");
   if (!known.ranks.empty() && known.ranks.size() != face_ids.count()) in.refuse(fmt::format("its 'visible/ranks' has {} values for {}", known.ranks.size(), face_ids.count()));
   for (uint32_t i : in.read<uint32_t>("visible/known/i")) known.pairs.push_back({i, 0});
   readColumn<uint32_t>(in, "visible/known/j", known.pairs, [](KnownPair& pair, uint32_t j) { pair.j = j; });

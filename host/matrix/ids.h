@@ -35,6 +35,9 @@ struct Ids {
   uint32_t count() const { return static_cast<uint32_t>(names.size()); }
 };
 
+// Pairs of n different ids.
+constexpr uint64_t pairCount(uint64_t n) { return n * (n - 1) / 2; }
+
 // What to compute where not all form factors are wanted. Names are of surfaces ("desk") or faces ("desk[3]").
 struct Question {
   std::vector<std::string> from;      // only rows of these; all where empty
