@@ -257,7 +257,7 @@ void measureCase(const std::string& name, const Device& device, const Options& o
             pilot.tolerance.reset();
           }
           FaceExchanges exchanges(&device, scene, ids);
-          shares = findVisibleShares(*engine, exchanges, scene, ids, groupBySize(scene, std::vector<double>(scene.polygons.size(), 1), resolution), pilot, pilotDirections(pilot));
+          shares = findVisibleShares(*engine, exchanges, scene, ids, groupAsOne(scene, resolution), pilot, pilotDirections(pilot));
           shares_seed = seed;
           ++runs;
           directed_runs += !shares.known.directed.empty();

@@ -120,7 +120,7 @@ class Viewpeel {
       options.seed = seed;
       std::optional<Estimate> estimate;
       const RunTime time = timeOf([&] {
-        estimate = closed_forms ? withClosedForms(*engine, groupBySize(scene_, std::vector<double>(scene_.polygons.size(), 1), closed_forms), options)
+        estimate = closed_forms ? withClosedForms(*engine, groupAsOne(scene_, closed_forms), options)
                                 : estimateFormFactors(*engine, scene_, ids_, options);
       });
       return outcomeOf(*estimate, scene_, time);

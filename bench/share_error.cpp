@@ -93,7 +93,7 @@ struct Case {
     VisibleShares shares;
     FaceExchanges exchanges(&device, scene, ids);
     if (closed_forms) {
-      shares = findVisibleShares(*engine, exchanges, scene, ids, groupBySize(scene, std::vector<double>(scene.polygons.size(), 1), resolution), options, pilotDirections(options));
+      shares = findVisibleShares(*engine, exchanges, scene, ids, groupAsOne(scene, resolution), options, pilotDirections(options));
       options.known = &shares.known;
       options.exchanges = &exchanges;
     }

@@ -30,7 +30,7 @@ struct Directed {
 
   explicit Directed(const InputScene& input, const LatticeOptions& options = {.resolution = 64}) : scene(buildScene(input)), ids(makeIds(scene, By::polygon, false)), lattice(options) {
     lattice.count_blocked = true;
-    groups = groupBySize(scene, std::vector<double>(scene.polygons.size(), 1), lattice.resolution);
+    groups = groupAsOne(scene, lattice.resolution);
     engine = makeComputeEngine(testDevice(), scene, ids, lattice);
   }
   PairSampler sampler(uint64_t seed) {

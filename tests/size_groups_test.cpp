@@ -138,12 +138,18 @@ TEST(SizeGroups, WindowsAreOnOneLattice) {
   }
 }
 
-// One group is the plain engine.
+// The group of all polygons is what equal needs make, and the plain engine.
 TEST(SizeGroups, OneGroupIsTheWholeMatrix) {
   const Scene scene = buildScene(ts::roomWithTouchingBoxes());
   const Ids ids = makeIds(scene, By::polygon, false);
   const auto directions = sampleDirections(Sampler::fibonacci, 20, 3, 0);
-  const auto engine = makeGroupedEngine(testDevice(), scene, ids, {}, groupBySize(scene, std::vector<double>(scene.polygons.size(), 1), 33));
+  const auto whole = groupAsOne(scene, 33), equal = groupBySize(scene, std::vector<double>(scene.polygons.size(), 1), 33);
+  ASSERT_EQ(whole.size(), 1u);
+  ASSERT_EQ(equal.size(), 1u);
+  EXPECT_EQ(whole[0].resolution, equal[0].resolution);
+  EXPECT_EQ(whole[0].window.radius, equal[0].window.radius);
+  EXPECT_EQ(whole[0].polygons, equal[0].polygons);
+  const auto engine = makeGroupedEngine(testDevice(), scene, ids, {}, whole);
   EXPECT_EQ(engine->count(directions), countPairs(scene, directions, {.lattice = {.resolution = 33}}));
   EXPECT_EQ(engine->unitArea(), 4.0 / (33 * 33));
 }

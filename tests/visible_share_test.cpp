@@ -52,7 +52,7 @@ struct Shared {
 Shared share(const InputScene& input, int resolution, Sampling sampling = Sampling::lattice) {
   Shared made{buildScene(input), {}, nullptr, {}};
   made.ids = makeIds(made.scene, By::polygon, false);
-  made.groups = groupBySize(made.scene, std::vector<double>(made.scene.polygons.size(), 1), resolution);
+  made.groups = groupAsOne(made.scene, resolution);
   made.engine = makeComputeEngine(testDevice(), made.scene, made.ids, {.resolution = resolution, .sampling = sampling, .count_blocked = true});
   return made;
 }
@@ -222,7 +222,7 @@ TEST(VisibleShare, EveryPairOfManyPolygonsGetsItsClosedForm) {
   const auto engine = makeHostEngine(scene, ids, {.resolution = 64, .count_blocked = true});
   EstimateOptions options{.directions = 128, .replicates = 4};
   FaceExchanges exchanges(nullptr, scene, ids);
-  const VisibleShares shares = findVisibleShares(*engine, exchanges, scene, ids, groupBySize(scene, std::vector<double>(scene.polygons.size(), 1), 64), options, pilotDirections(options));
+  const VisibleShares shares = findVisibleShares(*engine, exchanges, scene, ids, groupAsOne(scene, 64), options, pilotDirections(options));
   EXPECT_FALSE(shares.known.has_all_pairs);
   options.known = &shares.known;
   options.exchanges = &exchanges;
@@ -303,7 +303,7 @@ TEST(VisibleShare, GoalsAreReachedByEveryPairOfManyPolygons) {
   const auto engine = makeHostEngine(scene, ids, {.resolution = 64, .count_blocked = true});
   EstimateOptions options{.directions = 32, .replicates = 3};
   FaceExchanges exchanges(nullptr, scene, ids);
-  const VisibleShares shares = findVisibleShares(*engine, exchanges, scene, ids, groupBySize(scene, std::vector<double>(scene.polygons.size(), 1), 64), options, pilotDirections(options));
+  const VisibleShares shares = findVisibleShares(*engine, exchanges, scene, ids, groupAsOne(scene, 64), options, pilotDirections(options));
   options.known = &shares.known;
   options.exchanges = &exchanges;
   const double first = estimateFormFactors(*engine, scene, ids, options).largest_standard_error;

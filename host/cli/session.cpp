@@ -171,8 +171,7 @@ Plan Session::plan() const {
   plan.directions = options.estimate.directions;
   plan.finest = options.finest;
   const int resolution = options.resolution ? options.resolution : options.lattice.resolution;
-  plan.groups = options.finest ? planGroups(scene, ids, options.lattice.sampling, resolution, options.finest, plan.directions)
-                               : groupBySize(scene, std::vector<double>(scene.polygons.size(), 1), resolution);
+  plan.groups = options.finest ? planGroups(scene, ids, options.lattice.sampling, resolution, options.finest, plan.directions) : groupAsOne(scene, resolution);
   plan.engine = lattices().make_engine(plan.groups);
   return plan;
 }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
+#include <utility>
 
 #include <fmt/format.h>
 #include <glm/common.hpp>
@@ -167,6 +169,12 @@ std::vector<SizeGroup> groupBySize(const Scene& scene, const std::vector<double>
     for (auto& [resolution, polygons] : fine) split(scene, std::move(polygons), resolution, groups);
     if (groups.size() <= kMostWindows + 1 || fine.empty()) return groups;
   }
+}
+
+std::vector<SizeGroup> groupAsOne(const Scene& scene, int resolution) {
+  SizeGroup whole{resolution, {}, std::vector<uint32_t>(scene.polygons.size())};
+  std::iota(whole.polygons.begin(), whole.polygons.end(), 0u);
+  return {std::move(whole)};
 }
 
 size_t countWindows(const Scene& scene, std::vector<uint32_t> polygons, int resolution) {

@@ -31,6 +31,9 @@ struct SizeGroup {
 //   Cost: O(n log n).
 std::vector<SizeGroup> groupBySize(const Scene& scene, const std::vector<double>& needed, int base, int finest = kMaxWindowResolution);
 
+// All polygons at one resolution.    Cost: O(n).
+std::vector<SizeGroup> groupAsOne(const Scene& scene, int resolution);
+
 // How many windows polygons get at a resolution; no polygon may be too large for one.    Cost: O(n log n).
 size_t countWindows(const Scene& scene, std::vector<uint32_t> polygons, int resolution);
 

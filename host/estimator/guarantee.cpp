@@ -78,9 +78,9 @@ std::vector<double> resolutionsOf(const Scene& scene, const std::vector<SizeGrou
 // Lattices for that range: one for most of the area, windows for what needs more.
 std::vector<SizeGroup> groupsFor(const Scene& scene, const std::vector<double>& needed, const Lattices& lattices) {
   const int finest = maxWindowResolution(lattices.sampling);
-  if (lattices.resolution) return groupBySize(scene, std::vector<double>(needed.size(), 1), lattices.resolution);
+  if (lattices.resolution) return groupAsOne(scene, lattices.resolution);
   const double most = *std::max_element(needed.begin(), needed.end());
-  if (!lattices.may_group) return groupBySize(scene, std::vector<double>(needed.size(), 1), static_cast<int>(std::min<double>(std::ceil(most), kMaxResolution)));
+  if (!lattices.may_group) return groupAsOne(scene, static_cast<int>(std::min<double>(std::ceil(most), kMaxResolution)));
   std::vector<uint32_t> order(needed.size());
   std::iota(order.begin(), order.end(), 0u);
   std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return needed[a] < needed[b]; });
@@ -270,7 +270,7 @@ GuaranteePlan planGuarantee(const Scene& scene, const Ids& ids, const GuaranteeO
     plan.delta = d;
     plan.bounds = std::accumulate(bounds.begin(), bounds.end(), 0.0);
     plan.range = range;
-    plan.groups = exact ? groupBySize(scene, std::vector<double>(scene.polygons.size(), 1), 1) : groupsFor(scene, neededFor(scene, ids, range, sampling), lattices);
+    plan.groups = exact ? groupAsOne(scene, 1) : groupsFor(scene, neededFor(scene, ids, range, sampling), lattices);
     plan.engine = lattices.make_engine(plan.groups);
     plan.ranges = formFactorRanges(scene, ids, exact ? std::vector<double>{} : resolutionsOf(scene, plan.groups), sampling);
     const double m = plan.largest_range = *std::max_element(plan.ranges.begin(), plan.ranges.end());

@@ -176,7 +176,7 @@ double Planner::neededBy(const SizeClass& size, const Shape& shape, double direc
 
 std::vector<SizeGroup> Planner::groupsOf(const Shape& shape, double directions) const {
   if (lattices_.may_group) return planGroups(scene_, ids_, lattices_.sampling, shape.base, shape.finest, directions);
-  return groupBySize(scene_, std::vector<double>(scene_.polygons.size(), 1), shape.base);
+  return groupAsOne(scene_, shape.base);
 }
 
 void Planner::measure(uint32_t directions, const Shape& shape) {
