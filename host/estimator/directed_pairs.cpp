@@ -13,6 +13,7 @@
 #include "estimator/estimate.h"
 #include "estimator/visible_share.h"
 #include "hash.h"
+#include "matrix/add_pairs.h"
 #include "matrix/pair_count.h"
 
 namespace viewpeel {
@@ -33,11 +34,6 @@ constexpr double kWorthIt = 0.8;              // of the work without them
 constexpr double kMostReplicates = 1e12;
 
 using Key = std::pair<uint32_t, uint32_t>;
-
-template <class T>
-Key keyOf(const T& pair) {
-  return {pair.i, pair.j};
-}
 
 double smallerArea(const Ids& ids, Key pair) { return std::min(ids.areas[pair.first], pair.second < kEnvironment ? ids.areas[pair.second] : INFINITY); }
 

@@ -7,6 +7,7 @@
 
 #include "engines/lattice.h"
 #include "estimator/directed_pairs.h"
+#include "matrix/add_pairs.h"
 #include "matrix/pair_count.h"
 #include "scene/rank_by_place.h"
 
@@ -24,7 +25,7 @@ double secondsSince(Clock::time_point start) { return std::chrono::duration<doub
 std::vector<PairShare> shared(const std::vector<PairShare>& shares, const std::vector<PairShare>& others) {
   std::vector<PairShare> both;
   std::set_intersection(shares.begin(), shares.end(), others.begin(), others.end(), std::back_inserter(both),
-                        [](const PairShare& a, const PairShare& b) { return std::pair(a.i, a.j) < std::pair(b.i, b.j); });
+                        [](const PairShare& a, const PairShare& b) { return keyOf(a) < keyOf(b); });
   return both;
 }
 
@@ -114,9 +115,9 @@ VisibleShares findVisibleShares(Engine& engine, FaceExchanges& exchanges, const 
   }
   for (const PairShare& share : shares)
     if (share.j >= kEnvironment || !found.known.has_all_pairs) pairs.push_back({share.i, share.j});
-  std::sort(pairs.begin(), pairs.end(), [](const KnownPair& a, const KnownPair& b) { return std::pair(a.i, a.j) < std::pair(b.i, b.j); });
+  std::sort(pairs.begin(), pairs.end(), [](const KnownPair& a, const KnownPair& b) { return keyOf(a) < keyOf(b); });
   const auto shareOf = [](std::vector<PairShare>::const_iterator& at, std::vector<PairShare>::const_iterator end, const KnownPair& pair) {
-    while (at != end && std::pair(at->i, at->j) < std::pair(pair.i, pair.j)) ++at;
+    while (at != end && keyOf(*at) < keyOf(pair)) ++at;
     return at != end && at->i == pair.i && at->j == pair.j ? at->share : 0;
   };
   auto share = shares.begin(), surface_share = surface_shares.begin();

@@ -7,6 +7,7 @@
 #include "error.h"
 #include "io/hdf5_file.h"
 #include "io/write_file.h"
+#include "matrix/add_pairs.h"
 
 namespace viewpeel {
 namespace {
@@ -139,9 +140,9 @@ void writeVisibleSums(Hdf5Output& out, const RunSums& sums) {
 template <class Pairs>
 void requireOrder(Hdf5Input& in, const std::string& group, const Pairs& pairs, uint32_t count) {
   for (size_t k = 0; k < pairs.size(); ++k) {
-    const auto [i, j] = std::pair(pairs[k].i, pairs[k].j);
+    const auto [i, j] = keyOf(pairs[k]);
     const bool is_pair = i < count && i <= j && (j < count || j >= kEnvironment);
-    if (!is_pair || (k && std::pair(pairs[k - 1].i, pairs[k - 1].j) >= std::pair(i, j))) in.refuse(fmt::format("its '{}' are out of order", group));
+    if (!is_pair || (k && keyOf(pairs[k - 1]) >= keyOf(pairs[k]))) in.refuse(fmt::format("its '{}' are out of order", group));
   }
 }
 
@@ -210,7 +211,7 @@ std::optional<VisibleSums> readVisibleSums(Hdf5Input& in, const Ids& face_ids, c
   requireOrder(in, "visible/known/directed", known.directed, face_ids.count());
   const bool are_known = std::ranges::all_of(known.directed, [&](const DirectedPair& pair) {
     return pair.j < kEnvironment && pair.directions > 0 && pair.share <= kShareOne &&
-           std::ranges::binary_search(known.pairs, std::pair(pair.i, pair.j), {}, [](const KnownPair& other) { return std::pair(other.i, other.j); });
+           std::ranges::binary_search(known.pairs, keyOf(pair), {}, keyOf<KnownPair>);
   });
   if (!are_known) in.refuse("its 'visible/known/directed' are none of its pairs");
   const By by = readOne<uint8_t>(in, "visible/by_surface") ? By::surface : By::polygon;
@@ -244,13 +245,13 @@ ReplicateSums readReplicateSums(Hdf5Input& in, const std::string& group) {
 
 }  // namespace
 
-void writeCheckpoint(const Settings& settings, const RunSums& sums, const std::filesystem::path& file) {
 std::optional<std::string> findSetting(const Settings& settings, const std::string& name) {
   const auto at = std::ranges::find(settings, name, [](const auto& setting) -> const std::string& { return setting.first; });
   if (at == settings.end()) return {};
   return at->second;
 }
 
+void writeCheckpoint(const Settings& settings, const RunSums& sums, const std::filesystem::path& file) {
   Hdf5Output out;
   out.write("format", std::vector<uint64_t>{kFormat});
   writeColumn<std::string>(out, "settings/names", settings, [](const auto& setting) { return setting.first; });

@@ -14,11 +14,6 @@ namespace {
 
 double exchangesPerLine(uint32_t i, uint32_t j) { return i == j ? 4 : 2; }
 
-template <class Pair>
-bool before(const Pair& pair, std::pair<uint32_t, uint32_t> key) {
-  return std::pair(pair.i, pair.j) < key;
-}
-
 }  // namespace
 
 FormFactors::FormFactors(Ids ids, std::vector<Entry> entries, std::vector<Measured> row_sums)
@@ -26,8 +21,8 @@ FormFactors::FormFactors(Ids ids, std::vector<Entry> entries, std::vector<Measur
 
 Measured FormFactors::exchangeArea(uint32_t i, uint32_t j) const {
   const std::pair key(std::min(i, j), std::max(i, j));
-  const auto at = std::lower_bound(entries_.begin(), entries_.end(), key, before<Entry>);
-  return at != entries_.end() && std::pair(at->i, at->j) == key ? at->exchange_area : Measured{};
+  const auto at = std::ranges::lower_bound(entries_, key, {}, keyOf<Entry>);
+  return at != entries_.end() && keyOf(*at) == key ? at->exchange_area : Measured{};
 }
 
 Measured FormFactors::formFactor(uint32_t i, uint32_t j) const {

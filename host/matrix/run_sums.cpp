@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "matrix/add_pairs.h"
 #include "threads.h"
 
 namespace viewpeel {
@@ -75,8 +76,8 @@ FormFactors RunSums::formFactors(const ExchangeRow& row) const {
   auto at = visible->known().pairs.begin();
   const auto end = visible->known().pairs.end();
   const auto isUnknown = [&](uint32_t i, uint32_t j) {
-    while (at != end && std::pair(at->i, at->j) < std::pair(i, j)) ++at;
-    return at == end || std::pair(at->i, at->j) != std::pair(i, j) || std::isinf(at->exchange);
+    while (at != end && keyOf(*at) < std::pair(i, j)) ++at;
+    return at == end || keyOf(*at) != std::pair(i, j) || std::isinf(at->exchange);
   };
   return visible->formFactors(By::polygon, measure_area, countArea(), by_id.formFactors(measure_area, countArea(), isUnknown), row);
 }

@@ -24,10 +24,10 @@ std::vector<KnownExchange> mergeBySurface(const std::vector<KnownExchange>& exch
     const double ways = i == j ? 2 : 1;
     mapped.push_back({std::min(i, j), std::max(i, j), ways * e.area, ways * e.most, e.line});
   }
-  std::sort(mapped.begin(), mapped.end(), [](const auto& a, const auto& b) { return std::pair(a.i, a.j) < std::pair(b.i, b.j); });
+  std::sort(mapped.begin(), mapped.end(), [](const auto& a, const auto& b) { return keyOf(a) < keyOf(b); });
   std::vector<KnownExchange> merged;
   for (const KnownExchange& e : mapped) {
-    if (merged.empty() || std::pair(merged.back().i, merged.back().j) != std::pair(e.i, e.j)) {
+    if (merged.empty() || keyOf(merged.back()) != keyOf(e)) {
       merged.push_back(e);
       continue;
     }
@@ -42,11 +42,6 @@ std::vector<KnownExchange> mergeBySurface(const std::vector<KnownExchange>& exch
   return merged;
 }
 
-template <class T>
-bool isBeforePair(const T& a, std::pair<uint32_t, uint32_t> b) {
-  return std::pair(a.i, a.j) < b;
-}
-
 }  // namespace
 
 std::vector<ControlCount> takeDirectedShares(const PairCounts& counts, const std::vector<DirectedPair>& directed) {
@@ -54,7 +49,7 @@ std::vector<ControlCount> takeDirectedShares(const PairCounts& counts, const std
   for (const DirectedPair& pair : directed) shares.push_back({pair.i, pair.j, pair.share});
   std::vector<ControlCount> controls = takeShares(counts, shares);
   for (ControlCount& control : controls) {
-    control.line = std::lower_bound(directed.begin(), directed.end(), std::pair(control.i, control.j), isBeforePair<DirectedPair>)->line;
+    control.line = std::ranges::lower_bound(directed, keyOf(control), {}, keyOf<DirectedPair>)->line;
     control.squares *= control.line;
   }
   return controls;
@@ -77,7 +72,7 @@ void VisibleSums::prepare() {
   for (const KnownPair& pair : known_.pairs) {
     if (pair.share) shares_.push_back({pair.i, pair.j, pair.share});
     if (pair.surface_share) surface_shares_.push_back({pair.i, pair.j, pair.surface_share});
-    if (directed != known_.directed.end() && std::pair(directed->i, directed->j) == std::pair(pair.i, pair.j)) {
+    if (directed != known_.directed.end() && keyOf(*directed) == keyOf(pair)) {
       directed_exchanges_.push_back(exchangeOf(pair, directed->share, areas, {}));
       directed_exchanges_.back().line = directed->line;
       ++directed;
@@ -93,9 +88,9 @@ void VisibleSums::prepare() {
 PairCounts VisibleSums::withoutDirected(PairCounts counts) const {
   if (!known_.directed.empty())
     std::erase_if(counts, [&](const PairCount& count) {
-      const std::pair key(count.i, count.j);
-      const auto at = std::lower_bound(known_.directed.begin(), known_.directed.end(), key, isBeforePair<DirectedPair>);
-      return at != known_.directed.end() && std::pair(at->i, at->j) == key;
+      const auto key = keyOf(count);
+      const auto at = std::ranges::lower_bound(known_.directed, key, {}, keyOf<DirectedPair>);
+      return at != known_.directed.end() && keyOf(*at) == key;
     });
   return counts;
 }
@@ -169,7 +164,7 @@ FormFactors VisibleSums::formFactors(By by, double measure_area, double count_ar
     if (known_.directed.empty()) return common;
     std::vector<FormFactors::Entry> entries = std::move(common).entries();
     for (const FormFactors::Entry& directed : directedEntries())  // among the pairs known, so there
-      std::lower_bound(entries.begin(), entries.end(), std::pair(directed.i, directed.j), isBeforePair<FormFactors::Entry>)->exchange_area = directed.exchange_area;
+      std::ranges::lower_bound(entries, keyOf(directed), {}, keyOf<FormFactors::Entry>)->exchange_area = directed.exchange_area;
     return {by_face_.ids(), std::move(entries), sampled.rowSums()};
   }
   // Directed pairs have random numbers of their own: their variances add up with that of the others.
@@ -178,7 +173,7 @@ FormFactors VisibleSums::formFactors(By by, double measure_area, double count_ar
   const std::vector<uint32_t>& surface = by_face_.ids().surface;
   for (const FormFactors::Entry& directed : directedEntries()) {
     const auto [i, j] = std::minmax(surface[directed.i], surface[directed.j]);
-    Measured& sum = std::lower_bound(entries.begin(), entries.end(), std::pair(i, j), isBeforePair<FormFactors::Entry>)->exchange_area;
+    Measured& sum = std::ranges::lower_bound(entries, std::pair(i, j), {}, keyOf<FormFactors::Entry>)->exchange_area;
     const double ways = i == j ? 2 : 1;
     sum.value += ways * directed.exchange_area.value;
     sum.standard_error = std::hypot(sum.standard_error, ways * directed.exchange_area.standard_error);
