@@ -15,12 +15,10 @@ constexpr uint32_t kFirstCapacity = 1u << 20, kMostCapacity = 1u << 31;
 constexpr uint64_t kReadBytes = 32u << 20;  // at a time
 constexpr uint64_t kMostBlocks = 1024;
 
-uint64_t denseCount(uint32_t id_count) { return device_data::counterIndex(id_count - 1, id_count + 1, id_count) + 1; }
-
 }  // namespace
 
 PairCounters::PairCounters(const Device& device, uint32_t id_count, bool counts_blocked, uint64_t budget_bytes, bool may_be_sparse, uint32_t table_capacity)
-    : device_(device), id_count_(id_count), counts_blocked_(counts_blocked), counter_count_(denseCount(id_count)) {
+    : device_(device), id_count_(id_count), counts_blocked_(counts_blocked), counter_count_(device_data::counterCount(id_count)) {
   const uint64_t bytes = counter_count_ * wordsEach() * sizeof(uint64_t);
   const uint64_t budget = std::min<uint64_t>(budget_bytes ? budget_bytes : 1ull << 30, device.maxAllocationBytes());
   if (bytes > budget) {

@@ -14,9 +14,7 @@ namespace {
 constexpr uint64_t kFirstPlaces = 1024;
 constexpr size_t kAhead = 8;  // additions whose places are on their way from memory
 
-uint64_t denseWords(uint32_t id_count, bool counts_blocked) {
-  return (device_data::counterIndex(id_count - 1, id_count + 1, id_count) + 1) * (counts_blocked ? 2 : 1);
-}
+uint64_t denseWords(uint32_t id_count, bool counts_blocked) { return device_data::counterCount(id_count) * (counts_blocked ? 2 : 1); }
 
 // Counts to the places of their keys, those of one key in the order they had.
 template <class KeyOf>

@@ -20,4 +20,7 @@ static_assert(sizeof(PolygonData) == 48 && sizeof(ProjectedPolygon) == 64 && siz
 static_assert(sizeof(DirectionData) == 96 && sizeof(CornerData) == 32 && sizeof(Outline) == 40 && sizeof(UnfinishedRow) == 16 && sizeof(BatchStatus) == 136);
 static_assert(sizeof(ProjectArgs) <= 128 && sizeof(DrawArgs) <= 128 && sizeof(AccumulateArgs) <= 128);
 static_assert(sizeof(BinArgs) <= 128 && sizeof(PeelArgs) <= 128 && sizeof(MeetArgs) <= 128);
+
+// How many dense counters there are.
+inline uint64_t counterCount(uint32_t id_count) { return counterIndex(id_count - 1, id_count + 1, id_count) + 1; }
 }  // namespace viewpeel::device_data
