@@ -87,18 +87,7 @@ struct Hemicube::State {
 
   void prepareImages() {
     commands.begin();
-    for (const Image* image : {&pixels, &depth}) {
-      VkImageMemoryBarrier2 transition{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
-      transition.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
-      transition.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
-      transition.newLayout = VK_IMAGE_LAYOUT_GENERAL;
-      transition.image = image->handle();
-      transition.subresourceRange = {image->aspect(), 0, 1, 0, 1};
-      VkDependencyInfo dependency{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
-      dependency.imageMemoryBarrierCount = 1;
-      dependency.pImageMemoryBarriers = &transition;
-      vkCmdPipelineBarrier2(commands.handle(), &dependency);
-    }
+    for (const Image* image : {&pixels, &depth}) commands.prepare(*image);
     commands.submitAndWait();
   }
 

@@ -127,18 +127,7 @@ void GraphicsEngine::prepareImages() {
                   VK_IMAGE_ASPECT_COLOR_BIT);
   depth_ = Image(device_, width, height, kDepthFormat, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT, VK_IMAGE_ASPECT_DEPTH_BIT);
   commands_.begin();
-  for (const Image* image : {&colour_, &depth_}) {
-    VkImageMemoryBarrier2 transition{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
-    transition.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
-    transition.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
-    transition.newLayout = VK_IMAGE_LAYOUT_GENERAL;
-    transition.image = image->handle();
-    transition.subresourceRange = {image->aspect(), 0, 1, 0, 1};
-    VkDependencyInfo dependency{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
-    dependency.imageMemoryBarrierCount = 1;
-    dependency.pImageMemoryBarriers = &transition;
-    vkCmdPipelineBarrier2(commands_.handle(), &dependency);
-  }
+  for (const Image* image : {&colour_, &depth_}) commands_.prepare(*image);
   commands_.submitAndWait();
 }
 

@@ -60,6 +60,19 @@ void Commands::copy(const Buffer& from, const Buffer& to, VkDeviceSize size_byte
   vkCmdCopyBuffer(commands_, from.handle(), to.handle(), 1, &region);
 }
 
+void Commands::prepare(const Image& image) {
+  VkImageMemoryBarrier2 transition{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
+  transition.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+  transition.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
+  transition.newLayout = VK_IMAGE_LAYOUT_GENERAL;
+  transition.image = image.handle();
+  transition.subresourceRange = {image.aspect(), 0, 1, 0, 1};
+  VkDependencyInfo dependency{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+  dependency.imageMemoryBarrierCount = 1;
+  dependency.pImageMemoryBarriers = &transition;
+  vkCmdPipelineBarrier2(commands_, &dependency);
+}
+
 void Commands::fill(const Buffer& buffer, uint32_t word, VkDeviceSize size_bytes) {
   vkCmdFillBuffer(commands_, buffer.handle(), 0, size_bytes, word);
 }

@@ -2,6 +2,7 @@
 #include <span>
 
 #include "vulkan/buffer.h"
+#include "vulkan/image.h"
 #include "vulkan/kernel.h"
 
 namespace viewpeel {
@@ -38,6 +39,8 @@ class Commands {
     vkCmdDispatchIndirect(commands_, groups.handle(), offset);
   }
   void copy(const Buffer& from, const Buffer& to, VkDeviceSize size_bytes, VkDeviceSize from_offset = 0, VkDeviceSize to_offset = 0);
+  // For its first use; what it holds is not kept.
+  void prepare(const Image& image);
   void fill(const Buffer& buffer, uint32_t word, VkDeviceSize size_bytes = VK_WHOLE_SIZE);
   // Throws: Error device where the device is lost.
   void submit();
