@@ -14,6 +14,7 @@ constexpr int kMaxPoints = 64;
 constexpr int kMaxHalvings = 60;
 constexpr int kMaxIntervals = 10'000;
 
+// The library has rules of its own (closed_forms/gauss.cpp), made alike: these stay apart, for they check what is computed with those.
 GaussRule makeRule(int n) {
   GaussRule rule{std::vector<long double>(n), std::vector<long double>(n)};
   for (int k = 0; k < n; ++k) {
