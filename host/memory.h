@@ -5,7 +5,6 @@
 
 #include <cstdint>
 #include <cstdlib>
-#include <limits>
 
 namespace viewpeel {
 
@@ -14,7 +13,7 @@ namespace viewpeel {
 // back before any of it is written to. Where there is less to be had, or a sanitizer marks what is allocated, pages stay small. For programs, before they allocate much.
 inline void keepFreedMemory() {
   ::mallopt(M_MMAP_MAX, 0);
-  ::mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
+  ::mallopt(M_TRIM_THRESHOLD, -1);  // never
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
   const size_t bytes = size_t(::sysconf(_SC_PHYS_PAGES)) * size_t(::sysconf(_SC_PAGESIZE)) / 2;
   char* const ahead = static_cast<char*>(std::malloc(bytes));

@@ -54,30 +54,31 @@ TEST(RankByPlace, BlocksOfRanksLieTogether) {
   }
 }
 
-// Of 64 ids in order, lines between the first four and the next four tell of those, few lines beside them of the 16 around, and the rest of the scene of what no line met.
-TEST(NeighbourShares, TheLeastBlockWithEnoughLinesTells) {
+// What blocks of 4, 16 and 64 ids in order say, by hand: lines of one pair count as 1.5 n / (n + 0.5), and m = (V + m') / (L + 1) with the m' of the next larger blocks.
+TEST(NeighbourShares, LinesOfBlocksGoWithThoseOfLargerOnes) {
   const Ids ids = namelessIds(64);
   ShareSums sums(ids);
-  // (0, 4): 6 of 8 lines facing; (1, 17): 1 of 1; (2, 30): 1 of 4.
-  sums.add(PairCounts{{0, 4, 6, 2}, {1, 17, 1, 0}, {2, 30, 1, 3}});
+  // (0, 4): 6 of 8 lines facing; (1, 5): 0 of 1; (2, 12): 1 of 1; (2, 30): 1 of 4.
+  sums.add(PairCounts{{0, 4, 6, 2}, {1, 5, 0, 1}, {2, 12, 1, 0}, {2, 30, 1, 3}});
   const std::vector<uint32_t> ranks = inOrder(64);
   const NeighbourShares shares(sums, {}, ranks);
-  const auto isShare = [&](uint32_t i, uint32_t j, float facing, float all) {
+  const double of_eight = 1.5 * 8 / 8.5, of_four = 1.5 * 4 / 4.5;  // of one: 1
+  const auto isShare = [&](uint32_t i, uint32_t j, double facing, double all, double mean_around) {
     const NeighbourShares::Share share = shares.of(i, j);
-    EXPECT_FLOAT_EQ(share.mean, facing / all) << i << " " << j;
-    const float smoothed = (facing + 1) / (all + 2);
-    EXPECT_FLOAT_EQ(share.deviation, std::sqrt(smoothed * (1 - smoothed) * (1 + 1 / (all + 1)))) << i << " " << j;
+    EXPECT_NEAR(share.mean, (facing + mean_around) / (all + 1), 1e-6) << i << " " << j;
+    const double smoothed = (facing + mean_around + 0.1) / (all + 1.2);
+    EXPECT_NEAR(share.deviation(), std::sqrt(smoothed * (1 - smoothed)), 1e-6) << i << " " << j;
     EXPECT_EQ(shares.of(j, i).mean, share.mean);
   };
-  isShare(3, 5, 6, 8);
-  isShare(0, 16, 2, 5);   // one line is too few: all between 0..15 and 16..31
-  isShare(15, 31, 2, 5);
-  isShare(2, 28, 1, 4);
-  isShare(40, 50, 8, 13);
-  // With 16 ids around each, as many lines as are enough, a half of one and its opposite beside.
-  EXPECT_FLOAT_EQ(shares.around(3, 5, 1), 6.5f / 9);
-  EXPECT_FLOAT_EQ(shares.around(0, 16, 5), 2.5f / 6);
-  EXPECT_FLOAT_EQ(shares.around(30, 2, 6), 8.5f / 14);
+  // Of all 64 around each; and of the 16 around (0, 4), which are those around (2, 12), and around (2, 30).
+  const double scene = (0.75 * of_eight + 1 + 0.25 * of_four) / (of_eight + 2 + of_four);
+  const double near = (0.75 * of_eight + 1 + scene) / (of_eight + 2 + 1), far = (0.25 * of_four + scene) / (of_four + 1);
+  isShare(3, 5, 0.75 * of_eight, of_eight + 1, near);
+  isShare(3, 13, 1, 1, near);
+  isShare(6, 9, 0, 0, near);
+  isShare(1, 29, 0.25 * of_four, of_four, far);
+  isShare(5, 20, 0, 0, far);
+  isShare(40, 50, 0, 0, scene);  // nothing between 32..47 and 48..63
 }
 
 // Parts of lines, and lines that come together, count as the replicates that they come from.
@@ -89,9 +90,30 @@ TEST(NeighbourShares, LinesThatComeTogetherAreOne) {
   sums.add(PairCounts{{0, 1, 30, 0}});
   const std::vector<uint32_t> ranks = inOrder(4);
   const NeighbourShares shares(sums, {100, 100, 100, 100}, ranks);
-  EXPECT_FLOAT_EQ(shares.of(2, 3).mean, 2 / 3.0f);
-  const float smoothed = 3.0f / 5;
-  EXPECT_FLOAT_EQ(shares.of(2, 3).deviation, std::sqrt(smoothed * (1 - smoothed) * (1 + 1 / 4.0f)));
+  const double three = 1.5 * 3 / 3.5, facing = 2 / 3.0 * three + 2 / 3.0;
+  EXPECT_NEAR(shares.of(2, 3).mean, facing / (three + 1), 1e-6);
+  const double smoothed = (facing + 0.1) / (three + 1.2);
+  EXPECT_NEAR(shares.of(2, 3).deviation(), std::sqrt(smoothed * (1 - smoothed)), 1e-6);
+}
+
+// A share that one line tells is drawn to the neighbours' by half a line; one that four tell is its own.
+TEST(NeighbourShares, FewLinesGoWithTheirNeighbours) {
+  const Ids ids = namelessIds(4);
+  ShareSums sums(ids);
+  const std::vector<uint32_t> ranks = inOrder(4);
+  sums.add(PairCounts{{0, 1, 1, 0}, {1, 3, 0, 2}, {2, 3, 3, 1}});
+  sums.add(PairCounts{{0, 2, 1, 1}, {1, 3, 0, 1}});
+  const NeighbourShares neighbours(sums, {}, ranks);
+  const std::vector<KnownPair> known = {{0, 1, 0, 0, 0.25}, {0, 2, 0, 0, 0.25}, {1, 3, 0, 0, 0.25}, {2, 3, 0, 0, 0.25}};
+  const FormFactors shrunk = sums.formFactors(known, {}, 1, 1, FormFactors(ids, {}, {}), &neighbours), own = sums.formFactors(known, {}, 1, 1, FormFactors(ids, {}, {}));
+  ASSERT_EQ(shrunk.entries().size(), 4u);
+  const double m = neighbours.of(0, 1).mean;  // all four ids are in one block
+  EXPECT_DOUBLE_EQ(shrunk.entries()[0].exchange_area.value, 0.25 * (1 + 0.5 * m) / 1.5);
+  EXPECT_DOUBLE_EQ(shrunk.entries()[1].exchange_area.value, 0.25 * (1 + 0.5 * m) / 2.5);
+  EXPECT_DOUBLE_EQ(shrunk.entries()[2].exchange_area.value, 0.25 * 0.5 * m / 3.5);
+  EXPECT_DOUBLE_EQ(shrunk.entries()[3].exchange_area.value, 0.25 * 0.75);
+  EXPECT_DOUBLE_EQ(own.entries()[0].exchange_area.value, 0.25);
+  EXPECT_DOUBLE_EQ(own.entries()[1].exchange_area.value, 0.125);
 }
 
 // Parts of two squares past a blocker: over pairs that no line met, and over those of which few told, errors are no larger than stated, in the mean of squares, nor less than a third; and those of

@@ -62,14 +62,15 @@ TEST(ShareSums, FewLinesByHand) {
   const std::vector<uint32_t> ranks{0, 1, 2};
   const NeighbourShares neighbours(sums, {}, ranks);
   const FormFactors all = sums.formFactors({{0, 1, 0, 0, 16}, {0, 2, 0, 0, 8}, {1, 2, 0, 0, 4}}, {}, 0.5, INFINITY, kNothing, &neighbours);
-  // 14 of 30 lines are facing: m = 14.5 / 31. Of 20 and two more p = (4 + 2 m) / 22 = 0.22434 are facing, 3.4802 of the rarer kind, which are trusted to 3.4802 / 5.4802. R s^2 / 20^2 = 0.0196,
-  // half of p (1 - p) / 20 is 0.0043503: the root of 0.63506 x 0.0196 + 0.36494 x 0.0043503, times 16.
+  // All are neighbours: 20 lines of one pair count as 1.4634, 10 as 1.4286, of which V = 1.7213 of L = 2.8920 are facing, so that m = V / L = 0.595181 and s = (V + m + 0.1) / (L + 1.2) = 0.590529.
+  // Of 20 and two more p = (4 + 2 s) / 22 = 0.235503 are facing, 3.60082 of the rarer kind, which are trusted to 3.60082 / 5.60082. R s^2 / 20^2 = 0.0196, half of p (1 - p) / 20 is 0.00450103:
+  // the root of 0.642910 x 0.0196 + 0.357090 x 0.00450103, times 16.
   EXPECT_EQ(all.exchangeArea(0, 1).value, 3.2);
-  EXPECT_NEAR(all.exchangeArea(0, 1).standard_error, 1.895487, 1e-5);
-  // All of 10: p = (10 + 2 m) / 12.
+  EXPECT_NEAR(all.exchangeArea(0, 1).standard_error, 1.907177, 1e-5);
+  // All of 10: p = (10 + 2 s) / 12.
   EXPECT_EQ(all.exchangeArea(0, 2).value, 8);
-  EXPECT_NEAR(all.exchangeArea(0, 2).standard_error, 0.429214, 1e-5);
-  EXPECT_NEAR(all.exchangeArea(1, 2).value, 4 * 14 / 30.0, 1e-6);  // in single precision
+  EXPECT_NEAR(all.exchangeArea(0, 2).standard_error, 0.392929, 1e-5);
+  EXPECT_NEAR(all.exchangeArea(1, 2).value, 4 * 0.5951807, 1e-6);  // in single precision
 }
 
 // With rows of closed forms every pair is as it is alone, whether its closed form was known, or a row has it; what no row has is as it was sampled, and pairs that no line met have their
@@ -123,13 +124,12 @@ TEST(ShareSums, RowsAndKnownPairsAndSampledOnesGoTogether) {
       if (most == 0) {
         EXPECT_EQ(f.value, sampled.exchangeArea(i, j).value);
       } else if (is_told) {
-        const Measured alone = exchangeOf(sums, 0.5, {i, j, 0, 0, most});
+        const Measured alone = sums.formFactors({{i, j, 0, 0, most}}, {}, 0.5, INFINITY, kNothing, &neighbours).exchangeArea(i, j);
         EXPECT_EQ(f.value, alone.value) << i << " " << j;
-        const Measured known_alone = sums.formFactors({{i, j, 0, 0, most}}, {}, 0.5, INFINITY, kNothing, &neighbours).exchangeArea(i, j);
-        EXPECT_EQ(f.standard_error, known_alone.standard_error) << i << " " << j;
+        EXPECT_EQ(f.standard_error, alone.standard_error) << i << " " << j;
       } else {
         EXPECT_DOUBLE_EQ(f.value, double(neighbours.of(i, j).mean) * most) << i << " " << j;
-        EXPECT_DOUBLE_EQ(f.standard_error, double(neighbours.of(i, j).deviation) * most) << i << " " << j;
+        EXPECT_DOUBLE_EQ(f.standard_error, double(neighbours.of(i, j).deviation()) * most) << i << " " << j;
       }
     }
   }

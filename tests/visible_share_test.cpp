@@ -391,7 +391,7 @@ TEST(VisibleShare, PairsThatNoLineMetAreUncertain) {
     neighbours.emplace(sums.visible->byFace(), sums.visible->known().lines, shares.known.ranks);
   };
   const Estimate few = made.estimate(watched);
-  size_t unmet = 0, blocked_pairs = 0;
+  size_t unmet = 0, blocked_pairs = 0, is_zero = 0;
   for (const KnownPair& pair : shares.known.pairs) {
     const PairCount counts = made.countsOf(options, pair.i, pair.j);
     const Measured f = with_unseen->exchangeArea(pair.i, pair.j);
@@ -400,7 +400,9 @@ TEST(VisibleShare, PairsThatNoLineMetAreUncertain) {
     EXPECT_GE(few.largest_standard_error, f.standard_error / area);
     if (counts.blocked > 0) {
       ++blocked_pairs;
-      EXPECT_EQ(f.value, 0);
+      const auto lines = double(counts.blocked);  // one count each
+      EXPECT_NEAR(f.value, lines < 4 ? 0.5 * neighbours->of(pair.i, pair.j).mean / (lines + 0.5) * most : 0, 1e-14 * most);  // rounding
+      is_zero += f.value == 0;
       EXPECT_GT(f.standard_error, 0.01 * most / double(counts.blocked));  // few lines of 8 say little; what they do: tests/share_sums_test.cpp
       EXPECT_LE(f.standard_error, most);
       continue;
@@ -408,13 +410,13 @@ TEST(VisibleShare, PairsThatNoLineMetAreUncertain) {
     ++unmet;
     const NeighbourShares::Share share = neighbours->of(pair.i, pair.j);
     EXPECT_NEAR(f.value, share.mean * most, 1e-14 * most);  // rounding
-    EXPECT_NEAR(f.standard_error, share.deviation * most, 1e-14 * most);
+    EXPECT_NEAR(f.standard_error, share.deviation() * most, 1e-14 * most);
     EXPECT_GT(f.standard_error, 0);
   }
   EXPECT_GT(unmet, 20u);
   EXPECT_GT(blocked_pairs, 0u);
   EXPECT_EQ(few.unmet_pairs, unmet);
-  EXPECT_GE(few.unseen_pairs, blocked_pairs);
+  EXPECT_GE(few.unseen_pairs, is_zero);
   EXPECT_TRUE(std::none_of(few.form_factors.entries().begin(), few.form_factors.entries().end(), [](const auto& entry) { return entry.exchange_area.value == 0; }));
   // Every pair that counts see is among those known.
   const Estimate many = estimateFormFactors(*made.engine, made.scene, made.ids, {.directions = 2000});

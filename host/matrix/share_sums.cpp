@@ -104,7 +104,7 @@ class ShareSums::Entries {
   Measured fromNeighbours(uint32_t i, uint32_t j, double area, double error) const {
     const NeighbourShares::Share share = neighbours_->of(i, j);
     const double most = std::min({area, sums_.ids_.areas[i], sums_.ids_.areas[j]});
-    return {share.mean * most, sums_.replicate_count_ < 2 ? INFINITY : share.deviation * most + share.mean * error};
+    return {share.mean * most, sums_.replicate_count_ < 2 ? INFINITY : share.deviation() * most + share.mean * error};
   }
 
   // Pairs that are known, and those sampled alone.
@@ -140,8 +140,10 @@ class ShareSums::Entries {
     const double residuals = (1 - b) * (1 - b) * double(pair.facing_squared) - 2 * b * (1 - b) * double(pair.product) + b * b * double(pair.blocked_squared);
     const double variance = std::max(0.0, residuals) * replicates / (replicates - 1), squares = b * blocked * double(known.line);
     if (is_share && neighbours_ && pair.j < kEnvironment) {
+      const double told = effectiveLines(pair, double(known.line)), share = told < kFewLines ? withNeighbours(told, b, neighbours_->of(pair.i, pair.j).mean) : b;
+      exchange.value = share * known.most;
       exchange.standard_error = std::sqrt(varianceOfShare(pair, b, variance / lines / lines, area / count_area_, double(known.line))) * known.most;
-      exchange.standard_error = std::min(exchange.standard_error, std::max(exchange.value, known.most - exchange.value)) + b * error;
+      exchange.standard_error = std::min(exchange.standard_error, std::max(exchange.value, known.most - exchange.value)) + share * error;
       return exchange;
     }
     const double count_exchange = is_share ? known.most / lines : (pair.i == pair.j ? 4 : 2) * measure_area_ / replicates;
@@ -152,14 +154,17 @@ class ShareSums::Entries {
     return exchange;
   }
 
+  // Where few lines tell of a pair, with a share m of its neighbours.
+  static constexpr double kFewLines = 4;
+  static double withNeighbours(double told, double b, double m) { return (told * b + NeighbourShares::kNeighbours * m) / (told + NeighbourShares::kNeighbours); }
+
   // Of the share b that lines tell, of which a direction adds up to most_counts. That of replicates is worth little where few lines are of the rarer kind; then that of n directions that see
-  // the pair, each facing or blocked by chance, p (1 - p) / n with p of b and the neighbours' m, as of two lines more: (n b + 2 m) / (n + 2) (Agresti & Coull 1998). A direction that sees it
+  // the pair, each facing or blocked by chance, p (1 - p) / n with p of b and the neighbours' s, as of two lines more: (n b + 2 s) / (n + 2) (Agresti & Coull 1998). A direction that sees it
   // has 1 + 8/27 A / h^2 lines (form_factors.cpp), but parts of a pair in different places are blocked one by one, and lattices are more even than chance: half of that variance is left, as
   // measured (README).
   double varianceOfShare(const PairSum& pair, double b, double of_replicates, double most_counts, double line) const {
-    const double lines = double(pair.facing) + double(pair.blocked), squares = double(pair.facing_squared) + 2 * double(pair.product) + double(pair.blocked_squared);
-    const double per_direction = line + 8 / 27.0 * most_counts, n = std::max(lines * lines / squares, lines / per_direction);
-    const double m = neighbours_->around(pair.i, pair.j, static_cast<float>(4 * n + 4)), p = (n * b + 2 * m) / (n + 2), rarer = n * p * (1 - p), trust = rarer / (rarer + 2);
+    const double n = effectiveLines(pair, line + 8 / 27.0 * most_counts), s = neighbours_->of(pair.i, pair.j).smoothed;
+    const double p = (n * b + 2 * s) / (n + 2), rarer = n * p * (1 - p), trust = rarer / (rarer + 2);
     return trust * of_replicates + (1 - trust) * 0.5 * p * (1 - p) / n;
   }
 

@@ -5,6 +5,7 @@
 // common cancels. Its variance is that of V_r - b (V_r + O_r) = (1 - b) V_r - b O_r. A ratio is biased: by no more than its standard error times the relative standard error of
 // sum (V_r + O_r) (Hartley & Ross, Unbiased ratio estimators, Nature 174, 1954), and not at all where every line is facing or blocked by chance of its own, however few lines there are.
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -46,8 +47,9 @@ class ShareSums {
 
   //   In: known: sorted by (i, j), every pair at most once; lines as in lineOf; measure_area, count_area as in ReplicateSums; sampled: of the same replicates, for row sums and for pairs
   //     not known; neighbours: of these sums, nullptr: pairs that no line met have the share that is known; row: for all other pairs, empty: those that no line met are left out
-  //   Error: biased by less than a standard error (above). Standard errors are those of replicates, never less than one line's (ControlSums), and no more than the distance to the farther end
-  //     of [0, most]. A pair that no line met has that of its neighbours' shares. Tests: tests/visible_share_test.cpp, bench/coverage.cpp.
+  //   Error: biased by less than a standard error (above); with neighbours, a share that fewer than four lines tell is drawn to theirs, of which it is then half a line. Standard errors are those
+  //     of replicates, never less than one line's (ControlSums), and no more than the distance to the farther end of [0, most]; with neighbours, what few lines and theirs say together. A pair that
+  //     no line met has that of its neighbours' shares. Tests: tests/visible_share_test.cpp, bench/coverage.cpp.
   FormFactors formFactors(const std::vector<KnownPair>& known, const std::vector<uint64_t>& lines, double measure_area, double count_area, const FormFactors& sampled,
                           const NeighbourShares* neighbours = nullptr, const ExchangeRow& row = {}) const;
 
@@ -57,10 +59,16 @@ class ShareSums {
  private:
   class Entries;
 
-
   Ids ids_;
   std::vector<PairSum> pairs_;
   uint64_t replicate_count_ = 0;
 };
+
+// As many lines as tell of a pair: those of a replicate that come as one, or parts of lines, count as the replicates do (Kish, Survey Sampling, 1965, section 8.2).
+//   In: least: counts that as many lines as told add, at most, each
+inline double effectiveLines(const ShareSums::PairSum& pair, double least) {
+  const double lines = double(pair.facing) + double(pair.blocked), squares = double(pair.facing_squared) + 2 * double(pair.product) + double(pair.blocked_squared);
+  return std::max(lines / least, lines * lines / squares);
+}
 
 }  // namespace viewpeel
