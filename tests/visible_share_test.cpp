@@ -9,7 +9,6 @@
 
 #include "compare.h"
 #include "engines/host_engine.h"
-#include "engines/lattice.h"
 #include "error.h"
 #include "estimator/visible_share.h"
 #include "matrix/neighbour_shares.h"
@@ -173,18 +172,34 @@ TEST(ControlSums, NothingSeenIsNotNothingThere) {
     }
 }
 
+// The standard error of a pair whose lines are all facing, or all blocked, as a share of the most that it exchanges: of n directions that see it p (1 - p) / (2 n), p as of two lines more with the
+// share s around the pair; replicates, which do not differ, are trusted as far as n p (1 - p) goes beside 2 (ShareSums).
+double deviationOfOneKind(const RunSums& sums, uint32_t i, uint32_t j) {
+  const ShareSums& by_face = sums.visible->byFace();
+  const KnownShares& known = sums.visible->known();
+  const auto told = std::ranges::find(by_face.pairs(), std::pair(i, j), [](const ShareSums::PairSum& pair) { return std::pair(pair.i, pair.j); });
+  const double lines = double(told->facing + told->blocked), squares = double(told->facing_squared + told->blocked_squared), area = std::min(by_face.ids().areas[i], by_face.ids().areas[j]);
+  const double per_direction = double(lineOf(known.lines, i, j)) + 8 / 27.0 * area / sums.countArea(), n = std::max(lines * lines / squares, lines / per_direction);
+  const double s = NeighbourShares(by_face, known.lines, known.ranks).of(i, j).smoothed;
+  const double p = ((told->facing > 0 ? n : 0) + 2 * s) / (n + 2), rarer = n * p * (1 - p);
+  return std::sqrt(2 / (rarer + 2) * p * (1 - p) / (2 * n));
+}
+
 // Pairs never blocked are their closed forms, on any lattice and with any number of directions.
 TEST(VisibleShare, UnblockedPairsAreExact) {
   for (const auto& [input, truth] : {std::pair(ts::parallelSquares(), kParallelSquares), std::pair(ts::perpendicularSquares(), kPerpendicularSquares)}) {
     for (const Sampling sampling : {Sampling::lattice, Sampling::scanline}) {
       const Shared made = share(input, 16, sampling);
-      const EstimateOptions options{.directions = 24, .replicates = 4};
+      EstimateOptions options{.directions = 24, .replicates = 4};
+      double deviation = 0;
+      options.on_sums = [&](const RunSums& sums, bool last) {
+        if (last) deviation = deviationOfOneKind(sums, 0, 1);
+      };
       const Measured f = made.estimate(options).form_factors.formFactor(0, 1);
       EXPECT_NEAR(f.value, truth, kUnoccludedRelativeError * truth + kTenDigits);
-      // Nothing says that no blocker is there: of the order of one line of all that met the pair. With scanlines a line is as much as a lattice point, in counts.
-      const double line = pointArea(16) / made.engine->unitArea(), one = truth * line / double(made.countsOf(options, 0, 1).count);
-      EXPECT_GT(f.standard_error, 0.1 * one);
-      EXPECT_LT(f.standard_error, 10 * one);
+      // Nothing says that no blocker is there.
+      EXPECT_GT(deviation, 0);
+      EXPECT_NEAR(f.standard_error, deviation * f.value, 1e-11 * deviation);  // 1 - p is rounded to 2^-53, and no less than 0.1 / n for n of 1e4 at most
     }
   }
   const Estimate cube = share(ts::insideOfCube(), 16).estimate({.directions = 24, .replicates = 4});
@@ -382,33 +397,31 @@ TEST(VisibleShare, PairsThatNoLineMetAreUncertain) {
   const EstimateOptions options{.directions = 1, .replicates = 2};
   const VisibleShares shares = made.find(options);
   EXPECT_TRUE(shares.known.has_all_pairs);
-  std::optional<FormFactors> with_unseen;
-  std::optional<NeighbourShares> neighbours;
+  std::optional<RunSums> counted;
   EstimateOptions watched = options;
   watched.on_sums = [&](const RunSums& sums, bool last) {
-    if (!last) return;
-    with_unseen = sums.formFactors();
-    neighbours.emplace(sums.visible->byFace(), sums.visible->known().lines, shares.known.ranks);
+    if (last) counted = sums;
   };
   const Estimate few = made.estimate(watched);
+  const FormFactors with_unseen = counted->formFactors();
+  const NeighbourShares neighbours(counted->visible->byFace(), counted->visible->known().lines, shares.known.ranks);
   size_t unmet = 0, blocked_pairs = 0, is_zero = 0;
   for (const KnownPair& pair : shares.known.pairs) {
     const PairCount counts = made.countsOf(options, pair.i, pair.j);
-    const Measured f = with_unseen->exchangeArea(pair.i, pair.j);
+    const Measured f = with_unseen.exchangeArea(pair.i, pair.j);
     if (pair.j >= kEnvironment || counts.count > 0) continue;
     const double area = std::min(made.ids.areas[pair.i], made.ids.areas[pair.j]), most = std::min(pair.exchange, area);
     EXPECT_GE(few.largest_standard_error, f.standard_error / area);
     if (counts.blocked > 0) {
       ++blocked_pairs;
       const auto lines = double(counts.blocked);  // one count each
-      EXPECT_NEAR(f.value, lines < 4 ? 0.5 * neighbours->of(pair.i, pair.j).mean / (lines + 0.5) * most : 0, 1e-14 * most);  // rounding
+      EXPECT_NEAR(f.value, lines < 4 ? 0.5 * neighbours.of(pair.i, pair.j).mean / (lines + 0.5) * most : 0, 1e-14 * most);  // rounding
       is_zero += f.value == 0;
-      EXPECT_GT(f.standard_error, 0.01 * most / double(counts.blocked));  // few lines of 8 say little; what they do: tests/share_sums_test.cpp
-      EXPECT_LE(f.standard_error, most);
+      EXPECT_NEAR(f.standard_error, std::min(deviationOfOneKind(*counted, pair.i, pair.j) * most, most - f.value), 1e-14 * most);  // rounding
       continue;
     }
     ++unmet;
-    const NeighbourShares::Share share = neighbours->of(pair.i, pair.j);
+    const NeighbourShares::Share share = neighbours.of(pair.i, pair.j);
     EXPECT_NEAR(f.value, share.mean * most, 1e-14 * most);  // rounding
     EXPECT_NEAR(f.standard_error, share.deviation() * most, 1e-14 * most);
     EXPECT_GT(f.standard_error, 0);
