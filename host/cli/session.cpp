@@ -194,7 +194,7 @@ std::string Session::describe(const Plan& plan) const {
   std::string text = fmt::format("sampling   {} a replicate, {}; {}; seed {}\n", counted(plan.directions, "direction"), sampler,
                                        isExact() ? "exact areas" : describeGroups(plan.groups, options.lattice.sampling), estimate.seed);
   if (!(plan.pilot_seconds > 0)) return text;
-  text += fmt::format("expected   largest standard error {:.1e}{} after {} replicates, {} (found out in {}); the same again: --directions {} --resolution {}{}\n",
+  text += fmt::format("expected   largest standard error {:.1e}{} after {} replicates, counted in {} (found out in {}); the same again: --directions {} --resolution {}{}\n",
                             plan.standard_error, estimate.relative && !estimate.tolerance ? " of its form factor" : "", estimate.replicates, inWords(plan.seconds),
                             inWords(plan.pilot_seconds), plan.directions, plan.groups[0].resolution,
                             fmt::format("{}{}{}", plan.groups.size() > 1 ? fmt::format(" --finest {}", plan.finest) : "", options.lattice.sampling == Sampling::scanline ? " --sampling scanline" : "",

@@ -10,8 +10,10 @@
 #include <glm/geometric.hpp>
 
 #include "directions/random.h"
-#include "matrix/pair_count.h"
 #include "estimator/visible_share.h"
+#include "matrix/neighbour_shares.h"
+#include "matrix/pair_count.h"
+#include "scene/rank_by_place.h"
 
 namespace viewpeel {
 namespace {
@@ -111,7 +113,12 @@ class Planner {
     double seconds = 0, variance = INFINITY;
   };
   AskedDirections directionsOf(uint32_t count, uint64_t replicate) const;
+  // Of one replicate of a pilot, on two lattices each.
+  struct Counted {
+    PairCounts first, second;
+  };
   void measure(uint32_t directions, const Shape& shape);
+  double largestErrorOfShares(const std::vector<Counted>& counted, double measure_area, double count_area) const;
   Choice choose() const;
   Choice choose(bool by_time) const;
   // For a pilot.
@@ -132,6 +139,7 @@ class Planner {
   const Lattices& lattices_;
   std::vector<double> ratios_;     // perimetersPerAreaSquared
   std::vector<double> areas_;      // of ids, unit-ball units squared
+  std::vector<uint32_t> ranks_;    // of ids, by place, where form factors are shares of closed forms, their neighbours' where few lines tell (neighbour_shares.h)
   std::vector<SizeClass> classes_;
   mutable std::map<std::array<int, 3>, size_t> windows_;  // of classes from one to another at a resolution
   std::vector<Pilot> pilots_;
@@ -161,6 +169,7 @@ Planner::Planner(const Scene& scene, const Ids& ids, const EstimateOptions& opti
     size.polygons.push_back(static_cast<uint32_t>(k));
   }
   for (const auto& [key, size] : classes) classes_.push_back(size);
+  if (!lattices.id_of_face.empty() && options.by == By::polygon && !options.relative && pairCount(ids.count()) <= kMostRowPairs) ranks_ = rankByPlace(scene, ids.of_polygon, ids.count());
 }
 
 AskedDirections Planner::directionsOf(uint32_t count, uint64_t replicate) const {
@@ -195,13 +204,13 @@ void Planner::measure(uint32_t directions, const Shape& shape) {
     directions = static_cast<uint32_t>(std::clamp(allowedSeconds() / (2 * kPilotReplicates * each), 1.0, double(directions)));
   }
   // Of both lattices, every replicate.
-  std::vector<std::pair<PairCounts, PairCounts>> counted;
+  std::vector<Counted> counted;
   double weight_unit = 1;
   const auto start = std::chrono::steady_clock::now();
   for (uint32_t r = 0; r < kPilotReplicates; ++r) {
     AskedDirections asked = directionsOf(directions, kFirstPilot + pilot_replicates_);
     weight_unit = asked.weight_unit;
-    counted.emplace_back(engine_->count(asked.directions), PairCounts{});
+    counted.push_back({engine_->count(asked.directions), {}});
     Random random(options_.seed, 2 * kFirstPilot + pilot_replicates_++);
     for (Direction& direction : asked.directions) {
       const uint32_t weight = direction.weight;
@@ -284,8 +293,32 @@ void Planner::measure(uint32_t directions, const Shape& shape) {
     pilot.direction_variance = total > 0 ? spreads[0].total * std::clamp(1 - lattice / total, 0.0, 1.0) : 0;
     for (const Spread& spread : spreads) pilot.lattice_variance = std::max(pilot.lattice_variance, spread.between_lattices * directions);
   }
+  if (!ranks_.empty()) {
+    // Both in the shares found, as large together as the run would say.
+    const double count_area = ids_.asked.empty() ? measure_area * directions / 2 : INFINITY, told = std::pow(largestErrorOfShares(counted, measure_area / 2, count_area), 2) * kPilotReplicates;
+    const double found = pilot.direction_variance + pilot.lattice_variance / directions / 2;  // of two lattices a direction
+    if (found > 0) pilot.direction_variance *= told / found, pilot.lattice_variance *= told / found;
+  }
   pilot_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   pilots_.push_back(pilot);
+}
+
+// What the run would say of the pilot: pairs of which few lines tell have the standard error that theirs and their neighbours' give them, with the closed forms that lines themselves tell.
+double Planner::largestErrorOfShares(const std::vector<Counted>& counted, double measure_area, double count_area) const {
+  ShareSums sums(ids_);
+  for (const Counted& replicate : counted) sums.add(withRows(addCounts(replicate.first, replicate.second)));
+  std::vector<KnownPair> known;
+  for (const ShareSums::PairSum& pair : sums.pairs())
+    if (pair.i != pair.j) known.push_back({pair.i, pair.j, 0, 0, pair.j < kEnvironment ? 2 * measure_area * double(pair.facing + pair.blocked) / double(counted.size()) : ids_.areas[pair.i]});
+  const std::vector<uint64_t> lines = countsOfLines(ids_, groups_, engine_->unitArea());
+  const NeighbourShares neighbours(sums, lines, ranks_);
+  double largest = 0;
+  for (const FormFactors::Entry& entry : sums.formFactors(known, lines, measure_area, count_area, FormFactors({}, {}, {}), &neighbours).entries()) {
+    double area = ids_.isAsked(entry.i) ? ids_.areas[entry.i] : INFINITY;
+    if (entry.j < kEnvironment && ids_.isAsked(entry.j)) area = std::min(area, ids_.areas[entry.j]);
+    largest = std::max(largest, entry.exchange_area.standard_error / area);
+  }
+  return largest;
 }
 
 double Planner::directionVariance(double directions) const {
@@ -307,7 +340,7 @@ Load Planner::loadOf(const Shape& shape, double directions) const {
     const double resolution = resolutions[k];
     if (resolution > shape.base) fine[resolution] += size.area;
     load.variance = std::max(load.variance, latticeVariance(lattices_.sampling, size.perimeter_per_area_squared, size.least_area, 2 / resolution));
-    load.line = std::max(load.line, 8 / (resolution * resolution * size.least_area) + 8 / 27.0);  // and half of what it counts with others (form_factors.cpp)
+    if (ranks_.empty()) load.line = std::max(load.line, 8 / (resolution * resolution * size.least_area) + 8 / 27.0);  // and half of what it counts with others (form_factors.cpp)
   }
   for (const auto& [resolution, share] : fine) load.points += (is_scanline ? resolution : resolution * resolution) * std::min(1.0, 2 * share);  // what is looked at reaches beyond polygons
   load.groups += double(windowsOf(resolutions, shape.base));

@@ -14,7 +14,7 @@ struct Plan {
   int finest = 0;                 // resolution that the neediest polygon gets, at least
   std::vector<SizeGroup> groups;  // one: the same lattice for all
   std::unique_ptr<Engine> engine; // for these groups
-  double seconds = 0;             // of the replicates asked for, predicted
+  double seconds = 0;             // of counting the replicates asked for, predicted
   double standard_error = 0;      // largest over all form factors, or of its form factor for a relative goal; predicted
   double pilot_seconds = 0;       // spent on finding out
   std::vector<uint32_t> barely_met;  // ids that the replicates asked for meet at fewer than 5 lattice points, or scanlines, expected: even the finest lattice is too coarse for them
@@ -36,6 +36,8 @@ struct Lattices {
 //   largest variance. V_lattice goes with h^3 P / A^2, with scanlines, too (tests/lattice_check_test.cpp), which says how fine a lattice each polygon needs beside the others; V_directions
 //   falls with N as the pilots show, or as 1 / N^2 (1 / N for iid directions) where one pilot is enough. Time per direction is measured, too. The plan is
 //   the least time among powers of sqrt(2) of N and of resolution, with one lattice or groups (size_groups.h).
+//   Where form factors are shares of closed forms, made with those of neighbours where few lines tell, the pilot's largest standard error is found as the run does, and both variances are
+//   as large together.
 //   Every id gets a lattice that it meets at 100 points or more (or 100 scanlines) in eight replicates, so that none goes unseen, as far as the finest lattice there is allows.
 //   In: options: goal, replicates, sampler, seed, asked_directions    Out: the plan, with its engine
 //   Error: a prediction; what was reached is measured by the run. Directions and lattices of pilots are none of the run's.
