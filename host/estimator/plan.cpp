@@ -309,7 +309,8 @@ double Planner::largestErrorOfShares(const std::vector<Counted>& counted, double
   for (const Counted& replicate : counted) sums.add(withRows(addCounts(replicate.first, replicate.second)));
   std::vector<KnownPair> known;
   for (const ShareSums::PairSum& pair : sums.pairs())
-    if (pair.i != pair.j) known.push_back({pair.i, pair.j, 0, 0, pair.j < kEnvironment ? 2 * measure_area * double(pair.facing + pair.blocked) / double(counted.size()) : ids_.areas[pair.i]});
+    if (pair.i != pair.j && (pair.j < kEnvironment || pair.facing > 0))
+      known.push_back({pair.i, pair.j, 0, 0, pair.j < kEnvironment ? 2 * measure_area * double(pair.facing + pair.blocked) / double(counted.size()) : INFINITY});
   const std::vector<uint64_t> lines = countsOfLines(ids_, groups_, engine_->unitArea());
   const NeighbourShares neighbours(sums, lines, ranks_);
   double largest = 0;
