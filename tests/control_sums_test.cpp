@@ -131,5 +131,21 @@ TEST(ControlSums, NothingSeenIsNotNothingThere) {
     }
 }
 
+// Squares of 2^62 add up 15 times within 128 bits, 16 times not: by one replicate after another, and by sums of others.
+TEST(ControlSums, SquaresBeyond128BitsAreRefused) {
+  Ids ids;
+  ids.names = {"a", "b"};
+  ids.areas = {1, 1};
+  const PairCounts most{{0, 1, kMostCounts, 0}};
+  ControlSums sums(ids), eight(ids);
+  for (int k = 0; k < 15; ++k) sums.add(takeShares(most, {}));
+  for (int k = 0; k < 8; ++k) eight.add(takeShares(most, {}));
+  EXPECT_EQ(sums.pairs()[0].sum_of_squares, ControlSums::Wide(15) << 124);
+  EXPECT_THROW(sums.add(takeShares(most, {})), Error);
+  ControlSums both = eight;
+  EXPECT_THROW(both.add(eight), Error);
+  EXPECT_THROW(takeShares({{0, 1, kMostCounts + 1, 0}}, {}), Error);
+}
+
 }  // namespace
 }  // namespace viewpeel

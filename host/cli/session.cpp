@@ -166,7 +166,15 @@ GuaranteeOptions Session::guaranteeOptions() const {
 }
 
 Plan Session::plan() const {
-  if (!isExact() && options.plans) return planEstimate(scene, ids, options.estimate, lattices());
+  if (!isExact() && options.plans) {
+    Plan plan = planEstimate(scene, ids, options.estimate, lattices());
+    if (!plan.counts_too_large) return plan;
+    if (!options.closed_forms_by_default)
+      throw Error(ErrorCode::bad_usage, "polygons differ too much in size for closed forms at this goal: counts would be too large; say --closed-forms off, or ask for less");
+    plan.engine.reset();
+    options.closed_forms = false;
+    return planEstimate(scene, ids, options.estimate, lattices());
+  }
   Plan plan;
   plan.directions = options.estimate.directions;
   plan.finest = options.finest;

@@ -65,7 +65,7 @@ struct Session {
   MakePairEngine pairEngines() const;
   GuaranteeOptions guaranteeOptions() const;
 
-  // As asked for, or planned.
+  // As asked for, or planned; then without closed forms where counts would be too large for those that nobody asked for.    Throws: Error bad_usage where they were asked for.
   Plan plan() const;
   //   Throws: Error bad_usage where it would take longer than --seconds.
   GuaranteePlan planGuarantee() const;

@@ -10,6 +10,7 @@
 #include <glm/geometric.hpp>
 
 #include "directions/random.h"
+#include "engines/lattice.h"
 #include "estimator/visible_share.h"
 #include "matrix/neighbour_shares.h"
 #include "matrix/pair_count.h"
@@ -24,6 +25,8 @@ constexpr int kFirstResolution = 64;
 constexpr double kFewPoints = 5;               // of an id in the whole run, below which it may go unmet
 constexpr double kLatticePoints = 100, kUsualReplicates = 8;  // every id meets so many points in so many replicates
 constexpr double kDefaultTolerance = 1e-3;
+constexpr double kAllowed = 0.8;               // of counts, where those of some directions are more than the average
+constexpr double kMostReplicates = 128;       // to a goal, where others get there
 constexpr double kMostPoints = 8192.0 * 8192, kMostScanlines = 4 * 8192;  // of a direction
 constexpr double kMostPilotSeconds = 30;       // of each pilot
 
@@ -111,6 +114,7 @@ class Planner {
     uint32_t directions = 0;
     Shape shape;
     double seconds = 0, variance = INFINITY;
+    bool counts_too_large = false;  // of all that get to the goal
   };
   AskedDirections directionsOf(uint32_t count, uint64_t replicate) const;
   // Of one replicate of a pilot, on two lattices each.
@@ -131,6 +135,7 @@ class Planner {
   double neededBy(const SizeClass& size, const Shape& shape, double directions) const;
   std::vector<int> resolutionsOf(const Shape& shape, double directions) const;
   size_t windowsOf(const std::vector<int>& resolutions, int base) const;
+  bool areCountsTooLarge(const Shape& shape, double directions, double replicates) const;
   std::vector<SizeGroup> groupsOf(const Shape& shape, double directions) const;
 
   const Scene& scene_;
@@ -139,6 +144,7 @@ class Planner {
   const Lattices& lattices_;
   std::vector<double> ratios_;     // perimetersPerAreaSquared
   std::vector<double> areas_;      // of ids, unit-ball units squared
+  double whole_area_ = 0, largest_face_ = 0;  // of all ids, of a face; likewise
   std::vector<uint32_t> ranks_;    // of ids, by place, where form factors are shares of closed forms, their neighbours' where few lines tell (neighbour_shares.h)
   std::vector<SizeClass> classes_;
   mutable std::map<std::array<int, 3>, size_t> windows_;  // of classes from one to another at a resolution
@@ -152,10 +158,9 @@ class Planner {
 Planner::Planner(const Scene& scene, const Ids& ids, const EstimateOptions& options, const Lattices& lattices)
     : scene_(scene), ids_(ids), options_(options), lattices_(lattices), ratios_(perimetersPerAreaSquared(scene, ids)) {
   const std::vector<double> fineness = finenessOf(ratios_);
-  double all = 0;
   for (double area : ids.areas) {
     areas_.push_back(area / (scene.scale * scene.scale));
-    all += areas_.back();
+    whole_area_ += areas_.back();
   }
   std::map<int, SizeClass> classes;
   for (size_t k = 0; k < scene.polygons.size(); ++k) {
@@ -163,11 +168,13 @@ Planner::Planner(const Scene& scene, const Ids& ids, const EstimateOptions& opti
     SizeClass& size = classes[static_cast<int>(std::ceil(4 * std::log2(fineness[id])))];
     size.fineness = std::max(size.fineness, fineness[id]);
     size.perimeter_per_area_squared = std::max(size.perimeter_per_area_squared, ratios_[id]);
-    size.area += scene.polygons[k].area / all;
+    size.area += scene.polygons[k].area / whole_area_;
     size.least_area = std::min(size.least_area, areas_[id]);
     size.radius = std::max(size.radius, boxRadius(scene, static_cast<uint32_t>(k)));
     size.polygons.push_back(static_cast<uint32_t>(k));
   }
+  std::vector<double> faces(scene.faces.size(), 0);
+  for (const Polygon& polygon : scene.polygons) largest_face_ = std::max(largest_face_, faces[polygon.face] += polygon.area);
   for (const auto& [key, size] : classes) classes_.push_back(size);
   if (!lattices.id_of_face.empty() && options.by == By::polygon && !options.relative && pairCount(ids.count()) <= kMostRowPairs) ranks_ = rankByPlace(scene, ids.of_polygon, ids.count());
 }
@@ -235,12 +242,22 @@ void Planner::measure(uint32_t directions, const Shape& shape) {
       for (uint32_t k = 0; k < kHalf; ++k) others = addCounts(addCounts(others, counted[(1 - half) * kHalf + k].first), counted[(1 - half) * kHalf + k].second);
       shares = fitShares(withRows(std::move(others)));
     }
-    const auto controlsOf = [&](const PairCounts& counts) {
-      std::vector<ControlCount> controls = takeShares(shares.empty() ? counts : withRows(counts), shares);
-      return lattices_.id_of_face.empty() ? controls : mergeIds(controls, lattices_.id_of_face);
+    struct Residual {
+      uint32_t i, j;
+      double counts;
+    };
+    const auto residualsOf = [&](const PairCounts& counts) {
+      std::vector<Residual> residuals;
+      if (lattices_.id_of_face.empty()) {
+        for (const PairCount& count : counts) residuals.push_back({count.i, count.j, double(count.count)});
+      } else {
+        for (const ControlCount& control : mergeIds(takeShares(withRows(counts), shares), lattices_.id_of_face))
+          residuals.push_back({control.i, control.j, double(control.control) / kShareOne});
+      }
+      return residuals;
     };
     for (uint32_t k = 0; k < kHalf; ++k) {
-      const std::vector<ControlCount> a = controlsOf(counted[half * kHalf + k].first), b = controlsOf(counted[half * kHalf + k].second);
+      const std::vector<Residual> a = residualsOf(counted[half * kHalf + k].first), b = residualsOf(counted[half * kHalf + k].second);
       std::vector<Sums> merged;
       merged.reserve(std::max(sums.size(), a.size()));
       auto at = a.begin(), bt = b.begin();
@@ -249,8 +266,8 @@ void Planner::measure(uint32_t directions, const Shape& shape) {
       while (at != a.end() || bt != b.end() || st != sums.end()) {
         const auto key = std::min({keyOf(at, a.end()), keyOf(bt, b.end()), keyOf(st, sums.end())});
         Sums sum = keyOf(st, sums.end()) == key && st != sums.end() ? *st++ : Sums{key.first, key.second};
-        const double x = keyOf(at, a.end()) == key && at != a.end() ? double((at++)->control) / kShareOne : 0;
-        const double y = keyOf(bt, b.end()) == key && bt != b.end() ? double((bt++)->control) / kShareOne : 0;
+        const double x = keyOf(at, a.end()) == key && at != a.end() ? (at++)->counts : 0;
+        const double y = keyOf(bt, b.end()) == key && bt != b.end() ? (bt++)->counts : 0;
         sum.a[half] += x, sum.b[half] += y, sum.aa[half] += x * x, sum.bb[half] += y * y, sum.ab[half] += x * y;
         merged.push_back(sum);
       }
@@ -381,6 +398,15 @@ size_t Planner::windowsOf(const std::vector<int>& resolutions, int base) const {
   return windows;
 }
 
+// For closed forms: those of a row in a replicate, the sum over a surface's faces, and the squares over all replicates (control_sums.h). A face's projection is half of its area on the average.
+bool Planner::areCountsTooLarge(const Shape& shape, double directions, double replicates) const {
+  if (lattices_.id_of_face.empty()) return false;
+  const std::vector<int> resolutions = resolutionsOf(shape, directions);
+  const double count_area = pointArea(*std::max_element(resolutions.begin(), resolutions.end())) / (lattices_.sampling == Sampling::scanline ? 1 << kScanlineBits : 1);
+  const double of_row = directions * largest_face_ / 2 / count_area, of_all = directions * whole_area_ / 2 / count_area, most = kAllowed * double(kMostCounts);
+  return of_row > most || of_all > 2 * most || replicates * of_row * of_row > 8 * most * most;
+}
+
 // A direction costs something for every group, and for every lattice point over the group's polygons; half each where pilots do not tell.
 double Planner::secondsOf(const Load& load) const {
   const Pilot& last = pilots_.back();
@@ -408,7 +434,18 @@ Planner::Choice Planner::choose(bool by_time) const {
   double least_area = 1;
   for (const SizeClass& size : classes_) least_area = std::min(least_area, size.least_area);
 
+  // Where nothing is quick enough, the quickest; where no error is small enough, what gets there first with more replicates, if not too many.
+  const auto meets = [&](const Choice& c) { return by_time ? c.seconds <= secondsLeft() : c.variance <= goal * goal; };
+  const auto rankOf = [&](const Choice& c) {
+    if (meets(c)) return 0;
+    return !by_time && c.variance * replicates <= goal * goal * kMostReplicates ? 1 : 2;
+  };
+  const auto costOf = [&](const Choice& c) {
+    if (by_time) return meets(c) ? c.variance : c.seconds;
+    return meets(c) ? c.seconds : c.seconds * c.variance;
+  };
   Choice best;
+  bool is_limited = false;
   for (int n = 8; n <= 48; ++n) {
     const auto directions = static_cast<uint32_t>(std::lround(std::pow(2.0, n / 2.0)));
     const double in_all = directions * replicates;
@@ -422,17 +459,16 @@ Planner::Choice Planner::choose(bool by_time) const {
         const Load load = loadOf(shape, directions);
         if (load.points > (lattices_.sampling == Sampling::scanline ? kMostScanlines : kMostPoints) && best.directions) continue;
         const Choice choice{directions, shape, secondsOf(load) * in_all, (directionVariance(directions) + pilots_.back().lattice_variance * load.variance / pilots_.back().load.variance / directions) / replicates + std::pow(load.line / in_all, 2)};
-        // Where nothing is quick enough, the quickest; where no error is small enough, what gets there first with more replicates.
-        const auto meets = [&](const Choice& c) { return by_time ? c.seconds <= secondsLeft() : c.variance <= goal * goal; };
-        const auto costOf = [&](const Choice& c) {
-          if (by_time) return meets(c) ? c.variance : c.seconds;
-          return meets(c) ? c.seconds : c.seconds * c.variance;
-        };
-        const bool is_better = meets(choice) != meets(best) ? meets(choice) : costOf(choice) < costOf(best);
+        if (best.directions && areCountsTooLarge(shape, directions, std::max(replicates, by_time ? 0 : replicates * choice.variance / (goal * goal)))) {
+          is_limited = true;
+          continue;
+        }
+        const bool is_better = rankOf(choice) != rankOf(best) ? rankOf(choice) < rankOf(best) : costOf(choice) < costOf(best);
         if (best.directions == 0 || is_better) best = choice;
       }
     }
   }
+  best.counts_too_large = is_limited && !by_time && rankOf(best) == 2;
   return best;
 }
 
@@ -458,6 +494,7 @@ Plan Planner::plan() {
   plan.seconds = choice.seconds;
   plan.standard_error = std::sqrt(choice.variance);
   plan.pilot_seconds = pilot_seconds_;
+  plan.counts_too_large = choice.counts_too_large;
   std::vector<double> points(ids_.count(), 0);
   for (const SizeGroup& group : plan.groups)
     for (uint32_t k : group.polygons)

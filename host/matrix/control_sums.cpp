@@ -12,7 +12,10 @@
 namespace viewpeel {
 namespace {
 
-constexpr uint64_t kMostCounts = uint64_t(1) << 50;  // with kShareBits more the squares of 2^3 replicates are within 128 bits
+void addExactly(ControlSums::Wide& sum, ControlSums::Wide more) {
+  if (__builtin_add_overflow(sum, more, &sum))
+    throw Error(ErrorCode::bad_usage, "the squares of counts of so many replicates are beyond 128 bits; ask for fewer --directions in each, or --closed-forms off");
+}
 
 }  // namespace
 
@@ -89,8 +92,8 @@ void ControlSums::add(const std::vector<ControlCount>& controls) {
   addPairs(pairs_, controls, [](PairSum& sum, const ControlCount& control) {
     sum.line = std::max(sum.line, control.line);
     sum.sum += control.control;
-    sum.sum_of_squares += Wide(SignedWide(control.control) * control.control);
-    sum.squares += control.squares;
+    addExactly(sum.sum_of_squares, Wide(SignedWide(control.control) * control.control));
+    addExactly(sum.squares, control.squares);
   });
 }
 
@@ -99,8 +102,8 @@ void ControlSums::add(const ControlSums& others) {
   addPairs(pairs_, others.pairs_, [](PairSum& sum, const PairSum& other) {
     sum.line = std::max(sum.line, other.line);
     sum.sum += other.sum;
-    sum.sum_of_squares += other.sum_of_squares;
-    sum.squares += other.squares;
+    addExactly(sum.sum_of_squares, other.sum_of_squares);
+    addExactly(sum.squares, other.squares);
   });
 }
 

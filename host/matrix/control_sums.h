@@ -31,6 +31,9 @@ struct ControlCount {
 // What leaves the scene, or ends on a back, beside all lines of its row, as `blocked`: their number is known as well, for rows sum to 1.
 PairCounts withRows(PairCounts counts);
 
+// Of a pair, or a row, in one replicate: with kShareBits more the squares of 2^3 replicates are within 128 bits.
+constexpr uint64_t kMostCounts = uint64_t(1) << 50;
+
 // Throws: Error bad_usage where counts are too large for shares of them.
 void requireCountsForShares(const PairCount& count);
 
@@ -78,9 +81,9 @@ class ControlSums {
   // As they were summed before.    In: pairs sorted by (i, j), every pair at most once
   ControlSums(Ids ids, uint64_t replicate_count, std::vector<PairSum> pairs) : ids_(std::move(ids)), pairs_(std::move(pairs)), replicate_count_(replicate_count) {}
 
-  // Cost: O(nonzeros).
+  // Throws: Error bad_usage where so many replicates with counts so large are beyond 128 bits.    Cost: O(nonzeros).
   void add(const std::vector<ControlCount>& controls);
-  // Controls of other replicates, with the same shares.
+  // Controls of other replicates, with the same shares.    Throws: as above.
   void add(const ControlSums& others);
   const Ids& ids() const { return ids_; }
   const std::vector<PairSum>& pairs() const { return pairs_; }
