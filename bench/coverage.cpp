@@ -113,7 +113,10 @@ Case partsPastABlocker() {
   const std::vector<glm::dvec3> blocker = test_scenes::squaresPastABlocker().faces[2].corners;
   test_scenes::addFace(parts.input, "blocker", blocker);
   for (uint32_t i = 0; i < count; ++i)
-    for (uint32_t j = i + 1; j < count; j += 2) parts.truths[{i, j}] = reference::formFactorPastBlocker(parts.input.faces[i].corners, parts.input.faces[j].corners, blocker).value;
+    for (uint32_t j = i + 1; j < count; j += 2) {
+      const reference::Approximation factor = reference::formFactorPastBlocker(parts.input.faces[i].corners, parts.input.faces[j].corners, blocker);
+      parts.truths[{i, j}] = factor.value > factor.error ? factor.value : 0;
+    }
   return parts;
 }
 
