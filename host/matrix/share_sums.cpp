@@ -164,7 +164,7 @@ class ShareSums::Entries {
   // than chance: half of that variance is left, as measured (README).
   double varianceOfShare(const PairSum& pair, double b, double of_replicates, double most_counts, double line) const {
     const double n = effectiveLines(pair, line + 8 / 27.0 * most_counts), s = neighbours_->of(pair.i, pair.j).smoothed;
-    const double p = (n * b + 2 * s) / (n + 2), rarer = n * p * (1 - p), trust = rarer / (rarer + 2);
+    const double p = (n * b + 2 * s) / (n + 2), rarer = n * p * (1 - p), trust = rarer * rarer / (rarer * rarer + 4);
     return trust * of_replicates + (1 - trust) * 0.5 * p * (1 - p) / (n + NeighbourShares::kNeighbours);
   }
 
