@@ -45,7 +45,8 @@ TEST(Plan, PredictsErrorsOfSharesThatFewLinesTell) {
   for (const InputFace& face : ts::roomWithTouchingBoxes().faces) {
     ASSERT_EQ(face.corners.size(), 4u);
     const glm::dvec3 u = (face.corners[1] - face.corners[0]) / double(kCuts), v = (face.corners[3] - face.corners[0]) / double(kCuts);
-    for (int k = 0; k < kCuts * kCuts; ++k) input.faces.push_back({ts::parallelogram(face.corners[0] + double(k % kCuts) * u + double(k / kCuts) * v, u, v), 0, 0});
+    for (int column = 0; column < kCuts; ++column)
+      for (int row = 0; row < kCuts; ++row) input.faces.push_back({ts::parallelogram(face.corners[0] + double(column) * u + double(row) * v, u, v), 0, 0});
   }
   const Scene scene = buildScene(input);
   const Ids ids = makeIds(scene, By::polygon, false);

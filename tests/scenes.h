@@ -46,7 +46,8 @@ inline InputScene parallelSquares() {
 inline InputScene squaresInParts(uint32_t cuts, double edge, double height) {
   InputScene scene{"two squares in parts", {"low", "high"}, {}};
   for (uint32_t k = 0; k < cuts * cuts; ++k) {
-    const double x = edge * (k % cuts), y = edge * (k / cuts);
+    const uint32_t column = k % cuts, row = k / cuts;
+    const double x = edge * column, y = edge * row;
     scene.faces.push_back({parallelogram({x, y, 0}, {edge, 0, 0}, {0, edge, 0}), 0, 0});
     scene.faces.push_back({parallelogram({x, y, height}, {0, edge, 0}, {edge, 0, 0}), 1, 0});
   }
