@@ -92,12 +92,17 @@ TEST(Plan, TooLittleTimeGetsTheQuickest) {
   }
 }
 
-// A square of 1e-8 of the area of the floor that it looks at would be hit by one lattice point in 1e4 directions: it gets a window.
-TEST(Plan, SmallPolygonsAreSeen) {
+// Above the middle of a unit square, facing it.
+InputScene speckOverFloor(double edge) {
   InputScene input{"speck", {}, {}};
   ts::addFace(input, "floor", {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
-  ts::addFace(input, "speck", {{0.5, 0.5, 0.1}, {0.5, 0.5001, 0.1}, {0.5001, 0.5001, 0.1}, {0.5001, 0.5, 0.1}});
-  const Scene scene = buildScene(input);
+  ts::addFace(input, "speck", ts::parallelogram({0.5, 0.5, 0.1}, {0, edge, 0}, {edge, 0, 0}));
+  return input;
+}
+
+// A square of 1e-8 of the area of the floor that it looks at would be hit by one lattice point in 1e4 directions: it gets a window.
+TEST(Plan, SmallPolygonsAreSeen) {
+  const Scene scene = buildScene(speckOverFloor(1e-4));
   const Ids ids = makeIds(scene, By::polygon, false);
   EstimateOptions options{.tolerance = 0.02};
   const Plan plan = planEstimate(scene, ids, options, latticesFor(scene, ids));
@@ -116,10 +121,7 @@ TEST(Plan, SmallPolygonsAreSeen) {
 
 // With closed forms a row's counts of a replicate stay below 2^50, also where a small polygon has a fine window and the error asked for is small: replicates do the rest, or the plan says so.
 TEST(Plan, CountsAreNotTooLargeForClosedForms) {
-  InputScene input{"speck", {}, {}};
-  ts::addFace(input, "floor", {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
-  ts::addFace(input, "speck", {{0.5, 0.5, 0.1}, {0.5, 0.50001, 0.1}, {0.50001, 0.50001, 0.1}, {0.50001, 0.5, 0.1}});
-  const Scene scene = buildScene(input);
+  const Scene scene = buildScene(speckOverFloor(1e-5));
   const Ids ids = makeIds(scene, By::polygon, false);
   for (const bool closed_forms : {false, true}) {
     Lattices lattices = latticesFor(scene, ids);

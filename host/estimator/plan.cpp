@@ -41,6 +41,7 @@ struct Shape {
 struct Load {
   double groups = 1, points = 1, variance = 0;  // points, or scanlines
   double line = 0;  // what one line adds to the form factor of the worst id: standard errors are no less than one line's in the whole run
+  int finest = 0;   // resolution
 };
 
 // Variance of a form factor of an id of area A and perimeter P, all of which one other sees: 4 / A^2 of the count's, whose is 0.0728 h^3 pi/4 P (tests/lattice_check_test.cpp;
@@ -135,7 +136,7 @@ class Planner {
   double neededBy(const SizeClass& size, const Shape& shape, double directions) const;
   std::vector<int> resolutionsOf(const Shape& shape, double directions) const;
   size_t windowsOf(const std::vector<int>& resolutions, int base) const;
-  bool areCountsTooLarge(const Shape& shape, double directions, double replicates) const;
+  bool areCountsTooLarge(const Load& load, double directions, double replicates) const;
   std::vector<SizeGroup> groupsOf(const Shape& shape, double directions) const;
 
   const Scene& scene_;
@@ -330,13 +331,7 @@ double Planner::largestErrorOfShares(const std::vector<Counted>& counted, double
       known.push_back({pair.i, pair.j, 0, 0, pair.j < kEnvironment ? 2 * measure_area * double(pair.facing + pair.blocked) / double(counted.size()) : INFINITY});
   const std::vector<uint64_t> lines = countsOfLines(ids_, groups_, engine_->unitArea());
   const NeighbourShares neighbours(sums, lines, ranks_);
-  double largest = 0;
-  for (const FormFactors::Entry& entry : sums.formFactors(known, lines, measure_area, count_area, FormFactors({}, {}, {}), &neighbours).entries()) {
-    double area = ids_.isAsked(entry.i) ? ids_.areas[entry.i] : INFINITY;
-    if (entry.j < kEnvironment && ids_.isAsked(entry.j)) area = std::min(area, ids_.areas[entry.j]);
-    largest = std::max(largest, entry.exchange_area.standard_error / area);
-  }
-  return largest;
+  return largestStandardError(sums.formFactors(known, lines, measure_area, count_area, FormFactors({}, {}, {}), &neighbours));
 }
 
 double Planner::directionVariance(double directions) const {
@@ -353,6 +348,7 @@ Load Planner::loadOf(const Shape& shape, double directions) const {
   Load load{1, is_scanline ? double(shape.base) : double(shape.base) * shape.base};
   std::map<double, double> fine;  // share of the area by resolution
   const std::vector<int> resolutions = resolutionsOf(shape, directions);
+  load.finest = *std::max_element(resolutions.begin(), resolutions.end());
   for (size_t k = 0; k < classes_.size(); ++k) {
     const SizeClass& size = classes_[k];
     const double resolution = resolutions[k];
@@ -399,10 +395,9 @@ size_t Planner::windowsOf(const std::vector<int>& resolutions, int base) const {
 }
 
 // For closed forms: those of a row in a replicate, the sum over a surface's faces, and the squares over all replicates (control_sums.h). A face's projection is half of its area on the average.
-bool Planner::areCountsTooLarge(const Shape& shape, double directions, double replicates) const {
+bool Planner::areCountsTooLarge(const Load& load, double directions, double replicates) const {
   if (lattices_.id_of_face.empty()) return false;
-  const std::vector<int> resolutions = resolutionsOf(shape, directions);
-  const double count_area = pointArea(*std::max_element(resolutions.begin(), resolutions.end())) / (lattices_.sampling == Sampling::scanline ? 1 << kScanlineBits : 1);
+  const double count_area = pointArea(load.finest) / (lattices_.sampling == Sampling::scanline ? 1 << kScanlineBits : 1);
   const double of_row = directions * largest_face_ / 2 / count_area, of_all = directions * whole_area_ / 2 / count_area, most = kAllowed * double(kMostCounts);
   return of_row > most || of_all > 2 * most || replicates * of_row * of_row > 8 * most * most;
 }
@@ -459,7 +454,7 @@ Planner::Choice Planner::choose(bool by_time) const {
         const Load load = loadOf(shape, directions);
         if (load.points > (lattices_.sampling == Sampling::scanline ? kMostScanlines : kMostPoints) && best.directions) continue;
         const Choice choice{directions, shape, secondsOf(load) * in_all, (directionVariance(directions) + pilots_.back().lattice_variance * load.variance / pilots_.back().load.variance / directions) / replicates + std::pow(load.line / in_all, 2)};
-        if (best.directions && areCountsTooLarge(shape, directions, std::max(replicates, by_time ? 0 : replicates * choice.variance / (goal * goal)))) {
+        if (best.directions && areCountsTooLarge(load, directions, std::max(replicates, by_time ? 0 : replicates * choice.variance / (goal * goal)))) {
           is_limited = true;
           continue;
         }
