@@ -283,9 +283,7 @@ void Planner::measure(uint32_t directions, const Shape& shape) {
   std::vector<Spread> spreads;
   const double measure_area = engine_->unitArea() * scene_.scale * scene_.scale / directions * weight_unit;
   for (const Sums& s : sums) {
-    double area = ids_.isAsked(s.i) ? ids_.areas[s.i] : INFINITY;
-    if (s.j < kEnvironment && ids_.isAsked(s.j)) area = std::min(area, ids_.areas[s.j]);
-    double unit = (s.i == s.j ? 4 : 2) * measure_area / area;
+    double unit = (s.i == s.j ? 4 : 2) * measure_area / ids_.smallerArea(s.i, s.j);
     if (options_.relative && !options_.tolerance) {
       const double factor = unit * (s.a[0] + s.a[1] + s.b[0] + s.b[1]) / (2 * kPilotReplicates);
       if (!(factor >= options_.relative_floor)) continue;

@@ -186,9 +186,7 @@ double largestStandardError(const FormFactors& form_factors) {
   const Ids& ids = form_factors.ids();
   double largest = 0;
   for (const auto& entry : form_factors.entries()) {
-    double area = ids.isAsked(entry.i) ? ids.areas[entry.i] : INFINITY;
-    if (entry.j < kEnvironment && ids.isAsked(entry.j)) area = std::min(area, ids.areas[entry.j]);
-    largest = std::max(largest, entry.exchange_area.standard_error / area);
+    largest = std::max(largest, entry.exchange_area.standard_error / ids.smallerArea(entry.i, entry.j));
   }
   return largest;
 }
@@ -197,8 +195,7 @@ double largestRelativeError(const FormFactors& form_factors, double floor) {
   const Ids& ids = form_factors.ids();
   double largest = 0;
   for (const auto& entry : form_factors.entries()) {
-    double area = ids.isAsked(entry.i) ? ids.areas[entry.i] : INFINITY;
-    if (entry.j < kEnvironment && ids.isAsked(entry.j)) area = std::min(area, ids.areas[entry.j]);
+    const double area = ids.smallerArea(entry.i, entry.j);
     if (entry.exchange_area.value / area >= floor) largest = std::max(largest, entry.exchange_area.standard_error / entry.exchange_area.value);
   }
   return largest;

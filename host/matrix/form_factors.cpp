@@ -81,15 +81,8 @@ Measured ReplicateSums::measure(const Sum& sum, double most_counts) const {
   return measured;
 }
 
-// Of those whose rows were asked for.
-double ReplicateSums::smallerArea(const PairSum& pair) const {
-  double area = ids_.isAsked(pair.i) ? ids_.areas[pair.i] : INFINITY;
-  if (pair.j < kEnvironment && ids_.isAsked(pair.j)) area = std::min(area, ids_.areas[pair.j]);
-  return area;
-}
-
 Measured ReplicateSums::exchangeArea(const PairSum& pair, double measure_area, double count_area) const {
-  const Measured count = measure(pair.sum, std::isinf(count_area) ? 0 : smallerArea(pair) / count_area);
+  const Measured count = measure(pair.sum, std::isinf(count_area) ? 0 : ids_.smallerArea(pair.i, pair.j) / count_area);
   const double scale = exchangesPerLine(pair.i, pair.j) * measure_area;
   return {count.value * scale, count.standard_error * scale};
 }
@@ -110,7 +103,7 @@ FormFactors ReplicateSums::formFactors(double measure_area, double count_area, c
 
 double ReplicateSums::largestStandardError(double measure_area, double count_area) const {
   double largest = 0;
-  for (const PairSum& pair : pairs_) largest = std::max(largest, exchangeArea(pair, measure_area, count_area).standard_error / smallerArea(pair));
+  for (const PairSum& pair : pairs_) largest = std::max(largest, exchangeArea(pair, measure_area, count_area).standard_error / ids_.smallerArea(pair.i, pair.j));
   return largest;
 }
 
@@ -119,7 +112,7 @@ double ReplicateSums::largestRelativeError(double measure_area, double floor, do
   for (const PairSum& pair : pairs_) {
     // Both ways the relative error is the same: it counts if one of the two reaches the floor.
     const Measured exchange = exchangeArea(pair, measure_area, count_area);
-    if (exchange.value / smallerArea(pair) >= floor) largest = std::max(largest, exchange.standard_error / exchange.value);
+    if (exchange.value / ids_.smallerArea(pair.i, pair.j) >= floor) largest = std::max(largest, exchange.standard_error / exchange.value);
   }
   return largest;
 }

@@ -100,7 +100,6 @@ class ReplicateSums {
 
  private:
   Measured measure(const Sum& sum, double most_counts) const;
-  double smallerArea(const PairSum& pair) const;
   Measured exchangeArea(const PairSum& pair, double measure_area, double count_area) const;
 
   Ids ids_;

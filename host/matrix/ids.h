@@ -1,8 +1,11 @@
 #pragma once
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include "matrix/pair_count.h"
 #include "scene/scene.h"
 
 namespace viewpeel {
@@ -32,6 +35,10 @@ struct Ids {
 
   uint32_t rolesOf(uint32_t polygon_index) const { return roles.empty() ? kEmits | kReceives : roles[polygon_index]; }
   bool isAsked(uint32_t id) const { return asked.empty() || asked[id]; }
+  // The smaller area of a pair, of those whose rows were asked for; infinite where none was.
+  double smallerArea(uint32_t i, uint32_t j) const {
+    return std::min(isAsked(i) ? areas[i] : INFINITY, j < kEnvironment && isAsked(j) ? areas[j] : INFINITY);
+  }
   uint32_t count() const { return static_cast<uint32_t>(names.size()); }
 };
 
