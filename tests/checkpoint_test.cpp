@@ -214,6 +214,10 @@ TEST_F(CheckpointFile, ControlsAddUpToOneRun) {
   }
   do EXPECT_EQ(bytesOf(mergeCheckpoints(files).sums), whole) << files[0] << files[1] << files[2] << files[3];
   while (std::next_permutation(files.begin(), files.end()));
+  RunSums twice = sums;
+  twice.by_id = sumsOf({0, 1, 2, 3, 4, 5, 6}).by_id;
+  writeCheckpoint(kSettings, twice, file("twice.h5"));
+  EXPECT_NE(messageOf([&] { readCheckpoint(file("twice.h5")); }).find("not those it has sums of"), std::string::npos) << "pairs that are summed twice";
   writeCheckpoint(kSettings, sumsWithShares({9}, 5), file("other.h5"));
   writeCheckpoint(kSettings, sumsWithShares({9}, 0, 17), file("directed.h5"));
   writeCheckpoint(kSettings, sumsOf({9}), file("without.h5"));
@@ -255,7 +259,7 @@ TEST_F(CheckpointFile, OtherFilesAreRefused) {
   };
   write("other.h5", std::pair("temperatures", std::vector<double>{1, 2}));
   write("later.h5", std::pair("format", std::vector<uint64_t>{1000}));
-  write("short.h5", std::pair("format", std::vector<uint64_t>{5}), std::pair("settings/names", std::vector<std::string>{"--seed"}),
+  write("short.h5", std::pair("format", std::vector<uint64_t>{6}), std::pair("settings/names", std::vector<std::string>{"--seed"}),
         std::pair("settings/values", std::vector<std::string>{"1", "2"}));
   const auto message = [&](const char* name) { return messageOf([&] { readCheckpoint(file(name)); }); };
   EXPECT_NE(message("missing.h5").find("No such file"), std::string::npos) << message("missing.h5");

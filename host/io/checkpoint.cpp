@@ -12,7 +12,7 @@
 namespace viewpeel {
 namespace {
 
-constexpr uint64_t kFormat = 5;  // of the file: changes with every change of what is written below
+constexpr uint64_t kFormat = 6;  // of the file: changes with every change of what is written below
 
 using Sum = ReplicateSums::Sum;
 using PairSum = ReplicateSums::PairSum;

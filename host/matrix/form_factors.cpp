@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
+#include <ranges>
 #include <utility>
 
 #include "matrix/add_pairs.h"
@@ -31,15 +31,18 @@ Measured FormFactors::formFactor(uint32_t i, uint32_t j) const {
 }
 
 void ReplicateSums::add(const PairCounts& counts) {
+  addRows(counts);
+  // Blocked pairs that were never seen are left out.
+  addPairs(pairs_, counts | std::views::filter([](const PairCount& count) { return count.count > 0; }), [](PairSum& sum, const PairCount& count) { sum.sum.add(count.count); });
+}
+
+void ReplicateSums::addRows(const PairCounts& counts) {
   ++replicate_count_;  // first: what ends early is seen (RunSums::isWhole)
   std::vector<uint64_t> rows(ids_.count(), 0);
-  PairCounts facing;  // blocked pairs that were never seen are left out
-  std::copy_if(counts.begin(), counts.end(), std::back_inserter(facing), [](const PairCount& count) { return count.count > 0; });
-  addPairs(pairs_, facing, [&](PairSum& sum, const PairCount& count) {
-    sum.sum.add(count.count);
+  for (const PairCount& count : counts) {
     rows[count.i] += count.count;
     if (count.j < kEnvironment) rows[count.j] += count.count;  // a pair within one id counts twice
-  });
+  }
   for (size_t k = 0; k < rows.size(); ++k) row_sums_[k].add(rows[k]);
 }
 
@@ -87,11 +90,10 @@ Measured ReplicateSums::exchangeArea(const PairSum& pair, double measure_area, d
   return {count.value * scale, count.standard_error * scale};
 }
 
-FormFactors ReplicateSums::formFactors(double measure_area, double count_area, const std::function<bool(uint32_t, uint32_t)>& is_wanted) const {
+FormFactors ReplicateSums::formFactors(double measure_area, double count_area) const {
   std::vector<FormFactors::Entry> entries;
-  if (!is_wanted) entries.reserve(pairs_.size());
-  for (const PairSum& pair : pairs_)
-    if (!is_wanted || is_wanted(pair.i, pair.j)) entries.push_back({pair.i, pair.j, exchangeArea(pair, measure_area, count_area)});
+  entries.reserve(pairs_.size());
+  for (const PairSum& pair : pairs_) entries.push_back({pair.i, pair.j, exchangeArea(pair, measure_area, count_area)});
   std::vector<Measured> rows;
   for (size_t k = 0; k < row_sums_.size(); ++k) {
     const Measured count = measure(row_sums_[k], 0);

@@ -2,7 +2,6 @@
 #pragma once
 #include <cmath>
 #include <cstdint>
-#include <functional>
 #include <vector>
 
 #include "matrix/ids.h"
@@ -73,6 +72,8 @@ class ReplicateSums {
 
   // Cost: O(nonzeros).
   void add(const PairCounts& counts);
+  // Without pairs, where others sum them: row sums alone.
+  void addRows(const PairCounts& counts);
   // Sums of other replicates.    In: others of the same ids    Cost: O(nonzeros).
   void add(const ReplicateSums& others);
 
@@ -84,8 +85,7 @@ class ReplicateSums {
   //   In: measure_area: input units squared of one count, that is unitArea() scale^2 / directions per replicate
   //     count_area: of one count along its direction, measure_area x directions per replicate where these are over the whole sphere; infinite where it is not known
   //   Error: none but rounding: counts and their squares are summed in 128-bit integers. Standard errors: form_factors.cpp; tests/form_factors_test.cpp.
-  //   is_wanted: asked of every pair in order; none: all are
-  FormFactors formFactors(double measure_area, double count_area = INFINITY, const std::function<bool(uint32_t i, uint32_t j)>& is_wanted = {}) const;
+  FormFactors formFactors(double measure_area, double count_area = INFINITY) const;
 
   // Calls f(i, j, A_i F_ij) for every pair met, and for environment and leak.
   template <class F>

@@ -43,6 +43,7 @@ bool RunSums::isWhole() const {
     if (replicates[k].first >= replicates[k].end || (k && replicates[k].first <= replicates[k - 1].end)) return false;
     count += replicates[k].end - replicates[k].first;
   }
+  if (hasPairsInVisible() && !by_id.pairs().empty()) return false;
   return by_id.replicateCount() == count && by_surface.replicateCount() == count && (!visible || (visible->byFace().replicateCount() == count && visible->bySurface().replicateCount() == count && visible->directed().replicateCount() == count));
 }
 
@@ -50,7 +51,7 @@ void RunSums::add(uint64_t replicate, const PairCounts& counts, uint64_t directi
   const auto addTo = [&](size_t, size_t k) {
     if (k == 0 && visible) visible->add(counts, directed);
     if (k == 1) by_surface.add(mergeIds(counts, by_id.ids().surface));
-    if (k == 2) by_id.add(counts);
+    if (k == 2) hasPairsInVisible() ? by_id.addRows(counts) : by_id.add(counts);
   };
   shareOut(threadsFor(counts.size()), 3, 1, addTo);
   replicates.push_back({replicate, replicate + 1});
@@ -73,13 +74,16 @@ FormFactors RunSums::formFactors(const ExchangeRow& row) const {
   if (visible && visible->by() == By::surface) return betweenSurfaces();
   if (!visible) return by_id.formFactors(measure_area, countArea());
   // What counts alone say of pairs whose closed forms are known is not looked at.
+  std::vector<ReplicateSums::PairSum> unknown;
   auto at = visible->known().pairs.begin();
   const auto end = visible->known().pairs.end();
-  const auto isUnknown = [&](uint32_t i, uint32_t j) {
-    while (at != end && keyOf(*at) < std::pair(i, j)) ++at;
-    return at == end || keyOf(*at) != std::pair(i, j) || std::isinf(at->exchange);
-  };
-  return visible->formFactors(By::polygon, measure_area, countArea(), by_id.formFactors(measure_area, countArea(), isUnknown), row);
+  for (const ShareSums::PairSum& pair : visible->byFace().pairs()) {
+    while (at != end && keyOf(*at) < keyOf(pair)) ++at;
+    const bool is_unknown = at == end || keyOf(*at) != keyOf(pair) || std::isinf(at->exchange);
+    if (is_unknown && pair.facing > 0) unknown.push_back({pair.i, pair.j, {pair.facing, pair.facing_squared}});
+  }
+  const ReplicateSums counted(by_id.ids(), replicateCount(), std::move(unknown), by_id.rowSums());
+  return visible->formFactors(By::polygon, measure_area, countArea(), counted.formFactors(measure_area, countArea()), row);
 }
 
 FormFactors RunSums::knownFormFactors() const {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
+#include <optional>
 #include <utility>
 
 #include "matrix/add_pairs.h"
@@ -185,21 +187,23 @@ FormFactors ShareSums::formFactors(const std::vector<KnownPair>& known, const st
   // Some rows at a time: the first have the most pairs.
   constexpr size_t kParts = 64;
   const size_t n = ids_.count(), part_count = std::min(n, kParts);
-  std::vector<std::vector<FormFactors::Entry>> parts(part_count);
+  std::vector<std::optional<std::vector<FormFactors::Entry>>> parts(part_count);
+  std::vector<FormFactors::Entry> entries;
+  entries.reserve((row ? size_t(pairCount(n)) : known.size()) + sampled.entries().size() + 2 * n);  // no memory before it is written to
+  std::mutex mutex;
+  size_t added = 0;
   const auto firstRow = [&](size_t part) { return static_cast<uint32_t>(double(n) * (1 - std::sqrt(1 - double(part) / double(part_count)))); };
   const auto addPart = [&](size_t, size_t part) {
     const uint32_t end = part + 1 == part_count ? static_cast<uint32_t>(n) : firstRow(part + 1);
-    parts[part] = Entries(*this, known, lines, measure_area, count_area, sampled, neighbours).of(firstRow(part), end, row);
+    std::vector<FormFactors::Entry> made = Entries(*this, known, lines, measure_area, count_area, sampled, neighbours).of(firstRow(part), end, row);
+    const std::lock_guard lock(mutex);
+    parts[part] = std::move(made);
+    for (; added < part_count && parts[added]; ++added) {  // in order, and gone: lists of all pairs are not to be there twice
+      entries.insert(entries.end(), parts[added]->begin(), parts[added]->end());
+      parts[added].emplace();
+    }
   };
   shareOut(threadsFor(row ? n * n / 2 : known.size()), part_count, 1, addPart);
-  size_t count = 0;
-  for (const auto& part : parts) count += part.size();
-  std::vector<FormFactors::Entry> entries = std::move(parts[0]);
-  entries.reserve(count);
-  for (size_t part = 1; part < parts.size(); ++part) {
-    entries.insert(entries.end(), parts[part].begin(), parts[part].end());
-    parts[part] = {};
-  }
   return {ids_, std::move(entries), sampled.rowSums()};
 }
 

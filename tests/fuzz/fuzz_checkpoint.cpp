@@ -61,7 +61,7 @@ void writeColumn(Hdf5Output& out, Bytes& bytes, const std::string& name, const s
   }
 }
 
-// Two ids, two replicates, one pair and the environment.
+// Two ids, two replicates, one pair and the environment; without these of by_id, for closed forms by polygon sum them.
 void writeSums(Hdf5Output& out, Bytes& bytes, const std::string& group) {
   using U8 = std::vector<uint8_t>;
   using U32 = std::vector<uint32_t>;
@@ -74,15 +74,17 @@ void writeSums(Hdf5Output& out, Bytes& bytes, const std::string& group) {
   writeColumn(out, bytes, group + "/rows_sum_to_one", U8{1});
   writeColumn(out, bytes, group + "/two_sided", U8{0});
   writeColumn(out, bytes, group + "/replicate_count", U64{2});
+  const bool has_pairs = group != "by_id";
   for (const std::string part : {"rows", "pairs"}) {
+    const bool is_there = part == "rows" || has_pairs;
     if (part == "pairs") {
-      writeColumn(out, bytes, group + "/pairs/i", U32{0, 1});
-      writeColumn(out, bytes, group + "/pairs/j", U32{1, kEnvironment});
+      writeColumn(out, bytes, group + "/pairs/i", has_pairs ? U32{0, 1} : U32{});
+      writeColumn(out, bytes, group + "/pairs/j", has_pairs ? U32{1, kEnvironment} : U32{});
     }
-    writeColumn(out, bytes, group + "/" + part + "/sum_high", U64{0, 0});
-    writeColumn(out, bytes, group + "/" + part + "/sum_low", U64{20, 20});
-    writeColumn(out, bytes, group + "/" + part + "/sum_of_squares_high", U64{0, 0});
-    writeColumn(out, bytes, group + "/" + part + "/sum_of_squares_low", U64{202, 202});
+    writeColumn(out, bytes, group + "/" + part + "/sum_high", is_there ? U64{0, 0} : U64{});
+    writeColumn(out, bytes, group + "/" + part + "/sum_low", is_there ? U64{20, 20} : U64{});
+    writeColumn(out, bytes, group + "/" + part + "/sum_of_squares_high", is_there ? U64{0, 0} : U64{});
+    writeColumn(out, bytes, group + "/" + part + "/sum_of_squares_low", is_there ? U64{202, 202} : U64{});
   }
 }
 
@@ -144,7 +146,7 @@ Checkpoint readBytes(const uint8_t* data, size_t count) {
   static const NamedFile file;
   Bytes bytes(data, count);
   Hdf5Output out;
-  writeColumn(out, bytes, "format", std::vector<uint64_t>{5});
+  writeColumn(out, bytes, "format", std::vector<uint64_t>{6});
   writeColumn(out, bytes, "settings/names", std::vector<std::string>{"--seed"});
   writeColumn(out, bytes, "settings/values", std::vector<std::string>{"1"});
   writeColumn(out, bytes, "replicates/first", std::vector<uint64_t>{0});
