@@ -200,7 +200,7 @@ TEST_F(CheckpointFile, ControlsAddUpToOneRun) {
   ASSERT_EQ(read.sums.visible->directed().pairs().size(), 2u);
   EXPECT_EQ(read.sums.visible->known(), sums.visible->known());
   EXPECT_TRUE(std::ranges::any_of(sums.visible->directed().pairs(), [](const auto& pair) { return pair.sum < 0; }));
-  EXPECT_TRUE(std::ranges::any_of(sums.visible->byFace().pairs(), [](const auto& pair) { return pair.blocked_squared >> 64; }));
+  EXPECT_TRUE(std::ranges::any_of(sums.visible->byFace().pairs(), [&](const auto& pair) { return sums.visible->byFace().squaresOf(pair).blocked >> 64; }));
   const FormFactors a = sums.formFactors(), b = read.sums.formFactors();
   ASSERT_EQ(a.entries().size(), b.entries().size());
   for (size_t k = 0; k < a.entries().size(); ++k) {

@@ -60,7 +60,8 @@ double deviationOfOneKind(const RunSums& sums, uint32_t i, uint32_t j) {
   const ShareSums& by_face = sums.visible->byFace();
   const KnownShares& known = sums.visible->known();
   const auto told = std::ranges::find(by_face.pairs(), std::pair(i, j), [](const ShareSums::PairSum& pair) { return std::pair(pair.i, pair.j); });
-  const double lines = double(told->facing + told->blocked), squares = double(told->facing_squared + told->blocked_squared), area = std::min(by_face.ids().areas[i], by_face.ids().areas[j]);
+  const ShareSums::Squares squared = by_face.squaresOf(*told);
+  const double lines = double(told->facing + told->blocked), squares = double(squared.facing + squared.blocked), area = std::min(by_face.ids().areas[i], by_face.ids().areas[j]);
   const double per_direction = double(lineOf(known.lines, i, j)) + 8 / 27.0 * area / sums.countArea(), n = std::max(lines * lines / squares, lines / per_direction);
   const double s = NeighbourShares(by_face, known.lines, known.ranks).of(i, j).smoothed;
   const double p = ((told->facing > 0 ? n : 0) + 2 * s) / (n + 2), rarer = n * p * (1 - p);

@@ -123,9 +123,9 @@ void writeVisibleSums(Hdf5Output& out, const RunSums& sums) {
   writeColumn<uint32_t>(out, "visible/faces/j", faces, [](const ShareSum& pair) { return pair.j; });
   writeColumn<uint64_t>(out, "visible/faces/facing", faces, [](const ShareSum& pair) { return pair.facing; });
   writeColumn<uint64_t>(out, "visible/faces/blocked", faces, [](const ShareSum& pair) { return pair.blocked; });
-  writeWide(out, "visible/faces/facing_squared", faces, [](const ShareSum& pair) { return pair.facing_squared; });
-  writeWide(out, "visible/faces/product", faces, [](const ShareSum& pair) { return pair.product; });
-  writeWide(out, "visible/faces/blocked_squared", faces, [](const ShareSum& pair) { return pair.blocked_squared; });
+  writeWide(out, "visible/faces/facing_squared", faces, [&](const ShareSum& pair) { return sums.visible->byFace().squaresOf(pair).facing; });
+  writeWide(out, "visible/faces/product", faces, [&](const ShareSum& pair) { return sums.visible->byFace().squaresOf(pair).product; });
+  writeWide(out, "visible/faces/blocked_squared", faces, [&](const ShareSum& pair) { return sums.visible->byFace().squaresOf(pair).blocked; });
   for (const auto& [name, controls] : {std::pair(std::string("visible/surfaces"), &sums.visible->bySurface()), {"visible/directed", &sums.visible->directed()}}) {
     out.write(name + "/replicate_count", std::vector<uint64_t>{controls->replicateCount()});
     writeColumn<uint32_t>(out, name + "/i", controls->pairs(), [](const ControlSum& pair) { return pair.i; });
@@ -169,13 +169,14 @@ ShareSums readShareSums(Hdf5Input& in, const std::string& group, const Ids& ids)
   readColumn<uint32_t>(in, group + "/j", pairs, [](ShareSum& pair, uint32_t j) { pair.j = j; });
   readColumn<uint64_t>(in, group + "/facing", pairs, [](ShareSum& pair, uint64_t facing) { pair.facing = facing; });
   readColumn<uint64_t>(in, group + "/blocked", pairs, [](ShareSum& pair, uint64_t blocked) { pair.blocked = blocked; });
-  readWide(in, group + "/facing_squared", pairs, [](ShareSum& pair, Wide wide) { pair.facing_squared = wide; });
-  readWide(in, group + "/product", pairs, [](ShareSum& pair, Wide wide) { pair.product = wide; });
-  readWide(in, group + "/blocked_squared", pairs, [](ShareSum& pair, Wide wide) { pair.blocked_squared = wide; });
+  std::vector<ShareSums::Squares> squares(pairs.size());
+  readWide(in, group + "/facing_squared", squares, [](ShareSums::Squares& of_pair, Wide wide) { of_pair.facing = wide; });
+  readWide(in, group + "/product", squares, [](ShareSums::Squares& of_pair, Wide wide) { of_pair.product = wide; });
+  readWide(in, group + "/blocked_squared", squares, [](ShareSums::Squares& of_pair, Wide wide) { of_pair.blocked = wide; });
   for (const ShareSum& pair : pairs)
     if (std::max(pair.facing, pair.blocked) >= kMostLines) in.refuse(fmt::format("its '{}' are larger than sums come to", group));
   requireOrder(in, group, pairs, ids.count());
-  return {ids, replicate_count, std::move(pairs)};
+  return {ids, replicate_count, std::move(pairs), squares};
 }
 
 std::optional<VisibleSums> readVisibleSums(Hdf5Input& in, const Ids& face_ids, const Ids& surface_ids) {

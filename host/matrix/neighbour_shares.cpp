@@ -25,7 +25,7 @@ NeighbourShares::NeighbourShares(const ShareSums& sums, const std::vector<uint64
   std::vector<Level> levels{{side_, std::vector<Lines>(side_ * side_)}};
   for (const ShareSums::PairSum& pair : sums.pairs()) {
     if (pair.j >= kEnvironment || pair.i == pair.j || pair.facing + pair.blocked == 0) continue;
-    const double all = double(pair.facing) + double(pair.blocked), told = effectiveLines(pair, double(lineOf(lines, pair.i, pair.j)));
+    const double all = double(pair.facing) + double(pair.blocked), told = effectiveLines(pair, sums.squaresOf(pair), double(lineOf(lines, pair.i, pair.j)));
     const double weight = (1 + kNeighbours) * told / (told + kNeighbours), share = double(pair.facing) / all;  // 1 where all are facing
     Lines& block = levels[0].blocks[blockOf(ranks[pair.i], ranks[pair.j])];
     block.facing += static_cast<float>(weight * share);

@@ -80,7 +80,7 @@ FormFactors RunSums::formFactors(const ExchangeRow& row) const {
   for (const ShareSums::PairSum& pair : visible->byFace().pairs()) {
     while (at != end && keyOf(*at) < keyOf(pair)) ++at;
     const bool is_unknown = at == end || keyOf(*at) != keyOf(pair) || std::isinf(at->exchange);
-    if (is_unknown && pair.facing > 0) unknown.push_back({pair.i, pair.j, {pair.facing, pair.facing_squared}});
+    if (is_unknown && pair.facing > 0) unknown.push_back({pair.i, pair.j, {pair.facing, visible->byFace().squaresOf(pair).facing}});
   }
   const ReplicateSums counted(by_id.ids(), replicateCount(), std::move(unknown), by_id.rowSums());
   return visible->formFactors(By::polygon, measure_area, countArea(), counted.formFactors(measure_area, countArea()), row);

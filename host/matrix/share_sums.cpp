@@ -12,26 +12,44 @@
 
 namespace viewpeel {
 
+ShareSums::ShareSums(Ids ids, uint64_t replicate_count, std::vector<PairSum> pairs, const std::vector<Squares>& squares)
+    : ids_(std::move(ids)), pairs_(std::move(pairs)), replicate_count_(replicate_count) {
+  for (size_t k = 0; k < pairs_.size(); ++k) addSquares(pairs_[k], squares[k]);
+}
+
+void ShareSums::addSquares(PairSum& sum, const Squares& squares) {
+  const std::array<Wide, 3> added{squares.facing, squares.product, squares.blocked};
+  for (size_t k = 0; k < added.size(); ++k) {
+    const Wide total = sum.low_squares[k] + added[k];
+    sum.low_squares[k] = static_cast<uint64_t>(total);
+    if (const auto high = static_cast<uint64_t>(total >> 64)) high_squares_[keyOf(sum)][k] += high;
+  }
+}
+
+ShareSums::Squares ShareSums::squaresOf(const PairSum& pair) const {
+  std::array<Wide, 3> squares{pair.low_squares[0], pair.low_squares[1], pair.low_squares[2]};
+  if (!high_squares_.empty())
+    if (const auto high = high_squares_.find(keyOf(pair)); high != high_squares_.end())
+      for (size_t k = 0; k < squares.size(); ++k) squares[k] |= Wide(high->second[k]) << 64;
+  return {squares[0], squares[1], squares[2]};
+}
+
 void ShareSums::add(const PairCounts& counts) {
   ++replicate_count_;  // first: what ends early is seen (RunSums::isWhole)
-  addPairs(pairs_, counts, [](PairSum& sum, const PairCount& count) {
+  addPairs(pairs_, counts, [&](PairSum& sum, const PairCount& count) {
     requireCountsForShares(count);
     sum.facing += count.count;
     sum.blocked += count.blocked;
-    sum.facing_squared += Wide(count.count) * count.count;
-    sum.product += Wide(count.count) * count.blocked;
-    sum.blocked_squared += Wide(count.blocked) * count.blocked;
+    addSquares(sum, {Wide(count.count) * count.count, Wide(count.count) * count.blocked, Wide(count.blocked) * count.blocked});
   });
 }
 
 void ShareSums::add(const ShareSums& others) {
   replicate_count_ += others.replicate_count_;
-  addPairs(pairs_, others.pairs_, [](PairSum& sum, const PairSum& other) {
+  addPairs(pairs_, others.pairs_, [&](PairSum& sum, const PairSum& other) {
     sum.facing += other.facing;
     sum.blocked += other.blocked;
-    sum.facing_squared += other.facing_squared;
-    sum.product += other.product;
-    sum.blocked_squared += other.blocked_squared;
+    addSquares(sum, others.squaresOf(other));
   });
 }
 
@@ -139,12 +157,13 @@ class ShareSums::Entries {
     if (sums_.replicate_count_ < 2) return exchange;
     const double area = std::min(sums_.ids_.areas[pair.i], pair.j < kEnvironment ? sums_.ids_.areas[pair.j] : INFINITY);
     // The replicates' variance in units of counts: of residuals (1 - b) V_r - b O_r, whose sum is 0; and of lines, each by chance of its own.
-    const double residuals = (1 - b) * (1 - b) * double(pair.facing_squared) - 2 * b * (1 - b) * double(pair.product) + b * b * double(pair.blocked_squared);
+    const Squares squared = sums_.squaresOf(pair);
+    const double residuals = (1 - b) * (1 - b) * double(squared.facing) - 2 * b * (1 - b) * double(squared.product) + b * b * double(squared.blocked);
     const double variance = std::max(0.0, residuals) * replicates / (replicates - 1), squares = b * blocked * double(known.line);
     if (is_share && neighbours_ && pair.j < kEnvironment) {
-      const double told = effectiveLines(pair, double(known.line)), share = told < kFewLines ? withNeighbours(told, b, neighbours_->of(pair.i, pair.j).mean) : b;
+      const double told = effectiveLines(pair, squared, double(known.line)), share = told < kFewLines ? withNeighbours(told, b, neighbours_->of(pair.i, pair.j).mean) : b;
       exchange.value = share * known.most;
-      exchange.standard_error = std::sqrt(varianceOfShare(pair, b, variance / lines / lines, area / count_area_, double(known.line))) * known.most;
+      exchange.standard_error = std::sqrt(varianceOfShare(pair, squared, b, variance / lines / lines, area / count_area_, double(known.line))) * known.most;
       exchange.standard_error = std::min(exchange.standard_error, std::max(exchange.value, known.most - exchange.value)) + share * error;
       return exchange;
     }
@@ -164,8 +183,8 @@ class ShareSums::Entries {
   // the pair, each facing or blocked by chance, p (1 - p) / (n + 1/2), half a line of the neighbours' among them, with p of b and the neighbours' s, as of two lines more: (n b + 2 s) / (n + 2)
   // (Agresti & Coull 1998). A direction that sees it has 1 + 8/27 A / h^2 lines (form_factors.cpp), but parts of a pair in different places are blocked one by one, and lattices are more even
   // than chance: half of that variance is left, as measured (README).
-  double varianceOfShare(const PairSum& pair, double b, double of_replicates, double most_counts, double line) const {
-    const double n = effectiveLines(pair, line + 8 / 27.0 * most_counts), s = neighbours_->of(pair.i, pair.j).smoothed;
+  double varianceOfShare(const PairSum& pair, const Squares& squared, double b, double of_replicates, double most_counts, double line) const {
+    const double n = effectiveLines(pair, squared, line + 8 / 27.0 * most_counts), s = neighbours_->of(pair.i, pair.j).smoothed;
     const double p = (n * b + 2 * s) / (n + 2), rarer = n * p * (1 - p), trust = rarer * rarer / (rarer * rarer + 4);
     return trust * of_replicates + (1 - trust) * 0.5 * p * (1 - p) / (n + NeighbourShares::kNeighbours);
   }
@@ -218,7 +237,8 @@ ControlSums ShareSums::controls(const std::vector<PairShare>& shares, const std:
     control.squares = (pair.facing * rest * rest + pair.blocked * b * b) * control.line;
     if (control.squares == 0) continue;
     control.sum = static_cast<ControlSums::SignedWide>(pair.facing * rest) - static_cast<ControlSums::SignedWide>(pair.blocked * b);
-    control.sum_of_squares = rest * rest * pair.facing_squared + b * b * pair.blocked_squared - 2 * b * rest * pair.product;
+    const Squares squared = squaresOf(pair);
+    control.sum_of_squares = rest * rest * squared.facing + b * b * squared.blocked - 2 * b * rest * squared.product;
     controls.push_back(control);
   }
   return {ids_, replicate_count_, std::move(controls)};

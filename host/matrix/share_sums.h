@@ -6,9 +6,12 @@
 // sum (V_r + O_r) (Hartley & Ross, Unbiased ratio estimators, Nature 174, 1954), and not at all where every line is facing or blocked by chance of its own, however few lines there are.
 #pragma once
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "matrix/known_pair.h"
@@ -30,12 +33,16 @@ class ShareSums {
   struct PairSum {
     uint32_t i, j;
     uint64_t facing = 0, blocked = 0;
-    Wide facing_squared = 0, product = 0, blocked_squared = 0;
+    std::array<uint64_t, 3> low_squares{};  // squaresOf modulo 2^64, in the order it has
+  };
+  // Sums of facing lines squared, of facing times blocked ones, and of blocked ones squared.
+  struct Squares {
+    Wide facing = 0, product = 0, blocked = 0;
   };
 
   explicit ShareSums(Ids ids) : ids_(std::move(ids)) {}
-  // As they were summed before.    In: pairs sorted by (i, j), every pair at most once
-  ShareSums(Ids ids, uint64_t replicate_count, std::vector<PairSum> pairs) : ids_(std::move(ids)), pairs_(std::move(pairs)), replicate_count_(replicate_count) {}
+  // As they were summed before.    In: pairs sorted by (i, j), every pair at most once, without squares; these, one for each
+  ShareSums(Ids ids, uint64_t replicate_count, std::vector<PairSum> pairs, const std::vector<Squares>& squares);
 
   // One replicate.    Throws: Error bad_usage where counts are too large for closed forms.    Cost: O(nonzeros).
   void add(const PairCounts& counts);
@@ -43,6 +50,7 @@ class ShareSums {
   void add(const ShareSums& others);
   const Ids& ids() const { return ids_; }
   const std::vector<PairSum>& pairs() const { return pairs_; }
+  Squares squaresOf(const PairSum& pair) const;
   uint64_t replicateCount() const { return replicate_count_; }
 
   //   In: known: sorted by (i, j), every pair at most once; lines as in lineOf; measure_area, count_area as in ReplicateSums; sampled: of the same replicates, for row sums and for pairs
@@ -58,17 +66,19 @@ class ShareSums {
 
  private:
   class Entries;
+  void addSquares(PairSum& sum, const Squares& squares);
 
   Ids ids_;
   std::vector<PairSum> pairs_;
+  std::map<std::pair<uint32_t, uint32_t>, std::array<uint64_t, 3>> high_squares_;  // of those that pass 64 bits: pairs of which very many lines tell
   uint64_t replicate_count_ = 0;
 };
 
 // As many lines as tell of a pair: those of a replicate that come as one, or parts of lines, count as the replicates do (Kish, Survey Sampling, 1965, section 8.2).
 //   In: least: counts that as many lines as told add, at most, each
-inline double effectiveLines(const ShareSums::PairSum& pair, double least) {
-  const double lines = double(pair.facing) + double(pair.blocked), squares = double(pair.facing_squared) + 2 * double(pair.product) + double(pair.blocked_squared);
-  return std::max(lines / least, lines * lines / squares);
+inline double effectiveLines(const ShareSums::PairSum& pair, const ShareSums::Squares& squares, double least) {
+  const double lines = double(pair.facing) + double(pair.blocked), of_lines = double(squares.facing) + 2 * double(squares.product) + double(squares.blocked);
+  return std::max(lines / least, lines * lines / of_lines);
 }
 
 }  // namespace viewpeel
