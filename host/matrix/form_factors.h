@@ -86,6 +86,8 @@ class ReplicateSums {
   //     count_area: of one count along its direction, measure_area x directions per replicate where these are over the whole sphere; infinite where it is not known
   //   Error: none but rounding: counts and their squares are summed in 128-bit integers. Standard errors: form_factors.cpp; tests/form_factors_test.cpp.
   FormFactors formFactors(double measure_area, double count_area = INFINITY) const;
+  // The same of one pair, whose counts were summed elsewhere.
+  Measured exchangeArea(const PairSum& pair, double measure_area, double count_area) const;
 
   // Calls f(i, j, A_i F_ij) for every pair met, and for environment and leak.
   template <class F>
@@ -100,7 +102,6 @@ class ReplicateSums {
 
  private:
   Measured measure(const Sum& sum, double most_counts) const;
-  Measured exchangeArea(const PairSum& pair, double measure_area, double count_area) const;
 
   Ids ids_;
   std::vector<PairSum> pairs_;

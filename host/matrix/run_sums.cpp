@@ -74,16 +74,20 @@ FormFactors RunSums::formFactors(const ExchangeRow& row) const {
   if (visible && visible->by() == By::surface) return betweenSurfaces();
   if (!visible) return by_id.formFactors(measure_area, countArea());
   // What counts alone say of pairs whose closed forms are known is not looked at.
-  std::vector<ReplicateSums::PairSum> unknown;
+  const std::vector<ShareSums::PairSum>& pairs = visible->byFace().pairs();
+  std::vector<FormFactors::Entry> unknown;
+  unknown.reserve(pairs.size());
   auto at = visible->known().pairs.begin();
   const auto end = visible->known().pairs.end();
-  for (const ShareSums::PairSum& pair : visible->byFace().pairs()) {
+  for (const ShareSums::PairSum& pair : pairs) {
     while (at != end && keyOf(*at) < keyOf(pair)) ++at;
     const bool is_unknown = at == end || keyOf(*at) != keyOf(pair) || std::isinf(at->exchange);
-    if (is_unknown && pair.facing > 0) unknown.push_back({pair.i, pair.j, {pair.facing, visible->byFace().squaresOf(pair).facing}});
+    if (!is_unknown || pair.facing == 0) continue;
+    const ReplicateSums::PairSum counted{pair.i, pair.j, {pair.facing, visible->byFace().squaresOf(pair).facing}};
+    unknown.push_back({pair.i, pair.j, by_id.exchangeArea(counted, measure_area, countArea())});
   }
-  const ReplicateSums counted(by_id.ids(), replicateCount(), std::move(unknown), by_id.rowSums());
-  return visible->formFactors(By::polygon, measure_area, countArea(), counted.formFactors(measure_area, countArea()), row);
+  const FormFactors sampled(by_id.ids(), std::move(unknown), by_id.formFactors(measure_area, countArea()).rowSums());
+  return visible->formFactors(By::polygon, measure_area, countArea(), sampled, row);
 }
 
 FormFactors RunSums::knownFormFactors() const {

@@ -18,7 +18,7 @@ struct ReplicateRange {
 
 // All that a result, and going on towards it, needs of the replicates done. Integers throughout: the order of replicates does not matter.
 struct RunSums {
-  ReplicateSums by_id;                     // of pairs that `visible` sums by polygon only their rows
+  ReplicateSums by_id;                     // row sums alone where `visible` has the pairs (hasPairsInVisible)
   ReplicateSums by_surface;                // the same counts summed by surface
   std::vector<ReplicateRange> replicates;  // sorted; a gap between each and the next
   uint64_t directions = 0;                 // in all, those of directed pairs not counted
@@ -26,7 +26,7 @@ struct RunSums {
   std::optional<VisibleSums> visible{};    // with closed forms: by_id is by face then
 
   uint64_t replicateCount() const { return by_id.replicateCount(); }
-  // Whether `visible` sums the pairs of by_id.
+  // With closed forms by polygon: what counts alone say of a pair is among what its share is made of.
   bool hasPairsInVisible() const { return visible && visible->by() == By::polygon; }
   // Input units squared of one count along its direction; infinite, not known, where only some rows were asked for and directions are drawn for them.
   double countArea() const;
