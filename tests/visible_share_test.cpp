@@ -192,7 +192,8 @@ TEST(VisibleShare, EveryPairOfManyPolygonsGetsItsClosedForm) {
 TEST(VisibleShare, GoalsAreReachedByEveryPairOfManyPolygons) {
   constexpr uint32_t kCuts = 55;
   InputScene input{"a floor in 3025 parts below a lamp and a screen", {}, {}};
-  for (uint32_t k = 0; k < kCuts * kCuts; ++k) ts::addFace(input, "floor", ts::parallelogram({double(k % kCuts), double(k / kCuts), 0}, {1, 0, 0}, {0, 1, 0}));
+  for (uint32_t row = 0; row < kCuts; ++row)
+    for (uint32_t column = 0; column < kCuts; ++column) ts::addFace(input, "floor", ts::parallelogram({double(column), double(row), 0}, {1, 0, 0}, {0, 1, 0}));
   ts::addFace(input, "lamp", ts::parallelogram({20, 20, 30}, {0, 6, 0}, {6, 0, 0}));
   ts::addFace(input, "screen", ts::parallelogram({24, 16, 15}, {9, 0, 0}, {0, 9, 0}));
   const Scene scene = buildScene(input);

@@ -19,7 +19,7 @@ std::pair<uint32_t, uint32_t> keyOf(const Pair& pair) {
 // add_to(sum, pair) for each of `pairs`, whose sum is Sum{i, j} where there was none.
 //   In: sums and pairs sorted by (i, j), every pair at most once    Cost: O(sums + pairs); memory for the sums that are new.
 template <class Sum, class Pairs, class AddTo>
-void addPairs(std::vector<Sum>& sums, Pairs&& pairs, AddTo add_to) {
+void addPairs(std::vector<Sum>& sums, const Pairs& pairs, AddTo add_to) {
   std::vector<Sum> fresh;
   auto at = sums.begin();
   for (const auto& pair : pairs) {

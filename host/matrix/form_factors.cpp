@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ranges>
+#include <iterator>
 #include <utility>
 
 #include "matrix/add_pairs.h"
@@ -32,8 +32,9 @@ Measured FormFactors::formFactor(uint32_t i, uint32_t j) const {
 
 void ReplicateSums::add(const PairCounts& counts) {
   addRows(counts);
-  // Blocked pairs that were never seen are left out.
-  addPairs(pairs_, counts | std::views::filter([](const PairCount& count) { return count.count > 0; }), [](PairSum& sum, const PairCount& count) { sum.sum.add(count.count); });
+  PairCounts facing;  // blocked pairs that were never seen are left out
+  std::copy_if(counts.begin(), counts.end(), std::back_inserter(facing), [](const PairCount& count) { return count.count > 0; });
+  addPairs(pairs_, facing, [](PairSum& sum, const PairCount& count) { sum.sum.add(count.count); });
 }
 
 void ReplicateSums::addRows(const PairCounts& counts) {
