@@ -8,6 +8,7 @@
 // itself. waiting_share: of seconds, what the calling thread does not compute. passes: shares of the time on the device, over other directions.
 #include <algorithm>
 #include <fstream>
+#include <set>
 
 #include <CLI/CLI.hpp>
 
@@ -24,6 +25,7 @@ namespace viewpeel::bench {
 namespace {
 
 constexpr uint64_t kMostRepeats = 8;  // of a run within a round
+constexpr double kHopeless = 20;
 
 struct Options {
   std::vector<std::string> scenes{"plates", "cube", "office"}, methods;
@@ -78,8 +80,10 @@ std::string describe(const Place& place, const Ladder& ladder) {
   return fmt::format("{},{},{},{}", place.commit, inQuotes(device), inQuotes(driver), threadCount());
 }
 
-void climb(const Ladder& ladder, const std::string& scene_name, const std::vector<double>& areas, const ReferenceMatrix& reference, uint64_t round,
+// Returns the seconds of the first run; 0 where it was refused.
+double climb(const Ladder& ladder, const std::string& scene_name, const std::vector<double>& areas, const ReferenceMatrix& reference, uint64_t round,
            const Place& place, const Options& options) {
+  double first_seconds = 0;
   try {
     const Runner runner = ladder.set_up();
     double least_s_per_cost = INFINITY;
@@ -93,6 +97,7 @@ void climb(const Ladder& ladder, const std::string& scene_name, const std::vecto
         resetPeak();
         const Outcome outcome = runner.run(rung.amount, seed);
         const double seconds = outcome.time.seconds;
+        if (first_seconds == 0) first_seconds = seconds;
         spent_s += seconds;
         least_s_per_cost = std::min(least_s_per_cost, seconds / rung.cost);
         const std::string parameters = fmt::format("{}{}={:.10g}", ladder.parameters, ladder.amount_name, rung.amount);
@@ -112,6 +117,7 @@ void climb(const Ladder& ladder, const std::string& scene_name, const std::vecto
     if (error.code() != ErrorCode::limit && error.code() != ErrorCode::bad_input) throw;
     fmt::print("# {} {}{} refused: {}\n", scene_name, ladder.parameters, ladder.method, error.what());
   }
+  return first_seconds;
 }
 
 void measureScene(const std::string& name, const Device& device, const Place& place, const Options& options) {
@@ -124,9 +130,16 @@ void measureScene(const std::string& name, const Device& device, const Place& pl
   fmt::print("# {}: {} polygons; reference: {}; its own error: rms {:.1e}, largest {:.1e}\n", name, scene.polygons.size(), reference.source, reference.error.rms, reference.error.largest);
   std::fflush(stdout);
   const std::vector<Ladder> ladders = makeLadders(device, scene, options.method);
+  std::set<std::string> too_slow;  // methods whose shortest run takes far longer than is asked for: finer lattices of theirs take longer still
   for (uint64_t round = 0; round < options.rounds; ++round)
-    for (const Ladder& ladder : ladders)
-      if (isAsked(ladder.method, options)) climb(ladder, name, areas, reference, round, place, options);
+    for (const Ladder& ladder : ladders) {
+      if (!isAsked(ladder.method, options)) continue;
+      if (too_slow.contains(ladder.method)) {
+        fmt::print("# {} {}{} left out: a coarser one took {} times --seconds\n", name, ladder.parameters, ladder.method, kHopeless);
+        continue;
+      }
+      if (climb(ladder, name, areas, reference, round, place, options) > kHopeless * options.seconds) too_slow.insert(ladder.method);
+    }
 }
 
 void run(const Options& options) {

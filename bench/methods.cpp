@@ -171,9 +171,9 @@ class Viewpeel {
  private:
   Estimate withClosedForms(Engine& engine, const std::vector<SizeGroup>& groups, EstimateOptions options) const {
     FaceExchanges exchanges(on_host_ ? nullptr : &device_, scene_, ids_);
+    options.exchanges = &exchanges;
     const VisibleShares shares = findVisibleShares(engine, exchanges, scene_, ids_, groups, options, pilotDirections(options));
     options.known = &shares.known;
-    options.exchanges = &exchanges;
     return estimateFormFactors(engine, scene_, ids_, options);
   }
 

@@ -15,7 +15,7 @@
 namespace viewpeel {
 namespace {
 
-constexpr uint64_t kDenseBudget = 64u << 20;  // of a thread: beyond it counters are seldom in the processor's caches anyway, and clearing them takes long
+constexpr uint64_t kDenseBudget = 16u << 20;  // of a thread: beyond it counters are seldom in the processor's caches anyway, and clearing them takes long
 constexpr uint64_t kMostChunk = 64;           // directions that a thread takes at once
 
 uint64_t memoryOfMachine() { return static_cast<uint64_t>(::sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(::sysconf(_SC_PAGESIZE)); }

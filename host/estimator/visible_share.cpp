@@ -107,7 +107,7 @@ VisibleShares findVisibleShares(Engine& engine, FaceExchanges& exchanges, const 
   const uint64_t n = ids.count();
   found.known.lines = countsOfLines(ids, groups, engine.unitArea());
   if (pairCount(n) <= kMostRowPairs) found.known.ranks = rankByPlace(scene, ids.of_polygon, ids.count());
-  found.known.has_all_pairs = pairCount(n) <= kMostKnownPairs;
+  found.known.has_all_pairs = pairCount(n) <= (options.exchanges && options.by == By::polygon ? kMostKnownPairsBesideRows : kMostKnownPairs);
   std::vector<KnownPair>& pairs = found.known.pairs;
   if (found.known.has_all_pairs) {
     for (uint32_t i = 0; i < n; ++i)
