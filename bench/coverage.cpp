@@ -272,7 +272,7 @@ void measureCase(const std::string& name, const Device& device, const Options& o
             pilot.tolerance.reset();
           }
           FaceExchanges exchanges(&device, scene, ids);
-          shares = findVisibleShares(*engine, exchanges, scene, ids, groupAsOne(scene, resolution), pilot, pilotDirections(pilot));
+          shares = findVisibleShares(*engine, exchanges, scene, ids, groupAsOne(scene, resolution), pilot, {sharePilot(pilot).directions});
           shares_seed = seed;
           ++runs;
           directed_runs += !shares.known.directed.empty();

@@ -25,7 +25,7 @@ namespace viewpeel::bench {
 namespace {
 
 constexpr uint64_t kMostRepeats = 8;  // of a run within a round
-constexpr double kHopeless = 20;
+constexpr double kHopeless = 20;      // times --seconds: from a run on that took longer, a method's finer lattices are left out
 
 struct Options {
   std::vector<std::string> scenes{"plates", "cube", "office"}, methods;
@@ -135,7 +135,7 @@ void measureScene(const std::string& name, const Device& device, const Place& pl
     for (const Ladder& ladder : ladders) {
       if (!isAsked(ladder.method, options)) continue;
       if (too_slow.contains(ladder.method)) {
-        fmt::print("# {} {}{} left out: a coarser one took {} times --seconds\n", name, ladder.parameters, ladder.method, kHopeless);
+        fmt::print("# {} {}{} left out: a coarser one took more than {} times --seconds\n", name, ladder.parameters, ladder.method, kHopeless);
         continue;
       }
       if (climb(ladder, name, areas, reference, round, place, options) > kHopeless * options.seconds) too_slow.insert(ladder.method);

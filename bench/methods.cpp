@@ -172,7 +172,7 @@ class Viewpeel {
   Estimate withClosedForms(Engine& engine, const std::vector<SizeGroup>& groups, EstimateOptions options) const {
     FaceExchanges exchanges(on_host_ ? nullptr : &device_, scene_, ids_);
     options.exchanges = &exchanges;
-    const VisibleShares shares = findVisibleShares(engine, exchanges, scene_, ids_, groups, options, pilotDirections(options));
+    const VisibleShares shares = findVisibleShares(engine, exchanges, scene_, ids_, groups, options, sharePilot(options));
     options.known = &shares.known;
     return estimateFormFactors(engine, scene_, ids_, options);
   }

@@ -46,7 +46,7 @@ struct Directed {
   VisibleShares find(EstimateOptions options, PairSampler* pairs) {
     options.pairs = pairs;
     FaceExchanges exchanges(&testDevice(), scene, ids);
-    return findVisibleShares(*engine, exchanges, scene, ids, groups, options, pilotDirections(options));
+    return findVisibleShares(*engine, exchanges, scene, ids, groups, options, {sharePilot(options).directions});
   }
   Estimate estimate(EstimateOptions options, const VisibleShares& shares, PairSampler* pairs) {
     options.known = &shares.known;

@@ -135,7 +135,7 @@ TEST(NeighbourShares, ErrorsAreAsStated) {
   for (uint64_t seed = 1; seed <= 60; ++seed) {
     EstimateOptions options{.directions = 16, .replicates = 4, .seed = seed};
     const VisibleShares found =
-        findVisibleShares(*engine, exchanges, scene, ids, groupAsOne(scene, 16), options, pilotDirections(options));
+        findVisibleShares(*engine, exchanges, scene, ids, groupAsOne(scene, 16), options, {sharePilot(options).directions});
     options.known = &found.known;
     std::optional<RunSums> sums;
     options.on_sums = [&](const RunSums& so_far, bool last) {

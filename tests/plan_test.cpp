@@ -59,7 +59,7 @@ TEST(Plan, PredictsErrorsOfSharesThatFewLinesTell) {
     options.directions = plan.directions;
     options.tolerance.reset();
     FaceExchanges exchanges(nullptr, scene, ids);
-    const VisibleShares shares = findVisibleShares(*plan.engine, exchanges, scene, ids, plan.groups, options, pilotDirections(options));
+    const VisibleShares shares = findVisibleShares(*plan.engine, exchanges, scene, ids, plan.groups, options, {sharePilot(options).directions});
     options.known = &shares.known;
     const double reached = estimateFormFactors(*plan.engine, scene, ids, options).largest_standard_error;
     EXPECT_LT(reached, 4 * plan.standard_error) << tolerance;

@@ -96,7 +96,7 @@ TEST(Threads, NeverChangeARunWithClosedForms) {
     FaceExchanges exchanges(nullptr, scene, ids);
     EstimateOptions options{.directions = 48, .replicates = 2};
     const VisibleShares shares =
-        findVisibleShares(*engine, exchanges, scene, ids, groupAsOne(scene, 48), options, pilotDirections(options));
+        findVisibleShares(*engine, exchanges, scene, ids, groupAsOne(scene, 48), options, {sharePilot(options).directions});
     EXPECT_EQ(threadsFor(shares.known.pairs.size()), threadCount()) << shares.known.pairs.size();
     options.known = &shares.known;
     options.by = by;

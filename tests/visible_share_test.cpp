@@ -36,7 +36,7 @@ struct Shared {
   }
   VisibleShares find(const EstimateOptions& options) const {
     FaceExchanges exchanges(&testDevice(), scene, ids);
-    return findVisibleShares(*engine, exchanges, scene, ids, groups, options, pilotDirections(options));
+    return findVisibleShares(*engine, exchanges, scene, ids, groups, options, {sharePilot(options).directions});
   }
   Estimate estimate(EstimateOptions options, By by = By::polygon) const {
     const VisibleShares shares = find(options);
@@ -120,7 +120,7 @@ TEST(VisibleShare, EveryPairOfManyPolygonsGetsItsClosedForm) {
   const auto engine = makeHostEngine(scene, ids, {.resolution = 64, .count_blocked = true});
   EstimateOptions options{.directions = 128, .replicates = 4};
   FaceExchanges exchanges(nullptr, scene, ids);
-  const VisibleShares shares = findVisibleShares(*engine, exchanges, scene, ids, groupAsOne(scene, 64), options, pilotDirections(options));
+  const VisibleShares shares = findVisibleShares(*engine, exchanges, scene, ids, groupAsOne(scene, 64), options, {sharePilot(options).directions});
   EXPECT_FALSE(shares.known.has_all_pairs);
   options.known = &shares.known;
   options.exchanges = &exchanges;
@@ -202,7 +202,7 @@ TEST(VisibleShare, GoalsAreReachedByEveryPairOfManyPolygons) {
   const auto engine = makeHostEngine(scene, ids, {.resolution = 64, .count_blocked = true});
   EstimateOptions options{.directions = 32, .replicates = 3};
   FaceExchanges exchanges(nullptr, scene, ids);
-  const VisibleShares shares = findVisibleShares(*engine, exchanges, scene, ids, groupAsOne(scene, 64), options, pilotDirections(options));
+  const VisibleShares shares = findVisibleShares(*engine, exchanges, scene, ids, groupAsOne(scene, 64), options, {sharePilot(options).directions});
   options.known = &shares.known;
   options.exchanges = &exchanges;
   const double first = estimateFormFactors(*engine, scene, ids, options).largest_standard_error;

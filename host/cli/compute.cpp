@@ -170,7 +170,7 @@ int runCompute(ProgramOptions options) {
     pilot.pairs = &pairs;
     pilot.exchanges = &exchanges;
     try {
-      shares = findVisibleShares(engine, exchanges, session.scene, session.face_ids, plan.groups, pilot, pilotDirections(pilot));
+      shares = findVisibleShares(engine, exchanges, session.scene, session.face_ids, plan.groups, pilot, sharePilot(pilot));
     } catch (const Interrupted&) {
       endByItself();
       tellInterruption(options, 0);

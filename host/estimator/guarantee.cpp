@@ -114,7 +114,7 @@ KnownShares findShares(const GuaranteePlan& plan, const Scene& scene, const Ids&
   pilot.sampler = options.sampler;
   pilot.seed = options.seed;
   FaceExchanges exchanges(options.device, scene, ids);
-  return keepBounded(findVisibleShares(*plan.engine, exchanges, scene, ids, plan.groups, pilot, pilot.directions).known, ids, plan.groups.size() == 1);
+  return keepBounded(findVisibleShares(*plan.engine, exchanges, scene, ids, plan.groups, pilot, {pilot.directions}).known, ids, plan.groups.size() == 1);
 }
 
 PairCounts countBlock(Engine& engine, const GuaranteeOptions& options, uint64_t directions, uint64_t block) {

@@ -72,9 +72,9 @@ std::vector<PairShare> fitShares(const PairCounts& counts) {
   return shares;
 }
 
-uint32_t pilotDirections(const EstimateOptions& options) {
-  const bool chooses_pairs = options.pairs && (options.tolerance || options.relative);
-  return options.by == By::surface || chooses_pairs ? options.directions : (options.directions + 3) / 4;
+SharePilot sharePilot(const EstimateOptions& options) {
+  const bool by_surface = options.by == By::surface, chooses_pairs = options.pairs && (options.tolerance || options.relative);
+  return {by_surface || chooses_pairs ? options.directions : (options.directions + 3) / 4, by_surface ? kMostKnownPairs : kMostKnownPairsBesideRows};
 }
 
 std::vector<uint64_t> countsOfLines(const Ids& face_ids, const std::vector<SizeGroup>& groups, double unit_area) {
@@ -88,12 +88,12 @@ std::vector<uint64_t> countsOfLines(const Ids& face_ids, const std::vector<SizeG
 }
 
 VisibleShares findVisibleShares(Engine& engine, FaceExchanges& exchanges, const Scene& scene, const Ids& ids, const std::vector<SizeGroup>& groups, const EstimateOptions& options,
-                                uint32_t pilot_directions) {
+                                SharePilot pilot) {
   VisibleShares found;
   auto start = Clock::now();
   std::vector<PairCounts> pilots;
   PairCounts all;
-  const uint32_t each = (pilot_directions + kPilots - 1u) / kPilots;
+  const uint32_t each = (pilot.directions + kPilots - 1u) / kPilots;
   for (uint32_t k = 0; k < kPilots; ++k) {
     pilots.push_back(withRows(engine.count(sampleDirections(options.sampler, each, options.seed, kSharePilot + k))));
     all = addCounts(all, pilots.back());
@@ -107,7 +107,7 @@ VisibleShares findVisibleShares(Engine& engine, FaceExchanges& exchanges, const 
   const uint64_t n = ids.count();
   found.known.lines = countsOfLines(ids, groups, engine.unitArea());
   if (pairCount(n) <= kMostRowPairs) found.known.ranks = rankByPlace(scene, ids.of_polygon, ids.count());
-  found.known.has_all_pairs = pairCount(n) <= (options.exchanges && options.by == By::polygon ? kMostKnownPairsBesideRows : kMostKnownPairs);
+  found.known.has_all_pairs = pairCount(n) <= pilot.most_known_pairs;
   std::vector<KnownPair>& pairs = found.known.pairs;
   if (found.known.has_all_pairs) {
     for (uint32_t i = 0; i < n; ++i)

@@ -24,7 +24,7 @@ struct VisibleShares {
 };
 
 // Of every pair of so many faces the closed form is computed to the last digit, met by a line or not: a pair that none has met is uncertain by its own at most. Of more, those that pilots met or
-// the run sees. By polygon, where the run makes rows of the others (EstimateOptions::exchanges), that is the better from fewer on: office refined to 2,320 polygons, README.
+// the run sees. By polygon, where the run makes rows of the others, that is the better from fewer on: office refined to 2,320 polygons, README.
 constexpr uint64_t kMostKnownPairs = uint64_t(1) << 22, kMostKnownPairsBesideRows = uint64_t(1) << 18;
 
 // Facing lines over all lines, for every pair with any of them; b = 0 is left out.
@@ -34,16 +34,22 @@ std::vector<PairShare> fitShares(const PairCounts& counts);
 //   In: groups that the engine was made with, its unitArea()
 std::vector<uint64_t> countsOfLines(const Ids& face_ids, const std::vector<SizeGroup>& groups, double unit_area);
 
-// How many directions pilots take in all: as many as a replicate where shares are fixed by them or pairs chosen, a quarter where they only stand in for pairs that the run does not meet.
-uint32_t pilotDirections(const EstimateOptions& options);
+struct SharePilot {
+  uint32_t directions;                          // of all pilots
+  uint64_t most_known_pairs = kMostKnownPairs;  // up to which all get their closed forms
+};
+
+// As many directions as a replicate where shares are fixed by them or pairs chosen, a quarter where they only stand in for pairs that the run does not meet.
+//   In: options of a run that makes rows (EstimateOptions::exchanges) where not all pairs have closed forms
+SharePilot sharePilot(const EstimateOptions& options);
 
 //   In: an engine for ids by face (By::polygon), of everything, that counts blocked pairs, and its groups; options: sampler, seed; directions: of a
-//     replicate of the run; pilot_directions: of all pilots
+//     replicate of the run
 //   Out: shares from pilots, the same for the same options, closed forms, and, with options.pairs and for goals of faces,
 //     pairs that get directions of their own (directed_pairs.h)
 //   Throws: what the engine and FaceExchanges throw.
 //   Cost: the pilots; closed forms: some 0.1 to 3 microseconds a pair.
 VisibleShares findVisibleShares(Engine& engine, FaceExchanges& exchanges, const Scene& scene, const Ids& ids, const std::vector<SizeGroup>& groups, const EstimateOptions& options,
-                                uint32_t pilot_directions);
+                                SharePilot pilot);
 
 }  // namespace viewpeel

@@ -74,17 +74,18 @@ void writeSums(Hdf5Output& out, Bytes& bytes, const std::string& group) {
   writeColumn(out, bytes, group + "/rows_sum_to_one", U8{1});
   writeColumn(out, bytes, group + "/two_sided", U8{0});
   writeColumn(out, bytes, group + "/replicate_count", U64{2});
+  const auto writeOf = [&]<class T>(const std::string& name, bool is_there, std::vector<T> whole) { writeColumn(out, bytes, group + "/" + name, is_there ? whole : std::vector<T>{}); };
   const bool has_pairs = group != "by_id";
   for (const std::string part : {"rows", "pairs"}) {
     const bool is_there = part == "rows" || has_pairs;
     if (part == "pairs") {
-      writeColumn(out, bytes, group + "/pairs/i", has_pairs ? U32{0, 1} : U32{});
-      writeColumn(out, bytes, group + "/pairs/j", has_pairs ? U32{1, kEnvironment} : U32{});
+      writeOf("pairs/i", has_pairs, U32{0, 1});
+      writeOf("pairs/j", has_pairs, U32{1, kEnvironment});
     }
-    writeColumn(out, bytes, group + "/" + part + "/sum_high", is_there ? U64{0, 0} : U64{});
-    writeColumn(out, bytes, group + "/" + part + "/sum_low", is_there ? U64{20, 20} : U64{});
-    writeColumn(out, bytes, group + "/" + part + "/sum_of_squares_high", is_there ? U64{0, 0} : U64{});
-    writeColumn(out, bytes, group + "/" + part + "/sum_of_squares_low", is_there ? U64{202, 202} : U64{});
+    writeOf(part + "/sum_high", is_there, U64{0, 0});
+    writeOf(part + "/sum_low", is_there, U64{20, 20});
+    writeOf(part + "/sum_of_squares_high", is_there, U64{0, 0});
+    writeOf(part + "/sum_of_squares_low", is_there, U64{202, 202});
   }
 }
 
