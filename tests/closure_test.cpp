@@ -10,7 +10,10 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
+#include "engines/host_engine.h"
 #include "error.h"
+#include "estimator/face_exchanges.h"
+#include "estimator/visible_share.h"
 #include "reference/rectangles.h"
 #include "scenes.h"
 #include "test_device.h"
@@ -47,11 +50,13 @@ std::vector<double> valuesOf(const FormFactors& form_factors) {
   return values;
 }
 
+double weightOf(const Measured& c) { return std::min(c.value, c.standard_error); }
+
 double objective(const FormFactors& measured, const std::vector<double>& x) {
   double sum = 0;
   for (size_t k = 0; k < x.size(); ++k) {
-    const double c = measured.entries()[k].exchange_area.value;
-    if (measured.entries()[k].j < kEnvironment) sum += (x[k] - c) * (x[k] - c) / c;
+    const Measured& c = measured.entries()[k].exchange_area;
+    if (measured.entries()[k].j < kEnvironment) sum += (x[k] - c.value) * (x[k] - c.value) / weightOf(c);
   }
   return sum;
 }
@@ -73,14 +78,24 @@ TEST(Closure, ThreePlanarRowsAreDetermined) {
 
 // The third row sees itself: t = x_22 is free, and setting the derivative of the sum of squares to 0 gives it.
 TEST(Closure, ThreeRowsWithASelfView) {
-  const double c01 = 1.1, c02 = 1.7, c12 = 3.2, c22 = 0.8, A0 = 3, A1 = 4, A2 = 6;
-  const ClosedFormFactors closed = closeRows(matrixOf({A0, A1, A2}, {{0, 1, {c01, 0.1}}, {0, 2, {c02, 0.1}}, {1, 2, {c12, 0.1}}, {2, 2, {c22, 0}}}));
+  const double c01 = 1.1, c02 = 1.7, c12 = 3.2, c22 = 0.8, s01 = 0.1, s02 = 0.2, s12 = 0.05, A0 = 3, A1 = 4, A2 = 6;
+  const ClosedFormFactors closed = closeRows(matrixOf({A0, A1, A2}, {{0, 1, {c01, s01}}, {0, 2, {c02, s02}}, {1, 2, {c12, s12}}, {2, 2, {c22, 0}}}));
   // x_01 = (A0 + A1 - A2 + t) / 2, x_02 = (A0 + A2 - A1 - t) / 2, x_12 = (A1 + A2 - A0 - t) / 2
-  const double t = (0.5 + ((A0 + A2 - A1) / c02 + (A1 + A2 - A0) / c12 - (A0 + A1 - A2) / c01) / 4) / (1 / c22 + (1 / c01 + 1 / c02 + 1 / c12) / 4);
+  const double t = (1 + ((A0 + A2 - A1 - 2 * c02) / s02 + (A1 + A2 - A0 - 2 * c12) / s12 - (A0 + A1 - A2 - 2 * c01) / s01) / 4) / (1 / c22 + (1 / s01 + 1 / s02 + 1 / s12) / 4);
   EXPECT_NEAR(closed.form_factors.exchangeArea(2, 2).value, t, 1e-10);
   EXPECT_NEAR(closed.form_factors.exchangeArea(0, 1).value, (A0 + A1 - A2 + t) / 2, 1e-10);
   EXPECT_NEAR(closed.form_factors.exchangeArea(0, 2).value, (A0 + A2 - A1 - t) / 2, 1e-10);
   EXPECT_NEAR(closed.form_factors.exchangeArea(1, 2).value, (A1 + A2 - A0 - t) / 2, 1e-10);
+}
+
+// A pair that is known much better than what it shares its rows with hardly moves: x_01 = t, x_00 = A0 - t, x_11 = A1 - t.
+TEST(Closure, WhatIsKnownBestStays) {
+  const double c00 = 2.2, c01 = 0.9, c11 = 1.3, s00 = 0.1, s01 = 1e-6, s11 = 0.2, A0 = 3, A1 = 2;
+  const ClosedFormFactors closed = closeRows(matrixOf({A0, A1}, {{0, 0, {c00, s00}}, {0, 1, {c01, s01}}, {1, 1, {c11, s11}}}));
+  const double t = ((A0 - c00) / s00 + c01 / s01 + (A1 - c11) / s11) / (1 / s00 + 1 / s01 + 1 / s11);
+  EXPECT_NEAR(closed.form_factors.exchangeArea(0, 1).value, t, 1e-11);
+  EXPECT_NEAR(closed.form_factors.exchangeArea(0, 1).value, c01, 3e-6);  // 2 s_01 (1 + 2), from the slope of the sum of squares at c_01
+  EXPECT_NEAR(closed.form_factors.exchangeArea(0, 0).value, A0 - t, 1e-11);
 }
 
 // What is closed already stays as it is, to the last bit.
@@ -120,7 +135,7 @@ Instance randomInstance(uint32_t count, double density, double spread, bool self
       areas[i] += x;
       if (i != j) areas[j] += x;
       const double c = (x > 0 ? x : 1) * std::exp(spread * (2 * uniform(random) - 1));
-      entries.push_back({i, j, {c, 0.1 * c * uniform(random)}});
+      entries.push_back({i, j, {c, c * (0.01 + 1.1 * uniform(random))}});
     }
   return {matrixOf(areas, entries), "count " + std::to_string(count) + ", spread " + std::to_string(spread) + ", seed " + std::to_string(seed)};
 }
@@ -136,12 +151,12 @@ TEST(Closure, ConditionsOfTheMinimum) {
     std::vector<double> sums(measured.ids().count(), 0);
     for (size_t k = 0; k < measured.entries().size(); ++k) {
       const auto& [i, j, x] = closed.form_factors.entries()[k];
-      const double c = measured.entries()[k].exchange_area.value;
+      const double c = measured.entries()[k].exchange_area.value, w = weightOf(measured.entries()[k].exchange_area);
       const double pull = closed.row_corrections[i] + (i == j ? 0 : closed.row_corrections[j]);
-      const double rounding = 4e-16 * c * (1 + std::abs(closed.row_corrections[i]) + std::abs(closed.row_corrections[j]));
+      const double rounding = 4e-16 * (c + w * (std::abs(closed.row_corrections[i]) + std::abs(closed.row_corrections[j])));
       ASSERT_GE(x.value, 0);
-      if (x.value > 0) ASSERT_NEAR((x.value - c), c * pull, rounding);  // stationary
-      else ASSERT_LE(c + c * pull, rounding);                          // pushed against 0
+      if (x.value > 0) ASSERT_NEAR((x.value - c), w * pull, rounding);  // stationary
+      else ASSERT_LE(c + w * pull, rounding);                          // pushed against 0
       (x.value > 0 ? positive : zeros)++;
       sums[i] += x.value;
       if (i != j) sums[j] += x.value;
@@ -161,14 +176,14 @@ std::vector<double> enumerateClosed(const FormFactors& measured) {
   const Eigen::VectorXd areas = Eigen::Map<const Eigen::VectorXd>(measured.ids().areas.data(), n);
   std::vector<double> best;
   for (uint32_t set = 1; set < 1u << count; ++set) {
-    // Minimum-norm solution of B D z = A - B c over the set, with x = c + D z and D^2 = c.
+    // Minimum-norm solution of B D z = A - B c over the set, with x = c + D z and D^2 = w.
     Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(n, std::popcount(set));
     Eigen::VectorXd missing = areas;
     std::vector<size_t> members;
     for (size_t k = 0; k < count; ++k) {
       if (!(set >> k & 1)) continue;
       const auto& [i, j, c] = measured.entries()[k];
-      for (uint32_t row : {i, j}) rows(row, members.size()) = std::sqrt(c.value);
+      for (uint32_t row : {i, j}) rows(row, members.size()) = std::sqrt(weightOf(c));
       missing[i] -= c.value;
       if (i != j) missing[j] -= c.value;
       members.push_back(k);
@@ -177,8 +192,8 @@ std::vector<double> enumerateClosed(const FormFactors& measured) {
     if ((rows * z - missing).cwiseAbs().maxCoeff() > 1e-9 * areas.maxCoeff()) continue;
     std::vector<double> x(count, 0);
     for (size_t m = 0; m < members.size(); ++m) {
-      const double c = measured.entries()[members[m]].exchange_area.value;
-      x[members[m]] = c + std::sqrt(c) * z[m];
+      const Measured& c = measured.entries()[members[m]].exchange_area;
+      x[members[m]] = c.value + std::sqrt(weightOf(c)) * z[m];
     }
     if (*std::min_element(x.begin(), x.end()) < 0) continue;
     if (best.empty() || objective(measured, x) < objective(measured, best)) best = x;
@@ -193,7 +208,7 @@ TEST(Closure, AgreesWithEnumeration) {
     SCOPED_TRACE(instance.name);
     const std::vector<double> x = valuesOf(closeRows(instance.measured).form_factors), best = enumerateClosed(instance.measured);
     ASSERT_EQ(best.size(), x.size());
-    // The enumeration keeps rows to 1e-9 at worst, the solver to 1e-12; entries answer to rows through ratios of c below exp(2 (4 + 2)).
+    // The enumeration keeps rows to 1e-9 at worst, the solver to 1e-12; entries answer to rows through ratios of w.
     for (size_t k = 0; k < x.size(); ++k) EXPECT_NEAR(x[k], best[k], 1e-6) << "entry " << k;
     zeros += std::count(x.begin(), x.end(), 0.0);
   }
@@ -238,7 +253,10 @@ TEST(Closure, ScalesAndSmallRows) {
   std::vector<double> areas = instance.measured.ids().areas;
   std::vector<Entry> entries = instance.measured.entries();
   for (double& area : areas) area *= 0x1p-40;
-  for (Entry& entry : entries) entry.exchange_area.value *= 0x1p-40;
+  for (Entry& entry : entries) {
+    entry.exchange_area.value *= 0x1p-40;
+    entry.exchange_area.standard_error *= 0x1p-40;
+  }
   const std::vector<double> scaled = valuesOf(closeRows(matrixOf(areas, entries)).form_factors);
   for (size_t k = 0; k < x.size(); ++k) EXPECT_EQ(scaled[k], x[k] * 0x1p-40);
 
@@ -379,7 +397,7 @@ double meanSquareError(const FormFactors& form_factors, const Exchange& truth) {
   return squares / (double(areas.size()) * double(areas.size() - 1));
 }
 
-// sum (value - truth)^2 / c over pairs that were met.
+// sum (value - truth)^2 / w over pairs that were met.
 double weightedError(const FormFactors& form_factors, const FormFactors& measured, const Exchange& truth) {
   double sum = 0;
   for (size_t k = 0; k < measured.entries().size(); ++k) {
@@ -387,7 +405,7 @@ double weightedError(const FormFactors& form_factors, const FormFactors& measure
     if (j >= kEnvironment) continue;
     const auto exact = truth.find({i, j});
     const double error = form_factors.entries()[k].exchange_area.value - (exact == truth.end() ? 0 : exact->second);
-    sum += error * error / c.value;
+    sum += error * error / weightOf(c);
   }
   return sum;
 }
@@ -419,7 +437,7 @@ TEST(Closure, NeverFartherFromTheClosedForms) {
 }
 
 // Not a test: prints rms errors of form factors before and after closure. Run with --gtest_also_run_disabled_tests.
-void printGain(const char* name, const Exchange& truth, int seeds, const std::function<Estimate(uint64_t seed, uint32_t directions, int resolution)>& estimateOnce) {
+void printGain(const std::string& name, const Exchange& truth, int seeds, const std::function<Estimate(uint64_t seed, uint32_t directions, int resolution)>& estimateOnce) {
   for (const auto& [directions, resolution] : {std::pair(100u, 32), std::pair(400u, 64), std::pair(100u, 128)}) {
     double before = 0, after = 0, moved = 0, least = INFINITY, most = 0;
     for (int seed = 1; seed <= seeds; ++seed) {
@@ -432,7 +450,7 @@ void printGain(const char* name, const Exchange& truth, int seeds, const std::fu
       least = std::min(least, std::sqrt(a / b));
       most = std::max(most, std::sqrt(a / b));
     }
-    std::printf("%-36s %4u directions, %3d spacings: rms error %.2e, closed %.2e, ratio %.3f (%.3f to %.3f over seeds); moved by %.2f standard errors\n", name,
+    std::printf("%-32s %4u directions, %3d spacings: rms error %.2e, closed %.2e, ratio %.3f (%.3f to %.3f over seeds); moved by %.2f standard errors\n", name.c_str(),
                 directions, resolution, std::sqrt(before / seeds), std::sqrt(after / seeds), std::sqrt(after / before), least, most, moved);
     std::fflush(stdout);
   }
@@ -444,16 +462,29 @@ TEST(Closure, DISABLED_Gain) {
               [&](uint64_t seed, uint32_t directions, int resolution) { return estimateBox(box, seed, directions, resolution); });
   // Occluded, so against a run of 80 times as many directions and more.
   const Scene office = loadScene(VIEWPEEL_SCENES "/office.obj");
+  const Ids faces = makeIds(office, By::polygon, false);
   for (By by : {By::surface, By::polygon}) {
+    const auto withClosedForms = [&](uint64_t seed, uint32_t directions, int resolution) {
+      const std::unique_ptr<Engine> engine = makeHostEngine(office, faces, {.resolution = resolution, .sampling = Sampling::scanline, .count_blocked = true});
+      FaceExchanges exchanges(nullptr, office, faces);
+      EstimateOptions options{.directions = directions, .seed = seed};
+      options.by = by;
+      options.exchanges = &exchanges;
+      const VisibleShares shares = findVisibleShares(*engine, exchanges, office, faces, groupAsOne(office, resolution), options, sharePilot(options));
+      options.known = &shares.known;
+      return estimateFormFactors(*engine, office, faces, options);
+    };
     const Ids ids = makeIds(office, by, false);
-    const auto estimateOffice = [&](uint64_t seed, uint32_t directions, int resolution) {
+    const auto without = [&](uint64_t seed, uint32_t directions, int resolution) {
       return estimateFormFactors(*makeComputeEngine(testDevice(), office, ids, {.resolution = resolution}), office, ids, {.directions = directions, .seed = seed});
     };
     Exchange truth;
-    const Estimate reference = estimateOffice(1000, 8000, 192);
+    const Estimate reference = withClosedForms(1000, 8000, 192);
     for (const Entry& entry : reference.form_factors.entries())
       if (entry.i != entry.j && entry.j < kEnvironment) truth[{entry.i, entry.j}] = entry.exchange_area.value;
-    printGain(by == By::surface ? "office by surface" : "office by polygon", truth, 6, estimateOffice);
+    const std::string name = by == By::surface ? "office by surface" : "office by polygon";
+    printGain(name, truth, 6, without);
+    printGain(name + ", closed forms", truth, 6, withClosedForms);
   }
 }
 

@@ -1,6 +1,6 @@
-// With one multiplier y_i per row the conditions of the minimum are x_ij(y) = c_ij max(0, 1 + y_i + y_j) and sum_j x_ij(y) = A_i: the gradient of
-//     phi(y) = 1/2 sum_ij c_ij max(0, 1 + y_i + y_j)^2 - sum_i A_i y_i
-// vanishes, which is convex, once differentiable and piecewise quadratic. (i = j: 1 + y_i in place of 1 + y_i + y_j.) It is minimised by Newton's
+// With one multiplier y_i per row the conditions of the minimum are x_ij(y) = max(0, c_ij + w_ij (y_i + y_j)) and sum_j x_ij(y) = A_i: the gradient of
+//     phi(y) = 1/2 sum_ij x_ij(y)^2 / w_ij - sum_i A_i y_i
+// vanishes, which is convex, once differentiable and piecewise quadratic. (i = j: y_i in place of y_i + y_j.) It is minimised by Newton's
 // method with the Hessian of the present piece, regularised by the present error since it may be singular (two plates that see nothing else),
 // solved by conjugate gradients to that error, and Armijo's rule: the dual Newton method of H. Qi & D. Sun, A quadratically convergent Newton method
 // for computing the nearest correlation matrix, SIAM J. Matrix Anal. Appl. 28(2), 2006, 360-385, for rows in place of a diagonal.
@@ -31,15 +31,20 @@ struct Point {
   VectorXd residual;      // row sums of x, less the areas: the gradient of phi
 };
 
-bool isPair(const Entry& entry) { return entry.j < kEnvironment; }
+double weightOf(const Entry& entry) {
+  const auto& [value, error] = entry.exchange_area;
+  return entry.j >= kEnvironment ? 0 : error > 0 ? std::min(error, value) : value;
+}
 
 class Dual {
  public:
   explicit Dual(const FormFactors& measured)
       : entries_(measured.entries()), ids_(measured.ids()), areas_(Eigen::Map<const VectorXd>(ids_.areas.data(), ids_.count())),
-        row_sums_(VectorXd::Zero(ids_.count())), hessian_(ids_.count(), ids_.count()) {
-    for (const Entry& entry : entries_)
-      if (isPair(entry)) addToRows(row_sums_, entry, entry.exchange_area.value);
+        row_weights_(VectorXd::Zero(ids_.count())), hessian_(ids_.count(), ids_.count()) {
+    for (const Entry& entry : entries_) {
+      weights_.push_back(weightOf(entry));
+      addToRows(row_weights_, entry, weights_.back());
+    }
     refuseEmptyRows();
     makePattern();
   }
@@ -62,22 +67,23 @@ class Dual {
 
  private:
   static double sumOfRows(const VectorXd& y, const Entry& pair) { return pair.i == pair.j ? y[pair.i] : y[pair.i] + y[pair.j]; }
-  static void addToRows(VectorXd& rows, const Entry& pair, double value) {
-    rows[pair.i] += value;
-    if (pair.i != pair.j) rows[pair.j] += value;
+  static void addToRows(VectorXd& rows, const Entry& entry, double value) {
+    if (entry.j >= kEnvironment) return;
+    rows[entry.i] += value;
+    if (entry.i != entry.j) rows[entry.j] += value;
   }
 
   void refuseEmptyRows() const {
     for (uint32_t i = 0; i < ids_.count(); ++i)
-      if (row_sums_[i] == 0)
+      if (row_weights_[i] == 0)
         throw Error(ErrorCode::bad_input, fmt::format("closure: no line from '{}' to any polygon was counted; use more --directions or a finer --resolution", ids_.names[i]));
   }
 
   Point evaluate(VectorXd y) const {
     Point at{std::move(y), std::vector<double>(entries_.size()), -areas_};
     for (size_t k = 0; k < entries_.size(); ++k) {
-      if (!isPair(entries_[k])) continue;
-      at.x[k] = entries_[k].exchange_area.value * std::max(0.0, 1 + sumOfRows(at.y, entries_[k]));
+      if (weights_[k] == 0) continue;
+      at.x[k] = std::max(0.0, entries_[k].exchange_area.value + weights_[k] * sumOfRows(at.y, entries_[k]));
       addToRows(at.residual, entries_[k], at.x[k]);
     }
     return at;
@@ -91,8 +97,8 @@ class Dual {
       size += std::abs(term);
     };
     for (size_t k = 0; k < entries_.size(); ++k) {
-      if (!isPair(entries_[k])) continue;
-      const double moved = at.x[k] > 0 && next.x[k] > 0 ? length * sumOfRows(direction, entries_[k]) : (next.x[k] - at.x[k]) / entries_[k].exchange_area.value;
+      if (weights_[k] == 0) continue;
+      const double moved = at.x[k] > 0 && next.x[k] > 0 ? length * sumOfRows(direction, entries_[k]) : (next.x[k] - at.x[k]) / weights_[k];
       add(moved * (next.x[k] + at.x[k]) / 2);
     }
     for (Eigen::Index i = 0; i < areas_.size(); ++i) add(-areas_[i] * length * direction[i]);
@@ -108,23 +114,23 @@ class Dual {
       hessian_.startVec(i);
       hessian_.insertBack(i, i) = 0;
       for (; entry != entries_.end() && entry->i == i; ++entry)
-        if (isPair(*entry) && entry->j != i) hessian_.insertBack(i, entry->j) = 0;
+        if (entry->j < kEnvironment && entry->j != i) hessian_.insertBack(i, entry->j) = 0;
     }
     hessian_.finalize();
   }
 
-  // Solves (H + inexactness D) d = -residual, D the row sums of c, in variables scaled by D^(1/2): H's entries are c_ij where x_ij > 0.
+  // Solves (H + inexactness D) d = -residual, D the row sums of w, in variables scaled by D^(1/2): H's entries are w_ij where x_ij > 0.
   VectorXd findDirection(const Point& at, double inexactness) {
-    VectorXd diagonal = inexactness * row_sums_;
+    VectorXd diagonal = inexactness * row_weights_;
     for (size_t k = 0; k < entries_.size(); ++k)
-      if (at.x[k] > 0) addToRows(diagonal, entries_[k], entries_[k].exchange_area.value);
-    const VectorXd scale = row_sums_.cwiseSqrt().cwiseInverse();
+      if (at.x[k] > 0) addToRows(diagonal, entries_[k], weights_[k]);
+    const VectorXd scale = row_weights_.cwiseSqrt().cwiseInverse();
     double* value = hessian_.valuePtr();
     size_t k = 0;
     for (uint32_t i = 0; i < ids_.count(); ++i) {
       *value++ = diagonal[i] * scale[i] * scale[i];
       for (; k < entries_.size() && entries_[k].i == i; ++k)
-        if (isPair(entries_[k]) && entries_[k].j != i) *value++ = at.x[k] > 0 ? entries_[k].exchange_area.value * scale[i] * scale[entries_[k].j] : 0;
+        if (entries_[k].j < kEnvironment && entries_[k].j != i) *value++ = at.x[k] > 0 ? weights_[k] * scale[i] * scale[entries_[k].j] : 0;
     }
     Eigen::ConjugateGradient<Eigen::SparseMatrix<double, Eigen::RowMajor>, Eigen::Upper> solver(hessian_);
     solver.setTolerance(std::max(1e-6, inexactness));
@@ -140,8 +146,9 @@ class Dual {
     std::iota(rows.begin(), rows.end(), 0u);
     std::sort(rows.begin(), rows.end(), [&](uint32_t a, uint32_t b) { return y[a] > y[b]; });
     for (uint32_t k = 0; k < n; ++k) rank[rows[k]] = k;
-    for (const Entry& entry : entries_) {
-      if (!isPair(entry)) continue;
+    for (size_t k = 0; k < entries_.size(); ++k) {
+      if (weights_[k] == 0) continue;
+      const Entry& entry = entries_[k];
       joins[entry.i] = std::min(joins[entry.i], rank[entry.j]);
       joins[entry.j] = std::min(joins[entry.j], rank[entry.i]);
     }
@@ -160,7 +167,8 @@ class Dual {
   const std::vector<Entry>& entries_;
   const Ids& ids_;
   VectorXd areas_;
-  VectorXd row_sums_;  // of c
+  std::vector<double> weights_;  // per entry
+  VectorXd row_weights_;         // sums of rows
   Eigen::SparseMatrix<double, Eigen::RowMajor> hessian_;
 };
 
@@ -181,7 +189,7 @@ void measureChanges(const FormFactors& measured, ClosedFormFactors& closed) {
   double changes = 0, variances = 0;
   for (size_t k = 0; k < measured.entries().size(); ++k) {
     const Entry& entry = measured.entries()[k];
-    if (!isPair(entry)) continue;
+    if (entry.j >= kEnvironment) continue;
     const double change = std::abs(closed.form_factors.entries()[k].exchange_area.value - entry.exchange_area.value);
     const double standard_error = entry.exchange_area.standard_error;
     changes += change * change;

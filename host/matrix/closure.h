@@ -20,7 +20,7 @@ constexpr const char* kClosureNeedsEveryRow = "--closure needs every row; leave 
 struct ClosedFormFactors {
   // The entries measured, in their order, and their standard errors; environment and leak are 0.
   FormFactors form_factors;
-  // y_i of every row: A_i F_ij = c_ij max(0, 1 + y_i + y_j), and c_ii max(0, 1 + y_i) for what sees itself.
+  // y_i of every row: A_i F_ij = max(0, c_ij + w_ij (y_i + y_j)), and max(0, c_ii + w_ii y_i) for what sees itself.
   std::vector<double> row_corrections;
   uint32_t steps = 0;  // of Newton's method
 
@@ -32,10 +32,11 @@ struct ClosedFormFactors {
   uint32_t from = 0, to = 0;
 };
 
-// x_ij = x_ji >= 0 with sum_j x_ij = A_i in every row i that minimise sum (x_ij - c_ij)^2 / c_ij over unordered pairs, c_ij = A_i F_ij as measured.
-// The variance of a pair's count is taken to be proportional to the count, as for independent lines. Its estimate from a few replicates is
-// too rough to weight with: it may be 0, and it left larger errors in every scene tried.
-//   In: form factors of all rows. Pairs that no line met stay 0.
+// x_ij = x_ji >= 0 with sum_j x_ij = A_i in every row i that minimise sum (x_ij - c_ij)^2 / w_ij over unordered pairs, c_ij = A_i F_ij as measured and w_ij its
+// standard error, no more than c_ij itself. Least squares would divide by the variance, if errors were independent and their variances known. Where few lines tell, both are not: a standard error
+// is rough, or a bound, and errors of a row go together, so that its square asks of the least known more than they can give. w_ij = c_ij, as of counts of independent lines, moves pairs whose
+// closed forms are known as much as others. Both left larger errors where form factors are shares of closed forms (README, Accuracy).
+//   In: form factors of all rows. Pairs of 0 stay 0; without a standard error w_ij = c_ij.
 //   Out: see ClosedFormFactors; x_ij is one number, so A_i F_ij = A_j F_ji holds as before.
 //   Error: row sums differ from 1 by at most kClosureTolerance. In the norm minimised the result is no farther from the true exchange areas
 //     than c is, if every pair that sees each other was met: x is the nearest point of a convex set that they lie in. Tests: tests/closure_test.cpp.
@@ -44,7 +45,7 @@ struct ClosedFormFactors {
 //     lattice; limit where Newton's method does not end.
 //   Cost: a few Newton steps (3 to 5 in the scenes measured), each some dozens of O(nonzeros) products; memory 60 bytes an entry.
 //   Source: W. E. Deming & F. F. Stephan, On a least squares adjustment of a sampled frequency table when the expected marginal totals are
-//     known, Ann. Math. Stat. 11(4), 1940, 427-444 (the weights); the solver's is in closure.cpp.
+//     known, Ann. Math. Stat. 11(4), 1940, 427-444 (the adjustment); the solver's is in closure.cpp.
 ClosedFormFactors closeRows(const FormFactors& measured);
 
 }  // namespace viewpeel
