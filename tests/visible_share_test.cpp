@@ -328,6 +328,9 @@ TEST(VisibleShare, SurfacesAndClosedRooms) {
   const Shared made = share(ts::roomWithTouchingBoxes(), 48);
   const EstimateOptions options{.directions = 400};
   const Estimate by_surface = made.estimate(options, By::surface), plain = estimateFormFactors(*made.engine, made.scene, made.ids, options);
+  // What closed forms leave out cannot see each other; without them it may only not have been met.
+  EXPECT_TRUE(std::isinf(by_surface.unmet_bound));
+  EXPECT_LT(plain.unmet_bound, 1);
   const uint32_t n = by_surface.form_factors.ids().count();
   EXPECT_EQ(n, makeIds(made.scene, By::surface, false).count());
   for (uint32_t i = 0; i < n; ++i)

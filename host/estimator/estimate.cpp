@@ -134,7 +134,10 @@ Estimate makeEstimate(const RunSums& sums, double relative_floor, FormFactors al
     estimate.directed_pairs = directed_pairs.size();
     for (const DirectedPair& pair : directed_pairs) estimate.directed_directions += pair.directions * sums.replicateCount();
   }
-  if (!std::isinf(sums.countArea())) estimate.unmet_bound = unmetBound(*std::min_element(areas.begin(), areas.end()), sums.countArea(), double(sums.directions));
+  // With all closed forms what is no entry sees nothing of the other, whatever is between them.
+  const auto isSampledAlone = [](const KnownPair& pair) { return pair.j < kEnvironment && std::isinf(pair.exchange); };
+  const bool knows_all = sums.visible && sums.visible->known().has_all_pairs && std::none_of(sums.visible->known().pairs.begin(), sums.visible->known().pairs.end(), isSampledAlone);
+  if (!knows_all && !std::isinf(sums.countArea())) estimate.unmet_bound = unmetBound(*std::min_element(areas.begin(), areas.end()), sums.countArea(), double(sums.directions));
   return estimate;
 }
 

@@ -80,7 +80,7 @@ struct Estimate {
   uint64_t unseen_pairs = 0;
   double largest_unseen_error = 0;
   uint64_t directed_pairs = 0, directed_directions = 0;  // pairs with directions of their own, and all of these
-  double unmet_bound = INFINITY;  // on each form factor that no line met, from the smaller of its pair; 95 %
+  double unmet_bound = INFINITY;  // on each form factor that no line met, from the smaller of its pair; 95 %; infinite where closed forms of all pairs leave none to be met
 };
 
 // Without entries of 0.
