@@ -27,7 +27,6 @@ namespace {
 constexpr uint32_t kReplicates = 8;         // the program's default
 constexpr uint32_t kProfileDirections = 64, kProfileRepeats = 5;
 constexpr size_t kManyPolygons = 5000;      // beyond which hemicubes and View3D take minutes even once
-constexpr int kLongRunResolution = 256;     // beyond which more directions gain more (office)
 constexpr uint64_t kLongRunSeed = 1u << 20;  // no run of a ladder has it
 
 template <class Run>
@@ -146,29 +145,30 @@ class Viewpeel {
   }
 
   Estimate runPlanned(EstimateOptions options, std::string& chosen) const {
-    Lattices lattices;
-    lattices.make_engine = [this](const std::vector<SizeGroup>& groups) { return grouped(groups); };
-    lattices.may_group = true;
-    lattices.sampling = sampling();
-    for (uint32_t k = 0; k < ids_.count(); ++k) lattices.id_of_face.push_back(k);
-    const Plan plan = planEstimate(scene_, ids_, options, lattices);
+    const Plan plan = planEstimate(scene_, ids_, options, lattices());
     options.directions = plan.directions;
     chosen = fmt::format("directions={} resolution={} lattices={}", plan.directions, plan.groups[0].resolution, plan.groups.size());
     return withClosedForms(*plan.engine, plan.groups, options);
   }
 
   Estimate runLong(double seconds) const {
-    const std::vector<SizeGroup> groups = planGroups(scene_, ids_, sampling(), kLongRunResolution, kLongRunResolution, 4096);
-    const std::unique_ptr<Engine> engine = grouped(groups);
-    warmUp(*engine);
-    const double direction_s = secondsOf([&] { engine->count(sampleDirections(Sampler::fibonacci, kProfileDirections, 6, 0)); }) / kProfileDirections;
     EstimateOptions options;
+    options.seconds = seconds;
     options.seed = kLongRunSeed;
-    options.directions = static_cast<uint32_t>(std::clamp(seconds / ((kReplicates + 1) * direction_s), 64.0, double(1u << 24)));  // shares take one replicate
-    return withClosedForms(*engine, groups, options);
+    std::string chosen;
+    return runPlanned(options, chosen);
   }
 
  private:
+  Lattices lattices() const {
+    Lattices lattices;
+    lattices.make_engine = [this](const std::vector<SizeGroup>& groups) { return grouped(groups); };
+    lattices.may_group = true;
+    lattices.sampling = sampling();
+    for (uint32_t k = 0; k < ids_.count(); ++k) lattices.id_of_face.push_back(k);
+    return lattices;
+  }
+
   Estimate withClosedForms(Engine& engine, const std::vector<SizeGroup>& groups, EstimateOptions options) const {
     FaceExchanges exchanges(on_host_ ? nullptr : &device_, scene_, ids_);
     options.exchanges = &exchanges;
