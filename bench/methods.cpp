@@ -136,7 +136,7 @@ class Viewpeel {
       options.seed = seed;
       std::string chosen;
       std::optional<Estimate> estimate;
-      const RunTime time = timeOf([&] { estimate = runPlanned(options, chosen); });
+      const RunTime time = timeOf([&] { estimate = runPlanned(options, &chosen); });
       Outcome outcome = outcomeOf(*estimate, scene_, time);
       outcome.chosen = chosen;
       return outcome;
@@ -144,10 +144,11 @@ class Viewpeel {
     return runner;
   }
 
-  Estimate runPlanned(EstimateOptions options, std::string& chosen) const {
+  //   Out: chosen: what the plan is, where asked for
+  Estimate runPlanned(EstimateOptions options, std::string* chosen = nullptr) const {
     const Plan plan = planEstimate(scene_, ids_, options, lattices());
     options.directions = plan.directions;
-    chosen = fmt::format("directions={} resolution={} lattices={}", plan.directions, plan.groups[0].resolution, plan.groups.size());
+    if (chosen) *chosen = fmt::format("directions={} resolution={} lattices={}", plan.directions, plan.groups[0].resolution, plan.groups.size());
     return withClosedForms(*plan.engine, plan.groups, options);
   }
 
@@ -155,8 +156,7 @@ class Viewpeel {
     EstimateOptions options;
     options.seconds = seconds;
     options.seed = kLongRunSeed;
-    std::string chosen;
-    return runPlanned(options, chosen);
+    return runPlanned(options);
   }
 
  private:

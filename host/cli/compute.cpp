@@ -168,7 +168,6 @@ int runCompute(ProgramOptions options) {
     pilot.directions = plan.directions;
     pilot.by = options.by;
     pilot.pairs = &pairs;
-    pilot.exchanges = &exchanges;
     try {
       shares = findVisibleShares(engine, exchanges, session.scene, session.face_ids, plan.groups, pilot, sharePilot(pilot));
     } catch (const Interrupted&) {
