@@ -1,9 +1,11 @@
 // Are the standard errors honest? How often the 95 % interval, mean +- t_0.975(R - 1) standard errors, holds the true form factor, over many seeds.
 // CSV on stdout, one row for each scene, setting, rule when to stop and class of entries.
-//   coverage [--scene facing|edge|far|cube|blocked|parts|gap]... [--closed-forms] [--directed R] [--sampler fibonacci|jittered|sobol|iid]... [--setting PXxN]... [--rule RULE]... [--seeds K] [--device D]
-// With --directed pairs that pilots tell to keep the run from a relative error of R have directions of their own.
+//   coverage [--scene facing|edge|far|cube|blocked|parts|gap|office|room|city]... [--closed-forms] [--host] [--directed R] [--sampler fibonacci|jittered|sobol|iid]... [--setting PXxN]... [--rule RULE]...
+//     [--seeds K] [--device D]
+// The truth of office, room and city is a long run, whose rms error is a tenth of those looked at or less. With --host the host engine counts scanlines, in place of the compute engine's points. With --directed pairs that pilots tell to keep the run from a relative error of R have directions of their own.
 // A rule is R, a fixed number of replicates, or R:G, at least R and on until the largest standard error reaches the tolerance that takes G on the average.
-// Entries fall into classes by the lattice points that a replicate is expected to count for them. The last class are all that some replicate met. Entries of one run are correlated, so the standard error of a coverage comes from the spread
+// Entries fall into classes by the lattice points that a replicate is expected to count for them; with closed forms those that something blocks in part are a class, too, for what nothing or
+// everything between two blocks is known when it is met. The last class are all that some replicate met. Entries of one run are correlated, so the standard error of a coverage comes from the spread
 // between seeds. What no line met is covered where the bound for that holds the truth (unmetBound).
 #include <algorithm>
 #include <array>
@@ -17,9 +19,11 @@
 #include <boost/math/distributions/students_t.hpp>
 
 #include "engines/compute_engine.h"
+#include "engines/host_engine.h"
 #include "error.h"
 #include "estimator/directed_pairs.h"
 #include "estimator/visible_share.h"
+#include "generate.h"
 #include "measure.h"
 #include "reference/past_blocker.h"
 #include "reference/rectangles.h"
@@ -30,16 +34,17 @@ namespace viewpeel::bench {
 namespace {
 
 constexpr double kConfidence = 0.95, kNormalQuantile = 1.959964;
-constexpr uint64_t kPilotSeed = 1'000'000'000;
+constexpr uint64_t kPilotSeed = 1'000'000'000, kLongRunSeed = 2'000'000'000;
 constexpr uint32_t kPilots = 20, kPilotReplicates = 16;
 constexpr std::array<double, 5> kCountEnds{0.3, 1, 3, 10, INFINITY};  // expected per replicate
+constexpr double kBlockedInPart = 1e-3;                               // of what two would exchange with nothing in between: at least as much is seen, and blocked
 const std::map<std::string, Sampler> kSamplers{
     {"iid", Sampler::iid}, {"jittered", Sampler::jittered}, {"sobol", Sampler::sobol}, {"fibonacci", Sampler::fibonacci}};
 
 struct Options {
   std::vector<std::string> scenes{"facing", "edge", "far", "cube"}, samplers{"fibonacci", "jittered"}, settings{"32x50"};
   std::vector<std::string> rules{"4", "8", "16", "8:12"};
-  bool closed_forms = false;
+  bool closed_forms = false, on_host = false;
   double directed = 0;
   uint32_t seeds = 200;
   DeviceOptions device;
@@ -49,12 +54,12 @@ using Pair = std::pair<uint32_t, uint32_t>;
 using Truths = std::map<Pair, double>;  // F_ij, i < j, of the pairs that are looked at; j may be kEnvironment
 
 struct Case {
-  InputScene input;
+  Scene scene;
   Truths truths;
 };
 
-Case twoSquares(InputScene input, double factor) {
-  return {std::move(input), {{{0, 1}, factor}, {{0, kEnvironment}, 1 - factor}, {{1, kEnvironment}, 1 - factor}}};
+Case twoSquares(const InputScene& input, double factor) {
+  return {buildScene(input), {{{0, 1}, factor}, {{0, kEnvironment}, 1 - factor}, {{1, kEnvironment}, 1 - factor}}};
 }
 
 struct Patch {
@@ -77,7 +82,7 @@ double factorInCube(const Patch& a, const Patch& b) {
 
 // The inside of a unit cube, every face cut into `cuts` x `cuts` patches.
 Case cutCube(int cuts) {
-  Case cube{{"cube", {"cube"}, {}}, {}};
+  InputScene input{"cube", {"cube"}, {}};
   std::vector<Patch> patches;
   const auto part = [cuts](int k) { return reference::Interval{double(k) / cuts, double(k + 1) / cuts}; };
   for (int axis = 0; axis < 3; ++axis)
@@ -92,8 +97,9 @@ Case cutCube(int cuts) {
         origin[axis] = side, origin[x] = patch.extent[x].low, origin[y] = patch.extent[y].low;
         along_x[x] = along_y[y] = 1.0 / cuts;
         if (side == 1) std::swap(along_x, along_y);  // fronts inward
-        test_scenes::addFace(cube.input, "cube", test_scenes::parallelogram(origin, along_x, along_y));
+        test_scenes::addFace(input, "cube", test_scenes::parallelogram(origin, along_x, along_y));
       }
+  Case cube{buildScene(input), {}};
   for (uint32_t i = 0; i < patches.size(); ++i)
     for (uint32_t j = i + 1; j < patches.size(); ++j)
       if (const double factor = factorInCube(patches[i], patches[j]); factor > 0) cube.truths[{i, j}] = factor;
@@ -101,23 +107,41 @@ Case cutCube(int cuts) {
 }
 
 // Two squares, first in the scene, that see each other past a third one.
-Case pastABlocker(InputScene input) {
+Case pastABlocker(const InputScene& input) {
   const double factor = reference::formFactorPastBlocker(input.faces[0].corners, input.faces[1].corners, input.faces[2].corners).value;
-  return {std::move(input), {{{0, 1}, factor}}};
+  return {buildScene(input), {{{0, 1}, factor}}};
 }
 
 // 8 x 8 parts each of two facing squares past a blocker: of most pairs few lines tell, or none.
 Case partsPastABlocker() {
-  Case parts{test_scenes::squaresInParts(8, 1.0 / 8, 1), {}};
-  const auto count = static_cast<uint32_t>(parts.input.faces.size());
+  InputScene input = test_scenes::squaresInParts(8, 1.0 / 8, 1);
+  const auto count = static_cast<uint32_t>(input.faces.size());
   const std::vector<glm::dvec3> blocker = test_scenes::squaresPastABlocker().faces[2].corners;
-  test_scenes::addFace(parts.input, "blocker", blocker);
+  test_scenes::addFace(input, "blocker", blocker);
+  Case parts{buildScene(input), {}};
   for (uint32_t i = 0; i < count; ++i)
     for (uint32_t j = i + 1; j < count; j += 2) {
-      const reference::Approximation factor = reference::formFactorPastBlocker(parts.input.faces[i].corners, parts.input.faces[j].corners, blocker);
+      const reference::Approximation factor = reference::formFactorPastBlocker(input.faces[i].corners, input.faces[j].corners, blocker);
       parts.truths[{i, j}] = factor.value > 1e-12 ? factor.value : 0;  // less is rounding
     }
   return parts;
+}
+
+// All pairs that see each other, as a long run of the host engine has them.
+Case byLongRun(Scene scene) {
+  constexpr int kResolution = 256;
+  const Ids ids = makeIds(scene, By::polygon, false);
+  const auto engine = makeHostEngine(scene, ids, {.resolution = kResolution, .sampling = Sampling::scanline, .count_blocked = true});
+  FaceExchanges exchanges(nullptr, scene, ids);
+  EstimateOptions options{.directions = 16384, .replicates = 8, .seed = kLongRunSeed};
+  options.exchanges = &exchanges;
+  const VisibleShares shares = findVisibleShares(*engine, exchanges, scene, ids, groupAsOne(scene, kResolution), options, sharePilot(options));
+  options.known = &shares.known;
+  const Estimate estimate = estimateFormFactors(*engine, scene, ids, options);
+  Case run{std::move(scene), {}};
+  for (const FormFactors::Entry& entry : estimate.form_factors.entries())
+    if (entry.i < entry.j && entry.j < kEnvironment) run.truths[{entry.i, entry.j}] = estimate.form_factors.formFactor(entry.i, entry.j).value;
+  return run;
 }
 
 Case makeCase(const std::string& name) {
@@ -127,6 +151,9 @@ Case makeCase(const std::string& name) {
   if (name == "blocked") return pastABlocker(test_scenes::squaresPastABlocker());
   if (name == "parts") return partsPastABlocker();
   if (name == "gap") return pastABlocker(test_scenes::squaresPastAnEdge());
+  if (name == "office") return byLongRun(loadScene(VIEWPEEL_SOURCE "/scenes/office.obj"));
+  if (name == "room") return byLongRun(buildScene(roomWithBoxes(1)));
+  if (name == "city") return byLongRun(buildScene(city(600)));
   return cutCube(6);
 }
 
@@ -171,6 +198,7 @@ Rule ruleOf(const std::string& text) {
 // A form factor, and how often a replicate is expected to count it.
 struct Entry {
   double truth, expected_count, area;  // the smaller of the two
+  bool is_blocked_in_part = false;
 };
 
 struct RunOutcome {
@@ -215,33 +243,38 @@ class Tally {
 
 void report(const std::string& key, const std::vector<Entry>& entries, const std::vector<RunOutcome>& runs) {
   std::array<Tally, kCountEnds.size()> by_count;
-  Tally met;
+  Tally met, blocked_in_part;
   double mean_replicates = 0;
   for (const RunOutcome& run : runs) {
     mean_replicates += double(run.replicates) / double(runs.size());
     const double student = quantile(complement(boost::math::students_t(double(run.replicates - 1)), (1 - kConfidence) / 2));
     for (Tally& tally : by_count) tally.startRun();
     met.startRun();
+    blocked_in_part.startRun();
     for (size_t k = 0; k < entries.size(); ++k) {
       const auto which = std::lower_bound(kCountEnds.begin(), kCountEnds.end(), entries[k].expected_count) - kCountEnds.begin();
       by_count[which].add(run.factors[k], entries[k].truth, student, run.unmet_bounds[k]);
       if (run.factors[k].value > 0) met.add(run.factors[k], entries[k].truth, student, 0);
+      if (entries[k].is_blocked_in_part) blocked_in_part.add(run.factors[k], entries[k].truth, student, run.unmet_bounds[k]);
     }
   }
   for (size_t k = 0; k < by_count.size(); ++k) by_count[k].print(fmt::format("{},to {} counts", key, kCountEnds[k]), mean_replicates);
+  blocked_in_part.print(key + ",blocked in part", mean_replicates);
   met.print(key + ",met", mean_replicates);
   std::fflush(stdout);
 }
 
 void measureCase(const std::string& name, const Device& device, const Options& options) {
   const Case scene_case = makeCase(name);
-  const Scene scene = buildScene(scene_case.input);
+  const Scene& scene = scene_case.scene;
   const Ids ids = makeIds(scene, By::polygon, false);
   for (const std::string& setting : options.settings) {
     int resolution = 0;
     EstimateOptions estimate;
     if (!readPair(setting, 'x', resolution, estimate.directions)) throw Error(ErrorCode::bad_usage, "--setting " + setting + ": give PXxN");
-    const auto engine = makeComputeEngine(device, scene, ids, {.resolution = resolution, .count_blocked = options.closed_forms});
+    LatticeOptions lattice{.resolution = resolution, .count_blocked = options.closed_forms};
+    if (options.on_host) lattice.sampling = Sampling::scanline;
+    const auto engine = options.on_host ? makeHostEngine(scene, ids, lattice) : makeComputeEngine(device, scene, ids, lattice);
     RememberingEngine remembering(*engine);
     std::vector<Entry> entries;
     const double count_area = engine->unitArea() * scene.scale * scene.scale;
@@ -271,7 +304,7 @@ void measureCase(const std::string& name, const Device& device, const Options& o
             pilot.relative_floor = 1e-5;
             pilot.tolerance.reset();
           }
-          FaceExchanges exchanges(&device, scene, ids);
+          FaceExchanges exchanges(options.on_host ? nullptr : &device, scene, ids);
           shares = findVisibleShares(*engine, exchanges, scene, ids, groupAsOne(scene, resolution), pilot, {sharePilot(pilot).directions});
           shares_seed = seed;
           ++runs;
@@ -281,6 +314,18 @@ void measureCase(const std::string& name, const Device& device, const Options& o
         estimate.known = options.closed_forms ? &shares.known : nullptr;
         remembering.startAgain();
         return estimateFormFactors(remembering, scene, ids, estimate);
+      };
+      // Whose closed forms are known are all pairs of these scenes.
+      const auto markThoseBlockedInPart = [&] {
+        size_t k = 0;
+        for (const auto& [pair, truth] : scene_case.truths) {
+          const auto known = std::ranges::lower_bound(shares.known.pairs, pair, {}, [](const KnownPair& at) { return std::pair(at.i, at.j); });
+          if (known != shares.known.pairs.end() && std::pair(known->i, known->j) == pair) {
+            const double share = truth * ids.areas[pair.first] / known->exchange;
+            entries[k].is_blocked_in_part = pair.second < kEnvironment && share > kBlockedInPart && share < 1 - kBlockedInPart;
+          }
+          ++k;
+        }
       };
       // The largest standard error of one replicate, nearly: from pilot runs with seeds of their own.
       double largest = 0;
@@ -301,6 +346,7 @@ void measureCase(const std::string& name, const Device& device, const Options& o
         }
       }
       if (options.directed > 0) fmt::print("# {}: directed pairs in {} of {} runs\n", name, directed_runs, runs);
+      if (options.closed_forms) markThoseBlockedInPart();
       for (size_t k = 0; k < options.rules.size(); ++k)
         report(fmt::format("{},{},{},{},{}", name, sampler, resolution, estimate.directions, options.rules[k]), entries, outcomes[k]);
     }
@@ -315,8 +361,11 @@ int main(int argc, char** argv) {
   using namespace viewpeel::bench;
   CLI::App app("How often 95 % intervals hold the true form factor", "coverage");
   Options options;
-  app.add_option("--scene", options.scenes, "facing, edge, far, cube, blocked, parts, gap")->check(CLI::IsMember({"facing", "edge", "far", "cube", "blocked", "parts", "gap"}))->capture_default_str();
+  app.add_option("--scene", options.scenes, "facing, edge, far, cube, blocked, parts, gap; by a long run: office, room, city")
+      ->check(CLI::IsMember({"facing", "edge", "far", "cube", "blocked", "parts", "gap", "office", "room", "city"}))
+      ->capture_default_str();
   app.add_flag("--closed-forms", options.closed_forms, "Closed forms times visible shares");
+  app.add_flag("--host", options.on_host, "Scanlines of the host engine");
   app.add_option("--directed", options.directed, "With closed forms: directions of their own for pairs that keep a run from this relative error")->check(CLI::PositiveNumber);
   app.add_option("--sampler", options.samplers, "fibonacci, jittered, sobol, iid")->check(CLI::IsMember(kSamplers))->capture_default_str();
   app.add_option("--setting", options.settings, "PXxN: lattice spacings and directions of a replicate")->capture_default_str();
