@@ -11,6 +11,7 @@
 
 #include "directions/random.h"
 #include "engines/lattice.h"
+#include "estimator/pilot_variances.h"
 #include "estimator/visible_share.h"
 #include "matrix/neighbour_shares.h"
 #include "matrix/pair_count.h"
@@ -55,13 +56,11 @@ double latticeVariance(Sampling sampling, double perimeter_per_area_squared, dou
 // How many lattice points, or scanlines, of a direction meet an id, on the average: of its mean projection, taken for a square.
 double timesMet(Sampling sampling, double area, double h) { return sampling == Sampling::scanline ? std::sqrt(area / 2) / h : area / 2 / (h * h); }
 
-// Variances of one replicate's form factors, those of the largest.
 struct Pilot {
   uint32_t directions = 0;
   Shape shape;
-  double direction_variance = 0;  // at that number of directions
-  double lattice_variance = 0;    // of one direction
-  double seconds = 0;             // a direction
+  PilotVariances variances;  // at that number of directions
+  double seconds = 0;        // a direction
   Load load;
 };
 
@@ -118,12 +117,8 @@ class Planner {
     bool counts_too_large = false;  // of all that get to the goal
   };
   AskedDirections directionsOf(uint32_t count, uint64_t replicate) const;
-  // Of one replicate of a pilot, on two lattices each.
-  struct Counted {
-    PairCounts first, second;
-  };
   void measure(uint32_t directions, const Shape& shape);
-  double largestErrorOfShares(const std::vector<Counted>& counted, double measure_area, double count_area) const;
+  double largestErrorOfShares(const std::vector<PilotCounts>& counted, double measure_area, double count_area) const;
   Choice choose() const;
   Choice choose(bool by_time) const;
   // For a pilot.
@@ -212,7 +207,7 @@ void Planner::measure(uint32_t directions, const Shape& shape) {
     directions = static_cast<uint32_t>(std::clamp(allowedSeconds() / (2 * kPilotReplicates * each), 1.0, double(directions)));
   }
   // Of both lattices, every replicate.
-  std::vector<Counted> counted;
+  std::vector<PilotCounts> counted;
   double weight_unit = 1;
   const auto start = std::chrono::steady_clock::now();
   for (uint32_t r = 0; r < kPilotReplicates; ++r) {
@@ -229,100 +224,22 @@ void Planner::measure(uint32_t directions, const Shape& shape) {
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
-  // With closed forms, what varies is left when shares are taken off: each half of the pilot takes those that the other half tells.
-  constexpr uint32_t kHalf = kPilotReplicates / 2;
-  struct Sums {
-    uint32_t i, j;
-    std::array<double, 2> a{}, b{}, aa{}, bb{}, ab{};  // by half
-  };
-  std::vector<Sums> sums;
-  for (uint32_t half = 0; half < 2; ++half) {
-    std::vector<PairShare> shares;
-    if (!lattices_.id_of_face.empty()) {
-      PairCounts others;
-      for (uint32_t k = 0; k < kHalf; ++k) others = addCounts(addCounts(others, counted[(1 - half) * kHalf + k].first), counted[(1 - half) * kHalf + k].second);
-      shares = fitShares(withRows(std::move(others)));
-    }
-    struct Residual {
-      uint32_t i, j;
-      double counts;
-    };
-    const auto residualsOf = [&](const PairCounts& counts) {
-      std::vector<Residual> residuals;
-      if (lattices_.id_of_face.empty()) {
-        for (const PairCount& count : counts) residuals.push_back({count.i, count.j, double(count.count)});
-      } else {
-        for (const ControlCount& control : mergeIds(takeShares(withRows(counts), shares), lattices_.id_of_face))
-          residuals.push_back({control.i, control.j, double(control.control) / kShareOne});
-      }
-      return residuals;
-    };
-    for (uint32_t k = 0; k < kHalf; ++k) {
-      const std::vector<Residual> a = residualsOf(counted[half * kHalf + k].first), b = residualsOf(counted[half * kHalf + k].second);
-      std::vector<Sums> merged;
-      merged.reserve(std::max(sums.size(), a.size()));
-      auto at = a.begin(), bt = b.begin();
-      auto st = sums.begin();
-      const auto keyOf = [](const auto& it, const auto& end) { return it == end ? std::pair(~0u, ~0u) : std::pair(it->i, it->j); };
-      while (at != a.end() || bt != b.end() || st != sums.end()) {
-        const auto key = std::min({keyOf(at, a.end()), keyOf(bt, b.end()), keyOf(st, sums.end())});
-        Sums sum = keyOf(st, sums.end()) == key && st != sums.end() ? *st++ : Sums{key.first, key.second};
-        const double x = keyOf(at, a.end()) == key && at != a.end() ? (at++)->counts : 0;
-        const double y = keyOf(bt, b.end()) == key && bt != b.end() ? (bt++)->counts : 0;
-        sum.a[half] += x, sum.b[half] += y, sum.aa[half] += x * x, sum.bb[half] += y * y, sum.ab[half] += x * y;
-        merged.push_back(sum);
-      }
-      sums = std::move(merged);
-    }
-  }
-
-  // Per entry, the variance of one replicate in units of the larger form factor of the two ways.
-  struct Spread {
-    double total, between_lattices;
-  };
-  std::vector<Spread> spreads;
   const double measure_area = engine_->unitArea() * scene_.scale * scene_.scale / directions * weight_unit;
-  for (const Sums& s : sums) {
-    double unit = (s.i == s.j ? 4 : 2) * measure_area / ids_.smallerArea(s.i, s.j);
-    if (options_.relative && !options_.tolerance) {
-      const double factor = unit * (s.a[0] + s.a[1] + s.b[0] + s.b[1]) / (2 * kPilotReplicates);
-      if (!(factor >= options_.relative_floor)) continue;
-      unit /= factor;
-    }
-    double total = 0, common = 0;  // means of the two halves
-    for (uint32_t half = 0; half < 2; ++half) {
-      total += (s.aa[half] - s.a[half] * s.a[half] / kHalf + s.bb[half] - s.b[half] * s.b[half] / kHalf) / (4.0 * (kHalf - 1));
-      common += (s.ab[half] - s.a[half] * s.b[half] / kHalf) / (2.0 * (kHalf - 1));
-    }
-    spreads.push_back({total * unit * unit, (total - common) * unit * unit});
-  }
-  Pilot pilot{directions, shape, 0, 0, seconds / (2 * kPilotReplicates * directions), loadOf(shape, directions)};
-  if (!spreads.empty()) {
-    // The largest of each, of different entries. A covariance is known from few replicates only: its share is a mean over some of the largest variances.
-    const size_t top = std::clamp<size_t>(spreads.size() / 50, 1, 64);
-    std::partial_sort(spreads.begin(), spreads.begin() + static_cast<std::ptrdiff_t>(top), spreads.end(), [](const Spread& a, const Spread& b) { return a.total > b.total; });
-    double total = 0, lattice = 0;
-    for (size_t k = 0; k < top; ++k) {
-      total += spreads[k].total;
-      lattice += spreads[k].between_lattices;
-    }
-    pilot.direction_variance = total > 0 ? spreads[0].total * std::clamp(1 - lattice / total, 0.0, 1.0) : 0;
-    for (const Spread& spread : spreads) pilot.lattice_variance = std::max(pilot.lattice_variance, spread.between_lattices * directions);
-  }
+  Pilot pilot{directions, shape, pilotVariances(counted, ids_, lattices_.id_of_face, measure_area, options_), seconds / (2 * kPilotReplicates * directions), loadOf(shape, directions)};
   if (!ranks_.empty()) {
     // Both in the shares found, as large together as the run would say.
     const double count_area = ids_.asked.empty() ? measure_area * directions / 2 : INFINITY, told = std::pow(largestErrorOfShares(counted, measure_area / 2, count_area), 2) * kPilotReplicates;
-    const double found = pilot.direction_variance + pilot.lattice_variance / directions / 2;  // of two lattices a direction
-    if (found > 0) pilot.direction_variance *= told / found, pilot.lattice_variance *= told / found;
+    const double found = pilot.variances.of_directions + pilot.variances.of_lattices / 2;  // of two lattices a direction
+    if (found > 0) pilot.variances.of_directions *= told / found, pilot.variances.of_lattices *= told / found;
   }
   pilot_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   pilots_.push_back(pilot);
 }
 
 // What the run would say of the pilot: pairs of which few lines tell have the standard error that theirs and their neighbours' give them, with the closed forms that lines themselves tell.
-double Planner::largestErrorOfShares(const std::vector<Counted>& counted, double measure_area, double count_area) const {
+double Planner::largestErrorOfShares(const std::vector<PilotCounts>& counted, double measure_area, double count_area) const {
   ShareSums sums(ids_);
-  for (const Counted& replicate : counted) sums.add(withRows(addCounts(replicate.first, replicate.second)));
+  for (const PilotCounts& replicate : counted) sums.add(withRows(addCounts(replicate.first, replicate.second)));
   std::vector<KnownPair> known;
   for (const ShareSums::PairSum& pair : sums.pairs())
     if (pair.i != pair.j && (pair.j < kEnvironment || pair.facing > 0))
@@ -336,9 +253,9 @@ double Planner::directionVariance(double directions) const {
   const Pilot& last = pilots_.back();
   double exponent = options_.sampler == Sampler::iid && !options_.asked_directions ? 1 : 2;
   for (const Pilot& pilot : pilots_)
-    if (pilot.directions * 3 <= last.directions && pilot.direction_variance > 0 && last.direction_variance > 0)
-      exponent = std::clamp(std::log(pilot.direction_variance / last.direction_variance) / std::log(double(last.directions) / pilot.directions), 1.0, 3.0);
-  return last.direction_variance * std::pow(last.directions / directions, exponent);
+    if (pilot.directions * 3 <= last.directions && pilot.variances.of_directions > 0 && last.variances.of_directions > 0)
+      exponent = std::clamp(std::log(pilot.variances.of_directions / last.variances.of_directions) / std::log(double(last.directions) / pilot.directions), 1.0, 3.0);
+  return last.variances.of_directions * std::pow(last.directions / directions, exponent);
 }
 
 Load Planner::loadOf(const Shape& shape, double directions) const {
@@ -451,7 +368,7 @@ Planner::Choice Planner::choose(bool by_time) const {
         if (!lattices_.may_group && !lattices_.resolution && finest < std::min(neededBy({1, 0, 0, least_area}, shape, directions), kMaxResolution / 1.5)) continue;
         const Load load = loadOf(shape, directions);
         if (load.points > (lattices_.sampling == Sampling::scanline ? kMostScanlines : kMostPoints) && best.directions) continue;
-        const Choice choice{directions, shape, secondsOf(load) * in_all, (directionVariance(directions) + pilots_.back().lattice_variance * load.variance / pilots_.back().load.variance / directions) / replicates + std::pow(load.line / in_all, 2)};
+        const Choice choice{directions, shape, secondsOf(load) * in_all, (directionVariance(directions) + pilots_.back().variances.of_lattices * load.variance / pilots_.back().load.variance * pilots_.back().directions / directions) / replicates + std::pow(load.line / in_all, 2)};
         if (best.directions && areCountsTooLarge(load, directions, std::max(replicates, by_time ? 0 : replicates * choice.variance / (goal * goal)))) {
           is_limited = true;
           continue;

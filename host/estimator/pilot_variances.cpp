@@ -1,0 +1,109 @@
+#include "estimator/pilot_variances.h"
+
+#include <algorithm>
+#include <array>
+#include <span>
+#include <utility>
+
+#include "estimator/visible_share.h"
+
+namespace viewpeel {
+namespace {
+
+struct Residual {
+  uint32_t i, j;
+  double counts;
+};
+
+// Over the replicates of each half: sums of residuals on the first lattice, on the second, and of their squares and products.
+struct Moments {
+  uint32_t i, j;
+  std::array<double, 2> a{}, b{}, aa{}, bb{}, ab{};
+};
+
+// Of one replicate.
+struct Spread {
+  double total, between_lattices;
+};
+
+std::vector<PairShare> sharesOf(std::span<const PilotCounts> replicates) {
+  PairCounts all;
+  for (const PilotCounts& replicate : replicates) all = addCounts(addCounts(all, replicate.first), replicate.second);
+  return fitShares(withRows(std::move(all)));
+}
+
+// What is left of counts when shares are taken off, where there are closed forms.
+std::vector<Residual> residualsOf(const PairCounts& counts, const std::vector<PairShare>& shares, const std::vector<uint32_t>& id_of_face) {
+  std::vector<Residual> residuals;
+  if (id_of_face.empty()) {
+    for (const PairCount& count : counts) residuals.push_back({count.i, count.j, double(count.count)});
+  } else {
+    for (const ControlCount& control : mergeIds(takeShares(withRows(counts), shares), id_of_face)) residuals.push_back({control.i, control.j, double(control.control) / kShareOne});
+  }
+  return residuals;
+}
+
+void addReplicate(std::vector<Moments>& moments, size_t half, const std::vector<Residual>& first, const std::vector<Residual>& second) {
+  std::vector<Moments> merged;
+  merged.reserve(std::max(moments.size(), first.size()));
+  auto at = first.begin(), bt = second.begin();
+  auto mt = moments.begin();
+  const auto keyAt = [](const auto& it, const auto& all) { return it == all.end() ? std::pair(~0u, ~0u) : std::pair(it->i, it->j); };
+  while (at != first.end() || bt != second.end() || mt != moments.end()) {
+    const auto key = std::min({keyAt(at, first), keyAt(bt, second), keyAt(mt, moments)});
+    Moments& sum = merged.emplace_back(keyAt(mt, moments) == key ? *mt++ : Moments{key.first, key.second});
+    const double x = keyAt(at, first) == key ? (at++)->counts : 0, y = keyAt(bt, second) == key ? (bt++)->counts : 0;
+    sum.a[half] += x, sum.b[half] += y, sum.aa[half] += x * x, sum.bb[half] += y * y, sum.ab[half] += x * y;
+  }
+  moments = std::move(merged);
+}
+
+// The means of the two halves, of n replicates each.
+Spread spreadOf(const Moments& m, double n) {
+  double total = 0, common = 0;
+  for (size_t half = 0; half < 2; ++half) {
+    total += (m.aa[half] - m.a[half] * m.a[half] / n + m.bb[half] - m.b[half] * m.b[half] / n) / (4 * (n - 1));
+    common += (m.ab[half] - m.a[half] * m.b[half] / n) / (2 * (n - 1));
+  }
+  return {total, total - common};
+}
+
+}  // namespace
+
+PilotVariances pilotVariances(const std::vector<PilotCounts>& counted, const Ids& ids, const std::vector<uint32_t>& id_of_face, double measure_area, const EstimateOptions& options) {
+  const std::span<const PilotCounts> all = counted;
+  const size_t n = counted.size() / 2;
+  std::vector<Moments> moments;
+  for (size_t half = 0; half < 2; ++half) {
+    const std::vector<PairShare> shares = id_of_face.empty() ? std::vector<PairShare>{} : sharesOf(all.subspan((1 - half) * n, n));
+    for (const PilotCounts& replicate : all.subspan(half * n, n))
+      addReplicate(moments, half, residualsOf(replicate.first, shares, id_of_face), residualsOf(replicate.second, shares, id_of_face));
+  }
+
+  std::vector<Spread> spreads;  // in units of the larger form factor of the two ways
+  for (const Moments& m : moments) {
+    double unit = (m.i == m.j ? 4 : 2) * measure_area / ids.smallerArea(m.i, m.j);
+    if (options.relative && !options.tolerance) {
+      const double factor = unit * (m.a[0] + m.a[1] + m.b[0] + m.b[1]) / (2 * double(counted.size()));
+      if (!(factor >= options.relative_floor)) continue;
+      unit /= factor;
+    }
+    const Spread spread = spreadOf(m, double(n));
+    spreads.push_back({spread.total * unit * unit, spread.between_lattices * unit * unit});
+  }
+  if (spreads.empty()) return {};
+  // A covariance is known from few replicates only: its share is a mean over some of the largest variances.
+  const size_t top = std::clamp<size_t>(spreads.size() / 50, 1, 64);
+  std::partial_sort(spreads.begin(), spreads.begin() + static_cast<std::ptrdiff_t>(top), spreads.end(), [](const Spread& a, const Spread& b) { return a.total > b.total; });
+  double total = 0, between_lattices = 0;
+  for (const Spread& spread : std::span(spreads).first(top)) {
+    total += spread.total;
+    between_lattices += spread.between_lattices;
+  }
+  PilotVariances variances;
+  variances.of_directions = total > 0 ? spreads[0].total * std::clamp(1 - between_lattices / total, 0.0, 1.0) : 0;
+  for (const Spread& spread : spreads) variances.of_lattices = std::max(variances.of_lattices, spread.between_lattices);
+  return variances;
+}
+
+}  // namespace viewpeel
