@@ -21,7 +21,7 @@ namespace viewpeel {
 namespace {
 
 constexpr uint64_t kFirstPilot = uint64_t(1) << 40;  // replicate numbers that no run reaches
-constexpr uint32_t kPilotReplicates = 8, kPilotDirections = 32;
+constexpr uint32_t kPilotReplicates = 8, kFirstDirections = 16, kPilotDirections = 32;  // of the first pilot, and of others at least
 constexpr int kFirstResolution = 64;
 constexpr double kFewPoints = 5;               // of an id in the whole run, below which it may go unmet
 constexpr double kLatticePoints = 100, kUsualReplicates = 8;  // every id meets so many points in so many replicates
@@ -384,7 +384,7 @@ Planner::Choice Planner::choose(bool by_time) const {
 
 Plan Planner::plan() {
   const int first = lattices_.resolution ? lattices_.resolution : kFirstResolution;
-  measure(kPilotDirections, {first, first});
+  measure(kFirstDirections, {first, first});
   Choice choice = choose();
   // A pilot nearer to the plan, where that costs little beside the run.
   for (int more = 0; more < 2; ++more) {
