@@ -200,7 +200,7 @@ PairCounts countPairsOnCpu(const Scene& scene, const Ids& ids, const std::vector
 
 PairCounts countIntervalsOnCpu(const Scene& scene, const Ids& ids, const std::vector<Direction>& directions, int resolution, bool blocked) {
   constexpr int kColumnBits = 10;
-  constexpr int64_t kCell = int64_t(8) << kColumnBits;
+  constexpr int kCellColumns = 16;
   const int bits = 25 - std::bit_width(static_cast<uint32_t>(resolution / 2 + 1));
   Counters counters(ids, blocked);
   for (const Direction& direction : directions) {
@@ -210,17 +210,16 @@ PairCounts countIntervalsOnCpu(const Scene& scene, const Ids& ids, const std::ve
     for (int y = -reach; y <= reach; ++y) {
       std::vector<std::pair<int64_t, int64_t>> spans;
       std::vector<int64_t> ends;
-      for (int64_t cell = -reach - 8; cell <= reach + 8; ++cell)
-        if (cell % 8 == 0) ends.push_back(cell << kColumnBits);
+      for (int64_t column = -reach - kCellColumns; column <= reach + kCellColumns; ++column)
+        if (column % kCellColumns == 0) ends.push_back(column << kColumnBits);
       for (const Flat& flat : flats) {
         spans.push_back(flat.corners.empty() ? std::pair<int64_t, int64_t>(0, 0) : spanOf(flat, y, kColumnBits, bits));
         if (spans.back().first < spans.back().second) ends.insert(ends.end(), {spans.back().first, spans.back().second});
       }
       std::sort(ends.begin(), ends.end());
       for (size_t e = 0; e + 1 < ends.size(); ++e) {
-        const int64_t cell = ends[e] >> (kColumnBits + 3), from = ends[e] - cell * kCell, to = ends[e + 1] - cell * kCell;
+        const int64_t from = ends[e], to = ends[e + 1], middle = (from + to - 1) >> 1;
         if (from == to) continue;
-        const int64_t middle = cell * kCell + ((from + to - 1) >> 1);
         std::vector<uint32_t> covering;
         for (uint32_t k = 0; k < flats.size(); ++k)
           if (spans[k].first <= middle && middle < spans[k].second) covering.push_back(k);
