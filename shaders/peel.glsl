@@ -178,7 +178,7 @@ void main() {
     }
   }
 
-  uint rounds = 0u, fragments = 0u, gaps = 0u;
+  uint rounds = 0u, fragments = 0u, gaps = 0u, tested = 0u;  // tested: polygons, of every round
   while (first < sample_count && !cut) {
     uint weight = tile.weight;
     [[unroll]] for (int k = 0; k < kMostSteps; ++k) {
@@ -188,9 +188,12 @@ void main() {
       fresh = (k == 0 ? 0u : fresh) | (open[k] && last[k] == 0ul ? 1u << k : 0u);
     }
     resume = 0u;
+    int first_column = 0, end_column = 0;  // with scanlines, of all samples
     if (kScanlines) {
       uint at = min(first + lane, sample_count - 1u);
       int from = int(ends[at]), to = int(ends[at + 1u]);
+      first_column = int(ends[first]);
+      end_column = int(ends[min(first + lanes, sample_count)]);
       column = (from + to - 1) >> 1;  // the middle: where polygons meet at an end, depths tie
       weight *= uint(to - from);
     }
@@ -260,6 +263,16 @@ void main() {
           uvec2 plane_y = depth_2.xy;
           uvec4 bounds = uvec4(depth_2.zw, span.x + 1u, 2u * rest.x + rest.y);
           uint roles = kAllCount ? 0u : fetchId(span.x) >> kRolesShift;
+          uint next = lane;  // with scanlines, from this one on the first whose span reaches one of the samples; the number of invocations where there is none
+          if (kScanlines) {
+            bool reaches = span.y != kNoColumns && int(span.y & 0xFFFFu) < end_column && int((span.y & 0xFFFFu) + (span.y >> 16)) >= first_column;
+            next = reaches ? lane : lanes;
+            [[unroll]] for (uint step = 1u; step < lanes; step *= 2u) {
+              uint later = subgroupShuffle(next, min(lane + step, lanes - 1u));
+              next = min(next, lane + step < lanes ? later : lanes);
+            }
+            t = min(subgroupShuffle(next, 0u), lanes - 1u);  // that of one that reaches none changes nothing
+          }
           do {
             uvec4 p = subgroupShuffle(plane, t), d = subgroupShuffle(bounds, t);
             Passing polygon;
@@ -293,6 +306,10 @@ void main() {
             if (kSteps > 4) takeStep(7, polygon, fragments);
             ++t;
             ++passed;
+            if (kScanlines) {
+              uint later = subgroupShuffle(next, min(t, lanes - 1u));
+              t = t < lanes ? later : lanes;
+            }
             if (kSorted) {
               bool no_room = false;
               [[unroll]] for (int k = 0; k < kMostSteps; ++k) no_room = no_room || (k < kSteps && open[k] && nearest[k][kLayersKept - 1] != kNoLayer);
@@ -326,6 +343,7 @@ void main() {
       cut = cut || base < polygon_count;
       fresh = 0u;
       ++rounds;
+      tested += kScanlines ? passed : polygon_count;
 
       again = false;
       [[unroll]] for (int k = 0; k < kMostSteps; ++k) {
@@ -347,7 +365,7 @@ void main() {
       atomicAdd(status.at.rows, begins ? kScanlines ? 1ul : uint64_t(args.tile_rows) : 0ul);
       atomicAdd(status.at.spans, begins ? uint64_t(polygon_count) : 0ul);
       atomicAdd(status.at.samples, begins ? uint64_t(kScanlines ? sample_count : kTileWidth * args.tile_rows) : 0ul);
-      atomicAdd(status.at.tests, uint64_t(rounds) * uint64_t(polygon_count) * uint64_t(lanes * uint(kSteps)));
+      atomicAdd(status.at.tests, uint64_t(tested) * uint64_t(lanes * uint(kSteps)));
       atomicAdd(status.at.fragments, uint64_t(all_fragments));
       atomicAdd(status.at.gaps, uint64_t(all_gaps));
     }

@@ -200,7 +200,7 @@ PairCounts countPairsOnCpu(const Scene& scene, const Ids& ids, const std::vector
 
 PairCounts countIntervalsOnCpu(const Scene& scene, const Ids& ids, const std::vector<Direction>& directions, int resolution, bool blocked) {
   constexpr int kColumnBits = 10;
-  constexpr int kCellColumns = 16;
+  constexpr int kCellColumns = 32;
   const int bits = 25 - std::bit_width(static_cast<uint32_t>(resolution / 2 + 1));
   Counters counters(ids, blocked);
   for (const Direction& direction : directions) {

@@ -23,7 +23,7 @@ struct Window {
 
 enum class Sampling {
   lattice,   // points, each of weight one
-  scanline,  // the intervals of lattice rows between two ends of polygons, cut every 16 columns, with their lengths as weights
+  scanline,  // the intervals of lattice rows between two ends of polygons, cut every 32 columns, with their lengths as weights
 };
 
 // How fine windows can be.
@@ -39,7 +39,7 @@ struct LatticeOptions {
   uint64_t counter_budget_bytes = 0;  // of the dense counters, beyond which the compute engine keeps a hash table; 0 chooses
 
   // Of the compute engine, 0 chooses. Tests set them to show that they do not matter.
-  uint32_t tile_width = 0;       // lattice columns; 16 with scanlines
+  uint32_t tile_width = 0;       // lattice columns; 32 with scanlines
   uint32_t tile_rows = 0;        // 1 to 8
   uint32_t layers_kept = 0;      // a round
   std::optional<uint32_t> few_points;  // a polygon over no more lattice points, in a box of at most 8 x 8, enters itself at each; 0: none does
