@@ -2,7 +2,8 @@
 // CSV on stdout, one row for each scene, setting, rule when to stop and class of entries.
 //   coverage [--scene facing|edge|far|cube|blocked|parts|gap|office|room|city]... [--closed-forms] [--host] [--directed R] [--sampler fibonacci|jittered|sobol|iid]... [--setting PXxN]... [--rule RULE]...
 //     [--seeds K] [--device D]
-// The truth of office, room and city is a long run, whose rms error is a tenth of those looked at or less. With --host the host engine counts scanlines, in place of the compute engine's points. With --directed pairs that pilots tell to keep the run from a relative error of R have directions of their own.
+// The truth of office, room and city is a long run, of 16,384 directions and 256 scanlines. With --host the host engine counts scanlines, in place of the compute engine's points. With --directed
+// pairs that pilots tell to keep the run from a relative error of R have directions of their own.
 // A rule is R, a fixed number of replicates, or R:G, at least R and on until the largest standard error reaches the tolerance that takes G on the average.
 // Entries fall into classes by the lattice points that a replicate is expected to count for them; with closed forms those that something blocks in part are a class, too, for what nothing or
 // everything between two blocks is known when it is met. The last class are all that some replicate met. Entries of one run are correlated, so the standard error of a coverage comes from the spread
@@ -315,7 +316,7 @@ void measureCase(const std::string& name, const Device& device, const Options& o
         remembering.startAgain();
         return estimateFormFactors(remembering, scene, ids, estimate);
       };
-      // Whose closed forms are known are all pairs of these scenes.
+      // Closed forms are known of all pairs of these scenes.
       const auto markThoseBlockedInPart = [&] {
         size_t k = 0;
         for (const auto& [pair, truth] : scene_case.truths) {

@@ -134,7 +134,7 @@ struct AccumulateArgs {
 
 const uint kGroupsPerRow = 32768u;  // of a dispatch over tiles
 const uint kMostSpans = 1024u;      // of a row of a tile, with scanlines
-const uint kScanlineCell = 32u;      // lattice columns: a scanline is cut at their multiples, too
+const uint kScanlineCell = 32u;     // lattice columns: a scanline is cut at their multiples, too
 
 // Software devices end a shader's loops after 65,535 iterations in all (llvmpipe's LP_MAX_TGSI_LOOP_ITERATIONS). An invocation of bin stays below that.
 const uint kMostTilesPerInvocation = 4096u;
