@@ -67,9 +67,9 @@ TEST(ShareSums, FewLinesByHand) {
   // the root of 0.764233 x 0.0196 + 0.235767 x 0.000914843, times 16.
   EXPECT_EQ(all.exchangeArea(0, 1).value, 3.2);
   EXPECT_NEAR(all.exchangeArea(0, 1).standard_error, 1.972266, 1e-5);
-  // All of 10: p = (10 + 2 s) / 12.
+  // All of 10: p = (10 + 2 s) / 12, and half of p (1 - p) / 10.5 is left.
   EXPECT_EQ(all.exchangeArea(0, 2).value, 8);
-  EXPECT_NEAR(all.exchangeArea(0, 2).standard_error, 0.250714, 1e-5);
+  EXPECT_NEAR(all.exchangeArea(0, 2).standard_error, 0.419524, 1e-5);
   EXPECT_NEAR(all.exchangeArea(1, 2).value, 4 * 0.5951807, 1e-6);  // in single precision
 }
 

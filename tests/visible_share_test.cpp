@@ -54,8 +54,8 @@ Shared share(const InputScene& input, int resolution, Sampling sampling = Sampli
   return made;
 }
 
-// The standard error of a pair whose lines are all facing, or all blocked, as a share of the most that it exchanges: of n directions that see it 2.5 / (n + 4) of p (1 - p) / (n + 1/2), p as of two lines
-// more with the share s around the pair; replicates, which do not differ, are trusted as far as the square of n p (1 - p) goes beside 4 (ShareSums).
+// The standard error of a pair whose lines are all facing, or all blocked, as a share of the most that it exchanges: of n directions that see it p (1 - p) / (2 n + 1), p as of two lines more with the
+// share s around the pair; replicates, which do not differ, are trusted as far as the square of n p (1 - p) goes beside 4 (ShareSums).
 double deviationOfOneKind(const RunSums& sums, uint32_t i, uint32_t j) {
   const ShareSums& by_face = sums.visible->byFace();
   const KnownShares& known = sums.visible->known();
@@ -65,7 +65,7 @@ double deviationOfOneKind(const RunSums& sums, uint32_t i, uint32_t j) {
   const double per_direction = double(lineOf(known.lines, i, j)) + 8 / 27.0 * area / sums.countArea(), n = std::max(lines * lines / squares, lines / per_direction);
   const double s = NeighbourShares(by_face, known.lines, known.ranks).of(i, j).smoothed;
   const double p = ((told->facing > 0 ? n : 0) + 2 * s) / (n + 2), rarer = n * p * (1 - p);
-  return std::sqrt(4 / (rarer * rarer + 4) * p * (1 - p) / (n + 0.5) * 2.5 / (n + 4));
+  return std::sqrt(4 / (rarer * rarer + 4) * p * (1 - p) / (2 * n + 1));
 }
 
 // Pairs never blocked are their closed forms, on any lattice and with any number of directions.

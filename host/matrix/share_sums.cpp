@@ -182,12 +182,13 @@ class ShareSums::Entries {
   // Of the share b that lines tell, of which a direction adds up to most_counts. That of replicates is worth little where few lines are of the rarer kind; then that of n directions that see
   // the pair, each facing or blocked by chance, p (1 - p) / (n + 1/2), half a line of the neighbours' among them, with p of b and the neighbours' s, as of two lines more: (n b + 2 s) / (n + 2)
   // (Agresti & Coull 1998). A direction that sees it has 1 + 8/27 A / h^2 lines (form_factors.cpp), but parts of a pair in different places are blocked one by one, and lattices and directions are
-  // more even than chance, the more so the more of them there are: 2.5 / (n + 4) of that variance is left, as measured in four scenes (README).
+  // more even than chance: half of that variance is left where all lines are of one kind, which does not say that the other is not there, and 2.5 / (n + 4) where they are of both, as measured in
+  // four scenes (README).
   double varianceOfShare(const PairSum& pair, const Squares& squared, double b, double of_replicates, double most_counts, double line) const {
     const double n = effectiveLines(pair, squared, line + 8 / 27.0 * most_counts), s = neighbours_->of(pair.i, pair.j).smoothed;
     const double p = (n * b + 2 * s) / (n + 2), rarer = n * p * (1 - p), trust = rarer * rarer / (rarer * rarer + 4);
-    const double by_chance = p * (1 - p) / (n + NeighbourShares::kNeighbours);
-    return trust * of_replicates + (1 - trust) * by_chance * 2.5 / (n + 4);
+    const double by_chance = p * (1 - p) / (n + NeighbourShares::kNeighbours), left = b > 0 && b < 1 ? 2.5 / (n + 4) : 0.5;
+    return trust * of_replicates + (1 - trust) * left * by_chance;
   }
 
   const ShareSums& sums_;
