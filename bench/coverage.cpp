@@ -25,6 +25,7 @@
 #include "estimator/directed_pairs.h"
 #include "estimator/visible_share.h"
 #include "generate.h"
+#include "matrix/add_pairs.h"
 #include "measure.h"
 #include "reference/past_blocker.h"
 #include "reference/rectangles.h"
@@ -320,8 +321,8 @@ void measureCase(const std::string& name, const Device& device, const Options& o
       const auto markThoseBlockedInPart = [&] {
         size_t k = 0;
         for (const auto& [pair, truth] : scene_case.truths) {
-          const auto known = std::ranges::lower_bound(shares.known.pairs, pair, {}, [](const KnownPair& at) { return std::pair(at.i, at.j); });
-          if (known != shares.known.pairs.end() && std::pair(known->i, known->j) == pair) {
+          const auto known = std::ranges::lower_bound(shares.known.pairs, pair, {}, [](const KnownPair& at) { return keyOf(at); });
+          if (known != shares.known.pairs.end() && keyOf(*known) == pair) {
             const double share = truth * ids.areas[pair.first] / known->exchange;
             entries[k].is_blocked_in_part = pair.second < kEnvironment && share > kBlockedInPart && share < 1 - kBlockedInPart;
           }

@@ -297,7 +297,7 @@ void Sweep::sortByLow(std::span<Span> spans) {
 }
 
 // Goes from one end of a span to the next. Between them the order of the polygons does not change, but for rounding: it is decided in the middle of every sample,
-// a lattice point or, with scanlines, what lies between two ends in a cell of 32 columns.
+// a lattice point or, with scanlines, what lies between two ends in a cell of kScanlineCell columns.
 template <bool kAllCount, bool kBlocked>
 void Sweep::sweepRow(int row, std::span<Span> spans, uint64_t weight, PairTable& table) {
   sortByLow(spans);

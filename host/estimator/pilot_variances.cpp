@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "estimator/visible_share.h"
+#include "matrix/add_pairs.h"
 
 namespace viewpeel {
 namespace {
@@ -48,7 +49,7 @@ void addReplicate(std::vector<Moments>& moments, size_t half, const std::vector<
   merged.reserve(std::max(moments.size(), first.size()));
   auto at = first.begin(), bt = second.begin();
   auto mt = moments.begin();
-  const auto keyAt = [](const auto& it, const auto& all) { return it == all.end() ? std::pair(~0u, ~0u) : std::pair(it->i, it->j); };
+  const auto keyAt = [](const auto& it, const auto& all) { return it == all.end() ? std::pair(~0u, ~0u) : keyOf(*it); };
   while (at != first.end() || bt != second.end() || mt != moments.end()) {
     const auto key = std::min({keyAt(at, first), keyAt(bt, second), keyAt(mt, moments)});
     Moments& sum = merged.emplace_back(keyAt(mt, moments) == key ? *mt++ : Moments{key.first, key.second});
