@@ -7,9 +7,11 @@
 
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const bool kFragments = false;
-layout(push_constant, scalar) uniform Args { BinArgs args; };
+layout(push_constant, scalar) uniform Args { BinArgs pushed; };
+BinArgs args;
 
 void main() {
+  args = pushed;
   uint tile = gl_GlobalInvocationID.x;
   if (tile >= args.tile_count) return;
   uint count = Words(args.tile_counts).at[tile];

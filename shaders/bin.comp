@@ -9,18 +9,23 @@
 #include "geometry.glsl"
 
 layout(local_size_x = 64) in;
-layout(push_constant, scalar) uniform Args { BinArgs args; };
+layout(constant_id = 0) const uint kMode = kBinRoles;
+layout(constant_id = 1) const bool kNeedsRoles = false;  // of an active tile: args.needed_roles
+layout(constant_id = 2) const bool kSorts = false;
+layout(push_constant, scalar) uniform Args { BinArgs pushed; };
+BinArgs args;
 
 void main() {
+  args = pushed;
   if (gl_GlobalInvocationID.x >= Status(args.status).at.listed) return;
-  if (args.mode == kBinScatter && (Status(args.status).at.active_tiles & kListsOverflowed) != 0u) return;
+  if (kMode == kBinScatter && (Status(args.status).at.active_tiles & kListsOverflowed) != 0u) return;
   uint listed = Words(args.listed).at[gl_GlobalInvocationID.x];
   uint direction_index = listed / args.polygon_count, polygon_index = listed - direction_index * args.polygon_count;
   uint projected_at = 4u * listed;
   ivec4 box = ivec4(texelFetch(projected_texels, int(projected_at)));
   uvec3 corners = texelFetch(polygon_texels, int(3u * polygon_index)).xyz;  // first, count, id with roles
   uint roles = corners.z >> kRolesShift;
-  if (args.mode == kBinRoles && roles == 0u) return;
+  if (kMode == kBinRoles && roles == 0u) return;
 
   // The most that the edges reach over a tile, at the grid's first tile, and what it changes by from tile to tile.
   ivec2 grid = -ivec2(args.tiles_wide * args.tile_width, args.tiles_high * args.tile_rows) / 2;
@@ -47,16 +52,16 @@ void main() {
       for (uint k = 0u; k < 4u; ++k) least_of_most = min(least_of_most, most[k] + per_column[k] * int64_t(x) + per_row[k] * int64_t(y));
       if (least_of_most < int64_t(0)) continue;
       uint tile = (direction_index * args.tiles_high + uint(y)) * args.tiles_wide + uint(x);
-      if (args.mode == kBinRoles) {
+      if (kMode == kBinRoles) {
         atomicOr(Words(args.tile_roles).at[tile], roles);
         continue;
       }
-      if (args.needed_roles != 0u && (Words(args.tile_roles).at[tile] & args.needed_roles) != args.needed_roles) continue;
-      if (args.mode == kBinCount) {
+      if (kNeedsRoles && (Words(args.tile_roles).at[tile] & args.needed_roles) != args.needed_roles) continue;
+      if (kMode == kBinCount) {
         atomicAdd(Words(args.tile_counts).at[tile], 1u);
       } else {
         uint at = Words(args.tile_starts).at[tile] + atomicAdd(Words(args.tile_counts).at[tile], ~0u) - 1u;
-        if (args.sorts == 0u) {
+        if (!kSorts) {
           Words(args.lists).at[at] = polygon_index;
           continue;
         }

@@ -5,6 +5,9 @@
 #include "facing.h"
 #include "shared.h"
 
+// Shaders copy their push constants first thing in main, from `pushed` to `args`: once some invocations may have returned, llvmpipe reads each of them for every
+// invocation by itself, every time it is named.
+
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Directions { DirectionData at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Polygons { PolygonData at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Edges { Edge at[]; };

@@ -7,7 +7,6 @@
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
-#extension GL_KHR_shader_subgroup_arithmetic : require
 #define SHARED_FUNCTION
 #include "common.glsl"
 #include "texels.glsl"
@@ -17,7 +16,10 @@ layout(local_size_x_id = 0) in;  // the subgroup size, 8 to 64
 layout(constant_id = 1) const uint kTileWidth = 8u;
 layout(constant_id = 2) const bool kAllCount = true;
 layout(constant_id = 3) const bool kTwoSided = false;
-layout(push_constant, scalar) uniform Args { MeetArgs args; };
+layout(push_constant, scalar) uniform Args { MeetArgs pushed; };
+MeetArgs args;
+
+#include "subgroup.glsl"
 
 uint64_t samplesOf(uint first_edge, uint edge_count, ivec2 corner) {
   ivec4 a, b, value;
@@ -42,6 +44,7 @@ uint64_t samplesOf(uint first_edge, uint edge_count, ivec2 corner) {
 }
 
 void main() {
+  args = pushed;
   const uint lanes = gl_WorkGroupSize.x;
   uint lane = gl_SubgroupInvocationID;
   uint place = gl_WorkGroupID.y * kGroupsPerRow + gl_WorkGroupID.x;
@@ -64,7 +67,7 @@ void main() {
     bool meets = base + lane < tile.y && cover.samples != 0ul && (kAllCount || fetchId(polygon) >> kRolesShift != 0u);
     bool is_up = kTwoSided || rest.y != 0u;
     uint kind = meets ? is_up ? 1u : 0x10000u : 0u;
-    uint before = subgroupExclusiveAdd(kind), all = subgroupAdd(kind);
+    uint all, before = sumSoFar(kind, all) - kind;
     uint at = tile.x + (is_up ? ups + (before & 0xFFFFu) : tile.y - 1u - downs - (before >> 16));
     if (meets) {
       Covers(args.covers).at[at] = cover;

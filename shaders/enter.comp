@@ -12,6 +12,7 @@ layout(constant_id = 0) const uint kTileWidth = 8u;
 layout(constant_id = 1) const uint kTileRows = 8u;
 
 void main() {
+  args = pushed;
   uint polygon_index = gl_GlobalInvocationID.x, direction_index = gl_WorkGroupID.y;
   if (polygon_index >= args.polygon_count) return;
   Projection found = projectPolygon(polygon_index, direction_index);

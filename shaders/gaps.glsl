@@ -25,13 +25,8 @@ void addRuns(bool has, uvec2 pair, uint weight, uint lane) {
     bool head = lane == 0u || key != before;
     uint end = subgroupShuffle(head ? lane : lanes, min(lane + 1u, lanes - 1u));  // of the run: where the next one begins
     if (lane + 1u == lanes) end = lanes;
-    uint sum = weight;
-    [[unroll]] for (uint step = 1u; step < lanes; step *= 2u) {
-      uint next_end = subgroupShuffle(end, min(lane + step, lanes - 1u));
-      end = min(end, lane + step < lanes ? next_end : lanes);
-      uint other = subgroupShuffle(sum, max(lane, step) - step);
-      sum += lane >= step ? other : 0u;
-    }
+    uint all, sum = sumSoFar(weight, all);
+    end = leastFrom(end);
     uint to_end = subgroupShuffle(sum, end - 1u);
     has = has && head;
     weight = to_end - sum + weight;
@@ -60,7 +55,7 @@ uint addGaps(inout uint64_t before, uint64_t layers[kLayersKept], uint64_t bound
     before = is_open ? upper : before;
   }
   uint added = 0u, left = count;
-  while (subgroupAny(left > 0u)) {
+  while (anyOf(left > 0u)) {
     uvec2 gap = found[0];
     [[unroll]] for (int k = 0; k < kLayersKept; ++k) found[k] = found[k + 1];
     bool has = left > 0u;

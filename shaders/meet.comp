@@ -6,7 +6,6 @@
 #extension GL_EXT_shader_atomic_int64 : require
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
-#extension GL_KHR_shader_subgroup_vote : require
 #define SHARED_FUNCTION
 #include "common.glsl"
 #include "texels.glsl"
@@ -19,8 +18,10 @@ layout(constant_id = 2) const bool kAllCount = true;
 layout(constant_id = 3) const bool kTwoSided = false;
 layout(constant_id = 4) const bool kSparse = false;
 layout(constant_id = 5) const bool kIdsAreIndices = false;
-layout(push_constant, scalar) uniform Args { MeetArgs args; };
+layout(push_constant, scalar) uniform Args { MeetArgs pushed; };
+MeetArgs args;
 
+#include "subgroup.glsl"
 #include "meetings.glsl"
 
 Party fetchParty(uint place, uint direction, ivec2 corner) {
@@ -53,6 +54,7 @@ uint countInOrder(uvec2 samples, uvec2 others, DepthPlane nearer, DepthPlane far
 }
 
 void main() {
+  args = pushed;
   uint place = gl_WorkGroupID.y * kGroupsPerRow + gl_WorkGroupID.x;
   Status status = Status(args.status);
   if (place >= status.at.meetings) return;

@@ -75,7 +75,7 @@ void addMet(Parties parties, Counters counters, bool doubtful, inout uint steps,
         farther = fetchPartyBefore(base + lane, parties.farther_end, parties.direction, parties.corner);
       }
       ++steps;
-    } while (base < parties.farther_end && !subgroupAny(met != 0u));
+    } while (base < parties.farther_end && !anyOf(met != 0u));
     do {
       uint t = met_eight + (met != 0u ? uint(findLSB(met)) : 0u);
       uvec2 samples = subgroupShuffle(met_farther.samples, t);
@@ -92,7 +92,7 @@ void addMet(Parties parties, Counters counters, bool doubtful, inout uint steps,
         addCount(counters, kFacingOrBlocked, pairOf(kGapFacingPair, nearer.id & kIdMask, farther_id & kIdMask), uint64_t(count) * uint64_t(parties.weight));
       met &= met - 1u;
       ++steps;
-    } while (subgroupAny(met != 0u));
+    } while (anyOf(met != 0u));
     cut = cut || met != 0u;
   } while (base < parties.farther_end);
   cut = cut || base < parties.farther_end;

@@ -8,8 +8,6 @@
 #extension GL_EXT_shader_atomic_int64 : require
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
-#extension GL_KHR_shader_subgroup_vote : require
-#extension GL_KHR_shader_subgroup_arithmetic : require
 #define SHARED_FUNCTION
 #include "common.glsl"
 #include "texels.glsl"
@@ -32,7 +30,8 @@ layout(constant_id = 12) const bool kCountsBlocked = false;
 layout(constant_id = 13) const bool kFragments = false;  // lattice points have layers beside those of the tile's polygons
 layout(binding = 5) uniform usamplerBuffer fragment_texels;        // uint64_t
 layout(binding = 6) uniform usamplerBuffer fragment_count_texels;  // uint
-layout(push_constant, scalar) uniform Args { PeelArgs args; };
+layout(push_constant, scalar) uniform Args { PeelArgs pushed; };
+PeelArgs args;
 
 const int kMostSteps = 8;
 const uint64_t kNoLayer = ~0ul;    // a layer is key << 32 | polygon + 1, so that layers are ordered as numbers
@@ -69,6 +68,7 @@ struct Tile {
   uint first_point, most_fragments;
 };
 
+#include "subgroup.glsl"
 #include "slice.glsl"
 #include "gaps.glsl"
 
@@ -127,6 +127,7 @@ uint leaveRow(uint place, uint row, uint first_sample, uint first_meeting, uint 
 }
 
 void main() {
+  args = pushed;
   const uint lanes = gl_WorkGroupSize.x;
   const int rows_per_step = kScanlines ? 1 : int(lanes / kTileWidth);
   uint lane = gl_SubgroupInvocationID;
@@ -259,24 +260,24 @@ void main() {
             }
           }
           int64_t depth = longFrom(depth_01.xy) + longFrom(depth_01.zw) * int64_t(tile.corner.x) + longFrom(depth_2.xy) * int64_t(tile.corner.y);
-          uvec4 plane = uvec4(unpackUint2x32(uint64_t(depth)), depth_01.zw);
+          // With scanlines: depth per spacing x column / 2^column_bits, rounded down; the product itself may need more than 64 bits.
+          int64_t z_x = longFrom(depth_01.zw), whole = kScanlines ? z_x >> args.column_bits : z_x;
+          uint part = kScanlines ? uint(z_x - (whole << args.column_bits)) : 0u;
+          uvec4 plane = uvec4(unpackUint2x32(uint64_t(depth)), unpackUint2x32(uint64_t(whole)));
           uvec2 plane_y = depth_2.xy;
-          uvec4 bounds = uvec4(depth_2.zw, span.x + 1u, 2u * rest.x + rest.y);
+          uvec4 bounds = uvec4(depth_2.zw, span.x + 1u, part << 6 | rest.x << 1 | rest.y);
           uint roles = kAllCount ? 0u : fetchId(span.x) >> kRolesShift;
           uint next = lane;  // with scanlines, from this one on the first whose span reaches one of the samples; the number of invocations where there is none
           if (kScanlines) {
             bool reaches = span.y != kNoColumns && int(span.y & 0xFFFFu) < end_column && int((span.y & 0xFFFFu) + (span.y >> 16)) >= first_column;
             next = reaches ? lane : lanes;
-            [[unroll]] for (uint step = 1u; step < lanes; step *= 2u) {
-              uint later = subgroupShuffle(next, min(lane + step, lanes - 1u));
-              next = min(next, lane + step < lanes ? later : lanes);
-            }
+            next = leastFrom(next);
             t = min(subgroupShuffle(next, 0u), lanes - 1u);  // that of one that reaches none changes nothing
           }
           do {
             uvec4 p = subgroupShuffle(plane, t), d = subgroupShuffle(bounds, t);
             Passing polygon;
-            polygon.z_shift = int(d.w >> 1);
+            polygon.z_shift = int(d.w >> 1 & 31u);
             polygon.z_min = int(d.x);
             polygon.z_max = int(d.y);
             polygon.layer_polygon = d.z;
@@ -285,9 +286,7 @@ void main() {
             if (kScanlines) {
               uint in_span = subgroupShuffle(span.y, t);
               polygon.covered = uint(column) - (in_span & 0xFFFFu) <= in_span >> 16 && in_span != kNoColumns;
-              // z per spacing x column / 2^column_bits, rounded down; the product itself may need more than 64 bits.
-              int64_t z_x = longFrom(p.zw), whole = z_x >> args.column_bits, rest_x = z_x - (whole << args.column_bits);
-              polygon.z = longFrom(p.xy) + whole * int64_t(column) + (rest_x * int64_t(column) >> args.column_bits);
+              polygon.z = longFrom(p.xy) + longFrom(p.zw) * int64_t(column) + int64_t((d.w >> 6) * uint(column) >> args.column_bits);
             } else {
               ivec4 per_row = subgroupShuffle(b, t);
               polygon.edges = subgroupShuffle(a, t) * column + per_row * lane_row + subgroupShuffle(c, t);
@@ -313,7 +312,7 @@ void main() {
             if (kSorted) {
               bool no_room = false;
               [[unroll]] for (int k = 0; k < kMostSteps; ++k) no_room = no_room || (k < kSteps && open[k] && nearest[k][kLayersKept - 1] != kNoLayer);
-              full = subgroupAny(no_room && is_sorted && passed >= patience);
+              full = anyOf(no_room && is_sorted && passed >= patience);
             }
           } while (t < lanes && base + t < polygon_count && !full);
           cut = cut || (t < lanes && base + t < polygon_count && !full);
@@ -337,7 +336,7 @@ void main() {
         if (kSorted) {  // where nothing could be let go of, the next polygons are better left to another round than to a segment each
           bool stuck = false;
           [[unroll]] for (int k = 0; k < kMostSteps; ++k) stuck = stuck || (k < kSteps && open[k] && nearest[k][kLayersKept - 1] != kNoLayer);
-          patience = subgroupAny(stuck) ? polygon_count : 0u;
+          patience = anyOf(stuck) ? polygon_count : 0u;
         }
       } while (base < polygon_count);
       cut = cut || base < polygon_count;
@@ -351,7 +350,7 @@ void main() {
         if (!kAllCount) open[k] = open[k] && last[k] <= (args.counts_environment != 0u ? farthest_emitter[k] : min(farthest_emitter[k], farthest_receiver[k]));
         again = again || open[k];
       }
-      again = subgroupAny(again);
+      again = anyOf(again);
     } while (again);
     cut = cut || again;
     first += lanes;
@@ -359,7 +358,9 @@ void main() {
   if (cut || first < sample_count) atomicOr(status.at.overflows, kLoopCut);
   if (lane == 0u) atomicAdd(status.at.rounds, rounds);
   if (kMeasuresWork) {
-    uint all_fragments = subgroupAdd(fragments), all_gaps = subgroupAdd(gaps);
+    uint all_fragments, all_gaps;
+    sumSoFar(fragments, all_fragments);
+    sumSoFar(gaps, all_gaps);
     bool begins = args.resumes == 0u && polygon_count > 0u;
     if (lane == 0u) {
       atomicAdd(status.at.rows, begins ? kScanlines ? 1ul : uint64_t(args.tile_rows) : 0ul);

@@ -26,6 +26,7 @@ bool widenCorner(Edge before, Edge after, vec2 corner, out vec2 widened) {
 }
 
 void main() {
+  args = pushed;
   uint polygon_index = gl_GlobalInvocationID.x, direction_index = gl_WorkGroupID.y;
   if (kListed) {
     if (polygon_index >= Status(args.status).at.listed) return;

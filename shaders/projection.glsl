@@ -2,7 +2,8 @@
 #include "geometry.glsl"
 
 layout(local_size_x = 64) in;
-layout(push_constant, scalar) uniform Args { ProjectArgs args; };
+layout(push_constant, scalar) uniform Args { ProjectArgs pushed; };
+ProjectArgs args;
 layout(binding = 0) uniform usamplerBuffer direction_texels;  // DirectionData
 layout(binding = 1) uniform usamplerBuffer polygon_texels;    // PolygonData
 layout(binding = 2) uniform usamplerBuffer corner_texels;     // CornerData

@@ -204,13 +204,12 @@ struct BinArgs {
   uint tile_width, tile_rows;
   uint tile_count;
   uint list_capacity;
-  uint mode;              // kBinRoles, kBinCount or kBinScatter
   uint rows_per_invocation;  // of tiles
   uint needed_roles;         // of an active tile
-  uint sorts;
   int column_bits;
 };
 
+// What bin.comp does.
 const uint kBinRoles = 0u;
 const uint kBinCount = 1u;
 const uint kBinScatter = 2u;

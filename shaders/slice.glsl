@@ -28,11 +28,11 @@ uvec3 sliceRow(Tile tile, uint lane) {
     uint columns = spanOf(tile, projected.z, projected.w);
     bool covers = mine < tile.list_length && columns != kNoColumns;
     bool is_up = !kCountsBlocked || kTwoSided || projected.y != 0u;
-    uint place = ups + subgroupExclusiveAdd(covers && is_up ? 1u : 0u);
-    ups += subgroupAdd(covers && is_up ? 1u : 0u);
+    uint all, place = ups + sumSoFar(covers && is_up ? 1u : 0u, all) - 1u;
+    ups += all;
     if (kCountsBlocked) {
-      uint from_end = downs + subgroupExclusiveAdd(covers && !is_up ? 1u : 0u);
-      downs += subgroupAdd(covers && !is_up ? 1u : 0u);
+      uint from_end = downs + sumSoFar(covers && !is_up ? 1u : 0u, all) - 1u;
+      downs += all;
       place = is_up ? place : kMostSpans - 1u - from_end;
     }
     if (covers && place < kMostSpans) spans[place] = uvec2(polygon, columns);
@@ -75,11 +75,11 @@ uvec3 sliceRow(Tile tile, uint lane) {
     before = lane == 0u ? last : before;
     last = subgroupShuffle(end, lanes - 1u);
     bool keep = at < 2u * span_count && end != before;
-    uint place = kept + subgroupExclusiveAdd(keep ? 1u : 0u);
+    uint all, place = kept + sumSoFar(keep ? 1u : 0u, all) - 1u;
     memoryBarrierShared();
     subgroupBarrier();
     if (keep) ends[place] = end;
-    kept += subgroupAdd(keep ? 1u : 0u);
+    kept += all;
   }
   memoryBarrierShared();
   subgroupBarrier();

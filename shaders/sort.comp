@@ -11,11 +11,13 @@
 #include "texels.glsl"
 
 layout(local_size_x_id = 0) in;  // the subgroup size, 8 to 64
-layout(push_constant, scalar) uniform Args { SortArgs args; };
+layout(push_constant, scalar) uniform Args { SortArgs pushed; };
+SortArgs args;
 
 const int kRanked = 4;
 
 void main() {
+  args = pushed;
   const uint lanes = gl_WorkGroupSize.x;
   uint lane = gl_SubgroupInvocationID;
   uint place = gl_WorkGroupID.y * kGroupsPerRow + gl_WorkGroupID.x;

@@ -12,7 +12,8 @@
 #include "unoccluded.glsl"
 
 layout(local_size_x = 64) in;
-layout(push_constant, scalar) uniform Args { ClassifyArgs args; };
+layout(push_constant, scalar) uniform Args { ClassifyArgs pushed; };
+ClassifyArgs args;
 
 // Largest |slope| / value at the middle of an edge of the square, of a bilinear function given at its corners.
 float slopeOf(dvec4 at) {
@@ -48,6 +49,7 @@ float errorOf(FarBound rule, Coordinates c) {
 }
 
 void main() {
+  args = pushed;
   uint pair = gl_GlobalInvocationID.x;
   if (pair >= args.pair_count) return;
   Sides sides = loadSides(args.pairs, pair);

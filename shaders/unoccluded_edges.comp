@@ -7,7 +7,8 @@
 #include "unoccluded.glsl"
 
 layout(local_size_x = 64) in;
-layout(push_constant, scalar) uniform Args { EdgesArgs args; };
+layout(push_constant, scalar) uniform Args { EdgesArgs pushed; };
+EdgesArgs args;
 
 // The part of a polygon in front of a plane: its own edges as far as they are, then the one along the plane. The part runs counter-clockwise as
 // the polygon does. Corners within `rounding` of the plane stay where they are.
@@ -62,6 +63,7 @@ uint chooseRule(EdgeData p, EdgeData q, double together, out double error) {
 }
 
 void main() {
+  args = pushed;
   uint entry = gl_GlobalInvocationID.x / kMostEdges, index = gl_GlobalInvocationID.x % kMostEdges;
   if (entry >= args.near_count) return;
   Sides sides = loadSides(args.pairs, Words(args.near).at[entry]);

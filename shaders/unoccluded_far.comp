@@ -7,7 +7,8 @@
 
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const uint kPoints = 2u;
-layout(push_constant, scalar) uniform Args { FarArgs args; };
+layout(push_constant, scalar) uniform Args { FarArgs pushed; };
+FarArgs args;
 
 // A function f + f_u u + f_v v + f_uv u v of the square.
 dvec4 bilinear(dvec4 at) {
@@ -38,6 +39,7 @@ dvec4 pointOf(Patch on, double u, double v, double weight) {
 }
 
 void main() {
+  args = pushed;
   uint entry = gl_GlobalInvocationID.x;
   if (entry >= Work(args.work).at.count) return;
   uint pair = Words(args.list).at[entry];

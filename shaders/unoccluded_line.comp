@@ -11,7 +11,8 @@
 
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const bool kIsGraded = true;
-layout(push_constant, scalar) uniform Args { LineArgs args; };
+layout(push_constant, scalar) uniform Args { LineArgs pushed; };
+LineArgs args;
 
 const uint kMostPieces = 4u;
 const double kUnit = 2.2e-16LF;    // rounding of double
@@ -44,6 +45,7 @@ double[kMostPieces + 1u] cutsOf(EdgeData p, EdgeData q) {
 }
 
 void main() {
+  args = pushed;
   uint entry = gl_GlobalInvocationID.x;
   if (entry >= Work(args.work).at.count) return;
   uint slot = Words(args.list).at[entry], in_pair = slot % kEdgePairs, first = slot / kEdgePairs * 2u * kMostEdges;

@@ -5,9 +5,11 @@
 #include "unoccluded.glsl"
 
 layout(local_size_x = 64) in;
-layout(push_constant, scalar) uniform Args { SumArgs args; };
+layout(push_constant, scalar) uniform Args { SumArgs pushed; };
+SumArgs args;
 
 void main() {
+  args = pushed;
   uint entry = gl_GlobalInvocationID.x;
   if (entry >= args.near_count) return;
   uint pair = Words(args.near).at[entry];

@@ -113,7 +113,7 @@ class ComputeEngine : public Engine {
   uint32_t tiles_wide_ = 0, tiles_high_ = 0, needed_roles_ = 0, fragment_capacity_ = 0;
   BatchPlan plan_;
   uint64_t list_capacity_ = 0;
-  Kernel enter_, project_, bin_, allocate_, sort_, peel_, cover_, meet_;
+  Kernel enter_, project_, bin_roles_, bin_count_, bin_scatter_, allocate_, sort_, peel_, cover_, meet_;
   std::vector<Batch> batches_;
   Commands commands_;       // of what is done between batches
   bool must_grow_ = false;   // the hash table
@@ -178,7 +178,10 @@ void ComputeEngine::makeKernels() {
   const uint32_t scanlines = options_.sampling == Sampling::scanline;
   if (enters()) enter_ = Kernel(device_, enter_comp, sizeof(ProjectArgs), {tuning_.tile_width, tuning_.tile_rows}, 3);
   project_ = Kernel(device_, project_comp, sizeof(ProjectArgs), {enters(), !enters()}, 3);
-  bin_ = Kernel(device_, bin_comp, sizeof(BinArgs), {}, kTexelBuffers);
+  const auto makeBin = [&](uint32_t mode) { return Kernel(device_, bin_comp, sizeof(BinArgs), {mode, needed_roles_ != 0, tuning_.sorts}, kTexelBuffers); };
+  if (needed_roles_) bin_roles_ = makeBin(kBinRoles);
+  bin_count_ = makeBin(kBinCount);
+  bin_scatter_ = makeBin(kBinScatter);
   allocate_ = Kernel(device_, allocate_comp, sizeof(BinArgs), {enters()});
   if (tuning_.sorts) sort_ = Kernel(device_, sort_comp, sizeof(SortArgs), {tuning_.subgroup_size}, kTexelBuffers);
   const bool meets_spans = scanlines && options_.count_blocked;
@@ -428,23 +431,21 @@ void ComputeEngine::submit(Batch& batch) {
   else commands.dispatch(project_, project, polygon_groups, direction_count);
   endPass();
 
-  BinArgs bin{batch.tile_roles.address(), batch.tile_counts.address(), batch.tile_starts.address(), (tuning_.sorts ? batch.entries : batch.lists).address(), batch.active_tiles.address(),
+  const BinArgs bin{batch.tile_roles.address(), batch.tile_counts.address(), batch.tile_starts.address(), (tuning_.sorts ? batch.entries : batch.lists).address(), batch.active_tiles.address(),
               batch.directions.address(), batch.status.address(), batch.listed.address(), batch.fragment_counts.address(), batch.fragment_capacity, scene_.polygon_count, scene_.corner_count, tiles_wide_, tiles_high_, tuning_.tile_width, tuning_.tile_rows,
-              tile_count, batch.list_capacity, kBinRoles,
-              rows_per_invocation, needed_roles_, tuning_.sorts ? 1u : 0u, column_bits_};
-  const auto runBin = [&](uint32_t mode) {
-    bin.mode = mode;
-    commands.bind(bin_, VK_PIPELINE_BIND_POINT_COMPUTE);
-    bindTexels(batch, bin_, batch.lists);
-    commands.dispatchIndirect(bin_, bin, batch.status, offsetof(BatchStatus, bin_groups));
+              tile_count, batch.list_capacity, rows_per_invocation, needed_roles_, column_bits_};
+  const auto runBin = [&](const Kernel& kernel) {
+    commands.bind(kernel, VK_PIPELINE_BIND_POINT_COMPUTE);
+    bindTexels(batch, kernel, batch.lists);
+    commands.dispatchIndirect(kernel, bin, batch.status, offsetof(BatchStatus, bin_groups));
     endPass();
   };
-  if (needed_roles_) runBin(kBinRoles);
+  if (needed_roles_) runBin(bin_roles_);
   else endPass();
-  runBin(kBinCount);
+  runBin(bin_count_);
   commands.dispatch(allocate_, bin, divideUp(tile_count, kGroupSize), 1);
   endPass();
-  runBin(kBinScatter);
+  runBin(bin_scatter_);
 
   if (tuning_.sorts) {
     const SortArgs sort{batch.lists.address(), batch.active_tiles.address(), batch.status.address()};
