@@ -7,6 +7,8 @@
 
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const bool kFragments = false;
+layout(constant_id = 1) const uint kTileWidth = 8u;
+layout(constant_id = 2) const uint kTileRows = 8u;
 layout(push_constant, scalar) uniform Args { BinArgs pushed; };
 BinArgs args;
 
@@ -16,7 +18,8 @@ void main() {
   if (tile >= args.tile_count) return;
   uint count = Words(args.tile_counts).at[tile];
   Status status = Status(args.status);
-  uint points = args.tile_width * args.tile_rows, most_fragments = 0u;
+  const uint points = kTileWidth * kTileRows;
+  uint most_fragments = 0u;
   if (kFragments) {
     for (uint k = 0u; k < points; ++k) most_fragments = max(most_fragments, Words(args.fragment_counts).at[tile * points + k]);
     if (most_fragments > args.fragment_capacity) {
@@ -43,8 +46,8 @@ void main() {
   found.direction = direction;
   found.weight = Directions(args.directions).at[direction].weight;
   found.block = Directions(args.directions).at[direction].block;
-  found.column = int(x * args.tile_width) - int(args.tiles_wide * args.tile_width / 2u);
-  found.row = int(y * args.tile_rows) - int(args.tiles_high * args.tile_rows / 2u);
+  found.column = int(x * kTileWidth) - int(args.tiles_wide * kTileWidth / 2u);
+  found.row = int(y * kTileRows) - int(args.tiles_high * kTileRows / 2u);
   found.most_fragments = most_fragments;
   found.first_point = tile * points;
   ActiveTiles(args.active_tiles).at[place] = found;

@@ -12,6 +12,9 @@ layout(local_size_x = 64) in;
 layout(constant_id = 0) const uint kMode = kBinRoles;
 layout(constant_id = 1) const bool kNeedsRoles = false;  // of an active tile: args.needed_roles
 layout(constant_id = 2) const bool kSorts = false;
+layout(constant_id = 3) const uint kTileWidth = 8u;
+layout(constant_id = 4) const uint kTileRows = 8u;
+layout(constant_id = 5) const int kColumnBits = 0;
 layout(push_constant, scalar) uniform Args { BinArgs pushed; };
 BinArgs args;
 
@@ -28,20 +31,20 @@ void main() {
   if (kMode == kBinRoles && roles == 0u) return;
 
   // The most that the edges reach over a tile, at the grid's first tile, and what it changes by from tile to tile.
-  ivec2 grid = -ivec2(args.tiles_wide * args.tile_width, args.tiles_high * args.tile_rows) / 2;
+  ivec2 grid = -ivec2(args.tiles_wide * kTileWidth, args.tiles_high * kTileRows) / 2;
   int64_t most[4], per_column[4], per_row[4];
   for (uint k = 0u; k < 4u; ++k) {
     Edge edge = fetchEdge(direction_index * args.corner_count + corners.x + min(k, corners.y - 1u));
-    int64_t a = int64_t(edge.a), b = int64_t(edge.b) << args.column_bits;
-    int64_t columns = int64_t(args.tile_width) << args.column_bits, rows = int64_t(args.tile_rows);
+    int64_t a = int64_t(edge.a), b = int64_t(edge.b) << kColumnBits;
+    int64_t columns = int64_t(kTileWidth) << kColumnBits, rows = int64_t(kTileRows);
     per_column[k] = a * columns;
     per_row[k] = b * rows;
-    most[k] = a * (int64_t(grid.x) << args.column_bits) + b * int64_t(grid.y) + edge.c + max(a, int64_t(0)) * (columns - int64_t(1)) +
+    most[k] = a * (int64_t(grid.x) << kColumnBits) + b * int64_t(grid.y) + edge.c + max(a, int64_t(0)) * (columns - int64_t(1)) +
               max(b, int64_t(0)) * (rows - int64_t(1));
   }
   uvec4 depth_01 = texelFetch(projected_texels, int(projected_at + 1u)), depth_2 = texelFetch(projected_texels, int(projected_at + 2u));
   int depth_shift = int(texelFetch(projected_texels, int(projected_at + 3u)).x);
-  ivec2 tile_size = ivec2(args.tile_width, args.tile_rows);
+  ivec2 tile_size = ivec2(kTileWidth, kTileRows);
   ivec2 first = (box.xy - grid) / tile_size, last = (box.zw - grid) / tile_size;
   int first_row = int(gl_WorkGroupID.z * args.rows_per_invocation);
   first.y = max(first.y, first_row);

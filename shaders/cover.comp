@@ -16,6 +16,7 @@ layout(local_size_x_id = 0) in;  // the subgroup size, 8 to 64
 layout(constant_id = 1) const uint kTileWidth = 8u;
 layout(constant_id = 2) const bool kAllCount = true;
 layout(constant_id = 3) const bool kTwoSided = false;
+layout(constant_id = 4) const uint kTileRows = 8u;
 layout(push_constant, scalar) uniform Args { MeetArgs pushed; };
 MeetArgs args;
 
@@ -30,7 +31,7 @@ uint64_t samplesOf(uint first_edge, uint edge_count, ivec2 corner) {
     value[k] = valueAtCorner(edge, corner);
   }
   uint64_t samples = 0ul;
-  for (uint row = 0u; row < args.tile_rows; ++row) {
+  for (uint row = 0u; row < kTileRows; ++row) {
     ivec4 at = value;
     uint bits = 0u;
     [[unroll]] for (uint column = 0u; column < kTileWidth; ++column) {
@@ -62,8 +63,8 @@ void main() {
     DepthPlane plane = fetchDepthPlane(projected_at, corner);
     Cover cover;
     cover.samples = samplesOf(rest.z, rest.w, corner);
-    cover.nearest = nearestDepth(plane.at_corner, plane.per_column, plane.per_row, plane.shift, plane.range, ivec2(kTileWidth, args.tile_rows));
-    cover.farthest = farthestDepth(plane.at_corner, plane.per_column, plane.per_row, plane.shift, plane.range, ivec2(kTileWidth, args.tile_rows));
+    cover.nearest = nearestDepth(plane.at_corner, plane.per_column, plane.per_row, plane.shift, plane.range, ivec2(kTileWidth, kTileRows));
+    cover.farthest = farthestDepth(plane.at_corner, plane.per_column, plane.per_row, plane.shift, plane.range, ivec2(kTileWidth, kTileRows));
     bool meets = base + lane < tile.y && cover.samples != 0ul && (kAllCount || fetchId(polygon) >> kRolesShift != 0u);
     bool is_up = kTwoSided || rest.y != 0u;
     uint kind = meets ? is_up ? 1u : 0x10000u : 0u;

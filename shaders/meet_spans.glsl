@@ -2,8 +2,8 @@
 
 uint depthInRow(DepthPlane plane, int column) {
   // Depth per spacing x column / 2^column_bits, rounded down; the product itself may need more than 64 bits.
-  int64_t whole = plane.per_column >> args.column_bits, rest = plane.per_column - (whole << args.column_bits);
-  int64_t depth = plane.at_corner + whole * int64_t(column) + (rest * int64_t(column) >> args.column_bits);
+  int64_t whole = plane.per_column >> kColumnBits, rest = plane.per_column - (whole << kColumnBits);
+  int64_t depth = plane.at_corner + whole * int64_t(column) + (rest * int64_t(column) >> kColumnBits);
   return uint(clamp(depth >> plane.shift, int64_t(plane.range.x), int64_t(plane.range.y)));
 }
 

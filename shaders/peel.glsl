@@ -27,6 +27,8 @@ layout(constant_id = 9) const uint kTileWidth = 8u;        // lattice points
 layout(constant_id = 10) const bool kSorted = false;       // lists are in the order of their polygons' nearest depths in the tile, not with scanlines
 layout(constant_id = 11) const bool kTwoSided = false;
 layout(constant_id = 12) const bool kCountsBlocked = false;
+layout(constant_id = 14) const uint kTileRows = 8u;
+layout(constant_id = 15) const int kColumnBits = 0;  // of an edge's column coordinate: with scanlines
 layout(constant_id = 13) const bool kFragments = false;  // lattice points have layers beside those of the tile's polygons
 layout(binding = 5) uniform usamplerBuffer fragment_texels;        // uint64_t
 layout(binding = 6) uniform usamplerBuffer fragment_count_texels;  // uint
@@ -183,7 +185,7 @@ void main() {
   while (first < sample_count && !cut) {
     uint weight = tile.weight;
     [[unroll]] for (int k = 0; k < kMostSteps; ++k) {
-      open[k] = k < kSteps && first + lane < sample_count && lane_row + k * rows_per_step < int(args.tile_rows);
+      open[k] = k < kSteps && first + lane < sample_count && lane_row + k * rows_per_step < int(kTileRows);
       last[k] = resume == 0u || k >= kSteps ? 0ul : Longs(args.reached).at[resume - 1u + lane * uint(kSteps) + uint(k)];
       open[k] = open[k] && last[k] != kNoLayer;
       fresh = (k == 0 ? 0u : fresh) | (open[k] && last[k] == 0ul ? 1u << k : 0u);
@@ -216,7 +218,7 @@ void main() {
         farthest_emitter[k] = farthest_receiver[k] = 0ul;
       }
       if (kFragments) {
-        uint point = tile.first_point + (lane_row < int(args.tile_rows) ? uint(lane_row) * kTileWidth : 0u) + uint(column), k = 0u;
+        uint point = tile.first_point + (lane_row < int(kTileRows) ? uint(lane_row) * kTileWidth : 0u) + uint(column), k = 0u;
         const uint step = uint(rows_per_step) * kTileWidth;
         uint counts[kMostSteps];
         [[unroll]] for (uint s = 0u; s < uint(kMostSteps); ++s)
@@ -261,8 +263,8 @@ void main() {
           }
           int64_t depth = longFrom(depth_01.xy) + longFrom(depth_01.zw) * int64_t(tile.corner.x) + longFrom(depth_2.xy) * int64_t(tile.corner.y);
           // With scanlines: depth per spacing x column / 2^column_bits, rounded down; the product itself may need more than 64 bits.
-          int64_t z_x = longFrom(depth_01.zw), whole = kScanlines ? z_x >> args.column_bits : z_x;
-          uint part = kScanlines ? uint(z_x - (whole << args.column_bits)) : 0u;
+          int64_t z_x = longFrom(depth_01.zw), whole = kScanlines ? z_x >> kColumnBits : z_x;
+          uint part = kScanlines ? uint(z_x - (whole << kColumnBits)) : 0u;
           uvec4 plane = uvec4(unpackUint2x32(uint64_t(depth)), unpackUint2x32(uint64_t(whole)));
           uvec2 plane_y = depth_2.xy;
           uvec4 bounds = uvec4(depth_2.zw, span.x + 1u, part << 6 | rest.x << 1 | rest.y);
@@ -286,7 +288,7 @@ void main() {
             if (kScanlines) {
               uint in_span = subgroupShuffle(span.y, t);
               polygon.covered = uint(column) - (in_span & 0xFFFFu) <= in_span >> 16 && in_span != kNoColumns;
-              polygon.z = longFrom(p.xy) + longFrom(p.zw) * int64_t(column) + int64_t((d.w >> 6) * uint(column) >> args.column_bits);
+              polygon.z = longFrom(p.xy) + longFrom(p.zw) * int64_t(column) + int64_t((d.w >> 6) * uint(column) >> kColumnBits);
             } else {
               ivec4 per_row = subgroupShuffle(b, t);
               polygon.edges = subgroupShuffle(a, t) * column + per_row * lane_row + subgroupShuffle(c, t);
@@ -329,7 +331,7 @@ void main() {
           uvec4 depth_01 = texelFetch(projected_texels, int(projected_at + 1u)), depth_2 = texelFetch(projected_texels, int(projected_at + 2u));
           int shift = int(texelFetch(projected_texels, int(projected_at + 3u)).x);
           int64_t depth = longFrom(depth_01.xy) + longFrom(depth_01.zw) * int64_t(tile.corner.x) + longFrom(depth_2.xy) * int64_t(tile.corner.y);
-          uint nearest_depth = nearestDepth(depth, longFrom(depth_01.zw), longFrom(depth_2.xy), shift, ivec2(depth_2.zw), ivec2(kTileWidth, args.tile_rows));
+          uint nearest_depth = nearestDepth(depth, longFrom(depth_01.zw), longFrom(depth_2.xy), shift, ivec2(depth_2.zw), ivec2(kTileWidth, kTileRows));
           if (base < polygon_count) bound = uint64_t(2u * nearest_depth) << 32;
         }
         gaps += flush(bound, base >= polygon_count, weight, lane, cut);
@@ -363,9 +365,9 @@ void main() {
     sumSoFar(gaps, all_gaps);
     bool begins = args.resumes == 0u && polygon_count > 0u;
     if (lane == 0u) {
-      atomicAdd(status.at.rows, begins ? kScanlines ? 1ul : uint64_t(args.tile_rows) : 0ul);
+      atomicAdd(status.at.rows, begins ? kScanlines ? 1ul : uint64_t(kTileRows) : 0ul);
       atomicAdd(status.at.spans, begins ? uint64_t(polygon_count) : 0ul);
-      atomicAdd(status.at.samples, begins ? uint64_t(kScanlines ? sample_count : kTileWidth * args.tile_rows) : 0ul);
+      atomicAdd(status.at.samples, begins ? uint64_t(kScanlines ? sample_count : kTileWidth * kTileRows) : 0ul);
       atomicAdd(status.at.tests, uint64_t(tested) * uint64_t(lanes * uint(kSteps)));
       atomicAdd(status.at.fragments, uint64_t(all_fragments));
       atomicAdd(status.at.gaps, uint64_t(all_gaps));

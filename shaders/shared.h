@@ -201,12 +201,10 @@ struct BinArgs {
   uint polygon_count;
   uint corner_count;
   uint tiles_wide, tiles_high;
-  uint tile_width, tile_rows;
   uint tile_count;
   uint list_capacity;
   uint rows_per_invocation;  // of tiles
   uint needed_roles;         // of an active tile
-  int column_bits;
 };
 
 // What bin.comp does.
@@ -264,7 +262,6 @@ struct MeetArgs {
   uint64_t counters;
   uint polygon_count;
   uint id_count;
-  uint tile_rows;
   uint counter_mask;
   uint64_t block_bytes;
 };
@@ -286,8 +283,6 @@ struct PeelArgs {
   uint64_t counters;
   uint polygon_count;
   uint id_count;
-  uint tile_width, tile_rows;
-  int column_bits;
   uint counter_mask;  // of a hash table: places - 1
   uint counts_environment;
   uint most_blocks;  // of polygons that one invocation goes through

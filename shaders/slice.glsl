@@ -2,11 +2,11 @@
 
 // A polygon's part in the row, in columns from the tile's first in units of 2^-column_bits: first | last - first << 16.
 uint spanOf(Tile tile, uint first_edge, uint edge_count) {
-  int width = int(args.tile_width) << args.column_bits;
+  int width = int(kTileWidth) << kColumnBits;
   int low = 0, high = width;
   [[unroll]] for (uint k = 0u; k < 4u; ++k) {
     Edge edge = fetchEdge(first_edge + min(k, edge_count - 1u));
-    int64_t value = int64_t(edge.a) * int64_t(tile.corner.x << args.column_bits) + (int64_t(edge.b) * int64_t(tile.corner.y) << args.column_bits) + edge.c;
+    int64_t value = int64_t(edge.a) * int64_t(tile.corner.x << kColumnBits) + (int64_t(edge.b) * int64_t(tile.corner.y) << kColumnBits) + edge.c;
     cutRow(edge, value, width, low, high);
   }
   return low < high ? uint(low) | uint(high - low - 1) << 16 : kNoColumns;

@@ -178,19 +178,20 @@ void ComputeEngine::makeKernels() {
   const uint32_t scanlines = options_.sampling == Sampling::scanline;
   if (enters()) enter_ = Kernel(device_, enter_comp, sizeof(ProjectArgs), {tuning_.tile_width, tuning_.tile_rows}, 3);
   project_ = Kernel(device_, project_comp, sizeof(ProjectArgs), {enters(), !enters()}, 3);
-  const auto makeBin = [&](uint32_t mode) { return Kernel(device_, bin_comp, sizeof(BinArgs), {mode, needed_roles_ != 0, tuning_.sorts}, kTexelBuffers); };
+  const auto makeBin = [&](uint32_t mode) { return Kernel(device_, bin_comp, sizeof(BinArgs), {mode, needed_roles_ != 0, tuning_.sorts, tuning_.tile_width, tuning_.tile_rows, static_cast<uint32_t>(column_bits_)}, kTexelBuffers); };
   if (needed_roles_) bin_roles_ = makeBin(kBinRoles);
   bin_count_ = makeBin(kBinCount);
   bin_scatter_ = makeBin(kBinScatter);
-  allocate_ = Kernel(device_, allocate_comp, sizeof(BinArgs), {enters()});
+  allocate_ = Kernel(device_, allocate_comp, sizeof(BinArgs), {enters(), tuning_.tile_width, tuning_.tile_rows});
   if (tuning_.sorts) sort_ = Kernel(device_, sort_comp, sizeof(SortArgs), {tuning_.subgroup_size}, kTexelBuffers);
   const bool meets_spans = scanlines && options_.count_blocked;
   peel_ = Kernel(device_, meets_spans ? std::span<const uint32_t>(peel_blocked_comp) : peel_comp, sizeof(PeelArgs),
                  {tuning_.subgroup_size, tuning_.layers_kept, scanlines, counters_.isSparse(), all_count_, options_.aggregate, options_.measure_work,
-                  tuning_.steps, ids_are_indices_, tuning_.tile_width, tuning_.sorts, two_sided_, options_.count_blocked, enters()},
+                  tuning_.steps, ids_are_indices_, tuning_.tile_width, tuning_.sorts, two_sided_, options_.count_blocked, enters(), tuning_.tile_rows,
+                  static_cast<uint32_t>(column_bits_)},
                  kTexelBuffers + 2);
   if (!meets()) return;
-  cover_ = Kernel(device_, cover_comp, sizeof(MeetArgs), {tuning_.subgroup_size, tuning_.tile_width, all_count_, two_sided_}, kTexelBuffers);
+  cover_ = Kernel(device_, cover_comp, sizeof(MeetArgs), {tuning_.subgroup_size, tuning_.tile_width, all_count_, two_sided_, tuning_.tile_rows}, kTexelBuffers);
   meet_ = Kernel(device_, meet_comp, sizeof(MeetArgs),
                  {tuning_.subgroup_size, tuning_.tile_width, all_count_, two_sided_, counters_.isSparse(), ids_are_indices_}, kTexelBuffers + 1);
 }
@@ -388,7 +389,7 @@ void ComputeEngine::bindTexels(Batch& batch, const Kernel& kernel, const Buffer&
 
 PeelArgs ComputeEngine::peelArgs(const Batch& batch) const {
   return {batch.unfinished[1].address(), batch.reached[1].address(), batch.unfinished[0].address(), batch.reached[0].address(), batch.status.address(),
-          counters_.address(), scene_.polygon_count, counters_.idCount(), tuning_.tile_width, tuning_.tile_rows, column_bits_, counters_.mask(),
+          counters_.address(), scene_.polygon_count, counters_.idCount(), counters_.mask(),
           counts_environment_ ? 1u : 0u, tuning_.most_blocks, static_cast<uint32_t>(batch.asked.size()) * pointsPerDirection(), 0, counters_.blockBytes()};
 }
 
@@ -432,8 +433,8 @@ void ComputeEngine::submit(Batch& batch) {
   endPass();
 
   const BinArgs bin{batch.tile_roles.address(), batch.tile_counts.address(), batch.tile_starts.address(), (tuning_.sorts ? batch.entries : batch.lists).address(), batch.active_tiles.address(),
-              batch.directions.address(), batch.status.address(), batch.listed.address(), batch.fragment_counts.address(), batch.fragment_capacity, scene_.polygon_count, scene_.corner_count, tiles_wide_, tiles_high_, tuning_.tile_width, tuning_.tile_rows,
-              tile_count, batch.list_capacity, rows_per_invocation, needed_roles_, column_bits_};
+              batch.directions.address(), batch.status.address(), batch.listed.address(), batch.fragment_counts.address(), batch.fragment_capacity, scene_.polygon_count, scene_.corner_count, tiles_wide_, tiles_high_,
+              tile_count, batch.list_capacity, rows_per_invocation, needed_roles_};
   const auto runBin = [&](const Kernel& kernel) {
     commands.bind(kernel, VK_PIPELINE_BIND_POINT_COMPUTE);
     bindTexels(batch, kernel, batch.lists);
@@ -460,7 +461,7 @@ void ComputeEngine::submit(Batch& batch) {
   endPass();
   if (meets()) {
     const MeetArgs meet{batch.covers.address(), batch.cover_polygons.address(), batch.meetings.address(), batch.status.address(), counters_.address(),
-                        scene_.polygon_count, counters_.idCount(), tuning_.tile_rows, counters_.mask(), counters_.blockBytes()};
+                        scene_.polygon_count, counters_.idCount(), counters_.mask(), counters_.blockBytes()};
     commands.bind(cover_, VK_PIPELINE_BIND_POINT_COMPUTE);
     bindTexels(batch, cover_, batch.lists);
     commands.dispatchIndirect(cover_, meet, batch.status, offsetof(BatchStatus, peel_groups));

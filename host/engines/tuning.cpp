@@ -32,7 +32,7 @@ Tuning tune(const Device& device, const LatticeOptions& options) {
   const auto choose = [](uint32_t asked, uint32_t otherwise) { return asked ? asked : otherwise; };
   const uint32_t subgroup_size = subgroup.subgroupSize, layers_kept = choose(options.layers_kept, 4), most_blocks = choose(options.most_blocks, on_cpu ? 1000 : 1u << 30);
   // Every row of a tile is cut from the tile's whole list with scanlines: there smaller tiles are faster.
-  const uint32_t default_rows = options.sampling == Sampling::scanline ? 2 : kMostTileRows;
+  const uint32_t default_rows = options.sampling == Sampling::lattice ? kMostTileRows : options.resolution < 128 ? 2 : 4;
   const uint32_t tile_rows = std::min(std::bit_ceil(choose(options.tile_rows, default_rows)), kMostTileRows);
   if (options.sampling == Sampling::scanline)
     return {subgroup_size, kScanlineCell, tile_rows, 1, layers_kept, most_blocks, false};
