@@ -9,6 +9,7 @@ layout(local_size_x = 64) in;
 layout(constant_id = 0) const bool kFragments = false;
 layout(constant_id = 1) const uint kTileWidth = 8u;
 layout(constant_id = 2) const uint kTileRows = 8u;
+layout(constant_id = 3) const uint kGroupsPerTile = 1u;  // of peel
 layout(push_constant, scalar) uniform Args { BinArgs pushed; };
 BinArgs args;
 
@@ -35,8 +36,9 @@ void main() {
     return;
   }
   uint place = atomicAdd(status.at.active_tiles, 1u) & ~(kListsOverflowed | kListsUncountable);
-  atomicMax(status.at.peel_groups.x, min(place + 1u, kGroupsPerRow));
-  atomicMax(status.at.peel_groups.y, place / kGroupsPerRow + 1u);
+  uint groups = (place + 1u) * kGroupsPerTile;
+  atomicMax(status.at.peel_groups.x, min(groups, kGroupsPerRow));
+  atomicMax(status.at.peel_groups.y, (groups - 1u) / kGroupsPerRow + 1u);
   uint tiles_per_direction = args.tiles_wide * args.tiles_high;
   uint direction = tile / tiles_per_direction, in_direction = tile - direction * tiles_per_direction;
   uint y = in_direction / args.tiles_wide, x = in_direction - y * args.tiles_wide;

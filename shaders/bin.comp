@@ -1,12 +1,11 @@
 #version 460
 // One invocation takes one listed polygon in one direction, and some rows of tiles, and finds the tiles that it can cover samples of:
 // to note its roles there, to count the polygons of tiles, or, when lists have been allocated, to enter itself.
-//   In: listed, projected, edges     Out, by mode: tile_roles; tile_counts; lists (tile_counts is counted down to 0)
+//   In: listed, projected, corners     Out, by mode: tile_roles; tile_counts; lists (tile_counts is counted down to 0)
 #extension GL_GOOGLE_include_directive : require
 #define SHARED_FUNCTION
 #include "common.glsl"
 #include "texels.glsl"
-#include "geometry.glsl"
 
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const uint kMode = kBinRoles;
@@ -15,6 +14,7 @@ layout(constant_id = 2) const bool kSorts = false;
 layout(constant_id = 3) const uint kTileWidth = 8u;
 layout(constant_id = 4) const uint kTileRows = 8u;
 layout(constant_id = 5) const int kColumnBits = 0;
+layout(constant_id = 6) const int kCutBits = 0;  // see makeEdge
 layout(push_constant, scalar) uniform Args { BinArgs pushed; };
 BinArgs args;
 
@@ -24,17 +24,17 @@ void main() {
   if (kMode == kBinScatter && (Status(args.status).at.active_tiles & kListsOverflowed) != 0u) return;
   uint listed = Words(args.listed).at[gl_GlobalInvocationID.x];
   uint direction_index = listed / args.polygon_count, polygon_index = listed - direction_index * args.polygon_count;
-  uint projected_at = 4u * listed;
+  uint projected_at = kProjectedTexels * listed;
   ivec4 box = ivec4(texelFetch(projected_texels, int(projected_at)));
-  uvec3 corners = texelFetch(polygon_texels, int(3u * polygon_index)).xyz;  // first, count, id with roles
-  uint roles = corners.z >> kRolesShift;
+  uint roles = kMode == kBinRoles ? fetchId(polygon_index) >> kRolesShift : 0u;
   if (kMode == kBinRoles && roles == 0u) return;
 
   // The most that the edges reach over a tile, at the grid's first tile, and what it changes by from tile to tile.
   ivec2 grid = -ivec2(args.tiles_wide * kTileWidth, args.tiles_high * kTileRows) / 2;
   int64_t most[4], per_column[4], per_row[4];
+  SnappedCorners corners = fetchCorners(listed);
   for (uint k = 0u; k < 4u; ++k) {
-    Edge edge = fetchEdge(direction_index * args.corner_count + corners.x + min(k, corners.y - 1u));
+    Edge edge = makeEdge(corners, k, kCutBits);
     int64_t a = int64_t(edge.a), b = int64_t(edge.b) << kColumnBits;
     int64_t columns = int64_t(kTileWidth) << kColumnBits, rows = int64_t(kTileRows);
     per_column[k] = a * columns;
@@ -43,7 +43,7 @@ void main() {
               max(b, int64_t(0)) * (rows - int64_t(1));
   }
   uvec4 depth_01 = texelFetch(projected_texels, int(projected_at + 1u)), depth_2 = texelFetch(projected_texels, int(projected_at + 2u));
-  int depth_shift = int(texelFetch(projected_texels, int(projected_at + 3u)).x);
+  int64_t depth_x = depthXOf(longFrom(depth_01.zw));
   ivec2 tile_size = ivec2(kTileWidth, kTileRows);
   ivec2 first = (box.xy - grid) / tile_size, last = (box.zw - grid) / tile_size;
   int first_row = int(gl_WorkGroupID.z * args.rows_per_invocation);
@@ -69,10 +69,10 @@ void main() {
           continue;
         }
         ivec2 corner = grid + ivec2(x, y) * tile_size;
-        int64_t depth = longFrom(depth_01.xy) + longFrom(depth_01.zw) * int64_t(corner.x) + longFrom(depth_2.xy) * int64_t(corner.y);
+        int64_t depth = longFrom(depth_01.xy) + depth_x * int64_t(corner.x) + longFrom(depth_2.xy) * int64_t(corner.y);
         ListEntry entry;
         entry.polygon = polygon_index;
-        entry.nearest_depth = nearestDepth(depth, longFrom(depth_01.zw), longFrom(depth_2.xy), depth_shift, ivec2(depth_2.zw), tile_size);
+        entry.nearest_depth = nearestDepth(depth, depth_x, longFrom(depth_2.xy), depthShiftOf(depth_01.z), ivec2(depth_2.zw), tile_size);
         ListEntries(args.lists).at[at] = entry;
       }
     }

@@ -10,7 +10,7 @@
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Directions { DirectionData at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Polygons { PolygonData at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Edges { Edge at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Corners { SnappedCorners at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Projected { ProjectedPolygon at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Layers { Layer at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Words { uint at[]; };
@@ -23,3 +23,9 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ActiveTiles
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Covers { Cover at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Meetings { Meeting at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer UnfinishedRows { UnfinishedRow at[]; };
+
+// See ProjectedPolygon.
+int64_t packDepthX(int64_t depth_x, int shift, bool front_up) { return depth_x << 6 | int64_t(shift << 1 | (front_up ? 1 : 0)); }
+int64_t depthXOf(int64_t packed) { return packed >> 6; }
+int depthShiftOf(uint packed_low) { return int(packed_low >> 1 & 31u); }
+uint frontUpOf(uint packed_low) { return packed_low & 1u; }

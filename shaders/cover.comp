@@ -2,7 +2,7 @@
 // One workgroup, meant to be one subgroup, takes one tile: which of its samples each polygon covers and between which depths it lies there. Polygons that cover
 // none, or whose pairs nobody asked for, are left out; of the others those whose fronts face +u come first, the others last. A meeting is some of the former
 // with all of the latter. Of two-sided polygons all come first, and meet those that come after them.
-//   In: active_tiles, lists, projected, edges, polygons     Out: covers, cover_polygons, meetings, status
+//   In: active_tiles, lists, projected, corners, polygons     Out: covers, cover_polygons, meetings, status
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_KHR_shader_subgroup_basic : require
@@ -10,25 +10,25 @@
 #define SHARED_FUNCTION
 #include "common.glsl"
 #include "texels.glsl"
-#include "geometry.glsl"
 
 layout(local_size_x_id = 0) in;  // the subgroup size, 8 to 64
 layout(constant_id = 1) const uint kTileWidth = 8u;
 layout(constant_id = 2) const bool kAllCount = true;
 layout(constant_id = 3) const bool kTwoSided = false;
 layout(constant_id = 4) const uint kTileRows = 8u;
+layout(constant_id = 5) const int kCutBits = 0;  // see makeEdge
 layout(push_constant, scalar) uniform Args { MeetArgs pushed; };
 MeetArgs args;
 
 #include "subgroup.glsl"
 
-uint64_t samplesOf(uint first_edge, uint edge_count, ivec2 corner) {
+uint64_t samplesOf(SnappedCorners corners, ivec2 tile) {
   ivec4 a, b, value;
   [[unroll]] for (uint k = 0u; k < 4u; ++k) {
-    Edge edge = fetchEdge(first_edge + min(k, edge_count - 1u));
+    Edge edge = makeEdge(corners, k, kCutBits);
     a[k] = edge.a;
     b[k] = edge.b;
-    value[k] = valueAtCorner(edge, corner);
+    value[k] = valueAtCorner(edge, tile);
   }
   uint64_t samples = 0ul;
   for (uint row = 0u; row < kTileRows; ++row) {
@@ -58,15 +58,14 @@ void main() {
   for (uint base = 0u; base < tile.y; base += lanes) {
     uint mine = min(base + lane, tile.y - 1u);
     uint polygon = texelFetch(list_texels, int(tile.x + mine)).x;
-    uint projected_at = 4u * (tile.z * args.polygon_count + polygon);
-    uvec4 rest = texelFetch(projected_texels, int(projected_at + 3u));  // depth_shift, front_up, first_edge, edge_count
+    uint projected = tile.z * args.polygon_count + polygon, projected_at = kProjectedTexels * projected;
     DepthPlane plane = fetchDepthPlane(projected_at, corner);
     Cover cover;
-    cover.samples = samplesOf(rest.z, rest.w, corner);
+    cover.samples = samplesOf(fetchCorners(projected), corner);
     cover.nearest = nearestDepth(plane.at_corner, plane.per_column, plane.per_row, plane.shift, plane.range, ivec2(kTileWidth, kTileRows));
     cover.farthest = farthestDepth(plane.at_corner, plane.per_column, plane.per_row, plane.shift, plane.range, ivec2(kTileWidth, kTileRows));
     bool meets = base + lane < tile.y && cover.samples != 0ul && (kAllCount || fetchId(polygon) >> kRolesShift != 0u);
-    bool is_up = kTwoSided || rest.y != 0u;
+    bool is_up = kTwoSided || frontUpOf(texelFetch(projected_texels, int(projected_at + 1u)).z) != 0u;
     uint kind = meets ? is_up ? 1u : 0x10000u : 0u;
     uint all, before = sumSoFar(kind, all) - kind;
     uint at = tile.x + (is_up ? ups + (before & 0xFFFFu) : tile.y - 1u - downs - (before >> 16));

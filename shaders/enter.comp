@@ -42,7 +42,7 @@ void main() {
     x = row_ends ? 0 : x;
   }
 
-  int64_t depth_at_corner = polygon.depth_0 + polygon.depth_x * int64_t(polygon.box_min.x) + polygon.depth_y * int64_t(polygon.box_min.y);
+  int64_t depth_x = depthXOf(polygon.depth_x_packed), depth_at_corner = polygon.depth_0 + depth_x * int64_t(polygon.box_min.x) + polygon.depth_y * int64_t(polygon.box_min.y);
   uvec2 in_grid = uvec2(polygon.box_min + ivec2(args.tiles_wide * kTileWidth, args.tiles_high * kTileRows) / 2);
   uint first_tile = direction_index * args.tiles_high * args.tiles_wide;
   uvec2 bits = unpackUint2x32(covered);
@@ -54,7 +54,7 @@ void main() {
     uint tile = first_tile + p.y / kTileRows * args.tiles_wide + p.x / kTileWidth;
     uint point = tile * (kTileWidth * kTileRows) + p.y % kTileRows * kTileWidth + p.x % kTileWidth;
     uint slot = atomicAdd(Words(args.fragment_counts).at[point], 1u);
-    uint key = layerKeyOf(depth_at_corner + polygon.depth_x * int64_t(in_box.x) + polygon.depth_y * int64_t(in_box.y), polygon);
+    uint key = layerKeyOf(depth_at_corner + depth_x * int64_t(in_box.x) + polygon.depth_y * int64_t(in_box.y), polygon);
     if (slot < args.fragment_capacity) Longs(args.fragments).at[slot * args.point_count + point] = packUint2x32(uvec2(polygon_index + 1u, key));
   }
 }

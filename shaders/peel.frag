@@ -21,10 +21,9 @@ void main() {
   Layer previous = Layers(args.previous).at[uint(pixel.y) * args.image_width + uint(pixel.x)];
   if (key < previous.key || (key == previous.key && polygon_index + 1u <= previous.polygon)) discard;
 
-  PolygonData polygon = Polygons(args.polygons).at[polygon_index];
-  uint edge = direction_index * args.corner_count + polygon.first_corner;
-  for (uint end = edge + polygon.corner_count; edge < end; ++edge)
-    if (!isInside(Edges(args.edges).at[edge], p)) discard;
+  SnappedCorners corners = Corners(args.snapped_corners).at[instance];
+  for (uint k = 0u; k < 4u; ++k)
+    if (!isInside(makeEdge(corners, k, args.fraction_bits), p)) discard;
   layer = uvec2(key, polygon_index + 1u);
   // Bit patterns of positive floats are ordered as the floats are: a 32-bit depth buffer compares the keys exactly.
   gl_FragDepth = uintBitsToFloat(key + 0x00800000u);

@@ -3,7 +3,7 @@
 // layers contribute to the counters, and goes round again where more layers remain. A sample is a lattice point or, with
 // scanlines, the interval between two ends of spans: the order of polygons does not change in it, and its length is its weight. The
 // tile's polygons are loaded one by each invocation and passed on by shuffles.
-//   In: active_tiles, lists, projected, edges, polygons, fragments     Out: counters, unfinished tiles or rows and the layers that they reached
+//   In: active_tiles, lists, projected, corners, polygons, fragments     Out: counters, unfinished tiles or rows and the layers that they reached
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_shader_atomic_int64 : require
 #extension GL_KHR_shader_subgroup_basic : require
@@ -11,7 +11,6 @@
 #define SHARED_FUNCTION
 #include "common.glsl"
 #include "texels.glsl"
-#include "geometry.glsl"
 #include "counters.glsl"
 
 layout(local_size_x_id = 0) in;  // the subgroup size, 8 to 64
@@ -28,6 +27,7 @@ layout(constant_id = 10) const bool kSorted = false;       // lists are in the o
 layout(constant_id = 11) const bool kTwoSided = false;
 layout(constant_id = 12) const bool kCountsBlocked = false;
 layout(constant_id = 14) const uint kTileRows = 8u;
+layout(constant_id = 16) const int kCutBits = 0;     // see makeEdge
 layout(constant_id = 15) const int kColumnBits = 0;  // of an edge's column coordinate: with scanlines
 layout(constant_id = 13) const bool kFragments = false;  // lattice points have layers beside those of the tile's polygons
 layout(binding = 5) uniform usamplerBuffer fragment_texels;        // uint64_t
@@ -133,17 +133,18 @@ void main() {
   const uint lanes = gl_WorkGroupSize.x;
   const int rows_per_step = kScanlines ? 1 : int(lanes / kTileWidth);
   uint lane = gl_SubgroupInvocationID;
-  uint place = gl_WorkGroupID.y * kGroupsPerRow + gl_WorkGroupID.x;
-  uint row = gl_WorkGroupID.z, first = 0u, resume = 0u, first_meeting = 0u;
+  const uint groups_per_tile = kScanlines ? kTileRows : 1u;  // a tile's rows one after another: they share its polygons
+  uint group = gl_WorkGroupID.y * kGroupsPerRow + gl_WorkGroupID.x, place = group / groups_per_tile, row = group % groups_per_tile;
+  uint first = 0u, resume = 0u, first_meeting = 0u;
   Status status = Status(args.status);
   if (gl_NumSubgroups != 1u) {
     atomicOr(status.at.overflows, kOtherSubgroups);
     return;
   }
   if (args.resumes != 0u) {
-    if (place >= args.resumes) return;
-    UnfinishedRow rest = UnfinishedRows(args.rows).at[place];
-    resume = place * lanes * uint(kSteps) + 1u;
+    if (group >= args.resumes) return;
+    UnfinishedRow rest = UnfinishedRows(args.rows).at[group];
+    resume = group * lanes * uint(kSteps) + 1u;
     place = rest.tile;
     row = rest.row;
     first = rest.first_sample;
@@ -245,29 +246,28 @@ void main() {
           // This invocation's polygon: its edges or its span, and its depth, at the corner.
           uint mine = min(base + lane, max(polygon_count, 1u) - 1u);
           uvec2 span = kScanlines ? spans[placeOfSpan(mine, ups)] : uvec2(polygon_count == 0u ? 0u : texelFetch(list_texels, int(tile.list_start + mine)).x, 0u);
-          uint projected_at = 4u * (tile.direction * args.polygon_count + span.x);
+          uint projected = tile.direction * args.polygon_count + span.x, projected_at = kProjectedTexels * projected;
           uvec4 depth_01 = texelFetch(projected_texels, int(projected_at + 1u));
           uvec4 depth_2 = texelFetch(projected_texels, int(projected_at + 2u));
-          uvec4 rest = texelFetch(projected_texels, int(projected_at + 3u));
-          if (polygon_count == 0u) rest = uvec4(0);  // what was read is nobody's
           if (base + lane >= polygon_count) span.y = kNoColumns;
           ivec4 a = ivec4(0), b = ivec4(0), c = ivec4(-1);  // covers nothing
           if (!kScanlines) {
             bool is_polygon = base + lane < polygon_count;
+            SnappedCorners corners = fetchCorners(projected);
             [[unroll]] for (uint k = 0u; k < 4u; ++k) {
-              Edge edge = fetchEdge(rest.z + min(k, rest.w - 1u));
+              Edge edge = makeEdge(corners, k, kCutBits);
               a[k] = is_polygon ? edge.a : 0;
               b[k] = is_polygon ? edge.b : 0;
               c[k] = is_polygon ? valueAtCorner(edge, tile.corner) : -1;
             }
           }
-          int64_t depth = longFrom(depth_01.xy) + longFrom(depth_01.zw) * int64_t(tile.corner.x) + longFrom(depth_2.xy) * int64_t(tile.corner.y);
+          int64_t z_x = depthXOf(longFrom(depth_01.zw)), depth = longFrom(depth_01.xy) + z_x * int64_t(tile.corner.x) + longFrom(depth_2.xy) * int64_t(tile.corner.y);
           // With scanlines: depth per spacing x column / 2^column_bits, rounded down; the product itself may need more than 64 bits.
-          int64_t z_x = longFrom(depth_01.zw), whole = kScanlines ? z_x >> kColumnBits : z_x;
+          int64_t whole = kScanlines ? z_x >> kColumnBits : z_x;
           uint part = kScanlines ? uint(z_x - (whole << kColumnBits)) : 0u;
           uvec4 plane = uvec4(unpackUint2x32(uint64_t(depth)), unpackUint2x32(uint64_t(whole)));
           uvec2 plane_y = depth_2.xy;
-          uvec4 bounds = uvec4(depth_2.zw, span.x + 1u, part << 6 | rest.x << 1 | rest.y);
+          uvec4 bounds = uvec4(depth_2.zw, span.x + 1u, part << 6 | depth_01.z & 63u);
           uint roles = kAllCount ? 0u : fetchId(span.x) >> kRolesShift;
           uint next = lane;  // with scanlines, from this one on the first whose span reaches one of the samples; the number of invocations where there is none
           if (kScanlines) {
@@ -327,11 +327,10 @@ void main() {
         uint64_t bound = kNoLayer;
         if (kSorted) {  // nothing from the next polygon on is nearer than its nearest depth in the tile
           uint next = texelFetch(list_texels, int(tile.list_start + min(base + t, max(polygon_count, 1u) - 1u))).x;
-          uint projected_at = 4u * (tile.direction * args.polygon_count + next);
+          uint projected_at = kProjectedTexels * (tile.direction * args.polygon_count + next);
           uvec4 depth_01 = texelFetch(projected_texels, int(projected_at + 1u)), depth_2 = texelFetch(projected_texels, int(projected_at + 2u));
-          int shift = int(texelFetch(projected_texels, int(projected_at + 3u)).x);
-          int64_t depth = longFrom(depth_01.xy) + longFrom(depth_01.zw) * int64_t(tile.corner.x) + longFrom(depth_2.xy) * int64_t(tile.corner.y);
-          uint nearest_depth = nearestDepth(depth, longFrom(depth_01.zw), longFrom(depth_2.xy), shift, ivec2(depth_2.zw), ivec2(kTileWidth, kTileRows));
+          int64_t depth_x = depthXOf(longFrom(depth_01.zw)), depth = longFrom(depth_01.xy) + depth_x * int64_t(tile.corner.x) + longFrom(depth_2.xy) * int64_t(tile.corner.y);
+          uint nearest_depth = nearestDepth(depth, depth_x, longFrom(depth_2.xy), depthShiftOf(depth_01.z), ivec2(depth_2.zw), ivec2(kTileWidth, kTileRows));
           if (base < polygon_count) bound = uint64_t(2u * nearest_depth) << 32;
         }
         gaps += flush(bound, base >= polygon_count, weight, lane, cut);

@@ -1,7 +1,7 @@
 #version 460
-// One invocation projects one polygon along one direction: snaps its corners to the lattice's fixed point and writes its edges, its depth as a
+// One invocation projects one polygon along one direction: snaps its corners to the lattice's fixed point and writes them, its depth as a
 // plane over the lattice and, for drawing, an outline of the lattice points it can cover.
-//   In: directions, polygons, corners, listed     Out: edges, projected, outlines, listed
+//   In: directions, polygons, corners, listed     Out: snapped corners, projected, outlines, listed
 #extension GL_GOOGLE_include_directive : require
 #define SHARED_FUNCTION
 #include "common.glsl"
@@ -9,6 +9,7 @@
 
 layout(constant_id = 0) const bool kListed = false;  // takes the polygons that enter has listed, not all
 layout(constant_id = 1) const bool kLists = false;   // those that can cover lattice points
+layout(constant_id = 2) const bool kDraws = false;   // writes outlines
 
 // The corner between two edges, moved outward by a little on either side, so that a rasteriser that snaps and rounds as it likes
 // finds every lattice point of the polygon. False where the corner is too sharp for that.
@@ -38,14 +39,11 @@ void main() {
   uint projected_at = direction_index * args.polygon_count + polygon_index;
   Projection found = projectPolygon(polygon_index, direction_index);
   ProjectedPolygon polygon = found.polygon;
-  if (args.outlines == uint64_t(0) && found.covers_none) return;  // nobody looks at it
+  if (!kDraws && found.covers_none) return;  // nobody looks at it
   if (kLists) listPolygon(projected_at);
-  for (uint k = 0u; k < 4u; ++k)
-    if (k < polygon.edge_count) {
-      Longs(args.edges).at[2u * (polygon.first_edge + k)] = packUint2x32(uvec2(found.edges[k].a, found.edges[k].b));
-      Longs(args.edges).at[2u * (polygon.first_edge + k) + 1u] = uint64_t(found.edges[k].c);
-    }
-  if (args.outlines != uint64_t(0)) {
+  Longs corners = Longs(args.snapped_corners + uint64_t(projected_at) * 32ul);
+  for (uint k = 0u; k < 4u; ++k) corners.at[k] = packUint2x32(uvec2(found.corners.at[k]));
+  if (kDraws) {
     Outline outline;
     outline.blocks = uint64_t(0);
     for (int k = 0; k < 4; ++k) outline.strip[k] = vec2(0);
@@ -60,8 +58,9 @@ void main() {
       vec2 widened[4];
       bool usable = true;
       for (uint k = 0u; k < 4u; ++k) {
-        uint at = min(k, polygon.edge_count - 1u);
-        usable = widenCorner(found.edges[at == 0u ? polygon.edge_count - 1u : at - 1u], found.edges[at], vec2(found.corners[at]) / float(1 << args.fraction_bits), widened[k]) && usable;
+        uint at = min(k, found.edge_count - 1u);
+        Edge before = found.edges[at == 0u ? 3u : at - 1u], after = found.edges[at + 1u == found.edge_count ? 3u : at];
+        usable = widenCorner(before, after, vec2(found.corners.at[at]) / float(1 << args.fraction_bits), widened[k]) && usable;
       }
       if (usable) {  // a strip goes 0, 1, 3, 2
         outline.strip[0] = widened[0];
@@ -73,13 +72,11 @@ void main() {
     Outlines(args.outlines).at[projected_at] = outline;
   }
 
-  Longs words = Longs(args.projected + uint64_t(projected_at) * 64ul);  // as few stores as can be: they are what this pass spends its time with
+  Longs words = Longs(args.projected + uint64_t(projected_at) * 48ul);  // as few stores as can be: they are what this pass spends its time with
   words.at[0] = packUint2x32(uvec2(polygon.box_min));
   words.at[1] = packUint2x32(uvec2(polygon.box_max));
   words.at[2] = uint64_t(polygon.depth_0);
-  words.at[3] = uint64_t(polygon.depth_x);
+  words.at[3] = uint64_t(polygon.depth_x_packed);
   words.at[4] = uint64_t(polygon.depth_y);
   words.at[5] = packUint2x32(uvec2(polygon.depth_min, polygon.depth_max));
-  words.at[6] = packUint2x32(uvec2(polygon.depth_shift, polygon.front_up));
-  words.at[7] = packUint2x32(uvec2(polygon.first_edge, polygon.edge_count));
 }

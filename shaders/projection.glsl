@@ -42,9 +42,10 @@ ivec2 snap(dvec3 corner, DirectionData direction, double per_spacing, double fix
 }
 
 struct Projection {
-  ivec2 corners[4];  // snapped; a triangle's last twice
+  SnappedCorners corners;
   Edge edges[4];
   ProjectedPolygon polygon;
+  uint edge_count;
   bool covers_none;  // of the lattice points
 };
 
@@ -52,8 +53,7 @@ Projection projectPolygon(uint polygon_index, uint direction_index) {
   DirectionData direction = fetchDirection(direction_index);
   uvec2 corners = texelFetch(polygon_texels, int(3u * polygon_index)).xy;  // first, count
   Projection found;
-  found.polygon.first_edge = direction_index * args.corner_count + corners.x;
-  found.polygon.edge_count = corners.y;
+  found.edge_count = corners.y;
 
   // Corners in lattice coordinates, x / h + offset with 1 / h = resolution / 2.
   precise double per_spacing = double(args.resolution) * 0.5LF;
@@ -61,26 +61,30 @@ Projection projectPolygon(uint polygon_index, uint direction_index) {
   double z[4];
   for (uint k = 0u; k < 4u; ++k) {
     dvec3 corner = fetchCorner(corners.x + min(k, corners.y - 1u));
-    found.corners[k] = snap(corner, direction, per_spacing, fixed_one);
+    found.corners.at[k] = snap(corner, direction, per_spacing, fixed_one);
     z[k] = dotInOrder(corner, direction.u);
   }
-  ivec2 low = min(min(found.corners[0], found.corners[1]), min(found.corners[2], found.corners[3]));
-  ivec2 high = max(max(found.corners[0], found.corners[1]), max(found.corners[2], found.corners[3]));
+  ivec2 low = min(min(found.corners.at[0], found.corners.at[1]), min(found.corners.at[2], found.corners.at[3]));
+  ivec2 high = max(max(found.corners.at[0], found.corners.at[1]), max(found.corners.at[2], found.corners.at[3]));
   double z_min = min(min(z[0], z[1]), min(z[2], z[3])), z_max = max(max(z[0], z[1]), max(z[2], z[3]));
   int64_t twice_area = int64_t(0);
   for (uint k = 1u; k < 3u; ++k) {
-    ivec2 a = found.corners[k] - found.corners[0], b = found.corners[k + 1u] - found.corners[0];
+    ivec2 a = found.corners.at[k] - found.corners.at[0], b = found.corners.at[k + 1u] - found.corners.at[0];
     twice_area += int64_t(a.x) * int64_t(b.y) - int64_t(a.y) * int64_t(b.x);
   }
-  int orientation = twice_area > int64_t(0) ? 1 : -1;
-  found.polygon.front_up = twice_area > int64_t(0) ? 1u : 0u;
+  bool front_up = twice_area > int64_t(0);
+  if (!front_up) {  // the other way round
+    ivec2 second = found.corners.at[1];
+    found.corners.at[1] = found.corners.at[3];
+    if (corners.y == 3u) found.corners.at[2] = second;
+    found.corners.at[3] = second;
+  }
   int column_shift = args.fraction_bits - args.column_bits;
   int first_column = (low.x + (1 << column_shift) - 1) >> column_shift, last_column = high.x >> column_shift;
   found.polygon.box_min = max(ivec2(first_column >> args.column_bits, (low.y + (1 << args.fraction_bits) - 1) >> args.fraction_bits), ivec2(-args.window));
   found.polygon.box_max = min(ivec2(last_column >> args.column_bits, high.y >> args.fraction_bits), ivec2(args.window - 1));
   found.covers_none = twice_area == int64_t(0) || first_column > last_column || any(greaterThan(found.polygon.box_min, found.polygon.box_max));
-  for (uint k = 0u; k < 4u; ++k)
-    found.edges[k] = makeEdge(found.corners[k], found.corners[k + 1u < corners.y ? k + 1u : 0u], orientation, args.fraction_bits, args.column_bits);
+  for (uint k = 0u; k < 4u; ++k) found.edges[k] = makeEdge(found.corners, k, args.fraction_bits - args.column_bits);
 
   // normal . (x, y, z) = plane_offset, solved for z at lattice points.
   dvec2 plane_01 = doublesFrom(texelFetch(polygon_texels, int(3u * polygon_index + 1u)));
@@ -98,15 +102,15 @@ Projection projectPolygon(uint polygon_index, uint direction_index) {
   double bound = abs(d0) + (abs(dx) + abs(dy)) * double(max(args.resolution, 32)) + 1.0LF;
   int exponent = exponentOf(bound);
   if (abs(nz) > 1e-12LF && exponent < 60) {
-    found.polygon.depth_shift = min(60 - exponent, 30);
-    precise double scale = double(1 << found.polygon.depth_shift);
+    int depth_shift = min(60 - exponent, 30);
+    precise double scale = double(1 << depth_shift);
     found.polygon.depth_0 = int64_t(floor(d0 * scale + 0.5LF));
-    found.polygon.depth_x = int64_t(floor(dx * scale + 0.5LF));
+    found.polygon.depth_x_packed = packDepthX(int64_t(floor(dx * scale + 0.5LF)), depth_shift, front_up);  // below 2^57: resolution is 32 or more in the bound
     found.polygon.depth_y = int64_t(floor(dy * scale + 0.5LF));
   } else {  // edge-on: what rounding lets it cover lies at its middle
-    found.polygon.depth_shift = 0;
     found.polygon.depth_0 = int64_t((0.5LF * (z_min + z_max) + 1.0LF) * unit);
-    found.polygon.depth_x = found.polygon.depth_y = int64_t(0);
+    found.polygon.depth_x_packed = packDepthX(int64_t(0), 0, front_up);
+    found.polygon.depth_y = int64_t(0);
   }
   // Corners lie within 1e-8 of their plane; the slack keeps the clamp from parting coplanar polygons.
   double slack = 4.0LF + 2.0LF * min(steepness, 1e6LF);

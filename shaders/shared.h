@@ -25,10 +25,15 @@ struct CornerData {
 };
 
 // An edge over the lattice: a X + b y 2^column_bits + c >= 0 where the point (X / 2^column_bits, y) lies on the polygon's side of it.
-// One texel, and a ProjectedPolygon is four: software devices fetch texels several times faster than they load words.
 struct Edge {
   int a, b;
   int64_t c;
+};
+
+// The corners of a polygon in one direction, snapped to fixed point, counter-clockwise as seen from +u; a triangle's last twice.
+// Two texels, and a ProjectedPolygon is three: software devices fetch texels several times faster than they load words.
+struct SnappedCorners {
+  ivec2 at[4];
 };
 
 // A polygon in one direction. Depth at a lattice point p is
@@ -37,14 +42,10 @@ struct ProjectedPolygon {
   ivec2 box_min;  // lattice points it can cover, between columns too; box_min.x > box_max.x where it covers none
   ivec2 box_max;
   int64_t depth_0;
-  int64_t depth_x;
+  int64_t depth_x_packed;  // depth_x << 6 | depth_shift << 1 | front_up: 1 where its front faces +u
   int64_t depth_y;
   int depth_min;
   int depth_max;
-  int depth_shift;
-  uint front_up;  // 1 where its front faces +u
-  uint first_edge;
-  uint edge_count;
 };
 
 // What the graphics engine draws of it.
@@ -73,11 +74,10 @@ struct LayerCommands {
 };
 
 struct ProjectArgs {
-  uint64_t edges;       // Edge[direction_count][corner_count], edge k from corner k to the next of its polygon
+  uint64_t snapped_corners;  // SnappedCorners[direction_count][polygon_count]
   uint64_t projected;   // ProjectedPolygon[direction_count][polygon_count]
   uint64_t outlines;    // Outline[direction_count][polygon_count], or 0 where nobody draws them
   uint polygon_count;
-  uint corner_count;
   uint direction_count;
   int resolution;       // lattice spacings across the unit ball's diameter
   int fraction_bits;    // of a snapped coordinate
@@ -99,17 +99,17 @@ struct ProjectArgs {
 // lattice point (0, 0).
 struct DrawArgs {
   uint64_t polygons;
-  uint64_t edges;
+  uint64_t snapped_corners;
   uint64_t projected;
   uint64_t outlines;
   uint64_t previous;       // Layer[image_height][image_width]
   uint64_t alive;          // uint[direction_count][2]: the blocks of the cell in which the previous layer had a polygon
   uint polygon_count;
-  uint corner_count;
   uint cell_size;
   uint cells_per_row;
   uint image_width;
   uint image_height;
+  int fraction_bits;
 };
 
 struct AccumulateArgs {
@@ -199,7 +199,6 @@ struct BinArgs {
   uint64_t fragment_counts;
   uint fragment_capacity;
   uint polygon_count;
-  uint corner_count;
   uint tiles_wide, tiles_high;
   uint tile_count;
   uint list_capacity;

@@ -1,11 +1,11 @@
 // Part of peel.glsl: with scanlines, the samples of a row.
 
 // A polygon's part in the row, in columns from the tile's first in units of 2^-column_bits: first | last - first << 16.
-uint spanOf(Tile tile, uint first_edge, uint edge_count) {
+uint spanOf(Tile tile, SnappedCorners corners) {
   int width = int(kTileWidth) << kColumnBits;
   int low = 0, high = width;
   [[unroll]] for (uint k = 0u; k < 4u; ++k) {
-    Edge edge = fetchEdge(first_edge + min(k, edge_count - 1u));
+    Edge edge = makeEdge(corners, k, kCutBits);
     int64_t value = int64_t(edge.a) * int64_t(tile.corner.x << kColumnBits) + (int64_t(edge.b) * int64_t(tile.corner.y) << kColumnBits) + edge.c;
     cutRow(edge, value, width, low, high);
   }
@@ -24,10 +24,9 @@ uvec3 sliceRow(Tile tile, uint lane) {
   for (uint base = 0u; base < tile.list_length; base += lanes) {
     uint mine = base + lane;
     uint polygon = texelFetch(list_texels, int(tile.list_start + min(mine, tile.list_length - 1u))).x;
-    uvec4 projected = texelFetch(projected_texels, int(4u * (tile.direction * args.polygon_count + polygon) + 3u));
-    uint columns = spanOf(tile, projected.z, projected.w);
+    uint projected = tile.direction * args.polygon_count + polygon, columns = spanOf(tile, fetchCorners(projected));
     bool covers = mine < tile.list_length && columns != kNoColumns;
-    bool is_up = !kCountsBlocked || kTwoSided || projected.y != 0u;
+    bool is_up = !kCountsBlocked || kTwoSided || frontUpOf(texelFetch(projected_texels, int(kProjectedTexels * projected + 1u)).z) != 0u;
     uint all, place = ups + sumSoFar(covers && is_up ? 1u : 0u, all) - 1u;
     ups += all;
     if (kCountsBlocked) {

@@ -1,21 +1,26 @@
 // What earlier passes wrote, read as texels: several times faster than words on software devices.
-layout(binding = 0) uniform usamplerBuffer edge_texels;       // Edge
+#include "geometry.glsl"
+
+layout(binding = 0) uniform usamplerBuffer snapped_corner_texels;
 layout(binding = 1) uniform usamplerBuffer projected_texels;  // ProjectedPolygon
 layout(binding = 2) uniform usamplerBuffer polygon_texels;    // PolygonData
 layout(binding = 3) uniform usamplerBuffer list_texels;       // polygons of tiles
 layout(binding = 4) uniform usamplerBuffer tile_texels;       // ActiveTile
 
 const uint kTileTexels = 3u;
+const uint kProjectedTexels = 3u;
 
 int64_t longFrom(uvec2 words) { return int64_t(packUint2x32(words)); }
 
-Edge fetchEdge(uint index) {
-  uvec4 texel = texelFetch(edge_texels, int(index));
-  Edge edge;
-  edge.a = int(texel.x);
-  edge.b = int(texel.y);
-  edge.c = longFrom(texel.zw);
-  return edge;
+// projected: a polygon's place among those of all directions.
+SnappedCorners fetchCorners(uint projected) {
+  ivec4 first = ivec4(texelFetch(snapped_corner_texels, int(2u * projected))), second = ivec4(texelFetch(snapped_corner_texels, int(2u * projected + 1u)));
+  SnappedCorners corners;
+  corners.at[0] = first.xy;
+  corners.at[1] = first.zw;
+  corners.at[2] = second.xy;
+  corners.at[3] = second.zw;
+  return corners;
 }
 
 uint fetchId(uint polygon) { return texelFetch(polygon_texels, int(3u * polygon)).z; }
@@ -30,11 +35,11 @@ struct DepthPlane {
 DepthPlane fetchDepthPlane(uint projected_at, ivec2 corner) {
   uvec4 depth_01 = texelFetch(projected_texels, int(projected_at + 1u)), depth_2 = texelFetch(projected_texels, int(projected_at + 2u));
   DepthPlane plane;
-  plane.per_column = longFrom(depth_01.zw);
+  plane.per_column = depthXOf(longFrom(depth_01.zw));
   plane.per_row = longFrom(depth_2.xy);
   plane.at_corner = longFrom(depth_01.xy) + plane.per_column * int64_t(corner.x) + plane.per_row * int64_t(corner.y);
   plane.range = ivec2(depth_2.zw);
-  plane.shift = int(texelFetch(projected_texels, int(projected_at + 3u)).x);
+  plane.shift = depthShiftOf(depth_01.z);
   return plane;
 }
 

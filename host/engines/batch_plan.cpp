@@ -35,10 +35,10 @@ BatchPlan planBatches(const Device& device, const LatticeOptions& options, const
   const uint64_t worthwhile = std::max<uint64_t>(kTrialDirections, kBatchWork / std::max(needs.polygon_count, needs.tile_count));
   const uint64_t chosen = options.batch_directions ? options.batch_directions : std::min(by_memory, worthwhile);
   plan.directions = static_cast<uint32_t>(std::min<uint64_t>(
-      {chosen, limits.maxComputeWorkGroupCount[1], (1ull << 31) / std::max(needs.row_count, 2 * needs.corner_count),
+      {chosen, limits.maxComputeWorkGroupCount[1], (1ull << 31) / std::max(needs.row_count, 3 * needs.polygon_count),
        std::max<uint64_t>(1, uint64_t(limits.maxComputeWorkGroupCount[0]) * kGroupSize / needs.polygon_count)}));
-  if (plan.directions == 0) throw Error(ErrorCode::limit, fmt::format("one direction has {} tile rows and {} corners, more than can be addressed; "
-                                                                      "try a smaller --resolution or scene", needs.row_count, needs.corner_count));
+  if (plan.directions == 0) throw Error(ErrorCode::limit, fmt::format("one direction has {} tile rows and {} polygons, more than can be addressed; "
+                                                                      "try a smaller --resolution or scene", needs.row_count, needs.polygon_count));
   return plan;
 }
 

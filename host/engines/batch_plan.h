@@ -13,7 +13,7 @@ constexpr uint32_t kTrialDirections = 4;      // after which the tuning is settl
 
 // What one direction takes of a batch.
 struct DirectionNeeds {
-  uint64_t polygon_count, corner_count, tile_count;
+  uint64_t polygon_count, tile_count;
   uint64_t row_count;             // workgroups of peel
   uint64_t bytes;                 // of all its buffers but fragments
   uint64_t largest_buffer_bytes;  // of one of them

@@ -1,6 +1,6 @@
 // The passes, in order, for a batch of directions:
 //   enter      where all count: polygons over few lattice points enter themselves there, the others are listed
-//   project    every polygon along every direction, or every listed one: edges, box and depth over the lattice
+//   project    every polygon along every direction, or every listed one: snapped corners, box and depth over the lattice
 //   bin        where only some polygons count: the roles of the polygons that reach each tile
 //   bin        count the polygons that reach each tile
 //   allocate   give every tile its list, list the active tiles
@@ -52,7 +52,7 @@ const std::array<const char*, 10> kPasses = {"enter", "project", "bin roles", "b
 struct Batch {
   Commands commands;
   Timestamps timestamps;
-  Buffer directions, listed, edges, projected, fragments, fragment_counts, tile_roles, tile_counts, tile_starts, active_tiles, entries, lists, covers, cover_polygons, meetings;
+  Buffer directions, listed, snapped_corners, projected, fragments, fragment_counts, tile_roles, tile_counts, tile_starts, active_tiles, entries, lists, covers, cover_polygons, meetings;
   Buffer status, status_read;
   std::array<Buffer, 2> unfinished, reached;
   uint32_t list_capacity = 0, fragment_capacity = 0;
@@ -101,7 +101,7 @@ class ComputeEngine : public Engine {
   // Whether blocked pairs are counted by passes of their own.
   bool meets() const { return options_.count_blocked && options_.sampling == Sampling::lattice; }
   // Workgroups of peel for one tile.
-  uint32_t rowGroups() const { return options_.sampling == Sampling::scanline ? tuning_.tile_rows : 1; }
+  uint32_t groupsPerTile() const { return options_.sampling == Sampling::scanline ? tuning_.tile_rows : 1; }
 
   const Device& device_;
   LatticeOptions options_;
@@ -175,23 +175,23 @@ void ComputeEngine::shrink(const Error& error) {
 }
 
 void ComputeEngine::makeKernels() {
-  const uint32_t scanlines = options_.sampling == Sampling::scanline;
+  const uint32_t scanlines = options_.sampling == Sampling::scanline, cut_bits = static_cast<uint32_t>(fraction_bits_ - column_bits_);
   if (enters()) enter_ = Kernel(device_, enter_comp, sizeof(ProjectArgs), {tuning_.tile_width, tuning_.tile_rows}, 3);
-  project_ = Kernel(device_, project_comp, sizeof(ProjectArgs), {enters(), !enters()}, 3);
-  const auto makeBin = [&](uint32_t mode) { return Kernel(device_, bin_comp, sizeof(BinArgs), {mode, needed_roles_ != 0, tuning_.sorts, tuning_.tile_width, tuning_.tile_rows, static_cast<uint32_t>(column_bits_)}, kTexelBuffers); };
+  project_ = Kernel(device_, project_comp, sizeof(ProjectArgs), {enters(), !enters(), false}, 3);
+  const auto makeBin = [&](uint32_t mode) { return Kernel(device_, bin_comp, sizeof(BinArgs), {mode, needed_roles_ != 0, tuning_.sorts, tuning_.tile_width, tuning_.tile_rows, static_cast<uint32_t>(column_bits_), cut_bits}, kTexelBuffers); };
   if (needed_roles_) bin_roles_ = makeBin(kBinRoles);
   bin_count_ = makeBin(kBinCount);
   bin_scatter_ = makeBin(kBinScatter);
-  allocate_ = Kernel(device_, allocate_comp, sizeof(BinArgs), {enters(), tuning_.tile_width, tuning_.tile_rows});
+  allocate_ = Kernel(device_, allocate_comp, sizeof(BinArgs), {enters(), tuning_.tile_width, tuning_.tile_rows, groupsPerTile()});
   if (tuning_.sorts) sort_ = Kernel(device_, sort_comp, sizeof(SortArgs), {tuning_.subgroup_size}, kTexelBuffers);
   const bool meets_spans = scanlines && options_.count_blocked;
   peel_ = Kernel(device_, meets_spans ? std::span<const uint32_t>(peel_blocked_comp) : peel_comp, sizeof(PeelArgs),
                  {tuning_.subgroup_size, tuning_.layers_kept, scanlines, counters_.isSparse(), all_count_, options_.aggregate, options_.measure_work,
                   tuning_.steps, ids_are_indices_, tuning_.tile_width, tuning_.sorts, two_sided_, options_.count_blocked, enters(), tuning_.tile_rows,
-                  static_cast<uint32_t>(column_bits_)},
+                  static_cast<uint32_t>(column_bits_), cut_bits},
                  kTexelBuffers + 2);
   if (!meets()) return;
-  cover_ = Kernel(device_, cover_comp, sizeof(MeetArgs), {tuning_.subgroup_size, tuning_.tile_width, all_count_, two_sided_, tuning_.tile_rows}, kTexelBuffers);
+  cover_ = Kernel(device_, cover_comp, sizeof(MeetArgs), {tuning_.subgroup_size, tuning_.tile_width, all_count_, two_sided_, tuning_.tile_rows, cut_bits}, kTexelBuffers);
   meet_ = Kernel(device_, meet_comp, sizeof(MeetArgs),
                  {tuning_.subgroup_size, tuning_.tile_width, all_count_, two_sided_, counters_.isSparse(), ids_are_indices_}, kTexelBuffers + 1);
 }
@@ -218,28 +218,28 @@ void ComputeEngine::plan() {
   const auto reach = static_cast<uint64_t>(windowReach(options_.resolution, options_.window));
   tiles_wide_ = 2 * divideUp(reach, tuning_.tile_width);
   tiles_high_ = 2 * divideUp(reach, tuning_.tile_rows);
-  const uint64_t tiles = uint64_t(tiles_wide_) * tiles_high_, rows = tiles * rowGroups();
+  const uint64_t tiles = uint64_t(tiles_wide_) * tiles_high_, rows = tiles * groupsPerTile();
   const uint64_t lists = 4 * uint64_t(scene_.polygon_count) + tiles;  // of a direction
-  const uint64_t bytes = scene_.polygon_count * (sizeof(uint32_t) + sizeof(ProjectedPolygon)) + scene_.corner_count * sizeof(Edge) + tiles * (12 + sizeof(ActiveTile)) +
+  const uint64_t bytes = scene_.polygon_count * (sizeof(uint32_t) + sizeof(ProjectedPolygon) + sizeof(SnappedCorners)) + tiles * (12 + sizeof(ActiveTile)) +
                          rows * 2 * (sizeof(UnfinishedRow) + sizeof(uint64_t) * tuning_.subgroup_size * tuning_.steps) + lists * listEntryBytes() + (meets() ? tiles * sizeof(Meeting) : 0);
-  const uint64_t largest = std::max<uint64_t>(scene_.corner_count * sizeof(Edge), lists * (meets() ? sizeof(Cover) : 2 * sizeof(uint32_t)));
+  const uint64_t largest = std::max<uint64_t>(scene_.polygon_count * sizeof(ProjectedPolygon), lists * (meets() ? sizeof(Cover) : 2 * sizeof(uint32_t)));
   fragment_capacity_ = std::max(fragment_capacity_, options_.fragment_capacity ? options_.fragment_capacity : kFragmentCapacity);
   const bool may_enter = *options_.few_points && options_.sampling == Sampling::lattice && all_count_ && !options_.count_blocked;
   const uint64_t fragment_bytes = may_enter ? uint64_t(pointsPerDirection()) * (sizeof(uint32_t) + fragment_capacity_ * sizeof(uint64_t)) : 0;
-  plan_ = planBatches(device_, options_, {scene_.polygon_count, scene_.corner_count, tiles, rows, bytes, largest, fragment_bytes},
+  plan_ = planBatches(device_, options_, {scene_.polygon_count, tiles, rows, bytes, largest, fragment_bytes},
                       counters_.sizeBytes() + scene_.polygons.sizeBytes() + scene_.corners.sizeBytes());
   list_capacity_ = options_.list_capacity ? options_.list_capacity : plan_.directions * lists;
 }
 
 void ComputeEngine::makeBatches() {
-  const uint64_t tiles = uint64_t(plan_.directions) * tiles_wide_ * tiles_high_, rows = tiles * rowGroups();
+  const uint64_t tiles = uint64_t(plan_.directions) * tiles_wide_ * tiles_high_, rows = tiles * groupsPerTile();
   const auto texels = VK_FORMAT_R32G32B32A32_UINT;
   for (uint32_t k = 0; k < plan_.in_flight; ++k) {
     Batch batch{Commands(device_)};
     if (options_.measure_work) batch.timestamps = Timestamps(device_, kPasses.size() + 1);
     batch.directions = Buffer(device_, plan_.directions * sizeof(DirectionData), MemoryUse::upload, texels);
     batch.listed = Buffer(device_, uint64_t(plan_.directions) * scene_.polygon_count * sizeof(uint32_t), MemoryUse::device);
-    batch.edges = Buffer(device_, uint64_t(plan_.directions) * scene_.corner_count * sizeof(Edge), MemoryUse::device, texels);
+    batch.snapped_corners = Buffer(device_, uint64_t(plan_.directions) * scene_.polygon_count * sizeof(SnappedCorners), MemoryUse::device, texels);
     batch.projected = Buffer(device_, uint64_t(plan_.directions) * scene_.polygon_count * sizeof(ProjectedPolygon), MemoryUse::device, texels);
     batch.tile_roles = Buffer(device_, needed_roles_ ? tiles * sizeof(uint32_t) : 0, MemoryUse::device);
     batch.tile_counts = Buffer(device_, tiles * sizeof(uint32_t), MemoryUse::device);
@@ -381,9 +381,9 @@ bool ComputeEngine::countAll(std::span<const Direction> directions) {
 }
 
 void ComputeEngine::bindTexels(Batch& batch, const Kernel& kernel, const Buffer& lists) {
-  std::vector<VkBufferView> views = {batch.edges.texels(), batch.projected.texels(), scene_.polygons.texels(), lists.texels(), batch.active_tiles.texels()};
+  std::vector<VkBufferView> views = {batch.snapped_corners.texels(), batch.projected.texels(), scene_.polygons.texels(), lists.texels(), batch.active_tiles.texels()};
   if (&kernel == &peel_)  // without fragments it reads none
-    for (const Buffer* buffer : {&batch.fragments, &batch.fragment_counts}) views.push_back((enters() ? buffer : &batch.edges)->texels());
+    for (const Buffer* buffer : {&batch.fragments, &batch.fragment_counts}) views.push_back((enters() ? buffer : &batch.snapped_corners)->texels());
   batch.commands.bindTexels(kernel, views);
 }
 
@@ -409,14 +409,14 @@ void ComputeEngine::submit(Batch& batch) {
   BatchStatus none{};
   none.project_groups = {0, 1, 1};
   none.bin_groups = {0, 1, divideUp(tiles_high_, rows_per_invocation)};
-  none.peel_groups = {0, 1, rowGroups()};
+  none.peel_groups = {0, 1, 1};
   vkCmdUpdateBuffer(commands.handle(), batch.status.handle(), 0, sizeof none, &none);
   commands.fill(batch.tile_counts, 0, tile_count * sizeof(uint32_t));
   if (enters()) commands.fill(batch.fragment_counts, 0, direction_count * pointsPerDirection() * sizeof(uint32_t));
   if (needed_roles_) commands.fill(batch.tile_roles, 0, tile_count * sizeof(uint32_t));
   endPass();
-  const ProjectArgs project{batch.edges.address(),
-                            batch.projected.address(), 0, scene_.polygon_count, scene_.corner_count, direction_count, options_.resolution,
+  const ProjectArgs project{batch.snapped_corners.address(),
+                            batch.projected.address(), 0, scene_.polygon_count, direction_count, options_.resolution,
                             fraction_bits_, column_bits_, 0, windowReach(options_.resolution, options_.window), batch.listed.address(), batch.status.address(),
                             batch.fragments.address(), batch.fragment_counts.address(), batch.fragment_capacity, direction_count * pointsPerDirection(), *options_.few_points,
                             tiles_wide_, tiles_high_};
@@ -433,7 +433,7 @@ void ComputeEngine::submit(Batch& batch) {
   endPass();
 
   const BinArgs bin{batch.tile_roles.address(), batch.tile_counts.address(), batch.tile_starts.address(), (tuning_.sorts ? batch.entries : batch.lists).address(), batch.active_tiles.address(),
-              batch.directions.address(), batch.status.address(), batch.listed.address(), batch.fragment_counts.address(), batch.fragment_capacity, scene_.polygon_count, scene_.corner_count, tiles_wide_, tiles_high_,
+              batch.directions.address(), batch.status.address(), batch.listed.address(), batch.fragment_counts.address(), batch.fragment_capacity, scene_.polygon_count, tiles_wide_, tiles_high_,
               tile_count, batch.list_capacity, rows_per_invocation, needed_roles_};
   const auto runBin = [&](const Kernel& kernel) {
     commands.bind(kernel, VK_PIPELINE_BIND_POINT_COMPUTE);
@@ -467,7 +467,7 @@ void ComputeEngine::submit(Batch& batch) {
     commands.dispatchIndirect(cover_, meet, batch.status, offsetof(BatchStatus, peel_groups));
     endPass();
     commands.bind(meet_, VK_PIPELINE_BIND_POINT_COMPUTE);
-    commands.bindTexels(meet_, std::array{batch.edges.texels(), batch.projected.texels(), scene_.polygons.texels(), batch.cover_polygons.texels(),
+    commands.bindTexels(meet_, std::array{batch.snapped_corners.texels(), batch.projected.texels(), scene_.polygons.texels(), batch.cover_polygons.texels(),
                                           batch.active_tiles.texels(), batch.covers.texels()});
     commands.dispatchIndirect(meet_, meet, batch.status, offsetof(BatchStatus, meet_groups));
     endPass();
@@ -562,7 +562,7 @@ void ComputeEngine::addWork(const Batch& batch, const BatchStatus& found) {
 uint64_t ComputeEngine::memoryBytes() const {
   uint64_t bytes = counters_.sizeBytes() + scene_.polygons.sizeBytes() + scene_.corners.sizeBytes();
   for (const Batch& batch : batches_) {
-    for (const Buffer* buffer : {&batch.directions, &batch.listed, &batch.edges, &batch.projected, &batch.fragments, &batch.fragment_counts, &batch.tile_roles, &batch.tile_counts, &batch.tile_starts,
+    for (const Buffer* buffer : {&batch.directions, &batch.listed, &batch.snapped_corners, &batch.projected, &batch.fragments, &batch.fragment_counts, &batch.tile_roles, &batch.tile_counts, &batch.tile_starts,
                                  &batch.active_tiles, &batch.entries, &batch.lists, &batch.covers, &batch.cover_polygons, &batch.meetings, &batch.status, &batch.status_read,
                                  &batch.unfinished[0], &batch.unfinished[1], &batch.reached[0], &batch.reached[1]})
       bytes += buffer->sizeBytes();
@@ -578,7 +578,7 @@ std::string ComputeEngine::describePlan() const {
     unfinished += batch.unfinished[0].sizeBytes() + batch.unfinished[1].sizeBytes() + batch.reached[0].sizeBytes() + batch.reached[1].sizeBytes();
     for (const Buffer* buffer : {&batch.covers, &batch.cover_polygons, &batch.meetings}) lists += buffer->sizeBytes();
     lists += batch.entries.sizeBytes() + batch.lists.sizeBytes() + batch.tile_counts.sizeBytes() + batch.tile_starts.sizeBytes() + batch.active_tiles.sizeBytes();
-    projected += batch.edges.sizeBytes() + batch.projected.sizeBytes();
+    projected += batch.snapped_corners.sizeBytes() + batch.projected.sizeBytes();
   }
   return fmt::format(
       "plan       {} x {} directions in flight; {} x {} tiles of {} x {}; subgroups of {}, {} layers a round{}\n"

@@ -1,5 +1,5 @@
 // The passes, in order, for a batch of directions side by side in one image:
-//   project       every polygon along every direction: edges, outline and depth over the lattice
+//   project       every polygon along every direction: snapped corners, outline and depth over the lattice
 //   peel          draw all polygons; what lies behind the previous layer competes in the depth test for this one
 //   (copy)        the layer becomes readable
 //   accumulate    layers k-1 and k: facing rules, counters; asks for layer k+1 where layer k has a polygon
@@ -62,7 +62,7 @@ class GraphicsEngine : public Engine {
 
   Kernel project_, peel_, accumulate_;
   Commands commands_;
-  Buffer directions_, edges_, projected_, outlines_;
+  Buffer directions_, snapped_corners_, projected_, outlines_;
   std::vector<Buffer> layers_;
   Buffer layer_addresses_;  // uint64_t[kMostLayers], of layers 0, 1, ...
   std::array<Buffer, 2> alive_, next_commands_;  // for layer k in [k % 2]
@@ -77,7 +77,7 @@ GraphicsEngine::GraphicsEngine(const Device& device, const Scene& scene, const I
       fraction_bits_(chooseFractionBits(options.resolution)),
       scene_(device, scene, ids),
       counters_(device, ids.count(), options.count_blocked, options.counter_budget_bytes, false),
-      project_(device, project_comp, sizeof(ProjectArgs), std::vector<uint32_t>{}, 3),
+      project_(device, project_comp, sizeof(ProjectArgs), std::vector<uint32_t>{false, false, true}, 3),
       peel_(device, peel_vert, peel_frag, kLayerFormat, kDepthFormat, sizeof(DrawArgs)),
       accumulate_(device, accumulate_comp, sizeof(AccumulateArgs)),
       commands_(device) {
@@ -85,10 +85,10 @@ GraphicsEngine::GraphicsEngine(const Device& device, const Scene& scene, const I
     throw Error(ErrorCode::bad_usage, fmt::format("resolution {} is out of range; choose 1 to {}", options.resolution, kMaxResolution));
   cell_size_ = static_cast<uint32_t>(options.resolution) + 4;
 
-  planBatch(uint64_t(scene_.polygon_count) * (sizeof(ProjectedPolygon) + sizeof(Outline)) + uint64_t(scene_.corner_count) * sizeof(Edge));
+  planBatch(uint64_t(scene_.polygon_count) * (sizeof(ProjectedPolygon) + sizeof(Outline) + sizeof(SnappedCorners)));
 
   directions_ = Buffer(device, batch_size_ * sizeof(DirectionData), MemoryUse::upload, VK_FORMAT_R32G32B32A32_UINT);
-  edges_ = Buffer(device, uint64_t(batch_size_) * scene_.corner_count * sizeof(Edge), MemoryUse::device);
+  snapped_corners_ = Buffer(device, uint64_t(batch_size_) * scene_.polygon_count * sizeof(SnappedCorners), MemoryUse::device);
   projected_ = Buffer(device, uint64_t(batch_size_) * scene_.polygon_count * sizeof(ProjectedPolygon), MemoryUse::device);
   outlines_ = Buffer(device, uint64_t(batch_size_) * scene_.polygon_count * sizeof(Outline), MemoryUse::device);
   batch_status_ = Buffer(device, sizeof(BatchStatus), MemoryUse::device);
@@ -146,8 +146,8 @@ void GraphicsEngine::countBatch(std::span<const Direction> directions) {
   const auto direction_count = static_cast<uint32_t>(directions.size());
   writeDirections(directions, options_.resolution, {}, directions_, 0, directions.size());
   commands_.begin();
-  ProjectArgs project{edges_.address(), projected_.address(),
-                      outlines_.address(), scene_.polygon_count, scene_.corner_count, direction_count, options_.resolution, fraction_bits_, 0, cell_size_,
+  ProjectArgs project{snapped_corners_.address(), projected_.address(),
+                      outlines_.address(), scene_.polygon_count, direction_count, options_.resolution, fraction_bits_, 0, cell_size_,
                       windowReach(options_.resolution)};
   commands_.bind(project_, VK_PIPELINE_BIND_POINT_COMPUTE);
   commands_.bindTexels(project_, std::array{directions_.texels(), scene_.polygons.texels(), scene_.corners.texels()});
@@ -199,8 +199,8 @@ void GraphicsEngine::recordLayer(uint32_t k, uint32_t direction_count) {
   rendering.pDepthAttachment = &depth;
   const VkViewport viewport{0, 0, float(width), float(height), 0, 1};
   const VkRect2D scissor{{0, 0}, {width, height}};
-  const DrawArgs peel{scene_.polygons.address(), edges_.address(), projected_.address(), outlines_.address(), lower.address(), alive_[now].address(),
-                      scene_.polygon_count, scene_.corner_count, cell_size_, cells_per_row_, width, height};
+  const DrawArgs peel{scene_.polygons.address(), snapped_corners_.address(), projected_.address(), outlines_.address(), lower.address(), alive_[now].address(),
+                      scene_.polygon_count, cell_size_, cells_per_row_, width, height, fraction_bits_};
   vkCmdBeginRendering(commands, &rendering);
   commands_.bind(peel_, VK_PIPELINE_BIND_POINT_GRAPHICS);
   commands_.push(peel_, peel);

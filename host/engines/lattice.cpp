@@ -46,8 +46,7 @@ std::vector<device_data::CornerData> listCorners(const Scene& scene) {
 SceneBuffers::SceneBuffers(const Device& device, const Scene& scene, const Ids& ids)
     : polygons(uploadBuffer(device, listPolygons(scene, ids), VK_FORMAT_R32G32B32A32_UINT)),
       corners(uploadBuffer(device, listCorners(scene), VK_FORMAT_R32G32B32A32_UINT)),
-      polygon_count(static_cast<uint32_t>(scene.polygons.size())),
-      corner_count(static_cast<uint32_t>(scene.corners.size())) {}
+      polygon_count(static_cast<uint32_t>(scene.polygons.size())) {}
 
 int chooseFractionBits(int resolution, const Window& window) {
   if (resolution < 1 || resolution > kMaxWindowResolution || windowReach(resolution, window) > windowReach(kMostWindowPoints))

@@ -13,7 +13,7 @@ namespace viewpeel {
 struct SceneBuffers {
   Buffer polygons;  // PolygonData[polygon_count], as texels too
   Buffer corners;   // CornerData[corner_count], as texels only
-  uint32_t polygon_count, corner_count;
+  uint32_t polygon_count;
 
   SceneBuffers(const Device& device, const Scene& scene, const Ids& ids);
 };
