@@ -61,7 +61,8 @@ struct Passing {
   bool covered;                   // with scanlines
   int64_t z, z_per_step;
   int z_shift, z_min, z_max;
-  uint front_up, layer_polygon, roles;
+  uint64_t rest;  // of the layer: the polygon and its facing
+  uint roles;
 };
 
 struct Tile {
@@ -101,8 +102,8 @@ void keepFragment(int s, uint k, uint point, uint count, inout uint fragments) {
 // Takes sample s past the polygon.
 void takeStep(int s, inout Passing polygon, inout uint fragments) {
   bool covered = kScanlines ? polygon.covered : (polygon.edges.x | polygon.edges.y | polygon.edges.z | polygon.edges.w) >= 0;
-  uint depth = uint(clamp(polygon.z >> polygon.z_shift, int64_t(polygon.z_min), int64_t(polygon.z_max)));
-  uint64_t layer = packUint2x32(uvec2(polygon.layer_polygon, 2u * depth + 1u - polygon.front_up));
+  uint64_t depth = uint64_t(clamp(polygon.z >> polygon.z_shift, int64_t(polygon.z_min), int64_t(polygon.z_max)));
+  uint64_t layer = (depth << 33) + polygon.rest;
   if (!kAllCount) {
     if (covered && (polygon.roles & kEmits) != 0u) farthest_emitter[s] = max(farthest_emitter[s], layer);
     if (covered && (polygon.roles & kReceives) != 0u) farthest_receiver[s] = max(farthest_receiver[s], layer);
@@ -282,8 +283,7 @@ void main() {
             polygon.z_shift = int(d.w >> 1 & 31u);
             polygon.z_min = int(d.x);
             polygon.z_max = int(d.y);
-            polygon.layer_polygon = d.z;
-            polygon.front_up = d.w & 1u;
+            polygon.rest = uint64_t(d.z) + (uint64_t(~d.w & 1u) << 32);
             polygon.roles = kAllCount ? 0u : subgroupShuffle(roles, t);
             if (kScanlines) {
               uint in_span = subgroupShuffle(span.y, t);

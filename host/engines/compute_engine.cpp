@@ -44,6 +44,7 @@ using namespace device_data;
 constexpr uint32_t kLongList = 48;            // polygons over a tile, on the average, from which on smaller tiles are faster
 constexpr double kManyRounds = 1.5;           // a tile, from which on more layers are kept
 constexpr uint32_t kSortedList = 16;          // polygons over such a tile, on the average, from which on lists are sorted
+constexpr uint32_t kDeepList = 16;            // polygons over a tile of scanlines, on the average, from which on more layers are kept
 constexpr uint32_t kFragmentCapacity = 8;     // of a lattice point at first
 constexpr uint32_t kTexelBuffers = 5;
 const std::array<const char*, 10> kPasses = {"enter", "project", "bin roles", "bin count", "allocate", "bin scatter", "sort", "peel", "cover", "meet"};
@@ -199,12 +200,17 @@ void ComputeEngine::makeKernels() {
 // Chooses the rest by what the first batch met: it changes no result.
 void ComputeEngine::retune(const BatchStatus& found) {
   tuned_ = true;
-  if (options_.sampling == Sampling::scanline || found.active_tiles == 0) return;
+  if (found.active_tiles == 0) return;
   const Tuning before = tuning_;
-  if (!options_.tile_rows && found.list_length / found.active_tiles >= kLongList) options_.tile_rows = 4;
-  if (!options_.layers_kept && found.rounds > kManyRounds * found.active_tiles) {
-    options_.sort = found.list_length / found.active_tiles >= kSortedList;
-    options_.layers_kept = 8;
+  const uint32_t list_length = found.list_length / found.active_tiles;
+  if (options_.sampling == Sampling::scanline) {
+    if (!options_.layers_kept && list_length >= kDeepList) options_.layers_kept = 6;
+  } else {
+    if (!options_.tile_rows && list_length >= kLongList) options_.tile_rows = 4;
+    if (!options_.layers_kept && found.rounds > kManyRounds * found.active_tiles) {
+      options_.sort = list_length >= kSortedList;
+      options_.layers_kept = 8;
+    }
   }
   tuning_ = tune(device_, options_);
   tuning_.most_blocks = before.most_blocks;
