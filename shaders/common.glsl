@@ -10,7 +10,7 @@
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Directions { DirectionData at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Polygons { PolygonData at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Corners { SnappedCorners at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Snapped { SnappedCorners at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Projected { ProjectedPolygon at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Layers { Layer at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Words { uint at[]; };

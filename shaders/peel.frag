@@ -21,7 +21,7 @@ void main() {
   Layer previous = Layers(args.previous).at[uint(pixel.y) * args.image_width + uint(pixel.x)];
   if (key < previous.key || (key == previous.key && polygon_index + 1u <= previous.polygon)) discard;
 
-  SnappedCorners corners = Corners(args.snapped_corners).at[instance];
+  SnappedCorners corners = Snapped(args.snapped_corners).at[instance];
   for (uint k = 0u; k < 4u; ++k)
     if (!isInside(makeEdge(corners, k, args.fraction_bits), p)) discard;
   layer = uvec2(key, polygon_index + 1u);
