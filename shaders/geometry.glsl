@@ -1,5 +1,11 @@
 // Coverage and depth at lattice points, in integers: the same on every device.
 
+// An edge over the lattice: a X + b y 2^column_bits + c >= 0 where the point (X / 2^column_bits, y) lies on the polygon's side of it.
+struct Edge {
+  int a, b;
+  int64_t c;
+};
+
 // The value of an edge at a corner, within what leaves room for its changes over a tile: fewer than 2^30.
 const int kSaturated = 1 << 30;
 

@@ -26,10 +26,10 @@ layout(constant_id = 9) const uint kTileWidth = 8u;        // lattice points
 layout(constant_id = 10) const bool kSorted = false;       // lists are in the order of their polygons' nearest depths in the tile, not with scanlines
 layout(constant_id = 11) const bool kTwoSided = false;
 layout(constant_id = 12) const bool kCountsBlocked = false;
-layout(constant_id = 14) const uint kTileRows = 8u;
-layout(constant_id = 16) const int kCutBits = 0;     // see makeEdge
-layout(constant_id = 15) const int kColumnBits = 0;  // of an edge's column coordinate: with scanlines
 layout(constant_id = 13) const bool kFragments = false;  // lattice points have layers beside those of the tile's polygons
+layout(constant_id = 14) const uint kTileRows = 8u;
+layout(constant_id = 15) const int kColumnBits = 0;  // of an edge's column coordinate: with scanlines
+layout(constant_id = 16) const int kCutBits = 0;     // see makeEdge
 layout(binding = 5) uniform usamplerBuffer fragment_texels;        // uint64_t
 layout(binding = 6) uniform usamplerBuffer fragment_count_texels;  // uint
 layout(push_constant, scalar) uniform Args { PeelArgs pushed; };

@@ -24,12 +24,6 @@ struct CornerData {
   double padding;
 };
 
-// An edge over the lattice: a X + b y 2^column_bits + c >= 0 where the point (X / 2^column_bits, y) lies on the polygon's side of it.
-struct Edge {
-  int a, b;
-  int64_t c;
-};
-
 // The corners of a polygon in one direction, snapped to fixed point, counter-clockwise as seen from +u; a triangle's last twice.
 // Two texels, and a ProjectedPolygon is three: software devices fetch texels several times faster than they load words.
 struct SnappedCorners {

@@ -24,9 +24,8 @@ Tuning tune(const Device& device, const LatticeOptions& options) {
   VkPhysicalDeviceSubgroupProperties subgroup{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
   VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &subgroup};
   vkGetPhysicalDeviceProperties2(device.physical(), &properties);
-  constexpr VkSubgroupFeatureFlags kNeeded = VK_SUBGROUP_FEATURE_VOTE_BIT | VK_SUBGROUP_FEATURE_SHUFFLE_BIT | VK_SUBGROUP_FEATURE_ARITHMETIC_BIT;
-  if (subgroup.subgroupSize < 8 || subgroup.subgroupSize > 64 || (subgroup.supportedOperations & kNeeded) != kNeeded)
-    throw Error(ErrorCode::device, fmt::format("{}: subgroups of {} without vote, arithmetic and shuffle, or not of 8 to 64; use --engine graphics",
+  if (subgroup.subgroupSize < 8 || subgroup.subgroupSize > 64 || !(subgroup.supportedOperations & VK_SUBGROUP_FEATURE_SHUFFLE_BIT))
+    throw Error(ErrorCode::device, fmt::format("{}: subgroups of {} without shuffle, or not of 8 to 64; use --engine graphics",
                                                device.description().name, subgroup.subgroupSize));
   const bool on_cpu = device.properties().deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
   const auto choose = [](uint32_t asked, uint32_t otherwise) { return asked ? asked : otherwise; };
