@@ -58,14 +58,14 @@ void main() {
   for (uint base = 0u; base < tile.y; base += lanes) {
     uint mine = min(base + lane, tile.y - 1u);
     uint polygon = texelFetch(list_texels, int(tile.x + mine)).x;
-    uint projected = tile.z * args.polygon_count + polygon, projected_at = kProjectedTexels * projected;
-    DepthPlane plane = fetchDepthPlane(projected_at, corner);
+    uint projected = tile.z * args.polygon_count + polygon;
+    DepthPlane plane = fetchDepthPlane(projected, corner);
     Cover cover;
     cover.samples = samplesOf(fetchCorners(projected), corner);
     cover.nearest = nearestDepth(plane.at_corner, plane.per_column, plane.per_row, plane.shift, plane.range, ivec2(kTileWidth, kTileRows));
     cover.farthest = farthestDepth(plane.at_corner, plane.per_column, plane.per_row, plane.shift, plane.range, ivec2(kTileWidth, kTileRows));
     bool meets = base + lane < tile.y && cover.samples != 0ul && (kAllCount || fetchId(polygon) >> kRolesShift != 0u);
-    bool is_up = kTwoSided || frontUpOf(texelFetch(projected_texels, int(projected_at + 1u)).z) != 0u;
+    bool is_up = kTwoSided || plane.front_up;
     uint kind = meets ? is_up ? 1u : 0x10000u : 0u;
     uint all, before = sumSoFar(kind, all) - kind;
     uint at = tile.x + (is_up ? ups + (before & 0xFFFFu) : tile.y - 1u - downs - (before >> 16));

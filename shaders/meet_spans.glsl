@@ -9,7 +9,7 @@ uint depthInRow(DepthPlane plane, int column) {
 
 Party fetchParty(uint place, uint direction, ivec2 corner) {
   uvec2 span = spans[place];
-  DepthPlane plane = fetchDepthPlane(kProjectedTexels * (direction * args.polygon_count + span.x), corner);
+  DepthPlane plane = fetchDepthPlane(direction * args.polygon_count + span.x, corner);
   Party party;
   party.polygon = span.x;
   party.samples.x = span.y & 0xFFFFu;

@@ -56,9 +56,9 @@ void addMet(Parties parties, Counters counters, bool doubtful, inout uint steps,
   const uint lanes = gl_WorkGroupSize.x;
   uint lane = gl_SubgroupInvocationID, place = parties.nearer + lane;
   Party nearer = fetchPartyBefore(place, parties.nearer_end, parties.direction, parties.corner);
-  uint first_projected = kProjectedTexels * parties.direction * args.polygon_count;
+  uint first_projected = parties.direction * args.polygon_count;
   DepthPlane nearer_plane;
-  if (doubtful) nearer_plane = fetchDepthPlane(first_projected + kProjectedTexels * nearer.polygon, parties.corner);
+  if (doubtful) nearer_plane = fetchDepthPlane(first_projected + nearer.polygon, parties.corner);
   uint base = parties.farther, eight = 0u;
   Party farther = fetchPartyBefore(base + lane, parties.farther_end, parties.direction, parties.corner);
   do {
@@ -83,7 +83,7 @@ void addMet(Parties parties, Counters counters, bool doubtful, inout uint steps,
       bool is_one = met != 0u && (kAllCount || exchange(nearer.id >> kRolesShift, farther_id >> kRolesShift));
       uint count;
       if (doubtful) {
-        uint farther_at = first_projected + kProjectedTexels * subgroupShuffle(met_farther.polygon, t);
+        uint farther_at = first_projected + subgroupShuffle(met_farther.polygon, t);
         count = countInOrder(is_one ? nearer.samples : uvec2(0), samples, nearer_plane, fetchDepthPlane(farther_at, parties.corner), cut);
       } else {
         count = countCommon(nearer.samples, samples);

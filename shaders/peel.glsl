@@ -327,10 +327,8 @@ void main() {
         uint64_t bound = kNoLayer;
         if (kSorted) {  // nothing from the next polygon on is nearer than its nearest depth in the tile
           uint next = texelFetch(list_texels, int(tile.list_start + min(base + t, max(polygon_count, 1u) - 1u))).x;
-          uint projected_at = kProjectedTexels * (tile.direction * args.polygon_count + next);
-          uvec4 depth_01 = texelFetch(projected_texels, int(projected_at + 1u)), depth_2 = texelFetch(projected_texels, int(projected_at + 2u));
-          int64_t depth_x = depthXOf(longFrom(depth_01.zw)), depth = longFrom(depth_01.xy) + depth_x * int64_t(tile.corner.x) + longFrom(depth_2.xy) * int64_t(tile.corner.y);
-          uint nearest_depth = nearestDepth(depth, depth_x, longFrom(depth_2.xy), depthShiftOf(depth_01.z), ivec2(depth_2.zw), ivec2(kTileWidth, kTileRows));
+          DepthPlane plane = fetchDepthPlane(tile.direction * args.polygon_count + next, tile.corner);
+          uint nearest_depth = nearestDepth(plane.at_corner, plane.per_column, plane.per_row, plane.shift, plane.range, ivec2(kTileWidth, kTileRows));
           if (base < polygon_count) bound = uint64_t(2u * nearest_depth) << 32;
         }
         gaps += flush(bound, base >= polygon_count, weight, lane, cut);

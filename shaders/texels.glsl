@@ -30,9 +30,11 @@ struct DepthPlane {
   int64_t at_corner, per_column, per_row;
   ivec2 range;
   int shift;
+  bool front_up;
 };
 
-DepthPlane fetchDepthPlane(uint projected_at, ivec2 corner) {
+DepthPlane fetchDepthPlane(uint projected, ivec2 corner) {
+  uint projected_at = kProjectedTexels * projected;
   uvec4 depth_01 = texelFetch(projected_texels, int(projected_at + 1u)), depth_2 = texelFetch(projected_texels, int(projected_at + 2u));
   DepthPlane plane;
   plane.per_column = depthXOf(longFrom(depth_01.zw));
@@ -40,6 +42,7 @@ DepthPlane fetchDepthPlane(uint projected_at, ivec2 corner) {
   plane.at_corner = longFrom(depth_01.xy) + plane.per_column * int64_t(corner.x) + plane.per_row * int64_t(corner.y);
   plane.range = ivec2(depth_2.zw);
   plane.shift = depthShiftOf(depth_01.z);
+  plane.front_up = frontUpOf(depth_01.z) != 0u;
   return plane;
 }
 
