@@ -63,13 +63,13 @@ TEST(ShareSums, FewLinesByHand) {
   const NeighbourShares neighbours(sums, {}, ranks);
   const FormFactors all = sums.formFactors({{0, 1, 0, 0, 16}, {0, 2, 0, 0, 8}, {1, 2, 0, 0, 4}}, {}, 0.5, INFINITY, kNothing, &neighbours);
   // All are neighbours: 20 lines of one pair count as 1.4634, 10 as 1.4286, of which V = 1.7213 of L = 2.8920 are facing, so that m = V / L = 0.595181 and s = (V + m + 0.1) / (L + 1.2) = 0.590529.
-  // Of 20 and two more p = (4 + 2 s) / 22 = 0.235503 are facing, 3.60082 of the rarer kind, which are trusted to 3.60082^2 / (3.60082^2 + 4). R s^2 / 20^2 = 0.0196, 2.5 / 24 of p (1 - p) / 20.5 is 0.000914843:
-  // the root of 0.764233 x 0.0196 + 0.235767 x 0.000914843, times 16.
+  // Of 20, two more and a tenth of either kind p = (4 + 2 s + 0.1) / 22.2 = 0.237885 are facing, 3.62592 of the rarer kind, which are trusted to 3.62592^2 / (3.62592^2 + 1/4). R s^2 / 20^2 = 0.0196,
+  // 2 / 23 of p (1 - p) / 20.5 is 0.000769019, and (1.959964 / 2.364624)^2 of that, t of 8 replicates: the root of 0.981340 x 0.0196 + 0.018660 x 0.000528334, times 16.
   EXPECT_EQ(all.exchangeArea(0, 1).value, 3.2);
-  EXPECT_NEAR(all.exchangeArea(0, 1).standard_error, 1.972266, 1e-5);
-  // All of 10: p = (10 + 2 s) / 12, and half of p (1 - p) / 10.5 is left.
+  EXPECT_NEAR(all.exchangeArea(0, 1).standard_error, 2.219570, 1e-5);
+  // All of 10: p = (10 + 2 s + 0.1) / 12.2, and p (1 - p) / 10.5 is left whole. Student's t is good to 5e-4.
   EXPECT_EQ(all.exchangeArea(0, 2).value, 8);
-  EXPECT_NEAR(all.exchangeArea(0, 2).standard_error, 0.419524, 1e-5);
+  EXPECT_NEAR(all.exchangeArea(0, 2).standard_error, 0.314946, 5e-4 * 0.314946);
   EXPECT_NEAR(all.exchangeArea(1, 2).value, 4 * 0.5951807, 1e-6);  // in single precision
 }
 

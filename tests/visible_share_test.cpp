@@ -20,6 +20,7 @@ namespace {
 namespace ts = test_scenes;
 
 constexpr double kParallelSquares = 0.1998248957, kPerpendicularSquares = 0.2000437761, kTenDigits = 5e-11;
+constexpr double kStudentError = 5e-4;  // of Student's t in ShareSums
 
 struct Shared {
   Scene scene;
@@ -54,8 +55,9 @@ Shared share(const InputScene& input, int resolution, Sampling sampling = Sampli
   return made;
 }
 
-// The standard error of a pair whose lines are all facing, or all blocked, as a share of the most that it exchanges: of n directions that see it p (1 - p) / (2 n + 1), p as of two lines more with the
-// share s around the pair; replicates, which do not differ, are trusted as far as the square of n p (1 - p) goes beside 4 (ShareSums).
+// The standard error of a pair whose lines are all facing, or all blocked, as a share of the most that it exchanges: of n directions that see it p (1 - p) / (n + 1/2), p as of two lines more with the
+// share s around the pair, and a tenth of a line of either kind; replicates, which do not differ, are trusted as far as the square of n p (1 - p) goes beside 1/4, and t standard errors are an interval
+// of a variance that is known better than R replicates know theirs, R 8 at least (ShareSums).
 double deviationOfOneKind(const RunSums& sums, uint32_t i, uint32_t j) {
   const ShareSums& by_face = sums.visible->byFace();
   const KnownShares& known = sums.visible->known();
@@ -64,16 +66,17 @@ double deviationOfOneKind(const RunSums& sums, uint32_t i, uint32_t j) {
   const double lines = double(told->facing + told->blocked), squares = double(squared.facing + squared.blocked), area = std::min(by_face.ids().areas[i], by_face.ids().areas[j]);
   const double per_direction = double(lineOf(known.lines, i, j)) + 8 / 27.0 * area / sums.countArea(), n = std::max(lines * lines / squares, lines / per_direction);
   const double s = NeighbourShares(by_face, known.lines, known.ranks).of(i, j).smoothed;
-  const double p = ((told->facing > 0 ? n : 0) + 2 * s) / (n + 2), rarer = n * p * (1 - p);
-  return std::sqrt(4 / (rarer * rarer + 4) * p * (1 - p) / (2 * n + 1));
+  const double p = ((told->facing > 0 ? n : 0) + 2 * s + 0.1) / (n + 2.2), rarer = n * p * (1 - p);
+  const double t = quantile(complement(boost::math::students_t(double(std::max<uint64_t>(sums.replicateCount(), 8) - 1)), 0.025));
+  return std::sqrt(0.25 / (rarer * rarer + 0.25) * p * (1 - p) / (n + 0.5)) * 1.959964 / t;
 }
 
 // Pairs never blocked are their closed forms, on any lattice and with any number of directions.
 TEST(VisibleShare, UnblockedPairsAreExact) {
   for (const auto& [input, truth] : {std::pair(ts::parallelSquares(), kParallelSquares), std::pair(ts::perpendicularSquares(), kPerpendicularSquares)}) {
-    for (const Sampling sampling : {Sampling::lattice, Sampling::scanline}) {
+    for (const auto& [sampling, replicates] : {std::pair(Sampling::lattice, 4u), std::pair(Sampling::scanline, 24u)}) {
       const Shared made = share(input, 16, sampling);
-      EstimateOptions options{.directions = 24, .replicates = 4};
+      EstimateOptions options{.directions = 24, .replicates = replicates};
       double deviation = 0;
       options.on_sums = [&](const RunSums& sums, bool last) {
         if (last) deviation = deviationOfOneKind(sums, 0, 1);
@@ -82,7 +85,7 @@ TEST(VisibleShare, UnblockedPairsAreExact) {
       EXPECT_NEAR(f.value, truth, kUnoccludedRelativeError * truth + kTenDigits);
       // Nothing says that no blocker is there.
       EXPECT_GT(deviation, 0);
-      EXPECT_NEAR(f.standard_error, deviation * f.value, 1e-11 * deviation);  // 1 - p is rounded to 2^-53, and no less than 0.1 / n for n of 1e4 at most
+      EXPECT_NEAR(f.standard_error, deviation * f.value, kStudentError * deviation * f.value);
     }
   }
   const Estimate cube = share(ts::insideOfCube(), 16).estimate({.directions = 24, .replicates = 4});
@@ -301,7 +304,8 @@ TEST(VisibleShare, PairsThatNoLineMetAreUncertain) {
       const auto lines = double(counts.blocked);  // one count each
       EXPECT_NEAR(f.value, lines < 4 ? 0.5 * neighbours.of(pair.i, pair.j).mean / (lines + 0.5) * most : 0, 1e-14 * most);  // rounding
       is_zero += f.value == 0;
-      EXPECT_NEAR(f.standard_error, std::min(deviationOfOneKind(*counted, pair.i, pair.j) * most, most - f.value), 1e-14 * most);  // rounding
+      const double deviation = deviationOfOneKind(*counted, pair.i, pair.j) * most;
+      EXPECT_NEAR(f.standard_error, std::min(deviation, most - f.value), kStudentError * deviation);
       continue;
     }
     ++unmet;

@@ -11,6 +11,19 @@
 #include "threads.h"
 
 namespace viewpeel {
+namespace {
+
+// (1.96 / t)^2 with Student's t of R - 1 degrees of freedom at 95 %. Intervals are t standard errors long, for R replicates know their own spread only roughly; of a variance that is known by other
+// means so much is right. R is 8 at least: with fewer, standard errors would be far less than errors, and intervals are longer than they need be.
+//   Error: of t 3e-4 (Abramowitz & Stegun, 26.7.5)
+double besideReplicates(double replicates) {
+  constexpr double z2 = 1.959964 * 1.959964;
+  const double nu = std::max(replicates, 8.0) - 1;
+  const double t_over_z = 1 + (z2 + 1) / (4 * nu) + ((5 * z2 + 16) * z2 + 3) / (96 * nu * nu) + (((3 * z2 + 19) * z2 + 17) * z2 - 15) / (384 * nu * nu * nu);
+  return 1 / (t_over_z * t_over_z);
+}
+
+}  // namespace
 
 ShareSums::ShareSums(Ids ids, uint64_t replicate_count, std::vector<PairSum> pairs, const std::vector<Squares>& squares)
     : ids_(std::move(ids)), pairs_(std::move(pairs)), replicate_count_(replicate_count) {
@@ -63,7 +76,8 @@ class ShareSums::Entries {
  public:
   Entries(const ShareSums& sums, const std::vector<KnownPair>& known, const std::vector<uint64_t>& lines, double measure_area, double count_area, const FormFactors& sampled,
           const NeighbourShares* neighbours)
-      : sums_(sums), known_pairs_(known), lines_(lines), sampled_entries_(sampled.entries()), neighbours_(neighbours), measure_area_(measure_area), count_area_(count_area) {}
+      : sums_(sums), known_pairs_(known), lines_(lines), sampled_entries_(sampled.entries()), neighbours_(neighbours), measure_area_(measure_area), count_area_(count_area),
+        beside_replicates_(besideReplicates(static_cast<double>(sums.replicate_count_))) {}
 
   std::vector<FormFactors::Entry> of(uint32_t first_row, uint32_t end_row, const ExchangeRow& row) {
     known_ = firstOf(known_pairs_, first_row);
@@ -180,15 +194,15 @@ class ShareSums::Entries {
   static double withNeighbours(double told, double b, double m) { return (told * b + NeighbourShares::kNeighbours * m) / (told + NeighbourShares::kNeighbours); }
 
   // Of the share b that lines tell, of which a direction adds up to most_counts. That of replicates is worth little where few lines are of the rarer kind; then that of n directions that see
-  // the pair, each facing or blocked by chance, p (1 - p) / (n + 1/2), half a line of the neighbours' among them, with p of b and the neighbours' s, as of two lines more: (n b + 2 s) / (n + 2)
-  // (Agresti & Coull 1998). A direction that sees it has 1 + 8/27 A / h^2 lines (form_factors.cpp), but parts of a pair in different places are blocked one by one, and lattices and directions are
-  // more even than chance: half of that variance is left where all lines are of one kind, which does not say that the other is not there, and 2.5 / (n + 4) where they are of both, as measured in
-  // four scenes (README).
+  // the pair, each facing or blocked by chance, p (1 - p) / (n + 1/2), half a line of the neighbours' among them, with p of b, the neighbours' s, as of two lines more, and a tenth of a line of either
+  // kind: (n b + 2 s + 0.1) / (n + 2.2) (Agresti & Coull 1998). A direction that sees it has 1 + 8/27 A / h^2 lines (form_factors.cpp), but parts of a pair in different places are blocked one by one,
+  // and lattices and directions are more even than chance: 2 / (n + 3) of that variance is left where lines are of both kinds, all of it where they are of one, which does not say that the other is
+  // not there (measured in five scenes: bench/coverage.cpp, README).
   double varianceOfShare(const PairSum& pair, const Squares& squared, double b, double of_replicates, double most_counts, double line) const {
     const double n = effectiveLines(pair, squared, line + 8 / 27.0 * most_counts), s = neighbours_->of(pair.i, pair.j).smoothed;
-    const double p = (n * b + 2 * s) / (n + 2), rarer = n * p * (1 - p), trust = rarer * rarer / (rarer * rarer + 4);
-    const double by_chance = p * (1 - p) / (n + NeighbourShares::kNeighbours), left = b > 0 && b < 1 ? 2.5 / (n + 4) : 0.5;
-    return trust * of_replicates + (1 - trust) * left * by_chance;
+    const double p = (n * b + 2 * s + 0.1) / (n + 2.2), rarer = n * p * (1 - p), trust = rarer * rarer / (rarer * rarer + 0.25);
+    const double by_chance = p * (1 - p) / (n + NeighbourShares::kNeighbours), left = b > 0 && b < 1 ? 2 / (n + 3) : 1;
+    return trust * of_replicates + (1 - trust) * left * by_chance * beside_replicates_;
   }
 
   const ShareSums& sums_;
@@ -196,7 +210,7 @@ class ShareSums::Entries {
   const std::vector<uint64_t>& lines_;
   const std::vector<FormFactors::Entry>& sampled_entries_;
   const NeighbourShares* neighbours_;
-  double measure_area_, count_area_;
+  double measure_area_, count_area_, beside_replicates_;
   std::vector<KnownPair>::const_iterator known_;
   std::vector<PairSum>::const_iterator told_;
   std::vector<FormFactors::Entry>::const_iterator sampled_;
