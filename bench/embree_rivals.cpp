@@ -6,13 +6,14 @@
 #include <bit>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include <fmt/format.h>
 #include <glm/glm.hpp>
 
+#include "engines/pair_table.h"
 #include "error.h"
 #include "facing.h"
-#include "pair_table.h"
 
 namespace viewpeel::bench {
 namespace {
@@ -20,6 +21,7 @@ namespace {
 constexpr float kStart = -1.001f;       // of a line, outside the unit ball
 constexpr float kAwayFromOwn = 1e-5f;   // a ray's start, unit-ball units off its polygon
 constexpr uint32_t kCosineCount = 4096;
+constexpr uint64_t kMostDenseBytes = 16u << 20;  // as the host engine has it
 
 struct Random {  // splitmix64: costs next to nothing beside a ray
   uint64_t state;
@@ -73,19 +75,19 @@ struct EmbreeRivals::State {
   const Ids& ids;
   EmbreeScene scene;
   std::vector<Emitter> emitters;   // of polygons
+  std::optional<SharedPairs> shared;
   std::vector<PairTable> tables;   // of threads
   std::array<glm::vec3, kCosineCount> cosine_directions = cosineDirections();
   uint64_t polygons_shot = 0;
 
   State(const Scene& the_scene, const Ids& the_ids) : ids(the_ids), scene(the_scene) {}
 
-  // Environment and leak come after the ids, as in viewpeel's counters.
-  void countGap(PairTable& table, uint32_t gap, uint32_t lower, uint32_t upper) const {
-    if (gap == kGapFacingPair) table.add(lower, upper);
-    else if (gap == kGapLowerEnvironment) table.add(lower, ids.count());
-    else if (gap == kGapUpperEnvironment) table.add(upper, ids.count());
-    else if (gap == kGapLowerLeak) table.add(lower, ids.count() + 1);
-    else if (gap == kGapUpperLeak) table.add(upper, ids.count() + 1);
+  static void countGap(PairTable& table, uint32_t gap, uint32_t lower, uint32_t upper) {
+    if (gap == kGapFacingPair) table.add(std::min(lower, upper), std::max(lower, upper), 1);
+    else if (gap == kGapLowerEnvironment) table.add(lower, kEnvironment, 1);
+    else if (gap == kGapUpperEnvironment) table.add(upper, kEnvironment, 1);
+    else if (gap == kGapLowerLeak) table.add(lower, kLeak, 1);
+    else if (gap == kGapUpperLeak) table.add(upper, kLeak, 1);
   }
 
   // Returns the number of facing pairs.
@@ -129,7 +131,10 @@ EmbreeRivals::EmbreeRivals(const Scene& scene, const Ids& ids) : state_(std::mak
     const glm::vec3 a = corners[1] - corners[0], b = corners[polygon.corner_count - 1] - corners[0], x = glm::normalize(a), normal = state_->scene.normal(index);
     state_->emitters.push_back({corners[0], a, b, x, glm::cross(normal, x), normal, ids.of_polygon[index], triangle});
   }
-  state_->tables.assign(threadCount(), PairTable(ids.count()));
+  const bool is_dense = PairTable::denseBytes(ids.count(), false) <= kMostDenseBytes;
+  if (!is_dense) state_->shared.emplace(ids.count(), false, UINT64_MAX);
+  state_->tables.reserve(threadCount());
+  for (size_t k = 0; k < threadCount(); ++k) state_->tables.push_back(is_dense ? PairTable(ids.count(), false) : PairTable(*state_->shared));
 }
 
 EmbreeRivals::~EmbreeRivals() = default;
@@ -192,15 +197,16 @@ RayCount EmbreeRivals::shootRays(Trace trace, uint64_t ray_count, uint64_t seed)
         const Emitter& emitter = state_->emitters[(first_group + group) % state_->emitters.size()];
         for (uint32_t k = 0; k < kRayGroup; ++k) rays[k] = state_->rayFrom(emitter, random);
         state_->scene.findFirst(trace, context, rays, hit);
-        const uint32_t from = emitter.id, id_count = state_->ids.count();
+        const uint32_t from = emitter.id;
         for (uint32_t k = 0; k < kRayGroup; ++k) {
           if (hit[k] == UINT32_MAX) {
-            table.add(from, id_count);
+            table.add(from, kEnvironment, 1);
           } else if (state_->ids.two_sided || glm::dot(state_->scene.normal(hit[k]), rays[k].direction) < 0) {
-            table.add(from, state_->ids.of_polygon[hit[k]]);
+            const uint32_t to = state_->ids.of_polygon[hit[k]];
+            table.add(std::min(from, to), std::max(from, to), 1);
             ++own_samples;
           } else {
-            table.add(from, id_count + 1);
+            table.add(from, kLeak, 1);
           }
         }
       }
@@ -209,22 +215,14 @@ RayCount EmbreeRivals::shootRays(Trace trace, uint64_t ray_count, uint64_t seed)
   return {groups * kRayGroup, samples};
 }
 
-PairCounts EmbreeRivals::counts() const {
-  PairCounts counts;
-  const uint32_t id_count = state_->ids.count();
-  for (const PairTable& table : state_->tables)
-    table.forEach([&](uint32_t i, uint32_t j, uint64_t count) { counts.push_back({i, j == id_count ? kEnvironment : j > id_count ? kLeak : j, count}); });
-  std::sort(counts.begin(), counts.end(), [](const PairCount& a, const PairCount& b) { return std::pair(a.i, a.j) < std::pair(b.i, b.j); });
-  PairCounts merged;
-  for (const PairCount& count : counts) {
-    if (!merged.empty() && merged.back().i == count.i && merged.back().j == count.j) merged.back().count += count.count;
-    else merged.push_back(count);
+PairCounts EmbreeRivals::takeCounts() {
+  std::vector<PairTable>& tables = state_->tables;
+  if (state_->shared) {
+    for (PairTable& table : tables) table.flush();
+    return state_->shared->takeAll(tables.size());
   }
-  return merged;
-}
-
-void EmbreeRivals::clear() {
-  for (PairTable& table : state_->tables) table.clear();
+  for (size_t k = 1; k < tables.size(); ++k) tables[k].moveInto(tables[0]);
+  return tables[0].take();
 }
 
 }  // namespace viewpeel::bench

@@ -1,5 +1,5 @@
-// The same facing pairs by Embree 3, two ways: rays from the surfaces, and whole lines through a lattice. Both use all cores, count into tables
-// like viewpeel's, and answer the same question on the same scene, so that their speed can be set beside viewpeel's.
+// The same facing pairs by Embree 3, two ways: rays from the surfaces, and whole lines through a lattice. Both use all cores, count into the
+// host engine's tables, and answer the same question on the same scene, so that their speed can be set beside viewpeel's.
 #pragma once
 #include <memory>
 #include <span>
@@ -29,9 +29,8 @@ class EmbreeRivals {
   // Ray shooting: rays from uniform points on all polygons in turn, 64 from each, by the cosine law; what they hit first is counted.
   RayCount shootRays(Trace trace, uint64_t ray_count, uint64_t seed);
 
-  // What both have counted since clear().
-  PairCounts counts() const;
-  void clear();
+  // What both have counted since the last call, in order.
+  PairCounts takeCounts();
 
  private:
   struct State;

@@ -2,8 +2,8 @@
 //   engine_speed [--scene NAME] [--resolution PX] [--by polygon|surface] [--rounds N] [--seconds S]
 // Methods: `viewpeel`, the compute engine; `host`, the same lattices by the host engine, `host_scanlines`, its scanlines, of which a sample is counted where a lattice point would be; `embree_lines_*`, the lines of the same lattices traced by Embree and sorted; `embree_rays_*`, rays
 // shot from the surfaces. A sample is a facing pair seen by a line, or a ray that ends on a front; other rays cost time and count for nothing.
-// An engine's fixed cost, emptying and reading its counters, is a call without directions, timed in every round and left out; Embree's tables are
-// neither emptied nor read while it is timed. Debian builds its Embree with assertions on: Embree's own release build may be faster than this one.
+// All are timed from directions or rays to all counts in the order of pairs. The fixed cost of that, reading and emptying counters in which nothing was counted, is timed in every round and left out.
+// Debian builds its Embree with assertions on: Embree's own release build may be faster than this one.
 #include <cmath>
 #include <functional>
 #include <optional>
@@ -40,7 +40,7 @@ struct Method {
   std::string name;
   bool has_directions;
   std::function<std::pair<uint64_t, double>(uint64_t)> run;
-  std::function<double()> fixed_s = [] { return 0.0; };
+  std::function<double()> fixed_s;
   uint64_t amount = 1;
   std::vector<double> directions_per_second = {}, samples_per_second = {};
 };
@@ -82,9 +82,8 @@ uint64_t distance(const PairCounts& a, const PairCounts& b) {
 
 void verify(Engine& engine, EmbreeRivals& embree, std::span<const Direction> directions, int resolution) {
   const PairCounts ours = engine.count(directions);
-  embree.clear();
   embree.countLines(Trace::packets_of_8, directions, resolution);
-  const PairCounts theirs = embree.counts();
+  const PairCounts theirs = embree.takeCounts();
   const double pairs = double(facingPairs(ours));
   fmt::print("# check over {} directions: facing pairs per direction {:.0f}, Embree/viewpeel {:.6f}, counts that differ {:.2e} of them\n",
              directions.size(), pairs / double(directions.size()), double(facingPairs(theirs)) / pairs, double(distance(ours, theirs)) / pairs);
@@ -118,24 +117,36 @@ void measure(const std::string& name, const Scene& scene, const Ids& ids, Embree
   addEngine("host", [&] { return makeHostEngine(scene, ids, {.resolution = resolution}); });
   addEngine("host_scanlines", [&] { return makeHostEngine(scene, ids, {.resolution = resolution, .sampling = Sampling::scanline}); });
   const size_t engine_count = methods.size();
-  embree.clear();
+  const auto reading = [&] { return secondsOf([&] { embree.takeCounts(); }); };
   uint64_t seed = kSeed;
   uint64_t rays = 0, ray_samples = 0;
   const std::pair<Trace, const char*> traces[] = {{Trace::single, "single"}, {Trace::packets_of_8, "packets"}, {Trace::streams, "streams"}};
   for (const auto& [trace, suffix] : traces)
-    methods.push_back({fmt::format("embree_lines_{}", suffix), true, [&, trace = trace](uint64_t count) {
+    methods.push_back({fmt::format("embree_lines_{}", suffix), true,
+                       [&, trace = trace](uint64_t count) {
+                         const double fixed_s = reading();
                          uint64_t samples = 0;
-                         const double spent_s = secondsOf([&] { samples = embree.countLines(trace, first(count), resolution); });
-                         return std::pair(samples, spent_s);
-                       }});
+                         const double spent_s = secondsOf([&] {
+                           samples = embree.countLines(trace, first(count), resolution);
+                           embree.takeCounts();
+                         });
+                         return std::pair(samples, std::max(spent_s - fixed_s, 1e-9));
+                       },
+                       reading});
   for (const auto& [trace, suffix] : traces)
-    methods.push_back({fmt::format("embree_rays_{}", suffix), false, [&, trace = trace](uint64_t count) {
+    methods.push_back({fmt::format("embree_rays_{}", suffix), false,
+                       [&, trace = trace](uint64_t count) {
+                         const double fixed_s = reading();
                          RayCount counted;
-                         const double spent_s = secondsOf([&] { counted = embree.shootRays(trace, 64 * count, seed++); });
+                         const double spent_s = secondsOf([&] {
+                           counted = embree.shootRays(trace, 64 * count, seed++);
+                           embree.takeCounts();
+                         });
                          rays += counted.rays;
                          ray_samples += counted.samples;
-                         return std::pair(counted.samples, spent_s);
-                       }});
+                         return std::pair(counted.samples, std::max(spent_s - fixed_s, 1e-9));
+                       },
+                       reading});
 
   for (Method& method : methods) calibrate(method, options.seconds);
   for (int round = 0; round < options.rounds; ++round)

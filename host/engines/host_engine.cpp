@@ -36,7 +36,6 @@ class HostEngine : public Engine {
     PairTable table;
   };
   void clear();
-  PairCounts takeShared();
   uint64_t memoryBytes() const;
 
   SweepScene scene_;
@@ -67,7 +66,7 @@ HostEngine::HostEngine(const Scene& scene, const Ids& ids, const LatticeOptions&
 void HostEngine::clear() {
   if (!is_clear_) {
     for (const auto& worker : workers_) worker->table.clear();
-    for (uint32_t part = 0; shared_ && part < SharedPairs::kParts; ++part) shared_->take(part);
+    if (shared_) shared_->takeAll(workers_.size());
   }
   is_clear_ = false;
 }
@@ -80,24 +79,10 @@ PairCounts HostEngine::count(std::span<const Direction> directions) {
   is_clear_ = true;
   if (shared_) {
     for (const auto& worker : workers_) worker->table.flush();
-    return takeShared();
+    return shared_->takeAll(workers_.size());
   }
   for (size_t k = 1; k < workers_.size(); ++k) workers_[k]->table.moveInto(workers_[0]->table);
   return workers_[0]->table.take();
-}
-
-PairCounts HostEngine::takeShared() {
-  std::vector<PairCounts> parts(SharedPairs::kParts);
-  shareOut(workers_.size(), parts.size(), 1, [&](size_t, size_t part) { parts[part] = shared_->take(static_cast<uint32_t>(part)); });
-  size_t count = 0;
-  for (const PairCounts& part : parts) count += part.size();
-  PairCounts counts;
-  counts.reserve(count);
-  for (PairCounts& part : parts) {
-    counts.insert(counts.end(), part.begin(), part.end());
-    part = {};
-  }
-  return counts;
 }
 
 // Every block by one thread, in dense counters of its own.

@@ -7,6 +7,7 @@
 
 #include "engines/shared.h"
 #include "error.h"
+#include "threads.h"
 
 namespace viewpeel {
 namespace {
@@ -83,6 +84,7 @@ void SharedPairs::add(uint32_t part_index, const Addition* additions, size_t cou
   }
 }
 
+// The counts of a part, in order, and empties it; those of all parts one after the other are in order.
 PairCounts SharedPairs::take(uint32_t part_index) {
   Part& part = parts_[part_index];
   PairCounts counts;
@@ -95,6 +97,20 @@ PairCounts SharedPairs::take(uint32_t part_index) {
   sortPart(counts, id_count_);
   std::fill(part.words.begin(), part.words.end(), 0);
   part.used = 0;
+  return counts;
+}
+
+PairCounts SharedPairs::takeAll(size_t threads) {
+  std::vector<PairCounts> parts(kParts);
+  shareOut(threads, kParts, 1, [&](size_t, size_t part) { parts[part] = take(static_cast<uint32_t>(part)); });
+  size_t count = 0;
+  for (const PairCounts& part : parts) count += part.size();
+  PairCounts counts;
+  counts.reserve(count);
+  for (PairCounts& part : parts) {
+    counts.insert(counts.end(), part.begin(), part.end());
+    part = {};
+  }
   return counts;
 }
 

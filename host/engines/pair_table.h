@@ -29,8 +29,8 @@ class SharedPairs {
   // By any thread.    Throws: Error limit.
   void add(uint32_t part, const Addition* additions, size_t count);
 
-  // The counts of a part, in order, and empties it; those of all parts one after the other are in order.
-  PairCounts take(uint32_t part);
+  // All counts, in order, and empties it.
+  PairCounts takeAll(size_t threads);
   uint64_t sizeBytes() const { return bytes_; }
 
  private:
@@ -42,6 +42,7 @@ class SharedPairs {
   uint64_t placeOf(uint64_t key, uint64_t places) const { return ((key * 0x9E3779B97F4A7C15u) >> 32 & (places - 1)) * stride_; }
   uint64_t* find(Part& part, uint64_t key) const;
   void makeRoom(Part& part, uint64_t more);
+  PairCounts take(uint32_t part);
 
   const uint64_t parts_per_id_;  // x 2^32
   const uint32_t id_count_, stride_;
