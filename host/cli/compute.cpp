@@ -51,9 +51,10 @@ class ProgressLine {
     if (secondsSince(shown_) < 0.1) return;
     shown_ = Clock::now();
     std::string goal = fmt::format("of {}", options_.replicates);
-    if (options_.relative && progress_.replicates) goal = fmt::format("goal {:.1e} of a form factor", *options_.relative);
-    else if (options_.seconds && progress_.replicates) goal = fmt::format("largest standard error {:.1e}, until {:.0f} s", progress_.largest_standard_error, *options_.seconds);
-    else if (options_.tolerance && progress_.replicates) goal = fmt::format("largest standard error {:.1e}, goal {:.1e}", progress_.largest_standard_error, *options_.tolerance);
+    if (options_.seconds) goal = fmt::format("until {:.0f} s", *options_.seconds);
+    else if (options_.relative) goal = fmt::format("goal {:.1e} of a form factor", *options_.relative);
+    else if (options_.tolerance) goal = fmt::format("goal {:.1e}", *options_.tolerance);
+    if (options_.tolerance && std::isfinite(progress_.largest_standard_error)) goal = fmt::format("largest standard error {:.1e}, {}", progress_.largest_standard_error, goal);
     fmt::print(stderr, "\r\033[Kreplicate {} {}, direction {} of {}, {:.1f} s", progress_.replicates + 1, goal, directions_, options_.directions, secondsSince(start_));
     std::fflush(stderr);
   }

@@ -45,8 +45,8 @@ Estimate estimateFormFactors(Engine& engine, const Scene& scene, const Ids& ids,
   std::optional<FormFactors> found;  // where the goal is reached
   const auto measureErrors = [&] {
     found.reset();
+    if (!(options.tolerance || options.relative) || sums.replicateCount() < options.replicates) return;  // nobody asks
     if (sums.visible) {
-      if (!(options.tolerance || options.relative) || sums.replicateCount() < options.replicates) return;  // nobody asks
       const auto measure = [&](const FormFactors& so_far) {
         largest_error = largestStandardError(so_far);
         largest_relative_error = largestRelativeError(so_far, options.relative_floor);
@@ -58,8 +58,8 @@ Estimate estimateFormFactors(Engine& engine, const Scene& scene, const Ids& ids,
       if (measure(all)) found = std::move(all);
       return;
     }
+    if (options.relative) largest_relative_error = sums.by_id.largestRelativeError(sums.measure_area, options.relative_floor, sums.countArea());
     largest_error = sums.by_id.largestStandardError(sums.measure_area, sums.countArea());
-    largest_relative_error = sums.by_id.largestRelativeError(sums.measure_area, options.relative_floor, sums.countArea());
   };
   if (options.resumed) {
     sums.add(*options.resumed);

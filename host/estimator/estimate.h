@@ -18,7 +18,7 @@ struct Interrupted {};
 
 struct EstimateProgress {
   uint64_t replicates = 0;
-  double largest_standard_error = 0;  // over all form factors so far; infinite before the second replicate
+  double largest_standard_error = 0;  // over all form factors so far; infinite where there is no goal, or before as many replicates as there are to be at least
 };
 
 struct Estimate;

@@ -16,22 +16,26 @@ std::pair<uint32_t, uint32_t> keyOf(const Pair& pair) {
   return {pair.i, pair.j};
 }
 
-// add_to(sum, pair) for each of `pairs`, whose sum is Sum{i, j} where there was none.
-//   In: sums and pairs sorted by (i, j), every pair at most once    Cost: O(sums + pairs); memory for the sums that are new.
+// add_to(sum, pair) for each of `pairs`, in any order, whose sum is Sum{i, j} where there was none.
+//   In: sums and pairs sorted by (i, j), every pair at most once    Cost: O(sums + pairs); no memory but that of the sums.
 template <class Sum, class Pairs, class AddTo>
 void addPairs(std::vector<Sum>& sums, const Pairs& pairs, AddTo add_to) {
-  std::vector<Sum> fresh;
-  auto at = sums.begin();
+  size_t fresh = 0, from = 0;
   for (const auto& pair : pairs) {
-    while (at != sums.end() && keyOf(*at) < keyOf(pair)) ++at;
-    const bool is_there = at != sums.end() && keyOf(*at) == keyOf(pair);
-    if (!is_there) fresh.push_back(Sum{pair.i, pair.j});
-    add_to(is_there ? *at : fresh.back(), pair);
+    while (from < sums.size() && keyOf(sums[from]) < keyOf(pair)) ++from;
+    if (from < sums.size() && keyOf(sums[from]) == keyOf(pair)) add_to(sums[from], pair);
+    else ++fresh;
   }
-  if (fresh.empty()) return;
-  const auto old_count = static_cast<std::ptrdiff_t>(sums.size());
-  sums.insert(sums.end(), fresh.begin(), fresh.end());
-  std::inplace_merge(sums.begin(), sums.begin() + old_count, sums.end(), [](const Sum& a, const Sum& b) { return keyOf(a) < keyOf(b); });
+  // Those that are there make room from the last one on.
+  from = sums.size();
+  size_t to = from + fresh;
+  sums.resize(to);
+  for (auto pair = pairs.rbegin(); to > from; ++pair) {
+    while (from > 0 && keyOf(*pair) < keyOf(sums[from - 1])) sums[--to] = std::move(sums[--from]);
+    if (from > 0 && keyOf(*pair) == keyOf(sums[from - 1])) continue;
+    sums[--to] = Sum{pair->i, pair->j};
+    add_to(sums[to], *pair);
+  }
 }
 
 // The pairs of a coarser set of ids, in order: id k becomes id_map[k], and add_to(sum, pair) joins a pair to one that is there.

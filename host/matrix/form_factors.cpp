@@ -32,9 +32,12 @@ Measured FormFactors::formFactor(uint32_t i, uint32_t j) const {
 
 void ReplicateSums::add(const PairCounts& counts) {
   addRows(counts);
-  PairCounts facing;  // blocked pairs that were never seen are left out
-  std::copy_if(counts.begin(), counts.end(), std::back_inserter(facing), [](const PairCount& count) { return count.count > 0; });
-  addPairs(pairs_, facing, [](PairSum& sum, const PairCount& count) { sum.sum.add(count.count); });
+  const auto addTo = [](PairSum& sum, const PairCount& count) { sum.sum.add(count.count); };
+  const auto is_seen = [](const PairCount& count) { return count.count > 0; };
+  if (std::all_of(counts.begin(), counts.end(), is_seen)) return addPairs(pairs_, counts, addTo);
+  PairCounts seen;  // pairs of which all lines were blocked are left out
+  std::copy_if(counts.begin(), counts.end(), std::back_inserter(seen), is_seen);
+  addPairs(pairs_, seen, addTo);
 }
 
 void ReplicateSums::addRows(const PairCounts& counts) {
