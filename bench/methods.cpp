@@ -310,8 +310,10 @@ std::vector<Ladder> makeLadders(const Device& device, const Scene& scene, const 
       for (const int resolution : sampler == Sampler::fibonacci ? all : one)
         add(fmt::format("{}{}", name, closed_forms ? "_closed" : ""), fmt::format("resolution={} ", resolution),
             viewpeel->compute({.resolution = resolution, .count_blocked = closed_forms}), sampler, closed_forms ? resolution : 0, 32);
-  for (const int resolution : options.full ? std::vector<int>{64, 128, 256} : one)
-    add("scanline", fmt::format("resolution={} ", resolution), viewpeel->compute({.resolution = resolution, .sampling = Sampling::scanline}), Sampler::fibonacci, 0, 32);
+  for (const bool closed_forms : {false, true})
+    for (const int resolution : options.full ? std::vector<int>{32, 64, 128, 256} : one)
+      add(closed_forms ? "scanline_closed" : "scanline", fmt::format("resolution={} ", resolution),
+          viewpeel->compute({.resolution = resolution, .sampling = Sampling::scanline, .count_blocked = closed_forms}), Sampler::fibonacci, closed_forms ? resolution : 0, 32);
   for (const bool closed_forms : {false, true})
     for (const int resolution : options.full ? std::vector<int>{32, 64, 128, 256, 512} : std::vector<int>{32, 64, 128})
       add(closed_forms ? "host_closed" : "host", fmt::format("resolution={} ", resolution),
