@@ -3,6 +3,7 @@
 #include <map>
 #include <optional>
 
+#include <boost/math/distributions/normal.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <gtest/gtest.h>
 
@@ -20,7 +21,6 @@ namespace {
 namespace ts = test_scenes;
 
 constexpr double kParallelSquares = 0.1998248957, kPerpendicularSquares = 0.2000437761, kTenDigits = 5e-11;
-constexpr double kStudentError = 5e-4;  // of Student's t in ShareSums
 
 struct Shared {
   Scene scene;
@@ -68,7 +68,7 @@ double deviationOfOneKind(const RunSums& sums, uint32_t i, uint32_t j) {
   const double s = NeighbourShares(by_face, known.lines, known.ranks).of(i, j).smoothed;
   const double p = ((told->facing > 0 ? n : 0) + 2 * s + 0.1) / (n + 2.2), rarer = n * p * (1 - p);
   const double t = quantile(complement(boost::math::students_t(double(std::max<uint64_t>(sums.replicateCount(), 8) - 1)), 0.025));
-  return std::sqrt(0.25 / (rarer * rarer + 0.25) * p * (1 - p) / (n + 0.5)) * 1.959964 / t;
+  return std::sqrt(0.25 / (rarer * rarer + 0.25) * p * (1 - p) / (n + 0.5)) * quantile(complement(boost::math::normal(), 0.025)) / t;
 }
 
 // Pairs never blocked are their closed forms, on any lattice and with any number of directions.
@@ -85,7 +85,7 @@ TEST(VisibleShare, UnblockedPairsAreExact) {
       EXPECT_NEAR(f.value, truth, kUnoccludedRelativeError * truth + kTenDigits);
       // Nothing says that no blocker is there.
       EXPECT_GT(deviation, 0);
-      EXPECT_NEAR(f.standard_error, deviation * f.value, kStudentError * deviation * f.value);
+      EXPECT_NEAR(f.standard_error, deviation * f.value, 1e-11 * deviation);  // 1 - p is rounded to 2^-53, and no less than 0.1 / n for n of 1e4 at most
     }
   }
   const Estimate cube = share(ts::insideOfCube(), 16).estimate({.directions = 24, .replicates = 4});
@@ -305,7 +305,7 @@ TEST(VisibleShare, PairsThatNoLineMetAreUncertain) {
       EXPECT_NEAR(f.value, lines < 4 ? 0.5 * neighbours.of(pair.i, pair.j).mean / (lines + 0.5) * most : 0, 1e-14 * most);  // rounding
       is_zero += f.value == 0;
       const double deviation = deviationOfOneKind(*counted, pair.i, pair.j) * most;
-      EXPECT_NEAR(f.standard_error, std::min(deviation, most - f.value), kStudentError * deviation);
+      EXPECT_NEAR(f.standard_error, std::min(deviation, most - f.value), 1e-14 * most);  // rounding
       continue;
     }
     ++unmet;

@@ -6,6 +6,9 @@
 #include <optional>
 #include <utility>
 
+#include <boost/math/distributions/normal.hpp>
+#include <boost/math/distributions/students_t.hpp>
+
 #include "matrix/add_pairs.h"
 #include "matrix/neighbour_shares.h"
 #include "threads.h"
@@ -15,12 +18,10 @@ namespace {
 
 // (1.96 / t)^2 with Student's t of R - 1 degrees of freedom at 95 %. Intervals are t standard errors long, for R replicates know their own spread only roughly; of a variance that is known by other
 // means so much is right. R is 8 at least: with fewer, standard errors would be far less than errors, and intervals are longer than they need be.
-//   Error: of t 3e-4 (Abramowitz & Stegun, 26.7.5)
-double besideReplicates(double replicates) {
-  constexpr double z2 = 1.959964 * 1.959964;
-  const double nu = std::max(replicates, 8.0) - 1;
-  const double t_over_z = 1 + (z2 + 1) / (4 * nu) + ((5 * z2 + 16) * z2 + 3) / (96 * nu * nu) + (((3 * z2 + 19) * z2 + 17) * z2 - 15) / (384 * nu * nu * nu);
-  return 1 / (t_over_z * t_over_z);
+double besideReplicates(uint64_t replicates) {
+  const double degrees = static_cast<double>(std::max<uint64_t>(replicates, 8) - 1), beyond = 0.025;
+  const double ratio = quantile(complement(boost::math::normal(), beyond)) / quantile(complement(boost::math::students_t(degrees), beyond));
+  return ratio * ratio;
 }
 
 }  // namespace
@@ -77,7 +78,7 @@ class ShareSums::Entries {
   Entries(const ShareSums& sums, const std::vector<KnownPair>& known, const std::vector<uint64_t>& lines, double measure_area, double count_area, const FormFactors& sampled,
           const NeighbourShares* neighbours)
       : sums_(sums), known_pairs_(known), lines_(lines), sampled_entries_(sampled.entries()), neighbours_(neighbours), measure_area_(measure_area), count_area_(count_area),
-        beside_replicates_(besideReplicates(static_cast<double>(sums.replicate_count_))) {}
+        beside_replicates_(besideReplicates(sums.replicate_count_)) {}
 
   std::vector<FormFactors::Entry> of(uint32_t first_row, uint32_t end_row, const ExchangeRow& row) {
     known_ = firstOf(known_pairs_, first_row);
