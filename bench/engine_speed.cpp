@@ -35,14 +35,22 @@ struct Options {
 };
 
 
-// One way to count. run(n) works through n directions, or n groups of rays, and returns samples and seconds.
+// One way to count. count(n) works through n directions, or n groups of rays, and returns samples; count(0) costs what is fixed.
 struct Method {
   std::string name;
   bool has_directions;
-  std::function<std::pair<uint64_t, double>(uint64_t)> run;
-  std::function<double()> fixed_s;
+  std::function<uint64_t(uint64_t)> count;
   uint64_t amount = 1;
   std::vector<double> directions_per_second = {}, samples_per_second = {};
+
+  double fixedSeconds() const { return secondsOf([&] { count(0); }); }
+  // Samples, and seconds without the fixed ones.
+  std::pair<uint64_t, double> run(uint64_t n) const {
+    const double fixed_s = fixedSeconds();
+    uint64_t samples = 0;
+    const double spent_s = secondsOf([&] { samples = count(n); });
+    return {samples, std::max(spent_s - fixed_s, 1e-9)};
+  }
 };
 
 // Also warms up: the first dispatch on a device may compile. A method that leaves out a fixed cost runs for as long as that at least: a small
@@ -50,7 +58,7 @@ struct Method {
 void calibrate(Method& method, double least_seconds) {
   const uint64_t most = method.has_directions ? kMostDirections : 1u << 30;
   method.run(1);
-  const double seconds = std::max(least_seconds, method.fixed_s());
+  const double seconds = std::max(least_seconds, method.fixedSeconds());
   for (;;) {
     const double spent_s = method.run(method.amount).second;
     if (spent_s >= seconds || method.amount == most) return;
@@ -99,15 +107,7 @@ void measure(const std::string& name, const Scene& scene, const Ids& ids, Embree
       const std::shared_ptr<Engine> engine = make();
       const double points_each = engine->unitArea() / pointArea(resolution);  // lattice points' worth of a count
       if (points_each == 1) verify(*engine, embree, first(4), resolution);
-      const auto fixed = [engine] { return secondsOf([&] { engine->count({}); }); };
-      methods.push_back({method, true,
-                         [=](uint64_t count) {
-                           const double fixed_s = fixed();
-                           PairCounts counts;
-                           const double spent_s = secondsOf([&] { counts = engine->count(first(count)); });
-                           return std::pair(static_cast<uint64_t>(double(facingPairs(counts)) * points_each), std::max(spent_s - fixed_s, 1e-9));
-                         },
-                         fixed});
+      methods.push_back({method, true, [=](uint64_t count) { return static_cast<uint64_t>(double(facingPairs(engine->count(first(count)))) * points_each); }});
     } catch (const Error& error) {
       if (error.code() != ErrorCode::limit) throw;
       fmt::print("# {} refused: {}\n{},{},{},{},refused,refused,\n", method, error.what(), name, scene.polygons.size(), resolution, method);
@@ -117,36 +117,23 @@ void measure(const std::string& name, const Scene& scene, const Ids& ids, Embree
   addEngine("host", [&] { return makeHostEngine(scene, ids, {.resolution = resolution}); });
   addEngine("host_scanlines", [&] { return makeHostEngine(scene, ids, {.resolution = resolution, .sampling = Sampling::scanline}); });
   const size_t engine_count = methods.size();
-  const auto reading = [&] { return secondsOf([&] { embree.takeCounts(); }); };
   uint64_t seed = kSeed;
   uint64_t rays = 0, ray_samples = 0;
   const std::pair<Trace, const char*> traces[] = {{Trace::single, "single"}, {Trace::packets_of_8, "packets"}, {Trace::streams, "streams"}};
   for (const auto& [trace, suffix] : traces)
-    methods.push_back({fmt::format("embree_lines_{}", suffix), true,
-                       [&, trace = trace](uint64_t count) {
-                         const double fixed_s = reading();
-                         uint64_t samples = 0;
-                         const double spent_s = secondsOf([&] {
-                           samples = embree.countLines(trace, first(count), resolution);
-                           embree.takeCounts();
-                         });
-                         return std::pair(samples, std::max(spent_s - fixed_s, 1e-9));
-                       },
-                       reading});
+    methods.push_back({fmt::format("embree_lines_{}", suffix), true, [&, trace = trace](uint64_t count) {
+                         const uint64_t samples = embree.countLines(trace, first(count), resolution);
+                         embree.takeCounts();
+                         return samples;
+                       }});
   for (const auto& [trace, suffix] : traces)
-    methods.push_back({fmt::format("embree_rays_{}", suffix), false,
-                       [&, trace = trace](uint64_t count) {
-                         const double fixed_s = reading();
-                         RayCount counted;
-                         const double spent_s = secondsOf([&] {
-                           counted = embree.shootRays(trace, 64 * count, seed++);
-                           embree.takeCounts();
-                         });
+    methods.push_back({fmt::format("embree_rays_{}", suffix), false, [&, trace = trace](uint64_t count) {
+                         const RayCount counted = embree.shootRays(trace, 64 * count, seed++);
+                         embree.takeCounts();
                          rays += counted.rays;
                          ray_samples += counted.samples;
-                         return std::pair(counted.samples, std::max(spent_s - fixed_s, 1e-9));
-                       },
-                       reading});
+                         return counted.samples;
+                       }});
 
   for (Method& method : methods) calibrate(method, options.seconds);
   for (int round = 0; round < options.rounds; ++round)
