@@ -35,6 +35,9 @@ inline double pointArea(int resolution) { return 4.0 / (double(resolution) * res
 // all windows of a resolution.
 glm::dvec2 latticeOrigin(const Direction& direction, int resolution, const Window& window);
 
+// The same bits as the shaders' (projection.glsl): the same operations in the same order.
+[[gnu::always_inline]] inline double dotInOrder(double ax, double ay, double az, const glm::dvec3& b) { return ax * b.x + ay * b.y + az * b.z; }
+
 // DirectionData[directions.size()] into an upload buffer.
 //   In: first: how many directions came before; block_directions: of each block
 void writeDirections(std::span<const Direction> directions, int resolution, const Window& window, Buffer& buffer, uint64_t first, uint64_t block_directions);

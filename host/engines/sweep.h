@@ -1,7 +1,6 @@
 // What engine `host` does with one direction: lattice rows cut the projected scene into spans; going along a row, the polygons between any two of their ends
 // are sorted by depth. After the scan-line algorithms: Watkins, "A real time visible surface algorithm" (1970).
 #pragma once
-#include <array>
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -9,25 +8,11 @@
 
 #include "directions/direction.h"
 #include "engines/lattice_options.h"
+#include "engines/outlines.h"
 #include "engines/pair_table.h"
 #include "engines/work.h"
-#include "matrix/ids.h"
 
 namespace viewpeel {
-
-// The scene as sweeps read it: every corner and every plane once, however many polygons share it.
-struct SweepScene {
-  struct Polygon {
-    std::array<uint32_t, 4> corners;  // a triangle's last twice
-    uint32_t corner_count, plane, id, roles;
-  };
-  std::vector<double> x, y, z;                               // of corners, unit-ball units
-  std::vector<double> normal_x, normal_y, normal_z, offset;  // of planes
-  std::vector<Polygon> polygons;
-  bool two_sided, all_count, counts_environment;
-
-  SweepScene(const Scene& scene, const Ids& ids);
-};
 
 // Counts what the compute engine counts, to the last bit; of one thread.
 //   Cost: per direction, O(polygons + spans log (spans of a row) + samples x layers).
@@ -51,14 +36,7 @@ class Sweep {
     int shift;
     bool is_edge_on;  // then every polygon has a depth of its own
   };
-  // What a polygon covers: in a row, the columns from the rightmost crossing with its left edges to the leftmost with its right ones.
-  struct Outline {
-    int32_t first_row, last_row;
-    bool front_up;
-    uint8_t left_count, right_count;                // left edges from the first place on, right ones from the last
-    std::array<double, 4> row_0, per_row, inverse;  // the crossing with row y: ceil((row_0 + per_row y) inverse), see cut()
-  };
-  // What is asked of it where a row enters it, on one line of the processor's cache.
+  // What is asked of a polygon where a row enters it, on one line of the processor's cache.
   struct alignas(64) Surface {
     int64_t at_origin, per_column, per_row;  // its depth
     int32_t depth_min, depth_max, shift;
@@ -81,14 +59,10 @@ class Sweep {
     const Layer* layer;
   };
 
-  void project(const Direction& direction);
-  void slice(const Direction& direction);
   template <bool kAllCount>
-  void slicePolygon(uint32_t polygon_index, const Direction& direction);
-  bool outlineOf(const SweepScene::Polygon& polygon, Outline& outline) const;
-  std::pair<int32_t, int32_t> cut(const Outline& outline, int row) const;
+  void slice(const Direction& direction);
   const DepthPlane& depthPlane(uint32_t plane_index, const Direction& direction);
-  Surface surfaceOf(uint32_t polygon_index, bool front_up, const Direction& direction);
+  void addSurface(uint32_t place, bool front_up, const Direction& direction);
   void sortByLow(std::span<Span> spans);
   Layer enter(const Span& span, int row) const;
   uint64_t keyAt(const Layer& layer, int32_t column) const;
@@ -104,8 +78,7 @@ class Sweep {
   const int fraction_bits_, column_bits_, reach_;
   Work work_;
 
-  std::vector<int32_t> snapped_x_, snapped_y_;  // of corners
-  std::vector<double> height_;
+  Outlines outlines_;
   std::vector<DepthPlane> planes_;
   glm::dvec2 origin_{0};  // of the lattice, in the direction at hand
   uint64_t turn_ = 0;     // directions so far
