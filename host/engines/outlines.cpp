@@ -13,7 +13,6 @@ namespace {
 
 constexpr double kInfinite = HUGE_VAL;
 
-
 // floor(x) of |x| < 2^31. Doubles and their comparisons have the same width, which vectors need.
 [[gnu::always_inline]] inline int32_t floorOf(double x) {
   const auto whole = static_cast<double>(static_cast<int32_t>(x));
@@ -90,7 +89,7 @@ void Outlines::project(const Direction& direction, const glm::dvec2& origin, dou
   runVectorised(vectors_, [&]() __attribute__((always_inline)) {
     const glm::dvec3 x_axis = direction.x_axis, y_axis = direction.y_axis, u = direction.u;  // copies: stores cannot change them
     const double from_x = origin.x, from_y = origin.y, to_spacings = per_spacing, to_fixed = fixed_one;
-#pragma GCC ivdep
+    VIEWPEEL_INDEPENDENT
     for (size_t k = 0; k < count; ++k) {
       snapped_x[k] = floorOf((dotInOrder(x[k], y[k], z[k], x_axis) * to_spacings + from_x) * to_fixed + 0.5);
       snapped_y[k] = floorOf((dotInOrder(x[k], y[k], z[k], y_axis) * to_spacings + from_y) * to_fixed + 0.5);
@@ -120,7 +119,7 @@ void Outlines::findRows(size_t count) {
   int32_t *const __restrict first_row = polygon_first_row_.data(), *const __restrict last_row = polygon_last_row_.data();
   const int bits = fraction_bits_, reach = reach_;
   runVectorised(vectors_, [&]() __attribute__((always_inline)) {
-#pragma GCC ivdep
+    VIEWPEEL_INDEPENDENT
     for (size_t k = 0; k < count; ++k) {
       const int32_t y0 = y[corners[0][k]], y1 = y[corners[1][k]], y2 = y[corners[2][k]], y3 = y[corners[3][k]];
       first_row[k] = std::max(shiftUpward(std::min(std::min(y0, y1), std::min(y2, y3)), bits), -reach);
@@ -142,7 +141,7 @@ void Outlines::findEdges() {
   const int bits = fraction_bits_, cut_bits = fraction_bits_ - column_bits_;
   const double finest = 1.0 / double(1 << cut_bits), row_columns = double(1 << column_bits_);
   runVectorised(vectors_, [&]() __attribute__((always_inline)) {
-#pragma GCC ivdep
+    VIEWPEEL_INDEPENDENT
     for (size_t k = 0; k < count; ++k) {
       const uint32_t polygon = reaching[k];
       const uint32_t c0 = corners[0][polygon], c1 = corners[1][polygon], c2 = corners[2][polygon], c3 = corners[3][polygon];
@@ -164,8 +163,8 @@ void Outlines::findEdges() {
         const double owns_none = along_y < 0 ? 1.0 : along_y > 0 ? 0.0 : along_x < 0 ? 1.0 : 0.0;
         const double c = std::floor((-(a * px[e] + b * py[e]) - owns_none) * finest);
         const int32_t row_from = shiftUpward(y[e], bits);
-        first = (size == 0) & (b > 0) ? std::max(first, row_from) : first;
-        last = (size == 0) & (b < 0) ? std::min(last, row_from - 1) : last;
+        first = ((size == 0) & (b > 0)) ? std::max(first, row_from) : first;
+        last = ((size == 0) & (b < 0)) ? std::min(last, row_from - 1) : last;
         // To the right of an edge that ends the polygon: |a| X - v - 1 >= 0.
         row_0[e * kBlock + k] = a > 0 ? c : c + 1.0;
         per_row[e * kBlock + k] = b * row_columns;
@@ -209,7 +208,7 @@ Outlines::Cuts Outlines::cut() {
   int32_t *const __restrict lows = cut_low_.data(), *const __restrict highs = cut_high_.data();
   const double border = double(reach_ << column_bits_);
   runVectorised(vectors_, [&]() __attribute__((always_inline)) {
-#pragma GCC ivdep
+    VIEWPEEL_INDEPENDENT
     for (size_t k = 0; k < count; ++k) {
       const uint32_t outline = outlines[k];
       const double y = double(rows[k]);
