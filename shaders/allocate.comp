@@ -1,5 +1,5 @@
 #version 460
-// One invocation gives one tile its list and, when it has any polygon or fragment, its place among the active tiles.
+// One invocation gives one tile its list and, when it has any polygon or fragment, its place among the active tiles: with scanlines a place for as many rows as peel takes at once.
 //   In: tile_counts, fragment_counts   Out: tile_starts, active_tiles, status
 #extension GL_GOOGLE_include_directive : require
 #define SHARED_FUNCTION
@@ -9,7 +9,7 @@ layout(local_size_x = 64) in;
 layout(constant_id = 0) const bool kFragments = false;
 layout(constant_id = 1) const uint kTileWidth = 8u;
 layout(constant_id = 2) const uint kTileRows = 8u;
-layout(constant_id = 3) const uint kGroupsPerTile = 1u;  // of peel
+layout(constant_id = 3) const bool kScanlines = false;
 layout(push_constant, scalar) uniform Args { BinArgs pushed; };
 BinArgs args;
 
@@ -35,8 +35,8 @@ void main() {
     atomicOr(status.at.active_tiles, start + count < start ? kListsOverflowed | kListsUncountable : kListsOverflowed);
     return;
   }
-  uint place = atomicAdd(status.at.active_tiles, 1u) & ~(kListsOverflowed | kListsUncountable);
-  uint groups = (place + 1u) * kGroupsPerTile;
+  const uint rows = kScanlines ? rowsAtOnce(count, kTileRows) : kTileRows, parts = kTileRows / rows;
+  uint place = atomicAdd(status.at.active_tiles, parts) & ~(kListsOverflowed | kListsUncountable), groups = place + parts;
   atomicMax(status.at.peel_groups.x, min(groups, kGroupsPerRow));
   atomicMax(status.at.peel_groups.y, (groups - 1u) / kGroupsPerRow + 1u);
   uint tiles_per_direction = args.tiles_wide * args.tiles_high;
@@ -52,5 +52,8 @@ void main() {
   found.row = int(y * kTileRows) - int(args.tiles_high * kTileRows / 2u);
   found.most_fragments = most_fragments;
   found.first_point = tile * points;
-  ActiveTiles(args.active_tiles).at[place] = found;
+  for (uint part = 0u; part < parts; ++part) {
+    ActiveTiles(args.active_tiles).at[place + part] = found;
+    found.row += int(rows);
+  }
 }

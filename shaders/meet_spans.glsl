@@ -1,9 +1,10 @@
 // Part of peel_blocked.comp: with scanlines, what meetings need to know of the row's spans. Samples are a span's columns, first and end; their number is a length.
 
-uint depthInRow(DepthPlane plane, int column) {
+uint depthInRow(DepthPlane plane, uint position) {
+  int column = int(position % kRowWidth), row = int(position / kRowWidth);
   // Depth per spacing x column / 2^column_bits, rounded down; the product itself may need more than 64 bits.
   int64_t whole = plane.per_column >> kColumnBits, rest = plane.per_column - (whole << kColumnBits);
-  int64_t depth = plane.at_corner + whole * int64_t(column) + (rest * int64_t(column) >> kColumnBits);
+  int64_t depth = plane.at_corner + plane.per_row * int64_t(row) + whole * int64_t(column) + (rest * int64_t(column) >> kColumnBits);
   return uint(clamp(depth >> plane.shift, int64_t(plane.range.x), int64_t(plane.range.y)));
 }
 
@@ -12,9 +13,8 @@ Party fetchParty(uint place, uint direction, ivec2 corner) {
   DepthPlane plane = fetchDepthPlane(direction * args.polygon_count + span.x, corner);
   Party party;
   party.polygon = span.x;
-  party.samples.x = span.y & 0xFFFFu;
-  party.samples.y = party.samples.x + (span.y >> 16) + 1u;
-  uint depth_first = depthInRow(plane, int(party.samples.x)), depth_last = depthInRow(plane, int(party.samples.y) - 1);
+  party.samples = uvec2(firstOf(span.y), endOf(span.y));
+  uint depth_first = depthInRow(plane, party.samples.x), depth_last = depthInRow(plane, party.samples.y - 1u);
   party.nearest = min(depth_first, depth_last);
   party.farthest = max(depth_first, depth_last);
   return party;
@@ -28,10 +28,10 @@ uint countCommon(uvec2 samples, uvec2 others) { return min(samples.y, others.y) 
 uint countInOrder(uvec2 samples, uvec2 others, DepthPlane nearer, DepthPlane farther, inout bool cut) {
   uint from = max(samples.x, others.x), to = min(samples.y, others.y), at = 0u, count = 0u;
   [[unroll]] for (uint step = kMostSpans; step > 0u; step /= 2u)
-    if (at + step < end_count && ends[at + step] <= from) at += step;
+    if (at + step < end_count && positionOf(ends[at + step]) <= from) at += step;
   while (from < to) {
-    uint end = min(ends[min(at + 1u, end_count - 1u)], to);
-    int middle = int(from + end - 1u) >> 1;
+    uint end = min(positionOf(ends[min(at + 1u, end_count - 1u)]), to);
+    uint middle = (from + end - 1u) >> 1;
     count += depthInRow(nearer, middle) <= depthInRow(farther, middle) ? end - from : 0u;
     from = end;
     ++at;

@@ -1,4 +1,4 @@
-// One workgroup, meant to be one subgroup, peels one tile, or with scanlines one row of it: each invocation takes kSteps samples and keeps the
+// One workgroup, meant to be one subgroup, peels one tile, with scanlines some rows of it: each invocation takes kSteps samples and keeps the
 // kLayersKept nearest layers of each behind those of the round before in registers; it adds what the gaps between consecutive
 // layers contribute to the counters, and goes round again where more layers remain. A sample is a lattice point or, with
 // scanlines, the interval between two ends of spans: the order of polygons does not change in it, and its length is its weight. The
@@ -38,12 +38,18 @@ PeelArgs args;
 const int kMostSteps = 8;
 const uint64_t kNoLayer = ~0ul;    // a layer is key << 32 | polygon + 1, so that layers are ordered as numbers
 const uint kBackMark = 0x80000000u;
-const uint kNoColumns = 0xFFFFu;   // a span that holds no sample
-const uint kEndless = 0xFFFFFFu;   // beyond any column
+// With scanlines, the rows of a tile lie side by side: a position in them is row * kRowWidth + column, in units of 2^-column_bits from the tile's first.
+const uint kRowWidth = kTileWidth << kColumnBits;  // 2^15
+const uint kPositionBits = 17u;
+const uint kPositions = 1u << kPositionBits;
+const uint kNoColumns = ~0u;  // a span that holds no sample
+const int kEndless = 0x7FFFFFFF;  // beyond the key of any end
 
-// With scanlines, the spans of the row: polygon, and columns as in spanOf; and their ends in order.
+// With scanlines, the spans of the rows: polygon, and columns as in spanOf; their ends in order; and the spans in order of where they begin. Samples are taken past
+// a window of those, which holds the spans that reach them and moves on with them.
 shared uvec2 spans[kScanlines ? kMostSpans : 1];
 shared uint ends[kScanlines ? 2 * kMostSpans : 1];
+shared uint window[kScanlines ? kMostSpans : 1];
 
 // The samples of an invocation while it goes through the tile's polygons.
 uint64_t nearest[kMostSteps][kLayersKept];
@@ -67,15 +73,20 @@ struct Passing {
 
 struct Tile {
   uint list_start, list_length, direction, weight;
-  ivec2 corner;  // of the lattice: the least column and row, or the one row, of what is peeled
+  ivec2 corner;  // of the lattice: the least column and row
+  uint rows;     // with scanlines
   uint first_point, most_fragments;
 };
+
+// Of a span: see spanOf.
+uint firstOf(uint columns) { return columns & kPositions - 1u; }
+uint endOf(uint columns) { return firstOf(columns) + (columns >> kPositionBits) + 1u; }
 
 #include "subgroup.glsl"
 #include "slice.glsl"
 #include "gaps.glsl"
 
-// Adds up all that meet in the row, of the spans that may be the nearer, the first `ups`, from the one `from` on, as far as one invocation may go. Returns how far
+// Adds up all that meet in the rows, of the spans that may be the nearer, the first `ups`, from the one `from` on, as far as one invocation may go. Returns how far
 // it got. With scanlines; peel_blocked.comp does it, peel.comp has nothing to do.
 uint meetSpans(Tile tile, uint from, uint ups, uint span_count, inout uint blocks_done, inout bool cut);
 
@@ -114,14 +125,13 @@ void takeStep(int s, inout Passing polygon, inout uint fragments) {
   polygon.z += polygon.z_per_step;
 }
 
-// Leaves the rest of a row to another dispatch. Returns where the layers go that its lines have reached.
-uint leaveRow(uint place, uint row, uint first_sample, uint first_meeting, uint lane) {
+// Leaves the rest of a tile to another dispatch. Returns where the layers go that its lines have reached.
+uint leaveRow(uint place, uint first_sample, uint first_meeting, uint lane) {
   uint index = 0u;
   if (lane == 0u) {
     index = atomicAdd(Status(args.status).at.unfinished, 1u);
     UnfinishedRow rest;
     rest.tile = place;
-    rest.row = row;
     rest.first_sample = first_sample;
     rest.first_meeting = first_meeting;
     UnfinishedRows(args.unfinished).at[index] = rest;
@@ -134,8 +144,7 @@ void main() {
   const uint lanes = gl_WorkGroupSize.x;
   const int rows_per_step = kScanlines ? 1 : int(lanes / kTileWidth);
   uint lane = gl_SubgroupInvocationID;
-  const uint groups_per_tile = kScanlines ? kTileRows : 1u;  // a tile's rows one after another: they share its polygons
-  uint group = gl_WorkGroupID.y * kGroupsPerRow + gl_WorkGroupID.x, place = group / groups_per_tile, row = group % groups_per_tile;
+  uint group = gl_WorkGroupID.y * kGroupsPerRow + gl_WorkGroupID.x, place = group;
   uint first = 0u, resume = 0u, first_meeting = 0u;
   Status status = Status(args.status);
   if (gl_NumSubgroups != 1u) {
@@ -147,7 +156,6 @@ void main() {
     UnfinishedRow rest = UnfinishedRows(args.rows).at[group];
     resume = group * lanes * uint(kSteps) + 1u;
     place = rest.tile;
-    row = rest.row;
     first = rest.first_sample;
     first_meeting = rest.first_meeting;
   } else {
@@ -158,34 +166,35 @@ void main() {
   uvec2 fragments_at = kFragments ? texelFetch(tile_texels, int(kTileTexels * place + 2u)).xy : uvec2(0);
   bool is_sorted = kSorted && corner.z != 0u;
   block = corner.w;
-  Tile tile = Tile(texel.x, texel.y, texel.z, texel.w, ivec2(corner.xy) + ivec2(0, row), fragments_at.x, fragments_at.y);
+  Tile tile = Tile(texel.x, texel.y, texel.z, texel.w, ivec2(corner.xy), kScanlines ? rowsAtOnce(texel.y, kTileRows) : kTileRows, fragments_at.x, fragments_at.y);
   bool cut = false;  // whether a loop ended before its time
-  uint sample_count = lanes, polygon_count = tile.list_length, ups = tile.list_length, blocks_done = 0u;
+  uint sample_count = lanes, polygon_count = tile.list_length, ups = tile.list_length, rows = kTileRows, blocks_done = 0u;
   // Lattice points: a lane's column, and the row of its first sample; the others follow rows_per_step apart.
   int column = kScanlines ? 0 : int(lane % kTileWidth), lane_row = kScanlines ? 0 : int(lane / kTileWidth);
   if (kScanlines) {
-    uvec3 counts = sliceRow(tile, lane);
+    uvec4 counts = sliceRows(tile, lane, cut);
     polygon_count = counts.x;
     ups = counts.y;
     end_count = counts.z;
+    rows = counts.w;
     sample_count = max(end_count, 1u) - 1u;
     if (polygon_count > kMostSpans) {
       atomicOr(status.at.overflows, kTooManySpans);
       return;
     }
-    cut = polygon_count > 0u && end_count < 2u;
     if (kCountsBlocked) {
       first_meeting = meetSpans(tile, first_meeting, ups, polygon_count, blocks_done, cut);
       if (first_meeting < ups) {
-        Longs(args.reached_next).at[leaveRow(place, row, 0u, first_meeting, lane)] = 0ul;
+        Longs(args.reached_next).at[leaveRow(place, 0u, first_meeting, lane)] = 0ul;
         first = sample_count;
       }
     }
   }
 
-  uint rounds = 0u, fragments = 0u, gaps = 0u, tested = 0u;  // tested: polygons, of every round
+  uint rounds = 0u, fragments = 0u, gaps = 0u, samples = 0u, tested = 0u;  // tested: polygons, of every round
+  uint list_begin = 0u, list_end = kScanlines ? 0u : polygon_count;  // what the samples are taken past: of the list or, with scanlines, of `window`
   while (first < sample_count && !cut) {
-    uint weight = tile.weight;
+    uint weight = tile.weight, position = 0u;
     [[unroll]] for (int k = 0; k < kMostSteps; ++k) {
       open[k] = k < kSteps && first + lane < sample_count && lane_row + k * rows_per_step < int(kTileRows);
       last[k] = resume == 0u || k >= kSteps ? 0ul : Longs(args.reached).at[resume - 1u + lane * uint(kSteps) + uint(k)];
@@ -193,19 +202,20 @@ void main() {
       fresh = (k == 0 ? 0u : fresh) | (open[k] && last[k] == 0ul ? 1u << k : 0u);
     }
     resume = 0u;
-    int first_column = 0, end_column = 0;  // with scanlines, of all samples
     if (kScanlines) {
-      uint at = min(first + lane, sample_count - 1u);
-      int from = int(ends[at]), to = int(ends[at + 1u]);
-      first_column = int(ends[first]);
-      end_column = int(ends[min(first + lanes, sample_count)]);
-      column = (from + to - 1) >> 1;  // the middle: where polygons meet at an end, depths tie
-      weight *= uint(to - from);
+      uint at = min(first + lane, sample_count - 1u), begin = ends[at], end = ends[at + 1u];
+      uint from = positionOf(begin), to = positionOf(end);
+      position = (from + to - 1u) >> 1;  // the middle: where polygons meet at an end, depths tie
+      column = int(position % kRowWidth);
+      weight *= to - from;
+      if (from / kRowWidth != (to - 1u) / kRowWidth) fresh = 0u;  // no sample, but what lies between those of two rows
+      list_begin = dropEnded(list_begin, list_end, positionOf(subgroupShuffle(begin, 0u)), lane, cut);
+      list_end = begunBefore(subgroupShuffle(end, lanes - 1u));
     }
     bool again;
     do {
       if (blocks_done >= args.most_blocks) {  // the rest goes to another dispatch
-        uint reached_at = leaveRow(place, row, first, first_meeting, lane);
+        uint reached_at = leaveRow(place, first, first_meeting, lane);
         [[unroll]] for (int k = 0; k < kMostSteps; ++k) {
           if (k < kSteps) Longs(args.reached_next).at[reached_at + uint(k)] = open[k] ? last[k] : kNoLayer;
           open[k] = false;
@@ -240,17 +250,18 @@ void main() {
         blocks_done += tile.most_fragments / lanes;
       }
       // A segment ends where a sample has no room left or the list ends; its layers are added as far as they are settled.
-      uint base = 0u, t = 0u, passed = 0u, patience = 0u;
+      uint base = list_begin, t = 0u, passed = 0u, patience = 0u;
       do {
         bool full = false;
         do {
           // This invocation's polygon: its edges or its span, and its depth, at the corner.
-          uint mine = min(base + lane, max(polygon_count, 1u) - 1u);
-          uvec2 span = kScanlines ? spans[placeOfSpan(mine, ups)] : uvec2(polygon_count == 0u ? 0u : texelFetch(list_texels, int(tile.list_start + mine)).x, 0u);
+          uint mine = min(base + lane, max(list_end, 1u) - 1u);
+          uvec2 span = kScanlines ? spans[spanIn(window[mine])] : uvec2(polygon_count == 0u ? 0u : texelFetch(list_texels, int(tile.list_start + mine)).x, 0u);
           uint projected = tile.direction * args.polygon_count + span.x, projected_at = kProjectedTexels * projected;
           uvec4 depth_01 = texelFetch(projected_texels, int(projected_at + 1u));
           uvec4 depth_2 = texelFetch(projected_texels, int(projected_at + 2u));
-          if (base + lane >= polygon_count) span.y = kNoColumns;
+          if (base + lane >= list_end) span.y = kNoColumns;
+          int span_row = kScanlines ? int(firstOf(span.y) / kRowWidth) : 0;
           ivec4 a = ivec4(0), b = ivec4(0), c = ivec4(-1);  // covers nothing
           if (!kScanlines) {
             bool is_polygon = base + lane < polygon_count;
@@ -262,7 +273,7 @@ void main() {
               c[k] = is_polygon ? valueAtCorner(edge, tile.corner) : -1;
             }
           }
-          int64_t z_x = depthXOf(longFrom(depth_01.zw)), depth = longFrom(depth_01.xy) + z_x * int64_t(tile.corner.x) + longFrom(depth_2.xy) * int64_t(tile.corner.y);
+          int64_t z_x = depthXOf(longFrom(depth_01.zw)), depth = longFrom(depth_01.xy) + z_x * int64_t(tile.corner.x) + longFrom(depth_2.xy) * int64_t(tile.corner.y + span_row);
           // With scanlines: depth per spacing x column / 2^column_bits, rounded down; the product itself may need more than 64 bits.
           int64_t whole = kScanlines ? z_x >> kColumnBits : z_x;
           uint part = kScanlines ? uint(z_x - (whole << kColumnBits)) : 0u;
@@ -270,13 +281,6 @@ void main() {
           uvec2 plane_y = depth_2.xy;
           uvec4 bounds = uvec4(depth_2.zw, span.x + 1u, part << 6 | depth_01.z & 63u);
           uint roles = kAllCount ? 0u : fetchId(span.x) >> kRolesShift;
-          uint next = lane;  // with scanlines, from this one on the first whose span reaches one of the samples; the number of invocations where there is none
-          if (kScanlines) {
-            bool reaches = span.y != kNoColumns && int(span.y & 0xFFFFu) < end_column && int((span.y & 0xFFFFu) + (span.y >> 16)) >= first_column;
-            next = reaches ? lane : lanes;
-            next = leastFrom(next);
-            t = min(subgroupShuffle(next, 0u), lanes - 1u);  // that of one that reaches none changes nothing
-          }
           do {
             uvec4 p = subgroupShuffle(plane, t), d = subgroupShuffle(bounds, t);
             Passing polygon;
@@ -287,7 +291,7 @@ void main() {
             polygon.roles = kAllCount ? 0u : subgroupShuffle(roles, t);
             if (kScanlines) {
               uint in_span = subgroupShuffle(span.y, t);
-              polygon.covered = uint(column) - (in_span & 0xFFFFu) <= in_span >> 16 && in_span != kNoColumns;
+              polygon.covered = position - firstOf(in_span) <= in_span >> kPositionBits && in_span != kNoColumns;
               polygon.z = longFrom(p.xy) + longFrom(p.zw) * int64_t(column) + int64_t((d.w >> 6) * uint(column) >> kColumnBits);
             } else {
               ivec4 per_row = subgroupShuffle(b, t);
@@ -307,38 +311,35 @@ void main() {
             if (kSteps > 4) takeStep(7, polygon, fragments);
             ++t;
             ++passed;
-            if (kScanlines) {
-              uint later = subgroupShuffle(next, min(t, lanes - 1u));
-              t = t < lanes ? later : lanes;
-            }
             if (kSorted) {
               bool no_room = false;
               [[unroll]] for (int k = 0; k < kMostSteps; ++k) no_room = no_room || (k < kSteps && open[k] && nearest[k][kLayersKept - 1] != kNoLayer);
               full = anyOf(no_room && is_sorted && passed >= patience);
             }
-          } while (t < lanes && base + t < polygon_count && !full);
-          cut = cut || (t < lanes && base + t < polygon_count && !full);
-          bool block_ends = t >= lanes || base + t >= polygon_count;
+          } while (t < lanes && base + t < list_end && !full);
+          cut = cut || (t < lanes && base + t < list_end && !full);
+          bool block_ends = t >= lanes || base + t >= list_end;
           base += block_ends ? lanes : 0u;
           t = block_ends ? 0u : t;
           ++blocks_done;
-        } while (base < polygon_count && !full);
-        cut = cut || (base < polygon_count && !full);
+        } while (base < list_end && !full);
+        cut = cut || (base < list_end && !full);
         uint64_t bound = kNoLayer;
         if (kSorted) {  // nothing from the next polygon on is nearer than its nearest depth in the tile
-          uint next = texelFetch(list_texels, int(tile.list_start + min(base + t, max(polygon_count, 1u) - 1u))).x;
+          uint next = texelFetch(list_texels, int(tile.list_start + min(base + t, max(list_end, 1u) - 1u))).x;
           DepthPlane plane = fetchDepthPlane(tile.direction * args.polygon_count + next, tile.corner);
           uint nearest_depth = nearestDepth(plane.at_corner, plane.per_column, plane.per_row, plane.shift, plane.range, ivec2(kTileWidth, kTileRows));
-          if (base < polygon_count) bound = uint64_t(2u * nearest_depth) << 32;
+          if (base < list_end) bound = uint64_t(2u * nearest_depth) << 32;
         }
-        gaps += flush(bound, base >= polygon_count, weight, lane, cut);
+        gaps += flush(bound, base >= list_end, weight, lane, cut);
         if (kSorted) {  // where nothing could be let go of, the next polygons are better left to another round than to a segment each
           bool stuck = false;
           [[unroll]] for (int k = 0; k < kMostSteps; ++k) stuck = stuck || (k < kSteps && open[k] && nearest[k][kLayersKept - 1] != kNoLayer);
           patience = anyOf(stuck) ? polygon_count : 0u;
         }
-      } while (base < polygon_count);
-      cut = cut || base < polygon_count;
+      } while (base < list_end);
+      cut = cut || base < list_end;
+      if (kMeasuresWork) samples += bitCount(fresh);
       fresh = 0u;
       ++rounds;
       tested += kScanlines ? passed : polygon_count;
@@ -357,14 +358,15 @@ void main() {
   if (cut || first < sample_count) atomicOr(status.at.overflows, kLoopCut);
   if (lane == 0u) atomicAdd(status.at.rounds, rounds);
   if (kMeasuresWork) {
-    uint all_fragments, all_gaps;
+    uint all_fragments, all_gaps, all_samples;
     sumSoFar(fragments, all_fragments);
     sumSoFar(gaps, all_gaps);
+    sumSoFar(samples, all_samples);
     bool begins = args.resumes == 0u && polygon_count > 0u;
     if (lane == 0u) {
-      atomicAdd(status.at.rows, begins ? kScanlines ? 1ul : uint64_t(kTileRows) : 0ul);
+      atomicAdd(status.at.rows, begins ? uint64_t(rows) : 0ul);
       atomicAdd(status.at.spans, begins ? uint64_t(polygon_count) : 0ul);
-      atomicAdd(status.at.samples, begins ? uint64_t(kScanlines ? sample_count : kTileWidth * kTileRows) : 0ul);
+      atomicAdd(status.at.samples, uint64_t(all_samples));
       atomicAdd(status.at.tests, uint64_t(tested) * uint64_t(lanes * uint(kSteps)));
       atomicAdd(status.at.fragments, uint64_t(all_fragments));
       atomicAdd(status.at.gaps, uint64_t(all_gaps));

@@ -129,6 +129,14 @@ struct AccumulateArgs {
 const uint kGroupsPerRow = 32768u;  // of a dispatch over tiles
 const uint kMostSpans = 1024u;      // of a row of a tile, with scanlines
 const uint kScanlineCell = 32u;     // lattice columns: a scanline is cut at their multiples, too
+const uint kMostRowsAtOnce = 4u;
+const uint kFewSpans = 128u;  // the fastest of 32 to 512 on lavapipe
+
+// With scanlines, how many rows of a tile peel takes at once: several where its polygons have few spans in them, which would leave invocations idle.
+SHARED_FUNCTION uint rowsAtOnce(uint list_length, uint tile_rows) {
+  uint rows = list_length * 4u <= kFewSpans ? 4u : list_length * 2u <= kFewSpans ? 2u : 1u;
+  return rows < tile_rows ? rows : tile_rows;
+}
 
 // Software devices end a shader's loops after 65,535 iterations in all (llvmpipe's LP_MAX_TGSI_LOOP_ITERATIONS). An invocation of bin stays below that.
 const uint kMostTilesPerInvocation = 4096u;
@@ -161,10 +169,10 @@ struct BatchStatus {
   Groups project_groups, bin_groups;  // over what is listed
   uint listed;
   uint most_fragments;  // of a lattice point
-  Groups peel_groups;   // over active tiles, and their rows
+  Groups peel_groups;   // over active tiles
   uint active_tiles;    // with kListsOverflowed where lists or fragments overflowed, kListsUncountable where the lists' length did
   uint list_length;     // of all tiles together
-  uint unfinished;      // rows
+  uint unfinished;      // tiles
   uint overflows;       // kTooManySpans and so on
   uint pairs;           // that entered the hash table
   uint rounds;          // over the samples of a subgroup
@@ -186,7 +194,7 @@ struct BinArgs {
   uint64_t tile_counts;   // the same: of polygons
   uint64_t tile_starts;   // the same: where the tile's list begins
   uint64_t lists;         // uint[list_capacity]: polygons; ListEntry[list_capacity] where they are to be sorted
-  uint64_t active_tiles;  // ActiveTile[tile_count]
+  uint64_t active_tiles;  // ActiveTile[tile_count]; with scanlines tile_rows times as many
   uint64_t directions;    // DirectionData[]
   uint64_t status;        // BatchStatus
   uint64_t listed;        // see ProjectArgs
@@ -205,6 +213,7 @@ const uint kBinRoles = 0u;
 const uint kBinCount = 1u;
 const uint kBinScatter = 2u;
 
+// A tile that holds anything or, with scanlines, the rows of it that peel takes at once, which share its list.
 struct ActiveTile {
   uint list_start;
   uint list_length;
@@ -259,10 +268,9 @@ struct MeetArgs {
   uint64_t block_bytes;
 };
 
-// A tile, or a row of it, whose layers one invocation could not get through.
+// A tile, or the rows of it that were taken at once, whose layers one invocation could not get through.
 struct UnfinishedRow {
   uint tile;
-  uint row;
   uint first_sample;
   uint first_meeting;  // of spans that may be the nearer: the first whose meetings have not been counted
 };

@@ -1,86 +1,138 @@
-// Part of peel.glsl: with scanlines, the samples of a row.
+// Part of peel.glsl: with scanlines, the samples of some rows.
 
-// A polygon's part in the row, in columns from the tile's first in units of 2^-column_bits: first | last - first << 16.
-uint spanOf(Tile tile, SnappedCorners corners) {
-  int width = int(kTileWidth) << kColumnBits;
-  int low = 0, high = width;
+// A polygon's part in a row: first | last - first << kPositionBits.
+uint spanOf(ivec2 corner, uint row, SnappedCorners corners) {
+  int low = 0, high = int(kRowWidth);
   [[unroll]] for (uint k = 0u; k < 4u; ++k) {
     Edge edge = makeEdge(corners, k, kCutBits);
-    int64_t value = int64_t(edge.a) * int64_t(tile.corner.x << kColumnBits) + (int64_t(edge.b) * int64_t(tile.corner.y) << kColumnBits) + edge.c;
-    cutRow(edge, value, width, low, high);
+    int64_t value = int64_t(edge.a) * int64_t(corner.x << kColumnBits) + (int64_t(edge.b) * int64_t(corner.y + int(row)) << kColumnBits) + edge.c;
+    cutRow(edge, value, int(kRowWidth), low, high);
   }
-  return low < high ? uint(low) | uint(high - low - 1) << 16 : kNoColumns;
+  return low < high ? row * kRowWidth + uint(low) | uint(high - low - 1) << kPositionBits : kNoColumns;
 }
 
-// Where span k of the row is: the first `ups` from the beginning, the others from the end.
+// Where span k is: the first `ups` from the beginning, the others from the end.
 uint placeOfSpan(uint k, uint ups) { return kCountsBlocked && k >= ups ? kMostSpans - 1u - (k - ups) : k; }
 
-// Puts the row's spans and their ends, each once and in order, into shared memory. Where blocked pairs are counted the spans of polygons whose fronts face +u
-// come first; of two-sided polygons all do.
-// Returns the number of spans, of those that come first, and of ends; more than kMostSpans spans: nothing but their number.
-uvec3 sliceRow(Tile tile, uint lane) {
+// An end in shared memory: its position | the number of spans that begin before it << kPositionBits + 1.
+uint positionOf(uint end) { return end & (2u * kPositions - 1u); }
+uint begunBefore(uint end) { return end >> kPositionBits + 1u; }
+
+// A span in `window`: its place in `spans` + its end * kMostSpans.
+uint spanIn(uint entry) { return entry & kMostSpans - 1u; }
+uint endIn(uint entry) { return entry / kMostSpans; }
+
+// The order of ends: of equal ones the earlier span's, and its left one, come first.
+int endKey(uint position, uint span, uint side) { return int((position * kMostSpans + span) * 2u + side); }
+
+// Puts the rows' spans and their ends, each once and in order, into shared memory, and the spans in order of where they begin into `window`. In `spans` a row comes
+// after another; where blocked pairs are counted the spans of polygons whose fronts face +u come first; of two-sided polygons all do.
+// Returns the number of spans, of those that come first, of ends, and of rows that hold a span; more than kMostSpans spans: nothing but their number.
+uvec4 sliceRows(Tile tile, uint lane, inout bool cut) {
   const uint lanes = gl_WorkGroupSize.x;
-  uint ups = 0u, downs = 0u;
-  for (uint base = 0u; base < tile.list_length; base += lanes) {
-    uint mine = base + lane;
+  uint ups = 0u, downs = 0u, base = 0u, held = 0u, rows = 0u;
+  uint starts[kMostRowsAtOnce];  // of rows: spans that come before; where no blocked pairs are counted
+  [[unroll]] for (uint k = 0u; k < kMostRowsAtOnce; ++k) starts[k] = 0u;
+  for (; base < tile.list_length * tile.rows; base += lanes) {
+    uint row = 0u, mine = base + lane;  // all polygons in the first row, in the next
+    [[unroll]] for (uint k = 1u; k < kMostRowsAtOnce; ++k) row += mine >= k * tile.list_length && k < tile.rows ? 1u : 0u;
+    mine -= row * tile.list_length;
     uint polygon = texelFetch(list_texels, int(tile.list_start + min(mine, tile.list_length - 1u))).x;
-    uint projected = tile.direction * args.polygon_count + polygon, columns = spanOf(tile, fetchCorners(projected));
+    uint projected = tile.direction * args.polygon_count + polygon, columns = spanOf(tile.corner, row, fetchCorners(projected));
     bool covers = mine < tile.list_length && columns != kNoColumns;
     bool is_up = !kCountsBlocked || kTwoSided || frontUpOf(texelFetch(projected_texels, int(kProjectedTexels * projected + 1u)).z) != 0u;
-    uint all, place = ups + sumSoFar(covers && is_up ? 1u : 0u, all) - 1u;
+    uint all, so_far = sumSoFar(covers && is_up ? 1u : 0u, all), place = ups + so_far - 1u;
     ups += all;
     if (kCountsBlocked) {
       uint from_end = downs + sumSoFar(covers && !is_up ? 1u : 0u, all) - 1u;
       downs += all;
       place = is_up ? place : kMostSpans - 1u - from_end;
+    } else {
+      [[unroll]] for (uint k = 1u; k < kMostRowsAtOnce; ++k) {
+        uint before = min(max(k * tile.list_length, base) - base, lanes), its = subgroupShuffle(so_far, max(before, 1u) - 1u);
+        starts[k] += before == 0u ? 0u : its;
+      }
     }
+    held |= covers ? 1u << row : 0u;
     if (covers && place < kMostSpans) spans[place] = uvec2(polygon, columns);
   }
+  cut = cut || base < tile.list_length * tile.rows;
+  [[unroll]] for (uint k = 0u; k < kMostRowsAtOnce; ++k) rows += anyOf((held >> k & 1u) != 0u) ? 1u : 0u;
   uint span_count = ups + downs;
   memoryBarrierShared();
   subgroupBarrier();
-  if (span_count > kMostSpans || span_count == 0u) return uvec3(span_count, ups, 0u);
+  if (span_count > kMostSpans || span_count == 0u) return uvec4(span_count, ups, 0u, 0u);
 
-  for (uint base = 0u; base < span_count; base += lanes) {
+  for (base = 0u; base < span_count; base += lanes) {
     uint mine = base + lane;
-    uint columns = spans[placeOfSpan(min(mine, span_count - 1u), ups)].y;
-    uint low = columns & 0xFFFFu, high = low + (columns >> 16) + 1u;
-    uint low_rank = 0u, high_rank = 0u;  // ends that come before; of equal ones the earlier span's, and its left one, come first
-    for (uint other_base = 0u; other_base < span_count; other_base += lanes) {
+    uint place = placeOfSpan(min(mine, span_count - 1u), ups), columns = spans[place].y;
+    int low = endKey(firstOf(columns), mine, 0u), high = endKey(endOf(columns), mine, 1u);
+    uint from = 0u, to = span_count;
+    if (!kCountsBlocked) {  // of the rows of these spans; all those of rows before come before them
+      [[unroll]] for (uint k = 1u; k < kMostRowsAtOnce; ++k) {
+        if (starts[k] <= base) from = starts[k];
+        if (starts[kMostRowsAtOnce - k] >= base + lanes) to = starts[kMostRowsAtOnce - k];
+      }
+    }
+    uint begin_low = from, end_low = from, begin_high = from, end_high = from;  // spans that begin and that end before the low and the high end
+    for (uint other_base = from; other_base < to; other_base += lanes) {
       uint other = other_base + lane;
       uint other_columns = spans[placeOfSpan(min(other, span_count - 1u), ups)].y;
-      uint other_low = other < span_count ? other_columns & 0xFFFFu : kEndless;
-      uint other_high = other < span_count ? other_low + (other_columns >> 16) + 1u : kEndless;
+      int other_low = other < to ? endKey(firstOf(other_columns), other, 0u) : kEndless;
+      int other_high = other < to ? endKey(endOf(other_columns), other, 1u) : kEndless;
       [[unroll]] for (uint t = 0u; t < 8u; ++t)
         for (uint eight = 0u; eight < lanes; eight += 8u) {
-          uint a = subgroupShuffle(other_low, eight + t), b = subgroupShuffle(other_high, eight + t);
-          uint before = other_base + eight + t < mine ? 1u : 0u, not_after = other_base + eight + t <= mine ? 1u : 0u;
-          low_rank += uint(a < low + before) + uint(b < low + before);
-          high_rank += uint(a < high + not_after) + uint(b < high + before);
+          int a = subgroupShuffle(other_low, eight + t), b = subgroupShuffle(other_high, eight + t);
+          begin_low += uint(a < low);
+          end_low += uint(b < low);
+          begin_high += uint(a < high);
+          end_high += uint(b < high);
         }
     }
     if (mine < span_count) {
-      ends[low_rank] = low;
-      ends[high_rank] = high;
+      ends[begin_low + end_low] = firstOf(columns) | begin_low << kPositionBits + 1u;
+      ends[begin_high + end_high] = endOf(columns) | begin_high << kPositionBits + 1u;
+      window[begin_low] = place + endOf(columns) * kMostSpans;
     }
   }
   memoryBarrierShared();
   subgroupBarrier();
-  uint kept = 0u, last = kEndless;
-  for (uint base = 0u; base < 2u * span_count; base += lanes) {
+  uint kept = 0u, last = ~0u;
+  for (base = 0u; base < 2u * span_count; base += lanes) {
     uint at = base + lane;
     uint end = ends[min(at, 2u * span_count - 1u)];
     uint before = subgroupShuffle(end, max(lane, 1u) - 1u);
     before = lane == 0u ? last : before;
     last = subgroupShuffle(end, lanes - 1u);
-    bool keep = at < 2u * span_count && end != before;
+    bool keep = at < 2u * span_count && positionOf(end) != positionOf(before);
     uint all, place = kept + sumSoFar(keep ? 1u : 0u, all) - 1u;
     memoryBarrierShared();
     subgroupBarrier();
     if (keep) ends[place] = end;
     kept += all;
   }
+  cut = cut || base < 2u * span_count;
   memoryBarrierShared();
   subgroupBarrier();
-  return uvec3(span_count, ups, kept);
+  return uvec4(span_count, ups, kept, rows);
+}
+
+// Of the spans from `begin` to `end` in `window` moves those that go on beyond a position to the end. Returns where they begin.
+uint dropEnded(uint begin, uint end, uint position, uint lane, inout bool cut) {
+  const uint lanes = gl_WorkGroupSize.x;
+  uint left = end - begin;
+  do {
+    uint entry = window[begin + max(left, lane + 1u) - lane - 1u];
+    bool goes_on = lane < left && endIn(entry) > position;
+    uint all, place = end - sumSoFar(goes_on ? 1u : 0u, all);
+    memoryBarrierShared();
+    subgroupBarrier();
+    if (goes_on) window[place] = entry;
+    end -= all;
+    left -= min(left, lanes);
+  } while (left > 0u);
+  cut = cut || left > 0u;
+  memoryBarrierShared();
+  subgroupBarrier();
+  return end;
 }

@@ -101,8 +101,8 @@ class ComputeEngine : public Engine {
   uint32_t pointsPerDirection() const { return tiles_wide_ * tiles_high_ * tuning_.tile_width * tuning_.tile_rows; }
   // Whether blocked pairs are counted by passes of their own.
   bool meets() const { return options_.count_blocked && options_.sampling == Sampling::lattice; }
-  // Workgroups of peel for one tile.
-  uint32_t groupsPerTile() const { return options_.sampling == Sampling::scanline ? tuning_.tile_rows : 1; }
+  // Of a tile: those that peel may take one by one.
+  uint32_t mostParts() const { return options_.sampling == Sampling::scanline ? tuning_.tile_rows : 1; }
 
   const Device& device_;
   LatticeOptions options_;
@@ -183,7 +183,7 @@ void ComputeEngine::makeKernels() {
   if (needed_roles_) bin_roles_ = makeBin(kBinRoles);
   bin_count_ = makeBin(kBinCount);
   bin_scatter_ = makeBin(kBinScatter);
-  allocate_ = Kernel(device_, allocate_comp, sizeof(BinArgs), {enters(), tuning_.tile_width, tuning_.tile_rows, groupsPerTile()});
+  allocate_ = Kernel(device_, allocate_comp, sizeof(BinArgs), {enters(), tuning_.tile_width, tuning_.tile_rows, scanlines});
   if (tuning_.sorts) sort_ = Kernel(device_, sort_comp, sizeof(SortArgs), {tuning_.subgroup_size}, kTexelBuffers);
   const bool meets_spans = scanlines && options_.count_blocked;
   peel_ = Kernel(device_, meets_spans ? std::span<const uint32_t>(peel_blocked_comp) : peel_comp, sizeof(PeelArgs),
@@ -224,21 +224,21 @@ void ComputeEngine::plan() {
   const auto reach = static_cast<uint64_t>(windowReach(options_.resolution, options_.window));
   tiles_wide_ = 2 * divideUp(reach, tuning_.tile_width);
   tiles_high_ = 2 * divideUp(reach, tuning_.tile_rows);
-  const uint64_t tiles = uint64_t(tiles_wide_) * tiles_high_, rows = tiles * groupsPerTile();
+  const uint64_t tiles = uint64_t(tiles_wide_) * tiles_high_, parts = tiles * mostParts();
   const uint64_t lists = 4 * uint64_t(scene_.polygon_count) + tiles;  // of a direction
-  const uint64_t bytes = scene_.polygon_count * (sizeof(uint32_t) + sizeof(ProjectedPolygon) + sizeof(SnappedCorners)) + tiles * (12 + sizeof(ActiveTile)) +
-                         rows * 2 * (sizeof(UnfinishedRow) + sizeof(uint64_t) * tuning_.subgroup_size * tuning_.steps) + lists * listEntryBytes() + (meets() ? tiles * sizeof(Meeting) : 0);
+  const uint64_t bytes = scene_.polygon_count * (sizeof(uint32_t) + sizeof(ProjectedPolygon) + sizeof(SnappedCorners)) + tiles * 12 + parts * sizeof(ActiveTile) +
+                         parts * 2 * (sizeof(UnfinishedRow) + sizeof(uint64_t) * tuning_.subgroup_size * tuning_.steps) + lists * listEntryBytes() + (meets() ? tiles * sizeof(Meeting) : 0);
   const uint64_t largest = std::max<uint64_t>(scene_.polygon_count * sizeof(ProjectedPolygon), lists * (meets() ? sizeof(Cover) : 2 * sizeof(uint32_t)));
   fragment_capacity_ = std::max(fragment_capacity_, options_.fragment_capacity ? options_.fragment_capacity : kFragmentCapacity);
   const bool may_enter = *options_.few_points && options_.sampling == Sampling::lattice && all_count_ && !options_.count_blocked;
   const uint64_t fragment_bytes = may_enter ? uint64_t(pointsPerDirection()) * (sizeof(uint32_t) + fragment_capacity_ * sizeof(uint64_t)) : 0;
-  plan_ = planBatches(device_, options_, {scene_.polygon_count, tiles, rows, bytes, largest, fragment_bytes},
+  plan_ = planBatches(device_, options_, {scene_.polygon_count, tiles, parts, bytes, largest, fragment_bytes},
                       counters_.sizeBytes() + scene_.polygons.sizeBytes() + scene_.corners.sizeBytes());
   list_capacity_ = options_.list_capacity ? options_.list_capacity : plan_.directions * lists;
 }
 
 void ComputeEngine::makeBatches() {
-  const uint64_t tiles = uint64_t(plan_.directions) * tiles_wide_ * tiles_high_, rows = tiles * groupsPerTile();
+  const uint64_t tiles = uint64_t(plan_.directions) * tiles_wide_ * tiles_high_, parts = tiles * mostParts();
   const auto texels = VK_FORMAT_R32G32B32A32_UINT;
   for (uint32_t k = 0; k < plan_.in_flight; ++k) {
     Batch batch{Commands(device_)};
@@ -250,9 +250,9 @@ void ComputeEngine::makeBatches() {
     batch.tile_roles = Buffer(device_, needed_roles_ ? tiles * sizeof(uint32_t) : 0, MemoryUse::device);
     batch.tile_counts = Buffer(device_, tiles * sizeof(uint32_t), MemoryUse::device);
     batch.tile_starts = Buffer(device_, tiles * sizeof(uint32_t), MemoryUse::device);
-    batch.active_tiles = Buffer(device_, tiles * sizeof(ActiveTile), MemoryUse::device, texels);
-    for (Buffer& unfinished : batch.unfinished) unfinished = Buffer(device_, rows * sizeof(UnfinishedRow), MemoryUse::device);
-    for (Buffer& reached : batch.reached) reached = Buffer(device_, rows * tuning_.subgroup_size * tuning_.steps * sizeof(uint64_t), MemoryUse::device);
+    batch.active_tiles = Buffer(device_, parts * sizeof(ActiveTile), MemoryUse::device, texels);
+    for (Buffer& unfinished : batch.unfinished) unfinished = Buffer(device_, parts * sizeof(UnfinishedRow), MemoryUse::device);
+    for (Buffer& reached : batch.reached) reached = Buffer(device_, parts * tuning_.subgroup_size * tuning_.steps * sizeof(uint64_t), MemoryUse::device);
     batch.status = Buffer(device_, sizeof(BatchStatus), MemoryUse::device);
     batch.status_read = Buffer(device_, sizeof(BatchStatus), MemoryUse::readback);
     makeLists(batch, list_capacity_);
@@ -550,7 +550,7 @@ void ComputeEngine::addWork(const Batch& batch, const BatchStatus& found) {
   work_.directions += batch.asked.size();
   work_.tiles += batch.asked.size() * tiles_wide_ * tiles_high_;
   work_.active_tiles += found.active_tiles;
-  work_.lattice_points += uint64_t(found.active_tiles) * tuning_.tile_width * tuning_.tile_rows;
+  work_.lattice_points += tuning_.tile_width * (options_.sampling == Sampling::scanline ? found.rows : uint64_t(found.active_tiles) * tuning_.tile_rows);
   work_.list_entries += found.list_length;
   work_.rows += found.rows;
   work_.spans += found.spans;

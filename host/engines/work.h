@@ -9,9 +9,9 @@ namespace viewpeel {
 
 struct Work {
   uint64_t directions = 0;
-  uint64_t lattice_points = 0;  // of the tiles that hold anything
+  uint64_t lattice_points = 0;  // of the tiles, or with scanlines their rows, that hold anything
   uint64_t tiles = 0;           // in all windows
-  uint64_t active_tiles = 0;
+  uint64_t active_tiles = 0;    // of the compute engine with scanlines, parts of tiles
   uint64_t list_entries = 0;    // polygons in tiles
   uint64_t rows = 0;            // of tiles, that hold a span
   uint64_t spans = 0;           // polygons in rows
