@@ -22,7 +22,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) buffer ListEntries 
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ActiveTiles { ActiveTile at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Covers { Cover at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Meetings { Meeting at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer UnfinishedRows { UnfinishedRow at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer UnfinishedTiles { UnfinishedTile at[]; };
 
 // See ProjectedPolygon.
 int64_t packDepthX(int64_t depth_x, int shift, bool front_up) { return depth_x << 6 | int64_t(shift << 1 | (front_up ? 1 : 0)); }

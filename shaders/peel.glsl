@@ -3,7 +3,7 @@
 // layers contribute to the counters, and goes round again where more layers remain. A sample is a lattice point or, with
 // scanlines, the interval between two ends of spans: the order of polygons does not change in it, and its length is its weight. The
 // tile's polygons are loaded one by each invocation and passed on by shuffles.
-//   In: active_tiles, lists, projected, corners, polygons, fragments     Out: counters, unfinished tiles or rows and the layers that they reached
+//   In: active_tiles, lists, projected, corners, polygons, fragments     Out: counters, unfinished tiles and the layers that they reached
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_shader_atomic_int64 : require
 #extension GL_KHR_shader_subgroup_basic : require
@@ -126,15 +126,15 @@ void takeStep(int s, inout Passing polygon, inout uint fragments) {
 }
 
 // Leaves the rest of a tile to another dispatch. Returns where the layers go that its lines have reached.
-uint leaveRow(uint place, uint first_sample, uint first_meeting, uint lane) {
+uint leaveTile(uint place, uint first_sample, uint first_meeting, uint lane) {
   uint index = 0u;
   if (lane == 0u) {
     index = atomicAdd(Status(args.status).at.unfinished, 1u);
-    UnfinishedRow rest;
+    UnfinishedTile rest;
     rest.tile = place;
     rest.first_sample = first_sample;
     rest.first_meeting = first_meeting;
-    UnfinishedRows(args.unfinished).at[index] = rest;
+    UnfinishedTiles(args.unfinished).at[index] = rest;
   }
   return (subgroupShuffle(index, 0u) * gl_WorkGroupSize.x + lane) * uint(kSteps);
 }
@@ -153,7 +153,7 @@ void main() {
   }
   if (args.resumes != 0u) {
     if (group >= args.resumes) return;
-    UnfinishedRow rest = UnfinishedRows(args.rows).at[group];
+    UnfinishedTile rest = UnfinishedTiles(args.tiles).at[group];
     resume = group * lanes * uint(kSteps) + 1u;
     place = rest.tile;
     first = rest.first_sample;
@@ -185,7 +185,7 @@ void main() {
     if (kCountsBlocked) {
       first_meeting = meetSpans(tile, first_meeting, ups, polygon_count, blocks_done, cut);
       if (first_meeting < ups) {
-        Longs(args.reached_next).at[leaveRow(place, 0u, first_meeting, lane)] = 0ul;
+        Longs(args.reached_next).at[leaveTile(place, 0u, first_meeting, lane)] = 0ul;
         first = sample_count;
       }
     }
@@ -215,7 +215,7 @@ void main() {
     bool again;
     do {
       if (blocks_done >= args.most_blocks) {  // the rest goes to another dispatch
-        uint reached_at = leaveRow(place, first, first_meeting, lane);
+        uint reached_at = leaveTile(place, first, first_meeting, lane);
         [[unroll]] for (int k = 0; k < kMostSteps; ++k) {
           if (k < kSteps) Longs(args.reached_next).at[reached_at + uint(k)] = open[k] ? last[k] : kNoLayer;
           open[k] = false;

@@ -269,16 +269,16 @@ struct MeetArgs {
 };
 
 // A tile, or the rows of it that were taken at once, whose layers one invocation could not get through.
-struct UnfinishedRow {
+struct UnfinishedTile {
   uint tile;
   uint first_sample;
   uint first_meeting;  // of spans that may be the nearer: the first whose meetings have not been counted
 };
 
 struct PeelArgs {
-  uint64_t rows;          // UnfinishedRow[], where it works off those
-  uint64_t reached;       // uint64_t[]: the layers that the lines of those rows have reached; ~0 where they are finished
-  uint64_t unfinished;    // UnfinishedRow[]: what this dispatch leaves
+  uint64_t tiles;         // UnfinishedTile[], where it works off those
+  uint64_t reached;       // uint64_t[]: the layers that the lines of those tiles have reached; ~0 where they are finished
+  uint64_t unfinished;    // UnfinishedTile[]: what this dispatch leaves
   uint64_t reached_next;
   uint64_t status;
   uint64_t counters;
@@ -288,7 +288,7 @@ struct PeelArgs {
   uint counts_environment;
   uint most_blocks;  // of polygons that one invocation goes through
   uint point_count;  // see ProjectArgs
-  uint resumes;      // how many unfinished rows it works off; 0 where it begins
+  uint resumes;      // how many unfinished tiles it works off; 0 where it begins
   uint64_t block_bytes;  // of the dense counters of one block, which follow each other
 };
 

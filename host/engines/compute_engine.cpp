@@ -227,7 +227,7 @@ void ComputeEngine::plan() {
   const uint64_t tiles = uint64_t(tiles_wide_) * tiles_high_, parts = tiles * mostParts();
   const uint64_t lists = 4 * uint64_t(scene_.polygon_count) + tiles;  // of a direction
   const uint64_t bytes = scene_.polygon_count * (sizeof(uint32_t) + sizeof(ProjectedPolygon) + sizeof(SnappedCorners)) + tiles * 12 + parts * sizeof(ActiveTile) +
-                         parts * 2 * (sizeof(UnfinishedRow) + sizeof(uint64_t) * tuning_.subgroup_size * tuning_.steps) + lists * listEntryBytes() + (meets() ? tiles * sizeof(Meeting) : 0);
+                         parts * 2 * (sizeof(UnfinishedTile) + sizeof(uint64_t) * tuning_.subgroup_size * tuning_.steps) + lists * listEntryBytes() + (meets() ? tiles * sizeof(Meeting) : 0);
   const uint64_t largest = std::max<uint64_t>(scene_.polygon_count * sizeof(ProjectedPolygon), lists * (meets() ? sizeof(Cover) : 2 * sizeof(uint32_t)));
   fragment_capacity_ = std::max(fragment_capacity_, options_.fragment_capacity ? options_.fragment_capacity : kFragmentCapacity);
   const bool may_enter = *options_.few_points && options_.sampling == Sampling::lattice && all_count_ && !options_.count_blocked;
@@ -251,7 +251,7 @@ void ComputeEngine::makeBatches() {
     batch.tile_counts = Buffer(device_, tiles * sizeof(uint32_t), MemoryUse::device);
     batch.tile_starts = Buffer(device_, tiles * sizeof(uint32_t), MemoryUse::device);
     batch.active_tiles = Buffer(device_, parts * sizeof(ActiveTile), MemoryUse::device, texels);
-    for (Buffer& unfinished : batch.unfinished) unfinished = Buffer(device_, parts * sizeof(UnfinishedRow), MemoryUse::device);
+    for (Buffer& unfinished : batch.unfinished) unfinished = Buffer(device_, parts * sizeof(UnfinishedTile), MemoryUse::device);
     for (Buffer& reached : batch.reached) reached = Buffer(device_, parts * tuning_.subgroup_size * tuning_.steps * sizeof(uint64_t), MemoryUse::device);
     batch.status = Buffer(device_, sizeof(BatchStatus), MemoryUse::device);
     batch.status_read = Buffer(device_, sizeof(BatchStatus), MemoryUse::readback);
@@ -524,7 +524,7 @@ BatchStatus ComputeEngine::peelUnfinished(Batch& batch, BatchStatus found) {
   Commands& commands = batch.commands;
   for (uint32_t from = 0; found.unfinished && !found.overflows; from = 1 - from) {
     PeelArgs peel = peelArgs(batch);
-    peel.rows = batch.unfinished[from].address();
+    peel.tiles = batch.unfinished[from].address();
     peel.reached = batch.reached[from].address();
     peel.reached_next = batch.reached[1 - from].address();
     peel.unfinished = batch.unfinished[1 - from].address();

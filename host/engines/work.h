@@ -21,7 +21,7 @@ struct Work {
   uint64_t fragments = 0;       // samples that a span covers: layers
   uint64_t gaps = 0;            // between consecutive layers, counted ones: facing pairs, environment and leak
   uint64_t repeats = 0;         // batches done again because something had to grow
-  uint64_t resumed = 0;         // dispatches that went on with unfinished rows
+  uint64_t resumed = 0;         // dispatches that went on with unfinished tiles
   uint64_t memory_bytes = 0;    // on the device
   std::vector<std::pair<std::string, double>> pass_seconds;
 };
