@@ -102,7 +102,7 @@ TEST_F(Fault, LackOfDeviceMemoryIsAClearError) {
 // On devices of less and less memory: enough for the plan; for smaller batches; for smaller ones than those, once the lists of tiles grow, as sheets above one another make them;
 // and not for one direction. What is computed has the same bits.
 TEST_F(Fault, LackOfDeviceMemoryMakesBatchesSmaller) {
-  const std::string options = "compute --engine compute " + writeSheets() + " --two-sided --directions 16 --resolution 128 --batch 8 --replicates 2 --verbose -o " + file("a.csv");
+  const std::string options = "compute --engine compute " + writeSheets() + " --two-sided --sampling lattice --directions 16 --resolution 128 --batch 8 --replicates 2 --verbose -o " + file("a.csv");
   ASSERT_EQ(run(options, withFault("")).status, 0);
   const std::string whole = readFile(file("a.csv"));
   int as_planned = 0, smaller = 0, smaller_later = 0, refused = 0;
@@ -130,7 +130,7 @@ TEST_F(Fault, LackOfDeviceMemoryMakesBatchesSmaller) {
 
 // The same on devices that address shorter and shorter lists: that too depends on the batch.
 TEST_F(Fault, ListsTooLongToAddressMakeBatchesSmaller) {
-  const std::string options = "compute --engine compute " + writeSheets() + " --two-sided --directions 16 --resolution 128 --batch 8 --replicates 2 --verbose -o " + file("a.csv");
+  const std::string options = "compute --engine compute " + writeSheets() + " --two-sided --sampling lattice --directions 16 --resolution 128 --batch 8 --replicates 2 --verbose -o " + file("a.csv");
   ASSERT_EQ(run(options, withFault("")).status, 0);
   const std::string whole = readFile(file("a.csv"));
   int as_planned = 0, smaller = 0, refused = 0;

@@ -172,14 +172,14 @@ TEST_F(Program, HostEngineComputesWithoutADevice) {
   EXPECT_EQ(readFile(file("planned.csv")).find("from,to,"), 0u);
 }
 
-// Engines are chosen for speed: what is counted is the same.
+// Engines are chosen for speed: what is counted is the same, and so are the samples that are chosen.
 TEST_F(Program, EnginesWriteTheSameFiles) {
-  for (const char* options : {"--sampling lattice", "--sampling scanline", "--sampling scanline --resolution 32 --finest 512", "--sampling lattice --from floor",
+  for (const char* options : {"", "--sampling lattice", "--sampling scanline", "--sampling scanline --resolution 32 --finest 512", "--sampling lattice --from floor",
                               "--sampling scanline --two-sided --by surface"}) {
     const std::string office = std::string("compute " VIEWPEEL_SCENES "/office.obj --quiet --directions 20 --replicates 2 ") + options;
     ASSERT_EQ(run(office + " --engine compute -o " + file("compute.csv")).output, "");
     ASSERT_EQ(run(office + " --engine host -o " + file("host.csv")).output, "");
-    EXPECT_EQ(readFile(file("compute.csv")), readFile(file("host.csv"))) << options;
+    EXPECT_TRUE(readFile(file("compute.csv")) == readFile(file("host.csv"))) << options;
     EXPECT_GT(readFile(file("host.csv")).size(), 1000u);
   }
 }
