@@ -34,7 +34,6 @@ struct Options {
   DeviceOptions device;
 };
 
-
 // One way to count. count(n) works through n directions, or n groups of rays, and returns samples; count(0) costs what is fixed.
 struct Method {
   std::string name;

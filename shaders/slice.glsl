@@ -27,7 +27,7 @@ int endKey(uint position, uint span, uint side) { return int((position * kMostSp
 
 // Puts the rows' spans and their ends, each once and in order, into shared memory, and the spans in order of where they begin into `window`. In `spans` a row comes
 // after another; where blocked pairs are counted the spans of polygons whose fronts face +u come first; of two-sided polygons all do.
-// Returns the number of spans, of those that come first, of ends, and of rows that hold a span; more than kMostSpans spans: nothing but their number.
+// Returns the number of spans, of those that come first, of ends, and, where work is measured, of rows that hold a span; more than kMostSpans spans: nothing but their number.
 uvec4 sliceRows(Tile tile, uint lane, inout bool cut) {
   const uint lanes = gl_WorkGroupSize.x;
   uint ups = 0u, downs = 0u, base = 0u, held = 0u, rows = 0u;
@@ -57,7 +57,8 @@ uvec4 sliceRows(Tile tile, uint lane, inout bool cut) {
     if (covers && place < kMostSpans) spans[place] = uvec2(polygon, columns);
   }
   cut = cut || base < tile.list_length * tile.rows;
-  [[unroll]] for (uint k = 0u; k < kMostRowsAtOnce; ++k) rows += anyOf((held >> k & 1u) != 0u) ? 1u : 0u;
+  if (kMeasuresWork)
+    [[unroll]] for (uint k = 0u; k < kMostRowsAtOnce; ++k) rows += anyOf((held >> k & 1u) != 0u) ? 1u : 0u;
   uint span_count = ups + downs;
   memoryBarrierShared();
   subgroupBarrier();

@@ -112,9 +112,13 @@ void Outlines::find(size_t first) {
   next_row_ = INT32_MIN;
 }
 
+std::array<const uint32_t*, 4> Outlines::cornersOfBlock() const {
+  return {&scene_.corners[0][first_], &scene_.corners[1][first_], &scene_.corners[2][first_], &scene_.corners[3][first_]};
+}
+
 // Many small polygons lie between two rows.
 void Outlines::findRows(size_t count) {
-  const std::array<const uint32_t*, 4> corners = {&scene_.corners[0][first_], &scene_.corners[1][first_], &scene_.corners[2][first_], &scene_.corners[3][first_]};
+  const std::array<const uint32_t*, 4> corners = cornersOfBlock();
   const int32_t* const y = snapped_y_.data();
   int32_t *const __restrict first_row = polygon_first_row_.data(), *const __restrict last_row = polygon_last_row_.data();
   const int bits = fraction_bits_, reach = reach_;
@@ -131,7 +135,7 @@ void Outlines::findRows(size_t count) {
 // Edges a X + b y 2^column_bits + c >= 0 with the top-left rule, as in geometry.glsl; all of these are below 2^53, so doubles hold them.
 // An edge along a row bounds the rows: from its own on where the polygon is above it, up to the one before where it is below.
 void Outlines::findEdges() {
-  const std::array<const uint32_t*, 4> corners = {&scene_.corners[0][first_], &scene_.corners[1][first_], &scene_.corners[2][first_], &scene_.corners[3][first_]};
+  const std::array<const uint32_t*, 4> corners = cornersOfBlock();
   const int32_t *const snapped_x = snapped_x_.data(), *const snapped_y = snapped_y_.data();
   const int32_t *const polygon_first_row = polygon_first_row_.data(), *const polygon_last_row = polygon_last_row_.data();
   const uint32_t* const reaching = reaching_.data();

@@ -62,6 +62,7 @@ class Outlines {
   template <class T>
   using OfBlock = std::array<T, kBlock>;
 
+  std::array<const uint32_t*, 4> cornersOfBlock() const;
   void findRows(size_t count);
   void findEdges();
 
