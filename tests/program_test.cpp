@@ -58,6 +58,15 @@ TEST_F(Program, PlansSayWhatARunTakes) {
   EXPECT_EQ(run(plates + "--tolerance 0.1").output.find("takes about"), std::string::npos);
 }
 
+// The plan looks at surfaces as the run does: ids of 576 faces in arrays of 18 surfaces crashed it.
+TEST_F(Program, PlansClosedFormsBySurface) {
+  const std::string office = " " VIEWPEEL_SCENES "/office.obj --by surface --tolerance 2e-4";
+  for (const char* command : {"plan", "compute --quiet"}) {
+    const Result r = run(command + office);
+    EXPECT_EQ(r.status, 0) << command << ": " << r.output;
+  }
+}
+
 TEST_F(Program, QuietPrintsNothing) {
   const Result r = run("compute " VIEWPEEL_SCENES "/plates.obj --quiet --resolution 8 --directions 10 --replicates 2");
   EXPECT_EQ(r.status, 0);

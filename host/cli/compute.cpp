@@ -168,7 +168,6 @@ int runCompute(ProgramOptions options) {
   if (session.usesClosedForms() && !options.epsilon && !(keeper && keeper->resumed())) {
     EstimateOptions pilot = options.estimate;
     pilot.directions = plan.directions;
-    pilot.by = options.by;
     pilot.pairs = &pairs;
     try {
       shares = findVisibleShares(engine, exchanges, session.scene, session.face_ids, plan.groups, pilot, sharePilot(pilot));
@@ -229,7 +228,6 @@ int runCompute(ProgramOptions options) {
     asked.on_so_far = offer;
     asked.resumed = keeper ? keeper->resumed() : nullptr;
     asked.on_sums = keep;
-    asked.by = options.by;
     asked.pairs = &pairs;
     asked.known = session.usesClosedForms() ? &shares.known : nullptr;
     asked.exchanges = session.usesClosedForms() ? &exchanges : nullptr;

@@ -81,7 +81,7 @@ std::string isPositive(const std::string& text) {
 
 }  // namespace
 
-Session::Session(ProgramOptions& asked) : options(asked), scene(loadScene(asked.scene)), ids(makeIds(scene, asked.by, asked.two_sided)), face_ids(makeIds(scene, By::polygon, asked.two_sided)), sampler(nameOf(asked.estimate.sampler)) {
+Session::Session(ProgramOptions& asked) : options(asked), scene(loadScene(asked.scene)), ids(makeIds(scene, asked.estimate.by, asked.two_sided)), face_ids(makeIds(scene, By::polygon, asked.two_sided)), sampler(nameOf(asked.estimate.sampler)) {
   for (const std::string& warning : scene.warnings) fmt::print(stderr, "viewpeel: warning: {}\n", warning);
   askOnlyFor(options.question, scene, ids);
   if (scene.faces.size() > kMostSharedFaces && options.closed_forms_by_default) options.closed_forms = false;
@@ -118,7 +118,7 @@ void Session::chooseEngine() {
       if (!has_gpu) options.engine = EngineKind::host;
     }
   }
-  options.lattice.sampling = options.sampling.value_or(options.engine == EngineKind::host ? chooseSampling(scene, ids, usesClosedForms() && options.by == By::polygon) : Sampling::lattice);
+  options.lattice.sampling = options.sampling.value_or(options.engine == EngineKind::host ? chooseSampling(scene, ids, usesClosedForms() && options.estimate.by == By::polygon) : Sampling::lattice);
 }
 
 Lattices Session::lattices() const {
@@ -276,7 +276,7 @@ Settings Session::settings() const {
   Settings all = {
       {"version", VIEWPEEL_VERSION},
       {"scene", identityOf(scene)},
-      {"--by", options.by == By::polygon ? "polygon" : "surface"},
+      {"--by", options.estimate.by == By::polygon ? "polygon" : "surface"},
       {"--two-sided", options.two_sided ? "yes" : "no"},
       {"--from", fmt::format("{}", fmt::join(question.from, ", "))},
       {"--pair", fmt::format("{}", fmt::join(question.pair, ", "))},
@@ -336,7 +336,7 @@ std::shared_ptr<ProgramOptions> addOptions(CLI::App* command) {
       ->type_name("PX")->check(CLI::Range(1, kMaxResolution).description(""));
   command->add_option("--finest", options->finest, "With --directions and --resolution: spacings for the polygon that needs most of them, in windows; the others get their share")
       ->type_name("PX")->check(CLI::Range(1, kMaxWindowResolution).description(""));
-  addChoice(command, "--by", options->by, {{"polygon", By::polygon}, {"surface", By::surface}}, "One row per polygon or per named surface");
+  addChoice(command, "--by", options->estimate.by, {{"polygon", By::polygon}, {"surface", By::surface}}, "One row per polygon or per named surface");
   addChoice(command, "--engine", options->engine, {{"auto", EngineKind::automatic}, {"compute", EngineKind::compute}, {"host", EngineKind::host}, {"graphics", EngineKind::graphics}, {"exact", EngineKind::exact}},
             "Depth peeling on a Vulkan device, in compute shaders or by its raster pipeline; the same counts on the processor's threads (host); or exact areas there. "
             "auto: compute on a GPU, or on the --device named, else host");
@@ -371,12 +371,12 @@ void settle(const CLI::App* command, ProgramOptions& options) {
   if (options.finest && (options.plans || !options.resolution)) throw Error(ErrorCode::bad_usage, "--finest needs --directions and --resolution");
   const EstimateOptions& e = options.estimate;
   const bool can_use = options.engine != EngineKind::graphics && options.engine != EngineKind::exact && options.question.isEverything() &&
-                       (!options.epsilon || (options.by == By::polygon && options.statistic == Statistic::mean));
+                       (!options.epsilon || (options.estimate.by == By::polygon && options.statistic == Statistic::mean));
   if (options.closed_forms.value_or(false) && !can_use)
     throw Error(ErrorCode::bad_usage, "--closed-forms on needs the whole matrix and --engine compute or host; of a guarantee also --by polygon and --statistic mean");
   // Between surfaces counts vary less than their parts: there shares pay for small tolerances only. Where lines meet many fronts, as with two-sided polygons, blocked pairs
   // cost more than they gain, and a guarantee's tests of lattices each wait for closed forms of all pairs (README).
-  const bool pays = !options.two_sided && !options.epsilon && (options.by == By::polygon || (e.tolerance && *e.tolerance <= kSurfaceShareTolerance));
+  const bool pays = !options.two_sided && !options.epsilon && (options.estimate.by == By::polygon || (e.tolerance && *e.tolerance <= kSurfaceShareTolerance));
   options.closed_forms_by_default = !options.closed_forms.has_value();
   options.closed_forms_possible = can_use;
   options.closed_forms = options.closed_forms.value_or(options.plans && can_use && pays);

@@ -15,7 +15,6 @@ namespace viewpeel::cli {
 struct ProgramOptions {
   std::string scene;
   std::vector<std::string> outputs;
-  By by = By::polygon;
   EngineKind engine = EngineKind::automatic;
   std::optional<Sampling> sampling;  // chosen where unset
   LatticeOptions lattice;

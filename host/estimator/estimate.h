@@ -45,7 +45,7 @@ struct EstimateOptions {
   const KnownShares* known = nullptr;
   // For pairs that pilots did not meet; nullptr: they are sampled alone.
   FaceExchanges* exchanges = nullptr;
-  By by = By::polygon;
+  By by = By::polygon;  // of the result, and of the goals
   // For pairs that common directions hardly meet (directed_pairs.h), of the same scene, ids and seed; nullptr: they have no directions of their own.
   PairSampler* pairs = nullptr;
   std::function<void(const EstimateProgress&)> on_replicate;  // may be empty
