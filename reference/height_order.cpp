@@ -3,6 +3,8 @@
 #include <cmath>
 #include <utility>
 
+#include "facing.h"
+
 namespace viewpeel::reference {
 namespace {
 
@@ -50,7 +52,8 @@ bool HeightOrder::decide(uint32_t a, uint32_t b) const {
     if (sign == 0) sign = compareHeights(a, b, place);
   }
   if (sign != 0) return sign < 0;
-  return first.front_up || !second.front_up;
+  const auto placeOf = [&](const Outline& outline) { return placeAtTie(outline.front_up, scene.polygons[outline.polygon].tie_rank); };
+  return placeOf(first) <= placeOf(second);
 }
 
 int HeightOrder::compareHeights(uint32_t a, uint32_t b, const glm::dvec2& point) const {

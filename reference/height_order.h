@@ -14,7 +14,7 @@ namespace viewpeel::reference {
 
 // Convex polygons that do not pass through one another keep one order over the whole of their common projection. It is
 // decided once per pair, where the heights of their planes differ most, so corners that lie off their plane by rounding
-// cannot turn it round near a shared edge. Equal heights everywhere: the front that faces +u first, then the lower
+// cannot turn it round near a shared edge. Equal heights everywhere: by place at ties (shaders/facing.h), then by
 // index.
 class HeightOrder {
  public:

@@ -13,7 +13,7 @@ layout(push_constant, scalar) uniform Args { AccumulateArgs args; };
 
 uint sideOf(Layer layer, bool above) {
   if (layer.polygon == 0u) return kSideNone;
-  return sideTowardsGap((layer.key & 1u) == 0u, args.two_sided != 0u, above);
+  return sideTowardsGap(!isFrontDown(layer.polygon), args.two_sided != 0u, above);
 }
 
 void main() {
@@ -42,12 +42,12 @@ void main() {
     for (uint k = 0u; k < args.layer; ++k) {
       Layer before = Layers(Longs(args.layers).at[k]).at[at];
       if (classifyGap(sideOf(before, true), upper_side) != kGapFacingPair) continue;
-      uint id = polygons.at[before.polygon - 1u].id & kIdMask, upper_id = polygons.at[upper.polygon - 1u].id & kIdMask;
+      uint id = polygons.at[layerPolygonOf(before.polygon) - 1u].id & kIdMask, upper_id = polygons.at[layerPolygonOf(upper.polygon) - 1u].id & kIdMask;
       addCount(counters, kFacingOrBlocked, pairOf(kGapFacingPair, id, upper_id), 1ul);
     }
   uint gap = classifyGap(sideOf(lower, true), upper_side);
   if (gap == kGapNothing) return;
-  uint lower_id = lower.polygon == 0u ? 0u : polygons.at[lower.polygon - 1u].id & kIdMask;
-  uint upper_id = upper.polygon == 0u ? 0u : polygons.at[upper.polygon - 1u].id & kIdMask;
+  uint lower_id = lower.polygon == 0u ? 0u : polygons.at[layerPolygonOf(lower.polygon) - 1u].id & kIdMask;
+  uint upper_id = upper.polygon == 0u ? 0u : polygons.at[layerPolygonOf(upper.polygon) - 1u].id & kIdMask;
   addCount(counters, kFacing, pairOf(gap, lower_id, upper_id), 1ul);
 }

@@ -72,7 +72,7 @@ void main() {
         int64_t depth = longFrom(depth_01.xy) + depth_x * int64_t(corner.x) + longFrom(depth_2.xy) * int64_t(corner.y);
         ListEntry entry;
         entry.polygon = polygon_index;
-        entry.nearest_depth = nearestDepth(depth, depth_x, longFrom(depth_2.xy), depthShiftOf(depth_01.z), ivec2(depth_2.zw), tile_size);
+        entry.nearest_depth = nearestDepth(depth, depth_x, longFrom(depth_2.xy), depthShiftOf(depth_01.z), ivec2(int(depth_2.z), depthMaxOf(depth_2.w)), tile_size);
         ListEntries(args.lists).at[at] = entry;
       }
     }

@@ -29,3 +29,10 @@ int64_t packDepthX(int64_t depth_x, int shift, bool front_up) { return depth_x <
 int64_t depthXOf(int64_t packed) { return packed >> 6; }
 int depthShiftOf(uint packed_low) { return int(packed_low >> 1 & 31u); }
 uint frontUpOf(uint packed_low) { return packed_low & 1u; }
+int depthMaxOf(uint packed) { return int(packed & (1u << kTieShift) - 1u); }
+uint placeAtTieOf(uint packed) { return packed >> kTieShift; }
+
+// See Layer.polygon.
+uint packLayerPolygon(uint polygon_index, uint front_up) { return (polygon_index + 1u) << 1 | (1u - front_up); }
+uint layerPolygonOf(uint packed) { return packed >> 1; }  // index + 1
+bool isFrontDown(uint packed) { return (packed & 1u) != 0u; }

@@ -62,8 +62,8 @@ void main() {
     DepthPlane plane = fetchDepthPlane(projected, corner);
     Cover cover;
     cover.samples = samplesOf(fetchCorners(projected), corner);
-    cover.nearest = nearestDepth(plane.at_corner, plane.per_column, plane.per_row, plane.shift, plane.range, ivec2(kTileWidth, kTileRows));
-    cover.farthest = farthestDepth(plane.at_corner, plane.per_column, plane.per_row, plane.shift, plane.range, ivec2(kTileWidth, kTileRows));
+    cover.nearest = nearestDepth(plane.at_corner, plane.per_column, plane.per_row, plane.shift, plane.range, ivec2(kTileWidth, kTileRows)) << kTieBits | plane.place_at_tie;
+    cover.farthest = farthestDepth(plane.at_corner, plane.per_column, plane.per_row, plane.shift, plane.range, ivec2(kTileWidth, kTileRows)) << kTieBits | plane.place_at_tie;
     bool meets = base + lane < tile.y && cover.samples != 0ul && (kAllCount || fetchId(polygon) >> kRolesShift != 0u);
     bool is_up = kTwoSided || plane.front_up;
     uint kind = meets ? is_up ? 1u : 0x10000u : 0u;

@@ -55,6 +55,6 @@ void main() {
     uint point = tile * (kTileWidth * kTileRows) + p.y % kTileRows * kTileWidth + p.x % kTileWidth;
     uint slot = atomicAdd(Words(args.fragment_counts).at[point], 1u);
     uint key = layerKeyOf(depth_at_corner + depth_x * int64_t(in_box.x) + polygon.depth_y * int64_t(in_box.y), polygon);
-    if (slot < args.fragment_capacity) Longs(args.fragments).at[slot * args.point_count + point] = packUint2x32(uvec2(polygon_index + 1u, key));
+    if (slot < args.fragment_capacity) Longs(args.fragments).at[slot * args.point_count + point] = packUint2x32(uvec2(packLayerPolygon(polygon_index, frontUpOf(uint(polygon.depth_x_packed))), key));
   }
 }

@@ -22,6 +22,12 @@ const uint kGapUpperEnvironment = 3u;
 const uint kGapLowerLeak = 4u;         // lower sees the back of upper: counted as its leak
 const uint kGapUpperLeak = 5u;
 
+// Polygons of one plane lie at one depth on every line, and tie ranks order them: places along their own fronts' normals.
+const uint kTieBits = 3u;
+
+// The place among equal depths along +u, 0 to 7.
+SHARED_FUNCTION uint placeAtTie(bool front_up, uint tie_rank) { return front_up ? tie_rank : (1u << kTieBits) - 1u - tie_rank; }
+
 // The side that a polygon turns to the gap above it (above = true) or below it. front_up: its front faces +u.
 SHARED_FUNCTION uint sideTowardsGap(bool front_up, bool two_sided, bool above) {
   return two_sided || front_up == above ? kSideFront : kSideBack;

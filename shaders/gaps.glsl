@@ -44,9 +44,9 @@ uint addGaps(inout uint64_t before, uint64_t layers[kLayersKept], uint64_t bound
   [[unroll]] for (int k = 0; k <= kLayersKept; ++k) {
     uint64_t upper = k < kLayersKept ? layers[k] : kNoLayer;
     is_open = is_open && (upper < bound || (at_end && bound == kNoLayer));
-    bool lower_front = before != 0ul && (kTwoSided || (before >> 32 & 1ul) == 0ul);
-    bool upper_front = upper != kNoLayer && (kTwoSided || (upper >> 32 & 1ul) != 0ul);
-    uvec2 gap = uvec2(unpackUint2x32(before).x, upper == kNoLayer ? 0u : unpackUint2x32(upper).x);
+    bool lower_front = before != 0ul && (kTwoSided || !isFrontDown(unpackUint2x32(before).x));
+    bool upper_front = upper != kNoLayer && (kTwoSided || isFrontDown(unpackUint2x32(upper).x));
+    uvec2 gap = uvec2(layerPolygonOf(unpackUint2x32(before).x), upper == kNoLayer ? 0u : layerPolygonOf(unpackUint2x32(upper).x));
     gap |= uvec2(lower_front ? 0u : kBackMark, upper_front ? 0u : kBackMark);
     bool counted = is_open && (lower_front || upper_front);
     [[unroll]] for (int m = 0; m <= k; ++m) found[m] = counted && count == uint(m) ? gap : found[m];

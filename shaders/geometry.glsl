@@ -39,7 +39,8 @@ Edge makeEdge(SnappedCorners corners, uint k, int cut_bits) {
 // depth: the plane's at a lattice point, see ProjectedPolygon.
 uint layerKeyOf(int64_t depth, ProjectedPolygon polygon) {
   uint packed_low = uint(polygon.depth_x_packed);
-  return 2u * uint(clamp(depth >> depthShiftOf(packed_low), int64_t(polygon.depth_min), int64_t(polygon.depth_max))) + (1u - frontUpOf(packed_low));
+  uint clamped = uint(clamp(depth >> depthShiftOf(packed_low), int64_t(polygon.depth_min), int64_t(depthMaxOf(polygon.depth_max_packed))));
+  return clamped << kTieBits | placeAtTieOf(polygon.depth_max_packed);
 }
 
 // The order of a polygon along the line through lattice point p (Layer.key).

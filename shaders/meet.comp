@@ -45,7 +45,7 @@ uint countInOrder(uvec2 samples, uvec2 others, DepthPlane nearer, DepthPlane far
     bool is_one = (left.x | left.y) != 0u;
     uint bit = left.x != 0u ? uint(findLSB(left.x)) : 32u + uint(findLSB(left.y));
     ivec2 in_tile = ivec2(bit % kTileWidth, bit / kTileWidth);
-    count += is_one && depthAt(nearer, in_tile) <= depthAt(farther, in_tile) ? 1u : 0u;
+    count += is_one && isBefore(nearer, depthAt(nearer, in_tile), farther, depthAt(farther, in_tile)) ? 1u : 0u;
     if (left.x != 0u) left.x &= left.x - 1u;
     else left.y &= left.y - 1u;
   } while ((left.x | left.y) != 0u);

@@ -15,8 +15,8 @@ Party fetchParty(uint place, uint direction, ivec2 corner) {
   party.polygon = span.x;
   party.samples = uvec2(firstOf(span.y), endOf(span.y));
   uint depth_first = depthInRow(plane, party.samples.x), depth_last = depthInRow(plane, party.samples.y - 1u);
-  party.nearest = min(depth_first, depth_last);
-  party.farthest = max(depth_first, depth_last);
+  party.nearest = min(depth_first, depth_last) << kTieBits | plane.place_at_tie;
+  party.farthest = max(depth_first, depth_last) << kTieBits | plane.place_at_tie;
   return party;
 }
 
@@ -32,7 +32,7 @@ uint countInOrder(uvec2 samples, uvec2 others, DepthPlane nearer, DepthPlane far
   while (from < to) {
     uint end = min(positionOf(ends[min(at + 1u, end_count - 1u)]), to);
     uint middle = (from + end - 1u) >> 1;
-    count += depthInRow(nearer, middle) <= depthInRow(farther, middle) ? end - from : 0u;
+    count += isBefore(nearer, depthInRow(nearer, middle), farther, depthInRow(farther, middle)) ? end - from : 0u;
     from = end;
     ++at;
   }

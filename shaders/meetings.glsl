@@ -6,7 +6,7 @@
 // A polygon, the samples of the tile or row that it covers, and how its depth ranges there.
 struct Party {
   uvec2 samples;
-  uint nearest, farthest;
+  uint nearest, farthest;  // keys, see Layer
   uint polygon;
   uint id;  // and roles, where they matter
 };
@@ -23,7 +23,7 @@ struct Parties {
 Party fetchParty(uint place, uint direction, ivec2 corner);
 bool haveCommon(uvec2 samples, uvec2 others);
 uint countCommon(uvec2 samples, uvec2 others);
-// Those at which the nearer is not behind: at equal depths fronts that face +u come first.
+// Those at which the nearer comes before the farther.
 uint countInOrder(uvec2 samples, uvec2 others, DepthPlane nearer, DepthPlane farther, inout bool cut);
 
 Party fetchPartyBefore(uint place, uint end, uint direction, ivec2 corner) {
@@ -42,7 +42,7 @@ uint findMet(Party nearer, Party farther, uint eight, uint place, uint farther_p
     if (kTwoSided) {
       meets = meets && farther_place + eight + t > place;
     } else {
-      bool is_behind = nearer.farthest <= subgroupShuffle(farther.nearest, eight + t);
+      bool is_behind = nearer.farthest < subgroupShuffle(farther.nearest, eight + t);
       bool may_be_behind = nearer.nearest <= subgroupShuffle(farther.farthest, eight + t);
       meets = meets && (doubtful ? may_be_behind && !is_behind : is_behind);
     }

@@ -17,14 +17,17 @@ void main() {
   ivec2 cell = ivec2(direction_index % args.cells_per_row, direction_index / args.cells_per_row) * int(args.cell_size);
   ivec2 p = pixel - cell - int(args.cell_size) / 2;
 
-  uint key = layerKey(Projected(args.projected).at[instance], p);
+  ProjectedPolygon polygon = Projected(args.projected).at[instance];
+  uint key = layerKey(polygon, p), packed = packLayerPolygon(polygon_index, frontUpOf(uint(polygon.depth_x_packed)));
   Layer previous = Layers(args.previous).at[uint(pixel.y) * args.image_width + uint(pixel.x)];
-  if (key < previous.key || (key == previous.key && polygon_index + 1u <= previous.polygon)) discard;
+  if (key < previous.key || (key == previous.key && packed <= previous.polygon)) discard;
 
   SnappedCorners corners = Snapped(args.snapped_corners).at[instance];
   for (uint k = 0u; k < 4u; ++k)
     if (!isInside(makeEdge(corners, k, args.fraction_bits), p)) discard;
-  layer = uvec2(key, polygon_index + 1u);
-  // Bit patterns of positive floats are ordered as the floats are: a 32-bit depth buffer compares the keys exactly.
-  gl_FragDepth = uintBitsToFloat(key + 0x00800000u);
+  layer = uvec2(key, packed);
+  // Bit patterns of positive floats are ordered as the floats are: a 32-bit depth buffer compares the keys exactly. Below 1
+  // there are fewer than 2^30 of them: of places at ties only the middle two, 3 and 4, are told apart;
+  // the host refuses scenes with others.
+  gl_FragDepth = uintBitsToFloat((key >> kTieBits << 1 | key >> (kTieBits - 1u) & 1u) + 0x00800000u);
 }

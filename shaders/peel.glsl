@@ -36,7 +36,7 @@ layout(push_constant, scalar) uniform Args { PeelArgs pushed; };
 PeelArgs args;
 
 const int kMostSteps = 8;
-const uint64_t kNoLayer = ~0ul;    // a layer is key << 32 | polygon + 1, so that layers are ordered as numbers
+const uint64_t kNoLayer = ~0ul;    // a layer is key << 32 | polygon, see Layer, so that layers are ordered as numbers
 const uint kBackMark = 0x80000000u;
 // With scanlines, the rows of a tile lie side by side: a position in them is row * kRowWidth + column, in units of 2^-column_bits from the tile's first.
 const uint kRowWidth = kTileWidth << kColumnBits;  // 2^15
@@ -67,7 +67,7 @@ struct Passing {
   bool covered;                   // with scanlines
   int64_t z, z_per_step;
   int z_shift, z_min, z_max;
-  uint64_t rest;  // of the layer: the polygon and its facing
+  uint64_t rest;  // of the layer: the polygon, its facing, its place at ties
   uint roles;
 };
 
@@ -114,7 +114,7 @@ void keepFragment(int s, uint k, uint point, uint count, inout uint fragments) {
 void takeStep(int s, inout Passing polygon, inout uint fragments) {
   bool covered = kScanlines ? polygon.covered : (polygon.edges.x | polygon.edges.y | polygon.edges.z | polygon.edges.w) >= 0;
   uint64_t depth = uint64_t(clamp(polygon.z >> polygon.z_shift, int64_t(polygon.z_min), int64_t(polygon.z_max)));
-  uint64_t layer = (depth << 33) + polygon.rest;
+  uint64_t layer = (depth << 32 + kTieBits) + polygon.rest;
   if (!kAllCount) {
     if (covered && (polygon.roles & kEmits) != 0u) farthest_emitter[s] = max(farthest_emitter[s], layer);
     if (covered && (polygon.roles & kReceives) != 0u) farthest_receiver[s] = max(farthest_receiver[s], layer);
@@ -279,15 +279,15 @@ void main() {
           uint part = kScanlines ? uint(z_x - (whole << kColumnBits)) : 0u;
           uvec4 plane = uvec4(unpackUint2x32(uint64_t(depth)), unpackUint2x32(uint64_t(whole)));
           uvec2 plane_y = depth_2.xy;
-          uvec4 bounds = uvec4(depth_2.zw, span.x + 1u, part << 6 | depth_01.z & 63u);
+          uvec4 bounds = uvec4(depth_2.zw, packLayerPolygon(span.x, frontUpOf(depth_01.z)), part << 6 | depth_01.z & 63u);
           uint roles = kAllCount ? 0u : fetchId(span.x) >> kRolesShift;
           do {
             uvec4 p = subgroupShuffle(plane, t), d = subgroupShuffle(bounds, t);
             Passing polygon;
             polygon.z_shift = int(d.w >> 1 & 31u);
             polygon.z_min = int(d.x);
-            polygon.z_max = int(d.y);
-            polygon.rest = uint64_t(d.z) + (uint64_t(~d.w & 1u) << 32);
+            polygon.z_max = depthMaxOf(d.y);
+            polygon.rest = uint64_t(d.z) + (uint64_t(placeAtTieOf(d.y)) << 32);
             polygon.roles = kAllCount ? 0u : subgroupShuffle(roles, t);
             if (kScanlines) {
               uint in_span = subgroupShuffle(span.y, t);
@@ -329,7 +329,7 @@ void main() {
           uint next = texelFetch(list_texels, int(tile.list_start + min(base + t, max(list_end, 1u) - 1u))).x;
           DepthPlane plane = fetchDepthPlane(tile.direction * args.polygon_count + next, tile.corner);
           uint nearest_depth = nearestDepth(plane.at_corner, plane.per_column, plane.per_row, plane.shift, plane.range, ivec2(kTileWidth, kTileRows));
-          if (base < list_end) bound = uint64_t(2u * nearest_depth) << 32;
+          if (base < list_end) bound = uint64_t(nearest_depth << kTieBits) << 32;
         }
         gaps += flush(bound, base >= list_end, weight, lane, cut);
         if (kSorted) {  // where nothing could be let go of, the next polygons are better left to another round than to a segment each

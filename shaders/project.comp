@@ -78,5 +78,5 @@ void main() {
   words.at[2] = uint64_t(polygon.depth_0);
   words.at[3] = uint64_t(polygon.depth_x_packed);
   words.at[4] = uint64_t(polygon.depth_y);
-  words.at[5] = packUint2x32(uvec2(polygon.depth_min, polygon.depth_max));
+  words.at[5] = packUint2x32(uvec2(polygon.depth_min, polygon.depth_max_packed));
 }

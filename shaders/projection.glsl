@@ -51,7 +51,7 @@ struct Projection {
 
 Projection projectPolygon(uint polygon_index, uint direction_index) {
   DirectionData direction = fetchDirection(direction_index);
-  uvec2 corners = texelFetch(polygon_texels, int(3u * polygon_index)).xy;  // first, count
+  uvec4 corners = texelFetch(polygon_texels, int(3u * polygon_index));  // first, count, id, tie rank
   Projection found;
   found.edge_count = corners.y;
 
@@ -115,7 +115,7 @@ Projection projectPolygon(uint polygon_index, uint direction_index) {
   // Corners lie within 1e-8 of their plane; the slack keeps the clamp from parting coplanar polygons.
   double slack = 4.0LF + 2.0LF * min(steepness, 1e6LF);
   found.polygon.depth_min = int(max((z_min + 1.0LF) * unit - slack, 0.0LF));
-  found.polygon.depth_max = int(min((z_max + 1.0LF) * unit + slack, 2.0LF * unit));
+  found.polygon.depth_max_packed = uint(min((z_max + 1.0LF) * unit + slack, 2.0LF * unit)) | placeAtTie(front_up, corners.w) << kTieShift;
   return found;
 }
 

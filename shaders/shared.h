@@ -14,7 +14,7 @@ struct PolygonData {
   uint first_corner;
   uint corner_count;
   uint id;  // of its counters, and its roles
-  uint padding;
+  uint tie_rank;  // see placeAtTie
   dvec3 plane_normal;
   double plane_offset;
 };
@@ -39,7 +39,7 @@ struct ProjectedPolygon {
   int64_t depth_x_packed;  // depth_x << 6 | depth_shift << 1 | front_up: 1 where its front faces +u
   int64_t depth_y;
   int depth_min;
-  int depth_max;
+  uint depth_max_packed;  // depth_max | place at ties << kTieShift
 };
 
 // What the graphics engine draws of it.
@@ -49,13 +49,13 @@ struct Outline {
 };
 
 const int kDepthBits = 27;  // of a unit length; the unit ball spans 2^28 depths
+const uint kTieShift = 29u;  // depths reach 2^28
 const int kSnapBits = 25;   // of a snapped coordinate
 
-// The nearest polygon of a lattice point that peeling has not passed yet. Ordered by (key, polygon): key is twice the depth,
-// plus one where the front faces -u, so that at equal depths fronts that face +u come first.
+// The nearest polygon of a lattice point that peeling has not passed yet. Ordered by (key, polygon).
 struct Layer {
-  uint key;
-  uint polygon;  // index + 1; 0 where the line has left the scene
+  uint key;      // depth << kTieBits | place at ties
+  uint polygon;  // (index + 1) << 1, and one where the front faces -u; 0 where the line has left the scene
 };
 
 const uint kKeyPastEverything = 0xFFFFFFFFu;
@@ -81,7 +81,7 @@ struct ProjectArgs {
   // Of the compute engine.
   uint64_t listed;           // uint[direction_count * polygon_count]: of what the passes over tiles look at, places in projected
   uint64_t status;           // BatchStatus
-  uint64_t fragments;        // uint64_t[fragment_capacity][point_count]: layers, key << 32 | polygon + 1; points are those of tile 0, of tile 1, ...
+  uint64_t fragments;        // uint64_t[fragment_capacity][point_count]: layers, key << 32 | polygon, as in Layer; points are those of tile 0, of tile 1, ...
   uint64_t fragment_counts;  // uint[point_count]
   uint fragment_capacity;
   uint point_count;
@@ -244,7 +244,7 @@ struct SortArgs {
 // Where blocked pairs are counted: the samples of a tile that a polygon covers, and how its depth ranges over the tile.
 struct Cover {
   uint64_t samples;  // bit row * tile_width + column
-  uint nearest, farthest;
+  uint nearest, farthest;  // keys, see Layer
 };
 
 // Polygons of a tile that may face others of it: a few that may be the nearer, all that may be the farther. Places in the lists of covers.

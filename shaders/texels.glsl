@@ -31,6 +31,8 @@ struct DepthPlane {
   ivec2 range;
   int shift;
   bool front_up;
+  uint place_at_tie;
+  uint projected;
 };
 
 DepthPlane fetchDepthPlane(uint projected, ivec2 corner) {
@@ -40,10 +42,18 @@ DepthPlane fetchDepthPlane(uint projected, ivec2 corner) {
   plane.per_column = depthXOf(longFrom(depth_01.zw));
   plane.per_row = longFrom(depth_2.xy);
   plane.at_corner = longFrom(depth_01.xy) + plane.per_column * int64_t(corner.x) + plane.per_row * int64_t(corner.y);
-  plane.range = ivec2(depth_2.zw);
+  plane.range = ivec2(int(depth_2.z), depthMaxOf(depth_2.w));
+  plane.place_at_tie = placeAtTieOf(depth_2.w);
+  plane.projected = projected;
   plane.shift = depthShiftOf(depth_01.z);
   plane.front_up = frontUpOf(depth_01.z) != 0u;
   return plane;
+}
+
+// The order of two polygons of one direction along a line, as peel has it.
+bool isBefore(DepthPlane a, uint depth_a, DepthPlane b, uint depth_b) {
+  uint key_a = depth_a << kTieBits | a.place_at_tie, key_b = depth_b << kTieBits | b.place_at_tie;
+  return key_a < key_b || (key_a == key_b && a.projected < b.projected);
 }
 
 uint depthAt(DepthPlane plane, ivec2 in_tile) {

@@ -48,6 +48,7 @@ ShapeData fetchShape(uint index) {
   uvec4 last = texelFetch(texels, int(first + kShapeTexels - 1u));
   shape.area = packDouble2x32(last.xy);
   shape.plane = last.z;
+  shape.tie_rank = last.w;
   return shape;
 }
 
@@ -59,6 +60,8 @@ Sides loadSides(uint64_t pairs, uint pair) {
   sides.b = fetchShape(second >> 1);
   sides.a.plane ^= first & 1u;
   sides.b.plane ^= second & 1u;
+  if ((first & 1u) != 0u) sides.a.tie_rank = kLastTieRank - sides.a.tie_rank;
+  if ((second & 1u) != 0u) sides.b.tie_rank = kLastTieRank - sides.b.tie_rank;
   sides.normal_a = (first & 1u) == 0u ? sides.a.normal : -sides.a.normal;
   sides.normal_b = (second & 1u) == 0u ? sides.b.normal : -sides.b.normal;
   sides.is_flipped = ((first ^ second) & 1u) != 0u;
@@ -89,4 +92,4 @@ double leastOf(dvec4 v) { return min(min(v.x, v.y), min(v.z, v.w)); }
 double greatestOf(dvec4 v) { return max(max(v.x, v.y), max(v.z, v.w)); }
 
 // In one plane and face to face, as touching solids are.
-bool areTouching(Sides sides) { return (sides.a.plane ^ sides.b.plane) == 1u; }
+bool areTouching(Sides sides) { return (sides.a.plane ^ sides.b.plane) == 1u && sides.a.tie_rank + sides.b.tie_rank < kLastTieRank; }

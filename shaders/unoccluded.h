@@ -13,8 +13,10 @@ struct ShapeData {
   double tilt;        // how far rounded corners may tilt the plane: depth per distance
   double area;
   uint plane;         // twice the scene's plane, and one where the front looks against its normal
-  uint padding;
+  uint tie_rank;      // of the front, see placeAtTie
 };
+
+const uint kLastTieRank = 7u;
 
 const uint kShapeTexels = 12u;  // of 16 bytes
 

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <map>
+#include <tuple>
 
 #include <glm/glm.hpp>
 
@@ -20,6 +21,7 @@ int64_t cross(Point a, Point b, Point c) { return (b.x - a.x) * (c.y - a.y) - (b
 struct Flat {
   std::vector<Point> corners;  // snapped, counter-clockwise
   bool front_up = false;
+  int place_at_tie = 0;  // along +u, of polygons at one depth
   double z_min = 2, z_max = -2;
   int64_t z0 = 0, zx = 0, zy = 0;
   int shift = 0;
@@ -58,6 +60,7 @@ Flat flatten(const Scene& scene, const Polygon& polygon, const Direction& direct
     return flat;
   }
   flat.front_up = twice_area > 0;
+  flat.place_at_tie = flat.front_up ? static_cast<int>(polygon.tie_rank) : 7 - static_cast<int>(polygon.tie_rank);
   if (!flat.front_up) std::reverse(flat.corners.begin(), flat.corners.end());
 
   const Plane& plane = scene.planes[polygon.plane];
@@ -82,7 +85,16 @@ Flat flatten(const Scene& scene, const Polygon& polygon, const Direction& direct
 }
 
 __extension__ using Wide = __int128;
-using Layers = std::vector<std::tuple<int64_t, bool, uint32_t>>;  // depth, front down, polygon
+struct TwinLayer {
+  int64_t depth;
+  int place_at_tie;
+  uint32_t polygon;
+  bool front_down;
+  bool operator<(const TwinLayer& other) const {
+    return std::tie(depth, place_at_tie, polygon) < std::tie(other.depth, other.place_at_tie, other.polygon);
+  }
+};
+using Layers = std::vector<TwinLayer>;
 
 class Counters {
  public:
@@ -92,15 +104,15 @@ class Counters {
   void add(const Layers& layers, uint64_t weight) {
     for (size_t a = 0; blocked_ && a < layers.size(); ++a)
       for (size_t b = a + 2; b < layers.size(); ++b) {
-        if (!ids_.two_sided && (std::get<1>(layers[a]) || !std::get<1>(layers[b]))) continue;
-        const uint32_t near = std::get<2>(layers[a]), far = std::get<2>(layers[b]);
+        if (!ids_.two_sided && (layers[a].front_down || !layers[b].front_down)) continue;
+        const uint32_t near = layers[a].polygon, far = layers[b].polygon;
         if (areAskedFor(near, far)) counterOf(ids_.of_polygon[near], ids_.of_polygon[far]).second += weight;
       }
     for (size_t k = 0; k <= layers.size() && !layers.empty(); ++k) {
       const bool has_lower = k > 0, has_upper = k < layers.size();
-      const uint32_t lower = has_lower ? std::get<2>(layers[k - 1]) : 0, upper = has_upper ? std::get<2>(layers[k]) : 0;
-      const bool lower_sees = has_lower && (ids_.two_sided || !std::get<1>(layers[k - 1]));
-      const bool upper_sees = has_upper && (ids_.two_sided || std::get<1>(layers[k]));
+      const uint32_t lower = has_lower ? layers[k - 1].polygon : 0, upper = has_upper ? layers[k].polygon : 0;
+      const bool lower_sees = has_lower && (ids_.two_sided || !layers[k - 1].front_down);
+      const bool upper_sees = has_upper && (ids_.two_sided || layers[k].front_down);
       const bool lower_emits = ids_.rolesOf(lower) & kEmits, upper_emits = ids_.rolesOf(upper) & kEmits;
       const uint32_t i = ids_.of_polygon[lower], j = ids_.of_polygon[upper];
       if (lower_sees && upper_sees) {
@@ -167,7 +179,7 @@ Layers layersAt(const std::vector<Flat>& flats, const std::vector<uint32_t>& cov
     // Columns count from the cell's first.
     const int64_t cell = column >> (column_bits + 3) << 3, in_cell = column - (cell << column_bits);
     const int64_t z = (flats[k].z0 + flats[k].zx * cell + flats[k].zy * y + int64_t(Wide(flats[k].zx) * in_cell >> column_bits)) >> flats[k].shift;
-    layers.emplace_back(std::clamp(z, flats[k].low, flats[k].high), !flats[k].front_up, k);
+    layers.push_back({std::clamp(z, flats[k].low, flats[k].high), flats[k].place_at_tie, k, !flats[k].front_up});
   }
   std::sort(layers.begin(), layers.end());
   return layers;

@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include "coincident_scenes.h"
 #include "cpu_twin.h"
 #include "engines/compute_engine.h"
+#include "engines/host_engine.h"
 #include "matrix/pair_count.h"
 #include "scenes.h"
 #include "test_device.h"
@@ -83,6 +85,25 @@ TEST(Peel, CountsAreThoseOfTheCpuTwinAlongAxesAndEdges) {
   }
 }
 
+// Sheets, contacts and stacks of both, with scanlines, too.
+TEST(Peel, CoincidentFacesAreThoseOfTheCpuTwin) {
+  const auto directions = sampleDirections(Sampler::iid, 6, 11, 0);
+  for (const ts::CoincidentScene& of : ts::coincidentScenes()) {
+    SCOPED_TRACE(of.name);
+    const Scene scene = buildScene(ts::roundedToSingle(ts::turnedAndMoved(of.make(0))));
+    const Ids ids = makeIds(scene, By::polygon, false);
+    const PairCounts counts = countPairs(scene, directions, {.lattice = {.resolution = 17, .count_blocked = true}});
+    EXPECT_EQ(counts, countPairsOnCpu(scene, ids, directions, 17, true));
+    const PairCounts twin = countIntervalsOnCpu(scene, ids, directions, 9, true);
+    const LatticeOptions scanlines{.resolution = 9, .sampling = Sampling::scanline, .count_blocked = true};
+    EXPECT_EQ(makeComputeEngine(testDevice(), scene, ids, scanlines)->count(directions), twin);
+    EXPECT_EQ(makeHostEngine(scene, ids, scanlines)->count(directions), twin);
+    // In a closed scene lines that leave a front end on one.
+    if (!of.is_closed) continue;
+    for (const PairCount& pair : counts) EXPECT_LT(pair.j, kEnvironment) << pair.i;
+  }
+}
+
 TEST(Peel, TwinComparisonFailsOnOneWrongCount) {
   const Scene scene = buildScene(ts::insideOfCube());
   const auto directions = sampleDirections(Sampler::iid, 3, 7, 0);
@@ -111,9 +132,10 @@ TEST(Peel, KeepsEveryLayerOfAStackOfSheets) {
         lines += std::max(std::abs(at.x), std::abs(at.y)) < 0.5;
       }
     EXPECT_EQ(through, 100 * lines) << "gap " << gap;
-    // At no gap all that face up come first, then all that face down: the last of the former and the first of the latter face each other.
-    if (gap != 1e-9) {
-      EXPECT_EQ(facing, (gap == 0 ? 1 : 50) * lines);
+    if (gap > 1e-6) {
+      EXPECT_EQ(facing, 50 * lines);
+    } else {
+      EXPECT_EQ(scene.warnings.size(), 1u);  // so many cannot be told apart
     }
   }
 }

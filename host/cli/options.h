@@ -42,6 +42,9 @@ void addChoice(CLI::App* command, const std::string& name, T& value, const std::
   command->add_option_function<std::string>(name, choose, text)->default_str(choices.front().first)->type_name(words);
 }
 
+// What the file leaves open: --sheets and --solids.
+void addSceneOptions(CLI::App* command, SceneOptions& options);
+
 enum class EngineKind { automatic, compute, host, graphics, exact };
 
 // An engine that counts lattice points; the host engine needs no device.

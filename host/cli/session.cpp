@@ -81,7 +81,7 @@ std::string isPositive(const std::string& text) {
 
 }  // namespace
 
-Session::Session(ProgramOptions& asked) : options(asked), scene(loadScene(asked.scene)), ids(makeIds(scene, asked.estimate.by, asked.two_sided)), face_ids(makeIds(scene, By::polygon, asked.two_sided)), sampler(nameOf(asked.estimate.sampler)) {
+Session::Session(ProgramOptions& asked) : options(asked), scene(loadScene(asked.scene, asked.scene_options)), ids(makeIds(scene, asked.estimate.by, asked.two_sided)), face_ids(makeIds(scene, By::polygon, asked.two_sided)), sampler(nameOf(asked.estimate.sampler)) {
   for (const std::string& warning : scene.warnings) fmt::print(stderr, "viewpeel: warning: {}\n", warning);
   askOnlyFor(options.question, scene, ids);
   if (scene.faces.size() > kMostSharedFaces && options.closed_forms_by_default) options.closed_forms = false;
@@ -336,6 +336,7 @@ std::shared_ptr<ProgramOptions> addOptions(CLI::App* command) {
       ->type_name("PX")->check(CLI::Range(1, kMaxResolution).description(""));
   command->add_option("--finest", options->finest, "With --directions and --resolution: spacings for the polygon that needs most of them, in windows; the others get their share")
       ->type_name("PX")->check(CLI::Range(1, kMaxWindowResolution).description(""));
+  addSceneOptions(command, options->scene_options);
   addChoice(command, "--by", options->estimate.by, {{"polygon", By::polygon}, {"surface", By::surface}}, "One row per polygon or per named surface");
   addChoice(command, "--engine", options->engine, {{"auto", EngineKind::automatic}, {"compute", EngineKind::compute}, {"host", EngineKind::host}, {"graphics", EngineKind::graphics}, {"exact", EngineKind::exact}},
             "Depth peeling on a Vulkan device, in compute shaders or by its raster pipeline; the same counts on the processor's threads (host); or exact areas there. "

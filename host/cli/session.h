@@ -14,6 +14,7 @@ namespace viewpeel::cli {
 
 struct ProgramOptions {
   std::string scene;
+  SceneOptions scene_options;
   std::vector<std::string> outputs;
   EngineKind engine = EngineKind::automatic;
   std::optional<Sampling> sampling;  // chosen where unset

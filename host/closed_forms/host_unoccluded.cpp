@@ -122,13 +122,14 @@ void addWork(const UnoccludedWork& part, UnoccludedWork& sum) {
 struct HostUnoccluded::Sides {
   const ShapeData &a, &b;
   dvec3 normal_a, normal_b;  // of the sides
-  uint32_t plane_a, plane_b;
+  uint32_t plane_a, plane_b, tie_rank_a, tie_rank_b;
   bool is_flipped;           // exactly one of them is a back
   double distance;           // of the mean corners
   Depths depths_a, depths_b;
   double rounding_a, rounding_b;
 
-  bool areTouching() const { return (plane_a ^ plane_b) == 1; }  // in one plane and face to face, as touching solids are
+  // In one plane and face to face, as touching solids are.
+  bool areTouching() const { return (plane_a ^ plane_b) == 1 && tie_rank_a + tie_rank_b < kLastTieRank; }
 };
 
 struct HostUnoccluded::Edge {
@@ -156,7 +157,8 @@ HostUnoccluded::HostUnoccluded(const Scene& scene, size_t thread_count) : thread
 HostUnoccluded::Sides HostUnoccluded::sidesOf(const SidePair& pair) const {
   const uint32_t first = std::min(pair.i, pair.j), second = std::max(pair.i, pair.j);
   const ShapeData &a = shapes_[first / 2], &b = shapes_[second / 2];
-  Sides sides{a, b, first % 2 ? -a.normal : a.normal, second % 2 ? -b.normal : b.normal, a.plane ^ (first % 2), b.plane ^ (second % 2), (first ^ second) % 2 == 1, 0, {}, {}, 0, 0};
+  const auto rankOf = [](const ShapeData& shape, uint32_t side) { return side % 2 ? kLastTieRank - shape.tie_rank : shape.tie_rank; };
+  Sides sides{a, b, first % 2 ? -a.normal : a.normal, second % 2 ? -b.normal : b.normal, a.plane ^ (first % 2), b.plane ^ (second % 2), rankOf(a, first), rankOf(b, second), (first ^ second) % 2 == 1, 0, {}, {}, 0, 0};
   sides.distance = glm::length(meanCorner(b) - meanCorner(a));
   sides.depths_a = depthsOf(a, b, sides.normal_b);
   sides.depths_b = depthsOf(b, a, sides.normal_a);

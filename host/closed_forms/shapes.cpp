@@ -47,6 +47,7 @@ ShapeData makeShape(const Scene& scene, const Polygon& polygon) {
   for (const glm::dvec3& corner : c) shape.radius = std::max(shape.radius, glm::length(corner - mean));
   // Area / diameter is the least width to a factor of 2; each corner is rounded by at most 2^-53 a coordinate.
   shape.tilt = 4 * std::numeric_limits<double>::epsilon() * shape.radius / shape.area;
+  shape.tie_rank = polygon.tie_rank;
   shape.plane = 2 * polygon.plane + (polygon.front_along_plane_normal ? 0 : 1);
   return shape;
 }

@@ -83,6 +83,9 @@ GraphicsEngine::GraphicsEngine(const Device& device, const Scene& scene, const I
       commands_(device) {
   if (options.resolution > kMaxResolution)
     throw Error(ErrorCode::bad_usage, fmt::format("resolution {} is out of range; choose 1 to {}", options.resolution, kMaxResolution));
+  for (const Polygon& polygon : scene.polygons)
+    if (polygon.tie_rank != kContactRank && polygon.tie_rank != kSheetRank)
+      throw Error(ErrorCode::bad_usage, "three polygons or more coincide, of which --engine graphics can order two only; use --engine compute or host");
   cell_size_ = static_cast<uint32_t>(options.resolution) + 4;
 
   planBatch(uint64_t(scene_.polygon_count) * (sizeof(ProjectedPolygon) + sizeof(Outline) + sizeof(SnappedCorners)));

@@ -29,7 +29,7 @@ std::vector<device_data::PolygonData> listPolygons(const Scene& scene, const Ids
     const Polygon& polygon = scene.polygons[k];
     const Plane& plane = scene.planes[polygon.plane];
     const uint32_t id = ids.of_polygon[k] | ids.rolesOf(static_cast<uint32_t>(k)) << device_data::kRolesShift;
-    polygons.push_back({polygon.first_corner, polygon.corner_count, id, 0, plane.normal, plane.offset});
+    polygons.push_back({polygon.first_corner, polygon.corner_count, id, polygon.tie_rank, plane.normal, plane.offset});
   }
   return polygons;
 }

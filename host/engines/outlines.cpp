@@ -65,7 +65,7 @@ SweepScene::SweepScene(const Scene& scene, const Ids& ids) : two_sided(ids.two_s
   polygons.reserve(order.size());
   for (const uint32_t k : order) {
     const viewpeel::Polygon& polygon = scene.polygons[k];
-    polygons.push_back({k, numberOf(polygon.plane), ids.of_polygon[k], ids.rolesOf(k)});
+    polygons.push_back({k, numberOf(polygon.plane), ids.of_polygon[k], ids.rolesOf(k), polygon.tie_rank});
     for (uint32_t c = 0; c < 4; ++c) corners[c].push_back(placeOf(scene.corners[polygon.first_corner + std::min(c, polygon.corner_count - 1)]));
   }
 }

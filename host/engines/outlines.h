@@ -15,7 +15,7 @@ namespace viewpeel {
 struct SweepScene {
   struct Polygon {
     uint32_t index;  // in the scene
-    uint32_t plane, id, roles;
+    uint32_t plane, id, roles, tie_rank;
   };
   std::vector<double> x, y, z;                               // of corners, unit-ball units
   std::vector<double> normal_x, normal_y, normal_z, offset;  // of planes

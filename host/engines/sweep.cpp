@@ -9,6 +9,7 @@
 #include "engines/lattice.h"
 #include "engines/shared.h"
 #include "error.h"
+#include "facing.h"
 
 namespace viewpeel {
 namespace {
@@ -130,7 +131,7 @@ void Sweep::addSurface(uint32_t place, bool front_up, const Direction& direction
   const double unit = double(1 << kDepthBits);
   surfaces_.emplace_back() = {plane.is_edge_on ? static_cast<int64_t>((0.5 * (z_min + z_max) + 1.0) * unit) : plane.at_origin, plane.per_column, plane.per_row,
           static_cast<int32_t>(std::max((z_min + 1.0) * unit - plane.slack, 0.0)), static_cast<int32_t>(std::min((z_max + 1.0) * unit + plane.slack, 2.0 * unit)),
-          plane.shift, polygon.index, polygon.id, polygon.roles, front_up};
+          plane.shift, polygon.index, polygon.id, polygon.roles, front_up, static_cast<uint8_t>(placeAtTie(front_up, polygon.tie_rank))};
 }
 
 Sweep::Layer Sweep::enter(const Span& span, int row) const {
@@ -138,14 +139,14 @@ Sweep::Layer Sweep::enter(const Span& span, int row) const {
   const int64_t whole = surface.per_column >> column_bits_;
   return {surface.at_origin + surface.per_row * row, whole, surface.per_column - whole * (int64_t(1) << column_bits_),
           surface.depth_min, surface.depth_max, surface.shift, span.high, surface.polygon, surface.id, surface.roles,
-          !surface.front_up, scene_.two_sided || surface.front_up, scene_.two_sided || !surface.front_up};
+          surface.place_at_tie, scene_.two_sided || surface.front_up, scene_.two_sided || !surface.front_up};
 }
 
-// The order along the line through a column: depth, of equal ones fronts that face +u first, then the polygon's number (Layer.key in shaders/shared.h).
+// The order along the line through a column: depth, place at ties, then the polygon's number (Layer in shaders/shared.h).
 uint64_t Sweep::keyAt(const Layer& layer, int32_t column) const {
   const int64_t depth = layer.depth + layer.whole * column + (layer.rest * column >> column_bits_);
   const auto clamped = static_cast<uint64_t>(std::clamp<int64_t>(depth >> layer.shift, layer.depth_min, layer.depth_max));
-  return (2 * clamped + layer.front_down) << 32 | layer.polygon;
+  return (clamped << kTieBits | layer.place_at_tie) << 32 | layer.polygon;
 }
 
 // By whole columns first, each with places of its own; within them few are left to put in order.

@@ -42,6 +42,7 @@ class Sweep {
     int32_t depth_min, depth_max, shift;
     uint32_t polygon, id, roles;
     bool front_up;
+    uint8_t place_at_tie;
   };
   struct Span {
     int32_t low, high;  // columns [low, high), in units of 2^-column_bits
@@ -52,7 +53,8 @@ class Sweep {
     int64_t depth, whole, rest;  // depth in column X: depth + whole X + (rest X >> column_bits), before the shift
     int32_t depth_min, depth_max, shift, high;
     uint32_t polygon, id, roles;
-    bool front_down, sees_up, sees_down;
+    uint8_t place_at_tie;
+    bool sees_up, sees_down;
   };
   struct Open {
     uint64_t key;

@@ -6,6 +6,7 @@
 #include <glm/glm.hpp>
 
 #include "error.h"
+#include "scene/coincident.h"
 #include "scene/group_planes.h"
 #include "scene/scene.h"
 #include "scene/split_face.h"
@@ -66,6 +67,20 @@ bool hasArea(const std::vector<glm::dvec3>& corners) {
   return glm::length(twiceVectorArea(corners)) > 8 * 0x1p-53 * perimeter;
 }
 
+// What rounding may have moved faces by, input units: a few units in the last place of the largest coordinate, in the
+// precision that holds all of them.
+double roundingOf(const InputScene& input) {
+  double largest = 0;
+  bool is_single = true;
+  for (const InputFace& face : input.faces)
+    for (const glm::dvec3& corner : face.corners)
+      for (int axis = 0; axis < 3; ++axis) {
+        largest = std::max(largest, std::abs(corner[axis]));
+        is_single = is_single && double(float(corner[axis])) == corner[axis];
+      }
+  return 4 * largest * (is_single ? 0x1p-24 : 0x1p-53);
+}
+
 class Dropped {
  public:
   void count(const char* reason, const std::string& where) {
@@ -86,7 +101,15 @@ class Dropped {
 
 }  // namespace
 
-Scene buildScene(const InputScene& input) {
+glm::dvec3 frontNormal(const Scene& scene, const Polygon& polygon) {
+  const glm::dvec3* corners = &scene.corners[polygon.first_corner];
+  glm::dvec3 normal(0);
+  for (uint32_t k = 1; k + 1 < polygon.corner_count; ++k)
+    normal += glm::cross(corners[k] - corners[0], corners[k + 1] - corners[0]);
+  return glm::normalize(normal);
+}
+
+Scene buildScene(const InputScene& input, const SceneOptions& options) {
   Scene scene;
   scene.file = input.file;
   if (input.faces.empty())
@@ -137,6 +160,7 @@ Scene buildScene(const InputScene& input) {
     throw Error(ErrorCode::bad_input, fmt::format("{}: no usable polygon; all {} faces have no area, check the export", input.file,
                                                   input.faces.size()));
   groupPlanes(scene);
+  orderCoincidentPolygons(scene, options, roundingOf(input) / scene.scale);
   return scene;
 }
 

@@ -15,6 +15,7 @@ uint64_t fingerprint(const Scene& scene) {
     for (uint32_t index : {polygon.first_corner, polygon.corner_count, polygon.face, polygon.plane}) hash.add(index);
     hash.add(polygon.front_along_plane_normal);
     hash.add(polygon.area);
+    if (polygon.tie_rank != kContactRank) hash.add(polygon.tie_rank);
   }
   hash.add(scene.faces.size());
   for (const Face& face : scene.faces) {

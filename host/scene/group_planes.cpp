@@ -6,7 +6,6 @@
 #include <map>
 #include <numeric>
 
-#include <fmt/format.h>
 #include <glm/glm.hpp>
 
 namespace viewpeel {
@@ -42,12 +41,9 @@ class PlaneIndex {
 
 Plane planeOf(const Scene& scene, const Polygon& polygon) {
   const glm::dvec3* corners = &scene.corners[polygon.first_corner];
-  glm::dvec3 normal(0), centre(0);
-  for (uint32_t k = 0; k < polygon.corner_count; ++k) {
-    normal += glm::cross(corners[k] - corners[0], corners[(k + 1) % polygon.corner_count] - corners[0]);
-    centre += corners[k] / double(polygon.corner_count);
-  }
-  normal = glm::normalize(normal);
+  glm::dvec3 centre(0);
+  for (uint32_t k = 0; k < polygon.corner_count; ++k) centre += corners[k] / double(polygon.corner_count);
+  const glm::dvec3 normal = frontNormal(scene, polygon);
   return {normal, glm::dot(normal, centre)};
 }
 
@@ -74,9 +70,6 @@ void groupPlanes(Scene& scene) {
   std::stable_sort(by_area.begin(), by_area.end(),
                    [&](uint32_t a, uint32_t b) { return scene.polygons[a].area > scene.polygons[b].area; });
   PlaneIndex index;
-  uint64_t lost_gaps = 0;
-  double widest_gap = 0;
-  uint32_t widest_face = 0;
   for (uint32_t polygon_index : by_area) {
     Polygon& polygon = scene.polygons[polygon_index];
     const Plane own = planeOf(scene, polygon);
@@ -93,20 +86,9 @@ void groupPlanes(Scene& scene) {
       scene.planes.push_back(own);
       index.add(own, found);
     }
-    const double gap = distanceFrom(scene.planes[found], scene, polygon);
-    if (gap > kLostGap) {
-      ++lost_gaps;
-      if (gap > widest_gap) widest_face = polygon.face;
-      widest_gap = std::max(widest_gap, gap);
-    }
     polygon.plane = found;
     polygon.front_along_plane_normal = glm::dot(scene.planes[found].normal, own.normal) > 0;
   }
-  if (lost_gaps > 0)
-    scene.warnings.push_back(fmt::format("{}: {} {} up to {:.1e} off the plane of another, too near to be told apart (1e-8 of the scene's radius), and taken to lie in it; the furthest is {}[{}]; "
-                                         "compute narrow gaps as a smaller scene",
-                                         scene.file, lost_gaps, lost_gaps == 1 ? "polygon lies" : "polygons lie", widest_gap * scene.scale,
-                                         scene.surfaces[scene.faces[widest_face].surface].name, scene.faces[widest_face].number));
 }
 
 }  // namespace viewpeel

@@ -7,11 +7,7 @@ namespace viewpeel {
 // coordinates that a rotation in double precision leaves, and about one unit of the engines' depth.
 constexpr double kCoplanarTolerance = 1e-8;
 
-// Further from the plane than rounding explains: a gap that is lost.
-constexpr double kLostGap = 1e-12;
-
-// Fills Scene::planes and each polygon's plane and front_along_plane_normal. The largest polygon of a plane defines it. Adds a warning where a polygon
-// further than kLostGap off its plane is taken to lie in it.
+// Fills Scene::planes and each polygon's plane and front_along_plane_normal. The largest polygon of a plane defines it.
 //   Cost: O(n log n) where few planes are nearly parallel and nearly coincident.
 void groupPlanes(Scene& scene);
 

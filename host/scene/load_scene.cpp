@@ -24,7 +24,7 @@ std::string extensionOf(const fs::path& file) {
 
 }  // namespace
 
-Scene loadScene(const fs::path& file) {
+Scene loadScene(const fs::path& file, const SceneOptions& options) {
   std::error_code failure;
   const fs::file_status status = fs::status(file, failure);
   if (status.type() == fs::file_type::not_found) refuse(file, "no such file; check the name");
@@ -37,9 +37,9 @@ Scene loadScene(const fs::path& file) {
   if (in.peek() == std::ifstream::traits_type::eof()) refuse(file, "the file is empty; export the scene again");
   in.close();
   const std::string extension = extensionOf(file);
-  if (extension == ".obj") return buildScene(readObj(file));
-  if (extension == ".stl") return buildScene(readStl(file));
-  if (extension == ".ply") return buildScene(readPly(file));
+  if (extension == ".obj") return buildScene(readObj(file), options);
+  if (extension == ".stl") return buildScene(readStl(file), options);
+  if (extension == ".ply") return buildScene(readPly(file), options);
   refuse(file, "unknown format; use .obj, .stl or .ply");
 }
 

@@ -1,0 +1,30 @@
+// Coincident polygons that look opposite ways: two sides of a thin sheet, or touching solids.
+//
+// The polygons alone do not tell which: a baffle drawn as two faces and a box standing on a floor are the same data. What
+// lies around them does. Space on either side of a sheet is free; on either side of a contact it is the inside of a
+// solid. A ray from a point beside the polygons tells which: it arrives on a front through free space, on a back through
+// a solid. So rays from points of every overlap vote, and the polygons of one plane are put in an order along its normal
+// (Polygon::tie_rank), as if they lay an infinitesimal distance apart. Engines order equal depths by these ranks.
+#pragma once
+#include "scene/scene.h"
+
+namespace viewpeel {
+
+// Polygons whose planes are nearer than this to each other over all of their overlap coincide, unit-ball units: some
+// units in the last place of coordinates in single precision.
+constexpr double kCoincidenceReach = 2e-6;
+
+// Sets Polygon::tie_rank and Scene::coincidences. Where rounding has put coincident polygons in another order than the
+// one found, it also moves them into one plane, and with them every corner at the very same place: by kCoincidenceReach
+// at most, a corner of several such planes by as much for each.
+//   Rays that meet other coincident polygons wait until those are ordered. What no ray tells is decided by the gap
+//   there is, and without a gap taken for a sheet; Coincidences::in_doubt counts these pairs and those whose rays
+//   contradict each other, and a warning names the first contradiction.
+//   In: scene with planes; options: surfaces whose coincident faces are sheets or solids, whatever lies around;
+//     rounding: of coordinates, unit-ball units: gaps up to this tell nothing
+//   Throws: Error bad_usage for names that are no surface's, or that are both.
+//   Tests: tests/coincident_test.cpp
+//   Cost: O(n log n), and some 30 rays for each pair of coincident polygons, O(log n) each.
+void orderCoincidentPolygons(Scene& scene, const SceneOptions& options, double rounding);
+
+}  // namespace viewpeel

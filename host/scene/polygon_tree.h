@@ -1,0 +1,38 @@
+// Where the polygons of a scene are: an R-tree over their boxes (A. Guttman, R-trees: a dynamic index structure for
+// spatial searching, 1984; Boost.Geometry's).
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "scene/scene.h"
+
+namespace viewpeel {
+
+class PolygonTree {
+ public:
+  // Keeps a reference to the scene.    Cost: O(n log n).
+  explicit PolygonTree(const Scene& scene);
+  ~PolygonTree();
+
+  // Calls use(polygon) for every polygon whose box comes within `reach` of the box of `polygon`, itself too.
+  //   In: reach: unit-ball units    Cost: O(log n + found) where boxes overlap little.
+  void forEachNear(uint32_t polygon, double reach, const std::function<void(uint32_t)>& use) const;
+
+  struct Hit {
+    uint32_t polygon;
+    glm::dvec3 point;
+    bool is_front;  // the ray arrives on the polygon's front
+  };
+  // The first polygon that a ray meets farther than `least_distance` from its origin.
+  //   In: direction: unit length    Error: points within 1e-14 of an edge count as inside.
+  std::optional<Hit> cast(const glm::dvec3& origin, const glm::dvec3& direction, double least_distance) const;
+
+ private:
+  struct Boxes;
+  const Scene& scene_;
+  std::unique_ptr<Boxes> boxes_;
+};
+
+}  // namespace viewpeel
