@@ -58,6 +58,28 @@ TEST_F(Program, PlansSayWhatARunTakes) {
   EXPECT_EQ(run(plates + "--tolerance 0.1").output.find("takes about"), std::string::npos);
 }
 
+// The oldest published case with a wall without thickness (FACET, UCID-19887, 1983): its two sides are a sheet unless the user says otherwise.
+TEST_F(Program, TwoSidesOfAWallDoNotSeeEachOther) {
+  std::ofstream(file("facet.obj")) << "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+                                      "v .25 .75 .25\nv .75 .75 .25\nv .75 .75 .75\nv .25 .75 .75\n"
+                                      "g s1\nf 1 2 3 4\ng s2\nf 3 2 6 7\ng s3\nf 7 6 5 8\ng s4\nf 4 8 5 1\ng s5\nf 3 7 8 4\ng s6\nf 1 5 6 2\n"
+                                      "g s7\nf 9 10 11 12\ng s8\nf 12 11 10 9\n";
+  const std::string facet = "compute " + file("facet.obj") + " --directions 60 --replicates 4 -o " + file("f.csv") + " ";
+  for (const char* engine : {"host", "compute", "graphics", "exact"}) {
+    const Result r = run(facet + "--engine " + engine + (std::string(engine) == "exact" ? "" : " --resolution 64"));
+    EXPECT_EQ(r.status, 0) << r.output;
+    EXPECT_NE(r.output.find("coincide   1 pair back to back"), std::string::npos) << r.output;
+    EXPECT_EQ(readFile(file("f.csv")).find("s7,s8,"), std::string::npos) << engine;
+    EXPECT_EQ(readFile(file("f.csv")).find("leak"), std::string::npos) << engine;
+  }
+  const Result solid = run(facet + "--solids s7");
+  EXPECT_NE(solid.output.find("1 pair face to face"), std::string::npos) << solid.output;
+  EXPECT_NE(readFile(file("f.csv")).find("s7,s8,"), std::string::npos);
+  const Result wrong = run(facet + "--sheets s9");
+  EXPECT_EQ(wrong.status, 2) << wrong.output;
+  EXPECT_NE(wrong.output.find("has no surface 's9'"), std::string::npos) << wrong.output;
+}
+
 // The plan looks at surfaces as the run does: ids of 576 faces in arrays of 18 surfaces crashed it.
 TEST_F(Program, PlansClosedFormsBySurface) {
   const std::string office = " " VIEWPEEL_SCENES "/office.obj --by surface --tolerance 2e-4";

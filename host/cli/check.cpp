@@ -18,6 +18,7 @@ using reference::CheckRow;
 
 struct CheckCommand {
   std::string scene;
+  SceneOptions scene_options;
   reference::CheckOptions check;
   EngineKind engine = EngineKind::compute;
   Sampling sampling = Sampling::lattice;
@@ -58,7 +59,8 @@ std::string asJson(const CheckReport& report) {
 }
 
 int runCheck(const CheckCommand& command) {
-  const Scene scene = loadScene(command.scene);
+  const Scene scene = loadScene(command.scene, command.scene_options);
+  fmt::print("{}", command.json ? "" : describeCoincidences(scene));
   for (const std::string& warning : scene.warnings) fmt::print(stderr, "viewpeel: warning: {}\n", warning);
   // Where polygons pass through each other no order along a line exists, and nothing to compare with.
   const auto interpenetrations = reference::findInterpenetrations(scene);
@@ -114,6 +116,7 @@ void addCheck(CLI::App& app, Run& chosen) {
   addChoice(command, "--sampling", options->sampling, {{"lattice", Sampling::lattice}, {"scanline", Sampling::scanline}}, "The samples to check");
   command->add_option("--seed", options->check.seed, "Of directions and lattices")->type_name("K")->check(isWholeNumber)->capture_default_str();
   command->add_flag("--blocked", options->check.blocked, "Pairs whose fronts look at each other past something, too");
+  addSceneOptions(command, options->scene_options);
   command->add_flag("--two-sided", options->two_sided, "Every polygon emits and receives on both sides");
   command->add_option("--device", options->device.selector, "Vulkan device: index, part of its name, cpu or gpu")->type_name("DEVICE");
   command->add_flag("--json", options->json, "Print the report as JSON");

@@ -24,8 +24,17 @@ struct MergedScene {
   Ids face_ids;
   FaceExchanges exchanges;
 
-  MergedScene(const std::string& file, bool two_sided) : scene(loadScene(file)), face_ids(makeIds(scene, By::polygon, two_sided)), exchanges(nullptr, scene, face_ids) {}
+  MergedScene(const std::string& file, const SceneOptions& options, bool two_sided) : scene(loadScene(file, options)), face_ids(makeIds(scene, By::polygon, two_sided)), exchanges(nullptr, scene, face_ids) {}
 };
+
+SceneOptions sceneOptionsOf(const Settings& settings) {
+  SceneOptions options;
+  for (const auto& [name, value] : settings) {
+    if (name == "--sheets") options.sheets.push_back(value);
+    if (name == "--solids") options.solids.push_back(value);
+  }
+  return options;
+}
 
 int runMerge(const MergeCommand& command) {
   checkOutputs(command.outputs, command.checkpoint);
@@ -35,7 +44,7 @@ int runMerge(const MergeCommand& command) {
     throw Error(ErrorCode::bad_usage, fmt::format("{}: holds 1 replicate, a standard error needs 2; go on with it, or merge it with others", command.inputs.front()));
   std::unique_ptr<MergedScene> of;
   if (!command.scene.empty()) {
-    of = std::make_unique<MergedScene>(command.scene, findSetting(merged.settings, "--two-sided") == "yes");
+    of = std::make_unique<MergedScene>(command.scene, sceneOptionsOf(merged.settings), findSetting(merged.settings, "--two-sided") == "yes");
     const std::string computed = findSetting(merged.settings, "scene").value_or("");
     if (identityOf(of->scene) != computed)
       throw Error(ErrorCode::bad_usage, fmt::format("{}: another scene than that of {}: {}, not {}; give the scene that was computed", command.scene, command.inputs.front(),

@@ -87,9 +87,16 @@ std::string describeScene(const Scene& scene) {
   std::string split;
   if (scene.polygons.size() != scene.faces.size()) split = fmt::format(" (as {} triangles and quadrilaterals)", scene.polygons.size());
   return fmt::format("scene      {}: {}{}, {}, {}\n"
-                     "areas      {:.6g} in all, polygons {:.3g} to {:.3g}; radius {:.4g}\n",
+                     "areas      {:.6g} in all, polygons {:.3g} to {:.3g}; radius {:.4g}\n{}",
                      scene.file, counted(scene.faces.size(), "polygon"), split, counted(scene.surfaces.size(), "surface"), isClosed(scene) ? "closed" : "open",
-                     std::accumulate(ids.areas.begin(), ids.areas.end(), 0.0), *least, *most, scene.scale);
+                     std::accumulate(ids.areas.begin(), ids.areas.end(), 0.0), *least, *most, scene.scale, describeCoincidences(scene));
+}
+
+std::string describeCoincidences(const Scene& scene) {
+  const Coincidences& found = scene.coincidences;
+  if (found.sheets + found.contacts == 0) return "";
+  return fmt::format("coincide   {} back to back, as sides of a sheet, {} face to face, as touching solids{}\n", counted(found.sheets, "pair"), counted(found.contacts, "pair"),
+                     found.in_doubt ? fmt::format("; {} in doubt, see --sheets and --solids", found.in_doubt) : "");
 }
 
 std::string tabulateLargest(const FormFactors& between_surfaces, size_t rows) {

@@ -18,6 +18,8 @@ std::string counted(uint64_t count, const char* noun);
 
 // Polygons, surfaces, areas, closed or open; several lines.
 std::string describeScene(const Scene& scene);
+// Pairs of coincident polygons and how they are ordered; empty where there are none.
+std::string describeCoincidences(const Scene& scene);
 // By which checkpoints know theirs.
 std::string identityOf(const Scene& scene);
 

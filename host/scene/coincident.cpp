@@ -305,7 +305,8 @@ bool Stacking::orderPair(Overlap& overlap, bool is_last_resort) {
     return true;
   }
   if (ahead.waiting + behind.waiting > 0 && !is_last_resort) return false;
-  ++in_doubt_;
+  // Rays that all leave the scene have met nothing: a sheet in space, unless its sides face each other across a gap.
+  if (heard > 0 || ahead.missed + behind.missed == 0) ++in_doubt_;
   if (heard > 0 && contradictions_++ == 0) {
     const Face& face = scene_.faces[scene_.polygons[overlap.a].face];
     first_contradiction_ = fmt::format("{}[{}]", scene_.surfaces[face.surface].name, face.number);

@@ -17,9 +17,9 @@ constexpr double kCoincidenceReach = 2e-6;
 // Sets Polygon::tie_rank and Scene::coincidences. Where rounding has put coincident polygons in another order than the
 // one found, it also moves them into one plane, and with them every corner at the very same place: by kCoincidenceReach
 // at most, a corner of several such planes by as much for each.
-//   Rays that meet other coincident polygons wait until those are ordered. What no ray tells is decided by the gap
-//   there is, and without a gap taken for a sheet; Coincidences::in_doubt counts these pairs and those whose rays
-//   contradict each other, and a warning names the first contradiction.
+//   Rays that meet other coincident polygons wait until those are ordered. Where rays tell nothing, the gap between two
+//   polygons decides; without a gap they are a sheet. Coincidences::in_doubt counts pairs whose rays contradict each
+//   other or never ended, and a warning names the first contradiction.
 //   In: scene with planes; options: surfaces whose coincident faces are sheets or solids, whatever lies around;
 //     rounding: of coordinates, unit-ball units: gaps up to this tell nothing
 //   Throws: Error bad_usage for names that are no surface's, or that are both.

@@ -61,7 +61,7 @@ struct Plane {
 struct Coincidences {
   uint64_t sheets = 0;    // back to back: nothing passes between them
   uint64_t contacts = 0;  // face to face: touching solids
-  uint64_t in_doubt = 0;  // among both: what lies around them did not tell
+  uint64_t in_doubt = 0;  // among both: what lies around them contradicts itself
 };
 
 // All lengths are in unit-ball units: the input is moved by -centre and divided by scale so that every corner is
