@@ -6,6 +6,7 @@
 #include <map>
 #include <numbers>
 #include <numeric>
+#include <optional>
 #include <random>
 #include <set>
 #include <unordered_map>
@@ -37,14 +38,16 @@ struct Overlap {
   double low, high;            // least and greatest such height
   std::vector<dvec3> corners;  // of the common part, in a's plane
   double area;
-  // 1 where b is ahead of a's front, -1 where it is behind, 0 while that is open. Of opposite polygons: contact, sheet.
+  // Of opposite polygons 1 where they face each other, -1 where they are back to back, 0 while that is open.
   int side = 0;
   bool is_forced = false;
 };
 
 // What rays to one side of a place met.
 struct Votes {
-  int free = 0, solid = 0, missed = 0, waiting = 0;
+  double free = 0, solid = 0;
+  int missed = 0, waiting = 0;
+  double heard() const { return free + solid; }
   double score() const { return free - solid; }
 };
 
@@ -81,15 +84,17 @@ class Stacking {
   dvec3 pointOf(const Overlap& overlap, uint32_t trial);
   Place placeOf(const Overlap& overlap);
   Votes castRays(const Place& place, double side);
+  std::optional<int> sideAt(const PolygonTree::Hit& hit) const;
+  void follow(const std::vector<PolygonTree::Hit>& hits, Votes& votes) const;
   void orderPairs();
-  bool orderPair(Overlap& overlap, bool is_last_resort);
+  bool orderPair(Overlap& overlap, bool takes_any);
+  void decideByGap(Overlap& overlap) const;
   void orderPlaces();
   void orderPlace(const Place& place);
   double costOf(const Place& place, const std::vector<uint32_t>& order, const Votes& below, const Votes& above) const;
   std::vector<uint32_t> cheapestOrder(const Place& place, const Votes& below, const Votes& above) const;
   Overlap* overlapOf(uint32_t a, uint32_t b);
   const Overlap* overlapOf(uint32_t a, uint32_t b) const { return const_cast<Stacking*>(this)->overlapOf(a, b); }
-  int sideOf(const Overlap& overlap, uint32_t of) const;
   bool isResolved(const Overlap& overlap) const;
   void joinPlanes();
   void rankPolygons();
@@ -245,11 +250,6 @@ Overlap* Stacking::overlapOf(uint32_t a, uint32_t b) {
   return nullptr;
 }
 
-// 1 where the other of the two is ahead of `of`'s front, -1 where it is behind, 0 where that is open.
-int Stacking::sideOf(const Overlap& overlap, uint32_t of) const {
-  return overlap.a == of || overlap.is_opposite ? overlap.side : -overlap.side;
-}
-
 //   In: side: 1 for rays ahead of the place's normal, -1 for rays behind
 Votes Stacking::castRays(const Place& place, double side) {
   Votes votes;
@@ -261,57 +261,87 @@ Votes Stacking::castRays(const Place& place, double side) {
     const double height = 0.25 + 0.75 * (k + uniform()) / kRays, angle = 2 * std::numbers::pi * (turn + k * std::numbers::phi);
     const double radius = std::sqrt(1 - height * height);
     const dvec3 direction = height * axis + radius * (std::cos(angle) * across + std::sin(angle) * glm::cross(axis, across));
-    const auto hit = tree_.cast(place.point, direction, 2 * kCoincidenceReach / height);
-    if (!hit) {
-      ++votes.missed;
-      continue;
-    }
-    bool is_free = hit->is_front, is_waiting = false;
-    if (const auto at = overlaps_of_.find(hit->polygon); at != overlaps_of_.end())
-      for (uint32_t m : at->second) {
-        const Overlap& met = overlaps_[m];
-        if (!met.is_opposite || !isInside(met.a == hit->polygon ? met.b : met.a, hit->point)) continue;
-        is_waiting = is_waiting || met.side == 0;
-        is_free = met.side < 0;
-      }
-    if (is_waiting) ++votes.waiting;
-    else ++(is_free ? votes.free : votes.solid);
+    follow(tree_.cast(place.point, direction, 2 * kCoincidenceReach / height), votes);
   }
   return votes;
 }
 
-// Pairs that lie somewhere without a third polygon.
+// How the polygon that was hit and an opposite one that coincides with it there are ordered: nothing without such a one.
+std::optional<int> Stacking::sideAt(const PolygonTree::Hit& hit) const {
+  const auto at = overlaps_of_.find(hit.polygon);
+  if (at == overlaps_of_.end()) return std::nullopt;
+  for (uint32_t m : at->second) {
+    const Overlap& overlap = overlaps_[m];
+    if (overlap.is_opposite && isInside(overlap.a == hit.polygon ? overlap.b : overlap.a, hit.point)) return overlap.side;
+  }
+  return std::nullopt;
+}
+
+// Counts fronts less backs along a ray. Where the count falls below 0 the ray has left a solid that its origin lies in.
+// What it meets first weighs most: farther off, open surfaces mislead.
+void Stacking::follow(const std::vector<PolygonTree::Hit>& hits, Votes& votes) const {
+  int count = 0;
+  for (size_t k = 0, next = 0; k < hits.size(); k = next) {
+    int fronts = 0, backs = 0, side = -1;
+    for (; next < hits.size() && hits[next].distance <= hits[k].distance + 2 * kCoincidenceReach; ++next) {
+      ++(hits[next].is_front ? fronts : backs);
+      if (const auto its_side = sideAt(hits[next])) side = *its_side;
+    }
+    if (fronts > 0 && backs > 0 && side == 0 && k == 0) {
+      ++votes.waiting;
+      return;
+    }
+    const bool backs_first = side > 0;  // of touching solids the ray leaves one, then enters the other
+    if (count + (backs_first ? 0 : fronts) - backs < 0) {
+      votes.solid += k == 0 ? 1 : 0.5;
+      return;
+    }
+    count += fronts - backs;
+  }
+  if (hits.empty()) ++votes.missed;
+  else ++votes.free;
+}
+
+// Pairs that lie somewhere without a third polygon. Rays that end on coincident polygons tell more in the next round.
 void Stacking::orderPairs() {
   std::vector<uint32_t> open;
   for (uint32_t k = 0; k < overlaps_.size(); ++k)
     if (overlaps_[k].is_opposite && overlaps_[k].side == 0 && places_[place_of_[k]].polygons.size() == 2) open.push_back(k);
-  bool is_last_resort = false;
   while (!open.empty()) {
     const size_t before = open.size();
-    std::erase_if(open, [&](uint32_t k) { return orderPair(overlaps_[k], is_last_resort); });
-    is_last_resort = open.size() == before;
+    std::erase_if(open, [&](uint32_t k) { return orderPair(overlaps_[k], false); });
+    if (open.size() < before || open.empty()) continue;
+    // All wait for one another: what little is known decides, or the first one's gap.
+    std::erase_if(open, [&](uint32_t k) { return orderPair(overlaps_[k], true); });
+    if (open.size() < before) continue;
+    decideByGap(overlaps_[open.front()]);
+    ++in_doubt_;
+    open.erase(open.begin());
   }
 }
 
-// False where rays have to wait for other pairs.
-bool Stacking::orderPair(Overlap& overlap, bool is_last_resort) {
+void Stacking::decideByGap(Overlap& overlap) const { overlap.side = overlap.gap > rounding_ ? 1 : -1; }
+
+// False where rays have to wait for other pairs.    In: takes_any: one ray's word is enough
+bool Stacking::orderPair(Overlap& overlap, bool takes_any) {
   const Place& place = places_[place_of_[static_cast<size_t>(&overlap - overlaps_.data())]];
   const Votes ahead = castRays(place, 1), behind = castRays(place, -1);
-  const double score = ahead.score() + behind.score();
-  const int heard = ahead.free + ahead.solid + behind.free + behind.solid;
-  if (heard + ahead.missed + behind.missed < static_cast<int>(kRays) && !is_last_resort) return false;
-  if (std::abs(score) >= 3 || (heard > 0 && 2 * std::abs(score) >= heard)) {
+  const double score = ahead.score() + behind.score(), heard = ahead.heard() + behind.heard();
+  const int waiting = ahead.waiting + behind.waiting;
+  const double least_score = takes_any || waiting == 0 ? 0.5 : 2;
+  const bool is_clear = std::abs(score) >= least_score && 2 * std::abs(score) >= heard;
+  if (is_clear) {
     overlap.side = score > 0 ? -1 : 1;
     return true;
   }
-  if (ahead.waiting + behind.waiting > 0 && !is_last_resort) return false;
+  if (waiting > 0) return false;
   // Rays that all leave the scene have met nothing: a sheet in space, unless its sides face each other across a gap.
-  if (heard > 0 || ahead.missed + behind.missed == 0) ++in_doubt_;
+  if (heard > 0) ++in_doubt_;
   if (heard > 0 && contradictions_++ == 0) {
     const Face& face = scene_.faces[scene_.polygons[overlap.a].face];
     first_contradiction_ = fmt::format("{}[{}]", scene_.surfaces[face.surface].name, face.number);
   }
-  overlap.side = overlap.gap > rounding_ ? 1 : -1;
+  decideByGap(overlap);
   return true;
 }
 
@@ -327,7 +357,7 @@ double Stacking::costOf(const Place& place, const std::vector<uint32_t>& order, 
   const auto against = [](const Votes& votes, bool is_free) { return (is_free ? votes.solid : votes.free) / double(kRays); };
   double cost = 4 * against(below, !looksUp(order.front())) + 4 * against(above, looksUp(order.back()));
   for (size_t k = 0; k + 1 < order.size(); ++k)
-    if (looksUp(order[k]) == looksUp(order[k + 1])) cost += 4;
+    if (looksUp(order[k]) == looksUp(order[k + 1])) cost += 3;  // as nested solids do
   for (size_t k = 0; k < order.size(); ++k)
     for (size_t m = k + 1; m < order.size(); ++m) {
       const uint32_t lower = order[k], upper = order[m];
@@ -335,9 +365,8 @@ double Stacking::costOf(const Place& place, const std::vector<uint32_t>& order, 
       const Overlap* overlap = overlapOf(lower, upper);
       if (!overlap) continue;
       const int upper_side = looksUp(lower) ? 1 : -1;  // where `upper` is, as seen from the front of `lower`
-      const int side = sideOf(*overlap, lower);
-      if (side == -upper_side) cost += overlap->is_forced ? 100 : 3;
-      if (side != 0) continue;
+      if (overlap->side == -upper_side) cost += overlap->is_forced ? 100 : 3;
+      if (overlap->side != 0) continue;
       const double height = overlap->a == lower || overlap->is_opposite ? overlap->gap : -overlap->gap;
       if (std::abs(height) > rounding_ && (height > 0) != (upper_side > 0)) cost += 0.25;
       // The same outline twice is two sides of one sheet rather than a contact.
@@ -390,9 +419,9 @@ void Stacking::orderPlace(const Place& place) {
   for (size_t k = 0; k < order.size(); ++k)
     for (size_t m = k + 1; m < order.size(); ++m) {
       Overlap* overlap = overlapOf(order[k], order[m]);
-      if (!overlap || overlap->side != 0) continue;
-      const int upper_side = glm::dot(normals_[order[k]], place.normal) > 0 ? 1 : -1;
-      overlap->side = overlap->a == order[k] || overlap->is_opposite ? upper_side : -upper_side;
+      // Of two that look the same way one hides the other, whichever it is.
+      if (!overlap || !overlap->is_opposite || overlap->side != 0) continue;
+      overlap->side = glm::dot(normals_[order[k]], place.normal) > 0 ? 1 : -1;
     }
 }
 

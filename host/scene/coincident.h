@@ -2,8 +2,8 @@
 //
 // The polygons alone do not tell which: a baffle drawn as two faces and a box standing on a floor are the same data. What
 // lies around them does. Space on either side of a sheet is free; on either side of a contact it is the inside of a
-// solid. A ray from a point beside the polygons tells which: it arrives on a front through free space, on a back through
-// a solid. So rays from points of every overlap vote, and the polygons of one plane are put in an order along its normal
+// solid. A ray from a point beside the polygons tells which: it leaves a solid through one more back than it meets
+// fronts, whatever other solids it passes or shares that solid with. So rays from points of every overlap vote, and the polygons of one plane are put in an order along its normal
 // (Polygon::tie_rank), as if they lay an infinitesimal distance apart. Engines order equal depths by these ranks.
 #pragma once
 #include "scene/scene.h"

@@ -1,6 +1,7 @@
 #include "scene/polygon_tree.h"
 
-#include <vector>
+#include <algorithm>
+#include <cmath>
 
 #include <boost/geometry.hpp>
 #include <boost/geometry/geometries/box.hpp>
@@ -52,10 +53,9 @@ void PolygonTree::forEachNear(uint32_t polygon, double reach, const std::functio
   for (auto at = boxes_->tree.qbegin(bg::index::intersects(box)); at != boxes_->tree.qend(); ++at) use(at->second);
 }
 
-std::optional<PolygonTree::Hit> PolygonTree::cast(const glm::dvec3& origin, const glm::dvec3& direction,
-                                                  double least_distance) const {
-  std::optional<Hit> nearest;
-  double nearest_distance = kBeyondScene;
+std::vector<PolygonTree::Hit> PolygonTree::cast(const glm::dvec3& origin, const glm::dvec3& direction,
+                                                double least_distance) const {
+  std::vector<Hit> hits;
   const Segment ray(pointAt(origin), pointAt(origin + kBeyondScene * direction));
   for (auto at = boxes_->tree.qbegin(bg::index::intersects(ray)); at != boxes_->tree.qend(); ++at) {
     const Polygon& polygon = scene_.polygons[at->second];
@@ -64,18 +64,19 @@ std::optional<PolygonTree::Hit> PolygonTree::cast(const glm::dvec3& origin, cons
     const double along = glm::dot(normal, direction);
     if (along == 0) continue;
     const double distance = glm::dot(normal, corners[0] - origin) / along;
-    if (!(distance > least_distance && distance < nearest_distance)) continue;
+    if (!(distance > least_distance)) continue;
     const glm::dvec3 point = origin + distance * direction;
     bool is_inside = true;
     for (uint32_t k = 0; k < polygon.corner_count && is_inside; ++k) {
       const glm::dvec3 edge = corners[(k + 1) % polygon.corner_count] - corners[k];
       is_inside = glm::dot(normal, glm::cross(edge, point - corners[k])) >= -1e-14 * glm::length(edge);
     }
-    if (!is_inside) continue;
-    nearest = {at->second, point, along < 0};
-    nearest_distance = distance;
+    if (is_inside) hits.push_back({distance, at->second, point, along < 0});
   }
-  return nearest;
+  std::sort(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) {
+    return a.distance != b.distance ? a.distance < b.distance : a.polygon < b.polygon;
+  });
+  return hits;
 }
 
 }  // namespace viewpeel

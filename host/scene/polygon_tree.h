@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <optional>
+#include <vector>
 
 #include "scene/scene.h"
 
@@ -21,13 +21,15 @@ class PolygonTree {
   void forEachNear(uint32_t polygon, double reach, const std::function<void(uint32_t)>& use) const;
 
   struct Hit {
+    double distance;
     uint32_t polygon;
     glm::dvec3 point;
     bool is_front;  // the ray arrives on the polygon's front
   };
-  // The first polygon that a ray meets farther than `least_distance` from its origin.
+  // All polygons that a ray meets farther than `least_distance` from its origin, nearest first.
   //   In: direction: unit length    Error: points within 1e-14 of an edge count as inside.
-  std::optional<Hit> cast(const glm::dvec3& origin, const glm::dvec3& direction, double least_distance) const;
+  //   Cost: O(log n + boxes met).
+  std::vector<Hit> cast(const glm::dvec3& origin, const glm::dvec3& direction, double least_distance) const;
 
  private:
   struct Boxes;
