@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "engines/lattice_options.h"
 #include "error.h"
 #include "reference/exact_pair_areas.h"
 
@@ -76,6 +77,12 @@ class ExactEngine : public Engine {
 
 std::unique_ptr<Engine> makeExactEngine(const Scene& scene, const Ids& ids, const ExactOptions& options) {
   return std::make_unique<ExactEngine>(scene, ids, options);
+}
+
+EngineFactory exactEngines() {
+  return [](const Scene& scene, const Ids& ids, const LatticeOptions& options) {
+    return makeExactEngine(scene, ids, {.blocked = options.count_blocked, .thread_count = options.thread_count, .on_direction = options.stop});
+  };
 }
 
 }  // namespace viewpeel::reference

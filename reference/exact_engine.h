@@ -15,4 +15,7 @@ namespace viewpeel::reference {
 //   Cost: computeExactPairAreas per direction, over `thread_count` threads.
 std::unique_ptr<Engine> makeExactEngine(const Scene& scene, const Ids& ids, const ExactOptions& options = {});
 
+// Engines of this kind for what takes engines of any. Of the options of lattices thread_count, count_blocked and stop are looked at.
+EngineFactory exactEngines();
+
 }  // namespace viewpeel::reference

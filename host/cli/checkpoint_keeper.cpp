@@ -52,17 +52,18 @@ CheckpointKeeper::CheckpointKeeper(const CheckpointOptions& options, const Setti
     throw Error(ErrorCode::bad_usage, fmt::format("{}: holds replicates {}, not all from --first-replicate {} on; merge it with those that are missing",
                                                   options_.file, describeReplicates(found.sums.replicates), first_replicate));
   checkWritable(options_.file);
-  resumed_ = std::move(found.sums);
+  found_replicates_ = describeReplicates(found.sums.replicates);
+  found_sums_ = std::move(found.sums);
   found_ = std::move(found.settings);
 }
 
 void CheckpointKeeper::setSettings(Settings settings) {
-  if (resumed_) requireSameSettings(settings, found_, options_.file);
+  if (resumes()) requireSameSettings(settings, found_, options_.file);
   settings_ = std::move(settings);
 }
 
 std::string CheckpointKeeper::describe() const {
-  const std::string what = resumed_ ? fmt::format("goes on after replicates {}", describeReplicates(resumed_->replicates))
+  const std::string what = resumes() ? fmt::format("goes on after replicates {}", found_replicates_)
                                     : options_.resume ? "not there yet, starts afresh" : "new";
   return fmt::format("checkpoint {}: {}\n", options_.file, what);
 }

@@ -36,8 +36,10 @@ class CheckpointKeeper {
   // All that decides about counts, once the run is planned.    Throws: Error bad_usage where the checkpoint is of another run.
   void setSettings(Settings settings);
 
-  // nullptr where the run starts afresh.
-  const RunSums* resumed() const { return resumed_ ? &*resumed_ : nullptr; }
+  // False where the run starts afresh.
+  bool resumes() const { return !found_.empty(); }
+  // What there is to go on from, once; the run alone needs it.
+  RunSums takeSums() { return std::move(*found_sums_); }
   // One line: what was found.
   std::string describe() const;
 
@@ -53,7 +55,8 @@ class CheckpointKeeper {
 
   CheckpointOptions options_;
   Settings settings_, found_;
-  std::optional<RunSums> resumed_;
+  std::optional<RunSums> found_sums_;
+  std::string found_replicates_;  // in words
   FileLock lock_;  // on the file that was read or written last
   Clock::time_point written_ = Clock::now();
   Seconds pause_;  // between writes

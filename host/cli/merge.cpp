@@ -8,6 +8,7 @@
 #include "cli/summary.h"
 #include "error.h"
 #include "estimator/face_exchanges.h"
+#include "run/settings.h"
 
 namespace viewpeel::cli {
 namespace {

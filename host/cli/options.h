@@ -45,9 +45,4 @@ void addChoice(CLI::App* command, const std::string& name, T& value, const std::
 // What the file leaves open: --sheets and --solids.
 void addSceneOptions(CLI::App* command, SceneOptions& options);
 
-enum class EngineKind { automatic, compute, host, graphics, exact };
-
-// An engine that counts lattice points; the host engine needs no device.
-std::unique_ptr<Engine> makeLatticeEngine(EngineKind kind, const Device* device, const Scene& scene, const Ids& ids, const LatticeOptions& options);
-
 }  // namespace viewpeel::cli

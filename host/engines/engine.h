@@ -1,5 +1,7 @@
 // What the estimator needs of an engine, whichever way it finds the facing pairs.
 #pragma once
+#include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -9,6 +11,18 @@
 #include "matrix/pair_count.h"
 
 namespace viewpeel {
+
+struct Ids;
+struct LatticeOptions;
+struct Scene;
+
+enum class EngineKind {
+  automatic,  // compute on a GPU or the device named, else host
+  compute,    // depth peeling in compute shaders
+  host,       // the same counts on the processor's threads
+  graphics,   // depth peeling by the raster pipeline
+  exact,      // exact areas, by an engine that the caller brings
+};
 
 class Engine {
  public:
@@ -36,5 +50,8 @@ class Engine {
   // How the engine has divided its work and what memory that takes, a few lines.
   virtual std::string describePlan() const { return {}; }
 };
+
+// Makes an engine that counts by these ids. Scene and ids outlive it.    In: options: one without a lattice looks at count_blocked, thread_count and on_batch alone
+using EngineFactory = std::function<std::unique_ptr<Engine>(const Scene& scene, const Ids& ids, const LatticeOptions& options)>;
 
 }  // namespace viewpeel

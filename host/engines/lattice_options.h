@@ -53,6 +53,7 @@ struct LatticeOptions {
   uint64_t available_bytes = 0;      // on the device; what needs more is refused
   bool measure_work = false;
   uint32_t thread_count = 0;     // of the host engine; 0: one per core
+  std::function<void()> stop;    // of engines that finish directions on several threads: called before each, by any of them; what it throws ends the call; may be empty
   std::function<void(uint64_t directions)> on_batch;  // told how many of a call have been counted; what it throws ends the call; may be empty
 };
 
