@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "matrix/add_pairs.h"
+#include "sums/add_pairs.h"
 
 namespace viewpeel {
 

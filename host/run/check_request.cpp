@@ -2,7 +2,7 @@
 
 #include "run/rules.h"
 #include "error.h"
-#include "matrix/closure.h"
+#include "result/closure.h"
 
 namespace viewpeel {
 

@@ -9,7 +9,7 @@
 #include "directions/sampler.h"
 #include "engines/engine.h"
 #include "engines/lattice_options.h"
-#include "matrix/ids.h"
+#include "result/ids.h"
 #include "scene/scene.h"
 #include "vulkan/device.h"
 

@@ -9,8 +9,8 @@
 #include "engines/engine.h"
 #include "engines/lattice_options.h"
 #include "error.h"
-#include "matrix/closure.h"
-#include "matrix/form_factors.h"
+#include "result/closure.h"
+#include "result/form_factors.h"
 
 namespace viewpeel {
 

@@ -1,0 +1,173 @@
+#include <cmath>
+#include <csignal>
+#include <filesystem>
+#include <optional>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <viewpeel/compute.h>
+
+#include "program/checkpoint_keeper.h"
+#include "program/commands.h"
+#include "program/describe_run.h"
+#include "program/interrupts.h"
+#include "program/outputs.h"
+#include "program/progress_line.h"
+#include "program/request_options.h"
+#include "program/summary.h"
+#include "error.h"
+#include "io/write_form_factors.h"
+
+namespace viewpeel::program {
+namespace {
+
+struct ComputeOptions {
+  std::string scene;
+  Request request;
+  std::vector<std::string> outputs;
+  CheckpointOptions checkpoint;
+  bool quiet = false, verbose = false, json = false;
+
+  bool talks() const { return !quiet && !json; }
+  bool keepsCheckpoint() const { return !checkpoint.file.empty(); }
+};
+
+// One line on stderr: what is left of a run that was stopped. Returns the exit status.
+int tellInterruption(const ComputeOptions& options, uint64_t replicates) {
+  std::string left;
+  if (options.keepsCheckpoint() && replicates > 0) left = fmt::format("; {} has what was counted, go on with --resume", options.checkpoint.file);
+  if (!options.outputs.empty()) left += replicates < 2 ? "; too few to write results" : "; results are written";
+  fmt::print(stderr, "viewpeel: stopped by {}, {} replicate{} done{}\n", interruption() == SIGINT ? "SIGINT" : "SIGTERM", replicates, replicates == 1 ? "" : "s", left);
+  return 128 + interruption();
+}
+
+void warnOfGoal(const Request& request, const Result& result) {
+  const auto* tolerance = std::get_if<Tolerance>(&request.goal);
+  const auto* only = std::get_if<Relative>(&request.goal);
+  const std::optional<double> relative = tolerance ? tolerance->relative : only ? std::optional(only->standard_error) : std::nullopt;
+  if (relative && !(result.largest_relative_error > 0))
+    fmt::print(stderr, "viewpeel: warning: no form factor reaches --floor {}, so that --relative {} asked for nothing; lower --floor, or ask by --tolerance\n", request.relative_floor,
+               *relative);
+}
+
+// Where closure is refused the form factors are written as measured.
+void write(const ComputeOptions& options, const Result& result) {
+  writeOutputs(result.form_factors, options.outputs, result.closed ? &result.closed->form_factors : nullptr);
+  if (!result.closure_refusal) return;
+  const Error& refusal = *result.closure_refusal;
+  throw Error(refusal.code(), fmt::format("{}{}", refusal.what(), options.outputs.empty() ? "" : "; form factors were written as measured"));
+}
+
+void printResult(const ComputeOptions& options, const Result& result, const std::string& first_division) {
+  if (options.json) fmt::print("{}", asJson(options.scene, result));
+  if (!options.talks()) return;
+  if (options.verbose && !result.division.empty() && result.division != first_division) fmt::print("after a trial\n{}", result.division);
+  fmt::print("{}{}", describeResult(result), result.closed ? describeClosed(*result.closed) : "");
+  const auto* guarantee = std::get_if<EpsilonDelta>(&options.request.goal);
+  const char* unit = !guarantee ? "replicate" : guarantee->statistic == Statistic::median ? "run" : "block";
+  fmt::print("work       {}, {}{}, {:.2f} s\n", counted(result.replicates, unit), counted(result.directions, "direction"), describeDirected(result), result.seconds);
+  for (const std::string& output : options.outputs)
+    for (const std::filesystem::path& file : filesOf(output, options.request.closure)) fmt::print("written    {}\n", file.string());
+}
+
+// Writes and prints what came out. Returns the exit status.
+int conclude(const ComputeOptions& options, const Result& result, bool is_kept, const std::string& first_division) {
+  warnOfGoal(options.request, result);
+  const int status = result.interrupted ? tellInterruption(options, result.replicates) : is_kept ? 0 : 1;
+  if (result.interrupted && result.replicates < 2) return status;
+  write(options, result);
+  printResult(options, result, first_division);
+  return status;
+}
+
+// Plans, and says so. False where the run was stopped meanwhile.
+bool prepare(const ComputeOptions& options, FormFactorRun& run, std::optional<CheckpointKeeper>& keeper) {
+  if (keeper && keeper->resumes()) run.resume(keeper->found(), keeper->takeSums());
+  run.makePlan();
+  if (run.isInterrupted()) return false;
+  if (options.talks()) fmt::print("{}", describePlan(run));
+  if (keeper) {
+    keeper->setSettings(run.settings());
+    if (options.talks()) fmt::print("{}", keeper->describe());
+  }
+  if (options.verbose && options.talks()) fmt::print("{}", run.division());
+  std::fflush(stdout);
+  const SharesSummary* shares = run.findShares();
+  if (shares && options.talks()) fmt::print("{}", describeShares(*shares));
+  std::fflush(stdout);
+  return !run.isInterrupted();
+}
+
+// Counts to the end, and keeps what was counted.
+void count(FormFactorRun& run, CheckpointKeeper* keeper, const std::function<int()>& conclude_early) {
+  const auto keep = [&](bool last) {
+    if (keeper && run.replicateCount() > 0) keeper->keep(run.sums(), last);
+  };
+  try {
+    do {
+      run.step();
+      if (run.replicateCount() == 0) continue;
+      keep(false);
+      offerResults(conclude_early);
+    } while (!run.isDone());
+  } catch (...) {
+    keep(true);
+    throw;
+  }
+  keep(true);
+}
+
+int runCompute(const ComputeOptions& options) {
+  checkOutputs(options.outputs, options.checkpoint.file, options.request.closure);
+  if (options.keepsCheckpoint() && !options.checkpoint.resume) requireNewCheckpoint(options.checkpoint.file);
+  const bool is_held = options.keepsCheckpoint() || !options.outputs.empty();
+  if (is_held) holdInterrupts([&] { return tellInterruption(options, 0); });
+  const Scene scene = loadSceneOf(options.scene, options.request.scene_options);
+  ProgressLine progress(options.request, !options.quiet);
+  FormFactorRun run(scene, options.request, {.should_stop = [] { return interruption() != 0; }, .on_progress = progress.listener(), .on_count = letOthersEnd});
+  if (options.talks()) fmt::print("{}", describePlace(run, scene));
+  std::fflush(stdout);
+  std::optional<CheckpointKeeper> keeper;
+  if (options.keepsCheckpoint()) keeper.emplace(options.checkpoint, run.settings(), options.request.first_replicate);
+  const auto endEarly = [&] {
+    endByItself();
+    return tellInterruption(options, 0);
+  };
+  if (!prepare(options, run, keeper)) return endEarly();
+  progress.clear();
+  const std::string division = run.division();
+  count(run, keeper ? &*keeper : nullptr, [&] {
+    if (keeper) keeper->keep(run.sums(), true);
+    Result result = run.resultSoFar();
+    result.interrupted = true;
+    progress.clear();
+    return conclude(options, result, true, division);
+  });
+  endByItself();
+  progress.clear();
+  return conclude(options, run.result(), !keeper || keeper->isKept(), division);
+}
+
+}  // namespace
+
+void addCompute(CLI::App& app, Run& chosen) {
+  CLI::App* command = app.add_subcommand("compute", "Compute the form factors of a scene");
+  const auto asked = addRequestOptions(command);
+  const auto options = std::make_shared<ComputeOptions>();
+  command->add_option("-o,--output", options->outputs, "Write the matrix: .csv or .mtx; may be given several times")
+      ->type_name("FILE")->allow_extra_args(false);
+  command->add_flag("--closure", asked->request.closure, "Closed scenes: also the nearest form factors whose rows sum to 1, beside those measured");
+  addCheckpointOptions(command, options->checkpoint);
+  CLI::Option* quiet = command->add_flag("--quiet", options->quiet, "Print nothing but errors and warnings");
+  CLI::Option* verbose = command->add_flag("--verbose", options->verbose, "Print how work and memory are divided, too")->excludes(quiet);
+  command->add_flag("--json", options->json, "Print the outcome and the work done as JSON")->excludes(quiet)->excludes(verbose);
+  command->callback([=, &chosen] {
+    options->scene = asked->scene;
+    options->request = requestOf(command, *asked);
+    options->request.measure_work = options->json;
+    chosen = [options] { return runCompute(*options); };
+  });
+}
+
+}  // namespace viewpeel::program
