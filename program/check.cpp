@@ -7,7 +7,7 @@
 #include "program/summary.h"
 #include "engines/engine_factory.h"
 #include "engines/lattice.h"
-#include "error.h"
+#include <viewpeel/error.h>
 #include "reference/exact/interpenetration.h"
 #include "reference/exact/lattice_check.h"
 

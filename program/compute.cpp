@@ -16,8 +16,8 @@
 #include "program/progress_line.h"
 #include "program/request_options.h"
 #include "program/summary.h"
-#include "error.h"
-#include "io/write_form_factors.h"
+#include <viewpeel/error.h>
+#include <viewpeel/write.h>
 
 namespace viewpeel::program {
 namespace {
@@ -82,15 +82,11 @@ int conclude(const ComputeOptions& options, const Result& result, bool is_kept, 
 }
 
 // Plans, and says so. False where the run was stopped meanwhile.
-bool prepare(const ComputeOptions& options, FormFactorRun& run, std::optional<CheckpointKeeper>& keeper) {
-  if (keeper && keeper->resumes()) run.resume(keeper->found(), keeper->takeSums());
+bool prepare(const ComputeOptions& options, FormFactorRun& run, const CheckpointKeeper* keeper) {
   run.makePlan();
   if (run.isInterrupted()) return false;
   if (options.talks()) fmt::print("{}", describePlan(run));
-  if (keeper) {
-    keeper->setSettings(run.settings());
-    if (options.talks()) fmt::print("{}", keeper->describe());
-  }
+  if (keeper && options.talks()) fmt::print("{}", keeper->describe());
   if (options.verbose && options.talks()) fmt::print("{}", run.division());
   std::fflush(stdout);
   const SharesSummary* shares = run.findShares();
@@ -102,7 +98,7 @@ bool prepare(const ComputeOptions& options, FormFactorRun& run, std::optional<Ch
 // Counts to the end, and keeps what was counted.
 void count(FormFactorRun& run, CheckpointKeeper* keeper, const std::function<int()>& conclude_early) {
   const auto keep = [&](bool last) {
-    if (keeper && run.replicateCount() > 0) keeper->keep(run.sums(), last);
+    if (keeper) keeper->keep(run, last);
   };
   try {
     do {
@@ -129,16 +125,16 @@ int runCompute(const ComputeOptions& options) {
   if (options.talks()) fmt::print("{}", describePlace(run, scene));
   std::fflush(stdout);
   std::optional<CheckpointKeeper> keeper;
-  if (options.keepsCheckpoint()) keeper.emplace(options.checkpoint, run.settings(), options.request.first_replicate);
+  if (options.keepsCheckpoint()) keeper.emplace(options.checkpoint, run);
   const auto endEarly = [&] {
     endByItself();
     return tellInterruption(options, 0);
   };
-  if (!prepare(options, run, keeper)) return endEarly();
+  if (!prepare(options, run, keeper ? &*keeper : nullptr)) return endEarly();
   progress.clear();
   const std::string division = run.division();
   count(run, keeper ? &*keeper : nullptr, [&] {
-    if (keeper) keeper->keep(run.sums(), true);
+    if (keeper) keeper->keep(run, true);
     Result result = run.resultSoFar();
     result.interrupted = true;
     progress.clear();

@@ -18,12 +18,6 @@ std::string describeLattices(const PlanSummary& plan) {
   return text;
 }
 
-// Options that give the same plan again.
-std::string optionsOf(const PlanSummary& plan) {
-  return fmt::format("--directions {} --resolution {}{}{}{}", plan.directions, plan.lattices[0].resolution, plan.lattices.size() > 1 ? fmt::format(" --finest {}", plan.finest) : "",
-                     plan.sampling == Sampling::scanline ? " --sampling scanline" : "", plan.closed_forms ? " --closed-forms on" : "");
-}
-
 std::string describeGuarantee(const Request& request, const PlanSummary& plan) {
   const GuaranteeFigures& g = *plan.guarantee;
   std::string text = fmt::format("goal       every form factor within {} with probability {}: {} at once, a direction adds at most {:.2f}\n", g.epsilon, 1 - g.delta,

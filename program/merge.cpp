@@ -6,7 +6,7 @@
 #include "program/commands.h"
 #include "program/outputs.h"
 #include "program/summary.h"
-#include "error.h"
+#include <viewpeel/error.h>
 #include "estimator/face_exchanges.h"
 #include "run/settings.h"
 

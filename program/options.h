@@ -7,9 +7,9 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "engines/engine.h"
+#include <viewpeel/engine.h>
 #include "engines/lattice_options.h"
-#include "result/ids.h"
+#include <viewpeel/ids.h>
 #include "vulkan/device.h"
 
 namespace viewpeel::program {

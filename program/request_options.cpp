@@ -1,6 +1,6 @@
 #include "program/request_options.h"
 
-#include "error.h"
+#include <viewpeel/error.h>
 #include "reference/exact/exact_engine.h"
 
 namespace viewpeel::program {

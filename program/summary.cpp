@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "error.h"
+#include <viewpeel/error.h>
 #include "run/summaries.h"
 #include "threads.h"
 

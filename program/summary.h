@@ -4,7 +4,7 @@
 
 #include "engines/work.h"
 #include "estimator/estimate.h"
-#include "result/closure.h"
+#include <viewpeel/closure.h>
 #include "vulkan/device.h"
 
 namespace viewpeel::program {

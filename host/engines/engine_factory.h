@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "engines/engine.h"
+#include <viewpeel/engine.h>
 #include "engines/lattice_options.h"
 #include "engines/size_groups.h"
 #include "vulkan/device.h"

@@ -9,7 +9,7 @@
 
 #include "engines/lattice.h"
 #include "engines/sweep.h"
-#include "error.h"
+#include <viewpeel/error.h>
 #include "threads.h"
 
 namespace viewpeel {

@@ -3,9 +3,9 @@
 #include <memory>
 #include <vector>
 
-#include "engines/engine.h"
+#include <viewpeel/engine.h>
 #include "engines/lattice_options.h"
-#include "result/ids.h"
+#include <viewpeel/ids.h>
 
 namespace viewpeel {
 

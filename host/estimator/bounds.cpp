@@ -5,8 +5,6 @@
 
 #include <glm/geometric.hpp>
 
-#include <algorithm>
-
 namespace viewpeel {
 namespace {
 
@@ -25,7 +23,6 @@ ConvexSize sizeOf(const Scene& scene, const Polygon& polygon) {
     size.perimeter += glm::length(scene.corners[polygon.first_corner + (c + 1) % polygon.corner_count] - scene.corners[polygon.first_corner + c]);
   return size;
 }
-
 
 double latticeRange(const ConvexSize& x, double h) { return 2 * x.area + x.perimeter * h + 2 * h * h; }
 

@@ -1,6 +1,6 @@
 // What one direction can contribute at most: the ranges that a-priori bounds on the error rest on.
 #pragma once
-#include "scene/scene.h"
+#include <viewpeel/scene.h>
 
 namespace viewpeel {
 

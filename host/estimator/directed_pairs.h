@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "directions/asked_directions.h"
-#include "engines/engine.h"
+#include <viewpeel/engine.h>
 #include "engines/lattice_options.h"
 #include "sums/visible_sums.h"
 

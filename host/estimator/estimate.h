@@ -7,7 +7,7 @@
 
 #include "directions/asked_directions.h"
 #include "directions/sampler.h"
-#include "engines/engine.h"
+#include <viewpeel/engine.h>
 #include "sums/run_sums.h"
 
 namespace viewpeel {

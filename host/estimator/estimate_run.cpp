@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "error.h"
+#include <viewpeel/error.h>
 #include "estimator/directed_pairs.h"
 #include "estimator/face_exchanges.h"
 

@@ -4,7 +4,7 @@
 #include <numeric>
 
 #include "directions/replicates.h"
-#include "error.h"
+#include <viewpeel/error.h>
 #include "estimator/bounds.h"
 #include "estimator/guarantee.h"
 #include "estimator/guarantee_blocks.h"

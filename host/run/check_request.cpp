@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
 #include "run/rules.h"
-#include "error.h"
-#include "result/closure.h"
+#include <viewpeel/error.h>
+#include <viewpeel/closure.h>
 
 namespace viewpeel {
 

@@ -2,13 +2,16 @@
 #include <cmath>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include <viewpeel/compute.h>
 
 #include "directions/replicates.h"
-#include "error.h"
+#include <viewpeel/error.h>
 #include "estimator/estimate_run.h"
 #include "estimator/guarantee_run.h"
 #include "estimator/visible_share.h"
+#include "io/checkpoint.h"
 #include "run/observed_engine.h"
 #include "run/settings.h"
 #include "run/setup.h"
@@ -27,7 +30,8 @@ struct FormFactorRun::State {
   Progress progress;
   Setup setup;
   PlanSummary summary;
-  std::optional<RunSums> resumed;
+  std::optional<Checkpoint> resumed;
+  std::filesystem::path resumed_file;
   std::optional<Clock::time_point> start;  // of the plan
   std::optional<Plan> plan;
   std::optional<GuaranteePlan> guarantee;
@@ -119,6 +123,7 @@ void FormFactorRun::State::makePlan() {
     plan->engine = observed(std::move(plan->engine), observer.on_count);
     summary = summarise(setup, *plan);
   }
+  if (resumed) requireSameSettings(settingsOf(setup, summary), resumed->settings, resumed_file);
 }
 
 void FormFactorRun::State::findShares() {
@@ -133,7 +138,7 @@ void FormFactorRun::State::findShares() {
 EstimateOptions FormFactorRun::State::estimateOptions() {
   EstimateOptions options = setup.estimate();
   options.directions = plan->directions;
-  options.resumed = resumed ? &*resumed : nullptr;
+  options.resumed = resumed ? &resumed->sums : nullptr;
   options.pairs = &pairs;
   if (setup.usesClosedForms()) {
     options.known = &shares.known;
@@ -146,7 +151,7 @@ EstimateOptions FormFactorRun::State::estimateOptions() {
 void FormFactorRun::State::begin() {
   if (guarantee) {
     GuaranteeOptions options = setup.guaranteeOptions();
-    options.resumed = resumed ? &*resumed : nullptr;
+    options.resumed = resumed ? &resumed->sums : nullptr;
     guarantee_run.emplace(setup.scene(), setup.ids(), options, *guarantee);
     progress.expected_blocks = guarantee_run->expectedBlocks();
     progress.most_blocks = guarantee_run->mostBlocks();
@@ -211,10 +216,22 @@ Settings FormFactorRun::settings() const {
   return is_planned ? settingsOf(state_->setup, state_->summary) : settingsOf(state_->setup);
 }
 
-void FormFactorRun::resume(const Settings& settings, RunSums sums) {
-  state_->setup.adoptPlan(settings);
-  state_->resumed = std::move(sums);
+std::string FormFactorRun::resumeFrom(const std::filesystem::path& checkpoint) {
+  Checkpoint found = readCheckpoint(checkpoint);
+  Settings unplanned = found.settings;
+  std::erase_if(unplanned, [](const auto& setting) { return mayBePlanned(setting.first); });
+  requireSameSettings(settings(), unplanned, checkpoint);
+  const uint64_t first = request().first_replicate;
+  if (found.sums.replicates != std::vector{ReplicateRange{first, first + found.sums.replicateCount()}})
+    throw Error(ErrorCode::bad_usage, fmt::format("{}: holds replicates {}, not all from --first-replicate {} on; merge it with those that are missing", checkpoint.string(),
+                                                  describeReplicates(found.sums.replicates), first));
+  state_->setup.adoptPlan(found.settings);
+  state_->resumed = std::move(found);
+  state_->resumed_file = checkpoint;
+  return describeReplicates(state_->resumed->sums.replicates);
 }
+
+void FormFactorRun::writeCheckpoint(const std::filesystem::path& file) const { viewpeel::writeCheckpoint(settings(), sums(), file); }
 
 const PlanSummary& FormFactorRun::makePlan() {
   if (!state_->start) state_->doUnlessStopped([&] { state_->makePlan(); });

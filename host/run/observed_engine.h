@@ -3,7 +3,7 @@
 #include <functional>
 #include <memory>
 
-#include "engines/engine.h"
+#include <viewpeel/engine.h>
 
 namespace viewpeel {
 

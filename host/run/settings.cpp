@@ -1,9 +1,12 @@
 #include "run/settings.h"
 
+#include <algorithm>
+#include <array>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "error.h"
+#include <viewpeel/error.h>
 
 namespace viewpeel {
 
@@ -32,6 +35,11 @@ Settings settingsOf(const Setup& setup) {
   if (guarantee->statistic == Statistic::median) throw Error(ErrorCode::bad_usage, "--checkpoint keeps means only; leave out --statistic median");
   all.insert(all.end(), {{"--epsilon", fmt::format("{}", guarantee->epsilon)}, {"--delta", fmt::format("{}", guarantee->delta)}});
   return all;
+}
+
+bool mayBePlanned(const std::string& name) {
+  constexpr std::array kPlanned = {"--closed-forms", "--directions", "--resolution", "--finest", "--range", "--block"};
+  return std::ranges::find(kPlanned, name) != kPlanned.end();
 }
 
 Settings settingsOf(const Setup& setup, const PlanSummary& plan) {

@@ -13,6 +13,8 @@ std::string identityOf(const Scene& scene);
 
 // What decides about counts and is known before the plan.    Throws: Error bad_usage for medians.
 Settings settingsOf(const Setup& setup);
+// Whether a plan may choose the setting of that name.
+bool mayBePlanned(const std::string& name);
 // The same with what the plan chose.
 Settings settingsOf(const Setup& setup, const PlanSummary& plan);
 

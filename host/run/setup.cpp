@@ -9,7 +9,7 @@
 
 #include "engines/engine_factory.h"
 #include "engines/host_engine.h"
-#include "error.h"
+#include <viewpeel/error.h>
 #include "estimator/visible_share.h"
 #include "io/checkpoint.h"
 #include "run/rules.h"

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "error.h"
+#include <viewpeel/error.h>
 
 namespace viewpeel {
 namespace {
@@ -67,6 +67,11 @@ SharesSummary summarise(const VisibleShares& shares) {
   summary.closed_form_seconds = shares.closed_form_seconds;
   summary.directed_seconds = shares.directed_seconds;
   return summary;
+}
+
+std::string optionsOf(const PlanSummary& plan) {
+  return fmt::format("--directions {} --resolution {}{}{}{}", plan.directions, plan.lattices[0].resolution, plan.lattices.size() > 1 ? fmt::format(" --finest {}", plan.finest) : "",
+                     plan.sampling == Sampling::scanline ? " --sampling scanline" : "", plan.closed_forms ? " --closed-forms on" : "");
 }
 
 std::string inWords(double seconds) {

@@ -5,10 +5,10 @@
 #include <fmt/format.h>
 #include <glm/glm.hpp>
 
-#include "error.h"
+#include <viewpeel/error.h>
 #include "scene/coincident.h"
 #include "scene/group_planes.h"
-#include "scene/scene.h"
+#include <viewpeel/scene.h>
 #include "scene/split_face.h"
 
 namespace viewpeel {

@@ -6,7 +6,7 @@
 // fronts, whatever other solids it passes or shares that solid with. So rays from points of every overlap vote, and the polygons of one plane are put in an order along its normal
 // (Polygon::tie_rank), as if they lay an infinitesimal distance apart. Engines order equal depths by these ranks.
 #pragma once
-#include "scene/scene.h"
+#include <viewpeel/scene.h>
 
 namespace viewpeel {
 

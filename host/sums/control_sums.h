@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "result/form_factors.h"
+#include <viewpeel/form_factors.h>
 #include "sums/replicate_sums.h"
 
 namespace viewpeel {

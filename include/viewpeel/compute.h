@@ -1,5 +1,8 @@
 // Form factors of a scene: the whole way from a Request to a Result, in one call or step by step.
 #pragma once
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -57,9 +60,12 @@ class FormFactorRun {
   // What a checkpoint is to be kept with: what is known before the plan, and all of it afterwards.
   //   Throws: Error bad_usage for runs that checkpoints cannot keep: medians.
   Settings settings() const;
-  // Goes on with the plan of an earlier run, and after its replicates. Before makePlan().
-  //   In: settings and sums as that run gave them, of the same scene and request
-  void resume(const Settings& settings, RunSums sums);
+  // Goes on with the plan of an earlier run of the same scene and request, and after its replicates. Before makePlan().
+  //   In: a file that writeCheckpoint of that run, or `viewpeel merge`, has written    Out: the replicates in it, in words: "0 to 7"
+  //   Throws: Error bad_input where the file is none, or damaged; Error bad_usage where it is of another run.
+  std::string resumeFrom(const std::filesystem::path& checkpoint);
+  // Not before the first step.    Throws: Error output; the file is then what it was.    Cost: about 40 bytes of disk a nonzero pair (formats.md).
+  void writeCheckpoint(const std::filesystem::path& file) const;
 
   // Plans, where that was not done: lattices, directions, blocks.
   //   Throws: Error bad_usage where a goal cannot be reached as asked; Error device, Error limit.    Cost: pilots of about a tenth of the run.
@@ -79,7 +85,7 @@ class FormFactorRun {
   bool isInterrupted() const;
   // How many replicates or blocks are done, those resumed included.
   uint64_t replicateCount() const;
-  // What a checkpoint keeps. Not before the first step.
+  // What was counted, for the library's own use. Not before the first step.
   const RunSums& sums() const;
 
   // What the replicates so far come to, without the work. Not before the first step; from any thread where Observer::on_count allows it.

@@ -6,12 +6,11 @@
 #include <variant>
 #include <vector>
 
-#include "directions/sampler.h"
-#include "engines/engine.h"
-#include "engines/lattice_options.h"
-#include "result/ids.h"
-#include "scene/scene.h"
-#include "vulkan/device.h"
+#include <viewpeel/device.h>
+#include <viewpeel/engine.h>
+#include <viewpeel/ids.h>
+#include <viewpeel/sampling.h>
+#include <viewpeel/scene.h>
 
 namespace viewpeel {
 

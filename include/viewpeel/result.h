@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "engines/engine.h"
-#include "engines/lattice_options.h"
-#include "error.h"
-#include "result/closure.h"
-#include "result/form_factors.h"
+#include <viewpeel/closure.h>
+#include <viewpeel/engine.h>
+#include <viewpeel/error.h>
+#include <viewpeel/form_factors.h>
+#include <viewpeel/sampling.h>
 
 namespace viewpeel {
 
@@ -83,6 +83,9 @@ struct PlanSummary {
   std::optional<GuaranteeFigures> guarantee;
   uint64_t unoccluded_pairs = 0, shared_pairs = 0;  // of a guarantee with closed forms: pairs that have one, and those with a visible share from a pilot
 };
+
+// The program's options that give the same plan again: "--directions 64 --resolution 128 --closed-forms on". Not of a guarantee.
+std::string optionsOf(const PlanSummary& plan);
 
 // What pilots and closed forms found before the first replicate.
 struct SharesSummary {

@@ -5,7 +5,7 @@
 #include <map>
 
 #include "engines/lattice_options.h"
-#include "error.h"
+#include <viewpeel/error.h>
 #include "reference/exact/exact_pair_areas.h"
 
 namespace viewpeel::reference {

@@ -2,8 +2,8 @@
 #pragma once
 #include <memory>
 
-#include "engines/engine.h"
-#include "result/ids.h"
+#include <viewpeel/engine.h>
+#include <viewpeel/ids.h>
 #include "reference/exact/exact_pair_areas.h"
 
 namespace viewpeel::reference {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "scene/scene.h"
+#include <viewpeel/scene.h>
 
 namespace viewpeel {
 
