@@ -1,5 +1,5 @@
 // Logarithm and arc tangent in double precision, which GLSL lacks. No branches: software devices would take both sides.
-//   Error: 3 ulp of the result, or of 0.1 where a logarithm is smaller; tests/double_math_test.cpp.
+//   Error: 3 ulp of the result, or of 0.1 where a logarithm is smaller; tests/device/double_math_test.cpp.
 //   Source: the polynomials of FDLIBM, e_log.c and s_atan.c (Sun Microsystems, 1993).
 
 // ln x of a normal x > 0.

@@ -31,7 +31,7 @@ class DirectionRegion {
   // The unit square onto the region, areas in proportion: around runs along the boundary, outwards from the centre to it, so that
   // map(0, t) = map(1, t), map(s, 0) is one point, and map(s, 1) the boundary.
   //   In: around, outwards in [0, 1]; a region closed and not empty    Out: a unit vector
-  //   Error: 1e-15 rad of directions; shares of area to 1e-15 / solidAngle(). tests/asked_directions_test.cpp.
+  //   Error: 1e-15 rad of directions; shares of area to 1e-15 / solidAngle(). tests/unit/asked_directions_test.cpp.
   //   Cost: O(log corners).
   //   Source: J. Arvo, Stratified sampling of spherical triangles, SIGGRAPH 1995, with every triangle cut by the perpendicular from the
   //     centre: a right triangle of legs p, q has area 2 atan(tan(p/2) tan(q/2)) (I. Todhunter, Spherical Trigonometry, 1886, 103),
@@ -62,7 +62,7 @@ class DirectionRegion {
 //   Out: the region, closed. F_ab = solidAngle / (2 pi) x mean of 2 A'_ab(u) / A_a over u uniform in it.
 //   Error: never smaller than the exact region but for slivers of grazing lines, whose pair area is less than 1e-14 of the pair's extent
 //     squared (1e-7 where corners are off their plane by the tolerance of group_planes.h); for two convex polygons that far apart or further
-//     larger by at most 1e-13 rad for each unit of extent / distance. tests/asked_directions_test.cpp.
+//     larger by at most 1e-13 rad for each unit of extent / distance. tests/unit/asked_directions_test.cpp.
 //   Throws: nothing.
 //   Cost: O(c_a c_b) for c_a, c_b corners for two convex polygons; O(c log c), c = min(c_a c_b, 2^20), else: larger surfaces enter by their
 //     bounding boxes.
@@ -82,7 +82,7 @@ struct AskedDirections {
 //   In: count > 0; seed, replicate: any    Out: count directions, weights 1, weight_unit = solidAngle / (2 pi); no directions and
 //     weight_unit 0 where the region is empty. A function of the arguments only.
 //   Error: the mean over the set is unbiased for pairs whose directions the region holds, and for no others; a single direction's term
-//     is not. Tests: tests/asked_directions_test.cpp.
+//     is not. Tests: tests/unit/asked_directions_test.cpp.
 //   Throws: nothing.
 //   Cost: O(count log corners).
 //   Source: rank-1 lattice of the golden ratio, random shift: R. Cranley & T. N. L. Patterson, SIAM J. Numer. Anal. 13, 1976; folded in
@@ -103,7 +103,7 @@ constexpr double kEmitterWeightUnit = 0x1p-12;
 //   In: emitter: indices of Scene::polygons, one or more; count > 0; seed, replicate: any
 //   Out: count directions with offset and rotation as above; weights in [2^11, 2^14]. A function of the arguments only.
 //   Error: the mean over the set is unbiased for every pair of the scene, the emitter's or not. With exact areas one direction's
-//     term of F_emitter,j is at most 2 / (2 - e), against 2 for uniform directions. Tests: tests/asked_directions_test.cpp.
+//     term of F_emitter,j is at most 2 / (2 - e), against 2 for uniform directions. Tests: tests/unit/asked_directions_test.cpp.
 //   Throws: nothing.
 //   Cost: O(count).
 //   Source: defensive mixture: T. Hesterberg, Weighted average importance sampling and defensive mixture distributions, Technometrics 37,

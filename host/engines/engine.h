@@ -6,7 +6,7 @@
 
 #include "directions/direction.h"
 #include "engines/work.h"
-#include "matrix/pair_count.h"
+#include "sums/pair_count.h"
 
 namespace viewpeel {
 

@@ -4,7 +4,7 @@
 
 #include "engines/engine.h"
 #include "engines/lattice_options.h"
-#include "matrix/ids.h"
+#include "result/ids.h"
 #include "vulkan/device.h"
 
 namespace viewpeel {

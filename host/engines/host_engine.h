@@ -4,7 +4,7 @@
 
 #include "engines/engine.h"
 #include "engines/lattice_options.h"
-#include "matrix/ids.h"
+#include "result/ids.h"
 
 namespace viewpeel {
 

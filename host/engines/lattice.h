@@ -4,7 +4,7 @@
 
 #include "directions/direction.h"
 #include "engines/lattice_options.h"
-#include "matrix/ids.h"
+#include "result/ids.h"
 #include "vulkan/buffer.h"
 
 namespace viewpeel {

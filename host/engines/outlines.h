@@ -7,7 +7,7 @@
 
 #include "directions/direction.h"
 #include "engines/vectorised.h"
-#include "matrix/ids.h"
+#include "result/ids.h"
 
 namespace viewpeel {
 

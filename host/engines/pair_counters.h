@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "matrix/pair_count.h"
+#include "sums/pair_count.h"
 #include "vulkan/commands.h"
 
 namespace viewpeel {

@@ -6,7 +6,7 @@
 #include <mutex>
 #include <vector>
 
-#include "matrix/pair_count.h"
+#include "sums/pair_count.h"
 
 namespace viewpeel {
 

@@ -13,7 +13,7 @@ struct ConvexSize {
 // 2 x h^2 x (lattice points of a projection of x) is at most latticeRange(x, h), whatever the direction and the lattice's offset and rotation.
 //   A convex region of area A and perimeter p holds at most A / h^2 + p / (2 h) + 1 points of a square lattice (Nosarzewska 1948), and projection
 //   shrinks both.
-//   Out: 2 A + p h + 2 h^2    Error: none.  Tests: tests/bounds_test.cpp.  Throws: nothing.  Cost: O(1).
+//   Out: 2 A + p h + 2 h^2    Error: none.  Tests: tests/device/bounds_test.cpp.  Throws: nothing.  Cost: O(1).
 //   Source: M. Nosarzewska, Evaluation de la difference entre l'aire d'une region plane convexe et le nombre des points aux coordonnees
 //     entieres couverts par elle, Colloq. Math. 1, 1948.
 double latticeRange(const ConvexSize& x, double h);

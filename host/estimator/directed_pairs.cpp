@@ -13,8 +13,8 @@
 #include "estimator/estimate.h"
 #include "estimator/visible_share.h"
 #include "hash.h"
-#include "matrix/add_pairs.h"
-#include "matrix/pair_count.h"
+#include "sums/add_pairs.h"
+#include "sums/pair_count.h"
 
 namespace viewpeel {
 namespace {

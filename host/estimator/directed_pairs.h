@@ -8,7 +8,7 @@
 // sums. A weighted mean of both would be unbiased, too, but of two variances, one of which is many times the other, it gains nothing.
 //
 // Replicates of a pair are those of the run, with random numbers of their own: counts are a function of seed, pair and number of the replicate, and add up as integers.
-// Row sums, environment and leak stay those of common directions. Tests: tests/directed_pairs_test.cpp; coverage: bench/coverage.cpp, scene `gap`.
+// Row sums, environment and leak stay those of common directions. Tests: tests/device/directed_pairs_test.cpp; coverage: bench/programs/coverage.cpp, scene `gap`.
 #pragma once
 #include <functional>
 #include <map>
@@ -19,7 +19,7 @@
 #include "directions/asked_directions.h"
 #include "engines/engine.h"
 #include "engines/lattice_options.h"
-#include "matrix/visible_sums.h"
+#include "sums/visible_sums.h"
 
 namespace viewpeel {
 

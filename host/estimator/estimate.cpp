@@ -8,7 +8,7 @@
 #include "error.h"
 #include "estimator/directed_pairs.h"
 #include "estimator/face_exchanges.h"
-#include "matrix/add_pairs.h"
+#include "sums/add_pairs.h"
 
 namespace viewpeel {
 

@@ -6,7 +6,7 @@
 #include "directions/asked_directions.h"
 #include "directions/sampler.h"
 #include "engines/engine.h"
-#include "matrix/run_sums.h"
+#include "sums/run_sums.h"
 
 namespace viewpeel {
 
@@ -94,7 +94,7 @@ Estimate makeEstimate(const RunSums& sums, double relative_floor, FormFactors al
 // Computes F_ij = (2 / A_i) E[A'_ij(u)] for all pairs (Pellegrini 1997, sections 4.3 and 5.1).
 //   In: scene and ids as the engine was made with
 //   Error: unbiased at any spacing and number of directions, but for closed forms by polygon: share_sums.h bounds their small bias, and pairs that no
-//     line met are guessed from their neighbours (neighbour_shares.h). The standard error is that of independent replicates, or of the guess. Tests: tests/closed_form_test.cpp.
+//     line met are guessed from their neighbours (neighbour_shares.h). The standard error is that of independent replicates, or of the guess. Tests: tests/laws/closed_form_test.cpp.
 //   Throws: what the engine and callbacks throw, but for Interrupted; Error bad_usage for zero directions, fewer than 2 replicates, a goal that is not positive, or directed pairs
 //     without what samples them.
 //   Cost: replicates x directions projections; memory O(nonzero pairs) beside the engine's.

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "matrix/run_sums.h"
+#include "sums/run_sums.h"
 
 namespace viewpeel {
 namespace {

@@ -5,10 +5,10 @@
 #include <span>
 #include <vector>
 
-#include "closed_forms/row_exchange.h"
-#include "closed_forms/unoccluded.h"
-#include "matrix/ids.h"
-#include "matrix/share_sums.h"
+#include "unoccluded/row_exchange.h"
+#include "unoccluded/unoccluded.h"
+#include "result/ids.h"
+#include "sums/share_sums.h"
 
 namespace viewpeel {
 

@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
-#include "matrix/pair_count.h"
+#include "sums/pair_count.h"
 #include "error.h"
 #include "estimator/bounds.h"
 #include "estimator/visible_share.h"

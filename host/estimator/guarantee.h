@@ -97,7 +97,7 @@ struct GuaranteePlan {
 GuaranteePlan planGuarantee(const Scene& scene, const Ids& ids, const GuaranteeOptions& options, const Lattices& lattices, bool exact);
 
 // Carries the plan out.    Out: form factors of which all are within epsilon with probability 1 - delta; standard errors are estimates, as ever.
-//   Tests: tests/guarantee_test.cpp.
+//   Tests: tests/device/guarantee_test.cpp.
 Estimate guaranteeFormFactors(const Scene& scene, const Ids& ids, const GuaranteeOptions& options, const GuaranteePlan& plan);
 
 }  // namespace viewpeel

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "estimator/visible_share.h"
-#include "matrix/add_pairs.h"
+#include "sums/add_pairs.h"
 
 namespace viewpeel {
 namespace {

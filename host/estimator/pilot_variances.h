@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "estimator/estimate.h"
-#include "matrix/ids.h"
-#include "matrix/pair_count.h"
+#include "result/ids.h"
+#include "sums/pair_count.h"
 
 namespace viewpeel {
 

@@ -13,8 +13,8 @@
 #include "engines/lattice.h"
 #include "estimator/pilot_variances.h"
 #include "estimator/visible_share.h"
-#include "matrix/neighbour_shares.h"
-#include "matrix/pair_count.h"
+#include "sums/neighbour_shares.h"
+#include "sums/pair_count.h"
 #include "scene/rank_by_place.h"
 
 namespace viewpeel {
@@ -45,7 +45,7 @@ struct Load {
   int finest = 0;   // resolution
 };
 
-// Variance of a form factor of an id of area A and perimeter P, all of which one other sees: 4 / A^2 of the count's, whose is 0.0728 h^3 pi/4 P (tests/lattice_check_test.cpp;
+// Variance of a form factor of an id of area A and perimeter P, all of which one other sees: 4 / A^2 of the count's, whose is 0.0728 h^3 pi/4 P (tests/device/lattice_check_test.cpp;
 // the mean projected perimeter is pi/4 P), or on lattices coarser than the id that of hit or miss, h^2 times the mean projected area A / 2. With scanlines a quarter of the former,
 // or h times that of a line's length in it, (A / 2)^(3/2) for a square.
 double latticeVariance(Sampling sampling, double perimeter_per_area_squared, double area, double h) {
@@ -269,7 +269,7 @@ Load Planner::loadOf(const Shape& shape, double directions) const {
     const double resolution = resolutions[k];
     if (resolution > shape.base) fine[resolution] += size.area;
     load.variance = std::max(load.variance, latticeVariance(lattices_.sampling, size.perimeter_per_area_squared, size.least_area, 2 / resolution));
-    if (ranks_.empty()) load.line = std::max(load.line, 8 / (resolution * resolution * size.least_area) + 8 / 27.0);  // and half of what it counts with others (form_factors.cpp)
+    if (ranks_.empty()) load.line = std::max(load.line, 8 / (resolution * resolution * size.least_area) + 8 / 27.0);  // and half of what it counts with others (replicate_sums.cpp)
   }
   for (const auto& [resolution, share] : fine) load.points += (is_scanline ? resolution : resolution * resolution) * std::min(1.0, 2 * share);  // what is looked at reaches beyond polygons
   load.groups += double(windowsOf(resolutions, shape.base));

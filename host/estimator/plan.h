@@ -34,7 +34,7 @@ struct Lattices {
 // Plans the replicates of estimateFormFactors for its goal: the tolerance, or the relative error, or else the time; none of the three: an error of 1e-3.
 //   The variance of one replicate is V_directions(N) + V_lattice(h) / N for N directions and spacing h. Pilot replicates measure both: every direction
 //   is counted on two lattices, so that the covariance of the two sums over replicates is V_directions and what is left V_lattice / N, for the entries with the
-//   largest variance. V_lattice goes with h^3 P / A^2, with scanlines, too (tests/lattice_check_test.cpp), which says how fine a lattice each polygon needs beside the others; V_directions
+//   largest variance. V_lattice goes with h^3 P / A^2, with scanlines, too (tests/device/lattice_check_test.cpp), which says how fine a lattice each polygon needs beside the others; V_directions
 //   falls with N as the pilots show, or as 1 / N^2 (1 / N for iid directions) where one pilot is enough. Time per direction is measured, too. The plan is
 //   the least time among powers of sqrt(2) of N and of resolution, with one lattice or groups (size_groups.h).
 //   Where form factors are shares of closed forms, made with those of neighbours where few lines tell, the pilot's largest standard error is found as the run does, and both variances are

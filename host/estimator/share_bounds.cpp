@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "closed_forms/unoccluded.h"
+#include "unoccluded/unoccluded.h"
 #include "error.h"
 #include "estimator/guarantee.h"
 

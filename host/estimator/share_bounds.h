@@ -14,7 +14,7 @@
 #pragma once
 #include <vector>
 
-#include "matrix/visible_sums.h"
+#include "sums/visible_sums.h"
 
 namespace viewpeel {
 

@@ -7,8 +7,8 @@
 
 #include "engines/lattice.h"
 #include "estimator/directed_pairs.h"
-#include "matrix/add_pairs.h"
-#include "matrix/pair_count.h"
+#include "sums/add_pairs.h"
+#include "sums/pair_count.h"
 #include "scene/rank_by_place.h"
 
 namespace viewpeel {

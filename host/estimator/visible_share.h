@@ -7,12 +7,12 @@
 // is unbiased for any b, and varies least for b = Cov(V, V + O) / Var(V + O), which is near E[V] / E[V + O]: pairs never blocked are exact with b = 1, pairs that never
 // see each other with b = 0. Controls are integers and add up in any order, as sums of V and O do. What leaves the scene or ends on backs has all lines of its row
 // in the place of V + O: rows sum to 1. Row sums stay the sampled ones, whose distance from 1 is a check as ever, and standard errors are those of replicates, never less than one
-// line's: no line says that nothing is there. Tests: tests/visible_share_test.cpp, tests/share_sums_test.cpp.
+// line's: no line says that nothing is there. Tests: tests/device/visible_share_test.cpp, tests/unit/share_sums_test.cpp.
 #pragma once
 #include "engines/size_groups.h"
 #include "estimator/estimate.h"
 #include "estimator/face_exchanges.h"
-#include "matrix/visible_sums.h"
+#include "sums/visible_sums.h"
 
 namespace viewpeel {
 

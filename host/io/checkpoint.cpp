@@ -7,7 +7,7 @@
 #include "error.h"
 #include "io/hdf5_file.h"
 #include "io/write_file.h"
-#include "matrix/add_pairs.h"
+#include "sums/add_pairs.h"
 
 namespace viewpeel {
 namespace {

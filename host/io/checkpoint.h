@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "matrix/run_sums.h"
+#include "sums/run_sums.h"
 
 namespace viewpeel {
 

@@ -3,7 +3,7 @@
 #include <ostream>
 #include <vector>
 
-#include "matrix/form_factors.h"
+#include "result/form_factors.h"
 
 namespace viewpeel {
 

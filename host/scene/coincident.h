@@ -33,7 +33,7 @@ struct AlikeOverlap {
 //   In: scene with planes; options: surfaces whose coincident faces are sheets or solids, whatever lies around;
 //     rounding: of coordinates, unit-ball units: gaps up to this tell nothing
 //   Throws: Error bad_usage for names that are no surface's, or that are both.
-//   Tests: tests/coincident_test.cpp
+//   Tests: tests/unit/coincident_test.cpp
 //   Cost: O(n log n), and some 30 rays for each pair of coincident polygons, O(log n) each.
 std::vector<AlikeOverlap> orderCoincidentPolygons(Scene& scene, const SceneOptions& options, double rounding);
 

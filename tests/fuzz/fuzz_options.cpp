@@ -2,7 +2,7 @@
 #include <cstdlib>
 #include <sstream>
 
-#include "cli/commands.h"
+#include "program/commands.h"
 #include "error.h"
 #include "input_file.h"
 
@@ -15,12 +15,12 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t count) {
   for (const std::string& argument : arguments) argv.push_back(argument.c_str());
   CLI::App app;
   app.require_subcommand(1);
-  cli::Run chosen;
-  cli::addCompute(app, chosen);
-  cli::addPlan(app, chosen);
-  cli::addCheck(app, chosen);
-  cli::addMerge(app, chosen);
-  cli::addDevices(app, chosen);
+  program::Run chosen;
+  program::addCompute(app, chosen);
+  program::addPlan(app, chosen);
+  program::addCheck(app, chosen);
+  program::addMerge(app, chosen);
+  program::addDevices(app, chosen);
   try {
     app.parse(static_cast<int>(argv.size()), argv.data());
     if (!chosen) std::abort();  // accepted, with nothing to do

@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 #include "error.h"
-#include "matrix/ids.h"
+#include "result/ids.h"
 
 namespace viewpeel::fuzz {
 

@@ -1,0 +1,388 @@
+// Are the standard errors honest? How often the 95 % interval, mean +- t_0.975(R - 1) standard errors, holds the true form factor, over many seeds.
+// CSV on stdout, one row for each scene, setting, rule when to stop and class of entries.
+//   coverage [--scene facing|edge|far|cube|blocked|parts|gap|office|room|city]... [--closed-forms] [--host] [--directed R] [--sampler fibonacci|jittered|sobol|iid]... [--setting PXxN]... [--rule RULE]...
+//     [--seeds K] [--device D]
+// The truth of office, room and city is a long run, of 16,384 directions and 256 scanlines. With --host the host engine counts scanlines, in place of the compute engine's points. With --directed
+// pairs that pilots tell to keep the run from a relative error of R have directions of their own.
+// A rule is R, a fixed number of replicates, or R:G, at least R and on until the largest standard error reaches the tolerance that takes G on the average.
+// Entries fall into classes by the lattice points that a replicate is expected to count for them; with closed forms those that something blocks in part are a class, too, for what nothing or
+// everything between two blocks is known when it is met. The last class are all that some replicate met. Entries of one run are correlated, so the standard error of a coverage comes from the spread
+// between seeds. What no line met is covered where the bound for that holds the truth (unmetBound).
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <optional>
+#include <sstream>
+
+#include <CLI/CLI.hpp>
+#include <boost/math/distributions/students_t.hpp>
+
+#include "engines/compute_engine.h"
+#include "engines/host_engine.h"
+#include "error.h"
+#include "estimator/directed_pairs.h"
+#include "estimator/visible_share.h"
+#include "scenes/generate.h"
+#include "sums/add_pairs.h"
+#include "bench/support/measure.h"
+#include "reference/closed_forms/past_blocker.h"
+#include "reference/closed_forms/rectangles.h"
+#include "scenes/named_scenes.h"
+#include "scenes/shared_engine.h"
+
+namespace viewpeel::bench {
+namespace {
+
+constexpr double kConfidence = 0.95, kNormalQuantile = 1.959964;
+constexpr uint64_t kPilotSeed = 1'000'000'000, kLongRunSeed = 2'000'000'000;
+constexpr uint32_t kPilots = 20, kPilotReplicates = 16;
+constexpr std::array<double, 5> kCountEnds{0.3, 1, 3, 10, INFINITY};  // expected per replicate
+constexpr double kBlockedInPart = 1e-3;                               // of what two would exchange with nothing in between: at least as much is seen, and blocked
+const std::map<std::string, Sampler> kSamplers{
+    {"iid", Sampler::iid}, {"jittered", Sampler::jittered}, {"sobol", Sampler::sobol}, {"fibonacci", Sampler::fibonacci}};
+
+struct Options {
+  std::vector<std::string> scenes{"facing", "edge", "far", "cube"}, samplers{"fibonacci", "jittered"}, settings{"32x50"};
+  std::vector<std::string> rules{"4", "8", "16", "8:12"};
+  bool closed_forms = false, on_host = false;
+  double directed = 0;
+  uint32_t seeds = 200;
+  DeviceOptions device;
+};
+
+using Pair = std::pair<uint32_t, uint32_t>;
+using Truths = std::map<Pair, double>;  // F_ij, i < j, of the pairs that are looked at; j may be kEnvironment
+
+struct Case {
+  Scene scene;
+  Truths truths;
+};
+
+Case twoSquares(const InputScene& input, double factor) {
+  return {buildScene(input), {{{0, 1}, factor}, {{0, kEnvironment}, 1 - factor}, {{1, kEnvironment}, 1 - factor}}};
+}
+
+struct Patch {
+  int axis, side;
+  std::array<reference::Interval, 3> extent;  // along each axis but its own
+};
+
+reference::Interval distances(reference::Interval interval, int side) {
+  return side == 0 ? interval : reference::Interval{1 - interval.high, 1 - interval.low};
+}
+
+double factorInCube(const Patch& a, const Patch& b) {
+  if (a.axis == b.axis) {
+    const int x = (a.axis + 1) % 3, y = (a.axis + 2) % 3;
+    return a.side == b.side ? 0 : reference::parallelRectangles(a.extent[x], a.extent[y], b.extent[x], b.extent[y], 1);
+  }
+  const int along = 3 - a.axis - b.axis;
+  return reference::perpendicularRectangles(distances(a.extent[b.axis], b.side), a.extent[along], b.extent[along], distances(b.extent[a.axis], a.side));
+}
+
+// The inside of a unit cube, every face cut into `cuts` x `cuts` patches.
+Case cutCube(int cuts) {
+  InputScene input{"cube", {"cube"}, {}};
+  std::vector<Patch> patches;
+  const auto part = [cuts](int k) { return reference::Interval{double(k) / cuts, double(k + 1) / cuts}; };
+  for (int axis = 0; axis < 3; ++axis)
+    for (int side = 0; side < 2; ++side)
+      for (int k = 0; k < cuts * cuts; ++k) {
+        Patch patch{axis, side, {}};
+        const int x = (axis + 1) % 3, y = (axis + 2) % 3;
+        patch.extent[x] = part(k % cuts);
+        patch.extent[y] = part(k / cuts);
+        patches.push_back(patch);
+        glm::dvec3 origin(0), along_x(0), along_y(0);
+        origin[axis] = side, origin[x] = patch.extent[x].low, origin[y] = patch.extent[y].low;
+        along_x[x] = along_y[y] = 1.0 / cuts;
+        if (side == 1) std::swap(along_x, along_y);  // fronts inward
+        test_scenes::addFace(input, "cube", test_scenes::parallelogram(origin, along_x, along_y));
+      }
+  Case cube{buildScene(input), {}};
+  for (uint32_t i = 0; i < patches.size(); ++i)
+    for (uint32_t j = i + 1; j < patches.size(); ++j)
+      if (const double factor = factorInCube(patches[i], patches[j]); factor > 0) cube.truths[{i, j}] = factor;
+  return cube;
+}
+
+// Two squares, first in the scene, that see each other past a third one.
+Case pastABlocker(const InputScene& input) {
+  const double factor = reference::formFactorPastBlocker(input.faces[0].corners, input.faces[1].corners, input.faces[2].corners).value;
+  return {buildScene(input), {{{0, 1}, factor}}};
+}
+
+// 8 x 8 parts each of two facing squares past a blocker: of most pairs few lines tell, or none.
+Case partsPastABlocker() {
+  InputScene input = test_scenes::squaresInParts(8, 1.0 / 8, 1);
+  const auto count = static_cast<uint32_t>(input.faces.size());
+  const std::vector<glm::dvec3> blocker = test_scenes::squaresPastABlocker().faces[2].corners;
+  test_scenes::addFace(input, "blocker", blocker);
+  Case parts{buildScene(input), {}};
+  for (uint32_t i = 0; i < count; ++i)
+    for (uint32_t j = i + 1; j < count; j += 2) {
+      const reference::Approximation factor = reference::formFactorPastBlocker(input.faces[i].corners, input.faces[j].corners, blocker);
+      parts.truths[{i, j}] = factor.value > 1e-12 ? factor.value : 0;  // less is rounding
+    }
+  return parts;
+}
+
+// All pairs that see each other, as a long run of the host engine has them.
+Case byLongRun(Scene scene) {
+  constexpr int kResolution = 256;
+  const Ids ids = makeIds(scene, By::polygon, false);
+  const auto engine = makeHostEngine(scene, ids, {.resolution = kResolution, .sampling = Sampling::scanline, .count_blocked = true});
+  FaceExchanges exchanges(nullptr, scene, ids);
+  EstimateOptions options{.directions = 16384, .replicates = 8, .seed = kLongRunSeed};
+  options.exchanges = &exchanges;
+  const VisibleShares shares = findVisibleShares(*engine, exchanges, scene, ids, groupAsOne(scene, kResolution), options, sharePilot(options));
+  options.known = &shares.known;
+  const Estimate estimate = estimateFormFactors(*engine, scene, ids, options);
+  Case run{std::move(scene), {}};
+  for (const FormFactors::Entry& entry : estimate.form_factors.entries())
+    if (entry.i < entry.j && entry.j < kEnvironment) run.truths[{entry.i, entry.j}] = estimate.form_factors.formFactor(entry.i, entry.j).value;
+  return run;
+}
+
+Case makeCase(const std::string& name) {
+  if (name == "facing") return twoSquares(test_scenes::parallelSquares(), reference::parallelRectangles({0, 1}, {0, 1}, {0, 1}, {0, 1}, 1));
+  if (name == "edge") return twoSquares(test_scenes::perpendicularSquares(), reference::perpendicularRectangles({0, 1}, {0, 1}, {0, 1}, {0, 1}));
+  if (name == "far") return twoSquares(test_scenes::stackOfSheets({0, 10}), reference::parallelRectangles({0, 1}, {0, 1}, {0, 1}, {0, 1}, 10));
+  if (name == "blocked") return pastABlocker(test_scenes::squaresPastABlocker());
+  if (name == "parts") return partsPastABlocker();
+  if (name == "gap") return pastABlocker(test_scenes::squaresPastAnEdge());
+  if (name == "office") return byLongRun(loadScene(VIEWPEEL_SOURCE "/scenes/office.obj"));
+  if (name == "room") return byLongRun(buildScene(roomWithBoxes(1)));
+  if (name == "city") return byLongRun(buildScene(city(600)));
+  return cutCube(6);
+}
+
+// Counts each replicate once, however many rules look at it.
+class RememberingEngine : public Engine {
+ public:
+  explicit RememberingEngine(Engine& engine) : engine_(engine) {}
+  void forget() { counts_.clear(); }
+  // The next call of count() is for the first replicate.
+  void startAgain() { next_ = 0; }
+  PairCounts count(std::span<const Direction> directions) override {
+    if (next_ == counts_.size()) counts_.push_back(engine_.count(directions));
+    return counts_[next_++];
+  }
+  double unitArea() const override { return engine_.unitArea(); }
+
+ private:
+  Engine& engine_;
+  std::vector<PairCounts> counts_;
+  size_t next_ = 0;
+};
+
+struct Rule {
+  uint32_t replicates = 0, goal_replicates = 0;  // goal 0: none
+};
+
+// Two whole numbers with a separator between them.
+template <class First>
+bool readPair(const std::string& text, char separator, First& first, uint32_t& second) {
+  std::istringstream in(text);
+  char between = 0;
+  return in >> first >> between >> second && between == separator && in.peek() == EOF;
+}
+
+Rule ruleOf(const std::string& text) {
+  Rule rule;
+  if (!readPair(text.find(':') == std::string::npos ? text + ":0" : text, ':', rule.replicates, rule.goal_replicates) || rule.replicates < 2)
+    throw Error(ErrorCode::bad_usage, "--rule " + text + ": give R or R:G, R at least 2");
+  return rule;
+}
+
+// A form factor, and how often a replicate is expected to count it.
+struct Entry {
+  double truth, expected_count, area;  // the smaller of the two
+  bool is_blocked_in_part = false;
+};
+
+struct RunOutcome {
+  std::vector<Measured> factors;  // of the entries
+  std::vector<double> unmet_bounds;
+  uint64_t replicates = 0;
+};
+
+// What became of the entries of one class.
+class Tally {
+ public:
+  void startRun() { runs_.push_back({}); }
+  void add(const Measured& measured, double truth, double quantile, double unmet_bound) {
+    const double error = std::abs(measured.value - truth);
+    Run& run = runs_.back();
+    ++run.entries;
+    run.covered += measured.value > 0 ? error <= quantile * measured.standard_error : truth <= unmet_bound;
+    covered_normal_ += error <= kNormalQuantile * measured.standard_error;
+    unmet_ += measured.value == 0;
+    squares_ += error * error;
+    if (truth > 0) relative_squares_ += error * error / (truth * truth);
+    predicted_ += measured.standard_error * measured.standard_error;
+  }
+  // Nothing where the class is empty.
+  void print(const std::string& key, double mean_replicates) const {
+    double entries = 0, covered = 0, squares = 0;
+    for (const Run& run : runs_) entries += run.entries, covered += run.covered;
+    if (entries == 0) return;
+    for (const Run& run : runs_) squares += std::pow(run.covered - covered / entries * run.entries, 2);
+    const double n = double(runs_.size()), standard_error = std::sqrt(squares * n / (n - 1)) / entries;
+    fmt::print("{},{:.1f},{:.1f},{:.2g},{:.2f},{:.2f},{:.2f},{:.3f},{:.2f}\n", key, entries / n, mean_replicates, std::sqrt(relative_squares_ / entries),
+               100 * covered / entries, 100 * standard_error, 100 * covered_normal_ / entries, std::sqrt(predicted_ / squares_), 100 * unmet_ / entries);
+  }
+
+ private:
+  struct Run {
+    double entries = 0, covered = 0;
+  };
+  std::vector<Run> runs_;
+  double covered_normal_ = 0, unmet_ = 0, squares_ = 0, relative_squares_ = 0, predicted_ = 0;
+};
+
+void report(const std::string& key, const std::vector<Entry>& entries, const std::vector<RunOutcome>& runs) {
+  std::array<Tally, kCountEnds.size()> by_count;
+  Tally met, blocked_in_part;
+  double mean_replicates = 0;
+  for (const RunOutcome& run : runs) {
+    mean_replicates += double(run.replicates) / double(runs.size());
+    const double student = quantile(complement(boost::math::students_t(double(run.replicates - 1)), (1 - kConfidence) / 2));
+    for (Tally& tally : by_count) tally.startRun();
+    met.startRun();
+    blocked_in_part.startRun();
+    for (size_t k = 0; k < entries.size(); ++k) {
+      const auto which = std::lower_bound(kCountEnds.begin(), kCountEnds.end(), entries[k].expected_count) - kCountEnds.begin();
+      by_count[which].add(run.factors[k], entries[k].truth, student, run.unmet_bounds[k]);
+      if (run.factors[k].value > 0) met.add(run.factors[k], entries[k].truth, student, 0);
+      if (entries[k].is_blocked_in_part) blocked_in_part.add(run.factors[k], entries[k].truth, student, run.unmet_bounds[k]);
+    }
+  }
+  for (size_t k = 0; k < by_count.size(); ++k) by_count[k].print(fmt::format("{},to {} counts", key, kCountEnds[k]), mean_replicates);
+  blocked_in_part.print(key + ",blocked in part", mean_replicates);
+  met.print(key + ",met", mean_replicates);
+  std::fflush(stdout);
+}
+
+void measureCase(const std::string& name, const Device& device, const Options& options) {
+  const Case scene_case = makeCase(name);
+  const Scene& scene = scene_case.scene;
+  const Ids ids = makeIds(scene, By::polygon, false);
+  for (const std::string& setting : options.settings) {
+    int resolution = 0;
+    EstimateOptions estimate;
+    if (!readPair(setting, 'x', resolution, estimate.directions)) throw Error(ErrorCode::bad_usage, "--setting " + setting + ": give PXxN");
+    LatticeOptions lattice{.resolution = resolution, .count_blocked = options.closed_forms};
+    if (options.on_host) lattice.sampling = Sampling::scanline;
+    const auto engine = options.on_host ? makeHostEngine(scene, ids, lattice) : makeComputeEngine(device, scene, ids, lattice);
+    RememberingEngine remembering(*engine);
+    std::vector<Entry> entries;
+    const double count_area = engine->unitArea() * scene.scale * scene.scale;
+    for (const auto& [pair, truth] : scene_case.truths)
+      entries.push_back({truth, truth * ids.areas[pair.first] * estimate.directions / (2 * count_area), std::min(ids.areas[pair.first], pair.second < kEnvironment ? ids.areas[pair.second] : INFINITY)});
+    for (const std::string& sampler : options.samplers) {
+      estimate.sampler = kSamplers.at(sampler);
+      VisibleShares shares;
+      std::optional<PairSampler> pairs;
+      std::map<std::pair<int, double>, std::unique_ptr<Engine>> pair_engines;  // by resolution and window, which tell them apart in these scenes
+      const auto makePairEngine = [&](const Ids& pair_ids, int pair_resolution, const Window& window) {
+        std::unique_ptr<Engine>& made = pair_engines[{pair_resolution, window.radius}];
+        if (!made) made = makeComputeEngine(device, scene, pair_ids, {.resolution = pair_resolution, .window = window, .count_blocked = true});
+        return std::make_unique<SharedEngine>(*made);
+      };
+      uint64_t shares_seed = 0, directed_runs = 0, runs = 0;
+      const auto run = [&](const Rule& rule, double tolerance, uint64_t seed) {
+        estimate.replicates = rule.replicates;
+        estimate.tolerance = rule.goal_replicates ? std::optional(tolerance) : std::nullopt;
+        estimate.seed = seed;
+        if (options.closed_forms && shares_seed != seed) {
+          EstimateOptions pilot = estimate;
+          if (options.directed > 0) {
+            pairs.emplace(scene, ids, seed, makePairEngine);
+            pilot.pairs = &*pairs;
+            pilot.relative = options.directed;
+            pilot.relative_floor = 1e-5;
+            pilot.tolerance.reset();
+          }
+          FaceExchanges exchanges(options.on_host ? nullptr : &device, scene, ids);
+          shares = findVisibleShares(*engine, exchanges, scene, ids, groupAsOne(scene, resolution), pilot, {sharePilot(pilot).directions});
+          shares_seed = seed;
+          ++runs;
+          directed_runs += !shares.known.directed.empty();
+        }
+        estimate.pairs = pairs ? &*pairs : nullptr;
+        estimate.known = options.closed_forms ? &shares.known : nullptr;
+        remembering.startAgain();
+        return estimateFormFactors(remembering, scene, ids, estimate);
+      };
+      // Closed forms are known of all pairs of these scenes.
+      const auto markThoseBlockedInPart = [&] {
+        size_t k = 0;
+        for (const auto& [pair, truth] : scene_case.truths) {
+          const auto known = std::ranges::lower_bound(shares.known.pairs, pair, {}, [](const KnownPair& at) { return keyOf(at); });
+          if (known != shares.known.pairs.end() && keyOf(*known) == pair) {
+            const double share = truth * ids.areas[pair.first] / known->exchange;
+            entries[k].is_blocked_in_part = pair.second < kEnvironment && share > kBlockedInPart && share < 1 - kBlockedInPart;
+          }
+          ++k;
+        }
+      };
+      // The largest standard error of one replicate, nearly: from pilot runs with seeds of their own.
+      double largest = 0;
+      for (uint32_t pilot = 0; pilot < kPilots; ++pilot) {
+        remembering.forget();
+        largest += run({kPilotReplicates}, 0, kPilotSeed + pilot).largest_standard_error * std::sqrt(kPilotReplicates) / kPilots;
+      }
+      std::vector<std::vector<RunOutcome>> outcomes(options.rules.size());
+      for (uint64_t seed = 1; seed <= options.seeds; ++seed) {
+        remembering.forget();
+        for (size_t k = 0; k < options.rules.size(); ++k) {
+          const Rule rule = ruleOf(options.rules[k]);
+          const Estimate e = run(rule, largest / std::sqrt(rule.goal_replicates), seed);
+          RunOutcome& outcome = outcomes[k].emplace_back();
+          outcome.replicates = e.replicates;
+          for (const Entry& entry : entries) outcome.unmet_bounds.push_back(unmetBound(entry.area, count_area, double(e.directions)));
+          for (const auto& [pair, truth] : scene_case.truths) outcome.factors.push_back(e.form_factors.formFactor(pair.first, pair.second));
+        }
+      }
+      if (options.directed > 0) fmt::print("# {}: directed pairs in {} of {} runs\n", name, directed_runs, runs);
+      if (options.closed_forms) markThoseBlockedInPart();
+      for (size_t k = 0; k < options.rules.size(); ++k)
+        report(fmt::format("{},{},{},{},{}", name, sampler, resolution, estimate.directions, options.rules[k]), entries, outcomes[k]);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace viewpeel::bench
+
+int main(int argc, char** argv) {
+  using namespace viewpeel;
+  using namespace viewpeel::bench;
+  CLI::App app("How often 95 % intervals hold the true form factor", "coverage");
+  Options options;
+  app.add_option("--scene", options.scenes, "facing, edge, far, cube, blocked, parts, gap; by a long run: office, room, city")
+      ->check(CLI::IsMember({"facing", "edge", "far", "cube", "blocked", "parts", "gap", "office", "room", "city"}))
+      ->capture_default_str();
+  app.add_flag("--closed-forms", options.closed_forms, "Closed forms times visible shares");
+  app.add_flag("--host", options.on_host, "Scanlines of the host engine");
+  app.add_option("--directed", options.directed, "With closed forms: directions of their own for pairs that keep a run from this relative error")->check(CLI::PositiveNumber);
+  app.add_option("--sampler", options.samplers, "fibonacci, jittered, sobol, iid")->check(CLI::IsMember(kSamplers))->capture_default_str();
+  app.add_option("--setting", options.settings, "PXxN: lattice spacings and directions of a replicate")->capture_default_str();
+  app.add_option("--rule", options.rules, "R, or R:G: replicates, or at least R and on to the tolerance that takes G")->capture_default_str();
+  app.add_option("--seeds", options.seeds, "Runs of each")->capture_default_str();
+  app.add_option("--device", options.device.selector, "As for viewpeel");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    const Device device(options.device);
+    printPlace(device, VIEWPEEL_SOURCE);
+    fmt::print("scene,sampler,resolution,directions,rule,class,entries,replicates,relative_rms_error,coverage_percent,coverage_standard_error,"
+               "normal_coverage_percent,standard_error_over_rms_error,unmet_percent\n");
+    for (const std::string& scene : options.scenes) measureCase(scene, device, options);
+  } catch (const Error& error) {
+    fmt::print(stderr, "coverage: {}\n", error.what());
+    return 1;
+  }
+}

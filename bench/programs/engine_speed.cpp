@@ -1,0 +1,215 @@
+// How fast are the compute and the host engine beside Embree on the same cores? Interleaved rounds, CSV on stdout.
+//   engine_speed [--scene NAME] [--resolution PX] [--by polygon|surface] [--rounds N] [--seconds S]
+// Methods: `viewpeel`, the compute engine; `host`, the same lattices by the host engine, `host_scanlines`, its scanlines, of which a sample is counted where a lattice point would be; `embree_lines_*`, the lines of the same lattices traced by Embree and sorted; `embree_rays_*`, rays
+// shot from the surfaces. A sample is a facing pair seen by a line, or a ray that ends on a front; other rays cost time and count for nothing.
+// All are timed from directions or rays to all counts in the order of pairs. The fixed cost of that, reading and emptying counters in which nothing was counted, is timed in every round and left out.
+// Debian builds its Embree with assertions on: Embree's own release build may be faster than this one.
+#include <cmath>
+#include <functional>
+#include <optional>
+
+#include <CLI/CLI.hpp>
+
+#include "directions/sampler.h"
+#include "bench/rivals/embree_rivals.h"
+#include "engines/compute_engine.h"
+#include "engines/host_engine.h"
+#include "engines/lattice.h"
+#include "error.h"
+#include "scenes/generate.h"
+#include "bench/support/measure.h"
+
+namespace viewpeel::bench {
+namespace {
+
+constexpr uint32_t kMostDirections = 1u << 16;
+constexpr uint32_t kSeed = 1;
+
+struct Options {
+  int rounds = 3;
+  double seconds = 0.25;
+  std::vector<std::string> scenes{"room", "room4", "triangles"};
+  std::vector<int> resolutions{64, 128, 256, 512};
+  By by = By::polygon;
+  DeviceOptions device;
+};
+
+// One way to count. count(n) works through n directions, or n groups of rays, and returns samples; count(0) costs what is fixed.
+struct Method {
+  std::string name;
+  bool has_directions;
+  std::function<uint64_t(uint64_t)> count;
+  uint64_t amount = 1;
+  std::vector<double> directions_per_second = {}, samples_per_second = {};
+
+  double fixedSeconds() const { return secondsOf([&] { count(0); }); }
+  // Samples, and seconds without the fixed ones.
+  std::pair<uint64_t, double> run(uint64_t n) const {
+    const double fixed_s = fixedSeconds();
+    uint64_t samples = 0;
+    const double spent_s = secondsOf([&] { samples = count(n); });
+    return {samples, std::max(spent_s - fixed_s, 1e-9)};
+  }
+};
+
+// Also warms up: the first dispatch on a device may compile. A method that leaves out a fixed cost runs for as long as that at least: a small
+// difference of two long times is noise.
+void calibrate(Method& method, double least_seconds) {
+  const uint64_t most = method.has_directions ? kMostDirections : 1u << 30;
+  method.run(1);
+  const double seconds = std::max(least_seconds, method.fixedSeconds());
+  for (;;) {
+    const double spent_s = method.run(method.amount).second;
+    if (spent_s >= seconds || method.amount == most) return;
+    const double factor = std::clamp(1.2 * seconds / std::max(spent_s, 1e-6), 1.5, 16.0);
+    method.amount = std::min<uint64_t>(most, static_cast<uint64_t>(std::ceil(double(method.amount) * factor)));
+  }
+}
+
+uint64_t facingPairs(const PairCounts& counts) {
+  uint64_t sum = 0;
+  for (const PairCount& count : counts)
+    if (count.j < kEnvironment) sum += count.count;
+  return sum;
+}
+
+// Of |a - b| over all pairs, environment and leak.
+uint64_t distance(const PairCounts& a, const PairCounts& b) {
+  uint64_t sum = 0;
+  size_t at = 0;
+  for (const PairCount& count : a) {
+    for (; at < b.size() && std::pair(b[at].i, b[at].j) < std::pair(count.i, count.j); ++at) sum += b[at].count;
+    const bool both = at < b.size() && b[at].i == count.i && b[at].j == count.j;
+    const uint64_t other = both ? b[at++].count : 0;
+    sum += std::max(count.count, other) - std::min(count.count, other);
+  }
+  for (; at < b.size(); ++at) sum += b[at].count;
+  return sum;
+}
+
+void verify(Engine& engine, EmbreeRivals& embree, std::span<const Direction> directions, int resolution) {
+  const PairCounts ours = engine.count(directions);
+  embree.countLines(Trace::packets_of_8, directions, resolution);
+  const PairCounts theirs = embree.takeCounts();
+  const double pairs = double(facingPairs(ours));
+  fmt::print("# check over {} directions: facing pairs per direction {:.0f}, Embree/viewpeel {:.6f}, counts that differ {:.2e} of them\n",
+             directions.size(), pairs / double(directions.size()), double(facingPairs(theirs)) / pairs, double(distance(ours, theirs)) / pairs);
+}
+
+void measure(const std::string& name, const Scene& scene, const Ids& ids, EmbreeRivals& embree, const Device& device, int resolution,
+             const Options& options) {
+  const std::vector<Direction> directions = sampleDirections(Sampler::iid, kMostDirections, kSeed, 0);
+  const auto first = [&](uint64_t count) { return std::span(directions).first(count); };
+  std::vector<Method> methods;
+  const auto addEngine = [&](const std::string& method, const std::function<std::unique_ptr<Engine>()>& make) {
+    try {
+      const std::shared_ptr<Engine> engine = make();
+      const double points_each = engine->unitArea() / pointArea(resolution);  // lattice points' worth of a count
+      if (points_each == 1) verify(*engine, embree, first(4), resolution);
+      methods.push_back({method, true, [=](uint64_t count) { return static_cast<uint64_t>(double(facingPairs(engine->count(first(count)))) * points_each); }});
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::limit) throw;
+      fmt::print("# {} refused: {}\n{},{},{},{},refused,refused,\n", method, error.what(), name, scene.polygons.size(), resolution, method);
+    }
+  };
+  addEngine("viewpeel", [&] { return makeComputeEngine(device, scene, ids, {.resolution = resolution}); });
+  addEngine("host", [&] { return makeHostEngine(scene, ids, {.resolution = resolution}); });
+  addEngine("host_scanlines", [&] { return makeHostEngine(scene, ids, {.resolution = resolution, .sampling = Sampling::scanline}); });
+  const size_t engine_count = methods.size();
+  uint64_t seed = kSeed;
+  uint64_t rays = 0, ray_samples = 0;
+  const std::pair<Trace, const char*> traces[] = {{Trace::single, "single"}, {Trace::packets_of_8, "packets"}, {Trace::streams, "streams"}};
+  for (const auto& [trace, suffix] : traces)
+    methods.push_back({fmt::format("embree_lines_{}", suffix), true, [&, trace = trace](uint64_t count) {
+                         const uint64_t samples = embree.countLines(trace, first(count), resolution);
+                         embree.takeCounts();
+                         return samples;
+                       }});
+  for (const auto& [trace, suffix] : traces)
+    methods.push_back({fmt::format("embree_rays_{}", suffix), false, [&, trace = trace](uint64_t count) {
+                         const RayCount counted = embree.shootRays(trace, 64 * count, seed++);
+                         embree.takeCounts();
+                         rays += counted.rays;
+                         ray_samples += counted.samples;
+                         return counted.samples;
+                       }});
+
+  for (Method& method : methods) calibrate(method, options.seconds);
+  for (int round = 0; round < options.rounds; ++round)
+    for (Method& method : methods) {
+      const auto [samples, spent_s] = method.run(method.amount);
+      method.directions_per_second.push_back(double(method.amount) / spent_s);
+      method.samples_per_second.push_back(double(samples) / spent_s);
+    }
+
+  const auto samplesOf = [](const Method& method) { return median(method.samples_per_second); };
+  const double ours = engine_count ? samplesOf(methods.front()) : 0;
+  double best_lines = 0, best_rays = 0;
+  const auto printRow = [&](const std::string& method, const std::string& directions_text, double samples) {
+    fmt::print("{},{},{},{},{},{:.4g},{}\n", name, scene.polygons.size(), resolution, method, directions_text, samples,
+               engine_count ? fmt::format("{:.3f}", samples / ours) : "");
+  };
+  double best_directions = 0;
+  for (size_t k = 0; k < methods.size(); ++k) {
+    const Method& method = methods[k];
+    const double samples = samplesOf(method), per_second = median(method.directions_per_second);
+    printRow(method.name, method.has_directions ? fmt::format("{:.4g}", per_second) : "", samples);
+    if (!method.has_directions) {
+      best_rays = std::max(best_rays, samples);
+    } else if (k >= engine_count && samples > best_lines) {
+      best_lines = samples;
+      best_directions = per_second;
+    }
+  }
+  printRow("embree_lines_best", fmt::format("{:.4g}", best_directions), best_lines);
+  printRow("embree_rays_best", "", best_rays);
+  std::string spread;
+  for (const Method& method : methods) {
+    const auto [low, high] = std::minmax_element(method.samples_per_second.begin(), method.samples_per_second.end());
+    spread += fmt::format(" {} {:.2f}", method.name, *high / *low);
+  }
+  fmt::print("# fastest over slowest round:{}\n# rays that ended on a front: {:.4f} of all\n", spread, double(ray_samples) / double(rays));
+  for (size_t k = 0; k < engine_count; ++k)
+    fmt::print("# {}/Embree: lines {:.2f}, rays {:.2f}\n", methods[k].name, samplesOf(methods[k]) / best_lines, samplesOf(methods[k]) / best_rays);
+  std::fflush(stdout);
+}
+
+void measureAll(const Options& options) {
+  const Device device(options.device);
+  printPlace(device, VIEWPEEL_SOURCE);
+  fmt::print("# Embree {}; counters by {}; medians of {} rounds of {} s and more; ratio_to_viewpeel: samples per second, method / viewpeel\n",
+             embreeVersion(), options.by == By::polygon ? "polygon" : "surface", options.rounds, options.seconds);
+  fmt::print("scene,polygons,resolution,method,directions_per_second,samples_per_second,ratio_to_viewpeel\n");
+  for (const std::string& name : options.scenes) {
+    const bool triangles = name == "triangles";
+    const Scene scene = buildScene(triangles ? randomTriangles(100'000) : roomWithBoxes(name == "room" ? 1 : 4));
+    const Ids ids = makeIds(scene, options.by, triangles);  // two-sided where fronts are random, so that every gap counts
+    EmbreeRivals embree(scene, ids);
+    for (int resolution : options.resolutions) measure(name, scene, ids, embree, device, resolution, options);
+  }
+}
+
+}  // namespace
+}  // namespace viewpeel::bench
+
+int main(int argc, char** argv) {
+  using namespace viewpeel;
+  bench::Options options;
+  std::string by = "polygon";
+  CLI::App app("The compute engine beside Embree on the same cores: CSV on stdout");
+  app.add_option("--scene", options.scenes)->check(CLI::IsMember({"room", "room4", "triangles"}));
+  app.add_option("--resolution", options.resolutions)->check(CLI::Range(1, kMaxResolution));
+  app.add_option("--by", by)->check(CLI::IsMember({"polygon", "surface"}));
+  app.add_option("--rounds", options.rounds)->check(CLI::PositiveNumber);
+  app.add_option("--seconds", options.seconds, "of each measurement, at least")->check(CLI::PositiveNumber);
+  app.add_option("--device", options.device.selector);
+  CLI11_PARSE(app, argc, argv);
+  options.by = by == "polygon" ? By::polygon : By::surface;
+  try {
+    bench::measureAll(options);
+    return 0;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,26 @@
+// What errors are measured against.
+#pragma once
+#include <string>
+
+#include "bench/support/exchange_matrix.h"
+#include "scene/scene.h"
+#include "vulkan/device.h"
+
+namespace viewpeel::bench {
+
+struct ReferenceMatrix {
+  ExchangeMatrix exchange;  // unit-ball units squared
+  MatrixError error;        // its own: bounds of closed forms, or standard errors
+  double seconds = 0;       // of the long run that it comes from; 0 for closed forms
+  std::string source;
+};
+
+// Closed forms by contour integrals, for scenes in which nothing is in the way.
+ReferenceMatrix referenceByClosedForms(const Scene& scene);
+
+// viewpeel's longest run (runLong in methods.h), from another seed than every method. Kept in `directory` by the scene's fingerprint, and taken from there
+// where that run had as long.
+//   Throws: Error output.
+ReferenceMatrix referenceByLongRun(const Device& device, const Scene& scene, const std::string& name, double seconds, const std::string& directory);
+
+}  // namespace viewpeel::bench

@@ -1,0 +1,23 @@
+#include "result/form_factors.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace viewpeel {
+
+FormFactors::FormFactors(Ids ids, std::vector<Entry> entries, std::vector<Measured> row_sums)
+    : ids_(std::move(ids)), entries_(std::move(entries)), row_sums_(std::move(row_sums)) {}
+
+Measured FormFactors::exchangeArea(uint32_t i, uint32_t j) const {
+  const std::pair key(std::min(i, j), std::max(i, j));
+  const auto key_of = [](const Entry& entry) { return std::pair(entry.i, entry.j); };
+  const auto at = std::ranges::lower_bound(entries_, key, {}, key_of);
+  return at != entries_.end() && key_of(*at) == key ? at->exchange_area : Measured{};
+}
+
+Measured FormFactors::formFactor(uint32_t i, uint32_t j) const {
+  const Measured exchange = exchangeArea(i, j);
+  return {exchange.value / ids_.areas[i], exchange.standard_error / ids_.areas[i]};
+}
+
+}  // namespace viewpeel

@@ -1,0 +1,47 @@
+// The result: sparse, symmetric, with standard errors.
+#pragma once
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "result/ids.h"
+
+namespace viewpeel {
+
+// A mean over R replicates and the standard error of that mean. Its 95 % interval is value +- t standard_error with Student's t of R - 1 degrees of
+// freedom, 2.36 for 8 replicates: the spread of a few replicates is itself uncertain. Coverage: bench/programs/coverage.cpp.
+struct Measured {
+  double value = 0;
+  double standard_error = 0;
+};
+
+// Form factors of n ids. One symmetric quantity is stored per pair, the exchange area A_i F_ij = A_j F_ji, so that reciprocity
+// holds by construction: exchangeArea(i, j) and exchangeArea(j, i) are one number.
+class FormFactors {
+ public:
+  struct Entry {
+    uint32_t i, j;  // i <= j; j may be kEnvironment or kLeak
+    Measured exchange_area;  // input units squared
+  };
+
+  FormFactors(Ids ids, std::vector<Entry> entries, std::vector<Measured> row_sums);
+
+  const Ids& ids() const { return ids_; }
+  // Nonzero entries sorted by (i, j).
+  const std::vector<Entry>& entries() const& { return entries_; }
+  std::vector<Entry> entries() && { return std::move(entries_); }
+
+  // A_i F_ij in input units squared. Cost: O(log nonzeros).
+  Measured exchangeArea(uint32_t i, uint32_t j) const;
+  // F_ij = A_i F_ij / A_i, the fraction of what leaves i that reaches j directly; j may be kEnvironment or kLeak.
+  Measured formFactor(uint32_t i, uint32_t j) const;
+  // sum_j F_ij, environment and leak included; its expectation is 1.
+  const std::vector<Measured>& rowSums() const { return row_sums_; }
+
+ private:
+  Ids ids_;
+  std::vector<Entry> entries_;
+  std::vector<Measured> row_sums_;
+};
+
+}  // namespace viewpeel

@@ -1,0 +1,100 @@
+#include "result/ids.h"
+
+#include <fmt/format.h>
+
+#include "error.h"
+
+namespace viewpeel {
+
+std::vector<uint32_t> Ids::rows() const {
+  std::vector<uint32_t> rows(count());
+  size_t passed = 0;
+  for (uint32_t id = 0; id < count(); ++id) {
+    while (passed < empty_rows.size() && empty_rows[passed].row == id + passed) ++passed;
+    rows[id] = id + static_cast<uint32_t>(passed);
+  }
+  return rows;
+}
+
+Ids makeIds(const Scene& scene, By by, bool two_sided) {
+  Ids ids;
+  ids.empty_rows = by == By::surface ? scene.empty_surfaces : scene.empty_faces;
+  ids.two_sided = two_sided;
+  for (const Surface& surface : scene.surfaces)
+    if (surface.name == "environment" || surface.name == "leak")
+      throw Error(ErrorCode::bad_input, fmt::format("{}: a surface is called '{}', which stands for something else in the result; rename it",
+                                                    scene.file, surface.name));
+  if (by == By::surface) {
+    for (const Surface& surface : scene.surfaces) {
+      ids.surface.push_back(ids.count());
+      ids.names.push_back(surface.name);
+    }
+  } else {
+    for (uint32_t k = 0; k < scene.faces.size(); ++k) {
+      ids.surface.push_back(scene.faces[k].surface);
+      ids.names.push_back(faceName(scene, k));
+    }
+  }
+  ids.areas.assign(ids.names.size(), 0.0);
+  const double emitting_sides = two_sided ? 2 : 1;
+  for (const Polygon& polygon : scene.polygons) {
+    const uint32_t id = by == By::surface ? scene.faces[polygon.face].surface : polygon.face;
+    ids.of_polygon.push_back(id);
+    ids.areas[id] += emitting_sides * polygon.area * scene.scale * scene.scale;
+  }
+  return ids;
+}
+
+std::vector<uint32_t> findPolygons(const Scene& scene, const std::string& name) {
+  std::vector<uint32_t> found;
+  for (uint32_t k = 0; k < scene.polygons.size(); ++k) {
+    const uint32_t face = scene.polygons[k].face;
+    const Surface& surface = scene.surfaces[scene.faces[face].surface];
+    if (surface.name == name || faceName(scene, face) == name || fmt::format("{}[{}]", surface.name, scene.faces[face].number) == name) found.push_back(k);
+  }
+  if (found.empty()) {
+    std::string known;
+    for (size_t k = 0; k < std::min<size_t>(scene.surfaces.size(), 5); ++k) known += fmt::format("{}{}", k ? ", " : "", scene.surfaces[k].name);
+    throw Error(ErrorCode::bad_usage, fmt::format("{}: no surface or face is called '{}'; surfaces are {}{}", scene.file, name, known,
+                                                  scene.surfaces.size() > 5 ? ", ..." : ""));
+  }
+  return found;
+}
+
+void askOnlyFor(const Question& question, const Scene& scene, Ids& ids) {
+  if (question.isEverything()) return;
+  if (!question.pair.empty() && !question.from.empty()) throw Error(ErrorCode::bad_usage, "--pair and --from ask for different things; use one of them");
+  if (!question.pair.empty() && question.pair.size() != 2) throw Error(ErrorCode::bad_usage, "--pair takes two names of surfaces or faces");
+  ids.roles.assign(scene.polygons.size(), question.pair.empty() ? kReceives | (question.from.empty() ? kEmits : 0) : 0);
+  const auto give = [&](const std::string& name, uint32_t role) {
+    for (uint32_t polygon : findPolygons(scene, name)) ids.roles[polygon] |= role;
+  };
+  for (const std::string& name : question.from) give(name, kEmits);
+  if (!question.pair.empty()) {
+    give(question.pair.at(0), kEmits);
+    give(question.pair.at(1), kReceives);
+    ids.counts_environment = false;
+  }
+  ids.asked.assign(ids.count(), question.from.empty() && question.pair.empty());
+  for (uint32_t k = 0; k < scene.polygons.size(); ++k)
+    if (ids.roles[k] & kEmits || (ids.roles[k] && !question.pair.empty())) ids.asked[ids.of_polygon[k]] = true;
+  for (const std::string& name : question.blockers)
+    for (uint32_t polygon : findPolygons(scene, name)) {
+      if ((!question.from.empty() && (ids.roles[polygon] & kEmits)) || (!question.pair.empty() && ids.roles[polygon]))
+        throw Error(ErrorCode::bad_usage, fmt::format("'{}' is asked for and only blocks; drop one of the two", name));
+      ids.roles[polygon] = 0;
+      ids.asked[ids.of_polygon[polygon]] = false;
+    }
+  std::vector<uint32_t> roles_of_id(ids.count(), UINT32_MAX), roles_of_surface(scene.surfaces.size(), UINT32_MAX);
+  for (uint32_t k = 0; k < scene.polygons.size(); ++k) {
+    uint32_t& of_id = roles_of_id[ids.of_polygon[k]];
+    uint32_t& of_surface = roles_of_surface[scene.faces[scene.polygons[k].face].surface];
+    if (of_id != UINT32_MAX && of_id != ids.roles[k])
+      throw Error(ErrorCode::bad_usage, fmt::format("only a part of '{}' was named, which has one row; use --by polygon", ids.names[ids.of_polygon[k]]));
+    ids.splits_surfaces = ids.splits_surfaces || (of_surface != UINT32_MAX && of_surface != ids.roles[k]);
+    of_id = of_surface = ids.roles[k];
+  }
+  ids.rows_sum_to_one = question.pair.empty() && question.blockers.empty();
+}
+
+}  // namespace viewpeel

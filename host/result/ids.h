@@ -1,0 +1,75 @@
+// Rows of the matrix: which polygons belong to each, its name and area, and which rows a question asks for.
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "scene/face_names.h"
+#include "scene/scene.h"
+
+namespace viewpeel {
+
+// Stand in the place of a second id: lines of the first id that leave the scene, and that end on a back.
+constexpr uint32_t kEnvironment = 0xFFFFFFFEu;
+constexpr uint32_t kLeak = 0xFFFFFFFFu;
+
+// What counters are kept for: every input polygon (a face of the file), or every named surface as a whole.
+enum class By { polygon, surface };
+
+// What a polygon's facing pairs are counted for: a facing pair counts where one of the two emits and the other receives.
+// The environment and leak of a polygon count where it emits.
+constexpr uint32_t kEmits = 1, kReceives = 2;
+
+// The rows of the matrix.
+struct Ids {
+  std::vector<uint32_t> of_polygon;  // id of each Scene::polygons entry
+  std::vector<uint32_t> roles;       // of each Scene::polygons entry; empty where every one has both
+  bool counts_environment = true;    // environment and leak, too
+  std::vector<bool> asked;           // whether the row was asked for; empty where all are
+  bool splits_surfaces = false;      // roles differ within a surface: sums by surface would mean nothing
+  bool rows_sum_to_one = true;       // whether everything that a row asked for can see is counted
+  std::vector<std::string> names;    // faceName, or the surface's name
+  std::vector<double> areas;         // emitting area, input units squared: both sides of a two-sided polygon count
+  std::vector<uint32_t> surface;     // Scene::surfaces index of each id
+  bool two_sided = false;
+  std::vector<EmptyRow> empty_rows;  // of the file, by row, which no id stands for: results have them, too
+
+  uint32_t rolesOf(uint32_t polygon_index) const { return roles.empty() ? kEmits | kReceives : roles[polygon_index]; }
+  bool isAsked(uint32_t id) const { return asked.empty() || asked[id]; }
+  // The smaller area of a pair, of those whose rows were asked for; infinite where none was.
+  double smallerArea(uint32_t i, uint32_t j) const {
+    return std::min(isAsked(i) ? areas[i] : INFINITY, j < kEnvironment && isAsked(j) ? areas[j] : INFINITY);
+  }
+  uint32_t count() const { return static_cast<uint32_t>(names.size()); }
+  // Rows of results, empty ones too.
+  uint32_t rowCount() const { return count() + static_cast<uint32_t>(empty_rows.size()); }
+  // The row of each id, from 0, ascending.
+  std::vector<uint32_t> rows() const;
+};
+
+// Pairs of n different ids.
+constexpr uint64_t pairCount(uint64_t n) { return n * (n - 1) / 2; }
+
+// What to compute where not all form factors are wanted. Names are of surfaces ("desk") or faces ("desk[3]").
+struct Question {
+  std::vector<std::string> from;      // only rows of these; all where empty
+  std::vector<std::string> pair;      // empty, or two: only the form factors between them
+  std::vector<std::string> blockers;  // only block: no rows or columns
+
+  bool isEverything() const { return from.empty() && pair.empty() && blockers.empty(); }
+};
+
+// Scene::polygons of the surface or face of that name.
+//   Throws: Error bad_usage where there is none.
+std::vector<uint32_t> findPolygons(const Scene& scene, const std::string& name);
+
+// Sets roles, counts_environment, asked and rows_sum_to_one.
+//   Throws: Error bad_usage: unknown names, a pair beside --from, what is asked for among the blockers, part of a surface with By::surface.
+void askOnlyFor(const Question& question, const Scene& scene, Ids& ids);
+
+//   Throws: Error bad_input where a surface is called `environment` or `leak`, which the result uses itself.
+Ids makeIds(const Scene& scene, By by, bool two_sided);
+
+}  // namespace viewpeel

@@ -1,0 +1,79 @@
+// Sums of pairs: sorted lists to which others, sorted alike, are added in place, or which become those of coarser ids.
+#pragma once
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "result/ids.h"
+
+namespace viewpeel {
+
+// By which lists are sorted.
+template <class Pair>
+std::pair<uint32_t, uint32_t> keyOf(const Pair& pair) {
+  return {pair.i, pair.j};
+}
+
+// add_to(sum, pair) for each of `pairs`, in any order, whose sum is Sum{i, j} where there was none.
+//   In: sums and pairs sorted by (i, j), every pair at most once    Cost: O(sums + pairs); no memory but that of the sums.
+template <class Sum, class Pairs, class AddTo>
+void addPairs(std::vector<Sum>& sums, const Pairs& pairs, AddTo add_to) {
+  size_t fresh = 0, from = 0;
+  for (const auto& pair : pairs) {
+    while (from < sums.size() && keyOf(sums[from]) < keyOf(pair)) ++from;
+    if (from < sums.size() && keyOf(sums[from]) == keyOf(pair)) add_to(sums[from], pair);
+    else ++fresh;
+  }
+  // Those that are there make room from the last one on.
+  from = sums.size();
+  size_t to = from + fresh;
+  sums.resize(to);
+  for (auto pair = pairs.rbegin(); to > from; ++pair) {
+    while (from > 0 && keyOf(*pair) < keyOf(sums[from - 1])) sums[--to] = std::move(sums[--from]);
+    if (from > 0 && keyOf(*pair) == keyOf(sums[from - 1])) continue;
+    sums[--to] = Sum{pair->i, pair->j};
+    add_to(sums[to], *pair);
+  }
+}
+
+// The pairs of a coarser set of ids, in order: id k becomes id_map[k], and add_to(sum, pair) joins a pair to one that is there.
+//   Cost: O(pairs) where there are few coarse ids, else O(pairs log pairs).
+template <class Pair, class AddTo>
+std::vector<Pair> mergePairs(const std::vector<Pair>& pairs, const std::vector<uint32_t>& id_map, AddTo add_to) {
+  const auto precedes = [](const Pair& a, const Pair& b) { return keyOf(a) < keyOf(b); };
+  const auto mapped = [&](Pair pair) {
+    const uint32_t i = id_map[pair.i], j = pair.j < kEnvironment ? id_map[pair.j] : pair.j;
+    pair.i = std::min(i, j), pair.j = std::max(i, j);
+    return pair;
+  };
+  std::vector<Pair> merged;
+  const size_t count = id_map.empty() ? 0 : size_t(*std::max_element(id_map.begin(), id_map.end())) + 1;
+  if (count * (count + 2) <= 4 * pairs.size()) {
+    std::vector<uint32_t> places(count * (count + 2), 0);  // among the merged, 1 for the first
+    for (const Pair& fine : pairs) {
+      const Pair pair = mapped(fine);
+      uint32_t& place = places[pair.i * (count + 2) + (pair.j < kEnvironment ? pair.j : count + (pair.j - kEnvironment))];
+      if (place) {
+        add_to(merged[place - 1], pair);
+      } else {
+        merged.push_back(pair);
+        place = static_cast<uint32_t>(merged.size());
+      }
+    }
+    std::sort(merged.begin(), merged.end(), precedes);
+    return merged;
+  }
+  std::vector<Pair> sorted;
+  sorted.reserve(pairs.size());
+  for (const Pair& fine : pairs) sorted.push_back(mapped(fine));
+  if (!std::is_sorted(sorted.begin(), sorted.end(), precedes)) std::sort(sorted.begin(), sorted.end(), precedes);
+  for (const Pair& pair : sorted) {
+    if (!merged.empty() && !precedes(merged.back(), pair)) add_to(merged.back(), pair);
+    else merged.push_back(pair);
+  }
+  return merged;
+}
+
+}  // namespace viewpeel

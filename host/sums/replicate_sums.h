@@ -1,0 +1,84 @@
+// Counts summed over replicates, and the form factors that they estimate.
+#pragma once
+#include <cmath>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "result/form_factors.h"
+#include "result/ids.h"
+#include "sums/pair_count.h"
+
+namespace viewpeel {
+
+// Sums the counts of replicates, exactly, and turns them into form factors.
+class ReplicateSums {
+ public:
+  __extension__ using Wide = unsigned __int128;
+  struct Sum {
+    Wide sum = 0, sum_of_squares = 0;
+    void add(uint64_t count) {
+      sum += count;
+      sum_of_squares += Wide(count) * count;
+    }
+    void add(const Sum& other) {
+      sum += other.sum;
+      sum_of_squares += other.sum_of_squares;
+    }
+  };
+  struct PairSum {
+    uint32_t i, j;
+    Sum sum{};
+  };
+
+  explicit ReplicateSums(Ids ids) : ids_(std::move(ids)), row_sums_(ids_.count()) {}
+  // As they were summed before.    In: pairs sorted by (i, j), every pair at most once; row_sums: one for each id
+  ReplicateSums(Ids ids, uint64_t replicate_count, std::vector<PairSum> pairs, std::vector<Sum> row_sums)
+      : ids_(std::move(ids)), pairs_(std::move(pairs)), row_sums_(std::move(row_sums)), replicate_count_(replicate_count) {}
+
+  // Cost: O(nonzeros).
+  void add(const PairCounts& counts);
+  // Without pairs, where others sum them: row sums alone.
+  void addRows(const PairCounts& counts);
+  // Sums of other replicates.    In: others of the same ids    Cost: O(nonzeros).
+  void add(const ReplicateSums& others);
+
+  const Ids& ids() const { return ids_; }
+  const std::vector<PairSum>& pairs() const { return pairs_; }
+  const std::vector<Sum>& rowSums() const { return row_sums_; }
+  uint64_t replicateCount() const { return replicate_count_; }
+
+  //   In: measure_area: input units squared of one count, that is unitArea() scale^2 / directions per replicate
+  //     count_area: of one count along its direction, measure_area x directions per replicate where these are over the whole sphere; infinite where it is not known
+  //   Error: none but rounding: counts and their squares are summed in 128-bit integers. Standard errors: replicate_sums.cpp; tests/device/form_factors_test.cpp.
+  FormFactors formFactors(double measure_area, double count_area = INFINITY) const;
+  // The same of one pair, whose counts were summed elsewhere.
+  Measured exchangeArea(const PairSum& pair, double measure_area, double count_area) const;
+
+  // Calls f(i, j, A_i F_ij) for every pair met, and for environment and leak.
+  template <class F>
+  void forEachPair(double measure_area, F f) const {
+    for (const PairSum& pair : pairs_) f(pair.i, pair.j, exchangeArea(pair, measure_area, INFINITY));
+  }
+
+  // Largest standard error over all form factors of the rows asked for.
+  double largestStandardError(double measure_area, double count_area = INFINITY) const;
+  // The same relative to the form factor, over form factors of at least `floor`.
+  double largestRelativeError(double measure_area, double floor, double count_area = INFINITY) const;
+
+ private:
+  Measured measure(const Sum& sum, double most_counts) const;
+
+  Ids ids_;
+  std::vector<PairSum> pairs_;
+  std::vector<Sum> row_sums_;
+  uint64_t replicate_count_ = 0;
+};
+
+// What a form factor of an id of this area, the smaller of its pair, is at most where none of so many directions met it: with 95 % confidence (replicate_sums.cpp).
+double unmetBound(double area, double count_area, double directions);
+
+// The counts of a coarser set of ids: id k becomes id_map[k].
+PairCounts mergeIds(const PairCounts& counts, const std::vector<uint32_t>& id_map);
+
+}  // namespace viewpeel

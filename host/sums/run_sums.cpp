@@ -1,0 +1,114 @@
+#include "sums/run_sums.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sums/add_pairs.h"
+#include "threads.h"
+
+namespace viewpeel {
+namespace {
+
+// Sorts and joins ranges that touch.
+std::vector<ReplicateRange> joinRanges(std::vector<ReplicateRange> ranges) {
+  std::sort(ranges.begin(), ranges.end(), [](const ReplicateRange& a, const ReplicateRange& b) { return a.first < b.first; });
+  std::vector<ReplicateRange> joined;
+  for (const ReplicateRange& range : ranges) {
+    if (!joined.empty() && joined.back().end == range.first) joined.back().end = range.end;
+    else joined.push_back(range);
+  }
+  return joined;
+}
+
+}  // namespace
+
+RunSums makeRunSums(const Scene& scene, const Ids& ids) {
+  Ids surface_ids = makeIds(scene, By::surface, ids.two_sided);
+  surface_ids.rows_sum_to_one = ids.rows_sum_to_one;
+  if (!ids.asked.empty()) {
+    surface_ids.asked.assign(surface_ids.count(), false);
+    for (uint32_t k = 0; k < ids.count(); ++k)
+      if (ids.asked[k]) surface_ids.asked[ids.surface[k]] = true;
+  }
+  return {ReplicateSums(ids), ReplicateSums(std::move(surface_ids)), {}};
+}
+
+double RunSums::countArea() const {
+  return by_id.ids().asked.empty() && replicateCount() ? measure_area * double(directions) / double(replicateCount()) : INFINITY;
+}
+
+bool RunSums::isWhole() const {
+  uint64_t count = 0;
+  for (size_t k = 0; k < replicates.size(); ++k) {
+    if (replicates[k].first >= replicates[k].end || (k && replicates[k].first <= replicates[k - 1].end)) return false;
+    count += replicates[k].end - replicates[k].first;
+  }
+  if (hasPairsInVisible() && !by_id.pairs().empty()) return false;
+  return by_id.replicateCount() == count && by_surface.replicateCount() == count && (!visible || (visible->byFace().replicateCount() == count && visible->bySurface().replicateCount() == count && visible->directed().replicateCount() == count));
+}
+
+void RunSums::add(uint64_t replicate, const PairCounts& counts, uint64_t direction_count, const PairCounts& directed) {
+  const auto addTo = [&](size_t, size_t k) {
+    if (k == 0 && visible) visible->add(counts, directed);
+    if (k == 1) by_surface.add(mergeIds(counts, by_id.ids().surface));
+    if (k == 2) hasPairsInVisible() ? by_id.addRows(counts) : by_id.add(counts);
+  };
+  shareOut(threadsFor(counts.size()), 3, 1, addTo);
+  replicates.push_back({replicate, replicate + 1});
+  replicates = joinRanges(std::move(replicates));
+  directions += direction_count;
+}
+
+void RunSums::add(const RunSums& others) {
+  if (replicates.empty()) measure_area = others.measure_area;
+  if (others.visible && !visible) visible = others.visible;
+  else if (visible) visible->add(*others.visible, !others.replicates.empty() && (replicates.empty() || others.replicates.front().first < replicates.front().first));
+  by_surface.add(others.by_surface);
+  by_id.add(others.by_id);
+  replicates.insert(replicates.end(), others.replicates.begin(), others.replicates.end());
+  replicates = joinRanges(std::move(replicates));
+  directions += others.directions;
+}
+
+FormFactors RunSums::formFactors(const ExchangeRow& row) const {
+  if (visible && visible->by() == By::surface) return betweenSurfaces();
+  if (!visible) return by_id.formFactors(measure_area, countArea());
+  // What counts alone say of pairs whose closed forms are known is not looked at.
+  const std::vector<ShareSums::PairSum>& pairs = visible->byFace().pairs();
+  std::vector<FormFactors::Entry> unknown;
+  unknown.reserve(pairs.size());
+  auto at = visible->known().pairs.begin();
+  const auto end = visible->known().pairs.end();
+  for (const ShareSums::PairSum& pair : pairs) {
+    while (at != end && keyOf(*at) < keyOf(pair)) ++at;
+    const bool is_unknown = at == end || keyOf(*at) != keyOf(pair) || std::isinf(at->exchange);
+    if (!is_unknown || pair.facing == 0) continue;
+    const ReplicateSums::PairSum counted{pair.i, pair.j, {pair.facing, visible->byFace().squaresOf(pair).facing}};
+    unknown.push_back({pair.i, pair.j, by_id.exchangeArea(counted, measure_area, countArea())});
+  }
+  const FormFactors sampled(by_id.ids(), std::move(unknown), by_id.formFactors(measure_area, countArea()).rowSums());
+  return visible->formFactors(By::polygon, measure_area, countArea(), sampled, row);
+}
+
+FormFactors RunSums::knownFormFactors() const {
+  std::vector<FormFactors::Entry> entries = visible->formFactors(By::polygon, measure_area, countArea(), FormFactors({}, {}, {})).entries();
+  auto at = visible->known().pairs.begin();  // one of each of these
+  std::erase_if(entries, [&](const FormFactors::Entry&) { return std::isinf((at++)->exchange); });
+  return {by_id.ids(), std::move(entries), {}};
+}
+
+FormFactors RunSums::betweenSurfaces() const {
+  const FormFactors sampled = by_surface.formFactors(measure_area, countArea());
+  return visible ? visible->formFactors(By::surface, measure_area, countArea(), sampled) : sampled;
+}
+
+ReplicateRange findShared(const std::vector<ReplicateRange>& a, const std::vector<ReplicateRange>& b) {
+  for (const ReplicateRange& of_b : b)
+    for (const ReplicateRange& of_a : a) {
+      const ReplicateRange shared{std::max(of_a.first, of_b.first), std::min(of_a.end, of_b.end)};
+      if (shared.first < shared.end) return shared;
+    }
+  return {};
+}
+
+}  // namespace viewpeel

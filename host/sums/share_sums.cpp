@@ -1,0 +1,264 @@
+#include "sums/share_sums.h"
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+#include <boost/math/distributions/normal.hpp>
+#include <boost/math/distributions/students_t.hpp>
+
+#include "sums/add_pairs.h"
+#include "sums/neighbour_shares.h"
+#include "threads.h"
+
+namespace viewpeel {
+namespace {
+
+// (1.96 / t)^2 with Student's t of R - 1 degrees of freedom at 95 %. Intervals are t standard errors long, for R replicates know their own spread only roughly; of a variance that is known by other
+// means so much is right. R is 8 at least: with fewer, standard errors would be far less than errors, and intervals are longer than they need be.
+double besideReplicates(uint64_t replicates) {
+  const double degrees = static_cast<double>(std::max<uint64_t>(replicates, 8) - 1), beyond = 0.025;
+  const double ratio = quantile(complement(boost::math::normal(), beyond)) / quantile(complement(boost::math::students_t(degrees), beyond));
+  return ratio * ratio;
+}
+
+}  // namespace
+
+ShareSums::ShareSums(Ids ids, uint64_t replicate_count, std::vector<PairSum> pairs, const std::vector<Squares>& squares)
+    : ids_(std::move(ids)), pairs_(std::move(pairs)), replicate_count_(replicate_count) {
+  for (size_t k = 0; k < pairs_.size(); ++k) addSquares(pairs_[k], squares[k]);
+}
+
+void ShareSums::addSquares(PairSum& sum, const Squares& squares) {
+  const std::array<Wide, 3> added{squares.facing, squares.product, squares.blocked};
+  for (size_t k = 0; k < added.size(); ++k) {
+    const Wide total = sum.low_squares[k] + added[k];
+    sum.low_squares[k] = static_cast<uint64_t>(total);
+    if (const auto high = static_cast<uint64_t>(total >> 64)) high_squares_[keyOf(sum)][k] += high;
+  }
+}
+
+ShareSums::Squares ShareSums::squaresOf(const PairSum& pair) const {
+  std::array<Wide, 3> squares{pair.low_squares[0], pair.low_squares[1], pair.low_squares[2]};
+  if (!high_squares_.empty())
+    if (const auto high = high_squares_.find(keyOf(pair)); high != high_squares_.end())
+      for (size_t k = 0; k < squares.size(); ++k) squares[k] |= Wide(high->second[k]) << 64;
+  return {squares[0], squares[1], squares[2]};
+}
+
+void ShareSums::add(const PairCounts& counts) {
+  ++replicate_count_;  // first: what ends early is seen (RunSums::isWhole)
+  addPairs(pairs_, counts, [&](PairSum& sum, const PairCount& count) {
+    requireCountsForShares(count);
+    sum.facing += count.count;
+    sum.blocked += count.blocked;
+    addSquares(sum, {Wide(count.count) * count.count, Wide(count.count) * count.blocked, Wide(count.blocked) * count.blocked});
+  });
+}
+
+void ShareSums::add(const ShareSums& others) {
+  replicate_count_ += others.replicate_count_;
+  addPairs(pairs_, others.pairs_, [&](PairSum& sum, const PairSum& other) {
+    sum.facing += other.facing;
+    sum.blocked += other.blocked;
+    addSquares(sum, others.squaresOf(other));
+  });
+}
+
+// Makes the entries of some rows. What is known, told and sampled goes along with the pairs, in their order.
+class ShareSums::Entries {
+  template <class Pairs>
+  static auto firstOf(const Pairs& pairs, uint32_t i) {
+    return std::lower_bound(pairs.begin(), pairs.end(), i, [](const auto& pair, uint32_t row) { return pair.i < row; });
+  }
+
+ public:
+  Entries(const ShareSums& sums, const std::vector<KnownPair>& known, const std::vector<uint64_t>& lines, double measure_area, double count_area, const FormFactors& sampled,
+          const NeighbourShares* neighbours)
+      : sums_(sums), known_pairs_(known), lines_(lines), sampled_entries_(sampled.entries()), neighbours_(neighbours), measure_area_(measure_area), count_area_(count_area),
+        beside_replicates_(besideReplicates(sums.replicate_count_)) {}
+
+  std::vector<FormFactors::Entry> of(uint32_t first_row, uint32_t end_row, const ExchangeRow& row) {
+    known_ = firstOf(known_pairs_, first_row);
+    told_ = firstOf(sums_.pairs_, first_row);
+    sampled_ = firstOf(sampled_entries_, first_row);
+    std::vector<BoundedExchange> later;
+    if (row) entries_.reserve(size_t(end_row - first_row) * (sums_.ids_.count() - first_row));  // no memory before it is written to
+    for (uint32_t i = first_row; i < end_row; ++i) {
+      if (row) {
+        later.assign(sums_.ids_.count() - i - 1, {});
+        for (auto known = known_; known != known_pairs_.end() && known->i == i; ++known)
+          if (known->j > i && known->j < kEnvironment) later[known->j - i - 1].error = -1;
+        row(i, later);
+      }
+      for (uint32_t j = i + 1, end = static_cast<uint32_t>(i + 1 + later.size()); j < end; ++j) {
+        // Up to the next that anything is known of.
+        for (const uint32_t next = std::min(nextAfter(i, j), end); j < next; ++j)
+          if (const BoundedExchange& exchange = later[j - i - 1]; exchange.area > 0 || exchange.error > 0) entries_.push_back({i, j, fromNeighbours(i, j, exchange.area, exchange.error)});
+        if (j == end) break;
+        addBefore(i, j);
+        const BoundedExchange& exchange = later[j - i - 1];
+        if (isAt(known_, known_pairs_, i, j)) {
+          addBefore(i, j + 1);  // before what is told of it is passed
+          continue;
+        }
+        if (!(exchange.area > 0 || exchange.error > 0)) continue;
+        const PairSum told = take(i, j);
+        if (isAt(sampled_, sampled_entries_, i, j)) ++sampled_;
+        add(told, {i, j, 0, 0, exchange.area}, exchange.error);
+      }
+      addBefore(i + 1, 0);
+    }
+    return std::move(entries_);
+  }
+
+ private:
+  template <class At, class Pairs>
+  static bool isAt(const At& at, const Pairs& pairs, uint32_t i, uint32_t j) {
+    return at != pairs.end() && keyOf(*at) == std::pair(i, j);
+  }
+
+  // The sums of a pair, 0 where no line told.
+  PairSum take(uint32_t i, uint32_t j) {
+    while (told_ != sums_.pairs_.end() && keyOf(*told_) < std::pair(i, j)) ++told_;
+    return isAt(told_, sums_.pairs_, i, j) ? *told_ : PairSum{i, j};
+  }
+
+  // The least j of row i, of at least `from`, of a pair that is known, told or sampled.
+  uint32_t nextAfter(uint32_t i, uint32_t from) {
+    while (told_ != sums_.pairs_.end() && keyOf(*told_) < std::pair(i, from)) ++told_;
+    uint32_t next = UINT32_MAX;
+    if (told_ != sums_.pairs_.end() && told_->i == i) next = told_->j;
+    if (known_ != known_pairs_.end() && known_->i == i) next = std::min(next, std::max(from, known_->j));
+    if (sampled_ != sampled_entries_.end() && sampled_->i == i) next = std::min(next, std::max(from, sampled_->j));
+    return next;
+  }
+
+  Measured fromNeighbours(uint32_t i, uint32_t j, double area, double error) const {
+    const NeighbourShares::Share share = neighbours_->of(i, j);
+    const double most = std::min({area, sums_.ids_.areas[i], sums_.ids_.areas[j]});
+    return {share.mean * most, sums_.replicate_count_ < 2 ? INFINITY : share.deviation() * most + share.mean * error};
+  }
+
+  // Pairs that are known, and those sampled alone.
+  void addBefore(uint32_t i, uint32_t j) {
+    const std::pair key(i, j);
+    for (;;) {
+      const bool has_known = known_ != known_pairs_.end() && keyOf(*known_) < key, has_sampled = sampled_ != sampled_entries_.end() && keyOf(*sampled_) < key;
+      if (!has_known && !has_sampled) return;
+      if (has_sampled && (!has_known || keyOf(*sampled_) < keyOf(*known_))) {
+        entries_.push_back(*sampled_++);
+        continue;
+      }
+      const KnownPair& pair = *known_++;
+      const bool is_sampled = has_sampled && keyOf(*sampled_) == keyOf(pair);
+      if (is_sampled && std::isinf(pair.exchange)) entries_.push_back(*sampled_);
+      else add(take(pair.i, pair.j), pair, 0);
+      if (is_sampled) ++sampled_;
+    }
+  }
+
+  void add(const PairSum& told, const KnownPair& pair, double error) { entries_.push_back({pair.i, pair.j, measure(told, exchangeOf(pair, pair.share, sums_.ids_.areas, lines_), error)}); }
+
+  //   In: error: of known.most
+  Measured measure(const PairSum& pair, const KnownExchange& known, double error) const {
+    const auto replicates = static_cast<double>(sums_.replicate_count_), facing = double(pair.facing), blocked = double(pair.blocked), lines = facing + blocked;
+    const bool has_form = !std::isinf(known.most), is_share = lines > 0 && has_form;
+    if (lines == 0 && has_form && neighbours_ && pair.j < kEnvironment) return fromNeighbours(pair.i, pair.j, known.most, error);
+    const double b = lines > 0 ? facing / lines : 0;
+    Measured exchange{is_share ? b * known.most : known.area, INFINITY};
+    if (sums_.replicate_count_ < 2) return exchange;
+    const double area = std::min(sums_.ids_.areas[pair.i], pair.j < kEnvironment ? sums_.ids_.areas[pair.j] : INFINITY);
+    // The replicates' variance in units of counts: of residuals (1 - b) V_r - b O_r, whose sum is 0; and of lines, each by chance of its own.
+    const Squares squared = sums_.squaresOf(pair);
+    const double residuals = (1 - b) * (1 - b) * double(squared.facing) - 2 * b * (1 - b) * double(squared.product) + b * b * double(squared.blocked);
+    const double variance = std::max(0.0, residuals) * replicates / (replicates - 1), squares = b * blocked * double(known.line);
+    if (is_share && neighbours_ && pair.j < kEnvironment) {
+      const double told = effectiveLines(pair, squared, double(known.line)), share = told < kFewLines ? withNeighbours(told, b, neighbours_->of(pair.i, pair.j).mean) : b;
+      exchange.value = share * known.most;
+      exchange.standard_error = std::sqrt(varianceOfShare(pair, squared, b, variance / lines / lines, area / count_area_, double(known.line))) * known.most;
+      exchange.standard_error = std::min(exchange.standard_error, std::max(exchange.value, known.most - exchange.value)) + share * error;
+      return exchange;
+    }
+    const double count_exchange = is_share ? known.most / lines : (pair.i == pair.j ? 4 : 2) * measure_area_ / replicates;
+    exchange.standard_error = errorOfSum(variance, squares, double(known.line), area / count_area_) * count_exchange;
+    exchange.standard_error = std::min(exchange.standard_error, std::max(exchange.value, known.most - exchange.value));
+    if (squares == 0) exchange = allowForUnmet(exchange, known, replicates * count_area_ / measure_area_, area);
+    exchange.standard_error += b * error;  // a bound, whatever the lines told
+    return exchange;
+  }
+
+  // Where few lines tell of a pair, with a share m of its neighbours.
+  static constexpr double kFewLines = 4;
+  static double withNeighbours(double told, double b, double m) { return (told * b + NeighbourShares::kNeighbours * m) / (told + NeighbourShares::kNeighbours); }
+
+  // Of the share b that lines tell, of which a direction adds up to most_counts. That of replicates is worth little where few lines are of the rarer kind; then that of n directions that see
+  // the pair, each facing or blocked by chance, p (1 - p) / (n + 1/2), half a line of the neighbours' among them, with p of b, the neighbours' s, as of two lines more, and a tenth of a line of either
+  // kind: (n b + 2 s + 0.1) / (n + 2.2) (Agresti & Coull 1998). A direction that sees it has 1 + 8/27 A / h^2 lines (replicate_sums.cpp), but parts of a pair in different places are blocked one by one,
+  // and lattices and directions are more even than chance: 2 / (n + 3) of that variance is left where lines are of both kinds, all of it where they are of one, which does not say that the other is
+  // not there (measured in five scenes: bench/programs/coverage.cpp, README).
+  double varianceOfShare(const PairSum& pair, const Squares& squared, double b, double of_replicates, double most_counts, double line) const {
+    const double n = effectiveLines(pair, squared, line + 8 / 27.0 * most_counts), s = neighbours_->of(pair.i, pair.j).smoothed;
+    const double p = (n * b + 2 * s + 0.1) / (n + 2.2), rarer = n * p * (1 - p), trust = rarer * rarer / (rarer * rarer + 0.25);
+    const double by_chance = p * (1 - p) / (n + NeighbourShares::kNeighbours), left = b > 0 && b < 1 ? 2 / (n + 3) : 1;
+    return trust * of_replicates + (1 - trust) * left * by_chance * beside_replicates_;
+  }
+
+  const ShareSums& sums_;
+  const std::vector<KnownPair>& known_pairs_;
+  const std::vector<uint64_t>& lines_;
+  const std::vector<FormFactors::Entry>& sampled_entries_;
+  const NeighbourShares* neighbours_;
+  double measure_area_, count_area_, beside_replicates_;
+  std::vector<KnownPair>::const_iterator known_;
+  std::vector<PairSum>::const_iterator told_;
+  std::vector<FormFactors::Entry>::const_iterator sampled_;
+  std::vector<FormFactors::Entry> entries_;
+};
+
+FormFactors ShareSums::formFactors(const std::vector<KnownPair>& known, const std::vector<uint64_t>& lines, double measure_area, double count_area, const FormFactors& sampled,
+                                   const NeighbourShares* neighbours, const ExchangeRow& row) const {
+  // Some rows at a time: the first have the most pairs.
+  constexpr size_t kParts = 64;
+  const size_t n = ids_.count(), part_count = std::min(n, kParts);
+  std::vector<std::optional<std::vector<FormFactors::Entry>>> parts(part_count);
+  std::vector<FormFactors::Entry> entries;
+  entries.reserve((row ? size_t(pairCount(n)) : known.size()) + sampled.entries().size() + 2 * n);  // no memory before it is written to
+  std::mutex mutex;
+  size_t added = 0;
+  const auto firstRow = [&](size_t part) { return static_cast<uint32_t>(double(n) * (1 - std::sqrt(1 - double(part) / double(part_count)))); };
+  const auto addPart = [&](size_t, size_t part) {
+    const uint32_t end = part + 1 == part_count ? static_cast<uint32_t>(n) : firstRow(part + 1);
+    std::vector<FormFactors::Entry> made = Entries(*this, known, lines, measure_area, count_area, sampled, neighbours).of(firstRow(part), end, row);
+    const std::lock_guard lock(mutex);
+    parts[part] = std::move(made);
+    for (; added < part_count && parts[added]; ++added) {  // in order, and gone: lists of all pairs are not to be there twice
+      entries.insert(entries.end(), parts[added]->begin(), parts[added]->end());
+      parts[added].emplace();
+    }
+  };
+  shareOut(threadsFor(row ? n * n / 2 : known.size()), part_count, 1, addPart);
+  return {ids_, std::move(entries), sampled.rowSums()};
+}
+
+ControlSums ShareSums::controls(const std::vector<PairShare>& shares, const std::vector<uint64_t>& lines) const {
+  std::vector<ControlSums::PairSum> controls;
+  auto share = shares.begin();
+  for (const PairSum& pair : pairs_) {
+    while (share != shares.end() && keyOf(*share) < keyOf(pair)) ++share;
+    const Wide b = share != shares.end() && keyOf(*share) == keyOf(pair) ? share->share : 0, rest = kShareOne - b;
+    ControlSums::PairSum control{pair.i, pair.j};
+    control.line = lineOf(lines, pair.i, pair.j);
+    control.squares = (pair.facing * rest * rest + pair.blocked * b * b) * control.line;
+    if (control.squares == 0) continue;
+    control.sum = static_cast<ControlSums::SignedWide>(pair.facing * rest) - static_cast<ControlSums::SignedWide>(pair.blocked * b);
+    const Squares squared = squaresOf(pair);
+    control.sum_of_squares = rest * rest * squared.facing + b * b * squared.blocked - 2 * b * rest * squared.product;
+    controls.push_back(control);
+  }
+  return {ids_, replicate_count_, std::move(controls)};
+}
+
+}  // namespace viewpeel

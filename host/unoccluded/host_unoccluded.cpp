@@ -1,0 +1,330 @@
+#include "unoccluded/host_unoccluded.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <glm/glm.hpp>
+
+#include "unoccluded/far_rules.h"
+#include "unoccluded/shared.h"
+#include "threads.h"
+
+namespace viewpeel {
+
+using namespace closed_form_data;
+using glm::dot, glm::cross;
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr uint32_t kGradedRule = kLineRules - 1;
+constexpr uint32_t kMostPieces = 4;   // of an edge, between places where the inner integral is singular
+constexpr double kUnit = 2.2e-16;     // rounding of double
+constexpr double kLeast = 1e-290;     // stands for 0 where a logarithm or an angle is multiplied by it
+constexpr size_t kChunk = 256;        // pairs that a thread takes at once
+
+double leastOf(const std::array<double, 4>& v) { return std::min(std::min(v[0], v[1]), std::min(v[2], v[3])); }
+double greatestOf(const std::array<double, 4>& v) { return std::max(std::max(v[0], v[1]), std::max(v[2], v[3])); }
+
+// Of a shape's corners over another's plane.
+std::array<double, 4> depthsOf(const ShapeData& shape, const ShapeData& plane, const dvec3& normal) {
+  std::array<double, 4> depths;
+  for (size_t k = 0; k < 4; ++k) depths[k] = dot(normal, shape.corners[k] - plane.corners[0]);
+  return depths;
+}
+
+// How far a depth over the plane of `plane` may be off by the rounding of its corners.
+double depthRounding(const ShapeData& plane, double distance) { return kFrontRounding + plane.tilt * distance; }
+
+// Largest |slope| / value at the middle of an edge of the square, of a bilinear function given at its corners.
+float slopeOf(const std::array<double, 4>& at) {
+  float slope = 0;
+  for (size_t k = 0; k < 4; ++k) {
+    const auto difference = static_cast<float>(std::abs(at[k] - at[(k + 1) % 4])), sum = static_cast<float>(at[k] + at[(k + 1) % 4]);
+    slope = std::max(slope, difference >= sum ? (difference > 0 ? 1.0f : 0.0f) : difference / sum);
+  }
+  return slope;
+}
+
+// What the bound on the relative error over a polygon's two coordinates is made of (unoccluded_classify.comp).
+struct Coordinates {
+  float t, square, power;  // t, t^2, t^(2n - 2)
+  float slopes, product;   // s + j, s j
+  float factor;            // 2 (1 + t)^4 / (1 - s j / 3)
+};
+
+Coordinates coordinatesOf(const ShapeData& shape, double distance, double other_radius, float slope) {
+  Coordinates c;
+  c.t = static_cast<float>(shape.reach) / static_cast<float>(std::max(distance - shape.reach - other_radius, shape.reach));
+  c.square = c.power = c.t * c.t;
+  const auto skew = static_cast<float>(shape.skew), stretch = (1 + c.t) * (1 + c.t);
+  c.slopes = slope + skew;
+  c.product = slope * skew;
+  c.factor = 2 * stretch * stretch / (1 - c.product / 3);
+  return c;
+}
+
+float errorOf(const FarBound& rule, const Coordinates& c) {
+  const float rest = rule.tail * c.square, series = rule.even * c.square + rule.odd * c.slopes * c.t + rule.skew * c.product;
+  return rest < 0.5f ? c.factor * c.power * series * (1 + 2 * rest) : 1.0f;
+}
+
+// Of the square, as a polynomial: a position, and the weight of its points.
+struct Patch {
+  Stretch along;
+  std::array<double, 4> depth;  // 1, u, v, uv: over the other's plane
+  std::array<double, 3> density;
+};
+
+Patch patchOf(const ShapeData& shape, const std::array<double, 4>& d) {
+  return {stretchOf(shape),
+          {0.25 * (d[0] + d[1] + d[2] + d[3]), 0.25 * (d[1] + d[2] - d[0] - d[3]), 0.25 * (d[2] + d[3] - d[0] - d[1]), 0.25 * (d[0] + d[2] - d[1] - d[3])},
+          {shape.density, shape.density_u, shape.density_v}};
+}
+
+// The inner integral, over the edge q; magnitude: of its terms, which may cancel.
+double innerIntegral(const dvec3& from, const dvec3& direction, double length_q, double& magnitude) {
+  const double along = dot(from, direction), rest = length_q - along;
+  const dvec3 across = cross(from, direction);
+  const double square = dot(across, across), d = std::sqrt(square);
+  const double first = 0.5 * along * std::log(std::max(along * along + square, kLeast)), last = 0.5 * rest * std::log(std::max(rest * rest + square, kLeast));
+  const double turn = d * std::atan2(d * length_q, square - rest * along + kLeast);
+  magnitude = std::max(magnitude, std::abs(first) + std::abs(last) + turn);
+  return first + last + turn;
+}
+
+// Where the inner integral over q is singular above p, in shares of p, in order (unoccluded_line.comp).
+std::array<double, kMostPieces + 1> cutsOf(const dvec3& p_start, const dvec3& p_along, const dvec3& q_start, const dvec3& q_along) {
+  const dvec3 from = q_start - p_start, across = cross(p_along, q_along);
+  const double per_p = 1 / dot(p_along, p_along), first = dot(from, p_along) * per_p, last = first + dot(q_along, p_along) * per_p;
+  double nearest = 0;
+  if (const double sine = dot(across, across); sine > 0) {
+    const double foot = dot(cross(from, p_along), across) / sine;
+    nearest = foot > 0 && foot < 1 ? dot(cross(from, q_along), across) / sine : 0;
+  }
+  std::array<double, kMostPieces + 1> cuts{0, std::clamp(first, 0.0, 1.0), std::clamp(last, 0.0, 1.0), std::clamp(nearest, 0.0, 1.0), 1};
+  std::sort(cuts.begin(), cuts.end());
+  return cuts;
+}
+
+void addWork(const UnoccludedWork& part, UnoccludedWork& sum) {
+  sum.unseen_pairs += part.unseen_pairs;
+  for (size_t rule = 0; rule < part.far_pairs.size(); ++rule) sum.far_pairs[rule] += part.far_pairs[rule];
+  sum.near_pairs += part.near_pairs;
+  sum.again_pairs += part.again_pairs;
+  sum.line_integrals += part.line_integrals;
+}
+
+}  // namespace
+
+// Two sides, the lower number first, so that the order asked for does not matter.
+struct HostUnoccluded::Sides {
+  const ShapeData &a, &b;
+  dvec3 normal_a, normal_b;  // of the sides
+  uint32_t plane_a, plane_b, tie_rank_a, tie_rank_b;
+  bool is_flipped;           // exactly one of them is a back
+  double distance;           // of the mean corners
+  Depths depths_a, depths_b;
+  double rounding_a, rounding_b;
+
+  // In one plane and face to face, as touching solids are.
+  bool areTouching() const { return (plane_a ^ plane_b) == 1 && tie_rank_a + tie_rank_b < kLastTieRank; }
+};
+
+struct HostUnoccluded::Edge {
+  dvec3 start{0}, along{0};
+};
+
+HostUnoccluded::HostUnoccluded(const Scene& scene, size_t thread_count) : threads_(thread_count ? thread_count : threadCount()), shapes_(makeShapes(scene)) {
+  const auto pointsOf = [](const std::vector<GaussPoint>& rule) {
+    std::vector<Point> points;
+    for (const GaussPoint& point : rule) points.push_back({static_cast<double>(point.node), static_cast<double>(point.weight)});
+    return points;
+  };
+  for (uint32_t rule = 0; rule < kFarRules; ++rule) {
+    const int n = static_cast<int>(kFewestFarPoints + rule);
+    bounds_[rule] = farBound(n);
+    far_points_[rule] = pointsOf(gaussPoints(n));
+  }
+  for (size_t round = 0; round < kLineRounds.size(); ++round)
+    for (uint32_t rule = 0; rule < kLineRules; ++rule) {
+      const int n = static_cast<int>(kLineRounds[round].points[rule]);
+      line_points_[round][rule] = pointsOf(rule == kGradedRule ? gradedPoints(n) : unitPoints(n));
+    }
+}
+
+HostUnoccluded::Sides HostUnoccluded::sidesOf(const SidePair& pair) const {
+  const uint32_t first = std::min(pair.i, pair.j), second = std::max(pair.i, pair.j);
+  const ShapeData &a = shapes_[first / 2], &b = shapes_[second / 2];
+  const auto rankOf = [](const ShapeData& shape, uint32_t side) { return side % 2 ? kLastTieRank - shape.tie_rank : shape.tie_rank; };
+  Sides sides{a, b, first % 2 ? -a.normal : a.normal, second % 2 ? -b.normal : b.normal, a.plane ^ (first % 2), b.plane ^ (second % 2), rankOf(a, first), rankOf(b, second), (first ^ second) % 2 == 1, 0, {}, {}, 0, 0};
+  sides.distance = glm::length(meanCorner(b) - meanCorner(a));
+  sides.depths_a = depthsOf(a, b, sides.normal_b);
+  sides.depths_b = depthsOf(b, a, sides.normal_a);
+  sides.rounding_a = depthRounding(b, sides.distance + a.radius);
+  sides.rounding_b = depthRounding(a, sides.distance + b.radius);
+  return sides;
+}
+
+// Which list of the kernels' the pair would be in: its product rule, or kNearList; or `unseen`.
+uint32_t HostUnoccluded::classify(const Sides& sides) const {
+  const ShapeData &a = sides.a, &b = sides.b;
+  bool is_seen = greatestOf(sides.depths_a) > sides.rounding_a && greatestOf(sides.depths_b) > sides.rounding_b;
+  if (sides.plane_a >> 1 == sides.plane_b >> 1) is_seen = sides.areTouching() && sides.distance < a.radius + b.radius && &a != &b;
+  if (!is_seen) return unseen;
+  if (leastOf(sides.depths_a) <= 0 || leastOf(sides.depths_b) <= 0 || sides.areTouching()) return kNearList;
+  Coordinates over_a = coordinatesOf(a, sides.distance, b.radius, slopeOf(sides.depths_a)), over_b = coordinatesOf(b, sides.distance, a.radius, slopeOf(sides.depths_b));
+  for (uint32_t rule = 0; rule < kFarRules; ++rule) {
+    if (errorOf(bounds_[rule], over_a) + errorOf(bounds_[rule], over_b) <= kFarError) return rule;
+    over_a.power *= over_a.square;
+    over_b.power *= over_b.square;
+  }
+  return kNearList;
+}
+
+// By a product Gauss rule:  A_i F_ij = int_i int_j (n_j . (x - y)) (n_i . (y - x)) / (pi |y - x|^4) dy dx.
+double HostUnoccluded::integrateFar(const Sides& sides, uint32_t rule) const {
+  struct Points {
+    std::array<double, kMostFar * kMostFar> x, y, z, weight;
+  };
+  const std::vector<Point>& points = far_points_[rule];
+  const size_t count = points.size() * points.size();
+  const auto fill = [&](const Patch& patch, const dvec3& middle, Points& all) {
+    size_t k = 0;
+    for (const Point& u : points)
+      for (const Point& v : points) {
+        const dvec3 at = middle + u.at * patch.along.along_u + v.at * (patch.along.along_v + u.at * patch.along.along_uv);
+        const double density = patch.density[0] + patch.density[1] * u.at + patch.density[2] * v.at;
+        const double depth = patch.depth[0] + patch.depth[1] * u.at + patch.depth[2] * v.at + patch.depth[3] * (u.at * v.at);
+        all.x[k] = at.x;
+        all.y[k] = at.y;
+        all.z[k] = at.z;
+        all.weight[k++] = u.weight * v.weight * density * depth;
+      }
+  };
+  Points over_a, over_b;
+  fill(patchOf(sides.a, sides.depths_a), dvec3(0), over_a);
+  fill(patchOf(sides.b, sides.depths_b), meanCorner(sides.b) - meanCorner(sides.a), over_b);
+  double sum = 0;
+  for (size_t k = 0; k < count; ++k) {
+    double inner = 0;
+    for (size_t m = 0; m < count; ++m) {
+      const double dx = over_b.x[m] - over_a.x[k], dy = over_b.y[m] - over_a.y[k], dz = over_b.z[m] - over_a.z[k], square = dx * dx + dy * dy + dz * dz;
+      inner += over_b.weight[m] / (square * square);
+    }
+    sum += over_a.weight[k] * inner;
+  }
+  return sum / kPi;
+}
+
+// int_p int_q ln r ds . dt, the outer integral, over the shorter edge, by a Gauss rule. Adds its error, bound and rounding.
+double HostUnoccluded::integrateLine(Edge p, Edge q, size_t round, double& error) const {
+  const double together = dot(p.along, q.along);
+  if (dot(p.along, p.along) > dot(q.along, q.along)) std::swap(p, q);
+  // The inner integral is analytic within this distance of p's middle, in halves of p (unoccluded_edges.comp).
+  const double square_p = dot(p.along, p.along), square_q = dot(q.along, q.along);
+  const dvec3 middle = p.start + 0.5 * p.along - q.start, off = middle - q.along * std::clamp(dot(middle, q.along) / square_q, 0.0, 1.0);
+  const double clear = 2 * std::sqrt(dot(off, off) / square_p);
+  const uint32_t rule = clear > 12 ? 0 : clear > 3.5 ? 1 : clear > 1.5 ? 2 : kGradedRule;
+  if (rule == kGradedRule) {
+    error += kLineRounds[round].graded_error * std::abs(together);
+  } else {
+    const double axes = clear + std::sqrt(std::max(clear * clear - 1, 0.0));
+    error += 4 * std::pow(axes, -2.0 * kLineRounds[round].points[rule]) * std::abs(together);
+  }
+
+  const std::array<double, kMostPieces + 1> cuts = rule == kGradedRule ? cutsOf(p.start, p.along, q.start, q.along) : std::array<double, kMostPieces + 1>{0, 1, 1, 1, 1};
+  const double length_q = glm::length(q.along);
+  const dvec3 direction = q.along / length_q, from = p.start - q.start;
+  double sum = 0, greatest = 0;
+  for (size_t piece = 0; piece < kMostPieces; ++piece) {
+    const double low = cuts[piece], length = cuts[piece + 1] - low;
+    if (!(length > 0)) continue;
+    double part = 0;
+    for (const Point& point : line_points_[round][rule]) part += point.weight * innerIntegral(from + (low + point.at * length) * p.along, direction, length_q, greatest);
+    sum += length * part;
+  }
+  const double factor = dot(p.along, direction);
+  error += kUnit * std::abs(factor) * greatest;
+  return factor * sum;
+}
+
+// Along the contours of the parts that see each other:  A_i F_ij = 1 / (2 pi) oint_i oint_j ln r ds . dt.
+double HostUnoccluded::integrateNear(const Sides& sides, size_t round, double& error, UnoccludedWork& work) const {
+  const dvec3 origin = meanCorner(sides.a);
+  const auto frontEdges = [&](const ShapeData& shape, const Depths& depths, double rounding) {
+    std::array<Edge, kMostEdges> edges;
+    dvec3 leaves(0), enters(0);
+    for (size_t k = 0; k < 4; ++k) {
+      const dvec3 start = shape.corners[k] - origin, end = shape.corners[(k + 1) % 4] - origin;
+      const double depth = depths[k], to = depths[(k + 1) % 4];
+      const bool starts = depth >= -rounding, ends = to >= -rounding, crosses = (depth > rounding && !ends) || (!starts && to > rounding);
+      const dvec3 crossing = crosses ? start + (end - start) * (depth / (depth - to)) : starts ? start : end;
+      if (starts && !ends) leaves = crossing;
+      if (!starts && ends) enters = crossing;
+      const dvec3 first = starts ? start : crossing, last = ends ? end : crossing;
+      edges[k] = {first, starts || ends ? last - first : dvec3(0)};
+    }
+    edges[4] = {leaves, enters - leaves};
+    return edges;
+  };
+  constexpr Depths kWhole{1, 1, 1, 1};  // touching: the limit of a narrow gap, nothing behind
+  const auto edges_a = frontEdges(sides.a, sides.areTouching() ? kWhole : sides.depths_a, sides.rounding_a);
+  const auto edges_b = frontEdges(sides.b, sides.areTouching() ? kWhole : sides.depths_b, sides.rounding_b);
+  double sum = 0;
+  error = 0;
+  for (const Edge& p : edges_a)
+    for (const Edge& q : edges_b) {
+      if (dot(p.along, q.along) == 0) continue;
+      sum += integrateLine(p, q, round, error);
+      ++work.line_integrals;
+    }
+  error /= 2 * kPi;
+  return (sides.is_flipped ? -sum : sum) / (2 * kPi);
+}
+
+HostUnoccluded::Found HostUnoccluded::find(const SidePair& pair, UnoccludedWork& work) const {
+  const Sides sides = sidesOf(pair);
+  const uint32_t way = classify(sides);
+  if (way == unseen) {
+    ++work.unseen_pairs;
+    return {};
+  }
+  if (way != kNearList) {
+    ++work.far_pairs[way];
+    return {integrateFar(sides, way)};
+  }
+  ++work.near_pairs;
+  const double least = kUnoccludedAbsoluteError * std::min(sides.a.area, sides.b.area);
+  Found found;
+  for (size_t round = 0; round < kLineRounds.size(); ++round) {
+    work.again_pairs += round > 0;
+    found.area = integrateNear(sides, round, found.error, work);
+    found.is_reached = found.error <= std::max(least, kUnoccludedRelativeError * found.area);
+    if (sides.areTouching() && found.area <= least) found.area = 0;  // polygons of one plane that do not overlap
+    found.area = std::max(found.area, 0.0);
+    if (found.is_reached) break;
+  }
+  return found;
+}
+
+std::vector<UnreachedPair> HostUnoccluded::compute(std::span<const SidePair> pairs, std::span<double> areas) {
+  std::vector<UnoccludedWork> works(threads_);
+  std::vector<std::vector<UnreachedPair>> unreached(threads_);
+  shareOut(threads_, pairs.size(), kChunk, [&](size_t thread, size_t k) {
+    const Found found = find(pairs[k], works[thread]);
+    areas[k] = found.area;
+    if (!found.is_reached) unreached[thread].push_back({k, found.error});
+  });
+  std::vector<UnreachedPair> all;
+  for (size_t thread = 0; thread < threads_; ++thread) {
+    addWork(works[thread], work_);
+    all.insert(all.end(), unreached[thread].begin(), unreached[thread].end());
+  }
+  work_.pairs += pairs.size();
+  std::sort(all.begin(), all.end(), [](const UnreachedPair& a, const UnreachedPair& b) { return a.pair < b.pair; });
+  return all;
+}
+
+}  // namespace viewpeel

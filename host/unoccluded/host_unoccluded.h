@@ -1,0 +1,55 @@
+#pragma once
+#include <array>
+#include <vector>
+
+#include "unoccluded/gauss.h"
+#include "unoccluded/line_rules.h"
+#include "unoccluded/shapes.h"
+#include "unoccluded/unoccluded.h"
+
+namespace viewpeel {
+
+// UnoccludedExchange on the processor: for each pair what the kernels unoccluded_*.comp do in passes, where each step has its reason.
+class HostUnoccluded {
+ public:
+  //   In: thread_count: 0: one per core
+  explicit HostUnoccluded(const Scene& scene, size_t thread_count = 0);
+
+  // As UnoccludedExchange::compute, of sides that the scene has.
+  std::vector<UnreachedPair> compute(std::span<const SidePair> pairs, std::span<double> areas);
+
+  struct Found {
+    double area = 0, error = 0;  // unit-ball units squared; error: estimated, 0 for far pairs
+    bool is_reached = true;
+  };
+  // Of one pair, by several threads at once.    Out: work: added to
+  Found find(const SidePair& pair, UnoccludedWork& work) const;
+
+  uint64_t sideCount() const { return 2 * shapes_.size(); }
+  const UnoccludedWork& work() const { return work_; }
+
+ private:
+  struct Sides;
+  struct Edge;
+  struct Point {
+    double at, weight;
+  };
+  using Depths = std::array<double, 4>;
+  static constexpr size_t kMostFar = closed_form_data::kMostFarPoints;
+  static constexpr uint32_t unseen = closed_form_data::kPairLists;  // beside the numbers of pair lists
+
+  Sides sidesOf(const SidePair& pair) const;
+  uint32_t classify(const Sides& sides) const;
+  double integrateFar(const Sides& sides, uint32_t rule) const;
+  double integrateNear(const Sides& sides, size_t round, double& error, UnoccludedWork& work) const;
+  double integrateLine(Edge p, Edge q, size_t round, double& error) const;
+
+  size_t threads_;
+  std::vector<closed_form_data::ShapeData> shapes_;
+  std::array<closed_form_data::FarBound, closed_form_data::kFarRules> bounds_;
+  std::array<std::vector<Point>, closed_form_data::kFarRules> far_points_;
+  std::array<std::array<std::vector<Point>, closed_form_data::kLineRules>, kLineRounds.size()> line_points_;
+  UnoccludedWork work_;
+};
+
+}  // namespace viewpeel

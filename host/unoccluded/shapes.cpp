@@ -1,0 +1,64 @@
+#include "unoccluded/shapes.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <glm/geometric.hpp>
+
+namespace viewpeel {
+namespace {
+
+using closed_form_data::ShapeData;
+
+// Largest |slope| / value, at the middle of an edge of the square, of the density given at its corners.
+double skewOf(const std::array<double, 4>& density) {
+  double skew = 0;
+  for (size_t k = 0; k < 4; ++k) {
+    const double difference = std::abs(density[k] - density[(k + 1) % 4]), sum = density[k] + density[(k + 1) % 4];
+    if (sum > 0) skew = std::max(skew, difference / sum);
+  }
+  return std::min(skew, 1.0);
+}
+
+ShapeData makeShape(const Scene& scene, const Polygon& polygon) {
+  ShapeData shape{};
+  for (uint32_t k = 0; k < 4; ++k) shape.corners[k] = scene.corners[polygon.first_corner + std::min(k, polygon.corner_count - 1)];
+  const auto& c = shape.corners;
+  const glm::dvec3 mean = meanCorner(shape);
+  const auto [along_u, along_v, along_uv] = stretchOf(shape);
+  const glm::dvec3 area_vector = glm::cross(c[2] - c[0], c[3] - c[1]) / 2.0;
+  shape.area = glm::length(area_vector);
+  shape.normal = area_vector / shape.area;
+  shape.density = glm::dot(shape.normal, glm::cross(along_u, along_v));
+  shape.density_u = glm::dot(shape.normal, glm::cross(along_u, along_uv));
+  shape.density_v = glm::dot(shape.normal, glm::cross(along_uv, along_v));
+  // A density that rounding alone keeps from 0 at a collapsed edge is none.
+  std::array<double, 4> density{};
+  for (size_t k = 0; k < 4; ++k) {
+    const double u = k == 1 || k == 2 ? 1 : -1, v = k >= 2 ? 1 : -1;
+    density[k] = shape.density + shape.density_u * u + shape.density_v * v;
+    if (density[k] < 1e-12 * shape.density) density[k] = 0;
+  }
+  shape.skew = skewOf(density);
+  for (const double sign : {-1.0, 1.0})
+    shape.reach = std::max({shape.reach, glm::length(along_u + sign * along_uv), glm::length(along_v + sign * along_uv)});
+  for (const glm::dvec3& corner : c) shape.radius = std::max(shape.radius, glm::length(corner - mean));
+  // Area / diameter is the least width to a factor of 2; each corner is rounded by at most 2^-53 a coordinate.
+  shape.tilt = 4 * std::numeric_limits<double>::epsilon() * shape.radius / shape.area;
+  shape.tie_rank = polygon.tie_rank;
+  shape.plane = 2 * polygon.plane + (polygon.front_along_plane_normal ? 0 : 1);
+  return shape;
+}
+
+}  // namespace
+
+std::vector<ShapeData> makeShapes(const Scene& scene) {
+  std::vector<ShapeData> shapes;
+  shapes.reserve(scene.polygons.size());
+  for (const Polygon& polygon : scene.polygons) shapes.push_back(makeShape(scene, polygon));
+  return shapes;
+}
+
+}  // namespace viewpeel

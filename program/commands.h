@@ -1,0 +1,19 @@
+// The subcommands of the program, one file each. Each adds itself to the command line and returns what to run when it was chosen.
+#pragma once
+#include <functional>
+
+#include <CLI/CLI.hpp>
+
+namespace viewpeel::program {
+
+// Runs a subcommand and returns the exit status.
+using Run = std::function<int()>;
+
+// Sets `chosen` to the subcommand's Run when the command line names it.
+void addCompute(CLI::App& app, Run& chosen);
+void addPlan(CLI::App& app, Run& chosen);
+void addCheck(CLI::App& app, Run& chosen);
+void addDevices(CLI::App& app, Run& chosen);
+void addMerge(CLI::App& app, Run& chosen);
+
+}  // namespace viewpeel::program

@@ -1,0 +1,122 @@
+#include "program/interrupts.h"
+
+#include <semaphore.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <mutex>
+#include <thread>
+
+#include <fmt/core.h>
+
+#include "estimator/estimate.h"
+
+namespace viewpeel::program {
+namespace {
+
+constexpr std::chrono::milliseconds kGrace(1500);  // of the two seconds in which a run ends; the rest is for writing
+
+std::atomic<int> received = 0;
+static_assert(std::atomic<int>::is_always_lock_free);  // what a signal handler may touch
+sem_t word;
+
+struct Watch {
+  std::function<int()> first_end, end;
+  std::atomic<bool> has_results = false;
+  std::atomic<bool> is_ending = false;  // one of the threads has taken it upon itself
+  std::mutex at_work;                   // held by the run, but for what need not be waited for
+};
+Watch* watch = nullptr;  // never destroyed: the other thread outlives main
+
+[[noreturn]] void leave(const std::function<int()>& end) {
+  int status = 1;
+  try {
+    status = end();
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "viewpeel: {}\n", error.what());
+  }
+  std::fflush(nullptr);
+  ::_exit(status);  // the device may be busy for long: nothing that waits for it is called
+}
+
+void watchForWord() {
+  while (::sem_wait(&word) != 0) {}
+  std::this_thread::sleep_for(kGrace);
+  const bool has_results = watch->has_results;
+  if (has_results) watch->at_work.lock();
+  if (watch->is_ending.exchange(true)) {
+    if (has_results) watch->at_work.unlock();
+    return;
+  }
+  leave(has_results ? watch->end : watch->first_end);
+}
+
+class InterruptibleEngine final : public Engine {
+  // While the engine counts, the results there are may be written.
+  template <class Count>
+  static auto atRest(const Count& count) {
+    if (!watch) return count();
+    struct Rest {
+      Rest() { watch->at_work.unlock(); }
+      ~Rest() { watch->at_work.lock(); }
+    } rest;
+    return count();
+  }
+
+ public:
+  explicit InterruptibleEngine(Engine& engine) : engine_(engine) {}
+  PairCounts count(std::span<const Direction> directions) override {
+    return atRest([&] { return engine_.count(directions); });
+  }
+  std::vector<PairCounts> countBlocks(std::span<const Direction> directions, size_t block_directions) override {
+    return atRest([&] { return engine_.countBlocks(directions, block_directions); });
+  }
+  double unitArea() const override { return engine_.unitArea(); }
+  const Work* work() const override { return engine_.work(); }
+  std::string describePlan() const override { return engine_.describePlan(); }
+
+ private:
+  Engine& engine_;
+};
+
+}  // namespace
+
+void holdInterrupts(std::function<int()> end) {
+  watch = new Watch;
+  watch->first_end = std::move(end);
+  watch->at_work.lock();
+  ::sem_init(&word, 0, 0);
+  std::thread(watchForWord).detach();
+  struct sigaction hold {};
+  hold.sa_handler = [](int signal) {
+    received = signal;
+    ::sem_post(&word);
+  };
+  hold.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
+  ::sigaction(SIGINT, &hold, nullptr);
+  ::sigaction(SIGTERM, &hold, nullptr);
+}
+
+void stopIfInterrupted() {
+  if (received) throw Interrupted{};
+}
+
+int interruption() { return received; }
+
+void offerResults(std::function<int()> end) {
+  if (!watch) return;
+  watch->end = std::move(end);
+  watch->has_results = true;
+}
+
+std::unique_ptr<Engine> interruptible(Engine& engine) { return std::make_unique<InterruptibleEngine>(engine); }
+
+void endByItself() {
+  if (!watch || !watch->is_ending.exchange(true)) return;
+  for (;;) ::pause();
+}
+
+}  // namespace viewpeel::program

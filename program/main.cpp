@@ -1,0 +1,61 @@
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+
+#include <fmt/format.h>
+
+#include "program/commands.h"
+#include "error.h"
+#include "memory.h"
+
+namespace {
+
+constexpr int kFailed = 1, kBadUsage = 2;
+
+int exitStatus(viewpeel::ErrorCode code) {
+  return code == viewpeel::ErrorCode::bad_input || code == viewpeel::ErrorCode::bad_usage ? kBadUsage : kFailed;
+}
+
+// One line on stderr, also where the message quotes control characters of a name.
+void report(std::string message) {
+  for (char& c : message)
+    if (static_cast<unsigned char>(c) < 32 || c == 127) c = '?';
+  std::fputs(fmt::format("viewpeel: {}\n", message).c_str(), stderr);  // where stderr is full, fmt::print would throw
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  viewpeel::keepFreedMemory();
+  CLI::App app("viewpeel: form factors (view factors) of polygonal scenes with occlusion, for every pair at once, with a stated error",
+               "viewpeel");
+  app.set_version_flag("--version", "viewpeel " VIEWPEEL_VERSION);
+  app.require_subcommand(1);
+  viewpeel::program::Run chosen;
+  viewpeel::program::addCompute(app, chosen);
+  viewpeel::program::addPlan(app, chosen);
+  viewpeel::program::addCheck(app, chosen);
+  viewpeel::program::addMerge(app, chosen);
+  viewpeel::program::addDevices(app, chosen);
+  try {
+    app.parse(argc, argv);
+    const int status = chosen();
+    errno = 0;
+    if (std::fflush(stdout) != 0 || std::ferror(stdout))
+      throw viewpeel::Error(viewpeel::ErrorCode::output, fmt::format("standard output: cannot write: {}; send it to another place", std::strerror(errno ? errno : EIO)));
+    return status;
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);  // help and version
+    report(fmt::format("{}; see 'viewpeel --help'", error.what()));
+    return kBadUsage;
+  } catch (const viewpeel::Error& error) {
+    report(error.what());
+    return exitStatus(error.code());
+  } catch (const std::bad_alloc&) {
+    report("out of memory; try --by surface or a smaller scene");
+  } catch (const std::exception& error) {
+    report(error.what());
+  }
+  return kFailed;
+}

@@ -1,0 +1,20 @@
+// The files named by -o and --checkpoint.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "result/form_factors.h"
+
+namespace viewpeel::program {
+
+// That every file can be written, and none over another: before anything is computed.
+//   In: checkpoint: empty where there is none
+//   Throws: Error bad_usage.
+void checkOutputs(const std::vector<std::string>& outputs, const std::string& checkpoint, bool with_closure = false);
+
+// Writes all of them, also where one fails.
+//   In: closed, where there is closure
+//   Throws: what the first that failed threw.
+void writeOutputs(const FormFactors& form_factors, const std::vector<std::string>& outputs, const FormFactors* closed = nullptr);
+
+}  // namespace viewpeel::program

@@ -1,0 +1,64 @@
+// What the program prints for people.
+#pragma once
+#include <string>
+
+#include "engines/work.h"
+#include "estimator/estimate.h"
+#include "result/closure.h"
+#include "vulkan/device.h"
+
+namespace viewpeel::program {
+
+std::string describeDevice(const Device& device);
+// The same of what the host engine runs on.
+std::string describeProcessor();
+
+// "1 polygon", "2 polygons".
+std::string counted(uint64_t count, const char* noun);
+
+// Polygons, surfaces, areas, closed or open; several lines.
+std::string describeScene(const Scene& scene);
+// Pairs of coincident polygons and how they are ordered; empty where there are none.
+std::string describeCoincidences(const Scene& scene);
+// By which checkpoints know theirs.
+std::string identityOf(const Scene& scene);
+
+// The largest form factors between named surfaces, with standard errors.
+std::string tabulateLargest(const FormFactors& between_surfaces, size_t rows);
+
+// Directions of pairs that have their own, after the number of common ones; empty where there are none.
+std::string describeDirected(const Estimate& estimate);
+
+// The largest form factors and describeErrors.
+std::string describeResult(const Estimate& estimate);
+
+// Standard errors, closure, leak and environment of the whole matrix.
+std::string describeErrors(const Estimate& estimate);
+
+// What closing the rows changed.
+std::string describeClosed(const ClosedFormFactors& closed);
+
+// The same and the work done, as JSON.    In: work and closed may be nullptr
+std::string asJson(const std::string& scene, const std::string& device, const Estimate& estimate, double seconds, const Work* work,
+                   const ClosedFormFactors* closed);
+
+// The shares of the emitting area asked for whose lines leave the scene, and that end on a back.
+double environmentShare(const FormFactors& form_factors);
+double leakShare(const FormFactors& form_factors);
+
+// The row sum farthest from 1, and its row.
+struct Closure {
+  double largest_error = 0;
+  double rms_error = 0;
+  std::string row;
+};
+Closure measureClosure(const FormFactors& form_factors);
+
+// Messages of the validation layer are our errors: there is never a result beside them.
+//   Throws: Error device.
+void checkValidation(const Device& device);
+
+// With quotes, backslashes and control characters escaped, for use between quotes.
+std::string escapeJson(const std::string& text);
+
+}  // namespace viewpeel::program

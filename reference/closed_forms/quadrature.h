@@ -1,0 +1,44 @@
+// Gauss-Legendre rules, and adaptive integration over an interval.
+#pragma once
+#include <functional>
+#include <vector>
+
+namespace viewpeel::reference {
+
+// A number and what it may be off by.
+struct Approximation {
+  double value = 0;
+  double error = 0;  // see the function that returns it: a bound or an estimate
+};
+
+struct GaussRule {
+  std::vector<long double> nodes, weights;  // on (0, 1)
+};
+
+// The Gauss-Legendre rule of n points on (0, 1): sum_k weight_k f(node_k), exact for polynomials of degree 2n - 1.
+//   In: n, 1..64.
+//   Out: the rule; the same object on every call, safe from several threads.
+//   Error: nodes and weights to 4 ulp of long double; tests/unit/quadrature_test.cpp (monomials).
+//   Throws: nothing.
+//   Cost: O(n^2) once per n.
+//   Source: Abramowitz & Stegun, Handbook of Mathematical Functions, 25.4.29; Newton's method on the Legendre recurrence.
+const GaussRule& gaussRule(int n);
+
+struct LineIntegral {
+  long double value = 0;
+  long double error = 0;  // sum of |16-point - 10-point| over the leaves
+};
+
+// integral of f over [low, high], halving until the 10-point and the 16-point Gauss rule agree.
+//   In: f, finite on (low, high), singular at most like x ln x at the ends; tolerance, absolute; noise, the rounding error
+//       of one value of f, absolute.
+//   Out: the integral by the 16-point rules and the sum of the differences, which bounds the error of the worse rule.
+//   Error: `error`, as soon as the integrand is resolved; halving stops at tolerance, at the noise or the rounding of the
+//          sum, after 60 halvings of one place or 10,000 intervals in all. tests/unit/quadrature_test.cpp.
+//   Throws: what f throws.
+//   Cost: 26 calls of f per interval visited; O(log(1/distance of a singularity)) intervals per singularity.
+//   Source: the usual adaptive scheme, e.g. Davis & Rabinowitz, Methods of Numerical Integration, 6.2.
+LineIntegral integrate(const std::function<long double(long double)>& f, long double low, long double high, long double tolerance,
+                       long double noise = 0);
+
+}  // namespace viewpeel::reference

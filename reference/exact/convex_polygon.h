@@ -1,0 +1,58 @@
+// Convex planar polygons in long double, for the closed forms.
+#pragma once
+#include <span>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+namespace viewpeel::reference {
+
+using Vec3 = glm::vec<3, long double>;
+using ConvexPolygon = std::vector<Vec3>;  // counter-clockwise seen from the front
+
+// Where dot(normal, x) >= offset.
+struct HalfSpace {
+  Vec3 normal{0};  // unit length
+  long double offset = 0;
+
+  long double depth(const Vec3& x) const;  // > 0 inside
+};
+
+// Two polygons, and perhaps a blocker, moved and scaled so that all corners are within distance 1 of the origin.
+struct UnitFrame {
+  std::vector<ConvexPolygon> polygons;
+  long double rounding = 0;  // bound on a coordinate's rounding in the input, in the new unit
+};
+
+// x -> (x - centre) / scale for all corners.
+//   In: polygons of 3 or more corners each, convex and planar to rounding, any units.
+//   Out: the same polygons within the unit ball, and by how much the input's doubles may be rounded there.
+//   Error: 2 ulp of long double.
+//   Throws: Error bad_input naming the polygon (fewer than 3 corners, NaN or infinity, no area, not convex, not planar).
+//   Cost: O(corners of a polygon squared), for the check of convexity.
+//   Source: none.
+UnitFrame toUnitFrame(std::initializer_list<std::span<const glm::dvec3>> polygons);
+
+Vec3 areaVector(const ConvexPolygon& polygon);  // along the front's normal; its length is the area
+long double area(const ConvexPolygon& polygon);
+Vec3 meanCorner(const ConvexPolygon& polygon);
+HalfSpace frontOf(const ConvexPolygon& polygon);
+
+// The part of a polygon in a half space; corners within `rounding` of its boundary count as inside and do not move.
+//   In: a convex polygon, possibly empty; rounding >= 0, a length.
+//   Out: a convex polygon, empty where fewer than 3 corners are left.
+//   Error: 2 ulp of long double times 1 / sin(angle between the planes) in the new corners, plus rounding.
+//          tests/unit/convex_polygon_test.cpp.
+//   Throws: nothing.
+//   Cost: O(corners).
+//   Source: I. E. Sutherland & G. W. Hodgman, Reentrant polygon clipping, CACM 17(1), 1974.
+ConvexPolygon clip(const ConvexPolygon& polygon, const HalfSpace& half_space, long double rounding);
+
+// The parts of two polygons that see each other's front: each clipped to the other's front half space; both empty where
+// one of them lies behind or within the other's plane.
+struct FacingParts {
+  ConvexPolygon a, b;
+};
+FacingParts facingParts(const ConvexPolygon& a, const ConvexPolygon& b, long double rounding);
+
+}  // namespace viewpeel::reference

@@ -1,0 +1,54 @@
+// Where the line of a projected edge enters and leaves the other outlines.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include <gmpxx.h>
+
+#include "reference/exact/ball.h"
+#include "reference/exact/projection.h"
+
+namespace viewpeel::reference {
+
+// The point a + t (b - a) of an edge a -> b where it meets the line from vertex c to vertex d, or vertex c itself if
+// c = d.
+struct Cut {
+  Ball t;
+  uint32_t c = 0, d = 0;
+};
+
+// The part of an edge that an outline covers, within [0, 1].
+struct Span {
+  uint32_t outline = 0;
+  // 0: the line passes through the inside of the outline; 1, -1: along one of its edges, the inside to the left, right.
+  int side = 0;
+  Cut enter, leave;
+};
+
+// Cuts of one edge a -> b, a and b different vertices.
+class EdgeCuts {
+ public:
+  EdgeCuts(const Projection& projection, uint32_t a, uint32_t b) : projection_(projection), a_(a), b_(b) {}
+
+  Cut begin() const { return {{0, 0}, a_, a_}; }
+  Cut end() const { return {{1, 0}, b_, b_}; }
+
+  // Appends the span of the outline, if it has one of positive length. Cost: O(vertices of the outline).
+  void appendSpan(uint32_t outline, std::vector<Span>& spans) const;
+
+  // Negative, 0, positive as p lies before, on, behind q along the edge. Exact.
+  int compare(const Cut& p, const Cut& q) const;
+  mpq_class exactParameter(const Cut& cut) const;
+
+ private:
+  struct Fraction {
+    mpz_class numerator, denominator;  // denominator > 0
+  };
+  Cut makeCut(uint32_t c, uint32_t d) const;
+  Fraction exactFraction(const Cut& cut) const;
+
+  const Projection& projection_;
+  uint32_t a_, b_;
+};
+
+}  // namespace viewpeel::reference

@@ -1,0 +1,104 @@
+#include "reference/exact/interpenetration.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <CGAL/Box_intersection_d/Box_with_info_d.h>
+#include <CGAL/box_intersection_d.h>
+#include <fmt/format.h>
+#include <glm/geometric.hpp>
+
+#include "error.h"
+#include "result/ids.h"
+
+namespace viewpeel::reference {
+namespace {
+
+using Box = CGAL::Box_intersection_d::Box_with_info_d<double, 3, uint32_t>;
+
+struct Chord {
+  bool exists = false;
+  glm::dvec3 begin{0}, end{0};
+};
+
+const glm::dvec3& corner(const Scene& scene, const Polygon& polygon, uint32_t k) {
+  return scene.corners[polygon.first_corner + k % polygon.corner_count];
+}
+
+// Where the polygon meets the plane, if it has corners further than depth on both sides of it.
+Chord cutByPlane(const Scene& scene, const Polygon& polygon, const Plane& plane, double depth) {
+  double lowest = 0, highest = 0;
+  for (uint32_t k = 0; k < polygon.corner_count; ++k) {
+    const double height = glm::dot(plane.normal, corner(scene, polygon, k)) - plane.offset;
+    lowest = std::min(lowest, height);
+    highest = std::max(highest, height);
+  }
+  Chord chord;
+  if (lowest >= -depth || highest <= depth) return chord;
+  for (uint32_t k = 0; k < polygon.corner_count; ++k) {
+    const glm::dvec3 &p = corner(scene, polygon, k), &q = corner(scene, polygon, k + 1);
+    const double p_height = glm::dot(plane.normal, p) - plane.offset;
+    const double q_height = glm::dot(plane.normal, q) - plane.offset;
+    if ((p_height < 0) == (q_height < 0)) continue;
+    const glm::dvec3 cut = p + (q - p) * (p_height / (p_height - q_height));
+    (p_height < 0 ? chord.begin : chord.end) = cut;
+    chord.exists = true;
+  }
+  return chord;
+}
+
+}  // namespace
+
+std::vector<Interpenetration> findInterpenetrations(const Scene& scene, double touching_depth) {
+  std::vector<Box> boxes;
+  boxes.reserve(scene.polygons.size());
+  for (uint32_t i = 0; i < scene.polygons.size(); ++i) {
+    glm::dvec3 low = corner(scene, scene.polygons[i], 0), high = low;
+    for (uint32_t k = 1; k < scene.polygons[i].corner_count; ++k) {
+      low = glm::min(low, corner(scene, scene.polygons[i], k));
+      high = glm::max(high, corner(scene, scene.polygons[i], k));
+    }
+    boxes.emplace_back(CGAL::Bbox_3(low.x, low.y, low.z, high.x, high.y, high.z), i);
+  }
+
+  std::vector<Interpenetration> found;
+  const auto test = [&](const Box& box_a, const Box& box_b) {
+    const uint32_t a = std::min(box_a.info(), box_b.info()), b = std::max(box_a.info(), box_b.info());
+    const Polygon &polygon_a = scene.polygons[a], &polygon_b = scene.polygons[b];
+    if (polygon_a.plane == polygon_b.plane) return;
+    const Plane &plane_a = scene.planes[polygon_a.plane], &plane_b = scene.planes[polygon_b.plane];
+    const Chord of_a = cutByPlane(scene, polygon_a, plane_b, touching_depth);
+    if (!of_a.exists) return;
+    const Chord of_b = cutByPlane(scene, polygon_b, plane_a, touching_depth);
+    if (!of_b.exists) return;
+    // Both chords lie on the common line of the planes.
+    const glm::dvec3 along = glm::normalize(glm::cross(plane_a.normal, plane_b.normal));
+    const auto [a_begin, a_end] = std::minmax({glm::dot(along, of_a.begin), glm::dot(along, of_a.end)});
+    const auto [b_begin, b_end] = std::minmax({glm::dot(along, of_b.begin), glm::dot(along, of_b.end)});
+    const double begin = std::max(a_begin, b_begin), end = std::min(a_end, b_end);
+    if (end - begin <= touching_depth) return;
+    const glm::dvec3 middle = of_a.begin + along * ((begin + end) / 2 - glm::dot(along, of_a.begin));
+    found.push_back({a, b, scene.centre + scene.scale * middle, end - begin});
+  };
+  CGAL::box_self_intersection_d(boxes.begin(), boxes.end(), test);
+  std::sort(found.begin(), found.end(), [](const Interpenetration& p, const Interpenetration& q) {
+    return std::pair(p.a, p.b) < std::pair(q.a, q.b);
+  });
+  return found;
+}
+
+std::string describe(const Scene& scene, const Interpenetration& found) {
+  return fmt::format("{}: {} and {} pass through each other at ({:.6g}, {:.6g}, {:.6g})", scene.file,
+                     faceName(scene, scene.polygons[found.a].face), faceName(scene, scene.polygons[found.b].face), found.place.x,
+                     found.place.y, found.place.z);
+}
+
+void requireDisjoint(const Scene& scene, double touching_depth) {
+  const std::vector<Interpenetration> found = findInterpenetrations(scene, touching_depth);
+  if (found.empty()) return;
+  std::string message = describe(scene, found.front());
+  if (found.size() > 1) message += fmt::format(", and {} more pairs", found.size() - 1);
+  throw Error(ErrorCode::bad_input, message + "; split them where they meet");
+}
+
+}  // namespace viewpeel::reference

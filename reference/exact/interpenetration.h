@@ -1,0 +1,45 @@
+// Polygons that pass through one another: no order along a line exists for them, so a scene with them is refused.
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "scene/scene.h"
+
+namespace viewpeel::reference {
+
+// Contact up to this depth, in unit-ball units, is touching. Far above the rounding of corners (1e-16) and far below
+// anything a model means.
+constexpr double kTouchingDepth = 1e-9;
+
+struct Interpenetration {
+  uint32_t a, b;     // polygons, a < b
+  glm::dvec3 place;  // input units: the middle of the segment that they share
+  double length;     // of that segment, unit-ball units
+};
+
+// All pairs of polygons that pass through one another: each has corners on both sides of the other's plane, further
+// from it than `touching_depth`, and the chords that they cut from the common line of the planes overlap by more
+// than `touching_depth`. Touching in corners, in edges, of an edge with an interior, and overlap within one plane are
+// none.
+//   In: scene, unit-ball units; touching_depth in unit-ball units, at least 1e-14.
+//   Out: sorted by (a, b).
+//   Error: decided in double, whose error (1e-15) is far below touching_depth; tests/unit/interpenetration_test.cpp.
+//   Throws: nothing of its own.
+//   Cost: O(n log^2 n + overlapping boxes) work, O(n) memory.
+//   Source: T. Moeller, A fast triangle-triangle intersection test (1997), for convex polygons; boxes: A. Zomorodian
+//     and H. Edelsbrunner, Fast software for box intersections (2002), by CGAL.
+std::vector<Interpenetration> findInterpenetrations(const Scene& scene, double touching_depth = kTouchingDepth);
+
+// One line for a message: `scene.obj: desk[3] and wall pass through each other at (1.5, 2, 0)`.
+std::string describe(const Scene& scene, const Interpenetration& found);
+
+// Returns where the scene has no interpenetration.
+//   In, Error, Cost: as findInterpenetrations.
+//   Out: none.
+//   Throws: Error bad_input, the first pair described, the number of further ones and the remedy.
+void requireDisjoint(const Scene& scene, double touching_depth = kTouchingDepth);
+
+}  // namespace viewpeel::reference

@@ -1,0 +1,55 @@
+// The order of the outlines that a point of a projected edge lies in.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "reference/exact/height_order.h"
+
+namespace viewpeel::reference {
+
+constexpr uint32_t kNoOutline = 0xFFFFFFFFu;
+
+// What an edge of outline `own` changes: layers `lower`, `own`, `upper` follow each other on its inner side, `lower`
+// and `upper` on the outer.
+struct LayerChange {
+  uint32_t lower = kNoOutline, own = kNoOutline, upper = kNoOutline;
+  bool is_cyclic = false;  // the pairwise order, by rounding: `lower` and `upper` say nothing
+  // All layers of both sides between two kNoOutline, where the order is cyclic or they were asked for.
+  std::vector<uint32_t> inside, outside;
+
+  bool operator==(const LayerChange&) const = default;
+};
+
+// Outlines are sorted by the number of others below them. That is the pairwise order wherever that has no cycle, and it
+// depends on nothing but the set of outlines. So the layers of one face look the same from all its edges, and the
+// boundary of a pair's regions closes, even within slivers of width 1e-16 where polygons that meet at an edge have no
+// meaningful order.
+class Layers {
+ public:
+  // Keeps a reference. lists_all: all layers of every change.
+  Layers(HeightOrder& order, bool lists_all) : order_(order), lists_all_(lists_all) {}
+
+  void assign(uint32_t own);  // the inner side of an edge of `own`, and nothing else
+  // Cost: O(layers).
+  void insert(uint32_t outline);
+  void erase(uint32_t outline);
+  const LayerChange& change() const { return change_; }
+
+ private:
+  struct Layer {
+    uint32_t outline;
+    uint32_t below_count;
+    bool is_below_own;
+  };
+  void update();
+  void findNeighbours();
+  void listAll();
+
+  HeightOrder& order_;
+  bool lists_all_;
+  std::vector<Layer> layers_;  // own first
+  std::vector<char> taken_;
+  LayerChange change_;
+};
+
+}  // namespace viewpeel::reference

@@ -1,0 +1,31 @@
+// Finds the outlines near an edge.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "reference/exact/projection.h"
+
+namespace viewpeel::reference {
+
+// A square grid over the projection; each cell lists the outlines whose bounds touch it.
+class OutlineGrid {
+ public:
+  // Keeps a reference. Cost: O(outlines + cells covered by their bounds), about 4 cells per outline.
+  explicit OutlineGrid(const Projection& projection);
+
+  // Every outline that the edge a -> b meets, and others near it; each once, in no particular order.
+  void findNear(uint32_t a, uint32_t b, std::vector<uint32_t>& outlines);
+
+ private:
+  int column(double x) const;
+  int row(double y) const;
+
+  const Projection& projection_;
+  glm::dvec2 low_{0}, cell_{1};
+  int cells_per_side_ = 1;
+  std::vector<uint32_t> first_, listed_;
+  std::vector<uint32_t> seen_;  // the last query that found an outline
+  uint32_t query_ = 0;
+};
+
+}  // namespace viewpeel::reference

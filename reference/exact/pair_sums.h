@@ -1,0 +1,87 @@
+// Adds pieces of edges up to areas of pairs.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <unordered_map>
+#include <vector>
+
+#include <gmpxx.h>
+
+#include "reference/exact/ball.h"
+#include "reference/exact/exact_pair_areas.h"
+#include "reference/exact/layers.h"
+#include "reference/exact/projection.h"
+
+namespace viewpeel::reference {
+
+// A piece of an edge, as it enters boundary integrals.
+struct Piece {
+  Ball twice_area;  // cross(from, to) in Vertex::rounded coordinates
+  double from = 0, to = 0;  // parameters along the edge
+  int sign = 1;             // -1 where the piece runs from `to` to `from`
+  struct Exact {
+    mpq_class twice_area, dx, dy;  // units of Projection::exponent
+  };
+  std::optional<Exact> exact;  // with Arithmetic::exact only
+
+  Piece operator-() const;
+};
+
+// The regions of pairs a < b of polygons, by what bounds them.
+class RegionSums {
+ public:
+  struct Sum {
+    uint32_t a, b;
+    Ball twice_area;
+    std::optional<Piece::Exact> exact;
+    double perimeter = 0;
+  };
+
+  // Keeps a reference.
+  explicit RegionSums(const ExactOptions& options) : options_(options) {}
+
+  void add(uint32_t a, uint32_t b, const Piece& piece);
+  void closeEdge(double length);
+  // Sorted by (a, b), without zero areas.
+  std::vector<PairArea> list(const Projection& projection) const;
+  void appendOpenPairs(std::vector<std::array<uint32_t, 2>>& open) const;
+  const std::unordered_map<uint64_t, Sum>& sums() const { return sums_; }
+
+ private:
+  struct Step {
+    double at;
+    int change;  // of the number of pieces that run one way less those that run the other
+  };
+
+  const ExactOptions& options_;
+  std::unordered_map<uint64_t, Sum> sums_;
+  std::unordered_map<uint64_t, std::vector<Step>> steps_;  // along the current edge
+};
+
+class PairSums {
+ public:
+  // Keeps references.
+  PairSums(const Projection& projection, const ExactOptions& options);
+
+  // Adds the piece to the pair that the gap between two consecutive outlines belongs to, by facing.h. kNoOutline: none.
+  void addGap(uint32_t lower, uint32_t upper, const Piece& piece);
+  // Adds it to the blocked pair of two outlines with others between them, where they face each other.
+  void addBlocked(uint32_t lower, uint32_t upper, const Piece& piece);
+
+  // The pieces since the last call lie on one edge of this length in P(u): what they leave of each other bounds the regions.
+  void closeEdge(double length);
+
+  // Cost: O(pairs log pairs).
+  ExactPairAreas finish() const;
+
+ private:
+  uint32_t classify(uint32_t lower, uint32_t upper) const;
+  std::vector<uint32_t> findOpenPolygons() const;
+
+  const Projection& projection_;
+  const ExactOptions& options_;
+  RegionSums gaps_, blocked_;
+};
+
+}  // namespace viewpeel::reference

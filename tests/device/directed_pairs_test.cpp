@@ -1,0 +1,244 @@
+// Pairs that common directions hardly meet, along directions of their own: unbiased, honest, the same bits however they are counted, and quicker.
+#include <cmath>
+#include <numbers>
+
+#include <boost/math/distributions/students_t.hpp>
+#include <gtest/gtest.h>
+
+#include "tests/support/compare.h"
+#include "error.h"
+#include "estimator/directed_pairs.h"
+#include "estimator/visible_share.h"
+#include "reference/exact/exact_engine.h"
+#include "reference/closed_forms/past_blocker.h"
+#include "scenes/named_scenes.h"
+#include "scenes/shared_engine.h"
+#include "tests/support/test_device.h"
+
+namespace viewpeel {
+namespace {
+
+namespace ts = test_scenes;
+
+struct Directed {
+  Scene scene;
+  Ids ids;
+  LatticeOptions lattice;
+  std::unique_ptr<Engine> engine;
+  std::vector<SizeGroup> groups;
+  std::map<std::pair<int, double>, std::unique_ptr<Engine>> own;  // of pairs
+
+  explicit Directed(const InputScene& input, const LatticeOptions& options = {.resolution = 64}) : scene(buildScene(input)), ids(makeIds(scene, By::polygon, false)), lattice(options) {
+    lattice.count_blocked = true;
+    groups = groupAsOne(scene, lattice.resolution);
+    engine = makeComputeEngine(testDevice(), scene, ids, lattice);
+  }
+  PairSampler sampler(uint64_t seed) {
+    return PairSampler(scene, ids, seed, [this](const Ids& pair_ids, int resolution, const Window& window) {
+      std::unique_ptr<Engine>& made = own[{resolution, window.radius}];  // tells scenes of one pair's engines apart
+      LatticeOptions options = lattice;
+      options.resolution = resolution;
+      options.window = window;
+      if (!made) made = makeComputeEngine(testDevice(), scene, pair_ids, options);
+      return std::make_unique<SharedEngine>(*made);
+    });
+  }
+  VisibleShares find(EstimateOptions options, PairSampler* pairs) {
+    options.pairs = pairs;
+    FaceExchanges exchanges(&testDevice(), scene, ids);
+    return findVisibleShares(*engine, exchanges, scene, ids, groups, options, {sharePilot(options).directions});
+  }
+  Estimate estimate(EstimateOptions options, const VisibleShares& shares, PairSampler* pairs) {
+    options.known = &shares.known;
+    options.pairs = pairs;
+    return estimateFormFactors(*engine, scene, ids, options);
+  }
+};
+
+double truthPastTheEdge() {
+  const InputScene input = ts::squaresPastAnEdge();
+  return reference::formFactorPastBlocker(input.faces[0].corners, input.faces[1].corners, input.faces[2].corners).value;
+}
+
+const EstimateOptions kGoal{.directions = 256, .relative = 0.05, .relative_floor = 1e-5};
+
+// Facing points weighed by solid angle come to the form factor, and all points to the closed form, whatever share and number of directions. Means over 400 replicates, within
+// allowedStandardErrors of them. A pair engine of exact areas has nothing of a lattice, and comes to the same.
+TEST(DirectedPairs, CountsStandForTheirSolidAngle) {
+  Directed made(ts::squaresPastAnEdge());
+  const double truth = truthPastTheEdge(), area = made.ids.areas[0];
+  const double whole = made.find({.directions = 64}, nullptr).known.pairs[0].exchange / area;
+  PairSampler lattice = made.sampler(3);
+  PairSampler exact(made.scene, made.ids, 3, [&](const Ids& ids, int, const Window&) { return reference::makeExactEngine(made.scene, ids, {.blocked = true}); });
+  constexpr uint64_t kReplicates = 400;
+  for (PairSampler* sampler : {&lattice, &exact}) {
+    DirectedPair pair = sampler->direct(0, 1, 16);
+    EXPECT_EQ(pair.directions, 16u);
+    sampler->prepare({&pair, 1});
+    ReplicateSums::Sum facing, all;
+    const double f = 2 * pair.measure_area / area;
+    double sum[2] = {0, 0}, squares[2] = {0, 0};
+    for (uint64_t r = 0; r < kReplicates; ++r) {
+      const PairCount count = sampler->count(pair, r);
+      const double values[] = {f * double(count.count), f * double(count.count + count.blocked)};
+      for (int k = 0; k < 2; ++k) sum[k] += values[k], squares[k] += values[k] * values[k];
+    }
+    for (int k = 0; k < 2; ++k) {
+      const double mean = sum[k] / kReplicates, error = std::sqrt((squares[k] / kReplicates - mean * mean) / (kReplicates - 1));
+      EXPECT_TRUE(isEstimateOf({mean, error}, k ? whole : truth, kReplicates, k ? kUnoccludedRelativeError * whole : reference::kPastBlockerError)) << k;
+      EXPECT_LT(error, 0.05 * mean);
+    }
+  }
+}
+
+// From pilot to result, over seeds: the pilot chooses the pair, and nothing else; the mean is the truth within four standard errors, and 95 % intervals hold it but for four standard deviations of the
+// binomial law. bench/programs/coverage.cpp has 200 seeds. Laws hold for all.
+TEST(DirectedPairs, AgreeWithTheTruthOverSeeds) {
+  Directed made(ts::squaresPastAnEdge());
+  const double truth = truthPastTheEdge(), t = quantile(complement(boost::math::students_t(7), 0.025));
+  constexpr int kSeeds = 24;
+  double sum = 0, squares = 0;
+  int held = 0;
+  for (uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    EstimateOptions options = kGoal;
+    options.seed = seed;
+    PairSampler pairs = made.sampler(seed);
+    const VisibleShares shares = made.find(options, &pairs);
+    ASSERT_EQ(shares.known.directed.size(), 1u) << seed;
+    EXPECT_EQ(std::pair(shares.known.directed[0].i, shares.known.directed[0].j), std::pair(0u, 1u));
+    options.relative.reset();
+    const Estimate e = made.estimate(options, shares, &pairs);
+    EXPECT_EQ(e.replicates, 8u);
+    EXPECT_EQ(e.directed_directions, 8u * shares.known.directed[0].directions);
+    const Measured f = e.form_factors.formFactor(0, 1);
+    held += std::abs(f.value - truth) <= t * f.standard_error;
+    sum += f.value - truth;
+    squares += std::pow(f.value - truth, 2);
+    EXPECT_EQ(e.form_factors.exchangeArea(0, 1).value, e.form_factors.exchangeArea(1, 0).value);
+    EXPECT_GE(f.value, 0);
+    EXPECT_LE(f.value, std::min(1.0, made.ids.areas[1] / made.ids.areas[0]));
+  }
+  EXPECT_LE(std::abs(held - 0.95 * kSeeds), 4 * std::sqrt(0.95 * 0.05 * kSeeds));
+  EXPECT_LE(std::abs(sum / kSeeds), 4 * std::sqrt(squares) / kSeeds);
+}
+
+// The goal is reached with a fifth of the directions, at most, that common ones alone take.
+TEST(DirectedPairs, ReachTheGoalSooner) {
+  Directed made(ts::squaresPastAnEdge());
+  EstimateOptions goal = kGoal;
+  goal.relative = 0.15;
+  PairSampler pairs = made.sampler(goal.seed);
+  const Estimate with = made.estimate(goal, made.find(goal, &pairs), &pairs), without = made.estimate(goal, made.find(goal, nullptr), nullptr);
+  EXPECT_LE(with.largest_relative_error, 0.15);
+  EXPECT_LE(without.largest_relative_error, 0.15);
+  EXPECT_LT(5 * (with.directions + with.directed_directions), without.directions);
+  EXPECT_TRUE(areEstimatesOfTheSame(with.form_factors.formFactor(0, 1), without.form_factors.formFactor(0, 1), with.replicates));
+  // Those between surfaces, of one polygon each, are the same.
+  EXPECT_EQ(with.form_factors.exchangeArea(0, 1).value, with.between_surfaces.exchangeArea(0, 1).value);
+  EXPECT_EQ(with.form_factors.exchangeArea(0, 1).standard_error, with.between_surfaces.exchangeArea(0, 1).standard_error);
+  // Row sums are of common directions, so that they differ from 1 by the error of these.
+  EXPECT_TRUE(isEstimateOf(with.form_factors.rowSums()[0], 1, with.replicates));
+}
+
+// Pairs that share the emitter share its engine, and are counted as if each had its own.
+TEST(DirectedPairs, PairsOfOneEmitterShareAnEngine) {
+  InputScene input = ts::squaresPastAnEdge();
+  ts::addFace(input, "beside", {{1, 0, 6}, {1, 0.6, 6}, {1.6, 0.6, 6}, {1.6, 0, 6}});
+  ts::addFace(input, "above", {{-0.6, 0, 0.5}, {-0.6, 0.6, 0.5}, {0, 0.6, 0.5}, {0, 0, 0.5}});
+  const Scene scene = buildScene(input);
+  const Ids ids = makeIds(scene, By::polygon, false);
+  int engines = 0;
+  const MakePairEngine make = [&](const Ids& pair_ids, int resolution, const Window& window) {
+    ++engines;
+    return makeComputeEngine(testDevice(), scene, pair_ids, {.resolution = resolution, .window = window, .count_blocked = true, .batch_directions = engines % 2 ? 3u : 0u});
+  };
+  PairSampler together(scene, ids, 5, make);
+  std::vector<DirectedPair> pairs{together.direct(0, 3, 20), together.direct(0, 4, 50)};
+  EXPECT_EQ(together.countEngines(pairs), 1u);
+  together.prepare(pairs);
+  EXPECT_EQ(engines, 1);
+  const PairCounts counts = together.count(pairs, 7);
+  ASSERT_EQ(counts.size(), 2u);
+  for (size_t k = 0; k < pairs.size(); ++k) {
+    PairSampler alone(scene, ids, 5, make);
+    DirectedPair pair = alone.direct(pairs[k].i, pairs[k].j, pairs[k].directions);
+    alone.prepare({&pair, 1});
+    EXPECT_EQ(pair, pairs[k]);
+    EXPECT_EQ(alone.count(pair, 7), counts[k]);
+    EXPECT_NE(alone.count(pair, 8), counts[k]);
+    PairSampler other_seed(scene, ids, 6, make);
+    other_seed.prepare({&pair, 1});
+    EXPECT_NE(other_seed.count(pair, 7), counts[k]);
+  }
+  // Where engines have no finer lattices, the pair makes do.
+  EXPECT_GT(pairs[0].resolution, 50u);
+  EXPECT_EQ(PairSampler(scene, ids, 5, make, 50).direct(0, 3, 20).resolution, 50u);
+  // Nothing tells of squares that face alike.
+  EXPECT_EQ(together.direct(1, 3, 10).directions, 0u);
+}
+
+// A pair never blocked is its closed form, one always blocked 0, with the error of one line, which is that of its own lattice: h^2 |W| / (2 pi) / (all directions) a line.
+TEST(DirectedPairs, NeverAndAlwaysBlockedAreExact) {
+  for (const bool is_blocked : {false, true}) {
+    Directed made(is_blocked ? ts::squaresPastAnEdge(0.9) : ts::stackOfSheets({0, 9}));
+    PairSampler pairs = made.sampler(1);
+    VisibleShares shares = made.find({.directions = 256}, nullptr);
+    DirectedPair pair = pairs.direct(0, 1, 64);
+    pairs.prepare({&pair, 1});
+    pair.share = is_blocked ? 0 : kShareOne;
+    shares.known.directed = {pair};
+    const double whole = shares.known.pairs[0].exchange;
+    std::optional<FormFactors> all;
+    const EstimateOptions options{.directions = 16, .replicates = 4, .on_sums = [&](const RunSums& sums, bool) { all = sums.formFactors(); }};
+    const Estimate e = made.estimate(options, shares, &pairs);
+    const Measured f = all->exchangeArea(0, 1);
+    EXPECT_EQ(f.value, is_blocked ? 0 : whole);
+    const DirectionRegion region = findPairRegion(made.scene, std::vector{0u}, std::vector{1u});
+    const double h = 2 * made.scene.scale / pair.resolution, line = 2 * h * h * region.solidAngle() / (2 * std::numbers::pi) / (64 * 4);
+    EXPECT_NEAR(f.standard_error, line, 1e-12 * line);
+    EXPECT_LT(f.standard_error, 1e-3 * whole);
+    EXPECT_EQ(e.unseen_pairs, is_blocked ? 1u : 0u);
+    EXPECT_EQ(e.largest_unseen_error, is_blocked ? f.standard_error / made.ids.areas[0] : 0);
+  }
+}
+
+// Gone on with, or in parts, a run has the bits of one that was never stopped; parts that chose alike go together.
+TEST(DirectedPairs, AreSumsLikeAnyOther) {
+  Directed made(ts::squaresPastAnEdge());
+  PairSampler pairs = made.sampler(1);
+  const VisibleShares shares = made.find(kGoal, &pairs);
+  ASSERT_EQ(shares.known.directed.size(), 1u);
+  const auto run = [&](uint64_t first, uint32_t replicates, const RunSums* resumed, PairSampler* sampler) {
+    std::optional<RunSums> sums;
+    EstimateOptions options{.directions = 64, .replicates = replicates, .first_replicate = first, .resumed = resumed, .on_sums = [&](const RunSums& s, bool) { sums = s; }};
+    made.estimate(options, shares, sampler);
+    return *sums;
+  };
+  const auto isSame = [](const RunSums& a, const RunSums& b) {
+    const FormFactors x = a.formFactors(), y = b.formFactors();
+    return x.exchangeArea(0, 1).value == y.exchangeArea(0, 1).value && x.exchangeArea(0, 1).standard_error == y.exchangeArea(0, 1).standard_error && x.exchangeArea(0, 1).standard_error > 0 &&
+           a.visible->directed().pairs()[0].sum == b.visible->directed().pairs()[0].sum;
+  };
+  const RunSums whole = run(0, 6, nullptr, &pairs), begun = run(0, 3, nullptr, &pairs);
+  PairSampler fresh = made.sampler(1);
+  EXPECT_TRUE(isSame(run(0, 6, &begun, &fresh), whole));
+  RunSums later = run(3, 3, nullptr, &pairs);
+  EXPECT_FALSE(isSame(later, whole));
+  later.add(begun);
+  EXPECT_TRUE(isSame(later, whole));
+  EXPECT_THROW(run(0, 6, &begun, nullptr), Error);
+}
+
+// Without a goal, and where all pairs are met by many directions, no pair has its own.
+TEST(DirectedPairs, OnlyWhereTheyPay) {
+  Directed made(ts::squaresPastAnEdge());
+  PairSampler pairs = made.sampler(1);
+  EXPECT_TRUE(made.find({.directions = 256}, &pairs).known.directed.empty());
+  EXPECT_TRUE(made.find({.directions = 256, .tolerance = 0.1}, &pairs).known.directed.empty());
+  Directed near(ts::roomWithTouchingBoxes());
+  PairSampler near_pairs = near.sampler(1);
+  EXPECT_TRUE(near.find({.directions = 256, .tolerance = 3e-3}, &near_pairs).known.directed.empty());
+}
+
+}  // namespace
+}  // namespace viewpeel

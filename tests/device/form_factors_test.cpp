@@ -1,0 +1,164 @@
+#include "result/form_factors.h"
+#include "sums/replicate_sums.h"
+
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+namespace viewpeel {
+namespace {
+
+Ids twoIds(double area_0, double area_1) {
+  Ids ids;
+  ids.names = {"a", "b"};
+  ids.areas = {area_0, area_1};
+  ids.surface = {0, 0};
+  return ids;
+}
+
+TEST(ReplicateSums, MeanAndStandardErrorOfThree) {
+  ReplicateSums sums(twoIds(2, 4));
+  sums.add({{0, 1, 10}});
+  sums.add({{0, 1, 14}});
+  sums.add({{0, 1, 18}});
+  const FormFactors f = sums.formFactors(0.5);
+  // Sum 42; sample variance 16, so that of the sum 48: 48 / 42 counts at a time, 36.75 times, and once 1: the mean's standard error is sqrt(48 + (43 / 37.75)^2) / 3. A_i F_ij = 2 C_ij.
+  const double standard_error = std::hypot(std::sqrt(48.0), 43 / 37.75) / 3;
+  EXPECT_DOUBLE_EQ(f.exchangeArea(0, 1).value, 14);
+  EXPECT_DOUBLE_EQ(f.exchangeArea(1, 0).standard_error, standard_error);
+  EXPECT_DOUBLE_EQ(f.formFactor(0, 1).value, 7);
+  EXPECT_DOUBLE_EQ(f.formFactor(1, 0).value, 3.5);
+  EXPECT_DOUBLE_EQ(sums.largestStandardError(0.5), standard_error / 2);
+}
+
+// An entry that some replicates never met counts as zero in them.
+TEST(ReplicateSums, MissingEntriesAreZeros) {
+  ReplicateSums sums(twoIds(1, 1));
+  sums.add({{0, 0, 3}, {1, kEnvironment, 5}});
+  sums.add({{0, 1, 4}});
+  const FormFactors f = sums.formFactors(1);
+  ASSERT_EQ(f.entries().size(), 3u);
+  EXPECT_DOUBLE_EQ(f.exchangeArea(0, 0).value, 4 * 1.5);  // a pair within one id exchanges both ways
+  EXPECT_DOUBLE_EQ(f.exchangeArea(0, 1).value, 2 * 2);
+  EXPECT_DOUBLE_EQ(f.formFactor(1, kEnvironment).value, 2 * 2.5);
+  EXPECT_EQ(f.formFactor(0, kLeak).value, 0);
+  // Rows: id 0 has 6 lines, then 4; id 1 has 5, then 4.
+  EXPECT_DOUBLE_EQ(f.rowSums()[0].value, 2 * 5);
+  EXPECT_DOUBLE_EQ(f.rowSums()[1].value, 2 * 4.5);
+  EXPECT_DOUBLE_EQ(f.rowSums()[1].standard_error, 2 * std::hypot(1.0, 1.0) / 2);  // of 5 + 4: variance 1, dispersion 1/9, but at least 1
+}
+
+TEST(ReplicateSums, HugeCountsKeepTheirSpread) {
+  const uint64_t base = 1ull << 52;
+  ReplicateSums sums(twoIds(1, 1));
+  for (uint64_t k : {0, 2, 4}) sums.add({{0, 1, base + k}});
+  EXPECT_DOUBLE_EQ(sums.formFactors(1).exchangeArea(0, 1).standard_error, 2 * std::sqrt(13.0) / 3);  // of the sum: variance 12, and 1
+}
+
+// They seem exact, but one of them might as well have counted one more.
+TEST(ReplicateSums, ReplicatesThatAgreeHaveTheErrorOfOneCount) {
+  ReplicateSums sums(twoIds(1, 1));
+  for (int k = 0; k < 4; ++k) sums.add({{0, 1, 7}});
+  EXPECT_DOUBLE_EQ(sums.formFactors(1).exchangeArea(0, 1).standard_error, 2 / 4.0);
+}
+
+// How often, of 4000 runs of 8 replicates, the 95 % interval holds the expectation of lines that come in bunches.
+struct Coverages {
+  double printed = 0, by_spread_alone = 0;  // printed: where it is known how large a bunch is
+};
+
+Coverages coverBunches(double bunches, uint64_t bunch) {
+  constexpr int kRuns = 4000, kReplicates = 8;
+  constexpr double kStudent = 2.364624;  // 97.5 %, 7 degrees of freedom
+  std::mt19937_64 bits(1);
+  const auto poisson = [&bits](double expectation) {  // how many uniform factors keep the product above exp(-expectation)
+    uint64_t count = 0;
+    for (double product = 1; (product *= double(bits() >> 11) * 0x1p-53) > std::exp(-expectation);) ++count;
+    return count;
+  };
+  const double truth = 2 * bunches * double(bunch) / kReplicates;
+  Coverages coverages;
+  for (int run = 0; run < kRuns; ++run) {
+    ReplicateSums sums(twoIds(1, 1));
+    double sum = 0, squares = 0;
+    for (int k = 0; k < kReplicates; ++k) {
+      const uint64_t count = bunch * poisson(bunches / kReplicates);
+      sums.add(count ? PairCounts{{0, 1, count}} : PairCounts{});
+      sum += double(count), squares += double(count) * double(count);
+    }
+    const Measured f = sums.formFactors(1, bunch > 1 ? 8 / 27.0 / double(bunch - 1) : INFINITY).formFactor(0, 1);
+    const double spread_alone = 2 * std::sqrt((squares - sum * sum / kReplicates) / (kReplicates - 1) / kReplicates);
+    coverages.printed += (std::abs(f.value - truth) <= kStudent * f.standard_error) / double(kRuns);
+    coverages.by_spread_alone += (std::abs(f.value - truth) <= kStudent * spread_alone) / double(kRuns);
+  }
+  return coverages;
+}
+
+// 95 % are seen within 4 standard errors of 0.34 %, but for one seed in 16,000.
+TEST(ReplicateSums, IntervalsOfFewCountsHoldTheTruth) {
+  constexpr double kLeast = 0.95 - 4 * 0.0034;
+  for (double lines : {4.0, 8.0, 16.0}) EXPECT_GT(coverBunches(lines, 1).printed, kLeast) << lines << " lines";
+  EXPECT_LT(coverBunches(4, 1).by_spread_alone, kLeast);  // the comparison means something
+  for (double bunches : {4.0, 8.0, 16.0}) {
+    const Coverages coverages = coverBunches(bunches, 5);
+    EXPECT_GT(coverages.printed, kLeast) << bunches << " bunches";
+    EXPECT_GT(coverages.printed, coverages.by_spread_alone) << bunches << " bunches";
+  }
+}
+
+// A pair met by one direction at one line: others might have seen it with as many lines as its smaller polygon has room for. Area 2, lines of 0.1: 1 + 8/27 20 = 6.93 at a time, half of
+// them beside the one that was seen. Where many met the pair that is nothing.
+TEST(ReplicateSums, OneDirectionDoesNotTellHowManyLinesOthersSee) {
+  const auto errorOf = [](uint64_t count, double count_area) {
+    ReplicateSums sums(twoIds(2, 4));
+    for (int k = 0; k < 8; ++k) sums.add(k == 0 || count > 1 ? PairCounts{{0, 1, count}} : PairCounts{});
+    const FormFactors f = sums.formFactors(1, count_area);
+    EXPECT_EQ(f.formFactor(0, 1).standard_error, sums.largestStandardError(1, count_area));
+    return f.formFactor(0, 1).standard_error;
+  };
+  EXPECT_DOUBLE_EQ(errorOf(1, 0.1), std::hypot(1.0, (2 + 160 / 27.0) / 2) / 8);
+  EXPECT_DOUBLE_EQ(errorOf(1, INFINITY), std::sqrt(2.0) / 8);
+  EXPECT_NEAR(errorOf(1000, 0.1), errorOf(1000, INFINITY), 1e-3 * errorOf(1000, INFINITY));
+}
+
+// With one line at a time at most the bound is that of their probability; larger polygons are met at many at once.
+TEST(ReplicateSums, WhatWasNotMetIsBounded) {
+  // (1 - p)^n = 5 % for p = 1 - 0.05^(1/n).
+  EXPECT_NEAR(unmetBound(0.5, 2, 1000), 2 * 4 * (1 - std::pow(0.05, 1e-3)), 2e-3 * unmetBound(0.5, 2, 1000));
+  EXPECT_DOUBLE_EQ(unmetBound(2, 2, 1000), unmetBound(50, 2, 1000));
+}
+
+TEST(ReplicateSums, OneReplicateHasNoStandardError) {
+  ReplicateSums sums(twoIds(1, 1));
+  sums.add({{0, 1, 1}});
+  EXPECT_TRUE(std::isinf(sums.largestStandardError(1)));
+}
+
+TEST(MergeIds, AddsUpAndOrdersPairs) {
+  const PairCounts merged = mergeIds({{0, 1, 2}, {0, 2, 3}, {1, 2, 5}, {2, kLeak, 7}}, {1, 0, 1});
+  ASSERT_EQ(merged.size(), 3u);
+  EXPECT_EQ(merged[0].count, 7u);  // (0, 1): 2 + 5
+  EXPECT_EQ(merged[1].count, 3u);  // (1, 1)
+  EXPECT_EQ(merged[2].j, kLeak);
+}
+
+TEST(ReplicateSums, BlockedPairsAddNothing) {
+  ReplicateSums sums(twoIds(1, 1));
+  for (int k = 0; k < 2; ++k) sums.add({{0, 1, 0, 5}, {0, kEnvironment, 2}});
+  const FormFactors factors = sums.formFactors(1);
+  ASSERT_EQ(factors.entries().size(), 1u);
+  EXPECT_EQ(factors.entries()[0].j, kEnvironment);
+}
+
+TEST(MergeIds, AddsUpBlockedPairs) {
+  const PairCounts merged = mergeIds({{0, 1, 2, 1}, {0, 2, 0, 3}, {1, 2, 5, 7}}, {1, 0, 1});
+  ASSERT_EQ(merged.size(), 2u);
+  EXPECT_EQ(merged[0].count, 7u);
+  EXPECT_EQ(merged[0].blocked, 8u);
+  EXPECT_EQ(merged[1].count, 0u);
+  EXPECT_EQ(merged[1].blocked, 3u);
+}
+
+}  // namespace
+}  // namespace viewpeel

@@ -1,0 +1,438 @@
+// Depth peeling: bit-exact against the CPU twin, and what it must never lose.
+#include <cstdlib>
+
+#include <gtest/gtest.h>
+
+#include "scenes/coincident_scenes.h"
+#include "tests/support/cpu_twin.h"
+#include "engines/compute_engine.h"
+#include "engines/host_engine.h"
+#include "sums/pair_count.h"
+#include "scenes/named_scenes.h"
+#include "tests/support/test_device.h"
+
+namespace viewpeel {
+
+namespace {
+
+namespace ts = test_scenes;
+
+uint64_t countOf(const PairCounts& counts, uint32_t i, uint32_t j) {
+  for (const PairCount& c : counts)
+    if (c.i == i && c.j == j) return c.count;
+  return 0;
+}
+
+uint64_t totalBlocked(const PairCounts& counts) {
+  uint64_t total = 0;
+  for (const PairCount& c : counts) total += c.blocked;
+  return total;
+}
+
+void expectTwinAgrees(const InputScene& input, const std::vector<Direction>& directions, CountRun run) {
+  const Scene scene = buildScene(input);
+  const PairCounts twin = countPairsOnCpu(scene, makeIds(scene, run.by, run.two_sided), directions, run.lattice.resolution, true);
+  EXPECT_EQ(countPairs(scene, directions, run), withoutBlocked(twin)) << input.file << ", resolution " << run.lattice.resolution;
+  run.lattice.count_blocked = true;
+  EXPECT_EQ(countPairs(scene, directions, run), twin) << input.file << ", resolution " << run.lattice.resolution << ", blocked";
+  EXPECT_FALSE(twin.empty());
+}
+
+TEST(Peel, CountsAreThoseOfTheCpuTwin) {
+  const auto directions = sampleDirections(Sampler::iid, 12, 7, 0);
+  for (int resolution : {1, 7, 33, 64}) {
+    const CountRun one_sided{.lattice = {.resolution = resolution}}, two_sided{.lattice = {.resolution = resolution}, .two_sided = true};
+    const CountRun by_surface{.lattice = {.resolution = resolution}, .by = By::surface};
+    expectTwinAgrees(ts::insideOfCube(), directions, one_sided);
+    expectTwinAgrees(ts::cubeInCube(0.4), directions, by_surface);
+    expectTwinAgrees(ts::roomWithTouchingBoxes(), directions, one_sided);
+    expectTwinAgrees(ts::roomWithTouchingBoxes(), directions, two_sided);
+    expectTwinAgrees(ts::triangleSoup(60, 0.5, 3), directions, one_sided);
+    expectTwinAgrees(ts::triangleSoup(60, 0.5, 4), directions, two_sided);
+  }
+}
+
+// Blocks with counters of their own on the device, more than fit at once, too; hashed counters take them one by one.
+TEST(Peel, BlocksAreCountedApart) {
+  const Scene scene = buildScene(ts::triangleSoup(60, 0.5, 3));
+  const Ids ids = makeIds(scene, By::polygon, false);
+  const auto directions = sampleDirections(Sampler::iid, 3 * 1030, 7, 0);
+  for (const bool blocked : {false, true})
+    for (const Sampling sampling : {Sampling::lattice, Sampling::scanline})
+      for (const uint64_t budget : {uint64_t(0), uint64_t(1)}) {
+        const LatticeOptions options{.resolution = 5, .sampling = sampling, .count_blocked = blocked, .counter_budget_bytes = budget};
+        const auto engine = makeComputeEngine(testDevice(), scene, ids, options);
+        const size_t block_count = budget ? 4 : 1030;
+        const auto blocks = engine->countBlocks(std::span(directions).first(3 * block_count), 3);
+        ASSERT_EQ(blocks.size(), block_count);
+        PairCounts sum;
+        for (size_t k = 0; k < block_count; ++k) {
+          sum = addCounts(sum, blocks[k]);
+          if (k % 103 > 1) continue;
+          EXPECT_EQ(blocks[k], engine->count(std::span(directions).subspan(3 * k, 3))) << k;
+        }
+        EXPECT_EQ(sum, engine->count(std::span(directions).first(3 * block_count)));
+        EXPECT_NE(blocks[0], blocks[1]);
+      }
+}
+
+TEST(Peel, CountsAreThoseOfTheCpuTwinAlongAxesAndEdges) {
+  const std::vector<Direction> directions = ts::alongAxesAndEdges();
+  for (int resolution : {8, 32}) {
+    expectTwinAgrees(ts::roomWithTouchingBoxes(), directions, {.lattice = {.resolution = resolution}});
+    expectTwinAgrees(ts::insideOfCube(), directions, {.lattice = {.resolution = resolution}});
+    expectTwinAgrees(ts::stackOfSheets({0, 0, 0, 0.25, 0.25}), directions, {.lattice = {.resolution = resolution}});
+  }
+}
+
+// Sheets, contacts and stacks of both, with scanlines, too.
+TEST(Peel, CoincidentFacesAreThoseOfTheCpuTwin) {
+  const auto directions = sampleDirections(Sampler::iid, 6, 11, 0);
+  for (const ts::CoincidentScene& of : ts::coincidentScenes()) {
+    SCOPED_TRACE(of.name);
+    const Scene scene = buildScene(ts::roundedToSingle(ts::turnedAndMoved(of.make(0))));
+    const Ids ids = makeIds(scene, By::polygon, false);
+    const PairCounts counts = countPairs(scene, directions, {.lattice = {.resolution = 17, .count_blocked = true}});
+    EXPECT_EQ(counts, countPairsOnCpu(scene, ids, directions, 17, true));
+    const PairCounts twin = countIntervalsOnCpu(scene, ids, directions, 9, true);
+    const LatticeOptions scanlines{.resolution = 9, .sampling = Sampling::scanline, .count_blocked = true};
+    EXPECT_EQ(makeComputeEngine(testDevice(), scene, ids, scanlines)->count(directions), twin);
+    EXPECT_EQ(makeHostEngine(scene, ids, scanlines)->count(directions), twin);
+    // In a closed scene lines that leave a front end on one.
+    if (!of.is_closed) continue;
+    for (const PairCount& pair : counts) EXPECT_LT(pair.j, kEnvironment) << pair.i;
+  }
+}
+
+TEST(Peel, TwinComparisonFailsOnOneWrongCount) {
+  const Scene scene = buildScene(ts::insideOfCube());
+  const auto directions = sampleDirections(Sampler::iid, 3, 7, 0);
+  PairCounts wrong = countPairs(scene, directions, {.lattice = {.resolution = 16}});
+  ++wrong[2].count;
+  EXPECT_NE(wrong, countPairsOnCpu(scene, makeIds(scene, By::polygon, false), directions, 16));
+}
+
+// Every line through a stack of 100 sheets at nearly one height meets all of them, whatever their distance, 0 included.
+TEST(Peel, KeepsEveryLayerOfAStackOfSheets) {
+  for (double gap : {1e-3, 1e-9, 0.0}) {
+    std::vector<double> heights;
+    for (int k = 0; k < 100; ++k) heights.push_back(gap * k);
+    const Scene scene = buildScene(ts::stackOfSheets(heights));
+    const Direction up{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.3, 0.6}};
+    const PairCounts counts = countPairs(scene, {up}, {.lattice = {.resolution = 16}});
+    uint64_t facing = 0, through = 0;
+    for (const PairCount& c : counts) {
+      if (c.j < kEnvironment) facing += c.count;
+      through += c.count * (c.j < kEnvironment ? 2 : 1);  // of 100 fronts each is met once by every line
+    }
+    uint64_t lines = 0;
+    for (int y = -10; y <= 10; ++y)
+      for (int x = -10; x <= 10; ++x) {
+        const glm::dvec2 at = (glm::dvec2(x, y) - up.offset) / 8.0 * scene.scale;
+        lines += std::max(std::abs(at.x), std::abs(at.y)) < 0.5;
+      }
+    EXPECT_EQ(through, 100 * lines) << "gap " << gap;
+    if (gap > 1e-6) {
+      EXPECT_EQ(facing, 50 * lines);
+    } else {
+      EXPECT_EQ(scene.warnings.size(), 1u);  // so many cannot be told apart
+    }
+  }
+}
+
+// Lattice points on shared edges belong to exactly one side: tiles of a square are covered as the square is.
+TEST(Peel, SharedEdgeCoveredOnce) {
+  InputScene tiles{"tiles", {}, {}};
+  for (int x = 0; x < 8; ++x)
+    for (int y = 0; y < 8; ++y) ts::addFace(tiles, "tiles", ts::parallelogram({x, y, 0}, {1, 0, 0}, {0, 1, 0}));
+  InputScene whole{"whole", {}, {}};
+  ts::addFace(whole, "whole", ts::parallelogram({0, 0, 0}, {8, 0, 0}, {0, 8, 0}));
+  std::vector<Direction> directions = sampleDirections(Sampler::iid, 40, 5, 0);
+  // Here the lattice lies on the tiles' edges and corners: the window is 8 sqrt(2) wide, so 1 / h = 8 / sqrt(2) makes a tile one step.
+  directions.push_back({{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0}});
+  for (int resolution : {12, 64}) {
+    const PairCounts a = countPairs(buildScene(tiles), directions, {.lattice = {.resolution = resolution}, .by = By::surface});
+    const PairCounts b = countPairs(buildScene(whole), directions, {.lattice = {.resolution = resolution}, .by = By::surface});
+    EXPECT_EQ(a, b);
+    EXPECT_EQ(countOf(a, 0, kLeak), 0u);
+  }
+}
+
+// Two blocks that touch face each other over the contact and nowhere leak.
+TEST(Peel, TouchingSolidsDoNotLeak) {
+  const Scene scene = buildScene(ts::roomWithTouchingBoxes());
+  const PairCounts counts = countPairs(scene, sampleDirections(Sampler::fibonacci, 500, 9, 0), {.lattice = {.resolution = 64}, .by = By::surface});
+  for (const PairCount& c : counts) {
+    EXPECT_NE(c.j, kLeak) << scene.surfaces[c.i].name << " leaks " << c.count;
+    EXPECT_NE(c.j, kEnvironment) << scene.surfaces[c.i].name << " sees the environment " << c.count;
+  }
+}
+
+TEST(Peel, BackOfAPolygonIsLeak) {
+  // Both face up: the lower one looks at the back of the upper one, which sees the environment.
+  InputScene input{"flipped", {}, {}};
+  ts::addFace(input, "lower", ts::parallelogram({0, 0, 0}, {1, 0, 0}, {0, 1, 0}));
+  ts::addFace(input, "upper", ts::parallelogram({0, 0, 1}, {1, 0, 0}, {0, 1, 0}));
+  const Direction up{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.3, 0.6}};
+  const PairCounts counts = countPairs(buildScene(input), {up}, {.lattice = {.resolution = 16}});
+  ASSERT_EQ(counts.size(), 2u);
+  EXPECT_EQ(countOf(counts, 0, kLeak), countOf(counts, 1, kEnvironment));
+  const PairCounts two_sided = countPairs(buildScene(input), {up}, {.lattice = {.resolution = 16}, .two_sided = true});
+  EXPECT_EQ(countOf(two_sided, 0, 1), countOf(counts, 0, kLeak));
+  EXPECT_EQ(countOf(two_sided, 0, kEnvironment), countOf(counts, 0, kLeak));
+  EXPECT_EQ(countOf(two_sided, 0, kLeak), 0u);
+}
+
+TEST(Peel, BatchSizeNeverChangesTheCounts) {
+  const Scene scene = buildScene(ts::roomWithTouchingBoxes());
+  const auto directions = sampleDirections(Sampler::fibonacci, 50, 11, 0);
+  const PairCounts expected = countPairs(scene, directions, {.lattice = {.resolution = 40}});
+  for (uint32_t batch : {1u, 3u, 50u, 64u})
+    EXPECT_EQ(countPairs(scene, directions, {.lattice = {.resolution = 40, .batch_directions = batch}}), expected) << "batch " << batch;
+}
+
+// Lists that are too small for a batch grow, whatever they started with, and nothing is counted twice.
+TEST(Peel, TileListsGrowAndLoseNothing) {
+  const Scene scene = buildScene(ts::roomWithTouchingBoxes());
+  const auto directions = sampleDirections(Sampler::fibonacci, 30, 11, 0);
+  const PairCounts expected = countPairs(scene, directions, {.lattice = {.resolution = 40}});
+  for (uint32_t capacity : {4u, 100u, 2000u})
+    EXPECT_EQ(countPairs(scene, directions, {.lattice = {.resolution = 40, .list_capacity = capacity}}), expected) << "capacity " << capacity;
+}
+
+// Software devices end loops after 65,535 iterations: a polygon over tens of thousands of tiles is binned in parts.
+TEST(Peel, LargePolygonsOnFineLattices) {
+  const Scene scene = buildScene(ts::insideOfCube());
+  const auto directions = sampleDirections(Sampler::iid, 1, 4, 0);
+  for (const PairCount& c : countPairs(scene, directions, {.lattice = {.resolution = 2000}})) EXPECT_LT(c.j, kEnvironment) << c.i << ": " << c.count;
+}
+
+PairCounts countWith(const Scene& scene, const Ids& ids, const std::vector<Direction>& directions, const LatticeOptions& lattice, Work* work = nullptr) {
+  LatticeOptions options = lattice;
+  options.measure_work = work != nullptr;
+  const auto engine = makeComputeEngine(testDevice(), scene, ids, options);
+  PairCounts counts = engine->count(directions);
+  if (work) *work = *engine->work();
+  return counts;
+}
+
+// Thousands of layers over one tile are more than one invocation can go through: the rest goes to further dispatches.
+TEST(Peel, ThousandsOfLayersTakeMoreDispatches) {
+  std::vector<double> heights;
+  for (int k = 0; k < 3000; ++k) heights.push_back(1e-3 * k);
+  const Scene scene = buildScene(ts::stackOfSheets(heights));
+  const Ids ids = makeIds(scene, By::polygon, false);
+  const std::vector<Direction> up = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.3, 0.6}}};
+  const PairCounts expected = countPairsOnCpu(scene, ids, up, 4);
+  EXPECT_EQ(makeHostEngine(scene, ids, {.resolution = 4})->count(up), expected);
+  Work work;
+  for (uint32_t few_points : {0u, 64u}) {  // in lists, and as fragments of their points
+    EXPECT_EQ(countWith(scene, ids, up, {.resolution = 4, .few_points = few_points}, &work), expected);
+    EXPECT_GT(work.resumed, 0u) << few_points;
+    EXPECT_EQ(countWith(scene, ids, up, {.resolution = 4, .layers_kept = 8, .few_points = few_points, .sort = true}, &work), expected);
+  }
+}
+
+// A meeting has more to go through than one invocation may, and a tile has more meetings than one workgroup takes.
+TEST(Peel, HundredsOfLayersMeet) {
+  std::vector<double> heights;
+  for (int k = 0; k < 1000; k += 2) heights.insert(heights.end(), 2, 1e-3 * k);  // two each at one height
+  const Scene scene = buildScene(ts::stackOfSheets(heights));
+  const std::vector<Direction> up = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.3, 0.6}}};
+  for (bool two_sided : {false, true}) {
+    const Ids ids = makeIds(scene, By::polygon, two_sided);
+    const PairCounts expected = countPairsOnCpu(scene, ids, up, 4, true);
+    EXPECT_EQ(countWith(scene, ids, up, {.resolution = 4, .count_blocked = true}), expected);
+    EXPECT_EQ(makeGraphicsEngine(testDevice(), scene, ids, {.resolution = 4, .count_blocked = true})->count(up), expected);
+    EXPECT_EQ(makeHostEngine(scene, ids, {.resolution = 4, .count_blocked = true})->count(up), expected);
+    const LatticeOptions scanlines{.resolution = 4, .sampling = Sampling::scanline, .count_blocked = true};
+    const PairCounts intervals = countIntervalsOnCpu(scene, ids, up, 4, true);
+    Work work;
+    EXPECT_EQ(countWith(scene, ids, up, scanlines, &work), intervals);
+    EXPECT_EQ(makeHostEngine(scene, ids, scanlines)->count(up), intervals);
+    EXPECT_GT(work.resumed, 0u);
+  }
+}
+
+// Neither tiles nor layers kept nor how contributions are gathered, sorted, resumed or stored is seen in a count.
+TEST(Peel, NoTuningChangesTheCounts) {
+  const auto directions = sampleDirections(Sampler::fibonacci, 9, 11, 0);
+  for (const auto& [input, two_sided] : {std::pair(ts::roomWithTouchingBoxes(), false), std::pair(ts::triangleSoup(300, 0.6, 5), true)}) {
+    const Scene scene = buildScene(input);
+    {
+      const Ids ids = makeIds(scene, By::polygon, two_sided);
+      const PairCounts expected = countPairsOnCpu(scene, ids, directions, 40, true);
+      EXPECT_GT(totalBlocked(expected), 1000u);
+      std::vector<LatticeOptions> all(1, {.resolution = 40});
+      for (uint32_t n : {1u, 2u, 4u, 8u}) {
+        all.push_back({.resolution = 40, .tile_width = n});
+        all.push_back({.resolution = 40, .tile_rows = n});
+        all.push_back({.resolution = 40, .layers_kept = n});
+        all.push_back({.resolution = 40, .tile_rows = n, .layers_kept = n + 1, .sort = true});
+        all.push_back({.resolution = 40, .most_blocks = n});
+        all.push_back({.resolution = 40, .batch_directions = n});
+        all.push_back({.resolution = 40, .list_capacity = n});
+        all.push_back({.resolution = 40, .counter_budget_bytes = 1, .table_capacity = n});
+      }
+      for (uint32_t n : {0u, 1u, 6u, 64u}) all.push_back({.resolution = 40, .few_points = n});
+      for (uint32_t n : {1u, 2u, 4u, 8u}) {
+        all.push_back({.resolution = 40, .tile_width = n, .few_points = 64});
+        all.push_back({.resolution = 40, .tile_rows = n, .layers_kept = n, .few_points = 30, .fragment_capacity = n});
+        all.push_back({.resolution = 40, .tile_rows = n, .layers_kept = n + 1, .few_points = 6, .sort = true});
+        all.push_back({.resolution = 40, .few_points = 20, .most_blocks = n});
+        all.push_back({.resolution = 40, .batch_directions = n, .few_points = 64});
+      }
+      all.push_back({.resolution = 40, .few_points = 64, .memory_budget_bytes = 1});
+      all.push_back({.resolution = 40, .aggregate = false});
+      all.push_back({.resolution = 40, .memory_budget_bytes = 1});
+      for (size_t k = 0; k < all.size(); ++k) {
+        EXPECT_EQ(countWith(scene, ids, directions, all[k]), withoutBlocked(expected)) << input.file << ", two-sided " << two_sided << ", options " << k;
+        all[k].count_blocked = true;
+        EXPECT_EQ(countWith(scene, ids, directions, all[k]), expected) << input.file << ", two-sided " << two_sided << ", options " << k << ", blocked";
+      }
+    }
+  }
+}
+
+// What is too small grows and the batch is done again; each kind of growth is seen to happen.
+TEST(Peel, BuffersGrowAndRepeat) {
+  const Scene scene = buildScene(ts::triangleSoup(300, 0.6, 5));
+  const Ids ids = makeIds(scene, By::polygon, false);
+  const auto directions = sampleDirections(Sampler::fibonacci, 40, 11, 0);
+  for (bool blocked : {false, true}) {
+    const auto options = [&](LatticeOptions rest) {
+      rest.resolution = 40;
+      rest.count_blocked = blocked;
+      return rest;
+    };
+    Work work;
+    const PairCounts expected = countWith(scene, ids, directions, options({.fragment_capacity = 64}), &work);
+    EXPECT_EQ(work.repeats, 0u);
+    EXPECT_EQ(countWith(scene, ids, directions, options({.list_capacity = 10}), &work), expected);
+    EXPECT_GT(work.repeats, 0u) << "tile lists";
+    EXPECT_EQ(countWith(scene, ids, directions, options({.few_points = 64, .fragment_capacity = 1}), &work), expected);
+    EXPECT_EQ(work.repeats > 0, !blocked) << "fragments, which blocked pairs do without";
+    EXPECT_EQ(countWith(scene, ids, directions, options({.counter_budget_bytes = 1, .table_capacity = 1}), &work), expected);
+    EXPECT_GT(work.repeats, 0u) << "hash table";
+    EXPECT_EQ(countWith(scene, ids, directions, options({.most_blocks = 1}), &work), expected);
+    EXPECT_GT(work.resumed, 0u) << "layers";
+  }
+}
+
+TEST(Peel, IntervalsAreThoseOfTheCpuTwin) {
+  const auto directions = sampleDirections(Sampler::iid, 6, 7, 0);
+  for (int resolution : {1, 7, 33, 64})
+    for (const InputScene& input : {ts::insideOfCube(), ts::roomWithTouchingBoxes(), ts::triangleSoup(60, 0.5, 3)}) {
+      const Scene scene = buildScene(input);
+      for (bool two_sided : {false, true}) {
+        const Ids ids = makeIds(scene, By::polygon, two_sided);
+        const PairCounts expected = countIntervalsOnCpu(scene, ids, directions, resolution, true);
+        EXPECT_FALSE(expected.empty());
+        for (uint32_t n : {1u, 3u, 8u})
+          for (bool blocked : {false, true})
+            EXPECT_EQ(countWith(scene, ids, directions, {.resolution = resolution, .sampling = Sampling::scanline, .count_blocked = blocked, .tile_rows = n, .layers_kept = n,
+                                                         .most_blocks = 2 * n}),
+                      blocked ? expected : withoutBlocked(expected)) << input.file << ", resolution " << resolution << ", two-sided " << two_sided << ", blocked " << blocked;
+      }
+    }
+}
+
+// Weighted directions, and only what was asked for.
+TEST(Peel, CountsWhatWasAskedFor) {
+  const Scene scene = buildScene(ts::roomWithTouchingBoxes());
+  auto directions = sampleDirections(Sampler::fibonacci, 20, 3, 0);
+  for (size_t k = 0; k < directions.size(); ++k) directions[k].weight = static_cast<uint32_t>(1 + 3 * k);
+  const auto& surfaces = scene.surfaces;
+  ASSERT_GE(surfaces.size(), 3u);
+  const std::string a = surfaces[0].name, b = surfaces[1].name, c = surfaces[2].name;
+  const Question everything, row{.from = {b}}, rows{.from = {b, c}}, pair{.pair = {a, b}}, with_itself{.pair = {a, a}}, blocker{.blockers = {c}},
+      row_and_blocker{.from = {a}, .blockers = {c}};
+  for (const Question& question : {everything, row, rows, pair, with_itself, blocker, row_and_blocker})
+    for (By by : {By::polygon, By::surface})
+      for (uint32_t n : {1u, 4u}) {
+        Ids ids = makeIds(scene, by, false);
+        askOnlyFor(question, scene, ids);
+        const PairCounts expected = countPairsOnCpu(scene, ids, directions, 40, true);
+        EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 40, .layers_kept = n}), withoutBlocked(expected));
+        EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 40, .count_blocked = true, .layers_kept = n}), expected);
+        const PairCounts intervals = countIntervalsOnCpu(scene, ids, directions, 40, true);
+        EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 40, .sampling = Sampling::scanline, .layers_kept = n}), withoutBlocked(intervals));
+        EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 40, .sampling = Sampling::scanline, .count_blocked = true, .layers_kept = n}), intervals);
+      }
+}
+
+// The table of counters grows in the middle of a run, too, not only by repeating.
+TEST(Peel, HashTableIsEmptiedWhenHalfFull) {
+  const Scene scene = buildScene(ts::triangleSoup(300, 0.6, 5));
+  const Ids ids = makeIds(scene, By::polygon, true);
+  const auto directions = sampleDirections(Sampler::fibonacci, 300, 11, 0);
+  Work work;
+  const PairCounts expected = countPairsOnCpu(scene, ids, directions, 24, true);
+  EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 24, .batch_directions = 2, .counter_budget_bytes = 1, .few_points = 0, .table_capacity = 4096}, &work), withoutBlocked(expected));
+  EXPECT_EQ(work.repeats, 0u);
+  EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 24, .count_blocked = true, .batch_directions = 2, .counter_budget_bytes = 1, .table_capacity = 16384}, &work), expected);
+  EXPECT_EQ(work.repeats, 0u);
+}
+
+// Batches shrink to what memory holds; what not even one direction fits into is refused with the size that it needs.
+TEST(Peel, MemoryIsPlanned) {
+  const Scene scene = buildScene(ts::triangleSoup(300, 0.6, 5));
+  const Ids ids = makeIds(scene, By::polygon, false);
+  const auto directions = sampleDirections(Sampler::fibonacci, 9, 11, 0);
+  const auto roomy = makeComputeEngine(testDevice(), scene, ids, {.resolution = 40}), tight = makeComputeEngine(testDevice(), scene, ids, {.resolution = 40, .memory_budget_bytes = 1});
+  EXPECT_NE(roomy->describePlan().find("2 x "), std::string::npos) << roomy->describePlan();
+  EXPECT_NE(tight->describePlan().find("1 x 1 directions"), std::string::npos) << tight->describePlan();
+  EXPECT_EQ(tight->count(directions), roomy->count(directions));
+  try {
+    makeComputeEngine(testDevice(), scene, ids, {.resolution = 40, .available_bytes = 1 << 20});
+    FAIL() << "accepted";
+  } catch (const std::exception& error) {
+    EXPECT_NE(std::string(error.what()).find("300 polygons at resolution 40 need"), std::string::npos) << error.what();
+  }
+}
+
+// An error of one batch while the other is on the device is only that.
+TEST(Peel, ErrorsWaitForTheOtherBatch) {
+  std::vector<double> heights;
+  for (int k = 0; k < 1100; ++k) heights.push_back(0.004 * k);
+  const Scene scene = buildScene(ts::stackOfSheets(heights));
+  const Ids ids = makeIds(scene, By::polygon, false);
+  const auto directions = sampleDirections(Sampler::fibonacci, 12, 1, 0);
+  const auto engine = makeComputeEngine(testDevice(), scene, ids, {.resolution = 4, .sampling = Sampling::scanline, .batch_directions = 1});
+  try {
+    engine->count(directions);
+    FAIL() << "accepted";
+  } catch (const std::exception& error) {
+    EXPECT_NE(std::string(error.what()).find("larger --resolution"), std::string::npos) << error.what();
+  }
+}
+
+// A callback may end a call between two batches: the next one starts from nothing. Lists too short make the other batch want to be repeated.
+TEST(Peel, EnginesCountAgainAfterACallbackThrew) {
+  const Scene scene = buildScene(ts::roomWithTouchingBoxes());
+  const Ids ids = makeIds(scene, By::polygon, false);
+  const auto directions = sampleDirections(Sampler::fibonacci, 60, 1, 0);
+  const PairCounts expected = makeComputeEngine(testDevice(), scene, ids, {})->count(directions);
+  for (MakeEngine make_engine : {MakeEngine(makeComputeEngine), MakeEngine(makeGraphicsEngine)})
+    for (int batches : {1, 2, 5}) {
+      int left = batches;
+      const auto engine = make_engine(testDevice(), scene, ids, {.batch_directions = 7, .list_capacity = 1, .on_batch = [&](uint64_t) {
+                                        if (--left == 0) throw Interrupted{};
+                                      }});
+      EXPECT_THROW(engine->count(directions), Interrupted);
+      EXPECT_EQ(engine->count(directions), expected) << "after " << batches << " batches";
+    }
+}
+
+TEST(Peel, GraphicsEngineRefusesCountersBeyondTheBudget) {
+  const Scene scene = buildScene(ts::roomWithTouchingBoxes());
+  try {
+    makeGraphicsEngine(testDevice(), scene, makeIds(scene, By::polygon, false), {.resolution = 8, .counter_budget_bytes = 1000});
+    FAIL() << "accepted";
+  } catch (const std::exception& error) {
+    EXPECT_NE(std::string(error.what()).find("--by surface"), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace viewpeel

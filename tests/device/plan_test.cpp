@@ -1,0 +1,162 @@
+// Plans: what pilots predict, and that nothing goes unseen.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "engines/host_engine.h"
+#include "estimator/plan.h"
+#include "estimator/visible_share.h"
+#include "scenes/named_scenes.h"
+#include "tests/support/test_device.h"
+
+namespace viewpeel {
+namespace {
+
+namespace ts = test_scenes;
+
+Lattices latticesFor(const Scene& scene, const Ids& ids) {
+  return {[&](const std::vector<SizeGroup>& groups) { return makeGroupedEngine(testDevice(), scene, ids, {}, groups); }, 0, true};
+}
+
+// A run reaches about what its plan promised. The largest of standard errors from 8 replicates each, predicted from 8 others: their squares have 7 degrees of
+// freedom, and F(7, 7) stays below 10^2 with probability 1 - 1e-6. Interpolation between pilots may add a factor of 2.
+TEST(Plan, PredictsTheStandardError) {
+  for (const InputScene& input : {ts::parallelSquares(), ts::insideOfCube(), ts::roomWithTouchingBoxes()})
+    for (double tolerance : {0.02, 0.002}) {
+      const Scene scene = buildScene(input);
+      const Ids ids = makeIds(scene, By::surface, false);
+      EstimateOptions options{.tolerance = tolerance};
+      const Plan plan = planEstimate(scene, ids, options, latticesFor(scene, ids));
+      EXPECT_LE(plan.standard_error, tolerance);
+      EXPECT_GT(plan.seconds, 0);
+      options.directions = plan.directions;
+      options.tolerance.reset();
+      const Estimate estimate = estimateFormFactors(*plan.engine, scene, ids, options);
+      EXPECT_LT(estimate.largest_standard_error, 20 * plan.standard_error) << input.file << " " << tolerance;
+      EXPECT_GT(estimate.largest_standard_error, plan.standard_error / 20) << input.file << " " << tolerance;
+    }
+}
+
+// Of small parts of a room few lines tell each pair: with shares of closed forms and of neighbours the run reaches about what was planned. The largest of many standard errors that lines give as
+// chance has them, not replicates, spreads by less than 2; interpolation may add 2.
+TEST(Plan, PredictsErrorsOfSharesThatFewLinesTell) {
+  InputScene input{"room in parts", {"room"}, {}};
+  constexpr int kCuts = 5;
+  for (const InputFace& face : ts::roomWithTouchingBoxes().faces) {
+    ASSERT_EQ(face.corners.size(), 4u);
+    const glm::dvec3 u = (face.corners[1] - face.corners[0]) / double(kCuts), v = (face.corners[3] - face.corners[0]) / double(kCuts);
+    for (int column = 0; column < kCuts; ++column)
+      for (int row = 0; row < kCuts; ++row) input.faces.push_back({ts::parallelogram(face.corners[0] + double(column) * u + double(row) * v, u, v), 0, 0});
+  }
+  const Scene scene = buildScene(input);
+  const Ids ids = makeIds(scene, By::polygon, false);
+  Lattices lattices{[&](const std::vector<SizeGroup>& groups) { return makeHostEngine(scene, ids, {.resolution = groups[0].resolution, .count_blocked = true}); }, 0, false};
+  for (uint32_t k = 0; k < ids.count(); ++k) lattices.id_of_face.push_back(k);
+  for (double tolerance : {1e-3, 3e-4}) {
+    EstimateOptions options{.tolerance = tolerance};
+    const Plan plan = planEstimate(scene, ids, options, lattices);
+    EXPECT_LE(plan.standard_error, tolerance);
+    options.directions = plan.directions;
+    options.tolerance.reset();
+    FaceExchanges exchanges(nullptr, scene, ids);
+    const VisibleShares shares = findVisibleShares(*plan.engine, exchanges, scene, ids, plan.groups, options, {sharePilot(options).directions});
+    options.known = &shares.known;
+    const double reached = estimateFormFactors(*plan.engine, scene, ids, options).largest_standard_error;
+    EXPECT_LT(reached, 4 * plan.standard_error) << tolerance;
+    EXPECT_GT(reached, plan.standard_error / 4) << tolerance;
+  }
+}
+
+// A finer tolerance asks for more.
+TEST(Plan, WorkGrowsWithTheTolerance) {
+  const Scene scene = buildScene(ts::roomWithTouchingBoxes());
+  const Ids ids = makeIds(scene, By::polygon, false);
+  double points = 0;
+  for (double tolerance : {0.1, 0.01, 0.001}) {
+    const Plan plan = planEstimate(scene, ids, {.tolerance = tolerance}, latticesFor(scene, ids));
+    const double planned = plan.directions * std::pow(plan.groups[0].resolution, 2);
+    EXPECT_GT(planned, points);
+    points = planned;
+  }
+}
+
+// Where time does for no plan, with a goal or without, the quickest is taken, and found without long pilots.
+TEST(Plan, TooLittleTimeGetsTheQuickest) {
+  const Scene scene = buildScene(ts::parallelSquares());
+  const Ids ids = makeIds(scene, By::polygon, false);
+  for (const std::optional<double>& tolerance : {std::optional<double>(), std::optional(1e-12)}) {
+    EstimateOptions options;
+    options.tolerance = tolerance;
+    options.seconds = 1e-9;
+    EXPECT_EQ(planEstimate(scene, ids, options, latticesFor(scene, ids)).directions, 16u);  // the fewest that are tried
+  }
+}
+
+// Above the middle of a unit square, facing it.
+InputScene speckOverFloor(double edge) {
+  InputScene input{"speck", {}, {}};
+  ts::addFace(input, "floor", {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
+  ts::addFace(input, "speck", ts::parallelogram({0.5, 0.5, 0.1}, {0, edge, 0}, {edge, 0, 0}));
+  return input;
+}
+
+// A square of 1e-8 of the area of the floor that it looks at would be hit by one lattice point in 1e4 directions: it gets a window.
+TEST(Plan, SmallPolygonsAreSeen) {
+  const Scene scene = buildScene(speckOverFloor(1e-4));
+  const Ids ids = makeIds(scene, By::polygon, false);
+  EstimateOptions options{.tolerance = 0.02};
+  const Plan plan = planEstimate(scene, ids, options, latticesFor(scene, ids));
+  EXPECT_GT(plan.groups.size(), 1u);
+  options.directions = plan.directions;
+  const Estimate estimate = estimateFormFactors(*plan.engine, scene, ids, options);
+  EXPECT_LE(estimate.largest_standard_error, 0.02);
+  EXPECT_LT(estimate.replicates, 100u);
+  // A differential element in the middle of a square, at a tenth of its edge: four times Howell's B-4 with both ratios 1/2 / 0.1.
+  const double x = 0.5 / 0.1, r = std::sqrt(1 + x * x);
+  const double truth = 4 / (2 * M_PI) * 2 * x / r * std::atan(x / r);
+  const Measured f = estimate.form_factors.formFactor(1, 0);
+  EXPECT_NEAR(f.value, truth, 5 * f.standard_error);
+  EXPECT_GT(truth, 0.9);
+}
+
+// With closed forms a row's counts of a replicate stay below 2^50, also where a small polygon has a fine window and the error asked for is small: replicates do the rest, or the plan says so.
+TEST(Plan, CountsAreNotTooLargeForClosedForms) {
+  const Scene scene = buildScene(speckOverFloor(1e-5));
+  const Ids ids = makeIds(scene, By::polygon, false);
+  for (const bool closed_forms : {false, true}) {
+    Lattices lattices = latticesFor(scene, ids);
+    lattices.make_engine = [&](const std::vector<SizeGroup>& groups) { return makeGroupedEngine(testDevice(), scene, ids, {.count_blocked = closed_forms}, groups); };
+    if (closed_forms) lattices.id_of_face = {0, 1};
+    const Plan plan = planEstimate(scene, ids, {.tolerance = 1e-5, .seconds = 60}, lattices);  // pilots of 6 s at most
+    const double of_row = plan.directions * ids.areas[0] / 2 / (scene.scale * scene.scale) / plan.engine->unitArea();
+    EXPECT_EQ(of_row > double(kMostCounts), !closed_forms) << of_row;
+    EXPECT_EQ(plan.counts_too_large, closed_forms);
+  }
+}
+
+// A square of 2.5e-17 of the scene's area has less than one point of the finest lattice there is in what a run of this length takes: the plan says so, of it alone.
+TEST(Plan, WhatMayGoUnmetIsNamed) {
+  InputScene input{"speck", {}, {}};
+  ts::addFace(input, "floor", {{0, 0, 0}, {2000, 0, 0}, {2000, 2000, 0}, {0, 2000, 0}});
+  ts::addFace(input, "speck", {{900, 900, 1}, {900, 900.00001, 1}, {900.00001, 900.00001, 1}, {900.00001, 900, 1}});
+  const Scene scene = buildScene(input);
+  const Ids ids = makeIds(scene, By::polygon, false);
+  EstimateOptions options{.seconds = 1e-9};  // the fewest directions
+  EXPECT_EQ(planEstimate(scene, ids, options, latticesFor(scene, ids)).barely_met, std::vector<uint32_t>{1});
+}
+
+// The figures that a plan prints make the same lattices again.
+TEST(Plan, CanBeRepeated) {
+  const Scene scene = buildScene(ts::triangleSoup(40, 0.4, 9));
+  const Ids ids = makeIds(scene, By::polygon, false);
+  const Plan plan = planEstimate(scene, ids, {.tolerance = 0.01}, latticesFor(scene, ids));
+  const auto again = planGroups(scene, ids, Sampling::lattice, plan.groups[0].resolution, plan.finest, plan.directions);
+  ASSERT_EQ(again.size(), plan.groups.size());
+  for (size_t g = 0; g < again.size(); ++g) {
+    EXPECT_EQ(again[g].resolution, plan.groups[g].resolution);
+    EXPECT_EQ(again[g].polygons, plan.groups[g].polygons);
+  }
+}
+
+}  // namespace
+}  // namespace viewpeel

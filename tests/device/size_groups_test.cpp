@@ -1,0 +1,186 @@
+// Polygons of very different sizes, each at the resolution it needs.
+#include <cmath>
+#include <set>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/cpu_twin.h"
+#include "engines/compute_engine.h"
+#include "engines/size_groups.h"
+#include "scenes/named_scenes.h"
+#include "tests/support/test_device.h"
+
+namespace viewpeel {
+namespace {
+
+namespace ts = test_scenes;
+
+// Squares of edges from 1 to 1e-4 above a large one, facing it and, in pairs, each other; scattered, so that windows differ.
+InputScene squaresOfAllSizes() {
+  InputScene scene{"squares of all sizes", {}, {}};
+  ts::addFace(scene, "floor", {{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}});
+  double x = 0.1;
+  for (int k = 0; k < 5; ++k) {
+    const double edge = std::pow(10.0, -k), z = 0.5 + 0.1 * k;
+    const std::string name = fmt::format("k{}", k);
+    ts::addFace(scene, name + "_down", {{x, 0.5, z}, {x, 0.5 + edge, z}, {x + edge, 0.5 + edge, z}, {x + edge, 0.5, z}});
+    if (k > 0)  // a partner that looks up at it, at a distance of its own edge
+      ts::addFace(scene, name + "_up", {{x, 0.5, z - edge}, {x + edge, 0.5, z - edge}, {x + edge, 0.5 + edge, z - edge}, {x, 0.5 + edge, z - edge}});
+    x += edge + 0.15;
+  }
+  return scene;
+}
+
+std::vector<double> neededFor(const Scene& scene, double spacings) {
+  std::vector<double> needed;
+  for (const Polygon& polygon : scene.polygons) needed.push_back(2 * spacings / std::sqrt(polygon.area));
+  return needed;
+}
+
+TEST(SizeGroups, EveryPolygonIsInOneWindowThatHoldsIt) {
+  for (const InputScene& input : {squaresOfAllSizes(), ts::triangleSoup(200, 0.3, 5), ts::roomWithTouchingBoxes()}) {
+    const Scene scene = buildScene(input);
+    const std::vector<double> needed = neededFor(scene, 8);
+    const auto groups = groupBySize(scene, needed, 16);
+    EXPECT_EQ(groups[0].resolution, 16);
+    EXPECT_EQ(groups[0].window.radius, 1);
+    std::set<uint32_t> seen;
+    int before = 0;
+    for (const SizeGroup& group : groups) {
+      EXPECT_GE(group.resolution, before);
+      before = group.resolution;
+      for (uint32_t k : group.polygons) {
+        EXPECT_TRUE(seen.insert(k).second);
+        const Polygon& polygon = scene.polygons[k];
+        double radius = 0;
+        for (uint32_t c = 0; c < polygon.corner_count; ++c) {
+          const glm::dvec3& corner = scene.corners[polygon.first_corner + c];
+          EXPECT_LE(glm::length(corner - group.window.centre), group.window.radius + 1e-12);
+          radius = std::max(radius, glm::length(corner - scene.corners[polygon.first_corner]));
+        }
+        // What it needs, within a step of 4 unless its own window would be too large.
+        const bool fits = group.resolution >= needed[k] || radius * group.resolution * 4 > kMostWindowPoints / 2.0;
+        EXPECT_TRUE(fits) << group.resolution << " " << needed[k];
+      }
+    }
+    EXPECT_EQ(seen.size(), scene.polygons.size());
+  }
+}
+
+// Specks all over the place would be a window each: they get fewer, coarser ones.
+TEST(SizeGroups, WindowsAreFew) {
+  InputScene input{"specks", {}, {}};
+  ts::addFace(input, "floor", {{0, 0, 0}, {20, 0, 0}, {20, 20, 0}, {0, 20, 0}});
+  for (int k = 0; k < 400; ++k) {
+    const int column = k % 20, row = k / 20;
+    const double x = column + 0.5, y = row + 0.5, d = 1e-3;
+    ts::addFace(input, "specks", {{x, y, 1}, {x, y + d, 1}, {x + d, y + d, 1}, {x + d, y, 1}});
+  }
+  const Scene scene = buildScene(input);
+  const auto groups = groupBySize(scene, neededFor(scene, 8), 16);
+  EXPECT_GT(groups.size(), 1u);
+  EXPECT_LE(groups.size(), 33u);
+  size_t polygons = 0;
+  for (const SizeGroup& group : groups) polygons += group.polygons.size();
+  EXPECT_EQ(polygons, scene.polygons.size());
+}
+
+// The counts of a window are the twin's, for the polygons that the group owns.
+TEST(SizeGroups, CountsAreThoseOfTheCpuTwin) {
+  const auto directions = sampleDirections(Sampler::iid, 6, 11, 0);
+  for (By by : {By::polygon, By::surface})
+    for (const InputScene& input : {squaresOfAllSizes(), ts::triangleSoup(60, 0.5, 3)}) {
+      const Scene scene = buildScene(input);
+      Ids ids = makeIds(scene, by, false);
+      const auto groups = groupBySize(scene, neededFor(scene, 2), 8);
+      ASSERT_GT(groups.size(), 1u);
+      const int finest = groups.back().resolution;
+      std::map<std::pair<uint32_t, uint32_t>, uint64_t> expected;
+      for (size_t g = 0; g < groups.size(); ++g) {
+        ids.roles.assign(scene.polygons.size(), 0);
+        for (size_t earlier = 0; earlier <= g; ++earlier)
+          for (uint32_t k : groups[earlier].polygons) ids.roles[k] = earlier == g ? kEmits | kReceives : kReceives;
+        const uint64_t weight = uint64_t(finest / groups[g].resolution) * uint64_t(finest / groups[g].resolution);
+        for (const PairCount& c : countPairsOnCpu(scene, ids, directions, groups[g].resolution, false, Fault::none, groups[g].window))
+          expected[{c.i, c.j}] += weight * c.count;
+      }
+      PairCounts twin;
+      for (const auto& [pair, count] : expected) twin.push_back({pair.first, pair.second, count});
+      const auto engine = makeGroupedEngine(testDevice(), scene, makeIds(scene, by, false), {}, groups);
+      EXPECT_EQ(engine->count(directions), twin);
+      const size_t half = directions.size() / 2;
+      const auto halves = engine->countBlocks(directions, half);
+      ASSERT_EQ(halves.size(), 2u);
+      for (size_t k = 0; k < 2; ++k) EXPECT_EQ(halves[k], engine->count(std::span(directions).subspan(k * half, half)));
+    }
+}
+
+// A window shows a part of the whole scene's lattice, point by point. Both snap alike here: their coordinates stay below 512 spacings.
+TEST(SizeGroups, WindowsAreOnOneLattice) {
+  const Scene scene = buildScene(squaresOfAllSizes());
+  Ids ids = makeIds(scene, By::polygon, false);
+  ids.roles.assign(scene.polygons.size(), kReceives);
+  const auto own = static_cast<uint32_t>(std::find(ids.names.begin(), ids.names.end(), "k1_down") - ids.names.begin());
+  ids.roles[own] = kEmits | kReceives;
+  const glm::dvec3 corner = scene.corners[scene.polygons[own].first_corner];
+  const auto whole = makeComputeEngine(testDevice(), scene, ids, {.resolution = 512});
+  for (const Window& window : {Window{corner, 0.2}, Window{0.9 * corner, 0.3}}) {
+    ASSERT_LT(glm::length(corner - window.centre) + 0.1 / scene.scale * 1.5, window.radius);
+    const auto part = makeComputeEngine(testDevice(), scene, ids, {.resolution = 512, .window = window});
+    const auto directions = sampleDirections(Sampler::iid, 30, 12, 0);
+    for (const Direction& direction : directions) EXPECT_EQ(part->count(std::span(&direction, 1)), whole->count(std::span(&direction, 1)));
+    for (const int resolution : {512, 8000})
+      for (const Sampling sampling : {Sampling::lattice, Sampling::scanline}) {
+        const LatticeOptions options{.resolution = resolution, .sampling = sampling, .window = window, .count_blocked = true};
+        EXPECT_EQ(makeHostEngine(scene, ids, options)->count(directions), makeComputeEngine(testDevice(), scene, ids, options)->count(directions)) << resolution;
+      }
+  }
+}
+
+// The group of all polygons is what equal needs make, and the plain engine.
+TEST(SizeGroups, OneGroupIsTheWholeMatrix) {
+  const Scene scene = buildScene(ts::roomWithTouchingBoxes());
+  const Ids ids = makeIds(scene, By::polygon, false);
+  const auto directions = sampleDirections(Sampler::fibonacci, 20, 3, 0);
+  const auto whole = groupAsOne(scene, 33), equal = groupBySize(scene, std::vector<double>(scene.polygons.size(), 1), 33);
+  ASSERT_EQ(whole.size(), 1u);
+  ASSERT_EQ(equal.size(), 1u);
+  EXPECT_EQ(whole[0].resolution, equal[0].resolution);
+  EXPECT_EQ(whole[0].window.radius, equal[0].window.radius);
+  EXPECT_EQ(whole[0].polygons, equal[0].polygons);
+  const auto engine = makeGroupedEngine(testDevice(), scene, ids, {}, whole);
+  EXPECT_EQ(engine->count(directions), countPairs(scene, directions, {.lattice = {.resolution = 33}}));
+  EXPECT_EQ(engine->unitArea(), 4.0 / (33 * 33));
+}
+
+// Areas from 1 to 1e-8, and pairs of equal squares at a distance of their own edge at all sizes: within five standard errors, which
+// are those of polygons well above the spacing.
+TEST(SizeGroups, SmallPolygonsHaveTheirClosedForms) {
+  const Scene scene = buildScene(squaresOfAllSizes());
+  const Ids ids = makeIds(scene, By::polygon, false);
+  for (const TestRun& run : withEngines()) {
+    SCOPED_TRACE(run.name);
+    const auto makeOne = [&](const Scene& of, const Ids& own_ids, const LatticeOptions& own) { return run.make_engine(testDevice(), of, own_ids, own); };
+    const auto engine = makeGroupedEngine(makeOne, scene, ids, run.lattice, groupBySize(scene, neededFor(scene, 8), 16, maxWindowResolution(run.lattice.sampling)));
+    const Estimate estimate = estimateFormFactors(*engine, scene, ids, {.directions = 300, .replicates = 16});
+    const auto indexOf = [&](const std::string& name) {
+      return static_cast<uint32_t>(std::find(ids.names.begin(), ids.names.end(), name) - ids.names.begin());
+    };
+    for (int k = 1; k < 5; ++k) {
+      const std::string name = fmt::format("k{}", k);
+      const Measured f = estimate.form_factors.formFactor(indexOf(name + "_up"), indexOf(name + "_down"));
+      // Two equal squares at a distance of their edge (Howell, C-11).
+      EXPECT_NEAR(f.value, 0.199824895698, 5 * f.standard_error) << name;
+      // Scanlines end at 2^14 rows, some 15 times too few for the smallest squares: of rows that seldom meet one the variance is as their spacing.
+      EXPECT_LT(f.standard_error, run.lattice.sampling == Sampling::scanline && k == 4 ? 8e-3 : 2e-3) << name;
+      EXPECT_EQ(estimate.form_factors.exchangeArea(indexOf(name + "_up"), indexOf(name + "_down")).value,
+                estimate.form_factors.exchangeArea(indexOf(name + "_down"), indexOf(name + "_up")).value);
+    }
+    // All that leaves a polygon is accounted for.
+    for (uint32_t k = 0; k < ids.count(); ++k) EXPECT_NEAR(estimate.form_factors.rowSums()[k].value, 1, 6 * estimate.form_factors.rowSums()[k].standard_error + 1e-12) << ids.names[k];
+  }
+}
+
+}  // namespace
+}  // namespace viewpeel

@@ -1,0 +1,354 @@
+// Closed forms times visible shares: exact where nothing is in between, honest where something is.
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include <boost/math/distributions/normal.hpp>
+#include <boost/math/distributions/students_t.hpp>
+#include <gtest/gtest.h>
+
+#include "tests/support/compare.h"
+#include "engines/host_engine.h"
+#include "estimator/visible_share.h"
+#include "sums/neighbour_shares.h"
+#include "reference/closed_forms/past_blocker.h"
+#include "scenes/named_scenes.h"
+#include "tests/support/test_device.h"
+
+namespace viewpeel {
+namespace {
+
+namespace ts = test_scenes;
+
+constexpr double kParallelSquares = 0.1998248957, kPerpendicularSquares = 0.2000437761, kTenDigits = 5e-11;
+
+struct Shared {
+  Scene scene;
+  Ids ids;
+  std::unique_ptr<Engine> engine;
+  std::vector<SizeGroup> groups;
+  // Over all replicates.
+  PairCount countsOf(const EstimateOptions& options, uint32_t i, uint32_t j) const {
+    PairCount sum{i, j};
+    for (uint64_t r = 0; r < options.replicates; ++r)
+      for (const PairCount& count : engine->count(sampleDirections(options.sampler, options.directions, options.seed, r)))
+        if (count.i == i && count.j == j) sum.add(count);
+    return sum;
+  }
+  VisibleShares find(const EstimateOptions& options) const {
+    FaceExchanges exchanges(&testDevice(), scene, ids);
+    return findVisibleShares(*engine, exchanges, scene, ids, groups, options, {sharePilot(options).directions});
+  }
+  Estimate estimate(EstimateOptions options, By by = By::polygon) const {
+    const VisibleShares shares = find(options);
+    options.known = &shares.known;
+    options.by = by;
+    return estimateFormFactors(*engine, scene, ids, options);
+  }
+};
+
+Shared share(const InputScene& input, int resolution, Sampling sampling = Sampling::lattice) {
+  Shared made{buildScene(input), {}, nullptr, {}};
+  made.ids = makeIds(made.scene, By::polygon, false);
+  made.groups = groupAsOne(made.scene, resolution);
+  made.engine = makeComputeEngine(testDevice(), made.scene, made.ids, {.resolution = resolution, .sampling = sampling, .count_blocked = true});
+  return made;
+}
+
+// The standard error of a pair whose lines are all facing, or all blocked, as a share of the most that it exchanges: of n directions that see it p (1 - p) / (n + 1/2), p as of two lines more with the
+// share s around the pair, and a tenth of a line of either kind; replicates, which do not differ, are trusted as far as the square of n p (1 - p) goes beside 1/4, and t standard errors are an interval
+// of a variance that is known better than R replicates know theirs, R 8 at least (ShareSums).
+double deviationOfOneKind(const RunSums& sums, uint32_t i, uint32_t j) {
+  const ShareSums& by_face = sums.visible->byFace();
+  const KnownShares& known = sums.visible->known();
+  const auto told = std::ranges::find(by_face.pairs(), std::pair(i, j), [](const ShareSums::PairSum& pair) { return std::pair(pair.i, pair.j); });
+  const ShareSums::Squares squared = by_face.squaresOf(*told);
+  const double lines = double(told->facing + told->blocked), squares = double(squared.facing + squared.blocked), area = std::min(by_face.ids().areas[i], by_face.ids().areas[j]);
+  const double per_direction = double(lineOf(known.lines, i, j)) + 8 / 27.0 * area / sums.countArea(), n = std::max(lines * lines / squares, lines / per_direction);
+  const double s = NeighbourShares(by_face, known.lines, known.ranks).of(i, j).smoothed;
+  const double p = ((told->facing > 0 ? n : 0) + 2 * s + 0.1) / (n + 2.2), rarer = n * p * (1 - p);
+  const double t = quantile(complement(boost::math::students_t(double(std::max<uint64_t>(sums.replicateCount(), 8) - 1)), 0.025));
+  return std::sqrt(0.25 / (rarer * rarer + 0.25) * p * (1 - p) / (n + 0.5)) * quantile(complement(boost::math::normal(), 0.025)) / t;
+}
+
+// Pairs never blocked are their closed forms, on any lattice and with any number of directions.
+TEST(VisibleShare, UnblockedPairsAreExact) {
+  for (const auto& [input, truth] : {std::pair(ts::parallelSquares(), kParallelSquares), std::pair(ts::perpendicularSquares(), kPerpendicularSquares)}) {
+    for (const auto& [sampling, replicates] : {std::pair(Sampling::lattice, 4u), std::pair(Sampling::scanline, 24u)}) {
+      const Shared made = share(input, 16, sampling);
+      EstimateOptions options{.directions = 24, .replicates = replicates};
+      double deviation = 0;
+      options.on_sums = [&](const RunSums& sums, bool last) {
+        if (last) deviation = deviationOfOneKind(sums, 0, 1);
+      };
+      const Measured f = made.estimate(options).form_factors.formFactor(0, 1);
+      EXPECT_NEAR(f.value, truth, kUnoccludedRelativeError * truth + kTenDigits);
+      // Nothing says that no blocker is there.
+      EXPECT_GT(deviation, 0);
+      EXPECT_NEAR(f.standard_error, deviation * f.value, 1e-11 * deviation);  // 1 - p is rounded to 2^-53, and no less than 0.1 / n for n of 1e4 at most
+    }
+  }
+  const Estimate cube = share(ts::insideOfCube(), 16).estimate({.directions = 24, .replicates = 4});
+  for (uint32_t i = 0; i < 6; ++i)
+    for (uint32_t j = 0; j < 6; ++j) {
+      const double truth = i == j ? 0 : i / 2 == j / 2 ? kParallelSquares : kPerpendicularSquares;
+      EXPECT_NEAR(cube.form_factors.formFactor(i, j).value, truth, kUnoccludedRelativeError * truth + kTenDigits);
+    }
+}
+
+// Where pilots saw nothing blocked all pairs are exact, those too that few lines or none told.
+TEST(VisibleShare, NothingInBetweenIsExactForEveryPair) {
+  const Shared made = share(ts::squaresInParts(2, 1, 4), 4);
+  const EstimateOptions options{.directions = 8, .replicates = 2};
+  const VisibleShares shares = made.find(options);
+  const FormFactors few = made.estimate(options).form_factors;
+  size_t pairs = 0;
+  for (const KnownPair& pair : shares.known.pairs) {
+    if (pair.j >= kEnvironment) continue;
+    ++pairs;
+    EXPECT_NEAR(few.exchangeArea(pair.i, pair.j).value, pair.exchange, 1e-12 * pair.exchange);
+  }
+  EXPECT_EQ(pairs, 16u);
+}
+
+// Of more polygons than closed forms are known of beforehand: every pair gets its own, that of which many lines tell to the last digit, whatever pilots met; going on with sums, and sums of
+// parts, come to the same bits. Nothing is blocked, so that neighbours tell the truth of pairs that no line met.
+TEST(VisibleShare, EveryPairOfManyPolygonsGetsItsClosedForm) {
+  constexpr uint32_t kCuts = 40;
+  InputScene input = ts::squaresInParts(kCuts, 1.0 / kCuts, 1);
+  ts::addFace(input, "wall", ts::parallelogram({-0.5, 0, 0}, {0, 1, 0}, {0, 0, 1}));  // many lines between it and each part
+  const Scene scene = buildScene(input);
+  const Ids ids = makeIds(scene, By::polygon, false);
+  ASSERT_GT(pairCount(ids.count()), kMostKnownPairs);
+  const auto engine = makeHostEngine(scene, ids, {.resolution = 64, .count_blocked = true});
+  EstimateOptions options{.directions = 128, .replicates = 4};
+  FaceExchanges exchanges(nullptr, scene, ids);
+  const VisibleShares shares = findVisibleShares(*engine, exchanges, scene, ids, groupAsOne(scene, 64), options, {sharePilot(options).directions});
+  EXPECT_FALSE(shares.known.has_all_pairs);
+  options.known = &shares.known;
+  options.exchanges = &exchanges;
+  std::vector<RunSums> after;
+  options.on_sums = [&](const RunSums& sums, bool last) {
+    if (!last) after.push_back(sums);
+  };
+  const Estimate whole = estimateFormFactors(*engine, scene, ids, options);
+  std::map<std::pair<uint32_t, uint32_t>, uint64_t> lines;
+  for (const ShareSums::PairSum& pair : after.back().visible->byFace().pairs()) lines[{pair.i, pair.j}] = pair.facing + pair.blocked;
+  const ExchangeRow row = exchanges.rows();
+  std::vector<BoundedExchange> later;
+  uint32_t row_of = UINT32_MAX;
+  size_t learnt = 0, told = 0, guessed = 0, unmet = 0, all = 0;
+  for (const FormFactors::Entry& entry : whole.form_factors.entries()) {
+    if (entry.j >= kEnvironment) continue;
+    ++all;
+    const bool was_known = std::ranges::binary_search(shares.known.pairs, std::pair(entry.i, entry.j), {}, [](const KnownPair& pair) { return std::pair(pair.i, pair.j); });
+    const uint64_t line_count = lines[{entry.i, entry.j}];
+    unmet += line_count == 0;
+    size_t& kind = line_count >= kLinesToLearn ? learnt : line_count ? told : guessed;
+    if (was_known || kind++ % 100) continue;
+    KnownPair alone{entry.i, entry.j};
+    exchanges.compute(std::span(&alone, 1));
+    if (line_count >= kLinesToLearn) {
+      EXPECT_EQ(entry.exchange_area.value, alone.exchange);
+    }
+    if (row_of != entry.i) {
+      row_of = entry.i;
+      later.assign(ids.count() - row_of - 1, {});
+      row(row_of, later);
+    }
+    const BoundedExchange& bounded = later[entry.j - entry.i - 1];
+    EXPECT_NEAR(entry.exchange_area.value, alone.exchange, bounded.error + kUnoccludedRelativeError * alone.exchange);
+    EXPECT_LT(bounded.error, 0.01 * alone.exchange);  // a part of 1/40 at a distance of 1 at least: far
+  }
+  EXPECT_EQ(all, size_t(kCuts) * kCuts * (kCuts * kCuts + 2));
+  EXPECT_EQ(whole.unmet_pairs, unmet);
+  EXPECT_GT(learnt, 0u);  // pilots have met nearly all of these
+  for (const size_t count : {told, guessed}) EXPECT_GT(count, 500u);
+
+  const auto isTheSame = [&](const FormFactors& other) {
+    const auto& a = whole.form_factors.entries();
+    const auto& b = other.entries();
+    return std::ranges::equal(a, b, [](const FormFactors::Entry& x, const FormFactors::Entry& y) {
+      return x.i == y.i && x.j == y.j && x.exchange_area.value == y.exchange_area.value && x.exchange_area.standard_error == y.exchange_area.standard_error;
+    });
+  };
+  ASSERT_EQ(after.size(), 4u);
+  const RunSums begun = after[1];
+  options.resumed = &begun;
+  EXPECT_TRUE(isTheSame(estimateFormFactors(*engine, scene, ids, options).form_factors));
+  EstimateOptions second = options;
+  second.resumed = nullptr;
+  second.first_replicate = 2;
+  second.replicates = 2;
+  after.clear();
+  second.on_sums = options.on_sums;
+  estimateFormFactors(*engine, scene, ids, second);
+  for (const bool in_order : {true, false}) {
+    RunSums sum = in_order ? begun : after[1];
+    sum.add(in_order ? after[1] : begun);
+    exchanges.learn(sum);
+    EXPECT_TRUE(isTheSame(keepSeen(sum.formFactors(row)))) << in_order;
+  }
+}
+
+// A goal is reached with the first replicate after which all standard errors are small enough, those of rough closed forms and of pairs that no line met among them.
+TEST(VisibleShare, GoalsAreReachedByEveryPairOfManyPolygons) {
+  constexpr uint32_t kCuts = 55;
+  InputScene input{"a floor in 3025 parts below a lamp and a screen", {}, {}};
+  for (uint32_t row = 0; row < kCuts; ++row)
+    for (uint32_t column = 0; column < kCuts; ++column) ts::addFace(input, "floor", ts::parallelogram({double(column), double(row), 0}, {1, 0, 0}, {0, 1, 0}));
+  ts::addFace(input, "lamp", ts::parallelogram({20, 20, 30}, {0, 6, 0}, {6, 0, 0}));
+  ts::addFace(input, "screen", ts::parallelogram({24, 16, 15}, {9, 0, 0}, {0, 9, 0}));
+  const Scene scene = buildScene(input);
+  const Ids ids = makeIds(scene, By::polygon, false);
+  ASSERT_GT(pairCount(ids.count()), kMostKnownPairs);
+  const auto engine = makeHostEngine(scene, ids, {.resolution = 64, .count_blocked = true});
+  EstimateOptions options{.directions = 32, .replicates = 3};
+  FaceExchanges exchanges(nullptr, scene, ids);
+  const VisibleShares shares = findVisibleShares(*engine, exchanges, scene, ids, groupAsOne(scene, 64), options, {sharePilot(options).directions});
+  options.known = &shares.known;
+  options.exchanges = &exchanges;
+  const double first = estimateFormFactors(*engine, scene, ids, options).largest_standard_error;
+  for (const double share : {0.9, 0.7}) {
+    options.tolerance = share * first;
+    std::vector<double> largest;
+    options.on_sums = [&](const RunSums& sums, bool last) {
+      if (!last) largest.push_back(makeEstimate(sums, options.relative_floor, exchanges.rows()).largest_standard_error);
+    };
+    const Estimate reached = estimateFormFactors(*engine, scene, ids, options);
+    ASSERT_EQ(reached.replicates, largest.size());
+    EXPECT_GT(reached.replicates, 3u);
+    EXPECT_EQ(reached.largest_standard_error, largest.back());
+    for (size_t r = 2; r < largest.size(); ++r) EXPECT_EQ(largest[r] <= *options.tolerance, r + 1 == largest.size()) << r;
+  }
+}
+
+double truthPastTheBlocker() {
+  const InputScene input = ts::squaresPastABlocker();
+  return reference::formFactorPastBlocker(input.faces[0].corners, input.faces[1].corners, input.faces[2].corners).value;
+}
+
+// Partly blocked: unbiased, with less error than counting alone, and 95 % intervals that hold the truth 95 times in 100 but for chance, that is within four
+// standard deviations of the binomial law.
+TEST(VisibleShare, PartlyBlockedPairsAreSampledWell) {
+  const Shared made = share(ts::squaresPastABlocker(), 24);
+  const double truth = truthPastTheBlocker();
+  constexpr int kSeeds = 60;
+  const double t = quantile(complement(boost::math::students_t(7), 0.025));
+  double squares = 0, plain_squares = 0, sum = 0;
+  int held = 0;
+  for (uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    const EstimateOptions options{.directions = 64, .seed = seed};
+    const Measured f = made.estimate(options).form_factors.formFactor(0, 1);
+    const double plain = estimateFormFactors(*made.engine, made.scene, made.ids, options).form_factors.formFactor(0, 1).value;
+    held += std::abs(f.value - truth) <= t * f.standard_error;
+    sum += f.value - truth;
+    squares += std::pow(f.value - truth, 2);
+    plain_squares += std::pow(plain - truth, 2);
+  }
+  EXPECT_LE(std::abs(held - 0.95 * kSeeds), 4 * std::sqrt(0.95 * 0.05 * kSeeds));
+  EXPECT_LE(std::abs(sum / kSeeds), 5 * std::sqrt(squares) / kSeeds);
+  // Of one variance, F(60, 60) stays below 2.3 with probability 0.999: it is smaller indeed.
+  EXPECT_LT(2.3 * squares, plain_squares);
+}
+
+// Scanlines count lengths, the same way.
+TEST(VisibleShare, PartlyBlockedPairsByScanlines) {
+  const Shared made = share(ts::squaresPastABlocker(), 24, Sampling::scanline);
+  const double truth = truthPastTheBlocker();
+  double squares = 0, plain_squares = 0;
+  for (uint64_t seed = 1; seed <= 12; ++seed) {
+    const EstimateOptions options{.directions = 64, .seed = seed};
+    const Measured f = made.estimate(options).form_factors.formFactor(0, 1);
+    EXPECT_TRUE(isEstimateOf(f, truth, options.replicates)) << seed;
+    squares += std::pow(f.value - truth, 2);
+    plain_squares += std::pow(estimateFormFactors(*made.engine, made.scene, made.ids, options).form_factors.formFactor(0, 1).value - truth, 2);
+  }
+  // Of one variance, F(12, 12) stays below 7.0 with probability 0.999; lattice points gain a factor of more than 2.3 (above), directions being what is left with scanlines.
+  EXPECT_LT(squares, plain_squares);
+}
+
+// Two squares see each other and nothing else: what leaves is the rest of the row, and as exact.
+TEST(VisibleShare, WhatLeavesTheSceneIsExactBesideExactPairs) {
+  const Shared made = share(ts::parallelSquares(), 16);
+  const EstimateOptions options{.directions = 400};
+  const Estimate with = made.estimate(options), without = estimateFormFactors(*made.engine, made.scene, made.ids, options);
+  const Measured f = with.form_factors.formFactor(0, kEnvironment), plain = without.form_factors.formFactor(0, kEnvironment);
+  EXPECT_TRUE(isEstimateOf(f, 1 - kParallelSquares, options.replicates));
+  EXPECT_LT(f.standard_error, plain.standard_error);
+}
+
+// Pairs that no line met are there with what their neighbours tell, and its spread; blocked ones with what they may be at most: with eight lines in all, most are not met.
+TEST(VisibleShare, PairsThatNoLineMetAreUncertain) {
+  const Shared made = share(ts::roomWithTouchingBoxes(), 4);
+  const EstimateOptions options{.directions = 1, .replicates = 2};
+  const VisibleShares shares = made.find(options);
+  EXPECT_TRUE(shares.known.has_all_pairs);
+  std::optional<RunSums> counted;
+  EstimateOptions watched = options;
+  watched.on_sums = [&](const RunSums& sums, bool last) {
+    if (last) counted = sums;
+  };
+  const Estimate few = made.estimate(watched);
+  const FormFactors with_unseen = counted->formFactors();
+  const NeighbourShares neighbours(counted->visible->byFace(), counted->visible->known().lines, shares.known.ranks);
+  size_t unmet = 0, blocked_pairs = 0, is_zero = 0;
+  for (const KnownPair& pair : shares.known.pairs) {
+    const PairCount counts = made.countsOf(options, pair.i, pair.j);
+    const Measured f = with_unseen.exchangeArea(pair.i, pair.j);
+    if (pair.j >= kEnvironment || counts.count > 0) continue;
+    const double area = std::min(made.ids.areas[pair.i], made.ids.areas[pair.j]), most = std::min(pair.exchange, area);
+    EXPECT_GE(few.largest_standard_error, f.standard_error / area);
+    if (counts.blocked > 0) {
+      ++blocked_pairs;
+      const auto lines = double(counts.blocked);  // one count each
+      EXPECT_NEAR(f.value, lines < 4 ? 0.5 * neighbours.of(pair.i, pair.j).mean / (lines + 0.5) * most : 0, 1e-14 * most);  // rounding
+      is_zero += f.value == 0;
+      const double deviation = deviationOfOneKind(*counted, pair.i, pair.j) * most;
+      EXPECT_NEAR(f.standard_error, std::min(deviation, most - f.value), 1e-14 * most);  // rounding
+      continue;
+    }
+    ++unmet;
+    const NeighbourShares::Share share = neighbours.of(pair.i, pair.j);
+    EXPECT_NEAR(f.value, share.mean * most, 1e-14 * most);  // rounding
+    EXPECT_NEAR(f.standard_error, share.deviation() * most, 1e-14 * most);
+    EXPECT_GT(f.standard_error, 0);
+  }
+  EXPECT_GT(unmet, 20u);
+  EXPECT_GT(blocked_pairs, 0u);
+  EXPECT_EQ(few.unmet_pairs, unmet);
+  EXPECT_GE(few.unseen_pairs, is_zero);
+  EXPECT_TRUE(std::none_of(few.form_factors.entries().begin(), few.form_factors.entries().end(), [](const auto& entry) { return entry.exchange_area.value == 0; }));
+  // Every pair that counts see is among those known.
+  const Estimate many = estimateFormFactors(*made.engine, made.scene, made.ids, {.directions = 2000});
+  for (const auto& entry : many.form_factors.entries()) {
+    if (entry.j >= kEnvironment) continue;
+    EXPECT_TRUE(std::any_of(shares.known.pairs.begin(), shares.known.pairs.end(), [&](const KnownPair& pair) { return pair.i == entry.i && pair.j == entry.j; })) << entry.i << " " << entry.j;
+  }
+}
+
+// The same lines in another sum: form factors between surfaces are what those of their polygons add up to, and agree with counting alone.
+TEST(VisibleShare, SurfacesAndClosedRooms) {
+  const Shared made = share(ts::roomWithTouchingBoxes(), 48);
+  const EstimateOptions options{.directions = 400};
+  const Estimate by_surface = made.estimate(options, By::surface), plain = estimateFormFactors(*made.engine, made.scene, made.ids, options);
+  // What closed forms leave out cannot see each other; without them it may only not have been met.
+  EXPECT_TRUE(std::isinf(by_surface.unmet_bound));
+  EXPECT_LT(plain.unmet_bound, 1);
+  const uint32_t n = by_surface.form_factors.ids().count();
+  EXPECT_EQ(n, makeIds(made.scene, By::surface, false).count());
+  for (uint32_t i = 0; i < n; ++i)
+    for (uint32_t j = 0; j < n; ++j)
+      EXPECT_TRUE(areEstimatesOfTheSame(by_surface.form_factors.formFactor(i, j), plain.between_surfaces.formFactor(i, j), options.replicates)) << i << " " << j;
+  const Estimate by_polygon = made.estimate(options);
+  for (const auto& entry : by_polygon.form_factors.entries()) {
+    const auto& areas = made.ids.areas;
+    EXPECT_GE(entry.exchange_area.value, 0);
+    EXPECT_LE(entry.exchange_area.value, entry.j < kEnvironment ? std::min(areas[entry.i], areas[entry.j]) : INFINITY);
+    EXPECT_TRUE(areEstimatesOfTheSame(by_polygon.form_factors.formFactor(entry.i, entry.j), plain.form_factors.formFactor(entry.i, entry.j), options.replicates));
+  }
+  EXPECT_LT(by_polygon.largest_standard_error, plain.largest_standard_error);
+}
+
+}  // namespace
+}  // namespace viewpeel

@@ -1,2 +1,0 @@
-// Linked into what sanitizers watch: libraries stay loaded, or leaks in a driver would have no name that tests/lsan.supp could tell.
-extern "C" int dlclose(void*) { return 0; }

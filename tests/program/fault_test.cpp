@@ -1,0 +1,221 @@
+// What fails around the program - driver, device, memory, another run, the user's patience - ends in one clear line, and what was counted is kept.
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "tests/support/running.h"
+
+namespace viewpeel {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The layer of fault_layer.cpp, failing as told. Validation is off: the layer breaks what it would watch; so is Mesa's device selection, which does not
+// survive that there are no devices.
+std::string withFault(const std::string& fault) {
+  return "NODEVICE_SELECT=1 VK_LAYER_PATH=" VIEWPEEL_FAULT_LAYER " VK_INSTANCE_LAYERS=VK_LAYER_VIEWPEEL_faults VIEWPEEL_VALIDATION=0 VIEWPEEL_FAULT=" + fault;
+}
+
+const std::string kOffice = "compute " VIEWPEEL_SCENES "/office.obj --quiet --by surface ";
+const std::string kSteady = kOffice + "--engine compute --directions 50 --resolution 64 --batch 25 ";
+
+class Fault : public Program {
+ protected:
+  void expectOneLine(const Result& result, int status, const std::vector<std::string>& parts) {
+    EXPECT_EQ(result.status, status) << result.output;
+    EXPECT_EQ(std::count(result.output.begin(), result.output.end(), '\n'), 1) << result.output;
+    EXPECT_EQ(result.output.find("viewpeel: "), 0u) << result.output;
+    for (const std::string& part : parts) EXPECT_NE(result.output.find(part), std::string::npos) << result.output;
+  }
+  uint64_t replicatesOf(const std::string& name) const {
+    const std::string shown = run("merge " + file(name)).output;
+    const size_t at = shown.find("\nreplicates     0 to ");
+    return at == std::string::npos ? 0 : std::stoul(shown.substr(at + 21)) + 1;
+  }
+  std::string writeSheets() const {
+    std::ofstream out(file("sheets.obj"));
+    for (int k = 0; k < 200; ++k) out << fmt::format("v 0 0 {0}\nv 1 0 {0}\nv 1 1 {0}\nv 0 1 {0}\nf -4 -3 -2 -1\n", 0.01 * k);
+    return file("sheets.obj");
+  }
+  // Directions on the device at once, as planned and, where lists grew, in the end.
+  static unsigned atOnce(const Result& result, const char* after) {
+    unsigned batches = 0, directions = 0;
+    std::string word;
+    std::istringstream plan(result.output.substr(std::min(result.output.find("plan       ", result.output.find(after)), result.output.size())));
+    EXPECT_TRUE(plan >> word >> batches >> word >> directions) << result.output;
+    return batches * directions;
+  }
+  // Squares of random place and size above one another: every direction takes a device some time, and reading them, too.
+  std::string writeLargeScene(int count) const {
+    std::ofstream out(file("large.obj"));
+    uint64_t state = 1;
+    const auto random = [&] { return double((state = state * 6364136223846793005u + 1442695040888963407u) >> 40) / 1.7e7; };
+    for (int k = 0; k < count; ++k) {
+      const double x = random(), y = random(), z = random(), edge = 0.02 + 0.05 * random();
+      out << fmt::format("v {0} {1} {2}\nv {3} {1} {2}\nv {3} {4} {2}\nv {0} {4} {2}\nf -4 -3 -2 -1\n", x, y, z, x + edge, y + edge);
+    }
+    return file("large.obj");
+  }
+};
+
+// The tests below mean something only where the layer is there and can be told to do nothing.
+TEST_F(Fault, LayerIsUsed) {
+  const Result listed = run("devices", withFault("version"));
+  EXPECT_NE(listed.output.find("needs Vulkan 1.3"), std::string::npos) << listed.output;
+  EXPECT_EQ(run(kSteady + "-o " + file("a.csv"), withFault("")).status, 0);
+  EXPECT_EQ(run(kSteady + "-o " + file("b.csv")).status, 0);
+  EXPECT_EQ(readFile(file("a.csv")), readFile(file("b.csv")));
+}
+
+TEST_F(Fault, NoUsableDeviceIsToldWithTheReason) {
+  const std::string plates = "compute " VIEWPEEL_SCENES "/plates.obj --quiet --engine compute";
+  expectOneLine(run(plates, "VK_DRIVER_FILES=/nowhere.json VK_ICD_FILENAMES=/nowhere.json"), 1, {"no Vulkan driver found; install"});
+  expectOneLine(run(plates, withFault("none")), 1, {"no Vulkan driver found; install"});
+  expectOneLine(run(plates, withFault("version")), 1, {"no usable device: 0: ", "(needs Vulkan 1.3)", "viewpeel devices"});
+  expectOneLine(run(plates, withFault("feature")), 1, {"no usable device: 0: ", "lacks shaderInt64"});
+}
+
+// Lost at any submission: at the first, while planning, or later. What is in the checkpoint then goes on to the bits of a run without fault.
+TEST_F(Fault, LostDeviceKeepsTheCheckpoint) {
+  ASSERT_EQ(run(kSteady + "-o " + file("whole.csv")).status, 0);
+  uint64_t most = 0;
+  for (int submission : {1, 9, 20}) {
+    const std::string options = kSteady + "--checkpoint-seconds 0 -o " + file("a.csv") + " --checkpoint " + file("a.h5");
+    expectOneLine(run(options, withFault(fmt::format("lost:{}", submission))), 1, {"the device was lost; run again, or choose another with --device"});
+    EXPECT_FALSE(fs::exists(file("a.csv")));
+    most = std::max(most, replicatesOf("a.h5"));
+    ASSERT_EQ(run(options + " --resume").status, 0) << submission;
+    EXPECT_EQ(readFile(file("a.csv")), readFile(file("whole.csv"))) << submission;
+    fs::remove(file("a.csv"));
+    fs::remove(file("a.h5"));
+  }
+  EXPECT_GE(most, 1u);  // some were lost in the middle
+  for (const std::string planned : {"--tolerance 1e-3 --engine compute", "--epsilon 0.1 --engine compute", "--closed-forms on --engine compute", "--engine graphics --directions 20"})
+    expectOneLine(run(kOffice + planned, withFault("lost:8")), 1, {"the device was lost"});
+}
+
+TEST_F(Fault, LackOfDeviceMemoryIsAClearError) {
+  for (const std::string planned : {"--directions 50 --engine compute", "--tolerance 1e-3 --engine compute", "--epsilon 0.1 --engine compute", "--closed-forms on --engine compute", "--engine graphics --directions 20"})
+    for (int allocation : {1, 12}) expectOneLine(run(kOffice + planned, withFault(fmt::format("memory:{}", allocation))), 1, {"cannot allocate", "try a smaller"});
+}
+
+// On devices of less and less memory: enough for the plan; for smaller batches; for smaller ones than those, once the lists of tiles grow, as sheets above one another make them;
+// and not for one direction. What is computed has the same bits.
+TEST_F(Fault, LackOfDeviceMemoryMakesBatchesSmaller) {
+  const std::string options = "compute --engine compute " + writeSheets() + " --two-sided --sampling lattice --directions 16 --resolution 128 --batch 8 --replicates 2 --verbose -o " + file("a.csv");
+  ASSERT_EQ(run(options, withFault("")).status, 0);
+  const std::string whole = readFile(file("a.csv"));
+  int as_planned = 0, smaller = 0, smaller_later = 0, refused = 0;
+  // Beside the 32 MiB in which counters are read back, which are there before batches.
+  for (double mib = 20; mib > 0.3; mib = mib / 1.5 - 0.1) {
+    fs::remove(file("a.csv"));
+    const Result result = run(options, withFault(fmt::format("space:{}", int((32 + mib) * 1024))));
+    if (result.status != 0) {
+      EXPECT_EQ(result.status, 1) << result.output;
+      EXPECT_NE(result.output.find("\nviewpeel: one direction at a time does not fit: "), std::string::npos) << result.output;
+      ++refused;
+      continue;
+    }
+    EXPECT_EQ(readFile(file("a.csv")), whole) << mib;
+    const unsigned first = atOnce(result, "sampling"), last = atOnce(result, "after a trial");
+    as_planned += first == 16 && last == 16;
+    smaller += first < 16;
+    smaller_later += last < first;
+  }
+  EXPECT_GT(as_planned, 0);
+  EXPECT_GT(smaller, 0);
+  EXPECT_GT(smaller_later, 0);
+  EXPECT_GT(refused, 0);
+}
+
+// The same on devices that address shorter and shorter lists: that too depends on the batch.
+TEST_F(Fault, ListsTooLongToAddressMakeBatchesSmaller) {
+  const std::string options = "compute --engine compute " + writeSheets() + " --two-sided --sampling lattice --directions 16 --resolution 128 --batch 8 --replicates 2 --verbose -o " + file("a.csv");
+  ASSERT_EQ(run(options, withFault("")).status, 0);
+  const std::string whole = readFile(file("a.csv"));
+  int as_planned = 0, smaller = 0, refused = 0;
+  for (uint32_t texels = 1u << 17; texels >= 1u << 13; texels /= 2) {
+    fs::remove(file("a.csv"));
+    const Result result = run(options, withFault(fmt::format("texels:{}", texels)));
+    if (result.status != 0) {
+      EXPECT_EQ(result.status, 1) << result.output;
+      EXPECT_NE(result.output.find(fmt::format("\nviewpeel: one direction at a time does not fit: polygons reach more than {} tiles", texels)), std::string::npos) << result.output;
+      ++refused;
+      continue;
+    }
+    EXPECT_EQ(readFile(file("a.csv")), whole) << texels;
+    const unsigned last = atOnce(result, "after a trial");
+    as_planned += last == 16;
+    smaller += last < 16;
+  }
+  EXPECT_GT(as_planned, 0);
+  EXPECT_GT(smaller, 0);
+  EXPECT_GT(refused, 0);
+}
+
+// Whatever goes on: a scene being read, a plan, closed forms, one long batch of either engine.
+TEST_F(Fault, SignalEndsALargeRunWithinTwoSeconds) {
+  const std::string large = "compute " + writeLargeScene(100'000) + " --quiet ";
+  const std::pair<std::string, double> runs[] = {{large, 0.2},
+                                                 {large, 2.5},
+                                                 {large + "--engine compute", 2.5},
+                                                 {large + "--directions 1000 --resolution 1000 --engine compute --by surface", 2.5},
+                                                 {large + "--directions 1000 --resolution 1000 --by surface", 2.5},
+                                                 {large + "--engine graphics --by surface --directions 1000 --resolution 256", 2.5},
+                                                 {large + "--engine exact --directions 10", 1.5},
+                                                 {"compute " VIEWPEEL_SCENES "/office.obj --quiet --tolerance 1e-5", 1}};
+  for (const auto& [options, after] : runs) {
+    Running running(options + " -o " + file("a.csv"), file("messages"));
+    waitFor(after);
+    ASSERT_FALSE(running.hasEnded()) << options << readFile(file("messages"));
+    const auto start = Clock::now();
+    running.send(SIGINT);
+    EXPECT_EQ(running.wait(), 130) << options << readFile(file("messages"));
+    EXPECT_LT(secondsSince(start), kSoon) << options;
+    EXPECT_EQ(readFile(file("messages")).find("viewpeel: stopped by SIGINT, "), 0u) << readFile(file("messages"));
+  }
+}
+
+// One batch takes longer than a signal may: what was counted before it is written by the time.
+TEST_F(Fault, SignalInALongBatchKeepsTheReplicatesBefore) {
+  const std::string options = "compute " + writeLargeScene(15'000) + " --quiet --by surface --two-sided --engine graphics --directions 1 --resolution 8 --replicates 100000 ";
+  Running running(options + "--checkpoint-seconds 0 -o " + file("a.csv") + " --checkpoint " + file("a.h5"), file("messages"));
+  while (!running.hasEnded() && replicatesOf("a.h5") < 2) waitFor(0.2);
+  const auto start = Clock::now();
+  running.send(SIGTERM);
+  EXPECT_EQ(running.wait(), 143) << readFile(file("messages"));
+  EXPECT_LT(secondsSince(start), kSoon);
+  EXPECT_NE(readFile(file("messages")).find("results are written"), std::string::npos) << readFile(file("messages"));
+  EXPECT_EQ(run("merge --quiet " + file("a.h5") + " -o " + file("b.csv")).status, 0);
+  EXPECT_EQ(readFile(file("a.csv")), readFile(file("b.csv")));
+}
+
+// The second of two runs with one checkpoint is refused, or told that its own is not kept, whichever came first; nothing is mixed.
+TEST_F(Fault, TwoRunsDoNotDisturbEachOther) {
+  const std::string options = kSteady + "--checkpoint-seconds 0 --checkpoint " + file("a.h5") + " --replicates ";
+  {
+    Running first(options + "60", file("first")), second(options + "60", file("second"));  // both find no file
+    const int a = first.wait(), b = second.wait();
+    EXPECT_EQ(std::min(a, b), 0) << readFile(file("first")) << readFile(file("second"));
+    EXPECT_GE(std::max(a, b), 1) << readFile(file("first")) << readFile(file("second"));
+    const std::string told = readFile(file(a == 0 ? "second" : "first"));
+    EXPECT_TRUE(told.find("another run has put its own there") != std::string::npos || told.find("there is a checkpoint already") != std::string::npos) << told;
+    EXPECT_EQ(replicatesOf("a.h5"), 60u);
+  }
+  {
+    Running first(options + "100000 --resume", file("first"));
+    while (!first.hasEnded() && replicatesOf("a.h5") < 62) waitFor(0.1);
+    expectOneLine(run(options + "70 --resume"), 2, {"another run is keeping its checkpoint there"});
+    first.send(SIGTERM);
+    EXPECT_EQ(first.wait(), 143);
+  }
+  // Outputs are written as a whole: of two runs with one name for them the last remains.
+  Running first(kSteady + "-o " + file("a.csv"), file("first")), second(kSteady + "-o " + file("a.csv"), file("second"));
+  EXPECT_EQ(first.wait(), 0);
+  EXPECT_EQ(second.wait(), 0);
+  EXPECT_EQ(run(kSteady + "-o " + file("b.csv")).status, 0);
+  EXPECT_EQ(readFile(file("a.csv")), readFile(file("b.csv")));
+}
+
+}  // namespace
+}  // namespace viewpeel

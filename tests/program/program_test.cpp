@@ -1,0 +1,264 @@
+// The program as a user meets it: exit status, messages, files.
+#include <map>
+
+#include "tests/support/program.h"
+
+namespace viewpeel {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST_F(Program, ComputesPlatesAndWritesBothFiles) {
+  const Result r = run("compute " VIEWPEEL_SCENES "/plates.obj --resolution 32 --directions 100 -o " + file("p.csv") + " -o " + file("p.mtx"));
+  EXPECT_EQ(r.status, 0) << r.output;
+  for (const char* part : {"device", "2 polygons", "form factor", "standard error", "closure", "environment"})
+    EXPECT_NE(r.output.find(part), std::string::npos) << part << " not in:\n" << r.output;
+  EXPECT_EQ(readFile(file("p.csv")).find("from,to,form_factor,standard_error\nlower,upper,0."), 0u) << readFile(file("p.csv"));
+  EXPECT_EQ(readFile(file("p.mtx")).find("%%MatrixMarket"), 0u);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 2);
+}
+
+TEST_F(Program, SameSeedSameFileWhateverBatchAndThreads) {
+  const std::string scene = "compute " VIEWPEEL_SCENES "/cube.obj --quiet --resolution 40 --directions 60 --replicates 3 -o ";
+  EXPECT_EQ(run(scene + file("a.csv"), "LP_NUM_THREADS=1").status, 0);
+  EXPECT_EQ(run(scene + file("b.csv") + " --batch 7", "LP_NUM_THREADS=3").status, 0);
+  EXPECT_EQ(run(scene + file("c.csv") + " --seed 2").status, 0);
+  EXPECT_FALSE(readFile(file("a.csv")).empty());
+  EXPECT_EQ(readFile(file("a.csv")), readFile(file("b.csv")));
+  EXPECT_NE(readFile(file("a.csv")), readFile(file("c.csv")));
+}
+
+// A polygon that no line met is told from one that sees nothing.
+TEST_F(Program, RowsThatWereNeverMetAreNamed) {
+  std::ofstream(file("speck.obj")) << "o floor\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no speck\nv 0.3 0.3 1\nv 0.3 0.30001 1\nv 0.30001 0.3 1\nf 4 5 6\n";
+  const Result r = run("compute " + file("speck.obj") + " --directions 10 --resolution 16");
+  EXPECT_EQ(r.status, 0) << r.output;
+  EXPECT_NE(r.output.find("\nunmet      1 of 2 rows (speck)"), std::string::npos) << r.output;
+  EXPECT_EQ(run("compute " VIEWPEEL_SCENES "/plates.obj --directions 10 --resolution 16").output.find("unmet"), std::string::npos);
+}
+
+// No form factor is looked at by --relative: that is said, not taken for success in silence.
+TEST_F(Program, AFloorThatNothingReachesIsSaid) {
+  const std::string plates = "compute " VIEWPEEL_SCENES "/plates.obj --directions 20 --resolution 16 --quiet --relative 0.5 --floor ";
+  EXPECT_NE(run(plates + "0.9").output.find("no form factor reaches --floor 0.9"), std::string::npos);
+  EXPECT_EQ(run(plates + "0.1").output, "");
+}
+
+// Time is said of every plan, and what its goal takes where its replicates do not do.
+TEST_F(Program, PlansSayWhatARunTakes) {
+  const std::string plates = "plan " VIEWPEEL_SCENES "/plates.obj ";
+  for (const char* options : {"--engine exact", "--directions 10 --resolution 16", "--directions 10 --pair lower upper", "--epsilon 0.3"}) {
+    const Result r = run(plates + options);
+    EXPECT_EQ(r.status, 0) << r.output;
+    EXPECT_NE(r.output.find(" s"), std::string::npos) << r.output;
+    EXPECT_NE(r.output.find(std::string(options).starts_with("--epsilon") ? "plan       blocks of " : "expected   "), std::string::npos) << r.output;
+  }
+  const Result r = run(plates + "--tolerance 1e-9 --seconds 1");
+  EXPECT_NE(r.output.find("more than --seconds 1 allow; the run ends short of it"), std::string::npos) << r.output;
+  EXPECT_EQ(run(plates + "--tolerance 0.1").output.find("takes about"), std::string::npos);
+}
+
+// The oldest published case with a wall without thickness (FACET, UCID-19887, 1983): its two sides are a sheet unless the user says otherwise.
+TEST_F(Program, TwoSidesOfAWallDoNotSeeEachOther) {
+  std::ofstream(file("facet.obj")) << "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+                                      "v .25 .75 .25\nv .75 .75 .25\nv .75 .75 .75\nv .25 .75 .75\n"
+                                      "g s1\nf 1 2 3 4\ng s2\nf 3 2 6 7\ng s3\nf 7 6 5 8\ng s4\nf 4 8 5 1\ng s5\nf 3 7 8 4\ng s6\nf 1 5 6 2\n"
+                                      "g s7\nf 9 10 11 12\ng s8\nf 12 11 10 9\n";
+  const std::string facet = "compute " + file("facet.obj") + " --directions 60 --replicates 4 -o " + file("f.csv") + " ";
+  for (const char* engine : {"host", "compute", "graphics", "exact"}) {
+    const Result r = run(facet + "--engine " + engine + (std::string(engine) == "exact" ? "" : " --resolution 64"));
+    EXPECT_EQ(r.status, 0) << r.output;
+    EXPECT_NE(r.output.find("coincide   1 pair back to back"), std::string::npos) << r.output;
+    EXPECT_EQ(readFile(file("f.csv")).find("s7,s8,"), std::string::npos) << engine;
+    EXPECT_EQ(readFile(file("f.csv")).find("leak"), std::string::npos) << engine;
+  }
+  const Result solid = run(facet + "--solids s7");
+  EXPECT_NE(solid.output.find("1 pair face to face"), std::string::npos) << solid.output;
+  EXPECT_NE(readFile(file("f.csv")).find("s7,s8,"), std::string::npos);
+  const Result wrong = run(facet + "--sheets s9");
+  EXPECT_EQ(wrong.status, 2) << wrong.output;
+  EXPECT_NE(wrong.output.find("has no surface 's9'"), std::string::npos) << wrong.output;
+}
+
+// The plan looks at surfaces as the run does: ids of 576 faces in arrays of 18 surfaces crashed it.
+TEST_F(Program, PlansClosedFormsBySurface) {
+  const std::string office = " " VIEWPEEL_SCENES "/office.obj --by surface --tolerance 2e-4";
+  for (const char* command : {"plan", "compute --quiet"}) {
+    const Result r = run(command + office);
+    EXPECT_EQ(r.status, 0) << command << ": " << r.output;
+  }
+}
+
+TEST_F(Program, QuietPrintsNothing) {
+  const Result r = run("compute " VIEWPEEL_SCENES "/plates.obj --quiet --resolution 8 --directions 10 --replicates 2");
+  EXPECT_EQ(r.status, 0);
+  EXPECT_EQ(r.output, "");
+}
+
+// Wrong usage and wrong input: status 2, one line, and it says what to do.
+TEST_F(Program, BadUsageAndInputEndWithOneLineAndStatus2) {
+  std::ofstream(file("broken.obj")) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n";
+  std::ofstream(file("taken.obj")) << "o environment\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  const std::string plates = "compute " VIEWPEEL_SCENES "/plates.obj ";
+  const std::pair<std::string, std::string> cases[] = {
+      {"", "subcommand"},
+      {"compute", "SCENE"},
+      {"compute " + file("missing.obj"), "missing.obj"},
+      {"compute " + file("broken.obj"), "broken.obj:4"},
+      {"compute " + file("taken.obj"), "environment"},
+      {plates + "--resolution 0", "--resolution"},
+      {plates + "--resolution 100000", "--resolution"},
+      {plates + "--directions 0", "directions"},
+      {plates + "--replicates 1", "replicates"},
+      {plates + "--tolerance 0", "tolerance"},
+      {plates + "--tolerance x", "--tolerance"},
+      {plates + "--by face", "--by"},
+      {plates + "--closure --from lower", "--from"},
+      {plates + "--closure --pair lower upper", "--pair"},
+      {plates + "--closure --blocker lower", "--blocker"},
+      {plates + "--closure -o " + file("a.closed.mtx"), ".closed.mtx"},
+      {plates + "--no-such-option", "--no-such-option"},
+      {plates + "-o " + file("a.xyz"), ".csv or .mtx"},
+      {plates + "--quiet --epsilon 1e-9", "epsilon"},
+      {plates + "--epsilon 0.1 --resolution 64 --range 3", "--range"},
+      {plates + "--epsilon 0.1 --statistic median --block 3", "--block"},
+      {plates + "--engine exact --resolution 64", "--resolution"},
+      {plates + "--directions 10 --resolution 64 --finest 32", "--finest 32 is coarser"},
+  };
+  for (const auto& [arguments, part] : cases) {
+    const Result r = run(arguments);
+    EXPECT_EQ(r.status, 2) << arguments << "\n" << r.output;
+    EXPECT_NE(r.output.find(part), std::string::npos) << arguments << "\n" << r.output;
+    EXPECT_EQ(std::count(r.output.begin(), r.output.end(), '\n'), 1) << arguments << "\n" << r.output;
+    EXPECT_EQ(r.output.find("viewpeel: "), 0u) << r.output;
+  }
+}
+
+// Row sums of the last column, by the first.
+std::map<std::string, double> sumRows(const std::string& csv) {
+  std::map<std::string, double> sums;
+  std::istringstream in(csv);
+  std::string line;
+  std::getline(in, line);
+  while (std::getline(in, line)) sums[line.substr(0, line.find(','))] += std::stod(line.substr(line.rfind(',') + 1));
+  return sums;
+}
+
+TEST_F(Program, ClosureIsWrittenBesideWhatWasMeasured) {
+  const std::string office = "compute " VIEWPEEL_SCENES "/office.obj --directions 200 ";
+  const Result plain = run(office + "-o " + file("raw.csv") + " -o " + file("raw.mtx"));
+  const Result closed = run(office + "--closure -o " + file("c.csv") + " -o " + file("c.mtx"));
+  EXPECT_EQ(plain.status, 0) << plain.output;
+  EXPECT_EQ(closed.status, 0) << closed.output;
+  EXPECT_NE(closed.output.find("\nclosed     row sums differ from 1 by at most"), std::string::npos) << closed.output;
+  EXPECT_NE(closed.output.find("c.closed.mtx"), std::string::npos) << closed.output;
+  EXPECT_EQ(plain.output.find("closed     "), std::string::npos);
+  EXPECT_EQ(readFile(file("raw.mtx")), readFile(file("c.mtx")));
+  std::istringstream raw_lines(readFile(file("raw.csv"))), closed_lines(readFile(file("c.csv")));
+  std::string a, b;
+  while (std::getline(raw_lines, a)) {
+    ASSERT_TRUE(std::getline(closed_lines, b));
+    ASSERT_EQ(b.substr(0, b.rfind(',')), a);
+  }
+  const auto sums = sumRows(readFile(file("c.csv")));
+  EXPECT_EQ(sums.size(), 576u);
+  for (const auto& [row, sum] : sums) EXPECT_NEAR(sum, 1, 1.1e-12) << row;  // kClosureTolerance, and 576 roundings
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 5);
+  const Result json = run("compute " VIEWPEEL_SCENES "/cube.obj --directions 20 --closure --json");
+  EXPECT_NE(json.output.find("\"closed\": {\"largest\": "), std::string::npos) << json.output;
+}
+
+// The scene is open: found after the computation, whose result is kept.
+TEST_F(Program, RefusedClosureKeepsWhatWasMeasured) {
+  const std::string plates = "compute " VIEWPEEL_SCENES "/plates.obj --quiet --directions 20 ";
+  const Result r = run(plates + "--closure -o " + file("p.csv"));
+  EXPECT_EQ(r.status, 2);
+  EXPECT_EQ(r.output.find("viewpeel: closure: 79."), 0u) << r.output;
+  EXPECT_EQ(std::count(r.output.begin(), r.output.end(), '\n'), 1) << r.output;
+  EXPECT_EQ(run(plates + "-o " + file("q.csv")).status, 0);
+  EXPECT_EQ(readFile(file("p.csv")), readFile(file("q.csv")));
+}
+
+TEST_F(Program, UnknownDeviceIsRefusedWithReasons) {
+  const Result r = run("compute " VIEWPEEL_SCENES "/plates.obj --quiet --device nonsense");
+  EXPECT_EQ(r.status, 1);
+  EXPECT_NE(r.output.find("nonsense"), std::string::npos) << r.output;
+  EXPECT_NE(r.output.find("not asked for"), std::string::npos) << r.output;
+}
+
+// Where nothing but a Vulkan driver will do.
+TEST_F(Program, NoDriverIsAClearError) {
+  for (const char* options : {"--engine compute", "--engine graphics", "--device cpu"}) {
+    const Result r = run(std::string("compute " VIEWPEEL_SCENES "/plates.obj --quiet ") + options, "VK_DRIVER_FILES=/nowhere.json VK_ICD_FILENAMES=/nowhere.json");
+    EXPECT_EQ(r.status, 1) << options;
+    EXPECT_NE(r.output.find("mesa-vulkan-drivers"), std::string::npos) << r.output;
+  }
+}
+
+TEST_F(Program, HostEngineComputesWithoutADevice) {
+  const std::string plates = "compute " VIEWPEEL_SCENES "/plates.obj --quiet --replicates 4 -o ";
+  const Result r = run(plates + file("planned.csv"), "VK_DRIVER_FILES=/nowhere.json VK_ICD_FILENAMES=/nowhere.json");
+  EXPECT_EQ(r.status, 0) << r.output;
+  EXPECT_EQ(r.output, "");
+  EXPECT_EQ(readFile(file("planned.csv")).find("from,to,"), 0u);
+}
+
+// Engines are chosen for speed: what is counted is the same.
+TEST_F(Program, EnginesWriteTheSameFiles) {
+  for (const char* options : {"--sampling lattice", "--sampling scanline", "--sampling scanline --resolution 32 --finest 512", "--sampling lattice --from floor",
+                              "--sampling scanline --two-sided --by surface"}) {
+    const std::string office = std::string("compute " VIEWPEEL_SCENES "/office.obj --quiet --directions 20 --replicates 2 ") + options;
+    ASSERT_EQ(run(office + " --engine compute -o " + file("compute.csv")).output, "");
+    ASSERT_EQ(run(office + " --engine host -o " + file("host.csv")).output, "");
+    EXPECT_TRUE(readFile(file("compute.csv")) == readFile(file("host.csv"))) << options;
+    EXPECT_GT(readFile(file("host.csv")).size(), 1000u);
+  }
+}
+
+TEST_F(Program, ExactEngineComputesWithoutADevice) {
+  const Result r = run("compute " VIEWPEEL_SCENES "/cube.obj --engine exact --directions 50 --replicates 4 -o " + file("e.csv"),
+                       "VK_DRIVER_FILES=/nowhere.json VK_ICD_FILENAMES=/nowhere.json");
+  EXPECT_EQ(r.status, 0) << r.output;
+  EXPECT_NE(r.output.find("exact areas"), std::string::npos);
+  EXPECT_EQ(readFile(file("e.csv")).find("from,to,"), 0u);
+}
+
+TEST_F(Program, CheckPassesOnAGoodScene) {
+  const std::string check = "check " VIEWPEEL_SCENES "/cube.obj --resolution 32 --directions 2 --lattices 16";
+  const Result r = run(check);
+  EXPECT_EQ(r.status, 0) << r.output;
+  EXPECT_NE(r.output.find("behave as claimed"), std::string::npos) << r.output;
+  const Result json = run(check + " --json");
+  EXPECT_EQ(json.status, 0);
+  EXPECT_EQ(json.output.find("{\n  \"passes\": true,"), 0u) << json.output;
+}
+
+// Polygons that pass through each other: `check` warns and fails, the exact engine refuses, both name the place.
+TEST_F(Program, InterpenetrationIsNamed) {
+  std::ofstream(file("crossing.obj")) << "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 0.5 -1\nv 1 1.5 -1\nv 1 1.5 1\nv 1 0.5 1\n"
+                                         "o table\nf 1 2 3 4\no blade\nf 5 6 7 8\n";
+  const std::string what = "table and blade pass through each other at (1, 1, ";
+  const Result check = run("check " + file("crossing.obj") + " --resolution 16 --directions 1 --lattices 8");
+  EXPECT_EQ(check.status, 1);
+  EXPECT_NE(check.output.find(what), std::string::npos) << check.output;
+  const Result exact = run("compute --quiet --engine exact " + file("crossing.obj"));
+  EXPECT_EQ(exact.status, 2);
+  EXPECT_NE(exact.output.find(what), std::string::npos) << exact.output;
+}
+
+TEST_F(Program, DevicesListsThem) {
+  const Result r = run("devices");
+  EXPECT_EQ(r.status, 0);
+  EXPECT_NE(r.output.find("usable"), std::string::npos) << r.output;
+}
+
+TEST_F(Program, HelpNamesEveryOption) {
+  const Result r = run("compute --help");
+  EXPECT_EQ(r.status, 0);
+  for (const char* option : {"--output", "--tolerance", "--directions", "--replicates", "--resolution", "--by", "--sampler", "--seed",
+                             "--two-sided", "--device", "--quiet", "--closure", "--checkpoint", "--resume", "--first-replicate"})
+    EXPECT_NE(r.output.find(option), std::string::npos) << option;
+}
+
+}  // namespace
+}  // namespace viewpeel

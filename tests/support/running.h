@@ -1,0 +1,54 @@
+// The program in the background.
+#pragma once
+#include <chrono>
+#include <csignal>
+#include <thread>
+
+#include "tests/support/program.h"
+
+namespace viewpeel {
+
+using Clock = std::chrono::steady_clock;
+
+inline double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+inline void waitFor(double seconds) { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
+
+// In which a program ends that was told to: 2 s, and some for a busy machine, or for a sanitizer's ten times slower program on one.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr double kSoon = 60;
+#else
+constexpr double kSoon = 5;
+#endif
+
+class Running {
+ public:
+  Running(const std::string& arguments, const std::string& messages) {
+    pid_ = ::fork();
+    if (pid_ == 0) {
+      const std::string command = "exec " VIEWPEEL_PROGRAM " " + arguments + " >" + messages + " 2>&1 </dev/null";
+      ::execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
+      ::_exit(127);
+    }
+  }
+  ~Running() {
+    if (!hasEnded()) {
+      send(SIGKILL);
+      wait();
+    }
+  }
+  void send(int signal) { ::kill(pid_, signal); }
+  bool hasEnded() { return ended_ || (ended_ = ::waitpid(pid_, &status_, WNOHANG) == pid_); }
+  // Its exit status, or minus the signal that ended it.
+  int wait() {
+    if (!ended_) ::waitpid(pid_, &status_, 0);
+    ended_ = true;
+    return WIFEXITED(status_) ? WEXITSTATUS(status_) : -WTERMSIG(status_);
+  }
+
+ private:
+  pid_t pid_;
+  int status_ = 0;
+  bool ended_ = false;
+};
+
+}  // namespace viewpeel

@@ -1,0 +1,573 @@
+// Directions drawn for one pair or one emitter: no line missed, none drawn in vain, and expectations that are form factors. Pair areas are
+// the exact path's, so that only the directions err.
+#include "directions/asked_directions.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <string>
+
+#include <glm/glm.hpp>
+#include <gtest/gtest.h>
+
+#include "tests/support/compare.h"
+#include "directions/sampler.h"
+#include "scenes/exact_scenes.h"
+#include "reference/closed_forms/contour_integral.h"
+#include "reference/exact/exact_pair_areas.h"
+#include "reference/closed_forms/rectangles.h"
+#include "tests/support/reference_shapes.h"
+
+namespace viewpeel {
+namespace {
+
+using reference::test::areaOf;
+using reference::test::Corners;
+using reference::test::flipped;
+using reference::test::Random;
+using reference::test::rectangle;
+using tests::SceneBuilder;
+
+constexpr double kPi = std::numbers::pi;
+
+glm::dmat3 randomRotation(Random& random) {
+  const glm::dvec3 z = random.direction(), x = glm::normalize(glm::cross(z, random.direction()));
+  return {x, glm::cross(z, x), z};
+}
+
+struct Case {
+  std::string name;
+  Corners a, b;
+};
+
+Corners squareAbove(double z, double side = 1) { return rectangle({0, 0, z}, {0, side, 0}, {side, 0, 0}); }
+// Shares the edge from (0, 0, 0) to (0, 1, 0) with the unit square; the fronts make this angle.
+Corners hinged(double angle_rad) { return rectangle({0, 0, 0}, {0, 1, 0}, {std::cos(angle_rad), 0, std::sin(angle_rad)}); }
+
+const std::vector<Case>& cases() {
+  static const std::vector<Case> all = [] {
+    const Corners square = rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+    std::vector<Case> list = {
+        {"squares at distance 1", square, squareAbove(1)},
+        {"squares at distance 10", square, squareAbove(10)},
+        {"squares at distance 1e-3", square, squareAbove(1e-3)},
+        {"squares at distance 1e-9", square, squareAbove(1e-9)},
+        {"common edge, 90 degrees", square, hinged(kPi / 2)},
+        {"common edge, 1 degree", square, hinged(kPi / 180)},
+        {"common edge, 1e-6 rad", square, hinged(1e-6)},
+        {"common edge, 179 degrees", square, hinged(kPi * 179 / 180)},
+        {"common edge, nearly coplanar", square, hinged(kPi - 1e-7)},
+        {"common corner", square, rectangle({1, 1, 0}, {1, -1, 0}, {0, 0, 1})},
+        {"part of an edge in common", square, rectangle({0, 0.3, 0}, {0, 1.3, 0}, {0, 0, 0.4})},
+        {"standing on the other", square, rectangle({0.4, 0.2, 0}, {0, 0.5, 0}, {0, 0, 0.7})},
+        {"standing across the other's edge", square, rectangle({0.4, 0.5, 0}, {0, 0.9, 0}, {0, 0, 0.7})},
+        {"reaching behind", rectangle({0.5, 0, 0}, {2, 0, 0}, {0, 1, 0}), rectangle({0, 0, -0.5}, {0.2, 1, 0}, {0.1, 0, 1})},
+        {"small and far", rectangle({0, 0, 0}, {1e-6, 0, 0}, {0, 1e-6, 0}), rectangle({0.5, 0.1, 1}, {0, 2e-6, 0}, {1e-6, 0, 1e-6})},
+        {"small and large", rectangle({0.3, 0.3, 0}, {1e-5, 0, 0}, {0, 1e-5, 0}), squareAbove(0.5)},
+        {"slivers", rectangle({0, 0, 0}, {1, 0, 0}, {0, 1e-5, 0}), rectangle({0, 0, 0.3}, {0, 1, 0}, {1e-5, 0, 0})},
+        {"triangle and pentagon",
+         {{0, 0, 0}, {1, 0.1, 0}, {0.3, 0.8, 0}},
+         {{0.2, 0.2, 0.5}, {0, 0.6, 0.7}, {0.3, 0.9, 0.7}, {0.7, 0.8, 0.5}, {0.65, 0.4, 0.4}}}};
+    // The pentagon's corners in one plane.
+    for (glm::dvec3& corner : list.back().b) corner.z = 0.6 + 0.2 * corner.x - 0.3 * corner.y;
+    Random random(99);
+    while (list.size() < 58) {
+      auto [a, b] = reference::test::randomPair(random);
+      SceneBuilder builder;
+      builder.addPolygon("a", reference::test::moved(a, 0.1, glm::dvec3(0)));
+      builder.addPolygon("b", reference::test::moved(b, 0.1, glm::dvec3(0)));
+      if (!reference::findInterpenetrations(builder.scene).empty()) continue;
+      list.push_back({"random pair " + std::to_string(list.size()), a, b});
+    }
+    return list;
+  }();
+  return all;
+}
+
+struct PairScene {
+  Scene scene;
+  double scale = 1;  // from the case's unit to the scene's
+  Corners a, b;      // in the scene's unit
+};
+
+// The case in the unit ball, turned so that nothing is along an axis; not turned where rounding would open what touches.
+PairScene sceneOf(const Case& pair, uint64_t seed = 0) {
+  glm::dvec3 low(1e9), high(-1e9);
+  for (const Corners& corners : {pair.a, pair.b})
+    for (const glm::dvec3& corner : corners) low = glm::min(low, corner), high = glm::max(high, corner);
+  PairScene result;
+  result.scale = 2 / glm::length(high - low) * 0.99;
+  Random random(seed);
+  const glm::dmat3 turn = seed == 0 ? glm::dmat3(1) : randomRotation(random);
+  const auto place = [&](Corners corners) {
+    for (glm::dvec3& corner : corners) corner = turn * ((corner - (low + high) / 2.0) * result.scale);
+    return corners;
+  };
+  result.a = place(pair.a);
+  result.b = place(pair.b);
+  SceneBuilder builder;
+  builder.addPolygon("a", result.a);
+  builder.addPolygon("b", result.b);
+  result.scene = builder.scene;
+  return result;
+}
+
+DirectionRegion regionOf(const Scene& scene) { return findPairRegion(scene, std::array{0u}, std::array{1u}); }
+
+using Vec3 = glm::vec<3, long double>;
+
+// Anywhere in the polygon, often at its border or near a corner.
+Vec3 pointIn(const Corners& corners, Random& random) {
+  const double sharpness = std::array{1.0, 3.0, 20.0, 100.0}[(size_t)random.uniform(0, 4)];
+  Vec3 point(0);
+  long double sum = 0;
+  for (const glm::dvec3& corner : corners) {
+    const long double weight = std::pow(random.uniform(1e-3, 1), sharpness);
+    point += weight * Vec3(corner);
+    sum += weight;
+  }
+  return point / sum;
+}
+
+// --- the region ------------------------------------------------------------------------------------------------------
+
+// Every line from a front to a front that is not grazing within the rounding of the corners.
+TEST(PairRegion, MissesNoLine) {
+  for (const Case& pair : cases())
+    for (uint64_t seed : {0, 7}) {
+      const PairScene placed = sceneOf(pair, seed);
+      const DirectionRegion region = regionOf(placed.scene);
+      const Vec3 front_a = placed.scene.planes[placed.scene.polygons[0].plane].normal;
+      const Vec3 front_b = placed.scene.planes[placed.scene.polygons[1].plane].normal;
+      Random random(5 + seed);
+      int lines = 0, missed = 0;
+      for (int k = 0; k < 8000; ++k) {
+        const Vec3 d = pointIn(placed.b, random) - pointIn(placed.a, random);
+        if (glm::length(d) < 1e-9L) continue;
+        const Vec3 u = glm::normalize(d);
+        if (glm::dot(front_a, u) <= 1e-14L || glm::dot(front_b, u) >= -1e-14L) continue;
+        // Rounding of touching corners moves lines that are short.
+        if (seed != 0 && glm::length(d) < 0.1L) continue;
+        ++lines;
+        missed += !region.contains(glm::dvec3(u));
+      }
+      EXPECT_EQ(missed, 0) << pair.name << ", seed " << seed << ", of " << lines << " lines";
+      if (!pair.name.starts_with("random")) {
+        EXPECT_GT(lines, 100) << pair.name;
+      }
+    }
+}
+
+TEST(PairRegion, CheckSeesMissedLines) {
+  const PairScene placed = sceneOf(cases()[0]);
+  DirectionRegion region = regionOf(placed.scene);
+  region.clip(glm::dvec3(1, 0, 0));
+  region.close();
+  Random random(5);
+  int missed = 0;
+  for (int k = 0; k < 8000; ++k)
+    missed += !region.contains(glm::normalize(glm::dvec3(pointIn(placed.b, random) - pointIn(placed.a, random))));
+  EXPECT_GT(missed, 0);
+}
+
+// A line meets both exactly where the region, or its opposite, holds the direction.
+TEST(PairRegion, IsWhereThePairAreaIsPositive) {
+  int inside = 0, outside = 0;
+  for (const Case& pair : cases()) {
+    if (pair.name == "squares at distance 1e-9") continue;  // touches, within the exact path's tolerance
+    const PairScene placed = sceneOf(pair, 3);
+    const DirectionRegion region = regionOf(placed.scene);
+    std::vector<glm::dvec3> directions;
+    Random random(17);
+    for (int k = 0; k < 300; ++k) directions.push_back(random.direction());
+    const auto found = reference::computeExactPairAreas(placed.scene, directions);
+    for (size_t k = 0; k < directions.size(); ++k) {
+      bool meets = false;
+      for (const reference::PairArea& area : found[k].pairs) meets |= area.a == 0 && area.b == 1 && area.area > 1e-14;
+      const bool held = region.contains(directions[k]) || region.contains(-directions[k]);
+      EXPECT_EQ(held, meets) << pair.name << ", direction " << k;
+      (held ? inside : outside)++;
+    }
+  }
+  EXPECT_GT(inside, 1000);
+  EXPECT_GT(outside, 1000);
+}
+
+// Closed forms: a half sphere, a lune, and the pyramid of two squares that face, of half width 1 at distance 1: 4 asin(1/2) sr.
+TEST(PairRegion, SolidAngleOfKnownRegions) {
+  const auto solidAngleOf = [](const char* name, uint64_t seed) {
+    const auto pair = std::ranges::find(cases(), name, &Case::name);
+    return regionOf(sceneOf(*pair, seed).scene).solidAngle();
+  };
+  EXPECT_NEAR(DirectionRegion::hemisphere({0, 0.6, 0.8}).solidAngle(), 2 * kPi, 1e-14);
+  for (uint64_t seed : {0, 1, 2}) {
+    EXPECT_NEAR(solidAngleOf("squares at distance 1", seed), 4 * std::asin(0.5), 1e-12);
+    EXPECT_NEAR(solidAngleOf("squares at distance 10", seed), 4 * std::asin(1 / 101.0), 1e-13);
+    // 1e-3 apart: half width 1000.
+    EXPECT_NEAR(solidAngleOf("squares at distance 1e-3", seed), 4 * std::asin(1e6 / (1e6 + 1)), 1e-9);
+    // Between points near a common edge lines go all ways that the planes allow: a lune.
+    EXPECT_NEAR(solidAngleOf("common edge, 90 degrees", seed), kPi, 1e-12);
+    EXPECT_NEAR(solidAngleOf("common edge, 1 degree", seed), 2 * kPi * 179 / 180, 1e-12);
+    EXPECT_NEAR(solidAngleOf("common edge, 179 degrees", seed), 2 * kPi / 180, 1e-12);
+  }
+  EXPECT_EQ(DirectionRegion().solidAngle(), 0);
+}
+
+// Against uniform directions: 5 standard errors of a share; 58 comparisons, false alarms 3e-5.
+TEST(PairRegion, SolidAngleIsTheShareOfUniformDirections) {
+  const int count = 100000;
+  for (const Case& pair : cases()) {
+    const DirectionRegion region = regionOf(sceneOf(pair, 11).scene);
+    Random random(23);
+    int inside = 0;
+    for (int k = 0; k < count; ++k) inside += region.contains(random.direction());
+    const double share = region.solidAngle() / (4 * kPi);
+    EXPECT_NEAR(double(inside) / count, share, 5 * std::sqrt(share * (1 - share) / count) + 1e-12) << pair.name;
+  }
+}
+
+// Halves, quarters and so on of the region hold their share of what map() makes of an even grid.
+TEST(PairRegion, MapKeepsAreas) {
+  for (const Case& pair : cases()) {
+    const DirectionRegion region = regionOf(sceneOf(pair, 13).scene);
+    if (region.isEmpty()) continue;
+    const int around = 251, outwards = 241, count = around * outwards;
+    Random random(31);
+    const glm::dvec3 centre = region.map(0, 0);
+    for (int cut = 0; cut < 4; ++cut) {
+      // Through the region's middle, tilted off it.
+      const glm::dvec3 point = region.map(random.uniform(), random.uniform(0, 0.3));
+      DirectionRegion part = region;
+      const glm::dvec3 normal = glm::normalize(glm::cross(point, glm::cross(centre, random.direction())));
+      part.clip(normal);
+      part.close();
+      int inside = 0;
+      for (int i = 0; i < around; ++i)
+        for (int j = 0; j < outwards; ++j) {
+          const glm::dvec3 u = region.map((i + 0.5) / around, (j + 0.5) / outwards);
+          if (i % 25 == 0) {
+            EXPECT_TRUE(region.contains(u)) << pair.name << " " << i << " " << j;
+            EXPECT_NEAR(glm::length(u), 1, 1e-15);
+          }
+          inside += glm::dot(normal, u) >= 0;
+        }
+      // The cut crosses at most as many cells as a curve that meets every row and column four times; cells of slivers are folded
+      // unevenly, so to twice that.
+      const double bound = 8.0 * (around + outwards) / count;
+      EXPECT_NEAR(double(inside) / count, part.solidAngle() / region.solidAngle(), bound) << pair.name;
+    }
+  }
+}
+
+TEST(PairRegion, IsEmptyWhereFrontsDoNotFace) {
+  const Corners square = rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+  const std::vector<Case> blind = {{"facing away", square, flipped(squareAbove(1))},
+                                   {"behind", square, flipped(squareAbove(-1))},
+                                   {"back to back", flipped(square), flipped(squareAbove(1))},
+                                   {"coplanar neighbours", square, rectangle({1, 0, 0}, {1, 0, 0}, {0, 1, 0})},
+                                   {"coplanar, opposite, apart", square, flipped(rectangle({1, 0, 0}, {1, 0, 0}, {0, 1, 0}))},
+                                   {"convex edge", square, flipped(hinged(kPi / 2))},
+                                   {"steps of a stair", square, rectangle({0, 0, -1}, {0, 0, 1}, {0, 1, 0})}};
+  for (const Case& pair : blind)
+    for (uint64_t seed : {0, 1}) {
+      const PairScene placed = sceneOf(pair, seed);
+      const DirectionRegion region = regionOf(placed.scene);
+      EXPECT_TRUE(region.isEmpty()) << pair.name;
+      EXPECT_EQ(region.solidAngle(), 0);
+      EXPECT_FALSE(region.contains({0, 0, 1}));
+      const AskedDirections asked = sampleRegion(region, 10, 1, 0);
+      EXPECT_TRUE(asked.directions.empty());
+      EXPECT_EQ(asked.weight_unit, 0);
+      if (pair.name == "convex edge") {
+        EXPECT_FALSE(findPairRegion(placed.scene, std::array{0u}, std::array{1u}, true).isEmpty());
+      }
+    }
+}
+
+// In contact, two fronts see each other across no distance: every direction matters.
+TEST(PairRegion, OfPolygonsInContactIsAHalfSphere) {
+  const Corners square = rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+  for (uint64_t seed : {0, 1}) {
+    const PairScene placed = sceneOf({"contact", square, flipped(rectangle({0.5, 0.5, 0}, {1, 0, 0}, {0, 1, 0}))}, seed);
+    EXPECT_NEAR(regionOf(placed.scene).solidAngle(), 2 * kPi, 1e-14);
+  }
+}
+
+// --- the samplers ----------------------------------------------------------------------------------------------------
+
+double pairArea(const reference::ExactPairAreas& found, const std::vector<bool>& is_a, const std::vector<bool>& is_b) {
+  double sum = 0;
+  for (const reference::PairArea& area : found.pairs)
+    if (area.b < is_b.size()) sum += area.area * ((is_a[area.a] && is_b[area.b]) + (is_b[area.a] && is_a[area.b]));
+  return sum;
+}
+
+// F of one replicate, for surfaces of several polygons that do not see themselves.
+double formFactorOf(const Scene& scene, const AskedDirections& asked, std::span<const uint32_t> a, std::span<const uint32_t> b) {
+  if (asked.directions.empty()) return 0;
+  std::vector<bool> is_a(scene.polygons.size()), is_b(scene.polygons.size());
+  double area_a = 0, sum = 0;
+  for (uint32_t k : a) is_a[k] = true, area_a += scene.polygons[k].area;
+  for (uint32_t k : b) is_b[k] = true;
+  std::vector<glm::dvec3> directions;
+  for (const Direction& direction : asked.directions) directions.push_back(direction.u);
+  const auto found = reference::computeExactPairAreas(scene, directions, {.touching_depth = 1e-6});
+  for (size_t k = 0; k < found.size(); ++k) sum += asked.weights[k] * pairArea(found[k], is_a, is_b);
+  return 2 / area_a * asked.weight_unit * sum / double(asked.directions.size());
+}
+
+AskedDirections wholeSphere(uint32_t count, uint64_t seed, uint64_t replicate) {
+  return {sampleDirections(Sampler::fibonacci, count, seed, replicate), std::vector<uint32_t>(count, 1), 1};
+}
+
+template <class Draw>
+Measured measure(const Scene& scene, std::span<const uint32_t> a, std::span<const uint32_t> b, uint64_t replicates, Draw draw) {
+  double sum = 0, squares = 0;
+  for (uint64_t replicate = 0; replicate < replicates; ++replicate) {
+    const double value = formFactorOf(scene, draw(replicate), a, b);
+    sum += value;
+    squares += value * value;
+  }
+  const double n = double(replicates), mean = sum / n;
+  return {mean, std::sqrt(std::max(0.0, squares / n - mean * mean) / (n - 1))};
+}
+
+Measured measurePair(const Scene& scene, const DirectionRegion& region, uint32_t directions, uint64_t replicates) {
+  return measure(scene, std::array{0u}, std::array{1u}, replicates,
+                 [&](uint64_t replicate) { return sampleRegion(region, directions, 4, replicate); });
+}
+
+// What rounding of the unit-ball corners, and the exact path's areas, may add to a form factor.
+constexpr double kAreaRounding = 1e-12;
+
+TEST(AskedPair, MeansAreFormFactors) {
+  const uint64_t replicates = 24;
+  for (const Case& pair : cases()) {
+    if (pair.name == "squares at distance 1e-9") continue;
+    for (uint64_t seed : {0, 3}) {
+      const PairScene placed = sceneOf(pair, seed);
+      double truth = 0;
+      try {
+        truth = reference::formFactor(pair.a, pair.b);
+      } catch (const std::exception&) {
+        continue;  // beyond the reference
+      }
+      const Measured found = measurePair(placed.scene, regionOf(placed.scene), 16, replicates);
+      double truth_error = truth < 1e-9 ? 1e-8 * truth : kAreaRounding + reference::kContourError;
+      // Nearly folded flat, only directions within some 1e-6 rad of the planes see less than everything, by half: the sample has none.
+      if (pair.name == "common edge, 1e-6 rad") truth_error += 1e-8;
+      EXPECT_TRUE(isEstimateOf(found, truth, replicates, truth_error))
+          << pair.name << ", seed " << seed;
+    }
+  }
+}
+
+TEST(AskedPair, MeansAreTheClosedFormsOfRectangles) {
+  const uint64_t replicates = 32;
+  const auto check = [&](const char* name, double truth) {
+    const PairScene placed = sceneOf(*std::ranges::find(cases(), name, &Case::name), 5);
+    const DirectionRegion region = regionOf(placed.scene);
+    const Measured found = measurePair(placed.scene, region, 64, replicates);
+    EXPECT_TRUE(isEstimateOf(found, truth, replicates, kAreaRounding)) << name;
+    EXPECT_LT(found.standard_error, 3e-3 * truth) << name;
+    EXPECT_FALSE(isEstimateOf(found, truth * 1.03, replicates, kAreaRounding)) << name;
+    // A region that misses a third of the lines, and one taken for larger than it is.
+    DirectionRegion part = region;
+    part.clip(glm::normalize(glm::cross(region.map(0, 0.1), region.map(0.4, 0.5))));
+    part.close();
+    EXPECT_FALSE(isEstimateOf(measurePair(placed.scene, part, 64, replicates), truth, replicates, kAreaRounding)) << name;
+  };
+  const reference::Interval unit{0, 1};
+  check("squares at distance 1", reference::parallelRectangles(unit, unit, unit, unit, 1));
+  check("squares at distance 10", reference::parallelRectangles(unit, unit, unit, unit, 10));
+  check("common edge, 90 degrees", reference::perpendicularRectangles(unit, unit, unit, unit));
+  check("part of an edge in common", reference::perpendicularRectangles(unit, unit, {0.3, 1.6}, {0, 0.4}));
+}
+
+// Surfaces of several polygons, two-sided ones, occlusion, and surfaces by their boxes: against the whole sphere.
+TEST(AskedPair, MeansAgreeWithTheWholeSphere) {
+  Random random(2);
+  const Scene room = tests::turn(tests::makeCubeInCube(), randomRotation(random));
+  const uint64_t replicates = 24;
+  const auto check = [&](const std::string& name, std::vector<uint32_t> a, std::vector<uint32_t> b, double largest_share) {
+    const DirectionRegion region = findPairRegion(room, a, b);
+    EXPECT_LE(region.solidAngle(), largest_share * 2 * kPi + 1e-12) << name;
+    const Measured asked = measure(room, a, b, replicates, [&](uint64_t k) { return sampleRegion(region, 64, 5, k); });
+    const Measured all = measure(room, a, b, replicates, [&](uint64_t k) { return wholeSphere(64, 6, k); });
+    EXPECT_TRUE(areEstimatesOfTheSame(asked, all, replicates)) << name;
+  };
+  // Room: 0 low z, 1 high z, 2 low y, 3 high y, 4 low x, 5 high x; then the cube.
+  check("floor and ceiling, the cube between", {0}, {1}, 1);
+  check("floor and two walls", {0}, {2, 4}, 1);
+  check("ceiling and the cube", {1}, {6, 7, 8, 9, 10, 11}, 0.9);
+  check("two walls and the cube's top and one side", {2, 4}, {7, 8}, 1);
+  EXPECT_TRUE(findPairRegion(room, std::array{6u}, std::array{7u, 8u, 9u, 10u, 11u}).isEmpty());
+}
+
+TEST(AskedPair, LargeSurfacesEnterByTheirBoxes) {
+  SceneBuilder builder;
+  std::vector<uint32_t> a, b;
+  const int side = 20;
+  for (int i = 0; i < side; ++i)
+    for (int j = 0; j < side; ++j) {
+      const double h = 0.4 / side, x = i * h, y = j * h;
+      a.push_back(uint32_t(builder.scene.polygons.size()));
+      builder.addPolygon("a", rectangle({x, y, -0.5}, {h, 0, 0}, {0, h, 0}));
+      b.push_back(uint32_t(builder.scene.polygons.size()));
+      builder.addPolygon("b", rectangle({x, y, 0.5}, {0, h, 0}, {h, 0, 0}));
+    }
+  const DirectionRegion region = findPairRegion(builder.scene, a, b);
+  EXPECT_NEAR(region.solidAngle(), 4 * std::asin(0.16 / 1.16), 1e-10);
+  const DirectionRegion same = findPairRegion(builder.scene, a, a);  // boxes that overlap
+  EXPECT_NEAR(same.solidAngle(), 2 * kPi, 1e-12);
+}
+
+TEST(AskedPair, TwoSidedPolygonsCountBothSides) {
+  const Corners square = rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+  for (const Corners& other : {squareAbove(1), flipped(squareAbove(1)), squareAbove(-1), hinged(1)}) {
+    const PairScene placed = sceneOf({"", square, other}, 4);
+    const DirectionRegion region = findPairRegion(placed.scene, std::array{0u}, std::array{1u}, true);
+    Random random(8);
+    std::vector<glm::dvec3> directions;
+    for (int k = 0; k < 500; ++k) directions.push_back(random.direction());
+    const auto found = reference::computeExactPairAreas(placed.scene, directions, {.two_sided = true});
+    for (size_t k = 0; k < directions.size(); ++k)
+      if (pairArea(found[k], {true, false}, {false, true}) > 0) {
+        EXPECT_TRUE(region.contains(directions[k]) || region.contains(-directions[k]));
+      }
+  }
+}
+
+TEST(AskedDirections, AreAFunctionOfSeedAndReplicate) {
+  const PairScene placed = sceneOf(cases()[0], 1);
+  const DirectionRegion region = regionOf(placed.scene);
+  const std::array emitter{0u};
+  const auto draw = [&](int kind, uint64_t seed, uint64_t replicate) {
+    return kind ? sampleEmitter(placed.scene, emitter, 10, seed, replicate) : sampleRegion(region, 10, seed, replicate);
+  };
+  for (int kind : {0, 1}) {
+    EXPECT_EQ(draw(kind, 3, 1).directions[5].u, draw(kind, 3, 1).directions[5].u);
+    EXPECT_NE(draw(kind, 3, 1).directions[5].u, draw(kind, 3, 2).directions[5].u);
+    EXPECT_NE(draw(kind, 3, 1).directions[5].u, draw(kind, 4, 1).directions[5].u);
+    for (const Direction& d : draw(kind, 9, 9).directions) {
+      EXPECT_NEAR(glm::length(d.u), 1, 1e-15);
+      EXPECT_NEAR(glm::dot(d.u, d.x_axis), 0, 1e-15);
+      EXPECT_LT(glm::length(glm::cross(d.x_axis, d.y_axis) - d.u), 2e-15);
+      EXPECT_TRUE(d.offset.x >= 0 && d.offset.x < 1 && d.offset.y >= 0 && d.offset.y < 1);
+    }
+  }
+}
+
+// --- the emitter -----------------------------------------------------------------------------------------------------
+
+// The mean over a set of weight x f has the expectation of f over the half sphere. 5 standard errors on 5 means: false-alarm rate 3e-6.
+TEST(AskedEmitter, WeightsHaveTheRightExpectation) {
+  const PairScene placed = sceneOf(cases()[0], 2);
+  const glm::dvec3 normal = placed.scene.planes[placed.scene.polygons[0].plane].normal;
+  const uint64_t replicates = 20000;
+  // E[1] = 1, E[cos] = 1/2, E[cos^2] = 1/3, E[u_x^2] = 1/3; and the rounding's mean is 0.
+  const double expected[5] = {1, 0.5, 1 / 3.0, 1 / 3.0, 0};
+  double sum[5] = {}, squares[5] = {};
+  for (uint64_t replicate = 0; replicate < replicates; ++replicate) {
+    const uint32_t count = 7;
+    const AskedDirections asked = sampleEmitter(placed.scene, std::array{0u}, count, 77, replicate);
+    double means[5] = {};
+    for (uint32_t which = 0; which < count; ++which) {
+      const glm::dvec3 u = asked.directions[which].u;
+      const double weight = asked.weights[which] * asked.weight_unit, cosine = glm::dot(normal, u);
+      EXPECT_GE(cosine, -1e-15);
+      const double exact = 1 / (2 * (1 - kUniformShare) * cosine + kUniformShare);
+      EXPECT_LT(std::abs(weight - exact), asked.weight_unit * 1.0001);
+      const double values[5] = {weight, weight * cosine, weight * cosine * cosine, weight * u.x * u.x, (weight - exact) / asked.weight_unit};
+      for (int k = 0; k < 5; ++k) means[k] += values[k] / count;
+    }
+    for (int k = 0; k < 5; ++k) sum[k] += means[k], squares[k] += means[k] * means[k];
+  }
+  for (int k = 0; k < 5; ++k) {
+    const double n = double(replicates), mean = sum[k] / n, error = std::sqrt((squares[k] / n - mean * mean) / n);
+    EXPECT_NEAR(mean, expected[k], 5 * error) << "moment " << k;
+    EXPECT_GT(std::abs(mean - expected[k] - 0.02), 5 * error) << "moment " << k;
+  }
+}
+
+TEST(AskedEmitter, WeightsAreBounded) {
+  const PairScene placed = sceneOf(cases()[0], 2);
+  uint32_t least = ~0u, most = 0;
+  for (uint64_t replicate = 0; replicate < 20; ++replicate)
+    for (uint32_t weight : sampleEmitter(placed.scene, std::array{0u}, 100000, 1, replicate).weights) {
+      least = std::min(least, weight);
+      most = std::max(most, weight);
+    }
+  EXPECT_GE(least, 1u << 11);
+  EXPECT_LE(most, 1u << 14);
+  EXPECT_GT(most, 1u << 13);
+}
+
+TEST(AskedEmitter, MeansAreFormFactors) {
+  const uint64_t replicates = 32;
+  for (const Case& pair : cases()) {
+    if (pair.name.starts_with("s") || pair.name.find("1e-") != std::string::npos || pair.name.find("nearly") != std::string::npos) continue;
+    const PairScene placed = sceneOf(pair, 6);
+    const double truth = reference::formFactor(pair.a, pair.b);
+    const Measured found = measure(placed.scene, std::array{0u}, std::array{1u}, replicates,
+                                   [&](uint64_t k) { return sampleEmitter(placed.scene, std::array{0u}, 64, 3, k); });
+    // Too few directions meet a pair seen under a small angle for its mean to be near normal.
+    if (truth > 0.01) {
+      EXPECT_TRUE(isEstimateOf(found, truth, replicates, kAreaRounding + reference::kContourError)) << pair.name;
+      EXPECT_FALSE(isEstimateOf(found, truth * 2, replicates)) << pair.name;
+    }
+  }
+}
+
+TEST(AskedEmitter, SeveralNormalsGetTheWholeSphere) {
+  const Scene room = tests::makeCubeInCube();
+  const AskedDirections asked = sampleEmitter(room, std::array{0u, 2u}, 50, 1, 2), all = wholeSphere(50, 1, 2);
+  for (int k = 0; k < 50; ++k) EXPECT_EQ(asked.directions[k].u, all.directions[k].u);
+  EXPECT_EQ(asked.weights, all.weights);
+  EXPECT_EQ(asked.weight_unit, 1);
+}
+
+// --- the gain --------------------------------------------------------------------------------------------------------
+
+// Not a test: prints the rms error of a replicate, whole sphere against asked directions. Run with --gtest_also_run_disabled_tests.
+TEST(AskedDirections, DISABLED_Gain) {
+  const uint64_t replicates = 40;
+  const auto print = [&](const std::string& name, uint32_t count, const Measured& all, const Measured& asked) {
+    const double to_rms = std::sqrt(double(replicates - 1));
+    std::printf("%-40s %5u  F %.6e  sphere %.2e  asked %.2e  ratio %.1f\n", name.c_str(), count, asked.value,
+                all.standard_error * to_rms / asked.value, asked.standard_error * to_rms / asked.value, all.standard_error / asked.standard_error);
+  };
+  const Corners square = rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+  const std::vector<Case> pairs = {{"unit squares at 1", square, squareAbove(1)},
+                                   {"unit squares at 3", square, squareAbove(3)},
+                                   {"unit squares at 10", square, squareAbove(10)},
+                                   {"perpendicular, common edge", square, hinged(kPi / 2)},
+                                   {"patches of 0.1 at 10", rectangle({0, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0}), squareAbove(10, 0.1)}};
+  for (const Case& pair : pairs) {
+    const PairScene placed = sceneOf(pair, 9);
+    const DirectionRegion region = regionOf(placed.scene);
+    std::printf("%s: solid angle / 2 pi = %.3e\n", pair.name.c_str(), region.solidAngle() / (2 * kPi));
+    for (uint32_t count : {100, 400, 1600})
+      print(pair.name, count,
+            measure(placed.scene, std::array{0u}, std::array{1u}, replicates, [&](uint64_t k) { return wholeSphere(count, 6, k); }),
+            measurePair(placed.scene, region, count, replicates));
+  }
+  SceneBuilder builder;
+  builder.addBox("room", glm::dvec3(-0.5), glm::dvec3(0.5), true);
+  builder.addPolygon("patch", rectangle({-0.1, -0.1, -0.49}, {0.2, 0, 0}, {0, 0.2, 0}));
+  builder.addBox("lamp", {-0.2, -0.15, 0.1}, {0.1, 0.05, 0.2});
+  builder.addBox("shelf", {0.1, -0.4, -0.2}, {0.4, 0.4, -0.15});
+  Random random(3);
+  const Scene scene = tests::turn(builder.scene, randomRotation(random));
+  const std::array emitter{6u};
+  const std::vector<std::pair<const char*, std::vector<uint32_t>>> receivers = {
+      {"patch to ceiling", {1}}, {"patch to a wall", {2}}, {"patch to lamp", {7, 8, 9, 10, 11, 12}}, {"patch to shelf", {13, 14, 15, 16, 17, 18}}};
+  for (const auto& [name, receiver] : receivers)
+    for (uint32_t count : {100, 400, 1600})
+      print(name, count, measure(scene, emitter, receiver, replicates, [&](uint64_t k) { return wholeSphere(count, 6, k); }),
+            measure(scene, emitter, receiver, replicates, [&](uint64_t k) { return sampleEmitter(scene, emitter, count, 5, k); }));
+}
+
+}  // namespace
+}  // namespace viewpeel

@@ -1,0 +1,397 @@
+// Checkpoints as files, and runs that are stopped and go on, with an engine that needs no device.
+#include "io/checkpoint.h"
+
+#include <algorithm>
+#include <fstream>
+#include <numeric>
+#include <random>
+#include <sstream>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "error.h"
+#include "estimator/estimate.h"
+#include "io/hdf5_file.h"
+#include "scenes/named_scenes.h"
+
+namespace viewpeel {
+namespace {
+
+namespace fs = std::filesystem;
+namespace ts = test_scenes;
+
+const Settings kSettings = {{"version", "1"}, {"--seed", "7"}, {"--from", ""}};
+
+Scene roomScene() { return buildScene(ts::roomWithTouchingBoxes()); }
+
+std::string readFile(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream bytes;
+  bytes << in.rdbuf();
+  return bytes.str();
+}
+
+void overwrite(const fs::path& file, const std::string& bytes) { std::ofstream(file, std::ios::binary) << bytes; }
+
+// Counts so large that sums of squares pass 64 bits, of a third of all pairs, others for every replicate.
+PairCounts randomCounts(const Ids& ids, uint64_t replicate) {
+  std::mt19937_64 random(replicate);
+  PairCounts counts;
+  for (uint32_t i = 0; i < ids.count(); ++i)
+    for (uint32_t j = i; j < ids.count() + 2; ++j)
+      if (random() % 3 == 0) counts.push_back({i, j < ids.count() ? j : j == ids.count() ? kEnvironment : kLeak, 1 + random() % (1ull << 50)});
+  return counts;
+}
+
+// An engine whose counts of a replicate are randomCounts, told which one it is by the first direction.
+class RandomEngine : public Engine {
+ public:
+  RandomEngine(const Ids& ids, uint64_t seed) : ids_(ids) {
+    for (uint64_t k = 0; k < 100; ++k) first_directions_.push_back(sampleDirections(Sampler::fibonacci, 10, seed, k).front().u);
+  }
+  PairCounts count(std::span<const Direction> directions) override {
+    if (on_count) on_count();
+    const auto at = std::find(first_directions_.begin(), first_directions_.end(), directions.front().u);
+    return randomCounts(ids_, static_cast<uint64_t>(at - first_directions_.begin()));
+  }
+  double unitArea() const override { return 1e-20; }
+  std::function<void()> on_count;
+
+ private:
+  const Ids& ids_;
+  std::vector<glm::dvec3> first_directions_;
+};
+
+class CheckpointFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("viewpeel_checkpoint_test_" + std::to_string(::getpid()));
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  fs::path file(const std::string& name) const { return folder_ / name; }
+
+  RunSums sumsOf(const std::vector<uint64_t>& replicates) const {
+    RunSums sums = makeRunSums(scene_, ids_);
+    sums.measure_area = 0.1;
+    for (uint64_t replicate : replicates) sums.add(replicate, randomCounts(ids_, replicate), 10);
+    return sums;
+  }
+  // The sums as one string: the bytes of the file they make.
+  std::string bytesOf(const RunSums& sums) const {
+    writeCheckpoint(kSettings, sums, file("bytes.h5"));
+    return readFile(file("bytes.h5"));
+  }
+
+  fs::path folder_;
+  const Scene scene_ = roomScene();
+  const Ids ids_ = makeIds(scene_, By::polygon, false);
+};
+
+template <class Use>
+std::string messageOf(Use use) {
+  try {
+    use();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST_F(CheckpointFile, ReadsBackEveryBit) {
+  Ids ids = ids_;
+  askOnlyFor({.from = {"upper box"}}, scene_, ids);
+  ids.names[0] = "wall, \"nörth\"";
+  RunSums sums = makeRunSums(scene_, ids);
+  sums.measure_area = 1 / 3.0;
+  for (uint64_t replicate : {3, 4, 9}) sums.add(replicate, randomCounts(ids, replicate), 10);
+  writeCheckpoint(kSettings, sums, file("a.h5"));
+  const Checkpoint read = readCheckpoint(file("a.h5"));
+  EXPECT_EQ(read.settings, kSettings);
+  EXPECT_EQ(findSetting(read.settings, "--seed"), "7");
+  EXPECT_EQ(findSetting(read.settings, "--from"), "");
+  EXPECT_EQ(findSetting(read.settings, "--see"), std::nullopt);
+  EXPECT_EQ(read.sums.measure_area, 1 / 3.0);
+  EXPECT_EQ(read.sums.directions, 30u);
+  EXPECT_EQ(read.sums.replicates, (std::vector<ReplicateRange>{{3, 5}, {9, 10}}));
+  bool passes_64_bits = false;
+  for (const auto& [a, b] : {std::pair(&sums.by_id, &read.sums.by_id), {&sums.by_surface, &read.sums.by_surface}}) {
+    EXPECT_EQ(a->ids().names, b->ids().names);
+    EXPECT_EQ(a->ids().areas, b->ids().areas);
+    EXPECT_EQ(a->ids().surface, b->ids().surface);
+    EXPECT_EQ(a->ids().asked, b->ids().asked);
+    EXPECT_EQ(a->ids().splits_surfaces, b->ids().splits_surfaces);
+    EXPECT_EQ(a->ids().rows_sum_to_one, b->ids().rows_sum_to_one);
+    EXPECT_EQ(a->replicateCount(), b->replicateCount());
+    ASSERT_EQ(a->pairs().size(), b->pairs().size());
+    ASSERT_GT(a->pairs().size(), 10u);
+    for (size_t k = 0; k < a->pairs().size(); ++k) {
+      const auto &x = a->pairs()[k], &y = b->pairs()[k];
+      EXPECT_TRUE(x.i == y.i && x.j == y.j && x.sum.sum == y.sum.sum && x.sum.sum_of_squares == y.sum.sum_of_squares) << x.i << ", " << x.j;
+      passes_64_bits = passes_64_bits || x.sum.sum_of_squares >> 64;
+    }
+    ASSERT_EQ(a->rowSums().size(), b->rowSums().size());
+    for (size_t k = 0; k < a->rowSums().size(); ++k)
+      EXPECT_TRUE(a->rowSums()[k].sum == b->rowSums()[k].sum && a->rowSums()[k].sum_of_squares == b->rowSums()[k].sum_of_squares) << k;
+  }
+  EXPECT_TRUE(passes_64_bits);
+}
+
+TEST_F(CheckpointFile, PartsInAnyOrderAddUpToOneRun) {
+  const std::string whole = bytesOf(sumsOf({0, 1, 2, 3, 4, 5, 6}));
+  const std::vector<std::vector<uint64_t>> parts = {{0, 1}, {2}, {3, 5}, {4, 6}};
+  std::vector<fs::path> files;
+  for (size_t k = 0; k < parts.size(); ++k) {
+    files.push_back(file("part" + std::to_string(k) + ".h5"));
+    writeCheckpoint(kSettings, sumsOf(parts[k]), files.back());
+  }
+  do {
+    const Checkpoint merged = mergeCheckpoints(files);
+    EXPECT_EQ(bytesOf(merged.sums), whole) << files[0] << files[1] << files[2] << files[3];
+    EXPECT_EQ(merged.sums.replicates, (std::vector<ReplicateRange>{{0, 7}}));
+  } while (std::next_permutation(files.begin(), files.end()));
+  EXPECT_NE(bytesOf(sumsOf({0, 1, 2, 3, 4, 5, 7})), whole);  // other counts
+}
+
+TEST_F(CheckpointFile, WhatDoesNotBelongTogetherIsRefused) {
+  writeCheckpoint(kSettings, sumsOf({0, 1, 2}), file("a.h5"));
+  writeCheckpoint(kSettings, sumsOf({2, 3}), file("b.h5"));
+  writeCheckpoint({{"version", "1"}, {"--seed", "8"}, {"--from", ""}}, sumsOf({5}), file("c.h5"));
+  writeCheckpoint({{"version", "1"}, {"--seed", "7"}}, sumsOf({5}), file("d.h5"));
+  RunSums other_area = sumsOf({5});
+  other_area.measure_area = std::nextafter(other_area.measure_area, 1);
+  writeCheckpoint(kSettings, other_area, file("e.h5"));
+  const auto merge = [&](const char* with) { return messageOf([&] { mergeCheckpoints({file("a.h5"), file(with)}); }); };
+  EXPECT_NE(merge("b.h5").find("b.h5: replicates 2 to 2 are"), std::string::npos) << merge("b.h5");
+  EXPECT_NE(merge("a.h5").find("a.h5: replicates 0 to 2 are"), std::string::npos) << merge("a.h5");
+  EXPECT_NE(merge("c.h5").find("--seed is '8' there, '7' here"), std::string::npos) << merge("c.h5");
+  EXPECT_NE(merge("d.h5").find("--from is 'not set' there, '' here"), std::string::npos) << merge("d.h5");
+  EXPECT_NE(merge("e.h5").find("areas"), std::string::npos) << merge("e.h5");
+}
+
+// With closed forms: controls are integers, too, and shares are the same in all parts. What closed forms gave may differ in the last bits from device to device: in any order of
+// files it is that of the first replicate which stays.
+TEST_F(CheckpointFile, ControlsAddUpToOneRun) {
+  const auto sumsWithShares = [&](const std::vector<uint64_t>& replicates, uint32_t one_share = 0, uint32_t directions = 16) {
+    KnownShares known{{}, std::vector<uint64_t>(ids_.count(), 16), true};
+    std::mt19937_64 random(4);
+    for (uint32_t i = 0; i < ids_.count(); ++i)
+      for (uint32_t j = i + 1; j < ids_.count(); ++j)
+        if (random() % 2) known.pairs.push_back({i, j, static_cast<uint32_t>(random() % kShareOne), static_cast<uint32_t>(random() % 2 * 3077), replicates[0] == 0 ? 0.1 : std::nextafter(0.1, 1)});
+    if (one_share) known.pairs[3].share = one_share;
+    known.directed = {{known.pairs[2].i, known.pairs[2].j, directions, 200, 1000, 1, 0.01, 0.2}, {known.pairs[9].i, known.pairs[9].j, 32, 300, 0, 4, replicates[0] == 0 ? 0.1 : std::nextafter(0.1, 1), 0.2}};
+    RunSums sums = makeRunSums(scene_, ids_);
+    sums.visible.emplace(ids_, sums.by_surface.ids(), By::polygon, known);
+    sums.measure_area = 0.1;
+    for (uint64_t replicate : replicates) {
+      PairCounts counts = randomCounts(ids_, replicate);
+      for (PairCount& count : counts) count = {count.i, count.j, count.count >> 8, count.j < kEnvironment ? count.count % 1'000'003 << 20 : 0};
+      const PairCounts directed{{known.pairs[2].i, known.pairs[2].j, replicate * 3, 700}, {known.pairs[9].i, known.pairs[9].j, 1 + replicate % 3, replicate}};
+      sums.add(replicate, counts, 10, directed);
+    }
+    return sums;
+  };
+  const RunSums sums = sumsWithShares({0, 1, 2, 3, 4, 5, 6});
+  const std::string whole = bytesOf(sums);
+  const Checkpoint read = readCheckpoint(file("bytes.h5"));
+  ASSERT_TRUE(read.sums.visible);
+  ASSERT_EQ(read.sums.visible->directed().pairs().size(), 2u);
+  EXPECT_EQ(read.sums.visible->known(), sums.visible->known());
+  EXPECT_TRUE(std::ranges::any_of(sums.visible->directed().pairs(), [](const auto& pair) { return pair.sum < 0; }));
+  EXPECT_TRUE(std::ranges::any_of(sums.visible->byFace().pairs(), [&](const auto& pair) { return sums.visible->byFace().squaresOf(pair).blocked >> 64; }));
+  const FormFactors a = sums.formFactors(), b = read.sums.formFactors();
+  ASSERT_EQ(a.entries().size(), b.entries().size());
+  for (size_t k = 0; k < a.entries().size(); ++k) {
+    EXPECT_EQ(a.entries()[k].exchange_area.value, b.entries()[k].exchange_area.value);
+    EXPECT_EQ(a.entries()[k].exchange_area.standard_error, b.entries()[k].exchange_area.standard_error);
+  }
+  std::vector<fs::path> files;
+  for (const std::vector<uint64_t>& part : {std::vector<uint64_t>{0, 1}, {2}, {3, 5}, {4, 6}}) {
+    files.push_back(file("part" + std::to_string(files.size()) + ".h5"));
+    writeCheckpoint(kSettings, sumsWithShares(part), files.back());
+  }
+  do EXPECT_EQ(bytesOf(mergeCheckpoints(files).sums), whole) << files[0] << files[1] << files[2] << files[3];
+  while (std::next_permutation(files.begin(), files.end()));
+  RunSums twice = sums;
+  twice.by_id = sumsOf({0, 1, 2, 3, 4, 5, 6}).by_id;
+  writeCheckpoint(kSettings, twice, file("twice.h5"));
+  EXPECT_NE(messageOf([&] { readCheckpoint(file("twice.h5")); }).find("not those it has sums of"), std::string::npos) << "pairs that are summed twice";
+  writeCheckpoint(kSettings, sumsWithShares({9}, 5), file("other.h5"));
+  writeCheckpoint(kSettings, sumsWithShares({9}, 0, 17), file("directed.h5"));
+  writeCheckpoint(kSettings, sumsOf({9}), file("without.h5"));
+  for (const auto& [name, reason] : {std::pair("other.h5", "other visible shares"), {"without.h5", "other visible shares"}, {"directed.h5", "give all parts of a run the same goal"}}) {
+    const std::vector<fs::path> apart = {file("part0.h5"), file(name)};
+    const std::string message = messageOf([&] { mergeCheckpoints(apart); });
+    EXPECT_NE(message.find(reason), std::string::npos) << message;
+  }
+}
+
+// Cut off anywhere, or with any bit wrong.
+TEST_F(CheckpointFile, DamageIsFound) {
+  const std::string whole = bytesOf(sumsOf({0, 1}));
+  constexpr uint64_t kSeed = 5;
+  std::mt19937_64 random(kSeed);
+  constexpr int kTrials = 1500;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    std::string damaged = whole;
+    const size_t at = random() % whole.size();
+    const int bit = static_cast<int>(random() % 8);
+    if (trial % 10 == 0) damaged.resize(at);
+    else damaged[at] = static_cast<char>(damaged[at] ^ (1 << bit));
+    overwrite(file("damaged.h5"), damaged);
+    const std::string message = messageOf([&] { readCheckpoint(file("damaged.h5")); });
+    EXPECT_NE(message.find("damaged.h5: not a whole checkpoint"), std::string::npos) << message << ": byte " << at << ", bit " << bit << ", seed " << kSeed;
+  }
+  overwrite(file("damaged.h5"), whole);
+  EXPECT_EQ(bytesOf(readCheckpoint(file("damaged.h5")).sums), whole);
+}
+
+TEST_F(CheckpointFile, OtherFilesAreRefused) {
+  overwrite(file("empty.h5"), "");
+  overwrite(file("text.h5"), "from,to,form_factor\n");
+  const auto write = [&](const char* name, const auto&... columns) {
+    Hdf5Output out;
+    (out.write(columns.first, columns.second), ...);
+    const std::vector<char> bytes = out.finish();
+    overwrite(file(name), {bytes.begin(), bytes.end()});
+  };
+  write("other.h5", std::pair("temperatures", std::vector<double>{1, 2}));
+  write("later.h5", std::pair("format", std::vector<uint64_t>{1000}));
+  write("short.h5", std::pair("format", std::vector<uint64_t>{6}), std::pair("settings/names", std::vector<std::string>{"--seed"}),
+        std::pair("settings/values", std::vector<std::string>{"1", "2"}));
+  const auto message = [&](const char* name) { return messageOf([&] { readCheckpoint(file(name)); }); };
+  EXPECT_NE(message("missing.h5").find("No such file"), std::string::npos) << message("missing.h5");
+  EXPECT_NE(message(".").find("directory"), std::string::npos) << message(".");
+  EXPECT_NE(message("empty.h5").find("another file"), std::string::npos) << message("empty.h5");
+  EXPECT_NE(message("text.h5").find("another file"), std::string::npos) << message("text.h5");
+  EXPECT_NE(message("other.h5").find("'format'"), std::string::npos) << message("other.h5");
+  EXPECT_NE(message("later.h5").find("format 1000"), std::string::npos) << message("later.h5");
+  EXPECT_NE(message("short.h5").find("2 values for 1"), std::string::npos) << message("short.h5");
+}
+
+TEST(Fingerprint, ChangesWithAnyBitButNotWithThePlaceOfTheFile) {
+  const InputScene room = ts::roomWithTouchingBoxes();
+  const auto of = [](const InputScene& input) { return fingerprint(buildScene(input)); };
+  InputScene moved = room, renamed = room, swapped = room;
+  moved.file = "elsewhere.obj";
+  renamed.surface_names[0] += "'";
+  std::swap(swapped.faces[0], swapped.faces[1]);
+  EXPECT_EQ(of(room), of(moved));
+  EXPECT_NE(of(room), of(renamed));
+  EXPECT_NE(of(room), of(swapped));
+  Scene bit = buildScene(room);
+  bit.corners[5].y = std::nextafter(bit.corners[5].y, 100.0);
+  EXPECT_NE(of(room), fingerprint(bit));
+}
+
+// Estimates that are stopped and go on.
+class StoppedEstimate : public CheckpointFile {
+ protected:
+  EstimateOptions options_{.directions = 10, .replicates = 7, .seed = 3};
+  RandomEngine engine_{ids_, 3};
+  std::optional<RunSums> kept_;
+
+  void SetUp() override {
+    CheckpointFile::SetUp();
+    options_.on_sums = [this](const RunSums& sums, bool last) {
+      if (last) kept_ = sums;
+    };
+  }
+  Estimate estimate() { return estimateFormFactors(engine_, scene_, ids_, options_); }
+  std::string resultOf(const RunSums& sums) const {
+    const Estimate e = makeEstimate(sums, 0.01);
+    std::ostringstream text;
+    text.precision(17);
+    for (const auto& entry : e.form_factors.entries()) text << entry.i << ' ' << entry.j << ' ' << entry.exchange_area.value << ' ' << entry.exchange_area.standard_error << '\n';
+    text << e.largest_standard_error << ' ' << e.largest_relative_error << ' ' << e.directions;
+    return text.str();
+  }
+};
+
+TEST_F(StoppedEstimate, GoesOnToTheSameBits) {
+  estimate();
+  const RunSums whole = *kept_;
+  EXPECT_EQ(whole.replicateCount(), 7u);
+  for (uint64_t stop : {1, 2, 6, 7}) {
+    uint64_t counted = 0;
+    engine_.on_count = [&] {
+      if (counted++ == stop) throw Interrupted{};
+    };
+    options_.resumed = nullptr;
+    const Estimate stopped = estimate();
+    EXPECT_EQ(stopped.interrupted, stop < 7);
+    EXPECT_EQ(stopped.replicates, stop);
+    writeCheckpoint(kSettings, *kept_, file("stopped.h5"));
+    const RunSums resumed = readCheckpoint(file("stopped.h5")).sums;
+    engine_.on_count = nullptr;
+    options_.resumed = &resumed;
+    EXPECT_FALSE(estimate().interrupted);
+    EXPECT_EQ(bytesOf(*kept_), bytesOf(whole)) << "stopped after " << stop;
+    EXPECT_EQ(resultOf(*kept_), resultOf(whole)) << "stopped after " << stop;
+  }
+}
+
+// A goal is met after as many replicates, too: errors are known before the first of the new ones.
+TEST_F(StoppedEstimate, StopsWhereOneRunWouldHave) {
+  options_.replicates = 2;
+  std::vector<double> errors;
+  options_.tolerance = 1e-300;
+  engine_.on_count = [n = 0]() mutable {
+    if (n++ == 20) throw Interrupted{};
+  };
+  options_.on_replicate = [&](const EstimateProgress& progress) { errors.push_back(progress.largest_standard_error); };
+  estimate();
+  engine_.on_count = nullptr;
+  options_.tolerance = errors[11];
+  const uint64_t expected = estimate().replicates;
+  EXPECT_LE(expected, 12u);
+  EXPECT_GT(expected, 3u);
+  for (uint64_t done = 2; done <= expected; ++done) {
+    std::vector<uint64_t> replicates(done);
+    std::iota(replicates.begin(), replicates.end(), 0);
+    RunSums resumed = sumsOf(replicates);
+    resumed.measure_area = kept_->measure_area;
+    options_.resumed = &resumed;
+    EXPECT_EQ(estimate().replicates, expected) << "after " << done;
+  }
+}
+
+TEST_F(StoppedEstimate, ErrorsLoseNoReplicateEither) {
+  engine_.on_count = [n = 0]() mutable {
+    if (n++ == 3) throw Error(ErrorCode::device, "lost");
+  };
+  EXPECT_THROW(estimate(), Error);
+  ASSERT_TRUE(kept_);
+  EXPECT_EQ(kept_->replicates, (std::vector<ReplicateRange>{{0, 3}}));
+  EXPECT_TRUE(kept_->isWhole());
+}
+
+TEST_F(StoppedEstimate, RangesOfReplicatesAreThoseOfOneRun) {
+  estimate();
+  const std::string whole = bytesOf(*kept_);
+  options_.replicates = 3;
+  estimate();
+  RunSums sums = *kept_;
+  options_.first_replicate = 3;
+  options_.replicates = 4;
+  estimate();
+  EXPECT_EQ(kept_->replicates, (std::vector<ReplicateRange>{{3, 7}}));
+  sums.add(*kept_);
+  EXPECT_EQ(bytesOf(sums), whole);
+}
+
+// What earlier runs took does not count towards the time allowed, nor does it make a replicate seem short.
+TEST_F(StoppedEstimate, TimeIsThatOfTheRunAtHand) {
+  std::vector<uint64_t> replicates(90);
+  std::iota(replicates.begin(), replicates.end(), 0);
+  const RunSums resumed = sumsOf(replicates);
+  options_.resumed = &resumed;
+  options_.seconds = 0.05;
+  engine_.on_count = [] { std::this_thread::sleep_for(std::chrono::milliseconds(60)); };
+  EXPECT_EQ(estimate().replicates, 91u);  // its first is past the limit already
+}
+
+}  // namespace
+}  // namespace viewpeel

@@ -1,0 +1,82 @@
+#include "reference/exact/interpenetration.h"
+
+#include <gtest/gtest.h>
+
+#include <glm/geometric.hpp>
+
+#include "error.h"
+#include "scenes/exact_scenes.h"
+#include "reference/exact/exact_pair_areas.h"
+
+namespace viewpeel::tests {
+namespace {
+
+using namespace reference;
+
+// A square in z = 0 and an upright one in y = height that crosses it from x = -0.1 to 0.3 where `low` < 0.
+Scene makeCross(double low) {
+  SceneBuilder builder;
+  builder.addPolygon("desk", {{-0.4, -0.4, 0}, {0.4, -0.4, 0}, {0.4, 0.4, 0}, {-0.4, 0.4, 0}});
+  builder.addPolygon("wall", {{-0.1, 0.1, low}, {0.3, 0.1, low}, {0.3, 0.1, 0.5}, {-0.1, 0.1, 0.5}});
+  builder.scene.centre = {10, 20, 30};
+  builder.scene.scale = 4;
+  return builder.scene;
+}
+
+TEST(Interpenetration, CrossingSquaresAreFoundAndPlaced) {
+  const std::vector<Interpenetration> found = findInterpenetrations(makeCross(-0.2));
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].a, 0u);
+  EXPECT_EQ(found[0].b, 1u);
+  EXPECT_LT(glm::distance(found[0].place, {10.4, 20.4, 30}), 1e-14);
+  EXPECT_NEAR(found[0].length, 0.4, 1e-15);
+}
+
+TEST(Interpenetration, RefusalNamesBothAndThePlace) {
+  try {
+    computeExactPairAreas(makeCross(-0.2), {0, 0, 1});
+    FAIL() << "not refused";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::bad_input);
+    EXPECT_STREQ(error.what(),
+                 "test: desk and wall pass through each other at (10.4, 20.4, 30); split them where they meet");
+  }
+}
+
+TEST(Interpenetration, DepthDecides) {
+  EXPECT_TRUE(findInterpenetrations(makeCross(0)).empty());
+  EXPECT_TRUE(findInterpenetrations(makeCross(-1e-10)).empty());
+  EXPECT_EQ(findInterpenetrations(makeCross(-1e-8)).size(), 1u);
+  EXPECT_TRUE(findInterpenetrations(makeCross(-1e-8), 1e-7).empty());
+}
+
+TEST(Interpenetration, TouchingIsNone) {
+  const glm::dmat3 rotation(2.0 / 3, -1.0 / 3, 2.0 / 3, 2.0 / 3, 2.0 / 3, -1.0 / 3, -1.0 / 3, 2.0 / 3, 2.0 / 3);
+  for (const Scene& scene : {makeRoom(), makeCubeInCube(), makeStaircase(), makeStack(), makeTiles(), makeDuplicates(),
+                             makeCreases(), makeSoup(100, 3), makeOffice(3, 1), makeCross(0)}) {
+    EXPECT_TRUE(findInterpenetrations(scene).empty());
+    EXPECT_TRUE(findInterpenetrations(turn(scene, rotation)).empty());
+  }
+}
+
+TEST(Interpenetration, OverlapOfPlanesOutsideThePolygonsIsNone) {
+  SceneBuilder builder;
+  builder.addPolygon("one", {{-0.4, -0.4, 0}, {0, -0.4, 0}, {0, 0.4, 0}, {-0.4, 0.4, 0}});
+  builder.addPolygon("two", {{0, 0, -0.2}, {0.3, 0, -0.2}, {0.3, 0, 0.2}, {0, 0, 0.2}});  // touches in one point
+  EXPECT_TRUE(findInterpenetrations(builder.scene).empty());
+}
+
+TEST(Interpenetration, EveryPairIsFound) {
+  SceneBuilder builder;
+  builder.addPolygon("plate", {{-0.5, -0.5, 0}, {0.5, -0.5, 0}, {0.5, 0.5, 0}, {-0.5, 0.5, 0}});
+  for (int k = 0; k < 9; ++k) {
+    const double x = -0.4 + 0.1 * k;
+    builder.addPolygon("fin", {{x, -0.2, -0.1}, {x, 0.2, -0.1}, {x, 0, 0.1}});
+  }
+  const std::vector<Interpenetration> found = findInterpenetrations(builder.scene);
+  ASSERT_EQ(found.size(), 9u);
+  for (uint32_t k = 0; k < 9; ++k) EXPECT_EQ(found[k].b, k + 1);
+}
+
+}  // namespace
+}  // namespace viewpeel::tests

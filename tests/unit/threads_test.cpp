@@ -1,0 +1,141 @@
+// Threads: as many as processors allowed, and results that do not depend on them. ThreadSanitizer watches (preset tsan).
+#include <sched.h>
+
+#include <cmath>
+#include <functional>
+#include <optional>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "engines/host_engine.h"
+#include "estimator/visible_share.h"
+#include "sums/neighbour_shares.h"
+#include "scene/rank_by_place.h"
+#include "scenes/named_scenes.h"
+#include "threads.h"
+
+namespace viewpeel {
+namespace {
+
+namespace ts = test_scenes;
+
+cpu_set_t allowed() {
+  cpu_set_t set;
+  EXPECT_EQ(::sched_getaffinity(0, sizeof set, &set), 0);
+  return set;
+}
+
+cpu_set_t firstOf(const cpu_set_t& set) {
+  int first = 0;
+  while (!CPU_ISSET(first, &set)) ++first;
+  cpu_set_t one;
+  CPU_ZERO(&one);
+  CPU_SET(first, &one);
+  return one;
+}
+
+// In a thread of its own, for which, and for those that it starts, these processors are allowed.
+void runOn(const cpu_set_t& set, const std::function<void()>& work) {
+  std::jthread([&] {
+    ASSERT_EQ(::sched_setaffinity(0, sizeof set, &set), 0);
+    work();
+  });
+}
+
+// One under `taskset -c 0`.
+TEST(Threads, AreAsManyAsProcessorsAllowed) {
+  const cpu_set_t set = allowed();
+  EXPECT_EQ(threadCount(), static_cast<size_t>(CPU_COUNT(&set)));
+  runOn(firstOf(set), [] { EXPECT_EQ(threadCount(), 1u); });
+}
+
+// All of the machine's, also where fewer are allowed to the test.
+cpu_set_t allOf() {
+  cpu_set_t all;
+  CPU_ZERO(&all);
+  for (int k = 0; k < CPU_SETSIZE; ++k) CPU_SET(k, &all);
+  return all;
+}
+
+bool isAlone() {
+  size_t threads = 0;
+  runOn(allOf(), [&] { threads = threadCount(); });
+  return threads < 2;
+}
+
+// 972 faces.
+InputScene cubeInCubeInParts() {
+  constexpr int kCuts = 9;
+  InputScene input{"cube in cube, cut", {}, {}};
+  for (const InputFace& face : ts::cubeInCube(0.3).faces)
+    for (int x = 0; x < kCuts; ++x)
+      for (int y = 0; y < kCuts; ++y) {
+        const glm::dvec3 a = (face.corners[1] - face.corners[0]) / double(kCuts), b = (face.corners[3] - face.corners[0]) / double(kCuts);
+        ts::addFace(input, face.surface ? "inner" : "outer", ts::parallelogram(face.corners[0] + double(x) * a + double(y) * b, a, b));
+      }
+  return input;
+}
+
+void expectSameBits(const FormFactors& one, const FormFactors& other) {
+  ASSERT_EQ(one.entries().size(), other.entries().size());
+  for (size_t k = 0; k < one.entries().size(); ++k) {
+    const FormFactors::Entry &a = one.entries()[k], &b = other.entries()[k];
+    ASSERT_TRUE(a.i == b.i && a.j == b.j && a.exchange_area.value == b.exchange_area.value && a.exchange_area.standard_error == b.exchange_area.standard_error) << a.i << ", " << a.j;
+  }
+}
+
+// A run with closed forms - lattices, pilots, pairs with nothing in between, sums by polygon and by surface, form factors - has the same bits on one processor and on all of the machine's.
+// Lists are longer than what is left to one thread.
+TEST(Threads, NeverChangeARunWithClosedForms) {
+  if (isAlone()) GTEST_SKIP() << "there is one processor";
+  const Scene scene = buildScene(cubeInCubeInParts());
+  const Ids ids = makeIds(scene, By::polygon, false);
+  const auto estimate = [&](By by) {
+    const auto engine = makeHostEngine(scene, ids, {.resolution = 48, .count_blocked = true});
+    FaceExchanges exchanges(nullptr, scene, ids);
+    EstimateOptions options{.directions = 48, .replicates = 2};
+    const VisibleShares shares =
+        findVisibleShares(*engine, exchanges, scene, ids, groupAsOne(scene, 48), options, {sharePilot(options).directions});
+    EXPECT_EQ(threadsFor(shares.known.pairs.size()), threadCount()) << shares.known.pairs.size();
+    options.known = &shares.known;
+    options.by = by;
+    options.on_sums = [](const RunSums& sums, bool) {
+      const size_t pairs = sums.hasPairsInVisible() ? sums.visible->byFace().pairs().size() : sums.by_id.pairs().size();
+      EXPECT_EQ(threadsFor(pairs), threadCount()) << pairs;
+    };
+    return estimateFormFactors(*engine, scene, ids, options);
+  };
+  for (const By by : {By::polygon, By::surface}) {
+    std::optional<Estimate> on_one, on_all;
+    runOn(firstOf(allowed()), [&] { on_one = estimate(by); });
+    runOn(allOf(), [&] { on_all = estimate(by); });
+    ASSERT_TRUE(on_one && on_all);
+    expectSameBits(on_one->form_factors, on_all->form_factors);
+    expectSameBits(on_one->between_surfaces, on_all->between_surfaces);
+  }
+}
+
+// Form factors of all pairs, most of them met by no line: rows of closed forms times shares of neighbours.
+TEST(Threads, NeverChangeRowsOfClosedForms) {
+  if (isAlone()) GTEST_SKIP() << "there is one processor";
+  const Scene scene = buildScene(cubeInCubeInParts());
+  const Ids ids = makeIds(scene, By::polygon, false);
+  const auto engine = makeHostEngine(scene, ids, {.resolution = 24, .count_blocked = true, .thread_count = 1});
+  ShareSums sums(ids);
+  for (uint64_t replicate = 0; replicate < 2; ++replicate) sums.add(engine->count(sampleDirections(Sampler::fibonacci, 8, 1, replicate)));
+  const std::vector<uint32_t> ranks = rankByPlace(scene, ids.of_polygon, ids.count());
+  const NeighbourShares neighbours(sums, {}, ranks);
+  FaceExchanges exchanges(nullptr, scene, ids);
+  const ExchangeRow rows = exchanges.rows();
+  std::optional<FormFactors> on_one, on_all;
+  const auto make = [&] { return sums.formFactors({}, {}, 1, INFINITY, FormFactors(ids, {}, {}), &neighbours, rows); };
+  runOn(firstOf(allowed()), [&] { on_one = make(); });
+  runOn(allOf(), [&] { on_all = make(); });
+  ASSERT_TRUE(on_one && on_all);
+  EXPECT_GT(on_one->entries().size(), 2 * sums.pairs().size());
+  expectSameBits(*on_one, *on_all);
+}
+
+}  // namespace
+}  // namespace viewpeel
