@@ -17,9 +17,6 @@ constexpr uint32_t kLeak = 0xFFFFFFFFu;
 // What counters are kept for: every input polygon (a face of the file), or every named surface as a whole.
 enum class By { polygon, surface };
 
-// "desk[3]", or "desk" where the surface has one face only.
-std::string faceName(const Scene& scene, uint32_t face_index);
-
 // What a polygon's facing pairs are counted for: a facing pair counts where one of the two emits and the other receives.
 // The environment and leak of a polygon count where it emits.
 constexpr uint32_t kEmits = 1, kReceives = 2;
@@ -36,6 +33,7 @@ struct Ids {
   std::vector<double> areas;         // emitting area, input units squared: both sides of a two-sided polygon count
   std::vector<uint32_t> surface;     // Scene::surfaces index of each id
   bool two_sided = false;
+  std::vector<EmptyRow> empty_rows;  // of the file, by row, which no id stands for: results have them, too
 
   uint32_t rolesOf(uint32_t polygon_index) const { return roles.empty() ? kEmits | kReceives : roles[polygon_index]; }
   bool isAsked(uint32_t id) const { return asked.empty() || asked[id]; }
@@ -44,6 +42,10 @@ struct Ids {
     return std::min(isAsked(i) ? areas[i] : INFINITY, j < kEnvironment && isAsked(j) ? areas[j] : INFINITY);
   }
   uint32_t count() const { return static_cast<uint32_t>(names.size()); }
+  // Rows of results, empty ones too.
+  uint32_t rowCount() const { return count() + static_cast<uint32_t>(empty_rows.size()); }
+  // The row of each id, from 0, ascending.
+  std::vector<uint32_t> rows() const;
 };
 
 // Pairs of n different ids.

@@ -13,7 +13,7 @@ namespace viewpeel {
 void writeCsv(const FormFactors& form_factors, std::ostream& out, const FormFactors* closed = nullptr);
 
 // Matrix Market, coordinate real general: entry (i, j) is F_ij, rows and columns counted from 1; comment lines give every row's
-// emitting area, environment share and name.
+// emitting area, environment share and name. Rows are in the order of the file, and its empty rows are among them.
 //   In: what, for the first comment line
 void writeMatrixMarket(const FormFactors& form_factors, std::ostream& out, const char* what = "form factors");
 
