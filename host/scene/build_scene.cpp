@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include <fmt/format.h>
 #include <glm/glm.hpp>
@@ -11,6 +12,8 @@
 #include "scene/group_planes.h"
 #include "scene/overlaps.h"
 #include "scene/scene.h"
+#include "scene/shells.h"
+#include "scene/sight.h"
 #include "scene/split_face.h"
 
 namespace viewpeel {
@@ -212,6 +215,25 @@ Scene assemble(const InputScene& input, const SceneOptions& options) {
   }
 }
 
+void turnFace(InputFace& face) { std::reverse(face.corners.begin(), face.corners.end()); }
+
+std::vector<uint32_t> findFlipped(const Scene& scene) {
+  Sight sight(scene);
+  return findFlipped(scene, findShells(scene), sight);
+}
+
+std::string describeFixed(const Scene& scene, const std::vector<uint32_t>& flipped) {
+  constexpr size_t kMostNamed = 5;
+  std::set<uint32_t> surfaces;
+  for (uint32_t face : flipped) surfaces.insert(scene.faces[face].surface);
+  std::string names;
+  size_t named = 0;
+  for (uint32_t surface : surfaces)
+    if (named++ < kMostNamed) names += fmt::format("{}{}", named > 1 ? ", " : "", scene.surfaces[surface].name);
+  return fmt::format("{}: --fix-normals turned {} of {} faces over, of {}{}", scene.file, flipped.size(), scene.faces.size(), names,
+                     named > kMostNamed ? fmt::format(" and {} more", named - kMostNamed) : "");
+}
+
 }  // namespace
 
 glm::dvec3 frontNormal(const Scene& scene, const Polygon& polygon) {
@@ -226,7 +248,21 @@ Scene buildScene(const InputScene& input, const SceneOptions& options) {
   if (input.faces.empty())
     throw Error(ErrorCode::bad_input, fmt::format("{}: no usable polygon; the file has no faces, check the export", input.file));
   requireDistinctNames(input);
-  return assemble(input, options);
+  if (options.flip.empty() && !options.fix_normals) return assemble(input, options);
+  InputScene turned = input;
+  std::set<uint32_t> faces;
+  for (const std::string& name : options.flip)
+    for (uint32_t face : findFaces(input, name, "--flip")) faces.insert(face);
+  for (uint32_t face : faces) turnFace(turned.faces[face]);
+  Scene scene = assemble(turned, options);
+  if (!options.fix_normals) return scene;
+  const std::vector<uint32_t> flipped = findFlipped(scene);
+  if (flipped.empty()) return scene;
+  const std::string fixed = describeFixed(scene, flipped);
+  for (uint32_t face : flipped) turnFace(turned.faces[scene.faces[face].row]);
+  scene = assemble(turned, options);
+  scene.warnings.push_back(fixed);
+  return scene;
 }
 
 }  // namespace viewpeel
