@@ -11,6 +11,7 @@
 #include "scene/face_names.h"
 #include "scene/group_planes.h"
 #include "scene/overlaps.h"
+#include "scene/precision.h"
 #include "scene/scene.h"
 #include "scene/shells.h"
 #include "scene/sight.h"
@@ -70,20 +71,6 @@ bool hasArea(const std::vector<glm::dvec3>& corners) {
   double perimeter = 0;
   for (size_t k = 0; k < corners.size(); ++k) perimeter += glm::length(corners[(k + 1) % corners.size()] - corners[k]);
   return glm::length(twiceVectorArea(corners)) > 8 * 0x1p-53 * perimeter;
-}
-
-// What rounding may have moved faces by, input units: a few units in the last place of the largest coordinate, in the
-// precision that holds all of them.
-double roundingOf(const InputScene& input) {
-  double largest = 0;
-  bool is_single = true;
-  for (const InputFace& face : input.faces)
-    for (const glm::dvec3& corner : face.corners)
-      for (int axis = 0; axis < 3; ++axis) {
-        largest = std::max(largest, std::abs(corner[axis]));
-        is_single = is_single && double(float(corner[axis])) == corner[axis];
-      }
-  return 4 * largest * (is_single ? 0x1p-24 : 0x1p-53);
 }
 
 // Why a face has an empty row; nullptr where it has none.
@@ -161,6 +148,7 @@ Scene splitFaces(const InputScene& input, const std::vector<Duplicate>& repeats)
   Scene scene;
   scene.file = input.file;
   scene.warnings = input.warnings;
+  if (std::string coarse = describeCoarseSteps(input); !coarse.empty()) scene.warnings.push_back(std::move(coarse));
   fitUnitBall(input, scene);
   std::vector<bool> is_left_out(input.faces.size(), false);
   Dropped dropped;
