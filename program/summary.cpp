@@ -140,6 +140,7 @@ Closure measureClosure(const FormFactors& form_factors) {
     if (error >= closure.largest_error) {
       closure.largest_error = error;
       closure.row = form_factors.ids().names[k];
+      closure.standard_error = sums[k].standard_error;
     }
   }
   closure.rms_error = std::sqrt(squares / double(row_count));
@@ -167,9 +168,9 @@ std::string describeErrors(const Estimate& estimate) {
     text += fmt::format("unseen     {} pairs that can see each other but for what is between them: no line saw one, 0 +- {:.1e} at most\n", estimate.unseen_pairs, estimate.largest_unseen_error);
   const auto all = double(pairCount(f.ids().count()));
   const auto met = std::count_if(f.entries().begin(), f.entries().end(), [](const FormFactors::Entry& entry) { return entry.i != entry.j && entry.j < kEnvironment; });
-  if (!estimate.unmet_pairs && !estimate.unseen_pairs && double(met) < all && estimate.unmet_bound < 1)
-    text += fmt::format("unseen     {:.0f} of {:.0f} pairs, which no line met: form factors below {:.1e} each, from the smaller of the two, at 95 % confidence\n", all - double(met), all,
-                        estimate.unmet_bound);
+  if (const double left_out = all - double(met) - double(estimate.unseen_pairs); left_out > 0 && estimate.unmet_bound < 1)
+    text += fmt::format("left out   {:.0f} of {:.0f} pairs, which no line met: form factors below {:.1e} each, from the smaller of the two, at 95 % confidence;\n"
+                        "           rows add up without them\n", left_out, all, estimate.unmet_bound);
   if (const auto& g = estimate.guarantee)
     text = fmt::format("guarantee  every form factor within {:.3g} with probability {}, by {}\n", g->bound, 1 - g->delta,
                        g->by == GuaranteedBy::hoeffding ? "Hoeffding's bound" : g->by == GuaranteedBy::bernstein ? "the empirical Bernstein bound" : "the median of runs") + text;
@@ -182,9 +183,9 @@ std::string describeErrors(const Estimate& estimate) {
     text += fmt::format("unmet      {} of {} rows ({}{}): too small for this lattice and so few directions; their form factors are unknown, not 0\n", unmet, f.ids().count(), first,
                         unmet > 1 ? ", ..." : "");
   const Closure closure = measureClosure(f);
-  return text + fmt::format("closure    row sums differ from 1 by at most {:.1e} ({}), rms {:.1e}\n"
+  return text + fmt::format("closure    row sums differ from 1 by at most {:.1e} ({}, +- {:.1e}), rms {:.1e}\n"
                             "outside    {:.3g} % of all emitted radiation leaves the scene, {:.3g} % ends on backs (leak)\n",
-                            closure.largest_error, closure.row, closure.rms_error, 100 * environmentShare(f), 100 * leakShare(f));
+                            closure.largest_error, closure.row, closure.standard_error, closure.rms_error, 100 * environmentShare(f), 100 * leakShare(f));
 }
 
 std::string describeDirected(const Estimate& estimate) {
@@ -222,8 +223,8 @@ std::string asJson(const std::string& scene, const std::string& device, const Es
   if (const auto& g = estimate.guarantee) text += fmt::format(",\n  \"guarantee\": {{\"epsilon\": {}, \"delta\": {}, \"bound\": {:.6g}}}", g->epsilon, g->delta, g->bound);
   if (f.ids().rows_sum_to_one) {
     const Closure closure = measureClosure(f);
-    text += fmt::format(",\n  \"closure\": {{\"largest\": {:.6g}, \"rms\": {:.6g}, \"row\": \"{}\"}},\n  \"environment_share\": {:.6g},\n  \"leak_share\": {:.6g}",
-                        closure.largest_error, closure.rms_error, escapeJson(closure.row), environmentShare(f), leakShare(f));
+    text += fmt::format(",\n  \"closure\": {{\"largest\": {:.6g}, \"standard_error\": {:.6g}, \"rms\": {:.6g}, \"row\": \"{}\"}},\n  \"environment_share\": {:.6g},\n  \"leak_share\": {:.6g}",
+                        closure.largest_error, closure.standard_error, closure.rms_error, escapeJson(closure.row), environmentShare(f), leakShare(f));
   }
   if (closed) {
     const std::vector<std::string>& names = closed->form_factors.ids().names;

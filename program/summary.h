@@ -49,6 +49,7 @@ double leakShare(const FormFactors& form_factors);
 // The row sum farthest from 1, and its row.
 struct Closure {
   double largest_error = 0;
+  double standard_error = 0;  // of that row sum
   double rms_error = 0;
   std::string row;
 };

@@ -13,6 +13,8 @@
 namespace viewpeel {
 
 constexpr uint64_t kLinesToLearn = 32;  // of a pair, before its closed form to the last digit is worth its time
+// The same where there are no rows for other pairs: of those that isSharedPair takes, fewer than 1 in 1,000 have fewer lines.
+constexpr uint64_t kLinesToShare = 16;
 
 struct RunSums;
 

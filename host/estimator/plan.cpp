@@ -239,14 +239,17 @@ void Planner::measure(uint32_t directions, const Shape& shape) {
 // What the run would say of the pilot: pairs of which few lines tell have the standard error that theirs and their neighbours' give them, with the closed forms that lines themselves tell.
 double Planner::largestErrorOfShares(const std::vector<PilotCounts>& counted, double measure_area, double count_area) const {
   ShareSums sums(ids_);
-  for (const PilotCounts& replicate : counted) sums.add(withRows(addCounts(replicate.first, replicate.second)));
+  PairCounts all;
+  for (const PilotCounts& replicate : counted) all = addCounts(addCounts(all, replicate.first), replicate.second);
+  const std::vector<PairShare> seen = fitShares(withRows(std::move(all)));
+  for (const PilotCounts& replicate : counted) sums.add(withRows(addCounts(replicate.first, replicate.second), seen));
   std::vector<KnownPair> known;
   for (const ShareSums::PairSum& pair : sums.pairs())
     if (pair.i != pair.j && (pair.j < kEnvironment || pair.facing > 0))
       known.push_back({pair.i, pair.j, 0, 0, pair.j < kEnvironment ? 2 * measure_area * double(pair.facing + pair.blocked) / double(counted.size()) : INFINITY});
   const std::vector<uint64_t> lines = countsOfLines(ids_, groups_, engine_->unitArea());
   const NeighbourShares neighbours(sums, lines, ranks_);
-  return largestStandardError(sums.formFactors(known, lines, measure_area, count_area, FormFactors({}, {}, {}), &neighbours));
+  return largestStandardError({ids_, sums.find(known, lines, measure_area, count_area, {}, {}, &neighbours).entries, {}});
 }
 
 double Planner::directionVariance(double directions) const {

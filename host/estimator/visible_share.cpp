@@ -95,9 +95,12 @@ VisibleShares findVisibleShares(Engine& engine, FaceExchanges& exchanges, const 
   PairCounts all;
   const uint32_t each = (pilot.directions + kPilots - 1u) / kPilots;
   for (uint32_t k = 0; k < kPilots; ++k) {
-    pilots.push_back(withRows(engine.count(sampleDirections(options.sampler, each, options.seed, kSharePilot + k))));
+    pilots.push_back(engine.count(sampleDirections(options.sampler, each, options.seed, kSharePilot + k)));
     all = addCounts(all, pilots.back());
   }
+  all = withRows(std::move(all));
+  const std::vector<PairShare> seen = fitShares(all);
+  for (PairCounts& counts : pilots) counts = withRows(std::move(counts), seen);
   // A share that few lines told adds more noise than it takes away: then counts are left alone, pair by pair of faces, and of surfaces, whose sums vary less than their parts.
   const std::vector<PairShare> shares = keepUseful(fitShares(all), pilots, ids, {});
   const std::vector<PairShare> surface_shares = keepUseful(shares, pilots, makeIds(scene, By::surface, ids.two_sided), ids.surface);

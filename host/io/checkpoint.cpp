@@ -130,7 +130,7 @@ void writeVisibleSums(Hdf5Output& out, const RunSums& sums) {
   writeWide(out, "visible/faces/facing_squared", faces, [&](const ShareSum& pair) { return sums.visible->byFace().squaresOf(pair).facing; });
   writeWide(out, "visible/faces/product", faces, [&](const ShareSum& pair) { return sums.visible->byFace().squaresOf(pair).product; });
   writeWide(out, "visible/faces/blocked_squared", faces, [&](const ShareSum& pair) { return sums.visible->byFace().squaresOf(pair).blocked; });
-  for (const auto& [name, controls] : {std::pair(std::string("visible/surfaces"), &sums.visible->bySurface()), {"visible/directed", &sums.visible->directed()}}) {
+  for (const auto& [name, controls] : {std::pair(std::string("visible/surfaces"), &sums.visible->surfaceControls()), {"visible/directed", &sums.visible->directed()}}) {
     out.write(name + "/replicate_count", std::vector<uint64_t>{controls->replicateCount()});
     writeColumn<uint32_t>(out, name + "/i", controls->pairs(), [](const ControlSum& pair) { return pair.i; });
     writeColumn<uint32_t>(out, name + "/j", controls->pairs(), [](const ControlSum& pair) { return pair.j; });
