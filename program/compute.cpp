@@ -19,6 +19,7 @@
 #include "error.h"
 #include "io/write_form_factors.h"
 #include "result/closure.h"
+#include "result/leak_warnings.h"
 
 namespace viewpeel::program {
 namespace {
@@ -188,6 +189,8 @@ int runCompute(ProgramOptions options) {
     if (estimate.interrupted) tellInterruption(options, estimate.replicates);
     const int status = estimate.interrupted ? 128 + interruption() : keeper && !keeper->isKept() ? 1 : 0;
     if (estimate.interrupted && estimate.replicates < 2) return status;
+    if (!estimate.interrupted)
+      for (const std::string& warning : warnOfLeaks(session.scene, estimate.form_factors)) fmt::print(stderr, "viewpeel: warning: {}\n", warning);
     std::optional<ClosedFormFactors> closed;
     if (options.closure) closed = closeOrKeep(estimate.form_factors, options.outputs);
     writeOutputs(estimate.form_factors, options.outputs, closed ? &closed->form_factors : nullptr);

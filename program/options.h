@@ -9,6 +9,7 @@
 
 #include "engines/engine.h"
 #include "engines/lattice_options.h"
+#include "io/checkpoint.h"
 #include "result/ids.h"
 #include "vulkan/device.h"
 
@@ -42,8 +43,11 @@ void addChoice(CLI::App* command, const std::string& name, T& value, const std::
   command->add_option_function<std::string>(name, choose, text)->default_str(choices.front().first)->type_name(words);
 }
 
-// What the file leaves open: --sheets and --solids.
+// What the file leaves open: --sheets, --solids, --flip and --fix-normals.
 void addSceneOptions(CLI::App* command, SceneOptions& options);
+// The same among the settings of a checkpoint, and back.
+void addSettings(const SceneOptions& options, Settings& settings);
+SceneOptions sceneOptionsOf(const Settings& settings);
 
 enum class EngineKind { automatic, compute, host, graphics, exact };
 

@@ -285,8 +285,7 @@ Settings Session::settings() const {
       {"--sampling", isExact() ? "exact areas" : options.lattice.sampling == Sampling::scanline ? "scanline" : "lattice"},
       {"--sampler", options.epsilon ? nameOf(guaranteeOptions().sampler) : sampler},
   };
-  for (const std::string& name : options.scene_options.sheets) all.emplace_back("--sheets", name);
-  for (const std::string& name : options.scene_options.solids) all.emplace_back("--solids", name);
+  addSettings(options.scene_options, all);
   if (!options.epsilon) return all;
   if (options.statistic == Statistic::median) throw Error(ErrorCode::bad_usage, "--checkpoint keeps means only; leave out --statistic median");
   all.insert(all.end(), {{"--epsilon", fmt::format("{}", *options.epsilon)}, {"--delta", fmt::format("{}", options.delta)}});
