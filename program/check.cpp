@@ -8,6 +8,7 @@
 #include "engines/engine_factory.h"
 #include "engines/lattice.h"
 #include <viewpeel/error.h>
+#include "scene/leaks.h"
 #include "reference/exact/interpenetration.h"
 #include "reference/exact/lattice_check.h"
 
@@ -63,6 +64,8 @@ int runCheck(const CheckCommand& command) {
   const Scene scene = loadScene(command.scene, command.scene_options);
   fmt::print("{}", command.json ? "" : describeCoincidences(scene));
   for (const std::string& warning : scene.warnings) fmt::print(stderr, "viewpeel: warning: {}\n", warning);
+  if (!command.two_sided)
+    for (const std::string& warning : warnOfBacks(scene)) fmt::print(stderr, "viewpeel: warning: {}\n", warning);
   // Where polygons pass through each other no order along a line exists, and nothing to compare with.
   const auto interpenetrations = reference::findInterpenetrations(scene);
   constexpr size_t kMostNamed = 10;

@@ -76,6 +76,7 @@ int conclude(const ComputeOptions& options, const Result& result, bool is_kept, 
   warnOfGoal(options.request, result);
   const int status = result.interrupted ? tellInterruption(options, result.replicates) : is_kept ? 0 : 1;
   if (result.interrupted && result.replicates < 2) return status;
+  for (const std::string& warning : result.warnings) fmt::print(stderr, "viewpeel: warning: {}\n", warning);
   write(options, result);
   printResult(options, result, first_division);
   return status;

@@ -42,7 +42,7 @@ void addChoice(CLI::App* command, const std::string& name, T& value, const std::
   command->add_option_function<std::string>(name, choose, text)->default_str(choices.front().first)->type_name(words);
 }
 
-// What the file leaves open: --sheets and --solids.
+// What the file leaves open: --sheets, --solids, --flip and --fix-normals.
 void addSceneOptions(CLI::App* command, SceneOptions& options);
 
 }  // namespace viewpeel::program

@@ -8,6 +8,7 @@
 
 #include <viewpeel/error.h>
 #include "run/summaries.h"
+#include "scene/leaks.h"
 #include "threads.h"
 
 namespace viewpeel::program {
@@ -74,7 +75,7 @@ std::string describeScene(const Scene& scene) {
   if (scene.polygons.size() != scene.faces.size()) split = fmt::format(" (as {} triangles and quadrilaterals)", scene.polygons.size());
   return fmt::format("scene      {}: {}{}, {}, {}\n"
                      "areas      {:.6g} in all, polygons {:.3g} to {:.3g}; radius {:.4g}\n{}",
-                     scene.file, counted(scene.faces.size(), "polygon"), split, counted(scene.surfaces.size(), "surface"), isClosed(scene) ? "closed" : "open",
+                     scene.file, counted(scene.faces.size(), "polygon"), split, counted(scene.surfaces.size(), "surface"), describeClosedness(scene),
                      std::accumulate(ids.areas.begin(), ids.areas.end(), 0.0), *least, *most, scene.scale, describeCoincidences(scene));
 }
 

@@ -9,6 +9,7 @@
 
 #include "engines/lattice.h"
 #include "engines/sweep.h"
+#include "engines/work.h"
 #include <viewpeel/error.h>
 #include "threads.h"
 

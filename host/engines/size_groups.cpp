@@ -10,6 +10,8 @@
 #include <glm/geometric.hpp>
 
 #include <viewpeel/error.h>
+#include "engines/work.h"
+#include "sums/pair_count.h"
 
 namespace viewpeel {
 namespace {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "sums/pair_count.h"
+
 namespace viewpeel {
 namespace {
 

@@ -12,6 +12,7 @@
 #include "estimator/guarantee_run.h"
 #include "estimator/visible_share.h"
 #include "io/checkpoint.h"
+#include "result/leak_warnings.h"
 #include "run/observed_engine.h"
 #include "run/settings.h"
 #include "run/setup.h"
@@ -291,6 +292,7 @@ Result FormFactorRun::result() {
   };
   Result result = state_->resultOf(estimate());
   result.division = division();
+  if (!result.interrupted) result.warnings = warnOfLeaks(state_->setup.scene(), result.form_factors);
   if (const Work* work = state_->engine().work()) result.work = *work;
   return result;
 }

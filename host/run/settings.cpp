@@ -12,6 +12,24 @@ namespace viewpeel {
 
 std::string identityOf(const Scene& scene) { return fmt::format("{} polygons, fingerprint {:016x}", scene.faces.size(), fingerprint(scene)); }
 
+void addSettings(const SceneOptions& options, Settings& settings) {
+  for (const std::string& name : options.sheets) settings.emplace_back("--sheets", name);
+  for (const std::string& name : options.solids) settings.emplace_back("--solids", name);
+  for (const std::string& name : options.flip) settings.emplace_back("--flip", name);
+  if (options.fix_normals) settings.emplace_back("--fix-normals", "yes");
+}
+
+SceneOptions sceneOptionsOf(const Settings& settings) {
+  SceneOptions options;
+  for (const auto& [name, value] : settings) {
+    if (name == "--sheets") options.sheets.push_back(value);
+    if (name == "--solids") options.solids.push_back(value);
+    if (name == "--flip") options.flip.push_back(value);
+    if (name == "--fix-normals") options.fix_normals = value == "yes";
+  }
+  return options;
+}
+
 // An option that changes counts has its line here, or below.
 Settings settingsOf(const Setup& setup) {
   const Request& request = setup.request();
@@ -28,8 +46,7 @@ Settings settingsOf(const Setup& setup) {
       {"--sampling", setup.isExact() ? "exact areas" : setup.sampling() == Sampling::scanline ? "scanline" : "lattice"},
       {"--sampler", setup.sampler()},
   };
-  for (const std::string& name : request.scene_options.sheets) all.emplace_back("--sheets", name);
-  for (const std::string& name : request.scene_options.solids) all.emplace_back("--solids", name);
+  addSettings(request.scene_options, all);
   const EpsilonDelta* guarantee = setup.guarantee();
   if (!guarantee) return all;
   if (guarantee->statistic == Statistic::median) throw Error(ErrorCode::bad_usage, "--checkpoint keeps means only; leave out --statistic median");

@@ -11,6 +11,10 @@ namespace viewpeel {
 // "6 polygons, fingerprint 0123456789abcdef".    Cost: O(corners).
 std::string identityOf(const Scene& scene);
 
+// How a scene was made, among settings, and back.
+void addSettings(const SceneOptions& options, Settings& settings);
+SceneOptions sceneOptionsOf(const Settings& settings);
+
 // What decides about counts and is known before the plan.    Throws: Error bad_usage for medians.
 Settings settingsOf(const Setup& setup);
 // Whether a plan may choose the setting of that name.

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include <fmt/format.h>
 #include <glm/glm.hpp>
@@ -10,7 +11,10 @@
 #include "scene/face_names.h"
 #include "scene/group_planes.h"
 #include "scene/overlaps.h"
+#include "scene/precision.h"
 #include <viewpeel/scene.h>
+#include "scene/shells.h"
+#include "scene/sight.h"
 #include "scene/split_face.h"
 
 namespace viewpeel {
@@ -67,20 +71,6 @@ bool hasArea(const std::vector<glm::dvec3>& corners) {
   double perimeter = 0;
   for (size_t k = 0; k < corners.size(); ++k) perimeter += glm::length(corners[(k + 1) % corners.size()] - corners[k]);
   return glm::length(twiceVectorArea(corners)) > 8 * 0x1p-53 * perimeter;
-}
-
-// What rounding may have moved faces by, input units: a few units in the last place of the largest coordinate, in the
-// precision that holds all of them.
-double roundingOf(const InputScene& input) {
-  double largest = 0;
-  bool is_single = true;
-  for (const InputFace& face : input.faces)
-    for (const glm::dvec3& corner : face.corners)
-      for (int axis = 0; axis < 3; ++axis) {
-        largest = std::max(largest, std::abs(corner[axis]));
-        is_single = is_single && double(float(corner[axis])) == corner[axis];
-      }
-  return 4 * largest * (is_single ? 0x1p-24 : 0x1p-53);
 }
 
 // Why a face has an empty row; nullptr where it has none.
@@ -158,6 +148,7 @@ Scene splitFaces(const InputScene& input, const std::vector<Duplicate>& repeats)
   Scene scene;
   scene.file = input.file;
   scene.warnings = input.warnings;
+  if (std::string coarse = describeCoarseSteps(input); !coarse.empty()) scene.warnings.push_back(std::move(coarse));
   fitUnitBall(input, scene);
   std::vector<bool> is_left_out(input.faces.size(), false);
   Dropped dropped;
@@ -212,6 +203,25 @@ Scene assemble(const InputScene& input, const SceneOptions& options) {
   }
 }
 
+void turnFace(InputFace& face) { std::reverse(face.corners.begin(), face.corners.end()); }
+
+std::vector<uint32_t> findFlipped(const Scene& scene) {
+  Sight sight(scene);
+  return findFlipped(scene, findShells(scene), sight);
+}
+
+std::string describeFixed(const Scene& scene, const std::vector<uint32_t>& flipped) {
+  constexpr size_t kMostNamed = 5;
+  std::set<uint32_t> surfaces;
+  for (uint32_t face : flipped) surfaces.insert(scene.faces[face].surface);
+  std::string names;
+  size_t named = 0;
+  for (uint32_t surface : surfaces)
+    if (named++ < kMostNamed) names += fmt::format("{}{}", named > 1 ? ", " : "", scene.surfaces[surface].name);
+  return fmt::format("{}: --fix-normals turned {} of {} faces over, of {}{}", scene.file, flipped.size(), scene.faces.size(), names,
+                     named > kMostNamed ? fmt::format(" and {} more", named - kMostNamed) : "");
+}
+
 }  // namespace
 
 glm::dvec3 frontNormal(const Scene& scene, const Polygon& polygon) {
@@ -226,7 +236,21 @@ Scene buildScene(const InputScene& input, const SceneOptions& options) {
   if (input.faces.empty())
     throw Error(ErrorCode::bad_input, fmt::format("{}: no usable polygon; the file has no faces, check the export", input.file));
   requireDistinctNames(input);
-  return assemble(input, options);
+  if (options.flip.empty() && !options.fix_normals) return assemble(input, options);
+  InputScene turned = input;
+  std::set<uint32_t> faces;
+  for (const std::string& name : options.flip)
+    for (uint32_t face : findFaces(input, name, "--flip")) faces.insert(face);
+  for (uint32_t face : faces) turnFace(turned.faces[face]);
+  Scene scene = assemble(turned, options);
+  if (!options.fix_normals) return scene;
+  const std::vector<uint32_t> flipped = findFlipped(scene);
+  if (flipped.empty()) return scene;
+  const std::string fixed = describeFixed(scene, flipped);
+  for (uint32_t face : flipped) turnFace(turned.faces[scene.faces[face].row]);
+  scene = assemble(turned, options);
+  scene.warnings.push_back(fixed);
+  return scene;
 }
 
 }  // namespace viewpeel

@@ -101,6 +101,7 @@ struct Result : Estimate {
   double leak_share = 0;         // and what ends on the backs of polygons
   std::optional<ClosedFormFactors> closed;  // with Request::closure
   std::optional<Error> closure_refusal;     // why there are none
+  std::vector<std::string> warnings;        // one line each: faces that look the wrong way, as leaks tell; not of a run that was stopped
   PlanSummary plan;
   std::string division;      // how the engine has divided its work and what memory that takes, a few lines
   std::optional<Work> work;  // with Request::measure_work, of engines that count theirs

@@ -106,6 +106,43 @@ TEST(MeshFaults, CleanScenesWarnOfNothing) {
   EXPECT_EQ(countWith(buildScene(stack), "same way"), 0u) << all(buildScene(stack));
 }
 
+// Buildings 4,500 km from the origin in single precision are cut to steps of half a metre.
+TEST(MeshFaults, CoarseCoordinatesAreSaid) {
+  InputScene city = named("city");
+  for (int k = 0; k < 20; ++k) ts::addBox(city, "box", {3.1 * k, 0.7, 0}, {3.1 * k + 2.3, 3.4, 5.2}, false);
+  const auto moved = [&](double offset, double size) { return ts::transformed(city, glm::dmat3(1), size, glm::dvec3(offset)); };
+  EXPECT_EQ(countWith(buildScene(ts::roundedToSingle(moved(4.5e6, 1))), "come in steps of 0.5"), 1u) << all(buildScene(ts::roundedToSingle(moved(4.5e6, 1))));
+  for (const InputScene& fine : {city, moved(4.5e6, 1), ts::roundedToSingle(city), ts::roundedToSingle(moved(1e3, 1)), ts::roundedToSingle(moved(4.5e6, 100))})
+    EXPECT_EQ(countWith(buildScene(fine), "come in steps of"), 0u) << all(buildScene(fine));
+  InputScene whole = named("whole metres");  // exact, single precision or not
+  for (int k = 0; k < 20; ++k) ts::addBox(whole, "box", {4.5e6 + 4 * k, 5.1e5, 0}, {4.5e6 + 4 * k + 2, 5.1e5 + 3, 5}, false);
+  EXPECT_EQ(countWith(buildScene(whole), "come in steps of"), 0u);
+}
+
+// Facets of a dish, each of two triangles, lie in one plane but for rounding: nothing is wrong.
+TEST(MeshFaults, FacetsOfADishAreNoNarrowGaps) {
+  InputScene dish = named("dish");
+  const int across = 20, around = 48;
+  const auto at = [&](int ring, int turn) {
+    const double r = 0.5 * ring / across, a = 2 * 3.14159265358979 * turn / around;
+    return glm::dvec3(r * std::cos(a), r * std::sin(a), r * r);
+  };
+  for (int ring = 1; ring < across; ++ring)
+    for (int turn = 0; turn < around; ++turn) {
+      const glm::dvec3 p = at(ring, turn), q = at(ring + 1, turn), r = at(ring + 1, turn + 1), s = at(ring, turn + 1);
+      ts::addFace(dish, "dish", {p, q, r});
+      ts::addFace(dish, "dish", {p, r, s});
+    }
+  for (const InputScene& input : {dish, ts::roundedToSingle(dish), ts::roundedToSingle(ts::turnedAndMoved(dish))}) EXPECT_TRUE(buildScene(input).warnings.empty()) << all(buildScene(input));
+  // A true one stays: the same dish again, too near to be told apart.
+  InputScene twice = dish;
+  for (InputFace face : dish.faces) {
+    for (glm::dvec3& corner : face.corners) corner.z += 1e-9;
+    twice.faces.push_back(face);
+  }
+  EXPECT_EQ(countWith(buildScene(twice), "face the same way"), 1u) << all(buildScene(twice));
+}
+
 TEST(MeshFaults, FacesWithoutAreaKeepTheirNumbers) {
   InputScene input = named("degenerate");
   ts::addFace(input, "gone", {{0, 0, 0}, {1, 1, 0}, {2, 2, 0}});
