@@ -7,8 +7,10 @@
 #include "program/options.h"
 #include "program/outputs.h"
 #include "program/summary.h"
-#include "error.h"
+#include <viewpeel/error.h>
 #include "estimator/face_exchanges.h"
+#include "io/checkpoint.h"
+#include "run/settings.h"
 
 namespace viewpeel::program {
 namespace {

@@ -7,10 +7,9 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "engines/engine.h"
+#include <viewpeel/engine.h>
 #include "engines/lattice_options.h"
-#include "io/checkpoint.h"
-#include "result/ids.h"
+#include <viewpeel/ids.h>
 #include "vulkan/device.h"
 
 namespace viewpeel::program {
@@ -45,13 +44,5 @@ void addChoice(CLI::App* command, const std::string& name, T& value, const std::
 
 // What the file leaves open: --sheets, --solids, --flip and --fix-normals.
 void addSceneOptions(CLI::App* command, SceneOptions& options);
-// The same among the settings of a checkpoint, and back.
-void addSettings(const SceneOptions& options, Settings& settings);
-SceneOptions sceneOptionsOf(const Settings& settings);
-
-enum class EngineKind { automatic, compute, host, graphics, exact };
-
-// An engine that counts lattice points; the host engine needs no device.
-std::unique_ptr<Engine> makeLatticeEngine(EngineKind kind, const Device* device, const Scene& scene, const Ids& ids, const LatticeOptions& options);
 
 }  // namespace viewpeel::program

@@ -6,22 +6,13 @@
 
 #include <fmt/format.h>
 
-#include "error.h"
+#include <viewpeel/error.h>
+#include "run/summaries.h"
 #include "scene/leaks.h"
 #include "threads.h"
 
 namespace viewpeel::program {
 namespace {
-
-double shareOf(const FormFactors& form_factors, uint32_t column) {
-  double exchange = 0;
-  for (const auto& entry : form_factors.entries())
-    if (entry.j == column) exchange += entry.exchange_area.value;
-  double area = 0;
-  for (uint32_t k = 0; k < form_factors.ids().count(); ++k)
-    if (form_factors.ids().isAsked(k)) area += form_factors.ids().areas[k];
-  return exchange / area;
-}
 
 std::string columnName(const Ids& ids, uint32_t j) { return j == kEnvironment ? "environment" : j == kLeak ? "leak" : ids.names[j]; }
 
@@ -56,10 +47,7 @@ StandardErrors measureStandardErrors(const FormFactors& form_factors, size_t wor
 
 }  // namespace
 
-std::string describeDevice(const Device& device) {
-  const DeviceDescription& d = device.description();
-  return fmt::format("device     {} ({}; {})\n", d.name, d.kind, d.driver);
-}
+std::string describeDevice(const DeviceDescription& device) { return fmt::format("device     {} ({}; {})\n", device.name, device.kind, device.driver); }
 
 std::string describeProcessor() { return fmt::format("device     processor, {}\n", counted(threadCount(), "thread")); }
 
@@ -79,8 +67,6 @@ std::string escapeJson(const std::string& text) {
 }
 
 std::string counted(uint64_t count, const char* noun) { return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s"); }
-
-std::string identityOf(const Scene& scene) { return fmt::format("{} polygons, fingerprint {:016x}", scene.faces.size(), fingerprint(scene)); }
 
 std::string describeScene(const Scene& scene) {
   const Ids ids = makeIds(scene, By::polygon, false);
@@ -147,9 +133,6 @@ Closure measureClosure(const FormFactors& form_factors) {
   return closure;
 }
 
-double environmentShare(const FormFactors& form_factors) { return shareOf(form_factors, kEnvironment); }
-double leakShare(const FormFactors& form_factors) { return shareOf(form_factors, kLeak); }
-
 std::string describeErrors(const Estimate& estimate) {
   const FormFactors& f = estimate.form_factors;
   const StandardErrors errors = measureStandardErrors(f, 3);
@@ -185,7 +168,7 @@ std::string describeErrors(const Estimate& estimate) {
   const Closure closure = measureClosure(f);
   return text + fmt::format("closure    row sums differ from 1 by at most {:.1e} ({}, +- {:.1e}), rms {:.1e}\n"
                             "outside    {:.3g} % of all emitted radiation leaves the scene, {:.3g} % ends on backs (leak)\n",
-                            closure.largest_error, closure.row, closure.standard_error, closure.rms_error, 100 * environmentShare(f), 100 * leakShare(f));
+                            closure.largest_error, closure.row, closure.standard_error, closure.rms_error, 100 * shareOf(f, kEnvironment), 100 * shareOf(f, kLeak));
 }
 
 std::string describeDirected(const Estimate& estimate) {
@@ -208,14 +191,15 @@ std::string describeClosed(const ClosedFormFactors& closed) {
                      closed.largest_form_factor_change, names[closed.from], names[closed.to]);
 }
 
-std::string asJson(const std::string& scene, const std::string& device, const Estimate& estimate, double seconds, const Work* work,
-                   const ClosedFormFactors* closed) {
+std::string asJson(const std::string& scene, const Result& estimate) {
   const FormFactors& f = estimate.form_factors;
+  const std::optional<ClosedFormFactors>& closed = estimate.closed;
+  const std::optional<Work>& work = estimate.work;
   const StandardErrors errors = measureStandardErrors(f, 0);
   std::string text = fmt::format(
       "{{\n  \"scene\": \"{}\",\n  \"device\": \"{}\",\n  \"ids\": {},\n  \"replicates\": {},\n  \"directions\": {},\n  \"seconds\": {:.6g},\n"
       "  \"largest_standard_error\": {:.6g},\n  \"rms_standard_error\": {:.6g},\n  \"nonzero_form_factors\": {}",
-      escapeJson(scene), escapeJson(device), f.ids().count(), estimate.replicates, estimate.directions, seconds, estimate.largest_standard_error,
+      escapeJson(scene), escapeJson(estimate.plan.device), f.ids().count(), estimate.replicates, estimate.directions, estimate.seconds, estimate.largest_standard_error,
       errors.rms, errors.count);
   if (estimate.unmet_pairs) text += fmt::format(",\n  \"unmet\": {{\"pairs\": {}, \"largest_standard_error\": {:.6g}}}", estimate.unmet_pairs, estimate.largest_unmet_error);
   if (estimate.unseen_pairs) text += fmt::format(",\n  \"unseen\": {{\"pairs\": {}, \"largest_standard_error\": {:.6g}}}", estimate.unseen_pairs, estimate.largest_unseen_error);
@@ -224,7 +208,7 @@ std::string asJson(const std::string& scene, const std::string& device, const Es
   if (f.ids().rows_sum_to_one) {
     const Closure closure = measureClosure(f);
     text += fmt::format(",\n  \"closure\": {{\"largest\": {:.6g}, \"standard_error\": {:.6g}, \"rms\": {:.6g}, \"row\": \"{}\"}},\n  \"environment_share\": {:.6g},\n  \"leak_share\": {:.6g}",
-                        closure.largest_error, closure.standard_error, closure.rms_error, escapeJson(closure.row), environmentShare(f), leakShare(f));
+                        closure.largest_error, closure.standard_error, closure.rms_error, escapeJson(closure.row), estimate.environment_share, estimate.leak_share);
   }
   if (closed) {
     const std::vector<std::string>& names = closed->form_factors.ids().names;

@@ -22,7 +22,7 @@
 
 #include "engines/compute_engine.h"
 #include "engines/host_engine.h"
-#include "error.h"
+#include <viewpeel/error.h>
 #include "estimator/directed_pairs.h"
 #include "estimator/visible_share.h"
 #include "scenes/generate.h"
@@ -41,8 +41,7 @@ constexpr uint64_t kPilotSeed = 1'000'000'000, kLongRunSeed = 2'000'000'000;
 constexpr uint32_t kPilots = 20, kPilotReplicates = 16;
 constexpr std::array<double, 5> kCountEnds{0.3, 1, 3, 10, INFINITY};  // expected per replicate
 constexpr double kBlockedInPart = 1e-3;                               // of what two would exchange with nothing in between: at least as much is seen, and blocked
-const std::map<std::string, Sampler> kSamplers{
-    {"iid", Sampler::iid}, {"jittered", Sampler::jittered}, {"sobol", Sampler::sobol}, {"fibonacci", Sampler::fibonacci}};
+const std::map<std::string, Sampler> kSamplers(kSamplerNames.begin(), kSamplerNames.end());
 
 struct Options {
   std::vector<std::string> scenes{"facing", "edge", "far", "cube"}, samplers{"fibonacci", "jittered"}, settings{"32x50"};
@@ -309,9 +308,9 @@ void measureCase(const std::string& name, const Device& device, const Options& o
       VisibleShares shares;
       std::optional<PairSampler> pairs;
       std::map<std::pair<int, double>, std::unique_ptr<Engine>> pair_engines;  // by resolution and window, which tell them apart in these scenes
-      const auto makePairEngine = [&](const Ids& pair_ids, int pair_resolution, const Window& window) {
-        std::unique_ptr<Engine>& made = pair_engines[{pair_resolution, window.radius}];
-        if (!made) made = makeComputeEngine(device, scene, pair_ids, {.resolution = pair_resolution, .window = window, .count_blocked = true});
+      const EngineFactory makePairEngine = [&](const Scene& of, const Ids& pair_ids, const LatticeOptions& own) {
+        std::unique_ptr<Engine>& made = pair_engines[{own.resolution, own.window.radius}];
+        if (!made) made = makeComputeEngine(device, of, pair_ids, own);
         return std::make_unique<SharedEngine>(*made);
       };
       uint64_t shares_seed = 0, directed_runs = 0, runs = 0;

@@ -23,7 +23,7 @@
 #include "engines/pair_counters.h"
 #include "engines/shared.h"
 #include "engines/tuning.h"
-#include "error.h"
+#include <viewpeel/error.h>
 #include "shaders/allocate.comp.h"
 #include "shaders/bin.comp.h"
 #include "shaders/cover.comp.h"

@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "engines/lattice.h"
-#include "scene/scene.h"
+#include <viewpeel/scene.h>
 
 namespace viewpeel {
 namespace {

@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "engines/lattice_options.h"
-#include "scene/scene.h"
+#include <viewpeel/scene.h>
 #include "vulkan/device.h"
 
 namespace viewpeel {

@@ -7,7 +7,7 @@
 
 #include "unoccluded/row_exchange.h"
 #include "unoccluded/unoccluded.h"
-#include "result/ids.h"
+#include <viewpeel/ids.h>
 #include "sums/share_sums.h"
 
 namespace viewpeel {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -10,17 +9,19 @@
 #include <glm/geometric.hpp>
 
 #include "directions/random.h"
+#include "directions/replicates.h"
+#include "engines/engine_factory.h"
 #include "engines/lattice.h"
 #include "estimator/pilot_variances.h"
 #include "estimator/visible_share.h"
 #include "sums/neighbour_shares.h"
 #include "sums/pair_count.h"
 #include "scene/rank_by_place.h"
+#include "stopwatch.h"
 
 namespace viewpeel {
 namespace {
 
-constexpr uint64_t kFirstPilot = uint64_t(1) << 40;  // replicate numbers that no run reaches
 constexpr uint32_t kPilotReplicates = 8, kFirstDirections = 16, kPilotDirections = 32;  // of the first pilot, and of others at least
 constexpr int kFirstResolution = 64;
 constexpr double kFewPoints = 5;               // of an id in the whole run, below which it may go unmet
@@ -142,6 +143,7 @@ class Planner {
   std::vector<double> areas_;      // of ids, unit-ball units squared
   double whole_area_ = 0, largest_face_ = 0;  // of all ids, of a face; likewise
   std::vector<uint32_t> ranks_;    // of ids, by place, where form factors are shares of closed forms, their neighbours' where few lines tell (neighbour_shares.h)
+  std::vector<uint32_t> id_of_face_;  // with closed forms
   std::vector<SizeClass> classes_;
   mutable std::map<std::array<int, 3>, size_t> windows_;  // of classes from one to another at a resolution
   std::vector<Pilot> pilots_;
@@ -172,7 +174,11 @@ Planner::Planner(const Scene& scene, const Ids& ids, const EstimateOptions& opti
   std::vector<double> faces(scene.faces.size(), 0);
   for (const Polygon& polygon : scene.polygons) largest_face_ = std::max(largest_face_, faces[polygon.face] += polygon.area);
   for (const auto& [key, size] : classes) classes_.push_back(size);
-  if (!lattices.id_of_face.empty() && options.by == By::polygon && !options.relative && pairCount(ids.count()) <= kMostRowPairs) ranks_ = rankByPlace(scene, ids.of_polygon, ids.count());
+  if (lattices.face_ids) {
+    id_of_face_.resize(lattices.face_ids->count());
+    for (uint32_t k = 0; k < scene.polygons.size(); ++k) id_of_face_[lattices.face_ids->of_polygon[k]] = ids.of_polygon[k];
+  }
+  if (lattices.face_ids && options.by == By::polygon && !options.relative && pairCount(ids.count()) <= kMostRowPairs) ranks_ = rankByPlace(scene, ids.of_polygon, ids.count());
 }
 
 AskedDirections Planner::directionsOf(uint32_t count, uint64_t replicate) const {
@@ -183,38 +189,38 @@ AskedDirections Planner::directionsOf(uint32_t count, uint64_t replicate) const 
 }
 
 double Planner::neededBy(const SizeClass& size, const Shape& shape, double directions) const {
-  return neededResolution(lattices_.sampling, size.fineness, size.least_area, shape.finest, directions);
+  return neededResolution(lattices_.lattice.sampling, size.fineness, size.least_area, shape.finest, directions);
 }
 
 std::vector<SizeGroup> Planner::groupsOf(const Shape& shape, double directions) const {
-  if (lattices_.may_group) return planGroups(scene_, ids_, lattices_.sampling, shape.base, shape.finest, directions);
+  if (lattices_.may_group) return planGroups(scene_, ids_, lattices_.lattice.sampling, shape.base, shape.finest, directions);
   return groupAsOne(scene_, shape.base);
 }
 
 void Planner::measure(uint32_t directions, const Shape& shape) {
-  const auto begun = std::chrono::steady_clock::now();
+  const auto begun = Clock::now();
   auto groups = groupsOf(shape, directions);
   if (!engine_ || !areAlike(groups, groups_)) {
     engine_.reset();
     groups_ = std::move(groups);
-    engine_ = lattices_.make_engine(groups_);
-    engine_->count(directionsOf(4, kFirstPilot - 1).directions);  // kernels are compiled and tuned
+    engine_ = makeEngine(lattices_, scene_, ids_, groups_);
+    engine_->count(directionsOf(4, kTrialReplicates.end - 1).directions);  // kernels are compiled and tuned
   }
   if (pilots_.empty()) {  // in the time there is, too
-    const auto again = std::chrono::steady_clock::now();
-    engine_->count(directionsOf(2, kFirstPilot - 2).directions);
-    const double each = std::chrono::duration<double>(std::chrono::steady_clock::now() - again).count() / 2;
+    const auto again = Clock::now();
+    engine_->count(directionsOf(2, kTrialReplicates.end - 2).directions);
+    const double each = secondsSince(again) / 2;
     directions = static_cast<uint32_t>(std::clamp(allowedSeconds() / (2 * kPilotReplicates * each), 1.0, double(directions)));
   }
   // Of both lattices, every replicate.
   std::vector<PilotCounts> counted;
   double weight_unit = 1;
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   for (uint32_t r = 0; r < kPilotReplicates; ++r) {
-    AskedDirections asked = directionsOf(directions, kFirstPilot + pilot_replicates_);
+    AskedDirections asked = directionsOf(directions, kPlanReplicates.first + pilot_replicates_);
     weight_unit = asked.weight_unit;
     counted.push_back({engine_->count(asked.directions), {}});
-    Random random(options_.seed, 2 * kFirstPilot + pilot_replicates_++);
+    Random random(options_.seed, kPlanLatticeReplicates.first + pilot_replicates_++);
     for (Direction& direction : asked.directions) {
       const uint32_t weight = direction.weight;
       direction = directionAlong(direction.u, random);
@@ -222,17 +228,17 @@ void Planner::measure(uint32_t directions, const Shape& shape) {
     }
     counted.back().second = engine_->count(asked.directions);
   }
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double seconds = secondsSince(start);
 
   const double measure_area = engine_->unitArea() * scene_.scale * scene_.scale / directions * weight_unit;
-  Pilot pilot{directions, shape, pilotVariances(counted, ids_, lattices_.id_of_face, measure_area, options_), seconds / (2 * kPilotReplicates * directions), loadOf(shape, directions)};
+  Pilot pilot{directions, shape, pilotVariances(counted, ids_, id_of_face_, measure_area, options_), seconds / (2 * kPilotReplicates * directions), loadOf(shape, directions)};
   if (!ranks_.empty()) {
     // Both in the shares found, as large together as the run would say.
     const double count_area = ids_.asked.empty() ? measure_area * directions / 2 : INFINITY, told = std::pow(largestErrorOfShares(counted, measure_area / 2, count_area), 2) * kPilotReplicates;
     const double found = pilot.variances.of_directions + pilot.variances.of_lattices / 2;  // of two lattices a direction
     if (found > 0) pilot.variances.of_directions *= told / found, pilot.variances.of_lattices *= told / found;
   }
-  pilot_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  pilot_seconds_ += secondsSince(begun);
   pilots_.push_back(pilot);
 }
 
@@ -262,7 +268,7 @@ double Planner::directionVariance(double directions) const {
 }
 
 Load Planner::loadOf(const Shape& shape, double directions) const {
-  const bool is_scanline = lattices_.sampling == Sampling::scanline;
+  const bool is_scanline = lattices_.lattice.sampling == Sampling::scanline;
   Load load{1, is_scanline ? double(shape.base) : double(shape.base) * shape.base};
   std::map<double, double> fine;  // share of the area by resolution
   const std::vector<int> resolutions = resolutionsOf(shape, directions);
@@ -271,7 +277,7 @@ Load Planner::loadOf(const Shape& shape, double directions) const {
     const SizeClass& size = classes_[k];
     const double resolution = resolutions[k];
     if (resolution > shape.base) fine[resolution] += size.area;
-    load.variance = std::max(load.variance, latticeVariance(lattices_.sampling, size.perimeter_per_area_squared, size.least_area, 2 / resolution));
+    load.variance = std::max(load.variance, latticeVariance(lattices_.lattice.sampling, size.perimeter_per_area_squared, size.least_area, 2 / resolution));
     if (ranks_.empty()) load.line = std::max(load.line, 8 / (resolution * resolution * size.least_area) + 8 / 27.0);  // and half of what it counts with others (replicate_sums.cpp)
   }
   for (const auto& [resolution, share] : fine) load.points += (is_scanline ? resolution : resolution * resolution) * std::min(1.0, 2 * share);  // what is looked at reaches beyond polygons
@@ -282,7 +288,7 @@ Load Planner::loadOf(const Shape& shape, double directions) const {
 // What groupBySize makes of the classes: no finer than windows can be, and than there may be windows.
 std::vector<int> Planner::resolutionsOf(const Shape& shape, double directions) const {
   std::vector<int> resolutions(classes_.size(), shape.base);
-  for (int finest = maxWindowResolution(lattices_.sampling); lattices_.may_group; finest /= kGroupStep) {
+  for (int finest = maxWindowResolution(lattices_.lattice.sampling); lattices_.may_group; finest /= kGroupStep) {
     bool is_fine = false;
     for (size_t k = 0; k < classes_.size(); ++k) {
       int& resolution = resolutions[k] = shape.base;
@@ -314,8 +320,8 @@ size_t Planner::windowsOf(const std::vector<int>& resolutions, int base) const {
 
 // For closed forms: those of a row in a replicate, the sum over a surface's faces, and the squares over all replicates (control_sums.h). A face's projection is half of its area on the average.
 bool Planner::areCountsTooLarge(const Load& load, double directions, double replicates) const {
-  if (lattices_.id_of_face.empty()) return false;
-  const double count_area = pointArea(load.finest) / (lattices_.sampling == Sampling::scanline ? 1 << kScanlineBits : 1);
+  if (id_of_face_.empty()) return false;
+  const double count_area = pointArea(load.finest) / (lattices_.lattice.sampling == Sampling::scanline ? 1 << kScanlineBits : 1);
   const double of_row = directions * largest_face_ / 2 / count_area, of_all = directions * whole_area_ / 2 / count_area, most = kAllowed * double(kMostCounts);
   return of_row > most || of_all > 2 * most || replicates * of_row * of_row > 8 * most * most;
 }
@@ -370,7 +376,7 @@ Planner::Choice Planner::choose(bool by_time) const {
         // One lattice for all: fine enough for the least of them, or as fine as there is.
         if (!lattices_.may_group && !lattices_.resolution && finest < std::min(neededBy({1, 0, 0, least_area}, shape, directions), kMaxResolution / 1.5)) continue;
         const Load load = loadOf(shape, directions);
-        if (load.points > (lattices_.sampling == Sampling::scanline ? kMostScanlines : kMostPoints) && best.directions) continue;
+        if (load.points > (lattices_.lattice.sampling == Sampling::scanline ? kMostScanlines : kMostPoints) && best.directions) continue;
         const Choice choice{directions, shape, secondsOf(load) * in_all, (directionVariance(directions) + pilots_.back().variances.of_lattices * load.variance / pilots_.back().load.variance * pilots_.back().directions / directions) / replicates + std::pow(load.line / in_all, 2)};
         if (best.directions && areCountsTooLarge(load, directions, std::max(replicates, by_time ? 0 : replicates * choice.variance / (goal * goal)))) {
           is_limited = true;
@@ -411,18 +417,22 @@ Plan Planner::plan() {
   std::vector<double> points(ids_.count(), 0);
   for (const SizeGroup& group : plan.groups)
     for (uint32_t k : group.polygons)
-      points[ids_.of_polygon[k]] += timesMet(lattices_.sampling, scene_.polygons[k].area, 2.0 / group.resolution) * choice.directions * double(options_.replicates);
+      points[ids_.of_polygon[k]] += timesMet(lattices_.lattice.sampling, scene_.polygons[k].area, 2.0 / group.resolution) * choice.directions * double(options_.replicates);
   for (uint32_t id = 0; id < ids_.count(); ++id)
     if (!options_.asked_directions && points[id] < kFewPoints) plan.barely_met.push_back(id);
   if (!areAlike(plan.groups, groups_)) {
     engine_.reset();
-    engine_ = lattices_.make_engine(plan.groups);
+    engine_ = makeEngine(lattices_, scene_, ids_, plan.groups);
   }
   plan.engine = std::move(engine_);
   return plan;
 }
 
 }  // namespace
+
+std::unique_ptr<Engine> makeEngine(const Lattices& lattices, const Scene& scene, const Ids& ids, const std::vector<SizeGroup>& groups) {
+  return makeEngine(lattices.make_engine, scene, lattices.face_ids ? *lattices.face_ids : ids, lattices.lattice, groups);
+}
 
 std::vector<SizeGroup> planGroups(const Scene& scene, const Ids& ids, Sampling sampling, int base, int finest, double directions) {
   const std::vector<double> fineness = finenessOf(perimetersPerAreaSquared(scene, ids));

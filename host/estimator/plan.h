@@ -1,8 +1,8 @@
 // What a run will do: how many directions, how fine a lattice, chosen for the least time to the error asked for.
 #pragma once
-#include <functional>
 #include <memory>
 
+#include "engines/lattice_options.h"
 #include "engines/size_groups.h"
 #include "estimator/estimate.h"
 
@@ -21,15 +21,18 @@ struct Plan {
   std::vector<uint32_t> barely_met;  // ids that the replicates asked for meet at fewer than 5 lattice points, or scanlines, expected: even the finest lattice is too coarse for them
 };
 
-// How engines are made for a plan.
+// Which engines a plan may choose among.
 struct Lattices {
-  std::function<std::unique_ptr<Engine>(const std::vector<SizeGroup>&)> make_engine;
+  EngineFactory make_engine;
+  LatticeOptions lattice;  // of all of them, but for resolution and window
   int resolution = 0;      // 0: to be planned
   bool may_group = false;  // whether small polygons may have lattices of their own
-  Sampling sampling = Sampling::lattice;
-  // Where closed forms are to be used (visible_share.h) the engines count by face, blocked pairs too; this makes ids of their ids.
-  std::vector<uint32_t> id_of_face;
+  // Where closed forms are to be used (visible_share.h) engines count by these, blocked pairs too; nullptr: by the ids that are planned for. Referred to.
+  const Ids* face_ids = nullptr;
 };
+
+// An engine of these for groups.    In: ids: that are planned for
+std::unique_ptr<Engine> makeEngine(const Lattices& lattices, const Scene& scene, const Ids& ids, const std::vector<SizeGroup>& groups);
 
 // Plans the replicates of estimateFormFactors for its goal: the tolerance, or the relative error, or else the time; none of the three: an error of 1e-3.
 //   The variance of one replicate is V_directions(N) + V_lattice(h) / N for N directions and spacing h. Pilot replicates measure both: every direction

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "error.h"
+#include <viewpeel/error.h>
 #include "io/hdf5_file.h"
 #include "io/write_file.h"
 #include "sums/add_pairs.h"

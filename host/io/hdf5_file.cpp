@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 #include <hdf5.h>
 
-#include "error.h"
+#include <viewpeel/error.h>
 #include "hash.h"
 
 namespace viewpeel {

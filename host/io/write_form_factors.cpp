@@ -1,8 +1,8 @@
-#include "io/write_form_factors.h"
+#include <viewpeel/write.h>
 
 #include <fmt/ostream.h>
 
-#include "error.h"
+#include <viewpeel/error.h>
 #include "io/write_file.h"
 
 namespace viewpeel {

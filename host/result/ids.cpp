@@ -1,8 +1,8 @@
-#include "result/ids.h"
+#include <viewpeel/ids.h>
 
 #include <fmt/format.h>
 
-#include "error.h"
+#include <viewpeel/error.h>
 
 namespace viewpeel {
 

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "result/form_factors.h"
-#include "scene/scene.h"
+#include <viewpeel/form_factors.h>
+#include <viewpeel/scene.h>
 
 namespace viewpeel {
 

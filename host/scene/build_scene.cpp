@@ -6,13 +6,13 @@
 #include <fmt/format.h>
 #include <glm/glm.hpp>
 
-#include "error.h"
+#include <viewpeel/error.h>
 #include "scene/coincident.h"
 #include "scene/face_names.h"
 #include "scene/group_planes.h"
 #include "scene/overlaps.h"
 #include "scene/precision.h"
-#include "scene/scene.h"
+#include <viewpeel/scene.h>
 #include "scene/shells.h"
 #include "scene/sight.h"
 #include "scene/split_face.h"

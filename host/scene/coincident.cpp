@@ -14,7 +14,7 @@
 #include <fmt/format.h>
 #include <glm/glm.hpp>
 
-#include "error.h"
+#include <viewpeel/error.h>
 #include "scene/polygon_tree.h"
 
 namespace viewpeel {

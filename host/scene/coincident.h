@@ -8,7 +8,7 @@
 #pragma once
 #include <vector>
 
-#include "scene/scene.h"
+#include <viewpeel/scene.h>
 
 namespace viewpeel {
 

@@ -4,12 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "scene/scene.h"
+#include <viewpeel/scene.h>
 
 namespace viewpeel {
-
-// "desk[3]", or "desk" where the surface has one face only.
-std::string faceName(const Scene& scene, uint32_t face_index);
 
 // The faces of the surface of that name, or the one face.
 //   In: option: named in the message    Out: indices into InputScene::faces

@@ -1,5 +1,5 @@
 #include "hash.h"
-#include "scene/scene.h"
+#include <viewpeel/scene.h>
 
 namespace viewpeel {
 

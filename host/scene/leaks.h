@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "scene/scene.h"
+#include <viewpeel/scene.h>
 
 namespace viewpeel {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "scene/polygon_tree.h"
-#include "scene/scene.h"
+#include <viewpeel/scene.h>
 
 namespace viewpeel {
 

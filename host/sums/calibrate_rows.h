@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "result/form_factors.h"
+#include <viewpeel/form_factors.h>
 
 namespace viewpeel {
 

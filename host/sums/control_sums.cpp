@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "error.h"
+#include <viewpeel/error.h>
 #include "sums/add_pairs.h"
 
 namespace viewpeel {

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "result/form_factors.h"
+#include <viewpeel/form_factors.h>
 #include "sums/replicate_sums.h"
 
 namespace viewpeel {

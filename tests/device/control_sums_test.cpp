@@ -5,7 +5,7 @@
 #include <boost/math/distributions/students_t.hpp>
 #include <gtest/gtest.h>
 
-#include "error.h"
+#include <viewpeel/error.h>
 #include "sums/control_sums.h"
 #include "scenes/named_scenes.h"
 #include "tests/support/test_device.h"

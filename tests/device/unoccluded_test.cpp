@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "error.h"
+#include <viewpeel/error.h>
 #include "reference/closed_forms/contour_integral.h"
 #include "reference/closed_forms/rectangles.h"
 #include "tests/support/reference_shapes.h"

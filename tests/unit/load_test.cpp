@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "error.h"
-#include "scene/scene.h"
+#include <viewpeel/error.h>
+#include <viewpeel/scene.h>
 
 namespace viewpeel {
 namespace {

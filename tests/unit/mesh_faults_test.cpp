@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "error.h"
-#include "result/ids.h"
+#include <viewpeel/error.h>
+#include <viewpeel/ids.h>
 #include "scene/face_names.h"
 #include "scenes/coincident_scenes.h"
 

@@ -8,7 +8,7 @@
 #include <boost/math/distributions/students_t.hpp>
 #include <gtest/gtest.h>
 
-#include "error.h"
+#include <viewpeel/error.h>
 #include "sums/neighbour_shares.h"
 #include "sums/visible_sums.h"
 

@@ -112,6 +112,9 @@ Scene buildScene(const InputScene& input, const SceneOptions& options = {});
 //   Throws: Error bad_input, naming file, line where the format has lines, and remedy.
 Scene loadScene(const std::filesystem::path& file, const SceneOptions& options = {});
 
+// "desk[3]", or "desk" where the surface has one face only.
+std::string faceName(const Scene& scene, uint32_t face_index);
+
 // The unit normal of a polygon's own corners, on the side of its front.
 glm::dvec3 frontNormal(const Scene& scene, const Polygon& polygon);
 

@@ -3,7 +3,7 @@
 #include <ostream>
 #include <vector>
 
-#include "result/form_factors.h"
+#include <viewpeel/form_factors.h>
 
 namespace viewpeel {
 

@@ -6,8 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "scene/face_names.h"
-#include "scene/scene.h"
+#include <viewpeel/scene.h>
 
 namespace viewpeel {
 
