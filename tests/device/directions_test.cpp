@@ -142,7 +142,7 @@ TEST(Directions, SetsOfAnySizeAreUnbiased) {
 TEST(Replicates, KindsHaveNoNumberInCommon) {
   for (size_t k = 0; k < kReplicateNumbers.size(); ++k) {
     EXPECT_LT(kReplicateNumbers[k].first, kReplicateNumbers[k].end);
-    if (k > 0) EXPECT_EQ(kReplicateNumbers[k].first, kReplicateNumbers[k - 1].end);
+    EXPECT_EQ(kReplicateNumbers[k].first, k > 0 ? kReplicateNumbers[k - 1].end : 0);
   }
   EXPECT_GT(kRunReplicates.end, uint64_t(1) << 39);  // what --first-replicate may be
 }
