@@ -15,6 +15,7 @@
 #include "error.h"
 #include "estimator/bounds.h"
 #include "estimator/visible_share.h"
+#include "scene/perimeter.h"
 
 namespace viewpeel {
 namespace {
@@ -43,10 +44,7 @@ double diameterOf(const Scene& scene, const Polygon& polygon) {
 }
 
 ConvexSize sizeOf(const Scene& scene, const Polygon& polygon) {
-  ConvexSize size{polygon.area, 0, diameterOf(scene, polygon)};
-  for (uint32_t c = 0; c < polygon.corner_count; ++c)
-    size.perimeter += glm::length(scene.corners[polygon.first_corner + (c + 1) % polygon.corner_count] - scene.corners[polygon.first_corner + c]);
-  return size;
+  return {polygon.area, perimeterOf(scene, polygon), diameterOf(scene, polygon)};
 }
 
 // Resolutions at which the ranges of ids are at most `range`, as far as they are not too fine.
