@@ -5,6 +5,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "scene/perimeter.h"
+
 namespace viewpeel {
 namespace {
 
@@ -18,10 +20,7 @@ double diameterOf(const Scene& scene, const Polygon& polygon) {
 }  // namespace
 
 ConvexSize sizeOf(const Scene& scene, const Polygon& polygon) {
-  ConvexSize size{polygon.area, 0, diameterOf(scene, polygon)};
-  for (uint32_t c = 0; c < polygon.corner_count; ++c)
-    size.perimeter += glm::length(scene.corners[polygon.first_corner + (c + 1) % polygon.corner_count] - scene.corners[polygon.first_corner + c]);
-  return size;
+  return {polygon.area, perimeterOf(scene, polygon), diameterOf(scene, polygon)};
 }
 
 double latticeRange(const ConvexSize& x, double h) { return 2 * x.area + x.perimeter * h + 2 * h * h; }

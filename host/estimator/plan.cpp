@@ -14,6 +14,7 @@
 #include "engines/lattice.h"
 #include "estimator/pilot_variances.h"
 #include "estimator/visible_share.h"
+#include "scene/perimeter.h"
 #include "sums/neighbour_shares.h"
 #include "sums/pair_count.h"
 #include "scene/rank_by_place.h"
@@ -78,11 +79,7 @@ struct SizeClass {
 // P / A^2 of ids, in unit-ball units.
 std::vector<double> perimetersPerAreaSquared(const Scene& scene, const Ids& ids) {
   std::vector<double> ratios(ids.count(), 0);
-  for (size_t k = 0; k < scene.polygons.size(); ++k) {
-    const Polygon& polygon = scene.polygons[k];
-    for (uint32_t c = 0; c < polygon.corner_count; ++c)
-      ratios[ids.of_polygon[k]] += glm::length(scene.corners[polygon.first_corner + (c + 1) % polygon.corner_count] - scene.corners[polygon.first_corner + c]);
-  }
+  for (size_t k = 0; k < scene.polygons.size(); ++k) ratios[ids.of_polygon[k]] += perimeterOf(scene, scene.polygons[k]);
   for (uint32_t id = 0; id < ids.count(); ++id) ratios[id] /= std::pow(ids.areas[id] / (scene.scale * scene.scale), 2);
   return ratios;
 }

@@ -11,6 +11,7 @@
 #include "scene/face_names.h"
 #include "scene/group_planes.h"
 #include "scene/overlaps.h"
+#include "scene/perimeter.h"
 #include "scene/precision.h"
 #include <viewpeel/scene.h>
 #include "scene/shells.h"
@@ -68,9 +69,7 @@ std::vector<glm::dvec3> distinctCorners(const InputFace& face, const Scene& scen
 
 // A face narrower than what rounding leaves of its coordinates in the unit ball (2^-53 each, in a cross product of edges) has no area.
 bool hasArea(const std::vector<glm::dvec3>& corners) {
-  double perimeter = 0;
-  for (size_t k = 0; k < corners.size(); ++k) perimeter += glm::length(corners[(k + 1) % corners.size()] - corners[k]);
-  return glm::length(twiceVectorArea(corners)) > 8 * 0x1p-53 * perimeter;
+  return glm::length(twiceVectorArea(corners)) > 8 * 0x1p-53 * perimeterOf(corners);
 }
 
 // Why a face has an empty row; nullptr where it has none.

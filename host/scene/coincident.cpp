@@ -15,6 +15,7 @@
 #include <glm/glm.hpp>
 
 #include <viewpeel/error.h>
+#include "scene/perimeter.h"
 #include "scene/polygon_tree.h"
 
 namespace viewpeel {
@@ -57,11 +58,7 @@ struct Place {
   std::vector<uint32_t> polygons;
 };
 
-double widthOf(const std::vector<dvec3>& corners, double area) {
-  double perimeter = 0;
-  for (size_t k = 0; k < corners.size(); ++k) perimeter += glm::length(corners[(k + 1) % corners.size()] - corners[k]);
-  return 2 * area / perimeter;
-}
+double widthOf(const std::vector<dvec3>& corners, double area) { return 2 * area / perimeterOf(corners); }
 
 double areaOf(const std::vector<dvec3>& corners) {
   dvec3 twice(0);
