@@ -20,6 +20,7 @@ struct RunSums;
 // What decides about the counts of a run, by name, in words: two runs with the same settings count the same in the same replicate.
 using Settings = std::vector<std::pair<std::string, std::string>>;
 
+// How far a run is.
 struct Progress {
   uint64_t replicates = 0;  // done; blocks of a guarantee
   double largest_standard_error = INFINITY;  // over all form factors so far; infinite before it is measured
@@ -101,10 +102,11 @@ class FormFactorRun {
   std::unique_ptr<State> state_;
 };
 
-// F_ij = (2 / A_i) E[A'_ij(u)] of all pairs asked for (Pellegrini 1997, sections 4.3 and 5.1), as `viewpeel compute` finds them: with a plan, closed forms times visible shares where that
+// Computes F_ij = (2 / A_i) E[A'_ij(u)] of all pairs asked for (Pellegrini 1997, sections 4.3 and 5.1), as `viewpeel compute` finds them: with a plan, closed forms times visible shares where that
 // pays, and directions of their own for pairs that others hardly meet.
 //   In: scene as from loadScene or buildScene    Out: see Result
-//   Error: as asked for by the goal; unbiased at any spacing and number of directions, but for the small bias of shares (method.md). Tests: tests/front_door_test.cpp.
+//   Error: as asked for by the goal; unbiased at any spacing and number of directions, but for the small bias of shares (docs/method.md).
+//     Tests: tests/unit/front_door_test.cpp; tests/consumer compares it with the program's files.
 //   Throws: as FormFactorRun.
 //   Cost: replicates x directions projections of the scene; memory O(nonzero pairs) beside the engine's.
 //   Source: M. Pellegrini, Monte Carlo approximation of form factors with error bounded a priori, Discrete & Computational Geometry 17, 1997.

@@ -16,12 +16,15 @@ struct DeviceDescription {
   std::string refusal;  // why it cannot be used; empty where it can
 };
 
-// Every physical device that the Vulkan loader finds.
+// Lists every physical device that the Vulkan loader finds.
+//   Out: in the loader's order, refused ones too
 //   Throws: Error device where there is no Vulkan loader or driver.
+//   Cost: loads the drivers, some 10 ms.
 std::vector<DeviceDescription> listDevices();
 
+// How a device is chosen.
 struct DeviceOptions {
-  // Index, part of the name, "cpu" or "gpu". Empty: the environment variable VIEWPEEL_DEVICE, else the best by kind.
+  // Index of listDevices(), part of the name, "cpu" or "gpu". Empty: the environment variable VIEWPEEL_DEVICE, else the best by kind.
   std::string selector;
   // Validation layer with synchronisation validation; also switched on by the environment variable VIEWPEEL_VALIDATION=1.
   bool validation = false;

@@ -26,7 +26,7 @@ struct Direction {
   uint32_t weight = 1;           // of everything counted along it
 };
 
-// Summed over directions, in the engine's unit of area.
+// What an engine counts for a pair of ids, summed over directions; area = count x Engine::unitArea().
 struct PairCount {
   uint32_t i, j;         // i <= j
   uint64_t count;        // of lines on which they are consecutive and face each other
@@ -38,7 +38,7 @@ struct PairCount {
   }
 };
 
-// Sorted by (i, j), every pair at most once, none with both counts 0.
+// Counts of all pairs that were met, sorted by (i, j), every pair at most once, none with both counts 0.
 using PairCounts = std::vector<PairCount>;
 
 // Work that an engine did, counted.
@@ -61,10 +61,9 @@ struct Work {
   std::vector<std::pair<std::string, double>> pass_seconds;
 };
 
-struct Ids;
-struct LatticeOptions;
-struct Scene;
+struct LatticeOptions;  // of the engines that count lattice points; another engine leaves them alone
 
+// Which engine counts.
 enum class EngineKind {
   automatic,  // compute on a GPU or the device named, else host
   compute,    // depth peeling in compute shaders
@@ -73,6 +72,7 @@ enum class EngineKind {
   exact,      // exact areas, by an engine that the caller brings
 };
 
+// What the estimator needs of an engine, whichever way it finds the facing pairs. Calls come one at a time, from any thread.
 class Engine {
  public:
   virtual ~Engine() = default;
@@ -91,7 +91,7 @@ class Engine {
     return blocks;
   }
 
-  // Area of one count, unit-ball units squared.
+  // The area of one count, unit-ball units squared.
   virtual double unitArea() const = 0;
 
   // Work done so far, where the engine was asked to measure it; else nullptr.
@@ -100,7 +100,8 @@ class Engine {
   virtual std::string describePlan() const { return {}; }
 };
 
-// Makes an engine that counts by these ids. Scene and ids outlive it.    In: options: one without a lattice looks at count_blocked, thread_count and on_batch alone
+// Makes an engine that counts by these ids. Scene and ids outlive it.
+//   In: ids: as from makeIds, with roles where a question restricts them    Throws: Error bad_usage, device, memory or limit where there can be none.
 using EngineFactory = std::function<std::unique_ptr<Engine>(const Scene& scene, const Ids& ids, const LatticeOptions& options)>;
 
 }  // namespace viewpeel

@@ -48,7 +48,7 @@ struct Ids {
   std::vector<uint32_t> rows() const;
 };
 
-// Pairs of n different ids.
+// How many pairs n different ids make.
 constexpr uint64_t pairCount(uint64_t n) { return n * (n - 1) / 2; }
 
 // What to compute where not all form factors are wanted. Names are of surfaces ("desk") or faces ("desk[3]").
@@ -60,15 +60,20 @@ struct Question {
   bool isEverything() const { return from.empty() && pair.empty() && blockers.empty(); }
 };
 
-// Scene::polygons of the surface or face of that name.
-//   Throws: Error bad_usage where there is none.
+// The polygons of the surface or face of that name.
+//   Out: indices into Scene::polygons, ascending    Throws: Error bad_usage where there is none.    Cost: O(polygons).
 std::vector<uint32_t> findPolygons(const Scene& scene, const std::string& name);
 
-// Sets roles, counts_environment, asked and rows_sum_to_one.
+// Restricts ids to a question: sets roles, counts_environment, asked, splits_surfaces and rows_sum_to_one.
+//   In: ids of this scene, as makeIds gives them    Cost: O(polygons) a name.
 //   Throws: Error bad_usage: unknown names, a pair beside --from, what is asked for among the blockers, part of a surface with By::surface.
 void askOnlyFor(const Question& question, const Scene& scene, Ids& ids);
 
+// The rows of a scene's matrix.
+//   In: by: one row a face or a surface; two_sided: every polygon emits and receives on both sides
+//   Out: every id with both roles, areas in input units squared
 //   Throws: Error bad_input where a surface is called `environment` or `leak`, which the result uses itself.
+//   Cost: O(polygons).
 Ids makeIds(const Scene& scene, By by, bool two_sided);
 
 }  // namespace viewpeel

@@ -54,6 +54,7 @@ struct FixedAmount {
   int finest = 0;             // spacings for the polygon that needs most of them, in windows; 0: none has more than `resolution`
 };
 
+// When a run ends. Exactly one.
 using Goal = std::variant<Tolerance, Relative, Seconds, EpsilonDelta, FixedAmount>;
 
 // What a plan is not to choose, with a goal that is no FixedAmount.
@@ -64,6 +65,7 @@ struct Amount {
   int finest = 0;           // with directions and resolution only
 };
 
+// A request. Program and library give the same bits for the same request and plan.
 struct Request {
   By by = By::polygon;
   Question question;  // empty: the whole matrix
@@ -91,7 +93,8 @@ struct Request {
   SceneOptions scene_options;      // that the scene was made with: checkpoints name them
 };
 
-// Refuses what contradicts itself, whatever the scene is.
+// Refuses what contradicts itself, whatever the scene is. Every run does so first; a program may, before it reads a large scene.
+//   Tests: tests/unit/front_door_test.cpp.
 //   Throws: Error bad_usage, naming the program's options and the remedy.    Cost: O(1).
 void checkRequest(const Request& request);
 

@@ -33,14 +33,15 @@ struct Estimate {
   double largest_relative_error = 0;  // over form factors of at least relative_floor
   bool interrupted = false;           // goals may not be reached; standard errors are infinite where fewer than 2 replicates are done
   std::optional<Guarantee> guarantee;
-  // Pairs of ids that can see each other by their closed forms and that no line met: their shares are their neighbours' (neighbour_shares.h).
+  // Pairs of ids that can see each other by their closed forms and that no line met: their shares are their neighbours'.
   uint64_t unmet_pairs = 0;
   double largest_unmet_error = 0;  // standard error, from the smaller of the two
   // Pairs that can see each other and were never seen: form factors of 0, whose standard errors count among the largest.
   uint64_t unseen_pairs = 0;
   double largest_unseen_error = 0;
   uint64_t directed_pairs = 0, directed_directions = 0;  // pairs with directions of their own, and all of these
-  double unmet_bound = INFINITY;  // on each form factor that no line met, from the smaller of its pair; 95 %; infinite where closed forms of all pairs leave none to be met
+  // On each form factor that no line met, from the smaller of its pair, with 95 % confidence; infinite where closed forms of all pairs leave none to be met.
+  double unmet_bound = INFINITY;
 };
 
 // Windows of one resolution.
@@ -85,6 +86,7 @@ struct PlanSummary {
 };
 
 // The program's options that give the same plan again: "--directions 64 --resolution 128 --closed-forms on". Not of a guarantee.
+//   In: a plan of a result    Cost: O(1).
 std::string optionsOf(const PlanSummary& plan);
 
 // What pilots and closed forms found before the first replicate.
@@ -96,6 +98,7 @@ struct SharesSummary {
   double pilot_seconds = 0, closed_form_seconds = 0, directed_seconds = 0;
 };
 
+// All that one call finds.
 struct Result : Estimate {
   double environment_share = 0;  // of all that the rows asked for emit, what leaves the scene
   double leak_share = 0;         // and what ends on the backs of polygons

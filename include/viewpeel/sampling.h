@@ -17,6 +17,7 @@ enum class Sampler {
 // Their names, as the program has them.
 inline constexpr std::array<std::pair<const char*, Sampler>, 4> kSamplerNames = {
     {{"fibonacci", Sampler::fibonacci}, {"jittered", Sampler::jittered}, {"sobol", Sampler::sobol}, {"iid", Sampler::iid}}};
+// "fibonacci" and so on.    Cost: O(1).
 std::string nameOf(Sampler sampler);
 
 // Samples of a direction.
@@ -25,15 +26,15 @@ enum class Sampling {
   scanline,  // the intervals of lattice rows between two ends of polygons, cut every 32 columns, with their lengths as weights
 };
 
-// A lattice of 2043 x 2043 points is the largest whose groups of 64 every device can dispatch in one row (65,535).
+// The finest lattice of a whole scene. One of 2043 x 2043 points is the largest whose groups of 64 every device can dispatch in one row (65,535).
 constexpr int kMaxResolution = 2039;
 
-// Of the compute engine in windows: corners across the whole scene still have 4 bits after the point.
+// The finest lattice of a window: corners across the whole scene still have 4 bits after the point.
 constexpr int kMaxWindowResolution = 1 << 20;
 constexpr int kMostWindowPoints = 8192;  // across a window
 constexpr int kMaxScanlineResolution = 1 << 14;  // of scanlines in windows: corners keep the 10 bits that ends of intervals have
 
-// How fine windows can be: lattice spacings across the scene's diameter, at most.
+// The finest that windows can be: lattice spacings across the scene's diameter, at most.
 constexpr int maxWindowResolution(Sampling sampling) { return sampling == Sampling::scanline ? kMaxScanlineResolution : kMaxWindowResolution; }
 
 }  // namespace viewpeel

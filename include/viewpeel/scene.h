@@ -100,8 +100,8 @@ struct SceneOptions {
 
 // Validates, leaves out degenerate and repeated faces, splits the rest into convex planar polygons, moves and scales to
 // the unit ball, groups coplanar polygons into planes and orders the coincident ones.
-//   In: faces in input units, any size and offset.
-//   Error: corners to 1 ulp of the unit ball after the subtraction of the centre in double; tests/scene_test.cpp.
+//   In: faces in input units, any size and offset    Out: the scene, in unit-ball units
+//   Error: corners to 1 ulp of the unit ball after the subtraction of the centre in double. Tests: tests/unit/build_scene_test.cpp.
 //   Throws: Error bad_input (NaN or infinite coordinates, no usable polygon, names that collide), naming file and line;
 //     bad_usage for options that name what is not there.
 //   Cost: O(corners log corners) work and memory; some thousand rays for each turn of fix_normals.
@@ -109,21 +109,23 @@ Scene buildScene(const InputScene& input, const SceneOptions& options = {});
 
 // Reads .obj, .stl (both kinds) or .ply and calls buildScene. Surfaces are the `o` and `g` names of .obj, the solids
 // of .stl; a file without names has one surface, named after the file.
-//   Throws: Error bad_input, naming file, line where the format has lines, and remedy.
+//   In: file: any name; options: as for buildScene    Out, Error, Cost: as buildScene. Tests: tests/unit/load_test.cpp.
+//   Throws: Error bad_input, naming file, line where the format has lines, and remedy; as buildScene.
 Scene loadScene(const std::filesystem::path& file, const SceneOptions& options = {});
 
-// "desk[3]", or "desk" where the surface has one face only.
+// The name of a face: "desk[3]", or "desk" where the surface has one face only.    In: face_index into Scene::faces    Cost: O(1).
 std::string faceName(const Scene& scene, uint32_t face_index);
 
-// The unit normal of a polygon's own corners, on the side of its front.
+// The normal of a polygon's own corners, of unit length, on the side of its front.    In: a polygon of the scene    Cost: O(1).
 glm::dvec3 frontNormal(const Scene& scene, const Polygon& polygon);
 
 // True where every edge of every polygon is met by an opposite edge of another polygon, the way the walls of a room do.
 // Touching of edges in part (T-junctions) counts. An estimate of intent for the summary, never used in numerics; whether
 // lines end on fronts is another question (seen_backs.h).
+//   Cost: O(edges log edges).
 bool isClosed(const Scene& scene);
 
-// 64 bits of all that a count can depend on: geometry to the last bit, order, names; not the file's place.    Cost: O(corners).
+// A hash, 64 bits, of all that a count can depend on: geometry to the last bit, order, names; not the file's place.    Cost: O(corners).
 uint64_t fingerprint(const Scene& scene);
 
 }  // namespace viewpeel
