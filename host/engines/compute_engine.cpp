@@ -1,7 +1,8 @@
 // The passes, in order, for a batch of directions:
 //   enter      where all count: polygons over few lattice points enter themselves there, the others are listed
 //   project    every polygon along every direction, or every listed one: snapped corners, box and depth over the lattice
-//   bin        where only some polygons count: the roles of the polygons that reach each tile
+//   bin        where only some polygons count: the tiles that those reach that emit, and their span in each row
+//   bin        those that the others reach that receive
 //   bin        count the polygons that reach each tile
 //   allocate   give every tile its list, list the active tiles
 //   bin        fill the lists
@@ -46,14 +47,18 @@ constexpr double kManyRounds = 1.5;           // a tile, from which on more laye
 constexpr uint32_t kSortedList = 16;          // polygons over such a tile, on the average, from which on lists are sorted
 constexpr uint32_t kDeepList = 16;            // polygons over a tile of scanlines, on the average, from which on more layers are kept
 constexpr uint32_t kFragmentCapacity = 8;     // of a lattice point at first
+constexpr uint32_t kWideRow = 64;  // tiles, from which on allocate takes rows where there are spans of emitters
 constexpr uint32_t kTexelBuffers = 5;
-const std::array<const char*, 10> kPasses = {"enter", "project", "bin roles", "bin count", "allocate", "bin scatter", "sort", "peel", "cover", "meet"};
+const std::array<const char*, 11> kPasses = {"enter",     "project",  "bin emitters", "bin receivers",
+                                             "bin count", "allocate", "bin scatter",  "sort",
+                                             "peel",      "cover",    "meet"};
 
 // What one batch of directions is done with.
 struct Batch {
   Commands commands;
   Timestamps timestamps;
-  Buffer directions, listed, snapped_corners, projected, fragments, fragment_counts, tile_roles, tile_counts, tile_starts, active_tiles, entries, lists, covers, cover_polygons, meetings;
+  Buffer directions, listed, snapped_corners, projected, fragments, fragment_counts, tile_roles, emitter_spans,
+      tile_counts, tile_starts, active_tiles, entries, lists, covers, cover_polygons, meetings;
   Buffer status, status_read;
   std::array<Buffer, 2> unfinished, reached;
   uint32_t list_capacity = 0, fragment_capacity = 0;
@@ -101,6 +106,7 @@ class ComputeEngine : public Engine {
   uint32_t pointsPerDirection() const { return tiles_wide_ * tiles_high_ * tuning_.tile_width * tuning_.tile_rows; }
   // Whether blocked pairs are counted by passes of their own.
   bool meets() const { return options_.count_blocked && options_.sampling == Sampling::lattice; }
+  bool allocatesRows() const { return needed_roles_ && tiles_wide_ >= kWideRow; }
   // Of a tile: those that peel may take one by one.
   uint32_t mostParts() const { return options_.sampling == Sampling::scanline ? tuning_.tile_rows : 1; }
 
@@ -114,7 +120,8 @@ class ComputeEngine : public Engine {
   uint32_t tiles_wide_ = 0, tiles_high_ = 0, needed_roles_ = 0, fragment_capacity_ = 0;
   BatchPlan plan_;
   uint64_t list_capacity_ = 0;
-  Kernel enter_, project_, bin_roles_, bin_count_, bin_scatter_, allocate_, sort_, peel_, cover_, meet_;
+  Kernel enter_, project_, bin_emitters_, bin_receivers_, bin_count_, bin_scatter_, allocate_, sort_, peel_, cover_,
+      meet_;
   std::vector<Batch> batches_;
   Commands commands_;       // of what is done between batches
   bool must_grow_ = false;   // the hash table
@@ -180,10 +187,12 @@ void ComputeEngine::makeKernels() {
   if (enters()) enter_ = Kernel(device_, enter_comp, sizeof(ProjectArgs), {tuning_.tile_width, tuning_.tile_rows}, 3);
   project_ = Kernel(device_, project_comp, sizeof(ProjectArgs), {enters(), !enters(), false}, 3);
   const auto makeBin = [&](uint32_t mode) { return Kernel(device_, bin_comp, sizeof(BinArgs), {mode, needed_roles_ != 0, tuning_.sorts, tuning_.tile_width, tuning_.tile_rows, static_cast<uint32_t>(column_bits_), cut_bits}, kTexelBuffers); };
-  if (needed_roles_) bin_roles_ = makeBin(kBinRoles);
+  if (needed_roles_) bin_emitters_ = makeBin(kBinEmitters);
+  if (needed_roles_) bin_receivers_ = makeBin(kBinReceivers);
   bin_count_ = makeBin(kBinCount);
   bin_scatter_ = makeBin(kBinScatter);
-  allocate_ = Kernel(device_, allocate_comp, sizeof(BinArgs), {enters(), tuning_.tile_width, tuning_.tile_rows, scanlines});
+  allocate_ = Kernel(device_, allocate_comp, sizeof(BinArgs),
+                     {enters(), tuning_.tile_width, tuning_.tile_rows, scanlines, allocatesRows()});
   if (tuning_.sorts) sort_ = Kernel(device_, sort_comp, sizeof(SortArgs), {tuning_.subgroup_size}, kTexelBuffers);
   const bool meets_spans = scanlines && options_.count_blocked;
   peel_ = Kernel(device_, meets_spans ? std::span<const uint32_t>(peel_blocked_comp) : peel_comp, sizeof(PeelArgs),
@@ -248,6 +257,9 @@ void ComputeEngine::makeBatches() {
     batch.snapped_corners = Buffer(device_, uint64_t(plan_.directions) * scene_.polygon_count * sizeof(SnappedCorners), MemoryUse::device, texels);
     batch.projected = Buffer(device_, uint64_t(plan_.directions) * scene_.polygon_count * sizeof(ProjectedPolygon), MemoryUse::device, texels);
     batch.tile_roles = Buffer(device_, needed_roles_ ? tiles * sizeof(uint32_t) : 0, MemoryUse::device);
+    batch.emitter_spans =
+        Buffer(device_, needed_roles_ ? uint64_t(plan_.directions) * tiles_high_ * 2 * sizeof(uint32_t) : 0,
+               MemoryUse::device);
     batch.tile_counts = Buffer(device_, tiles * sizeof(uint32_t), MemoryUse::device);
     batch.tile_starts = Buffer(device_, tiles * sizeof(uint32_t), MemoryUse::device);
     batch.active_tiles = Buffer(device_, parts * sizeof(ActiveTile), MemoryUse::device, texels);
@@ -420,6 +432,7 @@ void ComputeEngine::submit(Batch& batch) {
   commands.fill(batch.tile_counts, 0, tile_count * sizeof(uint32_t));
   if (enters()) commands.fill(batch.fragment_counts, 0, direction_count * pointsPerDirection() * sizeof(uint32_t));
   if (needed_roles_) commands.fill(batch.tile_roles, 0, tile_count * sizeof(uint32_t));
+  if (needed_roles_) commands.fill(batch.emitter_spans, 0, direction_count * tiles_high_ * 2 * sizeof(uint32_t));
   endPass();
   const ProjectArgs project{batch.snapped_corners.address(),
                             batch.projected.address(), 0, scene_.polygon_count, direction_count, options_.resolution,
@@ -438,19 +451,36 @@ void ComputeEngine::submit(Batch& batch) {
   else commands.dispatch(project_, project, polygon_groups, direction_count);
   endPass();
 
-  const BinArgs bin{batch.tile_roles.address(), batch.tile_counts.address(), batch.tile_starts.address(), (tuning_.sorts ? batch.entries : batch.lists).address(), batch.active_tiles.address(),
-              batch.directions.address(), batch.status.address(), batch.listed.address(), batch.fragment_counts.address(), batch.fragment_capacity, scene_.polygon_count, tiles_wide_, tiles_high_,
-              tile_count, batch.list_capacity, rows_per_invocation, needed_roles_};
+  const BinArgs bin{batch.tile_roles.address(),
+                    batch.emitter_spans.address(),
+                    batch.tile_counts.address(),
+                    batch.tile_starts.address(),
+                    (tuning_.sorts ? batch.entries : batch.lists).address(),
+                    batch.active_tiles.address(),
+                    batch.directions.address(),
+                    batch.status.address(),
+                    batch.listed.address(),
+                    batch.fragment_counts.address(),
+                    batch.fragment_capacity,
+                    scene_.polygon_count,
+                    tiles_wide_,
+                    tiles_high_,
+                    tile_count,
+                    batch.list_capacity,
+                    rows_per_invocation,
+                    needed_roles_};
   const auto runBin = [&](const Kernel& kernel) {
     commands.bind(kernel, VK_PIPELINE_BIND_POINT_COMPUTE);
     bindTexels(batch, kernel, batch.lists);
     commands.dispatchIndirect(kernel, bin, batch.status, offsetof(BatchStatus, bin_groups));
     endPass();
   };
-  if (needed_roles_) runBin(bin_roles_);
-  else endPass();
+  for (const Kernel* roles : {&bin_emitters_, &bin_receivers_})
+    if (needed_roles_) runBin(*roles);
+    else endPass();
   runBin(bin_count_);
-  commands.dispatch(allocate_, bin, divideUp(tile_count, kGroupSize), 1);
+  commands.dispatch(allocate_, bin, allocatesRows() ? direction_count * tiles_high_ : divideUp(tile_count, kGroupSize),
+                    1);
   endPass();
   runBin(bin_scatter_);
 
@@ -568,9 +598,13 @@ void ComputeEngine::addWork(const Batch& batch, const BatchStatus& found) {
 uint64_t ComputeEngine::memoryBytes() const {
   uint64_t bytes = counters_.sizeBytes() + scene_.polygons.sizeBytes() + scene_.corners.sizeBytes();
   for (const Batch& batch : batches_) {
-    for (const Buffer* buffer : {&batch.directions, &batch.listed, &batch.snapped_corners, &batch.projected, &batch.fragments, &batch.fragment_counts, &batch.tile_roles, &batch.tile_counts, &batch.tile_starts,
-                                 &batch.active_tiles, &batch.entries, &batch.lists, &batch.covers, &batch.cover_polygons, &batch.meetings, &batch.status, &batch.status_read,
-                                 &batch.unfinished[0], &batch.unfinished[1], &batch.reached[0], &batch.reached[1]})
+    for (const Buffer* buffer :
+         {&batch.directions,  &batch.listed,          &batch.snapped_corners, &batch.projected,
+          &batch.fragments,   &batch.fragment_counts, &batch.tile_roles,      &batch.emitter_spans,
+          &batch.tile_counts, &batch.tile_starts,     &batch.active_tiles,    &batch.entries,
+          &batch.lists,       &batch.covers,          &batch.cover_polygons,  &batch.meetings,
+          &batch.status,      &batch.status_read,     &batch.unfinished[0],   &batch.unfinished[1],
+          &batch.reached[0],  &batch.reached[1]})
       bytes += buffer->sizeBytes();
   }
   return bytes;
