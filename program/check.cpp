@@ -5,8 +5,10 @@
 #include "program/commands.h"
 #include "program/options.h"
 #include "program/summary.h"
+#include "engines/engine_factory.h"
 #include "engines/lattice.h"
-#include "error.h"
+#include <viewpeel/error.h>
+#include "scene/leaks.h"
 #include "reference/exact/interpenetration.h"
 #include "reference/exact/lattice_check.h"
 
@@ -62,6 +64,8 @@ int runCheck(const CheckCommand& command) {
   const Scene scene = loadScene(command.scene, command.scene_options);
   fmt::print("{}", command.json ? "" : describeCoincidences(scene));
   for (const std::string& warning : scene.warnings) fmt::print(stderr, "viewpeel: warning: {}\n", warning);
+  if (!command.two_sided)
+    for (const std::string& warning : warnOfBacks(scene)) fmt::print(stderr, "viewpeel: warning: {}\n", warning);
   // Where polygons pass through each other no order along a line exists, and nothing to compare with.
   const auto interpenetrations = reference::findInterpenetrations(scene);
   constexpr size_t kMostNamed = 10;
@@ -76,9 +80,10 @@ int runCheck(const CheckCommand& command) {
   const Ids ids = makeIds(scene, By::polygon, command.two_sided);
   std::optional<Device> device;
   if (command.engine != EngineKind::host) device.emplace(command.device);
+  const EngineFactory make_engine = latticeEngines(command.engine, device ? &*device : nullptr);
   std::map<int, std::unique_ptr<Engine>> engines;
   for (int resolution : command.check.resolutions)
-    engines[resolution] = makeLatticeEngine(command.engine, device ? &*device : nullptr, scene, ids, {.resolution = resolution, .sampling = command.sampling, .count_blocked = command.check.blocked, .batch_directions = 1});
+    engines[resolution] = make_engine(scene, ids, {.resolution = resolution, .sampling = command.sampling, .count_blocked = command.check.blocked, .batch_directions = 1});
   reference::CheckOptions options = command.check;
   if (command.sampling == Sampling::scanline) {
     if (command.engine == EngineKind::graphics) throw Error(ErrorCode::bad_usage, "--sampling scanline needs --engine compute or host");
@@ -91,7 +96,7 @@ int runCheck(const CheckCommand& command) {
   if (command.json) {
     fmt::print("{}", asJson(report));
   } else {
-    fmt::print("{}{}{}", device ? describeDevice(*device) : describeProcessor(), describeScene(scene),
+    fmt::print("{}{}{}", device ? describeDevice(device->description()) : describeProcessor(), describeScene(scene),
                fmt::format("check      {} directions, {} random lattices each: h^2 x counts against exact areas, chance of a false alarm {:.0e}\n\n",
                            command.check.directions, command.check.lattices, command.check.false_alarm_rate));
     fmt::print("{}\nexact {:.1f} s, counting {:.1f} s\n{}\n", tabulate(report), report.exact_seconds, report.counting_seconds,

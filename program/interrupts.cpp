@@ -12,8 +12,6 @@
 
 #include <fmt/core.h>
 
-#include "estimator/estimate.h"
-
 namespace viewpeel::program {
 namespace {
 
@@ -54,34 +52,6 @@ void watchForWord() {
   leave(has_results ? watch->end : watch->first_end);
 }
 
-class InterruptibleEngine final : public Engine {
-  // While the engine counts, the results there are may be written.
-  template <class Count>
-  static auto atRest(const Count& count) {
-    if (!watch) return count();
-    struct Rest {
-      Rest() { watch->at_work.unlock(); }
-      ~Rest() { watch->at_work.lock(); }
-    } rest;
-    return count();
-  }
-
- public:
-  explicit InterruptibleEngine(Engine& engine) : engine_(engine) {}
-  PairCounts count(std::span<const Direction> directions) override {
-    return atRest([&] { return engine_.count(directions); });
-  }
-  std::vector<PairCounts> countBlocks(std::span<const Direction> directions, size_t block_directions) override {
-    return atRest([&] { return engine_.countBlocks(directions, block_directions); });
-  }
-  double unitArea() const override { return engine_.unitArea(); }
-  const Work* work() const override { return engine_.work(); }
-  std::string describePlan() const override { return engine_.describePlan(); }
-
- private:
-  Engine& engine_;
-};
-
 }  // namespace
 
 void holdInterrupts(std::function<int()> end) {
@@ -100,10 +70,6 @@ void holdInterrupts(std::function<int()> end) {
   ::sigaction(SIGTERM, &hold, nullptr);
 }
 
-void stopIfInterrupted() {
-  if (received) throw Interrupted{};
-}
-
 int interruption() { return received; }
 
 void offerResults(std::function<int()> end) {
@@ -112,7 +78,11 @@ void offerResults(std::function<int()> end) {
   watch->has_results = true;
 }
 
-std::unique_ptr<Engine> interruptible(Engine& engine) { return std::make_unique<InterruptibleEngine>(engine); }
+void letOthersEnd(bool begins) {
+  if (!watch) return;
+  if (begins) watch->at_work.unlock();
+  else watch->at_work.lock();
+}
 
 void endByItself() {
   if (!watch || !watch->is_ending.exchange(true)) return;

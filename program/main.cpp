@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "program/commands.h"
-#include "error.h"
+#include <viewpeel/error.h>
 #include "memory.h"
 
 namespace {

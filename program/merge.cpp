@@ -4,10 +4,13 @@
 
 #include "program/checkpoint_keeper.h"
 #include "program/commands.h"
+#include "program/options.h"
 #include "program/outputs.h"
 #include "program/summary.h"
-#include "error.h"
+#include <viewpeel/error.h>
 #include "estimator/face_exchanges.h"
+#include "io/checkpoint.h"
+#include "run/settings.h"
 
 namespace viewpeel::program {
 namespace {
@@ -26,15 +29,6 @@ struct MergedScene {
 
   MergedScene(const std::string& file, const SceneOptions& options, bool two_sided) : scene(loadScene(file, options)), face_ids(makeIds(scene, By::polygon, two_sided)), exchanges(nullptr, scene, face_ids) {}
 };
-
-SceneOptions sceneOptionsOf(const Settings& settings) {
-  SceneOptions options;
-  for (const auto& [name, value] : settings) {
-    if (name == "--sheets") options.sheets.push_back(value);
-    if (name == "--solids") options.solids.push_back(value);
-  }
-  return options;
-}
 
 int runMerge(const MergeCommand& command) {
   checkOutputs(command.outputs, command.checkpoint);

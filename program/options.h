@@ -7,9 +7,9 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "engines/engine.h"
+#include <viewpeel/engine.h>
 #include "engines/lattice_options.h"
-#include "result/ids.h"
+#include <viewpeel/ids.h>
 #include "vulkan/device.h"
 
 namespace viewpeel::program {
@@ -42,12 +42,7 @@ void addChoice(CLI::App* command, const std::string& name, T& value, const std::
   command->add_option_function<std::string>(name, choose, text)->default_str(choices.front().first)->type_name(words);
 }
 
-// What the file leaves open: --sheets and --solids.
+// What the file leaves open: --sheets, --solids, --flip and --fix-normals.
 void addSceneOptions(CLI::App* command, SceneOptions& options);
-
-enum class EngineKind { automatic, compute, host, graphics, exact };
-
-// An engine that counts lattice points; the host engine needs no device.
-std::unique_ptr<Engine> makeLatticeEngine(EngineKind kind, const Device* device, const Scene& scene, const Ids& ids, const LatticeOptions& options);
 
 }  // namespace viewpeel::program

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "error.h"
-#include "io/write_form_factors.h"
+#include <viewpeel/error.h>
+#include <viewpeel/write.h>
 
 namespace viewpeel::program {
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "result/form_factors.h"
+#include <viewpeel/form_factors.h>
 
 namespace viewpeel::program {
 

@@ -1,26 +1,27 @@
 #include <fmt/format.h>
 
+#include <viewpeel/compute.h>
+
 #include "program/commands.h"
-#include "program/session.h"
+#include "program/describe_run.h"
+#include "program/request_options.h"
 #include "program/summary.h"
+#include "run/summaries.h"
 
 namespace viewpeel::program {
 namespace {
 
 // Everything but the run.
-int runPlan(ProgramOptions options) {
-  const Session session(options);
-  session.describe();
-  if (options.epsilon) {
-    const GuaranteePlan plan = session.planGuarantee();
-    fmt::print("{}{}", session.describe(plan), plan.engine->describePlan());
-  } else {
-    const Plan plan = session.plan();
-    fmt::print("{}", session.describe(plan));
-    if (!(plan.pilot_seconds > 0)) fmt::print("expected   {}\n", session.describeTime(plan));
-    fmt::print("{}", plan.engine->describePlan());
-  }
-  if (session.device) checkValidation(*session.device);
+int runPlan(const std::string& scene_file, const Request& request) {
+  const Scene scene = loadSceneOf(scene_file, request.scene_options);
+  FormFactorRun run(scene, request);
+  fmt::print("{}", describePlace(run, scene));
+  std::fflush(stdout);
+  const PlanSummary& plan = run.makePlan();
+  fmt::print("{}", describePlan(run));
+  if (!plan.guarantee && !(plan.pilot_seconds > 0)) fmt::print("expected   {} for {}\n", inWords(run.measureSeconds()), counted(request.amount.replicates, "replicate"));
+  fmt::print("{}", run.division());
+  run.checkDevice();
   return 0;
 }
 
@@ -28,10 +29,9 @@ int runPlan(ProgramOptions options) {
 
 void addPlan(CLI::App& app, Run& chosen) {
   CLI::App* command = app.add_subcommand("plan", "Say what `compute` would do with the same options, how long it would take and in how much memory");
-  const auto options = addOptions(command);
+  const auto options = addRequestOptions(command);
   command->callback([=, &chosen] {
-    settle(command, *options);
-    chosen = [options] { return runPlan(*options); };
+    chosen = [scene = options->scene, request = requestOf(command, *options)] { return runPlan(scene, request); };
   });
 }
 

@@ -6,21 +6,13 @@
 
 #include <fmt/format.h>
 
-#include "error.h"
+#include <viewpeel/error.h>
+#include "run/summaries.h"
+#include "scene/leaks.h"
 #include "threads.h"
 
 namespace viewpeel::program {
 namespace {
-
-double shareOf(const FormFactors& form_factors, uint32_t column) {
-  double exchange = 0;
-  for (const auto& entry : form_factors.entries())
-    if (entry.j == column) exchange += entry.exchange_area.value;
-  double area = 0;
-  for (uint32_t k = 0; k < form_factors.ids().count(); ++k)
-    if (form_factors.ids().isAsked(k)) area += form_factors.ids().areas[k];
-  return exchange / area;
-}
 
 std::string columnName(const Ids& ids, uint32_t j) { return j == kEnvironment ? "environment" : j == kLeak ? "leak" : ids.names[j]; }
 
@@ -55,10 +47,7 @@ StandardErrors measureStandardErrors(const FormFactors& form_factors, size_t wor
 
 }  // namespace
 
-std::string describeDevice(const Device& device) {
-  const DeviceDescription& d = device.description();
-  return fmt::format("device     {} ({}; {})\n", d.name, d.kind, d.driver);
-}
+std::string describeDevice(const DeviceDescription& device) { return fmt::format("device     {} ({}; {})\n", device.name, device.kind, device.driver); }
 
 std::string describeProcessor() { return fmt::format("device     processor, {}\n", counted(threadCount(), "thread")); }
 
@@ -79,8 +68,6 @@ std::string escapeJson(const std::string& text) {
 
 std::string counted(uint64_t count, const char* noun) { return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s"); }
 
-std::string identityOf(const Scene& scene) { return fmt::format("{} polygons, fingerprint {:016x}", scene.faces.size(), fingerprint(scene)); }
-
 std::string describeScene(const Scene& scene) {
   const Ids ids = makeIds(scene, By::polygon, false);
   const auto [least, most] = std::minmax_element(ids.areas.begin(), ids.areas.end());
@@ -88,7 +75,7 @@ std::string describeScene(const Scene& scene) {
   if (scene.polygons.size() != scene.faces.size()) split = fmt::format(" (as {} triangles and quadrilaterals)", scene.polygons.size());
   return fmt::format("scene      {}: {}{}, {}, {}\n"
                      "areas      {:.6g} in all, polygons {:.3g} to {:.3g}; radius {:.4g}\n{}",
-                     scene.file, counted(scene.faces.size(), "polygon"), split, counted(scene.surfaces.size(), "surface"), isClosed(scene) ? "closed" : "open",
+                     scene.file, counted(scene.faces.size(), "polygon"), split, counted(scene.surfaces.size(), "surface"), describeClosedness(scene),
                      std::accumulate(ids.areas.begin(), ids.areas.end(), 0.0), *least, *most, scene.scale, describeCoincidences(scene));
 }
 
@@ -139,14 +126,12 @@ Closure measureClosure(const FormFactors& form_factors) {
     if (error >= closure.largest_error) {
       closure.largest_error = error;
       closure.row = form_factors.ids().names[k];
+      closure.standard_error = sums[k].standard_error;
     }
   }
   closure.rms_error = std::sqrt(squares / double(row_count));
   return closure;
 }
-
-double environmentShare(const FormFactors& form_factors) { return shareOf(form_factors, kEnvironment); }
-double leakShare(const FormFactors& form_factors) { return shareOf(form_factors, kLeak); }
 
 std::string describeErrors(const Estimate& estimate) {
   const FormFactors& f = estimate.form_factors;
@@ -166,9 +151,9 @@ std::string describeErrors(const Estimate& estimate) {
     text += fmt::format("unseen     {} pairs that can see each other but for what is between them: no line saw one, 0 +- {:.1e} at most\n", estimate.unseen_pairs, estimate.largest_unseen_error);
   const auto all = double(pairCount(f.ids().count()));
   const auto met = std::count_if(f.entries().begin(), f.entries().end(), [](const FormFactors::Entry& entry) { return entry.i != entry.j && entry.j < kEnvironment; });
-  if (!estimate.unmet_pairs && !estimate.unseen_pairs && double(met) < all && estimate.unmet_bound < 1)
-    text += fmt::format("unseen     {:.0f} of {:.0f} pairs, which no line met: form factors below {:.1e} each, from the smaller of the two, at 95 % confidence\n", all - double(met), all,
-                        estimate.unmet_bound);
+  if (const double left_out = all - double(met) - double(estimate.unseen_pairs); left_out > 0 && estimate.unmet_bound < 1)
+    text += fmt::format("left out   {:.0f} of {:.0f} pairs, which no line met: form factors below {:.1e} each, from the smaller of the two, at 95 % confidence;\n"
+                        "           rows add up without them\n", left_out, all, estimate.unmet_bound);
   if (const auto& g = estimate.guarantee)
     text = fmt::format("guarantee  every form factor within {:.3g} with probability {}, by {}\n", g->bound, 1 - g->delta,
                        g->by == GuaranteedBy::hoeffding ? "Hoeffding's bound" : g->by == GuaranteedBy::bernstein ? "the empirical Bernstein bound" : "the median of runs") + text;
@@ -181,9 +166,9 @@ std::string describeErrors(const Estimate& estimate) {
     text += fmt::format("unmet      {} of {} rows ({}{}): too small for this lattice and so few directions; their form factors are unknown, not 0\n", unmet, f.ids().count(), first,
                         unmet > 1 ? ", ..." : "");
   const Closure closure = measureClosure(f);
-  return text + fmt::format("closure    row sums differ from 1 by at most {:.1e} ({}), rms {:.1e}\n"
+  return text + fmt::format("closure    row sums differ from 1 by at most {:.1e} ({}, +- {:.1e}), rms {:.1e}\n"
                             "outside    {:.3g} % of all emitted radiation leaves the scene, {:.3g} % ends on backs (leak)\n",
-                            closure.largest_error, closure.row, closure.rms_error, 100 * environmentShare(f), 100 * leakShare(f));
+                            closure.largest_error, closure.row, closure.standard_error, closure.rms_error, 100 * shareOf(f, kEnvironment), 100 * shareOf(f, kLeak));
 }
 
 std::string describeDirected(const Estimate& estimate) {
@@ -206,14 +191,15 @@ std::string describeClosed(const ClosedFormFactors& closed) {
                      closed.largest_form_factor_change, names[closed.from], names[closed.to]);
 }
 
-std::string asJson(const std::string& scene, const std::string& device, const Estimate& estimate, double seconds, const Work* work,
-                   const ClosedFormFactors* closed) {
+std::string asJson(const std::string& scene, const Result& estimate) {
   const FormFactors& f = estimate.form_factors;
+  const std::optional<ClosedFormFactors>& closed = estimate.closed;
+  const std::optional<Work>& work = estimate.work;
   const StandardErrors errors = measureStandardErrors(f, 0);
   std::string text = fmt::format(
       "{{\n  \"scene\": \"{}\",\n  \"device\": \"{}\",\n  \"ids\": {},\n  \"replicates\": {},\n  \"directions\": {},\n  \"seconds\": {:.6g},\n"
       "  \"largest_standard_error\": {:.6g},\n  \"rms_standard_error\": {:.6g},\n  \"nonzero_form_factors\": {}",
-      escapeJson(scene), escapeJson(device), f.ids().count(), estimate.replicates, estimate.directions, seconds, estimate.largest_standard_error,
+      escapeJson(scene), escapeJson(estimate.plan.device), f.ids().count(), estimate.replicates, estimate.directions, estimate.seconds, estimate.largest_standard_error,
       errors.rms, errors.count);
   if (estimate.unmet_pairs) text += fmt::format(",\n  \"unmet\": {{\"pairs\": {}, \"largest_standard_error\": {:.6g}}}", estimate.unmet_pairs, estimate.largest_unmet_error);
   if (estimate.unseen_pairs) text += fmt::format(",\n  \"unseen\": {{\"pairs\": {}, \"largest_standard_error\": {:.6g}}}", estimate.unseen_pairs, estimate.largest_unseen_error);
@@ -221,8 +207,8 @@ std::string asJson(const std::string& scene, const std::string& device, const Es
   if (const auto& g = estimate.guarantee) text += fmt::format(",\n  \"guarantee\": {{\"epsilon\": {}, \"delta\": {}, \"bound\": {:.6g}}}", g->epsilon, g->delta, g->bound);
   if (f.ids().rows_sum_to_one) {
     const Closure closure = measureClosure(f);
-    text += fmt::format(",\n  \"closure\": {{\"largest\": {:.6g}, \"rms\": {:.6g}, \"row\": \"{}\"}},\n  \"environment_share\": {:.6g},\n  \"leak_share\": {:.6g}",
-                        closure.largest_error, closure.rms_error, escapeJson(closure.row), environmentShare(f), leakShare(f));
+    text += fmt::format(",\n  \"closure\": {{\"largest\": {:.6g}, \"standard_error\": {:.6g}, \"rms\": {:.6g}, \"row\": \"{}\"}},\n  \"environment_share\": {:.6g},\n  \"leak_share\": {:.6g}",
+                        closure.largest_error, closure.standard_error, closure.rms_error, escapeJson(closure.row), estimate.environment_share, estimate.leak_share);
   }
   if (closed) {
     const std::vector<std::string>& names = closed->form_factors.ids().names;

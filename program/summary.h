@@ -4,12 +4,12 @@
 
 #include "engines/work.h"
 #include "estimator/estimate.h"
-#include "result/closure.h"
+#include <viewpeel/closure.h>
 #include "vulkan/device.h"
 
 namespace viewpeel::program {
 
-std::string describeDevice(const Device& device);
+std::string describeDevice(const DeviceDescription& device);
 // The same of what the host engine runs on.
 std::string describeProcessor();
 
@@ -20,8 +20,6 @@ std::string counted(uint64_t count, const char* noun);
 std::string describeScene(const Scene& scene);
 // Pairs of coincident polygons and how they are ordered; empty where there are none.
 std::string describeCoincidences(const Scene& scene);
-// By which checkpoints know theirs.
-std::string identityOf(const Scene& scene);
 
 // The largest form factors between named surfaces, with standard errors.
 std::string tabulateLargest(const FormFactors& between_surfaces, size_t rows);
@@ -38,17 +36,13 @@ std::string describeErrors(const Estimate& estimate);
 // What closing the rows changed.
 std::string describeClosed(const ClosedFormFactors& closed);
 
-// The same and the work done, as JSON.    In: work and closed may be nullptr
-std::string asJson(const std::string& scene, const std::string& device, const Estimate& estimate, double seconds, const Work* work,
-                   const ClosedFormFactors* closed);
-
-// The shares of the emitting area asked for whose lines leave the scene, and that end on a back.
-double environmentShare(const FormFactors& form_factors);
-double leakShare(const FormFactors& form_factors);
+// The same and the work done, as JSON.
+std::string asJson(const std::string& scene, const Result& result);
 
 // The row sum farthest from 1, and its row.
 struct Closure {
   double largest_error = 0;
+  double standard_error = 0;  // of that row sum
   double rms_error = 0;
   std::string row;
 };

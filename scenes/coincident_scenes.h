@@ -150,7 +150,8 @@ inline InputScene turnedAndMoved(InputScene scene) {
 
 inline InputScene roundedToSingle(InputScene scene) {
   for (InputFace& face : scene.faces)
-    for (glm::dvec3& corner : face.corners) corner = glm::dvec3(glm::vec3(corner));
+    for (glm::dvec3& corner : face.corners)
+      for (int axis = 0; axis < 3; ++axis) corner[axis] = double(float(corner[axis]));  // GCC 12 at -O3 leaves dvec3(vec3()) out
   return scene;
 }
 

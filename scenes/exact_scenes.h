@@ -6,7 +6,7 @@
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 
-#include "scene/scene.h"
+#include <viewpeel/scene.h>
 
 namespace viewpeel::tests {
 

@@ -2,7 +2,7 @@
 #pragma once
 #include <cstdint>
 
-#include "scene/scene.h"
+#include <viewpeel/scene.h>
 
 namespace viewpeel::bench {
 

@@ -5,8 +5,8 @@
 
 #include <glm/glm.hpp>
 
-#include "directions/direction.h"
-#include "scene/scene.h"
+#include <viewpeel/engine.h>
+#include <viewpeel/scene.h>
 
 namespace viewpeel::test_scenes {
 

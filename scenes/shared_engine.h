@@ -1,6 +1,6 @@
 // One engine for the samplers of many seeds, each of which owns engines.
 #pragma once
-#include "engines/engine.h"
+#include <viewpeel/engine.h>
 
 namespace viewpeel {
 

@@ -6,7 +6,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "scene/scene.h"
+#include <viewpeel/scene.h>
 #include "vulkan/device.h"
 
 namespace viewpeel::stress {

@@ -61,6 +61,30 @@ uint64_t lost[kMostSteps];  // the nearest layer that found no room
 uint64_t farthest_emitter[kMostSteps], farthest_receiver[kMostSteps];
 uint block;                 // whose counters the tile adds to
 
+// Where the invocation's first sample is; with lattice points the others follow rowsPerStep() apart.
+struct Place {
+  int column, row;  // of the tile: lattice columns, with scanlines units of 2^-column_bits; rows
+  uint position;    // with scanlines: its middle
+  uint weight;
+};
+Place sample_at;
+
+// Work done, of the subgroup or, from `samples` on, of the invocation.
+struct Tally {
+  uint rounds, tested;  // tested: polygons, of every round
+  uint samples, fragments, gaps;
+};
+Tally tally;
+
+int rowsPerStep() { return kScanlines ? 1 : int(gl_WorkGroupSize.x / kTileWidth); }
+
+// Every sample of an invocation by a literal number, so that all indices become constants.
+#define EVERY_STEP(take) \
+  take(0); \
+  if (kSteps > 1) take(1); \
+  if (kSteps > 2) { take(2); take(3); } \
+  if (kSteps > 4) { take(4); take(5); take(6); take(7); }
+
 // One polygon on its way past the samples.
 struct Passing {
   ivec4 edges, edges_per_step;    // without scanlines
@@ -76,6 +100,7 @@ struct Tile {
   ivec2 corner;  // of the lattice: the least column and row
   uint rows;     // with scanlines
   uint first_point, most_fragments;
+  bool is_sorted;  // its list
 };
 
 // Of a span: see spanOf.
@@ -91,7 +116,6 @@ uint endOf(uint columns) { return firstOf(columns) + (columns >> kPositionBits) 
 uint meetSpans(Tile tile, uint from, uint ups, uint span_count, inout uint blocks_done, inout bool cut);
 
 // A layer of sample s, or kNoLayer, goes among the nearest; the farthest of those goes when there is no room.
-// Called with a literal s, so that all indices become constants.
 void keepLayer(int s, uint64_t layer) {
   layer = layer > last[s] ? layer : kNoLayer;
   [[unroll]] for (int k = 0; k < kLayersKept; ++k) {
@@ -103,15 +127,15 @@ void keepLayer(int s, uint64_t layer) {
 }
 
 // Fragment k of sample s, at the lattice point `point`, where it has so many.
-void keepFragment(int s, uint k, uint point, uint count, inout uint fragments) {
+void keepFragment(int s, uint k, uint point, uint count) {
   bool has = k < count;
   uint64_t layer = packUint2x32(texelFetch(fragment_texels, int(k * args.point_count + point)).xy);
-  if (kMeasuresWork) fragments += has ? fresh >> s & 1u : 0u;
+  if (kMeasuresWork) tally.fragments += has ? fresh >> s & 1u : 0u;
   keepLayer(s, has ? layer : kNoLayer);
 }
 
 // Takes sample s past the polygon.
-void takeStep(int s, inout Passing polygon, inout uint fragments) {
+void takeStep(int s, inout Passing polygon) {
   bool covered = kScanlines ? polygon.covered : (polygon.edges.x | polygon.edges.y | polygon.edges.z | polygon.edges.w) >= 0;
   uint64_t depth = uint64_t(clamp(polygon.z >> polygon.z_shift, int64_t(polygon.z_min), int64_t(polygon.z_max)));
   uint64_t layer = (depth << 32 + kTieBits) + polygon.rest;
@@ -119,7 +143,7 @@ void takeStep(int s, inout Passing polygon, inout uint fragments) {
     if (covered && (polygon.roles & kEmits) != 0u) farthest_emitter[s] = max(farthest_emitter[s], layer);
     if (covered && (polygon.roles & kReceives) != 0u) farthest_receiver[s] = max(farthest_receiver[s], layer);
   }
-  if (kMeasuresWork) fragments += covered ? fresh >> s & 1u : 0u;
+  if (kMeasuresWork) tally.fragments += covered ? fresh >> s & 1u : 0u;
   keepLayer(s, covered ? layer : kNoLayer);
   polygon.edges += polygon.edges_per_step;
   polygon.z += polygon.z_per_step;
@@ -139,47 +163,265 @@ uint leaveTile(uint place, uint first_sample, uint first_meeting, uint lane) {
   return (subgroupShuffle(index, 0u) * gl_WorkGroupSize.x + lane) * uint(kSteps);
 }
 
+// Leaves the samples from `first` on, of which the first have reached some layers, to another dispatch.
+void leaveForLater(uint place, uint first, uint first_meeting, uint lane) {
+  uint reached_at = leaveTile(place, first, first_meeting, lane);
+  [[unroll]] for (int k = 0; k < kMostSteps; ++k) {
+    if (k < kSteps) Longs(args.reached_next).at[reached_at + uint(k)] = open[k] ? last[k] : kNoLayer;
+    open[k] = false;
+  }
+}
+
+// The workgroup's tile, and where it begins in it: its first sample and first meeting, and 1 + the place of the layers reached before, or 0. False where there is
+// no tile.
+bool findTile(uint lanes, out uint place, out uint first, out uint first_meeting, out uint resume) {
+  uint group = gl_WorkGroupID.y * kGroupsPerRow + gl_WorkGroupID.x;
+  bool found;
+  place = group;
+  first = first_meeting = resume = 0u;
+  if (args.resumes == 0u) {
+    uint active_tiles = Status(args.status).at.active_tiles;
+    found = place < active_tiles && active_tiles < kListsOverflowed;
+  } else {
+    found = group < args.resumes;
+    if (found) {
+      UnfinishedTile rest = UnfinishedTiles(args.tiles).at[group];
+      resume = group * lanes * uint(kSteps) + 1u;
+      place = rest.tile;
+      first = rest.first_sample;
+      first_meeting = rest.first_meeting;
+    }
+  }
+  return found;
+}
+
+Tile fetchTile(uint place) {
+  uvec4 texel = texelFetch(tile_texels, int(kTileTexels * place)), corner = texelFetch(tile_texels, int(kTileTexels * place + 1u));
+  uvec2 fragments_at = kFragments ? texelFetch(tile_texels, int(kTileTexels * place + 2u)).xy : uvec2(0);
+  block = corner.w;
+  return Tile(texel.x, texel.y, texel.z, texel.w, ivec2(corner.xy), kScanlines ? rowsAtOnce(texel.y, kTileRows) : kTileRows, fragments_at.x, fragments_at.y,
+              kSorted && corner.z != 0u);
+}
+
+// The samples from `first` on, one a lane and step. With scanlines, `window` from list_begin to list_end moves on to the spans that reach them.
+void loadSamples(Tile tile, uint first, uint sample_count, uint resume, uint lane, inout uint list_begin, inout uint list_end, inout bool cut) {
+  const uint lanes = gl_WorkGroupSize.x;
+  [[unroll]] for (int k = 0; k < kMostSteps; ++k) {
+    open[k] = k < kSteps && first + lane < sample_count && sample_at.row + k * rowsPerStep() < int(kTileRows);
+    last[k] = resume == 0u || k >= kSteps ? 0ul : Longs(args.reached).at[resume - 1u + lane * uint(kSteps) + uint(k)];
+    open[k] = open[k] && last[k] != kNoLayer;
+    fresh = (k == 0 ? 0u : fresh) | (open[k] && last[k] == 0ul ? 1u << k : 0u);
+  }
+  sample_at.weight = tile.weight;
+  if (kScanlines) {
+    uint at = min(first + lane, sample_count - 1u), begin = ends[at], end = ends[at + 1u];
+    uint from = positionOf(begin), to = positionOf(end);
+    sample_at.position = (from + to - 1u) >> 1;  // the middle: where polygons meet at an end, depths tie
+    sample_at.column = int(sample_at.position % kRowWidth);
+    sample_at.weight *= to - from;
+    if (from / kRowWidth != (to - 1u) / kRowWidth) fresh = 0u;  // no sample, but what lies between those of two rows
+    list_begin = dropEnded(list_begin, list_end, positionOf(subgroupShuffle(begin, 0u)), lane, cut);
+    list_end = begunBefore(subgroupShuffle(end, lanes - 1u));
+  }
+}
+
+void clearLayers() {
+  [[unroll]] for (int k = 0; k < kMostSteps; ++k) {
+    [[unroll]] for (int m = 0; m < kLayersKept; ++m) nearest[k][m] = kNoLayer;
+    lost[k] = kNoLayer;
+    farthest_emitter[k] = farthest_receiver[k] = 0ul;
+  }
+}
+
+// Takes the samples past the fragments at their lattice points.
+void takeFragments(Tile tile, inout bool cut) {
+  const uint step = uint(rowsPerStep()) * kTileWidth;
+  uint point = tile.first_point + (sample_at.row < int(kTileRows) ? uint(sample_at.row) * kTileWidth : 0u) + uint(sample_at.column), k = 0u;
+  uint counts[kMostSteps];
+  [[unroll]] for (uint s = 0u; s < uint(kMostSteps); ++s)
+    counts[s] = int(s) < kSteps ? texelFetch(fragment_count_texels, int(point + s * step)).x : 0u;
+  do {
+#define TAKE(s) keepFragment(s, k, point + uint(s) * step, counts[s])
+    EVERY_STEP(TAKE)
+#undef TAKE
+    ++k;
+  } while (k < tile.most_fragments);
+  cut = cut || k < tile.most_fragments;
+}
+
+// This invocation's entry of the list, to be passed on: its edges or its span, and its depth, at the tile's corner.
+struct Loaded {
+  ivec4 a, b, c;        // without scanlines: of its edges
+  uint columns;         // with scanlines
+  uvec4 plane;          // depth at the corner, whole depth per column
+  uvec2 plane_y;        // per row
+  uvec4 bounds;         // of its depth; its layer; bits of its depth per column
+  uint roles;
+};
+
+Loaded loadPolygon(Tile tile, uint entry, uint list_end) {
+  bool is_polygon = entry < list_end;
+  uint mine = min(entry, max(list_end, 1u) - 1u);
+  uvec2 span = kScanlines ? spans[spanIn(window[mine])] : uvec2(list_end == 0u ? 0u : texelFetch(list_texels, int(tile.list_start + mine)).x, 0u);
+  uint projected = tile.direction * args.polygon_count + span.x, projected_at = kProjectedTexels * projected;
+  uvec4 depth_01 = texelFetch(projected_texels, int(projected_at + 1u));
+  uvec4 depth_2 = texelFetch(projected_texels, int(projected_at + 2u));
+  Loaded loaded;
+  loaded.columns = is_polygon ? span.y : kNoColumns;
+  int span_row = kScanlines ? int(firstOf(loaded.columns) / kRowWidth) : 0;
+  loaded.a = loaded.b = ivec4(0);
+  loaded.c = ivec4(-1);  // covers nothing
+  if (!kScanlines) {
+    SnappedCorners corners = fetchCorners(projected);
+    [[unroll]] for (uint k = 0u; k < 4u; ++k) {
+      Edge edge = makeEdge(corners, k, kCutBits);
+      loaded.a[k] = is_polygon ? edge.a : 0;
+      loaded.b[k] = is_polygon ? edge.b : 0;
+      loaded.c[k] = is_polygon ? valueAtCorner(edge, tile.corner) : -1;
+    }
+  }
+  int64_t z_x = depthXOf(longFrom(depth_01.zw)), depth = longFrom(depth_01.xy) + z_x * int64_t(tile.corner.x) + longFrom(depth_2.xy) * int64_t(tile.corner.y + span_row);
+  // With scanlines: depth per spacing x column / 2^column_bits, rounded down; the product itself may need more than 64 bits.
+  int64_t whole = kScanlines ? z_x >> kColumnBits : z_x;
+  uint part = kScanlines ? uint(z_x - (whole << kColumnBits)) : 0u;
+  loaded.plane = uvec4(unpackUint2x32(uint64_t(depth)), unpackUint2x32(uint64_t(whole)));
+  loaded.plane_y = depth_2.xy;
+  loaded.bounds = uvec4(depth_2.zw, packLayerPolygon(span.x, frontUpOf(depth_01.z)), part << 6 | depth_01.z & 63u);
+  loaded.roles = kAllCount ? 0u : fetchId(span.x) >> kRolesShift;
+  return loaded;
+}
+
+// Takes the samples past the polygon that lane t has loaded.
+void takePolygon(Loaded loaded, uint t) {
+  uvec4 p = subgroupShuffle(loaded.plane, t), d = subgroupShuffle(loaded.bounds, t);
+  Passing polygon;
+  polygon.z_shift = int(d.w >> 1 & 31u);
+  polygon.z_min = int(d.x);
+  polygon.z_max = depthMaxOf(d.y);
+  polygon.rest = uint64_t(d.z) + (uint64_t(placeAtTieOf(d.y)) << 32);
+  polygon.roles = kAllCount ? 0u : subgroupShuffle(loaded.roles, t);
+  int64_t z_at_column = longFrom(p.xy) + longFrom(p.zw) * int64_t(sample_at.column);
+  if (kScanlines) {
+    uint in_span = subgroupShuffle(loaded.columns, t);
+    polygon.covered = sample_at.position - firstOf(in_span) <= in_span >> kPositionBits && in_span != kNoColumns;
+    polygon.z = z_at_column + int64_t((d.w >> 6) * uint(sample_at.column) >> kColumnBits);
+  } else {
+    ivec4 per_row = subgroupShuffle(loaded.b, t);
+    polygon.edges = subgroupShuffle(loaded.a, t) * sample_at.column + per_row * sample_at.row + subgroupShuffle(loaded.c, t);
+    polygon.edges_per_step = per_row * rowsPerStep();
+    int64_t z_per_row = longFrom(subgroupShuffle(loaded.plane_y, t));
+    polygon.z = z_at_column + z_per_row * int64_t(sample_at.row);
+    polygon.z_per_step = z_per_row * int64_t(rowsPerStep());
+  }
+#define TAKE(s) takeStep(s, polygon)
+  EVERY_STEP(TAKE)
+#undef TAKE
+}
+
+// Whether a sample of the invocation keeps as many layers as it can.
+bool isFull() {
+  bool full = false;
+  [[unroll]] for (int k = 0; k < kMostSteps; ++k) full = full || (k < kSteps && open[k] && nearest[k][kLayersKept - 1] != kNoLayer);
+  return full;
+}
+
+// Before which layers are settled once the list's entries before `next` have been taken: with sorted lists nothing from there on is nearer than the nearest depth
+// of that polygon in the tile.
+uint64_t settledBefore(Tile tile, uint next, uint list_end) {
+  uint64_t bound = kNoLayer;
+  if (kSorted) {
+    uint polygon = texelFetch(list_texels, int(tile.list_start + min(next, max(list_end, 1u) - 1u))).x;
+    DepthPlane plane = fetchDepthPlane(tile.direction * args.polygon_count + polygon, tile.corner);
+    uint nearest_depth = nearestDepth(plane.at_corner, plane.per_column, plane.per_row, plane.shift, plane.range, ivec2(kTileWidth, kTileRows));
+    if (next < list_end) bound = uint64_t(nearest_depth << kTieBits) << 32;
+  }
+  return bound;
+}
+
+// Takes the samples past the polygons from list_begin to list_end and adds what their layers contribute. A segment ends where a sample has no room left or the list
+// ends; its layers are added as far as they are settled.
+void takePolygons(Tile tile, uint list_begin, uint list_end, uint lane, inout uint blocks_done, inout bool cut) {
+  const uint lanes = gl_WorkGroupSize.x;
+  uint base = list_begin, t = 0u, passed = 0u, patience = 0u;
+  do {
+    bool full = false;
+    do {
+      Loaded loaded = loadPolygon(tile, base + lane, list_end);
+      do {
+        takePolygon(loaded, t);
+        ++t;
+        ++passed;
+        if (kSorted) full = anyOf(isFull() && tile.is_sorted && passed >= patience);
+      } while (t < lanes && base + t < list_end && !full);
+      cut = cut || (t < lanes && base + t < list_end && !full);
+      bool block_ends = t >= lanes || base + t >= list_end;
+      base += block_ends ? lanes : 0u;
+      t = block_ends ? 0u : t;
+      ++blocks_done;
+    } while (base < list_end && !full);
+    cut = cut || (base < list_end && !full);
+    tally.gaps += flush(settledBefore(tile, base + t, list_end), base >= list_end, sample_at.weight, lane, cut);
+    // Where nothing could be let go of, the next polygons are better left to another round than to a segment each.
+    if (kSorted) patience = anyOf(isFull()) ? list_end : 0u;
+  } while (base < list_end);
+  cut = cut || base < list_end;
+  tally.tested += kScanlines ? passed : list_end;
+}
+
+// Closes the samples that have met all their layers, or that no polygon asked for lies behind. Whether any is left, of the subgroup's.
+bool closeSamples() {
+  bool again = false;
+  [[unroll]] for (int k = 0; k < kMostSteps; ++k) {
+    open[k] = open[k] && lost[k] != kNoLayer;
+    if (!kAllCount) open[k] = open[k] && last[k] <= (args.counts_environment != 0u ? farthest_emitter[k] : min(farthest_emitter[k], farthest_receiver[k]));
+    again = again || open[k];
+  }
+  return anyOf(again);
+}
+
+// In: begins: whether the tile's rows have not been counted by another dispatch
+void addTally(uint row_count, uint polygon_count, bool begins, uint lane) {
+  if (lane == 0u) atomicAdd(Status(args.status).at.rounds, tally.rounds);
+  if (kMeasuresWork) {
+    Status status = Status(args.status);
+    uint all_fragments, all_gaps, all_samples;
+    sumSoFar(tally.fragments, all_fragments);
+    sumSoFar(tally.gaps, all_gaps);
+    sumSoFar(tally.samples, all_samples);
+    if (lane == 0u) {
+      atomicAdd(status.at.rows, begins ? uint64_t(row_count) : 0ul);
+      atomicAdd(status.at.spans, begins ? uint64_t(polygon_count) : 0ul);
+      atomicAdd(status.at.samples, uint64_t(all_samples));
+      atomicAdd(status.at.tests, uint64_t(tally.tested) * uint64_t(gl_WorkGroupSize.x * uint(kSteps)));
+      atomicAdd(status.at.fragments, uint64_t(all_fragments));
+      atomicAdd(status.at.gaps, uint64_t(all_gaps));
+    }
+  }
+}
+
 void main() {
   args = pushed;
   const uint lanes = gl_WorkGroupSize.x;
-  const int rows_per_step = kScanlines ? 1 : int(lanes / kTileWidth);
-  uint lane = gl_SubgroupInvocationID;
-  uint group = gl_WorkGroupID.y * kGroupsPerRow + gl_WorkGroupID.x, place = group;
-  uint first = 0u, resume = 0u, first_meeting = 0u;
-  Status status = Status(args.status);
+  uint lane = gl_SubgroupInvocationID, place, first, first_meeting, resume;
   if (gl_NumSubgroups != 1u) {
-    atomicOr(status.at.overflows, kOtherSubgroups);
+    atomicOr(Status(args.status).at.overflows, kOtherSubgroups);
     return;
   }
-  if (args.resumes != 0u) {
-    if (group >= args.resumes) return;
-    UnfinishedTile rest = UnfinishedTiles(args.tiles).at[group];
-    resume = group * lanes * uint(kSteps) + 1u;
-    place = rest.tile;
-    first = rest.first_sample;
-    first_meeting = rest.first_meeting;
-  } else {
-    uint active_tiles = status.at.active_tiles;
-    if (place >= active_tiles || active_tiles >= kListsOverflowed) return;
-  }
-  uvec4 texel = texelFetch(tile_texels, int(kTileTexels * place)), corner = texelFetch(tile_texels, int(kTileTexels * place + 1u));
-  uvec2 fragments_at = kFragments ? texelFetch(tile_texels, int(kTileTexels * place + 2u)).xy : uvec2(0);
-  bool is_sorted = kSorted && corner.z != 0u;
-  block = corner.w;
-  Tile tile = Tile(texel.x, texel.y, texel.z, texel.w, ivec2(corner.xy), kScanlines ? rowsAtOnce(texel.y, kTileRows) : kTileRows, fragments_at.x, fragments_at.y);
+  if (!findTile(lanes, place, first, first_meeting, resume)) return;
+  Tile tile = fetchTile(place);
   bool cut = false;  // whether a loop ended before its time
-  uint sample_count = lanes, polygon_count = tile.list_length, ups = tile.list_length, rows = kTileRows, blocks_done = 0u;
-  // Lattice points: a lane's column, and the row of its first sample; the others follow rows_per_step apart.
-  int column = kScanlines ? 0 : int(lane % kTileWidth), lane_row = kScanlines ? 0 : int(lane / kTileWidth);
+  uint sample_count = lanes, polygon_count = tile.list_length, rows = kTileRows, blocks_done = 0u;
+  tally = Tally(0u, 0u, 0u, 0u, 0u);
+  sample_at = Place(kScanlines ? 0 : int(lane % kTileWidth), kScanlines ? 0 : int(lane / kTileWidth), 0u, 0u);
   if (kScanlines) {
     uvec4 counts = sliceRows(tile, lane, cut);
+    uint ups = counts.y;
     polygon_count = counts.x;
-    ups = counts.y;
     end_count = counts.z;
     rows = counts.w;
     sample_count = max(end_count, 1u) - 1u;
     if (polygon_count > kMostSpans) {
-      atomicOr(status.at.overflows, kTooManySpans);
+      atomicOr(Status(args.status).at.overflows, kTooManySpans);
       return;
     }
     if (kCountsBlocked) {
@@ -190,186 +432,32 @@ void main() {
       }
     }
   }
-
-  uint rounds = 0u, fragments = 0u, gaps = 0u, samples = 0u, tested = 0u;  // tested: polygons, of every round
   uint list_begin = 0u, list_end = kScanlines ? 0u : polygon_count;  // what the samples are taken past: of the list or, with scanlines, of `window`
   while (first < sample_count && !cut) {
-    uint weight = tile.weight, position = 0u;
-    [[unroll]] for (int k = 0; k < kMostSteps; ++k) {
-      open[k] = k < kSteps && first + lane < sample_count && lane_row + k * rows_per_step < int(kTileRows);
-      last[k] = resume == 0u || k >= kSteps ? 0ul : Longs(args.reached).at[resume - 1u + lane * uint(kSteps) + uint(k)];
-      open[k] = open[k] && last[k] != kNoLayer;
-      fresh = (k == 0 ? 0u : fresh) | (open[k] && last[k] == 0ul ? 1u << k : 0u);
-    }
+    loadSamples(tile, first, sample_count, resume, lane, list_begin, list_end, cut);
     resume = 0u;
-    if (kScanlines) {
-      uint at = min(first + lane, sample_count - 1u), begin = ends[at], end = ends[at + 1u];
-      uint from = positionOf(begin), to = positionOf(end);
-      position = (from + to - 1u) >> 1;  // the middle: where polygons meet at an end, depths tie
-      column = int(position % kRowWidth);
-      weight *= to - from;
-      if (from / kRowWidth != (to - 1u) / kRowWidth) fresh = 0u;  // no sample, but what lies between those of two rows
-      list_begin = dropEnded(list_begin, list_end, positionOf(subgroupShuffle(begin, 0u)), lane, cut);
-      list_end = begunBefore(subgroupShuffle(end, lanes - 1u));
-    }
     bool again;
     do {
-      if (blocks_done >= args.most_blocks) {  // the rest goes to another dispatch
-        uint reached_at = leaveTile(place, first, first_meeting, lane);
-        [[unroll]] for (int k = 0; k < kMostSteps; ++k) {
-          if (k < kSteps) Longs(args.reached_next).at[reached_at + uint(k)] = open[k] ? last[k] : kNoLayer;
-          open[k] = false;
-        }
+      if (blocks_done >= args.most_blocks) {
+        leaveForLater(place, first, first_meeting, lane);
         first = sample_count;
         again = false;
         break;
       }
-      [[unroll]] for (int k = 0; k < kMostSteps; ++k) {
-        [[unroll]] for (int m = 0; m < kLayersKept; ++m) nearest[k][m] = kNoLayer;
-        lost[k] = kNoLayer;
-        farthest_emitter[k] = farthest_receiver[k] = 0ul;
-      }
+      clearLayers();
       if (kFragments) {
-        uint point = tile.first_point + (lane_row < int(kTileRows) ? uint(lane_row) * kTileWidth : 0u) + uint(column), k = 0u;
-        const uint step = uint(rows_per_step) * kTileWidth;
-        uint counts[kMostSteps];
-        [[unroll]] for (uint s = 0u; s < uint(kMostSteps); ++s)
-          counts[s] = int(s) < kSteps ? texelFetch(fragment_count_texels, int(point + s * step)).x : 0u;
-        do {
-          keepFragment(0, k, point, counts[0], fragments);
-          if (kSteps > 1) keepFragment(1, k, point + step, counts[1], fragments);
-          if (kSteps > 2) keepFragment(2, k, point + 2u * step, counts[2], fragments);
-          if (kSteps > 2) keepFragment(3, k, point + 3u * step, counts[3], fragments);
-          if (kSteps > 4) keepFragment(4, k, point + 4u * step, counts[4], fragments);
-          if (kSteps > 4) keepFragment(5, k, point + 5u * step, counts[5], fragments);
-          if (kSteps > 4) keepFragment(6, k, point + 6u * step, counts[6], fragments);
-          if (kSteps > 4) keepFragment(7, k, point + 7u * step, counts[7], fragments);
-          ++k;
-        } while (k < tile.most_fragments);
-        cut = cut || k < tile.most_fragments;
+        takeFragments(tile, cut);
         blocks_done += tile.most_fragments / lanes;
       }
-      // A segment ends where a sample has no room left or the list ends; its layers are added as far as they are settled.
-      uint base = list_begin, t = 0u, passed = 0u, patience = 0u;
-      do {
-        bool full = false;
-        do {
-          // This invocation's polygon: its edges or its span, and its depth, at the corner.
-          uint mine = min(base + lane, max(list_end, 1u) - 1u);
-          uvec2 span = kScanlines ? spans[spanIn(window[mine])] : uvec2(polygon_count == 0u ? 0u : texelFetch(list_texels, int(tile.list_start + mine)).x, 0u);
-          uint projected = tile.direction * args.polygon_count + span.x, projected_at = kProjectedTexels * projected;
-          uvec4 depth_01 = texelFetch(projected_texels, int(projected_at + 1u));
-          uvec4 depth_2 = texelFetch(projected_texels, int(projected_at + 2u));
-          if (base + lane >= list_end) span.y = kNoColumns;
-          int span_row = kScanlines ? int(firstOf(span.y) / kRowWidth) : 0;
-          ivec4 a = ivec4(0), b = ivec4(0), c = ivec4(-1);  // covers nothing
-          if (!kScanlines) {
-            bool is_polygon = base + lane < polygon_count;
-            SnappedCorners corners = fetchCorners(projected);
-            [[unroll]] for (uint k = 0u; k < 4u; ++k) {
-              Edge edge = makeEdge(corners, k, kCutBits);
-              a[k] = is_polygon ? edge.a : 0;
-              b[k] = is_polygon ? edge.b : 0;
-              c[k] = is_polygon ? valueAtCorner(edge, tile.corner) : -1;
-            }
-          }
-          int64_t z_x = depthXOf(longFrom(depth_01.zw)), depth = longFrom(depth_01.xy) + z_x * int64_t(tile.corner.x) + longFrom(depth_2.xy) * int64_t(tile.corner.y + span_row);
-          // With scanlines: depth per spacing x column / 2^column_bits, rounded down; the product itself may need more than 64 bits.
-          int64_t whole = kScanlines ? z_x >> kColumnBits : z_x;
-          uint part = kScanlines ? uint(z_x - (whole << kColumnBits)) : 0u;
-          uvec4 plane = uvec4(unpackUint2x32(uint64_t(depth)), unpackUint2x32(uint64_t(whole)));
-          uvec2 plane_y = depth_2.xy;
-          uvec4 bounds = uvec4(depth_2.zw, packLayerPolygon(span.x, frontUpOf(depth_01.z)), part << 6 | depth_01.z & 63u);
-          uint roles = kAllCount ? 0u : fetchId(span.x) >> kRolesShift;
-          do {
-            uvec4 p = subgroupShuffle(plane, t), d = subgroupShuffle(bounds, t);
-            Passing polygon;
-            polygon.z_shift = int(d.w >> 1 & 31u);
-            polygon.z_min = int(d.x);
-            polygon.z_max = depthMaxOf(d.y);
-            polygon.rest = uint64_t(d.z) + (uint64_t(placeAtTieOf(d.y)) << 32);
-            polygon.roles = kAllCount ? 0u : subgroupShuffle(roles, t);
-            if (kScanlines) {
-              uint in_span = subgroupShuffle(span.y, t);
-              polygon.covered = position - firstOf(in_span) <= in_span >> kPositionBits && in_span != kNoColumns;
-              polygon.z = longFrom(p.xy) + longFrom(p.zw) * int64_t(column) + int64_t((d.w >> 6) * uint(column) >> kColumnBits);
-            } else {
-              ivec4 per_row = subgroupShuffle(b, t);
-              polygon.edges = subgroupShuffle(a, t) * column + per_row * lane_row + subgroupShuffle(c, t);
-              polygon.edges_per_step = per_row * rows_per_step;
-              int64_t z_per_row = longFrom(subgroupShuffle(plane_y, t));
-              polygon.z = longFrom(p.xy) + longFrom(p.zw) * int64_t(column) + z_per_row * int64_t(lane_row);
-              polygon.z_per_step = z_per_row * int64_t(rows_per_step);
-            }
-            takeStep(0, polygon, fragments);
-            if (kSteps > 1) takeStep(1, polygon, fragments);
-            if (kSteps > 2) takeStep(2, polygon, fragments);
-            if (kSteps > 2) takeStep(3, polygon, fragments);
-            if (kSteps > 4) takeStep(4, polygon, fragments);
-            if (kSteps > 4) takeStep(5, polygon, fragments);
-            if (kSteps > 4) takeStep(6, polygon, fragments);
-            if (kSteps > 4) takeStep(7, polygon, fragments);
-            ++t;
-            ++passed;
-            if (kSorted) {
-              bool no_room = false;
-              [[unroll]] for (int k = 0; k < kMostSteps; ++k) no_room = no_room || (k < kSteps && open[k] && nearest[k][kLayersKept - 1] != kNoLayer);
-              full = anyOf(no_room && is_sorted && passed >= patience);
-            }
-          } while (t < lanes && base + t < list_end && !full);
-          cut = cut || (t < lanes && base + t < list_end && !full);
-          bool block_ends = t >= lanes || base + t >= list_end;
-          base += block_ends ? lanes : 0u;
-          t = block_ends ? 0u : t;
-          ++blocks_done;
-        } while (base < list_end && !full);
-        cut = cut || (base < list_end && !full);
-        uint64_t bound = kNoLayer;
-        if (kSorted) {  // nothing from the next polygon on is nearer than its nearest depth in the tile
-          uint next = texelFetch(list_texels, int(tile.list_start + min(base + t, max(list_end, 1u) - 1u))).x;
-          DepthPlane plane = fetchDepthPlane(tile.direction * args.polygon_count + next, tile.corner);
-          uint nearest_depth = nearestDepth(plane.at_corner, plane.per_column, plane.per_row, plane.shift, plane.range, ivec2(kTileWidth, kTileRows));
-          if (base < list_end) bound = uint64_t(nearest_depth << kTieBits) << 32;
-        }
-        gaps += flush(bound, base >= list_end, weight, lane, cut);
-        if (kSorted) {  // where nothing could be let go of, the next polygons are better left to another round than to a segment each
-          bool stuck = false;
-          [[unroll]] for (int k = 0; k < kMostSteps; ++k) stuck = stuck || (k < kSteps && open[k] && nearest[k][kLayersKept - 1] != kNoLayer);
-          patience = anyOf(stuck) ? polygon_count : 0u;
-        }
-      } while (base < list_end);
-      cut = cut || base < list_end;
-      if (kMeasuresWork) samples += bitCount(fresh);
+      takePolygons(tile, list_begin, list_end, lane, blocks_done, cut);
+      if (kMeasuresWork) tally.samples += bitCount(fresh);
       fresh = 0u;
-      ++rounds;
-      tested += kScanlines ? passed : polygon_count;
-
-      again = false;
-      [[unroll]] for (int k = 0; k < kMostSteps; ++k) {
-        open[k] = open[k] && lost[k] != kNoLayer;
-        if (!kAllCount) open[k] = open[k] && last[k] <= (args.counts_environment != 0u ? farthest_emitter[k] : min(farthest_emitter[k], farthest_receiver[k]));
-        again = again || open[k];
-      }
-      again = anyOf(again);
+      ++tally.rounds;
+      again = closeSamples();
     } while (again);
     cut = cut || again;
     first += lanes;
   }
-  if (cut || first < sample_count) atomicOr(status.at.overflows, kLoopCut);
-  if (lane == 0u) atomicAdd(status.at.rounds, rounds);
-  if (kMeasuresWork) {
-    uint all_fragments, all_gaps, all_samples;
-    sumSoFar(fragments, all_fragments);
-    sumSoFar(gaps, all_gaps);
-    sumSoFar(samples, all_samples);
-    bool begins = args.resumes == 0u && polygon_count > 0u;
-    if (lane == 0u) {
-      atomicAdd(status.at.rows, begins ? uint64_t(rows) : 0ul);
-      atomicAdd(status.at.spans, begins ? uint64_t(polygon_count) : 0ul);
-      atomicAdd(status.at.samples, uint64_t(all_samples));
-      atomicAdd(status.at.tests, uint64_t(tested) * uint64_t(lanes * uint(kSteps)));
-      atomicAdd(status.at.fragments, uint64_t(all_fragments));
-      atomicAdd(status.at.gaps, uint64_t(all_gaps));
-    }
-  }
+  if (cut || first < sample_count) atomicOr(Status(args.status).at.overflows, kLoopCut);
+  addTally(rows, polygon_count, args.resumes == 0u && polygon_count > 0u, lane);
 }

@@ -8,6 +8,7 @@
 // Entries fall into classes by the lattice points that a replicate is expected to count for them; with closed forms those that something blocks in part are a class, too, for what nothing or
 // everything between two blocks is known when it is met. The last class are all that some replicate met. Entries of one run are correlated, so the standard error of a coverage comes from the spread
 // between seeds. What no line met is covered where the bound for that holds the truth (unmetBound).
+// Where the truth of all pairs is known there are two classes more: rows, the row sums written, whose truth is 1, and groups, form factors between surfaces.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -21,7 +22,7 @@
 
 #include "engines/compute_engine.h"
 #include "engines/host_engine.h"
-#include "error.h"
+#include <viewpeel/error.h>
 #include "estimator/directed_pairs.h"
 #include "estimator/visible_share.h"
 #include "scenes/generate.h"
@@ -40,8 +41,7 @@ constexpr uint64_t kPilotSeed = 1'000'000'000, kLongRunSeed = 2'000'000'000;
 constexpr uint32_t kPilots = 20, kPilotReplicates = 16;
 constexpr std::array<double, 5> kCountEnds{0.3, 1, 3, 10, INFINITY};  // expected per replicate
 constexpr double kBlockedInPart = 1e-3;                               // of what two would exchange with nothing in between: at least as much is seen, and blocked
-const std::map<std::string, Sampler> kSamplers{
-    {"iid", Sampler::iid}, {"jittered", Sampler::jittered}, {"sobol", Sampler::sobol}, {"fibonacci", Sampler::fibonacci}};
+const std::map<std::string, Sampler> kSamplers(kSamplerNames.begin(), kSamplerNames.end());
 
 struct Options {
   std::vector<std::string> scenes{"facing", "edge", "far", "cube"}, samplers{"fibonacci", "jittered"}, settings{"32x50"};
@@ -58,7 +58,19 @@ using Truths = std::map<Pair, double>;  // F_ij, i < j, of the pairs that are lo
 struct Case {
   Scene scene;
   Truths truths;
+  bool has_all_pairs = false;
 };
+
+// The truth between surfaces, F_IJ = sum_ij A_i F_ij / A_I.
+Truths sumBySurface(const Truths& truths, const Ids& ids, const Ids& surface_ids) {
+  Truths sums;
+  for (const auto& [pair, truth] : truths) {
+    if (pair.second >= kEnvironment) continue;
+    const auto [i, j] = std::minmax(ids.surface[pair.first], ids.surface[pair.second]);
+    sums[{i, j}] += (i == j ? 2 : 1) * truth * ids.areas[pair.first] / surface_ids.areas[i];
+  }
+  return sums;
+}
 
 Case twoSquares(const InputScene& input, double factor) {
   return {buildScene(input), {{{0, 1}, factor}, {{0, kEnvironment}, 1 - factor}, {{1, kEnvironment}, 1 - factor}}};
@@ -101,7 +113,7 @@ Case cutCube(int cuts) {
         if (side == 1) std::swap(along_x, along_y);  // fronts inward
         test_scenes::addFace(input, "cube", test_scenes::parallelogram(origin, along_x, along_y));
       }
-  Case cube{buildScene(input), {}};
+  Case cube{buildScene(input), {}, true};
   for (uint32_t i = 0; i < patches.size(); ++i)
     for (uint32_t j = i + 1; j < patches.size(); ++j)
       if (const double factor = factorInCube(patches[i], patches[j]); factor > 0) cube.truths[{i, j}] = factor;
@@ -140,7 +152,7 @@ Case byLongRun(Scene scene) {
   const VisibleShares shares = findVisibleShares(*engine, exchanges, scene, ids, groupAsOne(scene, kResolution), options, sharePilot(options));
   options.known = &shares.known;
   const Estimate estimate = estimateFormFactors(*engine, scene, ids, options);
-  Case run{std::move(scene), {}};
+  Case run{std::move(scene), {}, true};
   for (const FormFactors::Entry& entry : estimate.form_factors.entries())
     if (entry.i < entry.j && entry.j < kEnvironment) run.truths[{entry.i, entry.j}] = estimate.form_factors.formFactor(entry.i, entry.j).value;
   return run;
@@ -205,6 +217,8 @@ struct Entry {
 
 struct RunOutcome {
   std::vector<Measured> factors;  // of the entries
+  std::vector<Measured> rows;     // row sums; empty where not all pairs are looked at
+  std::vector<Measured> groups;   // between surfaces, of sumBySurface
   std::vector<double> unmet_bounds;
   uint64_t replicates = 0;
 };
@@ -243,9 +257,9 @@ class Tally {
   double covered_normal_ = 0, unmet_ = 0, squares_ = 0, relative_squares_ = 0, predicted_ = 0;
 };
 
-void report(const std::string& key, const std::vector<Entry>& entries, const std::vector<RunOutcome>& runs) {
+void report(const std::string& key, const std::vector<Entry>& entries, const Truths& group_truths, const std::vector<RunOutcome>& runs) {
   std::array<Tally, kCountEnds.size()> by_count;
-  Tally met, blocked_in_part;
+  Tally met, blocked_in_part, rows, groups;
   double mean_replicates = 0;
   for (const RunOutcome& run : runs) {
     mean_replicates += double(run.replicates) / double(runs.size());
@@ -253,6 +267,10 @@ void report(const std::string& key, const std::vector<Entry>& entries, const std
     for (Tally& tally : by_count) tally.startRun();
     met.startRun();
     blocked_in_part.startRun();
+    rows.startRun();
+    for (const Measured& row : run.rows) rows.add(row, 1, student, 0);
+    groups.startRun();
+    for (auto [group, k] = std::pair(group_truths.begin(), size_t(0)); k < run.groups.size(); ++group, ++k) groups.add(run.groups[k], group->second, student, 0);
     for (size_t k = 0; k < entries.size(); ++k) {
       const auto which = std::lower_bound(kCountEnds.begin(), kCountEnds.end(), entries[k].expected_count) - kCountEnds.begin();
       by_count[which].add(run.factors[k], entries[k].truth, student, run.unmet_bounds[k]);
@@ -263,6 +281,8 @@ void report(const std::string& key, const std::vector<Entry>& entries, const std
   for (size_t k = 0; k < by_count.size(); ++k) by_count[k].print(fmt::format("{},to {} counts", key, kCountEnds[k]), mean_replicates);
   blocked_in_part.print(key + ",blocked in part", mean_replicates);
   met.print(key + ",met", mean_replicates);
+  rows.print(key + ",rows", mean_replicates);
+  groups.print(key + ",groups", mean_replicates);
   std::fflush(stdout);
 }
 
@@ -270,6 +290,7 @@ void measureCase(const std::string& name, const Device& device, const Options& o
   const Case scene_case = makeCase(name);
   const Scene& scene = scene_case.scene;
   const Ids ids = makeIds(scene, By::polygon, false);
+  const Truths group_truths = sumBySurface(scene_case.truths, ids, makeIds(scene, By::surface, false));
   for (const std::string& setting : options.settings) {
     int resolution = 0;
     EstimateOptions estimate;
@@ -287,9 +308,9 @@ void measureCase(const std::string& name, const Device& device, const Options& o
       VisibleShares shares;
       std::optional<PairSampler> pairs;
       std::map<std::pair<int, double>, std::unique_ptr<Engine>> pair_engines;  // by resolution and window, which tell them apart in these scenes
-      const auto makePairEngine = [&](const Ids& pair_ids, int pair_resolution, const Window& window) {
-        std::unique_ptr<Engine>& made = pair_engines[{pair_resolution, window.radius}];
-        if (!made) made = makeComputeEngine(device, scene, pair_ids, {.resolution = pair_resolution, .window = window, .count_blocked = true});
+      const EngineFactory makePairEngine = [&](const Scene& of, const Ids& pair_ids, const LatticeOptions& own) {
+        std::unique_ptr<Engine>& made = pair_engines[{own.resolution, own.window.radius}];
+        if (!made) made = makeComputeEngine(device, of, pair_ids, own);
         return std::make_unique<SharedEngine>(*made);
       };
       uint64_t shares_seed = 0, directed_runs = 0, runs = 0;
@@ -344,13 +365,17 @@ void measureCase(const std::string& name, const Device& device, const Options& o
           RunOutcome& outcome = outcomes[k].emplace_back();
           outcome.replicates = e.replicates;
           for (const Entry& entry : entries) outcome.unmet_bounds.push_back(unmetBound(entry.area, count_area, double(e.directions)));
+          if (scene_case.has_all_pairs) {
+            outcome.rows = e.form_factors.rowSums();
+            for (const auto& [pair, truth] : group_truths) outcome.groups.push_back(e.between_surfaces.formFactor(pair.first, pair.second));
+          }
           for (const auto& [pair, truth] : scene_case.truths) outcome.factors.push_back(e.form_factors.formFactor(pair.first, pair.second));
         }
       }
       if (options.directed > 0) fmt::print("# {}: directed pairs in {} of {} runs\n", name, directed_runs, runs);
       if (options.closed_forms) markThoseBlockedInPart();
       for (size_t k = 0; k < options.rules.size(); ++k)
-        report(fmt::format("{},{},{},{},{}", name, sampler, resolution, estimate.directions, options.rules[k]), entries, outcomes[k]);
+        report(fmt::format("{},{},{},{},{}", name, sampler, resolution, estimate.directions, options.rules[k]), entries, group_truths, outcomes[k]);
     }
   }
 }

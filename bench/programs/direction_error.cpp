@@ -11,7 +11,7 @@
 
 #include "directions/sampler.h"
 #include "engines/compute_engine.h"
-#include "error.h"
+#include <viewpeel/error.h>
 #include "bench/support/measure.h"
 #include "reference/closed_forms/contour_integral.h"
 #include "reference/exact/projected_estimate.h"
@@ -23,8 +23,7 @@ namespace {
 constexpr double kFewestSeen = 16;
 const std::map<std::string, InputScene> kScenes{
     {"facing", test_scenes::parallelSquares()}, {"edge", test_scenes::perpendicularSquares()}, {"distant", test_scenes::stackOfSheets({0, 4})}};
-const std::map<std::string, Sampler> kSamplers{
-    {"iid", Sampler::iid}, {"jittered", Sampler::jittered}, {"sobol", Sampler::sobol}, {"fibonacci", Sampler::fibonacci}};
+const std::map<std::string, Sampler> kSamplers(kSamplerNames.begin(), kSamplerNames.end());
 
 struct Options {
   std::vector<std::string> scenes{"facing", "edge", "distant"}, samplers{"iid", "jittered", "sobol", "fibonacci"};

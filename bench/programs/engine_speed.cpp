@@ -15,7 +15,7 @@
 #include "engines/compute_engine.h"
 #include "engines/host_engine.h"
 #include "engines/lattice.h"
-#include "error.h"
+#include <viewpeel/error.h>
 #include "scenes/generate.h"
 #include "bench/support/measure.h"
 

@@ -13,7 +13,7 @@
 #include <CLI/CLI.hpp>
 
 #include "bench/rivals/embree_scene.h"
-#include "error.h"
+#include <viewpeel/error.h>
 #include "scenes/generate.h"
 #include "bench/support/measure.h"
 #include "memory.h"

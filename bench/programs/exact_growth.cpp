@@ -2,16 +2,16 @@
 //   viewpeel_exact_growth [SCENE]...     built-in offices and triangle soups without arguments
 // Every direction is verified before it is timed where exact sums are affordable (up to 1,000 polygons).
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <random>
 
 #include <fmt/core.h>
 #include <glm/geometric.hpp>
 
-#include "error.h"
+#include <viewpeel/error.h>
 #include "scenes/exact_scenes.h"
 #include "reference/exact/exact_pair_areas.h"
+#include "stopwatch.h"
 
 namespace viewpeel {
 namespace {
@@ -20,12 +20,8 @@ using namespace reference;
 
 constexpr int kDirectionCount = 9;
 
-double secondsSince(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
 void measure(const std::string& name, const Scene& scene) {
-  const auto start_check = std::chrono::steady_clock::now();
+  const auto start_check = Clock::now();
   requireDisjoint(scene);
   const double check_s = secondsSince(start_check);
 
@@ -42,7 +38,7 @@ void measure(const std::string& name, const Scene& scene) {
       const ExactPairAreas exact = computeExactPairAreas(scene, u, options);
       open_count += exact.open_pairs.size() + exact.open_polygons.size();
     }
-    const auto start = std::chrono::steady_clock::now();
+    const auto start = Clock::now();
     const ExactPairAreas areas = computeExactPairAreas(scene, u);
     times_s.push_back(secondsSince(start) - check_s);
     cuts.push_back(static_cast<double>(areas.cut_count));

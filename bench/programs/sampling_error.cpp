@@ -12,7 +12,7 @@
 #include "directions/sampler.h"
 #include "engines/compute_engine.h"
 #include "engines/host_engine.h"
-#include "error.h"
+#include <viewpeel/error.h>
 #include "scenes/generate.h"
 #include "bench/support/measure.h"
 #include "reference/closed_forms/contour_integral.h"

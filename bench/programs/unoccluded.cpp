@@ -10,7 +10,7 @@
 #include <CLI/CLI.hpp>
 
 #include "unoccluded/unoccluded.h"
-#include "error.h"
+#include <viewpeel/error.h>
 #include "scenes/generate.h"
 #include "bench/support/measure.h"
 #include "reference/closed_forms/contour_integral.h"

@@ -12,7 +12,7 @@
 #include <glm/glm.hpp>
 
 #include "engines/pair_table.h"
-#include "error.h"
+#include <viewpeel/error.h>
 #include "facing.h"
 
 namespace viewpeel::bench {

@@ -4,9 +4,9 @@
 #include <memory>
 #include <span>
 
-#include "directions/direction.h"
+#include <viewpeel/engine.h>
 #include "bench/rivals/embree_scene.h"
-#include "result/ids.h"
+#include <viewpeel/ids.h>
 #include "sums/pair_count.h"
 
 namespace viewpeel::bench {

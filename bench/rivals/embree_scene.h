@@ -9,7 +9,7 @@
 #include <embree3/rtcore.h>
 #include <glm/glm.hpp>
 
-#include "scene/scene.h"
+#include <viewpeel/scene.h>
 
 namespace viewpeel::bench {
 

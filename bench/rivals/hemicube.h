@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "bench/support/exchange_matrix.h"
-#include "scene/scene.h"
+#include <viewpeel/scene.h>
 #include "vulkan/device.h"
 
 namespace viewpeel::bench {

@@ -9,13 +9,12 @@
 
 #include <fmt/format.h>
 
+#include <viewpeel/compute.h>
+
 #include "bench/rivals/embree_rays.h"
-#include "engines/compute_engine.h"
-#include "engines/graphics_engine.h"
-#include "engines/host_engine.h"
-#include "estimator/plan.h"
+#include "engines/engine_factory.h"
 #include "estimator/visible_share.h"
-#include "error.h"
+#include <viewpeel/error.h>
 #include "bench/rivals/hemicube.h"
 #include "bench/support/measure.h"
 #include "reference/exact/exact_engine.h"
@@ -48,8 +47,6 @@ std::vector<Ladder::Rung> climb(double first, double factor, double last) {
   return rungs;
 }
 
-const std::pair<Sampler, const char*> kSamplers[] = {{Sampler::fibonacci, "fibonacci"}, {Sampler::jittered, "jittered"}, {Sampler::iid, "iid"}};
-
 void addUp(const FormFactors& form_factors, const Scene& scene, ExchangeMatrix& exchange, ExchangeMatrix* standard_errors, double* rms) {
   const double unit = 1 / (scene.scale * scene.scale);
   double squares = 0;
@@ -80,28 +77,19 @@ class Viewpeel {
  public:
   Viewpeel(const Device& device, const Scene& scene) : device_(device), scene_(scene), ids_(makeIds(scene, By::polygon, false)) {}
 
-  using MakeEngine = std::function<std::unique_ptr<Engine>(const Device&, bool measure_work)>;
-  MakeEngine compute(LatticeOptions lattice) const {
-    return [this, lattice](const Device& device, bool measure_work) mutable {
-      lattice.measure_work = measure_work;
-      return makeComputeEngine(device, scene_, ids_, lattice);
-    };
-  }
-  MakeEngine host(LatticeOptions lattice) const {
-    return [this, lattice](const Device&, bool measure_work) mutable {
-      lattice.measure_work = measure_work;
-      return makeHostEngine(scene_, ids_, lattice);
-    };
-  }
-  MakeEngine graphics(const LatticeOptions& lattice) const {
-    return [this, lattice](const Device& device, bool) { return makeGraphicsEngine(device, scene_, ids_, lattice); };
-  }
-  MakeEngine exact() const {
-    return [this](const Device&, bool) { return reference::makeExactEngine(scene_, ids_); };
-  }
+  // Whose work is measured by the engine that a runner makes for it.
+  struct Engines {
+    EngineKind kind = EngineKind::compute;
+    LatticeOptions lattice;
+  };
 
   // Amounts are directions of a replicate. closed_forms: the lattice's resolution with them, 0 without.
-  Runner runner(const MakeEngine& make, Sampler sampler, int closed_forms) const {
+  Runner runner(const Engines& engines, Sampler sampler, int closed_forms) const {
+    const auto make = [this, engines](const Device& device, bool measure_work) {
+      LatticeOptions lattice = engines.lattice;
+      lattice.measure_work = measure_work;
+      return (engines.kind == EngineKind::exact ? reference::exactEngines() : latticeEngines(engines.kind, &device))(scene_, ids_, lattice);
+    };
     Runner runner;
     std::shared_ptr<Engine> engine;
     runner.setup_seconds = secondsOf([&] {
@@ -131,42 +119,38 @@ class Viewpeel {
   Runner planned() const {
     Runner runner;
     runner.run = [this](double amount, uint64_t seed) {
-      EstimateOptions options;
-      options.tolerance = amount;
-      options.seed = seed;
-      std::string chosen;
-      std::optional<Estimate> estimate;
-      const RunTime time = timeOf([&] { estimate = runPlanned(options, &chosen); });
-      Outcome outcome = outcomeOf(*estimate, scene_, time);
-      outcome.chosen = chosen;
+      FormFactorRun run = runOf({.goal = Tolerance{amount}, .seed = seed});
+      std::optional<Result> result;
+      const RunTime time = timeOf([&] { result = finish(run); });
+      Outcome outcome = outcomeOf(*result, scene_, time);
+      outcome.chosen = fmt::format("directions={} resolution={} lattices={}", result->plan.directions, result->plan.lattices[0].resolution, windowsOf(result->plan));
       return outcome;
     };
     return runner;
   }
 
-  //   Out: chosen: what the plan is, where asked for
-  Estimate runPlanned(EstimateOptions options, std::string* chosen = nullptr) const {
-    const Plan plan = planEstimate(scene_, ids_, options, lattices());
-    options.directions = plan.directions;
-    if (chosen) *chosen = fmt::format("directions={} resolution={} lattices={}", plan.directions, plan.groups[0].resolution, plan.groups.size());
-    return withClosedForms(*plan.engine, plan.groups, options);
-  }
-
-  Estimate runLong(double seconds) const {
-    EstimateOptions options;
-    options.seconds = seconds;
-    options.seed = kLongRunSeed;
-    return runPlanned(options);
+  Result runLong(double seconds) const {
+    FormFactorRun run = runOf({.goal = Seconds{seconds}, .seed = kLongRunSeed});
+    return finish(run);
   }
 
  private:
-  Lattices lattices() const {
-    Lattices lattices;
-    lattices.make_engine = [this](const std::vector<SizeGroup>& groups) { return grouped(groups); };
-    lattices.may_group = true;
-    lattices.sampling = sampling();
-    for (uint32_t k = 0; k < ids_.count(); ++k) lattices.id_of_face.push_back(k);
-    return lattices;
+  // Opens the device, which a run's time leaves out.
+  FormFactorRun runOf(Request request) const {
+    request.device.selector = std::to_string(device_.description().index);
+    request.engine = on_host_ ? EngineKind::host : EngineKind::compute;
+    return FormFactorRun(scene_, request);
+  }
+
+  static Result finish(FormFactorRun& run) {
+    while (!run.isDone()) run.step();
+    return run.result();
+  }
+
+  static size_t windowsOf(const PlanSummary& plan) {
+    size_t windows = 0;
+    for (const LatticeSummary& lattice : plan.lattices) windows += lattice.windows;
+    return windows;
   }
 
   Estimate withClosedForms(Engine& engine, const std::vector<SizeGroup>& groups, EstimateOptions options) const {
@@ -176,18 +160,6 @@ class Viewpeel {
     options.known = &shares.known;
     return estimateFormFactors(engine, scene_, ids_, options);
   }
-
-  std::unique_ptr<Engine> grouped(const std::vector<SizeGroup>& groups) const {
-    LatticeOptions lattice;
-    lattice.resolution = groups[0].resolution;
-    lattice.sampling = sampling();
-    lattice.count_blocked = true;
-    const LatticeEngineMaker make = [this](const Scene& scene, const Ids& ids, const LatticeOptions& own) { return on_host_ ? makeHostEngine(scene, ids, own) : makeComputeEngine(device_, scene, ids, own); };
-    return groups.size() > 1 ? makeGroupedEngine(make, scene_, ids_, lattice, groups) : make(scene_, ids_, lattice);
-  }
-
-  // As the program chooses it.
-  Sampling sampling() const { return on_host_ ? chooseSampling(scene_, ids_, true) : Sampling::lattice; }
 
   static Profile profileOf(Engine& engine) {
     warmUp(engine);
@@ -297,29 +269,29 @@ void addRivals(const Device& device, const Scene& scene, const MethodOptions& op
 std::vector<Ladder> makeLadders(const Device& device, const Scene& scene, const MethodOptions& options) {
   const auto viewpeel = std::make_shared<Viewpeel>(device, scene);
   std::vector<Ladder> ladders;
-  const auto add = [&](const std::string& method, const std::string& parameters, const Viewpeel::MakeEngine& make, Sampler sampler, int closed_forms, double first) {
+  const auto add = [&](const std::string& method, const std::string& parameters, const Viewpeel::Engines& engines, Sampler sampler, int closed_forms, double first) {
     ladders.push_back({method, parameters, "directions", method != "exact" && !method.starts_with("host"), climb(first, 4, 1u << 22),
-                       [=] { return viewpeel->runner(make, sampler, closed_forms); }});
+                       [=] { return viewpeel->runner(engines, sampler, closed_forms); }});
   };
   std::vector<Ladder::Rung> tolerances;  // the lattice's error falls as the square root of time
   for (const double tolerance : {3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5}) tolerances.push_back({tolerance, 1 / tolerance});
   ladders.push_back({"planned", "", "tolerance", true, tolerances, [viewpeel] { return viewpeel->planned(); }});
   const std::vector<int> all = options.full ? std::vector<int>{64, 128, 256, 512} : std::vector<int>{64, 256}, one{128};
-  for (const auto& [sampler, name] : kSamplers)
+  for (const Sampler sampler : {Sampler::fibonacci, Sampler::jittered, Sampler::iid})
     for (const bool closed_forms : {false, true})
       for (const int resolution : sampler == Sampler::fibonacci ? all : one)
-        add(fmt::format("{}{}", name, closed_forms ? "_closed" : ""), fmt::format("resolution={} ", resolution),
-            viewpeel->compute({.resolution = resolution, .count_blocked = closed_forms}), sampler, closed_forms ? resolution : 0, 32);
+        add(fmt::format("{}{}", nameOf(sampler), closed_forms ? "_closed" : ""), fmt::format("resolution={} ", resolution),
+            {EngineKind::compute, {.resolution = resolution, .count_blocked = closed_forms}}, sampler, closed_forms ? resolution : 0, 32);
   for (const bool closed_forms : {false, true})
     for (const int resolution : options.full ? std::vector<int>{32, 64, 128, 256} : one)
       add(closed_forms ? "scanline_closed" : "scanline", fmt::format("resolution={} ", resolution),
-          viewpeel->compute({.resolution = resolution, .sampling = Sampling::scanline, .count_blocked = closed_forms}), Sampler::fibonacci, closed_forms ? resolution : 0, 32);
+          {EngineKind::compute, {.resolution = resolution, .sampling = Sampling::scanline, .count_blocked = closed_forms}}, Sampler::fibonacci, closed_forms ? resolution : 0, 32);
   for (const bool closed_forms : {false, true})
     for (const int resolution : options.full ? std::vector<int>{32, 64, 128, 256, 512} : std::vector<int>{32, 64, 128})
       add(closed_forms ? "host_closed" : "host", fmt::format("resolution={} ", resolution),
-          viewpeel->host({.resolution = resolution, .sampling = Sampling::scanline, .count_blocked = closed_forms}), Sampler::fibonacci, closed_forms ? resolution : 0, 8);
-  add("graphics", "resolution=128 ", viewpeel->graphics({.resolution = 128}), Sampler::fibonacci, 0, 8);
-  add("exact", "", viewpeel->exact(), Sampler::fibonacci, 0, 8);
+          {EngineKind::host, {.resolution = resolution, .sampling = Sampling::scanline, .count_blocked = closed_forms}}, Sampler::fibonacci, closed_forms ? resolution : 0, 8);
+  add("graphics", "resolution=128 ", {EngineKind::graphics, {.resolution = 128}}, Sampler::fibonacci, 0, 8);
+  add("exact", "", {EngineKind::exact, {}}, Sampler::fibonacci, 0, 8);
   addRivals(device, scene, options, ladders);
   return ladders;
 }

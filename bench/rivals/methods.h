@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "bench/support/exchange_matrix.h"
-#include "scene/scene.h"
+#include <viewpeel/scene.h>
 #include "vulkan/device.h"
 
 namespace viewpeel::bench {

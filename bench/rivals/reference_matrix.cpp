@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "error.h"
+#include <viewpeel/error.h>
 #include "bench/rivals/methods.h"
 #include "reference/closed_forms/contour_integral.h"
 

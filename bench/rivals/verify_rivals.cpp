@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "bench/rivals/embree_rays.h"
-#include "error.h"
+#include <viewpeel/error.h>
 #include "scenes/generate.h"
 #include "bench/rivals/hemicube.h"
 #include "reference/closed_forms/contour_integral.h"

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "bench/support/exchange_matrix.h"
-#include "scene/scene.h"
+#include <viewpeel/scene.h>
 
 namespace viewpeel::bench {
 

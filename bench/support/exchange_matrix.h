@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "result/ids.h"
+#include <viewpeel/ids.h>
 
 namespace viewpeel::bench {
 

@@ -11,13 +11,10 @@
 
 #include <fmt/core.h>
 
+#include "stopwatch.h"
 #include "vulkan/device.h"
 
 namespace viewpeel::bench {
-
-using Clock = std::chrono::steady_clock;
-
-inline double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 template <class Run>
 double secondsOf(Run run) {

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "directions/direction.h"
-#include "scene/scene.h"
+#include <viewpeel/engine.h>
+#include <viewpeel/scene.h>
 
 namespace viewpeel {
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <random>
 
-#include "directions/direction.h"
+#include <viewpeel/engine.h>
 
 namespace viewpeel {
 

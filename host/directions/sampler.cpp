@@ -78,6 +78,12 @@ uint32_t sobolSecond(uint32_t index) {
 
 }  // namespace
 
+std::string nameOf(Sampler sampler) {
+  for (const auto& [name, value] : kSamplerNames)
+    if (value == sampler) return name;
+  return {};
+}
+
 std::vector<Direction> sampleDirections(Sampler sampler, uint32_t count, uint64_t seed, uint64_t replicate) {
   Random random(seed, replicate);
   std::vector<Direction> directions;

@@ -1,18 +1,11 @@
 // Sets of random directions, every one of them uniform on the sphere by itself.
 #pragma once
-#include <cstdint>
 #include <vector>
 
-#include "directions/direction.h"
+#include <viewpeel/engine.h>
+#include <viewpeel/sampling.h>
 
 namespace viewpeel {
-
-enum class Sampler {
-  iid,        // independent: the paper's own (Pellegrini 1997, section 5)
-  fibonacci,  // spherical Fibonacci lattice under one random rotation (Marques et al. 2013; rotation: Shoemake 1992)
-  jittered,   // independent, one in each of `count` regions of equal area: zones cut into cells (Leopardi 2006); under one random rotation
-  sobol,      // the first two dimensions of Sobol's sequence, scrambled (Owen 1995), through the equal-area map of the cylinder; rotated, too
-};
 
 // The directions of one replicate, each with a lattice offset uniform in [0, 1)^2 and a lattice rotation uniform about u.
 //   In: count > 0; seed, replicate: any    Out: count directions, a function of the arguments only

@@ -2,7 +2,9 @@
 #pragma once
 #include <cstdint>
 
+#include "engines/batch_buffers.h"
 #include "engines/lattice_options.h"
+#include "engines/tuning.h"
 #include "vulkan/device.h"
 
 namespace viewpeel {
@@ -11,24 +13,24 @@ constexpr uint32_t kGroupSize = 64;           // local_size_x of project, bin an
 constexpr uint64_t kMemoryBudget = 1u << 30;  // of all batches
 constexpr uint32_t kTrialDirections = 4;      // after which the tuning is settled
 
-// What one direction takes of a batch.
-struct DirectionNeeds {
-  uint64_t polygon_count, tile_count;
-  uint64_t row_count;             // workgroups of peel
-  uint64_t bytes;                 // of all its buffers but fragments
-  uint64_t largest_buffer_bytes;  // of one of them
-  uint64_t fragment_bytes;        // 0 where no polygon may enter itself
-};
-
+// How batches are made.
 struct BatchPlan {
-  uint32_t directions = 0;  // of a batch
-  uint32_t in_flight = 2;   // batches at once
-  bool enters = false;      // polygons over few lattice points enter themselves: for speed alone, where there is room for fragments
+  BatchShape shape;
+  uint32_t in_flight = 2;  // batches at once
 };
 
-// In: fixed_bytes: what there is beside batches.
+// What a plan follows from beside the options.
+struct BatchNeeds {
+  uint32_t polygon_count;
+  bool all_count;              // every polygon emits and receives
+  uint32_t fragment_capacity;  // of a lattice point, if polygons over few of them enter themselves
+  uint64_t fixed_bytes;        // what there is beside batches
+};
+
+// As many directions a batch as memory holds and as outweigh a submission, two batches in flight where half of the memory holds one. Polygons enter
+// themselves, for speed alone, where there is room for fragments.
 //   Throws: Error limit where one direction needs more memory, or more of what is counted, than the device has.
-BatchPlan planBatches(const Device& device, const LatticeOptions& options, const DirectionNeeds& needs, uint64_t fixed_bytes);
+BatchPlan planBatches(const Device& device, const LatticeOptions& options, const Tuning& tuning, const BatchNeeds& needs);
 
 // The options for a smaller plan, where the device had no memory for this one: half the directions, and last one batch at a time without fragments.
 //   Out: false where that is what it was.

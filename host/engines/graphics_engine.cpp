@@ -15,7 +15,7 @@
 #include "engines/lattice.h"
 #include "engines/pair_counters.h"
 #include "engines/shared.h"
-#include "error.h"
+#include <viewpeel/error.h>
 #include "shaders/accumulate.comp.h"
 #include "shaders/peel.frag.h"
 #include "shaders/peel.vert.h"

@@ -2,9 +2,9 @@
 #pragma once
 #include <memory>
 
-#include "engines/engine.h"
+#include <viewpeel/engine.h>
 #include "engines/lattice_options.h"
-#include "result/ids.h"
+#include <viewpeel/ids.h>
 #include "vulkan/device.h"
 
 namespace viewpeel {

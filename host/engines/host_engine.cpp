@@ -9,7 +9,8 @@
 
 #include "engines/lattice.h"
 #include "engines/sweep.h"
-#include "error.h"
+#include "engines/work.h"
+#include <viewpeel/error.h>
 #include "threads.h"
 
 namespace viewpeel {

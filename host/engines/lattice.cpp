@@ -8,7 +8,7 @@
 #include <glm/geometric.hpp>
 
 #include "engines/shared.h"
-#include "error.h"
+#include <viewpeel/error.h>
 
 namespace viewpeel {
 namespace {

@@ -2,9 +2,9 @@
 #pragma once
 #include <span>
 
-#include "directions/direction.h"
+#include <viewpeel/engine.h>
 #include "engines/lattice_options.h"
-#include "result/ids.h"
+#include <viewpeel/ids.h>
 #include "vulkan/buffer.h"
 
 namespace viewpeel {

@@ -5,29 +5,15 @@
 
 #include <glm/vec3.hpp>
 
+#include <viewpeel/sampling.h>
+
 namespace viewpeel {
-
-// A lattice of 2043 x 2043 points is the largest whose groups of 64 every device can dispatch in one row (65,535).
-constexpr int kMaxResolution = 2039;
-
-// Of the compute engine in windows: corners across the whole scene still have 4 bits after the point.
-constexpr int kMaxWindowResolution = 1 << 20;
-constexpr int kMostWindowPoints = 8192;  // across a window
-constexpr int kMaxScanlineResolution = 1 << 14;  // of scanlines in windows: corners keep the 10 bits that ends of intervals have
 
 // The part of the scene whose projections are looked at: a ball that holds every polygon that emits.
 struct Window {
   glm::dvec3 centre{0};  // unit-ball units
   double radius = 1;
 };
-
-enum class Sampling {
-  lattice,   // points, each of weight one
-  scanline,  // the intervals of lattice rows between two ends of polygons, cut every 32 columns, with their lengths as weights
-};
-
-// How fine windows can be.
-constexpr int maxWindowResolution(Sampling sampling) { return sampling == Sampling::scanline ? kMaxScanlineResolution : kMaxWindowResolution; }
 
 // What the engines that count lattice points have in common. None but `resolution`, `sampling`, `window` and `count_blocked` changes a result.
 struct LatticeOptions {
@@ -53,6 +39,7 @@ struct LatticeOptions {
   uint64_t available_bytes = 0;      // on the device; what needs more is refused
   bool measure_work = false;
   uint32_t thread_count = 0;     // of the host engine; 0: one per core
+  std::function<void()> stop;    // of engines that finish directions on several threads: called before each, by any of them; what it throws ends the call; may be empty
   std::function<void(uint64_t directions)> on_batch;  // told how many of a call have been counted; what it throws ends the call; may be empty
 };
 

@@ -6,7 +6,8 @@
 #include <numeric>
 
 #include "engines/lattice.h"
-#include "scene/scene.h"
+#include "hash.h"
+#include <viewpeel/scene.h>
 
 namespace viewpeel {
 namespace {
@@ -33,9 +34,9 @@ SweepScene::SweepScene(const Scene& scene, const Ids& ids) : two_sided(ids.two_s
   // An open-addressing table of the corners met.
   std::vector<uint32_t> places(std::bit_ceil(2 * scene.corners.size() + 1), UINT32_MAX);
   const auto placeOf = [&](const glm::dvec3& corner) {
-    uint64_t hash = 0;
-    for (const double c : {corner.x, corner.y, corner.z}) hash = (hash ^ std::bit_cast<uint64_t>(c)) * 0x9E3779B97F4A7C15u, hash ^= hash >> 32;
-    for (size_t at = hash & (places.size() - 1);; at = (at + 1) & (places.size() - 1)) {
+    Hash hash;
+    for (const double c : {corner.x, corner.y, corner.z}) hash.add(c);
+    for (size_t at = hash.value() & (places.size() - 1);; at = (at + 1) & (places.size() - 1)) {
       uint32_t& place = places[at];
       if (place == UINT32_MAX) {
         place = static_cast<uint32_t>(x.size());

@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "directions/direction.h"
+#include <viewpeel/engine.h>
 #include "engines/vectorised.h"
-#include "result/ids.h"
+#include <viewpeel/ids.h>
 
 namespace viewpeel {
 

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "engines/shared.h"
-#include "error.h"
+#include <viewpeel/error.h>
 #include "threads.h"
 
 namespace viewpeel {

@@ -9,8 +9,9 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "engines/compute_engine.h"
-#include "error.h"
+#include <viewpeel/error.h>
+#include "engines/work.h"
+#include "sums/pair_count.h"
 
 namespace viewpeel {
 namespace {
@@ -62,7 +63,7 @@ void split(const Scene& scene, std::vector<uint32_t> polygons, int resolution, s
 
 class GroupedEngine : public Engine {
  public:
-  GroupedEngine(const LatticeEngineMaker& make_engine, const Scene& scene, const Ids& ids, const LatticeOptions& options, const std::vector<SizeGroup>& groups) {
+  GroupedEngine(const EngineFactory& make_engine, const Scene& scene, const Ids& ids, const LatticeOptions& options, const std::vector<SizeGroup>& groups) {
     if (!ids.roles.empty()) throw Error(ErrorCode::bad_usage, "windows on small polygons need the whole matrix; leave out --from, --pair and --blocker, or give --resolution");
     for (size_t g = 0; g < groups.size(); ++g) {
       if (groups[g].polygons.empty()) continue;
@@ -191,15 +192,9 @@ Window windowAround(const Scene& scene, const std::vector<uint32_t>& polygons) {
 
 double boxRadius(const Scene& scene, uint32_t polygon_index) { return boxOf(scene, polygon_index).radius(); }
 
-std::unique_ptr<Engine> makeGroupedEngine(const LatticeEngineMaker& make_engine, const Scene& scene, const Ids& ids, const LatticeOptions& options,
+std::unique_ptr<Engine> makeGroupedEngine(const EngineFactory& make_engine, const Scene& scene, const Ids& ids, const LatticeOptions& options,
                                           const std::vector<SizeGroup>& groups) {
   return std::make_unique<GroupedEngine>(make_engine, scene, ids, options, groups);
-}
-
-std::unique_ptr<Engine> makeGroupedEngine(const Device& device, const Scene& scene, const Ids& ids, const LatticeOptions& options,
-                                          const std::vector<SizeGroup>& groups) {
-  const auto makeOne = [&](const Scene& of, const Ids& own_ids, const LatticeOptions& own) { return makeComputeEngine(device, of, own_ids, own); };
-  return makeGroupedEngine(makeOne, scene, ids, options, groups);
 }
 
 }  // namespace viewpeel

@@ -1,13 +1,11 @@
 // Polygons of very different sizes, each looked at with the lattice spacing that it needs.
 #pragma once
-#include <functional>
 #include <memory>
 #include <vector>
 
-#include "engines/engine.h"
+#include <viewpeel/engine.h>
 #include "engines/lattice_options.h"
-#include "result/ids.h"
-#include "vulkan/device.h"
+#include <viewpeel/ids.h>
 
 namespace viewpeel {
 
@@ -43,17 +41,11 @@ Window windowAround(const Scene& scene, const std::vector<uint32_t>& polygons);
 // Half the diagonal of its box, unit-ball units: radius x resolution <= kMostWindowPoints where a window of that resolution can hold it.
 double boxRadius(const Scene& scene, uint32_t polygon_index);
 
-// Makes an engine that looks at a window.
-using LatticeEngineMaker = std::function<std::unique_ptr<Engine>(const Scene&, const Ids&, const LatticeOptions&)>;
-
 // An engine that peels every group at its own resolution. unitArea() is that of the finest.
 //   In: groups as from groupBySize; ids without roles, so with nothing asked for in particular
 //   Throws: as makeComputeEngine; Error bad_usage where the ids have roles.
 //   Cost: for every group and direction the scene is projected and the group's window peeled.
-std::unique_ptr<Engine> makeGroupedEngine(const LatticeEngineMaker& make_engine, const Scene& scene, const Ids& ids, const LatticeOptions& options,
-                                          const std::vector<SizeGroup>& groups);
-// Of compute engines.
-std::unique_ptr<Engine> makeGroupedEngine(const Device& device, const Scene& scene, const Ids& ids, const LatticeOptions& options,
+std::unique_ptr<Engine> makeGroupedEngine(const EngineFactory& make_engine, const Scene& scene, const Ids& ids, const LatticeOptions& options,
                                           const std::vector<SizeGroup>& groups);
 
 }  // namespace viewpeel

@@ -8,7 +8,7 @@
 
 #include "engines/lattice.h"
 #include "engines/shared.h"
-#include "error.h"
+#include <viewpeel/error.h>
 #include "facing.h"
 
 namespace viewpeel {

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "directions/direction.h"
+#include <viewpeel/engine.h>
 #include "engines/lattice_options.h"
 #include "engines/outlines.h"
 #include "engines/pair_table.h"

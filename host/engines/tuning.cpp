@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "engines/shared.h"
-#include "error.h"
+#include <viewpeel/error.h>
 
 namespace viewpeel {
 
@@ -17,6 +17,11 @@ namespace {
 
 constexpr uint32_t kFewPoints = 64;  // in boxes, which hold up to three times what a polygon covers
 constexpr double kFewAcross = 5;     // such a polygon, on the average over directions, as a square
+
+constexpr uint32_t kLongList = 48;    // polygons over a tile, on the average, from which on smaller tiles are faster
+constexpr double kManyRounds = 1.5;   // a tile, from which on more layers are kept
+constexpr uint32_t kSortedList = 16;  // polygons over such a tile, on the average, from which on lists are sorted
+constexpr uint32_t kDeepList = 16;    // polygons over a tile of scanlines, on the average, from which on more layers are kept
 
 }  // namespace
 
@@ -38,6 +43,19 @@ Tuning tune(const Device& device, const LatticeOptions& options) {
   // Lattice points: as many columns as divide a subgroup, and the rows in steps.
   const uint32_t tile_width = std::min(std::bit_ceil(choose(options.tile_width, 8)), kMostTileWidth);
   return {subgroup_size, tile_width, tile_rows, std::max(1u, tile_width * tile_rows / subgroup_size), layers_kept, most_blocks, options.sort};
+}
+
+void adaptOptions(const BatchStatus& found, LatticeOptions& options) {
+  const uint32_t list_length = found.list_length / found.active_tiles;
+  if (options.sampling == Sampling::scanline) {
+    if (!options.layers_kept && list_length >= kDeepList) options.layers_kept = 6;
+    return;
+  }
+  if (!options.tile_rows && list_length >= kLongList) options.tile_rows = 4;
+  if (!options.layers_kept && found.rounds > kManyRounds * found.active_tiles) {
+    options.sort = list_length >= kSortedList;
+    options.layers_kept = 8;
+  }
 }
 
 // Adding to dense counters is quicker than to a hash table, reading them after every replicate takes longer: they pay where a direction adds much.

@@ -3,10 +3,14 @@
 #include <cstdint>
 
 #include "engines/lattice_options.h"
-#include "scene/scene.h"
+#include <viewpeel/scene.h>
 #include "vulkan/device.h"
 
 namespace viewpeel {
+
+namespace device_data {
+struct BatchStatus;
+}
 
 struct Tuning {
   uint32_t subgroup_size, tile_width, tile_rows, steps, layers_kept, most_blocks;
@@ -16,6 +20,9 @@ struct Tuning {
 // As asked for, or what suits the device.
 //   Throws: Error device where its subgroups are not of use.
 Tuning tune(const Device& device, const LatticeOptions& options);
+
+// Chooses options that are left open by what the first batch found over its active tiles, of which there is at least one.
+void adaptOptions(const device_data::BatchStatus& found, LatticeOptions& options);
 
 // Of dense counters, beyond which they are kept in a hash table.
 uint64_t counterBudget(const LatticeOptions& options);

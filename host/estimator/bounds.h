@@ -1,5 +1,6 @@
 // What one direction can contribute at most: the ranges that a-priori bounds on the error rest on.
 #pragma once
+#include <viewpeel/scene.h>
 
 namespace viewpeel {
 
@@ -9,6 +10,9 @@ struct ConvexSize {
   double perimeter = 0;
   double diameter = 0;  // largest distance of two corners
 };
+
+// Of a polygon, in unit-ball units.
+ConvexSize sizeOf(const Scene& scene, const Polygon& polygon);
 
 // 2 x h^2 x (lattice points of a projection of x) is at most latticeRange(x, h), whatever the direction and the lattice's offset and rotation.
 //   A convex region of area A and perimeter p holds at most A / h^2 + p / (2 h) + 1 points of a square lattice (Nosarzewska 1948), and projection

@@ -8,6 +8,7 @@
 #include <set>
 #include <utility>
 
+#include "directions/replicates.h"
 #include "engines/lattice.h"
 #include "engines/size_groups.h"
 #include "estimator/estimate.h"
@@ -19,7 +20,6 @@
 namespace viewpeel {
 namespace {
 
-constexpr uint64_t kDirectedPilot = uint64_t(4) << 40;  // replicates that no run reaches
 constexpr uint32_t kPilots = 8, kPilotDirections = 16, kUsualDirections = 32;
 constexpr double kEmitterSpacings = 16;       // in the root of the emitter's area
 // Work in the time that one polygon takes at one lattice point, some 10 ns; measured on lavapipe, and the same on every device, for parts of a run have to choose alike.
@@ -205,7 +205,7 @@ DirectedPair fit(PairSampler& sampler, const Ids& ids, const Need& need, Directe
   std::vector<PairCounts> counts;
   PairCounts halves[2];
   for (uint32_t k = 0; k < kPilots; ++k) {
-    const PairCount count = sampler.count(pair, kDirectedPilot + k);
+    const PairCount count = sampler.count(pair, kDirectedReplicates.first + k);
     counts.push_back(count.count || count.blocked ? PairCounts{count} : PairCounts{});
     PairCounts& half = halves[2 * k / kPilots];
     half = addCounts(half, counts.back());
@@ -237,8 +237,8 @@ DirectedPair fit(PairSampler& sampler, const Ids& ids, const Need& need, Directe
 
 }  // namespace
 
-PairSampler::PairSampler(const Scene& scene, const Ids& face_ids, uint64_t seed, MakePairEngine make, int finest)
-    : scene_(scene), face_ids_(face_ids), seed_(seed), make_(std::move(make)), finest_(finest), polygons_(face_ids.count()) {
+PairSampler::PairSampler(const Scene& scene, const Ids& face_ids, uint64_t seed, EngineFactory make_engine, LatticeOptions lattice, int finest)
+    : scene_(scene), face_ids_(face_ids), seed_(seed), make_engine_(std::move(make_engine)), lattice_(std::move(lattice)), finest_(std::min(finest, maxWindowResolution(lattice_.sampling))), polygons_(face_ids.count()) {
   for (uint32_t k = 0; k < face_ids.of_polygon.size(); ++k) polygons_[face_ids.of_polygon[k]].push_back(k);
 }
 
@@ -275,7 +275,11 @@ void PairSampler::prepare(std::span<DirectedPair> pairs) {
     part.engine.reset();
     part.partners = std::move(all);
     part.ids = idsOf(key.first, part.partners);
-    part.engine = make_(part.ids, static_cast<int>(key.second), windowAround(scene_, polygons_[key.first]));
+    LatticeOptions own = lattice_;
+    own.resolution = static_cast<int>(key.second);
+    own.window = windowAround(scene_, polygons_[key.first]);
+    own.count_blocked = true;
+    part.engine = make_engine_(scene_, part.ids, own);
   }
   for (DirectedPair& pair : pairs) {
     const Engine& engine = *parts_.at(partKey(pair)).engine;

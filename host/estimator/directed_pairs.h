@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "directions/asked_directions.h"
-#include "engines/engine.h"
+#include <viewpeel/engine.h>
 #include "engines/lattice_options.h"
 #include "sums/visible_sums.h"
 
@@ -25,14 +25,12 @@ namespace viewpeel {
 
 struct EstimateOptions;
 
-// Makes an engine that counts, blocked pairs too, what has roles in `ids` on a lattice of that resolution; all that emits is in the window. The ids outlive it.
-using MakePairEngine = std::function<std::unique_ptr<Engine>(const Ids& ids, int resolution, const Window& window)>;
-
 // Counts pairs along directions of their own. The smaller face of a pair is the emitter: its pairs share an engine, whose window is around it.
 class PairSampler {
  public:
-  //   In: scene, ids by face, without roles: both are referred to; finest: the finest lattice that engines can have
-  PairSampler(const Scene& scene, const Ids& face_ids, uint64_t seed, MakePairEngine make, int finest = kMaxWindowResolution);
+  //   In: scene, ids by face, without roles: both are referred to; lattice: of all engines, but for resolution, window and blocked pairs, which are of each pair;
+  //     finest: the finest lattice that engines may have
+  PairSampler(const Scene& scene, const Ids& face_ids, uint64_t seed, EngineFactory make_engine, LatticeOptions lattice = {}, int finest = kMaxWindowResolution);
 
   // The pair with so many directions a replicate, and a lattice of 16 spacings in the root of the emitter's area; 0 directions where no line can tell of it.
   DirectedPair direct(uint32_t i, uint32_t j, uint32_t directions);
@@ -60,7 +58,8 @@ class PairSampler {
   const Scene& scene_;
   const Ids& face_ids_;
   uint64_t seed_;
-  MakePairEngine make_;
+  EngineFactory make_engine_;
+  LatticeOptions lattice_;
   int finest_;
   std::vector<std::vector<uint32_t>> polygons_;  // of faces
   std::map<Key, DirectionRegion> regions_;       // of pairs

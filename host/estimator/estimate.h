@@ -3,9 +3,11 @@
 #include <functional>
 #include <optional>
 
+#include <viewpeel/result.h>
+
 #include "directions/asked_directions.h"
 #include "directions/sampler.h"
-#include "engines/engine.h"
+#include <viewpeel/engine.h>
 #include "sums/run_sums.h"
 
 namespace viewpeel {
@@ -20,8 +22,6 @@ struct EstimateProgress {
   uint64_t replicates = 0;
   double largest_standard_error = 0;  // over all form factors so far; infinite where there is no goal, or before as many replicates as there are to be at least
 };
-
-struct Estimate;
 
 struct EstimateOptions {
   Sampler sampler = Sampler::fibonacci;
@@ -51,36 +51,6 @@ struct EstimateOptions {
   std::function<void(const EstimateProgress&)> on_replicate;  // may be empty
   // Told the sums after every replicate, and once more with `last` when there will be no further one, be it for an error; may be empty.
   std::function<void(const RunSums& sums, bool last)> on_sums;
-  // Given after every replicate what makes the estimate of all so far; to be called before the engine returns from its next count, from any thread; may be empty.
-  std::function<void(const std::function<Estimate()>& so_far)> on_so_far;
-};
-
-enum class GuaranteedBy { hoeffding, bernstein, median };
-
-// What holds of all form factors at once (guarantee.h).
-struct Guarantee {
-  double epsilon = 0, delta = 0;
-  double bound = 0;  // on the error, with probability 1 - delta
-  GuaranteedBy by = GuaranteedBy::hoeffding;
-};
-
-struct Estimate {
-  FormFactors form_factors;
-  FormFactors between_surfaces;  // the same counts summed by surface
-  uint64_t replicates = 0;
-  uint64_t directions = 0;  // in all, those of directed pairs not counted
-  double largest_standard_error = 0;
-  double largest_relative_error = 0;  // over form factors of at least relative_floor
-  bool interrupted = false;           // goals may not be reached; standard errors are infinite where fewer than 2 replicates are done
-  std::optional<Guarantee> guarantee;
-  // Pairs of ids that can see each other by their closed forms and that no line met: their shares are their neighbours' (neighbour_shares.h).
-  uint64_t unmet_pairs = 0;
-  double largest_unmet_error = 0;  // standard error, from the smaller of the two
-  // Pairs that can see each other and were never seen: form factors of 0, whose standard errors count among the largest.
-  uint64_t unseen_pairs = 0;
-  double largest_unseen_error = 0;
-  uint64_t directed_pairs = 0, directed_directions = 0;  // pairs with directions of their own, and all of these
-  double unmet_bound = INFINITY;  // on each form factor that no line met, from the smaller of its pair; 95 %; infinite where closed forms of all pairs leave none to be met
 };
 
 // Without entries of 0.

@@ -28,7 +28,7 @@ uint64_t FaceExchanges::compute(std::span<KnownPair> pairs) {
 
 void FaceExchanges::learn(RunSums& sums) {
   if (!sums.visible) return;
-  std::vector<KnownPair> met = sums.visible->unknownPairs(hasRows() ? kLinesToLearn : 0);
+  std::vector<KnownPair> met = sums.visible->unknownPairs(hasRows() ? kLinesToLearn : kLinesToShare);
   compute(met);
   for (KnownPair& pair : met)
     if (pair.exchange == 0) pair.exchange = INFINITY;  // one lies in the other's plane but for rounding

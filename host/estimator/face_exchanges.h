@@ -7,12 +7,14 @@
 
 #include "unoccluded/row_exchange.h"
 #include "unoccluded/unoccluded.h"
-#include "result/ids.h"
+#include <viewpeel/ids.h>
 #include "sums/share_sums.h"
 
 namespace viewpeel {
 
 constexpr uint64_t kLinesToLearn = 32;  // of a pair, before its closed form to the last digit is worth its time
+// The same where there are no rows for other pairs: of those that isSharedPair takes, fewer than 1 in 1,000 have fewer lines.
+constexpr uint64_t kLinesToShare = 16;
 
 struct RunSums;
 

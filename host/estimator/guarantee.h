@@ -16,6 +16,9 @@
 #include <functional>
 #include <memory>
 
+#include <viewpeel/request.h>
+#include <viewpeel/result.h>
+
 #include "engines/lattice_options.h"
 #include "estimator/estimate.h"
 #include "estimator/plan.h"
@@ -23,11 +26,6 @@
 #include "vulkan/device.h"
 
 namespace viewpeel {
-
-enum class Statistic {
-  mean,    // of blocks
-  median,  // of Q runs of M^2 / epsilon^2 directions (Pellegrini 1997, section 5.3): each is off by more than epsilon with probability 1/4 at most, by Chebyshev
-};
 
 struct GuaranteeProgress {
   uint64_t blocks = 0, expected_blocks = 0, most_blocks = 0;
@@ -47,7 +45,6 @@ struct GuaranteeOptions {
   const RunSums* resumed = nullptr;  // go on after these blocks, of the same plan; may be nullptr
   std::function<void(const GuaranteeProgress&)> on_block;               // may be empty
   std::function<void(const RunSums& sums, bool last)> on_sums;  // as for estimates; may be empty
-  std::function<void(const std::function<Estimate()>& so_far)> on_so_far;  // likewise; no guarantee is left then
 };
 
 // The ranges M_i of ids: the most that one direction can contribute to a form factor of id i, or to one with i the smaller polygon.
@@ -70,24 +67,12 @@ uint64_t leastDirections(const std::function<double(double)>& failure, double de
 // sqrt(2 V L / K) + 7 M L / (3 (K - 1)), L = ln(4 / p).
 double bernsteinBound(double variance, double range, double blocks, double p);
 
-struct GuaranteePlan {
-  double epsilon = 0, delta = 0;
-  double bounds = 0;          // m
-  double range = 0;           // that lattices were made for
-  double largest_range = 0;   // M
-  uint64_t hoeffding = 0;     // directions
-  uint32_t block_directions = 0;
-  uint64_t least_blocks = 0;  // before which Bernstein's bound cannot be epsilon
-  uint64_t most_blocks = 0;   // that Hoeffding's asks for
-  uint64_t expected_blocks = 0;  // an estimate, from a pilot
-  double lemma_1 = 0, lemma_1_all = 0;  // directions of Pellegrini's Lemma 1: for one pair, and for m bounds at once
-  uint64_t runs = 0, run_directions = 0;  // of the median
+struct GuaranteePlan : GuaranteeFigures {
   std::vector<double> ranges;     // of ids
   KnownShares known;              // with closed forms
   std::optional<ShareBounds> share_bounds;
   std::vector<SizeGroup> groups;
   std::unique_ptr<Engine> engine;
-  double least_seconds = 0, expected_seconds = 0, most_seconds = 0;  // estimates
 };
 
 // Chooses lattices, fine enough for ranges near 2, and blocks, by their measured cost.

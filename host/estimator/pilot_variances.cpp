@@ -40,7 +40,7 @@ std::vector<Residual> residualsOf(const PairCounts& counts, const std::vector<Pa
   if (id_of_face.empty()) {
     for (const PairCount& count : counts) residuals.push_back({count.i, count.j, double(count.count)});
   } else {
-    for (const ControlCount& control : mergeIds(takeShares(withRows(counts), shares), id_of_face)) residuals.push_back({control.i, control.j, double(control.control) / kShareOne});
+    for (const ControlCount& control : mergeIds(takeShares(withRows(counts, shares), shares), id_of_face)) residuals.push_back({control.i, control.j, double(control.control) / kShareOne});
   }
   return residuals;
 }

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "estimator/estimate.h"
-#include "result/ids.h"
+#include <viewpeel/ids.h>
 #include "sums/pair_count.h"
 
 namespace viewpeel {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -10,17 +9,20 @@
 #include <glm/geometric.hpp>
 
 #include "directions/random.h"
+#include "directions/replicates.h"
+#include "engines/engine_factory.h"
 #include "engines/lattice.h"
 #include "estimator/pilot_variances.h"
 #include "estimator/visible_share.h"
+#include "scene/perimeter.h"
 #include "sums/neighbour_shares.h"
 #include "sums/pair_count.h"
 #include "scene/rank_by_place.h"
+#include "stopwatch.h"
 
 namespace viewpeel {
 namespace {
 
-constexpr uint64_t kFirstPilot = uint64_t(1) << 40;  // replicate numbers that no run reaches
 constexpr uint32_t kPilotReplicates = 8, kFirstDirections = 16, kPilotDirections = 32;  // of the first pilot, and of others at least
 constexpr int kFirstResolution = 64;
 constexpr double kFewPoints = 5;               // of an id in the whole run, below which it may go unmet
@@ -86,11 +88,7 @@ struct SizeClass {
 // P / A^2 of ids, in unit-ball units.
 std::vector<double> perimetersPerAreaSquared(const Scene& scene, const Ids& ids) {
   std::vector<double> ratios(ids.count(), 0);
-  for (size_t k = 0; k < scene.polygons.size(); ++k) {
-    const Polygon& polygon = scene.polygons[k];
-    for (uint32_t c = 0; c < polygon.corner_count; ++c)
-      ratios[ids.of_polygon[k]] += glm::length(scene.corners[polygon.first_corner + (c + 1) % polygon.corner_count] - scene.corners[polygon.first_corner + c]);
-  }
+  for (size_t k = 0; k < scene.polygons.size(); ++k) ratios[ids.of_polygon[k]] += perimeterOf(scene, scene.polygons[k]);
   for (uint32_t id = 0; id < ids.count(); ++id) ratios[id] /= std::pow(ids.areas[id] / (scene.scale * scene.scale), 2);
   return ratios;
 }
@@ -155,6 +153,7 @@ class Planner {
   std::vector<double> areas_;      // of ids, unit-ball units squared
   double whole_area_ = 0, largest_face_ = 0;  // of all ids, of a face; likewise
   std::vector<uint32_t> ranks_;    // of ids, by place, where form factors are shares of closed forms, their neighbours' where few lines tell (neighbour_shares.h)
+  std::vector<uint32_t> id_of_face_;  // with closed forms
   std::vector<SizeClass> classes_;
   mutable std::map<std::array<int, 3>, size_t> windows_;  // of classes from one to another at a resolution
   std::vector<Pilot> pilots_;
@@ -186,7 +185,11 @@ Planner::Planner(const Scene& scene, const Ids& ids, const EstimateOptions& opti
   std::vector<double> faces(scene.faces.size(), 0);
   for (const Polygon& polygon : scene.polygons) largest_face_ = std::max(largest_face_, faces[polygon.face] += polygon.area);
   for (const auto& [key, size] : classes) classes_.push_back(size);
-  if (!lattices.id_of_face.empty() && options.by == By::polygon && !options.relative && pairCount(ids.count()) <= kMostRowPairs) ranks_ = rankByPlace(scene, ids.of_polygon, ids.count());
+  if (lattices.face_ids) {
+    id_of_face_.resize(lattices.face_ids->count());
+    for (uint32_t k = 0; k < scene.polygons.size(); ++k) id_of_face_[lattices.face_ids->of_polygon[k]] = ids.of_polygon[k];
+  }
+  if (lattices.face_ids && options.by == By::polygon && !options.relative && pairCount(ids.count()) <= kMostRowPairs) ranks_ = rankByPlace(scene, ids.of_polygon, ids.count());
 }
 
 AskedDirections Planner::directionsOf(uint32_t count, uint64_t replicate) const {
@@ -197,11 +200,11 @@ AskedDirections Planner::directionsOf(uint32_t count, uint64_t replicate) const 
 }
 
 double Planner::neededBy(const SizeClass& size, const Shape& shape, double directions) const {
-  return neededResolution(lattices_.sampling, size.fineness, size.least_area, shape.finest, directions);
+  return neededResolution(lattices_.lattice.sampling, size.fineness, size.least_area, shape.finest, directions);
 }
 
 std::vector<SizeGroup> Planner::groupsOf(const Shape& shape, double directions) const {
-  if (lattices_.may_group) return planGroups(scene_, ids_, lattices_.sampling, shape.base, shape.finest, directions);
+  if (lattices_.may_group) return planGroups(scene_, ids_, lattices_.lattice.sampling, shape.base, shape.finest, directions);
   return groupAsOne(scene_, shape.base);
 }
 
@@ -210,22 +213,22 @@ void Planner::makeEngine(uint32_t directions, const Shape& shape) {
   if (engine_ && areAlike(groups, groups_)) return;
   engine_.reset();
   groups_ = std::move(groups);
-  engine_ = lattices_.make_engine(groups_);
-  engine_->count(directionsOf(4, kFirstPilot - 1).directions);  // kernels are compiled and tuned
+  engine_ = viewpeel::makeEngine(lattices_, scene_, ids_, groups_);
+  engine_->count(directionsOf(4, kTrialReplicates.end - 1).directions);  // kernels are compiled and tuned
 }
 
 // Of so many directions.
 double Planner::timeDirections(uint32_t count) {
-  const auto start = std::chrono::steady_clock::now();
-  engine_->count(directionsOf(count, kFirstPilot - 2).directions);
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const auto start = Clock::now();
+  engine_->count(directionsOf(count, kTrialReplicates.end - 2).directions);
+  return secondsSince(start);
 }
 
 // Tries a lattice that is much finer than those that were timed: points of windows and of the whole scene, met and
 // unmet, do not all take the same time. What a call takes beside directions is left out, and what a busy machine adds
 // to one of two trials.
 bool Planner::takesLonger(const Choice& choice) {
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   const Load load = loadOf(choice.shape, choice.directions);
   for (const Timing& timing : timings_)
     if (load.points < kMostBeyond * timing.load.points && load.finest < kMostBeyond * timing.load.finest &&
@@ -240,12 +243,12 @@ bool Planner::takesLonger(const Choice& choice) {
     each = std::min(each, std::max(timeDirections(3 * kTimedDirections) - few, 0.0) / (2 * kTimedDirections));
   }
   if (each > most) timings_.push_back({load, each});
-  pilot_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  pilot_seconds_ += secondsSince(start);
   return each > most;
 }
 
 void Planner::measure(uint32_t directions, const Shape& shape) {
-  const auto begun = std::chrono::steady_clock::now();
+  const auto begun = Clock::now();
   makeEngine(directions, shape);
   if (pilots_.empty())
     directions = static_cast<uint32_t>(std::clamp(allowedSeconds() / (2 * kPilotReplicates * timeDirections(2) / 2),
@@ -253,12 +256,12 @@ void Planner::measure(uint32_t directions, const Shape& shape) {
   // Of both lattices, every replicate.
   std::vector<PilotCounts> counted;
   double weight_unit = 1;
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   for (uint32_t r = 0; r < kPilotReplicates; ++r) {
-    AskedDirections asked = directionsOf(directions, kFirstPilot + pilot_replicates_);
+    AskedDirections asked = directionsOf(directions, kPlanReplicates.first + pilot_replicates_);
     weight_unit = asked.weight_unit;
     counted.push_back({engine_->count(asked.directions), {}});
-    Random random(options_.seed, 2 * kFirstPilot + pilot_replicates_++);
+    Random random(options_.seed, kPlanLatticeReplicates.first + pilot_replicates_++);
     for (Direction& direction : asked.directions) {
       const uint32_t weight = direction.weight;
       direction = directionAlong(direction.u, random);
@@ -266,10 +269,10 @@ void Planner::measure(uint32_t directions, const Shape& shape) {
     }
     counted.back().second = engine_->count(asked.directions);
   }
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double seconds = secondsSince(start);
 
   const double measure_area = engine_->unitArea() * scene_.scale * scene_.scale / directions * weight_unit;
-  Pilot pilot{directions, shape, pilotVariances(counted, ids_, lattices_.id_of_face, measure_area, options_),
+  Pilot pilot{directions, shape, pilotVariances(counted, ids_, id_of_face_, measure_area, options_),
               loadOf(shape, directions)};
   if (!ranks_.empty()) {
     // Both in the shares found, as large together as the run would say.
@@ -279,7 +282,7 @@ void Planner::measure(uint32_t directions, const Shape& shape) {
       for (double* variance : {&pilot.variances.of_directions, &pilot.variances.of_lattices, &pilot.variances.doubt})
         *variance *= told / found;
   }
-  pilot_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  pilot_seconds_ += secondsSince(begun);
   pilots_.push_back(pilot);
   timings_.push_back({pilot.load, seconds / (2 * kPilotReplicates * directions)});
 }
@@ -287,14 +290,17 @@ void Planner::measure(uint32_t directions, const Shape& shape) {
 // What the run would say of the pilot: pairs of which few lines tell have the standard error that theirs and their neighbours' give them, with the closed forms that lines themselves tell.
 double Planner::largestErrorOfShares(const std::vector<PilotCounts>& counted, double measure_area, double count_area) const {
   ShareSums sums(ids_);
-  for (const PilotCounts& replicate : counted) sums.add(withRows(addCounts(replicate.first, replicate.second)));
+  PairCounts all;
+  for (const PilotCounts& replicate : counted) all = addCounts(addCounts(all, replicate.first), replicate.second);
+  const std::vector<PairShare> seen = fitShares(withRows(std::move(all)));
+  for (const PilotCounts& replicate : counted) sums.add(withRows(addCounts(replicate.first, replicate.second), seen));
   std::vector<KnownPair> known;
   for (const ShareSums::PairSum& pair : sums.pairs())
     if (pair.i != pair.j && (pair.j < kEnvironment || pair.facing > 0))
       known.push_back({pair.i, pair.j, 0, 0, pair.j < kEnvironment ? 2 * measure_area * double(pair.facing + pair.blocked) / double(counted.size()) : INFINITY});
   const std::vector<uint64_t> lines = countsOfLines(ids_, groups_, engine_->unitArea());
   const NeighbourShares neighbours(sums, lines, ranks_);
-  return largestStandardError(sums.formFactors(known, lines, measure_area, count_area, FormFactors({}, {}, {}), &neighbours));
+  return largestStandardError({ids_, sums.find(known, lines, measure_area, count_area, {}, {}, &neighbours).entries, {}});
 }
 
 double Planner::directionVariance(double directions) const {
@@ -315,7 +321,7 @@ bool Planner::isDoubtful(const Choice& choice) const {
 }
 
 Load Planner::loadOf(const Shape& shape, double directions) const {
-  const bool is_scanline = lattices_.sampling == Sampling::scanline;
+  const bool is_scanline = lattices_.lattice.sampling == Sampling::scanline;
   Load load{1, is_scanline ? double(shape.base) : double(shape.base) * shape.base};
   std::map<double, double> fine;  // share of the area by resolution
   const std::vector<int> resolutions = resolutionsOf(shape, directions);
@@ -324,7 +330,7 @@ Load Planner::loadOf(const Shape& shape, double directions) const {
     const SizeClass& size = classes_[k];
     const double resolution = resolutions[k];
     if (resolution > shape.base) fine[resolution] += size.area;
-    load.variance = std::max(load.variance, latticeVariance(lattices_.sampling, size.perimeter_per_area_squared, size.least_area, 2 / resolution));
+    load.variance = std::max(load.variance, latticeVariance(lattices_.lattice.sampling, size.perimeter_per_area_squared, size.least_area, 2 / resolution));
     if (ranks_.empty()) load.line = std::max(load.line, 8 / (resolution * resolution * size.least_area) + 8 / 27.0);  // and half of what it counts with others (replicate_sums.cpp)
   }
   for (const auto& [resolution, share] : fine) load.points += (is_scanline ? resolution : resolution * resolution) * std::min(1.0, 2 * share);  // what is looked at reaches beyond polygons
@@ -335,7 +341,7 @@ Load Planner::loadOf(const Shape& shape, double directions) const {
 // What groupBySize makes of the classes: no finer than windows can be, and than there may be windows.
 std::vector<int> Planner::resolutionsOf(const Shape& shape, double directions) const {
   std::vector<int> resolutions(classes_.size(), shape.base);
-  for (int finest = maxWindowResolution(lattices_.sampling); lattices_.may_group; finest /= kGroupStep) {
+  for (int finest = maxWindowResolution(lattices_.lattice.sampling); lattices_.may_group; finest /= kGroupStep) {
     bool is_fine = false;
     for (size_t k = 0; k < classes_.size(); ++k) {
       int& resolution = resolutions[k] = shape.base;
@@ -367,8 +373,8 @@ size_t Planner::windowsOf(const std::vector<int>& resolutions, int base) const {
 
 // For closed forms: those of a row in a replicate, the sum over a surface's faces, and the squares over all replicates (control_sums.h). A face's projection is half of its area on the average.
 bool Planner::areCountsTooLarge(const Load& load, double directions, double replicates) const {
-  if (lattices_.id_of_face.empty()) return false;
-  const double count_area = pointArea(load.finest) / (lattices_.sampling == Sampling::scanline ? 1 << kScanlineBits : 1);
+  if (id_of_face_.empty()) return false;
+  const double count_area = pointArea(load.finest) / (lattices_.lattice.sampling == Sampling::scanline ? 1 << kScanlineBits : 1);
   const double of_row = directions * largest_face_ / 2 / count_area, of_all = directions * whole_area_ / 2 / count_area, most = kAllowed * double(kMostCounts);
   return of_row > most || of_all > 2 * most || replicates * of_row * of_row > 8 * most * most;
 }
@@ -424,7 +430,7 @@ Planner::Choice Planner::choose(bool by_time) const {
         // One lattice for all: fine enough for the least of them, or as fine as there is.
         if (!lattices_.may_group && !lattices_.resolution && finest < std::min(neededBy({1, 0, 0, least_area}, shape, directions), kMaxResolution / 1.5)) continue;
         const Load load = loadOf(shape, directions);
-        if (load.points > (lattices_.sampling == Sampling::scanline ? kMostScanlines : kMostPoints) && best.directions) continue;
+        if (load.points > (lattices_.lattice.sampling == Sampling::scanline ? kMostScanlines : kMostPoints) && best.directions) continue;
         const Choice choice{directions, shape, secondsOf(load) * in_all, (directionVariance(directions) + pilots_.back().variances.of_lattices * load.variance / pilots_.back().load.variance * pilots_.back().directions / directions) / replicates + std::pow(load.line / in_all, 2)};
         if (best.directions && areCountsTooLarge(load, directions, std::max(replicates, by_time ? 0 : replicates * choice.variance / (goal * goal)))) {
           is_limited = true;
@@ -470,18 +476,22 @@ Plan Planner::plan() {
   std::vector<double> points(ids_.count(), 0);
   for (const SizeGroup& group : plan.groups)
     for (uint32_t k : group.polygons)
-      points[ids_.of_polygon[k]] += timesMet(lattices_.sampling, scene_.polygons[k].area, 2.0 / group.resolution) * choice.directions * double(options_.replicates);
+      points[ids_.of_polygon[k]] += timesMet(lattices_.lattice.sampling, scene_.polygons[k].area, 2.0 / group.resolution) * choice.directions * double(options_.replicates);
   for (uint32_t id = 0; id < ids_.count(); ++id)
     if (!options_.asked_directions && points[id] < kFewPoints) plan.barely_met.push_back(id);
   if (!areAlike(plan.groups, groups_)) {
     engine_.reset();
-    engine_ = lattices_.make_engine(plan.groups);
+    engine_ = viewpeel::makeEngine(lattices_, scene_, ids_, plan.groups);
   }
   plan.engine = std::move(engine_);
   return plan;
 }
 
 }  // namespace
+
+std::unique_ptr<Engine> makeEngine(const Lattices& lattices, const Scene& scene, const Ids& ids, const std::vector<SizeGroup>& groups) {
+  return makeEngine(lattices.make_engine, scene, lattices.face_ids ? *lattices.face_ids : ids, lattices.lattice, groups);
+}
 
 std::vector<SizeGroup> planGroups(const Scene& scene, const Ids& ids, Sampling sampling, int base, int finest, double directions) {
   const std::vector<double> fineness = finenessOf(perimetersPerAreaSquared(scene, ids));

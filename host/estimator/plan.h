@@ -1,8 +1,8 @@
 // What a run will do: how many directions, how fine a lattice, chosen for the least time to the error asked for.
 #pragma once
-#include <functional>
 #include <memory>
 
+#include "engines/lattice_options.h"
 #include "engines/size_groups.h"
 #include "estimator/estimate.h"
 
@@ -21,15 +21,18 @@ struct Plan {
   std::vector<uint32_t> barely_met;  // ids that the replicates asked for meet at fewer than 5 lattice points, or scanlines, expected: even the finest lattice is too coarse for them
 };
 
-// How engines are made for a plan.
+// Which engines a plan may choose among.
 struct Lattices {
-  std::function<std::unique_ptr<Engine>(const std::vector<SizeGroup>&)> make_engine;
+  EngineFactory make_engine;
+  LatticeOptions lattice;  // of all of them, but for resolution and window
   int resolution = 0;      // 0: to be planned
   bool may_group = false;  // whether small polygons may have lattices of their own
-  Sampling sampling = Sampling::lattice;
-  // Where closed forms are to be used (visible_share.h) the engines count by face, blocked pairs too; this makes ids of their ids.
-  std::vector<uint32_t> id_of_face;
+  // Where closed forms are to be used (visible_share.h) engines count by these, blocked pairs too; nullptr: by the ids that are planned for. Referred to.
+  const Ids* face_ids = nullptr;
 };
+
+// An engine of these for groups.    In: ids: that are planned for
+std::unique_ptr<Engine> makeEngine(const Lattices& lattices, const Scene& scene, const Ids& ids, const std::vector<SizeGroup>& groups);
 
 // Plans the replicates of estimateFormFactors for its goal: the tolerance, or the relative error, or else the time; none of the three: an error of 1e-3.
 //   The variance of one replicate is V_directions(N) + V_lattice(h) / N for N directions and spacing h. Pilot replicates measure both: every direction
@@ -39,6 +42,9 @@ struct Lattices {
 //   the least time among powers of sqrt(2) of N and of resolution, with one lattice or groups (size_groups.h).
 //   Where form factors are shares of closed forms, made with those of neighbours where few lines tell, the pilot's largest standard error is found as the run does, and both variances are
 //   as large together.
+//   Where V_directions is not known beside what lattices add, because the pilot's hardly met what the plan's own meets
+//   often, another pilot looks on the plan's lattice. Lattices much finer than those timed are tried before they are
+//   taken.
 //   Every id gets a lattice that it meets at 100 points or more (or 100 scanlines) in eight replicates, so that none goes unseen, as far as the finest lattice there is allows.
 //   In: options: goal, replicates, sampler, seed, asked_directions    Out: the plan, with its engine
 //   Error: a prediction; what was reached is measured by the run. Directions and lattices of pilots are none of the run's.

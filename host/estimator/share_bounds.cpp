@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "unoccluded/unoccluded.h"
-#include "error.h"
+#include <viewpeel/error.h>
 #include "estimator/guarantee.h"
 
 namespace viewpeel {

@@ -1,25 +1,21 @@
 #include "estimator/visible_share.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <iterator>
 
+#include "directions/replicates.h"
 #include "engines/lattice.h"
 #include "estimator/directed_pairs.h"
 #include "sums/add_pairs.h"
 #include "sums/pair_count.h"
 #include "scene/rank_by_place.h"
+#include "stopwatch.h"
 
 namespace viewpeel {
 namespace {
 
-constexpr uint64_t kSharePilot = uint64_t(3) << 40;  // replicates that no run reaches
 constexpr uint32_t kPilots = 8;
-
-using Clock = std::chrono::steady_clock;
-
-double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 // Those of `shares` whose pairs are among `others`.
 std::vector<PairShare> shared(const std::vector<PairShare>& shares, const std::vector<PairShare>& others) {
@@ -95,9 +91,12 @@ VisibleShares findVisibleShares(Engine& engine, FaceExchanges& exchanges, const 
   PairCounts all;
   const uint32_t each = (pilot.directions + kPilots - 1u) / kPilots;
   for (uint32_t k = 0; k < kPilots; ++k) {
-    pilots.push_back(withRows(engine.count(sampleDirections(options.sampler, each, options.seed, kSharePilot + k))));
+    pilots.push_back(engine.count(sampleDirections(options.sampler, each, options.seed, kShareReplicates.first + k)));
     all = addCounts(all, pilots.back());
   }
+  all = withRows(std::move(all));
+  const std::vector<PairShare> seen = fitShares(all);
+  for (PairCounts& counts : pilots) counts = withRows(std::move(counts), seen);
   // A share that few lines told adds more noise than it takes away: then counts are left alone, pair by pair of faces, and of surfaces, whose sums vary less than their parts.
   const std::vector<PairShare> shares = keepUseful(fitShares(all), pilots, ids, {});
   const std::vector<PairShare> surface_shares = keepUseful(shares, pilots, makeIds(scene, By::surface, ids.two_sided), ids.surface);

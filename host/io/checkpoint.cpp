@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "error.h"
+#include <viewpeel/error.h>
 #include "io/hdf5_file.h"
 #include "io/write_file.h"
 #include "sums/add_pairs.h"
@@ -67,6 +67,10 @@ void writeReplicateSums(Hdf5Output& out, const std::string& group, const Replica
   out.write(group + "/splits_surfaces", std::vector<uint8_t>{ids.splits_surfaces});
   out.write(group + "/rows_sum_to_one", std::vector<uint8_t>{ids.rows_sum_to_one});
   out.write(group + "/two_sided", std::vector<uint8_t>{ids.two_sided});
+  if (!ids.empty_rows.empty()) {
+    writeColumn<uint32_t>(out, group + "/empty_rows", ids.empty_rows, [](const EmptyRow& empty) { return empty.row; });
+    writeColumn<std::string>(out, group + "/empty_names", ids.empty_rows, [](const EmptyRow& empty) { return empty.name; });
+  }
   out.write(group + "/replicate_count", std::vector<uint64_t>{sums.replicateCount()});
   writeSums(out, group + "/rows", sums.rowSums(), [](const Sum& sum) -> const Sum& { return sum; });
   writeColumn<uint32_t>(out, group + "/pairs/i", sums.pairs(), [](const PairSum& pair) { return pair.i; });
@@ -126,7 +130,7 @@ void writeVisibleSums(Hdf5Output& out, const RunSums& sums) {
   writeWide(out, "visible/faces/facing_squared", faces, [&](const ShareSum& pair) { return sums.visible->byFace().squaresOf(pair).facing; });
   writeWide(out, "visible/faces/product", faces, [&](const ShareSum& pair) { return sums.visible->byFace().squaresOf(pair).product; });
   writeWide(out, "visible/faces/blocked_squared", faces, [&](const ShareSum& pair) { return sums.visible->byFace().squaresOf(pair).blocked; });
-  for (const auto& [name, controls] : {std::pair(std::string("visible/surfaces"), &sums.visible->bySurface()), {"visible/directed", &sums.visible->directed()}}) {
+  for (const auto& [name, controls] : {std::pair(std::string("visible/surfaces"), &sums.visible->surfaceControls()), {"visible/directed", &sums.visible->directed()}}) {
     out.write(name + "/replicate_count", std::vector<uint64_t>{controls->replicateCount()});
     writeColumn<uint32_t>(out, name + "/i", controls->pairs(), [](const ControlSum& pair) { return pair.i; });
     writeColumn<uint32_t>(out, name + "/j", controls->pairs(), [](const ControlSum& pair) { return pair.j; });
@@ -221,6 +225,18 @@ std::optional<VisibleSums> readVisibleSums(Hdf5Input& in, const Ids& face_ids, c
   return VisibleSums(by, std::move(known), std::move(by_face), std::move(by_surface), std::move(directed));
 }
 
+// Written only where there are any.
+std::vector<EmptyRow> readEmptyRows(Hdf5Input& in, const std::string& group, uint32_t id_count) {
+  std::vector<EmptyRow> empty_rows;
+  if (!in.has(group + "/empty_rows")) return empty_rows;
+  for (uint32_t row : in.read<uint32_t>(group + "/empty_rows")) empty_rows.push_back({row, {}});
+  readColumn<std::string>(in, group + "/empty_names", empty_rows, [](EmptyRow& empty, const std::string& name) { empty.name = name; });
+  for (size_t k = 0; k < empty_rows.size(); ++k)
+    if (empty_rows[k].row >= id_count + empty_rows.size() || (k > 0 && empty_rows[k].row <= empty_rows[k - 1].row))
+      in.refuse(fmt::format("its '{}/empty_rows' are not among its rows", group));
+  return empty_rows;
+}
+
 ReplicateSums readReplicateSums(Hdf5Input& in, const std::string& group) {
   Ids ids;
   ids.names = in.read<std::string>(group + "/names");
@@ -233,6 +249,7 @@ ReplicateSums readReplicateSums(Hdf5Input& in, const std::string& group) {
   ids.splits_surfaces = readOne<uint8_t>(in, group + "/splits_surfaces");
   ids.rows_sum_to_one = readOne<uint8_t>(in, group + "/rows_sum_to_one");
   ids.two_sided = readOne<uint8_t>(in, group + "/two_sided");
+  ids.empty_rows = readEmptyRows(in, group, ids.count());
   const auto replicate_count = readOne<uint64_t>(in, group + "/replicate_count");
   std::vector<Sum> rows(ids.count());
   readSums(in, group + "/rows", rows, [](Sum& sum) -> Sum& { return sum; });

@@ -6,12 +6,11 @@
 #include <utility>
 #include <vector>
 
+#include <viewpeel/compute.h>
+
 #include "sums/run_sums.h"
 
 namespace viewpeel {
-
-// Everything that changes a run's counts, by name, in words: two runs with the same settings count the same in the same replicate.
-using Settings = std::vector<std::pair<std::string, std::string>>;
 
 // What a setting is, where it is there.
 std::optional<std::string> findSetting(const Settings& settings, const std::string& name);

@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 #include <hdf5.h>
 
-#include "error.h"
+#include <viewpeel/error.h>
 #include "hash.h"
 
 namespace viewpeel {
@@ -215,6 +215,8 @@ template void Hdf5Output::write(const std::string&, const std::vector<uint32_t>&
 template void Hdf5Output::write(const std::string&, const std::vector<uint64_t>&);
 template void Hdf5Output::write(const std::string&, const std::vector<double>&);
 template void Hdf5Output::write(const std::string&, const std::vector<std::string>&);
+bool Hdf5Input::has(const std::string& name) const { return H5Lexists(id_, name.c_str(), H5P_DEFAULT) > 0; }
+
 template std::vector<uint8_t> Hdf5Input::read(const std::string&);
 template std::vector<uint32_t> Hdf5Input::read(const std::string&);
 template std::vector<uint64_t> Hdf5Input::read(const std::string&);

@@ -50,6 +50,8 @@ class Hdf5Input {
   // Throws: Error bad_input where there is no such column of this type.
   template <class T>
   std::vector<T> read(const std::string& name);
+  // In: name: of a column whose group there is
+  bool has(const std::string& name) const;
   [[noreturn]] void refuse(const std::string& reason) const;
 
  private:

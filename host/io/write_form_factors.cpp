@@ -1,8 +1,8 @@
-#include "io/write_form_factors.h"
+#include <viewpeel/write.h>
 
 #include <fmt/ostream.h>
 
-#include "error.h"
+#include <viewpeel/error.h>
 #include "io/write_file.h"
 
 namespace viewpeel {
@@ -51,11 +51,19 @@ void writeMatrixMarket(const FormFactors& form_factors, std::ostream& out, const
   uint64_t nonzeros = 0;
   forEachEntry(form_factors, [&](uint32_t, uint32_t j, const Measured&) { nonzeros += j < kEnvironment; });
   fmt::print(out, "%%MatrixMarket matrix coordinate real general\n% {}; per row: number, area, environment share, name\n", what);
-  for (uint32_t i = 0; i < ids.count(); ++i)
-    fmt::print(out, "% {} {} {} {}\n", i + 1, ids.areas[i], form_factors.formFactor(i, kEnvironment).value, ids.names[i]);
-  fmt::print(out, "{} {} {}\n", ids.count(), ids.count(), nonzeros);
+  const std::vector<uint32_t> rows = ids.rows();
+  auto empty = ids.empty_rows.begin();
+  const auto writeEmptyBefore = [&](uint32_t row) {
+    for (; empty != ids.empty_rows.end() && empty->row < row; ++empty) fmt::print(out, "% {} 0 0 {}\n", empty->row + 1, empty->name);
+  };
+  for (uint32_t i = 0; i < ids.count(); ++i) {
+    writeEmptyBefore(rows[i]);
+    fmt::print(out, "% {} {} {} {}\n", rows[i] + 1, ids.areas[i], form_factors.formFactor(i, kEnvironment).value, ids.names[i]);
+  }
+  writeEmptyBefore(ids.rowCount());
+  fmt::print(out, "{} {} {}\n", ids.rowCount(), ids.rowCount(), nonzeros);
   forEachEntry(form_factors, [&](uint32_t i, uint32_t j, const Measured& f) {
-    if (j < kEnvironment) fmt::print(out, "{} {} {}\n", i + 1, j + 1, f.value);
+    if (j < kEnvironment) fmt::print(out, "{} {} {}\n", rows[i] + 1, rows[j] + 1, f.value);
   });
 }
 

@@ -4,7 +4,7 @@
 // method with the Hessian of the present piece, regularised by the present error since it may be singular (two plates that see nothing else),
 // solved by conjugate gradients to that error, and Armijo's rule: the dual Newton method of H. Qi & D. Sun, A quadratically convergent Newton method
 // for computing the nearest correlation matrix, SIAM J. Matrix Anal. Appl. 28(2), 2006, 360-385, for rows in place of a diagonal.
-#include "result/closure.h"
+#include <viewpeel/closure.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,7 +15,7 @@
 #include <Eigen/SparseCore>
 #include <fmt/format.h>
 
-#include "error.h"
+#include <viewpeel/error.h>
 
 namespace viewpeel {
 namespace {

@@ -1,4 +1,4 @@
-#include "result/form_factors.h"
+#include <viewpeel/form_factors.h>
 
 #include <algorithm>
 #include <utility>

@@ -1,19 +1,24 @@
-#include "result/ids.h"
+#include <viewpeel/ids.h>
 
 #include <fmt/format.h>
 
-#include "error.h"
+#include <viewpeel/error.h>
 
 namespace viewpeel {
 
-std::string faceName(const Scene& scene, uint32_t face_index) {
-  const Face& face = scene.faces[face_index];
-  const Surface& surface = scene.surfaces[face.surface];
-  return surface.face_count == 1 ? surface.name : fmt::format("{}[{}]", surface.name, face.number);
+std::vector<uint32_t> Ids::rows() const {
+  std::vector<uint32_t> rows(count());
+  size_t passed = 0;
+  for (uint32_t id = 0; id < count(); ++id) {
+    while (passed < empty_rows.size() && empty_rows[passed].row == id + passed) ++passed;
+    rows[id] = id + static_cast<uint32_t>(passed);
+  }
+  return rows;
 }
 
 Ids makeIds(const Scene& scene, By by, bool two_sided) {
   Ids ids;
+  ids.empty_rows = by == By::surface ? scene.empty_surfaces : scene.empty_faces;
   ids.two_sided = two_sided;
   for (const Surface& surface : scene.surfaces)
     if (surface.name == "environment" || surface.name == "leak")

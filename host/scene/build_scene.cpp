@@ -1,14 +1,21 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include <fmt/format.h>
 #include <glm/glm.hpp>
 
-#include "error.h"
+#include <viewpeel/error.h>
 #include "scene/coincident.h"
+#include "scene/face_names.h"
 #include "scene/group_planes.h"
-#include "scene/scene.h"
+#include "scene/overlaps.h"
+#include "scene/perimeter.h"
+#include "scene/precision.h"
+#include <viewpeel/scene.h>
+#include "scene/shells.h"
+#include "scene/sight.h"
 #include "scene/split_face.h"
 
 namespace viewpeel {
@@ -62,25 +69,16 @@ std::vector<glm::dvec3> distinctCorners(const InputFace& face, const Scene& scen
 
 // A face narrower than what rounding leaves of its coordinates in the unit ball (2^-53 each, in a cross product of edges) has no area.
 bool hasArea(const std::vector<glm::dvec3>& corners) {
-  double perimeter = 0;
-  for (size_t k = 0; k < corners.size(); ++k) perimeter += glm::length(corners[(k + 1) % corners.size()] - corners[k]);
-  return glm::length(twiceVectorArea(corners)) > 8 * 0x1p-53 * perimeter;
+  return glm::length(twiceVectorArea(corners)) > 8 * 0x1p-53 * perimeterOf(corners);
 }
 
-// What rounding may have moved faces by, input units: a few units in the last place of the largest coordinate, in the
-// precision that holds all of them.
-double roundingOf(const InputScene& input) {
-  double largest = 0;
-  bool is_single = true;
-  for (const InputFace& face : input.faces)
-    for (const glm::dvec3& corner : face.corners)
-      for (int axis = 0; axis < 3; ++axis) {
-        largest = std::max(largest, std::abs(corner[axis]));
-        is_single = is_single && double(float(corner[axis])) == corner[axis];
-      }
-  return 4 * largest * (is_single ? 0x1p-24 : 0x1p-53);
+// Why a face has an empty row; nullptr where it has none.
+const char* reasonToDrop(const std::vector<glm::dvec3>& corners) {
+  if (corners.size() < 3) return "fewer than three different corners";
+  return hasArea(corners) ? nullptr : "zero area";
 }
 
+// What is to be said of faces that are dropped.
 class Dropped {
  public:
   void count(const char* reason, const std::string& where) {
@@ -89,15 +87,139 @@ class Dropped {
   }
   std::vector<std::string> warnings() const {
     std::vector<std::string> lines;
-    for (const auto& [reason, counted] : reasons_)
-      lines.push_back(fmt::format("{}: {} {} dropped: {}", counted.second, counted.first,
-                                  counted.first == 1 ? "face" : "faces, this one first,", reason));
+    for (const auto& [reason, counted] : reasons_) {
+      const bool is_one = counted.first == 1;
+      lines.push_back(fmt::format("{}: {} {} dropped: {}; {}, and later numbers do not shift", counted.second, counted.first,
+                                  is_one ? "face" : "faces, this one first,", reason, is_one ? "its row stays, empty" : "their rows stay, empty"));
+    }
     return lines;
   }
 
  private:
   std::map<std::string, std::pair<uint64_t, std::string>> reasons_;
 };
+
+// Faces and surfaces of the file as rows, empty ones too.
+//   In: is_left_out: of each face
+void addRows(const InputScene& input, const std::vector<bool>& is_left_out, Scene& scene) {
+  constexpr uint32_t kNone = UINT32_MAX;
+  const std::vector<std::string> names = nameFaces(input);
+  std::vector<bool> is_used(input.surface_names.size(), false);
+  for (uint32_t row = 0; row < input.faces.size(); ++row)
+    if (!is_left_out[row]) is_used[input.faces[row].surface] = true;
+  std::vector<uint32_t> surface_of_input(is_used.size(), kNone), counts(is_used.size(), 0);
+  uint32_t surface_row = 0;
+  for (uint32_t row = 0; row < input.faces.size(); ++row) {
+    const uint32_t of_input = input.faces[row].surface;
+    const uint32_t number = ++counts[of_input];
+    uint32_t& surface = surface_of_input[of_input];
+    if (number == 1 && !is_used[of_input]) scene.empty_surfaces.push_back({surface_row, input.surface_names[of_input]});
+    if (number == 1) ++surface_row;
+    if (is_used[of_input] && surface == kNone) {
+      surface = static_cast<uint32_t>(scene.surfaces.size());
+      scene.surfaces.push_back({input.surface_names[of_input], 0});
+    }
+    if (is_used[of_input]) ++scene.surfaces[surface].face_count;
+    if (is_left_out[row]) scene.empty_faces.push_back({row, names[row]});
+    else scene.faces.push_back({surface, number, row});
+  }
+}
+
+// A convex piece becomes triangles and quadrilaterals about its first corner.
+void addPiece(const std::vector<glm::dvec3>& corners, const std::vector<uint32_t>& piece, uint32_t face, Scene& scene) {
+  for (size_t k = 1; k + 1 < piece.size(); k += 2) {
+    std::vector<glm::dvec3> polygon_corners = {corners[piece[0]], corners[piece[k]], corners[piece[k + 1]]};
+    if (k + 2 < piece.size()) polygon_corners.push_back(corners[piece[k + 2]]);
+    if (piece.size() > 4 && !hasArea(polygon_corners)) continue;  // corners in the middle of an edge
+    Polygon polygon;
+    polygon.first_corner = static_cast<uint32_t>(scene.corners.size());
+    polygon.corner_count = static_cast<uint32_t>(polygon_corners.size());
+    polygon.face = face;
+    polygon.area = glm::length(twiceVectorArea(polygon_corners)) / 2;
+    scene.polygons.push_back(polygon);
+    scene.corners.insert(scene.corners.end(), polygon_corners.begin(), polygon_corners.end());
+  }
+}
+
+// All but the order of coincident polygons.
+//   In: repeats: faces that repeat others
+Scene splitFaces(const InputScene& input, const std::vector<Duplicate>& repeats) {
+  Scene scene;
+  scene.file = input.file;
+  scene.warnings = input.warnings;
+  if (std::string coarse = describeCoarseSteps(input); !coarse.empty()) scene.warnings.push_back(std::move(coarse));
+  fitUnitBall(input, scene);
+  std::vector<bool> is_left_out(input.faces.size(), false);
+  Dropped dropped;
+  for (size_t row = 0; row < input.faces.size(); ++row) {
+    const char* reason = reasonToDrop(distinctCorners(input.faces[row], scene));
+    if (reason) dropped.count(reason, place(input, input.faces[row]));
+    is_left_out[row] = reason != nullptr;
+  }
+  for (const Duplicate& repeat : repeats) is_left_out[repeat.face] = true;
+  addRows(input, is_left_out, scene);
+  for (uint32_t face = 0; face < scene.faces.size(); ++face) {
+    const InputFace& of_file = input.faces[scene.faces[face].row];
+    const std::vector<glm::dvec3> corners = distinctCorners(of_file, scene);
+    const Pieces pieces = splitFace(corners);
+    if (pieces.empty())
+      throw Error(ErrorCode::bad_input, fmt::format("{}: the face crosses itself; split it into simple ones", place(input, of_file)));
+    for (const std::vector<uint32_t>& piece : pieces) addPiece(corners, piece, face, scene);
+  }
+  for (std::string& line : dropped.warnings()) scene.warnings.push_back(std::move(line));
+  if (scene.polygons.empty())
+    throw Error(ErrorCode::bad_input, fmt::format("{}: no usable polygon; all {} faces have no area, check the export", input.file,
+                                                  input.faces.size()));
+  groupPlanes(scene);
+  return scene;
+}
+
+std::string describeRepeats(const InputScene& input, const std::vector<Duplicate>& repeats) {
+  const std::vector<std::string> names = nameFaces(input);
+  const auto nameOf = [&](uint32_t face) {
+    const uint32_t line = input.faces[face].line;
+    return line ? fmt::format("{} (line {})", names[face], line) : fmt::format("{} (face {} of the file)", names[face], face + 1);
+  };
+  const Duplicate& first = repeats.front();
+  const bool is_one = repeats.size() == 1;
+  return fmt::format("{}: {} there already, facing alike: {}{} is {} again; {}; remove {} from the file", input.file,
+                     is_one ? "1 face is" : fmt::format("{} faces are", repeats.size()), is_one ? "" : "the first, ", nameOf(first.face), nameOf(first.of),
+                     is_one ? "it is left out and its row stays, empty" : "they are left out and their rows stay, empty", is_one ? "it" : "them");
+}
+
+Scene assemble(const InputScene& input, const SceneOptions& options) {
+  const double rounding = roundingOf(input);
+  std::vector<Duplicate> repeats;
+  for (;;) {
+    Scene scene = splitFaces(input, repeats);
+    const std::vector<AlikeOverlap> alike = orderCoincidentPolygons(scene, options, rounding / scene.scale);
+    const std::vector<Duplicate> more = findDuplicates(input, scene, alike, rounding);
+    repeats.insert(repeats.end(), more.begin(), more.end());
+    if (!more.empty()) continue;  // what is left is ordered without them
+    if (!repeats.empty()) scene.warnings.push_back(describeRepeats(input, repeats));
+    if (!alike.empty()) scene.warnings.push_back(describeOverlaps(scene, alike));
+    return scene;
+  }
+}
+
+void turnFace(InputFace& face) { std::reverse(face.corners.begin(), face.corners.end()); }
+
+std::vector<uint32_t> findFlipped(const Scene& scene) {
+  Sight sight(scene);
+  return findFlipped(scene, findShells(scene), sight);
+}
+
+std::string describeFixed(const Scene& scene, const std::vector<uint32_t>& flipped) {
+  constexpr size_t kMostNamed = 5;
+  std::set<uint32_t> surfaces;
+  for (uint32_t face : flipped) surfaces.insert(scene.faces[face].surface);
+  std::string names;
+  size_t named = 0;
+  for (uint32_t surface : surfaces)
+    if (named++ < kMostNamed) names += fmt::format("{}{}", named > 1 ? ", " : "", scene.surfaces[surface].name);
+  return fmt::format("{}: --fix-normals turned {} of {} faces over, of {}{}", scene.file, flipped.size(), scene.faces.size(), names,
+                     named > kMostNamed ? fmt::format(" and {} more", named - kMostNamed) : "");
+}
 
 }  // namespace
 
@@ -110,57 +232,23 @@ glm::dvec3 frontNormal(const Scene& scene, const Polygon& polygon) {
 }
 
 Scene buildScene(const InputScene& input, const SceneOptions& options) {
-  Scene scene;
-  scene.file = input.file;
   if (input.faces.empty())
     throw Error(ErrorCode::bad_input, fmt::format("{}: no usable polygon; the file has no faces, check the export", input.file));
-  fitUnitBall(input, scene);
-
-  constexpr uint32_t kNone = UINT32_MAX;
-  std::vector<uint32_t> surface_of_input(input.surface_names.size(), kNone);  // surfaces without polygons vanish
-  Dropped dropped;
-  for (const InputFace& face : input.faces) {
-    const std::vector<glm::dvec3> corners = distinctCorners(face, scene);
-    if (corners.size() < 3) {
-      dropped.count("fewer than three different corners", place(input, face));
-      continue;
-    }
-    if (!hasArea(corners)) {
-      dropped.count("zero area", place(input, face));
-      continue;
-    }
-    const Pieces pieces = splitFace(corners);
-    if (pieces.empty())
-      throw Error(ErrorCode::bad_input, fmt::format("{}: the face crosses itself; split it into simple ones", place(input, face)));
-
-    uint32_t& surface = surface_of_input[face.surface];
-    if (surface == kNone) {
-      surface = static_cast<uint32_t>(scene.surfaces.size());
-      scene.surfaces.push_back({input.surface_names[face.surface], 0});
-    }
-    const auto face_index = static_cast<uint32_t>(scene.faces.size());
-    scene.faces.push_back({surface, ++scene.surfaces[surface].face_count});
-    for (const std::vector<uint32_t>& piece : pieces)
-      // A convex piece becomes triangles and quadrilaterals about its first corner.
-      for (size_t k = 1; k + 1 < piece.size(); k += 2) {
-        std::vector<glm::dvec3> polygon_corners = {corners[piece[0]], corners[piece[k]], corners[piece[k + 1]]};
-        if (k + 2 < piece.size()) polygon_corners.push_back(corners[piece[k + 2]]);
-        if (piece.size() > 4 && !hasArea(polygon_corners)) continue;  // corners in the middle of an edge
-        Polygon polygon;
-        polygon.first_corner = static_cast<uint32_t>(scene.corners.size());
-        polygon.corner_count = static_cast<uint32_t>(polygon_corners.size());
-        polygon.face = face_index;
-        polygon.area = glm::length(twiceVectorArea(polygon_corners)) / 2;
-        scene.polygons.push_back(polygon);
-        scene.corners.insert(scene.corners.end(), polygon_corners.begin(), polygon_corners.end());
-      }
-  }
-  scene.warnings = dropped.warnings();
-  if (scene.polygons.empty())
-    throw Error(ErrorCode::bad_input, fmt::format("{}: no usable polygon; all {} faces have no area, check the export", input.file,
-                                                  input.faces.size()));
-  groupPlanes(scene);
-  orderCoincidentPolygons(scene, options, roundingOf(input) / scene.scale);
+  requireDistinctNames(input);
+  if (options.flip.empty() && !options.fix_normals) return assemble(input, options);
+  InputScene turned = input;
+  std::set<uint32_t> faces;
+  for (const std::string& name : options.flip)
+    for (uint32_t face : findFaces(input, name, "--flip")) faces.insert(face);
+  for (uint32_t face : faces) turnFace(turned.faces[face]);
+  Scene scene = assemble(turned, options);
+  if (!options.fix_normals) return scene;
+  const std::vector<uint32_t> flipped = findFlipped(scene);
+  if (flipped.empty()) return scene;
+  const std::string fixed = describeFixed(scene, flipped);
+  for (uint32_t face : flipped) turnFace(turned.faces[scene.faces[face].row]);
+  scene = assemble(turned, options);
+  scene.warnings.push_back(fixed);
   return scene;
 }
 

@@ -14,7 +14,8 @@
 #include <fmt/format.h>
 #include <glm/glm.hpp>
 
-#include "error.h"
+#include <viewpeel/error.h>
+#include "scene/perimeter.h"
 #include "scene/polygon_tree.h"
 
 namespace viewpeel {
@@ -57,11 +58,7 @@ struct Place {
   std::vector<uint32_t> polygons;
 };
 
-double widthOf(const std::vector<dvec3>& corners, double area) {
-  double perimeter = 0;
-  for (size_t k = 0; k < corners.size(); ++k) perimeter += glm::length(corners[(k + 1) % corners.size()] - corners[k]);
-  return 2 * area / perimeter;
-}
+double widthOf(const std::vector<dvec3>& corners, double area) { return 2 * area / perimeterOf(corners); }
 
 double areaOf(const std::vector<dvec3>& corners) {
   dvec3 twice(0);
@@ -73,6 +70,8 @@ class Stacking {
  public:
   Stacking(Scene& scene, const SceneOptions& options, double rounding);
   void order();
+  // Once opposite polygons are ordered.
+  std::vector<AlikeOverlap> findAlike() const;
 
  private:
   std::vector<dvec3> cornersOf(uint32_t polygon) const;
@@ -99,6 +98,8 @@ class Stacking {
   void joinPlanes();
   void rankPolygons();
   void report();
+  bool isBetween(uint32_t other, const Overlap& alike) const;
+  bool isSeparated(const Overlap& alike) const;
 
   Scene& scene_;
   const double rounding_;       // gaps up to this are rounding of coordinates
@@ -565,6 +566,35 @@ void Stacking::report() {
                                           scene_.file, contradictions_, found.sheets + found.contacts, first_contradiction_));
 }
 
+// Whether an opposite polygon faces one of two that look alike and turns its back to the other one.
+bool Stacking::isBetween(uint32_t other, const Overlap& alike) const {
+  const Overlap *to_a = overlapOf(alike.a, other), *to_b = overlapOf(alike.b, other);
+  return to_a && to_b && to_a->is_opposite && to_b->is_opposite && to_a->side * to_b->side < 0;
+}
+
+// As two sheets lie on each other: the upper one's back is between their upper sides.
+bool Stacking::isSeparated(const Overlap& alike) const {
+  const std::vector<dvec3>& c = alike.corners;
+  const dvec3 middle = std::accumulate(c.begin(), c.end(), dvec3(0)) / double(c.size());
+  for (uint32_t k : overlaps_of_.at(alike.a)) {
+    const uint32_t other = overlaps_[k].a == alike.a ? overlaps_[k].b : overlaps_[k].a;
+    if (overlaps_[k].is_opposite && isInside(other, middle) && isBetween(other, alike)) return true;
+  }
+  return false;
+}
+
+std::vector<AlikeOverlap> Stacking::findAlike() const {
+  std::vector<AlikeOverlap> found;
+  const double nearest = std::max(rounding_, kResolvedGap);
+  for (const Overlap& overlap : overlaps_) {
+    if (overlap.is_opposite || std::max(overlap.high, -overlap.low) > nearest) continue;
+    if (scene_.polygons[overlap.a].face == scene_.polygons[overlap.b].face) continue;
+    if (widthOf(overlap.corners, overlap.area) < 2 * rounding_ || isSeparated(overlap)) continue;
+    found.push_back({overlap.a, overlap.b, overlap.area});
+  }
+  return found;
+}
+
 void Stacking::order() {
   findOverlaps();
   place_of_.assign(overlaps_.size(), 0);
@@ -583,6 +613,10 @@ void Stacking::order() {
 
 }  // namespace
 
-void orderCoincidentPolygons(Scene& scene, const SceneOptions& options, double rounding) { Stacking(scene, options, rounding).order(); }
+std::vector<AlikeOverlap> orderCoincidentPolygons(Scene& scene, const SceneOptions& options, double rounding) {
+  Stacking stacking(scene, options, rounding);
+  stacking.order();
+  return stacking.findAlike();
+}
 
 }  // namespace viewpeel

@@ -6,7 +6,9 @@
 // fronts, whatever other solids it passes or shares that solid with. So rays from points of every overlap vote, and the polygons of one plane are put in an order along its normal
 // (Polygon::tie_rank), as if they lay an infinitesimal distance apart. Engines order equal depths by these ranks.
 #pragma once
-#include "scene/scene.h"
+#include <vector>
+
+#include <viewpeel/scene.h>
 
 namespace viewpeel {
 
@@ -14,7 +16,15 @@ namespace viewpeel {
 // units in the last place of coordinates in single precision.
 constexpr double kCoincidenceReach = 2e-6;
 
-// Sets Polygon::tie_rank and Scene::coincidences. Where rounding has put coincident polygons in another order than the
+// Two polygons of different faces that look the same way and overlap in one plane, or so near to it that engines do not
+// tell them apart, with nothing between them: a line ends on either.
+struct AlikeOverlap {
+  uint32_t a, b;  // polygons, a < b
+  double area;    // of their common part, unit-ball units squared
+};
+
+// Sets Polygon::tie_rank and Scene::coincidences, and returns what overlaps and looks the same way: overlaps wider than
+// two kCoincidenceReach, or than 1e-3 of the narrower polygon's width where that is less, and than the rounding. Where rounding has put coincident polygons in another order than the
 // one found, it also moves them into one plane, and with them every corner at the very same place: by kCoincidenceReach
 // at most, a corner of several such planes by as much for each.
 //   Rays that meet other coincident polygons wait until those are ordered. Where rays tell nothing, the gap between two
@@ -25,6 +35,6 @@ constexpr double kCoincidenceReach = 2e-6;
 //   Throws: Error bad_usage for names that are no surface's, or that are both.
 //   Tests: tests/unit/coincident_test.cpp
 //   Cost: O(n log n), and some 30 rays for each pair of coincident polygons, O(log n) each.
-void orderCoincidentPolygons(Scene& scene, const SceneOptions& options, double rounding);
+std::vector<AlikeOverlap> orderCoincidentPolygons(Scene& scene, const SceneOptions& options, double rounding);
 
 }  // namespace viewpeel

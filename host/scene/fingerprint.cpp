@@ -1,5 +1,5 @@
 #include "hash.h"
-#include "scene/scene.h"
+#include <viewpeel/scene.h>
 
 namespace viewpeel {
 
@@ -27,6 +27,11 @@ uint64_t fingerprint(const Scene& scene) {
     hash.add(surface.name);
     hash.add(surface.face_count);
   }
+  for (const std::vector<EmptyRow>* rows : {&scene.empty_faces, &scene.empty_surfaces})
+    for (const EmptyRow& empty : *rows) {
+      hash.add(empty.row);
+      hash.add(empty.name);
+    }
   hash.add(scene.planes.size());
   for (const Plane& plane : scene.planes) {
     addPoint(plane.normal);

@@ -8,6 +8,8 @@
 
 #include <glm/glm.hpp>
 
+#include "scene/perimeter.h"
+
 namespace viewpeel {
 namespace {
 
@@ -53,13 +55,6 @@ double distanceFrom(const Plane& plane, const Scene& scene, const Polygon& polyg
   for (uint32_t k = 0; k < polygon.corner_count; ++k)
     distance = std::max(distance, std::abs(glm::dot(plane.normal, scene.corners[polygon.first_corner + k]) - plane.offset));
   return distance;
-}
-
-double perimeterOf(const Scene& scene, const Polygon& polygon) {
-  double perimeter = 0;
-  const glm::dvec3* corners = &scene.corners[polygon.first_corner];
-  for (uint32_t k = 0; k < polygon.corner_count; ++k) perimeter += glm::length(corners[(k + 1) % polygon.corner_count] - corners[k]);
-  return perimeter;
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 #pragma once
-#include "scene/scene.h"
+#include <viewpeel/scene.h>
 
 namespace viewpeel {
 

@@ -5,7 +5,7 @@
 
 #include <glm/glm.hpp>
 
-#include "scene/scene.h"
+#include <viewpeel/scene.h>
 
 namespace viewpeel {
 namespace {

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "scene/scene.h"
+#include <viewpeel/scene.h>
 
 namespace viewpeel {
 

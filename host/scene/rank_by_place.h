@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "scene/scene.h"
+#include <viewpeel/scene.h>
 
 namespace viewpeel {
 

@@ -1,7 +1,9 @@
 // Wavefront OBJ: v, f, o and g.
 #include <algorithm>
 #include <fstream>
+#include <map>
 #include <unordered_map>
+#include <utility>
 
 #include "scene/readers.h"
 #include "scene/words.h"
@@ -85,12 +87,35 @@ class ObjReader {
   // The latest `o` or `g` names the surface; a nameless `g` falls back to the object, and that to the file.
   uint32_t surfaceInForce() {
     const std::string& name = !name_.empty() ? name_ : object_;
-    const auto [at, is_new] = surfaces_.try_emplace(name.empty() ? file_.stem().string() : name, uint32_t(scene_.surface_names.size()));
-    if (is_new) scene_.surface_names.push_back(at->first);
+    const std::string own = name.empty() ? file_.stem().string() : name;
+    const auto [at, is_new] = surfaces_.try_emplace(std::pair(own == object_ ? std::string() : object_, own), uint32_t(scene_.surface_names.size()));
+    if (is_new) scene_.surface_names.push_back(own);
     return at->second;
   }
 
+  // Groups of one name in different objects are different surfaces: the objects' names tell them apart.
+  void tellGroupsApart() {
+    std::unordered_map<std::string, uint32_t> uses;
+    for (const std::string& name : scene_.surface_names) ++uses[name];
+    const std::vector<std::string> names = scene_.surface_names;
+    std::string first;
+    uint32_t count = 0;
+    for (const auto& [key, surface] : surfaces_) {
+      const auto& [object, group] = key;
+      if (object.empty() || uses[group] < 2) continue;
+      scene_.surface_names[surface] = object + "/" + group;
+      if (uses.count(scene_.surface_names[surface]))
+        refuse(fmt::format("group '{}' of object '{}' cannot be told from surface '{}'; rename one of them", group, object, scene_.surface_names[surface]), 0);
+      ++uses[scene_.surface_names[surface]];
+      if (count++ == 0) first = scene_.surface_names[surface];
+    }
+    if (count > 0)
+      scene_.warnings.push_back(fmt::format("{}: {} groups share their names with others in other objects and have the objects' names before their own, as '{}'; "
+                                            "rename groups that are to have names of their own", scene_.file, count, first));
+  }
+
   InputScene finish() {
+    tellGroupsApart();
     for (const Face& face : faces_) {
       InputFace input{{}, face.surface, face.line};
       for (uint64_t index : face.vertices) {
@@ -111,7 +136,7 @@ class ObjReader {
   InputScene scene_;
   uint32_t line_ = 0;
   std::string object_, name_;
-  std::unordered_map<std::string, uint32_t> surfaces_;
+  std::map<std::pair<std::string, std::string>, uint32_t> surfaces_;  // by object, empty where it names the surface itself, and name
   std::vector<glm::dvec3> vertices_;
   std::vector<Face> faces_;
 };

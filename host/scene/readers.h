@@ -1,7 +1,7 @@
 // One reader per format. They are our own because the file has to be read in double, errors have to name their line, and a file that is cut
 // short has to be refused. The file is known to exist and to be readable.
 #pragma once
-#include "scene/scene.h"
+#include <viewpeel/scene.h>
 
 namespace viewpeel {
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "result/ids.h"
+#include <viewpeel/ids.h>
 
 namespace viewpeel {
 

@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "error.h"
+#include <viewpeel/error.h>
 #include "sums/add_pairs.h"
 
 namespace viewpeel {
@@ -19,7 +20,7 @@ void addExactly(ControlSums::Wide& sum, ControlSums::Wide more) {
 
 }  // namespace
 
-PairCounts withRows(PairCounts counts) {
+PairCounts withRows(PairCounts counts, std::span<const PairShare> others) {
   std::vector<uint64_t> rows;
   const auto addTo = [&](uint32_t id, uint64_t count) {
     if (id >= rows.size()) rows.resize(id + 1, 0);
@@ -31,7 +32,13 @@ PairCounts withRows(PairCounts counts) {
   }
   for (PairCount& count : counts)
     if (count.j >= kEnvironment) count.blocked = rows[count.i] - count.count;
-  return counts;
+  PairCounts missing;
+  for (const PairShare& pair : others)
+    if (pair.j >= kEnvironment && pair.i < rows.size() && rows[pair.i] > 0) missing.push_back({pair.i, pair.j, 0, rows[pair.i]});
+  PairCounts all;
+  all.reserve(counts.size() + missing.size());
+  std::ranges::set_union(counts, missing, std::back_inserter(all), isBefore);  // of both, the one counted
+  return all;
 }
 
 void requireCountsForShares(const PairCount& count) {

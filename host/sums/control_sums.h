@@ -4,9 +4,10 @@
 // difference from V in expectation, and where b is near the share of lines that nothing blocks it hardly varies.
 #pragma once
 #include <cstdint>
+#include <span>
 #include <vector>
 
-#include "result/form_factors.h"
+#include <viewpeel/form_factors.h>
 #include "sums/replicate_sums.h"
 
 namespace viewpeel {
@@ -29,8 +30,10 @@ struct ControlCount {
   uint64_t line = 1;  // counts that one line adds, at most
 };
 
-// What leaves the scene, or ends on a back, beside all lines of its row, as `blocked`: their number is known as well, for rows sum to 1.
-PairCounts withRows(PairCounts counts);
+// Sets `blocked` of environment and leak to all other lines of their row: the number of all lines is known, for rows sum to 1.
+//   In: others: pairs (i, environment or leak), sorted, of which other replicates counted lines: where these counts have none, the
+//     pair is added with 0 facing lines, for a replicate whose lines all go elsewhere tells of the pair, too
+PairCounts withRows(PairCounts counts, std::span<const PairShare> others = {});
 
 // Of a pair, or a row, in one replicate: with kShareBits more the squares of 2^3 replicates are within 128 bits.
 constexpr uint64_t kMostCounts = uint64_t(1) << 50;

@@ -19,6 +19,17 @@ struct KnownPair {
   bool operator==(const KnownPair&) const = default;
 };
 
+// Which pairs that the run itself has met, and whose exchange areas were computed for that, count as shares of these. Where a pair that
+// was not met has no entry, only those count so that every run meets: a share of a pair that few runs meet is right on the average of
+// these, and its row adds up to too little on the average of all. What decides is known before the run: a pair's expected lines,
+// L = N X / (2 h^2) for N directions and counts of area h^2, and directions, for one that sees it has 1 + 8/27 A / h^2 lines.
+//   In: exchange: input units squared; area: the smaller of the two
+inline bool isSharedPair(double directions, double count_area, double exchange, double area) {
+  constexpr double kLeastLines = 64, kLeastDirections = 16;
+  const double lines = directions * exchange / (2 * count_area);
+  return lines >= kLeastLines && lines / (1 + 8 / 27.0 * area / count_area) >= kLeastDirections;
+}
+
 // An exchange area with nothing in between, and what it may be off by; input units squared.
 struct BoundedExchange {
   double area = 0, error = 0;

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "result/form_factors.h"
-#include "result/ids.h"
+#include <viewpeel/form_factors.h>
+#include <viewpeel/ids.h>
 #include "sums/pair_count.h"
 
 namespace viewpeel {

@@ -44,7 +44,7 @@ bool RunSums::isWhole() const {
     count += replicates[k].end - replicates[k].first;
   }
   if (hasPairsInVisible() && !by_id.pairs().empty()) return false;
-  return by_id.replicateCount() == count && by_surface.replicateCount() == count && (!visible || (visible->byFace().replicateCount() == count && visible->bySurface().replicateCount() == count && visible->directed().replicateCount() == count));
+  return by_id.replicateCount() == count && by_surface.replicateCount() == count && (!visible || (visible->byFace().replicateCount() == count && visible->surfaceControls().replicateCount() == count && visible->directed().replicateCount() == count));
 }
 
 void RunSums::add(uint64_t replicate, const PairCounts& counts, uint64_t direction_count, const PairCounts& directed) {
@@ -73,33 +73,32 @@ void RunSums::add(const RunSums& others) {
 FormFactors RunSums::formFactors(const ExchangeRow& row) const {
   if (visible && visible->by() == By::surface) return betweenSurfaces();
   if (!visible) return by_id.formFactors(measure_area, countArea());
-  // What counts alone say of pairs whose closed forms are known is not looked at.
+  // What counts alone say of other pairs is not looked at.
   const std::vector<ShareSums::PairSum>& pairs = visible->byFace().pairs();
-  std::vector<FormFactors::Entry> unknown;
-  unknown.reserve(pairs.size());
+  std::vector<FormFactors::Entry> sampled;
+  sampled.reserve(pairs.size());
   auto at = visible->known().pairs.begin();
   const auto end = visible->known().pairs.end();
   for (const ShareSums::PairSum& pair : pairs) {
     while (at != end && keyOf(*at) < keyOf(pair)) ++at;
-    const bool is_unknown = at == end || keyOf(*at) != keyOf(pair) || std::isinf(at->exchange);
-    if (!is_unknown || pair.facing == 0) continue;
+    const bool is_known = at != end && keyOf(*at) == keyOf(pair);
+    if (pair.facing == 0 || (is_known && !visible->isCountedAlone(*at, double(directions), countArea()))) continue;
     const ReplicateSums::PairSum counted{pair.i, pair.j, {pair.facing, visible->byFace().squaresOf(pair).facing}};
-    unknown.push_back({pair.i, pair.j, by_id.exchangeArea(counted, measure_area, countArea())});
+    sampled.push_back({pair.i, pair.j, by_id.exchangeArea(counted, measure_area, countArea())});
   }
-  const FormFactors sampled(by_id.ids(), std::move(unknown), by_id.formFactors(measure_area, countArea()).rowSums());
-  return visible->formFactors(By::polygon, measure_area, countArea(), sampled, row);
+  return visible->byPolygon(measure_area, countArea(), by_id, sampled, row);
 }
 
 FormFactors RunSums::knownFormFactors() const {
-  std::vector<FormFactors::Entry> entries = visible->formFactors(By::polygon, measure_area, countArea(), FormFactors({}, {}, {})).entries();
+  std::vector<FormFactors::Entry> entries = visible->ofKnownPairs(measure_area, countArea(), by_id);
   auto at = visible->known().pairs.begin();  // one of each of these
-  std::erase_if(entries, [&](const FormFactors::Entry&) { return std::isinf((at++)->exchange); });
+  std::erase_if(entries, [&](const FormFactors::Entry&) { return visible->isCountedAlone(*at++, double(directions), countArea()); });
   return {by_id.ids(), std::move(entries), {}};
 }
 
 FormFactors RunSums::betweenSurfaces() const {
   const FormFactors sampled = by_surface.formFactors(measure_area, countArea());
-  return visible ? visible->formFactors(By::surface, measure_area, countArea(), sampled) : sampled;
+  return visible ? visible->bySurface(measure_area, countArea(), sampled) : sampled;
 }
 
 ReplicateRange findShared(const std::vector<ReplicateRange>& a, const std::vector<ReplicateRange>& b) {

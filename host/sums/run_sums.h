@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "result/form_factors.h"
+#include <viewpeel/form_factors.h>
 #include "sums/replicate_sums.h"
 #include "sums/visible_sums.h"
 

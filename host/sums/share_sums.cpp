@@ -75,17 +75,17 @@ class ShareSums::Entries {
   }
 
  public:
-  Entries(const ShareSums& sums, const std::vector<KnownPair>& known, const std::vector<uint64_t>& lines, double measure_area, double count_area, const FormFactors& sampled,
-          const NeighbourShares* neighbours)
-      : sums_(sums), known_pairs_(known), lines_(lines), sampled_entries_(sampled.entries()), neighbours_(neighbours), measure_area_(measure_area), count_area_(count_area),
+  Entries(const ShareSums& sums, const std::vector<KnownPair>& known, const std::vector<uint64_t>& lines, double measure_area, double count_area,
+          std::span<const ReplicateSums::Sum> rows, const std::vector<FormFactors::Entry>& sampled, const NeighbourShares* neighbours)
+      : sums_(sums), known_pairs_(known), lines_(lines), rows_(rows), sampled_entries_(sampled), neighbours_(neighbours), measure_area_(measure_area), count_area_(count_area),
         beside_replicates_(besideReplicates(sums.replicate_count_)) {}
 
-  std::vector<FormFactors::Entry> of(uint32_t first_row, uint32_t end_row, const ExchangeRow& row) {
+  Found of(uint32_t first_row, uint32_t end_row, const ExchangeRow& row) {
     known_ = firstOf(known_pairs_, first_row);
     told_ = firstOf(sums_.pairs_, first_row);
     sampled_ = firstOf(sampled_entries_, first_row);
     std::vector<BoundedExchange> later;
-    if (row) entries_.reserve(size_t(end_row - first_row) * (sums_.ids_.count() - first_row));  // no memory before it is written to
+    if (row) found_.entries.reserve(size_t(end_row - first_row) * (sums_.ids_.count() - first_row));  // no memory before it is written to
     for (uint32_t i = first_row; i < end_row; ++i) {
       if (row) {
         later.assign(sums_.ids_.count() - i - 1, {});
@@ -96,7 +96,7 @@ class ShareSums::Entries {
       for (uint32_t j = i + 1, end = static_cast<uint32_t>(i + 1 + later.size()); j < end; ++j) {
         // Up to the next that anything is known of.
         for (const uint32_t next = std::min(nextAfter(i, j), end); j < next; ++j)
-          if (const BoundedExchange& exchange = later[j - i - 1]; exchange.area > 0 || exchange.error > 0) entries_.push_back({i, j, fromNeighbours(i, j, exchange.area, exchange.error)});
+          if (const BoundedExchange& exchange = later[j - i - 1]; exchange.area > 0 || exchange.error > 0) guess(i, j, exchange.area, exchange.error);
         if (j == end) break;
         addBefore(i, j);
         const BoundedExchange& exchange = later[j - i - 1];
@@ -111,7 +111,7 @@ class ShareSums::Entries {
       }
       addBefore(i + 1, 0);
     }
-    return std::move(entries_);
+    return std::move(found_);
   }
 
  private:
@@ -126,6 +126,17 @@ class ShareSums::Entries {
     return isAt(told_, sums_.pairs_, i, j) ? *told_ : PairSum{i, j};
   }
 
+  // Of environment and leak all other lines of the row are blocked, in replicates that saw none leave it, too:
+  //   sum O^2 = sum (L - V)^2 = sum L^2 - 2 sum V (V + O) + sum V^2 with L lines of the row in a replicate, for V + O = L where V > 0.
+  std::pair<PairSum, Squares> withRow(PairSum pair) const {
+    Squares squares = sums_.squaresOf(pair);
+    if (pair.j < kEnvironment || rows_.empty()) return {pair, squares};
+    const ReplicateSums::Sum& row = rows_[pair.i];
+    pair.blocked = static_cast<uint64_t>(row.sum - pair.facing);
+    squares.blocked = row.sum_of_squares - 2 * (squares.facing + squares.product) + squares.facing;
+    return {pair, squares};
+  }
+
   // The least j of row i, of at least `from`, of a pair that is known, told or sampled.
   uint32_t nextAfter(uint32_t i, uint32_t from) {
     while (told_ != sums_.pairs_.end() && keyOf(*told_) < std::pair(i, from)) ++told_;
@@ -136,10 +147,12 @@ class ShareSums::Entries {
     return next;
   }
 
-  Measured fromNeighbours(uint32_t i, uint32_t j, double area, double error) const {
+  // A pair that no line met.
+  void guess(uint32_t i, uint32_t j, double area, double error) {
     const NeighbourShares::Share share = neighbours_->of(i, j);
     const double most = std::min({area, sums_.ids_.areas[i], sums_.ids_.areas[j]});
-    return {share.mean * most, sums_.replicate_count_ < 2 ? INFINITY : share.deviation() * most + share.mean * error};
+    found_.guesses.push_back({static_cast<uint32_t>(found_.entries.size()), static_cast<float>(most), share.mean, 1});
+    found_.entries.push_back({i, j, {share.mean * most, sums_.replicate_count_ < 2 ? INFINITY : share.deviation() * most + share.mean * error}});
   }
 
   // Pairs that are known, and those sampled alone.
@@ -149,34 +162,42 @@ class ShareSums::Entries {
       const bool has_known = known_ != known_pairs_.end() && keyOf(*known_) < key, has_sampled = sampled_ != sampled_entries_.end() && keyOf(*sampled_) < key;
       if (!has_known && !has_sampled) return;
       if (has_sampled && (!has_known || keyOf(*sampled_) < keyOf(*known_))) {
-        entries_.push_back(*sampled_++);
+        found_.entries.push_back(*sampled_++);
         continue;
       }
       const KnownPair& pair = *known_++;
       const bool is_sampled = has_sampled && keyOf(*sampled_) == keyOf(pair);
-      if (is_sampled && std::isinf(pair.exchange)) entries_.push_back(*sampled_);
+      if (is_sampled) found_.entries.push_back(*sampled_);
       else add(take(pair.i, pair.j), pair, 0);
       if (is_sampled) ++sampled_;
     }
   }
 
-  void add(const PairSum& told, const KnownPair& pair, double error) { entries_.push_back({pair.i, pair.j, measure(told, exchangeOf(pair, pair.share, sums_.ids_.areas, lines_), error)}); }
+  //   In: error: of the exchange area
+  void add(const PairSum& told, const KnownPair& pair, double error) {
+    const KnownExchange known = exchangeOf(pair, pair.share, sums_.ids_.areas, lines_);
+    const auto [sum, squares] = withRow(told);
+    if (sum.facing + sum.blocked == 0 && !std::isinf(known.most) && neighbours_ && pair.j < kEnvironment) return guess(pair.i, pair.j, known.most, error);
+    found_.entries.push_back({pair.i, pair.j, measure(sum, squares, known, error)});
+  }
 
-  //   In: error: of known.most
-  Measured measure(const PairSum& pair, const KnownExchange& known, double error) const {
+  // Of a pair that lines met, or whose exchange area or neighbours nobody knows.    In: error: of known.most
+  Measured measure(const PairSum& pair, const Squares& squared, const KnownExchange& known, double error) {
     const auto replicates = static_cast<double>(sums_.replicate_count_), facing = double(pair.facing), blocked = double(pair.blocked), lines = facing + blocked;
     const bool has_form = !std::isinf(known.most), is_share = lines > 0 && has_form;
-    if (lines == 0 && has_form && neighbours_ && pair.j < kEnvironment) return fromNeighbours(pair.i, pair.j, known.most, error);
     const double b = lines > 0 ? facing / lines : 0;
     Measured exchange{is_share ? b * known.most : known.area, INFINITY};
     if (sums_.replicate_count_ < 2) return exchange;
     const double area = std::min(sums_.ids_.areas[pair.i], pair.j < kEnvironment ? sums_.ids_.areas[pair.j] : INFINITY);
     // The replicates' variance in units of counts: of residuals (1 - b) V_r - b O_r, whose sum is 0; and of lines, each by chance of its own.
-    const Squares squared = sums_.squaresOf(pair);
     const double residuals = (1 - b) * (1 - b) * double(squared.facing) - 2 * b * (1 - b) * double(squared.product) + b * b * double(squared.blocked);
     const double variance = std::max(0.0, residuals) * replicates / (replicates - 1), squares = b * blocked * double(known.line);
     if (is_share && neighbours_ && pair.j < kEnvironment) {
-      const double told = effectiveLines(pair, squared, double(known.line)), share = told < kFewLines ? withNeighbours(told, b, neighbours_->of(pair.i, pair.j).mean) : b;
+      const double told = effectiveLines(pair, squared, double(known.line));
+      const float mean = neighbours_->of(pair.i, pair.j).mean;
+      const double share = told < kFewLines ? withNeighbours(told, b, mean) : b;
+      if (told < kFewLines)
+        found_.guesses.push_back({static_cast<uint32_t>(found_.entries.size()), static_cast<float>(known.most), mean, static_cast<float>(withNeighbours(told, 0, 1))});
       exchange.value = share * known.most;
       exchange.standard_error = std::sqrt(varianceOfShare(pair, squared, b, variance / lines / lines, area / count_area_, double(known.line))) * known.most;
       exchange.standard_error = std::min(exchange.standard_error, std::max(exchange.value, known.most - exchange.value)) + share * error;
@@ -209,38 +230,42 @@ class ShareSums::Entries {
   const ShareSums& sums_;
   const std::vector<KnownPair>& known_pairs_;
   const std::vector<uint64_t>& lines_;
+  std::span<const ReplicateSums::Sum> rows_;
   const std::vector<FormFactors::Entry>& sampled_entries_;
   const NeighbourShares* neighbours_;
   double measure_area_, count_area_, beside_replicates_;
   std::vector<KnownPair>::const_iterator known_;
   std::vector<PairSum>::const_iterator told_;
   std::vector<FormFactors::Entry>::const_iterator sampled_;
-  std::vector<FormFactors::Entry> entries_;
+  Found found_;
 };
 
-FormFactors ShareSums::formFactors(const std::vector<KnownPair>& known, const std::vector<uint64_t>& lines, double measure_area, double count_area, const FormFactors& sampled,
-                                   const NeighbourShares* neighbours, const ExchangeRow& row) const {
+ShareSums::Found ShareSums::find(const std::vector<KnownPair>& known, const std::vector<uint64_t>& lines, double measure_area, double count_area,
+                                 std::span<const ReplicateSums::Sum> rows, const std::vector<FormFactors::Entry>& sampled, const NeighbourShares* neighbours,
+                                 const ExchangeRow& row) const {
   // Some rows at a time: the first have the most pairs.
   constexpr size_t kParts = 64;
   const size_t n = ids_.count(), part_count = std::min(n, kParts);
-  std::vector<std::optional<std::vector<FormFactors::Entry>>> parts(part_count);
-  std::vector<FormFactors::Entry> entries;
-  entries.reserve((row ? size_t(pairCount(n)) : known.size()) + sampled.entries().size() + 2 * n);  // no memory before it is written to
+  std::vector<std::optional<Found>> parts(part_count);
+  Found all;
+  all.entries.reserve((row ? size_t(pairCount(n)) : known.size()) + sampled.size() + 2 * n);  // no memory before it is written to
   std::mutex mutex;
   size_t added = 0;
   const auto firstRow = [&](size_t part) { return static_cast<uint32_t>(double(n) * (1 - std::sqrt(1 - double(part) / double(part_count)))); };
   const auto addPart = [&](size_t, size_t part) {
     const uint32_t end = part + 1 == part_count ? static_cast<uint32_t>(n) : firstRow(part + 1);
-    std::vector<FormFactors::Entry> made = Entries(*this, known, lines, measure_area, count_area, sampled, neighbours).of(firstRow(part), end, row);
+    Found made = Entries(*this, known, lines, measure_area, count_area, rows, sampled, neighbours).of(firstRow(part), end, row);
     const std::lock_guard lock(mutex);
     parts[part] = std::move(made);
     for (; added < part_count && parts[added]; ++added) {  // in order, and gone: lists of all pairs are not to be there twice
-      entries.insert(entries.end(), parts[added]->begin(), parts[added]->end());
+      for (Guess& guess : parts[added]->guesses) guess.entry += static_cast<uint32_t>(all.entries.size());
+      all.guesses.insert(all.guesses.end(), parts[added]->guesses.begin(), parts[added]->guesses.end());
+      all.entries.insert(all.entries.end(), parts[added]->entries.begin(), parts[added]->entries.end());
       parts[added].emplace();
     }
   };
   shareOut(threadsFor(row ? n * n / 2 : known.size()), part_count, 1, addPart);
-  return {ids_, std::move(entries), sampled.rowSums()};
+  return all;
 }
 
 ControlSums ShareSums::controls(const std::vector<PairShare>& shares, const std::vector<uint64_t>& lines) const {

@@ -14,7 +14,9 @@
 #include <utility>
 #include <vector>
 
+#include "sums/calibrate_rows.h"
 #include "sums/known_pair.h"
+#include "sums/replicate_sums.h"
 
 namespace viewpeel {
 
@@ -53,13 +55,18 @@ class ShareSums {
   Squares squaresOf(const PairSum& pair) const;
   uint64_t replicateCount() const { return replicate_count_; }
 
-  //   In: known: sorted by (i, j), every pair at most once; lines as in lineOf; measure_area, count_area as in ReplicateSums; sampled: of the same replicates, for row sums and for pairs
-  //     not known; neighbours: of these sums, nullptr: pairs that no line met have the share that is known; row: for all other pairs, empty: those that no line met are left out
+  struct Found {
+    std::vector<FormFactors::Entry> entries;
+    std::vector<Guess> guesses;  // sorted by entry; without neighbours there are none
+  };
+  // Entries of all pairs, before calibrateRows.
+  //   In: known: sorted by (i, j), every pair at most once; lines as in lineOf; measure_area, count_area as in ReplicateSums; rows: of the same replicates, all lines of each row;
+  //     sampled: entries of pairs not known; neighbours: of these sums, nullptr: pairs that no line met have the share that is known; row: for all other pairs, empty: those that no line met are left out
   //   Error: biased by less than a standard error (above); with neighbours, a share that fewer than four lines tell is drawn to theirs, of which it is then half a line. Standard errors are those
   //     of replicates, never less than one line's (ControlSums), and no more than the distance to the farther end of [0, most]; with neighbours, what few lines and theirs say together. A pair that
   //     no line met has that of its neighbours' shares. Tests: tests/device/visible_share_test.cpp, bench/programs/coverage.cpp.
-  FormFactors formFactors(const std::vector<KnownPair>& known, const std::vector<uint64_t>& lines, double measure_area, double count_area, const FormFactors& sampled,
-                          const NeighbourShares* neighbours = nullptr, const ExchangeRow& row = {}) const;
+  Found find(const std::vector<KnownPair>& known, const std::vector<uint64_t>& lines, double measure_area, double count_area, std::span<const ReplicateSums::Sum> rows,
+             const std::vector<FormFactors::Entry>& sampled, const NeighbourShares* neighbours = nullptr, const ExchangeRow& row = {}) const;
 
   // The same lines with shares fixed beforehand.    In: shares, lines as in takeShares
   ControlSums controls(const std::vector<PairShare>& shares, const std::vector<uint64_t>& lines) const;

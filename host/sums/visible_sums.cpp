@@ -72,6 +72,7 @@ void VisibleSums::prepare() {
   for (const KnownPair& pair : known_.pairs) {
     if (pair.share) shares_.push_back({pair.i, pair.j, pair.share});
     if (pair.surface_share) surface_shares_.push_back({pair.i, pair.j, pair.surface_share});
+    if (pair.j >= kEnvironment && (pair.share || pair.surface_share)) row_shares_.push_back({pair.i, pair.j, pair.share});
     if (directed != known_.directed.end() && keyOf(*directed) == keyOf(pair)) {
       directed_exchanges_.push_back(exchangeOf(pair, directed->share, areas, {}));
       directed_exchanges_.back().line = directed->line;
@@ -96,7 +97,7 @@ PairCounts VisibleSums::withoutDirected(PairCounts counts) const {
 }
 
 void VisibleSums::add(const PairCounts& counts, const PairCounts& directed) {
-  const PairCounts common = withoutDirected(withRows(counts)), none;
+  const PairCounts common = withoutDirected(withRows(counts, row_shares_)), none;
   const auto addTo = [&](size_t, size_t k) {
     if (k == 0) by_surface_.add(mergeIds(takeShares(common, surface_shares_, known_.lines), by_face_.ids().surface));
     if (k == 1) by_face_.add(by_ == By::polygon ? common : none);
@@ -156,17 +157,44 @@ std::vector<FormFactors::Entry> VisibleSums::directedEntries() const {
   return entries;
 }
 
-FormFactors VisibleSums::formFactors(By by, double measure_area, double count_area, const FormFactors& sampled, const ExchangeRow& row) const {
-  if (by == By::polygon) {
-    std::optional<NeighbourShares> neighbours;
-    if (!known_.ranks.empty()) neighbours.emplace(by_face_, known_.lines, known_.ranks);
-    FormFactors common = by_face_.formFactors(known_.pairs, known_.lines, measure_area, count_area, sampled, neighbours ? &*neighbours : nullptr, neighbours ? row : ExchangeRow{});
-    if (known_.directed.empty()) return common;
-    std::vector<FormFactors::Entry> entries = std::move(common).entries();
-    for (const FormFactors::Entry& directed : directedEntries())  // among the pairs known, so there
-      std::ranges::lower_bound(entries, keyOf(directed), {}, keyOf<FormFactors::Entry>)->exchange_area = directed.exchange_area;
-    return {by_face_.ids(), std::move(entries), sampled.rowSums()};
+bool VisibleSums::isCountedAlone(const KnownPair& pair, double directions, double count_area) const {
+  if (std::isinf(pair.exchange)) return true;
+  const bool is_learnt = !known_.has_all_pairs && known_.ranks.empty() && pair.share == 0 && pair.surface_share == 0;
+  if (!is_learnt || pair.j >= kEnvironment) return false;
+  const std::vector<double>& areas = by_face_.ids().areas;
+  return !isSharedPair(directions, count_area, pair.exchange, std::min(areas[pair.i], areas[pair.j]));
+}
+
+ShareSums::Found VisibleSums::find(double measure_area, double count_area, const ReplicateSums& counted, const std::vector<FormFactors::Entry>& sampled,
+                                   const ExchangeRow& row) const {
+  std::optional<NeighbourShares> neighbours;
+  if (!known_.ranks.empty()) neighbours.emplace(by_face_, known_.lines, known_.ranks);
+  ShareSums::Found found =
+      by_face_.find(known_.pairs, known_.lines, measure_area, count_area, counted.rowSums(), sampled, neighbours ? &*neighbours : nullptr, neighbours ? row : ExchangeRow{});
+  std::vector<uint32_t> measured;  // entries that directions of their own have made
+  for (const FormFactors::Entry& directed : directedEntries()) {  // among the pairs known, so there
+    const auto at = std::ranges::lower_bound(found.entries, keyOf(directed), {}, keyOf<FormFactors::Entry>);
+    at->exchange_area = directed.exchange_area;
+    measured.push_back(static_cast<uint32_t>(at - found.entries.begin()));
   }
+  if (!measured.empty()) std::erase_if(found.guesses, [&](const Guess& guess) { return std::ranges::binary_search(measured, guess.entry); });
+  return found;
+}
+
+FormFactors VisibleSums::byPolygon(double measure_area, double count_area, const ReplicateSums& counted, const std::vector<FormFactors::Entry>& sampled,
+                                   const ExchangeRow& row) const {
+  ShareSums::Found found = find(measure_area, count_area, counted, sampled, row);
+  const std::vector<double>& areas = by_face_.ids().areas;
+  calibrateRows(found.entries, found.guesses, areas);
+  std::vector<Measured> rows = sumRows(found.entries, areas);
+  return {by_face_.ids(), std::move(found.entries), std::move(rows)};
+}
+
+std::vector<FormFactors::Entry> VisibleSums::ofKnownPairs(double measure_area, double count_area, const ReplicateSums& counted) const {
+  return find(measure_area, count_area, counted, {}, {}).entries;
+}
+
+FormFactors VisibleSums::bySurface(double measure_area, double count_area, const FormFactors& sampled) const {
   // Directed pairs have random numbers of their own: their variances add up with that of the others.
   const FormFactors others = by_surface_.allowForUnmet(by_surface_.formFactors(measure_area, surface_exchanges_, count_area), measure_area, surface_exchanges_, count_area);
   std::vector<FormFactors::Entry> entries = others.entries();
@@ -178,7 +206,9 @@ FormFactors VisibleSums::formFactors(By by, double measure_area, double count_ar
     sum.value += ways * directed.exchange_area.value;
     sum.standard_error = std::hypot(sum.standard_error, ways * directed.exchange_area.standard_error);
   }
-  return chooseBetter({others.ids(), std::move(entries), {}}, sampled);
+  std::vector<FormFactors::Entry> better = chooseBetter({others.ids(), std::move(entries), {}}, sampled).entries();
+  std::vector<Measured> rows = sumRows(better, others.ids().areas);
+  return {others.ids(), std::move(better), std::move(rows)};
 }
 
 bool VisibleSums::directsAs(const VisibleSums& others) const {

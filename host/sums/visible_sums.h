@@ -52,16 +52,23 @@ class VisibleSums {
   By by() const { return by_; }
   const KnownShares& known() const { return known_; }
   const ShareSums& byFace() const { return by_face_; }  // empty where surfaces are asked for
-  const ControlSums& bySurface() const { return by_surface_; }
+  const ControlSums& surfaceControls() const { return by_surface_; }
   const ControlSums& directed() const { return directed_; }  // by face
   // Whether the shares, that is the integers, are the same.
   bool goesWith(const VisibleSums& others) const;
   // Whether the same pairs have as many directions of their own.
   bool directsAs(const VisibleSums& others) const;
 
-  //   In: measure_area, count_area as in ReplicateSums; sampled: of the same replicates and kind of ids, for row sums and where shares are of no use
-  //     row: closed forms of pairs that are not known, by polygon; empty: what is not known is sampled, or left out
-  FormFactors formFactors(By by, double measure_area, double count_area, const FormFactors& sampled, const ExchangeRow& row = {}) const;
+  // Form factors by polygon and their row sums.
+  //   In: measure_area, count_area as in ReplicateSums; counted: of the same replicates, all lines of each row; sampled: entries of pairs that isCountedAlone has
+  //     row: closed forms of pairs that are not known; empty: what is not known is sampled, or left out
+  FormFactors byPolygon(double measure_area, double count_area, const ReplicateSums& counted, const std::vector<FormFactors::Entry>& sampled, const ExchangeRow& row = {}) const;
+  // Those of known pairs alone, one entry for each, whose guesses do not fit their rows yet.
+  std::vector<FormFactors::Entry> ofKnownPairs(double measure_area, double count_area, const ReplicateSums& counted) const;
+  //   In: sampled: of the same replicates, where shares are of no use
+  FormFactors bySurface(double measure_area, double count_area, const FormFactors& sampled) const;
+  // Whether counts alone are the estimate of a known pair.    In: directions of all replicates; count_area as in ReplicateSums
+  bool isCountedAlone(const KnownPair& pair, double directions, double count_area) const;
   // Of faces, with the shares fixed beforehand.
   ControlSums faceControls() const { return by_face_.controls(shares_, known_.lines); }
   FormFactors controlledFormFactors(double measure_area, const FormFactors& sampled) const;
@@ -70,6 +77,7 @@ class VisibleSums {
   void prepare();
   PairCounts withoutDirected(PairCounts counts) const;
   std::vector<FormFactors::Entry> directedEntries() const;
+  ShareSums::Found find(double measure_area, double count_area, const ReplicateSums& counted, const std::vector<FormFactors::Entry>& sampled, const ExchangeRow& row) const;
 
   By by_;
   KnownShares known_;
@@ -77,6 +85,7 @@ class VisibleSums {
   ControlSums by_surface_, directed_;
   // Made of known_.
   std::vector<PairShare> shares_, surface_shares_;
+  std::vector<PairShare> row_shares_;  // of environment and leak
   std::vector<KnownExchange> surface_exchanges_, directed_exchanges_;
 };
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "unoccluded/host_unoccluded.h"
-#include "result/ids.h"
+#include <viewpeel/ids.h>
 #include "sums/known_pair.h"
 
 namespace viewpeel {

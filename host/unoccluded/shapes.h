@@ -4,7 +4,7 @@
 #include <glm/vec3.hpp>
 
 #include "unoccluded/shared.h"
-#include "scene/scene.h"
+#include <viewpeel/scene.h>
 
 namespace viewpeel {
 

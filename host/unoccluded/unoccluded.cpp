@@ -19,7 +19,7 @@
 #include "unoccluded/line_rules.h"
 #include "unoccluded/shapes.h"
 #include "unoccluded/shared.h"
-#include "error.h"
+#include <viewpeel/error.h>
 #include "shaders/unoccluded_classify.comp.h"
 #include "shaders/unoccluded_edges.comp.h"
 #include "shaders/unoccluded_far.comp.h"

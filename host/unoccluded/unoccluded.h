@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "scene/scene.h"
+#include <viewpeel/scene.h>
 #include "vulkan/device.h"
 
 namespace viewpeel {

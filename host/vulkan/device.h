@@ -6,28 +6,9 @@
 
 #include <volk.h>
 
+#include <viewpeel/device.h>
+
 namespace viewpeel {
-
-// One physical device as `viewpeel devices` lists it.
-struct DeviceDescription {
-  uint32_t index = 0;
-  std::string name;
-  std::string kind;     // "discrete gpu", "integrated gpu", "virtual gpu", "cpu", "other"
-  std::string driver;   // name and version
-  std::string api;      // Vulkan version
-  std::string refusal;  // why it cannot be used; empty where it can
-};
-
-// Every physical device that the Vulkan loader finds.
-//   Throws: Error device where there is no Vulkan loader or driver.
-std::vector<DeviceDescription> listDevices();
-
-struct DeviceOptions {
-  // Index, part of the name, "cpu" or "gpu". Empty: the environment variable VIEWPEEL_DEVICE, else the best by kind.
-  std::string selector;
-  // Validation layer with synchronisation validation; also switched on by the environment variable VIEWPEEL_VALIDATION=1.
-  bool validation = false;
-};
 
 class Device {
  public:

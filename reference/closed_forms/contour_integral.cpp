@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
-#include "error.h"
+#include <viewpeel/error.h>
 #include "reference/exact/convex_polygon.h"
 #include "reference/closed_forms/quadrature.h"
 

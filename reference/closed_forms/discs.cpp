@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "error.h"
+#include <viewpeel/error.h>
 
 namespace viewpeel::reference {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "error.h"
+#include <viewpeel/error.h>
 
 namespace viewpeel::reference {
 namespace {

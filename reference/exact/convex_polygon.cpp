@@ -7,7 +7,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "error.h"
+#include <viewpeel/error.h>
 
 namespace viewpeel::reference {
 namespace {

@@ -4,7 +4,8 @@
 #include <cmath>
 #include <map>
 
-#include "error.h"
+#include "engines/lattice_options.h"
+#include <viewpeel/error.h>
 #include "reference/exact/exact_pair_areas.h"
 
 namespace viewpeel::reference {
@@ -76,6 +77,12 @@ class ExactEngine : public Engine {
 
 std::unique_ptr<Engine> makeExactEngine(const Scene& scene, const Ids& ids, const ExactOptions& options) {
   return std::make_unique<ExactEngine>(scene, ids, options);
+}
+
+EngineFactory exactEngines() {
+  return [](const Scene& scene, const Ids& ids, const LatticeOptions& options) {
+    return makeExactEngine(scene, ids, {.blocked = options.count_blocked, .thread_count = options.thread_count, .on_direction = options.stop});
+  };
 }
 
 }  // namespace viewpeel::reference

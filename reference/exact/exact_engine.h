@@ -2,8 +2,8 @@
 #pragma once
 #include <memory>
 
-#include "engines/engine.h"
-#include "result/ids.h"
+#include <viewpeel/engine.h>
+#include <viewpeel/ids.h>
 #include "reference/exact/exact_pair_areas.h"
 
 namespace viewpeel::reference {
@@ -14,5 +14,8 @@ namespace viewpeel::reference {
 //   Throws (constructor): Error bad_input where polygons pass through each other, naming two and the place.
 //   Cost: computeExactPairAreas per direction, over `thread_count` threads.
 std::unique_ptr<Engine> makeExactEngine(const Scene& scene, const Ids& ids, const ExactOptions& options = {});
+
+// Engines of this kind for what takes engines of any. Of the options of lattices thread_count, count_blocked and stop are looked at.
+EngineFactory exactEngines();
 
 }  // namespace viewpeel::reference

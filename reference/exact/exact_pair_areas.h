@@ -24,7 +24,7 @@
 
 #include "sums/pair_count.h"
 #include "reference/exact/interpenetration.h"
-#include "scene/scene.h"
+#include <viewpeel/scene.h>
 
 namespace viewpeel::reference {
 

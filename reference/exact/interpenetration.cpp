@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
-#include "error.h"
-#include "result/ids.h"
+#include <viewpeel/error.h>
+#include <viewpeel/ids.h>
 
 namespace viewpeel::reference {
 namespace {

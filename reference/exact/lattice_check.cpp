@@ -1,7 +1,6 @@
 #include "reference/exact/lattice_check.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <map>
 #include <set>
@@ -11,6 +10,7 @@
 
 #include "directions/sampler.h"
 #include "reference/exact/exact_pair_areas.h"
+#include "stopwatch.h"
 
 namespace viewpeel::reference {
 namespace {
@@ -63,10 +63,6 @@ struct Sums {
 
 std::string pairName(const Ids& ids, const Key& key) {
   return ids.names[key.i] + " - " + (key.j == kEnvironment ? "environment" : key.j == kLeak ? "leak" : ids.names[key.j]) + (key.blocked ? ", blocked" : "");
-}
-
-double secondsSince(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 class RowCheck {
@@ -167,10 +163,10 @@ CheckReport checkLattice(const Scene& scene, const Ids& ids, const CountLattice&
   for (int resolution : options.resolutions) rows.emplace_back(resolution, ids, options);
   const auto directions = sampleDirections(Sampler::iid, options.directions, options.seed, 0);
   for (uint32_t d = 0; d < options.directions; ++d) {
-    auto start = std::chrono::steady_clock::now();
+    auto start = Clock::now();
     const Regions exact = exactRegions(scene, ids, options.blocked, directions[d].u);
     report.exact_seconds += secondsSince(start);
-    start = std::chrono::steady_clock::now();
+    start = Clock::now();
     for (size_t r = 0; r < rows.size(); ++r) {
       std::vector<PairCounts> counts;
       for (const Direction& lattice : sampleLattices(directions[d].u, options.lattices, options.seed * 1000003 + d * 101 + r))

@@ -2,8 +2,8 @@
 #pragma once
 #include <functional>
 
-#include "directions/direction.h"
-#include "result/ids.h"
+#include <viewpeel/engine.h>
+#include <viewpeel/ids.h>
 #include "sums/pair_count.h"
 
 namespace viewpeel::reference {

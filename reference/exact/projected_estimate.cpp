@@ -7,7 +7,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "error.h"
+#include <viewpeel/error.h>
 #include "reference/exact/convex_polygon.h"
 
 namespace viewpeel::reference {

@@ -9,7 +9,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "error.h"
+#include <viewpeel/error.h>
 
 namespace viewpeel::reference {
 namespace {

@@ -11,7 +11,7 @@
 #include <gmpxx.h>
 
 #include "reference/exact/ball.h"
-#include "scene/scene.h"
+#include <viewpeel/scene.h>
 
 namespace viewpeel::reference {
 

@@ -1,4 +1,4 @@
-# Installs the build into an empty folder, builds the program in tests/consumer against it, and runs it.
+# Installs the build into an empty folder, builds the program in tests/consumer against it, and runs it. What the library computes in one call is what the program writes, byte for byte.
 file(REMOVE_RECURSE ${WORK})
 file(MAKE_DIRECTORY ${WORK})
 function(run)
@@ -15,4 +15,26 @@ endif()
 run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${WORK}/installed)
 run(${CMAKE_COMMAND} -G Ninja -S ${CONSUMER} -B ${WORK}/build -DCMAKE_PREFIX_PATH=${WORK}/installed -DCMAKE_BUILD_TYPE=Release ${link_flags})
 run(${CMAKE_COMMAND} --build ${WORK}/build)
-run(${WORK}/build/consumer)
+
+# Nothing but the public headers is installed.
+file(GLOB_RECURSE headers RELATIVE ${WORK}/installed/include ${WORK}/installed/include/*)
+list(LENGTH headers count)
+list(FILTER headers EXCLUDE REGEX "^viewpeel/[a-z_]+[.]h$")
+if(headers OR count GREATER 14)
+  message(FATAL_ERROR "installed beside the public headers: ${headers}, ${count} in all")
+endif()
+
+# A plan depends on the time that directions take: the program gets the consumer's.
+execute_process(COMMAND ${WORK}/build/consumer ${SCENE} ${WORK}/consumer.csv OUTPUT_VARIABLE plan RESULT_VARIABLE status)
+if(NOT status EQUAL 0)
+  message(FATAL_ERROR "consumer failed with ${status}")
+endif()
+separate_arguments(plan)
+run(${WORK}/installed/bin/viewpeel compute ${SCENE} ${plan} --tolerance 1e-3 -o ${WORK}/program.csv)
+run(${CMAKE_COMMAND} -E compare_files ${WORK}/consumer.csv ${WORK}/program.csv)
+# Another seed is another result: the comparison can fail.
+run(${WORK}/installed/bin/viewpeel compute ${SCENE} ${plan} --tolerance 1e-3 --seed 2 --quiet -o ${WORK}/other.csv)
+execute_process(COMMAND ${CMAKE_COMMAND} -E compare_files ${WORK}/consumer.csv ${WORK}/other.csv RESULT_VARIABLE differs ERROR_QUIET)
+if(NOT differs)
+  message(FATAL_ERROR "another seed has given the same bytes")
+endif()

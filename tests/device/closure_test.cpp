@@ -1,4 +1,4 @@
-#include "result/closure.h"
+#include <viewpeel/closure.h>
 
 #include <bit>
 #include <cmath>
@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "engines/host_engine.h"
-#include "error.h"
+#include <viewpeel/error.h>
 #include "estimator/face_exchanges.h"
 #include "estimator/visible_share.h"
 #include "reference/closed_forms/rectangles.h"

@@ -5,7 +5,7 @@
 #include <boost/math/distributions/students_t.hpp>
 #include <gtest/gtest.h>
 
-#include "error.h"
+#include <viewpeel/error.h>
 #include "sums/control_sums.h"
 #include "scenes/named_scenes.h"
 #include "tests/support/test_device.h"
@@ -76,6 +76,14 @@ TEST(ControlSums, RowsAreKnown) {
   EXPECT_EQ(counts[1].blocked, 3u);
   EXPECT_EQ(counts[2].blocked, 0u);
   EXPECT_EQ(counts[3].blocked, 7u);
+  // A replicate in which no line of the row leaves the scene has all of them as blocked, where other replicates saw one; a row without lines has none.
+  const std::vector<PairShare> others{{0, kEnvironment, 7}, {0, kLeak, 7}, {1, 2, 7}, {3, kLeak, 7}};
+  const PairCounts filled = withRows({{0, 1, 3, 5}, {0, kEnvironment, 6}, {1, 2, 4}}, others);
+  ASSERT_EQ(filled.size(), 4u);
+  EXPECT_EQ(filled[1].blocked, 3u);
+  EXPECT_EQ(filled[2].j, kLeak);
+  EXPECT_EQ(filled[2].count, 0u);
+  EXPECT_EQ(filled[2].blocked, 9u);
 }
 
 // On a coarse lattice, and with scanlines, one line adds several counts: then errors are no less than those of as many.

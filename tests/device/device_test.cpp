@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "error.h"
+#include <viewpeel/error.h>
 #include "tests/support/test_device.h"
 #include "vulkan/buffer.h"
 #include "vulkan/commands.h"

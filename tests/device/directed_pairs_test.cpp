@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/compare.h"
-#include "error.h"
+#include <viewpeel/error.h>
 #include "estimator/directed_pairs.h"
 #include "estimator/visible_share.h"
 #include "reference/exact/exact_engine.h"
@@ -34,14 +34,11 @@ struct Directed {
     engine = makeComputeEngine(testDevice(), scene, ids, lattice);
   }
   PairSampler sampler(uint64_t seed) {
-    return PairSampler(scene, ids, seed, [this](const Ids& pair_ids, int resolution, const Window& window) {
-      std::unique_ptr<Engine>& made = own[{resolution, window.radius}];  // tells scenes of one pair's engines apart
-      LatticeOptions options = lattice;
-      options.resolution = resolution;
-      options.window = window;
-      if (!made) made = makeComputeEngine(testDevice(), scene, pair_ids, options);
+    return PairSampler(scene, ids, seed, [this](const Scene& of, const Ids& pair_ids, const LatticeOptions& options) {
+      std::unique_ptr<Engine>& made = own[{options.resolution, options.window.radius}];  // tells scenes of one pair's engines apart
+      if (!made) made = makeComputeEngine(testDevice(), of, pair_ids, options);
       return std::make_unique<SharedEngine>(*made);
-    });
+    }, lattice);
   }
   VisibleShares find(EstimateOptions options, PairSampler* pairs) {
     options.pairs = pairs;
@@ -69,7 +66,7 @@ TEST(DirectedPairs, CountsStandForTheirSolidAngle) {
   const double truth = truthPastTheEdge(), area = made.ids.areas[0];
   const double whole = made.find({.directions = 64}, nullptr).known.pairs[0].exchange / area;
   PairSampler lattice = made.sampler(3);
-  PairSampler exact(made.scene, made.ids, 3, [&](const Ids& ids, int, const Window&) { return reference::makeExactEngine(made.scene, ids, {.blocked = true}); });
+  PairSampler exact(made.scene, made.ids, 3, reference::exactEngines());
   constexpr uint64_t kReplicates = 400;
   for (PairSampler* sampler : {&lattice, &exact}) {
     DirectedPair pair = sampler->direct(0, 1, 16);
@@ -148,9 +145,9 @@ TEST(DirectedPairs, PairsOfOneEmitterShareAnEngine) {
   const Scene scene = buildScene(input);
   const Ids ids = makeIds(scene, By::polygon, false);
   int engines = 0;
-  const MakePairEngine make = [&](const Ids& pair_ids, int resolution, const Window& window) {
-    ++engines;
-    return makeComputeEngine(testDevice(), scene, pair_ids, {.resolution = resolution, .window = window, .count_blocked = true, .batch_directions = engines % 2 ? 3u : 0u});
+  const EngineFactory make = [&](const Scene& of, const Ids& pair_ids, LatticeOptions options) {
+    options.batch_directions = ++engines % 2 ? 3u : 0u;
+    return makeComputeEngine(testDevice(), of, pair_ids, options);
   };
   PairSampler together(scene, ids, 5, make);
   std::vector<DirectedPair> pairs{together.direct(0, 3, 20), together.direct(0, 4, 50)};
@@ -172,7 +169,7 @@ TEST(DirectedPairs, PairsOfOneEmitterShareAnEngine) {
   }
   // Where engines have no finer lattices, the pair makes do.
   EXPECT_GT(pairs[0].resolution, 50u);
-  EXPECT_EQ(PairSampler(scene, ids, 5, make, 50).direct(0, 3, 20).resolution, 50u);
+  EXPECT_EQ(PairSampler(scene, ids, 5, make, {}, 50).direct(0, 3, 20).resolution, 50u);
   // Nothing tells of squares that face alike.
   EXPECT_EQ(together.direct(1, 3, 10).directions, 0u);
 }

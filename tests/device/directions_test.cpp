@@ -1,3 +1,4 @@
+#include "directions/replicates.h"
 #include "directions/sampler.h"
 
 #include <cmath>
@@ -135,6 +136,15 @@ TEST(Directions, SetsOfAnySizeAreUnbiased) {
       }
       for (size_t k = 0; k < kMomentMeans.size(); ++k) EXPECT_LT(means.deviation(k, kMomentMeans[k]), 5) << "sampler " << int(sampler) << ", " << count << " directions, moment " << k;
     }
+}
+
+// Pilots are independent of runs, and of each other, as long as no two kinds have a number in common.
+TEST(Replicates, KindsHaveNoNumberInCommon) {
+  for (size_t k = 0; k < kReplicateNumbers.size(); ++k) {
+    EXPECT_LT(kReplicateNumbers[k].first, kReplicateNumbers[k].end);
+    EXPECT_EQ(kReplicateNumbers[k].first, k > 0 ? kReplicateNumbers[k - 1].end : 0);
+  }
+  EXPECT_GT(kRunReplicates.end, uint64_t(1) << 39);  // what --first-replicate may be
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "result/form_factors.h"
+#include <viewpeel/form_factors.h>
 #include "sums/replicate_sums.h"
 
 #include <cmath>

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "engines/size_groups.h"
-#include "error.h"
+#include <viewpeel/error.h>
 #include "estimator/guarantee.h"
 #include "reference/exact/exact_engine.h"
 #include "engines/compute_engine.h"
@@ -19,9 +19,7 @@ namespace ts = test_scenes;
 
 constexpr double kParallelSquares = 0.1998248957;  // Howell, C-11
 
-Lattices latticesFor(const Scene& scene, const Ids& ids) {
-  return {[&](const std::vector<SizeGroup>& groups) { return makeGroupedEngine(testDevice(), scene, ids, {}, groups); }, 0, true};
-}
+Lattices latticesWithWindows() { return {enginesOf(EngineKind::compute), {}, 0, true}; }
 
 TEST(Guarantee, HoeffdingsDirections) {
   // One bound: 2 exp(-2 N e^2 / M^2) <= d.
@@ -84,7 +82,7 @@ TEST(Guarantee, SingleDirectionsKeepToTheirRanges) {
           for (const SizeGroup& group : groups)
             for (uint32_t k : group.polygons) resolutions[k] = group.resolution;
           const auto ranges = formFactorRanges(scene, ids, resolutions, sampling);
-          const auto engine = makeGroupedEngine(testDevice(), scene, ids, {.sampling = sampling}, groups);
+          const auto engine = makeGroupedEngine(enginesOf(EngineKind::compute), scene, ids, {.sampling = sampling}, groups);
           const double unit = engine->unitArea() * scene.scale * scene.scale;
           double largest_share = 0;
           for (const Direction& direction : directions)
@@ -273,7 +271,7 @@ TEST(Guarantee, WithClosedFormsTheWholeChainHolds) {
   GuaranteeOptions options{.epsilon = 0.08, .delta = 0.2, .seed = 4};
   options.closed_forms = true;
   options.device = &testDevice();
-  const Lattices lattices{[&](const std::vector<SizeGroup>& groups) { return makeGroupedEngine(testDevice(), scene, ids, {.count_blocked = true}, groups); }, 0, true};
+  const Lattices lattices{enginesOf(EngineKind::compute), {.count_blocked = true}, 0, true, &ids};
   const GuaranteePlan plan = planGuarantee(scene, ids, options, lattices, false);
   ASSERT_TRUE(plan.share_bounds);
   std::optional<RunSums> half;
@@ -297,7 +295,7 @@ TEST(Guarantee, HoldsForTheClosedForm) {
   const Scene scene = buildScene(ts::parallelSquares());
   const Ids ids = makeIds(scene, By::polygon, false);
   GuaranteeOptions options{.epsilon = 0.1, .delta = 0.2};
-  const GuaranteePlan plan = planGuarantee(scene, ids, options, latticesFor(scene, ids), false);
+  const GuaranteePlan plan = planGuarantee(scene, ids, options, latticesWithWindows(), false);
   EXPECT_GT(plan.largest_range, 2);
   EXPECT_LE(plan.least_blocks, plan.most_blocks);
   EXPECT_GE(plan.most_blocks * plan.block_directions, plan.hoeffding);
@@ -314,7 +312,7 @@ TEST(Guarantee, TheMedianOfRunsHoldsToo) {
   const Scene scene = buildScene(ts::parallelSquares());
   const Ids ids = makeIds(scene, By::polygon, false);
   GuaranteeOptions options{.epsilon = 0.1, .delta = 0.1, .statistic = Statistic::median, .sampler = Sampler::iid};
-  const Lattices exact{[&](const std::vector<SizeGroup>&) { return reference::makeExactEngine(scene, ids); }, 1, false};
+  const Lattices exact{reference::exactEngines(), {}, 1, false};
   const GuaranteePlan plan = planGuarantee(scene, ids, options, exact, true);
   // Pellegrini 1997, section 5.3, for five form factors at once: Q = 8 ln(5 / delta) runs of 4 / epsilon^2.
   EXPECT_EQ(plan.run_directions, 400u);
@@ -332,7 +330,7 @@ TEST(Guarantee, TheMedianOfRunsHoldsToo) {
 TEST(Guarantee, WhatCannotBeKeptIsRefused) {
   const Scene scene = buildScene(ts::parallelSquares());
   const Ids ids = makeIds(scene, By::polygon, false);
-  const auto plan = [&](const GuaranteeOptions& options) { return planGuarantee(scene, ids, options, latticesFor(scene, ids), false); };
+  const auto plan = [&](const GuaranteeOptions& options) { return planGuarantee(scene, ids, options, latticesWithWindows(), false); };
   EXPECT_THROW(plan({.epsilon = 0}), Error);
   EXPECT_THROW(plan({.epsilon = 0.1, .delta = 1}), Error);
   EXPECT_THROW(plan({.epsilon = 1e-9}), Error);

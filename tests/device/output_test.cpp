@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "error.h"
+#include <viewpeel/error.h>
 #include "io/write_file.h"
-#include "io/write_form_factors.h"
+#include <viewpeel/write.h>
 
 namespace viewpeel {
 namespace {

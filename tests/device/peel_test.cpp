@@ -413,10 +413,10 @@ TEST(Peel, EnginesCountAgainAfterACallbackThrew) {
   const Ids ids = makeIds(scene, By::polygon, false);
   const auto directions = sampleDirections(Sampler::fibonacci, 60, 1, 0);
   const PairCounts expected = makeComputeEngine(testDevice(), scene, ids, {})->count(directions);
-  for (MakeEngine make_engine : {MakeEngine(makeComputeEngine), MakeEngine(makeGraphicsEngine)})
+  for (const EngineKind kind : {EngineKind::compute, EngineKind::graphics})
     for (int batches : {1, 2, 5}) {
       int left = batches;
-      const auto engine = make_engine(testDevice(), scene, ids, {.batch_directions = 7, .list_capacity = 1, .on_batch = [&](uint64_t) {
+      const auto engine = enginesOf(kind)(scene, ids, {.batch_directions = 7, .list_capacity = 1, .on_batch = [&](uint64_t) {
                                         if (--left == 0) throw Interrupted{};
                                       }});
       EXPECT_THROW(engine->count(directions), Interrupted);

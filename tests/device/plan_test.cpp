@@ -14,9 +14,7 @@ namespace {
 
 namespace ts = test_scenes;
 
-Lattices latticesFor(const Scene& scene, const Ids& ids) {
-  return {[&](const std::vector<SizeGroup>& groups) { return makeGroupedEngine(testDevice(), scene, ids, {}, groups); }, 0, true};
-}
+Lattices latticesWithWindows() { return {enginesOf(EngineKind::compute), {}, 0, true}; }
 
 // A run reaches about what its plan promised. The largest of standard errors from 8 replicates each, predicted from 8 others: their squares have 7 degrees of
 // freedom, and F(7, 7) stays below 10^2 with probability 1 - 1e-6. Interpolation between pilots may add a factor of 2.
@@ -26,7 +24,7 @@ TEST(Plan, PredictsTheStandardError) {
       const Scene scene = buildScene(input);
       const Ids ids = makeIds(scene, By::surface, false);
       EstimateOptions options{.tolerance = tolerance};
-      const Plan plan = planEstimate(scene, ids, options, latticesFor(scene, ids));
+      const Plan plan = planEstimate(scene, ids, options, latticesWithWindows());
       EXPECT_LE(plan.standard_error, tolerance);
       EXPECT_GT(plan.seconds, 0);
       options.directions = plan.directions;
@@ -50,8 +48,7 @@ TEST(Plan, PredictsErrorsOfSharesThatFewLinesTell) {
   }
   const Scene scene = buildScene(input);
   const Ids ids = makeIds(scene, By::polygon, false);
-  Lattices lattices{[&](const std::vector<SizeGroup>& groups) { return makeHostEngine(scene, ids, {.resolution = groups[0].resolution, .count_blocked = true}); }, 0, false};
-  for (uint32_t k = 0; k < ids.count(); ++k) lattices.id_of_face.push_back(k);
+  const Lattices lattices{enginesOf(EngineKind::host), {.count_blocked = true}, 0, false, &ids};
   for (double tolerance : {1e-3, 3e-4}) {
     EstimateOptions options{.tolerance = tolerance};
     const Plan plan = planEstimate(scene, ids, options, lattices);
@@ -76,16 +73,7 @@ TEST(Plan, CoarseLatticesDoNotHideWhatDirectionsAdd) {
   ts::addFace(input, "strip", ts::parallelogram({0, 0.49995, 0.5}, {0, 1e-4, 0}, {1, 0, 0}));
   const Scene scene = buildScene(input);
   const Ids ids = makeIds(scene, By::polygon, false);
-  const auto makeOne = [](const Scene& of, const Ids& own_ids, const LatticeOptions& own) {
-    return makeHostEngine(of, own_ids, own);
-  };
-  const Lattices lattices{[&](const std::vector<SizeGroup>& groups) {
-                            return makeGroupedEngine(makeOne, scene, ids, {.count_blocked = true}, groups);
-                          },
-                          0,
-                          true,
-                          Sampling::lattice,
-                          {0, 1}};
+  const Lattices lattices{enginesOf(EngineKind::host), {.count_blocked = true}, 0, true, &ids};
   EstimateOptions options{.tolerance = 3e-4};
   const Plan plan = planEstimate(scene, ids, options, lattices);
   options = {.directions = plan.directions, .replicates = 32};
@@ -104,7 +92,7 @@ TEST(Plan, WorkGrowsWithTheTolerance) {
   const Ids ids = makeIds(scene, By::polygon, false);
   double points = 0;
   for (double tolerance : {0.1, 0.01, 0.001}) {
-    const Plan plan = planEstimate(scene, ids, {.tolerance = tolerance}, latticesFor(scene, ids));
+    const Plan plan = planEstimate(scene, ids, {.tolerance = tolerance}, latticesWithWindows());
     const double planned = plan.directions * std::pow(plan.groups[0].resolution, 2);
     EXPECT_GT(planned, points);
     points = planned;
@@ -119,7 +107,7 @@ TEST(Plan, TooLittleTimeGetsTheQuickest) {
     EstimateOptions options;
     options.tolerance = tolerance;
     options.seconds = 1e-9;
-    EXPECT_EQ(planEstimate(scene, ids, options, latticesFor(scene, ids)).directions, 16u);  // the fewest that are tried
+    EXPECT_EQ(planEstimate(scene, ids, options, latticesWithWindows()).directions, 16u);  // the fewest that are tried
   }
 }
 
@@ -136,7 +124,7 @@ TEST(Plan, SmallPolygonsAreSeen) {
   const Scene scene = buildScene(speckOverFloor(1e-4));
   const Ids ids = makeIds(scene, By::polygon, false);
   EstimateOptions options{.tolerance = 0.02};
-  const Plan plan = planEstimate(scene, ids, options, latticesFor(scene, ids));
+  const Plan plan = planEstimate(scene, ids, options, latticesWithWindows());
   EXPECT_GT(plan.groups.size(), 1u);
   options.directions = plan.directions;
   const Estimate estimate = estimateFormFactors(*plan.engine, scene, ids, options);
@@ -155,9 +143,9 @@ TEST(Plan, CountsAreNotTooLargeForClosedForms) {
   const Scene scene = buildScene(speckOverFloor(1e-5));
   const Ids ids = makeIds(scene, By::polygon, false);
   for (const bool closed_forms : {false, true}) {
-    Lattices lattices = latticesFor(scene, ids);
-    lattices.make_engine = [&](const std::vector<SizeGroup>& groups) { return makeGroupedEngine(testDevice(), scene, ids, {.count_blocked = closed_forms}, groups); };
-    if (closed_forms) lattices.id_of_face = {0, 1};
+    Lattices lattices = latticesWithWindows();
+    lattices.lattice.count_blocked = closed_forms;
+    if (closed_forms) lattices.face_ids = &ids;
     const Plan plan = planEstimate(scene, ids, {.tolerance = 1e-5, .seconds = 60}, lattices);  // pilots of 6 s at most
     const double of_row = plan.directions * ids.areas[0] / 2 / (scene.scale * scene.scale) / plan.engine->unitArea();
     EXPECT_EQ(of_row > double(kMostCounts), !closed_forms) << of_row;
@@ -173,14 +161,14 @@ TEST(Plan, WhatMayGoUnmetIsNamed) {
   const Scene scene = buildScene(input);
   const Ids ids = makeIds(scene, By::polygon, false);
   EstimateOptions options{.seconds = 1e-9};  // the fewest directions
-  EXPECT_EQ(planEstimate(scene, ids, options, latticesFor(scene, ids)).barely_met, std::vector<uint32_t>{1});
+  EXPECT_EQ(planEstimate(scene, ids, options, latticesWithWindows()).barely_met, std::vector<uint32_t>{1});
 }
 
 // The figures that a plan prints make the same lattices again.
 TEST(Plan, CanBeRepeated) {
   const Scene scene = buildScene(ts::triangleSoup(40, 0.4, 9));
   const Ids ids = makeIds(scene, By::polygon, false);
-  const Plan plan = planEstimate(scene, ids, {.tolerance = 0.01}, latticesFor(scene, ids));
+  const Plan plan = planEstimate(scene, ids, {.tolerance = 0.01}, latticesWithWindows());
   const auto again = planGroups(scene, ids, Sampling::lattice, plan.groups[0].resolution, plan.finest, plan.directions);
   ASSERT_EQ(again.size(), plan.groups.size());
   for (size_t g = 0; g < again.size(); ++g) {

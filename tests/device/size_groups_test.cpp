@@ -107,7 +107,7 @@ TEST(SizeGroups, CountsAreThoseOfTheCpuTwin) {
       }
       PairCounts twin;
       for (const auto& [pair, count] : expected) twin.push_back({pair.first, pair.second, count});
-      const auto engine = makeGroupedEngine(testDevice(), scene, makeIds(scene, by, false), {}, groups);
+      const auto engine = makeGroupedEngine(enginesOf(EngineKind::compute), scene, makeIds(scene, by, false), {}, groups);
       EXPECT_EQ(engine->count(directions), twin);
       const size_t half = directions.size() / 2;
       const auto halves = engine->countBlocks(directions, half);
@@ -153,11 +153,11 @@ TEST(SizeGroups, EmptyTilesOfAWindowHideNothing) {
   for (const bool count_blocked : {false, true})
     for (const Sampling sampling : {Sampling::lattice, Sampling::scanline}) {
       const LatticeOptions options{.sampling = sampling, .count_blocked = count_blocked};
-      const auto makeHost = [](const Scene& of, const Ids& own_ids, const LatticeOptions& own) {
-        return makeHostEngine(of, own_ids, own);
+      const auto countWith = [&](EngineKind kind) {
+        return makeGroupedEngine(enginesOf(kind), scene, ids, options, groups)->count(directions);
       };
-      const PairCounts counts = makeGroupedEngine(testDevice(), scene, ids, options, groups)->count(directions);
-      EXPECT_EQ(counts, makeGroupedEngine(makeHost, scene, ids, options, groups)->count(directions)) << count_blocked;
+      const PairCounts counts = countWith(EngineKind::compute);
+      EXPECT_EQ(counts, countWith(EngineKind::host)) << count_blocked;
       EXPECT_TRUE(std::any_of(counts.begin(), counts.end(),
                               [](const PairCount& pair) { return pair.i == 1 && pair.count > 0; }));
     }
@@ -174,7 +174,7 @@ TEST(SizeGroups, OneGroupIsTheWholeMatrix) {
   EXPECT_EQ(whole[0].resolution, equal[0].resolution);
   EXPECT_EQ(whole[0].window.radius, equal[0].window.radius);
   EXPECT_EQ(whole[0].polygons, equal[0].polygons);
-  const auto engine = makeGroupedEngine(testDevice(), scene, ids, {}, whole);
+  const auto engine = makeGroupedEngine(enginesOf(EngineKind::compute), scene, ids, {}, whole);
   EXPECT_EQ(engine->count(directions), countPairs(scene, directions, {.lattice = {.resolution = 33}}));
   EXPECT_EQ(engine->unitArea(), 4.0 / (33 * 33));
 }
@@ -186,8 +186,7 @@ TEST(SizeGroups, SmallPolygonsHaveTheirClosedForms) {
   const Ids ids = makeIds(scene, By::polygon, false);
   for (const TestRun& run : withEngines()) {
     SCOPED_TRACE(run.name);
-    const auto makeOne = [&](const Scene& of, const Ids& own_ids, const LatticeOptions& own) { return run.make_engine(testDevice(), of, own_ids, own); };
-    const auto engine = makeGroupedEngine(makeOne, scene, ids, run.lattice, groupBySize(scene, neededFor(scene, 8), 16, maxWindowResolution(run.lattice.sampling)));
+    const auto engine = makeGroupedEngine(enginesOf(run.engine), scene, ids, run.lattice, groupBySize(scene, neededFor(scene, 8), 16, maxWindowResolution(run.lattice.sampling)));
     const Estimate estimate = estimateFormFactors(*engine, scene, ids, {.directions = 300, .replicates = 16});
     const auto indexOf = [&](const std::string& name) {
       return static_cast<uint32_t>(std::find(ids.names.begin(), ids.names.end(), name) - ids.names.begin());

@@ -1,4 +1,5 @@
 // Exchange areas of pairs with nothing in between, against the reference's closed forms.
+#include "scene/group_planes.h"
 #include "unoccluded/unoccluded.h"
 
 #include <algorithm>
@@ -8,7 +9,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "error.h"
+#include <viewpeel/error.h>
 #include "reference/closed_forms/contour_integral.h"
 #include "reference/closed_forms/rectangles.h"
 #include "tests/support/reference_shapes.h"
@@ -31,14 +32,33 @@ struct CornerPair {
   Corners a, b;
 };
 
-// Pairs 2k, 2k + 1 of the polygons. The scene's polygons may lie anywhere, and across each other: only pairs are asked about.
+// Pairs 2k, 2k + 1 of the polygons, each built as a scene of its own: polygons of different pairs may lie anywhere, across
+// each other or in one place, and know nothing of each other.
 Scene sceneOf(const std::vector<CornerPair>& pairs, const SceneOptions& options = {}) {
-  InputScene input{"pairs", {"all"}, {}};
+  Scene all;
+  all.file = "pairs";
+  all.surfaces = {{"all", static_cast<uint32_t>(2 * pairs.size())}};
+  all.scale = 0;
   for (const CornerPair& pair : pairs)
-    for (const Corners& corners : {pair.a, pair.b}) input.faces.push_back({corners, 0, 0});
-  Scene scene = buildScene(input, options);
-  EXPECT_EQ(scene.polygons.size(), 2 * pairs.size());
-  return scene;
+    for (const Corners& corners : {pair.a, pair.b})
+      for (const glm::dvec3& corner : corners) all.scale = std::max(all.scale, glm::length(corner));
+  for (const CornerPair& pair : pairs) {
+    const Scene one = buildScene({"pair", {"all"}, {{pair.a, 0, 0}, {pair.b, 0, 0}}}, options);
+    EXPECT_EQ(one.polygons.size(), 2u);
+    const double unit = one.scale / all.scale;
+    for (Polygon polygon : one.polygons) {
+      const auto first = one.corners.begin() + polygon.first_corner;
+      polygon.first_corner = static_cast<uint32_t>(all.corners.size());
+      polygon.face = static_cast<uint32_t>(all.faces.size());
+      polygon.area *= unit * unit;
+      all.faces.push_back({0, polygon.face + 1, polygon.face});
+      all.polygons.push_back(polygon);
+      std::transform(first, first + polygon.corner_count, std::back_inserter(all.corners),
+                     [&](const glm::dvec3& corner) { return one.centre / all.scale + unit * corner; });
+    }
+  }
+  groupPlanes(all);
+  return all;
 }
 
 Corners cornersOf(const Scene& scene, uint32_t polygon) {

@@ -290,7 +290,8 @@ TEST(VisibleShare, PairsThatNoLineMetAreUncertain) {
     if (last) counted = sums;
   };
   const Estimate few = made.estimate(watched);
-  const FormFactors with_unseen = counted->formFactors();
+  // Before guesses are made to fit their rows.
+  const FormFactors with_unseen(made.ids, counted->visible->ofKnownPairs(counted->measure_area, counted->countArea(), counted->by_id), {});
   const NeighbourShares neighbours(counted->visible->byFace(), counted->visible->known().lines, shares.known.ranks);
   size_t unmet = 0, blocked_pairs = 0, is_zero = 0;
   for (const KnownPair& pair : shares.known.pairs) {
@@ -319,6 +320,16 @@ TEST(VisibleShare, PairsThatNoLineMetAreUncertain) {
   EXPECT_EQ(few.unmet_pairs, unmet);
   EXPECT_GE(few.unseen_pairs, is_zero);
   EXPECT_TRUE(std::none_of(few.form_factors.entries().begin(), few.form_factors.entries().end(), [](const auto& entry) { return entry.exchange_area.value == 0; }));
+  // Guesses are made to fit: all rows together are nearer to 1 than guesses alone leave them, and standard errors stay.
+  const FormFactors fitted = counted->formFactors();
+  const std::vector<Measured> before = sumRows(with_unseen.entries(), made.ids.areas);
+  double off_before = 0, off = 0;
+  for (size_t i = 0; i < before.size(); ++i) {
+    off_before += std::pow(before[i].value - 1, 2);
+    off += std::pow(fitted.rowSums()[i].value - 1, 2);
+    EXPECT_DOUBLE_EQ(fitted.rowSums()[i].standard_error, before[i].standard_error);
+  }
+  EXPECT_LT(off, 0.5 * off_before);
   // Every pair that counts see is among those known.
   const Estimate many = estimateFormFactors(*made.engine, made.scene, made.ids, {.directions = 2000});
   for (const auto& entry : many.form_factors.entries()) {

@@ -9,12 +9,12 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "error.h"
+#include <viewpeel/error.h>
 #include "estimator/estimate.h"
 #include "input_file.h"
 #include "io/checkpoint.h"
 #include "io/hdf5_file.h"
-#include "io/write_form_factors.h"
+#include <viewpeel/write.h>
 
 namespace viewpeel {
 namespace {

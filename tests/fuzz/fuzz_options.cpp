@@ -3,7 +3,7 @@
 #include <sstream>
 
 #include "program/commands.h"
-#include "error.h"
+#include <viewpeel/error.h>
 #include "input_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t count) {

@@ -6,8 +6,8 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "error.h"
-#include "result/ids.h"
+#include <viewpeel/error.h>
+#include <viewpeel/ids.h>
 
 namespace viewpeel::fuzz {
 

@@ -18,7 +18,7 @@ std::vector<TestRun> runsToTry() {
   std::vector<TestRun> runs(8);
   runs[1].lattice.resolution = 6;
   runs[2].estimate.sampler = Sampler::iid;
-  runs[3].make_engine = makeGraphicsEngine;
+  runs[3].engine = EngineKind::graphics;
   runs[3].lattice.resolution = 24;
   runs[4].lattice.sampling = Sampling::scanline;
   runs[6].estimate.sampler = Sampler::jittered;

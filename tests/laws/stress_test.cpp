@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/compare.h"
-#include "error.h"
+#include <viewpeel/error.h>
 #include "engines/lattice.h"
 #include "engines/size_groups.h"
 #include "reference/closed_forms/contour_integral.h"
@@ -62,10 +62,10 @@ InputScene plates(double gap, bool facing) {
 // Down to 1e-8 of their size, 1.4e-8 of the scene's radius. The environment, 1 - F, is what a gap lets out: it has to be there, and nothing else.
 TEST(Stress, GapsBetweenPlates) {
   std::vector<TestRun> runs = withEngines({.lattice = {.resolution = 32}, .estimate = {.directions = 200, .replicates = 8}});
-  runs.push_back({.lattice = {.resolution = 32}, .make_engine = makeGraphicsEngine, .estimate = {.directions = 20, .replicates = 8}, .name = "graphics"});
+  runs.push_back({.lattice = {.resolution = 32}, .engine = EngineKind::graphics, .estimate = {.directions = 20, .replicates = 8}, .name = "graphics"});
   for (double gap : {1.0, 1e-2, 1e-4, 1e-6, 1e-7, 1e-8})
     for (const TestRun& run : runs) {
-      const bool draws = run.make_engine == makeGraphicsEngine;
+      const bool draws = run.engine == EngineKind::graphics;
       if (draws && gap < 0.5 && gap > 2e-7) continue;  // its counts are the other's, see Peel
       SCOPED_TRACE(fmt::format("gap {}, {}", gap, run.name));
       const Estimate facing = estimateScene(plates(gap, true), run), apart = estimateScene(plates(gap, false), run);
@@ -135,10 +135,9 @@ TEST(Stress, AreasFromOneToATrillionth) {
   ASSERT_EQ(groups.back().resolution, kMaxWindowResolution);
   constexpr double kTruth = 0.199824895698;  // Howell, C-11
   const EstimateOptions options{.directions = 400, .replicates = 16};
-  for (const MakeEngine make_engine : {MakeEngine(makeComputeEngine), MakeEngine(makeHost)}) {
-    SCOPED_TRACE(make_engine == makeHost ? "host" : "compute");
-    const auto makeOne = [&](const Scene& of, const Ids& own_ids, const LatticeOptions& own) { return make_engine(testDevice(), of, own_ids, own); };
-    const Estimate e = estimateFormFactors(*makeGroupedEngine(makeOne, scene, ids, {}, groups), scene, ids, options);
+  for (const EngineKind kind : {EngineKind::compute, EngineKind::host}) {
+    SCOPED_TRACE(kind == EngineKind::host ? "host" : "compute");
+    const Estimate e = estimateFormFactors(*makeGroupedEngine(enginesOf(kind), scene, ids, {}, groups), scene, ids, options);
     for (uint32_t k = 0; k < kSizes; ++k) {
       const Measured f = e.form_factors.formFactor(2 * k, 2 * k + 1);
       EXPECT_TRUE(isEstimateOf(f, kTruth, e.replicates)) << k;
@@ -161,8 +160,8 @@ TEST(Stress, ALineThroughASpeckMeetsIt) {
   const Ids ids = makeIds(scene, By::polygon, false);
   constexpr int kResolution = 509;
   std::vector<std::unique_ptr<Engine>> engines;
-  for (const MakeEngine make_engine : {MakeEngine(makeComputeEngine), MakeEngine(makeGraphicsEngine), MakeEngine(makeHost)})
-    engines.push_back(make_engine(testDevice(), scene, ids, {.resolution = kResolution}));
+  for (const EngineKind kind : {EngineKind::compute, EngineKind::graphics, EngineKind::host})
+    engines.push_back(enginesOf(kind)(scene, ids, {.resolution = kResolution}));
   for (uint32_t k = 0; k < kSizes; ++k) {
     const Polygon &low = scene.polygons[2 * k], &high = scene.polygons[2 * k + 1];
     const glm::dvec3 middle = (scene.corners[low.first_corner] + scene.corners[low.first_corner + 2] + scene.corners[high.first_corner] + scene.corners[high.first_corner + 2]) / 4.0;

@@ -1,7 +1,7 @@
 #pragma once
-#include "directions/direction.h"
+#include <viewpeel/engine.h>
 #include "engines/lattice_options.h"
-#include "result/ids.h"
+#include <viewpeel/ids.h>
 #include "sums/pair_count.h"
 
 namespace viewpeel {

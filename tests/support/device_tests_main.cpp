@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "error.h"
+#include <viewpeel/error.h>
 #include "tests/support/test_device.h"
 
 namespace viewpeel {
@@ -25,11 +25,11 @@ const Device& testDevice() {
   return device;
 }
 
-std::unique_ptr<Engine> makeHost(const Device&, const Scene& scene, const Ids& ids, const LatticeOptions& options) { return makeHostEngine(scene, ids, options); }
+EngineFactory enginesOf(EngineKind kind) { return latticeEngines(kind, &testDevice()); }
 
 std::vector<TestRun> withEngines(const TestRun& run) {
   std::vector<TestRun> runs(3, run);
-  for (size_t k : {1, 2}) runs[k].make_engine = makeHost, runs[k].name = "host";
+  for (size_t k : {1, 2}) runs[k].engine = EngineKind::host, runs[k].name = "host";
   runs[2].lattice.sampling = Sampling::scanline;
   runs[2].name = "host, scanlines";
   return runs;
@@ -38,7 +38,7 @@ std::vector<TestRun> withEngines(const TestRun& run) {
 Estimate estimateScene(const InputScene& input, const TestRun& run) {
   const Scene scene = buildScene(input);
   const Ids ids = makeIds(scene, run.by, run.two_sided);
-  const auto engine = run.make_engine(testDevice(), scene, ids, run.lattice);
+  const auto engine = enginesOf(run.engine)(scene, ids, run.lattice);
   return estimateFormFactors(*engine, scene, ids, run.estimate);
 }
 

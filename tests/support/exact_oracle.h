@@ -6,7 +6,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "scene/scene.h"
+#include <viewpeel/scene.h>
 
 namespace viewpeel::tests {
 

@@ -4,13 +4,11 @@
 #include <csignal>
 #include <thread>
 
+#include "host/stopwatch.h"
 #include "tests/support/program.h"
 
 namespace viewpeel {
 
-using Clock = std::chrono::steady_clock;
-
-inline double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 inline void waitFor(double seconds) { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
 
 // In which a program ends that was told to: 2 s, and some for a busy machine, or for a sanitizer's ten times slower program on one.

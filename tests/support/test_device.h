@@ -2,6 +2,7 @@
 #include <ostream>
 
 #include "engines/compute_engine.h"
+#include "engines/engine_factory.h"
 #include "engines/graphics_engine.h"
 #include "engines/host_engine.h"
 #include "estimator/estimate.h"
@@ -16,19 +17,17 @@ inline void PrintTo(const PairCount& c, std::ostream* out) { *out << "(" << c.i 
 // The device all tests share, with validation and synchronisation validation on. Any error message fails the test in which it came.
 const Device& testDevice();
 
-using MakeEngine = std::unique_ptr<Engine> (*)(const Device&, const Scene&, const Ids&, const LatticeOptions&);
+// Engines of a kind, on that device where they need one.
+EngineFactory enginesOf(EngineKind kind);
 
 struct TestRun {
   LatticeOptions lattice;
   bool two_sided = false;
   By by = By::polygon;
-  MakeEngine make_engine = makeComputeEngine;
+  EngineKind engine = EngineKind::compute;
   EstimateOptions estimate{.directions = 400, .replicates = 16};
   const char* name = "compute";
 };
-
-// For TestRun: the engine that needs no device.
-std::unique_ptr<Engine> makeHost(const Device&, const Scene& scene, const Ids& ids, const LatticeOptions& options);
 
 // The same run with lattice points of the compute and the host engine, whose counts are the same, and with the host engine's scanlines.
 std::vector<TestRun> withEngines(const TestRun& run = {});

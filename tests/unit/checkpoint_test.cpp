@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "error.h"
+#include <viewpeel/error.h>
 #include "estimator/estimate.h"
 #include "io/hdf5_file.h"
 #include "scenes/named_scenes.h"

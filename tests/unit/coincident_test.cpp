@@ -9,7 +9,7 @@
 #include "scenes/coincident_scenes.h"
 #include "directions/sampler.h"
 #include "engines/host_engine.h"
-#include "error.h"
+#include <viewpeel/error.h>
 #include "reference/exact/exact_pair_areas.h"
 
 namespace viewpeel {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include "error.h"
+#include <viewpeel/error.h>
 #include "reference/closed_forms/quadrature.h"
 #include "reference/closed_forms/rectangles.h"
 #include "tests/support/reference_shapes.h"

@@ -2,7 +2,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "error.h"
+#include <viewpeel/error.h>
 #include "tests/support/reference_shapes.h"
 
 namespace viewpeel::reference {

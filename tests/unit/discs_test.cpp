@@ -1,6 +1,6 @@
 #include "reference/closed_forms/discs.h"
 
-#include "error.h"
+#include <viewpeel/error.h>
 #include "reference/closed_forms/contour_integral.h"
 #include "reference/closed_forms/quadrature.h"
 #include "tests/support/reference_shapes.h"

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/compare.h"
-#include "error.h"
+#include <viewpeel/error.h>
 #include "reference/exact/exact_pair_areas.h"
 #include "reference/closed_forms/past_blocker.h"
 #include "reference/closed_forms/rectangles.h"

@@ -7,7 +7,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "error.h"
+#include <viewpeel/error.h>
 #include "tests/support/exact_oracle.h"
 #include "scenes/exact_scenes.h"
 #include "reference/exact/exact_pair_areas.h"

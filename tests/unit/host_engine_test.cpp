@@ -5,7 +5,7 @@
 #include "tests/support/cpu_twin.h"
 #include "directions/sampler.h"
 #include "engines/host_engine.h"
-#include "error.h"
+#include <viewpeel/error.h>
 #include "scenes/named_scenes.h"
 
 namespace viewpeel {

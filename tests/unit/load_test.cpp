@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "error.h"
-#include "scene/scene.h"
+#include <viewpeel/error.h>
+#include <viewpeel/scene.h>
 
 namespace viewpeel {
 namespace {
@@ -50,7 +50,7 @@ const std::string kSquare = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 TEST_F(Load, ObjNamesAreSurfacesAndPolygonsStayWhole) {
   const Scene scene = load("a.obj", "# comment\nmtllib x.mtl\n" + kSquare +
                                         "v 0 0 2\nv 1 0 2\nvt 0 0\nvn 0 0 1\no floor one\nf 1/1/1 2/1/1 3//1 4\nusemtl m\ns off\n"
-                                        "g tri\nf -6 -5 -2\no floor one\nf 1 2 5\n");
+                                        "g tri\nf -6 -5 -2\no floor one\nf 1 3 5\n");
   ASSERT_EQ(scene.surfaces.size(), 2u);
   EXPECT_EQ(scene.surfaces[0].name, "floor one");
   EXPECT_EQ(scene.surfaces[0].face_count, 2u);  // a name that comes back is the same surface
@@ -155,8 +155,10 @@ TEST_F(Load, MissingFileDirectoryAndUnknownFormat) {
 std::string binaryStl(uint32_t count, size_t bytes_missing = 0) {
   std::string text(80, ' ');
   text.append(reinterpret_cast<const char*>(&count), 4);
-  const float facet[12] = {0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 1, 0};
-  for (uint32_t k = 0; k < count; ++k) text.append(reinterpret_cast<const char*>(facet), 48).append(2, '\0');
+  for (uint32_t k = 0; k < count; ++k) {
+    const float z = float(k), facet[12] = {0, 0, 1, 0, 0, z, 1, 0, z, 1, 1, z};
+    text.append(reinterpret_cast<const char*>(facet), 48).append(2, '\0');
+  }
   return text.substr(0, text.size() - bytes_missing);
 }
 
@@ -165,7 +167,7 @@ TEST_F(Load, StlBothKinds) {
   ASSERT_EQ(ascii.polygons.size(), 1u);
   EXPECT_NEAR(ascii.polygons[0].area * ascii.scale * ascii.scale, 0.5, 1e-14);
   EXPECT_EQ(ascii.surfaces[0].name, "part");
-  const Scene two = load("two.stl", asciiStl("one") + asciiStl("other"));
+  const Scene two = load("two.stl", asciiStl("one") + asciiStl("other", "2"));
   ASSERT_EQ(two.surfaces.size(), 2u);
   EXPECT_EQ(two.surfaces[1].name, "other");
   const Scene binary = load("b.stl", binaryStl(3));

@@ -105,7 +105,7 @@ TEST(NeighbourShares, FewLinesGoWithTheirNeighbours) {
   sums.add(PairCounts{{0, 2, 1, 1}, {1, 3, 0, 1}});
   const NeighbourShares neighbours(sums, {}, ranks);
   const std::vector<KnownPair> known = {{0, 1, 0, 0, 0.25}, {0, 2, 0, 0, 0.25}, {1, 3, 0, 0, 0.25}, {2, 3, 0, 0, 0.25}};
-  const FormFactors shrunk = sums.formFactors(known, {}, 1, 1, FormFactors(ids, {}, {}), &neighbours), own = sums.formFactors(known, {}, 1, 1, FormFactors(ids, {}, {}));
+  const FormFactors shrunk = FormFactors(sums.ids(), sums.find(known, {}, 1, 1, {}, {}, &neighbours).entries, {}), own = FormFactors(sums.ids(), sums.find(known, {}, 1, 1, {}, {}).entries, {});
   ASSERT_EQ(shrunk.entries().size(), 4u);
   const double m = neighbours.of(0, 1).mean;  // all four ids are in one block
   EXPECT_DOUBLE_EQ(shrunk.entries()[0].exchange_area.value, 0.25 * (1 + 0.5 * m) / 1.5);

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "scene/scene.h"
+#include <viewpeel/scene.h>
 
 namespace viewpeel {
 namespace {

@@ -1,6 +1,6 @@
 #include "reference/exact/projected_estimate.h"
 
-#include "error.h"
+#include <viewpeel/error.h>
 #include "reference/closed_forms/contour_integral.h"
 #include "reference/exact/exact_pair_areas.h"
 #include "tests/support/reference_shapes.h"

@@ -8,8 +8,9 @@
 #include <boost/math/distributions/students_t.hpp>
 #include <gtest/gtest.h>
 
-#include "error.h"
+#include <viewpeel/error.h>
 #include "sums/neighbour_shares.h"
+#include "sums/visible_sums.h"
 
 namespace viewpeel {
 namespace {
@@ -21,10 +22,9 @@ Ids idsOf(std::vector<double> areas) {
   return ids;
 }
 
-const FormFactors kNothing({}, {}, {});
 
 Measured exchangeOf(const ShareSums& sums, double measure_area, const KnownPair& known) {
-  return sums.formFactors({known}, {}, measure_area, INFINITY, kNothing).exchangeArea(known.i, known.j);
+  return FormFactors(sums.ids(), sums.find({known}, {}, measure_area, INFINITY, {}, {}).entries, {}).exchangeArea(known.i, known.j);
 }
 
 TEST(ShareSums, ByHand) {
@@ -45,7 +45,7 @@ TEST(ShareSums, ByHand) {
   EXPECT_EQ(unmet.standard_error, 0.5);
   // Not known: as it was sampled.
   const FormFactors sampled({}, {{0, 1, {5, 2}}, {1, 2, {7, 3}}}, {});
-  const FormFactors all = sums.formFactors({{0, 1, 0, 0, INFINITY}, {0, 2, 0, 0, 8}}, {}, 0.5, INFINITY, sampled);
+  const FormFactors all = FormFactors(sums.ids(), sums.find({{0, 1, 0, 0, INFINITY}, {0, 2, 0, 0, 8}}, {}, 0.5, INFINITY, {}, sampled.entries()).entries, {});
   ASSERT_EQ(all.entries().size(), 3u);
   EXPECT_EQ(all.exchangeArea(0, 1).value, 5);
   EXPECT_EQ(all.exchangeArea(0, 2).value, 8);
@@ -61,7 +61,7 @@ TEST(ShareSums, FewLinesByHand) {
   sums.add({{0, 1, 1, 11}, {0, 2, 6, 0}});
   const std::vector<uint32_t> ranks{0, 1, 2};
   const NeighbourShares neighbours(sums, {}, ranks);
-  const FormFactors all = sums.formFactors({{0, 1, 0, 0, 16}, {0, 2, 0, 0, 8}, {1, 2, 0, 0, 4}}, {}, 0.5, INFINITY, kNothing, &neighbours);
+  const FormFactors all = FormFactors(sums.ids(), sums.find({{0, 1, 0, 0, 16}, {0, 2, 0, 0, 8}, {1, 2, 0, 0, 4}}, {}, 0.5, INFINITY, {}, {}, &neighbours).entries, {});
   // All are neighbours: 20 lines of one pair count as 1.4634, 10 as 1.4286, of which V = 1.7213 of L = 2.8920 are facing, so that m = V / L = 0.595181 and s = (V + m + 0.1) / (L + 1.2) = 0.590529.
   // Of 20, two more and a tenth of either kind p = (4 + 2 s + 0.1) / 22.2 = 0.237885 are facing, 3.62592 of the rarer kind, which are trusted to 3.62592^2 / (3.62592^2 + 1/4). R s^2 / 20^2 = 0.0196,
   // 2 / 23 of p (1 - p) / 20.5 is 0.000769019, and (1.959964 / 2.364624)^2 of that, t of 8 replicates: the root of 0.981340 x 0.0196 + 0.018660 x 0.000528334, times 16.
@@ -97,7 +97,7 @@ TEST(ShareSums, RowsAndKnownPairsAndSampledOnesGoTogether) {
     for (uint32_t j = i + 1; j < n; ++j) {
       areas[i][j] = isOneOf(5) ? 0 : 1 + double(random() % 50);
       if (isOneOf(3)) known.push_back({i, j, 0, 0, 1 + double(random() % 50)});
-      if (isOneOf(3)) sampled_entries.push_back({i, j, {7, 2}});
+      else if (isOneOf(3)) sampled_entries.push_back({i, j, {7, 2}});
     }
     known.push_back({i, kEnvironment, 0, 0, 100});
     sampled_entries.push_back({i, kLeak, {3, 1}});
@@ -109,7 +109,7 @@ TEST(ShareSums, RowsAndKnownPairsAndSampledOnesGoTogether) {
   const ExchangeRow row = [&](uint32_t i, std::span<BoundedExchange> later) {
     for (size_t k = 0; k < later.size(); ++k) later[k] = {areas[i][i + 1 + k], 0};
   };
-  const FormFactors all = sums.formFactors(known, {}, 0.5, INFINITY, sampled, &neighbours, row);
+  const FormFactors all = FormFactors(sums.ids(), sums.find(known, {}, 0.5, INFINITY, {}, sampled.entries(), &neighbours, row).entries, {});
   EXPECT_TRUE(std::ranges::is_sorted(all.entries(), {}, [](const FormFactors::Entry& entry) { return std::pair(entry.i, entry.j); }));
   std::array<size_t, 5> kinds{};
   for (uint32_t i = 0; i < n; ++i) {
@@ -124,7 +124,7 @@ TEST(ShareSums, RowsAndKnownPairsAndSampledOnesGoTogether) {
       if (most == 0) {
         EXPECT_EQ(f.value, sampled.exchangeArea(i, j).value);
       } else if (is_told) {
-        const Measured alone = sums.formFactors({{i, j, 0, 0, most}}, {}, 0.5, INFINITY, kNothing, &neighbours).exchangeArea(i, j);
+        const Measured alone = FormFactors(sums.ids(), sums.find({{i, j, 0, 0, most}}, {}, 0.5, INFINITY, {}, {}, &neighbours).entries, {}).exchangeArea(i, j);
         EXPECT_EQ(f.value, alone.value) << i << " " << j;
         EXPECT_EQ(f.standard_error, alone.standard_error) << i << " " << j;
       } else {
@@ -189,7 +189,7 @@ TEST(ShareSums, ManyPairsAreEachWhatTheyAreAlone) {
     ShareSums sums(ids);
     sums.add(counts);
     sums.add(counts);
-    const FormFactors all = sums.formFactors(known, {}, 0.1, INFINITY, FormFactors(ids, others, {}));
+    const FormFactors all = FormFactors(sums.ids(), sums.find(known, {}, 0.1, INFINITY, {}, others).entries, {});
     ASSERT_EQ(all.entries().size(), known.size() + others.size());
     EXPECT_TRUE(std::ranges::is_sorted(all.entries(), {}, [](const FormFactors::Entry& entry) { return std::pair(entry.i, entry.j); }));
     for (const FormFactors::Entry& entry : others) ASSERT_EQ(all.exchangeArea(entry.i, entry.j).value, double(entry.i));
@@ -257,6 +257,54 @@ TEST(ShareSums, BiasIsBounded) {
     const double relative = std::sqrt(squared_lines / kTrials / std::pow(lines / kTrials, 2) - 1);
     EXPECT_LE(std::abs(mean - 0.75), std::sqrt(variance) * relative + 4 * std::sqrt(variance / kTrials)) << spread;
   }
+}
+
+// One line of 80 of a row leaves the scene, in one replicate of eight: its share is 1 / 80, by polygon and by surface, whatever pilots have
+// seen, and not 1 / 10, as in the one replicate that saw it.
+TEST(ShareSums, EnvironmentSeenInOneReplicateOfEight) {
+  Ids ids;
+  ids.names = {"a", "b"};
+  ids.areas = {10, 10};
+  ids.surface = {0, 1};
+  ids.of_polygon = {0, 1};
+  constexpr double kMeasureArea = 0.5;  // a row of 10 lines then makes 10 = 2 * 0.5 * 10 input units squared
+  for (const uint32_t share : {0u, kShareOne / 3}) {
+    KnownShares known;
+    if (share) known.pairs = {{0, kEnvironment, share, share, ids.areas[0]}};
+    VisibleSums visible(ids, ids, By::polygon, known);
+    ReplicateSums counted(ids);
+    for (int replicate = 0; replicate < 8; ++replicate) {
+      const PairCounts counts = replicate == 3 ? PairCounts{{0, 1, 9}, {0, kEnvironment, 1}, {1, kEnvironment, 1}} : PairCounts{{0, 1, 10}};
+      visible.add(counts, {});
+      counted.add(counts);
+    }
+    if (!share) visible.learn({{0, kEnvironment, 0, 0, ids.areas[0]}});
+    const FormFactors by_polygon = visible.byPolygon(kMeasureArea, INFINITY, counted, {});
+    EXPECT_NEAR(by_polygon.formFactor(0, kEnvironment).value, 1 / 80.0, 1e-12) << share;
+    const FormFactors by_surface = visible.bySurface(kMeasureArea, INFINITY, counted.formFactors(kMeasureArea));
+    EXPECT_NEAR(by_surface.formFactor(0, kEnvironment).value, 1 / 80.0, 1e-6) << share;  // shares in units of 2^-12 are exact, areas are rounded
+  }
+}
+
+// Leak that pilots saw and the run did not is no leak.
+TEST(ShareSums, WhatOnlyPilotsSawIsNotStated) {
+  Ids ids;
+  ids.names = {"a", "b"};
+  ids.areas = {10, 10};
+  ids.surface = {0, 1};
+  ids.of_polygon = {0, 1};
+  KnownShares known;
+  known.pairs = {{0, kLeak, kShareOne / 100, kShareOne / 100, ids.areas[0]}};
+  VisibleSums visible(ids, ids, By::polygon, known);
+  ReplicateSums counted(ids);
+  for (int replicate = 0; replicate < 8; ++replicate) {
+    visible.add({{0, 1, 1000}}, {});
+    counted.add(PairCounts{{0, 1, 1000}});
+  }
+  const Measured leak = visible.byPolygon(0.005, INFINITY, counted, {}).formFactor(0, kLeak);
+  EXPECT_EQ(leak.value, 0);
+  EXPECT_NEAR(leak.standard_error, 1 / 8000.0, 1e-12);  // one line
+  EXPECT_NEAR(visible.bySurface(0.005, INFINITY, counted.formFactors(0.005)).formFactor(0, kLeak).value, 0, 1e-6);
 }
 
 }  // namespace

@@ -129,7 +129,7 @@ TEST(Threads, NeverChangeRowsOfClosedForms) {
   FaceExchanges exchanges(nullptr, scene, ids);
   const ExchangeRow rows = exchanges.rows();
   std::optional<FormFactors> on_one, on_all;
-  const auto make = [&] { return sums.formFactors({}, {}, 1, INFINITY, FormFactors(ids, {}, {}), &neighbours, rows); };
+  const auto make = [&] { return FormFactors(sums.ids(), sums.find({}, {}, 1, INFINITY, {}, {}, &neighbours, rows).entries, {}); };
   runOn(firstOf(allowed()), [&] { on_one = make(); });
   runOn(allOf(), [&] { on_all = make(); });
   ASSERT_TRUE(on_one && on_all);

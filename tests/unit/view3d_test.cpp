@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "error.h"
+#include <viewpeel/error.h>
 #include "scenes/named_scenes.h"
 
 namespace viewpeel::bench {

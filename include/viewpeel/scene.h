@@ -20,6 +20,7 @@ struct InputScene {
   std::string file;  // named in messages
   std::vector<std::string> surface_names;
   std::vector<InputFace> faces;
+  std::vector<std::string> warnings{};  // of the reader, one line each
 };
 
 // Where several polygons lie in one plane a line meets all of them at one depth, and their tie ranks order them: a place
@@ -43,12 +44,21 @@ struct Polygon {
 // A face keeps one identity however many polygons it was split into.
 struct Face {
   uint32_t surface = 0;  // into Scene::surfaces
-  uint32_t number = 0;   // within its surface, from 1
+  uint32_t number = 0;   // within its surface, from 1, empty rows counted
+  uint32_t row = 0;      // in the file, from 0, empty rows counted
 };
 
 struct Surface {
   std::string name;
-  uint32_t face_count = 0;
+  uint32_t face_count = 0;  // in the file, empty rows counted
+};
+
+// A face or surface of the file that takes no part: it has no area, or repeats another one. It keeps its place among the
+// rows of results, so that row k is the file's face k, and its name.
+struct EmptyRow {
+  uint32_t row = 0;  // from 0
+  std::string name;
+  bool operator==(const EmptyRow&) const = default;
 };
 
 // Coplanar polygons share one plane, whichever way they face, so that their depths along a line tie exactly.
@@ -71,41 +81,51 @@ struct Scene {
   std::vector<glm::dvec3> corners;
   std::vector<Polygon> polygons;
   std::vector<Face> faces;
-  std::vector<Surface> surfaces;
+  std::vector<Surface> surfaces;  // in the order in which the file first uses them
+  std::vector<EmptyRow> empty_faces, empty_surfaces;  // by row
   std::vector<Plane> planes;
   glm::dvec3 centre{0};
   double scale = 1;
   Coincidences coincidences;
-  std::vector<std::string> warnings;  // one line each, counted: "3 faces of zero area dropped"
+  std::vector<std::string> warnings;  // one line each, counted: what was met and what was done (docs/meshes.md)
 };
 
-// What a file leaves open. Names are of surfaces.
+// What a file leaves open.
 struct SceneOptions {
-  std::vector<std::string> sheets;  // coincident faces of these are back to back
-  std::vector<std::string> solids;  // coincident faces of these are face to face
+  std::vector<std::string> sheets;  // coincident faces of these surfaces are back to back
+  std::vector<std::string> solids;  // coincident faces of these surfaces are face to face
+  std::vector<std::string> flip;    // surfaces ("desk") and faces ("desk[3]") to turn over
+  bool fix_normals = false;         // turns over the shells whose backs lines meet (shells.h)
 };
 
-// Validates, drops degenerate faces, splits the rest into convex planar polygons, moves and scales to the unit ball
-// groups coplanar polygons into planes and orders the coincident ones.
-//   In: faces in input units, any size and offset.
-//   Error: corners to 1 ulp of the unit ball after the subtraction of the centre in double; tests/scene_test.cpp.
-//   Throws: Error bad_input (NaN or infinite coordinates, no usable polygon), naming file and line.
-//   Cost: O(corners log corners) work and memory.
+// Validates, leaves out degenerate and repeated faces, splits the rest into convex planar polygons, moves and scales to
+// the unit ball, groups coplanar polygons into planes and orders the coincident ones.
+//   In: faces in input units, any size and offset    Out: the scene, in unit-ball units
+//   Error: corners to 1 ulp of the unit ball after the subtraction of the centre in double. Tests: tests/unit/build_scene_test.cpp.
+//   Throws: Error bad_input (NaN or infinite coordinates, no usable polygon, names that collide), naming file and line;
+//     bad_usage for options that name what is not there.
+//   Cost: O(corners log corners) work and memory; some thousand rays for each turn of fix_normals.
 Scene buildScene(const InputScene& input, const SceneOptions& options = {});
 
 // Reads .obj, .stl (both kinds) or .ply and calls buildScene. Surfaces are the `o` and `g` names of .obj, the solids
 // of .stl; a file without names has one surface, named after the file.
-//   Throws: Error bad_input, naming file, line where the format has lines, and remedy.
+//   In: file: any name; options: as for buildScene    Out, Error, Cost: as buildScene. Tests: tests/unit/load_test.cpp.
+//   Throws: Error bad_input, naming file, line where the format has lines, and remedy; as buildScene.
 Scene loadScene(const std::filesystem::path& file, const SceneOptions& options = {});
 
-// The unit normal of a polygon's own corners, on the side of its front.
+// The name of a face: "desk[3]", or "desk" where the surface has one face only.    In: face_index into Scene::faces    Cost: O(1).
+std::string faceName(const Scene& scene, uint32_t face_index);
+
+// The normal of a polygon's own corners, of unit length, on the side of its front.    In: a polygon of the scene    Cost: O(1).
 glm::dvec3 frontNormal(const Scene& scene, const Polygon& polygon);
 
 // True where every edge of every polygon is met by an opposite edge of another polygon, the way the walls of a room do.
-// Touching of edges in part (T-junctions) counts. An estimate of intent for the summary, never used in numerics.
+// Touching of edges in part (T-junctions) counts. An estimate of intent for the summary, never used in numerics; whether
+// lines end on fronts is another question (seen_backs.h).
+//   Cost: O(edges log edges).
 bool isClosed(const Scene& scene);
 
-// 64 bits of all that a count can depend on: geometry to the last bit, order, names; not the file's place.    Cost: O(corners).
+// A hash, 64 bits, of all that a count can depend on: geometry to the last bit, order, names; not the file's place.    Cost: O(corners).
 uint64_t fingerprint(const Scene& scene);
 
 }  // namespace viewpeel

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "scene/scene.h"
+#include <viewpeel/scene.h>
 
 namespace viewpeel {
 
@@ -16,9 +16,6 @@ constexpr uint32_t kLeak = 0xFFFFFFFFu;
 
 // What counters are kept for: every input polygon (a face of the file), or every named surface as a whole.
 enum class By { polygon, surface };
-
-// "desk[3]", or "desk" where the surface has one face only.
-std::string faceName(const Scene& scene, uint32_t face_index);
 
 // What a polygon's facing pairs are counted for: a facing pair counts where one of the two emits and the other receives.
 // The environment and leak of a polygon count where it emits.
@@ -36,6 +33,7 @@ struct Ids {
   std::vector<double> areas;         // emitting area, input units squared: both sides of a two-sided polygon count
   std::vector<uint32_t> surface;     // Scene::surfaces index of each id
   bool two_sided = false;
+  std::vector<EmptyRow> empty_rows;  // of the file, by row, which no id stands for: results have them, too
 
   uint32_t rolesOf(uint32_t polygon_index) const { return roles.empty() ? kEmits | kReceives : roles[polygon_index]; }
   bool isAsked(uint32_t id) const { return asked.empty() || asked[id]; }
@@ -44,9 +42,13 @@ struct Ids {
     return std::min(isAsked(i) ? areas[i] : INFINITY, j < kEnvironment && isAsked(j) ? areas[j] : INFINITY);
   }
   uint32_t count() const { return static_cast<uint32_t>(names.size()); }
+  // Rows of results, empty ones too.
+  uint32_t rowCount() const { return count() + static_cast<uint32_t>(empty_rows.size()); }
+  // The row of each id, from 0, ascending.
+  std::vector<uint32_t> rows() const;
 };
 
-// Pairs of n different ids.
+// How many pairs n different ids make.
 constexpr uint64_t pairCount(uint64_t n) { return n * (n - 1) / 2; }
 
 // What to compute where not all form factors are wanted. Names are of surfaces ("desk") or faces ("desk[3]").
@@ -58,15 +60,20 @@ struct Question {
   bool isEverything() const { return from.empty() && pair.empty() && blockers.empty(); }
 };
 
-// Scene::polygons of the surface or face of that name.
-//   Throws: Error bad_usage where there is none.
+// The polygons of the surface or face of that name.
+//   Out: indices into Scene::polygons, ascending    Throws: Error bad_usage where there is none.    Cost: O(polygons).
 std::vector<uint32_t> findPolygons(const Scene& scene, const std::string& name);
 
-// Sets roles, counts_environment, asked and rows_sum_to_one.
+// Restricts ids to a question: sets roles, counts_environment, asked, splits_surfaces and rows_sum_to_one.
+//   In: ids of this scene, as makeIds gives them    Cost: O(polygons) a name.
 //   Throws: Error bad_usage: unknown names, a pair beside --from, what is asked for among the blockers, part of a surface with By::surface.
 void askOnlyFor(const Question& question, const Scene& scene, Ids& ids);
 
+// The rows of a scene's matrix.
+//   In: by: one row a face or a surface; two_sided: every polygon emits and receives on both sides
+//   Out: every id with both roles, areas in input units squared
 //   Throws: Error bad_input where a surface is called `environment` or `leak`, which the result uses itself.
+//   Cost: O(polygons).
 Ids makeIds(const Scene& scene, By by, bool two_sided);
 
 }  // namespace viewpeel

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "result/ids.h"
+#include <viewpeel/ids.h>
 
 namespace viewpeel {
 
@@ -24,6 +24,7 @@ class FormFactors {
     Measured exchange_area;  // input units squared
   };
 
+  //   In: entries sorted by (i, j), every pair at most once, input units squared; row_sums: one for each id
   FormFactors(Ids ids, std::vector<Entry> entries, std::vector<Measured> row_sums);
 
   const Ids& ids() const { return ids_; }

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "result/form_factors.h"
+#include <viewpeel/form_factors.h>
 
 namespace viewpeel {
 
@@ -32,7 +32,7 @@ struct ClosedFormFactors {
   uint32_t from = 0, to = 0;
 };
 
-// x_ij = x_ji >= 0 with sum_j x_ij = A_i in every row i that minimise sum (x_ij - c_ij)^2 / w_ij over unordered pairs, c_ij = A_i F_ij as measured and w_ij its
+// Finds x_ij = x_ji >= 0 with sum_j x_ij = A_i in every row i that minimise sum (x_ij - c_ij)^2 / w_ij over unordered pairs, c_ij = A_i F_ij as measured and w_ij its
 // standard error, no more than c_ij itself. Least squares would divide by the variance, if errors were independent and their variances known. Where few lines tell, both are not: a standard error
 // is rough, or a bound, and errors of a row go together, so that its square asks of the least known more than they can give. w_ij = c_ij, as of counts of independent lines, moves pairs whose
 // closed forms are known as much as others. Both left larger errors where form factors are shares of closed forms (README, Accuracy).

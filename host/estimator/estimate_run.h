@@ -1,0 +1,48 @@
+// Estimate mode in steps: one replicate each, until the goal.
+#pragma once
+#include <optional>
+#include <vector>
+
+#include "estimator/estimate.h"
+#include "stopwatch.h"
+
+namespace viewpeel {
+
+class EstimateRun {
+ public:
+  //   In: engine, scene, ids: as for estimateFormFactors, referred to; options: those but for callbacks
+  //   Throws: Error bad_usage, as estimateFormFactors.
+  EstimateRun(Engine& engine, const Scene& scene, const Ids& ids, EstimateOptions options);
+
+  // The goal is reached, or the next replicate would end after the time.
+  bool isDone() const;
+  // One replicate.    Throws: what the engine throws; the sums are then as before.
+  void step();
+  const RunSums& sums() const { return sums_; }
+  // Over all form factors so far; infinite where there is no goal, or before as many replicates as there are to be at least.
+  double largestStandardError() const { return largest_error_; }
+  // What the replicates so far come to.
+  Estimate estimateSoFar() const;
+  // The same once no step is to follow: what was computed to see that the goal is reached is not computed again.
+  Estimate takeEstimate();
+
+ private:
+  bool isReached() const;
+  bool measure(const FormFactors& so_far);
+  void resume();
+  void measureErrors();
+  AskedDirections directionsOf(uint64_t replicate) const;
+
+  Engine& engine_;
+  EstimateOptions options_;
+  double count_area_;
+  RunSums sums_;
+  std::vector<DirectedPair> directed_;
+  ExchangeRow row_;  // closed forms of pairs that are not known
+  double largest_error_ = INFINITY, largest_relative_error_ = INFINITY;
+  std::optional<FormFactors> found_;  // where the goal is reached
+  uint64_t resumed_count_ = 0;
+  Clock::time_point start_ = Clock::now();
+};
+
+}  // namespace viewpeel

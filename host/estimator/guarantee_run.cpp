@@ -1,0 +1,111 @@
+#include "estimator/guarantee_run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "estimator/guarantee_blocks.h"
+
+namespace viewpeel {
+namespace {
+
+constexpr uint64_t kTogether = 512;  // directions of several blocks counted at once
+
+std::vector<PairCounts> mergeIdsOfAll(const std::vector<PairCounts>& runs, const std::vector<uint32_t>& id_map) {
+  std::vector<PairCounts> merged;
+  for (const PairCounts& run : runs) merged.push_back(mergeIds(run, id_map));
+  return merged;
+}
+
+// The medians over runs of what `means` has the means of. Standard errors as for normal errors, of which the median has pi / 2 times the mean's variance; row sums stay those of means.
+FormFactors medianOf(const std::vector<PairCounts>& runs, const FormFactors& means, double measure_area) {
+  std::vector<FormFactors::Entry> entries = means.entries();
+  std::vector<size_t> at(runs.size(), 0);
+  std::vector<uint64_t> counts(runs.size());
+  for (FormFactors::Entry& entry : entries) {
+    for (size_t r = 0; r < runs.size(); ++r) {
+      const bool met = at[r] < runs[r].size() && runs[r][at[r]].i == entry.i && runs[r][at[r]].j == entry.j;
+      counts[r] = met ? runs[r][at[r]++].count : 0;
+    }
+    std::nth_element(counts.begin(), counts.begin() + static_cast<std::ptrdiff_t>(counts.size() / 2), counts.end());
+    entry.exchange_area.value = (entry.i == entry.j ? 4 : 2) * measure_area * double(counts[counts.size() / 2]);
+    entry.exchange_area.standard_error *= std::sqrt(std::numbers::pi / 2);
+  }
+  return {means.ids(), std::move(entries), means.rowSums()};
+}
+
+}  // namespace
+
+GuaranteeRun::GuaranteeRun(const Scene& scene, const Ids& ids, const GuaranteeOptions& options, const GuaranteePlan& plan)
+    : ids_(ids), options_(options), plan_(plan), is_median_(options.statistic == Statistic::median), directions_(is_median_ ? plan.run_directions : plan.block_directions),
+      most_blocks_(is_median_ ? plan.runs : plan.most_blocks), sums_(makeGuaranteeSums(scene, ids, plan, directions_)),
+      guarantee_{options.epsilon, options.delta, INFINITY, is_median_ ? GuaranteedBy::median : GuaranteedBy::hoeffding}, next_look_(std::max<uint64_t>(2, plan.least_blocks)) {
+  if (options_.resumed) {
+    sums_.visible.reset();  // theirs
+    sums_.add(*options_.resumed);
+  }
+  while (next_look_ < sums_.replicateCount()) passLook();  // those that a run did before it was stopped found nothing
+}
+
+void GuaranteeRun::passLook() {
+  ++look_;
+  next_look_ = static_cast<uint64_t>(std::ceil(double(next_look_) * kEpochGrowth));
+}
+
+bool GuaranteeRun::isDone() {
+  const uint64_t blocks = sums_.replicateCount();
+  if (is_done_ || blocks >= most_blocks_) return is_done_ = true;
+  if (is_median_ || blocks != next_look_) return false;
+  passLook();
+  guarantee_.bound = boundFor(sums_, ids_, plan_, static_cast<uint32_t>(directions_))(double(blocks), options_.delta / (2 * double(look_) * double(look_ + 1)));
+  if (guarantee_.bound > options_.epsilon) return false;
+  guarantee_.by = GuaranteedBy::bernstein;
+  return is_done_ = true;
+}
+
+void GuaranteeRun::step(const std::function<void()>& on_block) {
+  uint64_t block = sums_.replicateCount();
+  const uint64_t end = is_median_ ? most_blocks_ : std::min(most_blocks_, next_look_), together = std::max<uint64_t>(kTogether / directions_, 1);
+  for (PairCounts& counts : countBlocks(*plan_.engine, options_, directions_, block, std::min(end - block, together))) {
+    sums_.add(block++, counts, directions_);
+    if (is_median_) runs_.push_back(std::move(counts));
+    if (on_block) on_block();
+  }
+}
+
+Estimate GuaranteeRun::estimateSoFar() const { return makeEstimate(sums_, EstimateOptions{}.relative_floor); }
+
+Estimate GuaranteeRun::estimate() const {
+  Estimate estimate = estimateSoFar();
+  if (is_median_) {
+    estimate.form_factors = medianOf(runs_, estimate.form_factors, sums_.measure_area);
+    estimate.between_surfaces = medianOf(mergeIdsOfAll(runs_, ids_.surface), estimate.between_surfaces, sums_.measure_area);
+  }
+  if (sums_.visible) estimate.form_factors = keepSeen(sums_.visible->controlledFormFactors(sums_.measure_area, sums_.by_id.formFactors(sums_.measure_area, sums_.countArea())));
+  estimate.guarantee = guarantee_;
+  if (guarantee_.by != GuaranteedBy::bernstein) estimate.guarantee->bound = options_.epsilon;
+  return estimate;
+}
+
+Estimate guaranteeFormFactors(const Scene& scene, const Ids& ids, const GuaranteeOptions& options, const GuaranteePlan& plan) {
+  GuaranteeRun run(scene, ids, options, plan);
+  const auto onBlock = [&] {
+    if (options.on_sums) options.on_sums(run.sums(), false);
+    if (options.on_block) options.on_block({run.sums().replicateCount(), run.expectedBlocks(), run.mostBlocks(), run.bound()});
+  };
+  try {
+    while (!run.isDone()) run.step(onBlock);
+  } catch (const Interrupted&) {
+    if (options.on_sums) options.on_sums(run.sums(), true);
+    Estimate estimate = run.estimateSoFar();  // and no guarantee
+    estimate.interrupted = true;
+    return estimate;
+  } catch (...) {
+    if (options.on_sums) options.on_sums(run.sums(), true);
+    throw;
+  }
+  if (options.on_sums) options.on_sums(run.sums(), true);
+  return run.estimate();
+}
+
+}  // namespace viewpeel

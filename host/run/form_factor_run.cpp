@@ -1,0 +1,311 @@
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <viewpeel/compute.h>
+
+#include "directions/replicates.h"
+#include <viewpeel/error.h>
+#include "estimator/estimate_run.h"
+#include "estimator/guarantee_run.h"
+#include "estimator/visible_share.h"
+#include "io/checkpoint.h"
+#include "result/leak_warnings.h"
+#include "run/observed_engine.h"
+#include "run/settings.h"
+#include "run/setup.h"
+#include "run/summaries.h"
+#include "stopwatch.h"
+
+namespace viewpeel {
+namespace {
+
+constexpr double kTrialSeconds = 0.5;  // of measureSeconds
+
+}  // namespace
+
+struct FormFactorRun::State {
+  Observer observer;
+  Progress progress;
+  Setup setup;
+  PlanSummary summary;
+  std::optional<Checkpoint> resumed;
+  std::filesystem::path resumed_file;
+  std::optional<Clock::time_point> start;  // of the plan
+  std::optional<Plan> plan;
+  std::optional<GuaranteePlan> guarantee;
+  PairSampler pairs;
+  FaceExchanges exchanges;
+  VisibleShares shares;
+  std::optional<SharesSummary> shares_summary;
+  std::optional<EstimateRun> estimate_run;
+  std::optional<GuaranteeRun> guarantee_run;
+  bool is_interrupted = false, is_done = false;
+
+  State(const Scene& scene, Request request, Observer watching)
+      : observer(std::move(watching)), setup(scene, std::move(request), [this](uint64_t directions) { onBatch(directions); }, [this] { stopIfAsked(); }),
+        summary(summarise(setup)), pairs(setup.pairSampler()), exchanges(setup.device(), scene, setup.faceIds(), [this] { stopIfAsked(); }) {}
+
+  void stopIfAsked() const {
+    if (observer.should_stop && observer.should_stop()) throw Interrupted{};
+  }
+  void tellProgress() const {
+    if (observer.on_progress) observer.on_progress(progress);
+  }
+  void onBatch(uint64_t directions) {
+    stopIfAsked();
+    if (setup.guarantee()) return;  // it counts blocks
+    progress.directions = directions;
+    tellProgress();
+  }
+
+  // What an observer stops has come to its end.
+  template <class Work>
+  void doUnlessStopped(const Work& work) {
+    if (is_interrupted) return;
+    try {
+      work();
+    } catch (const Interrupted&) {
+      is_interrupted = is_done = true;
+    }
+  }
+
+  Engine& engine() const { return guarantee ? *guarantee->engine : *plan->engine; }
+  const RunSums& sums() const { return guarantee_run ? guarantee_run->sums() : estimate_run->sums(); }
+  bool isBegun() const { return estimate_run || guarantee_run; }
+
+  Plan makeOwnPlan() const;
+  Plan planOwn();
+  void makePlan();
+  void findShares();
+  EstimateOptions estimateOptions();
+  void begin();
+  void step();
+  Estimate estimateOfNothing() const;
+  Result resultOf(Estimate estimate) const;
+};
+
+// As the request has it.
+Plan FormFactorRun::State::makeOwnPlan() const {
+  Plan own;
+  own.directions = setup.estimate().directions;
+  own.finest = setup.finest();
+  const Lattices lattices = setup.lattices();
+  const int resolution = setup.resolution() ? setup.resolution() : lattices.lattice.resolution;
+  own.groups = own.finest ? planGroups(setup.scene(), setup.ids(), setup.sampling(), resolution, own.finest, own.directions) : groupAsOne(setup.scene(), resolution);
+  own.engine = makeEngine(lattices, setup.scene(), setup.ids(), own.groups);
+  return own;
+}
+
+// Without closed forms where counts would be too large for those that nobody asked for.
+Plan FormFactorRun::State::planOwn() {
+  if (setup.isExact() || !setup.plans()) return makeOwnPlan();
+  const auto planned = [&] { return planEstimate(setup.scene(), setup.ids(), setup.estimate(), setup.lattices()); };
+  Plan found = planned();
+  if (!found.counts_too_large) return found;
+  if (!setup.closedFormsByDefault())
+    throw Error(ErrorCode::bad_usage, "polygons differ too much in size for closed forms at this goal: counts would be too large; say --closed-forms off, or ask for less");
+  found.engine.reset();
+  setup.leaveOutClosedForms();
+  return planned();
+}
+
+void FormFactorRun::State::makePlan() {
+  start = Clock::now();
+  if (setup.guarantee()) {
+    guarantee = planGuarantee(setup.scene(), setup.ids(), setup.guaranteeOptions(), setup.lattices(), setup.isExact());
+    if (const auto& limit = setup.request().time_limit_s; limit && guarantee->least_seconds > *limit) refuseGuarantee(*guarantee, *limit);
+    guarantee->engine = observed(std::move(guarantee->engine), observer.on_count);
+    summary = summarise(setup, *guarantee);
+  } else {
+    plan = planOwn();
+    plan->engine = observed(std::move(plan->engine), observer.on_count);
+    summary = summarise(setup, *plan);
+  }
+  if (resumed) requireSameSettings(settingsOf(setup, summary), resumed->settings, resumed_file);
+}
+
+void FormFactorRun::State::findShares() {
+  if (!setup.usesClosedForms() || guarantee || resumed || shares_summary) return;
+  EstimateOptions pilot = setup.estimate();
+  pilot.directions = plan->directions;
+  pilot.pairs = &pairs;
+  shares = findVisibleShares(engine(), exchanges, setup.scene(), setup.faceIds(), plan->groups, pilot, sharePilot(pilot));
+  shares_summary = summarise(shares);
+}
+
+EstimateOptions FormFactorRun::State::estimateOptions() {
+  EstimateOptions options = setup.estimate();
+  options.directions = plan->directions;
+  options.resumed = resumed ? &resumed->sums : nullptr;
+  options.pairs = &pairs;
+  if (setup.usesClosedForms()) {
+    options.known = &shares.known;
+    options.exchanges = &exchanges;
+  }
+  if (options.seconds) options.seconds = std::max(*options.seconds - secondsSince(*start), 1e-3);
+  return options;
+}
+
+void FormFactorRun::State::begin() {
+  if (guarantee) {
+    GuaranteeOptions options = setup.guaranteeOptions();
+    options.resumed = resumed ? &resumed->sums : nullptr;
+    guarantee_run.emplace(setup.scene(), setup.ids(), options, *guarantee);
+    progress.expected_blocks = guarantee_run->expectedBlocks();
+    progress.most_blocks = guarantee_run->mostBlocks();
+    is_done = guarantee_run->isDone();
+    return;
+  }
+  progress.directions_of_replicate = plan->directions;
+  estimate_run.emplace(*plan->engine, setup.scene(), setup.countedIds(), estimateOptions());
+  is_done = estimate_run->isDone();
+}
+
+void FormFactorRun::State::step() {
+  const auto tell = [&] {
+    progress.replicates = sums().replicateCount();
+    progress.directions = 0;
+    tellProgress();
+    stopIfAsked();
+  };
+  if (guarantee_run) {
+    guarantee_run->step(tell);
+    is_done = guarantee_run->isDone();
+    return;
+  }
+  estimate_run->step();
+  is_done = estimate_run->isDone();
+  progress.largest_standard_error = estimate_run->largestStandardError();
+  tell();
+}
+
+// Of a run that was stopped before it counted anything.
+Estimate FormFactorRun::State::estimateOfNothing() const {
+  return {FormFactors(setup.ids(), {}, std::vector<Measured>(setup.ids().count())), FormFactors({}, {}, {}), 0, 0, INFINITY, INFINITY};
+}
+
+Result FormFactorRun::State::resultOf(Estimate estimate) const {
+  Result result{std::move(estimate)};
+  result.interrupted = is_interrupted;
+  result.environment_share = shareOf(result.form_factors, kEnvironment);
+  result.leak_share = shareOf(result.form_factors, kLeak);
+  result.plan = summary;
+  result.seconds = start ? secondsSince(*start) : 0;
+  if (!setup.request().closure) return result;
+  try {
+    result.closed = closeRows(result.form_factors);
+  } catch (const Error& error) {
+    result.closure_refusal = error;
+  }
+  return result;
+}
+
+FormFactorRun::FormFactorRun(const Scene& scene, Request request, Observer observer) : state_(std::make_unique<State>(scene, std::move(request), std::move(observer))) {}
+FormFactorRun::~FormFactorRun() = default;
+FormFactorRun::FormFactorRun(FormFactorRun&&) noexcept = default;
+FormFactorRun& FormFactorRun::operator=(FormFactorRun&&) noexcept = default;
+
+const Request& FormFactorRun::request() const { return state_->setup.request(); }
+const PlanSummary& FormFactorRun::plan() const { return state_->summary; }
+const DeviceDescription* FormFactorRun::device() const { return state_->setup.device() ? &state_->setup.device()->description() : nullptr; }
+
+Settings FormFactorRun::settings() const {
+  const bool is_planned = state_->plan || state_->guarantee;
+  return is_planned ? settingsOf(state_->setup, state_->summary) : settingsOf(state_->setup);
+}
+
+std::string FormFactorRun::resumeFrom(const std::filesystem::path& checkpoint) {
+  Checkpoint found = readCheckpoint(checkpoint);
+  Settings unplanned = found.settings;
+  std::erase_if(unplanned, [](const auto& setting) { return mayBePlanned(setting.first); });
+  requireSameSettings(settings(), unplanned, checkpoint);
+  const uint64_t first = request().first_replicate;
+  if (found.sums.replicates != std::vector{ReplicateRange{first, first + found.sums.replicateCount()}})
+    throw Error(ErrorCode::bad_usage, fmt::format("{}: holds replicates {}, not all from --first-replicate {} on; merge it with those that are missing", checkpoint.string(),
+                                                  describeReplicates(found.sums.replicates), first));
+  state_->setup.adoptPlan(found.settings);
+  state_->resumed = std::move(found);
+  state_->resumed_file = checkpoint;
+  return describeReplicates(state_->resumed->sums.replicates);
+}
+
+void FormFactorRun::writeCheckpoint(const std::filesystem::path& file) const { viewpeel::writeCheckpoint(settings(), sums(), file); }
+
+const PlanSummary& FormFactorRun::makePlan() {
+  if (!state_->start) state_->doUnlessStopped([&] { state_->makePlan(); });
+  return state_->summary;
+}
+
+const SharesSummary* FormFactorRun::findShares() {
+  makePlan();
+  state_->doUnlessStopped([&] { state_->findShares(); });
+  return state_->shares_summary ? &*state_->shares_summary : nullptr;
+}
+
+double FormFactorRun::measureSeconds() {
+  makePlan();
+  const EstimateOptions& estimate = state_->setup.estimate();
+  const auto directionsOf = [&](uint32_t count) {
+    return estimate.asked_directions ? estimate.asked_directions(count, kPlanReplicates.first).directions
+                                     : sampleDirections(estimate.sampler, count, estimate.seed, kPlanReplicates.first);
+  };
+  const uint32_t all = state_->plan->directions;
+  double each = 0;
+  uint32_t count = std::min(4u, all);
+  for (uint32_t turn = 0; turn < 2; ++turn, count = std::clamp(static_cast<uint32_t>(kTrialSeconds / each), 1u, all)) {
+    if (turn == 0) state_->engine().count(directionsOf(count));  // kernels are compiled and tuned
+    const auto trial = Clock::now();
+    state_->engine().count(directionsOf(count));
+    each = std::max(secondsSince(trial), 1e-9) / count;
+  }
+  return each * all * estimate.replicates;
+}
+
+bool FormFactorRun::isDone() const { return state_->is_done; }
+
+void FormFactorRun::step() {
+  findShares();
+  state_->doUnlessStopped([&] {
+    if (!state_->isBegun()) state_->begin();
+    if (!state_->is_done) state_->step();
+  });
+}
+
+bool FormFactorRun::isInterrupted() const { return state_->is_interrupted; }
+uint64_t FormFactorRun::replicateCount() const { return state_->isBegun() ? state_->sums().replicateCount() : 0; }
+const RunSums& FormFactorRun::sums() const { return state_->sums(); }
+std::string FormFactorRun::division() const { return state_->engine().describePlan(); }
+
+Result FormFactorRun::resultSoFar() const {
+  return state_->resultOf(state_->guarantee_run ? state_->guarantee_run->estimateSoFar() : state_->estimate_run->estimateSoFar());
+}
+
+Result FormFactorRun::result() {
+  checkDevice();
+  if (!state_->isBegun()) return state_->resultOf(state_->estimateOfNothing());
+  const auto estimate = [&] {
+    if (!state_->guarantee_run) return state_->estimate_run->takeEstimate();
+    return state_->is_done && !state_->is_interrupted ? state_->guarantee_run->estimate() : state_->guarantee_run->estimateSoFar();
+  };
+  Result result = state_->resultOf(estimate());
+  result.division = division();
+  if (!result.interrupted) result.warnings = warnOfLeaks(state_->setup.scene(), result.form_factors);
+  if (const Work* work = state_->engine().work()) result.work = *work;
+  return result;
+}
+
+void FormFactorRun::checkDevice() const {
+  const Device* device = state_->setup.device();
+  if (device && !device->validationErrors().empty()) throw Error(ErrorCode::device, "Vulkan validation: " + device->validationErrors().front());
+}
+
+Result computeFormFactors(const Scene& scene, const Request& request, const Observer& observer) {
+  FormFactorRun run(scene, request, observer);
+  while (!run.isDone()) run.step();
+  return run.result();
+}
+
+}  // namespace viewpeel

@@ -1,0 +1,195 @@
+#include "run/setup.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <numbers>
+
+#include <fmt/format.h>
+#include <glm/geometric.hpp>
+
+#include "engines/engine_factory.h"
+#include "engines/host_engine.h"
+#include <viewpeel/error.h>
+#include "estimator/visible_share.h"
+#include "io/checkpoint.h"
+#include "run/rules.h"
+
+namespace viewpeel {
+namespace {
+
+// Goals, replicates and the like. Directions and sampler are settled later.
+EstimateOptions estimateOptionsOf(const Request& request) {
+  EstimateOptions estimate;
+  const Amount amount = amountOf(request);
+  estimate.directions = amount.directions ? amount.directions : kUsualDirections;
+  estimate.replicates = amount.replicates;
+  estimate.sampler = request.sampler.value_or(Sampler::fibonacci);
+  estimate.relative_floor = request.relative_floor;
+  estimate.seed = request.seed;
+  estimate.first_replicate = request.first_replicate;
+  estimate.by = request.by;
+  estimate.seconds = request.time_limit_s;
+  if (const auto* tolerance = std::get_if<Tolerance>(&request.goal)) {
+    estimate.tolerance = tolerance->standard_error;
+    estimate.relative = tolerance->relative;
+  } else if (const auto* relative = std::get_if<Relative>(&request.goal)) {
+    estimate.relative = relative->standard_error;
+  } else if (const auto* seconds = std::get_if<Seconds>(&request.goal)) {
+    estimate.seconds = std::min(seconds->seconds, request.time_limit_s.value_or(seconds->seconds));
+  }
+  return estimate;
+}
+
+bool hasGpu() {
+  try {
+    for (const DeviceDescription& found : listDevices())
+      if (found.refusal.empty() && found.kind != "cpu") return true;
+  } catch (const Error&) {  // no driver
+  }
+  return false;
+}
+
+bool isPlanar(const Scene& scene, const std::vector<uint32_t>& polygons) {
+  return std::all_of(polygons.begin(), polygons.end(), [&](uint32_t k) {
+    const Polygon &a = scene.polygons[k], &b = scene.polygons[polygons[0]];
+    return glm::dot(scene.planes[a.plane].normal, scene.planes[b.plane].normal) * (a.front_along_plane_normal == b.front_along_plane_normal ? 1 : -1) > 1 - 1e-9;
+  });
+}
+
+}  // namespace
+
+Amount amountOf(const Request& request) {
+  const auto* fixed = std::get_if<FixedAmount>(&request.goal);
+  return fixed ? Amount{fixed->directions, fixed->replicates, fixed->resolution, fixed->finest} : request.amount;
+}
+
+Setup::Setup(const Scene& scene, Request request, std::function<void(uint64_t)> on_batch, std::function<void()> stop)
+    : scene_(scene), request_(std::move(request)), stop_(std::move(stop)), ids_(makeIds(scene, request_.by, request_.two_sided)),
+      face_ids_(makeIds(scene, By::polygon, request_.two_sided)), sampler_(nameOf(request_.sampler.value_or(Sampler::fibonacci))), estimate_(estimateOptionsOf(request_)) {
+  checkRequest(request_);
+  const Amount amount = amountOf(request_);
+  plans_ = amount.directions == 0;
+  resolution_ = amount.resolution;
+  finest_ = amount.finest;
+  lattice_.batch_directions = request_.batch_directions;
+  lattice_.thread_count = request_.threads;
+  lattice_.measure_work = request_.measure_work;
+  lattice_.on_batch = std::move(on_batch);
+  lattice_.stop = stop_;
+  askOnlyFor(request_.question, scene_, ids_);
+  settleClosedForms();
+  chooseEngine();
+  requireWhatEnginesHave();
+  askDirections();
+  if (guarantee()) sampler_ = nameOf(guaranteeOptions().sampler);
+  if (engine_ == EngineKind::compute || engine_ == EngineKind::graphics) device_.emplace(request_.device);
+  make_engine_ = isExact() ? request_.exact_engine : latticeEngines(engine_, device());
+}
+
+// Between surfaces counts vary less than their parts: there shares pay for small tolerances only. Where lines meet many fronts, as with two-sided polygons, blocked pairs cost more
+// than they gain, and a guarantee's tests of lattices each wait for closed forms of all pairs (README).
+void Setup::settleClosedForms() {
+  const bool pays = !request_.two_sided && !guarantee() && (request_.by == By::polygon || (estimate_.tolerance && *estimate_.tolerance <= kSurfaceShareTolerance));
+  closed_forms_by_default_ = !request_.closed_forms;
+  closed_forms_possible_ = mayUseClosedForms(request_);
+  closed_forms_ = request_.closed_forms.value_or(plans_ && closed_forms_possible_ && pays && scene_.faces.size() <= kMostSharedFaces);
+  if (!guarantee() || !closed_forms_ || pairCount(scene_.faces.size()) <= kMostKnownPairs) return;
+  throw Error(ErrorCode::bad_usage, fmt::format("a guarantee with closed forms needs those of all pairs of polygons: {} at most, not {}; say --closed-forms off", kMostKnownPairs,
+                                                pairCount(scene_.faces.size())));
+}
+
+// Compute shaders on a GPU; on a processor its own threads are many times faster than the shaders are through a software driver (README). The counts are the same.
+void Setup::chooseEngine() {
+  engine_ = request_.engine;
+  if (engine_ == EngineKind::automatic) {
+    const bool names_device = !request_.device.selector.empty() || std::getenv("VIEWPEEL_DEVICE");
+    engine_ = names_device || hasGpu() ? EngineKind::compute : EngineKind::host;
+  }
+  const bool takes_shares = closed_forms_ && request_.by == By::polygon;
+  lattice_.sampling = request_.sampling.value_or(engine_ == EngineKind::host ? chooseSampling(scene_, ids_, takes_shares) : Sampling::lattice);
+}
+
+void Setup::requireWhatEnginesHave() const {
+  const bool has_windows = engine_ == EngineKind::compute || engine_ == EngineKind::host;
+  if (!ids_.roles.empty() && engine_ == EngineKind::graphics) throw Error(ErrorCode::bad_usage, "--from, --pair and --blocker need --engine compute, host or exact");
+  if (lattice_.sampling == Sampling::scanline && !has_windows) throw Error(ErrorCode::bad_usage, "--sampling scanline needs --engine compute or host");
+  if (finest_ && (!has_windows || !ids_.roles.empty())) throw Error(ErrorCode::bad_usage, "--finest needs --engine compute or host and the whole matrix");
+  if (finest_ > maxWindowResolution(lattice_.sampling))
+    throw Error(ErrorCode::bad_usage, fmt::format("scanlines cannot be finer than {}; give a coarser --finest, or --sampling lattice", kMaxScanlineResolution));
+}
+
+// Fewer directions where not everything is asked for, unless a sampler of the whole sphere is.
+void Setup::askDirections() {
+  const Question& question = request_.question;
+  if (request_.sampler) return;
+  if (!question.pair.empty()) {
+    const DirectionRegion region = findPairRegion(scene_, findPolygons(scene_, question.pair[0]), findPolygons(scene_, question.pair[1]), request_.two_sided);
+    estimate_.asked_directions = [region, seed = request_.seed](uint32_t count, uint64_t replicate) { return sampleRegion(region, count, seed, replicate); };
+    sampler_ = region.isEmpty() ? "but none in which a front of one sees a front of the other"
+                                : fmt::format("in the pair's anti-convex-hull, {:.3g} % of a half sphere", region.solidAngle() / (2 * std::numbers::pi) * 100);
+    return;
+  }
+  if (question.from.empty() || request_.two_sided) return;
+  std::vector<uint32_t> emitter;
+  for (const std::string& name : question.from) {
+    const std::vector<uint32_t> polygons = findPolygons(scene_, name);
+    emitter.insert(emitter.end(), polygons.begin(), polygons.end());
+  }
+  estimate_.asked_directions = [emitter, &scene = scene_, seed = request_.seed](uint32_t count, uint64_t replicate) { return sampleEmitter(scene, emitter, count, seed, replicate); };
+  sampler_ = isPlanar(scene_, emitter) ? "by the emitter's cosine" : "fibonacci";
+}
+
+std::string Setup::deviceName() const { return isExact() ? "none" : device_ ? device_->description().name : "processor"; }
+
+GuaranteeOptions Setup::guaranteeOptions() const {
+  const EpsilonDelta& asked = *guarantee();
+  GuaranteeOptions options;
+  options.epsilon = asked.epsilon;
+  options.delta = asked.delta;
+  options.statistic = asked.statistic;
+  options.sampler = request_.sampler.value_or(asked.statistic == Statistic::median ? Sampler::iid : Sampler::jittered);
+  options.seed = request_.seed;
+  options.range = asked.range;
+  options.block_directions = asked.block_directions;
+  options.closed_forms = closed_forms_;
+  options.device = device();
+  return options;
+}
+
+void Setup::adoptPlan(const Settings& stored) {
+  if (stored.empty()) return;
+  if (closed_forms_by_default_ && closed_forms_possible_) {
+    closed_forms_ = findSetting(stored, "--closed-forms") == "on";
+    closed_forms_by_default_ = false;
+  }
+  const auto figureOf = [&](const char* name) {
+    const std::optional<std::string> figure = findSetting(stored, name);
+    return figure ? std::strtod(figure->c_str(), nullptr) : 0;
+  };
+  if (auto* asked = std::get_if<EpsilonDelta>(&request_.goal)) {
+    if (!(asked->range > 0)) asked->range = figureOf("--range");
+    if (!asked->block_directions) asked->block_directions = static_cast<uint32_t>(figureOf("--block"));
+  } else if (plans_ && !isExact() && figureOf("--directions") >= 1) {
+    plans_ = false;
+    estimate_.directions = static_cast<uint32_t>(figureOf("--directions"));
+    if (!resolution_) resolution_ = static_cast<int>(figureOf("--resolution"));
+    finest_ = static_cast<int>(figureOf("--finest"));
+  }
+}
+
+Lattices Setup::lattices() const {
+  const bool has_windows = engine_ == EngineKind::compute || engine_ == EngineKind::host;
+  Lattices lattices{make_engine_, lattice_, resolution_, has_windows && ids_.roles.empty() && !resolution_, nullptr};
+  lattices.lattice.count_blocked = closed_forms_;
+  if (closed_forms_) lattices.face_ids = &face_ids_;
+  return lattices;
+}
+
+PairSampler Setup::pairSampler() const {
+  LatticeOptions lattice = lattice_;
+  lattice.measure_work = false;
+  lattice.on_batch = [this](uint64_t) { stop_(); };
+  return PairSampler(scene_, face_ids_, request_.seed, make_engine_, lattice);
+}
+
+}  // namespace viewpeel

@@ -1,0 +1,77 @@
+// What a run is made of before it is planned: engine, sampling, ids and goals, all settled from the request and the scene.
+#pragma once
+#include <optional>
+#include <string>
+
+#include <viewpeel/compute.h>
+
+#include "estimator/directed_pairs.h"
+#include "estimator/guarantee.h"
+#include "estimator/plan.h"
+
+namespace viewpeel {
+
+class Setup {
+ public:
+  //   In: scene: referred to; on_batch: of engines, stop: called between other work, may throw
+  //   Throws: Error bad_usage for what the request cannot have with this scene; Error device.
+  Setup(const Scene& scene, Request request, std::function<void(uint64_t directions)> on_batch, std::function<void()> stop);
+  Setup(const Setup&) = delete;
+  Setup& operator=(const Setup&) = delete;
+
+  const Scene& scene() const { return scene_; }
+  const Request& request() const { return request_; }
+  const Ids& ids() const { return ids_; }
+  const Ids& faceIds() const { return face_ids_; }
+  // Ids that engines count by.
+  const Ids& countedIds() const { return closed_forms_ ? face_ids_ : ids_; }
+  EngineKind engine() const { return engine_; }
+  bool isExact() const { return engine_ == EngineKind::exact; }
+  Sampling sampling() const { return lattice_.sampling; }
+  // In words.
+  const std::string& sampler() const { return sampler_; }
+  std::string deviceName() const;
+  const Device* device() const { return device_ ? &*device_ : nullptr; }
+  const std::function<void()>& stop() const { return stop_; }
+
+  const EpsilonDelta* guarantee() const { return std::get_if<EpsilonDelta>(&request_.goal); }
+  // Goals, replicates, sampler; directions where these are not planned.
+  const EstimateOptions& estimate() const { return estimate_; }
+  GuaranteeOptions guaranteeOptions() const;
+  // Whether directions, and where 0 the resolution, are to be planned.
+  bool plans() const { return plans_; }
+  int finest() const { return finest_; }
+  // 0: to be planned.
+  int resolution() const { return resolution_; }
+  bool usesClosedForms() const { return closed_forms_; }
+  // They were nobody's wish, and can be left out.
+  bool closedFormsByDefault() const { return closed_forms_by_default_; }
+  void leaveOutClosedForms() { closed_forms_ = false; }
+  // Keeps what the plan of an earlier run chose, as its settings have it.
+  void adoptPlan(const Settings& stored);
+
+  Lattices lattices() const;
+  // Counts pairs with directions of their own.
+  PairSampler pairSampler() const;
+
+ private:
+  void settleClosedForms();
+  void chooseEngine();
+  void requireWhatEnginesHave() const;
+  void askDirections();
+
+  const Scene& scene_;
+  Request request_;
+  std::function<void()> stop_;
+  Ids ids_, face_ids_;
+  EngineKind engine_ = EngineKind::host;
+  LatticeOptions lattice_;
+  std::string sampler_;
+  EstimateOptions estimate_;
+  bool plans_ = true, closed_forms_ = false, closed_forms_by_default_ = false, closed_forms_possible_ = false;
+  int resolution_ = 0, finest_ = 0;
+  std::optional<Device> device_;
+  EngineFactory make_engine_;
+};
+
+}  // namespace viewpeel

@@ -1,0 +1,98 @@
+#include "run/summaries.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include <viewpeel/error.h>
+
+namespace viewpeel {
+namespace {
+
+std::vector<LatticeSummary> summariseGroups(const std::vector<SizeGroup>& groups) {
+  std::vector<LatticeSummary> lattices{{groups[0].resolution, 1, groups[0].polygons.size()}};
+  for (size_t g = 1; g < groups.size(); ++g) {
+    if (g == 1 || groups[g].resolution != lattices.back().resolution) lattices.push_back({groups[g].resolution, 0, 0});
+    ++lattices.back().windows;
+    lattices.back().polygons += groups[g].polygons.size();
+  }
+  return lattices;
+}
+
+}  // namespace
+
+PlanSummary summarise(const Setup& setup) {
+  PlanSummary summary;
+  summary.engine = setup.engine();
+  summary.device = setup.deviceName();
+  summary.sampling = setup.sampling();
+  summary.sampler = setup.sampler();
+  summary.closed_forms = setup.usesClosedForms();
+  return summary;
+}
+
+PlanSummary summarise(const Setup& setup, const Plan& plan) {
+  PlanSummary summary = summarise(setup);
+  summary.directions = plan.directions;
+  summary.lattices = summariseGroups(plan.groups);
+  summary.finest = plan.finest;
+  summary.seconds = plan.seconds;
+  summary.standard_error = plan.standard_error;
+  summary.pilot_seconds = plan.pilot_seconds;
+  for (uint32_t id : plan.barely_met) summary.barely_met.push_back(setup.ids().names[id]);
+  return summary;
+}
+
+PlanSummary summarise(const Setup& setup, const GuaranteePlan& plan) {
+  PlanSummary summary = summarise(setup);
+  summary.directions = plan.block_directions;
+  summary.lattices = summariseGroups(plan.groups);
+  summary.guarantee = plan;
+  if (!plan.share_bounds) return summary;
+  summary.unoccluded_pairs = plan.known.pairs.size();
+  summary.shared_pairs = std::count_if(plan.known.pairs.begin(), plan.known.pairs.end(), [](const KnownPair& pair) { return pair.share > 0; });
+  return summary;
+}
+
+SharesSummary summarise(const VisibleShares& shares) {
+  SharesSummary summary;
+  for (const KnownPair& pair : shares.known.pairs) {
+    summary.pairs += pair.j < kEnvironment;
+    summary.never_blocked += pair.j < kEnvironment && pair.share == kShareOne;
+  }
+  summary.unreached = shares.unreached;
+  summary.directed_pairs = shares.known.directed.size();
+  for (const DirectedPair& pair : shares.known.directed) summary.directed_directions += pair.directions;
+  summary.pilot_seconds = shares.pilot_seconds;
+  summary.closed_form_seconds = shares.closed_form_seconds;
+  summary.directed_seconds = shares.directed_seconds;
+  return summary;
+}
+
+std::string optionsOf(const PlanSummary& plan) {
+  return fmt::format("--directions {} --resolution {}{}{}{}", plan.directions, plan.lattices[0].resolution, plan.lattices.size() > 1 ? fmt::format(" --finest {}", plan.finest) : "",
+                     plan.sampling == Sampling::scanline ? " --sampling scanline" : "", plan.closed_forms ? " --closed-forms on" : "");
+}
+
+std::string inWords(double seconds) {
+  if (seconds < 120) return fmt::format("{:.2g} s", seconds);
+  if (seconds < 7200) return fmt::format("{:.0f} minutes", seconds / 60);
+  if (seconds < 48 * 3600) return fmt::format("{:.0f} hours", seconds / 3600);
+  return fmt::format("{:.3g} days", seconds / 86400);
+}
+
+void refuseGuarantee(const GuaranteeFigures& plan, double time_limit_s) {
+  throw Error(ErrorCode::bad_usage, fmt::format("a guarantee of {} takes {} at least, {} at most, more than --seconds {}; ask for a larger --epsilon, or an estimate by --tolerance",
+                                                plan.epsilon, inWords(plan.least_seconds), inWords(plan.most_seconds), time_limit_s));
+}
+
+double shareOf(const FormFactors& form_factors, uint32_t column) {
+  double exchange = 0, area = 0;
+  for (const auto& entry : form_factors.entries())
+    if (entry.j == column) exchange += entry.exchange_area.value;
+  for (uint32_t k = 0; k < form_factors.ids().count(); ++k)
+    if (form_factors.ids().isAsked(k)) area += form_factors.ids().areas[k];
+  return exchange / area;
+}
+
+}  // namespace viewpeel

@@ -1,0 +1,53 @@
+// Leaks: lines that leave a front and end on a back. Whose, onto whose, and why, as far as rays tell.
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <viewpeel/scene.h>
+
+namespace viewpeel {
+
+// Why lines of one surface end on the backs of another.
+enum class LeakCause {
+  flipped,    // one of the two, or its shell, is turned the wrong way
+  overlap,    // the two lie over each other in one plane and look the same way
+  enclosed,   // part of the one lies inside a closed solid
+  no_bottom,  // part of the one lies under a shell that is open towards it
+  one_sided,  // the other one is a sheet that is seen from both sides
+  gap,        // none of these
+};
+
+struct Leak {
+  uint32_t from, onto;  // Scene::surfaces
+  LeakCause cause;
+  uint32_t culprit;    // the one of the two to change
+  double share;        // of all rays that ended on backs
+  double hidden_area;  // of `from`, from which rays to all sides end on backs, input units squared
+};
+
+// What rays from fronts end on.
+struct FrontRays {
+  uint64_t rays = 0, backs = 0, escaped = 0;
+  std::vector<Leak> leaks;  // largest share first
+  double backShare() const { return rays ? double(backs) / double(rays) : 0; }
+};
+
+// Follows rays from fronts: uniform over them by area, or from where lines are known to leak.
+//   In: weights: of Scene::polygons; areas where empty
+//   Error: of shares some 1e-2; leaks of less than some 1e-4 of the lines are not found. The same in every run.
+//   Cost: O(edges log edges) and some 10^4 rays.
+FrontRays followFronts(const Scene& scene, const std::vector<double>& weights = {});
+
+// What is the matter and which option or change mends it, a line for each cause and culprit, the largest first.
+std::vector<std::string> describeLeaks(const Scene& scene, const std::vector<Leak>& leaks);
+
+// What fronts see before anything is computed: warnings about backs, empty where rays meet none, or that no front sees
+// another one.
+std::vector<std::string> warnOfBacks(const Scene& scene);
+
+// "closed" or "open" and "leaking" as a few hundred rays from fronts tell, and whether edges say otherwise.
+//   Cost: O(edges log edges).
+std::string describeClosedness(const Scene& scene);
+
+}  // namespace viewpeel

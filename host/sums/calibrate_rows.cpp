@@ -1,0 +1,133 @@
+#include "sums/calibrate_rows.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "threads.h"
+
+namespace viewpeel {
+namespace {
+
+using Entry = FormFactors::Entry;
+using Rows = std::vector<double>;
+
+constexpr int kMostPasses = 40;
+constexpr double kTolerance = 0.01;   // of the standard error of what is missing in a row
+constexpr double kMostTilt = 8;       // |y|: odds change by less than e^16
+constexpr double kMostOfRoom = 0.98;  // of what shares from 0 to 1 leave a row, for the rest takes odds without end
+
+void addToRows(Rows& rows, const Entry& entry, double value) {
+  rows[entry.i] += value;
+  if (entry.j < kEnvironment && entry.j != entry.i) rows[entry.j] += value;
+}
+
+double tilt(double share, double odds_factor) { return share * odds_factor / (1 - share + share * odds_factor); }
+
+// What one pass over the guesses finds, by row.
+struct Pass {
+  Rows gain, slope;  // sum of w X (t - s), and its derivative by y
+};
+
+class Calibration {
+ public:
+  Calibration(const std::vector<Entry>& entries, const std::vector<Guess>& guesses, const Rows& areas)
+      : entries_(entries), guesses_(guesses), goal_(areas.size()), tolerance_(areas.size()), y_(areas.size(), 0) {
+    Rows missing = areas, together(areas.size()), measured(areas.size()), room_up(areas.size()), room_down(areas.size());
+    for (const Entry& entry : entries) {
+      addToRows(missing, entry, -entry.exchange_area.value);
+      addToRows(measured, entry, entry.exchange_area.standard_error * entry.exchange_area.standard_error);
+    }
+    for (const Guess& guess : guesses) {
+      const Entry& entry = entries[guess.entry];
+      const double error = entry.exchange_area.standard_error, part = double(guess.weight) * guess.most;
+      addToRows(measured, entry, -error * error);
+      addToRows(together, entry, guess.weight * error);
+      addToRows(room_up, entry, part * (1 - guess.share));
+      addToRows(room_down, entry, part * guess.share);
+    }
+    for (size_t i = 0; i < areas.size(); ++i) {
+      const double common = together[i] * together[i], variance = common + std::max(0.0, measured[i]);
+      if (!(common > 0) || !std::isfinite(variance)) continue;
+      goal_[i] = std::clamp(missing[i] * common / variance, -kMostOfRoom * room_down[i], kMostOfRoom * room_up[i]);
+      tolerance_[i] = kTolerance * std::sqrt(variance);
+    }
+  }
+
+  // Half of Newton's step in every row at once: a guess moves with both of its rows.
+  void solve() {
+    for (int pass = 0; pass < kMostPasses; ++pass) {
+      const Pass found = evaluate();
+      bool is_done = true;
+      for (size_t i = 0; i < y_.size(); ++i) {
+        const double rest = goal_[i] - found.gain[i];
+        if (std::abs(rest) <= tolerance_[i] || !(found.slope[i] > 0)) continue;
+        is_done = false;
+        y_[i] = std::clamp(y_[i] + std::clamp(rest / (2 * found.slope[i]), -1.0, 1.0), -kMostTilt, kMostTilt);
+      }
+      if (is_done) return;
+    }
+  }
+
+  double gainOf(const Guess& guess) const {
+    const Entry& entry = entries_[guess.entry];
+    return double(guess.weight) * guess.most * (tilt(guess.share, std::exp(y_[entry.i] + y_[entry.j])) - guess.share);
+  }
+
+ private:
+  // In parts whose number does not depend on that of threads: their sums are added up in one order.
+  Pass evaluate() const {
+    constexpr size_t kLeast = size_t(1) << 16, kMostParts = 32;
+    const size_t n = y_.size(), parts = std::clamp<size_t>(guesses_.size() / kLeast, 1, kMostParts);
+    Rows odds(n);
+    for (size_t i = 0; i < n; ++i) odds[i] = std::exp(y_[i]);
+    std::vector<Pass> found(parts);
+    shareOut(threadsFor(guesses_.size()), parts, 1, [&](size_t, size_t part) {
+      Pass& sums = found[part];
+      sums = {Rows(n), Rows(n)};
+      for (size_t k = guesses_.size() * part / parts, end = guesses_.size() * (part + 1) / parts; k < end; ++k) {
+        const Guess& guess = guesses_[k];
+        const Entry& entry = entries_[guess.entry];
+        const double weight = double(guess.weight) * guess.most, share = tilt(guess.share, odds[entry.i] * odds[entry.j]);
+        addToRows(sums.gain, entry, weight * (share - guess.share));
+        addToRows(sums.slope, entry, weight * share * (1 - share));
+      }
+    });
+    for (size_t part = 1; part < parts; ++part)
+      for (size_t i = 0; i < n; ++i) {
+        found[0].gain[i] += found[part].gain[i];
+        found[0].slope[i] += found[part].slope[i];
+      }
+    return std::move(found[0]);
+  }
+
+  const std::vector<Entry>& entries_;
+  const std::vector<Guess>& guesses_;
+  Rows goal_, tolerance_, y_;
+};
+
+}  // namespace
+
+void calibrateRows(std::vector<Entry>& entries, const std::vector<Guess>& guesses, const std::vector<double>& areas) {
+  if (guesses.empty()) return;
+  Calibration calibration(entries, guesses, areas);
+  calibration.solve();
+  for (const Guess& guess : guesses) {
+    double& value = entries[guess.entry].exchange_area.value;
+    value = std::max(0.0, value + calibration.gainOf(guess));
+  }
+}
+
+std::vector<Measured> sumRows(const std::vector<Entry>& entries, const std::vector<double>& areas) {
+  Rows sums(areas.size()), squares(areas.size());
+  for (const Entry& entry : entries) {
+    const auto& [value, error] = entry.exchange_area;
+    addToRows(sums, entry, value);
+    addToRows(squares, entry, error * error);
+  }
+  std::vector<Measured> rows;
+  rows.reserve(areas.size());
+  for (size_t i = 0; i < areas.size(); ++i) rows.push_back({sums[i] / areas[i], std::sqrt(squares[i]) / areas[i]});
+  return rows;
+}
+
+}  // namespace viewpeel
