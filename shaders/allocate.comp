@@ -1,6 +1,7 @@
 #version 460
 // One invocation gives one tile its list and, when it has any polygon or fragment, its place among the active tiles: with scanlines a place for as many rows as peel takes at once.
-//   In: tile_counts, fragment_counts   Out: tile_starts, active_tiles, status
+// Of wide rows one workgroup takes the tiles in the span of its emitters.
+//   In: tile_counts, emitter_spans, fragment_counts   Out: tile_starts, active_tiles, status
 #extension GL_GOOGLE_include_directive : require
 #define SHARED_FUNCTION
 #include "common.glsl"
@@ -10,13 +11,11 @@ layout(constant_id = 0) const bool kFragments = false;
 layout(constant_id = 1) const uint kTileWidth = 8u;
 layout(constant_id = 2) const uint kTileRows = 8u;
 layout(constant_id = 3) const bool kScanlines = false;
+layout(constant_id = 4) const bool kTakesRows = false;
 layout(push_constant, scalar) uniform Args { BinArgs pushed; };
 BinArgs args;
 
-void main() {
-  args = pushed;
-  uint tile = gl_GlobalInvocationID.x;
-  if (tile >= args.tile_count) return;
+void allocate(uint tile) {
   uint count = Words(args.tile_counts).at[tile];
   Status status = Status(args.status);
   const uint points = kTileWidth * kTileRows;
@@ -56,4 +55,15 @@ void main() {
     ActiveTiles(args.active_tiles).at[place + part] = found;
     found.row += int(rows);
   }
+}
+
+void main() {
+  args = pushed;
+  if (!kTakesRows) {
+    if (gl_GlobalInvocationID.x < args.tile_count) allocate(gl_GlobalInvocationID.x);
+    return;
+  }
+  uint row = gl_WorkGroupID.x, end = Words(args.emitter_spans).at[2u * row + 1u];
+  uint first = args.tiles_wide - Words(args.emitter_spans).at[2u * row];
+  for (uint x = first + gl_LocalInvocationID.x; x < end; x += gl_WorkGroupSize.x) allocate(row * args.tiles_wide + x);
 }

@@ -1,14 +1,17 @@
 #version 460
 // One invocation takes one listed polygon in one direction, and some rows of tiles, and finds the tiles that it can cover samples of:
 // to note its roles there, to count the polygons of tiles, or, when lists have been allocated, to enter itself.
-//   In: listed, projected, corners     Out, by mode: tile_roles; tile_counts; lists (tile_counts is counted down to 0)
+// Where only some polygons count, nothing outside a row's span of tiles with emitters is looked at: long thin emitters
+// leave most of a fine window empty.
+//   In: listed, projected, corners
+//   Out, by mode: tile_roles, emitter_spans; tile_counts; lists (tile_counts is counted down to 0)
 #extension GL_GOOGLE_include_directive : require
 #define SHARED_FUNCTION
 #include "common.glsl"
 #include "texels.glsl"
 
 layout(local_size_x = 64) in;
-layout(constant_id = 0) const uint kMode = kBinRoles;
+layout(constant_id = 0) const uint kMode = kBinCount;
 layout(constant_id = 1) const bool kNeedsRoles = false;  // of an active tile: args.needed_roles
 layout(constant_id = 2) const bool kSorts = false;
 layout(constant_id = 3) const uint kTileWidth = 8u;
@@ -18,6 +21,18 @@ layout(constant_id = 6) const int kCutBits = 0;  // see makeEdge
 layout(push_constant, scalar) uniform Args { BinArgs pushed; };
 BinArgs args;
 
+const int kWideBox = 16;  // tiles, from which on a row's span pays for its divisions
+
+// The columns of tiles in one row that an edge may reach, of those from span.x to span.y: all where
+// reach + per_column x >= 0, rounded outward. Floats are off by 2^-22 of a quotient at most, which is below 2^13 here,
+// so by less than the half tile that is added.
+ivec2 clipSpan(ivec2 span, int64_t reach, int64_t per_column) {
+  if (per_column == int64_t(0)) return reach < int64_t(0) ? ivec2(0, -1) : span;
+  float crossing = clamp(float(reach) / -float(per_column), float(span.x) - 1.0, float(span.y) + 1.0);
+  if (per_column > int64_t(0)) return ivec2(max(span.x, int(ceil(crossing - 0.5))), span.y);
+  return ivec2(span.x, min(span.y, int(floor(crossing + 0.5))));
+}
+
 void main() {
   args = pushed;
   if (gl_GlobalInvocationID.x >= Status(args.status).at.listed) return;
@@ -26,8 +41,9 @@ void main() {
   uint direction_index = listed / args.polygon_count, polygon_index = listed - direction_index * args.polygon_count;
   uint projected_at = kProjectedTexels * listed;
   ivec4 box = ivec4(texelFetch(projected_texels, int(projected_at)));
-  uint roles = kMode == kBinRoles ? fetchId(polygon_index) >> kRolesShift : 0u;
-  if (kMode == kBinRoles && roles == 0u) return;
+  const bool finds_emitters = kMode == kBinEmitters, finds_roles = finds_emitters || kMode == kBinReceivers;
+  uint roles = finds_roles ? fetchId(polygon_index) >> kRolesShift : 0u;
+  if (finds_roles && (roles == 0u || finds_emitters != ((roles & kEmits) != 0u))) return;
 
   // The most that the edges reach over a tile, at the grid's first tile, and what it changes by from tile to tile.
   ivec2 grid = -ivec2(args.tiles_wide * kTileWidth, args.tiles_high * kTileRows) / 2;
@@ -49,13 +65,22 @@ void main() {
   int first_row = int(gl_WorkGroupID.z * args.rows_per_invocation);
   first.y = max(first.y, first_row);
   last.y = min(last.y, first_row + int(args.rows_per_invocation) - 1);
-  for (int y = first.y; y <= last.y; ++y)
-    for (int x = first.x; x <= last.x; ++x) {
+  for (int y = first.y; y <= last.y; ++y) {
+    uint row = direction_index * args.tiles_high + uint(y);
+    ivec2 span = ivec2(first.x, last.x), met = ivec2(args.tiles_wide, -1);
+    if (kNeedsRoles && !finds_emitters) {
+      span.x = max(span.x, int(args.tiles_wide - Words(args.emitter_spans).at[2u * row]));
+      span.y = min(span.y, int(Words(args.emitter_spans).at[2u * row + 1u]) - 1);
+    }
+    for (uint k = 0u; k < 4u && span.y - span.x >= kWideBox; ++k)
+      span = clipSpan(span, most[k] + per_row[k] * int64_t(y), per_column[k]);
+    for (int x = span.x; x <= span.y; ++x) {
       int64_t least_of_most = int64_t(0);
       for (uint k = 0u; k < 4u; ++k) least_of_most = min(least_of_most, most[k] + per_column[k] * int64_t(x) + per_row[k] * int64_t(y));
       if (least_of_most < int64_t(0)) continue;
-      uint tile = (direction_index * args.tiles_high + uint(y)) * args.tiles_wide + uint(x);
-      if (kMode == kBinRoles) {
+      uint tile = row * args.tiles_wide + uint(x);
+      if (finds_roles) {
+        met = ivec2(min(met.x, x), x);
         atomicOr(Words(args.tile_roles).at[tile], roles);
         continue;
       }
@@ -76,4 +101,8 @@ void main() {
         ListEntries(args.lists).at[at] = entry;
       }
     }
+    if (!finds_emitters || met.y < 0) continue;
+    atomicMax(Words(args.emitter_spans).at[2u * row], args.tiles_wide - uint(met.x));
+    atomicMax(Words(args.emitter_spans).at[2u * row + 1u], uint(met.y) + 1u);
+  }
 }

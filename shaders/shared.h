@@ -191,6 +191,8 @@ struct BatchStatus {
 // A tile is tile_width lattice columns by tile_rows lattice rows; a direction's tiles form a square grid around the lattice's origin.
 struct BinArgs {
   uint64_t tile_roles;    // uint[direction_count][tiles_high][tiles_wide]: which roles its polygons have, where only some tiles count
+  // uvec2[direction_count][tiles_high]: of a row's tiles with emitters, tiles_wide - the first column, and the last + 1; or 0.
+  uint64_t emitter_spans;
   uint64_t tile_counts;   // the same: of polygons
   uint64_t tile_starts;   // the same: where the tile's list begins
   uint64_t lists;         // uint[list_capacity]: polygons; ListEntry[list_capacity] where they are to be sorted
@@ -209,9 +211,10 @@ struct BinArgs {
 };
 
 // What bin.comp does.
-const uint kBinRoles = 0u;
-const uint kBinCount = 1u;
-const uint kBinScatter = 2u;
+const uint kBinEmitters = 0u;
+const uint kBinReceivers = 1u;
+const uint kBinCount = 2u;
+const uint kBinScatter = 3u;
 
 // A tile that holds anything or, with scanlines, the rows of it that peel takes at once, which share its list.
 struct ActiveTile {

@@ -34,6 +34,7 @@ std::vector<BufferSize> listBuffers(const BatchShape& shape) {
       {&B::fragments, points * shape.fragment_capacity * sizeof(uint64_t), fragments, kTwoWords},
       {&B::fragment_counts, points * sizeof(uint32_t), fragments, kOneWord},
       {&B::tile_roles, shape.has_roles ? tiles * sizeof(uint32_t) : 0, control},
+      {&B::emitter_spans, shape.has_roles ? directions * shape.tiles_high * 2 * sizeof(uint32_t) : 0, control},
       {&B::tile_counts, tiles * sizeof(uint32_t), lists},
       {&B::tile_starts, tiles * sizeof(uint32_t), lists},
       {&B::active_tiles, parts * sizeof(ActiveTile), lists, kFourWords},

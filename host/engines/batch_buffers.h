@@ -25,6 +25,9 @@ struct BatchShape {
   uint64_t list_capacity = 0;      // entries of all tiles' lists together
   uint32_t fragment_capacity = 0;  // of a lattice point
 
+  // Whether allocate takes rows of tiles, each in the span of its emitters, and not every tile: wide windows are mostly
+  // empty around long thin emitters.
+  bool allocatesRows() const { return has_roles && tiles_wide >= 64; }
   uint32_t tilesPerDirection() const { return tiles_wide * tiles_high; }
   uint32_t pointsPerDirection() const { return tilesPerDirection() * points_per_tile; }
 };
@@ -32,7 +35,7 @@ struct BatchShape {
 struct BatchBuffers {
   Buffer directions, listed, snapped_corners, projected;
   Buffer fragments, fragment_counts;
-  Buffer tile_roles, tile_counts, tile_starts, active_tiles, entries, lists;
+  Buffer tile_roles, emitter_spans, tile_counts, tile_starts, active_tiles, entries, lists;
   Buffer covers, cover_polygons, meetings;
   Buffer unfinished, reached;            // the rest of tiles that a dispatch of peel takes up
   Buffer unfinished_next, reached_next;  // and leaves

@@ -39,6 +39,7 @@ struct Pass {
 
 uint32_t directionCount(const Batch& batch) { return static_cast<uint32_t>(batch.directions.size()); }
 uint32_t tileCount(const Batch& batch) { return directionCount(batch) * batch.shape.tilesPerDirection(); }
+uint32_t tileRowCount(const Batch& batch) { return directionCount(batch) * batch.shape.tiles_high; }
 uint32_t pointCount(const Batch& batch) { return directionCount(batch) * batch.shape.pointsPerDirection(); }
 uint32_t tileRowsPerInvocation(const BatchShape& shape) { return std::max(1u, kMostTilesPerInvocation / shape.tiles_wide); }
 
@@ -69,6 +70,7 @@ ProjectArgs projectArgs(const PassSettings& settings, const Batch& batch) {
 BinArgs binArgs(const PassSettings& settings, const Batch& batch) {
   return {
       .tile_roles = batch.buffers.tile_roles.address(),
+      .emitter_spans = batch.buffers.emitter_spans.address(),
       .tile_counts = batch.buffers.tile_counts.address(),
       .tile_starts = batch.buffers.tile_starts.address(),
       .lists = (batch.shape.sorts ? batch.buffers.entries : batch.buffers.lists).address(),
@@ -153,7 +155,9 @@ void recordClearing(Batch& batch) {
   vkCmdUpdateBuffer(batch.commands.handle(), batch.buffers.status.handle(), 0, sizeof none, &none);
   batch.commands.fill(batch.buffers.tile_counts, 0, tileCount(batch) * sizeof(uint32_t));
   if (batch.shape.enters) batch.commands.fill(batch.buffers.fragment_counts, 0, pointCount(batch) * sizeof(uint32_t));
-  if (batch.shape.has_roles) batch.commands.fill(batch.buffers.tile_roles, 0, tileCount(batch) * sizeof(uint32_t));
+  if (!batch.shape.has_roles) return;
+  batch.commands.fill(batch.buffers.tile_roles, 0, tileCount(batch) * sizeof(uint32_t));
+  batch.commands.fill(batch.buffers.emitter_spans, 0, tileRowCount(batch) * 2 * sizeof(uint32_t));
 }
 
 }  // namespace
@@ -178,10 +182,13 @@ PassKernels makeKernels(const Device& device, const PassSettings& settings, cons
   PassKernels kernels;
   if (shape.enters) kernels.enter = Kernel(device, enter_comp, sizeof(ProjectArgs), {tuning.tile_width, tuning.tile_rows}, kSceneTexels);
   kernels.project = Kernel(device, project_comp, sizeof(ProjectArgs), {shape.enters, !shape.enters, false}, kSceneTexels);
-  if (shape.has_roles) kernels.bin_roles = makeBin(kBinRoles);
+  if (shape.has_roles) kernels.bin_emitters = makeBin(kBinEmitters);
+  if (shape.has_roles) kernels.bin_receivers = makeBin(kBinReceivers);
   kernels.bin_count = makeBin(kBinCount);
   kernels.bin_scatter = makeBin(kBinScatter);
-  kernels.allocate = Kernel(device, allocate_comp, sizeof(BinArgs), {shape.enters, tuning.tile_width, tuning.tile_rows, settings.isScanline()});
+  kernels.allocate = Kernel(
+      device, allocate_comp, sizeof(BinArgs),
+      {shape.enters, tuning.tile_width, tuning.tile_rows, settings.isScanline(), shape.allocatesRows()});
   if (tuning.sorts) kernels.sort = Kernel(device, sort_comp, sizeof(SortArgs), {tuning.subgroup_size}, kTileTexels);
   const std::span<const uint32_t> peel = settings.isScanline() && counts_blocked ? std::span<const uint32_t>(peel_blocked_comp) : peel_comp;
   kernels.peel = Kernel(device, peel, sizeof(PeelArgs),
@@ -208,13 +215,15 @@ void recordPasses(const PassSettings& settings, const PassKernels& kernels, Batc
   const SortArgs sort{.sorted_lists = buffers.lists.address(), .active_tiles = buffers.active_tiles.address(), .status = buffers.status.address()};
   const MeetArgs meet = meetArgs(settings, batch);
   const PassGroups by_polygon{.x = divideUp(settings.scene.polygon_count, kGroupSize), .y = directionCount(batch)};
-  const PassGroups by_tile{.x = divideUp(tileCount(batch), kGroupSize)};
+  const PassGroups by_tile{.x = batch.shape.allocatesRows() ? tileRowCount(batch)
+                                                            : divideUp(tileCount(batch), kGroupSize)};
   const PassGroups listed_projections{.in_status = offsetof(BatchStatus, project_groups)}, by_listed{.in_status = offsetof(BatchStatus, bin_groups)};
   const PassGroups by_active_tile{.in_status = offsetof(BatchStatus, peel_groups)}, by_meeting{.in_status = offsetof(BatchStatus, meet_groups)};
   const Pass passes[] = {
       {"enter", kernels.enter, project, scene_texels, by_polygon},
       {"project", kernels.project, project, scene_texels, batch.shape.enters ? listed_projections : by_polygon},
-      {"bin roles", kernels.bin_roles, bin, tile_texels, by_listed},
+      {"bin emitters", kernels.bin_emitters, bin, tile_texels, by_listed},
+      {"bin receivers", kernels.bin_receivers, bin, tile_texels, by_listed},
       {"bin count", kernels.bin_count, bin, tile_texels, by_listed},
       {"allocate", kernels.allocate, bin, {}, by_tile},
       {"bin scatter", kernels.bin_scatter, bin, tile_texels, by_listed},

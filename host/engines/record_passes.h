@@ -1,7 +1,8 @@
 // The passes of the compute engine: their kernels, and how a batch of directions is recorded.
 //   enter      where all polygons count: those over few lattice points become fragments there, the others are listed
 //   project    every polygon along every direction, or every listed one: snapped corners, box and depth over the lattice
-//   bin roles  where only some polygons count: the roles of the polygons that reach each tile
+//   bin emitters   where only some polygons count: the tiles that emitters reach, and their span in each row of tiles
+//   bin receivers  the same of the other receivers, within that span
 //   bin count  counts the polygons that reach each tile
 //   allocate   gives every tile its list and lists the active tiles
 //   bin scatter  fills the lists
@@ -23,7 +24,7 @@
 
 namespace viewpeel {
 
-constexpr size_t kMostPasses = 10;
+constexpr size_t kMostPasses = 11;
 
 // What one batch of directions is done with.
 struct Batch {
@@ -62,7 +63,7 @@ struct PassSettings {
 
 // Those that the engine has no use for are not made.
 struct PassKernels {
-  Kernel enter, project, bin_roles, bin_count, allocate, bin_scatter, sort, peel, cover, meet;
+  Kernel enter, project, bin_emitters, bin_receivers, bin_count, allocate, bin_scatter, sort, peel, cover, meet;
 };
 
 PassKernels makeKernels(const Device& device, const PassSettings& settings, const BatchShape& shape);

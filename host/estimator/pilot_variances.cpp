@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <span>
 #include <utility>
 
@@ -103,6 +104,10 @@ PilotVariances pilotVariances(const std::vector<PilotCounts>& counted, const Ids
   }
   PilotVariances variances;
   variances.of_directions = total > 0 ? spreads[0].total * std::clamp(1 - between_lattices / total, 0.0, 1.0) : 0;
+  // A covariance c of two counts of variance v from k degrees of freedom has the variance (v^2 + c^2) / k (Anderson, An
+  // Introduction to Multivariate Statistical Analysis, 3.4).
+  variances.doubt = std::sqrt((std::pow(spreads[0].total, 2) + std::pow(variances.of_directions, 2)) /
+                              (2 * double(n - 1) * double(top)));
   for (const Spread& spread : spreads) variances.of_lattices = std::max(variances.of_lattices, spread.between_lattices);
   return variances;
 }

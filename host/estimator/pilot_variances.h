@@ -20,6 +20,8 @@ struct PilotCounts {
 // Of one replicate, the largest of all form factors, each of another where need be; relative to the form factor where the goal is.
 struct PilotVariances {
   double of_directions = 0, of_lattices = 0;
+  double doubt = 0;  // standard error of of_directions: few replicates tell little of a covariance beside lattices that
+                     // vary much more
 };
 
 //   In: counted: replicates, an even number of at least 4; id_of_face: with closed forms, empty without; measure_area: of a count, as in ReplicateSums; options: the goal

@@ -32,6 +32,10 @@ constexpr double kAllowed = 0.8;               // of counts, where those of some
 constexpr double kMostReplicates = 128;       // to a goal, where others get there
 constexpr double kMostPoints = 8192.0 * 8192, kMostScanlines = 4 * 8192;  // of a direction
 constexpr double kMostPilotSeconds = 30;       // of each pilot
+constexpr uint32_t kTimedDirections = 4;       // that time a lattice
+constexpr double kMostBeyond = 4;  // times the points that were timed, and the seconds expected, that need no trial
+constexpr int kMostTrials = 4;
+constexpr double kMostDoubt = 4;  // of a predicted variance, times itself, beyond which a pilot has to confirm it
 
 // The lattice of a plan: groups at `base` x 4^m, up to the resolution that the neediest polygon gets.
 struct Shape {
@@ -62,8 +66,13 @@ struct Pilot {
   uint32_t directions = 0;
   Shape shape;
   PilotVariances variances;  // at that number of directions
-  double seconds = 0;        // a direction
   Load load;
+};
+
+// What a direction took on a lattice.
+struct Timing {
+  Load load;
+  double seconds = 0;
 };
 
 // Polygons that need about the same resolution.
@@ -115,7 +124,10 @@ class Planner {
     bool counts_too_large = false;  // of all that get to the goal
   };
   AskedDirections directionsOf(uint32_t count, uint64_t replicate) const;
+  void makeEngine(uint32_t directions, const Shape& shape);
+  double timeDirections(uint32_t count);
   void measure(uint32_t directions, const Shape& shape);
+  bool takesLonger(const Choice& choice);
   double largestErrorOfShares(const std::vector<PilotCounts>& counted, double measure_area, double count_area) const;
   Choice choose() const;
   Choice choose(bool by_time) const;
@@ -124,6 +136,7 @@ class Planner {
   // For the run, of the time that was given, with some to spare for making engines.
   double secondsLeft() const { return std::max(0.8 * (*options_.seconds - pilot_seconds_), 0.1 * *options_.seconds); }
   double directionVariance(double directions) const;
+  bool isDoubtful(const Choice& choice) const;
   Load loadOf(const Shape& shape, double directions) const;
   double secondsOf(const Load& load) const;
   double neededBy(const SizeClass& size, const Shape& shape, double directions) const;
@@ -144,6 +157,7 @@ class Planner {
   std::vector<SizeClass> classes_;
   mutable std::map<std::array<int, 3>, size_t> windows_;  // of classes from one to another at a resolution
   std::vector<Pilot> pilots_;
+  std::vector<Timing> timings_;  // of pilots and trials
   std::vector<SizeGroup> groups_;
   std::unique_ptr<Engine> engine_;
   double pilot_seconds_ = 0;
@@ -194,21 +208,51 @@ std::vector<SizeGroup> Planner::groupsOf(const Shape& shape, double directions) 
   return groupAsOne(scene_, shape.base);
 }
 
+void Planner::makeEngine(uint32_t directions, const Shape& shape) {
+  auto groups = groupsOf(shape, directions);
+  if (engine_ && areAlike(groups, groups_)) return;
+  engine_.reset();
+  groups_ = std::move(groups);
+  engine_ = viewpeel::makeEngine(lattices_, scene_, ids_, groups_);
+  engine_->count(directionsOf(4, kTrialReplicates.end - 1).directions);  // kernels are compiled and tuned
+}
+
+// Of so many directions.
+double Planner::timeDirections(uint32_t count) {
+  const auto start = Clock::now();
+  engine_->count(directionsOf(count, kTrialReplicates.end - 2).directions);
+  return secondsSince(start);
+}
+
+// Tries a lattice that is much finer than those that were timed: points of windows and of the whole scene, met and
+// unmet, do not all take the same time. What a call takes beside directions is left out, and what a busy machine adds
+// to one of two trials.
+bool Planner::takesLonger(const Choice& choice) {
+  const auto start = Clock::now();
+  const Load load = loadOf(choice.shape, choice.directions);
+  for (const Timing& timing : timings_)
+    if (load.points < kMostBeyond * timing.load.points && load.finest < kMostBeyond * timing.load.finest &&
+        load.groups <= timing.load.groups)
+      return false;
+  makeEngine(choice.directions, choice.shape);
+  timeDirections(kTimedDirections);  // what the engine changed after its first count is compiled
+  const double most = kMostBeyond * secondsOf(load);
+  double each = INFINITY;
+  for (int trial = 0; trial < 2 && each > most; ++trial) {
+    const double few = timeDirections(kTimedDirections);
+    each = std::min(each, std::max(timeDirections(3 * kTimedDirections) - few, 0.0) / (2 * kTimedDirections));
+  }
+  if (each > most) timings_.push_back({load, each});
+  pilot_seconds_ += secondsSince(start);
+  return each > most;
+}
+
 void Planner::measure(uint32_t directions, const Shape& shape) {
   const auto begun = Clock::now();
-  auto groups = groupsOf(shape, directions);
-  if (!engine_ || !areAlike(groups, groups_)) {
-    engine_.reset();
-    groups_ = std::move(groups);
-    engine_ = makeEngine(lattices_, scene_, ids_, groups_);
-    engine_->count(directionsOf(4, kTrialReplicates.end - 1).directions);  // kernels are compiled and tuned
-  }
-  if (pilots_.empty()) {  // in the time there is, too
-    const auto again = Clock::now();
-    engine_->count(directionsOf(2, kTrialReplicates.end - 2).directions);
-    const double each = secondsSince(again) / 2;
-    directions = static_cast<uint32_t>(std::clamp(allowedSeconds() / (2 * kPilotReplicates * each), 1.0, double(directions)));
-  }
+  makeEngine(directions, shape);
+  if (pilots_.empty())
+    directions = static_cast<uint32_t>(std::clamp(allowedSeconds() / (2 * kPilotReplicates * timeDirections(2) / 2),
+                                                  1.0, double(directions)));  // in the time there is, too
   // Of both lattices, every replicate.
   std::vector<PilotCounts> counted;
   double weight_unit = 1;
@@ -228,15 +272,19 @@ void Planner::measure(uint32_t directions, const Shape& shape) {
   const double seconds = secondsSince(start);
 
   const double measure_area = engine_->unitArea() * scene_.scale * scene_.scale / directions * weight_unit;
-  Pilot pilot{directions, shape, pilotVariances(counted, ids_, id_of_face_, measure_area, options_), seconds / (2 * kPilotReplicates * directions), loadOf(shape, directions)};
+  Pilot pilot{directions, shape, pilotVariances(counted, ids_, id_of_face_, measure_area, options_),
+              loadOf(shape, directions)};
   if (!ranks_.empty()) {
     // Both in the shares found, as large together as the run would say.
     const double count_area = ids_.asked.empty() ? measure_area * directions / 2 : INFINITY, told = std::pow(largestErrorOfShares(counted, measure_area / 2, count_area), 2) * kPilotReplicates;
     const double found = pilot.variances.of_directions + pilot.variances.of_lattices / 2;  // of two lattices a direction
-    if (found > 0) pilot.variances.of_directions *= told / found, pilot.variances.of_lattices *= told / found;
+    if (found > 0)
+      for (double* variance : {&pilot.variances.of_directions, &pilot.variances.of_lattices, &pilot.variances.doubt})
+        *variance *= told / found;
   }
   pilot_seconds_ += secondsSince(begun);
   pilots_.push_back(pilot);
+  timings_.push_back({pilot.load, seconds / (2 * kPilotReplicates * directions)});
 }
 
 // What the run would say of the pilot: pairs of which few lines tell have the standard error that theirs and their neighbours' give them, with the closed forms that lines themselves tell.
@@ -262,6 +310,14 @@ double Planner::directionVariance(double directions) const {
     if (pilot.directions * 3 <= last.directions && pilot.variances.of_directions > 0 && last.variances.of_directions > 0)
       exponent = std::clamp(std::log(pilot.variances.of_directions / last.variances.of_directions) / std::log(double(last.directions) / pilot.directions), 1.0, 3.0);
   return last.variances.of_directions * std::pow(last.directions / directions, exponent);
+}
+
+// Whether the variance predicted is that of lattices alone, which hid the directions' in the pilot: its lattices hardly
+// met what the plan's own meet often.
+bool Planner::isDoubtful(const Choice& choice) const {
+  const Pilot& last = pilots_.back();
+  return last.variances.doubt * std::pow(last.directions / double(choice.directions), 2) / double(options_.replicates) >
+         kMostDoubt * choice.variance;
 }
 
 Load Planner::loadOf(const Shape& shape, double directions) const {
@@ -325,12 +381,13 @@ bool Planner::areCountsTooLarge(const Load& load, double directions, double repl
 
 // A direction costs something for every group, and for every lattice point over the group's polygons; half each where pilots do not tell.
 double Planner::secondsOf(const Load& load) const {
-  const Pilot& last = pilots_.back();
+  const Timing& last = timings_.back();
   double per_group = 0.5 * last.seconds / last.load.groups, per_point = 0.5 * last.seconds / last.load.points;
-  for (const Pilot& pilot : pilots_) {
-    const double determinant = pilot.load.groups * last.load.points - last.load.groups * pilot.load.points;
-    if (std::abs(determinant) < 0.5 * pilot.load.groups * last.load.points) continue;
-    per_point = std::clamp((pilot.load.groups * last.seconds - last.load.groups * pilot.seconds) / determinant, 0.0, last.seconds / last.load.points);
+  for (const Timing& timing : timings_) {
+    const double determinant = timing.load.groups * last.load.points - last.load.groups * timing.load.points;
+    if (std::abs(determinant) < 0.5 * timing.load.groups * last.load.points) continue;
+    per_point = std::clamp((timing.load.groups * last.seconds - last.load.groups * timing.seconds) / determinant, 0.0,
+                           last.seconds / last.load.points);
     per_group = (last.seconds - per_point * last.load.points) / last.load.groups;
   }
   return per_group * load.groups + per_point * load.points;
@@ -392,17 +449,22 @@ Plan Planner::plan() {
   const int first = lattices_.resolution ? lattices_.resolution : kFirstResolution;
   measure(kFirstDirections, {first, first});
   Choice choice = choose();
-  // A pilot nearer to the plan, where that costs little beside the run.
+  // A pilot nearer to the plan, where that costs little beside the run, or where nothing is known without it.
   for (int more = 0; more < 2; ++more) {
     const Pilot& last = pilots_.back();
     const double share = 0.03 * double(options_.replicates) / kPilotReplicates;
     const double most = allowedSeconds() / (2 * kPilotReplicates * choice.seconds / (choice.directions * double(options_.replicates)));
     const auto directions = static_cast<uint32_t>(std::clamp(std::min(share * choice.directions, most), double(kPilotDirections), 1e6));
-    if (directions < 3 * last.directions && std::max(choice.shape.finest, last.shape.finest) <= 2 * std::min(choice.shape.finest, last.shape.finest)) break;
-    if (choice.seconds < 10 * pilot_seconds_ || std::max(directions, last.directions) > 2 * most) break;
+    const bool is_doubtful = isDoubtful(choice);
+    if (!is_doubtful && directions < 3 * last.directions &&
+        std::max(choice.shape.finest, last.shape.finest) <= 2 * std::min(choice.shape.finest, last.shape.finest))
+      break;
+    if ((!is_doubtful && choice.seconds < 10 * pilot_seconds_) || std::max(directions, last.directions) > 2 * most)
+      break;
     measure(std::max(directions, last.directions), choice.shape);
     choice = choose();
   }
+  for (int trial = 0; trial < kMostTrials && takesLonger(choice); ++trial) choice = choose();
   Plan plan;
   plan.directions = choice.directions;
   plan.finest = choice.shape.finest;
@@ -419,7 +481,7 @@ Plan Planner::plan() {
     if (!options_.asked_directions && points[id] < kFewPoints) plan.barely_met.push_back(id);
   if (!areAlike(plan.groups, groups_)) {
     engine_.reset();
-    engine_ = makeEngine(lattices_, scene_, ids_, plan.groups);
+    engine_ = viewpeel::makeEngine(lattices_, scene_, ids_, plan.groups);
   }
   plan.engine = std::move(engine_);
   return plan;

@@ -42,6 +42,9 @@ std::unique_ptr<Engine> makeEngine(const Lattices& lattices, const Scene& scene,
 //   the least time among powers of sqrt(2) of N and of resolution, with one lattice or groups (size_groups.h).
 //   Where form factors are shares of closed forms, made with those of neighbours where few lines tell, the pilot's largest standard error is found as the run does, and both variances are
 //   as large together.
+//   Where V_directions is not known beside what lattices add, because the pilot's hardly met what the plan's own meets
+//   often, another pilot looks on the plan's lattice. Lattices much finer than those timed are tried before they are
+//   taken.
 //   Every id gets a lattice that it meets at 100 points or more (or 100 scanlines) in eight replicates, so that none goes unseen, as far as the finest lattice there is allows.
 //   In: options: goal, replicates, sampler, seed, asked_directions    Out: the plan, with its engine
 //   Error: a prediction; what was reached is measured by the run. Directions and lattices of pilots are none of the run's.

@@ -138,6 +138,31 @@ TEST(SizeGroups, WindowsAreOnOneLattice) {
   }
 }
 
+// Strips that leave most tiles of a fine window empty, which the compute engine skips row by row; one is a sliver of a
+// triangle.
+TEST(SizeGroups, EmptyTilesOfAWindowHideNothing) {
+  InputScene input{"strips over a square", {}, {}};
+  ts::addFace(input, "square", {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
+  ts::addFace(input, "strip", ts::parallelogram({0, 0.5, 0.5}, {1e-4, 2e-4, 0}, {1, 0.1, 0}));
+  ts::addFace(input, "sliver", {{0.1, 0.2, 0.3}, {0.9, 0.7, 0.5}, {0.9, 0.7001, 0.5}});
+  const Scene scene = buildScene(input);
+  const Ids ids = makeIds(scene, By::polygon, false);
+  const auto groups = groupBySize(scene, {16, 4096, 4096}, 16);
+  ASSERT_EQ(groups.back().resolution, 4096);
+  const auto directions = sampleDirections(Sampler::iid, 24, 5, 0);
+  for (const bool count_blocked : {false, true})
+    for (const Sampling sampling : {Sampling::lattice, Sampling::scanline}) {
+      const LatticeOptions options{.sampling = sampling, .count_blocked = count_blocked};
+      const auto countWith = [&](EngineKind kind) {
+        return makeGroupedEngine(enginesOf(kind), scene, ids, options, groups)->count(directions);
+      };
+      const PairCounts counts = countWith(EngineKind::compute);
+      EXPECT_EQ(counts, countWith(EngineKind::host)) << count_blocked;
+      EXPECT_TRUE(std::any_of(counts.begin(), counts.end(),
+                              [](const PairCount& pair) { return pair.i == 1 && pair.count > 0; }));
+    }
+}
+
 // The group of all polygons is what equal needs make, and the plain engine.
 TEST(SizeGroups, OneGroupIsTheWholeMatrix) {
   const Scene scene = buildScene(ts::roomWithTouchingBoxes());

@@ -30,7 +30,7 @@ TEST(Work, OneRoundWhereNoLineMeetsMoreThanIsKept) {
     EXPECT_EQ(work.fragments, 2 * work.gaps);  // every line meets two walls, which face each other
     EXPECT_EQ(work.directions, 50u);
     EXPECT_GT(work.memory_bytes, 0u);
-    EXPECT_EQ(work.pass_seconds.size(), 8u);
+    EXPECT_EQ(work.pass_seconds.size(), 9u);
   }
 }
 
@@ -122,8 +122,8 @@ TEST(Work, BlockedPairsAreCountedApart) {
   const auto directions = sampleDirections(Sampler::fibonacci, 20, 3, 0);
   const Work without = workOf(ts::roomWithTouchingBoxes(), directions, {.resolution = 40, .few_points = 0});
   const Work with = workOf(ts::roomWithTouchingBoxes(), directions, {.resolution = 40, .count_blocked = true});
-  EXPECT_EQ(without.pass_seconds.size(), 8u);
-  EXPECT_EQ(with.pass_seconds.size(), 10u);
+  EXPECT_EQ(without.pass_seconds.size(), 9u);
+  EXPECT_EQ(with.pass_seconds.size(), 11u);
   EXPECT_EQ(with.tests, without.tests);
   EXPECT_EQ(with.gaps, without.gaps);
   EXPECT_GT(with.memory_bytes, without.memory_bytes);

@@ -1,0 +1,545 @@
+// Options in pairs, as users type them: any two values of two options meet in some run, on scenes as users have them.
+//
+// Runs are the rows of a covering array, which a greedy search makes (Cohen, Dalal, Fredman, Patton, IEEE Transactions
+// on Software Engineering 23 (7), 1997). A run ends with status 0, and then its form factors are those of the scene
+// within their stated error; or with status 2 and one line on stderr, where its options contradict each other in one of
+// the ways listed here. Nothing else is allowed: no signal, no other status, no refusal that is not listed.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <functional>
+#include <map>
+#include <optional>
+#include <random>
+#include <set>
+#include <vector>
+
+#include <boost/math/distributions/students_t.hpp>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "tests/support/program.h"
+
+namespace viewpeel {
+namespace {
+
+// ---- scenes
+
+struct Box {
+  std::array<double, 3> low, high;
+  bool inward = false;
+};
+
+// The six faces of a box, in the order x0, x1, y0, y1, z0, z1.
+void addBox(std::ostream& obj, int& corners, const std::array<std::string, 6>& names, const Box& box) {
+  for (int k = 0; k < 8; ++k)
+    obj << fmt::format("v {} {} {}\n", k & 1 ? box.high[0] : box.low[0], k & 2 ? box.high[1] : box.low[1],
+                       k & 4 ? box.high[2] : box.low[2]);
+  const int faces[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},
+                           {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};  // outward
+  for (int f = 0; f < 6; ++f) {
+    if (names[f].empty()) continue;
+    obj << "o " << names[f] << "\nf";
+    for (int k = 0; k < 4; ++k) obj << ' ' << corners + 1 + faces[f][box.inward ? 3 - k : k];
+    obj << '\n';
+  }
+  corners += 8;
+}
+
+void addQuad(std::ostream& obj, int& corners, const std::string& name, const std::array<std::array<double, 3>, 4>& at) {
+  for (const auto& c : at) obj << fmt::format("v {} {} {}\n", c[0], c[1], c[2]);
+  obj << fmt::format("o {}\nf {} {} {} {}\n", name, corners + 1, corners + 2, corners + 3, corners + 4);
+  corners += 4;
+}
+
+const std::array<std::string, 6> kRoom = {"west", "east", "south", "north", "floor", "ceiling"};
+
+std::string makeScene(const std::string& name) {
+  std::ostringstream obj;
+  int corners = 0;
+  const auto addRoom = [&](std::array<std::string, 6> names = kRoom) {
+    addBox(obj, corners, names, {{0, 0, 0}, {1, 1, 1}, true});
+  };
+  if (name == "cube") addRoom();
+  if (name == "plates") {
+    addQuad(obj, corners, "floor", {{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}});
+    addQuad(obj, corners, "ceiling", {{{0, 0, 1}, {0, 1, 1}, {1, 1, 1}, {1, 0, 1}}});
+  }
+  if (name == "box") {  // stands on the floor
+    addRoom();
+    addBox(obj, corners, {"box", "box", "box", "box", "box", "box"}, {{0.3, 0.2, 0}, {0.7, 0.5, 0.4}});
+  }
+  if (name == "wall") {  // of two coincident faces, between two rooms
+    addRoom();
+    addQuad(obj, corners, "partition_west", {{{0.4, 0, 0}, {0.4, 0, 1}, {0.4, 1, 1}, {0.4, 1, 0}}});
+    addQuad(obj, corners, "partition_east", {{{0.4, 0, 0}, {0.4, 1, 0}, {0.4, 1, 1}, {0.4, 0, 1}}});
+  }
+  if (name == "sliver") {
+    addQuad(obj, corners, "floor", {{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}});
+    addQuad(obj, corners, "ceiling", {{{0, 0.4995, 0.5}, {0, 0.5005, 0.5}, {1, 0.5005, 0.5}, {1, 0.4995, 0.5}}});
+  }
+  if (name == "junctions") {  // two polygons of the floor meet a third in the middle of its edge
+    addRoom({"west", "east", "south", "north", "", "ceiling"});
+    addQuad(obj, corners, "floor", {{{0, 0, 0}, {0.5, 0, 0}, {0.5, 1, 0}, {0, 1, 0}}});
+    addQuad(obj, corners, "floor", {{{0.5, 0, 0}, {1, 0, 0}, {1, 0.5, 0}, {0.5, 0.5, 0}}});
+    addQuad(obj, corners, "floor", {{{0.5, 0.5, 0}, {1, 0.5, 0}, {1, 1, 0}, {0.5, 1, 0}}});
+  }
+  return obj.str();
+}
+
+bool isOpen(const std::string& scene) { return scene == "plates" || scene == "sliver"; }
+
+// ---- options
+
+// The first choice of every option contradicts no choice of another.
+struct Axis {
+  std::string name;
+  std::vector<std::string> choices;
+};
+
+const std::vector<Axis> kAxes = {
+    {"goal",
+     {"--directions 60 --replicates 16", "--tolerance 0.01 --replicates 16", "--relative 0.1 --replicates 16",
+      "--seconds 0.3", "--epsilon 0.2 --delta 1e-6", "--epsilon 0.5 --delta 1e-3 --statistic median",
+      "--directions 60 --replicates 16 --resolution 96",
+      "--directions 60 --replicates 16 --resolution 24 --finest 96"}},
+    {"scene", {"cube", "plates", "box", "wall", "sliver", "junctions"}},
+    {"engine", {"", "--engine auto", "--engine compute", "--engine host", "--engine graphics", "--engine exact"}},
+    {"by", {"", "--by polygon", "--by surface"}},
+    {"closed forms", {"", "--closed-forms off", "--closed-forms on"}},
+    {"sampling", {"", "--sampling lattice", "--sampling scanline"}},
+    {"sampler", {"", "--sampler fibonacci", "--sampler jittered", "--sampler sobol", "--sampler iid"}},
+    {"sides", {"", "--two-sided"}},
+    {"question", {"", "--from floor", "--pair floor ceiling", "--blocker ceiling"}},
+    {"closure", {"", "--closure"}},
+    {"long run", {"", "--checkpoint", "--checkpoint --resume"}},
+    {"matrix", {"", "-o"}},  // beside the .csv file
+    {"talk", {"", "--quiet", "--verbose", "--json"}},
+};
+constexpr size_t kOfCompute = 4;  // the last, which `plan` does not have
+
+using Choices = std::vector<size_t>;  // a choice of every axis
+
+const std::string& choiceOf(const Choices& run, const std::string& axis) {
+  const auto at = std::find_if(kAxes.begin(), kAxes.end(), [&](const Axis& a) { return a.name == axis; });
+  return at->choices[run[static_cast<size_t>(at - kAxes.begin())]];
+}
+
+bool has(const Choices& run, const std::string& axis, const std::string& part) {
+  return choiceOf(run, axis).find(part) != std::string::npos;
+}
+
+struct Contradiction {
+  std::function<bool(const Choices&)> holds;
+  std::string says;  // a part of the line, which names what to change
+};
+
+const std::vector<Contradiction> kContradictions = {
+    {[](const Choices& r) { return has(r, "closure", "--closure") && has(r, "question", "-"); },
+     "--closure needs every row"},
+    {[](const Choices& r) {
+       return has(r, "closure", "--closure") && (isOpen(choiceOf(r, "scene")) || has(r, "sides", "two"));
+     },
+     "closure: "},
+    {[](const Choices& r) {
+       return has(r, "closed forms", "on") &&
+              (has(r, "engine", "graphics") || has(r, "engine", "exact") || has(r, "question", "-"));
+     },
+     "--closed-forms on needs the whole matrix and --engine compute or host"},
+    {[](const Choices& r) {
+       return has(r, "closed forms", "on") && has(r, "goal", "epsilon") &&
+              (has(r, "by", "surface") || has(r, "goal", "median"));
+     },
+     "of a guarantee also --by polygon and --statistic mean"},
+    {[](const Choices& r) { return has(r, "question", "-") && has(r, "engine", "graphics"); },
+     "--from, --pair and --blocker need --engine compute, host or exact"},
+    {[](const Choices& r) {
+       return has(r, "sampling", "scanline") && (has(r, "engine", "graphics") || has(r, "engine", "exact"));
+     },
+     "--sampling scanline needs --engine compute or host"},
+    {[](const Choices& r) {
+       return has(r, "goal", "finest") && (has(r, "engine", "graphics") || has(r, "question", "-"));
+     },
+     "--finest needs --engine compute or host and the whole matrix"},
+    {[](const Choices& r) { return has(r, "goal", "resolution") && has(r, "engine", "exact"); },
+     "--engine exact has no lattice; leave out --resolution"},
+    {[](const Choices& r) {
+       return has(r, "goal", "--epsilon 0.2") && (has(r, "sampler", "fibonacci") || has(r, "sampler", "sobol"));
+     },
+     "a guarantee needs independent directions: --sampler jittered or iid"},
+    {[](const Choices& r) {
+       return has(r, "goal", "median") && has(r, "sampler", "--sampler") && !has(r, "sampler", "iid");
+     },
+     "the median needs independent runs of independent directions: --sampler iid"},
+    {[](const Choices& r) { return has(r, "goal", "median") && has(r, "long run", "checkpoint"); },
+     "--checkpoint keeps means only; leave out --statistic median"},
+};
+
+std::vector<std::string> refusalsOf(const Choices& run) {
+  std::vector<std::string> says;
+  for (const Contradiction& c : kContradictions)
+    if (c.holds(run)) says.push_back(c.says);
+  return says;
+}
+
+// ---- the covering array
+
+struct Pair {
+  size_t axis_a, a, axis_b, b;
+  auto operator<=>(const Pair&) const = default;
+};
+
+// Of the first `axes` axes: runs without contradictions that hold every pair of choices which has such a run, and one
+// run for every other pair.
+std::vector<Choices> coverPairs(size_t axes) {
+  std::set<Pair> left;
+  std::vector<Choices> runs;
+  const Choices plain(kAxes.size(), 0);
+  for (size_t i = 0; i < axes; ++i)
+    for (size_t j = i + 1; j < axes; ++j)
+      for (size_t a = 0; a < kAxes[i].choices.size(); ++a)
+        for (size_t b = 0; b < kAxes[j].choices.size(); ++b) {
+          Choices run = plain;
+          run[i] = a, run[j] = b;
+          if (refusalsOf(run).empty()) left.insert({i, a, j, b});
+          else runs.push_back(run);
+        }
+  while (!left.empty()) {
+    const Pair first = *left.begin();
+    Choices run = plain;
+    run[first.axis_a] = first.a, run[first.axis_b] = first.b;
+    std::vector<size_t> chosen = {first.axis_a, first.axis_b};
+    for (size_t axis = 0; axis < axes; ++axis) {
+      if (axis == first.axis_a || axis == first.axis_b) continue;
+      size_t best = 0;
+      int most = -1;
+      for (size_t choice = 0; choice < kAxes[axis].choices.size(); ++choice) {
+        run[axis] = choice;
+        if (!refusalsOf(run).empty()) continue;
+        int gained = 0;
+        for (size_t other : chosen)
+          gained += left.contains(axis < other ? Pair{axis, choice, other, run[other]}
+                                               : Pair{other, run[other], axis, choice});
+        if (gained > most) best = choice, most = gained;
+      }
+      run[axis] = best;
+      chosen.push_back(axis);
+    }
+    for (size_t i = 0; i < axes; ++i)
+      for (size_t j = i + 1; j < axes; ++j) left.erase({i, run[i], j, run[j]});
+    runs.push_back(run);
+  }
+  return runs;
+}
+
+// ---- form factors
+
+struct Entry {
+  double value = 0, standard_error = 0;
+};
+using Matrix = std::map<std::pair<std::string, std::string>, Entry>;
+
+Matrix readCsv(const std::string& text) {
+  Matrix matrix;
+  std::istringstream in(text);
+  std::string line, word;
+  for (std::getline(in, line); std::getline(in, line);) {
+    std::vector<std::string> words;
+    for (std::istringstream cells(line); std::getline(cells, word, ',');) words.push_back(word);
+    matrix[{words.at(0), words.at(1)}] = {std::stod(words.at(2)), std::stod(words.at(3))};
+  }
+  return matrix;
+}
+
+// What a run states of its errors.
+struct Stated {
+  double quantile = 0;          // standard errors that an error exceeds with probability kFalseAlarm at most
+  std::optional<double> bound;  // of a guarantee
+};
+
+// Some 10,000 form factors and row sums are looked at in all: one run of these tests in 1,000 raises a false alarm.
+constexpr double kFalseAlarm = 1e-7;
+constexpr double kRounding = 1e-9;  // of sums of a hundred, and of lattices snapped to 2^-15 of a spacing
+
+double studentQuantile(uint64_t replicates) {
+  return boost::math::quantile(
+      boost::math::complement(boost::math::students_t(double(replicates) - 1), kFalseAlarm / 2));
+}
+
+// What differs from the truth by more than is stated, of form factors that were asked for.
+std::vector<std::string> findDifferences(const Matrix& found, const Matrix& truth, const Stated& stated,
+                                         const std::function<bool(const std::string&, const std::string&)>& is_asked) {
+  Matrix all = truth;
+  all.insert(found.begin(), found.end());
+  std::vector<std::string> differences;
+  for (const auto& [pair, unused] : all) {
+    const Entry f = found.contains(pair) ? found.at(pair) : Entry{},
+                t = truth.contains(pair) ? truth.at(pair) : Entry{};
+    if (!is_asked(pair.first, pair.second)) {
+      if (found.contains(pair))
+        differences.push_back(fmt::format("{} to {}: was not asked for", pair.first, pair.second));
+      continue;
+    }
+    const double most = stated.bound ? *stated.bound + stated.quantile * t.standard_error
+                                     : stated.quantile * std::hypot(f.standard_error, t.standard_error);
+    if (!(std::abs(f.value - t.value) <= most + kRounding))
+      differences.push_back(fmt::format("{} to {}: {} +- {}, but {} +- {}, {} at most", pair.first, pair.second,
+                                        f.value, f.standard_error, t.value, t.standard_error, most));
+  }
+  return differences;
+}
+
+// Rows that do not add up to 1 within the errors of their form factors, which may all err together.
+std::vector<std::string> findOpenRows(const Matrix& found, const Stated& stated) {
+  std::map<std::string, Entry> rows;
+  for (const auto& [pair, entry] : found) {
+    rows[pair.first].value += entry.value;
+    rows[pair.first].standard_error += stated.bound ? *stated.bound : stated.quantile * entry.standard_error;
+  }
+  std::vector<std::string> open;
+  for (const auto& [name, row] : rows)
+    if (!(std::abs(row.value - 1) <= row.standard_error + kRounding))
+      open.push_back(fmt::format("row {} adds up to {}, {} at most", name, row.value, row.standard_error));
+  return open;
+}
+
+// ---- runs
+
+class OptionPairs : public Program {
+ protected:
+  struct Streams {
+    int status;
+    std::string out, err;
+  };
+
+  void SetUp() override {
+    Program::SetUp();
+    for (const std::string& scene : kAxes[1].choices) std::ofstream(file(scene + ".obj")) << makeScene(scene);
+  }
+
+  Streams start(const std::string& arguments) const {
+    const int status = std::system(
+        fmt::format("timeout 120 {} {} >{} 2>{} </dev/null", VIEWPEEL_PROGRAM, arguments, file("out"), file("err"))
+            .c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, readFile(file("out")), readFile(file("err"))};
+  }
+
+  // Of the exact engine, which shares neither lattice nor shaders with the others. Checked against closed forms by
+  // TruthIsThatOfClosedForms.
+  const Matrix& truthOf(const std::string& scene, bool by_surface, bool two_sided) {
+    const auto [at, is_new] = truths_.try_emplace({scene, by_surface, two_sided});
+    if (!is_new) return at->second;
+    const Streams r = start(fmt::format(
+        "compute {} --engine exact --quiet --seed 77 --directions 1000 --replicates 16 -o {} {}{}",
+        file(scene + ".obj"), file("truth.csv"), by_surface ? "--by surface " : "", two_sided ? "--two-sided" : ""));
+    EXPECT_EQ(r.status, 0) << r.err;
+    return at->second = readCsv(readFile(file("truth.csv")));
+  }
+
+  // Whatever is typed: status 0 with nothing but warnings on stderr, or a refusal that is listed.
+  void checkStatus(const Choices& run, const Streams& r, const std::string& arguments) {
+    const std::vector<std::string> says = refusalsOf(run);
+    if (says.empty()) {
+      EXPECT_EQ(r.status, 0) << arguments << "\n" << r.err;
+      std::istringstream lines(r.err);
+      for (std::string line; std::getline(lines, line);)
+        EXPECT_EQ(line.find("viewpeel: warning: "), 0u) << arguments << "\n" << line;
+      return;
+    }
+    EXPECT_EQ(r.status, 2) << arguments << "\n" << r.err;
+    EXPECT_EQ(std::count(r.err.begin(), r.err.end(), '\n'), 1) << arguments << "\n" << r.err;
+    EXPECT_TRUE(std::any_of(says.begin(), says.end(),
+                            [&](const std::string& part) {
+                              return r.err.find("viewpeel: ") == 0 && r.err.find(part) != std::string::npos;
+                            }))
+        << arguments << "\n"
+        << r.err << "expected one of: " << fmt::format("{}", fmt::join(says, " | "));
+  }
+
+  static std::string commonArguments(const Choices& run) {
+    std::string arguments;
+    for (size_t axis = 0; axis + kOfCompute < kAxes.size(); ++axis)
+      if (kAxes[axis].name != "scene" && !kAxes[axis].choices[run[axis]].empty())
+        arguments += " " + kAxes[axis].choices[run[axis]];
+    return arguments;
+  }
+
+  void checkCompute(const Choices& run) {
+    const std::string csv = file("f.csv"), mtx = file("f.mtx"), checkpoint = file("run.h5"),
+                      scene = choiceOf(run, "scene");
+    for (const std::string& old : {csv, mtx, checkpoint, file("f.closed.mtx")}) std::filesystem::remove(old);
+    std::string arguments = "compute " + file(scene + ".obj") + commonArguments(run) + " -o " + csv;
+    for (const char* axis : {"closure", "talk"})
+      if (!choiceOf(run, axis).empty()) arguments += " " + choiceOf(run, axis);
+    if (has(run, "matrix", "-o")) arguments += " -o " + mtx;
+    if (has(run, "long run", "checkpoint")) arguments += " --checkpoint " + checkpoint;
+    SCOPED_TRACE(arguments);
+    Streams r = start(arguments);
+    checkStatus(run, r, arguments);
+    if (r.status != 0) return;
+    if (has(run, "long run", "resume")) {
+      r = start(arguments + " --resume");
+      checkStatus(run, r, arguments + " --resume");
+      if (r.status != 0) return;
+    }
+    EXPECT_EQ(r.out.empty(), has(run, "talk", "quiet")) << r.out;
+    EXPECT_EQ(r.out.starts_with("{\n") && r.out.ends_with("\n}\n"), has(run, "talk", "json")) << r.out;
+    const Matrix found = readCsv(readFile(csv));
+    if (has(run, "matrix", "-o")) checkMatrix(readFile(mtx), found);
+    checkErrors(run, found, r.out);
+  }
+
+  // Values and row names are those of the .csv file.
+  void checkMatrix(const std::string& text, const Matrix& found) {
+    std::istringstream in(text);
+    std::vector<std::string> names;
+    size_t entries = 0, expected = 0;
+    std::string line;
+    while (std::getline(in, line) && line[0] == '%')
+      if (line.size() > 2 && std::isdigit(line[2])) names.push_back(line.substr(line.rfind(' ') + 1));
+    for (size_t row = 0, column = 0; std::getline(in, line); ++entries) {
+      double value = 0;
+      std::istringstream(line) >> row >> column >> value;
+      const auto at = found.find({names.at(row - 1), names.at(column - 1)});
+      ASSERT_NE(at, found.end()) << line;
+      EXPECT_EQ(value, at->second.value) << line;
+    }
+    for (const auto& [pair, entry] : found) expected += pair.second != "environment" && pair.second != "leak";
+    EXPECT_EQ(entries, expected);
+  }
+
+  void checkErrors(const Choices& run, const Matrix& found, const std::string& out) {
+    const std::string question = choiceOf(run, "question");
+    const auto isOf = [](const std::string& id, const std::string& surface) {
+      return id == surface || id.starts_with(surface + "[");
+    };
+    const auto is_asked = [&](const std::string& from, const std::string& to) {
+      if (question.starts_with("--from")) return isOf(from, "floor");
+      if (question.starts_with("--pair"))
+        return (isOf(from, "floor") && isOf(to, "ceiling")) || (isOf(from, "ceiling") && isOf(to, "floor"));
+      return !question.starts_with("--blocker") || (!isOf(from, "ceiling") && !isOf(to, "ceiling"));
+    };
+    Stated stated{studentQuantile(16), {}};
+    if (has(run, "goal", "--epsilon 0.2")) stated.bound = 0.2;
+    if (has(run, "goal", "--epsilon 0.5")) stated.bound = 0.5;
+    if (has(run, "goal", "--seconds")) {
+      const std::optional<uint64_t> replicates = replicatesSaid(out);
+      if (!replicates) return;  // --quiet: nobody says how many there were
+      stated.quantile = std::max(stated.quantile, studentQuantile(*replicates));
+    }
+    const Matrix& truth = truthOf(choiceOf(run, "scene"), has(run, "by", "surface"), has(run, "sides", "two"));
+    EXPECT_EQ(fmt::format("{}", fmt::join(findDifferences(found, truth, stated, is_asked), "\n")), "");
+    const bool rows_are_whole = question.empty() || question.starts_with("--from");
+    EXPECT_EQ(rows_are_whole ? fmt::format("{}", fmt::join(findOpenRows(found, stated), "\n")) : "", "");
+  }
+
+  static std::optional<uint64_t> replicatesSaid(const std::string& out) {
+    for (const char* before : {"\"replicates\": ", "work       "})
+      if (const size_t at = out.find(before); at != std::string::npos)
+        return std::strtoull(out.c_str() + at + std::string(before).size(), nullptr, 10);
+    return {};
+  }
+
+  void checkGoal(const std::string& start) {
+    size_t count = 0;
+    for (const Choices& run : coverPairs(kAxes.size()))
+      if (choiceOf(run, "goal").starts_with(start)) ++count, checkCompute(run);
+    EXPECT_GT(count, 5u);
+  }
+
+ private:
+  std::map<std::tuple<std::string, bool, bool>, Matrix> truths_;
+};
+
+TEST_F(OptionPairs, EveryPairIsInARun) {
+  std::set<Pair> met;
+  const std::vector<Choices> runs = coverPairs(kAxes.size());
+  size_t all = 0, refused = 0;
+  for (const Choices& run : runs) {
+    refused += !refusalsOf(run).empty();
+    for (size_t i = 0; i < kAxes.size(); ++i)
+      for (size_t j = i + 1; j < kAxes.size(); ++j) met.insert({i, run[i], j, run[j]});
+  }
+  for (size_t i = 0; i < kAxes.size(); ++i)
+    for (size_t j = i + 1; j < kAxes.size(); ++j) all += kAxes[i].choices.size() * kAxes[j].choices.size();
+  EXPECT_EQ(met.size(), all);
+  EXPECT_GT(runs.size() - refused, 40u);
+  EXPECT_TRUE(refusalsOf(Choices(kAxes.size(), 0)).empty());
+}
+
+TEST_F(OptionPairs, WithDirections) { checkGoal("--directions 60 --replicates 16"); }
+TEST_F(OptionPairs, WithATolerance) { checkGoal("--tolerance"); }
+TEST_F(OptionPairs, WithARelativeError) { checkGoal("--relative"); }
+TEST_F(OptionPairs, WithATime) { checkGoal("--seconds"); }
+TEST_F(OptionPairs, WithAGuarantee) { checkGoal("--epsilon"); }
+
+// More than pairs, for whoever changes options: half an hour. Run it with --gtest_also_run_disabled_tests.
+TEST_F(OptionPairs, DISABLED_AtRandom) {
+  std::mt19937 random(1);
+  for (int count = 0; count < 600;) {
+    Choices run(kAxes.size());
+    for (size_t axis = 0; axis < kAxes.size(); ++axis) run[axis] = random() % kAxes[axis].choices.size();
+    if (refusalsOf(run).empty()) ++count, checkCompute(run);
+  }
+}
+
+TEST_F(OptionPairs, OfAPlan) {
+  for (const Choices& run : coverPairs(kAxes.size() - kOfCompute)) {
+    const std::string arguments = "plan " + file(choiceOf(run, "scene") + ".obj") + commonArguments(run);
+    const Streams r = start(arguments);
+    checkStatus(run, r, arguments);
+    const bool says_time =
+        std::ranges::any_of(std::array{"\nexpected   ", "\nplan       blocks", "\nplan       median"},
+                            [&](const char* part) { return r.out.find(part) != std::string::npos; });
+    EXPECT_EQ(says_time, r.status == 0) << arguments << "\n" << r.out;
+  }
+}
+
+// What runs are compared with has the closed forms that are known: opposite and adjacent faces of a cube (Howell, C-11
+// and C-14), and a wall that nothing passes.
+TEST_F(OptionPairs, TruthIsThatOfClosedForms) {
+  const double opposite = 0.199824895698, adjacent = (1 - opposite) / 4;
+  for (const std::string scene : {"cube", "junctions", "plates"}) {
+    const Matrix& truth = truthOf(scene, true, false);
+    for (const auto& [pair, entry] : truth) {
+      if (pair.second == "environment") continue;
+      const bool is_opposite = std::set{pair.first, pair.second} == std::set<std::string>{"floor", "ceiling"};
+      if (!is_opposite && pair.first != "floor") continue;
+      EXPECT_NEAR(entry.value, is_opposite ? opposite : adjacent, studentQuantile(16) * entry.standard_error)
+          << scene << " " << pair.second;
+    }
+    EXPECT_TRUE(truth.contains({"floor", "ceiling"}));
+  }
+  EXPECT_FALSE(truthOf("wall", false, false).contains({"partition_west", "partition_east"}));
+  EXPECT_FALSE(truthOf("wall", false, false).contains({"partition_west", "east"}));
+}
+
+// The comparison finds what is wrong: a form factor off by 0.05, one that is missing, one too many, and a row that was
+// scaled.
+TEST_F(OptionPairs, WrongFormFactorsAreFound) {
+  const Matrix truth = truthOf("box", false, false);
+  const Stated stated{studentQuantile(16), {}};
+  const auto all = [](const std::string&, const std::string&) { return true; };
+  EXPECT_EQ(findDifferences(truth, truth, stated, all).size(), 0u);
+  EXPECT_EQ(findOpenRows(truth, stated).size(), 0u);
+  Matrix wrong = truth;
+  wrong.at({"floor", "ceiling"}).value += 0.05;
+  EXPECT_EQ(findDifferences(wrong, truth, stated, all).size(), 1u);
+  EXPECT_EQ(findOpenRows(wrong, stated).size(), 1u);
+  wrong = truth;
+  wrong.erase({"floor", "ceiling"});
+  EXPECT_EQ(findDifferences(wrong, truth, stated, all).size(), 1u);
+  wrong = truth;
+  wrong[{"floor", "floor"}] = {0.05, 1e-4};
+  EXPECT_EQ(findDifferences(wrong, truth, stated, all).size(), 1u);
+  EXPECT_EQ(findDifferences(
+                truth, truth, stated,
+                [](const std::string& from, const std::string&) {
+                  return from != "floor";
+                }).size() > 3,
+            true);
+}
+
+}  // namespace
+}  // namespace viewpeel
