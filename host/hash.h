@@ -6,13 +6,14 @@
 
 namespace viewpeel {
 
-// 64 bits of whatever is added, in order: tells apart what differs by accident, with a chance of 2^-64 to miss it, and never misses a
-// difference in one number alone. Not against intent.
+// 64 bits of whatever is added, in order: tells apart what differs by accident, with a chance of 2^-64 to miss it, and
+// never misses a difference in one number alone. Not against intent.
 class Hash {
  public:
   template <std::unsigned_integral T>
   void add(T number) {
-    value_ = (value_ ^ number) * 0x9E3779B97F4A7C15u;  // odd: every step can be undone, so that different numbers stay different
+    value_ = (value_ ^ number) *
+             0x9E3779B97F4A7C15u;  // odd: every step can be undone, so that different numbers stay different
     value_ ^= value_ >> 32;
   }
   void add(double number) { add(std::bit_cast<uint64_t>(number)); }

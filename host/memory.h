@@ -8,9 +8,11 @@
 
 namespace viewpeel {
 
-// What is freed stays with the process: lists as large as the matrix come and go with every replicate, and memory that the kernel gives anew is cleared first. A quarter of the
-// time of 9,984 polygons went there; the peak grows by an eighth. And what is yet to be had comes in huge pages: half of the machine's memory is asked for, said to be of these, and given
-// back before any of it is written to. Where there is less to be had, or a sanitizer marks what is allocated, pages stay small. For programs, before they allocate much.
+// What is freed stays with the process: lists as large as the matrix come and go with every replicate, and memory that
+// the kernel gives anew is cleared first. A quarter of the time of 9,984 polygons went there; the peak grows by an
+// eighth. And what is yet to be had comes in huge pages: half of the machine's memory is asked for, said to be of
+// these, and given back before any of it is written to. Where there is less to be had, or a sanitizer marks what is
+// allocated, pages stay small. For programs, before they allocate much.
 inline void keepFreedMemory() {
   ::mallopt(M_MMAP_MAX, 0);
   ::mallopt(M_TRIM_THRESHOLD, -1);  // never

@@ -13,7 +13,8 @@ namespace viewpeel {
 
 size_t threadCount() {
   cpu_set_t allowed;
-  return ::sched_getaffinity(0, sizeof allowed, &allowed) == 0 ? std::max(1, CPU_COUNT(&allowed)) : std::max(1u, std::thread::hardware_concurrency());
+  return ::sched_getaffinity(0, sizeof allowed, &allowed) == 0 ? std::max(1, CPU_COUNT(&allowed))
+                                                               : std::max(1u, std::thread::hardware_concurrency());
 }
 
 size_t threadsFor(size_t entries) {
@@ -21,7 +22,9 @@ size_t threadsFor(size_t entries) {
   return entries < kFew ? 1 : threadCount();
 }
 
-void shareOut(size_t threads, size_t tasks, size_t chunk, const std::function<void(size_t thread, size_t task)>& do_task, const std::function<void(size_t done)>& on_done) {
+void shareOut(size_t threads, size_t tasks, size_t chunk,
+              const std::function<void(size_t thread, size_t task)>& do_task,
+              const std::function<void(size_t done)>& on_done) {
   std::atomic<size_t> next = 0, done = 0;
   std::atomic<bool> stopped = false;
   std::exception_ptr failure;
@@ -42,7 +45,8 @@ void shareOut(size_t threads, size_t tasks, size_t chunk, const std::function<vo
   };
   {
     std::vector<std::jthread> others;
-    for (size_t thread = 1; thread < std::min(threads, (tasks + chunk - 1) / chunk); ++thread) others.emplace_back(work, thread);
+    for (size_t thread = 1; thread < std::min(threads, (tasks + chunk - 1) / chunk); ++thread)
+      others.emplace_back(work, thread);
     work(0);
   }
   if (failure) std::rethrow_exception(failure);

@@ -11,8 +11,12 @@ size_t threadCount();
 // The same for lists of so many entries, one where that takes less than to start another.
 size_t threadsFor(size_t entries);
 
-// Does tasks 0..tasks-1, `chunk` at a time by whichever thread is free; the calling thread is thread 0. Where one throws, no further task begins, and the first exception is thrown on.
-//   In: threads > 0; do_task(thread, task): of different threads at once; on_done(tasks done): called by the calling thread after its chunks and at the end; may throw, may be empty
-void shareOut(size_t threads, size_t tasks, size_t chunk, const std::function<void(size_t thread, size_t task)>& do_task, const std::function<void(size_t done)>& on_done = {});
+// Does tasks 0..tasks-1, `chunk` at a time by whichever thread is free; the calling thread is thread 0. Where one
+// throws, no further task begins, and the first exception is thrown on.
+//   In: threads > 0; do_task(thread, task): of different threads at once; on_done(tasks done): called by the calling
+//   thread after its chunks and at the end; may throw, may be empty
+void shareOut(size_t threads, size_t tasks, size_t chunk,
+              const std::function<void(size_t thread, size_t task)>& do_task,
+              const std::function<void(size_t done)>& on_done = {});
 
 }  // namespace viewpeel

@@ -30,18 +30,21 @@ struct CheckCommand {
 };
 
 std::string tabulate(const CheckReport& report) {
-  std::string text = fmt::format("  {:>10}  {:>15}  {:>22}  {:>16}  {:>15}  {:>21}\n", "resolution", "regions (pooled)", "deviation (allowed)",
-                                 "spread/predicted", "counted/exact-1", "leak counted (exact)");
+  std::string text = fmt::format("  {:>10}  {:>15}  {:>22}  {:>16}  {:>15}  {:>21}\n", "resolution", "regions (pooled)",
+                                 "deviation (allowed)", "spread/predicted", "counted/exact-1", "leak counted (exact)");
   for (const CheckRow& row : report.rows)
     text += fmt::format("  {:>10}  {:>16}  {:>22}  {:>16}  {:>15.1e}  {:>21}  {}\n", row.resolution,
                         fmt::format("{} ({})", row.regions_tested, row.regions_pooled),
                         fmt::format("{:.2f} ({:.2f})", row.largest_deviation, row.allowed_deviation),
-                        row.spread_regions ? fmt::format("{:.2f}", row.spread_ratio) : "-", row.total_counted / row.total_exact - 1,
+                        row.spread_regions ? fmt::format("{:.2f}", row.spread_ratio) : "-",
+                        row.total_counted / row.total_exact - 1,
                         fmt::format("{:.1e} ({:.1e})", row.leak_counted, row.leak_exact),
-                        !row.unbiased ? "BIASED" : !row.spread_as_predicted ? "SPREAD IS OFF" : "ok");
+                        !row.unbiased              ? "BIASED"
+                        : !row.spread_as_predicted ? "SPREAD IS OFF"
+                                                   : "ok");
   for (const CheckRow& row : report.rows)
-    text += fmt::format("  worst at {}: {}: mean difference {:.2e}, standard error {:.1e}\n", row.resolution, row.worst_pair, row.worst_difference,
-                        row.worst_standard_error);
+    text += fmt::format("  worst at {}: {}: mean difference {:.2e}, standard error {:.1e}\n", row.resolution,
+                        row.worst_pair, row.worst_difference, row.worst_standard_error);
   return text;
 }
 
@@ -49,15 +52,20 @@ std::string asJson(const CheckReport& report) {
   std::string rows;
   for (const CheckRow& row : report.rows)
     rows += fmt::format(
-        "{}\n    {{\"resolution\": {}, \"regions_tested\": {}, \"regions_pooled\": {}, \"largest_deviation\": {}, \"allowed_deviation\": {}, "
-        "\"worst_pair\": \"{}\", \"worst_difference\": {}, \"worst_standard_error\": {}, \"spread_regions\": {}, \"spread_ratio\": {}, "
-        "\"total_counted\": {}, \"total_exact\": {}, \"leak_counted\": {}, \"leak_exact\": {}, \"unbiased\": {}, \"spread_as_predicted\": {}}}",
-        rows.empty() ? "" : ",", row.resolution, row.regions_tested, row.regions_pooled, row.largest_deviation, row.allowed_deviation,
-        escapeJson(row.worst_pair), row.worst_difference, row.worst_standard_error, row.spread_regions, row.spread_ratio, row.total_counted,
-        row.total_exact, row.leak_counted, row.leak_exact, row.unbiased, row.spread_as_predicted);
-  return fmt::format("{{\n  \"passes\": {},\n  \"exact_seconds\": {:.3f},\n  \"counting_seconds\": {:.3f},\n"
-                     "  \"resolutions\": [{}\n  ]\n}}\n",
-                     report.passes(), report.exact_seconds, report.counting_seconds, rows);
+        "{}\n    {{\"resolution\": {}, \"regions_tested\": {}, \"regions_pooled\": {}, \"largest_deviation\": {}, "
+        "\"allowed_deviation\": {}, "
+        "\"worst_pair\": \"{}\", \"worst_difference\": {}, \"worst_standard_error\": {}, \"spread_regions\": {}, "
+        "\"spread_ratio\": {}, "
+        "\"total_counted\": {}, \"total_exact\": {}, \"leak_counted\": {}, \"leak_exact\": {}, \"unbiased\": {}, "
+        "\"spread_as_predicted\": {}}}",
+        rows.empty() ? "" : ",", row.resolution, row.regions_tested, row.regions_pooled, row.largest_deviation,
+        row.allowed_deviation, escapeJson(row.worst_pair), row.worst_difference, row.worst_standard_error,
+        row.spread_regions, row.spread_ratio, row.total_counted, row.total_exact, row.leak_counted, row.leak_exact,
+        row.unbiased, row.spread_as_predicted);
+  return fmt::format(
+      "{{\n  \"passes\": {},\n  \"exact_seconds\": {:.3f},\n  \"counting_seconds\": {:.3f},\n"
+      "  \"resolutions\": [{}\n  ]\n}}\n",
+      report.passes(), report.exact_seconds, report.counting_seconds, rows);
 }
 
 int runCheck(const CheckCommand& command) {
@@ -70,12 +78,14 @@ int runCheck(const CheckCommand& command) {
   const auto interpenetrations = reference::findInterpenetrations(scene);
   constexpr size_t kMostNamed = 10;
   for (size_t k = 0; k < std::min(interpenetrations.size(), kMostNamed); ++k)
-    fmt::print(stderr, "viewpeel: warning: {}; split them where they meet\n", reference::describe(scene, interpenetrations[k]));
+    fmt::print(stderr, "viewpeel: warning: {}; split them where they meet\n",
+               reference::describe(scene, interpenetrations[k]));
   if (interpenetrations.size() > kMostNamed)
     fmt::print(stderr, "viewpeel: warning: {} more such places\n", interpenetrations.size() - kMostNamed);
   if (!interpenetrations.empty())
-    throw Error(ErrorCode::check, fmt::format("{}: {} pairs of polygons pass through each other; mend them and check again", scene.file,
-                                              interpenetrations.size()));
+    throw Error(ErrorCode::check,
+                fmt::format("{}: {} pairs of polygons pass through each other; mend them and check again", scene.file,
+                            interpenetrations.size()));
 
   const Ids ids = makeIds(scene, By::polygon, command.two_sided);
   std::optional<Device> device;
@@ -83,24 +93,34 @@ int runCheck(const CheckCommand& command) {
   const EngineFactory make_engine = latticeEngines(command.engine, device ? &*device : nullptr);
   std::map<int, std::unique_ptr<Engine>> engines;
   for (int resolution : command.check.resolutions)
-    engines[resolution] = make_engine(scene, ids, {.resolution = resolution, .sampling = command.sampling, .count_blocked = command.check.blocked, .batch_directions = 1});
+    engines[resolution] = make_engine(scene, ids,
+                                      {.resolution = resolution,
+                                       .sampling = command.sampling,
+                                       .count_blocked = command.check.blocked,
+                                       .batch_directions = 1});
   reference::CheckOptions options = command.check;
   if (command.sampling == Sampling::scanline) {
-    if (command.engine == EngineKind::graphics) throw Error(ErrorCode::bad_usage, "--sampling scanline needs --engine compute or host");
+    if (command.engine == EngineKind::graphics)
+      throw Error(ErrorCode::bad_usage, "--sampling scanline needs --engine compute or host");
     options.variance = reference::kScanlineVariance;
-    options.counts_per_point = pointArea(options.resolutions.front()) / engines.at(options.resolutions.front())->unitArea();
+    options.counts_per_point =
+        pointArea(options.resolutions.front()) / engines.at(options.resolutions.front())->unitArea();
   }
-  const auto count = [&](const Direction& direction, int resolution) { return engines.at(resolution)->count({&direction, 1}); };
+  const auto count = [&](const Direction& direction, int resolution) {
+    return engines.at(resolution)->count({&direction, 1});
+  };
   const CheckReport report = reference::checkLattice(scene, ids, count, options);
   if (device) checkValidation(*device);
   if (command.json) {
     fmt::print("{}", asJson(report));
   } else {
     fmt::print("{}{}{}", device ? describeDevice(device->description()) : describeProcessor(), describeScene(scene),
-               fmt::format("check      {} directions, {} random lattices each: h^2 x counts against exact areas, chance of a false alarm {:.0e}\n\n",
+               fmt::format("check      {} directions, {} random lattices each: h^2 x counts against exact areas, "
+                           "chance of a false alarm {:.0e}\n\n",
                            command.check.directions, command.check.lattices, command.check.false_alarm_rate));
-    fmt::print("{}\nexact {:.1f} s, counting {:.1f} s\n{}\n", tabulate(report), report.exact_seconds, report.counting_seconds,
-               report.passes() ? "The lattice counts behave as claimed." : "The lattice counts do NOT behave as claimed.");
+    fmt::print(
+        "{}\nexact {:.1f} s, counting {:.1f} s\n{}\n", tabulate(report), report.exact_seconds, report.counting_seconds,
+        report.passes() ? "The lattice counts behave as claimed." : "The lattice counts do NOT behave as claimed.");
   }
   return report.passes() ? 0 : 1;
 }
@@ -109,21 +129,38 @@ int runCheck(const CheckCommand& command) {
 
 void addCheck(CLI::App& app, Run& chosen) {
   auto options = std::make_shared<CheckCommand>();
-  CLI::App* command = app.add_subcommand("check", "Check lattice counts against exact areas; exit status 1 where they do not agree");
+  CLI::App* command =
+      app.add_subcommand("check", "Check lattice counts against exact areas; exit status 1 where they do not agree");
   command->add_option("SCENE", options->scene, "Scene file: .obj, .stl or .ply")->required();
   command->add_option("--directions", options->check.directions, "Random directions")
-      ->type_name("N")->check(CLI::Range(1u, 1u << 20).description(""))->capture_default_str();
+      ->type_name("N")
+      ->check(CLI::Range(1u, 1u << 20).description(""))
+      ->capture_default_str();
   command->add_option("--lattices", options->check.lattices, "Random lattices per direction")
-      ->type_name("M")->check(CLI::Range(8u, 1u << 20).description(""))->capture_default_str();
-  command->add_option("--resolution", options->check.resolutions, "Lattice spacings across the scene's diameter; may be given several times")
-      ->type_name("PX")->check(CLI::Range(1, kMaxResolution).description(""))->allow_extra_args(false)->capture_default_str();
-  addChoice(command, "--engine", options->engine, {{"compute", EngineKind::compute}, {"host", EngineKind::host}, {"graphics", EngineKind::graphics}}, "The engine to check");
-  addChoice(command, "--sampling", options->sampling, {{"lattice", Sampling::lattice}, {"scanline", Sampling::scanline}}, "The samples to check");
-  command->add_option("--seed", options->check.seed, "Of directions and lattices")->type_name("K")->check(isWholeNumber)->capture_default_str();
+      ->type_name("M")
+      ->check(CLI::Range(8u, 1u << 20).description(""))
+      ->capture_default_str();
+  command
+      ->add_option("--resolution", options->check.resolutions,
+                   "Lattice spacings across the scene's diameter; may be given several times")
+      ->type_name("PX")
+      ->check(CLI::Range(1, kMaxResolution).description(""))
+      ->allow_extra_args(false)
+      ->capture_default_str();
+  addChoice(command, "--engine", options->engine,
+            {{"compute", EngineKind::compute}, {"host", EngineKind::host}, {"graphics", EngineKind::graphics}},
+            "The engine to check");
+  addChoice(command, "--sampling", options->sampling,
+            {{"lattice", Sampling::lattice}, {"scanline", Sampling::scanline}}, "The samples to check");
+  command->add_option("--seed", options->check.seed, "Of directions and lattices")
+      ->type_name("K")
+      ->check(isWholeNumber)
+      ->capture_default_str();
   command->add_flag("--blocked", options->check.blocked, "Pairs whose fronts look at each other past something, too");
   addSceneOptions(command, options->scene_options);
   command->add_flag("--two-sided", options->two_sided, "Every polygon emits and receives on both sides");
-  command->add_option("--device", options->device.selector, "Vulkan device: index, part of its name, cpu or gpu")->type_name("DEVICE");
+  command->add_option("--device", options->device.selector, "Vulkan device: index, part of its name, cpu or gpu")
+      ->type_name("DEVICE");
   command->add_flag("--json", options->json, "Print the report as JSON");
   command->callback([options, &chosen] { chosen = [options] { return runCheck(*options); }; });
 }

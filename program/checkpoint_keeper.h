@@ -19,22 +19,24 @@ struct CheckpointOptions {
 
 void addCheckpointOptions(CLI::App* command, CheckpointOptions& options);
 
-// That nothing is written over by mistake.    Throws: Error bad_usage where there is such a file, or none can be written.
+// That nothing is written over by mistake.    Throws: Error bad_usage where there is such a file, or none can be
+// written.
 void requireNewCheckpoint(const std::string& file);
 
 // Keeps the checkpoint of one run up to date.
 class CheckpointKeeper {
  public:
   // Lets the run go on from what there is. Before its plan.
-  //   Throws: Error bad_usage where there is a file and nobody said to resume, it is of another run, another run is keeping it, or none can be written;
+  //   Throws: Error bad_usage where there is a file and nobody said to resume, it is of another run, another run is
+  //   keeping it, or none can be written;
   //     as FormFactorRun::resumeFrom.
   CheckpointKeeper(const CheckpointOptions& options, FormFactorRun& run);
 
   // One line: what was found.
   std::string describe() const;
 
-  // Writes where the last time is long enough ago, or `last`. A failure is a warning: the run is worth more than its checkpoint. What another run has put there
-  // is left alone.
+  // Writes where the last time is long enough ago, or `last`. A failure is a warning: the run is worth more than its
+  // checkpoint. What another run has put there is left alone.
   void keep(const FormFactorRun& run, bool last);
   // False where the last attempt failed.
   bool isKept() const { return is_kept_; }
@@ -45,7 +47,7 @@ class CheckpointKeeper {
 
   CheckpointOptions options_;
   std::string found_;  // replicates to go on after, in words; empty where the run starts afresh
-  FileLock lock_;  // on the file that was read or written last
+  FileLock lock_;      // on the file that was read or written last
   Clock::time_point written_ = Clock::now();
   Seconds pause_;  // between writes
   bool is_kept_ = true;

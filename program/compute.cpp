@@ -36,19 +36,25 @@ struct ComputeOptions {
 // One line on stderr: what is left of a run that was stopped. Returns the exit status.
 int tellInterruption(const ComputeOptions& options, uint64_t replicates) {
   std::string left;
-  if (options.keepsCheckpoint() && replicates > 0) left = fmt::format("; {} has what was counted, go on with --resume", options.checkpoint.file);
+  if (options.keepsCheckpoint() && replicates > 0)
+    left = fmt::format("; {} has what was counted, go on with --resume", options.checkpoint.file);
   if (!options.outputs.empty()) left += replicates < 2 ? "; too few to write results" : "; results are written";
-  fmt::print(stderr, "viewpeel: stopped by {}, {} replicate{} done{}\n", interruption() == SIGINT ? "SIGINT" : "SIGTERM", replicates, replicates == 1 ? "" : "s", left);
+  fmt::print(stderr, "viewpeel: stopped by {}, {} replicate{} done{}\n",
+             interruption() == SIGINT ? "SIGINT" : "SIGTERM", replicates, replicates == 1 ? "" : "s", left);
   return 128 + interruption();
 }
 
 void warnOfGoal(const Request& request, const Result& result) {
   const auto* tolerance = std::get_if<Tolerance>(&request.goal);
   const auto* only = std::get_if<Relative>(&request.goal);
-  const std::optional<double> relative = tolerance ? tolerance->relative : only ? std::optional(only->standard_error) : std::nullopt;
+  const std::optional<double> relative = tolerance ? tolerance->relative
+                                         : only    ? std::optional(only->standard_error)
+                                                   : std::nullopt;
   if (relative && !(result.largest_relative_error > 0))
-    fmt::print(stderr, "viewpeel: warning: no form factor reaches --floor {}, so that --relative {} asked for nothing; lower --floor, or ask by --tolerance\n", request.relative_floor,
-               *relative);
+    fmt::print(stderr,
+               "viewpeel: warning: no form factor reaches --floor {}, so that --relative {} asked for nothing; lower "
+               "--floor, or ask by --tolerance\n",
+               request.relative_floor, *relative);
 }
 
 // Where closure is refused the form factors are written as measured.
@@ -56,19 +62,23 @@ void write(const ComputeOptions& options, const Result& result) {
   writeOutputs(result.form_factors, options.outputs, result.closed ? &result.closed->form_factors : nullptr);
   if (!result.closure_refusal) return;
   const Error& refusal = *result.closure_refusal;
-  throw Error(refusal.code(), fmt::format("{}{}", refusal.what(), options.outputs.empty() ? "" : "; form factors were written as measured"));
+  throw Error(refusal.code(), fmt::format("{}{}", refusal.what(),
+                                          options.outputs.empty() ? "" : "; form factors were written as measured"));
 }
 
 void printResult(const ComputeOptions& options, const Result& result, const std::string& first_division) {
   if (options.json) fmt::print("{}", asJson(options.scene, result));
   if (!options.talks()) return;
-  if (options.verbose && !result.division.empty() && result.division != first_division) fmt::print("after a trial\n{}", result.division);
+  if (options.verbose && !result.division.empty() && result.division != first_division)
+    fmt::print("after a trial\n{}", result.division);
   fmt::print("{}{}", describeResult(result), result.closed ? describeClosed(*result.closed) : "");
   const auto* guarantee = std::get_if<EpsilonDelta>(&options.request.goal);
   const char* unit = !guarantee ? "replicate" : guarantee->statistic == Statistic::median ? "run" : "block";
-  fmt::print("work       {}, {}{}, {:.2f} s\n", counted(result.replicates, unit), counted(result.directions, "direction"), describeDirected(result), result.seconds);
+  fmt::print("work       {}, {}{}, {:.2f} s\n", counted(result.replicates, unit),
+             counted(result.directions, "direction"), describeDirected(result), result.seconds);
   for (const std::string& output : options.outputs)
-    for (const std::filesystem::path& file : filesOf(output, options.request.closure)) fmt::print("written    {}\n", file.string());
+    for (const std::filesystem::path& file : filesOf(output, options.request.closure))
+      fmt::print("written    {}\n", file.string());
 }
 
 // Writes and prints what came out. Returns the exit status.
@@ -122,7 +132,10 @@ int runCompute(const ComputeOptions& options) {
   if (is_held) holdInterrupts([&] { return tellInterruption(options, 0); });
   const Scene scene = loadSceneOf(options.scene, options.request.scene_options);
   ProgressLine progress(options.request, !options.quiet);
-  FormFactorRun run(scene, options.request, {.should_stop = [] { return interruption() != 0; }, .on_progress = progress.listener(), .on_count = letOthersEnd});
+  FormFactorRun run(scene, options.request,
+                    {.should_stop = [] { return interruption() != 0; },
+                     .on_progress = progress.listener(),
+                     .on_count = letOthersEnd});
   if (options.talks()) fmt::print("{}", describePlace(run, scene));
   std::fflush(stdout);
   std::optional<CheckpointKeeper> keeper;
@@ -153,12 +166,17 @@ void addCompute(CLI::App& app, Run& chosen) {
   const auto asked = addRequestOptions(command);
   const auto options = std::make_shared<ComputeOptions>();
   command->add_option("-o,--output", options->outputs, "Write the matrix: .csv or .mtx; may be given several times")
-      ->type_name("FILE")->allow_extra_args(false);
-  command->add_flag("--closure", asked->request.closure, "Closed scenes: also the nearest form factors whose rows sum to 1, beside those measured");
+      ->type_name("FILE")
+      ->allow_extra_args(false);
+  command->add_flag("--closure", asked->request.closure,
+                    "Closed scenes: also the nearest form factors whose rows sum to 1, beside those measured");
   addCheckpointOptions(command, options->checkpoint);
   CLI::Option* quiet = command->add_flag("--quiet", options->quiet, "Print nothing but errors and warnings");
-  CLI::Option* verbose = command->add_flag("--verbose", options->verbose, "Print how work and memory are divided, too")->excludes(quiet);
-  command->add_flag("--json", options->json, "Print the outcome and the work done as JSON")->excludes(quiet)->excludes(verbose);
+  CLI::Option* verbose =
+      command->add_flag("--verbose", options->verbose, "Print how work and memory are divided, too")->excludes(quiet);
+  command->add_flag("--json", options->json, "Print the outcome and the work done as JSON")
+      ->excludes(quiet)
+      ->excludes(verbose);
   command->callback([=, &chosen] {
     options->scene = asked->scene;
     options->request = requestOf(command, *asked);

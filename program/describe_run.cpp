@@ -12,28 +12,40 @@ namespace {
 
 std::string describeLattices(const PlanSummary& plan) {
   if (plan.engine == EngineKind::exact) return "exact areas";
-  std::string text = fmt::format("{} {} across", plan.sampling == Sampling::scanline ? "scanlines" : "lattice", plan.lattices[0].resolution);
+  std::string text = fmt::format("{} {} across", plan.sampling == Sampling::scanline ? "scanlines" : "lattice",
+                                 plan.lattices[0].resolution);
   for (size_t g = 1; g < plan.lattices.size(); ++g)
-    text += fmt::format(", {} in {} on {}", plan.lattices[g].resolution, counted(plan.lattices[g].windows, "window"), counted(plan.lattices[g].polygons, "polygon"));
+    text += fmt::format(", {} in {} on {}", plan.lattices[g].resolution, counted(plan.lattices[g].windows, "window"),
+                        counted(plan.lattices[g].polygons, "polygon"));
   return text;
 }
 
 std::string describeGuarantee(const Request& request, const PlanSummary& plan) {
   const GuaranteeFigures& g = *plan.guarantee;
-  std::string text = fmt::format("goal       every form factor within {} with probability {}: {} at once, a direction adds at most {:.2f}\n", g.epsilon, 1 - g.delta,
-                                 counted(static_cast<uint64_t>(g.bounds), "bound"), g.largest_range);
+  std::string text = fmt::format(
+      "goal       every form factor within {} with probability {}: {} at once, a direction adds at most {:.2f}\n",
+      g.epsilon, 1 - g.delta, counted(static_cast<uint64_t>(g.bounds), "bound"), g.largest_range);
   text += fmt::format("sampling   {} directions; {}; seed {}\n", plan.sampler, describeLattices(plan), request.seed);
   if (std::get<EpsilonDelta>(request.goal).statistic == Statistic::median)
-    text += fmt::format("plan       median of {} of {}, {}\n", counted(g.runs, "run"), counted(g.run_directions, "direction"), inWords(g.most_seconds));
+    text += fmt::format("plan       median of {} of {}, {}\n", counted(g.runs, "run"),
+                        counted(g.run_directions, "direction"), inWords(g.most_seconds));
   else
-    text += fmt::format("plan       blocks of {}: {} ({}) by Hoeffding's bound; by Bernstein's {} ({}) expected, {} ({}) at least; the same again:{} --block {}\n",
-                        counted(g.block_directions, "direction"), g.most_blocks, inWords(g.most_seconds), g.expected_blocks, inWords(g.expected_seconds), g.least_blocks,
-                        inWords(g.least_seconds),
-                        plan.engine == EngineKind::exact ? "" : request.amount.resolution ? fmt::format(" --resolution {}", request.amount.resolution) : fmt::format(" --range {}", g.range),
-                        g.block_directions);
-  if (plan.closed_forms) text += fmt::format("closed     forms of {} pairs of polygons, shares of {} from a pilot\n", plan.unoccluded_pairs, plan.shared_pairs);
-  return text + fmt::format("beside     directions: Hoeffding {}; Pellegrini's Lemma 1 {:.3g} for one pair, {:.3g} for all; median of runs {:.3g}\n", g.hoeffding, g.lemma_1, g.lemma_1_all,
-                            double(g.runs) * double(g.run_directions));
+    text += fmt::format(
+        "plan       blocks of {}: {} ({}) by Hoeffding's bound; by Bernstein's {} ({}) expected, {} ({}) at least; the "
+        "same again:{} --block {}\n",
+        counted(g.block_directions, "direction"), g.most_blocks, inWords(g.most_seconds), g.expected_blocks,
+        inWords(g.expected_seconds), g.least_blocks, inWords(g.least_seconds),
+        plan.engine == EngineKind::exact ? ""
+        : request.amount.resolution      ? fmt::format(" --resolution {}", request.amount.resolution)
+                                         : fmt::format(" --range {}", g.range),
+        g.block_directions);
+  if (plan.closed_forms)
+    text += fmt::format("closed     forms of {} pairs of polygons, shares of {} from a pilot\n", plan.unoccluded_pairs,
+                        plan.shared_pairs);
+  return text + fmt::format(
+                    "beside     directions: Hoeffding {}; Pellegrini's Lemma 1 {:.3g} for one pair, {:.3g} for all; "
+                    "median of runs {:.3g}\n",
+                    g.hoeffding, g.lemma_1, g.lemma_1_all, double(g.runs) * double(g.run_directions));
 }
 
 // The goal as a standard error, of its form factor where it is relative; infinite where there is none.
@@ -47,17 +59,24 @@ double goalOf(const Request& request) {
 std::string describeExpectation(const Request& request, const PlanSummary& plan) {
   if (!(plan.pilot_seconds > 0)) return "";
   const uint32_t replicates = request.amount.replicates;
-  std::string text = fmt::format("expected   largest standard error {:.1e}{} after {} replicates, counted in {} (found out in {}); the same again: {}\n", plan.standard_error,
-                                 std::holds_alternative<Relative>(request.goal) ? " of its form factor" : "", replicates, inWords(plan.seconds), inWords(plan.pilot_seconds),
-                                 optionsOf(plan));
-  if (const double goal = goalOf(request); plan.standard_error > goal) {  // errors fall with the root of the number of replicates
+  std::string text = fmt::format(
+      "expected   largest standard error {:.1e}{} after {} replicates, counted in {} (found out in {}); the same "
+      "again: {}\n",
+      plan.standard_error, std::holds_alternative<Relative>(request.goal) ? " of its form factor" : "", replicates,
+      inWords(plan.seconds), inWords(plan.pilot_seconds), optionsOf(plan));
+  if (const double goal = goalOf(request);
+      plan.standard_error > goal) {  // errors fall with the root of the number of replicates
     const double more = std::pow(plan.standard_error / goal, 2), seconds = more * plan.seconds;
-    text += fmt::format("           {:.1e} takes about {:.3g} replicates, {}{}\n", goal, std::ceil(more * replicates), inWords(seconds),
-                        request.time_limit_s && seconds > *request.time_limit_s ? fmt::format(": more than --seconds {} allow; the run ends short of it", *request.time_limit_s) : "");
+    text += fmt::format(
+        "           {:.1e} takes about {:.3g} replicates, {}{}\n", goal, std::ceil(more * replicates), inWords(seconds),
+        request.time_limit_s && seconds > *request.time_limit_s
+            ? fmt::format(": more than --seconds {} allow; the run ends short of it", *request.time_limit_s)
+            : "");
   }
   if (const size_t rows = plan.barely_met.size())
-    text += fmt::format("           {} ({}{}) {} too small even for the finest lattice there is: {} may go unmet\n", counted(rows, "row"), plan.barely_met[0], rows > 1 ? ", ..." : "",
-                        rows > 1 ? "are" : "is", rows > 1 ? "they" : "it");
+    text += fmt::format("           {} ({}{}) {} too small even for the finest lattice there is: {} may go unmet\n",
+                        counted(rows, "row"), plan.barely_met[0], rows > 1 ? ", ..." : "", rows > 1 ? "are" : "is",
+                        rows > 1 ? "they" : "it");
   return text;
 }
 
@@ -65,24 +84,33 @@ std::string describeExpectation(const Request& request, const PlanSummary& plan)
 
 std::string describePlace(const FormFactorRun& run, const Scene& scene) {
   const DeviceDescription* device = run.device();
-  return (device ? describeDevice(*device) : run.plan().engine == EngineKind::exact ? "device     none: exact areas on the CPU\n" : describeProcessor()) + describeScene(scene);
+  return (device                                   ? describeDevice(*device)
+          : run.plan().engine == EngineKind::exact ? "device     none: exact areas on the CPU\n"
+                                                   : describeProcessor()) +
+         describeScene(scene);
 }
 
 std::string describePlan(const FormFactorRun& run) {
   const Request& request = run.request();
   const PlanSummary& plan = run.plan();
   if (plan.guarantee) return describeGuarantee(request, plan);
-  return fmt::format("sampling   {} a replicate, {}; {}; seed {}\n", counted(plan.directions, "direction"), plan.sampler, describeLattices(plan), request.seed) +
+  return fmt::format("sampling   {} a replicate, {}; {}; seed {}\n", counted(plan.directions, "direction"),
+                     plan.sampler, describeLattices(plan), request.seed) +
          describeExpectation(request, plan);
 }
 
 std::string describeShares(const SharesSummary& shares) {
-  std::string text = fmt::format("closed     forms of {} of polygons in {:.2g} s; {} of them never blocked in a pilot of {:.2g} s{}\n", counted(shares.pairs, "pair"), shares.closed_form_seconds,
-                                 shares.never_blocked, shares.pilot_seconds, shares.unreached ? fmt::format("; {} more are sampled alone", shares.unreached) : "");
+  std::string text =
+      fmt::format("closed     forms of {} of polygons in {:.2g} s; {} of them never blocked in a pilot of {:.2g} s{}\n",
+                  counted(shares.pairs, "pair"), shares.closed_form_seconds, shares.never_blocked, shares.pilot_seconds,
+                  shares.unreached ? fmt::format("; {} more are sampled alone", shares.unreached) : "");
   const uint64_t directed = shares.directed_pairs;
   if (directed)
-    text += fmt::format("directed   {} that the others hardly meet {} directions of {} own, {} a replicate in all (found out in {:.2g} s)\n", counted(directed, "pair"),
-                        directed == 1 ? "has" : "have", directed == 1 ? "its" : "their", shares.directed_directions, shares.directed_seconds);
+    text += fmt::format(
+        "directed   {} that the others hardly meet {} directions of {} own, {} a replicate in all (found out in {:.2g} "
+        "s)\n",
+        counted(directed, "pair"), directed == 1 ? "has" : "have", directed == 1 ? "its" : "their",
+        shares.directed_directions, shares.directed_seconds);
   return text;
 }
 

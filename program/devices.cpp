@@ -10,8 +10,8 @@ void addDevices(CLI::App& app, Run& chosen) {
   command->callback([&chosen] {
     chosen = [] {
       for (const DeviceDescription& device : listDevices())
-        fmt::print("{}  {}  ({}; {}; Vulkan {})  {}\n", device.index, device.name, device.kind, device.driver, device.api,
-                   device.refusal.empty() ? "usable" : "refused: " + device.refusal);
+        fmt::print("{}  {}  ({}; {}; Vulkan {})  {}\n", device.index, device.name, device.kind, device.driver,
+                   device.api, device.refusal.empty() ? "usable" : "refused: " + device.refusal);
       return 0;
     };
   });

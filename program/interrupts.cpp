@@ -41,7 +41,8 @@ Watch* watch = nullptr;  // never destroyed: the other thread outlives main
 }
 
 void watchForWord() {
-  while (::sem_wait(&word) != 0) {}
+  while (::sem_wait(&word) != 0) {
+  }
   std::this_thread::sleep_for(kGrace);
   const bool has_results = watch->has_results;
   if (has_results) watch->at_work.lock();

@@ -28,8 +28,10 @@ void report(std::string message) {
 
 int main(int argc, char** argv) {
   viewpeel::keepFreedMemory();
-  CLI::App app("viewpeel: form factors (view factors) of polygonal scenes with occlusion, for every pair at once, with a stated error",
-               "viewpeel");
+  CLI::App app(
+      "viewpeel: form factors (view factors) of polygonal scenes with occlusion, for every pair at once, with a stated "
+      "error",
+      "viewpeel");
   app.set_version_flag("--version", "viewpeel " VIEWPEEL_VERSION);
   app.require_subcommand(1);
   viewpeel::program::Run chosen;
@@ -43,7 +45,9 @@ int main(int argc, char** argv) {
     const int status = chosen();
     errno = 0;
     if (std::fflush(stdout) != 0 || std::ferror(stdout))
-      throw viewpeel::Error(viewpeel::ErrorCode::output, fmt::format("standard output: cannot write: {}; send it to another place", std::strerror(errno ? errno : EIO)));
+      throw viewpeel::Error(viewpeel::ErrorCode::output,
+                            fmt::format("standard output: cannot write: {}; send it to another place",
+                                        std::strerror(errno ? errno : EIO)));
     return status;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // help and version

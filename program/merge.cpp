@@ -27,7 +27,10 @@ struct MergedScene {
   Ids face_ids;
   FaceExchanges exchanges;
 
-  MergedScene(const std::string& file, const SceneOptions& options, bool two_sided) : scene(loadScene(file, options)), face_ids(makeIds(scene, By::polygon, two_sided)), exchanges(nullptr, scene, face_ids) {}
+  MergedScene(const std::string& file, const SceneOptions& options, bool two_sided)
+      : scene(loadScene(file, options)),
+        face_ids(makeIds(scene, By::polygon, two_sided)),
+        exchanges(nullptr, scene, face_ids) {}
 };
 
 int runMerge(const MergeCommand& command) {
@@ -35,25 +38,35 @@ int runMerge(const MergeCommand& command) {
   if (!command.checkpoint.empty()) requireNewCheckpoint(command.checkpoint);
   Checkpoint merged = mergeCheckpoints({command.inputs.begin(), command.inputs.end()});
   if (!command.outputs.empty() && merged.sums.replicateCount() < 2)
-    throw Error(ErrorCode::bad_usage, fmt::format("{}: holds 1 replicate, a standard error needs 2; go on with it, or merge it with others", command.inputs.front()));
+    throw Error(ErrorCode::bad_usage,
+                fmt::format("{}: holds 1 replicate, a standard error needs 2; go on with it, or merge it with others",
+                            command.inputs.front()));
   std::unique_ptr<MergedScene> of;
   if (!command.scene.empty()) {
-    of = std::make_unique<MergedScene>(command.scene, sceneOptionsOf(merged.settings), findSetting(merged.settings, "--two-sided") == "yes");
+    of = std::make_unique<MergedScene>(command.scene, sceneOptionsOf(merged.settings),
+                                       findSetting(merged.settings, "--two-sided") == "yes");
     const std::string computed = findSetting(merged.settings, "scene").value_or("");
     if (identityOf(of->scene) != computed)
-      throw Error(ErrorCode::bad_usage, fmt::format("{}: another scene than that of {}: {}, not {}; give the scene that was computed", command.scene, command.inputs.front(),
-                                                    identityOf(of->scene), computed));
+      throw Error(ErrorCode::bad_usage,
+                  fmt::format("{}: another scene than that of {}: {}, not {}; give the scene that was computed",
+                              command.scene, command.inputs.front(), identityOf(of->scene), computed));
   }
-  const bool is_sparse = merged.sums.visible && merged.sums.visible->by() == By::polygon && !merged.sums.visible->known().has_all_pairs;
-  if (is_sparse && !of) fmt::print(stderr, "viewpeel: warning: pairs of which few lines told are sampled alone, and those that no line met left out; for their closed forms give --scene FILE\n");
+  const bool is_sparse =
+      merged.sums.visible && merged.sums.visible->by() == By::polygon && !merged.sums.visible->known().has_all_pairs;
+  if (is_sparse && !of)
+    fmt::print(stderr,
+               "viewpeel: warning: pairs of which few lines told are sampled alone, and those that no line met left "
+               "out; for their closed forms give --scene FILE\n");
   if (is_sparse && of) of->exchanges.learn(merged.sums);
   if (!command.checkpoint.empty()) writeCheckpoint(merged.settings, merged.sums, command.checkpoint);
-  const Estimate estimate = makeEstimate(merged.sums, EstimateOptions{}.relative_floor, is_sparse && of ? of->exchanges.rows() : ExchangeRow{});
+  const Estimate estimate = makeEstimate(merged.sums, EstimateOptions{}.relative_floor,
+                                         is_sparse && of ? of->exchanges.rows() : ExchangeRow{});
   writeOutputs(estimate.form_factors, command.outputs);
   if (command.quiet) return 0;
   for (const auto& [name, value] : merged.settings) fmt::print("{:<14} {}\n", name, value);
   fmt::print("{:<14} {}\n{}", "replicates", describeReplicates(merged.sums.replicates), describeResult(estimate));
-  fmt::print("work       {} replicates, {} directions{}\n", estimate.replicates, estimate.directions, describeDirected(estimate));
+  fmt::print("work       {} replicates, {} directions{}\n", estimate.replicates, estimate.directions,
+             describeDirected(estimate));
   if (!command.checkpoint.empty()) fmt::print("written    {}\n", command.checkpoint);
   for (const std::string& output : command.outputs) fmt::print("written    {}\n", output);
   return 0;
@@ -63,11 +76,21 @@ int runMerge(const MergeCommand& command) {
 
 void addMerge(CLI::App& app, Run& chosen) {
   auto options = std::make_shared<MergeCommand>();
-  CLI::App* command = app.add_subcommand("merge", "Add up checkpoints of different replicates of one run; of one alone, show it and write its results");
+  CLI::App* command = app.add_subcommand(
+      "merge", "Add up checkpoints of different replicates of one run; of one alone, show it and write its results");
   command->add_option("CHECKPOINT", options->inputs, "Files of --checkpoint, in any order")->required();
-  command->add_option("-o,--output", options->outputs, "Write the matrix: .csv or .mtx; may be given several times")->type_name("FILE")->allow_extra_args(false);
-  command->add_option("--scene", options->scene, "The scene that was computed: for closed forms of pairs of which few lines told, which checkpoints of more than 2,896 polygons do not keep")->type_name("FILE");
-  command->add_option("--checkpoint", options->checkpoint, "Write the sum as a checkpoint, to go on with or to merge again")->type_name("FILE");
+  command->add_option("-o,--output", options->outputs, "Write the matrix: .csv or .mtx; may be given several times")
+      ->type_name("FILE")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--scene", options->scene,
+                   "The scene that was computed: for closed forms of pairs of which few lines told, which checkpoints "
+                   "of more than 2,896 polygons do not keep")
+      ->type_name("FILE");
+  command
+      ->add_option("--checkpoint", options->checkpoint,
+                   "Write the sum as a checkpoint, to go on with or to merge again")
+      ->type_name("FILE");
   command->add_flag("--quiet", options->quiet, "Print nothing but errors");
   command->callback([options, &chosen] { chosen = [options] { return runMerge(*options); }; });
 }

@@ -14,21 +14,26 @@
 
 namespace viewpeel::program {
 
-// Checks of an option's value, as CLI11 has them: what is wrong, empty where nothing is. CLI11's own take nan, and -1 for 2^64 - 1.
+// Checks of an option's value, as CLI11 has them: what is wrong, empty where nothing is. CLI11's own take nan, and -1
+// for 2^64 - 1.
 inline std::string isNumber(const std::string& text, double least, double most) {
   double value = 0;
   return CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value >= least && value <= most
-             ? "" : fmt::format("{} is not a number from {} to {}", text, least, most);
+             ? ""
+             : fmt::format("{} is not a number from {} to {}", text, least, most);
 }
 inline std::string isWholeNumber(const std::string& text) {
   uint64_t value = 0;
   const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return failure == std::errc() && end == text.data() + text.size() ? "" : text + " is not a whole number from 0 to 2^64 - 1";
+  return failure == std::errc() && end == text.data() + text.size()
+             ? ""
+             : text + " is not a whole number from 0 to 2^64 - 1";
 }
 
 // An option that takes one of a few words; the first is the default.
 template <class T>
-void addChoice(CLI::App* command, const std::string& name, T& value, const std::vector<std::pair<std::string, T>>& choices, const std::string& text) {
+void addChoice(CLI::App* command, const std::string& name, T& value,
+               const std::vector<std::pair<std::string, T>>& choices, const std::string& text) {
   std::string words;
   for (const auto& choice : choices) words += (words.empty() ? "" : "|") + choice.first;
   const auto choose = [&value, choices, name, words](const std::string& word) {

@@ -15,6 +15,7 @@ void checkOutputs(const std::vector<std::string>& outputs, const std::string& ch
 // Writes all of them, also where one fails.
 //   In: closed, where there is closure
 //   Throws: what the first that failed threw.
-void writeOutputs(const FormFactors& form_factors, const std::vector<std::string>& outputs, const FormFactors* closed = nullptr);
+void writeOutputs(const FormFactors& form_factors, const std::vector<std::string>& outputs,
+                  const FormFactors* closed = nullptr);
 
 }  // namespace viewpeel::program

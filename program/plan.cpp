@@ -19,7 +19,9 @@ int runPlan(const std::string& scene_file, const Request& request) {
   std::fflush(stdout);
   const PlanSummary& plan = run.makePlan();
   fmt::print("{}", describePlan(run));
-  if (!plan.guarantee && !(plan.pilot_seconds > 0)) fmt::print("expected   {} for {}\n", inWords(run.measureSeconds()), counted(request.amount.replicates, "replicate"));
+  if (!plan.guarantee && !(plan.pilot_seconds > 0))
+    fmt::print("expected   {} for {}\n", inWords(run.measureSeconds()),
+               counted(request.amount.replicates, "replicate"));
   fmt::print("{}", run.division());
   run.checkDevice();
   return 0;
@@ -28,7 +30,8 @@ int runPlan(const std::string& scene_file, const Request& request) {
 }  // namespace
 
 void addPlan(CLI::App& app, Run& chosen) {
-  CLI::App* command = app.add_subcommand("plan", "Say what `compute` would do with the same options, how long it would take and in how much memory");
+  CLI::App* command = app.add_subcommand(
+      "plan", "Say what `compute` would do with the same options, how long it would take and in how much memory");
   const auto options = addRequestOptions(command);
   command->callback([=, &chosen] {
     chosen = [scene = options->scene, request = requestOf(command, *options)] { return runPlan(scene, request); };

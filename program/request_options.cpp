@@ -8,59 +8,118 @@ namespace {
 
 std::string isPositive(const std::string& text) {
   double value = 0;
-  return CLI::detail::lexical_cast(text, value) && value > 0 && std::isfinite(value) ? "" : text + " is not a number above 0";
+  return CLI::detail::lexical_cast(text, value) && value > 0 && std::isfinite(value)
+             ? ""
+             : text + " is not a number above 0";
 }
 
 void addGoalOptions(CLI::App* command, const std::shared_ptr<RequestOptions>& options) {
-  const auto addGoal = [&](const std::string& name, std::optional<double>& goal, const std::string& text, const std::string& type) {
-    command->add_option_function<double>(name, [&goal](const double& value) { goal = value; }, text)->type_name(type)->check(isPositive);
+  const auto addGoal = [&](const std::string& name, std::optional<double>& goal, const std::string& text,
+                           const std::string& type) {
+    command
+        ->add_option_function<double>(
+            name, [&goal](const double& value) { goal = value; }, text)
+        ->type_name(type)
+        ->check(isPositive);
   };
-  addGoal("--tolerance", options->tolerance, "Go on until the largest standard error of all form factors is at most this; 1e-3 unless another goal or --directions is given", "T");
-  addGoal("--relative", options->relative, "Go on until the largest standard error is at most this share of its form factor, over those above --floor", "R");
-  command->add_option("--floor", options->request.relative_floor, "Least form factor that --relative looks at")->type_name("F")->check(isPositive)->check([](const std::string& text) { return isNumber(text, 0, 1); })->capture_default_str();
-  addGoal("--seconds", options->seconds, "As many replicates as fit into this time, 2 at least; with a goal: stop short of it when time is up", "S");
-  addGoal("--epsilon", options->epsilon, "Guarantee: every form factor within E with probability 1 - D; see --delta", "E");
+  addGoal("--tolerance", options->tolerance,
+          "Go on until the largest standard error of all form factors is at most this; 1e-3 unless another goal or "
+          "--directions is given",
+          "T");
+  addGoal("--relative", options->relative,
+          "Go on until the largest standard error is at most this share of its form factor, over those above --floor",
+          "R");
+  command->add_option("--floor", options->request.relative_floor, "Least form factor that --relative looks at")
+      ->type_name("F")
+      ->check(isPositive)
+      ->check([](const std::string& text) { return isNumber(text, 0, 1); })
+      ->capture_default_str();
+  addGoal("--seconds", options->seconds,
+          "As many replicates as fit into this time, 2 at least; with a goal: stop short of it when time is up", "S");
+  addGoal("--epsilon", options->epsilon, "Guarantee: every form factor within E with probability 1 - D; see --delta",
+          "E");
   EpsilonDelta& guarantee = options->guarantee;
-  command->add_option("--delta", guarantee.delta, "Probability with which a guarantee may fail")->type_name("D")->check(isPositive)->capture_default_str();
-  command->add_option("--range", guarantee.range, "Of a guarantee: lattices so fine that a direction adds at most about this to a form factor; chosen")
-      ->type_name("M")->check(CLI::Range(2.001, 100.0).description(""));
-  command->add_option("--block", guarantee.block_directions, "Of a guarantee: directions of a block; chosen")->type_name("N")->check(CLI::Range(1u, 1u << 16).description(""));
+  command->add_option("--delta", guarantee.delta, "Probability with which a guarantee may fail")
+      ->type_name("D")
+      ->check(isPositive)
+      ->capture_default_str();
+  command
+      ->add_option("--range", guarantee.range,
+                   "Of a guarantee: lattices so fine that a direction adds at most about this to a form factor; chosen")
+      ->type_name("M")
+      ->check(CLI::Range(2.001, 100.0).description(""));
+  command->add_option("--block", guarantee.block_directions, "Of a guarantee: directions of a block; chosen")
+      ->type_name("N")
+      ->check(CLI::Range(1u, 1u << 16).description(""));
   addChoice(command, "--statistic", guarantee.statistic, {{"mean", Statistic::mean}, {"median", Statistic::median}},
             "Of a guarantee: the mean of jittered directions, or the median of runs of independent ones");
 }
 
 void addAmountOptions(CLI::App* command, Amount& amount) {
   command->add_option("--directions", amount.directions, "Directions per replicate, in place of a plan")
-      ->type_name("N")->check(CLI::Range(1u, 1u << 30).description(""));
-  command->add_option("--replicates", amount.replicates, "Independent replicates, at least; their spread gives the standard errors")
-      ->type_name("R")->check(CLI::Range(2u, 1u << 30).description(""))->capture_default_str();
-  command->add_option("--resolution", amount.resolution, "Lattice spacings across the scene's diameter; planned, or 64 with --directions")
-      ->type_name("PX")->check(CLI::Range(1, kMaxResolution).description(""));
-  command->add_option("--finest", amount.finest, "With --directions and --resolution: spacings for the polygon that needs most of them, in windows; the others get their share")
-      ->type_name("PX")->check(CLI::Range(1, kMaxWindowResolution).description(""));
+      ->type_name("N")
+      ->check(CLI::Range(1u, 1u << 30).description(""));
+  command
+      ->add_option("--replicates", amount.replicates,
+                   "Independent replicates, at least; their spread gives the standard errors")
+      ->type_name("R")
+      ->check(CLI::Range(2u, 1u << 30).description(""))
+      ->capture_default_str();
+  command
+      ->add_option("--resolution", amount.resolution,
+                   "Lattice spacings across the scene's diameter; planned, or 64 with --directions")
+      ->type_name("PX")
+      ->check(CLI::Range(1, kMaxResolution).description(""));
+  command
+      ->add_option("--finest", amount.finest,
+                   "With --directions and --resolution: spacings for the polygon that needs most of them, in windows; "
+                   "the others get their share")
+      ->type_name("PX")
+      ->check(CLI::Range(1, kMaxWindowResolution).description(""));
 }
 
 void addMethodOptions(CLI::App* command, const std::shared_ptr<RequestOptions>& options) {
   Request& request = options->request;
-  addChoice(command, "--by", request.by, {{"polygon", By::polygon}, {"surface", By::surface}}, "One row per polygon or per named surface");
-  addChoice(command, "--engine", request.engine, {{"auto", EngineKind::automatic}, {"compute", EngineKind::compute}, {"host", EngineKind::host}, {"graphics", EngineKind::graphics}, {"exact", EngineKind::exact}},
-            "Depth peeling on a Vulkan device, in compute shaders or by its raster pipeline; the same counts on the processor's threads (host); or exact areas there. "
+  addChoice(command, "--by", request.by, {{"polygon", By::polygon}, {"surface", By::surface}},
+            "One row per polygon or per named surface");
+  addChoice(command, "--engine", request.engine,
+            {{"auto", EngineKind::automatic},
+             {"compute", EngineKind::compute},
+             {"host", EngineKind::host},
+             {"graphics", EngineKind::graphics},
+             {"exact", EngineKind::exact}},
+            "Depth peeling on a Vulkan device, in compute shaders or by its raster pipeline; the same counts on the "
+            "processor's threads (host); or exact areas there. "
             "auto: compute on a GPU, or on the --device named, else host");
-  addChoice<std::optional<Sampling>>(command, "--sampling", request.sampling, {{"auto", std::nullopt}, {"lattice", Sampling::lattice}, {"scanline", Sampling::scanline}},
-            "Samples of a direction: lattice points, or lattice rows cut where polygons end. auto: the quicker ones for the engine and scene");
+  addChoice<std::optional<Sampling>>(
+      command, "--sampling", request.sampling,
+      {{"auto", std::nullopt}, {"lattice", Sampling::lattice}, {"scanline", Sampling::scanline}},
+      "Samples of a direction: lattice points, or lattice rows cut where polygons end. auto: the quicker ones for the "
+      "engine and scene");
   addChoice<std::optional<Sampler>>(command, "--sampler", request.sampler, {kSamplerNames.begin(), kSamplerNames.end()},
-            "Directions over the sphere: rotated Fibonacci sets, one in each of as many cells, scrambled Sobol' points, or independent. Without it --from and "
-            "--pair draw better ones");
-  command->add_option_function<std::string>("--closed-forms", [options](const std::string& word) { options->request.closed_forms = word == "on"; },
-                                            "Sample only the share of the lines between two polygons that nothing blocks: without occlusion form factors are closed forms. "
-                                            "Planned runs do, where they can")
-      ->type_name("on|off")->check(CLI::IsMember({"on", "off"}).description(""));
+                                    "Directions over the sphere: rotated Fibonacci sets, one in each of as many cells, "
+                                    "scrambled Sobol' points, or independent. Without it --from and "
+                                    "--pair draw better ones");
+  command
+      ->add_option_function<std::string>(
+          "--closed-forms", [options](const std::string& word) { options->request.closed_forms = word == "on"; },
+          "Sample only the share of the lines between two polygons that nothing blocks: without occlusion form factors "
+          "are closed forms. "
+          "Planned runs do, where they can")
+      ->type_name("on|off")
+      ->check(CLI::IsMember({"on", "off"}).description(""));
 }
 
 void addQuestionOptions(CLI::App* command, Question& question) {
-  command->add_option("--from", question.from, "Only the rows of this surface or face; may be given several times")->type_name("NAME")->allow_extra_args(false);
-  command->add_option("--pair", question.pair, "Only the form factors between two surfaces or faces")->type_name("A B")->expected(0, 2);
-  command->add_option("--blocker", question.blockers, "A surface or face that only blocks; may be given several times")->type_name("NAME")->allow_extra_args(false);
+  command->add_option("--from", question.from, "Only the rows of this surface or face; may be given several times")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
+  command->add_option("--pair", question.pair, "Only the form factors between two surfaces or faces")
+      ->type_name("A B")
+      ->expected(0, 2);
+  command->add_option("--blocker", question.blockers, "A surface or face that only blocks; may be given several times")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
 }
 
 }  // namespace
@@ -74,13 +133,24 @@ std::shared_ptr<RequestOptions> addRequestOptions(CLI::App* command) {
   addSceneOptions(command, request.scene_options);
   addMethodOptions(command, options);
   addQuestionOptions(command, request.question);
-  command->add_option("--first-replicate", request.first_replicate, "Count replicates from this one on: parts of a run, for viewpeel merge")
-      ->type_name("K")->check(CLI::Range(uint64_t(0), uint64_t(1) << 39).description(""))->capture_default_str();
-  command->add_option("--seed", request.seed, "The same seed and plan give the same bits")->type_name("K")->check(isWholeNumber)->capture_default_str();
+  command
+      ->add_option("--first-replicate", request.first_replicate,
+                   "Count replicates from this one on: parts of a run, for viewpeel merge")
+      ->type_name("K")
+      ->check(CLI::Range(uint64_t(0), uint64_t(1) << 39).description(""))
+      ->capture_default_str();
+  command->add_option("--seed", request.seed, "The same seed and plan give the same bits")
+      ->type_name("K")
+      ->check(isWholeNumber)
+      ->capture_default_str();
   command->add_flag("--two-sided", request.two_sided, "Every polygon emits and receives on both sides");
-  command->add_option("--device", request.device.selector, "Vulkan device: index, part of its name, cpu or gpu")->type_name("DEVICE");
-  command->add_option("--batch", request.batch_directions, "Directions peeled at once; 0 chooses. Never changes the result")
-      ->type_name("N")->capture_default_str();
+  command->add_option("--device", request.device.selector, "Vulkan device: index, part of its name, cpu or gpu")
+      ->type_name("DEVICE");
+  command
+      ->add_option("--batch", request.batch_directions,
+                   "Directions peeled at once; 0 chooses. Never changes the result")
+      ->type_name("N")
+      ->capture_default_str();
   return options;
 }
 
@@ -89,9 +159,12 @@ Request requestOf(const CLI::App* command, const RequestOptions& options) {
   const Amount& amount = request.amount;
   request.exact_engine = reference::exactEngines();
   for (const char* name : {"--delta", "--statistic", "--range", "--block"})
-    if (!options.epsilon && command->get_option(name)->count()) throw Error(ErrorCode::bad_usage, fmt::format("{} is of a guarantee; give its --epsilon", name));
+    if (!options.epsilon && command->get_option(name)->count())
+      throw Error(ErrorCode::bad_usage, fmt::format("{} is of a guarantee; give its --epsilon", name));
   if (options.epsilon && (options.tolerance || options.relative || command->get_option("--replicates")->count()))
-    throw Error(ErrorCode::bad_usage, "a guarantee plans for itself: leave out --tolerance, --relative, --directions, --finest, --replicates and --first-replicate");
+    throw Error(ErrorCode::bad_usage,
+                "a guarantee plans for itself: leave out --tolerance, --relative, --directions, --finest, --replicates "
+                "and --first-replicate");
   request.time_limit_s = options.seconds;
   if (options.epsilon) {
     EpsilonDelta guarantee = options.guarantee;
@@ -104,7 +177,8 @@ Request requestOf(const CLI::App* command, const RequestOptions& options) {
   } else if (options.seconds) {
     request.goal = Seconds{*options.seconds};
   } else if (amount.directions || request.engine == EngineKind::exact) {
-    request.goal = FixedAmount{amount.directions ? amount.directions : FixedAmount{}.directions, amount.replicates, amount.resolution, amount.finest};
+    request.goal = FixedAmount{amount.directions ? amount.directions : FixedAmount{}.directions, amount.replicates,
+                               amount.resolution, amount.finest};
   }
   checkRequest(request);
   return request;

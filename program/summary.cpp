@@ -14,7 +14,9 @@
 namespace viewpeel::program {
 namespace {
 
-std::string columnName(const Ids& ids, uint32_t j) { return j == kEnvironment ? "environment" : j == kLeak ? "leak" : ids.names[j]; }
+std::string columnName(const Ids& ids, uint32_t j) {
+  return j == kEnvironment ? "environment" : j == kLeak ? "leak" : ids.names[j];
+}
 
 struct StandardErrors {
   size_t count = 0;  // of nonzero form factors, both ways
@@ -32,7 +34,8 @@ StandardErrors measureStandardErrors(const FormFactors& form_factors, size_t wor
     ++errors.count;
     squares += error * error;
     if (worst == 0 || (largest.size() == worst && error <= largest.back().first)) return;
-    const auto at = std::find_if(largest.begin(), largest.end(), [&](const auto& other) { return other.first < error; });
+    const auto at =
+        std::find_if(largest.begin(), largest.end(), [&](const auto& other) { return other.first < error; });
     largest.insert(at, {error, {from, to}});
     if (largest.size() > worst) largest.pop_back();
   };
@@ -47,7 +50,9 @@ StandardErrors measureStandardErrors(const FormFactors& form_factors, size_t wor
 
 }  // namespace
 
-std::string describeDevice(const DeviceDescription& device) { return fmt::format("device     {} ({}; {})\n", device.name, device.kind, device.driver); }
+std::string describeDevice(const DeviceDescription& device) {
+  return fmt::format("device     {} ({}; {})\n", device.name, device.kind, device.driver);
+}
 
 std::string describeProcessor() { return fmt::format("device     processor, {}\n", counted(threadCount(), "thread")); }
 
@@ -66,23 +71,29 @@ std::string escapeJson(const std::string& text) {
   return escaped;
 }
 
-std::string counted(uint64_t count, const char* noun) { return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s"); }
+std::string counted(uint64_t count, const char* noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
 
 std::string describeScene(const Scene& scene) {
   const Ids ids = makeIds(scene, By::polygon, false);
   const auto [least, most] = std::minmax_element(ids.areas.begin(), ids.areas.end());
   std::string split;
-  if (scene.polygons.size() != scene.faces.size()) split = fmt::format(" (as {} triangles and quadrilaterals)", scene.polygons.size());
-  return fmt::format("scene      {}: {}{}, {}, {}\n"
-                     "areas      {:.6g} in all, polygons {:.3g} to {:.3g}; radius {:.4g}\n{}",
-                     scene.file, counted(scene.faces.size(), "polygon"), split, counted(scene.surfaces.size(), "surface"), describeClosedness(scene),
-                     std::accumulate(ids.areas.begin(), ids.areas.end(), 0.0), *least, *most, scene.scale, describeCoincidences(scene));
+  if (scene.polygons.size() != scene.faces.size())
+    split = fmt::format(" (as {} triangles and quadrilaterals)", scene.polygons.size());
+  return fmt::format(
+      "scene      {}: {}{}, {}, {}\n"
+      "areas      {:.6g} in all, polygons {:.3g} to {:.3g}; radius {:.4g}\n{}",
+      scene.file, counted(scene.faces.size(), "polygon"), split, counted(scene.surfaces.size(), "surface"),
+      describeClosedness(scene), std::accumulate(ids.areas.begin(), ids.areas.end(), 0.0), *least, *most, scene.scale,
+      describeCoincidences(scene));
 }
 
 std::string describeCoincidences(const Scene& scene) {
   const Coincidences& found = scene.coincidences;
   if (found.sheets + found.contacts == 0) return "";
-  return fmt::format("coincide   {} back to back, as sides of a sheet, {} face to face, as touching solids{}\n", counted(found.sheets, "pair"), counted(found.contacts, "pair"),
+  return fmt::format("coincide   {} back to back, as sides of a sheet, {} face to face, as touching solids{}\n",
+                     counted(found.sheets, "pair"), counted(found.contacts, "pair"),
                      found.in_doubt ? fmt::format("; {} in doubt, see --sheets and --solids", found.in_doubt) : "");
 }
 
@@ -94,7 +105,8 @@ std::string tabulateLargest(const FormFactors& between_surfaces, size_t rows) {
   std::vector<Row> table;
   const auto& names = between_surfaces.ids().names;
   for (const auto& entry : between_surfaces.entries()) {
-    if (between_surfaces.ids().isAsked(entry.i)) table.push_back({entry.i, entry.j, between_surfaces.formFactor(entry.i, entry.j)});
+    if (between_surfaces.ids().isAsked(entry.i))
+      table.push_back({entry.i, entry.j, between_surfaces.formFactor(entry.i, entry.j)});
     if (entry.j < kEnvironment && entry.j != entry.i && between_surfaces.ids().isAsked(entry.j))
       table.push_back({entry.j, entry.i, between_surfaces.formFactor(entry.j, entry.i)});
   }
@@ -108,8 +120,8 @@ std::string tabulateLargest(const FormFactors& between_surfaces, size_t rows) {
   }
   std::string text = fmt::format("  {:<{}}  {:<{}}  form factor  standard error\n", "from", from_width, "to", to_width);
   for (const Row& row : table)
-    text += fmt::format("  {:<{}}  {:<{}}  {:11.6f}  {:14.1e}\n", names[row.from], from_width, nameOf(row.to), to_width, row.f.value,
-                        row.f.standard_error);
+    text += fmt::format("  {:<{}}  {:<{}}  {:11.6f}  {:14.1e}\n", names[row.from], from_width, nameOf(row.to), to_width,
+                        row.f.value, row.f.standard_error);
   return text;
 }
 
@@ -136,48 +148,75 @@ Closure measureClosure(const FormFactors& form_factors) {
 std::string describeErrors(const Estimate& estimate) {
   const FormFactors& f = estimate.form_factors;
   const StandardErrors errors = measureStandardErrors(f, 3);
-  std::string text = fmt::format("errors     standard errors of {}: largest {:.1e}, rms {:.1e}{}\n", counted(errors.count, "nonzero form factor"),
-                                 estimate.largest_standard_error, errors.rms,
-                                 estimate.largest_relative_error > 0 ? fmt::format("; {:.1e} of its form factor over the larger ones", estimate.largest_relative_error) : "");
+  std::string text =
+      fmt::format("errors     standard errors of {}: largest {:.1e}, rms {:.1e}{}\n",
+                  counted(errors.count, "nonzero form factor"), estimate.largest_standard_error, errors.rms,
+                  estimate.largest_relative_error > 0
+                      ? fmt::format("; {:.1e} of its form factor over the larger ones", estimate.largest_relative_error)
+                      : "");
   for (size_t k = 0; k < errors.worst.size(); ++k) {
     const auto& [i, j] = errors.worst[k];
     const Measured value = f.formFactor(i, j);
-    text += fmt::format("{}{} to {} ({:.4f} +- {:.1e})", k ? ", " : "           worst: ", f.ids().names[i], columnName(f.ids(), j), value.value, value.standard_error);
+    text += fmt::format("{}{} to {} ({:.4f} +- {:.1e})", k ? ", " : "           worst: ", f.ids().names[i],
+                        columnName(f.ids(), j), value.value, value.standard_error);
   }
   if (!errors.worst.empty()) text += "\n";
   if (estimate.unmet_pairs)
-    text += fmt::format("unmet      {} pairs that no line met: closed forms times the visible share of their neighbours, +- {:.1e} at most\n", estimate.unmet_pairs, estimate.largest_unmet_error);
+    text += fmt::format(
+        "unmet      {} pairs that no line met: closed forms times the visible share of their neighbours, +- {:.1e} at "
+        "most\n",
+        estimate.unmet_pairs, estimate.largest_unmet_error);
   if (estimate.unseen_pairs)
-    text += fmt::format("unseen     {} pairs that can see each other but for what is between them: no line saw one, 0 +- {:.1e} at most\n", estimate.unseen_pairs, estimate.largest_unseen_error);
+    text += fmt::format(
+        "unseen     {} pairs that can see each other but for what is between them: no line saw one, 0 +- {:.1e} at "
+        "most\n",
+        estimate.unseen_pairs, estimate.largest_unseen_error);
   const auto all = double(pairCount(f.ids().count()));
-  const auto met = std::count_if(f.entries().begin(), f.entries().end(), [](const FormFactors::Entry& entry) { return entry.i != entry.j && entry.j < kEnvironment; });
-  if (const double left_out = all - double(met) - double(estimate.unseen_pairs); left_out > 0 && estimate.unmet_bound < 1)
-    text += fmt::format("left out   {:.0f} of {:.0f} pairs, which no line met: form factors below {:.1e} each, from the smaller of the two, at 95 % confidence;\n"
-                        "           rows add up without them\n", left_out, all, estimate.unmet_bound);
+  const auto met = std::count_if(f.entries().begin(), f.entries().end(), [](const FormFactors::Entry& entry) {
+    return entry.i != entry.j && entry.j < kEnvironment;
+  });
+  if (const double left_out = all - double(met) - double(estimate.unseen_pairs);
+      left_out > 0 && estimate.unmet_bound < 1)
+    text += fmt::format(
+        "left out   {:.0f} of {:.0f} pairs, which no line met: form factors below {:.1e} each, from the smaller of the "
+        "two, at 95 % confidence;\n"
+        "           rows add up without them\n",
+        left_out, all, estimate.unmet_bound);
   if (const auto& g = estimate.guarantee)
-    text = fmt::format("guarantee  every form factor within {:.3g} with probability {}, by {}\n", g->bound, 1 - g->delta,
-                       g->by == GuaranteedBy::hoeffding ? "Hoeffding's bound" : g->by == GuaranteedBy::bernstein ? "the empirical Bernstein bound" : "the median of runs") + text;
+    text =
+        fmt::format("guarantee  every form factor within {:.3g} with probability {}, by {}\n", g->bound, 1 - g->delta,
+                    g->by == GuaranteedBy::hoeffding   ? "Hoeffding's bound"
+                    : g->by == GuaranteedBy::bernstein ? "the empirical Bernstein bound"
+                                                       : "the median of runs") +
+        text;
   if (!f.ids().rows_sum_to_one) return text;
   size_t unmet = 0;
   std::string first;
   for (uint32_t k = 0; k < f.ids().count(); ++k)
     if (f.ids().isAsked(k) && !(f.rowSums()[k].value > 0) && ++unmet == 1) first = f.ids().names[k];
   if (unmet)
-    text += fmt::format("unmet      {} of {} rows ({}{}): too small for this lattice and so few directions; their form factors are unknown, not 0\n", unmet, f.ids().count(), first,
-                        unmet > 1 ? ", ..." : "");
+    text += fmt::format(
+        "unmet      {} of {} rows ({}{}): too small for this lattice and so few directions; their form factors are "
+        "unknown, not 0\n",
+        unmet, f.ids().count(), first, unmet > 1 ? ", ..." : "");
   const Closure closure = measureClosure(f);
-  return text + fmt::format("closure    row sums differ from 1 by at most {:.1e} ({}, +- {:.1e}), rms {:.1e}\n"
-                            "outside    {:.3g} % of all emitted radiation leaves the scene, {:.3g} % ends on backs (leak)\n",
-                            closure.largest_error, closure.row, closure.standard_error, closure.rms_error, 100 * shareOf(f, kEnvironment), 100 * shareOf(f, kLeak));
+  return text + fmt::format(
+                    "closure    row sums differ from 1 by at most {:.1e} ({}, +- {:.1e}), rms {:.1e}\n"
+                    "outside    {:.3g} % of all emitted radiation leaves the scene, {:.3g} % ends on backs (leak)\n",
+                    closure.largest_error, closure.row, closure.standard_error, closure.rms_error,
+                    100 * shareOf(f, kEnvironment), 100 * shareOf(f, kLeak));
 }
 
 std::string describeDirected(const Estimate& estimate) {
-  return estimate.directed_pairs ? fmt::format(" and {} of {} alone", estimate.directed_directions, counted(estimate.directed_pairs, "pair")) : "";
+  return estimate.directed_pairs ? fmt::format(" and {} of {} alone", estimate.directed_directions,
+                                               counted(estimate.directed_pairs, "pair"))
+                                 : "";
 }
 
 std::string describeResult(const Estimate& estimate) {
   const FormFactors& f = estimate.form_factors;
-  if (f.entries().empty()) return "\nNothing that was asked for sees anything: every form factor is 0.\n\n" + describeErrors(estimate);
+  if (f.entries().empty())
+    return "\nNothing that was asked for sees anything: every form factor is 0.\n\n" + describeErrors(estimate);
   const bool splits_surfaces = f.ids().splits_surfaces;
   return fmt::format("\nlargest form factors{}\n{}\n{}", splits_surfaces ? "" : " between surfaces",
                      tabulateLargest(splits_surfaces ? f : estimate.between_surfaces, 20), describeErrors(estimate));
@@ -185,10 +224,12 @@ std::string describeResult(const Estimate& estimate) {
 
 std::string describeClosed(const ClosedFormFactors& closed) {
   const std::vector<std::string>& names = closed.form_factors.ids().names;
-  return fmt::format("closed     row sums differ from 1 by at most {:.1e} after {}; moved by {:.2g} standard errors rms, {:.2g} at most\n"
-                     "           largest change of a form factor {:.1e} ({} to {})\n",
-                     measureClosure(closed.form_factors).largest_error, counted(closed.steps, "step"), closed.rms_change, closed.largest_change,
-                     closed.largest_form_factor_change, names[closed.from], names[closed.to]);
+  return fmt::format(
+      "closed     row sums differ from 1 by at most {:.1e} after {}; moved by {:.2g} standard errors rms, {:.2g} at "
+      "most\n"
+      "           largest change of a form factor {:.1e} ({} to {})\n",
+      measureClosure(closed.form_factors).largest_error, counted(closed.steps, "step"), closed.rms_change,
+      closed.largest_change, closed.largest_form_factor_change, names[closed.from], names[closed.to]);
 }
 
 std::string asJson(const std::string& scene, const Result& estimate) {
@@ -197,32 +238,48 @@ std::string asJson(const std::string& scene, const Result& estimate) {
   const std::optional<Work>& work = estimate.work;
   const StandardErrors errors = measureStandardErrors(f, 0);
   std::string text = fmt::format(
-      "{{\n  \"scene\": \"{}\",\n  \"device\": \"{}\",\n  \"ids\": {},\n  \"replicates\": {},\n  \"directions\": {},\n  \"seconds\": {:.6g},\n"
+      "{{\n  \"scene\": \"{}\",\n  \"device\": \"{}\",\n  \"ids\": {},\n  \"replicates\": {},\n  \"directions\": {},\n "
+      " \"seconds\": {:.6g},\n"
       "  \"largest_standard_error\": {:.6g},\n  \"rms_standard_error\": {:.6g},\n  \"nonzero_form_factors\": {}",
-      escapeJson(scene), escapeJson(estimate.plan.device), f.ids().count(), estimate.replicates, estimate.directions, estimate.seconds, estimate.largest_standard_error,
-      errors.rms, errors.count);
-  if (estimate.unmet_pairs) text += fmt::format(",\n  \"unmet\": {{\"pairs\": {}, \"largest_standard_error\": {:.6g}}}", estimate.unmet_pairs, estimate.largest_unmet_error);
-  if (estimate.unseen_pairs) text += fmt::format(",\n  \"unseen\": {{\"pairs\": {}, \"largest_standard_error\": {:.6g}}}", estimate.unseen_pairs, estimate.largest_unseen_error);
-  if (estimate.directed_pairs) text += fmt::format(",\n  \"directed\": {{\"pairs\": {}, \"directions\": {}}}", estimate.directed_pairs, estimate.directed_directions);
-  if (const auto& g = estimate.guarantee) text += fmt::format(",\n  \"guarantee\": {{\"epsilon\": {}, \"delta\": {}, \"bound\": {:.6g}}}", g->epsilon, g->delta, g->bound);
+      escapeJson(scene), escapeJson(estimate.plan.device), f.ids().count(), estimate.replicates, estimate.directions,
+      estimate.seconds, estimate.largest_standard_error, errors.rms, errors.count);
+  if (estimate.unmet_pairs)
+    text += fmt::format(",\n  \"unmet\": {{\"pairs\": {}, \"largest_standard_error\": {:.6g}}}", estimate.unmet_pairs,
+                        estimate.largest_unmet_error);
+  if (estimate.unseen_pairs)
+    text += fmt::format(",\n  \"unseen\": {{\"pairs\": {}, \"largest_standard_error\": {:.6g}}}", estimate.unseen_pairs,
+                        estimate.largest_unseen_error);
+  if (estimate.directed_pairs)
+    text += fmt::format(",\n  \"directed\": {{\"pairs\": {}, \"directions\": {}}}", estimate.directed_pairs,
+                        estimate.directed_directions);
+  if (const auto& g = estimate.guarantee)
+    text += fmt::format(",\n  \"guarantee\": {{\"epsilon\": {}, \"delta\": {}, \"bound\": {:.6g}}}", g->epsilon,
+                        g->delta, g->bound);
   if (f.ids().rows_sum_to_one) {
     const Closure closure = measureClosure(f);
-    text += fmt::format(",\n  \"closure\": {{\"largest\": {:.6g}, \"standard_error\": {:.6g}, \"rms\": {:.6g}, \"row\": \"{}\"}},\n  \"environment_share\": {:.6g},\n  \"leak_share\": {:.6g}",
-                        closure.largest_error, closure.standard_error, closure.rms_error, escapeJson(closure.row), estimate.environment_share, estimate.leak_share);
+    text += fmt::format(
+        ",\n  \"closure\": {{\"largest\": {:.6g}, \"standard_error\": {:.6g}, \"rms\": {:.6g}, \"row\": \"{}\"}},\n  "
+        "\"environment_share\": {:.6g},\n  \"leak_share\": {:.6g}",
+        closure.largest_error, closure.standard_error, closure.rms_error, escapeJson(closure.row),
+        estimate.environment_share, estimate.leak_share);
   }
   if (closed) {
     const std::vector<std::string>& names = closed->form_factors.ids().names;
-    text += fmt::format(",\n  \"closed\": {{\"largest\": {:.6g}, \"steps\": {}, \"rms_change\": {:.6g}, \"largest_change\": {:.6g}, "
-                        "\"largest_form_factor_change\": {:.6g}, \"from\": \"{}\", \"to\": \"{}\"}}",
-                        measureClosure(closed->form_factors).largest_error, closed->steps, closed->rms_change, closed->largest_change,
-                        closed->largest_form_factor_change, escapeJson(names[closed->from]), escapeJson(names[closed->to]));
+    text += fmt::format(
+        ",\n  \"closed\": {{\"largest\": {:.6g}, \"steps\": {}, \"rms_change\": {:.6g}, \"largest_change\": {:.6g}, "
+        "\"largest_form_factor_change\": {:.6g}, \"from\": \"{}\", \"to\": \"{}\"}}",
+        measureClosure(closed->form_factors).largest_error, closed->steps, closed->rms_change, closed->largest_change,
+        closed->largest_form_factor_change, escapeJson(names[closed->from]), escapeJson(names[closed->to]));
   }
   if (work) {
     text += fmt::format(
-        ",\n  \"work\": {{\"directions\": {}, \"lattice_points\": {}, \"tiles\": {}, \"active_tiles\": {}, \"list_entries\": {}, \"rows\": {}, \"spans\": {}, "
-        "\"samples\": {}, \"rounds\": {}, \"tests\": {}, \"layers\": {}, \"gaps\": {}, \"repeats\": {}, \"resumed\": {}, \"bytes\": {}, \"pass_seconds\": {{",
-        work->directions, work->lattice_points, work->tiles, work->active_tiles, work->list_entries, work->rows, work->spans, work->samples, work->rounds,
-        work->tests, work->fragments, work->gaps, work->repeats, work->resumed, work->memory_bytes);
+        ",\n  \"work\": {{\"directions\": {}, \"lattice_points\": {}, \"tiles\": {}, \"active_tiles\": {}, "
+        "\"list_entries\": {}, \"rows\": {}, \"spans\": {}, "
+        "\"samples\": {}, \"rounds\": {}, \"tests\": {}, \"layers\": {}, \"gaps\": {}, \"repeats\": {}, \"resumed\": "
+        "{}, \"bytes\": {}, \"pass_seconds\": {{",
+        work->directions, work->lattice_points, work->tiles, work->active_tiles, work->list_entries, work->rows,
+        work->spans, work->samples, work->rounds, work->tests, work->fragments, work->gaps, work->repeats,
+        work->resumed, work->memory_bytes);
     for (size_t k = 0; k < work->pass_seconds.size(); ++k)
       text += fmt::format("{}\"{}\": {:.6g}", k ? ", " : "", work->pass_seconds[k].first, work->pass_seconds[k].second);
     text += "}}";

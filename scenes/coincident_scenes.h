@@ -10,14 +10,19 @@
 namespace viewpeel::test_scenes {
 
 // Two faces back to back about the parallelogram: `gap` apart, the first turned to a x b.
-inline void addSheet(InputScene& scene, const std::string& name, glm::dvec3 origin, glm::dvec3 a, glm::dvec3 b, double gap) {
+inline void addSheet(InputScene& scene, const std::string& name, glm::dvec3 origin, glm::dvec3 a, glm::dvec3 b,
+                     double gap) {
   const glm::dvec3 half = glm::normalize(glm::cross(a, b)) * (gap / 2);
   addFace(scene, name + "+", parallelogram(origin + half, a, b));
   addFace(scene, name + "-", parallelogram(origin - half, b, a));
 }
 
-inline void addSolid(InputScene& scene, const std::string& name, glm::dvec3 low, glm::dvec3 high) { addBox(scene, name, low, high, false, true); }
-inline void addRoom(InputScene& scene, const std::string& name, glm::dvec3 low, glm::dvec3 high) { addBox(scene, name, low, high, true, true); }
+inline void addSolid(InputScene& scene, const std::string& name, glm::dvec3 low, glm::dvec3 high) {
+  addBox(scene, name, low, high, false, true);
+}
+inline void addRoom(InputScene& scene, const std::string& name, glm::dvec3 low, glm::dvec3 high) {
+  addBox(scene, name, low, high, true, true);
+}
 
 struct CoincidentScene {
   std::string name;
@@ -29,59 +34,70 @@ struct CoincidentScene {
 inline std::vector<CoincidentScene> coincidentScenes() {
   const auto named = [](const char* name) { return InputScene{name, {}, {}}; };
   return {
-      {"baffle in a room", true, false, [=](double gap) {
+      {"baffle in a room", true, false,
+       [=](double gap) {
          InputScene s = named("baffle");
          addRoom(s, "room", {0, 0, 0}, {1, 1, 1});
          addSheet(s, "baffle", {0.25, 0.75, 0.25}, {0.5, 0, 0}, {0, 0, 0.5}, gap);
          return s;
        }},
-      {"two rooms with one wall", true, false, [=](double gap) {
+      {"two rooms with one wall", true, false,
+       [=](double gap) {
          InputScene s = named("rooms");
          addRoom(s, "left", {0, 0, 0}, {1 - gap / 2, 1, 1});
          addRoom(s, "right", {1 + gap / 2, 0, 0}, {2, 1, 1});
          return s;
        }},
-      {"three rooms in a row", true, false, [=](double gap) {  // only rays through ordered walls tell of the middle one
+      {"three rooms in a row", true, false,
+       [=](double gap) {  // only rays through ordered walls tell of the middle one
          InputScene s = named("row");
-         for (int k = 0; k < 3; ++k) addRoom(s, std::string("room") + "abc"[k], {k + gap / 2, 0, 0}, {k + 1 - gap / 2, 1, 1});
+         for (int k = 0; k < 3; ++k)
+           addRoom(s, std::string("room") + "abc" [k], { k + gap / 2, 0, 0 }, {k + 1 - gap / 2, 1, 1});
          return s;
        }},
-      {"panel in space", false, true, [=](double gap) {
+      {"panel in space", false, true,
+       [=](double gap) {
          InputScene s = named("panel");
          addSolid(s, "bus", {-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5});
          addSheet(s, "panel", {0.7, -0.5, 0}, {2, 0, 0}, {0, 1, 0}, gap);
          return s;
        }},
-      {"sheet alone", false, true, [=](double gap) {
+      {"sheet alone", false, true,
+       [=](double gap) {
          InputScene s = named("alone");
          addSheet(s, "sheet", {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, gap);
          return s;
        }},
-      {"box on a one-sided floor", false, false, [=](double gap) {
+      {"box on a one-sided floor", false, false,
+       [=](double gap) {
          InputScene s = named("floor");
          addFace(s, "floor", parallelogram({-2, -2, 0}, {4, 0, 0}, {0, 4, 0}));
          addSolid(s, "box", {-0.5, -0.5, gap}, {0.5, 0.5, 1});
          return s;
        }},
-      {"box on a floor plate", false, false, [=](double gap) {
+      {"box on a floor plate", false, false,
+       [=](double gap) {
          InputScene s = named("plate");
          addSheet(s, "plate", {-2, -2, -gap / 2}, {4, 0, 0}, {0, 4, 0}, gap);
          addSolid(s, "box", {-0.5, -0.5, gap}, {0.5, 0.5, 1});
          return s;
        }},
-      {"box on the floor of a room", true, false, [=](double gap) {
+      {"box on the floor of a room", true, false,
+       [=](double gap) {
          InputScene s = named("box in a room");
          addRoom(s, "room", {-2, -2, 0}, {2, 2, 3});
          addSolid(s, "box", {-0.5, -0.3, gap}, {0.5, 0.6, 1});
          return s;
        }},
-      {"box in a corner", true, false, [=](double gap) {
+      {"box in a corner", true, false,
+       [=](double gap) {
          InputScene s = named("corner");
          addRoom(s, "room", {0, 0, 0}, {2, 2, 2});
          addSolid(s, "box", {gap, gap, gap}, {0.6, 0.7, 0.8});
          return s;
        }},
-      {"stacked boxes", true, false, [=](double gap) {
+      {"stacked boxes", true, false,
+       [=](double gap) {
          InputScene s = named("stack");
          addRoom(s, "room", {-2, -2, -1}, {2, 2, 3});
          addSolid(s, "low", {-0.6, -0.6, -0.5}, {0.6, 0.6, 0.3});
@@ -89,34 +105,39 @@ inline std::vector<CoincidentScene> coincidentScenes() {
          addSolid(s, "high", {-0.4, -0.2, 0.8 + gap}, {0.9, 0.5, 1.2});
          return s;
        }},
-      {"box against a partition", true, false, [=](double gap) {  // three coincident faces
+      {"box against a partition", true, false,
+       [=](double gap) {  // three coincident faces
          InputScene s = named("partition");
          addRoom(s, "room", {0, 0, 0}, {2, 2, 2});
          addSheet(s, "partition", {1, 0.3, 0.3}, {0, 1.2, 0}, {0, 0, 1.2}, gap);
          addSolid(s, "box", {1 + 1.5 * gap, 0.6, 0.7}, {1.5, 1.1, 1.2});
          return s;
        }},
-      {"box that sticks out behind a partition", true, false, [=](double gap) {
+      {"box that sticks out behind a partition", true, false,
+       [=](double gap) {
          InputScene s = named("sticking out");
          addRoom(s, "room", {0, 0, 0}, {2, 2, 2});
          addSheet(s, "partition", {1, 0.3, 0.3}, {0, 0.8, 0}, {0, 0, 1.2}, gap);
          addSolid(s, "box", {1 + 1.5 * gap, 0.9, 0.7}, {1.5, 1.5, 1.2});
          return s;
        }},
-      {"panel on a box", false, false, [=](double gap) {  // U, D, U: the box's face, the panel's back and front
+      {"panel on a box", false, false,
+       [=](double gap) {  // U, D, U: the box's face, the panel's back and front
          InputScene s = named("radiator");
          addSolid(s, "box", {-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5});
          addSheet(s, "panel", {-0.3, -0.2, 0.5 + 1.5 * gap}, {0.5, 0, 0}, {0, 0.4, 0}, gap);
          return s;
        }},
-      {"panel on a sheet", true, true, [=](double gap) {  // either side of the sheet would do: the later in the file is taken to lie on it
+      {"panel on a sheet", true, true,
+       [=](double gap) {  // either side of the sheet would do: the later in the file is taken to lie on it
          InputScene s = named("panel on a sheet");
          addRoom(s, "room", {0, 0, 0}, {1, 1, 1});
          addSheet(s, "sheet", {0.2, 0.2, 0.5}, {0.6, 0, 0}, {0, 0.6, 0}, gap);
          addSheet(s, "panel", {0.4, 0.3, 0.5 + 2 * gap}, {0.2, 0, 0}, {0, 0.3, 0}, gap);
          return s;
        }},
-      {"pane in a hole", true, false, [=](double gap) {
+      {"pane in a hole", true, false,
+       [=](double gap) {
          InputScene s = named("pane");
          addRoom(s, "room", {0, 0, 0}, {2, 1, 1});
          addSheet(s, "low", {1, 0, 0}, {0, 1, 0}, {0, 0, 0.3}, gap);
@@ -126,7 +147,8 @@ inline std::vector<CoincidentScene> coincidentScenes() {
          addSheet(s, "pane", {1, 0.3, 0.3}, {0, 0.4, 0}, {0, 0, 0.4}, gap);
          return s;
        }},
-      {"boxes side by side", true, false, [=](double gap) {
+      {"boxes side by side", true, false,
+       [=](double gap) {
          InputScene s = named("side by side");
          addRoom(s, "room", {-2, -2, -1}, {2, 2, 3});
          addSolid(s, "a", {-1, -0.5, 0}, {-gap / 2, 0.5, 1});
@@ -151,7 +173,8 @@ inline InputScene turnedAndMoved(InputScene scene) {
 inline InputScene roundedToSingle(InputScene scene) {
   for (InputFace& face : scene.faces)
     for (glm::dvec3& corner : face.corners)
-      for (int axis = 0; axis < 3; ++axis) corner[axis] = double(float(corner[axis]));  // GCC 12 at -O3 leaves dvec3(vec3()) out
+      for (int axis = 0; axis < 3; ++axis)
+        corner[axis] = double(float(corner[axis]));  // GCC 12 at -O3 leaves dvec3(vec3()) out
   return scene;
 }
 

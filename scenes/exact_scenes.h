@@ -26,14 +26,14 @@ Scene turn(const Scene& scene, const glm::dmat3& rotation);
 // The scene with the polygon's corners in reverse: its front is its back.
 Scene flip(const Scene& scene, uint32_t polygon_index);
 
-Scene makeRoom();              // the inside of a cube
-Scene makeCubeInCube();        // a solid cube within it
-Scene makeTwoPlates();         // parallel squares of different size
-Scene makeStaircase();         // steps of different width in a room: T-junctions
-Scene makeStack();             // three boxes that touch, in a room: zero gaps
-Scene makeTiles();             // coplanar neighbours, regular and shifted, under a plate
-Scene makeDuplicates();        // coincident polygons, equally and oppositely facing
-Scene makeCreases();           // several polygons on one edge, folded over each other
+Scene makeRoom();                                        // the inside of a cube
+Scene makeCubeInCube();                                  // a solid cube within it
+Scene makeTwoPlates();                                   // parallel squares of different size
+Scene makeStaircase();                                   // steps of different width in a room: T-junctions
+Scene makeStack();                                       // three boxes that touch, in a room: zero gaps
+Scene makeTiles();                                       // coplanar neighbours, regular and shifted, under a plate
+Scene makeDuplicates();                                  // coincident polygons, equally and oppositely facing
+Scene makeCreases();                                     // several polygons on one edge, folded over each other
 Scene makeSoup(uint32_t triangle_count, uint32_t seed);  // random triangles in disjoint balls
 // A room with desks of five boxes each on a grid, cut so that every quad of a box or a wall is subdivided.
 Scene makeOffice(uint32_t desks_per_side, uint32_t subdivision);

@@ -31,16 +31,21 @@ uint32_t addSurface(InputScene& scene, const std::string& name) {
   return static_cast<uint32_t>(scene.surface_names.size() - 1);
 }
 
-// A parallelogram from `origin` cut into rows x columns quads; a x b points along the front. Corners are computed alike on both sides of a cut.
-void addGrid(InputScene& scene, uint32_t surface, glm::dvec3 origin, glm::dvec3 a, glm::dvec3 b, uint32_t columns, uint32_t rows) {
-  const auto corner = [&](uint32_t x, uint32_t y) { return origin + a * (double(x) / columns) + b * (double(y) / rows); };
+// A parallelogram from `origin` cut into rows x columns quads; a x b points along the front. Corners are computed alike
+// on both sides of a cut.
+void addGrid(InputScene& scene, uint32_t surface, glm::dvec3 origin, glm::dvec3 a, glm::dvec3 b, uint32_t columns,
+             uint32_t rows) {
+  const auto corner = [&](uint32_t x, uint32_t y) {
+    return origin + a * (double(x) / columns) + b * (double(y) / rows);
+  };
   for (uint32_t y = 0; y < rows; ++y)
     for (uint32_t x = 0; x < columns; ++x)
       scene.faces.push_back({{corner(x, y), corner(x + 1, y), corner(x + 1, y + 1), corner(x, y + 1)}, surface, 0});
 }
 
 // The six faces of an axis-parallel box, each a surface of its own where `surfaces` is not one for all.
-void addBox(InputScene& scene, std::span<const uint32_t> surfaces, glm::dvec3 low, glm::dvec3 high, bool inward, uint32_t cuts) {
+void addBox(InputScene& scene, std::span<const uint32_t> surfaces, glm::dvec3 low, glm::dvec3 high, bool inward,
+            uint32_t cuts) {
   const glm::dvec3 size = high - low;
   for (int axis = 0; axis < 3; ++axis)
     for (int upper = 0; upper < 2; ++upper) {
@@ -82,7 +87,8 @@ void addBuilding(InputScene& scene, uint32_t streets, uint32_t number, glm::dvec
       const glm::dvec3 p = at + glm::dvec3(x * kBay, y * kBay, built ? floors * kFloor : 0);
       addQuad(built ? walls : streets, p, p + glm::dvec3(kBay, 0, 0), {0, kBay, 0});
     }
-  const glm::dvec3 corners[] = {at, at + glm::dvec3(kBuilding, 0, 0), at + glm::dvec3(kBuilding, kBuilding, 0), at + glm::dvec3(0, kBuilding, 0)};
+  const glm::dvec3 corners[] = {at, at + glm::dvec3(kBuilding, 0, 0), at + glm::dvec3(kBuilding, kBuilding, 0),
+                                at + glm::dvec3(0, kBuilding, 0)};
   for (int side = 0; side < 4; ++side) {
     const glm::dvec3 bay = (corners[(side + 1) % 4] - corners[side]) / double(kBays);
     for (uint32_t k = 0; k < floors; ++k)
@@ -100,7 +106,8 @@ InputScene roomWithBoxes(uint32_t refine) {
   InputScene scene{fmt::format("room with boxes, refined {}", refine), {}, {}};
   constexpr double kGap = 0.02;
   std::vector<uint32_t> walls;
-  for (const char* name : {"west_wall", "east_wall", "south_wall", "north_wall", "floor", "ceiling"}) walls.push_back(addSurface(scene, name));
+  for (const char* name : {"west_wall", "east_wall", "south_wall", "north_wall", "floor", "ceiling"})
+    walls.push_back(addSurface(scene, name));
   addBox(scene, walls, {0, 0, 0}, {6, 5, 3}, true, 8 * refine);
   Random random(1);
   for (uint32_t k = 0; k < 10; ++k) {  // one in each of 4 x 3 cells but two
@@ -117,8 +124,8 @@ InputScene roomWithBoxes(uint32_t refine) {
 InputScene randomTriangles(uint32_t n) {
   InputScene scene{fmt::format("{} random triangles", n), {}, {}};
   Random random(2);
-  // A line meets n x area x chord / (2 volume) of them on average: 60 on the diameter at n = 100,000. Corners lie on a sphere of radius r about
-  // the centre, which makes a mean area of pi/5 r^2.
+  // A line meets n x area x chord / (2 volume) of them on average: 60 on the diameter at n = 100,000. Corners lie on a
+  // sphere of radius r about the centre, which makes a mean area of pi/5 r^2.
   constexpr double kMeanArea = std::numbers::pi / 5, kDepth = 60;
   const double volume = 4 / 3.0 * std::numbers::pi;
   const double r = std::sqrt(kDepth * volume / (1e5 * kMeanArea)) * std::cbrt(1e5 / n);
@@ -126,7 +133,8 @@ InputScene randomTriangles(uint32_t n) {
   scene.faces.reserve(n);
   for (uint32_t k = 0; k < n; ++k) {
     const glm::dvec3 centre = std::cbrt(random.uniform()) * random.onSphere();
-    const glm::dvec3 a = centre + r * random.onSphere(), b = centre + r * random.onSphere(), c = centre + r * random.onSphere();
+    const glm::dvec3 a = centre + r * random.onSphere(), b = centre + r * random.onSphere(),
+                     c = centre + r * random.onSphere();
     scene.faces.push_back({{a, b, c}, k % kTriangleSurfaces, 0});
   }
   return scene;
@@ -151,7 +159,8 @@ InputScene spreadOfSizes() {
   InputScene scene{"spread of sizes", {}, {}};
   const auto addSquare = [&](const std::string& name, glm::dvec3 corner, double edge, bool up) {
     const glm::dvec3 a(edge, 0, 0), b(0, edge, 0);
-    scene.faces.push_back({up ? std::vector{corner, corner + a, corner + a + b, corner + b} : std::vector{corner, corner + b, corner + a + b, corner + a},
+    scene.faces.push_back({up ? std::vector{corner, corner + a, corner + a + b, corner + b}
+                              : std::vector{corner, corner + b, corner + a + b, corner + a},
                            addSurface(scene, name), 0});
   };
   addSquare("floor", {-1, -1, -1}, 14, true);
@@ -189,11 +198,14 @@ InputScene refined(const Scene& scene, uint32_t refine) {
     const bool triangle = polygon.corner_count == 3;
     const auto at = [&](uint32_t x, uint32_t y) {  // the triangle: corners[0] + x, y along its sides
       const double s = double(x) / refine, t = double(y) / refine;
-      const glm::dvec3 p = triangle ? (1 - s - t) * corners[0] + s * corners[1] + t * corners[2]
-                                    : (1 - t) * ((1 - s) * corners[0] + s * corners[1]) + t * ((1 - s) * corners[3] + s * corners[2]);
+      const glm::dvec3 p =
+          triangle ? (1 - s - t) * corners[0] + s * corners[1] + t * corners[2]
+                   : (1 - t) * ((1 - s) * corners[0] + s * corners[1]) + t * ((1 - s) * corners[3] + s * corners[2]);
       return scene.centre + scene.scale * p;
     };
-    const auto add = [&](std::vector<glm::dvec3> cut) { result.faces.push_back({std::move(cut), scene.faces[polygon.face].surface, 0}); };
+    const auto add = [&](std::vector<glm::dvec3> cut) {
+      result.faces.push_back({std::move(cut), scene.faces[polygon.face].surface, 0});
+    };
     for (uint32_t y = 0; y < refine; ++y)
       for (uint32_t x = 0; x + (triangle ? y : 0) < refine; ++x) {
         if (!triangle) {

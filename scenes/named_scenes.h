@@ -18,10 +18,13 @@ inline void addFace(InputScene& scene, const std::string& surface, const Corners
 }
 
 // A parallelogram from `origin`, counter-clockwise a then b.
-inline Corners parallelogram(glm::dvec3 origin, glm::dvec3 a, glm::dvec3 b) { return {origin, origin + a, origin + a + b, origin + b}; }
+inline Corners parallelogram(glm::dvec3 origin, glm::dvec3 a, glm::dvec3 b) {
+  return {origin, origin + a, origin + a + b, origin + b};
+}
 
 // The six faces of an axis-parallel box, fronts inward or outward: -x, +x, -y, +y, -z, +z.
-inline void addBox(InputScene& scene, const std::string& surface, glm::dvec3 low, glm::dvec3 high, bool inward, bool face_names = false) {
+inline void addBox(InputScene& scene, const std::string& surface, glm::dvec3 low, glm::dvec3 high, bool inward,
+                   bool face_names = false) {
   const glm::dvec3 size = high - low;
   for (int axis = 0; axis < 3; ++axis)
     for (int upper = 0; upper < 2; ++upper) {
@@ -42,7 +45,8 @@ inline InputScene parallelSquares() {
   return scene;
 }
 
-// Two squares in cuts x cuts parts each, of the edge given, that face each other at `height`: a part of the lower one, then the part above it.
+// Two squares in cuts x cuts parts each, of the edge given, that face each other at `height`: a part of the lower one,
+// then the part above it.
 inline InputScene squaresInParts(uint32_t cuts, double edge, double height) {
   InputScene scene{"two squares in parts", {"low", "high"}, {}};
   for (uint32_t k = 0; k < cuts * cuts; ++k) {
@@ -104,7 +108,8 @@ inline InputScene stackOfSheets(const std::vector<double>& heights) {
   return scene;
 }
 
-// A closed room of patches with boxes in it that touch its floor and each other: T-junctions, coplanar and touching polygons.
+// A closed room of patches with boxes in it that touch its floor and each other: T-junctions, coplanar and touching
+// polygons.
 inline InputScene roomWithTouchingBoxes() {
   InputScene scene{"room with touching boxes", {}, {}};
   for (int x = 0; x < 4; ++x)
@@ -120,7 +125,8 @@ inline InputScene roomWithTouchingBoxes() {
   return scene;
 }
 
-// Triangles of random size and direction in a ball; fronts at random. They may cross: for tests that compare two engines.
+// Triangles of random size and direction in a ball; fronts at random. They may cross: for tests that compare two
+// engines.
 inline InputScene triangleSoup(int count, double size, uint64_t seed) {
   InputScene scene{"triangle soup, seed " + std::to_string(seed), {}, {}};
   std::mt19937_64 random(seed);

@@ -44,9 +44,11 @@ class Random {
 ts::Corners polygonIn(glm::dvec3 centre, double radius, uint32_t corner_count, double aspect, Random& random) {
   const glm::dmat3 frame = random.rotation();
   std::vector<double> angles_rad;
-  for (uint32_t k = 0; k < corner_count; ++k) angles_rad.push_back((k + random.uniform(0.05, 0.95)) * 2 * std::numbers::pi / corner_count);
+  for (uint32_t k = 0; k < corner_count; ++k)
+    angles_rad.push_back((k + random.uniform(0.05, 0.95)) * 2 * std::numbers::pi / corner_count);
   ts::Corners corners;
-  for (double a : angles_rad) corners.push_back(centre + radius * (std::cos(a) * frame[0] + std::sin(a) / aspect * frame[1]));
+  for (double a : angles_rad)
+    corners.push_back(centre + radius * (std::cos(a) * frame[0] + std::sin(a) / aspect * frame[1]));
   return corners;
 }
 
@@ -58,16 +60,23 @@ InputScene makeSoup(Random& random, bool slivers) {
   };
   std::vector<Ball> balls;
   for (int tries = 0; tries < 400 && balls.size() < 40; ++tries) {
-    const Ball ball{{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)}, 0.7 * std::pow(10, random.uniform(-3, 0))};
-    if (std::any_of(balls.begin(), balls.end(), [&](const Ball& other) { return glm::distance(ball.centre, other.centre) < ball.radius + other.radius; })) continue;
+    const Ball ball{{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)},
+                    0.7 * std::pow(10, random.uniform(-3, 0))};
+    if (std::any_of(balls.begin(), balls.end(), [&](const Ball& other) {
+          return glm::distance(ball.centre, other.centre) < ball.radius + other.radius;
+        }))
+      continue;
     balls.push_back(ball);
     const uint32_t corner_count = random.below(6) == 0 ? 3 + random.below(62) : 3 + random.below(4);
-    ts::addFace(scene, fmt::format("p{}", balls.size()), polygonIn(ball.centre, ball.radius, corner_count, slivers ? std::pow(10, random.uniform(0, 6)) : 1, random));
+    ts::addFace(
+        scene, fmt::format("p{}", balls.size()),
+        polygonIn(ball.centre, ball.radius, corner_count, slivers ? std::pow(10, random.uniform(0, 6)) : 1, random));
   }
   return scene;
 }
 
-// Boxes with corners in multiples of 1/8 in the cells of a 3 x 3 x 3 grid: many reach the sides of their cell and touch what is there.
+// Boxes with corners in multiples of 1/8 in the cells of a 3 x 3 x 3 grid: many reach the sides of their cell and touch
+// what is there.
 InputScene makeBoxes(Random& random) {
   InputScene scene{"boxes", {}, {}};
   ts::addBox(scene, "room", glm::dvec3(0), glm::dvec3(3), true);
@@ -94,7 +103,8 @@ InputScene makeSheets(Random& random) {
   InputScene scene{"sheets", {}, {}};
   double z = 0;
   for (int k = 0; k < 12; ++k) {
-    ts::addFace(scene, fmt::format("s{}", k), square(random.uniform(0, 0.3), random.uniform(0, 0.3), random.uniform(0.5, 1), z, random.flip()));
+    ts::addFace(scene, fmt::format("s{}", k),
+                square(random.uniform(0, 0.3), random.uniform(0, 0.3), random.uniform(0.5, 1), z, random.flip()));
     z += 0.7 * std::pow(10, random.uniform(-7, 0));
   }
   return scene;
@@ -105,7 +115,8 @@ InputScene makeDoubles(Random& random) {
   for (int level = 0; level < 3; ++level)
     for (int k = 0; k < 5; ++k) {
       const double x = random.below(4) / 4.0, y = random.below(4) / 4.0, edge = (1 + random.below(3)) / 2.0;
-      for (uint32_t copies = 1 + random.below(2); copies > 0; --copies) ts::addFace(scene, fmt::format("d{}_{}", level, k), square(x, y, edge, level * 0.4, random.flip()));
+      for (uint32_t copies = 1 + random.below(2); copies > 0; --copies)
+        ts::addFace(scene, fmt::format("d{}_{}", level, k), square(x, y, edge, level * 0.4, random.flip()));
     }
   return scene;
 }
@@ -145,15 +156,20 @@ const char* nameOf(Kind kind) {
 InputScene makeScene(Kind kind, uint64_t seed) {
   Random random(seed * std::size(kKinds) + static_cast<uint64_t>(kind));
   switch (kind) {
-    case Kind::soup: return makeSoup(random, false);
-    case Kind::slivers: return makeSoup(random, true);
-    case Kind::boxes: return makeBoxes(random);
+    case Kind::soup:
+      return makeSoup(random, false);
+    case Kind::slivers:
+      return makeSoup(random, true);
+    case Kind::boxes:
+      return makeBoxes(random);
     case Kind::turned: {
       const InputScene scene = makeBoxes(random);
       return ts::transformed(scene, random.rotation(), 1, 3e4 * random.onSphere());
     }
-    case Kind::sheets: return makeSheets(random);
-    case Kind::doubles: return makeDoubles(random);
+    case Kind::sheets:
+      return makeSheets(random);
+    case Kind::doubles:
+      return makeDoubles(random);
   }
   return {};
 }
@@ -180,15 +196,19 @@ Tally judge(const Device& device, Kind kind, uint64_t seed, bool shrunk) {
   const std::vector<glm::dvec3> directions = hardDirections(scene, random);
   const auto compute = makeComputeEngine(device, scene, ids, {.resolution = kResolution});
   // It refuses three coincident polygons and more.
-  const bool is_drawable =
-      std::ranges::all_of(scene.polygons, [](const Polygon& polygon) { return polygon.tie_rank == kContactRank || polygon.tie_rank == kSheetRank; });
+  const bool is_drawable = std::ranges::all_of(scene.polygons, [](const Polygon& polygon) {
+    return polygon.tie_rank == kContactRank || polygon.tie_rank == kSheetRank;
+  });
   const auto graphics = is_drawable ? makeGraphicsEngine(device, scene, ids, {.resolution = kResolution}) : nullptr;
-  const LatticeOptions scanlines{.resolution = kResolution, .sampling = Sampling::scanline, .count_blocked = true, .thread_count = 1};
+  const LatticeOptions scanlines{
+      .resolution = kResolution, .sampling = Sampling::scanline, .count_blocked = true, .thread_count = 1};
   const auto host = makeHostEngine(scene, ids, {.resolution = kResolution, .thread_count = 1});
-  const auto compute_scanlines = makeComputeEngine(device, scene, ids, scanlines), host_scanlines = makeHostEngine(scene, ids, scanlines);
+  const auto compute_scanlines = makeComputeEngine(device, scene, ids, scanlines),
+             host_scanlines = makeHostEngine(scene, ids, scanlines);
   Scene judged = scene;
   if (shrunk) {
-    const Polygon& largest = *std::max_element(scene.polygons.begin(), scene.polygons.end(), [](const Polygon& a, const Polygon& b) { return a.area < b.area; });
+    const Polygon& largest = *std::max_element(scene.polygons.begin(), scene.polygons.end(),
+                                               [](const Polygon& a, const Polygon& b) { return a.area < b.area; });
     glm::dvec3* corners = &judged.corners[largest.first_corner];
     for (uint32_t k = 1; k < largest.corner_count; ++k) corners[k] = (corners[0] + corners[k]) / 2.0;
   }
@@ -222,14 +242,18 @@ Tally judge(const Device& device, Kind kind, uint64_t seed, bool shrunk) {
       }
       const double variance = h * h * region.area + 4 * reference::kLatticeVariance * h * h * h * region.perimeter;
       const bool is_thin = 4 * region.area < h * region.perimeter;
-      const double range = h * h + (is_thin ? h * region.perimeter / 2 : 0), log = std::log(2 / kFalseAlarmRate) / kLattices;
-      const double allowed = log * range / 3 + std::sqrt(log * log * range * range / 9 + 2 * log * variance) + 0x1p-24 * region.perimeter;
+      const double range = h * h + (is_thin ? h * region.perimeter / 2 : 0),
+                   log = std::log(2 / kFalseAlarmRate) / kLattices;
+      const double allowed =
+          log * range / 3 + std::sqrt(log * log * range * range / 9 + 2 * log * variance) + 0x1p-24 * region.perimeter;
       const double off = std::abs(double(count) * h * h / kLattices - region.area);
       ++tally.regions;
       if (off / allowed < tally.worst) continue;
       tally.worst = off / allowed;
-      tally.worst_case = fmt::format("{} seed {} direction {} = ({}, {}, {}), pair {} {}: {} points of {} lattices, area {}, perimeter {}", nameOf(kind), seed, d, directions[d].x,
-                                     directions[d].y, directions[d].z, pair.first, pair.second, count, kLattices, region.area, region.perimeter);
+      tally.worst_case = fmt::format(
+          "{} seed {} direction {} = ({}, {}, {}), pair {} {}: {} points of {} lattices, area {}, perimeter {}",
+          nameOf(kind), seed, d, directions[d].x, directions[d].y, directions[d].z, pair.first, pair.second, count,
+          kLattices, region.area, region.perimeter);
     }
   }
   return tally;

@@ -1,4 +1,5 @@
-// Random scenes that are hard on a rasteriser, counted by both engines and judged by exact areas. Shared by a quick test and bench/stress.
+// Random scenes that are hard on a rasteriser, counted by both engines and judged by exact areas. Shared by a quick
+// test and bench/stress.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -14,7 +15,8 @@ namespace viewpeel::stress {
 enum class Kind {
   soup,     // convex polygons of 3 to 64 corners and sizes from 1 to 1e-3 in disjoint balls
   slivers,  // the same with aspects up to 1e6
-  boxes,    // a closed room with boxes that touch its walls and one another: T-junctions, shared edges, coplanar neighbours
+  boxes,    // a closed room with boxes that touch its walls and one another: T-junctions, shared edges, coplanar
+            // neighbours
   turned,   // the same turned at random, so that every corner is rounded, and moved by 1e4 of its size
   sheets,   // parallel squares one above another at gaps of 1 to 1e-7 of their size, facing either way
   doubles,  // coincident squares facing alike and oppositely, parts of them, and coplanar neighbours
@@ -34,11 +36,14 @@ struct Tally {
   void add(const Tally& other);
 };
 
-// Counts one scene along some directions - random ones, axes and diagonals, along edges, and almost in the plane of a polygon - on 32 random lattices each, and compares
-// the area of every pair, environment and leak with the exact one. shrunk: the exact one of the scene with its largest polygon half as wide, which has to be noticed.
-//   Method: counts have the exact area A as mean. Their variance is taken to be at most V = h^2 A + 4 kLatticeVariance h^3 P for a perimeter P: that of as many independent
-//   points, and four times what a boundary gives a lattice. Bernstein's inequality then gives what a mean may be off by but for kFalseAlarmRate, points being independent, or
-//   where a region is thinner than half a spacing, rows of P / (2h) points. Corners are snapped to 2^-24, which may add 2^-24 P.
+// Counts one scene along some directions - random ones, axes and diagonals, along edges, and almost in the plane of a
+// polygon - on 32 random lattices each, and compares the area of every pair, environment and leak with the exact one.
+// shrunk: the exact one of the scene with its largest polygon half as wide, which has to be noticed.
+//   Method: counts have the exact area A as mean. Their variance is taken to be at most V = h^2 A + 4 kLatticeVariance
+//   h^3 P for a perimeter P: that of as many independent points, and four times what a boundary gives a lattice.
+//   Bernstein's inequality then gives what a mean may be off by but for kFalseAlarmRate, points being independent, or
+//   where a region is thinner than half a spacing, rows of P / (2h) points. Corners are snapped to 2^-24, which may add
+//   2^-24 P.
 Tally judge(const Device& device, Kind kind, uint64_t seed, bool shrunk = false);
 
 constexpr double kFalseAlarmRate = 1e-12;  // of one region; some million are compared

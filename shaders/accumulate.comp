@@ -1,7 +1,7 @@
 #version 460
-// One invocation takes one lattice point, applies the facing rules to the gap between its layers k-1 and k and adds one to the
-// counter of what the gap contributes. Where layer k has a polygon it asks for layer k+1. Where blocked pairs are counted it adds one for
-// every layer before k that layer k faces.
+// One invocation takes one lattice point, applies the facing rules to the gap between its layers k-1 and k and adds one
+// to the counter of what the gap contributes. Where layer k has a polygon it asks for layer k+1. Where blocked pairs
+// are counted it adds one for every layer before k that layer k faces.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_shader_atomic_int64 : require
 #define SHARED_FUNCTION
@@ -28,7 +28,8 @@ void main() {
   Layer lower = Layers(args.lower).at[at];
   Layer upper = Layers(args.upper).at[at];
   if (upper.polygon != 0u) {
-    uint block = 8u * blockAlong(in_cell / args.cell_size, args.cell_size) + blockAlong(in_cell % args.cell_size, args.cell_size);
+    uint block = 8u * blockAlong(in_cell / args.cell_size, args.cell_size) +
+                 blockAlong(in_cell % args.cell_size, args.cell_size);
     uint word = 2u * direction_index + block / 32u, bit = 1u << (block % 32u);
     if ((Words(args.next_alive).at[word] & bit) == 0u) atomicOr(Words(args.next_alive).at[word], bit);
     Commands next = Commands(args.next_commands);
@@ -42,7 +43,8 @@ void main() {
     for (uint k = 0u; k < args.layer; ++k) {
       Layer before = Layers(Longs(args.layers).at[k]).at[at];
       if (classifyGap(sideOf(before, true), upper_side) != kGapFacingPair) continue;
-      uint id = polygons.at[layerPolygonOf(before.polygon) - 1u].id & kIdMask, upper_id = polygons.at[layerPolygonOf(upper.polygon) - 1u].id & kIdMask;
+      uint id = polygons.at[layerPolygonOf(before.polygon) - 1u].id & kIdMask,
+           upper_id = polygons.at[layerPolygonOf(upper.polygon) - 1u].id & kIdMask;
       addCount(counters, kFacingOrBlocked, pairOf(kGapFacingPair, id, upper_id), 1ul);
     }
   uint gap = classifyGap(sideOf(lower, true), upper_side);

@@ -1,6 +1,7 @@
 #version 460
-// One invocation gives one tile its list and, when it has any polygon or fragment, its place among the active tiles: with scanlines a place for as many rows as peel takes at once.
-// Of wide rows one workgroup takes the tiles in the span of its emitters.
+// One invocation gives one tile its list and, when it has any polygon or fragment, its place among the active tiles:
+// with scanlines a place for as many rows as peel takes at once. Of wide rows one workgroup takes the tiles in the span
+// of its emitters.
 //   In: tile_counts, emitter_spans, fragment_counts   Out: tile_starts, active_tiles, status
 #extension GL_GOOGLE_include_directive : require
 #define SHARED_FUNCTION
@@ -21,7 +22,8 @@ void allocate(uint tile) {
   const uint points = kTileWidth * kTileRows;
   uint most_fragments = 0u;
   if (kFragments) {
-    for (uint k = 0u; k < points; ++k) most_fragments = max(most_fragments, Words(args.fragment_counts).at[tile * points + k]);
+    for (uint k = 0u; k < points; ++k)
+      most_fragments = max(most_fragments, Words(args.fragment_counts).at[tile * points + k]);
     if (most_fragments > args.fragment_capacity) {
       atomicMax(status.at.most_fragments, most_fragments);
       atomicOr(status.at.active_tiles, kListsOverflowed);
@@ -35,7 +37,8 @@ void allocate(uint tile) {
     return;
   }
   const uint rows = kScanlines ? rowsAtOnce(count, kTileRows) : kTileRows, parts = kTileRows / rows;
-  uint place = atomicAdd(status.at.active_tiles, parts) & ~(kListsOverflowed | kListsUncountable), groups = place + parts;
+  uint place = atomicAdd(status.at.active_tiles, parts) & ~(kListsOverflowed | kListsUncountable),
+       groups = place + parts;
   atomicMax(status.at.peel_groups.x, min(groups, kGroupsPerRow));
   atomicMax(status.at.peel_groups.y, (groups - 1u) / kGroupsPerRow + 1u);
   uint tiles_per_direction = args.tiles_wide * args.tiles_high;

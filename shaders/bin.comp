@@ -1,8 +1,8 @@
 #version 460
-// One invocation takes one listed polygon in one direction, and some rows of tiles, and finds the tiles that it can cover samples of:
-// to note its roles there, to count the polygons of tiles, or, when lists have been allocated, to enter itself.
-// Where only some polygons count, nothing outside a row's span of tiles with emitters is looked at: long thin emitters
-// leave most of a fine window empty.
+// One invocation takes one listed polygon in one direction, and some rows of tiles, and finds the tiles that it can
+// cover samples of: to note its roles there, to count the polygons of tiles, or, when lists have been allocated, to
+// enter itself. Where only some polygons count, nothing outside a row's span of tiles with emitters is looked at: long
+// thin emitters leave most of a fine window empty.
 //   In: listed, projected, corners
 //   Out, by mode: tile_roles, emitter_spans; tile_counts; lists (tile_counts is counted down to 0)
 #extension GL_GOOGLE_include_directive : require
@@ -55,10 +55,11 @@ void main() {
     int64_t columns = int64_t(kTileWidth) << kColumnBits, rows = int64_t(kTileRows);
     per_column[k] = a * columns;
     per_row[k] = b * rows;
-    most[k] = a * (int64_t(grid.x) << kColumnBits) + b * int64_t(grid.y) + edge.c + max(a, int64_t(0)) * (columns - int64_t(1)) +
-              max(b, int64_t(0)) * (rows - int64_t(1));
+    most[k] = a * (int64_t(grid.x) << kColumnBits) + b * int64_t(grid.y) + edge.c +
+              max(a, int64_t(0)) * (columns - int64_t(1)) + max(b, int64_t(0)) * (rows - int64_t(1));
   }
-  uvec4 depth_01 = texelFetch(projected_texels, int(projected_at + 1u)), depth_2 = texelFetch(projected_texels, int(projected_at + 2u));
+  uvec4 depth_01 = texelFetch(projected_texels, int(projected_at + 1u)),
+        depth_2 = texelFetch(projected_texels, int(projected_at + 2u));
   int64_t depth_x = depthXOf(longFrom(depth_01.zw));
   ivec2 tile_size = ivec2(kTileWidth, kTileRows);
   ivec2 first = (box.xy - grid) / tile_size, last = (box.zw - grid) / tile_size;
@@ -76,7 +77,8 @@ void main() {
       span = clipSpan(span, most[k] + per_row[k] * int64_t(y), per_column[k]);
     for (int x = span.x; x <= span.y; ++x) {
       int64_t least_of_most = int64_t(0);
-      for (uint k = 0u; k < 4u; ++k) least_of_most = min(least_of_most, most[k] + per_column[k] * int64_t(x) + per_row[k] * int64_t(y));
+      for (uint k = 0u; k < 4u; ++k)
+        least_of_most = min(least_of_most, most[k] + per_column[k] * int64_t(x) + per_row[k] * int64_t(y));
       if (least_of_most < int64_t(0)) continue;
       uint tile = row * args.tiles_wide + uint(x);
       if (finds_roles) {
@@ -97,7 +99,8 @@ void main() {
         int64_t depth = longFrom(depth_01.xy) + depth_x * int64_t(corner.x) + longFrom(depth_2.xy) * int64_t(corner.y);
         ListEntry entry;
         entry.polygon = polygon_index;
-        entry.nearest_depth = nearestDepth(depth, depth_x, longFrom(depth_2.xy), depthShiftOf(depth_01.z), ivec2(int(depth_2.z), depthMaxOf(depth_2.w)), tile_size);
+        entry.nearest_depth = nearestDepth(depth, depth_x, longFrom(depth_2.xy), depthShiftOf(depth_01.z),
+                                           ivec2(int(depth_2.z), depthMaxOf(depth_2.w)), tile_size);
         ListEntries(args.lists).at[at] = entry;
       }
     }

@@ -5,8 +5,8 @@
 #include "facing.h"
 #include "shared.h"
 
-// Shaders copy their push constants first thing in main, from `pushed` to `args`: once some invocations may have returned, llvmpipe reads each of them for every
-// invocation by itself, every time it is named.
+// Shaders copy their push constants first thing in main, from `pushed` to `args`: once some invocations may have
+// returned, llvmpipe reads each of them for every invocation by itself, every time it is named.
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Directions { DirectionData at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Polygons { PolygonData at[]; };
@@ -25,7 +25,9 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Meetings { M
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer UnfinishedTiles { UnfinishedTile at[]; };
 
 // See ProjectedPolygon.
-int64_t packDepthX(int64_t depth_x, int shift, bool front_up) { return depth_x << 6 | int64_t(shift << 1 | (front_up ? 1 : 0)); }
+int64_t packDepthX(int64_t depth_x, int shift, bool front_up) {
+  return depth_x << 6 | int64_t(shift << 1 | (front_up ? 1 : 0));
+}
 int64_t depthXOf(int64_t packed) { return packed >> 6; }
 int depthShiftOf(uint packed_low) { return int(packed_low >> 1 & 31u); }
 uint frontUpOf(uint packed_low) { return packed_low & 1u; }

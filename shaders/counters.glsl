@@ -1,5 +1,5 @@
-// Counters of pairs of ids, 64 bits each: a dense triangle, or an open-addressing hash table of the pairs met. A pair has one, of its facing pairs, or two:
-// beside it the lines on which the two face each other, blocked or not.
+// Counters of pairs of ids, 64 bits each: a dense triangle, or an open-addressing hash table of the pairs met. A pair
+// has one, of its facing pairs, or two: beside it the lines on which the two face each other, blocked or not.
 layout(buffer_reference, scalar, buffer_reference_align = 8) coherent buffer Counter { uint64_t value; };
 
 const uint kMostProbes = 256u;
@@ -11,14 +11,16 @@ const uint kLeakColumn = 0xFFFFFFFFu;
 uvec2 pairOf(uint gap, uint lower_id, uint upper_id) {
   if (gap == kGapFacingPair) return uvec2(min(lower_id, upper_id), max(lower_id, upper_id));
   bool of_lower = gap == kGapLowerEnvironment || gap == kGapLowerLeak;
-  return uvec2(of_lower ? lower_id : upper_id, gap == kGapLowerLeak || gap == kGapUpperLeak ? kLeakColumn : kEnvironmentColumn);
+  return uvec2(of_lower ? lower_id : upper_id,
+               gap == kGapLowerLeak || gap == kGapUpperLeak ? kLeakColumn : kEnvironmentColumn);
 }
 
 const uint kFacing = 0u;
 const uint kFacingOrBlocked = 1u;
 
 struct Counters {
-  uint64_t at;      // the dense triangle, per_pair words each, or mask + 1 places of 1 + per_pair words: the one's complement of the pair (0: free), and counts
+  uint64_t at;      // the dense triangle, per_pair words each, or mask + 1 places of 1 + per_pair words: the one's
+                    // complement of the pair (0: free), and counts
   uint64_t status;  // BatchStatus
   uint id_count;
   uint mask;
@@ -35,7 +37,8 @@ void addCount(Counters counters, uint which, uvec2 pair, uint64_t weight) {
     return;
   }
   uint64_t key = ~packUint2x32(pair.yx);
-  uint at = pair.x * 0x9E3779B1u ^ pair.y * 0x85EBCA77u;  // mixed by odd multipliers, then by shifts (as in Appleby's finaliser)
+  uint at = pair.x * 0x9E3779B1u ^
+            pair.y * 0x85EBCA77u;  // mixed by odd multipliers, then by shifts (as in Appleby's finaliser)
   at ^= at >> 15;
   at *= 0x2C1B3C6Du;
   at ^= at >> 13;

@@ -1,7 +1,8 @@
 #version 460
-// One workgroup, meant to be one subgroup, takes one tile: which of its samples each polygon covers and between which depths it lies there. Polygons that cover
-// none, or whose pairs nobody asked for, are left out; of the others those whose fronts face +u come first, the others last. A meeting is some of the former
-// with all of the latter. Of two-sided polygons all come first, and meet those that come after them.
+// One workgroup, meant to be one subgroup, takes one tile: which of its samples each polygon covers and between which
+// depths it lies there. Polygons that cover none, or whose pairs nobody asked for, are left out; of the others those
+// whose fronts face +u come first, the others last. A meeting is some of the former with all of the latter. Of
+// two-sided polygons all come first, and meet those that come after them.
 //   In: active_tiles, lists, projected, corners, polygons     Out: covers, cover_polygons, meetings, status
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -62,8 +63,14 @@ void main() {
     DepthPlane plane = fetchDepthPlane(projected, corner);
     Cover cover;
     cover.samples = samplesOf(fetchCorners(projected), corner);
-    cover.nearest = nearestDepth(plane.at_corner, plane.per_column, plane.per_row, plane.shift, plane.range, ivec2(kTileWidth, kTileRows)) << kTieBits | plane.place_at_tie;
-    cover.farthest = farthestDepth(plane.at_corner, plane.per_column, plane.per_row, plane.shift, plane.range, ivec2(kTileWidth, kTileRows)) << kTieBits | plane.place_at_tie;
+    cover.nearest = nearestDepth(plane.at_corner, plane.per_column, plane.per_row, plane.shift, plane.range,
+                                 ivec2(kTileWidth, kTileRows))
+                        << kTieBits |
+                    plane.place_at_tie;
+    cover.farthest = farthestDepth(plane.at_corner, plane.per_column, plane.per_row, plane.shift, plane.range,
+                                   ivec2(kTileWidth, kTileRows))
+                         << kTieBits |
+                     plane.place_at_tie;
     bool meets = base + lane < tile.y && cover.samples != 0ul && (kAllCount || fetchId(polygon) >> kRolesShift != 0u);
     bool is_up = kTwoSided || plane.front_up;
     uint kind = meets ? is_up ? 1u : 0x10000u : 0u;

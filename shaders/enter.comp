@@ -1,6 +1,7 @@
 #version 460
-// One invocation takes one polygon along one direction. Where it can cover only few lattice points, it tries each and enters itself at those it covers:
-// for peel that is a layer which no other point of the tile has to be tested for. Other polygons are listed for the passes over tiles.
+// One invocation takes one polygon along one direction. Where it can cover only few lattice points, it tries each and
+// enters itself at those it covers: for peel that is a layer which no other point of the tile has to be tested for.
+// Other polygons are listed for the passes over tiles.
 //   In: directions, polygons, corners     Out: fragments, fragment_counts; listed
 // After the A-buffer: Carpenter, "The A-buffer, an antialiased hidden surface method" (1984).
 #extension GL_GOOGLE_include_directive : require
@@ -21,7 +22,8 @@ void main() {
   bool few = size.x <= int(kMostTileWidth) && size.y <= int(kMostTileRows) && size.x * size.y <= int(args.few_points);
   if (!found.covers_none && !few) listPolygon(direction_index * args.polygon_count + polygon_index);
 
-  // Which points of the box, by rows of kMostTileWidth, it covers: first all of them are found, for entering takes far longer than looking.
+  // Which points of the box, by rows of kMostTileWidth, it covers: first all of them are found, for entering takes far
+  // longer than looking.
   ivec4 a, b, row;  // the edges' changes, and values at the row's first point
   for (uint k = 0u; k < 4u; ++k) {
     a[k] = found.edges[k].a;
@@ -42,7 +44,9 @@ void main() {
     x = row_ends ? 0 : x;
   }
 
-  int64_t depth_x = depthXOf(polygon.depth_x_packed), depth_at_corner = polygon.depth_0 + depth_x * int64_t(polygon.box_min.x) + polygon.depth_y * int64_t(polygon.box_min.y);
+  int64_t depth_x = depthXOf(polygon.depth_x_packed),
+          depth_at_corner =
+              polygon.depth_0 + depth_x * int64_t(polygon.box_min.x) + polygon.depth_y * int64_t(polygon.box_min.y);
   uvec2 in_grid = uvec2(polygon.box_min + ivec2(args.tiles_wide * kTileWidth, args.tiles_high * kTileRows) / 2);
   uint first_tile = direction_index * args.tiles_high * args.tiles_wide;
   uvec2 bits = unpackUint2x32(covered);
@@ -55,6 +59,8 @@ void main() {
     uint point = tile * (kTileWidth * kTileRows) + p.y % kTileRows * kTileWidth + p.x % kTileWidth;
     uint slot = atomicAdd(Words(args.fragment_counts).at[point], 1u);
     uint key = layerKeyOf(depth_at_corner + depth_x * int64_t(in_box.x) + polygon.depth_y * int64_t(in_box.y), polygon);
-    if (slot < args.fragment_capacity) Longs(args.fragments).at[slot * args.point_count + point] = packUint2x32(uvec2(packLayerPolygon(polygon_index, frontUpOf(uint(polygon.depth_x_packed))), key));
+    if (slot < args.fragment_capacity)
+      Longs(args.fragments).at[slot * args.point_count + point] =
+          packUint2x32(uvec2(packLayerPolygon(polygon_index, frontUpOf(uint(polygon.depth_x_packed))), key));
   }
 }

@@ -19,14 +19,17 @@ const uint kGapNothing = 0u;           // inside a solid, or outside of everythi
 const uint kGapFacingPair = 1u;        // lower and upper see each other
 const uint kGapLowerEnvironment = 2u;  // lower sees the environment
 const uint kGapUpperEnvironment = 3u;
-const uint kGapLowerLeak = 4u;         // lower sees the back of upper: counted as its leak
+const uint kGapLowerLeak = 4u;  // lower sees the back of upper: counted as its leak
 const uint kGapUpperLeak = 5u;
 
-// Polygons of one plane lie at one depth on every line, and tie ranks order them: places along their own fronts' normals.
+// Polygons of one plane lie at one depth on every line, and tie ranks order them: places along their own fronts'
+// normals.
 const uint kTieBits = 3u;
 
 // The place among equal depths along +u, 0 to 7.
-SHARED_FUNCTION uint placeAtTie(bool front_up, uint tie_rank) { return front_up ? tie_rank : (1u << kTieBits) - 1u - tie_rank; }
+SHARED_FUNCTION uint placeAtTie(bool front_up, uint tie_rank) {
+  return front_up ? tie_rank : (1u << kTieBits) - 1u - tie_rank;
+}
 
 // The side that a polygon turns to the gap above it (above = true) or below it. front_up: its front faces +u.
 SHARED_FUNCTION uint sideTowardsGap(bool front_up, bool two_sided, bool above) {

@@ -14,7 +14,10 @@ uint idOf(uint layer_polygon) {
   return kIdsAreIndices ? layer_polygon - 1u : fetchId(layer_polygon - 1u);
 }
 
-Counters peelCounters() { return Counters(args.counters + uint64_t(block) * args.block_bytes, args.status, args.id_count, args.counter_mask, kSparse, kCountsBlocked ? 2u : 1u); }
+Counters peelCounters() {
+  return Counters(args.counters + uint64_t(block) * args.block_bytes, args.status, args.id_count, args.counter_mask,
+                  kSparse, kCountsBlocked ? 2u : 1u);
+}
 
 // Adds up what neighbouring lanes with the same pair have: the first of a run adds for all.
 void addRuns(bool has, uvec2 pair, uint weight, uint lane) {
@@ -23,7 +26,8 @@ void addRuns(bool has, uvec2 pair, uint weight, uint lane) {
     uvec2 key = has ? pair : uvec2(~0u);
     uvec2 before = subgroupShuffle(key, max(lane, 1u) - 1u);
     bool head = lane == 0u || key != before;
-    uint end = subgroupShuffle(head ? lane : lanes, min(lane + 1u, lanes - 1u));  // of the run: where the next one begins
+    uint end =
+        subgroupShuffle(head ? lane : lanes, min(lane + 1u, lanes - 1u));  // of the run: where the next one begins
     if (lane + 1u == lanes) end = lanes;
     uint all, sum = sumSoFar(weight, all);
     end = leastFrom(end);
@@ -34,10 +38,11 @@ void addRuns(bool has, uvec2 pair, uint weight, uint lane) {
   if (has) addCount(peelCounters(), kFacing, pair, uint64_t(weight));
 }
 
-// Adds the gaps between consecutive layers of one sample a lane: below those nearer than `bound`, and at the end the one above the last of them. Moves
-// `before` to the last of them. Returns the number of gaps counted.
-// Gaps that count are gathered first: of the layers of closed solids only every other gap does.
-uint addGaps(inout uint64_t before, uint64_t layers[kLayersKept], uint64_t bound, bool at_end, bool is_open, uint weight, uint lane, inout bool cut) {
+// Adds the gaps between consecutive layers of one sample a lane: below those nearer than `bound`, and at the end the
+// one above the last of them. Moves `before` to the last of them. Returns the number of gaps counted. Gaps that count
+// are gathered first: of the layers of closed solids only every other gap does.
+uint addGaps(inout uint64_t before, uint64_t layers[kLayersKept], uint64_t bound, bool at_end, bool is_open,
+             uint weight, uint lane, inout bool cut) {
   uvec2 found[kLayersKept + 1];  // lower and upper polygon, + 1; kBackMark where it does not turn a front to the gap
   uint count = 0u;
   [[unroll]] for (int k = 0; k <= kLayersKept; ++k) found[k] = uvec2(0);
@@ -46,7 +51,8 @@ uint addGaps(inout uint64_t before, uint64_t layers[kLayersKept], uint64_t bound
     is_open = is_open && (upper < bound || (at_end && bound == kNoLayer));
     bool lower_front = before != 0ul && (kTwoSided || !isFrontDown(unpackUint2x32(before).x));
     bool upper_front = upper != kNoLayer && (kTwoSided || isFrontDown(unpackUint2x32(upper).x));
-    uvec2 gap = uvec2(layerPolygonOf(unpackUint2x32(before).x), upper == kNoLayer ? 0u : layerPolygonOf(unpackUint2x32(upper).x));
+    uvec2 gap = uvec2(layerPolygonOf(unpackUint2x32(before).x),
+                      upper == kNoLayer ? 0u : layerPolygonOf(unpackUint2x32(upper).x));
     gap |= uvec2(lower_front ? 0u : kBackMark, upper_front ? 0u : kBackMark);
     bool counted = is_open && (lower_front || upper_front);
     [[unroll]] for (int m = 0; m <= k; ++m) found[m] = counted && count == uint(m) ? gap : found[m];
@@ -72,7 +78,8 @@ uint addGaps(inout uint64_t before, uint64_t layers[kLayersKept], uint64_t bound
   return added;
 }
 
-// Adds, step by step, the gaps of the layers nearer than `bound`, which nothing that is still to come can part, and makes room for others.
+// Adds, step by step, the gaps of the layers nearer than `bound`, which nothing that is still to come can part, and
+// makes room for others.
 uint flush(uint64_t bound, bool at_end, uint weight, uint lane, inout bool cut) {
   uint gaps = 0u;
   int s = 0;
@@ -92,7 +99,8 @@ uint flush(uint64_t bound, bool at_end, uint weight, uint lane, inout bool cut) 
     if (kSorted) {
       [[unroll]] for (int k = 0; k < kLayersKept; ++k) {  // what has been added goes
         bool first_gone = layers[0] <= before && layers[0] < its_bound;
-        [[unroll]] for (int m = 0; m < kLayersKept; ++m) layers[m] = first_gone ? m + 1 < kLayersKept ? layers[m + 1] : kNoLayer : layers[m];
+        [[unroll]] for (int m = 0; m < kLayersKept; ++m) layers[m] =
+            first_gone ? m + 1 < kLayersKept ? layers[m + 1] : kNoLayer : layers[m];
       }
     }
     [[unroll]] for (int m = 0; m < kMostSteps; ++m) {

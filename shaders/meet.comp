@@ -1,5 +1,6 @@
 #version 460
-// One workgroup, meant to be one subgroup, takes one meeting: of some polygons of a tile with all that may face them, the lattice points that two have in common.
+// One workgroup, meant to be one subgroup, takes one meeting: of some polygons of a tile with all that may face them,
+// the lattice points that two have in common.
 //   In: meetings, covers, cover_polygons, active_tiles, projected, polygons     Out: counters
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -36,7 +37,9 @@ Party fetchParty(uint place, uint direction, ivec2 corner) {
 
 bool haveCommon(uvec2 samples, uvec2 others) { return ((samples.x & others.x) | (samples.y & others.y)) != 0u; }
 
-uint countCommon(uvec2 samples, uvec2 others) { return uint(bitCount(samples.x & others.x) + bitCount(samples.y & others.y)); }
+uint countCommon(uvec2 samples, uvec2 others) {
+  return uint(bitCount(samples.x & others.x) + bitCount(samples.y & others.y));
+}
 
 uint countInOrder(uvec2 samples, uvec2 others, DepthPlane nearer, DepthPlane farther, inout bool cut) {
   uvec2 left = samples & others;
@@ -70,7 +73,8 @@ void main() {
   uvec4 corner = texelFetch(tile_texels, int(kTileTexels * meeting.tile + 1u));  // column, row, is_sorted, block
   parties.corner = ivec2(corner.xy);
   if (parties.farther >= parties.farther_end) return;
-  Counters counters = Counters(args.counters + uint64_t(corner.w) * args.block_bytes, args.status, args.id_count, args.counter_mask, kSparse, 2u);
+  Counters counters = Counters(args.counters + uint64_t(corner.w) * args.block_bytes, args.status, args.id_count,
+                               args.counter_mask, kSparse, 2u);
   uint steps = 0u;
   bool cut = false;
   addMet(parties, counters, false, steps, cut);

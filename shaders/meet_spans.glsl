@@ -1,10 +1,12 @@
-// Part of peel_blocked.comp: with scanlines, what meetings need to know of the row's spans. Samples are a span's columns, first and end; their number is a length.
+// Part of peel_blocked.comp: with scanlines, what meetings need to know of the row's spans. Samples are a span's
+// columns, first and end; their number is a length.
 
 uint depthInRow(DepthPlane plane, uint position) {
   int column = int(position % kRowWidth), row = int(position / kRowWidth);
   // Depth per spacing x column / 2^column_bits, rounded down; the product itself may need more than 64 bits.
   int64_t whole = plane.per_column >> kColumnBits, rest = plane.per_column - (whole << kColumnBits);
-  int64_t depth = plane.at_corner + plane.per_row * int64_t(row) + whole * int64_t(column) + (rest * int64_t(column) >> kColumnBits);
+  int64_t depth = plane.at_corner + plane.per_row * int64_t(row) + whole * int64_t(column) +
+                  (rest * int64_t(column) >> kColumnBits);
   return uint(clamp(depth >> plane.shift, int64_t(plane.range.x), int64_t(plane.range.y)));
 }
 
@@ -27,8 +29,8 @@ uint countCommon(uvec2 samples, uvec2 others) { return min(samples.y, others.y) 
 // Interval by interval between ends of any spans, as peel orders them.
 uint countInOrder(uvec2 samples, uvec2 others, DepthPlane nearer, DepthPlane farther, inout bool cut) {
   uint from = max(samples.x, others.x), to = min(samples.y, others.y), at = 0u, count = 0u;
-  [[unroll]] for (uint step = kMostSpans; step > 0u; step /= 2u)
-    if (at + step < end_count && positionOf(ends[at + step]) <= from) at += step;
+  [[unroll]] for (uint step = kMostSpans; step > 0u;
+                  step /= 2u) if (at + step < end_count && positionOf(ends[at + step]) <= from) at += step;
   while (from < to) {
     uint end = min(positionOf(ends[min(at + 1u, end_count - 1u)]), to);
     uint middle = (from + end - 1u) >> 1;

@@ -1,7 +1,8 @@
-// Part of meet.comp and, with scanlines, of peel_blocked.comp: on how many samples two polygons face each other, whatever is between them. Each invocation has one of the
-// polygons that may be the nearer and goes through those that may be the farther, which are loaded one by each and passed on by shuffles. Where the depths of
-// two leave no doubt which is nearer, the samples that they have in common are all; otherwise each of those is looked at. Of two-sided polygons the order
-// does not matter.
+// Part of meet.comp and, with scanlines, of peel_blocked.comp: on how many samples two polygons face each other,
+// whatever is between them. Each invocation has one of the polygons that may be the nearer and goes through those that
+// may be the farther, which are loaded one by each and passed on by shuffles. Where the depths of two leave no doubt
+// which is nearer, the samples that they have in common are all; otherwise each of those is looked at. Of two-sided
+// polygons the order does not matter.
 
 // A polygon, the samples of the tile or row that it covers, and how its depth ranges there.
 struct Party {
@@ -13,7 +14,7 @@ struct Party {
 
 // Who meets: places of parties; and the tile.
 struct Parties {
-  uint nearer, nearer_end;    // as many as there are invocations, or fewer
+  uint nearer, nearer_end;  // as many as there are invocations, or fewer
   uint farther, farther_end;
   uint direction, weight;
   ivec2 corner;
@@ -33,8 +34,8 @@ Party fetchPartyBefore(uint place, uint end, uint direction, ivec2 corner) {
   return party;
 }
 
-// Of the eight farther polygons from `eight` on, a bit each: those that have samples in common with the nearer one and lie behind it on all of them, or, where
-// `doubtful`, may lie behind it.
+// Of the eight farther polygons from `eight` on, a bit each: those that have samples in common with the nearer one and
+// lie behind it on all of them, or, where `doubtful`, may lie behind it.
 uint findMet(Party nearer, Party farther, uint eight, uint place, uint farther_place, bool doubtful) {
   uint met = 0u;
   [[unroll]] for (uint t = 0u; t < 8u; ++t) {
@@ -84,12 +85,14 @@ void addMet(Parties parties, Counters counters, bool doubtful, inout uint steps,
       uint count;
       if (doubtful) {
         uint farther_at = first_projected + subgroupShuffle(met_farther.polygon, t);
-        count = countInOrder(is_one ? nearer.samples : uvec2(0), samples, nearer_plane, fetchDepthPlane(farther_at, parties.corner), cut);
+        count = countInOrder(is_one ? nearer.samples : uvec2(0), samples, nearer_plane,
+                             fetchDepthPlane(farther_at, parties.corner), cut);
       } else {
         count = countCommon(nearer.samples, samples);
       }
       if (is_one && count > 0u)
-        addCount(counters, kFacingOrBlocked, pairOf(kGapFacingPair, nearer.id & kIdMask, farther_id & kIdMask), uint64_t(count) * uint64_t(parties.weight));
+        addCount(counters, kFacingOrBlocked, pairOf(kGapFacingPair, nearer.id & kIdMask, farther_id & kIdMask),
+                 uint64_t(count) * uint64_t(parties.weight));
       met &= met - 1u;
       ++steps;
     } while (anyOf(met != 0u));

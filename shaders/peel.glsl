@@ -1,9 +1,11 @@
-// One workgroup, meant to be one subgroup, peels one tile, with scanlines some rows of it: each invocation takes kSteps samples and keeps the
-// kLayersKept nearest layers of each behind those of the round before in registers; it adds what the gaps between consecutive
-// layers contribute to the counters, and goes round again where more layers remain. A sample is a lattice point or, with
-// scanlines, the interval between two ends of spans: the order of polygons does not change in it, and its length is its weight. The
-// tile's polygons are loaded one by each invocation and passed on by shuffles.
-//   In: active_tiles, lists, projected, corners, polygons, fragments     Out: counters, unfinished tiles and the layers that they reached
+// One workgroup, meant to be one subgroup, peels one tile, with scanlines some rows of it: each invocation takes kSteps
+// samples and keeps the kLayersKept nearest layers of each behind those of the round before in registers; it adds what
+// the gaps between consecutive layers contribute to the counters, and goes round again where more layers remain. A
+// sample is a lattice point or, with scanlines, the interval between two ends of spans: the order of polygons does not
+// change in it, and its length is its weight. The tile's polygons are loaded one by each invocation and passed on by
+// shuffles.
+//   In: active_tiles, lists, projected, corners, polygons, fragments     Out: counters, unfinished tiles and the layers
+//   that they reached
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_shader_atomic_int64 : require
 #extension GL_KHR_shader_subgroup_basic : require
@@ -16,37 +18,41 @@
 layout(local_size_x_id = 0) in;  // the subgroup size, 8 to 64
 layout(constant_id = 1) const int kLayersKept = 4;
 layout(constant_id = 2) const bool kScanlines = false;
-layout(constant_id = 3) const bool kSparse = false;      // counters in a hash table
-layout(constant_id = 4) const bool kAllCount = true;     // every polygon emits and receives
-layout(constant_id = 5) const bool kAggregates = true;   // adds runs of equal contributions at once
+layout(constant_id = 3) const bool kSparse = false;     // counters in a hash table
+layout(constant_id = 4) const bool kAllCount = true;    // every polygon emits and receives
+layout(constant_id = 5) const bool kAggregates = true;  // adds runs of equal contributions at once
 layout(constant_id = 6) const bool kMeasuresWork = false;
-layout(constant_id = 7) const int kSteps = 8;            // samples of an invocation: 1, 2, 4 or 8
+layout(constant_id = 7) const int kSteps = 8;               // samples of an invocation: 1, 2, 4 or 8
 layout(constant_id = 8) const bool kIdsAreIndices = false;  // of polygons
-layout(constant_id = 9) const uint kTileWidth = 8u;        // lattice points
-layout(constant_id = 10) const bool kSorted = false;       // lists are in the order of their polygons' nearest depths in the tile, not with scanlines
+layout(constant_id = 9) const uint kTileWidth = 8u;         // lattice points
+layout(constant_id = 10) const
+    bool kSorted = false;  // lists are in the order of their polygons' nearest depths in the tile, not with scanlines
 layout(constant_id = 11) const bool kTwoSided = false;
 layout(constant_id = 12) const bool kCountsBlocked = false;
-layout(constant_id = 13) const bool kFragments = false;  // lattice points have layers beside those of the tile's polygons
+layout(constant_id = 13) const
+    bool kFragments = false;  // lattice points have layers beside those of the tile's polygons
 layout(constant_id = 14) const uint kTileRows = 8u;
-layout(constant_id = 15) const int kColumnBits = 0;  // of an edge's column coordinate: with scanlines
-layout(constant_id = 16) const int kCutBits = 0;     // see makeEdge
+layout(constant_id = 15) const int kColumnBits = 0;                // of an edge's column coordinate: with scanlines
+layout(constant_id = 16) const int kCutBits = 0;                   // see makeEdge
 layout(binding = 5) uniform usamplerBuffer fragment_texels;        // uint64_t
 layout(binding = 6) uniform usamplerBuffer fragment_count_texels;  // uint
 layout(push_constant, scalar) uniform Args { PeelArgs pushed; };
 PeelArgs args;
 
 const int kMostSteps = 8;
-const uint64_t kNoLayer = ~0ul;    // a layer is key << 32 | polygon, see Layer, so that layers are ordered as numbers
+const uint64_t kNoLayer = ~0ul;  // a layer is key << 32 | polygon, see Layer, so that layers are ordered as numbers
 const uint kBackMark = 0x80000000u;
-// With scanlines, the rows of a tile lie side by side: a position in them is row * kRowWidth + column, in units of 2^-column_bits from the tile's first.
+// With scanlines, the rows of a tile lie side by side: a position in them is row * kRowWidth + column, in units of
+// 2^-column_bits from the tile's first.
 const uint kRowWidth = kTileWidth << kColumnBits;  // 2^15
 const uint kPositionBits = 17u;
 const uint kPositions = 1u << kPositionBits;
-const uint kNoColumns = ~0u;  // a span that holds no sample
+const uint kNoColumns = ~0u;      // a span that holds no sample
 const int kEndless = 0x7FFFFFFF;  // beyond the key of any end
 
-// With scanlines, the spans of the rows: polygon, and columns as in spanOf; their ends in order; and the spans in order of where they begin. Samples are taken past
-// a window of those, which holds the spans that reach them and moves on with them.
+// With scanlines, the spans of the rows: polygon, and columns as in spanOf; their ends in order; and the spans in order
+// of where they begin. Samples are taken past a window of those, which holds the spans that reach them and moves on
+// with them.
 shared uvec2 spans[kScanlines ? kMostSpans : 1];
 shared uint ends[kScanlines ? 2 * kMostSpans : 1];
 shared uint window[kScanlines ? kMostSpans : 1];
@@ -59,7 +65,7 @@ uint end_count;             // with scanlines
 uint fresh;                 // samples, a bit each, whose layers have not been counted yet
 uint64_t lost[kMostSteps];  // the nearest layer that found no room
 uint64_t farthest_emitter[kMostSteps], farthest_receiver[kMostSteps];
-uint block;                 // whose counters the tile adds to
+uint block;  // whose counters the tile adds to
 
 // Where the invocation's first sample is; with lattice points the others follow rowsPerStep() apart.
 struct Place {
@@ -79,16 +85,24 @@ Tally tally;
 int rowsPerStep() { return kScanlines ? 1 : int(gl_WorkGroupSize.x / kTileWidth); }
 
 // Every sample of an invocation by a literal number, so that all indices become constants.
-#define EVERY_STEP(take) \
-  take(0); \
+#define EVERY_STEP(take)   \
+  take(0);                 \
   if (kSteps > 1) take(1); \
-  if (kSteps > 2) { take(2); take(3); } \
-  if (kSteps > 4) { take(4); take(5); take(6); take(7); }
+  if (kSteps > 2) {        \
+    take(2);               \
+    take(3);               \
+  }                        \
+  if (kSteps > 4) {        \
+    take(4);               \
+    take(5);               \
+    take(6);               \
+    take(7);               \
+  }
 
 // One polygon on its way past the samples.
 struct Passing {
-  ivec4 edges, edges_per_step;    // without scanlines
-  bool covered;                   // with scanlines
+  ivec4 edges, edges_per_step;  // without scanlines
+  bool covered;                 // with scanlines
   int64_t z, z_per_step;
   int z_shift, z_min, z_max;
   uint64_t rest;  // of the layer: the polygon, its facing, its place at ties
@@ -111,8 +125,9 @@ uint endOf(uint columns) { return firstOf(columns) + (columns >> kPositionBits) 
 #include "slice.glsl"
 #include "gaps.glsl"
 
-// Adds up all that meet in the rows, of the spans that may be the nearer, the first `ups`, from the one `from` on, as far as one invocation may go. Returns how far
-// it got. With scanlines; peel_blocked.comp does it, peel.comp has nothing to do.
+// Adds up all that meet in the rows, of the spans that may be the nearer, the first `ups`, from the one `from` on, as
+// far as one invocation may go. Returns how far it got. With scanlines; peel_blocked.comp does it, peel.comp has
+// nothing to do.
 uint meetSpans(Tile tile, uint from, uint ups, uint span_count, inout uint blocks_done, inout bool cut);
 
 // A layer of sample s, or kNoLayer, goes among the nearest; the farthest of those goes when there is no room.
@@ -136,7 +151,8 @@ void keepFragment(int s, uint k, uint point, uint count) {
 
 // Takes sample s past the polygon.
 void takeStep(int s, inout Passing polygon) {
-  bool covered = kScanlines ? polygon.covered : (polygon.edges.x | polygon.edges.y | polygon.edges.z | polygon.edges.w) >= 0;
+  bool covered =
+      kScanlines ? polygon.covered : (polygon.edges.x | polygon.edges.y | polygon.edges.z | polygon.edges.w) >= 0;
   uint64_t depth = uint64_t(clamp(polygon.z >> polygon.z_shift, int64_t(polygon.z_min), int64_t(polygon.z_max)));
   uint64_t layer = (depth << 32 + kTieBits) + polygon.rest;
   if (!kAllCount) {
@@ -172,8 +188,8 @@ void leaveForLater(uint place, uint first, uint first_meeting, uint lane) {
   }
 }
 
-// The workgroup's tile, and where it begins in it: its first sample and first meeting, and 1 + the place of the layers reached before, or 0. False where there is
-// no tile.
+// The workgroup's tile, and where it begins in it: its first sample and first meeting, and 1 + the place of the layers
+// reached before, or 0. False where there is no tile.
 bool findTile(uint lanes, out uint place, out uint first, out uint first_meeting, out uint resume) {
   uint group = gl_WorkGroupID.y * kGroupsPerRow + gl_WorkGroupID.x;
   bool found;
@@ -196,15 +212,19 @@ bool findTile(uint lanes, out uint place, out uint first, out uint first_meeting
 }
 
 Tile fetchTile(uint place) {
-  uvec4 texel = texelFetch(tile_texels, int(kTileTexels * place)), corner = texelFetch(tile_texels, int(kTileTexels * place + 1u));
+  uvec4 texel = texelFetch(tile_texels, int(kTileTexels * place)),
+        corner = texelFetch(tile_texels, int(kTileTexels * place + 1u));
   uvec2 fragments_at = kFragments ? texelFetch(tile_texels, int(kTileTexels * place + 2u)).xy : uvec2(0);
   block = corner.w;
-  return Tile(texel.x, texel.y, texel.z, texel.w, ivec2(corner.xy), kScanlines ? rowsAtOnce(texel.y, kTileRows) : kTileRows, fragments_at.x, fragments_at.y,
+  return Tile(texel.x, texel.y, texel.z, texel.w, ivec2(corner.xy),
+              kScanlines ? rowsAtOnce(texel.y, kTileRows) : kTileRows, fragments_at.x, fragments_at.y,
               kSorted && corner.z != 0u);
 }
 
-// The samples from `first` on, one a lane and step. With scanlines, `window` from list_begin to list_end moves on to the spans that reach them.
-void loadSamples(Tile tile, uint first, uint sample_count, uint resume, uint lane, inout uint list_begin, inout uint list_end, inout bool cut) {
+// The samples from `first` on, one a lane and step. With scanlines, `window` from list_begin to list_end moves on to
+// the spans that reach them.
+void loadSamples(Tile tile, uint first, uint sample_count, uint resume, uint lane, inout uint list_begin,
+                 inout uint list_end, inout bool cut) {
   const uint lanes = gl_WorkGroupSize.x;
   [[unroll]] for (int k = 0; k < kMostSteps; ++k) {
     open[k] = k < kSteps && first + lane < sample_count && sample_at.row + k * rowsPerStep() < int(kTileRows);
@@ -236,10 +256,12 @@ void clearLayers() {
 // Takes the samples past the fragments at their lattice points.
 void takeFragments(Tile tile, inout bool cut) {
   const uint step = uint(rowsPerStep()) * kTileWidth;
-  uint point = tile.first_point + (sample_at.row < int(kTileRows) ? uint(sample_at.row) * kTileWidth : 0u) + uint(sample_at.column), k = 0u;
+  uint point = tile.first_point + (sample_at.row < int(kTileRows) ? uint(sample_at.row) * kTileWidth : 0u) +
+               uint(sample_at.column),
+       k = 0u;
   uint counts[kMostSteps];
-  [[unroll]] for (uint s = 0u; s < uint(kMostSteps); ++s)
-    counts[s] = int(s) < kSteps ? texelFetch(fragment_count_texels, int(point + s * step)).x : 0u;
+  [[unroll]] for (uint s = 0u; s < uint(kMostSteps); ++s) counts[s] =
+      int(s) < kSteps ? texelFetch(fragment_count_texels, int(point + s * step)).x : 0u;
   do {
 #define TAKE(s) keepFragment(s, k, point + uint(s) * step, counts[s])
     EVERY_STEP(TAKE)
@@ -251,18 +273,19 @@ void takeFragments(Tile tile, inout bool cut) {
 
 // This invocation's entry of the list, to be passed on: its edges or its span, and its depth, at the tile's corner.
 struct Loaded {
-  ivec4 a, b, c;        // without scanlines: of its edges
-  uint columns;         // with scanlines
-  uvec4 plane;          // depth at the corner, whole depth per column
-  uvec2 plane_y;        // per row
-  uvec4 bounds;         // of its depth; its layer; bits of its depth per column
+  ivec4 a, b, c;  // without scanlines: of its edges
+  uint columns;   // with scanlines
+  uvec4 plane;    // depth at the corner, whole depth per column
+  uvec2 plane_y;  // per row
+  uvec4 bounds;   // of its depth; its layer; bits of its depth per column
   uint roles;
 };
 
 Loaded loadPolygon(Tile tile, uint entry, uint list_end) {
   bool is_polygon = entry < list_end;
   uint mine = min(entry, max(list_end, 1u) - 1u);
-  uvec2 span = kScanlines ? spans[spanIn(window[mine])] : uvec2(list_end == 0u ? 0u : texelFetch(list_texels, int(tile.list_start + mine)).x, 0u);
+  uvec2 span = kScanlines ? spans[spanIn(window[mine])]
+                          : uvec2(list_end == 0u ? 0u : texelFetch(list_texels, int(tile.list_start + mine)).x, 0u);
   uint projected = tile.direction * args.polygon_count + span.x, projected_at = kProjectedTexels * projected;
   uvec4 depth_01 = texelFetch(projected_texels, int(projected_at + 1u));
   uvec4 depth_2 = texelFetch(projected_texels, int(projected_at + 2u));
@@ -280,8 +303,10 @@ Loaded loadPolygon(Tile tile, uint entry, uint list_end) {
       loaded.c[k] = is_polygon ? valueAtCorner(edge, tile.corner) : -1;
     }
   }
-  int64_t z_x = depthXOf(longFrom(depth_01.zw)), depth = longFrom(depth_01.xy) + z_x * int64_t(tile.corner.x) + longFrom(depth_2.xy) * int64_t(tile.corner.y + span_row);
-  // With scanlines: depth per spacing x column / 2^column_bits, rounded down; the product itself may need more than 64 bits.
+  int64_t z_x = depthXOf(longFrom(depth_01.zw)), depth = longFrom(depth_01.xy) + z_x * int64_t(tile.corner.x) +
+                                                         longFrom(depth_2.xy) * int64_t(tile.corner.y + span_row);
+  // With scanlines: depth per spacing x column / 2^column_bits, rounded down; the product itself may need more than 64
+  // bits.
   int64_t whole = kScanlines ? z_x >> kColumnBits : z_x;
   uint part = kScanlines ? uint(z_x - (whole << kColumnBits)) : 0u;
   loaded.plane = uvec4(unpackUint2x32(uint64_t(depth)), unpackUint2x32(uint64_t(whole)));
@@ -307,7 +332,8 @@ void takePolygon(Loaded loaded, uint t) {
     polygon.z = z_at_column + int64_t((d.w >> 6) * uint(sample_at.column) >> kColumnBits);
   } else {
     ivec4 per_row = subgroupShuffle(loaded.b, t);
-    polygon.edges = subgroupShuffle(loaded.a, t) * sample_at.column + per_row * sample_at.row + subgroupShuffle(loaded.c, t);
+    polygon.edges =
+        subgroupShuffle(loaded.a, t) * sample_at.column + per_row * sample_at.row + subgroupShuffle(loaded.c, t);
     polygon.edges_per_step = per_row * rowsPerStep();
     int64_t z_per_row = longFrom(subgroupShuffle(loaded.plane_y, t));
     polygon.z = z_at_column + z_per_row * int64_t(sample_at.row);
@@ -321,25 +347,27 @@ void takePolygon(Loaded loaded, uint t) {
 // Whether a sample of the invocation keeps as many layers as it can.
 bool isFull() {
   bool full = false;
-  [[unroll]] for (int k = 0; k < kMostSteps; ++k) full = full || (k < kSteps && open[k] && nearest[k][kLayersKept - 1] != kNoLayer);
+  [[unroll]] for (int k = 0; k < kMostSteps; ++k) full =
+      full || (k < kSteps && open[k] && nearest[k][kLayersKept - 1] != kNoLayer);
   return full;
 }
 
-// Before which layers are settled once the list's entries before `next` have been taken: with sorted lists nothing from there on is nearer than the nearest depth
-// of that polygon in the tile.
+// Before which layers are settled once the list's entries before `next` have been taken: with sorted lists nothing from
+// there on is nearer than the nearest depth of that polygon in the tile.
 uint64_t settledBefore(Tile tile, uint next, uint list_end) {
   uint64_t bound = kNoLayer;
   if (kSorted) {
     uint polygon = texelFetch(list_texels, int(tile.list_start + min(next, max(list_end, 1u) - 1u))).x;
     DepthPlane plane = fetchDepthPlane(tile.direction * args.polygon_count + polygon, tile.corner);
-    uint nearest_depth = nearestDepth(plane.at_corner, plane.per_column, plane.per_row, plane.shift, plane.range, ivec2(kTileWidth, kTileRows));
+    uint nearest_depth = nearestDepth(plane.at_corner, plane.per_column, plane.per_row, plane.shift, plane.range,
+                                      ivec2(kTileWidth, kTileRows));
     if (next < list_end) bound = uint64_t(nearest_depth << kTieBits) << 32;
   }
   return bound;
 }
 
-// Takes the samples past the polygons from list_begin to list_end and adds what their layers contribute. A segment ends where a sample has no room left or the list
-// ends; its layers are added as far as they are settled.
+// Takes the samples past the polygons from list_begin to list_end and adds what their layers contribute. A segment ends
+// where a sample has no room left or the list ends; its layers are added as far as they are settled.
 void takePolygons(Tile tile, uint list_begin, uint list_end, uint lane, inout uint blocks_done, inout bool cut) {
   const uint lanes = gl_WorkGroupSize.x;
   uint base = list_begin, t = 0u, passed = 0u, patience = 0u;
@@ -368,12 +396,15 @@ void takePolygons(Tile tile, uint list_begin, uint list_end, uint lane, inout ui
   tally.tested += kScanlines ? passed : list_end;
 }
 
-// Closes the samples that have met all their layers, or that no polygon asked for lies behind. Whether any is left, of the subgroup's.
+// Closes the samples that have met all their layers, or that no polygon asked for lies behind. Whether any is left, of
+// the subgroup's.
 bool closeSamples() {
   bool again = false;
   [[unroll]] for (int k = 0; k < kMostSteps; ++k) {
     open[k] = open[k] && lost[k] != kNoLayer;
-    if (!kAllCount) open[k] = open[k] && last[k] <= (args.counts_environment != 0u ? farthest_emitter[k] : min(farthest_emitter[k], farthest_receiver[k]));
+    if (!kAllCount)
+      open[k] = open[k] && last[k] <= (args.counts_environment != 0u ? farthest_emitter[k]
+                                                                     : min(farthest_emitter[k], farthest_receiver[k]));
     again = again || open[k];
   }
   return anyOf(again);
@@ -432,7 +463,10 @@ void main() {
       }
     }
   }
-  uint list_begin = 0u, list_end = kScanlines ? 0u : polygon_count;  // what the samples are taken past: of the list or, with scanlines, of `window`
+  uint list_begin = 0u,
+       list_end = kScanlines
+                      ? 0u
+                      : polygon_count;  // what the samples are taken past: of the list or, with scanlines, of `window`
   while (first < sample_count && !cut) {
     loadSamples(tile, first, sample_count, resume, lane, list_begin, list_end, cut);
     resume = 0u;

@@ -1,5 +1,6 @@
 #version 460
-// One instance is one polygon in one direction: a strip of four vertices around the pixels of all lattice points it can cover.
+// One instance is one polygon in one direction: a strip of four vertices around the pixels of all lattice points it can
+// cover.
 #extension GL_GOOGLE_include_directive : require
 #define SHARED_FUNCTION
 #include "common.glsl"

@@ -1,6 +1,6 @@
 #version 460
-// One invocation projects one polygon along one direction: snaps its corners to the lattice's fixed point and writes them, its depth as a
-// plane over the lattice and, for drawing, an outline of the lattice points it can cover.
+// One invocation projects one polygon along one direction: snaps its corners to the lattice's fixed point and writes
+// them, its depth as a plane over the lattice and, for drawing, an outline of the lattice points it can cover.
 //   In: directions, polygons, corners, listed     Out: snapped corners, projected, outlines, listed
 #extension GL_GOOGLE_include_directive : require
 #define SHARED_FUNCTION
@@ -11,8 +11,8 @@ layout(constant_id = 0) const bool kListed = false;  // takes the polygons that 
 layout(constant_id = 1) const bool kLists = false;   // those that can cover lattice points
 layout(constant_id = 2) const bool kDraws = false;   // writes outlines
 
-// The corner between two edges, moved outward by a little on either side, so that a rasteriser that snaps and rounds as it likes
-// finds every lattice point of the polygon. False where the corner is too sharp for that.
+// The corner between two edges, moved outward by a little on either side, so that a rasteriser that snaps and rounds as
+// it likes finds every lattice point of the polygon. False where the corner is too sharp for that.
 bool widenCorner(Edge before, Edge after, vec2 corner, out vec2 widened) {
   const float kMargin = 1.0 / 16.0;  // of a spacing; rasterisers snap to 1/16 or finer
   vec2 n1 = -vec2(before.a, before.b), n2 = -vec2(after.a, after.b);
@@ -49,9 +49,11 @@ void main() {
     for (int k = 0; k < 4; ++k) outline.strip[k] = vec2(0);
     if (!found.covers_none) {
       for (int k = 0; k < 4; ++k)
-        outline.strip[k] = vec2((k & 1) != 0 ? polygon.box_max.x : polygon.box_min.x, (k & 2) != 0 ? polygon.box_max.y : polygon.box_min.y) +
+        outline.strip[k] = vec2((k & 1) != 0 ? polygon.box_max.x : polygon.box_min.x,
+                                (k & 2) != 0 ? polygon.box_max.y : polygon.box_min.y) +
                            vec2((k & 1) != 0 ? 0.5 : -0.5, (k & 2) != 0 ? 0.5 : -0.5);
-      uvec2 low_block = uvec2(polygon.box_min + int(args.cell_size) / 2), high_block = uvec2(polygon.box_max + int(args.cell_size) / 2);
+      uvec2 low_block = uvec2(polygon.box_min + int(args.cell_size) / 2),
+            high_block = uvec2(polygon.box_max + int(args.cell_size) / 2);
       uint left = blockAlong(low_block.x, args.cell_size), right = blockAlong(high_block.x, args.cell_size);
       uint bottom = blockAlong(low_block.y, args.cell_size), top = blockAlong(high_block.y, args.cell_size);
       for (uint row = bottom; row <= top; ++row) outline.blocks |= uint64_t((2u << right) - (1u << left)) << (8u * row);
@@ -60,7 +62,8 @@ void main() {
       for (uint k = 0u; k < 4u; ++k) {
         uint at = min(k, found.edge_count - 1u);
         Edge before = found.edges[at == 0u ? 3u : at - 1u], after = found.edges[at + 1u == found.edge_count ? 3u : at];
-        usable = widenCorner(before, after, vec2(found.corners.at[at]) / float(1 << args.fraction_bits), widened[k]) && usable;
+        usable = widenCorner(before, after, vec2(found.corners.at[at]) / float(1 << args.fraction_bits), widened[k]) &&
+                 usable;
       }
       if (usable) {  // a strip goes 0, 1, 3, 2
         outline.strip[0] = widened[0];
@@ -72,7 +75,9 @@ void main() {
     Outlines(args.outlines).at[projected_at] = outline;
   }
 
-  Longs words = Longs(args.projected + uint64_t(projected_at) * 48ul);  // as few stores as can be: they are what this pass spends its time with
+  Longs words =
+      Longs(args.projected +
+            uint64_t(projected_at) * 48ul);  // as few stores as can be: they are what this pass spends its time with
   words.at[0] = packUint2x32(uvec2(polygon.box_min));
   words.at[1] = packUint2x32(uvec2(polygon.box_max));
   words.at[2] = uint64_t(polygon.depth_0);

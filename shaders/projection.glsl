@@ -11,7 +11,8 @@ layout(binding = 2) uniform usamplerBuffer corner_texels;     // CornerData
 dvec2 doublesFrom(uvec4 texel) { return dvec2(packDouble2x32(texel.xy), packDouble2x32(texel.zw)); }
 
 dvec3 fetchCorner(uint index) {
-  return dvec3(doublesFrom(texelFetch(corner_texels, int(2u * index))), doublesFrom(texelFetch(corner_texels, int(2u * index + 1u))).x);
+  return dvec3(doublesFrom(texelFetch(corner_texels, int(2u * index))),
+               doublesFrom(texelFetch(corner_texels, int(2u * index + 1u))).x);
 }
 
 DirectionData fetchDirection(uint index) {
@@ -81,9 +82,13 @@ Projection projectPolygon(uint polygon_index, uint direction_index) {
   }
   int column_shift = args.fraction_bits - args.column_bits;
   int first_column = (low.x + (1 << column_shift) - 1) >> column_shift, last_column = high.x >> column_shift;
-  found.polygon.box_min = max(ivec2(first_column >> args.column_bits, (low.y + (1 << args.fraction_bits) - 1) >> args.fraction_bits), ivec2(-args.window));
-  found.polygon.box_max = min(ivec2(last_column >> args.column_bits, high.y >> args.fraction_bits), ivec2(args.window - 1));
-  found.covers_none = twice_area == int64_t(0) || first_column > last_column || any(greaterThan(found.polygon.box_min, found.polygon.box_max));
+  found.polygon.box_min =
+      max(ivec2(first_column >> args.column_bits, (low.y + (1 << args.fraction_bits) - 1) >> args.fraction_bits),
+          ivec2(-args.window));
+  found.polygon.box_max =
+      min(ivec2(last_column >> args.column_bits, high.y >> args.fraction_bits), ivec2(args.window - 1));
+  found.covers_none = twice_area == int64_t(0) || first_column > last_column ||
+                      any(greaterThan(found.polygon.box_min, found.polygon.box_max));
   for (uint k = 0u; k < 4u; ++k) found.edges[k] = makeEdge(found.corners, k, args.fraction_bits - args.column_bits);
 
   // normal . (x, y, z) = plane_offset, solved for z at lattice points.
@@ -105,7 +110,8 @@ Projection projectPolygon(uint polygon_index, uint direction_index) {
     int depth_shift = min(60 - exponent, 30);
     precise double scale = double(1 << depth_shift);
     found.polygon.depth_0 = int64_t(floor(d0 * scale + 0.5LF));
-    found.polygon.depth_x_packed = packDepthX(int64_t(floor(dx * scale + 0.5LF)), depth_shift, front_up);  // below 2^57: resolution is 32 or more in the bound
+    found.polygon.depth_x_packed = packDepthX(int64_t(floor(dx * scale + 0.5LF)), depth_shift,
+                                              front_up);  // below 2^57: resolution is 32 or more in the bound
     found.polygon.depth_y = int64_t(floor(dy * scale + 0.5LF));
   } else {  // edge-on: what rounding lets it cover lies at its middle
     found.polygon.depth_0 = int64_t((0.5LF * (z_min + z_max) + 1.0LF) * unit);
@@ -115,7 +121,8 @@ Projection projectPolygon(uint polygon_index, uint direction_index) {
   // Corners lie within 1e-8 of their plane; the slack keeps the clamp from parting coplanar polygons.
   double slack = 4.0LF + 2.0LF * min(steepness, 1e6LF);
   found.polygon.depth_min = int(max((z_min + 1.0LF) * unit - slack, 0.0LF));
-  found.polygon.depth_max_packed = uint(min((z_max + 1.0LF) * unit + slack, 2.0LF * unit)) | placeAtTie(front_up, corners.w) << kTieShift;
+  found.polygon.depth_max_packed =
+      uint(min((z_max + 1.0LF) * unit + slack, 2.0LF * unit)) | placeAtTie(front_up, corners.w) << kTieShift;
   return found;
 }
 

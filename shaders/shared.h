@@ -1,5 +1,5 @@
-// Structs that host and shaders share, written once. GLSL reads them in scalar layout, which is C++'s own. Included by C++
-// through host/engines/shared.h. A word "lattice point" is an integer pair; lattice coordinates are x / h + offset.
+// Structs that host and shaders share, written once. GLSL reads them in scalar layout, which is C++'s own. Included by
+// C++ through host/engines/shared.h. A word "lattice point" is an integer pair; lattice coordinates are x / h + offset.
 
 struct DirectionData {
   dvec3 x_axis;
@@ -13,7 +13,7 @@ struct DirectionData {
 struct PolygonData {
   uint first_corner;
   uint corner_count;
-  uint id;  // of its counters, and its roles
+  uint id;        // of its counters, and its roles
   uint tie_rank;  // see placeAtTie
   dvec3 plane_normal;
   double plane_offset;
@@ -24,14 +24,16 @@ struct CornerData {
   double padding;
 };
 
-// The corners of a polygon in one direction, snapped to fixed point, counter-clockwise as seen from +u; a triangle's last twice.
-// Two texels, and a ProjectedPolygon is three: software devices fetch texels several times faster than they load words.
+// The corners of a polygon in one direction, snapped to fixed point, counter-clockwise as seen from +u; a triangle's
+// last twice. Two texels, and a ProjectedPolygon is three: software devices fetch texels several times faster than they
+// load words.
 struct SnappedCorners {
   ivec2 at[4];
 };
 
 // A polygon in one direction. Depth at a lattice point p is
-//   clamp((depth_0 + depth_x p.x + depth_y p.y) >> depth_shift, depth_min, depth_max), in units of 2^-kDepthBits above -1.
+//   clamp((depth_0 + depth_x p.x + depth_y p.y) >> depth_shift, depth_min, depth_max), in units of 2^-kDepthBits above
+//   -1.
 struct ProjectedPolygon {
   ivec2 box_min;  // lattice points it can cover, between columns too; box_min.x > box_max.x where it covers none
   ivec2 box_max;
@@ -44,13 +46,14 @@ struct ProjectedPolygon {
 
 // What the graphics engine draws of it.
 struct Outline {
-  vec2 strip[4];    // in lattice coordinates, a triangle strip around all lattice points it can cover; one point where it covers none
+  vec2 strip[4];  // in lattice coordinates, a triangle strip around all lattice points it can cover; one point where it
+                  // covers none
   uint64_t blocks;  // of its cell that it can cover points of, see blockAlong
 };
 
-const int kDepthBits = 27;  // of a unit length; the unit ball spans 2^28 depths
+const int kDepthBits = 27;   // of a unit length; the unit ball spans 2^28 depths
 const uint kTieShift = 29u;  // depths reach 2^28
-const int kSnapBits = 25;   // of a snapped coordinate
+const int kSnapBits = 25;    // of a snapped coordinate
 
 // The nearest polygon of a lattice point that peeling has not passed yet. Ordered by (key, polygon).
 struct Layer {
@@ -69,23 +72,24 @@ struct LayerCommands {
 
 struct ProjectArgs {
   uint64_t snapped_corners;  // SnappedCorners[direction_count][polygon_count]
-  uint64_t projected;   // ProjectedPolygon[direction_count][polygon_count]
-  uint64_t outlines;    // Outline[direction_count][polygon_count], or 0 where nobody draws them
+  uint64_t projected;        // ProjectedPolygon[direction_count][polygon_count]
+  uint64_t outlines;         // Outline[direction_count][polygon_count], or 0 where nobody draws them
   uint polygon_count;
   uint direction_count;
-  int resolution;       // lattice spacings across the unit ball's diameter
-  int fraction_bits;    // of a snapped coordinate
-  int column_bits;      // of an edge's column coordinate
-  uint cell_size;       // see DrawArgs
-  int window;           // lattice points from the origin to its left and lower border; beyond it nothing is looked at
+  int resolution;     // lattice spacings across the unit ball's diameter
+  int fraction_bits;  // of a snapped coordinate
+  int column_bits;    // of an edge's column coordinate
+  uint cell_size;     // see DrawArgs
+  int window;         // lattice points from the origin to its left and lower border; beyond it nothing is looked at
   // Of the compute engine.
-  uint64_t listed;           // uint[direction_count * polygon_count]: of what the passes over tiles look at, places in projected
-  uint64_t status;           // BatchStatus
-  uint64_t fragments;        // uint64_t[fragment_capacity][point_count]: layers, key << 32 | polygon, as in Layer; points are those of tile 0, of tile 1, ...
+  uint64_t listed;  // uint[direction_count * polygon_count]: of what the passes over tiles look at, places in projected
+  uint64_t status;  // BatchStatus
+  uint64_t fragments;  // uint64_t[fragment_capacity][point_count]: layers, key << 32 | polygon, as in Layer; points are
+                       // those of tile 0, of tile 1, ...
   uint64_t fragment_counts;  // uint[point_count]
   uint fragment_capacity;
   uint point_count;
-  uint few_points;           // in the box of a polygon that enters itself
+  uint few_points;  // in the box of a polygon that enters itself
   uint tiles_wide, tiles_high;
 };
 
@@ -96,8 +100,8 @@ struct DrawArgs {
   uint64_t snapped_corners;
   uint64_t projected;
   uint64_t outlines;
-  uint64_t previous;       // Layer[image_height][image_width]
-  uint64_t alive;          // uint[direction_count][2]: the blocks of the cell in which the previous layer had a polygon
+  uint64_t previous;  // Layer[image_height][image_width]
+  uint64_t alive;     // uint[direction_count][2]: the blocks of the cell in which the previous layer had a polygon
   uint polygon_count;
   uint cell_size;
   uint cells_per_row;
@@ -122,8 +126,8 @@ struct AccumulateArgs {
   uint two_sided;
   uint instance_count;
   uint group_count;
-  uint layer;              // k
-  uint64_t layers;         // uint64_t[]: addresses of layers 0, 1, ..., where blocked pairs are counted, else 0
+  uint layer;       // k
+  uint64_t layers;  // uint64_t[]: addresses of layers 0, 1, ..., where blocked pairs are counted, else 0
 };
 
 const uint kGroupsPerRow = 32768u;  // of a dispatch over tiles
@@ -132,33 +136,37 @@ const uint kScanlineCell = 32u;     // lattice columns: a scanline is cut at the
 const uint kMostRowsAtOnce = 4u;
 const uint kFewSpans = 128u;  // the fastest of 32 to 512 on lavapipe
 
-// With scanlines, how many rows of a tile peel takes at once: several where its polygons have few spans in them, which would leave invocations idle.
+// With scanlines, how many rows of a tile peel takes at once: several where its polygons have few spans in them, which
+// would leave invocations idle.
 SHARED_FUNCTION uint rowsAtOnce(uint list_length, uint tile_rows) {
   uint rows = list_length * 4u <= kFewSpans ? 4u : list_length * 2u <= kFewSpans ? 2u : 1u;
   return rows < tile_rows ? rows : tile_rows;
 }
 
-// Software devices end a shader's loops after 65,535 iterations in all (llvmpipe's LP_MAX_TGSI_LOOP_ITERATIONS). An invocation of bin stays below that.
+// Software devices end a shader's loops after 65,535 iterations in all (llvmpipe's LP_MAX_TGSI_LOOP_ITERATIONS). An
+// invocation of bin stays below that.
 const uint kMostTilesPerInvocation = 4096u;
 const uint kMostTileRows = 8u;
 const uint kMostTileWidth = 8u;  // with lattice points: an edge changes by less than 2^30 within a tile
 
-// Polygons' roles: what their facing pairs are counted for. A facing pair counts where one of the two emits and the other receives.
+// Polygons' roles: what their facing pairs are counted for. A facing pair counts where one of the two emits and the
+// other receives.
 const uint kEmits = 1u;
 const uint kReceives = 2u;
 const uint kRolesShift = 30u;  // in the word that holds a polygon's id
 const uint kIdMask = 0x3FFFFFFFu;
 SHARED_FUNCTION bool exchange(uint roles, uint others_roles) {
-  return ((roles & kEmits) != 0u && (others_roles & kReceives) != 0u) || ((others_roles & kEmits) != 0u && (roles & kReceives) != 0u);
+  return ((roles & kEmits) != 0u && (others_roles & kReceives) != 0u) ||
+         ((others_roles & kEmits) != 0u && (roles & kReceives) != 0u);
 }
 
 // What went wrong in a batch. After the first nothing has been counted.
 const uint kListsOverflowed = 0x80000000u;
 const uint kListsUncountable = 0x40000000u;
-const uint kTooManySpans = 1u;        // in a row, for its ends to be put in order
+const uint kTooManySpans = 1u;  // in a row, for its ends to be put in order
 const uint kCountersOverflowed = 2u;
-const uint kLoopCut = 4u;             // the device ended a loop before its time
-const uint kOtherSubgroups = 8u;      // a workgroup was not one subgroup; nothing has been counted
+const uint kLoopCut = 4u;         // the device ended a loop before its time
+const uint kOtherSubgroups = 8u;  // a workgroup was not one subgroup; nothing has been counted
 
 struct Groups {
   uint x, y, z;
@@ -170,7 +178,8 @@ struct BatchStatus {
   uint listed;
   uint most_fragments;  // of a lattice point
   Groups peel_groups;   // over active tiles
-  uint active_tiles;    // with kListsOverflowed where lists or fragments overflowed, kListsUncountable where the lists' length did
+  uint active_tiles;    // with kListsOverflowed where lists or fragments overflowed, kListsUncountable where the lists'
+                        // length did
   uint list_length;     // of all tiles together
   uint unfinished;      // tiles
   uint overflows;       // kTooManySpans and so on
@@ -183,15 +192,18 @@ struct BatchStatus {
   uint64_t rows;
   uint64_t spans;
   uint64_t samples;
-  uint64_t tests;       // of a sample against a polygon of its tile
-  uint64_t fragments;   // samples covered by a polygon: layers
-  uint64_t gaps;        // between consecutive layers, the counted ones
+  uint64_t tests;      // of a sample against a polygon of its tile
+  uint64_t fragments;  // samples covered by a polygon: layers
+  uint64_t gaps;       // between consecutive layers, the counted ones
 };
 
-// A tile is tile_width lattice columns by tile_rows lattice rows; a direction's tiles form a square grid around the lattice's origin.
+// A tile is tile_width lattice columns by tile_rows lattice rows; a direction's tiles form a square grid around the
+// lattice's origin.
 struct BinArgs {
-  uint64_t tile_roles;    // uint[direction_count][tiles_high][tiles_wide]: which roles its polygons have, where only some tiles count
-  // uvec2[direction_count][tiles_high]: of a row's tiles with emitters, tiles_wide - the first column, and the last + 1; or 0.
+  uint64_t tile_roles;  // uint[direction_count][tiles_high][tiles_wide]: which roles its polygons have, where only some
+                        // tiles count
+  // uvec2[direction_count][tiles_high]: of a row's tiles with emitters, tiles_wide - the first column, and the last +
+  // 1; or 0.
   uint64_t emitter_spans;
   uint64_t tile_counts;   // the same: of polygons
   uint64_t tile_starts;   // the same: where the tile's list begins
@@ -246,13 +258,14 @@ struct SortArgs {
 
 // Where blocked pairs are counted: the samples of a tile that a polygon covers, and how its depth ranges over the tile.
 struct Cover {
-  uint64_t samples;  // bit row * tile_width + column
+  uint64_t samples;        // bit row * tile_width + column
   uint nearest, farthest;  // keys, see Layer
 };
 
-// Polygons of a tile that may face others of it: a few that may be the nearer, all that may be the farther. Places in the lists of covers.
+// Polygons of a tile that may face others of it: a few that may be the nearer, all that may be the farther. Places in
+// the lists of covers.
 struct Meeting {
-  uint tile;                       // its place among the active ones
+  uint tile;  // its place among the active ones
   uint nearer, nearer_end;
   uint farther, farther_end;
 };
@@ -260,7 +273,8 @@ struct Meeting {
 const uint kMostFarther = 256u;  // that one invocation of meet goes through
 
 struct MeetArgs {
-  uint64_t covers;          // Cover[list_capacity]: of each tile, where its list is, those with fronts that face +u first, the others last
+  uint64_t covers;  // Cover[list_capacity]: of each tile, where its list is, those with fronts that face +u first, the
+                    // others last
   uint64_t cover_polygons;  // uint[list_capacity]: whose they are
   uint64_t meetings;        // Meeting[]
   uint64_t status;
@@ -279,9 +293,9 @@ struct UnfinishedTile {
 };
 
 struct PeelArgs {
-  uint64_t tiles;         // UnfinishedTile[], where it works off those
-  uint64_t reached;       // uint64_t[]: the layers that the lines of those tiles have reached; ~0 where they are finished
-  uint64_t unfinished;    // UnfinishedTile[]: what this dispatch leaves
+  uint64_t tiles;       // UnfinishedTile[], where it works off those
+  uint64_t reached;     // uint64_t[]: the layers that the lines of those tiles have reached; ~0 where they are finished
+  uint64_t unfinished;  // UnfinishedTile[]: what this dispatch leaves
   uint64_t reached_next;
   uint64_t status;
   uint64_t counters;
@@ -289,18 +303,18 @@ struct PeelArgs {
   uint id_count;
   uint counter_mask;  // of a hash table: places - 1
   uint counts_environment;
-  uint most_blocks;  // of polygons that one invocation goes through
-  uint point_count;  // see ProjectArgs
-  uint resumes;      // how many unfinished tiles it works off; 0 where it begins
+  uint most_blocks;      // of polygons that one invocation goes through
+  uint point_count;      // see ProjectArgs
+  uint resumes;          // how many unfinished tiles it works off; 0 where it begins
   uint64_t block_bytes;  // of the dense counters of one block, which follow each other
 };
 
-// A cell has 8 x 8 blocks, one bit each: where the previous layer has no polygon, nothing is behind it, and polygons that can cover points of
-// no other blocks are not drawn.
+// A cell has 8 x 8 blocks, one bit each: where the previous layer has no polygon, nothing is behind it, and polygons
+// that can cover points of no other blocks are not drawn.
 SHARED_FUNCTION uint blockAlong(uint in_cell, uint cell_size) { return in_cell * 8u / cell_size; }
 
-// Dense counters of ids i <= j as the rows of an upper triangle, each row followed by the row's environment (column id_count)
-// and leak (column id_count + 1).
+// Dense counters of ids i <= j as the rows of an upper triangle, each row followed by the row's environment (column
+// id_count) and leak (column id_count + 1).
 SHARED_FUNCTION uint64_t counterIndex(uint i, uint column, uint id_count) {
   uint64_t row = uint64_t(i);
   return row * uint64_t(id_count + 2u) - row * (row + uint64_t(1u)) / uint64_t(2u) + uint64_t(column);

@@ -5,7 +5,8 @@ uint spanOf(ivec2 corner, uint row, SnappedCorners corners) {
   int low = 0, high = int(kRowWidth);
   [[unroll]] for (uint k = 0u; k < 4u; ++k) {
     Edge edge = makeEdge(corners, k, kCutBits);
-    int64_t value = int64_t(edge.a) * int64_t(corner.x << kColumnBits) + (int64_t(edge.b) * int64_t(corner.y + int(row)) << kColumnBits) + edge.c;
+    int64_t value = int64_t(edge.a) * int64_t(corner.x << kColumnBits) +
+                    (int64_t(edge.b) * int64_t(corner.y + int(row)) << kColumnBits) + edge.c;
     cutRow(edge, value, int(kRowWidth), low, high);
   }
   return low < high ? row * kRowWidth + uint(low) | uint(high - low - 1) << kPositionBits : kNoColumns;
@@ -25,9 +26,10 @@ uint endIn(uint entry) { return entry / kMostSpans; }
 // The order of ends: of equal ones the earlier span's, and its left one, come first.
 int endKey(uint position, uint span, uint side) { return int((position * kMostSpans + span) * 2u + side); }
 
-// Puts the rows' spans and their ends, each once and in order, into shared memory, and the spans in order of where they begin into `window`. In `spans` a row comes
-// after another; where blocked pairs are counted the spans of polygons whose fronts face +u come first; of two-sided polygons all do.
-// Returns the number of spans, of those that come first, of ends, and, where work is measured, of rows that hold a span; more than kMostSpans spans: nothing but their number.
+// Puts the rows' spans and their ends, each once and in order, into shared memory, and the spans in order of where they
+// begin into `window`. In `spans` a row comes after another; where blocked pairs are counted the spans of polygons
+// whose fronts face +u come first; of two-sided polygons all do. Returns the number of spans, of those that come first,
+// of ends, and, where work is measured, of rows that hold a span; more than kMostSpans spans: nothing but their number.
 uvec4 sliceRows(Tile tile, uint lane, inout bool cut) {
   const uint lanes = gl_WorkGroupSize.x;
   uint ups = 0u, downs = 0u, base = 0u, held = 0u, rows = 0u;
@@ -35,12 +37,15 @@ uvec4 sliceRows(Tile tile, uint lane, inout bool cut) {
   [[unroll]] for (uint k = 0u; k < kMostRowsAtOnce; ++k) starts[k] = 0u;
   for (; base < tile.list_length * tile.rows; base += lanes) {
     uint row = 0u, mine = base + lane;  // all polygons in the first row, in the next
-    [[unroll]] for (uint k = 1u; k < kMostRowsAtOnce; ++k) row += mine >= k * tile.list_length && k < tile.rows ? 1u : 0u;
+    [[unroll]] for (uint k = 1u; k < kMostRowsAtOnce; ++k) row +=
+        mine >= k * tile.list_length && k < tile.rows ? 1u : 0u;
     mine -= row * tile.list_length;
     uint polygon = texelFetch(list_texels, int(tile.list_start + min(mine, tile.list_length - 1u))).x;
-    uint projected = tile.direction * args.polygon_count + polygon, columns = spanOf(tile.corner, row, fetchCorners(projected));
+    uint projected = tile.direction * args.polygon_count + polygon,
+         columns = spanOf(tile.corner, row, fetchCorners(projected));
     bool covers = mine < tile.list_length && columns != kNoColumns;
-    bool is_up = !kCountsBlocked || kTwoSided || frontUpOf(texelFetch(projected_texels, int(kProjectedTexels * projected + 1u)).z) != 0u;
+    bool is_up = !kCountsBlocked || kTwoSided ||
+                 frontUpOf(texelFetch(projected_texels, int(kProjectedTexels * projected + 1u)).z) != 0u;
     uint all, so_far = sumSoFar(covers && is_up ? 1u : 0u, all), place = ups + so_far - 1u;
     ups += all;
     if (kCountsBlocked) {
@@ -49,7 +54,8 @@ uvec4 sliceRows(Tile tile, uint lane, inout bool cut) {
       place = is_up ? place : kMostSpans - 1u - from_end;
     } else {
       [[unroll]] for (uint k = 1u; k < kMostRowsAtOnce; ++k) {
-        uint before = min(max(k * tile.list_length, base) - base, lanes), its = subgroupShuffle(so_far, max(before, 1u) - 1u);
+        uint before = min(max(k * tile.list_length, base) - base, lanes),
+             its = subgroupShuffle(so_far, max(before, 1u) - 1u);
         starts[k] += before == 0u ? 0u : its;
       }
     }
@@ -57,8 +63,8 @@ uvec4 sliceRows(Tile tile, uint lane, inout bool cut) {
     if (covers && place < kMostSpans) spans[place] = uvec2(polygon, columns);
   }
   cut = cut || base < tile.list_length * tile.rows;
-  if (kMeasuresWork)
-    [[unroll]] for (uint k = 0u; k < kMostRowsAtOnce; ++k) rows += anyOf((held >> k & 1u) != 0u) ? 1u : 0u;
+  if (kMeasuresWork) [[unroll]]
+    for (uint k = 0u; k < kMostRowsAtOnce; ++k) rows += anyOf((held >> k & 1u) != 0u) ? 1u : 0u;
   uint span_count = ups + downs;
   memoryBarrierShared();
   subgroupBarrier();
@@ -75,20 +81,20 @@ uvec4 sliceRows(Tile tile, uint lane, inout bool cut) {
         if (starts[kMostRowsAtOnce - k] >= base + lanes) to = starts[kMostRowsAtOnce - k];
       }
     }
-    uint begin_low = from, end_low = from, begin_high = from, end_high = from;  // spans that begin and that end before the low and the high end
+    uint begin_low = from, end_low = from, begin_high = from,
+         end_high = from;  // spans that begin and that end before the low and the high end
     for (uint other_base = from; other_base < to; other_base += lanes) {
       uint other = other_base + lane;
       uint other_columns = spans[placeOfSpan(min(other, span_count - 1u), ups)].y;
       int other_low = other < to ? endKey(firstOf(other_columns), other, 0u) : kEndless;
       int other_high = other < to ? endKey(endOf(other_columns), other, 1u) : kEndless;
-      [[unroll]] for (uint t = 0u; t < 8u; ++t)
-        for (uint eight = 0u; eight < lanes; eight += 8u) {
-          int a = subgroupShuffle(other_low, eight + t), b = subgroupShuffle(other_high, eight + t);
-          begin_low += uint(a < low);
-          end_low += uint(b < low);
-          begin_high += uint(a < high);
-          end_high += uint(b < high);
-        }
+      [[unroll]] for (uint t = 0u; t < 8u; ++t) for (uint eight = 0u; eight < lanes; eight += 8u) {
+        int a = subgroupShuffle(other_low, eight + t), b = subgroupShuffle(other_high, eight + t);
+        begin_low += uint(a < low);
+        end_low += uint(b < low);
+        begin_high += uint(a < high);
+        end_high += uint(b < high);
+      }
     }
     if (mine < span_count) {
       ends[begin_low + end_low] = firstOf(columns) | begin_low << kPositionBits + 1u;
@@ -118,7 +124,8 @@ uvec4 sliceRows(Tile tile, uint lane, inout bool cut) {
   return uvec4(span_count, ups, kept, rows);
 }
 
-// Of the spans from `begin` to `end` in `window` moves those that go on beyond a position to the end. Returns where they begin.
+// Of the spans from `begin` to `end` in `window` moves those that go on beyond a position to the end. Returns where
+// they begin.
 uint dropEnded(uint begin, uint end, uint position, uint lane, inout bool cut) {
   const uint lanes = gl_WorkGroupSize.x;
   uint left = end - begin;

@@ -1,6 +1,7 @@
 #version 460
-// One workgroup, meant to be one subgroup, puts the list of one tile in the order of its polygons' nearest depths in the tile, so that peel can add layers while it
-// goes through the list. Every invocation ranks kRanked entries at a time among all. Lists too long for that stay as they are, which peel is told.
+// One workgroup, meant to be one subgroup, puts the list of one tile in the order of its polygons' nearest depths in
+// the tile, so that peel can add layers while it goes through the list. Every invocation ranks kRanked entries at a
+// time among all. Lists too long for that stay as they are, which peel is told.
 //   In: lists, projected     Out: sorted_lists; active_tiles: is_sorted
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -31,7 +32,8 @@ void main() {
     uint64_t mine[kRanked];  // depth << 32 | polygon
     uint rank[kRanked];
     [[unroll]] for (int k = 0; k < kRanked; ++k) {
-      mine[k] = packUint2x32(texelFetch(list_texels, int(list.x + min(done + uint(k) * lanes + lane, max(list.y, 1u) - 1u))).xy);
+      mine[k] = packUint2x32(
+          texelFetch(list_texels, int(list.x + min(done + uint(k) * lanes + lane, max(list.y, 1u) - 1u))).xy);
       rank[k] = sorts ? 0u : done + uint(k) * lanes + lane;
     }
     for (uint base = 0u; base < compared_end; base += lanes) {
@@ -46,8 +48,8 @@ void main() {
         t += 4u;
       } while (t < lanes);
     }
-    [[unroll]] for (int k = 0; k < kRanked; ++k)
-      if (done + uint(k) * lanes + lane < list.y) Words(args.sorted_lists).at[list.x + rank[k]] = unpackUint2x32(mine[k]).x;
+    [[unroll]] for (int k = 0; k < kRanked; ++k) if (done + uint(k) * lanes + lane < list.y) Words(args.sorted_lists)
+        .at[list.x + rank[k]] = unpackUint2x32(mine[k]).x;
     done += uint(kRanked) * lanes;
   } while (done < list.y);
   if (lane == 0u) ActiveTiles(args.active_tiles).at[place].is_sorted = sorts ? 1u : 0u;

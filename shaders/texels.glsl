@@ -14,7 +14,8 @@ int64_t longFrom(uvec2 words) { return int64_t(packUint2x32(words)); }
 
 // projected: a polygon's place among those of all directions.
 SnappedCorners fetchCorners(uint projected) {
-  ivec4 first = ivec4(texelFetch(snapped_corner_texels, int(2u * projected))), second = ivec4(texelFetch(snapped_corner_texels, int(2u * projected + 1u)));
+  ivec4 first = ivec4(texelFetch(snapped_corner_texels, int(2u * projected))),
+        second = ivec4(texelFetch(snapped_corner_texels, int(2u * projected + 1u)));
   SnappedCorners corners;
   corners.at[0] = first.xy;
   corners.at[1] = first.zw;
@@ -37,7 +38,8 @@ struct DepthPlane {
 
 DepthPlane fetchDepthPlane(uint projected, ivec2 corner) {
   uint projected_at = kProjectedTexels * projected;
-  uvec4 depth_01 = texelFetch(projected_texels, int(projected_at + 1u)), depth_2 = texelFetch(projected_texels, int(projected_at + 2u));
+  uvec4 depth_01 = texelFetch(projected_texels, int(projected_at + 1u)),
+        depth_2 = texelFetch(projected_texels, int(projected_at + 2u));
   DepthPlane plane;
   plane.per_column = depthXOf(longFrom(depth_01.zw));
   plane.per_row = longFrom(depth_2.xy);

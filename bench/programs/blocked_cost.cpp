@@ -1,6 +1,9 @@
-// What does it cost to count blocked pairs beside facing pairs? Processor time per direction without and with them, CSV on stdout.
-//   blocked_cost [--scene room|room4|triangles|FILE]... [--sampling lattice|scanline]... [--resolution PX]... [--directions N] [--rounds N]
-// One round counts the same directions without and with them, one after the other; ratios are of one round. Reading the counters, once a call, is included.
+// What does it cost to count blocked pairs beside facing pairs? Processor time per direction without and with them, CSV
+// on stdout.
+//   blocked_cost [--scene room|room4|triangles|FILE]... [--sampling lattice|scanline]... [--resolution PX]...
+//   [--directions N] [--rounds N]
+// One round counts the same directions without and with them, one after the other; ratios are of one round. Reading the
+// counters, once a call, is included.
 #include <ctime>
 
 #include <CLI/CLI.hpp>
@@ -32,7 +35,8 @@ Scene makeScene(const std::string& name) {
   return loadScene(name);
 }
 
-void measure(const std::string& name, const Scene& scene, const std::string& sampling, int resolution, const Options& options, const Device& device) {
+void measure(const std::string& name, const Scene& scene, const std::string& sampling, int resolution,
+             const Options& options, const Device& device) {
   const Ids ids = makeIds(scene, By::polygon, name == "triangles");
   const uint32_t count = name == "triangles" ? std::max(1u, options.directions / 10) : options.directions;
   const std::vector<Direction> directions = sampleDirections(Sampler::fibonacci, count, kSeed, 0);
@@ -46,8 +50,11 @@ void measure(const std::string& name, const Scene& scene, const std::string& sam
     return double(std::clock() - start) / CLOCKS_PER_SEC;
   };
   for (int blocked : {0, 1}) {
-    engines[blocked] = makeComputeEngine(device, scene, ids, {.resolution = resolution, .sampling = sampling == "lattice" ? Sampling::lattice : Sampling::scanline,
-                                                              .count_blocked = blocked == 1, .measure_work = options.verbose});
+    engines[blocked] = makeComputeEngine(device, scene, ids,
+                                         {.resolution = resolution,
+                                          .sampling = sampling == "lattice" ? Sampling::lattice : Sampling::scanline,
+                                          .count_blocked = blocked == 1,
+                                          .measure_work = options.verbose});
     run(blocked);  // the first dispatch compiles, lists grow, and the tuning is settled
   }
   uint64_t facing = 0, in_all = 0;
@@ -70,9 +77,9 @@ void measure(const std::string& name, const Scene& scene, const std::string& sam
     ratios.push_back(on_s / off_s);
   }
   const auto [low, high] = std::minmax_element(ratios.begin(), ratios.end());
-  fmt::print("{},{},{},{},{},{:.4g},{:.4g},{:.3f},{:.3f},{:.3f},{:.3g},{},{}\n", name, scene.polygons.size(), sampling, resolution, count,
-             1e3 * median(times_s[0]), 1e3 * median(times_s[1]), median(ratios), *low, *high, double(in_all - facing) / double(facing), facing_pairs,
-             counts[1].size());
+  fmt::print("{},{},{},{},{},{:.4g},{:.4g},{:.3f},{:.3f},{:.3f},{:.3g},{},{}\n", name, scene.polygons.size(), sampling,
+             resolution, count, 1e3 * median(times_s[0]), 1e3 * median(times_s[1]), median(ratios), *low, *high,
+             double(in_all - facing) / double(facing), facing_pairs, counts[1].size());
   if (options.verbose)
     for (const auto& engine : engines)
       for (const auto& [pass, seconds] : engine->work()->pass_seconds)
@@ -83,8 +90,10 @@ void measure(const std::string& name, const Scene& scene, const std::string& sam
 int run(const Options& options) {
   const Device device(options.device);
   printPlace(device, VIEWPEEL_SOURCE);
-  fmt::print("scene,polygons,sampling,resolution,directions,cpu_ms_per_direction,cpu_ms_with_blocked,ratio,least_ratio,largest_ratio,blocked_per_facing,"
-             "facing_pairs,pairs\n");
+  fmt::print(
+      "scene,polygons,sampling,resolution,directions,cpu_ms_per_direction,cpu_ms_with_blocked,ratio,least_ratio,"
+      "largest_ratio,blocked_per_facing,"
+      "facing_pairs,pairs\n");
   for (const std::string& name : options.scenes) {
     const Scene scene = makeScene(name);
     for (const std::string& sampling : options.samplings)
@@ -100,7 +109,9 @@ int main(int argc, char** argv) {
   viewpeel::bench::Options options;
   CLI::App app("Processor time per direction of the compute engine without and with blocked pairs.");
   app.add_option("--scene", options.scenes, "room, room4, triangles or a file")->allow_extra_args(false);
-  app.add_option("--sampling", options.samplings)->check(CLI::IsMember({"lattice", "scanline"}))->allow_extra_args(false);
+  app.add_option("--sampling", options.samplings)
+      ->check(CLI::IsMember({"lattice", "scanline"}))
+      ->allow_extra_args(false);
   app.add_option("--resolution", options.resolutions)->allow_extra_args(false);
   app.add_option("--directions", options.directions, "of the rooms; a tenth of triangles")->check(CLI::PositiveNumber);
   app.add_option("--rounds", options.rounds)->check(CLI::PositiveNumber);

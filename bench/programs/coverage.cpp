@@ -1,14 +1,18 @@
-// Are the standard errors honest? How often the 95 % interval, mean +- t_0.975(R - 1) standard errors, holds the true form factor, over many seeds.
-// CSV on stdout, one row for each scene, setting, rule when to stop and class of entries.
-//   coverage [--scene facing|edge|far|cube|blocked|parts|gap|office|room|city]... [--closed-forms] [--host] [--directed R] [--sampler fibonacci|jittered|sobol|iid]... [--setting PXxN]... [--rule RULE]...
+// Are the standard errors honest? How often the 95 % interval, mean +- t_0.975(R - 1) standard errors, holds the true
+// form factor, over many seeds. CSV on stdout, one row for each scene, setting, rule when to stop and class of entries.
+//   coverage [--scene facing|edge|far|cube|blocked|parts|gap|office|room|city]... [--closed-forms] [--host] [--directed
+//   R] [--sampler fibonacci|jittered|sobol|iid]... [--setting PXxN]... [--rule RULE]...
 //     [--seeds K] [--device D]
-// The truth of office, room and city is a long run, of 16,384 directions and 256 scanlines. With --host the host engine counts scanlines, in place of the compute engine's points. With --directed
-// pairs that pilots tell to keep the run from a relative error of R have directions of their own.
-// A rule is R, a fixed number of replicates, or R:G, at least R and on until the largest standard error reaches the tolerance that takes G on the average.
-// Entries fall into classes by the lattice points that a replicate is expected to count for them; with closed forms those that something blocks in part are a class, too, for what nothing or
-// everything between two blocks is known when it is met. The last class are all that some replicate met. Entries of one run are correlated, so the standard error of a coverage comes from the spread
-// between seeds. What no line met is covered where the bound for that holds the truth (unmetBound).
-// Where the truth of all pairs is known there are two classes more: rows, the row sums written, whose truth is 1, and groups, form factors between surfaces.
+// The truth of office, room and city is a long run, of 16,384 directions and 256 scanlines. With --host the host engine
+// counts scanlines, in place of the compute engine's points. With --directed pairs that pilots tell to keep the run
+// from a relative error of R have directions of their own. A rule is R, a fixed number of replicates, or R:G, at least
+// R and on until the largest standard error reaches the tolerance that takes G on the average. Entries fall into
+// classes by the lattice points that a replicate is expected to count for them; with closed forms those that something
+// blocks in part are a class, too, for what nothing or everything between two blocks is known when it is met. The last
+// class are all that some replicate met. Entries of one run are correlated, so the standard error of a coverage comes
+// from the spread between seeds. What no line met is covered where the bound for that holds the truth (unmetBound).
+// Where the truth of all pairs is known there are two classes more: rows, the row sums written, whose truth is 1, and
+// groups, form factors between surfaces.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -40,11 +44,13 @@ constexpr double kConfidence = 0.95, kNormalQuantile = 1.959964;
 constexpr uint64_t kPilotSeed = 1'000'000'000, kLongRunSeed = 2'000'000'000;
 constexpr uint32_t kPilots = 20, kPilotReplicates = 16;
 constexpr std::array<double, 5> kCountEnds{0.3, 1, 3, 10, INFINITY};  // expected per replicate
-constexpr double kBlockedInPart = 1e-3;                               // of what two would exchange with nothing in between: at least as much is seen, and blocked
+constexpr double kBlockedInPart =
+    1e-3;  // of what two would exchange with nothing in between: at least as much is seen, and blocked
 const std::map<std::string, Sampler> kSamplers(kSamplerNames.begin(), kSamplerNames.end());
 
 struct Options {
-  std::vector<std::string> scenes{"facing", "edge", "far", "cube"}, samplers{"fibonacci", "jittered"}, settings{"32x50"};
+  std::vector<std::string> scenes{"facing", "edge", "far", "cube"}, samplers{"fibonacci", "jittered"},
+      settings{"32x50"};
   std::vector<std::string> rules{"4", "8", "16", "8:12"};
   bool closed_forms = false, on_host = false;
   double directed = 0;
@@ -91,7 +97,8 @@ double factorInCube(const Patch& a, const Patch& b) {
     return a.side == b.side ? 0 : reference::parallelRectangles(a.extent[x], a.extent[y], b.extent[x], b.extent[y], 1);
   }
   const int along = 3 - a.axis - b.axis;
-  return reference::perpendicularRectangles(distances(a.extent[b.axis], b.side), a.extent[along], b.extent[along], distances(b.extent[a.axis], a.side));
+  return reference::perpendicularRectangles(distances(a.extent[b.axis], b.side), a.extent[along], b.extent[along],
+                                            distances(b.extent[a.axis], a.side));
 }
 
 // The inside of a unit cube, every face cut into `cuts` x `cuts` patches.
@@ -122,7 +129,8 @@ Case cutCube(int cuts) {
 
 // Two squares, first in the scene, that see each other past a third one.
 Case pastABlocker(const InputScene& input) {
-  const double factor = reference::formFactorPastBlocker(input.faces[0].corners, input.faces[1].corners, input.faces[2].corners).value;
+  const double factor =
+      reference::formFactorPastBlocker(input.faces[0].corners, input.faces[1].corners, input.faces[2].corners).value;
   return {buildScene(input), {{{0, 1}, factor}}};
 }
 
@@ -135,7 +143,8 @@ Case partsPastABlocker() {
   Case parts{buildScene(input), {}};
   for (uint32_t i = 0; i < count; ++i)
     for (uint32_t j = i + 1; j < count; j += 2) {
-      const reference::Approximation factor = reference::formFactorPastBlocker(input.faces[i].corners, input.faces[j].corners, blocker);
+      const reference::Approximation factor =
+          reference::formFactorPastBlocker(input.faces[i].corners, input.faces[j].corners, blocker);
       parts.truths[{i, j}] = factor.value > 1e-12 ? factor.value : 0;  // less is rounding
     }
   return parts;
@@ -145,23 +154,31 @@ Case partsPastABlocker() {
 Case byLongRun(Scene scene) {
   constexpr int kResolution = 256;
   const Ids ids = makeIds(scene, By::polygon, false);
-  const auto engine = makeHostEngine(scene, ids, {.resolution = kResolution, .sampling = Sampling::scanline, .count_blocked = true});
+  const auto engine =
+      makeHostEngine(scene, ids, {.resolution = kResolution, .sampling = Sampling::scanline, .count_blocked = true});
   FaceExchanges exchanges(nullptr, scene, ids);
   EstimateOptions options{.directions = 16384, .replicates = 8, .seed = kLongRunSeed};
   options.exchanges = &exchanges;
-  const VisibleShares shares = findVisibleShares(*engine, exchanges, scene, ids, groupAsOne(scene, kResolution), options, sharePilot(options));
+  const VisibleShares shares =
+      findVisibleShares(*engine, exchanges, scene, ids, groupAsOne(scene, kResolution), options, sharePilot(options));
   options.known = &shares.known;
   const Estimate estimate = estimateFormFactors(*engine, scene, ids, options);
   Case run{std::move(scene), {}, true};
   for (const FormFactors::Entry& entry : estimate.form_factors.entries())
-    if (entry.i < entry.j && entry.j < kEnvironment) run.truths[{entry.i, entry.j}] = estimate.form_factors.formFactor(entry.i, entry.j).value;
+    if (entry.i < entry.j && entry.j < kEnvironment)
+      run.truths[{entry.i, entry.j}] = estimate.form_factors.formFactor(entry.i, entry.j).value;
   return run;
 }
 
 Case makeCase(const std::string& name) {
-  if (name == "facing") return twoSquares(test_scenes::parallelSquares(), reference::parallelRectangles({0, 1}, {0, 1}, {0, 1}, {0, 1}, 1));
-  if (name == "edge") return twoSquares(test_scenes::perpendicularSquares(), reference::perpendicularRectangles({0, 1}, {0, 1}, {0, 1}, {0, 1}));
-  if (name == "far") return twoSquares(test_scenes::stackOfSheets({0, 10}), reference::parallelRectangles({0, 1}, {0, 1}, {0, 1}, {0, 1}, 10));
+  if (name == "facing")
+    return twoSquares(test_scenes::parallelSquares(), reference::parallelRectangles({0, 1}, {0, 1}, {0, 1}, {0, 1}, 1));
+  if (name == "edge")
+    return twoSquares(test_scenes::perpendicularSquares(),
+                      reference::perpendicularRectangles({0, 1}, {0, 1}, {0, 1}, {0, 1}));
+  if (name == "far")
+    return twoSquares(test_scenes::stackOfSheets({0, 10}),
+                      reference::parallelRectangles({0, 1}, {0, 1}, {0, 1}, {0, 1}, 10));
   if (name == "blocked") return pastABlocker(test_scenes::squaresPastABlocker());
   if (name == "parts") return partsPastABlocker();
   if (name == "gap") return pastABlocker(test_scenes::squaresPastAnEdge());
@@ -204,7 +221,8 @@ bool readPair(const std::string& text, char separator, First& first, uint32_t& s
 
 Rule ruleOf(const std::string& text) {
   Rule rule;
-  if (!readPair(text.find(':') == std::string::npos ? text + ":0" : text, ':', rule.replicates, rule.goal_replicates) || rule.replicates < 2)
+  if (!readPair(text.find(':') == std::string::npos ? text + ":0" : text, ':', rule.replicates, rule.goal_replicates) ||
+      rule.replicates < 2)
     throw Error(ErrorCode::bad_usage, "--rule " + text + ": give R or R:G, R at least 2");
   return rule;
 }
@@ -245,8 +263,9 @@ class Tally {
     if (entries == 0) return;
     for (const Run& run : runs_) squares += std::pow(run.covered - covered / entries * run.entries, 2);
     const double n = double(runs_.size()), standard_error = std::sqrt(squares * n / (n - 1)) / entries;
-    fmt::print("{},{:.1f},{:.1f},{:.2g},{:.2f},{:.2f},{:.2f},{:.3f},{:.2f}\n", key, entries / n, mean_replicates, std::sqrt(relative_squares_ / entries),
-               100 * covered / entries, 100 * standard_error, 100 * covered_normal_ / entries, std::sqrt(predicted_ / squares_), 100 * unmet_ / entries);
+    fmt::print("{},{:.1f},{:.1f},{:.2g},{:.2f},{:.2f},{:.2f},{:.3f},{:.2f}\n", key, entries / n, mean_replicates,
+               std::sqrt(relative_squares_ / entries), 100 * covered / entries, 100 * standard_error,
+               100 * covered_normal_ / entries, std::sqrt(predicted_ / squares_), 100 * unmet_ / entries);
   }
 
  private:
@@ -257,28 +276,34 @@ class Tally {
   double covered_normal_ = 0, unmet_ = 0, squares_ = 0, relative_squares_ = 0, predicted_ = 0;
 };
 
-void report(const std::string& key, const std::vector<Entry>& entries, const Truths& group_truths, const std::vector<RunOutcome>& runs) {
+void report(const std::string& key, const std::vector<Entry>& entries, const Truths& group_truths,
+            const std::vector<RunOutcome>& runs) {
   std::array<Tally, kCountEnds.size()> by_count;
   Tally met, blocked_in_part, rows, groups;
   double mean_replicates = 0;
   for (const RunOutcome& run : runs) {
     mean_replicates += double(run.replicates) / double(runs.size());
-    const double student = quantile(complement(boost::math::students_t(double(run.replicates - 1)), (1 - kConfidence) / 2));
+    const double student =
+        quantile(complement(boost::math::students_t(double(run.replicates - 1)), (1 - kConfidence) / 2));
     for (Tally& tally : by_count) tally.startRun();
     met.startRun();
     blocked_in_part.startRun();
     rows.startRun();
     for (const Measured& row : run.rows) rows.add(row, 1, student, 0);
     groups.startRun();
-    for (auto [group, k] = std::pair(group_truths.begin(), size_t(0)); k < run.groups.size(); ++group, ++k) groups.add(run.groups[k], group->second, student, 0);
+    for (auto [group, k] = std::pair(group_truths.begin(), size_t(0)); k < run.groups.size(); ++group, ++k)
+      groups.add(run.groups[k], group->second, student, 0);
     for (size_t k = 0; k < entries.size(); ++k) {
-      const auto which = std::lower_bound(kCountEnds.begin(), kCountEnds.end(), entries[k].expected_count) - kCountEnds.begin();
+      const auto which =
+          std::lower_bound(kCountEnds.begin(), kCountEnds.end(), entries[k].expected_count) - kCountEnds.begin();
       by_count[which].add(run.factors[k], entries[k].truth, student, run.unmet_bounds[k]);
       if (run.factors[k].value > 0) met.add(run.factors[k], entries[k].truth, student, 0);
-      if (entries[k].is_blocked_in_part) blocked_in_part.add(run.factors[k], entries[k].truth, student, run.unmet_bounds[k]);
+      if (entries[k].is_blocked_in_part)
+        blocked_in_part.add(run.factors[k], entries[k].truth, student, run.unmet_bounds[k]);
     }
   }
-  for (size_t k = 0; k < by_count.size(); ++k) by_count[k].print(fmt::format("{},to {} counts", key, kCountEnds[k]), mean_replicates);
+  for (size_t k = 0; k < by_count.size(); ++k)
+    by_count[k].print(fmt::format("{},to {} counts", key, kCountEnds[k]), mean_replicates);
   blocked_in_part.print(key + ",blocked in part", mean_replicates);
   met.print(key + ",met", mean_replicates);
   rows.print(key + ",rows", mean_replicates);
@@ -294,20 +319,25 @@ void measureCase(const std::string& name, const Device& device, const Options& o
   for (const std::string& setting : options.settings) {
     int resolution = 0;
     EstimateOptions estimate;
-    if (!readPair(setting, 'x', resolution, estimate.directions)) throw Error(ErrorCode::bad_usage, "--setting " + setting + ": give PXxN");
+    if (!readPair(setting, 'x', resolution, estimate.directions))
+      throw Error(ErrorCode::bad_usage, "--setting " + setting + ": give PXxN");
     LatticeOptions lattice{.resolution = resolution, .count_blocked = options.closed_forms};
     if (options.on_host) lattice.sampling = Sampling::scanline;
-    const auto engine = options.on_host ? makeHostEngine(scene, ids, lattice) : makeComputeEngine(device, scene, ids, lattice);
+    const auto engine =
+        options.on_host ? makeHostEngine(scene, ids, lattice) : makeComputeEngine(device, scene, ids, lattice);
     RememberingEngine remembering(*engine);
     std::vector<Entry> entries;
     const double count_area = engine->unitArea() * scene.scale * scene.scale;
     for (const auto& [pair, truth] : scene_case.truths)
-      entries.push_back({truth, truth * ids.areas[pair.first] * estimate.directions / (2 * count_area), std::min(ids.areas[pair.first], pair.second < kEnvironment ? ids.areas[pair.second] : INFINITY)});
+      entries.push_back(
+          {truth, truth * ids.areas[pair.first] * estimate.directions / (2 * count_area),
+           std::min(ids.areas[pair.first], pair.second < kEnvironment ? ids.areas[pair.second] : INFINITY)});
     for (const std::string& sampler : options.samplers) {
       estimate.sampler = kSamplers.at(sampler);
       VisibleShares shares;
       std::optional<PairSampler> pairs;
-      std::map<std::pair<int, double>, std::unique_ptr<Engine>> pair_engines;  // by resolution and window, which tell them apart in these scenes
+      std::map<std::pair<int, double>, std::unique_ptr<Engine>>
+          pair_engines;  // by resolution and window, which tell them apart in these scenes
       const EngineFactory makePairEngine = [&](const Scene& of, const Ids& pair_ids, const LatticeOptions& own) {
         std::unique_ptr<Engine>& made = pair_engines[{own.resolution, own.window.radius}];
         if (!made) made = makeComputeEngine(device, of, pair_ids, own);
@@ -328,7 +358,8 @@ void measureCase(const std::string& name, const Device& device, const Options& o
             pilot.tolerance.reset();
           }
           FaceExchanges exchanges(options.on_host ? nullptr : &device, scene, ids);
-          shares = findVisibleShares(*engine, exchanges, scene, ids, groupAsOne(scene, resolution), pilot, {sharePilot(pilot).directions});
+          shares = findVisibleShares(*engine, exchanges, scene, ids, groupAsOne(scene, resolution), pilot,
+                                     {sharePilot(pilot).directions});
           shares_seed = seed;
           ++runs;
           directed_runs += !shares.known.directed.empty();
@@ -342,10 +373,12 @@ void measureCase(const std::string& name, const Device& device, const Options& o
       const auto markThoseBlockedInPart = [&] {
         size_t k = 0;
         for (const auto& [pair, truth] : scene_case.truths) {
-          const auto known = std::ranges::lower_bound(shares.known.pairs, pair, {}, [](const KnownPair& at) { return keyOf(at); });
+          const auto known =
+              std::ranges::lower_bound(shares.known.pairs, pair, {}, [](const KnownPair& at) { return keyOf(at); });
           if (known != shares.known.pairs.end() && keyOf(*known) == pair) {
             const double share = truth * ids.areas[pair.first] / known->exchange;
-            entries[k].is_blocked_in_part = pair.second < kEnvironment && share > kBlockedInPart && share < 1 - kBlockedInPart;
+            entries[k].is_blocked_in_part =
+                pair.second < kEnvironment && share > kBlockedInPart && share < 1 - kBlockedInPart;
           }
           ++k;
         }
@@ -354,7 +387,8 @@ void measureCase(const std::string& name, const Device& device, const Options& o
       double largest = 0;
       for (uint32_t pilot = 0; pilot < kPilots; ++pilot) {
         remembering.forget();
-        largest += run({kPilotReplicates}, 0, kPilotSeed + pilot).largest_standard_error * std::sqrt(kPilotReplicates) / kPilots;
+        largest += run({kPilotReplicates}, 0, kPilotSeed + pilot).largest_standard_error * std::sqrt(kPilotReplicates) /
+                   kPilots;
       }
       std::vector<std::vector<RunOutcome>> outcomes(options.rules.size());
       for (uint64_t seed = 1; seed <= options.seeds; ++seed) {
@@ -364,18 +398,22 @@ void measureCase(const std::string& name, const Device& device, const Options& o
           const Estimate e = run(rule, largest / std::sqrt(rule.goal_replicates), seed);
           RunOutcome& outcome = outcomes[k].emplace_back();
           outcome.replicates = e.replicates;
-          for (const Entry& entry : entries) outcome.unmet_bounds.push_back(unmetBound(entry.area, count_area, double(e.directions)));
+          for (const Entry& entry : entries)
+            outcome.unmet_bounds.push_back(unmetBound(entry.area, count_area, double(e.directions)));
           if (scene_case.has_all_pairs) {
             outcome.rows = e.form_factors.rowSums();
-            for (const auto& [pair, truth] : group_truths) outcome.groups.push_back(e.between_surfaces.formFactor(pair.first, pair.second));
+            for (const auto& [pair, truth] : group_truths)
+              outcome.groups.push_back(e.between_surfaces.formFactor(pair.first, pair.second));
           }
-          for (const auto& [pair, truth] : scene_case.truths) outcome.factors.push_back(e.form_factors.formFactor(pair.first, pair.second));
+          for (const auto& [pair, truth] : scene_case.truths)
+            outcome.factors.push_back(e.form_factors.formFactor(pair.first, pair.second));
         }
       }
       if (options.directed > 0) fmt::print("# {}: directed pairs in {} of {} runs\n", name, directed_runs, runs);
       if (options.closed_forms) markThoseBlockedInPart();
       for (size_t k = 0; k < options.rules.size(); ++k)
-        report(fmt::format("{},{},{},{},{}", name, sampler, resolution, estimate.directions, options.rules[k]), entries, group_truths, outcomes[k]);
+        report(fmt::format("{},{},{},{},{}", name, sampler, resolution, estimate.directions, options.rules[k]), entries,
+               group_truths, outcomes[k]);
     }
   }
 }
@@ -388,23 +426,32 @@ int main(int argc, char** argv) {
   using namespace viewpeel::bench;
   CLI::App app("How often 95 % intervals hold the true form factor", "coverage");
   Options options;
-  app.add_option("--scene", options.scenes, "facing, edge, far, cube, blocked, parts, gap; by a long run: office, room, city")
+  app.add_option("--scene", options.scenes,
+                 "facing, edge, far, cube, blocked, parts, gap; by a long run: office, room, city")
       ->check(CLI::IsMember({"facing", "edge", "far", "cube", "blocked", "parts", "gap", "office", "room", "city"}))
       ->capture_default_str();
   app.add_flag("--closed-forms", options.closed_forms, "Closed forms times visible shares");
   app.add_flag("--host", options.on_host, "Scanlines of the host engine");
-  app.add_option("--directed", options.directed, "With closed forms: directions of their own for pairs that keep a run from this relative error")->check(CLI::PositiveNumber);
-  app.add_option("--sampler", options.samplers, "fibonacci, jittered, sobol, iid")->check(CLI::IsMember(kSamplers))->capture_default_str();
-  app.add_option("--setting", options.settings, "PXxN: lattice spacings and directions of a replicate")->capture_default_str();
-  app.add_option("--rule", options.rules, "R, or R:G: replicates, or at least R and on to the tolerance that takes G")->capture_default_str();
+  app.add_option("--directed", options.directed,
+                 "With closed forms: directions of their own for pairs that keep a run from this relative error")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--sampler", options.samplers, "fibonacci, jittered, sobol, iid")
+      ->check(CLI::IsMember(kSamplers))
+      ->capture_default_str();
+  app.add_option("--setting", options.settings, "PXxN: lattice spacings and directions of a replicate")
+      ->capture_default_str();
+  app.add_option("--rule", options.rules, "R, or R:G: replicates, or at least R and on to the tolerance that takes G")
+      ->capture_default_str();
   app.add_option("--seeds", options.seeds, "Runs of each")->capture_default_str();
   app.add_option("--device", options.device.selector, "As for viewpeel");
   CLI11_PARSE(app, argc, argv);
   try {
     const Device device(options.device);
     printPlace(device, VIEWPEEL_SOURCE);
-    fmt::print("scene,sampler,resolution,directions,rule,class,entries,replicates,relative_rms_error,coverage_percent,coverage_standard_error,"
-               "normal_coverage_percent,standard_error_over_rms_error,unmet_percent\n");
+    fmt::print(
+        "scene,sampler,resolution,directions,rule,class,entries,replicates,relative_rms_error,coverage_percent,"
+        "coverage_standard_error,"
+        "normal_coverage_percent,standard_error_over_rms_error,unmet_percent\n");
     for (const std::string& scene : options.scenes) measureCase(scene, device, options);
   } catch (const Error& error) {
     fmt::print(stderr, "coverage: {}\n", error.what());

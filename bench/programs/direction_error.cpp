@@ -1,9 +1,11 @@
-// How does the error of a form factor fall with the number N of directions, for each way of drawing them? Scenes of two squares with closed forms.
-// CSV on stdout: rms error over independent replicates of N directions, with exact areas along each direction and with lattice points; in comments
-// the exponent a of rms ~ N^-a by least squares, with its standard error.
+// How does the error of a form factor fall with the number N of directions, for each way of drawing them? Scenes of two
+// squares with closed forms. CSV on stdout: rms error over independent replicates of N directions, with exact areas
+// along each direction and with lattice points; in comments the exponent a of rms ~ N^-a by least squares, with its
+// standard error.
 //   direction_error [--scene facing|edge|distant]... [--sampler S]... [--directions N]... [--replicates K]
 //                   [--resolution PX]... [--lattice-directions N]... [--lattice-replicates K] [--device D]
-// Fitted are the N of which kFewestSeen directions or more see the pair on the average: below that every sampler is as good as independent.
+// Fitted are the N of which kFewestSeen directions or more see the pair on the average: below that every sampler is as
+// good as independent.
 #include <cmath>
 #include <map>
 
@@ -21,14 +23,16 @@ namespace viewpeel::bench {
 namespace {
 
 constexpr double kFewestSeen = 16;
-const std::map<std::string, InputScene> kScenes{
-    {"facing", test_scenes::parallelSquares()}, {"edge", test_scenes::perpendicularSquares()}, {"distant", test_scenes::stackOfSheets({0, 4})}};
+const std::map<std::string, InputScene> kScenes{{"facing", test_scenes::parallelSquares()},
+                                                {"edge", test_scenes::perpendicularSquares()},
+                                                {"distant", test_scenes::stackOfSheets({0, 4})}};
 const std::map<std::string, Sampler> kSamplers(kSamplerNames.begin(), kSamplerNames.end());
 
 struct Options {
   std::vector<std::string> scenes{"facing", "edge", "distant"}, samplers{"iid", "jittered", "sobol", "fibonacci"};
   std::vector<int> resolutions{64};
-  std::vector<uint32_t> directions{16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384}, lattice_directions{16, 32, 64, 128, 256, 512, 1024};
+  std::vector<uint32_t> directions{16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384},
+      lattice_directions{16, 32, 64, 128, 256, 512, 1024};
   uint32_t replicates = 200, lattice_replicates = 50;
   DeviceOptions device;
 };
@@ -45,19 +49,23 @@ Spread spreadOf(uint32_t directions, const std::vector<double>& errors) {
   double sum = 0, squares = 0, fourths = 0;
   for (double e : errors) sum += e, squares += e * e, fourths += e * e * e * e;
   Spread spread{.directions = directions, .rms = std::sqrt(squares / count)};
-  spread.rms_standard_error = std::sqrt((fourths / count - squares / count * squares / count) / count) / (2 * spread.rms);
+  spread.rms_standard_error =
+      std::sqrt((fourths / count - squares / count * squares / count) / count) / (2 * spread.rms);
   spread.bias = sum / std::sqrt(squares - sum * sum / count);
   return spread;
 }
 
 void printRow(const std::string& key, uint32_t replicates, const Spread& spread) {
-  fmt::print("{},{},{},{:.4g},{:.2g},{:.2f}\n", key, spread.directions, replicates, spread.rms, spread.rms_standard_error, spread.bias);
+  fmt::print("{},{},{},{:.4g},{:.2g},{:.2f}\n", key, spread.directions, replicates, spread.rms,
+             spread.rms_standard_error, spread.bias);
   std::fflush(stdout);
 }
 
-// error(directions, replicate) is one replicate's. The number of directions is the seed, too: the points of a fit are independent.
+// error(directions, replicate) is one replicate's. The number of directions is the seed, too: the points of a fit are
+// independent.
 template <class Error>
-void measure(const std::string& key, const std::vector<uint32_t>& direction_counts, uint32_t replicates, double seen_share, Error error) {
+void measure(const std::string& key, const std::vector<uint32_t>& direction_counts, uint32_t replicates,
+             double seen_share, Error error) {
   std::vector<double> x, y;
   for (uint32_t directions : direction_counts) {
     std::vector<double> errors;
@@ -70,8 +78,8 @@ void measure(const std::string& key, const std::vector<uint32_t>& direction_coun
   }
   if (x.size() < 3) return;
   const PowerLaw law = fitPowerLaw(x, y);
-  fmt::print("# {}: rms ~ N^{:.3f}, standard error {:.3f}, N from {:.0f} to {:.0f}; rms {:.2e} at 400\n", key, law.exponent, law.standard_error, x.front(), x.back(),
-             law.at(400));
+  fmt::print("# {}: rms ~ N^{:.3f}, standard error {:.3f}, N from {:.0f} to {:.0f}; rms {:.2e} at 400\n", key,
+             law.exponent, law.standard_error, x.front(), x.back(), law.at(400));
   std::fflush(stdout);
 }
 
@@ -82,14 +90,17 @@ void measureScene(const std::string& name, const Device* device, const Options& 
   const reference::ProjectedPair pair(a, b);
   double seen_share = 0;
   const uint32_t tries = 1u << 16;
-  for (const Direction& d : sampleDirections(Sampler::fibonacci, tries, 0, 0)) seen_share += (pair.zeta(d.u) > 0) / double(tries);
+  for (const Direction& d : sampleDirections(Sampler::fibonacci, tries, 0, 0))
+    seen_share += (pair.zeta(d.u) > 0) / double(tries);
   fmt::print("# {}: form factor {:.10f}; {:.3g} % of all directions see it\n", name, truth, 100 * seen_share);
   for (const std::string& sampler : options.samplers)
-    measure(fmt::format("{},exact,{}", name, sampler), options.directions, options.replicates, seen_share, [&](uint32_t directions, uint64_t replicate) {
-      double sum = 0;
-      for (const Direction& d : sampleDirections(kSamplers.at(sampler), directions, directions, replicate)) sum += pair.zeta(d.u);
-      return sum / directions - truth;
-    });
+    measure(fmt::format("{},exact,{}", name, sampler), options.directions, options.replicates, seen_share,
+            [&](uint32_t directions, uint64_t replicate) {
+              double sum = 0;
+              for (const Direction& d : sampleDirections(kSamplers.at(sampler), directions, directions, replicate))
+                sum += pair.zeta(d.u);
+              return sum / directions - truth;
+            });
   if (!device) return;
   const Scene scene = buildScene(input);
   const Ids ids = makeIds(scene, By::polygon, false);
@@ -97,9 +108,10 @@ void measureScene(const std::string& name, const Device* device, const Options& 
     const auto engine = makeComputeEngine(*device, scene, ids, {.resolution = resolution});
     const double factor_of_count = 2 * engine->unitArea() / scene.polygons[0].area;
     for (const std::string& sampler : options.samplers)
-      measure(fmt::format("{},{},{}", name, resolution, sampler), options.lattice_directions, options.lattice_replicates, seen_share,
-              [&](uint32_t directions, uint64_t replicate) {
-                const PairCounts counts = engine->count(sampleDirections(kSamplers.at(sampler), directions, directions, replicate));
+      measure(fmt::format("{},{},{}", name, resolution, sampler), options.lattice_directions,
+              options.lattice_replicates, seen_share, [&](uint32_t directions, uint64_t replicate) {
+                const PairCounts counts =
+                    engine->count(sampleDirections(kSamplers.at(sampler), directions, directions, replicate));
                 double sum = 0;
                 for (const PairCount& c : counts)
                   if (c.i == 0 && c.j == 1) sum = double(c.count);
@@ -116,20 +128,27 @@ int main(int argc, char** argv) {
   using namespace viewpeel::bench;
   CLI::App app("Error against the number of directions, for each sampler", "direction_error");
   Options options;
-  app.add_option("--scene", options.scenes, "facing, edge, distant")->check(CLI::IsMember(kScenes))->capture_default_str();
-  app.add_option("--sampler", options.samplers, "iid, jittered, sobol, fibonacci")->check(CLI::IsMember(kSamplers))->capture_default_str();
+  app.add_option("--scene", options.scenes, "facing, edge, distant")
+      ->check(CLI::IsMember(kScenes))
+      ->capture_default_str();
+  app.add_option("--sampler", options.samplers, "iid, jittered, sobol, fibonacci")
+      ->check(CLI::IsMember(kSamplers))
+      ->capture_default_str();
   app.add_option("--directions", options.directions, "N with exact areas")->capture_default_str();
   app.add_option("--replicates", options.replicates, "Replicates of each N with exact areas")->capture_default_str();
-  app.add_option("--resolution", options.resolutions, "Lattice spacings across the scene; 0: exact areas only")->capture_default_str();
+  app.add_option("--resolution", options.resolutions, "Lattice spacings across the scene; 0: exact areas only")
+      ->capture_default_str();
   app.add_option("--lattice-directions", options.lattice_directions, "N with lattice points")->capture_default_str();
-  app.add_option("--lattice-replicates", options.lattice_replicates, "Replicates of each N with lattice points")->capture_default_str();
+  app.add_option("--lattice-replicates", options.lattice_replicates, "Replicates of each N with lattice points")
+      ->capture_default_str();
   app.add_option("--device", options.device.selector, "As for viewpeel");
   CLI11_PARSE(app, argc, argv);
   try {
     const Device device(options.device);
     printPlace(device, VIEWPEEL_SOURCE);
     fmt::print("scene,areas,sampler,directions,replicates,rms_error,rms_standard_error,mean_in_standard_errors\n");
-    for (const std::string& scene : options.scenes) measureScene(scene, options.resolutions == std::vector{0} ? nullptr : &device, options);
+    for (const std::string& scene : options.scenes)
+      measureScene(scene, options.resolutions == std::vector{0} ? nullptr : &device, options);
   } catch (const Error& error) {
     fmt::print(stderr, "direction_error: {}\n", error.what());
     return 1;

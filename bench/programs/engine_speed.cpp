@@ -1,9 +1,12 @@
 // How fast are the compute and the host engine beside Embree on the same cores? Interleaved rounds, CSV on stdout.
 //   engine_speed [--scene NAME] [--resolution PX] [--by polygon|surface] [--rounds N] [--seconds S]
-// Methods: `viewpeel`, the compute engine; `host`, the same lattices by the host engine, `host_scanlines`, its scanlines, of which a sample is counted where a lattice point would be; `embree_lines_*`, the lines of the same lattices traced by Embree and sorted; `embree_rays_*`, rays
-// shot from the surfaces. A sample is a facing pair seen by a line, or a ray that ends on a front; other rays cost time and count for nothing.
-// All are timed from directions or rays to all counts in the order of pairs. The fixed cost of that, reading and emptying counters in which nothing was counted, is timed in every round and left out.
-// Debian builds its Embree with assertions on: Embree's own release build may be faster than this one.
+// Methods: `viewpeel`, the compute engine; `host`, the same lattices by the host engine, `host_scanlines`, its
+// scanlines, of which a sample is counted where a lattice point would be; `embree_lines_*`, the lines of the same
+// lattices traced by Embree and sorted; `embree_rays_*`, rays shot from the surfaces. A sample is a facing pair seen by
+// a line, or a ray that ends on a front; other rays cost time and count for nothing. All are timed from directions or
+// rays to all counts in the order of pairs. The fixed cost of that, reading and emptying counters in which nothing was
+// counted, is timed in every round and left out. Debian builds its Embree with assertions on: Embree's own release
+// build may be faster than this one.
 #include <cmath>
 #include <functional>
 #include <optional>
@@ -34,7 +37,8 @@ struct Options {
   DeviceOptions device;
 };
 
-// One way to count. count(n) works through n directions, or n groups of rays, and returns samples; count(0) costs what is fixed.
+// One way to count. count(n) works through n directions, or n groups of rays, and returns samples; count(0) costs what
+// is fixed.
 struct Method {
   std::string name;
   bool has_directions;
@@ -42,7 +46,9 @@ struct Method {
   uint64_t amount = 1;
   std::vector<double> directions_per_second = {}, samples_per_second = {};
 
-  double fixedSeconds() const { return secondsOf([&] { count(0); }); }
+  double fixedSeconds() const {
+    return secondsOf([&] { count(0); });
+  }
   // Samples, and seconds without the fixed ones.
   std::pair<uint64_t, double> run(uint64_t n) const {
     const double fixed_s = fixedSeconds();
@@ -52,8 +58,8 @@ struct Method {
   }
 };
 
-// Also warms up: the first dispatch on a device may compile. A method that leaves out a fixed cost runs for as long as that at least: a small
-// difference of two long times is noise.
+// Also warms up: the first dispatch on a device may compile. A method that leaves out a fixed cost runs for as long as
+// that at least: a small difference of two long times is noise.
 void calibrate(Method& method, double least_seconds) {
   const uint64_t most = method.has_directions ? kMostDirections : 1u << 30;
   method.run(1);
@@ -92,12 +98,15 @@ void verify(Engine& engine, EmbreeRivals& embree, std::span<const Direction> dir
   embree.countLines(Trace::packets_of_8, directions, resolution);
   const PairCounts theirs = embree.takeCounts();
   const double pairs = double(facingPairs(ours));
-  fmt::print("# check over {} directions: facing pairs per direction {:.0f}, Embree/viewpeel {:.6f}, counts that differ {:.2e} of them\n",
-             directions.size(), pairs / double(directions.size()), double(facingPairs(theirs)) / pairs, double(distance(ours, theirs)) / pairs);
+  fmt::print(
+      "# check over {} directions: facing pairs per direction {:.0f}, Embree/viewpeel {:.6f}, counts that differ "
+      "{:.2e} of them\n",
+      directions.size(), pairs / double(directions.size()), double(facingPairs(theirs)) / pairs,
+      double(distance(ours, theirs)) / pairs);
 }
 
-void measure(const std::string& name, const Scene& scene, const Ids& ids, EmbreeRivals& embree, const Device& device, int resolution,
-             const Options& options) {
+void measure(const std::string& name, const Scene& scene, const Ids& ids, EmbreeRivals& embree, const Device& device,
+             int resolution, const Options& options) {
   const std::vector<Direction> directions = sampleDirections(Sampler::iid, kMostDirections, kSeed, 0);
   const auto first = [&](uint64_t count) { return std::span(directions).first(count); };
   std::vector<Method> methods;
@@ -106,19 +115,24 @@ void measure(const std::string& name, const Scene& scene, const Ids& ids, Embree
       const std::shared_ptr<Engine> engine = make();
       const double points_each = engine->unitArea() / pointArea(resolution);  // lattice points' worth of a count
       if (points_each == 1) verify(*engine, embree, first(4), resolution);
-      methods.push_back({method, true, [=](uint64_t count) { return static_cast<uint64_t>(double(facingPairs(engine->count(first(count)))) * points_each); }});
+      methods.push_back({method, true, [=](uint64_t count) {
+                           return static_cast<uint64_t>(double(facingPairs(engine->count(first(count)))) * points_each);
+                         }});
     } catch (const Error& error) {
       if (error.code() != ErrorCode::limit) throw;
-      fmt::print("# {} refused: {}\n{},{},{},{},refused,refused,\n", method, error.what(), name, scene.polygons.size(), resolution, method);
+      fmt::print("# {} refused: {}\n{},{},{},{},refused,refused,\n", method, error.what(), name, scene.polygons.size(),
+                 resolution, method);
     }
   };
   addEngine("viewpeel", [&] { return makeComputeEngine(device, scene, ids, {.resolution = resolution}); });
   addEngine("host", [&] { return makeHostEngine(scene, ids, {.resolution = resolution}); });
-  addEngine("host_scanlines", [&] { return makeHostEngine(scene, ids, {.resolution = resolution, .sampling = Sampling::scanline}); });
+  addEngine("host_scanlines",
+            [&] { return makeHostEngine(scene, ids, {.resolution = resolution, .sampling = Sampling::scanline}); });
   const size_t engine_count = methods.size();
   uint64_t seed = kSeed;
   uint64_t rays = 0, ray_samples = 0;
-  const std::pair<Trace, const char*> traces[] = {{Trace::single, "single"}, {Trace::packets_of_8, "packets"}, {Trace::streams, "streams"}};
+  const std::pair<Trace, const char*> traces[] = {
+      {Trace::single, "single"}, {Trace::packets_of_8, "packets"}, {Trace::streams, "streams"}};
   for (const auto& [trace, suffix] : traces)
     methods.push_back({fmt::format("embree_lines_{}", suffix), true, [&, trace = trace](uint64_t count) {
                          const uint64_t samples = embree.countLines(trace, first(count), resolution);
@@ -168,22 +182,27 @@ void measure(const std::string& name, const Scene& scene, const Ids& ids, Embree
     const auto [low, high] = std::minmax_element(method.samples_per_second.begin(), method.samples_per_second.end());
     spread += fmt::format(" {} {:.2f}", method.name, *high / *low);
   }
-  fmt::print("# fastest over slowest round:{}\n# rays that ended on a front: {:.4f} of all\n", spread, double(ray_samples) / double(rays));
+  fmt::print("# fastest over slowest round:{}\n# rays that ended on a front: {:.4f} of all\n", spread,
+             double(ray_samples) / double(rays));
   for (size_t k = 0; k < engine_count; ++k)
-    fmt::print("# {}/Embree: lines {:.2f}, rays {:.2f}\n", methods[k].name, samplesOf(methods[k]) / best_lines, samplesOf(methods[k]) / best_rays);
+    fmt::print("# {}/Embree: lines {:.2f}, rays {:.2f}\n", methods[k].name, samplesOf(methods[k]) / best_lines,
+               samplesOf(methods[k]) / best_rays);
   std::fflush(stdout);
 }
 
 void measureAll(const Options& options) {
   const Device device(options.device);
   printPlace(device, VIEWPEEL_SOURCE);
-  fmt::print("# Embree {}; counters by {}; medians of {} rounds of {} s and more; ratio_to_viewpeel: samples per second, method / viewpeel\n",
-             embreeVersion(), options.by == By::polygon ? "polygon" : "surface", options.rounds, options.seconds);
+  fmt::print(
+      "# Embree {}; counters by {}; medians of {} rounds of {} s and more; ratio_to_viewpeel: samples per second, "
+      "method / viewpeel\n",
+      embreeVersion(), options.by == By::polygon ? "polygon" : "surface", options.rounds, options.seconds);
   fmt::print("scene,polygons,resolution,method,directions_per_second,samples_per_second,ratio_to_viewpeel\n");
   for (const std::string& name : options.scenes) {
     const bool triangles = name == "triangles";
     const Scene scene = buildScene(triangles ? randomTriangles(100'000) : roomWithBoxes(name == "room" ? 1 : 4));
-    const Ids ids = makeIds(scene, options.by, triangles);  // two-sided where fronts are random, so that every gap counts
+    const Ids ids =
+        makeIds(scene, options.by, triangles);  // two-sided where fronts are random, so that every gap counts
     EmbreeRivals embree(scene, ids);
     for (int resolution : options.resolutions) measure(name, scene, ids, embree, device, resolution, options);
   }

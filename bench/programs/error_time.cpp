@@ -1,11 +1,16 @@
-// What error does each method have after what time? All form factors of a scene by viewpeel and by what users would pick instead, in one run on one machine. CSV on stdout.
-//   error_time [--scene NAME]... [--method NAME]... [--full] [--seconds S] [--reference-seconds S] [--rounds K] [--view3d PROGRAM] [--cache DIR] [--device D]
-// Methods (methods.cpp): planned (the program's default), fibonacci, jittered, iid and the same with closed forms, scanline, host and host_closed (scanlines on the processor), graphics, exact; rays_random and rays_sobol,
-// double_area_random and double_area_sobol (embree_rays.h), hemicube (hemicube.h), view3d (view3d.h). Rivals are verified first (verify_rivals.h). Each method climbs a ladder of
-// growing work until its next run would take longer than --seconds; short runs are repeated with other seeds, and rounds of all ladders follow each other.
-// seconds: from a method made ready to its result; setup_seconds: to make it ready (kernels compiled, trees built). Errors: exchange_matrix.h; reference_error is the reference's own rms
-// error (a reference kept in --cache from a busy machine is a poor one: delete it). chosen: parameters that a method chose
-// itself. waiting_share: of seconds, what the calling thread does not compute. passes: shares of the time on the device, over other directions.
+// What error does each method have after what time? All form factors of a scene by viewpeel and by what users would
+// pick instead, in one run on one machine. CSV on stdout.
+//   error_time [--scene NAME]... [--method NAME]... [--full] [--seconds S] [--reference-seconds S] [--rounds K]
+//   [--view3d PROGRAM] [--cache DIR] [--device D]
+// Methods (methods.cpp): planned (the program's default), fibonacci, jittered, iid and the same with closed forms,
+// scanline, host and host_closed (scanlines on the processor), graphics, exact; rays_random and rays_sobol,
+// double_area_random and double_area_sobol (embree_rays.h), hemicube (hemicube.h), view3d (view3d.h). Rivals are
+// verified first (verify_rivals.h). Each method climbs a ladder of growing work until its next run would take longer
+// than --seconds; short runs are repeated with other seeds, and rounds of all ladders follow each other. seconds: from
+// a method made ready to its result; setup_seconds: to make it ready (kernels compiled, trees built). Errors:
+// exchange_matrix.h; reference_error is the reference's own rms error (a reference kept in --cache from a busy machine
+// is a poor one: delete it). chosen: parameters that a method chose itself. waiting_share: of seconds, what the calling
+// thread does not compute. passes: shares of the time on the device, over other directions.
 #include <algorithm>
 #include <fstream>
 #include <set>
@@ -25,7 +30,8 @@ namespace viewpeel::bench {
 namespace {
 
 constexpr uint64_t kMostRepeats = 8;  // of a run within a round
-constexpr double kHopeless = 20;      // times --seconds: from a run on that took longer, a method's finer lattices are left out
+constexpr double kHopeless =
+    20;  // times --seconds: from a run on that took longer, a method's finer lattices are left out
 
 struct Options {
   std::vector<std::string> scenes{"plates", "cube", "office"}, methods;
@@ -38,7 +44,9 @@ struct Options {
 
 // Faces and polygons are the same, and all are quadrilaterals or triangles.
 Scene makeScene(const std::string& name) {
-  const auto office = [](uint32_t refine) { return buildScene(refined(loadScene(VIEWPEEL_SOURCE "/scenes/office.obj"), refine)); };
+  const auto office = [](uint32_t refine) {
+    return buildScene(refined(loadScene(VIEWPEEL_SOURCE "/scenes/office.obj"), refine));
+  };
   if (name == "plates") return buildScene(twoPlates(1));
   if (name == "cube") return buildScene(insideOfCube(4));
   if (name == "office") return office(1);
@@ -66,7 +74,8 @@ double peakMib() {
 std::string inQuotes(const std::string& text) { return "\"" + text + "\""; }
 
 bool isAsked(const std::string& method, const Options& options) {
-  return options.methods.empty() || std::find(options.methods.begin(), options.methods.end(), method) != options.methods.end();
+  return options.methods.empty() ||
+         std::find(options.methods.begin(), options.methods.end(), method) != options.methods.end();
 }
 
 struct Place {
@@ -76,13 +85,17 @@ struct Place {
 // The first four columns.
 std::string describe(const Place& place, const Ladder& ladder) {
   const std::string device = ladder.on_device ? place.device : "CPU";
-  const std::string driver = ladder.on_device ? place.driver : ladder.method == "view3d" || ladder.method == "exact" || ladder.method.starts_with("host") ? "none" : "Embree " + embreeVersion();
+  const std::string driver =
+      ladder.on_device ? place.driver
+      : ladder.method == "view3d" || ladder.method == "exact" || ladder.method.starts_with("host")
+          ? "none"
+          : "Embree " + embreeVersion();
   return fmt::format("{},{},{},{}", place.commit, inQuotes(device), inQuotes(driver), threadCount());
 }
 
 // Returns the seconds of the first run; 0 where it was refused.
-double climb(const Ladder& ladder, const std::string& scene_name, const std::vector<double>& areas, const ReferenceMatrix& reference, uint64_t round,
-           const Place& place, const Options& options) {
+double climb(const Ladder& ladder, const std::string& scene_name, const std::vector<double>& areas,
+             const ReferenceMatrix& reference, uint64_t round, const Place& place, const Options& options) {
   double first_seconds = 0;
   try {
     const Runner runner = ladder.set_up();
@@ -92,7 +105,9 @@ double climb(const Ladder& ladder, const std::string& scene_name, const std::vec
       // The first runs have fixed costs, which do not grow.
       if (k > 0 && rung.cost * least_s_per_cost > (k < 3 ? 4 : 1) * options.seconds) break;
       double spent_s = 0;
-      for (uint64_t repeat = 0; repeat < kMostRepeats && (repeat == 0 || spent_s * double(repeat + 1) / double(repeat) < options.seconds); ++repeat) {
+      for (uint64_t repeat = 0;
+           repeat < kMostRepeats && (repeat == 0 || spent_s * double(repeat + 1) / double(repeat) < options.seconds);
+           ++repeat) {
         const uint64_t seed = round * kMostRepeats + repeat + 1;
         resetPeak();
         const Outcome outcome = runner.run(rung.amount, seed);
@@ -104,12 +119,12 @@ double climb(const Ladder& ladder, const std::string& scene_name, const std::vec
         const double device_mib = double(runner.profile.device_bytes) / (1 << 20), peak_mib = peakMib();
         const MatrixError error = errorOf(outcome.exchange, reference.exchange, areas);
         const std::string standard_error = outcome.standard_error ? fmt::format("{:.4g}", *outcome.standard_error) : "";
-        fmt::print("{},{},{},{},{},{},{},{},", describe(place, ladder), scene_name, reference.exchange.count(), ladder.method, seed, inQuotes(parameters),
-                   inQuotes(runner.chosen + outcome.chosen), round);
-        fmt::print("{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{},{:.3g},", runner.setup_seconds, seconds, error.rms, error.largest, error.weighted_rms,
-                   error.weighted_largest, standard_error, reference.error.rms);
-        fmt::print("{:.4g},{:.4g},{:.3f},{:.0f},{:.0f},{}\n", outcome.time.cpu_seconds, outcome.time.host_seconds, 1 - outcome.time.host_seconds / seconds, peak_mib,
-                   device_mib, inQuotes(runner.profile.passes));
+        fmt::print("{},{},{},{},{},{},{},{},", describe(place, ladder), scene_name, reference.exchange.count(),
+                   ladder.method, seed, inQuotes(parameters), inQuotes(runner.chosen + outcome.chosen), round);
+        fmt::print("{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{},{:.3g},", runner.setup_seconds, seconds, error.rms,
+                   error.largest, error.weighted_rms, error.weighted_largest, standard_error, reference.error.rms);
+        fmt::print("{:.4g},{:.4g},{:.3f},{:.0f},{:.0f},{}\n", outcome.time.cpu_seconds, outcome.time.host_seconds,
+                   1 - outcome.time.host_seconds / seconds, peak_mib, device_mib, inQuotes(runner.profile.passes));
         std::fflush(stdout);
       }
     }
@@ -126,19 +141,24 @@ void measureScene(const std::string& name, const Device& device, const Place& pl
   std::vector<double> areas;
   for (const Polygon& polygon : scene.polygons) areas.push_back(polygon.area);
   const ReferenceMatrix reference =
-      hasClosedForms(name) ? referenceByClosedForms(scene) : referenceByLongRun(device, scene, name, options.reference_seconds, options.cache);
-  fmt::print("# {}: {} polygons; reference: {}; its own error: rms {:.1e}, largest {:.1e}\n", name, scene.polygons.size(), reference.source, reference.error.rms, reference.error.largest);
+      hasClosedForms(name) ? referenceByClosedForms(scene)
+                           : referenceByLongRun(device, scene, name, options.reference_seconds, options.cache);
+  fmt::print("# {}: {} polygons; reference: {}; its own error: rms {:.1e}, largest {:.1e}\n", name,
+             scene.polygons.size(), reference.source, reference.error.rms, reference.error.largest);
   std::fflush(stdout);
   const std::vector<Ladder> ladders = makeLadders(device, scene, options.method);
-  std::set<std::string> too_slow;  // methods whose shortest run takes far longer than is asked for: finer lattices of theirs take longer still
+  std::set<std::string> too_slow;  // methods whose shortest run takes far longer than is asked for: finer lattices of
+                                   // theirs take longer still
   for (uint64_t round = 0; round < options.rounds; ++round)
     for (const Ladder& ladder : ladders) {
       if (!isAsked(ladder.method, options)) continue;
       if (too_slow.contains(ladder.method)) {
-        fmt::print("# {} {}{} left out: a coarser one took more than {} times --seconds\n", name, ladder.parameters, ladder.method, kHopeless);
+        fmt::print("# {} {}{} left out: a coarser one took more than {} times --seconds\n", name, ladder.parameters,
+                   ladder.method, kHopeless);
         continue;
       }
-      if (climb(ladder, name, areas, reference, round, place, options) > kHopeless * options.seconds) too_slow.insert(ladder.method);
+      if (climb(ladder, name, areas, reference, round, place, options) > kHopeless * options.seconds)
+        too_slow.insert(ladder.method);
     }
 }
 
@@ -147,9 +167,13 @@ void run(const Options& options) {
   printPlace(device, VIEWPEEL_SOURCE);
   const Place place{commitOf(VIEWPEEL_SOURCE), device.description().name, device.description().driver};
   const std::vector<std::string> rivals = rivalNames();
-  if (std::any_of(rivals.begin(), rivals.end(), [&](const std::string& rival) { return isAsked(rival, options); })) verifyRivals(device);
-  fmt::print("commit,device,driver,cores,scene,n,method,seed,parameters,chosen,round,setup_seconds,seconds,rms_error,max_error,weighted_rms_error,"
-             "weighted_max_error,standard_error,reference_error,cpu_seconds,host_seconds,waiting_share,resident_mib,device_mib,passes\n");
+  if (std::any_of(rivals.begin(), rivals.end(), [&](const std::string& rival) { return isAsked(rival, options); }))
+    verifyRivals(device);
+  fmt::print(
+      "commit,device,driver,cores,scene,n,method,seed,parameters,chosen,round,setup_seconds,seconds,rms_error,max_"
+      "error,weighted_rms_error,"
+      "weighted_max_error,standard_error,reference_error,cpu_seconds,host_seconds,waiting_share,resident_mib,device_"
+      "mib,passes\n");
   for (const std::string& scene : options.scenes) measureScene(scene, device, place, options);
   if (!device.validationErrors().empty()) throw Error(ErrorCode::device, device.validationErrors().front());
 }
@@ -161,13 +185,26 @@ int main(int argc, char** argv) {
   using namespace viewpeel;
   keepFreedMemory();
   bench::Options options;
-  CLI::App app("Error of all form factors of a scene against time, viewpeel and its rivals: CSV on stdout", "error_time");
-  app.add_option("--scene", options.scenes, "plates, cube, sizes, office, office2, office4, city")->check(CLI::IsMember(bench::kScenes))->allow_extra_args(false)->capture_default_str();
+  CLI::App app("Error of all form factors of a scene against time, viewpeel and its rivals: CSV on stdout",
+               "error_time");
+  app.add_option("--scene", options.scenes, "plates, cube, sizes, office, office2, office4, city")
+      ->check(CLI::IsMember(bench::kScenes))
+      ->allow_extra_args(false)
+      ->capture_default_str();
   app.add_option("--method", options.methods, "Only these")->allow_extra_args(false);
   app.add_flag("--full", options.method.full, "Every resolution");
-  app.add_option("--seconds", options.seconds, "The longest run of a method")->check(CLI::PositiveNumber)->take_last()->capture_default_str();
-  app.add_option("--reference-seconds", options.reference_seconds, "Of a long run where there are no closed forms")->check(CLI::PositiveNumber)->take_last()->capture_default_str();
-  app.add_option("--rounds", options.rounds, "Of all ladders, each with other seeds")->check(CLI::PositiveNumber)->take_last()->capture_default_str();
+  app.add_option("--seconds", options.seconds, "The longest run of a method")
+      ->check(CLI::PositiveNumber)
+      ->take_last()
+      ->capture_default_str();
+  app.add_option("--reference-seconds", options.reference_seconds, "Of a long run where there are no closed forms")
+      ->check(CLI::PositiveNumber)
+      ->take_last()
+      ->capture_default_str();
+  app.add_option("--rounds", options.rounds, "Of all ladders, each with other seeds")
+      ->check(CLI::PositiveNumber)
+      ->take_last()
+      ->capture_default_str();
   app.add_option("--view3d", options.method.view3d, "View3D's program, run as PROGRAM IN.vs3 OUT.txt");
   app.add_option("--cache", options.cache, "Directory for references, and for View3D's files")->capture_default_str();
   app.add_option("--device", options.device.selector, "As for viewpeel");

@@ -48,8 +48,8 @@ void measure(const std::string& name, const Scene& scene) {
   std::sort(times_s.begin(), times_s.end());
   std::sort(cuts.begin(), cuts.end());
   fmt::print("{},{},{:.0f},{},{},{:.1e},{:.4f},{:.4f},{:.4f},{:.4f}\n", name, scene.polygons.size(),
-             cuts[kDirectionCount / 2], pair_count / kDirectionCount, open_count, largest_error, check_s, times_s.front(),
-             times_s[kDirectionCount / 2], times_s.back());
+             cuts[kDirectionCount / 2], pair_count / kDirectionCount, open_count, largest_error, check_s,
+             times_s.front(), times_s[kDirectionCount / 2], times_s.back());
 }
 
 }  // namespace

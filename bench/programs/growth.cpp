@@ -1,7 +1,10 @@
-// How does the compute engine's time per direction grow with polygons and with lattice points? CSV on stdout, exponents fitted in comments.
-//   growth [--series polygons|points]... [--most-polygons N] [--most-resolution PX] [--by polygon|surface]... [--rounds N] [--seconds S]
-// Polygons: cities, the same streets over a larger ground, at one lattice. Points: one room under finer and finer lattices. The engine's fixed
-// cost, a call without directions, is timed in every round, left out of the time per direction and printed beside it.
+// How does the compute engine's time per direction grow with polygons and with lattice points? CSV on stdout, exponents
+// fitted in comments.
+//   growth [--series polygons|points]... [--most-polygons N] [--most-resolution PX] [--by polygon|surface]... [--rounds
+//   N] [--seconds S]
+// Polygons: cities, the same streets over a larger ground, at one lattice. Points: one room under finer and finer
+// lattices. The engine's fixed cost, a call without directions, is timed in every round, left out of the time per
+// direction and printed beside it.
 #include <cmath>
 #include <map>
 #include <span>
@@ -41,32 +44,40 @@ double fitExponent(std::span<const Point> points) {
 
 void printExponents(const std::string& what, const std::vector<Point>& points) {
   if (points.size() < 2) return;
-  // Sizes are only about what was asked for, and grow in steps: from the last that is a factor of 8 or more below the largest.
+  // Sizes are only about what was asked for, and grow in steps: from the last that is a factor of 8 or more below the
+  // largest.
   auto decade = points.end() - 1;
   while (decade != points.begin() && decade->x * 8 > points.back().x) --decade;
   const std::span<const Point> last(decade, points.end());
-  fmt::print("# {}: time grows as x^{:.2f} from {:.0f} to {:.0f}", what, fitExponent(points), points.front().x, points.back().x);
-  if (last.size() > 1) fmt::print(", as x^{:.2f} over the last decade or so, from {:.0f}", fitExponent(last), last.front().x);
+  fmt::print("# {}: time grows as x^{:.2f} from {:.0f} to {:.0f}", what, fitExponent(points), points.front().x,
+             points.back().x);
+  if (last.size() > 1)
+    fmt::print(", as x^{:.2f} over the last decade or so, from {:.0f}", fitExponent(last), last.front().x);
   fmt::print("\n");
   std::fflush(stdout);
 }
 
 // Adds to `points` where the engine takes the scene.
-void measure(const std::string& series, const std::string& by, const Scene& scene, const Device& device, int resolution, const Options& options,
-             double x, std::vector<Point>& points) {
+void measure(const std::string& series, const std::string& by, const Scene& scene, const Device& device, int resolution,
+             const Options& options, double x, std::vector<Point>& points) {
   const Ids ids = makeIds(scene, kBy.at(by), false);
   const std::string row = fmt::format("{},{},{},{},{}", series, by, scene.polygons.size(), ids.count(), resolution);
   try {
     const std::unique_ptr<Engine> engine = makeComputeEngine(device, scene, ids, {.resolution = resolution});
     const std::vector<Direction> directions = sampleDirections(Sampler::iid, kMostDirections, kSeed, 0);
-    const auto secondsFor = [&](uint32_t count) { return secondsOf([&] { engine->count(std::span(directions).first(count)); }); };
+    const auto secondsFor = [&](uint32_t count) {
+      return secondsOf([&] { engine->count(std::span(directions).first(count)); });
+    };
     secondsFor(1);  // the first dispatch may compile, and lists may grow
-    const double fixed_first_s = secondsFor(0), seconds = std::max(options.seconds, fixed_first_s);  // a small difference of two long times is noise
+    const double fixed_first_s = secondsFor(0),
+                 seconds = std::max(options.seconds, fixed_first_s);  // a small difference of two long times is noise
     uint32_t count = 1;
     for (;;) {
       const double spent_s = secondsFor(count) - fixed_first_s;
       if (spent_s >= seconds || count == kMostDirections) break;
-      count = std::min(kMostDirections, static_cast<uint32_t>(std::ceil(count * std::clamp(1.2 * seconds / std::max(spent_s, 1e-6), 1.5, 16.0))));
+      count = std::min(
+          kMostDirections,
+          static_cast<uint32_t>(std::ceil(count * std::clamp(1.2 * seconds / std::max(spent_s, 1e-6), 1.5, 16.0))));
     }
     std::vector<double> fixed_s, times_s;
     uint64_t pair_count = 0, samples = 0;
@@ -81,8 +92,8 @@ void measure(const std::string& series, const std::string& by, const Scene& scen
     }
     const auto [low, high] = std::minmax_element(times_s.begin(), times_s.end());
     const double time_s = median(times_s);
-    fmt::print("{},{},{:.4g},{:.4g},{:.4g},{:.4g},{:.0f},{}\n", row, count, 1e3 * time_s, 1e3 * *low, 1e3 * *high, 1e3 * median(fixed_s),
-               double(samples) / count, pair_count);
+    fmt::print("{},{},{:.4g},{:.4g},{:.4g},{:.4g},{:.0f},{}\n", row, count, 1e3 * time_s, 1e3 * *low, 1e3 * *high,
+               1e3 * median(fixed_s), double(samples) / count, pair_count);
     points.push_back({x, time_s});
   } catch (const Error& error) {
     if (error.code() != ErrorCode::limit) throw;
@@ -95,7 +106,9 @@ void measureAll(const Options& options) {
   const Device device(options.device);
   printPlace(device, VIEWPEEL_SOURCE);
   fmt::print("# medians of {} rounds of {} s and more\n", options.rounds, options.seconds);
-  fmt::print("series,by,polygons,ids,resolution,directions,time_ms,fastest_ms,slowest_ms,fixed_ms,counts_per_direction,pairs\n");
+  fmt::print(
+      "series,by,polygons,ids,resolution,directions,time_ms,fastest_ms,slowest_ms,fixed_ms,counts_per_direction,"
+      "pairs\n");
   for (const std::string& series : options.series) {
     std::map<std::string, std::vector<Point>> points;
     if (series == "polygons") {

@@ -18,7 +18,8 @@ namespace {
 struct HashCorner {
   size_t operator()(const glm::dvec3& p) const {
     uint64_t hash = 0;
-    for (int axis = 0; axis < 3; ++axis) hash = (hash ^ std::bit_cast<uint64_t>(p[axis])) * 0x9E3779B97F4A7C15ull, hash ^= hash >> 29;
+    for (int axis = 0; axis < 3; ++axis)
+      hash = (hash ^ std::bit_cast<uint64_t>(p[axis])) * 0x9E3779B97F4A7C15ull, hash ^= hash >> 29;
     return hash;
   }
 };
@@ -50,16 +51,21 @@ void writePly(const InputScene& scene, const std::string& file) {
     }
   }
   std::ofstream out(file, std::ios::binary);
-  out << fmt::format("ply\nformat binary_little_endian 1.0\ncomment {}\nelement vertex {}\nproperty double x\nproperty double y\nproperty double z\n"
-                     "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
-                     scene.file, index_of.size(), scene.faces.size());
+  out << fmt::format(
+      "ply\nformat binary_little_endian 1.0\ncomment {}\nelement vertex {}\nproperty double x\nproperty double "
+      "y\nproperty double z\n"
+      "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
+      scene.file, index_of.size(), scene.faces.size());
   out << vertices.string() << faces.string();
   if (!out.flush()) throw Error(ErrorCode::output, fmt::format("{}: cannot be written; choose another place", file));
 }
 
 int makeScene(const std::string& kind, uint32_t n, const std::string& file) {
   Clock::time_point start = Clock::now();
-  const InputScene input = kind == "room" ? roomWithBoxes(n) : kind == "triangles" ? randomTriangles(n) : kind == "sizes" ? spreadOfSizes() : city(n);
+  const InputScene input = kind == "room"        ? roomWithBoxes(n)
+                           : kind == "triangles" ? randomTriangles(n)
+                           : kind == "sizes"     ? spreadOfSizes()
+                                                 : city(n);
   const double generate_s = secondsSince(start);
   start = Clock::now();
   writePly(input, file);
@@ -68,10 +74,13 @@ int makeScene(const std::string& kind, uint32_t n, const std::string& file) {
   const Scene scene = loadScene(file);
   const double load_s = secondsSince(start);
   for (const std::string& warning : scene.warnings) fmt::print(stderr, "{}\n", warning);
-  fmt::print("{}: {}, {} polygons in {} surfaces, {} planes; generated in {:.2f} s, written in {:.2f} s, loaded in {:.2f} s\n", file, input.file,
-             input.faces.size(), input.surface_names.size(), scene.planes.size(), generate_s, write_s, load_s);
+  fmt::print(
+      "{}: {}, {} polygons in {} surfaces, {} planes; generated in {:.2f} s, written in {:.2f} s, loaded in {:.2f} s\n",
+      file, input.file, input.faces.size(), input.surface_names.size(), scene.planes.size(), generate_s, write_s,
+      load_s);
   if (scene.faces.size() != input.faces.size() || scene.polygons.size() != input.faces.size())
-    throw Error(ErrorCode::check, fmt::format("{}: {} faces and {} polygons read back", file, scene.faces.size(), scene.polygons.size()));
+    throw Error(ErrorCode::check,
+                fmt::format("{}: {} faces and {} polygons read back", file, scene.faces.size(), scene.polygons.size()));
   return 0;
 }
 

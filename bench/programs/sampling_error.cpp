@@ -1,9 +1,12 @@
-// Which samples of a direction, lattice points or scanlines, give the smaller error for the same time, on which engine, and how does the error fall with the number of them?
-// CSV on stdout: rms error over all ordered pairs of polygons, of single replicates of rotated Fibonacci directions; in comments, for each engine and sampling, the
-// exponent a of rms ~ T^-a at the best split of T samples (lattice points, or scanlines) between directions and spacing, and the time to given errors.
-//   sampling_error [--scene plates|cube|office|room4]... [--resolution PX]... [--directions N]... [--repeats K] [--reference N] [--engine compute|host]...
-// References: the closed form by contour integrals for plates and the inside of a cube of 96 patches; for scenes with occlusion a long run with
-// scanlines, whose own error is printed.
+// Which samples of a direction, lattice points or scanlines, give the smaller error for the same time, on which engine,
+// and how does the error fall with the number of them? CSV on stdout: rms error over all ordered pairs of polygons, of
+// single replicates of rotated Fibonacci directions; in comments, for each engine and sampling, the exponent a of rms ~
+// T^-a at the best split of T samples (lattice points, or scanlines) between directions and spacing, and the time to
+// given errors.
+//   sampling_error [--scene plates|cube|office|room4]... [--resolution PX]... [--directions N]... [--repeats K]
+//   [--reference N] [--engine compute|host]...
+// References: the closed form by contour integrals for plates and the inside of a cube of 96 patches; for scenes with
+// occlusion a long run with scanlines, whose own error is printed.
 #include <cmath>
 #include <map>
 
@@ -77,7 +80,9 @@ Reference makeReference(const std::string& name, const Scene& scene, const Ids& 
   const double pairs = double(ids.count()) * (ids.count() - 1);
   if (name == "plates" || name == "cube") {
     std::vector<std::vector<glm::dvec3>> corners;
-    for (const Polygon& p : scene.polygons) corners.emplace_back(scene.corners.begin() + p.first_corner, scene.corners.begin() + p.first_corner + p.corner_count);
+    for (const Polygon& p : scene.polygons)
+      corners.emplace_back(scene.corners.begin() + p.first_corner,
+                           scene.corners.begin() + p.first_corner + p.corner_count);
     for (uint32_t i = 0; i < corners.size(); ++i)
       for (uint32_t j = 0; j < corners.size(); ++j)
         if (i != j) reference.factors[{i, j}] = reference::formFactor(corners[i], corners[j]);
@@ -86,7 +91,8 @@ Reference makeReference(const std::string& name, const Scene& scene, const Ids& 
   Factors halves[2];
   for (uint64_t half = 0; half < 2; ++half) {
     const auto engine = makeHostEngine(scene, ids, {.resolution = 256, .sampling = Sampling::scanline});
-    halves[half] = factorsOf(engine->count(sampleDirections(Sampler::fibonacci, directions / 2, 77, half)), ids, measureArea(*engine, scene, directions / 2));
+    halves[half] = factorsOf(engine->count(sampleDirections(Sampler::fibonacci, directions / 2, 77, half)), ids,
+                             measureArea(*engine, scene, directions / 2));
   }
   reference.rms_error = std::sqrt(sumOfSquares(halves[0], halves[1]) / pairs) / 2;
   for (const Factors& half : halves)
@@ -103,14 +109,15 @@ PowerLaw fitEnvelope(std::vector<Run> runs, double Run::*cost) {
   return fitPowerLaw(costs, errors);
 }
 
-void measureSampling(const std::string& name, const std::string& kind, Sampling sampling, const Device& device, const Scene& scene, const Ids& ids, const Reference& reference,
-                     const Options& options) {
+void measureSampling(const std::string& name, const std::string& kind, Sampling sampling, const Device& device,
+                     const Scene& scene, const Ids& ids, const Reference& reference, const Options& options) {
   const char* word = sampling == Sampling::lattice ? "lattice" : "scanline";
   const double pairs = double(ids.count()) * (ids.count() - 1);
   std::vector<Run> runs;
   for (int resolution : options.resolutions) {
     const LatticeOptions lattice{.resolution = resolution, .sampling = sampling};
-    const auto engine = kind == "host" ? makeHostEngine(scene, ids, lattice) : makeComputeEngine(device, scene, ids, lattice);
+    const auto engine =
+        kind == "host" ? makeHostEngine(scene, ids, lattice) : makeComputeEngine(device, scene, ids, lattice);
     engine->count(sampleDirections(Sampler::fibonacci, 64, 5, 0));  // compiles and tunes
     const double fixed = secondsOf([&] { engine->count({}); });     // counters read back, once a replicate
     for (uint32_t directions : options.directions) {
@@ -119,20 +126,27 @@ void measureSampling(const std::string& name, const std::string& kind, Sampling 
         const std::vector<Direction> set = sampleDirections(Sampler::fibonacci, directions, 1, repeat);
         PairCounts counts;
         seconds += secondsOf([&] { counts = engine->count(set); }) - fixed;
-        squares += sumOfSquares(factorsOf(counts, ids, measureArea(*engine, scene, directions)), reference.factors) / pairs;
+        squares +=
+            sumOfSquares(factorsOf(counts, ids, measureArea(*engine, scene, directions)), reference.factors) / pairs;
       }
-      const double rms = std::sqrt(std::max(0.0, squares / options.repeats - reference.rms_error * reference.rms_error));
+      const double rms =
+          std::sqrt(std::max(0.0, squares / options.repeats - reference.rms_error * reference.rms_error));
       const double samples = double(directions) * resolution * (sampling == Sampling::lattice ? resolution : 1);
-      fmt::print("{},{},{},{},{},{},{:.4g},{:.4g}\n", name, ids.count(), kind, word, resolution, directions, rms, seconds / options.repeats);
+      fmt::print("{},{},{},{},{},{},{:.4g},{:.4g}\n", name, ids.count(), kind, word, resolution, directions, rms,
+                 seconds / options.repeats);
       std::fflush(stdout);
       if (rms > 3 * reference.rms_error) runs.push_back({samples, seconds / options.repeats, rms});
     }
   }
   if (runs.size() < 4) return;
   const PowerLaw in_samples = fitEnvelope(runs, &Run::samples), in_seconds = fitEnvelope(runs, &Run::seconds);
-  const auto secondsTo = [&](double rms) { return std::exp((std::log(rms) - in_seconds.intercept) / in_seconds.exponent); };
-  fmt::print("# {} {} {}: rms ~ T^{:.2f} in samples, ~ t^{:.2f} in seconds; to 1e-3 {:.2g} s, to 1e-4 {:.2g} s, to 1e-5 {:.2g} s, along that line\n", name, kind, word,
-             in_samples.exponent, in_seconds.exponent, secondsTo(1e-3), secondsTo(1e-4), secondsTo(1e-5));
+  const auto secondsTo = [&](double rms) {
+    return std::exp((std::log(rms) - in_seconds.intercept) / in_seconds.exponent);
+  };
+  fmt::print(
+      "# {} {} {}: rms ~ T^{:.2f} in samples, ~ t^{:.2f} in seconds; to 1e-3 {:.2g} s, to 1e-4 {:.2g} s, to 1e-5 "
+      "{:.2g} s, along that line\n",
+      name, kind, word, in_samples.exponent, in_seconds.exponent, secondsTo(1e-3), secondsTo(1e-4), secondsTo(1e-5));
 }
 
 void measureScene(const std::string& name, const Device& device, const Options& options) {
@@ -141,7 +155,8 @@ void measureScene(const std::string& name, const Device& device, const Options& 
   const Reference reference = makeReference(name, scene, ids, options.reference);
   fmt::print("# {}: {} polygons; rms error of the reference {:.1e}\n", name, ids.count(), reference.rms_error);
   for (const std::string& kind : options.engines)
-    for (Sampling sampling : {Sampling::lattice, Sampling::scanline}) measureSampling(name, kind, sampling, device, scene, ids, reference, options);
+    for (Sampling sampling : {Sampling::lattice, Sampling::scanline})
+      measureSampling(name, kind, sampling, device, scene, ids, reference, options);
 }
 
 }  // namespace
@@ -156,8 +171,11 @@ int main(int argc, char** argv) {
   app.add_option("--resolution", options.resolutions, "Spacings across the scene")->capture_default_str();
   app.add_option("--directions", options.directions, "Directions of a replicate")->capture_default_str();
   app.add_option("--repeats", options.repeats, "Replicates to take the mean of")->capture_default_str();
-  app.add_option("--reference", options.reference, "Directions of the reference where there is no closed form")->capture_default_str();
-  app.add_option("--engine", options.engines, "compute, host")->check(CLI::IsMember({"compute", "host"}))->capture_default_str();
+  app.add_option("--reference", options.reference, "Directions of the reference where there is no closed form")
+      ->capture_default_str();
+  app.add_option("--engine", options.engines, "compute, host")
+      ->check(CLI::IsMember({"compute", "host"}))
+      ->capture_default_str();
   app.add_option("--device", options.device.selector, "As for viewpeel");
   CLI11_PARSE(app, argc, argv);
   try {

@@ -1,4 +1,5 @@
-// Thousands of random hard scenes against exact areas; see scenes/stress.h. CSV on stdout, exit status 1 where something is off.
+// Thousands of random hard scenes against exact areas; see scenes/stress.h. CSV on stdout, exit status 1 where
+// something is off.
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
@@ -15,20 +16,25 @@ int main(int argc, char** argv) {
   using namespace viewpeel;
   try {
     const Device device;
-    fmt::print("# {}, {}\nkind,scenes,first_seed,polygons,directions,regions,largest_error_of_allowed,engines_differ,lines_in_closed_scenes,lost_lines,worst_case\n",
-               device.description().name, device.description().driver);
+    fmt::print(
+        "# {}, "
+        "{}\nkind,scenes,first_seed,polygons,directions,regions,largest_error_of_allowed,engines_differ,lines_in_"
+        "closed_scenes,lost_lines,worst_case\n",
+        device.description().name, device.description().driver);
     bool holds = true;
     for (stress::Kind kind : stress::kKinds) {
       if (!only.empty() && only != stress::nameOf(kind)) continue;
       stress::Tally all;
       for (uint64_t seed = first; seed < first + scenes; ++seed) {
         const stress::Tally tally = stress::judge(device, kind, seed);
-        if (tally.worst > 1 || tally.unequal) fmt::print(stderr, "off by {:.3g} of what is allowed, {} counts differ: {}\n", tally.worst, tally.unequal, tally.worst_case);
+        if (tally.worst > 1 || tally.unequal)
+          fmt::print(stderr, "off by {:.3g} of what is allowed, {} counts differ: {}\n", tally.worst, tally.unequal,
+                     tally.worst_case);
         all.add(tally);
       }
       holds = holds && all.worst <= 1 && all.unequal == 0;
-      fmt::print("{},{},{},{},{},{},{:.3f},{},{},{},\"{}\"\n", stress::nameOf(kind), all.scenes, first, all.polygons, all.directions, all.regions, all.worst, all.unequal, all.lines,
-                 all.lost_lines, all.worst_case);
+      fmt::print("{},{},{},{},{},{},{:.3f},{},{},{},\"{}\"\n", stress::nameOf(kind), all.scenes, first, all.polygons,
+                 all.directions, all.regions, all.worst, all.unequal, all.lines, all.lost_lines, all.worst_case);
       std::fflush(stdout);
     }
     return holds ? 0 : 1;

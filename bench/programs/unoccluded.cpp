@@ -1,7 +1,9 @@
 // How fast are exchange areas of all pairs of a scene's polygons, and how accurate? CSV on stdout.
-//   unoccluded [--refine N] [--triangles N] [--drawn PAIRS] [--checked PAIRS] [--chunk PAIRS] [--near PAIRS] [--device D]
-// Pairs of the fronts of a room with boxes, or of N random triangles, all or so many drawn at random, in calls of about a million; a random sample
-// of them is compared with the reference. cpu_seconds do not include waiting where other work shares the cores.
+//   unoccluded [--refine N] [--triangles N] [--drawn PAIRS] [--checked PAIRS] [--chunk PAIRS] [--near PAIRS] [--device
+//   D]
+// Pairs of the fronts of a room with boxes, or of N random triangles, all or so many drawn at random, in calls of about
+// a million; a random sample of them is compared with the reference. cpu_seconds do not include waiting where other
+// work shares the cores.
 #include <sys/resource.h>
 
 #include <cmath>
@@ -31,7 +33,8 @@ struct Options {
 double processSeconds() {
   rusage usage;
   ::getrusage(RUSAGE_SELF, &usage);
-  return double(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) + 1e-6 * double(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
+  return double(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+         1e-6 * double(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
 }
 
 double residentMiB() {
@@ -61,7 +64,8 @@ void forDrawnPairs(uint32_t polygon_count, uint64_t pair_count, Use use) {
   std::mt19937_64 random(kSeed + 1);
   for (uint64_t left = pair_count; left > 0;) {
     std::vector<SidePair> pairs(std::min<uint64_t>(left, kPairsPerCall));
-    for (SidePair& pair : pairs) pair = {frontSide(uint32_t(random() % polygon_count)), frontSide(uint32_t(random() % polygon_count))};
+    for (SidePair& pair : pairs)
+      pair = {frontSide(uint32_t(random() % polygon_count)), frontSide(uint32_t(random() % polygon_count))};
     use(pairs);
     left -= pairs.size();
   }
@@ -69,7 +73,8 @@ void forDrawnPairs(uint32_t polygon_count, uint64_t pair_count, Use use) {
 
 std::vector<glm::dvec3> cornersOf(const Scene& scene, uint32_t polygon_index) {
   const Polygon& polygon = scene.polygons[polygon_index];
-  return {scene.corners.begin() + polygon.first_corner, scene.corners.begin() + polygon.first_corner + polygon.corner_count};
+  return {scene.corners.begin() + polygon.first_corner,
+          scene.corners.begin() + polygon.first_corner + polygon.corner_count};
 }
 
 // Pairs drawn from all, and their areas.
@@ -85,7 +90,8 @@ void check(const Scene& scene, const Sample& sample) {
     uint32_t i = sample.pairs[k].i / 2, j = sample.pairs[k].j / 2;
     if (scene.polygons[i].area > scene.polygons[j].area) std::swap(i, j);
     try {
-      const double truth = reference::formFactor(cornersOf(scene, i), cornersOf(scene, j)), error = std::abs(sample.areas[k] / scene.polygons[i].area - truth);
+      const double truth = reference::formFactor(cornersOf(scene, i), cornersOf(scene, j)),
+                   error = std::abs(sample.areas[k] / scene.polygons[i].area - truth);
       worst = std::max(worst, error / std::max(kUnoccludedRelativeError * truth, kUnoccludedAbsoluteError));
       if (truth > 0) relative = std::max(relative, error / truth);
     } catch (const Error& error) {
@@ -93,11 +99,12 @@ void check(const Scene& scene, const Sample& sample) {
       ++unsettled;
     }
   }
-  fmt::print("# {} pairs against the reference ({} beyond it): at most {:.2g} of the error allowed, {:.1e} relative\n", sample.pairs.size(), unsettled,
-             worst, relative);
+  fmt::print("# {} pairs against the reference ({} beyond it): at most {:.2g} of the error allowed, {:.1e} relative\n",
+             sample.pairs.size(), unsettled, worst, relative);
 }
 
-// cpu_s is divided as the passes' times on the device are: those alone include waiting where other work shares the cores.
+// cpu_s is divided as the passes' times on the device are: those alone include waiting where other work shares the
+// cores.
 void printClasses(const UnoccludedWork& work, double cpu_s) {
   double all_s = 0, near_s = 0;
   fmt::print("pass,pairs,device_seconds,cpu_ns_per_pair\n");
@@ -116,7 +123,8 @@ void printClasses(const UnoccludedWork& work, double cpu_s) {
 void measure(const Options& options) {
   const Device device(options.device);
   printPlace(device, VIEWPEEL_SOURCE);
-  const Scene scene = buildScene(options.triangles ? randomTriangles(options.triangles) : roomWithBoxes(options.refine));
+  const Scene scene =
+      buildScene(options.triangles ? randomTriangles(options.triangles) : roomWithBoxes(options.refine));
   const auto polygon_count = static_cast<uint32_t>(scene.polygons.size());
   const double resident_before = residentMiB();
   std::unique_ptr<UnoccludedExchange> exchange;
@@ -127,7 +135,8 @@ void measure(const Options& options) {
   });
 
   std::mt19937_64 random(kSeed);
-  const double pair_count = options.drawn ? double(options.drawn) : 0.5 * polygon_count * (polygon_count - 1.0), share = options.checked / pair_count;
+  const double pair_count = options.drawn ? double(options.drawn) : 0.5 * polygon_count * (polygon_count - 1.0),
+               share = options.checked / pair_count;
   Sample sample;
   std::vector<double> areas(kPairsPerCall);
   double seconds = 0;
@@ -147,9 +156,12 @@ void measure(const Options& options) {
   else forAllPairs(polygon_count, use);
   const double cpu_s = processSeconds() - before_s;
   const UnoccludedWork& work = exchange->work();
-  fmt::print("polygons,pairs,unseen,near,again,line_integrals,unreached,seconds,cpu_seconds,pairs_per_second,set_up_seconds,resident_mib,added_mib\n");
-  fmt::print("{},{},{},{},{},{},{},{:.2f},{:.2f},{:.3g},{:.2f},{:.0f},{:.0f}\n", polygon_count, work.pairs, work.unseen_pairs, work.near_pairs, work.again_pairs,
-             work.line_integrals, unreached, seconds, cpu_s, double(work.pairs) / seconds, set_up_s, residentMiB(), residentMiB() - resident_before);
+  fmt::print(
+      "polygons,pairs,unseen,near,again,line_integrals,unreached,seconds,cpu_seconds,pairs_per_second,set_up_seconds,"
+      "resident_mib,added_mib\n");
+  fmt::print("{},{},{},{},{},{},{},{:.2f},{:.2f},{:.3g},{:.2f},{:.0f},{:.0f}\n", polygon_count, work.pairs,
+             work.unseen_pairs, work.near_pairs, work.again_pairs, work.line_integrals, unreached, seconds, cpu_s,
+             double(work.pairs) / seconds, set_up_s, residentMiB(), residentMiB() - resident_before);
   printClasses(work, cpu_s);
   check(scene, sample);
 }
@@ -161,7 +173,8 @@ int main(int argc, char** argv) {
   using namespace viewpeel;
   bench::Options options;
   CLI::App app("Exchange areas of all pairs of a scene: CSV on stdout");
-  app.add_option("--refine", options.refine, "of the room, as in make_scene: 4 for 9,984 quads")->check(CLI::PositiveNumber);
+  app.add_option("--refine", options.refine, "of the room, as in make_scene: 4 for 9,984 quads")
+      ->check(CLI::PositiveNumber);
   app.add_option("--triangles", options.triangles, "random ones, in place of the room")->check(CLI::PositiveNumber);
   app.add_option("--drawn", options.drawn, "pairs drawn at random, in place of all");
   app.add_option("--checked", options.checked, "pairs to compare with the reference, about");

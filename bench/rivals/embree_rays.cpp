@@ -9,22 +9,26 @@
 namespace viewpeel::bench {
 namespace {
 
-// A ray's start and end, unit-ball units from its polygons: beyond rounding to 32 bits, and short beside the distance of small ones.
+// A ray's start and end, unit-ball units from its polygons: beyond rounding to 32 bits, and short beside the distance
+// of small ones.
 constexpr float kMostAway = 1e-5f, kLeastAway = 2e-7f, kAwayPerSize = 0.01f;
 constexpr uint64_t kRaysAtOnce = 1u << 14;
 constexpr uint32_t kAngles = 4096;
 
 float toUnit(uint32_t word) { return float(word >> 8) * 0x1p-24f; }
 
-// Cosine and sine of 2 pi times 2^-32 times a word: a table and the angle left over, below 2 pi / kAngles, whose third power is below 4e-9.
+// Cosine and sine of 2 pi times 2^-32 times a word: a table and the angle left over, below 2 pi / kAngles, whose third
+// power is below 4e-9.
 class Circle {
  public:
   Circle() {
-    for (uint32_t k = 0; k < kAngles; ++k) table_[k] = {std::cos(2 * std::numbers::pi * k / kAngles), std::sin(2 * std::numbers::pi * k / kAngles)};
+    for (uint32_t k = 0; k < kAngles; ++k)
+      table_[k] = {std::cos(2 * std::numbers::pi * k / kAngles), std::sin(2 * std::numbers::pi * k / kAngles)};
   }
   glm::vec2 at(uint32_t word) const {
     const glm::vec2 p = table_[word / (UINT32_MAX / kAngles + 1)];
-    const float rest_rad = float(word % (UINT32_MAX / kAngles + 1)) * float(2 * std::numbers::pi * 0x1p-32), half = 1 - rest_rad * rest_rad / 2;
+    const float rest_rad = float(word % (UINT32_MAX / kAngles + 1)) * float(2 * std::numbers::pi * 0x1p-32),
+                half = 1 - rest_rad * rest_rad / 2;
     return {p.x * half - p.y * rest_rad, p.y * half + p.x * rest_rad};
   }
 
@@ -59,15 +63,16 @@ EmbreeRays::EmbreeRays(const Scene& scene) : scene_(scene), embree_(scene) {
     const double first = glm::length(glm::cross(a, b)), second = triangle ? 0 : glm::length(glm::cross(b, c));
     const bool parallelogram = !triangle && glm::length(a + c - b) < 1e-12;
     const glm::vec3 x = glm::normalize(a), normal = embree_.normal(index);
-    emitters_.push_back({p[0], a, b, c, float(first / (first + second)), parallelogram, x, glm::cross(normal, x), normal,
-                         std::clamp(kAwayPerSize * float(std::sqrt(polygon.area)), kLeastAway, kMostAway)});
+    emitters_.push_back({p[0], a, b, c, float(first / (first + second)), parallelogram, x, glm::cross(normal, x),
+                         normal, std::clamp(kAwayPerSize * float(std::sqrt(polygon.area)), kLeastAway, kMostAway)});
   }
 }
 
 glm::vec3 EmbreeRays::pointOn(const Emitter& emitter, uint32_t s, uint32_t t) {
   float u = toUnit(s), v = toUnit(t);
   if (emitter.parallelogram) return emitter.origin + u * emitter.a + v * emitter.c;
-  // One coordinate also chooses the triangle and is stretched back; a square becomes a triangle without a fold, which would break strata.
+  // One coordinate also chooses the triangle and is stretched back; a square becomes a triangle without a fold, which
+  // would break strata.
   const bool first = u < emitter.share;
   u = first ? u / emitter.share : (u - emitter.share) / (1 - emitter.share);
   const float root = std::sqrt(u);
@@ -97,7 +102,9 @@ RayCounts EmbreeRays::shoot(Trace trace, Points points, uint64_t rays_per_polygo
           const auto point = source.next();
           const float squared = toUnit(point[2]), radius = std::sqrt(squared);
           const glm::vec2 local = radius * kCircle.at(point[3]);
-          rays[k] = {pointOn(emitter, point[0], point[1]), local.x * emitter.x + local.y * emitter.y + std::sqrt(1 - squared) * emitter.normal, emitter.away, 4};
+          rays[k] = {pointOn(emitter, point[0], point[1]),
+                     local.x * emitter.x + local.y * emitter.y + std::sqrt(1 - squared) * emitter.normal, emitter.away,
+                     4};
         }
         embree_.findFirst(trace, context, std::span(rays).first(count), hit);
         for (uint32_t k = 0; k < count; ++k) {
@@ -128,7 +135,8 @@ RayEstimate estimateFromRays(const RayCounts& counts, const Scene& scene) {
     for (uint32_t j = i + 1; j < polygon_count; ++j) {
       double& value = estimate.exchange.at(i, j);
       if (value == 0) continue;
-      const double area_i = scene.polygons[i].area, area_j = scene.polygons[j].area, density = rays / area_i + rays / area_j;
+      const double area_i = scene.polygons[i].area, area_j = scene.polygons[j].area,
+                   density = rays / area_i + rays / area_j;
       value /= density;
       const double f_ij = value / area_i, f_ji = value / area_j;
       const double variance = rays * (f_ij * (1 - f_ij) + f_ji * (1 - f_ji)) / (density * density);
@@ -176,7 +184,8 @@ RayEstimate EmbreeRays::integrate(Trace trace, Points points, uint32_t samples_p
         for (uint32_t k = 0; k < samples_per_pair; ++k) {
           const auto point = source.next();
           const glm::vec3 p = pointOn(from, point[0], point[1]), line = pointOn(to, point[2], point[3]) - p;
-          const float squared = glm::dot(line, line), cosines = glm::dot(from.normal, line) * -glm::dot(to.normal, line);
+          const float squared = glm::dot(line, line),
+                      cosines = glm::dot(from.normal, line) * -glm::dot(to.normal, line);
           if (glm::dot(from.normal, line) <= 0 || cosines <= 0) continue;
           const float length = std::sqrt(squared);
           rays[waiting] = {p, line / length, from.away, length - to.away};
@@ -187,7 +196,8 @@ RayEstimate EmbreeRays::integrate(Trace trace, Points points, uint32_t samples_p
       traceWaiting();
       for (uint32_t j = i + 1; j < polygon_count; ++j) {
         if (sum[j] == 0) continue;
-        const double area_i = scene_.polygons[i].area, area_j = scene_.polygons[j].area, n = samples_per_pair, mean = sum[j] / n;
+        const double area_i = scene_.polygons[i].area, area_j = scene_.polygons[j].area, n = samples_per_pair,
+                     mean = sum[j] / n;
         estimate.exchange.at(i, j) = area_i * area_j * mean;
         if (samples_per_pair < 2) continue;
         const double variance = std::max(0.0, sum_of_squares[j] / n - mean * mean) / (n - 1);

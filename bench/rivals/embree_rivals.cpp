@@ -18,8 +18,8 @@
 namespace viewpeel::bench {
 namespace {
 
-constexpr float kStart = -1.001f;       // of a line, outside the unit ball
-constexpr float kAwayFromOwn = 1e-5f;   // a ray's start, unit-ball units off its polygon
+constexpr float kStart = -1.001f;      // of a line, outside the unit ball
+constexpr float kAwayFromOwn = 1e-5f;  // a ray's start, unit-ball units off its polygon
 constexpr uint32_t kCosineCount = 4096;
 constexpr uint64_t kMostDenseBytes = 16u << 20;  // as the host engine has it
 
@@ -46,13 +46,14 @@ std::array<glm::vec3, kCosineCount> cosineDirections() {
 
 // A parallelogram or triangle that rays start from.
 struct Emitter {
-  glm::vec3 origin, a, b;      // sides
-  glm::vec3 x, y, normal;      // orthonormal
+  glm::vec3 origin, a, b;  // sides
+  glm::vec3 x, y, normal;  // orthonormal
   uint32_t id;
   bool triangle;
 };
 
-// Hits of the lines of a group, filled by the filter. A hit is its distance and its primitive in one word: positive floats sort as integers do.
+// Hits of the lines of a group, filled by the filter. A hit is its distance and its primitive in one word: positive
+// floats sort as integers do.
 struct LineContext {
   RTCIntersectContext context;
   std::array<std::vector<uint64_t>, kRayGroup> hits;
@@ -64,7 +65,8 @@ void recordHit(const RTCFilterFunctionNArguments* args) {
   for (uint32_t k = 0; k < args->N; ++k) {
     if (args->valid[k] != -1) continue;
     const float distance = RTCRayN_tfar(args->ray, args->N, k);
-    lines->hits[RTCRayN_id(args->ray, args->N, k)].push_back(uint64_t(std::bit_cast<uint32_t>(distance)) << 32 | RTCHitN_primID(args->hit, args->N, k));
+    lines->hits[RTCRayN_id(args->ray, args->N, k)].push_back(uint64_t(std::bit_cast<uint32_t>(distance)) << 32 |
+                                                             RTCHitN_primID(args->hit, args->N, k));
     args->valid[k] = 0;
   }
 }
@@ -74,9 +76,9 @@ void recordHit(const RTCFilterFunctionNArguments* args) {
 struct EmbreeRivals::State {
   const Ids& ids;
   EmbreeScene scene;
-  std::vector<Emitter> emitters;   // of polygons
+  std::vector<Emitter> emitters;  // of polygons
   std::optional<SharedPairs> shared;
-  std::vector<PairTable> tables;   // of threads
+  std::vector<PairTable> tables;  // of threads
   std::array<glm::vec3, kCosineCount> cosine_directions = cosineDirections();
   uint64_t polygons_shot = 0;
 
@@ -117,7 +119,8 @@ struct EmbreeRivals::State {
     if (emitter.triangle && s + t > 1) s = 1 - s, t = 1 - t;
     const glm::vec3 local = cosine_directions[more % kCosineCount];
     const glm::vec3 normal = ids.two_sided && more >> 63 ? -emitter.normal : emitter.normal;
-    return {emitter.origin + s * emitter.a + t * emitter.b, local.x * emitter.x + local.y * emitter.y + local.z * normal, kAwayFromOwn, 4};
+    return {emitter.origin + s * emitter.a + t * emitter.b,
+            local.x * emitter.x + local.y * emitter.y + local.z * normal, kAwayFromOwn, 4};
   }
 };
 
@@ -126,15 +129,19 @@ EmbreeRivals::EmbreeRivals(const Scene& scene, const Ids& ids) : state_(std::mak
     const Polygon& polygon = scene.polygons[index];
     const glm::dvec3* corners = &scene.corners[polygon.first_corner];
     const bool triangle = polygon.corner_count == 3;
-    if (!triangle && (polygon.corner_count != 4 || glm::length(corners[0] + corners[2] - corners[1] - corners[3]) > 1e-12))
-      throw Error(ErrorCode::bad_input, fmt::format("{}: a polygon is neither triangle nor parallelogram; choose another scene", scene.file));
-    const glm::vec3 a = corners[1] - corners[0], b = corners[polygon.corner_count - 1] - corners[0], x = glm::normalize(a), normal = state_->scene.normal(index);
+    if (!triangle &&
+        (polygon.corner_count != 4 || glm::length(corners[0] + corners[2] - corners[1] - corners[3]) > 1e-12))
+      throw Error(ErrorCode::bad_input,
+                  fmt::format("{}: a polygon is neither triangle nor parallelogram; choose another scene", scene.file));
+    const glm::vec3 a = corners[1] - corners[0], b = corners[polygon.corner_count - 1] - corners[0],
+                    x = glm::normalize(a), normal = state_->scene.normal(index);
     state_->emitters.push_back({corners[0], a, b, x, glm::cross(normal, x), normal, ids.of_polygon[index], triangle});
   }
   const bool is_dense = PairTable::denseBytes(ids.count(), false) <= kMostDenseBytes;
   if (!is_dense) state_->shared.emplace(ids.count(), false, UINT64_MAX);
   state_->tables.reserve(threadCount());
-  for (size_t k = 0; k < threadCount(); ++k) state_->tables.push_back(is_dense ? PairTable(ids.count(), false) : PairTable(*state_->shared));
+  for (size_t k = 0; k < threadCount(); ++k)
+    state_->tables.push_back(is_dense ? PairTable(ids.count(), false) : PairTable(*state_->shared));
 }
 
 EmbreeRivals::~EmbreeRivals() = default;
@@ -164,7 +171,8 @@ uint64_t EmbreeRivals::countLines(Trace trace, std::span<const Direction> direct
             for (int k = 0; k < 8; ++k) {
               const glm::dvec2 p = (glm::dvec2(x + k % 4, y + k / 4) - direction.offset) * (2.0 / resolution);
               if (glm::dot(p, p) >= 1) continue;
-              rays.push_back({p.x * direction.x_axis + p.y * direction.y_axis + double(kStart) * direction.u, u, 0, -2 * kStart});
+              rays.push_back(
+                  {p.x * direction.x_axis + p.y * direction.y_axis + double(kStart) * direction.u, u, 0, -2 * kStart});
             }
         if (rays.empty()) continue;
         for (size_t k = 0; k < rays.size(); ++k) lines.hits[k].clear();

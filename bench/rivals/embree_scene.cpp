@@ -12,13 +12,25 @@ namespace {
 constexpr uint32_t kPacket = 8;
 
 void fill(RTCRay& to, const Ray& from, uint32_t id) {
-  to = {from.origin.x, from.origin.y, from.origin.z, from.near, from.direction.x, from.direction.y, from.direction.z, 0, from.far, ~0u, id, 0};
+  to = {from.origin.x,
+        from.origin.y,
+        from.origin.z,
+        from.near,
+        from.direction.x,
+        from.direction.y,
+        from.direction.z,
+        0,
+        from.far,
+        ~0u,
+        id,
+        0};
 }
 
 void fill(RTCRay8& to, uint32_t lane, const Ray& from, uint32_t id) {
   to.org_x[lane] = from.origin.x, to.org_y[lane] = from.origin.y, to.org_z[lane] = from.origin.z;
   to.dir_x[lane] = from.direction.x, to.dir_y[lane] = from.direction.y, to.dir_z[lane] = from.direction.z;
-  to.tnear[lane] = from.near, to.tfar[lane] = from.far, to.time[lane] = 0, to.mask[lane] = ~0u, to.id[lane] = id, to.flags[lane] = 0;
+  to.tnear[lane] = from.near, to.tfar[lane] = from.far, to.time[lane] = 0, to.mask[lane] = ~0u, to.id[lane] = id,
+  to.flags[lane] = 0;
 }
 
 // Fills packets with the rays, those past the last with copies that are not traced; trace(first, valid, packet).
@@ -49,7 +61,8 @@ EmbreeScene::EmbreeScene(const Scene& scene) {
   rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_HIGH);
   rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
 
-  const bool quads = std::all_of(scene.polygons.begin(), scene.polygons.end(), [](const Polygon& polygon) { return polygon.corner_count == 4; });
+  const bool quads = std::all_of(scene.polygons.begin(), scene.polygons.end(),
+                                 [](const Polygon& polygon) { return polygon.corner_count == 4; });
   std::vector<uint32_t> indices;
   for (uint32_t index = 0; index < scene.polygons.size(); ++index) {
     const Polygon& polygon = scene.polygons[index];
@@ -64,12 +77,14 @@ EmbreeScene::EmbreeScene(const Scene& scene) {
     }
   }
   RTCGeometry geometry = rtcNewGeometry(device_, quads ? RTC_GEOMETRY_TYPE_QUAD : RTC_GEOMETRY_TYPE_TRIANGLE);
-  auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), scene.corners.size()));
+  auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                                               3 * sizeof(float), scene.corners.size()));
   for (size_t k = 0; k < scene.corners.size(); ++k)
     for (int axis = 0; axis < 3; ++axis) vertices[3 * k + axis] = static_cast<float>(scene.corners[k][axis]);
   const size_t corner_count = quads ? 4 : 3;
-  auto* index_buffer = static_cast<uint32_t*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, quads ? RTC_FORMAT_UINT4 : RTC_FORMAT_UINT3,
-                                                                      corner_count * sizeof(uint32_t), indices.size() / corner_count));
+  auto* index_buffer = static_cast<uint32_t*>(
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, quads ? RTC_FORMAT_UINT4 : RTC_FORMAT_UINT3,
+                              corner_count * sizeof(uint32_t), indices.size() / corner_count));
   std::copy(indices.begin(), indices.end(), index_buffer);
   rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_HIGH);
   rtcCommitGeometry(geometry);
@@ -85,9 +100,12 @@ EmbreeScene::~EmbreeScene() {
   if (device_) rtcReleaseDevice(device_);
 }
 
-void EmbreeScene::findFirst(Trace trace, RTCIntersectContext& context, std::span<const Ray> rays, std::span<uint32_t> hit) const {
+void EmbreeScene::findFirst(Trace trace, RTCIntersectContext& context, std::span<const Ray> rays,
+                            std::span<uint32_t> hit) const {
   const auto count = static_cast<uint32_t>(rays.size());
-  const auto polygonHit = [&](uint32_t geometry, uint32_t primitive) { return geometry == RTC_INVALID_GEOMETRY_ID ? UINT32_MAX : polygon_of_primitive_[primitive]; };
+  const auto polygonHit = [&](uint32_t geometry, uint32_t primitive) {
+    return geometry == RTC_INVALID_GEOMETRY_ID ? UINT32_MAX : polygon_of_primitive_[primitive];
+  };
   if (trace == Trace::single) {
     for (uint32_t k = 0; k < count; ++k) {
       RTCRayHit ray;
@@ -103,7 +121,8 @@ void EmbreeScene::findFirst(Trace trace, RTCIntersectContext& context, std::span
     };
     inPackets<RTCRayHit8>(rays, fillLane, [&](uint32_t first, const int* valid, RTCRayHit8& packet) {
       rtcIntersect8(valid, scene_, &context, &packet);
-      for (uint32_t lane = 0; lane < kPacket && first + lane < count; ++lane) hit[first + lane] = polygonHit(packet.hit.geomID[lane], packet.hit.primID[lane]);
+      for (uint32_t lane = 0; lane < kPacket && first + lane < count; ++lane)
+        hit[first + lane] = polygonHit(packet.hit.geomID[lane], packet.hit.primID[lane]);
     });
   } else {
     alignas(64) RTCRayHit stream[kRayGroup];
@@ -116,7 +135,8 @@ void EmbreeScene::findFirst(Trace trace, RTCIntersectContext& context, std::span
   }
 }
 
-void EmbreeScene::findBlocked(Trace trace, RTCIntersectContext& context, std::span<const Ray> rays, std::span<bool> blocked) const {
+void EmbreeScene::findBlocked(Trace trace, RTCIntersectContext& context, std::span<const Ray> rays,
+                              std::span<bool> blocked) const {
   const auto count = static_cast<uint32_t>(rays.size());
   if (trace == Trace::single) {
     for (uint32_t k = 0; k < count; ++k) {
@@ -126,10 +146,13 @@ void EmbreeScene::findBlocked(Trace trace, RTCIntersectContext& context, std::sp
       blocked[k] = isBlocked(ray.tfar);
     }
   } else if (trace == Trace::packets_of_8) {
-    const auto fillLane = [](RTCRay8& packet, uint32_t lane, const Ray& ray, uint32_t id) { fill(packet, lane, ray, id); };
+    const auto fillLane = [](RTCRay8& packet, uint32_t lane, const Ray& ray, uint32_t id) {
+      fill(packet, lane, ray, id);
+    };
     inPackets<RTCRay8>(rays, fillLane, [&](uint32_t first, const int* valid, RTCRay8& packet) {
       rtcOccluded8(valid, scene_, &context, &packet);
-      for (uint32_t lane = 0; lane < kPacket && first + lane < count; ++lane) blocked[first + lane] = isBlocked(packet.tfar[lane]);
+      for (uint32_t lane = 0; lane < kPacket && first + lane < count; ++lane)
+        blocked[first + lane] = isBlocked(packet.tfar[lane]);
     });
   } else {
     alignas(64) RTCRay stream[kRayGroup];

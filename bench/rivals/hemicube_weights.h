@@ -1,4 +1,5 @@
-// Delta form factors of a hemicube's pixels: what a point sends through each (M. F. Cohen & D. P. Greenberg, The hemi-cube, SIGGRAPH 1985), integrated over the pixel.
+// Delta form factors of a hemicube's pixels: what a point sends through each (M. F. Cohen & D. P. Greenberg, The
+// hemi-cube, SIGGRAPH 1985), integrated over the pixel.
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -7,7 +8,8 @@
 
 namespace viewpeel::bench {
 
-// The faces of a hemicube lie in a cell of 3 R x R pixels: the top, R x R, and beside it in two rows the four sides, R x R / 2 each, the horizon at the lower y.
+// The faces of a hemicube lie in a cell of 3 R x R pixels: the top, R x R, and beside it in two rows the four sides, R
+// x R / 2 each, the horizon at the lower y.
 struct HemicubeFace {
   uint32_t x, y, width, height;
 };
@@ -23,7 +25,9 @@ inline std::vector<double> hemicubeWeights(uint32_t resolution) {
     const double p = std::sqrt(1 + x * x), q = std::sqrt(1 + y * y);
     return (x / p * std::atan(y / p) + y / q * std::atan(x / q)) / (2 * std::numbers::pi);
   };
-  const auto side = [](double y, double z) { return -std::atan(y / std::sqrt(1 + z * z)) / std::sqrt(1 + z * z) / (2 * std::numbers::pi); };
+  const auto side = [](double y, double z) {
+    return -std::atan(y / std::sqrt(1 + z * z)) / std::sqrt(1 + z * z) / (2 * std::numbers::pi);
+  };
   std::vector<double> weights(3 * uint64_t(resolution) * resolution, 0);
   for (uint32_t face = 0; face < 5; ++face) {
     const HemicubeFace place = hemicubeFace(face, resolution);
@@ -31,8 +35,10 @@ inline std::vector<double> hemicubeWeights(uint32_t resolution) {
     const double pixel = 2.0 / resolution, left = -1, low = face == 0 ? -1 : 0;
     for (uint32_t y = 0; y < place.height; ++y)
       for (uint32_t x = 0; x < place.width; ++x) {
-        const double x0 = left + x * pixel, x1 = left + (x + 1) * pixel, y0 = low + y * pixel, y1 = low + (y + 1) * pixel;
-        weights[uint64_t(place.y + y) * 3 * resolution + place.x + x] = integral(x1, y1) - integral(x0, y1) - integral(x1, y0) + integral(x0, y0);
+        const double x0 = left + x * pixel, x1 = left + (x + 1) * pixel, y0 = low + y * pixel,
+                     y1 = low + (y + 1) * pixel;
+        weights[uint64_t(place.y + y) * 3 * resolution + place.x + x] =
+            integral(x1, y1) - integral(x0, y1) - integral(x1, y0) + integral(x0, y0);
       }
   }
   return weights;

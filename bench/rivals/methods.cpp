@@ -23,9 +23,9 @@
 namespace viewpeel::bench {
 namespace {
 
-constexpr uint32_t kReplicates = 8;         // the program's default
+constexpr uint32_t kReplicates = 8;  // the program's default
 constexpr uint32_t kProfileDirections = 64, kProfileRepeats = 5;
-constexpr size_t kManyPolygons = 5000;      // beyond which hemicubes and View3D take minutes even once
+constexpr size_t kManyPolygons = 5000;       // beyond which hemicubes and View3D take minutes even once
 constexpr uint64_t kLongRunSeed = 1u << 20;  // no run of a ladder has it
 
 template <class Run>
@@ -33,7 +33,8 @@ RunTime timeOf(Run run) {
   const auto cpuSeconds = [](int who) {
     rusage usage;
     ::getrusage(who, &usage);
-    return double(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) + 1e-6 * double(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
+    return double(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+           1e-6 * double(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
   };
   const double cpu_s = cpuSeconds(RUSAGE_SELF), host_s = cpuSeconds(RUSAGE_THREAD);
   const double seconds = secondsOf(run);
@@ -47,13 +48,15 @@ std::vector<Ladder::Rung> climb(double first, double factor, double last) {
   return rungs;
 }
 
-void addUp(const FormFactors& form_factors, const Scene& scene, ExchangeMatrix& exchange, ExchangeMatrix* standard_errors, double* rms) {
+void addUp(const FormFactors& form_factors, const Scene& scene, ExchangeMatrix& exchange,
+           ExchangeMatrix* standard_errors, double* rms) {
   const double unit = 1 / (scene.scale * scene.scale);
   double squares = 0;
   for (const FormFactors::Entry& entry : form_factors.entries()) {
     if (entry.j >= kEnvironment || entry.i == entry.j) continue;
     exchange.at(entry.i, entry.j) = entry.exchange_area.value * unit;
-    const double error = entry.exchange_area.standard_error * unit, area_i = scene.polygons[entry.i].area, area_j = scene.polygons[entry.j].area;
+    const double error = entry.exchange_area.standard_error * unit, area_i = scene.polygons[entry.i].area,
+                 area_j = scene.polygons[entry.j].area;
     if (standard_errors) standard_errors->at(entry.i, entry.j) = error;
     squares += error * error * (1 / (area_i * area_i) + 1 / (area_j * area_j));
   }
@@ -69,13 +72,15 @@ Outcome outcomeOf(const Estimate& estimate, const Scene& scene, RunTime time) {
 
 // The first call compiles and tunes; the next compiles what was tuned.
 void warmUp(Engine& engine) {
-  for (uint64_t replicate = 0; replicate < 2; ++replicate) engine.count(sampleDirections(Sampler::fibonacci, 16, 5, replicate));
+  for (uint64_t replicate = 0; replicate < 2; ++replicate)
+    engine.count(sampleDirections(Sampler::fibonacci, 16, 5, replicate));
 }
 
 // viewpeel's own methods, all by polygon.
 class Viewpeel {
  public:
-  Viewpeel(const Device& device, const Scene& scene) : device_(device), scene_(scene), ids_(makeIds(scene, By::polygon, false)) {}
+  Viewpeel(const Device& device, const Scene& scene)
+      : device_(device), scene_(scene), ids_(makeIds(scene, By::polygon, false)) {}
 
   // Whose work is measured by the engine that a runner makes for it.
   struct Engines {
@@ -88,7 +93,8 @@ class Viewpeel {
     const auto make = [this, engines](const Device& device, bool measure_work) {
       LatticeOptions lattice = engines.lattice;
       lattice.measure_work = measure_work;
-      return (engines.kind == EngineKind::exact ? reference::exactEngines() : latticeEngines(engines.kind, &device))(scene_, ids_, lattice);
+      return (engines.kind == EngineKind::exact ? reference::exactEngines() : latticeEngines(engines.kind, &device))(
+          scene_, ids_, lattice);
     };
     Runner runner;
     std::shared_ptr<Engine> engine;
@@ -98,7 +104,8 @@ class Viewpeel {
     });
     // On a queue of its own: where one has drawn, lavapipe takes the times of what is dispatched a pass late.
     const Device apart({.selector = std::to_string(device_.description().index)});
-    if (const std::unique_ptr<Engine> measured = make(apart, true); measured->work()) runner.profile = profileOf(*measured);
+    if (const std::unique_ptr<Engine> measured = make(apart, true); measured->work())
+      runner.profile = profileOf(*measured);
     runner.run = [this, engine, sampler, closed_forms](double amount, uint64_t seed) {
       EstimateOptions options;
       options.sampler = sampler;
@@ -123,7 +130,8 @@ class Viewpeel {
       std::optional<Result> result;
       const RunTime time = timeOf([&] { result = finish(run); });
       Outcome outcome = outcomeOf(*result, scene_, time);
-      outcome.chosen = fmt::format("directions={} resolution={} lattices={}", result->plan.directions, result->plan.lattices[0].resolution, windowsOf(result->plan));
+      outcome.chosen = fmt::format("directions={} resolution={} lattices={}", result->plan.directions,
+                                   result->plan.lattices[0].resolution, windowsOf(result->plan));
       return outcome;
     };
     return runner;
@@ -156,7 +164,8 @@ class Viewpeel {
   Estimate withClosedForms(Engine& engine, const std::vector<SizeGroup>& groups, EstimateOptions options) const {
     FaceExchanges exchanges(on_host_ ? nullptr : &device_, scene_, ids_);
     options.exchanges = &exchanges;
-    const VisibleShares shares = findVisibleShares(engine, exchanges, scene_, ids_, groups, options, sharePilot(options));
+    const VisibleShares shares =
+        findVisibleShares(engine, exchanges, scene_, ids_, groups, options, sharePilot(options));
     options.known = &shares.known;
     return estimateFormFactors(engine, scene_, ids_, options);
   }
@@ -170,12 +179,14 @@ class Viewpeel {
       engine.count(sampleDirections(Sampler::fibonacci, kProfileDirections, 6, repeat));
       const Work& after = *engine.work();
       passes.resize(after.pass_seconds.size(), INFINITY);
-      for (size_t k = 0; k < passes.size(); ++k) passes[k] = std::min(passes[k], after.pass_seconds[k].second - before.pass_seconds[k].second);
+      for (size_t k = 0; k < passes.size(); ++k)
+        passes[k] = std::min(passes[k], after.pass_seconds[k].second - before.pass_seconds[k].second);
     }
     const Work& work = *engine.work();
     const double all = std::accumulate(passes.begin(), passes.end(), 0.0);
     Profile profile{work.memory_bytes, {}};
-    for (size_t k = 0; k < passes.size(); ++k) profile.passes += fmt::format("{}{} {:.3f}", k ? "; " : "", work.pass_seconds[k].first, passes[k] / all);
+    for (size_t k = 0; k < passes.size(); ++k)
+      profile.passes += fmt::format("{}{} {:.3f}", k ? "; " : "", work.pass_seconds[k].first, passes[k] / all);
     return profile;
   }
 
@@ -190,7 +201,8 @@ template <class Run>
 std::pair<Trace, std::string> fastestTrace(Run run) {
   std::pair<Trace, std::string> best;
   double least_s = INFINITY;
-  for (const auto& [trace, name] : {std::pair(Trace::packets_of_8, "packets"), std::pair(Trace::streams, "streams"), std::pair(Trace::single, "single")}) {
+  for (const auto& [trace, name] : {std::pair(Trace::packets_of_8, "packets"), std::pair(Trace::streams, "streams"),
+                                    std::pair(Trace::single, "single")}) {
     run(trace);
     double trace_s = INFINITY;
     for (int k = 0; k < 3; ++k) trace_s = std::min(trace_s, secondsOf([&, tried = trace] { run(tried); }));
@@ -203,39 +215,52 @@ void addRivals(const Device& device, const Scene& scene, const MethodOptions& op
   const double pairs = 0.5 * double(scene.polygons.size()) * (double(scene.polygons.size()) - 1);
   for (const auto& [points, name] : {std::pair(Points::random, "random"), std::pair(Points::sobol, "sobol")}) {
     const bool stated = points == Points::random;
-    ladders.push_back({fmt::format("rays_{}", name), "", "rays_per_polygon", false, climb(64, 4, 1u << 30), [&scene, points = points, stated] {
+    ladders.push_back({fmt::format("rays_{}", name), "", "rays_per_polygon", false, climb(64, 4, 1u << 30),
+                       [&scene, points = points, stated] {
                          Runner runner;
                          std::shared_ptr<EmbreeRays> embree;
                          runner.setup_seconds = secondsOf([&] { embree = std::make_shared<EmbreeRays>(scene); });
                          const uint64_t few = std::clamp<uint64_t>(200'000 / scene.polygons.size(), 64, 1u << 16);
-                         const auto [trace, chosen] = fastestTrace([&](Trace form) { embree->shoot(form, points, few, 1); });
+                         const auto [trace, chosen] =
+                             fastestTrace([&](Trace form) { embree->shoot(form, points, few, 1); });
                          runner.chosen = chosen;
                          runner.run = [embree, &scene, points, stated, trace = trace](double amount, uint64_t seed) {
                            RayCounts counts;
-                           const RunTime time = timeOf([&] { counts = embree->shoot(trace, points, static_cast<uint64_t>(amount), seed); });
+                           const RunTime time = timeOf(
+                               [&] { counts = embree->shoot(trace, points, static_cast<uint64_t>(amount), seed); });
                            RayEstimate estimate = estimateFromRays(counts, scene);
-                           return Outcome{std::move(estimate.exchange), stated ? std::optional(estimate.rms_standard_error) : std::nullopt, time, {}};
+                           return Outcome{std::move(estimate.exchange),
+                                          stated ? std::optional(estimate.rms_standard_error) : std::nullopt,
+                                          time,
+                                          {}};
                          };
                          return runner;
                        }});
-    ladders.push_back({fmt::format("double_area_{}", name), "", "samples_per_pair", false, climb(pairs < 1e6 ? 4 : 1, 4, 1u << 28), [&scene, pairs, points = points, stated] {
-                         Runner runner;
-                         std::shared_ptr<EmbreeRays> embree;
-                         runner.setup_seconds = secondsOf([&] { embree = std::make_shared<EmbreeRays>(scene); });
-                         const auto few = static_cast<uint32_t>(std::clamp(1e5 / pairs, 1.0, 1e5));
-                         const auto [trace, chosen] = fastestTrace([&](Trace form) { embree->integrate(form, points, few, 1); });
-                         runner.chosen = chosen;
-                         runner.run = [embree, points, stated, trace = trace](double amount, uint64_t seed) {
-                           RayEstimate estimate;
-                           const RunTime time = timeOf([&] { estimate = embree->integrate(trace, points, static_cast<uint32_t>(amount), seed); });
-                           return Outcome{std::move(estimate.exchange), stated && amount > 1 ? std::optional(estimate.rms_standard_error) : std::nullopt, time, {}};
-                         };
-                         return runner;
-                       }});
+    ladders.push_back(
+        {fmt::format("double_area_{}", name), "", "samples_per_pair", false, climb(pairs < 1e6 ? 4 : 1, 4, 1u << 28),
+         [&scene, pairs, points = points, stated] {
+           Runner runner;
+           std::shared_ptr<EmbreeRays> embree;
+           runner.setup_seconds = secondsOf([&] { embree = std::make_shared<EmbreeRays>(scene); });
+           const auto few = static_cast<uint32_t>(std::clamp(1e5 / pairs, 1.0, 1e5));
+           const auto [trace, chosen] = fastestTrace([&](Trace form) { embree->integrate(form, points, few, 1); });
+           runner.chosen = chosen;
+           runner.run = [embree, points, stated, trace = trace](double amount, uint64_t seed) {
+             RayEstimate estimate;
+             const RunTime time =
+                 timeOf([&] { estimate = embree->integrate(trace, points, static_cast<uint32_t>(amount), seed); });
+             return Outcome{std::move(estimate.exchange),
+                            stated && amount > 1 ? std::optional(estimate.rms_standard_error) : std::nullopt,
+                            time,
+                            {}};
+           };
+           return runner;
+         }});
   }
   const std::vector<uint32_t> all{32, 64, 128, 256, 512}, some{32, 128};
-  for (const uint32_t resolution : options.full && scene.polygons.size() < kManyPolygons ? all : some)
-    ladders.push_back({"hemicube", fmt::format("resolution={} ", resolution), "points_per_polygon", true, climb(1, 4, 1u << 16), [&device, &scene, resolution] {
+  for (const uint32_t resolution : options.full&& scene.polygons.size() < kManyPolygons ? all : some)
+    ladders.push_back({"hemicube", fmt::format("resolution={} ", resolution), "points_per_polygon", true,
+                       climb(1, 4, 1u << 16), [&device, &scene, resolution] {
                          Runner runner;
                          std::shared_ptr<Hemicube> hemicube;
                          runner.setup_seconds = secondsOf([&] {
@@ -244,7 +269,8 @@ void addRivals(const Device& device, const Scene& scene, const MethodOptions& op
                          });
                          runner.run = [hemicube](double amount, uint64_t seed) {
                            ExchangeMatrix exchange;
-                           const RunTime time = timeOf([&] { exchange = hemicube->compute(static_cast<uint32_t>(amount), seed); });
+                           const RunTime time =
+                               timeOf([&] { exchange = hemicube->compute(static_cast<uint32_t>(amount), seed); });
                            return Outcome{std::move(exchange), std::nullopt, time, {}};
                          };
                          return runner;
@@ -253,7 +279,9 @@ void addRivals(const Device& device, const Scene& scene, const MethodOptions& op
   std::vector<Ladder::Rung> rungs;  // time about doubles from one eps to the next
   for (int k = 2; k <= 9; ++k) rungs.push_back({std::pow(10.0, -k), std::pow(2.0, k)});
   ladders.push_back({"view3d", "", "eps", false, rungs, [&scene, options] {
-                       if (scene.polygons.size() >= kManyPolygons) throw Error(ErrorCode::limit, "View3D takes a quarter of an hour or more at every eps; choose a smaller scene");
+                       if (scene.polygons.size() >= kManyPolygons)
+                         throw Error(ErrorCode::limit,
+                                     "View3D takes a quarter of an hour or more at every eps; choose a smaller scene");
                        Runner runner;
                        runner.run = [&scene, options](double amount, uint64_t) {
                          View3dRun run = runView3d(options.view3d, scene, amount, options.work_directory);
@@ -269,34 +297,43 @@ void addRivals(const Device& device, const Scene& scene, const MethodOptions& op
 std::vector<Ladder> makeLadders(const Device& device, const Scene& scene, const MethodOptions& options) {
   const auto viewpeel = std::make_shared<Viewpeel>(device, scene);
   std::vector<Ladder> ladders;
-  const auto add = [&](const std::string& method, const std::string& parameters, const Viewpeel::Engines& engines, Sampler sampler, int closed_forms, double first) {
-    ladders.push_back({method, parameters, "directions", method != "exact" && !method.starts_with("host"), climb(first, 4, 1u << 22),
-                       [=] { return viewpeel->runner(engines, sampler, closed_forms); }});
+  const auto add = [&](const std::string& method, const std::string& parameters, const Viewpeel::Engines& engines,
+                       Sampler sampler, int closed_forms, double first) {
+    ladders.push_back({method, parameters, "directions", method != "exact" && !method.starts_with("host"),
+                       climb(first, 4, 1u << 22), [=] { return viewpeel->runner(engines, sampler, closed_forms); }});
   };
   std::vector<Ladder::Rung> tolerances;  // the lattice's error falls as the square root of time
-  for (const double tolerance : {3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5}) tolerances.push_back({tolerance, 1 / tolerance});
+  for (const double tolerance : {3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5})
+    tolerances.push_back({tolerance, 1 / tolerance});
   ladders.push_back({"planned", "", "tolerance", true, tolerances, [viewpeel] { return viewpeel->planned(); }});
   const std::vector<int> all = options.full ? std::vector<int>{64, 128, 256, 512} : std::vector<int>{64, 256}, one{128};
   for (const Sampler sampler : {Sampler::fibonacci, Sampler::jittered, Sampler::iid})
     for (const bool closed_forms : {false, true})
       for (const int resolution : sampler == Sampler::fibonacci ? all : one)
-        add(fmt::format("{}{}", nameOf(sampler), closed_forms ? "_closed" : ""), fmt::format("resolution={} ", resolution),
-            {EngineKind::compute, {.resolution = resolution, .count_blocked = closed_forms}}, sampler, closed_forms ? resolution : 0, 32);
+        add(fmt::format("{}{}", nameOf(sampler), closed_forms ? "_closed" : ""),
+            fmt::format("resolution={} ", resolution),
+            {EngineKind::compute, {.resolution = resolution, .count_blocked = closed_forms}}, sampler,
+            closed_forms ? resolution : 0, 32);
   for (const bool closed_forms : {false, true})
     for (const int resolution : options.full ? std::vector<int>{32, 64, 128, 256} : one)
       add(closed_forms ? "scanline_closed" : "scanline", fmt::format("resolution={} ", resolution),
-          {EngineKind::compute, {.resolution = resolution, .sampling = Sampling::scanline, .count_blocked = closed_forms}}, Sampler::fibonacci, closed_forms ? resolution : 0, 32);
+          {EngineKind::compute,
+           {.resolution = resolution, .sampling = Sampling::scanline, .count_blocked = closed_forms}},
+          Sampler::fibonacci, closed_forms ? resolution : 0, 32);
   for (const bool closed_forms : {false, true})
     for (const int resolution : options.full ? std::vector<int>{32, 64, 128, 256, 512} : std::vector<int>{32, 64, 128})
       add(closed_forms ? "host_closed" : "host", fmt::format("resolution={} ", resolution),
-          {EngineKind::host, {.resolution = resolution, .sampling = Sampling::scanline, .count_blocked = closed_forms}}, Sampler::fibonacci, closed_forms ? resolution : 0, 8);
+          {EngineKind::host, {.resolution = resolution, .sampling = Sampling::scanline, .count_blocked = closed_forms}},
+          Sampler::fibonacci, closed_forms ? resolution : 0, 8);
   add("graphics", "resolution=128 ", {EngineKind::graphics, {.resolution = 128}}, Sampler::fibonacci, 0, 8);
   add("exact", "", {EngineKind::exact, {}}, Sampler::fibonacci, 0, 8);
   addRivals(device, scene, options, ladders);
   return ladders;
 }
 
-std::vector<std::string> rivalNames() { return {"rays_random", "rays_sobol", "double_area_random", "double_area_sobol", "hemicube"}; }
+std::vector<std::string> rivalNames() {
+  return {"rays_random", "rays_sobol", "double_area_random", "double_area_sobol", "hemicube"};
+}
 
 LongRun runLong(const Device& device, const Scene& scene, double seconds) {
   const Estimate estimate = Viewpeel(device, scene).runLong(seconds);

@@ -19,7 +19,7 @@ struct RunTime {
 };
 
 struct Outcome {
-  ExchangeMatrix exchange;  // unit-ball units squared
+  ExchangeMatrix exchange;               // unit-ball units squared
   std::optional<double> standard_error;  // rms over all ordered pairs, where the method states one
   RunTime time;
   std::string chosen;  // parameters that the method chose itself: "directions=64 resolution=32"
@@ -35,7 +35,7 @@ struct Runner {
   std::function<Outcome(double amount, uint64_t seed)> run;
   double setup_seconds = 0;  // to build what every run needs, kernels compiled
   Profile profile;
-  std::string chosen;        // parameters chosen when it was made ready
+  std::string chosen;  // parameters chosen when it was made ready
 };
 
 struct Ladder {
@@ -43,14 +43,14 @@ struct Ladder {
     double amount = 0, cost = 0;  // time grows about as the cost does
   };
   std::string method, parameters, amount_name;
-  bool on_device = true;     // of Vulkan
-  std::vector<Rung> rungs;   // by cost
+  bool on_device = true;    // of Vulkan
+  std::vector<Rung> rungs;  // by cost
   std::function<Runner()> set_up;
 };
 
 struct MethodOptions {
-  bool full = false;    // every resolution, not two
-  std::string view3d;   // its program; none where empty
+  bool full = false;   // every resolution, not two
+  std::string view3d;  // its program; none where empty
   std::string work_directory = ".";
 };
 
@@ -60,7 +60,8 @@ std::vector<Ladder> makeLadders(const Device& device, const Scene& scene, const 
 // The methods that verifyRivals is about.
 std::vector<std::string> rivalNames();
 
-// The exchange areas and standard errors of all pairs by viewpeel with closed forms, as a reference: as many directions as a time allows; specks in windows.
+// The exchange areas and standard errors of all pairs by viewpeel with closed forms, as a reference: as many directions
+// as a time allows; specks in windows.
 struct LongRun {
   ExchangeMatrix exchange, standard_errors;
 };

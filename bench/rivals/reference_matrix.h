@@ -18,9 +18,10 @@ struct ReferenceMatrix {
 // Closed forms by contour integrals, for scenes in which nothing is in the way.
 ReferenceMatrix referenceByClosedForms(const Scene& scene);
 
-// viewpeel's longest run (runLong in methods.h), from another seed than every method. Kept in `directory` by the scene's fingerprint, and taken from there
-// where that run had as long.
+// viewpeel's longest run (runLong in methods.h), from another seed than every method. Kept in `directory` by the
+// scene's fingerprint, and taken from there where that run had as long.
 //   Throws: Error output.
-ReferenceMatrix referenceByLongRun(const Device& device, const Scene& scene, const std::string& name, double seconds, const std::string& directory);
+ReferenceMatrix referenceByLongRun(const Device& device, const Scene& scene, const std::string& name, double seconds,
+                                   const std::string& directory);
 
 }  // namespace viewpeel::bench

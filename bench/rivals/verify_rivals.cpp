@@ -16,10 +16,12 @@ namespace viewpeel::bench {
 namespace {
 
 constexpr uint32_t kSeeds = 16;
-// A t of 15 degrees of freedom is beyond 6 in 1 of 40,000 cases: 18 of them fail by chance once in 2,000 sets of seeds, and the seeds are fixed.
+// A t of 15 degrees of freedom is beyond 6 in 1 of 40,000 cases: 18 of them fail by chance once in 2,000 sets of seeds,
+// and the seeds are fixed.
 constexpr double kMostStandardErrors = 6;
-// Four times the samples halve the error of independent ones; the ratio of two rms errors from 16 seeds each has a relative spread of 1 / sqrt(16), so sixteen times the samples leave
-// 1/4 (1 +- 0.25): 1/2 is four of them away. Rivals that converge faster leave less.
+// Four times the samples halve the error of independent ones; the ratio of two rms errors from 16 seeds each has a
+// relative spread of 1 / sqrt(16), so sixteen times the samples leave 1/4 (1 +- 0.25): 1/2 is four of them away. Rivals
+// that converge faster leave less.
 constexpr double kMostLeft = 0.5;
 constexpr double kMoreWork = 16;
 
@@ -41,22 +43,30 @@ Spread spreadOf(const Rival& rival, double work, double area, double truth) {
 }
 
 //   In: bias: that the rival's method allows at the larger work
-void verify(const std::string& scene, const std::string& name, const Rival& rival, double work, double area, double truth, double bias) {
+void verify(const std::string& scene, const std::string& name, const Rival& rival, double work, double area,
+            double truth, double bias) {
   const Spread few = spreadOf(rival, work, area, truth), more = spreadOf(rival, work * kMoreWork, area, truth);
-  fmt::print("# verify {} {}: form factor {:.6f}, mean error {:+.1e} +- {:.1e}, rms error of {} samples {:.1e}, of {} {:.1e}\n", scene, name, truth, more.mean_error,
-             more.standard_error, work, few.rms, work * kMoreWork, more.rms);
-  if (!(std::abs(more.mean_error) <= kMostStandardErrors * more.standard_error + bias) || !(more.rms <= kMostLeft * few.rms))
-    throw Error(ErrorCode::check, fmt::format("{} does not converge to the closed form {} of {}; its rows would mean nothing", name, truth, scene));
+  fmt::print(
+      "# verify {} {}: form factor {:.6f}, mean error {:+.1e} +- {:.1e}, rms error of {} samples {:.1e}, of {} "
+      "{:.1e}\n",
+      scene, name, truth, more.mean_error, more.standard_error, work, few.rms, work * kMoreWork, more.rms);
+  if (!(std::abs(more.mean_error) <= kMostStandardErrors * more.standard_error + bias) ||
+      !(more.rms <= kMostLeft * few.rms))
+    throw Error(ErrorCode::check,
+                fmt::format("{} does not converge to the closed form {} of {}; its rows would mean nothing", name,
+                            truth, scene));
 }
 
 std::vector<glm::dvec3> cornersOf(const Scene& scene, uint32_t polygon_index) {
   const Polygon& polygon = scene.polygons[polygon_index];
-  return {scene.corners.begin() + polygon.first_corner, scene.corners.begin() + polygon.first_corner + polygon.corner_count};
+  return {scene.corners.begin() + polygon.first_corner,
+          scene.corners.begin() + polygon.first_corner + polygon.corner_count};
 }
 
-// A hemicube decides coverage at a pixel's middle and counts the pixel's whole weight: where an edge falls within a pixel at random, that is off on the average by at most
-// the weight's change across a pixel, |grad w| p^2 / 12 per length of edge, p = 2 / resolution, |grad w| <= 0.33. The outline of a convex polygon is no longer than 16 on
-// the faces of a hemicube of half width 1; two outlines, plate and blocker.
+// A hemicube decides coverage at a pixel's middle and counts the pixel's whole weight: where an edge falls within a
+// pixel at random, that is off on the average by at most the weight's change across a pixel, |grad w| p^2 / 12 per
+// length of edge, p = 2 / resolution, |grad w| <= 0.33. The outline of a convex polygon is no longer than 16 on the
+// faces of a hemicube of half width 1; two outlines, plate and blocker.
 double hemicubeBias(uint32_t resolution) { return 2 * 16 * 0.33 * 4 / (12.0 * resolution * resolution); }
 
 void verifyOn(const Device& device, const std::string& name, const Scene& scene, double truth) {
@@ -65,17 +75,25 @@ void verifyOn(const Device& device, const std::string& name, const Scene& scene,
   for (const Trace trace : {Trace::packets_of_8, Trace::streams}) {
     const char* form = trace == Trace::streams ? "streams" : "packets";
     for (const auto& [points, word] : {std::pair(Points::random, "random"), std::pair(Points::sobol, "sobol")}) {
-      verify(name, fmt::format("rays_{} in {}", word, form), [&, points = points](double rays, uint64_t seed) {
-               return estimateFromRays(embree.shoot(trace, points, static_cast<uint64_t>(rays), seed), scene).exchange;
-             }, 4096, area, truth, 0);
-      verify(name, fmt::format("double_area_{} in {}", word, form), [&, points = points](double samples, uint64_t seed) {
-               return embree.integrate(trace, points, static_cast<uint32_t>(samples), seed).exchange;
-             }, 1024, area, truth, 0);
+      verify(
+          name, fmt::format("rays_{} in {}", word, form),
+          [&, points = points](double rays, uint64_t seed) {
+            return estimateFromRays(embree.shoot(trace, points, static_cast<uint64_t>(rays), seed), scene).exchange;
+          },
+          4096, area, truth, 0);
+      verify(
+          name, fmt::format("double_area_{} in {}", word, form),
+          [&, points = points](double samples, uint64_t seed) {
+            return embree.integrate(trace, points, static_cast<uint32_t>(samples), seed).exchange;
+          },
+          1024, area, truth, 0);
     }
   }
   constexpr uint32_t kResolution = 128;
   Hemicube hemicube(device, scene, kResolution);
-  verify(name, "hemicube", [&](double eyes, uint64_t seed) { return hemicube.compute(static_cast<uint32_t>(eyes), seed); }, 4, area, truth, hemicubeBias(kResolution));
+  verify(
+      name, "hemicube", [&](double eyes, uint64_t seed) { return hemicube.compute(static_cast<uint32_t>(eyes), seed); },
+      4, area, truth, hemicubeBias(kResolution));
 }
 
 }  // namespace
@@ -87,7 +105,8 @@ void verifyRivals(const Device& device) {
   input.surface_names.push_back("blocker");
   input.faces.push_back({{{0.2, 0.3, 0.4}, {0.8, 0.3, 0.4}, {0.8, 0.9, 0.6}, {0.2, 0.9, 0.6}}, 2, 0});
   const Scene blocked = buildScene(input);
-  verifyOn(device, "plates past a blocker", blocked, reference::formFactorPastBlocker(cornersOf(blocked, 0), cornersOf(blocked, 1), cornersOf(blocked, 2)).value);
+  verifyOn(device, "plates past a blocker", blocked,
+           reference::formFactorPastBlocker(cornersOf(blocked, 0), cornersOf(blocked, 1), cornersOf(blocked, 2)).value);
 }
 
 }  // namespace viewpeel::bench

@@ -22,18 +22,22 @@ void writeView3d(const Scene& scene, double epsilon, std::ostream& out) {
   for (size_t k = 0; k < scene.polygons.size(); ++k) {
     const Polygon& polygon = scene.polygons[k];
     const uint32_t first = polygon.first_corner + 1;
-    out << fmt::format("S {} {} {} {} {} 0 0 0.9 polygon_{}\n", k + 1, first, first + 1, first + 2, polygon.corner_count == 4 ? first + 3 : 0, k + 1);
+    out << fmt::format("S {} {} {} {} {} 0 0 0.9 polygon_{}\n", k + 1, first, first + 1, first + 2,
+                       polygon.corner_count == 4 ? first + 3 : 0, k + 1);
   }
   out << "End\n";
 }
 
 ExchangeMatrix readView3d(std::istream& in, uint32_t polygon_count, const std::string& name) {
-  const auto refuse = [&](const std::string& what) { return Error(ErrorCode::bad_input, fmt::format("{}: {}; give View3D's own text output", name, what)); };
+  const auto refuse = [&](const std::string& what) {
+    return Error(ErrorCode::bad_input, fmt::format("{}: {}; give View3D's own text output", name, what));
+  };
   std::string line, word, version;
   std::getline(in, line);
   std::istringstream head(line);
   uint32_t out_format = 0, enclosure = 0, emissivity = 0, count = 0;
-  if (!(head >> word >> version >> out_format >> enclosure >> emissivity >> count) || word != "View3D") throw refuse("the first line is not `View3D version out encl emit N`");
+  if (!(head >> word >> version >> out_format >> enclosure >> emissivity >> count) || word != "View3D")
+    throw refuse("the first line is not `View3D version out encl emit N`");
   if (count != polygon_count) throw refuse(fmt::format("{} surfaces in place of {}", count, polygon_count));
   const auto read = [&](const char* what) {
     double value = 0;
@@ -55,15 +59,19 @@ View3dRun runView3d(const std::string& program, const Scene& scene, double epsil
   {
     std::ofstream file(input);
     writeView3d(scene, epsilon, file);
-    if (!file.flush()) throw Error(ErrorCode::output, fmt::format("{}: cannot be written; choose another --work directory", input));
+    if (!file.flush())
+      throw Error(ErrorCode::output, fmt::format("{}: cannot be written; choose another --work directory", input));
   }
   std::remove(output.c_str());
   const std::string command = fmt::format("'{}' '{}' '{}' >/dev/null 2>&1", program, input, output);
   int status = 0;
   const double seconds = secondsOf([&] { status = std::system(command.c_str()); });
   if (status != 0)
-    throw Error(ErrorCode::bad_usage, fmt::format("{}: ends with status {}; give the path of View3D's program, which takes an input and an output file", program,
-                                                  WEXITSTATUS(status)));
+    throw Error(
+        ErrorCode::bad_usage,
+        fmt::format(
+            "{}: ends with status {}; give the path of View3D's program, which takes an input and an output file",
+            program, WEXITSTATUS(status)));
   std::ifstream file(output);
   return {readView3d(file, static_cast<uint32_t>(scene.polygons.size()), output), seconds};
 }

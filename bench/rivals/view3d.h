@@ -1,4 +1,5 @@
-// View3D (G. N. Walton, Calculation of obstructed view factors by adaptive integration, NISTIR 6925, 2002) as a rival: its input, its program, its output.
+// View3D (G. N. Walton, Calculation of obstructed view factors by adaptive integration, NISTIR 6925, 2002) as a rival:
+// its input, its program, its output.
 #pragma once
 #include <iosfwd>
 #include <string>
@@ -8,7 +9,8 @@
 
 namespace viewpeel::bench {
 
-// A scene as .vs3: vertices in input units with 17 digits, so that they are read back as they are; a surface for every polygon, its corners counter-clockwise seen from the front.
+// A scene as .vs3: vertices in input units with 17 digits, so that they are read back as they are; a surface for every
+// polygon, its corners counter-clockwise seen from the front.
 //   In: epsilon: View3D's own eps, its convergence criterion
 void writeView3d(const Scene& scene, double epsilon, std::ostream& out);
 

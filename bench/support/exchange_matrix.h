@@ -30,8 +30,8 @@ class ExchangeMatrix {
   std::vector<double> values_;
 };
 
-// Of form factors, over all ordered pairs i != j. The weighted ones give each pair the weight w_ij = C_ij = A_i F_ij / 2 that it has in the exchange of radiation:
-// rms = sqrt(sum w e^2 / sum w), largest = max sqrt(w / max w) |e|.
+// Of form factors, over all ordered pairs i != j. The weighted ones give each pair the weight w_ij = C_ij = A_i F_ij /
+// 2 that it has in the exchange of radiation: rms = sqrt(sum w e^2 / sum w), largest = max sqrt(w / max w) |e|.
 struct MatrixError {
   double rms = 0, largest = 0, weighted_rms = 0, weighted_largest = 0;
 };
@@ -50,7 +50,8 @@ class ErrorSums {
   }
   MatrixError over(uint32_t count) const {
     const double pairs = double(count) * (count - 1.0);
-    return {std::sqrt(squares_ / pairs), largest_, weights_ > 0 ? std::sqrt(weighted_squares_ / weights_) : 0, most_weight_ > 0 ? weighted_largest_ / std::sqrt(most_weight_) : 0};
+    return {std::sqrt(squares_ / pairs), largest_, weights_ > 0 ? std::sqrt(weighted_squares_ / weights_) : 0,
+            most_weight_ > 0 ? weighted_largest_ / std::sqrt(most_weight_) : 0};
   }
 
  private:
@@ -58,10 +59,12 @@ class ErrorSums {
 };
 
 //   In: of the same polygons; areas in the unit of both
-inline MatrixError errorOf(const ExchangeMatrix& measured, const ExchangeMatrix& reference, const std::vector<double>& areas) {
+inline MatrixError errorOf(const ExchangeMatrix& measured, const ExchangeMatrix& reference,
+                           const std::vector<double>& areas) {
   ErrorSums sums;
   for (uint32_t i = 0; i < measured.count(); ++i)
-    for (uint32_t j = i + 1; j < measured.count(); ++j) sums.add(reference.at(i, j), measured.at(i, j) - reference.at(i, j), areas[i], areas[j]);
+    for (uint32_t j = i + 1; j < measured.count(); ++j)
+      sums.add(reference.at(i, j), measured.at(i, j) - reference.at(i, j), areas[i], areas[j]);
   return sums.over(measured.count());
 }
 

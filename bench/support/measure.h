@@ -28,7 +28,8 @@ inline double median(std::vector<double> values) {
   return (values[(values.size() - 1) / 2] + values[values.size() / 2]) / 2;
 }
 
-// y = exp(intercept) x^exponent, by least squares on logarithms. The standard error is that of the exponent from the residuals.
+// y = exp(intercept) x^exponent, by least squares on logarithms. The standard error is that of the exponent from the
+// residuals.
 struct PowerLaw {
   double exponent = 0, intercept = 0, standard_error = 0;
   double at(double x) const { return std::exp(intercept) * std::pow(x, exponent); }
@@ -51,7 +52,8 @@ inline PowerLaw fitPowerLaw(const std::vector<double>& x, const std::vector<doub
 // Of the source tree at `directory` as it is now; "unknown" without git.
 inline std::string commitOf(const std::string& directory) {
   std::string commit;
-  if (FILE* pipe = ::popen(fmt::format("git -C '{}' describe --always --dirty --exclude '*' 2>/dev/null", directory).c_str(), "r")) {
+  if (FILE* pipe = ::popen(
+          fmt::format("git -C '{}' describe --always --dirty --exclude '*' 2>/dev/null", directory).c_str(), "r")) {
     char line[128];
     if (std::fgets(line, sizeof line, pipe)) commit = line;
     ::pclose(pipe);
@@ -64,8 +66,9 @@ inline void printPlace(const Device& device, const std::string& source_directory
   const DeviceDescription& description = device.description();
   double load = 0;
   ::getloadavg(&load, 1);
-  fmt::print("# device {} ({}; {})\n# commit {}\n# {} cores, load {:.1f} before the start\n", description.name, description.kind, description.driver,
-             commitOf(source_directory), std::thread::hardware_concurrency(), load);
+  fmt::print("# device {} ({}; {})\n# commit {}\n# {} cores, load {:.1f} before the start\n", description.name,
+             description.kind, description.driver, commitOf(source_directory), std::thread::hardware_concurrency(),
+             load);
 }
 
 }  // namespace viewpeel::bench

@@ -1,7 +1,8 @@
 // Points of the unit hypercube of four dimensions for rivals that sample: independent, or Sobol's sequence, scrambled.
 //
-// Sobol' points with the direction numbers of S. Joe & F. Y. Kuo, Constructing Sobol sequences with better two-dimensional projections, SIAM J. Sci. Comput. 30, 2008;
-// nested uniform scrambling (A. B. Owen 1995) by the hash of S. Laine & T. Karras, Stratified sampling for stochastic transparency, 2011, on reversed bits.
+// Sobol' points with the direction numbers of S. Joe & F. Y. Kuo, Constructing Sobol sequences with better
+// two-dimensional projections, SIAM J. Sci. Comput. 30, 2008; nested uniform scrambling (A. B. Owen 1995) by the hash
+// of S. Laine & T. Karras, Stratified sampling for stochastic transparency, 2011, on reversed bits.
 #pragma once
 #include <array>
 #include <bit>
@@ -41,7 +42,8 @@ constexpr DirectionNumbers makeDirectionNumbers() {
     uint32_t degree, coefficients;
     std::array<uint32_t, 3> first;
   };
-  constexpr std::array<Polynomial, kDimensions - 1> kPolynomials = {{{1, 0, {1, 0, 0}}, {2, 1, {1, 3, 0}}, {3, 1, {1, 3, 1}}}};
+  constexpr std::array<Polynomial, kDimensions - 1> kPolynomials = {
+      {{1, 0, {1, 0, 0}}, {2, 1, {1, 3, 0}}, {3, 1, {1, 3, 1}}}};
   DirectionNumbers numbers{};
   for (uint32_t k = 0; k < 32; ++k) numbers[0][k] = 1u << (31 - k);
   for (uint32_t d = 1; d < kDimensions; ++d) {
@@ -64,11 +66,13 @@ constexpr DirectionNumbers makeDirectionNumbers() {
 
 inline constexpr DirectionNumbers kReversedNumbers = makeDirectionNumbers();
 
-// Points in order. The first 2^m points of a Sobol' source are stratified; two sources of one seed and stream are the same.
+// Points in order. The first 2^m points of a Sobol' source are stratified; two sources of one seed and stream are the
+// same.
 class PointSource {
  public:
   //   In: stream: every one has points of its own; first: the first point's index
-  PointSource(Points points, uint64_t seed, uint64_t stream, uint64_t first = 0) : points_(points), random_{mix(seed, stream)} {
+  PointSource(Points points, uint64_t seed, uint64_t stream, uint64_t first = 0)
+      : points_(points), random_{mix(seed, stream)} {
     if (points == Points::random) {
       random_.state += 2 * first * kSplitMixStep;  // two words a point
       return;
@@ -95,7 +99,9 @@ class PointSource {
   }
 
  private:
-  static uint64_t mix(uint64_t seed, uint64_t stream) { return SplitMix{SplitMix{seed}.next() ^ stream * 0xD1342543DE82EF95ull}.next(); }
+  static uint64_t mix(uint64_t seed, uint64_t stream) {
+    return SplitMix{SplitMix{seed}.next() ^ stream * 0xD1342543DE82EF95ull}.next();
+  }
 
   // A bit depends on those below it alone.
   static uint32_t scramble(uint32_t x, uint32_t seed) {

@@ -18,7 +18,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kUnitRounding = std::numeric_limits<double>::epsilon();
 constexpr double kAngleMargin = 0x1p-46;  // rad: above the rounding of unit vectors and their products
-constexpr double kOpenCone = 0.02;        // cosine from the axis below which a cone of directions counts as a half sphere
+constexpr double kOpenCone = 0.02;  // cosine from the axis below which a cone of directions counts as a half sphere
 constexpr size_t kMostDifferences = 1u << 20;
 
 using Corners = std::vector<glm::dvec3>;
@@ -34,7 +34,8 @@ Frame frameAbout(const glm::dvec3& along) {
   return {x, glm::cross(along, x)};
 }
 
-// --- the pair's region ------------------------------------------------------------------------------------------------
+// --- the pair's region
+// ------------------------------------------------------------------------------------------------
 
 struct Plate {
   Corners corners;
@@ -45,7 +46,8 @@ struct Plate {
 Plate plateOf(const Scene& scene, uint32_t polygon_index, const glm::dvec3& origin) {
   const Polygon& polygon = scene.polygons[polygon_index];
   Plate plate;
-  for (uint32_t k = 0; k < polygon.corner_count; ++k) plate.corners.push_back(scene.corners[polygon.first_corner + k] - origin);
+  for (uint32_t k = 0; k < polygon.corner_count; ++k)
+    plate.corners.push_back(scene.corners[polygon.first_corner + k] - origin);
   plate.given = plate.corners;
   plate.front = scene.planes[polygon.plane].normal * (polygon.front_along_plane_normal ? 1.0 : -1.0);
   return plate;
@@ -65,7 +67,8 @@ double roughnessOf(const Plate& plate) {
   return roughness;
 }
 
-// The part of `corners` in front of the plate's plane; corners within `slack` of it stay as they are. Empty where none is further in front.
+// The part of `corners` in front of the plate's plane; corners within `slack` of it stay as they are. Empty where none
+// is further in front.
 Corners clipToFront(const Corners& corners, const Plate& plate, double slack) {
   const auto heightOf = [&](const glm::dvec3& corner) { return glm::dot(plate.front, corner - plate.corners[0]); };
   Corners kept;
@@ -82,20 +85,23 @@ Corners clipToFront(const Corners& corners, const Plate& plate, double slack) {
   return kept;
 }
 
-// Whether polygons of one plane overlap by more than `slack`: no edge of one has all of the other outside (separating axes).
+// Whether polygons of one plane overlap by more than `slack`: no edge of one has all of the other outside (separating
+// axes).
 bool overlapInPlane(const Plate& a, const Plate& b, double slack) {
   for (const auto& [one, other] : {std::pair(&a, &b), std::pair(&b, &a)})
     for (size_t k = 0; k < one->corners.size(); ++k) {
       const glm::dvec3 start = one->corners[k], edge = one->corners[(k + 1) % one->corners.size()] - start;
       if (!(glm::length(edge) > 0)) continue;
       const glm::dvec3 inwards = glm::normalize(glm::cross(one->front, edge));
-      if (std::ranges::all_of(other->corners, [&](const glm::dvec3& corner) { return glm::dot(inwards, corner - start) <= slack; }))
+      if (std::ranges::all_of(other->corners,
+                              [&](const glm::dvec3& corner) { return glm::dot(inwards, corner - start) <= slack; }))
         return false;
     }
   return true;
 }
 
-// What a pair of convex polygons gives to a region: the corners that fronts of the other see, and how far rounding may have moved them.
+// What a pair of convex polygons gives to a region: the corners that fronts of the other see, and how far rounding may
+// have moved them.
 struct SeenPair {
   Plate a, b;
   double slack = 0;
@@ -129,8 +135,9 @@ SeenPair clipPair(const Scene& scene, uint32_t a_index, uint32_t b_index, bool t
   return seen;
 }
 
-// For every edge of `near`, the plane through it that is turned from near's own plane, away from near, until it meets `far`: near lies on
-// one side of it and far on the other. Appends their normals, towards far. An edge whose plane rounding makes doubtful is left out.
+// For every edge of `near`, the plane through it that is turned from near's own plane, away from near, until it meets
+// `far`: near lies on one side of it and far on the other. Appends their normals, towards far. An edge whose plane
+// rounding makes doubtful is left out.
 void appendSeparatingNormals(const Plate& near, const Plate& far, double slack, std::vector<glm::dvec3>& normals) {
   for (size_t k = 0; k < near.corners.size(); ++k) {
     const glm::dvec3 start = near.corners[k], edge = near.corners[(k + 1) % near.corners.size()] - start;
@@ -146,18 +153,21 @@ void appendSeparatingNormals(const Plate& near, const Plate& far, double slack, 
     if (angle_rad <= 0) continue;
     const glm::dvec3 normal = glm::normalize(std::cos(angle_rad) * near.front - std::sin(angle_rad) * inwards);
     const bool separates =
-        std::ranges::all_of(near.corners, [&](const glm::dvec3& c) { return glm::dot(normal, c - start) <= 2 * slack; }) &&
-        std::ranges::all_of(far.corners, [&](const glm::dvec3& c) { return glm::dot(normal, c - start) >= -2 * slack; });
+        std::ranges::all_of(near.corners,
+                            [&](const glm::dvec3& c) { return glm::dot(normal, c - start) <= 2 * slack; }) &&
+        std::ranges::all_of(far.corners,
+                            [&](const glm::dvec3& c) { return glm::dot(normal, c - start) >= -2 * slack; });
     if (separates) normals.push_back(normal);
   }
 }
 
 struct Difference {
-  glm::dvec3 d;        // unit length
+  glm::dvec3 d;  // unit length
   double error_rad = 0;
 };
 
-// Returns whether a corner made by clipping is too close to another one for the direction between them to mean anything.
+// Returns whether a corner made by clipping is too close to another one for the direction between them to mean
+// anything.
 bool appendDifferences(const Plate& a, const Plate& b, double slack, std::vector<Difference>& differences) {
   const auto errorOf = [slack](const Plate& plate, const glm::dvec3& corner) {
     return std::ranges::find(plate.given, corner) == plate.given.end() ? slack : 0;
@@ -172,12 +182,13 @@ bool appendDifferences(const Plate& a, const Plate& b, double slack, std::vector
   return in_doubt;
 }
 
-// Axis of a narrow cone around all differences: steps towards the furthest (M. Badoiu & K. L. Clarkson, Smaller core-sets for balls, 2003).
+// Axis of a narrow cone around all differences: steps towards the furthest (M. Badoiu & K. L. Clarkson, Smaller
+// core-sets for balls, 2003).
 glm::dvec3 axisOf(const std::vector<Difference>& differences) {
   glm::dvec3 axis = differences[0].d;
   for (int step = 0; step < 256; ++step) {
-    const auto furthest =
-        std::ranges::min_element(differences, {}, [&axis](const Difference& difference) { return glm::dot(axis, difference.d); });
+    const auto furthest = std::ranges::min_element(
+        differences, {}, [&axis](const Difference& difference) { return glm::dot(axis, difference.d); });
     const glm::dvec3 next = axis + (furthest->d - axis) / (step + 2.0);
     if (!(glm::length(next) > kOpenCone)) break;
     axis = glm::normalize(next);
@@ -199,7 +210,8 @@ DirectionRegion regionOfConvexPair(const SeenPair& seen) {
 
 // Counter-clockwise, without its last point (A. M. Andrew's monotone chains, 1979).
 std::vector<glm::dvec2> hullOf(std::vector<glm::dvec2> points) {
-  std::ranges::sort(points, [](const glm::dvec2& a, const glm::dvec2& b) { return a.x < b.x || (a.x == b.x && a.y < b.y); });
+  std::ranges::sort(points,
+                    [](const glm::dvec2& a, const glm::dvec2& b) { return a.x < b.x || (a.x == b.x && a.y < b.y); });
   std::vector<glm::dvec2> hull;
   for (int chain = 0; chain < 2; ++chain) {
     const size_t first = hull.size();
@@ -217,13 +229,14 @@ std::vector<glm::dvec2> hullOf(std::vector<glm::dvec2> points) {
   return hull;
 }
 
-// The convex hull of directions that fit in a half sphere about the axis, through its central projection on the plane dot(axis, x) = 1. A
-// direction enters as the corners of a square around it, of its error and a margin.
+// The convex hull of directions that fit in a half sphere about the axis, through its central projection on the plane
+// dot(axis, x) = 1. A direction enters as the corners of a square around it, of its error and a margin.
 DirectionRegion hullRegion(const std::vector<Difference>& differences, const glm::dvec3& axis) {
   const Frame frame = frameAbout(axis);
   std::vector<glm::dvec2> points;
   for (const Difference& difference : differences) {
-    const glm::dvec2 point = glm::dvec2(glm::dot(difference.d, frame.x), glm::dot(difference.d, frame.y)) / glm::dot(difference.d, axis);
+    const glm::dvec2 point =
+        glm::dvec2(glm::dot(difference.d, frame.x), glm::dot(difference.d, frame.y)) / glm::dot(difference.d, axis);
     const double margin = (0x1p-40 + difference.error_rad) * (1 + glm::dot(point, point));
     for (double x : {-margin, margin})
       for (double y : {-margin, margin}) points.push_back(point + glm::dvec2(x, y));
@@ -269,10 +282,11 @@ size_t cornerCount(const Scene& scene, std::span<const uint32_t> polygons) {
   return count;
 }
 
-// --- samplers ---------------------------------------------------------------------------------------------------------
+// --- samplers
+// ---------------------------------------------------------------------------------------------------------
 
-// Points of the unit square, each uniform in it: a lattice under one random shift, periodic in `around`, folded (t and 1 - t alike) in
-// `outwards`.
+// Points of the unit square, each uniform in it: a lattice under one random shift, periodic in `around`, folded (t and
+// 1 - t alike) in `outwards`.
 class ShiftedLattice {
  public:
   ShiftedLattice(uint32_t count, Random& random) : count_(count), shift_(random.uniform()), turn_(random.uniform()) {}
@@ -296,7 +310,8 @@ DirectionRegion DirectionRegion::hemisphere(const glm::dvec3& pole) {
   return region;
 }
 
-// Sutherland & Hodgman, Reentrant polygon clipping, 1974, on the cone of the region. What rounding cannot tell from inside stays.
+// Sutherland & Hodgman, Reentrant polygon clipping, 1974, on the cone of the region. What rounding cannot tell from
+// inside stays.
 void DirectionRegion::clip(const glm::dvec3& inner_normal) {
   std::vector<Arc> kept;
   for (size_t k = 0; k < arcs_.size(); ++k) {
@@ -305,7 +320,8 @@ void DirectionRegion::clip(const glm::dvec3& inner_normal) {
     const bool a_inside = height_a >= -8 * kUnitRounding, b_inside = height_b >= -8 * kUnitRounding;
     if (a_inside) kept.push_back(arcs_[k]);
     if (a_inside == b_inside) continue;
-    const double to_b = std::max(0.0, a_inside ? height_a : -height_a), to_a = std::max(0.0, b_inside ? height_b : -height_b);
+    const double to_b = std::max(0.0, a_inside ? height_a : -height_a),
+                 to_a = std::max(0.0, b_inside ? height_b : -height_b);
     kept.push_back({glm::normalize(a * to_a + b * to_b), a_inside ? inner_normal : arcs_[k].inner_normal});
   }
   // The new arc may be half a circle long: cut it a quarter from its start.
@@ -335,8 +351,12 @@ void DirectionRegion::close() {
     arc.along = glm::normalize(arc.along - arc.inner_normal * glm::dot(arc.inner_normal, arc.along));
     arc.foot = glm::cross(arc.along, arc.inner_normal);
     arc.half_tangent = sine / (1 + cosine);
-    const auto distanceTo = [&arc](const glm::dvec3& v) { return std::atan2(glm::dot(v, arc.along), glm::dot(v, arc.foot)); };
-    const auto areaTo = [&arc](double distance_rad) { return 2 * std::atan(arc.half_tangent * std::tan(distance_rad / 2)); };
+    const auto distanceTo = [&arc](const glm::dvec3& v) {
+      return std::atan2(glm::dot(v, arc.along), glm::dot(v, arc.foot));
+    };
+    const auto areaTo = [&arc](double distance_rad) {
+      return 2 * std::atan(arc.half_tangent * std::tan(distance_rad / 2));
+    };
     const double first_rad = distanceTo(arc.from), last_rad = distanceTo(arcs_[(k + 1) % arcs_.size()].from);
     arc.first_area = areaTo(first_rad);
     double area = areaTo(last_rad) - arc.first_area;
@@ -348,7 +368,8 @@ void DirectionRegion::close() {
 }
 
 bool DirectionRegion::contains(const glm::dvec3& u) const {
-  return !arcs_.empty() && std::ranges::all_of(arcs_, [&](const Arc& arc) { return glm::dot(arc.inner_normal, u) >= -kAngleMargin; });
+  return !arcs_.empty() &&
+         std::ranges::all_of(arcs_, [&](const Arc& arc) { return glm::dot(arc.inner_normal, u) >= -kAngleMargin; });
 }
 
 glm::dvec3 DirectionRegion::map(double around, double outwards) const {
@@ -358,7 +379,8 @@ glm::dvec3 DirectionRegion::map(double around, double outwards) const {
   if (arc == arcs_.end()) --arc;
   const double before = arc == arcs_.begin() ? 0 : std::prev(arc)->solid_angle_to_here;
   const double area = arc->first_area + (target - before);
-  const double half = std::atan2(std::sin(area / 2), arc->half_tangent * std::cos(area / 2));  // of the way from the foot
+  const double half =
+      std::atan2(std::sin(area / 2), arc->half_tangent * std::cos(area / 2));  // of the way from the foot
   const glm::dvec3 edge = std::cos(2 * half) * arc->foot + std::sin(2 * half) * arc->along;
   // 1 - cos of the distance from the centre, half its chord squared, is uniform.
   const glm::dvec3 out = edge - centre_, tangent = out - centre_ * glm::dot(centre_, out);
@@ -368,7 +390,8 @@ glm::dvec3 DirectionRegion::map(double around, double outwards) const {
                         glm::normalize(tangent) * std::sqrt(chord_squared * std::max(0.0, 1 - chord_squared / 4)));
 }
 
-DirectionRegion findPairRegion(const Scene& scene, std::span<const uint32_t> a, std::span<const uint32_t> b, bool two_sided) {
+DirectionRegion findPairRegion(const Scene& scene, std::span<const uint32_t> a, std::span<const uint32_t> b,
+                               bool two_sided) {
   if (a.empty() || b.empty()) return {};
   std::vector<Difference> differences;
   bool is_open = false;  // the differences do not tell the cone
@@ -388,7 +411,8 @@ DirectionRegion findPairRegion(const Scene& scene, std::span<const uint32_t> a, 
 
   if (!is_open) {
     const glm::dvec3 axis = axisOf(differences);
-    if (std::ranges::all_of(differences, [&](const Difference& difference) { return glm::dot(axis, difference.d) > kOpenCone; }))
+    if (std::ranges::all_of(differences,
+                            [&](const Difference& difference) { return glm::dot(axis, difference.d) > kOpenCone; }))
       return hullRegion(differences, axis);
   }
   const glm::dvec3 zero(0), front_a = commonFront(scene, a), front_b = commonFront(scene, b);
@@ -412,9 +436,11 @@ AskedDirections sampleRegion(const DirectionRegion& region, uint32_t count, uint
   return asked;
 }
 
-AskedDirections sampleEmitter(const Scene& scene, std::span<const uint32_t> emitter, uint32_t count, uint64_t seed, uint64_t replicate) {
+AskedDirections sampleEmitter(const Scene& scene, std::span<const uint32_t> emitter, uint32_t count, uint64_t seed,
+                              uint64_t replicate) {
   const glm::dvec3 normal = commonFront(scene, emitter);
-  if (normal == glm::dvec3(0)) return {sampleDirections(Sampler::fibonacci, count, seed, replicate), std::vector<uint32_t>(count, 1), 1};
+  if (normal == glm::dvec3(0))
+    return {sampleDirections(Sampler::fibonacci, count, seed, replicate), std::vector<uint32_t>(count, 1), 1};
   Random random(seed, replicate);
   const ShiftedLattice lattice(count, random);
   const Frame frame = frameAbout(normal);
@@ -428,7 +454,8 @@ AskedDirections sampleEmitter(const Scene& scene, std::span<const uint32_t> emit
     const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine)), azimuth_rad = 2 * kPi * lattice.around(k);
     const glm::dvec3 across = std::cos(azimuth_rad) * frame.x + std::sin(azimuth_rad) * frame.y;
     asked.directions.push_back(directionAlong(sine * across + cosine * normal, random));
-    asked.weights.push_back(uint32_t(std::floor(1 / (2 * (1 - e) * cosine + e) / kEmitterWeightUnit + random.uniform())));
+    asked.weights.push_back(
+        uint32_t(std::floor(1 / (2 * (1 - e) * cosine + e) / kEmitterWeightUnit + random.uniform())));
   }
   return asked;
 }

@@ -11,13 +11,16 @@ struct ReplicateNumbers {
 
 // Guarantees and plans never go together, and share the numbers of their pilots.
 inline constexpr ReplicateNumbers kRunReplicates{0, (uint64_t(1) << 40) - 16};
-inline constexpr ReplicateNumbers kTrialReplicates{kRunReplicates.end, uint64_t(1) << 40};  // that compile kernels and take times; their counts are for nothing
+inline constexpr ReplicateNumbers kTrialReplicates{
+    kRunReplicates.end, uint64_t(1) << 40};  // that compile kernels and take times; their counts are for nothing
 inline constexpr ReplicateNumbers kPlanReplicates{uint64_t(1) << 40, uint64_t(2) << 40};
-inline constexpr ReplicateNumbers kPlanLatticeReplicates{uint64_t(2) << 40, uint64_t(3) << 40};  // of the second lattice of every direction of a plan's pilots
+inline constexpr ReplicateNumbers kPlanLatticeReplicates{
+    uint64_t(2) << 40, uint64_t(3) << 40};  // of the second lattice of every direction of a plan's pilots
 inline constexpr ReplicateNumbers kShareReplicates{uint64_t(3) << 40, uint64_t(4) << 40};
 inline constexpr ReplicateNumbers kDirectedReplicates{uint64_t(4) << 40, uint64_t(5) << 40};
 
 // All of them, in order.
-inline constexpr std::array kReplicateNumbers = {kRunReplicates, kTrialReplicates, kPlanReplicates, kPlanLatticeReplicates, kShareReplicates, kDirectedReplicates};
+inline constexpr std::array kReplicateNumbers = {kRunReplicates,         kTrialReplicates, kPlanReplicates,
+                                                 kPlanLatticeReplicates, kShareReplicates, kDirectedReplicates};
 
 }  // namespace viewpeel

@@ -18,9 +18,9 @@ glm::dmat3 randomRotation(Random& random) {
   const double a = random.uniform(), b = kTwoPi * random.uniform(), c = kTwoPi * random.uniform();
   const double x = std::sqrt(1 - a) * std::sin(b), y = std::sqrt(1 - a) * std::cos(b);
   const double z = std::sqrt(a) * std::sin(c), w = std::sqrt(a) * std::cos(c);
-  return {1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y),
-          2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x),
-          2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)};
+  return {1 - 2 * (y * y + z * z), 2 * (x * y + w * z),     2 * (x * z - w * y),
+          2 * (x * y - w * z),     1 - 2 * (x * x + z * z), 2 * (y * z + w * x),
+          2 * (x * z + w * y),     2 * (y * z - w * x),     1 - 2 * (x * x + y * y)};
 }
 
 glm::dvec3 fromHeightAndAzimuth(double z, double azimuth_rad) {
@@ -35,11 +35,13 @@ void addJittered(uint32_t count, const glm::dmat3& rotation, Random& random, std
   for (uint32_t zone = 0, done = 0; zone < zones; ++zone) {
     // A zone ends at the number of cells that is nearest to its share of the sphere.
     const double share = (1 - std::cos(std::numbers::pi * (zone + 1) / zones)) / 2;
-    const auto end = zone + 1 == zones ? count : std::max<uint32_t>(done, static_cast<uint32_t>(std::lround(share * count)));
+    const auto end =
+        zone + 1 == zones ? count : std::max<uint32_t>(done, static_cast<uint32_t>(std::lround(share * count)));
     const uint32_t cells = end - done;
     for (uint32_t cell = 0; cell < cells; ++cell) {
       const double z = 1 - 2 * (done + cells * random.uniform()) / count;
-      directions.push_back(directionAlong(rotation * fromHeightAndAzimuth(z, kTwoPi * (cell + random.uniform()) / cells), random));
+      directions.push_back(
+          directionAlong(rotation * fromHeightAndAzimuth(z, kTwoPi * (cell + random.uniform()) / cells), random));
     }
     done = end;
   }
@@ -57,7 +59,9 @@ double scramble(uint32_t bits, uint64_t seed) {
   uint32_t scrambled = 0;
   for (uint32_t level = 0; level < 32; ++level) {
     const uint64_t before = level == 0 ? 0 : bits >> (32 - level);
-    scrambled |= ((bits >> (31 - level) & 1) ^ randomBit(seed + 0x9E3779B97F4A7C15ull * (before + (uint64_t(1) << level)))) << (31 - level);
+    scrambled |=
+        ((bits >> (31 - level) & 1) ^ randomBit(seed + 0x9E3779B97F4A7C15ull * (before + (uint64_t(1) << level))))
+        << (31 - level);
   }
   return (scrambled + 0.5) * 0x1p-32;
 }
@@ -92,7 +96,8 @@ std::vector<Direction> sampleDirections(Sampler sampler, uint32_t count, uint64_
     const double golden_angle_rad = std::numbers::pi * (3 - std::sqrt(5.0));
     const glm::dmat3 rotation = randomRotation(random);
     for (uint32_t k = 0; k < count; ++k)
-      directions.push_back(directionAlong(rotation * fromHeightAndAzimuth(1 - (2.0 * k + 1) / count, golden_angle_rad * k), random));
+      directions.push_back(
+          directionAlong(rotation * fromHeightAndAzimuth(1 - (2.0 * k + 1) / count, golden_angle_rad * k), random));
   } else if (sampler == Sampler::jittered) {
     const glm::dmat3 rotation = randomRotation(random);
     addJittered(count, rotation, random, directions);
@@ -100,7 +105,9 @@ std::vector<Direction> sampleDirections(Sampler sampler, uint32_t count, uint64_
     const glm::dmat3 rotation = randomRotation(random);
     const uint64_t first = random.word(), second = random.word();
     for (uint32_t k = 0; k < count; ++k)
-      directions.push_back(directionAlong(rotation * fromHeightAndAzimuth(1 - 2 * scramble(reverseBits(k), first), kTwoPi * scramble(sobolSecond(k), second)), random));
+      directions.push_back(directionAlong(rotation * fromHeightAndAzimuth(1 - 2 * scramble(reverseBits(k), first),
+                                                                          kTwoPi * scramble(sobolSecond(k), second)),
+                                          random));
   } else {
     for (uint32_t k = 0; k < count; ++k) {
       const double z = 2 * random.uniform() - 1;

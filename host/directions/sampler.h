@@ -7,7 +7,8 @@
 
 namespace viewpeel {
 
-// The directions of one replicate, each with a lattice offset uniform in [0, 1)^2 and a lattice rotation uniform about u.
+// The directions of one replicate, each with a lattice offset uniform in [0, 1)^2 and a lattice rotation uniform about
+// u.
 //   In: count > 0; seed, replicate: any    Out: count directions, a function of the arguments only
 //   Error: axes orthonormal to 1e-15; uniformity tested in tests/device/directions_test.cpp.
 //   Cost: O(count).

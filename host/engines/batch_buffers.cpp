@@ -13,15 +13,18 @@ using namespace device_data;
 
 namespace {
 
-constexpr VkFormat kOneWord = VK_FORMAT_R32_UINT, kTwoWords = VK_FORMAT_R32G32_UINT, kFourWords = VK_FORMAT_R32G32B32A32_UINT;
+constexpr VkFormat kOneWord = VK_FORMAT_R32_UINT, kTwoWords = VK_FORMAT_R32G32_UINT,
+                   kFourWords = VK_FORMAT_R32G32B32A32_UINT;
 
 }  // namespace
 
 std::vector<BufferSize> listBuffers(const BatchShape& shape) {
   using B = BatchBuffers;
   using enum BufferUse;
-  const uint64_t directions = shape.directions, polygons = directions * shape.polygon_count, tiles = directions * shape.tilesPerDirection();
-  const uint64_t parts = tiles * shape.parts_per_tile, reached = parts * shape.samples_per_part, entries = shape.list_capacity;
+  const uint64_t directions = shape.directions, polygons = directions * shape.polygon_count,
+                 tiles = directions * shape.tilesPerDirection();
+  const uint64_t parts = tiles * shape.parts_per_tile, reached = parts * shape.samples_per_part,
+                 entries = shape.list_capacity;
   const uint64_t points = shape.enters ? directions * shape.pointsPerDirection() : 0;
   const uint64_t covers = shape.meets ? entries : 0;
   // Every tile has as many meetings as subgroups hold its polygons, the last not full.
@@ -62,11 +65,15 @@ void fitBuffers(const Device& device, const BatchShape& shape, BatchBuffers& buf
     if (isTooSmall(size)) buffers.*size.buffer = Buffer(device, size.size_bytes, size.memory, size.texels);
 }
 
-uint64_t mostListed(const Device& device) { return std::min<uint64_t>(device.properties().limits.maxTexelBufferElements, 0x7FFFFFFF); }
+uint64_t mostListed(const Device& device) {
+  return std::min<uint64_t>(device.properties().limits.maxTexelBufferElements, 0x7FFFFFFF);
+}
 
 Error listsTooLong(const Device& device) {
-  return Error(ErrorCode::memory, fmt::format("polygons reach more than {} tiles, which is as many as {} can address; try a smaller --resolution",
-                                              mostListed(device), device.description().name));
+  return Error(
+      ErrorCode::memory,
+      fmt::format("polygons reach more than {} tiles, which is as many as {} can address; try a smaller --resolution",
+                  mostListed(device), device.description().name));
 }
 
 uint64_t sizeBytes(const BatchShape& shape) {
@@ -77,7 +84,8 @@ uint64_t sizeBytes(const BatchShape& shape) {
 
 uint64_t largestBytes(const BatchShape& shape) {
   uint64_t largest = 0;
-  for (const BufferSize& size : listBuffers(shape)) largest = std::max(largest, size.size_bytes * (size.texels == kOneWord ? 2 : 1));
+  for (const BufferSize& size : listBuffers(shape))
+    largest = std::max(largest, size.size_bytes * (size.texels == kOneWord ? 2 : 1));
   return largest;
 }
 

@@ -1,5 +1,5 @@
-// The buffers of one batch of directions: one list says what each holds, how large it is and what it is for. Plans, allocation, growth and the summary of
-// memory all read that list.
+// The buffers of one batch of directions: one list says what each holds, how large it is and what it is for. Plans,
+// allocation, growth and the summary of memory all read that list.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -11,17 +11,17 @@ namespace viewpeel {
 
 // What the sizes of a batch's buffers follow from.
 struct BatchShape {
-  uint32_t directions = 1;      // at most
+  uint32_t directions = 1;  // at most
   uint32_t polygon_count = 0;
   uint32_t tiles_wide = 0, tiles_high = 0;  // of a direction
   uint32_t points_per_tile = 0;             // lattice points
   uint32_t parts_per_tile = 1;              // workgroups of peel
   uint32_t subgroup_size = 0;
-  uint32_t samples_per_part = 0;            // whose layers a workgroup of peel keeps
-  bool has_roles = false;  // only some polygons count
-  bool sorts = false;      // lists by depth
-  bool enters = false;     // polygons over few lattice points become fragments
-  bool meets = false;      // blocked pairs are counted by passes of their own
+  uint32_t samples_per_part = 0;   // whose layers a workgroup of peel keeps
+  bool has_roles = false;          // only some polygons count
+  bool sorts = false;              // lists by depth
+  bool enters = false;             // polygons over few lattice points become fragments
+  bool meets = false;              // blocked pairs are counted by passes of their own
   uint64_t list_capacity = 0;      // entries of all tiles' lists together
   uint32_t fragment_capacity = 0;  // of a lattice point
 
@@ -46,7 +46,7 @@ struct BatchBuffers {
 enum class BufferUse { control, projections, lists, fragments, unfinished };
 
 struct BufferSize {
-  Buffer BatchBuffers::* buffer;
+  Buffer BatchBuffers::*buffer;
   uint64_t size_bytes;  // 0: a batch of this shape has no such buffer
   BufferUse use;
   VkFormat texels = VK_FORMAT_UNDEFINED;  // where passes read it as texels

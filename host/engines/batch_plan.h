@@ -27,12 +27,14 @@ struct BatchNeeds {
   uint64_t fixed_bytes;        // what there is beside batches
 };
 
-// As many directions a batch as memory holds and as outweigh a submission, two batches in flight where half of the memory holds one. Polygons enter
-// themselves, for speed alone, where there is room for fragments.
+// As many directions a batch as memory holds and as outweigh a submission, two batches in flight where half of the
+// memory holds one. Polygons enter themselves, for speed alone, where there is room for fragments.
 //   Throws: Error limit where one direction needs more memory, or more of what is counted, than the device has.
-BatchPlan planBatches(const Device& device, const LatticeOptions& options, const Tuning& tuning, const BatchNeeds& needs);
+BatchPlan planBatches(const Device& device, const LatticeOptions& options, const Tuning& tuning,
+                      const BatchNeeds& needs);
 
-// The options for a smaller plan, where the device had no memory for this one: half the directions, and last one batch at a time without fragments.
+// The options for a smaller plan, where the device had no memory for this one: half the directions, and last one batch
+// at a time without fragments.
 //   Out: false where that is what it was.
 bool planSmaller(const BatchPlan& plan, LatticeOptions& options);
 

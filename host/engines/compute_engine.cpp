@@ -1,5 +1,6 @@
-// Engine `compute`: plans batches of directions, keeps two in flight where memory allows, and repeats what overflowed. A batch is one submission of the passes in
-// record_passes.h. What overflows says so in the batch's status: the host makes room and repeats, with smaller batches where the device has no memory for that.
+// Engine `compute`: plans batches of directions, keeps two in flight where memory allows, and repeats what overflowed.
+// A batch is one submission of the passes in record_passes.h. What overflows says so in the batch's status: the host
+// makes room and repeats, with smaller batches where the device has no memory for that.
 #include "engines/compute_engine.h"
 
 #include <algorithm>
@@ -75,12 +76,19 @@ ComputeEngine::ComputeEngine(const Device& device, const Scene& scene, const Ids
       tuning_(tune(device, options)),
       scene_(device, scene, ids),
       counters_(device, ids.count(), options.count_blocked, counterBudget(options), true, options.table_capacity),
-      settings_{options_, tuning_, scene_, counters_, IdRules(ids), chooseFractionBits(options.resolution, options.window),
+      settings_{options_,
+                tuning_,
+                scene_,
+                counters_,
+                IdRules(ids),
+                chooseFractionBits(options.resolution, options.window),
                 options.sampling == Sampling::scanline ? kScanlineBits : 0},
       fragment_capacity_(options.fragment_capacity ? options.fragment_capacity : kFragmentCapacity),
       commands_(device) {
-  if (settings_.fraction_bits < settings_.column_bits) throw Error(ErrorCode::bad_usage, "scanlines cannot be this fine; use --sampling lattice");
-  if (ids.count() > kIdMask) throw Error(ErrorCode::limit, fmt::format("{} polygons are more than {}; try --by surface", ids.count(), kIdMask));
+  if (settings_.fraction_bits < settings_.column_bits)
+    throw Error(ErrorCode::bad_usage, "scanlines cannot be this fine; use --sampling lattice");
+  if (ids.count() > kIdMask)
+    throw Error(ErrorCode::limit, fmt::format("{} polygons are more than {}; try --by surface", ids.count(), kIdMask));
   if (!options_.few_points) options_.few_points = chooseFewPoints(scene, options.resolution);
   rebuild();
 }
@@ -95,7 +103,9 @@ void ComputeEngine::rebuild() {
   do {
     batches_.clear();  // room for the next
     must_refit_ = false;
-    plan_ = planBatches(device_, options_, tuning_, {scene_.polygon_count, settings_.ids.all_count, fragment_capacity_, counters_.sizeBytes() + sceneBytes()});
+    plan_ = planBatches(
+        device_, options_, tuning_,
+        {scene_.polygon_count, settings_.ids.all_count, fragment_capacity_, counters_.sizeBytes() + sceneBytes()});
     kernels_ = makeKernels(device_, settings_, plan_.shape);
     try {
       makeBatches();
@@ -119,7 +129,8 @@ void ComputeEngine::makeBatches() {
 void ComputeEngine::shrink(const Error& error) {
   if (error.code() != ErrorCode::memory) throw error;
   must_refit_ = true;
-  if (!planSmaller(plan_, options_)) throw Error(ErrorCode::memory, fmt::format("one direction at a time does not fit: {}", error.what()));
+  if (!planSmaller(plan_, options_))
+    throw Error(ErrorCode::memory, fmt::format("one direction at a time does not fit: {}", error.what()));
 }
 
 // Chooses the rest by what the first batch met: it changes no result.
@@ -130,7 +141,9 @@ void ComputeEngine::retune(const BatchStatus& found) {
   adaptOptions(found, options_);
   tuning_ = tune(device_, options_);
   tuning_.most_blocks = before.most_blocks;
-  if (tuning_.tile_rows == before.tile_rows && tuning_.sorts == before.sorts && tuning_.layers_kept == before.layers_kept) return;
+  if (tuning_.tile_rows == before.tile_rows && tuning_.sorts == before.sorts &&
+      tuning_.layers_kept == before.layers_kept)
+    return;
   options_.list_capacity = 0;
   rebuild();
 }
@@ -190,7 +203,8 @@ bool ComputeEngine::countAll(std::span<const Direction> directions) {
   bool complete = true;
   size_t done = 0;
   counted_ = 0;
-  for (uint32_t turn = 0; complete && (done < directions.size() || batches_[turn % batches_.size()].in_flight); ++turn) {
+  for (uint32_t turn = 0; complete && (done < directions.size() || batches_[turn % batches_.size()].in_flight);
+       ++turn) {
     Batch& batch = batches_[turn % batches_.size()];
     if (batch.in_flight) complete = finish(batch);
     if (complete && counters_.isCrowded()) {
@@ -198,7 +212,9 @@ bool ComputeEngine::countAll(std::span<const Direction> directions) {
       if (complete) counters_.makeRoom(commands_);
     }
     if (!complete || done == directions.size()) continue;
-    batch.directions = directions.subspan(done, std::min<size_t>(tuned_ ? plan_.shape.directions : std::min(plan_.shape.directions, kTrialDirections), directions.size() - done));
+    batch.directions = directions.subspan(
+        done, std::min<size_t>(tuned_ ? plan_.shape.directions : std::min(plan_.shape.directions, kTrialDirections),
+                               directions.size() - done));
     batch.first_direction = done;
     done += batch.directions.size();
     submit(batch);
@@ -212,7 +228,8 @@ bool ComputeEngine::countAll(std::span<const Direction> directions) {
 }
 
 void ComputeEngine::submit(Batch& batch) {
-  writeDirections(batch.directions, options_.resolution, options_.window, batch.buffers.directions, batch.first_direction, block_directions_);
+  writeDirections(batch.directions, options_.resolution, options_.window, batch.buffers.directions,
+                  batch.first_direction, block_directions_);
   recordPasses(settings_, kernels_, batch);
   batch.commands.submit();
   batch.in_flight = true;
@@ -247,15 +264,18 @@ bool ComputeEngine::finish(Batch& batch) {
   return true;
 }
 
-// Makes longer lists, or more fragments, for a batch that lacked them. False where that takes smaller batches, or lists instead of fragments.
+// Makes longer lists, or more fragments, for a batch that lacked them. False where that takes smaller batches, or lists
+// instead of fragments.
 bool ComputeEngine::makeRoom(Batch& batch, const BatchStatus& found) {
   if (found.most_fragments > batch.shape.fragment_capacity) {
     fragment_capacity_ = std::max(fragment_capacity_, found.most_fragments + found.most_fragments / 4);
-    const uint64_t bytes = uint64_t(plan_.shape.directions) * plan_.shape.pointsPerDirection() * fragment_capacity_ * sizeof(uint64_t);
+    const uint64_t bytes =
+        uint64_t(plan_.shape.directions) * plan_.shape.pointsPerDirection() * fragment_capacity_ * sizeof(uint64_t);
     must_refit_ = bytes > largestBuffer(device_) || bytes > kMemoryBudget / 4;
     batch.shape.fragment_capacity = fragment_capacity_;
   }
-  if (found.list_length > batch.shape.list_capacity) batch.shape.list_capacity = uint64_t(found.list_length) + found.list_length / 4;
+  if (found.list_length > batch.shape.list_capacity)
+    batch.shape.list_capacity = uint64_t(found.list_length) + found.list_length / 4;
   if (must_refit_) return false;
   try {
     fitBuffers(device_, batch.shape, batch.buffers);
@@ -265,16 +285,22 @@ bool ComputeEngine::makeRoom(Batch& batch, const BatchStatus& found) {
   return !must_refit_;
 }
 
-// Whether a batch has counted all that it met. Where it has not, everything is counted again: with a larger table, or shorter loops.
+// Whether a batch has counted all that it met. Where it has not, everything is counted again: with a larger table, or
+// shorter loops.
 //   Throws: Error limit or device where that would not help.
 bool ComputeEngine::isSound(const BatchStatus& found) {
   if (found.overflows & kOtherSubgroups)
-    throw Error(ErrorCode::device, fmt::format("{}: subgroups are not of {} as it says; use --engine graphics", device_.description().name, tuning_.subgroup_size));
+    throw Error(ErrorCode::device, fmt::format("{}: subgroups are not of {} as it says; use --engine graphics",
+                                               device_.description().name, tuning_.subgroup_size));
   if (found.overflows & kTooManySpans)
-    throw Error(ErrorCode::limit, fmt::format("more than {} polygons cross one row of a tile; try a larger --resolution", kMostSpans));
+    throw Error(ErrorCode::limit,
+                fmt::format("more than {} polygons cross one row of a tile; try a larger --resolution", kMostSpans));
   must_grow_ = must_grow_ || (found.overflows & kCountersOverflowed);
-  if ((found.overflows & kLoopCut) && !(found.overflows & kCountersOverflowed)) {  // a full table alone makes loops long
-    if (tuning_.most_blocks < 2) throw Error(ErrorCode::limit, "more polygons lie over one row than this device's loops can take; try --engine graphics");
+  if ((found.overflows & kLoopCut) &&
+      !(found.overflows & kCountersOverflowed)) {  // a full table alone makes loops long
+    if (tuning_.most_blocks < 2)
+      throw Error(ErrorCode::limit,
+                  "more polygons lie over one row than this device's loops can take; try --engine graphics");
     tuning_.most_blocks /= 2;
   }
   return found.overflows == 0;
@@ -298,7 +324,9 @@ void ComputeEngine::addWork(const Batch& batch, const BatchStatus& found) {
   work_.directions += batch.directions.size();
   work_.tiles += batch.directions.size() * plan_.shape.tilesPerDirection();
   work_.active_tiles += found.active_tiles;
-  work_.lattice_points += tuning_.tile_width * (options_.sampling == Sampling::scanline ? found.rows : uint64_t(found.active_tiles) * tuning_.tile_rows);
+  work_.lattice_points +=
+      tuning_.tile_width *
+      (options_.sampling == Sampling::scanline ? found.rows : uint64_t(found.active_tiles) * tuning_.tile_rows);
   work_.list_entries += found.list_length;
   work_.rows += found.rows;
   work_.spans += found.spans;
@@ -310,7 +338,8 @@ void ComputeEngine::addWork(const Batch& batch, const BatchStatus& found) {
   work_.memory_bytes = memoryBytes();
   const std::vector<double> seconds = batch.timestamps.seconds();
   work_.pass_seconds.resize(seconds.size());
-  for (size_t k = 0; k < seconds.size(); ++k) work_.pass_seconds[k] = {batch.pass_names[k], work_.pass_seconds[k].second + seconds[k]};
+  for (size_t k = 0; k < seconds.size(); ++k)
+    work_.pass_seconds[k] = {batch.pass_names[k], work_.pass_seconds[k].second + seconds[k]};
 }
 
 uint64_t ComputeEngine::memoryBytes() const {
@@ -328,15 +357,19 @@ std::string ComputeEngine::describePlan() const {
   };
   return fmt::format(
       "plan       {} x {} directions in flight; {} x {} tiles of {} x {}; subgroups of {}, {} layers a round{}\n"
-      "memory     {:.1f} MiB on the device: {} counters {:.1f}, scene {:.1f}, projections {:.1f}, tile lists {:.1f}, fragments {:.1f}, lines to go on with {:.1f}\n",
-      batches_.size(), plan_.shape.directions, plan_.shape.tiles_wide, plan_.shape.tiles_high, tuning_.tile_width, tuning_.tile_rows, tuning_.subgroup_size, tuning_.layers_kept,
-      tuning_.sorts ? ", lists sorted by depth" : "", mib(memoryBytes()), counters_.isSparse() ? "hashed" : "dense", mib(counters_.sizeBytes()), mib(sceneBytes()),
-      mibOf(BufferUse::projections), mibOf(BufferUse::lists), mibOf(BufferUse::fragments), mibOf(BufferUse::unfinished));
+      "memory     {:.1f} MiB on the device: {} counters {:.1f}, scene {:.1f}, projections {:.1f}, tile lists {:.1f}, "
+      "fragments {:.1f}, lines to go on with {:.1f}\n",
+      batches_.size(), plan_.shape.directions, plan_.shape.tiles_wide, plan_.shape.tiles_high, tuning_.tile_width,
+      tuning_.tile_rows, tuning_.subgroup_size, tuning_.layers_kept, tuning_.sorts ? ", lists sorted by depth" : "",
+      mib(memoryBytes()), counters_.isSparse() ? "hashed" : "dense", mib(counters_.sizeBytes()), mib(sceneBytes()),
+      mibOf(BufferUse::projections), mibOf(BufferUse::lists), mibOf(BufferUse::fragments),
+      mibOf(BufferUse::unfinished));
 }
 
 }  // namespace
 
-std::unique_ptr<Engine> makeComputeEngine(const Device& device, const Scene& scene, const Ids& ids, const LatticeOptions& options) {
+std::unique_ptr<Engine> makeComputeEngine(const Device& device, const Scene& scene, const Ids& ids,
+                                          const LatticeOptions& options) {
   return std::make_unique<ComputeEngine>(device, scene, ids, options);
 }
 

@@ -15,6 +15,7 @@ namespace viewpeel {
 EngineFactory latticeEngines(EngineKind kind, const Device* device);
 
 // One engine for all groups: a plain one at the group's resolution where there is one group, else as makeGroupedEngine.
-std::unique_ptr<Engine> makeEngine(const EngineFactory& make_engine, const Scene& scene, const Ids& ids, LatticeOptions options, const std::vector<SizeGroup>& groups);
+std::unique_ptr<Engine> makeEngine(const EngineFactory& make_engine, const Scene& scene, const Ids& ids,
+                                   LatticeOptions options, const std::vector<SizeGroup>& groups);
 
 }  // namespace viewpeel

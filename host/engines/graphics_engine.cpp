@@ -3,7 +3,8 @@
 //   peel          draw all polygons; what lies behind the previous layer competes in the depth test for this one
 //   (copy)        the layer becomes readable
 //   accumulate    layers k-1 and k: facing rules, counters; asks for layer k+1 where layer k has a polygon
-// peel and accumulate repeat until a layer is empty. Their draws and dispatches are indirect: recorded ahead, empty when not asked for.
+// peel and accumulate repeat until a layer is empty. Their draws and dispatches are indirect: recorded ahead, empty
+// when not asked for.
 #include "engines/graphics_engine.h"
 
 #include <algorithm>
@@ -50,7 +51,9 @@ class GraphicsEngine : public Engine {
   void recordLayer(uint32_t k, uint32_t direction_count);
   void makeLayer();
   // Layer -1 lies before everything. Where blocked pairs are counted every layer is kept.
-  const Buffer& layerBuffer(uint32_t k_plus_1) const { return layers_[options_.count_blocked ? k_plus_1 : k_plus_1 % 2]; }
+  const Buffer& layerBuffer(uint32_t k_plus_1) const {
+    return layers_[options_.count_blocked ? k_plus_1 : k_plus_1 % 2];
+  }
 
   const Device& device_;
   LatticeOptions options_;
@@ -64,7 +67,7 @@ class GraphicsEngine : public Engine {
   Commands commands_;
   Buffer directions_, snapped_corners_, projected_, outlines_;
   std::vector<Buffer> layers_;
-  Buffer layer_addresses_;  // uint64_t[kMostLayers], of layers 0, 1, ...
+  Buffer layer_addresses_;                       // uint64_t[kMostLayers], of layers 0, 1, ...
   std::array<Buffer, 2> alive_, next_commands_;  // for layer k in [k % 2]
   Buffer status_, batch_status_;
   Image colour_, depth_;
@@ -82,17 +85,22 @@ GraphicsEngine::GraphicsEngine(const Device& device, const Scene& scene, const I
       accumulate_(device, accumulate_comp, sizeof(AccumulateArgs)),
       commands_(device) {
   if (options.resolution > kMaxResolution)
-    throw Error(ErrorCode::bad_usage, fmt::format("resolution {} is out of range; choose 1 to {}", options.resolution, kMaxResolution));
+    throw Error(ErrorCode::bad_usage,
+                fmt::format("resolution {} is out of range; choose 1 to {}", options.resolution, kMaxResolution));
   for (const Polygon& polygon : scene.polygons)
     if (polygon.tie_rank != kContactRank && polygon.tie_rank != kSheetRank)
-      throw Error(ErrorCode::bad_usage, "three polygons or more coincide, of which --engine graphics can order two only; use --engine compute or host");
+      throw Error(ErrorCode::bad_usage,
+                  "three polygons or more coincide, of which --engine graphics can order two only; use --engine "
+                  "compute or host");
   cell_size_ = static_cast<uint32_t>(options.resolution) + 4;
 
   planBatch(uint64_t(scene_.polygon_count) * (sizeof(ProjectedPolygon) + sizeof(Outline) + sizeof(SnappedCorners)));
 
   directions_ = Buffer(device, batch_size_ * sizeof(DirectionData), MemoryUse::upload, VK_FORMAT_R32G32B32A32_UINT);
-  snapped_corners_ = Buffer(device, uint64_t(batch_size_) * scene_.polygon_count * sizeof(SnappedCorners), MemoryUse::device);
-  projected_ = Buffer(device, uint64_t(batch_size_) * scene_.polygon_count * sizeof(ProjectedPolygon), MemoryUse::device);
+  snapped_corners_ =
+      Buffer(device, uint64_t(batch_size_) * scene_.polygon_count * sizeof(SnappedCorners), MemoryUse::device);
+  projected_ =
+      Buffer(device, uint64_t(batch_size_) * scene_.polygon_count * sizeof(ProjectedPolygon), MemoryUse::device);
   outlines_ = Buffer(device, uint64_t(batch_size_) * scene_.polygon_count * sizeof(Outline), MemoryUse::device);
   batch_status_ = Buffer(device, sizeof(BatchStatus), MemoryUse::device);
   if (options.count_blocked) layer_addresses_ = Buffer(device, kMostLayers * sizeof(uint64_t), MemoryUse::upload);
@@ -107,28 +115,40 @@ GraphicsEngine::GraphicsEngine(const Device& device, const Scene& scene, const I
 void GraphicsEngine::planBatch(uint64_t polygon_bytes_per_direction) {
   const uint32_t largest_side = device_.properties().limits.maxImageDimension2D;
   const uint64_t cell_pixels = uint64_t(cell_size_) * cell_size_;
-  uint64_t wanted = options_.batch_directions ? options_.batch_directions : std::max<uint64_t>(1, (options_.count_blocked ? kBatchPixelsOfAllLayers : kBatchPixels) / cell_pixels);
-  if (!options_.batch_directions) wanted = std::min(wanted, std::max<uint64_t>(1, kBatchBytes / polygon_bytes_per_direction));
+  uint64_t wanted =
+      options_.batch_directions
+          ? options_.batch_directions
+          : std::max<uint64_t>(1, (options_.count_blocked ? kBatchPixelsOfAllLayers : kBatchPixels) / cell_pixels);
+  if (!options_.batch_directions)
+    wanted = std::min(wanted, std::max<uint64_t>(1, kBatchBytes / polygon_bytes_per_direction));
   wanted = std::min<uint64_t>({wanted, uint64_t(largest_side / cell_size_) * (largest_side / cell_size_),
-                               device_.properties().limits.maxComputeWorkGroupCount[1], (1ull << 31) / scene_.polygon_count});
-  cells_per_row_ = std::min<uint32_t>(largest_side / cell_size_, static_cast<uint32_t>(std::ceil(std::sqrt(double(wanted)))));
+                               device_.properties().limits.maxComputeWorkGroupCount[1],
+                               (1ull << 31) / scene_.polygon_count});
+  cells_per_row_ =
+      std::min<uint32_t>(largest_side / cell_size_, static_cast<uint32_t>(std::ceil(std::sqrt(double(wanted)))));
   cell_rows_ = divideUp(wanted, cells_per_row_);
   batch_size_ = static_cast<uint32_t>(wanted);
 }
 
 void GraphicsEngine::makeLayer() {
   if (layers_.size() > kMostLayers)
-    throw Error(ErrorCode::limit, fmt::format("more than {} polygons lie over one lattice point, too many to count blocked pairs; try --engine compute", kMostLayers));
+    throw Error(
+        ErrorCode::limit,
+        fmt::format(
+            "more than {} polygons lie over one lattice point, too many to count blocked pairs; try --engine compute",
+            kMostLayers));
   const uint64_t pixels = uint64_t(cells_per_row_) * cell_size_ * cell_rows_ * cell_size_;
   layers_.emplace_back(device_, pixels * sizeof(Layer), MemoryUse::device);
-  if (options_.count_blocked && layers_.size() > 1) layer_addresses_.mapped<uint64_t>()[layers_.size() - 2] = layers_.back().address();
+  if (options_.count_blocked && layers_.size() > 1)
+    layer_addresses_.mapped<uint64_t>()[layers_.size() - 2] = layers_.back().address();
 }
 
 void GraphicsEngine::prepareImages() {
   const uint32_t width = cells_per_row_ * cell_size_, height = cell_rows_ * cell_size_;
-  colour_ = Image(device_, width, height, kLayerFormat, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
-                  VK_IMAGE_ASPECT_COLOR_BIT);
-  depth_ = Image(device_, width, height, kDepthFormat, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT, VK_IMAGE_ASPECT_DEPTH_BIT);
+  colour_ = Image(device_, width, height, kLayerFormat,
+                  VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT, VK_IMAGE_ASPECT_COLOR_BIT);
+  depth_ = Image(device_, width, height, kDepthFormat, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
+                 VK_IMAGE_ASPECT_DEPTH_BIT);
   commands_.begin();
   for (const Image* image : {&colour_, &depth_}) commands_.prepare(*image);
   commands_.submitAndWait();
@@ -149,8 +169,15 @@ void GraphicsEngine::countBatch(std::span<const Direction> directions) {
   const auto direction_count = static_cast<uint32_t>(directions.size());
   writeDirections(directions, options_.resolution, {}, directions_, 0, directions.size());
   commands_.begin();
-  ProjectArgs project{snapped_corners_.address(), projected_.address(),
-                      outlines_.address(), scene_.polygon_count, direction_count, options_.resolution, fraction_bits_, 0, cell_size_,
+  ProjectArgs project{snapped_corners_.address(),
+                      projected_.address(),
+                      outlines_.address(),
+                      scene_.polygon_count,
+                      direction_count,
+                      options_.resolution,
+                      fraction_bits_,
+                      0,
+                      cell_size_,
                       windowReach(options_.resolution)};
   commands_.bind(project_, VK_PIPELINE_BIND_POINT_COMPUTE);
   commands_.bindTexels(project_, std::array{directions_.texels(), scene_.polygons.texels(), scene_.corners.texels()});
@@ -158,8 +185,14 @@ void GraphicsEngine::countBatch(std::span<const Direction> directions) {
   // Layer -1 lies before everything: key 0, no polygon.
   commands_.fill(layerBuffer(0), 0);
   commands_.fill(alive_[0], 0xFFFFFFFFu);
-  const LayerCommands first{4, scene_.polygon_count * direction_count, 0, 0, divideUp(uint64_t(cell_size_) * cell_size_, kGroupSize),
-                            direction_count, 1, 0};
+  const LayerCommands first{4,
+                            scene_.polygon_count * direction_count,
+                            0,
+                            0,
+                            divideUp(uint64_t(cell_size_) * cell_size_, kGroupSize),
+                            direction_count,
+                            1,
+                            0};
   vkCmdUpdateBuffer(commands_.handle(), next_commands_[0].handle(), 0, sizeof first, &first);
   commands_.barrier();
 
@@ -202,8 +235,18 @@ void GraphicsEngine::recordLayer(uint32_t k, uint32_t direction_count) {
   rendering.pDepthAttachment = &depth;
   const VkViewport viewport{0, 0, float(width), float(height), 0, 1};
   const VkRect2D scissor{{0, 0}, {width, height}};
-  const DrawArgs peel{scene_.polygons.address(), snapped_corners_.address(), projected_.address(), outlines_.address(), lower.address(), alive_[now].address(),
-                      scene_.polygon_count, cell_size_, cells_per_row_, width, height, fraction_bits_};
+  const DrawArgs peel{scene_.polygons.address(),
+                      snapped_corners_.address(),
+                      projected_.address(),
+                      outlines_.address(),
+                      lower.address(),
+                      alive_[now].address(),
+                      scene_.polygon_count,
+                      cell_size_,
+                      cells_per_row_,
+                      width,
+                      height,
+                      fraction_bits_};
   vkCmdBeginRendering(commands, &rendering);
   commands_.bind(peel_, VK_PIPELINE_BIND_POINT_GRAPHICS);
   commands_.push(peel_, peel);
@@ -219,10 +262,22 @@ void GraphicsEngine::recordLayer(uint32_t k, uint32_t direction_count) {
   vkCmdCopyImageToBuffer(commands, colour_.handle(), VK_IMAGE_LAYOUT_GENERAL, upper.handle(), 1, &region);
   commands_.barrier();
 
-  const AccumulateArgs accumulate{scene_.polygons.address(), lower.address(), upper.address(), counters_.address(), batch_status_.address(),
-                                  alive_[next].address(), next_commands_[next].address(), counters_.idCount(), cell_size_, cells_per_row_, width,
-                                  direction_count, two_sided_ ? 1u : 0u, scene_.polygon_count * direction_count,
-                                  divideUp(uint64_t(cell_size_) * cell_size_, kGroupSize), k,
+  const AccumulateArgs accumulate{scene_.polygons.address(),
+                                  lower.address(),
+                                  upper.address(),
+                                  counters_.address(),
+                                  batch_status_.address(),
+                                  alive_[next].address(),
+                                  next_commands_[next].address(),
+                                  counters_.idCount(),
+                                  cell_size_,
+                                  cells_per_row_,
+                                  width,
+                                  direction_count,
+                                  two_sided_ ? 1u : 0u,
+                                  scene_.polygon_count * direction_count,
+                                  divideUp(uint64_t(cell_size_) * cell_size_, kGroupSize),
+                                  k,
                                   options_.count_blocked ? layer_addresses_.address() : 0};
   commands_.dispatchIndirect(accumulate_, accumulate, next_commands_[now], offsetof(LayerCommands, group_count_x));
   commands_.barrier();
@@ -230,7 +285,8 @@ void GraphicsEngine::recordLayer(uint32_t k, uint32_t direction_count) {
 
 }  // namespace
 
-std::unique_ptr<Engine> makeGraphicsEngine(const Device& device, const Scene& scene, const Ids& ids, const LatticeOptions& options) {
+std::unique_ptr<Engine> makeGraphicsEngine(const Device& device, const Scene& scene, const Ids& ids,
+                                           const LatticeOptions& options) {
   return std::make_unique<GraphicsEngine>(device, scene, ids, options);
 }
 

@@ -16,23 +16,31 @@
 namespace viewpeel {
 namespace {
 
-constexpr uint64_t kDenseBudget = 16u << 20;  // of a thread: beyond it counters are seldom in the processor's caches anyway, and clearing them takes long
-constexpr uint64_t kMostChunk = 64;           // directions that a thread takes at once
+constexpr uint64_t kDenseBudget =
+    16u
+    << 20;  // of a thread: beyond it counters are seldom in the processor's caches anyway, and clearing them takes long
+constexpr uint64_t kMostChunk = 64;  // directions that a thread takes at once
 
-uint64_t memoryOfMachine() { return static_cast<uint64_t>(::sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(::sysconf(_SC_PAGESIZE)); }
+uint64_t memoryOfMachine() {
+  return static_cast<uint64_t>(::sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(::sysconf(_SC_PAGESIZE));
+}
 
 class HostEngine : public Engine {
  public:
   HostEngine(const Scene& scene, const Ids& ids, const LatticeOptions& options);
   PairCounts count(std::span<const Direction> directions) override;
   std::vector<PairCounts> countBlocks(std::span<const Direction> directions, size_t block_directions) override;
-  double unitArea() const override { return pointArea(options_.resolution) / (options_.sampling == Sampling::scanline ? double(1 << kScanlineBits) : 1.0); }
+  double unitArea() const override {
+    return pointArea(options_.resolution) /
+           (options_.sampling == Sampling::scanline ? double(1 << kScanlineBits) : 1.0);
+  }
   const Work* work() const override;
   std::string describePlan() const override;
 
  private:
   struct Worker {
-    Worker(const SweepScene& scene, const LatticeOptions& options, PairTable own) : sweep(scene, options), table(std::move(own)) {}
+    Worker(const SweepScene& scene, const LatticeOptions& options, PairTable own)
+        : sweep(scene, options), table(std::move(own)) {}
     Sweep sweep;
     PairTable table;
   };
@@ -49,19 +57,24 @@ class HostEngine : public Engine {
   mutable Work work_;
 };
 
-HostEngine::HostEngine(const Scene& scene, const Ids& ids, const LatticeOptions& options) : scene_(scene, ids), options_(options), id_count_(ids.count()) {
+HostEngine::HostEngine(const Scene& scene, const Ids& ids, const LatticeOptions& options)
+    : scene_(scene, ids), options_(options), id_count_(ids.count()) {
   const uint64_t available = options.available_bytes ? options.available_bytes : memoryOfMachine();
   const uint64_t sweep_bytes = Sweep(scene_, options).memoryBytes();
   const uint64_t dense_bytes = PairTable::denseBytes(id_count_, options.count_blocked);
-  if (dense_bytes > (options.counter_budget_bytes ? options.counter_budget_bytes : kDenseBudget)) shared_.emplace(id_count_, options.count_blocked, available / 2);
+  if (dense_bytes > (options.counter_budget_bytes ? options.counter_budget_bytes : kDenseBudget))
+    shared_.emplace(id_count_, options.count_blocked, available / 2);
   // Spans take up to as much again.
   const uint64_t each = 2 * sweep_bytes + (shared_ ? 0 : dense_bytes);
   if (each > available / 2)
-    throw Error(ErrorCode::limit, fmt::format("{} polygons need {:.0f} MiB to sweep, half of the memory there is is {:.0f} MiB; try a smaller scene, or --by surface", scene.polygons.size(),
-                                              double(each) / 1048576.0, double(available) / 2 / 1048576.0));
+    throw Error(ErrorCode::limit,
+                fmt::format("{} polygons need {:.0f} MiB to sweep, half of the memory there is is {:.0f} MiB; try a "
+                            "smaller scene, or --by surface",
+                            scene.polygons.size(), double(each) / 1048576.0, double(available) / 2 / 1048576.0));
   const uint64_t threads = options.thread_count ? options.thread_count : threadCount();
   for (uint64_t k = 0; k < std::min(threads, available / 2 / each); ++k)
-    workers_.push_back(std::make_unique<Worker>(scene_, options, shared_ ? PairTable(*shared_) : PairTable(id_count_, options.count_blocked)));
+    workers_.push_back(std::make_unique<Worker>(
+        scene_, options, shared_ ? PairTable(*shared_) : PairTable(id_count_, options.count_blocked)));
 }
 
 void HostEngine::clear() {
@@ -75,7 +88,10 @@ void HostEngine::clear() {
 PairCounts HostEngine::count(std::span<const Direction> directions) {
   clear();
   const size_t chunk = std::clamp<size_t>(directions.size() / (8 * workers_.size()), 1, kMostChunk);
-  shareOut(workers_.size(), directions.size(), chunk, [&](size_t worker, size_t k) { workers_[worker]->sweep.count(directions[k], workers_[worker]->table); }, options_.on_batch);
+  shareOut(
+      workers_.size(), directions.size(), chunk,
+      [&](size_t worker, size_t k) { workers_[worker]->sweep.count(directions[k], workers_[worker]->table); },
+      options_.on_batch);
   directions_ += directions.size();
   is_clear_ = true;
   if (shared_) {
@@ -93,7 +109,8 @@ std::vector<PairCounts> HostEngine::countBlocks(std::span<const Direction> direc
   std::vector<PairCounts> blocks(directions.size() / block_directions);
   const auto countBlock = [&](size_t thread, size_t k) {
     Worker& worker = *workers_[thread];
-    for (const Direction& direction : directions.subspan(k * block_directions, block_directions)) worker.sweep.count(direction, worker.table);
+    for (const Direction& direction : directions.subspan(k * block_directions, block_directions))
+      worker.sweep.count(direction, worker.table);
     blocks[k] = worker.table.take();
   };
   const auto tell = [&](size_t done) {
@@ -121,21 +138,30 @@ const Work* HostEngine::work() const {
 }
 
 std::string HostEngine::describePlan() const {
-  return fmt::format("host       {} thread{}, counters {}, {:.1f} MiB\n", workers_.size(), workers_.size() == 1 ? "" : "s", shared_ ? "in a hash table" : "dense, each its own",
+  return fmt::format("host       {} thread{}, counters {}, {:.1f} MiB\n", workers_.size(),
+                     workers_.size() == 1 ? "" : "s", shared_ ? "in a hash table" : "dense, each its own",
                      double(memoryBytes()) / 1048576.0);
 }
 
-constexpr size_t kScanlinePolygons = 2400;  // between the office (576), where scanlines take half the time to 1e-4, and a room of 9,984, where they take twice as long
-constexpr size_t kScanlinePolygonsByShares = 10'000;  // the office refined to 9,280: rms errors less by 5 to 25 % after the same time, the largest a quarter
-constexpr double kScanlineArea = 1e-10;     // unit-ball units squared: of an id that scanlines in windows still meet often enough (plan.cpp)
+constexpr size_t kScanlinePolygons = 2400;  // between the office (576), where scanlines take half the time to 1e-4, and
+                                            // a room of 9,984, where they take twice as long
+constexpr size_t kScanlinePolygonsByShares =
+    10'000;  // the office refined to 9,280: rms errors less by 5 to 25 % after the same time, the largest a quarter
+constexpr double kScanlineArea =
+    1e-10;  // unit-ball units squared: of an id that scanlines in windows still meet often enough (plan.cpp)
 
 }  // namespace
 
 Sampling chooseSampling(const Scene& scene, const Ids& ids, bool takes_shares) {
   const double least_area = *std::min_element(ids.areas.begin(), ids.areas.end()) / (scene.scale * scene.scale);
-  return scene.polygons.size() <= (takes_shares ? kScanlinePolygonsByShares : kScanlinePolygons) && least_area > kScanlineArea ? Sampling::scanline : Sampling::lattice;
+  return scene.polygons.size() <= (takes_shares ? kScanlinePolygonsByShares : kScanlinePolygons) &&
+                 least_area > kScanlineArea
+             ? Sampling::scanline
+             : Sampling::lattice;
 }
 
-std::unique_ptr<Engine> makeHostEngine(const Scene& scene, const Ids& ids, const LatticeOptions& options) { return std::make_unique<HostEngine>(scene, ids, options); }
+std::unique_ptr<Engine> makeHostEngine(const Scene& scene, const Ids& ids, const LatticeOptions& options) {
+  return std::make_unique<HostEngine>(scene, ids, options);
+}
 
 }  // namespace viewpeel

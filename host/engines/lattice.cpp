@@ -49,25 +49,34 @@ SceneBuffers::SceneBuffers(const Device& device, const Scene& scene, const Ids& 
       polygon_count(static_cast<uint32_t>(scene.polygons.size())) {}
 
 int chooseFractionBits(int resolution, const Window& window) {
-  if (resolution < 1 || resolution > kMaxWindowResolution || windowReach(resolution, window) > windowReach(kMostWindowPoints))
-    throw Error(ErrorCode::bad_usage, fmt::format("resolution {} is out of range; choose 1 to {}", resolution, kMaxResolution));
-  const auto farthest = static_cast<uint32_t>(resolution / 2) + static_cast<uint32_t>(std::ceil(resolution / 2.0 * glm::length(window.centre))) + 1;
+  if (resolution < 1 || resolution > kMaxWindowResolution ||
+      windowReach(resolution, window) > windowReach(kMostWindowPoints))
+    throw Error(ErrorCode::bad_usage,
+                fmt::format("resolution {} is out of range; choose 1 to {}", resolution, kMaxResolution));
+  const auto farthest = static_cast<uint32_t>(resolution / 2) +
+                        static_cast<uint32_t>(std::ceil(resolution / 2.0 * glm::length(window.centre))) + 1;
   return device_data::kSnapBits - std::bit_width(farthest);
 }
 
-int windowReach(int resolution, const Window& window) { return static_cast<int>(std::floor(resolution / 2.0 * window.radius)) + 2; }
+int windowReach(int resolution, const Window& window) {
+  return static_cast<int>(std::floor(resolution / 2.0 * window.radius)) + 2;
+}
 
 glm::dvec2 latticeOrigin(const Direction& direction, int resolution, const Window& window) {
-  const glm::dvec2 middle = resolution / 2.0 * glm::dvec2(glm::dot(window.centre, direction.x_axis), glm::dot(window.centre, direction.y_axis));
+  const glm::dvec2 middle =
+      resolution / 2.0 *
+      glm::dvec2(glm::dot(window.centre, direction.x_axis), glm::dot(window.centre, direction.y_axis));
   return direction.offset - glm::floor(direction.offset + middle);  // by whole spacings
 }
 
-void writeDirections(std::span<const Direction> directions, int resolution, const Window& window, Buffer& buffer, uint64_t first, uint64_t block_directions) {
+void writeDirections(std::span<const Direction> directions, int resolution, const Window& window, Buffer& buffer,
+                     uint64_t first, uint64_t block_directions) {
   std::span<device_data::DirectionData> data = buffer.mapped<device_data::DirectionData>();
   for (size_t k = 0; k < directions.size(); ++k) {
     const Direction& direction = directions[k];
-    data[k] = {direction.x_axis, direction.y_axis, direction.u, latticeOrigin(direction, resolution, window), direction.weight,
-               static_cast<uint32_t>((first + k) / block_directions)};
+    data[k] = {direction.x_axis, direction.y_axis,
+               direction.u,      latticeOrigin(direction, resolution, window),
+               direction.weight, static_cast<uint32_t>((first + k) / block_directions)};
   }
 }
 

@@ -18,7 +18,8 @@ struct SceneBuffers {
   SceneBuffers(const Device& device, const Scene& scene, const Ids& ids);
 };
 
-// Fraction bits of snapped coordinates: lattice coordinates stay within resolution / 2 (1 + |window.centre|) + 1, and kSnapBits hold them.
+// Fraction bits of snapped coordinates: lattice coordinates stay within resolution / 2 (1 + |window.centre|) + 1, and
+// kSnapBits hold them.
 //   Throws: Error bad_usage where the resolution is out of range.
 int chooseFractionBits(int resolution, const Window& window = {});
 
@@ -31,16 +32,19 @@ int windowReach(int resolution, const Window& window = {});
 // Area of a lattice point, unit-ball units squared.
 inline double pointArea(int resolution) { return 4.0 / (double(resolution) * resolution); }
 
-// Where the lattice's origin lies in P(u), in spacings: in the middle of the window, within a spacing. The lattice itself is that of the direction, the same in
-// all windows of a resolution.
+// Where the lattice's origin lies in P(u), in spacings: in the middle of the window, within a spacing. The lattice
+// itself is that of the direction, the same in all windows of a resolution.
 glm::dvec2 latticeOrigin(const Direction& direction, int resolution, const Window& window);
 
 // The same bits as the shaders' (projection.glsl): the same operations in the same order.
-[[gnu::always_inline]] inline double dotInOrder(double ax, double ay, double az, const glm::dvec3& b) { return ax * b.x + ay * b.y + az * b.z; }
+[[gnu::always_inline]] inline double dotInOrder(double ax, double ay, double az, const glm::dvec3& b) {
+  return ax * b.x + ay * b.y + az * b.z;
+}
 
 // DirectionData[directions.size()] into an upload buffer.
 //   In: first: how many directions came before; block_directions: of each block
-void writeDirections(std::span<const Direction> directions, int resolution, const Window& window, Buffer& buffer, uint64_t first, uint64_t block_directions);
+void writeDirections(std::span<const Direction> directions, int resolution, const Window& window, Buffer& buffer,
+                     uint64_t first, uint64_t block_directions);
 
 constexpr uint32_t divideUp(uint64_t value, uint64_t by) { return static_cast<uint32_t>((value + by - 1) / by); }
 

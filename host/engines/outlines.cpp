@@ -30,7 +30,8 @@ constexpr double kInfinite = HUGE_VAL;
 
 }  // namespace
 
-SweepScene::SweepScene(const Scene& scene, const Ids& ids) : two_sided(ids.two_sided), all_count(ids.roles.empty()), counts_environment(ids.counts_environment) {
+SweepScene::SweepScene(const Scene& scene, const Ids& ids)
+    : two_sided(ids.two_sided), all_count(ids.roles.empty()), counts_environment(ids.counts_environment) {
   // An open-addressing table of the corners met.
   std::vector<uint32_t> places(std::bit_ceil(2 * scene.corners.size() + 1), UINT32_MAX);
   const auto placeOf = [&](const glm::dvec3& corner) {
@@ -67,7 +68,8 @@ SweepScene::SweepScene(const Scene& scene, const Ids& ids) : two_sided(ids.two_s
   for (const uint32_t k : order) {
     const viewpeel::Polygon& polygon = scene.polygons[k];
     polygons.push_back({k, numberOf(polygon.plane), ids.of_polygon[k], ids.rolesOf(k), polygon.tie_rank});
-    for (uint32_t c = 0; c < 4; ++c) corners[c].push_back(placeOf(scene.corners[polygon.first_corner + std::min(c, polygon.corner_count - 1)]));
+    for (uint32_t c = 0; c < 4; ++c)
+      corners[c].push_back(placeOf(scene.corners[polygon.first_corner + std::min(c, polygon.corner_count - 1)]));
   }
 }
 
@@ -85,18 +87,20 @@ void Outlines::project(const Direction& direction, const glm::dvec2& origin, dou
   const double fixed_one = double(1 << fraction_bits_);
   const size_t count = scene_.x.size();
   const double *const x = scene_.x.data(), *const y = scene_.y.data(), *const z = scene_.z.data();
-  int32_t *const __restrict snapped_x = snapped_x_.data(), *const __restrict snapped_y = snapped_y_.data();
+  int32_t* const __restrict snapped_x = snapped_x_.data(), * const __restrict snapped_y = snapped_y_.data();
   double* const __restrict height = height_.data();
-  runVectorised(vectors_, [&]() __attribute__((always_inline)) {
-    const glm::dvec3 x_axis = direction.x_axis, y_axis = direction.y_axis, u = direction.u;  // copies: stores cannot change them
-    const double from_x = origin.x, from_y = origin.y, to_spacings = per_spacing, to_fixed = fixed_one;
-    VIEWPEEL_INDEPENDENT
-    for (size_t k = 0; k < count; ++k) {
-      snapped_x[k] = floorOf((dotInOrder(x[k], y[k], z[k], x_axis) * to_spacings + from_x) * to_fixed + 0.5);
-      snapped_y[k] = floorOf((dotInOrder(x[k], y[k], z[k], y_axis) * to_spacings + from_y) * to_fixed + 0.5);
-      height[k] = dotInOrder(x[k], y[k], z[k], u);
-    }
-  });
+  runVectorised(
+      vectors_, [&]() __attribute__((always_inline)) {
+        const glm::dvec3 x_axis = direction.x_axis, y_axis = direction.y_axis,
+                         u = direction.u;  // copies: stores cannot change them
+        const double from_x = origin.x, from_y = origin.y, to_spacings = per_spacing, to_fixed = fixed_one;
+        VIEWPEEL_INDEPENDENT
+        for (size_t k = 0; k < count; ++k) {
+          snapped_x[k] = floorOf((dotInOrder(x[k], y[k], z[k], x_axis) * to_spacings + from_x) * to_fixed + 0.5);
+          snapped_y[k] = floorOf((dotInOrder(x[k], y[k], z[k], y_axis) * to_spacings + from_y) * to_fixed + 0.5);
+          height[k] = dotInOrder(x[k], y[k], z[k], u);
+        }
+      });
 }
 
 void Outlines::find(size_t first) {
@@ -114,78 +118,90 @@ void Outlines::find(size_t first) {
 }
 
 std::array<const uint32_t*, 4> Outlines::cornersOfBlock() const {
-  return {&scene_.corners[0][first_], &scene_.corners[1][first_], &scene_.corners[2][first_], &scene_.corners[3][first_]};
+  return {&scene_.corners[0][first_], &scene_.corners[1][first_], &scene_.corners[2][first_],
+          &scene_.corners[3][first_]};
 }
 
 // Many small polygons lie between two rows.
 void Outlines::findRows(size_t count) {
   const std::array<const uint32_t*, 4> corners = cornersOfBlock();
   const int32_t* const y = snapped_y_.data();
-  int32_t *const __restrict first_row = polygon_first_row_.data(), *const __restrict last_row = polygon_last_row_.data();
+  int32_t* const __restrict first_row = polygon_first_row_.data(), * const __restrict last_row =
+                                                                       polygon_last_row_.data();
   const int bits = fraction_bits_, reach = reach_;
-  runVectorised(vectors_, [&]() __attribute__((always_inline)) {
-    VIEWPEEL_INDEPENDENT
-    for (size_t k = 0; k < count; ++k) {
-      const int32_t y0 = y[corners[0][k]], y1 = y[corners[1][k]], y2 = y[corners[2][k]], y3 = y[corners[3][k]];
-      first_row[k] = std::max(shiftUpward(std::min(std::min(y0, y1), std::min(y2, y3)), bits), -reach);
-      last_row[k] = std::min(std::max(std::max(y0, y1), std::max(y2, y3)) >> bits, reach - 1);
-    }
-  });
+  runVectorised(
+      vectors_, [&]() __attribute__((always_inline)) {
+        VIEWPEEL_INDEPENDENT
+        for (size_t k = 0; k < count; ++k) {
+          const int32_t y0 = y[corners[0][k]], y1 = y[corners[1][k]], y2 = y[corners[2][k]], y3 = y[corners[3][k]];
+          first_row[k] = std::max(shiftUpward(std::min(std::min(y0, y1), std::min(y2, y3)), bits), -reach);
+          last_row[k] = std::min(std::max(std::max(y0, y1), std::max(y2, y3)) >> bits, reach - 1);
+        }
+      });
 }
 
-// Edges a X + b y 2^column_bits + c >= 0 with the top-left rule, as in geometry.glsl; all of these are below 2^53, so doubles hold them.
-// An edge along a row bounds the rows: from its own on where the polygon is above it, up to the one before where it is below.
+// Edges a X + b y 2^column_bits + c >= 0 with the top-left rule, as in geometry.glsl; all of these are below 2^53, so
+// doubles hold them. An edge along a row bounds the rows: from its own on where the polygon is above it, up to the one
+// before where it is below.
 void Outlines::findEdges() {
   const std::array<const uint32_t*, 4> corners = cornersOfBlock();
   const int32_t *const snapped_x = snapped_x_.data(), *const snapped_y = snapped_y_.data();
-  const int32_t *const polygon_first_row = polygon_first_row_.data(), *const polygon_last_row = polygon_last_row_.data();
+  const int32_t *const polygon_first_row = polygon_first_row_.data(), *const polygon_last_row =
+                                                                          polygon_last_row_.data();
   const uint32_t* const reaching = reaching_.data();
   int32_t *const __restrict first_row = first_row_.data(), *const __restrict last_row = last_row_.data(), *const __restrict front_up = front_up_.data();
   double *const __restrict row_0 = row_0_.data(), *const __restrict per_row = per_row_.data(), *const __restrict inverse = inverse_.data();
   const size_t count = outline_count_;
   const int bits = fraction_bits_, cut_bits = fraction_bits_ - column_bits_;
   const double finest = 1.0 / double(1 << cut_bits), row_columns = double(1 << column_bits_);
-  runVectorised(vectors_, [&]() __attribute__((always_inline)) {
-    VIEWPEEL_INDEPENDENT
-    for (size_t k = 0; k < count; ++k) {
-      const uint32_t polygon = reaching[k];
-      const uint32_t c0 = corners[0][polygon], c1 = corners[1][polygon], c2 = corners[2][polygon], c3 = corners[3][polygon];
-      const int32_t x[4] = {snapped_x[c0], snapped_x[c1], snapped_x[c2], snapped_x[c3]};
-      const int32_t y[4] = {snapped_y[c0], snapped_y[c1], snapped_y[c2], snapped_y[c3]};
-      const double px[4] = {double(x[0]), double(x[1]), double(x[2]), double(x[3])}, py[4] = {double(y[0]), double(y[1]), double(y[2]), double(y[3])};
-      const int32_t first_column = shiftUpward(std::min(std::min(x[0], x[1]), std::min(x[2], x[3])), cut_bits);
-      const int32_t last_column = std::max(std::max(x[0], x[1]), std::max(x[2], x[3])) >> cut_bits;
-      // The sum is rounded, but not to 0 and not to the other sign.
-      const auto twiceAreaOf = [&](size_t b, size_t c) { return (px[b] - px[0]) * (py[c] - py[0]) - (py[b] - py[0]) * (px[c] - px[0]); };
-      const double twice_area = twiceAreaOf(1, 2) + twiceAreaOf(2, 3);
-      const double orientation = twice_area > 0 ? 1.0 : -1.0;
-      int32_t first = polygon_first_row[polygon], last = polygon_last_row[polygon];
+  runVectorised(
+      vectors_, [&]() __attribute__((always_inline)) {
+        VIEWPEEL_INDEPENDENT
+        for (size_t k = 0; k < count; ++k) {
+          const uint32_t polygon = reaching[k];
+          const uint32_t c0 = corners[0][polygon], c1 = corners[1][polygon], c2 = corners[2][polygon],
+                         c3 = corners[3][polygon];
+          const int32_t x[4] = {snapped_x[c0], snapped_x[c1], snapped_x[c2], snapped_x[c3]};
+          const int32_t y[4] = {snapped_y[c0], snapped_y[c1], snapped_y[c2], snapped_y[c3]};
+          const double px[4] = {double(x[0]), double(x[1]), double(x[2]), double(x[3])},
+                       py[4] = {double(y[0]), double(y[1]), double(y[2]), double(y[3])};
+          const int32_t first_column = shiftUpward(std::min(std::min(x[0], x[1]), std::min(x[2], x[3])), cut_bits);
+          const int32_t last_column = std::max(std::max(x[0], x[1]), std::max(x[2], x[3])) >> cut_bits;
+          // The sum is rounded, but not to 0 and not to the other sign.
+          const auto twiceAreaOf = [&](size_t b, size_t c) {
+            return (px[b] - px[0]) * (py[c] - py[0]) - (py[b] - py[0]) * (px[c] - px[0]);
+          };
+          const double twice_area = twiceAreaOf(1, 2) + twiceAreaOf(2, 3);
+          const double orientation = twice_area > 0 ? 1.0 : -1.0;
+          int32_t first = polygon_first_row[polygon], last = polygon_last_row[polygon];
 #pragma GCC unroll 4
-      for (size_t e = 0; e < 4; ++e) {
-        const size_t next = (e + 1) & 3;
-        const double along_x = (px[next] - px[e]) * orientation, along_y = (py[next] - py[e]) * orientation, size = std::abs(along_y);
-        const double a = -along_y, b = along_x;
-        const double owns_none = along_y < 0 ? 1.0 : along_y > 0 ? 0.0 : along_x < 0 ? 1.0 : 0.0;
-        const double c = std::floor((-(a * px[e] + b * py[e]) - owns_none) * finest);
-        const int32_t row_from = shiftUpward(y[e], bits);
-        first = ((size == 0) & (b > 0)) ? std::max(first, row_from) : first;
-        last = ((size == 0) & (b < 0)) ? std::min(last, row_from - 1) : last;
-        // To the right of an edge that ends the polygon: |a| X - v - 1 >= 0.
-        row_0[e * kBlock + k] = a > 0 ? c : c + 1.0;
-        per_row[e * kBlock + k] = b * row_columns;
-        inverse[e * kBlock + k] = (a > 0 ? -1.0 : a < 0 ? 1.0 : 0.0) / std::max(size, 1.0);
-      }
-      const bool covers = (twice_area != 0) & (first_column <= last_column);
-      first_row[k] = first;
-      last_row[k] = covers ? last : first - 1;
-      front_up[k] = twice_area > 0;
-    }
-  });
+          for (size_t e = 0; e < 4; ++e) {
+            const size_t next = (e + 1) & 3;
+            const double along_x = (px[next] - px[e]) * orientation, along_y = (py[next] - py[e]) * orientation,
+                         size = std::abs(along_y);
+            const double a = -along_y, b = along_x;
+            const double owns_none = along_y < 0 ? 1.0 : along_y > 0 ? 0.0 : along_x < 0 ? 1.0 : 0.0;
+            const double c = std::floor((-(a * px[e] + b * py[e]) - owns_none) * finest);
+            const int32_t row_from = shiftUpward(y[e], bits);
+            first = ((size == 0) & (b > 0)) ? std::max(first, row_from) : first;
+            last = ((size == 0) & (b < 0)) ? std::min(last, row_from - 1) : last;
+            // To the right of an edge that ends the polygon: |a| X - v - 1 >= 0.
+            row_0[e * kBlock + k] = a > 0 ? c : c + 1.0;
+            per_row[e * kBlock + k] = b * row_columns;
+            inverse[e * kBlock + k] = (a > 0 ? -1.0 : a < 0 ? 1.0 : 0.0) / std::max(size, 1.0);
+          }
+          const bool covers = (twice_area != 0) & (first_column <= last_column);
+          first_row[k] = first;
+          last_row[k] = covers ? last : first - 1;
+          front_up[k] = twice_area > 0;
+        }
+      });
 }
 
-// A crossing is the least X with |a| X + v >= 0 (left edges; right edges: the first X beyond the polygon), v = row_0 + per_row y exact in doubles, so X = ceil(-v / |a|).
-// Of crossings within the window, |X| <= 2^23, v inverse is off by less than 2^-28, and -v / |a| is whole or at least 2^-26 from whole numbers, since |a| < 2^26: less
-// 2^-27 it rounds up to the same.
+// A crossing is the least X with |a| X + v >= 0 (left edges; right edges: the first X beyond the polygon), v = row_0 +
+// per_row y exact in doubles, so X = ceil(-v / |a|). Of crossings within the window, |X| <= 2^23, v inverse is off by
+// less than 2^-28, and -v / |a| is whole or at least 2^-26 from whole numbers, since |a| < 2^26: less 2^-27 it rounds
+// up to the same.
 Outlines::Cuts Outlines::cut() {
   size_t count = 0;
   for (; next_outline_ < outline_count_ && count < kCuts; ++next_outline_) {
@@ -210,25 +226,27 @@ Outlines::Cuts Outlines::cut() {
   const double *const row_0 = row_0_.data(), *const per_row = per_row_.data(), *const inverse = inverse_.data();
   const uint32_t* const outlines = cut_outlines_.data();
   const int32_t* const rows = cut_rows_.data();
-  int32_t *const __restrict lows = cut_low_.data(), *const __restrict highs = cut_high_.data();
+  int32_t* const __restrict lows = cut_low_.data(), * const __restrict highs = cut_high_.data();
   const double border = double(reach_ << column_bits_);
-  runVectorised(vectors_, [&]() __attribute__((always_inline)) {
-    VIEWPEEL_INDEPENDENT
-    for (size_t k = 0; k < count; ++k) {
-      const uint32_t outline = outlines[k];
-      const double y = double(rows[k]);
-      double low = -border, high = border;
+  runVectorised(
+      vectors_, [&]() __attribute__((always_inline)) {
+        VIEWPEEL_INDEPENDENT
+        for (size_t k = 0; k < count; ++k) {
+          const uint32_t outline = outlines[k];
+          const double y = double(rows[k]);
+          double low = -border, high = border;
 #pragma GCC unroll 4
-      for (size_t e = 0; e < 4; ++e) {
-        const double its_inverse = inverse[e * kBlock + outline];
-        const double crossing = (row_0[e * kBlock + outline] + per_row[e * kBlock + outline] * y) * its_inverse - 0x1p-27;
-        low = std::max(low, its_inverse < 0 ? crossing : -kInfinite);
-        high = std::min(high, its_inverse > 0 ? crossing : kInfinite);
-      }
-      lows[k] = ceilOf(std::min(low, border));
-      highs[k] = ceilOf(std::max(high, -border));
-    }
-  });
+          for (size_t e = 0; e < 4; ++e) {
+            const double its_inverse = inverse[e * kBlock + outline];
+            const double crossing =
+                (row_0[e * kBlock + outline] + per_row[e * kBlock + outline] * y) * its_inverse - 0x1p-27;
+            low = std::max(low, its_inverse < 0 ? crossing : -kInfinite);
+            high = std::min(high, its_inverse > 0 ? crossing : kInfinite);
+          }
+          lows[k] = ceilOf(std::min(low, border));
+          highs[k] = ceilOf(std::max(high, -border));
+        }
+      });
   return {count, cut_outlines_, cut_rows_, cut_low_, cut_high_};
 }
 

@@ -17,15 +17,21 @@ constexpr uint64_t kMostBlocks = 1024;
 
 }  // namespace
 
-PairCounters::PairCounters(const Device& device, uint32_t id_count, bool counts_blocked, uint64_t budget_bytes, bool may_be_sparse, uint32_t table_capacity)
-    : device_(device), id_count_(id_count), counts_blocked_(counts_blocked), counter_count_(device_data::counterCount(id_count)) {
+PairCounters::PairCounters(const Device& device, uint32_t id_count, bool counts_blocked, uint64_t budget_bytes,
+                           bool may_be_sparse, uint32_t table_capacity)
+    : device_(device),
+      id_count_(id_count),
+      counts_blocked_(counts_blocked),
+      counter_count_(device_data::counterCount(id_count)) {
   const uint64_t bytes = counter_count_ * wordsEach() * sizeof(uint64_t);
   const uint64_t budget = std::min<uint64_t>(budget_bytes ? budget_bytes : 1ull << 30, device.maxAllocationBytes());
   if (bytes > budget) {
     if (!may_be_sparse)
-      throw Error(ErrorCode::limit, fmt::format("dense counters of all pairs of {} ids need {:.1f} MiB, more than the {:.1f} MiB allowed; "
-                                                "try --by surface or --engine compute",
-                                                id_count, double(bytes) / 1048576.0, double(budget) / 1048576.0));
+      throw Error(
+          ErrorCode::limit,
+          fmt::format("dense counters of all pairs of {} ids need {:.1f} MiB, more than the {:.1f} MiB allowed; "
+                      "try --by surface or --engine compute",
+                      id_count, double(bytes) / 1048576.0, double(budget) / 1048576.0));
     capacity_ = std::bit_ceil(table_capacity ? table_capacity : std::max(kFirstCapacity, 32 * id_count));
   }
   allocate();
@@ -41,7 +47,9 @@ void PairCounters::allocate() {
 }
 
 uint32_t PairCounters::mostBlocks() const {
-  return isSparse() ? 1 : static_cast<uint32_t>(std::clamp<uint64_t>(std::min(kReadBytes, device_.maxAllocationBytes()) / blockBytes(), 1, kMostBlocks));
+  return isSparse() ? 1
+                    : static_cast<uint32_t>(std::clamp<uint64_t>(
+                          std::min(kReadBytes, device_.maxAllocationBytes()) / blockBytes(), 1, kMostBlocks));
 }
 
 void PairCounters::start(Commands& commands, uint32_t blocks) {
@@ -62,7 +70,9 @@ void PairCounters::makeRoom(Commands& commands) {
 }
 
 void PairCounters::enlarge() {
-  if (capacity_ > kMostCapacity / 4) throw Error(ErrorCode::limit, fmt::format("the table of facing pairs outgrows {} places; try --by surface", capacity_));
+  if (capacity_ > kMostCapacity / 4)
+    throw Error(ErrorCode::limit,
+                fmt::format("the table of facing pairs outgrows {} places; try --by surface", capacity_));
   const uint32_t before = capacity_;
   capacity_ *= 4;
   try {
@@ -102,7 +112,8 @@ void PairCounters::clear(Commands& commands) {
 std::vector<PairCounts> PairCounters::read(Commands& commands) {
   std::vector<PairCounts> blocks(blocks_);
   const std::span<uint64_t> words = read_back_.mapped<uint64_t>();
-  const uint64_t words_each = wordsEach(), bytes_each = words_each * sizeof(uint64_t), at_once = kReadBytes / bytes_each;
+  const uint64_t words_each = wordsEach(), bytes_each = words_each * sizeof(uint64_t),
+                 at_once = kReadBytes / bytes_each;
   uint32_t i = 0, column = 0, block = 0;  // of the dense counter next in order
   const uint64_t all = blocks_ * counter_count_;
   for (uint64_t first = 0; first < all; first += at_once) {
@@ -116,10 +127,16 @@ std::vector<PairCounts> PairCounters::read(Commands& commands) {
       const uint64_t in_all = counts_blocked_ ? numbers[1] : 0;
       if (isSparse()) {
         const uint64_t pair = ~record[0];
-        if (record[0]) blocks[0].push_back({static_cast<uint32_t>(pair >> 32), static_cast<uint32_t>(pair), numbers[0], in_all});
+        if (record[0])
+          blocks[0].push_back({static_cast<uint32_t>(pair >> 32), static_cast<uint32_t>(pair), numbers[0], in_all});
         continue;
       }
-      if (numbers[0] || in_all) blocks[block].push_back({i, column == id_count_ ? kEnvironment : column > id_count_ ? kLeak : column, numbers[0], in_all});
+      if (numbers[0] || in_all)
+        blocks[block].push_back({i,
+                                 column == id_count_  ? kEnvironment
+                                 : column > id_count_ ? kLeak
+                                                      : column,
+                                 numbers[0], in_all});
       if (++column < id_count_ + 2) continue;
       column = ++i;
       if (i == id_count_) i = column = 0, ++block;

@@ -6,13 +6,16 @@
 
 namespace viewpeel {
 
-// Counters of all pairs of ids on the device, 64 bits each: dense, or a hash table of the pairs met. One a pair, of facing pairs, or two:
-// beside it the lines on which the two face each other, blocked or not. Blocks of directions may have dense counters of their own.
+// Counters of all pairs of ids on the device, 64 bits each: dense, or a hash table of the pairs met. One a pair, of
+// facing pairs, or two: beside it the lines on which the two face each other, blocked or not. Blocks of directions may
+// have dense counters of their own.
 class PairCounters {
  public:
-  // Dense where their bytes fit the budget (0: 1 GiB), else, if `may_be_sparse`, a hash table of `table_capacity` places at first (0 chooses).
+  // Dense where their bytes fit the budget (0: 1 GiB), else, if `may_be_sparse`, a hash table of `table_capacity`
+  // places at first (0 chooses).
   //   Throws: Error limit where dense counters are needed and do not fit.
-  PairCounters(const Device& device, uint32_t id_count, bool counts_blocked, uint64_t budget_bytes, bool may_be_sparse, uint32_t table_capacity = 0);
+  PairCounters(const Device& device, uint32_t id_count, bool counts_blocked, uint64_t budget_bytes, bool may_be_sparse,
+               uint32_t table_capacity = 0);
 
   bool isSparse() const { return capacity_ != 0; }
   uint32_t idCount() const { return id_count_; }
@@ -34,10 +37,12 @@ class PairCounters {
   }
   // Whether the table may be more than half full after two more batches like the last.
   bool isCrowded() const { return isSparse() && pairs_ > 0 && pairs_ + 2 * last_pairs_ > capacity_ / 2; }
-  // Empties the table into the host's sums and makes it larger, where the device has room for that; nothing is lost. The device must be idle.
+  // Empties the table into the host's sums and makes it larger, where the device has room for that; nothing is lost.
+  // The device must be idle.
   void makeRoom(Commands& commands);
   // Makes the table larger; start() has to follow.
-  //   Throws: Error limit where it has too many places; Error memory where the device has no room for them: then start() makes the table that was.
+  //   Throws: Error limit where it has too many places; Error memory where the device has no room for them: then
+  //   start() makes the table that was.
   void enlarge();
   // Everything counted since start(), of one block.
   PairCounts finish(Commands& commands);
@@ -54,13 +59,13 @@ class PairCounters {
   const Device& device_;
   uint32_t id_count_;
   bool counts_blocked_;
-  uint32_t capacity_ = 0;  // of the hash table, a power of 2; 0 where counters are dense
+  uint32_t capacity_ = 0;   // of the hash table, a power of 2; 0 where counters are dense
   uint64_t counter_count_;  // of a block, or places in the table
   uint32_t blocks_ = 1;
-  uint64_t pairs_ = 0;     // in the table
+  uint64_t pairs_ = 0;       // in the table
   uint64_t last_pairs_ = 0;  // of them, from the last batch
   Buffer counters_, read_back_;
-  PairCounts drained_;     // from tables before this one; `blocked` holds all lines on which the two face each other
+  PairCounts drained_;  // from tables before this one; `blocked` holds all lines on which the two face each other
 };
 
 }  // namespace viewpeel

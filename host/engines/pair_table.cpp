@@ -15,7 +15,9 @@ namespace {
 constexpr uint64_t kFirstPlaces = 1024;
 constexpr size_t kAhead = 8;  // additions whose places are on their way from memory
 
-uint64_t denseWords(uint32_t id_count, bool counts_blocked) { return device_data::counterCount(id_count) * (counts_blocked ? 2 : 1); }
+uint64_t denseWords(uint32_t id_count, bool counts_blocked) {
+  return device_data::counterCount(id_count) * (counts_blocked ? 2 : 1);
+}
 
 // Counts to the places of their keys, those of one key in the order they had.
 template <class KeyOf>
@@ -31,16 +33,23 @@ PairCounts inOrderOf(const PairCounts& counts, size_t keys, KeyOf keyOf) {
 // By i and j: where there are many, first by j and then by i, of which a part has few.
 void sortPart(PairCounts& counts, uint32_t id_count) {
   if (8 * counts.size() < id_count) return std::sort(counts.begin(), counts.end(), isBefore);
-  const auto [first, last] = std::minmax_element(counts.begin(), counts.end(), [](const PairCount& a, const PairCount& b) { return a.i < b.i; });
+  const auto [first, last] = std::minmax_element(counts.begin(), counts.end(),
+                                                 [](const PairCount& a, const PairCount& b) { return a.i < b.i; });
   const uint32_t first_i = first->i, i_count = last->i - first_i + 1;
-  counts = inOrderOf(counts, id_count + 2, [&](const PairCount& count) { return count.j < kEnvironment ? count.j : id_count + (count.j - kEnvironment); });
+  counts = inOrderOf(counts, id_count + 2, [&](const PairCount& count) {
+    return count.j < kEnvironment ? count.j : id_count + (count.j - kEnvironment);
+  });
   counts = inOrderOf(counts, i_count, [&](const PairCount& count) { return count.i - first_i; });
 }
 
 }  // namespace
 
 SharedPairs::SharedPairs(uint32_t id_count, bool counts_blocked, uint64_t most_bytes)
-    : parts_per_id_((uint64_t(kParts) << 32) / id_count), id_count_(id_count), stride_(counts_blocked ? 3 : 2), most_bytes_(most_bytes), parts_(kParts) {}
+    : parts_per_id_((uint64_t(kParts) << 32) / id_count),
+      id_count_(id_count),
+      stride_(counts_blocked ? 3 : 2),
+      most_bytes_(most_bytes),
+      parts_(kParts) {}
 
 // The counters of a key, which are new where there were none.
 uint64_t* SharedPairs::find(Part& part, uint64_t key) const {
@@ -63,7 +72,9 @@ void SharedPairs::makeRoom(Part& part, uint64_t more) {
   const uint64_t wanted = std::max(2 * places, kFirstPlaces), bytes = (wanted - places) * stride_ * sizeof(uint64_t);
   if ((bytes_ += bytes) > most_bytes_) {
     bytes_ -= bytes;
-    throw Error(ErrorCode::limit, fmt::format("the tables of facing pairs outgrow {:.0f} MiB of memory; try --by surface", double(most_bytes_) / 1048576.0));
+    throw Error(ErrorCode::limit,
+                fmt::format("the tables of facing pairs outgrow {:.0f} MiB of memory; try --by surface",
+                            double(most_bytes_) / 1048576.0));
   }
   std::vector<uint64_t> words(wanted * stride_, 0);
   std::swap(words, part.words);
@@ -77,7 +88,8 @@ void SharedPairs::add(uint32_t part_index, const Addition* additions, size_t cou
   const std::lock_guard lock(part.mutex);
   makeRoom(part, count);
   const uint64_t places = part.words.size() / stride_;
-  for (size_t k = 0; k < std::min(kAhead, count); ++k) __builtin_prefetch(&part.words[placeOf(additions[k].key, places)], 1);
+  for (size_t k = 0; k < std::min(kAhead, count); ++k)
+    __builtin_prefetch(&part.words[placeOf(additions[k].key, places)], 1);
   for (size_t k = 0; k < count; ++k) {
     if (k + kAhead < count) __builtin_prefetch(&part.words[placeOf(additions[k + kAhead].key, places)], 1);
     find(part, additions[k].key)[additions[k].weight & 1] += additions[k].weight >> 1;
@@ -92,7 +104,8 @@ PairCounts SharedPairs::take(uint32_t part_index) {
   for (uint64_t place = 0; place < part.words.size(); place += stride_) {
     if (part.words[place] == 0) continue;
     const uint64_t pair = ~part.words[place];
-    counts.push_back({static_cast<uint32_t>(pair >> 32), static_cast<uint32_t>(pair), part.words[place + 1], stride_ > 2 ? part.words[place + 2] : 0});
+    counts.push_back({static_cast<uint32_t>(pair >> 32), static_cast<uint32_t>(pair), part.words[place + 1],
+                      stride_ > 2 ? part.words[place + 2] : 0});
   }
   sortPart(counts, id_count_);
   std::fill(part.words.begin(), part.words.end(), 0);
@@ -114,14 +127,18 @@ PairCounts SharedPairs::takeAll(size_t threads) {
   return counts;
 }
 
-PairTable::PairTable(uint32_t id_count, bool counts_blocked) : id_count_(id_count), stride_(counts_blocked ? 2 : 1), dense_(denseWords(id_count, counts_blocked), 0) {
+PairTable::PairTable(uint32_t id_count, bool counts_blocked)
+    : id_count_(id_count), stride_(counts_blocked ? 2 : 1), dense_(denseWords(id_count, counts_blocked), 0) {
   for (uint32_t i = 0; i < id_count; ++i) row_starts_.push_back(device_data::counterIndex(i, 0, id_count));
   coming_.fill({dense_.data(), 0});
 }
 
-PairTable::PairTable(SharedPairs& shared) : shared_(&shared), waiting_(SharedPairs::kParts * kWaiting), counts_(SharedPairs::kParts, 0) {}
+PairTable::PairTable(SharedPairs& shared)
+    : shared_(&shared), waiting_(SharedPairs::kParts * kWaiting), counts_(SharedPairs::kParts, 0) {}
 
-uint64_t PairTable::denseBytes(uint32_t id_count, bool counts_blocked) { return denseWords(id_count, counts_blocked) * sizeof(uint64_t); }
+uint64_t PairTable::denseBytes(uint32_t id_count, bool counts_blocked) {
+  return denseWords(id_count, counts_blocked) * sizeof(uint64_t);
+}
 
 // Adds what is still on its way.
 void PairTable::settle() {
@@ -138,7 +155,8 @@ PairCounts PairTable::take() {
   for (uint32_t i = 0; i < id_count_; ++i)
     for (uint32_t column = i; column < id_count_ + 2; ++column, word += stride_) {
       const uint64_t facing = word[0], blocked = stride_ > 1 ? word[1] : 0;
-      if (facing | blocked) counts.push_back({i, column < id_count_ ? column : kEnvironment + (column - id_count_), facing, blocked});
+      if (facing | blocked)
+        counts.push_back({i, column < id_count_ ? column : kEnvironment + (column - id_count_), facing, blocked});
     }
   std::fill(dense_.begin(), dense_.end(), 0);
   return counts;

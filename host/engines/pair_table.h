@@ -10,7 +10,8 @@
 
 namespace viewpeel {
 
-// Hash tables of the pairs met by any thread, one for each part of the ids i: additions come a part's worth at a time, and then its table is in the processor's caches.
+// Hash tables of the pairs met by any thread, one for each part of the ids i: additions come a part's worth at a time,
+// and then its table is in the processor's caches.
 class SharedPairs {
  public:
   static constexpr uint32_t kParts = 256;
@@ -39,7 +40,9 @@ class SharedPairs {
     std::vector<uint64_t> words;  // of every place: key, 0 where it is free; facing; blocked where that is counted
     uint64_t used = 0;
   };
-  uint64_t placeOf(uint64_t key, uint64_t places) const { return ((key * 0x9E3779B97F4A7C15u) >> 32 & (places - 1)) * stride_; }
+  uint64_t placeOf(uint64_t key, uint64_t places) const {
+    return ((key * 0x9E3779B97F4A7C15u) >> 32 & (places - 1)) * stride_;
+  }
   uint64_t* find(Part& part, uint64_t key) const;
   void makeRoom(Part& part, uint64_t more);
   PairCounts take(uint32_t part);
@@ -72,7 +75,9 @@ class PairTable {
   void clear();
 
   static uint64_t denseBytes(uint32_t id_count, bool counts_blocked);
-  uint64_t sizeBytes() const { return dense_.size() * sizeof(uint64_t) + waiting_.size() * sizeof(SharedPairs::Addition); }
+  uint64_t sizeBytes() const {
+    return dense_.size() * sizeof(uint64_t) + waiting_.size() * sizeof(SharedPairs::Addition);
+  }
 
  private:
   static constexpr uint32_t kWaiting = 512;  // additions, of each part
@@ -85,7 +90,8 @@ class PairTable {
 
   void addTo(uint32_t i, uint32_t j, uint64_t weight, uint32_t blocked) {
     if (!shared_) {
-      uint64_t* counter = &dense_[(row_starts_[i] + (j < kEnvironment ? j : id_count_ + (j - kEnvironment))) * stride_ + blocked];
+      uint64_t* counter =
+          &dense_[(row_starts_[i] + (j < kEnvironment ? j : id_count_ + (j - kEnvironment))) * stride_ + blocked];
       __builtin_prefetch(counter, 1);
       Coming& earlier = coming_[turn_++ % kComing];
       *earlier.counter += earlier.weight;

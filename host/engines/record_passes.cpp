@@ -41,7 +41,9 @@ uint32_t directionCount(const Batch& batch) { return static_cast<uint32_t>(batch
 uint32_t tileCount(const Batch& batch) { return directionCount(batch) * batch.shape.tilesPerDirection(); }
 uint32_t tileRowCount(const Batch& batch) { return directionCount(batch) * batch.shape.tiles_high; }
 uint32_t pointCount(const Batch& batch) { return directionCount(batch) * batch.shape.pointsPerDirection(); }
-uint32_t tileRowsPerInvocation(const BatchShape& shape) { return std::max(1u, kMostTilesPerInvocation / shape.tiles_wide); }
+uint32_t tileRowsPerInvocation(const BatchShape& shape) {
+  return std::max(1u, kMostTilesPerInvocation / shape.tiles_wide);
+}
 
 ProjectArgs projectArgs(const PassSettings& settings, const Batch& batch) {
   return {
@@ -125,7 +127,8 @@ MeetArgs meetArgs(const PassSettings& settings, const Batch& batch) {
 
 // Bindings 0 to 4 of every pass over tiles (shaders/texels.glsl).
 std::vector<VkBufferView> tileTexels(const PassSettings& settings, const BatchBuffers& buffers, const Buffer& lists) {
-  return {buffers.snapped_corners.texels(), buffers.projected.texels(), settings.scene.polygons.texels(), lists.texels(), buffers.active_tiles.texels()};
+  return {buffers.snapped_corners.texels(), buffers.projected.texels(), settings.scene.polygons.texels(),
+          lists.texels(), buffers.active_tiles.texels()};
 }
 
 std::vector<VkBufferView> peelTexels(const PassSettings& settings, const Batch& batch) {
@@ -167,7 +170,9 @@ IdRules::IdRules(const Ids& ids)
       counts_environment(ids.counts_environment),
       all_count(ids.roles.empty()),
       are_indices(ids.roles.empty() && ids.of_polygon.size() == ids.count()),
-      needed_roles(all_count ? 0 : counts_environment ? viewpeel::kEmits : viewpeel::kEmits | viewpeel::kReceives) {
+      needed_roles(all_count            ? 0
+                   : counts_environment ? viewpeel::kEmits
+                                        : viewpeel::kEmits | viewpeel::kReceives) {
   for (uint32_t k = 0; are_indices && k < ids.of_polygon.size(); ++k) are_indices = ids.of_polygon[k] == k;
 }
 
@@ -175,50 +180,66 @@ PassKernels makeKernels(const Device& device, const PassSettings& settings, cons
   const Tuning& tuning = settings.tuning;
   const IdRules& ids = settings.ids;
   const bool counts_blocked = settings.options.count_blocked, is_sparse = settings.counters.isSparse();
-  const auto column_bits = static_cast<uint32_t>(settings.column_bits), cut_bits = static_cast<uint32_t>(settings.fraction_bits - settings.column_bits);
+  const auto column_bits = static_cast<uint32_t>(settings.column_bits),
+             cut_bits = static_cast<uint32_t>(settings.fraction_bits - settings.column_bits);
   const auto makeBin = [&](uint32_t mode) {
-    return Kernel(device, bin_comp, sizeof(BinArgs), {mode, shape.has_roles, tuning.sorts, tuning.tile_width, tuning.tile_rows, column_bits, cut_bits}, kTileTexels);
+    return Kernel(device, bin_comp, sizeof(BinArgs),
+                  {mode, shape.has_roles, tuning.sorts, tuning.tile_width, tuning.tile_rows, column_bits, cut_bits},
+                  kTileTexels);
   };
   PassKernels kernels;
-  if (shape.enters) kernels.enter = Kernel(device, enter_comp, sizeof(ProjectArgs), {tuning.tile_width, tuning.tile_rows}, kSceneTexels);
-  kernels.project = Kernel(device, project_comp, sizeof(ProjectArgs), {shape.enters, !shape.enters, false}, kSceneTexels);
+  if (shape.enters)
+    kernels.enter =
+        Kernel(device, enter_comp, sizeof(ProjectArgs), {tuning.tile_width, tuning.tile_rows}, kSceneTexels);
+  kernels.project =
+      Kernel(device, project_comp, sizeof(ProjectArgs), {shape.enters, !shape.enters, false}, kSceneTexels);
   if (shape.has_roles) kernels.bin_emitters = makeBin(kBinEmitters);
   if (shape.has_roles) kernels.bin_receivers = makeBin(kBinReceivers);
   kernels.bin_count = makeBin(kBinCount);
   kernels.bin_scatter = makeBin(kBinScatter);
-  kernels.allocate = Kernel(
-      device, allocate_comp, sizeof(BinArgs),
-      {shape.enters, tuning.tile_width, tuning.tile_rows, settings.isScanline(), shape.allocatesRows()});
+  kernels.allocate =
+      Kernel(device, allocate_comp, sizeof(BinArgs),
+             {shape.enters, tuning.tile_width, tuning.tile_rows, settings.isScanline(), shape.allocatesRows()});
   if (tuning.sorts) kernels.sort = Kernel(device, sort_comp, sizeof(SortArgs), {tuning.subgroup_size}, kTileTexels);
-  const std::span<const uint32_t> peel = settings.isScanline() && counts_blocked ? std::span<const uint32_t>(peel_blocked_comp) : peel_comp;
-  kernels.peel = Kernel(device, peel, sizeof(PeelArgs),
-                        {tuning.subgroup_size, tuning.layers_kept, settings.isScanline(), is_sparse, ids.all_count, settings.options.aggregate,
-                         settings.options.measure_work, tuning.steps, ids.are_indices, tuning.tile_width, tuning.sorts, ids.two_sided, counts_blocked,
-                         shape.enters, tuning.tile_rows, column_bits, cut_bits},
-                        kTileTexels + 2);
+  const std::span<const uint32_t> peel =
+      settings.isScanline() && counts_blocked ? std::span<const uint32_t>(peel_blocked_comp) : peel_comp;
+  kernels.peel = Kernel(
+      device, peel, sizeof(PeelArgs),
+      {tuning.subgroup_size, tuning.layers_kept, settings.isScanline(), is_sparse, ids.all_count,
+       settings.options.aggregate, settings.options.measure_work, tuning.steps, ids.are_indices, tuning.tile_width,
+       tuning.sorts, ids.two_sided, counts_blocked, shape.enters, tuning.tile_rows, column_bits, cut_bits},
+      kTileTexels + 2);
   if (!shape.meets) return kernels;
-  kernels.cover = Kernel(device, cover_comp, sizeof(MeetArgs),
-                         {tuning.subgroup_size, tuning.tile_width, ids.all_count, ids.two_sided, tuning.tile_rows, cut_bits}, kTileTexels);
-  kernels.meet = Kernel(device, meet_comp, sizeof(MeetArgs),
-                        {tuning.subgroup_size, tuning.tile_width, ids.all_count, ids.two_sided, is_sparse, ids.are_indices}, kTileTexels + 1);
+  kernels.cover = Kernel(
+      device, cover_comp, sizeof(MeetArgs),
+      {tuning.subgroup_size, tuning.tile_width, ids.all_count, ids.two_sided, tuning.tile_rows, cut_bits}, kTileTexels);
+  kernels.meet =
+      Kernel(device, meet_comp, sizeof(MeetArgs),
+             {tuning.subgroup_size, tuning.tile_width, ids.all_count, ids.two_sided, is_sparse, ids.are_indices},
+             kTileTexels + 1);
   return kernels;
 }
 
 void recordPasses(const PassSettings& settings, const PassKernels& kernels, Batch& batch) {
   const BatchBuffers& buffers = batch.buffers;
-  const std::vector<VkBufferView> scene_texels = {buffers.directions.texels(), settings.scene.polygons.texels(), settings.scene.corners.texels()};
+  const std::vector<VkBufferView> scene_texels = {buffers.directions.texels(), settings.scene.polygons.texels(),
+                                                  settings.scene.corners.texels()};
   const std::vector<VkBufferView> tile_texels = tileTexels(settings, buffers, buffers.lists);
   std::vector<VkBufferView> meet_texels = tileTexels(settings, buffers, buffers.cover_polygons);
   meet_texels.push_back(buffers.covers.texels());
   const ProjectArgs project = projectArgs(settings, batch);
   const BinArgs bin = binArgs(settings, batch);
-  const SortArgs sort{.sorted_lists = buffers.lists.address(), .active_tiles = buffers.active_tiles.address(), .status = buffers.status.address()};
+  const SortArgs sort{.sorted_lists = buffers.lists.address(),
+                      .active_tiles = buffers.active_tiles.address(),
+                      .status = buffers.status.address()};
   const MeetArgs meet = meetArgs(settings, batch);
   const PassGroups by_polygon{.x = divideUp(settings.scene.polygon_count, kGroupSize), .y = directionCount(batch)};
   const PassGroups by_tile{.x = batch.shape.allocatesRows() ? tileRowCount(batch)
                                                             : divideUp(tileCount(batch), kGroupSize)};
-  const PassGroups listed_projections{.in_status = offsetof(BatchStatus, project_groups)}, by_listed{.in_status = offsetof(BatchStatus, bin_groups)};
-  const PassGroups by_active_tile{.in_status = offsetof(BatchStatus, peel_groups)}, by_meeting{.in_status = offsetof(BatchStatus, meet_groups)};
+  const PassGroups listed_projections{.in_status = offsetof(BatchStatus, project_groups)},
+      by_listed{.in_status = offsetof(BatchStatus, bin_groups)};
+  const PassGroups by_active_tile{.in_status = offsetof(BatchStatus, peel_groups)},
+      by_meeting{.in_status = offsetof(BatchStatus, meet_groups)};
   const Pass passes[] = {
       {"enter", kernels.enter, project, scene_texels, by_polygon},
       {"project", kernels.project, project, scene_texels, batch.shape.enters ? listed_projections : by_polygon},
@@ -251,11 +272,14 @@ void recordPasses(const PassSettings& settings, const PassKernels& kernels, Batc
 }
 
 void recordResume(const PassSettings& settings, const PassKernels& kernels, Batch& batch, uint32_t unfinished_count) {
-  const PassGroups groups{.x = std::min(unfinished_count, kGroupsPerRow), .y = divideUp(unfinished_count, kGroupsPerRow)};
-  const Pass resume{"peel", kernels.peel, peelArgs(settings, batch, unfinished_count), peelTexels(settings, batch), groups};
+  const PassGroups groups{.x = std::min(unfinished_count, kGroupsPerRow),
+                          .y = divideUp(unfinished_count, kGroupsPerRow)};
+  const Pass resume{"peel", kernels.peel, peelArgs(settings, batch, unfinished_count), peelTexels(settings, batch),
+                    groups};
   const uint32_t none = 0;
   batch.commands.begin();
-  vkCmdUpdateBuffer(batch.commands.handle(), batch.buffers.status.handle(), offsetof(BatchStatus, unfinished), sizeof none, &none);
+  vkCmdUpdateBuffer(batch.commands.handle(), batch.buffers.status.handle(), offsetof(BatchStatus, unfinished),
+                    sizeof none, &none);
   batch.commands.barrier();
   runPass(batch.commands, batch.buffers.status, resume);
   batch.commands.barrier();

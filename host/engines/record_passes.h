@@ -1,15 +1,13 @@
 // The passes of the compute engine: their kernels, and how a batch of directions is recorded.
 //   enter      where all polygons count: those over few lattice points become fragments there, the others are listed
-//   project    every polygon along every direction, or every listed one: snapped corners, box and depth over the lattice
-//   bin emitters   where only some polygons count: the tiles that emitters reach, and their span in each row of tiles
-//   bin receivers  the same of the other receivers, within that span
-//   bin count  counts the polygons that reach each tile
-//   allocate   gives every tile its list and lists the active tiles
-//   bin scatter  fills the lists
-//   sort       where lines meet many polygons: orders the lists by depth
-//   peel       every row of every active tile: spans of its polygons, samples, layers in order, facing rules, counters
-//   cover      where blocked pairs are counted: the lattice points of every active tile that each of its polygons covers
-//   meet       counts, for every two polygons of a tile that may face each other, how many of these points they share
+//   project    every polygon along every direction, or every listed one: snapped corners, box and depth over the
+//   lattice bin emitters   where only some polygons count: the tiles that emitters reach, and their span in each row of
+//   tiles bin receivers  the same of the other receivers, within that span bin count  counts the polygons that reach
+//   each tile allocate   gives every tile its list and lists the active tiles bin scatter  fills the lists sort where
+//   lines meet many polygons: orders the lists by depth peel       every row of every active tile: spans of its
+//   polygons, samples, layers in order, facing rules, counters cover      where blocked pairs are counted: the lattice
+//   points of every active tile that each of its polygons covers meet       counts, for every two polygons of a tile
+//   that may face each other, how many of these points they share
 #pragma once
 #include <span>
 #include <vector>
@@ -43,9 +41,9 @@ struct IdRules {
   explicit IdRules(const Ids& ids);
 
   bool two_sided, counts_environment;
-  bool all_count;           // every polygon emits and receives
-  bool are_indices;         // every polygon is its own id
-  uint32_t needed_roles;    // of a tile that is worth peeling, 0 where all count
+  bool all_count;         // every polygon emits and receives
+  bool are_indices;       // every polygon is its own id
+  uint32_t needed_roles;  // of a tile that is worth peeling, 0 where all count
 };
 
 // What the passes of all batches have in common. The engine owns what is referred to.
@@ -68,7 +66,8 @@ struct PassKernels {
 
 PassKernels makeKernels(const Device& device, const PassSettings& settings, const BatchShape& shape);
 
-// Records every pass over the batch's directions, which are in its buffer, and the copy of what they found to status_read.
+// Records every pass over the batch's directions, which are in its buffer, and the copy of what they found to
+// status_read.
 void recordPasses(const PassSettings& settings, const PassKernels& kernels, Batch& batch);
 
 // Records peel alone, over the tiles that the last dispatch left unfinished.

@@ -16,8 +16,10 @@ using glm::vec2;
 #include "../../shaders/shared.h"
 
 // What is read as texels of 16 bytes.
-static_assert(sizeof(PolygonData) == 48 && sizeof(ProjectedPolygon) == 48 && sizeof(SnappedCorners) == 32 && sizeof(ActiveTile) == 48 && sizeof(Cover) == 16);
-static_assert(sizeof(DirectionData) == 96 && sizeof(CornerData) == 32 && sizeof(Outline) == 40 && sizeof(UnfinishedTile) == 12 && sizeof(BatchStatus) == 136);
+static_assert(sizeof(PolygonData) == 48 && sizeof(ProjectedPolygon) == 48 && sizeof(SnappedCorners) == 32 &&
+              sizeof(ActiveTile) == 48 && sizeof(Cover) == 16);
+static_assert(sizeof(DirectionData) == 96 && sizeof(CornerData) == 32 && sizeof(Outline) == 40 &&
+              sizeof(UnfinishedTile) == 12 && sizeof(BatchStatus) == 136);
 static_assert(sizeof(ProjectArgs) <= 128 && sizeof(DrawArgs) <= 128 && sizeof(AccumulateArgs) <= 128);
 static_assert(sizeof(BinArgs) <= 128 && sizeof(PeelArgs) <= 128 && sizeof(MeetArgs) <= 128);
 

@@ -55,16 +55,22 @@ void split(const Scene& scene, std::vector<uint32_t> polygons, int resolution, s
   const glm::dvec3 size = box.high - box.low;
   const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
   const auto middleOf = [&](uint32_t k) { return boxOf(scene, k).middle()[axis]; };
-  auto half = std::stable_partition(polygons.begin(), polygons.end(), [&](uint32_t k) { return middleOf(k) < box.middle()[axis]; });
-  if (half == polygons.begin() || half == polygons.end()) half = polygons.begin() + static_cast<std::ptrdiff_t>(polygons.size() / 2);
+  auto half = std::stable_partition(polygons.begin(), polygons.end(),
+                                    [&](uint32_t k) { return middleOf(k) < box.middle()[axis]; });
+  if (half == polygons.begin() || half == polygons.end())
+    half = polygons.begin() + static_cast<std::ptrdiff_t>(polygons.size() / 2);
   split(scene, {polygons.begin(), half}, resolution, groups);
   split(scene, {half, polygons.end()}, resolution, groups);
 }
 
 class GroupedEngine : public Engine {
  public:
-  GroupedEngine(const EngineFactory& make_engine, const Scene& scene, const Ids& ids, const LatticeOptions& options, const std::vector<SizeGroup>& groups) {
-    if (!ids.roles.empty()) throw Error(ErrorCode::bad_usage, "windows on small polygons need the whole matrix; leave out --from, --pair and --blocker, or give --resolution");
+  GroupedEngine(const EngineFactory& make_engine, const Scene& scene, const Ids& ids, const LatticeOptions& options,
+                const std::vector<SizeGroup>& groups) {
+    if (!ids.roles.empty())
+      throw Error(ErrorCode::bad_usage,
+                  "windows on small polygons need the whole matrix; leave out --from, --pair and --blocker, or give "
+                  "--resolution");
     for (size_t g = 0; g < groups.size(); ++g) {
       if (groups[g].polygons.empty()) continue;
       Part part{nullptr, groups[g].resolution, groups[g].polygons.size(), 1};
@@ -78,7 +84,9 @@ class GroupedEngine : public Engine {
       own.window = groups[g].window;
       const size_t index = parts_.size(), all = groups.size();
       if (options.on_batch)
-        own.on_batch = [told = options.on_batch, index, all, this](uint64_t done) { told((index * asked_ + done) / all); };
+        own.on_batch = [told = options.on_batch, index, all, this](uint64_t done) {
+          told((index * asked_ + done) / all);
+        };
       part.engine = make_engine(scene, roles, own);
       finest_ = std::max(finest_, part.resolution);
       parts_.push_back(std::move(part));
@@ -128,7 +136,9 @@ class GroupedEngine : public Engine {
 
   std::string describePlan() const override {
     std::string text;
-    for (const Part& part : parts_) text += fmt::format("lattice    {} across, for {} polygon{}\n{}", part.resolution, part.polygons, part.polygons == 1 ? "" : "s", part.engine->describePlan());
+    for (const Part& part : parts_)
+      text += fmt::format("lattice    {} across, for {} polygon{}\n{}", part.resolution, part.polygons,
+                          part.polygons == 1 ? "" : "s", part.engine->describePlan());
     return text;
   }
 
@@ -143,8 +153,10 @@ class GroupedEngine : public Engine {
     for (PairCount& count : counts) {
       // Of all windows together a pair has little more than of the coarsest alone: twice that is within 64 bits.
       if (std::max(count.count, count.blocked) > UINT64_MAX / 2 / part.weight)
-        throw Error(ErrorCode::bad_usage, fmt::format("{} directions at resolutions of {} and {} are too many to count in 64 bits; ask for fewer --directions and more --replicates, "
-                                                      "or a coarser --finest", directions, part.resolution, finest_));
+        throw Error(ErrorCode::bad_usage, fmt::format("{} directions at resolutions of {} and {} are too many to count "
+                                                      "in 64 bits; ask for fewer --directions and more --replicates, "
+                                                      "or a coarser --finest",
+                                                      directions, part.resolution, finest_));
       count.count *= part.weight;
       count.blocked *= part.weight;
     }
@@ -164,7 +176,9 @@ std::vector<SizeGroup> groupBySize(const Scene& scene, const std::vector<double>
     for (uint32_t k = 0; k < needed.size(); ++k) {
       const double radius = boxRadius(scene, k);
       int resolution = base;
-      while (resolution < needed[k] * kEnough && resolution <= finest / kGroupStep && radius * resolution * kGroupStep <= kMostWindowPoints) resolution *= kGroupStep;
+      while (resolution < needed[k] * kEnough && resolution <= finest / kGroupStep &&
+             radius * resolution * kGroupStep <= kMostWindowPoints)
+        resolution *= kGroupStep;
       (resolution == base ? groups[0].polygons : fine[resolution]).push_back(k);
     }
     for (auto& [resolution, polygons] : fine) split(scene, std::move(polygons), resolution, groups);
@@ -192,8 +206,8 @@ Window windowAround(const Scene& scene, const std::vector<uint32_t>& polygons) {
 
 double boxRadius(const Scene& scene, uint32_t polygon_index) { return boxOf(scene, polygon_index).radius(); }
 
-std::unique_ptr<Engine> makeGroupedEngine(const EngineFactory& make_engine, const Scene& scene, const Ids& ids, const LatticeOptions& options,
-                                          const std::vector<SizeGroup>& groups) {
+std::unique_ptr<Engine> makeGroupedEngine(const EngineFactory& make_engine, const Scene& scene, const Ids& ids,
+                                          const LatticeOptions& options, const std::vector<SizeGroup>& groups) {
   return std::make_unique<GroupedEngine>(make_engine, scene, ids, options, groups);
 }
 

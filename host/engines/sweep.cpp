@@ -20,7 +20,9 @@ constexpr std::array<const char*, 3> kPasses = {"project", "slice", "sweep"};
 
 constexpr size_t kAhead = 8;  // spans whose surfaces are on their way from memory
 
-double secondsNow() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+double secondsNow() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
 
 }  // namespace
 
@@ -37,12 +39,15 @@ Sweep::Sweep(const SweepScene& scene, const LatticeOptions& options)
       outlines_(scene, fraction_bits_, column_bits_, reach_),
       planes_(scene.offset.size()),
       rows_(2 * static_cast<size_t>(reach_)) {
-  if (fraction_bits_ < column_bits_) throw Error(ErrorCode::bad_usage, "scanlines cannot be this fine; use --sampling lattice");
+  if (fraction_bits_ < column_bits_)
+    throw Error(ErrorCode::bad_usage, "scanlines cannot be this fine; use --sampling lattice");
   for (const char* pass : kPasses) work_.pass_seconds.emplace_back(pass, 0);
 }
 
 uint64_t Sweep::memoryBytes() const {
-  uint64_t bytes = outlines_.memoryBytes() + planes_.size() * sizeof(DepthPlane) + scene_.polygons.size() * sizeof(Surface) + layers_.capacity() * sizeof(Layer) + open_.capacity() * sizeof(Open);
+  uint64_t bytes = outlines_.memoryBytes() + planes_.size() * sizeof(DepthPlane) +
+                   scene_.polygons.size() * sizeof(Surface) + layers_.capacity() * sizeof(Layer) +
+                   open_.capacity() * sizeof(Open);
   for (const std::vector<Span>& row : rows_) bytes += row.capacity() * sizeof(Span);
   return bytes;
 }
@@ -57,8 +62,12 @@ void Sweep::count(const Direction& direction, PairTable& table) {
   for (size_t row = 0; row < rows_.size(); ++row) {
     if (rows_[row].empty()) continue;
     const int y = static_cast<int>(row) - reach_;
-    if (scene_.all_count) counts_blocked_ ? sweepRow<true, true>(y, rows_[row], direction.weight, table) : sweepRow<true, false>(y, rows_[row], direction.weight, table);
-    else counts_blocked_ ? sweepRow<false, true>(y, rows_[row], direction.weight, table) : sweepRow<false, false>(y, rows_[row], direction.weight, table);
+    if (scene_.all_count)
+      counts_blocked_ ? sweepRow<true, true>(y, rows_[row], direction.weight, table)
+                      : sweepRow<true, false>(y, rows_[row], direction.weight, table);
+    else
+      counts_blocked_ ? sweepRow<false, true>(y, rows_[row], direction.weight, table)
+                      : sweepRow<false, false>(y, rows_[row], direction.weight, table);
   }
   if (!measures_) return;
   const double swept = secondsNow();
@@ -72,12 +81,19 @@ const Sweep::DepthPlane& Sweep::depthPlane(uint32_t plane_index, const Direction
   if (plane.turn == turn_) return plane;
   const double px = scene_.normal_x[plane_index], py = scene_.normal_y[plane_index], pz = scene_.normal_z[plane_index];
   const double per_spacing = resolution_ * 0.5, unit = double(1 << kDepthBits);
-  const double nx = dotInOrder(px, py, pz, direction.x_axis), ny = dotInOrder(px, py, pz, direction.y_axis), nz = dotInOrder(px, py, pz, direction.u);
+  const double nx = dotInOrder(px, py, pz, direction.x_axis), ny = dotInOrder(px, py, pz, direction.y_axis),
+               nz = dotInOrder(px, py, pz, direction.u);
   const double dx = -nx / (nz * per_spacing) * unit, dy = -ny / (nz * per_spacing) * unit;
   const double d0 = (scene_.offset[plane_index] / nz + 1.0) * unit - dx * origin_.x - dy * origin_.y;
   const double bound = std::abs(d0) + (std::abs(dx) + std::abs(dy)) * double(std::max(resolution_, 32)) + 1.0;
   const int exponent = static_cast<int>(std::bit_cast<uint64_t>(bound) >> 52 & 0x7FF) - 1023;
-  plane = {turn_, 0, 0, 0, 4.0 + 2.0 * std::min(1.0 / std::max(std::abs(nz), 1e-30), 1e6), 0, !(std::abs(nz) > 1e-12 && exponent < 60)};
+  plane = {turn_,
+           0,
+           0,
+           0,
+           4.0 + 2.0 * std::min(1.0 / std::max(std::abs(nz), 1e-30), 1e6),
+           0,
+           !(std::abs(nz) > 1e-12 && exponent < 60)};
   if (plane.is_edge_on) return plane;
   plane.shift = std::min(60 - exponent, 30);
   const double scale = double(1 << plane.shift);
@@ -87,7 +103,8 @@ const Sweep::DepthPlane& Sweep::depthPlane(uint32_t plane_index, const Direction
   return plane;
 }
 
-// Spans by row. Where only some polygons emit, of the others no more than what shares a column with those, which come first.
+// Spans by row. Where only some polygons emit, of the others no more than what shares a column with those, which come
+// first.
 template <bool kAllCount>
 void Sweep::slice(const Direction& direction) {
   ++turn_;
@@ -129,30 +146,52 @@ void Sweep::addSurface(uint32_t place, bool front_up, const Direction& direction
     z_max = std::max(z_max, outlines_.height(corners[place]));
   }
   const double unit = double(1 << kDepthBits);
-  surfaces_.emplace_back() = {plane.is_edge_on ? static_cast<int64_t>((0.5 * (z_min + z_max) + 1.0) * unit) : plane.at_origin, plane.per_column, plane.per_row,
-          static_cast<int32_t>(std::max((z_min + 1.0) * unit - plane.slack, 0.0)), static_cast<int32_t>(std::min((z_max + 1.0) * unit + plane.slack, 2.0 * unit)),
-          plane.shift, polygon.index, polygon.id, polygon.roles, front_up, static_cast<uint8_t>(placeAtTie(front_up, polygon.tie_rank))};
+  surfaces_.emplace_back() = {
+      plane.is_edge_on ? static_cast<int64_t>((0.5 * (z_min + z_max) + 1.0) * unit) : plane.at_origin,
+      plane.per_column,
+      plane.per_row,
+      static_cast<int32_t>(std::max((z_min + 1.0) * unit - plane.slack, 0.0)),
+      static_cast<int32_t>(std::min((z_max + 1.0) * unit + plane.slack, 2.0 * unit)),
+      plane.shift,
+      polygon.index,
+      polygon.id,
+      polygon.roles,
+      front_up,
+      static_cast<uint8_t>(placeAtTie(front_up, polygon.tie_rank))};
 }
 
 Sweep::Layer Sweep::enter(const Span& span, int row) const {
   const Surface& surface = surfaces_[span.surface];
   const int64_t whole = surface.per_column >> column_bits_;
-  return {surface.at_origin + surface.per_row * row, whole, surface.per_column - whole * (int64_t(1) << column_bits_),
-          surface.depth_min, surface.depth_max, surface.shift, span.high, surface.polygon, surface.id, surface.roles,
-          surface.place_at_tie, scene_.two_sided || surface.front_up, scene_.two_sided || !surface.front_up};
+  return {surface.at_origin + surface.per_row * row,
+          whole,
+          surface.per_column - whole * (int64_t(1) << column_bits_),
+          surface.depth_min,
+          surface.depth_max,
+          surface.shift,
+          span.high,
+          surface.polygon,
+          surface.id,
+          surface.roles,
+          surface.place_at_tie,
+          scene_.two_sided || surface.front_up,
+          scene_.two_sided || !surface.front_up};
 }
 
-// The order along the line through a column: depth, place at ties, then the polygon's number (Layer in shaders/shared.h).
+// The order along the line through a column: depth, place at ties, then the polygon's number (Layer in
+// shaders/shared.h).
 uint64_t Sweep::keyAt(const Layer& layer, int32_t column) const {
   const int64_t depth = layer.depth + layer.whole * column + (layer.rest * column >> column_bits_);
-  const auto clamped = static_cast<uint64_t>(std::clamp<int64_t>(depth >> layer.shift, layer.depth_min, layer.depth_max));
+  const auto clamped =
+      static_cast<uint64_t>(std::clamp<int64_t>(depth >> layer.shift, layer.depth_min, layer.depth_max));
   return (clamped << kTieBits | layer.place_at_tie) << 32 | layer.polygon;
 }
 
 // By whole columns first, each with places of its own; within them few are left to put in order.
 void Sweep::sortByLow(std::span<Span> spans) {
   const auto columns = 2 * static_cast<size_t>(reach_);
-  if (spans.size() < columns / 4) return std::sort(spans.begin(), spans.end(), [](const Span& a, const Span& b) { return a.low < b.low; });
+  if (spans.size() < columns / 4)
+    return std::sort(spans.begin(), spans.end(), [](const Span& a, const Span& b) { return a.low < b.low; });
   const auto columnOf = [&](const Span& span) {
     const int32_t column = (span.low >> column_bits_) + reach_;
     return static_cast<size_t>(column);
@@ -171,8 +210,9 @@ void Sweep::sortByLow(std::span<Span> spans) {
   }
 }
 
-// Goes from one end of a span to the next. Between them the order of the polygons does not change, but for rounding: it is decided in the middle of every sample,
-// a lattice point or, with scanlines, what lies between two ends in a cell of kScanlineCell columns.
+// Goes from one end of a span to the next. Between them the order of the polygons does not change, but for rounding: it
+// is decided in the middle of every sample, a lattice point or, with scanlines, what lies between two ends in a cell of
+// kScanlineCell columns.
 template <bool kAllCount, bool kBlocked>
 void Sweep::sweepRow(int row, std::span<Span> spans, uint64_t weight, PairTable& table) {
   sortByLow(spans);
@@ -270,7 +310,8 @@ void Sweep::addGaps(uint64_t weight, PairTable& table) {
     if (kBlocked && lower_sees)
       for (size_t m = k + 1; m < open_.size(); ++m) {
         const Layer& farther = *open_[m].layer;
-        if (farther.sees_down && areAskedFor(*lower, farther)) table.addBlocked(std::min(lower->id, farther.id), std::max(lower->id, farther.id), weight);
+        if (farther.sees_down && areAskedFor(*lower, farther))
+          table.addBlocked(std::min(lower->id, farther.id), std::max(lower->id, farther.id), weight);
       }
     lower = upper;
   }

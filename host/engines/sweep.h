@@ -1,5 +1,6 @@
-// What engine `host` does with one direction: lattice rows cut the projected scene into spans; going along a row, the polygons between any two of their ends
-// are sorted by depth. After the scan-line algorithms: Watkins, "A real time visible surface algorithm" (1970).
+// What engine `host` does with one direction: lattice rows cut the projected scene into spans; going along a row, the
+// polygons between any two of their ends are sorted by depth. After the scan-line algorithms: Watkins, "A real time
+// visible surface algorithm" (1970).
 #pragma once
 #include <cstdint>
 #include <span>
@@ -86,7 +87,8 @@ class Sweep {
   uint64_t turn_ = 0;     // directions so far
   std::vector<Surface> surfaces_;
   std::vector<std::vector<Span>> rows_;  // row -reach first
-  std::vector<std::pair<int32_t, int32_t>> emitting_;  // columns between the first and the last that emits, of every row
+  std::vector<std::pair<int32_t, int32_t>>
+      emitting_;                  // columns between the first and the last that emits, of every row
   std::vector<uint32_t> places_;  // of a row's spans, by their first column
   std::vector<Span> unsorted_;
   std::vector<Layer> layers_;

@@ -21,7 +21,8 @@ constexpr double kFewAcross = 5;     // such a polygon, on the average over dire
 constexpr uint32_t kLongList = 48;    // polygons over a tile, on the average, from which on smaller tiles are faster
 constexpr double kManyRounds = 1.5;   // a tile, from which on more layers are kept
 constexpr uint32_t kSortedList = 16;  // polygons over such a tile, on the average, from which on lists are sorted
-constexpr uint32_t kDeepList = 16;    // polygons over a tile of scanlines, on the average, from which on more layers are kept
+constexpr uint32_t kDeepList =
+    16;  // polygons over a tile of scanlines, on the average, from which on more layers are kept
 
 }  // namespace
 
@@ -29,20 +30,26 @@ Tuning tune(const Device& device, const LatticeOptions& options) {
   VkPhysicalDeviceSubgroupProperties subgroup{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
   VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &subgroup};
   vkGetPhysicalDeviceProperties2(device.physical(), &properties);
-  if (subgroup.subgroupSize < 8 || subgroup.subgroupSize > 64 || !(subgroup.supportedOperations & VK_SUBGROUP_FEATURE_SHUFFLE_BIT))
-    throw Error(ErrorCode::device, fmt::format("{}: subgroups of {} without shuffle, or not of 8 to 64; use --engine graphics",
-                                               device.description().name, subgroup.subgroupSize));
+  if (subgroup.subgroupSize < 8 || subgroup.subgroupSize > 64 ||
+      !(subgroup.supportedOperations & VK_SUBGROUP_FEATURE_SHUFFLE_BIT))
+    throw Error(ErrorCode::device,
+                fmt::format("{}: subgroups of {} without shuffle, or not of 8 to 64; use --engine graphics",
+                            device.description().name, subgroup.subgroupSize));
   const bool on_cpu = device.properties().deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
   const auto choose = [](uint32_t asked, uint32_t otherwise) { return asked ? asked : otherwise; };
-  const uint32_t subgroup_size = subgroup.subgroupSize, layers_kept = choose(options.layers_kept, 4), most_blocks = choose(options.most_blocks, on_cpu ? 1000 : 1u << 30);
+  const uint32_t subgroup_size = subgroup.subgroupSize, layers_kept = choose(options.layers_kept, 4),
+                 most_blocks = choose(options.most_blocks, on_cpu ? 1000 : 1u << 30);
   // Every row of a tile is cut from the tile's whole list with scanlines: there smaller tiles are faster.
-  const uint32_t default_rows = options.sampling == Sampling::lattice ? kMostTileRows : options.resolution < 128 ? 2 : 4;
+  const uint32_t default_rows = options.sampling == Sampling::lattice ? kMostTileRows
+                                : options.resolution < 128            ? 2
+                                                                      : 4;
   const uint32_t tile_rows = std::min(std::bit_ceil(choose(options.tile_rows, default_rows)), kMostTileRows);
   if (options.sampling == Sampling::scanline)
     return {subgroup_size, kScanlineCell, tile_rows, 1, layers_kept, most_blocks, false};
   // Lattice points: as many columns as divide a subgroup, and the rows in steps.
   const uint32_t tile_width = std::min(std::bit_ceil(choose(options.tile_width, 8)), kMostTileWidth);
-  return {subgroup_size, tile_width, tile_rows, std::max(1u, tile_width * tile_rows / subgroup_size), layers_kept, most_blocks, options.sort};
+  return {subgroup_size, tile_width,  tile_rows,   std::max(1u, tile_width * tile_rows / subgroup_size),
+          layers_kept,   most_blocks, options.sort};
 }
 
 void adaptOptions(const BatchStatus& found, LatticeOptions& options) {
@@ -58,14 +65,16 @@ void adaptOptions(const BatchStatus& found, LatticeOptions& options) {
   }
 }
 
-// Adding to dense counters is quicker than to a hash table, reading them after every replicate takes longer: they pay where a direction adds much.
+// Adding to dense counters is quicker than to a hash table, reading them after every replicate takes longer: they pay
+// where a direction adds much.
 uint64_t counterBudget(const LatticeOptions& options) {
   const uint64_t chosen = options.resolution < 128 ? 256ull << 20 : 512ull << 20;
   return options.counter_budget_bytes ? options.counter_budget_bytes : options.count_blocked ? 2 * chosen : chosen;
 }
 
-// Entering spares tiles' lists the polygons over few lattice points, each of which is tested for every point of the tile; where those are not most of the lists,
-// making room for fragments costs more than it spares. Tiles are 8 x 8, and a polygon's mean projection is half its area.
+// Entering spares tiles' lists the polygons over few lattice points, each of which is tested for every point of the
+// tile; where those are not most of the lists, making room for fragments costs more than it spares. Tiles are 8 x 8,
+// and a polygon's mean projection is half its area.
 uint32_t chooseFewPoints(const Scene& scene, int resolution) {
   double entries = 0, spared = 0;
   for (const Polygon& polygon : scene.polygons) {

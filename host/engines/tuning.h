@@ -21,7 +21,8 @@ struct Tuning {
 //   Throws: Error device where its subgroups are not of use.
 Tuning tune(const Device& device, const LatticeOptions& options);
 
-// Chooses options that are left open by what the first batch found over its active tiles, of which there is at least one.
+// Chooses options that are left open by what the first batch found over its active tiles, of which there is at least
+// one.
 void adaptOptions(const device_data::BatchStatus& found, LatticeOptions& options);
 
 // Of dense counters, beyond which they are kept in a hash table.

@@ -1,4 +1,5 @@
-// Loops over arrays, compiled again for processors of the last ten years: programs for any x86-64 are built for the vectors of 2003.
+// Loops over arrays, compiled again for processors of the last ten years: programs for any x86-64 are built for the
+// vectors of 2003.
 #pragma once
 
 // Before a loop whose turns neither read nor write what others write.
@@ -15,7 +16,8 @@ enum class Vectors { plain, avx2, avx512 };
 // Those of the processor at hand.
 inline Vectors widestVectors() {
 #if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw")) return Vectors::avx512;
+  if (__builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw"))
+    return Vectors::avx512;
   if (__builtin_cpu_supports("avx2")) return Vectors::avx2;
 #endif
   return Vectors::plain;
@@ -33,8 +35,8 @@ template <class Loops>
 }
 #endif
 
-// loops: called without arguments; it and all that it calls must be inlined, which [[gnu::always_inline]] sees to. Results are the same bits with all vectors:
-// without contraction every operation is rounded.
+// loops: called without arguments; it and all that it calls must be inlined, which [[gnu::always_inline]] sees to.
+// Results are the same bits with all vectors: without contraction every operation is rounded.
 template <class Loops>
 void runVectorised(Vectors vectors, const Loops& loops) {
 #if defined(__x86_64__)

@@ -6,8 +6,9 @@ namespace viewpeel {
 
 void addWork(const Work& part, Work& sum) {
   sum.directions = std::max(sum.directions, part.directions);  // every part takes all of them
-  for (uint64_t Work::* member : {&Work::lattice_points, &Work::tiles, &Work::active_tiles, &Work::list_entries, &Work::rows, &Work::spans, &Work::samples,
-                                  &Work::rounds, &Work::tests, &Work::fragments, &Work::gaps, &Work::repeats, &Work::resumed, &Work::memory_bytes})
+  for (uint64_t Work::*member : {&Work::lattice_points, &Work::tiles, &Work::active_tiles, &Work::list_entries,
+                                 &Work::rows, &Work::spans, &Work::samples, &Work::rounds, &Work::tests,
+                                 &Work::fragments, &Work::gaps, &Work::repeats, &Work::resumed, &Work::memory_bytes})
     sum.*member += part.*member;
   sum.pass_seconds.resize(part.pass_seconds.size());
   for (size_t k = 0; k < part.pass_seconds.size(); ++k)

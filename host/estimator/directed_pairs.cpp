@@ -21,26 +21,31 @@ namespace viewpeel {
 namespace {
 
 constexpr uint32_t kPilots = 8, kPilotDirections = 16, kUsualDirections = 32;
-constexpr double kEmitterSpacings = 16;       // in the root of the emitter's area
-// Work in the time that one polygon takes at one lattice point, some 10 ns; measured on lavapipe, and the same on every device, for parts of a run have to choose alike.
+constexpr double kEmitterSpacings = 16;  // in the root of the emitter's area
+// Work in the time that one polygon takes at one lattice point, some 10 ns; measured on lavapipe, and the same on every
+// device, for parts of a run have to choose alike.
 constexpr double kPolygonCost = 100, kDirectedPolygonCost = 30;  // of projecting a polygon along a direction
 constexpr double kPointCost = 4;                                 // with what is blocked
 constexpr double kDirectionCost = 2000, kEngineCost = 2e7;
-constexpr double kDearest = 8;                // most directions of a pair, in those that all pairs have in common
-constexpr double kFewMet = 3;                 // directions that meet a pair tell little of its share; none of so many meets it in e^-3 = 5 % of cases
-constexpr int64_t kMostOnTrust = 8;           // pairs
+constexpr double kDearest = 8;  // most directions of a pair, in those that all pairs have in common
+constexpr double kFewMet =
+    3;  // directions that meet a pair tell little of its share; none of so many meets it in e^-3 = 5 % of cases
+constexpr int64_t kMostOnTrust = 8;                       // pairs
 constexpr size_t kMostDirected = 256, kMostEngines = 32;  // each engine takes memory and compiles its kernels
-constexpr double kWorthIt = 0.8;              // of the work without them
+constexpr double kWorthIt = 0.8;                          // of the work without them
 constexpr double kMostReplicates = 1e12;
 
 using Key = std::pair<uint32_t, uint32_t>;
 
-double smallerArea(const Ids& ids, Key pair) { return std::min(ids.areas[pair.first], pair.second < kEnvironment ? ids.areas[pair.second] : INFINITY); }
+double smallerArea(const Ids& ids, Key pair) {
+  return std::min(ids.areas[pair.first], pair.second < kEnvironment ? ids.areas[pair.second] : INFINITY);
+}
 
 // What the goals allow of a pair's exchange area to err; infinite where they do not look at it.
 double allowedError(const EstimateOptions& options, double area, double exchange) {
   double allowed = options.tolerance ? *options.tolerance * area : INFINITY;
-  if (options.relative && exchange >= options.relative_floor * area) allowed = std::min(allowed, *options.relative * exchange);
+  if (options.relative && exchange >= options.relative_floor * area)
+    allowed = std::min(allowed, *options.relative * exchange);
   return allowed;
 }
 
@@ -61,7 +66,8 @@ struct PredictedError {
 
   double after(double replicates) const {
     double floor = line / replicates;
-    if (!is_told && most < INFINITY) floor = std::max(floor, most * std::exp(-replicates * directions * most / (2 * area)));
+    if (!is_told && most < INFINITY)
+      floor = std::max(floor, most * std::exp(-replicates * directions * most / (2 * area)));
     return std::min(most, std::sqrt(variance / replicates + floor * floor));
   }
 };
@@ -69,7 +75,8 @@ struct PredictedError {
 // Variances of one pilot's exchange area, for pairs in order.
 class PilotVariances {
  public:
-  // Each half of the pilots is taken with the shares that the other half tells, so that those which few lines told do not look better than they are.
+  // Each half of the pilots is taken with the shares that the other half tells, so that those which few lines told do
+  // not look better than they are.
   PilotVariances(const Ids& ids, const KnownShares& known, const CommonPilots& pilots) {
     const size_t half = pilots.counts.size() / 2;
     for (const bool second : {false, true}) {
@@ -85,7 +92,9 @@ class PilotVariances {
       }
       ControlSums sums(ids);
       for (size_t k = 0; k < half; ++k) sums.add(takeShares(pilots.counts[second ? half + k : k], shares, known.lines));
-      sums.forEachVariance(pilots.count_area / pilots.directions, [&](uint32_t i, uint32_t j, double variance) { of_half_[second].push_back({{i, j}, variance}); });
+      sums.forEachVariance(pilots.count_area / pilots.directions, [&](uint32_t i, uint32_t j, double variance) {
+        of_half_[second].push_back({{i, j}, variance});
+      });
     }
   }
   // In rising order of pairs; nothing where no line told.
@@ -108,20 +117,23 @@ class PilotVariances {
 };
 
 // Sorted, those that need most replicates first.
-std::vector<Need> findNeeds(const Ids& ids, const KnownShares& known, const CommonPilots& pilots, const EstimateOptions& options) {
+std::vector<Need> findNeeds(const Ids& ids, const KnownShares& known, const CommonPilots& pilots,
+                            const EstimateOptions& options) {
   PairCounts all;
   for (const PairCounts& counts : pilots.counts) all = addCounts(all, counts);
   std::vector<bool> is_blocked(ids.count(), false);
   for (const PairCount& count : all)
     if (count.j < kEnvironment && count.blocked) is_blocked[count.i] = is_blocked[count.j] = true;
   PilotVariances variances(ids, known, pilots);
-  const double pilot_count = double(pilots.counts.size()), directions = options.directions, line = 2 * pilots.count_area / directions;
+  const double pilot_count = double(pilots.counts.size()), directions = options.directions,
+               line = 2 * pilots.count_area / directions;
   std::vector<Need> needs;
   const auto look = [&](Key pair, const KnownPair* of_known, uint64_t count) {
     const double area = smallerArea(ids, pair);
     PredictedError error{0, line, INFINITY, area, directions};
     const bool is_pair = pair.second < kEnvironment;
-    error.line *= double(is_pair ? std::min(known.lines[pair.first], known.lines[pair.second]) : known.lines[pair.first]);
+    error.line *=
+        double(is_pair ? std::min(known.lines[pair.first], known.lines[pair.second]) : known.lines[pair.first]);
     if (of_known && is_pair && of_known->exchange < INFINITY) error.most = std::min(of_known->exchange, area);
     const std::optional<double> variance = variances.of(pair);
     // Of one replicate, whose directions are those of all pilots.
@@ -132,13 +144,15 @@ std::vector<Need> findNeeds(const Ids& ids, const KnownShares& known, const Comm
     if (may_direct) exchange = std::max(exchange, error.most * of_known->share / kShareOne);
     PredictedError unsure = error;
     // Few directions that agree do not tell. Of those that meet a pair, `met` at least, half may see it.
-    if (const double met = directions * error.most / (2 * area); may_direct && met < kFewMet && error.most * error.most / (4 * met) > error.variance) {
+    if (const double met = directions * error.most / (2 * area);
+        may_direct && met < kFewMet && error.most * error.most / (4 * met) > error.variance) {
       unsure.variance = error.most * error.most / (4 * met);
       exchange = std::max(exchange, error.most / 2);
     }
     const double allowed = allowedError(options, area, exchange);
     if (unsure.after(options.replicates) <= allowed) return;
-    const bool on_trust = is_pair && !is_blocked[pair.first] && !is_blocked[pair.second] && error.after(options.replicates) <= allowed;
+    const bool on_trust =
+        is_pair && !is_blocked[pair.first] && !is_blocked[pair.second] && error.after(options.replicates) <= allowed;
     double replicates = options.replicates;
     while (unsure.after(replicates) > allowed && replicates < kMostReplicates) replicates *= std::sqrt(std::sqrt(2.0));
     needs.push_back({pair, replicates, allowed, error.most, may_direct, on_trust});
@@ -146,8 +160,11 @@ std::vector<Need> findNeeds(const Ids& ids, const KnownShares& known, const Comm
   auto count = all.begin();
   auto at = known.pairs.begin();
   while (count != all.end() || at != known.pairs.end()) {
-    const Key key = count == all.end() ? keyOf(*at) : at == known.pairs.end() ? keyOf(*count) : std::min(keyOf(*at), keyOf(*count));
-    const bool is_counted = count != all.end() && keyOf(*count) == key, is_known = at != known.pairs.end() && keyOf(*at) == key;
+    const Key key = count == all.end()        ? keyOf(*at)
+                    : at == known.pairs.end() ? keyOf(*count)
+                                              : std::min(keyOf(*at), keyOf(*count));
+    const bool is_counted = count != all.end() && keyOf(*count) == key,
+               is_known = at != known.pairs.end() && keyOf(*at) == key;
     if (key.first != key.second) look(key, is_known ? &*at : nullptr, is_counted ? count->count : 0);
     if (is_counted) ++count;
     if (is_known) ++at;
@@ -155,23 +172,28 @@ std::vector<Need> findNeeds(const Ids& ids, const KnownShares& known, const Comm
   // What is only unlikely is looked into where that costs little.
   if (std::count_if(needs.begin(), needs.end(), [](const Need& need) { return need.on_trust; }) > kMostOnTrust)
     std::erase_if(needs, [](const Need& need) { return need.on_trust; });
-  std::sort(needs.begin(), needs.end(), [](const Need& a, const Need& b) { return std::pair(-a.replicates, a.pair) < std::pair(-b.replicates, b.pair); });
+  std::sort(needs.begin(), needs.end(), [](const Need& a, const Need& b) {
+    return std::pair(-a.replicates, a.pair) < std::pair(-b.replicates, b.pair);
+  });
   return needs;
 }
 
 // The work of runs in which the first of `needs` have directions of their own.
 class RunWork {
  public:
-  RunWork(const PairSampler& sampler, const std::vector<Need>& needs, const Ids& ids, const KnownShares& known, const CommonPilots& pilots, const EstimateOptions& options)
+  RunWork(const PairSampler& sampler, const std::vector<Need>& needs, const Ids& ids, const KnownShares& known,
+          const CommonPilots& pilots, const EstimateOptions& options)
       : sampler_(sampler), needs_(needs), options_(options) {
     const double polygons = double(ids.of_polygon.size());
     double points = 0;  // that faces are counted at along a direction, half of their areas being their mean projection
-    for (uint32_t k = 0; k < ids.count(); ++k) points += ids.areas[k] / (2 * pilots.count_area * double(known.lines[k]));
+    for (uint32_t k = 0; k < ids.count(); ++k)
+      points += ids.areas[k] / (2 * pilots.count_area * double(known.lines[k]));
     common_ = kDirectionCost + kPolygonCost * polygons + kPointCost * points;
     directed_ = kDirectionCost + kDirectedPolygonCost * polygons + kPointCost * kEmitterSpacings * kEmitterSpacings;
   }
 
-  // Of the first pairs of `directed`, in the order of needs, as many as make for the least work; none where that is not worth it.
+  // Of the first pairs of `directed`, in the order of needs, as many as make for the least work; none where that is not
+  // worth it.
   std::vector<DirectedPair> keepLeast(const std::vector<DirectedPair>& directed) const {
     std::vector<DirectedPair> tried, best;
     const double without = of({});
@@ -187,8 +209,10 @@ class RunWork {
   double of(const std::vector<DirectedPair>& directed) const {
     double directions = 0;
     for (const DirectedPair& pair : directed) directions += pair.directions;
-    const double replicates = directed.size() < needs_.size() ? needs_[directed.size()].replicates : options_.replicates;
-    return replicates * (options_.directions * common_ + directions * directed_) + kEngineCost * double(sampler_.countEngines(directed)) +
+    const double replicates =
+        directed.size() < needs_.size() ? needs_[directed.size()].replicates : options_.replicates;
+    return replicates * (options_.directions * common_ + directions * directed_) +
+           kEngineCost * double(sampler_.countEngines(directed)) +
            kPilots * kPilotDirections * directed_ * double(directed.size());
   }
 
@@ -199,7 +223,8 @@ class RunWork {
 };
 
 // Its share and as many directions as it needs; 0 directions where that is no gain.
-DirectedPair fit(PairSampler& sampler, const Ids& ids, const Need& need, DirectedPair pair, const EstimateOptions& options) {
+DirectedPair fit(PairSampler& sampler, const Ids& ids, const Need& need, DirectedPair pair,
+                 const EstimateOptions& options) {
   pair.directions = kPilotDirections;
   sampler.prepare({&pair, 1});
   std::vector<PairCounts> counts;
@@ -220,7 +245,8 @@ DirectedPair fit(PairSampler& sampler, const Ids& ids, const Need& need, Directe
     for (const bool second : {false, true}) {
       pair.share = has_share ? shareOf(halves[!second]) : 0;
       ControlSums sums(ids);
-      for (uint32_t k = 0; k < kPilots / 2; ++k) sums.add(takeDirectedShares(counts[(second ? kPilots / 2 : 0) + k], std::vector{pair}));
+      for (uint32_t k = 0; k < kPilots / 2; ++k)
+        sums.add(takeDirectedShares(counts[(second ? kPilots / 2 : 0) + k], std::vector{pair}));
       const KnownExchange known{pair.i, pair.j, need.most * pair.share / kShareOne, need.most, pair.line};
       squares += std::pow(sums.exchangeArea(pair.measure_area, known, pair.count_area).standard_error / 2, 2);
     }
@@ -228,17 +254,29 @@ DirectedPair fit(PairSampler& sampler, const Ids& ids, const Need& need, Directe
   };
   const double without = errorWith(false), with = errorWith(true);
   pair.share = with <= without ? shareOf(addCounts(halves[0], halves[1])) : 0;
-  // To half of what is allowed, for errors of pilots are not those of the run; and no direction is worth more than that.
+  // To half of what is allowed, for errors of pilots are not those of the run; and no direction is worth more than
+  // that.
   const double goal = need.allowed / 2;
-  const double directions = std::max(kPilots * kPilotDirections * std::pow(std::min(with, without) / goal, 2), need.most / goal) / options.replicates;
-  pair.directions = directions > options.directions * kDearest ? 0 : std::max(kPilotDirections, static_cast<uint32_t>(std::ceil(directions)));
+  const double directions =
+      std::max(kPilots * kPilotDirections * std::pow(std::min(with, without) / goal, 2), need.most / goal) /
+      options.replicates;
+  pair.directions = directions > options.directions * kDearest
+                        ? 0
+                        : std::max(kPilotDirections, static_cast<uint32_t>(std::ceil(directions)));
   return pair;
 }
 
 }  // namespace
 
-PairSampler::PairSampler(const Scene& scene, const Ids& face_ids, uint64_t seed, EngineFactory make_engine, LatticeOptions lattice, int finest)
-    : scene_(scene), face_ids_(face_ids), seed_(seed), make_engine_(std::move(make_engine)), lattice_(std::move(lattice)), finest_(std::min(finest, maxWindowResolution(lattice_.sampling))), polygons_(face_ids.count()) {
+PairSampler::PairSampler(const Scene& scene, const Ids& face_ids, uint64_t seed, EngineFactory make_engine,
+                         LatticeOptions lattice, int finest)
+    : scene_(scene),
+      face_ids_(face_ids),
+      seed_(seed),
+      make_engine_(std::move(make_engine)),
+      lattice_(std::move(lattice)),
+      finest_(std::min(finest, maxWindowResolution(lattice_.sampling))),
+      polygons_(face_ids.count()) {
   for (uint32_t k = 0; k < face_ids.of_polygon.size(); ++k) polygons_[face_ids.of_polygon[k]].push_back(k);
 }
 
@@ -265,7 +303,8 @@ size_t PairSampler::countEngines(std::span<const DirectedPair> pairs) const {
 
 void PairSampler::prepare(std::span<DirectedPair> pairs) {
   std::map<Key, std::vector<uint32_t>> partners;
-  for (const DirectedPair& pair : pairs) partners[partKey(pair)].push_back(emitterOf(pair.i, pair.j) == pair.i ? pair.j : pair.i);
+  for (const DirectedPair& pair : pairs)
+    partners[partKey(pair)].push_back(emitterOf(pair.i, pair.j) == pair.i ? pair.j : pair.i);
   for (auto& [key, others] : partners) {
     std::sort(others.begin(), others.end());
     Part& part = parts_[key];
@@ -283,9 +322,11 @@ void PairSampler::prepare(std::span<DirectedPair> pairs) {
   }
   for (DirectedPair& pair : pairs) {
     const Engine& engine = *parts_.at(partKey(pair)).engine;
-    pair.line = std::max(1u, static_cast<uint32_t>(std::lround(pointArea(static_cast<int>(pair.resolution)) / engine.unitArea())));
+    pair.line = std::max(
+        1u, static_cast<uint32_t>(std::lround(pointArea(static_cast<int>(pair.resolution)) / engine.unitArea())));
     pair.count_area = engine.unitArea() * scene_.scale * scene_.scale;
-    pair.measure_area = pair.count_area * regionOf({pair.i, pair.j}).solidAngle() / (2 * std::numbers::pi) / pair.directions;
+    pair.measure_area =
+        pair.count_area * regionOf({pair.i, pair.j}).solidAngle() / (2 * std::numbers::pi) / pair.directions;
   }
 }
 
@@ -316,13 +357,15 @@ Ids PairSampler::idsOf(uint32_t emitter, const std::vector<uint32_t>& partners) 
 PairCount PairSampler::count(const DirectedPair& pair, uint64_t replicate) {
   const Part& part = parts_.at(partKey(pair));
   const uint32_t partner = emitterOf(pair.i, pair.j) == pair.i ? pair.j : pair.i;
-  const auto id = static_cast<uint32_t>(std::lower_bound(part.partners.begin(), part.partners.end(), partner) - part.partners.begin() + 1);
+  const auto id = static_cast<uint32_t>(std::lower_bound(part.partners.begin(), part.partners.end(), partner) -
+                                        part.partners.begin() + 1);
   Hash stream;
   stream.add(seed_);
   stream.add(pair.i);
   stream.add(pair.j);
   PairCount sum{pair.i, pair.j, 0, 0};
-  for (const PairCount& count : part.engine->count(sampleRegion(regionOf({pair.i, pair.j}), pair.directions, stream.value(), replicate).directions))
+  for (const PairCount& count : part.engine->count(
+           sampleRegion(regionOf({pair.i, pair.j}), pair.directions, stream.value(), replicate).directions))
     if (count.i == 0 && count.j == id) sum.add(count);
   return sum;
 }
@@ -336,7 +379,8 @@ PairCounts PairSampler::count(std::span<const DirectedPair> pairs, uint64_t repl
   return counts;
 }
 
-std::vector<DirectedPair> chooseDirectedPairs(PairSampler& sampler, const Ids& face_ids, const KnownShares& known, const CommonPilots& pilots, const EstimateOptions& options) {
+std::vector<DirectedPair> chooseDirectedPairs(PairSampler& sampler, const Ids& face_ids, const KnownShares& known,
+                                              const CommonPilots& pilots, const EstimateOptions& options) {
   if (!options.tolerance && !options.relative) return {};
   const std::vector<Need> needs = findNeeds(face_ids, known, pilots, options);
   std::vector<DirectedPair> tried;
@@ -357,7 +401,8 @@ std::vector<DirectedPair> chooseDirectedPairs(PairSampler& sampler, const Ids& f
     if (tried[k].directions == 0) tried.resize(k);
   }
   tried = work.keepLeast(tried);
-  std::sort(tried.begin(), tried.end(), [](const DirectedPair& a, const DirectedPair& b) { return keyOf(a) < keyOf(b); });
+  std::sort(tried.begin(), tried.end(),
+            [](const DirectedPair& a, const DirectedPair& b) { return keyOf(a) < keyOf(b); });
   sampler.prepare(tried);
   return tried;
 }

@@ -15,10 +15,14 @@ FormFactors keepSeen(FormFactors all) {
   return {std::move(ids), std::move(entries), std::move(row_sums)};
 }
 
-Estimate makeEstimate(const RunSums& sums, double relative_floor, const ExchangeRow& row) { return makeEstimate(sums, relative_floor, sums.formFactors(row)); }
+Estimate makeEstimate(const RunSums& sums, double relative_floor, const ExchangeRow& row) {
+  return makeEstimate(sums, relative_floor, sums.formFactors(row));
+}
 
 Estimate makeEstimate(const RunSums& sums, double relative_floor, FormFactors all) {
-  Estimate estimate{FormFactors({}, {}, {}), keepSeen(sums.betweenSurfaces()), sums.replicateCount(), sums.directions, largestStandardError(all), largestRelativeError(all, relative_floor)};
+  Estimate estimate{FormFactors({}, {}, {}),   keepSeen(sums.betweenSurfaces()),
+                    sums.replicateCount(),     sums.directions,
+                    largestStandardError(all), largestRelativeError(all, relative_floor)};
   const std::vector<double> areas = all.ids().areas;
   const std::vector<ShareSums::PairSum> no_sums;
   const std::vector<DirectedPair> no_pairs;
@@ -45,12 +49,17 @@ Estimate makeEstimate(const RunSums& sums, double relative_floor, FormFactors al
   if (sums.visible) {
     const std::vector<DirectedPair>& directed_pairs = sums.visible->known().directed;
     estimate.directed_pairs = directed_pairs.size();
-    for (const DirectedPair& pair : directed_pairs) estimate.directed_directions += pair.directions * sums.replicateCount();
+    for (const DirectedPair& pair : directed_pairs)
+      estimate.directed_directions += pair.directions * sums.replicateCount();
   }
   // With all closed forms what is no entry sees nothing of the other, whatever is between them.
   const auto isSampledAlone = [](const KnownPair& pair) { return pair.j < kEnvironment && std::isinf(pair.exchange); };
-  const bool knows_all = sums.visible && sums.visible->known().has_all_pairs && std::none_of(sums.visible->known().pairs.begin(), sums.visible->known().pairs.end(), isSampledAlone);
-  if (!knows_all && !std::isinf(sums.countArea())) estimate.unmet_bound = unmetBound(*std::min_element(areas.begin(), areas.end()), sums.countArea(), double(sums.directions));
+  const bool knows_all =
+      sums.visible && sums.visible->known().has_all_pairs &&
+      std::none_of(sums.visible->known().pairs.begin(), sums.visible->known().pairs.end(), isSampledAlone);
+  if (!knows_all && !std::isinf(sums.countArea()))
+    estimate.unmet_bound =
+        unmetBound(*std::min_element(areas.begin(), areas.end()), sums.countArea(), double(sums.directions));
   return estimate;
 }
 

@@ -13,24 +13,30 @@ void requireSoundOptions(const EstimateOptions& options) {
   if (options.directions < 1) throw Error(ErrorCode::bad_usage, "0 directions per replicate; ask for at least 1");
   if (options.replicates < 2) throw Error(ErrorCode::bad_usage, "a standard error needs at least 2 replicates");
   for (const std::optional<double>& goal : {options.tolerance, options.relative, options.seconds})
-    if (goal && !(*goal > 0)) throw Error(ErrorCode::bad_usage, "a tolerance, relative error or time to reach must be above 0");
+    if (goal && !(*goal > 0))
+      throw Error(ErrorCode::bad_usage, "a tolerance, relative error or time to reach must be above 0");
 }
 
 RunSums sumsToBeginWith(const Scene& scene, const Ids& ids, const EstimateOptions& options) {
   requireSoundOptions(options);
   RunSums sums = makeRunSums(scene, ids);
-  if (options.known && !options.resumed) sums.visible.emplace(sums.by_id.ids(), sums.by_surface.ids(), options.by, *options.known);
+  if (options.known && !options.resumed)
+    sums.visible.emplace(sums.by_id.ids(), sums.by_surface.ids(), options.by, *options.known);
   return sums;
 }
 
 }  // namespace
 
 EstimateRun::EstimateRun(Engine& engine, const Scene& scene, const Ids& ids, EstimateOptions options)
-    : engine_(engine), options_(std::move(options)), count_area_(engine.unitArea() * scene.scale * scene.scale / options_.directions), sums_(sumsToBeginWith(scene, ids, options_)) {
+    : engine_(engine),
+      options_(std::move(options)),
+      count_area_(engine.unitArea() * scene.scale * scene.scale / options_.directions),
+      sums_(sumsToBeginWith(scene, ids, options_)) {
   const RunSums& begun = options_.resumed ? *options_.resumed : sums_;
   if (begun.visible) directed_ = begun.visible->known().directed;
   if (!directed_.empty() && !options_.pairs)
-    throw Error(ErrorCode::bad_usage, "some pairs have directions of their own, and nothing to count them with; give EstimateOptions::pairs");
+    throw Error(ErrorCode::bad_usage,
+                "some pairs have directions of their own, and nothing to count them with; give EstimateOptions::pairs");
   if (!directed_.empty()) options_.pairs->prepare(directed_);
   if (begun.visible && options_.exchanges && !begun.visible->known().has_all_pairs) row_ = options_.exchanges->rows();
   if (options_.resumed) resume();
@@ -45,7 +51,8 @@ void EstimateRun::resume() {
 }
 
 bool EstimateRun::isReached() const {
-  return (!options_.tolerance || largest_error_ <= *options_.tolerance) && (!options_.relative || largest_relative_error_ <= *options_.relative);
+  return (!options_.tolerance || largest_error_ <= *options_.tolerance) &&
+         (!options_.relative || largest_relative_error_ <= *options_.relative);
 }
 
 bool EstimateRun::measure(const FormFactors& so_far) {
@@ -56,7 +63,8 @@ bool EstimateRun::measure(const FormFactors& so_far) {
 
 void EstimateRun::measureErrors() {
   found_.reset();
-  if (!(options_.tolerance || options_.relative) || sums_.replicateCount() < options_.replicates) return;  // nobody asks
+  if (!(options_.tolerance || options_.relative) || sums_.replicateCount() < options_.replicates)
+    return;  // nobody asks
   if (sums_.visible) {
     // Rows of all pairs take seconds, and mostly it is one of those known for which there have to be more replicates.
     if (row_ && !measure(sums_.knownFormFactors())) return;
@@ -64,20 +72,26 @@ void EstimateRun::measureErrors() {
     if (measure(all)) found_ = std::move(all);
     return;
   }
-  if (options_.relative) largest_relative_error_ = sums_.by_id.largestRelativeError(sums_.measure_area, options_.relative_floor, sums_.countArea());
+  if (options_.relative)
+    largest_relative_error_ =
+        sums_.by_id.largestRelativeError(sums_.measure_area, options_.relative_floor, sums_.countArea());
   largest_error_ = sums_.by_id.largestStandardError(sums_.measure_area, sums_.countArea());
 }
 
 bool EstimateRun::isDone() const {
   const uint64_t done = sums_.replicateCount();
   const auto done_here = double(done - resumed_count_);
-  if (options_.seconds && done >= 2 && done_here > 0 && secondsSince(start_) * (done_here + 1) / done_here > *options_.seconds) return true;
+  if (options_.seconds && done >= 2 && done_here > 0 &&
+      secondsSince(start_) * (done_here + 1) / done_here > *options_.seconds)
+    return true;
   return done >= options_.replicates && isReached() && !(options_.seconds && !options_.tolerance && !options_.relative);
 }
 
 AskedDirections EstimateRun::directionsOf(uint64_t replicate) const {
-  AskedDirections asked = options_.asked_directions ? options_.asked_directions(options_.directions, replicate)
-                                                    : AskedDirections{sampleDirections(options_.sampler, options_.directions, options_.seed, replicate), {}, 1};
+  AskedDirections asked =
+      options_.asked_directions
+          ? options_.asked_directions(options_.directions, replicate)
+          : AskedDirections{sampleDirections(options_.sampler, options_.directions, options_.seed, replicate), {}, 1};
   for (size_t k = 0; k < asked.weights.size(); ++k) asked.directions[k].weight = asked.weights[k];
   return asked;
 }
@@ -87,7 +101,8 @@ void EstimateRun::step() {
   const AskedDirections asked = directionsOf(replicate);
   if (sums_.replicateCount() == 0) sums_.measure_area = count_area_ * asked.weight_unit;
   const PairCounts of_directed = directed_.empty() ? PairCounts{} : options_.pairs->count(directed_, replicate);
-  sums_.add(replicate, asked.directions.empty() ? PairCounts{} : engine_.count(asked.directions), options_.directions, of_directed);
+  sums_.add(replicate, asked.directions.empty() ? PairCounts{} : engine_.count(asked.directions), options_.directions,
+            of_directed);
   if (options_.exchanges) options_.exchanges->learn(sums_);
   measureErrors();
 }

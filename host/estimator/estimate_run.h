@@ -19,7 +19,8 @@ class EstimateRun {
   // One replicate.    Throws: what the engine throws; the sums are then as before.
   void step();
   const RunSums& sums() const { return sums_; }
-  // Over all form factors so far; infinite where there is no goal, or before as many replicates as there are to be at least.
+  // Over all form factors so far; infinite where there is no goal, or before as many replicates as there are to be at
+  // least.
   double largestStandardError() const { return largest_error_; }
   // What the replicates so far come to.
   Estimate estimateSoFar() const;

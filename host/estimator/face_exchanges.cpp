@@ -61,7 +61,9 @@ uint64_t FaceExchanges::computeChunk(std::span<KnownPair> pairs) {
         }
   }
   if (sides.empty()) return 0;
-  if (!exchange_) exchange_ = device_ ? std::make_unique<UnoccludedExchange>(*device_, scene_) : std::make_unique<UnoccludedExchange>(scene_);
+  if (!exchange_)
+    exchange_ =
+        device_ ? std::make_unique<UnoccludedExchange>(*device_, scene_) : std::make_unique<UnoccludedExchange>(scene_);
   std::vector<double> areas(sides.size());
   const std::vector<UnreachedPair> unreached = exchange_->compute(sides, areas);
   for (size_t k = 0; k < sides.size(); ++k) pairs[known_pair[k]].exchange += areas[k] * scene_.scale * scene_.scale;

@@ -13,7 +13,8 @@
 namespace viewpeel {
 
 constexpr uint64_t kLinesToLearn = 32;  // of a pair, before its closed form to the last digit is worth its time
-// The same where there are no rows for other pairs: of those that isSharedPair takes, fewer than 1 in 1,000 have fewer lines.
+// The same where there are no rows for other pairs: of those that isSharedPair takes, fewer than 1 in 1,000 have fewer
+// lines.
 constexpr uint64_t kLinesToShare = 16;
 
 struct RunSums;
@@ -24,15 +25,18 @@ class FaceExchanges {
   //     on_chunk: called between parts of a fraction of a second, and may throw; may be empty
   FaceExchanges(const Device* device, const Scene& scene, const Ids& ids, std::function<void()> on_chunk = {});
 
-  // Sets the exchange areas of pairs: infinite, with shares of 0, where closed forms are not accurate enough.    Out: how many of these
+  // Sets the exchange areas of pairs: infinite, with shares of 0, where closed forms are not accurate enough.    Out:
+  // how many of these
   //   Error: kUnoccludedRelativeError or kUnoccludedAbsoluteError for each pair of polygons.
   //   Throws: as UnoccludedExchange::compute.
   uint64_t compute(std::span<KnownPair> pairs);
 
-  // Closed forms of the pairs that the run saw, which pilots did not meet: where there are rows, of those of which kLinesToLearn told. Which they are depends on the sums alone.
+  // Closed forms of the pairs that the run saw, which pilots did not meet: where there are rows, of those of which
+  // kLinesToLearn told. Which they are depends on the sums alone.
   void learn(RunSums& sums);
 
-  // Of every pair, less accurately (RowExchange); empty where there are more than kMostRowPairs. It refers to this object.
+  // Of every pair, less accurately (RowExchange); empty where there are more than kMostRowPairs. It refers to this
+  // object.
   ExchangeRow rows();
 
  private:

@@ -13,11 +13,12 @@
 namespace viewpeel {
 namespace {
 
-constexpr double kMostDirections = 1e15;       // of a guarantee; beyond 2^53 doubles do not count
+constexpr double kMostDirections = 1e15;  // of a guarantee; beyond 2^53 doubles do not count
 
 }  // namespace
 
-std::vector<double> formFactorRanges(const Scene& scene, const Ids& ids, const std::vector<double>& resolutions, Sampling sampling) {
+std::vector<double> formFactorRanges(const Scene& scene, const Ids& ids, const std::vector<double>& resolutions,
+                                     Sampling sampling) {
   const auto rangeOn = [&](uint32_t k, double resolution) {
     const ConvexSize size = sizeOf(scene, scene.polygons[k]);
     const double h = resolutions.empty() ? 0 : 2 / resolution;
@@ -31,12 +32,16 @@ std::vector<double> formFactorRanges(const Scene& scene, const Ids& ids, const s
     coarsest[id] = std::min(coarsest[id], resolution);
     finest[id] = std::max(finest[id], resolution);
   }
-  // Ids of several resolutions: on each finer lattice another polygon may be counted once more, as far as their polygons of that lattice allow.
+  // Ids of several resolutions: on each finer lattice another polygon may be counted once more, as far as their
+  // polygons of that lattice allow.
   std::map<double, std::map<uint32_t, double>> mixed;
   for (uint32_t k = 0; k < scene.polygons.size(); ++k)
-    if (const uint32_t id = ids.of_polygon[k]; coarsest[id] < finest[id]) mixed[resolutions[k]][id] += rangeOn(k, resolutions[k]);
+    if (const uint32_t id = ids.of_polygon[k]; coarsest[id] < finest[id])
+      mixed[resolutions[k]][id] += rangeOn(k, resolutions[k]);
   for (const auto& [resolution, range_of] : mixed) {
-    const double most = std::max_element(range_of.begin(), range_of.end(), [](const auto& a, const auto& b) { return a.second < b.second; })->second;
+    const double most = std::max_element(range_of.begin(), range_of.end(), [](const auto& a, const auto& b) {
+                          return a.second < b.second;
+                        })->second;
     std::vector<double> once_more(ids.count(), 0);
     for (uint32_t k = 0; k < scene.polygons.size(); ++k)
       if (resolutions[k] < resolution) once_more[ids.of_polygon[k]] += rangeOn(k, resolution);
@@ -52,14 +57,17 @@ std::vector<double> countBounds(const Ids& ids) {
   std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return ids.areas[a] < ids.areas[b]; });
   for (uint32_t id : ids.of_polygon) ++polygons[id];
   std::vector<double> bounds(ids.count());
-  for (size_t k = 0; k < order.size(); ++k) bounds[order[k]] = double(order.size() - 1 - k) + 2 + (polygons[order[k]] > 1 ? 1 : 0);
+  for (size_t k = 0; k < order.size(); ++k)
+    bounds[order[k]] = double(order.size() - 1 - k) + 2 + (polygons[order[k]] > 1 ? 1 : 0);
   return bounds;
 }
 
-uint64_t hoeffdingDirections(const std::vector<double>& ranges, const std::vector<double>& bounds, double epsilon, double delta) {
+uint64_t hoeffdingDirections(const std::vector<double>& ranges, const std::vector<double>& bounds, double epsilon,
+                             double delta) {
   const auto failure = [&](double n) {
     double sum = 0;
-    for (size_t k = 0; k < ranges.size(); ++k) sum += bounds[k] * 2 * std::exp(-2 * n * epsilon * epsilon / (ranges[k] * ranges[k]));
+    for (size_t k = 0; k < ranges.size(); ++k)
+      sum += bounds[k] * 2 * std::exp(-2 * n * epsilon * epsilon / (ranges[k] * ranges[k]));
     return sum;
   };
   return leastDirections(failure, delta, epsilon, *std::max_element(ranges.begin(), ranges.end()));
@@ -67,9 +75,11 @@ uint64_t hoeffdingDirections(const std::vector<double>& ranges, const std::vecto
 
 uint64_t leastDirections(const std::function<double(double)>& failure, double delta, double epsilon, double range) {
   if (!(failure(kMostDirections) <= delta))
-    throw Error(ErrorCode::bad_usage, fmt::format("a guarantee of {} takes more than {:.0e} directions where one adds up to {:.3g} to a form factor (2 but for polygons far smaller than "
-                                                  "the scene); ask for a larger --epsilon, or an estimate by --tolerance",
-                                                  epsilon, kMostDirections, range));
+    throw Error(ErrorCode::bad_usage,
+                fmt::format("a guarantee of {} takes more than {:.0e} directions where one adds up to {:.3g} to a form "
+                            "factor (2 but for polygons far smaller than "
+                            "the scene); ask for a larger --epsilon, or an estimate by --tolerance",
+                            epsilon, kMostDirections, range));
   double low = 0, high = 1;
   while (failure(high) > delta) high *= 2;
   while (high - low > 1) (failure(std::floor((low + high) / 2)) > delta ? low : high) = std::floor((low + high) / 2);

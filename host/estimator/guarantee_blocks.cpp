@@ -14,18 +14,21 @@ PairCounts countBlock(Engine& engine, const GuaranteeOptions& options, uint64_t 
   PairCounts sum;
   for (uint64_t part = 0; part < parts; ++part) {
     const uint64_t count = directions * (part + 1) / parts - directions * part / parts;
-    sum = addCounts(sum, engine.count(sampleDirections(options.sampler, static_cast<uint32_t>(count), options.seed, block * parts + part)));
+    sum = addCounts(sum, engine.count(sampleDirections(options.sampler, static_cast<uint32_t>(count), options.seed,
+                                                       block * parts + part)));
   }
   return sum;
 }
 
 }  // namespace
 
-std::vector<PairCounts> countBlocks(Engine& engine, const GuaranteeOptions& options, uint64_t directions, uint64_t first, uint64_t blocks) {
+std::vector<PairCounts> countBlocks(Engine& engine, const GuaranteeOptions& options, uint64_t directions,
+                                    uint64_t first, uint64_t blocks) {
   if (blocks == 1) return {countBlock(engine, options, directions, first)};
   std::vector<Direction> all;
   for (uint64_t block = first; block < first + blocks; ++block) {
-    const std::vector<Direction> own = sampleDirections(options.sampler, static_cast<uint32_t>(directions), options.seed, block);
+    const std::vector<Direction> own =
+        sampleDirections(options.sampler, static_cast<uint32_t>(directions), options.seed, block);
     all.insert(all.end(), own.begin(), own.end());
   }
   return engine.countBlocks(all, directions);
@@ -38,9 +41,12 @@ RunSums makeGuaranteeSums(const Scene& scene, const Ids& ids, const GuaranteePla
   return sums;
 }
 
-std::function<double(double blocks, double p)> boundFor(const RunSums& sums, const Ids& ids, const GuaranteePlan& plan, uint32_t block_directions) {
+std::function<double(double blocks, double p)> boundFor(const RunSums& sums, const Ids& ids, const GuaranteePlan& plan,
+                                                        uint32_t block_directions) {
   if (plan.share_bounds)
-    return [&plan, block_directions, variances = plan.share_bounds->measureVariances(sums.visible->faceControls(), sums.measure_area)](double blocks, double p) {
+    return [&plan, block_directions,
+            variances = plan.share_bounds->measureVariances(sums.visible->faceControls(), sums.measure_area)](
+               double blocks, double p) {
       return plan.share_bounds->largestBound(variances, blocks, block_directions, p);
     };
   // What was never met has the largest range.
@@ -52,7 +58,8 @@ std::function<double(double blocks, double p)> boundFor(const RunSums& sums, con
   });
   return [entries = std::move(entries), bounds = plan.bounds](double blocks, double p) {
     double largest = 0;
-    for (const auto& [variance, range] : entries) largest = std::max(largest, bernsteinBound(variance, range, blocks, p / bounds));
+    for (const auto& [variance, range] : entries)
+      largest = std::max(largest, bernsteinBound(variance, range, blocks, p / bounds));
     return largest;
   };
 }

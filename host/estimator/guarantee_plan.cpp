@@ -14,14 +14,15 @@
 namespace viewpeel {
 namespace {
 
-constexpr double kFinestResolution = 1 << 14;  // asked for; steps of 4 end below 2^16, where corners keep 9 bits after the point
-constexpr double kBaseShare = 0.9;             // of the area, that the first group's resolution is fine enough for
+constexpr double kFinestResolution =
+    1 << 14;                        // asked for; steps of 4 end below 2^16, where corners keep 9 bits after the point
+constexpr double kBaseShare = 0.9;  // of the area, that the first group's resolution is fine enough for
 constexpr uint32_t kPilotBlocks = 24, kPilotDirections = 8;
 constexpr std::array kRanges = {5.0, 3.5, 2.8, 2.4, 2.2};  // that lattices are tried for
 constexpr std::array kBlockDirections = {1u, 4u, 16u};     // that blocks are tried with
 constexpr uint32_t kSharePilotDirections = 1024;
-constexpr uint64_t kFewestBlocks = 8;                      // for standard errors
-constexpr double kDearer = 1.5;                            // than the best so far: finer lattices are not tried
+constexpr uint64_t kFewestBlocks = 8;  // for standard errors
+constexpr double kDearer = 1.5;        // than the best so far: finer lattices are not tried
 
 // Resolutions at which the ranges of ids are at most `range`, as far as they are not too fine.
 std::vector<double> neededFor(const Scene& scene, const Ids& ids, double range, Sampling sampling) {
@@ -36,7 +37,8 @@ std::vector<double> neededFor(const Scene& scene, const Ids& ids, double range, 
   }
   std::vector<double> needed;
   for (uint32_t id : ids.of_polygon) {
-    const double c = (range - 2) * areas[id], h = 2 * c / (slopes[id] + std::sqrt(slopes[id] * slopes[id] + 4 * numbers[id] * c));
+    const double c = (range - 2) * areas[id],
+                 h = 2 * c / (slopes[id] + std::sqrt(slopes[id] * slopes[id] + 4 * numbers[id] * c));
     needed.push_back(std::min(2 / h, kFinestResolution));
   }
   return needed;
@@ -54,7 +56,8 @@ std::vector<SizeGroup> groupsFor(const Scene& scene, const std::vector<double>& 
   const int finest = maxWindowResolution(lattices.lattice.sampling);
   if (lattices.resolution) return groupAsOne(scene, lattices.resolution);
   const double most = *std::max_element(needed.begin(), needed.end());
-  if (!lattices.may_group) return groupAsOne(scene, static_cast<int>(std::min<double>(std::ceil(most), kMaxResolution)));
+  if (!lattices.may_group)
+    return groupAsOne(scene, static_cast<int>(std::min<double>(std::ceil(most), kMaxResolution)));
   std::vector<uint32_t> order(needed.size());
   std::iota(order.begin(), order.end(), 0u);
   std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return needed[a] < needed[b]; });
@@ -88,12 +91,15 @@ KnownShares findShares(const GuaranteePlan& plan, const Scene& scene, const Ids&
   pilot.sampler = options.sampler;
   pilot.seed = options.seed;
   FaceExchanges exchanges(options.device, scene, ids);
-  return keepBounded(findVisibleShares(*plan.engine, exchanges, scene, ids, plan.groups, pilot, {pilot.directions}).known, ids, plan.groups.size() == 1);
+  return keepBounded(
+      findVisibleShares(*plan.engine, exchanges, scene, ids, plan.groups, pilot, {pilot.directions}).known, ids,
+      plan.groups.size() == 1);
 }
 
 class GuaranteePlanner {
  public:
-  GuaranteePlanner(const Scene& scene, const Ids& ids, const GuaranteeOptions& options, const Lattices& lattices, bool exact)
+  GuaranteePlanner(const Scene& scene, const Ids& ids, const GuaranteeOptions& options, const Lattices& lattices,
+                   bool exact)
       : scene_(scene), ids_(ids), options_(options), lattices_(lattices), exact_(exact), bounds_(countBounds(ids)) {}
 
   // Finer lattices lower ranges and variances, and cost more each.
@@ -117,7 +123,8 @@ class GuaranteePlanner {
     secondsOf(plan, kPilotDirections);  // kernels are compiled and tuned
     if (options_.statistic == Statistic::median) {
       const double direction_seconds = secondsOf(plan, kPilotDirections) / kPilotDirections;
-      plan.least_seconds = plan.expected_seconds = plan.most_seconds = double(plan.runs) * double(plan.run_directions) * direction_seconds;
+      plan.least_seconds = plan.expected_seconds = plan.most_seconds =
+          double(plan.runs) * double(plan.run_directions) * direction_seconds;
       return plan;
     }
     chooseBlocks(plan);
@@ -131,9 +138,11 @@ class GuaranteePlanner {
     plan.range = range;
     plan.bounds = std::accumulate(bounds_.begin(), bounds_.end(), 0.0);
     const Sampling sampling = lattices_.lattice.sampling;
-    plan.groups = exact_ ? groupAsOne(scene_, 1) : groupsFor(scene_, neededFor(scene_, ids_, range, sampling), lattices_);
+    plan.groups =
+        exact_ ? groupAsOne(scene_, 1) : groupsFor(scene_, neededFor(scene_, ids_, range, sampling), lattices_);
     plan.engine = makeEngine(lattices_, scene_, ids_, plan.groups);
-    plan.ranges = formFactorRanges(scene_, ids_, exact_ ? std::vector<double>{} : resolutionsOf(scene_, plan.groups), sampling);
+    plan.ranges =
+        formFactorRanges(scene_, ids_, exact_ ? std::vector<double>{} : resolutionsOf(scene_, plan.groups), sampling);
     plan.largest_range = *std::max_element(plan.ranges.begin(), plan.ranges.end());
     if (options_.closed_forms) {
       plan.known = findShares(plan, scene_, ids_, options_);
@@ -145,7 +154,8 @@ class GuaranteePlanner {
   // What bounds that are known beforehand ask for.
   void findDirections(GuaranteePlan& plan) const {
     const double e = plan.epsilon, d = plan.delta, m = plan.largest_range;
-    plan.hoeffding = plan.share_bounds ? plan.share_bounds->directionsFor(e, d / 2) : hoeffdingDirections(plan.ranges, bounds_, e, d / 2);
+    plan.hoeffding = plan.share_bounds ? plan.share_bounds->directionsFor(e, d / 2)
+                                       : hoeffdingDirections(plan.ranges, bounds_, e, d / 2);
     plan.lemma_1 = std::ceil(1 / (e * e * d));
     plan.lemma_1_all = std::ceil(plan.bounds / (e * e * d));
     plan.runs = static_cast<uint64_t>(std::ceil(8 * std::log(plan.bounds / d))) | 1;
@@ -163,13 +173,17 @@ class GuaranteePlanner {
     const double e = plan.epsilon, d = plan.delta;
     plan.expected_seconds = INFINITY;
     double block_seconds = 0;
-    for (uint32_t size : options_.block_directions ? std::vector{options_.block_directions} : std::vector<uint32_t>(kBlockDirections.begin(), kBlockDirections.end())) {
+    for (uint32_t size : options_.block_directions
+                             ? std::vector{options_.block_directions}
+                             : std::vector<uint32_t>(kBlockDirections.begin(), kBlockDirections.end())) {
       const auto start = Clock::now();
       RunSums sums = makeGuaranteeSums(scene_, ids_, plan, size);
       uint64_t block = 0;
-      for (const PairCounts& counts : countBlocks(*plan.engine, options_, size, kPlanReplicates.first, kPilotBlocks)) sums.add(block++, counts, size);
+      for (const PairCounts& counts : countBlocks(*plan.engine, options_, size, kPlanReplicates.first, kPilotBlocks))
+        sums.add(block++, counts, size);
       const double seconds_each = secondsSince(start) / kPilotBlocks;
-      const double blocks = std::min(blocksUntil(e, d, boundFor(sums, ids_, plan, size)), std::ceil(double(plan.hoeffding) / size));
+      const double blocks =
+          std::min(blocksUntil(e, d, boundFor(sums, ids_, plan, size)), std::ceil(double(plan.hoeffding) / size));
       const double seconds = blocks * seconds_each;
       if (seconds >= plan.expected_seconds) continue;
       plan.block_directions = size;
@@ -179,8 +193,9 @@ class GuaranteePlanner {
     }
     plan.most_blocks = std::max(kFewestBlocks, (plan.hoeffding + plan.block_directions - 1) / plan.block_directions);
     const double bounds_of_empirical = plan.share_bounds ? plan.share_bounds->rowBounds() : plan.bounds;
-    plan.least_blocks =
-        static_cast<uint64_t>(std::min(double(plan.most_blocks), std::ceil(1 + 7 * plan.largest_range * std::log(4 * 2 * 2 * bounds_of_empirical / d) / (3 * e))));
+    plan.least_blocks = static_cast<uint64_t>(
+        std::min(double(plan.most_blocks),
+                 std::ceil(1 + 7 * plan.largest_range * std::log(4 * 2 * 2 * bounds_of_empirical / d) / (3 * e))));
     plan.least_seconds = double(plan.least_blocks) * block_seconds;
     plan.most_seconds = double(plan.most_blocks) * block_seconds;
   }
@@ -195,13 +210,16 @@ class GuaranteePlanner {
 
 }  // namespace
 
-GuaranteePlan planGuarantee(const Scene& scene, const Ids& ids, const GuaranteeOptions& options, const Lattices& lattices, bool exact) {
+GuaranteePlan planGuarantee(const Scene& scene, const Ids& ids, const GuaranteeOptions& options,
+                            const Lattices& lattices, bool exact) {
   const double e = options.epsilon, d = options.delta;
-  if (!(e > 0 && e < 1 && d > 0 && d < 1)) throw Error(ErrorCode::bad_usage, "epsilon and delta have to lie between 0 and 1");
+  if (!(e > 0 && e < 1 && d > 0 && d < 1))
+    throw Error(ErrorCode::bad_usage, "epsilon and delta have to lie between 0 and 1");
   const bool is_median = options.statistic == Statistic::median;
   if (options.sampler != Sampler::iid && (options.sampler != Sampler::jittered || is_median))
-    throw Error(ErrorCode::bad_usage, is_median ? "the median needs independent runs of independent directions: --sampler iid"
-                                                : "a guarantee needs independent directions: --sampler jittered or iid");
+    throw Error(ErrorCode::bad_usage, is_median
+                                          ? "the median needs independent runs of independent directions: --sampler iid"
+                                          : "a guarantee needs independent directions: --sampler jittered or iid");
   return GuaranteePlanner(scene, ids, options, lattices, exact).plan();
 }
 

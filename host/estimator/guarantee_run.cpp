@@ -17,7 +17,8 @@ std::vector<PairCounts> mergeIdsOfAll(const std::vector<PairCounts>& runs, const
   return merged;
 }
 
-// The medians over runs of what `means` has the means of. Standard errors as for normal errors, of which the median has pi / 2 times the mean's variance; row sums stay those of means.
+// The medians over runs of what `means` has the means of. Standard errors as for normal errors, of which the median has
+// pi / 2 times the mean's variance; row sums stay those of means.
 FormFactors medianOf(const std::vector<PairCounts>& runs, const FormFactors& means, double measure_area) {
   std::vector<FormFactors::Entry> entries = means.entries();
   std::vector<size_t> at(runs.size(), 0);
@@ -36,10 +37,17 @@ FormFactors medianOf(const std::vector<PairCounts>& runs, const FormFactors& mea
 
 }  // namespace
 
-GuaranteeRun::GuaranteeRun(const Scene& scene, const Ids& ids, const GuaranteeOptions& options, const GuaranteePlan& plan)
-    : ids_(ids), options_(options), plan_(plan), is_median_(options.statistic == Statistic::median), directions_(is_median_ ? plan.run_directions : plan.block_directions),
-      most_blocks_(is_median_ ? plan.runs : plan.most_blocks), sums_(makeGuaranteeSums(scene, ids, plan, directions_)),
-      guarantee_{options.epsilon, options.delta, INFINITY, is_median_ ? GuaranteedBy::median : GuaranteedBy::hoeffding}, next_look_(std::max<uint64_t>(2, plan.least_blocks)) {
+GuaranteeRun::GuaranteeRun(const Scene& scene, const Ids& ids, const GuaranteeOptions& options,
+                           const GuaranteePlan& plan)
+    : ids_(ids),
+      options_(options),
+      plan_(plan),
+      is_median_(options.statistic == Statistic::median),
+      directions_(is_median_ ? plan.run_directions : plan.block_directions),
+      most_blocks_(is_median_ ? plan.runs : plan.most_blocks),
+      sums_(makeGuaranteeSums(scene, ids, plan, directions_)),
+      guarantee_{options.epsilon, options.delta, INFINITY, is_median_ ? GuaranteedBy::median : GuaranteedBy::hoeffding},
+      next_look_(std::max<uint64_t>(2, plan.least_blocks)) {
   if (options_.resumed) {
     sums_.visible.reset();  // theirs
     sums_.add(*options_.resumed);
@@ -57,7 +65,8 @@ bool GuaranteeRun::isDone() {
   if (is_done_ || blocks >= most_blocks_) return is_done_ = true;
   if (is_median_ || blocks != next_look_) return false;
   passLook();
-  guarantee_.bound = boundFor(sums_, ids_, plan_, static_cast<uint32_t>(directions_))(double(blocks), options_.delta / (2 * double(look_) * double(look_ + 1)));
+  guarantee_.bound = boundFor(sums_, ids_, plan_, static_cast<uint32_t>(directions_))(
+      double(blocks), options_.delta / (2 * double(look_) * double(look_ + 1)));
   if (guarantee_.bound > options_.epsilon) return false;
   guarantee_.by = GuaranteedBy::bernstein;
   return is_done_ = true;
@@ -65,7 +74,8 @@ bool GuaranteeRun::isDone() {
 
 void GuaranteeRun::step(const std::function<void()>& on_block) {
   uint64_t block = sums_.replicateCount();
-  const uint64_t end = is_median_ ? most_blocks_ : std::min(most_blocks_, next_look_), together = std::max<uint64_t>(kTogether / directions_, 1);
+  const uint64_t end = is_median_ ? most_blocks_ : std::min(most_blocks_, next_look_),
+                 together = std::max<uint64_t>(kTogether / directions_, 1);
   for (PairCounts& counts : countBlocks(*plan_.engine, options_, directions_, block, std::min(end - block, together))) {
     sums_.add(block++, counts, directions_);
     if (is_median_) runs_.push_back(std::move(counts));
@@ -79,19 +89,24 @@ Estimate GuaranteeRun::estimate() const {
   Estimate estimate = estimateSoFar();
   if (is_median_) {
     estimate.form_factors = medianOf(runs_, estimate.form_factors, sums_.measure_area);
-    estimate.between_surfaces = medianOf(mergeIdsOfAll(runs_, ids_.surface), estimate.between_surfaces, sums_.measure_area);
+    estimate.between_surfaces =
+        medianOf(mergeIdsOfAll(runs_, ids_.surface), estimate.between_surfaces, sums_.measure_area);
   }
-  if (sums_.visible) estimate.form_factors = keepSeen(sums_.visible->controlledFormFactors(sums_.measure_area, sums_.by_id.formFactors(sums_.measure_area, sums_.countArea())));
+  if (sums_.visible)
+    estimate.form_factors = keepSeen(sums_.visible->controlledFormFactors(
+        sums_.measure_area, sums_.by_id.formFactors(sums_.measure_area, sums_.countArea())));
   estimate.guarantee = guarantee_;
   if (guarantee_.by != GuaranteedBy::bernstein) estimate.guarantee->bound = options_.epsilon;
   return estimate;
 }
 
-Estimate guaranteeFormFactors(const Scene& scene, const Ids& ids, const GuaranteeOptions& options, const GuaranteePlan& plan) {
+Estimate guaranteeFormFactors(const Scene& scene, const Ids& ids, const GuaranteeOptions& options,
+                              const GuaranteePlan& plan) {
   GuaranteeRun run(scene, ids, options, plan);
   const auto onBlock = [&] {
     if (options.on_sums) options.on_sums(run.sums(), false);
-    if (options.on_block) options.on_block({run.sums().replicateCount(), run.expectedBlocks(), run.mostBlocks(), run.bound()});
+    if (options.on_block)
+      options.on_block({run.sums().replicateCount(), run.expectedBlocks(), run.mostBlocks(), run.bound()});
   };
   try {
     while (!run.isDone()) run.step(onBlock);

@@ -17,7 +17,8 @@ struct Residual {
   double counts;
 };
 
-// Over the replicates of each half: sums of residuals on the first lattice, on the second, and of their squares and products.
+// Over the replicates of each half: sums of residuals on the first lattice, on the second, and of their squares and
+// products.
 struct Moments {
   uint32_t i, j;
   std::array<double, 2> a{}, b{}, aa{}, bb{}, ab{};
@@ -35,17 +36,20 @@ std::vector<PairShare> sharesOf(std::span<const PilotCounts> replicates) {
 }
 
 // What is left of counts when shares are taken off, where there are closed forms.
-std::vector<Residual> residualsOf(const PairCounts& counts, const std::vector<PairShare>& shares, const std::vector<uint32_t>& id_of_face) {
+std::vector<Residual> residualsOf(const PairCounts& counts, const std::vector<PairShare>& shares,
+                                  const std::vector<uint32_t>& id_of_face) {
   std::vector<Residual> residuals;
   if (id_of_face.empty()) {
     for (const PairCount& count : counts) residuals.push_back({count.i, count.j, double(count.count)});
   } else {
-    for (const ControlCount& control : mergeIds(takeShares(withRows(counts, shares), shares), id_of_face)) residuals.push_back({control.i, control.j, double(control.control) / kShareOne});
+    for (const ControlCount& control : mergeIds(takeShares(withRows(counts, shares), shares), id_of_face))
+      residuals.push_back({control.i, control.j, double(control.control) / kShareOne});
   }
   return residuals;
 }
 
-void addReplicate(std::vector<Moments>& moments, size_t half, const std::vector<Residual>& first, const std::vector<Residual>& second) {
+void addReplicate(std::vector<Moments>& moments, size_t half, const std::vector<Residual>& first,
+                  const std::vector<Residual>& second) {
   std::vector<Moments> merged;
   merged.reserve(std::max(moments.size(), first.size()));
   auto at = first.begin(), bt = second.begin();
@@ -72,14 +76,18 @@ Spread spreadOf(const Moments& m, double n) {
 
 }  // namespace
 
-PilotVariances pilotVariances(const std::vector<PilotCounts>& counted, const Ids& ids, const std::vector<uint32_t>& id_of_face, double measure_area, const EstimateOptions& options) {
+PilotVariances pilotVariances(const std::vector<PilotCounts>& counted, const Ids& ids,
+                              const std::vector<uint32_t>& id_of_face, double measure_area,
+                              const EstimateOptions& options) {
   const std::span<const PilotCounts> all = counted;
   const size_t n = counted.size() / 2;
   std::vector<Moments> moments;
   for (size_t half = 0; half < 2; ++half) {
-    const std::vector<PairShare> shares = id_of_face.empty() ? std::vector<PairShare>{} : sharesOf(all.subspan((1 - half) * n, n));
+    const std::vector<PairShare> shares =
+        id_of_face.empty() ? std::vector<PairShare>{} : sharesOf(all.subspan((1 - half) * n, n));
     for (const PilotCounts& replicate : all.subspan(half * n, n))
-      addReplicate(moments, half, residualsOf(replicate.first, shares, id_of_face), residualsOf(replicate.second, shares, id_of_face));
+      addReplicate(moments, half, residualsOf(replicate.first, shares, id_of_face),
+                   residualsOf(replicate.second, shares, id_of_face));
   }
 
   std::vector<Spread> spreads;  // in units of the larger form factor of the two ways
@@ -96,7 +104,8 @@ PilotVariances pilotVariances(const std::vector<PilotCounts>& counted, const Ids
   if (spreads.empty()) return {};
   // A covariance is known from few replicates only: its share is a mean over some of the largest variances.
   const size_t top = std::clamp<size_t>(spreads.size() / 50, 1, 64);
-  std::partial_sort(spreads.begin(), spreads.begin() + static_cast<std::ptrdiff_t>(top), spreads.end(), [](const Spread& a, const Spread& b) { return a.total > b.total; });
+  std::partial_sort(spreads.begin(), spreads.begin() + static_cast<std::ptrdiff_t>(top), spreads.end(),
+                    [](const Spread& a, const Spread& b) { return a.total > b.total; });
   double total = 0, between_lattices = 0;
   for (const Spread& spread : std::span(spreads).first(top)) {
     total += spread.total;

@@ -23,16 +23,17 @@
 namespace viewpeel {
 namespace {
 
-constexpr uint32_t kPilotReplicates = 8, kFirstDirections = 16, kPilotDirections = 32;  // of the first pilot, and of others at least
+constexpr uint32_t kPilotReplicates = 8, kFirstDirections = 16,
+                   kPilotDirections = 32;  // of the first pilot, and of others at least
 constexpr int kFirstResolution = 64;
-constexpr double kFewPoints = 5;               // of an id in the whole run, below which it may go unmet
+constexpr double kFewPoints = 5;                              // of an id in the whole run, below which it may go unmet
 constexpr double kLatticePoints = 100, kUsualReplicates = 8;  // every id meets so many points in so many replicates
 constexpr double kDefaultTolerance = 1e-3;
-constexpr double kAllowed = 0.8;               // of counts, where those of some directions are more than the average
-constexpr double kMostReplicates = 128;       // to a goal, where others get there
+constexpr double kAllowed = 0.8;         // of counts, where those of some directions are more than the average
+constexpr double kMostReplicates = 128;  // to a goal, where others get there
 constexpr double kMostPoints = 8192.0 * 8192, kMostScanlines = 4 * 8192;  // of a direction
-constexpr double kMostPilotSeconds = 30;       // of each pilot
-constexpr uint32_t kTimedDirections = 4;       // that time a lattice
+constexpr double kMostPilotSeconds = 30;                                  // of each pilot
+constexpr uint32_t kTimedDirections = 4;                                  // that time a lattice
 constexpr double kMostBeyond = 4;  // times the points that were timed, and the seconds expected, that need no trial
 constexpr int kMostTrials = 4;
 constexpr double kMostDoubt = 4;  // of a predicted variance, times itself, beyond which a pilot has to confirm it
@@ -47,20 +48,26 @@ struct Shape {
 // What a direction's time is made of, and the lattice variance of the worst id, by the rule below.
 struct Load {
   double groups = 1, points = 1, variance = 0;  // points, or scanlines
-  double line = 0;  // what one line adds to the form factor of the worst id: standard errors are no less than one line's in the whole run
+  double line = 0;  // what one line adds to the form factor of the worst id: standard errors are no less than one
+                    // line's in the whole run
   int finest = 0;   // resolution
 };
 
-// Variance of a form factor of an id of area A and perimeter P, all of which one other sees: 4 / A^2 of the count's, whose is 0.0728 h^3 pi/4 P (tests/device/lattice_check_test.cpp;
-// the mean projected perimeter is pi/4 P), or on lattices coarser than the id that of hit or miss, h^2 times the mean projected area A / 2. With scanlines a quarter of the former,
-// or h times that of a line's length in it, (A / 2)^(3/2) for a square.
+// Variance of a form factor of an id of area A and perimeter P, all of which one other sees: 4 / A^2 of the count's,
+// whose is 0.0728 h^3 pi/4 P (tests/device/lattice_check_test.cpp; the mean projected perimeter is pi/4 P), or on
+// lattices coarser than the id that of hit or miss, h^2 times the mean projected area A / 2. With scanlines a quarter
+// of the former, or h times that of a line's length in it, (A / 2)^(3/2) for a square.
 double latticeVariance(Sampling sampling, double perimeter_per_area_squared, double area, double h) {
-  if (sampling == Sampling::scanline) return std::min(0.061 * h * h * h * perimeter_per_area_squared, std::numbers::sqrt2 * h / std::sqrt(area));
+  if (sampling == Sampling::scanline)
+    return std::min(0.061 * h * h * h * perimeter_per_area_squared, std::numbers::sqrt2 * h / std::sqrt(area));
   return std::min(0.229 * h * h * h * perimeter_per_area_squared, 2 * h * h / area);
 }
 
-// How many lattice points, or scanlines, of a direction meet an id, on the average: of its mean projection, taken for a square.
-double timesMet(Sampling sampling, double area, double h) { return sampling == Sampling::scanline ? std::sqrt(area / 2) / h : area / 2 / (h * h); }
+// How many lattice points, or scanlines, of a direction meet an id, on the average: of its mean projection, taken for a
+// square.
+double timesMet(Sampling sampling, double area, double h) {
+  return sampling == Sampling::scanline ? std::sqrt(area / 2) / h : area / 2 / (h * h);
+}
 
 struct Pilot {
   uint32_t directions = 0;
@@ -103,12 +110,16 @@ std::vector<double> finenessOf(const std::vector<double>& perimeters_per_area_sq
 
 // What an id's lattice variance asks for, and enough points in the whole run of so many directions a replicate.
 double neededResolution(Sampling sampling, double fineness, double area, int finest, double directions) {
-  const double times = timesMet(sampling, area, 2) * kUsualReplicates * directions;  // on a lattice of one spacing across
-  return std::max(fineness * finest, sampling == Sampling::scanline ? kLatticePoints / times : std::sqrt(kLatticePoints / times));
+  const double times =
+      timesMet(sampling, area, 2) * kUsualReplicates * directions;  // on a lattice of one spacing across
+  return std::max(fineness * finest,
+                  sampling == Sampling::scanline ? kLatticePoints / times : std::sqrt(kLatticePoints / times));
 }
 
 bool areAlike(const std::vector<SizeGroup>& a, const std::vector<SizeGroup>& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const SizeGroup& x, const SizeGroup& y) { return x.resolution == y.resolution && x.polygons == y.polygons; });
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const SizeGroup& x, const SizeGroup& y) {
+    return x.resolution == y.resolution && x.polygons == y.polygons;
+  });
 }
 
 class Planner {
@@ -149,10 +160,11 @@ class Planner {
   const Ids& ids_;
   const EstimateOptions& options_;
   const Lattices& lattices_;
-  std::vector<double> ratios_;     // perimetersPerAreaSquared
-  std::vector<double> areas_;      // of ids, unit-ball units squared
+  std::vector<double> ratios_;                // perimetersPerAreaSquared
+  std::vector<double> areas_;                 // of ids, unit-ball units squared
   double whole_area_ = 0, largest_face_ = 0;  // of all ids, of a face; likewise
-  std::vector<uint32_t> ranks_;    // of ids, by place, where form factors are shares of closed forms, their neighbours' where few lines tell (neighbour_shares.h)
+  std::vector<uint32_t> ranks_;  // of ids, by place, where form factors are shares of closed forms, their neighbours'
+                                 // where few lines tell (neighbour_shares.h)
   std::vector<uint32_t> id_of_face_;  // with closed forms
   std::vector<SizeClass> classes_;
   mutable std::map<std::array<int, 3>, size_t> windows_;  // of classes from one to another at a resolution
@@ -183,18 +195,23 @@ Planner::Planner(const Scene& scene, const Ids& ids, const EstimateOptions& opti
     size.polygons.push_back(static_cast<uint32_t>(k));
   }
   std::vector<double> faces(scene.faces.size(), 0);
-  for (const Polygon& polygon : scene.polygons) largest_face_ = std::max(largest_face_, faces[polygon.face] += polygon.area);
+  for (const Polygon& polygon : scene.polygons)
+    largest_face_ = std::max(largest_face_, faces[polygon.face] += polygon.area);
   for (const auto& [key, size] : classes) classes_.push_back(size);
   if (lattices.face_ids) {
     id_of_face_.resize(lattices.face_ids->count());
-    for (uint32_t k = 0; k < scene.polygons.size(); ++k) id_of_face_[lattices.face_ids->of_polygon[k]] = ids.of_polygon[k];
+    for (uint32_t k = 0; k < scene.polygons.size(); ++k)
+      id_of_face_[lattices.face_ids->of_polygon[k]] = ids.of_polygon[k];
   }
-  if (lattices.face_ids && options.by == By::polygon && !options.relative && pairCount(ids.count()) <= kMostRowPairs) ranks_ = rankByPlace(scene, ids.of_polygon, ids.count());
+  if (lattices.face_ids && options.by == By::polygon && !options.relative && pairCount(ids.count()) <= kMostRowPairs)
+    ranks_ = rankByPlace(scene, ids.of_polygon, ids.count());
 }
 
 AskedDirections Planner::directionsOf(uint32_t count, uint64_t replicate) const {
-  AskedDirections asked = options_.asked_directions ? options_.asked_directions(count, replicate)
-                                                    : AskedDirections{sampleDirections(options_.sampler, count, options_.seed, replicate), {}, 1};
+  AskedDirections asked =
+      options_.asked_directions
+          ? options_.asked_directions(count, replicate)
+          : AskedDirections{sampleDirections(options_.sampler, count, options_.seed, replicate), {}, 1};
   for (size_t k = 0; k < asked.weights.size(); ++k) asked.directions[k].weight = asked.weights[k];
   return asked;
 }
@@ -204,7 +221,8 @@ double Planner::neededBy(const SizeClass& size, const Shape& shape, double direc
 }
 
 std::vector<SizeGroup> Planner::groupsOf(const Shape& shape, double directions) const {
-  if (lattices_.may_group) return planGroups(scene_, ids_, lattices_.lattice.sampling, shape.base, shape.finest, directions);
+  if (lattices_.may_group)
+    return planGroups(scene_, ids_, lattices_.lattice.sampling, shape.base, shape.finest, directions);
   return groupAsOne(scene_, shape.base);
 }
 
@@ -276,8 +294,10 @@ void Planner::measure(uint32_t directions, const Shape& shape) {
               loadOf(shape, directions)};
   if (!ranks_.empty()) {
     // Both in the shares found, as large together as the run would say.
-    const double count_area = ids_.asked.empty() ? measure_area * directions / 2 : INFINITY, told = std::pow(largestErrorOfShares(counted, measure_area / 2, count_area), 2) * kPilotReplicates;
-    const double found = pilot.variances.of_directions + pilot.variances.of_lattices / 2;  // of two lattices a direction
+    const double count_area = ids_.asked.empty() ? measure_area * directions / 2 : INFINITY,
+                 told = std::pow(largestErrorOfShares(counted, measure_area / 2, count_area), 2) * kPilotReplicates;
+    const double found =
+        pilot.variances.of_directions + pilot.variances.of_lattices / 2;  // of two lattices a direction
     if (found > 0)
       for (double* variance : {&pilot.variances.of_directions, &pilot.variances.of_lattices, &pilot.variances.doubt})
         *variance *= told / found;
@@ -287,8 +307,10 @@ void Planner::measure(uint32_t directions, const Shape& shape) {
   timings_.push_back({pilot.load, seconds / (2 * kPilotReplicates * directions)});
 }
 
-// What the run would say of the pilot: pairs of which few lines tell have the standard error that theirs and their neighbours' give them, with the closed forms that lines themselves tell.
-double Planner::largestErrorOfShares(const std::vector<PilotCounts>& counted, double measure_area, double count_area) const {
+// What the run would say of the pilot: pairs of which few lines tell have the standard error that theirs and their
+// neighbours' give them, with the closed forms that lines themselves tell.
+double Planner::largestErrorOfShares(const std::vector<PilotCounts>& counted, double measure_area,
+                                     double count_area) const {
   ShareSums sums(ids_);
   PairCounts all;
   for (const PilotCounts& replicate : counted) all = addCounts(addCounts(all, replicate.first), replicate.second);
@@ -297,18 +319,25 @@ double Planner::largestErrorOfShares(const std::vector<PilotCounts>& counted, do
   std::vector<KnownPair> known;
   for (const ShareSums::PairSum& pair : sums.pairs())
     if (pair.i != pair.j && (pair.j < kEnvironment || pair.facing > 0))
-      known.push_back({pair.i, pair.j, 0, 0, pair.j < kEnvironment ? 2 * measure_area * double(pair.facing + pair.blocked) / double(counted.size()) : INFINITY});
+      known.push_back({pair.i, pair.j, 0, 0,
+                       pair.j < kEnvironment
+                           ? 2 * measure_area * double(pair.facing + pair.blocked) / double(counted.size())
+                           : INFINITY});
   const std::vector<uint64_t> lines = countsOfLines(ids_, groups_, engine_->unitArea());
   const NeighbourShares neighbours(sums, lines, ranks_);
-  return largestStandardError({ids_, sums.find(known, lines, measure_area, count_area, {}, {}, &neighbours).entries, {}});
+  return largestStandardError(
+      {ids_, sums.find(known, lines, measure_area, count_area, {}, {}, &neighbours).entries, {}});
 }
 
 double Planner::directionVariance(double directions) const {
   const Pilot& last = pilots_.back();
   double exponent = options_.sampler == Sampler::iid && !options_.asked_directions ? 1 : 2;
   for (const Pilot& pilot : pilots_)
-    if (pilot.directions * 3 <= last.directions && pilot.variances.of_directions > 0 && last.variances.of_directions > 0)
-      exponent = std::clamp(std::log(pilot.variances.of_directions / last.variances.of_directions) / std::log(double(last.directions) / pilot.directions), 1.0, 3.0);
+    if (pilot.directions * 3 <= last.directions && pilot.variances.of_directions > 0 &&
+        last.variances.of_directions > 0)
+      exponent = std::clamp(std::log(pilot.variances.of_directions / last.variances.of_directions) /
+                                std::log(double(last.directions) / pilot.directions),
+                            1.0, 3.0);
   return last.variances.of_directions * std::pow(last.directions / directions, exponent);
 }
 
@@ -330,10 +359,15 @@ Load Planner::loadOf(const Shape& shape, double directions) const {
     const SizeClass& size = classes_[k];
     const double resolution = resolutions[k];
     if (resolution > shape.base) fine[resolution] += size.area;
-    load.variance = std::max(load.variance, latticeVariance(lattices_.lattice.sampling, size.perimeter_per_area_squared, size.least_area, 2 / resolution));
-    if (ranks_.empty()) load.line = std::max(load.line, 8 / (resolution * resolution * size.least_area) + 8 / 27.0);  // and half of what it counts with others (replicate_sums.cpp)
+    load.variance = std::max(load.variance, latticeVariance(lattices_.lattice.sampling, size.perimeter_per_area_squared,
+                                                            size.least_area, 2 / resolution));
+    if (ranks_.empty())
+      load.line = std::max(load.line, 8 / (resolution * resolution * size.least_area) +
+                                          8 / 27.0);  // and half of what it counts with others (replicate_sums.cpp)
   }
-  for (const auto& [resolution, share] : fine) load.points += (is_scanline ? resolution : resolution * resolution) * std::min(1.0, 2 * share);  // what is looked at reaches beyond polygons
+  for (const auto& [resolution, share] : fine)
+    load.points += (is_scanline ? resolution : resolution * resolution) *
+                   std::min(1.0, 2 * share);  // what is looked at reaches beyond polygons
   load.groups += double(windowsOf(resolutions, shape.base));
   return load;
 }
@@ -346,7 +380,9 @@ std::vector<int> Planner::resolutionsOf(const Shape& shape, double directions) c
     for (size_t k = 0; k < classes_.size(); ++k) {
       int& resolution = resolutions[k] = shape.base;
       const double needed = neededBy(classes_[k], shape, directions) * kEnough;
-      while (resolution < needed && resolution <= finest / kGroupStep && classes_[k].radius * resolution * kGroupStep <= kMostWindowPoints) resolution *= kGroupStep;
+      while (resolution < needed && resolution <= finest / kGroupStep &&
+             classes_[k].radius * resolution * kGroupStep <= kMostWindowPoints)
+        resolution *= kGroupStep;
       is_fine = is_fine || resolution > shape.base;
     }
     if (!is_fine || windowsOf(resolutions, shape.base) <= kMostWindows) break;
@@ -363,7 +399,8 @@ size_t Planner::windowsOf(const std::vector<int>& resolutions, int base) const {
     size_t& count = windows_[{static_cast<int>(first), static_cast<int>(end), resolutions[first]}];
     if (count == 0) {
       std::vector<uint32_t> polygons;
-      for (size_t k = first; k < end; ++k) polygons.insert(polygons.end(), classes_[k].polygons.begin(), classes_[k].polygons.end());
+      for (size_t k = first; k < end; ++k)
+        polygons.insert(polygons.end(), classes_[k].polygons.begin(), classes_[k].polygons.end());
       count = countWindows(scene_, std::move(polygons), resolutions[first]);
     }
     windows += count;
@@ -371,15 +408,19 @@ size_t Planner::windowsOf(const std::vector<int>& resolutions, int base) const {
   return windows;
 }
 
-// For closed forms: those of a row in a replicate, the sum over a surface's faces, and the squares over all replicates (control_sums.h). A face's projection is half of its area on the average.
+// For closed forms: those of a row in a replicate, the sum over a surface's faces, and the squares over all replicates
+// (control_sums.h). A face's projection is half of its area on the average.
 bool Planner::areCountsTooLarge(const Load& load, double directions, double replicates) const {
   if (id_of_face_.empty()) return false;
-  const double count_area = pointArea(load.finest) / (lattices_.lattice.sampling == Sampling::scanline ? 1 << kScanlineBits : 1);
-  const double of_row = directions * largest_face_ / 2 / count_area, of_all = directions * whole_area_ / 2 / count_area, most = kAllowed * double(kMostCounts);
+  const double count_area =
+      pointArea(load.finest) / (lattices_.lattice.sampling == Sampling::scanline ? 1 << kScanlineBits : 1);
+  const double of_row = directions * largest_face_ / 2 / count_area, of_all = directions * whole_area_ / 2 / count_area,
+               most = kAllowed * double(kMostCounts);
   return of_row > most || of_all > 2 * most || replicates * of_row * of_row > 8 * most * most;
 }
 
-// A direction costs something for every group, and for every lattice point over the group's polygons; half each where pilots do not tell.
+// A direction costs something for every group, and for every lattice point over the group's polygons; half each where
+// pilots do not tell.
 double Planner::secondsOf(const Load& load) const {
   const Timing& last = timings_.back();
   double per_group = 0.5 * last.seconds / last.load.groups, per_point = 0.5 * last.seconds / last.load.points;
@@ -407,7 +448,8 @@ Planner::Choice Planner::choose(bool by_time) const {
   double least_area = 1;
   for (const SizeClass& size : classes_) least_area = std::min(least_area, size.least_area);
 
-  // Where nothing is quick enough, the quickest; where no error is small enough, what gets there first with more replicates, if not too many.
+  // Where nothing is quick enough, the quickest; where no error is small enough, what gets there first with more
+  // replicates, if not too many.
   const auto meets = [&](const Choice& c) { return by_time ? c.seconds <= secondsLeft() : c.variance <= goal * goal; };
   const auto rankOf = [&](const Choice& c) {
     if (meets(c)) return 0;
@@ -423,20 +465,33 @@ Planner::Choice Planner::choose(bool by_time) const {
     const auto directions = static_cast<uint32_t>(std::lround(std::pow(2.0, n / 2.0)));
     const double in_all = directions * replicates;
     for (int f = lattices_.resolution ? 40 : 8; f <= 40; ++f) {
-      const int finest = lattices_.resolution ? lattices_.resolution : static_cast<int>(std::lround(std::pow(2.0, f / 2.0)));
+      const int finest =
+          lattices_.resolution ? lattices_.resolution : static_cast<int>(std::lround(std::pow(2.0, f / 2.0)));
       for (int step = 1; step == 1 || (lattices_.may_group && finest / step >= 8); step *= kGroupStep) {
         const Shape shape{(finest + step - 1) / step, finest};
         if (shape.base > kMaxResolution) continue;
         // One lattice for all: fine enough for the least of them, or as fine as there is.
-        if (!lattices_.may_group && !lattices_.resolution && finest < std::min(neededBy({1, 0, 0, least_area}, shape, directions), kMaxResolution / 1.5)) continue;
+        if (!lattices_.may_group && !lattices_.resolution &&
+            finest < std::min(neededBy({1, 0, 0, least_area}, shape, directions), kMaxResolution / 1.5))
+          continue;
         const Load load = loadOf(shape, directions);
-        if (load.points > (lattices_.lattice.sampling == Sampling::scanline ? kMostScanlines : kMostPoints) && best.directions) continue;
-        const Choice choice{directions, shape, secondsOf(load) * in_all, (directionVariance(directions) + pilots_.back().variances.of_lattices * load.variance / pilots_.back().load.variance * pilots_.back().directions / directions) / replicates + std::pow(load.line / in_all, 2)};
-        if (best.directions && areCountsTooLarge(load, directions, std::max(replicates, by_time ? 0 : replicates * choice.variance / (goal * goal)))) {
+        if (load.points > (lattices_.lattice.sampling == Sampling::scanline ? kMostScanlines : kMostPoints) &&
+            best.directions)
+          continue;
+        const Choice choice{directions, shape, secondsOf(load) * in_all,
+                            (directionVariance(directions) + pilots_.back().variances.of_lattices * load.variance /
+                                                                 pilots_.back().load.variance *
+                                                                 pilots_.back().directions / directions) /
+                                    replicates +
+                                std::pow(load.line / in_all, 2)};
+        if (best.directions &&
+            areCountsTooLarge(load, directions,
+                              std::max(replicates, by_time ? 0 : replicates * choice.variance / (goal * goal)))) {
           is_limited = true;
           continue;
         }
-        const bool is_better = rankOf(choice) != rankOf(best) ? rankOf(choice) < rankOf(best) : costOf(choice) < costOf(best);
+        const bool is_better =
+            rankOf(choice) != rankOf(best) ? rankOf(choice) < rankOf(best) : costOf(choice) < costOf(best);
         if (best.directions == 0 || is_better) best = choice;
       }
     }
@@ -453,8 +508,10 @@ Plan Planner::plan() {
   for (int more = 0; more < 2; ++more) {
     const Pilot& last = pilots_.back();
     const double share = 0.03 * double(options_.replicates) / kPilotReplicates;
-    const double most = allowedSeconds() / (2 * kPilotReplicates * choice.seconds / (choice.directions * double(options_.replicates)));
-    const auto directions = static_cast<uint32_t>(std::clamp(std::min(share * choice.directions, most), double(kPilotDirections), 1e6));
+    const double most =
+        allowedSeconds() / (2 * kPilotReplicates * choice.seconds / (choice.directions * double(options_.replicates)));
+    const auto directions =
+        static_cast<uint32_t>(std::clamp(std::min(share * choice.directions, most), double(kPilotDirections), 1e6));
     const bool is_doubtful = isDoubtful(choice);
     if (!is_doubtful && directions < 3 * last.directions &&
         std::max(choice.shape.finest, last.shape.finest) <= 2 * std::min(choice.shape.finest, last.shape.finest))
@@ -476,7 +533,9 @@ Plan Planner::plan() {
   std::vector<double> points(ids_.count(), 0);
   for (const SizeGroup& group : plan.groups)
     for (uint32_t k : group.polygons)
-      points[ids_.of_polygon[k]] += timesMet(lattices_.lattice.sampling, scene_.polygons[k].area, 2.0 / group.resolution) * choice.directions * double(options_.replicates);
+      points[ids_.of_polygon[k]] +=
+          timesMet(lattices_.lattice.sampling, scene_.polygons[k].area, 2.0 / group.resolution) * choice.directions *
+          double(options_.replicates);
   for (uint32_t id = 0; id < ids_.count(); ++id)
     if (!options_.asked_directions && points[id] < kFewPoints) plan.barely_met.push_back(id);
   if (!areAlike(plan.groups, groups_)) {
@@ -489,14 +548,19 @@ Plan Planner::plan() {
 
 }  // namespace
 
-std::unique_ptr<Engine> makeEngine(const Lattices& lattices, const Scene& scene, const Ids& ids, const std::vector<SizeGroup>& groups) {
-  return makeEngine(lattices.make_engine, scene, lattices.face_ids ? *lattices.face_ids : ids, lattices.lattice, groups);
+std::unique_ptr<Engine> makeEngine(const Lattices& lattices, const Scene& scene, const Ids& ids,
+                                   const std::vector<SizeGroup>& groups) {
+  return makeEngine(lattices.make_engine, scene, lattices.face_ids ? *lattices.face_ids : ids, lattices.lattice,
+                    groups);
 }
 
-std::vector<SizeGroup> planGroups(const Scene& scene, const Ids& ids, Sampling sampling, int base, int finest, double directions) {
+std::vector<SizeGroup> planGroups(const Scene& scene, const Ids& ids, Sampling sampling, int base, int finest,
+                                  double directions) {
   const std::vector<double> fineness = finenessOf(perimetersPerAreaSquared(scene, ids));
   std::vector<double> needed;
-  for (uint32_t id : ids.of_polygon) needed.push_back(neededResolution(sampling, fineness[id], ids.areas[id] / (scene.scale * scene.scale), finest, directions));
+  for (uint32_t id : ids.of_polygon)
+    needed.push_back(
+        neededResolution(sampling, fineness[id], ids.areas[id] / (scene.scale * scene.scale), finest, directions));
   return groupBySize(scene, needed, base, maxWindowResolution(sampling));
 }
 

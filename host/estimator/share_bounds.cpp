@@ -12,7 +12,8 @@
 namespace viewpeel {
 namespace {
 
-constexpr double kClosedFormError = kUnoccludedRelativeError + kUnoccludedAbsoluteError;  // of a form factor, which is 1 at most
+constexpr double kClosedFormError =
+    kUnoccludedRelativeError + kUnoccludedAbsoluteError;  // of a form factor, which is 1 at most
 
 }  // namespace
 
@@ -21,7 +22,8 @@ double knownVarianceBound(double variance, double range, double directions, doub
   return (third + std::sqrt(third * third + 2 * directions * variance * l)) / directions;
 }
 
-ShareBounds::ShareBounds(const Ids& ids, const std::vector<double>& ranges, const KnownShares& known) : areas_(ids.areas), ranges_(ranges), row_bounds_(ids.count(), 2) {
+ShareBounds::ShareBounds(const Ids& ids, const std::vector<double>& ranges, const KnownShares& known)
+    : areas_(ids.areas), ranges_(ranges), row_bounds_(ids.count(), 2) {
   pair_count_ = double(pairCount(ids.count()));
   std::vector<uint32_t> polygons(ids.count(), 0);
   for (uint32_t id : ids.of_polygon) ++polygons[id];
@@ -33,21 +35,28 @@ ShareBounds::ShareBounds(const Ids& ids, const std::vector<double>& ranges, cons
   for (const KnownPair& pair : known.pairs) {
     if (pair.j >= kEnvironment) continue;
     const uint32_t smaller = ids.areas[pair.j] < ids.areas[pair.i] ? pair.j : pair.i;
-    const double b = double(pair.share) / kShareOne, most = std::min(1.0, pair.exchange / ids.areas[smaller] * (1 + kUnoccludedRelativeError) + kUnoccludedAbsoluteError);
+    const double b = double(pair.share) / kShareOne,
+                 most = std::min(1.0, pair.exchange / ids.areas[smaller] * (1 + kUnoccludedRelativeError) +
+                                          kUnoccludedAbsoluteError);
     pairs_.push_back({pair.i, pair.j, ranges[smaller], std::pow(std::max(b, 1 - b), 2) * ranges[smaller] * most});
   }
 }
 
 uint64_t ShareBounds::directionsFor(double epsilon, double delta) const {
   const double e = epsilon - kClosedFormError;
-  if (!(e > 0)) throw Error(ErrorCode::bad_usage, fmt::format("closed forms are good to {:.2g}: ask for a larger --epsilon, or --closed-forms off", kClosedFormError));
+  if (!(e > 0))
+    throw Error(ErrorCode::bad_usage,
+                fmt::format("closed forms are good to {:.2g}: ask for a larger --epsilon, or --closed-forms off",
+                            kClosedFormError));
   const auto failure = [&](double n) {
     const auto byVariance = [&](double variance, double range) {
       return 2 * std::exp(-n * e * e * std::max(2 / (range * range), 1 / (2 * variance + 2 * range * e / 3)));
     };
-    double sum = (pair_count_ - double(pairs_.size())) * byVariance(largest_range_ * kUnoccludedAbsoluteError, largest_range_);
+    double sum =
+        (pair_count_ - double(pairs_.size())) * byVariance(largest_range_ * kUnoccludedAbsoluteError, largest_range_);
     for (const Pair& pair : pairs_) sum += byVariance(pair.variance, pair.range);
-    for (size_t id = 0; id < ranges_.size(); ++id) sum += row_bounds_[id] * 2 * std::exp(-2 * n * e * e / (ranges_[id] * ranges_[id]));
+    for (size_t id = 0; id < ranges_.size(); ++id)
+      sum += row_bounds_[id] * 2 * std::exp(-2 * n * e * e / (ranges_[id] * ranges_[id]));
     return sum;
   };
   return leastDirections(failure, delta, epsilon, largest_range_);
@@ -63,20 +72,24 @@ ShareBounds::Variances ShareBounds::measureVariances(const ControlSums& sums, do
       return;
     }
     while (at < pairs_.size() && std::pair(pairs_[at].i, pairs_[at].j) < std::pair(i, j)) ++at;
-    if (at < pairs_.size() && pairs_[at].i == i && pairs_[at].j == j) variances.of_pairs[at] = variance / std::pow(std::min(areas_[i], areas_[j]), 2);
+    if (at < pairs_.size() && pairs_[at].i == i && pairs_[at].j == j)
+      variances.of_pairs[at] = variance / std::pow(std::min(areas_[i], areas_[j]), 2);
   });
   return variances;
 }
 
 double ShareBounds::largestBound(const Variances& variances, double blocks, double block_directions, double p) const {
   const double p_pair = p / 2 / pair_count_, p_row = p / 2 / row_count_, directions = blocks * block_directions;
-  double largest = knownVarianceBound(largest_range_ * kUnoccludedAbsoluteError, largest_range_, directions, p_pair);  // pairs that do not see each other
+  double largest = knownVarianceBound(largest_range_ * kUnoccludedAbsoluteError, largest_range_, directions,
+                                      p_pair);  // pairs that do not see each other
   for (size_t k = 0; k < pairs_.size(); ++k) {
     const double known = knownVarianceBound(pairs_[k].variance, pairs_[k].range, directions, p_pair);
     const bool is_known_best = known <= bernsteinBound(0, pairs_[k].range, blocks, p_pair);
-    largest = std::max(largest, is_known_best ? known : bernsteinBound(variances.of_pairs[k], pairs_[k].range, blocks, p_pair));
+    largest = std::max(largest,
+                       is_known_best ? known : bernsteinBound(variances.of_pairs[k], pairs_[k].range, blocks, p_pair));
   }
-  for (size_t id = 0; id < ranges_.size(); ++id) largest = std::max(largest, bernsteinBound(variances.of_rows[id], ranges_[id], blocks, p_row));
+  for (size_t id = 0; id < ranges_.size(); ++id)
+    largest = std::max(largest, bernsteinBound(variances.of_rows[id], ranges_[id], blocks, p_row));
   return largest + kClosedFormError;
 }
 

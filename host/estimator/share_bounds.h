@@ -1,16 +1,23 @@
 // Guarantees with closed forms: bounds on V - b (V + O - F0), b from a pilot.
 //
-// One direction's V of a pair of polygons and T = V + O, in F's units of the smaller one, have 0 <= V <= T <= M (bounds.h: a line is counted once at most, blocked or not), and
-// E[T] = F0. So X = V - b T has b between 0 and 1 and lies in [-b T, (1 - b) T]: an interval as wide as V's own, M, whatever b is - a range is no smaller with closed forms, unless
-// something proves that nothing is in between. What is smaller is the variance, and a bound on it is known beforehand:
+// One direction's V of a pair of polygons and T = V + O, in F's units of the smaller one, have 0 <= V <= T <= M
+// (bounds.h: a line is counted once at most, blocked or not), and E[T] = F0. So X = V - b T has b between 0 and 1 and
+// lies in [-b T, (1 - b) T]: an interval as wide as V's own, M, whatever b is - a range is no smaller with closed
+// forms, unless something proves that nothing is in between. What is smaller is the variance, and a bound on it is
+// known beforehand:
 //   E[X^2] <= max(b, 1 - b)^2 E[T^2] <= max(b, 1 - b)^2 M F0,
-// for X^2 is at most (b T)^2 or ((1 - b) T)^2, and T^2 <= M T. Without a share, b = 0, V^2 <= M V says the same. Where F0 = 0 nothing is seen.
-//   Bernstein (S. Boucheron, G. Lugosi, P. Massart, Concentration inequalities, 2013, theorem 2.10 and corollary 2.11): N independent directions, in strata of equal size or not, have
-//     a mean that is off by t or more with probability at most 2 exp(-N t^2 / (2 v + 2 M t / 3)), v a bound on the mean of E[X^2] over strata, which is that of one direction.
-//   Hoeffding's bound is that of M, as without closed forms, and so is the empirical Bernstein bound of blocks, with the sample variance of X. A bound is chosen by what is known
+// for X^2 is at most (b T)^2 or ((1 - b) T)^2, and T^2 <= M T. Without a share, b = 0, V^2 <= M V says the same. Where
+// F0 = 0 nothing is seen.
+//   Bernstein (S. Boucheron, G. Lugosi, P. Massart, Concentration inequalities, 2013, theorem 2.10 and corollary 2.11):
+//   N independent directions, in strata of equal size or not, have
+//     a mean that is off by t or more with probability at most 2 exp(-N t^2 / (2 v + 2 M t / 3)), v a bound on the mean
+//     of E[X^2] over strata, which is that of one direction.
+//   Hoeffding's bound is that of M, as without closed forms, and so is the empirical Bernstein bound of blocks, with
+//   the sample variance of X. A bound is chosen by what is known
 //     beforehand: Bernstein's where it is no more than the empirical one could be if the variance were 0.
-//   Environment and leak have T = all lines of the row, M F0 no use: Hoeffding's and the empirical bound of X. They are 2 n bounds beside n (n - 1) / 2: either kind gets half of delta.
-//   F0 is good to kUnoccludedRelativeError or kUnoccludedAbsoluteError, which adds so much to every bound.
+//   Environment and leak have T = all lines of the row, M F0 no use: Hoeffding's and the empirical bound of X. They are
+//   2 n bounds beside n (n - 1) / 2: either kind gets half of delta. F0 is good to kUnoccludedRelativeError or
+//   kUnoccludedAbsoluteError, which adds so much to every bound.
 #pragma once
 #include <vector>
 
@@ -23,11 +30,12 @@ double knownVarianceBound(double variance, double range, double directions, doub
 
 class ShareBounds {
  public:
-  //   In: ids by face; ranges as from formFactorRanges; known: of all pairs, without shares where the range does not hold for T (keepBounded)
-  //   Cost: 24 bytes a pair that can see each other.
+  //   In: ids by face; ranges as from formFactorRanges; known: of all pairs, without shares where the range does not
+  //   hold for T (keepBounded) Cost: 24 bytes a pair that can see each other.
   ShareBounds(const Ids& ids, const std::vector<double>& ranges, const KnownShares& known);
 
-  // The least N after which everything is within epsilon but for probability delta, by Hoeffding's and Bernstein's inequalities.
+  // The least N after which everything is within epsilon but for probability delta, by Hoeffding's and Bernstein's
+  // inequalities.
   //   Throws: Error bad_usage where that is above 1e15, or epsilon is below what closed forms are good to.
   uint64_t directionsFor(double epsilon, double delta) const;
 
@@ -54,7 +62,8 @@ class ShareBounds {
   double largest_range_ = 0;
 };
 
-// Without the shares whose lines could be counted more than once: faces of several polygons, and rows where there are several lattices.
+// Without the shares whose lines could be counted more than once: faces of several polygons, and rows where there are
+// several lattices.
 KnownShares keepBounded(KnownShares known, const Ids& ids, bool has_one_lattice);
 
 }  // namespace viewpeel

@@ -25,19 +25,24 @@ std::vector<PairShare> shared(const std::vector<PairShare>& shares, const std::v
   return both;
 }
 
-// Those with which the pilots vary less than without, in the sums of ids that id_map makes of faces (none: faces themselves). Each half of the pilots is tried
-// with the shares that the other half has, so that shares which few lines told do not look better than they are.
-std::vector<PairShare> keepUseful(const std::vector<PairShare>& shares, const std::vector<PairCounts>& pilots, const Ids& ids, const std::vector<uint32_t>& id_map) {
+// Those with which the pilots vary less than without, in the sums of ids that id_map makes of faces (none: faces
+// themselves). Each half of the pilots is tried with the shares that the other half has, so that shares which few lines
+// told do not look better than they are.
+std::vector<PairShare> keepUseful(const std::vector<PairShare>& shares, const std::vector<PairCounts>& pilots,
+                                  const Ids& ids, const std::vector<uint32_t>& id_map) {
   const size_t half = pilots.size() / 2;
   std::vector<FormFactors> controlled, counted;
   for (const bool second : {false, true}) {
-    const auto begin = pilots.begin() + static_cast<std::ptrdiff_t>(second ? half : 0), end = begin + static_cast<std::ptrdiff_t>(half);
+    const auto begin = pilots.begin() + static_cast<std::ptrdiff_t>(second ? half : 0),
+               end = begin + static_cast<std::ptrdiff_t>(half);
     PairCounts others;
     for (size_t k = 0; k < half; ++k) others = addCounts(others, pilots[second ? k : half + k]);
     const std::vector<PairShare> tried = shared(fitShares(others), shares);
     ControlSums with(ids), without(ids);
     for (auto counts = begin; counts != end; ++counts) {
-      const auto addTo = [&](ControlSums& sums, const std::vector<ControlCount>& controls) { sums.add(id_map.empty() ? controls : mergeIds(controls, id_map)); };
+      const auto addTo = [&](ControlSums& sums, const std::vector<ControlCount>& controls) {
+        sums.add(id_map.empty() ? controls : mergeIds(controls, id_map));
+      };
       addTo(with, takeShares(*counts, tried));
       addTo(without, takeShares(*counts, {}));
     }
@@ -49,8 +54,10 @@ std::vector<PairShare> keepUseful(const std::vector<PairShare>& shares, const st
   };
   std::vector<PairShare> kept;
   for (const PairShare& share : shares) {
-    const uint32_t i = id_map.empty() ? share.i : id_map[share.i], j = id_map.empty() || share.j >= kEnvironment ? share.j : id_map[share.j];
-    if (errorOf(controlled, std::min(i, j), std::max(i, j)) <= errorOf(counted, std::min(i, j), std::max(i, j))) kept.push_back(share);
+    const uint32_t i = id_map.empty() ? share.i : id_map[share.i],
+                   j = id_map.empty() || share.j >= kEnvironment ? share.j : id_map[share.j];
+    if (errorOf(controlled, std::min(i, j), std::max(i, j)) <= errorOf(counted, std::min(i, j), std::max(i, j)))
+      kept.push_back(share);
   }
   return kept;
 }
@@ -69,8 +76,10 @@ std::vector<PairShare> fitShares(const PairCounts& counts) {
 }
 
 SharePilot sharePilot(const EstimateOptions& options) {
-  const bool by_surface = options.by == By::surface, chooses_pairs = options.pairs && (options.tolerance || options.relative);
-  return {by_surface || chooses_pairs ? options.directions : (options.directions + 3) / 4, by_surface ? kMostKnownPairs : kMostKnownPairsBesideRows};
+  const bool by_surface = options.by == By::surface,
+             chooses_pairs = options.pairs && (options.tolerance || options.relative);
+  return {by_surface || chooses_pairs ? options.directions : (options.directions + 3) / 4,
+          by_surface ? kMostKnownPairs : kMostKnownPairsBesideRows};
 }
 
 std::vector<uint64_t> countsOfLines(const Ids& face_ids, const std::vector<SizeGroup>& groups, double unit_area) {
@@ -83,7 +92,8 @@ std::vector<uint64_t> countsOfLines(const Ids& face_ids, const std::vector<SizeG
   return lines;
 }
 
-VisibleShares findVisibleShares(Engine& engine, FaceExchanges& exchanges, const Scene& scene, const Ids& ids, const std::vector<SizeGroup>& groups, const EstimateOptions& options,
+VisibleShares findVisibleShares(Engine& engine, FaceExchanges& exchanges, const Scene& scene, const Ids& ids,
+                                const std::vector<SizeGroup>& groups, const EstimateOptions& options,
                                 SharePilot pilot) {
   VisibleShares found;
   auto start = Clock::now();
@@ -97,9 +107,11 @@ VisibleShares findVisibleShares(Engine& engine, FaceExchanges& exchanges, const 
   all = withRows(std::move(all));
   const std::vector<PairShare> seen = fitShares(all);
   for (PairCounts& counts : pilots) counts = withRows(std::move(counts), seen);
-  // A share that few lines told adds more noise than it takes away: then counts are left alone, pair by pair of faces, and of surfaces, whose sums vary less than their parts.
+  // A share that few lines told adds more noise than it takes away: then counts are left alone, pair by pair of faces,
+  // and of surfaces, whose sums vary less than their parts.
   const std::vector<PairShare> shares = keepUseful(fitShares(all), pilots, ids, {});
-  const std::vector<PairShare> surface_shares = keepUseful(shares, pilots, makeIds(scene, By::surface, ids.two_sided), ids.surface);
+  const std::vector<PairShare> surface_shares =
+      keepUseful(shares, pilots, makeIds(scene, By::surface, ids.two_sided), ids.surface);
   found.pilot_seconds = secondsSince(start);
 
   start = Clock::now();
@@ -115,7 +127,8 @@ VisibleShares findVisibleShares(Engine& engine, FaceExchanges& exchanges, const 
   for (const PairShare& share : shares)
     if (share.j >= kEnvironment || !found.known.has_all_pairs) pairs.push_back({share.i, share.j});
   std::sort(pairs.begin(), pairs.end(), [](const KnownPair& a, const KnownPair& b) { return keyOf(a) < keyOf(b); });
-  const auto shareOf = [](std::vector<PairShare>::const_iterator& at, std::vector<PairShare>::const_iterator end, const KnownPair& pair) {
+  const auto shareOf = [](std::vector<PairShare>::const_iterator& at, std::vector<PairShare>::const_iterator end,
+                          const KnownPair& pair) {
     while (at != end && keyOf(*at) < keyOf(pair)) ++at;
     return at != end && at->i == pair.i && at->j == pair.j ? at->share : 0;
   };

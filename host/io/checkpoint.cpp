@@ -20,7 +20,8 @@ using ControlSum = ControlSums::PairSum;
 using ShareSum = ShareSums::PairSum;
 using Wide = ReplicateSums::Wide;
 
-constexpr ControlSums::SignedWide kMostControl = ControlSums::SignedWide(1) << 126;  // 2^64 replicates of 2^62 (takeShares); two such sums can be added
+constexpr ControlSums::SignedWide kMostControl =
+    ControlSums::SignedWide(1) << 126;              // 2^64 replicates of 2^62 (takeShares); two such sums can be added
 constexpr uint64_t kMostLines = uint64_t(1) << 63;  // of facing ones, or blocked ones: two such sums can be added
 
 uint64_t highOf(Wide number) { return static_cast<uint64_t>(number >> 64); }
@@ -38,7 +39,8 @@ void writeColumn(Hdf5Output& out, const std::string& name, const Rows& rows, Val
 template <class T, class Rows, class Set>
 void readColumn(Hdf5Input& in, const std::string& name, Rows& rows, Set set) {
   const std::vector<T> column = in.read<T>(name);
-  if (column.size() != rows.size()) in.refuse(fmt::format("its '{}' has {} values for {}", name, column.size(), rows.size()));
+  if (column.size() != rows.size())
+    in.refuse(fmt::format("its '{}' has {} values for {}", name, column.size(), rows.size()));
   for (size_t k = 0; k < column.size(); ++k) set(rows[k], column[k]);
 }
 
@@ -46,16 +48,21 @@ template <class Rows, class SumOf>
 void writeSums(Hdf5Output& out, const std::string& group, const Rows& rows, SumOf sum_of) {
   writeColumn<uint64_t>(out, group + "/sum_high", rows, [&](const auto& row) { return highOf(sum_of(row).sum); });
   writeColumn<uint64_t>(out, group + "/sum_low", rows, [&](const auto& row) { return lowOf(sum_of(row).sum); });
-  writeColumn<uint64_t>(out, group + "/sum_of_squares_high", rows, [&](const auto& row) { return highOf(sum_of(row).sum_of_squares); });
-  writeColumn<uint64_t>(out, group + "/sum_of_squares_low", rows, [&](const auto& row) { return lowOf(sum_of(row).sum_of_squares); });
+  writeColumn<uint64_t>(out, group + "/sum_of_squares_high", rows,
+                        [&](const auto& row) { return highOf(sum_of(row).sum_of_squares); });
+  writeColumn<uint64_t>(out, group + "/sum_of_squares_low", rows,
+                        [&](const auto& row) { return lowOf(sum_of(row).sum_of_squares); });
 }
 
 template <class Rows, class SumOf>
 void readSums(Hdf5Input& in, const std::string& group, Rows& rows, SumOf sum_of) {
-  readColumn<uint64_t>(in, group + "/sum_high", rows, [&](auto& row, uint64_t word) { sum_of(row).sum = Wide(word) << 64; });
+  readColumn<uint64_t>(in, group + "/sum_high", rows,
+                       [&](auto& row, uint64_t word) { sum_of(row).sum = Wide(word) << 64; });
   readColumn<uint64_t>(in, group + "/sum_low", rows, [&](auto& row, uint64_t word) { sum_of(row).sum |= word; });
-  readColumn<uint64_t>(in, group + "/sum_of_squares_high", rows, [&](auto& row, uint64_t word) { sum_of(row).sum_of_squares = Wide(word) << 64; });
-  readColumn<uint64_t>(in, group + "/sum_of_squares_low", rows, [&](auto& row, uint64_t word) { sum_of(row).sum_of_squares |= word; });
+  readColumn<uint64_t>(in, group + "/sum_of_squares_high", rows,
+                       [&](auto& row, uint64_t word) { sum_of(row).sum_of_squares = Wide(word) << 64; });
+  readColumn<uint64_t>(in, group + "/sum_of_squares_low", rows,
+                       [&](auto& row, uint64_t word) { sum_of(row).sum_of_squares |= word; });
 }
 
 void writeReplicateSums(Hdf5Output& out, const std::string& group, const ReplicateSums& sums) {
@@ -69,7 +76,8 @@ void writeReplicateSums(Hdf5Output& out, const std::string& group, const Replica
   out.write(group + "/two_sided", std::vector<uint8_t>{ids.two_sided});
   if (!ids.empty_rows.empty()) {
     writeColumn<uint32_t>(out, group + "/empty_rows", ids.empty_rows, [](const EmptyRow& empty) { return empty.row; });
-    writeColumn<std::string>(out, group + "/empty_names", ids.empty_rows, [](const EmptyRow& empty) { return empty.name; });
+    writeColumn<std::string>(out, group + "/empty_names", ids.empty_rows,
+                             [](const EmptyRow& empty) { return empty.name; });
   }
   out.write(group + "/replicate_count", std::vector<uint64_t>{sums.replicateCount()});
   writeSums(out, group + "/rows", sums.rowSums(), [](const Sum& sum) -> const Sum& { return sum; });
@@ -111,32 +119,46 @@ void writeVisibleSums(Hdf5Output& out, const RunSums& sums) {
   writeColumn<uint32_t>(out, "visible/known/i", known.pairs, [](const KnownPair& pair) { return pair.i; });
   writeColumn<uint32_t>(out, "visible/known/j", known.pairs, [](const KnownPair& pair) { return pair.j; });
   writeColumn<uint32_t>(out, "visible/known/share", known.pairs, [](const KnownPair& pair) { return pair.share; });
-  writeColumn<uint32_t>(out, "visible/known/surface_share", known.pairs, [](const KnownPair& pair) { return pair.surface_share; });
+  writeColumn<uint32_t>(out, "visible/known/surface_share", known.pairs,
+                        [](const KnownPair& pair) { return pair.surface_share; });
   writeColumn<double>(out, "visible/known/exchange", known.pairs, [](const KnownPair& pair) { return pair.exchange; });
-  writeColumn<uint32_t>(out, "visible/known/directed/i", known.directed, [](const DirectedPair& pair) { return pair.i; });
-  writeColumn<uint32_t>(out, "visible/known/directed/j", known.directed, [](const DirectedPair& pair) { return pair.j; });
-  writeColumn<uint32_t>(out, "visible/known/directed/directions", known.directed, [](const DirectedPair& pair) { return pair.directions; });
-  writeColumn<uint32_t>(out, "visible/known/directed/resolution", known.directed, [](const DirectedPair& pair) { return pair.resolution; });
-  writeColumn<uint32_t>(out, "visible/known/directed/share", known.directed, [](const DirectedPair& pair) { return pair.share; });
-  writeColumn<uint32_t>(out, "visible/known/directed/line", known.directed, [](const DirectedPair& pair) { return pair.line; });
-  writeColumn<double>(out, "visible/known/directed/measure_area", known.directed, [](const DirectedPair& pair) { return pair.measure_area; });
-  writeColumn<double>(out, "visible/known/directed/count_area", known.directed, [](const DirectedPair& pair) { return pair.count_area; });
+  writeColumn<uint32_t>(out, "visible/known/directed/i", known.directed,
+                        [](const DirectedPair& pair) { return pair.i; });
+  writeColumn<uint32_t>(out, "visible/known/directed/j", known.directed,
+                        [](const DirectedPair& pair) { return pair.j; });
+  writeColumn<uint32_t>(out, "visible/known/directed/directions", known.directed,
+                        [](const DirectedPair& pair) { return pair.directions; });
+  writeColumn<uint32_t>(out, "visible/known/directed/resolution", known.directed,
+                        [](const DirectedPair& pair) { return pair.resolution; });
+  writeColumn<uint32_t>(out, "visible/known/directed/share", known.directed,
+                        [](const DirectedPair& pair) { return pair.share; });
+  writeColumn<uint32_t>(out, "visible/known/directed/line", known.directed,
+                        [](const DirectedPair& pair) { return pair.line; });
+  writeColumn<double>(out, "visible/known/directed/measure_area", known.directed,
+                      [](const DirectedPair& pair) { return pair.measure_area; });
+  writeColumn<double>(out, "visible/known/directed/count_area", known.directed,
+                      [](const DirectedPair& pair) { return pair.count_area; });
   const std::vector<ShareSum>& faces = sums.visible->byFace().pairs();
   out.write("visible/faces/replicate_count", std::vector<uint64_t>{sums.visible->byFace().replicateCount()});
   writeColumn<uint32_t>(out, "visible/faces/i", faces, [](const ShareSum& pair) { return pair.i; });
   writeColumn<uint32_t>(out, "visible/faces/j", faces, [](const ShareSum& pair) { return pair.j; });
   writeColumn<uint64_t>(out, "visible/faces/facing", faces, [](const ShareSum& pair) { return pair.facing; });
   writeColumn<uint64_t>(out, "visible/faces/blocked", faces, [](const ShareSum& pair) { return pair.blocked; });
-  writeWide(out, "visible/faces/facing_squared", faces, [&](const ShareSum& pair) { return sums.visible->byFace().squaresOf(pair).facing; });
-  writeWide(out, "visible/faces/product", faces, [&](const ShareSum& pair) { return sums.visible->byFace().squaresOf(pair).product; });
-  writeWide(out, "visible/faces/blocked_squared", faces, [&](const ShareSum& pair) { return sums.visible->byFace().squaresOf(pair).blocked; });
-  for (const auto& [name, controls] : {std::pair(std::string("visible/surfaces"), &sums.visible->surfaceControls()), {"visible/directed", &sums.visible->directed()}}) {
+  writeWide(out, "visible/faces/facing_squared", faces,
+            [&](const ShareSum& pair) { return sums.visible->byFace().squaresOf(pair).facing; });
+  writeWide(out, "visible/faces/product", faces,
+            [&](const ShareSum& pair) { return sums.visible->byFace().squaresOf(pair).product; });
+  writeWide(out, "visible/faces/blocked_squared", faces,
+            [&](const ShareSum& pair) { return sums.visible->byFace().squaresOf(pair).blocked; });
+  for (const auto& [name, controls] : {std::pair(std::string("visible/surfaces"), &sums.visible->surfaceControls()),
+                                       {"visible/directed", &sums.visible->directed()}}) {
     out.write(name + "/replicate_count", std::vector<uint64_t>{controls->replicateCount()});
     writeColumn<uint32_t>(out, name + "/i", controls->pairs(), [](const ControlSum& pair) { return pair.i; });
     writeColumn<uint32_t>(out, name + "/j", controls->pairs(), [](const ControlSum& pair) { return pair.j; });
     writeColumn<uint64_t>(out, name + "/line", controls->pairs(), [](const ControlSum& pair) { return pair.line; });
     writeWide(out, name + "/sum", controls->pairs(), [](const ControlSum& pair) { return pair.sum; });
-    writeWide(out, name + "/sum_of_squares", controls->pairs(), [](const ControlSum& pair) { return pair.sum_of_squares; });
+    writeWide(out, name + "/sum_of_squares", controls->pairs(),
+              [](const ControlSum& pair) { return pair.sum_of_squares; });
     writeWide(out, name + "/squares", controls->pairs(), [](const ControlSum& pair) { return pair.squares; });
   }
 }
@@ -146,7 +168,8 @@ void requireOrder(Hdf5Input& in, const std::string& group, const Pairs& pairs, u
   for (size_t k = 0; k < pairs.size(); ++k) {
     const auto [i, j] = keyOf(pairs[k]);
     const bool is_pair = i < count && i <= j && (j < count || j >= kEnvironment);
-    if (!is_pair || (k && keyOf(pairs[k - 1]) >= keyOf(pairs[k]))) in.refuse(fmt::format("its '{}' are out of order", group));
+    if (!is_pair || (k && keyOf(pairs[k - 1]) >= keyOf(pairs[k])))
+      in.refuse(fmt::format("its '{}' are out of order", group));
   }
 }
 
@@ -158,7 +181,8 @@ ControlSums readControlSums(Hdf5Input& in, const std::string& group, const Ids& 
   readColumn<uint64_t>(in, group + "/line", pairs, [](ControlSum& pair, uint64_t line) { pair.line = line; });
   readWide(in, group + "/sum", pairs, [&](ControlSum& pair, Wide wide) {
     pair.sum = static_cast<ControlSums::SignedWide>(wide);
-    if (pair.sum >= kMostControl || pair.sum <= -kMostControl) in.refuse(fmt::format("its '{}/sum' are larger than sums come to", group));
+    if (pair.sum >= kMostControl || pair.sum <= -kMostControl)
+      in.refuse(fmt::format("its '{}/sum' are larger than sums come to", group));
   });
   readWide(in, group + "/sum_of_squares", pairs, [](ControlSum& pair, Wide wide) { pair.sum_of_squares = wide; });
   readWide(in, group + "/squares", pairs, [](ControlSum& pair, Wide wide) { pair.squares = wide; });
@@ -174,11 +198,14 @@ ShareSums readShareSums(Hdf5Input& in, const std::string& group, const Ids& ids)
   readColumn<uint64_t>(in, group + "/facing", pairs, [](ShareSum& pair, uint64_t facing) { pair.facing = facing; });
   readColumn<uint64_t>(in, group + "/blocked", pairs, [](ShareSum& pair, uint64_t blocked) { pair.blocked = blocked; });
   std::vector<ShareSums::Squares> squares(pairs.size());
-  readWide(in, group + "/facing_squared", squares, [](ShareSums::Squares& of_pair, Wide wide) { of_pair.facing = wide; });
+  readWide(in, group + "/facing_squared", squares,
+           [](ShareSums::Squares& of_pair, Wide wide) { of_pair.facing = wide; });
   readWide(in, group + "/product", squares, [](ShareSums::Squares& of_pair, Wide wide) { of_pair.product = wide; });
-  readWide(in, group + "/blocked_squared", squares, [](ShareSums::Squares& of_pair, Wide wide) { of_pair.blocked = wide; });
+  readWide(in, group + "/blocked_squared", squares,
+           [](ShareSums::Squares& of_pair, Wide wide) { of_pair.blocked = wide; });
   for (const ShareSum& pair : pairs)
-    if (std::max(pair.facing, pair.blocked) >= kMostLines) in.refuse(fmt::format("its '{}' are larger than sums come to", group));
+    if (std::max(pair.facing, pair.blocked) >= kMostLines)
+      in.refuse(fmt::format("its '{}' are larger than sums come to", group));
   requireOrder(in, group, pairs, ids.count());
   return {ids, replicate_count, std::move(pairs), squares};
 }
@@ -195,24 +222,38 @@ std::optional<VisibleSums> readVisibleSums(Hdf5Input& in, const Ids& face_ids, c
     if (rank >= is_taken.size() || is_taken[rank]) in.refuse("its 'visible/ranks' are no order of its ids");
     is_taken[rank] = true;
   }
-  if (pairCount(known.ranks.size()) > kMostRowPairs) in.refuse("its 'visible/ranks' are of more ids than neighbours are looked at for");
-  if (!known.ranks.empty() && known.ranks.size() != face_ids.count()) in.refuse(fmt::format("its 'visible/ranks' has {} values for {}", known.ranks.size(), face_ids.count()));
+  if (pairCount(known.ranks.size()) > kMostRowPairs)
+    in.refuse("its 'visible/ranks' are of more ids than neighbours are looked at for");
+  if (!known.ranks.empty() && known.ranks.size() != face_ids.count())
+    in.refuse(fmt::format("its 'visible/ranks' has {} values for {}", known.ranks.size(), face_ids.count()));
   for (uint32_t i : in.read<uint32_t>("visible/known/i")) known.pairs.push_back({i, 0});
   readColumn<uint32_t>(in, "visible/known/j", known.pairs, [](KnownPair& pair, uint32_t j) { pair.j = j; });
-  readColumn<uint32_t>(in, "visible/known/share", known.pairs, [](KnownPair& pair, uint32_t share) { pair.share = share; });
-  readColumn<uint32_t>(in, "visible/known/surface_share", known.pairs, [](KnownPair& pair, uint32_t share) { pair.surface_share = share; });
-  readColumn<double>(in, "visible/known/exchange", known.pairs, [](KnownPair& pair, double exchange) { pair.exchange = exchange; });
+  readColumn<uint32_t>(in, "visible/known/share", known.pairs,
+                       [](KnownPair& pair, uint32_t share) { pair.share = share; });
+  readColumn<uint32_t>(in, "visible/known/surface_share", known.pairs,
+                       [](KnownPair& pair, uint32_t share) { pair.surface_share = share; });
+  readColumn<double>(in, "visible/known/exchange", known.pairs,
+                     [](KnownPair& pair, double exchange) { pair.exchange = exchange; });
   requireOrder(in, "visible/known", known.pairs, face_ids.count());
-  const bool are_shares = std::ranges::all_of(known.pairs, [](const KnownPair& pair) { return pair.share <= kShareOne && pair.surface_share <= kShareOne && pair.exchange >= 0; });
+  const bool are_shares = std::ranges::all_of(known.pairs, [](const KnownPair& pair) {
+    return pair.share <= kShareOne && pair.surface_share <= kShareOne && pair.exchange >= 0;
+  });
   if (!are_shares) in.refuse("its 'visible/known' are no shares of exchange areas");
   for (uint32_t i : in.read<uint32_t>("visible/known/directed/i")) known.directed.push_back({i, 0});
-  readColumn<uint32_t>(in, "visible/known/directed/j", known.directed, [](DirectedPair& pair, uint32_t j) { pair.j = j; });
-  readColumn<uint32_t>(in, "visible/known/directed/directions", known.directed, [](DirectedPair& pair, uint32_t directions) { pair.directions = directions; });
-  readColumn<uint32_t>(in, "visible/known/directed/resolution", known.directed, [](DirectedPair& pair, uint32_t resolution) { pair.resolution = resolution; });
-  readColumn<uint32_t>(in, "visible/known/directed/share", known.directed, [](DirectedPair& pair, uint32_t share) { pair.share = share; });
-  readColumn<uint32_t>(in, "visible/known/directed/line", known.directed, [](DirectedPair& pair, uint32_t line) { pair.line = line; });
-  readColumn<double>(in, "visible/known/directed/measure_area", known.directed, [](DirectedPair& pair, double area) { pair.measure_area = area; });
-  readColumn<double>(in, "visible/known/directed/count_area", known.directed, [](DirectedPair& pair, double area) { pair.count_area = area; });
+  readColumn<uint32_t>(in, "visible/known/directed/j", known.directed,
+                       [](DirectedPair& pair, uint32_t j) { pair.j = j; });
+  readColumn<uint32_t>(in, "visible/known/directed/directions", known.directed,
+                       [](DirectedPair& pair, uint32_t directions) { pair.directions = directions; });
+  readColumn<uint32_t>(in, "visible/known/directed/resolution", known.directed,
+                       [](DirectedPair& pair, uint32_t resolution) { pair.resolution = resolution; });
+  readColumn<uint32_t>(in, "visible/known/directed/share", known.directed,
+                       [](DirectedPair& pair, uint32_t share) { pair.share = share; });
+  readColumn<uint32_t>(in, "visible/known/directed/line", known.directed,
+                       [](DirectedPair& pair, uint32_t line) { pair.line = line; });
+  readColumn<double>(in, "visible/known/directed/measure_area", known.directed,
+                     [](DirectedPair& pair, double area) { pair.measure_area = area; });
+  readColumn<double>(in, "visible/known/directed/count_area", known.directed,
+                     [](DirectedPair& pair, double area) { pair.count_area = area; });
   requireOrder(in, "visible/known/directed", known.directed, face_ids.count());
   const bool are_known = std::ranges::all_of(known.directed, [&](const DirectedPair& pair) {
     return pair.j < kEnvironment && pair.directions > 0 && pair.share <= kShareOne &&
@@ -221,7 +262,8 @@ std::optional<VisibleSums> readVisibleSums(Hdf5Input& in, const Ids& face_ids, c
   if (!are_known) in.refuse("its 'visible/known/directed' are none of its pairs");
   const By by = readOne<uint8_t>(in, "visible/by_surface") ? By::surface : By::polygon;
   ShareSums by_face = readShareSums(in, "visible/faces", face_ids);
-  ControlSums by_surface = readControlSums(in, "visible/surfaces", surface_ids), directed = readControlSums(in, "visible/directed", face_ids);
+  ControlSums by_surface = readControlSums(in, "visible/surfaces", surface_ids),
+              directed = readControlSums(in, "visible/directed", face_ids);
   return VisibleSums(by, std::move(known), std::move(by_face), std::move(by_surface), std::move(directed));
 }
 
@@ -230,7 +272,8 @@ std::vector<EmptyRow> readEmptyRows(Hdf5Input& in, const std::string& group, uin
   std::vector<EmptyRow> empty_rows;
   if (!in.has(group + "/empty_rows")) return empty_rows;
   for (uint32_t row : in.read<uint32_t>(group + "/empty_rows")) empty_rows.push_back({row, {}});
-  readColumn<std::string>(in, group + "/empty_names", empty_rows, [](EmptyRow& empty, const std::string& name) { empty.name = name; });
+  readColumn<std::string>(in, group + "/empty_names", empty_rows,
+                          [](EmptyRow& empty, const std::string& name) { empty.name = name; });
   for (size_t k = 0; k < empty_rows.size(); ++k)
     if (empty_rows[k].row >= id_count + empty_rows.size() || (k > 0 && empty_rows[k].row <= empty_rows[k - 1].row))
       in.refuse(fmt::format("its '{}/empty_rows' are not among its rows", group));
@@ -243,9 +286,11 @@ ReplicateSums readReplicateSums(Hdf5Input& in, const std::string& group) {
   ids.areas.resize(ids.count());
   ids.surface.resize(ids.count());
   readColumn<double>(in, group + "/areas", ids.areas, [](double& area, double stored) { area = stored; });
-  readColumn<uint32_t>(in, group + "/surfaces", ids.surface, [](uint32_t& surface, uint32_t stored) { surface = stored; });
+  readColumn<uint32_t>(in, group + "/surfaces", ids.surface,
+                       [](uint32_t& surface, uint32_t stored) { surface = stored; });
   for (uint8_t asked : in.read<uint8_t>(group + "/asked")) ids.asked.push_back(asked);
-  if (!ids.asked.empty() && ids.asked.size() != ids.count()) in.refuse(fmt::format("its '{}/asked' has {} values for {}", group, ids.asked.size(), ids.count()));
+  if (!ids.asked.empty() && ids.asked.size() != ids.count())
+    in.refuse(fmt::format("its '{}/asked' has {} values for {}", group, ids.asked.size(), ids.count()));
   ids.splits_surfaces = readOne<uint8_t>(in, group + "/splits_surfaces");
   ids.rows_sum_to_one = readOne<uint8_t>(in, group + "/rows_sum_to_one");
   ids.two_sided = readOne<uint8_t>(in, group + "/two_sided");
@@ -264,7 +309,8 @@ ReplicateSums readReplicateSums(Hdf5Input& in, const std::string& group) {
 }  // namespace
 
 std::optional<std::string> findSetting(const Settings& settings, const std::string& name) {
-  const auto at = std::ranges::find(settings, name, [](const auto& setting) -> const std::string& { return setting.first; });
+  const auto at =
+      std::ranges::find(settings, name, [](const auto& setting) -> const std::string& { return setting.first; });
   if (at == settings.end()) return {};
   return at->second;
 }
@@ -274,7 +320,8 @@ void writeCheckpoint(const Settings& settings, const RunSums& sums, const std::f
   out.write("format", std::vector<uint64_t>{kFormat});
   writeColumn<std::string>(out, "settings/names", settings, [](const auto& setting) { return setting.first; });
   writeColumn<std::string>(out, "settings/values", settings, [](const auto& setting) { return setting.second; });
-  writeColumn<uint64_t>(out, "replicates/first", sums.replicates, [](const ReplicateRange& range) { return range.first; });
+  writeColumn<uint64_t>(out, "replicates/first", sums.replicates,
+                        [](const ReplicateRange& range) { return range.first; });
   writeColumn<uint64_t>(out, "replicates/end", sums.replicates, [](const ReplicateRange& range) { return range.end; });
   out.write("directions", std::vector<uint64_t>{sums.directions});
   out.write("measure_area", std::vector<double>{sums.measure_area});
@@ -282,18 +329,21 @@ void writeCheckpoint(const Settings& settings, const RunSums& sums, const std::f
   writeReplicateSums(out, "by_surface", sums.by_surface);
   writeVisibleSums(out, sums);
   const std::vector<char> bytes = out.finish();
-  writeFile(file, [&](std::ostream& stream) { stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size())); });
+  writeFile(file,
+            [&](std::ostream& stream) { stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size())); });
 }
 
 Checkpoint readCheckpoint(const std::filesystem::path& file) {
   Hdf5Input in(file);
   const auto format = readOne<uint64_t>(in, "format");
   if (format != kFormat)
-    throw Error(ErrorCode::bad_input, fmt::format("{}: a checkpoint of format {}, not {}; go on with the viewpeel that wrote it, or start afresh with another file",
+    throw Error(ErrorCode::bad_input, fmt::format("{}: a checkpoint of format {}, not {}; go on with the viewpeel that "
+                                                  "wrote it, or start afresh with another file",
                                                   file.string(), format, kFormat));
   Settings settings;
   for (const std::string& name : in.read<std::string>("settings/names")) settings.push_back({name, {}});
-  readColumn<std::string>(in, "settings/values", settings, [](auto& setting, const std::string& value) { setting.second = value; });
+  readColumn<std::string>(in, "settings/values", settings,
+                          [](auto& setting, const std::string& value) { setting.second = value; });
   std::vector<ReplicateRange> replicates;
   for (uint64_t first : in.read<uint64_t>("replicates/first")) replicates.push_back({first, 0});
   readColumn<uint64_t>(in, "replicates/end", replicates, [](ReplicateRange& range, uint64_t end) { range.end = end; });
@@ -301,20 +351,28 @@ Checkpoint readCheckpoint(const std::filesystem::path& file) {
   const auto measure_area = readOne<double>(in, "measure_area");
   ReplicateSums by_id = readReplicateSums(in, "by_id"), by_surface = readReplicateSums(in, "by_surface");
   for (const ReplicateSums* sums : {&by_id, &by_surface})
-    if (std::ranges::any_of(sums->ids().surface, [&](uint32_t surface) { return surface >= by_surface.ids().count(); })) in.refuse("its ids are of surfaces that it does not have");
+    if (std::ranges::any_of(sums->ids().surface, [&](uint32_t surface) { return surface >= by_surface.ids().count(); }))
+      in.refuse("its ids are of surfaces that it does not have");
   std::optional<VisibleSums> visible = readVisibleSums(in, by_id.ids(), by_surface.ids());
-  Checkpoint checkpoint{std::move(settings), {std::move(by_id), std::move(by_surface), std::move(replicates), directions, measure_area, std::move(visible)}};
+  Checkpoint checkpoint{
+      std::move(settings),
+      {std::move(by_id), std::move(by_surface), std::move(replicates), directions, measure_area, std::move(visible)}};
   if (!checkpoint.sums.isWhole()) in.refuse("its replicates are not those it has sums of");
   return checkpoint;
 }
 
 void requireSameSettings(const Settings& expected, const Settings& found, const std::filesystem::path& file) {
-  const auto valueOf = [](const Settings& settings, const std::string& name) { return findSetting(settings, name).value_or("not set"); };
+  const auto valueOf = [](const Settings& settings, const std::string& name) {
+    return findSetting(settings, name).value_or("not set");
+  };
   for (const Settings* settings : {&expected, &found})
     for (const auto& [name, ignored] : *settings)
       if (valueOf(expected, name) != valueOf(found, name))
-        throw Error(ErrorCode::bad_usage, fmt::format("{}: a checkpoint of another run: {} is '{}' there, '{}' here; ask for the same, or take another file",
-                                                      file.string(), name, valueOf(found, name), valueOf(expected, name)));
+        throw Error(
+            ErrorCode::bad_usage,
+            fmt::format(
+                "{}: a checkpoint of another run: {} is '{}' there, '{}' here; ask for the same, or take another file",
+                file.string(), name, valueOf(found, name), valueOf(expected, name)));
 }
 
 Checkpoint mergeCheckpoints(const std::vector<std::filesystem::path>& files) {
@@ -324,18 +382,26 @@ Checkpoint mergeCheckpoints(const std::vector<std::filesystem::path>& files) {
     requireSameSettings(merged.settings, other.settings, files[k]);
     const ReplicateRange shared = findShared(merged.sums.replicates, other.sums.replicates);
     if (shared.first < shared.end)
-      throw Error(ErrorCode::bad_usage, fmt::format("{}: replicates {} to {} are in a file before it, too; take each of them once", files[k].string(), shared.first,
-                                                    shared.end - 1));
-    if (other.sums.by_id.ids().areas != merged.sums.by_id.ids().areas || other.sums.by_surface.ids().areas != merged.sums.by_surface.ids().areas ||
+      throw Error(ErrorCode::bad_usage,
+                  fmt::format("{}: replicates {} to {} are in a file before it, too; take each of them once",
+                              files[k].string(), shared.first, shared.end - 1));
+    if (other.sums.by_id.ids().areas != merged.sums.by_id.ids().areas ||
+        other.sums.by_surface.ids().areas != merged.sums.by_surface.ids().areas ||
         other.sums.measure_area != merged.sums.measure_area)
-      throw Error(ErrorCode::bad_usage, fmt::format("{}: areas are not those of {}, though the settings are the same; were they made by one build of viewpeel?",
+      throw Error(ErrorCode::bad_usage, fmt::format("{}: areas are not those of {}, though the settings are the same; "
+                                                    "were they made by one build of viewpeel?",
                                                     files[k].string(), files.front().string()));
-    if (other.sums.visible.has_value() != merged.sums.visible.has_value() || (merged.sums.visible && !merged.sums.visible->goesWith(*other.sums.visible)))
-      throw Error(ErrorCode::bad_usage, fmt::format("{}: its closed forms have other visible shares than {}, though the settings are the same; were they made by one build of viewpeel?",
-                                                    files[k].string(), files.front().string()));
+    if (other.sums.visible.has_value() != merged.sums.visible.has_value() ||
+        (merged.sums.visible && !merged.sums.visible->goesWith(*other.sums.visible)))
+      throw Error(ErrorCode::bad_usage,
+                  fmt::format("{}: its closed forms have other visible shares than {}, though the settings are the "
+                              "same; were they made by one build of viewpeel?",
+                              files[k].string(), files.front().string()));
     if (merged.sums.visible && !merged.sums.visible->directsAs(*other.sums.visible))
-      throw Error(ErrorCode::bad_usage, fmt::format("{}: other pairs have directions of their own than in {}, for it had another goal; give all parts of a run the same goal and --replicates",
-                                                    files[k].string(), files.front().string()));
+      throw Error(ErrorCode::bad_usage,
+                  fmt::format("{}: other pairs have directions of their own than in {}, for it had another goal; give "
+                              "all parts of a run the same goal and --replicates",
+                              files[k].string(), files.front().string()));
     merged.sums.add(other.sums);
   }
   return merged;
@@ -343,7 +409,8 @@ Checkpoint mergeCheckpoints(const std::vector<std::filesystem::path>& files) {
 
 std::string describeReplicates(const std::vector<ReplicateRange>& replicates) {
   std::string text;
-  for (const ReplicateRange& range : replicates) text += fmt::format("{}{} to {}", text.empty() ? "" : ", ", range.first, range.end - 1);
+  for (const ReplicateRange& range : replicates)
+    text += fmt::format("{}{} to {}", text.empty() ? "" : ", ", range.first, range.end - 1);
   return text;
 }
 

@@ -21,8 +21,10 @@ bool FileLock::take(const std::filesystem::path& file) {
 }
 
 bool FileLock::isOn(const std::filesystem::path& file) const {
-  struct stat mine {}, there {};
-  return opened_ >= 0 && ::fstat(opened_, &mine) == 0 && ::stat(file.c_str(), &there) == 0 && mine.st_dev == there.st_dev && mine.st_ino == there.st_ino;
+  struct stat mine {
+  }, there{};
+  return opened_ >= 0 && ::fstat(opened_, &mine) == 0 && ::stat(file.c_str(), &there) == 0 &&
+         mine.st_dev == there.st_dev && mine.st_ino == there.st_ino;
 }
 
 void FileLock::release() {

@@ -76,7 +76,9 @@ class CheckSum {
       hash_.add(word);
     }
   }
-  std::array<char, kCheckSumBytes> bytes() const { return std::bit_cast<std::array<char, kCheckSumBytes>>(hash_.value()); }
+  std::array<char, kCheckSumBytes> bytes() const {
+    return std::bit_cast<std::array<char, kCheckSumBytes>>(hash_.value());
+  }
 
  private:
   Hash hash_;
@@ -97,7 +99,8 @@ bool endsInCheckSum(std::istream& file, uint64_t size) {
 }
 
 [[noreturn]] void failToWrite(const std::string& what) {
-  throw Error(ErrorCode::limit, fmt::format("HDF5 cannot make {} of a checkpoint, for want of memory it seems; try --by surface", what));
+  throw Error(ErrorCode::limit,
+              fmt::format("HDF5 cannot make {} of a checkpoint, for want of memory it seems; try --by surface", what));
 }
 
 // The groups on the way to a column: without times, which HDF5 would give those that it makes itself.
@@ -106,7 +109,8 @@ void makeGroups(hid_t file, const std::string& name) {
   H5Pset_obj_track_times(creation, false);
   for (size_t slash = name.find('/'); slash != std::string::npos; slash = name.find('/', slash + 1)) {
     const std::string group = name.substr(0, slash);
-    if (H5Lexists(file, group.c_str(), H5P_DEFAULT) == 0) const Handle made(H5Gcreate2(file, group.c_str(), H5P_DEFAULT, creation, H5P_DEFAULT), H5Gclose);
+    if (H5Lexists(file, group.c_str(), H5P_DEFAULT) == 0)
+      const Handle made(H5Gcreate2(file, group.c_str(), H5P_DEFAULT, creation, H5P_DEFAULT), H5Gclose);
   }
 }
 
@@ -143,7 +147,8 @@ void Hdf5Output::write(const std::string& name, const std::vector<T>& values) {
     size_t width = 1;
     for (const std::string& text : values) width = std::max(width, text.size());
     std::vector<char> padded(values.size() * width, '\0');
-    for (size_t k = 0; k < values.size(); ++k) std::copy(values[k].begin(), values[k].end(), padded.begin() + static_cast<std::ptrdiff_t>(k * width));
+    for (size_t k = 0; k < values.size(); ++k)
+      std::copy(values[k].begin(), values[k].end(), padded.begin() + static_cast<std::ptrdiff_t>(k * width));
     const Handle type = stringType(width);
     written = writeColumn(id_, name, type, type, values.size(), padded.data());
   } else {
@@ -169,7 +174,8 @@ Hdf5Input::Hdf5Input(const std::filesystem::path& file) : file_(file) {
   errno = 0;
   std::ifstream stream(file, std::ios::binary);
   if (!stream || std::filesystem::is_directory(file))
-    throw Error(ErrorCode::bad_input, fmt::format("{}: cannot be read: {}; check the name", file.string(), errno ? std::strerror(errno) : "it is a directory"));
+    throw Error(ErrorCode::bad_input, fmt::format("{}: cannot be read: {}; check the name", file.string(),
+                                                  errno ? std::strerror(errno) : "it is a directory"));
   if (!endsInCheckSum(stream, std::filesystem::file_size(file))) refuse("it is another file, cut off or damaged");
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_file_locking(access, false, true);  // not every file system can
@@ -191,14 +197,17 @@ std::vector<T> Hdf5Input::read(const std::string& name) {
   const size_t width = H5Tget_size(stored);
   const bool type_fits = is_text ? H5Tget_class(stored) == H5T_STRING && H5Tis_variable_str(stored) == 0 && width > 0
                                  : H5Tequal(stored, typeOf<std::conditional_t<is_text, double, T>>().stored) > 0;
-  const bool shape_fits = H5Sget_simple_extent_ndims(space) == 1 && H5Sget_simple_extent_dims(space, &count, nullptr) == 1;
-  if (!type_fits || !shape_fits || count > std::filesystem::file_size(file_) / width) refuse(fmt::format("its '{}' is of another kind", name));
+  const bool shape_fits =
+      H5Sget_simple_extent_ndims(space) == 1 && H5Sget_simple_extent_dims(space, &count, nullptr) == 1;
+  if (!type_fits || !shape_fits || count > std::filesystem::file_size(file_) / width)
+    refuse(fmt::format("its '{}' is of another kind", name));
   std::vector<T> values(count);
   bool is_read;
   if constexpr (is_text) {
     std::vector<char> padded(count * width);
     is_read = H5Dread(column, stringType(width), H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()) >= 0;
-    for (size_t k = 0; k < count; ++k) values[k].assign(padded.data() + k * width, strnlen(padded.data() + k * width, width));
+    for (size_t k = 0; k < count; ++k)
+      values[k].assign(padded.data() + k * width, strnlen(padded.data() + k * width, width));
   } else {
     is_read = H5Dread(column, typeOf<T>().native, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) >= 0;
   }
@@ -207,7 +216,9 @@ std::vector<T> Hdf5Input::read(const std::string& name) {
 }
 
 void Hdf5Input::refuse(const std::string& reason) const {
-  throw Error(ErrorCode::bad_input, fmt::format("{}: not a whole checkpoint: {}; take another, or remove it and start afresh", file_.string(), reason));
+  throw Error(ErrorCode::bad_input,
+              fmt::format("{}: not a whole checkpoint: {}; take another, or remove it and start afresh", file_.string(),
+                          reason));
 }
 
 template void Hdf5Output::write(const std::string&, const std::vector<uint8_t>&);

@@ -1,5 +1,6 @@
-// HDF5 files of flat columns, followed by a check sum of all bytes, 8 of them, little-endian: readers of HDF5 do not look there, and what is
-// cut off or damaged never gets to HDF5, which does not always survive it. Nor does it survive a full disk: files are made in memory.
+// HDF5 files of flat columns, followed by a check sum of all bytes, 8 of them, little-endian: readers of HDF5 do not
+// look there, and what is cut off or damaged never gets to HDF5, which does not always survive it. Nor does it survive
+// a full disk: files are made in memory.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -20,8 +21,8 @@ class Hdf5Silence {
   void* print_data_ = nullptr;
 };
 
-// Makes a file in memory. Columns are of uint8_t, uint32_t, uint64_t, double or std::string (all as wide as the longest). The same columns make
-// the same bytes.
+// Makes a file in memory. Columns are of uint8_t, uint32_t, uint64_t, double or std::string (all as wide as the
+// longest). The same columns make the same bytes.
 class Hdf5Output {
  public:
   Hdf5Output();

@@ -21,8 +21,8 @@ constexpr size_t kBlockBytes = 4096;  // of a file system
   throw Error(code, fmt::format("{}: cannot write: {}; choose another place", file.string(), reason));
 }
 
-// Waits until the disk has what was written to the file, or the names in the folder. Returns errno; file systems that cannot say EINVAL,
-// folders that may be written but not read EACCES: that is as much as can be had.
+// Waits until the disk has what was written to the file, or the names in the folder. Returns errno; file systems that
+// cannot say EINVAL, folders that may be written but not read EACCES: that is as much as can be had.
 int waitForDisk(const fs::path& file) {
   const int opened = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
   const int number = opened >= 0 && ::fsync(opened) == 0 ? 0 : errno;
@@ -52,14 +52,16 @@ void writeFile(const fs::path& file, const std::function<void(std::ostream&)>& w
     fs::remove(temporary, ignored);
     throw;
   }
-  if (const int number = waitForDisk(file.has_parent_path() ? file.parent_path() : ".")) refuse(file, std::strerror(number));
+  if (const int number = waitForDisk(file.has_parent_path() ? file.parent_path() : "."))
+    refuse(file, std::strerror(number));
 }
 
 void checkWritable(const fs::path& file) {
   std::error_code failure;
   const fs::file_status status = fs::status(file, failure);
   if (fs::is_directory(status)) refuse(file, "it is a directory", ErrorCode::bad_usage);
-  if (fs::exists(status) && !fs::is_regular_file(status)) refuse(file, "it is not a regular file", ErrorCode::bad_usage);
+  if (fs::exists(status) && !fs::is_regular_file(status))
+    refuse(file, "it is not a regular file", ErrorCode::bad_usage);
   const fs::path temporary = temporaryName(file);
   errno = 0;
   std::ofstream out(temporary, std::ios::binary | std::ios::trunc);

@@ -5,12 +5,13 @@
 
 namespace viewpeel {
 
-// Writes to a temporary name beside `file`, has the disk keep that, and renames it: `file` is at any time, after a power cut too, either whole
-// or untouched. What ends the program meanwhile leaves the temporary file, FILE.PID.part.
+// Writes to a temporary name beside `file`, has the disk keep that, and renames it: `file` is at any time, after a
+// power cut too, either whole or untouched. What ends the program meanwhile leaves the temporary file, FILE.PID.part.
 //   Throws: Error output, naming the file and the system's reason.
 void writeFile(const std::filesystem::path& file, const std::function<void(std::ostream&)>& write);
 
-// Finds before a long computation that writeFile could not work: missing folder, a directory in the way, no permission, a full disk.
+// Finds before a long computation that writeFile could not work: missing folder, a directory in the way, no permission,
+// a full disk.
 //   Throws: Error bad_usage, naming the file and the system's reason.
 void checkWritable(const std::filesystem::path& file);
 

@@ -11,7 +11,8 @@ namespace {
 bool isMatrixMarket(const std::filesystem::path& file) {
   if (file.extension() == ".csv") return false;
   if (file.extension() == ".mtx") return true;
-  throw Error(ErrorCode::bad_usage, fmt::format("{}: unknown output format; use a name that ends in .csv or .mtx", file.string()));
+  throw Error(ErrorCode::bad_usage,
+              fmt::format("{}: unknown output format; use a name that ends in .csv or .mtx", file.string()));
 }
 
 std::string quoteName(const std::string& name) {
@@ -50,15 +51,19 @@ void writeMatrixMarket(const FormFactors& form_factors, std::ostream& out, const
   const Ids& ids = form_factors.ids();
   uint64_t nonzeros = 0;
   forEachEntry(form_factors, [&](uint32_t, uint32_t j, const Measured&) { nonzeros += j < kEnvironment; });
-  fmt::print(out, "%%MatrixMarket matrix coordinate real general\n% {}; per row: number, area, environment share, name\n", what);
+  fmt::print(out,
+             "%%MatrixMarket matrix coordinate real general\n% {}; per row: number, area, environment share, name\n",
+             what);
   const std::vector<uint32_t> rows = ids.rows();
   auto empty = ids.empty_rows.begin();
   const auto writeEmptyBefore = [&](uint32_t row) {
-    for (; empty != ids.empty_rows.end() && empty->row < row; ++empty) fmt::print(out, "% {} 0 0 {}\n", empty->row + 1, empty->name);
+    for (; empty != ids.empty_rows.end() && empty->row < row; ++empty)
+      fmt::print(out, "% {} 0 0 {}\n", empty->row + 1, empty->name);
   };
   for (uint32_t i = 0; i < ids.count(); ++i) {
     writeEmptyBefore(rows[i]);
-    fmt::print(out, "% {} {} {} {}\n", rows[i] + 1, ids.areas[i], form_factors.formFactor(i, kEnvironment).value, ids.names[i]);
+    fmt::print(out, "% {} {} {} {}\n", rows[i] + 1, ids.areas[i], form_factors.formFactor(i, kEnvironment).value,
+               ids.names[i]);
   }
   writeEmptyBefore(ids.rowCount());
   fmt::print(out, "{} {} {}\n", ids.rowCount(), ids.rowCount(), nonzeros);
@@ -73,7 +78,9 @@ void writeFormFactors(const FormFactors& form_factors, const std::filesystem::pa
     return;
   }
   writeFile(file, [&](std::ostream& out) { writeMatrixMarket(form_factors, out); });
-  if (closed) writeFile(filesOf(file, true)[1], [&](std::ostream& out) { writeMatrixMarket(*closed, out, "closed form factors"); });
+  if (closed)
+    writeFile(filesOf(file, true)[1],
+              [&](std::ostream& out) { writeMatrixMarket(*closed, out, "closed form factors"); });
 }
 
 std::vector<std::filesystem::path> filesOf(const std::filesystem::path& file, bool with_closure) {
@@ -83,7 +90,9 @@ std::vector<std::filesystem::path> filesOf(const std::filesystem::path& file, bo
 
 void checkOutput(const std::filesystem::path& file, bool with_closure) {
   if (with_closure && isMatrixMarket(file) && file.stem().extension() == ".closed")
-    throw Error(ErrorCode::bad_usage, fmt::format("{}: --closure takes names that end in .closed.mtx itself; use another one", file.string()));
+    throw Error(
+        ErrorCode::bad_usage,
+        fmt::format("{}: --closure takes names that end in .closed.mtx itself; use another one", file.string()));
   isMatrixMarket(file);
   for (const std::filesystem::path& written : filesOf(file, with_closure)) checkWritable(written);
 }

@@ -1,9 +1,11 @@
-// With one multiplier y_i per row the conditions of the minimum are x_ij(y) = max(0, c_ij + w_ij (y_i + y_j)) and sum_j x_ij(y) = A_i: the gradient of
+// With one multiplier y_i per row the conditions of the minimum are x_ij(y) = max(0, c_ij + w_ij (y_i + y_j)) and sum_j
+// x_ij(y) = A_i: the gradient of
 //     phi(y) = 1/2 sum_ij x_ij(y)^2 / w_ij - sum_i A_i y_i
-// vanishes, which is convex, once differentiable and piecewise quadratic. (i = j: y_i in place of y_i + y_j.) It is minimised by Newton's
-// method with the Hessian of the present piece, regularised by the present error since it may be singular (two plates that see nothing else),
-// solved by conjugate gradients to that error, and Armijo's rule: the dual Newton method of H. Qi & D. Sun, A quadratically convergent Newton method
-// for computing the nearest correlation matrix, SIAM J. Matrix Anal. Appl. 28(2), 2006, 360-385, for rows in place of a diagonal.
+// vanishes, which is convex, once differentiable and piecewise quadratic. (i = j: y_i in place of y_i + y_j.) It is
+// minimised by Newton's method with the Hessian of the present piece, regularised by the present error since it may be
+// singular (two plates that see nothing else), solved by conjugate gradients to that error, and Armijo's rule: the dual
+// Newton method of H. Qi & D. Sun, A quadratically convergent Newton method for computing the nearest correlation
+// matrix, SIAM J. Matrix Anal. Appl. 28(2), 2006, 360-385, for rows in place of a diagonal.
 #include <viewpeel/closure.h>
 
 #include <algorithm>
@@ -39,8 +41,11 @@ double weightOf(const Entry& entry) {
 class Dual {
  public:
   explicit Dual(const FormFactors& measured)
-      : entries_(measured.entries()), ids_(measured.ids()), areas_(Eigen::Map<const VectorXd>(ids_.areas.data(), ids_.count())),
-        row_weights_(VectorXd::Zero(ids_.count())), hessian_(ids_.count(), ids_.count()) {
+      : entries_(measured.entries()),
+        ids_(measured.ids()),
+        areas_(Eigen::Map<const VectorXd>(ids_.areas.data(), ids_.count())),
+        row_weights_(VectorXd::Zero(ids_.count())),
+        hessian_(ids_.count(), ids_.count()) {
     for (const Entry& entry : entries_) {
       weights_.push_back(weightOf(entry));
       addToRows(row_weights_, entry, weights_.back());
@@ -66,7 +71,9 @@ class Dual {
   }
 
  private:
-  static double sumOfRows(const VectorXd& y, const Entry& pair) { return pair.i == pair.j ? y[pair.i] : y[pair.i] + y[pair.j]; }
+  static double sumOfRows(const VectorXd& y, const Entry& pair) {
+    return pair.i == pair.j ? y[pair.i] : y[pair.i] + y[pair.j];
+  }
   static void addToRows(VectorXd& rows, const Entry& entry, double value) {
     if (entry.j >= kEnvironment) return;
     rows[entry.i] += value;
@@ -76,7 +83,11 @@ class Dual {
   void refuseEmptyRows() const {
     for (uint32_t i = 0; i < ids_.count(); ++i)
       if (row_weights_[i] == 0)
-        throw Error(ErrorCode::bad_input, fmt::format("closure: no line from '{}' to any polygon was counted; use more --directions or a finer --resolution", ids_.names[i]));
+        throw Error(
+            ErrorCode::bad_input,
+            fmt::format(
+                "closure: no line from '{}' to any polygon was counted; use more --directions or a finer --resolution",
+                ids_.names[i]));
   }
 
   Point evaluate(VectorXd y) const {
@@ -89,7 +100,8 @@ class Dual {
     return at;
   }
 
-  // Armijo's rule. Changes of phi are summed term by term from the step itself: near the minimum they are far below the rounding of phi.
+  // Armijo's rule. Changes of phi are summed term by term from the step itself: near the minimum they are far below the
+  // rounding of phi.
   bool decreases(const Point& at, const Point& next, const VectorXd& direction, double length, double slope) const {
     double change = 0, size = 0;
     const auto add = [&](double term) {
@@ -98,7 +110,8 @@ class Dual {
     };
     for (size_t k = 0; k < entries_.size(); ++k) {
       if (weights_[k] == 0) continue;
-      const double moved = at.x[k] > 0 && next.x[k] > 0 ? length * sumOfRows(direction, entries_[k]) : (next.x[k] - at.x[k]) / weights_[k];
+      const double moved = at.x[k] > 0 && next.x[k] > 0 ? length * sumOfRows(direction, entries_[k])
+                                                        : (next.x[k] - at.x[k]) / weights_[k];
       add(moved * (next.x[k] + at.x[k]) / 2);
     }
     for (Eigen::Index i = 0; i < areas_.size(); ++i) add(-areas_[i] * length * direction[i]);
@@ -119,7 +132,8 @@ class Dual {
     hessian_.finalize();
   }
 
-  // Solves (H + inexactness D) d = -residual, D the row sums of w, in variables scaled by D^(1/2): H's entries are w_ij where x_ij > 0.
+  // Solves (H + inexactness D) d = -residual, D the row sums of w, in variables scaled by D^(1/2): H's entries are w_ij
+  // where x_ij > 0.
   VectorXd findDirection(const Point& at, double inexactness) {
     VectorXd diagonal = inexactness * row_weights_;
     for (size_t k = 0; k < entries_.size(); ++k)
@@ -130,7 +144,8 @@ class Dual {
     for (uint32_t i = 0; i < ids_.count(); ++i) {
       *value++ = diagonal[i] * scale[i] * scale[i];
       for (; k < entries_.size() && entries_[k].i == i; ++k)
-        if (entries_[k].j < kEnvironment && entries_[k].j != i) *value++ = at.x[k] > 0 ? weights_[k] * scale[i] * scale[entries_[k].j] : 0;
+        if (entries_[k].j < kEnvironment && entries_[k].j != i)
+          *value++ = at.x[k] > 0 ? weights_[k] * scale[i] * scale[entries_[k].j] : 0;
     }
     Eigen::ConjugateGradient<Eigen::SparseMatrix<double, Eigen::RowMajor>, Eigen::Upper> solver(hessian_);
     solver.setTolerance(std::max(1e-6, inexactness));
@@ -138,8 +153,9 @@ class Dual {
     return scale.cwiseProduct(solver.solve(right_side));
   }
 
-  // No x exists if and only if a set of rows is larger in area than all rows it was met with. y then grows without bound along a direction
-  // d with d_i + d_j <= 0 for every pair, and one of the sets of rows with the largest y is such a set.
+  // No x exists if and only if a set of rows is larger in area than all rows it was met with. y then grows without
+  // bound along a direction d with d_i + d_j <= 0 for every pair, and one of the sets of rows with the largest y is
+  // such a set.
   void refuseImpossible(const VectorXd& y) const {
     const uint32_t n = ids_.count();
     std::vector<uint32_t> rows(n), rank(n), joins(n, n);
@@ -159,8 +175,10 @@ class Dual {
       area += areas_[rows[k]];
       met_area += joining_area[k];
       if (area > met_area * (1 + 2 * kClosureTolerance))
-        throw Error(ErrorCode::bad_input, fmt::format("closure: '{}'{} of area {:.6g} met only rows of area {:.6g}; use more --directions or a finer --resolution",
-                                                      ids_.names[rows[0]], k ? fmt::format(" and {} more rows", k) : "", area, met_area));
+        throw Error(ErrorCode::bad_input,
+                    fmt::format("closure: '{}'{} of area {:.6g} met only rows of area {:.6g}; use more --directions or "
+                                "a finer --resolution",
+                                ids_.names[rows[0]], k ? fmt::format(" and {} more rows", k) : "", area, met_area));
     }
   }
 
@@ -181,8 +199,10 @@ void refuseOpen(const FormFactors& measured) {
   const std::vector<double>& areas = measured.ids().areas;
   const double area = std::accumulate(areas.begin(), areas.end(), 0.0);
   if (environment + leak > kGrazingShare * area)
-    throw Error(ErrorCode::bad_input, fmt::format("closure: {:.3g} % of all emitted radiation leaves the scene and {:.3g} % ends on backs; close the scene, turn flipped "
-                                                  "polygons, or leave --closure out", 100 * environment / area, 100 * leak / area));
+    throw Error(ErrorCode::bad_input, fmt::format("closure: {:.3g} % of all emitted radiation leaves the scene and "
+                                                  "{:.3g} % ends on backs; close the scene, turn flipped "
+                                                  "polygons, or leave --closure out",
+                                                  100 * environment / area, 100 * leak / area));
 }
 
 void measureChanges(const FormFactors& measured, ClosedFormFactors& closed) {
@@ -196,7 +216,8 @@ void measureChanges(const FormFactors& measured, ClosedFormFactors& closed) {
     variances += standard_error * standard_error;
     if (standard_error > 0) closed.largest_change = std::max(closed.largest_change, change / standard_error);
     const std::vector<double>& areas = measured.ids().areas;
-    const auto [from, to] = areas[entry.i] <= areas[entry.j] ? std::pair(entry.i, entry.j) : std::pair(entry.j, entry.i);
+    const auto [from, to] =
+        areas[entry.i] <= areas[entry.j] ? std::pair(entry.i, entry.j) : std::pair(entry.j, entry.i);
     if (change / areas[from] >= closed.largest_form_factor_change) {
       closed.largest_form_factor_change = change / areas[from];
       closed.from = from;
@@ -218,7 +239,8 @@ ClosedFormFactors closeRows(const FormFactors& measured) {
   uint32_t steps = 0;
   for (; dual.errorOf(at) > kClosureTolerance; ++steps) {
     if (steps == kMostSteps)
-      throw Error(ErrorCode::limit, fmt::format("closure: row sums still differ from 1 by {:.1e} after {} steps; use more --directions or a finer --resolution",
+      throw Error(ErrorCode::limit, fmt::format("closure: row sums still differ from 1 by {:.1e} after {} steps; use "
+                                                "more --directions or a finer --resolution",
                                                 dual.errorOf(at), steps));
     dual.step(at);
   }
@@ -227,7 +249,8 @@ ClosedFormFactors closeRows(const FormFactors& measured) {
   for (size_t k = 0; k < entries.size(); ++k) entries[k].exchange_area.value = at.x[k];
   std::vector<Measured> row_sums(ids.count());
   for (uint32_t i = 0; i < ids.count(); ++i) row_sums[i].value = 1 + at.residual[i] / ids.areas[i];
-  ClosedFormFactors closed{FormFactors(ids, std::move(entries), std::move(row_sums)), {at.y.begin(), at.y.end()}, steps};
+  ClosedFormFactors closed{
+      FormFactors(ids, std::move(entries), std::move(row_sums)), {at.y.begin(), at.y.end()}, steps};
   measureChanges(measured, closed);
   return closed;
 }

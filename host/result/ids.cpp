@@ -22,8 +22,9 @@ Ids makeIds(const Scene& scene, By by, bool two_sided) {
   ids.two_sided = two_sided;
   for (const Surface& surface : scene.surfaces)
     if (surface.name == "environment" || surface.name == "leak")
-      throw Error(ErrorCode::bad_input, fmt::format("{}: a surface is called '{}', which stands for something else in the result; rename it",
-                                                    scene.file, surface.name));
+      throw Error(ErrorCode::bad_input,
+                  fmt::format("{}: a surface is called '{}', which stands for something else in the result; rename it",
+                              scene.file, surface.name));
   if (by == By::surface) {
     for (const Surface& surface : scene.surfaces) {
       ids.surface.push_back(ids.count());
@@ -50,21 +51,26 @@ std::vector<uint32_t> findPolygons(const Scene& scene, const std::string& name) 
   for (uint32_t k = 0; k < scene.polygons.size(); ++k) {
     const uint32_t face = scene.polygons[k].face;
     const Surface& surface = scene.surfaces[scene.faces[face].surface];
-    if (surface.name == name || faceName(scene, face) == name || fmt::format("{}[{}]", surface.name, scene.faces[face].number) == name) found.push_back(k);
+    if (surface.name == name || faceName(scene, face) == name ||
+        fmt::format("{}[{}]", surface.name, scene.faces[face].number) == name)
+      found.push_back(k);
   }
   if (found.empty()) {
     std::string known;
-    for (size_t k = 0; k < std::min<size_t>(scene.surfaces.size(), 5); ++k) known += fmt::format("{}{}", k ? ", " : "", scene.surfaces[k].name);
-    throw Error(ErrorCode::bad_usage, fmt::format("{}: no surface or face is called '{}'; surfaces are {}{}", scene.file, name, known,
-                                                  scene.surfaces.size() > 5 ? ", ..." : ""));
+    for (size_t k = 0; k < std::min<size_t>(scene.surfaces.size(), 5); ++k)
+      known += fmt::format("{}{}", k ? ", " : "", scene.surfaces[k].name);
+    throw Error(ErrorCode::bad_usage, fmt::format("{}: no surface or face is called '{}'; surfaces are {}{}",
+                                                  scene.file, name, known, scene.surfaces.size() > 5 ? ", ..." : ""));
   }
   return found;
 }
 
 void askOnlyFor(const Question& question, const Scene& scene, Ids& ids) {
   if (question.isEverything()) return;
-  if (!question.pair.empty() && !question.from.empty()) throw Error(ErrorCode::bad_usage, "--pair and --from ask for different things; use one of them");
-  if (!question.pair.empty() && question.pair.size() != 2) throw Error(ErrorCode::bad_usage, "--pair takes two names of surfaces or faces");
+  if (!question.pair.empty() && !question.from.empty())
+    throw Error(ErrorCode::bad_usage, "--pair and --from ask for different things; use one of them");
+  if (!question.pair.empty() && question.pair.size() != 2)
+    throw Error(ErrorCode::bad_usage, "--pair takes two names of surfaces or faces");
   ids.roles.assign(scene.polygons.size(), question.pair.empty() ? kReceives | (question.from.empty() ? kEmits : 0) : 0);
   const auto give = [&](const std::string& name, uint32_t role) {
     for (uint32_t polygon : findPolygons(scene, name)) ids.roles[polygon] |= role;
@@ -90,7 +96,9 @@ void askOnlyFor(const Question& question, const Scene& scene, Ids& ids) {
     uint32_t& of_id = roles_of_id[ids.of_polygon[k]];
     uint32_t& of_surface = roles_of_surface[scene.faces[scene.polygons[k].face].surface];
     if (of_id != UINT32_MAX && of_id != ids.roles[k])
-      throw Error(ErrorCode::bad_usage, fmt::format("only a part of '{}' was named, which has one row; use --by polygon", ids.names[ids.of_polygon[k]]));
+      throw Error(ErrorCode::bad_usage,
+                  fmt::format("only a part of '{}' was named, which has one row; use --by polygon",
+                              ids.names[ids.of_polygon[k]]));
     ids.splits_surfaces = ids.splits_surfaces || (of_surface != UINT32_MAX && of_surface != ids.roles[k]);
     of_id = of_surface = ids.roles[k];
   }

@@ -21,7 +21,8 @@ struct LeakAreas {
 
 LeakAreas sumLeaks(const Scene& scene, const FormFactors& form_factors) {
   const Ids& ids = form_factors.ids();
-  LeakAreas sums{std::vector<double>(ids.count(), 0), std::vector<double>(scene.surfaces.size(), 0), std::vector<double>(scene.surfaces.size(), 0), 0, 0};
+  LeakAreas sums{std::vector<double>(ids.count(), 0), std::vector<double>(scene.surfaces.size(), 0),
+                 std::vector<double>(scene.surfaces.size(), 0), 0, 0};
   for (uint32_t id = 0; id < ids.count(); ++id) {
     if (!ids.isAsked(id)) continue;
     const double leak = form_factors.exchangeArea(id, kLeak).value;
@@ -48,13 +49,15 @@ std::vector<double> weightPolygons(const Scene& scene, const Ids& ids, const Lea
 std::string nameRows(const Scene& scene, const LeakAreas& leaks) {
   std::vector<uint32_t> order(scene.surfaces.size());
   std::iota(order.begin(), order.end(), 0u);
-  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return leaks.of_surface[a] > leaks.of_surface[b]; });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](uint32_t a, uint32_t b) { return leaks.of_surface[a] > leaks.of_surface[b]; });
   std::string text;
   size_t count = 0;
   for (uint32_t surface : order) {
     if (!(leaks.of_surface[surface] > kLeastNamed * leaks.total)) break;
     if (count++ < kMostSurfaces)
-      text += fmt::format("{}{} loses {:.3g} %", count > 1 ? ", " : "", scene.surfaces[surface].name, 100 * leaks.of_surface[surface] / leaks.area_of_surface[surface]);
+      text += fmt::format("{}{} loses {:.3g} %", count > 1 ? ", " : "", scene.surfaces[surface].name,
+                          100 * leaks.of_surface[surface] / leaks.area_of_surface[surface]);
   }
   return count > kMostSurfaces ? fmt::format("{}, and {} more", text, count - kMostSurfaces) : text;
 }
@@ -67,15 +70,21 @@ std::vector<std::string> warnOfLeaks(const Scene& scene, const FormFactors& form
   const auto isPair = [](const FormFactors::Entry& entry) { return entry.j < kEnvironment; };
   const LeakAreas leaks = sumLeaks(scene, form_factors);
   const double share = leaks.total / leaks.emitted;
-  if (share == 0 && scene.faces.size() > 1 && ids.asked.empty() && !form_factors.entries().empty() && std::none_of(form_factors.entries().begin(), form_factors.entries().end(), isPair))
-    return {fmt::format("{}: no front sees another one: every line leaves the scene; turn a room whose normals look outward by --fix-normals, or surfaces by --flip NAME",
-                        scene.file)};
+  if (share == 0 && scene.faces.size() > 1 && ids.asked.empty() && !form_factors.entries().empty() &&
+      std::none_of(form_factors.entries().begin(), form_factors.entries().end(), isPair))
+    return {
+        fmt::format("{}: no front sees another one: every line leaves the scene; turn a room whose normals look "
+                    "outward by --fix-normals, or surfaces by --flip NAME",
+                    scene.file)};
   const bool is_closed = isClosed(scene);
   if (!(share > (is_closed ? kClosedLeak : kOpenLeak))) return {};
-  std::vector<std::string> lines = {fmt::format("{}: {:.2g} % of what is emitted ends on backs (leak), {}: {}", scene.file, 100 * share,
-                                                is_closed ? "though all edges are closed" : "and edges are open", nameRows(scene, leaks))};
+  std::vector<std::string> lines = {
+      fmt::format("{}: {:.2g} % of what is emitted ends on backs (leak), {}: {}", scene.file, 100 * share,
+                  is_closed ? "though all edges are closed" : "and edges are open", nameRows(scene, leaks))};
   const FrontRays rays = followFronts(scene, weightPolygons(scene, ids, leaks));
-  if (rays.leaks.empty()) lines.push_back(fmt::format("{}: onto whose backs is not known: none of {} rays from there met one", scene.file, rays.rays));
+  if (rays.leaks.empty())
+    lines.push_back(
+        fmt::format("{}: onto whose backs is not known: none of {} rays from there met one", scene.file, rays.rays));
   for (std::string& line : describeLeaks(scene, rays.leaks)) lines.push_back(std::move(line));
   return lines;
 }

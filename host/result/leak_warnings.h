@@ -8,8 +8,8 @@
 
 namespace viewpeel {
 
-// Shares of the lines of all rows from which on a leak is worth a warning: in a closed scene above the rounding of edges
-// that meet in part, in an open one where it starts to matter.
+// Shares of the lines of all rows from which on a leak is worth a warning: in a closed scene above the rounding of
+// edges that meet in part, in an open one where it starts to matter.
 constexpr double kClosedLeak = 1e-6, kOpenLeak = 1e-3;
 
 // Warnings, one line each: how much of what is emitted ends on backs, which surfaces' rows lose it, onto whose backs,

@@ -8,7 +8,8 @@ namespace viewpeel {
 
 bool mayUseClosedForms(const Request& request) {
   const auto* guarantee = std::get_if<EpsilonDelta>(&request.goal);
-  return request.engine != EngineKind::graphics && request.engine != EngineKind::exact && request.question.isEverything() &&
+  return request.engine != EngineKind::graphics && request.engine != EngineKind::exact &&
+         request.question.isEverything() &&
          (!guarantee || (request.by == By::polygon && guarantee->statistic == Statistic::mean));
 }
 
@@ -16,21 +17,32 @@ void checkRequest(const Request& request) {
   const auto refuse = [](const std::string& message) { throw Error(ErrorCode::bad_usage, message); };
   const Amount amount = amountOf(request);
   if (amount.finest && amount.finest < amount.resolution)
-    refuse(fmt::format("--finest {} is coarser than --resolution {}, which all polygons get; give a finer one, or leave it out", amount.finest, amount.resolution));
-  if (amount.finest && (!amount.directions || !amount.resolution)) refuse("--finest needs --directions and --resolution");
+    refuse(fmt::format(
+        "--finest {} is coarser than --resolution {}, which all polygons get; give a finer one, or leave it out",
+        amount.finest, amount.resolution));
+  if (amount.finest && (!amount.directions || !amount.resolution))
+    refuse("--finest needs --directions and --resolution");
   if (request.closed_forms.value_or(false) && !mayUseClosedForms(request))
-    refuse("--closed-forms on needs the whole matrix and --engine compute or host; of a guarantee also --by polygon and --statistic mean");
+    refuse(
+        "--closed-forms on needs the whole matrix and --engine compute or host; of a guarantee also --by polygon and "
+        "--statistic mean");
   if (request.closure && !request.question.isEverything()) refuse(kClosureNeedsEveryRow);
-  if (request.engine == EngineKind::exact && !request.exact_engine) refuse("there is no exact engine in this library; set Request::exact_engine, or take another engine");
+  if (request.engine == EngineKind::exact && !request.exact_engine)
+    refuse("there is no exact engine in this library; set Request::exact_engine, or take another engine");
   const auto* guarantee = std::get_if<EpsilonDelta>(&request.goal);
   if (request.engine == EngineKind::exact && (amount.resolution || (guarantee && guarantee->range > 0)))
     refuse("--engine exact has no lattice; leave out --resolution and --range");
   if (!guarantee) return;
-  if (!(guarantee->epsilon > 0 && guarantee->epsilon < 1 && guarantee->delta > 0 && guarantee->delta < 1)) refuse("--epsilon and --delta have to lie between 0 and 1");
+  if (!(guarantee->epsilon > 0 && guarantee->epsilon < 1 && guarantee->delta > 0 && guarantee->delta < 1))
+    refuse("--epsilon and --delta have to lie between 0 and 1");
   if (amount.directions || amount.finest || request.first_replicate)
-    refuse("a guarantee plans for itself: leave out --tolerance, --relative, --directions, --finest, --replicates and --first-replicate");
-  if (amount.resolution && guarantee->range > 0) refuse("--range chooses the --resolution of a guarantee; give one of the two");
-  if (guarantee->statistic == Statistic::median && guarantee->block_directions) refuse("--statistic median has runs, not blocks; leave out --block");
+    refuse(
+        "a guarantee plans for itself: leave out --tolerance, --relative, --directions, --finest, --replicates and "
+        "--first-replicate");
+  if (amount.resolution && guarantee->range > 0)
+    refuse("--range chooses the --resolution of a guarantee; give one of the two");
+  if (guarantee->statistic == Statistic::median && guarantee->block_directions)
+    refuse("--statistic median has runs, not blocks; leave out --block");
 }
 
 }  // namespace viewpeel

@@ -45,8 +45,12 @@ struct FormFactorRun::State {
   bool is_interrupted = false, is_done = false;
 
   State(const Scene& scene, Request request, Observer watching)
-      : observer(std::move(watching)), setup(scene, std::move(request), [this](uint64_t directions) { onBatch(directions); }, [this] { stopIfAsked(); }),
-        summary(summarise(setup)), pairs(setup.pairSampler()), exchanges(setup.device(), scene, setup.faceIds(), [this] { stopIfAsked(); }) {}
+      : observer(std::move(watching)),
+        setup(
+            scene, std::move(request), [this](uint64_t directions) { onBatch(directions); }, [this] { stopIfAsked(); }),
+        summary(summarise(setup)),
+        pairs(setup.pairSampler()),
+        exchanges(setup.device(), scene, setup.faceIds(), [this] { stopIfAsked(); }) {}
 
   void stopIfAsked() const {
     if (observer.should_stop && observer.should_stop()) throw Interrupted{};
@@ -94,7 +98,9 @@ Plan FormFactorRun::State::makeOwnPlan() const {
   own.finest = setup.finest();
   const Lattices lattices = setup.lattices();
   const int resolution = setup.resolution() ? setup.resolution() : lattices.lattice.resolution;
-  own.groups = own.finest ? planGroups(setup.scene(), setup.ids(), setup.sampling(), resolution, own.finest, own.directions) : groupAsOne(setup.scene(), resolution);
+  own.groups = own.finest
+                   ? planGroups(setup.scene(), setup.ids(), setup.sampling(), resolution, own.finest, own.directions)
+                   : groupAsOne(setup.scene(), resolution);
   own.engine = makeEngine(lattices, setup.scene(), setup.ids(), own.groups);
   return own;
 }
@@ -106,7 +112,9 @@ Plan FormFactorRun::State::planOwn() {
   Plan found = planned();
   if (!found.counts_too_large) return found;
   if (!setup.closedFormsByDefault())
-    throw Error(ErrorCode::bad_usage, "polygons differ too much in size for closed forms at this goal: counts would be too large; say --closed-forms off, or ask for less");
+    throw Error(ErrorCode::bad_usage,
+                "polygons differ too much in size for closed forms at this goal: counts would be too large; say "
+                "--closed-forms off, or ask for less");
   found.engine.reset();
   setup.leaveOutClosedForms();
   return planned();
@@ -116,7 +124,8 @@ void FormFactorRun::State::makePlan() {
   start = Clock::now();
   if (setup.guarantee()) {
     guarantee = planGuarantee(setup.scene(), setup.ids(), setup.guaranteeOptions(), setup.lattices(), setup.isExact());
-    if (const auto& limit = setup.request().time_limit_s; limit && guarantee->least_seconds > *limit) refuseGuarantee(*guarantee, *limit);
+    if (const auto& limit = setup.request().time_limit_s; limit && guarantee->least_seconds > *limit)
+      refuseGuarantee(*guarantee, *limit);
     guarantee->engine = observed(std::move(guarantee->engine), observer.on_count);
     summary = summarise(setup, *guarantee);
   } else {
@@ -132,7 +141,8 @@ void FormFactorRun::State::findShares() {
   EstimateOptions pilot = setup.estimate();
   pilot.directions = plan->directions;
   pilot.pairs = &pairs;
-  shares = findVisibleShares(engine(), exchanges, setup.scene(), setup.faceIds(), plan->groups, pilot, sharePilot(pilot));
+  shares =
+      findVisibleShares(engine(), exchanges, setup.scene(), setup.faceIds(), plan->groups, pilot, sharePilot(pilot));
   shares_summary = summarise(shares);
 }
 
@@ -184,7 +194,12 @@ void FormFactorRun::State::step() {
 
 // Of a run that was stopped before it counted anything.
 Estimate FormFactorRun::State::estimateOfNothing() const {
-  return {FormFactors(setup.ids(), {}, std::vector<Measured>(setup.ids().count())), FormFactors({}, {}, {}), 0, 0, INFINITY, INFINITY};
+  return {FormFactors(setup.ids(), {}, std::vector<Measured>(setup.ids().count())),
+          FormFactors({}, {}, {}),
+          0,
+          0,
+          INFINITY,
+          INFINITY};
 }
 
 Result FormFactorRun::State::resultOf(Estimate estimate) const {
@@ -203,14 +218,17 @@ Result FormFactorRun::State::resultOf(Estimate estimate) const {
   return result;
 }
 
-FormFactorRun::FormFactorRun(const Scene& scene, Request request, Observer observer) : state_(std::make_unique<State>(scene, std::move(request), std::move(observer))) {}
+FormFactorRun::FormFactorRun(const Scene& scene, Request request, Observer observer)
+    : state_(std::make_unique<State>(scene, std::move(request), std::move(observer))) {}
 FormFactorRun::~FormFactorRun() = default;
 FormFactorRun::FormFactorRun(FormFactorRun&&) noexcept = default;
 FormFactorRun& FormFactorRun::operator=(FormFactorRun&&) noexcept = default;
 
 const Request& FormFactorRun::request() const { return state_->setup.request(); }
 const PlanSummary& FormFactorRun::plan() const { return state_->summary; }
-const DeviceDescription* FormFactorRun::device() const { return state_->setup.device() ? &state_->setup.device()->description() : nullptr; }
+const DeviceDescription* FormFactorRun::device() const {
+  return state_->setup.device() ? &state_->setup.device()->description() : nullptr;
+}
 
 Settings FormFactorRun::settings() const {
   const bool is_planned = state_->plan || state_->guarantee;
@@ -224,15 +242,20 @@ std::string FormFactorRun::resumeFrom(const std::filesystem::path& checkpoint) {
   requireSameSettings(settings(), unplanned, checkpoint);
   const uint64_t first = request().first_replicate;
   if (found.sums.replicates != std::vector{ReplicateRange{first, first + found.sums.replicateCount()}})
-    throw Error(ErrorCode::bad_usage, fmt::format("{}: holds replicates {}, not all from --first-replicate {} on; merge it with those that are missing", checkpoint.string(),
-                                                  describeReplicates(found.sums.replicates), first));
+    throw Error(
+        ErrorCode::bad_usage,
+        fmt::format(
+            "{}: holds replicates {}, not all from --first-replicate {} on; merge it with those that are missing",
+            checkpoint.string(), describeReplicates(found.sums.replicates), first));
   state_->setup.adoptPlan(found.settings);
   state_->resumed = std::move(found);
   state_->resumed_file = checkpoint;
   return describeReplicates(state_->resumed->sums.replicates);
 }
 
-void FormFactorRun::writeCheckpoint(const std::filesystem::path& file) const { viewpeel::writeCheckpoint(settings(), sums(), file); }
+void FormFactorRun::writeCheckpoint(const std::filesystem::path& file) const {
+  viewpeel::writeCheckpoint(settings(), sums(), file);
+}
 
 const PlanSummary& FormFactorRun::makePlan() {
   if (!state_->start) state_->doUnlessStopped([&] { state_->makePlan(); });
@@ -280,7 +303,8 @@ const RunSums& FormFactorRun::sums() const { return state_->sums(); }
 std::string FormFactorRun::division() const { return state_->engine().describePlan(); }
 
 Result FormFactorRun::resultSoFar() const {
-  return state_->resultOf(state_->guarantee_run ? state_->guarantee_run->estimateSoFar() : state_->estimate_run->estimateSoFar());
+  return state_->resultOf(state_->guarantee_run ? state_->guarantee_run->estimateSoFar()
+                                                : state_->estimate_run->estimateSoFar());
 }
 
 Result FormFactorRun::result() {
@@ -288,7 +312,8 @@ Result FormFactorRun::result() {
   if (!state_->isBegun()) return state_->resultOf(state_->estimateOfNothing());
   const auto estimate = [&] {
     if (!state_->guarantee_run) return state_->estimate_run->takeEstimate();
-    return state_->is_done && !state_->is_interrupted ? state_->guarantee_run->estimate() : state_->guarantee_run->estimateSoFar();
+    return state_->is_done && !state_->is_interrupted ? state_->guarantee_run->estimate()
+                                                      : state_->guarantee_run->estimateSoFar();
   };
   Result result = state_->resultOf(estimate());
   result.division = division();
@@ -299,7 +324,8 @@ Result FormFactorRun::result() {
 
 void FormFactorRun::checkDevice() const {
   const Device* device = state_->setup.device();
-  if (device && !device->validationErrors().empty()) throw Error(ErrorCode::device, "Vulkan validation: " + device->validationErrors().front());
+  if (device && !device->validationErrors().empty())
+    throw Error(ErrorCode::device, "Vulkan validation: " + device->validationErrors().front());
 }
 
 Result computeFormFactors(const Scene& scene, const Request& request, const Observer& observer) {

@@ -5,7 +5,8 @@ namespace {
 
 class ObservedEngine final : public Engine {
  public:
-  ObservedEngine(std::unique_ptr<Engine> engine, std::function<void(bool)> on_count) : engine_(std::move(engine)), on_count_(std::move(on_count)) {}
+  ObservedEngine(std::unique_ptr<Engine> engine, std::function<void(bool)> on_count)
+      : engine_(std::move(engine)), on_count_(std::move(on_count)) {}
 
   PairCounts count(std::span<const Direction> directions) override {
     const Telling telling(on_count_);

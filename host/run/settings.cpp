@@ -10,7 +10,9 @@
 
 namespace viewpeel {
 
-std::string identityOf(const Scene& scene) { return fmt::format("{} polygons, fingerprint {:016x}", scene.faces.size(), fingerprint(scene)); }
+std::string identityOf(const Scene& scene) {
+  return fmt::format("{} polygons, fingerprint {:016x}", scene.faces.size(), fingerprint(scene));
+}
 
 void addSettings(const SceneOptions& options, Settings& settings) {
   for (const std::string& name : options.sheets) settings.emplace_back("--sheets", name);
@@ -43,14 +45,18 @@ Settings settingsOf(const Setup& setup) {
       {"--pair", fmt::format("{}", fmt::join(question.pair, ", "))},
       {"--blocker", fmt::format("{}", fmt::join(question.blockers, ", "))},
       {"--seed", std::to_string(request.seed)},
-      {"--sampling", setup.isExact() ? "exact areas" : setup.sampling() == Sampling::scanline ? "scanline" : "lattice"},
+      {"--sampling", setup.isExact()                          ? "exact areas"
+                     : setup.sampling() == Sampling::scanline ? "scanline"
+                                                              : "lattice"},
       {"--sampler", setup.sampler()},
   };
   addSettings(request.scene_options, all);
   const EpsilonDelta* guarantee = setup.guarantee();
   if (!guarantee) return all;
-  if (guarantee->statistic == Statistic::median) throw Error(ErrorCode::bad_usage, "--checkpoint keeps means only; leave out --statistic median");
-  all.insert(all.end(), {{"--epsilon", fmt::format("{}", guarantee->epsilon)}, {"--delta", fmt::format("{}", guarantee->delta)}});
+  if (guarantee->statistic == Statistic::median)
+    throw Error(ErrorCode::bad_usage, "--checkpoint keeps means only; leave out --statistic median");
+  all.insert(all.end(),
+             {{"--epsilon", fmt::format("{}", guarantee->epsilon)}, {"--delta", fmt::format("{}", guarantee->delta)}});
   return all;
 }
 

@@ -52,7 +52,9 @@ bool hasGpu() {
 bool isPlanar(const Scene& scene, const std::vector<uint32_t>& polygons) {
   return std::all_of(polygons.begin(), polygons.end(), [&](uint32_t k) {
     const Polygon &a = scene.polygons[k], &b = scene.polygons[polygons[0]];
-    return glm::dot(scene.planes[a.plane].normal, scene.planes[b.plane].normal) * (a.front_along_plane_normal == b.front_along_plane_normal ? 1 : -1) > 1 - 1e-9;
+    return glm::dot(scene.planes[a.plane].normal, scene.planes[b.plane].normal) *
+               (a.front_along_plane_normal == b.front_along_plane_normal ? 1 : -1) >
+           1 - 1e-9;
   });
 }
 
@@ -64,8 +66,13 @@ Amount amountOf(const Request& request) {
 }
 
 Setup::Setup(const Scene& scene, Request request, std::function<void(uint64_t)> on_batch, std::function<void()> stop)
-    : scene_(scene), request_(std::move(request)), stop_(std::move(stop)), ids_(makeIds(scene, request_.by, request_.two_sided)),
-      face_ids_(makeIds(scene, By::polygon, request_.two_sided)), sampler_(nameOf(request_.sampler.value_or(Sampler::fibonacci))), estimate_(estimateOptionsOf(request_)) {
+    : scene_(scene),
+      request_(std::move(request)),
+      stop_(std::move(stop)),
+      ids_(makeIds(scene, request_.by, request_.two_sided)),
+      face_ids_(makeIds(scene, By::polygon, request_.two_sided)),
+      sampler_(nameOf(request_.sampler.value_or(Sampler::fibonacci))),
+      estimate_(estimateOptionsOf(request_)) {
   checkRequest(request_);
   const Amount amount = amountOf(request_);
   plans_ = amount.directions == 0;
@@ -86,19 +93,25 @@ Setup::Setup(const Scene& scene, Request request, std::function<void(uint64_t)> 
   make_engine_ = isExact() ? request_.exact_engine : latticeEngines(engine_, device());
 }
 
-// Between surfaces counts vary less than their parts: there shares pay for small tolerances only. Where lines meet many fronts, as with two-sided polygons, blocked pairs cost more
-// than they gain, and a guarantee's tests of lattices each wait for closed forms of all pairs (README).
+// Between surfaces counts vary less than their parts: there shares pay for small tolerances only. Where lines meet many
+// fronts, as with two-sided polygons, blocked pairs cost more than they gain, and a guarantee's tests of lattices each
+// wait for closed forms of all pairs (README).
 void Setup::settleClosedForms() {
-  const bool pays = !request_.two_sided && !guarantee() && (request_.by == By::polygon || (estimate_.tolerance && *estimate_.tolerance <= kSurfaceShareTolerance));
+  const bool pays =
+      !request_.two_sided && !guarantee() &&
+      (request_.by == By::polygon || (estimate_.tolerance && *estimate_.tolerance <= kSurfaceShareTolerance));
   closed_forms_by_default_ = !request_.closed_forms;
   closed_forms_possible_ = mayUseClosedForms(request_);
-  closed_forms_ = request_.closed_forms.value_or(plans_ && closed_forms_possible_ && pays && scene_.faces.size() <= kMostSharedFaces);
+  closed_forms_ = request_.closed_forms.value_or(plans_ && closed_forms_possible_ && pays &&
+                                                 scene_.faces.size() <= kMostSharedFaces);
   if (!guarantee() || !closed_forms_ || pairCount(scene_.faces.size()) <= kMostKnownPairs) return;
-  throw Error(ErrorCode::bad_usage, fmt::format("a guarantee with closed forms needs those of all pairs of polygons: {} at most, not {}; say --closed-forms off", kMostKnownPairs,
-                                                pairCount(scene_.faces.size())));
+  throw Error(ErrorCode::bad_usage, fmt::format("a guarantee with closed forms needs those of all pairs of polygons: "
+                                                "{} at most, not {}; say --closed-forms off",
+                                                kMostKnownPairs, pairCount(scene_.faces.size())));
 }
 
-// Compute shaders on a GPU; on a processor its own threads are many times faster than the shaders are through a software driver (README). The counts are the same.
+// Compute shaders on a GPU; on a processor its own threads are many times faster than the shaders are through a
+// software driver (README). The counts are the same.
 void Setup::chooseEngine() {
   engine_ = request_.engine;
   if (engine_ == EngineKind::automatic) {
@@ -106,16 +119,22 @@ void Setup::chooseEngine() {
     engine_ = names_device || hasGpu() ? EngineKind::compute : EngineKind::host;
   }
   const bool takes_shares = closed_forms_ && request_.by == By::polygon;
-  lattice_.sampling = request_.sampling.value_or(engine_ == EngineKind::host ? chooseSampling(scene_, ids_, takes_shares) : Sampling::lattice);
+  lattice_.sampling = request_.sampling.value_or(
+      engine_ == EngineKind::host ? chooseSampling(scene_, ids_, takes_shares) : Sampling::lattice);
 }
 
 void Setup::requireWhatEnginesHave() const {
   const bool has_windows = engine_ == EngineKind::compute || engine_ == EngineKind::host;
-  if (!ids_.roles.empty() && engine_ == EngineKind::graphics) throw Error(ErrorCode::bad_usage, "--from, --pair and --blocker need --engine compute, host or exact");
-  if (lattice_.sampling == Sampling::scanline && !has_windows) throw Error(ErrorCode::bad_usage, "--sampling scanline needs --engine compute or host");
-  if (finest_ && (!has_windows || !ids_.roles.empty())) throw Error(ErrorCode::bad_usage, "--finest needs --engine compute or host and the whole matrix");
+  if (!ids_.roles.empty() && engine_ == EngineKind::graphics)
+    throw Error(ErrorCode::bad_usage, "--from, --pair and --blocker need --engine compute, host or exact");
+  if (lattice_.sampling == Sampling::scanline && !has_windows)
+    throw Error(ErrorCode::bad_usage, "--sampling scanline needs --engine compute or host");
+  if (finest_ && (!has_windows || !ids_.roles.empty()))
+    throw Error(ErrorCode::bad_usage, "--finest needs --engine compute or host and the whole matrix");
   if (finest_ > maxWindowResolution(lattice_.sampling))
-    throw Error(ErrorCode::bad_usage, fmt::format("scanlines cannot be finer than {}; give a coarser --finest, or --sampling lattice", kMaxScanlineResolution));
+    throw Error(ErrorCode::bad_usage,
+                fmt::format("scanlines cannot be finer than {}; give a coarser --finest, or --sampling lattice",
+                            kMaxScanlineResolution));
 }
 
 // Fewer directions where not everything is asked for, unless a sampler of the whole sphere is.
@@ -123,10 +142,14 @@ void Setup::askDirections() {
   const Question& question = request_.question;
   if (request_.sampler) return;
   if (!question.pair.empty()) {
-    const DirectionRegion region = findPairRegion(scene_, findPolygons(scene_, question.pair[0]), findPolygons(scene_, question.pair[1]), request_.two_sided);
-    estimate_.asked_directions = [region, seed = request_.seed](uint32_t count, uint64_t replicate) { return sampleRegion(region, count, seed, replicate); };
+    const DirectionRegion region = findPairRegion(scene_, findPolygons(scene_, question.pair[0]),
+                                                  findPolygons(scene_, question.pair[1]), request_.two_sided);
+    estimate_.asked_directions = [region, seed = request_.seed](uint32_t count, uint64_t replicate) {
+      return sampleRegion(region, count, seed, replicate);
+    };
     sampler_ = region.isEmpty() ? "but none in which a front of one sees a front of the other"
-                                : fmt::format("in the pair's anti-convex-hull, {:.3g} % of a half sphere", region.solidAngle() / (2 * std::numbers::pi) * 100);
+                                : fmt::format("in the pair's anti-convex-hull, {:.3g} % of a half sphere",
+                                              region.solidAngle() / (2 * std::numbers::pi) * 100);
     return;
   }
   if (question.from.empty() || request_.two_sided) return;
@@ -135,11 +158,15 @@ void Setup::askDirections() {
     const std::vector<uint32_t> polygons = findPolygons(scene_, name);
     emitter.insert(emitter.end(), polygons.begin(), polygons.end());
   }
-  estimate_.asked_directions = [emitter, &scene = scene_, seed = request_.seed](uint32_t count, uint64_t replicate) { return sampleEmitter(scene, emitter, count, seed, replicate); };
+  estimate_.asked_directions = [emitter, &scene = scene_, seed = request_.seed](uint32_t count, uint64_t replicate) {
+    return sampleEmitter(scene, emitter, count, seed, replicate);
+  };
   sampler_ = isPlanar(scene_, emitter) ? "by the emitter's cosine" : "fibonacci";
 }
 
-std::string Setup::deviceName() const { return isExact() ? "none" : device_ ? device_->description().name : "processor"; }
+std::string Setup::deviceName() const {
+  return isExact() ? "none" : device_ ? device_->description().name : "processor";
+}
 
 GuaranteeOptions Setup::guaranteeOptions() const {
   const EpsilonDelta& asked = *guarantee();

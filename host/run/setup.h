@@ -1,4 +1,5 @@
-// What a run is made of before it is planned: engine, sampling, ids and goals, all settled from the request and the scene.
+// What a run is made of before it is planned: engine, sampling, ids and goals, all settled from the request and the
+// scene.
 #pragma once
 #include <optional>
 #include <string>
@@ -15,7 +16,8 @@ class Setup {
  public:
   //   In: scene: referred to; on_batch: of engines, stop: called between other work, may throw
   //   Throws: Error bad_usage for what the request cannot have with this scene; Error device.
-  Setup(const Scene& scene, Request request, std::function<void(uint64_t directions)> on_batch, std::function<void()> stop);
+  Setup(const Scene& scene, Request request, std::function<void(uint64_t directions)> on_batch,
+        std::function<void()> stop);
   Setup(const Setup&) = delete;
   Setup& operator=(const Setup&) = delete;
 

@@ -50,7 +50,8 @@ PlanSummary summarise(const Setup& setup, const GuaranteePlan& plan) {
   summary.guarantee = plan;
   if (!plan.share_bounds) return summary;
   summary.unoccluded_pairs = plan.known.pairs.size();
-  summary.shared_pairs = std::count_if(plan.known.pairs.begin(), plan.known.pairs.end(), [](const KnownPair& pair) { return pair.share > 0; });
+  summary.shared_pairs = std::count_if(plan.known.pairs.begin(), plan.known.pairs.end(),
+                                       [](const KnownPair& pair) { return pair.share > 0; });
   return summary;
 }
 
@@ -70,8 +71,10 @@ SharesSummary summarise(const VisibleShares& shares) {
 }
 
 std::string optionsOf(const PlanSummary& plan) {
-  return fmt::format("--directions {} --resolution {}{}{}{}", plan.directions, plan.lattices[0].resolution, plan.lattices.size() > 1 ? fmt::format(" --finest {}", plan.finest) : "",
-                     plan.sampling == Sampling::scanline ? " --sampling scanline" : "", plan.closed_forms ? " --closed-forms on" : "");
+  return fmt::format("--directions {} --resolution {}{}{}{}", plan.directions, plan.lattices[0].resolution,
+                     plan.lattices.size() > 1 ? fmt::format(" --finest {}", plan.finest) : "",
+                     plan.sampling == Sampling::scanline ? " --sampling scanline" : "",
+                     plan.closed_forms ? " --closed-forms on" : "");
 }
 
 std::string inWords(double seconds) {
@@ -82,8 +85,10 @@ std::string inWords(double seconds) {
 }
 
 void refuseGuarantee(const GuaranteeFigures& plan, double time_limit_s) {
-  throw Error(ErrorCode::bad_usage, fmt::format("a guarantee of {} takes {} at least, {} at most, more than --seconds {}; ask for a larger --epsilon, or an estimate by --tolerance",
-                                                plan.epsilon, inWords(plan.least_seconds), inWords(plan.most_seconds), time_limit_s));
+  throw Error(ErrorCode::bad_usage,
+              fmt::format("a guarantee of {} takes {} at least, {} at most, more than --seconds {}; ask for a larger "
+                          "--epsilon, or an estimate by --tolerance",
+                          plan.epsilon, inWords(plan.least_seconds), inWords(plan.most_seconds), time_limit_s));
 }
 
 double shareOf(const FormFactors& form_factors, uint32_t column) {

@@ -21,7 +21,8 @@
 namespace viewpeel {
 namespace {
 
-// Radii in input units whose areas, and squares of areas, are doubles with room to spare, for polygons of 1e-32 of the radius squared, too.
+// Radii in input units whose areas, and squares of areas, are doubles with room to spare, for polygons of 1e-32 of the
+// radius squared, too.
 constexpr double kLargestRadius = 1e60, kSmallestRadius = 1e-60;
 
 std::string place(const InputScene& input, const InputFace& face) {
@@ -34,7 +35,8 @@ void fitUnitBall(const InputScene& input, Scene& scene) {
   for (const InputFace& face : input.faces)
     for (const glm::dvec3& corner : face.corners) {
       if (!std::isfinite(corner.x) || !std::isfinite(corner.y) || !std::isfinite(corner.z))
-        throw Error(ErrorCode::bad_input, fmt::format("{}: a coordinate is not a finite number; correct it", place(input, face)));
+        throw Error(ErrorCode::bad_input,
+                    fmt::format("{}: a coordinate is not a finite number; correct it", place(input, face)));
       low = glm::min(low, corner);
       high = glm::max(high, corner);
     }
@@ -44,7 +46,8 @@ void fitUnitBall(const InputScene& input, Scene& scene) {
   const glm::dvec3 half = high / 2.0 - low / 2.0;
   const double largest = std::max({half.x, half.y, half.z});
   if (largest == 0 || !std::isnormal(largest))
-    throw Error(ErrorCode::bad_input, fmt::format("{}: no usable polygon: all corners lie at one point; check the file", input.file));
+    throw Error(ErrorCode::bad_input,
+                fmt::format("{}: no usable polygon: all corners lie at one point; check the file", input.file));
   for (const InputFace& face : input.faces)
     for (const glm::dvec3& corner : face.corners) {
       const glm::dvec3 v = (corner - scene.centre) / largest;
@@ -52,8 +55,9 @@ void fitUnitBall(const InputScene& input, Scene& scene) {
     }
   scene.scale = std::sqrt(squared) * largest * (1 + 1e-15);
   if (scene.scale > kLargestRadius || scene.scale < kSmallestRadius)
-    throw Error(ErrorCode::bad_input, fmt::format("{}: the scene's radius of {:.3g} is beyond {:g} to {:g}: areas would not be numbers; take another unit of length", input.file,
-                                                  scene.scale, kSmallestRadius, kLargestRadius));
+    throw Error(ErrorCode::bad_input, fmt::format("{}: the scene's radius of {:.3g} is beyond {:g} to {:g}: areas "
+                                                  "would not be numbers; take another unit of length",
+                                                  input.file, scene.scale, kSmallestRadius, kLargestRadius));
 }
 
 // Without corners that repeat the one before.
@@ -67,7 +71,8 @@ std::vector<glm::dvec3> distinctCorners(const InputFace& face, const Scene& scen
   return corners;
 }
 
-// A face narrower than what rounding leaves of its coordinates in the unit ball (2^-53 each, in a cross product of edges) has no area.
+// A face narrower than what rounding leaves of its coordinates in the unit ball (2^-53 each, in a cross product of
+// edges) has no area.
 bool hasArea(const std::vector<glm::dvec3>& corners) {
   return glm::length(twiceVectorArea(corners)) > 8 * 0x1p-53 * perimeterOf(corners);
 }
@@ -89,8 +94,9 @@ class Dropped {
     std::vector<std::string> lines;
     for (const auto& [reason, counted] : reasons_) {
       const bool is_one = counted.first == 1;
-      lines.push_back(fmt::format("{}: {} {} dropped: {}; {}, and later numbers do not shift", counted.second, counted.first,
-                                  is_one ? "face" : "faces, this one first,", reason, is_one ? "its row stays, empty" : "their rows stay, empty"));
+      lines.push_back(fmt::format("{}: {} {} dropped: {}; {}, and later numbers do not shift", counted.second,
+                                  counted.first, is_one ? "face" : "faces, this one first,", reason,
+                                  is_one ? "its row stays, empty" : "their rows stay, empty"));
     }
     return lines;
   }
@@ -163,13 +169,14 @@ Scene splitFaces(const InputScene& input, const std::vector<Duplicate>& repeats)
     const std::vector<glm::dvec3> corners = distinctCorners(of_file, scene);
     const Pieces pieces = splitFace(corners);
     if (pieces.empty())
-      throw Error(ErrorCode::bad_input, fmt::format("{}: the face crosses itself; split it into simple ones", place(input, of_file)));
+      throw Error(ErrorCode::bad_input,
+                  fmt::format("{}: the face crosses itself; split it into simple ones", place(input, of_file)));
     for (const std::vector<uint32_t>& piece : pieces) addPiece(corners, piece, face, scene);
   }
   for (std::string& line : dropped.warnings()) scene.warnings.push_back(std::move(line));
   if (scene.polygons.empty())
-    throw Error(ErrorCode::bad_input, fmt::format("{}: no usable polygon; all {} faces have no area, check the export", input.file,
-                                                  input.faces.size()));
+    throw Error(ErrorCode::bad_input, fmt::format("{}: no usable polygon; all {} faces have no area, check the export",
+                                                  input.file, input.faces.size()));
   groupPlanes(scene);
   return scene;
 }
@@ -178,13 +185,17 @@ std::string describeRepeats(const InputScene& input, const std::vector<Duplicate
   const std::vector<std::string> names = nameFaces(input);
   const auto nameOf = [&](uint32_t face) {
     const uint32_t line = input.faces[face].line;
-    return line ? fmt::format("{} (line {})", names[face], line) : fmt::format("{} (face {} of the file)", names[face], face + 1);
+    return line ? fmt::format("{} (line {})", names[face], line)
+                : fmt::format("{} (face {} of the file)", names[face], face + 1);
   };
   const Duplicate& first = repeats.front();
   const bool is_one = repeats.size() == 1;
-  return fmt::format("{}: {} there already, facing alike: {}{} is {} again; {}; remove {} from the file", input.file,
-                     is_one ? "1 face is" : fmt::format("{} faces are", repeats.size()), is_one ? "" : "the first, ", nameOf(first.face), nameOf(first.of),
-                     is_one ? "it is left out and its row stays, empty" : "they are left out and their rows stay, empty", is_one ? "it" : "them");
+  return fmt::format(
+      "{}: {} there already, facing alike: {}{} is {} again; {}; remove {} from the file", input.file,
+      is_one ? "1 face is" : fmt::format("{} faces are", repeats.size()), is_one ? "" : "the first, ",
+      nameOf(first.face), nameOf(first.of),
+      is_one ? "it is left out and its row stays, empty" : "they are left out and their rows stay, empty",
+      is_one ? "it" : "them");
 }
 
 Scene assemble(const InputScene& input, const SceneOptions& options) {
@@ -217,7 +228,8 @@ std::string describeFixed(const Scene& scene, const std::vector<uint32_t>& flipp
   size_t named = 0;
   for (uint32_t surface : surfaces)
     if (named++ < kMostNamed) names += fmt::format("{}{}", named > 1 ? ", " : "", scene.surfaces[surface].name);
-  return fmt::format("{}: --fix-normals turned {} of {} faces over, of {}{}", scene.file, flipped.size(), scene.faces.size(), names,
+  return fmt::format("{}: --fix-normals turned {} of {} faces over, of {}{}", scene.file, flipped.size(),
+                     scene.faces.size(), names,
                      named > kMostNamed ? fmt::format(" and {} more", named - kMostNamed) : "");
 }
 
@@ -233,7 +245,8 @@ glm::dvec3 frontNormal(const Scene& scene, const Polygon& polygon) {
 
 Scene buildScene(const InputScene& input, const SceneOptions& options) {
   if (input.faces.empty())
-    throw Error(ErrorCode::bad_input, fmt::format("{}: no usable polygon; the file has no faces, check the export", input.file));
+    throw Error(ErrorCode::bad_input,
+                fmt::format("{}: no usable polygon; the file has no faces, check the export", input.file));
   requireDistinctNames(input);
   if (options.flip.empty() && !options.fix_normals) return assemble(input, options);
   InputScene turned = input;

@@ -23,13 +23,13 @@ namespace {
 
 using glm::dvec2, glm::dvec3;
 
-constexpr double kResolvedGap = 5e-8;     // wider gaps engines tell for certain: some units of depth, 2^-27 each
-constexpr double kThinGap = 0.01;         // of an overlap's width: what is no thinner is a solid or a room of its own
+constexpr double kResolvedGap = 5e-8;  // wider gaps engines tell for certain: some units of depth, 2^-27 each
+constexpr double kThinGap = 0.01;      // of an overlap's width: what is no thinner is a solid or a room of its own
 constexpr size_t kMostOverlaps = 2'000'000;
-constexpr uint32_t kMostPlaces = 8;       // looked at in an overlap for one where no third polygon lies
-constexpr uint32_t kRays = 8;             // to either side of a place
-constexpr size_t kMostPermuted = 6;       // polygons of a place whose orders are all tried
-constexpr size_t kMostInserted = 16;      // put in one by one
+constexpr uint32_t kMostPlaces = 8;   // looked at in an overlap for one where no third polygon lies
+constexpr uint32_t kRays = 8;         // to either side of a place
+constexpr size_t kMostPermuted = 6;   // polygons of a place whose orders are all tried
+constexpr size_t kMostInserted = 16;  // put in one by one
 
 // Two polygons of nearly one plane and the part that they have in common.
 struct Overlap {
@@ -62,7 +62,8 @@ double widthOf(const std::vector<dvec3>& corners, double area) { return 2 * area
 
 double areaOf(const std::vector<dvec3>& corners) {
   dvec3 twice(0);
-  for (size_t k = 1; k + 1 < corners.size(); ++k) twice += glm::cross(corners[k] - corners[0], corners[k + 1] - corners[0]);
+  for (size_t k = 1; k + 1 < corners.size(); ++k)
+    twice += glm::cross(corners[k] - corners[0], corners[k + 1] - corners[0]);
   return glm::length(twice) / 2;
 }
 
@@ -108,7 +109,7 @@ class Stacking {
   std::set<uint32_t> sheets_, solids_;  // surfaces
   std::vector<Overlap> overlaps_;
   std::unordered_map<uint32_t, std::vector<uint32_t>> overlaps_of_;  // of polygons
-  std::vector<Place> places_;                                       // of overlaps, in their order; only of opposite ones
+  std::vector<Place> places_;  // of overlaps, in their order; only of opposite ones
   std::vector<uint32_t> place_of_;
   std::mt19937_64 random_{1};
   uint64_t in_doubt_ = 0, contradictions_ = 0;
@@ -119,19 +120,26 @@ class Stacking {
 std::set<uint32_t> findSurfaces(const Scene& scene, const std::vector<std::string>& names, const char* option) {
   std::set<uint32_t> found;
   for (const std::string& name : names) {
-    const auto at = std::find_if(scene.surfaces.begin(), scene.surfaces.end(), [&](const Surface& s) { return s.name == name; });
+    const auto at =
+        std::find_if(scene.surfaces.begin(), scene.surfaces.end(), [&](const Surface& s) { return s.name == name; });
     if (at == scene.surfaces.end())
-      throw Error(ErrorCode::bad_usage, fmt::format("{}: {} has no surface '{}'; name one of its surfaces", option, scene.file, name));
+      throw Error(ErrorCode::bad_usage,
+                  fmt::format("{}: {} has no surface '{}'; name one of its surfaces", option, scene.file, name));
     found.insert(static_cast<uint32_t>(at - scene.surfaces.begin()));
   }
   return found;
 }
 
 Stacking::Stacking(Scene& scene, const SceneOptions& options, double rounding)
-    : scene_(scene), rounding_(rounding), tree_(scene), sheets_(findSurfaces(scene, options.sheets, "--sheets")), solids_(findSurfaces(scene, options.solids, "--solids")) {
+    : scene_(scene),
+      rounding_(rounding),
+      tree_(scene),
+      sheets_(findSurfaces(scene, options.sheets, "--sheets")),
+      solids_(findSurfaces(scene, options.solids, "--solids")) {
   for (uint32_t surface : sheets_)
     if (solids_.count(surface))
-      throw Error(ErrorCode::bad_usage, fmt::format("surface '{}' cannot be of --sheets and of --solids; name it once", scene.surfaces[surface].name));
+      throw Error(ErrorCode::bad_usage, fmt::format("surface '{}' cannot be of --sheets and of --solids; name it once",
+                                                    scene.surfaces[surface].name));
   normals_.reserve(scene.polygons.size());
   for (const Polygon& polygon : scene.polygons) normals_.push_back(frontNormal(scene, polygon));
 }
@@ -192,14 +200,17 @@ void Stacking::findOverlap(uint32_t a, uint32_t b) {
   if (std::max(overlap.high, -overlap.low) > kCoincidenceReach) return;
   // Neighbours that share an edge overlap by a sliver as wide as their corners' rounding.
   const std::vector<dvec3> of_a = cornersOf(a), of_b = cornersOf(b);
-  const double least_width = std::min({2 * kCoincidenceReach, 1e-3 * widthOf(of_a, areaOf(of_a)), 1e-3 * widthOf(of_b, areaOf(of_b))});
+  const double least_width =
+      std::min({2 * kCoincidenceReach, 1e-3 * widthOf(of_a, areaOf(of_a)), 1e-3 * widthOf(of_b, areaOf(of_b))});
   overlap.area = areaOf(overlap.corners);
   if (!(overlap.area > 0)) return;
   const double width = widthOf(overlap.corners, overlap.area);
   if (width < least_width || std::max(overlap.high, -overlap.low) > kThinGap * width) return;
   overlap.gap = (overlap.low + overlap.high) / 2;
   if (overlaps_.size() >= kMostOverlaps)
-    throw Error(ErrorCode::limit, fmt::format("{}: more than {} pairs of polygons coincide; remove faces that are there many times", scene_.file, kMostOverlaps));
+    throw Error(ErrorCode::limit,
+                fmt::format("{}: more than {} pairs of polygons coincide; remove faces that are there many times",
+                            scene_.file, kMostOverlaps));
   forceOrder(overlap);
   overlaps_of_[a].push_back(static_cast<uint32_t>(overlaps_.size()));
   overlaps_of_[b].push_back(static_cast<uint32_t>(overlaps_.size()));
@@ -208,7 +219,8 @@ void Stacking::findOverlap(uint32_t a, uint32_t b) {
 
 void Stacking::forceOrder(Overlap& overlap) const {
   const auto isOf = [&](const std::set<uint32_t>& surfaces) {
-    return surfaces.count(scene_.faces[scene_.polygons[overlap.a].face].surface) || surfaces.count(scene_.faces[scene_.polygons[overlap.b].face].surface);
+    return surfaces.count(scene_.faces[scene_.polygons[overlap.a].face].surface) ||
+           surfaces.count(scene_.faces[scene_.polygons[overlap.b].face].surface);
   };
   if (!overlap.is_opposite || isOf(sheets_) == isOf(solids_)) return;
   overlap.side = isOf(solids_) ? 1 : -1;
@@ -259,21 +271,25 @@ Votes Stacking::castRays(const Place& place, double side) {
   const double turn = uniform();
   for (uint32_t k = 0; k < kRays; ++k) {
     // One in each of kRays parts of a hemisphere without its rim, by the golden angle.
-    const double height = 0.25 + 0.75 * (k + uniform()) / kRays, angle = 2 * std::numbers::pi * (turn + k * std::numbers::phi);
+    const double height = 0.25 + 0.75 * (k + uniform()) / kRays,
+                 angle = 2 * std::numbers::pi * (turn + k * std::numbers::phi);
     const double radius = std::sqrt(1 - height * height);
-    const dvec3 direction = height * axis + radius * (std::cos(angle) * across + std::sin(angle) * glm::cross(axis, across));
+    const dvec3 direction =
+        height * axis + radius * (std::cos(angle) * across + std::sin(angle) * glm::cross(axis, across));
     follow(tree_.cast(place.point, direction, 2 * kCoincidenceReach / height), votes);
   }
   return votes;
 }
 
-// How the polygon that was hit and an opposite one that coincides with it there are ordered: nothing without such a one.
+// How the polygon that was hit and an opposite one that coincides with it there are ordered: nothing without such a
+// one.
 std::optional<int> Stacking::sideAt(const PolygonTree::Hit& hit) const {
   const auto at = overlaps_of_.find(hit.polygon);
   if (at == overlaps_of_.end()) return std::nullopt;
   for (uint32_t m : at->second) {
     const Overlap& overlap = overlaps_[m];
-    if (overlap.is_opposite && isInside(overlap.a == hit.polygon ? overlap.b : overlap.a, hit.point)) return overlap.side;
+    if (overlap.is_opposite && isInside(overlap.a == hit.polygon ? overlap.b : overlap.a, hit.point))
+      return overlap.side;
   }
   return std::nullopt;
 }
@@ -307,7 +323,8 @@ void Stacking::follow(const std::vector<PolygonTree::Hit>& hits, Votes& votes) c
 void Stacking::orderPairs() {
   std::vector<uint32_t> open;
   for (uint32_t k = 0; k < overlaps_.size(); ++k)
-    if (overlaps_[k].is_opposite && overlaps_[k].side == 0 && places_[place_of_[k]].polygons.size() == 2) open.push_back(k);
+    if (overlaps_[k].is_opposite && overlaps_[k].side == 0 && places_[place_of_[k]].polygons.size() == 2)
+      open.push_back(k);
   while (!open.empty()) {
     const size_t before = open.size();
     std::erase_if(open, [&](uint32_t k) { return orderPair(overlaps_[k], false); });
@@ -353,9 +370,12 @@ void Stacking::orderPlaces() {
 
 // Of the orders that the polygons of a place can have along its normal, how much the given one contradicts: what lies
 // on either side, that free space and solids take turns, the order of pairs elsewhere, gaps.
-double Stacking::costOf(const Place& place, const std::vector<uint32_t>& order, const Votes& below, const Votes& above) const {
+double Stacking::costOf(const Place& place, const std::vector<uint32_t>& order, const Votes& below,
+                        const Votes& above) const {
   const auto looksUp = [&](uint32_t polygon) { return glm::dot(normals_[polygon], place.normal) > 0; };
-  const auto against = [](const Votes& votes, bool is_free) { return (is_free ? votes.solid : votes.free) / double(kRays); };
+  const auto against = [](const Votes& votes, bool is_free) {
+    return (is_free ? votes.solid : votes.free) / double(kRays);
+  };
   double cost = 4 * against(below, !looksUp(order.front())) + 4 * against(above, looksUp(order.back()));
   for (size_t k = 0; k + 1 < order.size(); ++k)
     if (looksUp(order[k]) == looksUp(order[k + 1])) cost += 3;  // as nested solids do
@@ -371,7 +391,8 @@ double Stacking::costOf(const Place& place, const std::vector<uint32_t>& order, 
       const double height = overlap->a == lower || overlap->is_opposite ? overlap->gap : -overlap->gap;
       if (std::abs(height) > rounding_ && (height > 0) != (upper_side > 0)) cost += 0.25;
       // The same outline twice is two sides of one sheet rather than a contact.
-      const bool is_same = overlap->is_opposite && overlap->area > 0.999 * std::max(scene_.polygons[lower].area, scene_.polygons[upper].area);
+      const bool is_same = overlap->is_opposite &&
+                           overlap->area > 0.999 * std::max(scene_.polygons[lower].area, scene_.polygons[upper].area);
       if (is_same && upper_side > 0) cost += 2;
     }
   return cost;
@@ -440,13 +461,16 @@ void Stacking::joinPlanes() {
     return polygon;
   };
   for (const Overlap& overlap : overlaps_)
-    if (overlap.side != 0 && scene_.polygons[overlap.a].plane != scene_.polygons[overlap.b].plane && !isResolved(overlap)) {
+    if (overlap.side != 0 && scene_.polygons[overlap.a].plane != scene_.polygons[overlap.b].plane &&
+        !isResolved(overlap)) {
       uint32_t larger = rootOf(overlap.a), smaller = rootOf(overlap.b);
       if (scene_.polygons[larger].area < scene_.polygons[smaller].area) std::swap(larger, smaller);
       parents[smaller] = larger;
     }
   if (parents.empty()) return;
-  const auto hashOf = [](const dvec3& x) { return std::hash<double>()(x.x) ^ std::hash<double>()(x.y) * 31 ^ std::hash<double>()(x.z) * 1009; };
+  const auto hashOf = [](const dvec3& x) {
+    return std::hash<double>()(x.x) ^ std::hash<double>()(x.y) * 31 ^ std::hash<double>()(x.z) * 1009;
+  };
   std::unordered_multimap<size_t, uint32_t> corners_at;
   for (uint32_t k = 0; k < scene_.corners.size(); ++k) corners_at.emplace(hashOf(scene_.corners[k]), k);
   const auto move = [&](const dvec3& from, const dvec3& to) {
@@ -544,15 +568,18 @@ void Stacking::rankPolygons() {
   }
   uint64_t too_many = 0;
   for (const auto& [polygon, node] : nodes) {
-    const int count = static_cast<int>(levels[node.group]), level = static_cast<int>(node.level) + static_cast<int>(kTieRanks) / 2 - count / 2;
+    const int count = static_cast<int>(levels[node.group]),
+              level = static_cast<int>(node.level) + static_cast<int>(kTieRanks) / 2 - count / 2;
     if (count > static_cast<int>(kTieRanks)) ++too_many;
     const auto along_normal = static_cast<uint32_t>(std::clamp(level, 0, static_cast<int>(kTieRanks) - 1));
     Polygon& p = scene_.polygons[polygon];
     p.tie_rank = p.front_along_plane_normal ? along_normal : kTieRanks - 1 - along_normal;
   }
   if (too_many > 0)
-    scene_.warnings.push_back(fmt::format("{}: {} polygons lie in stacks of more than {} that coincide, and only so many are told apart; remove faces that are there many times",
-                                          scene_.file, too_many, kTieRanks));
+    scene_.warnings.push_back(
+        fmt::format("{}: {} polygons lie in stacks of more than {} that coincide, and only so many are told apart; "
+                    "remove faces that are there many times",
+                    scene_.file, too_many, kTieRanks));
 }
 
 void Stacking::report() {
@@ -561,9 +588,11 @@ void Stacking::report() {
     if (overlap.is_opposite) ++(overlap.side > 0 ? found.contacts : found.sheets);
   found.in_doubt = in_doubt_;
   if (contradictions_ > 0)
-    scene_.warnings.push_back(fmt::format("{}: {} of {} pairs of coincident polygons, {} first, have free space on one side and the inside of a solid on the other; "
-                                          "turn flipped polygons, close solids, or name surfaces by --sheets or --solids",
-                                          scene_.file, contradictions_, found.sheets + found.contacts, first_contradiction_));
+    scene_.warnings.push_back(
+        fmt::format("{}: {} of {} pairs of coincident polygons, {} first, have free space on one side and the inside "
+                    "of a solid on the other; "
+                    "turn flipped polygons, close solids, or name surfaces by --sheets or --solids",
+                    scene_.file, contradictions_, found.sheets + found.contacts, first_contradiction_));
 }
 
 // Whether an opposite polygon faces one of two that look alike and turns its back to the other one.

@@ -1,10 +1,11 @@
 // Coincident polygons that look opposite ways: two sides of a thin sheet, or touching solids.
 //
-// The polygons alone do not tell which: a baffle drawn as two faces and a box standing on a floor are the same data. What
-// lies around them does. Space on either side of a sheet is free; on either side of a contact it is the inside of a
-// solid. A ray from a point beside the polygons tells which: it leaves a solid through one more back than it meets
-// fronts, whatever other solids it passes or shares that solid with. So rays from points of every overlap vote, and the polygons of one plane are put in an order along its normal
-// (Polygon::tie_rank), as if they lay an infinitesimal distance apart. Engines order equal depths by these ranks.
+// The polygons alone do not tell which: a baffle drawn as two faces and a box standing on a floor are the same data.
+// What lies around them does. Space on either side of a sheet is free; on either side of a contact it is the inside of
+// a solid. A ray from a point beside the polygons tells which: it leaves a solid through one more back than it meets
+// fronts, whatever other solids it passes or shares that solid with. So rays from points of every overlap vote, and the
+// polygons of one plane are put in an order along its normal (Polygon::tie_rank), as if they lay an infinitesimal
+// distance apart. Engines order equal depths by these ranks.
 #pragma once
 #include <vector>
 
@@ -24,9 +25,10 @@ struct AlikeOverlap {
 };
 
 // Sets Polygon::tie_rank and Scene::coincidences, and returns what overlaps and looks the same way: overlaps wider than
-// two kCoincidenceReach, or than 1e-3 of the narrower polygon's width where that is less, and than the rounding. Where rounding has put coincident polygons in another order than the
-// one found, it also moves them into one plane, and with them every corner at the very same place: by kCoincidenceReach
-// at most, a corner of several such planes by as much for each.
+// two kCoincidenceReach, or than 1e-3 of the narrower polygon's width where that is less, and than the rounding. Where
+// rounding has put coincident polygons in another order than the one found, it also moves them into one plane, and with
+// them every corner at the very same place: by kCoincidenceReach at most, a corner of several such planes by as much
+// for each.
 //   Rays that meet other coincident polygons wait until those are ordered. Where rays tell nothing, the gap between two
 //   polygons decides; without a gap they are a sheet. Coincidences::in_doubt counts pairs whose rays contradict each
 //   other or never ended, and a warning names the first contradiction.

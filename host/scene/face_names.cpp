@@ -49,10 +49,13 @@ std::vector<uint32_t> findFaces(const InputScene& input, const std::string& name
   uint32_t number = 0;
   for (uint32_t k = 0; k < input.faces.size(); ++k) {
     const std::string& surface = input.surface_names[input.faces[k].surface];
-    if (surface == name || (numbered && surface == numbered->surface && ++number == numbered->number)) found.push_back(k);
+    if (surface == name || (numbered && surface == numbered->surface && ++number == numbered->number))
+      found.push_back(k);
   }
   if (found.empty())
-    throw Error(ErrorCode::bad_usage, fmt::format("{}: {} has no surface or face '{}'; name one of them, as desk or desk[3]", option, input.file, name));
+    throw Error(ErrorCode::bad_usage,
+                fmt::format("{}: {} has no surface or face '{}'; name one of them, as desk or desk[3]", option,
+                            input.file, name));
   return found;
 }
 
@@ -78,10 +81,14 @@ void requireDistinctNames(const InputScene& input) {
     if (!numbered || counts[k] == 0) continue;
     const auto at = surfaces.find(numbered->surface);
     if (at == surfaces.end() || counts[at->second] < numbered->number) continue;
-    const auto face = std::find_if(input.faces.begin(), input.faces.end(), [k](const InputFace& f) { return f.surface == k; });
-    throw Error(ErrorCode::bad_input, fmt::format("{}{}: a surface is called '{}', as face {} of surface '{}' is in the results; rename one of the two",
-                                                  input.file, face->line ? fmt::format(":{}", face->line) : "", input.surface_names[k], numbered->number,
-                                                  numbered->surface));
+    const auto face =
+        std::find_if(input.faces.begin(), input.faces.end(), [k](const InputFace& f) { return f.surface == k; });
+    throw Error(
+        ErrorCode::bad_input,
+        fmt::format(
+            "{}{}: a surface is called '{}', as face {} of surface '{}' is in the results; rename one of the two",
+            input.file, face->line ? fmt::format(":{}", face->line) : "", input.surface_names[k], numbered->number,
+            numbered->surface));
   }
 }
 

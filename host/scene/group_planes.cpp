@@ -13,12 +13,14 @@
 namespace viewpeel {
 namespace {
 
-// Planes by normal, in cells wide enough that nearly parallel ones lie in the same or neighbouring cells, then by offset.
+// Planes by normal, in cells wide enough that nearly parallel ones lie in the same or neighbouring cells, then by
+// offset.
 class PlaneIndex {
  public:
   void add(const Plane& plane, uint32_t index) { cells_[cellOf(plane.normal)].emplace(plane.offset, index); }
 
-  // Calls use(index) for all planes whose normals are within half a cell of `normal` and offsets within `reach` of `offset`.
+  // Calls use(index) for all planes whose normals are within half a cell of `normal` and offsets within `reach` of
+  // `offset`.
   template <class Use>
   void forEachNear(const glm::dvec3& normal, double offset, double reach, Use use) const {
     const Cell low = cellOf(normal - kCell / 2), high = cellOf(normal + kCell / 2);
@@ -27,7 +29,8 @@ class PlaneIndex {
         for (int z = low[2]; z <= high[2]; ++z) {
           const auto cell = cells_.find({x, y, z});
           if (cell == cells_.end()) continue;
-          for (auto at = cell->second.lower_bound(offset - reach); at != cell->second.end() && at->first <= offset + reach; ++at)
+          for (auto at = cell->second.lower_bound(offset - reach);
+               at != cell->second.end() && at->first <= offset + reach; ++at)
             use(at->second);
         }
   }
@@ -53,7 +56,8 @@ Plane planeOf(const Scene& scene, const Polygon& polygon) {
 double distanceFrom(const Plane& plane, const Scene& scene, const Polygon& polygon) {
   double distance = 0;
   for (uint32_t k = 0; k < polygon.corner_count; ++k)
-    distance = std::max(distance, std::abs(glm::dot(plane.normal, scene.corners[polygon.first_corner + k]) - plane.offset));
+    distance =
+        std::max(distance, std::abs(glm::dot(plane.normal, scene.corners[polygon.first_corner + k]) - plane.offset));
   return distance;
 }
 
@@ -74,7 +78,8 @@ void groupPlanes(Scene& scene) {
     uint32_t found = UINT32_MAX;
     for (double sign : {1.0, -1.0})
       index.forEachNear(sign * own.normal, sign * own.offset, reach, [&](uint32_t candidate) {
-        if (candidate < found && distanceFrom(scene.planes[candidate], scene, polygon) <= kCoplanarTolerance) found = candidate;
+        if (candidate < found && distanceFrom(scene.planes[candidate], scene, polygon) <= kCoplanarTolerance)
+          found = candidate;
       });
     if (found == UINT32_MAX) {
       found = static_cast<uint32_t>(scene.planes.size());

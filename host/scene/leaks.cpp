@@ -25,7 +25,12 @@ struct Tally {
 
 class LeakFinder {
  public:
-  explicit LeakFinder(const Scene& scene) : scene_(scene), sight_(scene), shells_(findShells(scene)), shell_of_(scene.faces.size()), is_flipped_(scene.faces.size(), false) {
+  explicit LeakFinder(const Scene& scene)
+      : scene_(scene),
+        sight_(scene),
+        shells_(findShells(scene)),
+        shell_of_(scene.faces.size()),
+        is_flipped_(scene.faces.size(), false) {
     for (uint32_t k = 0; k < shells_.size(); ++k)
       for (uint32_t face : shells_[k].faces) shell_of_[face] = k;
     for (uint32_t face : findFlipped(scene, shells_, sight_)) is_flipped_[face] = true;
@@ -48,16 +53,20 @@ class LeakFinder {
       ++found.backs;
       const bool is_hidden = isHidden(polygon, point);
       const LeakCause cause = causeOf(polygon, end.polygon, is_hidden);
-      Tally& tally = tallies[{surfaceOf(polygon), surfaceOf(end.polygon), cause, surfaceOf(leavesCulprit(end.polygon, cause) ? polygon : end.polygon)}];
+      Tally& tally = tallies[{surfaceOf(polygon), surfaceOf(end.polygon), cause,
+                              surfaceOf(leavesCulprit(end.polygon, cause) ? polygon : end.polygon)}];
       ++tally.count;
-      const double density = (sums[polygon] - (polygon ? sums[polygon - 1] : 0)) / sums.back() / scene_.polygons[polygon].area;
+      const double density =
+          (sums[polygon] - (polygon ? sums[polygon - 1] : 0)) / sums.back() / scene_.polygons[polygon].area;
       if (is_hidden) tally.hidden += 1 / density;
     }
     for (const auto& [key, tally] : tallies) {
       const auto& [from, onto, cause, culprit] = key;
-      found.leaks.push_back({from, onto, cause, culprit, double(tally.count) / double(found.backs), tally.hidden / double(found.rays) * scene_.scale * scene_.scale});
+      found.leaks.push_back({from, onto, cause, culprit, double(tally.count) / double(found.backs),
+                             tally.hidden / double(found.rays) * scene_.scale * scene_.scale});
     }
-    std::stable_sort(found.leaks.begin(), found.leaks.end(), [](const Leak& a, const Leak& b) { return a.share > b.share; });
+    std::stable_sort(found.leaks.begin(), found.leaks.end(),
+                     [](const Leak& a, const Leak& b) { return a.share > b.share; });
     return found;
   }
 
@@ -122,7 +131,8 @@ std::vector<Group> groupLeaks(const std::vector<Leak>& leaks) {
 
 std::string listSurfaces(const Scene& scene, const std::vector<uint32_t>& surfaces) {
   std::string text;
-  for (size_t k = 0; k < std::min(surfaces.size(), kMostNamed); ++k) text += fmt::format("{}{}", k ? ", " : "", scene.surfaces[surfaces[k]].name);
+  for (size_t k = 0; k < std::min(surfaces.size(), kMostNamed); ++k)
+    text += fmt::format("{}{}", k ? ", " : "", scene.surfaces[surfaces[k]].name);
   return surfaces.size() > kMostNamed ? fmt::format("{} and {} more", text, surfaces.size() - kMostNamed) : text;
 }
 
@@ -132,21 +142,36 @@ std::string describeGroup(const Scene& scene, const Group& group) {
   const std::string area = fmt::format("about {:.3g} of the area of {}", group.hidden_area, culprits);
   switch (group.cause) {
     case LeakCause::flipped:
-      return fmt::format("{} {} the wrong way, as {} {}; turn {} by --fix-normals or by --flip NAME", culprits, is_one ? "looks" : "look", others,
-                         group.others.size() == 1 ? "shows" : "show", is_one ? "it" : "them");
-    case LeakCause::overlap: return fmt::format("{} lies in one plane with {}, facing alike; cut them apart, or remove one", culprits, others);
-    case LeakCause::enclosed: return fmt::format("{} lies inside {}; cut it away there, so that form factors are of what is free", area, others);
-    case LeakCause::no_bottom: return fmt::format("{} lies under {}, open towards it; cut it away there, or give {} a bottom", area, others, others);
+      return fmt::format("{} {} the wrong way, as {} {}; turn {} by --fix-normals or by --flip NAME", culprits,
+                         is_one ? "looks" : "look", others, group.others.size() == 1 ? "shows" : "show",
+                         is_one ? "it" : "them");
+    case LeakCause::overlap:
+      return fmt::format("{} lies in one plane with {}, facing alike; cut them apart, or remove one", culprits, others);
+    case LeakCause::enclosed:
+      return fmt::format("{} lies inside {}; cut it away there, so that form factors are of what is free", area,
+                         others);
+    case LeakCause::no_bottom:
+      return fmt::format("{} lies under {}, open towards it; cut it away there, or give {} a bottom", area, others,
+                         others);
     case LeakCause::one_sided:
-      return fmt::format("{} is a sheet with one side that is seen from both, from behind by {}; add its other side, back to back, or take --two-sided", culprits, others);
-    case LeakCause::gap: break;
+      return fmt::format(
+          "{} is a sheet with one side that is seen from both, from behind by {}; add its other side, back to back, or "
+          "take --two-sided",
+          culprits, others);
+    case LeakCause::gap:
+      break;
   }
-  return fmt::format("{} is seen from behind by {}: they pass through each other, or there is a gap between; cut faces where they meet, close gaps", culprits, others);
+  return fmt::format(
+      "{} is seen from behind by {}: they pass through each other, or there is a gap between; cut faces where they "
+      "meet, close gaps",
+      culprits, others);
 }
 
 }  // namespace
 
-FrontRays followFronts(const Scene& scene, const std::vector<double>& weights) { return LeakFinder(scene).follow(weights); }
+FrontRays followFronts(const Scene& scene, const std::vector<double>& weights) {
+  return LeakFinder(scene).follow(weights);
+}
 
 std::vector<std::string> describeLeaks(const Scene& scene, const std::vector<Leak>& leaks) {
   constexpr double kLeastNamed = 0.01;  // of the leak
@@ -154,18 +179,25 @@ std::vector<std::string> describeLeaks(const Scene& scene, const std::vector<Lea
   double rest = 0;
   for (const Group& group : groupLeaks(leaks)) {
     if (lines.size() >= kMostNamed || group.share < kLeastNamed) rest += group.share;
-    else lines.push_back(fmt::format("{}: {:.0f} % of the leak: {}", scene.file, 100 * group.share, describeGroup(scene, group)));
+    else
+      lines.push_back(
+          fmt::format("{}: {:.0f} % of the leak: {}", scene.file, 100 * group.share, describeGroup(scene, group)));
   }
-  if (rest >= kLeastNamed) lines.push_back(fmt::format("{}: {:.0f} % of the leak: between other surfaces", scene.file, 100 * rest));
+  if (rest >= kLeastNamed)
+    lines.push_back(fmt::format("{}: {:.0f} % of the leak: between other surfaces", scene.file, 100 * rest));
   return lines;
 }
 
 std::vector<std::string> warnOfBacks(const Scene& scene) {
   const FrontRays found = followFronts(scene);
   if (found.escaped == found.rays && scene.faces.size() > 1)
-    return {fmt::format("{}: no front sees another one; turn a room whose normals look outward by --fix-normals, or surfaces by --flip NAME", scene.file)};
+    return {
+        fmt::format("{}: no front sees another one; turn a room whose normals look outward by --fix-normals, or "
+                    "surfaces by --flip NAME",
+                    scene.file)};
   if (found.backs == 0) return {};
-  std::vector<std::string> lines = {fmt::format("{}: {:.2g} % of rays from fronts end on backs (leak)", scene.file, 100 * found.backShare())};
+  std::vector<std::string> lines = {
+      fmt::format("{}: {:.2g} % of rays from fronts end on backs (leak)", scene.file, 100 * found.backShare())};
   for (std::string& line : describeLeaks(scene, found.leaks)) lines.push_back(std::move(line));
   return lines;
 }
@@ -181,7 +213,8 @@ std::string describeClosedness(const Scene& scene) {
     escaped += end.polygon == Sight::kNothing;
     backs += end.polygon != Sight::kNothing && !end.is_front;
   }
-  const std::string leaking = fmt::format("leaking: {:.2g} % of rays from fronts end on backs", 100 * double(backs) / double(kQuickRays));
+  const std::string leaking =
+      fmt::format("leaking: {:.2g} % of rays from fronts end on backs", 100 * double(backs) / double(kQuickRays));
   if (escaped > 0) return backs > 0 ? "open and " + leaking : "open";
   if (backs > 0) return "closed, but " + leaking;
   return edges_closed ? "closed" : "closed but for edges that meet no other";

@@ -18,8 +18,8 @@ struct Duplicate {
 //   In: alike: of the scene that was built from the input; rounding: of coordinates, input units
 //   Out: sorted by face, every face once, `of` never a duplicate itself
 //   Cost: O(overlaps corners^2).
-std::vector<Duplicate> findDuplicates(const InputScene& input, const Scene& scene, const std::vector<AlikeOverlap>& alike,
-                                      double rounding);
+std::vector<Duplicate> findDuplicates(const InputScene& input, const Scene& scene,
+                                      const std::vector<AlikeOverlap>& alike, double rounding);
 
 // The warning about overlaps that are no duplicates; empty without any.
 //   Cost: O(overlaps log overlaps).

@@ -9,9 +9,9 @@
 namespace viewpeel {
 namespace {
 
-constexpr double kCoarse = 16;       // steps to an edge
-constexpr double kFewEdges = 0.01;   // of all
-constexpr double kUsedSteps = 0.1;   // of coordinates that lie on odd steps; rounding leaves half of them there
+constexpr double kCoarse = 16;      // steps to an edge
+constexpr double kFewEdges = 0.01;  // of all
+constexpr double kUsedSteps = 0.1;  // of coordinates that lie on odd steps; rounding leaves half of them there
 
 bool isSingle(const InputScene& input) {
   for (const InputFace& face : input.faces)
@@ -54,9 +54,11 @@ std::string describeCoarseSteps(const InputScene& input) {
       shortest = std::min(shortest, length);
     }
   if (double(coarse) <= kFewEdges * double(edges) || double(odd) < kUsedSteps * double(large)) return "";
-  return fmt::format("{}: coordinates of up to {:.3g} in single precision come in steps of {:.2g}, and {} of {} edges are shorter than {:.0f} steps (the shortest is {:.3g}); "
-                     "move the scene to the origin before it is exported, or export it in double precision",
-                     input.file, largest, step, coarse, edges, kCoarse, shortest);
+  return fmt::format(
+      "{}: coordinates of up to {:.3g} in single precision come in steps of {:.2g}, and {} of {} edges are shorter "
+      "than {:.0f} steps (the shortest is {:.3g}); "
+      "move the scene to the origin before it is exported, or export it in double precision",
+      input.file, largest, step, coarse, edges, kCoarse, shortest);
 }
 
 }  // namespace viewpeel

@@ -30,8 +30,9 @@ void halve(std::span<uint32_t> ids, const std::vector<Place>& places) {
   for (size_t axis = 1; axis < least.size(); ++axis)
     if (greatest[axis] - least[axis] > greatest[widest] - least[widest]) widest = axis;
   const size_t half = std::bit_ceil(ids.size()) / 2;
-  std::nth_element(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(half), ids.end(),
-                   [&](uint32_t a, uint32_t b) { return std::tuple(places[a][widest], a) < std::tuple(places[b][widest], b); });
+  std::nth_element(
+      ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(half), ids.end(),
+      [&](uint32_t a, uint32_t b) { return std::tuple(places[a][widest], a) < std::tuple(places[b][widest], b); });
   halve(ids.subspan(0, half), places);
   halve(ids.subspan(half), places);
 }
@@ -44,8 +45,10 @@ std::vector<uint32_t> rankByPlace(const Scene& scene, const std::vector<uint32_t
   for (size_t k = 0; k < scene.polygons.size(); ++k) {
     const Polygon& polygon = scene.polygons[k];
     glm::dvec3 middle(0);
-    for (uint32_t c = 0; c < polygon.corner_count; ++c) middle += scene.corners[polygon.first_corner + c] / double(polygon.corner_count);
-    const glm::dvec3 normal = scene.planes[polygon.plane].normal * (polygon.front_along_plane_normal ? kOrientation : -kOrientation);
+    for (uint32_t c = 0; c < polygon.corner_count; ++c)
+      middle += scene.corners[polygon.first_corner + c] / double(polygon.corner_count);
+    const glm::dvec3 normal =
+        scene.planes[polygon.plane].normal * (polygon.front_along_plane_normal ? kOrientation : -kOrientation);
     const double area = polygon.area;
     Place& place = places[id_of_polygon[k]];
     for (int axis = 0; axis < 3; ++axis) {

@@ -12,8 +12,9 @@ namespace viewpeel {
 namespace {
 
 // Statements that carry no polygons, and so nothing that is wanted.
-constexpr std::string_view kIgnored[] = {"vt",  "vn",  "vp",    "s",     "usemtl",   "mtllib",   "l",          "p",         "mg",
-                                         "lod", "end", "bevel", "usemap", "c_interp", "d_interp", "shadow_obj", "trace_obj", "maplib"};
+constexpr std::string_view kIgnored[] = {"vt",     "vn",       "vp",       "s",          "usemtl",    "mtllib",
+                                         "l",      "p",        "mg",       "lod",        "end",       "bevel",
+                                         "usemap", "c_interp", "d_interp", "shadow_obj", "trace_obj", "maplib"};
 
 class ObjReader {
  public:
@@ -34,9 +35,7 @@ class ObjReader {
   }
 
  private:
-  [[noreturn]] void refuse(const std::string& what, uint32_t line) const {
-    FilePlace{scene_.file, line}.refuse(what);
-  }
+  [[noreturn]] void refuse(const std::string& what, uint32_t line) const { FilePlace{scene_.file, line}.refuse(what); }
 
   // Removes the end of line and a continuation mark; true where there was one.
   static bool chompContinuation(std::string& line) {
@@ -55,7 +54,8 @@ class ObjReader {
     else if (keyword == "o") object_ = name_ = joinWords(rest);
     else if (keyword == "g") name_ = joinWords(rest);
     else if (std::find(std::begin(kIgnored), std::end(kIgnored), keyword) == std::end(kIgnored))
-      refuse(fmt::format("'{}' is not a statement that is understood; export polygons as OBJ text", printable(keyword)), line_);
+      refuse(fmt::format("'{}' is not a statement that is understood; export polygons as OBJ text", printable(keyword)),
+             line_);
   }
 
   void readVertex(std::string_view rest) {
@@ -88,7 +88,8 @@ class ObjReader {
   uint32_t surfaceInForce() {
     const std::string& name = !name_.empty() ? name_ : object_;
     const std::string own = name.empty() ? file_.stem().string() : name;
-    const auto [at, is_new] = surfaces_.try_emplace(std::pair(own == object_ ? std::string() : object_, own), uint32_t(scene_.surface_names.size()));
+    const auto [at, is_new] = surfaces_.try_emplace(std::pair(own == object_ ? std::string() : object_, own),
+                                                    uint32_t(scene_.surface_names.size()));
     if (is_new) scene_.surface_names.push_back(own);
     return at->second;
   }
@@ -105,13 +106,18 @@ class ObjReader {
       if (object.empty() || uses[group] < 2) continue;
       scene_.surface_names[surface] = object + "/" + group;
       if (uses.count(scene_.surface_names[surface]))
-        refuse(fmt::format("group '{}' of object '{}' cannot be told from surface '{}'; rename one of them", group, object, scene_.surface_names[surface]), 0);
+        refuse(fmt::format("group '{}' of object '{}' cannot be told from surface '{}'; rename one of them", group,
+                           object, scene_.surface_names[surface]),
+               0);
       ++uses[scene_.surface_names[surface]];
       if (count++ == 0) first = scene_.surface_names[surface];
     }
     if (count > 0)
-      scene_.warnings.push_back(fmt::format("{}: {} groups share their names with others in other objects and have the objects' names before their own, as '{}'; "
-                                            "rename groups that are to have names of their own", scene_.file, count, first));
+      scene_.warnings.push_back(
+          fmt::format("{}: {} groups share their names with others in other objects and have the objects' names before "
+                      "their own, as '{}'; "
+                      "rename groups that are to have names of their own",
+                      scene_.file, count, first));
   }
 
   InputScene finish() {
@@ -120,7 +126,8 @@ class ObjReader {
       InputFace input{{}, face.surface, face.line};
       for (uint64_t index : face.vertices) {
         if (index > vertices_.size())
-          refuse(fmt::format("vertex index {} is out of range; the file has {} vertices", index, vertices_.size()), face.line);
+          refuse(fmt::format("vertex index {} is out of range; the file has {} vertices", index, vertices_.size()),
+                 face.line);
         input.corners.push_back(vertices_[index - 1]);
       }
       scene_.faces.push_back(std::move(input));
@@ -136,7 +143,8 @@ class ObjReader {
   InputScene scene_;
   uint32_t line_ = 0;
   std::string object_, name_;
-  std::map<std::pair<std::string, std::string>, uint32_t> surfaces_;  // by object, empty where it names the surface itself, and name
+  std::map<std::pair<std::string, std::string>, uint32_t>
+      surfaces_;  // by object, empty where it names the surface itself, and name
   std::vector<glm::dvec3> vertices_;
   std::vector<Face> faces_;
 };

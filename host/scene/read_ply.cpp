@@ -1,4 +1,5 @@
-// PLY, text and binary of either byte order: element `vertex` with x, y, z and element `face` with a list of vertex indices.
+// PLY, text and binary of either byte order: element `vertex` with x, y, z and element `face` with a list of vertex
+// indices.
 #include <algorithm>
 #include <bit>
 #include <cstring>
@@ -26,10 +27,10 @@ double decodeAs(const char* bytes) {
   return double(value);
 }
 
-constexpr Type kTypes[] = {{{"char", "int8"}, 1, decodeAs<int8_t>},     {{"uchar", "uint8"}, 1, decodeAs<uint8_t>},
-                           {{"short", "int16"}, 2, decodeAs<int16_t>},  {{"ushort", "uint16"}, 2, decodeAs<uint16_t>},
-                           {{"int", "int32"}, 4, decodeAs<int32_t>},    {{"uint", "uint32"}, 4, decodeAs<uint32_t>},
-                           {{"float", "float32"}, 4, decodeAs<float>},  {{"double", "float64"}, 8, decodeAs<double>}};
+constexpr Type kTypes[] = {{{"char", "int8"}, 1, decodeAs<int8_t>},    {{"uchar", "uint8"}, 1, decodeAs<uint8_t>},
+                           {{"short", "int16"}, 2, decodeAs<int16_t>}, {{"ushort", "uint16"}, 2, decodeAs<uint16_t>},
+                           {{"int", "int32"}, 4, decodeAs<int32_t>},   {{"uint", "uint32"}, 4, decodeAs<uint32_t>},
+                           {{"float", "float32"}, 4, decodeAs<float>}, {{"double", "float64"}, 8, decodeAs<double>}};
 
 struct Property {
   std::string name;
@@ -96,7 +97,8 @@ class PlyReader {
         Element element;
         element.name = nextWord(line);
         const double count = parseFinite(nextWord(line), place_);
-        if (count < 0 || count > 4e9 || count != std::floor(count)) place_.refuse("an element's count is out of range; correct it");
+        if (count < 0 || count > 4e9 || count != std::floor(count))
+          place_.refuse("an element's count is out of range; correct it");
         element.count = static_cast<uint64_t>(count);
         elements_.push_back(element);
       } else if (keyword == "property") {
@@ -121,12 +123,17 @@ class PlyReader {
   // Without properties records take no bytes, and any number of them would fit into any file.
   void checkProperties(const Element& element) const {
     const auto require = [&](bool has, std::string_view what) {
-      if (!has && element.count > 0) place_.refuse(fmt::format("element '{}' has no {}; export the file again", printable(element.name), what));
+      if (!has && element.count > 0)
+        place_.refuse(fmt::format("element '{}' has no {}; export the file again", printable(element.name), what));
     };
-    const auto has = [&](auto is_wanted) { return std::any_of(element.properties.begin(), element.properties.end(), is_wanted); };
+    const auto has = [&](auto is_wanted) {
+      return std::any_of(element.properties.begin(), element.properties.end(), is_wanted);
+    };
     require(!element.properties.empty(), "property");
     for (const char* axis : {"x", "y", "z"})
-      if (element.name == "vertex") require(has([&](const Property& property) { return property.name == axis && !property.count_type; }), fmt::format("property '{}'", axis));
+      if (element.name == "vertex")
+        require(has([&](const Property& property) { return property.name == axis && !property.count_type; }),
+                fmt::format("property '{}'", axis));
     if (element.name == "face") require(has(isCornerList), "list 'vertex_indices'");
   }
 
@@ -144,22 +151,24 @@ class PlyReader {
     char bytes[8];
     std::memcpy(bytes, rest_.data(), type.size_bytes);
     rest_.remove_prefix(type.size_bytes);
-    if ((format_ == Format::big_endian) != (std::endian::native == std::endian::big)) std::reverse(bytes, bytes + type.size_bytes);
+    if ((format_ == Format::big_endian) != (std::endian::native == std::endian::big))
+      std::reverse(bytes, bytes + type.size_bytes);
     const double value = type.decode(bytes);
     if (!std::isfinite(value)) place_.refuse("a coordinate is not a finite number; correct it");
     return value;
   }
 
   void readRecord(const Element& element) {
-    if (format_ == Format::text)
-      do line_ = nextLine();
+    if (format_ == Format::text) do
+        line_ = nextLine();
       while (line_.find_first_not_of(" \t\r") == std::string_view::npos);
     glm::dvec3 corner(0);
     std::vector<double> indices;
     for (const Property& property : element.properties) {
       if (property.count_type) {
         const double count = readNumber(*property.count_type);
-        if (count < 0 || count != std::floor(count)) place_.refuse(fmt::format("{} is not the length of a list; correct it", count));
+        if (count < 0 || count != std::floor(count))
+          place_.refuse(fmt::format("{} is not the length of a list; correct it", count));
         const bool wanted = isCornerList(property);
         for (double k = 0; k < count; ++k) {
           const double index = readNumber(*property.type);

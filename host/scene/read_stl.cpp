@@ -35,7 +35,8 @@ void readBinary(const std::string& bytes, InputScene& scene) {
       const size_t at = kHeaderBytes + 4 + k * kFacetBytes + 12 + 12 * corner;
       face.corners.emplace_back(readAt<float>(bytes, at), readAt<float>(bytes, at + 4), readAt<float>(bytes, at + 8));
       for (int axis = 0; axis < 3; ++axis)
-        if (!std::isfinite(face.corners.back()[axis])) place.refuse(fmt::format("facet {}: a coordinate is not a finite number; correct it", k + 1));
+        if (!std::isfinite(face.corners.back()[axis]))
+          place.refuse(fmt::format("facet {}: a coordinate is not a finite number; correct it", k + 1));
     }
     scene.faces.push_back(std::move(face));
   }
@@ -55,7 +56,8 @@ void readText(std::string_view rest, const std::string& stem, InputScene& scene)
     const std::string_view keyword = nextWord(line);
     if (keyword == "solid") {
       const std::string name = joinWords(line);
-      const auto [at, is_new] = surfaces.try_emplace(name.empty() ? stem : name, static_cast<uint32_t>(surfaces.size()));
+      const auto [at, is_new] =
+          surfaces.try_emplace(name.empty() ? stem : name, static_cast<uint32_t>(surfaces.size()));
       if (is_new) scene.surface_names.push_back(at->first);
       surface = at->second;
       in_solid = true;
@@ -87,7 +89,8 @@ InputScene readStl(const std::filesystem::path& file) {
   InputScene scene{file.string(), {}, {}};
   // Some binary files begin with "solid" too; their size gives them away.
   const bool fits_binary =
-      bytes.size() >= kHeaderBytes + 4 && bytes.size() == kHeaderBytes + 4 + uint64_t(readAt<uint32_t>(bytes, kHeaderBytes)) * kFacetBytes;
+      bytes.size() >= kHeaderBytes + 4 &&
+      bytes.size() == kHeaderBytes + 4 + uint64_t(readAt<uint32_t>(bytes, kHeaderBytes)) * kFacetBytes;
   const std::string_view text = skipByteOrderMark(bytes);
   if (text.starts_with("solid") && !fits_binary) {
     readText(text, file.stem().string(), scene);

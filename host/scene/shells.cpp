@@ -18,8 +18,8 @@ using glm::dvec3;
 constexpr size_t kMostOpenEdges = 4000;  // that are cut at one another's ends, each with each
 constexpr uint64_t kMostRays = 1 << 18;
 constexpr uint32_t kLeastHits = 4, kTurns = 4;
-constexpr double kThickness = 1e-4;      // of a room, unit-ball units
-constexpr double kAlmost = 0.1;  // of rays: what other parts of a mesh may spoil
+constexpr double kThickness = 1e-4;  // of a room, unit-ball units
+constexpr double kAlmost = 0.1;      // of rays: what other parts of a mesh may spoil
 
 struct EdgeUse {
   uint32_t low, high;  // vertices
@@ -31,7 +31,9 @@ struct EdgeUse {
 // Sets of faces with the sides of their fronts (weighted union by halving of paths).
 class Sides {
  public:
-  explicit Sides(size_t count) : parents_(count), turned_(count, false) { std::iota(parents_.begin(), parents_.end(), 0u); }
+  explicit Sides(size_t count) : parents_(count), turned_(count, false) {
+    std::iota(parents_.begin(), parents_.end(), 0u);
+  }
   // The root, and whether the face is turned against it.
   std::pair<uint32_t, bool> find(uint32_t face) {
     uint32_t root = face;
@@ -65,7 +67,8 @@ class Sides {
 
 class ShellFinder {
  public:
-  explicit ShellFinder(const Scene& scene) : scene_(scene), sides_(scene.faces.size()), is_twisted_(scene.faces.size(), false) {}
+  explicit ShellFinder(const Scene& scene)
+      : scene_(scene), sides_(scene.faces.size()), is_twisted_(scene.faces.size(), false) {}
   std::vector<Shell> find();
 
  private:
@@ -93,7 +96,9 @@ class ShellFinder {
 void ShellFinder::nameVertices() {
   std::vector<uint32_t> order(scene_.corners.size());
   std::iota(order.begin(), order.end(), 0u);
-  const auto keyOf = [&](uint32_t k) { return std::tuple(scene_.corners[k].x, scene_.corners[k].y, scene_.corners[k].z); };
+  const auto keyOf = [&](uint32_t k) {
+    return std::tuple(scene_.corners[k].x, scene_.corners[k].y, scene_.corners[k].z);
+  };
   std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return keyOf(a) < keyOf(b); });
   vertices_.resize(order.size());
   for (size_t k = 0; k < order.size(); ++k) {
@@ -104,7 +109,9 @@ void ShellFinder::nameVertices() {
 
 template <class Use>
 void ShellFinder::forEachEdge(Use use) {
-  std::sort(uses_.begin(), uses_.end(), [](const EdgeUse& a, const EdgeUse& b) { return std::tuple(a.low, a.high, a.polygon) < std::tuple(b.low, b.high, b.polygon); });
+  std::sort(uses_.begin(), uses_.end(), [](const EdgeUse& a, const EdgeUse& b) {
+    return std::tuple(a.low, a.high, a.polygon) < std::tuple(b.low, b.high, b.polygon);
+  });
   for (size_t k = 0, next = 0; k < uses_.size(); k = next) {
     while (next < uses_.size() && uses_[next].key() == uses_[k].key()) ++next;
     use(&uses_[k], next - k);
@@ -159,8 +166,9 @@ void ShellFinder::cutOpenEdges() {
   uses_ = std::move(kept);
 }
 
-// The angle of space or of solid between two faces at an edge, whichever lies before or behind both of their fronts; solid
-// counts a little less, which puts a box that stands on tiles before the tiles. Infinite where the two do not fit.
+// The angle of space or of solid between two faces at an edge, whichever lies before or behind both of their fronts;
+// solid counts a little less, which puts a box that stands on tiles before the tiles. Infinite where the two do not
+// fit.
 double ShellFinder::wedgeBetween(const EdgeUse& a, const EdgeUse& b) const {
   if (a.is_forward == b.is_forward) return INFINITY;
   const dvec3 axis = glm::normalize(places_[a.high] - places_[a.low]);
@@ -236,7 +244,8 @@ std::vector<Shell> ShellFinder::find() {
     for (size_t a = 0; a < count; ++a) {
       int balance = 0;
       for (size_t b = 0; b < count; ++b)
-        if (shell_of[faceOf(first[a])] == shell_of[faceOf(first[b])]) balance += (first[b].is_forward != sides_.find(faceOf(first[b])).second) ? 1 : -1;
+        if (shell_of[faceOf(first[a])] == shell_of[faceOf(first[b])])
+          balance += (first[b].is_forward != sides_.find(faceOf(first[b])).second) ? 1 : -1;
       if (balance != 0) shells[shell_of[faceOf(first[a])]].is_closed = false;
     }
   });

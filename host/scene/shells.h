@@ -9,10 +9,10 @@
 namespace viewpeel {
 
 struct Shell {
-  std::vector<uint32_t> faces;    // of Scene::faces, ascending
-  std::vector<bool> is_against;   // of each: its front is on the other side than that of most of the shell's area
-  bool is_closed = false;         // every edge is met by others of the shell, once in each direction after turning
-  bool is_twisted = false;        // faces cannot all be turned to one side, as those of a Moebius strip
+  std::vector<uint32_t> faces;   // of Scene::faces, ascending
+  std::vector<bool> is_against;  // of each: its front is on the other side than that of most of the shell's area
+  bool is_closed = false;        // every edge is met by others of the shell, once in each direction after turning
+  bool is_twisted = false;       // faces cannot all be turned to one side, as those of a Moebius strip
 };
 
 // Two faces at an edge hang together. Of more than two at an edge those of one surface do, then those with the smallest

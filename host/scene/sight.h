@@ -30,7 +30,9 @@ class Sight {
   // What a ray from a point of the polygon meets first. Coincident polygons are in the order of their tie ranks.
   //   Cost: O(log n + boxes met).
   End look(uint32_t polygon, const glm::dvec3& point, const glm::dvec3& direction) const;
-  End look(uint32_t polygon, bool from_front = true) { return look(polygon, pointOn(polygon), directionFrom(polygon, from_front)); }
+  End look(uint32_t polygon, bool from_front = true) {
+    return look(polygon, pointOn(polygon), directionFrom(polygon, from_front));
+  }
 
  private:
   const Scene& scene_;

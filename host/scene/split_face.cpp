@@ -21,7 +21,8 @@ Flat flatten(const std::vector<glm::dvec3>& corners, const glm::dvec3& normal) {
   const glm::dvec3 helper = std::abs(normal.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
   const glm::dvec3 x = glm::normalize(glm::cross(helper, normal)), y = glm::cross(normal, x);
   Flat flat;
-  for (const glm::dvec3& corner : corners) flat.push_back({glm::dot(corner - corners[0], x), glm::dot(corner - corners[0], y)});
+  for (const glm::dvec3& corner : corners)
+    flat.push_back({glm::dot(corner - corners[0], x), glm::dot(corner - corners[0], y)});
   return flat;
 }
 
@@ -121,7 +122,8 @@ Pieces mergePieces(const Flat& flat, Pieces pieces) {
 
 glm::dvec3 twiceVectorArea(const std::vector<glm::dvec3>& corners) {
   glm::dvec3 sum(0);
-  for (size_t k = 1; k + 1 < corners.size(); ++k) sum += glm::cross(corners[k] - corners[0], corners[k + 1] - corners[0]);
+  for (size_t k = 1; k + 1 < corners.size(); ++k)
+    sum += glm::cross(corners[k] - corners[0], corners[k + 1] - corners[0]);
   return sum;
 }
 

@@ -8,8 +8,8 @@
 
 namespace viewpeel {
 
-// A face is planar when its corners lie within this distance of its mean plane, unit-ball units. Others are cut into triangles. It bounds the
-// error of depths; a coordinate in single precision is good to 6e-8.
+// A face is planar when its corners lie within this distance of its mean plane, unit-ball units. Others are cut into
+// triangles. It bounds the error of depths; a coordinate in single precision is good to 6e-8.
 constexpr double kPlanarTolerance = 1e-7;
 
 // Pieces as loops of corner indices, counter-clockwise about the face's normal.
@@ -18,10 +18,11 @@ using Pieces = std::vector<std::vector<uint32_t>>;
 // Twice the vector area (Newell's formula); its direction is the mean normal.
 glm::dvec3 twiceVectorArea(const std::vector<glm::dvec3>& corners);
 
-// Cuts a simple polygon into convex planar pieces that tile it. A convex planar face is returned whole, corners in the middle of an edge
-// included: neighbours may meet there.
-//   In: three or more corners, consecutive ones distinct, vector area not zero    Out: pieces; empty when the face crosses itself
-//   Cost: O(m^2) for m corners where the face is not convex; triangulation by ear clipping (Meisters 1975), pieces merged as in
+// Cuts a simple polygon into convex planar pieces that tile it. A convex planar face is returned whole, corners in the
+// middle of an edge included: neighbours may meet there.
+//   In: three or more corners, consecutive ones distinct, vector area not zero    Out: pieces; empty when the face
+//   crosses itself Cost: O(m^2) for m corners where the face is not convex; triangulation by ear clipping (Meisters
+//   1975), pieces merged as in
 //     Hertel & Mehlhorn 1983, so at most four times the least number.
 Pieces splitFace(const std::vector<glm::dvec3>& corners);
 

@@ -54,7 +54,8 @@ struct FilePlace {
   uint32_t line = 0;
 
   [[noreturn]] void refuse(const std::string& what) const {
-    throw Error(ErrorCode::bad_input, line ? fmt::format("{}:{}: {}", file, line, what) : fmt::format("{}: {}", file, what));
+    throw Error(ErrorCode::bad_input,
+                line ? fmt::format("{}:{}: {}", file, line, what) : fmt::format("{}: {}", file, what));
   }
 };
 
@@ -66,7 +67,8 @@ inline double parseFinite(std::string_view word, const FilePlace& place) {
   const auto [end, failure] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   const bool is_number = failure != std::errc::invalid_argument && end == digits.data() + digits.size();
   if (!is_number) place.refuse(fmt::format("'{}' is not a number; correct it", printable(word)));
-  if (failure != std::errc() || !std::isfinite(value)) place.refuse(fmt::format("'{}' is not a finite number; correct it", printable(word)));
+  if (failure != std::errc() || !std::isfinite(value))
+    place.refuse(fmt::format("'{}' is not a finite number; correct it", printable(word)));
   return value;
 }
 

@@ -17,7 +17,8 @@ std::pair<uint32_t, uint32_t> keyOf(const Pair& pair) {
 }
 
 // add_to(sum, pair) for each of `pairs`, in any order, whose sum is Sum{i, j} where there was none.
-//   In: sums and pairs sorted by (i, j), every pair at most once    Cost: O(sums + pairs); no memory but that of the sums.
+//   In: sums and pairs sorted by (i, j), every pair at most once    Cost: O(sums + pairs); no memory but that of the
+//   sums.
 template <class Sum, class Pairs, class AddTo>
 void addPairs(std::vector<Sum>& sums, const Pairs& pairs, AddTo add_to) {
   size_t fresh = 0, from = 0;
@@ -38,7 +39,8 @@ void addPairs(std::vector<Sum>& sums, const Pairs& pairs, AddTo add_to) {
   }
 }
 
-// The pairs of a coarser set of ids, in order: id k becomes id_map[k], and add_to(sum, pair) joins a pair to one that is there.
+// The pairs of a coarser set of ids, in order: id k becomes id_map[k], and add_to(sum, pair) joins a pair to one that
+// is there.
 //   Cost: O(pairs) where there are few coarse ids, else O(pairs log pairs).
 template <class Pair, class AddTo>
 std::vector<Pair> mergePairs(const std::vector<Pair>& pairs, const std::vector<uint32_t>& id_map, AddTo add_to) {
@@ -54,7 +56,8 @@ std::vector<Pair> mergePairs(const std::vector<Pair>& pairs, const std::vector<u
     std::vector<uint32_t> places(count * (count + 2), 0);  // among the merged, 1 for the first
     for (const Pair& fine : pairs) {
       const Pair pair = mapped(fine);
-      uint32_t& place = places[pair.i * (count + 2) + (pair.j < kEnvironment ? pair.j : count + (pair.j - kEnvironment))];
+      uint32_t& place =
+          places[pair.i * (count + 2) + (pair.j < kEnvironment ? pair.j : count + (pair.j - kEnvironment))];
       if (place) {
         add_to(merged[place - 1], pair);
       } else {

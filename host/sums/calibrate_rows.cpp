@@ -32,7 +32,8 @@ class Calibration {
  public:
   Calibration(const std::vector<Entry>& entries, const std::vector<Guess>& guesses, const Rows& areas)
       : entries_(entries), guesses_(guesses), goal_(areas.size()), tolerance_(areas.size()), y_(areas.size(), 0) {
-    Rows missing = areas, together(areas.size()), measured(areas.size()), room_up(areas.size()), room_down(areas.size());
+    Rows missing = areas, together(areas.size()), measured(areas.size()), room_up(areas.size()),
+         room_down(areas.size());
     for (const Entry& entry : entries) {
       addToRows(missing, entry, -entry.exchange_area.value);
       addToRows(measured, entry, entry.exchange_area.standard_error * entry.exchange_area.standard_error);
@@ -87,7 +88,8 @@ class Calibration {
       for (size_t k = guesses_.size() * part / parts, end = guesses_.size() * (part + 1) / parts; k < end; ++k) {
         const Guess& guess = guesses_[k];
         const Entry& entry = entries_[guess.entry];
-        const double weight = double(guess.weight) * guess.most, share = tilt(guess.share, odds[entry.i] * odds[entry.j]);
+        const double weight = double(guess.weight) * guess.most,
+                     share = tilt(guess.share, odds[entry.i] * odds[entry.j]);
         addToRows(sums.gain, entry, weight * (share - guess.share));
         addToRows(sums.slope, entry, weight * share * (1 - share));
       }

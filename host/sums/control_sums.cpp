@@ -15,7 +15,9 @@ namespace {
 
 void addExactly(ControlSums::Wide& sum, ControlSums::Wide more) {
   if (__builtin_add_overflow(sum, more, &sum))
-    throw Error(ErrorCode::bad_usage, "the squares of counts of so many replicates are beyond 128 bits; ask for fewer --directions in each, or --closed-forms off");
+    throw Error(ErrorCode::bad_usage,
+                "the squares of counts of so many replicates are beyond 128 bits; ask for fewer --directions in each, "
+                "or --closed-forms off");
 }
 
 }  // namespace
@@ -34,7 +36,8 @@ PairCounts withRows(PairCounts counts, std::span<const PairShare> others) {
     if (count.j >= kEnvironment) count.blocked = rows[count.i] - count.count;
   PairCounts missing;
   for (const PairShare& pair : others)
-    if (pair.j >= kEnvironment && pair.i < rows.size() && rows[pair.i] > 0) missing.push_back({pair.i, pair.j, 0, rows[pair.i]});
+    if (pair.j >= kEnvironment && pair.i < rows.size() && rows[pair.i] > 0)
+      missing.push_back({pair.i, pair.j, 0, rows[pair.i]});
   PairCounts all;
   all.reserve(counts.size() + missing.size());
   std::ranges::set_union(counts, missing, std::back_inserter(all), isBefore);  // of both, the one counted
@@ -43,8 +46,10 @@ PairCounts withRows(PairCounts counts, std::span<const PairShare> others) {
 
 void requireCountsForShares(const PairCount& count) {
   if (std::max(count.count, count.blocked) > kMostCounts)
-    throw Error(ErrorCode::bad_usage, fmt::format("a replicate's counts of a pair, {}, are too large for closed forms; ask for fewer --directions and more --replicates, or "
-                                                  "--closed-forms off", std::max(count.count, count.blocked)));
+    throw Error(ErrorCode::bad_usage, fmt::format("a replicate's counts of a pair, {}, are too large for closed forms; "
+                                                  "ask for fewer --directions and more --replicates, or "
+                                                  "--closed-forms off",
+                                                  std::max(count.count, count.blocked)));
 }
 
 uint64_t lineOf(const std::vector<uint64_t>& lines, uint32_t i, uint32_t j) {
@@ -52,7 +57,8 @@ uint64_t lineOf(const std::vector<uint64_t>& lines, uint32_t i, uint32_t j) {
   return j < kEnvironment ? std::min(lines[i], lines[j]) : lines[i];
 }
 
-std::vector<ControlCount> takeShares(const PairCounts& counts, const std::vector<PairShare>& shares, const std::vector<uint64_t>& lines) {
+std::vector<ControlCount> takeShares(const PairCounts& counts, const std::vector<PairShare>& shares,
+                                     const std::vector<uint64_t>& lines) {
   std::vector<ControlCount> controls;
   controls.reserve(counts.size());
   auto share = shares.begin();
@@ -63,7 +69,9 @@ std::vector<ControlCount> takeShares(const PairCounts& counts, const std::vector
     const auto control = static_cast<int64_t>(count.count * (kShareOne - b)) - static_cast<int64_t>(count.blocked * b);
     const uint64_t line = lineOf(lines, count.i, count.j);
     // count / line lines, each of which adds `line` times 1 - b
-    const ControlCount::Wide squares = (ControlCount::Wide(count.count) * (kShareOne - b) * (kShareOne - b) + ControlCount::Wide(count.blocked) * b * b) * line;
+    const ControlCount::Wide squares = (ControlCount::Wide(count.count) * (kShareOne - b) * (kShareOne - b) +
+                                        ControlCount::Wide(count.blocked) * b * b) *
+                                       line;
     if (squares) controls.push_back({count.i, count.j, control, squares, line});
   }
   return controls;
@@ -90,7 +98,8 @@ double errorOfSum(double variance, double squares, double line, double most) {
 Measured allowForUnmet(Measured exchange, const KnownExchange& known, double directions, double area) {
   if (known.j >= kEnvironment || std::isinf(known.most)) return exchange;
   const double unmet = known.most * std::exp(-directions * known.most / (2 * area));
-  exchange.standard_error = std::max(exchange.standard_error, std::min(unmet, std::max(exchange.value, known.most - exchange.value)));
+  exchange.standard_error =
+      std::max(exchange.standard_error, std::min(unmet, std::max(exchange.value, known.most - exchange.value)));
   return exchange;
 }
 
@@ -117,10 +126,13 @@ void ControlSums::add(const ControlSums& others) {
 double ControlSums::variance(const PairSum& pair, double measure_area) const {
   const auto replicates = static_cast<long double>(replicate_count_), sum = static_cast<long double>(pair.sum);
   const double scale = (pair.i == pair.j ? 4 : 2) * measure_area / kShareOne;
-  return static_cast<double>(std::max(0.0L, static_cast<long double>(pair.sum_of_squares) - sum * sum / replicates) / (replicates - 1)) * scale * scale;
+  return static_cast<double>(std::max(0.0L, static_cast<long double>(pair.sum_of_squares) - sum * sum / replicates) /
+                             (replicates - 1)) *
+         scale * scale;
 }
 
-Measured ControlSums::measure(const PairSum& pair, double measure_area, const KnownExchange* known, double count_area) const {
+Measured ControlSums::measure(const PairSum& pair, double measure_area, const KnownExchange* known,
+                              double count_area) const {
   constexpr auto kOne = static_cast<double>(kShareOne);
   const auto replicates = static_cast<long double>(replicate_count_);
   const double scale = (pair.i == pair.j ? 4 : 2) * measure_area, most = known ? known->most : INFINITY;
@@ -129,37 +141,49 @@ Measured ControlSums::measure(const PairSum& pair, double measure_area, const Kn
   exchange.value = std::clamp(exchange.value, 0.0, most);
   if (replicate_count_ < 2) return exchange;
   // R s^2, the variance of the sum over replicates
-  const long double variance = std::max(0.0L, (static_cast<long double>(pair.sum_of_squares) - mean * static_cast<long double>(pair.sum)) * replicates / (replicates - 1));
+  const long double variance =
+      std::max(0.0L, (static_cast<long double>(pair.sum_of_squares) - mean * static_cast<long double>(pair.sum)) *
+                         replicates / (replicates - 1));
   const double area = std::min(ids_.areas[pair.i], pair.j < kEnvironment ? ids_.areas[pair.j] : INFINITY);
   const auto line = static_cast<double>(pair.squares || !known ? pair.line : known->line);
-  exchange.standard_error = errorOfSum(static_cast<double>(variance) / kOne / kOne, static_cast<double>(pair.squares) / kOne / kOne, line, area / count_area) / static_cast<double>(replicates) * scale;
+  exchange.standard_error = errorOfSum(static_cast<double>(variance) / kOne / kOne,
+                                       static_cast<double>(pair.squares) / kOne / kOne, line, area / count_area) /
+                            static_cast<double>(replicates) * scale;
   exchange.standard_error = std::min(exchange.standard_error, std::max(exchange.value, most - exchange.value));
   return exchange;
 }
 
-Measured ControlSums::allowForUnmetPair(const Measured& exchange, double measure_area, const KnownExchange& known, double count_area) const {
+Measured ControlSums::allowForUnmetPair(const Measured& exchange, double measure_area, const KnownExchange& known,
+                                        double count_area) const {
   if (replicate_count_ < 2 || known.j >= kEnvironment) return exchange;
-  return viewpeel::allowForUnmet(exchange, known, double(replicate_count_) * count_area / measure_area, std::min(ids_.areas[known.i], ids_.areas[known.j]));
+  return viewpeel::allowForUnmet(exchange, known, double(replicate_count_) * count_area / measure_area,
+                                 std::min(ids_.areas[known.i], ids_.areas[known.j]));
 }
 
-FormFactors ControlSums::allowForUnmet(const FormFactors& form_factors, double measure_area, const std::vector<KnownExchange>& known, double count_area) const {
+FormFactors ControlSums::allowForUnmet(const FormFactors& form_factors, double measure_area,
+                                       const std::vector<KnownExchange>& known, double count_area) const {
   std::vector<FormFactors::Entry> entries = form_factors.entries();
   auto told = pairs_.begin();
   auto at = known.begin();
   for (FormFactors::Entry& entry : entries) {
     while (told != pairs_.end() && keyOf(*told) < keyOf(entry)) ++told;
     while (at != known.end() && keyOf(*at) < keyOf(entry)) ++at;
-    const bool is_told = told != pairs_.end() && keyOf(*told) == keyOf(entry), is_known = at != known.end() && keyOf(*at) == keyOf(entry);
-    if (is_known && !is_told) entry.exchange_area = allowForUnmetPair(entry.exchange_area, measure_area, *at, count_area);
+    const bool is_told = told != pairs_.end() && keyOf(*told) == keyOf(entry),
+               is_known = at != known.end() && keyOf(*at) == keyOf(entry);
+    if (is_known && !is_told)
+      entry.exchange_area = allowForUnmetPair(entry.exchange_area, measure_area, *at, count_area);
   }
   return {form_factors.ids(), std::move(entries), form_factors.rowSums()};
 }
 
-FormFactors ControlSums::formFactors(double measure_area, const std::vector<KnownExchange>& known, double count_area) const {
+FormFactors ControlSums::formFactors(double measure_area, const std::vector<KnownExchange>& known,
+                                     double count_area) const {
   std::vector<FormFactors::Entry> entries;
   entries.reserve(pairs_.size());
   auto at = known.begin();
-  const auto addUnmet = [&](const KnownExchange& unmet) { entries.push_back({unmet.i, unmet.j, measure({unmet.i, unmet.j}, measure_area, &unmet, count_area)}); };
+  const auto addUnmet = [&](const KnownExchange& unmet) {
+    entries.push_back({unmet.i, unmet.j, measure({unmet.i, unmet.j}, measure_area, &unmet, count_area)});
+  };
   for (const PairSum& pair : pairs_) {
     for (; at != known.end() && keyOf(*at) < keyOf(pair); ++at) addUnmet(*at);
     const bool is_known = at != known.end() && keyOf(*at) == keyOf(pair);
@@ -171,7 +195,9 @@ FormFactors ControlSums::formFactors(double measure_area, const std::vector<Know
 }
 
 Measured ControlSums::exchangeArea(double measure_area, const KnownExchange& known, double count_area) const {
-  const auto at = std::lower_bound(pairs_.begin(), pairs_.end(), known, [](const PairSum& pair, const KnownExchange& key) { return keyOf(pair) < keyOf(key); });
+  const auto at =
+      std::lower_bound(pairs_.begin(), pairs_.end(), known,
+                       [](const PairSum& pair, const KnownExchange& key) { return keyOf(pair) < keyOf(key); });
   const bool is_told = at != pairs_.end() && keyOf(*at) == keyOf(known);
   const Measured exchange = measure(is_told ? *at : PairSum{known.i, known.j}, measure_area, &known, count_area);
   return is_told ? exchange : allowForUnmetPair(exchange, measure_area, known, count_area);
@@ -184,7 +210,8 @@ FormFactors chooseBetter(const FormFactors& controlled, const FormFactors& sampl
   for (const FormFactors::Entry& entry : controlled.entries()) {
     while (other != sampled.entries().end() && keyOf(*other) < keyOf(entry)) ++other;
     const bool has_other = other != sampled.entries().end() && keyOf(*other) == keyOf(entry);
-    entries.push_back(has_other && 2 * other->exchange_area.standard_error < entry.exchange_area.standard_error ? *other : entry);
+    entries.push_back(
+        has_other && 2 * other->exchange_area.standard_error < entry.exchange_area.standard_error ? *other : entry);
   }
   return {controlled.ids(), std::move(entries), sampled.rowSums()};
 }
@@ -203,7 +230,8 @@ double largestRelativeError(const FormFactors& form_factors, double floor) {
   double largest = 0;
   for (const auto& entry : form_factors.entries()) {
     const double area = ids.smallerArea(entry.i, entry.j);
-    if (entry.exchange_area.value / area >= floor) largest = std::max(largest, entry.exchange_area.standard_error / entry.exchange_area.value);
+    if (entry.exchange_area.value / area >= floor)
+      largest = std::max(largest, entry.exchange_area.standard_error / entry.exchange_area.value);
   }
   return largest;
 }

@@ -11,18 +11,21 @@ namespace viewpeel {
 
 // Of a pair of faces, or of a face with environment or leak.
 struct KnownPair {
-  uint32_t i, j;               // i < j
-  uint32_t share = 0;          // in the controls of faces, and what a pair is taken for that no line met; units of 2^-kShareBits
+  uint32_t i, j;  // i < j
+  uint32_t share =
+      0;  // in the controls of faces, and what a pair is taken for that no line met; units of 2^-kShareBits
   uint32_t surface_share = 0;  // in those between surfaces: the same, or 0
-  double exchange = 0;         // A_i F_ij with nothing in between, A_i for environment and leak; infinite where unknown, and shares 0
+  double exchange =
+      0;  // A_i F_ij with nothing in between, A_i for environment and leak; infinite where unknown, and shares 0
 
   bool operator==(const KnownPair&) const = default;
 };
 
-// Which pairs that the run itself has met, and whose exchange areas were computed for that, count as shares of these. Where a pair that
-// was not met has no entry, only those count so that every run meets: a share of a pair that few runs meet is right on the average of
-// these, and its row adds up to too little on the average of all. What decides is known before the run: a pair's expected lines,
-// L = N X / (2 h^2) for N directions and counts of area h^2, and directions, for one that sees it has 1 + 8/27 A / h^2 lines.
+// Which pairs that the run itself has met, and whose exchange areas were computed for that, count as shares of these.
+// Where a pair that was not met has no entry, only those count so that every run meets: a share of a pair that few runs
+// meet is right on the average of these, and its row adds up to too little on the average of all. What decides is known
+// before the run: a pair's expected lines, L = N X / (2 h^2) for N directions and counts of area h^2, and directions,
+// for one that sees it has 1 + 8/27 A / h^2 lines.
 //   In: exchange: input units squared; area: the smaller of the two
 inline bool isSharedPair(double directions, double count_area, double exchange, double area) {
   constexpr double kLeastLines = 64, kLeastDirections = 16;
@@ -36,10 +39,12 @@ struct BoundedExchange {
 };
 
 // What shares of it add back.    In: areas, lines: of faces
-inline KnownExchange exchangeOf(const KnownPair& pair, uint32_t share, const std::vector<double>& areas, const std::vector<uint64_t>& lines) {
+inline KnownExchange exchangeOf(const KnownPair& pair, uint32_t share, const std::vector<double>& areas,
+                                const std::vector<uint64_t>& lines) {
   // Closed forms exceed areas by rounding.
   const double most = std::min({pair.exchange, areas[pair.i], pair.j < kEnvironment ? areas[pair.j] : INFINITY});
-  return {pair.i, pair.j, most * share / kShareOne, std::isinf(pair.exchange) ? INFINITY : most, lineOf(lines, pair.i, pair.j)};
+  return {pair.i, pair.j, most * share / kShareOne, std::isinf(pair.exchange) ? INFINITY : most,
+          lineOf(lines, pair.i, pair.j)};
 }
 
 }  // namespace viewpeel

@@ -20,13 +20,16 @@ struct Level {
 
 }  // namespace
 
-NeighbourShares::NeighbourShares(const ShareSums& sums, const std::vector<uint64_t>& lines, const std::vector<uint32_t>& ranks)
+NeighbourShares::NeighbourShares(const ShareSums& sums, const std::vector<uint64_t>& lines,
+                                 const std::vector<uint32_t>& ranks)
     : ranks_(ranks), side_(((ranks.size() - 1) >> kStep) + 1), shares_(side_ * side_) {
   std::vector<Level> levels{{side_, std::vector<Lines>(side_ * side_)}};
   for (const ShareSums::PairSum& pair : sums.pairs()) {
     if (pair.j >= kEnvironment || pair.i == pair.j || pair.facing + pair.blocked == 0) continue;
-    const double all = double(pair.facing) + double(pair.blocked), told = effectiveLines(pair, sums.squaresOf(pair), double(lineOf(lines, pair.i, pair.j)));
-    const double weight = (1 + kNeighbours) * told / (told + kNeighbours), share = double(pair.facing) / all;  // 1 where all are facing
+    const double all = double(pair.facing) + double(pair.blocked),
+                 told = effectiveLines(pair, sums.squaresOf(pair), double(lineOf(lines, pair.i, pair.j)));
+    const double weight = (1 + kNeighbours) * told / (told + kNeighbours),
+                 share = double(pair.facing) / all;  // 1 where all are facing
     Lines& block = levels[0].blocks[blockOf(ranks[pair.i], ranks[pair.j])];
     block.facing += static_cast<float>(weight * share);
     block.all += static_cast<float>(weight);
@@ -44,7 +47,8 @@ NeighbourShares::NeighbourShares(const ShareSums& sums, const std::vector<uint64
     levels.push_back(std::move(coarse));
   }
   const Lines& scene = levels.back().blocks[0];
-  std::vector<float> means{scene.all > 0 ? scene.facing / scene.all : 0.5f};  // of blocks of the level before, coarser by kStep
+  std::vector<float> means{scene.all > 0 ? scene.facing / scene.all
+                                         : 0.5f};  // of blocks of the level before, coarser by kStep
   for (size_t k = levels.size(); k-- > 0;) {
     const auto& [side, blocks] = levels[k];
     const size_t coarse_side = ((side - 1) >> kStep) + 1;
@@ -52,7 +56,8 @@ NeighbourShares::NeighbourShares(const ShareSums& sums, const std::vector<uint64
     for (size_t a = 0; a < side; ++a)
       for (size_t b = a; b < side; ++b) {
         const Lines& of = blocks[a * side + b];
-        const float facing = of.facing + means[(a >> kStep) * coarse_side + (b >> kStep)], mean = facing / (of.all + 1), smoothed = (facing + kBeside) / (of.all + 1 + 2 * kBeside);
+        const float facing = of.facing + means[(a >> kStep) * coarse_side + (b >> kStep)], mean = facing / (of.all + 1),
+                    smoothed = (facing + kBeside) / (of.all + 1 + 2 * kBeside);
         if (k > 0) finer[a * side + b] = mean;
         else shares_[a * side + b] = {mean, smoothed};
       }

@@ -5,7 +5,9 @@
 namespace viewpeel {
 
 // The order of lists; no function, so that sorting inlines it.
-inline constexpr auto isBefore = [](const PairCount& a, const PairCount& b) { return a.i != b.i ? a.i < b.i : a.j < b.j; };
+inline constexpr auto isBefore = [](const PairCount& a, const PairCount& b) {
+  return a.i != b.i ? a.i < b.i : a.j < b.j;
+};
 
 // The sum of two sorted lists of counts.
 PairCounts addCounts(const PairCounts& a, const PairCounts& b);

@@ -34,7 +34,10 @@ class ReplicateSums {
   explicit ReplicateSums(Ids ids) : ids_(std::move(ids)), row_sums_(ids_.count()) {}
   // As they were summed before.    In: pairs sorted by (i, j), every pair at most once; row_sums: one for each id
   ReplicateSums(Ids ids, uint64_t replicate_count, std::vector<PairSum> pairs, std::vector<Sum> row_sums)
-      : ids_(std::move(ids)), pairs_(std::move(pairs)), row_sums_(std::move(row_sums)), replicate_count_(replicate_count) {}
+      : ids_(std::move(ids)),
+        pairs_(std::move(pairs)),
+        row_sums_(std::move(row_sums)),
+        replicate_count_(replicate_count) {}
 
   // Cost: O(nonzeros).
   void add(const PairCounts& counts);
@@ -49,8 +52,10 @@ class ReplicateSums {
   uint64_t replicateCount() const { return replicate_count_; }
 
   //   In: measure_area: input units squared of one count, that is unitArea() scale^2 / directions per replicate
-  //     count_area: of one count along its direction, measure_area x directions per replicate where these are over the whole sphere; infinite where it is not known
-  //   Error: none but rounding: counts and their squares are summed in 128-bit integers. Standard errors: replicate_sums.cpp; tests/device/form_factors_test.cpp.
+  //     count_area: of one count along its direction, measure_area x directions per replicate where these are over the
+  //     whole sphere; infinite where it is not known
+  //   Error: none but rounding: counts and their squares are summed in 128-bit integers. Standard errors:
+  //   replicate_sums.cpp; tests/device/form_factors_test.cpp.
   FormFactors formFactors(double measure_area, double count_area = INFINITY) const;
   // The same of one pair, whose counts were summed elsewhere.
   Measured exchangeArea(const PairSum& pair, double measure_area, double count_area) const;
@@ -75,7 +80,8 @@ class ReplicateSums {
   uint64_t replicate_count_ = 0;
 };
 
-// What a form factor of an id of this area, the smaller of its pair, is at most where none of so many directions met it: with 95 % confidence (replicate_sums.cpp).
+// What a form factor of an id of this area, the smaller of its pair, is at most where none of so many directions met
+// it: with 95 % confidence (replicate_sums.cpp).
 double unmetBound(double area, double count_area, double directions);
 
 // The counts of a coarser set of ids: id k becomes id_map[k].

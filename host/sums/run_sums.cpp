@@ -11,7 +11,8 @@ namespace {
 
 // Sorts and joins ranges that touch.
 std::vector<ReplicateRange> joinRanges(std::vector<ReplicateRange> ranges) {
-  std::sort(ranges.begin(), ranges.end(), [](const ReplicateRange& a, const ReplicateRange& b) { return a.first < b.first; });
+  std::sort(ranges.begin(), ranges.end(),
+            [](const ReplicateRange& a, const ReplicateRange& b) { return a.first < b.first; });
   std::vector<ReplicateRange> joined;
   for (const ReplicateRange& range : ranges) {
     if (!joined.empty() && joined.back().end == range.first) joined.back().end = range.end;
@@ -34,7 +35,8 @@ RunSums makeRunSums(const Scene& scene, const Ids& ids) {
 }
 
 double RunSums::countArea() const {
-  return by_id.ids().asked.empty() && replicateCount() ? measure_area * double(directions) / double(replicateCount()) : INFINITY;
+  return by_id.ids().asked.empty() && replicateCount() ? measure_area * double(directions) / double(replicateCount())
+                                                       : INFINITY;
 }
 
 bool RunSums::isWhole() const {
@@ -44,7 +46,10 @@ bool RunSums::isWhole() const {
     count += replicates[k].end - replicates[k].first;
   }
   if (hasPairsInVisible() && !by_id.pairs().empty()) return false;
-  return by_id.replicateCount() == count && by_surface.replicateCount() == count && (!visible || (visible->byFace().replicateCount() == count && visible->surfaceControls().replicateCount() == count && visible->directed().replicateCount() == count));
+  return by_id.replicateCount() == count && by_surface.replicateCount() == count &&
+         (!visible ||
+          (visible->byFace().replicateCount() == count && visible->surfaceControls().replicateCount() == count &&
+           visible->directed().replicateCount() == count));
 }
 
 void RunSums::add(uint64_t replicate, const PairCounts& counts, uint64_t direction_count, const PairCounts& directed) {
@@ -62,7 +67,9 @@ void RunSums::add(uint64_t replicate, const PairCounts& counts, uint64_t directi
 void RunSums::add(const RunSums& others) {
   if (replicates.empty()) measure_area = others.measure_area;
   if (others.visible && !visible) visible = others.visible;
-  else if (visible) visible->add(*others.visible, !others.replicates.empty() && (replicates.empty() || others.replicates.front().first < replicates.front().first));
+  else if (visible)
+    visible->add(*others.visible, !others.replicates.empty() && (replicates.empty() || others.replicates.front().first <
+                                                                                           replicates.front().first));
   by_surface.add(others.by_surface);
   by_id.add(others.by_id);
   replicates.insert(replicates.end(), others.replicates.begin(), others.replicates.end());
@@ -92,7 +99,9 @@ FormFactors RunSums::formFactors(const ExchangeRow& row) const {
 FormFactors RunSums::knownFormFactors() const {
   std::vector<FormFactors::Entry> entries = visible->ofKnownPairs(measure_area, countArea(), by_id);
   auto at = visible->known().pairs.begin();  // one of each of these
-  std::erase_if(entries, [&](const FormFactors::Entry&) { return visible->isCountedAlone(*at++, double(directions), countArea()); });
+  std::erase_if(entries, [&](const FormFactors::Entry&) {
+    return visible->isCountedAlone(*at++, double(directions), countArea());
+  });
   return {by_id.ids(), std::move(entries), {}};
 }
 

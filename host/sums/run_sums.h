@@ -17,7 +17,8 @@ struct ReplicateRange {
   bool operator==(const ReplicateRange&) const = default;
 };
 
-// All that a result, and going on towards it, needs of the replicates done. Integers throughout: the order of replicates does not matter.
+// All that a result, and going on towards it, needs of the replicates done. Integers throughout: the order of
+// replicates does not matter.
 struct RunSums {
   ReplicateSums by_id;                     // row sums alone where `visible` has the pairs (hasPairsInVisible)
   ReplicateSums by_surface;                // the same counts summed by surface
@@ -29,19 +30,21 @@ struct RunSums {
   uint64_t replicateCount() const { return by_id.replicateCount(); }
   // With closed forms by polygon: what counts alone say of a pair is among what its share is made of.
   bool hasPairsInVisible() const { return visible && visible->by() == By::polygon; }
-  // Input units squared of one count along its direction; infinite, not known, where only some rows were asked for and directions are drawn for them.
+  // Input units squared of one count along its direction; infinite, not known, where only some rows were asked for and
+  // directions are drawn for them.
   double countArea() const;
   // False where something ended a call of add early, and for sums that do not go with each other.
   bool isWhole() const;
 
-  //   In: a replicate that is not there yet; counts by id; of directed pairs (VisibleSums) those along their own directions
-  //   Cost: O(nonzeros log nonzeros).
+  //   In: a replicate that is not there yet; counts by id; of directed pairs (VisibleSums) those along their own
+  //   directions Cost: O(nonzeros log nonzeros).
   void add(uint64_t replicate, const PairCounts& counts, uint64_t direction_count, const PairCounts& directed = {});
   //   In: replicates that are not there yet, of the same run: the same ids, the same measure_area, the same shares
   //   Cost: O(nonzeros).
   void add(const RunSums& others);
 
-  // What was counted comes to: with closed forms where there are, then of the ids asked for (VisibleSums::by) and with entries of 0 for pairs never seen, else of by_id.
+  // What was counted comes to: with closed forms where there are, then of the ids asked for (VisibleSums::by) and with
+  // entries of 0 for pairs never seen, else of by_id.
   //   In: row: as in VisibleSums
   FormFactors formFactors(const ExchangeRow& row = {}) const;
   // Only those by polygon whose closed forms are known, as they are among all; needs VisibleSums.

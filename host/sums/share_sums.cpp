@@ -16,11 +16,13 @@
 namespace viewpeel {
 namespace {
 
-// (1.96 / t)^2 with Student's t of R - 1 degrees of freedom at 95 %. Intervals are t standard errors long, for R replicates know their own spread only roughly; of a variance that is known by other
-// means so much is right. R is 8 at least: with fewer, standard errors would be far less than errors, and intervals are longer than they need be.
+// (1.96 / t)^2 with Student's t of R - 1 degrees of freedom at 95 %. Intervals are t standard errors long, for R
+// replicates know their own spread only roughly; of a variance that is known by other means so much is right. R is 8 at
+// least: with fewer, standard errors would be far less than errors, and intervals are longer than they need be.
 double besideReplicates(uint64_t replicates) {
   const double degrees = static_cast<double>(std::max<uint64_t>(replicates, 8) - 1), beyond = 0.025;
-  const double ratio = quantile(complement(boost::math::normal(), beyond)) / quantile(complement(boost::math::students_t(degrees), beyond));
+  const double ratio = quantile(complement(boost::math::normal(), beyond)) /
+                       quantile(complement(boost::math::students_t(degrees), beyond));
   return ratio * ratio;
 }
 
@@ -54,7 +56,8 @@ void ShareSums::add(const PairCounts& counts) {
     requireCountsForShares(count);
     sum.facing += count.count;
     sum.blocked += count.blocked;
-    addSquares(sum, {Wide(count.count) * count.count, Wide(count.count) * count.blocked, Wide(count.blocked) * count.blocked});
+    addSquares(
+        sum, {Wide(count.count) * count.count, Wide(count.count) * count.blocked, Wide(count.blocked) * count.blocked});
   });
 }
 
@@ -75,9 +78,17 @@ class ShareSums::Entries {
   }
 
  public:
-  Entries(const ShareSums& sums, const std::vector<KnownPair>& known, const std::vector<uint64_t>& lines, double measure_area, double count_area,
-          std::span<const ReplicateSums::Sum> rows, const std::vector<FormFactors::Entry>& sampled, const NeighbourShares* neighbours)
-      : sums_(sums), known_pairs_(known), lines_(lines), rows_(rows), sampled_entries_(sampled), neighbours_(neighbours), measure_area_(measure_area), count_area_(count_area),
+  Entries(const ShareSums& sums, const std::vector<KnownPair>& known, const std::vector<uint64_t>& lines,
+          double measure_area, double count_area, std::span<const ReplicateSums::Sum> rows,
+          const std::vector<FormFactors::Entry>& sampled, const NeighbourShares* neighbours)
+      : sums_(sums),
+        known_pairs_(known),
+        lines_(lines),
+        rows_(rows),
+        sampled_entries_(sampled),
+        neighbours_(neighbours),
+        measure_area_(measure_area),
+        count_area_(count_area),
         beside_replicates_(besideReplicates(sums.replicate_count_)) {}
 
   Found of(uint32_t first_row, uint32_t end_row, const ExchangeRow& row) {
@@ -85,7 +96,9 @@ class ShareSums::Entries {
     told_ = firstOf(sums_.pairs_, first_row);
     sampled_ = firstOf(sampled_entries_, first_row);
     std::vector<BoundedExchange> later;
-    if (row) found_.entries.reserve(size_t(end_row - first_row) * (sums_.ids_.count() - first_row));  // no memory before it is written to
+    if (row)
+      found_.entries.reserve(size_t(end_row - first_row) *
+                             (sums_.ids_.count() - first_row));  // no memory before it is written to
     for (uint32_t i = first_row; i < end_row; ++i) {
       if (row) {
         later.assign(sums_.ids_.count() - i - 1, {});
@@ -96,7 +109,8 @@ class ShareSums::Entries {
       for (uint32_t j = i + 1, end = static_cast<uint32_t>(i + 1 + later.size()); j < end; ++j) {
         // Up to the next that anything is known of.
         for (const uint32_t next = std::min(nextAfter(i, j), end); j < next; ++j)
-          if (const BoundedExchange& exchange = later[j - i - 1]; exchange.area > 0 || exchange.error > 0) guess(i, j, exchange.area, exchange.error);
+          if (const BoundedExchange& exchange = later[j - i - 1]; exchange.area > 0 || exchange.error > 0)
+            guess(i, j, exchange.area, exchange.error);
         if (j == end) break;
         addBefore(i, j);
         const BoundedExchange& exchange = later[j - i - 1];
@@ -127,7 +141,8 @@ class ShareSums::Entries {
   }
 
   // Of environment and leak all other lines of the row are blocked, in replicates that saw none leave it, too:
-  //   sum O^2 = sum (L - V)^2 = sum L^2 - 2 sum V (V + O) + sum V^2 with L lines of the row in a replicate, for V + O = L where V > 0.
+  //   sum O^2 = sum (L - V)^2 = sum L^2 - 2 sum V (V + O) + sum V^2 with L lines of the row in a replicate, for V + O =
+  //   L where V > 0.
   std::pair<PairSum, Squares> withRow(PairSum pair) const {
     Squares squares = sums_.squaresOf(pair);
     if (pair.j < kEnvironment || rows_.empty()) return {pair, squares};
@@ -152,14 +167,18 @@ class ShareSums::Entries {
     const NeighbourShares::Share share = neighbours_->of(i, j);
     const double most = std::min({area, sums_.ids_.areas[i], sums_.ids_.areas[j]});
     found_.guesses.push_back({static_cast<uint32_t>(found_.entries.size()), static_cast<float>(most), share.mean, 1});
-    found_.entries.push_back({i, j, {share.mean * most, sums_.replicate_count_ < 2 ? INFINITY : share.deviation() * most + share.mean * error}});
+    found_.entries.push_back(
+        {i,
+         j,
+         {share.mean * most, sums_.replicate_count_ < 2 ? INFINITY : share.deviation() * most + share.mean * error}});
   }
 
   // Pairs that are known, and those sampled alone.
   void addBefore(uint32_t i, uint32_t j) {
     const std::pair key(i, j);
     for (;;) {
-      const bool has_known = known_ != known_pairs_.end() && keyOf(*known_) < key, has_sampled = sampled_ != sampled_entries_.end() && keyOf(*sampled_) < key;
+      const bool has_known = known_ != known_pairs_.end() && keyOf(*known_) < key,
+                 has_sampled = sampled_ != sampled_entries_.end() && keyOf(*sampled_) < key;
       if (!has_known && !has_sampled) return;
       if (has_sampled && (!has_known || keyOf(*sampled_) < keyOf(*known_))) {
         found_.entries.push_back(*sampled_++);
@@ -177,33 +196,43 @@ class ShareSums::Entries {
   void add(const PairSum& told, const KnownPair& pair, double error) {
     const KnownExchange known = exchangeOf(pair, pair.share, sums_.ids_.areas, lines_);
     const auto [sum, squares] = withRow(told);
-    if (sum.facing + sum.blocked == 0 && !std::isinf(known.most) && neighbours_ && pair.j < kEnvironment) return guess(pair.i, pair.j, known.most, error);
+    if (sum.facing + sum.blocked == 0 && !std::isinf(known.most) && neighbours_ && pair.j < kEnvironment)
+      return guess(pair.i, pair.j, known.most, error);
     found_.entries.push_back({pair.i, pair.j, measure(sum, squares, known, error)});
   }
 
   // Of a pair that lines met, or whose exchange area or neighbours nobody knows.    In: error: of known.most
   Measured measure(const PairSum& pair, const Squares& squared, const KnownExchange& known, double error) {
-    const auto replicates = static_cast<double>(sums_.replicate_count_), facing = double(pair.facing), blocked = double(pair.blocked), lines = facing + blocked;
+    const auto replicates = static_cast<double>(sums_.replicate_count_), facing = double(pair.facing),
+               blocked = double(pair.blocked), lines = facing + blocked;
     const bool has_form = !std::isinf(known.most), is_share = lines > 0 && has_form;
     const double b = lines > 0 ? facing / lines : 0;
     Measured exchange{is_share ? b * known.most : known.area, INFINITY};
     if (sums_.replicate_count_ < 2) return exchange;
     const double area = std::min(sums_.ids_.areas[pair.i], pair.j < kEnvironment ? sums_.ids_.areas[pair.j] : INFINITY);
-    // The replicates' variance in units of counts: of residuals (1 - b) V_r - b O_r, whose sum is 0; and of lines, each by chance of its own.
-    const double residuals = (1 - b) * (1 - b) * double(squared.facing) - 2 * b * (1 - b) * double(squared.product) + b * b * double(squared.blocked);
-    const double variance = std::max(0.0, residuals) * replicates / (replicates - 1), squares = b * blocked * double(known.line);
+    // The replicates' variance in units of counts: of residuals (1 - b) V_r - b O_r, whose sum is 0; and of lines, each
+    // by chance of its own.
+    const double residuals = (1 - b) * (1 - b) * double(squared.facing) - 2 * b * (1 - b) * double(squared.product) +
+                             b * b * double(squared.blocked);
+    const double variance = std::max(0.0, residuals) * replicates / (replicates - 1),
+                 squares = b * blocked * double(known.line);
     if (is_share && neighbours_ && pair.j < kEnvironment) {
       const double told = effectiveLines(pair, squared, double(known.line));
       const float mean = neighbours_->of(pair.i, pair.j).mean;
       const double share = told < kFewLines ? withNeighbours(told, b, mean) : b;
       if (told < kFewLines)
-        found_.guesses.push_back({static_cast<uint32_t>(found_.entries.size()), static_cast<float>(known.most), mean, static_cast<float>(withNeighbours(told, 0, 1))});
+        found_.guesses.push_back({static_cast<uint32_t>(found_.entries.size()), static_cast<float>(known.most), mean,
+                                  static_cast<float>(withNeighbours(told, 0, 1))});
       exchange.value = share * known.most;
-      exchange.standard_error = std::sqrt(varianceOfShare(pair, squared, b, variance / lines / lines, area / count_area_, double(known.line))) * known.most;
-      exchange.standard_error = std::min(exchange.standard_error, std::max(exchange.value, known.most - exchange.value)) + share * error;
+      exchange.standard_error = std::sqrt(varianceOfShare(pair, squared, b, variance / lines / lines,
+                                                          area / count_area_, double(known.line))) *
+                                known.most;
+      exchange.standard_error =
+          std::min(exchange.standard_error, std::max(exchange.value, known.most - exchange.value)) + share * error;
       return exchange;
     }
-    const double count_exchange = is_share ? known.most / lines : (pair.i == pair.j ? 4 : 2) * measure_area_ / replicates;
+    const double count_exchange =
+        is_share ? known.most / lines : (pair.i == pair.j ? 4 : 2) * measure_area_ / replicates;
     exchange.standard_error = errorOfSum(variance, squares, double(known.line), area / count_area_) * count_exchange;
     exchange.standard_error = std::min(exchange.standard_error, std::max(exchange.value, known.most - exchange.value));
     if (squares == 0) exchange = allowForUnmet(exchange, known, replicates * count_area_ / measure_area_, area);
@@ -213,16 +242,24 @@ class ShareSums::Entries {
 
   // Where few lines tell of a pair, with a share m of its neighbours.
   static constexpr double kFewLines = 4;
-  static double withNeighbours(double told, double b, double m) { return (told * b + NeighbourShares::kNeighbours * m) / (told + NeighbourShares::kNeighbours); }
+  static double withNeighbours(double told, double b, double m) {
+    return (told * b + NeighbourShares::kNeighbours * m) / (told + NeighbourShares::kNeighbours);
+  }
 
-  // Of the share b that lines tell, of which a direction adds up to most_counts. That of replicates is worth little where few lines are of the rarer kind; then that of n directions that see
-  // the pair, each facing or blocked by chance, p (1 - p) / (n + 1/2), half a line of the neighbours' among them, with p of b, the neighbours' s, as of two lines more, and a tenth of a line of either
-  // kind: (n b + 2 s + 0.1) / (n + 2.2) (Agresti & Coull 1998). A direction that sees it has 1 + 8/27 A / h^2 lines (replicate_sums.cpp), but parts of a pair in different places are blocked one by one,
-  // and lattices and directions are more even than chance: 2 / (n + 3) of that variance is left where lines are of both kinds, all of it where they are of one, which does not say that the other is
-  // not there (measured in five scenes: bench/programs/coverage.cpp, README).
-  double varianceOfShare(const PairSum& pair, const Squares& squared, double b, double of_replicates, double most_counts, double line) const {
-    const double n = effectiveLines(pair, squared, line + 8 / 27.0 * most_counts), s = neighbours_->of(pair.i, pair.j).smoothed;
-    const double p = (n * b + 2 * s + 0.1) / (n + 2.2), rarer = n * p * (1 - p), trust = rarer * rarer / (rarer * rarer + 0.25);
+  // Of the share b that lines tell, of which a direction adds up to most_counts. That of replicates is worth little
+  // where few lines are of the rarer kind; then that of n directions that see the pair, each facing or blocked by
+  // chance, p (1 - p) / (n + 1/2), half a line of the neighbours' among them, with p of b, the neighbours' s, as of two
+  // lines more, and a tenth of a line of either kind: (n b + 2 s + 0.1) / (n + 2.2) (Agresti & Coull 1998). A direction
+  // that sees it has 1 + 8/27 A / h^2 lines (replicate_sums.cpp), but parts of a pair in different places are blocked
+  // one by one, and lattices and directions are more even than chance: 2 / (n + 3) of that variance is left where lines
+  // are of both kinds, all of it where they are of one, which does not say that the other is not there (measured in
+  // five scenes: bench/programs/coverage.cpp, README).
+  double varianceOfShare(const PairSum& pair, const Squares& squared, double b, double of_replicates,
+                         double most_counts, double line) const {
+    const double n = effectiveLines(pair, squared, line + 8 / 27.0 * most_counts),
+                 s = neighbours_->of(pair.i, pair.j).smoothed;
+    const double p = (n * b + 2 * s + 0.1) / (n + 2.2), rarer = n * p * (1 - p),
+                 trust = rarer * rarer / (rarer * rarer + 0.25);
     const double by_chance = p * (1 - p) / (n + NeighbourShares::kNeighbours), left = b > 0 && b < 1 ? 2 / (n + 3) : 1;
     return trust * of_replicates + (1 - trust) * left * by_chance * beside_replicates_;
   }
@@ -240,24 +277,30 @@ class ShareSums::Entries {
   Found found_;
 };
 
-ShareSums::Found ShareSums::find(const std::vector<KnownPair>& known, const std::vector<uint64_t>& lines, double measure_area, double count_area,
-                                 std::span<const ReplicateSums::Sum> rows, const std::vector<FormFactors::Entry>& sampled, const NeighbourShares* neighbours,
+ShareSums::Found ShareSums::find(const std::vector<KnownPair>& known, const std::vector<uint64_t>& lines,
+                                 double measure_area, double count_area, std::span<const ReplicateSums::Sum> rows,
+                                 const std::vector<FormFactors::Entry>& sampled, const NeighbourShares* neighbours,
                                  const ExchangeRow& row) const {
   // Some rows at a time: the first have the most pairs.
   constexpr size_t kParts = 64;
   const size_t n = ids_.count(), part_count = std::min(n, kParts);
   std::vector<std::optional<Found>> parts(part_count);
   Found all;
-  all.entries.reserve((row ? size_t(pairCount(n)) : known.size()) + sampled.size() + 2 * n);  // no memory before it is written to
+  all.entries.reserve((row ? size_t(pairCount(n)) : known.size()) + sampled.size() +
+                      2 * n);  // no memory before it is written to
   std::mutex mutex;
   size_t added = 0;
-  const auto firstRow = [&](size_t part) { return static_cast<uint32_t>(double(n) * (1 - std::sqrt(1 - double(part) / double(part_count)))); };
+  const auto firstRow = [&](size_t part) {
+    return static_cast<uint32_t>(double(n) * (1 - std::sqrt(1 - double(part) / double(part_count))));
+  };
   const auto addPart = [&](size_t, size_t part) {
     const uint32_t end = part + 1 == part_count ? static_cast<uint32_t>(n) : firstRow(part + 1);
-    Found made = Entries(*this, known, lines, measure_area, count_area, rows, sampled, neighbours).of(firstRow(part), end, row);
+    Found made =
+        Entries(*this, known, lines, measure_area, count_area, rows, sampled, neighbours).of(firstRow(part), end, row);
     const std::lock_guard lock(mutex);
     parts[part] = std::move(made);
-    for (; added < part_count && parts[added]; ++added) {  // in order, and gone: lists of all pairs are not to be there twice
+    for (; added < part_count && parts[added];
+         ++added) {  // in order, and gone: lists of all pairs are not to be there twice
       for (Guess& guess : parts[added]->guesses) guess.entry += static_cast<uint32_t>(all.entries.size());
       all.guesses.insert(all.guesses.end(), parts[added]->guesses.begin(), parts[added]->guesses.end());
       all.entries.insert(all.entries.end(), parts[added]->entries.begin(), parts[added]->entries.end());
@@ -278,7 +321,8 @@ ControlSums ShareSums::controls(const std::vector<PairShare>& shares, const std:
     control.line = lineOf(lines, pair.i, pair.j);
     control.squares = (pair.facing * rest * rest + pair.blocked * b * b) * control.line;
     if (control.squares == 0) continue;
-    control.sum = static_cast<ControlSums::SignedWide>(pair.facing * rest) - static_cast<ControlSums::SignedWide>(pair.blocked * b);
+    control.sum = static_cast<ControlSums::SignedWide>(pair.facing * rest) -
+                  static_cast<ControlSums::SignedWide>(pair.blocked * b);
     const Squares squared = squaresOf(pair);
     control.sum_of_squares = rest * rest * squared.facing + b * b * squared.blocked - 2 * b * rest * squared.product;
     controls.push_back(control);

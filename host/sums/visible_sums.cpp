@@ -15,7 +15,8 @@ namespace viewpeel {
 namespace {
 
 // Exchanges between surfaces, of those of their faces: sums, at most the areas of the two.
-std::vector<KnownExchange> mergeBySurface(const std::vector<KnownExchange>& exchanges, bool has_all_pairs, const std::vector<uint32_t>& surface, const std::vector<double>& areas) {
+std::vector<KnownExchange> mergeBySurface(const std::vector<KnownExchange>& exchanges, bool has_all_pairs,
+                                          const std::vector<uint32_t>& surface, const std::vector<double>& areas) {
   std::vector<KnownExchange> mapped;
   mapped.reserve(exchanges.size());
   for (const KnownExchange& e : exchanges) {
@@ -61,7 +62,11 @@ VisibleSums::VisibleSums(const Ids& face_ids, const Ids& surface_ids, By by, Kno
 }
 
 VisibleSums::VisibleSums(By by, KnownShares known, ShareSums by_face, ControlSums by_surface, ControlSums directed)
-    : by_(by), known_(std::move(known)), by_face_(std::move(by_face)), by_surface_(std::move(by_surface)), directed_(std::move(directed)) {
+    : by_(by),
+      known_(std::move(known)),
+      by_face_(std::move(by_face)),
+      by_surface_(std::move(by_surface)),
+      directed_(std::move(directed)) {
   prepare();
 }
 
@@ -72,7 +77,8 @@ void VisibleSums::prepare() {
   for (const KnownPair& pair : known_.pairs) {
     if (pair.share) shares_.push_back({pair.i, pair.j, pair.share});
     if (pair.surface_share) surface_shares_.push_back({pair.i, pair.j, pair.surface_share});
-    if (pair.j >= kEnvironment && (pair.share || pair.surface_share)) row_shares_.push_back({pair.i, pair.j, pair.share});
+    if (pair.j >= kEnvironment && (pair.share || pair.surface_share))
+      row_shares_.push_back({pair.i, pair.j, pair.share});
     if (directed != known_.directed.end() && keyOf(*directed) == keyOf(pair)) {
       directed_exchanges_.push_back(exchangeOf(pair, directed->share, areas, {}));
       directed_exchanges_.back().line = directed->line;
@@ -80,10 +86,12 @@ void VisibleSums::prepare() {
       for_surfaces.push_back({pair.i, pair.j, 0, 0, lineOf(known_.lines, pair.i, pair.j)});
       continue;
     }
-    const bool is_learnt = !known_.has_all_pairs && pair.share == 0 && pair.surface_share == 0;  // from the run: no part of what was fixed beforehand
+    const bool is_learnt = !known_.has_all_pairs && pair.share == 0 &&
+                           pair.surface_share == 0;  // from the run: no part of what was fixed beforehand
     if (!is_learnt) for_surfaces.push_back(exchangeOf(pair, pair.surface_share, areas, known_.lines));
   }
-  surface_exchanges_ = mergeBySurface(for_surfaces, known_.has_all_pairs, by_face_.ids().surface, by_surface_.ids().areas);
+  surface_exchanges_ =
+      mergeBySurface(for_surfaces, known_.has_all_pairs, by_face_.ids().surface, by_surface_.ids().areas);
 }
 
 PairCounts VisibleSums::withoutDirected(PairCounts counts) const {
@@ -113,7 +121,10 @@ std::vector<KnownPair> VisibleSums::unknownPairs(uint64_t least_lines) const {
   for (const ShareSums::PairSum& pair : by_face_.pairs()) {
     while (at != known_.pairs.end() && keyOf(*at) < keyOf(pair)) ++at;
     const bool is_known = at != known_.pairs.end() && keyOf(*at) == keyOf(pair);
-    if (!is_known && pair.facing > 0 && pair.facing + pair.blocked >= least_lines * lineOf(known_.lines, pair.i, pair.j) && pair.j < kEnvironment && pair.i != pair.j) unknown.push_back({pair.i, pair.j});
+    if (!is_known && pair.facing > 0 &&
+        pair.facing + pair.blocked >= least_lines * lineOf(known_.lines, pair.i, pair.j) && pair.j < kEnvironment &&
+        pair.i != pair.j)
+      unknown.push_back({pair.i, pair.j});
   }
   return unknown;
 }
@@ -134,7 +145,8 @@ void VisibleSums::add(const VisibleSums& others, bool others_are_first) {
   }
   // What only one of them has met.
   std::vector<KnownPair> missing;
-  std::ranges::set_difference(second.pairs, known_.pairs, std::back_inserter(missing), [](const KnownPair& a, const KnownPair& b) { return keyOf(a) < keyOf(b); });
+  std::ranges::set_difference(second.pairs, known_.pairs, std::back_inserter(missing),
+                              [](const KnownPair& a, const KnownPair& b) { return keyOf(a) < keyOf(b); });
   if (!missing.empty()) learn(missing);
 }
 
@@ -145,14 +157,16 @@ bool VisibleSums::goesWith(const VisibleSums& others) const {
       if (pair.share || pair.surface_share) shares.push_back({pair.i, pair.j, pair.share, pair.surface_share});
     return shares;
   };
-  return by_ == others.by_ && known_.lines == others.known_.lines && known_.has_all_pairs == others.known_.has_all_pairs && sharesOf(*this) == sharesOf(others);
+  return by_ == others.by_ && known_.lines == others.known_.lines &&
+         known_.has_all_pairs == others.known_.has_all_pairs && sharesOf(*this) == sharesOf(others);
 }
 
 std::vector<FormFactors::Entry> VisibleSums::directedEntries() const {
   std::vector<FormFactors::Entry> entries;
   for (size_t k = 0; k < known_.directed.size(); ++k) {
     const DirectedPair& pair = known_.directed[k];
-    entries.push_back({pair.i, pair.j, directed_.exchangeArea(pair.measure_area, directed_exchanges_[k], pair.count_area)});
+    entries.push_back(
+        {pair.i, pair.j, directed_.exchangeArea(pair.measure_area, directed_exchanges_[k], pair.count_area)});
   }
   return entries;
 }
@@ -165,24 +179,26 @@ bool VisibleSums::isCountedAlone(const KnownPair& pair, double directions, doubl
   return !isSharedPair(directions, count_area, pair.exchange, std::min(areas[pair.i], areas[pair.j]));
 }
 
-ShareSums::Found VisibleSums::find(double measure_area, double count_area, const ReplicateSums& counted, const std::vector<FormFactors::Entry>& sampled,
-                                   const ExchangeRow& row) const {
+ShareSums::Found VisibleSums::find(double measure_area, double count_area, const ReplicateSums& counted,
+                                   const std::vector<FormFactors::Entry>& sampled, const ExchangeRow& row) const {
   std::optional<NeighbourShares> neighbours;
   if (!known_.ranks.empty()) neighbours.emplace(by_face_, known_.lines, known_.ranks);
   ShareSums::Found found =
-      by_face_.find(known_.pairs, known_.lines, measure_area, count_area, counted.rowSums(), sampled, neighbours ? &*neighbours : nullptr, neighbours ? row : ExchangeRow{});
-  std::vector<uint32_t> measured;  // entries that directions of their own have made
+      by_face_.find(known_.pairs, known_.lines, measure_area, count_area, counted.rowSums(), sampled,
+                    neighbours ? &*neighbours : nullptr, neighbours ? row : ExchangeRow{});
+  std::vector<uint32_t> measured;                                 // entries that directions of their own have made
   for (const FormFactors::Entry& directed : directedEntries()) {  // among the pairs known, so there
     const auto at = std::ranges::lower_bound(found.entries, keyOf(directed), {}, keyOf<FormFactors::Entry>);
     at->exchange_area = directed.exchange_area;
     measured.push_back(static_cast<uint32_t>(at - found.entries.begin()));
   }
-  if (!measured.empty()) std::erase_if(found.guesses, [&](const Guess& guess) { return std::ranges::binary_search(measured, guess.entry); });
+  if (!measured.empty())
+    std::erase_if(found.guesses, [&](const Guess& guess) { return std::ranges::binary_search(measured, guess.entry); });
   return found;
 }
 
-FormFactors VisibleSums::byPolygon(double measure_area, double count_area, const ReplicateSums& counted, const std::vector<FormFactors::Entry>& sampled,
-                                   const ExchangeRow& row) const {
+FormFactors VisibleSums::byPolygon(double measure_area, double count_area, const ReplicateSums& counted,
+                                   const std::vector<FormFactors::Entry>& sampled, const ExchangeRow& row) const {
   ShareSums::Found found = find(measure_area, count_area, counted, sampled, row);
   const std::vector<double>& areas = by_face_.ids().areas;
   calibrateRows(found.entries, found.guesses, areas);
@@ -190,13 +206,16 @@ FormFactors VisibleSums::byPolygon(double measure_area, double count_area, const
   return {by_face_.ids(), std::move(found.entries), std::move(rows)};
 }
 
-std::vector<FormFactors::Entry> VisibleSums::ofKnownPairs(double measure_area, double count_area, const ReplicateSums& counted) const {
+std::vector<FormFactors::Entry> VisibleSums::ofKnownPairs(double measure_area, double count_area,
+                                                          const ReplicateSums& counted) const {
   return find(measure_area, count_area, counted, {}, {}).entries;
 }
 
 FormFactors VisibleSums::bySurface(double measure_area, double count_area, const FormFactors& sampled) const {
   // Directed pairs have random numbers of their own: their variances add up with that of the others.
-  const FormFactors others = by_surface_.allowForUnmet(by_surface_.formFactors(measure_area, surface_exchanges_, count_area), measure_area, surface_exchanges_, count_area);
+  const FormFactors others =
+      by_surface_.allowForUnmet(by_surface_.formFactors(measure_area, surface_exchanges_, count_area), measure_area,
+                                surface_exchanges_, count_area);
   std::vector<FormFactors::Entry> entries = others.entries();
   const std::vector<uint32_t>& surface = by_face_.ids().surface;
   for (const FormFactors::Entry& directed : directedEntries()) {
@@ -212,13 +231,16 @@ FormFactors VisibleSums::bySurface(double measure_area, double count_area, const
 }
 
 bool VisibleSums::directsAs(const VisibleSums& others) const {
-  const auto countsOf = [](const DirectedPair& pair) { return std::array{pair.i, pair.j, pair.directions, pair.resolution, pair.share, pair.line}; };
+  const auto countsOf = [](const DirectedPair& pair) {
+    return std::array{pair.i, pair.j, pair.directions, pair.resolution, pair.share, pair.line};
+  };
   return std::ranges::equal(known_.directed, others.known_.directed, {}, countsOf, countsOf);
 }
 
 FormFactors VisibleSums::controlledFormFactors(double measure_area, const FormFactors& sampled) const {
   std::vector<KnownExchange> exchanges;
-  for (const KnownPair& pair : known_.pairs) exchanges.push_back(exchangeOf(pair, pair.share, by_face_.ids().areas, known_.lines));
+  for (const KnownPair& pair : known_.pairs)
+    exchanges.push_back(exchangeOf(pair, pair.share, by_face_.ids().areas, known_.lines));
   return {sampled.ids(), faceControls().formFactors(measure_area, exchanges).entries(), sampled.rowSums()};
 }
 

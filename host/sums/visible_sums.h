@@ -6,15 +6,16 @@
 
 namespace viewpeel {
 
-// A pair of faces that directions of its own count, on a lattice of its own: what common directions see of it does not enter its form factor.
+// A pair of faces that directions of its own count, on a lattice of its own: what common directions see of it does not
+// enter its form factor.
 struct DirectedPair {
-  uint32_t i, j;             // i < j, one of KnownShares::pairs
-  uint32_t directions = 0;   // per replicate
-  uint32_t resolution = 0;   // of the lattice
-  uint32_t share = 0;        // in its controls; units of 2^-kShareBits
-  uint32_t line = 1;         // counts that one line adds
-  double measure_area = 0;   // input units squared of one count, as RunSums has it for common directions
-  double count_area = 0;     // the same along its direction
+  uint32_t i, j;            // i < j, one of KnownShares::pairs
+  uint32_t directions = 0;  // per replicate
+  uint32_t resolution = 0;  // of the lattice
+  uint32_t share = 0;       // in its controls; units of 2^-kShareBits
+  uint32_t line = 1;        // counts that one line adds
+  double measure_area = 0;  // input units squared of one count, as RunSums has it for common directions
+  double count_area = 0;    // the same along its direction
 
   bool operator==(const DirectedPair&) const = default;
 };
@@ -27,7 +28,8 @@ struct KnownShares {
   std::vector<uint64_t> lines;   // of faces: counts that one line adds (takeShares)
   bool has_all_pairs = false;    // pairs that are not there do not see each other
   std::vector<DirectedPair> directed{};  // sorted
-  std::vector<uint32_t> ranks{};         // of faces, by place (rankByPlace); empty: pairs that no line met are not compared with their neighbours
+  std::vector<uint32_t> ranks{};  // of faces, by place (rankByPlace); empty: pairs that no line met are not compared
+                                  // with their neighbours
 
   bool operator==(const KnownShares&) const = default;
 };
@@ -39,14 +41,16 @@ class VisibleSums {
   // As they were summed before.
   VisibleSums(By by, KnownShares known, ShareSums by_face, ControlSums by_surface, ControlSums directed);
 
-  // One replicate.    In: counts of common directions; of KnownShares::directed what their own have counted    Throws: as takeShares.    Cost: O(nonzeros log nonzeros).
+  // One replicate.    In: counts of common directions; of KnownShares::directed what their own have counted    Throws:
+  // as takeShares.    Cost: O(nonzeros log nonzeros).
   void add(const PairCounts& counts, const PairCounts& directed);
-  // Pairs of faces that saw each other and whose closed forms are not known, nor found out to be out of reach, with shares of 0.
-  // but those that fewer lines told than `least`.
+  // Pairs of faces that saw each other and whose closed forms are not known, nor found out to be out of reach, with
+  // shares of 0. but those that fewer lines told than `least`.
   std::vector<KnownPair> unknownPairs(uint64_t least_lines = 0) const;
   // Their closed forms.    In: sorted, and none of them known
   void learn(const std::vector<KnownPair>& pairs);
-  // Other replicates of the same run. What closed forms gave may differ in rounding between devices: that of the one with the first replicate stays.
+  // Other replicates of the same run. What closed forms gave may differ in rounding between devices: that of the one
+  // with the first replicate stays.
   void add(const VisibleSums& others, bool others_are_first);
 
   By by() const { return by_; }
@@ -60,14 +64,18 @@ class VisibleSums {
   bool directsAs(const VisibleSums& others) const;
 
   // Form factors by polygon and their row sums.
-  //   In: measure_area, count_area as in ReplicateSums; counted: of the same replicates, all lines of each row; sampled: entries of pairs that isCountedAlone has
+  //   In: measure_area, count_area as in ReplicateSums; counted: of the same replicates, all lines of each row;
+  //   sampled: entries of pairs that isCountedAlone has
   //     row: closed forms of pairs that are not known; empty: what is not known is sampled, or left out
-  FormFactors byPolygon(double measure_area, double count_area, const ReplicateSums& counted, const std::vector<FormFactors::Entry>& sampled, const ExchangeRow& row = {}) const;
+  FormFactors byPolygon(double measure_area, double count_area, const ReplicateSums& counted,
+                        const std::vector<FormFactors::Entry>& sampled, const ExchangeRow& row = {}) const;
   // Those of known pairs alone, one entry for each, whose guesses do not fit their rows yet.
-  std::vector<FormFactors::Entry> ofKnownPairs(double measure_area, double count_area, const ReplicateSums& counted) const;
+  std::vector<FormFactors::Entry> ofKnownPairs(double measure_area, double count_area,
+                                               const ReplicateSums& counted) const;
   //   In: sampled: of the same replicates, where shares are of no use
   FormFactors bySurface(double measure_area, double count_area, const FormFactors& sampled) const;
-  // Whether counts alone are the estimate of a known pair.    In: directions of all replicates; count_area as in ReplicateSums
+  // Whether counts alone are the estimate of a known pair.    In: directions of all replicates; count_area as in
+  // ReplicateSums
   bool isCountedAlone(const KnownPair& pair, double directions, double count_area) const;
   // Of faces, with the shares fixed beforehand.
   ControlSums faceControls() const { return by_face_.controls(shares_, known_.lines); }
@@ -77,7 +85,8 @@ class VisibleSums {
   void prepare();
   PairCounts withoutDirected(PairCounts counts) const;
   std::vector<FormFactors::Entry> directedEntries() const;
-  ShareSums::Found find(double measure_area, double count_area, const ReplicateSums& counted, const std::vector<FormFactors::Entry>& sampled, const ExchangeRow& row) const;
+  ShareSums::Found find(double measure_area, double count_area, const ReplicateSums& counted,
+                        const std::vector<FormFactors::Entry>& sampled, const ExchangeRow& row) const;
 
   By by_;
   KnownShares known_;

@@ -15,10 +15,12 @@ struct GaussPoint {
 //   Error: 4 ulp of long double in node and weight; tests/unit/line_rules_test.cpp (monomials).
 //   Throws: nothing.
 //   Cost: O(n^2).
-//   Source: Abramowitz & Stegun, Handbook of Mathematical Functions, 25.4.29; Newton's method on the Legendre recurrence.
+//   Source: Abramowitz & Stegun, Handbook of Mathematical Functions, 25.4.29; Newton's method on the Legendre
+//   recurrence.
 std::vector<GaussPoint> gaussPoints(int n);
 
-// Largest error of the rule on the mean of a monomial: max |1 / (k + 1) - sum_i weight_i node_i^k / 2| over k = 2n, 2n + 2, ...
+// Largest error of the rule on the mean of a monomial: max |1 / (k + 1) - sum_i weight_i node_i^k / 2| over k = 2n, 2n
+// + 2, ...
 //   In: n, 1..100.     Out: the error.
 //   Error: rounding; tests/unit/line_rules_test.cpp.
 //   Throws: nothing.     Cost: O(n^2 + 200 n).     Source: none.

@@ -19,10 +19,10 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr uint32_t kGradedRule = kLineRules - 1;
-constexpr uint32_t kMostPieces = 4;   // of an edge, between places where the inner integral is singular
-constexpr double kUnit = 2.2e-16;     // rounding of double
-constexpr double kLeast = 1e-290;     // stands for 0 where a logarithm or an angle is multiplied by it
-constexpr size_t kChunk = 256;        // pairs that a thread takes at once
+constexpr uint32_t kMostPieces = 4;  // of an edge, between places where the inner integral is singular
+constexpr double kUnit = 2.2e-16;    // rounding of double
+constexpr double kLeast = 1e-290;    // stands for 0 where a logarithm or an angle is multiplied by it
+constexpr size_t kChunk = 256;       // pairs that a thread takes at once
 
 double leastOf(const std::array<double, 4>& v) { return std::min(std::min(v[0], v[1]), std::min(v[2], v[3])); }
 double greatestOf(const std::array<double, 4>& v) { return std::max(std::max(v[0], v[1]), std::max(v[2], v[3])); }
@@ -41,7 +41,8 @@ double depthRounding(const ShapeData& plane, double distance) { return kFrontRou
 float slopeOf(const std::array<double, 4>& at) {
   float slope = 0;
   for (size_t k = 0; k < 4; ++k) {
-    const auto difference = static_cast<float>(std::abs(at[k] - at[(k + 1) % 4])), sum = static_cast<float>(at[k] + at[(k + 1) % 4]);
+    const auto difference = static_cast<float>(std::abs(at[k] - at[(k + 1) % 4])),
+               sum = static_cast<float>(at[k] + at[(k + 1) % 4]);
     slope = std::max(slope, difference >= sum ? (difference > 0 ? 1.0f : 0.0f) : difference / sum);
   }
   return slope;
@@ -56,7 +57,8 @@ struct Coordinates {
 
 Coordinates coordinatesOf(const ShapeData& shape, double distance, double other_radius, float slope) {
   Coordinates c;
-  c.t = static_cast<float>(shape.reach) / static_cast<float>(std::max(distance - shape.reach - other_radius, shape.reach));
+  c.t = static_cast<float>(shape.reach) /
+        static_cast<float>(std::max(distance - shape.reach - other_radius, shape.reach));
   c.square = c.power = c.t * c.t;
   const auto skew = static_cast<float>(shape.skew), stretch = (1 + c.t) * (1 + c.t);
   c.slopes = slope + skew;
@@ -66,7 +68,8 @@ Coordinates coordinatesOf(const ShapeData& shape, double distance, double other_
 }
 
 float errorOf(const FarBound& rule, const Coordinates& c) {
-  const float rest = rule.tail * c.square, series = rule.even * c.square + rule.odd * c.slopes * c.t + rule.skew * c.product;
+  const float rest = rule.tail * c.square,
+              series = rule.even * c.square + rule.odd * c.slopes * c.t + rule.skew * c.product;
   return rest < 0.5f ? c.factor * c.power * series * (1 + 2 * rest) : 1.0f;
 }
 
@@ -79,7 +82,8 @@ struct Patch {
 
 Patch patchOf(const ShapeData& shape, const std::array<double, 4>& d) {
   return {stretchOf(shape),
-          {0.25 * (d[0] + d[1] + d[2] + d[3]), 0.25 * (d[1] + d[2] - d[0] - d[3]), 0.25 * (d[2] + d[3] - d[0] - d[1]), 0.25 * (d[0] + d[2] - d[1] - d[3])},
+          {0.25 * (d[0] + d[1] + d[2] + d[3]), 0.25 * (d[1] + d[2] - d[0] - d[3]), 0.25 * (d[2] + d[3] - d[0] - d[1]),
+           0.25 * (d[0] + d[2] - d[1] - d[3])},
           {shape.density, shape.density_u, shape.density_v}};
 }
 
@@ -88,22 +92,26 @@ double innerIntegral(const dvec3& from, const dvec3& direction, double length_q,
   const double along = dot(from, direction), rest = length_q - along;
   const dvec3 across = cross(from, direction);
   const double square = dot(across, across), d = std::sqrt(square);
-  const double first = 0.5 * along * std::log(std::max(along * along + square, kLeast)), last = 0.5 * rest * std::log(std::max(rest * rest + square, kLeast));
+  const double first = 0.5 * along * std::log(std::max(along * along + square, kLeast)),
+               last = 0.5 * rest * std::log(std::max(rest * rest + square, kLeast));
   const double turn = d * std::atan2(d * length_q, square - rest * along + kLeast);
   magnitude = std::max(magnitude, std::abs(first) + std::abs(last) + turn);
   return first + last + turn;
 }
 
 // Where the inner integral over q is singular above p, in shares of p, in order (unoccluded_line.comp).
-std::array<double, kMostPieces + 1> cutsOf(const dvec3& p_start, const dvec3& p_along, const dvec3& q_start, const dvec3& q_along) {
+std::array<double, kMostPieces + 1> cutsOf(const dvec3& p_start, const dvec3& p_along, const dvec3& q_start,
+                                           const dvec3& q_along) {
   const dvec3 from = q_start - p_start, across = cross(p_along, q_along);
-  const double per_p = 1 / dot(p_along, p_along), first = dot(from, p_along) * per_p, last = first + dot(q_along, p_along) * per_p;
+  const double per_p = 1 / dot(p_along, p_along), first = dot(from, p_along) * per_p,
+               last = first + dot(q_along, p_along) * per_p;
   double nearest = 0;
   if (const double sine = dot(across, across); sine > 0) {
     const double foot = dot(cross(from, p_along), across) / sine;
     nearest = foot > 0 && foot < 1 ? dot(cross(from, q_along), across) / sine : 0;
   }
-  std::array<double, kMostPieces + 1> cuts{0, std::clamp(first, 0.0, 1.0), std::clamp(last, 0.0, 1.0), std::clamp(nearest, 0.0, 1.0), 1};
+  std::array<double, kMostPieces + 1> cuts{0, std::clamp(first, 0.0, 1.0), std::clamp(last, 0.0, 1.0),
+                                           std::clamp(nearest, 0.0, 1.0), 1};
   std::sort(cuts.begin(), cuts.end());
   return cuts;
 }
@@ -123,8 +131,8 @@ struct HostUnoccluded::Sides {
   const ShapeData &a, &b;
   dvec3 normal_a, normal_b;  // of the sides
   uint32_t plane_a, plane_b, tie_rank_a, tie_rank_b;
-  bool is_flipped;           // exactly one of them is a back
-  double distance;           // of the mean corners
+  bool is_flipped;  // exactly one of them is a back
+  double distance;  // of the mean corners
   Depths depths_a, depths_b;
   double rounding_a, rounding_b;
 
@@ -136,10 +144,12 @@ struct HostUnoccluded::Edge {
   dvec3 start{0}, along{0};
 };
 
-HostUnoccluded::HostUnoccluded(const Scene& scene, size_t thread_count) : threads_(thread_count ? thread_count : threadCount()), shapes_(makeShapes(scene)) {
+HostUnoccluded::HostUnoccluded(const Scene& scene, size_t thread_count)
+    : threads_(thread_count ? thread_count : threadCount()), shapes_(makeShapes(scene)) {
   const auto pointsOf = [](const std::vector<GaussPoint>& rule) {
     std::vector<Point> points;
-    for (const GaussPoint& point : rule) points.push_back({static_cast<double>(point.node), static_cast<double>(point.weight)});
+    for (const GaussPoint& point : rule)
+      points.push_back({static_cast<double>(point.node), static_cast<double>(point.weight)});
     return points;
   };
   for (uint32_t rule = 0; rule < kFarRules; ++rule) {
@@ -157,8 +167,23 @@ HostUnoccluded::HostUnoccluded(const Scene& scene, size_t thread_count) : thread
 HostUnoccluded::Sides HostUnoccluded::sidesOf(const SidePair& pair) const {
   const uint32_t first = std::min(pair.i, pair.j), second = std::max(pair.i, pair.j);
   const ShapeData &a = shapes_[first / 2], &b = shapes_[second / 2];
-  const auto rankOf = [](const ShapeData& shape, uint32_t side) { return side % 2 ? kLastTieRank - shape.tie_rank : shape.tie_rank; };
-  Sides sides{a, b, first % 2 ? -a.normal : a.normal, second % 2 ? -b.normal : b.normal, a.plane ^ (first % 2), b.plane ^ (second % 2), rankOf(a, first), rankOf(b, second), (first ^ second) % 2 == 1, 0, {}, {}, 0, 0};
+  const auto rankOf = [](const ShapeData& shape, uint32_t side) {
+    return side % 2 ? kLastTieRank - shape.tie_rank : shape.tie_rank;
+  };
+  Sides sides{a,
+              b,
+              first % 2 ? -a.normal : a.normal,
+              second % 2 ? -b.normal : b.normal,
+              a.plane ^ (first % 2),
+              b.plane ^ (second % 2),
+              rankOf(a, first),
+              rankOf(b, second),
+              (first ^ second) % 2 == 1,
+              0,
+              {},
+              {},
+              0,
+              0};
   sides.distance = glm::length(meanCorner(b) - meanCorner(a));
   sides.depths_a = depthsOf(a, b, sides.normal_b);
   sides.depths_b = depthsOf(b, a, sides.normal_a);
@@ -171,10 +196,12 @@ HostUnoccluded::Sides HostUnoccluded::sidesOf(const SidePair& pair) const {
 uint32_t HostUnoccluded::classify(const Sides& sides) const {
   const ShapeData &a = sides.a, &b = sides.b;
   bool is_seen = greatestOf(sides.depths_a) > sides.rounding_a && greatestOf(sides.depths_b) > sides.rounding_b;
-  if (sides.plane_a >> 1 == sides.plane_b >> 1) is_seen = sides.areTouching() && sides.distance < a.radius + b.radius && &a != &b;
+  if (sides.plane_a >> 1 == sides.plane_b >> 1)
+    is_seen = sides.areTouching() && sides.distance < a.radius + b.radius && &a != &b;
   if (!is_seen) return unseen;
   if (leastOf(sides.depths_a) <= 0 || leastOf(sides.depths_b) <= 0 || sides.areTouching()) return kNearList;
-  Coordinates over_a = coordinatesOf(a, sides.distance, b.radius, slopeOf(sides.depths_a)), over_b = coordinatesOf(b, sides.distance, a.radius, slopeOf(sides.depths_b));
+  Coordinates over_a = coordinatesOf(a, sides.distance, b.radius, slopeOf(sides.depths_a)),
+              over_b = coordinatesOf(b, sides.distance, a.radius, slopeOf(sides.depths_b));
   for (uint32_t rule = 0; rule < kFarRules; ++rule) {
     if (errorOf(bounds_[rule], over_a) + errorOf(bounds_[rule], over_b) <= kFarError) return rule;
     over_a.power *= over_a.square;
@@ -194,9 +221,11 @@ double HostUnoccluded::integrateFar(const Sides& sides, uint32_t rule) const {
     size_t k = 0;
     for (const Point& u : points)
       for (const Point& v : points) {
-        const dvec3 at = middle + u.at * patch.along.along_u + v.at * (patch.along.along_v + u.at * patch.along.along_uv);
+        const dvec3 at =
+            middle + u.at * patch.along.along_u + v.at * (patch.along.along_v + u.at * patch.along.along_uv);
         const double density = patch.density[0] + patch.density[1] * u.at + patch.density[2] * v.at;
-        const double depth = patch.depth[0] + patch.depth[1] * u.at + patch.depth[2] * v.at + patch.depth[3] * (u.at * v.at);
+        const double depth =
+            patch.depth[0] + patch.depth[1] * u.at + patch.depth[2] * v.at + patch.depth[3] * (u.at * v.at);
         all.x[k] = at.x;
         all.y[k] = at.y;
         all.z[k] = at.z;
@@ -210,7 +239,8 @@ double HostUnoccluded::integrateFar(const Sides& sides, uint32_t rule) const {
   for (size_t k = 0; k < count; ++k) {
     double inner = 0;
     for (size_t m = 0; m < count; ++m) {
-      const double dx = over_b.x[m] - over_a.x[k], dy = over_b.y[m] - over_a.y[k], dz = over_b.z[m] - over_a.z[k], square = dx * dx + dy * dy + dz * dz;
+      const double dx = over_b.x[m] - over_a.x[k], dy = over_b.y[m] - over_a.y[k], dz = over_b.z[m] - over_a.z[k],
+                   square = dx * dx + dy * dy + dz * dz;
       inner += over_b.weight[m] / (square * square);
     }
     sum += over_a.weight[k] * inner;
@@ -218,13 +248,15 @@ double HostUnoccluded::integrateFar(const Sides& sides, uint32_t rule) const {
   return sum / kPi;
 }
 
-// int_p int_q ln r ds . dt, the outer integral, over the shorter edge, by a Gauss rule. Adds its error, bound and rounding.
+// int_p int_q ln r ds . dt, the outer integral, over the shorter edge, by a Gauss rule. Adds its error, bound and
+// rounding.
 double HostUnoccluded::integrateLine(Edge p, Edge q, size_t round, double& error) const {
   const double together = dot(p.along, q.along);
   if (dot(p.along, p.along) > dot(q.along, q.along)) std::swap(p, q);
   // The inner integral is analytic within this distance of p's middle, in halves of p (unoccluded_edges.comp).
   const double square_p = dot(p.along, p.along), square_q = dot(q.along, q.along);
-  const dvec3 middle = p.start + 0.5 * p.along - q.start, off = middle - q.along * std::clamp(dot(middle, q.along) / square_q, 0.0, 1.0);
+  const dvec3 middle = p.start + 0.5 * p.along - q.start,
+              off = middle - q.along * std::clamp(dot(middle, q.along) / square_q, 0.0, 1.0);
   const double clear = 2 * std::sqrt(dot(off, off) / square_p);
   const uint32_t rule = clear > 12 ? 0 : clear > 3.5 ? 1 : clear > 1.5 ? 2 : kGradedRule;
   if (rule == kGradedRule) {
@@ -234,7 +266,9 @@ double HostUnoccluded::integrateLine(Edge p, Edge q, size_t round, double& error
     error += 4 * std::pow(axes, -2.0 * kLineRounds[round].points[rule]) * std::abs(together);
   }
 
-  const std::array<double, kMostPieces + 1> cuts = rule == kGradedRule ? cutsOf(p.start, p.along, q.start, q.along) : std::array<double, kMostPieces + 1>{0, 1, 1, 1, 1};
+  const std::array<double, kMostPieces + 1> cuts = rule == kGradedRule
+                                                       ? cutsOf(p.start, p.along, q.start, q.along)
+                                                       : std::array<double, kMostPieces + 1>{0, 1, 1, 1, 1};
   const double length_q = glm::length(q.along);
   const dvec3 direction = q.along / length_q, from = p.start - q.start;
   double sum = 0, greatest = 0;
@@ -242,7 +276,8 @@ double HostUnoccluded::integrateLine(Edge p, Edge q, size_t round, double& error
     const double low = cuts[piece], length = cuts[piece + 1] - low;
     if (!(length > 0)) continue;
     double part = 0;
-    for (const Point& point : line_points_[round][rule]) part += point.weight * innerIntegral(from + (low + point.at * length) * p.along, direction, length_q, greatest);
+    for (const Point& point : line_points_[round][rule])
+      part += point.weight * innerIntegral(from + (low + point.at * length) * p.along, direction, length_q, greatest);
     sum += length * part;
   }
   const double factor = dot(p.along, direction);
@@ -259,7 +294,8 @@ double HostUnoccluded::integrateNear(const Sides& sides, size_t round, double& e
     for (size_t k = 0; k < 4; ++k) {
       const dvec3 start = shape.corners[k] - origin, end = shape.corners[(k + 1) % 4] - origin;
       const double depth = depths[k], to = depths[(k + 1) % 4];
-      const bool starts = depth >= -rounding, ends = to >= -rounding, crosses = (depth > rounding && !ends) || (!starts && to > rounding);
+      const bool starts = depth >= -rounding, ends = to >= -rounding,
+                 crosses = (depth > rounding && !ends) || (!starts && to > rounding);
       const dvec3 crossing = crosses ? start + (end - start) * (depth / (depth - to)) : starts ? start : end;
       if (starts && !ends) leaves = crossing;
       if (!starts && ends) enters = crossing;

@@ -9,7 +9,8 @@
 
 namespace viewpeel {
 
-// UnoccludedExchange on the processor: for each pair what the kernels unoccluded_*.comp do in passes, where each step has its reason.
+// UnoccludedExchange on the processor: for each pair what the kernels unoccluded_*.comp do in passes, where each step
+// has its reason.
 class HostUnoccluded {
  public:
   //   In: thread_count: 0: one per core

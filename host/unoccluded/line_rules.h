@@ -7,16 +7,19 @@
 
 namespace viewpeel {
 
-// One round over the near pairs: the points of the three plain rules, for pieces that are ever nearer to each other (`clear` > 12, 3.5, 1.5 in
-// unoccluded_edges.comp), and of the graded one.
-//   Error: of int_p int_q ln r ds dt, in units of |p| |q|: a plain rule of n points 4 r^-2n, r the axes' sum of the largest ellipse around p in
-//          which the inner integral is analytic (Trefethen, Approximation Theory and Approximation Practice, theorem 19.3); the graded one
-//          graded_error wherever the inner integral is singular, but above p's inside. Measured: at most 0.7 of either; tests/unit/line_rules_test.cpp.
+// One round over the near pairs: the points of the three plain rules, for pieces that are ever nearer to each other
+// (`clear` > 12, 3.5, 1.5 in unoccluded_edges.comp), and of the graded one.
+//   Error: of int_p int_q ln r ds dt, in units of |p| |q|: a plain rule of n points 4 r^-2n, r the axes' sum of the
+//   largest ellipse around p in
+//          which the inner integral is analytic (Trefethen, Approximation Theory and Approximation Practice,
+//          theorem 19.3); the graded one graded_error wherever the inner integral is singular, but above p's inside.
+//          Measured: at most 0.7 of either; tests/unit/line_rules_test.cpp.
 struct LineRound {
   std::array<uint32_t, 4> points;
   double graded_error;
 };
-constexpr std::array<LineRound, 3> kLineRounds{{{{4, 7, 12, 24}, 1e-8}, {{8, 14, 24, 44}, 3e-11}, {{16, 28, 48, 128}, 2e-16}}};
+constexpr std::array<LineRound, 3> kLineRounds{
+    {{{4, 7, 12, 24}, 1e-8}, {{8, 14, 24, 44}, 3e-11}, {{16, 28, 48, 128}, 2e-16}}};
 
 // A Gauss rule on 0..1 in t, graded towards both ends by x = t^3 (10 - 15 t + 6 t^2): x ln x becomes t^5 ln t.
 //   In: n, 1..128.

@@ -14,9 +14,10 @@
 namespace viewpeel {
 namespace {
 
-constexpr float kMostError = 0.05f;   // of a far pair, relative; nearer ones are computed in double precision
-constexpr float kRounding = 5e-7f;    // of a depth: coordinates up to 1 and a normal, three products, in single precision
-constexpr float kCutError = 0.1f;     // how far the mean of max(0, depth) over a polygon may be off the rule's, in radii (below)
+constexpr float kMostError = 0.05f;  // of a far pair, relative; nearer ones are computed in double precision
+constexpr float kRounding = 5e-7f;  // of a depth: coordinates up to 1 and a normal, three products, in single precision
+constexpr float kCutError =
+    0.1f;  // how far the mean of max(0, depth) over a polygon may be off the rule's, in radii (below)
 
 // How a pair is integrated.
 constexpr size_t kLanes = RowExchange::kLanes;
@@ -41,9 +42,15 @@ Floats lengthOf(Floats x, Floats y, Floats z) {
 
 }  // namespace
 
-RowExchange::RowExchange(const Scene& scene, const Ids& ids) : near_(scene, 1), two_sided_(ids.two_sided), unit_(scene.scale * scene.scale), polygon_(scene.polygons.size()), bound_(farBound(2)) {
+RowExchange::RowExchange(const Scene& scene, const Ids& ids)
+    : near_(scene, 1),
+      two_sided_(ids.two_sided),
+      unit_(scene.scale * scene.scale),
+      polygon_(scene.polygons.size()),
+      bound_(farBound(2)) {
   std::iota(polygon_.begin(), polygon_.end(), 0u);
-  std::stable_sort(polygon_.begin(), polygon_.end(), [&](uint32_t a, uint32_t b) { return ids.of_polygon[a] < ids.of_polygon[b]; });
+  std::stable_sort(polygon_.begin(), polygon_.end(),
+                   [&](uint32_t a, uint32_t b) { return ids.of_polygon[a] < ids.of_polygon[b]; });
   const std::vector<closed_form_data::ShapeData> shapes = makeShapes(scene);
   const std::vector<GaussPoint> rule = gaussPoints(2);
   first_.assign(ids.count() + 1, 0);
@@ -66,7 +73,8 @@ RowExchange::RowExchange(const Scene& scene, const Ids& ids) : near_(scene, 1), 
     for (size_t p = 0; p < 4; ++p) {
       const double u = static_cast<double>(rule[p % 2].node), v = static_cast<double>(rule[p / 2].node);
       const glm::dvec3 point = mean + u * along_u + v * (along_v + u * along_uv);
-      for (size_t axis = 0; axis < 3; ++axis) points_[p][axis].push_back(static_cast<float>(point[static_cast<glm::length_t>(axis)]));
+      for (size_t axis = 0; axis < 3; ++axis)
+        points_[p][axis].push_back(static_cast<float>(point[static_cast<glm::length_t>(axis)]));
       weights_[p].push_back(static_cast<float>(s.density + s.density_u * u + s.density_v * v));
     }
   }
@@ -87,8 +95,9 @@ void RowExchange::compute(uint32_t i, std::span<BoundedExchange> later) const {
   for (uint32_t a = first_[i]; a < first_[i + 1]; ++a) addPolygon(a, first_[i + 1], later, i + 1);
 }
 
-// The mean over a polygon of max(0, depth), depth linear, is at most 0.045 of the depth's half range off the rule's over a line, where its zero is at a point of the rule, and over the square no more
-// than twice that: over one coordinate at a time; kCutError allows for weights that are not constant, too.
+// The mean over a polygon of max(0, depth), depth linear, is at most 0.045 of the depth's half range off the rule's
+// over a line, where its zero is at a point of the rule, and over the square no more than twice that: over one
+// coordinate at a time; kCutError allows for weights that are not constant, too.
 void RowExchange::addPolygon(uint32_t a, uint32_t first, std::span<BoundedExchange> later, uint32_t first_id) const {
   for (size_t start = first; start < id_.size(); start += kLanes) {
     Floats errors;
@@ -107,7 +116,8 @@ void RowExchange::addPolygon(uint32_t a, uint32_t first, std::span<BoundedExchan
       }
       for (uint32_t side = 0; side < (two_sided_ ? 4u : 1u); ++side) {
         UnoccludedWork work;
-        const HostUnoccluded::Found found = near_.find({frontSide(polygon_[a]) + side % 2, frontSide(polygon_[start + k]) + side / 2}, work);
+        const HostUnoccluded::Found found =
+            near_.find({frontSide(polygon_[a]) + side % 2, frontSide(polygon_[start + k]) + side / 2}, work);
         sum.area += unit_ * found.area;
         sum.error += unit_ * found.error;
       }
@@ -117,32 +127,46 @@ void RowExchange::addPolygon(uint32_t a, uint32_t first, std::span<BoundedExchan
 
 // How each pair is to be integrated. errors: relative, or of a cut pair that of the cut, unit-ball units squared.
 RowExchange::Flags RowExchange::classify(uint32_t a, size_t start, Floats& errors) const {
-  // The relative error of the rule over a polygon's coordinates (unoccluded_classify.comp); a slope is at most the reach over the least depth.
+  // The relative error of the rule over a polygon's coordinates (unoccluded_classify.comp); a slope is at most the
+  // reach over the least depth.
   const auto errorOf = [this](Floats reach, Floats other_radius, Floats skew, Floats distance, Floats depth) {
-    const Floats t = reach / greater(distance - reach - other_radius, reach), square = t * t, slope = reach / greater(depth - reach, reach), product = slope * skew;
-    const Floats stretch = (1 + t) * (1 + t), rest = bound_.tail * square, series = bound_.even * square + bound_.odd * (slope + skew) * t + bound_.skew * product;
-    const Floats error = 2 * stretch * stretch * (1 + product / 2) * square * series * (1 + 2 * rest);  // 1 / (1 - x / 3) <= 1 + x / 2 up to 1
+    const Floats t = reach / greater(distance - reach - other_radius, reach), square = t * t,
+                 slope = reach / greater(depth - reach, reach), product = slope * skew;
+    const Floats stretch = (1 + t) * (1 + t), rest = bound_.tail * square,
+                 series = bound_.even * square + bound_.odd * (slope + skew) * t + bound_.skew * product;
+    const Floats error = 2 * stretch * stretch * (1 + product / 2) * square * series *
+                         (1 + 2 * rest);  // 1 / (1 - x / 3) <= 1 + x / 2 up to 1
     return rest < 0.5f ? error : lanesOf(1);
   };
-  const Floats none{}, x = load(middle_[0], start) - middle_[0][a], y = load(middle_[1], start) - middle_[1][a], z = load(middle_[2], start) - middle_[2][a], distance = lengthOf(x, y, z);
-  Floats depth_b = normal_[0][a] * x + normal_[1][a] * y + normal_[2][a] * z, depth_a = -(load(normal_[0], start) * x + load(normal_[1], start) * y + load(normal_[2], start) * z);
+  const Floats none{}, x = load(middle_[0], start) - middle_[0][a], y = load(middle_[1], start) - middle_[1][a],
+                       z = load(middle_[2], start) - middle_[2][a], distance = lengthOf(x, y, z);
+  Floats depth_b = normal_[0][a] * x + normal_[1][a] * y + normal_[2][a] * z,
+         depth_a = -(load(normal_[0], start) * x + load(normal_[1], start) * y + load(normal_[2], start) * z);
   if (two_sided_) {
     depth_b = greater(depth_b, -depth_b);
     depth_a = greater(depth_a, -depth_a);
   }
-  const Floats radius_a = lanesOf(radius_[a]), radius_b = load(radius_, start), least_b = depth_b - radius_b - kRounding, least_a = depth_a - radius_a - kRounding;
+  const Floats radius_a = lanesOf(radius_[a]), radius_b = load(radius_, start),
+               least_b = depth_b - radius_b - kRounding, least_a = depth_a - radius_a - kRounding;
   Flags is_one_plane;
   for (size_t k = 0; k < kLanes; ++k) is_one_plane[k] = plane_[start + k] >> 1 == plane_[a] >> 1 ? -1 : 0;
-  const Flags is_behind = (depth_b < -radius_b - kRounding) | (depth_a < -radius_a - kRounding) | (is_one_plane & (distance > radius_a + radius_b));
+  const Flags is_behind = (depth_b < -radius_b - kRounding) | (depth_a < -radius_a - kRounding) |
+                          (is_one_plane & (distance > radius_a + radius_b));
   if (is_behind[0] & is_behind[1] & is_behind[2] & is_behind[3]) return Flags{} + kUnseen;
   const Flags cuts_b = least_b <= 0, cuts_a = least_a <= 0, cuts = cuts_a | cuts_b;
   const Floats clear = greater(distance - radius_a - radius_b, lanesOf(1e-9f)), rounding = lanesOf(kRounding);
-  const Floats error = errorOf(load(reach_, start), radius_a, load(skew_, start), distance, depth_b) + errorOf(lanesOf(reach_[a]), radius_b, lanesOf(skew_[a]), distance, depth_a) +
-                       4 * rounding / clear + (cuts_b ? none : rounding / greater(least_b, rounding)) + (cuts_a ? none : rounding / greater(least_a, rounding));
-  const Floats largest = kCutError / std::numbers::pi_v<float> * area_[a] * load(area_, start) / (clear * clear * clear * clear);
-  const Floats of_cuts = largest * ((cuts_b ? radius_b * (depth_a + radius_a) : none) + (cuts_a ? radius_a * (depth_b + radius_b) : none));
+  const Floats error = errorOf(load(reach_, start), radius_a, load(skew_, start), distance, depth_b) +
+                       errorOf(lanesOf(reach_[a]), radius_b, lanesOf(skew_[a]), distance, depth_a) +
+                       4 * rounding / clear + (cuts_b ? none : rounding / greater(least_b, rounding)) +
+                       (cuts_a ? none : rounding / greater(least_a, rounding));
+  const Floats largest =
+      kCutError / std::numbers::pi_v<float> * area_[a] * load(area_, start) / (clear * clear * clear * clear);
+  const Floats of_cuts =
+      largest * ((cuts_b ? radius_b * (depth_a + radius_a) : none) + (cuts_a ? radius_a * (depth_b + radius_b) : none));
   errors = cuts ? of_cuts : error;
-  const Flags way = ((error > kMostError) | is_one_plane) ? Flags{} + kNear : cuts ? Flags{} + (two_sided_ ? kNear : kCut) : Flags{} + kFar;
+  const Flags way = ((error > kMostError) | is_one_plane) ? Flags{} + kNear
+                    : cuts                                ? Flags{} + (two_sided_ ? kNear : kCut)
+                                                          : Flags{} + kFar;
   return is_behind ? Flags{} + kUnseen : way;
 }
 
@@ -151,18 +175,21 @@ RowExchange::Floats RowExchange::integrate(uint32_t a, size_t start) const {
   const auto cosineOf = [this](Floats depth) { return greater(depth, two_sided_ ? -depth : Floats{}); };
   std::array<Floats, 4> over_b;
   for (size_t q = 0; q < 4; ++q)
-    over_b[q] = load(weights_[q], start) * cosineOf(normal_[0][a] * (load(points_[q][0], start) - middle_[0][a]) + normal_[1][a] * (load(points_[q][1], start) - middle_[1][a]) +
+    over_b[q] = load(weights_[q], start) * cosineOf(normal_[0][a] * (load(points_[q][0], start) - middle_[0][a]) +
+                                                    normal_[1][a] * (load(points_[q][1], start) - middle_[1][a]) +
                                                     normal_[2][a] * (load(points_[q][2], start) - middle_[2][a]));
   Floats area{};
   for (size_t p = 0; p < 4; ++p) {
     Floats inner{};
     for (size_t q = 0; q < 4; ++q) {
-      const Floats x = load(points_[q][0], start) - points_[p][0][a], y = load(points_[q][1], start) - points_[p][1][a], z = load(points_[q][2], start) - points_[p][2][a];
+      const Floats x = load(points_[q][0], start) - points_[p][0][a], y = load(points_[q][1], start) - points_[p][1][a],
+                   z = load(points_[q][2], start) - points_[p][2][a];
       const Floats square = x * x + y * y + z * z;
       inner += over_b[q] / (square * square);
     }
     area += weights_[p][a] * inner *
-            cosineOf(load(normal_[0], start) * (points_[p][0][a] - load(middle_[0], start)) + load(normal_[1], start) * (points_[p][1][a] - load(middle_[1], start)) +
+            cosineOf(load(normal_[0], start) * (points_[p][0][a] - load(middle_[0], start)) +
+                     load(normal_[1], start) * (points_[p][1][a] - load(middle_[1], start)) +
                      load(normal_[2], start) * (points_[p][2][a] - load(middle_[2], start)));
   }
   return area / std::numbers::pi_v<float>;

@@ -1,7 +1,9 @@
-// Exchange areas of one face with all that follow it, nothing in between: many at once, in single precision, each with a bound on its error.
+// Exchange areas of one face with all that follow it, nothing in between: many at once, in single precision, each with
+// a bound on its error.
 //
-// For pairs of which few lines tell, whose error is that of their share. Far pairs by the product rule of 2 points a coordinate; where a plane cuts the other polygon what lies behind it
-// counts as 0 at those points; near pairs are left to HostUnoccluded.
+// For pairs of which few lines tell, whose error is that of their share. Far pairs by the product rule of 2 points a
+// coordinate; where a plane cuts the other polygon what lies behind it counts as 0 at those points; near pairs are left
+// to HostUnoccluded.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -27,8 +29,8 @@ class RowExchange {
   // May be called by several threads at once.
   //   In: later: one for each of i + 1, i + 2, ...; 0 and 0, or an error below 0: it is not wanted
   //   Out: later: exchange areas with id i, input units squared; 0 and 0 where the two cannot see each other
-  //   Error: at most that given: where it is more than 5 % of an exchange area, one polygon is cut by the other's plane. tests/unit/row_exchange_test.cpp.
-  //   Cost: O(n).
+  //   Error: at most that given: where it is more than 5 % of an exchange area, one polygon is cut by the other's
+  //   plane. tests/unit/row_exchange_test.cpp. Cost: O(n).
   void compute(uint32_t i, std::span<BoundedExchange> later) const;
 
  private:
@@ -38,10 +40,10 @@ class RowExchange {
 
   HostUnoccluded near_;
   bool two_sided_;
-  double unit_;                      // input units squared of a unit-ball area
-  std::vector<uint32_t> polygon_;    // Scene::polygons, by id
+  double unit_;                       // input units squared of a unit-ball area
+  std::vector<uint32_t> polygon_;     // Scene::polygons, by id
   std::vector<uint32_t> id_, plane_;  // of each of these, as all that follows
-  std::vector<uint32_t> first_;      // of an id among them, and one more
+  std::vector<uint32_t> first_;       // of an id among them, and one more
   // Single precision: a coordinate after the other, for all polygons.
   std::array<std::vector<float>, 3> middle_, normal_;
   std::array<std::array<std::vector<float>, 3>, 4> points_;  // of the product rule

@@ -24,7 +24,8 @@ double skewOf(const std::array<double, 4>& density) {
 
 ShapeData makeShape(const Scene& scene, const Polygon& polygon) {
   ShapeData shape{};
-  for (uint32_t k = 0; k < 4; ++k) shape.corners[k] = scene.corners[polygon.first_corner + std::min(k, polygon.corner_count - 1)];
+  for (uint32_t k = 0; k < 4; ++k)
+    shape.corners[k] = scene.corners[polygon.first_corner + std::min(k, polygon.corner_count - 1)];
   const auto& c = shape.corners;
   const glm::dvec3 mean = meanCorner(shape);
   const auto [along_u, along_v, along_uv] = stretchOf(shape);
@@ -43,7 +44,8 @@ ShapeData makeShape(const Scene& scene, const Polygon& polygon) {
   }
   shape.skew = skewOf(density);
   for (const double sign : {-1.0, 1.0})
-    shape.reach = std::max({shape.reach, glm::length(along_u + sign * along_uv), glm::length(along_v + sign * along_uv)});
+    shape.reach =
+        std::max({shape.reach, glm::length(along_u + sign * along_uv), glm::length(along_v + sign * along_uv)});
   for (const glm::dvec3& corner : c) shape.radius = std::max(shape.radius, glm::length(corner - mean));
   // Area / diameter is the least width to a factor of 2; each corner is rounded by at most 2^-53 a coordinate.
   shape.tilt = 4 * std::numeric_limits<double>::epsilon() * shape.radius / shape.area;

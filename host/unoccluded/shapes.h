@@ -15,7 +15,9 @@ namespace viewpeel {
 std::vector<closed_form_data::ShapeData> makeShapes(const Scene& scene);
 
 // The middle of its four corners, not that of its area.
-inline glm::dvec3 meanCorner(const closed_form_data::ShapeData& shape) { return 0.25 * ((shape.corners[0] + shape.corners[1]) + (shape.corners[2] + shape.corners[3])); }
+inline glm::dvec3 meanCorner(const closed_form_data::ShapeData& shape) {
+  return 0.25 * ((shape.corners[0] + shape.corners[1]) + (shape.corners[2] + shape.corners[3]));
+}
 
 // A shape as an image of the square -1 <= u, v <= 1: mean corner + u along_u + v along_v + u v along_uv.
 struct Stretch {
@@ -24,7 +26,8 @@ struct Stretch {
 
 inline Stretch stretchOf(const closed_form_data::ShapeData& shape) {
   const auto& c = shape.corners;
-  return {0.25 * ((c[1] - c[0]) + (c[2] - c[3])), 0.25 * ((c[3] - c[0]) + (c[2] - c[1])), 0.25 * ((c[0] - c[1]) + (c[2] - c[3]))};
+  return {0.25 * ((c[1] - c[0]) + (c[2] - c[3])), 0.25 * ((c[3] - c[0]) + (c[2] - c[1])),
+          0.25 * ((c[0] - c[1]) + (c[2] - c[3]))};
 }
 
 }  // namespace viewpeel

@@ -37,7 +37,9 @@ constexpr uint32_t kGradedRule = kLineRules - 1;
 const std::array<const char*, 1 + kFarRules> kChunkPasses = {"classify", "far 2", "far 3", "far 4", "far 5", "far 6"};
 const std::array<const char*, 3> kNearPasses = {"edges", "line", "sum"};
 
-constexpr uint32_t groupsFor(uint64_t invocations) { return static_cast<uint32_t>((invocations + kUnoccludedGroupSize - 1) / kUnoccludedGroupSize); }
+constexpr uint32_t groupsFor(uint64_t invocations) {
+  return static_cast<uint32_t>((invocations + kUnoccludedGroupSize - 1) / kUnoccludedGroupSize);
+}
 
 // Into a buffer that is read as texels.
 template <class T>
@@ -60,7 +62,9 @@ struct UnoccludedExchange::State {
   void bindTexels(const Kernel& kernel, const Buffer& texels);
   void endPass();
   void addSeconds(std::span<const char* const> passes);
-  VkDeviceAddress listOf(uint32_t list, uint32_t pair_count) const { return pair_lists.address() + uint64_t(list) * pair_count * sizeof(uint32_t); }
+  VkDeviceAddress listOf(uint32_t list, uint32_t pair_count) const {
+    return pair_lists.address() + uint64_t(list) * pair_count * sizeof(uint32_t);
+  }
   UnoccludedStatus readStatus() const { return status_read.mapped<UnoccludedStatus>()[0]; }
 
   UnoccludedOptions options;
@@ -89,10 +93,13 @@ UnoccludedExchange::State::State(const Device& device, const Scene& scene, const
       sum(device, unoccluded_sum_comp, sizeof(SumArgs), {}, 1),
       commands(device),
       timestamps(device, kChunkPasses.size() + 1) {
-  if (side_count > 0xFFFFFFFFu) throw Error(ErrorCode::limit, fmt::format("{} polygons are more than 2^31", scene.polygons.size()));
+  if (side_count > 0xFFFFFFFFu)
+    throw Error(ErrorCode::limit, fmt::format("{} polygons are more than 2^31", scene.polygons.size()));
   const uint64_t most_groups = device.properties().limits.maxComputeWorkGroupCount[0];
-  options.near_pairs = static_cast<uint32_t>(std::clamp<uint64_t>(options.near_pairs, 1, most_groups * kUnoccludedGroupSize / kEdgePairs));
-  options.chunk_pairs = static_cast<uint32_t>(std::clamp<uint64_t>(options.chunk_pairs, 1, most_groups * kUnoccludedGroupSize));
+  options.near_pairs = static_cast<uint32_t>(
+      std::clamp<uint64_t>(options.near_pairs, 1, most_groups * kUnoccludedGroupSize / kEdgePairs));
+  options.chunk_pairs =
+      static_cast<uint32_t>(std::clamp<uint64_t>(options.chunk_pairs, 1, most_groups * kUnoccludedGroupSize));
   for (uint32_t k = 0; k < kFarRules; ++k) {
     const uint32_t n = kFewestFarPoints + k;
     far.emplace_back(device, unoccluded_far_comp, sizeof(FarArgs), std::vector<uint32_t>{n}, 1);
@@ -106,7 +113,8 @@ UnoccludedExchange::State::State(const Device& device, const Scene& scene, const
     for (uint32_t rule = 0; rule < kLineRules; ++rule) {
       first_points[round][rule] = static_cast<uint32_t>(points.size());
       const auto n = static_cast<int>(kLineRounds[round].points[rule]);
-      for (const GaussPoint& point : rule == kGradedRule ? gradedPoints(n) : unitPoints(n)) points.emplace_back(double(point.node), double(point.weight));
+      for (const GaussPoint& point : rule == kGradedRule ? gradedPoints(n) : unitPoints(n))
+        points.emplace_back(double(point.node), double(point.weight));
     }
   upload(commands, device, points, line_points);
 
@@ -139,7 +147,8 @@ void UnoccludedExchange::State::endPass() {
 void UnoccludedExchange::State::addSeconds(std::span<const char* const> passes) {
   const std::vector<double> seconds = timestamps.seconds();
   for (size_t k = 0; k < passes.size(); ++k) {
-    const auto known = std::find_if(work.pass_seconds.begin(), work.pass_seconds.end(), [&](const auto& one) { return one.first == passes[k]; });
+    const auto known = std::find_if(work.pass_seconds.begin(), work.pass_seconds.end(),
+                                    [&](const auto& one) { return one.first == passes[k]; });
     if (known == work.pass_seconds.end()) work.pass_seconds.emplace_back(passes[k], seconds[k]);
     else known->second += seconds[k];
   }
@@ -153,21 +162,37 @@ void UnoccludedExchange::State::recordRound(size_t round, VkDeviceAddress near, 
   vkCmdUpdateBuffer(commands.handle(), status.handle(), offsetof(UnoccludedStatus, lines), sizeof none, &none);
   endPass();
   const VkDeviceAddress lines = status.address() + offsetof(UnoccludedStatus, lines);
-  const EdgesArgs cut{pairs.address(), near, edge_parts.address(), values.address(), line_lists.address(), lines, kLineRounds[round].graded_error, count,
+  const EdgesArgs cut{pairs.address(),
+                      near,
+                      edge_parts.address(),
+                      values.address(),
+                      line_lists.address(),
+                      lines,
+                      kLineRounds[round].graded_error,
+                      count,
                       {kLineRounds[round].points[0], kLineRounds[round].points[1], kLineRounds[round].points[2]}};
   bindTexels(edges, shapes);
   commands.dispatch(edges, cut, groupsFor(uint64_t(count) * kMostEdges), 1);
   endPass();
   for (uint32_t rule = 0; rule < kLineRules; ++rule) {
-    const LineArgs integrate{edge_parts.address(), line_lists.address() + uint64_t(rule) * count * kEdgePairs * sizeof(uint32_t), values.address(),
-                             lines + rule * sizeof(WorkList), first_points[round][rule], kLineRounds[round].points[rule]};
+    const LineArgs integrate{
+        edge_parts.address(),      line_lists.address() + uint64_t(rule) * count * kEdgePairs * sizeof(uint32_t),
+        values.address(),          lines + rule * sizeof(WorkList),
+        first_points[round][rule], kLineRounds[round].points[rule]};
     const Kernel& line = rule == kGradedRule ? graded_line : plain_line;
     bindTexels(line, line_points);
     commands.dispatchIndirect(line, integrate, status, offsetof(UnoccludedStatus, lines) + rule * sizeof(WorkList));
   }
   endPass();
-  const SumArgs add{pairs.address(), near, values.address(), areas.address(), again_lists[round % 2].address(),
-                    unreached.address(), status.address(), count, round + 1 == kLineRounds.size()};
+  const SumArgs add{pairs.address(),
+                    near,
+                    values.address(),
+                    areas.address(),
+                    again_lists[round % 2].address(),
+                    unreached.address(),
+                    status.address(),
+                    count,
+                    round + 1 == kLineRounds.size()};
   bindTexels(sum, shapes);
   commands.dispatch(sum, add, groupsFor(count), 1);
   endPass();
@@ -213,7 +238,12 @@ void UnoccludedExchange::State::computeChunk(std::span<const SidePair> asked, st
   commands.dispatch(classify, sort, groupsFor(count), 1);
   endPass();
   for (uint32_t rule = 0; rule < kFarRules; ++rule) {
-    FarArgs integrate{pairs.address(), areas.address(), listOf(rule, count), status.address() + kWork + rule * sizeof(WorkList), {}, {}};
+    FarArgs integrate{pairs.address(),
+                      areas.address(),
+                      listOf(rule, count),
+                      status.address() + kWork + rule * sizeof(WorkList),
+                      {},
+                      {}};
     for (size_t k = 0; k < far_points[rule].size(); ++k) {
       integrate.nodes[k] = double(far_points[rule][k].node);
       integrate.weights[k] = double(far_points[rule][k].weight);
@@ -237,7 +267,8 @@ void UnoccludedExchange::State::computeChunk(std::span<const SidePair> asked, st
   integrateNear(listOf(kNearList, count), near_count);
   commands.begin();
   commands.copy(areas, areas_read, found.size_bytes());
-  if (const uint32_t many = readStatus().unreached) commands.copy(unreached, unreached_read, many * sizeof(UnreachedData));
+  if (const uint32_t many = readStatus().unreached)
+    commands.copy(unreached, unreached_read, many * sizeof(UnreachedData));
   commands.submitAndWait();
   std::copy_n(areas_read.mapped<double>().begin(), found.size(), found.begin());
 }
@@ -251,19 +282,23 @@ UnoccludedExchange::UnoccludedExchange(const Scene& scene, const UnoccludedOptio
 UnoccludedExchange::~UnoccludedExchange() = default;
 
 std::vector<UnreachedPair> UnoccludedExchange::compute(std::span<const SidePair> pairs, std::span<double> areas) {
-  if (pairs.size() != areas.size()) throw Error(ErrorCode::bad_usage, fmt::format("{} pairs but room for {} areas", pairs.size(), areas.size()));
+  if (pairs.size() != areas.size())
+    throw Error(ErrorCode::bad_usage, fmt::format("{} pairs but room for {} areas", pairs.size(), areas.size()));
   const uint64_t side_count = host_ ? host_->sideCount() : state_->side_count;
   for (const SidePair& pair : pairs)
     if (std::max(pair.i, pair.j) >= side_count)
-      throw Error(ErrorCode::bad_usage, fmt::format("sides {} and {} of a scene that has {}", pair.i, pair.j, side_count));
+      throw Error(ErrorCode::bad_usage,
+                  fmt::format("sides {} and {} of a scene that has {}", pair.i, pair.j, side_count));
   if (host_) return host_->compute(pairs, areas);
   std::vector<UnreachedPair> unreached;
   for (size_t first = 0; first < pairs.size(); first += state_->options.chunk_pairs) {
     const size_t count = std::min<size_t>(state_->options.chunk_pairs, pairs.size() - first), known = unreached.size();
     state_->computeChunk(pairs.subspan(first, count), areas.subspan(first, count));
-    for (const UnreachedData& one : state_->unreached_read.mapped<UnreachedData>().first(state_->readStatus().unreached))
+    for (const UnreachedData& one :
+         state_->unreached_read.mapped<UnreachedData>().first(state_->readStatus().unreached))
       unreached.push_back({first + one.pair, one.error});
-    std::sort(unreached.begin() + static_cast<std::ptrdiff_t>(known), unreached.end(), [](const auto& a, const auto& b) { return a.pair < b.pair; });
+    std::sort(unreached.begin() + static_cast<std::ptrdiff_t>(known), unreached.end(),
+              [](const auto& a, const auto& b) { return a.pair < b.pair; });
   }
   return unreached;
 }

@@ -12,10 +12,13 @@ namespace {
 
 VkMemoryPropertyFlags memoryFlags(MemoryUse use) {
   switch (use) {
-    case MemoryUse::device: return VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
-    case MemoryUse::upload: return VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+    case MemoryUse::device:
+      return VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
+    case MemoryUse::upload:
+      return VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
     case MemoryUse::readback:
-      return VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT | VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
+      return VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT |
+             VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
   }
   return 0;
 }
@@ -25,8 +28,9 @@ VkDeviceSize texelBytes(VkFormat format) {
 }
 
 [[noreturn]] void refuse(const Device& device, VkDeviceSize size_bytes) {
-  throw Error(ErrorCode::memory, fmt::format("{}: cannot allocate {:.1f} MiB; try a smaller --resolution or scene, or --by surface",
-                                             device.description().name, static_cast<double>(size_bytes) / 1048576.0));
+  throw Error(ErrorCode::memory,
+              fmt::format("{}: cannot allocate {:.1f} MiB; try a smaller --resolution or scene, or --by surface",
+                          device.description().name, static_cast<double>(size_bytes) / 1048576.0));
 }
 
 }  // namespace
@@ -36,12 +40,14 @@ Buffer::Buffer(const Device& device, VkDeviceSize size_bytes, MemoryUse use, VkF
   device_ = device.handle();
   size_bytes_ = std::max<VkDeviceSize>(size_bytes, 16);
   if (size_bytes_ > device.maxAllocationBytes()) refuse(device, size_bytes_);
-  if (texels != VK_FORMAT_UNDEFINED && size_bytes_ / texelBytes(texels) > device.properties().limits.maxTexelBufferElements)
+  if (texels != VK_FORMAT_UNDEFINED &&
+      size_bytes_ / texelBytes(texels) > device.properties().limits.maxTexelBufferElements)
     refuse(device, size_bytes_);
   VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
   info.size = size_bytes_;
-  info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
-               VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT;
+  info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT |
+               VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
+               VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT;
   check(vkCreateBuffer(device_, &info, nullptr, &buffer_), "vkCreateBuffer");
   VkMemoryRequirements needs;
   vkGetBufferMemoryRequirements(device_, buffer_, &needs);

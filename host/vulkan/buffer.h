@@ -9,7 +9,8 @@ namespace viewpeel {
 // Where a buffer lives: on the device only, or mapped for the host to write (upload) or to read (readback).
 enum class MemoryUse { device, upload, readback };
 
-// A buffer with memory of its own, reached by device address and, where it has a texel format, read as texels. Not for many small buffers.
+// A buffer with memory of its own, reached by device address and, where it has a texel format, read as texels. Not for
+// many small buffers.
 class Buffer {
  public:
   Buffer() = default;
@@ -26,9 +27,13 @@ class Buffer {
 
   // Of upload and readback buffers.
   template <class T>
-  std::span<T> mapped() const { return {static_cast<T*>(mapped_), size_bytes_ / sizeof(T)}; }
+  std::span<T> mapped() const {
+    return {static_cast<T*>(mapped_), size_bytes_ / sizeof(T)};
+  }
   template <class T>
-  void write(std::span<const T> values) { std::memcpy(mapped_, values.data(), values.size_bytes()); }
+  void write(std::span<const T> values) {
+    std::memcpy(mapped_, values.data(), values.size_bytes());
+  }
 
  private:
   VkDevice device_ = VK_NULL_HANDLE;

@@ -53,9 +53,12 @@ void Commands::barrier() {
   vkCmdPipelineBarrier2(commands_, &info);
 }
 
-void Commands::bind(const Kernel& kernel, VkPipelineBindPoint point) { vkCmdBindPipeline(commands_, point, kernel.pipeline()); }
+void Commands::bind(const Kernel& kernel, VkPipelineBindPoint point) {
+  vkCmdBindPipeline(commands_, point, kernel.pipeline());
+}
 
-void Commands::copy(const Buffer& from, const Buffer& to, VkDeviceSize size_bytes, VkDeviceSize from_offset, VkDeviceSize to_offset) {
+void Commands::copy(const Buffer& from, const Buffer& to, VkDeviceSize size_bytes, VkDeviceSize from_offset,
+                    VkDeviceSize to_offset) {
   const VkBufferCopy region{from_offset, to_offset, size_bytes};
   vkCmdCopyBuffer(commands_, from.handle(), to.handle(), 1, &region);
 }
@@ -87,7 +90,8 @@ void Commands::bindTexels(const Kernel& kernel, std::span<const VkBufferView> vi
     write.pTexelBufferView = &views[k];
     writes.push_back(write);
   }
-  vkCmdPushDescriptorSetKHR(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, kernel.layout(), 0, static_cast<uint32_t>(writes.size()), writes.data());
+  vkCmdPushDescriptorSetKHR(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, kernel.layout(), 0,
+                            static_cast<uint32_t>(writes.size()), writes.data());
 }
 
 void Commands::submit() {

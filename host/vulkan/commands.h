@@ -38,7 +38,8 @@ class Commands {
     push(kernel, args);
     vkCmdDispatchIndirect(commands_, groups.handle(), offset);
   }
-  void copy(const Buffer& from, const Buffer& to, VkDeviceSize size_bytes, VkDeviceSize from_offset = 0, VkDeviceSize to_offset = 0);
+  void copy(const Buffer& from, const Buffer& to, VkDeviceSize size_bytes, VkDeviceSize from_offset = 0,
+            VkDeviceSize to_offset = 0);
   // For its first use; what it holds is not kept.
   void prepare(const Image& image);
   void fill(const Buffer& buffer, uint32_t word, VkDeviceSize size_bytes = VK_WHOLE_SIZE);

@@ -47,7 +47,8 @@ constexpr NeededFeature kNeededFeatures[] = {
 
 void initialiseLoader() {
   if (volkInitialize() != VK_SUCCESS)
-    throw Error(ErrorCode::device, "no Vulkan loader found; install libvulkan1 and a driver such as mesa-vulkan-drivers");
+    throw Error(ErrorCode::device,
+                "no Vulkan loader found; install libvulkan1 and a driver such as mesa-vulkan-drivers");
 }
 
 bool hasLayer(const char* name) {
@@ -67,7 +68,8 @@ VKAPI_ATTR VkBool32 VKAPI_CALL recordMessage(VkDebugUtilsMessageSeverityFlagBits
 VkInstance createInstance(bool validation) {
   initialiseLoader();
   if (validation && !hasLayer(kValidationLayer))
-    throw Error(ErrorCode::device, "validation was asked for but the layer is missing; install vulkan-validationlayers");
+    throw Error(ErrorCode::device,
+                "validation was asked for but the layer is missing; install vulkan-validationlayers");
   VkApplicationInfo application{VK_STRUCTURE_TYPE_APPLICATION_INFO};
   application.pApplicationName = "viewpeel";
   application.apiVersion = VK_API_VERSION_1_3;
@@ -106,16 +108,22 @@ std::vector<VkPhysicalDevice> physicalDevices(VkInstance instance) {
 
 const char* kindName(VkPhysicalDeviceType type) {
   switch (type) {
-    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU: return "discrete gpu";
-    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU: return "integrated gpu";
-    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU: return "virtual gpu";
-    case VK_PHYSICAL_DEVICE_TYPE_CPU: return "cpu";
-    default: return "other";
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+      return "discrete gpu";
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+      return "integrated gpu";
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+      return "virtual gpu";
+    case VK_PHYSICAL_DEVICE_TYPE_CPU:
+      return "cpu";
+    default:
+      return "other";
   }
 }
 
 std::string versionName(uint32_t version) {
-  return fmt::format("{}.{}.{}", VK_API_VERSION_MAJOR(version), VK_API_VERSION_MINOR(version), VK_API_VERSION_PATCH(version));
+  return fmt::format("{}.{}.{}", VK_API_VERSION_MAJOR(version), VK_API_VERSION_MINOR(version),
+                     VK_API_VERSION_PATCH(version));
 }
 
 // Index of a queue family that does everything, or -1.
@@ -134,8 +142,10 @@ bool hasExtension(VkPhysicalDevice device, const char* name) {
   uint32_t count = 0;
   check(vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr), "vkEnumerateDeviceExtensionProperties");
   std::vector<VkExtensionProperties> extensions(count);
-  check(vkEnumerateDeviceExtensionProperties(device, nullptr, &count, extensions.data()), "vkEnumerateDeviceExtensionProperties");
-  return std::any_of(extensions.begin(), extensions.end(), [&](const auto& e) { return std::strcmp(e.extensionName, name) == 0; });
+  check(vkEnumerateDeviceExtensionProperties(device, nullptr, &count, extensions.data()),
+        "vkEnumerateDeviceExtensionProperties");
+  return std::any_of(extensions.begin(), extensions.end(),
+                     [&](const auto& e) { return std::strcmp(e.extensionName, name) == 0; });
 }
 
 std::string findRefusal(VkPhysicalDevice device, uint32_t api_version) {
@@ -155,8 +165,12 @@ DeviceDescription describe(VkPhysicalDevice device, uint32_t index) {
   VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &driver};
   vkGetPhysicalDeviceProperties2(device, &properties);
   const VkPhysicalDeviceProperties& p = properties.properties;
-  return {index, p.deviceName, kindName(p.deviceType), fmt::format("{} {}", driver.driverName, driver.driverInfo),
-          versionName(p.apiVersion), findRefusal(device, p.apiVersion)};
+  return {index,
+          p.deviceName,
+          kindName(p.deviceType),
+          fmt::format("{} {}", driver.driverName, driver.driverInfo),
+          versionName(p.apiVersion),
+          findRefusal(device, p.apiVersion)};
 }
 
 int rankOfKind(const std::string& kind) {
@@ -198,10 +212,11 @@ const DeviceDescription& chooseDevice(const std::vector<DeviceDescription>& devi
 
 void check(VkResult result, const char* call) {
   if (result >= 0) return;
-  const char* meaning = result == VK_ERROR_OUT_OF_DEVICE_MEMORY ? ": out of device memory; try a smaller --resolution or scene"
-                        : result == VK_ERROR_OUT_OF_HOST_MEMORY ? ": out of host memory"
-                        : result == VK_ERROR_DEVICE_LOST        ? ": the device was lost; run again, or choose another with --device"
-                                                                : "";
+  const char* meaning =
+      result == VK_ERROR_OUT_OF_DEVICE_MEMORY ? ": out of device memory; try a smaller --resolution or scene"
+      : result == VK_ERROR_OUT_OF_HOST_MEMORY ? ": out of host memory"
+      : result == VK_ERROR_DEVICE_LOST        ? ": the device was lost; run again, or choose another with --device"
+                                              : "";
   throw Error(result == VK_ERROR_OUT_OF_DEVICE_MEMORY ? ErrorCode::memory : ErrorCode::device,
               fmt::format("{} failed with VkResult {}{}", call, static_cast<int>(result), meaning));
 }
@@ -222,8 +237,8 @@ Device::Device(const DeviceOptions& options) : validation_errors_(std::make_uniq
   if (validation) {
     VkDebugUtilsMessengerCreateInfoEXT info{VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
     info.messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
-    info.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT |
-                       VK_DEBUG_UTILS_MESSAGE_TYPE_GENERAL_BIT_EXT;
+    info.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT |
+                       VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_GENERAL_BIT_EXT;
     info.pfnUserCallback = recordMessage;
     info.pUserData = validation_errors_.get();
     check(vkCreateDebugUtilsMessengerEXT(instance_, &info, nullptr, &messenger_), "vkCreateDebugUtilsMessengerEXT");
@@ -289,12 +304,14 @@ Device& Device::operator=(Device&& other) noexcept {
 }
 
 uint64_t Device::memoryBytes() const {
-  if (properties_.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU) return uint64_t(sysconf(_SC_PHYS_PAGES)) * uint64_t(sysconf(_SC_PAGESIZE));
+  if (properties_.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU)
+    return uint64_t(sysconf(_SC_PHYS_PAGES)) * uint64_t(sysconf(_SC_PAGESIZE));
   VkPhysicalDeviceMemoryProperties memory;
   vkGetPhysicalDeviceMemoryProperties(physical_, &memory);
   uint64_t largest = 0;
   for (uint32_t k = 0; k < memory.memoryHeapCount; ++k)
-    if (memory.memoryHeaps[k].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT) largest = std::max<uint64_t>(largest, memory.memoryHeaps[k].size);
+    if (memory.memoryHeaps[k].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT)
+      largest = std::max<uint64_t>(largest, memory.memoryHeaps[k].size);
   return largest;
 }
 

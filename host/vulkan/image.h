@@ -7,7 +7,8 @@ namespace viewpeel {
 class Image {
  public:
   Image() = default;
-  Image(const Device& device, uint32_t width, uint32_t height, VkFormat format, VkImageUsageFlags usage, VkImageAspectFlags aspect);
+  Image(const Device& device, uint32_t width, uint32_t height, VkFormat format, VkImageUsageFlags usage,
+        VkImageAspectFlags aspect);
   ~Image();
   Image(Image&& other) noexcept;
   Image& operator=(Image&& other) noexcept;

@@ -19,7 +19,8 @@ VkDescriptorSetLayout createTexelLayout(VkDevice device, uint32_t count) {
   return layout;
 }
 
-VkPipelineLayout createLayout(VkDevice device, VkShaderStageFlags stages, uint32_t push_bytes, VkDescriptorSetLayout texels = VK_NULL_HANDLE) {
+VkPipelineLayout createLayout(VkDevice device, VkShaderStageFlags stages, uint32_t push_bytes,
+                              VkDescriptorSetLayout texels = VK_NULL_HANDLE) {
   const VkPushConstantRange range{stages, 0, push_bytes};
   VkPipelineLayoutCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
   info.pushConstantRangeCount = 1;
@@ -48,8 +49,8 @@ VkPipelineShaderStageCreateInfo ShaderModule::stage(VkShaderStageFlagBits stage)
   return info;
 }
 
-Kernel::Kernel(const Device& device, std::span<const uint32_t> spirv, uint32_t push_bytes, const std::vector<uint32_t>& constants,
-               uint32_t texel_buffers)
+Kernel::Kernel(const Device& device, std::span<const uint32_t> spirv, uint32_t push_bytes,
+               const std::vector<uint32_t>& constants, uint32_t texel_buffers)
     : device_(device.handle()), stages_(VK_SHADER_STAGE_COMPUTE_BIT) {
   const ShaderModule module(device, spirv);
   if (texel_buffers) texels_ = createTexelLayout(device_, texel_buffers);
@@ -58,7 +59,8 @@ Kernel::Kernel(const Device& device, std::span<const uint32_t> spirv, uint32_t p
   info.stage = module.stage(VK_SHADER_STAGE_COMPUTE_BIT);
   std::vector<VkSpecializationMapEntry> entries;
   for (uint32_t k = 0; k < constants.size(); ++k) entries.push_back({k, k * 4, 4});
-  const VkSpecializationInfo specialisation{static_cast<uint32_t>(entries.size()), entries.data(), constants.size() * 4, constants.data()};
+  const VkSpecializationInfo specialisation{static_cast<uint32_t>(entries.size()), entries.data(), constants.size() * 4,
+                                            constants.data()};
   if (!constants.empty()) info.stage.pSpecializationInfo = &specialisation;
   info.layout = layout_;
   check(vkCreateComputePipelines(device_, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline_), "vkCreateComputePipelines");

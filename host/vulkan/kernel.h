@@ -20,15 +20,16 @@ class ShaderModule {
   VkShaderModule module_ = VK_NULL_HANDLE;
 };
 
-// A pipeline, compute or graphics, whose input is one push-constant struct and, where it reads texels, buffers at bindings 0, 1, ...
+// A pipeline, compute or graphics, whose input is one push-constant struct and, where it reads texels, buffers at
+// bindings 0, 1, ...
 class Kernel {
  public:
   Kernel() = default;
   // A compute kernel. constants: specialisation constants 0, 1, ... of the shader.
-  Kernel(const Device& device, std::span<const uint32_t> spirv, uint32_t push_bytes, const std::vector<uint32_t>& constants = {},
-         uint32_t texel_buffers = 0);
-  // A graphics kernel without vertex buffers: triangle strips, one colour and one depth attachment of the formats given, as dynamic
-  // rendering.    In: nearer: how a fragment's depth compares to what it replaces
+  Kernel(const Device& device, std::span<const uint32_t> spirv, uint32_t push_bytes,
+         const std::vector<uint32_t>& constants = {}, uint32_t texel_buffers = 0);
+  // A graphics kernel without vertex buffers: triangle strips, one colour and one depth attachment of the formats
+  // given, as dynamic rendering.    In: nearer: how a fragment's depth compares to what it replaces
   Kernel(const Device& device, std::span<const uint32_t> vertex_spirv, std::span<const uint32_t> fragment_spirv,
          VkFormat colour, VkFormat depth, uint32_t push_bytes, VkCompareOp nearer = VK_COMPARE_OP_LESS);
   ~Kernel();

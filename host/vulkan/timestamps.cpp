@@ -51,7 +51,8 @@ std::vector<double> Timestamps::seconds() const {
                               VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
         "vkGetQueryPoolResults");
   std::vector<double> times;
-  for (uint32_t k = 1; k < marked_; ++k) times.push_back(double((ticks[k] - ticks[k - 1]) & valid_) * seconds_per_tick_);
+  for (uint32_t k = 1; k < marked_; ++k)
+    times.push_back(double((ticks[k] - ticks[k - 1]) & valid_) * seconds_per_tick_);
   return times;
 }
 

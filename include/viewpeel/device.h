@@ -24,9 +24,11 @@ std::vector<DeviceDescription> listDevices();
 
 // How a device is chosen.
 struct DeviceOptions {
-  // Index of listDevices(), part of the name, "cpu" or "gpu". Empty: the environment variable VIEWPEEL_DEVICE, else the best by kind.
+  // Index of listDevices(), part of the name, "cpu" or "gpu". Empty: the environment variable VIEWPEEL_DEVICE, else the
+  // best by kind.
   std::string selector;
-  // Validation layer with synchronisation validation; also switched on by the environment variable VIEWPEEL_VALIDATION=1.
+  // Validation layer with synchronisation validation; also switched on by the environment variable
+  // VIEWPEEL_VALIDATION=1.
   bool validation = false;
 };
 

@@ -1,8 +1,9 @@
 // Engines: what counts facing pairs along directions, whichever way it finds them.
 //
-// On a line that meets several polygons two of them face each other where the front of the nearer looks ahead and that of the farther looks back. They are
-// counted as facing pair where they are consecutive, and as blocked where others lie between them. Facing and blocked together are all lines on which two
-// fronts look at each other: along one direction, the common part of two projections, whatever else the scene holds.
+// On a line that meets several polygons two of them face each other where the front of the nearer looks ahead and that
+// of the farther looks back. They are counted as facing pair where they are consecutive, and as blocked where others
+// lie between them. Facing and blocked together are all lines on which two fronts look at each other: along one
+// direction, the common part of two projections, whatever else the scene holds.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -28,9 +29,10 @@ struct Direction {
 
 // What an engine counts for a pair of ids, summed over directions; area = count x Engine::unitArea().
 struct PairCount {
-  uint32_t i, j;         // i <= j
-  uint64_t count;        // of lines on which they are consecutive and face each other
-  uint64_t blocked = 0;  // of lines on which they face each other with others between them, where the engine was asked for it
+  uint32_t i, j;   // i <= j
+  uint64_t count;  // of lines on which they are consecutive and face each other
+  uint64_t blocked =
+      0;  // of lines on which they face each other with others between them, where the engine was asked for it
 
   void add(const PairCount& other) {
     count += other.count;
@@ -72,13 +74,14 @@ enum class EngineKind {
   exact,      // exact areas, by an engine that the caller brings
 };
 
-// What the estimator needs of an engine, whichever way it finds the facing pairs. Calls come one at a time, from any thread.
+// What the estimator needs of an engine, whichever way it finds the facing pairs. Calls come one at a time, from any
+// thread.
 class Engine {
  public:
   virtual ~Engine() = default;
 
-  // Sums the measures of all facing pairs, of blocked pairs where the engine was made to, environment and leak over the directions, in
-  // integers: the result is independent of how the engine groups its work.
+  // Sums the measures of all facing pairs, of blocked pairs where the engine was made to, environment and leak over the
+  // directions, in integers: the result is independent of how the engine groups its work.
   //   In: directions, any number    Out: counts; area in P(u) = count x unitArea()
   //   Throws: Error device, Error limit.
   virtual PairCounts count(std::span<const Direction> directions) = 0;
@@ -87,7 +90,8 @@ class Engine {
   //   In: a multiple of block_directions    Throws: as count().
   virtual std::vector<PairCounts> countBlocks(std::span<const Direction> directions, size_t block_directions) {
     std::vector<PairCounts> blocks;
-    for (size_t first = 0; first < directions.size(); first += block_directions) blocks.push_back(count(directions.subspan(first, block_directions)));
+    for (size_t first = 0; first < directions.size(); first += block_directions)
+      blocks.push_back(count(directions.subspan(first, block_directions)));
     return blocks;
   }
 
@@ -101,7 +105,9 @@ class Engine {
 };
 
 // Makes an engine that counts by these ids. Scene and ids outlive it.
-//   In: ids: as from makeIds, with roles where a question restricts them    Throws: Error bad_usage, device, memory or limit where there can be none.
-using EngineFactory = std::function<std::unique_ptr<Engine>(const Scene& scene, const Ids& ids, const LatticeOptions& options)>;
+//   In: ids: as from makeIds, with roles where a question restricts them    Throws: Error bad_usage, device, memory or
+//   limit where there can be none.
+using EngineFactory =
+    std::function<std::unique_ptr<Engine>(const Scene& scene, const Ids& ids, const LatticeOptions& options)>;
 
 }  // namespace viewpeel

@@ -8,19 +8,20 @@
 
 namespace viewpeel {
 
-// A mean over R replicates and the standard error of that mean. Its 95 % interval is value +- t standard_error with Student's t of R - 1 degrees of
-// freedom, 2.36 for 8 replicates: the spread of a few replicates is itself uncertain. Coverage: bench/programs/coverage.cpp.
+// A mean over R replicates and the standard error of that mean. Its 95 % interval is value +- t standard_error with
+// Student's t of R - 1 degrees of freedom, 2.36 for 8 replicates: the spread of a few replicates is itself uncertain.
+// Coverage: bench/programs/coverage.cpp.
 struct Measured {
   double value = 0;
   double standard_error = 0;
 };
 
-// Form factors of n ids. One symmetric quantity is stored per pair, the exchange area A_i F_ij = A_j F_ji, so that reciprocity
-// holds by construction: exchangeArea(i, j) and exchangeArea(j, i) are one number.
+// Form factors of n ids. One symmetric quantity is stored per pair, the exchange area A_i F_ij = A_j F_ji, so that
+// reciprocity holds by construction: exchangeArea(i, j) and exchangeArea(j, i) are one number.
 class FormFactors {
  public:
   struct Entry {
-    uint32_t i, j;  // i <= j; j may be kEnvironment or kLeak
+    uint32_t i, j;           // i <= j; j may be kEnvironment or kLeak
     Measured exchange_area;  // input units squared
   };
 

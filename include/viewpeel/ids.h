@@ -17,8 +17,8 @@ constexpr uint32_t kLeak = 0xFFFFFFFFu;
 // What counters are kept for: every input polygon (a face of the file), or every named surface as a whole.
 enum class By { polygon, surface };
 
-// What a polygon's facing pairs are counted for: a facing pair counts where one of the two emits and the other receives.
-// The environment and leak of a polygon count where it emits.
+// What a polygon's facing pairs are counted for: a facing pair counts where one of the two emits and the other
+// receives. The environment and leak of a polygon count where it emits.
 constexpr uint32_t kEmits = 1, kReceives = 2;
 
 // The rows of the matrix.
@@ -66,7 +66,8 @@ std::vector<uint32_t> findPolygons(const Scene& scene, const std::string& name);
 
 // Restricts ids to a question: sets roles, counts_environment, asked, splits_surfaces and rows_sum_to_one.
 //   In: ids of this scene, as makeIds gives them    Cost: O(polygons) a name.
-//   Throws: Error bad_usage: unknown names, a pair beside --from, what is asked for among the blockers, part of a surface with By::surface.
+//   Throws: Error bad_usage: unknown names, a pair beside --from, what is asked for among the blockers, part of a
+//   surface with By::surface.
 void askOnlyFor(const Question& question, const Scene& scene, Ids& ids);
 
 // The rows of a scene's matrix.

@@ -1,4 +1,5 @@
-// What to compute: the rows, one goal, and how to get there. Everything has a default; Request{} asks for all form factors of all polygons to 1e-3.
+// What to compute: the rows, one goal, and how to get there. Everything has a default; Request{} asks for all form
+// factors of all polygons to 1e-3.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -17,7 +18,8 @@ namespace viewpeel {
 // Ends once the standard error of every form factor is at most this.
 struct Tolerance {
   double standard_error = 1e-3;  // above 0
-  // With it: the standard errors of all form factors of at least Request::relative_floor, too, as shares of their form factors.
+  // With it: the standard errors of all form factors of at least Request::relative_floor, too, as shares of their form
+  // factors.
   std::optional<double> relative;
 };
 
@@ -34,7 +36,8 @@ struct Seconds {
 // What a guarantee is of.
 enum class Statistic {
   mean,    // the mean of blocks of directions
-  median,  // the median of Q runs of M^2 / epsilon^2 directions (Pellegrini 1997, section 5.3): each errs by more than epsilon with probability 1/4 at most, by Chebyshev
+  median,  // the median of Q runs of M^2 / epsilon^2 directions (Pellegrini 1997, section 5.3): each errs by more than
+           // epsilon with probability 1/4 at most, by Chebyshev
 };
 
 // A guarantee: with probability 1 - delta every form factor is within epsilon of the true one.
@@ -42,7 +45,8 @@ struct EpsilonDelta {
   double epsilon = 1e-2;  // in (0, 1)
   double delta = 1e-2;    // in (0, 1)
   Statistic statistic = Statistic::mean;
-  double range = 0;               // lattices are so fine that a direction adds at most about this to a form factor, above 2; 0: planned
+  double range =
+      0;  // lattices are so fine that a direction adds at most about this to a form factor, above 2; 0: planned
   uint32_t block_directions = 0;  // 0: planned
 };
 
@@ -51,7 +55,7 @@ struct FixedAmount {
   uint32_t directions = 400;  // of a replicate
   uint32_t replicates = 8;    // two at least
   int resolution = 0;         // lattice spacings across the scene's diameter; 0: 64
-  int finest = 0;             // spacings for the polygon that needs most of them, in windows; 0: none has more than `resolution`
+  int finest = 0;  // spacings for the polygon that needs most of them, in windows; 0: none has more than `resolution`
 };
 
 // When a run ends. Exactly one.
@@ -73,27 +77,31 @@ struct Request {
 
   Goal goal = Tolerance{};
   Amount amount;
-  double relative_floor = 0.01;        // the least form factor whose relative error counts, in (0, 1]
-  std::optional<double> time_limit_s;  // the goal is given up when this time is over; a guarantee that takes longer is refused
+  double relative_floor = 0.01;  // the least form factor whose relative error counts, in (0, 1]
+  std::optional<double>
+      time_limit_s;  // the goal is given up when this time is over; a guarantee that takes longer is refused
 
-  std::optional<Sampling> sampling;     // unset: the quicker for engine and scene
-  std::optional<Sampler> sampler;       // of directions over the sphere; unset: fibonacci, better ones for a question, jittered for a guarantee
-  std::optional<bool> closed_forms;     // sample only the visible share of each pair's unoccluded form factor; unset: where that pays
-  uint64_t seed = 1;                    // the same seed and plan give the same bits
-  uint64_t first_replicate = 0;         // of a part of a run, for merging
+  std::optional<Sampling> sampling;  // unset: the quicker for engine and scene
+  std::optional<Sampler>
+      sampler;  // of directions over the sphere; unset: fibonacci, better ones for a question, jittered for a guarantee
+  std::optional<bool>
+      closed_forms;   // sample only the visible share of each pair's unoccluded form factor; unset: where that pays
+  uint64_t seed = 1;  // the same seed and plan give the same bits
+  uint64_t first_replicate = 0;  // of a part of a run, for merging
 
   EngineKind engine = EngineKind::automatic;
-  EngineFactory exact_engine;      // of EngineKind::exact, which has no lattice: the library itself has none
+  EngineFactory exact_engine;  // of EngineKind::exact, which has no lattice: the library itself has none
   DeviceOptions device;
-  uint32_t threads = 0;            // of the host engine; 0: one for each core
-  uint32_t batch_directions = 0;   // peeled at once; 0: by memory. Never changes a result
-  bool measure_work = false;       // fills Result::work
+  uint32_t threads = 0;           // of the host engine; 0: one for each core
+  uint32_t batch_directions = 0;  // peeled at once; 0: by memory. Never changes a result
+  bool measure_work = false;      // fills Result::work
 
-  bool closure = false;            // fills Result::closed: the nearest form factors whose rows sum to 1
-  SceneOptions scene_options;      // that the scene was made with: checkpoints name them
+  bool closure = false;        // fills Result::closed: the nearest form factors whose rows sum to 1
+  SceneOptions scene_options;  // that the scene was made with: checkpoints name them
 };
 
-// Refuses what contradicts itself, whatever the scene is. Every run does so first; a program may, before it reads a large scene.
+// Refuses what contradicts itself, whatever the scene is. Every run does so first; a program may, before it reads a
+// large scene.
 //   Tests: tests/unit/front_door_test.cpp.
 //   Throws: Error bad_usage, naming the program's options and the remedy.    Cost: O(1).
 void checkRequest(const Request& request);

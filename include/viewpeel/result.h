@@ -31,16 +31,20 @@ struct Estimate {
   uint64_t directions = 0;  // in all, those of directed pairs not counted
   double largest_standard_error = 0;
   double largest_relative_error = 0;  // over form factors of at least relative_floor
-  bool interrupted = false;           // goals may not be reached; standard errors are infinite where fewer than 2 replicates are done
+  bool interrupted =
+      false;  // goals may not be reached; standard errors are infinite where fewer than 2 replicates are done
   std::optional<Guarantee> guarantee;
-  // Pairs of ids that can see each other by their closed forms and that no line met: their shares are their neighbours'.
+  // Pairs of ids that can see each other by their closed forms and that no line met: their shares are their
+  // neighbours'.
   uint64_t unmet_pairs = 0;
   double largest_unmet_error = 0;  // standard error, from the smaller of the two
-  // Pairs that can see each other and were never seen: form factors of 0, whose standard errors count among the largest.
+  // Pairs that can see each other and were never seen: form factors of 0, whose standard errors count among the
+  // largest.
   uint64_t unseen_pairs = 0;
   double largest_unseen_error = 0;
   uint64_t directed_pairs = 0, directed_directions = 0;  // pairs with directions of their own, and all of these
-  // On each form factor that no line met, from the smaller of its pair, with 95 % confidence; infinite where closed forms of all pairs leave none to be met.
+  // On each form factor that no line met, from the smaller of its pair, with 95 % confidence; infinite where closed
+  // forms of all pairs leave none to be met.
   double unmet_bound = INFINITY;
 };
 
@@ -54,14 +58,14 @@ struct LatticeSummary {
 // What a guarantee takes: numbers of directions and blocks, and what they rest on.
 struct GuaranteeFigures {
   double epsilon = 0, delta = 0;
-  double bounds = 0;             // m: how many have to hold at once
-  double range = 0;              // that lattices were made for
-  double largest_range = 0;      // M: the most that a direction adds to a form factor
-  uint64_t hoeffding = 0;        // directions
+  double bounds = 0;         // m: how many have to hold at once
+  double range = 0;          // that lattices were made for
+  double largest_range = 0;  // M: the most that a direction adds to a form factor
+  uint64_t hoeffding = 0;    // directions
   uint32_t block_directions = 0;
-  uint64_t least_blocks = 0;     // before which Bernstein's bound cannot be epsilon
-  uint64_t most_blocks = 0;      // that Hoeffding's asks for
-  uint64_t expected_blocks = 0;  // an estimate, from a pilot
+  uint64_t least_blocks = 0;              // before which Bernstein's bound cannot be epsilon
+  uint64_t most_blocks = 0;               // that Hoeffding's asks for
+  uint64_t expected_blocks = 0;           // an estimate, from a pilot
   double lemma_1 = 0, lemma_1_all = 0;    // directions of Pellegrini's Lemma 1: for one pair, and for m bounds at once
   uint64_t runs = 0, run_directions = 0;  // of the median
   double least_seconds = 0, expected_seconds = 0, most_seconds = 0;  // estimates
@@ -70,22 +74,25 @@ struct GuaranteeFigures {
 // What a run will do, and what it expects.
 struct PlanSummary {
   EngineKind engine = EngineKind::host;
-  std::string device;     // name; "processor", or "none" for exact areas
+  std::string device;  // name; "processor", or "none" for exact areas
   Sampling sampling = Sampling::lattice;
-  std::string sampler;    // how directions are drawn, in words
+  std::string sampler;  // how directions are drawn, in words
   bool closed_forms = false;
   uint32_t directions = 0;               // of a replicate
   std::vector<LatticeSummary> lattices;  // the whole scene's first
   int finest = 0;                        // resolution that the neediest polygon gets, at least
   double seconds = 0;                    // of counting the replicates asked for, predicted; 0 where nothing was planned
-  double standard_error = 0;             // largest over all form factors, or of its form factor for a relative goal; predicted
-  double pilot_seconds = 0;              // spent on finding out; 0 where nothing was planned
-  std::vector<std::string> barely_met;   // rows so small that even the finest lattice may not meet them
+  double standard_error = 0;  // largest over all form factors, or of its form factor for a relative goal; predicted
+  double pilot_seconds = 0;   // spent on finding out; 0 where nothing was planned
+  std::vector<std::string> barely_met;  // rows so small that even the finest lattice may not meet them
   std::optional<GuaranteeFigures> guarantee;
-  uint64_t unoccluded_pairs = 0, shared_pairs = 0;  // of a guarantee with closed forms: pairs that have one, and those with a visible share from a pilot
+  uint64_t unoccluded_pairs = 0,
+           shared_pairs =
+               0;  // of a guarantee with closed forms: pairs that have one, and those with a visible share from a pilot
 };
 
-// The program's options that give the same plan again: "--directions 64 --resolution 128 --closed-forms on". Not of a guarantee.
+// The program's options that give the same plan again: "--directions 64 --resolution 128 --closed-forms on". Not of a
+// guarantee.
 //   In: a plan of a result    Cost: O(1).
 std::string optionsOf(const PlanSummary& plan);
 
@@ -100,11 +107,12 @@ struct SharesSummary {
 
 // All that one call finds.
 struct Result : Estimate {
-  double environment_share = 0;  // of all that the rows asked for emit, what leaves the scene
-  double leak_share = 0;         // and what ends on the backs of polygons
+  double environment_share = 0;             // of all that the rows asked for emit, what leaves the scene
+  double leak_share = 0;                    // and what ends on the backs of polygons
   std::optional<ClosedFormFactors> closed;  // with Request::closure
   std::optional<Error> closure_refusal;     // why there are none
-  std::vector<std::string> warnings;        // one line each: faces that look the wrong way, as leaks tell; not of a run that was stopped
+  std::vector<std::string>
+      warnings;  // one line each: faces that look the wrong way, as leaks tell; not of a run that was stopped
   PlanSummary plan;
   std::string division;      // how the engine has divided its work and what memory that takes, a few lines
   std::optional<Work> work;  // with Request::measure_work, of engines that count theirs

@@ -23,14 +23,16 @@ struct InputScene {
   std::vector<std::string> warnings{};  // of the reader, one line each
 };
 
-// Where several polygons lie in one plane a line meets all of them at one depth, and their tie ranks order them: a place
-// among kTieRanks along the normal of the polygon's own front. Two polygons that look opposite ways face each other where
-// both have kContactRank, as touching solids do, and turn their backs to each other where both have kSheetRank.
+// Where several polygons lie in one plane a line meets all of them at one depth, and their tie ranks order them: a
+// place among kTieRanks along the normal of the polygon's own front. Two polygons that look opposite ways face each
+// other where both have kContactRank, as touching solids do, and turn their backs to each other where both have
+// kSheetRank.
 constexpr uint32_t kTieRanks = 8;
 constexpr uint32_t kContactRank = 3;
 constexpr uint32_t kSheetRank = 4;
 
-// A convex planar piece of an input face, a triangle or a quadrilateral. Its front is the side from which its corners run counter-clockwise.
+// A convex planar piece of an input face, a triangle or a quadrilateral. Its front is the side from which its corners
+// run counter-clockwise.
 struct Polygon {
   uint32_t first_corner = 0;  // into Scene::corners
   uint32_t corner_count = 0;  // 3 or 4
@@ -38,7 +40,7 @@ struct Polygon {
   uint32_t plane = 0;         // into Scene::planes
   bool front_along_plane_normal = true;
   uint32_t tie_rank = kContactRank;
-  double area = 0;            // unit-ball units squared
+  double area = 0;  // unit-ball units squared
 };
 
 // A face keeps one identity however many polygons it was split into.
@@ -53,8 +55,8 @@ struct Surface {
   uint32_t face_count = 0;  // in the file, empty rows counted
 };
 
-// A face or surface of the file that takes no part: it has no area, or repeats another one. It keeps its place among the
-// rows of results, so that row k is the file's face k, and its name.
+// A face or surface of the file that takes no part: it has no area, or repeats another one. It keeps its place among
+// the rows of results, so that row k is the file's face k, and its name.
 struct EmptyRow {
   uint32_t row = 0;  // from 0
   std::string name;
@@ -81,7 +83,7 @@ struct Scene {
   std::vector<glm::dvec3> corners;
   std::vector<Polygon> polygons;
   std::vector<Face> faces;
-  std::vector<Surface> surfaces;  // in the order in which the file first uses them
+  std::vector<Surface> surfaces;                      // in the order in which the file first uses them
   std::vector<EmptyRow> empty_faces, empty_surfaces;  // by row
   std::vector<Plane> planes;
   glm::dvec3 centre{0};
@@ -101,8 +103,9 @@ struct SceneOptions {
 // Validates, leaves out degenerate and repeated faces, splits the rest into convex planar polygons, moves and scales to
 // the unit ball, groups coplanar polygons into planes and orders the coincident ones.
 //   In: faces in input units, any size and offset    Out: the scene, in unit-ball units
-//   Error: corners to 1 ulp of the unit ball after the subtraction of the centre in double. Tests: tests/unit/build_scene_test.cpp.
-//   Throws: Error bad_input (NaN or infinite coordinates, no usable polygon, names that collide), naming file and line;
+//   Error: corners to 1 ulp of the unit ball after the subtraction of the centre in double. Tests:
+//   tests/unit/build_scene_test.cpp. Throws: Error bad_input (NaN or infinite coordinates, no usable polygon, names
+//   that collide), naming file and line;
 //     bad_usage for options that name what is not there.
 //   Cost: O(corners log corners) work and memory; some thousand rays for each turn of fix_normals.
 Scene buildScene(const InputScene& input, const SceneOptions& options = {});
@@ -113,19 +116,22 @@ Scene buildScene(const InputScene& input, const SceneOptions& options = {});
 //   Throws: Error bad_input, naming file, line where the format has lines, and remedy; as buildScene.
 Scene loadScene(const std::filesystem::path& file, const SceneOptions& options = {});
 
-// The name of a face: "desk[3]", or "desk" where the surface has one face only.    In: face_index into Scene::faces    Cost: O(1).
+// The name of a face: "desk[3]", or "desk" where the surface has one face only.    In: face_index into Scene::faces
+// Cost: O(1).
 std::string faceName(const Scene& scene, uint32_t face_index);
 
-// The normal of a polygon's own corners, of unit length, on the side of its front.    In: a polygon of the scene    Cost: O(1).
+// The normal of a polygon's own corners, of unit length, on the side of its front.    In: a polygon of the scene Cost:
+// O(1).
 glm::dvec3 frontNormal(const Scene& scene, const Polygon& polygon);
 
 // True where every edge of every polygon is met by an opposite edge of another polygon, the way the walls of a room do.
-// Touching of edges in part (T-junctions) counts. An estimate of intent for the summary, never used in numerics; whether
-// lines end on fronts is another question (seen_backs.h).
+// Touching of edges in part (T-junctions) counts. An estimate of intent for the summary, never used in numerics;
+// whether lines end on fronts is another question (seen_backs.h).
 //   Cost: O(edges log edges).
 bool isClosed(const Scene& scene);
 
-// A hash, 64 bits, of all that a count can depend on: geometry to the last bit, order, names; not the file's place.    Cost: O(corners).
+// A hash, 64 bits, of all that a count can depend on: geometry to the last bit, order, names; not the file's place.
+// Cost: O(corners).
 uint64_t fingerprint(const Scene& scene);
 
 }  // namespace viewpeel

@@ -49,8 +49,9 @@ long double logIntegral(const Vec3& x, const Edge& edge) {
   return logIntegral(edge.length - v, d) + logIntegral(v, d) - edge.length;
 }
 
-// The inner integral over q, as a function of the place on p, is singular only at complex places: above q's ends seen along
-// p, and above the place where the two lines are nearest. With cuts at their real parts, halving closes in on them fast.
+// The inner integral over q, as a function of the place on p, is singular only at complex places: above q's ends seen
+// along p, and above the place where the two lines are nearest. With cuts at their real parts, halving closes in on
+// them fast.
 std::vector<long double> cutsOf(const Edge& p, const Edge& q) {
   std::vector<long double> cuts{0, p.length};
   const auto add = [&](long double s) {
@@ -106,7 +107,8 @@ std::vector<WeightedPoint> areaRule(const ConvexPolygon& polygon, int n) {
 }
 
 // pi A F by the rule of n^4 points per pair of triangles.
-long double areaIntegral(const ConvexPolygon& a, const ConvexPolygon& b, const HalfSpace& front_a, const HalfSpace& front_b, int n) {
+long double areaIntegral(const ConvexPolygon& a, const ConvexPolygon& b, const HalfSpace& front_a,
+                         const HalfSpace& front_b, int n) {
   const std::vector<WeightedPoint> points_a = areaRule(a, n), points_b = areaRule(b, n);
   long double sum = 0;
   for (const WeightedPoint& p : points_a)
@@ -149,8 +151,9 @@ double formFactor(std::span<const glm::dvec3> a, std::span<const glm::dvec3> b) 
     error = sum.error / pi_area;
   }
   if (!(error <= bound))
-    throw Error(ErrorCode::limit, fmt::format("form factor {} is only good to {:.1e}: split the larger or thinner polygon",
-                                              (double)form_factor, (double)error));
+    throw Error(ErrorCode::limit,
+                fmt::format("form factor {} is only good to {:.1e}: split the larger or thinner polygon",
+                            (double)form_factor, (double)error));
   return (double)std::max(form_factor, 0.0L);
 }
 

@@ -28,9 +28,10 @@ long double pointFormFactor(const Vec3& x, const Vec3& normal, const ConvexPolyg
   return sum / (2 * kPi);
 }
 
-// The part of b that the blocker hides from x. The blocker lies in front of b's plane and of the plane of a, so every line
-// from x through it meets it before b.
-ConvexPolygon hiddenPart(const Vec3& x, const ConvexPolygon& b, const ConvexPolygon& blocker, const HalfSpace& blocker_front) {
+// The part of b that the blocker hides from x. The blocker lies in front of b's plane and of the plane of a, so every
+// line from x through it meets it before b.
+ConvexPolygon hiddenPart(const Vec3& x, const ConvexPolygon& b, const ConvexPolygon& blocker,
+                         const HalfSpace& blocker_front) {
   const long double depth = blocker_front.depth(x);
   if (std::abs(depth) <= kTiny) return {};
   ConvexPolygon hidden = b;
@@ -44,7 +45,8 @@ ConvexPolygon hiddenPart(const Vec3& x, const ConvexPolygon& b, const ConvexPoly
 }
 
 // The planes through an edge of one polygon and a corner of the other.
-void addEdgeCornerPlanes(const ConvexPolygon& with_edges, const ConvexPolygon& with_corners, std::vector<HalfSpace>& planes) {
+void addEdgeCornerPlanes(const ConvexPolygon& with_edges, const ConvexPolygon& with_corners,
+                         std::vector<HalfSpace>& planes) {
   for (size_t k = 0; k < with_edges.size(); ++k)
     for (const Vec3& corner : with_corners) {
       const Vec3& p = with_edges[k];
@@ -54,8 +56,9 @@ void addEdgeCornerPlanes(const ConvexPolygon& with_edges, const ConvexPolygon& w
     }
 }
 
-// Over a's points near the foot of an edge that hangs at a small height over a, f changes within that height, which a rule
-// with points further apart does not see. Cuts along the foot, at distances that grow from the height on, make it visible.
+// Over a's points near the foot of an edge that hangs at a small height over a, f changes within that height, which a
+// rule with points further apart does not see. Cuts along the foot, at distances that grow from the height on, make it
+// visible.
 void addCutsUnderLowEdges(const ConvexPolygon& polygon, const HalfSpace& front_a, std::vector<HalfSpace>& planes) {
   constexpr long double kLow = 1e-2L, kNegligible = 1e-9L, kGrowth = 8;  // a layer that thin holds that little of a
   for (size_t k = 0; k < polygon.size(); ++k) {
@@ -114,7 +117,8 @@ std::vector<ConvexPolygon> cut(const ConvexPolygon& polygon, const std::vector<H
     for (const ConvexPolygon& piece : pieces)
       for (const HalfSpace& side : {plane, HalfSpace{-plane.normal, -plane.offset}}) {
         // A piece wholly within kTiny of the plane is kept once, whole.
-        const bool inside = std::any_of(piece.begin(), piece.end(), [&](const Vec3& x) { return side.depth(x) > kTiny; });
+        const bool inside =
+            std::any_of(piece.begin(), piece.end(), [&](const Vec3& x) { return side.depth(x) > kTiny; });
         if (!inside) continue;
         ConvexPolygon part = clip(piece, side, kTiny);
         if (!part.empty()) next.push_back(std::move(part));
@@ -136,7 +140,8 @@ Approximation formFactorPastBlocker(std::span<const glm::dvec3> a, std::span<con
   const HalfSpace front_a = frontOf(whole_a), front_b = frontOf(whole_b);
   View view{front_a.normal, parts.b, clip(clip(frame.polygons[2], front_b, frame.rounding), front_a, frame.rounding),
             frontOf(frame.polygons[2])};
-  if (std::none_of(view.blocker.begin(), view.blocker.end(), [&](const Vec3& x) { return front_a.depth(x) > frame.rounding; }))
+  if (std::none_of(view.blocker.begin(), view.blocker.end(),
+                   [&](const Vec3& x) { return front_a.depth(x) > frame.rounding; }))
     view.blocker.clear();
   std::vector<HalfSpace> planes;
   addCutsUnderLowEdges(view.b, front_a, planes);
@@ -146,7 +151,8 @@ Approximation formFactorPastBlocker(std::span<const glm::dvec3> a, std::span<con
     addEdgeCornerPlanes(view.blocker, view.b, planes);
     addEdgeCornerPlanes(view.b, view.blocker, planes);
     // The plane of a itself, met where the blocker or b touches a, cuts nothing.
-    std::erase_if(planes, [&](const HalfSpace& plane) { return glm::length(glm::cross(plane.normal, front_a.normal)) <= kTiny; });
+    std::erase_if(
+        planes, [&](const HalfSpace& plane) { return glm::length(glm::cross(plane.normal, front_a.normal)) <= kTiny; });
   }
 
   const long double total_area = area(whole_a);
@@ -185,8 +191,9 @@ Approximation formFactorPastBlocker(std::span<const glm::dvec3> a, std::span<con
   }
   const Approximation result{(double)std::max(value / total_area, 0.0L), (double)(error / total_area)};
   if (!(result.error <= kPastBlockerError))
-    throw Error(ErrorCode::limit, fmt::format("form factor {} past a blocker is only good to {:.1e}: split the larger or thinner polygon",
-                                              result.value, result.error));
+    throw Error(ErrorCode::limit,
+                fmt::format("form factor {} past a blocker is only good to {:.1e}: split the larger or thinner polygon",
+                            result.value, result.error));
   return result;
 }
 

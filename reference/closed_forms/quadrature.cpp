@@ -14,7 +14,8 @@ constexpr int kMaxPoints = 64;
 constexpr int kMaxHalvings = 60;
 constexpr int kMaxIntervals = 10'000;
 
-// The library has rules of its own (closed_forms/gauss.cpp), made alike: these stay apart, for they check what is computed with those.
+// The library has rules of its own (closed_forms/gauss.cpp), made alike: these stay apart, for they check what is
+// computed with those.
 GaussRule makeRule(int n) {
   GaussRule rule{std::vector<long double>(n), std::vector<long double>(n)};
   for (int k = 0; k < n; ++k) {
@@ -56,7 +57,8 @@ struct Integrator {
     }
     const long double difference = width * std::abs(b - a);
     const long double rounding = width * (16 * std::numeric_limits<long double>::epsilon() * magnitude + 2 * noise);
-    if (difference <= tolerance || difference <= rounding || depth == kMaxHalvings || ++interval_count > kMaxIntervals) {
+    if (difference <= tolerance || difference <= rounding || depth == kMaxHalvings ||
+        ++interval_count > kMaxIntervals) {
       total.value += width * b;
       total.error += difference + rounding;
       return;
@@ -77,8 +79,8 @@ const GaussRule& gaussRule(int n) {
   return rules[n];
 }
 
-LineIntegral integrate(const std::function<long double(long double)>& f, long double low, long double high, long double tolerance,
-                       long double noise) {
+LineIntegral integrate(const std::function<long double(long double)>& f, long double low, long double high,
+                       long double tolerance, long double noise) {
   Integrator integrator{.f = f, .noise = noise};
   if (high > low) integrator.add(low, high, tolerance, 0);
   return integrator.total;

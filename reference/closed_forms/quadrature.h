@@ -21,7 +21,8 @@ struct GaussRule {
 //   Error: nodes and weights to 4 ulp of long double; tests/unit/quadrature_test.cpp (monomials).
 //   Throws: nothing.
 //   Cost: O(n^2) once per n.
-//   Source: Abramowitz & Stegun, Handbook of Mathematical Functions, 25.4.29; Newton's method on the Legendre recurrence.
+//   Source: Abramowitz & Stegun, Handbook of Mathematical Functions, 25.4.29; Newton's method on the Legendre
+//   recurrence.
 const GaussRule& gaussRule(int n);
 
 struct LineIntegral {
@@ -30,15 +31,17 @@ struct LineIntegral {
 };
 
 // integral of f over [low, high], halving until the 10-point and the 16-point Gauss rule agree.
-//   In: f, finite on (low, high), singular at most like x ln x at the ends; tolerance, absolute; noise, the rounding error
+//   In: f, finite on (low, high), singular at most like x ln x at the ends; tolerance, absolute; noise, the rounding
+//   error
 //       of one value of f, absolute.
 //   Out: the integral by the 16-point rules and the sum of the differences, which bounds the error of the worse rule.
-//   Error: `error`, as soon as the integrand is resolved; halving stops at tolerance, at the noise or the rounding of the
+//   Error: `error`, as soon as the integrand is resolved; halving stops at tolerance, at the noise or the rounding of
+//   the
 //          sum, after 60 halvings of one place or 10,000 intervals in all. tests/unit/quadrature_test.cpp.
 //   Throws: what f throws.
 //   Cost: 26 calls of f per interval visited; O(log(1/distance of a singularity)) intervals per singularity.
 //   Source: the usual adaptive scheme, e.g. Davis & Rabinowitz, Methods of Numerical Integration, 6.2.
-LineIntegral integrate(const std::function<long double(long double)>& f, long double low, long double high, long double tolerance,
-                       long double noise = 0);
+LineIntegral integrate(const std::function<long double(long double)>& f, long double low, long double high,
+                       long double tolerance, long double noise = 0);
 
 }  // namespace viewpeel::reference

@@ -18,12 +18,14 @@ Ends ends(Interval interval, long double scale) { return {interval.low / scale, 
 
 void checkNotEmpty(Interval interval, const char* name) {
   if (!(interval.low < interval.high && std::isfinite(interval.low) && std::isfinite(interval.high)))
-    throw Error(ErrorCode::bad_input, std::string("rectangle: interval ") + name + " is empty or not finite; give low < high");
+    throw Error(ErrorCode::bad_input,
+                std::string("rectangle: interval ") + name + " is empty or not finite; give low < high");
 }
 
 long double largest(std::initializer_list<Interval> intervals) {
   long double size = 0;
-  for (const Interval& i : intervals) size = std::max({size, std::abs((long double)i.low), std::abs((long double)i.high)});
+  for (const Interval& i : intervals)
+    size = std::max({size, std::abs((long double)i.low), std::abs((long double)i.high)});
   return size;
 }
 
@@ -62,7 +64,9 @@ double parallelRectangles(Interval x, Interval y, Interval xi, Interval eta, dou
   const long double dy = std::max((long double)eta.high - y.low, (long double)y.high - eta.low);
   const long double scale = std::hypot(std::hypot(dx, dy), distance), z = distance / scale;
   const Ends X = ends(x, scale), Y = ends(y, scale), Xi = ends(xi, scale), Eta = ends(eta, scale);
-  return (double)(alternatingSum([&](int i, int j, int k, int l) { return parallelTerm(X[i] - Xi[k], Y[j] - Eta[l], z); }) / area(X, Y));
+  return (
+      double)(alternatingSum([&](int i, int j, int k, int l) { return parallelTerm(X[i] - Xi[k], Y[j] - Eta[l], z); }) /
+              area(X, Y));
 }
 
 double perpendicularRectangles(Interval x, Interval y, Interval eta, Interval zeta) {
@@ -71,13 +75,15 @@ double perpendicularRectangles(Interval x, Interval y, Interval eta, Interval ze
   checkNotEmpty(eta, "eta");
   checkNotEmpty(zeta, "zeta");
   if (x.low < 0 || zeta.low < 0)
-    throw Error(ErrorCode::bad_input, "perpendicular rectangles: one lies behind the other; clip to x >= 0 and zeta >= 0");
+    throw Error(ErrorCode::bad_input,
+                "perpendicular rectangles: one lies behind the other; clip to x >= 0 and zeta >= 0");
   const long double dy = std::max((long double)eta.high - y.low, (long double)y.high - eta.low);
   const long double scale = std::hypot(largest({x, zeta}), dy);
   const Ends X = ends(x, scale), Y = ends(y, scale), Eta = ends(eta, scale), Zeta = ends(zeta, scale);
   return (double)(alternatingSum([&](int i, int j, int k, int l) {
                     return perpendicularTerm(X[i] * X[i] + Zeta[l] * Zeta[l], Y[j] - Eta[k]);
-                  }) / area(X, Y));
+                  }) /
+                  area(X, Y));
 }
 
 }  // namespace viewpeel::reference

@@ -18,8 +18,7 @@ constexpr size_t kDirectionsAtOnce = 64;  // bounds the memory of their results
 
 class ExactEngine : public Engine {
  public:
-  ExactEngine(const Scene& scene, const Ids& ids, const ExactOptions& options)
-      : scene_(scene), ids_(ids) {
+  ExactEngine(const Scene& scene, const Ids& ids, const ExactOptions& options) : scene_(scene), ids_(ids) {
     requireDisjoint(scene);
     options_.two_sided = ids.two_sided;
     options_.thread_count = options.thread_count;
@@ -31,7 +30,8 @@ class ExactEngine : public Engine {
     Sums sums;
     for (size_t done = 0; done < directions.size(); done += kDirectionsAtOnce) {
       std::vector<glm::dvec3> along;
-      for (size_t k = done; k < std::min(directions.size(), done + kDirectionsAtOnce); ++k) along.push_back(directions[k].u);
+      for (size_t k = done; k < std::min(directions.size(), done + kDirectionsAtOnce); ++k)
+        along.push_back(directions[k].u);
       const std::vector<ExactPairAreas> results = computeExactPairAreas(scene_, along, options_);
       for (size_t k = 0; k < results.size(); ++k) {
         const uint32_t weight = directions[done + k].weight;
@@ -42,8 +42,12 @@ class ExactEngine : public Engine {
     PairCounts counts;
     for (const auto& [key, sum] : sums)
       if (std::max(sum.facing, sum.blocked) > kMostCounts)
-        throw Error(ErrorCode::limit, "areas of so many weighted directions pass 64 bits; ask for fewer --directions and more --replicates");
-      else if (sum.facing || sum.blocked) counts.push_back({key.first, key.second, static_cast<uint64_t>(sum.facing), static_cast<uint64_t>(sum.blocked)});
+        throw Error(
+            ErrorCode::limit,
+            "areas of so many weighted directions pass 64 bits; ask for fewer --directions and more --replicates");
+      else if (sum.facing || sum.blocked)
+        counts.push_back(
+            {key.first, key.second, static_cast<uint64_t>(sum.facing), static_cast<uint64_t>(sum.blocked)});
     return counts;
   }
 
@@ -81,7 +85,9 @@ std::unique_ptr<Engine> makeExactEngine(const Scene& scene, const Ids& ids, cons
 
 EngineFactory exactEngines() {
   return [](const Scene& scene, const Ids& ids, const LatticeOptions& options) {
-    return makeExactEngine(scene, ids, {.blocked = options.count_blocked, .thread_count = options.thread_count, .on_direction = options.stop});
+    return makeExactEngine(
+        scene, ids,
+        {.blocked = options.count_blocked, .thread_count = options.thread_count, .on_direction = options.stop});
   };
 }
 

@@ -40,7 +40,11 @@ std::vector<Edge> listEdges(const Projection& projection) {
 class Walk {
  public:
   Walk(const Projection& projection, const ExactOptions& options)
-      : projection_(projection), options_(options), grid_(projection), order_(projection), layers_(order_, options.blocked),
+      : projection_(projection),
+        options_(options),
+        grid_(projection),
+        order_(projection),
+        layers_(order_, options.blocked),
         sums_(projection, options) {}
 
   ExactPairAreas run() {

@@ -31,15 +31,16 @@ namespace viewpeel::reference {
 // Polygons a < b that face each other; b is kEnvironment or kLeak for what a sees of those.
 struct PairArea {
   uint32_t a, b;
-  double area;   // in P(u), unit-ball units squared
-  double error;  // |area - exact area| <= error
+  double area;       // in P(u), unit-ball units squared
+  double error;      // |area - exact area| <= error
   double perimeter;  // of the pair's regions in P(u), unit-ball units; with ExactOptions::perimeters, else 0
 };
 
 struct ExactPairAreas {
-  std::vector<PairArea> pairs;    // sorted by (a, b), every pair at most once
-  std::vector<PairArea> blocked;  // likewise: a and b face each other with others between them; with ExactOptions::blocked, else empty
-  uint64_t cut_count = 0;       // places where an edge enters or leaves an outline: the size of the problem
+  std::vector<PairArea> pairs;  // sorted by (a, b), every pair at most once
+  std::vector<PairArea>
+      blocked;  // likewise: a and b face each other with others between them; with ExactOptions::blocked, else empty
+  uint64_t cut_count = 0;  // places where an edge enters or leaves an outline: the size of the problem
 
   // Filled by Arithmetic::exact only, by sums of rational numbers without any rounding:
   // polygons whose pairs, environment and leak do not add up to the area of their projection (twice, if two-sided),
@@ -61,7 +62,8 @@ struct ExactOptions {
   Arithmetic arithmetic = Arithmetic::bounded;
   double touching_depth = kTouchingDepth;  // of requireDisjoint
   unsigned thread_count = 0;               // 0: one per core
-  std::function<void()> on_direction;      // called before every direction, by any thread; what it throws ends the call; may be empty
+  std::function<void()>
+      on_direction;  // called before every direction, by any thread; what it throws ends the call; may be empty
 };
 
 // A'_ab(u) = area in P(u) of the lines along u on which polygons a and b are consecutive and facing, by the rules of
@@ -71,8 +73,8 @@ struct ExactOptions {
 // is decided once per pair, exactly, where their heights differ most: corners off their plane by rounding do no harm.
 // A polygon whose plane contains u, or whose projection has no area, contributes nothing. Corners that rounding makes
 // reflex in the projection are replaced by their convex hull.
-// Blocked areas are the same integral: along an edge of polygon P these are its pairs with all layers but X and Y, on the
-// inner side, and the pair (X, Y), which P parts there.
+// Blocked areas are the same integral: along an edge of polygon P these are its pairs with all layers but X and Y, on
+// the inner side, and the pair (X, Y), which P parts there.
 //   In: scene in unit-ball units, polygons convex, interiors disjoint up to options.touching_depth; u finite, not zero,
 //     of any length, taken as an exact rational vector.
 //   Out: pairs in unit-ball units squared. Zero areas are left out; with Arithmetic::bounded also those not above
@@ -80,7 +82,8 @@ struct ExactOptions {
 //   Error: PairArea::error, of the order of 1e-15 times the number of edge pieces that bound the pair's regions;
 //     2 ulp with Arithmetic::exact. tests/unit/exact_test.cpp.
 //   Throws: Error bad_input where polygons interpenetrate, naming both and the place; Error bad_usage for a useless u.
-//   Cost: O(n + k d) expected work, with blocked pairs O(n + k d log d), for n edges, k cuts (ExactPairAreas::cut_count) and depth complexity d, up to
+//   Cost: O(n + k d) expected work, with blocked pairs O(n + k d log d), for n edges, k cuts
+//   (ExactPairAreas::cut_count) and depth complexity d, up to
 //     sorting along each edge; O(n + overlapping pairs) memory. Arithmetic::exact: quadratic in the pieces around a
 //     polygon.
 //   Source: M. Pellegrini, Monte Carlo approximation of form factors with error bounded a priori, section 5.

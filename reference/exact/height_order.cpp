@@ -52,7 +52,9 @@ bool HeightOrder::decide(uint32_t a, uint32_t b) const {
     if (sign == 0) sign = compareHeights(a, b, place);
   }
   if (sign != 0) return sign < 0;
-  const auto placeOf = [&](const Outline& outline) { return placeAtTie(outline.front_up, scene.polygons[outline.polygon].tie_rank); };
+  const auto placeOf = [&](const Outline& outline) {
+    return placeAtTie(outline.front_up, scene.polygons[outline.polygon].tie_rank);
+  };
   return placeOf(first) <= placeOf(second);
 }
 
@@ -65,7 +67,8 @@ int HeightOrder::compareHeights(uint32_t a, uint32_t b, const glm::dvec2& point)
     mpq_class along = 0;
     for (int c = 0; c < 3; ++c) along += rational(plane.normal[c]) * rational(u[c]);
     return (rational(plane.offset) * rational(u[k]) - rational(plane.normal[i]) * rational(point.x) -
-            rational(plane.normal[j]) * rational(point.y)) / along;
+            rational(plane.normal[j]) * rational(point.y)) /
+           along;
   };
   // Both heights are u_k times the parameter along u.
   return cmp(height(a), height(b)) * (u[k] > 0 ? 1 : -1);

@@ -89,8 +89,8 @@ std::vector<Interpenetration> findInterpenetrations(const Scene& scene, double t
 
 std::string describe(const Scene& scene, const Interpenetration& found) {
   return fmt::format("{}: {} and {} pass through each other at ({:.6g}, {:.6g}, {:.6g})", scene.file,
-                     faceName(scene, scene.polygons[found.a].face), faceName(scene, scene.polygons[found.b].face), found.place.x,
-                     found.place.y, found.place.z);
+                     faceName(scene, scene.polygons[found.a].face), faceName(scene, scene.polygons[found.b].face),
+                     found.place.x, found.place.y, found.place.z);
 }
 
 void requireDisjoint(const Scene& scene, double touching_depth) {

@@ -62,13 +62,22 @@ struct Sums {
 };
 
 std::string pairName(const Ids& ids, const Key& key) {
-  return ids.names[key.i] + " - " + (key.j == kEnvironment ? "environment" : key.j == kLeak ? "leak" : ids.names[key.j]) + (key.blocked ? ", blocked" : "");
+  return ids.names[key.i] + " - " +
+         (key.j == kEnvironment ? "environment"
+          : key.j == kLeak      ? "leak"
+                                : ids.names[key.j]) +
+         (key.blocked ? ", blocked" : "");
 }
 
 class RowCheck {
  public:
   RowCheck(int resolution, const Ids& ids, const CheckOptions& options)
-      : ids_(ids), options_(options), h_(2.0 / resolution), count_area_(h_ * h_ / options.counts_per_point), n_(options.lattices), pooled_(options.lattices, 0.0) {
+      : ids_(ids),
+        options_(options),
+        h_(2.0 / resolution),
+        count_area_(h_ * h_ / options.counts_per_point),
+        n_(options.lattices),
+        pooled_(options.lattices, 0.0) {
     row_.resolution = resolution;
   }
 
@@ -76,7 +85,8 @@ class RowCheck {
     std::map<Key, Sums> sums;
     for (const auto& [key, region] : exact) sums[key];
     for (const PairCounts& lattice : counts)
-      for (const PairCount& c : lattice) forCounts(c, [&](const Key& key, double count) { sums[key].add(count * count_area_); });
+      for (const PairCount& c : lattice)
+        forCounts(c, [&](const Key& key, double count) { sums[key].add(count * count_area_); });
     std::set<Key> pooled_keys;
     for (const auto& [key, sum] : sums) {
       const auto at = exact.find(key);
@@ -154,7 +164,8 @@ class RowCheck {
 }  // namespace
 
 bool CheckReport::passes() const {
-  return std::all_of(rows.begin(), rows.end(), [](const CheckRow& row) { return row.unbiased && row.spread_as_predicted; });
+  return std::all_of(rows.begin(), rows.end(),
+                     [](const CheckRow& row) { return row.unbiased && row.spread_as_predicted; });
 }
 
 CheckReport checkLattice(const Scene& scene, const Ids& ids, const CountLattice& count, const CheckOptions& options) {
@@ -169,7 +180,8 @@ CheckReport checkLattice(const Scene& scene, const Ids& ids, const CountLattice&
     start = Clock::now();
     for (size_t r = 0; r < rows.size(); ++r) {
       std::vector<PairCounts> counts;
-      for (const Direction& lattice : sampleLattices(directions[d].u, options.lattices, options.seed * 1000003 + d * 101 + r))
+      for (const Direction& lattice :
+           sampleLattices(directions[d].u, options.lattices, options.seed * 1000003 + d * 101 + r))
         counts.push_back(count(lattice, options.resolutions[r]));
       rows[r].addDirection(exact, counts);
     }

@@ -8,13 +8,15 @@
 
 namespace viewpeel::reference {
 
-// Variance of h^2 x (number of points of a lattice with uniformly random offset and rotation in a region of perimeter P) for h small against the
-// region: kLatticeVariance h^3 P. The constant is sum over integer pairs (m, n) != 0 of (m^2 + n^2)^(-3/2), over 4 pi^3: the mean of the region's
-// squared Fourier transform at distance rho from 0 is P / (4 pi^3 rho^3) (Kendall & Moran 1963, chapter 5).
+// Variance of h^2 x (number of points of a lattice with uniformly random offset and rotation in a region of perimeter
+// P) for h small against the region: kLatticeVariance h^3 P. The constant is sum over integer pairs (m, n) != 0 of (m^2
+// + n^2)^(-3/2), over 4 pi^3: the mean of the region's squared Fourier transform at distance rho from 0 is P / (4 pi^3
+// rho^3) (Kendall & Moran 1963, chapter 5).
 constexpr double kLatticeVariance = 0.0728370;
 
-// The same of h x (length of lattice rows in the region): only the pairs (0, n) remain, 2 zeta(3) / (4 pi^3). It is the mean over rotations: one at which
-// no edge runs along the rows has a variance of order h^4, from corners alone, and the few that have one nearly along them bring the h^3.
+// The same of h x (length of lattice rows in the region): only the pairs (0, n) remain, 2 zeta(3) / (4 pi^3). It is the
+// mean over rotations: one at which no edge runs along the rows has a variance of order h^4, from corners alone, and
+// the few that have one nearly along them bring the h^3.
 constexpr double kScanlineVariance = 0.0193841;
 
 struct CheckOptions {
@@ -22,10 +24,11 @@ struct CheckOptions {
   uint32_t directions = 6;  // iid
   uint32_t lattices = 64;   // random offsets and rotations per direction
   uint64_t seed = 1;
-  bool blocked = false;            // blocked pairs, too: their regions are tested like the others
-  double counts_per_point = 1;     // 1 / h^2 of the area of one count
+  bool blocked = false;                // blocked pairs, too: their regions are tested like the others
+  double counts_per_point = 1;         // 1 / h^2 of the area of one count
   double variance = kLatticeVariance;  // or kScanlineVariance
-  double false_alarm_rate = 1e-4;  // that a right discretisation fails the test of unbiasedness, over all regions and resolutions together
+  double false_alarm_rate =
+      1e-4;  // that a right discretisation fails the test of unbiasedness, over all regions and resolutions together
 };
 
 // The counts of one random lattice, at a resolution.
@@ -33,16 +36,17 @@ using CountLattice = std::function<PairCounts(const Direction&, int resolution)>
 
 struct CheckRow {
   int resolution = 0;
-  uint64_t regions_tested = 0;      // visible, or blocked, regions of pairs, one direction each, tested one by one
-  uint64_t regions_pooled = 0;      // small or thin ones, tested together
-  double largest_deviation = 0;     // |mean counted area - exact area| in standard errors
-  double allowed_deviation = 0;     // from the false-alarm rate
-  std::string worst_pair;           // where the deviation is largest
-  double worst_difference = 0;      // its mean difference, unit-ball units squared
+  uint64_t regions_tested = 0;   // visible, or blocked, regions of pairs, one direction each, tested one by one
+  uint64_t regions_pooled = 0;   // small or thin ones, tested together
+  double largest_deviation = 0;  // |mean counted area - exact area| in standard errors
+  double allowed_deviation = 0;  // from the false-alarm rate
+  std::string worst_pair;        // where the deviation is largest
+  double worst_difference = 0;   // its mean difference, unit-ball units squared
   double worst_standard_error = 0;
-  uint64_t spread_regions = 0;      // wide enough for the asymptotic variance
-  double spread_ratio = 1;          // measured over predicted variance, summed over them
-  double total_counted = 0, total_exact = 0;  // area of all pairs, environment and leak, mean over lattices, summed over directions
+  uint64_t spread_regions = 0;  // wide enough for the asymptotic variance
+  double spread_ratio = 1;      // measured over predicted variance, summed over them
+  double total_counted = 0,
+         total_exact = 0;  // area of all pairs, environment and leak, mean over lattices, summed over directions
   double leak_counted = 0, leak_exact = 0;
   bool unbiased = true;
   bool spread_as_predicted = true;
@@ -54,12 +58,12 @@ struct CheckReport {
   bool passes() const;
 };
 
-// Tests for every pair, direction and resolution whether the mean of the counted area over random lattices is the exact area, and whether its variance
-// is as predicted.
-//   Method: Student's test per visible region with Bonferroni's correction; regions with an expected count below 1/2 a lattice or thinner than
-//   h / 2 (2 A / P) are pooled into one sum per resolution. The ratio of variances must lie in [1/2, 2] over regions with A / P >= h, where terms of
-//   relative size h / width may still be felt.
-//   Cost: directions exact projections, directions x lattices x resolutions counts.
+// Tests for every pair, direction and resolution whether the mean of the counted area over random lattices is the exact
+// area, and whether its variance is as predicted.
+//   Method: Student's test per visible region with Bonferroni's correction; regions with an expected count below 1/2 a
+//   lattice or thinner than h / 2 (2 A / P) are pooled into one sum per resolution. The ratio of variances must lie in
+//   [1/2, 2] over regions with A / P >= h, where terms of relative size h / width may still be felt. Cost: directions
+//   exact projections, directions x lattices x resolutions counts.
 CheckReport checkLattice(const Scene& scene, const Ids& ids, const CountLattice& count, const CheckOptions& options);
 
 }  // namespace viewpeel::reference

@@ -79,7 +79,8 @@ std::vector<PairArea> RegionSums::list(const Projection& projection) const {
     }
     pairs.push_back(pair);
   }
-  std::sort(pairs.begin(), pairs.end(), [](const PairArea& p, const PairArea& q) { return std::tie(p.a, p.b) < std::tie(q.a, q.b); });
+  std::sort(pairs.begin(), pairs.end(),
+            [](const PairArea& p, const PairArea& q) { return std::tie(p.a, p.b) < std::tie(q.a, q.b); });
   return pairs;
 }
 
@@ -102,12 +103,18 @@ uint32_t PairSums::classify(uint32_t lower, uint32_t upper) const {
 void PairSums::addGap(uint32_t lower, uint32_t upper, const Piece& piece) {
   const auto polygon = [&](uint32_t outline) { return projection_.outlines()[outline].polygon; };
   switch (classify(lower, upper)) {
-    case kGapFacingPair: return gaps_.add(polygon(lower), polygon(upper), piece);
-    case kGapLowerEnvironment: return gaps_.add(polygon(lower), kEnvironment, piece);
-    case kGapUpperEnvironment: return gaps_.add(polygon(upper), kEnvironment, piece);
-    case kGapLowerLeak: return gaps_.add(polygon(lower), kLeak, piece);
-    case kGapUpperLeak: return gaps_.add(polygon(upper), kLeak, piece);
-    default: return;
+    case kGapFacingPair:
+      return gaps_.add(polygon(lower), polygon(upper), piece);
+    case kGapLowerEnvironment:
+      return gaps_.add(polygon(lower), kEnvironment, piece);
+    case kGapUpperEnvironment:
+      return gaps_.add(polygon(upper), kEnvironment, piece);
+    case kGapLowerLeak:
+      return gaps_.add(polygon(lower), kLeak, piece);
+    case kGapUpperLeak:
+      return gaps_.add(polygon(upper), kLeak, piece);
+    default:
+      return;
   }
 }
 

@@ -17,7 +17,7 @@ namespace viewpeel::reference {
 
 // A piece of an edge, as it enters boundary integrals.
 struct Piece {
-  Ball twice_area;  // cross(from, to) in Vertex::rounded coordinates
+  Ball twice_area;          // cross(from, to) in Vertex::rounded coordinates
   double from = 0, to = 0;  // parameters along the edge
   int sign = 1;             // -1 where the piece runs from `to` to `from`
   struct Exact {
@@ -69,7 +69,8 @@ class PairSums {
   // Adds it to the blocked pair of two outlines with others between them, where they face each other.
   void addBlocked(uint32_t lower, uint32_t upper, const Piece& piece);
 
-  // The pieces since the last call lie on one edge of this length in P(u): what they leave of each other bounds the regions.
+  // The pieces since the last call lie on one edge of this length in P(u): what they leave of each other bounds the
+  // regions.
   void closeEdge(double length);
 
   // Cost: O(pairs log pairs).

@@ -53,7 +53,8 @@ struct Frame {
 
 glm::dvec3 randomDirection(std::mt19937_64& bits) {
   const auto uniform = [&bits] { return (double)(bits() >> 11) * 0x1p-53; };
-  const double z = 2 * uniform() - 1, angle_rad = 2 * std::numbers::pi * uniform(), ring = std::sqrt(std::fmax(0.0, 1 - z * z));
+  const double z = 2 * uniform() - 1, angle_rad = 2 * std::numbers::pi * uniform(),
+               ring = std::sqrt(std::fmax(0.0, 1 - z * z));
   return {ring * std::cos(angle_rad), ring * std::sin(angle_rad), z};
 }
 
@@ -65,21 +66,25 @@ Frame frameAlong(const glm::dvec3& u) {
 
 PlanePolygon project(const std::vector<glm::dvec3>& corners, const Frame& frame) {
   PlanePolygon projected;
-  for (const glm::dvec3& corner : corners) projected.push_back({glm::dot(corner, frame.x_axis), glm::dot(corner, frame.y_axis)});
+  for (const glm::dvec3& corner : corners)
+    projected.push_back({glm::dot(corner, frame.x_axis), glm::dot(corner, frame.y_axis)});
   return projected;
 }
 
 // Depth along u of the point above (x, y) of the plane through `point`.
 HalfPlane depthOver(const glm::dvec3& normal, const glm::dvec3& point, const Frame& frame) {
   const double slope = glm::dot(normal, frame.u);
-  return {-glm::dot(normal, frame.x_axis) / slope, -glm::dot(normal, frame.y_axis) / slope, glm::dot(normal, point) / slope};
+  return {-glm::dot(normal, frame.x_axis) / slope, -glm::dot(normal, frame.y_axis) / slope,
+          glm::dot(normal, point) / slope};
 }
 
 }  // namespace
 
 ProjectedPair::ProjectedPair(std::span<const glm::dvec3> a, std::span<const glm::dvec3> b) {
   const UnitFrame unit_frame = toUnitFrame({a, b});
-  const auto flatten = [](const ConvexPolygon& polygon) { return FlatPolygon{{polygon.begin(), polygon.end()}, frontOf(polygon).normal}; };
+  const auto flatten = [](const ConvexPolygon& polygon) {
+    return FlatPolygon{{polygon.begin(), polygon.end()}, frontOf(polygon).normal};
+  };
   a_ = flatten(unit_frame.polygons[0]);
   b_ = flatten(unit_frame.polygons[1]);
   area_ = (double)area(unit_frame.polygons[0]);
@@ -91,17 +96,19 @@ double ProjectedPair::zeta(const glm::dvec3& u) const {
   if (!(glm::dot(a_.normal, frame.u) > 0 && glm::dot(b_.normal, frame.u) < 0)) return 0;
   PlanePolygon common = project(a_.corners, frame);
   const PlanePolygon other = project(b_.corners, frame);
-  // b is seen from its front against u, so its corners run clockwise in the plane of (x_axis, y_axis), which u looks out of.
+  // b is seen from its front against u, so its corners run clockwise in the plane of (x_axis, y_axis), which u looks
+  // out of.
   for (size_t k = 0; k < other.size() && !common.empty(); ++k) {
     const PlanePoint &p = other[k], &q = other[(k + 1) % other.size()];
     common = clipped(common, {q.y - p.y, p.x - q.x, p.y * q.x - p.x * q.y});
   }
-  const HalfPlane depth_a = depthOver(a_.normal, a_.corners[0], frame), depth_b = depthOver(b_.normal, b_.corners[0], frame);
+  const HalfPlane depth_a = depthOver(a_.normal, a_.corners[0], frame),
+                  depth_b = depthOver(b_.normal, b_.corners[0], frame);
   return 2 * signedArea(clipped(common, {depth_b.a - depth_a.a, depth_b.b - depth_a.b, depth_b.c - depth_a.c})) / area_;
 }
 
-ProjectedEstimate estimateFormFactor(std::span<const glm::dvec3> a, std::span<const glm::dvec3> b, uint64_t direction_count,
-                                     uint64_t seed) {
+ProjectedEstimate estimateFormFactor(std::span<const glm::dvec3> a, std::span<const glm::dvec3> b,
+                                     uint64_t direction_count, uint64_t seed) {
   if (direction_count < 2) throw Error(ErrorCode::bad_input, "a standard error needs 2 directions or more");
   const ProjectedPair pair(a, b);
   std::mt19937_64 bits(seed);

@@ -34,7 +34,7 @@ mpq_class toRational(const Dyadic& x);
 
 // A vertex of the projection; points that coincide exactly are one vertex.
 struct Vertex {
-  mpz_class x, y;     // units of Projection::exponent
+  mpz_class x, y;      // units of Projection::exponent
   glm::dvec2 rounded;  // the same point, coordinates within 1 ulp
 };
 

@@ -1,13 +1,15 @@
 #version 460
-// One invocation finds out how one pair of sides is to be integrated: not at all (its area stays 0), by a product rule, or along its contours.
+// One invocation finds out how one pair of sides is to be integrated: not at all (its area stays 0), by a product rule,
+// or along its contours.
 //   In: shapes, pairs     Out: lists of the pairs that see each other
 //
-// A rule with n points along each coordinate integrates f(u) = (1 + s u)(1 + j u) |p + u e|^-4, |e| = t |p|, over -1..1: s is the slope of
-// a cosine that stays positive, j that of the polygon's density. |p + u e|^-4 = |p|^-4 sum_k C_k (-t u)^k with Gegenbauer polynomials of
-// index 2, |C_k| <= binomial(k + 3, 3); the rule is exact below u^2n and on odd powers, so with e_k its error on u^k, its error is at most
+// A rule with n points along each coordinate integrates f(u) = (1 + s u)(1 + j u) |p + u e|^-4, |e| = t |p|, over
+// -1..1: s is the slope of a cosine that stays positive, j that of the polygon's density. |p + u e|^-4 = |p|^-4 sum_k
+// C_k (-t u)^k with Gegenbauer polynomials of index 2, |C_k| <= binomial(k + 3, 3); the rule is exact below u^2n and on
+// odd powers, so with e_k its error on u^k, its error is at most
 //   sum over even k >= 2n of e_k (G_k + (s + j) G_(k-1) + s j G_(k-2)),   G_k = binomial(k + 3, 3) t^k,
-// where the mean of f is at least (1 - s j / 3) (1 + t)^-4. Weights and f are positive, so the relative errors of the four coordinates add.
-// Source: Gegenbauer's generating function, Abramowitz & Stegun, 22.9.3 and 22.14.2.
+// where the mean of f is at least (1 - s j / 3) (1 + t)^-4. Weights and f are positive, so the relative errors of the
+// four coordinates add. Source: Gegenbauer's generating function, Abramowitz & Stegun, 22.9.3 and 22.14.2.
 #extension GL_GOOGLE_include_directive : require
 #include "unoccluded.glsl"
 
@@ -20,11 +22,13 @@ float slopeOf(dvec4 at) {
   dvec4 next = at.yzwx;
   vec4 difference = vec4(abs(at - next)), sum = vec4(at + next);
   float slope = 0.0;
-  [[unroll]] for (int k = 0; k < 4; ++k) slope = max(slope, difference[k] >= sum[k] ? (difference[k] > 0.0 ? 1.0 : 0.0) : difference[k] / sum[k]);
+  [[unroll]] for (int k = 0; k < 4; ++k) slope =
+      max(slope, difference[k] >= sum[k] ? (difference[k] > 0.0 ? 1.0 : 0.0) : difference[k] / sum[k]);
   return slope;
 }
 
-// What the bound on the relative error over a polygon's two coordinates is made of. Single precision: its rounding is 1e-6 of the bound.
+// What the bound on the relative error over a polygon's two coordinates is made of. Single precision: its rounding is
+// 1e-6 of the bound.
 struct Coordinates {
   float t, square, power;  // t, t^2, t^(2n - 2)
   float slopes, product;   // s + j, s j
@@ -55,10 +59,12 @@ void main() {
   Sides sides = loadSides(args.pairs, pair);
   double distance = length(meanCorner(sides.b) - meanCorner(sides.a));
   dvec4 depths_a = depthsOf(sides.a, sides.b, sides.normal_b), depths_b = depthsOf(sides.b, sides.a, sides.normal_a);
-  double rounding_a = depthRounding(sides.b, distance + sides.a.radius), rounding_b = depthRounding(sides.a, distance + sides.b.radius);
+  double rounding_a = depthRounding(sides.b, distance + sides.a.radius),
+         rounding_b = depthRounding(sides.a, distance + sides.b.radius);
 
   bool is_seen = greatestOf(depths_a) > rounding_a && greatestOf(depths_b) > rounding_b;
-  if ((sides.a.plane >> 1) == (sides.b.plane >> 1)) is_seen = areTouching(sides) && distance < sides.a.radius + sides.b.radius && !sides.are_one;
+  if ((sides.a.plane >> 1) == (sides.b.plane >> 1))
+    is_seen = areTouching(sides) && distance < sides.a.radius + sides.b.radius && !sides.are_one;
   bool is_whole = leastOf(depths_a) > 0.0LF && leastOf(depths_b) > 0.0LF && !areTouching(sides);
 
   Coordinates over_a = coordinatesOf(sides.a, distance, sides.b.radius, slopeOf(depths_a));

@@ -1,6 +1,6 @@
 #version 460
-// One invocation takes one edge of the part of a polygon that sees another's front, with each edge of that one's part, and chooses the rule for
-// the line integral over the two.
+// One invocation takes one edge of the part of a polygon that sees another's front, with each edge of that one's part,
+// and chooses the rule for the line integral over the two.
 //   In: shapes, pairs, near     Out: edges; lists of their pairs by rule; values: bounds on their errors
 // Source: I. E. Sutherland & G. W. Hodgman, Reentrant polygon clipping, CACM 17(1), 1974.
 #extension GL_GOOGLE_include_directive : require
@@ -10,8 +10,8 @@ layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Args { EdgesArgs pushed; };
 EdgesArgs args;
 
-// The part of a polygon in front of a plane: its own edges as far as they are, then the one along the plane. The part runs counter-clockwise as
-// the polygon does. Corners within `rounding` of the plane stay where they are.
+// The part of a polygon in front of a plane: its own edges as far as they are, then the one along the plane. The part
+// runs counter-clockwise as the polygon does. Corners within `rounding` of the plane stay where they are.
 EdgeData[kMostEdges] frontEdges(ShapeData shape, dvec4 depths, double rounding, dvec3 origin) {
   EdgeData edges[kMostEdges];
   dvec3 leaves = dvec3(0.0LF), enters = dvec3(0.0LF);
@@ -33,8 +33,7 @@ EdgeData[kMostEdges] frontEdges(ShapeData shape, dvec4 depths, double rounding, 
 
 EdgeData select(EdgeData edges[kMostEdges], uint index) {
   EdgeData edge = edges[0];
-  [[unroll]] for (uint k = 1u; k < kMostEdges; ++k)
-    if (index == k) edge = edges[k];
+  [[unroll]] for (uint k = 1u; k < kMostEdges; ++k) if (index == k) edge = edges[k];
   return edge;
 }
 
@@ -71,8 +70,10 @@ void main() {
   double distance = length(meanCorner(sides.b) - origin);
   dvec4 depths_a = depthsOf(sides.a, sides.b, sides.normal_b), depths_b = depthsOf(sides.b, sides.a, sides.normal_a);
   if (areTouching(sides)) depths_a = depths_b = dvec4(1.0LF);  // the limit of a narrow gap, nothing behind
-  EdgeData edges_a[kMostEdges] = frontEdges(sides.a, depths_a, depthRounding(sides.b, distance + sides.a.radius), origin);
-  EdgeData edges_b[kMostEdges] = frontEdges(sides.b, depths_b, depthRounding(sides.a, distance + sides.b.radius), origin);
+  EdgeData edges_a[kMostEdges] =
+      frontEdges(sides.a, depths_a, depthRounding(sides.b, distance + sides.a.radius), origin);
+  EdgeData edges_b[kMostEdges] =
+      frontEdges(sides.b, depths_b, depthRounding(sides.a, distance + sides.b.radius), origin);
   EdgeData p = select(edges_a, index);
   Edges edges = Edges(args.edges);
   edges.at[2u * kMostEdges * entry + index] = p;

@@ -12,12 +12,13 @@ FarArgs args;
 
 // A function f + f_u u + f_v v + f_uv u v of the square.
 dvec4 bilinear(dvec4 at) {
-  return 0.25LF * dvec4(at.x + at.y + at.z + at.w, at.y + at.z - at.x - at.w, at.z + at.w - at.x - at.y, at.x + at.z - at.y - at.w);
+  return 0.25LF * dvec4(at.x + at.y + at.z + at.w, at.y + at.z - at.x - at.w, at.z + at.w - at.x - at.y,
+                        at.x + at.z - at.y - at.w);
 }
 
 struct Patch {
   dvec3 along_u, along_v, along_uv;
-  dvec4 depth;    // over the other's plane
+  dvec4 depth;  // over the other's plane
   dvec3 density;
 };
 
@@ -44,15 +45,15 @@ void main() {
   if (entry >= Work(args.work).at.count) return;
   uint pair = Words(args.list).at[entry];
   Sides sides = loadSides(args.pairs, pair);
-  Patch a = patchOf(sides.a, depthsOf(sides.a, sides.b, sides.normal_b)), b = patchOf(sides.b, depthsOf(sides.b, sides.a, sides.normal_a));
+  Patch a = patchOf(sides.a, depthsOf(sides.a, sides.b, sides.normal_b)),
+        b = patchOf(sides.b, depthsOf(sides.b, sides.a, sides.normal_a));
   dvec3 between = meanCorner(sides.b) - meanCorner(sides.a);
 
   dvec4 points_b[kPoints * kPoints];
-  [[unroll]] for (uint i = 0u; i < kPoints; ++i)
-    [[unroll]] for (uint j = 0u; j < kPoints; ++j) {
-      points_b[i * kPoints + j] = pointOf(b, args.nodes[i], args.nodes[j], args.weights[i] * args.weights[j]);
-      points_b[i * kPoints + j].xyz += between;
-    }
+  [[unroll]] for (uint i = 0u; i < kPoints; ++i) [[unroll]] for (uint j = 0u; j < kPoints; ++j) {
+    points_b[i * kPoints + j] = pointOf(b, args.nodes[i], args.nodes[j], args.weights[i] * args.weights[j]);
+    points_b[i * kPoints + j].xyz += between;
+  }
   double sum = 0.0LF;
   [[dont_unroll]] for (uint i = 0u; i < kPoints; ++i) {
     // Not args.nodes[i]: software devices index by what varies in a loop slowly.

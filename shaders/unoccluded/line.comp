@@ -1,10 +1,14 @@
 #version 460
-// One invocation integrates ln r over one pair of edges, the inner integral, over the longer one, in closed form, the outer by a Gauss rule:
-//   int_p int_q ln r ds . dt = (p . q) / |q| int_0^1 (v1/2 ln(v1^2 + d^2) + v2/2 ln(v2^2 + d^2) + d angle(d^2 - v1 v2, d |q|)) dt,
-// less a multiple of p . q, which adds up to nothing around a polygon. d is the distance from the line of q, v1 and v2 those along it to q's ends.
-// Where the edges are close, p is cut where the inner integral is singular, and the rule is graded towards both ends of each piece.
+// One invocation integrates ln r over one pair of edges, the inner integral, over the longer one, in closed form, the
+// outer by a Gauss rule:
+//   int_p int_q ln r ds . dt = (p . q) / |q| int_0^1 (v1/2 ln(v1^2 + d^2) + v2/2 ln(v2^2 + d^2) + d angle(d^2 - v1 v2,
+//   d |q|)) dt,
+// less a multiple of p . q, which adds up to nothing around a polygon. d is the distance from the line of q, v1 and v2
+// those along it to q's ends. Where the edges are close, p is cut where the inner integral is singular, and the rule is
+// graded towards both ends of each piece.
 //   In: edges, a list of their pairs, points     Out: values, rounding added to their errors
-// Source: E. M. Sparrow, A new and simpler formulation for radiative angle factors, J. Heat Transfer 85(2), 1963, 81-87.
+// Source: E. M. Sparrow, A new and simpler formulation for radiative angle factors, J. Heat Transfer 85(2), 1963,
+// 81-87.
 #extension GL_GOOGLE_include_directive : require
 #include "unoccluded.glsl"
 #include "double_math.glsl"
@@ -15,25 +19,27 @@ layout(push_constant, scalar) uniform Args { LineArgs pushed; };
 LineArgs args;
 
 const uint kMostPieces = 4u;
-const double kUnit = 2.2e-16LF;    // rounding of double
-const double kLeast = 1e-290LF;    // stands for 0 where a logarithm or an angle is multiplied by it
+const double kUnit = 2.2e-16LF;  // rounding of double
+const double kLeast = 1e-290LF;  // stands for 0 where a logarithm or an angle is multiplied by it
 
 // magnitude: of the terms, which may cancel.
 double innerIntegral(dvec3 from, dvec3 direction, double length_q, out double magnitude) {
   double along = dot(from, direction), rest = length_q - along;
   dvec3 across = cross(from, direction);
   double square = dot(across, across), d = sqrt(square);
-  double first = 0.5LF * along * logOf(max(along * along + square, kLeast)), last = 0.5LF * rest * logOf(max(rest * rest + square, kLeast));
+  double first = 0.5LF * along * logOf(max(along * along + square, kLeast)),
+         last = 0.5LF * rest * logOf(max(rest * rest + square, kLeast));
   double turn = d * angleOf(square - rest * along + kLeast, d * length_q);
   magnitude = abs(first) + abs(last) + turn;
   return first + last + turn;
 }
 
-// Where the inner integral over q is singular above p, in shares of p: at q's ends and, where the other line's foot lies within q, at the place
-// nearest to it. In order, between 0 and 1.
+// Where the inner integral over q is singular above p, in shares of p: at q's ends and, where the other line's foot
+// lies within q, at the place nearest to it. In order, between 0 and 1.
 double[kMostPieces + 1u] cutsOf(EdgeData p, EdgeData q) {
   dvec3 from = q.start - p.start, across = cross(p.along, q.along);
-  double per_p = 1.0LF / dot(p.along, p.along), first = dot(from, p.along) * per_p, last = first + dot(q.along, p.along) * per_p, nearest = 0.0LF;
+  double per_p = 1.0LF / dot(p.along, p.along), first = dot(from, p.along) * per_p,
+         last = first + dot(q.along, p.along) * per_p, nearest = 0.0LF;
   double sine = dot(across, across);
   if (sine > 0.0LF) {
     double foot = dot(cross(from, p.along), across) / sine;
@@ -49,7 +55,8 @@ void main() {
   uint entry = gl_GlobalInvocationID.x;
   if (entry >= Work(args.work).at.count) return;
   uint slot = Words(args.list).at[entry], in_pair = slot % kEdgePairs, first = slot / kEdgePairs * 2u * kMostEdges;
-  EdgeData p = Edges(args.edges).at[first + in_pair / kMostEdges], q = Edges(args.edges).at[first + kMostEdges + in_pair % kMostEdges];
+  EdgeData p = Edges(args.edges).at[first + in_pair / kMostEdges],
+           q = Edges(args.edges).at[first + kMostEdges + in_pair % kMostEdges];
   if (dot(p.along, p.along) > dot(q.along, q.along)) {
     EdgeData other = p;
     p = q;
@@ -63,8 +70,7 @@ void main() {
   do {
     // The next end that leaves a piece of some length.
     double high = 1.0LF;
-    [[unroll]] for (uint k = kMostPieces; k > 0u; --k)
-      if (cuts[k] > low) high = cuts[k];
+    [[unroll]] for (uint k = kMostPieces; k > 0u; --k) if (cuts[k] > low) high = cuts[k];
     double part = 0.0LF;
     for (uint k = 0u; k < args.point_count; ++k) {
       dvec2 point = fetchDoubles(args.first_point + k);

@@ -24,7 +24,8 @@ struct Sides {
   bool are_one;              // of the same polygon
 };
 
-layout(binding = 0) uniform usamplerBuffer texels;  // ShapeData[], or points of line rules: software devices fetch texels faster than they load words
+layout(binding = 0) uniform usamplerBuffer
+    texels;  // ShapeData[], or points of line rules: software devices fetch texels faster than they load words
 
 dvec2 fetchDoubles(uint texel) {
   uvec4 bits = texelFetch(texels, int(texel));
@@ -69,7 +70,9 @@ Sides loadSides(uint64_t pairs, uint pair) {
   return sides;
 }
 
-dvec3 meanCorner(ShapeData shape) { return 0.25LF * ((shape.corners[0] + shape.corners[1]) + (shape.corners[2] + shape.corners[3])); }
+dvec3 meanCorner(ShapeData shape) {
+  return 0.25LF * ((shape.corners[0] + shape.corners[1]) + (shape.corners[2] + shape.corners[3]));
+}
 
 // Of a shape's corners over another's plane.
 dvec4 depthsOf(ShapeData shape, ShapeData plane, dvec3 normal) {
@@ -92,4 +95,6 @@ double leastOf(dvec4 v) { return min(min(v.x, v.y), min(v.z, v.w)); }
 double greatestOf(dvec4 v) { return max(max(v.x, v.y), max(v.z, v.w)); }
 
 // In one plane and face to face, as touching solids are.
-bool areTouching(Sides sides) { return (sides.a.plane ^ sides.b.plane) == 1u && sides.a.tie_rank + sides.b.tie_rank < kLastTieRank; }
+bool areTouching(Sides sides) {
+  return (sides.a.plane ^ sides.b.plane) == 1u && sides.a.tie_rank + sides.b.tie_rank < kLastTieRank;
+}

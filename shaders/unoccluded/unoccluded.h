@@ -1,19 +1,20 @@
-// Structs of unoccluded form factors that host and shaders share, written once; C++ includes this through host/unoccluded/shared.h.
+// Structs of unoccluded form factors that host and shaders share, written once; C++ includes this through
+// host/unoccluded/shared.h.
 
 // A polygon as a bilinear image of the square -1..1 x -1..1; a triangle's last corner stands twice.
 struct ShapeData {
-  dvec3 corners[4];   // of (-1,-1), (1,-1), (1,1), (-1,1); unit-ball units
-  dvec3 normal;       // of the front, unit length
-  double density;     // area per du dv = density + density_u u + density_v v
+  dvec3 corners[4];  // of (-1,-1), (1,-1), (1,1), (-1,1); unit-ball units
+  dvec3 normal;      // of the front, unit length
+  double density;    // area per du dv = density + density_u u + density_v v
   double density_u;
   double density_v;
-  double reach;       // largest distance from the middle of a line of constant v (or u) to its ends
-  double radius;      // of the corners about their mean
-  double skew;        // largest |slope| / value, at the middle of such a line, of the density along it; 0..1
-  double tilt;        // how far rounded corners may tilt the plane: depth per distance
+  double reach;   // largest distance from the middle of a line of constant v (or u) to its ends
+  double radius;  // of the corners about their mean
+  double skew;    // largest |slope| / value, at the middle of such a line, of the density along it; 0..1
+  double tilt;    // how far rounded corners may tilt the plane: depth per distance
   double area;
-  uint plane;         // twice the scene's plane, and one where the front looks against its normal
-  uint tie_rank;      // of the front, see placeAtTie
+  uint plane;     // twice the scene's plane, and one where the front looks against its normal
+  uint tie_rank;  // of the front, see placeAtTie
 };
 
 const uint kLastTieRank = 7u;
@@ -62,7 +63,8 @@ struct UnoccludedStatus {
   uint unreached;  // pairs
 };
 
-// What is left of a polygon in front of a plane has at most five edges; a pair's line integrals are those over all pairs of edges.
+// What is left of a polygon in front of a plane has at most five edges; a pair's line integrals are those over all
+// pairs of edges.
 const uint kMostEdges = 5u;
 const uint kEdgePairs = kMostEdges * kMostEdges;
 
@@ -91,20 +93,20 @@ struct ClassifyArgs {
 
 struct FarArgs {
   uint64_t pairs;
-  uint64_t areas;  // double[]
-  uint64_t list;   // uint[work.count]
-  uint64_t work;   // WorkList
+  uint64_t areas;                  // double[]
+  uint64_t list;                   // uint[work.count]
+  uint64_t work;                   // WorkList
   double nodes[kMostFarPoints];    // on -1..1
   double weights[kMostFarPoints];  // sum 2
 };
 
 struct EdgesArgs {
   uint64_t pairs;
-  uint64_t near;    // uint[near_count]
-  uint64_t edges;   // EdgeData[near_count][2 kMostEdges]: of the first polygon, then of the second
-  uint64_t values;  // LineValue[near_count][kEdgePairs]
-  uint64_t lists;   // uint[kLineRules][near_count kEdgePairs], into values
-  uint64_t work;    // WorkList[kLineRules]
+  uint64_t near;        // uint[near_count]
+  uint64_t edges;       // EdgeData[near_count][2 kMostEdges]: of the first polygon, then of the second
+  uint64_t values;      // LineValue[near_count][kEdgePairs]
+  uint64_t lists;       // uint[kLineRules][near_count kEdgePairs], into values
+  uint64_t work;        // WorkList[kLineRules]
   double graded_error;  // of the graded rule, per |p| |q|
   uint near_count;
   uint plain_points[3];  // of the other rules
@@ -114,8 +116,8 @@ struct LineArgs {
   uint64_t edges;
   uint64_t list;
   uint64_t values;
-  uint64_t work;        // WorkList
-  uint first_point;     // of the rule, among the points read as texels: nodes on 0..1, each with its weight; sum 1
+  uint64_t work;     // WorkList
+  uint first_point;  // of the rule, among the points read as texels: nodes on 0..1, each with its weight; sum 1
   uint point_count;
 };
 
@@ -128,5 +130,5 @@ struct SumArgs {
   uint64_t unreached;  // UnreachedData[]
   uint64_t status;
   uint near_count;
-  uint is_last;        // 1 where there is no rule with more points
+  uint is_last;  // 1 where there is no rule with more points
 };

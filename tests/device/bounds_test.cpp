@@ -22,7 +22,8 @@ ConvexSize sizeOf(const Scene& scene) {
   size.area = polygon.area;
   for (uint32_t k = 0; k < polygon.corner_count; ++k)
     for (uint32_t m = 0; m < k; ++m) {
-      const double distance = glm::length(scene.corners[polygon.first_corner + k] - scene.corners[polygon.first_corner + m]);
+      const double distance =
+          glm::length(scene.corners[polygon.first_corner + k] - scene.corners[polygon.first_corner + m]);
       size.diameter = std::max(size.diameter, distance);
       if (m + 1 == k || (m == 0 && k + 1 == polygon.corner_count)) size.perimeter += distance;
     }
@@ -35,7 +36,8 @@ uint64_t totalOf(const PairCounts& counts) {
   return total;
 }
 
-// A lone polygon of some shape and size, seen from everywhere and along its normal, under lattices that fit it as well as can be.
+// A lone polygon of some shape and size, seen from everywhere and along its normal, under lattices that fit it as well
+// as can be.
 TEST(Bounds, RangesHoldForEveryDirectionAndLattice) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> uniform(0.02, 1);

@@ -65,7 +65,8 @@ double objective(const FormFactors& measured, const std::vector<double>& x) {
 
 // Three rows without self views have one solution, whatever was measured: x_01 = (A_0 + A_1 - A_2) / 2 and so on.
 TEST(Closure, ThreePlanarRowsAreDetermined) {
-  const ClosedFormFactors closed = closeRows(matrixOf({3, 4, 5}, {{0, 1, {1.1, 0.1}}, {0, 2, {1.7, 0.1}}, {1, 2, {3.5, 0.1}}}));
+  const ClosedFormFactors closed =
+      closeRows(matrixOf({3, 4, 5}, {{0, 1, {1.1, 0.1}}, {0, 2, {1.7, 0.1}}, {1, 2, {3.5, 0.1}}}));
   EXPECT_NEAR(closed.form_factors.exchangeArea(0, 1).value, 1, 12 * kClosureTolerance);
   EXPECT_NEAR(closed.form_factors.exchangeArea(0, 2).value, 2, 12 * kClosureTolerance);
   EXPECT_NEAR(closed.form_factors.exchangeArea(1, 2).value, 3, 12 * kClosureTolerance);
@@ -79,22 +80,28 @@ TEST(Closure, ThreePlanarRowsAreDetermined) {
 // The third row sees itself: t = x_22 is free, and setting the derivative of the sum of squares to 0 gives it.
 TEST(Closure, ThreeRowsWithASelfView) {
   const double c01 = 1.1, c02 = 1.7, c12 = 3.2, c22 = 0.8, s01 = 0.1, s02 = 0.2, s12 = 0.05, A0 = 3, A1 = 4, A2 = 6;
-  const ClosedFormFactors closed = closeRows(matrixOf({A0, A1, A2}, {{0, 1, {c01, s01}}, {0, 2, {c02, s02}}, {1, 2, {c12, s12}}, {2, 2, {c22, 0}}}));
+  const ClosedFormFactors closed =
+      closeRows(matrixOf({A0, A1, A2}, {{0, 1, {c01, s01}}, {0, 2, {c02, s02}}, {1, 2, {c12, s12}}, {2, 2, {c22, 0}}}));
   // x_01 = (A0 + A1 - A2 + t) / 2, x_02 = (A0 + A2 - A1 - t) / 2, x_12 = (A1 + A2 - A0 - t) / 2
-  const double t = (1 + ((A0 + A2 - A1 - 2 * c02) / s02 + (A1 + A2 - A0 - 2 * c12) / s12 - (A0 + A1 - A2 - 2 * c01) / s01) / 4) / (1 / c22 + (1 / s01 + 1 / s02 + 1 / s12) / 4);
+  const double t =
+      (1 + ((A0 + A2 - A1 - 2 * c02) / s02 + (A1 + A2 - A0 - 2 * c12) / s12 - (A0 + A1 - A2 - 2 * c01) / s01) / 4) /
+      (1 / c22 + (1 / s01 + 1 / s02 + 1 / s12) / 4);
   EXPECT_NEAR(closed.form_factors.exchangeArea(2, 2).value, t, 1e-10);
   EXPECT_NEAR(closed.form_factors.exchangeArea(0, 1).value, (A0 + A1 - A2 + t) / 2, 1e-10);
   EXPECT_NEAR(closed.form_factors.exchangeArea(0, 2).value, (A0 + A2 - A1 - t) / 2, 1e-10);
   EXPECT_NEAR(closed.form_factors.exchangeArea(1, 2).value, (A1 + A2 - A0 - t) / 2, 1e-10);
 }
 
-// A pair that is known much better than what it shares its rows with hardly moves: x_01 = t, x_00 = A0 - t, x_11 = A1 - t.
+// A pair that is known much better than what it shares its rows with hardly moves: x_01 = t, x_00 = A0 - t, x_11 = A1 -
+// t.
 TEST(Closure, WhatIsKnownBestStays) {
   const double c00 = 2.2, c01 = 0.9, c11 = 1.3, s00 = 0.1, s01 = 1e-6, s11 = 0.2, A0 = 3, A1 = 2;
-  const ClosedFormFactors closed = closeRows(matrixOf({A0, A1}, {{0, 0, {c00, s00}}, {0, 1, {c01, s01}}, {1, 1, {c11, s11}}}));
+  const ClosedFormFactors closed =
+      closeRows(matrixOf({A0, A1}, {{0, 0, {c00, s00}}, {0, 1, {c01, s01}}, {1, 1, {c11, s11}}}));
   const double t = ((A0 - c00) / s00 + c01 / s01 + (A1 - c11) / s11) / (1 / s00 + 1 / s01 + 1 / s11);
   EXPECT_NEAR(closed.form_factors.exchangeArea(0, 1).value, t, 1e-11);
-  EXPECT_NEAR(closed.form_factors.exchangeArea(0, 1).value, c01, 3e-6);  // 2 s_01 (1 + 2), from the slope of the sum of squares at c_01
+  EXPECT_NEAR(closed.form_factors.exchangeArea(0, 1).value, c01,
+              3e-6);  // 2 s_01 (1 + 2), from the slope of the sum of squares at c_01
   EXPECT_NEAR(closed.form_factors.exchangeArea(0, 0).value, A0 - t, 1e-11);
 }
 
@@ -121,8 +128,8 @@ struct Instance {
   std::string name;
 };
 
-// Rows of `count` ids, a share of all pairs met; the areas are row sums of a feasible x, a part of whose entries is 0, and what was measured differs
-// from it by factors up to exp(spread).
+// Rows of `count` ids, a share of all pairs met; the areas are row sums of a feasible x, a part of whose entries is 0,
+// and what was measured differs from it by factors up to exp(spread).
 Instance randomInstance(uint32_t count, double density, double spread, bool self_views, uint64_t seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> uniform(0, 1);
@@ -137,14 +144,16 @@ Instance randomInstance(uint32_t count, double density, double spread, bool self
       const double c = (x > 0 ? x : 1) * std::exp(spread * (2 * uniform(random) - 1));
       entries.push_back({i, j, {c, c * (0.01 + 1.1 * uniform(random))}});
     }
-  return {matrixOf(areas, entries), "count " + std::to_string(count) + ", spread " + std::to_string(spread) + ", seed " + std::to_string(seed)};
+  return {matrixOf(areas, entries),
+          "count " + std::to_string(count) + ", spread " + std::to_string(spread) + ", seed " + std::to_string(seed)};
 }
 
 // A convex problem is solved where its rows sum to the areas and one multiplier per row explains every entry.
 TEST(Closure, ConditionsOfTheMinimum) {
   size_t zeros = 0, positive = 0;
   for (uint64_t seed = 1; seed <= 60; ++seed) {
-    const Instance instance = randomInstance(seed % 3 ? 40 : 300, seed % 2 ? 0.1 : 0.8, seed % 5 ? 0.3 : 2.5, seed % 4 < 2, seed);
+    const Instance instance =
+        randomInstance(seed % 3 ? 40 : 300, seed % 2 ? 0.1 : 0.8, seed % 5 ? 0.3 : 2.5, seed % 4 < 2, seed);
     SCOPED_TRACE(instance.name);
     const FormFactors& measured = instance.measured;
     const ClosedFormFactors closed = closeRows(measured);
@@ -153,17 +162,19 @@ TEST(Closure, ConditionsOfTheMinimum) {
       const auto& [i, j, x] = closed.form_factors.entries()[k];
       const double c = measured.entries()[k].exchange_area.value, w = weightOf(measured.entries()[k].exchange_area);
       const double pull = closed.row_corrections[i] + (i == j ? 0 : closed.row_corrections[j]);
-      const double rounding = 4e-16 * (c + w * (std::abs(closed.row_corrections[i]) + std::abs(closed.row_corrections[j])));
+      const double rounding =
+          4e-16 * (c + w * (std::abs(closed.row_corrections[i]) + std::abs(closed.row_corrections[j])));
       ASSERT_GE(x.value, 0);
       if (x.value > 0) ASSERT_NEAR((x.value - c), w * pull, rounding);  // stationary
-      else ASSERT_LE(c + w * pull, rounding);                          // pushed against 0
+      else ASSERT_LE(c + w * pull, rounding);                           // pushed against 0
       (x.value > 0 ? positive : zeros)++;
       sums[i] += x.value;
       if (i != j) sums[j] += x.value;
     }
     // Summed in another order: n roundings more.
     const double rounding = 1.2e-16 * double(sums.size());
-    for (size_t i = 0; i < sums.size(); ++i) ASSERT_NEAR(sums[i] / measured.ids().areas[i], 1, kClosureTolerance + rounding) << "row " << i;
+    for (size_t i = 0; i < sums.size(); ++i)
+      ASSERT_NEAR(sums[i] / measured.ids().areas[i], 1, kClosureTolerance + rounding) << "row " << i;
   }
   EXPECT_GT(zeros, 100u);  // the bound was met, and is the exception
   EXPECT_GT(positive, 10 * zeros);
@@ -206,7 +217,8 @@ TEST(Closure, AgreesWithEnumeration) {
   for (uint64_t seed = 1; seed <= 100; ++seed) {
     const Instance instance = randomInstance(4, 0.9, seed % 2 ? 0.5 : 2, seed % 3 == 0, seed);
     SCOPED_TRACE(instance.name);
-    const std::vector<double> x = valuesOf(closeRows(instance.measured).form_factors), best = enumerateClosed(instance.measured);
+    const std::vector<double> x = valuesOf(closeRows(instance.measured).form_factors),
+                              best = enumerateClosed(instance.measured);
     ASSERT_EQ(best.size(), x.size());
     // The enumeration keeps rows to 1e-9 at worst, the solver to 1e-12; entries answer to rows through ratios of w.
     for (size_t k = 0; k < x.size(); ++k) EXPECT_NEAR(x[k], best[k], 1e-6) << "entry " << k;
@@ -261,7 +273,8 @@ TEST(Closure, ScalesAndSmallRows) {
   for (size_t k = 0; k < x.size(); ++k) EXPECT_EQ(scaled[k], x[k] * 0x1p-40);
 
   const double tiny = 1e-8;
-  const ClosedFormFactors closed = closeRows(matrixOf({3, 4, 5, tiny}, {{0, 1, {1.1, 0.1}}, {0, 2, {1.7, 0.1}}, {1, 2, {3.5, 0.1}}, {1, 3, {tiny / 3, 0.1}}}));
+  const ClosedFormFactors closed = closeRows(
+      matrixOf({3, 4, 5, tiny}, {{0, 1, {1.1, 0.1}}, {0, 2, {1.7, 0.1}}, {1, 2, {3.5, 0.1}}, {1, 3, {tiny / 3, 0.1}}}));
   for (const Measured& sum : closed.form_factors.rowSums()) EXPECT_NEAR(sum.value, 1, kClosureTolerance);
   EXPECT_NEAR(closed.form_factors.formFactor(3, 1).value, 1, kClosureTolerance);
 }
@@ -272,18 +285,26 @@ TEST(Closure, RefusesWhatCannotBeClosed) {
   const std::vector<Entry> three = {{0, 1, {1.1, 0.1}}, {0, 2, {1.7, 0.1}}, {1, 2, {3.5, 0.1}}};
   const auto with = [&](const Entry& entry) {
     std::vector<Entry> entries = three;
-    entries.insert(std::upper_bound(entries.begin(), entries.end(), entry, [](const Entry& a, const Entry& b) { return std::pair(a.i, a.j) < std::pair(b.i, b.j); }), entry);
+    entries.insert(
+        std::upper_bound(entries.begin(), entries.end(), entry,
+                         [](const Entry& a, const Entry& b) { return std::pair(a.i, a.j) < std::pair(b.i, b.j); }),
+        entry);
     return matrixOf({3, 4, 5}, entries);
   };
-  EXPECT_NE(refusalOf(with({1, kEnvironment, {0.12, 0.1}})).find("1 % of all emitted radiation leaves"), std::string::npos);
+  EXPECT_NE(refusalOf(with({1, kEnvironment, {0.12, 0.1}})).find("1 % of all emitted radiation leaves"),
+            std::string::npos);
   EXPECT_NE(refusalOf(with({2, kLeak, {0.12, 0.1}})).find("1 % ends on backs"), std::string::npos);
   EXPECT_NE(refusalOf(matrixOf({3, 4, 5, 1}, three)).find("no line from 'id3'"), std::string::npos);
   // id2 met id1 alone, which is smaller.
-  EXPECT_NE(refusalOf(matrixOf({3, 4, 5}, {{0, 1, {1, 0.1}}, {0, 0, {2, 0.1}}, {1, 2, {3, 0.1}}})).find("'id2' of area 5 met only rows of area 4"), std::string::npos);
-  // Three rows that met one, larger than each but not than all.
-  EXPECT_NE(refusalOf(matrixOf({4, 2, 2, 2}, {{0, 0, {1, 0.1}}, {0, 1, {1, 0.1}}, {0, 2, {1, 0.1}}, {0, 3, {1, 0.1}}})).find("and 2 more rows of area 6 met only rows of area 4"),
+  EXPECT_NE(refusalOf(matrixOf({3, 4, 5}, {{0, 1, {1, 0.1}}, {0, 0, {2, 0.1}}, {1, 2, {3, 0.1}}}))
+                .find("'id2' of area 5 met only rows of area 4"),
             std::string::npos);
-  EXPECT_NE(refusalOf(matrixOf({2, 2.001}, {{0, 1, {1.9, 0.1}}})).find("'id1' of area 2.001 met only rows of area 2;"), std::string::npos);
+  // Three rows that met one, larger than each but not than all.
+  EXPECT_NE(refusalOf(matrixOf({4, 2, 2, 2}, {{0, 0, {1, 0.1}}, {0, 1, {1, 0.1}}, {0, 2, {1, 0.1}}, {0, 3, {1, 0.1}}}))
+                .find("and 2 more rows of area 6 met only rows of area 4"),
+            std::string::npos);
+  EXPECT_NE(refusalOf(matrixOf({2, 2.001}, {{0, 1, {1.9, 0.1}}})).find("'id1' of area 2.001 met only rows of area 2;"),
+            std::string::npos);
   Ids some = matrixOf({3, 4, 5}, three).ids();
   some.asked = {true, false, true};
   EXPECT_NE(refusalOf({some, three, {{}, {}, {}}}).find("--from"), std::string::npos);
@@ -291,8 +312,11 @@ TEST(Closure, RefusesWhatCannotBeClosed) {
 
 // A line in 10^8 that grazes an edge is no opening: its radiation goes to what the row was measured to see.
 TEST(Closure, GrazingLinesAreNoOpening) {
-  const ClosedFormFactors closed =
-      closeRows(matrixOf({3, 4, 5}, {{0, 1, {1.1, 0.1}}, {0, 2, {1.7, 0.1}}, {0, kEnvironment, {1e-7, 1e-7}}, {1, 2, {3.5, 0.1}}, {1, kLeak, {1e-7, 1e-7}}}));
+  const ClosedFormFactors closed = closeRows(matrixOf({3, 4, 5}, {{0, 1, {1.1, 0.1}},
+                                                                  {0, 2, {1.7, 0.1}},
+                                                                  {0, kEnvironment, {1e-7, 1e-7}},
+                                                                  {1, 2, {3.5, 0.1}},
+                                                                  {1, kLeak, {1e-7, 1e-7}}}));
   ASSERT_EQ(closed.form_factors.entries().size(), 5u);
   EXPECT_EQ(closed.form_factors.formFactor(0, kEnvironment).value, 0);
   EXPECT_EQ(closed.form_factors.formFactor(1, kLeak).value, 0);
@@ -346,8 +370,11 @@ double formFactorOf(const Patch& from, const Patch& to, glm::dvec3 size) {
     return reference::parallelRectangles(from.range[u], from.range[v], to.range[u], to.range[v], size[z]);
   }
   const int y = 3 - z - x;
-  const auto fromSide = [&](reference::Interval r, int side, int axis) { return side ? reference::Interval{size[axis] - r.high, size[axis] - r.low} : r; };
-  return reference::perpendicularRectangles(fromSide(from.range[x], to.side, x), from.range[y], to.range[y], fromSide(to.range[z], from.side, z));
+  const auto fromSide = [&](reference::Interval r, int side, int axis) {
+    return side ? reference::Interval{size[axis] - r.high, size[axis] - r.low} : r;
+  };
+  return reference::perpendicularRectangles(fromSide(from.range[x], to.side, x), from.range[y], to.range[y],
+                                            fromSide(to.range[z], from.side, z));
 }
 
 struct Box {
@@ -392,7 +419,8 @@ double meanSquareError(const FormFactors& form_factors, const Exchange& truth) {
   double squares = 0;
   for (const auto& [pair, exact] : truth) {
     const double error = form_factors.exchangeArea(pair.first, pair.second).value - exact;
-    squares += error * error * (1 / (areas[pair.first] * areas[pair.first]) + 1 / (areas[pair.second] * areas[pair.second]));
+    squares +=
+        error * error * (1 / (areas[pair.first] * areas[pair.first]) + 1 / (areas[pair.second] * areas[pair.second]));
   }
   return squares / (double(areas.size()) * double(areas.size() - 1));
 }
@@ -410,8 +438,8 @@ double weightedError(const FormFactors& form_factors, const FormFactors& measure
   return sum;
 }
 
-// The result is the nearest point to c of a convex set that holds the truth t: |c - t|^2 >= |c - x|^2 + |x - t|^2 in the norm minimised, on every run.
-// The truth is known to ten digits, which is far below the statistical errors.
+// The result is the nearest point to c of a convex set that holds the truth t: |c - t|^2 >= |c - x|^2 + |x - t|^2 in
+// the norm minimised, on every run. The truth is known to ten digits, which is far below the statistical errors.
 TEST(Closure, NeverFartherFromTheClosedForms) {
   for (const Box& box : kBoxes) {
     SCOPED_TRACE(box.name);
@@ -421,7 +449,8 @@ TEST(Closure, NeverFartherFromTheClosedForms) {
       const FormFactors& measured = estimate.form_factors;
       for (const auto& [pair, exact] : truth) ASSERT_GT(measured.exchangeArea(pair.first, pair.second).value, 0);
       const ClosedFormFactors closed = closeRows(measured);
-      const double before = weightedError(measured, measured, truth), after = weightedError(closed.form_factors, measured, truth);
+      const double before = weightedError(measured, measured, truth),
+                   after = weightedError(closed.form_factors, measured, truth);
       const double moved = objective(measured, valuesOf(closed.form_factors));
       EXPECT_GT(moved, 0);
       EXPECT_GE(before * (1 + 1e-6), moved + after);
@@ -430,14 +459,16 @@ TEST(Closure, NeverFartherFromTheClosedForms) {
         for (uint32_t j = 0; j < measured.ids().count(); ++j) sum += closed.form_factors.formFactor(i, j).value;
         EXPECT_NEAR(sum, 1, kClosureTolerance + 1e-14);
       }
-      // x - c is a part of c - t, which has about the size of its standard errors; with 7 degrees of freedom each, over a dozen pairs at least.
+      // x - c is a part of c - t, which has about the size of its standard errors; with 7 degrees of freedom each, over
+      // a dozen pairs at least.
       EXPECT_LT(closed.rms_change, 3);
     }
   }
 }
 
 // Not a test: prints rms errors of form factors before and after closure. Run with --gtest_also_run_disabled_tests.
-void printGain(const std::string& name, const Exchange& truth, int seeds, const std::function<Estimate(uint64_t seed, uint32_t directions, int resolution)>& estimateOnce) {
+void printGain(const std::string& name, const Exchange& truth, int seeds,
+               const std::function<Estimate(uint64_t seed, uint32_t directions, int resolution)>& estimateOnce) {
   for (const auto& [directions, resolution] : {std::pair(100u, 32), std::pair(400u, 64), std::pair(100u, 128)}) {
     double before = 0, after = 0, moved = 0, least = INFINITY, most = 0;
     for (int seed = 1; seed <= seeds; ++seed) {
@@ -450,33 +481,40 @@ void printGain(const std::string& name, const Exchange& truth, int seeds, const 
       least = std::min(least, std::sqrt(a / b));
       most = std::max(most, std::sqrt(a / b));
     }
-    std::printf("%-32s %4u directions, %3d spacings: rms error %.2e, closed %.2e, ratio %.3f (%.3f to %.3f over seeds); moved by %.2f standard errors\n", name.c_str(),
-                directions, resolution, std::sqrt(before / seeds), std::sqrt(after / seeds), std::sqrt(after / before), least, most, moved);
+    std::printf(
+        "%-32s %4u directions, %3d spacings: rms error %.2e, closed %.2e, ratio %.3f (%.3f to %.3f over seeds); moved "
+        "by %.2f standard errors\n",
+        name.c_str(), directions, resolution, std::sqrt(before / seeds), std::sqrt(after / seeds),
+        std::sqrt(after / before), least, most, moved);
     std::fflush(stdout);
   }
 }
 
 TEST(Closure, DISABLED_Gain) {
   for (const Box& box : kBoxes)
-    printGain(box.name, exactExchange(box), 20,
-              [&](uint64_t seed, uint32_t directions, int resolution) { return estimateBox(box, seed, directions, resolution); });
+    printGain(box.name, exactExchange(box), 20, [&](uint64_t seed, uint32_t directions, int resolution) {
+      return estimateBox(box, seed, directions, resolution);
+    });
   // Occluded, so against a run of 80 times as many directions and more.
   const Scene office = loadScene(VIEWPEEL_SCENES "/office.obj");
   const Ids faces = makeIds(office, By::polygon, false);
   for (By by : {By::surface, By::polygon}) {
     const auto withClosedForms = [&](uint64_t seed, uint32_t directions, int resolution) {
-      const std::unique_ptr<Engine> engine = makeHostEngine(office, faces, {.resolution = resolution, .sampling = Sampling::scanline, .count_blocked = true});
+      const std::unique_ptr<Engine> engine = makeHostEngine(
+          office, faces, {.resolution = resolution, .sampling = Sampling::scanline, .count_blocked = true});
       FaceExchanges exchanges(nullptr, office, faces);
       EstimateOptions options{.directions = directions, .seed = seed};
       options.by = by;
       options.exchanges = &exchanges;
-      const VisibleShares shares = findVisibleShares(*engine, exchanges, office, faces, groupAsOne(office, resolution), options, sharePilot(options));
+      const VisibleShares shares = findVisibleShares(*engine, exchanges, office, faces, groupAsOne(office, resolution),
+                                                     options, sharePilot(options));
       options.known = &shares.known;
       return estimateFormFactors(*engine, office, faces, options);
     };
     const Ids ids = makeIds(office, by, false);
     const auto without = [&](uint64_t seed, uint32_t directions, int resolution) {
-      return estimateFormFactors(*makeComputeEngine(testDevice(), office, ids, {.resolution = resolution}), office, ids, {.directions = directions, .seed = seed});
+      return estimateFormFactors(*makeComputeEngine(testDevice(), office, ids, {.resolution = resolution}), office, ids,
+                                 {.directions = directions, .seed = seed});
     };
     Exchange truth;
     const Estimate reference = withClosedForms(1000, 8000, 192);

@@ -32,7 +32,8 @@ TEST(ControlSums, WithoutSharesTheyAreReplicateSums) {
     EXPECT_EQ(a.entries()[k].i, b.entries()[k].i);
     EXPECT_EQ(a.entries()[k].j, b.entries()[k].j);
     // Rounding: a dozen operations in double on one side, in long double on the other.
-    EXPECT_NEAR(a.entries()[k].exchange_area.value, b.entries()[k].exchange_area.value, 1e-14 * a.entries()[k].exchange_area.value);
+    EXPECT_NEAR(a.entries()[k].exchange_area.value, b.entries()[k].exchange_area.value,
+                1e-14 * a.entries()[k].exchange_area.value);
   }
 }
 
@@ -55,7 +56,8 @@ TEST(ControlSums, ByHand) {
   ControlSums sums(ids);
   sums.add(controls);
   sums.add(takeShares(second, shares));
-  // Controls of (0, 1): 1 and -2, mean -0.5; variance of the sum 2 x 4.5 = 9; squares 2 + 1.25 lines, so 9 / 3.25 lines at a time, and one more.
+  // Controls of (0, 1): 1 and -2, mean -0.5; variance of the sum 2 x 4.5 = 9; squares 2 + 1.25 lines, so 9 / 3.25 lines
+  // at a time, and one more.
   const Measured f = sums.formFactors(0.5, {{0, 1, 4, 16}}).exchangeArea(0, 1);
   EXPECT_DOUBLE_EQ(f.value, 3.5);
   EXPECT_DOUBLE_EQ(f.standard_error, std::hypot(3, 4.25 / (3.25 * 3.25 / 9 + 1)) / 2);
@@ -76,7 +78,8 @@ TEST(ControlSums, RowsAreKnown) {
   EXPECT_EQ(counts[1].blocked, 3u);
   EXPECT_EQ(counts[2].blocked, 0u);
   EXPECT_EQ(counts[3].blocked, 7u);
-  // A replicate in which no line of the row leaves the scene has all of them as blocked, where other replicates saw one; a row without lines has none.
+  // A replicate in which no line of the row leaves the scene has all of them as blocked, where other replicates saw
+  // one; a row without lines has none.
   const std::vector<PairShare> others{{0, kEnvironment, 7}, {0, kLeak, 7}, {1, 2, 7}, {3, kLeak, 7}};
   const PairCounts filled = withRows({{0, 1, 3, 5}, {0, kEnvironment, 6}, {1, 2, 4}}, others);
   ASSERT_EQ(filled.size(), 4u);
@@ -89,7 +92,7 @@ TEST(ControlSums, RowsAreKnown) {
 // On a coarse lattice, and with scanlines, one line adds several counts: then errors are no less than those of as many.
 TEST(ControlSums, LinesOfSeveralCounts) {
   const auto controls = takeShares({{0, 1, 64}, {0, 2, 64}, {1, kEnvironment, 16}}, {}, {16, 1, 64});
-  EXPECT_EQ(controls[0].line, 1u);   // the finer of the two lattices
+  EXPECT_EQ(controls[0].line, 1u);  // the finer of the two lattices
   EXPECT_EQ(controls[1].line, 16u);
   EXPECT_EQ(controls[1].squares, ControlCount::Wide(4 * 16 * 16) * kShareOne * kShareOne);
   EXPECT_EQ(controls[2].line, 1u);
@@ -107,9 +110,11 @@ TEST(ControlSums, LinesOfSeveralCounts) {
   EXPECT_THROW(takeShares({{0, 1, uint64_t(1) << 51}}, {}), Error);
 }
 
-// Zero spread is not zero error: the share b of a pair is 1 (never blocked) or 0 (never seen) in a pilot, and of `lines` lines in eight replicates as many as Poisson's law has
-// with mean m are blocked, or seen, all the same. Intervals of 95 %, t = 2.36 standard errors of at least one line, hold the truth unless no line tells and m > 2.36, whose
-// probability is e^-2.36 = 9.4 % at most, or the spread of the few is too small, as for plain counts (README, Accuracy: 88 to 93 % between 0.3 and 3 counts a replicate).
+// Zero spread is not zero error: the share b of a pair is 1 (never blocked) or 0 (never seen) in a pilot, and of
+// `lines` lines in eight replicates as many as Poisson's law has with mean m are blocked, or seen, all the same.
+// Intervals of 95 %, t = 2.36 standard errors of at least one line, hold the truth unless no line tells and m > 2.36,
+// whose probability is e^-2.36 = 9.4 % at most, or the spread of the few is too small, as for plain counts (README,
+// Accuracy: 88 to 93 % between 0.3 and 3 counts a replicate).
 TEST(ControlSums, NothingSeenIsNotNothingThere) {
   std::mt19937_64 random(6);
   constexpr int kTrials = 4000, kReplicates = 8;
@@ -126,7 +131,8 @@ TEST(ControlSums, NothingSeenIsNotNothingThere) {
         ControlSums sums(ids);
         for (int r = 0; r < kReplicates; ++r) {
           const uint64_t rare = few(random);
-          sums.add(takeShares({{0, 1, never_blocked ? kLines - rare : rare, never_blocked ? rare : kLines - rare}}, {{0, 1, never_blocked ? kShareOne : 0}}));
+          sums.add(takeShares({{0, 1, never_blocked ? kLines - rare : rare, never_blocked ? rare : kLines - rare}},
+                              {{0, 1, never_blocked ? kShareOne : 0}}));
         }
         const double all = 2 * kLines, truth = 2 * (never_blocked ? kLines - m / kReplicates : m / kReplicates);
         const Measured f = sums.formFactors(1, {{0, 1, never_blocked ? all : 0, all}}).exchangeArea(0, 1);

@@ -22,7 +22,8 @@ TEST(Device, ListNamesEveryDeviceWithItsReason) {
 
 TEST(Device, ChosenByIndexPartOfTheNameAndKind) {
   const DeviceDescription& first = testDevice().description();
-  const std::string index = std::to_string(first.index), part = first.name.substr(1, 4), kind = first.kind == "cpu" ? "cpu" : "gpu";
+  const std::string index = std::to_string(first.index), part = first.name.substr(1, 4),
+                    kind = first.kind == "cpu" ? "cpu" : "gpu";
   for (const std::string& selector : {index, part, kind}) {
     const Device device({.selector = selector, .validation = false});
     EXPECT_EQ(device.description().kind, first.kind) << selector;
@@ -54,11 +55,13 @@ TEST(Device, ValidationSeesMisuse) {
   info.size = 0;  // not allowed
   info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
   VkBuffer buffer = VK_NULL_HANDLE;
-  if (vkCreateBuffer(device.handle(), &info, nullptr, &buffer) == VK_SUCCESS) vkDestroyBuffer(device.handle(), buffer, nullptr);
+  if (vkCreateBuffer(device.handle(), &info, nullptr, &buffer) == VK_SUCCESS)
+    vkDestroyBuffer(device.handle(), buffer, nullptr);
   EXPECT_FALSE(device.validationErrors().empty());
 }
 
-// So can its part that watches over barriers: two transfers to one buffer with nothing between them. It does not see what shaders reach by device address.
+// So can its part that watches over barriers: two transfers to one buffer with nothing between them. It does not see
+// what shaders reach by device address.
 TEST(Device, ValidationSeesAMissingBarrier) {
   for (bool waits : {true, false}) {
     const Device device({.selector = "", .validation = true});
@@ -70,7 +73,8 @@ TEST(Device, ValidationSeesAMissingBarrier) {
     commands.fill(buffer, 2);
     commands.submitAndWait();
     EXPECT_EQ(device.validationErrors().empty(), waits);
-    for (const std::string& message : device.validationErrors()) EXPECT_NE(message.find("SYNC-HAZARD-WRITE-AFTER-WRITE"), std::string::npos) << message;
+    for (const std::string& message : device.validationErrors())
+      EXPECT_NE(message.find("SYNC-HAZARD-WRITE-AFTER-WRITE"), std::string::npos) << message;
   }
 }
 

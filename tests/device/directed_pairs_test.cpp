@@ -1,4 +1,5 @@
-// Pairs that common directions hardly meet, along directions of their own: unbiased, honest, the same bits however they are counted, and quicker.
+// Pairs that common directions hardly meet, along directions of their own: unbiased, honest, the same bits however they
+// are counted, and quicker.
 #include <cmath>
 #include <numbers>
 
@@ -28,17 +29,22 @@ struct Directed {
   std::vector<SizeGroup> groups;
   std::map<std::pair<int, double>, std::unique_ptr<Engine>> own;  // of pairs
 
-  explicit Directed(const InputScene& input, const LatticeOptions& options = {.resolution = 64}) : scene(buildScene(input)), ids(makeIds(scene, By::polygon, false)), lattice(options) {
+  explicit Directed(const InputScene& input, const LatticeOptions& options = {.resolution = 64})
+      : scene(buildScene(input)), ids(makeIds(scene, By::polygon, false)), lattice(options) {
     lattice.count_blocked = true;
     groups = groupAsOne(scene, lattice.resolution);
     engine = makeComputeEngine(testDevice(), scene, ids, lattice);
   }
   PairSampler sampler(uint64_t seed) {
-    return PairSampler(scene, ids, seed, [this](const Scene& of, const Ids& pair_ids, const LatticeOptions& options) {
-      std::unique_ptr<Engine>& made = own[{options.resolution, options.window.radius}];  // tells scenes of one pair's engines apart
-      if (!made) made = makeComputeEngine(testDevice(), of, pair_ids, options);
-      return std::make_unique<SharedEngine>(*made);
-    }, lattice);
+    return PairSampler(
+        scene, ids, seed,
+        [this](const Scene& of, const Ids& pair_ids, const LatticeOptions& options) {
+          std::unique_ptr<Engine>& made =
+              own[{options.resolution, options.window.radius}];  // tells scenes of one pair's engines apart
+          if (!made) made = makeComputeEngine(testDevice(), of, pair_ids, options);
+          return std::make_unique<SharedEngine>(*made);
+        },
+        lattice);
   }
   VisibleShares find(EstimateOptions options, PairSampler* pairs) {
     options.pairs = pairs;
@@ -59,8 +65,9 @@ double truthPastTheEdge() {
 
 const EstimateOptions kGoal{.directions = 256, .relative = 0.05, .relative_floor = 1e-5};
 
-// Facing points weighed by solid angle come to the form factor, and all points to the closed form, whatever share and number of directions. Means over 400 replicates, within
-// allowedStandardErrors of them. A pair engine of exact areas has nothing of a lattice, and comes to the same.
+// Facing points weighed by solid angle come to the form factor, and all points to the closed form, whatever share and
+// number of directions. Means over 400 replicates, within allowedStandardErrors of them. A pair engine of exact areas
+// has nothing of a lattice, and comes to the same.
 TEST(DirectedPairs, CountsStandForTheirSolidAngle) {
   Directed made(ts::squaresPastAnEdge());
   const double truth = truthPastTheEdge(), area = made.ids.areas[0];
@@ -81,15 +88,19 @@ TEST(DirectedPairs, CountsStandForTheirSolidAngle) {
       for (int k = 0; k < 2; ++k) sum[k] += values[k], squares[k] += values[k] * values[k];
     }
     for (int k = 0; k < 2; ++k) {
-      const double mean = sum[k] / kReplicates, error = std::sqrt((squares[k] / kReplicates - mean * mean) / (kReplicates - 1));
-      EXPECT_TRUE(isEstimateOf({mean, error}, k ? whole : truth, kReplicates, k ? kUnoccludedRelativeError * whole : reference::kPastBlockerError)) << k;
+      const double mean = sum[k] / kReplicates,
+                   error = std::sqrt((squares[k] / kReplicates - mean * mean) / (kReplicates - 1));
+      EXPECT_TRUE(isEstimateOf({mean, error}, k ? whole : truth, kReplicates,
+                               k ? kUnoccludedRelativeError * whole : reference::kPastBlockerError))
+          << k;
       EXPECT_LT(error, 0.05 * mean);
     }
   }
 }
 
-// From pilot to result, over seeds: the pilot chooses the pair, and nothing else; the mean is the truth within four standard errors, and 95 % intervals hold it but for four standard deviations of the
-// binomial law. bench/programs/coverage.cpp has 200 seeds. Laws hold for all.
+// From pilot to result, over seeds: the pilot chooses the pair, and nothing else; the mean is the truth within four
+// standard errors, and 95 % intervals hold it but for four standard deviations of the binomial law.
+// bench/programs/coverage.cpp has 200 seeds. Laws hold for all.
 TEST(DirectedPairs, AgreeWithTheTruthOverSeeds) {
   Directed made(ts::squaresPastAnEdge());
   const double truth = truthPastTheEdge(), t = quantile(complement(boost::math::students_t(7), 0.025));
@@ -125,14 +136,17 @@ TEST(DirectedPairs, ReachTheGoalSooner) {
   EstimateOptions goal = kGoal;
   goal.relative = 0.15;
   PairSampler pairs = made.sampler(goal.seed);
-  const Estimate with = made.estimate(goal, made.find(goal, &pairs), &pairs), without = made.estimate(goal, made.find(goal, nullptr), nullptr);
+  const Estimate with = made.estimate(goal, made.find(goal, &pairs), &pairs),
+                 without = made.estimate(goal, made.find(goal, nullptr), nullptr);
   EXPECT_LE(with.largest_relative_error, 0.15);
   EXPECT_LE(without.largest_relative_error, 0.15);
   EXPECT_LT(5 * (with.directions + with.directed_directions), without.directions);
-  EXPECT_TRUE(areEstimatesOfTheSame(with.form_factors.formFactor(0, 1), without.form_factors.formFactor(0, 1), with.replicates));
+  EXPECT_TRUE(areEstimatesOfTheSame(with.form_factors.formFactor(0, 1), without.form_factors.formFactor(0, 1),
+                                    with.replicates));
   // Those between surfaces, of one polygon each, are the same.
   EXPECT_EQ(with.form_factors.exchangeArea(0, 1).value, with.between_surfaces.exchangeArea(0, 1).value);
-  EXPECT_EQ(with.form_factors.exchangeArea(0, 1).standard_error, with.between_surfaces.exchangeArea(0, 1).standard_error);
+  EXPECT_EQ(with.form_factors.exchangeArea(0, 1).standard_error,
+            with.between_surfaces.exchangeArea(0, 1).standard_error);
   // Row sums are of common directions, so that they differ from 1 by the error of these.
   EXPECT_TRUE(isEstimateOf(with.form_factors.rowSums()[0], 1, with.replicates));
 }
@@ -174,7 +188,8 @@ TEST(DirectedPairs, PairsOfOneEmitterShareAnEngine) {
   EXPECT_EQ(together.direct(1, 3, 10).directions, 0u);
 }
 
-// A pair never blocked is its closed form, one always blocked 0, with the error of one line, which is that of its own lattice: h^2 |W| / (2 pi) / (all directions) a line.
+// A pair never blocked is its closed form, one always blocked 0, with the error of one line, which is that of its own
+// lattice: h^2 |W| / (2 pi) / (all directions) a line.
 TEST(DirectedPairs, NeverAndAlwaysBlockedAreExact) {
   for (const bool is_blocked : {false, true}) {
     Directed made(is_blocked ? ts::squaresPastAnEdge(0.9) : ts::stackOfSheets({0, 9}));
@@ -186,12 +201,14 @@ TEST(DirectedPairs, NeverAndAlwaysBlockedAreExact) {
     shares.known.directed = {pair};
     const double whole = shares.known.pairs[0].exchange;
     std::optional<FormFactors> all;
-    const EstimateOptions options{.directions = 16, .replicates = 4, .on_sums = [&](const RunSums& sums, bool) { all = sums.formFactors(); }};
+    const EstimateOptions options{
+        .directions = 16, .replicates = 4, .on_sums = [&](const RunSums& sums, bool) { all = sums.formFactors(); }};
     const Estimate e = made.estimate(options, shares, &pairs);
     const Measured f = all->exchangeArea(0, 1);
     EXPECT_EQ(f.value, is_blocked ? 0 : whole);
     const DirectionRegion region = findPairRegion(made.scene, std::vector{0u}, std::vector{1u});
-    const double h = 2 * made.scene.scale / pair.resolution, line = 2 * h * h * region.solidAngle() / (2 * std::numbers::pi) / (64 * 4);
+    const double h = 2 * made.scene.scale / pair.resolution,
+                 line = 2 * h * h * region.solidAngle() / (2 * std::numbers::pi) / (64 * 4);
     EXPECT_NEAR(f.standard_error, line, 1e-12 * line);
     EXPECT_LT(f.standard_error, 1e-3 * whole);
     EXPECT_EQ(e.unseen_pairs, is_blocked ? 1u : 0u);
@@ -207,13 +224,19 @@ TEST(DirectedPairs, AreSumsLikeAnyOther) {
   ASSERT_EQ(shares.known.directed.size(), 1u);
   const auto run = [&](uint64_t first, uint32_t replicates, const RunSums* resumed, PairSampler* sampler) {
     std::optional<RunSums> sums;
-    EstimateOptions options{.directions = 64, .replicates = replicates, .first_replicate = first, .resumed = resumed, .on_sums = [&](const RunSums& s, bool) { sums = s; }};
+    EstimateOptions options{.directions = 64,
+                            .replicates = replicates,
+                            .first_replicate = first,
+                            .resumed = resumed,
+                            .on_sums = [&](const RunSums& s, bool) { sums = s; }};
     made.estimate(options, shares, sampler);
     return *sums;
   };
   const auto isSame = [](const RunSums& a, const RunSums& b) {
     const FormFactors x = a.formFactors(), y = b.formFactors();
-    return x.exchangeArea(0, 1).value == y.exchangeArea(0, 1).value && x.exchangeArea(0, 1).standard_error == y.exchangeArea(0, 1).standard_error && x.exchangeArea(0, 1).standard_error > 0 &&
+    return x.exchangeArea(0, 1).value == y.exchangeArea(0, 1).value &&
+           x.exchangeArea(0, 1).standard_error == y.exchangeArea(0, 1).standard_error &&
+           x.exchangeArea(0, 1).standard_error > 0 &&
            a.visible->directed().pairs()[0].sum == b.visible->directed().pairs()[0].sum;
   };
   const RunSums whole = run(0, 6, nullptr, &pairs), begun = run(0, 3, nullptr, &pairs);

@@ -22,7 +22,8 @@ TEST(Directions, FramesAreOrthonormalAndRightHanded) {
     }
 }
 
-// Along the axes, where heights and azimuths have their poles, and beside them, where frames change from one helper to another.
+// Along the axes, where heights and azimuths have their poles, and beside them, where frames change from one helper to
+// another.
 TEST(Directions, FramesAtPolesAreOrthonormal) {
   for (int axis = 0; axis < 3; ++axis)
     for (const double sign : {1.0, -1.0})
@@ -47,8 +48,9 @@ TEST(Directions, AreAFunctionOfSeedAndReplicate) {
   EXPECT_NE(a[5].u, d[5].u);
 }
 
-// The mean of each of the functions below over `samples` independent values is within z standard errors of its expectation;
-// z = 5 on 2 x (9 + 9 + 4) functions of four samplers: false-alarm rate 1e-4 for right code, none with this seed.
+// The mean of each of the functions below over `samples` independent values is within z standard errors of its
+// expectation; z = 5 on 2 x (9 + 9 + 4) functions of four samplers: false-alarm rate 1e-4 for right code, none with
+// this seed.
 struct MeanTest {
   std::vector<double> sum, sum_of_squares;
   uint64_t samples = 0;
@@ -73,8 +75,8 @@ std::vector<double> moments(const glm::dvec3& v) {
 }
 const std::vector<double> kMomentMeans = {0, 0, 0, 0, 0, 0, 1 / 3.0, 1 / 3.0, 1 / 15.0};
 
-// Each direction by itself is uniform on the sphere, the first and the last of a Fibonacci set as well; and so are the lattice's axes,
-// which a fixed rotation would leave on circles.
+// Each direction by itself is uniform on the sphere, the first and the last of a Fibonacci set as well; and so are the
+// lattice's axes, which a fixed rotation would leave on circles.
 TEST(Directions, EveryDirectionIsUniform) {
   for (Sampler sampler : kSamplers)
     for (int which : {0, 6}) {
@@ -103,12 +105,14 @@ TEST(Directions, UniformityTestSeesABias) {
   EXPECT_GT(u.deviation(2, kMomentMeans[2]), 5);
 }
 
-// What sets are for: a smooth function's mean over one set is far nearer than over as many independent directions. One in each of n cells leaves an error of
-// order 1 / n, against 1 / sqrt(n); the others less.
+// What sets are for: a smooth function's mean over one set is far nearer than over as many independent directions. One
+// in each of n cells leaves an error of order 1 / n, against 1 / sqrt(n); the others less.
 TEST(Directions, SetsIntegrateSmoothFunctions) {
   const uint32_t count = 1000;
-  const double independent = std::sqrt((1 / 3.0 - 0.25) / count);  // standard deviation of the mean of |z| over iid directions
-  for (const auto& [sampler, gain] : {std::pair(Sampler::fibonacci, 20.0), std::pair(Sampler::jittered, 10.0), std::pair(Sampler::sobol, 10.0)}) {
+  const double independent =
+      std::sqrt((1 / 3.0 - 0.25) / count);  // standard deviation of the mean of |z| over iid directions
+  for (const auto& [sampler, gain] :
+       {std::pair(Sampler::fibonacci, 20.0), std::pair(Sampler::jittered, 10.0), std::pair(Sampler::sobol, 10.0)}) {
     double squares = 0;
     for (uint64_t replicate = 0; replicate < 50; ++replicate) {
       double mean = 0;
@@ -119,7 +123,8 @@ TEST(Directions, SetsIntegrateSmoothFunctions) {
   }
 }
 
-// However few or many: as many as asked for, and their mean vector and second moments are those of the sphere on the average over replicates.
+// However few or many: as many as asked for, and their mean vector and second moments are those of the sphere on the
+// average over replicates.
 TEST(Directions, SetsOfAnySizeAreUnbiased) {
   for (Sampler sampler : {Sampler::jittered, Sampler::sobol})
     for (uint32_t count : {1u, 2u, 3u, 5u, 17u, 100u}) {
@@ -134,7 +139,9 @@ TEST(Directions, SetsOfAnySizeAreUnbiased) {
         }
         means.add(sums);
       }
-      for (size_t k = 0; k < kMomentMeans.size(); ++k) EXPECT_LT(means.deviation(k, kMomentMeans[k]), 5) << "sampler " << int(sampler) << ", " << count << " directions, moment " << k;
+      for (size_t k = 0; k < kMomentMeans.size(); ++k)
+        EXPECT_LT(means.deviation(k, kMomentMeans[k]), 5)
+            << "sampler " << int(sampler) << ", " << count << " directions, moment " << k;
     }
 }
 

@@ -12,7 +12,8 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Points { dve
 layout(push_constant, scalar) uniform Args {
   uint64_t points, values;
   uint count;
-} args;
+}
+args;
 
 void main() {
   uint k = gl_GlobalInvocationID.x;

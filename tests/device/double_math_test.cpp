@@ -20,13 +20,14 @@ struct Args {
 
 std::vector<glm::dvec2> evaluate(const std::vector<glm::dvec2>& points) {
   const Device& device = testDevice();
-  Buffer in(device, points.size() * sizeof(glm::dvec2), MemoryUse::upload), out(device, in.sizeBytes(), MemoryUse::device),
-      read(device, in.sizeBytes(), MemoryUse::readback);
+  Buffer in(device, points.size() * sizeof(glm::dvec2), MemoryUse::upload),
+      out(device, in.sizeBytes(), MemoryUse::device), read(device, in.sizeBytes(), MemoryUse::readback);
   in.write(std::span<const glm::dvec2>(points));
   const Kernel kernel(device, double_math_comp, sizeof(Args));
   Commands commands(device);
   commands.begin();
-  commands.dispatch(kernel, Args{in.address(), out.address(), static_cast<uint32_t>(points.size())}, static_cast<uint32_t>((points.size() + 63) / 64), 1);
+  commands.dispatch(kernel, Args{in.address(), out.address(), static_cast<uint32_t>(points.size())},
+                    static_cast<uint32_t>((points.size() + 63) / 64), 1);
   commands.barrier();
   commands.copy(out, read, in.sizeBytes());
   commands.submitAndWait();
@@ -44,8 +45,11 @@ double ulpOf(long double x) {
 TEST(DoubleMath, ThreeUlpOfLogarithmAndAngle) {
   constexpr double kUlps = 3;
   std::mt19937_64 random(71);
-  const auto uniform = [&random](double low, double high) { return low + (high - low) * (double(random() >> 11) * 0x1p-53); };
-  std::vector<glm::dvec2> points{{1, 0}, {-1, 0}, {0, 1}, {1, 1}, {-1, 1}, {1e-290, 0}, {1e-290, 1e-290}, {1, 1e-290}, {-1, 1e-290}, {1e-290, 1}, {2, 0.5}};
+  const auto uniform = [&random](double low, double high) {
+    return low + (high - low) * (double(random() >> 11) * 0x1p-53);
+  };
+  std::vector<glm::dvec2> points{{1, 0},           {-1, 0},     {0, 1},       {1, 1},      {-1, 1}, {1e-290, 0},
+                                 {1e-290, 1e-290}, {1, 1e-290}, {-1, 1e-290}, {1e-290, 1}, {2, 0.5}};
   for (int k = 0; k < 20'000; ++k) {
     points.push_back({uniform(0.5, 2), uniform(0, 2)});
     points.push_back({-uniform(0.5, 2), uniform(0, 2)});

@@ -23,7 +23,8 @@ TEST(ReplicateSums, MeanAndStandardErrorOfThree) {
   sums.add({{0, 1, 14}});
   sums.add({{0, 1, 18}});
   const FormFactors f = sums.formFactors(0.5);
-  // Sum 42; sample variance 16, so that of the sum 48: 48 / 42 counts at a time, 36.75 times, and once 1: the mean's standard error is sqrt(48 + (43 / 37.75)^2) / 3. A_i F_ij = 2 C_ij.
+  // Sum 42; sample variance 16, so that of the sum 48: 48 / 42 counts at a time, 36.75 times, and once 1: the mean's
+  // standard error is sqrt(48 + (43 / 37.75)^2) / 3. A_i F_ij = 2 C_ij.
   const double standard_error = std::hypot(std::sqrt(48.0), 43 / 37.75) / 3;
   EXPECT_DOUBLE_EQ(f.exchangeArea(0, 1).value, 14);
   EXPECT_DOUBLE_EQ(f.exchangeArea(1, 0).standard_error, standard_error);
@@ -46,14 +47,16 @@ TEST(ReplicateSums, MissingEntriesAreZeros) {
   // Rows: id 0 has 6 lines, then 4; id 1 has 5, then 4.
   EXPECT_DOUBLE_EQ(f.rowSums()[0].value, 2 * 5);
   EXPECT_DOUBLE_EQ(f.rowSums()[1].value, 2 * 4.5);
-  EXPECT_DOUBLE_EQ(f.rowSums()[1].standard_error, 2 * std::hypot(1.0, 1.0) / 2);  // of 5 + 4: variance 1, dispersion 1/9, but at least 1
+  EXPECT_DOUBLE_EQ(f.rowSums()[1].standard_error,
+                   2 * std::hypot(1.0, 1.0) / 2);  // of 5 + 4: variance 1, dispersion 1/9, but at least 1
 }
 
 TEST(ReplicateSums, HugeCountsKeepTheirSpread) {
   const uint64_t base = 1ull << 52;
   ReplicateSums sums(twoIds(1, 1));
   for (uint64_t k : {0, 2, 4}) sums.add({{0, 1, base + k}});
-  EXPECT_DOUBLE_EQ(sums.formFactors(1).exchangeArea(0, 1).standard_error, 2 * std::sqrt(13.0) / 3);  // of the sum: variance 12, and 1
+  EXPECT_DOUBLE_EQ(sums.formFactors(1).exchangeArea(0, 1).standard_error,
+                   2 * std::sqrt(13.0) / 3);  // of the sum: variance 12, and 1
 }
 
 // They seem exact, but one of them might as well have counted one more.
@@ -72,11 +75,12 @@ Coverages coverBunches(double bunches, uint64_t bunch) {
   constexpr int kRuns = 4000, kReplicates = 8;
   constexpr double kStudent = 2.364624;  // 97.5 %, 7 degrees of freedom
   std::mt19937_64 bits(1);
-  const auto poisson = [&bits](double expectation) {  // how many uniform factors keep the product above exp(-expectation)
-    uint64_t count = 0;
-    for (double product = 1; (product *= double(bits() >> 11) * 0x1p-53) > std::exp(-expectation);) ++count;
-    return count;
-  };
+  const auto poisson =
+      [&bits](double expectation) {  // how many uniform factors keep the product above exp(-expectation)
+        uint64_t count = 0;
+        for (double product = 1; (product *= double(bits() >> 11) * 0x1p-53) > std::exp(-expectation);) ++count;
+        return count;
+      };
   const double truth = 2 * bunches * double(bunch) / kReplicates;
   Coverages coverages;
   for (int run = 0; run < kRuns; ++run) {
@@ -107,8 +111,9 @@ TEST(ReplicateSums, IntervalsOfFewCountsHoldTheTruth) {
   }
 }
 
-// A pair met by one direction at one line: others might have seen it with as many lines as its smaller polygon has room for. Area 2, lines of 0.1: 1 + 8/27 20 = 6.93 at a time, half of
-// them beside the one that was seen. Where many met the pair that is nothing.
+// A pair met by one direction at one line: others might have seen it with as many lines as its smaller polygon has room
+// for. Area 2, lines of 0.1: 1 + 8/27 20 = 6.93 at a time, half of them beside the one that was seen. Where many met
+// the pair that is nothing.
 TEST(ReplicateSums, OneDirectionDoesNotTellHowManyLinesOthersSee) {
   const auto errorOf = [](uint64_t count, double count_area) {
     ReplicateSums sums(twoIds(2, 4));

@@ -25,7 +25,8 @@ TEST(Guarantee, HoeffdingsDirections) {
   // One bound: 2 exp(-2 N e^2 / M^2) <= d.
   for (double range : {2.0, 3.7})
     for (double epsilon : {0.1, 1e-3})
-      EXPECT_EQ(hoeffdingDirections({range}, {1}, epsilon, 0.01), std::ceil(range * range * std::log(2 / 0.01) / (2 * epsilon * epsilon)));
+      EXPECT_EQ(hoeffdingDirections({range}, {1}, epsilon, 0.01),
+                std::ceil(range * range * std::log(2 / 0.01) / (2 * epsilon * epsilon)));
   // Equal ranges: the bounds count together.
   EXPECT_EQ(hoeffdingDirections({2, 2, 2}, {4, 3, 2}, 0.01, 0.01), std::ceil(4 * std::log(2 * 9 / 0.01) / (2e-4)));
   // A larger range decides alone where the others' terms vanish beside it.
@@ -44,7 +45,8 @@ TEST(Guarantee, EveryFormFactorHasItsBound) {
     const auto bounds = countBounds(ids);
     std::vector<uint32_t> polygons(ids.count(), 0);
     for (uint32_t id : ids.of_polygon) ++polygons[id];
-    const auto n = double(ids.count()), with_itself = double(std::count_if(polygons.begin(), polygons.end(), [](uint32_t k) { return k > 1; }));
+    const auto n = double(ids.count()),
+               with_itself = double(std::count_if(polygons.begin(), polygons.end(), [](uint32_t k) { return k > 1; }));
     EXPECT_EQ(std::accumulate(bounds.begin(), bounds.end(), 0.0), n * (n - 1) / 2 + 2 * n + with_itself);
   }
 }
@@ -57,9 +59,14 @@ TEST(Guarantee, RangesAddUpOverLattices) {
   ts::addFace(input, "plates", {{0, 0, 2}, {0, 1, 2}, {1, 1, 2}, {1, 0, 2}});
   const Scene scene = buildScene(input);
   const double a = scene.polygons[0].area, p = 4 * std::sqrt(a);
-  const auto range = [&](double resolution) { return (2 * a + p * 2 / resolution + 8 / (resolution * resolution)) / a; };
-  const auto rangesFor = [&](By by, const std::vector<double>& resolutions) { return formFactorRanges(scene, makeIds(scene, by, false), resolutions, Sampling::lattice); };
-  const auto one = rangesFor(By::surface, {8, 32, 32}), two = rangesFor(By::surface, {8, 8, 32}), each = rangesFor(By::polygon, {8, 8, 32});
+  const auto range = [&](double resolution) {
+    return (2 * a + p * 2 / resolution + 8 / (resolution * resolution)) / a;
+  };
+  const auto rangesFor = [&](By by, const std::vector<double>& resolutions) {
+    return formFactorRanges(scene, makeIds(scene, by, false), resolutions, Sampling::lattice);
+  };
+  const auto one = rangesFor(By::surface, {8, 32, 32}), two = rangesFor(By::surface, {8, 8, 32}),
+             each = rangesFor(By::polygon, {8, 8, 32});
   EXPECT_DOUBLE_EQ(one[0], range(8));
   EXPECT_DOUBLE_EQ(one[1], range(32));
   EXPECT_DOUBLE_EQ(two[0], range(8) + range(32));
@@ -67,13 +74,15 @@ TEST(Guarantee, RangesAddUpOverLattices) {
   EXPECT_DOUBLE_EQ(each[0], range(8));
 }
 
-// No direction adds more than the range, and some a fair part of it: on coarse and fine lattices, in windows, with scanlines, on both sides, by surface.
+// No direction adds more than the range, and some a fair part of it: on coarse and fine lattices, in windows, with
+// scanlines, on both sides, by surface.
 TEST(Guarantee, SingleDirectionsKeepToTheirRanges) {
   const auto directions = sampleDirections(Sampler::iid, 24, 5, 0);
   for (const InputScene& input : {ts::parallelSquares(), ts::roomWithTouchingBoxes(), ts::triangleSoup(30, 0.6, 2)})
     for (const bool two_sided : {false, true})
       for (const By by : {By::polygon, By::surface})
-        for (const auto& [base, sampling] : {std::pair(6, Sampling::lattice), std::pair(40, Sampling::lattice), std::pair(6, Sampling::scanline)}) {
+        for (const auto& [base, sampling] :
+             {std::pair(6, Sampling::lattice), std::pair(40, Sampling::lattice), std::pair(6, Sampling::scanline)}) {
           const Scene scene = buildScene(input);
           const Ids ids = makeIds(scene, by, two_sided);
           std::vector<double> needed, resolutions(scene.polygons.size());
@@ -82,7 +91,8 @@ TEST(Guarantee, SingleDirectionsKeepToTheirRanges) {
           for (const SizeGroup& group : groups)
             for (uint32_t k : group.polygons) resolutions[k] = group.resolution;
           const auto ranges = formFactorRanges(scene, ids, resolutions, sampling);
-          const auto engine = makeGroupedEngine(enginesOf(EngineKind::compute), scene, ids, {.sampling = sampling}, groups);
+          const auto engine =
+              makeGroupedEngine(enginesOf(EngineKind::compute), scene, ids, {.sampling = sampling}, groups);
           const double unit = engine->unitArea() * scene.scale * scene.scale;
           double largest_share = 0;
           for (const Direction& direction : directions)
@@ -96,13 +106,15 @@ TEST(Guarantee, SingleDirectionsKeepToTheirRanges) {
         }
 }
 
-// An engine that knows no geometry: every direction adds all of its range or nothing to F_01, the most variable there is.
+// An engine that knows no geometry: every direction adds all of its range or nothing to F_01, the most variable there
+// is.
 class CoinEngine : public Engine {
  public:
   CoinEngine(double share, double area) : share_(share), area_(area) {}
   PairCounts count(std::span<const Direction> directions) override {
     uint64_t heads = 0;
-    for (const Direction& direction : directions) heads += direction.offset.x < share_;  // uniform, and independent of all else
+    for (const Direction& direction : directions)
+      heads += direction.offset.x < share_;  // uniform, and independent of all else
     return heads ? PairCounts{{0, 1, heads}} : PairCounts{};
   }
   double unitArea() const override { return area_; }
@@ -111,8 +123,8 @@ class CoinEngine : public Engine {
   double share_, area_;
 };
 
-// Failures over many seeds: at most delta of them but for chance, that is within four standard deviations of the binomial law. The bounds are not sharp:
-// there are far fewer.
+// Failures over many seeds: at most delta of them but for chance, that is within four standard deviations of the
+// binomial law. The bounds are not sharp: there are far fewer.
 int failures(double share, double epsilon, double delta, int seeds, bool expect_bernstein) {
   const Scene scene = buildScene(ts::parallelSquares());
   const Ids ids = makeIds(scene, By::polygon, false);
@@ -151,11 +163,13 @@ TEST(Guarantee, FailsNoMoreOftenThanItMay) {
 // By hand: l = ln(2 / 0.02) = 4.60517; M l / 3 = 3.07011; (3.07011 + sqrt(3.07011^2 + 2 1000 0.05 l)) / 1000.
 TEST(Guarantee, BernsteinsBoundOfAKnownVariance) {
   EXPECT_NEAR(knownVarianceBound(0.05, 2, 1000, 0.02), (3.07011 + std::sqrt(3.07011 * 3.07011 + 460.517)) / 1000, 1e-7);
-  // Twice as many directions are what Hoeffding's bound of the range takes where variance is the most that the range allows, M^2 / 4, up to the term in the range.
+  // Twice as many directions are what Hoeffding's bound of the range takes where variance is the most that the range
+  // allows, M^2 / 4, up to the term in the range.
   EXPECT_GT(knownVarianceBound(1, 2, 1e6, 0.02), 2 * std::sqrt(std::log(2 / 0.02) / 2e6));
 }
 
-// No geometry: along a direction all of the range of T = V + O or none of it, and all of T visible or none of it: the most variable there is, given F0 and F.
+// No geometry: along a direction all of the range of T = V + O or none of it, and all of T visible or none of it: the
+// most variable there is, given F0 and F.
 class TwoCoinEngine : public Engine {
  public:
   TwoCoinEngine(double lines, double visible, double area) : lines_(lines), visible_(visible), area_(area) {}
@@ -176,7 +190,8 @@ struct ShareOutcome {
   uint64_t directions = 0;
 };
 
-ShareOutcome shareFailures(double lines, double visible, double b, double epsilon, double delta, int seeds, GuaranteedBy by) {
+ShareOutcome shareFailures(double lines, double visible, double b, double epsilon, double delta, int seeds,
+                           GuaranteedBy by) {
   const Scene scene = buildScene(ts::parallelSquares());
   const Ids ids = makeIds(scene, By::polygon, false);
   GuaranteePlan plan;
@@ -206,7 +221,8 @@ ShareOutcome shareFailures(double lines, double visible, double b, double epsilo
   return outcome;
 }
 
-// Whatever the share from the pilot, the right one, none, or one far off; by the bound known beforehand and by the empirical one.
+// Whatever the share from the pilot, the right one, none, or one far off; by the bound known beforehand and by the
+// empirical one.
 TEST(Guarantee, WithClosedFormsItFailsNoMoreOftenThanItMay) {
   constexpr int kSeeds = 30;
   const double allowed = 0.2 * kSeeds + 4 * std::sqrt(0.2 * 0.8 * kSeeds);
@@ -220,11 +236,13 @@ TEST(Guarantee, WithClosedFormsItFailsNoMoreOftenThanItMay) {
 
 // A share that is right ends a run sooner than none.
 TEST(Guarantee, SharesEndItSooner) {
-  const uint64_t without = shareFailures(0.4, 0.98, 0, 0.08, 0.2, 10, GuaranteedBy::bernstein).directions, with = shareFailures(0.4, 0.98, 1, 0.08, 0.2, 10, GuaranteedBy::bernstein).directions;
+  const uint64_t without = shareFailures(0.4, 0.98, 0, 0.08, 0.2, 10, GuaranteedBy::bernstein).directions,
+                 with = shareFailures(0.4, 0.98, 1, 0.08, 0.2, 10, GuaranteedBy::bernstein).directions;
   EXPECT_LT(with, without);
 }
 
-// Numbers of directions: of Hoeffding's bound for what leaves the scene, but not for pairs that see little of each other.
+// Numbers of directions: of Hoeffding's bound for what leaves the scene, but not for pairs that see little of each
+// other.
 TEST(Guarantee, ClosedFormsAskForNoMoreDirectionsThanHoeffding) {
   Ids ids;
   constexpr uint32_t kIds = 200;
@@ -235,7 +253,8 @@ TEST(Guarantee, ClosedFormsAskForNoMoreDirectionsThanHoeffding) {
   KnownShares known{{}, std::vector<uint64_t>(kIds, 1), true};
   for (uint32_t i = 0; i < kIds; ++i)
     for (uint32_t j = i + 1; j < kIds; ++j) known.pairs.push_back({i, j, kShareOne, 0, 0.005});
-  const uint64_t plain = hoeffdingDirections(ranges, countBounds(ids), 0.01, 0.005), with = ShareBounds(ids, ranges, known).directionsFor(0.01, 0.005);
+  const uint64_t plain = hoeffdingDirections(ranges, countBounds(ids), 0.01, 0.005),
+                 with = ShareBounds(ids, ranges, known).directionsFor(0.01, 0.005);
   // 400 bounds in the place of 20,300: ln(2 400 / 0.005) / ln(2 20300 / 0.005).
   EXPECT_NEAR(double(with) / double(plain), std::log(800 / 0.005) / std::log(40600 / 0.005), 1e-3);
   EXPECT_THROW(ShareBounds(ids, ranges, known).directionsFor(1e-6, 0.005), Error);
@@ -249,8 +268,10 @@ TEST(Guarantee, BlockedLinesKeepToTheRangesToo) {
       const Scene scene = buildScene(input);
       const Ids ids = makeIds(scene, By::polygon, false);
       const int resolution = 12;
-      const auto ranges = formFactorRanges(scene, ids, std::vector<double>(scene.polygons.size(), resolution), sampling);
-      const auto engine = makeComputeEngine(testDevice(), scene, ids, {.resolution = resolution, .sampling = sampling, .count_blocked = true});
+      const auto ranges =
+          formFactorRanges(scene, ids, std::vector<double>(scene.polygons.size(), resolution), sampling);
+      const auto engine = makeComputeEngine(testDevice(), scene, ids,
+                                            {.resolution = resolution, .sampling = sampling, .count_blocked = true});
       const double unit = engine->unitArea() * scene.scale * scene.scale;
       double largest_share = 0;
       for (const Direction& direction : directions)
@@ -287,7 +308,8 @@ TEST(Guarantee, WithClosedFormsTheWholeChainHolds) {
   options.on_sums = {};
   const Estimate resumed = guaranteeFormFactors(scene, ids, options, plan);
   EXPECT_EQ(resumed.directions, whole.directions);
-  for (uint32_t j : {1u, kEnvironment}) EXPECT_EQ(resumed.form_factors.exchangeArea(0, j).value, whole.form_factors.exchangeArea(0, j).value);
+  for (uint32_t j : {1u, kEnvironment})
+    EXPECT_EQ(resumed.form_factors.exchangeArea(0, j).value, whole.form_factors.exchangeArea(0, j).value);
 }
 
 // The whole chain, planned for the scene.
@@ -330,7 +352,9 @@ TEST(Guarantee, TheMedianOfRunsHoldsToo) {
 TEST(Guarantee, WhatCannotBeKeptIsRefused) {
   const Scene scene = buildScene(ts::parallelSquares());
   const Ids ids = makeIds(scene, By::polygon, false);
-  const auto plan = [&](const GuaranteeOptions& options) { return planGuarantee(scene, ids, options, latticesWithWindows(), false); };
+  const auto plan = [&](const GuaranteeOptions& options) {
+    return planGuarantee(scene, ids, options, latticesWithWindows(), false);
+  };
   EXPECT_THROW(plan({.epsilon = 0}), Error);
   EXPECT_THROW(plan({.epsilon = 0.1, .delta = 1}), Error);
   EXPECT_THROW(plan({.epsilon = 1e-9}), Error);

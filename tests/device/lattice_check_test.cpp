@@ -29,7 +29,10 @@ CountLattice countOnDevice(const Scene& scene, const Ids& ids, Sampling sampling
   const auto engines = std::make_shared<std::map<int, std::unique_ptr<Engine>>>();
   return [&scene, &ids, sampling, blocked, engines](const Direction& direction, int resolution) {
     std::unique_ptr<Engine>& engine = (*engines)[resolution];
-    if (!engine) engine = makeComputeEngine(testDevice(), scene, ids, {.resolution = resolution, .sampling = sampling, .count_blocked = blocked, .batch_directions = 1});
+    if (!engine)
+      engine = makeComputeEngine(
+          testDevice(), scene, ids,
+          {.resolution = resolution, .sampling = sampling, .count_blocked = blocked, .batch_directions = 1});
     return engine->count({&direction, 1});
   };
 }
@@ -37,9 +40,12 @@ CountLattice countOnDevice(const Scene& scene, const Ids& ids, Sampling sampling
 struct CheckedScene {
   Scene scene = buildScene(ts::roomWithTouchingBoxes());
   Ids ids = makeIds(scene, By::polygon, false);
-  CheckReport check(const CountLattice& count, const CheckOptions& options = smallCheck()) const { return checkLattice(scene, ids, count, options); }
+  CheckReport check(const CountLattice& count, const CheckOptions& options = smallCheck()) const {
+    return checkLattice(scene, ids, count, options);
+  }
   CheckReport checkTwin(Fault fault) const {
-    return check([&](const Direction& d, int resolution) { return countPairsOnCpu(scene, ids, {d}, resolution, false, fault); });
+    return check(
+        [&](const Direction& d, int resolution) { return countPairsOnCpu(scene, ids, {d}, resolution, false, fault); });
   }
 };
 
@@ -51,8 +57,9 @@ TEST(LatticeCheck, ScanlinesBehaveAsClaimed) {
   options.counts_per_point = 1024;
   const CheckReport report = checkLattice(scene, ids, countOnDevice(scene, ids, Sampling::scanline), options);
   for (const CheckRow& row : report.rows)
-    EXPECT_TRUE(row.unbiased && row.spread_as_predicted) << row.resolution << ": " << row.worst_pair << " deviates by " << row.largest_deviation
-                                                         << ", allowed " << row.allowed_deviation << "; spread " << row.spread_ratio;
+    EXPECT_TRUE(row.unbiased && row.spread_as_predicted)
+        << row.resolution << ": " << row.worst_pair << " deviates by " << row.largest_deviation << ", allowed "
+        << row.allowed_deviation << "; spread " << row.spread_ratio;
   EXPECT_GT(report.rows[1].spread_regions, 10u);
   // Lattice points spread nearly four times as much: what is predicted for scanlines does not fit them.
   options.counts_per_point = 1;
@@ -67,9 +74,9 @@ TEST(LatticeCheck, ComputeEngineBehavesAsClaimed) {
     options.lattices = 24;
     const CheckReport report = checkLattice(scene, ids, countOnDevice(scene, ids, Sampling::lattice), options);
     for (const CheckRow& row : report.rows)
-      EXPECT_TRUE(row.unbiased && row.spread_as_predicted) << input.file << " at " << row.resolution << ": " << row.worst_pair << " deviates by "
-                                                           << row.largest_deviation << ", allowed " << row.allowed_deviation << "; spread "
-                                                           << row.spread_ratio;
+      EXPECT_TRUE(row.unbiased && row.spread_as_predicted)
+          << input.file << " at " << row.resolution << ": " << row.worst_pair << " deviates by "
+          << row.largest_deviation << ", allowed " << row.allowed_deviation << "; spread " << row.spread_ratio;
     EXPECT_GT(report.rows[0].regions_tested, 20u);
   }
 }
@@ -78,7 +85,8 @@ TEST(LatticeCheck, ComputeEngineBehavesAsClaimed) {
 TEST(LatticeCheck, BlockedPairsBehaveAsClaimed) {
   const CheckedScene checked;
   CheckOptions options = smallCheck();
-  const uint64_t regions_of_facing_pairs = checked.check(countOnDevice(checked.scene, checked.ids, Sampling::lattice), options).rows[1].regions_tested;
+  const uint64_t regions_of_facing_pairs =
+      checked.check(countOnDevice(checked.scene, checked.ids, Sampling::lattice), options).rows[1].regions_tested;
   options.blocked = true;
   for (Sampling sampling : {Sampling::lattice, Sampling::scanline}) {
     const bool points = sampling == Sampling::lattice;
@@ -86,8 +94,9 @@ TEST(LatticeCheck, BlockedPairsBehaveAsClaimed) {
     options.counts_per_point = points ? 1 : 1024;
     const CheckReport report = checked.check(countOnDevice(checked.scene, checked.ids, sampling, true), options);
     for (const CheckRow& row : report.rows)
-      EXPECT_TRUE(row.unbiased && row.spread_as_predicted) << row.resolution << ": " << row.worst_pair << " deviates by " << row.largest_deviation
-                                                           << ", allowed " << row.allowed_deviation << "; spread " << row.spread_ratio;
+      EXPECT_TRUE(row.unbiased && row.spread_as_predicted)
+          << row.resolution << ": " << row.worst_pair << " deviates by " << row.largest_deviation << ", allowed "
+          << row.allowed_deviation << "; spread " << row.spread_ratio;
     EXPECT_GT(report.rows[1].regions_tested, regions_of_facing_pairs + 20);
     EXPECT_FALSE(checked.check(countOnDevice(checked.scene, checked.ids, sampling, false), options).passes());
   }
@@ -99,10 +108,12 @@ TEST(LatticeCheck, RightLatticePassesWhateverTheSeed) {
   for (uint64_t seed = 1; seed <= 10; ++seed) {
     CheckOptions options = smallCheck(seed);
     options.resolutions = {24};
-    const auto count = [&](const Direction& d, int resolution) { return countPairsOnCpu(checked.scene, checked.ids, {d}, resolution); };
+    const auto count = [&](const Direction& d, int resolution) {
+      return countPairsOnCpu(checked.scene, checked.ids, {d}, resolution);
+    };
     const CheckReport report = checked.check(count, options);
-    EXPECT_TRUE(report.passes()) << "seed " << seed << ": " << report.rows[0].worst_pair << " " << report.rows[0].largest_deviation << " spread "
-                                 << report.rows[0].spread_ratio;
+    EXPECT_TRUE(report.passes()) << "seed " << seed << ": " << report.rows[0].worst_pair << " "
+                                 << report.rows[0].largest_deviation << " spread " << report.rows[0].spread_ratio;
   }
 }
 
@@ -130,7 +141,9 @@ TEST(LatticeCheck, CatchesALatticeWithoutRandomOffset) {
   EXPECT_FALSE(checked.check(count, options).passes());
 }
 
-TEST(LatticeCheck, CatchesALostLastLayer) { EXPECT_FALSE(CheckedScene().checkTwin(Fault::last_layer_dropped).passes()); }
+TEST(LatticeCheck, CatchesALostLastLayer) {
+  EXPECT_FALSE(CheckedScene().checkTwin(Fault::last_layer_dropped).passes());
+}
 
 TEST(LatticeCheck, CatchesSwappedDepths) { EXPECT_FALSE(CheckedScene().checkTwin(Fault::two_depths_swapped).passes()); }
 

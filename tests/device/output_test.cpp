@@ -19,7 +19,9 @@ FormFactors exampleMatrix() {
   ids.names = {"floor", "wall, \"north\""};
   ids.areas = {3, 0.7};
   ids.surface = {0, 1};
-  return {ids, {{0, 0, {0.3, 0.001}}, {0, 1, {1 / 3.0, 1e-4}}, {1, kEnvironment, {0.1, 0.01}}, {1, kLeak, {0.05, 0.02}}}, {{1, 0}, {1, 0}}};
+  return {ids,
+          {{0, 0, {0.3, 0.001}}, {0, 1, {1 / 3.0, 1e-4}}, {1, kEnvironment, {0.1, 0.01}}, {1, kLeak, {0.05, 0.02}}},
+          {{1, 0}, {1, 0}}};
 }
 
 std::vector<std::string> linesOf(const std::string& text) {
@@ -48,7 +50,10 @@ TEST(Output, ClosedFormFactorsAreAColumnMore) {
   moved.exchange_area.value = 0.3;
   std::ostringstream plain, out;
   writeCsv(f, plain);
-  writeCsv(f, out, std::make_unique<FormFactors>(f.ids(), std::vector{f.entries()[0], moved, f.entries()[2], f.entries()[3]}, f.rowSums()).get());
+  writeCsv(f, out,
+           std::make_unique<FormFactors>(f.ids(), std::vector{f.entries()[0], moved, f.entries()[2], f.entries()[3]},
+                                         f.rowSums())
+               .get());
   const auto lines = linesOf(out.str()), lines_before = linesOf(plain.str());
   ASSERT_EQ(lines.size(), lines_before.size());
   for (size_t k = 0; k < lines.size(); ++k) EXPECT_EQ(lines[k].substr(0, lines[k].rfind(',')), lines_before[k]);
@@ -100,10 +105,11 @@ class OutputFile : public testing::Test {
 TEST_F(OutputFile, FailedWriteLeavesTheOldFileAndNothingElse) {
   const fs::path file = folder_ / "kept.csv";
   writeFile(file, [](std::ostream& out) { out << "old"; });
-  EXPECT_THROW(writeFile(file, [](std::ostream& out) {
-                 out << "half";
-                 throw std::runtime_error("interrupted");
-               }),
+  EXPECT_THROW(writeFile(file,
+                         [](std::ostream& out) {
+                           out << "half";
+                           throw std::runtime_error("interrupted");
+                         }),
                std::runtime_error);
   std::ifstream in(file);
   std::string text;

@@ -31,17 +31,21 @@ uint64_t totalBlocked(const PairCounts& counts) {
 
 void expectTwinAgrees(const InputScene& input, const std::vector<Direction>& directions, CountRun run) {
   const Scene scene = buildScene(input);
-  const PairCounts twin = countPairsOnCpu(scene, makeIds(scene, run.by, run.two_sided), directions, run.lattice.resolution, true);
-  EXPECT_EQ(countPairs(scene, directions, run), withoutBlocked(twin)) << input.file << ", resolution " << run.lattice.resolution;
+  const PairCounts twin =
+      countPairsOnCpu(scene, makeIds(scene, run.by, run.two_sided), directions, run.lattice.resolution, true);
+  EXPECT_EQ(countPairs(scene, directions, run), withoutBlocked(twin))
+      << input.file << ", resolution " << run.lattice.resolution;
   run.lattice.count_blocked = true;
-  EXPECT_EQ(countPairs(scene, directions, run), twin) << input.file << ", resolution " << run.lattice.resolution << ", blocked";
+  EXPECT_EQ(countPairs(scene, directions, run), twin)
+      << input.file << ", resolution " << run.lattice.resolution << ", blocked";
   EXPECT_FALSE(twin.empty());
 }
 
 TEST(Peel, CountsAreThoseOfTheCpuTwin) {
   const auto directions = sampleDirections(Sampler::iid, 12, 7, 0);
   for (int resolution : {1, 7, 33, 64}) {
-    const CountRun one_sided{.lattice = {.resolution = resolution}}, two_sided{.lattice = {.resolution = resolution}, .two_sided = true};
+    const CountRun one_sided{.lattice = {.resolution = resolution}},
+        two_sided{.lattice = {.resolution = resolution}, .two_sided = true};
     const CountRun by_surface{.lattice = {.resolution = resolution}, .by = By::surface};
     expectTwinAgrees(ts::insideOfCube(), directions, one_sided);
     expectTwinAgrees(ts::cubeInCube(0.4), directions, by_surface);
@@ -60,7 +64,8 @@ TEST(Peel, BlocksAreCountedApart) {
   for (const bool blocked : {false, true})
     for (const Sampling sampling : {Sampling::lattice, Sampling::scanline})
       for (const uint64_t budget : {uint64_t(0), uint64_t(1)}) {
-        const LatticeOptions options{.resolution = 5, .sampling = sampling, .count_blocked = blocked, .counter_budget_bytes = budget};
+        const LatticeOptions options{
+            .resolution = 5, .sampling = sampling, .count_blocked = blocked, .counter_budget_bytes = budget};
         const auto engine = makeComputeEngine(testDevice(), scene, ids, options);
         const size_t block_count = budget ? 4 : 1030;
         const auto blocks = engine->countBlocks(std::span(directions).first(3 * block_count), 3);
@@ -148,11 +153,14 @@ TEST(Peel, SharedEdgeCoveredOnce) {
   InputScene whole{"whole", {}, {}};
   ts::addFace(whole, "whole", ts::parallelogram({0, 0, 0}, {8, 0, 0}, {0, 8, 0}));
   std::vector<Direction> directions = sampleDirections(Sampler::iid, 40, 5, 0);
-  // Here the lattice lies on the tiles' edges and corners: the window is 8 sqrt(2) wide, so 1 / h = 8 / sqrt(2) makes a tile one step.
+  // Here the lattice lies on the tiles' edges and corners: the window is 8 sqrt(2) wide, so 1 / h = 8 / sqrt(2) makes a
+  // tile one step.
   directions.push_back({{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0}});
   for (int resolution : {12, 64}) {
-    const PairCounts a = countPairs(buildScene(tiles), directions, {.lattice = {.resolution = resolution}, .by = By::surface});
-    const PairCounts b = countPairs(buildScene(whole), directions, {.lattice = {.resolution = resolution}, .by = By::surface});
+    const PairCounts a =
+        countPairs(buildScene(tiles), directions, {.lattice = {.resolution = resolution}, .by = By::surface});
+    const PairCounts b =
+        countPairs(buildScene(whole), directions, {.lattice = {.resolution = resolution}, .by = By::surface});
     EXPECT_EQ(a, b);
     EXPECT_EQ(countOf(a, 0, kLeak), 0u);
   }
@@ -161,7 +169,8 @@ TEST(Peel, SharedEdgeCoveredOnce) {
 // Two blocks that touch face each other over the contact and nowhere leak.
 TEST(Peel, TouchingSolidsDoNotLeak) {
   const Scene scene = buildScene(ts::roomWithTouchingBoxes());
-  const PairCounts counts = countPairs(scene, sampleDirections(Sampler::fibonacci, 500, 9, 0), {.lattice = {.resolution = 64}, .by = By::surface});
+  const PairCounts counts = countPairs(scene, sampleDirections(Sampler::fibonacci, 500, 9, 0),
+                                       {.lattice = {.resolution = 64}, .by = By::surface});
   for (const PairCount& c : counts) {
     EXPECT_NE(c.j, kLeak) << scene.surfaces[c.i].name << " leaks " << c.count;
     EXPECT_NE(c.j, kEnvironment) << scene.surfaces[c.i].name << " sees the environment " << c.count;
@@ -188,7 +197,8 @@ TEST(Peel, BatchSizeNeverChangesTheCounts) {
   const auto directions = sampleDirections(Sampler::fibonacci, 50, 11, 0);
   const PairCounts expected = countPairs(scene, directions, {.lattice = {.resolution = 40}});
   for (uint32_t batch : {1u, 3u, 50u, 64u})
-    EXPECT_EQ(countPairs(scene, directions, {.lattice = {.resolution = 40, .batch_directions = batch}}), expected) << "batch " << batch;
+    EXPECT_EQ(countPairs(scene, directions, {.lattice = {.resolution = 40, .batch_directions = batch}}), expected)
+        << "batch " << batch;
 }
 
 // Lists that are too small for a batch grow, whatever they started with, and nothing is counted twice.
@@ -197,17 +207,20 @@ TEST(Peel, TileListsGrowAndLoseNothing) {
   const auto directions = sampleDirections(Sampler::fibonacci, 30, 11, 0);
   const PairCounts expected = countPairs(scene, directions, {.lattice = {.resolution = 40}});
   for (uint32_t capacity : {4u, 100u, 2000u})
-    EXPECT_EQ(countPairs(scene, directions, {.lattice = {.resolution = 40, .list_capacity = capacity}}), expected) << "capacity " << capacity;
+    EXPECT_EQ(countPairs(scene, directions, {.lattice = {.resolution = 40, .list_capacity = capacity}}), expected)
+        << "capacity " << capacity;
 }
 
 // Software devices end loops after 65,535 iterations: a polygon over tens of thousands of tiles is binned in parts.
 TEST(Peel, LargePolygonsOnFineLattices) {
   const Scene scene = buildScene(ts::insideOfCube());
   const auto directions = sampleDirections(Sampler::iid, 1, 4, 0);
-  for (const PairCount& c : countPairs(scene, directions, {.lattice = {.resolution = 2000}})) EXPECT_LT(c.j, kEnvironment) << c.i << ": " << c.count;
+  for (const PairCount& c : countPairs(scene, directions, {.lattice = {.resolution = 2000}}))
+    EXPECT_LT(c.j, kEnvironment) << c.i << ": " << c.count;
 }
 
-PairCounts countWith(const Scene& scene, const Ids& ids, const std::vector<Direction>& directions, const LatticeOptions& lattice, Work* work = nullptr) {
+PairCounts countWith(const Scene& scene, const Ids& ids, const std::vector<Direction>& directions,
+                     const LatticeOptions& lattice, Work* work = nullptr) {
   LatticeOptions options = lattice;
   options.measure_work = work != nullptr;
   const auto engine = makeComputeEngine(testDevice(), scene, ids, options);
@@ -229,7 +242,9 @@ TEST(Peel, ThousandsOfLayersTakeMoreDispatches) {
   for (uint32_t few_points : {0u, 64u}) {  // in lists, and as fragments of their points
     EXPECT_EQ(countWith(scene, ids, up, {.resolution = 4, .few_points = few_points}, &work), expected);
     EXPECT_GT(work.resumed, 0u) << few_points;
-    EXPECT_EQ(countWith(scene, ids, up, {.resolution = 4, .layers_kept = 8, .few_points = few_points, .sort = true}, &work), expected);
+    EXPECT_EQ(
+        countWith(scene, ids, up, {.resolution = 4, .layers_kept = 8, .few_points = few_points, .sort = true}, &work),
+        expected);
   }
 }
 
@@ -243,7 +258,8 @@ TEST(Peel, HundredsOfLayersMeet) {
     const Ids ids = makeIds(scene, By::polygon, two_sided);
     const PairCounts expected = countPairsOnCpu(scene, ids, up, 4, true);
     EXPECT_EQ(countWith(scene, ids, up, {.resolution = 4, .count_blocked = true}), expected);
-    EXPECT_EQ(makeGraphicsEngine(testDevice(), scene, ids, {.resolution = 4, .count_blocked = true})->count(up), expected);
+    EXPECT_EQ(makeGraphicsEngine(testDevice(), scene, ids, {.resolution = 4, .count_blocked = true})->count(up),
+              expected);
     EXPECT_EQ(makeHostEngine(scene, ids, {.resolution = 4, .count_blocked = true})->count(up), expected);
     const LatticeOptions scanlines{.resolution = 4, .sampling = Sampling::scanline, .count_blocked = true};
     const PairCounts intervals = countIntervalsOnCpu(scene, ids, up, 4, true);
@@ -257,7 +273,8 @@ TEST(Peel, HundredsOfLayersMeet) {
 // Neither tiles nor layers kept nor how contributions are gathered, sorted, resumed or stored is seen in a count.
 TEST(Peel, NoTuningChangesTheCounts) {
   const auto directions = sampleDirections(Sampler::fibonacci, 9, 11, 0);
-  for (const auto& [input, two_sided] : {std::pair(ts::roomWithTouchingBoxes(), false), std::pair(ts::triangleSoup(300, 0.6, 5), true)}) {
+  for (const auto& [input, two_sided] :
+       {std::pair(ts::roomWithTouchingBoxes(), false), std::pair(ts::triangleSoup(300, 0.6, 5), true)}) {
     const Scene scene = buildScene(input);
     {
       const Ids ids = makeIds(scene, By::polygon, two_sided);
@@ -286,9 +303,11 @@ TEST(Peel, NoTuningChangesTheCounts) {
       all.push_back({.resolution = 40, .aggregate = false});
       all.push_back({.resolution = 40, .memory_budget_bytes = 1});
       for (size_t k = 0; k < all.size(); ++k) {
-        EXPECT_EQ(countWith(scene, ids, directions, all[k]), withoutBlocked(expected)) << input.file << ", two-sided " << two_sided << ", options " << k;
+        EXPECT_EQ(countWith(scene, ids, directions, all[k]), withoutBlocked(expected))
+            << input.file << ", two-sided " << two_sided << ", options " << k;
         all[k].count_blocked = true;
-        EXPECT_EQ(countWith(scene, ids, directions, all[k]), expected) << input.file << ", two-sided " << two_sided << ", options " << k << ", blocked";
+        EXPECT_EQ(countWith(scene, ids, directions, all[k]), expected)
+            << input.file << ", two-sided " << two_sided << ", options " << k << ", blocked";
       }
     }
   }
@@ -312,7 +331,8 @@ TEST(Peel, BuffersGrowAndRepeat) {
     EXPECT_GT(work.repeats, 0u) << "tile lists";
     EXPECT_EQ(countWith(scene, ids, directions, options({.few_points = 64, .fragment_capacity = 1}), &work), expected);
     EXPECT_EQ(work.repeats > 0, !blocked) << "fragments, which blocked pairs do without";
-    EXPECT_EQ(countWith(scene, ids, directions, options({.counter_budget_bytes = 1, .table_capacity = 1}), &work), expected);
+    EXPECT_EQ(countWith(scene, ids, directions, options({.counter_budget_bytes = 1, .table_capacity = 1}), &work),
+              expected);
     EXPECT_GT(work.repeats, 0u) << "hash table";
     EXPECT_EQ(countWith(scene, ids, directions, options({.most_blocks = 1}), &work), expected);
     EXPECT_GT(work.resumed, 0u) << "layers";
@@ -330,9 +350,16 @@ TEST(Peel, IntervalsAreThoseOfTheCpuTwin) {
         EXPECT_FALSE(expected.empty());
         for (uint32_t n : {1u, 3u, 8u})
           for (bool blocked : {false, true})
-            EXPECT_EQ(countWith(scene, ids, directions, {.resolution = resolution, .sampling = Sampling::scanline, .count_blocked = blocked, .tile_rows = n, .layers_kept = n,
-                                                         .most_blocks = 2 * n}),
-                      blocked ? expected : withoutBlocked(expected)) << input.file << ", resolution " << resolution << ", two-sided " << two_sided << ", blocked " << blocked;
+            EXPECT_EQ(countWith(scene, ids, directions,
+                                {.resolution = resolution,
+                                 .sampling = Sampling::scanline,
+                                 .count_blocked = blocked,
+                                 .tile_rows = n,
+                                 .layers_kept = n,
+                                 .most_blocks = 2 * n}),
+                      blocked ? expected : withoutBlocked(expected))
+                << input.file << ", resolution " << resolution << ", two-sided " << two_sided << ", blocked "
+                << blocked;
       }
     }
 }
@@ -345,8 +372,8 @@ TEST(Peel, CountsWhatWasAskedFor) {
   const auto& surfaces = scene.surfaces;
   ASSERT_GE(surfaces.size(), 3u);
   const std::string a = surfaces[0].name, b = surfaces[1].name, c = surfaces[2].name;
-  const Question everything, row{.from = {b}}, rows{.from = {b, c}}, pair{.pair = {a, b}}, with_itself{.pair = {a, a}}, blocker{.blockers = {c}},
-      row_and_blocker{.from = {a}, .blockers = {c}};
+  const Question everything, row{.from = {b}}, rows{.from = {b, c}}, pair{.pair = {a, b}}, with_itself{.pair = {a, a}},
+      blocker{.blockers = {c}}, row_and_blocker{.from = {a}, .blockers = {c}};
   for (const Question& question : {everything, row, rows, pair, with_itself, blocker, row_and_blocker})
     for (By by : {By::polygon, By::surface})
       for (uint32_t n : {1u, 4u}) {
@@ -354,10 +381,16 @@ TEST(Peel, CountsWhatWasAskedFor) {
         askOnlyFor(question, scene, ids);
         const PairCounts expected = countPairsOnCpu(scene, ids, directions, 40, true);
         EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 40, .layers_kept = n}), withoutBlocked(expected));
-        EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 40, .count_blocked = true, .layers_kept = n}), expected);
+        EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 40, .count_blocked = true, .layers_kept = n}),
+                  expected);
         const PairCounts intervals = countIntervalsOnCpu(scene, ids, directions, 40, true);
-        EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 40, .sampling = Sampling::scanline, .layers_kept = n}), withoutBlocked(intervals));
-        EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 40, .sampling = Sampling::scanline, .count_blocked = true, .layers_kept = n}), intervals);
+        EXPECT_EQ(
+            countWith(scene, ids, directions, {.resolution = 40, .sampling = Sampling::scanline, .layers_kept = n}),
+            withoutBlocked(intervals));
+        EXPECT_EQ(
+            countWith(scene, ids, directions,
+                      {.resolution = 40, .sampling = Sampling::scanline, .count_blocked = true, .layers_kept = n}),
+            intervals);
       }
 }
 
@@ -368,9 +401,21 @@ TEST(Peel, HashTableIsEmptiedWhenHalfFull) {
   const auto directions = sampleDirections(Sampler::fibonacci, 300, 11, 0);
   Work work;
   const PairCounts expected = countPairsOnCpu(scene, ids, directions, 24, true);
-  EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 24, .batch_directions = 2, .counter_budget_bytes = 1, .few_points = 0, .table_capacity = 4096}, &work), withoutBlocked(expected));
+  EXPECT_EQ(
+      countWith(
+          scene, ids, directions,
+          {.resolution = 24, .batch_directions = 2, .counter_budget_bytes = 1, .few_points = 0, .table_capacity = 4096},
+          &work),
+      withoutBlocked(expected));
   EXPECT_EQ(work.repeats, 0u);
-  EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 24, .count_blocked = true, .batch_directions = 2, .counter_budget_bytes = 1, .table_capacity = 16384}, &work), expected);
+  EXPECT_EQ(countWith(scene, ids, directions,
+                      {.resolution = 24,
+                       .count_blocked = true,
+                       .batch_directions = 2,
+                       .counter_budget_bytes = 1,
+                       .table_capacity = 16384},
+                      &work),
+            expected);
   EXPECT_EQ(work.repeats, 0u);
 }
 
@@ -379,7 +424,8 @@ TEST(Peel, MemoryIsPlanned) {
   const Scene scene = buildScene(ts::triangleSoup(300, 0.6, 5));
   const Ids ids = makeIds(scene, By::polygon, false);
   const auto directions = sampleDirections(Sampler::fibonacci, 9, 11, 0);
-  const auto roomy = makeComputeEngine(testDevice(), scene, ids, {.resolution = 40}), tight = makeComputeEngine(testDevice(), scene, ids, {.resolution = 40, .memory_budget_bytes = 1});
+  const auto roomy = makeComputeEngine(testDevice(), scene, ids, {.resolution = 40}),
+             tight = makeComputeEngine(testDevice(), scene, ids, {.resolution = 40, .memory_budget_bytes = 1});
   EXPECT_NE(roomy->describePlan().find("2 x "), std::string::npos) << roomy->describePlan();
   EXPECT_NE(tight->describePlan().find("1 x 1 directions"), std::string::npos) << tight->describePlan();
   EXPECT_EQ(tight->count(directions), roomy->count(directions));
@@ -398,7 +444,8 @@ TEST(Peel, ErrorsWaitForTheOtherBatch) {
   const Scene scene = buildScene(ts::stackOfSheets(heights));
   const Ids ids = makeIds(scene, By::polygon, false);
   const auto directions = sampleDirections(Sampler::fibonacci, 12, 1, 0);
-  const auto engine = makeComputeEngine(testDevice(), scene, ids, {.resolution = 4, .sampling = Sampling::scanline, .batch_directions = 1});
+  const auto engine = makeComputeEngine(testDevice(), scene, ids,
+                                        {.resolution = 4, .sampling = Sampling::scanline, .batch_directions = 1});
   try {
     engine->count(directions);
     FAIL() << "accepted";
@@ -407,7 +454,8 @@ TEST(Peel, ErrorsWaitForTheOtherBatch) {
   }
 }
 
-// A callback may end a call between two batches: the next one starts from nothing. Lists too short make the other batch want to be repeated.
+// A callback may end a call between two batches: the next one starts from nothing. Lists too short make the other batch
+// want to be repeated.
 TEST(Peel, EnginesCountAgainAfterACallbackThrew) {
   const Scene scene = buildScene(ts::roomWithTouchingBoxes());
   const Ids ids = makeIds(scene, By::polygon, false);
@@ -416,9 +464,10 @@ TEST(Peel, EnginesCountAgainAfterACallbackThrew) {
   for (const EngineKind kind : {EngineKind::compute, EngineKind::graphics})
     for (int batches : {1, 2, 5}) {
       int left = batches;
-      const auto engine = enginesOf(kind)(scene, ids, {.batch_directions = 7, .list_capacity = 1, .on_batch = [&](uint64_t) {
-                                        if (--left == 0) throw Interrupted{};
-                                      }});
+      const auto engine =
+          enginesOf(kind)(scene, ids, {.batch_directions = 7, .list_capacity = 1, .on_batch = [&](uint64_t) {
+                                         if (--left == 0) throw Interrupted{};
+                                       }});
       EXPECT_THROW(engine->count(directions), Interrupted);
       EXPECT_EQ(engine->count(directions), expected) << "after " << batches << " batches";
     }
@@ -427,7 +476,8 @@ TEST(Peel, EnginesCountAgainAfterACallbackThrew) {
 TEST(Peel, GraphicsEngineRefusesCountersBeyondTheBudget) {
   const Scene scene = buildScene(ts::roomWithTouchingBoxes());
   try {
-    makeGraphicsEngine(testDevice(), scene, makeIds(scene, By::polygon, false), {.resolution = 8, .counter_budget_bytes = 1000});
+    makeGraphicsEngine(testDevice(), scene, makeIds(scene, By::polygon, false),
+                       {.resolution = 8, .counter_budget_bytes = 1000});
     FAIL() << "accepted";
   } catch (const std::exception& error) {
     EXPECT_NE(std::string(error.what()).find("--by surface"), std::string::npos) << error.what();

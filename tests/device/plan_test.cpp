@@ -16,8 +16,9 @@ namespace ts = test_scenes;
 
 Lattices latticesWithWindows() { return {enginesOf(EngineKind::compute), {}, 0, true}; }
 
-// A run reaches about what its plan promised. The largest of standard errors from 8 replicates each, predicted from 8 others: their squares have 7 degrees of
-// freedom, and F(7, 7) stays below 10^2 with probability 1 - 1e-6. Interpolation between pilots may add a factor of 2.
+// A run reaches about what its plan promised. The largest of standard errors from 8 replicates each, predicted from 8
+// others: their squares have 7 degrees of freedom, and F(7, 7) stays below 10^2 with probability 1 - 1e-6.
+// Interpolation between pilots may add a factor of 2.
 TEST(Plan, PredictsTheStandardError) {
   for (const InputScene& input : {ts::parallelSquares(), ts::insideOfCube(), ts::roomWithTouchingBoxes()})
     for (double tolerance : {0.02, 0.002}) {
@@ -35,16 +36,19 @@ TEST(Plan, PredictsTheStandardError) {
     }
 }
 
-// Of small parts of a room few lines tell each pair: with shares of closed forms and of neighbours the run reaches about what was planned. The largest of many standard errors that lines give as
-// chance has them, not replicates, spreads by less than 2; interpolation may add 2.
+// Of small parts of a room few lines tell each pair: with shares of closed forms and of neighbours the run reaches
+// about what was planned. The largest of many standard errors that lines give as chance has them, not replicates,
+// spreads by less than 2; interpolation may add 2.
 TEST(Plan, PredictsErrorsOfSharesThatFewLinesTell) {
   InputScene input{"room in parts", {"room"}, {}};
   constexpr int kCuts = 5;
   for (const InputFace& face : ts::roomWithTouchingBoxes().faces) {
     ASSERT_EQ(face.corners.size(), 4u);
-    const glm::dvec3 u = (face.corners[1] - face.corners[0]) / double(kCuts), v = (face.corners[3] - face.corners[0]) / double(kCuts);
+    const glm::dvec3 u = (face.corners[1] - face.corners[0]) / double(kCuts),
+                     v = (face.corners[3] - face.corners[0]) / double(kCuts);
     for (int column = 0; column < kCuts; ++column)
-      for (int row = 0; row < kCuts; ++row) input.faces.push_back({ts::parallelogram(face.corners[0] + double(column) * u + double(row) * v, u, v), 0, 0});
+      for (int row = 0; row < kCuts; ++row)
+        input.faces.push_back({ts::parallelogram(face.corners[0] + double(column) * u + double(row) * v, u, v), 0, 0});
   }
   const Scene scene = buildScene(input);
   const Ids ids = makeIds(scene, By::polygon, false);
@@ -56,7 +60,8 @@ TEST(Plan, PredictsErrorsOfSharesThatFewLinesTell) {
     options.directions = plan.directions;
     options.tolerance.reset();
     FaceExchanges exchanges(nullptr, scene, ids);
-    const VisibleShares shares = findVisibleShares(*plan.engine, exchanges, scene, ids, plan.groups, options, {sharePilot(options).directions});
+    const VisibleShares shares =
+        findVisibleShares(*plan.engine, exchanges, scene, ids, plan.groups, options, {sharePilot(options).directions});
     options.known = &shares.known;
     const double reached = estimateFormFactors(*plan.engine, scene, ids, options).largest_standard_error;
     EXPECT_LT(reached, 4 * plan.standard_error) << tolerance;
@@ -119,7 +124,8 @@ InputScene speckOverFloor(double edge) {
   return input;
 }
 
-// A square of 1e-8 of the area of the floor that it looks at would be hit by one lattice point in 1e4 directions: it gets a window.
+// A square of 1e-8 of the area of the floor that it looks at would be hit by one lattice point in 1e4 directions: it
+// gets a window.
 TEST(Plan, SmallPolygonsAreSeen) {
   const Scene scene = buildScene(speckOverFloor(1e-4));
   const Ids ids = makeIds(scene, By::polygon, false);
@@ -130,7 +136,8 @@ TEST(Plan, SmallPolygonsAreSeen) {
   const Estimate estimate = estimateFormFactors(*plan.engine, scene, ids, options);
   EXPECT_LE(estimate.largest_standard_error, 0.02);
   EXPECT_LT(estimate.replicates, 100u);
-  // A differential element in the middle of a square, at a tenth of its edge: four times Howell's B-4 with both ratios 1/2 / 0.1.
+  // A differential element in the middle of a square, at a tenth of its edge: four times Howell's B-4 with both ratios
+  // 1/2 / 0.1.
   const double x = 0.5 / 0.1, r = std::sqrt(1 + x * x);
   const double truth = 4 / (2 * M_PI) * 2 * x / r * std::atan(x / r);
   const Measured f = estimate.form_factors.formFactor(1, 0);
@@ -138,7 +145,8 @@ TEST(Plan, SmallPolygonsAreSeen) {
   EXPECT_GT(truth, 0.9);
 }
 
-// With closed forms a row's counts of a replicate stay below 2^50, also where a small polygon has a fine window and the error asked for is small: replicates do the rest, or the plan says so.
+// With closed forms a row's counts of a replicate stay below 2^50, also where a small polygon has a fine window and the
+// error asked for is small: replicates do the rest, or the plan says so.
 TEST(Plan, CountsAreNotTooLargeForClosedForms) {
   const Scene scene = buildScene(speckOverFloor(1e-5));
   const Ids ids = makeIds(scene, By::polygon, false);
@@ -153,7 +161,8 @@ TEST(Plan, CountsAreNotTooLargeForClosedForms) {
   }
 }
 
-// A square of 2.5e-17 of the scene's area has less than one point of the finest lattice there is in what a run of this length takes: the plan says so, of it alone.
+// A square of 2.5e-17 of the scene's area has less than one point of the finest lattice there is in what a run of this
+// length takes: the plan says so, of it alone.
 TEST(Plan, WhatMayGoUnmetIsNamed) {
   InputScene input{"speck", {}, {}};
   ts::addFace(input, "floor", {{0, 0, 0}, {2000, 0, 0}, {2000, 2000, 0}, {0, 2000, 0}});

@@ -16,7 +16,8 @@ namespace {
 
 namespace ts = test_scenes;
 
-// Squares of edges from 1 to 1e-4 above a large one, facing it and, in pairs, each other; scattered, so that windows differ.
+// Squares of edges from 1 to 1e-4 above a large one, facing it and, in pairs, each other; scattered, so that windows
+// differ.
 InputScene squaresOfAllSizes() {
   InputScene scene{"squares of all sizes", {}, {}};
   ts::addFace(scene, "floor", {{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}});
@@ -24,9 +25,12 @@ InputScene squaresOfAllSizes() {
   for (int k = 0; k < 5; ++k) {
     const double edge = std::pow(10.0, -k), z = 0.5 + 0.1 * k;
     const std::string name = fmt::format("k{}", k);
-    ts::addFace(scene, name + "_down", {{x, 0.5, z}, {x, 0.5 + edge, z}, {x + edge, 0.5 + edge, z}, {x + edge, 0.5, z}});
+    ts::addFace(scene, name + "_down",
+                {{x, 0.5, z}, {x, 0.5 + edge, z}, {x + edge, 0.5 + edge, z}, {x + edge, 0.5, z}});
     if (k > 0)  // a partner that looks up at it, at a distance of its own edge
-      ts::addFace(scene, name + "_up", {{x, 0.5, z - edge}, {x + edge, 0.5, z - edge}, {x + edge, 0.5 + edge, z - edge}, {x, 0.5 + edge, z - edge}});
+      ts::addFace(
+          scene, name + "_up",
+          {{x, 0.5, z - edge}, {x + edge, 0.5, z - edge}, {x + edge, 0.5 + edge, z - edge}, {x, 0.5 + edge, z - edge}});
     x += edge + 0.15;
   }
   return scene;
@@ -102,12 +106,14 @@ TEST(SizeGroups, CountsAreThoseOfTheCpuTwin) {
         for (size_t earlier = 0; earlier <= g; ++earlier)
           for (uint32_t k : groups[earlier].polygons) ids.roles[k] = earlier == g ? kEmits | kReceives : kReceives;
         const uint64_t weight = uint64_t(finest / groups[g].resolution) * uint64_t(finest / groups[g].resolution);
-        for (const PairCount& c : countPairsOnCpu(scene, ids, directions, groups[g].resolution, false, Fault::none, groups[g].window))
+        for (const PairCount& c :
+             countPairsOnCpu(scene, ids, directions, groups[g].resolution, false, Fault::none, groups[g].window))
           expected[{c.i, c.j}] += weight * c.count;
       }
       PairCounts twin;
       for (const auto& [pair, count] : expected) twin.push_back({pair.first, pair.second, count});
-      const auto engine = makeGroupedEngine(enginesOf(EngineKind::compute), scene, makeIds(scene, by, false), {}, groups);
+      const auto engine =
+          makeGroupedEngine(enginesOf(EngineKind::compute), scene, makeIds(scene, by, false), {}, groups);
       EXPECT_EQ(engine->count(directions), twin);
       const size_t half = directions.size() / 2;
       const auto halves = engine->countBlocks(directions, half);
@@ -116,7 +122,8 @@ TEST(SizeGroups, CountsAreThoseOfTheCpuTwin) {
     }
 }
 
-// A window shows a part of the whole scene's lattice, point by point. Both snap alike here: their coordinates stay below 512 spacings.
+// A window shows a part of the whole scene's lattice, point by point. Both snap alike here: their coordinates stay
+// below 512 spacings.
 TEST(SizeGroups, WindowsAreOnOneLattice) {
   const Scene scene = buildScene(squaresOfAllSizes());
   Ids ids = makeIds(scene, By::polygon, false);
@@ -129,11 +136,15 @@ TEST(SizeGroups, WindowsAreOnOneLattice) {
     ASSERT_LT(glm::length(corner - window.centre) + 0.1 / scene.scale * 1.5, window.radius);
     const auto part = makeComputeEngine(testDevice(), scene, ids, {.resolution = 512, .window = window});
     const auto directions = sampleDirections(Sampler::iid, 30, 12, 0);
-    for (const Direction& direction : directions) EXPECT_EQ(part->count(std::span(&direction, 1)), whole->count(std::span(&direction, 1)));
+    for (const Direction& direction : directions)
+      EXPECT_EQ(part->count(std::span(&direction, 1)), whole->count(std::span(&direction, 1)));
     for (const int resolution : {512, 8000})
       for (const Sampling sampling : {Sampling::lattice, Sampling::scanline}) {
-        const LatticeOptions options{.resolution = resolution, .sampling = sampling, .window = window, .count_blocked = true};
-        EXPECT_EQ(makeHostEngine(scene, ids, options)->count(directions), makeComputeEngine(testDevice(), scene, ids, options)->count(directions)) << resolution;
+        const LatticeOptions options{
+            .resolution = resolution, .sampling = sampling, .window = window, .count_blocked = true};
+        EXPECT_EQ(makeHostEngine(scene, ids, options)->count(directions),
+                  makeComputeEngine(testDevice(), scene, ids, options)->count(directions))
+            << resolution;
       }
   }
 }
@@ -168,7 +179,8 @@ TEST(SizeGroups, OneGroupIsTheWholeMatrix) {
   const Scene scene = buildScene(ts::roomWithTouchingBoxes());
   const Ids ids = makeIds(scene, By::polygon, false);
   const auto directions = sampleDirections(Sampler::fibonacci, 20, 3, 0);
-  const auto whole = groupAsOne(scene, 33), equal = groupBySize(scene, std::vector<double>(scene.polygons.size(), 1), 33);
+  const auto whole = groupAsOne(scene, 33),
+             equal = groupBySize(scene, std::vector<double>(scene.polygons.size(), 1), 33);
   ASSERT_EQ(whole.size(), 1u);
   ASSERT_EQ(equal.size(), 1u);
   EXPECT_EQ(whole[0].resolution, equal[0].resolution);
@@ -179,14 +191,16 @@ TEST(SizeGroups, OneGroupIsTheWholeMatrix) {
   EXPECT_EQ(engine->unitArea(), 4.0 / (33 * 33));
 }
 
-// Areas from 1 to 1e-8, and pairs of equal squares at a distance of their own edge at all sizes: within five standard errors, which
-// are those of polygons well above the spacing.
+// Areas from 1 to 1e-8, and pairs of equal squares at a distance of their own edge at all sizes: within five standard
+// errors, which are those of polygons well above the spacing.
 TEST(SizeGroups, SmallPolygonsHaveTheirClosedForms) {
   const Scene scene = buildScene(squaresOfAllSizes());
   const Ids ids = makeIds(scene, By::polygon, false);
   for (const TestRun& run : withEngines()) {
     SCOPED_TRACE(run.name);
-    const auto engine = makeGroupedEngine(enginesOf(run.engine), scene, ids, run.lattice, groupBySize(scene, neededFor(scene, 8), 16, maxWindowResolution(run.lattice.sampling)));
+    const auto engine =
+        makeGroupedEngine(enginesOf(run.engine), scene, ids, run.lattice,
+                          groupBySize(scene, neededFor(scene, 8), 16, maxWindowResolution(run.lattice.sampling)));
     const Estimate estimate = estimateFormFactors(*engine, scene, ids, {.directions = 300, .replicates = 16});
     const auto indexOf = [&](const std::string& name) {
       return static_cast<uint32_t>(std::find(ids.names.begin(), ids.names.end(), name) - ids.names.begin());
@@ -196,13 +210,17 @@ TEST(SizeGroups, SmallPolygonsHaveTheirClosedForms) {
       const Measured f = estimate.form_factors.formFactor(indexOf(name + "_up"), indexOf(name + "_down"));
       // Two equal squares at a distance of their edge (Howell, C-11).
       EXPECT_NEAR(f.value, 0.199824895698, 5 * f.standard_error) << name;
-      // Scanlines end at 2^14 rows, some 15 times too few for the smallest squares: of rows that seldom meet one the variance is as their spacing.
+      // Scanlines end at 2^14 rows, some 15 times too few for the smallest squares: of rows that seldom meet one the
+      // variance is as their spacing.
       EXPECT_LT(f.standard_error, run.lattice.sampling == Sampling::scanline && k == 4 ? 8e-3 : 2e-3) << name;
       EXPECT_EQ(estimate.form_factors.exchangeArea(indexOf(name + "_up"), indexOf(name + "_down")).value,
                 estimate.form_factors.exchangeArea(indexOf(name + "_down"), indexOf(name + "_up")).value);
     }
     // All that leaves a polygon is accounted for.
-    for (uint32_t k = 0; k < ids.count(); ++k) EXPECT_NEAR(estimate.form_factors.rowSums()[k].value, 1, 6 * estimate.form_factors.rowSums()[k].standard_error + 1e-12) << ids.names[k];
+    for (uint32_t k = 0; k < ids.count(); ++k)
+      EXPECT_NEAR(estimate.form_factors.rowSums()[k].value, 1,
+                  6 * estimate.form_factors.rowSums()[k].standard_error + 1e-12)
+          << ids.names[k];
   }
 }
 

@@ -32,8 +32,8 @@ struct CornerPair {
   Corners a, b;
 };
 
-// Pairs 2k, 2k + 1 of the polygons, each built as a scene of its own: polygons of different pairs may lie anywhere, across
-// each other or in one place, and know nothing of each other.
+// Pairs 2k, 2k + 1 of the polygons, each built as a scene of its own: polygons of different pairs may lie anywhere,
+// across each other or in one place, and know nothing of each other.
 Scene sceneOf(const std::vector<CornerPair>& pairs, const SceneOptions& options = {}) {
   Scene all;
   all.file = "pairs";
@@ -71,12 +71,14 @@ double largerFactor(const Scene& scene, uint32_t i, uint32_t j, double exchange_
   return exchange_area / std::min(scene.polygons[i].area, scene.polygons[j].area);
 }
 
-double allowedError(double form_factor) { return std::max(kUnoccludedRelativeError * form_factor, kUnoccludedAbsoluteError); }
+double allowedError(double form_factor) {
+  return std::max(kUnoccludedRelativeError * form_factor, kUnoccludedAbsoluteError);
+}
 
 testing::AssertionResult isAccurate(double form_factor, double truth, double truth_error) {
   if (std::abs(form_factor - truth) <= allowedError(truth) + truth_error) return testing::AssertionSuccess();
-  return testing::AssertionFailure() << fmt::format("{} is off {} by {}, allowed {}", form_factor, truth, form_factor - truth,
-                                                    allowedError(truth) + truth_error);
+  return testing::AssertionFailure() << fmt::format("{} is off {} by {}, allowed {}", form_factor, truth,
+                                                    form_factor - truth, allowedError(truth) + truth_error);
 }
 
 bool on_host = false;  // whether this run of a test is about the processor
@@ -89,7 +91,8 @@ class Unoccluded : public testing::TestWithParam<bool> {
  protected:
   void SetUp() override { on_host = GetParam(); }
 };
-INSTANTIATE_TEST_SUITE_P(Everywhere, Unoccluded, testing::Bool(), [](const auto& where) { return where.param ? "Host" : "Device"; });
+INSTANTIATE_TEST_SUITE_P(Everywhere, Unoccluded, testing::Bool(),
+                         [](const auto& where) { return where.param ? "Host" : "Device"; });
 
 struct Outcome {
   std::vector<double> factors;  // from the smaller polygon
@@ -108,7 +111,8 @@ Outcome computeBothWays(const Scene& scene, const std::string& what) {
   exchange.compute(reversed, areas_reversed);
   EXPECT_EQ(areas, areas_reversed) << what;
   Outcome outcome{{}, exchange.work()};
-  for (size_t k = 0; k < pairs.size(); ++k) outcome.factors.push_back(largerFactor(scene, pairs[k].i / 2, pairs[k].j / 2, areas[k]));
+  for (size_t k = 0; k < pairs.size(); ++k)
+    outcome.factors.push_back(largerFactor(scene, pairs[k].i / 2, pairs[k].j / 2, areas[k]));
   return outcome;
 }
 
@@ -127,16 +131,19 @@ void expectReference(const std::vector<CornerPair>& pairs, const std::string& wh
 CornerPair randomPair(Random& random, double most, double ratio) {
   const glm::dvec3 towards = random.direction();
   const auto facing = [&random](glm::dvec3 d) { return glm::normalize(d + 0.9 * random.direction()); };
-  const double size = std::exp(random.uniform(0, std::log(ratio))), distance = std::exp(random.uniform(std::log(0.3), std::log(most)));
+  const double size = std::exp(random.uniform(0, std::log(ratio))),
+               distance = std::exp(random.uniform(std::log(0.3), std::log(most)));
   const Corners a = random.convexPolygon(glm::dvec3(0), facing(towards), 3 + (int)random.uniform(0, 2));
-  const Corners b = moved(random.convexPolygon(glm::dvec3(0), facing(-towards), 3 + (int)random.uniform(0, 2)), 1 / size, distance * towards);
+  const Corners b = moved(random.convexPolygon(glm::dvec3(0), facing(-towards), 3 + (int)random.uniform(0, 2)),
+                          1 / size, distance * towards);
   return {a, b};
 }
 
 TEST_P(Unoccluded, RandomPairs) {
   constexpr uint64_t kSeed = 41;
   Random random(kSeed);
-  for (const auto& [most, ratio] : {std::pair(3.0, 1.001), std::pair(30.0, 1.001), std::pair(1000.0, 30.0), std::pair(3.0, 300.0)}) {
+  for (const auto& [most, ratio] :
+       {std::pair(3.0, 1.001), std::pair(30.0, 1.001), std::pair(1000.0, 30.0), std::pair(3.0, 300.0)}) {
     std::vector<CornerPair> pairs;
     for (int k = 0; k < 300; ++k) pairs.push_back(randomPair(random, most, ratio));
     expectReference(pairs, fmt::format("seed {}, distance to {}, sizes to 1:{}", kSeed, most, ratio));
@@ -151,43 +158,49 @@ TEST_P(Unoccluded, CommonEdgesFrom1To179Degrees) {
       const double angle_rad = angle_deg * kPi / 180;
       const glm::dvec3 o(0), p(1, 0, 0), q(std::cos(angle_rad), std::sin(angle_rad), 0), z(0, 0, length);
       pairs.push_back({rectangle(o, z, p), rectangle(o, q, z)});
-      pairs.push_back({{o, z, p}, {o, q, z}});                               // triangles on the same edge
-      pairs.push_back({rectangle(o, z, p), rectangle(0.3 * z, q, z)});       // part of the edge
-      pairs.push_back({rectangle(o, z, p), rectangle(0.25 * z, q, 0.5 * z)}); // within the edge
-      pairs.push_back({rectangle(o, z, p), rectangle(z, q, z)});             // a corner only
+      pairs.push_back({{o, z, p}, {o, q, z}});                                 // triangles on the same edge
+      pairs.push_back({rectangle(o, z, p), rectangle(0.3 * z, q, z)});         // part of the edge
+      pairs.push_back({rectangle(o, z, p), rectangle(0.25 * z, q, 0.5 * z)});  // within the edge
+      pairs.push_back({rectangle(o, z, p), rectangle(z, q, z)});               // a corner only
       pairs.push_back({rectangle(o, z, p), rectangle(o, 0.1 * q, z)});
     }
   expectReference(pairs, "common edges");
 }
-
 
 struct KnownPair {
   CornerPair pair;
   double truth;  // F from a, which must be the smaller
 };
 
-// Closed forms of rectangles; corners are scaled to the unit ball, which rounds them: corner_rounding bounds what that does to F.
+// Closed forms of rectangles; corners are scaled to the unit ball, which rounds them: corner_rounding bounds what that
+// does to F.
 void expectKnown(const std::vector<KnownPair>& known, const std::string& what, double truth_error) {
   std::vector<CornerPair> pairs;
   for (const KnownPair& one : known) pairs.push_back(one.pair);
   const Scene scene = sceneOf(pairs);
   const Outcome outcome = computeBothWays(scene, what);
-  for (size_t k = 0; k < known.size(); ++k) EXPECT_TRUE(isAccurate(outcome.factors[k], known[k].truth, truth_error)) << what << ", pair " << k;
+  for (size_t k = 0; k < known.size(); ++k)
+    EXPECT_TRUE(isAccurate(outcome.factors[k], known[k].truth, truth_error)) << what << ", pair " << k;
 }
 
 TEST_P(Unoccluded, Slivers) {
   for (double width : {1e-2, 1e-4, 1e-5, 1e-6}) {
-    const Corners floor = rectangle({0, 0, 0}, {width, 0, 0}, {0, 1, 0}), wall = rectangle({0, 0, 0}, {0, 1, 0}, {0, 0, 1});
+    const Corners floor = rectangle({0, 0, 0}, {width, 0, 0}, {0, 1, 0}),
+                  wall = rectangle({0, 0, 0}, {0, 1, 0}, {0, 0, 1});
     const Corners thin_wall = rectangle({0, 0, 0}, {0, 1, 0}, {0, 0, width});
     std::vector<KnownPair> known{
         {{floor, wall}, reference::perpendicularRectangles({0, width}, {0, 1}, {0, 1}, {0, 1})},
         {{floor, thin_wall}, reference::perpendicularRectangles({0, width}, {0, 1}, {0, 1}, {0, width})},
-        {{floor, moved(thin_wall, 1, {0, 0.5, 0})}, reference::perpendicularRectangles({0, width}, {0, 1}, {0.5, 1.5}, {0, width})},
-        {{moved(floor, 1, {0.5, 0, 0}), wall}, reference::perpendicularRectangles({0.5, 0.5 + width}, {0, 1}, {0, 1}, {0, 1})},
+        {{floor, moved(thin_wall, 1, {0, 0.5, 0})},
+         reference::perpendicularRectangles({0, width}, {0, 1}, {0.5, 1.5}, {0, width})},
+        {{moved(floor, 1, {0.5, 0, 0}), wall},
+         reference::perpendicularRectangles({0.5, 0.5 + width}, {0, 1}, {0, 1}, {0, 1})},
     };
     for (double distance : {width, 100 * width, 0.1, 3.0}) {
-      const Corners above = flipped(moved(floor, 1, {0, 0, distance})), square = rectangle({0, 0, distance}, {0, 1, 0}, {1, 0, 0});
-      known.push_back({{floor, above}, reference::parallelRectangles({0, width}, {0, 1}, {0, width}, {0, 1}, distance)});
+      const Corners above = flipped(moved(floor, 1, {0, 0, distance})),
+                    square = rectangle({0, 0, distance}, {0, 1, 0}, {1, 0, 0});
+      known.push_back(
+          {{floor, above}, reference::parallelRectangles({0, width}, {0, 1}, {0, width}, {0, 1}, distance)});
       known.push_back({{floor, square}, reference::parallelRectangles({0, width}, {0, 1}, {0, 1}, {0, 1}, distance)});
     }
     expectKnown(known, fmt::format("slivers {} wide", width), 1e-10);
@@ -202,7 +215,8 @@ TEST_P(Unoccluded, RandomSlivers) {
   for (int k = 0; k < 150; ++k) {
     CornerPair pair = randomPair(random, 3, 1.001);
     const double thin = std::exp(random.uniform(std::log(1e-6), std::log(1e-4)));
-    const glm::dvec3 corner = pair.a[0], normal = glm::cross(pair.a[1] - corner, pair.a[2] - corner), across = glm::normalize(glm::cross(normal, random.direction()));
+    const glm::dvec3 corner = pair.a[0], normal = glm::cross(pair.a[1] - corner, pair.a[2] - corner),
+                     across = glm::normalize(glm::cross(normal, random.direction()));
     for (glm::dvec3& x : pair.a) x -= (1 - thin) * glm::dot(x - corner, across) * across;
     pairs.push_back(pair);
   }
@@ -215,11 +229,15 @@ TEST_P(Unoccluded, ParallelPlatesCloseTogether) {
   for (double gap : {1e-1, 1e-2, 1e-3, 1e-5, 1e-7, 1e-9, 0.0})
     for (double shift : {0.0, 0.3, 0.999}) {
       SCOPED_TRACE(fmt::format("gap {}, shift {}", gap, shift));
-      const Corners floor = rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}), above = rectangle({shift, 0.1, gap}, {0, 1, 0}, {1, 0, 0});
-      const double truth = reference::parallelRectangles({0, 1}, {0, 1}, {shift, 1 + shift}, {0.1, 1.1}, std::max(gap, 1e-13));
-      // Unit squares in a ball of about their size: a corner's rounding of 2^-53 moves the plates by no more than that, and F with the gap's size.
+      const Corners floor = rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}),
+                    above = rectangle({shift, 0.1, gap}, {0, 1, 0}, {1, 0, 0});
+      const double truth =
+          reference::parallelRectangles({0, 1}, {0, 1}, {shift, 1 + shift}, {0.1, 1.1}, std::max(gap, 1e-13));
+      // Unit squares in a ball of about their size: a corner's rounding of 2^-53 moves the plates by no more than that,
+      // and F with the gap's size.
       constexpr double kRounding = 1e-10;
-      // Without a gap plates alone in space are the two sides of a sheet, unless the user says that they are faces of solids.
+      // Without a gap plates alone in space are the two sides of a sheet, unless the user says that they are faces of
+      // solids.
       const SceneOptions solids{.solids = {"all"}};
       const Outcome between = computeBothWays(sceneOf({{floor, above}}, gap > 0 ? SceneOptions{} : solids), "plates");
       EXPECT_TRUE(isAccurate(between.factors[0], truth, kRounding));
@@ -233,10 +251,12 @@ TEST_P(Unoccluded, NearlyCoplanar) {
   for (double angle_deg : {1e-1, 1e-2, 1e-3, 1e-4, 1e-5}) {
     const double angle_rad = angle_deg * kPi / 180;
     const glm::dvec3 p(-1, 0, 0), q(std::cos(angle_rad), 0, std::sin(angle_rad)), y(0, 1, 0);
-    pairs.push_back({rectangle({0, 0, 0}, y, p), rectangle({0, 0, 0}, q, y)});                                   // a common edge
-    pairs.push_back({rectangle({-0.2, 0, 0}, y, p), rectangle({0, 0, 0}, q, y)});                                // apart
-    pairs.push_back({rectangle({0, 0, 0}, y, p), rectangle({0, 1, 0}, q, y)});                                   // a common corner
-    if (angle_deg > 5e-3) pairs.push_back({rectangle({-1, 0, 0}, {3, 0, 0}, y), rectangle({0, 0.2, angle_rad}, {0.3, 0, 0}, {0, 0, angle_rad})});  // a low step
+    pairs.push_back({rectangle({0, 0, 0}, y, p), rectangle({0, 0, 0}, q, y)});     // a common edge
+    pairs.push_back({rectangle({-0.2, 0, 0}, y, p), rectangle({0, 0, 0}, q, y)});  // apart
+    pairs.push_back({rectangle({0, 0, 0}, y, p), rectangle({0, 1, 0}, q, y)});     // a common corner
+    if (angle_deg > 5e-3)
+      pairs.push_back({rectangle({-1, 0, 0}, {3, 0, 0}, y),
+                       rectangle({0, 0.2, angle_rad}, {0.3, 0, 0}, {0, 0, angle_rad})});  // a low step
   }
   expectReference(pairs, "nearly coplanar");
 }
@@ -247,7 +267,8 @@ TEST_P(Unoccluded, ClipsWhatReachesBehind) {
   std::vector<CornerPair> pairs;
   for (int k = 0; k < 400; ++k) {
     const glm::dvec3 apart = random.direction() * std::exp(random.uniform(std::log(0.5), std::log(20.0)));
-    pairs.push_back({random.convexPolygon(glm::dvec3(0), random.direction(), 3 + k % 2), random.convexPolygon(apart, random.direction(), 3 + k / 2 % 2)});
+    pairs.push_back({random.convexPolygon(glm::dvec3(0), random.direction(), 3 + k % 2),
+                     random.convexPolygon(apart, random.direction(), 3 + k / 2 % 2)});
   }
   // A wall through the middle of a floor, at a corner of it, along its edge.
   const Corners floor = rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
@@ -260,7 +281,8 @@ TEST_P(Unoccluded, ClipsWhatReachesBehind) {
 bool areWhole(const CornerPair& pair) {
   const auto isBefore = [](const Corners& plane, const Corners& corners) {
     const glm::dvec3 normal = glm::cross(plane[1] - plane[0], plane[2] - plane[0]);
-    return std::all_of(corners.begin(), corners.end(), [&](const glm::dvec3& x) { return glm::dot(normal, x - plane[0]) > 0; });
+    return std::all_of(corners.begin(), corners.end(),
+                       [&](const glm::dvec3& x) { return glm::dot(normal, x - plane[0]) > 0; });
   };
   return isBefore(pair.a, pair.b) && isBefore(pair.b, pair.a);
 }
@@ -272,7 +294,9 @@ TEST_P(Unoccluded, FarPairsToRelativeError) {
   std::vector<CornerPair> pairs;
   for (int k = 0; pairs.size() < 1200; ++k) {
     const glm::dvec3 towards = random.direction();
-    const auto facing = [&](glm::dvec3 d) { return glm::normalize(d * (k % 3 ? 1.0 : 0.2) + 0.9 * random.direction()); };
+    const auto facing = [&](glm::dvec3 d) {
+      return glm::normalize(d * (k % 3 ? 1.0 : 0.2) + 0.9 * random.direction());
+    };
     Corners a = random.convexPolygon(glm::dvec3(0), facing(towards), 3 + k % 2);
     const Corners b = random.convexPolygon(glm::dvec3(0), facing(-towards), 3 + k / 2 % 2);
     const glm::dvec3 side = glm::normalize(a[1] - a[0]);
@@ -295,7 +319,8 @@ TEST_P(Unoccluded, FarPairsToRelativeError) {
   for (uint32_t k = 0; k < pairs.size(); ++k) {
     const uint32_t smaller = scene.polygons[2 * k].area <= scene.polygons[2 * k + 1].area ? 2 * k : 2 * k + 1;
     const double truth = reference::formFactor(cornersOf(scene, smaller), cornersOf(scene, smaller ^ 1u));
-    EXPECT_LE(std::abs(outcome.factors[k] - truth), (kUnoccludedRelativeError + reference::kFarRelativeError) * truth) << "seed " << kSeed << ", pair " << k;
+    EXPECT_LE(std::abs(outcome.factors[k] - truth), (kUnoccludedRelativeError + reference::kFarRelativeError) * truth)
+        << "seed " << kSeed << ", pair " << k;
     worst = std::max(worst, std::abs(outcome.factors[k] / truth - 1));
   }
   EXPECT_GT(worst, 0.1 * kUnoccludedRelativeError);  // the rules are no finer than they need be
@@ -304,17 +329,19 @@ TEST_P(Unoccluded, FarPairsToRelativeError) {
 TEST_P(Unoccluded, PairsThatDoNotSeeEachOtherAreExactlyZero) {
   const Corners square = rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}), above = rectangle({0, 0, 1}, {0, 1, 0}, {1, 0, 0});
   Random random(45);
-  std::vector<CornerPair> pairs{{square, flipped(above)},
-                                {flipped(square), above},
-                                {square, moved(square, 1, {1, 0, 0})},                  // coplanar, one way
-                                {square, moved(square, 0.5, {0.2, 0.2, 0})},
-                                {square, flipped(moved(square, 1, {1, 0, 0}))},         // coplanar, face to face, with a common edge
-                                {square, flipped(moved(square, 1, {1.5, 0, 0}))},
-                                {square, rectangle({0, 0, 0}, {0, 0, 1}, {0, 1, 0})},   // a common edge, the wall looks away
-                                {square, rectangle({0, 0, -1}, {0, 1, 0}, {0, 0, 1})},  // a common edge from below
-                                {square, rectangle({0.5, 0, -2}, {0, 1, 0}, {0, 0, 1})}};
+  std::vector<CornerPair> pairs{
+      {square, flipped(above)},
+      {flipped(square), above},
+      {square, moved(square, 1, {1, 0, 0})},  // coplanar, one way
+      {square, moved(square, 0.5, {0.2, 0.2, 0})},
+      {square, flipped(moved(square, 1, {1, 0, 0}))},  // coplanar, face to face, with a common edge
+      {square, flipped(moved(square, 1, {1.5, 0, 0}))},
+      {square, rectangle({0, 0, 0}, {0, 0, 1}, {0, 1, 0})},   // a common edge, the wall looks away
+      {square, rectangle({0, 0, -1}, {0, 1, 0}, {0, 0, 1})},  // a common edge from below
+      {square, rectangle({0.5, 0, -2}, {0, 1, 0}, {0, 0, 1})}};
   for (int k = 0; k < 50; ++k) {  // backs of a convex solid's neighbours, turned at random
-    const glm::dvec3 x = random.direction(), y = glm::normalize(glm::cross(x, random.direction())), z = glm::cross(x, y);
+    const glm::dvec3 x = random.direction(), y = glm::normalize(glm::cross(x, random.direction())),
+                     z = glm::cross(x, y);
     pairs.push_back({rectangle({0, 0, 0}, x, y), rectangle({0, 0, 0}, y, -z)});
   }
   const Scene scene = sceneOf(pairs);
@@ -346,7 +373,8 @@ TEST_P(Unoccluded, SidesAreThoseOfFlippedPolygons) {
   for (size_t k = 0; k < asked.size(); ++k) {
     const double area_a = scene.polygons[asked[k].i / 2].area, area_b = scene.polygons[asked[k].j / 2].area;
     // The reference's F is from a.
-    const double allowed = std::max(kUnoccludedRelativeError * truths[k] * area_a, kUnoccludedAbsoluteError * std::min(area_a, area_b));
+    const double allowed =
+        std::max(kUnoccludedRelativeError * truths[k] * area_a, kUnoccludedAbsoluteError * std::min(area_a, area_b));
     EXPECT_LE(std::abs(areas[k] - truths[k] * area_a), allowed + reference::kContourError * area_a) << "pair " << k;
   }
 }
@@ -361,8 +389,10 @@ TEST_P(Unoccluded, RoomCloses) {
     for (int i = 0; i < kCuts; ++i)
       for (int j = 0; j < kCuts; ++j) {
         Corners corners;
-        for (const auto& [u, v] : {std::pair(i, j), std::pair(i + 1, j), std::pair(i + 1, j + 1), std::pair(i, j + 1)}) {
-          const glm::dvec3 p = face[0] + (face[1] - face[0]) * (double(u) / kCuts) + (face[3] - face[0]) * (double(v) / kCuts);
+        for (const auto& [u, v] :
+             {std::pair(i, j), std::pair(i + 1, j), std::pair(i + 1, j + 1), std::pair(i, j + 1)}) {
+          const glm::dvec3 p =
+              face[0] + (face[1] - face[0]) * (double(u) / kCuts) + (face[3] - face[0]) * (double(v) / kCuts);
           corners.push_back(p.x * x + p.y * y + p.z * z);
         }
         input.faces.push_back({corners, 0, 0});
@@ -377,8 +407,11 @@ TEST_P(Unoccluded, RoomCloses) {
   EXPECT_TRUE(exchange.compute(pairs, areas).empty());
   for (size_t k = 0; k < pairs.size(); ++k)
     for (uint32_t side : {pairs[k].i, pairs[k].j}) sums[side / 2] += areas[k];
-  // Corners on a cut are rounded alike on both sides; the planes of walls to 2^-52, which moves a share of 1e-13 of what leaves a patch.
-  for (uint32_t i = 0; i < n; ++i) EXPECT_NEAR(sums[i] / scene.polygons[i].area, 1, kUnoccludedRelativeError + n * kUnoccludedAbsoluteError + 1e-12) << "polygon " << i;
+  // Corners on a cut are rounded alike on both sides; the planes of walls to 2^-52, which moves a share of 1e-13 of
+  // what leaves a patch.
+  for (uint32_t i = 0; i < n; ++i)
+    EXPECT_NEAR(sums[i] / scene.polygons[i].area, 1, kUnoccludedRelativeError + n * kUnoccludedAbsoluteError + 1e-12)
+        << "polygon " << i;
 }
 
 TEST_P(Unoccluded, ChunksDoNotMatter) {
@@ -387,7 +420,8 @@ TEST_P(Unoccluded, ChunksDoNotMatter) {
   for (int k = 0; k < 60; ++k) pairs.push_back(randomPair(random, k % 2 ? 3 : 60, 2));
   for (int k = 0; k < 20; ++k) {
     const double angle_rad = random.uniform(0.02, 3.1), length = std::exp(random.uniform(-4, 4));
-    pairs.push_back({rectangle({0, 0, 0}, {0, 0, length}, {1, 0, 0}), rectangle({0, 0, 0}, {std::cos(angle_rad), std::sin(angle_rad), 0}, {0, 0, length})});
+    pairs.push_back({rectangle({0, 0, 0}, {0, 0, length}, {1, 0, 0}),
+                     rectangle({0, 0, 0}, {std::cos(angle_rad), std::sin(angle_rad), 0}, {0, 0, length})});
   }
   const Scene scene = sceneOf(pairs);
   std::vector<SidePair> asked;
@@ -406,11 +440,13 @@ TEST_P(Unoccluded, ChunksDoNotMatter) {
 // Strips so thin that rounding alone is more than the error allowed: the value is there, and so is the report.
 TEST_P(Unoccluded, ReportsWhatItCannotReach) {
   constexpr double kWidth = 1e-10;
-  const Scene scene = sceneOf({{rectangle({0, 0, 0}, {kWidth, 0, 0}, {0, 1, 0}), rectangle({0, 0, 0.1}, {0, 1, 0}, {1, 0, 0})},
-                               {rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}), rectangle({0, 0, 0.1}, {0, 1, 0}, {1, 0, 0})}});
+  const Scene scene =
+      sceneOf({{rectangle({0, 0, 0}, {kWidth, 0, 0}, {0, 1, 0}), rectangle({0, 0, 0.1}, {0, 1, 0}, {1, 0, 0})},
+               {rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}), rectangle({0, 0, 0.1}, {0, 1, 0}, {1, 0, 0})}});
   std::vector<double> areas(2);
   const std::vector<UnreachedPair> unreached =
-      makeExchange(scene, {.chunk_pairs = 1}).compute(std::vector<SidePair>{{frontSide(2), frontSide(3)}, {frontSide(0), frontSide(1)}}, areas);
+      makeExchange(scene, {.chunk_pairs = 1})
+          .compute(std::vector<SidePair>{{frontSide(2), frontSide(3)}, {frontSide(0), frontSide(1)}}, areas);
   ASSERT_EQ(unreached.size(), 1u);
   EXPECT_EQ(unreached[0].pair, 1u);
   EXPECT_GT(unreached[0].error, kUnoccludedRelativeError * areas[1]);
@@ -419,7 +455,8 @@ TEST_P(Unoccluded, ReportsWhatItCannotReach) {
 }
 
 TEST_P(Unoccluded, RefusesWhatIsNotThere) {
-  const Scene scene = sceneOf({{rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}), rectangle({0, 0, 1}, {0, 1, 0}, {1, 0, 0})}});
+  const Scene scene =
+      sceneOf({{rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}), rectangle({0, 0, 1}, {0, 1, 0}, {1, 0, 0})}});
   UnoccludedExchange exchange = makeExchange(scene);
   std::vector<double> areas(1);
   EXPECT_THROW(exchange.compute(std::vector<SidePair>{{0, 4}}, areas), Error);

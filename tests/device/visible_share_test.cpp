@@ -31,7 +31,8 @@ struct Shared {
   PairCount countsOf(const EstimateOptions& options, uint32_t i, uint32_t j) const {
     PairCount sum{i, j};
     for (uint64_t r = 0; r < options.replicates; ++r)
-      for (const PairCount& count : engine->count(sampleDirections(options.sampler, options.directions, options.seed, r)))
+      for (const PairCount& count :
+           engine->count(sampleDirections(options.sampler, options.directions, options.seed, r)))
         if (count.i == i && count.j == j) sum.add(count);
     return sum;
   }
@@ -51,29 +52,38 @@ Shared share(const InputScene& input, int resolution, Sampling sampling = Sampli
   Shared made{buildScene(input), {}, nullptr, {}};
   made.ids = makeIds(made.scene, By::polygon, false);
   made.groups = groupAsOne(made.scene, resolution);
-  made.engine = makeComputeEngine(testDevice(), made.scene, made.ids, {.resolution = resolution, .sampling = sampling, .count_blocked = true});
+  made.engine = makeComputeEngine(testDevice(), made.scene, made.ids,
+                                  {.resolution = resolution, .sampling = sampling, .count_blocked = true});
   return made;
 }
 
-// The standard error of a pair whose lines are all facing, or all blocked, as a share of the most that it exchanges: of n directions that see it p (1 - p) / (n + 1/2), p as of two lines more with the
-// share s around the pair, and a tenth of a line of either kind; replicates, which do not differ, are trusted as far as the square of n p (1 - p) goes beside 1/4, and t standard errors are an interval
-// of a variance that is known better than R replicates know theirs, R 8 at least (ShareSums).
+// The standard error of a pair whose lines are all facing, or all blocked, as a share of the most that it exchanges: of
+// n directions that see it p (1 - p) / (n + 1/2), p as of two lines more with the share s around the pair, and a tenth
+// of a line of either kind; replicates, which do not differ, are trusted as far as the square of n p (1 - p) goes
+// beside 1/4, and t standard errors are an interval of a variance that is known better than R replicates know theirs, R
+// 8 at least (ShareSums).
 double deviationOfOneKind(const RunSums& sums, uint32_t i, uint32_t j) {
   const ShareSums& by_face = sums.visible->byFace();
   const KnownShares& known = sums.visible->known();
-  const auto told = std::ranges::find(by_face.pairs(), std::pair(i, j), [](const ShareSums::PairSum& pair) { return std::pair(pair.i, pair.j); });
+  const auto told = std::ranges::find(by_face.pairs(), std::pair(i, j),
+                                      [](const ShareSums::PairSum& pair) { return std::pair(pair.i, pair.j); });
   const ShareSums::Squares squared = by_face.squaresOf(*told);
-  const double lines = double(told->facing + told->blocked), squares = double(squared.facing + squared.blocked), area = std::min(by_face.ids().areas[i], by_face.ids().areas[j]);
-  const double per_direction = double(lineOf(known.lines, i, j)) + 8 / 27.0 * area / sums.countArea(), n = std::max(lines * lines / squares, lines / per_direction);
+  const double lines = double(told->facing + told->blocked), squares = double(squared.facing + squared.blocked),
+               area = std::min(by_face.ids().areas[i], by_face.ids().areas[j]);
+  const double per_direction = double(lineOf(known.lines, i, j)) + 8 / 27.0 * area / sums.countArea(),
+               n = std::max(lines * lines / squares, lines / per_direction);
   const double s = NeighbourShares(by_face, known.lines, known.ranks).of(i, j).smoothed;
   const double p = ((told->facing > 0 ? n : 0) + 2 * s + 0.1) / (n + 2.2), rarer = n * p * (1 - p);
-  const double t = quantile(complement(boost::math::students_t(double(std::max<uint64_t>(sums.replicateCount(), 8) - 1)), 0.025));
-  return std::sqrt(0.25 / (rarer * rarer + 0.25) * p * (1 - p) / (n + 0.5)) * quantile(complement(boost::math::normal(), 0.025)) / t;
+  const double t =
+      quantile(complement(boost::math::students_t(double(std::max<uint64_t>(sums.replicateCount(), 8) - 1)), 0.025));
+  return std::sqrt(0.25 / (rarer * rarer + 0.25) * p * (1 - p) / (n + 0.5)) *
+         quantile(complement(boost::math::normal(), 0.025)) / t;
 }
 
 // Pairs never blocked are their closed forms, on any lattice and with any number of directions.
 TEST(VisibleShare, UnblockedPairsAreExact) {
-  for (const auto& [input, truth] : {std::pair(ts::parallelSquares(), kParallelSquares), std::pair(ts::perpendicularSquares(), kPerpendicularSquares)}) {
+  for (const auto& [input, truth] : {std::pair(ts::parallelSquares(), kParallelSquares),
+                                     std::pair(ts::perpendicularSquares(), kPerpendicularSquares)}) {
     for (const auto& [sampling, replicates] : {std::pair(Sampling::lattice, 4u), std::pair(Sampling::scanline, 24u)}) {
       const Shared made = share(input, 16, sampling);
       EstimateOptions options{.directions = 24, .replicates = replicates};
@@ -85,7 +95,8 @@ TEST(VisibleShare, UnblockedPairsAreExact) {
       EXPECT_NEAR(f.value, truth, kUnoccludedRelativeError * truth + kTenDigits);
       // Nothing says that no blocker is there.
       EXPECT_GT(deviation, 0);
-      EXPECT_NEAR(f.standard_error, deviation * f.value, 1e-11 * deviation);  // 1 - p is rounded to 2^-53, and no less than 0.1 / n for n of 1e4 at most
+      EXPECT_NEAR(f.standard_error, deviation * f.value,
+                  1e-11 * deviation);  // 1 - p is rounded to 2^-53, and no less than 0.1 / n for n of 1e4 at most
     }
   }
   const Estimate cube = share(ts::insideOfCube(), 16).estimate({.directions = 24, .replicates = 4});
@@ -111,19 +122,22 @@ TEST(VisibleShare, NothingInBetweenIsExactForEveryPair) {
   EXPECT_EQ(pairs, 16u);
 }
 
-// Of more polygons than closed forms are known of beforehand: every pair gets its own, that of which many lines tell to the last digit, whatever pilots met; going on with sums, and sums of
-// parts, come to the same bits. Nothing is blocked, so that neighbours tell the truth of pairs that no line met.
+// Of more polygons than closed forms are known of beforehand: every pair gets its own, that of which many lines tell to
+// the last digit, whatever pilots met; going on with sums, and sums of parts, come to the same bits. Nothing is
+// blocked, so that neighbours tell the truth of pairs that no line met.
 TEST(VisibleShare, EveryPairOfManyPolygonsGetsItsClosedForm) {
   constexpr uint32_t kCuts = 40;
   InputScene input = ts::squaresInParts(kCuts, 1.0 / kCuts, 1);
-  ts::addFace(input, "wall", ts::parallelogram({-0.5, 0, 0}, {0, 1, 0}, {0, 0, 1}));  // many lines between it and each part
+  ts::addFace(input, "wall",
+              ts::parallelogram({-0.5, 0, 0}, {0, 1, 0}, {0, 0, 1}));  // many lines between it and each part
   const Scene scene = buildScene(input);
   const Ids ids = makeIds(scene, By::polygon, false);
   ASSERT_GT(pairCount(ids.count()), kMostKnownPairs);
   const auto engine = makeHostEngine(scene, ids, {.resolution = 64, .count_blocked = true});
   EstimateOptions options{.directions = 128, .replicates = 4};
   FaceExchanges exchanges(nullptr, scene, ids);
-  const VisibleShares shares = findVisibleShares(*engine, exchanges, scene, ids, groupAsOne(scene, 64), options, {sharePilot(options).directions});
+  const VisibleShares shares = findVisibleShares(*engine, exchanges, scene, ids, groupAsOne(scene, 64), options,
+                                                 {sharePilot(options).directions});
   EXPECT_FALSE(shares.known.has_all_pairs);
   options.known = &shares.known;
   options.exchanges = &exchanges;
@@ -133,7 +147,8 @@ TEST(VisibleShare, EveryPairOfManyPolygonsGetsItsClosedForm) {
   };
   const Estimate whole = estimateFormFactors(*engine, scene, ids, options);
   std::map<std::pair<uint32_t, uint32_t>, uint64_t> lines;
-  for (const ShareSums::PairSum& pair : after.back().visible->byFace().pairs()) lines[{pair.i, pair.j}] = pair.facing + pair.blocked;
+  for (const ShareSums::PairSum& pair : after.back().visible->byFace().pairs())
+    lines[{pair.i, pair.j}] = pair.facing + pair.blocked;
   const ExchangeRow row = exchanges.rows();
   std::vector<BoundedExchange> later;
   uint32_t row_of = UINT32_MAX;
@@ -141,7 +156,8 @@ TEST(VisibleShare, EveryPairOfManyPolygonsGetsItsClosedForm) {
   for (const FormFactors::Entry& entry : whole.form_factors.entries()) {
     if (entry.j >= kEnvironment) continue;
     ++all;
-    const bool was_known = std::ranges::binary_search(shares.known.pairs, std::pair(entry.i, entry.j), {}, [](const KnownPair& pair) { return std::pair(pair.i, pair.j); });
+    const bool was_known = std::ranges::binary_search(shares.known.pairs, std::pair(entry.i, entry.j), {},
+                                                      [](const KnownPair& pair) { return std::pair(pair.i, pair.j); });
     const uint64_t line_count = lines[{entry.i, entry.j}];
     unmet += line_count == 0;
     size_t& kind = line_count >= kLinesToLearn ? learnt : line_count ? told : guessed;
@@ -169,7 +185,8 @@ TEST(VisibleShare, EveryPairOfManyPolygonsGetsItsClosedForm) {
     const auto& a = whole.form_factors.entries();
     const auto& b = other.entries();
     return std::ranges::equal(a, b, [](const FormFactors::Entry& x, const FormFactors::Entry& y) {
-      return x.i == y.i && x.j == y.j && x.exchange_area.value == y.exchange_area.value && x.exchange_area.standard_error == y.exchange_area.standard_error;
+      return x.i == y.i && x.j == y.j && x.exchange_area.value == y.exchange_area.value &&
+             x.exchange_area.standard_error == y.exchange_area.standard_error;
     });
   };
   ASSERT_EQ(after.size(), 4u);
@@ -191,12 +208,14 @@ TEST(VisibleShare, EveryPairOfManyPolygonsGetsItsClosedForm) {
   }
 }
 
-// A goal is reached with the first replicate after which all standard errors are small enough, those of rough closed forms and of pairs that no line met among them.
+// A goal is reached with the first replicate after which all standard errors are small enough, those of rough closed
+// forms and of pairs that no line met among them.
 TEST(VisibleShare, GoalsAreReachedByEveryPairOfManyPolygons) {
   constexpr uint32_t kCuts = 55;
   InputScene input{"a floor in 3025 parts below a lamp and a screen", {}, {}};
   for (uint32_t row = 0; row < kCuts; ++row)
-    for (uint32_t column = 0; column < kCuts; ++column) ts::addFace(input, "floor", ts::parallelogram({double(column), double(row), 0}, {1, 0, 0}, {0, 1, 0}));
+    for (uint32_t column = 0; column < kCuts; ++column)
+      ts::addFace(input, "floor", ts::parallelogram({double(column), double(row), 0}, {1, 0, 0}, {0, 1, 0}));
   ts::addFace(input, "lamp", ts::parallelogram({20, 20, 30}, {0, 6, 0}, {6, 0, 0}));
   ts::addFace(input, "screen", ts::parallelogram({24, 16, 15}, {9, 0, 0}, {0, 9, 0}));
   const Scene scene = buildScene(input);
@@ -205,7 +224,8 @@ TEST(VisibleShare, GoalsAreReachedByEveryPairOfManyPolygons) {
   const auto engine = makeHostEngine(scene, ids, {.resolution = 64, .count_blocked = true});
   EstimateOptions options{.directions = 32, .replicates = 3};
   FaceExchanges exchanges(nullptr, scene, ids);
-  const VisibleShares shares = findVisibleShares(*engine, exchanges, scene, ids, groupAsOne(scene, 64), options, {sharePilot(options).directions});
+  const VisibleShares shares = findVisibleShares(*engine, exchanges, scene, ids, groupAsOne(scene, 64), options,
+                                                 {sharePilot(options).directions});
   options.known = &shares.known;
   options.exchanges = &exchanges;
   const double first = estimateFormFactors(*engine, scene, ids, options).largest_standard_error;
@@ -219,7 +239,8 @@ TEST(VisibleShare, GoalsAreReachedByEveryPairOfManyPolygons) {
     ASSERT_EQ(reached.replicates, largest.size());
     EXPECT_GT(reached.replicates, 3u);
     EXPECT_EQ(reached.largest_standard_error, largest.back());
-    for (size_t r = 2; r < largest.size(); ++r) EXPECT_EQ(largest[r] <= *options.tolerance, r + 1 == largest.size()) << r;
+    for (size_t r = 2; r < largest.size(); ++r)
+      EXPECT_EQ(largest[r] <= *options.tolerance, r + 1 == largest.size()) << r;
   }
 }
 
@@ -228,8 +249,8 @@ double truthPastTheBlocker() {
   return reference::formFactorPastBlocker(input.faces[0].corners, input.faces[1].corners, input.faces[2].corners).value;
 }
 
-// Partly blocked: unbiased, with less error than counting alone, and 95 % intervals that hold the truth 95 times in 100 but for chance, that is within four
-// standard deviations of the binomial law.
+// Partly blocked: unbiased, with less error than counting alone, and 95 % intervals that hold the truth 95 times in 100
+// but for chance, that is within four standard deviations of the binomial law.
 TEST(VisibleShare, PartlyBlockedPairsAreSampledWell) {
   const Shared made = share(ts::squaresPastABlocker(), 24);
   const double truth = truthPastTheBlocker();
@@ -240,7 +261,8 @@ TEST(VisibleShare, PartlyBlockedPairsAreSampledWell) {
   for (uint64_t seed = 1; seed <= kSeeds; ++seed) {
     const EstimateOptions options{.directions = 64, .seed = seed};
     const Measured f = made.estimate(options).form_factors.formFactor(0, 1);
-    const double plain = estimateFormFactors(*made.engine, made.scene, made.ids, options).form_factors.formFactor(0, 1).value;
+    const double plain =
+        estimateFormFactors(*made.engine, made.scene, made.ids, options).form_factors.formFactor(0, 1).value;
     held += std::abs(f.value - truth) <= t * f.standard_error;
     sum += f.value - truth;
     squares += std::pow(f.value - truth, 2);
@@ -262,9 +284,12 @@ TEST(VisibleShare, PartlyBlockedPairsByScanlines) {
     const Measured f = made.estimate(options).form_factors.formFactor(0, 1);
     EXPECT_TRUE(isEstimateOf(f, truth, options.replicates)) << seed;
     squares += std::pow(f.value - truth, 2);
-    plain_squares += std::pow(estimateFormFactors(*made.engine, made.scene, made.ids, options).form_factors.formFactor(0, 1).value - truth, 2);
+    plain_squares += std::pow(
+        estimateFormFactors(*made.engine, made.scene, made.ids, options).form_factors.formFactor(0, 1).value - truth,
+        2);
   }
-  // Of one variance, F(12, 12) stays below 7.0 with probability 0.999; lattice points gain a factor of more than 2.3 (above), directions being what is left with scanlines.
+  // Of one variance, F(12, 12) stays below 7.0 with probability 0.999; lattice points gain a factor of more than 2.3
+  // (above), directions being what is left with scanlines.
   EXPECT_LT(squares, plain_squares);
 }
 
@@ -272,13 +297,16 @@ TEST(VisibleShare, PartlyBlockedPairsByScanlines) {
 TEST(VisibleShare, WhatLeavesTheSceneIsExactBesideExactPairs) {
   const Shared made = share(ts::parallelSquares(), 16);
   const EstimateOptions options{.directions = 400};
-  const Estimate with = made.estimate(options), without = estimateFormFactors(*made.engine, made.scene, made.ids, options);
-  const Measured f = with.form_factors.formFactor(0, kEnvironment), plain = without.form_factors.formFactor(0, kEnvironment);
+  const Estimate with = made.estimate(options),
+                 without = estimateFormFactors(*made.engine, made.scene, made.ids, options);
+  const Measured f = with.form_factors.formFactor(0, kEnvironment),
+                 plain = without.form_factors.formFactor(0, kEnvironment);
   EXPECT_TRUE(isEstimateOf(f, 1 - kParallelSquares, options.replicates));
   EXPECT_LT(f.standard_error, plain.standard_error);
 }
 
-// Pairs that no line met are there with what their neighbours tell, and its spread; blocked ones with what they may be at most: with eight lines in all, most are not met.
+// Pairs that no line met are there with what their neighbours tell, and its spread; blocked ones with what they may be
+// at most: with eight lines in all, most are not met.
 TEST(VisibleShare, PairsThatNoLineMetAreUncertain) {
   const Shared made = share(ts::roomWithTouchingBoxes(), 4);
   const EstimateOptions options{.directions = 1, .replicates = 2};
@@ -291,7 +319,8 @@ TEST(VisibleShare, PairsThatNoLineMetAreUncertain) {
   };
   const Estimate few = made.estimate(watched);
   // Before guesses are made to fit their rows.
-  const FormFactors with_unseen(made.ids, counted->visible->ofKnownPairs(counted->measure_area, counted->countArea(), counted->by_id), {});
+  const FormFactors with_unseen(
+      made.ids, counted->visible->ofKnownPairs(counted->measure_area, counted->countArea(), counted->by_id), {});
   const NeighbourShares neighbours(counted->visible->byFace(), counted->visible->known().lines, shares.known.ranks);
   size_t unmet = 0, blocked_pairs = 0, is_zero = 0;
   for (const KnownPair& pair : shares.known.pairs) {
@@ -303,7 +332,8 @@ TEST(VisibleShare, PairsThatNoLineMetAreUncertain) {
     if (counts.blocked > 0) {
       ++blocked_pairs;
       const auto lines = double(counts.blocked);  // one count each
-      EXPECT_NEAR(f.value, lines < 4 ? 0.5 * neighbours.of(pair.i, pair.j).mean / (lines + 0.5) * most : 0, 1e-14 * most);  // rounding
+      EXPECT_NEAR(f.value, lines < 4 ? 0.5 * neighbours.of(pair.i, pair.j).mean / (lines + 0.5) * most : 0,
+                  1e-14 * most);  // rounding
       is_zero += f.value == 0;
       const double deviation = deviationOfOneKind(*counted, pair.i, pair.j) * most;
       EXPECT_NEAR(f.standard_error, std::min(deviation, most - f.value), 1e-14 * most);  // rounding
@@ -319,7 +349,8 @@ TEST(VisibleShare, PairsThatNoLineMetAreUncertain) {
   EXPECT_GT(blocked_pairs, 0u);
   EXPECT_EQ(few.unmet_pairs, unmet);
   EXPECT_GE(few.unseen_pairs, is_zero);
-  EXPECT_TRUE(std::none_of(few.form_factors.entries().begin(), few.form_factors.entries().end(), [](const auto& entry) { return entry.exchange_area.value == 0; }));
+  EXPECT_TRUE(std::none_of(few.form_factors.entries().begin(), few.form_factors.entries().end(),
+                           [](const auto& entry) { return entry.exchange_area.value == 0; }));
   // Guesses are made to fit: all rows together are nearer to 1 than guesses alone leave them, and standard errors stay.
   const FormFactors fitted = counted->formFactors();
   const std::vector<Measured> before = sumRows(with_unseen.entries(), made.ids.areas);
@@ -334,15 +365,19 @@ TEST(VisibleShare, PairsThatNoLineMetAreUncertain) {
   const Estimate many = estimateFormFactors(*made.engine, made.scene, made.ids, {.directions = 2000});
   for (const auto& entry : many.form_factors.entries()) {
     if (entry.j >= kEnvironment) continue;
-    EXPECT_TRUE(std::any_of(shares.known.pairs.begin(), shares.known.pairs.end(), [&](const KnownPair& pair) { return pair.i == entry.i && pair.j == entry.j; })) << entry.i << " " << entry.j;
+    EXPECT_TRUE(std::any_of(shares.known.pairs.begin(), shares.known.pairs.end(),
+                            [&](const KnownPair& pair) { return pair.i == entry.i && pair.j == entry.j; }))
+        << entry.i << " " << entry.j;
   }
 }
 
-// The same lines in another sum: form factors between surfaces are what those of their polygons add up to, and agree with counting alone.
+// The same lines in another sum: form factors between surfaces are what those of their polygons add up to, and agree
+// with counting alone.
 TEST(VisibleShare, SurfacesAndClosedRooms) {
   const Shared made = share(ts::roomWithTouchingBoxes(), 48);
   const EstimateOptions options{.directions = 400};
-  const Estimate by_surface = made.estimate(options, By::surface), plain = estimateFormFactors(*made.engine, made.scene, made.ids, options);
+  const Estimate by_surface = made.estimate(options, By::surface),
+                 plain = estimateFormFactors(*made.engine, made.scene, made.ids, options);
   // What closed forms leave out cannot see each other; without them it may only not have been met.
   EXPECT_TRUE(std::isinf(by_surface.unmet_bound));
   EXPECT_LT(plain.unmet_bound, 1);
@@ -350,13 +385,16 @@ TEST(VisibleShare, SurfacesAndClosedRooms) {
   EXPECT_EQ(n, makeIds(made.scene, By::surface, false).count());
   for (uint32_t i = 0; i < n; ++i)
     for (uint32_t j = 0; j < n; ++j)
-      EXPECT_TRUE(areEstimatesOfTheSame(by_surface.form_factors.formFactor(i, j), plain.between_surfaces.formFactor(i, j), options.replicates)) << i << " " << j;
+      EXPECT_TRUE(areEstimatesOfTheSame(by_surface.form_factors.formFactor(i, j),
+                                        plain.between_surfaces.formFactor(i, j), options.replicates))
+          << i << " " << j;
   const Estimate by_polygon = made.estimate(options);
   for (const auto& entry : by_polygon.form_factors.entries()) {
     const auto& areas = made.ids.areas;
     EXPECT_GE(entry.exchange_area.value, 0);
     EXPECT_LE(entry.exchange_area.value, entry.j < kEnvironment ? std::min(areas[entry.i], areas[entry.j]) : INFINITY);
-    EXPECT_TRUE(areEstimatesOfTheSame(by_polygon.form_factors.formFactor(entry.i, entry.j), plain.form_factors.formFactor(entry.i, entry.j), options.replicates));
+    EXPECT_TRUE(areEstimatesOfTheSame(by_polygon.form_factors.formFactor(entry.i, entry.j),
+                                      plain.form_factors.formFactor(entry.i, entry.j), options.replicates));
   }
   EXPECT_LT(by_polygon.largest_standard_error, plain.largest_standard_error);
 }

@@ -9,7 +9,8 @@ namespace {
 
 namespace ts = test_scenes;
 
-Work workOf(const InputScene& input, const std::vector<Direction>& directions, const LatticeOptions& lattice, const Question& question = {}) {
+Work workOf(const InputScene& input, const std::vector<Direction>& directions, const LatticeOptions& lattice,
+            const Question& question = {}) {
   const Scene scene = buildScene(input);
   Ids ids = makeIds(scene, By::polygon, false);
   askOnlyFor(question, scene, ids);
@@ -48,7 +49,8 @@ TEST(Work, EdgeOnPolygonsEnterNoTile) {
   const auto along = kUp;
   const Work floor_and_wall = workOf(ts::perpendicularSquares(), along, {.resolution = 64});
   const Work cube = workOf(ts::insideOfCube(), along, {.resolution = 64});
-  // Of a cube seen along an axis four faces are edge-on: two layers at every point, and every entry is of the two others.
+  // Of a cube seen along an axis four faces are edge-on: two layers at every point, and every entry is of the two
+  // others.
   EXPECT_EQ(cube.list_entries, 2 * cube.active_tiles);
   EXPECT_EQ(floor_and_wall.list_entries, floor_and_wall.active_tiles);
 }
@@ -90,7 +92,9 @@ TEST(Work, IsCountedOnce) {
   const auto directions = sampleDirections(Sampler::fibonacci, 20, 3, 0);
   const Work plain = workOf(soup, directions, {.resolution = 40, .tile_rows = 8, .layers_kept = 4});
   const Work sorted = workOf(soup, directions, {.resolution = 40, .tile_rows = 8, .layers_kept = 4, .sort = true});
-  const Work repeated = workOf(soup, directions, {.resolution = 40, .counter_budget_bytes = 1, .tile_rows = 8, .layers_kept = 4, .table_capacity = 1});
+  const Work repeated =
+      workOf(soup, directions,
+             {.resolution = 40, .counter_budget_bytes = 1, .tile_rows = 8, .layers_kept = 4, .table_capacity = 1});
   const Work resumed = workOf(soup, directions, {.resolution = 40, .tile_rows = 8, .layers_kept = 4, .most_blocks = 5});
   EXPECT_GT(repeated.repeats, 0u);
   EXPECT_GT(resumed.resumed, 0u);
@@ -102,7 +106,8 @@ TEST(Work, IsCountedOnce) {
   }
 }
 
-// Small polygons are tested for the lattice points of their boxes only, those between lattice points for none; who is large is not changed by that.
+// Small polygons are tested for the lattice points of their boxes only, those between lattice points for none; who is
+// large is not changed by that.
 TEST(Work, SmallPolygonsAreNotTestedAllOverTheirTiles) {
   const auto directions = sampleDirections(Sampler::fibonacci, 12, 3, 0);
   const InputScene soup = ts::triangleSoup(4000, 0.05, 5), room = ts::roomWithTouchingBoxes();
@@ -114,7 +119,8 @@ TEST(Work, SmallPolygonsAreNotTestedAllOverTheirTiles) {
   EXPECT_EQ(fragments.fragments, lists.fragments);
   EXPECT_EQ(fragments.gaps, lists.gaps);
   const auto entries = [&](const LatticeOptions& options) { return workOf(room, directions, options).list_entries; };
-  EXPECT_EQ(entries({.resolution = 256}), entries({.resolution = 256, .few_points = 0})) << "large polygons are left to lists";
+  EXPECT_EQ(entries({.resolution = 256}), entries({.resolution = 256, .few_points = 0}))
+      << "large polygons are left to lists";
 }
 
 // Blocked pairs of lattice points take passes of their own, and change no other's work.

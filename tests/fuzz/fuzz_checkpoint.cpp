@@ -1,5 +1,6 @@
-// A checkpoint whose columns are not what they should be, with a check sum that is right: HDF5 itself gets sound files, for it is not made to survive others, and the check
-// sum keeps damaged ones from it (host/io/hdf5_file.h). The bytes say, column by column, what is stored: nothing left to say is the column of a checkpoint that is whole.
+// A checkpoint whose columns are not what they should be, with a check sum that is right: HDF5 itself gets sound files,
+// for it is not made to survive others, and the check sum keeps damaged ones from it (host/io/hdf5_file.h). The bytes
+// say, column by column, what is stored: nothing left to say is the column of a checkpoint that is whole.
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -51,13 +52,20 @@ class Bytes {
 template <class T>
 void writeColumn(Hdf5Output& out, Bytes& bytes, const std::string& name, const std::vector<T>& whole) {
   switch (bytes.take<uint8_t>() % 7) {
-    case 0: return out.write(name, whole);
-    case 1: return out.write(name, bytes.takeColumn<uint8_t>());
-    case 2: return out.write(name, bytes.takeColumn<uint32_t>());
-    case 3: return out.write(name, bytes.takeColumn<uint64_t>());
-    case 4: return out.write(name, bytes.takeColumn<double>());
-    case 5: return out.write(name, bytes.takeTexts());
-    default: return;  // missing
+    case 0:
+      return out.write(name, whole);
+    case 1:
+      return out.write(name, bytes.takeColumn<uint8_t>());
+    case 2:
+      return out.write(name, bytes.takeColumn<uint32_t>());
+    case 3:
+      return out.write(name, bytes.takeColumn<uint64_t>());
+    case 4:
+      return out.write(name, bytes.takeColumn<double>());
+    case 5:
+      return out.write(name, bytes.takeTexts());
+    default:
+      return;  // missing
   }
 }
 
@@ -74,7 +82,9 @@ void writeSums(Hdf5Output& out, Bytes& bytes, const std::string& group) {
   writeColumn(out, bytes, group + "/rows_sum_to_one", U8{1});
   writeColumn(out, bytes, group + "/two_sided", U8{0});
   writeColumn(out, bytes, group + "/replicate_count", U64{2});
-  const auto writeOf = [&]<class T>(const std::string& name, bool is_there, std::vector<T> whole) { writeColumn(out, bytes, group + "/" + name, is_there ? whole : std::vector<T>{}); };
+  const auto writeOf = [&]<class T>(const std::string& name, bool is_there, std::vector<T> whole) {
+    writeColumn(out, bytes, group + "/" + name, is_there ? whole : std::vector<T>{});
+  };
   const bool has_pairs = group != "by_id";
   for (const std::string part : {"rows", "pairs"}) {
     const bool is_there = part == "rows" || has_pairs;
@@ -123,7 +133,8 @@ void writeVisibleSums(Hdf5Output& out, Bytes& bytes) {
     } else {
       writeColumn(out, bytes, group + "/line", U64{1, 1});
     }
-    for (const std::string& sum : of_faces ? std::vector<std::string>{"facing_squared", "product", "blocked_squared"} : std::vector<std::string>{"sum", "sum_of_squares", "squares"}) {
+    for (const std::string& sum : of_faces ? std::vector<std::string>{"facing_squared", "product", "blocked_squared"}
+                                           : std::vector<std::string>{"sum", "sum_of_squares", "squares"}) {
       writeColumn(out, bytes, group + "/" + sum + "_high", U64{0, 0});
       writeColumn(out, bytes, group + "/" + sum + "_low", U64{40000, 40000});
     }
@@ -171,12 +182,15 @@ void use(Checkpoint checkpoint) {
     writeMatrixMarket(estimate.form_factors, text);
   }
   const RunSums others = checkpoint.sums;
-  if (others.visible && !(checkpoint.sums.visible->goesWith(*others.visible) && checkpoint.sums.visible->directsAs(*others.visible))) std::abort();
+  if (others.visible &&
+      !(checkpoint.sums.visible->goesWith(*others.visible) && checkpoint.sums.visible->directsAs(*others.visible)))
+    std::abort();
   checkpoint.sums.add(others);
   if (checkpoint.sums.by_id.ids().count() < 2) return;
   PairCounts directed;
   if (checkpoint.sums.visible)
-    for (const DirectedPair& pair : checkpoint.sums.visible->known().directed) directed.push_back({pair.i, pair.j, 7, 4});
+    for (const DirectedPair& pair : checkpoint.sums.visible->known().directed)
+      directed.push_back({pair.i, pair.j, 7, 4});
   const uint64_t next = checkpoint.sums.replicates.empty() ? 0 : checkpoint.sums.replicates.back().end;
   checkpoint.sums.add(next, {{0, 1, 5, 3}, {0, kEnvironment, 2, 0}}, 10, directed);
   checkpoint.sums.betweenSurfaces();
@@ -204,4 +218,3 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t count) {
   }
   return 0;
 }
-

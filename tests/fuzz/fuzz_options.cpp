@@ -10,7 +10,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t count) {
   using namespace viewpeel;
   std::istringstream in(std::string(bytes, bytes + count));
   std::vector<std::string> arguments = {"viewpeel"};
-  for (std::string line; std::getline(in, line);) arguments.push_back(line.substr(0, line.find('\0')));  // as a program gets them
+  for (std::string line; std::getline(in, line);)
+    arguments.push_back(line.substr(0, line.find('\0')));  // as a program gets them
   std::vector<const char*> argv;
   for (const std::string& argument : arguments) argv.push_back(argument.c_str());
   CLI::App app;

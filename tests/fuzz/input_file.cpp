@@ -13,7 +13,8 @@ namespace viewpeel::fuzz {
 
 std::filesystem::path makeFile(const uint8_t* bytes, size_t count) {
   static const int descriptor = ::memfd_create("fuzz", 0);
-  if (::ftruncate(descriptor, 0) != 0 || ::pwrite(descriptor, bytes, count, 0) != static_cast<ssize_t>(count)) std::abort();
+  if (::ftruncate(descriptor, 0) != 0 || ::pwrite(descriptor, bytes, count, 0) != static_cast<ssize_t>(count))
+    std::abort();
   return "/proc/self/fd/" + std::to_string(descriptor);
 }
 

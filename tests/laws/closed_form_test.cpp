@@ -13,7 +13,8 @@ namespace ts = test_scenes;
 // Howell, A Catalog of Radiation Heat Transfer Configuration Factors, C-11 and C-14, to ten digits.
 constexpr double kParallelSquares = 0.1998248957, kPerpendicularSquares = 0.2000437761, kTenDigits = 5e-11;
 
-// Both samplers, both engines, and a lattice so coarse that a square is only a few spacings wide: resolution costs variance, never bias.
+// Both samplers, both engines, and a lattice so coarse that a square is only a few spacings wide: resolution costs
+// variance, never bias.
 std::vector<TestRun> runsToTry() {
   std::vector<TestRun> runs(8);
   runs[1].lattice.resolution = 6;
@@ -32,14 +33,18 @@ void expectFactor(const InputScene& scene, double truth) {
     const Estimate e = estimateScene(scene, run);
     for (const auto& [i, j] : {std::pair(0, 1), std::pair(1, 0)})
       EXPECT_TRUE(isEstimateOf(e.form_factors.formFactor(i, j), truth, e.replicates, kTenDigits))
-          << scene.file << " F[" << i << "][" << j << "], resolution " << run.lattice.resolution << ", seed " << run.estimate.seed;
-    EXPECT_LT(e.largest_standard_error, run.estimate.sampler == Sampler::iid ? 0.02 : 0.005);  // the comparison means something
+          << scene.file << " F[" << i << "][" << j << "], resolution " << run.lattice.resolution << ", seed "
+          << run.estimate.seed;
+    EXPECT_LT(e.largest_standard_error,
+              run.estimate.sampler == Sampler::iid ? 0.02 : 0.005);  // the comparison means something
   }
 }
 
 TEST(ClosedForm, ParallelSquares) { expectFactor(ts::parallelSquares(), kParallelSquares); }
 
-TEST(ClosedForm, PerpendicularSquaresWithACommonEdge) { expectFactor(ts::perpendicularSquares(), kPerpendicularSquares); }
+TEST(ClosedForm, PerpendicularSquaresWithACommonEdge) {
+  expectFactor(ts::perpendicularSquares(), kPerpendicularSquares);
+}
 
 TEST(ClosedForm, EnvironmentTakesTheRest) {
   const Estimate e = estimateScene(ts::parallelSquares());
@@ -52,7 +57,8 @@ TEST(ClosedForm, SixFacesOfACube) {
     for (uint32_t i = 0; i < 6; ++i)
       for (uint32_t j = 0; j < 6; ++j) {
         const double truth = i == j ? 0 : i / 2 == j / 2 ? kParallelSquares : kPerpendicularSquares;
-        EXPECT_TRUE(isEstimateOf(e.form_factors.formFactor(i, j), truth, e.replicates, kTenDigits)) << "F[" << i << "][" << j << "]";
+        EXPECT_TRUE(isEstimateOf(e.form_factors.formFactor(i, j), truth, e.replicates, kTenDigits))
+            << "F[" << i << "][" << j << "]";
       }
   }
 }
@@ -76,30 +82,39 @@ TEST(ClosedForm, TwoSidedPlatesShareWhatBothSidesEmit) {
   run.two_sided = true;
   const Estimate e = estimateScene(ts::parallelSquares(), run);
   EXPECT_TRUE(isEstimateOf(e.form_factors.formFactor(0, 1), kParallelSquares / 2, e.replicates, kTenDigits));
-  EXPECT_TRUE(isEstimateOf(e.form_factors.formFactor(0, kEnvironment), 1 - kParallelSquares / 2, e.replicates, kTenDigits));
+  EXPECT_TRUE(
+      isEstimateOf(e.form_factors.formFactor(0, kEnvironment), 1 - kParallelSquares / 2, e.replicates, kTenDigits));
 }
 
-Estimate estimateAsked(const InputScene& input, const Question& question, const LatticeOptions& lattice, By by = By::polygon) {
+Estimate estimateAsked(const InputScene& input, const Question& question, const LatticeOptions& lattice,
+                       By by = By::polygon) {
   const Scene scene = buildScene(input);
   Ids ids = makeIds(scene, by, false);
   askOnlyFor(question, scene, ids);
   EstimateOptions options{.directions = 100, .replicates = 16};
   if (!question.pair.empty()) {
-    const DirectionRegion region = findPairRegion(scene, findPolygons(scene, question.pair[0]), findPolygons(scene, question.pair[1]));
-    options.asked_directions = [=](uint32_t count, uint64_t replicate) { return sampleRegion(region, count, 7, replicate); };
+    const DirectionRegion region =
+        findPairRegion(scene, findPolygons(scene, question.pair[0]), findPolygons(scene, question.pair[1]));
+    options.asked_directions = [=](uint32_t count, uint64_t replicate) {
+      return sampleRegion(region, count, 7, replicate);
+    };
   } else {
     const std::vector<uint32_t> emitter = findPolygons(scene, question.from.at(0));
-    options.asked_directions = [=](uint32_t count, uint64_t replicate) { return sampleEmitter(scene, emitter, count, 7, replicate); };
+    options.asked_directions = [=](uint32_t count, uint64_t replicate) {
+      return sampleEmitter(scene, emitter, count, 7, replicate);
+    };
   }
   return estimateFormFactors(*makeComputeEngine(testDevice(), scene, ids, lattice), scene, ids, options);
 }
 
-// Directions inside the anti-convex-hull, and by the emitter's cosine: unbiased, and better than as many over the whole sphere.
+// Directions inside the anti-convex-hull, and by the emitter's cosine: unbiased, and better than as many over the whole
+// sphere.
 TEST(ClosedForm, DirectionsDrawnForAPairOrAnEmitter) {
   TestRun whole;
   whole.estimate.directions = 100;
   whole.lattice.resolution = 128;
-  for (const auto& [scene, truth] : {std::pair(ts::parallelSquares(), kParallelSquares), std::pair(ts::perpendicularSquares(), kPerpendicularSquares)}) {
+  for (const auto& [scene, truth] : {std::pair(ts::parallelSquares(), kParallelSquares),
+                                     std::pair(ts::perpendicularSquares(), kPerpendicularSquares)}) {
     const Measured all = estimateScene(scene, whole).form_factors.formFactor(0, 1);
     for (Sampling sampling : {Sampling::lattice, Sampling::scanline}) {
       const LatticeOptions lattice{.resolution = 128, .sampling = sampling};
@@ -107,7 +122,8 @@ TEST(ClosedForm, DirectionsDrawnForAPairOrAnEmitter) {
       const Estimate row = estimateAsked(scene, {.from = {scene.surface_names[1]}}, lattice);
       EXPECT_TRUE(isEstimateOf(pair.form_factors.formFactor(0, 1), truth, pair.replicates, kTenDigits)) << scene.file;
       EXPECT_TRUE(isEstimateOf(row.form_factors.formFactor(1, 0), truth, row.replicates, kTenDigits)) << scene.file;
-      EXPECT_TRUE(isEstimateOf(row.form_factors.formFactor(1, kEnvironment), 1 - truth, row.replicates, kTenDigits)) << scene.file;
+      EXPECT_TRUE(isEstimateOf(row.form_factors.formFactor(1, kEnvironment), 1 - truth, row.replicates, kTenDigits))
+          << scene.file;
       EXPECT_LT(pair.form_factors.formFactor(0, 1).standard_error, all.standard_error / 2) << scene.file;
       EXPECT_EQ(pair.form_factors.entries().size(), 1u);
     }
@@ -129,7 +145,8 @@ TEST(ClosedForm, AFaceOfASurface) {
   askOnlyFor({.from = {"floor[3]"}}, scene, ids);
   EXPECT_TRUE(ids.splits_surfaces);
   Ids by_surface = makeIds(scene, By::surface, false);
-  for (const Question& question : {Question{.from = {"floor[3]"}}, Question{.blockers = {"floor[3]"}}, Question{.pair = {"floor[3]", "upper box"}}}) {
+  for (const Question& question : {Question{.from = {"floor[3]"}}, Question{.blockers = {"floor[3]"}},
+                                   Question{.pair = {"floor[3]", "upper box"}}}) {
     try {
       askOnlyFor(question, scene, by_surface);
       ADD_FAILURE() << "accepted";

@@ -1,4 +1,5 @@
-// Laws that hold whatever the scene: reciprocity, closure, rigid motion, scale, order of corners, subdivision, reproducibility.
+// Laws that hold whatever the scene: reciprocity, closure, rigid motion, scale, order of corners, subdivision,
+// reproducibility.
 #include <cstdlib>
 
 #include <fmt/format.h>
@@ -26,12 +27,14 @@ TEST(Laws, ReciprocityToTheLastBit) {
     }
 }
 
-// What lines can be lost in. A corner in the middle of another's edge is snapped off it by 2^-24 of the scene's diameter at most, which opens a crack of an area below that times
-// its length. A_i F_i,leak is twice the mean area in which i meets a back.
+// What lines can be lost in. A corner in the middle of another's edge is snapped off it by 2^-24 of the scene's
+// diameter at most, which opens a crack of an area below that times its length. A_i F_i,leak is twice the mean area in
+// which i meets a back.
 double mostLost(const InputScene& scene) {
   double edges = 0;
   for (const InputFace& face : scene.faces)
-    for (size_t k = 0; k < face.corners.size(); ++k) edges += glm::length(face.corners[(k + 1) % face.corners.size()] - face.corners[k]);
+    for (size_t k = 0; k < face.corners.size(); ++k)
+      edges += glm::length(face.corners[(k + 1) % face.corners.size()] - face.corners[k]);
   return 2 * edges * 0x1p-24 * 2 * buildScene(scene).scale;
 }
 
@@ -50,7 +53,8 @@ TEST(Laws, ClosedSceneClosesAndDoesNotLeak) {
       const double most = run.lattice.sampling == Sampling::scanline && scene.faces.size() > 12 ? mostLost(scene) : 0;
       EXPECT_LE(exchangeOfAll(e.form_factors, kLeak), most);
       EXPECT_LE(exchangeOfAll(e.form_factors, kEnvironment), most);
-      for (uint32_t i = 0; i < e.form_factors.ids().count(); ++i) EXPECT_TRUE(isEstimateOf(e.form_factors.rowSums()[i], 1, e.replicates)) << " row " << i;
+      for (uint32_t i = 0; i < e.form_factors.ids().count(); ++i)
+        EXPECT_TRUE(isEstimateOf(e.form_factors.rowSums()[i], 1, e.replicates)) << " row " << i;
     }
 }
 
@@ -86,14 +90,16 @@ TEST(Laws, RigidMotionAndScaleLeaveFactorsAlone) {
     SCOPED_TRACE(other.name);
     other.estimate.seed = 2;
     expectSame(expected, estimateScene(ts::transformed(scene, turn, 1, {100, -20, 3}), other), "turned and moved");
-    expectSame(expected, estimateScene(ts::transformed(scene, glm::dmat3(1), 1e-6, {0, 0, 0}), other), "scaled by 1e-6");
+    expectSame(expected, estimateScene(ts::transformed(scene, glm::dmat3(1), 1e-6, {0, 0, 0}), other),
+               "scaled by 1e-6");
     expectSame(expected, estimateScene(ts::transformed(scene, turn, 1e6, {1e6, 0, 0}), other), "scaled by 1e6");
     expectSame(expected, estimateScene(ts::transformed(scene, turn, 1e-12, {0, 0, 0}), other), "scaled by 1e-12");
     expectSame(expected, estimateScene(ts::transformed(scene, turn, 1e12, {0, 0, 0}), other), "scaled by 1e12");
   }
 }
 
-// Coordinates are then rounded to 1.5e-8 of the scene's size, more than what makes planes one: form factors stay, no line is lost, and it is said where planes are in doubt.
+// Coordinates are then rounded to 1.5e-8 of the scene's size, more than what makes planes one: form factors stay, no
+// line is lost, and it is said where planes are in doubt.
 TEST(Laws, MovedFarAwayFactorsStay) {
   TestRun run;
   run.estimate.directions = 150;
@@ -115,7 +121,8 @@ TEST(Laws, MovedFarAwayFactorsStay) {
 TEST(Laws, ReflectionLeavesFactorsAlone) {
   const InputScene scene = ts::roomWithTouchingBoxes();
   InputScene mirrored = ts::transformed(scene, glm::dmat3(-1, 0, 0, 0, 1, 0, 0, 0, 1), 1, {0, 0, 0});
-  for (InputFace& face : mirrored.faces) std::reverse(face.corners.begin(), face.corners.end());  // a mirror turns fronts to backs
+  for (InputFace& face : mirrored.faces)
+    std::reverse(face.corners.begin(), face.corners.end());  // a mirror turns fronts to backs
   TestRun run;
   run.estimate.directions = 150;
   const Estimate expected = estimateScene(scene, run);
@@ -130,13 +137,16 @@ TEST(Laws, ReflectionLeavesFactorsAlone) {
 TEST(Laws, OrderOfPolygonsDoesNotMatter) {
   const InputScene scene = ts::cubeInCube(0.5);
   InputScene reversed{"reversed", {}, {}};
-  for (auto face = scene.faces.rbegin(); face != scene.faces.rend(); ++face) ts::addFace(reversed, scene.surface_names[face->surface], face->corners);
+  for (auto face = scene.faces.rbegin(); face != scene.faces.rend(); ++face)
+    ts::addFace(reversed, scene.surface_names[face->surface], face->corners);
   const auto last = static_cast<uint32_t>(scene.faces.size() - 1);
   for (TestRun run : withEngines()) {
     run.estimate.directions = 150;
     const Estimate a = estimateScene(scene, run), b = estimateScene(reversed, run);
     for (uint32_t i = 0; i <= last; ++i)
-      for (uint32_t j = 0; j <= last; ++j) EXPECT_EQ(a.form_factors.exchangeArea(i, j).value, b.form_factors.exchangeArea(last - i, last - j).value) << run.name << ": " << i << ", " << j;
+      for (uint32_t j = 0; j <= last; ++j)
+        EXPECT_EQ(a.form_factors.exchangeArea(i, j).value, b.form_factors.exchangeArea(last - i, last - j).value)
+            << run.name << ": " << i << ", " << j;
   }
 }
 
@@ -147,7 +157,10 @@ TEST(Laws, SubdivisionLeavesFactorsBetweenSurfacesAlone) {
   for (const InputFace& face : scene.faces)
     for (int x = 0; x < 3; ++x)
       for (int y = 0; y < 5; ++y) {
-        const auto at = [&](double s, double t) { return face.corners[0] + s / 3 * (face.corners[1] - face.corners[0]) + t / 5 * (face.corners[3] - face.corners[0]); };
+        const auto at = [&](double s, double t) {
+          return face.corners[0] + s / 3 * (face.corners[1] - face.corners[0]) +
+                 t / 5 * (face.corners[3] - face.corners[0]);
+        };
         fine.faces.push_back({{at(x, y), at(x + 1, y), at(x + 1, y + 1), at(x, y + 1)}, face.surface, 0});
       }
   TestRun run;
@@ -168,7 +181,8 @@ TEST(Laws, ComparisonOfMatricesRejectsAnotherScene) {
   int rejected = 0;
   for (uint32_t i = 0; i < 12; ++i)
     for (uint32_t j = 0; j < 12; ++j)
-      rejected += !areEstimatesOfTheSame(a.form_factors.formFactor(i, j), b.form_factors.formFactor(i, j), a.replicates);
+      rejected +=
+          !areEstimatesOfTheSame(a.form_factors.formFactor(i, j), b.form_factors.formFactor(i, j), a.replicates);
   EXPECT_GT(rejected, 0);
 }
 
@@ -191,10 +205,12 @@ TEST(Laws, SplittingAPolygonLeavesSumsAlone) {
   TestRun run;
   run.estimate.seed = 5;
   const Estimate a = estimateScene(whole), b = estimateScene(split, run);
-  EXPECT_TRUE(areEstimatesOfTheSame(a.between_surfaces.formFactor(0, 1), b.between_surfaces.formFactor(0, 1), a.replicates));
-  // By polygon, the wall's factors to the two pieces add up to its factor to the floor, exactly: they are the same counts.
-  EXPECT_NEAR(b.form_factors.formFactor(2, 0).value + b.form_factors.formFactor(2, 1).value, b.between_surfaces.formFactor(1, 0).value,
-              4e-16);
+  EXPECT_TRUE(
+      areEstimatesOfTheSame(a.between_surfaces.formFactor(0, 1), b.between_surfaces.formFactor(0, 1), a.replicates));
+  // By polygon, the wall's factors to the two pieces add up to its factor to the floor, exactly: they are the same
+  // counts.
+  EXPECT_NEAR(b.form_factors.formFactor(2, 0).value + b.form_factors.formFactor(2, 1).value,
+              b.between_surfaces.formFactor(1, 0).value, 4e-16);
 }
 
 void expectSameBits(const FormFactors& a, const FormFactors& b) {

@@ -35,7 +35,8 @@ TEST_P(HardScenes, AgreeWithExactAreas) {
 
 TEST_P(HardScenes, OneWrongPolygonIsNoticed) { EXPECT_GT(stress::judge(testDevice(), GetParam(), 2, true).worst, 1); }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, HardScenes, testing::ValuesIn(stress::kKinds), [](const auto& kind) { return stress::nameOf(kind.param); });
+INSTANTIATE_TEST_SUITE_P(Kinds, HardScenes, testing::ValuesIn(stress::kKinds),
+                         [](const auto& kind) { return stress::nameOf(kind.param); });
 
 // Of coincident polygons the graphics engine tells two apart; more would be counted in a wrong order.
 TEST(Stress, GraphicsEngineRefusesThreeCoincidentPolygons) {
@@ -59,10 +60,15 @@ InputScene plates(double gap, bool facing) {
   return scene;
 }
 
-// Down to 1e-8 of their size, 1.4e-8 of the scene's radius. The environment, 1 - F, is what a gap lets out: it has to be there, and nothing else.
+// Down to 1e-8 of their size, 1.4e-8 of the scene's radius. The environment, 1 - F, is what a gap lets out: it has to
+// be there, and nothing else.
 TEST(Stress, GapsBetweenPlates) {
-  std::vector<TestRun> runs = withEngines({.lattice = {.resolution = 32}, .estimate = {.directions = 200, .replicates = 8}});
-  runs.push_back({.lattice = {.resolution = 32}, .engine = EngineKind::graphics, .estimate = {.directions = 20, .replicates = 8}, .name = "graphics"});
+  std::vector<TestRun> runs =
+      withEngines({.lattice = {.resolution = 32}, .estimate = {.directions = 200, .replicates = 8}});
+  runs.push_back({.lattice = {.resolution = 32},
+                  .engine = EngineKind::graphics,
+                  .estimate = {.directions = 20, .replicates = 8},
+                  .name = "graphics"});
   for (double gap : {1.0, 1e-2, 1e-4, 1e-6, 1e-7, 1e-8})
     for (const TestRun& run : runs) {
       const bool draws = run.engine == EngineKind::graphics;
@@ -83,7 +89,8 @@ TEST(Stress, GapsBetweenPlates) {
 // Nearer to one another than depths can tell, the order of two plates alone in space is that of their gap.
 TEST(Stress, GapsTooNarrowForDepths) {
   for (double gap : {6e-9, 1e-9, 1e-11})
-    for (const TestRun& run : withEngines({.lattice = {.resolution = 32}, .estimate = {.directions = 50, .replicates = 4}})) {
+    for (const TestRun& run :
+         withEngines({.lattice = {.resolution = 32}, .estimate = {.directions = 50, .replicates = 4}})) {
       SCOPED_TRACE(fmt::format("gap {}, {}", gap, run.name));
       const Estimate facing = estimateScene(plates(gap, true), run), apart = estimateScene(plates(gap, false), run);
       EXPECT_TRUE(isEstimateOf(facing.form_factors.formFactor(0, 1), 1, facing.replicates, 1e-10));
@@ -110,7 +117,8 @@ TEST(Stress, SliversHaveTheirClosedForm) {
   }
 }
 
-// Seven pairs of equal squares that face each other at a distance of their edge, beside one another: areas from 1 to 1e-12.
+// Seven pairs of equal squares that face each other at a distance of their edge, beside one another: areas from 1 to
+// 1e-12.
 constexpr int kSizes = 7;
 InputScene pairsOfAllSizes() {
   InputScene scene{"pairs of all sizes", {}, {}};
@@ -124,7 +132,8 @@ InputScene pairsOfAllSizes() {
   return scene;
 }
 
-// In windows up to 2^20 spacings fine, half of which the smallest squares are wide; of points, as scanlines, at most 2^14, are left out where there are such specks (chooseSampling).
+// In windows up to 2^20 spacings fine, half of which the smallest squares are wide; of points, as scanlines, at most
+// 2^14, are left out where there are such specks (chooseSampling).
 TEST(Stress, AreasFromOneToATrillionth) {
   const Scene scene = buildScene(pairsOfAllSizes());
   const Ids ids = makeIds(scene, By::polygon, false);
@@ -137,16 +146,19 @@ TEST(Stress, AreasFromOneToATrillionth) {
   const EstimateOptions options{.directions = 400, .replicates = 16};
   for (const EngineKind kind : {EngineKind::compute, EngineKind::host}) {
     SCOPED_TRACE(kind == EngineKind::host ? "host" : "compute");
-    const Estimate e = estimateFormFactors(*makeGroupedEngine(enginesOf(kind), scene, ids, {}, groups), scene, ids, options);
+    const Estimate e =
+        estimateFormFactors(*makeGroupedEngine(enginesOf(kind), scene, ids, {}, groups), scene, ids, options);
     for (uint32_t k = 0; k < kSizes; ++k) {
       const Measured f = e.form_factors.formFactor(2 * k, 2 * k + 1);
       EXPECT_TRUE(isEstimateOf(f, kTruth, e.replicates)) << k;
-      // Of independent directions, Var F <= v(F) = 4/3 (1 - (1 - F)^3/2) - F^2 (Pellegrini 1997), and of independent points 2 h^2 F / A beside it. From 16 replicates a standard error
-      // comes out twice as large in 2 of 10^7 cases (chi-squared of 15 degrees above 60).
+      // Of independent directions, Var F <= v(F) = 4/3 (1 - (1 - F)^3/2) - F^2 (Pellegrini 1997), and of independent
+      // points 2 h^2 F / A beside it. From 16 replicates a standard error comes out twice as large in 2 of 10^7 cases
+      // (chi-squared of 15 degrees above 60).
       int resolution = 0;
       for (const SizeGroup& group : groups)
         if (std::ranges::count(group.polygons, 2 * k)) resolution = group.resolution;
-      const double spread = 4 / 3.0 * (1 - std::pow(1 - kTruth, 1.5)) - kTruth * kTruth, lattice = 2 * pointArea(resolution) * kTruth / scene.polygons[2 * k].area;
+      const double spread = 4 / 3.0 * (1 - std::pow(1 - kTruth, 1.5)) - kTruth * kTruth,
+                   lattice = 2 * pointArea(resolution) * kTruth / scene.polygons[2 * k].area;
       EXPECT_LT(f.standard_error, 2 * std::sqrt((spread + lattice) / options.directions / options.replicates)) << k;
       EXPECT_TRUE(isEstimateOf(e.form_factors.rowSums()[2 * k], 1, e.replicates)) << k;
       EXPECT_EQ(e.form_factors.formFactor(2 * k, kLeak).value, 0) << k;
@@ -154,7 +166,8 @@ TEST(Stress, AreasFromOneToATrillionth) {
   }
 }
 
-// All engines, the graphics engine, too, which has no windows: a square of 1e-6 of the scene's size is met by the one line that passes through its middle, and by none that passes beside it.
+// All engines, the graphics engine, too, which has no windows: a square of 1e-6 of the scene's size is met by the one
+// line that passes through its middle, and by none that passes beside it.
 TEST(Stress, ALineThroughASpeckMeetsIt) {
   const Scene scene = buildScene(pairsOfAllSizes());
   const Ids ids = makeIds(scene, By::polygon, false);
@@ -164,9 +177,12 @@ TEST(Stress, ALineThroughASpeckMeetsIt) {
     engines.push_back(enginesOf(kind)(scene, ids, {.resolution = kResolution}));
   for (uint32_t k = 0; k < kSizes; ++k) {
     const Polygon &low = scene.polygons[2 * k], &high = scene.polygons[2 * k + 1];
-    const glm::dvec3 middle = (scene.corners[low.first_corner] + scene.corners[low.first_corner + 2] + scene.corners[high.first_corner] + scene.corners[high.first_corner + 2]) / 4.0;
+    const glm::dvec3 middle = (scene.corners[low.first_corner] + scene.corners[low.first_corner + 2] +
+                               scene.corners[high.first_corner] + scene.corners[high.first_corner + 2]) /
+                              4.0;
     // 0.1 rad from their normals, so that they overlap by nine tenths.
-    const glm::dvec3 u(std::sin(0.1), 0, std::cos(0.1)), x = glm::normalize(glm::dvec3(0.3, 1, -0.3 * std::tan(0.1))), y = glm::cross(u, x);
+    const glm::dvec3 u(std::sin(0.1), 0, std::cos(0.1)), x = glm::normalize(glm::dvec3(0.3, 1, -0.3 * std::tan(0.1))),
+                                                         y = glm::cross(u, x);
     const auto through = [&](double spacings_beside) {
       const auto offset = [&](const glm::dvec3& axis) {
         const double at = spacings_beside - glm::dot(middle, axis) * kResolution / 2;
@@ -179,13 +195,16 @@ TEST(Stress, ALineThroughASpeckMeetsIt) {
       for (size_t e = 0; e < engines.size(); ++e)
         for (const PairCount& pair : engines[e]->count({&direction, 1}))
           if (pair.i == 2 * k && pair.j == 2 * k + 1) counts[e] = pair.count;
-      EXPECT_TRUE(std::ranges::count(counts, counts[0]) == 3) << k << ": compute " << counts[0] << ", graphics " << counts[1] << ", host " << counts[2];
+      EXPECT_TRUE(std::ranges::count(counts, counts[0]) == 3)
+          << k << ": compute " << counts[0] << ", graphics " << counts[1] << ", host " << counts[2];
       return counts[0];
     };
     const double across = std::sqrt(low.area) * kResolution / 2;  // spacings
     if (across > 0.5) {
-      // A convex region of area A and perimeter P in spacings has between A - P / 2 and A + P / 2 + 1 points (Nosarzewska 1948); one more for snapped corners.
-      EXPECT_NEAR(double(countOf(through(0))), (1 - std::tan(0.1)) * std::cos(0.1) * across * across, 2 * across + 2) << k;
+      // A convex region of area A and perimeter P in spacings has between A - P / 2 and A + P / 2 + 1 points
+      // (Nosarzewska 1948); one more for snapped corners.
+      EXPECT_NEAR(double(countOf(through(0))), (1 - std::tan(0.1)) * std::cos(0.1) * across * across, 2 * across + 2)
+          << k;
     } else {
       EXPECT_EQ(countOf(through(0)), 1u) << k;
       EXPECT_EQ(countOf(through(0.5)), 0u) << k;
@@ -202,7 +221,8 @@ ts::Corners regularPolygon(uint32_t corner_count, double z, bool up) {
   return corners;
 }
 
-// Two polygons face to face; one corner of the lower moved in by so much, beyond the chord of its neighbours, so that it is not convex, or up, so that it is not planar.
+// Two polygons face to face; one corner of the lower moved in by so much, beyond the chord of its neighbours, so that
+// it is not convex, or up, so that it is not planar.
 enum class Way { in, up };
 InputScene polygonsFaceToFace(uint32_t corner_count, double moved, Way way) {
   ts::Corners lower = regularPolygon(corner_count, 0, true);
@@ -222,39 +242,47 @@ TEST(Stress, PolygonsOfManyCorners) {
     const double truth = reference::formFactor(lower, upper);
     for (double moved : {0.0, 1e-12, 1e-3})
       for (const Way way : {Way::in, Way::up}) {
-        if (moved == 0 ? way == Way::up : corner_count == 3) continue;  // the same scene again; a triangle stays convex and planar
+        if (moved == 0 ? way == Way::up : corner_count == 3)
+          continue;  // the same scene again; a triangle stays convex and planar
         const InputScene scene = polygonsFaceToFace(corner_count, moved, way);
-        const double missing = way == Way::in && moved > 0 ? glm::length(glm::cross(lower[1] - lower[0], lower[2] - lower[0])) / 2 : 0;
-        for (const TestRun& run : withEngines({.lattice = {.resolution = 32}, .estimate = {.directions = 60, .replicates = 8}})) {
+        const double missing =
+            way == Way::in && moved > 0 ? glm::length(glm::cross(lower[1] - lower[0], lower[2] - lower[0])) / 2 : 0;
+        for (const TestRun& run :
+             withEngines({.lattice = {.resolution = 32}, .estimate = {.directions = 60, .replicates = 8}})) {
           SCOPED_TRACE(fmt::format("{} corners, moved {}, {}", corner_count, moved, run.name));
           const Estimate e = estimateScene(scene, run);
           const double area = e.form_factors.ids().areas[1];
-          // A_2 F_21 = A_1 F_12 changes by no more than the area that is missing below, and what a corner raised by `moved` can hide of lines from aside: its two edges, shorter
-          // than 2 each, times that.
-          EXPECT_TRUE(isEstimateOf(e.form_factors.formFactor(1, 0), truth, e.replicates, (missing + 4 * moved) / area + 1e-9));
+          // A_2 F_21 = A_1 F_12 changes by no more than the area that is missing below, and what a corner raised by
+          // `moved` can hide of lines from aside: its two edges, shorter than 2 each, times that.
+          EXPECT_TRUE(
+              isEstimateOf(e.form_factors.formFactor(1, 0), truth, e.replicates, (missing + 4 * moved) / area + 1e-9));
           EXPECT_EQ(e.form_factors.formFactor(1, kLeak).value, 0);
         }
       }
   }
 }
 
-// The graphics engine, too, where the tests here and those of laws have estimates of compute and host engine: counts are the same, along the axes, which are the poles of the maps of
-// directions, and as little beside them as doubles tell, and at random.
+// The graphics engine, too, where the tests here and those of laws have estimates of compute and host engine: counts
+// are the same, along the axes, which are the poles of the maps of directions, and as little beside them as doubles
+// tell, and at random.
 TEST(Stress, GraphicsCountsAsTheOthers) {
   std::vector<Direction> directions = sampleDirections(Sampler::iid, 8, 5, 0);
   for (const glm::dvec3& pole : {glm::dvec3(0, 0, 1), glm::dvec3(0, 0, -1), glm::dvec3(0, 1, 0), glm::dvec3(1, 0, 0)})
     for (const double beside : {0.0, 1e-16, 1e-8})
-      for (const Direction& direction : sampleLattices(pole + beside * glm::dvec3(0.6, 0.5, 0.4), 1, 7)) directions.push_back(direction);
+      for (const Direction& direction : sampleLattices(pole + beside * glm::dvec3(0.6, 0.5, 0.4), 1, 7))
+        directions.push_back(direction);
   std::vector<InputScene> scenes;
   for (const double gap : {1.0, 1e-2, 1e-4, 1e-6, 1e-8}) scenes.push_back(plates(gap, true));
   const glm::dmat3 turn(0.6, 0.8, 0, -0.8, 0.6, 0, 0, 0, 1);
-  for (const auto& [scale, offset] : {std::pair(1.0, 1e8), {1e-12, 0.0}, {1e12, 0.0}}) scenes.push_back(ts::transformed(ts::cubeInCube(0.5), turn, scale, glm::dvec3(offset)));
+  for (const auto& [scale, offset] : {std::pair(1.0, 1e8), {1e-12, 0.0}, {1e12, 0.0}})
+    scenes.push_back(ts::transformed(ts::cubeInCube(0.5), turn, scale, glm::dvec3(offset)));
   for (const double moved : {1e-12, 1e-3})
     for (const Way way : {Way::in, Way::up}) scenes.push_back(polygonsFaceToFace(64, moved, way));
   for (size_t k = 0; k < scenes.size(); ++k) {
     SCOPED_TRACE(fmt::format("scene {}, {}", k, scenes[k].file));
     const PairCounts counts = countPairs(buildScene(scenes[k]), directions, {.lattice = {.resolution = 24}});
-    EXPECT_TRUE(std::ranges::any_of(counts, [](const PairCount& count) { return count.j < kEnvironment && count.count > 0; }));
+    EXPECT_TRUE(
+        std::ranges::any_of(counts, [](const PairCount& count) { return count.j < kEnvironment && count.count > 0; }));
   }
 }
 

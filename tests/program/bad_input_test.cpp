@@ -1,5 +1,5 @@
-// What users get wrong, through the program: scene files, options, outputs. One line that says what and where, an exit status, and no half-written file.
-// Scenes are computed by exact areas here, which need no device.
+// What users get wrong, through the program: scene files, options, outputs. One line that says what and where, an exit
+// status, and no half-written file. Scenes are computed by exact areas here, which need no device.
 #include <fmt/format.h>
 #include <sys/stat.h>
 
@@ -42,7 +42,11 @@ TEST_F(BadInput, ScenesAreRefusedInOneLine) {
   } cases[] = {
       {"empty.obj", "", "", "empty"},
       {"no_faces.obj", kTriangle, "", "no faces"},
-      {"garbage.obj", std::string("\x7f" "ELF\2\1\1\0\0\xff\n\xfe", 12), ":1", "not a statement"},
+      {"garbage.obj",
+       std::string("\x7f"
+                   "ELF\2\1\1\0\0\xff\n\xfe",
+                   12),
+       ":1", "not a statement"},
       {"garbage.stl", std::string(200, '\xa5'), "", "neither STL text nor 2779096485 binary facets"},
       {"garbage.ply", std::string(200, '\xa5'), ":1", "not a PLY file"},
       {"utf16.obj", std::string("\xff\xfe#\0\n\0v\0 \0", 10), ":1", "not a statement"},
@@ -57,7 +61,8 @@ TEST_F(BadInput, ScenesAreRefusedInOneLine) {
       {"obj_as.ply", kTriangle + "f 1 2 3\n", ":1", "not a PLY file"},
       {"no_extension", kTriangle + "f 1 2 3\n", "", "unknown format"},
   };
-  for (const auto& c : cases) expectOneLine(run("compute " + write(c.name, c.text) + kExact), 2, file(c.name) + c.place + ": ", c.part);
+  for (const auto& c : cases)
+    expectOneLine(run("compute " + write(c.name, c.text) + kExact), 2, file(c.name) + c.place + ": ", c.part);
 }
 
 TEST_F(BadInput, FilesThatAreNone) {
@@ -67,8 +72,12 @@ TEST_F(BadInput, FilesThatAreNone) {
   ASSERT_EQ(::mkfifo(file("pipe.obj").c_str(), 0600), 0);
   write("secret.obj", kTriangle + "f 1 2 3\n");
   fs::permissions(file("secret.obj"), fs::perms::none);
-  for (const auto& [name, part] : {std::pair("missing.obj", "no such file"), {"folder.obj", "is a directory"}, {"loop.obj", "cannot be read"}, {"dangling.obj", "no such file"},
-                                   {"pipe.obj", "not a regular file"}, {"secret.obj", "Permission denied"}})
+  for (const auto& [name, part] : {std::pair("missing.obj", "no such file"),
+                                   {"folder.obj", "is a directory"},
+                                   {"loop.obj", "cannot be read"},
+                                   {"dangling.obj", "no such file"},
+                                   {"pipe.obj", "not a regular file"},
+                                   {"secret.obj", "Permission denied"}})
     expectOneLine(run("compute " + file(name) + kExact, kWithoutRights), 2, file(name) + ": ", part);
 }
 
@@ -80,8 +89,11 @@ TEST_F(BadInput, OddScenesAreRead) {
   ASSERT_EQ(run("compute " + write("square.obj", square) + kExact + "-o " + file("square.csv")).status, 0);
   const std::string expected = readFile(file("square.csv"));
   EXPECT_EQ(expected.find("from,to,form_factor,standard_error\n\"Tür \"\"süd\"\"\",environment,"), 0u) << expected;
-  for (const auto& [name, text] : {std::pair<std::string, std::string>("Tür süd.obj", square), {"windows.obj", windows}, {"mark.obj", "\xEF\xBB\xBF" + square},
-                                   {"UPPER.OBJ", square}, {"no_end.obj", square.substr(0, square.size() - 1)}}) {
+  for (const auto& [name, text] : {std::pair<std::string, std::string>("Tür süd.obj", square),
+                                   {"windows.obj", windows},
+                                   {"mark.obj", "\xEF\xBB\xBF" + square},
+                                   {"UPPER.OBJ", square},
+                                   {"no_end.obj", square.substr(0, square.size() - 1)}}) {
     const Result r = run("compute " + write(name, text) + kExact + "-o " + file("a.csv"));
     EXPECT_EQ(r.status, 0) << name << r.output;
     EXPECT_EQ(r.output, "") << name;
@@ -93,15 +105,19 @@ TEST_F(BadInput, OddScenesAreRead) {
 // Scenes that are no solids are computed, and the summary shows what is wrong with them.
 TEST_F(BadInput, OpenAndInsideOutScenesShowInTheSummary) {
   const std::string cube = readFile(VIEWPEEL_SCENES "/cube.obj");
-  const auto replaced = [&](const std::string& old, const std::string& text) { return std::string(cube).replace(cube.find(old), old.size(), text); };
+  const auto replaced = [&](const std::string& old, const std::string& text) {
+    return std::string(cube).replace(cube.find(old), old.size(), text);
+  };
   const auto shown = [&](const std::string& name, const std::string& text) {
     const Result r = run("compute " + write(name, text) + " --engine exact --directions 50 --replicates 2");
     EXPECT_EQ(r.status, 0) << r.output;
     return r.output;
   };
-  const std::string flipped = shown("flipped.obj", replaced("f 1 2 3 4", "f 4 3 2 1"));  // its sixth of the emission leaves, a sixth meets its back
+  const std::string flipped = shown(
+      "flipped.obj", replaced("f 1 2 3 4", "f 4 3 2 1"));  // its sixth of the emission leaves, a sixth meets its back
   EXPECT_NE(flipped.find("surfaces, open"), std::string::npos) << flipped;
-  EXPECT_NE(flipped.find("16.7 % of all emitted radiation leaves the scene, 16.7 % ends on backs"), std::string::npos) << flipped;
+  EXPECT_NE(flipped.find("16.7 % of all emitted radiation leaves the scene, 16.7 % ends on backs"), std::string::npos)
+      << flipped;
   const std::string fin = shown("fin.obj", cube + "o fin\nv -1 0.5 -1\nf 1 2 9\n");  // an edge of three faces
   EXPECT_NE(fin.find("surfaces, open"), std::string::npos) << fin;
 }
@@ -148,15 +164,20 @@ TEST_F(BadInput, OutputsThatCannotBeWrittenAreFoundFirst) {
   fs::create_symlink("/dev/full", file("device.csv"));
   std::ofstream(file("kept.csv")) << "old\n";
   const std::vector<std::string> before = files();
-  for (const auto& [name, part] : {std::pair<std::string, std::string>("missing/a.csv", "No such file or directory"), {"folder.csv", "it is a directory"},
-                                   {"locked/a.csv", "Permission denied"}, {"device.csv", "not a regular file"}, {"kept.csv/a.csv", "Not a directory"}}) {
+  for (const auto& [name, part] : {std::pair<std::string, std::string>("missing/a.csv", "No such file or directory"),
+                                   {"folder.csv", "it is a directory"},
+                                   {"locked/a.csv", "Permission denied"},
+                                   {"device.csv", "not a regular file"},
+                                   {"kept.csv/a.csv", "Not a directory"}}) {
     const std::string options = " --engine exact --directions 1 -o " + file("kept.csv") + " -o " + file(name);
     expectOneLine(run(kPlates + options, kWithoutRights), 2, file(name) + ": cannot write: ", part);
     if (name != "device.csv")  // which is taken for a checkpoint that is there already
-      expectOneLine(run(kPlates + "--engine exact --checkpoint " + file(name), kWithoutRights), 2, file(name) + ": cannot write: ", part);
+      expectOneLine(run(kPlates + "--engine exact --checkpoint " + file(name), kWithoutRights), 2,
+                    file(name) + ": cannot write: ", part);
   }
   // A disk with room for less than a block, as files of 2 KiB at most.
-  expectOneLine(run(kPlates + kExact + "-o " + file("kept.csv"), "trap '' XFSZ; ulimit -f 4;"), 2, file("kept.csv") + ": cannot write: ", "File too large");
+  expectOneLine(run(kPlates + kExact + "-o " + file("kept.csv"), "trap '' XFSZ; ulimit -f 4;"), 2,
+                file("kept.csv") + ": cannot write: ", "File too large");
   EXPECT_EQ(files(), before);
   EXPECT_EQ(readFile(file("kept.csv")), "old\n");
 }
@@ -168,7 +189,8 @@ TEST_F(BadInput, FullDiskKeepsTheOldFileAndTheOtherOutputs) {
   const uintmax_t csv_bytes = fs::file_size(file("a.csv")), mtx_bytes = fs::file_size(file("a.mtx"));
   ASSERT_GT(csv_bytes, mtx_bytes + 1024);
   std::ofstream(file("b.csv")) << "old\n";
-  const Result r = run(office + "-o " + file("b.csv") + " -o " + file("b.mtx"), fmt::format("trap '' XFSZ; ulimit -f {};", (csv_bytes + mtx_bytes) / 2 / 512));
+  const Result r = run(office + "-o " + file("b.csv") + " -o " + file("b.mtx"),
+                       fmt::format("trap '' XFSZ; ulimit -f {};", (csv_bytes + mtx_bytes) / 2 / 512));
   expectOneLine(r, 1, file("b.csv") + ": cannot write: ", "File too large");
   EXPECT_EQ(readFile(file("b.csv")), "old\n");
   EXPECT_EQ(readFile(file("b.mtx")), readFile(file("a.mtx")));

@@ -42,10 +42,12 @@ bool failsAt(const std::string& kind, int count) {
 
 bool hasSpace(VkDeviceSize size_bytes) {
   const std::string asked = fault();
-  return asked.rfind("space:", 0) != 0 || allocated_bytes + size_bytes <= std::strtoull(asked.c_str() + 6, nullptr, 10) << 10;
+  return asked.rfind("space:", 0) != 0 || allocated_bytes + size_bytes <= std::strtoull(asked.c_str() + 6, nullptr, 10)
+                                                                              << 10;
 }
 
-// Of what lies below; looked up when the instance and the device are made, for later the loader answers with the top of its layers.
+// Of what lies below; looked up when the instance and the device are made, for later the loader answers with the top of
+// its layers.
 struct Next {
   PFN_vkEnumeratePhysicalDevices enumeratePhysicalDevices;
   PFN_vkGetPhysicalDeviceProperties2 getProperties2;
@@ -57,23 +59,30 @@ struct Next {
 } next{};
 
 template <class Function>
-void findOfInstance(const char* name, Function& function) { function = reinterpret_cast<Function>(next_instance_proc(the_instance, name)); }
+void findOfInstance(const char* name, Function& function) {
+  function = reinterpret_cast<Function>(next_instance_proc(the_instance, name));
+}
 template <class Function>
-void findOfDevice(const char* name, Function& function) { function = reinterpret_cast<Function>(next_device_proc(the_device, name)); }
+void findOfDevice(const char* name, Function& function) {
+  function = reinterpret_cast<Function>(next_device_proc(the_device, name));
+}
 
 template <class Info>
 Info* linkOf(const void* chain, VkStructureType type) {
   auto* info = static_cast<Info*>(const_cast<void*>(chain));
-  while (info && !(info->sType == type && info->function == VK_LAYER_LINK_INFO)) info = static_cast<Info*>(const_cast<void*>(info->pNext));
+  while (info && !(info->sType == type && info->function == VK_LAYER_LINK_INFO))
+    info = static_cast<Info*>(const_cast<void*>(info->pNext));
   return info;
 }
 
-VKAPI_ATTR VkResult VKAPI_CALL createInstance(const VkInstanceCreateInfo* info, const VkAllocationCallbacks* allocator, VkInstance* instance) {
+VKAPI_ATTR VkResult VKAPI_CALL createInstance(const VkInstanceCreateInfo* info, const VkAllocationCallbacks* allocator,
+                                              VkInstance* instance) {
   auto* link = linkOf<VkLayerInstanceCreateInfo>(info->pNext, VK_STRUCTURE_TYPE_LOADER_INSTANCE_CREATE_INFO);
   if (!link) return VK_ERROR_INITIALIZATION_FAILED;
   next_instance_proc = link->u.pLayerInfo->pfnNextGetInstanceProcAddr;
   link->u.pLayerInfo = link->u.pLayerInfo->pNext;
-  const VkResult result = reinterpret_cast<PFN_vkCreateInstance>(next_instance_proc(VK_NULL_HANDLE, "vkCreateInstance"))(info, allocator, instance);
+  const VkResult result = reinterpret_cast<PFN_vkCreateInstance>(
+      next_instance_proc(VK_NULL_HANDLE, "vkCreateInstance"))(info, allocator, instance);
   the_instance = *instance;
   if (result != VK_SUCCESS) return result;
   findOfInstance("vkEnumeratePhysicalDevices", next.enumeratePhysicalDevices);
@@ -82,13 +91,15 @@ VKAPI_ATTR VkResult VKAPI_CALL createInstance(const VkInstanceCreateInfo* info, 
   return result;
 }
 
-VKAPI_ATTR VkResult VKAPI_CALL createDevice(VkPhysicalDevice physical, const VkDeviceCreateInfo* info, const VkAllocationCallbacks* allocator, VkDevice* device) {
+VKAPI_ATTR VkResult VKAPI_CALL createDevice(VkPhysicalDevice physical, const VkDeviceCreateInfo* info,
+                                            const VkAllocationCallbacks* allocator, VkDevice* device) {
   auto* link = linkOf<VkLayerDeviceCreateInfo>(info->pNext, VK_STRUCTURE_TYPE_LOADER_DEVICE_CREATE_INFO);
   if (!link) return VK_ERROR_INITIALIZATION_FAILED;
   const auto below = link->u.pLayerInfo->pfnNextGetInstanceProcAddr;
   next_device_proc = link->u.pLayerInfo->pfnNextGetDeviceProcAddr;
   link->u.pLayerInfo = link->u.pLayerInfo->pNext;
-  const VkResult result = reinterpret_cast<PFN_vkCreateDevice>(below(the_instance, "vkCreateDevice"))(physical, info, allocator, device);
+  const VkResult result =
+      reinterpret_cast<PFN_vkCreateDevice>(below(the_instance, "vkCreateDevice"))(physical, info, allocator, device);
   the_device = *device;
   if (result != VK_SUCCESS) return result;
   findOfDevice("vkQueueSubmit2", next.queueSubmit2);
@@ -98,7 +109,8 @@ VKAPI_ATTR VkResult VKAPI_CALL createDevice(VkPhysicalDevice physical, const VkD
   return result;
 }
 
-VKAPI_ATTR VkResult VKAPI_CALL enumeratePhysicalDevices(VkInstance instance, uint32_t* count, VkPhysicalDevice* devices) {
+VKAPI_ATTR VkResult VKAPI_CALL enumeratePhysicalDevices(VkInstance instance, uint32_t* count,
+                                                        VkPhysicalDevice* devices) {
   if (fault() == "none") {
     *count = 0;
     return VK_SUCCESS;
@@ -110,7 +122,8 @@ VKAPI_ATTR void VKAPI_CALL getProperties2(VkPhysicalDevice device, VkPhysicalDev
   next.getProperties2(device, properties);
   if (fault() == "version") properties->properties.apiVersion = VK_API_VERSION_1_2;
   if (const std::string asked = fault(); asked.rfind("texels:", 0) == 0)
-    properties->properties.limits.maxTexelBufferElements = static_cast<uint32_t>(std::strtoul(asked.c_str() + 7, nullptr, 10));
+    properties->properties.limits.maxTexelBufferElements =
+        static_cast<uint32_t>(std::strtoul(asked.c_str() + 7, nullptr, 10));
 }
 
 VKAPI_ATTR void VKAPI_CALL getFeatures2(VkPhysicalDevice device, VkPhysicalDeviceFeatures2* features) {
@@ -118,17 +131,20 @@ VKAPI_ATTR void VKAPI_CALL getFeatures2(VkPhysicalDevice device, VkPhysicalDevic
   if (fault() == "feature") features->features.shaderInt64 = VK_FALSE;
 }
 
-VKAPI_ATTR VkResult VKAPI_CALL queueSubmit2(VkQueue queue, uint32_t count, const VkSubmitInfo2* submits, VkFence fence) {
+VKAPI_ATTR VkResult VKAPI_CALL queueSubmit2(VkQueue queue, uint32_t count, const VkSubmitInfo2* submits,
+                                            VkFence fence) {
   if (failsAt("lost", ++submissions)) return VK_ERROR_DEVICE_LOST;
   return next.queueSubmit2(queue, count, submits, fence);
 }
 
-VKAPI_ATTR VkResult VKAPI_CALL waitForFences(VkDevice device, uint32_t count, const VkFence* fences, VkBool32 all, uint64_t timeout) {
+VKAPI_ATTR VkResult VKAPI_CALL waitForFences(VkDevice device, uint32_t count, const VkFence* fences, VkBool32 all,
+                                             uint64_t timeout) {
   if (failsAt("lost", submissions)) return VK_ERROR_DEVICE_LOST;
   return next.waitForFences(device, count, fences, all, timeout);
 }
 
-VKAPI_ATTR VkResult VKAPI_CALL allocateMemory(VkDevice device, const VkMemoryAllocateInfo* info, const VkAllocationCallbacks* allocator, VkDeviceMemory* memory) {
+VKAPI_ATTR VkResult VKAPI_CALL allocateMemory(VkDevice device, const VkMemoryAllocateInfo* info,
+                                              const VkAllocationCallbacks* allocator, VkDeviceMemory* memory) {
   const std::lock_guard lock(space_mutex);
   if (failsAt("memory", ++allocations) || !hasSpace(info->allocationSize)) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
   const VkResult result = next.allocateMemory(device, info, allocator, memory);
@@ -179,7 +195,8 @@ PFN_vkVoidFunction find(const char* name) {
 
 }  // namespace
 
-extern "C" VK_LAYER_EXPORT VKAPI_ATTR VkResult VKAPI_CALL vkNegotiateLoaderLayerInterfaceVersion(VkNegotiateLayerInterface* version) {
+extern "C" VK_LAYER_EXPORT VKAPI_ATTR VkResult VKAPI_CALL
+vkNegotiateLoaderLayerInterfaceVersion(VkNegotiateLayerInterface* version) {
   version->loaderLayerInterfaceVersion = 2;
   version->pfnGetInstanceProcAddr = getInstanceProcAddr;
   version->pfnGetDeviceProcAddr = getDeviceProcAddr;

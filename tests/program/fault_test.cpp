@@ -1,4 +1,5 @@
-// What fails around the program - driver, device, memory, another run, the user's patience - ends in one clear line, and what was counted is kept.
+// What fails around the program - driver, device, memory, another run, the user's patience - ends in one clear line,
+// and what was counted is kept.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -10,10 +11,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The layer of fault_layer.cpp, failing as told. Validation is off: the layer breaks what it would watch; so is Mesa's device selection, which does not
-// survive that there are no devices.
+// The layer of fault_layer.cpp, failing as told. Validation is off: the layer breaks what it would watch; so is Mesa's
+// device selection, which does not survive that there are no devices.
 std::string withFault(const std::string& fault) {
-  return "NODEVICE_SELECT=1 VK_LAYER_PATH=" VIEWPEEL_FAULT_LAYER " VK_INSTANCE_LAYERS=VK_LAYER_VIEWPEEL_faults VIEWPEEL_VALIDATION=0 VIEWPEEL_FAULT=" + fault;
+  return "NODEVICE_SELECT=1 VK_LAYER_PATH=" VIEWPEEL_FAULT_LAYER
+         " VK_INSTANCE_LAYERS=VK_LAYER_VIEWPEEL_faults VIEWPEEL_VALIDATION=0 VIEWPEEL_FAULT=" +
+         fault;
 }
 
 const std::string kOffice = "compute " VIEWPEEL_SCENES "/office.obj --quiet --by surface ";
@@ -34,25 +37,31 @@ class Fault : public Program {
   }
   std::string writeSheets() const {
     std::ofstream out(file("sheets.obj"));
-    for (int k = 0; k < 200; ++k) out << fmt::format("v 0 0 {0}\nv 1 0 {0}\nv 1 1 {0}\nv 0 1 {0}\nf -4 -3 -2 -1\n", 0.01 * k);
+    for (int k = 0; k < 200; ++k)
+      out << fmt::format("v 0 0 {0}\nv 1 0 {0}\nv 1 1 {0}\nv 0 1 {0}\nf -4 -3 -2 -1\n", 0.01 * k);
     return file("sheets.obj");
   }
   // Directions on the device at once, as planned and, where lists grew, in the end.
   static unsigned atOnce(const Result& result, const char* after) {
     unsigned batches = 0, directions = 0;
     std::string word;
-    std::istringstream plan(result.output.substr(std::min(result.output.find("plan       ", result.output.find(after)), result.output.size())));
+    std::istringstream plan(result.output.substr(
+        std::min(result.output.find("plan       ", result.output.find(after)), result.output.size())));
     EXPECT_TRUE(plan >> word >> batches >> word >> directions) << result.output;
     return batches * directions;
   }
-  // Squares of random place and size above one another: every direction takes a device some time, and reading them, too.
+  // Squares of random place and size above one another: every direction takes a device some time, and reading them,
+  // too.
   std::string writeLargeScene(int count) const {
     std::ofstream out(file("large.obj"));
     uint64_t state = 1;
-    const auto random = [&] { return double((state = state * 6364136223846793005u + 1442695040888963407u) >> 40) / 1.7e7; };
+    const auto random = [&] {
+      return double((state = state * 6364136223846793005u + 1442695040888963407u) >> 40) / 1.7e7;
+    };
     for (int k = 0; k < count; ++k) {
       const double x = random(), y = random(), z = random(), edge = 0.02 + 0.05 * random();
-      out << fmt::format("v {0} {1} {2}\nv {3} {1} {2}\nv {3} {4} {2}\nv {0} {4} {2}\nf -4 -3 -2 -1\n", x, y, z, x + edge, y + edge);
+      out << fmt::format("v {0} {1} {2}\nv {3} {1} {2}\nv {3} {4} {2}\nv {0} {4} {2}\nf -4 -3 -2 -1\n", x, y, z,
+                         x + edge, y + edge);
     }
     return file("large.obj");
   }
@@ -69,19 +78,24 @@ TEST_F(Fault, LayerIsUsed) {
 
 TEST_F(Fault, NoUsableDeviceIsToldWithTheReason) {
   const std::string plates = "compute " VIEWPEEL_SCENES "/plates.obj --quiet --engine compute";
-  expectOneLine(run(plates, "VK_DRIVER_FILES=/nowhere.json VK_ICD_FILENAMES=/nowhere.json"), 1, {"no Vulkan driver found; install"});
+  expectOneLine(run(plates, "VK_DRIVER_FILES=/nowhere.json VK_ICD_FILENAMES=/nowhere.json"), 1,
+                {"no Vulkan driver found; install"});
   expectOneLine(run(plates, withFault("none")), 1, {"no Vulkan driver found; install"});
-  expectOneLine(run(plates, withFault("version")), 1, {"no usable device: 0: ", "(needs Vulkan 1.3)", "viewpeel devices"});
+  expectOneLine(run(plates, withFault("version")), 1,
+                {"no usable device: 0: ", "(needs Vulkan 1.3)", "viewpeel devices"});
   expectOneLine(run(plates, withFault("feature")), 1, {"no usable device: 0: ", "lacks shaderInt64"});
 }
 
-// Lost at any submission: at the first, while planning, or later. What is in the checkpoint then goes on to the bits of a run without fault.
+// Lost at any submission: at the first, while planning, or later. What is in the checkpoint then goes on to the bits of
+// a run without fault.
 TEST_F(Fault, LostDeviceKeepsTheCheckpoint) {
   ASSERT_EQ(run(kSteady + "-o " + file("whole.csv")).status, 0);
   uint64_t most = 0;
   for (int submission : {1, 9, 20}) {
-    const std::string options = kSteady + "--checkpoint-seconds 0 -o " + file("a.csv") + " --checkpoint " + file("a.h5");
-    expectOneLine(run(options, withFault(fmt::format("lost:{}", submission))), 1, {"the device was lost; run again, or choose another with --device"});
+    const std::string options =
+        kSteady + "--checkpoint-seconds 0 -o " + file("a.csv") + " --checkpoint " + file("a.h5");
+    expectOneLine(run(options, withFault(fmt::format("lost:{}", submission))), 1,
+                  {"the device was lost; run again, or choose another with --device"});
     EXPECT_FALSE(fs::exists(file("a.csv")));
     most = std::max(most, replicatesOf("a.h5"));
     ASSERT_EQ(run(options + " --resume").status, 0) << submission;
@@ -90,19 +104,28 @@ TEST_F(Fault, LostDeviceKeepsTheCheckpoint) {
     fs::remove(file("a.h5"));
   }
   EXPECT_GE(most, 1u);  // some were lost in the middle
-  for (const std::string planned : {"--tolerance 1e-3 --engine compute", "--epsilon 0.1 --engine compute", "--closed-forms on --engine compute", "--engine graphics --directions 20"})
+  for (const std::string planned : {"--tolerance 1e-3 --engine compute", "--epsilon 0.1 --engine compute",
+                                    "--closed-forms on --engine compute", "--engine graphics --directions 20"})
     expectOneLine(run(kOffice + planned, withFault("lost:8")), 1, {"the device was lost"});
 }
 
 TEST_F(Fault, LackOfDeviceMemoryIsAClearError) {
-  for (const std::string planned : {"--directions 50 --engine compute", "--tolerance 1e-3 --engine compute", "--epsilon 0.1 --engine compute", "--closed-forms on --engine compute", "--engine graphics --directions 20"})
-    for (int allocation : {1, 12}) expectOneLine(run(kOffice + planned, withFault(fmt::format("memory:{}", allocation))), 1, {"cannot allocate", "try a smaller"});
+  for (const std::string planned :
+       {"--directions 50 --engine compute", "--tolerance 1e-3 --engine compute", "--epsilon 0.1 --engine compute",
+        "--closed-forms on --engine compute", "--engine graphics --directions 20"})
+    for (int allocation : {1, 12})
+      expectOneLine(run(kOffice + planned, withFault(fmt::format("memory:{}", allocation))), 1,
+                    {"cannot allocate", "try a smaller"});
 }
 
-// On devices of less and less memory: enough for the plan; for smaller batches; for smaller ones than those, once the lists of tiles grow, as sheets above one another make them;
-// and not for one direction. What is computed has the same bits.
+// On devices of less and less memory: enough for the plan; for smaller batches; for smaller ones than those, once the
+// lists of tiles grow, as sheets above one another make them; and not for one direction. What is computed has the same
+// bits.
 TEST_F(Fault, LackOfDeviceMemoryMakesBatchesSmaller) {
-  const std::string options = "compute --engine compute " + writeSheets() + " --two-sided --sampling lattice --directions 16 --resolution 128 --batch 8 --replicates 2 --verbose -o " + file("a.csv");
+  const std::string options =
+      "compute --engine compute " + writeSheets() +
+      " --two-sided --sampling lattice --directions 16 --resolution 128 --batch 8 --replicates 2 --verbose -o " +
+      file("a.csv");
   ASSERT_EQ(run(options, withFault("")).status, 0);
   const std::string whole = readFile(file("a.csv"));
   int as_planned = 0, smaller = 0, smaller_later = 0, refused = 0;
@@ -112,7 +135,8 @@ TEST_F(Fault, LackOfDeviceMemoryMakesBatchesSmaller) {
     const Result result = run(options, withFault(fmt::format("space:{}", int((32 + mib) * 1024))));
     if (result.status != 0) {
       EXPECT_EQ(result.status, 1) << result.output;
-      EXPECT_NE(result.output.find("\nviewpeel: one direction at a time does not fit: "), std::string::npos) << result.output;
+      EXPECT_NE(result.output.find("\nviewpeel: one direction at a time does not fit: "), std::string::npos)
+          << result.output;
       ++refused;
       continue;
     }
@@ -130,7 +154,10 @@ TEST_F(Fault, LackOfDeviceMemoryMakesBatchesSmaller) {
 
 // The same on devices that address shorter and shorter lists: that too depends on the batch.
 TEST_F(Fault, ListsTooLongToAddressMakeBatchesSmaller) {
-  const std::string options = "compute --engine compute " + writeSheets() + " --two-sided --sampling lattice --directions 16 --resolution 128 --batch 8 --replicates 2 --verbose -o " + file("a.csv");
+  const std::string options =
+      "compute --engine compute " + writeSheets() +
+      " --two-sided --sampling lattice --directions 16 --resolution 128 --batch 8 --replicates 2 --verbose -o " +
+      file("a.csv");
   ASSERT_EQ(run(options, withFault("")).status, 0);
   const std::string whole = readFile(file("a.csv"));
   int as_planned = 0, smaller = 0, refused = 0;
@@ -139,7 +166,10 @@ TEST_F(Fault, ListsTooLongToAddressMakeBatchesSmaller) {
     const Result result = run(options, withFault(fmt::format("texels:{}", texels)));
     if (result.status != 0) {
       EXPECT_EQ(result.status, 1) << result.output;
-      EXPECT_NE(result.output.find(fmt::format("\nviewpeel: one direction at a time does not fit: polygons reach more than {} tiles", texels)), std::string::npos) << result.output;
+      EXPECT_NE(result.output.find(fmt::format(
+                    "\nviewpeel: one direction at a time does not fit: polygons reach more than {} tiles", texels)),
+                std::string::npos)
+          << result.output;
       ++refused;
       continue;
     }
@@ -156,14 +186,15 @@ TEST_F(Fault, ListsTooLongToAddressMakeBatchesSmaller) {
 // Whatever goes on: a scene being read, a plan, closed forms, one long batch of either engine.
 TEST_F(Fault, SignalEndsALargeRunWithinTwoSeconds) {
   const std::string large = "compute " + writeLargeScene(100'000) + " --quiet ";
-  const std::pair<std::string, double> runs[] = {{large, 0.2},
-                                                 {large, 2.5},
-                                                 {large + "--engine compute", 2.5},
-                                                 {large + "--directions 1000 --resolution 1000 --engine compute --by surface", 2.5},
-                                                 {large + "--directions 1000 --resolution 1000 --by surface", 2.5},
-                                                 {large + "--engine graphics --by surface --directions 1000 --resolution 256", 2.5},
-                                                 {large + "--engine exact --directions 10", 1.5},
-                                                 {"compute " VIEWPEEL_SCENES "/office.obj --quiet --tolerance 1e-5", 1}};
+  const std::pair<std::string, double> runs[] = {
+      {large, 0.2},
+      {large, 2.5},
+      {large + "--engine compute", 2.5},
+      {large + "--directions 1000 --resolution 1000 --engine compute --by surface", 2.5},
+      {large + "--directions 1000 --resolution 1000 --by surface", 2.5},
+      {large + "--engine graphics --by surface --directions 1000 --resolution 256", 2.5},
+      {large + "--engine exact --directions 10", 1.5},
+      {"compute " VIEWPEEL_SCENES "/office.obj --quiet --tolerance 1e-5", 1}};
   for (const auto& [options, after] : runs) {
     Running running(options + " -o " + file("a.csv"), file("messages"));
     waitFor(after);
@@ -173,14 +204,18 @@ TEST_F(Fault, SignalEndsALargeRunWithinTwoSeconds) {
     EXPECT_EQ(running.wait(), 130) << options << readFile(file("messages"));
     EXPECT_LT(secondsSince(start), kSoon) << options;
     // Before it stands, of so many squares at random heights, that some lie in one plane.
-    EXPECT_NE(readFile(file("messages")).find("viewpeel: stopped by SIGINT, "), std::string::npos) << readFile(file("messages"));
+    EXPECT_NE(readFile(file("messages")).find("viewpeel: stopped by SIGINT, "), std::string::npos)
+        << readFile(file("messages"));
   }
 }
 
 // One batch takes longer than a signal may: what was counted before it is written by the time.
 TEST_F(Fault, SignalInALongBatchKeepsTheReplicatesBefore) {
-  const std::string options = "compute " + writeLargeScene(15'000) + " --quiet --by surface --two-sided --engine graphics --directions 1 --resolution 8 --replicates 100000 ";
-  Running running(options + "--checkpoint-seconds 0 -o " + file("a.csv") + " --checkpoint " + file("a.h5"), file("messages"));
+  const std::string options =
+      "compute " + writeLargeScene(15'000) +
+      " --quiet --by surface --two-sided --engine graphics --directions 1 --resolution 8 --replicates 100000 ";
+  Running running(options + "--checkpoint-seconds 0 -o " + file("a.csv") + " --checkpoint " + file("a.h5"),
+                  file("messages"));
   while (!running.hasEnded() && replicatesOf("a.h5") < 2) waitFor(0.2);
   const auto start = Clock::now();
   running.send(SIGTERM);
@@ -191,7 +226,8 @@ TEST_F(Fault, SignalInALongBatchKeepsTheReplicatesBefore) {
   EXPECT_EQ(readFile(file("a.csv")), readFile(file("b.csv")));
 }
 
-// The second of two runs with one checkpoint is refused, or told that its own is not kept, whichever came first; nothing is mixed.
+// The second of two runs with one checkpoint is refused, or told that its own is not kept, whichever came first;
+// nothing is mixed.
 TEST_F(Fault, TwoRunsDoNotDisturbEachOther) {
   const std::string options = kSteady + "--checkpoint-seconds 0 --checkpoint " + file("a.h5") + " --replicates ";
   {
@@ -200,7 +236,9 @@ TEST_F(Fault, TwoRunsDoNotDisturbEachOther) {
     EXPECT_EQ(std::min(a, b), 0) << readFile(file("first")) << readFile(file("second"));
     EXPECT_GE(std::max(a, b), 1) << readFile(file("first")) << readFile(file("second"));
     const std::string told = readFile(file(a == 0 ? "second" : "first"));
-    EXPECT_TRUE(told.find("another run has put its own there") != std::string::npos || told.find("there is a checkpoint already") != std::string::npos) << told;
+    EXPECT_TRUE(told.find("another run has put its own there") != std::string::npos ||
+                told.find("there is a checkpoint already") != std::string::npos)
+        << told;
     EXPECT_EQ(replicatesOf("a.h5"), 60u);
   }
   {
@@ -211,7 +249,8 @@ TEST_F(Fault, TwoRunsDoNotDisturbEachOther) {
     EXPECT_EQ(first.wait(), 143);
   }
   // Outputs are written as a whole: of two runs with one name for them the last remains.
-  Running first(kSteady + "-o " + file("a.csv"), file("first")), second(kSteady + "-o " + file("a.csv"), file("second"));
+  Running first(kSteady + "-o " + file("a.csv"), file("first")),
+      second(kSteady + "-o " + file("a.csv"), file("second"));
   EXPECT_EQ(first.wait(), 0);
   EXPECT_EQ(second.wait(), 0);
   EXPECT_EQ(run(kSteady + "-o " + file("b.csv")).status, 0);

@@ -17,21 +17,25 @@ class LongRun : public Program {
   std::string replicatesOf(const std::string& name) const {
     const std::string shown = run("merge " + file(name)).output;
     const size_t at = shown.find("\nreplicates ");
-    return at == std::string::npos ? shown : shown.substr(shown.find_first_not_of(' ', at + 12), shown.find('\n', at + 1) - shown.find_first_not_of(' ', at + 12));
+    return at == std::string::npos ? shown
+                                   : shown.substr(shown.find_first_not_of(' ', at + 12),
+                                                  shown.find('\n', at + 1) - shown.find_first_not_of(' ', at + 12));
   }
 };
 
 // Kills fall at random within a replicate, a write of the checkpoint, or the start of the program.
 class KilledRun : public LongRun, public testing::WithParamInterface<const char*> {};
 
-INSTANTIATE_TEST_SUITE_P(LongRun, KilledRun, testing::Values("off", "on"), [](const auto& closed_forms) { return fmt::format("ClosedForms_{}", closed_forms.param); });
+INSTANTIATE_TEST_SUITE_P(LongRun, KilledRun, testing::Values("off", "on"),
+                         [](const auto& closed_forms) { return fmt::format("ClosedForms_{}", closed_forms.param); });
 
 TEST_P(KilledRun, AnywhereAndResumedIsTheSameRun) {
   const auto seed = std::random_device{}();
   std::printf("seed %u\n", seed);
   SCOPED_TRACE("seed " + std::to_string(seed));
   std::mt19937 random(seed);
-  const std::string options = kOffice + "--directions 100 --replicates 40 --checkpoint-seconds 0 --closed-forms " + GetParam() + " ";
+  const std::string options =
+      kOffice + "--directions 100 --replicates 40 --checkpoint-seconds 0 --closed-forms " + GetParam() + " ";
   ASSERT_EQ(run(options + "-o " + file("whole.csv") + " --checkpoint " + file("whole.h5")).status, 0);
 
   const std::string resumed = options + "-o " + file("a.csv") + " --checkpoint " + file("a.h5") + " --resume";
@@ -66,20 +70,23 @@ TEST_P(KilledRun, AnywhereAndResumedIsTheSameRun) {
 // A replicate takes minutes here: the program does not wait for its end.
 TEST_F(LongRun, SignalsStopItWithinSeconds) {
   for (const auto& [signal, name] : {std::pair(SIGINT, "SIGINT"), std::pair(SIGTERM, "SIGTERM")}) {
-    Running running(kOffice + "--directions 300000 -o " + file("a.csv") + " --checkpoint " + file("a.h5"), file("messages"));
+    Running running(kOffice + "--directions 300000 -o " + file("a.csv") + " --checkpoint " + file("a.h5"),
+                    file("messages"));
     waitFor(3);
     const auto start = Clock::now();
     running.send(signal);
     EXPECT_EQ(running.wait(), 128 + signal) << readFile(file("messages"));
     EXPECT_LT(secondsSince(start), kSoon);
-    EXPECT_EQ(readFile(file("messages")), std::string("viewpeel: stopped by ") + name + ", 0 replicates done; too few to write results\n");
+    EXPECT_EQ(readFile(file("messages")),
+              std::string("viewpeel: stopped by ") + name + ", 0 replicates done; too few to write results\n");
     EXPECT_FALSE(fs::exists(file("a.h5")) || fs::exists(file("a.csv")));
   }
 }
 
 TEST_F(LongRun, InterruptedIsWrittenAndResumed) {
   for (const std::string engine : {"compute", "graphics", "exact"}) {
-    const std::string options = kOffice + "--directions 20 --replicates 5000 --engine " + engine + " --checkpoint " + file(engine + ".h5") + " ";
+    const std::string options = kOffice + "--directions 20 --replicates 5000 --engine " + engine + " --checkpoint " +
+                                file(engine + ".h5") + " ";
     {
       Running running(options + "--checkpoint-seconds 0 -o " + file("a.csv"), file("messages"));
       while (!running.hasEnded() && !fs::exists(file(engine + ".h5"))) waitFor(0.01);
@@ -89,7 +96,9 @@ TEST_F(LongRun, InterruptedIsWrittenAndResumed) {
       EXPECT_EQ(running.wait(), 143) << engine << readFile(file("messages"));
     }
     const std::string messages = readFile(file("messages"));
-    EXPECT_NE(messages.find(engine + ".h5 has what was counted, go on with --resume; results are written\n"), std::string::npos) << messages;
+    EXPECT_NE(messages.find(engine + ".h5 has what was counted, go on with --resume; results are written\n"),
+              std::string::npos)
+        << messages;
     EXPECT_EQ(std::count(messages.begin(), messages.end(), '\n'), 1) << messages;
     // The results are those of as many replicates in one run.
     EXPECT_EQ(run("merge --quiet " + file(engine + ".h5") + " -o " + file("merged.csv")).status, 0);
@@ -97,16 +106,20 @@ TEST_F(LongRun, InterruptedIsWrittenAndResumed) {
     const std::string replicates = replicatesOf(engine + ".h5");
     ASSERT_EQ(replicates.find("0 to "), 0u) << replicates;
     const std::string done = std::to_string(std::stoul(replicates.substr(5)) + 1);
-    EXPECT_EQ(run(kOffice + "--directions 20 --engine " + engine + " --replicates " + done + " -o " + file("one.csv")).status, 0);
+    EXPECT_EQ(
+        run(kOffice + "--directions 20 --engine " + engine + " --replicates " + done + " -o " + file("one.csv")).status,
+        0);
     EXPECT_EQ(readFile(file("a.csv")), readFile(file("one.csv")));
   }
 }
 
-// What a plan chose from measured times is kept with the checkpoint: the rest of the run is that plan's, whatever another plan would be.
+// What a plan chose from measured times is kept with the checkpoint: the rest of the run is that plan's, whatever
+// another plan would be.
 TEST_F(LongRun, PlansAndGuaranteesAreGoneOnWith) {
   const std::pair<std::string, std::vector<std::string>> runs[] = {
       {kOffice + "--tolerance 2e-3 ", {"--directions", "--resolution", "--finest"}},
-      {"compute " VIEWPEEL_SCENES "/office.obj --quiet --tolerance 3e-2 ", {"--directions", "--resolution", "--finest", "--closed-forms"}},
+      {"compute " VIEWPEEL_SCENES "/office.obj --quiet --tolerance 3e-2 ",
+       {"--directions", "--resolution", "--finest", "--closed-forms"}},
       {"compute " VIEWPEEL_SCENES "/plates.obj --quiet --epsilon 0.03 ", {"--range", "--block"}}};
   int k = 0;
   for (const auto& [options, chosen] : runs) {
@@ -123,7 +136,9 @@ TEST_F(LongRun, PlansAndGuaranteesAreGoneOnWith) {
     for (const std::string& option : chosen) {
       const size_t at = shown.find("\n" + option + " ");
       ASSERT_NE(at, std::string::npos) << shown;
-      const std::string value = shown.substr(shown.find_first_not_of(' ', at + 1 + option.size()), shown.find('\n', at + 1) - shown.find_first_not_of(' ', at + 1 + option.size()));
+      const std::string value =
+          shown.substr(shown.find_first_not_of(' ', at + 1 + option.size()),
+                       shown.find('\n', at + 1) - shown.find_first_not_of(' ', at + 1 + option.size()));
       if (value != "0") same += option + " " + value + " ";
     }
     ASSERT_EQ(run(same + "-o " + file("whole.csv")).status, 0) << same;
@@ -134,24 +149,35 @@ TEST_F(LongRun, PlansAndGuaranteesAreGoneOnWith) {
 
 class PartsOfARun : public LongRun, public testing::WithParamInterface<const char*> {};
 
-INSTANTIATE_TEST_SUITE_P(LongRun, PartsOfARun, testing::Values("", "--closed-forms on ", "--closed-forms on --by surface "), [](const auto& options) { return fmt::format("Options{}", options.index); });
+INSTANTIATE_TEST_SUITE_P(LongRun, PartsOfARun,
+                         testing::Values("", "--closed-forms on ", "--closed-forms on --by surface "),
+                         [](const auto& options) { return fmt::format("Options{}", options.index); });
 
 TEST_P(PartsOfARun, MergeToOneRun) {
-  const std::string options = std::string("compute " VIEWPEEL_SCENES "/office.obj --quiet --directions 30 ") + GetParam();
-  ASSERT_EQ(run(options + "--replicates 9 -o " + file("whole.csv") + " -o " + file("whole.mtx") + " --checkpoint " + file("whole.h5")).status, 0);
+  const std::string options =
+      std::string("compute " VIEWPEEL_SCENES "/office.obj --quiet --directions 30 ") + GetParam();
+  ASSERT_EQ(run(options + "--replicates 9 -o " + file("whole.csv") + " -o " + file("whole.mtx") + " --checkpoint " +
+                file("whole.h5"))
+                .status,
+            0);
   for (const auto& [first, count] : {std::pair("0", "2"), {"2", "4"}, {"6", "3"}})
-    ASSERT_EQ(run(options + "--replicates " + count + " --first-replicate " + first + " --checkpoint " + file(std::string("p") + first + ".h5")).status, 0);
+    ASSERT_EQ(run(options + "--replicates " + count + " --first-replicate " + first + " --checkpoint " +
+                  file(std::string("p") + first + ".h5"))
+                  .status,
+              0);
   for (const std::string order : {"0 2 6", "6 2 0", "2 6 0"}) {
     std::string inputs;
     for (char part : order)
       if (part != ' ') inputs += " " + file(std::string("p") + part + ".h5");
     fs::remove(file("m.h5"));
-    const Result merged = run("merge --quiet" + inputs + " -o " + file("m.csv") + " -o " + file("m.mtx") + " --checkpoint " + file("m.h5"));
+    const Result merged = run("merge --quiet" + inputs + " -o " + file("m.csv") + " -o " + file("m.mtx") +
+                              " --checkpoint " + file("m.h5"));
     EXPECT_EQ(merged.status, 0);
     EXPECT_EQ(merged.output, "");
     for (const char* kind : {"csv", "mtx", "h5"}) {
       EXPECT_FALSE(readFile(file(std::string("m.") + kind)).empty());
-      EXPECT_EQ(readFile(file(std::string("m.") + kind)), readFile(file(std::string("whole.") + kind))) << kind << " of " << order;
+      EXPECT_EQ(readFile(file(std::string("m.") + kind)), readFile(file(std::string("whole.") + kind)))
+          << kind << " of " << order;
     }
   }
   // What is merged can be gone on with, and in pieces: (0 to 5) and (6 to 8), then to 11.
@@ -163,7 +189,9 @@ TEST_P(PartsOfARun, MergeToOneRun) {
 
 // A pair with directions of its own: the same bits in any batches and pieces, which choose alike for the same goal.
 TEST_F(LongRun, DirectedPairsGoOnAndMerge) {
-  const std::string all = "compute " VIEWPEEL_SCENES "/past_edge.obj --directions 512 --resolution 64 --closed-forms on --floor 1e-4 ", options = all + "--relative 0.05 ";
+  const std::string all = "compute " VIEWPEEL_SCENES
+                          "/past_edge.obj --directions 512 --resolution 64 --closed-forms on --floor 1e-4 ",
+                    options = all + "--relative 0.05 ";
   const Result whole = run(options + "-o " + file("whole.csv") + " --checkpoint " + file("whole.h5"));
   ASSERT_EQ(whole.status, 0);
   EXPECT_NE(whole.output.find("directions of its own"), std::string::npos) << whole.output;
@@ -178,19 +206,22 @@ TEST_F(LongRun, DirectedPairsGoOnAndMerge) {
   EXPECT_EQ(run(options + "--seconds 1e-6 --first-replicate 1000 --checkpoint " + file("later.h5")).status, 0);
   EXPECT_EQ(run("merge --quiet " + file("later.h5") + " " + file("whole.h5") + " -o " + file("merged.csv")).status, 0);
   EXPECT_NE(readFile(file("merged.csv")), csv);
-  EXPECT_EQ(run(all + "--relative 0.005 --seconds 1e-6 --first-replicate 1000 --checkpoint " + file("other.h5")).status, 0);
+  EXPECT_EQ(run(all + "--relative 0.005 --seconds 1e-6 --first-replicate 1000 --checkpoint " + file("other.h5")).status,
+            0);
   const Result refused = run("merge --quiet " + file("other.h5") + " " + file("whole.h5"));
   EXPECT_EQ(refused.status, 2);
   EXPECT_NE(refused.output.find("give all parts of a run the same goal"), std::string::npos) << refused.output;
 }
 
-// Of more polygons than checkpoints keep closed forms of all pairs for: with the scene parts come to the same bits as a whole run; without it what few lines told is sampled alone, with a warning.
+// Of more polygons than checkpoints keep closed forms of all pairs for: with the scene parts come to the same bits as a
+// whole run; without it what few lines told is sampled alone, with a warning.
 TEST_F(LongRun, PartsOfManyPolygonsMergeWithTheirScene) {
   constexpr int kCuts = 54;
   const auto writeScene = [&](const std::string& name, double height) {
     std::ofstream scene(file(name));
     const auto square = [&](const char* surface, double x, double y, double z, double edge, bool up) {
-      scene << fmt::format("o {}\nv {} {} {}\nv {} {} {}\nv {} {} {}\nv {} {} {}\nf {}\n", surface, x, y, z, x + edge, y, z, x + edge, y + edge, z, x, y + edge, z, up ? "-4 -3 -2 -1" : "-1 -2 -3 -4");
+      scene << fmt::format("o {}\nv {} {} {}\nv {} {} {}\nv {} {} {}\nv {} {} {}\nf {}\n", surface, x, y, z, x + edge,
+                           y, z, x + edge, y + edge, z, x, y + edge, z, up ? "-4 -3 -2 -1" : "-1 -2 -3 -4");
     };
     for (int y = 0; y < kCuts; ++y)
       for (int x = 0; x < kCuts; ++x) square("floor", x, y, 0, 1, true);
@@ -199,12 +230,16 @@ TEST_F(LongRun, PartsOfManyPolygonsMergeWithTheirScene) {
   };
   writeScene("scene.obj", 30);
   writeScene("other.obj", 31);
-  const std::string options = "compute " + file("scene.obj") + " --quiet --closed-forms on --directions 16 --resolution 64 --sampling scanline --checkpoint ";
+  const std::string options =
+      "compute " + file("scene.obj") +
+      " --quiet --closed-forms on --directions 16 --resolution 64 --sampling scanline --checkpoint ";
   ASSERT_EQ(run(options + file("whole.h5") + " --replicates 5 -o " + file("whole.csv")).status, 0);
   ASSERT_EQ(run(options + file("a.h5") + " --replicates 2").status, 0);
   ASSERT_EQ(run(options + file("b.h5") + " --replicates 3 --first-replicate 2").status, 0);
   const std::string merge = "merge --quiet " + file("b.h5") + " " + file("a.h5") + " -o ";
-  const Result with = run(merge + file("with.csv") + " --scene " + file("scene.obj")), without = run(merge + file("without.csv")), other = run(merge + file("no.csv") + " --scene " + file("other.obj"));
+  const Result with = run(merge + file("with.csv") + " --scene " + file("scene.obj")),
+               without = run(merge + file("without.csv")),
+               other = run(merge + file("no.csv") + " --scene " + file("other.obj"));
   EXPECT_EQ(with.status, 0) << with.output;
   EXPECT_EQ(with.output, "");
   EXPECT_EQ(readFile(file("with.csv")), readFile(file("whole.csv")));
@@ -218,17 +253,21 @@ TEST_F(LongRun, PartsOfManyPolygonsMergeWithTheirScene) {
 
 // One line, status 2, and the file stays what it was.
 TEST_F(LongRun, WrongCheckpointsAreRefused) {
-  std::ofstream(file("scene.obj")) << "o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no b\nv 0 0 1\nv 0 1 1\nv 1 0 1\nf 4 5 6\n";
-  std::ofstream(file("other.obj")) << "o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no b\nv 0 0 2\nv 0 1 2\nv 1 0 2\nf 4 5 6\n";
+  std::ofstream(file("scene.obj"))
+      << "o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no b\nv 0 0 1\nv 0 1 1\nv 1 0 1\nf 4 5 6\n";
+  std::ofstream(file("other.obj"))
+      << "o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no b\nv 0 0 2\nv 0 1 2\nv 1 0 2\nf 4 5 6\n";
   std::ofstream(file("no.h5")) << "not a checkpoint";
   const std::string exact = " --quiet --engine exact --directions 5 --checkpoint ";
   const std::string scene = "compute " + file("scene.obj") + exact + file("a.h5");
   ASSERT_EQ(run(scene).status, 0);
   ASSERT_EQ(run("compute " + file("scene.obj") + exact + file("b.h5") + " --first-replicate 12").status, 0);
   ASSERT_EQ(run("merge --quiet " + file("a.h5") + " " + file("b.h5") + " --checkpoint " + file("gap.h5")).status, 0);
-  const std::string planned = "compute " + file("scene.obj") + " --quiet --tolerance 0.1 --checkpoint " + file("planned.h5");
+  const std::string planned =
+      "compute " + file("scene.obj") + " --quiet --tolerance 0.1 --checkpoint " + file("planned.h5");
   ASSERT_EQ(run(planned).status, 0);
-  ASSERT_EQ(run("compute " + file("scene.obj") + " --quiet --directions 5 --checkpoint " + file("lattice.h5")).status, 0);
+  ASSERT_EQ(run("compute " + file("scene.obj") + " --quiet --directions 5 --checkpoint " + file("lattice.h5")).status,
+            0);
   const std::string before = readFile(file("a.h5"));
   const std::pair<std::string, std::string> cases[] = {
       {scene, "--resume, or remove it"},
@@ -236,13 +275,17 @@ TEST_F(LongRun, WrongCheckpointsAreRefused) {
       {scene + " --resume --seed 2", "--seed is '1' there, '2' here"},
       {scene + "  --resume --two-sided", "--two-sided"},
       {scene + "  --resume --by surface", "--by"},
-      {"compute " + file("scene.obj") + " --quiet --directions 5 --resume --closed-forms on --checkpoint " + file("lattice.h5"), "--closed-forms is 'off' there, 'on' here"},
+      {"compute " + file("scene.obj") + " --quiet --directions 5 --resume --closed-forms on --checkpoint " +
+           file("lattice.h5"),
+       "--closed-forms is 'off' there, 'on' here"},
       {scene + "  --resume --sampler iid", "--sampler"},
       {scene + "  --resume --from a", "--from"},
       {scene + "  --resume --pair a b", "--pair"},
       {scene + "  --resume --blocker a", "--blocker"},
-      {"compute " + file("scene.obj") + " --quiet --engine exact --directions 6 --resume --checkpoint " + file("a.h5"), "--directions is '5' there, '6' here"},
-      {"compute " + file("scene.obj") + " --quiet --engine host --directions 5 --resume --checkpoint " + file("a.h5"), "--sampling is 'exact areas' there, 'scanline' here"},
+      {"compute " + file("scene.obj") + " --quiet --engine exact --directions 6 --resume --checkpoint " + file("a.h5"),
+       "--directions is '5' there, '6' here"},
+      {"compute " + file("scene.obj") + " --quiet --engine host --directions 5 --resume --checkpoint " + file("a.h5"),
+       "--sampling is 'exact areas' there, 'scanline' here"},
       {scene + "  --resume --first-replicate 3", "--first-replicate 3"},
       {"compute " + file("scene.obj") + exact + file("gap.h5") + " --resume", "0 to 7, 12 to 19"},
       {planned + " --resume --resolution 2000", "--resolution is '"},
@@ -269,7 +312,8 @@ TEST_F(LongRun, WrongCheckpointsAreRefused) {
     EXPECT_EQ(r.output.find("sampling   "), std::string::npos) << r.output;
   }
   EXPECT_EQ(readFile(file("a.h5")), before);
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 8);  // two scenes, six checkpoints, and no leftovers
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()),
+            8);  // two scenes, six checkpoints, and no leftovers
   // The same options do go on.
   EXPECT_EQ(run(scene + " --resume --replicates 10").status, 0);
   EXPECT_EQ(replicatesOf("a.h5"), "0 to 9");
@@ -277,15 +321,23 @@ TEST_F(LongRun, WrongCheckpointsAreRefused) {
 
 // Files may grow to 40 x 512 bytes only: the old checkpoint stays, the results are written, and the status tells.
 TEST_F(LongRun, FullDiskCostsTheCheckpointAlone) {
-  const std::string options = "compute " VIEWPEEL_SCENES "/office.obj --by surface --quiet --engine exact --directions 5 --checkpoint " + file("a.h5");
+  const std::string options = "compute " VIEWPEEL_SCENES
+                              "/office.obj --by surface --quiet --engine exact --directions 5 --checkpoint " +
+                              file("a.h5");
   ASSERT_EQ(run(options).status, 0);
   const std::string before = readFile(file("a.h5"));
   ASSERT_GT(before.size(), 20480u);
   const Result r = run(options + " --resume --replicates 12 -o " + file("a.csv"), "trap '' XFSZ; ulimit -f 40;");
   EXPECT_EQ(r.status, 1) << r.output;
-  EXPECT_NE(r.output.find("viewpeel: warning: checkpoint: " + file("a.h5") + ": cannot write: File too large"), std::string::npos) << r.output;
+  EXPECT_NE(r.output.find("viewpeel: warning: checkpoint: " + file("a.h5") + ": cannot write: File too large"),
+            std::string::npos)
+      << r.output;
   EXPECT_EQ(readFile(file("a.h5")), before);
-  EXPECT_EQ(run("compute " VIEWPEEL_SCENES "/office.obj --by surface --quiet --engine exact --directions 5 --replicates 12 -o " + file("b.csv")).status, 0);
+  EXPECT_EQ(run("compute " VIEWPEEL_SCENES
+                "/office.obj --by surface --quiet --engine exact --directions 5 --replicates 12 -o " +
+                file("b.csv"))
+                .status,
+            0);
   EXPECT_EQ(readFile(file("a.csv")), readFile(file("b.csv")));
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 3);
 }

@@ -14,16 +14,20 @@ std::string facet(const std::string& a, const std::string& b, const std::string&
 
 // Rows and columns of the matrix are the file's facets, with and without a checkpoint between.
 TEST_F(Program, AFacetWithoutAreaHasAnEmptyRow) {
-  const std::string lower = facet("0 0 0", "1 0 0", "1 1 0"), upper = facet("0 0 1", "1 1 1", "1 0 1"), gone = facet("0 0 0", "0.5 0.5 0", "1 1 0");
+  const std::string lower = facet("0 0 0", "1 0 0", "1 1 0"), upper = facet("0 0 1", "1 1 1", "1 0 1"),
+                    gone = facet("0 0 0", "0.5 0.5 0", "1 1 0");
   std::ofstream(file("d.stl")) << "solid a\n" << lower << gone << upper << "endsolid\n";
   std::ofstream(file("whole.stl")) << "solid a\n" << lower << upper << "endsolid\n";
   const std::string lattice = " --directions 50 --resolution 16 --replicates 2 --closed-forms off --quiet ";
-  const Result r = run("compute " + file("d.stl") + lattice + "-o " + file("d.mtx") + " -o " + file("d.csv") + " --checkpoint " + file("d.h5"));
+  const Result r = run("compute " + file("d.stl") + lattice + "-o " + file("d.mtx") + " -o " + file("d.csv") +
+                       " --checkpoint " + file("d.h5"));
   EXPECT_EQ(r.status, 0);
-  EXPECT_EQ(r.output, "viewpeel: warning: " + file("d.stl") + ":9: 1 face dropped: zero area; its row stays, empty, and later numbers do not shift\n");
+  EXPECT_EQ(r.output, "viewpeel: warning: " + file("d.stl") +
+                          ":9: 1 face dropped: zero area; its row stays, empty, and later numbers do not shift\n");
   EXPECT_EQ(run("compute " + file("whole.stl") + lattice + "-o " + file("whole.csv")).output, "");
   const std::string matrix = readFile(file("d.mtx"));
-  for (const char* part : {"\n% 2 0 0 a[2]\n", "\n3 3 2\n", "\n1 3 0.", "\n3 1 0.", " a[3]\n"}) EXPECT_NE(matrix.find(part), std::string::npos) << part << "\n" << matrix;
+  for (const char* part : {"\n% 2 0 0 a[2]\n", "\n3 3 2\n", "\n1 3 0.", "\n3 1 0.", " a[3]\n"})
+    EXPECT_NE(matrix.find(part), std::string::npos) << part << "\n" << matrix;
   std::string whole = readFile(file("whole.csv"));
   for (size_t at; (at = whole.find("a[2]")) != std::string::npos;) whole.replace(at, 4, "a[3]");
   EXPECT_EQ(readFile(file("d.csv")), whole);
@@ -32,7 +36,8 @@ TEST_F(Program, AFacetWithoutAreaHasAnEmptyRow) {
   std::ofstream(file("same.stl")) << "solid a\n" << lower << lower << upper << "endsolid\n";
   const Result twice = run("compute " + file("same.stl") + lattice + "-o " + file("same.mtx"));
   EXPECT_EQ(twice.output, "viewpeel: warning: " + file("same.stl") +
-                              ": 1 face is there already, facing alike: a[2] (line 9) is a[1] (line 2) again; it is left out and its row stays, empty; remove it from the file\n");
+                              ": 1 face is there already, facing alike: a[2] (line 9) is a[1] (line 2) again; it is "
+                              "left out and its row stays, empty; remove it from the file\n");
   EXPECT_EQ(readFile(file("same.mtx")), matrix);
 }
 
@@ -41,25 +46,33 @@ TEST_F(Program, NamesThatCollideAreSaidInOneLine) {
   std::ofstream(file("names.obj")) << corners << "o a\nf 1 2 3\nf 1 3 4\no a[1]\nf 3 2 1\n";
   const Result r = run("compute " + file("names.obj") + " --directions 10");
   EXPECT_EQ(r.status, 2);
-  EXPECT_EQ(r.output, "viewpeel: " + file("names.obj") + ":9: a surface is called 'a[1]', as face 1 of surface 'a' is in the results; rename one of the two\n");
+  EXPECT_EQ(r.output,
+            "viewpeel: " + file("names.obj") +
+                ":9: a surface is called 'a[1]', as face 1 of surface 'a' is in the results; rename one of the two\n");
 }
 
 // Scenes that nothing is wrong with: not a word.
 TEST_F(Program, CleanScenesAreQuiet) {
   for (const char* scene : {"office", "street", "cube", "plates"})
-    EXPECT_EQ(run(std::string("compute " VIEWPEEL_SCENES "/") + scene + ".obj --directions 20 --resolution 32 --replicates 2 --quiet").output, "") << scene;
+    EXPECT_EQ(run(std::string("compute " VIEWPEEL_SCENES "/") + scene +
+                  ".obj --directions 20 --resolution 32 --replicates 2 --quiet")
+                  .output,
+              "")
+        << scene;
 }
 
 // A room of unit walls, fronts inward: v, then w, e, s, n, floor, ceiling.
 std::string roomWith(const std::string& more, const std::string& west = "1 2 3 4") {
   return "v 0 0 0\nv 0 1 0\nv 0 1 1\nv 0 0 1\nv 1 0 0\nv 1 1 0\nv 1 1 1\nv 1 0 1\no west\nf " + west +
-         "\no east\nf 5 8 7 6\no south\nf 1 4 8 5\no north\nf 2 6 7 3\no floor\nf 1 5 6 2\no ceiling\nf 4 3 7 8\n" + more;
+         "\no east\nf 5 8 7 6\no south\nf 1 4 8 5\no north\nf 2 6 7 3\no floor\nf 1 5 6 2\no ceiling\nf 4 3 7 8\n" +
+         more;
 }
 
 // A box without a bottom, fronts outward.
 std::string boxFrom(const std::string& bottom) {
   const std::string low = " " + bottom + "\n", high = " 0.5\n";
-  return "v 0.3 0.3" + low + "v 0.7 0.3" + low + "v 0.7 0.7" + low + "v 0.3 0.7" + low + "v 0.3 0.3" + high + "v 0.7 0.3" + high + "v 0.7 0.7" + high + "v 0.3 0.7" + high +
+  return "v 0.3 0.3" + low + "v 0.7 0.3" + low + "v 0.7 0.7" + low + "v 0.3 0.7" + low + "v 0.3 0.3" + high +
+         "v 0.7 0.3" + high + "v 0.7 0.7" + high + "v 0.3 0.7" + high +
          "o box\nf 9 10 14 13\nf 10 11 15 14\nf 11 12 16 15\nf 12 9 13 16\nf 13 14 15 16\n";
 }
 
@@ -74,14 +87,26 @@ TEST_F(Program, LeaksAreExplainedAndMended) {
   };
   const Case cases[] = {
       {"clean", roomWith(boxFrom("0") + bottom), {}, ""},
-      {"flipped", roomWith("", "4 3 2 1"), {"% of what is emitted ends on backs (leak)", "100 % of the leak: west looks the wrong way", "--fix-normals or by --flip NAME"}, "--fix-normals"},
+      {"flipped",
+       roomWith("", "4 3 2 1"),
+       {"% of what is emitted ends on backs (leak)", "100 % of the leak: west looks the wrong way",
+        "--fix-normals or by --flip NAME"},
+       "--fix-normals"},
       {"same", roomWith("", "4 3 2 1"), {"west looks the wrong way"}, "--flip west"},
       {"no_bottom", roomWith(boxFrom("0")), {"of the area of floor lies under box, open towards it"}, ""},
-      {"sunk", roomWith(boxFrom("-0.1") + bottom), {"though all edges are closed", "of the area of floor lies inside box"}, ""},
-      {"sheet", roomWith("v 0.2 0.5 0.2\nv 0.8 0.5 0.2\nv 0.8 0.5 0.8\nv 0.2 0.5 0.8\no sheet\nf 9 10 11 12\n"),
-       {"sheet is a sheet with one side that is seen from both"}, "--two-sided"},
-      {"inside_out", roomWith("v 0.3 0.3 0.3\nv 0.7 0.3 0.3\nv 0.5 0.7 0.3\nv 0.5 0.5 0.7\no tetra\nf 9 10 11\nf 9 12 10\nf 10 12 11\nf 11 12 9\n"),
-       {"tetra looks the wrong way"}, "--fix-normals"},
+      {"sunk",
+       roomWith(boxFrom("-0.1") + bottom),
+       {"though all edges are closed", "of the area of floor lies inside box"},
+       ""},
+      {"sheet",
+       roomWith("v 0.2 0.5 0.2\nv 0.8 0.5 0.2\nv 0.8 0.5 0.8\nv 0.2 0.5 0.8\no sheet\nf 9 10 11 12\n"),
+       {"sheet is a sheet with one side that is seen from both"},
+       "--two-sided"},
+      {"inside_out",
+       roomWith("v 0.3 0.3 0.3\nv 0.7 0.3 0.3\nv 0.5 0.7 0.3\nv 0.5 0.5 0.7\no tetra\nf 9 10 11\nf 9 12 10\nf 10 12 "
+                "11\nf 11 12 9\n"),
+       {"tetra looks the wrong way"},
+       "--fix-normals"},
   };
   for (const Case& each : cases) {
     const std::string scene = file(each.name) + ".obj";
@@ -89,7 +114,8 @@ TEST_F(Program, LeaksAreExplainedAndMended) {
     const std::string command = "compute " + scene + " --directions 60 --resolution 32 --replicates 2 --quiet ";
     const Result r = run(command);
     EXPECT_EQ(r.status, 0) << r.output;
-    for (const char* part : each.said) EXPECT_NE(r.output.find(part), std::string::npos) << each.name << ": no " << part << " in\n" << r.output;
+    for (const char* part : each.said)
+      EXPECT_NE(r.output.find(part), std::string::npos) << each.name << ": no " << part << " in\n" << r.output;
     if (each.said.empty()) {
       EXPECT_EQ(r.output, "") << each.name;
     }
@@ -102,27 +128,34 @@ TEST_F(Program, LeaksAreExplainedAndMended) {
 // A box as CAD exports it: no wall sees another one, until it is turned. A room stays a room.
 TEST_F(Program, ABoxWithItsNormalsOutwardIsSaidAndTurned) {
   std::ofstream(file("in.obj")) << roomWith("");
-  std::ofstream(file("out.obj")) << "v 0 0 0\nv 0 1 0\nv 0 1 1\nv 0 0 1\nv 1 0 0\nv 1 1 0\nv 1 1 1\nv 1 0 1\no west\nf 4 3 2 1\no east\nf 6 7 8 5\n"
-                                    "o south\nf 5 8 4 1\no north\nf 3 7 6 2\no floor\nf 2 6 5 1\no ceiling\nf 8 7 3 4\n";
+  std::ofstream(file("out.obj"))
+      << "v 0 0 0\nv 0 1 0\nv 0 1 1\nv 0 0 1\nv 1 0 0\nv 1 1 0\nv 1 1 1\nv 1 0 1\no west\nf 4 3 2 1\no east\nf 6 7 8 "
+         "5\n"
+         "o south\nf 5 8 4 1\no north\nf 3 7 6 2\no floor\nf 2 6 5 1\no ceiling\nf 8 7 3 4\n";
   const std::string lattice = " --directions 60 --resolution 32 --replicates 2 --quiet ";
   const Result out = run("compute " + file("out.obj") + lattice);
   EXPECT_EQ(out.output, "viewpeel: warning: " + file("out.obj") +
-                            ": no front sees another one: every line leaves the scene; turn a room whose normals look outward by --fix-normals, or surfaces by --flip NAME\n");
+                            ": no front sees another one: every line leaves the scene; turn a room whose normals look "
+                            "outward by --fix-normals, or surfaces by --flip NAME\n");
   const Result fixed = run("compute " + file("out.obj") + lattice + "--fix-normals -o " + file("fixed.csv"));
-  EXPECT_NE(fixed.output.find("--fix-normals turned 6 of 6 faces over, of west, east"), std::string::npos) << fixed.output;
+  EXPECT_NE(fixed.output.find("--fix-normals turned 6 of 6 faces over, of west, east"), std::string::npos)
+      << fixed.output;
   EXPECT_EQ(run("compute " + file("in.obj") + lattice + "--fix-normals -o " + file("in.csv")).output, "");
   EXPECT_EQ(readFile(file("in.csv")).find("environment"), std::string::npos);
   EXPECT_EQ(readFile(file("fixed.csv")).find("environment"), std::string::npos);
   EXPECT_NE(readFile(file("fixed.csv")).find("west,east,0."), std::string::npos);
   std::string flips;
-  for (const char* wall : {"west", "east", "south", "north", "floor", "ceiling"}) flips += std::string(" --flip ") + wall;
+  for (const char* wall : {"west", "east", "south", "north", "floor", "ceiling"})
+    flips += std::string(" --flip ") + wall;
   EXPECT_EQ(run("compute " + file("out.obj") + lattice + flips + " -o " + file("flipped.csv")).output, "");
   EXPECT_EQ(readFile(file("flipped.csv")), readFile(file("fixed.csv")));
   EXPECT_EQ(run("compute " + file("out.obj") + lattice + "--flip wall").output,
-            "viewpeel: --flip: " + file("out.obj") + " has no surface or face 'wall'; name one of them, as desk or desk[3]\n");
+            "viewpeel: --flip: " + file("out.obj") +
+                " has no surface or face 'wall'; name one of them, as desk or desk[3]\n");
 }
 
-// `check` says before anything is computed which surface is flipped and who sees its back; checkpoints keep the options.
+// `check` says before anything is computed which surface is flipped and who sees its back; checkpoints keep the
+// options.
 TEST_F(Program, CheckNamesFlippedSurfacesAndCheckpointsKeepFlips) {
   std::ofstream(file("flipped.obj")) << roomWith("", "4 3 2 1");
   const std::string check = "check --engine host --directions 2 --lattices 8 --resolution 16 ";
@@ -131,12 +164,14 @@ TEST_F(Program, CheckNamesFlippedSurfacesAndCheckpointsKeepFlips) {
   EXPECT_NE(r.output.find("west looks the wrong way, as "), std::string::npos) << r.output;
   EXPECT_EQ(run(check + file("flipped.obj") + " --flip west").output.find("leak)"), std::string::npos);
   EXPECT_EQ(run(check + VIEWPEEL_SCENES "/office.obj").output.find("warning"), std::string::npos);
-  const std::string run_of = "compute " + file("flipped.obj") + " --directions 30 --resolution 16 --replicates 2 --quiet --checkpoint " + file("k.h5");
+  const std::string run_of = "compute " + file("flipped.obj") +
+                             " --directions 30 --resolution 16 --replicates 2 --quiet --checkpoint " + file("k.h5");
   EXPECT_EQ(run(run_of + " --flip west").status, 0);
   const Result other = run(run_of + " --resume");
   EXPECT_EQ(other.status, 2) << other.output;
   EXPECT_EQ(run(run_of + " --resume --flip west").status, 0);
-  EXPECT_EQ(run("merge " + file("k.h5") + " --quiet --scene " + file("flipped.obj") + " -o " + file("m.csv")).output, "");
+  EXPECT_EQ(run("merge " + file("k.h5") + " --quiet --scene " + file("flipped.obj") + " -o " + file("m.csv")).output,
+            "");
   EXPECT_EQ(readFile(file("m.csv")).find("leak"), std::string::npos);
 }
 

@@ -9,17 +9,20 @@ namespace {
 namespace fs = std::filesystem;
 
 TEST_F(Program, ComputesPlatesAndWritesBothFiles) {
-  const Result r = run("compute " VIEWPEEL_SCENES "/plates.obj --resolution 32 --directions 100 -o " + file("p.csv") + " -o " + file("p.mtx"));
+  const Result r = run("compute " VIEWPEEL_SCENES "/plates.obj --resolution 32 --directions 100 -o " + file("p.csv") +
+                       " -o " + file("p.mtx"));
   EXPECT_EQ(r.status, 0) << r.output;
   for (const char* part : {"device", "2 polygons", "form factor", "standard error", "closure", "environment"})
     EXPECT_NE(r.output.find(part), std::string::npos) << part << " not in:\n" << r.output;
-  EXPECT_EQ(readFile(file("p.csv")).find("from,to,form_factor,standard_error\nlower,upper,0."), 0u) << readFile(file("p.csv"));
+  EXPECT_EQ(readFile(file("p.csv")).find("from,to,form_factor,standard_error\nlower,upper,0."), 0u)
+      << readFile(file("p.csv"));
   EXPECT_EQ(readFile(file("p.mtx")).find("%%MatrixMarket"), 0u);
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 2);
 }
 
 TEST_F(Program, SameSeedSameFileWhateverBatchAndThreads) {
-  const std::string scene = "compute " VIEWPEEL_SCENES "/cube.obj --quiet --resolution 40 --directions 60 --replicates 3 -o ";
+  const std::string scene =
+      "compute " VIEWPEEL_SCENES "/cube.obj --quiet --resolution 40 --directions 60 --replicates 3 -o ";
   EXPECT_EQ(run(scene + file("a.csv"), "LP_NUM_THREADS=1").status, 0);
   EXPECT_EQ(run(scene + file("b.csv") + " --batch 7", "LP_NUM_THREADS=3").status, 0);
   EXPECT_EQ(run(scene + file("c.csv") + " --seed 2").status, 0);
@@ -30,16 +33,19 @@ TEST_F(Program, SameSeedSameFileWhateverBatchAndThreads) {
 
 // A polygon that no line met is told from one that sees nothing.
 TEST_F(Program, RowsThatWereNeverMetAreNamed) {
-  std::ofstream(file("speck.obj")) << "o floor\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no speck\nv 0.3 0.3 1\nv 0.3 0.30001 1\nv 0.30001 0.3 1\nf 4 5 6\n";
+  std::ofstream(file("speck.obj")) << "o floor\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no speck\nv 0.3 0.3 1\nv 0.3 "
+                                      "0.30001 1\nv 0.30001 0.3 1\nf 4 5 6\n";
   const Result r = run("compute " + file("speck.obj") + " --directions 10 --resolution 16");
   EXPECT_EQ(r.status, 0) << r.output;
   EXPECT_NE(r.output.find("\nunmet      1 of 2 rows (speck)"), std::string::npos) << r.output;
-  EXPECT_EQ(run("compute " VIEWPEEL_SCENES "/plates.obj --directions 10 --resolution 16").output.find("unmet"), std::string::npos);
+  EXPECT_EQ(run("compute " VIEWPEEL_SCENES "/plates.obj --directions 10 --resolution 16").output.find("unmet"),
+            std::string::npos);
 }
 
 // No form factor is looked at by --relative: that is said, not taken for success in silence.
 TEST_F(Program, AFloorThatNothingReachesIsSaid) {
-  const std::string plates = "compute " VIEWPEEL_SCENES "/plates.obj --directions 20 --resolution 16 --quiet --relative 0.5 --floor ";
+  const std::string plates =
+      "compute " VIEWPEEL_SCENES "/plates.obj --directions 20 --resolution 16 --quiet --relative 0.5 --floor ";
   EXPECT_NE(run(plates + "0.9").output.find("no form factor reaches --floor 0.9"), std::string::npos);
   EXPECT_EQ(run(plates + "0.1").output, "");
 }
@@ -47,24 +53,30 @@ TEST_F(Program, AFloorThatNothingReachesIsSaid) {
 // Time is said of every plan, and what its goal takes where its replicates do not do.
 TEST_F(Program, PlansSayWhatARunTakes) {
   const std::string plates = "plan " VIEWPEEL_SCENES "/plates.obj ";
-  for (const char* options : {"--engine exact", "--directions 10 --resolution 16", "--directions 10 --pair lower upper", "--epsilon 0.3"}) {
+  for (const char* options :
+       {"--engine exact", "--directions 10 --resolution 16", "--directions 10 --pair lower upper", "--epsilon 0.3"}) {
     const Result r = run(plates + options);
     EXPECT_EQ(r.status, 0) << r.output;
     EXPECT_NE(r.output.find(" s"), std::string::npos) << r.output;
-    EXPECT_NE(r.output.find(std::string(options).starts_with("--epsilon") ? "plan       blocks of " : "expected   "), std::string::npos) << r.output;
+    EXPECT_NE(r.output.find(std::string(options).starts_with("--epsilon") ? "plan       blocks of " : "expected   "),
+              std::string::npos)
+        << r.output;
   }
   const Result r = run(plates + "--tolerance 1e-9 --seconds 1");
   EXPECT_NE(r.output.find("more than --seconds 1 allow; the run ends short of it"), std::string::npos) << r.output;
   EXPECT_EQ(run(plates + "--tolerance 0.1").output.find("takes about"), std::string::npos);
 }
 
-// The oldest published case with a wall without thickness (FACET, UCID-19887, 1983): its two sides are a sheet unless the user says otherwise.
+// The oldest published case with a wall without thickness (FACET, UCID-19887, 1983): its two sides are a sheet unless
+// the user says otherwise.
 TEST_F(Program, TwoSidesOfAWallDoNotSeeEachOther) {
-  std::ofstream(file("facet.obj")) << "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
-                                      "v .25 .75 .25\nv .75 .75 .25\nv .75 .75 .75\nv .25 .75 .75\n"
-                                      "g s1\nf 1 2 3 4\ng s2\nf 3 2 6 7\ng s3\nf 7 6 5 8\ng s4\nf 4 8 5 1\ng s5\nf 3 7 8 4\ng s6\nf 1 5 6 2\n"
-                                      "g s7\nf 9 10 11 12\ng s8\nf 12 11 10 9\n";
-  const std::string facet = "compute " + file("facet.obj") + " --directions 60 --replicates 4 -o " + file("f.csv") + " ";
+  std::ofstream(file("facet.obj"))
+      << "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+         "v .25 .75 .25\nv .75 .75 .25\nv .75 .75 .75\nv .25 .75 .75\n"
+         "g s1\nf 1 2 3 4\ng s2\nf 3 2 6 7\ng s3\nf 7 6 5 8\ng s4\nf 4 8 5 1\ng s5\nf 3 7 8 4\ng s6\nf 1 5 6 2\n"
+         "g s7\nf 9 10 11 12\ng s8\nf 12 11 10 9\n";
+  const std::string facet =
+      "compute " + file("facet.obj") + " --directions 60 --replicates 4 -o " + file("f.csv") + " ";
   for (const char* engine : {"host", "compute", "graphics", "exact"}) {
     const Result r = run(facet + "--engine " + engine + (std::string(engine) == "exact" ? "" : " --resolution 64"));
     EXPECT_EQ(r.status, 0) << r.output;
@@ -189,7 +201,8 @@ TEST_F(Program, UnknownDeviceIsRefusedWithReasons) {
 // Where nothing but a Vulkan driver will do.
 TEST_F(Program, NoDriverIsAClearError) {
   for (const char* options : {"--engine compute", "--engine graphics", "--device cpu"}) {
-    const Result r = run(std::string("compute " VIEWPEEL_SCENES "/plates.obj --quiet ") + options, "VK_DRIVER_FILES=/nowhere.json VK_ICD_FILENAMES=/nowhere.json");
+    const Result r = run(std::string("compute " VIEWPEEL_SCENES "/plates.obj --quiet ") + options,
+                         "VK_DRIVER_FILES=/nowhere.json VK_ICD_FILENAMES=/nowhere.json");
     EXPECT_EQ(r.status, 1) << options;
     EXPECT_NE(r.output.find("mesa-vulkan-drivers"), std::string::npos) << r.output;
   }
@@ -205,9 +218,11 @@ TEST_F(Program, HostEngineComputesWithoutADevice) {
 
 // Engines are chosen for speed: what is counted is the same.
 TEST_F(Program, EnginesWriteTheSameFiles) {
-  for (const char* options : {"--sampling lattice", "--sampling scanline", "--sampling scanline --resolution 32 --finest 512", "--sampling lattice --from floor",
-                              "--sampling scanline --two-sided --by surface"}) {
-    const std::string office = std::string("compute " VIEWPEEL_SCENES "/office.obj --quiet --directions 20 --replicates 2 ") + options;
+  for (const char* options :
+       {"--sampling lattice", "--sampling scanline", "--sampling scanline --resolution 32 --finest 512",
+        "--sampling lattice --from floor", "--sampling scanline --two-sided --by surface"}) {
+    const std::string office =
+        std::string("compute " VIEWPEEL_SCENES "/office.obj --quiet --directions 20 --replicates 2 ") + options;
     ASSERT_EQ(run(office + " --engine compute -o " + file("compute.csv")).output, "");
     ASSERT_EQ(run(office + " --engine host -o " + file("host.csv")).output, "");
     EXPECT_TRUE(readFile(file("compute.csv")) == readFile(file("host.csv"))) << options;
@@ -216,8 +231,9 @@ TEST_F(Program, EnginesWriteTheSameFiles) {
 }
 
 TEST_F(Program, ExactEngineComputesWithoutADevice) {
-  const Result r = run("compute " VIEWPEEL_SCENES "/cube.obj --engine exact --directions 50 --replicates 4 -o " + file("e.csv"),
-                       "VK_DRIVER_FILES=/nowhere.json VK_ICD_FILENAMES=/nowhere.json");
+  const Result r =
+      run("compute " VIEWPEEL_SCENES "/cube.obj --engine exact --directions 50 --replicates 4 -o " + file("e.csv"),
+          "VK_DRIVER_FILES=/nowhere.json VK_ICD_FILENAMES=/nowhere.json");
   EXPECT_EQ(r.status, 0) << r.output;
   EXPECT_NE(r.output.find("exact areas"), std::string::npos);
   EXPECT_EQ(readFile(file("e.csv")).find("from,to,"), 0u);
@@ -235,8 +251,9 @@ TEST_F(Program, CheckPassesOnAGoodScene) {
 
 // Polygons that pass through each other: `check` warns and fails, the exact engine refuses, both name the place.
 TEST_F(Program, InterpenetrationIsNamed) {
-  std::ofstream(file("crossing.obj")) << "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 0.5 -1\nv 1 1.5 -1\nv 1 1.5 1\nv 1 0.5 1\n"
-                                         "o table\nf 1 2 3 4\no blade\nf 5 6 7 8\n";
+  std::ofstream(file("crossing.obj"))
+      << "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 0.5 -1\nv 1 1.5 -1\nv 1 1.5 1\nv 1 0.5 1\n"
+         "o table\nf 1 2 3 4\no blade\nf 5 6 7 8\n";
   const std::string what = "table and blade pass through each other at (1, 1, ";
   const Result check = run("check " + file("crossing.obj") + " --resolution 16 --directions 1 --lattices 8");
   EXPECT_EQ(check.status, 1);
@@ -255,8 +272,9 @@ TEST_F(Program, DevicesListsThem) {
 TEST_F(Program, HelpNamesEveryOption) {
   const Result r = run("compute --help");
   EXPECT_EQ(r.status, 0);
-  for (const char* option : {"--output", "--tolerance", "--directions", "--replicates", "--resolution", "--by", "--sampler", "--seed",
-                             "--two-sided", "--device", "--quiet", "--closure", "--checkpoint", "--resume", "--first-replicate"})
+  for (const char* option :
+       {"--output", "--tolerance", "--directions", "--replicates", "--resolution", "--by", "--sampler", "--seed",
+        "--two-sided", "--device", "--quiet", "--closure", "--checkpoint", "--resume", "--first-replicate"})
     EXPECT_NE(r.output.find(option), std::string::npos) << option;
 }
 

@@ -8,26 +8,32 @@
 
 namespace viewpeel {
 
-// The chance that a right estimate fails one comparison. About a thousand are made in a run of all tests, with seeds fixed: a failure that
-// a change brings about is a fault with odds of a million to one for each comparison.
+// The chance that a right estimate fails one comparison. About a thousand are made in a run of all tests, with seeds
+// fixed: a failure that a change brings about is a fault with odds of a million to one for each comparison.
 constexpr double kFalseAlarmRate = 1e-6;
 
-// A mean over replicates differs from its expectation by at most this many of its standard errors, but for kFalseAlarmRate: Student's
-// distribution with replicates - 1 degrees of freedom. Replicates are sums over many directions, so that they are close to normal.
+// A mean over replicates differs from its expectation by at most this many of its standard errors, but for
+// kFalseAlarmRate: Student's distribution with replicates - 1 degrees of freedom. Replicates are sums over many
+// directions, so that they are close to normal.
 inline double allowedStandardErrors(uint64_t replicates) {
   const boost::math::students_t distribution(double(replicates - 1));
   return quantile(complement(distribution, kFalseAlarmRate / 2));
 }
 
-// Whether `measured` may be an estimate of `truth`. `truth_error` bounds the error of truth itself; what no replicate met has standard error 0.
-inline testing::AssertionResult isEstimateOf(const Measured& measured, double truth, uint64_t replicates, double truth_error = 0) {
-  const double bound = allowedStandardErrors(replicates) * measured.standard_error + truth_error + 4e-15 * std::abs(truth);
+// Whether `measured` may be an estimate of `truth`. `truth_error` bounds the error of truth itself; what no replicate
+// met has standard error 0.
+inline testing::AssertionResult isEstimateOf(const Measured& measured, double truth, uint64_t replicates,
+                                             double truth_error = 0) {
+  const double bound =
+      allowedStandardErrors(replicates) * measured.standard_error + truth_error + 4e-15 * std::abs(truth);
   if (std::abs(measured.value - truth) <= bound) return testing::AssertionSuccess();
-  return testing::AssertionFailure() << "estimate " << measured.value << ", standard error " << measured.standard_error << ", of " << truth
-                                     << ": differs by " << measured.value - truth << ", bound " << bound;
+  return testing::AssertionFailure() << "estimate " << measured.value << ", standard error " << measured.standard_error
+                                     << ", of " << truth << ": differs by " << measured.value - truth << ", bound "
+                                     << bound;
 }
 
-// Whether two independent estimates may be of the same truth. Welch's number of degrees of freedom is at least that of either alone.
+// Whether two independent estimates may be of the same truth. Welch's number of degrees of freedom is at least that of
+// either alone.
 inline testing::AssertionResult areEstimatesOfTheSame(const Measured& a, const Measured& b, uint64_t replicates) {
   return isEstimateOf({a.value, std::hypot(a.standard_error, b.standard_error)}, b.value, replicates);
 }

@@ -46,7 +46,8 @@ Flat flatten(const Scene& scene, const Polygon& polygon, const Direction& direct
   for (uint32_t k = 0; k < polygon.corner_count; ++k) {
     const glm::dvec3& corner = scene.corners[polygon.first_corner + k];
     const auto snap = [&](const glm::dvec3& axis, double offset) {
-      return static_cast<int64_t>(std::floor((dotInOrder(corner, axis) * per_spacing + offset) * std::ldexp(1.0, bits) + 0.5));
+      return static_cast<int64_t>(
+          std::floor((dotInOrder(corner, axis) * per_spacing + offset) * std::ldexp(1.0, bits) + 0.5));
     };
     flat.corners.push_back({snap(direction.x_axis, direction.offset.x), snap(direction.y_axis, direction.offset.y)});
     const double z = dotInOrder(corner, direction.u);
@@ -54,7 +55,8 @@ Flat flatten(const Scene& scene, const Polygon& polygon, const Direction& direct
     flat.z_max = std::max(flat.z_max, z);
   }
   int64_t twice_area = 0;
-  for (size_t k = 2; k < flat.corners.size(); ++k) twice_area += cross(flat.corners[0], flat.corners[k - 1], flat.corners[k]);
+  for (size_t k = 2; k < flat.corners.size(); ++k)
+    twice_area += cross(flat.corners[0], flat.corners[k - 1], flat.corners[k]);
   if (twice_area == 0) {
     flat.corners.clear();
     return flat;
@@ -136,15 +138,17 @@ class Counters {
     const uint32_t a_roles = ids_.rolesOf(a), b_roles = ids_.rolesOf(b);
     return ((a_roles & kEmits) && (b_roles & kReceives)) || ((b_roles & kEmits) && (a_roles & kReceives));
   }
-  std::pair<uint64_t, uint64_t>& counterOf(uint32_t i, uint32_t j) { return counters_[{std::min(i, j), std::max(i, j)}]; }
+  std::pair<uint64_t, uint64_t>& counterOf(uint32_t i, uint32_t j) {
+    return counters_[{std::min(i, j), std::max(i, j)}];
+  }
 
   const Ids& ids_;
   bool blocked_;
   std::map<std::pair<uint32_t, uint32_t>, std::pair<uint64_t, uint64_t>> counters_;  // facing, blocked
 };
 
-// The columns [low, high) of row y that a polygon covers, in units of 2^-column_bits of a spacing: each bound found by bisection of the covering
-// test from a column inside.
+// The columns [low, high) of row y that a polygon covers, in units of 2^-column_bits of a spacing: each bound found by
+// bisection of the covering test from a column inside.
 std::pair<int64_t, int64_t> spanOf(const Flat& flat, int64_t y, int column_bits, int bits) {
   const int64_t unit = int64_t(1) << (bits - column_bits);
   const auto covers = [&](int64_t column) { return flat.covers({column * unit, y << bits}); };
@@ -157,7 +161,8 @@ std::pair<int64_t, int64_t> spanOf(const Flat& flat, int64_t y, int column_bits,
       continue;
     }
     if (std::min(a.y, b.y) <= y << bits && y << bits <= std::max(a.y, b.y))
-      crossings.push_back(static_cast<int64_t>(std::floor((double(a.x) + double(b.x - a.x) * double((y << bits) - a.y) / double(b.y - a.y)) / double(unit))));
+      crossings.push_back(static_cast<int64_t>(std::floor(
+          (double(a.x) + double(b.x - a.x) * double((y << bits) - a.y) / double(b.y - a.y)) / double(unit))));
   }
   for (int64_t crossing : crossings)
     for (int64_t inside = crossing - 2; inside <= crossing + 2; ++inside) {
@@ -173,12 +178,15 @@ std::pair<int64_t, int64_t> spanOf(const Flat& flat, int64_t y, int column_bits,
   return {0, 0};
 }
 
-Layers layersAt(const std::vector<Flat>& flats, const std::vector<uint32_t>& covering, int64_t column, int64_t y, int column_bits) {
+Layers layersAt(const std::vector<Flat>& flats, const std::vector<uint32_t>& covering, int64_t column, int64_t y,
+                int column_bits) {
   Layers layers;
   for (uint32_t k : covering) {
     // Columns count from the cell's first.
     const int64_t cell = column >> (column_bits + 3) << 3, in_cell = column - (cell << column_bits);
-    const int64_t z = (flats[k].z0 + flats[k].zx * cell + flats[k].zy * y + int64_t(Wide(flats[k].zx) * in_cell >> column_bits)) >> flats[k].shift;
+    const int64_t z =
+        (flats[k].z0 + flats[k].zx * cell + flats[k].zy * y + int64_t(Wide(flats[k].zx) * in_cell >> column_bits)) >>
+        flats[k].shift;
     layers.push_back({std::clamp(z, flats[k].low, flats[k].high), flats[k].place_at_tie, k, !flats[k].front_up});
   }
   std::sort(layers.begin(), layers.end());
@@ -187,12 +195,17 @@ Layers layersAt(const std::vector<Flat>& flats, const std::vector<uint32_t>& cov
 
 }  // namespace
 
-PairCounts countPairsOnCpu(const Scene& scene, const Ids& ids, const std::vector<Direction>& directions, int resolution, bool blocked, Fault fault, const Window& window) {
-  const int bits = 25 - std::bit_width(static_cast<uint32_t>(resolution / 2) + static_cast<uint32_t>(std::ceil(resolution * 0.5 * glm::length(window.centre))) + 1);
+PairCounts countPairsOnCpu(const Scene& scene, const Ids& ids, const std::vector<Direction>& directions, int resolution,
+                           bool blocked, Fault fault, const Window& window) {
+  const int bits =
+      25 - std::bit_width(static_cast<uint32_t>(resolution / 2) +
+                          static_cast<uint32_t>(std::ceil(resolution * 0.5 * glm::length(window.centre))) + 1);
   const int64_t one = int64_t(1) << bits;
   Counters counters(ids, blocked);
   for (Direction direction : directions) {
-    direction.offset -= glm::floor(direction.offset + resolution * 0.5 * glm::dvec2(dotInOrder(window.centre, direction.x_axis), dotInOrder(window.centre, direction.y_axis)));
+    direction.offset -= glm::floor(direction.offset + resolution * 0.5 *
+                                                          glm::dvec2(dotInOrder(window.centre, direction.x_axis),
+                                                                     dotInOrder(window.centre, direction.y_axis)));
     std::vector<Flat> flats;
     for (const Polygon& polygon : scene.polygons) flats.push_back(flatten(scene, polygon, direction, resolution, bits));
     const int reach = static_cast<int>(resolution * 0.5 * window.radius) + 2;
@@ -210,7 +223,8 @@ PairCounts countPairsOnCpu(const Scene& scene, const Ids& ids, const std::vector
   return counters.counts();
 }
 
-PairCounts countIntervalsOnCpu(const Scene& scene, const Ids& ids, const std::vector<Direction>& directions, int resolution, bool blocked) {
+PairCounts countIntervalsOnCpu(const Scene& scene, const Ids& ids, const std::vector<Direction>& directions,
+                               int resolution, bool blocked) {
   constexpr int kColumnBits = 10;
   constexpr int kCellColumns = 32;
   const int bits = 25 - std::bit_width(static_cast<uint32_t>(resolution / 2 + 1));
@@ -226,7 +240,8 @@ PairCounts countIntervalsOnCpu(const Scene& scene, const Ids& ids, const std::ve
         if (column % kCellColumns == 0) ends.push_back(column << kColumnBits);
       for (const Flat& flat : flats) {
         spans.push_back(flat.corners.empty() ? std::pair<int64_t, int64_t>(0, 0) : spanOf(flat, y, kColumnBits, bits));
-        if (spans.back().first < spans.back().second) ends.insert(ends.end(), {spans.back().first, spans.back().second});
+        if (spans.back().first < spans.back().second)
+          ends.insert(ends.end(), {spans.back().first, spans.back().second});
       }
       std::sort(ends.begin(), ends.end());
       for (size_t e = 0; e + 1 < ends.size(); ++e) {
@@ -235,7 +250,8 @@ PairCounts countIntervalsOnCpu(const Scene& scene, const Ids& ids, const std::ve
         std::vector<uint32_t> covering;
         for (uint32_t k = 0; k < flats.size(); ++k)
           if (spans[k].first <= middle && middle < spans[k].second) covering.push_back(k);
-        counters.add(layersAt(flats, covering, middle, y, kColumnBits), direction.weight * static_cast<uint64_t>(to - from));
+        counters.add(layersAt(flats, covering, middle, y, kColumnBits),
+                     direction.weight * static_cast<uint64_t>(to - from));
       }
     }
   }

@@ -9,14 +9,15 @@ namespace viewpeel {
 // Faults to plant, for tests of what must notice them.
 enum class Fault { none, last_layer_dropped, two_depths_swapped };
 
-// What an engine must count, to the last bit: the raster rules of shaders/geometry.glsl and project.comp and the facing rules, written a
-// second time and without any of the engines' passes: every lattice point of the window sorts all polygons that cover it. With `blocked` every two
-// of them are looked at.
+// What an engine must count, to the last bit: the raster rules of shaders/geometry.glsl and project.comp and the facing
+// rules, written a second time and without any of the engines' passes: every lattice point of the window sorts all
+// polygons that cover it. With `blocked` every two of them are looked at.
 PairCounts countPairsOnCpu(const Scene& scene, const Ids& ids, const std::vector<Direction>& directions, int resolution,
                            bool blocked = false, Fault fault = Fault::none, const Window& window = {});
 
 // The same with scanlines: every interval between consecutive ends of spans sorts all polygons that hold its middle.
-PairCounts countIntervalsOnCpu(const Scene& scene, const Ids& ids, const std::vector<Direction>& directions, int resolution, bool blocked = false);
+PairCounts countIntervalsOnCpu(const Scene& scene, const Ids& ids, const std::vector<Direction>& directions,
+                               int resolution, bool blocked = false);
 
 // What must be counted where blocked pairs were not asked for.
 inline PairCounts withoutBlocked(PairCounts counts) {

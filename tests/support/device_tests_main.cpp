@@ -45,13 +45,18 @@ Estimate estimateScene(const InputScene& input, const TestRun& run) {
 PairCounts countPairs(const Scene& scene, const std::vector<Direction>& directions, const CountRun& run) {
   const Ids ids = makeIds(scene, run.by, run.two_sided);
   PairCounts counts = makeComputeEngine(testDevice(), scene, ids, run.lattice)->count(directions);
-  const auto isStacked = [](const Polygon& polygon) { return polygon.tie_rank != kContactRank && polygon.tie_rank != kSheetRank; };
+  const auto isStacked = [](const Polygon& polygon) {
+    return polygon.tie_rank != kContactRank && polygon.tie_rank != kSheetRank;
+  };
   if (std::any_of(scene.polygons.begin(), scene.polygons.end(), isStacked)) {
-    EXPECT_THROW(makeGraphicsEngine(testDevice(), scene, ids, run.lattice), Error);  // orders two coincident polygons, not three
+    EXPECT_THROW(makeGraphicsEngine(testDevice(), scene, ids, run.lattice),
+                 Error);  // orders two coincident polygons, not three
   } else {
-    EXPECT_EQ(counts, makeGraphicsEngine(testDevice(), scene, ids, run.lattice)->count(directions)) << scene.file << ": compute and graphics differ";
+    EXPECT_EQ(counts, makeGraphicsEngine(testDevice(), scene, ids, run.lattice)->count(directions))
+        << scene.file << ": compute and graphics differ";
   }
-  EXPECT_EQ(counts, makeHostEngine(scene, ids, run.lattice)->count(directions)) << scene.file << ": compute and host differ";
+  EXPECT_EQ(counts, makeHostEngine(scene, ids, run.lattice)->count(directions))
+      << scene.file << ": compute and host differ";
   return counts;
 }
 

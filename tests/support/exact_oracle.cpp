@@ -21,7 +21,8 @@ struct Layer {
   bool front_up;
 };
 
-// Calls add(a, b) for every gap of a line that counts, and block(a, b) for every two that face each other across more than a gap.
+// Calls add(a, b) for every gap of a line that counts, and block(a, b) for every two that face each other across more
+// than a gap.
 template <class Layers, class Add, class Block>
 void classifyLine(const Layers& layers, bool two_sided, const Add& add, const Block& block) {
   for (size_t k = 0; k <= layers.size(); ++k) {
@@ -29,12 +30,23 @@ void classifyLine(const Layers& layers, bool two_sided, const Add& add, const Bl
     const uint upper = k == layers.size() ? kSideNone : sideTowardsGap(layers[k].front_up, two_sided, false);
     const uint32_t low = k == 0 ? 0 : layers[k - 1].polygon, high = k == layers.size() ? 0 : layers[k].polygon;
     switch (classifyGap(lower, upper)) {
-      case kGapFacingPair: add(std::min(low, high), std::max(low, high)); break;
-      case kGapLowerEnvironment: add(low, kEnvironment); break;
-      case kGapUpperEnvironment: add(high, kEnvironment); break;
-      case kGapLowerLeak: add(low, kLeak); break;
-      case kGapUpperLeak: add(high, kLeak); break;
-      default: break;
+      case kGapFacingPair:
+        add(std::min(low, high), std::max(low, high));
+        break;
+      case kGapLowerEnvironment:
+        add(low, kEnvironment);
+        break;
+      case kGapUpperEnvironment:
+        add(high, kEnvironment);
+        break;
+      case kGapLowerLeak:
+        add(low, kLeak);
+        break;
+      case kGapUpperLeak:
+        add(high, kLeak);
+        break;
+      default:
+        break;
     }
   }
   for (size_t far = 0; far < layers.size(); ++far)
@@ -110,8 +122,8 @@ SlabAreas cutIntoSlabs(const Scene& scene, const glm::dvec3& u, bool two_sided) 
   }
   for (size_t e = 0; e < edges.size(); ++e)
     for (size_t f = 0; f < e; ++f) {
-      const auto &[a, b] = edges[e];
-      const auto &[c, d] = edges[f];
+      const auto& [a, b] = edges[e];
+      const auto& [c, d] = edges[f];
       const mpq_class c_side = cross(a, b, c), d_side = cross(a, b, d);
       if (sgn(c_side) * sgn(d_side) >= 0 || sgn(cross(c, d, a)) * sgn(cross(c, d, b)) >= 0) continue;
       cuts.push_back(c.x + (d.x - c.x) * c_side / (c_side - d_side));
@@ -143,7 +155,13 @@ SlabAreas cutIntoSlabs(const Scene& scene, const glm::dvec3& u, bool two_sided) 
       });
       const double area = factor * mpq_class(width * (heights[h + 1] - heights[h])).get_d();
       classifyLine(
-          layers, two_sided, [&](uint32_t a, uint32_t b) { areas.pairs[{a, b}] += area; }, [&](uint32_t a, uint32_t b) { areas.blocked[{a, b}] += area; });
+          layers, two_sided,
+          [&](uint32_t a, uint32_t b) {
+            areas.pairs[{a, b}] += area;
+          },
+          [&](uint32_t a, uint32_t b) {
+            areas.blocked[{a, b}] += area;
+          });
     }
   }
   return areas;
@@ -209,7 +227,11 @@ Samples sampleLines(const Scene& scene, const glm::dvec3& u, uint32_t sample_cou
       return p.front_up != q.front_up ? p.front_up : p.polygon < q.polygon;
     });
     classifyLine(
-        hits, false, [&](uint32_t a, uint32_t b) { samples.areas[{a, b}] += samples.square / sample_count; }, [](uint32_t, uint32_t) {});
+        hits, false,
+        [&](uint32_t a, uint32_t b) {
+          samples.areas[{a, b}] += samples.square / sample_count;
+        },
+        [](uint32_t, uint32_t) {});
   }
   return samples;
 }

@@ -16,7 +16,9 @@ namespace viewpeel::reference::test {
 using Corners = std::vector<glm::dvec3>;
 
 // Parallelogram origin, + u, + u + v, + v; its front looks along u x v.
-inline Corners rectangle(glm::dvec3 origin, glm::dvec3 u, glm::dvec3 v) { return {origin, origin + u, origin + u + v, origin + v}; }
+inline Corners rectangle(glm::dvec3 origin, glm::dvec3 u, glm::dvec3 v) {
+  return {origin, origin + u, origin + u + v, origin + v};
+}
 
 inline Corners flipped(Corners corners) { return {corners.rbegin(), corners.rend()}; }
 
@@ -34,7 +36,8 @@ inline double areaOf(const Corners& corners) {
 // The six faces of the box from 0 to size, fronts inwards: x = 0, y = 0, z = 0, then their opposites.
 inline std::vector<Corners> boxFaces(glm::dvec3 size) {
   const glm::dvec3 x(size.x, 0, 0), y(0, size.y, 0), z(0, 0, size.z), o(0);
-  return {rectangle(o, y, z), rectangle(o, z, x), rectangle(o, x, y), rectangle(x, z, y), rectangle(y, x, z), rectangle(z, y, x)};
+  return {rectangle(o, y, z), rectangle(o, z, x), rectangle(o, x, y),
+          rectangle(x, z, y), rectangle(y, x, z), rectangle(z, y, x)};
 }
 
 struct Random {
@@ -77,13 +80,15 @@ inline Pair randomPair(Random& random) {
 // A value against the truth, with a derived bound.
 inline testing::AssertionResult isWithin(double value, double truth, double bound) {
   if (std::abs(value - truth) <= bound) return testing::AssertionSuccess();
-  return testing::AssertionFailure() << std::scientific << value << " is off " << truth << " by " << std::abs(value - truth) << " > " << bound;
+  return testing::AssertionFailure() << std::scientific << value << " is off " << truth << " by "
+                                     << std::abs(value - truth) << " > " << bound;
 }
 
 // An estimate against the truth. 4.5 standard errors of a normal mean: one false alarm in 147,000 comparisons.
 constexpr double kStandardErrors = 4.5;
 
-inline testing::AssertionResult isEstimateOf(double value, double standard_error, double truth, double truth_error = 0) {
+inline testing::AssertionResult isEstimateOf(double value, double standard_error, double truth,
+                                             double truth_error = 0) {
   if (!(standard_error >= 0)) return testing::AssertionFailure() << "standard error " << standard_error;
   return isWithin(value, truth, kStandardErrors * standard_error + truth_error);
 }

@@ -11,7 +11,8 @@ namespace viewpeel {
 
 inline void waitFor(double seconds) { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
 
-// In which a program ends that was told to: 2 s, and some for a busy machine, or for a sanitizer's ten times slower program on one.
+// In which a program ends that was told to: 2 s, and some for a busy machine, or for a sanitizer's ten times slower
+// program on one.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr double kSoon = 60;
 #else

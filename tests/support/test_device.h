@@ -11,10 +11,15 @@
 namespace viewpeel {
 
 // For failure messages and ==.
-inline bool operator==(const PairCount& a, const PairCount& b) { return a.i == b.i && a.j == b.j && a.count == b.count && a.blocked == b.blocked; }
-inline void PrintTo(const PairCount& c, std::ostream* out) { *out << "(" << c.i << ", " << c.j << "): " << c.count << ", blocked " << c.blocked; }
+inline bool operator==(const PairCount& a, const PairCount& b) {
+  return a.i == b.i && a.j == b.j && a.count == b.count && a.blocked == b.blocked;
+}
+inline void PrintTo(const PairCount& c, std::ostream* out) {
+  *out << "(" << c.i << ", " << c.j << "): " << c.count << ", blocked " << c.blocked;
+}
 
-// The device all tests share, with validation and synchronisation validation on. Any error message fails the test in which it came.
+// The device all tests share, with validation and synchronisation validation on. Any error message fails the test in
+// which it came.
 const Device& testDevice();
 
 // Engines of a kind, on that device where they need one.
@@ -29,7 +34,8 @@ struct TestRun {
   const char* name = "compute";
 };
 
-// The same run with lattice points of the compute and the host engine, whose counts are the same, and with the host engine's scanlines.
+// The same run with lattice points of the compute and the host engine, whose counts are the same, and with the host
+// engine's scanlines.
 std::vector<TestRun> withEngines(const TestRun& run = {});
 
 Estimate estimateScene(const InputScene& input, const TestRun& run = {});

@@ -1,5 +1,5 @@
-// Directions drawn for one pair or one emitter: no line missed, none drawn in vain, and expectations that are form factors. Pair areas are
-// the exact path's, so that only the directions err.
+// Directions drawn for one pair or one emitter: no line missed, none drawn in vain, and expectations that are form
+// factors. Pair areas are the exact path's, so that only the directions err.
 #include "directions/asked_directions.h"
 
 #include <algorithm>
@@ -43,7 +43,9 @@ struct Case {
 
 Corners squareAbove(double z, double side = 1) { return rectangle({0, 0, z}, {0, side, 0}, {side, 0, 0}); }
 // Shares the edge from (0, 0, 0) to (0, 1, 0) with the unit square; the fronts make this angle.
-Corners hinged(double angle_rad) { return rectangle({0, 0, 0}, {0, 1, 0}, {std::cos(angle_rad), 0, std::sin(angle_rad)}); }
+Corners hinged(double angle_rad) {
+  return rectangle({0, 0, 0}, {0, 1, 0}, {std::cos(angle_rad), 0, std::sin(angle_rad)});
+}
 
 const std::vector<Case>& cases() {
   static const std::vector<Case> all = [] {
@@ -62,8 +64,10 @@ const std::vector<Case>& cases() {
         {"part of an edge in common", square, rectangle({0, 0.3, 0}, {0, 1.3, 0}, {0, 0, 0.4})},
         {"standing on the other", square, rectangle({0.4, 0.2, 0}, {0, 0.5, 0}, {0, 0, 0.7})},
         {"standing across the other's edge", square, rectangle({0.4, 0.5, 0}, {0, 0.9, 0}, {0, 0, 0.7})},
-        {"reaching behind", rectangle({0.5, 0, 0}, {2, 0, 0}, {0, 1, 0}), rectangle({0, 0, -0.5}, {0.2, 1, 0}, {0.1, 0, 1})},
-        {"small and far", rectangle({0, 0, 0}, {1e-6, 0, 0}, {0, 1e-6, 0}), rectangle({0.5, 0.1, 1}, {0, 2e-6, 0}, {1e-6, 0, 1e-6})},
+        {"reaching behind", rectangle({0.5, 0, 0}, {2, 0, 0}, {0, 1, 0}),
+         rectangle({0, 0, -0.5}, {0.2, 1, 0}, {0.1, 0, 1})},
+        {"small and far", rectangle({0, 0, 0}, {1e-6, 0, 0}, {0, 1e-6, 0}),
+         rectangle({0.5, 0.1, 1}, {0, 2e-6, 0}, {1e-6, 0, 1e-6})},
         {"small and large", rectangle({0.3, 0.3, 0}, {1e-5, 0, 0}, {0, 1e-5, 0}), squareAbove(0.5)},
         {"slivers", rectangle({0, 0, 0}, {1, 0, 0}, {0, 1e-5, 0}), rectangle({0, 0, 0.3}, {0, 1, 0}, {1e-5, 0, 0})},
         {"triangle and pentagon",
@@ -91,7 +95,8 @@ struct PairScene {
   Corners a, b;      // in the scene's unit
 };
 
-// The case in the unit ball, turned so that nothing is along an axis; not turned where rounding would open what touches.
+// The case in the unit ball, turned so that nothing is along an axis; not turned where rounding would open what
+// touches.
 PairScene sceneOf(const Case& pair, uint64_t seed = 0) {
   glm::dvec3 low(1e9), high(-1e9);
   for (const Corners& corners : {pair.a, pair.b})
@@ -194,7 +199,8 @@ TEST(PairRegion, IsWhereThePairAreaIsPositive) {
   EXPECT_GT(outside, 1000);
 }
 
-// Closed forms: a half sphere, a lune, and the pyramid of two squares that face, of half width 1 at distance 1: 4 asin(1/2) sr.
+// Closed forms: a half sphere, a lune, and the pyramid of two squares that face, of half width 1 at distance 1: 4
+// asin(1/2) sr.
 TEST(PairRegion, SolidAngleOfKnownRegions) {
   const auto solidAngleOf = [](const char* name, uint64_t seed) {
     const auto pair = std::ranges::find(cases(), name, &Case::name);
@@ -252,8 +258,8 @@ TEST(PairRegion, MapKeepsAreas) {
           }
           inside += glm::dot(normal, u) >= 0;
         }
-      // The cut crosses at most as many cells as a curve that meets every row and column four times; cells of slivers are folded
-      // unevenly, so to twice that.
+      // The cut crosses at most as many cells as a curve that meets every row and column four times; cells of slivers
+      // are folded unevenly, so to twice that.
       const double bound = 8.0 * (around + outwards) / count;
       EXPECT_NEAR(double(inside) / count, part.solidAngle() / region.solidAngle(), bound) << pair.name;
     }
@@ -262,13 +268,14 @@ TEST(PairRegion, MapKeepsAreas) {
 
 TEST(PairRegion, IsEmptyWhereFrontsDoNotFace) {
   const Corners square = rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
-  const std::vector<Case> blind = {{"facing away", square, flipped(squareAbove(1))},
-                                   {"behind", square, flipped(squareAbove(-1))},
-                                   {"back to back", flipped(square), flipped(squareAbove(1))},
-                                   {"coplanar neighbours", square, rectangle({1, 0, 0}, {1, 0, 0}, {0, 1, 0})},
-                                   {"coplanar, opposite, apart", square, flipped(rectangle({1, 0, 0}, {1, 0, 0}, {0, 1, 0}))},
-                                   {"convex edge", square, flipped(hinged(kPi / 2))},
-                                   {"steps of a stair", square, rectangle({0, 0, -1}, {0, 0, 1}, {0, 1, 0})}};
+  const std::vector<Case> blind = {
+      {"facing away", square, flipped(squareAbove(1))},
+      {"behind", square, flipped(squareAbove(-1))},
+      {"back to back", flipped(square), flipped(squareAbove(1))},
+      {"coplanar neighbours", square, rectangle({1, 0, 0}, {1, 0, 0}, {0, 1, 0})},
+      {"coplanar, opposite, apart", square, flipped(rectangle({1, 0, 0}, {1, 0, 0}, {0, 1, 0}))},
+      {"convex edge", square, flipped(hinged(kPi / 2))},
+      {"steps of a stair", square, rectangle({0, 0, -1}, {0, 0, 1}, {0, 1, 0})}};
   for (const Case& pair : blind)
     for (uint64_t seed : {0, 1}) {
       const PairScene placed = sceneOf(pair, seed);
@@ -289,7 +296,8 @@ TEST(PairRegion, IsEmptyWhereFrontsDoNotFace) {
 TEST(PairRegion, OfPolygonsInContactIsAHalfSphere) {
   const Corners square = rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
   for (uint64_t seed : {0, 1}) {
-    const PairScene placed = sceneOf({"contact", square, flipped(rectangle({0.5, 0.5, 0}, {1, 0, 0}, {0, 1, 0}))}, seed);
+    const PairScene placed =
+        sceneOf({"contact", square, flipped(rectangle({0.5, 0.5, 0}, {1, 0, 0}, {0, 1, 0}))}, seed);
     EXPECT_NEAR(regionOf(placed.scene).solidAngle(), 2 * kPi, 1e-14);
   }
 }
@@ -304,7 +312,8 @@ double pairArea(const reference::ExactPairAreas& found, const std::vector<bool>&
 }
 
 // F of one replicate, for surfaces of several polygons that do not see themselves.
-double formFactorOf(const Scene& scene, const AskedDirections& asked, std::span<const uint32_t> a, std::span<const uint32_t> b) {
+double formFactorOf(const Scene& scene, const AskedDirections& asked, std::span<const uint32_t> a,
+                    std::span<const uint32_t> b) {
   if (asked.directions.empty()) return 0;
   std::vector<bool> is_a(scene.polygons.size()), is_b(scene.polygons.size());
   double area_a = 0, sum = 0;
@@ -322,7 +331,8 @@ AskedDirections wholeSphere(uint32_t count, uint64_t seed, uint64_t replicate) {
 }
 
 template <class Draw>
-Measured measure(const Scene& scene, std::span<const uint32_t> a, std::span<const uint32_t> b, uint64_t replicates, Draw draw) {
+Measured measure(const Scene& scene, std::span<const uint32_t> a, std::span<const uint32_t> b, uint64_t replicates,
+                 Draw draw) {
   double sum = 0, squares = 0;
   for (uint64_t replicate = 0; replicate < replicates; ++replicate) {
     const double value = formFactorOf(scene, draw(replicate), a, b);
@@ -355,10 +365,10 @@ TEST(AskedPair, MeansAreFormFactors) {
       }
       const Measured found = measurePair(placed.scene, regionOf(placed.scene), 16, replicates);
       double truth_error = truth < 1e-9 ? 1e-8 * truth : kAreaRounding + reference::kContourError;
-      // Nearly folded flat, only directions within some 1e-6 rad of the planes see less than everything, by half: the sample has none.
+      // Nearly folded flat, only directions within some 1e-6 rad of the planes see less than everything, by half: the
+      // sample has none.
       if (pair.name == "common edge, 1e-6 rad") truth_error += 1e-8;
-      EXPECT_TRUE(isEstimateOf(found, truth, replicates, truth_error))
-          << pair.name << ", seed " << seed;
+      EXPECT_TRUE(isEstimateOf(found, truth, replicates, truth_error)) << pair.name << ", seed " << seed;
     }
   }
 }
@@ -376,7 +386,8 @@ TEST(AskedPair, MeansAreTheClosedFormsOfRectangles) {
     DirectionRegion part = region;
     part.clip(glm::normalize(glm::cross(region.map(0, 0.1), region.map(0.4, 0.5))));
     part.close();
-    EXPECT_FALSE(isEstimateOf(measurePair(placed.scene, part, 64, replicates), truth, replicates, kAreaRounding)) << name;
+    EXPECT_FALSE(isEstimateOf(measurePair(placed.scene, part, 64, replicates), truth, replicates, kAreaRounding))
+        << name;
   };
   const reference::Interval unit{0, 1};
   check("squares at distance 1", reference::parallelRectangles(unit, unit, unit, unit, 1));
@@ -390,7 +401,8 @@ TEST(AskedPair, MeansAgreeWithTheWholeSphere) {
   Random random(2);
   const Scene room = tests::turn(tests::makeCubeInCube(), randomRotation(random));
   const uint64_t replicates = 24;
-  const auto check = [&](const std::string& name, std::vector<uint32_t> a, std::vector<uint32_t> b, double largest_share) {
+  const auto check = [&](const std::string& name, std::vector<uint32_t> a, std::vector<uint32_t> b,
+                         double largest_share) {
     const DirectionRegion region = findPairRegion(room, a, b);
     EXPECT_LE(region.solidAngle(), largest_share * 2 * kPi + 1e-12) << name;
     const Measured asked = measure(room, a, b, replicates, [&](uint64_t k) { return sampleRegion(region, 64, 5, k); });
@@ -461,7 +473,8 @@ TEST(AskedDirections, AreAFunctionOfSeedAndReplicate) {
 
 // --- the emitter -----------------------------------------------------------------------------------------------------
 
-// The mean over a set of weight x f has the expectation of f over the half sphere. 5 standard errors on 5 means: false-alarm rate 3e-6.
+// The mean over a set of weight x f has the expectation of f over the half sphere. 5 standard errors on 5 means:
+// false-alarm rate 3e-6.
 TEST(AskedEmitter, WeightsHaveTheRightExpectation) {
   const PairScene placed = sceneOf(cases()[0], 2);
   const glm::dvec3 normal = placed.scene.planes[placed.scene.polygons[0].plane].normal;
@@ -479,7 +492,8 @@ TEST(AskedEmitter, WeightsHaveTheRightExpectation) {
       EXPECT_GE(cosine, -1e-15);
       const double exact = 1 / (2 * (1 - kUniformShare) * cosine + kUniformShare);
       EXPECT_LT(std::abs(weight - exact), asked.weight_unit * 1.0001);
-      const double values[5] = {weight, weight * cosine, weight * cosine * cosine, weight * u.x * u.x, (weight - exact) / asked.weight_unit};
+      const double values[5] = {weight, weight * cosine, weight * cosine * cosine, weight * u.x * u.x,
+                                (weight - exact) / asked.weight_unit};
       for (int k = 0; k < 5; ++k) means[k] += values[k] / count;
     }
     for (int k = 0; k < 5; ++k) sum[k] += means[k], squares[k] += means[k] * means[k];
@@ -507,7 +521,9 @@ TEST(AskedEmitter, WeightsAreBounded) {
 TEST(AskedEmitter, MeansAreFormFactors) {
   const uint64_t replicates = 32;
   for (const Case& pair : cases()) {
-    if (pair.name.starts_with("s") || pair.name.find("1e-") != std::string::npos || pair.name.find("nearly") != std::string::npos) continue;
+    if (pair.name.starts_with("s") || pair.name.find("1e-") != std::string::npos ||
+        pair.name.find("nearly") != std::string::npos)
+      continue;
     const PairScene placed = sceneOf(pair, 6);
     const double truth = reference::formFactor(pair.a, pair.b);
     const Measured found = measure(placed.scene, std::array{0u}, std::array{1u}, replicates,
@@ -530,27 +546,31 @@ TEST(AskedEmitter, SeveralNormalsGetTheWholeSphere) {
 
 // --- the gain --------------------------------------------------------------------------------------------------------
 
-// Not a test: prints the rms error of a replicate, whole sphere against asked directions. Run with --gtest_also_run_disabled_tests.
+// Not a test: prints the rms error of a replicate, whole sphere against asked directions. Run with
+// --gtest_also_run_disabled_tests.
 TEST(AskedDirections, DISABLED_Gain) {
   const uint64_t replicates = 40;
   const auto print = [&](const std::string& name, uint32_t count, const Measured& all, const Measured& asked) {
     const double to_rms = std::sqrt(double(replicates - 1));
     std::printf("%-40s %5u  F %.6e  sphere %.2e  asked %.2e  ratio %.1f\n", name.c_str(), count, asked.value,
-                all.standard_error * to_rms / asked.value, asked.standard_error * to_rms / asked.value, all.standard_error / asked.standard_error);
+                all.standard_error * to_rms / asked.value, asked.standard_error * to_rms / asked.value,
+                all.standard_error / asked.standard_error);
   };
   const Corners square = rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
-  const std::vector<Case> pairs = {{"unit squares at 1", square, squareAbove(1)},
-                                   {"unit squares at 3", square, squareAbove(3)},
-                                   {"unit squares at 10", square, squareAbove(10)},
-                                   {"perpendicular, common edge", square, hinged(kPi / 2)},
-                                   {"patches of 0.1 at 10", rectangle({0, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0}), squareAbove(10, 0.1)}};
+  const std::vector<Case> pairs = {
+      {"unit squares at 1", square, squareAbove(1)},
+      {"unit squares at 3", square, squareAbove(3)},
+      {"unit squares at 10", square, squareAbove(10)},
+      {"perpendicular, common edge", square, hinged(kPi / 2)},
+      {"patches of 0.1 at 10", rectangle({0, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0}), squareAbove(10, 0.1)}};
   for (const Case& pair : pairs) {
     const PairScene placed = sceneOf(pair, 9);
     const DirectionRegion region = regionOf(placed.scene);
     std::printf("%s: solid angle / 2 pi = %.3e\n", pair.name.c_str(), region.solidAngle() / (2 * kPi));
     for (uint32_t count : {100, 400, 1600})
       print(pair.name, count,
-            measure(placed.scene, std::array{0u}, std::array{1u}, replicates, [&](uint64_t k) { return wholeSphere(count, 6, k); }),
+            measure(placed.scene, std::array{0u}, std::array{1u}, replicates,
+                    [&](uint64_t k) { return wholeSphere(count, 6, k); }),
             measurePair(placed.scene, region, count, replicates));
   }
   SceneBuilder builder;
@@ -562,11 +582,16 @@ TEST(AskedDirections, DISABLED_Gain) {
   const Scene scene = tests::turn(builder.scene, randomRotation(random));
   const std::array emitter{6u};
   const std::vector<std::pair<const char*, std::vector<uint32_t>>> receivers = {
-      {"patch to ceiling", {1}}, {"patch to a wall", {2}}, {"patch to lamp", {7, 8, 9, 10, 11, 12}}, {"patch to shelf", {13, 14, 15, 16, 17, 18}}};
+      {"patch to ceiling", {1}},
+      {"patch to a wall", {2}},
+      {"patch to lamp", {7, 8, 9, 10, 11, 12}},
+      {"patch to shelf", {13, 14, 15, 16, 17, 18}}};
   for (const auto& [name, receiver] : receivers)
     for (uint32_t count : {100, 400, 1600})
-      print(name, count, measure(scene, emitter, receiver, replicates, [&](uint64_t k) { return wholeSphere(count, 6, k); }),
-            measure(scene, emitter, receiver, replicates, [&](uint64_t k) { return sampleEmitter(scene, emitter, count, 5, k); }));
+      print(name, count,
+            measure(scene, emitter, receiver, replicates, [&](uint64_t k) { return wholeSphere(count, 6, k); }),
+            measure(scene, emitter, receiver, replicates,
+                    [&](uint64_t k) { return sampleEmitter(scene, emitter, count, 5, k); }));
 }
 
 }  // namespace

@@ -38,7 +38,8 @@ void expectSplitsWell(const ts::Corners& corners, size_t most_pieces) {
     const glm::dvec3 front = polygon.front_along_plane_normal ? plane.normal : -plane.normal;
     const uint32_t m = polygon.corner_count;
     for (uint32_t k = 0; k < m; ++k) {
-      const glm::dvec3 a = scene.corners[polygon.first_corner + k], b = scene.corners[polygon.first_corner + (k + 1) % m],
+      const glm::dvec3 a = scene.corners[polygon.first_corner + k],
+                       b = scene.corners[polygon.first_corner + (k + 1) % m],
                        c = scene.corners[polygon.first_corner + (k + 2) % m];
       EXPECT_GE(glm::dot(glm::cross(b - a, c - b), front), -1e-15);  // rounding of products of lengths up to 2
       EXPECT_NEAR(glm::dot(a, plane.normal), plane.offset, 1e-7);    // kPlanarTolerance
@@ -50,7 +51,8 @@ void expectSplitsWell(const ts::Corners& corners, size_t most_pieces) {
 TEST(BuildScene, ConvexFacesBecomeTrianglesAndQuadrilaterals) {
   for (int m : {3, 4, 5, 64}) {
     ts::Corners ring;
-    for (int k = 0; k < m; ++k) ring.push_back({std::cos(2 * std::numbers::pi * k / m), std::sin(2 * std::numbers::pi * k / m), 0.3});
+    for (int k = 0; k < m; ++k)
+      ring.push_back({std::cos(2 * std::numbers::pi * k / m), std::sin(2 * std::numbers::pi * k / m), 0.3});
     expectSplitsWell(ring, static_cast<size_t>((m - 1) / 2));
   }
   expectSplitsWell({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {0, 1, 0}}, 2);  // a corner in the middle of an edge
@@ -73,11 +75,15 @@ TEST(BuildScene, NonConvexFacesAreCutIntoFewConvexOnes) {
   }
   expectSplitsWell(star, 8);
   ts::Corners spiral;
-  for (int k = 0; k <= 40; ++k) spiral.push_back({(1 + 0.1 * k) * std::cos(0.4 * k), (1 + 0.1 * k) * std::sin(0.4 * k), 1});
-  for (int k = 40; k >= 0; --k) spiral.push_back({(1.3 + 0.1 * k) * std::cos(0.4 * k), (1.3 + 0.1 * k) * std::sin(0.4 * k), 1});
+  for (int k = 0; k <= 40; ++k)
+    spiral.push_back({(1 + 0.1 * k) * std::cos(0.4 * k), (1 + 0.1 * k) * std::sin(0.4 * k), 1});
+  for (int k = 40; k >= 0; --k)
+    spiral.push_back({(1.3 + 0.1 * k) * std::cos(0.4 * k), (1.3 + 0.1 * k) * std::sin(0.4 * k), 1});
   expectSplitsWell(spiral, 80);
   // A square hole, reached by a bridge that is walked both ways.
-  expectSplitsWell({{0, 0, 0}, {3, 0, 0}, {3, 3, 0}, {0, 3, 0}, {0, 0, 0}, {1, 1, 0}, {1, 2, 0}, {2, 2, 0}, {2, 1, 0}, {1, 1, 0}}, 8);
+  expectSplitsWell(
+      {{0, 0, 0}, {3, 0, 0}, {3, 3, 0}, {0, 3, 0}, {0, 0, 0}, {1, 1, 0}, {1, 2, 0}, {2, 2, 0}, {2, 1, 0}, {1, 1, 0}},
+      8);
 }
 
 // Star-shaped polygons with random radii: simple, anything but convex.
@@ -131,7 +137,8 @@ TEST(BuildScene, TinyPolygonsAreKept) {
   ts::addFace(input, "tiny", {{0.5, 0.5, 0.5}, {0.500001, 0.5, 0.5}, {0.5, 0.500001, 0.5}});
   const Scene scene = buildScene(input);
   ASSERT_EQ(scene.polygons.size(), 3u);
-  EXPECT_NEAR(scene.polygons[2].area * scene.scale * scene.scale, 5e-13, 5e-13 * 1e-9);  // corners rounded to 1e-16 of a side of 1e-6
+  EXPECT_NEAR(scene.polygons[2].area * scene.scale * scene.scale, 5e-13,
+              5e-13 * 1e-9);  // corners rounded to 1e-16 of a side of 1e-6
 }
 
 TEST(BuildScene, EveryCornerLiesInTheUnitBall) {
@@ -150,20 +157,24 @@ TEST(BuildScene, EveryCornerLiesInTheUnitBall) {
 TEST(BuildScene, ScaleAndOffsetVanish) {
   const InputScene input = ts::cubeInCube(0.3);
   const Scene expected = buildScene(input);
-  for (const auto& [scale, offset] : {std::pair(1e-6, 0.0), std::pair(1e6, 0.0), std::pair(1.0, 1e6), std::pair(1e-6, 1.0)}) {
+  for (const auto& [scale, offset] :
+       {std::pair(1e-6, 0.0), std::pair(1e6, 0.0), std::pair(1.0, 1e6), std::pair(1e-6, 1.0)}) {
     const Scene scene = buildScene(ts::transformed(input, glm::dmat3(1), scale, glm::dvec3(offset)));
     const double bound = 8 * 0x1p-53 * (1 + std::abs(offset) / scale);
-    for (size_t k = 0; k < scene.corners.size(); ++k) EXPECT_LT(glm::length(scene.corners[k] - expected.corners[k]), bound);
+    for (size_t k = 0; k < scene.corners.size(); ++k)
+      EXPECT_LT(glm::length(scene.corners[k] - expected.corners[k]), bound);
   }
 }
 
 TEST(BuildScene, CoplanarPolygonsShareAPlaneWhicheverWayTheyFace) {
   const Scene scene = buildScene(ts::roomWithTouchingBoxes());
-  // The tops and bottoms at heights 0, 1, 1.5, 2, 3; walls and sides at x = 0, 0.5, 0.75, 1.5, 2, 3, 4 and y = 0, 0.5, 0.75, 1.5, 1.75, 2, 3, 4.
+  // The tops and bottoms at heights 0, 1, 1.5, 2, 3; walls and sides at x = 0, 0.5, 0.75, 1.5, 2, 3, 4 and y = 0, 0.5,
+  // 0.75, 1.5, 1.75, 2, 3, 4.
   EXPECT_EQ(scene.planes.size(), 5u + 7u + 8u);
   for (const Polygon& polygon : scene.polygons) {
     const Plane& plane = scene.planes[polygon.plane];
-    const glm::dvec3 a = scene.corners[polygon.first_corner], b = scene.corners[polygon.first_corner + 1], c = scene.corners[polygon.first_corner + 2];
+    const glm::dvec3 a = scene.corners[polygon.first_corner], b = scene.corners[polygon.first_corner + 1],
+                     c = scene.corners[polygon.first_corner + 2];
     EXPECT_EQ(glm::dot(glm::cross(b - a, c - b), plane.normal) > 0, polygon.front_along_plane_normal);
   }
 }

@@ -1,4 +1,5 @@
-// Guesses that fit their rows: rows gain what they miss, shares stay between 0 and 1, measured entries stay as they are.
+// Guesses that fit their rows: rows gain what they miss, shares stay between 0 and 1, measured entries stay as they
+// are.
 #include "sums/calibrate_rows.h"
 
 #include <cmath>
@@ -34,7 +35,8 @@ Matrix makeGuessed(uint32_t count, double error, uint64_t seed) {
         continue;
       }
       const double guess = 0.7 * share;
-      matrix.guesses.push_back({static_cast<uint32_t>(matrix.entries.size()), static_cast<float>(most), static_cast<float>(guess), 1});
+      matrix.guesses.push_back(
+          {static_cast<uint32_t>(matrix.entries.size()), static_cast<float>(most), static_cast<float>(guess), 1});
       matrix.entries.push_back({i, j, {guess * most, std::sqrt(guess * (1 - guess)) * most}});
     }
   return matrix;
@@ -42,7 +44,8 @@ Matrix makeGuessed(uint32_t count, double error, uint64_t seed) {
 
 double largestMiss(const Matrix& matrix) {
   double largest = 0;
-  for (const Measured& sum : sumRows(matrix.entries, matrix.areas)) largest = std::max(largest, std::abs(sum.value - 1));
+  for (const Measured& sum : sumRows(matrix.entries, matrix.areas))
+    largest = std::max(largest, std::abs(sum.value - 1));
   return largest;
 }
 

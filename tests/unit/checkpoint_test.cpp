@@ -41,7 +41,12 @@ PairCounts randomCounts(const Ids& ids, uint64_t replicate) {
   PairCounts counts;
   for (uint32_t i = 0; i < ids.count(); ++i)
     for (uint32_t j = i; j < ids.count() + 2; ++j)
-      if (random() % 3 == 0) counts.push_back({i, j < ids.count() ? j : j == ids.count() ? kEnvironment : kLeak, 1 + random() % (1ull << 50)});
+      if (random() % 3 == 0)
+        counts.push_back({i,
+                          j < ids.count()    ? j
+                          : j == ids.count() ? kEnvironment
+                                             : kLeak,
+                          1 + random() % (1ull << 50)});
   return counts;
 }
 
@@ -49,7 +54,8 @@ PairCounts randomCounts(const Ids& ids, uint64_t replicate) {
 class RandomEngine : public Engine {
  public:
   RandomEngine(const Ids& ids, uint64_t seed) : ids_(ids) {
-    for (uint64_t k = 0; k < 100; ++k) first_directions_.push_back(sampleDirections(Sampler::fibonacci, 10, seed, k).front().u);
+    for (uint64_t k = 0; k < 100; ++k)
+      first_directions_.push_back(sampleDirections(Sampler::fibonacci, 10, seed, k).front().u);
   }
   PairCounts count(std::span<const Direction> directions) override {
     if (on_count) on_count();
@@ -129,12 +135,15 @@ TEST_F(CheckpointFile, ReadsBackEveryBit) {
     ASSERT_GT(a->pairs().size(), 10u);
     for (size_t k = 0; k < a->pairs().size(); ++k) {
       const auto &x = a->pairs()[k], &y = b->pairs()[k];
-      EXPECT_TRUE(x.i == y.i && x.j == y.j && x.sum.sum == y.sum.sum && x.sum.sum_of_squares == y.sum.sum_of_squares) << x.i << ", " << x.j;
+      EXPECT_TRUE(x.i == y.i && x.j == y.j && x.sum.sum == y.sum.sum && x.sum.sum_of_squares == y.sum.sum_of_squares)
+          << x.i << ", " << x.j;
       passes_64_bits = passes_64_bits || x.sum.sum_of_squares >> 64;
     }
     ASSERT_EQ(a->rowSums().size(), b->rowSums().size());
     for (size_t k = 0; k < a->rowSums().size(); ++k)
-      EXPECT_TRUE(a->rowSums()[k].sum == b->rowSums()[k].sum && a->rowSums()[k].sum_of_squares == b->rowSums()[k].sum_of_squares) << k;
+      EXPECT_TRUE(a->rowSums()[k].sum == b->rowSums()[k].sum &&
+                  a->rowSums()[k].sum_of_squares == b->rowSums()[k].sum_of_squares)
+          << k;
   }
   EXPECT_TRUE(passes_64_bits);
 }
@@ -171,24 +180,32 @@ TEST_F(CheckpointFile, WhatDoesNotBelongTogetherIsRefused) {
   EXPECT_NE(merge("e.h5").find("areas"), std::string::npos) << merge("e.h5");
 }
 
-// With closed forms: controls are integers, too, and shares are the same in all parts. What closed forms gave may differ in the last bits from device to device: in any order of
-// files it is that of the first replicate which stays.
+// With closed forms: controls are integers, too, and shares are the same in all parts. What closed forms gave may
+// differ in the last bits from device to device: in any order of files it is that of the first replicate which stays.
 TEST_F(CheckpointFile, ControlsAddUpToOneRun) {
-  const auto sumsWithShares = [&](const std::vector<uint64_t>& replicates, uint32_t one_share = 0, uint32_t directions = 16) {
+  const auto sumsWithShares = [&](const std::vector<uint64_t>& replicates, uint32_t one_share = 0,
+                                  uint32_t directions = 16) {
     KnownShares known{{}, std::vector<uint64_t>(ids_.count(), 16), true};
     std::mt19937_64 random(4);
     for (uint32_t i = 0; i < ids_.count(); ++i)
       for (uint32_t j = i + 1; j < ids_.count(); ++j)
-        if (random() % 2) known.pairs.push_back({i, j, static_cast<uint32_t>(random() % kShareOne), static_cast<uint32_t>(random() % 2 * 3077), replicates[0] == 0 ? 0.1 : std::nextafter(0.1, 1)});
+        if (random() % 2)
+          known.pairs.push_back({i, j, static_cast<uint32_t>(random() % kShareOne),
+                                 static_cast<uint32_t>(random() % 2 * 3077),
+                                 replicates[0] == 0 ? 0.1 : std::nextafter(0.1, 1)});
     if (one_share) known.pairs[3].share = one_share;
-    known.directed = {{known.pairs[2].i, known.pairs[2].j, directions, 200, 1000, 1, 0.01, 0.2}, {known.pairs[9].i, known.pairs[9].j, 32, 300, 0, 4, replicates[0] == 0 ? 0.1 : std::nextafter(0.1, 1), 0.2}};
+    known.directed = {
+        {known.pairs[2].i, known.pairs[2].j, directions, 200, 1000, 1, 0.01, 0.2},
+        {known.pairs[9].i, known.pairs[9].j, 32, 300, 0, 4, replicates[0] == 0 ? 0.1 : std::nextafter(0.1, 1), 0.2}};
     RunSums sums = makeRunSums(scene_, ids_);
     sums.visible.emplace(ids_, sums.by_surface.ids(), By::polygon, known);
     sums.measure_area = 0.1;
     for (uint64_t replicate : replicates) {
       PairCounts counts = randomCounts(ids_, replicate);
-      for (PairCount& count : counts) count = {count.i, count.j, count.count >> 8, count.j < kEnvironment ? count.count % 1'000'003 << 20 : 0};
-      const PairCounts directed{{known.pairs[2].i, known.pairs[2].j, replicate * 3, 700}, {known.pairs[9].i, known.pairs[9].j, 1 + replicate % 3, replicate}};
+      for (PairCount& count : counts)
+        count = {count.i, count.j, count.count >> 8, count.j < kEnvironment ? count.count % 1'000'003 << 20 : 0};
+      const PairCounts directed{{known.pairs[2].i, known.pairs[2].j, replicate * 3, 700},
+                                {known.pairs[9].i, known.pairs[9].j, 1 + replicate % 3, replicate}};
       sums.add(replicate, counts, 10, directed);
     }
     return sums;
@@ -200,7 +217,9 @@ TEST_F(CheckpointFile, ControlsAddUpToOneRun) {
   ASSERT_EQ(read.sums.visible->directed().pairs().size(), 2u);
   EXPECT_EQ(read.sums.visible->known(), sums.visible->known());
   EXPECT_TRUE(std::ranges::any_of(sums.visible->directed().pairs(), [](const auto& pair) { return pair.sum < 0; }));
-  EXPECT_TRUE(std::ranges::any_of(sums.visible->byFace().pairs(), [&](const auto& pair) { return sums.visible->byFace().squaresOf(pair).blocked >> 64; }));
+  EXPECT_TRUE(std::ranges::any_of(sums.visible->byFace().pairs(), [&](const auto& pair) {
+    return sums.visible->byFace().squaresOf(pair).blocked >> 64;
+  }));
   const FormFactors a = sums.formFactors(), b = read.sums.formFactors();
   ASSERT_EQ(a.entries().size(), b.entries().size());
   for (size_t k = 0; k < a.entries().size(); ++k) {
@@ -217,11 +236,14 @@ TEST_F(CheckpointFile, ControlsAddUpToOneRun) {
   RunSums twice = sums;
   twice.by_id = sumsOf({0, 1, 2, 3, 4, 5, 6}).by_id;
   writeCheckpoint(kSettings, twice, file("twice.h5"));
-  EXPECT_NE(messageOf([&] { readCheckpoint(file("twice.h5")); }).find("not those it has sums of"), std::string::npos) << "pairs that are summed twice";
+  EXPECT_NE(messageOf([&] { readCheckpoint(file("twice.h5")); }).find("not those it has sums of"), std::string::npos)
+      << "pairs that are summed twice";
   writeCheckpoint(kSettings, sumsWithShares({9}, 5), file("other.h5"));
   writeCheckpoint(kSettings, sumsWithShares({9}, 0, 17), file("directed.h5"));
   writeCheckpoint(kSettings, sumsOf({9}), file("without.h5"));
-  for (const auto& [name, reason] : {std::pair("other.h5", "other visible shares"), {"without.h5", "other visible shares"}, {"directed.h5", "give all parts of a run the same goal"}}) {
+  for (const auto& [name, reason] : {std::pair("other.h5", "other visible shares"),
+                                     {"without.h5", "other visible shares"},
+                                     {"directed.h5", "give all parts of a run the same goal"}}) {
     const std::vector<fs::path> apart = {file("part0.h5"), file(name)};
     const std::string message = messageOf([&] { mergeCheckpoints(apart); });
     EXPECT_NE(message.find(reason), std::string::npos) << message;
@@ -242,7 +264,8 @@ TEST_F(CheckpointFile, DamageIsFound) {
     else damaged[at] = static_cast<char>(damaged[at] ^ (1 << bit));
     overwrite(file("damaged.h5"), damaged);
     const std::string message = messageOf([&] { readCheckpoint(file("damaged.h5")); });
-    EXPECT_NE(message.find("damaged.h5: not a whole checkpoint"), std::string::npos) << message << ": byte " << at << ", bit " << bit << ", seed " << kSeed;
+    EXPECT_NE(message.find("damaged.h5: not a whole checkpoint"), std::string::npos)
+        << message << ": byte " << at << ", bit " << bit << ", seed " << kSeed;
   }
   overwrite(file("damaged.h5"), whole);
   EXPECT_EQ(bytesOf(readCheckpoint(file("damaged.h5")).sums), whole);
@@ -259,7 +282,8 @@ TEST_F(CheckpointFile, OtherFilesAreRefused) {
   };
   write("other.h5", std::pair("temperatures", std::vector<double>{1, 2}));
   write("later.h5", std::pair("format", std::vector<uint64_t>{1000}));
-  write("short.h5", std::pair("format", std::vector<uint64_t>{6}), std::pair("settings/names", std::vector<std::string>{"--seed"}),
+  write("short.h5", std::pair("format", std::vector<uint64_t>{6}),
+        std::pair("settings/names", std::vector<std::string>{"--seed"}),
         std::pair("settings/values", std::vector<std::string>{"1", "2"}));
   const auto message = [&](const char* name) { return messageOf([&] { readCheckpoint(file(name)); }); };
   EXPECT_NE(message("missing.h5").find("No such file"), std::string::npos) << message("missing.h5");
@@ -304,7 +328,9 @@ class StoppedEstimate : public CheckpointFile {
     const Estimate e = makeEstimate(sums, 0.01);
     std::ostringstream text;
     text.precision(17);
-    for (const auto& entry : e.form_factors.entries()) text << entry.i << ' ' << entry.j << ' ' << entry.exchange_area.value << ' ' << entry.exchange_area.standard_error << '\n';
+    for (const auto& entry : e.form_factors.entries())
+      text << entry.i << ' ' << entry.j << ' ' << entry.exchange_area.value << ' ' << entry.exchange_area.standard_error
+           << '\n';
     text << e.largest_standard_error << ' ' << e.largest_relative_error << ' ' << e.directions;
     return text.str();
   }

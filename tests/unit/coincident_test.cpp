@@ -23,7 +23,9 @@ Areas areasOf(const Scene& scene, const std::vector<glm::dvec3>& directions) {
   Areas areas;
   // Faces moved by rounding pass through their neighbours by as little.
   for (const auto& found : reference::computeExactPairAreas(scene, directions, {.touching_depth = 1e-5}))
-    for (const auto& pair : found.pairs) areas[{scene.polygons[pair.a].face, pair.b < kEnvironment ? scene.polygons[pair.b].face : pair.b}] += pair.area * scene.scale * scene.scale;
+    for (const auto& pair : found.pairs)
+      areas[{scene.polygons[pair.a].face, pair.b < kEnvironment ? scene.polygons[pair.b].face : pair.b}] +=
+          pair.area * scene.scale * scene.scale;
   return areas;
 }
 
@@ -36,14 +38,17 @@ std::vector<glm::dvec3> someDirections() {
 double perimeters(const InputScene& scene) {
   double sum = 0;
   for (const InputFace& face : scene.faces)
-    for (size_t k = 0; k < face.corners.size(); ++k) sum += glm::length(face.corners[(k + 1) % face.corners.size()] - face.corners[k]);
+    for (size_t k = 0; k < face.corners.size(); ++k)
+      sum += glm::length(face.corners[(k + 1) % face.corners.size()] - face.corners[k]);
   return sum;
 }
 
 // Empty where no pair's area differs by more than `allowed`.
 std::string firstDifference(const InputScene& input, const Areas& areas, const Areas& meant, double allowed) {
   const auto nameOf = [&](uint32_t face) -> std::string {
-    return face == kEnvironment ? "environment" : face == kLeak ? "leak" : input.surface_names[input.faces[face].surface];
+    return face == kEnvironment ? "environment"
+           : face == kLeak      ? "leak"
+                                : input.surface_names[input.faces[face].surface];
   };
   Areas both = areas;
   both.insert(meant.begin(), meant.end());
@@ -51,7 +56,8 @@ std::string firstDifference(const InputScene& input, const Areas& areas, const A
     const auto valueIn = [&](const Areas& all) { return all.count(entry.first) ? all.at(entry.first) : 0; };
     const double found = valueIn(areas), wanted = valueIn(meant);
     if (std::abs(found - wanted) > allowed)
-      return nameOf(entry.first.first) + " to " + nameOf(entry.first.second) + ": " + std::to_string(found) + " in place of " + std::to_string(wanted);
+      return nameOf(entry.first.first) + " to " + nameOf(entry.first.second) + ": " + std::to_string(found) +
+             " in place of " + std::to_string(wanted);
   }
   return "";
 }
@@ -60,14 +66,19 @@ constexpr double kMeantGap = 1e-5;
 
 // A gap of g moves every face by at most 2 g, so every edge of the projection, and a pair's area by at most 2 g times
 // all perimeters, in either of the scenes compared.
-double allowedDifference(const InputScene& input, double gap, size_t directions) { return 2 * (kMeantGap + gap) * perimeters(input) * double(directions); }
+double allowedDifference(const InputScene& input, double gap, size_t directions) {
+  return 2 * (kMeantGap + gap) * perimeters(input) * double(directions);
+}
 
 class Coincident : public testing::TestWithParam<ts::CoincidentScene> {
  protected:
   void compare(const InputScene& input, const InputScene& meant, double gap) {
     const auto directions = someDirections();
     const Scene scene = buildScene(input);
-    EXPECT_EQ(firstDifference(input, areasOf(scene, directions), areasOf(buildScene(meant), directions), allowedDifference(input, gap, directions.size())), "") << GetParam().name;
+    EXPECT_EQ(firstDifference(input, areasOf(scene, directions), areasOf(buildScene(meant), directions),
+                              allowedDifference(input, gap, directions.size())),
+              "")
+        << GetParam().name;
     EXPECT_TRUE(scene.warnings.empty()) << scene.warnings.front();
   }
 };
@@ -92,7 +103,8 @@ TEST_P(Coincident, InSinglePrecision) {
   const double rounding = 0x1p-22;  // of coordinates below 4
   for (double gap : {0.0, 1e-7}) {
     SCOPED_TRACE(gap);
-    compare(ts::roundedToSingle(ts::turnedAndMoved(GetParam().make(gap))), ts::turnedAndMoved(GetParam().make(kMeantGap)), gap + rounding);
+    compare(ts::roundedToSingle(ts::turnedAndMoved(GetParam().make(gap))),
+            ts::turnedAndMoved(GetParam().make(kMeantGap)), gap + rounding);
   }
 }
 
@@ -102,7 +114,10 @@ TEST_P(Coincident, TheOtherOrderIsNoticed) {
   const auto directions = someDirections();
   const Areas meant = areasOf(scene, directions);
   for (Polygon& polygon : scene.polygons) polygon.tie_rank = kTieRanks - 1 - polygon.tie_rank;
-  EXPECT_NE(firstDifference(GetParam().make(0), areasOf(scene, directions), meant, allowedDifference(GetParam().make(0), 0, directions.size())), "") << GetParam().name;
+  EXPECT_NE(firstDifference(GetParam().make(0), areasOf(scene, directions), meant,
+                            allowedDifference(GetParam().make(0), 0, directions.size())),
+            "")
+      << GetParam().name;
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, Coincident, testing::ValuesIn(ts::coincidentScenes()), [](const auto& scene) {
@@ -126,15 +141,18 @@ TEST(CoincidentPairs, AreCounted) {
   EXPECT_EQ(countsOf("three rooms in a row").in_doubt, 0u);
 }
 
-// Boxes with corners in whole numbers, and the same solid as the faces of the unit cubes at its surface. Faces are named by
-// the plane that they lie in and the way they look, so that both scenes have the same surfaces.
+// Boxes with corners in whole numbers, and the same solid as the faces of the unit cubes at its surface. Faces are
+// named by the plane that they lie in and the way they look, so that both scenes have the same surfaces.
 struct Boxes {
   static constexpr int kWidth = 24;
   std::vector<std::pair<glm::ivec3, glm::ivec3>> boxes;
   std::vector<bool> is_solid = std::vector<bool>(kWidth * kWidth * kWidth, false);
 
   static bool isWithin(int x) { return x >= 0 && x < kWidth; }
-  bool at(glm::ivec3 c) const { return isWithin(c.x) && isWithin(c.y) && isWithin(c.z) && is_solid[static_cast<size_t>((c.x * kWidth + c.y) * kWidth + c.z)]; }
+  bool at(glm::ivec3 c) const {
+    return isWithin(c.x) && isWithin(c.y) && isWithin(c.z) &&
+           is_solid[static_cast<size_t>((c.x * kWidth + c.y) * kWidth + c.z)];
+  }
 
   Boxes(size_t count, bool disjoint, uint32_t seed) {
     std::mt19937 random(seed);
@@ -142,7 +160,8 @@ struct Boxes {
     // Two far corners, so that the ball around the scene does not depend on what is between.
     const auto add = [&](glm::ivec3 low, glm::ivec3 high) {
       boxes.emplace_back(low, high);
-      forEachCube(low, high, [&](glm::ivec3 c) { is_solid[static_cast<size_t>((c.x * kWidth + c.y) * kWidth + c.z)] = true; });
+      forEachCube(low, high,
+                  [&](glm::ivec3 c) { is_solid[static_cast<size_t>((c.x * kWidth + c.y) * kWidth + c.z)] = true; });
     };
     add(glm::ivec3(0), glm::ivec3(1));
     add(glm::ivec3(kWidth - 1), glm::ivec3(kWidth));
@@ -167,7 +186,8 @@ struct Boxes {
     InputScene scene{file, {}, {}};
     for (int axis = 0; axis < 3; ++axis)
       for (int upper = 0; upper < 2; ++upper)
-        for (int plane = 0; plane <= kWidth; ++plane) scene.surface_names.push_back(std::string(1, "xyz"[axis]) + "-+"[upper] + std::to_string(plane));
+        for (int plane = 0; plane <= kWidth; ++plane)
+          scene.surface_names.push_back(std::string(1, "xyz"[axis]) + "-+"[upper] + std::to_string(plane));
     return scene;
   }
   static void addOutside(InputScene& scene, glm::ivec3 low, glm::ivec3 high, int axis, int upper) {
@@ -203,8 +223,11 @@ CountsByName countsByName(const InputScene& input) {
   const Scene scene = buildScene(input);
   const Ids ids = makeIds(scene, By::surface, false);
   CountsByName counts;
-  for (const PairCount& pair : makeHostEngine(scene, ids, {.resolution = 96})->count(sampleDirections(Sampler::fibonacci, 24, 3, 0))) {
-    std::string a = ids.names[pair.i], b = pair.j == kEnvironment ? "environment" : pair.j == kLeak ? "leak" : ids.names[pair.j];
+  for (const PairCount& pair :
+       makeHostEngine(scene, ids, {.resolution = 96})->count(sampleDirections(Sampler::fibonacci, 24, 3, 0))) {
+    std::string a = ids.names[pair.i], b = pair.j == kEnvironment ? "environment"
+                                           : pair.j == kLeak      ? "leak"
+                                                                  : ids.names[pair.j];
     if (pair.j < kEnvironment && b < a) std::swap(a, b);
     counts[{a, b}] = pair.count;
   }
@@ -217,7 +240,9 @@ uint64_t differenceOf(const CountsByName& a, const CountsByName& b) {
   all.insert(b.begin(), b.end());
   uint64_t difference = 0;
   for (const auto& entry : all) {
-    const auto countIn = [&](const CountsByName& counts) { return counts.count(entry.first) ? counts.at(entry.first) : 0; };
+    const auto countIn = [&](const CountsByName& counts) {
+      return counts.count(entry.first) ? counts.at(entry.first) : 0;
+    };
     difference += std::max(countIn(a), countIn(b)) - std::min(countIn(a), countIn(b));
   }
   return difference;
@@ -228,11 +253,13 @@ uint64_t sumOf(const CountsByName& counts) {
   return sum;
 }
 
-// Lines within rounding of an edge may be counted otherwise. Corners are snapped to 2^-18 of a spacing; the edges of 1,000
-// boxes are some 8e4 spacings long, so that 0.3 lattice points of a direction's 25,000 lie within rounding of one.
+// Lines within rounding of an edge may be counted otherwise. Corners are snapped to 2^-18 of a spacing; the edges of
+// 1,000 boxes are some 8e4 spacings long, so that 0.3 lattice points of a direction's 25,000 lie within rounding of
+// one.
 constexpr double kGrazing = 2e-5;
 
-// Every line meets the same solid: the same lattice points, the same counts, but for what touching boxes show each other and nobody else.
+// Every line meets the same solid: the same lattice points, the same counts, but for what touching boxes show each
+// other and nobody else.
 TEST(CoincidentPairs, TouchingBoxesAreTheirUnion) {
   for (uint32_t seed : {1u, 2u}) {
     const Boxes boxes(1000, true, seed);
@@ -248,7 +275,8 @@ TEST(CoincidentPairs, TouchingBoxesAreTheirUnion) {
   }
 }
 
-// Boxes that overlap, nested ones and such with coplanar faces: what leaves the union is the same. What lies inside of it is leak.
+// Boxes that overlap, nested ones and such with coplanar faces: what leaves the union is the same. What lies inside of
+// it is leak.
 TEST(CoincidentPairs, OverlappingBoxesShowTheirUnion) {
   const Boxes boxes(1000, false, 3);
   auto counted = countsByName(boxes.asBoxes());
@@ -283,13 +311,17 @@ TEST(CoincidentPairs, ContradictionsAreSaid) {
   const Scene scene = buildScene(input);  // turned: all that the sheet sees is backs
   EXPECT_EQ(scene.coincidences.contacts, 1u);
   // One side free, the other solid.
-  input.faces.erase(std::remove_if(input.faces.begin(), input.faces.end(), [&](const InputFace& face) { return input.surface_names[face.surface] == "shellz0"; }), input.faces.end());
+  input.faces.erase(
+      std::remove_if(input.faces.begin(), input.faces.end(),
+                     [&](const InputFace& face) { return input.surface_names[face.surface] == "shellz0"; }),
+      input.faces.end());
   for (InputFace& face : input.faces)
     if (input.surface_names[face.surface].starts_with("shell"))
       for (glm::dvec3& corner : face.corners) corner.z = std::max(corner.z, 0.0);
   const Scene half = buildScene(input);
   ASSERT_EQ(half.warnings.size(), 1u);
-  EXPECT_NE(half.warnings[0].find("free space on one side and the inside of a solid on the other"), std::string::npos) << half.warnings[0];
+  EXPECT_NE(half.warnings[0].find("free space on one side and the inside of a solid on the other"), std::string::npos)
+      << half.warnings[0];
 }
 
 }  // namespace

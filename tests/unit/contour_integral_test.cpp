@@ -35,7 +35,8 @@ double rowSum(const std::vector<Corners>& faces, size_t i) {
 
 void expectCloses(const std::vector<Corners>& faces, const std::string& what) {
   for (size_t i = 0; i < faces.size(); ++i)
-    EXPECT_TRUE(isWithin(rowSum(faces, i), 1, (double)(faces.size() - 1) * kContourError + kCornerRounding)) << what << ", face " << i;
+    EXPECT_TRUE(isWithin(rowSum(faces, i), 1, (double)(faces.size() - 1) * kContourError + kCornerRounding))
+        << what << ", face " << i;
 }
 
 TEST(Contour, KnownValues) {
@@ -57,7 +58,8 @@ TEST(Contour, RandomBoxesClose) {
 
 TEST(Contour, FlatAndLongBoxesClose) {
   for (const glm::dvec3 size : {glm::dvec3(1e3, 1, 1), glm::dvec3(1e3, 1e3, 1), glm::dvec3(1e-3, 1, 30)})
-    expectCloses(test::boxFaces(size), "box " + std::to_string(size.x) + " " + std::to_string(size.y) + " " + std::to_string(size.z));
+    expectCloses(test::boxFaces(size),
+                 "box " + std::to_string(size.x) + " " + std::to_string(size.y) + " " + std::to_string(size.z));
 }
 
 TEST(Contour, RandomTetrahedraClose) {
@@ -68,11 +70,13 @@ TEST(Contour, RandomTetrahedraClose) {
     if (glm::dot(glm::cross(p[1] - p[0], p[2] - p[0]), p[3] - p[0]) < 0) std::swap(p[1], p[2]);
     const double volume = glm::dot(glm::cross(p[1] - p[0], p[2] - p[0]), p[3] - p[0]);
     if (volume < 0.05) continue;
-    expectCloses({{p[0], p[1], p[2]}, {p[0], p[2], p[3]}, {p[0], p[3], p[1]}, {p[1], p[3], p[2]}}, "tetrahedron " + std::to_string(trial));
+    expectCloses({{p[0], p[1], p[2]}, {p[0], p[2], p[3]}, {p[0], p[3], p[1]}, {p[1], p[3], p[2]}},
+                 "tetrahedron " + std::to_string(trial));
   }
 }
 
-// Two sides of width 1 with a common edge, the third side opposite, two triangles as ends: every angle is a common edge.
+// Two sides of width 1 with a common edge, the third side opposite, two triangles as ends: every angle is a common
+// edge.
 TEST(Contour, WedgesFrom1To179DegreesClose) {
   for (double angle_deg : {1.0, 5.0, 30.0, 60.0, 90.0, 120.0, 150.0, 175.0, 179.0})
     for (double length : {0.5, 20.0}) {
@@ -88,7 +92,8 @@ TEST(Contour, LongWedgeIsAlmostTheInfiniteStrip) {
   for (double angle_deg : {1.0, 45.0, 90.0, 135.0, 179.0}) {
     const double angle_rad = angle_deg * kPi / 180;
     const glm::dvec3 z(0, 0, 1000), p(1, 0, 0), q(std::cos(angle_rad), std::sin(angle_rad), 0);
-    const double strip = 1 - std::sin(angle_rad / 2), value = formFactor(rectangle({0, 0, 0}, z, p), rectangle({0, 0, 0}, q, z));
+    const double strip = 1 - std::sin(angle_rad / 2),
+                 value = formFactor(rectangle({0, 0, 0}, z, p), rectangle({0, 0, 0}, q, z));
     EXPECT_LE(value, strip + kContourError) << angle_deg;
     EXPECT_TRUE(isWithin(value, strip, 2 / 1000.0)) << angle_deg;
   }
@@ -115,7 +120,9 @@ TEST(Contour, RandomPairsAddUpOverASplit) {
     Corners second{middle, b[2]};
     second.insert(second.end(), b.begin() + 3, b.end());
     second.push_back(b[0]);
-    EXPECT_TRUE(isWithin(formFactor(a, first) + formFactor(a, second), formFactor(a, b), 3 * kContourError + kCornerRounding)) << "trial " << trial;
+    EXPECT_TRUE(
+        isWithin(formFactor(a, first) + formFactor(a, second), formFactor(a, b), 3 * kContourError + kCornerRounding))
+        << "trial " << trial;
   }
 }
 
@@ -126,7 +133,9 @@ TEST(Contour, ScaleMotionAndFirstCornerDoNotMatter) {
     const double value = formFactor(a, b);
     EXPECT_EQ(formFactor(moved(a, 1024, {}), moved(b, 1024, {})), value) << "trial " << trial;
     const glm::dvec3 by(100, -50, 20);
-    EXPECT_TRUE(isWithin(formFactor(moved(a, 0.1, by), moved(b, 0.1, by)), value, 2 * kContourError + 2000 * kCornerRounding)) << "trial " << trial;
+    EXPECT_TRUE(
+        isWithin(formFactor(moved(a, 0.1, by), moved(b, 0.1, by)), value, 2 * kContourError + 2000 * kCornerRounding))
+        << "trial " << trial;
     Corners turned = a;
     std::rotate(turned.begin(), turned.begin() + 1, turned.end());
     EXPECT_TRUE(isWithin(formFactor(turned, b), value, 2 * kContourError)) << "trial " << trial;
@@ -149,25 +158,34 @@ TEST(Contour, ClipsWhatReachesBehind) {
 }
 
 TEST(Contour, CommonCornerAndEdgeInPart) {
-  const Corners corner_wall = rectangle({0, 1, 0}, {0, 1, 0}, {0, 0, 1}), part_wall = rectangle({0, 0.25, 0}, {0, 2, 0}, {0, 0, 3});
-  EXPECT_TRUE(isWithin(formFactor(unitSquare(), corner_wall), perpendicularRectangles(kUnit, kUnit, {1, 2}, kUnit), kContourError));
-  EXPECT_TRUE(isWithin(formFactor(unitSquare(), part_wall), perpendicularRectangles(kUnit, kUnit, {0.25, 2.25}, {0, 3}), kContourError));
+  const Corners corner_wall = rectangle({0, 1, 0}, {0, 1, 0}, {0, 0, 1}),
+                part_wall = rectangle({0, 0.25, 0}, {0, 2, 0}, {0, 0, 3});
+  EXPECT_TRUE(isWithin(formFactor(unitSquare(), corner_wall), perpendicularRectangles(kUnit, kUnit, {1, 2}, kUnit),
+                       kContourError));
+  EXPECT_TRUE(isWithin(formFactor(unitSquare(), part_wall), perpendicularRectangles(kUnit, kUnit, {0.25, 2.25}, {0, 3}),
+                       kContourError));
 }
 
 TEST(Contour, NearTouching) {
   for (double gap : {1e-2, 1e-5, 1e-9, 1e-13}) {
     const Corners wall = rectangle({0, 0, gap}, {0, 1, 0}, {0, 0, 1});
-    EXPECT_TRUE(isWithin(formFactor(unitSquare(), wall), perpendicularRectangles(kUnit, kUnit, kUnit, {gap, 1 + gap}), kContourError + kCornerRounding)) << gap;
-    EXPECT_TRUE(isWithin(formFactor(unitSquare(), squareAbove(gap)), parallelRectangles(kUnit, kUnit, kUnit, kUnit, gap), kContourError + kCornerRounding)) << gap;
+    EXPECT_TRUE(isWithin(formFactor(unitSquare(), wall), perpendicularRectangles(kUnit, kUnit, kUnit, {gap, 1 + gap}),
+                         kContourError + kCornerRounding))
+        << gap;
+    EXPECT_TRUE(isWithin(formFactor(unitSquare(), squareAbove(gap)),
+                         parallelRectangles(kUnit, kUnit, kUnit, kUnit, gap), kContourError + kCornerRounding))
+        << gap;
   }
 }
 
-// Unit squares at distance z: 1/(pi z^2) (1 - 2 m2/z^2 + 3 m4/z^4 - ...), m2 = 1/3 and m4 <= 4 the mean square and fourth
-// power of the sideways offset; the series alternates.
+// Unit squares at distance z: 1/(pi z^2) (1 - 2 m2/z^2 + 3 m4/z^4 - ...), m2 = 1/3 and m4 <= 4 the mean square and
+// fourth power of the sideways offset; the series alternates.
 TEST(Contour, FarPairsToRelativeError) {
   for (double z : {1e3, 1e4, 1e6}) {
     const double truth = (1 - 2 / (3 * z * z)) / (kPi * z * z);
-    EXPECT_TRUE(isWithin(formFactor(unitSquare(), squareAbove(z)), truth, truth * (kFarRelativeError + 12 / std::pow(z, 4)))) << z;
+    EXPECT_TRUE(
+        isWithin(formFactor(unitSquare(), squareAbove(z)), truth, truth * (kFarRelativeError + 12 / std::pow(z, 4))))
+        << z;
   }
 }
 
@@ -175,7 +193,9 @@ TEST(Contour, FarPairsToRelativeError) {
 TEST(Contour, BothWaysAgreeWhereTheyMeet) {
   for (double z : {5.6, 5.7, 8.0, 16.0}) {
     const double truth = parallelRectangles(kUnit, kUnit, kUnit, kUnit, z);
-    EXPECT_TRUE(isWithin(formFactor(unitSquare(), squareAbove(z)), truth, z > 5.66 ? kFarRelativeError * truth : kContourError)) << z;
+    EXPECT_TRUE(
+        isWithin(formFactor(unitSquare(), squareAbove(z)), truth, z > 5.66 ? kFarRelativeError * truth : kContourError))
+        << z;
   }
 }
 
@@ -198,8 +218,8 @@ TEST(Contour, SmallNextToLarge) {
       for (int j = 0; j < 12; ++j) {
         const double x = small.low + width * (double)rule.nodes[i], y = small.low + width * (double)rule.nodes[j];
         truth += (double)(rule.weights[i] * rule.weights[j]) *
-                 (pointToCornerRectangle(x, y, z) + pointToCornerRectangle(1 - x, y, z) + pointToCornerRectangle(x, 1 - y, z) +
-                  pointToCornerRectangle(1 - x, 1 - y, z));
+                 (pointToCornerRectangle(x, y, z) + pointToCornerRectangle(1 - x, y, z) +
+                  pointToCornerRectangle(x, 1 - y, z) + pointToCornerRectangle(1 - x, 1 - y, z));
       }
     EXPECT_TRUE(isWithin(formFactor(a, b), truth, kContourError + kCornerRounding)) << side;
     EXPECT_TRUE(isWithin(formFactor(b, a), truth * areaOf(a), kContourError)) << side;

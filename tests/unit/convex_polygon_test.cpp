@@ -38,7 +38,8 @@ TEST(Clip, RandomPartsAddUp) {
 }
 
 TEST(FacingParts, ClipsToBothFronts) {
-  const ConvexPolygon wall{{0.5L, 0, -1}, {0.5L, 0, 1}, {0.5L, 1, 1}, {0.5L, 1, -1}};  // looks along -x, crosses the square
+  const ConvexPolygon wall{
+      {0.5L, 0, -1}, {0.5L, 0, 1}, {0.5L, 1, 1}, {0.5L, 1, -1}};  // looks along -x, crosses the square
   const FacingParts parts = facingParts(square(), wall, 1e-16L);
   EXPECT_NEAR((double)area(parts.a), 0.5, 1e-18);
   EXPECT_NEAR((double)area(parts.b), 1, 1e-18);
@@ -61,13 +62,13 @@ TEST(ToUnitFrame, FitsTheBallAndKeepsShape) {
 TEST(ToUnitFrame, RefusesBadPolygons) {
   const double nan = std::nan("");
   const Corners bad[] = {
-      {{0, 0, 0}, {1, 0, 0}},                                                          // two corners
-      {{0, 0, 0}, {1, 0, 0}, {0, nan, 0}},                                             // not a number
-      {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}},                                               // no area
-      {{0, 0, 0}, {1, 1, 1}, {0, 0, 0}},                                               // no area
-      {{0, 0, 0}, {1, 0, 0}, {1, 1, 1e-3}, {0, 1, 0}},                                 // not planar
-      {{0, 0, 0}, {2, 0, 0}, {0.5, 0.5, 0}, {0, 2, 0}},                                // dent
-      {{1, 0, 0}, {-0.8, 0.6, 0}, {0.3, -0.95, 0}, {0.3, 0.95, 0}, {-0.8, -0.6, 0}},   // star
+      {{0, 0, 0}, {1, 0, 0}},                                                         // two corners
+      {{0, 0, 0}, {1, 0, 0}, {0, nan, 0}},                                            // not a number
+      {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}},                                              // no area
+      {{0, 0, 0}, {1, 1, 1}, {0, 0, 0}},                                              // no area
+      {{0, 0, 0}, {1, 0, 0}, {1, 1, 1e-3}, {0, 1, 0}},                                // not planar
+      {{0, 0, 0}, {2, 0, 0}, {0.5, 0.5, 0}, {0, 2, 0}},                               // dent
+      {{1, 0, 0}, {-0.8, 0.6, 0}, {0.3, -0.95, 0}, {0.3, 0.95, 0}, {-0.8, -0.6, 0}},  // star
   };
   for (const Corners& corners : bad) try {
       toUnitFrame({corners});

@@ -10,7 +10,8 @@ namespace {
 
 using test::isWithin;
 
-// Mean over the first disc of the form factor of a point of it, at distance r from the axis, to the second: Howell's catalogue, section B.
+// Mean over the first disc of the form factor of a point of it, at distance r from the axis, to the second: Howell's
+// catalogue, section B.
 LineIntegral integralOfPoints(double a, double b, double h) {
   return integrate(
       [=](long double r) {
@@ -25,7 +26,8 @@ TEST(Discs, AgreesWithTheIntegralOfPoints) {
     for (double b : {0.4, 1.0, 2.0})
       for (double h : {0.05, 1.0, 7.0}) {
         const LineIntegral truth = integralOfPoints(a, b, h);
-        EXPECT_TRUE(isWithin(coaxialDiscs(a, b, h), (double)truth.value, (double)truth.error + 32 * 0x1p-52)) << a << " " << b << " " << h;
+        EXPECT_TRUE(isWithin(coaxialDiscs(a, b, h), (double)truth.value, (double)truth.error + 32 * 0x1p-52))
+            << a << " " << b << " " << h;
       }
 }
 

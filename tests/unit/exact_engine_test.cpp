@@ -28,7 +28,8 @@ TEST(ExactEngine, EstimatesAreThoseOfTheClosedForm) {
   const Ids ids = makeIds(scene, By::polygon, false);
   const auto engine = makeExactEngine(scene, ids);
   const Estimate e = estimateFormFactors(*engine, scene, ids, {.directions = 200, .replicates = 16});
-  EXPECT_TRUE(isEstimateOf(e.form_factors.formFactor(0, 1), perpendicularRectangles({0, 1}, {0, 1}, {0, 1}, {0, 1}), e.replicates, 1e-11));
+  EXPECT_TRUE(isEstimateOf(e.form_factors.formFactor(0, 1), perpendicularRectangles({0, 1}, {0, 1}, {0, 1}, {0, 1}),
+                           e.replicates, 1e-11));
   EXPECT_LT(e.largest_standard_error, 1e-3);
 }
 
@@ -39,16 +40,19 @@ TEST(ExactEngine, SeesPastABlocker) {
   ts::addFace(input, "blocker", blocker);
   const Scene scene = buildScene(input);
   const Ids ids = makeIds(scene, By::polygon, false);
-  const Estimate e = estimateFormFactors(*makeExactEngine(scene, ids), scene, ids, {.directions = 200, .replicates = 16});
+  const Estimate e =
+      estimateFormFactors(*makeExactEngine(scene, ids), scene, ids, {.directions = 200, .replicates = 16});
   const Approximation exact = formFactorPastBlocker(input.faces[0].corners, input.faces[1].corners, blocker);
   EXPECT_TRUE(isEstimateOf(e.form_factors.formFactor(0, 1), exact.value, e.replicates, exact.error));
-  EXPECT_GT(e.form_factors.formFactor(1, 2).value + e.form_factors.formFactor(1, kLeak).value, 0.01);  // it is in the way
+  EXPECT_GT(e.form_factors.formFactor(1, 2).value + e.form_factors.formFactor(1, kLeak).value,
+            0.01);  // it is in the way
 }
 
 // Perimeters: of a square seen face to face, and of what a smaller square in front of it leaves over: both outlines.
 TEST(ExactPairAreas, PerimetersAreThoseOfTheRegions) {
   InputScene input = ts::parallelSquares();
-  ts::addFace(input, "screen", {{0.25, 0.25, 0.5}, {0.25, 0.75, 0.5}, {0.75, 0.75, 0.5}, {0.75, 0.25, 0.5}});  // faces down
+  ts::addFace(input, "screen",
+              {{0.25, 0.25, 0.5}, {0.25, 0.75, 0.5}, {0.75, 0.75, 0.5}, {0.75, 0.25, 0.5}});  // faces down
   const Scene scene = buildScene(input);
   ExactOptions options;
   options.perimeters = true;
@@ -64,15 +68,18 @@ TEST(ExactEngine, ThreadsNeverChangeTheCounts) {
   const Scene scene = buildScene(ts::roomWithTouchingBoxes());
   const Ids ids = makeIds(scene, By::surface, false);
   const auto directions = sampleDirections(Sampler::fibonacci, 20, 1, 0);
-  const PairCounts one = makeExactEngine(scene, ids, {.thread_count = 1})->count(directions), three = makeExactEngine(scene, ids, {.thread_count = 3})->count(directions);
+  const PairCounts one = makeExactEngine(scene, ids, {.thread_count = 1})->count(directions),
+                   three = makeExactEngine(scene, ids, {.thread_count = 3})->count(directions);
   ASSERT_EQ(one.size(), three.size());
   for (size_t k = 0; k < one.size(); ++k) EXPECT_EQ(one[k].count, three[k].count);
 }
 
-// Lines through a smaller square between two: each square faces the screen's front or its back, and the other through it.
+// Lines through a smaller square between two: each square faces the screen's front or its back, and the other through
+// it.
 TEST(ExactEngine, CountsBlockedPairsWhereAsked) {
   InputScene input = ts::parallelSquares();
-  ts::addFace(input, "screen", {{0.25, 0.25, 0.5}, {0.25, 0.75, 0.5}, {0.75, 0.75, 0.5}, {0.75, 0.25, 0.5}});  // faces down
+  ts::addFace(input, "screen",
+              {{0.25, 0.25, 0.5}, {0.25, 0.75, 0.5}, {0.75, 0.75, 0.5}, {0.75, 0.25, 0.5}});  // faces down
   const Scene scene = buildScene(input);
   const Ids ids = makeIds(scene, By::polygon, false);
   const std::vector<Direction> up = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0}, 3}};

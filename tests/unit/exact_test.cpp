@@ -24,10 +24,15 @@ struct NamedScene {
 };
 
 const std::vector<NamedScene>& smallScenes() {
-  static const std::vector<NamedScene> scenes = {
-      {"room", makeRoom()},           {"cube in cube", makeCubeInCube()}, {"two plates", makeTwoPlates()},
-      {"staircase", makeStaircase()}, {"stack", makeStack()},             {"tiles", makeTiles()},
-      {"duplicates", makeDuplicates()}, {"creases", makeCreases()},       {"soup", makeSoup(12, 5)}};
+  static const std::vector<NamedScene> scenes = {{"room", makeRoom()},
+                                                 {"cube in cube", makeCubeInCube()},
+                                                 {"two plates", makeTwoPlates()},
+                                                 {"staircase", makeStaircase()},
+                                                 {"stack", makeStack()},
+                                                 {"tiles", makeTiles()},
+                                                 {"duplicates", makeDuplicates()},
+                                                 {"creases", makeCreases()},
+                                                 {"soup", makeSoup(12, 5)}};
   return scenes;
 }
 
@@ -36,9 +41,9 @@ glm::dmat3 randomRotation(std::mt19937& random) {
   std::normal_distribution<double> normal;
   const double w = normal(random), x = normal(random), y = normal(random), z = normal(random);
   const double s = 2 / (w * w + x * x + y * y + z * z);
-  return {1 - s * (y * y + z * z), s * (x * y + w * z), s * (x * z - w * y),
-          s * (x * y - w * z), 1 - s * (x * x + z * z), s * (y * z + w * x),
-          s * (x * z + w * y), s * (y * z - w * x), 1 - s * (x * x + y * y)};
+  return {1 - s * (y * y + z * z), s * (x * y + w * z),     s * (x * z - w * y),
+          s * (x * y - w * z),     1 - s * (x * x + z * z), s * (y * z + w * x),
+          s * (x * z + w * y),     s * (y * z - w * x),     1 - s * (x * x + y * y)};
 }
 
 // Along the axes, in face planes, along edges and diagonals, at grazing angles, and anywhere.
@@ -85,7 +90,8 @@ void expectExact(const Scene& scene, const glm::dvec3& u, bool two_sided) {
 
   EXPECT_TRUE(exact.open_polygons.empty());
   EXPECT_TRUE(exact.open_pairs.empty());
-  const auto compare = [](const std::vector<PairArea>& in_double, const std::vector<PairArea>& in_rationals, const AreaMap& expected) {
+  const auto compare = [](const std::vector<PairArea>& in_double, const std::vector<PairArea>& in_rationals,
+                          const AreaMap& expected) {
     AreaMap exact_areas;
     for (const PairArea& pair : in_rationals) {
       EXPECT_GT(pair.area, 0);
@@ -167,14 +173,16 @@ TEST(ExactPairAreas, SlabComparatorSeesWrongAnswers) {
   const SlabAreas right = cutIntoSlabs(scene, u);
   EXPECT_EQ(disagreement(found.pairs, right.pairs, kSlabBound), "");
   EXPECT_EQ(disagreement(found.blocked, right.blocked, kSlabBound), "");
-  for (const SlabAreas& wrong : {cutIntoSlabs(scene, u + glm::dvec3(1e-9, 0, 0)), cutIntoSlabs(flip(scene, 7), u), cutIntoSlabs(scene, u, true)}) {
+  for (const SlabAreas& wrong : {cutIntoSlabs(scene, u + glm::dvec3(1e-9, 0, 0)), cutIntoSlabs(flip(scene, 7), u),
+                                 cutIntoSlabs(scene, u, true)}) {
     EXPECT_NE(disagreement(found.pairs, wrong.pairs, kSlabBound), "");
     EXPECT_NE(disagreement(found.blocked, wrong.blocked, kSlabBound), "");
   }
 }
 
-// Blocked or not: two fronts look at each other over the whole common part of their projections. By clipping, which knows of no other polygon.
-// A clipped corner is off by some 1e-16 along its edge and heights by as little, but for planes within 1e-3 of u, which these directions avoid.
+// Blocked or not: two fronts look at each other over the whole common part of their projections. By clipping, which
+// knows of no other polygon. A clipped corner is off by some 1e-16 along its edge and heights by as little, but for
+// planes within 1e-3 of u, which these directions avoid.
 TEST(ExactPairAreas, FacingAndBlockedTogetherAreTheCommonPartOfTwoProjections) {
   constexpr double kBound = 1e-12;
   const auto compare = [&](const Scene& scene, const glm::dvec3& u, const ExactPairAreas& areas, bool two_sided) {
@@ -189,7 +197,8 @@ TEST(ExactPairAreas, FacingAndBlockedTogetherAreTheCommonPartOfTwoProjections) {
     for (uint32_t a = 0; a < scene.polygons.size(); ++a)
       for (uint32_t b = 0; b < scene.polygons.size(); ++b) {
         const Overlap common = overlap(scene, u, a, b);
-        if (two_sided ? a < b : isUp(a) && !isUp(b) && common.height > -1e-12) expected[{std::min(a, b), std::max(a, b)}] += common.area;
+        if (two_sided ? a < b : isUp(a) && !isUp(b) && common.height > -1e-12)
+          expected[{std::min(a, b), std::max(a, b)}] += common.area;
       }
     return disagreement(together, expected, kBound);
   };
@@ -281,7 +290,8 @@ TEST(ExactPairAreas, LargerScenesCloseExactly) {
     }
 }
 
-// The lower plate alone: its boundary as one piece closes, the same area with an open boundary or a part of it does not.
+// The lower plate alone: its boundary as one piece closes, the same area with an open boundary or a part of it does
+// not.
 TEST(ExactPairAreas, ClosureSeesMissingPieces) {
   SceneBuilder builder;
   builder.addPolygon("plate", {{0, 0, 0}, {0.5, 0, 0}, {0.5, 0.5, 0}, {0, 0.5, 0}});

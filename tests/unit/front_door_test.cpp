@@ -31,11 +31,13 @@ void expectSameBits(const FormFactors& a, const FormFactors& b) {
   }
 }
 
-// Each goal comes to the closed form, with what it promises. Squares that nothing blocks are exact by default; without closed forms they lie within 6 standard errors of 8 or more
-// replicates, which chance passes in less than 1 of 1,000 runs (Student, 7 degrees of freedom).
+// Each goal comes to the closed form, with what it promises. Squares that nothing blocks are exact by default; without
+// closed forms they lie within 6 standard errors of 8 or more replicates, which chance passes in less than 1 of 1,000
+// runs (Student, 7 degrees of freedom).
 TEST(FrontDoor, EveryGoalIsReached) {
   const Scene scene = buildScene(ts::parallelSquares());
-  for (const Goal& goal : {Goal(Tolerance{2e-3}), Goal(Tolerance{1e-2, 0.05}), Goal(Relative{0.05}), Goal(Seconds{0.5}), Goal(FixedAmount{.directions = 64, .resolution = 64})}) {
+  for (const Goal& goal : {Goal(Tolerance{2e-3}), Goal(Tolerance{1e-2, 0.05}), Goal(Relative{0.05}), Goal(Seconds{0.5}),
+                           Goal(FixedAmount{.directions = 64, .resolution = 64})}) {
     for (const bool closed_forms : {true, false}) {
       SCOPED_TRACE(testing::Message() << "goal " << goal.index() << (closed_forms ? ", closed forms" : ""));
       Request request = onHost(goal);
@@ -153,9 +155,12 @@ TEST(FrontDoor, ContradictionsAreRefused) {
   };
   EXPECT_EQ(refusal({}), "");
   EXPECT_NE(refusal({.goal = EpsilonDelta{.epsilon = 1}}).find("between 0 and 1"), std::string::npos);
-  EXPECT_NE(refusal({.goal = EpsilonDelta{}, .amount = {.directions = 64}}).find("plans for itself"), std::string::npos);
-  EXPECT_NE(refusal({.goal = EpsilonDelta{.range = 3}, .amount = {.resolution = 64}}).find("one of the two"), std::string::npos);
-  EXPECT_NE(refusal({.goal = EpsilonDelta{.statistic = Statistic::median, .block_directions = 4}}).find("not blocks"), std::string::npos);
+  EXPECT_NE(refusal({.goal = EpsilonDelta{}, .amount = {.directions = 64}}).find("plans for itself"),
+            std::string::npos);
+  EXPECT_NE(refusal({.goal = EpsilonDelta{.range = 3}, .amount = {.resolution = 64}}).find("one of the two"),
+            std::string::npos);
+  EXPECT_NE(refusal({.goal = EpsilonDelta{.statistic = Statistic::median, .block_directions = 4}}).find("not blocks"),
+            std::string::npos);
   EXPECT_NE(refusal({.goal = FixedAmount{.finest = 128}}).find("--finest"), std::string::npos);
   EXPECT_NE(refusal({.question = {.from = {"floor"}}, .closed_forms = true}).find("whole matrix"), std::string::npos);
   EXPECT_NE(refusal({.question = {.from = {"floor"}}, .closure = true}).find("every row"), std::string::npos);

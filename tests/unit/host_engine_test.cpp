@@ -1,4 +1,5 @@
-// Engine `host`: bit-exact against the CPU twin, whatever its threads and counters. That it agrees with the other engines is tested wherever these are compared (countPairs).
+// Engine `host`: bit-exact against the CPU twin, whatever its threads and counters. That it agrees with the other
+// engines is tested wherever these are compared (countPairs).
 #include <gtest/gtest.h>
 
 #include "tests/support/test_device.h"
@@ -13,12 +14,14 @@ namespace {
 
 namespace ts = test_scenes;
 
-PairCounts countWith(const Scene& scene, const Ids& ids, const std::vector<Direction>& directions, const LatticeOptions& options) {
+PairCounts countWith(const Scene& scene, const Ids& ids, const std::vector<Direction>& directions,
+                     const LatticeOptions& options) {
   return makeHostEngine(scene, ids, options)->count(directions);
 }
 
 std::vector<InputScene> scenes() {
-  return {ts::insideOfCube(), ts::cubeInCube(0.4), ts::roomWithTouchingBoxes(), ts::triangleSoup(60, 0.5, 3), ts::triangleSoup(200, 0.05, 4)};
+  return {ts::insideOfCube(), ts::cubeInCube(0.4), ts::roomWithTouchingBoxes(), ts::triangleSoup(60, 0.5, 3),
+          ts::triangleSoup(200, 0.05, 4)};
 }
 
 TEST(HostEngine, CountsAreThoseOfTheCpuTwin) {
@@ -31,11 +34,19 @@ TEST(HostEngine, CountsAreThoseOfTheCpuTwin) {
       for (const By by : {By::polygon, By::surface}) {
         const Ids ids = makeIds(scene, by, two_sided);
         for (const int resolution : {1, 7, 40}) {
-          const PairCounts points = countPairsOnCpu(scene, ids, directions, resolution, true), intervals = countIntervalsOnCpu(scene, ids, directions, resolution, true);
-          EXPECT_EQ(countWith(scene, ids, directions, {.resolution = resolution, .count_blocked = true}), points) << input.file << " " << resolution;
-          EXPECT_EQ(countWith(scene, ids, directions, {.resolution = resolution}), withoutBlocked(points)) << input.file << " " << resolution;
-          EXPECT_EQ(countWith(scene, ids, directions, {.resolution = resolution, .sampling = Sampling::scanline, .count_blocked = true}), intervals) << input.file << " " << resolution;
-          EXPECT_EQ(countWith(scene, ids, directions, {.resolution = resolution, .sampling = Sampling::scanline}), withoutBlocked(intervals)) << input.file << " " << resolution;
+          const PairCounts points = countPairsOnCpu(scene, ids, directions, resolution, true),
+                           intervals = countIntervalsOnCpu(scene, ids, directions, resolution, true);
+          EXPECT_EQ(countWith(scene, ids, directions, {.resolution = resolution, .count_blocked = true}), points)
+              << input.file << " " << resolution;
+          EXPECT_EQ(countWith(scene, ids, directions, {.resolution = resolution}), withoutBlocked(points))
+              << input.file << " " << resolution;
+          EXPECT_EQ(countWith(scene, ids, directions,
+                              {.resolution = resolution, .sampling = Sampling::scanline, .count_blocked = true}),
+                    intervals)
+              << input.file << " " << resolution;
+          EXPECT_EQ(countWith(scene, ids, directions, {.resolution = resolution, .sampling = Sampling::scanline}),
+                    withoutBlocked(intervals))
+              << input.file << " " << resolution;
           EXPECT_FALSE(intervals.empty());
         }
       }
@@ -46,14 +57,18 @@ TEST(HostEngine, RolesAndWindowsCountAsInTheTwin) {
   const auto directions = sampleDirections(Sampler::iid, 8, 7, 0);
   const Scene scene = buildScene(ts::roomWithTouchingBoxes());
   const std::string first = scene.surfaces.front().name, last = scene.surfaces.back().name;
-  for (const Question& question : {Question{.from = {last}}, Question{.pair = {first, last}}, Question{.blockers = {first}}}) {
+  for (const Question& question :
+       {Question{.from = {last}}, Question{.pair = {first, last}}, Question{.blockers = {first}}}) {
     Ids ids = makeIds(scene, By::surface, false);
     askOnlyFor(question, scene, ids);
     for (const bool blocked : {false, true}) {
       const PairCounts expected = countPairsOnCpu(scene, ids, directions, 33, true);
-      EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 33, .count_blocked = blocked}), blocked ? expected : withoutBlocked(expected));
+      EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 33, .count_blocked = blocked}),
+                blocked ? expected : withoutBlocked(expected));
       const PairCounts intervals = countIntervalsOnCpu(scene, ids, directions, 33, true);
-      EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 33, .sampling = Sampling::scanline, .count_blocked = blocked}), blocked ? intervals : withoutBlocked(intervals));
+      EXPECT_EQ(countWith(scene, ids, directions,
+                          {.resolution = 33, .sampling = Sampling::scanline, .count_blocked = blocked}),
+                blocked ? intervals : withoutBlocked(intervals));
     }
   }
   // A window around the last surface, which alone emits: what is outside of it does not count.
@@ -63,19 +78,23 @@ TEST(HostEngine, RolesAndWindowsCountAsInTheTwin) {
   std::vector<glm::dvec3> corners;
   for (size_t k = scene.polygons.size() - 2; k < scene.polygons.size(); ++k) {
     ids.roles[k] = kEmits | kReceives;
-    for (uint32_t c = 0; c < scene.polygons[k].corner_count; ++c) corners.push_back(scene.corners[scene.polygons[k].first_corner + c]);
+    for (uint32_t c = 0; c < scene.polygons[k].corner_count; ++c)
+      corners.push_back(scene.corners[scene.polygons[k].first_corner + c]);
   }
   for (const glm::dvec3& corner : corners) window.centre += corner / double(corners.size());
-  for (const glm::dvec3& corner : corners) window.radius = std::max(window.radius, glm::distance(corner, window.centre) + 1e-9);
+  for (const glm::dvec3& corner : corners)
+    window.radius = std::max(window.radius, glm::distance(corner, window.centre) + 1e-9);
   ASSERT_LT(window.radius, 0.7);
   for (const int resolution : {33, 200}) {
     const PairCounts expected = countPairsOnCpu(scene, ids, directions, resolution, true, Fault::none, window);
     EXPECT_FALSE(expected.empty());
-    EXPECT_EQ(countWith(scene, ids, directions, {.resolution = resolution, .window = window, .count_blocked = true}), expected);
+    EXPECT_EQ(countWith(scene, ids, directions, {.resolution = resolution, .window = window, .count_blocked = true}),
+              expected);
   }
 }
 
-// Threads share directions out as they come; counters are dense, or in a table that starts too small for all pairs and grows.
+// Threads share directions out as they come; counters are dense, or in a table that starts too small for all pairs and
+// grows.
 TEST(HostEngine, NeitherThreadsNorCountersChangeTheCounts) {
   const Scene scene = buildScene(ts::triangleSoup(1000, 0.3, 5));
   const Ids ids = makeIds(scene, By::polygon, true);
@@ -102,10 +121,13 @@ TEST(HostEngine, BlocksAreCountedApart) {
   const Ids ids = makeIds(scene, By::polygon, false);
   const auto directions = sampleDirections(Sampler::iid, 60, 7, 0);
   for (const uint64_t budget : {uint64_t(0), uint64_t(1)}) {
-    const auto engine = makeHostEngine(scene, ids, {.resolution = 9, .sampling = Sampling::scanline, .counter_budget_bytes = budget, .thread_count = 3});
+    const auto engine = makeHostEngine(
+        scene, ids,
+        {.resolution = 9, .sampling = Sampling::scanline, .counter_budget_bytes = budget, .thread_count = 3});
     const auto blocks = engine->countBlocks(directions, 3);
     ASSERT_EQ(blocks.size(), 20u);
-    for (size_t k = 0; k < blocks.size(); ++k) EXPECT_EQ(blocks[k], engine->count(std::span(directions).subspan(3 * k, 3))) << k;
+    for (size_t k = 0; k < blocks.size(); ++k)
+      EXPECT_EQ(blocks[k], engine->count(std::span(directions).subspan(3 * k, 3))) << k;
   }
 }
 
@@ -117,10 +139,12 @@ TEST(HostEngine, AStoppedCallLeavesNothingBehind) {
   for (const uint64_t budget : {uint64_t(0), uint64_t(1)}) {
     bool stops = true;
     uint64_t told = 0;
-    const auto engine = makeHostEngine(scene, ids, {.resolution = 16, .counter_budget_bytes = budget, .thread_count = 2, .on_batch = [&](uint64_t done) {
-                                                      told = done;
-                                                      if (stops) throw Error(ErrorCode::limit, "enough");
-                                                    }});
+    const auto engine = makeHostEngine(
+        scene, ids,
+        {.resolution = 16, .counter_budget_bytes = budget, .thread_count = 2, .on_batch = [&](uint64_t done) {
+           told = done;
+           if (stops) throw Error(ErrorCode::limit, "enough");
+         }});
     EXPECT_THROW(engine->count(directions), Error);
     EXPECT_LT(told, 500u);
     stops = false;

@@ -61,10 +61,13 @@ double roundingOf(const std::vector<GaussPoint>& points, const Piece& q) {
   return 2.2e-16 * double(greatest / q.length());
 }
 
-// A segment at least as long as p, its distance from one of p's ends or from near beyond it 1e-9 to `most`, log-uniform.
+// A segment at least as long as p, its distance from one of p's ends or from near beyond it 1e-9 to `most`,
+// log-uniform.
 Piece randomPiece(Random& random, double most) {
-  const double distance = std::exp(random.uniform(std::log(1e-9), std::log(most))), beyond = random.uniform() < 0.5 ? std::exp(random.uniform(-20, 1)) : 0;
-  const glm::dvec3 side = glm::normalize(glm::cross(random.direction(), {1, 0, 0})), foot = glm::dvec3(-beyond, 0, 0) + distance * side;
+  const double distance = std::exp(random.uniform(std::log(1e-9), std::log(most))),
+               beyond = random.uniform() < 0.5 ? std::exp(random.uniform(-20, 1)) : 0;
+  const glm::dvec3 side = glm::normalize(glm::cross(random.direction(), {1, 0, 0})),
+                   foot = glm::dvec3(-beyond, 0, 0) + distance * side;
   const bool passes = random.uniform() < 0.5;  // rather than ends there
   glm::dvec3 along = random.direction();
   if (passes) along -= side * glm::dot(side, along);
@@ -78,12 +81,15 @@ bool needsCut(const Piece& q) {
   const auto isInside = [](long double x) { return x > 0 && x < 1; };
   if (isInside(q.start.x) || isInside(q.end.x)) return true;
   const Vec3 u = (q.end - q.start) / q.length();
-  const long double sine2 = 1 - u.x * u.x, s = (q.start.x - u.x * glm::dot(q.start, u)) / sine2, foot = s * u.x - glm::dot(q.start, u);
+  const long double sine2 = 1 - u.x * u.x, s = (q.start.x - u.x * glm::dot(q.start, u)) / sine2,
+                    foot = s * u.x - glm::dot(q.start, u);
   return sine2 > 1e-20L && isInside(s) && foot > 0 && foot < q.length();
 }
 
 long double truthOf(const Piece& q) {
-  return reference::integrate([&q](long double x) { return q.inner(x); }, 0, 1, 1e-19L * q.length(), 1e-19L * q.length()).value;
+  return reference::integrate([&q](long double x) { return q.inner(x); }, 0, 1, 1e-19L * q.length(),
+                              1e-19L * q.length())
+      .value;
 }
 
 TEST(LineRules, GradedErrorIsBoundedWhereverTheSingularityLies) {
@@ -100,11 +106,12 @@ TEST(LineRules, GradedErrorIsBoundedWhereverTheSingularityLies) {
       const std::vector<GaussPoint> points = gradedPoints(int(kLineRounds[round].points[3]));
       const double error = double(std::abs(sumOf(points, q) - truth) / q.length()), rounding = roundingOf(points, q);
       worst[round] = std::max(worst[round], (error - rounding) / kLineRounds[round].graded_error);
-      EXPECT_LE(error, kLineRounds[round].graded_error + rounding) << "seed " << kSeed << ", trial " << trial << ", round " << round;
+      EXPECT_LE(error, kLineRounds[round].graded_error + rounding)
+          << "seed " << kSeed << ", trial " << trial << ", round " << round;
     }
   }
   EXPECT_GT(tried, 2000);
-  EXPECT_GT(worst[0], 0.3);  // the bound says something
+  EXPECT_GT(worst[0], 0.3);                          // the bound says something
   for (double share : worst) EXPECT_LT(share, 0.7);  // as line_rules.h says
 }
 
@@ -125,9 +132,11 @@ TEST(LineRules, PlainErrorIsBoundedByTheEllipse) {
     for (const LineRound& round : kLineRounds) {
       const int n = int(round.points[rule]);
       const double bound = 4 * std::pow(clear + std::sqrt(clear * clear - 1), -2 * n);
-      const double error = double(std::abs(sumOf(unitPoints(n), q) - truth) / q.length()), rounding = roundingOf(unitPoints(n), q);
+      const double error = double(std::abs(sumOf(unitPoints(n), q) - truth) / q.length()),
+                   rounding = roundingOf(unitPoints(n), q);
       worst[rule] = std::max(worst[rule], (error - rounding) / bound);
-      EXPECT_LE(error, bound + rounding) << "seed " << kSeed << ", trial " << trial << ", " << n << " points, clear " << clear;
+      EXPECT_LE(error, bound + rounding) << "seed " << kSeed << ", trial " << trial << ", " << n << " points, clear "
+                                         << clear;
     }
   }
   for (double share : worst) EXPECT_LT(share, 0.7);

@@ -29,7 +29,8 @@ class Load : public testing::Test {
   Scene load(const std::string& name, const std::string& text) { return loadScene(write(name, text)); }
 
   // The file is refused in one line that starts with `where` (after the folder) and contains `what`.
-  void expectRefused(const std::string& name, const std::string& text, const std::string& where, const std::string& what) {
+  void expectRefused(const std::string& name, const std::string& text, const std::string& where,
+                     const std::string& what) {
     try {
       load(name, text);
       ADD_FAILURE() << name << " was accepted:\n" << text.substr(0, 200);
@@ -48,9 +49,10 @@ class Load : public testing::Test {
 const std::string kSquare = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
 TEST_F(Load, ObjNamesAreSurfacesAndPolygonsStayWhole) {
-  const Scene scene = load("a.obj", "# comment\nmtllib x.mtl\n" + kSquare +
-                                        "v 0 0 2\nv 1 0 2\nvt 0 0\nvn 0 0 1\no floor one\nf 1/1/1 2/1/1 3//1 4\nusemtl m\ns off\n"
-                                        "g tri\nf -6 -5 -2\no floor one\nf 1 3 5\n");
+  const Scene scene =
+      load("a.obj", "# comment\nmtllib x.mtl\n" + kSquare +
+                        "v 0 0 2\nv 1 0 2\nvt 0 0\nvn 0 0 1\no floor one\nf 1/1/1 2/1/1 3//1 4\nusemtl m\ns off\n"
+                        "g tri\nf -6 -5 -2\no floor one\nf 1 3 5\n");
   ASSERT_EQ(scene.surfaces.size(), 2u);
   EXPECT_EQ(scene.surfaces[0].name, "floor one");
   EXPECT_EQ(scene.surfaces[0].face_count, 2u);  // a name that comes back is the same surface
@@ -84,8 +86,9 @@ TEST_F(Load, ObjGroupWithoutNameFallsBackToObject) {
 
 TEST_F(Load, ObjKeepsDoubles) {
   // Unit squares a million away, 1e-6 apart: single precision would merge them.
-  const Scene scene = load("far.obj", "v 1000000 0 0\nv 1000001 0 0\nv 1000001 1 0\nv 1000000 1 0\n"
-                                      "v 1000000 0 0.000001\nv 1000001 0 0.000001\nv 1000001 1 0.000001\nf 1 2 3 4\nf 7 6 5\n");
+  const Scene scene = load("far.obj",
+                           "v 1000000 0 0\nv 1000001 0 0\nv 1000001 1 0\nv 1000000 1 0\n"
+                           "v 1000000 0 0.000001\nv 1000001 0 0.000001\nv 1000001 1 0.000001\nf 1 2 3 4\nf 7 6 5\n");
   EXPECT_EQ(scene.planes.size(), 2u);
   const double gap = (scene.corners[4].z - scene.corners[0].z) * scene.scale;
   EXPECT_NEAR(gap, 1e-6, 1e-15);
@@ -108,17 +111,23 @@ TEST_F(Load, ObjRefusesWhatIsBroken) {
   expectRefused("a.obj", "v 1.7e308 0 0\nv -1.7e308 0 0\nv 0 1.7e308 1\nf 1 2 3\n", "a.obj", "");
   expectRefused("a.obj", kSquare + "f 1 1 1\n", "a.obj", "no usable polygon");
   expectRefused("a.obj", "curv2 1 2\n", "a.obj:1", "curv2");
-  expectRefused("a.obj", std::string("\x7f" "ELF\0\1\2", 7), "a.obj:1", "not a statement");
+  expectRefused("a.obj",
+                std::string("\x7f"
+                            "ELF\0\1\2",
+                            7),
+                "a.obj:1", "not a statement");
 }
 
 std::string asciiStl(const std::string& name, const std::string& last_x = "1") {
-  return "solid " + name + "\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1 0 0\n   vertex " + last_x +
-         " 1 0\n  endloop\n endfacet\nendsolid " + name + "\n";
+  return "solid " + name + "\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1 0 0\n   vertex " +
+         last_x + " 1 0\n  endloop\n endfacet\nendsolid " + name + "\n";
 }
 
 std::string asciiPly(const std::string& face, const std::string& x = "0") {
-  return "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
-         "property list uchar int vertex_indices\nend_header\n" + x + " 0 0\n1 0 0\n1 1 0\n0 1 0\n" + face + "\n";
+  return "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face "
+         "1\n"
+         "property list uchar int vertex_indices\nend_header\n" +
+         x + " 0 0\n1 0 0\n1 1 0\n0 1 0\n" + face + "\n";
 }
 
 // The mark some editors begin UTF-8 with is no part of the first word.
@@ -204,10 +213,14 @@ TEST_F(Load, PlyRefusesWhatIsBroken) {
   expectRefused("a.ply", asciiPly("-1"), "a.ply:14", "-1 is not the length");
   const std::string head = "ply\nformat binary_little_endian 1.0\n", end = "end_header\n";
   const std::string xyz = "property float x\nproperty float y\nproperty float z\n";
-  expectRefused("a.ply", head + "element vertex 4\nproperty float x\nproperty list uchar float y\nproperty float z\n" + end, "a.ply:7", "no property 'y'");
-  expectRefused("a.ply", head + "element face 1\nproperty list uchar int vertices\n" + end, "a.ply:5", "no list 'vertex_indices'");
+  expectRefused("a.ply",
+                head + "element vertex 4\nproperty float x\nproperty list uchar float y\nproperty float z\n" + end,
+                "a.ply:7", "no property 'y'");
+  expectRefused("a.ply", head + "element face 1\nproperty list uchar int vertices\n" + end, "a.ply:5",
+                "no list 'vertex_indices'");
   // Records of no bytes: 4e9 of them fit into any file, but not into memory.
-  expectRefused("a.ply", head + "element edge 4000000000\nelement vertex 4000000000\n" + xyz + end, "a.ply:8", "element 'edge' has no property");
+  expectRefused("a.ply", head + "element edge 4000000000\nelement vertex 4000000000\n" + xyz + end, "a.ply:8",
+                "element 'edge' has no property");
 }
 
 std::string binaryPly(bool little) {
@@ -235,16 +248,20 @@ TEST_F(Load, PlyBinaryOfEitherByteOrder) {
 
 // Cut short anywhere, a file is refused: never read in part.
 TEST_F(Load, TruncatedFilesAreRefused) {
-  for (const auto& [name, text] : {std::pair<std::string, std::string>("a.ply", asciiPly("4 0 1 2 3")), {"a.ply", binaryPly(true)},
-                                   {"a.stl", asciiStl("part")}, {"a.stl", binaryStl(2)}})
+  for (const auto& [name, text] : {std::pair<std::string, std::string>("a.ply", asciiPly("4 0 1 2 3")),
+                                   {"a.ply", binaryPly(true)},
+                                   {"a.stl", asciiStl("part")},
+                                   {"a.stl", binaryStl(2)}})
     for (size_t length = 1; length + 2 < text.size(); ++length) {
-      if (name == "a.stl" && text.substr(length).find("endsolid") == std::string::npos && text.starts_with("solid")) continue;
+      if (name == "a.stl" && text.substr(length).find("endsolid") == std::string::npos && text.starts_with("solid"))
+        continue;
       EXPECT_THROW(load(name, text.substr(0, length)), Error) << name << " of " << length << " bytes";
     }
 }
 
 TEST_F(Load, ExampleScenesAreWhatTheyClaim) {
-  for (const auto& [name, closed] : {std::pair("office", true), std::pair("cube", true), std::pair("plates", false), std::pair("street", false)}) {
+  for (const auto& [name, closed] :
+       {std::pair("office", true), std::pair("cube", true), std::pair("plates", false), std::pair("street", false)}) {
     const Scene scene = loadScene(std::string(VIEWPEEL_SCENES "/") + name + ".obj");
     EXPECT_EQ(isClosed(scene), closed) << name;
     EXPECT_TRUE(scene.warnings.empty()) << name;

@@ -19,7 +19,9 @@ namespace ts = test_scenes;
 InputScene named(const char* name) { return {name, {}, {}}; }
 
 size_t countWith(const Scene& scene, const std::string& part) {
-  return static_cast<size_t>(std::count_if(scene.warnings.begin(), scene.warnings.end(), [&](const std::string& line) { return line.find(part) != std::string::npos; }));
+  return static_cast<size_t>(std::count_if(scene.warnings.begin(), scene.warnings.end(), [&](const std::string& line) {
+    return line.find(part) != std::string::npos;
+  }));
 }
 
 std::string all(const Scene& scene) {
@@ -48,7 +50,11 @@ TEST(MeshFaults, AFaceThatIsThereTwiceCountsOnceAndKeepsItsRow) {
   EXPECT_EQ(scene.empty_faces, (std::vector<EmptyRow>{{2, "again"}}));
   EXPECT_EQ(scene.empty_surfaces, (std::vector<EmptyRow>{{2, "again"}}));
   ASSERT_EQ(scene.warnings.size(), 1u) << all(scene);
-  EXPECT_NE(scene.warnings[0].find("1 face is there already, facing alike: again (face 3 of the file) is lower (face 1 of the file) again"), std::string::npos) << scene.warnings[0];
+  EXPECT_NE(
+      scene.warnings[0].find(
+          "1 face is there already, facing alike: again (face 3 of the file) is lower (face 1 of the file) again"),
+      std::string::npos)
+      << scene.warnings[0];
   for (By by : {By::polygon, By::surface}) {
     const Ids ids = makeIds(scene, by, false);
     EXPECT_EQ(ids.rows(), (std::vector<uint32_t>{0, 1, 3}));
@@ -79,7 +85,10 @@ TEST(MeshFaults, TilesThatOverlapAreNamedWithTheirArea) {
   const Scene scene = buildScene(input);
   EXPECT_EQ(scene.faces.size(), 3u);
   ASSERT_EQ(scene.warnings.size(), 1u);
-  EXPECT_NE(scene.warnings[0].find("1 pair of faces overlaps in one plane and faces the same way: left and right, 0.2 of area"), std::string::npos) << scene.warnings[0];
+  EXPECT_NE(scene.warnings[0].find(
+                "1 pair of faces overlaps in one plane and faces the same way: left and right, 0.2 of area"),
+            std::string::npos)
+      << scene.warnings[0];
   // A square and its two triangles: the same area twice, but no face is another one.
   InputScene halves = named("halves");
   ts::addFace(halves, "whole", ts::parallelogram({0, 0, 0}, {1, 0, 0}, {0, 1, 0}));
@@ -92,12 +101,14 @@ TEST(MeshFaults, TilesThatOverlapAreNamedWithTheirArea) {
 // Nothing is said of what users mean: tiles that share edges, T-junctions, sheets, solids that touch, sheets on sheets.
 TEST(MeshFaults, CleanScenesWarnOfNothing) {
   for (const ts::CoincidentScene& of : ts::coincidentScenes())
-    for (const InputScene& input : {of.make(0), ts::turnedAndMoved(of.make(0)), ts::roundedToSingle(ts::turnedAndMoved(of.make(0))), of.make(1e-3)}) {
+    for (const InputScene& input : {of.make(0), ts::turnedAndMoved(of.make(0)),
+                                    ts::roundedToSingle(ts::turnedAndMoved(of.make(0))), of.make(1e-3)}) {
       const Scene scene = buildScene(input);
       EXPECT_EQ(countWith(scene, "same way"), 0u) << of.name << "\n" << all(scene);
       EXPECT_TRUE(scene.empty_faces.empty()) << of.name << "\n" << all(scene);
     }
-  for (const InputScene& input : {ts::roomWithTouchingBoxes(), ts::squaresInParts(20, 0.05, 1), ts::roundedToSingle(ts::turnedAndMoved(ts::squaresInParts(20, 0.05, 1)))})
+  for (const InputScene& input : {ts::roomWithTouchingBoxes(), ts::squaresInParts(20, 0.05, 1),
+                                  ts::roundedToSingle(ts::turnedAndMoved(ts::squaresInParts(20, 0.05, 1)))})
     EXPECT_TRUE(buildScene(input).warnings.empty()) << all(buildScene(input));
   InputScene stack = named("two sheets on each other");
   ts::addSheet(stack, "lower", {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 0);
@@ -110,12 +121,17 @@ TEST(MeshFaults, CleanScenesWarnOfNothing) {
 TEST(MeshFaults, CoarseCoordinatesAreSaid) {
   InputScene city = named("city");
   for (int k = 0; k < 20; ++k) ts::addBox(city, "box", {3.1 * k, 0.7, 0}, {3.1 * k + 2.3, 3.4, 5.2}, false);
-  const auto moved = [&](double offset, double size) { return ts::transformed(city, glm::dmat3(1), size, glm::dvec3(offset)); };
-  EXPECT_EQ(countWith(buildScene(ts::roundedToSingle(moved(4.5e6, 1))), "come in steps of 0.5"), 1u) << all(buildScene(ts::roundedToSingle(moved(4.5e6, 1))));
-  for (const InputScene& fine : {city, moved(4.5e6, 1), ts::roundedToSingle(city), ts::roundedToSingle(moved(1e3, 1)), ts::roundedToSingle(moved(4.5e6, 100))})
+  const auto moved = [&](double offset, double size) {
+    return ts::transformed(city, glm::dmat3(1), size, glm::dvec3(offset));
+  };
+  EXPECT_EQ(countWith(buildScene(ts::roundedToSingle(moved(4.5e6, 1))), "come in steps of 0.5"), 1u)
+      << all(buildScene(ts::roundedToSingle(moved(4.5e6, 1))));
+  for (const InputScene& fine : {city, moved(4.5e6, 1), ts::roundedToSingle(city), ts::roundedToSingle(moved(1e3, 1)),
+                                 ts::roundedToSingle(moved(4.5e6, 100))})
     EXPECT_EQ(countWith(buildScene(fine), "come in steps of"), 0u) << all(buildScene(fine));
   InputScene whole = named("whole metres");  // exact, single precision or not
-  for (int k = 0; k < 20; ++k) ts::addBox(whole, "box", {4.5e6 + 4 * k, 5.1e5, 0}, {4.5e6 + 4 * k + 2, 5.1e5 + 3, 5}, false);
+  for (int k = 0; k < 20; ++k)
+    ts::addBox(whole, "box", {4.5e6 + 4 * k, 5.1e5, 0}, {4.5e6 + 4 * k + 2, 5.1e5 + 3, 5}, false);
   EXPECT_EQ(countWith(buildScene(whole), "come in steps of"), 0u);
 }
 
@@ -133,7 +149,8 @@ TEST(MeshFaults, FacetsOfADishAreNoNarrowGaps) {
       ts::addFace(dish, "dish", {p, q, r});
       ts::addFace(dish, "dish", {p, r, s});
     }
-  for (const InputScene& input : {dish, ts::roundedToSingle(dish), ts::roundedToSingle(ts::turnedAndMoved(dish))}) EXPECT_TRUE(buildScene(input).warnings.empty()) << all(buildScene(input));
+  for (const InputScene& input : {dish, ts::roundedToSingle(dish), ts::roundedToSingle(ts::turnedAndMoved(dish))})
+    EXPECT_TRUE(buildScene(input).warnings.empty()) << all(buildScene(input));
   // A true one stays: the same dish again, too near to be told apart.
   InputScene twice = dish;
   for (InputFace face : dish.faces) {
@@ -171,7 +188,8 @@ TEST(MeshFaults, NamesThatCollideAreRefused) {
   ts::addFace(input, "a", {{0, 0, 1}, {1, 0, 1}, {1, 1, 1}});
   EXPECT_EQ(messageOf(input), "accepted");  // a has no second face
   ts::addFace(input, "a", {{0, 0, 2}, {1, 0, 2}, {1, 1, 2}});
-  EXPECT_EQ(messageOf(input), "names: a surface is called 'a[2]', as face 2 of surface 'a' is in the results; rename one of the two");
+  EXPECT_EQ(messageOf(input),
+            "names: a surface is called 'a[2]', as face 2 of surface 'a' is in the results; rename one of the two");
   for (const char* other : {"a[02]", "a[x]", "a[]", "[2]", "a[2", "b[2]", "a[3]"}) {
     input.surface_names[0] = other;
     EXPECT_EQ(messageOf(input), "accepted") << other;
@@ -188,7 +206,8 @@ class ObjNames : public testing::Test {
     std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
     std::istringstream lines(names);
     int faces = 0;
-    for (std::string line; std::getline(lines, line, ';');) text += line == "f" ? (++faces % 2 ? "f 1 2 3\n" : "f 1 2 4\n") : line + "\n";
+    for (std::string line; std::getline(lines, line, ';');)
+      text += line == "f" ? (++faces % 2 ? "f 1 2 3\n" : "f 1 2 4\n") : line + "\n";
     std::ofstream(file_) << text;
     return loadScene(file_);
   }

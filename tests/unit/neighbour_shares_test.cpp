@@ -36,7 +36,8 @@ std::vector<uint32_t> inOrder(uint32_t count) {
   return ranks;
 }
 
-// Every rank is given once, and the 64 ids of any block of ranks lie in one of 64 squares of 8 x 8 parts, or their mirror images above: those of other places or directions come elsewhere.
+// Every rank is given once, and the 64 ids of any block of ranks lie in one of 64 squares of 8 x 8 parts, or their
+// mirror images above: those of other places or directions come elsewhere.
 TEST(RankByPlace, BlocksOfRanksLieTogether) {
   constexpr uint32_t kCuts = 64;
   const Scene scene = buildScene(ts::squaresInParts(kCuts, 1, 10));
@@ -54,7 +55,8 @@ TEST(RankByPlace, BlocksOfRanksLieTogether) {
   }
 }
 
-// What blocks of 4, 16 and 64 ids in order say, by hand: lines of one pair count as 1.5 n / (n + 0.5), and m = (V + m') / (L + 1) with the m' of the next larger blocks.
+// What blocks of 4, 16 and 64 ids in order say, by hand: lines of one pair count as 1.5 n / (n + 0.5), and m = (V + m')
+// / (L + 1) with the m' of the next larger blocks.
 TEST(NeighbourShares, LinesOfBlocksGoWithThoseOfLargerOnes) {
   const Ids ids = namelessIds(64);
   ShareSums sums(ids);
@@ -72,7 +74,8 @@ TEST(NeighbourShares, LinesOfBlocksGoWithThoseOfLargerOnes) {
   };
   // Of all 64 around each; and of the 16 around (0, 4), which are those around (2, 12), and around (2, 30).
   const double scene = (0.75 * of_eight + 1 + 0.25 * of_four) / (of_eight + 2 + of_four);
-  const double near = (0.75 * of_eight + 1 + scene) / (of_eight + 2 + 1), far = (0.25 * of_four + scene) / (of_four + 1);
+  const double near = (0.75 * of_eight + 1 + scene) / (of_eight + 2 + 1),
+               far = (0.25 * of_four + scene) / (of_four + 1);
   isShare(3, 5, 0.75 * of_eight, of_eight + 1, near);
   isShare(3, 13, 1, 1, near);
   isShare(6, 9, 0, 0, near);
@@ -105,7 +108,8 @@ TEST(NeighbourShares, FewLinesGoWithTheirNeighbours) {
   sums.add(PairCounts{{0, 2, 1, 1}, {1, 3, 0, 1}});
   const NeighbourShares neighbours(sums, {}, ranks);
   const std::vector<KnownPair> known = {{0, 1, 0, 0, 0.25}, {0, 2, 0, 0, 0.25}, {1, 3, 0, 0, 0.25}, {2, 3, 0, 0, 0.25}};
-  const FormFactors shrunk = FormFactors(sums.ids(), sums.find(known, {}, 1, 1, {}, {}, &neighbours).entries, {}), own = FormFactors(sums.ids(), sums.find(known, {}, 1, 1, {}, {}).entries, {});
+  const FormFactors shrunk = FormFactors(sums.ids(), sums.find(known, {}, 1, 1, {}, {}, &neighbours).entries, {}),
+                    own = FormFactors(sums.ids(), sums.find(known, {}, 1, 1, {}, {}).entries, {});
   ASSERT_EQ(shrunk.entries().size(), 4u);
   const double m = neighbours.of(0, 1).mean;  // all four ids are in one block
   EXPECT_DOUBLE_EQ(shrunk.entries()[0].exchange_area.value, 0.25 * (1 + 0.5 * m) / 1.5);
@@ -116,8 +120,9 @@ TEST(NeighbourShares, FewLinesGoWithTheirNeighbours) {
   EXPECT_DOUBLE_EQ(own.entries()[1].exchange_area.value, 0.125);
 }
 
-// Parts of two squares past a blocker: over pairs that no line met, and over those of which few told, errors are no larger than stated, in the mean of squares, nor less than a third; and those of
-// pairs that no line met are half of what taking them for 0 would make, or less.
+// Parts of two squares past a blocker: over pairs that no line met, and over those of which few told, errors are no
+// larger than stated, in the mean of squares, nor less than a third; and those of pairs that no line met are half of
+// what taking them for 0 would make, or less.
 TEST(NeighbourShares, ErrorsAreAsStated) {
   constexpr uint32_t kCuts = 8;
   InputScene input = ts::squaresInParts(kCuts, 1.0 / kCuts, 1);
@@ -134,8 +139,8 @@ TEST(NeighbourShares, ErrorsAreAsStated) {
   Errors unmet, few;
   for (uint64_t seed = 1; seed <= 60; ++seed) {
     EstimateOptions options{.directions = 16, .replicates = 4, .seed = seed};
-    const VisibleShares found =
-        findVisibleShares(*engine, exchanges, scene, ids, groupAsOne(scene, 16), options, {sharePilot(options).directions});
+    const VisibleShares found = findVisibleShares(*engine, exchanges, scene, ids, groupAsOne(scene, 16), options,
+                                                  {sharePilot(options).directions});
     options.known = &found.known;
     std::optional<RunSums> sums;
     options.on_sums = [&](const RunSums& so_far, bool last) {
@@ -146,10 +151,14 @@ TEST(NeighbourShares, ErrorsAreAsStated) {
     const auto& told = sums->visible->byFace().pairs();
     for (const FormFactors::Entry& entry : all.entries()) {
       const bool is_between = entry.i < 2 * kCuts * kCuts && entry.j < 2 * kCuts * kCuts && entry.i % 2 != entry.j % 2;
-      const bool is_told = std::ranges::binary_search(told, std::pair(entry.i, entry.j), {}, [](const ShareSums::PairSum& pair) { return std::pair(pair.i, pair.j); });
+      const bool is_told =
+          std::ranges::binary_search(told, std::pair(entry.i, entry.j), {},
+                                     [](const ShareSums::PairSum& pair) { return std::pair(pair.i, pair.j); });
       Errors& errors = is_told ? few : unmet;
       if (!is_between || ++errors.pairs % 16) continue;
-      const double truth = reference::formFactorPastBlocker(input.faces[entry.i].corners, input.faces[entry.j].corners, blocker).value * ids.areas[entry.i];
+      const double truth =
+          reference::formFactorPastBlocker(input.faces[entry.i].corners, input.faces[entry.j].corners, blocker).value *
+          ids.areas[entry.i];
       errors.squares += std::pow(entry.exchange_area.value - truth, 2);
       errors.stated += std::pow(entry.exchange_area.standard_error, 2);
       errors.of_zero += truth * truth;

@@ -15,7 +15,7 @@ constexpr int kReach = 20;  // rows and whole columns on either side of the orig
 constexpr int kFractionBits = 12;
 constexpr int32_t kOne = 1 << kFractionBits;
 
-using Columns = std::pair<int32_t, int32_t>;                 // [first, second)
+using Columns = std::pair<int32_t, int32_t>;                  // [first, second)
 using Covered = std::map<std::pair<uint32_t, int>, Columns>;  // by polygon and row
 
 struct Snapped {
@@ -24,7 +24,8 @@ struct Snapped {
 
 int64_t divideDown(int64_t value, int64_t by) { return value >= 0 ? value / by : -((-value + by - 1) / by); }
 
-// The columns where a X 2^cut_bits + b y 2^fraction_bits + c >= 0 for all edges, in integers; points on an edge are inside where it is a right or a lower one.
+// The columns where a X 2^cut_bits + b y 2^fraction_bits + c >= 0 for all edges, in integers; points on an edge are
+// inside where it is a right or a lower one.
 Covered coveredByEdges(const std::vector<std::vector<Snapped>>& polygons, int column_bits) {
   Covered covered;
   const int32_t column = kOne >> column_bits, border = kReach << column_bits;
@@ -62,8 +63,10 @@ Covered coveredByOutlines(const std::vector<std::vector<Snapped>>& polygons, int
   Ids ids;
   scene.planes.push_back({{0, 0, 1}, 0});
   for (const std::vector<Snapped>& corners : polygons) {
-    scene.polygons.push_back({static_cast<uint32_t>(scene.corners.size()), static_cast<uint32_t>(corners.size()), 0, 0, true, 1});
-    for (const Snapped& corner : corners) scene.corners.push_back({double(corner.x) / kOne, double(corner.y) / kOne, 0});
+    scene.polygons.push_back(
+        {static_cast<uint32_t>(scene.corners.size()), static_cast<uint32_t>(corners.size()), 0, 0, true, 1});
+    for (const Snapped& corner : corners)
+      scene.corners.push_back({double(corner.x) / kOne, double(corner.y) / kOne, 0});
     ids.of_polygon.push_back(0);
   }
   const SweepScene sweep_scene(scene, ids);
@@ -74,23 +77,32 @@ Covered coveredByOutlines(const std::vector<std::vector<Snapped>>& polygons, int
     outlines.find(first);
     for (Outlines::Cuts cuts = outlines.cut(); cuts.count; cuts = outlines.cut())
       for (size_t k = 0; k < cuts.count; ++k)
-        if (cuts.low[k] < cuts.high[k]) covered[{outlines.polygonOf(cuts.outlines[k]), cuts.rows[k]}] = {cuts.low[k], cuts.high[k]};
+        if (cuts.low[k] < cuts.high[k])
+          covered[{outlines.polygonOf(cuts.outlines[k]), cuts.rows[k]}] = {cuts.low[k], cuts.high[k]};
   }
   return covered;
 }
 
-// Triangles and parallelograms, either way round: large ones beyond the border, small ones between rows, slivers, with corners on rows and columns, edges along
-// them, and corners that coincide.
+// Triangles and parallelograms, either way round: large ones beyond the border, small ones between rows, slivers, with
+// corners on rows and columns, edges along them, and corners that coincide.
 std::vector<std::vector<Snapped>> drawPolygons(uint64_t seed, size_t count) {
   std::mt19937_64 random(seed);
-  const auto draw = [&](int32_t size) { return static_cast<int32_t>(random() % static_cast<uint64_t>(2 * size + 1)) - size; };
+  const auto draw = [&](int32_t size) {
+    return static_cast<int32_t>(random() % static_cast<uint64_t>(2 * size + 1)) - size;
+  };
   std::vector<std::vector<Snapped>> polygons;
   while (polygons.size() < count) {
-    const int32_t size = std::array{8, kOne / 4, 2 * kOne, 8 * kOne, 24 * kOne}[random() % 5], place = std::max(24 * kOne - size, 1);
+    const int32_t size = std::array{8, kOne / 4, 2 * kOne, 8 * kOne, 24 * kOne}[random() % 5],
+                  place = std::max(24 * kOne - size, 1);
     const int32_t grain = std::array{1, 1, kOne / 4, kOne}[random() % 4];
-    const auto drawCorner = [&](int32_t within) { return Snapped{draw(within) / grain * grain, (random() % 4 == 0 ? 0 : draw(within)) / grain * grain}; };
-    const Snapped at = drawCorner(place), along = drawCorner(size), across = random() % 4 == 0 ? Snapped{along.x / 2, along.y / 2 + 1} : drawCorner(size);
-    const auto corner = [&](int s, int t) { return Snapped{at.x + s * along.x + t * across.x, at.y + s * along.y + t * across.y}; };
+    const auto drawCorner = [&](int32_t within) {
+      return Snapped{draw(within) / grain * grain, (random() % 4 == 0 ? 0 : draw(within)) / grain * grain};
+    };
+    const Snapped at = drawCorner(place), along = drawCorner(size),
+                  across = random() % 4 == 0 ? Snapped{along.x / 2, along.y / 2 + 1} : drawCorner(size);
+    const auto corner = [&](int s, int t) {
+      return Snapped{at.x + s * along.x + t * across.x, at.y + s * along.y + t * across.y};
+    };
     if (random() % 2) polygons.push_back({corner(0, 0), corner(1, 0), corner(0, 1)});
     else polygons.push_back({corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)});
   }
@@ -106,7 +118,8 @@ TEST(Outlines, CutsAreThoseOfTheEdges) {
       for (const Vectors vectors : {Vectors::plain, Vectors::avx2, Vectors::avx512}) {
         if (vectors > widestVectors()) continue;
         const Covered found = coveredByOutlines(polygons, column_bits, vectors);
-        EXPECT_TRUE(found == expected) << found.size() << " rows of polygons, not " << expected.size() << "; column bits " << column_bits << ", seed " << seed << ", vectors "
+        EXPECT_TRUE(found == expected) << found.size() << " rows of polygons, not " << expected.size()
+                                       << "; column bits " << column_bits << ", seed " << seed << ", vectors "
                                        << static_cast<int>(vectors);
       }
     }

@@ -18,7 +18,9 @@ constexpr Interval kUnit{0, 1};
 Corners floorSquare() { return rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}); }
 Corners ceilingSquare() { return rectangle({0, 0, 1}, {0, 1, 0}, {1, 0, 0}); }
 Corners wallSquare() { return rectangle({0, 0, 0}, {0, 1, 0}, {0, 0, 1}); }
-Corners level(Interval x, Interval y, double z) { return rectangle({x.low, y.low, z}, {x.high - x.low, 0, 0}, {0, y.high - y.low, 0}); }
+Corners level(Interval x, Interval y, double z) {
+  return rectangle({x.low, y.low, z}, {x.high - x.low, 0, 0}, {0, y.high - y.low, 0});
+}
 Corners outOfTheWay() { return level({5, 6}, {5, 6}, 0.5); }
 
 // The value within its own error, and its own error within the promise.
@@ -37,7 +39,8 @@ TEST(PastBlocker, RandomPairsWithNothingBetweenAgreeWithContourIntegral) {
   test::Random random(31);
   for (int trial = 0; trial < 20; ++trial) {
     const auto [a, b] = test::randomPair(random);
-    EXPECT_TRUE(isGood(formFactorPastBlocker(a, b, level({50, 51}, {50, 51}, 3)), formFactor(a, b))) << "trial " << trial;
+    EXPECT_TRUE(isGood(formFactorPastBlocker(a, b, level({50, 51}, {50, 51}, 3)), formFactor(a, b)))
+        << "trial " << trial;
   }
 }
 
@@ -60,7 +63,8 @@ TEST(PastBlocker, WhatTheTilesOfALevelHideAddsUp) {
   double hidden = 0, error = 0;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) {
-      const Approximation seen = formFactorPastBlocker(floorSquare(), ceilingSquare(), level({ends[i], ends[i + 1]}, {ends[j], ends[j + 1]}, 0.5));
+      const Approximation seen = formFactorPastBlocker(floorSquare(), ceilingSquare(),
+                                                       level({ends[i], ends[i + 1]}, {ends[j], ends[j + 1]}, 0.5));
       EXPECT_LE(seen.error, kPastBlockerError);
       hidden += open - seen.value;
       error += seen.error;
@@ -75,27 +79,33 @@ TEST(PastBlocker, HalfALevelHidesHalfBySymmetry) {
 
 // In contact with the ceiling: what it covers is subtracted.
 TEST(PastBlocker, BlockerWithinThePlaneOfB) {
-  const double covered = parallelRectangles(kUnit, kUnit, {0.2, 0.7}, {0.5, 1}, 1), open = parallelRectangles(kUnit, kUnit, kUnit, kUnit, 1);
-  EXPECT_TRUE(isGood(formFactorPastBlocker(floorSquare(), ceilingSquare(), level({0.2, 0.7}, {0.5, 1.5}, 1)), open - covered));
+  const double covered = parallelRectangles(kUnit, kUnit, {0.2, 0.7}, {0.5, 1}, 1),
+               open = parallelRectangles(kUnit, kUnit, kUnit, kUnit, 1);
+  EXPECT_TRUE(
+      isGood(formFactorPastBlocker(floorSquare(), ceilingSquare(), level({0.2, 0.7}, {0.5, 1.5}, 1)), open - covered));
 }
 
 TEST(PastBlocker, BlockerBehindEitherOrWithinThePlaneOfAStopsNothing) {
   for (double z : {-0.5, 0.0, 1.5})
-    EXPECT_TRUE(isGood(formFactorPastBlocker(floorSquare(), ceilingSquare(), level({0.2, 0.7}, {0.2, 0.7}, z)), 0.1998248957, 5e-11)) << z;
+    EXPECT_TRUE(isGood(formFactorPastBlocker(floorSquare(), ceilingSquare(), level({0.2, 0.7}, {0.2, 0.7}, z)),
+                       0.1998248957, 5e-11))
+        << z;
 }
 
-// Just above the floor the blocker covers the part of the floor under it, up to the light that slips in at its rim: from
-// a strip as wide as the gap, to O(gap) of the floor's area.
+// Just above the floor the blocker covers the part of the floor under it, up to the light that slips in at its rim:
+// from a strip as wide as the gap, to O(gap) of the floor's area.
 TEST(PastBlocker, BlockerJustAboveACoversIt) {
   const double gap = 1e-9, rest = parallelRectangles({0.4, 1}, kUnit, kUnit, kUnit, 1);
-  EXPECT_TRUE(isGood(formFactorPastBlocker(floorSquare(), ceilingSquare(), level({-1, 0.4}, {-1, 2}, gap)), 0.6 * rest, kContourError + 20 * gap));
+  EXPECT_TRUE(isGood(formFactorPastBlocker(floorSquare(), ceilingSquare(), level({-1, 0.4}, {-1, 2}, gap)), 0.6 * rest,
+                     kContourError + 20 * gap));
 }
 
 // A partition from below the floor to above the ceiling: each half sees the half opposite.
 TEST(PastBlocker, PartitionThroughBoth) {
   for (double x : {0.5, 0.3}) {
     const Interval left{0, x}, right{x, 1};
-    const double truth = x * parallelRectangles(left, kUnit, left, kUnit, 1) + (1 - x) * parallelRectangles(right, kUnit, right, kUnit, 1);
+    const double truth = x * parallelRectangles(left, kUnit, left, kUnit, 1) +
+                         (1 - x) * parallelRectangles(right, kUnit, right, kUnit, 1);
     const Corners partition = rectangle({x, -20, -1}, {0, 41, 0}, {0, 0, 3});
     EXPECT_TRUE(isGood(formFactorPastBlocker(floorSquare(), ceilingSquare(), partition), truth)) << x;
   }
@@ -115,7 +125,9 @@ TEST(PastBlocker, RandomTriplesReciprocal) {
     const auto [a, b] = test::randomPair(random);
     const Corners blocker = random.convexPolygon(0.4 * b[0] + 0.2 * random.direction(), random.direction(), 4);
     const Approximation ab = formFactorPastBlocker(a, b, blocker), ba = formFactorPastBlocker(b, a, blocker);
-    EXPECT_TRUE(isWithin(areaOf(a) * ab.value, areaOf(b) * ba.value, areaOf(a) * ab.error + areaOf(b) * ba.error + 1e-14)) << "trial " << trial;
+    EXPECT_TRUE(
+        isWithin(areaOf(a) * ab.value, areaOf(b) * ba.value, areaOf(a) * ab.error + areaOf(b) * ba.error + 1e-14))
+        << "trial " << trial;
     const double open = formFactor(a, b);
     EXPECT_LE(ab.value, open + ab.error) << "trial " << trial;
     hidden_in_part += ab.value > 1e-3 && ab.value < 0.98 * open;
@@ -123,14 +135,16 @@ TEST(PastBlocker, RandomTriplesReciprocal) {
   EXPECT_GE(hidden_in_part, 4);
 }
 
-// A blocker just above a makes a thin layer of half shadow on a, but none on b: integrating over b is an independent way.
+// A blocker just above a makes a thin layer of half shadow on a, but none on b: integrating over b is an independent
+// way.
 TEST(PastBlocker, ThinGapsReciprocal) {
   for (double gap : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9, 1e-12}) {
     const Corners flap = rectangle({0, 0, 0}, {0, 1, 0}, {0.5, 0, gap}), low = level({0.3, 0.7}, {0.3, 0.7}, gap),
                   standing = rectangle({0.3, 0.3, gap}, {0, 0.4, 0}, {0, 0, 0.3});
     for (const Corners& blocker : {flap, low, standing})
       for (const Corners& b : {wallSquare(), ceilingSquare()}) {
-        const Approximation there = formFactorPastBlocker(floorSquare(), b, blocker), back = formFactorPastBlocker(b, floorSquare(), blocker);
+        const Approximation there = formFactorPastBlocker(floorSquare(), b, blocker),
+                            back = formFactorPastBlocker(b, floorSquare(), blocker);
         EXPECT_TRUE(isGood(there, back.value, back.error)) << "gap " << gap;
       }
   }
@@ -147,8 +161,8 @@ bool isOver(const Corners& polygon, glm::dvec3 origin, glm::dvec3 direction, dou
   return true;
 }
 
-// Rays from uniform points of a triangle, cosine-distributed about its normal: 8 comparisons at 4.5 standard errors, one
-// false alarm in 18,000 choices of the seed.
+// Rays from uniform points of a triangle, cosine-distributed about its normal: 8 comparisons at 4.5 standard errors,
+// one false alarm in 18,000 choices of the seed.
 TEST(PastBlocker, RandomTriplesAgreeWithRays) {
   test::Random random(33);
   int hidden_in_part = 0;
@@ -157,12 +171,14 @@ TEST(PastBlocker, RandomTriplesAgreeWithRays) {
     const Corners a = random.convexPolygon({0, 0, 0}, glm::normalize(towards + 0.3 * random.direction()), 3);
     const Corners b = random.convexPolygon(1.5 * towards, glm::normalize(-towards + 0.3 * random.direction()), 5);
     const Corners blocker = random.convexPolygon(0.8 * towards + 0.4 * random.direction(), random.direction(), 4);
-    const glm::dvec3 normal = glm::normalize(glm::cross(a[1] - a[0], a[2] - a[0])), x = glm::normalize(a[1] - a[0]), y = glm::cross(normal, x);
+    const glm::dvec3 normal = glm::normalize(glm::cross(a[1] - a[0], a[2] - a[0])), x = glm::normalize(a[1] - a[0]),
+                     y = glm::cross(normal, x);
     const glm::dvec3 back = glm::cross(b[1] - b[0], b[2] - b[0]);
     constexpr int kRays = 400'000;
     int hits = 0;
     for (int ray = 0; ray < kRays; ++ray) {
-      const double s = std::sqrt(random.uniform()), t = random.uniform(), r = std::sqrt(random.uniform()), angle_rad = random.uniform(0, 2 * std::numbers::pi);
+      const double s = std::sqrt(random.uniform()), t = random.uniform(), r = std::sqrt(random.uniform()),
+                   angle_rad = random.uniform(0, 2 * std::numbers::pi);
       const glm::dvec3 origin = a[0] + s * ((1 - t) * (a[1] - a[0]) + t * (a[2] - a[0]));
       const glm::dvec3 u = r * std::cos(angle_rad) * x + r * std::sin(angle_rad) * y + std::sqrt(1 - r * r) * normal;
       if (glm::dot(back, u) >= 0 || !isOver(b, origin, u, 1e9)) continue;

@@ -15,8 +15,8 @@ using test::rectangle;
 
 constexpr uint64_t kDirections = 40'000;
 
-// 30 comparisons at 4.5 standard errors: a false alarm in 5,000 choices of the seed. A pair so small that fewer than 100
-// directions count has no normal mean and is passed over.
+// 30 comparisons at 4.5 standard errors: a false alarm in 5,000 choices of the seed. A pair so small that fewer than
+// 100 directions count has no normal mean and is passed over.
 TEST(ProjectedEstimate, RandomPairsAgreeWithContourIntegral) {
   test::Random random(21);
   int compared = 0;
@@ -26,13 +26,16 @@ TEST(ProjectedEstimate, RandomPairsAgreeWithContourIntegral) {
     if (truth < 0.01) continue;
     ++compared;
     const ProjectedEstimate estimate = estimateFormFactor(a, b, kDirections, 100 + (uint64_t)trial);
-    EXPECT_TRUE(isEstimateOf(estimate.value, estimate.standard_error, truth, kContourError)) << "trial " << trial << ", seed " << 100 + trial;
+    EXPECT_TRUE(isEstimateOf(estimate.value, estimate.standard_error, truth, kContourError))
+        << "trial " << trial << ", seed " << 100 + trial;
     EXPECT_LE(estimate.standard_error, 0.798 / std::sqrt((double)kDirections) * 1.1) << "trial " << trial;
-    EXPECT_FALSE(isEstimateOf(estimate.value, estimate.standard_error, truth + 10 * estimate.standard_error)) << "trial " << trial;
+    EXPECT_FALSE(isEstimateOf(estimate.value, estimate.standard_error, truth + 10 * estimate.standard_error))
+        << "trial " << trial;
   }
 }
 
-// Rounding moves a region's boundary by some 1e-15 of the unit ball, and its area by at most that times its perimeter, 6.3.
+// Rounding moves a region's boundary by some 1e-15 of the unit ball, and its area by at most that times its
+// perimeter, 6.3.
 TEST(ProjectedPair, OneDirectionIsTheExactArea) {
   InputScene slanted{"slanted", {}, {}};
   test_scenes::addFace(slanted, "a", {{0, 0, 0}, {1, 0.1, 0}, {0.2, 0.9, 0.3}});
@@ -47,7 +50,8 @@ TEST(ProjectedPair, OneDirectionIsTheExactArea) {
       double exact = 0;
       for (const PairArea& area : computeExactPairAreas(scene, u).pairs)
         if (area.a == 0 && area.b == 1) exact = 2 * area.area / scene.polygons[0].area;
-      EXPECT_TRUE(test::isWithin(pair.zeta(u), exact, 2 * 1e-14 / scene.polygons[0].area)) << input.file << ", trial " << trial;
+      EXPECT_TRUE(test::isWithin(pair.zeta(u), exact, 2 * 1e-14 / scene.polygons[0].area))
+          << input.file << ", trial " << trial;
       EXPECT_EQ(pair.zeta(u) > 0, exact > 0) << input.file << ", trial " << trial;
       seen += exact > 0;
     }
@@ -58,7 +62,8 @@ TEST(ProjectedPair, OneDirectionIsTheExactArea) {
 TEST(ProjectedEstimate, KnownValues) {
   const Corners floor = rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}), wall = rectangle({0, 0, 0}, {0, 1, 0}, {0, 0, 1});
   const Corners ceiling = rectangle({0, 0, 1}, {0, 1, 0}, {1, 0, 0});
-  const ProjectedEstimate to_ceiling = estimateFormFactor(floor, ceiling, 200'000, 1), to_wall = estimateFormFactor(floor, wall, 200'000, 2);
+  const ProjectedEstimate to_ceiling = estimateFormFactor(floor, ceiling, 200'000, 1),
+                          to_wall = estimateFormFactor(floor, wall, 200'000, 2);
   EXPECT_TRUE(isEstimateOf(to_ceiling.value, to_ceiling.standard_error, 0.1998248957, 5e-11));
   EXPECT_TRUE(isEstimateOf(to_wall.value, to_wall.standard_error, 0.2000437761, 5e-11));
   EXPECT_LT(to_wall.standard_error, 1.5e-3);  // the comparison means something
@@ -78,7 +83,8 @@ TEST(ProjectedEstimate, SpreadIsTheStandardError) {
 }
 
 TEST(ProjectedEstimate, BacksSeeNothingAndSeedsRepeat) {
-  const Corners floor = rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}), ceiling = rectangle({0, 0, 1}, {0, 1, 0}, {1, 0, 0});
+  const Corners floor = rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}),
+                ceiling = rectangle({0, 0, 1}, {0, 1, 0}, {1, 0, 0});
   EXPECT_EQ(estimateFormFactor(floor, test::flipped(ceiling), 1000, 1).value, 0);
   EXPECT_EQ(estimateFormFactor(floor, ceiling, 1000, 7).value, estimateFormFactor(floor, ceiling, 1000, 7).value);
   EXPECT_NE(estimateFormFactor(floor, ceiling, 1000, 7).value, estimateFormFactor(floor, ceiling, 1000, 8).value);

@@ -23,7 +23,9 @@ TEST(GaussRule, ExactForMonomialsUpToItsDegree) {
 
 TEST(GaussRule, NotExactOneDegreeHigher) {
   const GaussRule& rule = gaussRule(2);
-  EXPECT_GT(std::abs(rule.weights[0] * std::pow(rule.nodes[0], 4.0L) + rule.weights[1] * std::pow(rule.nodes[1], 4.0L) - 0.2L), 1e-3L);
+  EXPECT_GT(std::abs(rule.weights[0] * std::pow(rule.nodes[0], 4.0L) + rule.weights[1] * std::pow(rule.nodes[1], 4.0L) -
+                     0.2L),
+            1e-3L);
 }
 
 TEST(Integrate, EndSingularityWithinItsError) {
@@ -58,7 +60,9 @@ TEST(Integrate, EndsAtTheNoise) {
   EXPECT_GE(untold.error, 1e-20L);
 }
 
-TEST(Integrate, EmptyInterval) { EXPECT_EQ(integrate([](long double) { return 1.0L; }, 1, 1, 0).value, 0); }
+TEST(Integrate, EmptyInterval) {
+  EXPECT_EQ(integrate([](long double) { return 1.0L; }, 1, 1, 0).value, 0);
+}
 
 }  // namespace
 }  // namespace viewpeel::reference

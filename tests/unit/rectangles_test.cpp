@@ -37,15 +37,16 @@ TEST(Rectangles, KnownValues) {
 }
 
 TEST(Rectangles, SixFacesOfTheCubeClose) {
-  const double sum = parallelRectangles(kUnit, kUnit, kUnit, kUnit, 1) + 4 * perpendicularRectangles(kUnit, kUnit, kUnit, kUnit);
+  const double sum =
+      parallelRectangles(kUnit, kUnit, kUnit, kUnit, 1) + 4 * perpendicularRectangles(kUnit, kUnit, kUnit, kUnit);
   EXPECT_TRUE(isWithin(sum, 1, 1e-15));
 }
 
 TEST(Rectangles, RandomParallelAgreesWithContourIntegral) {
   test::Random random(2);
   for (int trial = 0; trial < 60; ++trial) {
-    const Interval x = randomInterval(random, -1, 1), y = randomInterval(random, -1, 1), xi = randomInterval(random, -2, 2),
-                   eta = randomInterval(random, -2, 2);
+    const Interval x = randomInterval(random, -1, 1), y = randomInterval(random, -1, 1),
+                   xi = randomInterval(random, -2, 2), eta = randomInterval(random, -2, 2);
     const double z = std::pow(10, random.uniform(-3, 0.5));
     EXPECT_TRUE(isWithin(parallelRectangles(x, y, xi, eta, z), contour(x, y, xi, eta, z), kBound)) << "trial " << trial;
   }
@@ -59,7 +60,8 @@ TEST(Rectangles, RandomPerpendicularAgreesWithContourIntegral) {
     if (trial % 3 == 0) x.low = 0;
     if (trial % 3 == 0 || trial % 5 == 0) zeta.low = 0;
     if (trial % 2) eta = y;
-    EXPECT_TRUE(isWithin(perpendicularRectangles(x, y, eta, zeta), contourPerpendicular(x, y, eta, zeta), kBound)) << "trial " << trial;
+    EXPECT_TRUE(isWithin(perpendicularRectangles(x, y, eta, zeta), contourPerpendicular(x, y, eta, zeta), kBound))
+        << "trial " << trial;
   }
 }
 
@@ -74,7 +76,9 @@ TEST(Rectangles, FarSquaresToTheStatedError) {
   for (double z : {30.0, 100.0, 300.0}) {
     const double leading = (1 - 2 / (3 * z * z)) / (std::numbers::pi * z * z);
     const double e = 0x1p-63, r2 = z * z + 2;
-    EXPECT_TRUE(isWithin(parallelRectangles(kUnit, kUnit, kUnit, kUnit, z), leading, leading * 12 / std::pow(z, 4) + 64 * e * r2)) << z;
+    EXPECT_TRUE(isWithin(parallelRectangles(kUnit, kUnit, kUnit, kUnit, z), leading,
+                         leading * 12 / std::pow(z, 4) + 64 * e * r2))
+        << z;
   }
 }
 

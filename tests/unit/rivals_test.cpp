@@ -11,7 +11,8 @@
 namespace viewpeel::bench {
 namespace {
 
-// Of 2^m Sobol' points, scrambled or not, each of the 2^m elementary intervals of dimensions 1 and 2 holds one (a (0, m, 2)-net), and each dimension has one in every 2^-m.
+// Of 2^m Sobol' points, scrambled or not, each of the 2^m elementary intervals of dimensions 1 and 2 holds one (a (0,
+// m, 2)-net), and each dimension has one in every 2^-m.
 TEST(Points, SobolPointsAreStratified) {
   constexpr uint32_t kBits = 8;
   PointSource source(Points::sobol, 3, 5);
@@ -24,7 +25,8 @@ TEST(Points, SobolPointsAreStratified) {
   }
   for (uint32_t first_bits = 1; first_bits < kBits; ++first_bits) {
     std::vector<bool> met(points.size(), false);
-    for (const auto& p : points) met[(p[0] >> (32 - first_bits)) << (kBits - first_bits) | p[1] >> (32 - (kBits - first_bits))] = true;
+    for (const auto& p : points)
+      met[(p[0] >> (32 - first_bits)) << (kBits - first_bits) | p[1] >> (32 - (kBits - first_bits))] = true;
     EXPECT_EQ(std::count(met.begin(), met.end(), true), 1 << kBits) << first_bits << " bits of the first dimension";
   }
 }
@@ -41,7 +43,8 @@ TEST(Points, ASourceGoesOnWhereAnotherEnds) {
   }
 }
 
-// Uniform in every coordinate: of 4096 points the mean of x^2 is 1/3 to within 5 of its standard errors, sqrt(4/45 / 4096); far nearer for Sobol' points.
+// Uniform in every coordinate: of 4096 points the mean of x^2 is 1/3 to within 5 of its standard errors, sqrt(4/45 /
+// 4096); far nearer for Sobol' points.
 TEST(Points, AreUniform) {
   for (const Points points : {Points::random, Points::sobol}) {
     PointSource source(points, 1, 1);
@@ -64,13 +67,15 @@ TEST(HemicubeWeights, AddUpToOneAndAreThoseOfTheirPixels) {
     }
     EXPECT_NEAR(sum, 1, 1e-10) << resolution;  // 3 x 256^2 pixels of 4 integrals below 1/4, each good to 1e-16
   }
-  // Cohen & Greenberg's own weights, at a pixel's middle: the next term of the midpoint rule is below (second derivative) p^2 / 12, at most 4 p^2 / 12 of the weight.
+  // Cohen & Greenberg's own weights, at a pixel's middle: the next term of the midpoint rule is below (second
+  // derivative) p^2 / 12, at most 4 p^2 / 12 of the weight.
   constexpr uint32_t kResolution = 64;
   const std::vector<double> weights = hemicubeWeights(kResolution);
   const double p = 2.0 / kResolution, area = p * p;
   for (uint32_t y = 0; y < kResolution; ++y)
     for (uint32_t x = 0; x < kResolution; ++x) {
-      const double s = -1 + (x + 0.5) * p, t = -1 + (y + 0.5) * p, top = area / (std::numbers::pi * std::pow(1 + s * s + t * t, 2));
+      const double s = -1 + (x + 0.5) * p, t = -1 + (y + 0.5) * p,
+                   top = area / (std::numbers::pi * std::pow(1 + s * s + t * t, 2));
       EXPECT_NEAR(weights[y * 3 * kResolution + x] / top, 1, p * p) << x << ' ' << y;
       const HemicubeFace side = hemicubeFace(1, kResolution);
       if (y >= side.height) continue;
@@ -104,7 +109,8 @@ TEST(Generate, RefinedScenesCoverTheSame) {
   double area = 0;
   for (const Polygon& polygon : refined_scene.polygons) {
     area += polygon.area * refined_scene.scale * refined_scene.scale;
-    EXPECT_NEAR(polygon.area * refined_scene.scale * refined_scene.scale, 1 / 9.0, 1e-14);  // all three faces have area 1
+    EXPECT_NEAR(polygon.area * refined_scene.scale * refined_scene.scale, 1 / 9.0,
+                1e-14);  // all three faces have area 1
   }
   EXPECT_NEAR(area, 3, 1e-13);
 }

@@ -32,7 +32,8 @@ Seen compareRows(const Scene& scene, bool two_sided) {
       std::vector<SidePair> sides;
       for (uint32_t p : polygons[i])
         for (uint32_t q : polygons[j])
-          for (uint32_t side = 0; side < (two_sided ? 4u : 1u); ++side) sides.push_back({frontSide(p) + side % 2, frontSide(q) + side / 2});
+          for (uint32_t side = 0; side < (two_sided ? 4u : 1u); ++side)
+            sides.push_back({frontSide(p) + side % 2, frontSide(q) + side / 2});
       std::vector<double> areas(sides.size());
       EXPECT_TRUE(exchange.compute(sides, areas).empty());
       double truth = 0;
@@ -40,24 +41,30 @@ Seen compareRows(const Scene& scene, bool two_sided) {
       const BoundedExchange& bounded = later[j - i - 1];
       // Beside the bound, the accuracy of what it is compared with.
       const double least = double(sides.size()) * kUnoccludedAbsoluteError * std::min(ids.areas[i], ids.areas[j]);
-      EXPECT_NEAR(bounded.area, truth, bounded.error + 2 * kUnoccludedRelativeError * truth + least) << scene.file << " " << i << " " << j;
+      EXPECT_NEAR(bounded.area, truth, bounded.error + 2 * kUnoccludedRelativeError * truth + least)
+          << scene.file << " " << i << " " << j;
       if (!(truth > 0)) continue;
       ++seen.pairs;
-      ++(bounded.error < 2 * kUnoccludedRelativeError * truth ? seen.near : bounded.error < 0.05 * bounded.area ? seen.far : seen.cut);
+      ++(bounded.error < 2 * kUnoccludedRelativeError * truth ? seen.near
+         : bounded.error < 0.05 * bounded.area                ? seen.far
+                                                              : seen.cut);
     }
   }
   return seen;
 }
 
 TEST(RowExchange, BoundsHold) {
-  for (const InputScene& input : {ts::roomWithTouchingBoxes(), ts::triangleSoup(120, 0.1, 5), ts::triangleSoup(80, 0.6, 6), ts::cubeInCube(0.5), ts::perpendicularSquares(), ts::parallelSquares()})
+  for (const InputScene& input :
+       {ts::roomWithTouchingBoxes(), ts::triangleSoup(120, 0.1, 5), ts::triangleSoup(80, 0.6, 6), ts::cubeInCube(0.5),
+        ts::perpendicularSquares(), ts::parallelSquares()})
     for (const bool two_sided : {false, true}) {
       const Scene scene = buildScene(input);
       compareRows(scene, two_sided);
     }
 }
 
-// Parts of walls far from each other, of a wall beside them, and of one that a floating square's plane cuts: each way of computing is taken.
+// Parts of walls far from each other, of a wall beside them, and of one that a floating square's plane cuts: each way
+// of computing is taken.
 TEST(RowExchange, EveryWayIsTaken) {
   InputScene room{"walls in parts", {"floor", "wall", "square"}, {}};
   constexpr int kParts = 12;
@@ -70,7 +77,7 @@ TEST(RowExchange, EveryWayIsTaken) {
   ts::addFace(room, "square", ts::parallelogram({0.8, 0.5, 0.53}, {0.05, 0, 0}, {0, 0.05, 0}));
   const Seen seen = compareRows(buildScene(room), false);
   EXPECT_GT(seen.far, 15'000u);
-  EXPECT_GE(seen.cut, size_t(kParts));  // the wall's parts that the square's plane cuts
+  EXPECT_GE(seen.cut, size_t(kParts));   // the wall's parts that the square's plane cuts
   EXPECT_GE(seen.near, size_t(kParts));  // those along the common edge
 }
 
@@ -79,7 +86,8 @@ TEST(RowExchange, FacesAreSumsOfTheirPolygons) {
   InputScene input{"faces", {"l", "octagon", "square"}, {}};
   ts::addFace(input, "l", {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}});
   std::vector<glm::dvec3> octagon;
-  for (int k = 0; k < 8; ++k) octagon.push_back({1 + std::cos(-k * 0.7853981633974483), 1 + std::sin(-k * 0.7853981633974483), 5});
+  for (int k = 0; k < 8; ++k)
+    octagon.push_back({1 + std::cos(-k * 0.7853981633974483), 1 + std::sin(-k * 0.7853981633974483), 5});
   ts::addFace(input, "octagon", octagon);
   ts::addFace(input, "square", ts::parallelogram({3, 0, 1}, {0, 1, 0}, {0, 0, 1}));
   const Scene scene = buildScene(input);

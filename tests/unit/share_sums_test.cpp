@@ -22,16 +22,17 @@ Ids idsOf(std::vector<double> areas) {
   return ids;
 }
 
-
 Measured exchangeOf(const ShareSums& sums, double measure_area, const KnownPair& known) {
-  return FormFactors(sums.ids(), sums.find({known}, {}, measure_area, INFINITY, {}, {}).entries, {}).exchangeArea(known.i, known.j);
+  return FormFactors(sums.ids(), sums.find({known}, {}, measure_area, INFINITY, {}, {}).entries, {})
+      .exchangeArea(known.i, known.j);
 }
 
 TEST(ShareSums, ByHand) {
   ShareSums sums(idsOf({20, 20, 20}));
   sums.add({{0, 1, 3, 5}, {0, 2, 4, 0}});
   sums.add({{0, 1, 1, 11}, {0, 2, 6, 0}});
-  // 4 of 20 lines are facing; residuals are 0.8 x 3 - 0.2 x 5 = 1.4 and -1.4, R s^2 = 2 x 3.92; squares 0.64 x 4 + 0.04 x 16 = 3.2 lines, so 7.84 / 3.2 at a time.
+  // 4 of 20 lines are facing; residuals are 0.8 x 3 - 0.2 x 5 = 1.4 and -1.4, R s^2 = 2 x 3.92; squares 0.64 x 4 + 0.04
+  // x 16 = 3.2 lines, so 7.84 / 3.2 at a time.
   const Measured f = exchangeOf(sums, 0.5, {0, 1, 0, 0, 16});
   EXPECT_DOUBLE_EQ(f.value, 3.2);
   EXPECT_DOUBLE_EQ(f.standard_error, 0.8 * std::hypot(std::sqrt(7.84), 4.2 / (3.2 * 3.2 / 7.84 + 1)));
@@ -45,7 +46,9 @@ TEST(ShareSums, ByHand) {
   EXPECT_EQ(unmet.standard_error, 0.5);
   // Not known: as it was sampled.
   const FormFactors sampled({}, {{0, 1, {5, 2}}, {1, 2, {7, 3}}}, {});
-  const FormFactors all = FormFactors(sums.ids(), sums.find({{0, 1, 0, 0, INFINITY}, {0, 2, 0, 0, 8}}, {}, 0.5, INFINITY, {}, sampled.entries()).entries, {});
+  const FormFactors all = FormFactors(
+      sums.ids(),
+      sums.find({{0, 1, 0, 0, INFINITY}, {0, 2, 0, 0, 8}}, {}, 0.5, INFINITY, {}, sampled.entries()).entries, {});
   ASSERT_EQ(all.entries().size(), 3u);
   EXPECT_EQ(all.exchangeArea(0, 1).value, 5);
   EXPECT_EQ(all.exchangeArea(0, 2).value, 8);
@@ -54,17 +57,23 @@ TEST(ShareSums, ByHand) {
   EXPECT_THROW(large.add({{0, 1, 0, uint64_t(1) << 51}}), Error);
 }
 
-// Few lines: their spread counts for as much as they have of the rarer kind, beside what neighbours and they tell together.
+// Few lines: their spread counts for as much as they have of the rarer kind, beside what neighbours and they tell
+// together.
 TEST(ShareSums, FewLinesByHand) {
   ShareSums sums(idsOf({20, 20, 20}));
   sums.add({{0, 1, 3, 5}, {0, 2, 4, 0}});
   sums.add({{0, 1, 1, 11}, {0, 2, 6, 0}});
   const std::vector<uint32_t> ranks{0, 1, 2};
   const NeighbourShares neighbours(sums, {}, ranks);
-  const FormFactors all = FormFactors(sums.ids(), sums.find({{0, 1, 0, 0, 16}, {0, 2, 0, 0, 8}, {1, 2, 0, 0, 4}}, {}, 0.5, INFINITY, {}, {}, &neighbours).entries, {});
-  // All are neighbours: 20 lines of one pair count as 1.4634, 10 as 1.4286, of which V = 1.7213 of L = 2.8920 are facing, so that m = V / L = 0.595181 and s = (V + m + 0.1) / (L + 1.2) = 0.590529.
-  // Of 20, two more and a tenth of either kind p = (4 + 2 s + 0.1) / 22.2 = 0.237885 are facing, 3.62592 of the rarer kind, which are trusted to 3.62592^2 / (3.62592^2 + 1/4). R s^2 / 20^2 = 0.0196,
-  // 2 / 23 of p (1 - p) / 20.5 is 0.000769019, and (1.959964 / 2.364624)^2 of that, t of 8 replicates: the root of 0.981340 x 0.0196 + 0.018660 x 0.000528334, times 16.
+  const FormFactors all = FormFactors(
+      sums.ids(),
+      sums.find({{0, 1, 0, 0, 16}, {0, 2, 0, 0, 8}, {1, 2, 0, 0, 4}}, {}, 0.5, INFINITY, {}, {}, &neighbours).entries,
+      {});
+  // All are neighbours: 20 lines of one pair count as 1.4634, 10 as 1.4286, of which V = 1.7213 of L = 2.8920 are
+  // facing, so that m = V / L = 0.595181 and s = (V + m + 0.1) / (L + 1.2) = 0.590529. Of 20, two more and a tenth of
+  // either kind p = (4 + 2 s + 0.1) / 22.2 = 0.237885 are facing, 3.62592 of the rarer kind, which are trusted
+  // to 3.62592^2 / (3.62592^2 + 1/4). R s^2 / 20^2 = 0.0196, 2 / 23 of p (1 - p) / 20.5 is 0.000769019, and (1.959964
+  // / 2.364624)^2 of that, t of 8 replicates: the root of 0.981340 x 0.0196 + 0.018660 x 0.000528334, times 16.
   EXPECT_EQ(all.exchangeArea(0, 1).value, 3.2);
   EXPECT_NEAR(all.exchangeArea(0, 1).standard_error, 2.219570, 1e-5);
   // All of 10: p = (10 + 2 s + 0.1) / 12.2, and p (1 - p) / 10.5 is left whole.
@@ -73,8 +82,8 @@ TEST(ShareSums, FewLinesByHand) {
   EXPECT_NEAR(all.exchangeArea(1, 2).value, 4 * 0.5951807, 1e-6);  // in single precision
 }
 
-// With rows of closed forms every pair is as it is alone, whether its closed form was known, or a row has it; what no row has is as it was sampled, and pairs that no line met have their
-// neighbours' share.
+// With rows of closed forms every pair is as it is alone, whether its closed form was known, or a row has it; what no
+// row has is as it was sampled, and pairs that no line met have their neighbours' share.
 TEST(ShareSums, RowsAndKnownPairsAndSampledOnesGoTogether) {
   constexpr uint32_t n = 40;
   const Ids ids = idsOf(std::vector<double>(n, 100.0));
@@ -109,22 +118,29 @@ TEST(ShareSums, RowsAndKnownPairsAndSampledOnesGoTogether) {
   const ExchangeRow row = [&](uint32_t i, std::span<BoundedExchange> later) {
     for (size_t k = 0; k < later.size(); ++k) later[k] = {areas[i][i + 1 + k], 0};
   };
-  const FormFactors all = FormFactors(sums.ids(), sums.find(known, {}, 0.5, INFINITY, {}, sampled.entries(), &neighbours, row).entries, {});
-  EXPECT_TRUE(std::ranges::is_sorted(all.entries(), {}, [](const FormFactors::Entry& entry) { return std::pair(entry.i, entry.j); }));
+  const FormFactors all =
+      FormFactors(sums.ids(), sums.find(known, {}, 0.5, INFINITY, {}, sampled.entries(), &neighbours, row).entries, {});
+  EXPECT_TRUE(std::ranges::is_sorted(all.entries(), {},
+                                     [](const FormFactors::Entry& entry) { return std::pair(entry.i, entry.j); }));
   std::array<size_t, 5> kinds{};
   for (uint32_t i = 0; i < n; ++i) {
     EXPECT_EQ(all.exchangeArea(i, kLeak).value, 3);
     EXPECT_EQ(all.exchangeArea(i, kEnvironment).value, exchangeOf(sums, 0.5, {i, kEnvironment, 0, 0, 100}).value);
     for (uint32_t j = i + 1; j < n; ++j) {
-      const auto at = std::ranges::find(known, std::pair(i, j), [](const KnownPair& pair) { return std::pair(pair.i, pair.j); });
-      const bool is_known = at != known.end(), is_told = std::ranges::any_of(sums.pairs(), [&](const ShareSums::PairSum& pair) { return pair.i == i && pair.j == j; });
+      const auto at =
+          std::ranges::find(known, std::pair(i, j), [](const KnownPair& pair) { return std::pair(pair.i, pair.j); });
+      const bool is_known = at != known.end(),
+                 is_told = std::ranges::any_of(
+                     sums.pairs(), [&](const ShareSums::PairSum&pair) { return pair.i == i && pair.j == j; });
       const double most = is_known ? at->exchange : areas[i][j];
       const Measured f = all.exchangeArea(i, j);
       ++kinds[most == 0 ? 0 : 1 + 2 * is_known + is_told];
       if (most == 0) {
         EXPECT_EQ(f.value, sampled.exchangeArea(i, j).value);
       } else if (is_told) {
-        const Measured alone = FormFactors(sums.ids(), sums.find({{i, j, 0, 0, most}}, {}, 0.5, INFINITY, {}, {}, &neighbours).entries, {}).exchangeArea(i, j);
+        const Measured alone =
+            FormFactors(sums.ids(), sums.find({{i, j, 0, 0, most}}, {}, 0.5, INFINITY, {}, {}, &neighbours).entries, {})
+                .exchangeArea(i, j);
         EXPECT_EQ(f.value, alone.value) << i << " " << j;
         EXPECT_EQ(f.standard_error, alone.standard_error) << i << " " << j;
       } else {
@@ -146,7 +162,8 @@ TEST(ShareSums, AreControlsOfAnyShares) {
   for (uint32_t i = 0; i < n; ++i) {
     lines.push_back(1 + random() % 300);
     for (uint32_t j = i + 1; j < n; ++j)
-      if (random() % 3) shares.push_back({i, j, std::array{1u, kShareOne, static_cast<uint32_t>(random() % kShareOne)}[random() % 3]});
+      if (random() % 3)
+        shares.push_back({i, j, std::array{1u, kShareOne, static_cast<uint32_t>(random() % kShareOne)}[random() % 3]});
   }
   ShareSums whole(ids), parts[2] = {ShareSums(ids), ShareSums(ids)};
   ControlSums controls(ids);
@@ -154,7 +171,9 @@ TEST(ShareSums, AreControlsOfAnyShares) {
     PairCounts counts;
     for (uint32_t i = 0; i < n; ++i)
       for (uint32_t j = i + 1; j <= n; ++j)
-        if (random() % 2) counts.push_back({i, j < n ? j : kEnvironment, random() % 3 ? random() >> 16 : 0, random() % 3 ? random() >> 16 : 1});
+        if (random() % 2)
+          counts.push_back(
+              {i, j < n ? j : kEnvironment, random() % 3 ? random() >> 16 : 0, random() % 3 ? random() >> 16 : 1});
     whole.add(counts);
     parts[r % 2].add(counts);
     controls.add(takeShares(counts, shares, lines));
@@ -166,12 +185,15 @@ TEST(ShareSums, AreControlsOfAnyShares) {
     ASSERT_EQ(same.pairs().size(), controls.pairs().size());
     for (size_t k = 0; k < same.pairs().size(); ++k) {
       const ControlSums::PairSum &a = same.pairs()[k], &b = controls.pairs()[k];
-      EXPECT_TRUE(a.i == b.i && a.j == b.j && a.sum == b.sum && a.sum_of_squares == b.sum_of_squares && a.squares == b.squares && a.line == b.line) << a.i << " " << a.j;
+      EXPECT_TRUE(a.i == b.i && a.j == b.j && a.sum == b.sum && a.sum_of_squares == b.sum_of_squares &&
+                  a.squares == b.squares && a.line == b.line)
+          << a.i << " " << a.j;
     }
   }
 }
 
-// More pairs than one thread takes at once, a whole multiple of them too: each is what it is alone, and pairs not known stand in their places.
+// More pairs than one thread takes at once, a whole multiple of them too: each is what it is alone, and pairs not known
+// stand in their places.
 TEST(ShareSums, ManyPairsAreEachWhatTheyAreAlone) {
   constexpr uint32_t n = 520;
   const Ids ids = idsOf(std::vector<double>(n, 100.0));
@@ -191,7 +213,8 @@ TEST(ShareSums, ManyPairsAreEachWhatTheyAreAlone) {
     sums.add(counts);
     const FormFactors all = FormFactors(sums.ids(), sums.find(known, {}, 0.1, INFINITY, {}, others).entries, {});
     ASSERT_EQ(all.entries().size(), known.size() + others.size());
-    EXPECT_TRUE(std::ranges::is_sorted(all.entries(), {}, [](const FormFactors::Entry& entry) { return std::pair(entry.i, entry.j); }));
+    EXPECT_TRUE(std::ranges::is_sorted(all.entries(), {},
+                                       [](const FormFactors::Entry& entry) { return std::pair(entry.i, entry.j); }));
     for (const FormFactors::Entry& entry : others) ASSERT_EQ(all.exchangeArea(entry.i, entry.j).value, double(entry.i));
     for (size_t k = 0; k < known.size(); k += 97) {
       const Measured alone = exchangeOf(sums, 0.1, known[k]), together = all.exchangeArea(known[k].i, known[k].j);
@@ -200,8 +223,9 @@ TEST(ShareSums, ManyPairsAreEachWhatTheyAreAlone) {
   }
 }
 
-// Of lines as many as Poisson's law has, each facing with probability b: no bias, however few lines there are; and 95 % intervals hold the truth as often as those of plain counts do, at
-// least 88 times in 100 (README, Accuracy), where a line told anything.
+// Of lines as many as Poisson's law has, each facing with probability b: no bias, however few lines there are; and 95 %
+// intervals hold the truth as often as those of plain counts do, at least 88 times in 100 (README, Accuracy), where a
+// line told anything.
 TEST(ShareSums, LinesByChanceHaveNoBias) {
   constexpr int kTrials = 4000, kReplicates = 8;
   const double t = quantile(complement(boost::math::students_t(kReplicates - 1), 0.025));
@@ -215,7 +239,8 @@ TEST(ShareSums, LinesByChanceHaveNoBias) {
         ShareSums sums(idsOf({1e9, 1e9}));
         uint64_t all = 0;
         for (int r = 0; r < kReplicates; ++r) {
-          const uint64_t of_replicate = some(random), facing = std::binomial_distribution<uint64_t>(of_replicate, b)(random);
+          const uint64_t of_replicate = some(random),
+                         facing = std::binomial_distribution<uint64_t>(of_replicate, b)(random);
           all += of_replicate;
           sums.add({{0, 1, facing, of_replicate - facing}});
         }
@@ -231,7 +256,8 @@ TEST(ShareSums, LinesByChanceHaveNoBias) {
     }
 }
 
-// Where facing and blocked lines vary each on their own the bias is below the standard error times the relative standard error of all lines (Hartley & Ross 1954).
+// Where facing and blocked lines vary each on their own the bias is below the standard error times the relative
+// standard error of all lines (Hartley & Ross 1954).
 TEST(ShareSums, BiasIsBounded) {
   constexpr int kTrials = 20'000, kReplicates = 4;
   std::mt19937_64 random(8);
@@ -259,8 +285,8 @@ TEST(ShareSums, BiasIsBounded) {
   }
 }
 
-// One line of 80 of a row leaves the scene, in one replicate of eight: its share is 1 / 80, by polygon and by surface, whatever pilots have
-// seen, and not 1 / 10, as in the one replicate that saw it.
+// One line of 80 of a row leaves the scene, in one replicate of eight: its share is 1 / 80, by polygon and by surface,
+// whatever pilots have seen, and not 1 / 10, as in the one replicate that saw it.
 TEST(ShareSums, EnvironmentSeenInOneReplicateOfEight) {
   Ids ids;
   ids.names = {"a", "b"};
@@ -274,7 +300,8 @@ TEST(ShareSums, EnvironmentSeenInOneReplicateOfEight) {
     VisibleSums visible(ids, ids, By::polygon, known);
     ReplicateSums counted(ids);
     for (int replicate = 0; replicate < 8; ++replicate) {
-      const PairCounts counts = replicate == 3 ? PairCounts{{0, 1, 9}, {0, kEnvironment, 1}, {1, kEnvironment, 1}} : PairCounts{{0, 1, 10}};
+      const PairCounts counts =
+          replicate == 3 ? PairCounts{{0, 1, 9}, {0, kEnvironment, 1}, {1, kEnvironment, 1}} : PairCounts{{0, 1, 10}};
       visible.add(counts, {});
       counted.add(counts);
     }
@@ -282,7 +309,8 @@ TEST(ShareSums, EnvironmentSeenInOneReplicateOfEight) {
     const FormFactors by_polygon = visible.byPolygon(kMeasureArea, INFINITY, counted, {});
     EXPECT_NEAR(by_polygon.formFactor(0, kEnvironment).value, 1 / 80.0, 1e-12) << share;
     const FormFactors by_surface = visible.bySurface(kMeasureArea, INFINITY, counted.formFactors(kMeasureArea));
-    EXPECT_NEAR(by_surface.formFactor(0, kEnvironment).value, 1 / 80.0, 1e-6) << share;  // shares in units of 2^-12 are exact, areas are rounded
+    EXPECT_NEAR(by_surface.formFactor(0, kEnvironment).value, 1 / 80.0, 1e-6)
+        << share;  // shares in units of 2^-12 are exact, areas are rounded
   }
 }
 

@@ -16,7 +16,9 @@ namespace ts = test_scenes;
 
 InputScene named(const char* name) { return {name, {}, {}}; }
 
-void turn(InputScene& input, size_t face) { std::reverse(input.faces[face].corners.begin(), input.faces[face].corners.end()); }
+void turn(InputScene& input, size_t face) {
+  std::reverse(input.faces[face].corners.begin(), input.faces[face].corners.end());
+}
 
 std::set<uint32_t> flippedIn(const InputScene& input) {
   const Scene scene = buildScene(input);
@@ -66,14 +68,18 @@ TEST(Shells, AMoebiusStripCannotBeTurned) {
 // Nothing is turned where lines meet fronts: rooms, solids, sheets, contacts, in their places or turned and rounded.
 TEST(Shells, WhatIsRightStays) {
   for (const ts::CoincidentScene& of : ts::coincidentScenes())
-    for (const InputScene& input : {of.make(0), of.make(1e-3), ts::roundedToSingle(ts::turnedAndMoved(of.make(0)))}) EXPECT_TRUE(flippedIn(input).empty()) << of.name;
-  for (const InputScene& input : {ts::insideOfCube(), ts::cubeInCube(0.3), ts::roomWithTouchingBoxes(), ts::parallelSquares()}) EXPECT_TRUE(flippedIn(input).empty()) << input.file;
+    for (const InputScene& input : {of.make(0), of.make(1e-3), ts::roundedToSingle(ts::turnedAndMoved(of.make(0)))})
+      EXPECT_TRUE(flippedIn(input).empty()) << of.name;
+  for (const InputScene& input :
+       {ts::insideOfCube(), ts::cubeInCube(0.3), ts::roomWithTouchingBoxes(), ts::parallelSquares()})
+    EXPECT_TRUE(flippedIn(input).empty()) << input.file;
 }
 
 // Whatever faces or shells are turned over in a clean scene, they are found, and no others.
 TEST(Shells, WhatWasTurnedIsFound) {
   const InputScene clean = ts::cubeInCube(0.3);  // outer 0 to 5, inner 6 to 11
-  const std::vector<std::set<uint32_t>> cases = {{0}, {7}, {2, 9}, {0, 1}, {6, 7, 8, 9, 10, 11}, {0, 1, 2, 3, 4, 5}, {0, 1, 2, 3, 4, 5, 8}};
+  const std::vector<std::set<uint32_t>> cases = {
+      {0}, {7}, {2, 9}, {0, 1}, {6, 7, 8, 9, 10, 11}, {0, 1, 2, 3, 4, 5}, {0, 1, 2, 3, 4, 5, 8}};
   for (const std::set<uint32_t>& turned : cases) {
     InputScene input = clean;
     for (uint32_t face : turned) turn(input, face);
@@ -81,7 +87,8 @@ TEST(Shells, WhatWasTurnedIsFound) {
     EXPECT_EQ(flippedIn(ts::roundedToSingle(ts::turnedAndMoved(input))), turned);
     const Scene fixed = buildScene(input, {.fix_normals = true}), expected = buildScene(clean);
     for (size_t k = 0; k < expected.polygons.size(); ++k)
-      EXPECT_NEAR(glm::dot(frontNormal(fixed, fixed.polygons[k]), frontNormal(expected, expected.polygons[k])), 1, 1e-12);
+      EXPECT_NEAR(glm::dot(frontNormal(fixed, fixed.polygons[k]), frontNormal(expected, expected.polygons[k])), 1,
+                  1e-12);
   }
   // A lone box with its fronts outward is a room drawn by CAD; one that has something to see is a solid.
   InputScene box = named("box");

@@ -1,4 +1,5 @@
-// Threads: as many as processors allowed, and results that do not depend on them. ThreadSanitizer watches (preset tsan).
+// Threads: as many as processors allowed, and results that do not depend on them. ThreadSanitizer watches (preset
+// tsan).
 #include <sched.h>
 
 #include <cmath>
@@ -71,8 +72,10 @@ InputScene cubeInCubeInParts() {
   for (const InputFace& face : ts::cubeInCube(0.3).faces)
     for (int x = 0; x < kCuts; ++x)
       for (int y = 0; y < kCuts; ++y) {
-        const glm::dvec3 a = (face.corners[1] - face.corners[0]) / double(kCuts), b = (face.corners[3] - face.corners[0]) / double(kCuts);
-        ts::addFace(input, face.surface ? "inner" : "outer", ts::parallelogram(face.corners[0] + double(x) * a + double(y) * b, a, b));
+        const glm::dvec3 a = (face.corners[1] - face.corners[0]) / double(kCuts),
+                         b = (face.corners[3] - face.corners[0]) / double(kCuts);
+        ts::addFace(input, face.surface ? "inner" : "outer",
+                    ts::parallelogram(face.corners[0] + double(x) * a + double(y) * b, a, b));
       }
   return input;
 }
@@ -81,12 +84,15 @@ void expectSameBits(const FormFactors& one, const FormFactors& other) {
   ASSERT_EQ(one.entries().size(), other.entries().size());
   for (size_t k = 0; k < one.entries().size(); ++k) {
     const FormFactors::Entry &a = one.entries()[k], &b = other.entries()[k];
-    ASSERT_TRUE(a.i == b.i && a.j == b.j && a.exchange_area.value == b.exchange_area.value && a.exchange_area.standard_error == b.exchange_area.standard_error) << a.i << ", " << a.j;
+    ASSERT_TRUE(a.i == b.i && a.j == b.j && a.exchange_area.value == b.exchange_area.value &&
+                a.exchange_area.standard_error == b.exchange_area.standard_error)
+        << a.i << ", " << a.j;
   }
 }
 
-// A run with closed forms - lattices, pilots, pairs with nothing in between, sums by polygon and by surface, form factors - has the same bits on one processor and on all of the machine's.
-// Lists are longer than what is left to one thread.
+// A run with closed forms - lattices, pilots, pairs with nothing in between, sums by polygon and by surface, form
+// factors - has the same bits on one processor and on all of the machine's. Lists are longer than what is left to one
+// thread.
 TEST(Threads, NeverChangeARunWithClosedForms) {
   if (isAlone()) GTEST_SKIP() << "there is one processor";
   const Scene scene = buildScene(cubeInCubeInParts());
@@ -95,8 +101,8 @@ TEST(Threads, NeverChangeARunWithClosedForms) {
     const auto engine = makeHostEngine(scene, ids, {.resolution = 48, .count_blocked = true});
     FaceExchanges exchanges(nullptr, scene, ids);
     EstimateOptions options{.directions = 48, .replicates = 2};
-    const VisibleShares shares =
-        findVisibleShares(*engine, exchanges, scene, ids, groupAsOne(scene, 48), options, {sharePilot(options).directions});
+    const VisibleShares shares = findVisibleShares(*engine, exchanges, scene, ids, groupAsOne(scene, 48), options,
+                                                   {sharePilot(options).directions});
     EXPECT_EQ(threadsFor(shares.known.pairs.size()), threadCount()) << shares.known.pairs.size();
     options.known = &shares.known;
     options.by = by;
@@ -123,13 +129,16 @@ TEST(Threads, NeverChangeRowsOfClosedForms) {
   const Ids ids = makeIds(scene, By::polygon, false);
   const auto engine = makeHostEngine(scene, ids, {.resolution = 24, .count_blocked = true, .thread_count = 1});
   ShareSums sums(ids);
-  for (uint64_t replicate = 0; replicate < 2; ++replicate) sums.add(engine->count(sampleDirections(Sampler::fibonacci, 8, 1, replicate)));
+  for (uint64_t replicate = 0; replicate < 2; ++replicate)
+    sums.add(engine->count(sampleDirections(Sampler::fibonacci, 8, 1, replicate)));
   const std::vector<uint32_t> ranks = rankByPlace(scene, ids.of_polygon, ids.count());
   const NeighbourShares neighbours(sums, {}, ranks);
   FaceExchanges exchanges(nullptr, scene, ids);
   const ExchangeRow rows = exchanges.rows();
   std::optional<FormFactors> on_one, on_all;
-  const auto make = [&] { return FormFactors(sums.ids(), sums.find({}, {}, 1, INFINITY, {}, {}, &neighbours, rows).entries, {}); };
+  const auto make = [&] {
+    return FormFactors(sums.ids(), sums.find({}, {}, 1, INFINITY, {}, {}, &neighbours, rows).entries, {});
+  };
   runOn(firstOf(allowed()), [&] { on_one = make(); });
   runOn(allOf(), [&] { on_all = make(); });
   ASSERT_TRUE(on_one && on_all);

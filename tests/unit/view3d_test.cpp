@@ -68,13 +68,15 @@ TEST(View3d, SurfacesAreWrittenWithTheirCornersInOrder) {
   for (size_t k = 0; k < 2; ++k) {
     ASSERT_EQ(surfaces[k].size(), input.faces[k].corners.size());
     // Moved to the unit ball and back, of radius and offset below 2: a few ulps.
-    for (size_t c = 0; c < surfaces[k].size(); ++c) EXPECT_LT(glm::length(surfaces[k][c] - input.faces[k].corners[c]), 1e-15);
+    for (size_t c = 0; c < surfaces[k].size(); ++c)
+      EXPECT_LT(glm::length(surfaces[k][c] - input.faces[k].corners[c]), 1e-15);
   }
 }
 
 // Composed after the format: three surfaces, of areas 2, 1 and 4.
-constexpr const char* kOutput = "View3D 4.0.0 0 0 0 3          \n2 1 4\n"
-                                "0.000000 0.250000 0.5\n0.5 0.000000 1.25e-1\n0.25 0.030 0.000000\n0.900 0.900 0.900\n";
+constexpr const char* kOutput =
+    "View3D 4.0.0 0 0 0 3          \n2 1 4\n"
+    "0.000000 0.250000 0.5\n0.5 0.000000 1.25e-1\n0.25 0.030 0.000000\n0.900 0.900 0.900\n";
 
 TEST(View3d, FormFactorsAreReadWithBothDirectionsAveraged) {
   std::istringstream file(kOutput);
@@ -98,10 +100,14 @@ TEST(View3d, WhatIsNoOutputIsRefused) {
   };
   EXPECT_EQ(refusal(output, 3), "none");
   EXPECT_EQ(refusal(output, 4), "out.txt: 3 surfaces in place of 4; give View3D's own text output");
-  EXPECT_EQ(refusal("View2D 3.3\n1\n", 1), "out.txt: the first line is not `View3D version out encl emit N`; give View3D's own text output");
-  EXPECT_EQ(refusal("", 1), "out.txt: the first line is not `View3D version out encl emit N`; give View3D's own text output");
-  EXPECT_EQ(refusal(output.substr(0, output.find("0.030")), 3), "out.txt: a form factor is missing or no number; give View3D's own text output");
-  EXPECT_EQ(refusal(output.substr(0, output.rfind("0.900")), 3), "out.txt: an emissivity is missing or no number; give View3D's own text output");
+  EXPECT_EQ(refusal("View2D 3.3\n1\n", 1),
+            "out.txt: the first line is not `View3D version out encl emit N`; give View3D's own text output");
+  EXPECT_EQ(refusal("", 1),
+            "out.txt: the first line is not `View3D version out encl emit N`; give View3D's own text output");
+  EXPECT_EQ(refusal(output.substr(0, output.find("0.030")), 3),
+            "out.txt: a form factor is missing or no number; give View3D's own text output");
+  EXPECT_EQ(refusal(output.substr(0, output.rfind("0.900")), 3),
+            "out.txt: an emissivity is missing or no number; give View3D's own text output");
 }
 
 // A program in the place of View3D.
@@ -114,7 +120,8 @@ std::string writeProgram(const std::string& body) {
 
 TEST(View3d, ItsProgramTakesInputAndOutput) {
   const Scene scene = buildScene(squareAndTriangle());
-  const std::string program = writeProgram("grep -q '^S 2 ' \"$1\" && printf 'View3D 4.0.0 0 0 0 2\\n2 1\\n0 0.25\\n0.5 0\\n0.9 0.9\\n' > \"$2\"\n");
+  const std::string program = writeProgram(
+      "grep -q '^S 2 ' \"$1\" && printf 'View3D 4.0.0 0 0 0 2\\n2 1\\n0 0.25\\n0.5 0\\n0.9 0.9\\n' > \"$2\"\n");
   const View3dRun run = runView3d(program, scene, 1e-4, testing::TempDir());
   EXPECT_DOUBLE_EQ(run.exchange.at(0, 1), 0.5);
   EXPECT_GT(run.seconds, 0);
@@ -123,7 +130,9 @@ TEST(View3d, ItsProgramTakesInputAndOutput) {
     FAIL() << "a program that fails is taken";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::bad_usage);
-    EXPECT_NE(std::string(error.what()).find("ends with status 3; give the path of View3D's program"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("ends with status 3; give the path of View3D's program"),
+              std::string::npos)
+        << error.what();
   }
 }
 
