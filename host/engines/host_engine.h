@@ -13,7 +13,8 @@ namespace viewpeel {
 //   counters), thread_count, available_bytes,
 //     measure_work and on_batch
 //   Throws (constructor): Error bad_usage where the resolution is out of range; Error limit where one thread's work
-//   does not fit the memory. Cost: per direction and thread as Sweep.
+//   does not fit the memory.
+//   Cost: per direction and thread as Sweep.
 std::unique_ptr<Engine> makeHostEngine(const Scene& scene, const Ids& ids, const LatticeOptions& options);
 
 // The samples with which it has the smaller error after the same time (bench/sampling_error): scanlines in scenes of

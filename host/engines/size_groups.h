@@ -24,10 +24,10 @@ struct SizeGroup {
 
 // Groups the polygons by the resolutions that they need, in steps of 4, and those of a resolution by place.
 //   In: needed[k]: the least resolution for Scene::polygons[k]; base: the first group's, which takes all polygons that
-//   need no more; finest: the most any may get Out: groups whose resolutions are base x 4^m, at most `finest`; the
-//   first holds the whole scene, even where it has no polygons.
-//     A polygon too large for a window at the resolution it needs gets the finest that its window allows; where there
-//     would be more than 32 windows, all polygons get at most the finest resolution with fewer.
+//   need no more; finest: the most any may get
+//   Out: groups whose resolutions are base x 4^m, at most `finest`; the first holds the whole scene, even where it has
+//     no polygons. A polygon too large for a window at the resolution it needs gets the finest that its window allows;
+//     where there would be more than 32 windows, all polygons get at most the finest resolution with fewer.
 //   Cost: O(n log n).
 std::vector<SizeGroup> groupBySize(const Scene& scene, const std::vector<double>& needed, int base,
                                    int finest = kMaxWindowResolution);

@@ -17,10 +17,10 @@ ConvexSize sizeOf(const Scene& scene, const Polygon& polygon);
 // 2 x h^2 x (lattice points of a projection of x) is at most latticeRange(x, h), whatever the direction and the
 // lattice's offset and rotation.
 //   A convex region of area A and perimeter p holds at most A / h^2 + p / (2 h) + 1 points of a square lattice
-//   (Nosarzewska 1948), and projection shrinks both. Out: 2 A + p h + 2 h^2    Error: none.  Tests:
-//   tests/device/bounds_test.cpp.  Throws: nothing.  Cost: O(1). Source: M. Nosarzewska, Evaluation de la difference
-//   entre l'aire d'une region plane convexe et le nombre des points aux coordonnees
-//     entieres couverts par elle, Colloq. Math. 1, 1948.
+//   (Nosarzewska 1948), and projection shrinks both.
+//   Out: 2 A + p h + 2 h^2    Error: none.  Tests: tests/device/bounds_test.cpp.  Throws: nothing.  Cost: O(1).
+//   Source: M. Nosarzewska, Evaluation de la difference entre l'aire d'une region plane convexe et le nombre des points
+//     aux coordonnees entieres couverts par elle, Colloq. Math. 1, 1948.
 double latticeRange(const ConvexSize& x, double h);
 
 // The same for scanlines, 2 x h x (length of lattice rows in a projection of x).
@@ -29,7 +29,8 @@ double latticeRange(const ConvexSize& x, double h);
 //   w(y_k) is at most the integral of w over the spacing between y_k and the next row towards it, and the highest one
 //   itself adds at most h max w. The integral is the area of the projection, max w its diameter, and projection shrinks
 //   both. Lengths are counted in columns of 2^-10 h: each of at most d / h + 1 rows may hold one column more than its
-//   length. Out: 2 A + 2 h d + 2^-9 h (d + h)    Error, Tests, Throws, Cost: as above.
+//   length.
+//   Out: 2 A + 2 h d + 2^-9 h (d + h)    Error, Tests, Throws, Cost: as above.
 double scanlineRange(const ConvexSize& x, double h);
 
 // The range M of one direction's estimate of F_ij: both the points that i and j share and so the estimate are at most

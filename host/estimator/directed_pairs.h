@@ -95,8 +95,8 @@ struct CommonPilots {
 //   the replicates asked for. M is what brings a pair below half of the goal in R_0 replicates, by pilots of its own.
 //   In: options: goals, replicates, directions, seed
 //   Out: sorted; none without a goal, and where that would save less than a fifth of the work. A function of counts and
-//   options alone, not of time: parts of a run choose alike. Cost: O(known pairs log) and 128 directions for each pair
-//   tried.
+//   options alone, not of time: parts of a run choose alike.
+//   Cost: O(known pairs log) and 128 directions for each pair tried.
 std::vector<DirectedPair> chooseDirectedPairs(PairSampler& sampler, const Ids& face_ids, const KnownShares& known,
                                               const CommonPilots& pilots, const EstimateOptions& options);
 

@@ -61,7 +61,8 @@ struct GuaranteeOptions {
 //   is so counted on one lattice only, no coarser than its own, whose points in a count once (all windows of a
 //   resolution are parts of one lattice). Where j has several, a may be counted on every finer one, too: what that adds
 //   is at most the range of the polygons of i on that lattice, and of those of j that have it, the most over all such
-//   j. In: resolutions of Scene::polygons, empty for exact areas
+//   j.
+//   In: resolutions of Scene::polygons, empty for exact areas
 std::vector<double> formFactorRanges(const Scene& scene, const Ids& ids, const std::vector<double>& resolutions,
                                      Sampling sampling);
 
@@ -91,7 +92,8 @@ struct GuaranteePlan : GuaranteeFigures {
 // Chooses lattices, fine enough for ranges near 2, and blocks, by their measured cost.
 //   In: lattices as for planEstimate, with what they sample; `exact` where areas are exact
 //   Throws: Error bad_usage where epsilon or delta is not in (0, 1), or the sampler's directions are not independent;
-//   what engines throw. Cost: a pilot of some hundred directions.
+//   what engines throw.
+//   Cost: a pilot of some hundred directions.
 GuaranteePlan planGuarantee(const Scene& scene, const Ids& ids, const GuaranteeOptions& options,
                             const Lattices& lattices, bool exact);
 

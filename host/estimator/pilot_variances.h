@@ -27,7 +27,8 @@ struct PilotVariances {
 };
 
 //   In: counted: replicates, an even number of at least 4; id_of_face: with closed forms, empty without; measure_area:
-//   of a count, as in ReplicateSums; options: the goal Cost: O(nonzeros log nonzeros) a replicate.
+//   of a count, as in ReplicateSums; options: the goal
+//   Cost: O(nonzeros log nonzeros) a replicate.
 PilotVariances pilotVariances(const std::vector<PilotCounts>& counted, const Ids& ids,
                               const std::vector<uint32_t>& id_of_face, double measure_area,
                               const EstimateOptions& options);

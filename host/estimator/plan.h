@@ -51,8 +51,10 @@ std::unique_ptr<Engine> makeEngine(const Lattices& lattices, const Scene& scene,
 //   because the pilot's hardly met what the plan's own meets often, another pilot looks on the plan's lattice. Lattices
 //   much finer than those timed are tried before they are taken. Every id gets a lattice that it meets at 100 points or
 //   more (or 100 scanlines) in eight replicates, so that none goes unseen, as far as the finest lattice there is
-//   allows. In: options: goal, replicates, sampler, seed, asked_directions    Out: the plan, with its engine Error: a
-//   prediction; what was reached is measured by the run. Directions and lattices of pilots are none of the run's.
+//   allows.
+//   In: options: goal, replicates, sampler, seed, asked_directions    Out: the plan, with its engine
+//   Error: a prediction; what was reached is measured by the run. Directions and lattices of pilots are none of the
+//     run's.
 //   Throws: what engines throw.
 //   Cost: pilots are kept below about a tenth of the run or of the time there is, and half a minute each; the first has
 //   512 directions, or what these allow, 16 at least.

@@ -31,7 +31,8 @@ double knownVarianceBound(double variance, double range, double directions, doub
 class ShareBounds {
  public:
   //   In: ids by face; ranges as from formFactorRanges; known: of all pairs, without shares where the range does not
-  //   hold for T (keepBounded) Cost: 24 bytes a pair that can see each other.
+  //   hold for T (keepBounded)
+  //   Cost: 24 bytes a pair that can see each other.
   ShareBounds(const Ids& ids, const std::vector<double>& ranges, const KnownShares& known);
 
   // The least N after which everything is within epsilon but for probability delta, by Hoeffding's and Bernstein's

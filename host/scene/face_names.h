@@ -17,7 +17,8 @@ std::vector<uint32_t> findFaces(const InputScene& input, const std::string& name
 std::vector<std::string> nameFaces(const InputScene& input);
 
 //   Throws: Error bad_input where a surface has the name of another one's face, as "desk[3]" beside a desk of three
-//   faces. Cost: O(faces + surfaces log surfaces).
+//   faces.
+//   Cost: O(faces + surfaces log surfaces).
 void requireDistinctNames(const InputScene& input);
 
 }  // namespace viewpeel

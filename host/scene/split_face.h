@@ -21,9 +21,9 @@ glm::dvec3 twiceVectorArea(const std::vector<glm::dvec3>& corners);
 // Cuts a simple polygon into convex planar pieces that tile it. A convex planar face is returned whole, corners in the
 // middle of an edge included: neighbours may meet there.
 //   In: three or more corners, consecutive ones distinct, vector area not zero    Out: pieces; empty when the face
-//   crosses itself Cost: O(m^2) for m corners where the face is not convex; triangulation by ear clipping (Meisters
-//   1975), pieces merged as in
-//     Hertel & Mehlhorn 1983, so at most four times the least number.
+//   crosses itself
+//   Cost: O(m^2) for m corners where the face is not convex; triangulation by ear clipping (Meisters 1975), pieces
+//     merged as in Hertel & Mehlhorn 1983, so at most four times the least number.
 Pieces splitFace(const std::vector<glm::dvec3>& corners);
 
 }  // namespace viewpeel

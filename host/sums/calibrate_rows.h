@@ -27,9 +27,10 @@ struct Guess {
 //   with y such that row i gains g_i = f_i (A_i - sum_j x_ij), f_i = E_i^2 / (E_i^2 + V_i): E_i, the sum of the
 //   standard errors of guesses in the row, is their error where all err alike; V_i, the sum of squared standard errors
 //   of measured entries, is their share of what is missing. So rows whose guesses matter little keep their measured
-//   sums. In: entries of all pairs, environment and leak, sorted; guesses sorted by entry; areas: emitting area of each
-//   row Out: entries, moved; reciprocity holds as before, for x_ij is one number. Standard errors stay. Error: a row
-//   gains g_i to 1 % of the root of E_i^2 + V_i, or as near to it as shares from 0 to 1 allow.
+//   sums.
+//   In: entries of all pairs, environment and leak, sorted; guesses sorted by entry; areas: emitting area of each row
+//   Out: entries, moved; reciprocity holds as before, for x_ij is one number. Standard errors stay.
+//   Error: a row gains g_i to 1 % of the root of E_i^2 + V_i, or as near to it as shares from 0 to 1 allow.
 //     tests/unit/calibrate_rows_test.cpp. The same for any number of threads.
 //   Cost: some 20 passes over all guesses; memory 16 bytes a row.
 void calibrateRows(std::vector<FormFactors::Entry>& entries, const std::vector<Guess>& guesses,

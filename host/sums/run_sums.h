@@ -37,7 +37,8 @@ struct RunSums {
   bool isWhole() const;
 
   //   In: a replicate that is not there yet; counts by id; of directed pairs (VisibleSums) those along their own
-  //   directions Cost: O(nonzeros log nonzeros).
+  //   directions
+  //   Cost: O(nonzeros log nonzeros).
   void add(uint64_t replicate, const PairCounts& counts, uint64_t direction_count, const PairCounts& directed = {});
   //   In: replicates that are not there yet, of the same run: the same ids, the same measure_area, the same shares
   //   Cost: O(nonzeros).

@@ -30,7 +30,8 @@ class RowExchange {
   //   In: later: one for each of i + 1, i + 2, ...; 0 and 0, or an error below 0: it is not wanted
   //   Out: later: exchange areas with id i, input units squared; 0 and 0 where the two cannot see each other
   //   Error: at most that given: where it is more than 5 % of an exchange area, one polygon is cut by the other's
-  //   plane. tests/unit/row_exchange_test.cpp. Cost: O(n).
+  //   plane. tests/unit/row_exchange_test.cpp.
+  //   Cost: O(n).
   void compute(uint32_t i, std::span<BoundedExchange> later) const;
 
  private:

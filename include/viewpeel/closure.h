@@ -49,9 +49,10 @@ struct ClosedFormFactors {
 //     backs, where a row has no pair, or where no x exists (rows that have met only rows of a smaller area in all):
 //     more directions or a finer lattice; limit where Newton's method does not end.
 //   Cost: a few Newton steps (3 to 5 in the scenes measured), each some dozens of O(nonzeros) products; memory 60 bytes
-//   an entry. Source: W. E. Deming & F. F. Stephan, On a least squares adjustment of a sampled frequency table when the
-//   expected marginal totals are
-//     known, Ann. Math. Stat. 11(4), 1940, 427-444 (the adjustment); the solver's is in closure.cpp.
+//   an entry.
+//   Source: W. E. Deming & F. F. Stephan, On a least squares adjustment of a sampled frequency table when the expected
+//     marginal totals are known, Ann. Math. Stat. 11(4), 1940, 427-444 (the adjustment); the solver's is in
+//     closure.cpp.
 ClosedFormFactors closeRows(const FormFactors& measured);
 
 }  // namespace viewpeel

@@ -65,8 +65,8 @@ class FormFactorRun {
   Settings settings() const;
   // Goes on with the plan of an earlier run of the same scene and request, and after its replicates. Before makePlan().
   //   In: a file that writeCheckpoint of that run, or `viewpeel merge`, has written    Out: the replicates in it, in
-  //   words: "0 to 7" Throws: Error bad_input where the file is none, or damaged; Error bad_usage where it is of
-  //   another run.
+  //   words: "0 to 7"
+  //   Throws: Error bad_input where the file is none, or damaged; Error bad_usage where it is of another run.
   std::string resumeFrom(const std::filesystem::path& checkpoint);
   // Not before the first step.    Throws: Error output; the file is then what it was.    Cost: about 40 bytes of disk a
   // nonzero pair (formats.md).

@@ -104,8 +104,8 @@ struct SceneOptions {
 // the unit ball, groups coplanar polygons into planes and orders the coincident ones.
 //   In: faces in input units, any size and offset    Out: the scene, in unit-ball units
 //   Error: corners to 1 ulp of the unit ball after the subtraction of the centre in double. Tests:
-//   tests/unit/build_scene_test.cpp. Throws: Error bad_input (NaN or infinite coordinates, no usable polygon, names
-//   that collide), naming file and line;
+//   tests/unit/build_scene_test.cpp.
+//   Throws: Error bad_input (NaN or infinite coordinates, no usable polygon, names that collide), naming file and line;
 //     bad_usage for options that name what is not there.
 //   Cost: O(corners log corners) work and memory; some thousand rays for each turn of fix_normals.
 Scene buildScene(const InputScene& input, const SceneOptions& options = {});

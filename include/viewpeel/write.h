@@ -12,9 +12,11 @@ namespace viewpeel {
 // ways; `environment` and `leak` stand in `to`. Numbers in the shortest form that reads back to the same double; names
 // quoted as in RFC 4180 where they must be.
 //   In: form_factors: n rows; closed: ClosedFormFactors::form_factors of these, for a further column
-//   `closed_form_factor`; nullptr: no such column Out: 1 + (1 to 2) x nonzeros lines; form factors and standard errors
-//   without unit Error: none: numbers read back to the same bits. Tests: tests/device/output_test.cpp. Throws: nothing;
-//   a failure is out's state. Cost: O(nonzeros).
+//   `closed_form_factor`; nullptr: no such column
+//   Out: 1 + (1 to 2) x nonzeros lines; form factors and standard errors without unit
+//   Error: none: numbers read back to the same bits. Tests: tests/device/output_test.cpp.
+//   Throws: nothing; a failure is out's state.
+//   Cost: O(nonzeros).
 void writeCsv(const FormFactors& form_factors, std::ostream& out, const FormFactors* closed = nullptr);
 
 // Writes form factors in Matrix Market's format, coordinate real general: entry (i, j) is F_ij, rows and columns

@@ -28,9 +28,9 @@ constexpr double kFarDistance = 4;           // distance of the mean corners / s
 //           the bounds, as for a square 1e-7 times the size of the scene, or a sliver 1e-8 wide: move it, split the
 //           other).
 //   Cost: O(corners_a corners_b) outer integrals of 26 logarithms per interval; near-singular ones take about 40
-//   intervals. Source: E. M. Sparrow, A new and simpler formulation for radiative angle factors, J. Heat Transfer
-//   85(2), 1963, 81-87;
-//           J. R. Howell, R. Siegel, M. P. Menguc, Thermal Radiation Heat Transfer, on contour integration.
+//   intervals.
+//   Source: E. M. Sparrow, A new and simpler formulation for radiative angle factors, J. Heat Transfer 85(2), 1963,
+//     81-87; J. R. Howell, R. Siegel, M. P. Menguc, Thermal Radiation Heat Transfer, on contour integration.
 double formFactor(std::span<const glm::dvec3> a, std::span<const glm::dvec3> b);
 
 }  // namespace viewpeel::reference

@@ -20,14 +20,15 @@ constexpr double kPastBlockerError = 1e-7;
 //       blocker may touch or cross either; the part of it behind the plane of a or b stops nothing, nor does one within
 //       the plane of a; within the plane of b it covers b.
 //   Out: F from a to b, 1, and the sum of |5 x 5-point - 3 x 3-point rule| over the triangles plus the area lost in
-//   cuts. Error: at most `error`, which is below kPastBlockerError: the difference bounds the error of the worse rule.
-//          Gaps down to 1e-12 of the size included. tests/unit/past_blocker_test.cpp.
+//   cuts.
+//   Error: at most `error`, which is below kPastBlockerError: the difference bounds the error of the worse rule. Gaps
+//     down to 1e-12 of the size included. tests/unit/past_blocker_test.cpp.
 //   Throws: Error bad_input (a degenerate polygon); Error limit (kPastBlockerError not reached in 200,000 triangles).
 //   Cost: m = 2 corners_b corners_blocker + 1 cuts, so O(m^2) pieces of 34 evaluations, O(corners_b corners_blocker)
-//   each. Source: J. H. Lambert, Photometria, 1760; D. R. Baum, H. E. Rushmeier, J. M. Winget, Improving radiosity
-//   solutions
-//           through the use of analytically determined form-factors, SIGGRAPH 1989; critical lines as in P. Heckbert,
-//           Discontinuity meshing for radiosity, Eurographics Workshop on Rendering 1992.
+//   each.
+//   Source: J. H. Lambert, Photometria, 1760; D. R. Baum, H. E. Rushmeier, J. M. Winget, Improving radiosity solutions
+//     through the use of analytically determined form-factors, SIGGRAPH 1989; critical lines as in P. Heckbert,
+//     Discontinuity meshing for radiosity, Eurographics Workshop on Rendering 1992.
 Approximation formFactorPastBlocker(std::span<const glm::dvec3> a, std::span<const glm::dvec3> b,
                                     std::span<const glm::dvec3> blocker);
 

@@ -29,7 +29,9 @@ struct UnitFrame {
 //   Out: the same polygons within the unit ball, and by how much the input's doubles may be rounded there.
 //   Error: 2 ulp of long double.
 //   Throws: Error bad_input naming the polygon (fewer than 3 corners, NaN or infinity, no area, not convex, not
-//   planar). Cost: O(corners of a polygon squared), for the check of convexity. Source: none.
+//   planar).
+//   Cost: O(corners of a polygon squared), for the check of convexity.
+//   Source: none.
 UnitFrame toUnitFrame(std::initializer_list<std::span<const glm::dvec3>> polygons);
 
 Vec3 areaVector(const ConvexPolygon& polygon);  // along the front's normal; its length is the area

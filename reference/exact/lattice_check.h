@@ -62,8 +62,8 @@ struct CheckReport {
 // area, and whether its variance is as predicted.
 //   Method: Student's test per visible region with Bonferroni's correction; regions with an expected count below 1/2 a
 //   lattice or thinner than h / 2 (2 A / P) are pooled into one sum per resolution. The ratio of variances must lie in
-//   [1/2, 2] over regions with A / P >= h, where terms of relative size h / width may still be felt. Cost: directions
-//   exact projections, directions x lattices x resolutions counts.
+//   [1/2, 2] over regions with A / P >= h, where terms of relative size h / width may still be felt.
+//   Cost: directions exact projections, directions x lattices x resolutions counts.
 CheckReport checkLattice(const Scene& scene, const Ids& ids, const CountLattice& count, const CheckOptions& options);
 
 }  // namespace viewpeel::reference

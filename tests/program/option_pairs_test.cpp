@@ -474,7 +474,7 @@ TEST_F(OptionPairs, WithARelativeError) { checkGoal("--relative"); }
 TEST_F(OptionPairs, WithATime) { checkGoal("--seconds"); }
 TEST_F(OptionPairs, WithAGuarantee) { checkGoal("--epsilon"); }
 
-// More than pairs, for whoever changes options: half an hour. Run it with --gtest_also_run_disabled_tests.
+// More than pairs, for whoever changes options: five minutes. Run it with --gtest_also_run_disabled_tests.
 TEST_F(OptionPairs, DISABLED_AtRandom) {
   std::mt19937 random(1);
   for (int count = 0; count < 600;) {

@@ -14,14 +14,16 @@ using AreaMap = std::map<std::pair<uint32_t, uint32_t>, double>;  // (a, b), a <
 
 // The plane cut into slabs between all x of end points and crossings, the slabs into trapezoids by all edges; each
 // trapezoid's layers sorted by exact height at its middle. Rational numbers throughout, rounded once per trapezoid.
-//   Error: 1e-15 per trapezoid of a pair. Cost: O(crossings x edges x polygons) rational operations: small scenes only.
+//   Error: 1e-15 per trapezoid of a pair.
+//   Cost: O(crossings x edges x polygons) rational operations: small scenes only.
 struct SlabAreas {
   AreaMap pairs, blocked;
 };
 SlabAreas cutIntoSlabs(const Scene& scene, const glm::dvec3& u, bool two_sided = false);
 
 // The same at random lines along u through a square that covers the projection: the share of lines times its area.
-//   Error: standard deviation sqrt(area (square - area) / samples). Cost: O(samples x polygons), double.
+//   Error: standard deviation sqrt(area (square - area) / samples).
+//   Cost: O(samples x polygons), double.
 struct Samples {
   AreaMap areas;
   double square = 0;  // area that was sampled
