@@ -1,3 +1,4 @@
+// The program's way of allocating memory: freed memory is kept, and new memory comes in huge pages.
 #pragma once
 #include <malloc.h>
 #include <sys/mman.h>
@@ -8,11 +9,11 @@
 
 namespace viewpeel {
 
-// What is freed stays with the process: lists as large as the matrix come and go with every replicate, and memory that
-// the kernel gives anew is cleared first. A quarter of the time of 9,984 polygons went there; the peak grows by an
-// eighth. And what is yet to be had comes in huge pages: half of the machine's memory is asked for, said to be of
-// these, and given back before any of it is written to. Where there is less to be had, or a sanitizer marks what is
-// allocated, pages stay small. For programs, before they allocate much.
+// Keeps freed memory in the process and asks for huge pages.
+// Lists as large as the matrix come and go with every replicate, and the kernel clears memory before it hands it out
+// again: a quarter of the time of 9,984 polygons went there. The peak grows by an eighth.
+// Half of the machine's memory is reserved, marked for huge pages and freed again, before any page is touched. Where
+// the reservation fails, or under a sanitizer, pages stay small. A program calls this once, before it allocates much.
 inline void keepFreedMemory() {
   ::mallopt(M_MMAP_MAX, 0);
   ::mallopt(M_TRIM_THRESHOLD, -1);  // never

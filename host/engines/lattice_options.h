@@ -1,3 +1,4 @@
+// Options of the engines that count lattice points: the lattice itself, and the tuning that changes no result.
 #pragma once
 #include <cstdint>
 #include <functional>

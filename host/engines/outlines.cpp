@@ -149,8 +149,12 @@ void Outlines::findEdges() {
   const int32_t *const polygon_first_row = polygon_first_row_.data(), *const polygon_last_row =
                                                                           polygon_last_row_.data();
   const uint32_t* const reaching = reaching_.data();
-  int32_t *const __restrict first_row = first_row_.data(), *const __restrict last_row = last_row_.data(), *const __restrict front_up = front_up_.data();
-  double *const __restrict row_0 = row_0_.data(), *const __restrict per_row = per_row_.data(), *const __restrict inverse = inverse_.data();
+  int32_t* const __restrict first_row = first_row_.data();
+  int32_t* const __restrict last_row = last_row_.data();
+  int32_t* const __restrict front_up = front_up_.data();
+  double* const __restrict row_0 = row_0_.data();
+  double* const __restrict per_row = per_row_.data();
+  double* const __restrict inverse = inverse_.data();
   const size_t count = outline_count_;
   const int bits = fraction_bits_, cut_bits = fraction_bits_ - column_bits_;
   const double finest = 1.0 / double(1 << cut_bits), row_columns = double(1 << column_bits_);

@@ -1,3 +1,4 @@
+// Counters of pairs on the device: a dense table, or a hash table where a dense one does not fit.
 #pragma once
 #include <vector>
 

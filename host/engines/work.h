@@ -4,7 +4,7 @@
 
 namespace viewpeel {
 
-// Of engines, or threads, that take the same directions.
+// Adds the work of one engine, or thread, to the sum. All parts count the same directions, which are added once.
 void addWork(const Work& part, Work& sum);
 
 }  // namespace viewpeel

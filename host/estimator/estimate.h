@@ -1,5 +1,4 @@
-// Estimate mode: replicates of random directions until the standard error asked for, or the number of replicates asked
-// for.
+// Estimates: replicates of random directions, until a standard error, a time, or a number of replicates is reached.
 #pragma once
 #include <functional>
 #include <optional>
@@ -16,7 +15,7 @@ namespace viewpeel {
 class FaceExchanges;
 class PairSampler;
 
-// What a callback of an engine (on_batch) or of the estimator throws to stop a run: the replicate in progress is
+// A callback of an engine (on_batch) or of the estimator throws this to stop a run. The replicate in progress is
 // dropped.
 struct Interrupted {};
 
@@ -30,43 +29,42 @@ struct EstimateOptions {
   Sampler sampler = Sampler::fibonacci;
   uint32_t directions = 400;  // per replicate
   uint32_t replicates = 8;    // at least
-  // Go on after `replicates` until the largest standard error is at most this.
+  // The largest standard error to reach; replicates beyond `replicates` are added for it.
   std::optional<double> tolerance;
-  // Go on after `replicates` until the largest standard error relative to its form factor, over form factors of at
-  // least `relative_floor`, is at most this.
+  // The same relative to the form factor, over form factors of at least `relative_floor`.
   std::optional<double> relative;
   double relative_floor = 0.01;
-  // Stop before the replicate that would end later than this, `replicates` or not, but not before the second, nor
-  // before the first of this call.
+  // The time after which no further replicate ends, even if fewer than `replicates` are done. Two are done at least,
+  // and one in this call.
   std::optional<double> seconds;
   uint64_t seed = 1;
-  // In place of the sampler: `count` directions of a replicate. None: nothing can be seen, every form factor is 0.
+  // Draws the `count` directions of a replicate in place of the sampler. If it draws none, every form factor is 0.
   std::function<AskedDirections(uint32_t count, uint64_t replicate)> asked_directions;
   uint64_t first_replicate = 0;
-  // Go on after these, which count towards `replicates`: first_replicate and those that follow it, of the same scene,
-  // ids and options. May be nullptr.
+  // Sums to continue from, which count towards `replicates`: those of first_replicate and its successors, of the same
+  // scene, ids and options. May be nullptr.
   const RunSums* resumed = nullptr;
-  // Closed forms times visible shares (visible_share.h), which need an engine and ids by face; goals and the result are
-  // those of `by`. May be nullptr.
+  // The prior (visible_share.h). It needs an engine and ids by face; goals and result are those of `by`. May be
+  // nullptr.
   const KnownShares* known = nullptr;
-  // For pairs that pilots did not meet; nullptr: they are sampled alone.
+  // Computes unoccluded form factors of pairs outside the prior; nullptr: such pairs are counted.
   FaceExchanges* exchanges = nullptr;
   By by = By::polygon;  // of the result, and of the goals
-  // For pairs that common directions hardly meet (directed_pairs.h), of the same scene, ids and seed; nullptr: they
-  // have no directions of their own.
+  // Counts pairs along separate directions (directed_pairs.h), for the same scene, ids and seed; nullptr: no pair has
+  // separate directions.
   PairSampler* pairs = nullptr;
   std::function<void(const EstimateProgress&)> on_replicate;  // may be empty
-  // Told the sums after every replicate, and once more with `last` when there will be no further one, be it for an
-  // error; may be empty.
+  // Receives the sums after every replicate, and once more with `last` when the run ends, also by an error; may be
+  // empty.
   std::function<void(const RunSums& sums, bool last)> on_sums;
 };
 
 // Without entries of 0.
 FormFactors keepSeen(FormFactors form_factors);
 
-// The form factors and errors of what was counted.    In: row: as in VisibleSums    Cost: O(nonzeros).
+// Makes the estimate of all replicates counted.    In: row: as in VisibleSums    Cost: O(nonzeros).
 Estimate makeEstimate(const RunSums& sums, double relative_floor, const ExchangeRow& row = {});
-// The same of those that sums.formFactors(row) made.
+// The same from form factors that sums.formFactors(row) has made already.
 Estimate makeEstimate(const RunSums& sums, double relative_floor, FormFactors all);
 
 // Computes F_ij = (2 / A_i) E[A'_ij(u)] for all pairs (Pellegrini 1997, sections 4.3 and 5.1).

@@ -14,15 +14,15 @@ class EstimateRun {
   //   Throws: Error bad_usage, as estimateFormFactors.
   EstimateRun(Engine& engine, const Scene& scene, const Ids& ids, EstimateOptions options);
 
-  // The goal is reached, or the next replicate would end after the time.
+  // Whether the goal is reached, or the next replicate would end after the time.
   bool isDone() const;
-  // One replicate.    Throws: what the engine throws; the sums are then as before.
+  // Counts one replicate.    Throws: what the engine throws; the sums are then as before.
   void step();
   const RunSums& sums() const { return sums_; }
-  // Over all form factors so far; infinite where there is no goal, or before as many replicates as there are to be at
-  // least.
+  // The largest standard error of all form factors so far. It is infinite without a goal, and before the least number
+  // of replicates is done.
   double largestStandardError() const { return largest_error_; }
-  // What the replicates so far come to.
+  // The estimate of the replicates so far.
   Estimate estimateSoFar() const;
   // The same once no step is to follow: what was computed to see that the goal is reached is not computed again.
   Estimate takeEstimate();

@@ -1,4 +1,4 @@
-// What a run will do: how many directions, how fine a lattice, chosen for the least time to the error asked for.
+// Plans: the number of directions and the lattices that reach a goal in the least time.
 #pragma once
 #include <memory>
 
@@ -8,7 +8,7 @@
 
 namespace viewpeel {
 
-// The lattice, and what one direction on it takes.
+// A plan: directions, lattices, and what the run is expected to take.
 struct Plan {
   uint32_t directions = 0;         // per replicate
   int finest = 0;                  // resolution that the neediest polygon gets, at least
@@ -33,38 +33,36 @@ struct Lattices {
   const Ids* face_ids = nullptr;
 };
 
-// An engine of these for groups.    In: ids: that are planned for
+// Makes the engine that counts all groups.    In: ids: those planned for
 std::unique_ptr<Engine> makeEngine(const Lattices& lattices, const Scene& scene, const Ids& ids,
                                    const std::vector<SizeGroup>& groups);
 
-// Plans the replicates of estimateFormFactors for its goal: the tolerance, or the relative error, or else the time;
-// none of the three: an error of 1e-3.
+// Plans the replicates of estimateFormFactors for its goal: a tolerance, a relative error, or a time; without any of
+// them an error of 1e-3.
 //   The variance of one replicate is V_directions(N) + V_lattice(h) / N for N directions and spacing h. Pilot
-//   replicates measure both: every direction is counted on two lattices, so that the covariance of the two sums over
-//   replicates is V_directions and what is left V_lattice / N, for the entries with the largest variance. V_lattice
-//   goes with h^3 P / A^2, with scanlines, too (tests/device/lattice_check_test.cpp), which says how fine a lattice
-//   each polygon needs beside the others; V_directions falls with N as the pilots show, or as 1 / N^2 (1 / N for iid
-//   directions) where one pilot is enough. Time per direction is measured, too. The plan is the least time among powers
-//   of sqrt(2) of N and of resolution, with one lattice or groups (size_groups.h). Where form factors are shares of
-//   closed forms, made with those of neighbours where few lines tell, the pilot's largest standard error is found as
-//   the run does, and both variances are as large together. Where V_directions is not known beside what lattices add,
-//   because the pilot's hardly met what the plan's own meets often, another pilot looks on the plan's lattice. Lattices
-//   much finer than those timed are tried before they are taken. Every id gets a lattice that it meets at 100 points or
-//   more (or 100 scanlines) in eight replicates, so that none goes unseen, as far as the finest lattice there is
-//   allows.
+//   replicates measure both for the entries with the largest variance. Every direction is counted on two lattices: the
+//   covariance of the two sums over replicates is V_directions, and the rest is V_lattice / N.
+//   V_lattice is proportional to h^3 P / A^2, with scanlines, too (tests/device/lattice_check_test.cpp). This gives the
+//   lattice that each polygon needs beside the others. V_directions falls with N as the pilots show, or as 1 / N^2 (1 /
+//   N for iid directions) where one pilot is enough. The time of a direction is measured as well.
+//   The plan takes the least time among powers of sqrt(2) of N and of the resolution, with one lattice or with groups
+//   (size_groups.h). Where form factors are visibilities times unoccluded ones, the pilot's largest standard error is
+//   computed as the run computes it, and both variances are scaled to it.
+//   Another pilot counts on the plan's lattice where the first one could not separate V_directions from the lattice's
+//   part. A lattice much finer than those timed is tried before it is chosen. In eight replicates every id gets 100
+//   lattice points, or 100 scanlines, as far as the finest lattice allows.
 //   In: options: goal, replicates, sampler, seed, asked_directions    Out: the plan, with its engine
-//   Error: a prediction; what was reached is measured by the run. Directions and lattices of pilots are none of the
-//     run's.
+//   Error: a prediction; the run measures its own errors. Pilots and the run have no directions or lattices in common.
 //   Throws: what engines throw.
-//   Cost: pilots are kept below about a tenth of the run or of the time there is, and half a minute each; the first has
-//   512 directions, or what these allow, 16 at least.
+//   Cost: a pilot takes at most about a tenth of the run, or of the time there is, and half a minute. The first has 512
+//   directions, or what these limits allow, 16 at least.
 Plan planEstimate(const Scene& scene, const Ids& ids, const EstimateOptions& options, const Lattices& lattices);
 
-// The groups of polygons that a plan with these figures has.
-//   In: base: the resolution of the whole scene; finest: that of the neediest polygon, beside which the others get what
-//   makes the lattice variance of their ids
-//     no larger, 2 / h ~ (P / A^2)^(1/3); directions: of a replicate, in eight of which every id is to be met at 100
-//     lattice points, or by 100 scanlines
+// Groups polygons by the lattice that each needs in a plan with these figures.
+//   In: base: the resolution of the whole scene
+//     finest: that of the neediest polygon; the others get what makes the lattice variance of their ids no larger,
+//       2 / h ~ (P / A^2)^(1/3)
+//     directions: of a replicate; eight replicates are to give every id 100 lattice points, or 100 scanlines
 //   Cost: O(n log n).
 std::vector<SizeGroup> planGroups(const Scene& scene, const Ids& ids, Sampling sampling, int base, int finest,
                                   double directions);

@@ -1,3 +1,4 @@
+// Coplanar polygons share one plane, so that their depths along a line are equal to the last bit.
 #pragma once
 #include <viewpeel/scene.h>
 

@@ -1,4 +1,4 @@
-// What closed forms and pilots know of a pair of faces.
+// What unoccluded form factors and pilots say about a pair of faces before the run.
 #pragma once
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,5 @@
-// Facing and blocked lines of replicates, and what they make of closed forms: the visible share of each.
+// Sums of facing and blocked lines over replicates, and the visibility of each pair that follows from them.
+// Derivation: docs/method.md, eq. (14) to (16) and (19) to (22).
 //
 // Of a pair's lines V_r are facing in replicate r, O_r blocked, and E[V_r + O_r] is known: it is the exchange area with
 // nothing in between, X_0, in counts. So the exchange area is X = b X_0 with b = sum V_r / sum (V_r + O_r), the ratio
@@ -25,18 +26,18 @@ namespace viewpeel {
 
 class NeighbourShares;
 
-// Closed forms of an id with each one after it, to the bounds given: no closer than pairs of which few lines tell
-// deserve (RowExchange::compute). By several threads at once.
+// Computes the unoccluded exchange areas of id i with every later id, with a bound on each (RowExchange::compute).
+// Several threads may call it at once.
 using ExchangeRow = std::function<void(uint32_t i, std::span<BoundedExchange> later)>;
 
-// As many pairs of ids as rows of closed forms are made for, and neighbours looked at: form factors of theirs take 24
-// bytes each, and few runs meet most of them where there are more.
+// The largest number of pairs for which every pair gets an unoccluded form factor, and neighbours where no line met it.
+// An entry takes 24 bytes. In larger scenes few runs meet most pairs.
 constexpr uint64_t kMostRowPairs = 50'000'000;
 
 class ShareSums {
  public:
   __extension__ using Wide = unsigned __int128;
-  // Over replicates.
+  // One pair's lines, summed over replicates.
   struct PairSum {
     uint32_t i, j;
     uint64_t facing = 0, blocked = 0;
@@ -48,13 +49,14 @@ class ShareSums {
   };
 
   explicit ShareSums(Ids ids) : ids_(std::move(ids)) {}
-  // As they were summed before.    In: pairs sorted by (i, j), every pair at most once, without squares; these, one for
-  // each
+  // Restores sums from a checkpoint.
+  //   In: pairs: sorted by (i, j), every pair at most once, without squares; squares: one for each pair
   ShareSums(Ids ids, uint64_t replicate_count, std::vector<PairSum> pairs, const std::vector<Squares>& squares);
 
-  // One replicate.    Throws: Error bad_usage where counts are too large for closed forms.    Cost: O(nonzeros).
+  // Adds one replicate.
+  //   Throws: Error bad_usage where counts are too large for the sums of squares.    Cost: O(nonzeros).
   void add(const PairCounts& counts);
-  // Other replicates.
+  // Adds the sums of other replicates.
   void add(const ShareSums& others);
   const Ids& ids() const { return ids_; }
   const std::vector<PairSum>& pairs() const { return pairs_; }
@@ -65,22 +67,26 @@ class ShareSums {
     std::vector<FormFactors::Entry> entries;
     std::vector<Guess> guesses;  // sorted by entry; without neighbours there are none
   };
-  // Entries of all pairs, before calibrateRows.
-  //   In: known: sorted by (i, j), every pair at most once; lines as in lineOf; measure_area, count_area as in
-  //   ReplicateSums; rows: of the same replicates, all lines of each row;
-  //     sampled: entries of pairs not known; neighbours: of these sums, nullptr: pairs that no line met have the share
-  //     that is known; row: for all other pairs, empty: those that no line met are left out
-  //   Error: biased by less than a standard error (above); with neighbours, a share that fewer than four lines tell is
-  //   drawn to theirs, of which it is then half a line. Standard errors are those
-  //     of replicates, never less than one line's (ControlSums), and no more than the distance to the farther end of
-  //     [0, most]; with neighbours, what few lines and theirs say together. A pair that no line met has that of its
-  //     neighbours' shares. Tests: tests/device/visible_share_test.cpp, bench/programs/coverage.cpp.
+  // Estimates the exchange areas of all pairs; calibrateRows then makes guesses fit their rows.
+  //   In: known: pairs with unoccluded exchange areas, sorted by (i, j), every pair at most once
+  //     lines: counts that one line adds, by id (lineOf)
+  //     measure_area, count_area: as in ReplicateSums
+  //     rows: all lines of each row, of the same replicates
+  //     sampled: entries of pairs whose counts alone are their estimate
+  //     neighbours: of these sums; nullptr: a pair without lines gets the pilot's visibility
+  //     row: computes exchange areas of all other pairs; empty: pairs without lines are left out
+  //   Error: the bias of a visibility is below its standard error (above). With neighbours, a visibility that fewer
+  //   than
+  //     four lines measured is drawn to its neighbours', which then counts as half a line. Standard errors are those of
+  //     replicates; they are never less than one line's, nor more than the distance to the farther end of [0, most].
+  //     Tests: tests/device/visible_share_test.cpp, bench/programs/coverage.cpp.
   Found find(const std::vector<KnownPair>& known, const std::vector<uint64_t>& lines, double measure_area,
              double count_area, std::span<const ReplicateSums::Sum> rows,
              const std::vector<FormFactors::Entry>& sampled, const NeighbourShares* neighbours = nullptr,
              const ExchangeRow& row = {}) const;
 
-  // The same lines with shares fixed beforehand.    In: shares, lines as in takeShares
+  // Turns the same lines into control variates with visibilities fixed beforehand.    In: shares, lines: as in
+  // takeShares
   ControlSums controls(const std::vector<PairShare>& shares, const std::vector<uint64_t>& lines) const;
 
  private:
@@ -90,13 +96,13 @@ class ShareSums {
   Ids ids_;
   std::vector<PairSum> pairs_;
   std::map<std::pair<uint32_t, uint32_t>, std::array<uint64_t, 3>>
-      high_squares_;  // of those that pass 64 bits: pairs of which very many lines tell
+      high_squares_;  // the upper 64 bits, of pairs with very many lines
   uint64_t replicate_count_ = 0;
 };
 
-// As many lines as tell of a pair: those of a replicate that come as one, or parts of lines, count as the replicates do
-// (Kish, Survey Sampling, 1965, section 8.2).
-//   In: least: counts that as many lines as told add, at most, each
+// The number of independent lines that carry as much information as the lines of a pair: lines of a replicate that come
+// together count as fewer (Kish, Survey Sampling, 1965, section 8.2).
+//   In: least: the most counts that one independent line adds
 inline double effectiveLines(const ShareSums::PairSum& pair, const ShareSums::Squares& squares, double least) {
   const double lines = double(pair.facing) + double(pair.blocked),
                of_lines = double(squares.facing) + 2 * double(squares.product) + double(squares.blocked);

@@ -1,4 +1,5 @@
-// What a run with closed forms has counted: controls of faces and between surfaces, and what was known beforehand.
+// Sums of a run that uses unoccluded form factors: visibilities by polygon, control variates between surfaces, and the
+// prior that pilots gave.
 #pragma once
 #include <vector>
 
@@ -6,8 +7,8 @@
 
 namespace viewpeel {
 
-// A pair of faces that directions of its own count, on a lattice of its own: what common directions see of it does not
-// enter its form factor.
+// A pair of faces that gets separate directions on a separate lattice. Lines of the common directions do not enter its
+// form factor.
 struct DirectedPair {
   uint32_t i, j;            // i < j, one of KnownShares::pairs
   uint32_t directions = 0;  // per replicate
@@ -20,9 +21,10 @@ struct DirectedPair {
   bool operator==(const DirectedPair&) const = default;
 };
 
-// Of pairs with directions of their own, sorted.    Throws: as takeShares.
+// Control variates of pairs with separate directions.    In: both sorted    Throws: as takeShares.
 std::vector<ControlCount> takeDirectedShares(const PairCounts& counts, const std::vector<DirectedPair>& directed);
 
+// The prior of a run: unoccluded exchange areas and visibilities, fixed before its first replicate.
 struct KnownShares {
   std::vector<KnownPair> pairs;  // sorted; without has_all_pairs those that pilots met, and what the run sees beside
   std::vector<uint64_t> lines;   // of faces: counts that one line adds (takeShares)
@@ -38,19 +40,19 @@ class VisibleSums {
  public:
   //   In: ids by face and by surface; by: which of the two form factors are asked for
   VisibleSums(const Ids& face_ids, const Ids& surface_ids, By by, KnownShares known);
-  // As they were summed before.
+  // Restores sums from a checkpoint.
   VisibleSums(By by, KnownShares known, ShareSums by_face, ControlSums by_surface, ControlSums directed);
 
-  // One replicate.    In: counts of common directions; of KnownShares::directed what their own have counted    Throws:
-  // as takeShares.    Cost: O(nonzeros log nonzeros).
+  // Adds one replicate.
+  //   In: counts: of common directions; directed: of the separate directions of KnownShares::directed
+  //   Throws: as takeShares.    Cost: O(nonzeros log nonzeros).
   void add(const PairCounts& counts, const PairCounts& directed);
-  // Pairs of faces that saw each other and whose closed forms are not known, nor found out to be out of reach, with
-  // shares of 0. but those that fewer lines told than `least`.
+  // Lists pairs of faces that saw each other on `least_lines` lines or more and have no entry in the prior yet.
   std::vector<KnownPair> unknownPairs(uint64_t least_lines = 0) const;
-  // Their closed forms.    In: sorted, and none of them known
+  // Adds unoccluded exchange areas of such pairs to the prior.    In: sorted, none of them in the prior
   void learn(const std::vector<KnownPair>& pairs);
-  // Other replicates of the same run. What closed forms gave may differ in rounding between devices: that of the one
-  // with the first replicate stays.
+  // Adds other replicates of the same run. Exchange areas may differ in rounding between devices: those of the part
+  // with the first replicate stay.
   void add(const VisibleSums& others, bool others_are_first);
 
   By by() const { return by_; }
@@ -58,26 +60,27 @@ class VisibleSums {
   const ShareSums& byFace() const { return by_face_; }  // empty where surfaces are asked for
   const ControlSums& surfaceControls() const { return by_surface_; }
   const ControlSums& directed() const { return directed_; }  // by face
-  // Whether the shares, that is the integers, are the same.
+  // Whether both have the same visibilities in their prior, to the last bit.
   bool goesWith(const VisibleSums& others) const;
-  // Whether the same pairs have as many directions of their own.
+  // Whether the same pairs have as many separate directions in both.
   bool directsAs(const VisibleSums& others) const;
 
   // Form factors by polygon and their row sums.
-  //   In: measure_area, count_area as in ReplicateSums; counted: of the same replicates, all lines of each row;
-  //   sampled: entries of pairs that isCountedAlone has
-  //     row: closed forms of pairs that are not known; empty: what is not known is sampled, or left out
+  //   In: measure_area, count_area: as in ReplicateSums; counted: all lines of each row, of the same replicates
+  //     sampled: entries of the pairs for which isCountedAlone holds
+  //     row: exchange areas of pairs outside the prior; empty: such pairs are counted, or left out
   FormFactors byPolygon(double measure_area, double count_area, const ReplicateSums& counted,
                         const std::vector<FormFactors::Entry>& sampled, const ExchangeRow& row = {}) const;
-  // Those of known pairs alone, one entry for each, whose guesses do not fit their rows yet.
+  // Entries of the prior's pairs alone, one for each, before guesses are made to fit their rows.
   std::vector<FormFactors::Entry> ofKnownPairs(double measure_area, double count_area,
                                                const ReplicateSums& counted) const;
-  //   In: sampled: of the same replicates, where shares are of no use
+  // Form factors between surfaces.
+  //   In: sampled: counted form factors of the same replicates, which stand where control variates add noise
   FormFactors bySurface(double measure_area, double count_area, const FormFactors& sampled) const;
-  // Whether counts alone are the estimate of a known pair.    In: directions of all replicates; count_area as in
-  // ReplicateSums
+  // Whether counts alone are the estimate of a pair of the prior (docs/method.md, eq. (42)).
+  //   In: directions: of all replicates; count_area: as in ReplicateSums
   bool isCountedAlone(const KnownPair& pair, double directions, double count_area) const;
-  // Of faces, with the shares fixed beforehand.
+  // Control variates of faces, with the visibilities of the prior.
   ControlSums faceControls() const { return by_face_.controls(shares_, known_.lines); }
   FormFactors controlledFormFactors(double measure_area, const FormFactors& sampled) const;
 
@@ -92,7 +95,7 @@ class VisibleSums {
   KnownShares known_;
   ShareSums by_face_;
   ControlSums by_surface_, directed_;
-  // Made of known_.
+  // Derived from known_.
   std::vector<PairShare> shares_, surface_shares_;
   std::vector<PairShare> row_shares_;  // of environment and leak
   std::vector<KnownExchange> surface_exchanges_, directed_exchanges_;

@@ -1,3 +1,4 @@
+// Unoccluded exchange areas on the processor, pair by pair.
 #pragma once
 #include <array>
 #include <vector>

@@ -1,3 +1,4 @@
+// A Vulkan buffer that owns its memory.
 #pragma once
 #include <cstring>
 #include <span>

@@ -1,3 +1,4 @@
+// A command buffer with one barrier, typed push constants, and a fence to wait for.
 #pragma once
 #include <span>
 

@@ -1,3 +1,4 @@
+// Pipelines made of embedded SPIR-V, with their layout.
 #pragma once
 #include <span>
 #include <vector>

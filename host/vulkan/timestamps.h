@@ -1,3 +1,4 @@
+// Times of passes on the device.
 #pragma once
 #include <vector>
 

@@ -1,3 +1,4 @@
+// A second writing of the engines' rules, slow and plain, whose counts every engine must equal.
 #pragma once
 #include <viewpeel/engine.h>
 #include "engines/lattice_options.h"

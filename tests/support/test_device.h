@@ -1,3 +1,4 @@
+// The device that all device tests share, and runs of the estimator on it.
 #pragma once
 #include <ostream>
 
