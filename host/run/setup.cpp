@@ -13,6 +13,8 @@
 #include "estimator/visible_share.h"
 #include "io/checkpoint.h"
 #include "run/rules.h"
+#include "scene/crossings.h"
+#include "scene/face_names.h"
 
 namespace viewpeel {
 namespace {
@@ -121,6 +123,17 @@ void Setup::chooseEngine() {
   const bool takes_shares = closed_forms_ && request_.by == By::polygon;
   lattice_.sampling = request_.sampling.value_or(
       engine_ == EngineKind::host ? chooseSampling(scene_, ids_, takes_shares) : Sampling::lattice);
+  if (lattice_.sampling != Sampling::scanline) return;
+  const auto crossing = findCrossing(scene_);
+  if (!crossing) return;
+  if (!request_.sampling) {
+    lattice_.sampling = Sampling::lattice;
+    return;
+  }
+  const auto nameOf = [&](uint32_t polygon) { return faceName(scene_, scene_.polygons[polygon].face); };
+  throw Error(ErrorCode::bad_usage,
+              fmt::format("{} and {} pass through each other, and scanlines cannot order them; say --sampling lattice",
+                          nameOf(crossing->first), nameOf(crossing->second)));
 }
 
 void Setup::requireWhatEnginesHave() const {
