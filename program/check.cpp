@@ -9,7 +9,7 @@
 #include "engines/lattice.h"
 #include <viewpeel/error.h>
 #include "scene/leaks.h"
-#include "reference/exact/interpenetration.h"
+#include "scene/interpenetration.h"
 #include "reference/exact/lattice_check.h"
 
 namespace viewpeel::program {
@@ -75,11 +75,10 @@ int runCheck(const CheckCommand& command) {
   if (!command.two_sided)
     for (const std::string& warning : warnOfBacks(scene)) fmt::print(stderr, "viewpeel: warning: {}\n", warning);
   // Where polygons pass through each other no order along a line exists, and nothing to compare with.
-  const auto interpenetrations = reference::findInterpenetrations(scene);
+  const auto interpenetrations = findInterpenetrations(scene);
   constexpr size_t kMostNamed = 10;
   for (size_t k = 0; k < std::min(interpenetrations.size(), kMostNamed); ++k)
-    fmt::print(stderr, "viewpeel: warning: {}; split them where they meet\n",
-               reference::describe(scene, interpenetrations[k]));
+    fmt::print(stderr, "viewpeel: warning: {}; split them where they meet\n", describe(scene, interpenetrations[k]));
   if (interpenetrations.size() > kMostNamed)
     fmt::print(stderr, "viewpeel: warning: {} more such places\n", interpenetrations.size() - kMostNamed);
   if (!interpenetrations.empty())

@@ -13,8 +13,7 @@
 #include "estimator/visible_share.h"
 #include "io/checkpoint.h"
 #include "run/rules.h"
-#include "scene/crossings.h"
-#include "scene/face_names.h"
+#include "scene/interpenetration.h"
 
 namespace viewpeel {
 namespace {
@@ -124,16 +123,12 @@ void Setup::chooseEngine() {
   lattice_.sampling = request_.sampling.value_or(
       engine_ == EngineKind::host ? chooseSampling(scene_, ids_, takes_shares) : Sampling::lattice);
   if (lattice_.sampling != Sampling::scanline) return;
-  const auto crossing = findCrossing(scene_);
-  if (!crossing) return;
-  if (!request_.sampling) {
-    lattice_.sampling = Sampling::lattice;
-    return;
-  }
-  const auto nameOf = [&](uint32_t polygon) { return faceName(scene_, scene_.polygons[polygon].face); };
-  throw Error(ErrorCode::bad_usage,
-              fmt::format("{} and {} pass through each other, and scanlines cannot order them; say --sampling lattice",
-                          nameOf(crossing->first), nameOf(crossing->second)));
+  const std::vector<Interpenetration> crossings = findInterpenetrations(scene_, kCrossingDepth);
+  if (crossings.empty()) return;
+  if (request_.sampling)
+    throw Error(ErrorCode::bad_usage,
+                describe(scene_, crossings.front()) + ", and scanlines cannot order them; say --sampling lattice");
+  lattice_.sampling = Sampling::lattice;
 }
 
 void Setup::requireWhatEnginesHave() const {

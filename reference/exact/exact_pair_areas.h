@@ -23,7 +23,7 @@
 #include <glm/vec3.hpp>
 
 #include "sums/pair_count.h"
-#include "reference/exact/interpenetration.h"
+#include "scene/interpenetration.h"
 #include <viewpeel/scene.h>
 
 namespace viewpeel::reference {

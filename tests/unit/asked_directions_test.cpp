@@ -81,7 +81,7 @@ const std::vector<Case>& cases() {
       SceneBuilder builder;
       builder.addPolygon("a", reference::test::moved(a, 0.1, glm::dvec3(0)));
       builder.addPolygon("b", reference::test::moved(b, 0.1, glm::dvec3(0)));
-      if (!reference::findInterpenetrations(builder.scene).empty()) continue;
+      if (!findInterpenetrations(builder.scene).empty()) continue;
       list.push_back({"random pair " + std::to_string(list.size()), a, b});
     }
     return list;

@@ -1,4 +1,4 @@
-#include "reference/exact/interpenetration.h"
+#include "scene/interpenetration.h"
 
 #include <gtest/gtest.h>
 
@@ -6,12 +6,14 @@
 
 #include <viewpeel/error.h>
 #include "scenes/exact_scenes.h"
+#include "scenes/named_scenes.h"
 #include "reference/exact/exact_pair_areas.h"
 
 namespace viewpeel::tests {
 namespace {
 
 using namespace reference;
+namespace ts = test_scenes;
 
 // A square in z = 0 and an upright one in y = height that crosses it from x = -0.1 to 0.3 where `low` < 0.
 Scene makeCross(double low) {
@@ -76,6 +78,34 @@ TEST(Interpenetration, EveryPairIsFound) {
   const std::vector<Interpenetration> found = findInterpenetrations(builder.scene);
   ASSERT_EQ(found.size(), 9u);
   for (uint32_t k = 0; k < 9; ++k) EXPECT_EQ(found[k].b, k + 1);
+}
+
+// A floor, and a wall on it whose lower edge is `depth` below the floor.
+InputScene wallInFloor(double depth) {
+  InputScene scene{"wall in floor", {}, {}};
+  ts::addFace(scene, "floor", ts::parallelogram({0, 0, 0}, {1, 0, 0}, {0, 1, 0}));
+  ts::addFace(scene, "wall", ts::parallelogram({0.5, 0.2, -depth}, {0, 0.6, 0}, {0, 0, 1}));
+  return scene;
+}
+
+std::vector<Interpenetration> crossings(const Scene& scene) { return findInterpenetrations(scene, kCrossingDepth); }
+
+TEST(Interpenetration, CrossingDepthDecidesForScanlines) {
+  for (double depth : {0.2, 1e-3, 1e-5}) EXPECT_EQ(crossings(buildScene(wallInFloor(depth))).size(), 1u) << depth;
+  for (double depth : {0.0, 1e-9, 1e-7, -1e-3}) EXPECT_TRUE(crossings(buildScene(wallInFloor(depth))).empty()) << depth;
+}
+
+TEST(Interpenetration, TheTwoThatCrossAreNamed) {
+  const auto found = crossings(buildScene(wallInFloor(0.2)));
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(std::pair(found[0].a, found[0].b), std::pair(0u, 1u));
+}
+
+TEST(Interpenetration, ScenesThatTouchDoNotCross) {
+  EXPECT_TRUE(crossings(buildScene(ts::insideOfCube())).empty());
+  EXPECT_TRUE(crossings(buildScene(ts::roomWithTouchingBoxes())).empty());
+  EXPECT_TRUE(crossings(loadScene(VIEWPEEL_SCENES "/office.obj")).empty());
+  EXPECT_TRUE(crossings(loadScene(VIEWPEEL_SCENES "/street.obj")).empty());
 }
 
 }  // namespace

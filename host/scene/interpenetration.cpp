@@ -1,20 +1,16 @@
-#include "reference/exact/interpenetration.h"
+#include "scene/interpenetration.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include <CGAL/Box_intersection_d/Box_with_info_d.h>
-#include <CGAL/box_intersection_d.h>
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
 #include <viewpeel/error.h>
-#include <viewpeel/ids.h>
+#include "scene/polygon_tree.h"
 
-namespace viewpeel::reference {
+namespace viewpeel {
 namespace {
-
-using Box = CGAL::Box_intersection_d::Box_with_info_d<double, 3, uint32_t>;
 
 struct Chord {
   bool exists = false;
@@ -50,20 +46,8 @@ Chord cutByPlane(const Scene& scene, const Polygon& polygon, const Plane& plane,
 }  // namespace
 
 std::vector<Interpenetration> findInterpenetrations(const Scene& scene, double touching_depth) {
-  std::vector<Box> boxes;
-  boxes.reserve(scene.polygons.size());
-  for (uint32_t i = 0; i < scene.polygons.size(); ++i) {
-    glm::dvec3 low = corner(scene, scene.polygons[i], 0), high = low;
-    for (uint32_t k = 1; k < scene.polygons[i].corner_count; ++k) {
-      low = glm::min(low, corner(scene, scene.polygons[i], k));
-      high = glm::max(high, corner(scene, scene.polygons[i], k));
-    }
-    boxes.emplace_back(CGAL::Bbox_3(low.x, low.y, low.z, high.x, high.y, high.z), i);
-  }
-
   std::vector<Interpenetration> found;
-  const auto test = [&](const Box& box_a, const Box& box_b) {
-    const uint32_t a = std::min(box_a.info(), box_b.info()), b = std::max(box_a.info(), box_b.info());
+  const auto test = [&](uint32_t a, uint32_t b) {
     const Polygon &polygon_a = scene.polygons[a], &polygon_b = scene.polygons[b];
     if (polygon_a.plane == polygon_b.plane) return;
     const Plane &plane_a = scene.planes[polygon_a.plane], &plane_b = scene.planes[polygon_b.plane];
@@ -80,7 +64,11 @@ std::vector<Interpenetration> findInterpenetrations(const Scene& scene, double t
     const glm::dvec3 middle = of_a.begin + along * ((begin + end) / 2 - glm::dot(along, of_a.begin));
     found.push_back({a, b, scene.centre + scene.scale * middle, end - begin});
   };
-  CGAL::box_self_intersection_d(boxes.begin(), boxes.end(), test);
+  const PolygonTree tree(scene);
+  for (uint32_t a = 0; a < scene.polygons.size(); ++a)
+    tree.forEachNear(a, 0, [&](uint32_t b) {
+      if (a < b) test(a, b);
+    });
   std::sort(found.begin(), found.end(), [](const Interpenetration& p, const Interpenetration& q) {
     return std::pair(p.a, p.b) < std::pair(q.a, q.b);
   });
@@ -101,4 +89,4 @@ void requireDisjoint(const Scene& scene, double touching_depth) {
   throw Error(ErrorCode::bad_input, message + "; split them where they meet");
 }
 
-}  // namespace viewpeel::reference
+}  // namespace viewpeel

@@ -1,4 +1,5 @@
-// Polygons that pass through one another: no order along a line exists for them, so a scene with them is refused.
+// Polygons that pass through one another. The exact path refuses such scenes, for no order along a line holds over a
+// region. Scanlines cannot count them, for they take the order for constant between the ends of spans.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -8,11 +9,15 @@
 
 #include <viewpeel/scene.h>
 
-namespace viewpeel::reference {
+namespace viewpeel {
 
 // Contact up to this depth, in unit-ball units, is touching. Far above the rounding of corners (1e-16) and far below
 // anything a model means.
 constexpr double kTouchingDepth = 1e-9;
+
+// The same for scanlines: coordinates in single precision differ by less where polygons are meant to touch, and lines
+// so near to a crossing are few.
+constexpr double kCrossingDepth = 1e-6;
 
 struct Interpenetration {
   uint32_t a, b;     // polygons, a < b
@@ -28,9 +33,8 @@ struct Interpenetration {
 //   Out: sorted by (a, b).
 //   Error: decided in double, whose error (1e-15) is far below touching_depth; tests/unit/interpenetration_test.cpp.
 //   Throws: nothing of its own.
-//   Cost: O(n log^2 n + overlapping boxes) work, O(n) memory.
-//   Source: T. Moeller, A fast triangle-triangle intersection test (1997), for convex polygons; boxes: A. Zomorodian
-//     and H. Edelsbrunner, Fast software for box intersections (2002), by CGAL.
+//   Cost: O(n log n + overlapping boxes) work, O(n) memory.
+//   Source: T. Moeller, A fast triangle-triangle intersection test (1997), for convex polygons; boxes: PolygonTree.
 std::vector<Interpenetration> findInterpenetrations(const Scene& scene, double touching_depth = kTouchingDepth);
 
 // One line for a message: `scene.obj: desk[3] and wall pass through each other at (1.5, 2, 0)`.
@@ -42,4 +46,4 @@ std::string describe(const Scene& scene, const Interpenetration& found);
 //   Throws: Error bad_input, the first pair described, the number of further ones and the remedy.
 void requireDisjoint(const Scene& scene, double touching_depth = kTouchingDepth);
 
-}  // namespace viewpeel::reference
+}  // namespace viewpeel
