@@ -76,6 +76,7 @@ std::vector<std::string> warnOfLeaks(const Scene& scene, const FormFactors& form
         fmt::format("{}: no front sees another one: every line leaves the scene; turn a room whose normals look "
                     "outward by --fix-normals, or surfaces by --flip NAME",
                     scene.file)};
+  if (!(share > kClosedLeak)) return {};  // before edges are looked at: kOpenLeak is larger
   const bool is_closed = isClosed(scene);
   if (!(share > (is_closed ? kClosedLeak : kOpenLeak))) return {};
   std::vector<std::string> lines = {
