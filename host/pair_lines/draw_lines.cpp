@@ -1,0 +1,247 @@
+#include "pair_lines/draw_lines.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+
+#include <glm/glm.hpp>
+
+#include "pair_lines/lanes.h"
+
+namespace viewpeel {
+namespace {
+
+using glm::dvec3;
+
+// Bits of Sobol' points, the first binary digit lowest: of each dimension, for every bit of a point's number in Gray's
+// order. Primitive polynomials and first numbers: Joe & Kuo, new-joe-kuo-6.21201, dimensions 1 to 4.
+class SobolBits {
+ public:
+  static constexpr int kBits = 32, kDimensions = 4;
+
+  constexpr SobolBits() {
+    constexpr uint32_t degree[] = {0, 1, 2, 3}, coefficients[] = {0, 0, 1, 1};
+    constexpr uint32_t first[][3] = {{1, 0, 0}, {1, 0, 0}, {1, 3, 0}, {1, 3, 1}};
+    for (int d = 0; d < kDimensions; ++d) {
+      uint32_t numbers[kBits] = {};
+      for (uint32_t k = 0; k < kBits; ++k) {
+        const uint32_t s = degree[d];
+        if (s == 0) numbers[k] = 1u << (31 - k);
+        else if (k < s) numbers[k] = first[d][k] << (31 - k);
+        else {
+          numbers[k] = numbers[k - s] ^ (numbers[k - s] >> s);
+          for (uint32_t m = 1; m < s; ++m)
+            if (coefficients[d] >> (s - 1 - m) & 1) numbers[k] ^= numbers[k - m];
+        }
+      }
+      for (int k = 0; k < kBits; ++k)
+        for (int bit = 0; bit < kBits; ++bit) of[d][k] |= (numbers[k] >> bit & 1) << (31 - bit);
+    }
+    // Of the points of one block, by lane.
+    for (int d = 0; d < kDimensions; ++d)
+      for (uint32_t lane = 0; lane < kLineLanes; ++lane)
+        for (int k = 0; k < 4; ++k)
+          if (lane >> k & 1) lanes[d][lane] ^= of[d][k];
+  }
+
+  uint32_t of[kDimensions][kBits] = {};
+  uint32_t lanes[kDimensions][kLineLanes] = {};
+};
+constexpr SobolBits kSobol;
+static_assert(1 << 4 == kLineLanes);
+
+struct Vector {
+  Floats x, y, z;
+};
+
+VIEWPEEL_INLINE Floats dot(const float* n, const Vector& v) { return n[0] * v.x + n[1] * v.y + n[2] * v.z; }
+
+// Owen's scrambling by a hash (B. Burley, Practical hash-based Owen scrambling, JCGT 9(4), 2020; constants of N. Vegdahl,
+// Building a better LK hash, 2021), and the numbers in [0, 1) that the digits make.
+VIEWPEEL_INLINE Floats scrambled(Words digits, uint32_t seed) {
+  Words x = digits ^ (digits * all(0x3d20adeau));
+  x += all(seed);
+  x *= all(seed >> 16 | 1u);
+  x ^= x * all(0x05526c56u);
+  x ^= x * all(0x53a22864u);
+  x = ((x >> 1) & 0x55555555u) | ((x & 0x55555555u) << 1);
+  x = ((x >> 2) & 0x33333333u) | ((x & 0x33333333u) << 2);
+  x = ((x >> 4) & 0x0f0f0f0fu) | ((x & 0x0f0f0f0fu) << 4);
+  x = ((x >> 8) & 0x00ff00ffu) | ((x & 0x00ff00ffu) << 8);
+  x = (x >> 16) | (x << 16);
+  return __builtin_convertvector((Flags)(x >> 8), Floats) * 0x1p-24f;
+}
+
+// Square roots to a few units of the last place, of numbers in [0, 4].
+VIEWPEEL_INLINE Floats squareRoot(const Floats& x) {
+  const Floats safe = x > 1e-30f ? x : all(1e-30f);
+  Floats inverse = (Floats)(all(0x5f375a86u) - ((Words)safe >> 1));
+  for (int k = 0; k < 3; ++k) inverse = inverse * (1.5f - 0.5f * safe * inverse * inverse);
+  return x * inverse;
+}
+
+// Sine and cosine of pi y, y in [-1, 1), to 3e-7.
+VIEWPEEL_INLINE void turn(const Floats& y, Floats& sine, Floats& cosine) {
+  const Floats size = y < 0.0f ? -y : y;
+  const Floats x = (size - 0.5f) * std::numbers::pi_v<float>, s = x * x;
+  cosine = -x * (1.0f + s * (-1 / 6.f + s * (1 / 120.f + s * (-1 / 5040.f + s * (1 / 362880.f)))));
+  sine = 1.0f + s * (-0.5f + s * (1 / 24.f + s * (-1 / 720.f + s * (1 / 40320.f + s * (-1 / 3628800.f)))));
+  sine = y < 0.0f ? -sine : sine;
+}
+
+void toFloats(const dvec3& v, float* to) {
+  for (int axis = 0; axis < 3; ++axis) to[axis] = static_cast<float>(v[axis]);
+}
+
+}  // namespace
+
+LineDrawer::End LineDrawer::endOf(const Patch& patch, const dvec3& origin) {
+  End end{};
+  end.is_triangle = patch.corner_count == 3;
+  const dvec3* c = patch.corners;
+  const dvec3 side_a = c[1] - c[0], side_b = (end.is_triangle ? c[2] : c[3]) - c[0],
+              twist = end.is_triangle ? dvec3(0) : c[0] - c[1] + c[2] - c[3];
+  toFloats(c[0] - origin, end.corner);
+  toFloats(side_a, end.side_a), toFloats(side_b, end.side_b), toFloats(twist, end.twist);
+  end.density[0] = static_cast<float>(glm::length(glm::cross(side_a, side_b)) / (end.is_triangle ? 2 : 1));
+  if (!end.is_triangle) {
+    const dvec3 across = glm::normalize(glm::cross(side_a, side_b));
+    end.density[1] = static_cast<float>(glm::dot(across, glm::cross(side_a, twist)));
+    end.density[2] = static_cast<float>(glm::dot(across, glm::cross(twist, side_b)));
+  }
+  toFloats(patch.normal, end.normal);
+  end.offset = static_cast<float>(patch.offset - glm::dot(patch.normal, origin));
+  end.edge_count = patch.corner_count;
+  for (uint32_t e = 0; e < patch.corner_count; ++e) {
+    toFloats(patch.edge_normals[e], end.edges[e]);
+    end.edges[e][3] = static_cast<float>(glm::dot(patch.edge_normals[e], origin) - patch.edge_offsets[e]);
+  }
+  const dvec3 u = glm::normalize(side_a);
+  toFloats(u, end.frame[0]), toFloats(glm::cross(patch.normal, u), end.frame[1]);
+  return end;
+}
+
+LineDrawer::LineDrawer(const Patch& a, const Patch& b, LineWay way, double exchange,
+                       const std::vector<Blocker>& blockers, std::span<const PlacedBlocker> between)
+    : way_(way) {
+  const bool is_swapped = b.area < a.area;
+  const Patch &small = is_swapped ? b : a, &large = is_swapped ? a : b;
+  const dvec3 origin = small.middle;
+  first_ = endOf(small, origin), second_ = endOf(large, origin);
+  unit_ = static_cast<float>(way == LineWay::points ? 1 / (std::numbers::pi * exchange) : 1 / exchange);
+  for (const PlacedBlocker& placed : between) {
+    const Blocker& blocker = blockers[placed.blocker];
+    Obstacle& obstacle = obstacles_.emplace_back();
+    obstacle.place = placed.place == BlockerPlace::between ? BlockerPlace::between
+                     : (placed.place == BlockerPlace::over_first) != is_swapped ? BlockerPlace::over_first
+                                                                               : BlockerPlace::over_second;
+    obstacle.edge_count = blocker.corner_count;
+    toFloats(blocker.normal, obstacle.plane);
+    obstacle.plane[3] = static_cast<float>(glm::dot(blocker.normal, origin) - blocker.offset);
+    for (uint32_t e = 0; e < blocker.corner_count; ++e) {
+      toFloats(blocker.edge_normals[e], obstacle.edges[e]);
+      obstacle.edges[e][3] = static_cast<float>(glm::dot(blocker.edge_normals[e], origin) - blocker.edge_offsets[e]);
+    }
+  }
+}
+
+DrawnLines LineDrawer::draw(const std::array<uint32_t, 4>& scrambles, uint32_t first, uint32_t end,
+                          Vectors vectors) const {
+  DrawnLines sums;
+  runVectorised(vectors, [&]() __attribute__((always_inline)) { sums = drawAll(scrambles, first, end); });
+  return sums;
+}
+
+[[gnu::always_inline]] inline DrawnLines LineDrawer::drawAll(const std::array<uint32_t, 4>& scrambles, uint32_t first,
+                                                           uint32_t end) const {
+  const auto pointOn = [](const End& of, Floats s, Floats t, Floats& density) __attribute__((always_inline)) {
+    if (of.is_triangle) {
+      // The square folded onto the triangle, area for area (E. Heitz, A low-distortion map between triangle and square,
+      // 2019).
+      const Flags is_upper = t > s;
+      const Floats half_s = 0.5f * s, half_t = 0.5f * t;
+      s = is_upper ? half_s : s - half_t;
+      t = is_upper ? t - half_s : half_t;
+    }
+    const Floats st = s * t;
+    density = of.density[0] + of.density[1] * s + of.density[2] * t;
+    return Vector{of.corner[0] + of.side_a[0] * s + of.side_b[0] * t + of.twist[0] * st,
+                  of.corner[1] + of.side_a[1] * s + of.side_b[1] * t + of.twist[1] * st,
+                  of.corner[2] + of.side_a[2] * s + of.side_b[2] * t + of.twist[2] * st};
+  };
+  const auto isInside = [](const float (*edges)[4], uint32_t count, const Vector& at) __attribute__((always_inline)) {
+    Flags is_inside = Flags{} == 0;
+    for (uint32_t e = 0; e < count; ++e) is_inside &= dot(edges[e], at) + edges[e][3] <= 0.0f;
+    return is_inside;
+  };
+
+  uint32_t digits[4] = {};
+  for (int d = 0; d < 4; ++d)
+    for (uint32_t gray = first ^ first >> 1, k = 0; gray >> k; ++k)
+      if (gray >> k & 1) digits[d] ^= kSobol.of[d][k + 4];
+  DrawnLines sums;
+  Floats facing{}, weights{}, squares{};
+  for (uint32_t block = first; block < end; ++block) {
+    Floats u[4];
+    for (int d = 0; d < 4; ++d) {
+      u[d] = scrambled(load<Words>(kSobol.lanes[d]) ^ all(digits[d]), scrambles[d]);
+      digits[d] ^= kSobol.of[d][4 + std::countr_zero(block + 1)];
+    }
+    Floats density_p, density_q, weight;
+    const Vector p = pointOn(first_, u[0], u[1], density_p);
+    Vector d{}, q = p;
+    Flags is_open;
+    if (way_ == LineWay::points) {
+      q = pointOn(second_, u[2], u[3], density_q);
+      d = {q.x - p.x, q.y - p.y, q.z - p.z};
+      const Floats out = dot(first_.normal, d), in = -dot(second_.normal, d);
+      const Floats square = d.x * d.x + d.y * d.y + d.z * d.z;
+      is_open = (out > 0.0f) & (in > 0.0f);
+      weight = unit_ * (out * in) / (square * square) * (density_p * density_q);
+    } else if (way_ == LineWay::directions) {
+      Floats sine, cosine;
+      turn(2.0f * u[3] - 1.0f, sine, cosine);
+      const Floats radius = squareRoot(u[2]), up = squareRoot(1.0f - u[2]);
+      const Floats along_a = radius * cosine, along_b = radius * sine;
+      const auto towards = [&](int axis) __attribute__((always_inline)) {
+        return along_a * first_.frame[0][axis] + along_b * first_.frame[1][axis] + up * first_.normal[axis];
+      };
+      d = {towards(0), towards(1), towards(2)};
+      const Floats height = dot(second_.normal, p) - second_.offset, slope = -dot(second_.normal, d);
+      is_open = (height > 0.0f) & (slope > 0.0f) & (up > 0.0f);
+      const Floats t = height / slope;
+      d = {d.x * t, d.y * t, d.z * t};
+      q = {p.x + d.x, p.y + d.y, p.z + d.z};
+      is_open &= isInside(second_.edges, second_.edge_count, q);
+      weight = unit_ * density_p;
+    } else {
+      is_open = isInside(second_.edges, second_.edge_count, p);
+      weight = unit_ * density_p;
+    }
+    weight = keep(is_open, weight);
+    weights += weight;
+    squares += weight * weight;
+    for (const Obstacle& obstacle : obstacles_) {
+      if (obstacle.place == BlockerPlace::between) {
+        const Floats at_p = dot(obstacle.plane, p) + obstacle.plane[3], slope = dot(obstacle.plane, d);
+        const Floats t = at_p / -slope;
+        const Vector x{p.x + t * d.x, p.y + t * d.y, p.z + t * d.z};
+        is_open &= ~((t > 0.0f) & (t < 1.0f) & isInside(obstacle.edges, obstacle.edge_count, x));
+      } else {
+        is_open &= ~isInside(obstacle.edges, obstacle.edge_count,
+                             obstacle.place == BlockerPlace::over_first ? p : q);
+      }
+      if (!isAny(is_open)) break;
+    }
+    facing += keep(is_open, weight);
+    if ((block & 63) == 63 || block + 1 == end) {
+      sums.facing += sumOf(facing), sums.all += sumOf(weights), sums.squares += sumOf(squares);
+      facing = weights = squares = Floats{};
+    }
+  }
+  sums.lines = uint64_t(kBlockLines) * (end - first);
+  return sums;
+}
+
+}  // namespace viewpeel
