@@ -1,0 +1,180 @@
+#include "pair_lines/pair_lines.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <glm/glm.hpp>
+
+#include "directions/replicates.h"
+#include "hash.h"
+#include "threads.h"
+
+namespace viewpeel {
+namespace {
+
+constexpr size_t kChunk = 64;  // pairs that a thread takes at once
+constexpr double kLarge = 0.3;       // form factors above which directions are better than points
+constexpr double kNear = 0.15;       // gap in diagonals of the smaller patch, below which they are, too,
+constexpr double kLeastNear = 1e-3;  // where the form factor is larger than this
+constexpr uint32_t kPilots = 8;
+constexpr uint32_t kMostPeriod = 8;
+constexpr double kMostBlocks = 1 << 16;
+constexpr double kRate = 0.8;  // a variance falls as N^-1.25: N lines for it are its power of -0.8
+
+bool areNear(const Patch& a, const Patch& b) {
+  const glm::dvec3 gap = glm::max(glm::dvec3(0), glm::max(a.low - b.high, b.low - a.high));
+  return glm::length(gap) < kNear * std::min(glm::length(a.high - a.low), glm::length(b.high - b.low));
+}
+
+}  // namespace
+
+PairLines::PairLines(const Scene& scene, const Ids& face_ids, uint64_t seed, size_t threads,
+                     std::function<void()> stop)
+    : scene_(scene),
+      ids_(face_ids),
+      seed_(seed),
+      threads_(threads ? threads : threadCount()),
+      stop_(std::move(stop)),
+      finder_(scene, face_ids) {}
+
+std::vector<LinePair> PairLines::find() {
+  parts_ = finder_.find(threads_, stop_);
+  const auto idsOf = [&](const PatchPair& part) {
+    return std::minmax({ids_.of_polygon[finder_.patches()[part.a].side / 2],
+                        ids_.of_polygon[finder_.patches()[part.b].side / 2]});
+  };
+  std::ranges::stable_sort(parts_.pairs, {}, idsOf);
+  std::vector<LinePair> pairs;
+  groups_.clear();
+  const double unit = scene_.scale * scene_.scale;
+  for (uint32_t k = 0; k < parts_.pairs.size(); ++k) {
+    const PatchPair& part = parts_.pairs[k];
+    const auto [i, j] = idsOf(part);
+    if (pairs.empty() || pairs.back().i != i || pairs.back().j != j) {
+      pairs.push_back({i, j});
+      groups_.push_back({k, 0});
+    }
+    LinePair& pair = pairs.back();
+    ++groups_.back().count;
+    pair.exchange += part.exchange * unit;
+    if (part.blocker_count == 0) pair.clear += part.exchange * unit;
+    const Patch &a = finder_.patches()[part.a], &b = finder_.patches()[part.b];
+    const double form_factor = part.exchange / std::min(a.area, b.area);
+    pair.by_directions |= form_factor > kLarge || (form_factor > kLeastNear && areNear(a, b));
+  }
+  return pairs;
+}
+
+PairLinesFigures PairLines::figures() const {
+  PairLinesFigures figures;
+  figures.blockers = finder_.blockers().size();
+  for (const Group& group : groups_) {
+    bool is_partial = false;
+    for (uint32_t k = group.first; k < group.first + group.count; ++k) is_partial |= parts_.pairs[k].blocker_count > 0;
+    ++(is_partial ? figures.partial : figures.clear);
+  }
+  return figures;
+}
+
+// All lines of a pair in one replicate.
+LineCount PairLines::draw(const LinePair& pair, const Group& group, uint64_t replicate, Vectors vectors) const {
+  double facing = 0, all = 0, squares = 0, blockable = 0;
+  for (uint32_t k = group.first; k < group.first + group.count; ++k)
+    if (parts_.pairs[k].blocker_count) blockable += parts_.pairs[k].exchange;
+  for (uint32_t k = group.first; k < group.first + group.count; ++k) {
+    const PatchPair& part = parts_.pairs[k];
+    if (!part.blocker_count) continue;
+    const Patch &a = finder_.patches()[part.a], &b = finder_.patches()[part.b];
+    std::array<uint32_t, 4> scrambles;
+    for (uint32_t d = 0; d < 4; ++d) {
+      Hash hash;
+      for (const uint64_t number : {seed_, uint64_t(a.side), uint64_t(b.side), replicate, uint64_t(d)})
+        hash.add(number);
+      scrambles[d] = static_cast<uint32_t>(hash.value() >> 16);
+    }
+    const LineWay way = a.plane == b.plane     ? LineWay::contact
+                        : pair.by_directions ? LineWay::directions
+                                             : LineWay::points;
+    const LineDrawer drawer(a, b, way, part.exchange, finder_.blockers(),
+                            {&parts_.between[part.first_blocker], part.blocker_count});
+    const DrawnLines lines = drawer.draw(scrambles, 0, pair.blocks, vectors);
+    const double weight = part.exchange / blockable;
+    facing += weight * lines.facing, all += weight * lines.all, squares += weight * weight * lines.squares;
+  }
+  // In units of what is expected of all of them, kLineUnit.
+  const double unit = kLineUnit / (LineDrawer::kBlockLines * double(pair.blocks));
+  const double scale = unit * std::min(1.0, kMostLineUnits / std::max(1.0, all * unit));
+  LineCount count{0, 0, 0, 0};
+  count.facing = static_cast<uint32_t>(std::lround(facing * scale));
+  count.all = static_cast<uint32_t>(std::lround(all * scale));
+  if (squares > 0)
+    count.effective = static_cast<uint32_t>(std::min(4e9, std::round(all * all / squares * kEffectiveUnit)));
+  return count;
+}
+
+void PairLines::forEach(size_t count, const std::function<void(size_t)>& work) const {
+  shareOut(threads_, count, kChunk, [&](size_t, size_t k) { work(k); }, [&](size_t) {
+    if (stop_) stop_();
+  });
+}
+
+void PairLines::plan(std::span<LinePair> pairs, const std::function<double(const LinePair&)>& allowed,
+                     uint32_t replicates) {
+  const Vectors vectors = widestVectors();
+  forEach(pairs.size(), [&](size_t k) {
+    LinePair& pair = pairs[k];
+    const double blockable = pair.exchange - pair.clear;
+    bool is_partial = false;
+    for (uint32_t part = groups_[k].first; part < groups_[k].first + groups_[k].count; ++part)
+      is_partial |= parts_.pairs[part].blocker_count > 0;
+    pair.blocks = 0, pair.period = 1;
+    if (!is_partial) return;
+    pair.blocks = 1;
+    const double goal = allowed(pair) / blockable;
+    LineSums::PairSum sum;
+    const auto pilot = [&](uint32_t first, uint32_t end) {
+      for (uint32_t p = first; p < end; ++p) {
+        const LineCount count = draw(pair, groups_[k], kLineReplicates.first + p, vectors);
+        LineSums::addTo(sum, count);
+      }
+    };
+    pilot(0, 1);
+    Visibility found = visibilityOf(sum, LineDrawer::kBlockLines);
+    double lines = LineDrawer::kBlockLines * std::pow(0.64 * found.variance / (goal * goal), kRate);
+    if (lines > LineDrawer::kBlockLines * kPilots || sum.all == 0) {
+      pilot(1, kPilots);
+      // So uneven are weights of points that of directions, which meet the other patch rarely, more tell.
+      const double unoccluded = pair.exchange / std::min(ids_.areas[pair.i], ids_.areas[pair.j]);
+      if (!pair.by_directions &&
+          double(sum.effective) / kEffectiveUnit < unoccluded * kPilots * LineDrawer::kBlockLines) {
+        pair.by_directions = true;
+        sum = {};
+        pilot(0, kPilots);
+      }
+      found = visibilityOf(sum, LineDrawer::kBlockLines);
+      lines = LineDrawer::kBlockLines * kPilots * std::pow(found.variance / (goal * goal), kRate);
+    }
+    const double of_replicate = lines / (LineDrawer::kBlockLines * double(replicates));
+    if (of_replicate > 1) {
+      pair.blocks = static_cast<uint32_t>(std::min(kMostBlocks, std::ceil(of_replicate)));
+    } else {
+      while (2 * pair.period <= kMostPeriod && 2 * pair.period * of_replicate <= 1) pair.period *= 2;
+    }
+  });
+}
+
+LineCounts PairLines::count(std::span<const LinePair> pairs, uint64_t replicate) {
+  std::vector<uint32_t> due;
+  for (uint32_t k = 0; k < pairs.size(); ++k)
+    if (pairs[k].hasLines(replicate)) due.push_back(k);
+  LineCounts counts(due.size());
+  const Vectors vectors = widestVectors();
+  forEach(due.size(), [&](size_t k) {
+    counts[k] = draw(pairs[due[k]], groups_[due[k]], replicate, vectors);
+    counts[k].pair = due[k];
+  });
+  return counts;
+}
+
+}  // namespace viewpeel
