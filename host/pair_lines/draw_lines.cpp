@@ -73,43 +73,70 @@ VIEWPEEL_INLINE Floats scrambled(Words digits, uint32_t seed) {
   return __builtin_convertvector((Flags)(x >> 8), Floats) * 0x1p-24f;
 }
 
-// Square roots to a few units of the last place, of numbers in [0, 4].
-VIEWPEEL_INLINE Floats squareRoot(const Floats& x) {
-  const Floats safe = x > 1e-30f ? x : all(1e-30f);
-  Floats inverse = (Floats)(all(0x5f375a86u) - ((Words)safe >> 1));
-  for (int k = 0; k < 3; ++k) inverse = inverse * (1.5f - 0.5f * safe * inverse * inverse);
-  return x * inverse;
+// The tangent of an angle within (-pi/2, pi/2), to 4e-7 of itself: of half the angle, by its series, and then doubled.
+VIEWPEEL_INLINE Floats tangent(const Floats& angle) {
+  const Floats x = 0.25f * angle, s = x * x;  // |x| < 0.4
+  const Floats quarter =
+      x * (1.0f + s * (1 / 3.f + s * (2 / 15.f + s * (17 / 315.f + s * (62 / 2835.f + s * (1382 / 155925.f + s * (21844 / 6081075.f)))))));
+  const Floats half = 2.0f * quarter / (1.0f - quarter * quarter);
+  return 2.0f * half / (1.0f - half * half);
 }
 
-// Sine and cosine of pi y, y in [-1, 1), to 3e-7.
-VIEWPEEL_INLINE void turn(const Floats& y, Floats& sine, Floats& cosine) {
-  const Floats size = y < 0.0f ? -y : y;
-  const Floats x = (size - 0.5f) * std::numbers::pi_v<float>, s = x * x;
-  cosine = -x * (1.0f + s * (-1 / 6.f + s * (1 / 120.f + s * (-1 / 5040.f + s * (1 / 362880.f)))));
-  sine = 1.0f + s * (-0.5f + s * (1 / 24.f + s * (-1 / 720.f + s * (1 / 40320.f + s * (-1 / 3628800.f)))));
-  sine = y < 0.0f ? -sine : sine;
+// The angle of a tangent, to 3e-7 (S. Moshier, Cephes, atanf).
+VIEWPEEL_INLINE Floats arcTangent(const Floats& tangent) {
+  const Floats size = tangent < 0.0f ? -tangent : tangent;
+  const Flags is_large = size > 2.414213562f, is_middle = (size > 0.4142135624f) & ~is_large;
+  Floats x = is_large ? -1.0f / size : size;
+  x = is_middle ? (size - 1.0f) / (size + 1.0f) : x;
+  constexpr float quarter = std::numbers::pi_v<float> / 4;
+  const Floats base = is_large ? all(2 * quarter) : is_middle ? all(quarter) : Floats{};
+  const Floats s = x * x;
+  const Floats angle =
+      base + x + x * s * (-3.33329491539e-1f + s * (1.99777106478e-1f + s * (-1.38776856032e-1f + s * 8.05374449538e-2f)));
+  return tangent < 0.0f ? -angle : angle;
 }
 
 void toFloats(const dvec3& v, float* to) {
   for (int axis = 0; axis < 3; ++axis) to[axis] = static_cast<float>(v[axis]);
 }
 
+// Of unit length.
+dvec3 longestEdge(const Patch& patch) {
+  dvec3 longest(0);
+  for (uint32_t k = 0; k < patch.corner_count; ++k) {
+    const dvec3 edge = patch.corners[(k + 1) % patch.corner_count] - patch.corners[k];
+    if (glm::dot(edge, edge) > glm::dot(longest, longest)) longest = edge;
+  }
+  return glm::normalize(longest);
+}
+
+// From a point to a patch, by Lambert's formula; what lies behind the point's plane counts less than 0.
+double pointFormFactor(const dvec3& p, const dvec3& normal, const Patch& patch) {
+  double sum = 0;
+  for (uint32_t k = 0; k < patch.corner_count; ++k) {
+    const dvec3 a = patch.corners[k] - p, b = patch.corners[(k + 1) % patch.corner_count] - p, across = glm::cross(a, b);
+    const double sine = glm::length(across);
+    if (sine > 0) sum += glm::dot(normal, across) / sine * std::atan2(sine, glm::dot(a, b));
+  }
+  return std::abs(sum) / (2 * std::numbers::pi);
+}
+
 }  // namespace
 
-LineDrawer::End LineDrawer::endOf(const Patch& patch, const dvec3& origin) {
+LineDrawer::End LineDrawer::endOf(const Patch& patch, const dvec3& origin, bool folds_triangles) {
   End end{};
-  end.is_triangle = patch.corner_count == 3;
-  const dvec3* c = patch.corners;
-  const dvec3 side_a = c[1] - c[0], side_b = (end.is_triangle ? c[2] : c[3]) - c[0],
-              twist = end.is_triangle ? dvec3(0) : c[0] - c[1] + c[2] - c[3];
+  end.is_triangle = patch.corner_count == 3 && folds_triangles;
+  // Without folding a triangle's last corner is its first one again: a square with one collapsed side.
+  const dvec3* const c = patch.corners;
+  const dvec3 last = patch.corner_count == 3 ? c[0] : c[3];
+  const dvec3 side_a = c[1] - c[0], side_b = (end.is_triangle ? c[2] : last) - c[0],
+              twist = end.is_triangle ? dvec3(0) : c[0] - c[1] + c[2] - last;
   toFloats(c[0] - origin, end.corner);
   toFloats(side_a, end.side_a), toFloats(side_b, end.side_b), toFloats(twist, end.twist);
-  end.density[0] = static_cast<float>(glm::length(glm::cross(side_a, side_b)) / (end.is_triangle ? 2 : 1));
-  if (!end.is_triangle) {
-    const dvec3 across = glm::normalize(glm::cross(side_a, side_b));
-    end.density[1] = static_cast<float>(glm::dot(across, glm::cross(side_a, twist)));
-    end.density[2] = static_cast<float>(glm::dot(across, glm::cross(twist, side_b)));
-  }
+  const dvec3 across = glm::normalize(glm::cross(c[1] - c[0], c[2] - c[0]));
+  end.density[0] = static_cast<float>(glm::dot(across, glm::cross(side_a, side_b)) / (end.is_triangle ? 2 : 1));
+  end.density[1] = static_cast<float>(glm::dot(across, glm::cross(side_a, twist)));
+  end.density[2] = static_cast<float>(glm::dot(across, glm::cross(twist, side_b)));
   toFloats(patch.normal, end.normal);
   end.offset = static_cast<float>(patch.offset - glm::dot(patch.normal, origin));
   end.edge_count = patch.corner_count;
@@ -117,8 +144,6 @@ LineDrawer::End LineDrawer::endOf(const Patch& patch, const dvec3& origin) {
     toFloats(patch.edge_normals[e], end.edges[e]);
     end.edges[e][3] = static_cast<float>(glm::dot(patch.edge_normals[e], origin) - patch.edge_offsets[e]);
   }
-  const dvec3 u = glm::normalize(side_a);
-  toFloats(u, end.frame[0]), toFloats(glm::cross(patch.normal, u), end.frame[1]);
   return end;
 }
 
@@ -128,8 +153,12 @@ LineDrawer::LineDrawer(const Patch& a, const Patch& b, LineWay way, double excha
   const bool is_swapped = b.area < a.area;
   const Patch &small = is_swapped ? b : a, &large = is_swapped ? a : b;
   const dvec3 origin = small.middle;
-  first_ = endOf(small, origin), second_ = endOf(large, origin);
-  unit_ = static_cast<float>(way == LineWay::points ? 1 / (std::numbers::pi * exchange) : 1 / exchange);
+  first_ = endOf(small, origin, way != LineWay::angles), second_ = endOf(large, origin, true);
+  if (way == LineWay::angles) {
+    frameSecond(small, large);
+    warpTowards(small, large);
+  }
+  unit_ = static_cast<float>(way == LineWay::contact ? 1 / exchange : 1 / (std::numbers::pi * exchange));
   for (const PlacedBlocker& placed : between) {
     const Blocker& blocker = blockers[placed.blocker];
     Obstacle& obstacle = obstacles_.emplace_back();
@@ -142,6 +171,59 @@ LineDrawer::LineDrawer(const Patch& a, const Patch& b, LineWay way, double excha
     for (uint32_t e = 0; e < blocker.corner_count; ++e) {
       toFloats(blocker.edge_normals[e], obstacle.edges[e]);
       obstacle.edges[e][3] = static_cast<float>(glm::dot(blocker.edge_normals[e], origin) - blocker.edge_offsets[e]);
+    }
+  }
+}
+
+// Sets the rectangle of the second patch that angles go to: around what the first patch has in front of it.
+void LineDrawer::frameSecond(const Patch& small, const Patch& large) {
+  dvec3 seen[8];
+  uint32_t count = 0;
+  for (uint32_t k = 0; k < large.corner_count; ++k) {
+    const dvec3 &p = large.corners[k], &q = large.corners[(k + 1) % large.corner_count];
+    const double height_p = glm::dot(small.normal, p) - small.offset, height_q = glm::dot(small.normal, q) - small.offset;
+    if (height_p >= 0) seen[count++] = p;
+    if ((height_p > 0 && height_q < 0) || (height_p < 0 && height_q > 0))
+      seen[count++] = p + height_p / (height_p - height_q) * (q - p);
+  }
+  const dvec3 along = glm::cross(small.normal, large.normal);
+  dvec3 axes[2];
+  axes[0] = count == large.corner_count || glm::length(along) < 1e-6 ? longestEdge(large) : glm::normalize(along);
+  axes[1] = glm::cross(large.normal, axes[0]);
+  for (int axis = 0; axis < 2; ++axis) {
+    toFloats(axes[axis], second_.axes[axis]);
+    double low = INFINITY, high = -INFINITY;
+    for (uint32_t k = 0; k < count; ++k) {
+      low = std::min(low, glm::dot(axes[axis], seen[k] - small.middle));
+      high = std::max(high, glm::dot(axes[axis], seen[k] - small.middle));
+    }
+    second_.range[axis][0] = static_cast<float>(low), second_.range[axis][1] = static_cast<float>(high);
+  }
+}
+
+// Makes points of the first patch denser where the form factor from them is larger, along either coordinate.
+void LineDrawer::warpTowards(const Patch& small, const Patch& large) {
+  constexpr int kBins = Warp::kBins;
+  double sums[2][kBins] = {}, all = 0;
+  for (int row = 0; row < kBins; ++row)
+    for (int column = 0; column < kBins; ++column) {
+      const double s = (row + 0.5) / kBins, t = (column + 0.5) / kBins;
+      const dvec3* c = small.corners;
+      const dvec3 last = small.corner_count == 3 ? c[0] : c[3];
+      const dvec3 p = (1 - s) * ((1 - t) * c[0] + t * last) + s * ((1 - t) * c[1] + t * c[2]);
+      const double density = first_.density[0] + s * first_.density[1] + t * first_.density[2];
+      if (glm::dot(large.normal, p) <= large.offset) continue;
+      const double share = pointFormFactor(p, small.normal, large) * density;
+      sums[0][row] += share, sums[1][column] += share, all += share;
+    }
+  constexpr double kEven = 0.15;  // of the points stay evenly spread
+  for (int axis = 0; axis < 2; ++axis) {
+    double start = 0;
+    for (int bin = 0; bin < kBins; ++bin) {
+      const double share = all > 0 ? kEven / kBins + (1 - kEven) * sums[axis][bin] / all : 1.0 / kBins;
+      warps_[axis].starts[bin] = static_cast<float>(start);
+      warps_[axis].scales[bin] = static_cast<float>(1 / (kBins * share));
+      start += share;
     }
   }
 }
@@ -188,7 +270,19 @@ DrawnLines LineDrawer::draw(const std::array<uint32_t, 4>& scrambles, uint32_t f
       u[d] = scrambled(load<Words>(kSobol.lanes[d]) ^ all(digits[d]), scrambles[d]);
       digits[d] ^= kSobol.of[d][4 + std::countr_zero(block + 1)];
     }
-    Floats density_p, density_q, weight;
+    Floats density_p, density_q, weight, stretch = all(1.0f);
+    if (way_ == LineWay::angles)
+      for (int axis = 0; axis < 2; ++axis) {
+        Floats warped = u[axis] * warps_[axis].scales[0], scale = all(warps_[axis].scales[0]);
+        for (int bin = 1; bin < Warp::kBins; ++bin) {
+          const Flags is_beyond = u[axis] >= warps_[axis].starts[bin];
+          warped = is_beyond ? float(bin) / Warp::kBins + (u[axis] - warps_[axis].starts[bin]) * warps_[axis].scales[bin]
+                             : warped;
+          scale = is_beyond ? all(warps_[axis].scales[bin]) : scale;
+        }
+        u[axis] = warped;
+        stretch *= scale;
+      }
     const Vector p = pointOn(first_, u[0], u[1], density_p);
     Vector d{}, q = p;
     Flags is_open;
@@ -199,22 +293,24 @@ DrawnLines LineDrawer::draw(const std::array<uint32_t, 4>& scrambles, uint32_t f
       const Floats square = d.x * d.x + d.y * d.y + d.z * d.z;
       is_open = (out > 0.0f) & (in > 0.0f);
       weight = unit_ * (out * in) / (square * square) * (density_p * density_q);
-    } else if (way_ == LineWay::directions) {
-      Floats sine, cosine;
-      turn(2.0f * u[3] - 1.0f, sine, cosine);
-      const Floats radius = squareRoot(u[2]), up = squareRoot(1.0f - u[2]);
-      const Floats along_a = radius * cosine, along_b = radius * sine;
+    } else if (way_ == LineWay::angles) {
+      const Floats height = dot(second_.normal, p) - second_.offset;
+      Floats foot[2], aside[2], spread = unit_ * density_p * stretch;
+      for (int axis = 0; axis < 2; ++axis) {
+        foot[axis] = dot(second_.axes[axis], p);
+        const Floats low = arcTangent((second_.range[axis][0] - foot[axis]) / height),
+                     high = arcTangent((second_.range[axis][1] - foot[axis]) / height);
+        aside[axis] = height * tangent(low + u[2 + axis] * (high - low));
+        spread *= (high - low) * (height * height + aside[axis] * aside[axis]) / height;
+      }
       const auto towards = [&](int axis) __attribute__((always_inline)) {
-        return along_a * first_.frame[0][axis] + along_b * first_.frame[1][axis] + up * first_.normal[axis];
+        return aside[0] * second_.axes[0][axis] + aside[1] * second_.axes[1][axis] - height * second_.normal[axis];
       };
       d = {towards(0), towards(1), towards(2)};
-      const Floats height = dot(second_.normal, p) - second_.offset, slope = -dot(second_.normal, d);
-      is_open = (height > 0.0f) & (slope > 0.0f) & (up > 0.0f);
-      const Floats t = height / slope;
-      d = {d.x * t, d.y * t, d.z * t};
       q = {p.x + d.x, p.y + d.y, p.z + d.z};
-      is_open &= isInside(second_.edges, second_.edge_count, q);
-      weight = unit_ * density_p;
+      const Floats out = dot(first_.normal, d), square = d.x * d.x + d.y * d.y + d.z * d.z;
+      is_open = (height > 0.0f) & (out > 0.0f) & isInside(second_.edges, second_.edge_count, q);
+      weight = spread * (out * height) / (square * square);
     } else {
       is_open = isInside(second_.edges, second_.edge_count, p);
       weight = unit_ * density_p;

@@ -1,10 +1,11 @@
 // Lines between two patches, and which of them nothing blocks.
 //
 // Lines are drawn in one of three ways:
-//   points      from a point of one patch to a point of the other; a line weighs cos cos / (pi r^2) dA dA;
-//   directions  from a point of the smaller patch along its cosine law; lines that meet the other patch weigh 1. For
-//               patches that are near, where the weights of points vary without bound;
-//   contact     for patches of one plane that face each other: from a point of one to the same point of the other.
+//   points   from a point of one patch to a point of the other; a line weighs cos cos / (pi r^2) dA dA;
+//   angles   from a point of the smaller patch, at a height h over the other's plane, to a point of that plane at h tan(a)
+//            and h tan(b) from its foot, a and b uniform. For patches that are near, where the weights of points vary
+//            without bound: these vary little. Points are denser where the other patch looks larger;
+//   contact  for patches of one plane that face each other: from a point of one to the same point of the other.
 // In all three the share of the weight that nothing blocks is the visibility of the pair (docs/method.md).
 //
 // Points are Sobol' points of four dimensions (S. Joe, F. Kuo, Constructing Sobol sequences with better two-dimensional
@@ -23,7 +24,7 @@
 
 namespace viewpeel {
 
-enum class LineWay : uint8_t { points, directions, contact };
+enum class LineWay : uint8_t { points, angles, contact };
 
 // What covers an end of lines lies in its plane; other blockers lie between.
 enum class BlockerPlace : uint8_t { between, over_first, over_second };
@@ -64,7 +65,13 @@ class LineDrawer {
     bool is_triangle;
     uint32_t edge_count;
     float edges[4][4];  // outward normals and minus their offsets
-    float frame[2][3];
+    float axes[2][3];   // of its plane, unit length
+    float range[2][2];  // of the patch along the axes, least and most
+  };
+  // Numbers in [0, 1), more of them where more of what counts is: bin by bin.
+  struct Warp {
+    static constexpr int kBins = 8;
+    float starts[kBins], scales[kBins];  // of bin k: u >= starts[k], and its width over its share
   };
   struct Obstacle {
     BlockerPlace place;
@@ -73,11 +80,14 @@ class LineDrawer {
     float edges[kMostBlockerCorners][4];
   };
 
-  static End endOf(const Patch& patch, const glm::dvec3& origin);
+  static End endOf(const Patch& patch, const glm::dvec3& origin, bool folds_triangles);
+  void frameSecond(const Patch& small, const Patch& large);
+  void warpTowards(const Patch& small, const Patch& large);
   DrawnLines drawAll(const std::array<uint32_t, 4>& scrambles, uint32_t first, uint32_t end) const;
 
   LineWay way_;
   End first_, second_;
+  Warp warps_[2];  // of points of the first patch, by angles
   float unit_;  // of weights
   std::vector<Obstacle> obstacles_;
 };

@@ -14,9 +14,10 @@ namespace viewpeel {
 namespace {
 
 constexpr size_t kChunk = 64;  // pairs that a thread takes at once
-constexpr double kLarge = 0.3;       // form factors above which directions are better than points
+constexpr double kLarge = 0.3;       // form factors above which angles are better than points
 constexpr double kNear = 0.15;       // gap in diagonals of the smaller patch, below which they are, too,
 constexpr double kLeastNear = 1e-3;  // where the form factor is larger than this
+constexpr double kUneven = 0.2;  // share of points that tell of a pair, below which angles are better, too
 constexpr uint32_t kPilots = 8;
 constexpr uint32_t kMostPeriod = 8;
 constexpr double kMostBlocks = 1 << 16;
@@ -61,7 +62,7 @@ std::vector<LinePair> PairLines::find() {
     if (part.blocker_count == 0) pair.clear += part.exchange * unit;
     const Patch &a = finder_.patches()[part.a], &b = finder_.patches()[part.b];
     const double form_factor = part.exchange / std::min(a.area, b.area);
-    pair.by_directions |= form_factor > kLarge || (form_factor > kLeastNear && areNear(a, b));
+    pair.by_angles |= form_factor > kLarge || (form_factor > kLeastNear && areNear(a, b));
   }
   return pairs;
 }
@@ -94,7 +95,7 @@ LineCount PairLines::draw(const LinePair& pair, const Group& group, uint64_t rep
       scrambles[d] = static_cast<uint32_t>(hash.value() >> 16);
     }
     const LineWay way = a.plane == b.plane     ? LineWay::contact
-                        : pair.by_directions ? LineWay::directions
+                        : pair.by_angles ? LineWay::angles
                                              : LineWay::points;
     const LineDrawer drawer(a, b, way, part.exchange, finder_.blockers(),
                             {&parts_.between[part.first_blocker], part.blocker_count});
@@ -144,11 +145,8 @@ void PairLines::plan(std::span<LinePair> pairs, const std::function<double(const
     double lines = LineDrawer::kBlockLines * std::pow(0.64 * found.variance / (goal * goal), kRate);
     if (lines > LineDrawer::kBlockLines * kPilots || sum.all == 0) {
       pilot(1, kPilots);
-      // So uneven are weights of points that of directions, which meet the other patch rarely, more tell.
-      const double unoccluded = pair.exchange / std::min(ids_.areas[pair.i], ids_.areas[pair.j]);
-      if (!pair.by_directions &&
-          double(sum.effective) / kEffectiveUnit < unoccluded * kPilots * LineDrawer::kBlockLines) {
-        pair.by_directions = true;
+      if (!pair.by_angles && double(sum.effective) / kEffectiveUnit < kUneven * kPilots * LineDrawer::kBlockLines) {
+        pair.by_angles = true;
         sum = {};
         pilot(0, kPilots);
       }

@@ -19,7 +19,7 @@ struct LinePair {
   double clear = 0;         // what nothing can block of it
   uint32_t blocks = 0;      // of 16 lines, in the replicates in which the pair has lines; 0 where all is clear
   uint32_t period = 1;      // one of so many replicates
-  bool by_directions = false;  // how lines are drawn (draw_lines.h)
+  bool by_angles = false;  // how lines are drawn (draw_lines.h)
 
   bool operator==(const LinePair&) const = default;
 
