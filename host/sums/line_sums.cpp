@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 
@@ -19,11 +20,11 @@ uint64_t squareUnits(uint64_t a, uint64_t b) { return (a >> 4) * (b >> 4); }
 
 }  // namespace
 
-LineSums::LineSums(Ids ids, std::vector<LinePair> pairs)
-    : ids_(std::move(ids)), pairs_(std::move(pairs)), sums_(pairs_.size()) {}
+LineSums::LineSums(Ids ids, By by, std::vector<LinePair> pairs)
+    : ids_(std::move(ids)), by_(by), pairs_(std::move(pairs)), sums_(pairs_.size()) {}
 
-LineSums::LineSums(Ids ids, std::vector<LinePair> pairs, std::vector<PairSum> sums, uint64_t replicate_count)
-    : ids_(std::move(ids)), pairs_(std::move(pairs)), sums_(std::move(sums)), replicate_count_(replicate_count) {}
+LineSums::LineSums(Ids ids, By by, std::vector<LinePair> pairs, std::vector<PairSum> sums, uint64_t replicate_count)
+    : ids_(std::move(ids)), by_(by), pairs_(std::move(pairs)), sums_(std::move(sums)), replicate_count_(replicate_count) {}
 
 void LineSums::add(const LineCounts& counts) {
   ++replicate_count_;
@@ -88,6 +89,13 @@ Measured LineSums::exchangeArea(size_t k) const {
   double error = blockable * std::sqrt(visibility.variance);
   error = std::min(error, blockable * std::max(visibility.value, 1 - visibility.value));
   return {value, error + kUnoccludedError * value};
+}
+
+bool LineSums::goesWith(const LineSums& others) const {
+  const auto linesOf = [](const LinePair& pair) {
+    return std::tuple(pair.i, pair.j, pair.blocks, pair.period, pair.by_angles);
+  };
+  return by_ == others.by_ && std::ranges::equal(pairs_, others.pairs_, {}, linesOf, linesOf);
 }
 
 std::vector<FormFactors::Entry> LineSums::entries() const {

@@ -43,20 +43,19 @@ constexpr double kEffectiveUnit = 256;
 
 class LineSums {
  public:
-  // Of one pair. Sums of squares are below 2^64: there are at most 16 replicates of the most units, which no more than a
-  // few have.
+  // Of one pair. Squares are of counts without their last 4 bits: those of 4,096 replicates are below 2^64.
   struct PairSum {
     uint64_t facing = 0, all = 0, effective = 0;
-    uint64_t facing_squares = 0, products = 0, all_squares = 0;  // sums over replicates, 2^-8 units squared
+    uint64_t facing_squares = 0, products = 0, all_squares = 0;  // over replicates
     uint32_t replicates = 0;                                     // with lines
 
     bool operator==(const PairSum&) const = default;
   };
 
-  //   In: ids by face; pairs sorted by (i, j), every pair at most once
-  LineSums(Ids ids, std::vector<LinePair> pairs);
+  //   In: ids by face; by: of the result; pairs sorted by (i, j), every pair at most once
+  LineSums(Ids ids, By by, std::vector<LinePair> pairs);
   // Restores sums from a checkpoint.    In: sums: one for each pair
-  LineSums(Ids ids, std::vector<LinePair> pairs, std::vector<PairSum> sums, uint64_t replicate_count);
+  LineSums(Ids ids, By by, std::vector<LinePair> pairs, std::vector<PairSum> sums, uint64_t replicate_count);
 
   // Adds one replicate.
   void add(const LineCounts& counts);
@@ -65,6 +64,7 @@ class LineSums {
   void add(const LineSums& others);
 
   const Ids& ids() const { return ids_; }
+  By by() const { return by_; }
   const std::vector<LinePair>& pairs() const { return pairs_; }
   const std::vector<PairSum>& sums() const { return sums_; }
   uint64_t replicateCount() const { return replicate_count_; }
@@ -77,9 +77,12 @@ class LineSums {
   std::vector<FormFactors::Entry> entries() const;
   // What entries() says of one pair.
   Measured exchangeArea(size_t pair) const;
+  // Whether two runs have the same pairs with the same lines. Unoccluded form factors may differ in rounding.
+  bool goesWith(const LineSums& others) const;
 
  private:
   Ids ids_;
+  By by_;
   std::vector<LinePair> pairs_;
   std::vector<PairSum> sums_;
   uint64_t replicate_count_ = 0;
