@@ -36,11 +36,11 @@ std::vector<FormFactors::Entry> mergeBySurface(std::vector<FormFactors::Entry> e
 
 }  // namespace
 
-FormFactors lineFormFactors(const LineSums& lines, const ReplicateSums& counted, double measure_area,
+FormFactors lineFormFactors(const LineSums& lines, By by, const ReplicateSums& counted, double measure_area,
                             double count_area) {
   const Ids& ids = counted.ids();
   std::vector<FormFactors::Entry> entries = lines.entries();
-  if (lines.by() == By::surface) entries = mergeBySurface(std::move(entries), lines.ids().surface);
+  if (by == By::surface) entries = mergeBySurface(std::move(entries), lines.ids().surface);
   std::vector<Measured> environment(ids.count()), leak(ids.count());
   bool is_open = false;
   for (const ReplicateSums::PairSum& pair : counted.pairs()) {

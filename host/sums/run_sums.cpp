@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sums/add_pairs.h"
+#include "sums/line_form_factors.h"
 #include "threads.h"
 
 namespace viewpeel {
@@ -46,6 +47,7 @@ bool RunSums::isWhole() const {
     count += replicates[k].end - replicates[k].first;
   }
   if (hasPairsInVisible() && !by_id.pairs().empty()) return false;
+  if (lines && lines->replicateCount() != count) return false;
   return by_id.replicateCount() == count && by_surface.replicateCount() == count &&
          (!visible ||
           (visible->byFace().replicateCount() == count && visible->surfaceControls().replicateCount() == count &&
@@ -64,7 +66,15 @@ void RunSums::add(uint64_t replicate, const PairCounts& counts, uint64_t directi
   directions += direction_count;
 }
 
+void RunSums::addLines(uint64_t replicate, const PairCounts& counts, uint64_t direction_count,
+                       const LineCounts& line_counts) {
+  lines->add(line_counts);
+  add(replicate, counts, direction_count);
+}
+
 void RunSums::add(const RunSums& others) {
+  if (lines && !replicates.empty()) lines->add(*others.lines);
+  else lines = others.lines;
   if (replicates.empty()) measure_area = others.measure_area;
   if (others.visible && !visible) visible = others.visible;
   else if (visible)
@@ -78,7 +88,8 @@ void RunSums::add(const RunSums& others) {
 }
 
 FormFactors RunSums::formFactors(const ExchangeRow& row) const {
-  if (visible && visible->by() == By::surface) return betweenSurfaces();
+  if (lines && lines->by() == By::polygon) return lineFormFactors(*lines, By::polygon, by_id, measure_area, countArea());
+  if (lines || (visible && visible->by() == By::surface)) return betweenSurfaces();
   if (!visible) return by_id.formFactors(measure_area, countArea());
   // What counts alone say of other pairs is not looked at.
   const std::vector<ShareSums::PairSum>& pairs = visible->byFace().pairs();
@@ -105,7 +116,14 @@ FormFactors RunSums::knownFormFactors() const {
   return {by_id.ids(), std::move(entries), {}};
 }
 
+FormFactors RunSums::pairFormFactors() const {
+  Ids ids = lines->by() == By::polygon ? by_id.ids() : by_surface.ids();
+  ids.counts_environment = false;
+  return lineFormFactors(*lines, lines->by(), ReplicateSums(std::move(ids)), measure_area, countArea());
+}
+
 FormFactors RunSums::betweenSurfaces() const {
+  if (lines) return lineFormFactors(*lines, By::surface, by_surface, measure_area, countArea());
   const FormFactors sampled = by_surface.formFactors(measure_area, countArea());
   return visible ? visible->bySurface(measure_area, countArea(), sampled) : sampled;
 }
