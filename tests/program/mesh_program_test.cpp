@@ -21,7 +21,7 @@ TEST_F(Program, AFacetWithoutAreaHasAnEmptyRow) {
                     gone = facet("0 0 0", "0.5 0.5 0", "1 1 0");
   std::ofstream(file("d.stl")) << "solid a\n" << lower << gone << upper << "endsolid\n";
   std::ofstream(file("whole.stl")) << "solid a\n" << lower << upper << "endsolid\n";
-  const std::string lattice = " --directions 50 --resolution 16 --replicates 2 --closed-forms off --quiet ";
+  const std::string lattice = " --directions 50 --resolution 16 --replicates 2 --unoccluded off --quiet ";
   const Result r = run("compute " + file("d.stl") + lattice + "-o " + file("d.mtx") + " -o " + file("d.csv") +
                        " --checkpoint " + file("d.h5"));
   EXPECT_EQ(r.status, 0);
