@@ -94,6 +94,13 @@ std::string describePlan(const FormFactorRun& run) {
   const Request& request = run.request();
   const PlanSummary& plan = run.plan();
   if (plan.guarantee) return describeGuarantee(request, plan);
+  if (const auto& lines = plan.pair_lines)
+    return fmt::format(
+        "pairs      {} may be blocked in part and get {:.3g} million lines between them; {} nothing can block; {} "
+        "(found in {:.2g} s)\n"
+        "sampling   {} a replicate, {}, for environment and leak; {}; seed {}\n",
+        lines->partial, 1e-6 * double(lines->lines), lines->clear, counted(lines->blockers, "blocker"), lines->seconds,
+        counted(plan.directions, "direction"), plan.sampler, describeLattices(plan), request.seed);
   return fmt::format("sampling   {} a replicate, {}; {}; seed {}\n", counted(plan.directions, "direction"),
                      plan.sampler, describeLattices(plan), request.seed) +
          describeExpectation(request, plan);

@@ -64,7 +64,7 @@ LineRun::LineRun(Engine& engine, const Scene& scene, const Ids& face_ids, PairLi
     : engine_(engine),
       lines_(lines),
       options_(std::move(options)),
-      count_area_(engine.unitArea() * scene.scale * scene.scale / options_.directions),
+      count_area_(options_.directions ? engine.unitArea() * scene.scale * scene.scale / options_.directions : 0),
       sums_(sumsToBeginWith(scene, face_ids, std::move(pairs), options_)) {
   if (options_.replicates < 2) throw Error(ErrorCode::bad_usage, "a standard error needs at least 2 replicates");
   if (options_.resumed) {
@@ -95,8 +95,11 @@ bool LineRun::isDone() const {
 void LineRun::step() {
   const uint64_t replicate = options_.first_replicate + sums_.replicateCount();
   const LineCounts counts = lines_.count(sums_.lines->pairs(), replicate);
-  const PairCounts common =
-      engine_.count(sampleDirections(options_.sampler, options_.directions, options_.seed, replicate));
+  PairCounts common;
+  if (options_.directions)
+    common = engine_.count(sampleDirections(options_.sampler, options_.directions, options_.seed, replicate));
+  // Only lines that leave the scene or leak are asked for.
+  std::erase_if(common, [](const PairCount& count) { return count.j < kEnvironment; });
   if (sums_.replicateCount() == 0) sums_.measure_area = count_area_;
   sums_.addLines(replicate, common, options_.directions, counts);
   measureErrors();

@@ -20,7 +20,6 @@ constexpr double kLeastNear = 1e-3;  // where the form factor is larger than thi
 constexpr double kUneven = 0.2;  // share of points that tell of a pair, below which angles are better, too
 constexpr uint32_t kPilots = 8;
 constexpr uint32_t kMostPeriod = 8;
-constexpr double kMostBlocks = 1 << 16;
 constexpr double kRate = 0.8;  // a variance falls as N^-1.25: N lines for it are its power of -0.8
 
 bool areNear(const Patch& a, const Patch& b) {
@@ -155,7 +154,7 @@ void PairLines::plan(std::span<LinePair> pairs, const std::function<double(const
     }
     const double of_replicate = lines / (LineDrawer::kBlockLines * double(replicates));
     if (of_replicate > 1) {
-      pair.blocks = static_cast<uint32_t>(std::min(kMostBlocks, std::ceil(of_replicate)));
+      pair.blocks = static_cast<uint32_t>(std::min(double(kMostLineBlocks), std::ceil(of_replicate)));
     } else {
       while (2 * pair.period <= kMostPeriod && 2 * pair.period * of_replicate <= 1) pair.period *= 2;
     }

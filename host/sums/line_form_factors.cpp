@@ -51,7 +51,7 @@ FormFactors lineFormFactors(const LineSums& lines, By by, const ReplicateSums& c
   if (ids.counts_environment) {
     const std::vector<Measured> rows = sumRows(entries, ids.areas);
     for (uint32_t i = 0; i < ids.count(); ++i) {
-      if (!ids.isAsked(i)) continue;
+      if (!ids.isRequested(i)) continue;
       const double left = std::max(0.0, 1 - rows[i].value) * ids.areas[i],
                    doubt = rows[i].standard_error * ids.areas[i];
       if (leak[i].value > 0) {

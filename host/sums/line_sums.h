@@ -40,6 +40,7 @@ using LineCounts = std::vector<LineCount>;
 constexpr double kLineUnit = 1 << 20;         // the expectation of LineCount::all
 constexpr double kMostLineUnits = 1u << 30;   // weights are scaled down to it
 constexpr double kEffectiveUnit = 256;
+constexpr uint32_t kMostLineBlocks = 1 << 16;  // of a pair in a replicate
 
 class LineSums {
  public:
