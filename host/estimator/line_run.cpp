@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <utility>
 
 #include <viewpeel/error.h>
+#include "sums/add_pairs.h"
 
 namespace viewpeel {
 namespace {
@@ -78,7 +80,27 @@ void LineRun::measureErrors() {
   if (sums_.replicateCount() < options_.replicates) return;
   const FormFactors all = sums_.pairFormFactors();
   largest_error_ = viewpeel::largestStandardError(all);
-  largest_relative_error_ = largestRelativeError(all, options_.relative_floor);
+  const std::vector<LinePair>& pairs = sums_.lines->pairs();
+  wanting_.assign(pairs.size(), false);
+  is_any_wanting_ = false;
+  std::set<std::pair<uint32_t, uint32_t>> keys;
+  for (const FormFactors::Entry& entry : all.entries())
+    if (isWanting(entry, all.ids())) keys.insert(keyOf(entry));
+  if (keys.empty()) return;
+  const std::vector<uint32_t>& surface = sums_.lines->ids().surface;
+  for (size_t k = 0; k < pairs.size(); ++k) {
+    auto key = keyOf(pairs[k]);
+    if (options_.by == By::surface) key = std::minmax(surface[key.first], surface[key.second]);
+    wanting_[k] = pairs[k].blocks && keys.contains(key);
+    is_any_wanting_ = is_any_wanting_ || wanting_[k];
+  }
+}
+
+bool LineRun::isWanting(const FormFactors::Entry& entry, const Ids& ids) const {
+  const double area = ids.smallerArea(entry.i, entry.j), error = entry.exchange_area.standard_error;
+  if (options_.tolerance && kReachedErrors * error > *options_.tolerance * area) return true;
+  return options_.relative && entry.exchange_area.value >= options_.relative_floor * area &&
+         kReachedErrors * error > *options_.relative * entry.exchange_area.value;
 }
 
 bool LineRun::isDone() const {
@@ -87,14 +109,16 @@ bool LineRun::isDone() const {
   if (options_.seconds && done >= 2 && done_here > 0 &&
       secondsSince(start_) * (done_here + 1) / done_here > *options_.seconds)
     return true;
-  return done >= options_.replicates &&
-         (!options_.tolerance || largest_error_ <= *options_.tolerance / kReachedErrors) &&
-         (!options_.relative || largest_relative_error_ <= *options_.relative);
+  return done >= options_.replicates && !is_any_wanting_;
 }
 
 void LineRun::step() {
   const uint64_t replicate = options_.first_replicate + sums_.replicateCount();
-  const LineCounts counts = lines_.count(sums_.lines->pairs(), replicate);
+  // Twice as many lines in each further replicate: those that planned too few get there in a few of them.
+  constexpr uint64_t kMostDoublings = 6;
+  const uint64_t further = std::max<uint64_t>(sums_.replicateCount(), options_.replicates) - options_.replicates;
+  const LineCounts counts = lines_.count(sums_.lines->pairs(), replicate, wanting_,
+                                         1u << std::min(further, kMostDoublings));
   PairCounts common;
   if (options_.directions)
     common = engine_.count(sampleDirections(options_.sampler, options_.directions, options_.seed, replicate));

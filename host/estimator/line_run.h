@@ -17,9 +17,9 @@ constexpr uint32_t kLineRunDirections = 32;
 
 // What the tolerance T of a run stands for: plans allow each pair T / kPlannedErrors standard errors, so that the
 // largest error of all pairs, most of which have far less, is hardly ever above T. Measured: docs/accuracy.md.
-constexpr double kPlannedErrors = 4.5;
-// A run ends with the largest standard error of a pair at most T / kReachedErrors.
-constexpr double kReachedErrors = 2;
+constexpr double kPlannedErrors = 3.5;
+// Pairs whose standard error is above T / kReachedErrors after the replicates asked for get further ones.
+constexpr double kReachedErrors = 3;
 
 // Finds the pairs of a run and gives them lines for its goal: a tolerance, a relative error, or both.
 //   In: lines: of ids by face; ids: of the result, whose goals are meant; options: goals, replicates, by
@@ -45,13 +45,16 @@ class LineRun {
 
  private:
   void measureErrors();
+  bool isWanting(const FormFactors::Entry& entry, const Ids& ids) const;
 
   Engine& engine_;
   PairLines& lines_;
   EstimateOptions options_;
   double count_area_;
   RunSums sums_;
-  double largest_error_ = INFINITY, largest_relative_error_ = INFINITY;
+  double largest_error_ = INFINITY;
+  std::vector<bool> wanting_;  // of pairs, after the replicates asked for: those that miss the goal
+  bool is_any_wanting_ = true;
   uint64_t resumed_count_ = 0;
   Clock::time_point start_ = Clock::now();
 };

@@ -186,6 +186,7 @@ void writeLineSums(Hdf5Output& out, const RunSums& sums) {
   writeColumn<uint64_t>(out, "lines/facing_squares", of_pairs, [](const LineSum& sum) { return sum.facing_squares; });
   writeColumn<uint64_t>(out, "lines/products", of_pairs, [](const LineSum& sum) { return sum.products; });
   writeColumn<uint64_t>(out, "lines/all_squares", of_pairs, [](const LineSum& sum) { return sum.all_squares; });
+  writeColumn<uint64_t>(out, "lines/drawn_blocks", of_pairs, [](const LineSum& sum) { return sum.blocks; });
   writeColumn<uint32_t>(out, "lines/replicates", of_pairs, [](const LineSum& sum) { return sum.replicates; });
 }
 
@@ -320,6 +321,7 @@ std::optional<LineSums> readLineSums(Hdf5Input& in, const Ids& face_ids) {
                        [](LineSum& sum, uint64_t word) { sum.facing_squares = word; });
   readColumn<uint64_t>(in, "lines/products", sums, [](LineSum& sum, uint64_t word) { sum.products = word; });
   readColumn<uint64_t>(in, "lines/all_squares", sums, [](LineSum& sum, uint64_t word) { sum.all_squares = word; });
+  readColumn<uint64_t>(in, "lines/drawn_blocks", sums, [](LineSum& sum, uint64_t blocks) { sum.blocks = blocks; });
   readColumn<uint32_t>(in, "lines/replicates", sums, [](LineSum& sum, uint32_t count) { sum.replicates = count; });
   const bool are_shares = std::ranges::all_of(sums, [](const LineSum& sum) {
     return sum.facing <= sum.all && sum.all <= uint64_t(sum.replicates) << 31;

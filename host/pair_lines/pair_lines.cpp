@@ -78,7 +78,9 @@ PairLinesFigures PairLines::figures() const {
 }
 
 // All lines of a pair in one replicate.
-LineCount PairLines::draw(const LinePair& pair, const Group& group, uint64_t replicate, Vectors vectors) const {
+LineCount PairLines::draw(const LinePair& pair, const Group& group, uint64_t replicate, uint32_t times,
+                          Vectors vectors) const {
+  const uint32_t blocks = std::min(pair.blocks * times, kMostLineBlocks);
   double facing = 0, all = 0, squares = 0, blockable = 0;
   for (uint32_t k = group.first; k < group.first + group.count; ++k)
     if (parts_.pairs[k].blocker_count) blockable += parts_.pairs[k].exchange;
@@ -98,14 +100,14 @@ LineCount PairLines::draw(const LinePair& pair, const Group& group, uint64_t rep
                                              : LineWay::points;
     const LineDrawer drawer(a, b, way, part.exchange, finder_.blockers(),
                             {&parts_.between[part.first_blocker], part.blocker_count});
-    const DrawnLines lines = drawer.draw(scrambles, 0, pair.blocks, vectors);
+    const DrawnLines lines = drawer.draw(scrambles, 0, blocks, vectors);
     const double weight = part.exchange / blockable;
     facing += weight * lines.facing, all += weight * lines.all, squares += weight * weight * lines.squares;
   }
   // In units of what is expected of all of them, kLineUnit.
   const double unit = kLineUnit / (LineDrawer::kBlockLines * double(pair.blocks));
   const double scale = unit * std::min(1.0, kMostLineUnits / std::max(1.0, all * unit));
-  LineCount count{0, 0, 0, 0};
+  LineCount count{0, blocks, 0, 0, 0};
   count.facing = static_cast<uint32_t>(std::lround(facing * scale));
   count.all = static_cast<uint32_t>(std::lround(all * scale));
   if (squares > 0)
@@ -135,12 +137,12 @@ void PairLines::plan(std::span<LinePair> pairs, const std::function<double(const
     LineSums::PairSum sum;
     const auto pilot = [&](uint32_t first, uint32_t end) {
       for (uint32_t p = first; p < end; ++p) {
-        const LineCount count = draw(pair, groups_[k], kLineReplicates.first + p, vectors);
+        const LineCount count = draw(pair, groups_[k], kLineReplicates.first + p, 1, vectors);
         LineSums::addTo(sum, count);
       }
     };
     pilot(0, 1);
-    Visibility found = visibilityOf(sum, LineDrawer::kBlockLines);
+    Visibility found = visibilityOf(sum);
     double lines = LineDrawer::kBlockLines * std::pow(0.64 * found.variance / (goal * goal), kRate);
     if (lines > LineDrawer::kBlockLines * kPilots || sum.all == 0) {
       pilot(1, kPilots);
@@ -149,7 +151,7 @@ void PairLines::plan(std::span<LinePair> pairs, const std::function<double(const
         sum = {};
         pilot(0, kPilots);
       }
-      found = visibilityOf(sum, LineDrawer::kBlockLines);
+      found = visibilityOf(sum);
       lines = LineDrawer::kBlockLines * kPilots * std::pow(found.variance / (goal * goal), kRate);
     }
     const double of_replicate = lines / (LineDrawer::kBlockLines * double(replicates));
@@ -161,14 +163,15 @@ void PairLines::plan(std::span<LinePair> pairs, const std::function<double(const
   });
 }
 
-LineCounts PairLines::count(std::span<const LinePair> pairs, uint64_t replicate) {
+LineCounts PairLines::count(std::span<const LinePair> pairs, uint64_t replicate, const std::vector<bool>& wanted,
+                            uint32_t times) {
   std::vector<uint32_t> due;
   for (uint32_t k = 0; k < pairs.size(); ++k)
-    if (pairs[k].hasLines(replicate)) due.push_back(k);
+    if (wanted.empty() ? pairs[k].hasLines(replicate) : pairs[k].blocks && wanted[k]) due.push_back(k);
   LineCounts counts(due.size());
   const Vectors vectors = widestVectors();
   forEach(due.size(), [&](size_t k) {
-    counts[k] = draw(pairs[due[k]], groups_[due[k]], replicate, vectors);
+    counts[k] = draw(pairs[due[k]], groups_[due[k]], replicate, wanted.empty() ? 1 : times, vectors);
     counts[k].pair = due[k];
   });
   return counts;

@@ -36,15 +36,17 @@ class PairLines {
   void plan(std::span<LinePair> pairs, const std::function<double(const LinePair&)>& allowed, uint32_t replicates);
 
   // Draws the lines of one replicate.
-  //   In: pairs: as planned, all of find()'s
+  //   In: pairs: as planned, all of find()'s; wanted: those that draw in this replicate, whatever their turn, and
+  //   `times` as many lines as planned; empty: those whose turn it is
   //   Out: counts, by pair; a function of seed, pair and replicate alone    Cost: some 5 to 50 ns a line.
-  LineCounts count(std::span<const LinePair> pairs, uint64_t replicate);
+  LineCounts count(std::span<const LinePair> pairs, uint64_t replicate, const std::vector<bool>& wanted = {},
+                   uint32_t times = 1);
 
  private:
   struct Group {
     uint32_t first, count;  // of parts_
   };
-  LineCount draw(const LinePair& pair, const Group& group, uint64_t replicate, Vectors vectors) const;
+  LineCount draw(const LinePair& pair, const Group& group, uint64_t replicate, uint32_t times, Vectors vectors) const;
   void forEach(size_t count, const std::function<void(size_t)>& work) const;
 
   const Scene& scene_;

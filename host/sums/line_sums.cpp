@@ -36,6 +36,7 @@ void LineSums::addTo(PairSum& sum, const LineCount& count) {
   sum.facing_squares += squareUnits(count.facing, count.facing);
   sum.products += squareUnits(count.facing, count.all);
   sum.all_squares += squareUnits(count.all, count.all);
+  sum.blocks += count.blocks;
   ++sum.replicates;
 }
 
@@ -46,17 +47,17 @@ void LineSums::add(const LineSums& others) {
     const PairSum& other = others.sums_[k];
     sum.facing += other.facing, sum.all += other.all, sum.effective += other.effective;
     sum.facing_squares += other.facing_squares, sum.products += other.products, sum.all_squares += other.all_squares;
-    sum.replicates += other.replicates;
+    sum.blocks += other.blocks, sum.replicates += other.replicates;
   }
 }
 
 uint64_t LineSums::lineCount() const {
   uint64_t lines = 0;
-  for (size_t k = 0; k < pairs_.size(); ++k) lines += uint64_t(16) * pairs_[k].blocks * sums_[k].replicates;
+  for (const PairSum& sum : sums_) lines += 16 * sum.blocks;
   return lines;
 }
 
-Visibility visibilityOf(const LineSums::PairSum& sum, double lines_of_replicate) {
+Visibility visibilityOf(const LineSums::PairSum& sum) {
   if (sum.all == 0) return {};
   const double facing = double(sum.facing), all = double(sum.all), replicates = sum.replicates,
                lines = double(sum.effective) / kEffectiveUnit;
@@ -73,7 +74,7 @@ Visibility visibilityOf(const LineSums::PairSum& sum, double lines_of_replicate)
                            found.value * found.value * double(sum.all_squares);
   const double of_replicates =
       std::max(0.0, residuals) * 256 * replicates / (replicates - 1) / (all * all);
-  const double expected = kEvenness * std::pow(std::max(1.0, lines_of_replicate * replicates / 16), -0.25) * by_chance;
+  const double expected = kEvenness * std::pow(double(sum.blocks), -0.25) * by_chance;
   found.variance = (kChanceDegrees * expected + (replicates - 1) * of_replicates) / (kChanceDegrees + replicates - 1) +
                    0.25 / ((lines + 1) * (lines + 1));
   return found;
@@ -84,7 +85,7 @@ Measured LineSums::exchangeArea(size_t k) const {
   const double area = std::min(ids_.areas[pair.i], ids_.areas[pair.j]);
   const double most = std::min(pair.exchange, area), blockable = std::max(0.0, pair.exchange - pair.clear);
   if (pair.blocks == 0) return {most, kUnoccludedError * most};
-  const Visibility visibility = visibilityOf(sums_[k], 16.0 * pair.blocks);
+  const Visibility visibility = visibilityOf(sums_[k]);
   const double value = std::min(most, pair.clear + visibility.value * blockable);
   double error = blockable * std::sqrt(visibility.variance);
   error = std::min(error, blockable * std::max(visibility.value, 1 - visibility.value));

@@ -17,7 +17,7 @@ struct LinePair {
   uint32_t i, j;            // i < j
   double exchange = 0;      // A_i F_ij with nothing in between, input units squared
   double clear = 0;         // what nothing can block of it
-  uint32_t blocks = 0;      // of 16 lines, in the replicates in which the pair has lines; 0 where all is clear
+  uint32_t blocks = 0;      // of 16 lines, in a replicate of those planned with lines; 0 where all is clear
   uint32_t period = 1;      // one of so many replicates
   bool by_angles = false;  // how lines are drawn (draw_lines.h)
 
@@ -32,7 +32,8 @@ struct LinePair {
 // What the lines of a pair came to in one replicate.
 struct LineCount {
   uint32_t pair;         // index
-  uint32_t facing, all;  // weights of lines that nothing blocks, and of all; kLineUnit for the pair's lines together
+  uint32_t blocks;       // of 16 lines that were drawn
+  uint32_t facing, all;  // weights of lines that nothing blocks, and of all; kLineUnit for LinePair::blocks
   uint32_t effective;    // number of lines of equal weight that tell as much, in units of 1/256
 };
 using LineCounts = std::vector<LineCount>;
@@ -48,6 +49,7 @@ class LineSums {
   struct PairSum {
     uint64_t facing = 0, all = 0, effective = 0;
     uint64_t facing_squares = 0, products = 0, all_squares = 0;  // over replicates
+    uint64_t blocks = 0;                                         // of 16 lines
     uint32_t replicates = 0;                                     // with lines
 
     bool operator==(const PairSum&) const = default;
@@ -93,6 +95,6 @@ class LineSums {
 struct Visibility {
   double value = 0.5, variance = 0.25;
 };
-Visibility visibilityOf(const LineSums::PairSum& sum, double lines_of_replicate);
+Visibility visibilityOf(const LineSums::PairSum& sum);
 
 }  // namespace viewpeel
