@@ -20,6 +20,9 @@ constexpr double kLeastNear = 1e-3;  // where the form factor is larger than thi
 constexpr double kUneven = 0.2;  // share of points that tell of a pair, below which angles are better, too
 constexpr uint32_t kPilots = 8;
 constexpr uint32_t kMostPeriod = 8;
+// N lines that agree leave a share of ln(1 / p) / N to the others but for probability p. So many times allowed standard
+// errors is p = 1e-3, where these are a quarter of what errors may be.
+constexpr double kAgreeing = 1.75;
 constexpr double kRate = 0.8;  // a variance falls as N^-1.25: N lines for it are its power of -0.8
 
 bool areNear(const Patch& a, const Patch& b) {
@@ -69,11 +72,7 @@ std::vector<LinePair> PairLines::find() {
 PairLinesFigures PairLines::figures() const {
   PairLinesFigures figures;
   figures.blockers = finder_.blockers().size();
-  for (const Group& group : groups_) {
-    bool is_partial = false;
-    for (uint32_t k = group.first; k < group.first + group.count; ++k) is_partial |= parts_.pairs[k].blocker_count > 0;
-    ++(is_partial ? figures.partial : figures.clear);
-  }
+  for (const Group& group : groups_) ++(isPartial(group) ? figures.partial : figures.clear);
   return figures;
 }
 
@@ -121,45 +120,50 @@ void PairLines::forEach(size_t count, const std::function<void(size_t)>& work) c
   });
 }
 
+bool PairLines::isPartial(const Group& group) const {
+  for (uint32_t part = group.first; part < group.first + group.count; ++part)
+    if (parts_.pairs[part].blocker_count > 0) return true;
+  return false;
+}
+
+// The number of lines after which a pair has the goal, by pilots of 16 lines, and of 128 where these do not do.
+//   In: goal: standard error of the visibility    Out: pair: by_angles
+double PairLines::findNeed(LinePair& pair, const Group& group, double goal, Vectors vectors) const {
+  constexpr double kPilotLines = LineDrawer::kBlockLines;
+  LineSums::PairSum sum;
+  const auto pilot = [&](uint32_t first, uint32_t end) {
+    for (uint32_t p = first; p < end; ++p)
+      LineSums::addTo(sum, draw(pair, group, kLineReplicates.first + p, 1, vectors));
+  };
+  const auto takeBetterWay = [&](uint32_t pilots) {
+    if (pair.by_angles || double(sum.effective) / kEffectiveUnit >= kUneven * pilots * kPilotLines) return;
+    pair.by_angles = true;
+    sum = {};
+    pilot(0, pilots);
+  };
+  const auto needOf = [&](double lines) {
+    return lines * std::pow(visibilityOf(sum, pair.blocks).variance / (goal * goal), kRate);
+  };
+  pilot(0, 1);
+  takeBetterWay(1);
+  const double need = needOf(kPilotLines);
+  if (need <= kPilots * kPilotLines && sum.all > 0) return std::max(need, kAgreeing / goal);
+  pilot(1, kPilots);
+  takeBetterWay(kPilots);
+  return std::max(needOf(kPilots * kPilotLines), kAgreeing / goal);
+}
+
 void PairLines::plan(std::span<LinePair> pairs, const std::function<double(const LinePair&)>& allowed,
                      uint32_t replicates) {
   const Vectors vectors = widestVectors();
   forEach(pairs.size(), [&](size_t k) {
     LinePair& pair = pairs[k];
-    const double blockable = pair.exchange - pair.clear;
-    bool is_partial = false;
-    for (uint32_t part = groups_[k].first; part < groups_[k].first + groups_[k].count; ++part)
-      is_partial |= parts_.pairs[part].blocker_count > 0;
-    pair.blocks = 0, pair.period = 1;
-    if (!is_partial) return;
-    pair.blocks = 1;
-    const double goal = allowed(pair) / blockable;
-    LineSums::PairSum sum;
-    const auto pilot = [&](uint32_t first, uint32_t end) {
-      for (uint32_t p = first; p < end; ++p) {
-        const LineCount count = draw(pair, groups_[k], kLineReplicates.first + p, 1, vectors);
-        LineSums::addTo(sum, count);
-      }
-    };
-    pilot(0, 1);
-    Visibility found = visibilityOf(sum);
-    double lines = LineDrawer::kBlockLines * std::pow(0.64 * found.variance / (goal * goal), kRate);
-    if (lines > LineDrawer::kBlockLines * kPilots || sum.all == 0) {
-      pilot(1, kPilots);
-      if (!pair.by_angles && double(sum.effective) / kEffectiveUnit < kUneven * kPilots * LineDrawer::kBlockLines) {
-        pair.by_angles = true;
-        sum = {};
-        pilot(0, kPilots);
-      }
-      found = visibilityOf(sum);
-      lines = LineDrawer::kBlockLines * kPilots * std::pow(found.variance / (goal * goal), kRate);
-    }
-    const double of_replicate = lines / (LineDrawer::kBlockLines * double(replicates));
-    if (of_replicate > 1) {
-      pair.blocks = static_cast<uint32_t>(std::min(double(kMostLineBlocks), std::ceil(of_replicate)));
-    } else {
-      while (2 * pair.period <= kMostPeriod && 2 * pair.period * of_replicate <= 1) pair.period *= 2;
-    }
+    pair.blocks = isPartial(groups_[k]), pair.period = 1;
+    if (pair.blocks == 0) return;
+    const double lines = findNeed(pair, groups_[k], allowed(pair) / (pair.exchange - pair.clear), vectors),
+                 blocks = lines / (LineDrawer::kBlockLines * double(replicates));
+    pair.blocks = static_cast<uint32_t>(std::min(double(kMostLineBlocks), std::max(1.0, std::ceil(blocks))));
+    while (2 * pair.period <= kMostPeriod && 2 * pair.period * blocks <= 1) pair.period *= 2;
   });
 }
 

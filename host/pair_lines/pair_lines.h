@@ -47,6 +47,8 @@ class PairLines {
     uint32_t first, count;  // of parts_
   };
   LineCount draw(const LinePair& pair, const Group& group, uint64_t replicate, uint32_t times, Vectors vectors) const;
+  bool isPartial(const Group& group) const;
+  double findNeed(LinePair& pair, const Group& group, double goal, Vectors vectors) const;
   void forEach(size_t count, const std::function<void(size_t)>& work) const;
 
   const Scene& scene_;

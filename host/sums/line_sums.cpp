@@ -12,9 +12,9 @@ namespace {
 constexpr double kUnoccludedError = 1e-6;  // relative, of exchange areas: kUnoccludedRelativeError
 // Scrambled Sobol' points err less than independent lines: of N lines the variance is this share of theirs, times
 // (N / 16)^-1/4. Measured: docs/accuracy.md.
-constexpr double kEvenness = 0.64;
+constexpr double kEvenness = 1;
 // So many degrees of freedom is the variance of independent lines worth beside that of replicates.
-constexpr double kChanceDegrees = 2.3;
+constexpr double kChanceDegrees = 5;
 
 uint64_t squareUnits(uint64_t a, uint64_t b) { return (a >> 4) * (b >> 4); }
 
@@ -57,7 +57,7 @@ uint64_t LineSums::lineCount() const {
   return lines;
 }
 
-Visibility visibilityOf(const LineSums::PairSum& sum) {
+Visibility visibilityOf(const LineSums::PairSum& sum, uint32_t planned_blocks) {
   if (sum.all == 0) return {};
   const double facing = double(sum.facing), all = double(sum.all), replicates = sum.replicates,
                lines = double(sum.effective) / kEffectiveUnit;
@@ -65,9 +65,12 @@ Visibility visibilityOf(const LineSums::PairSum& sum) {
   found.value = facing / all;
   // Half a line of either kind is added, for no number of lines says that the other kind is not there.
   const double likely = (lines * found.value + 0.5) / (lines + 1);
-  const double by_chance = likely * (1 - likely) / (lines + 1);
+  const double by_chance = likely * (1 - likely) / (lines + 1), half_a_line = 0.25 / ((lines + 1) * (lines + 1));
+  // Where less weight came than is expected, few heavy lines are missing, and nothing is known of them.
+  const double missing = std::max(0.0, 1 - all * planned_blocks / (kLineUnit * double(sum.blocks)));
+  const double unknown = half_a_line + 0.25 * missing * missing;
   if (replicates < 2) {
-    found.variance = by_chance;
+    found.variance = by_chance + unknown;
     return found;
   }
   const double residuals = double(sum.facing_squares) - 2 * found.value * double(sum.products) +
@@ -76,7 +79,7 @@ Visibility visibilityOf(const LineSums::PairSum& sum) {
       std::max(0.0, residuals) * 256 * replicates / (replicates - 1) / (all * all);
   const double expected = kEvenness * std::pow(double(sum.blocks), -0.25) * by_chance;
   found.variance = (kChanceDegrees * expected + (replicates - 1) * of_replicates) / (kChanceDegrees + replicates - 1) +
-                   0.25 / ((lines + 1) * (lines + 1));
+                   unknown;
   return found;
 }
 
@@ -85,7 +88,7 @@ Measured LineSums::exchangeArea(size_t k) const {
   const double area = std::min(ids_.areas[pair.i], ids_.areas[pair.j]);
   const double most = std::min(pair.exchange, area), blockable = std::max(0.0, pair.exchange - pair.clear);
   if (pair.blocks == 0) return {most, kUnoccludedError * most};
-  const Visibility visibility = visibilityOf(sums_[k]);
+  const Visibility visibility = visibilityOf(sums_[k], pair.blocks);
   const double value = std::min(most, pair.clear + visibility.value * blockable);
   double error = blockable * std::sqrt(visibility.variance);
   error = std::min(error, blockable * std::max(visibility.value, 1 - visibility.value));

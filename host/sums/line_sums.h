@@ -91,10 +91,10 @@ class LineSums {
   uint64_t replicate_count_ = 0;
 };
 
-// The visibility that lines tell, and its variance.
+// The visibility that lines tell, and its variance.    In: planned_blocks: LinePair::blocks
 struct Visibility {
   double value = 0.5, variance = 0.25;
 };
-Visibility visibilityOf(const LineSums::PairSum& sum);
+Visibility visibilityOf(const LineSums::PairSum& sum, uint32_t planned_blocks);
 
 }  // namespace viewpeel
