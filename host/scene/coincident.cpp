@@ -17,6 +17,7 @@
 #include <viewpeel/error.h>
 #include "scene/perimeter.h"
 #include "scene/polygon_tree.h"
+#include "scene/tie_ranks.h"
 
 namespace viewpeel {
 namespace {
@@ -71,8 +72,8 @@ class Stacking {
  public:
   Stacking(Scene& scene, const SceneOptions& options, double rounding);
   void order();
-  // Once opposite polygons are ordered.
-  std::vector<AlikeOverlap> findAlike() const;
+  // Once they are ordered.
+  std::vector<AlikeOverlap> listAlike() const;
 
  private:
   std::vector<dvec3> cornersOf(uint32_t polygon) const;
@@ -101,6 +102,7 @@ class Stacking {
   void report();
   bool isBetween(uint32_t other, const Overlap& alike) const;
   bool isSeparated(const Overlap& alike) const;
+  void findAlike();
 
   Scene& scene_;
   const double rounding_;       // gaps up to this are rounding of coordinates
@@ -111,6 +113,7 @@ class Stacking {
   std::unordered_map<uint32_t, std::vector<uint32_t>> overlaps_of_;  // of polygons
   std::vector<Place> places_;  // of overlaps, in their order; only of opposite ones
   std::vector<uint32_t> place_of_;
+  std::vector<uint32_t> alike_;  // overlaps of different faces that look the same way, with nothing between
   std::mt19937_64 random_{1};
   uint64_t in_doubt_ = 0, contradictions_ = 0;
   std::string first_contradiction_;
@@ -441,7 +444,7 @@ void Stacking::orderPlace(const Place& place) {
   for (size_t k = 0; k < order.size(); ++k)
     for (size_t m = k + 1; m < order.size(); ++m) {
       Overlap* overlap = overlapOf(order[k], order[m]);
-      // Of two that look the same way one hides the other, whichever it is.
+      // Of two that look the same way one hides the other: rankPolygons() says which.
       if (!overlap || !overlap->is_opposite || overlap->side != 0) continue;
       overlap->side = glm::dot(normals_[order[k]], place.normal) > 0 ? 1 : -1;
     }
@@ -503,83 +506,26 @@ void Stacking::joinPlanes() {
   }
 }
 
-// Places along the plane's normal: polygons with none below come first (A. Kahn, Topological sorting of large networks,
-// 1962, by layers). Where the order has a cycle, the first polygon of it is taken to have none below.
 void Stacking::rankPolygons() {
-  struct Node {
-    std::vector<uint32_t> above;
-    uint32_t below_count = 0, level = 0, group = 0;
-    bool is_done = false;
+  TieOrders orders;
+  const auto areInOnePlane = [&](const Overlap& overlap) {
+    return scene_.polygons[overlap.a].plane == scene_.polygons[overlap.b].plane;
   };
-  std::map<uint32_t, Node> nodes;
   for (const Overlap& overlap : overlaps_) {
-    const Polygon &a = scene_.polygons[overlap.a], &b = scene_.polygons[overlap.b];
-    if (overlap.side == 0 || a.plane != b.plane) continue;
-    const bool b_is_above = (overlap.side > 0) == a.front_along_plane_normal;
-    const uint32_t lower = b_is_above ? overlap.a : overlap.b, upper = b_is_above ? overlap.b : overlap.a;
-    nodes[lower].above.push_back(upper);
-    ++nodes[upper].below_count;
+    if (overlap.side == 0 || !areInOnePlane(overlap)) continue;
+    const bool b_is_above = (overlap.side > 0) == scene_.polygons[overlap.a].front_along_plane_normal;
+    orders.below.emplace_back(b_is_above ? overlap.a : overlap.b, b_is_above ? overlap.b : overlap.a);
   }
-  std::vector<uint32_t> ready;
-  for (const auto& [polygon, node] : nodes)
-    if (node.below_count == 0) ready.push_back(polygon);
-  auto next = nodes.begin();
-  for (size_t done = 0; done < nodes.size(); ++done) {
-    if (ready.empty()) {
-      while (next->second.is_done) ++next;
-      ready.push_back(next->first);
-      next->second.below_count = 0;
-      ++in_doubt_;
-    }
-    const uint32_t polygon = ready.back();
-    ready.pop_back();
-    Node& node = nodes[polygon];
-    node.is_done = true;
-    for (uint32_t upper : node.above) {
-      Node& other = nodes[upper];
-      if (other.is_done || other.below_count == 0) continue;
-      other.level = std::max(other.level, node.level + 1);
-      if (--other.below_count == 0) ready.push_back(upper);
-    }
+  for (uint32_t k : alike_)
+    if (areInOnePlane(overlaps_[k])) orders.alike.emplace_back(overlaps_[k].a, overlaps_[k].b);
+  in_doubt_ += rankCoincidentPolygons(scene_, std::move(orders));
+  for (uint32_t k : alike_) {
+    const Overlap& overlap = overlaps_[k];
+    const bool has_order = areInOnePlane(overlap)
+                               ? scene_.polygons[overlap.a].tie_rank != scene_.polygons[overlap.b].tie_rank
+                               : overlap.low > kResolvedGap || overlap.high < -kResolvedGap;
+    if (!has_order) ++scene_.coincidences.alike_unordered;
   }
-  // Polygons that overlap, directly or by others, share the middle of the ranks.
-  std::map<uint32_t, uint32_t> levels;  // of groups: how many there are
-  std::vector<uint32_t> reached;
-  std::map<uint32_t, std::vector<uint32_t>> beside;
-  for (const auto& [polygon, node] : nodes)
-    for (uint32_t upper : node.above) {
-      beside[polygon].push_back(upper);
-      beside[upper].push_back(polygon);
-    }
-  for (auto& [polygon, node] : nodes) {
-    if (node.group) continue;
-    reached = {polygon};
-    node.group = polygon + 1;
-    while (!reached.empty()) {
-      const uint32_t at = reached.back();
-      reached.pop_back();
-      levels[polygon + 1] = std::max(levels[polygon + 1], nodes[at].level + 1);
-      for (uint32_t other : beside[at])
-        if (!nodes[other].group) {
-          nodes[other].group = polygon + 1;
-          reached.push_back(other);
-        }
-    }
-  }
-  uint64_t too_many = 0;
-  for (const auto& [polygon, node] : nodes) {
-    const int count = static_cast<int>(levels[node.group]),
-              level = static_cast<int>(node.level) + static_cast<int>(kTieRanks) / 2 - count / 2;
-    if (count > static_cast<int>(kTieRanks)) ++too_many;
-    const auto along_normal = static_cast<uint32_t>(std::clamp(level, 0, static_cast<int>(kTieRanks) - 1));
-    Polygon& p = scene_.polygons[polygon];
-    p.tie_rank = p.front_along_plane_normal ? along_normal : kTieRanks - 1 - along_normal;
-  }
-  if (too_many > 0)
-    scene_.warnings.push_back(
-        fmt::format("{}: {} polygons lie in stacks of more than {} that coincide, and only so many are told apart; "
-                    "remove faces that are there many times",
-                    scene_.file, too_many, kTieRanks));
 }
 
 void Stacking::report() {
@@ -612,14 +558,21 @@ bool Stacking::isSeparated(const Overlap& alike) const {
   return false;
 }
 
-std::vector<AlikeOverlap> Stacking::findAlike() const {
+void Stacking::findAlike() {
+  for (uint32_t k = 0; k < overlaps_.size(); ++k) {
+    const Overlap& overlap = overlaps_[k];
+    if (overlap.is_opposite || scene_.polygons[overlap.a].face == scene_.polygons[overlap.b].face) continue;
+    if (widthOf(overlap.corners, overlap.area) < 2 * rounding_ || isSeparated(overlap)) continue;
+    alike_.push_back(k);
+  }
+}
+
+std::vector<AlikeOverlap> Stacking::listAlike() const {
   std::vector<AlikeOverlap> found;
   const double nearest = std::max(rounding_, kResolvedGap);
-  for (const Overlap& overlap : overlaps_) {
-    if (overlap.is_opposite || std::max(overlap.high, -overlap.low) > nearest) continue;
-    if (scene_.polygons[overlap.a].face == scene_.polygons[overlap.b].face) continue;
-    if (widthOf(overlap.corners, overlap.area) < 2 * rounding_ || isSeparated(overlap)) continue;
-    found.push_back({overlap.a, overlap.b, overlap.area});
+  for (uint32_t k : alike_) {
+    const Overlap& overlap = overlaps_[k];
+    if (std::max(overlap.high, -overlap.low) <= nearest) found.push_back({overlap.a, overlap.b, overlap.area});
   }
   return found;
 }
@@ -632,9 +585,9 @@ void Stacking::order() {
     place_of_[k] = static_cast<uint32_t>(places_.size());
     places_.push_back(placeOf(overlaps_[k]));
   }
-  if (places_.empty()) return;
   orderPairs();
   orderPlaces();
+  findAlike();
   joinPlanes();
   rankPolygons();
   report();
@@ -645,7 +598,7 @@ void Stacking::order() {
 std::vector<AlikeOverlap> orderCoincidentPolygons(Scene& scene, const SceneOptions& options, double rounding) {
   Stacking stacking(scene, options, rounding);
   stacking.order();
-  return stacking.findAlike();
+  return stacking.listAlike();
 }
 
 }  // namespace viewpeel

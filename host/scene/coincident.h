@@ -5,7 +5,8 @@
 // a solid. A ray from a point beside the polygons tells which: it leaves a solid through one more back than it meets
 // fronts, whatever other solids it passes or shares that solid with. So rays from points of every overlap vote, and the
 // polygons of one plane are put in an order along its normal (Polygon::tie_rank), as if they lay an infinitesimal
-// distance apart. Engines order equal depths by these ranks.
+// distance apart. Engines order equal depths by these ranks. Of polygons that overlap and look the same way each has a
+// rank of its own, so that a line and the opposite one count for the same polygon.
 #pragma once
 #include <vector>
 
@@ -29,6 +30,8 @@ struct AlikeOverlap {
 // rounding has put coincident polygons in another order than the one found, it also moves them into one plane, and with
 // them every corner at the very same place: by kCoincidenceReach at most, a corner of several such planes by as much
 // for each.
+//   Of two that look the same way the first in the file lies in front, unless others that overlap them are against it
+//   (tie_ranks.h). Coincidences::alike_unordered counts those whose order is left to the direction.
 //   Rays that meet other coincident polygons wait until those are ordered. Where rays tell nothing, the gap between two
 //   polygons decides; without a gap they are a sheet. Coincidences::in_doubt counts pairs whose rays contradict each
 //   other or never ended, and a warning names the first contradiction.

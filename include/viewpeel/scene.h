@@ -26,7 +26,7 @@ struct InputScene {
 // Where several polygons lie in one plane a line meets all of them at one depth, and their tie ranks order them: a
 // place among kTieRanks along the normal of the polygon's own front. Two polygons that look opposite ways face each
 // other where both have kContactRank, as touching solids do, and turn their backs to each other where both have
-// kSheetRank.
+// kSheetRank. Of two that look the same way the one of higher rank hides the other.
 constexpr uint32_t kTieRanks = 8;
 constexpr uint32_t kContactRank = 3;
 constexpr uint32_t kSheetRank = 4;
@@ -69,11 +69,14 @@ struct Plane {
   double offset = 0;     // dot(normal, x) = offset on the plane, unit-ball units
 };
 
-// Pairs of polygons that look opposite ways and coincide over some area (coincident.h), by how they are ordered.
+// Pairs of polygons that coincide over some area (coincident.h): those that look opposite ways by how they are ordered.
 struct Coincidences {
   uint64_t sheets = 0;    // back to back: nothing passes between them
   uint64_t contacts = 0;  // face to face: touching solids
   uint64_t in_doubt = 0;  // among both: what lies around them contradicts itself
+  // Pairs that look the same way, where the direction of a line decides which of the two it meets first: in planes that
+  // cross within rounding, or in stacks of more than kTieRanks.
+  uint64_t alike_unordered = 0;
 };
 
 // All lengths are in unit-ball units: the input is moved by -centre and divided by scale so that every corner is

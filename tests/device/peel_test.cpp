@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "scenes/alike_scenes.h"
 #include "scenes/coincident_scenes.h"
 #include "tests/support/cpu_twin.h"
 #include "engines/compute_engine.h"
@@ -106,6 +107,30 @@ TEST(Peel, CoincidentFacesEqualTheCpuTwin) {
     // In a closed scene lines that leave a front end on one.
     if (!of.is_closed) continue;
     for (const PairCount& pair : counts) EXPECT_LT(pair.j, kEnvironment) << pair.i;
+  }
+}
+
+// Faces that overlap and look the same way, along lines of both signs: the same one counts (tests/unit/alike_test.cpp
+// says which).
+TEST(Peel, AlikeFacesEqualTheCpuTwin) {
+  const auto directions = sampleDirections(Sampler::iid, 6, 11, 0);
+  std::vector<Direction> other_way = directions;
+  for (Direction& direction : other_way) direction = ts::reversed(direction);
+  for (const ts::AlikeScene& of : ts::alikeScenes()) {
+    SCOPED_TRACE(of.name);
+    const Scene scene = buildScene(of.make(false));
+    const Ids ids = makeIds(scene, By::polygon, false);
+    const CountRun run{.lattice = {.resolution = 17, .count_blocked = true}};
+    const PairCounts counts = countPairs(scene, directions, run);
+    EXPECT_EQ(counts, countPairsOnCpu(scene, ids, directions, 17, true));
+    EXPECT_EQ(counts, countPairs(scene, other_way, run));
+    Scene by_index = scene;
+    for (Polygon& polygon : by_index.polygons) polygon.tie_rank = kContactRank;
+    EXPECT_NE(countPairs(by_index, directions, run), countPairs(by_index, other_way, run));
+    const LatticeOptions scanlines{.resolution = 9, .sampling = Sampling::scanline, .count_blocked = true};
+    for (const auto& along : {directions, other_way})
+      EXPECT_EQ(makeComputeEngine(testDevice(), scene, ids, scanlines)->count(along),
+                countIntervalsOnCpu(scene, ids, along, 9, true));
   }
 }
 

@@ -1,0 +1,219 @@
+// Faces that overlap in one plane and look the same way: one of them counts, the same one from both sides, and the
+// scene means what it means with the hidden parts cut away. Engines with a device: Peel.AlikeFacesEqualTheCpuTwin.
+#include <algorithm>
+#include <functional>
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/cpu_twin.h"
+#include "directions/sampler.h"
+#include "engines/engine_factory.h"
+#include "engines/host_engine.h"
+#include "estimator/directed_pairs.h"
+#include "reference/exact/exact_engine.h"
+#include "scenes/alike_scenes.h"
+
+namespace viewpeel {
+namespace {
+
+namespace ts = test_scenes;
+
+constexpr int kResolution = 33;
+
+struct Counter {
+  const char* name;
+  bool is_exact;
+  std::function<PairCounts(const Scene&, const Ids&, const std::vector<Direction>&)> count;
+};
+
+std::vector<Counter> counters() {
+  const auto host = [](Sampling sampling) {
+    return [sampling](const Scene& scene, const Ids& ids, const std::vector<Direction>& directions) {
+      return makeHostEngine(scene, ids, {.resolution = kResolution, .sampling = sampling})->count(directions);
+    };
+  };
+  const auto twin = [](const Scene& scene, const Ids& ids, const std::vector<Direction>& directions) {
+    return countPairsOnCpu(scene, ids, directions, kResolution);
+  };
+  const auto exact = [](const Scene& scene, const Ids& ids, const std::vector<Direction>& directions) {
+    return reference::makeExactEngine(scene, ids)->count(directions);
+  };
+  return {{"host, lattice", false, host(Sampling::lattice)},
+          {"host, scanlines", false, host(Sampling::scanline)},
+          {"twin", false, twin},
+          {"exact", true, exact}};
+}
+
+using CountsByName = std::map<std::pair<std::string, std::string>, uint64_t>;
+
+CountsByName countByName(const Scene& scene, const Counter& counter, const std::vector<Direction>& directions) {
+  const Ids ids = makeIds(scene, By::surface, false);
+  CountsByName counts;
+  for (const PairCount& pair : counter.count(scene, ids, directions)) {
+    const std::string to = pair.j == kEnvironment ? "environment" : pair.j == kLeak ? "leak" : ids.names[pair.j];
+    counts[std::minmax(ids.names[pair.i], to)] = pair.count;
+  }
+  return counts;
+}
+
+// Empty where no two counts differ by more than `allowed`.
+std::string firstDifference(const CountsByName& a, const CountsByName& b, uint64_t allowed) {
+  CountsByName both = a;
+  both.insert(b.begin(), b.end());
+  for (const auto& [pair, any] : both) {
+    const auto countIn = [&](const CountsByName& counts) { return counts.count(pair) ? counts.at(pair) : 0; };
+    const uint64_t in_a = countIn(a), in_b = countIn(b);
+    if (std::max(in_a, in_b) - std::min(in_a, in_b) > allowed)
+      return pair.first + " to " + pair.second + ": " + std::to_string(in_a) + " and " + std::to_string(in_b);
+  }
+  return "";
+}
+
+// Lattices count the same points. An exact area is rounded to its unit, for every direction and polygon of a surface.
+uint64_t allowedDifference(const Counter& counter, size_t directions) { return counter.is_exact ? 2 * directions : 0; }
+
+std::vector<Direction> someDirections() { return sampleDirections(Sampler::iid, 12, 7, 0); }
+std::vector<Direction> reversed(std::vector<Direction> directions) {
+  for (Direction& direction : directions) direction = ts::reversed(direction);
+  return directions;
+}
+
+// As if nothing were known of how coincident polygons lie.
+Scene withoutRanks(Scene scene) {
+  for (Polygon& polygon : scene.polygons) polygon.tie_rank = kContactRank;
+  return scene;
+}
+
+std::string differenceOfBothWays(const Scene& scene, const Counter& counter) {
+  const auto directions = someDirections();
+  return firstDifference(countByName(scene, counter, directions), countByName(scene, counter, reversed(directions)),
+                         allowedDifference(counter, directions.size()));
+}
+
+TEST(Alike, TheSameFaceCountsFromBothSides) {
+  for (const ts::AlikeScene& of : ts::alikeScenes())
+    for (const InputScene& input : {of.make(false), ts::turnedAndMoved(of.make(false))}) {
+      const Scene scene = buildScene(input);
+      EXPECT_EQ(scene.coincidences.alike_unordered, 0u) << of.name;
+      for (const Counter& counter : counters()) {
+        SCOPED_TRACE(of.name + ", " + counter.name);
+        if (counter.name == std::string("host, scanlines"))
+          continue;  // spans end at columns to the right of their edge
+        EXPECT_EQ(differenceOfBothWays(scene, counter), "");
+        EXPECT_NE(differenceOfBothWays(withoutRanks(scene), counter), "");
+      }
+    }
+}
+
+// What a hidden part loses is leak in place of nothing; all else is the same, for directions of one side alone, too.
+TEST(Alike, IsWhatTheCutSceneMeans) {
+  const auto difference = [](const Scene& scene, const Scene& cut, const Counter& counter,
+                             const std::vector<Direction>& directions) {
+    const auto withoutLeak = [&](const Scene& of) {
+      CountsByName counts = countByName(of, counter, directions);
+      std::erase_if(counts,
+                    [](const auto& entry) { return entry.first.first == "leak" || entry.first.second == "leak"; });
+      return counts;
+    };
+    return firstDifference(withoutLeak(scene), withoutLeak(cut), allowedDifference(counter, directions.size()));
+  };
+  std::vector<Direction> upward = someDirections();
+  for (Direction& direction : upward)
+    if (direction.u.z < 0) direction = ts::reversed(direction);
+  for (const ts::AlikeScene& of : ts::alikeScenes()) {
+    const Scene scene = buildScene(of.make(false)), cut = buildScene(of.make(true));
+    EXPECT_EQ(scene.warnings.size(), 1u) << of.name;
+    EXPECT_TRUE(cut.warnings.empty()) << of.name;
+    for (const Counter& counter : counters())
+      for (const auto& directions : {upward, reversed(upward)}) {
+        SCOPED_TRACE(of.name + ", " + counter.name);
+        EXPECT_EQ(difference(scene, cut, counter, directions), "");
+      }
+    // Another face in front is noticed.
+    Scene other = scene;
+    for (Polygon& polygon : other.polygons) polygon.tie_rank = kTieRanks - 1 - polygon.tie_rank;
+    EXPECT_NE(difference(other, cut, counters()[0], upward), "") << of.name;
+  }
+}
+
+// Along directions of its own, which are of one side, a pair counts what it counts in the cut scene.
+TEST(Alike, PairsWithSeparateDirectionsSeeTheSameFace) {
+  const auto countOf = [](const Scene& scene, const char* a, const char* b) {
+    const Ids ids = makeIds(scene, By::polygon, false);
+    const auto idOf = [&](const char* name) {
+      return static_cast<uint32_t>(std::find(ids.names.begin(), ids.names.end(), name) - ids.names.begin());
+    };
+    const auto [i, j] = std::minmax({idOf(a), idOf(b)});
+    PairSampler sampler(scene, ids, 3, latticeEngines(EngineKind::host, nullptr));
+    DirectedPair pair = sampler.direct(i, j, 64);
+    EXPECT_EQ(pair.directions, 64u);
+    sampler.prepare({&pair, 1});
+    return sampler.count(pair, 0).count;
+  };
+  size_t noticed = 0;
+  for (const ts::AlikeScene& of : ts::alikeScenes()) {
+    if (of.name != "floor of two tiles" && of.name != "floor drawn first") continue;
+    const Scene scene = buildScene(of.make(false)), cut = buildScene(of.make(true));
+    const uint64_t counted = countOf(scene, "first", "roomz1"), meant = countOf(cut, "first", "roomz1");
+    EXPECT_GT(meant, 1000u);
+    EXPECT_EQ(counted, meant) << of.name;
+    noticed += countOf(withoutRanks(scene), "first", "roomz1") != meant;
+  }
+  EXPECT_EQ(noticed, 1u);  // by index the first one counts along one of the two directions
+}
+
+// More faces on each other than there are ranks: contacts keep their order, and no pair gets directions of its own.
+TEST(Alike, HighStacksAreUnordered) {
+  const auto stack = [](int count) {
+    InputScene s{"stack", {}, {}};
+    ts::addWalls(s, 1);
+    ts::addTile(s, "floor", 0, 1);
+    for (int k = 1; k < count; ++k) ts::addTile(s, "tile" + std::to_string(k), 0.05 * k, 1 - 0.04 * k);
+    ts::addSolid(s, "box", {0.4, 0.3, 0}, {0.6, 0.7, 0.4});
+    return buildScene(s);
+  };
+  const auto directionsOf = [](const Scene& scene) {
+    const Ids ids = makeIds(scene, By::polygon, false);
+    PairSampler sampler(scene, ids, 3, latticeEngines(EngineKind::host, nullptr));
+    return sampler.direct(0, 1, 64).directions;
+  };
+  for (int count : {7, 8}) {  // and the box
+    const Scene scene = stack(count);
+    const bool has_order = count + 1 <= int(kTieRanks);
+    EXPECT_EQ(scene.coincidences.alike_unordered > 0, !has_order) << count;
+    EXPECT_EQ(directionsOf(scene), has_order ? 64u : 0u) << count;
+    EXPECT_EQ(scene.warnings.size(), has_order ? 1u : 2u) << count;
+    EXPECT_EQ(scene.coincidences.contacts, static_cast<uint64_t>(count));
+    // The box stands in front of all of them.
+    const Counter host = counters()[0];
+    uint64_t on_faces = 0, leak = 0;
+    for (const auto& [pair, lines] : countByName(scene, host, someDirections())) {
+      if (pair.first != "boxz0" && pair.second != "boxz0") continue;
+      (pair.first == "leak" || pair.second == "leak" ? leak : on_faces) += lines;
+    }
+    EXPECT_GT(on_faces, 0u);
+    EXPECT_EQ(leak, 0u);
+  }
+}
+
+// Planes that rounding has parted: their order, where they cross, may depend on the direction.
+TEST(Alike, CrossingPlanesAreUntold) {
+  const auto untold = [](double lift, double tilt) {
+    InputScene s{"crossing", {}, {}};
+    ts::addWalls(s, 1);
+    ts::addTile(s, "first", 0, 0.6);
+    ts::addTile(s, "second", 0.4, 1);
+    for (glm::dvec3& corner : s.faces.back().corners) corner.z += lift + tilt * (corner.x - 0.5);
+    return buildScene(s).coincidences.alike_unordered;
+  };
+  EXPECT_EQ(untold(0, 0), 0u);
+  EXPECT_EQ(untold(1e-9, 0), 0u);  // one plane
+  EXPECT_EQ(untold(0, 1e-6), 1u);
+  EXPECT_EQ(untold(2e-8, 0), 1u);  // nearer than engines tell for certain
+  EXPECT_EQ(untold(1e-6, 0), 0u);  // one lies in front
+  EXPECT_EQ(untold(1e-6, 1e-6), 0u);
+}
+
+}  // namespace
+}  // namespace viewpeel
