@@ -57,11 +57,11 @@ void warnOfGoal(const Request& request, const Result& result) {
                request.relative_floor, *relative);
 }
 
-// Where closure is refused the form factors are written as measured.
+// Where balancing is refused, form factors are written as measured.
 void write(const ComputeOptions& options, const Result& result) {
-  writeOutputs(result.form_factors, options.outputs, result.closed ? &result.closed->form_factors : nullptr);
-  if (!result.closure_refusal) return;
-  const Error& refusal = *result.closure_refusal;
+  writeOutputs(result.form_factors, options.outputs, result.balanced ? &result.balanced->form_factors : nullptr);
+  if (!result.balance_refusal) return;
+  const Error& refusal = *result.balance_refusal;
   throw Error(refusal.code(), fmt::format("{}{}", refusal.what(),
                                           options.outputs.empty() ? "" : "; form factors were written as measured"));
 }
@@ -71,13 +71,13 @@ void printResult(const ComputeOptions& options, const Result& result, const std:
   if (!options.talks()) return;
   if (options.verbose && !result.division.empty() && result.division != first_division)
     fmt::print("after a trial\n{}", result.division);
-  fmt::print("{}{}", describeResult(result), result.closed ? describeClosed(*result.closed) : "");
+  fmt::print("{}{}", describeResult(result), result.balanced ? describeBalance(*result.balanced) : "");
   const auto* guarantee = std::get_if<EpsilonDelta>(&options.request.goal);
   const char* unit = !guarantee ? "replicate" : guarantee->statistic == Statistic::median ? "run" : "block";
   fmt::print("work       {}, {}{}, {:.2f} s\n", counted(result.replicates, unit),
              counted(result.directions, "direction"), describeDirected(result), result.seconds);
   for (const std::string& output : options.outputs)
-    for (const std::filesystem::path& file : filesOf(output, options.request.closure))
+    for (const std::filesystem::path& file : filesOf(output, options.request.balance))
       fmt::print("written    {}\n", file.string());
 }
 
@@ -100,8 +100,8 @@ bool prepare(const ComputeOptions& options, FormFactorRun& run, const Checkpoint
   if (keeper && options.talks()) fmt::print("{}", keeper->describe());
   if (options.verbose && options.talks()) fmt::print("{}", run.division());
   std::fflush(stdout);
-  const SharesSummary* shares = run.findShares();
-  if (shares && options.talks()) fmt::print("{}", describeShares(*shares));
+  const PriorSummary* prior = run.findPrior();
+  if (prior && options.talks()) fmt::print("{}", describePrior(*prior));
   std::fflush(stdout);
   return !run.isInterrupted();
 }
@@ -126,7 +126,7 @@ void count(FormFactorRun& run, CheckpointKeeper* keeper, const std::function<int
 }
 
 int runCompute(const ComputeOptions& options) {
-  checkOutputs(options.outputs, options.checkpoint.file, options.request.closure);
+  checkOutputs(options.outputs, options.checkpoint.file, options.request.balance);
   if (options.keepsCheckpoint() && !options.checkpoint.resume) requireNewCheckpoint(options.checkpoint.file);
   const bool is_held = options.keepsCheckpoint() || !options.outputs.empty();
   if (is_held) holdInterrupts([&] { return tellInterruption(options, 0); });
@@ -163,13 +163,14 @@ int runCompute(const ComputeOptions& options) {
 
 void addCompute(CLI::App& app, Run& chosen) {
   CLI::App* command = app.add_subcommand("compute", "Compute the form factors of a scene");
-  const auto asked = addRequestOptions(command);
+  const auto request_options = addRequestOptions(command);
   const auto options = std::make_shared<ComputeOptions>();
   command->add_option("-o,--output", options->outputs, "Write the matrix: .csv or .mtx; may be given several times")
       ->type_name("FILE")
       ->allow_extra_args(false);
-  command->add_flag("--closure", asked->request.closure,
-                    "Closed scenes: also the nearest form factors whose rows sum to 1, beside those measured");
+  command->add_flag("--balance,--closure", request_options->request.balance,
+                    "Closed scenes: also the nearest form factors whose rows sum to 1, beside those measured; "
+                    "--closure is its older name");
   addCheckpointOptions(command, options->checkpoint);
   CLI::Option* quiet = command->add_flag("--quiet", options->quiet, "Print nothing but errors and warnings");
   CLI::Option* verbose =
@@ -178,8 +179,8 @@ void addCompute(CLI::App& app, Run& chosen) {
       ->excludes(quiet)
       ->excludes(verbose);
   command->callback([=, &chosen] {
-    options->scene = asked->scene;
-    options->request = requestOf(command, *asked);
+    options->scene = request_options->scene;
+    options->request = requestOf(command, *request_options);
     options->request.measure_work = options->json;
     chosen = [options] { return runCompute(*options); };
   });

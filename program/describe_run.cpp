@@ -39,9 +39,9 @@ std::string describeGuarantee(const Request& request, const PlanSummary& plan) {
         : request.amount.resolution      ? fmt::format(" --resolution {}", request.amount.resolution)
                                          : fmt::format(" --range {}", g.range),
         g.block_directions);
-  if (plan.closed_forms)
-    text += fmt::format("closed     forms of {} pairs of polygons, shares of {} from a pilot\n", plan.unoccluded_pairs,
-                        plan.shared_pairs);
+  if (plan.unoccluded)
+    text += fmt::format("unoccluded form factors of {} pairs of polygons, visibilities of {} from a pilot\n",
+                        plan.unoccluded_pairs, plan.pairs_with_visibility);
   return text + fmt::format(
                     "beside     directions: Hoeffding {}; Pellegrini's Lemma 1 {:.3g} for one pair, {:.3g} for all; "
                     "median of runs {:.3g}\n",
@@ -73,9 +73,9 @@ std::string describeExpectation(const Request& request, const PlanSummary& plan)
             ? fmt::format(": more than --seconds {} allow; the run ends short of it", *request.time_limit_s)
             : "");
   }
-  if (const size_t rows = plan.barely_met.size())
+  if (const size_t rows = plan.barely_covered.size())
     text += fmt::format("           {} ({}{}) {} too small even for the finest lattice there is: {} may go unmet\n",
-                        counted(rows, "row"), plan.barely_met[0], rows > 1 ? ", ..." : "", rows > 1 ? "are" : "is",
+                        counted(rows, "row"), plan.barely_covered[0], rows > 1 ? ", ..." : "", rows > 1 ? "are" : "is",
                         rows > 1 ? "they" : "it");
   return text;
 }
@@ -99,18 +99,18 @@ std::string describePlan(const FormFactorRun& run) {
          describeExpectation(request, plan);
 }
 
-std::string describeShares(const SharesSummary& shares) {
-  std::string text =
-      fmt::format("closed     forms of {} of polygons in {:.2g} s; {} of them never blocked in a pilot of {:.2g} s{}\n",
-                  counted(shares.pairs, "pair"), shares.closed_form_seconds, shares.never_blocked, shares.pilot_seconds,
-                  shares.unreached ? fmt::format("; {} more are sampled alone", shares.unreached) : "");
-  const uint64_t directed = shares.directed_pairs;
+std::string describePrior(const PriorSummary& prior) {
+  std::string text = fmt::format(
+      "unoccluded form factors of {} of polygons in {:.2g} s; {} of them never blocked in a pilot of {:.2g} s{}\n",
+      counted(prior.pairs, "pair"), prior.unoccluded_seconds, prior.never_blocked, prior.pilot_seconds,
+      prior.unreached ? fmt::format("; {} more are sampled alone", prior.unreached) : "");
+  const uint64_t directed = prior.directed_pairs;
   if (directed)
     text += fmt::format(
         "directed   {} that the others hardly meet {} directions of {} own, {} a replicate in all (found out in {:.2g} "
         "s)\n",
         counted(directed, "pair"), directed == 1 ? "has" : "have", directed == 1 ? "its" : "their",
-        shares.directed_directions, shares.directed_seconds);
+        prior.directed_directions, prior.directed_seconds);
   return text;
 }
 

@@ -10,6 +10,6 @@ namespace viewpeel::program {
 std::string describePlace(const FormFactorRun& run, const Scene& scene);
 // What a plan promises, and how to have the same run again; several lines.
 std::string describePlan(const FormFactorRun& run);
-std::string describeShares(const SharesSummary& shares);
+std::string describePrior(const PriorSummary& prior);
 
 }  // namespace viewpeel::program

@@ -21,7 +21,7 @@ struct MergeCommand {
   bool quiet = false;
 };
 
-// What closed forms of pairs that no checkpoint keeps are made of.
+// What unoccluded form factors of pairs that no checkpoint keeps are made of.
 struct MergedScene {
   Scene scene;
   Ids face_ids;
@@ -51,12 +51,12 @@ int runMerge(const MergeCommand& command) {
                   fmt::format("{}: another scene than that of {}: {}, not {}; give the scene that was computed",
                               command.scene, command.inputs.front(), identityOf(of->scene), computed));
   }
-  const bool is_sparse =
-      merged.sums.visible && merged.sums.visible->by() == By::polygon && !merged.sums.visible->known().has_all_pairs;
+  const bool is_sparse = merged.sums.prior_sums && merged.sums.prior_sums->by() == By::polygon &&
+                         !merged.sums.prior_sums->prior().has_all_pairs;
   if (is_sparse && !of)
     fmt::print(stderr,
-               "viewpeel: warning: pairs of which few lines told are sampled alone, and those that no line met left "
-               "out; for their closed forms give --scene FILE\n");
+               "viewpeel: warning: pairs with few lines are sampled alone, and those that no line met left "
+               "out; for their unoccluded form factors give --scene FILE\n");
   if (is_sparse && of) of->exchanges.learn(merged.sums);
   if (!command.checkpoint.empty()) writeCheckpoint(merged.settings, merged.sums, command.checkpoint);
   const Estimate estimate = makeEstimate(merged.sums, EstimateOptions{}.relative_floor,
@@ -83,9 +83,10 @@ void addMerge(CLI::App& app, Run& chosen) {
       ->type_name("FILE")
       ->allow_extra_args(false);
   command
-      ->add_option("--scene", options->scene,
-                   "The scene that was computed: for closed forms of pairs of which few lines told, which checkpoints "
-                   "of more than 2,896 polygons do not keep")
+      ->add_option(
+          "--scene", options->scene,
+          "The scene that was computed: for unoccluded form factors of pairs with few lines, which checkpoints "
+          "of more than 2,896 polygons do not keep")
       ->type_name("FILE");
   command
       ->add_option("--checkpoint", options->checkpoint,

@@ -11,7 +11,7 @@
 
 namespace viewpeel::program {
 
-void checkOutputs(const std::vector<std::string>& outputs, const std::string& checkpoint, bool with_closure) {
+void checkOutputs(const std::vector<std::string>& outputs, const std::string& checkpoint, bool with_balance) {
   namespace fs = std::filesystem;
   std::set<fs::path> named;
   const auto name = [&](const fs::path& file) {
@@ -21,16 +21,17 @@ void checkOutputs(const std::vector<std::string>& outputs, const std::string& ch
       throw Error(ErrorCode::bad_usage, fmt::format("{}: is to be written twice; name every file once", file.string()));
   };
   for (const std::string& output : outputs)
-    for (const fs::path& file : filesOf(output, with_closure)) name(file);
+    for (const fs::path& file : filesOf(output, with_balance)) name(file);
   if (!checkpoint.empty()) name(checkpoint);
-  for (const std::string& output : outputs) checkOutput(output, with_closure);
+  for (const std::string& output : outputs) checkOutput(output, with_balance);
 }
 
-void writeOutputs(const FormFactors& form_factors, const std::vector<std::string>& outputs, const FormFactors* closed) {
+void writeOutputs(const FormFactors& form_factors, const std::vector<std::string>& outputs,
+                  const FormFactors* balanced) {
   std::exception_ptr first_failure;
   for (const std::string& output : outputs) {
     try {
-      writeFormFactors(form_factors, output, closed);
+      writeFormFactors(form_factors, output, balanced);
     } catch (const Error&) {
       if (!first_failure) first_failure = std::current_exception();
     }

@@ -10,12 +10,12 @@ namespace viewpeel::program {
 // That every file can be written, and none over another: before anything is computed.
 //   In: checkpoint: empty where there is none
 //   Throws: Error bad_usage.
-void checkOutputs(const std::vector<std::string>& outputs, const std::string& checkpoint, bool with_closure = false);
+void checkOutputs(const std::vector<std::string>& outputs, const std::string& checkpoint, bool with_balance = false);
 
 // Writes all of them, also where one fails.
-//   In: closed, where there is closure
+//   In: balanced: nullptr where --balance is not given
 //   Throws: what the first that failed threw.
 void writeOutputs(const FormFactors& form_factors, const std::vector<std::string>& outputs,
-                  const FormFactors* closed = nullptr);
+                  const FormFactors* balanced = nullptr);
 
 }  // namespace viewpeel::program

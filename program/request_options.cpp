@@ -102,10 +102,11 @@ void addMethodOptions(CLI::App* command, const std::shared_ptr<RequestOptions>& 
                                     "--pair draw better ones");
   command
       ->add_option_function<std::string>(
-          "--closed-forms", [options](const std::string& word) { options->request.closed_forms = word == "on"; },
-          "Sample only the share of the lines between two polygons that nothing blocks: without occlusion form factors "
-          "are closed forms. "
-          "Planned runs do, where they can")
+          "--unoccluded,--closed-forms",
+          [options](const std::string& word) { options->request.unoccluded = word == "on"; },
+          "Sample only the visibility of a pair, the share of its lines that nothing blocks, and integrate its "
+          "unoccluded "
+          "form factor; --closed-forms is its older name. Planned runs do, where they can")
       ->type_name("on|off")
       ->check(CLI::IsMember({"on", "off"}).description(""));
 }

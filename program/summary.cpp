@@ -29,7 +29,7 @@ StandardErrors measureStandardErrors(const FormFactors& form_factors, size_t wor
   std::vector<std::pair<double, std::pair<uint32_t, uint32_t>>> largest;  // sorted, at most `worst`
   double squares = 0;
   const auto add = [&](uint32_t from, uint32_t to, const Measured& exchange) {
-    if (!form_factors.ids().isAsked(from)) return;
+    if (!form_factors.ids().isRequested(from)) return;
     const double error = exchange.standard_error / form_factors.ids().areas[from];
     ++errors.count;
     squares += error * error;
@@ -105,9 +105,9 @@ std::string tabulateLargest(const FormFactors& between_surfaces, size_t rows) {
   std::vector<Row> table;
   const auto& names = between_surfaces.ids().names;
   for (const auto& entry : between_surfaces.entries()) {
-    if (between_surfaces.ids().isAsked(entry.i))
+    if (between_surfaces.ids().isRequested(entry.i))
       table.push_back({entry.i, entry.j, between_surfaces.formFactor(entry.i, entry.j)});
-    if (entry.j < kEnvironment && entry.j != entry.i && between_surfaces.ids().isAsked(entry.j))
+    if (entry.j < kEnvironment && entry.j != entry.i && between_surfaces.ids().isRequested(entry.j))
       table.push_back({entry.j, entry.i, between_surfaces.formFactor(entry.j, entry.i)});
   }
   std::sort(table.begin(), table.end(), [](const Row& a, const Row& b) { return a.f.value > b.f.value; });
@@ -131,7 +131,7 @@ Closure measureClosure(const FormFactors& form_factors) {
   const auto& sums = form_factors.rowSums();
   size_t row_count = 0;
   for (uint32_t k = 0; k < sums.size(); ++k) {
-    if (!form_factors.ids().isAsked(k)) continue;
+    if (!form_factors.ids().isRequested(k)) continue;
     ++row_count;
     const double error = std::abs(sums[k].value - 1);
     squares += error * error;
@@ -163,7 +163,8 @@ std::string describeErrors(const Estimate& estimate) {
   if (!errors.worst.empty()) text += "\n";
   if (estimate.unmet_pairs)
     text += fmt::format(
-        "unmet      {} pairs that no line met: closed forms times the visible share of their neighbours, +- {:.1e} at "
+        "unmet      {} pairs that no line met: unoccluded form factors times the visibility of their neighbours, +- "
+        "{:.1e} at "
         "most\n",
         estimate.unmet_pairs, estimate.largest_unmet_error);
   if (estimate.unseen_pairs)
@@ -172,10 +173,10 @@ std::string describeErrors(const Estimate& estimate) {
         "most\n",
         estimate.unseen_pairs, estimate.largest_unseen_error);
   const auto all = double(pairCount(f.ids().count()));
-  const auto met = std::count_if(f.entries().begin(), f.entries().end(), [](const FormFactors::Entry& entry) {
+  const auto entry_count = std::count_if(f.entries().begin(), f.entries().end(), [](const FormFactors::Entry& entry) {
     return entry.i != entry.j && entry.j < kEnvironment;
   });
-  if (const double left_out = all - double(met) - double(estimate.unseen_pairs);
+  if (const double left_out = all - double(entry_count) - double(estimate.unseen_pairs);
       left_out > 0 && estimate.unmet_bound < 1)
     text += fmt::format(
         "left out   {:.0f} of {:.0f} pairs, which no line met: form factors below {:.1e} each, from the smaller of the "
@@ -193,7 +194,7 @@ std::string describeErrors(const Estimate& estimate) {
   size_t unmet = 0;
   std::string first;
   for (uint32_t k = 0; k < f.ids().count(); ++k)
-    if (f.ids().isAsked(k) && !(f.rowSums()[k].value > 0) && ++unmet == 1) first = f.ids().names[k];
+    if (f.ids().isRequested(k) && !(f.rowSums()[k].value > 0) && ++unmet == 1) first = f.ids().names[k];
   if (unmet)
     text += fmt::format(
         "unmet      {} of {} rows ({}{}): too small for this lattice and so few directions; their form factors are "
@@ -222,19 +223,19 @@ std::string describeResult(const Estimate& estimate) {
                      tabulateLargest(splits_surfaces ? f : estimate.between_surfaces, 20), describeErrors(estimate));
 }
 
-std::string describeClosed(const ClosedFormFactors& closed) {
-  const std::vector<std::string>& names = closed.form_factors.ids().names;
+std::string describeBalance(const BalancedFormFactors& balanced) {
+  const std::vector<std::string>& names = balanced.form_factors.ids().names;
   return fmt::format(
-      "closed     row sums differ from 1 by at most {:.1e} after {}; moved by {:.2g} standard errors rms, {:.2g} at "
+      "balanced   row sums differ from 1 by at most {:.1e} after {}; moved by {:.2g} standard errors rms, {:.2g} at "
       "most\n"
       "           largest change of a form factor {:.1e} ({} to {})\n",
-      measureClosure(closed.form_factors).largest_error, counted(closed.steps, "step"), closed.rms_change,
-      closed.largest_change, closed.largest_form_factor_change, names[closed.from], names[closed.to]);
+      measureClosure(balanced.form_factors).largest_error, counted(balanced.steps, "step"), balanced.rms_change,
+      balanced.largest_change, balanced.largest_form_factor_change, names[balanced.from], names[balanced.to]);
 }
 
 std::string asJson(const std::string& scene, const Result& estimate) {
   const FormFactors& f = estimate.form_factors;
-  const std::optional<ClosedFormFactors>& closed = estimate.closed;
+  const std::optional<BalancedFormFactors>& balanced = estimate.balanced;
   const std::optional<Work>& work = estimate.work;
   const StandardErrors errors = measureStandardErrors(f, 0);
   std::string text = fmt::format(
@@ -263,13 +264,14 @@ std::string asJson(const std::string& scene, const Result& estimate) {
         closure.largest_error, closure.standard_error, closure.rms_error, escapeJson(closure.row),
         estimate.environment_share, estimate.leak_share);
   }
-  if (closed) {
-    const std::vector<std::string>& names = closed->form_factors.ids().names;
+  if (balanced) {
+    const std::vector<std::string>& names = balanced->form_factors.ids().names;
     text += fmt::format(
-        ",\n  \"closed\": {{\"largest\": {:.6g}, \"steps\": {}, \"rms_change\": {:.6g}, \"largest_change\": {:.6g}, "
+        ",\n  \"balanced\": {{\"largest\": {:.6g}, \"steps\": {}, \"rms_change\": {:.6g}, \"largest_change\": {:.6g}, "
         "\"largest_form_factor_change\": {:.6g}, \"from\": \"{}\", \"to\": \"{}\"}}",
-        measureClosure(closed->form_factors).largest_error, closed->steps, closed->rms_change, closed->largest_change,
-        closed->largest_form_factor_change, escapeJson(names[closed->from]), escapeJson(names[closed->to]));
+        measureClosure(balanced->form_factors).largest_error, balanced->steps, balanced->rms_change,
+        balanced->largest_change, balanced->largest_form_factor_change, escapeJson(names[balanced->from]),
+        escapeJson(names[balanced->to]));
   }
   if (work) {
     text += fmt::format(

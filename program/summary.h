@@ -4,7 +4,7 @@
 
 #include "engines/work.h"
 #include "estimator/estimate.h"
-#include <viewpeel/closure.h>
+#include <viewpeel/balance.h>
 #include "vulkan/device.h"
 
 namespace viewpeel::program {
@@ -34,7 +34,7 @@ std::string describeResult(const Estimate& estimate);
 std::string describeErrors(const Estimate& estimate);
 
 // What closing the rows changed.
-std::string describeClosed(const ClosedFormFactors& closed);
+std::string describeBalance(const BalancedFormFactors& balanced);
 
 // The same and the work done, as JSON.
 std::string asJson(const std::string& scene, const Result& result);

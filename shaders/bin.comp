@@ -68,7 +68,7 @@ void main() {
   last.y = min(last.y, first_row + int(args.rows_per_invocation) - 1);
   for (int y = first.y; y <= last.y; ++y) {
     uint row = direction_index * args.tiles_high + uint(y);
-    ivec2 span = ivec2(first.x, last.x), met = ivec2(args.tiles_wide, -1);
+    ivec2 span = ivec2(first.x, last.x), reached = ivec2(args.tiles_wide, -1);
     if (kNeedsRoles && !finds_emitters) {
       span.x = max(span.x, int(args.tiles_wide - Words(args.emitter_spans).at[2u * row]));
       span.y = min(span.y, int(Words(args.emitter_spans).at[2u * row + 1u]) - 1);
@@ -82,7 +82,7 @@ void main() {
       if (least_of_most < int64_t(0)) continue;
       uint tile = row * args.tiles_wide + uint(x);
       if (finds_roles) {
-        met = ivec2(min(met.x, x), x);
+        reached = ivec2(min(reached.x, x), x);
         atomicOr(Words(args.tile_roles).at[tile], roles);
         continue;
       }
@@ -104,8 +104,8 @@ void main() {
         ListEntries(args.lists).at[at] = entry;
       }
     }
-    if (!finds_emitters || met.y < 0) continue;
-    atomicMax(Words(args.emitter_spans).at[2u * row], args.tiles_wide - uint(met.x));
-    atomicMax(Words(args.emitter_spans).at[2u * row + 1u], uint(met.y) + 1u);
+    if (!finds_emitters || reached.y < 0) continue;
+    atomicMax(Words(args.emitter_spans).at[2u * row], args.tiles_wide - uint(reached.x));
+    atomicMax(Words(args.emitter_spans).at[2u * row + 1u], uint(reached.y) + 1u);
   }
 }

@@ -77,7 +77,7 @@ void main() {
                                args.counter_mask, kSparse, 2u);
   uint steps = 0u;
   bool cut = false;
-  addMet(parties, counters, false, steps, cut);
-  if (!kTwoSided) addMet(parties, counters, true, steps, cut);
+  addMeeting(parties, counters, false, steps, cut);
+  if (!kTwoSided) addMeeting(parties, counters, true, steps, cut);
   if (cut) atomicOr(status.at.overflows, kLoopCut);
 }

@@ -55,8 +55,8 @@ uint meetSpans(Tile tile, uint from, uint ups, uint span_count, inout uint block
     uint steps = 0u;
     parties.nearer = from;
     parties.nearer_end = min(from + lanes, ups);
-    addMet(parties, peelCounters(), false, steps, cut);
-    if (!kTwoSided) addMet(parties, peelCounters(), true, steps, cut);
+    addMeeting(parties, peelCounters(), false, steps, cut);
+    if (!kTwoSided) addMeeting(parties, peelCounters(), true, steps, cut);
     blocks_done += (steps + lanes - 1u) / lanes;
     from += lanes;
   }

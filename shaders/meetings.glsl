@@ -36,8 +36,8 @@ Party fetchPartyBefore(uint place, uint end, uint direction, ivec2 corner) {
 
 // Of the eight farther polygons from `eight` on, a bit each: those that have samples in common with the nearer one and
 // lie behind it on all of them, or, where `doubtful`, may lie behind it.
-uint findMet(Party nearer, Party farther, uint eight, uint place, uint farther_place, bool doubtful) {
-  uint met = 0u;
+uint findMeeting(Party nearer, Party farther, uint eight, uint place, uint farther_place, bool doubtful) {
+  uint meeting = 0u;
   [[unroll]] for (uint t = 0u; t < 8u; ++t) {
     bool meets = haveCommon(nearer.samples, subgroupShuffle(farther.samples, eight + t));
     if (kTwoSided) {
@@ -47,13 +47,13 @@ uint findMet(Party nearer, Party farther, uint eight, uint place, uint farther_p
       bool may_be_behind = nearer.nearest <= subgroupShuffle(farther.farthest, eight + t);
       meets = meets && (doubtful ? may_be_behind && !is_behind : is_behind);
     }
-    met |= meets ? 1u << t : 0u;
+    meeting |= meets ? 1u << t : 0u;
   }
-  return met;
+  return meeting;
 }
 
 // Adds up what meets: without doubt, or in doubt.
-void addMet(Parties parties, Counters counters, bool doubtful, inout uint steps, inout bool cut) {
+void addMeeting(Parties parties, Counters counters, bool doubtful, inout uint steps, inout bool cut) {
   const uint lanes = gl_WorkGroupSize.x;
   uint lane = gl_SubgroupInvocationID, place = parties.nearer + lane;
   Party nearer = fetchPartyBefore(place, parties.nearer_end, parties.direction, parties.corner);
@@ -63,12 +63,12 @@ void addMet(Parties parties, Counters counters, bool doubtful, inout uint steps,
   uint base = parties.farther, eight = 0u;
   Party farther = fetchPartyBefore(base + lane, parties.farther_end, parties.direction, parties.corner);
   do {
-    uint met, met_eight;
-    Party met_farther;
+    uint meeting, meeting_eight;
+    Party meeting_farther;
     do {  // on to the next eight among which some invocation meets one
-      met = findMet(nearer, farther, eight, place, base, doubtful);
-      met_farther = farther;
-      met_eight = eight;
+      meeting = findMeeting(nearer, farther, eight, place, base, doubtful);
+      meeting_farther = farther;
+      meeting_eight = eight;
       eight += 8u;
       if (eight >= lanes) {
         eight = 0u;
@@ -76,15 +76,15 @@ void addMet(Parties parties, Counters counters, bool doubtful, inout uint steps,
         farther = fetchPartyBefore(base + lane, parties.farther_end, parties.direction, parties.corner);
       }
       ++steps;
-    } while (base < parties.farther_end && !anyOf(met != 0u));
+    } while (base < parties.farther_end && !anyOf(meeting != 0u));
     do {
-      uint t = met_eight + (met != 0u ? uint(findLSB(met)) : 0u);
-      uvec2 samples = subgroupShuffle(met_farther.samples, t);
-      uint farther_id = subgroupShuffle(met_farther.id, t);
-      bool is_one = met != 0u && (kAllCount || exchange(nearer.id >> kRolesShift, farther_id >> kRolesShift));
+      uint t = meeting_eight + (meeting != 0u ? uint(findLSB(meeting)) : 0u);
+      uvec2 samples = subgroupShuffle(meeting_farther.samples, t);
+      uint farther_id = subgroupShuffle(meeting_farther.id, t);
+      bool is_one = meeting != 0u && (kAllCount || exchange(nearer.id >> kRolesShift, farther_id >> kRolesShift));
       uint count;
       if (doubtful) {
-        uint farther_at = first_projected + subgroupShuffle(met_farther.polygon, t);
+        uint farther_at = first_projected + subgroupShuffle(meeting_farther.polygon, t);
         count = countInOrder(is_one ? nearer.samples : uvec2(0), samples, nearer_plane,
                              fetchDepthPlane(farther_at, parties.corner), cut);
       } else {
@@ -93,10 +93,10 @@ void addMet(Parties parties, Counters counters, bool doubtful, inout uint steps,
       if (is_one && count > 0u)
         addCount(counters, kFacingOrBlocked, pairOf(kGapFacingPair, nearer.id & kIdMask, farther_id & kIdMask),
                  uint64_t(count) * uint64_t(parties.weight));
-      met &= met - 1u;
+      meeting &= meeting - 1u;
       ++steps;
-    } while (anyOf(met != 0u));
-    cut = cut || met != 0u;
+    } while (anyOf(meeting != 0u));
+    cut = cut || meeting != 0u;
   } while (base < parties.farther_end);
   cut = cut || base < parties.farther_end;
 }

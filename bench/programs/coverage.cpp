@@ -1,18 +1,18 @@
 // Are the standard errors honest? How often the 95 % interval, mean +- t_0.975(R - 1) standard errors, holds the true
 // form factor, over many seeds. CSV on stdout, one row for each scene, setting, rule when to stop and class of entries.
-//   coverage [--scene facing|edge|far|cube|blocked|parts|gap|office|room|city]... [--closed-forms] [--host] [--directed
+//   coverage [--scene facing|edge|far|cube|blocked|parts|gap|office|room|city]... [--unoccluded] [--host] [--directed
 //   R] [--sampler fibonacci|jittered|sobol|iid]... [--setting PXxN]... [--rule RULE]...
 //     [--seeds K] [--device D]
 // The truth of office, room and city is a long run, of 16,384 directions and 256 scanlines. With --host the host engine
 // counts scanlines, in place of the compute engine's points. With --directed pairs that pilots tell to keep the run
 // from a relative error of R have directions of their own. A rule is R, a fixed number of replicates, or R:G, at least
 // R and on until the largest standard error reaches the tolerance that takes G on the average. Entries fall into
-// classes by the lattice points that a replicate is expected to count for them; with closed forms those that something
-// blocks in part are a class, too, for what nothing or everything between two blocks is known when it is met. The last
-// class are all that some replicate met. Entries of one run are correlated, so the standard error of a coverage comes
-// from the spread between seeds. What no line met is covered where the bound for that holds the truth (unmetBound).
-// Where the truth of all pairs is known there are two classes more: rows, the row sums written, whose truth is 1, and
-// groups, form factors between surfaces.
+// classes by the lattice points that a replicate is expected to count for them; with unoccluded form factors those that
+// something blocks in part are a class, too, for what nothing or everything between two blocks is known when it is met.
+// The last class are all that some replicate met. Entries of one run are correlated, so the standard error of a
+// coverage comes from the spread between seeds. What no line met is covered where the bound for that holds the truth
+// (unmetBound). Where the truth of all pairs is known there are two classes more: rows, the row sums written, whose
+// truth is 1, and groups, form factors between surfaces.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -28,7 +28,7 @@
 #include "engines/host_engine.h"
 #include <viewpeel/error.h>
 #include "estimator/directed_pairs.h"
-#include "estimator/visible_share.h"
+#include "estimator/find_prior.h"
 #include "scenes/generate.h"
 #include "sums/add_pairs.h"
 #include "bench/support/measure.h"
@@ -52,7 +52,7 @@ struct Options {
   std::vector<std::string> scenes{"facing", "edge", "far", "cube"}, samplers{"fibonacci", "jittered"},
       settings{"32x50"};
   std::vector<std::string> rules{"4", "8", "16", "8:12"};
-  bool closed_forms = false, on_host = false;
+  bool unoccluded = false, on_host = false;
   double directed = 0;
   uint32_t seeds = 200;
   DeviceOptions device;
@@ -159,9 +159,9 @@ Case byLongRun(Scene scene) {
   FaceExchanges exchanges(nullptr, scene, ids);
   EstimateOptions options{.directions = 16384, .replicates = 8, .seed = kLongRunSeed};
   options.exchanges = &exchanges;
-  const VisibleShares shares =
-      findVisibleShares(*engine, exchanges, scene, ids, groupAsOne(scene, kResolution), options, sharePilot(options));
-  options.known = &shares.known;
+  const FoundPrior found =
+      findPrior(*engine, exchanges, scene, ids, groupAsOne(scene, kResolution), options, choosePriorPilot(options));
+  options.prior = &found.prior;
   const Estimate estimate = estimateFormFactors(*engine, scene, ids, options);
   Case run{std::move(scene), {}, true};
   for (const FormFactors::Entry& entry : estimate.form_factors.entries())
@@ -279,14 +279,14 @@ class Tally {
 void report(const std::string& key, const std::vector<Entry>& entries, const Truths& group_truths,
             const std::vector<RunOutcome>& runs) {
   std::array<Tally, kCountEnds.size()> by_count;
-  Tally met, blocked_in_part, rows, groups;
+  Tally nonzero, blocked_in_part, rows, groups;
   double mean_replicates = 0;
   for (const RunOutcome& run : runs) {
     mean_replicates += double(run.replicates) / double(runs.size());
     const double student =
         quantile(complement(boost::math::students_t(double(run.replicates - 1)), (1 - kConfidence) / 2));
     for (Tally& tally : by_count) tally.startRun();
-    met.startRun();
+    nonzero.startRun();
     blocked_in_part.startRun();
     rows.startRun();
     for (const Measured& row : run.rows) rows.add(row, 1, student, 0);
@@ -297,7 +297,7 @@ void report(const std::string& key, const std::vector<Entry>& entries, const Tru
       const auto which =
           std::lower_bound(kCountEnds.begin(), kCountEnds.end(), entries[k].expected_count) - kCountEnds.begin();
       by_count[which].add(run.factors[k], entries[k].truth, student, run.unmet_bounds[k]);
-      if (run.factors[k].value > 0) met.add(run.factors[k], entries[k].truth, student, 0);
+      if (run.factors[k].value > 0) nonzero.add(run.factors[k], entries[k].truth, student, 0);
       if (entries[k].is_blocked_in_part)
         blocked_in_part.add(run.factors[k], entries[k].truth, student, run.unmet_bounds[k]);
     }
@@ -305,7 +305,7 @@ void report(const std::string& key, const std::vector<Entry>& entries, const Tru
   for (size_t k = 0; k < by_count.size(); ++k)
     by_count[k].print(fmt::format("{},to {} counts", key, kCountEnds[k]), mean_replicates);
   blocked_in_part.print(key + ",blocked in part", mean_replicates);
-  met.print(key + ",met", mean_replicates);
+  nonzero.print(key + ",met", mean_replicates);
   rows.print(key + ",rows", mean_replicates);
   groups.print(key + ",groups", mean_replicates);
   std::fflush(stdout);
@@ -321,7 +321,7 @@ void measureCase(const std::string& name, const Device& device, const Options& o
     EstimateOptions estimate;
     if (!readPair(setting, 'x', resolution, estimate.directions))
       throw Error(ErrorCode::bad_usage, "--setting " + setting + ": give PXxN");
-    LatticeOptions lattice{.resolution = resolution, .count_blocked = options.closed_forms};
+    LatticeOptions lattice{.resolution = resolution, .count_blocked = options.unoccluded};
     if (options.on_host) lattice.sampling = Sampling::scanline;
     const auto engine =
         options.on_host ? makeHostEngine(scene, ids, lattice) : makeComputeEngine(device, scene, ids, lattice);
@@ -334,21 +334,22 @@ void measureCase(const std::string& name, const Device& device, const Options& o
            std::min(ids.areas[pair.first], pair.second < kEnvironment ? ids.areas[pair.second] : INFINITY)});
     for (const std::string& sampler : options.samplers) {
       estimate.sampler = kSamplers.at(sampler);
-      VisibleShares shares;
+      FoundPrior found;
       std::optional<PairSampler> pairs;
       std::map<std::pair<int, double>, std::unique_ptr<Engine>>
           pair_engines;  // by resolution and window, which tell them apart in these scenes
-      const EngineFactory makePairEngine = [&](const Scene& of, const Ids& pair_ids, const LatticeOptions& own) {
-        std::unique_ptr<Engine>& made = pair_engines[{own.resolution, own.window.radius}];
-        if (!made) made = makeComputeEngine(device, of, pair_ids, own);
+      const EngineFactory makePairEngine = [&](const Scene& of, const Ids& pair_ids,
+                                               const LatticeOptions& pair_lattice) {
+        std::unique_ptr<Engine>& made = pair_engines[{pair_lattice.resolution, pair_lattice.window.radius}];
+        if (!made) made = makeComputeEngine(device, of, pair_ids, pair_lattice);
         return std::make_unique<SharedEngine>(*made);
       };
-      uint64_t shares_seed = 0, directed_runs = 0, runs = 0;
+      uint64_t prior_seed = 0, directed_runs = 0, runs = 0;
       const auto run = [&](const Rule& rule, double tolerance, uint64_t seed) {
         estimate.replicates = rule.replicates;
         estimate.tolerance = rule.goal_replicates ? std::optional(tolerance) : std::nullopt;
         estimate.seed = seed;
-        if (options.closed_forms && shares_seed != seed) {
+        if (options.unoccluded && prior_seed != seed) {
           EstimateOptions pilot = estimate;
           if (options.directed > 0) {
             pairs.emplace(scene, ids, seed, makePairEngine);
@@ -358,27 +359,27 @@ void measureCase(const std::string& name, const Device& device, const Options& o
             pilot.tolerance.reset();
           }
           FaceExchanges exchanges(options.on_host ? nullptr : &device, scene, ids);
-          shares = findVisibleShares(*engine, exchanges, scene, ids, groupAsOne(scene, resolution), pilot,
-                                     {sharePilot(pilot).directions});
-          shares_seed = seed;
+          found = findPrior(*engine, exchanges, scene, ids, groupAsOne(scene, resolution), pilot,
+                            {choosePriorPilot(pilot).directions});
+          prior_seed = seed;
           ++runs;
-          directed_runs += !shares.known.directed.empty();
+          directed_runs += !found.prior.directed.empty();
         }
         estimate.pairs = pairs ? &*pairs : nullptr;
-        estimate.known = options.closed_forms ? &shares.known : nullptr;
+        estimate.prior = options.unoccluded ? &found.prior : nullptr;
         remembering.startAgain();
         return estimateFormFactors(remembering, scene, ids, estimate);
       };
       // Closed forms are known of all pairs of these scenes.
-      const auto markThoseBlockedInPart = [&] {
+      const auto markBlockedInPart = [&] {
         size_t k = 0;
         for (const auto& [pair, truth] : scene_case.truths) {
-          const auto known =
-              std::ranges::lower_bound(shares.known.pairs, pair, {}, [](const KnownPair& at) { return keyOf(at); });
-          if (known != shares.known.pairs.end() && keyOf(*known) == pair) {
-            const double share = truth * ids.areas[pair.first] / known->exchange;
+          const auto prior =
+              std::ranges::lower_bound(found.prior.pairs, pair, {}, [](const PairPrior& at) { return keyOf(at); });
+          if (prior != found.prior.pairs.end() && keyOf(*prior) == pair) {
+            const double visibility = truth * ids.areas[pair.first] / prior->exchange;
             entries[k].is_blocked_in_part =
-                pair.second < kEnvironment && share > kBlockedInPart && share < 1 - kBlockedInPart;
+                pair.second < kEnvironment && visibility > kBlockedInPart && visibility < 1 - kBlockedInPart;
           }
           ++k;
         }
@@ -410,7 +411,7 @@ void measureCase(const std::string& name, const Device& device, const Options& o
         }
       }
       if (options.directed > 0) fmt::print("# {}: directed pairs in {} of {} runs\n", name, directed_runs, runs);
-      if (options.closed_forms) markThoseBlockedInPart();
+      if (options.unoccluded) markBlockedInPart();
       for (size_t k = 0; k < options.rules.size(); ++k)
         report(fmt::format("{},{},{},{},{}", name, sampler, resolution, estimate.directions, options.rules[k]), entries,
                group_truths, outcomes[k]);
@@ -430,10 +431,11 @@ int main(int argc, char** argv) {
                  "facing, edge, far, cube, blocked, parts, gap; by a long run: office, room, city")
       ->check(CLI::IsMember({"facing", "edge", "far", "cube", "blocked", "parts", "gap", "office", "room", "city"}))
       ->capture_default_str();
-  app.add_flag("--closed-forms", options.closed_forms, "Closed forms times visible shares");
+  app.add_flag("--unoccluded", options.unoccluded, "Unoccluded form factors times visibilities");
   app.add_flag("--host", options.on_host, "Scanlines of the host engine");
-  app.add_option("--directed", options.directed,
-                 "With closed forms: directions of their own for pairs that keep a run from this relative error")
+  app.add_option(
+         "--directed", options.directed,
+         "With unoccluded form factors: directions of their own for pairs that keep a run from this relative error")
       ->check(CLI::PositiveNumber);
   app.add_option("--sampler", options.samplers, "fibonacci, jittered, sobol, iid")
       ->check(CLI::IsMember(kSamplers))

@@ -2,15 +2,15 @@
 // pick instead, in one run on one machine. CSV on stdout.
 //   error_time [--scene NAME]... [--method NAME]... [--full] [--seconds S] [--reference-seconds S] [--rounds K]
 //   [--view3d PROGRAM] [--cache DIR] [--device D]
-// Methods (methods.cpp): planned (the program's default), fibonacci, jittered, iid and the same with closed forms,
-// scanline, host and host_closed (scanlines on the processor), graphics, exact; rays_random and rays_sobol,
-// double_area_random and double_area_sobol (embree_rays.h), hemicube (hemicube.h), view3d (view3d.h). Rivals are
-// verified first (verify_rivals.h). Each method climbs a ladder of growing work until its next run would take longer
-// than --seconds; short runs are repeated with other seeds, and rounds of all ladders follow each other. seconds: from
-// a method made ready to its result; setup_seconds: to make it ready (kernels compiled, trees built). Errors:
-// exchange_matrix.h; reference_error is the reference's own rms error (a reference kept in --cache from a busy machine
-// is a poor one: delete it). chosen: parameters that a method chose itself. waiting_share: of seconds, what the calling
-// thread does not compute. passes: shares of the time on the device, over other directions.
+// Methods (methods.cpp): planned (the program's default), fibonacci, jittered, iid and the same with unoccluded form
+// factors, scanline, host and host_unoccluded (scanlines on the processor), graphics, exact; rays_random and
+// rays_sobol, double_area_random and double_area_sobol (embree_rays.h), hemicube (hemicube.h), view3d (view3d.h).
+// Rivals are verified first (verify_rivals.h). Each method climbs a ladder of growing work until its next run would
+// take longer than --seconds; short runs are repeated with other seeds, and rounds of all ladders follow each other.
+// seconds: from a method made ready to its result; setup_seconds: to make it ready (kernels compiled, trees built).
+// Errors: exchange_matrix.h; reference_error is the reference's own rms error (a reference kept in --cache from a busy
+// machine is a poor one: delete it). chosen: parameters that a method chose itself. waiting_share: of seconds, what the
+// calling thread does not compute. passes: shares of the time on the device, over other directions.
 #include <algorithm>
 #include <fstream>
 #include <set>
@@ -73,7 +73,7 @@ double peakMib() {
 
 std::string inQuotes(const std::string& text) { return "\"" + text + "\""; }
 
-bool isAsked(const std::string& method, const Options& options) {
+bool isRequested(const std::string& method, const Options& options) {
   return options.methods.empty() ||
          std::find(options.methods.begin(), options.methods.end(), method) != options.methods.end();
 }
@@ -151,7 +151,7 @@ void measureScene(const std::string& name, const Device& device, const Place& pl
                                    // theirs take longer still
   for (uint64_t round = 0; round < options.rounds; ++round)
     for (const Ladder& ladder : ladders) {
-      if (!isAsked(ladder.method, options)) continue;
+      if (!isRequested(ladder.method, options)) continue;
       if (too_slow.contains(ladder.method)) {
         fmt::print("# {} {}{} left out: a coarser one took more than {} times --seconds\n", name, ladder.parameters,
                    ladder.method, kHopeless);
@@ -167,7 +167,7 @@ void run(const Options& options) {
   printPlace(device, VIEWPEEL_SOURCE);
   const Place place{commitOf(VIEWPEEL_SOURCE), device.description().name, device.description().driver};
   const std::vector<std::string> rivals = rivalNames();
-  if (std::any_of(rivals.begin(), rivals.end(), [&](const std::string& rival) { return isAsked(rival, options); }))
+  if (std::any_of(rivals.begin(), rivals.end(), [&](const std::string& rival) { return isRequested(rival, options); }))
     verifyRivals(device);
   fmt::print(
       "commit,device,driver,cores,scene,n,method,seed,parameters,chosen,round,setup_seconds,seconds,rms_error,max_"

@@ -90,7 +90,7 @@ RayCounts EmbreeRays::shoot(Trace trace, Points points, uint64_t rays_per_polygo
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
     std::array<Ray, kRayGroup> rays;
     std::array<uint32_t, kRayGroup> hit;
-    std::vector<uint32_t> row(polygon_count, 0), met;
+    std::vector<uint32_t> row(polygon_count, 0), hit_polygons;
     for (uint64_t part; (part = next++) < parts * polygon_count;) {
       const auto from = static_cast<uint32_t>(part / parts);
       const uint64_t first = part % parts * kRaysAtOnce, end = std::min(first + kRaysAtOnce, rays_per_polygon);
@@ -110,14 +110,14 @@ RayCounts EmbreeRays::shoot(Trace trace, Points points, uint64_t rays_per_polygo
         for (uint32_t k = 0; k < count; ++k) {
           const uint32_t to = hit[k];
           if (to == UINT32_MAX || to == from || glm::dot(embree_.normal(to), rays[k].direction) >= 0) continue;
-          if (row[to]++ == 0) met.push_back(to);
+          if (row[to]++ == 0) hit_polygons.push_back(to);
         }
       }
-      for (const uint32_t to : met) {
+      for (const uint32_t to : hit_polygons) {
         hits[thread].push_back({from, to, row[to]});
         row[to] = 0;
       }
-      met.clear();
+      hit_polygons.clear();
     }
   });
   RayCounts counts{{}, rays_per_polygon};

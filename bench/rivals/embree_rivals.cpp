@@ -18,8 +18,8 @@
 namespace viewpeel::bench {
 namespace {
 
-constexpr float kStart = -1.001f;      // of a line, outside the unit ball
-constexpr float kAwayFromOwn = 1e-5f;  // a ray's start, unit-ball units off its polygon
+constexpr float kStart = -1.001f;          // of a line, outside the unit ball
+constexpr float kAwayFromPolygon = 1e-5f;  // a ray's start, unit-ball units off its polygon
 constexpr uint32_t kCosineCount = 4096;
 constexpr uint64_t kMostDenseBytes = 16u << 20;  // as the host engine has it
 
@@ -120,7 +120,7 @@ struct EmbreeRivals::State {
     const glm::vec3 local = cosine_directions[more % kCosineCount];
     const glm::vec3 normal = ids.two_sided && more >> 63 ? -emitter.normal : emitter.normal;
     return {emitter.origin + s * emitter.a + t * emitter.b,
-            local.x * emitter.x + local.y * emitter.y + local.z * normal, kAwayFromOwn, 4};
+            local.x * emitter.x + local.y * emitter.y + local.z * normal, kAwayFromPolygon, 4};
   }
 };
 
@@ -158,7 +158,7 @@ uint64_t EmbreeRivals::countLines(Trace trace, std::span<const Direction> direct
     lines.context.filter = recordHit;
     std::vector<Ray> rays;
     std::array<bool, kRayGroup> blocked;  // none: every hit is rejected
-    uint64_t own_pairs = 0;
+    uint64_t local_pairs = 0;
     for (uint64_t row; (row = next_row++) < rows;) {
       const Direction& direction = directions[row / tiles_per_side];
       const glm::vec3 u = direction.u;
@@ -178,10 +178,10 @@ uint64_t EmbreeRivals::countLines(Trace trace, std::span<const Direction> direct
         for (size_t k = 0; k < rays.size(); ++k) lines.hits[k].clear();
         state_->scene.findBlocked(trace, lines.context, rays, std::span(blocked).first(rays.size()));
         for (size_t k = 0; k < rays.size(); ++k)
-          if (!lines.hits[k].empty()) own_pairs += state_->countLine(table, lines.hits[k], u);
+          if (!lines.hits[k].empty()) local_pairs += state_->countLine(table, lines.hits[k], u);
       }
     }
-    pairs += own_pairs;
+    pairs += local_pairs;
   });
   return pairs;
 }
@@ -198,7 +198,7 @@ RayCount EmbreeRivals::shootRays(Trace trace, uint64_t ray_count, uint64_t seed)
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
     std::array<Ray, kRayGroup> rays;
     std::array<uint32_t, kRayGroup> hit;
-    uint64_t own_samples = 0;
+    uint64_t local_samples = 0;
     for (uint64_t begin; (begin = next.fetch_add(kAtOnce)) < groups;)
       for (uint64_t group = begin; group < std::min(begin + kAtOnce, groups); ++group) {
         Random random{seed ^ (first_group + group) * 0xD1342543DE82EF95ull};
@@ -212,13 +212,13 @@ RayCount EmbreeRivals::shootRays(Trace trace, uint64_t ray_count, uint64_t seed)
           } else if (state_->ids.two_sided || glm::dot(state_->scene.normal(hit[k]), rays[k].direction) < 0) {
             const uint32_t to = state_->ids.of_polygon[hit[k]];
             table.add(std::min(from, to), std::max(from, to), 1);
-            ++own_samples;
+            ++local_samples;
           } else {
             table.add(from, kLeak, 1);
           }
         }
       }
-    samples += own_samples;
+    samples += local_samples;
   });
   return {groups * kRayGroup, samples};
 }

@@ -13,7 +13,7 @@
 
 #include "bench/rivals/embree_rays.h"
 #include "engines/engine_factory.h"
-#include "estimator/visible_share.h"
+#include "estimator/find_prior.h"
 #include <viewpeel/error.h>
 #include "bench/rivals/hemicube.h"
 #include "bench/support/measure.h"
@@ -88,8 +88,8 @@ class Viewpeel {
     LatticeOptions lattice;
   };
 
-  // Amounts are directions of a replicate. closed_forms: the lattice's resolution with them, 0 without.
-  Runner runner(const Engines& engines, Sampler sampler, int closed_forms) const {
+  // Amounts are directions of a replicate. unoccluded: the lattice's resolution with them, 0 without.
+  Runner runner(const Engines& engines, Sampler sampler, int unoccluded) const {
     const auto make = [this, engines](const Device& device, bool measure_work) {
       LatticeOptions lattice = engines.lattice;
       lattice.measure_work = measure_work;
@@ -106,7 +106,7 @@ class Viewpeel {
     const Device apart({.selector = std::to_string(device_.description().index)});
     if (const std::unique_ptr<Engine> measured = make(apart, true); measured->work())
       runner.profile = profileOf(*measured);
-    runner.run = [this, engine, sampler, closed_forms](double amount, uint64_t seed) {
+    runner.run = [this, engine, sampler, unoccluded](double amount, uint64_t seed) {
       EstimateOptions options;
       options.sampler = sampler;
       options.directions = static_cast<uint32_t>(amount);
@@ -114,8 +114,8 @@ class Viewpeel {
       options.seed = seed;
       std::optional<Estimate> estimate;
       const RunTime time = timeOf([&] {
-        estimate = closed_forms ? withClosedForms(*engine, groupAsOne(scene_, closed_forms), options)
-                                : estimateFormFactors(*engine, scene_, ids_, options);
+        estimate = unoccluded ? withUnoccluded(*engine, groupAsOne(scene_, unoccluded), options)
+                              : estimateFormFactors(*engine, scene_, ids_, options);
       });
       return outcomeOf(*estimate, scene_, time);
     };
@@ -161,12 +161,11 @@ class Viewpeel {
     return windows;
   }
 
-  Estimate withClosedForms(Engine& engine, const std::vector<SizeGroup>& groups, EstimateOptions options) const {
+  Estimate withUnoccluded(Engine& engine, const std::vector<SizeGroup>& groups, EstimateOptions options) const {
     FaceExchanges exchanges(on_host_ ? nullptr : &device_, scene_, ids_);
     options.exchanges = &exchanges;
-    const VisibleShares shares =
-        findVisibleShares(engine, exchanges, scene_, ids_, groups, options, sharePilot(options));
-    options.known = &shares.known;
+    const FoundPrior found = findPrior(engine, exchanges, scene_, ids_, groups, options, choosePriorPilot(options));
+    options.prior = &found.prior;
     return estimateFormFactors(engine, scene_, ids_, options);
   }
 
@@ -298,9 +297,9 @@ std::vector<Ladder> makeLadders(const Device& device, const Scene& scene, const 
   const auto viewpeel = std::make_shared<Viewpeel>(device, scene);
   std::vector<Ladder> ladders;
   const auto add = [&](const std::string& method, const std::string& parameters, const Viewpeel::Engines& engines,
-                       Sampler sampler, int closed_forms, double first) {
+                       Sampler sampler, int unoccluded, double first) {
     ladders.push_back({method, parameters, "directions", method != "exact" && !method.starts_with("host"),
-                       climb(first, 4, 1u << 22), [=] { return viewpeel->runner(engines, sampler, closed_forms); }});
+                       climb(first, 4, 1u << 22), [=] { return viewpeel->runner(engines, sampler, unoccluded); }});
   };
   std::vector<Ladder::Rung> tolerances;  // the lattice's error falls as the square root of time
   for (const double tolerance : {3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5})
@@ -308,23 +307,23 @@ std::vector<Ladder> makeLadders(const Device& device, const Scene& scene, const 
   ladders.push_back({"planned", "", "tolerance", true, tolerances, [viewpeel] { return viewpeel->planned(); }});
   const std::vector<int> all = options.full ? std::vector<int>{64, 128, 256, 512} : std::vector<int>{64, 256}, one{128};
   for (const Sampler sampler : {Sampler::fibonacci, Sampler::jittered, Sampler::iid})
-    for (const bool closed_forms : {false, true})
+    for (const bool unoccluded : {false, true})
       for (const int resolution : sampler == Sampler::fibonacci ? all : one)
-        add(fmt::format("{}{}", nameOf(sampler), closed_forms ? "_closed" : ""),
+        add(fmt::format("{}{}", nameOf(sampler), unoccluded ? "_unoccluded" : ""),
             fmt::format("resolution={} ", resolution),
-            {EngineKind::compute, {.resolution = resolution, .count_blocked = closed_forms}}, sampler,
-            closed_forms ? resolution : 0, 32);
-  for (const bool closed_forms : {false, true})
+            {EngineKind::compute, {.resolution = resolution, .count_blocked = unoccluded}}, sampler,
+            unoccluded ? resolution : 0, 32);
+  for (const bool unoccluded : {false, true})
     for (const int resolution : options.full ? std::vector<int>{32, 64, 128, 256} : one)
-      add(closed_forms ? "scanline_closed" : "scanline", fmt::format("resolution={} ", resolution),
+      add(unoccluded ? "scanline_unoccluded" : "scanline", fmt::format("resolution={} ", resolution),
           {EngineKind::compute,
-           {.resolution = resolution, .sampling = Sampling::scanline, .count_blocked = closed_forms}},
-          Sampler::fibonacci, closed_forms ? resolution : 0, 32);
-  for (const bool closed_forms : {false, true})
+           {.resolution = resolution, .sampling = Sampling::scanline, .count_blocked = unoccluded}},
+          Sampler::fibonacci, unoccluded ? resolution : 0, 32);
+  for (const bool unoccluded : {false, true})
     for (const int resolution : options.full ? std::vector<int>{32, 64, 128, 256, 512} : std::vector<int>{32, 64, 128})
-      add(closed_forms ? "host_closed" : "host", fmt::format("resolution={} ", resolution),
-          {EngineKind::host, {.resolution = resolution, .sampling = Sampling::scanline, .count_blocked = closed_forms}},
-          Sampler::fibonacci, closed_forms ? resolution : 0, 8);
+      add(unoccluded ? "host_unoccluded" : "host", fmt::format("resolution={} ", resolution),
+          {EngineKind::host, {.resolution = resolution, .sampling = Sampling::scanline, .count_blocked = unoccluded}},
+          Sampler::fibonacci, unoccluded ? resolution : 0, 8);
   add("graphics", "resolution=128 ", {EngineKind::graphics, {.resolution = 128}}, Sampler::fibonacci, 0, 8);
   add("exact", "", {EngineKind::exact, {}}, Sampler::fibonacci, 0, 8);
   addRivals(device, scene, options, ladders);

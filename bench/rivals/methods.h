@@ -60,8 +60,8 @@ std::vector<Ladder> makeLadders(const Device& device, const Scene& scene, const 
 // The methods that verifyRivals is about.
 std::vector<std::string> rivalNames();
 
-// The exchange areas and standard errors of all pairs by viewpeel with closed forms, as a reference: as many directions
-// as a time allows; specks in windows.
+// The exchange areas and standard errors of all pairs by viewpeel with unoccluded form factors, as a reference: as many
+// directions as a time allows; specks in windows.
 struct LongRun {
   ExchangeMatrix exchange, standard_errors;
 };

@@ -83,7 +83,7 @@ ReferenceMatrix referenceByLongRun(const Device& device, const Scene& scene, con
     if (!out.flush())
       throw Error(ErrorCode::output, fmt::format("{}: cannot be written; choose another --cache directory", file));
   }
-  reference.source = fmt::format("a run of viewpeel for {:.0f} s with closed forms", reference.seconds);
+  reference.source = fmt::format("a run of viewpeel for {:.0f} s with unoccluded form factors", reference.seconds);
   return reference;
 }
 

@@ -39,8 +39,8 @@ class HostEngine : public Engine {
 
  private:
   struct Worker {
-    Worker(const SweepScene& scene, const LatticeOptions& options, PairTable own)
-        : sweep(scene, options), table(std::move(own)) {}
+    Worker(const SweepScene& scene, const LatticeOptions& options, PairTable counters)
+        : sweep(scene, options), table(std::move(counters)) {}
     Sweep sweep;
     PairTable table;
   };
@@ -145,16 +145,16 @@ std::string HostEngine::describePlan() const {
 
 constexpr size_t kScanlinePolygons = 2400;  // between the office (576), where scanlines take half the time to 1e-4, and
                                             // a room of 9,984, where they take twice as long
-constexpr size_t kScanlinePolygonsByShares =
+constexpr size_t kScanlinePolygonsWithPrior =
     10'000;  // the office refined to 9,280: rms errors less by 5 to 25 % after the same time, the largest a quarter
 constexpr double kScanlineArea =
     1e-10;  // unit-ball units squared: of an id that scanlines in windows still meet often enough (plan.cpp)
 
 }  // namespace
 
-Sampling chooseSampling(const Scene& scene, const Ids& ids, bool takes_shares) {
+Sampling chooseSampling(const Scene& scene, const Ids& ids, bool has_prior) {
   const double least_area = *std::min_element(ids.areas.begin(), ids.areas.end()) / (scene.scale * scene.scale);
-  return scene.polygons.size() <= (takes_shares ? kScanlinePolygonsByShares : kScanlinePolygons) &&
+  return scene.polygons.size() <= (has_prior ? kScanlinePolygonsWithPrior : kScanlinePolygons) &&
                  least_area > kScanlineArea
              ? Sampling::scanline
              : Sampling::lattice;

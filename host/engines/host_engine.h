@@ -20,7 +20,8 @@ std::unique_ptr<Engine> makeHostEngine(const Scene& scene, const Ids& ids, const
 // The samples with which it has the smaller error after the same time (bench/sampling_error): scanlines in scenes of
 // few polygons, lattice points in those of many, whose polygons are so small that a scanline is worth few points; also
 // where polygons are too small for scanlines, which windows can make less fine.
-//   In: takes_shares: of closed forms, by polygon (ShareSums); these need the more lines the smaller polygons are
-Sampling chooseSampling(const Scene& scene, const Ids& ids, bool takes_shares);
+//   In: has_prior: of unoccluded form factors, by polygon (VisibilitySums); these need the more lines the smaller
+//   polygons are
+Sampling chooseSampling(const Scene& scene, const Ids& ids, bool has_prior);
 
 }  // namespace viewpeel

@@ -79,15 +79,15 @@ class GroupedEngine : public Engine {
       for (size_t earlier = 0; earlier <= g; ++earlier)
         for (uint32_t k : groups[earlier].polygons) roles.roles[k] = earlier == g ? kEmits | kReceives : kReceives;
       if (groups.size() == 1) roles.roles.clear();
-      LatticeOptions own = options;
-      own.resolution = part.resolution;
-      own.window = groups[g].window;
+      LatticeOptions part_options = options;
+      part_options.resolution = part.resolution;
+      part_options.window = groups[g].window;
       const size_t index = parts_.size(), all = groups.size();
       if (options.on_batch)
-        own.on_batch = [told = options.on_batch, index, all, this](uint64_t done) {
-          told((index * asked_ + done) / all);
+        part_options.on_batch = [on_batch = options.on_batch, index, all, this](uint64_t done) {
+          on_batch((index * requested_ + done) / all);
         };
-      part.engine = make_engine(scene, roles, own);
+      part.engine = make_engine(scene, roles, part_options);
       finest_ = std::max(finest_, part.resolution);
       parts_.push_back(std::move(part));
     }
@@ -95,7 +95,7 @@ class GroupedEngine : public Engine {
   }
 
   PairCounts count(std::span<const Direction> directions) override {
-    asked_ = directions.size();
+    requested_ = directions.size();
     PairCounts sum;
     for (const Part& part : parts_) {
       PairCounts counts = part.engine->count(directions);
@@ -106,7 +106,7 @@ class GroupedEngine : public Engine {
   }
 
   std::vector<PairCounts> countBlocks(std::span<const Direction> directions, size_t block_directions) override {
-    asked_ = directions.size();
+    requested_ = directions.size();
     std::vector<PairCounts> sums(directions.size() / block_directions);
     for (const Part& part : parts_) {
       std::vector<PairCounts> blocks = part.engine->countBlocks(directions, block_directions);
@@ -127,9 +127,9 @@ class GroupedEngine : public Engine {
   const Work* work() const override {
     work_ = {};
     for (const Part& part : parts_) {
-      const Work* own = part.engine->work();
-      if (!own) return nullptr;
-      addWork(*own, work_);
+      const Work* part_work = part.engine->work();
+      if (!part_work) return nullptr;
+      addWork(*part_work, work_);
     }
     return &work_;
   }
@@ -163,7 +163,7 @@ class GroupedEngine : public Engine {
   }
   std::vector<Part> parts_;
   int finest_ = 1;
-  uint64_t asked_ = 0;
+  uint64_t requested_ = 0;
   mutable Work work_;
 };
 

@@ -287,7 +287,7 @@ void Sweep::sweepRow(int row, std::span<Span> spans, uint64_t weight, PairTable&
 
 template <bool kAllCount, bool kBlocked>
 void Sweep::addGaps(uint64_t weight, PairTable& table) {
-  const auto areAskedFor = [](const Layer& a, const Layer& b) {
+  const auto areRequested = [](const Layer& a, const Layer& b) {
     return kAllCount || ((a.roles & kEmits) && (b.roles & kReceives)) || ((b.roles & kEmits) && (a.roles & kReceives));
   };
   const auto emits = [](const Layer& layer) { return kAllCount || (layer.roles & kEmits); };
@@ -301,7 +301,7 @@ void Sweep::addGaps(uint64_t weight, PairTable& table) {
       ++gaps;
     };
     if (lower_sees && upper_sees) {
-      if (areAskedFor(*lower, *upper)) add(std::min(lower->id, upper->id), std::max(lower->id, upper->id));
+      if (areRequested(*lower, *upper)) add(std::min(lower->id, upper->id), std::max(lower->id, upper->id));
     } else if (scene_.counts_environment && lower_sees && emits(*lower)) {
       add(lower->id, upper ? kLeak : kEnvironment);
     } else if (scene_.counts_environment && upper_sees && emits(*upper)) {
@@ -310,7 +310,7 @@ void Sweep::addGaps(uint64_t weight, PairTable& table) {
     if (kBlocked && lower_sees)
       for (size_t m = k + 1; m < open_.size(); ++m) {
         const Layer& farther = *open_[m].layer;
-        if (farther.sees_down && areAskedFor(*lower, farther))
+        if (farther.sees_down && areRequested(*lower, farther))
           table.addBlocked(std::min(lower->id, farther.id), std::max(lower->id, farther.id), weight);
       }
     lower = upper;

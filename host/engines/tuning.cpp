@@ -36,7 +36,7 @@ Tuning tune(const Device& device, const LatticeOptions& options) {
                 fmt::format("{}: subgroups of {} without shuffle, or not of 8 to 64; use --engine graphics",
                             device.description().name, subgroup.subgroupSize));
   const bool on_cpu = device.properties().deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
-  const auto choose = [](uint32_t asked, uint32_t otherwise) { return asked ? asked : otherwise; };
+  const auto choose = [](uint32_t requested, uint32_t otherwise) { return requested ? requested : otherwise; };
   const uint32_t subgroup_size = subgroup.subgroupSize, layers_kept = choose(options.layers_kept, 4),
                  most_blocks = choose(options.most_blocks, on_cpu ? 1000 : 1u << 30);
   // Every row of a tile is cut from the tile's whole list with scanlines: there smaller tiles are faster.

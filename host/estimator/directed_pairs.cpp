@@ -12,7 +12,7 @@
 #include "engines/lattice.h"
 #include "engines/size_groups.h"
 #include "estimator/estimate.h"
-#include "estimator/visible_share.h"
+#include "estimator/find_prior.h"
 #include "hash.h"
 #include "sums/add_pairs.h"
 #include "sums/pair_count.h"
@@ -28,8 +28,8 @@ constexpr double kPolygonCost = 100, kDirectedPolygonCost = 30;  // of projectin
 constexpr double kPointCost = 4;                                 // with what is blocked
 constexpr double kDirectionCost = 2000, kEngineCost = 2e7;
 constexpr double kDearest = 8;  // most directions of a pair, in those that all pairs have in common
-constexpr double kFewMet =
-    3;  // directions that meet a pair tell little of its share; none of so many meets it in e^-3 = 5 % of cases
+constexpr double kFewDirections =
+    3;  // directions that meet a pair tell little of its visibility; none of so many meets it in e^-3 = 5 % of cases
 constexpr int64_t kMostOnTrust = 8;                       // pairs
 constexpr size_t kMostDirected = 256, kMostEngines = 32;  // each engine takes memory and compiles its kernels
 constexpr double kWorthIt = 0.8;                          // of the work without them
@@ -62,11 +62,11 @@ struct PredictedError {
   double variance = 0;  // of one replicate
   double line = 0;      // one line's in one replicate
   double most = INFINITY, area = 0, directions = 0;
-  bool is_told = false;  // by a line
+  bool has_variance = false;  // by a line
 
   double after(double replicates) const {
     double floor = line / replicates;
-    if (!is_told && most < INFINITY)
+    if (!has_variance && most < INFINITY)
       floor = std::max(floor, most * std::exp(-replicates * directions * most / (2 * area)));
     return std::min(most, std::sqrt(variance / replicates + floor * floor));
   }
@@ -75,23 +75,24 @@ struct PredictedError {
 // Variances of one pilot's exchange area, for pairs in order.
 class PilotVariances {
  public:
-  // Each half of the pilots is taken with the shares that the other half tells, so that those which few lines told do
-  // not look better than they are.
-  PilotVariances(const Ids& ids, const KnownShares& known, const CommonPilots& pilots) {
+  // Each half of the pilots is taken with the visibilities that the other half tells, so that those which few lines
+  // told do not look better than they are.
+  PilotVariances(const Ids& ids, const Prior& prior, const CommonPilots& pilots) {
     const size_t half = pilots.counts.size() / 2;
     for (const bool second : {false, true}) {
       PairCounts others;
       for (size_t k = 0; k < half; ++k) others = addCounts(others, pilots.counts[second ? k : half + k]);
-      const std::vector<PairShare> told = fitShares(others);
-      std::vector<PairShare> shares;
-      auto at = told.begin();
-      for (const KnownPair& pair : known.pairs) {
-        while (at != told.end() && keyOf(*at) < keyOf(pair)) ++at;
-        if (pair.share == kShareOne) shares.push_back({pair.i, pair.j, kShareOne});
-        else if (pair.share && at != told.end() && keyOf(*at) == keyOf(pair)) shares.push_back(*at);
+      const std::vector<PairVisibility> fitted = fitVisibilities(others);
+      std::vector<PairVisibility> visibilities;
+      auto at = fitted.begin();
+      for (const PairPrior& pair : prior.pairs) {
+        while (at != fitted.end() && keyOf(*at) < keyOf(pair)) ++at;
+        if (pair.visibility == kVisibilityOne) visibilities.push_back({pair.i, pair.j, kVisibilityOne});
+        else if (pair.visibility && at != fitted.end() && keyOf(*at) == keyOf(pair)) visibilities.push_back(*at);
       }
-      ControlSums sums(ids);
-      for (size_t k = 0; k < half; ++k) sums.add(takeShares(pilots.counts[second ? half + k : k], shares, known.lines));
+      ControlVariateSums sums(ids);
+      for (size_t k = 0; k < half; ++k)
+        sums.add(takeControlVariates(pilots.counts[second ? half + k : k], visibilities, prior.lines));
       sums.forEachVariance(pilots.count_area / pilots.directions, [&](uint32_t i, uint32_t j, double variance) {
         of_half_[second].push_back({{i, j}, variance});
       });
@@ -100,15 +101,15 @@ class PilotVariances {
   // In rising order of pairs; nothing where no line told.
   std::optional<double> of(Key pair) {
     double sum = 0;
-    bool is_told = false;
+    bool has_variance = false;
     for (int half = 0; half < 2; ++half) {
       size_t& at = at_[half];
       while (at < of_half_[half].size() && of_half_[half][at].first < pair) ++at;
       if (at == of_half_[half].size() || of_half_[half][at].first != pair) continue;
-      is_told = true;
+      has_variance = true;
       sum += of_half_[half][at].second / 2;
     }
-    return is_told ? std::optional(sum) : std::nullopt;
+    return has_variance ? std::optional(sum) : std::nullopt;
   }
 
  private:
@@ -117,36 +118,38 @@ class PilotVariances {
 };
 
 // Sorted, those that need most replicates first.
-std::vector<Need> findNeeds(const Ids& ids, const KnownShares& known, const CommonPilots& pilots,
+std::vector<Need> findNeeds(const Ids& ids, const Prior& prior, const CommonPilots& pilots,
                             const EstimateOptions& options) {
   PairCounts all;
   for (const PairCounts& counts : pilots.counts) all = addCounts(all, counts);
   std::vector<bool> is_blocked(ids.count(), false);
   for (const PairCount& count : all)
     if (count.j < kEnvironment && count.blocked) is_blocked[count.i] = is_blocked[count.j] = true;
-  PilotVariances variances(ids, known, pilots);
+  PilotVariances variances(ids, prior, pilots);
   const double pilot_count = double(pilots.counts.size()), directions = options.directions,
                line = 2 * pilots.count_area / directions;
   std::vector<Need> needs;
-  const auto look = [&](Key pair, const KnownPair* of_known, uint64_t count) {
+  const auto look = [&](Key pair, const PairPrior* pair_prior, uint64_t count) {
     const double area = smallerArea(ids, pair);
     PredictedError error{0, line, INFINITY, area, directions};
     const bool is_pair = pair.second < kEnvironment;
     error.line *=
-        double(is_pair ? std::min(known.lines[pair.first], known.lines[pair.second]) : known.lines[pair.first]);
-    if (of_known && is_pair && of_known->exchange < INFINITY) error.most = std::min(of_known->exchange, area);
+        double(is_pair ? std::min(prior.lines[pair.first], prior.lines[pair.second]) : prior.lines[pair.first]);
+    if (pair_prior && is_pair && pair_prior->exchange < INFINITY) error.most = std::min(pair_prior->exchange, area);
     const std::optional<double> variance = variances.of(pair);
     // Of one replicate, whose directions are those of all pilots.
     error.variance = variance.value_or(0) * pilots.directions / directions;
-    error.is_told = variance.has_value();
+    error.has_variance = variance.has_value();
     const bool may_direct = is_pair && error.most < INFINITY;
     double exchange = 2 * double(count) * pilots.count_area / (pilots.directions * pilot_count);
-    if (may_direct) exchange = std::max(exchange, error.most * of_known->share / kShareOne);
+    if (may_direct) exchange = std::max(exchange, error.most * pair_prior->visibility / kVisibilityOne);
     PredictedError unsure = error;
-    // Few directions that agree do not tell. Of those that meet a pair, `met` at least, half may see it.
-    if (const double met = directions * error.most / (2 * area);
-        may_direct && met < kFewMet && error.most * error.most / (4 * met) > error.variance) {
-      unsure.variance = error.most * error.most / (4 * met);
+    // Few directions that agree do not tell. Of those that meet a pair, `expected_directions` at least, half may see
+    // it.
+    if (const double expected_directions = directions * error.most / (2 * area);
+        may_direct && expected_directions < kFewDirections &&
+        error.most * error.most / (4 * expected_directions) > error.variance) {
+      unsure.variance = error.most * error.most / (4 * expected_directions);
       exchange = std::max(exchange, error.most / 2);
     }
     const double allowed = allowedError(options, area, exchange);
@@ -158,16 +161,16 @@ std::vector<Need> findNeeds(const Ids& ids, const KnownShares& known, const Comm
     needs.push_back({pair, replicates, allowed, error.most, may_direct, on_trust});
   };
   auto count = all.begin();
-  auto at = known.pairs.begin();
-  while (count != all.end() || at != known.pairs.end()) {
+  auto at = prior.pairs.begin();
+  while (count != all.end() || at != prior.pairs.end()) {
     const Key key = count == all.end()        ? keyOf(*at)
-                    : at == known.pairs.end() ? keyOf(*count)
+                    : at == prior.pairs.end() ? keyOf(*count)
                                               : std::min(keyOf(*at), keyOf(*count));
     const bool is_counted = count != all.end() && keyOf(*count) == key,
-               is_known = at != known.pairs.end() && keyOf(*at) == key;
-    if (key.first != key.second) look(key, is_known ? &*at : nullptr, is_counted ? count->count : 0);
+               has_prior = at != prior.pairs.end() && keyOf(*at) == key;
+    if (key.first != key.second) look(key, has_prior ? &*at : nullptr, is_counted ? count->count : 0);
     if (is_counted) ++count;
-    if (is_known) ++at;
+    if (has_prior) ++at;
   }
   // What is only unlikely is looked into where that costs little.
   if (std::count_if(needs.begin(), needs.end(), [](const Need& need) { return need.on_trust; }) > kMostOnTrust)
@@ -181,13 +184,13 @@ std::vector<Need> findNeeds(const Ids& ids, const KnownShares& known, const Comm
 // The work of runs in which the first of `needs` have directions of their own.
 class RunWork {
  public:
-  RunWork(const PairSampler& sampler, const std::vector<Need>& needs, const Ids& ids, const KnownShares& known,
+  RunWork(const PairSampler& sampler, const std::vector<Need>& needs, const Ids& ids, const Prior& prior,
           const CommonPilots& pilots, const EstimateOptions& options)
       : sampler_(sampler), needs_(needs), options_(options) {
     const double polygons = double(ids.of_polygon.size());
     double points = 0;  // that faces are counted at along a direction, half of their areas being their mean projection
     for (uint32_t k = 0; k < ids.count(); ++k)
-      points += ids.areas[k] / (2 * pilots.count_area * double(known.lines[k]));
+      points += ids.areas[k] / (2 * pilots.count_area * double(prior.lines[k]));
     common_ = kDirectionCost + kPolygonCost * polygons + kPointCost * points;
     directed_ = kDirectionCost + kDirectedPolygonCost * polygons + kPointCost * kEmitterSpacings * kEmitterSpacings;
   }
@@ -235,25 +238,25 @@ DirectedPair fit(PairSampler& sampler, const Ids& ids, const Need& need, Directe
     PairCounts& half = halves[2 * k / kPilots];
     half = addCounts(half, counts.back());
   }
-  const auto shareOf = [](const PairCounts& told) {
-    const std::vector<PairShare> shares = fitShares(told);
-    return shares.empty() ? 0 : shares[0].share;
+  const auto visibilityOf = [](const PairCounts& fitted) {
+    const std::vector<PairVisibility> visibilities = fitVisibilities(fitted);
+    return visibilities.empty() ? 0 : visibilities[0].visibility;
   };
-  // Each half with the share that the other half tells, or none.
-  const auto errorWith = [&](bool has_share) {
+  // Each half with the visibility that the other half tells, or none.
+  const auto errorWith = [&](bool has_visibility) {
     double squares = 0;
     for (const bool second : {false, true}) {
-      pair.share = has_share ? shareOf(halves[!second]) : 0;
-      ControlSums sums(ids);
+      pair.visibility = has_visibility ? visibilityOf(halves[!second]) : 0;
+      ControlVariateSums sums(ids);
       for (uint32_t k = 0; k < kPilots / 2; ++k)
-        sums.add(takeDirectedShares(counts[(second ? kPilots / 2 : 0) + k], std::vector{pair}));
-      const KnownExchange known{pair.i, pair.j, need.most * pair.share / kShareOne, need.most, pair.line};
-      squares += std::pow(sums.exchangeArea(pair.measure_area, known, pair.count_area).standard_error / 2, 2);
+        sums.add(takeDirectedControlVariates(counts[(second ? kPilots / 2 : 0) + k], std::vector{pair}));
+      const PriorExchange prior{pair.i, pair.j, need.most * pair.visibility / kVisibilityOne, need.most, pair.line};
+      squares += std::pow(sums.exchangeArea(pair.measure_area, prior, pair.count_area).standard_error / 2, 2);
     }
     return std::sqrt(squares);
   };
   const double without = errorWith(false), with = errorWith(true);
-  pair.share = with <= without ? shareOf(addCounts(halves[0], halves[1])) : 0;
+  pair.visibility = with <= without ? visibilityOf(addCounts(halves[0], halves[1])) : 0;
   // To half of what is allowed, for errors of pilots are not those of the run; and no direction is worth more than
   // that.
   const double goal = need.allowed / 2;
@@ -287,7 +290,7 @@ const DirectionRegion& PairSampler::regionOf(Key pair) {
 }
 
 DirectedPair PairSampler::direct(uint32_t i, uint32_t j, uint32_t directions) {
-  if (scene_.coincidences.alike_untold > 0 || regionOf({i, j}).isEmpty()) return {i, j};
+  if (scene_.coincidences.alike_unordered > 0 || regionOf({i, j}).isEmpty()) return {i, j};
   const std::vector<uint32_t>& emitter = polygons_[emitterOf(i, j)];
   double area = 0;
   for (uint32_t k : emitter) area += scene_.polygons[k].area;
@@ -314,11 +317,11 @@ void PairSampler::prepare(std::span<DirectedPair> pairs) {
     part.engine.reset();
     part.partners = std::move(all);
     part.ids = idsOf(key.first, part.partners);
-    LatticeOptions own = lattice_;
-    own.resolution = static_cast<int>(key.second);
-    own.window = windowAround(scene_, polygons_[key.first]);
-    own.count_blocked = true;
-    part.engine = make_engine_(scene_, part.ids, own);
+    LatticeOptions pair_lattice = lattice_;
+    pair_lattice.resolution = static_cast<int>(key.second);
+    pair_lattice.window = windowAround(scene_, polygons_[key.first]);
+    pair_lattice.count_blocked = true;
+    part.engine = make_engine_(scene_, part.ids, pair_lattice);
   }
   for (DirectedPair& pair : pairs) {
     const Engine& engine = *parts_.at(partKey(pair)).engine;
@@ -338,8 +341,8 @@ Ids PairSampler::idsOf(uint32_t emitter, const std::vector<uint32_t>& partners) 
   const auto rest = static_cast<uint32_t>(partners.size() + 1);
   ids.of_polygon.assign(scene_.polygons.size(), rest);
   ids.roles.assign(scene_.polygons.size(), 0);
-  ids.asked.assign(rest + 1, true);
-  ids.asked.back() = false;
+  ids.requested.assign(rest + 1, true);
+  ids.requested.back() = false;
   const auto give = [&](uint32_t face, uint32_t id, uint32_t role) {
     for (uint32_t k : polygons_[face]) ids.of_polygon[k] = id, ids.roles[k] = role;
     ids.names.push_back(face_ids_.names[face]);
@@ -379,10 +382,10 @@ PairCounts PairSampler::count(std::span<const DirectedPair> pairs, uint64_t repl
   return counts;
 }
 
-std::vector<DirectedPair> chooseDirectedPairs(PairSampler& sampler, const Ids& face_ids, const KnownShares& known,
+std::vector<DirectedPair> chooseDirectedPairs(PairSampler& sampler, const Ids& face_ids, const Prior& prior,
                                               const CommonPilots& pilots, const EstimateOptions& options) {
   if (!options.tolerance && !options.relative) return {};
-  const std::vector<Need> needs = findNeeds(face_ids, known, pilots, options);
+  const std::vector<Need> needs = findNeeds(face_ids, prior, pilots, options);
   std::vector<DirectedPair> tried;
   for (const Need& need : needs) {
     if (!need.may_direct || tried.size() == kMostDirected) break;
@@ -393,7 +396,7 @@ std::vector<DirectedPair> chooseDirectedPairs(PairSampler& sampler, const Ids& f
     tried.pop_back();
     break;
   }
-  const RunWork work(sampler, needs, face_ids, known, pilots, options);
+  const RunWork work(sampler, needs, face_ids, prior, pilots, options);
   tried = work.keepLeast(tried);
   sampler.prepare(tried);
   for (size_t k = 0; k < tried.size(); ++k) {

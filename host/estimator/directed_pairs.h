@@ -5,7 +5,7 @@
 // directions uniform in W, on a lattice of spacing h,
 //   C_ij = E[A'_ij(u)] = |W| / (2 pi) E[A'_ij(u) | u in W],
 // so that a point counted stands for h^2 |W| / (2 pi M), blocked points as well: V - b (V + O - F0_ij)
-// (visible_share.h) is unbiased, whatever W, M, h and b are, as long as they are fixed beforehand. They are: which
+// (find_prior.h) is unbiased, whatever W, M, h and b are, as long as they are fixed beforehand. They are: which
 // pairs have directions of their own, how many, and their b come from pilots, whose random numbers are none of the
 // run's. In the run the form factor of such a pair is made of its own directions alone, in every replicate, and that of
 // every other pair of common directions alone: no rule looks at what it then sums. A weighted mean of both would be
@@ -21,10 +21,10 @@
 #include <span>
 #include <vector>
 
-#include "directions/asked_directions.h"
+#include "directions/drawn_directions.h"
 #include <viewpeel/engine.h>
 #include "engines/lattice_options.h"
-#include "sums/visible_sums.h"
+#include "sums/prior_sums.h"
 
 namespace viewpeel {
 
@@ -42,7 +42,7 @@ class PairSampler {
 
   // The pair with so many directions a replicate, and a lattice of 16 spacings in the root of the emitter's area; 0
   // directions where no line can tell of it, or where directions decide which of two coincident polygons a line meets
-  // first (Coincidences::alike_untold): those of a pair have no opposite ones to make up for it.
+  // first (Coincidences::alike_unordered): those of a pair have no opposite ones to make up for it.
   DirectedPair direct(uint32_t i, uint32_t j, uint32_t directions);
   // Makes what engines are missing, for all these pairs at once, and sets what a count of each stands for.
   void prepare(std::span<DirectedPair> pairs);
@@ -79,7 +79,7 @@ class PairSampler {
 // What is known of common directions before the run.
 struct CommonPilots {
   const std::vector<PairCounts>&
-      counts;               // of each, with rows; half of them and the other half tell shares for each other
+      counts;               // of each, with rows; half of them and the other half tell visibilities for each other
   uint32_t directions = 0;  // of each
   double count_area = 0;    // input units squared of one count along its direction
 };
@@ -87,10 +87,10 @@ struct CommonPilots {
 // The pairs that keep a run from its goal, if directions of their own bring it there sooner.
 //   A replicate of N common directions leaves a pair with a variance v, and one line with l, so that R replicates have
 //   the error min(most, sqrt(v / R + (l / R)^2)); where no line told, l / R is not less than an unmet pair's error
-//   (ControlSums). Of a pair that few directions meet, N F0 / 2 < 3, half of these may see it, whatever pilots saw: v
-//   is not less than F0^2 / (4 N F0 / 2). That is looked into also where no polygon of the pair was seen blocked, if it
-//   concerns 8 pairs at most. Sorted by the replicates R_k that each needs, the first k get directions of their own,
-//   such that
+//   (ControlVariateSums). Of a pair that few directions meet, N F0 / 2 < 3, half of these may see it, whatever pilots
+//   saw: v is not less than F0^2 / (4 N F0 / 2). That is looked into also where no polygon of the pair was seen
+//   blocked, if it concerns 8 pairs at most. Sorted by the replicates R_k that each needs, the first k get directions
+//   of their own, such that
 //     max(R_0, R_k) (N w + sum M w') + engines + pilots
 //   is least, w and w' being the work of a direction of either kind by numbers of polygons and lattice points, and R_0
 //   the replicates asked for. M is what brings a pair below half of the goal in R_0 replicates, by pilots of its own.
@@ -98,7 +98,7 @@ struct CommonPilots {
 //   Out: sorted; none without a goal, and where that would save less than a fifth of the work. A function of counts and
 //   options alone, not of time: parts of a run choose alike.
 //   Cost: O(known pairs log) and 128 directions for each pair tried.
-std::vector<DirectedPair> chooseDirectedPairs(PairSampler& sampler, const Ids& face_ids, const KnownShares& known,
+std::vector<DirectedPair> chooseDirectedPairs(PairSampler& sampler, const Ids& face_ids, const Prior& prior,
                                               const CommonPilots& pilots, const EstimateOptions& options);
 
 }  // namespace viewpeel

@@ -24,20 +24,21 @@ Estimate makeEstimate(const RunSums& sums, double relative_floor, FormFactors al
                     sums.replicateCount(),     sums.directions,
                     largestStandardError(all), largestRelativeError(all, relative_floor)};
   const std::vector<double> areas = all.ids().areas;
-  const std::vector<ShareSums::PairSum> no_sums;
+  const std::vector<VisibilitySums::PairSum> no_sums;
   const std::vector<DirectedPair> no_pairs;
-  const bool by_face = sums.visible && sums.visible->by() == By::polygon;
-  const auto& told = by_face ? sums.visible->byFace().pairs() : no_sums;
-  const auto& directed = by_face ? sums.visible->known().directed : no_pairs;
-  auto at = told.begin();
-  auto own = directed.begin();
+  const bool by_face = sums.prior_sums && sums.prior_sums->by() == By::polygon;
+  const auto& counted = by_face ? sums.prior_sums->byFace().pairs() : no_sums;
+  const auto& directed = by_face ? sums.prior_sums->prior().directed : no_pairs;
+  auto at = counted.begin();
+  auto next_directed = directed.begin();
   const auto isAmong = [](const auto& pairs, auto& next, const FormFactors::Entry& entry) {
     while (next != pairs.end() && keyOf(*next) < keyOf(entry)) ++next;
     return next != pairs.end() && keyOf(*next) == keyOf(entry);
   };
   for (const FormFactors::Entry& entry : all.entries()) {
     if (entry.j >= kEnvironment) continue;
-    const bool is_unmet = by_face && entry.i != entry.j && !isAmong(told, at, entry) && !isAmong(directed, own, entry);
+    const bool is_unmet =
+        by_face && entry.i != entry.j && !isAmong(counted, at, entry) && !isAmong(directed, next_directed, entry);
     if (!is_unmet && entry.exchange_area.value > 0) continue;
     const double error = entry.exchange_area.standard_error / std::min(areas[entry.i], areas[entry.j]);
     uint64_t& pairs = is_unmet ? estimate.unmet_pairs : estimate.unseen_pairs;
@@ -46,17 +47,17 @@ Estimate makeEstimate(const RunSums& sums, double relative_floor, FormFactors al
     largest = std::max(largest, error);
   }
   estimate.form_factors = keepSeen(std::move(all));
-  if (sums.visible) {
-    const std::vector<DirectedPair>& directed_pairs = sums.visible->known().directed;
+  if (sums.prior_sums) {
+    const std::vector<DirectedPair>& directed_pairs = sums.prior_sums->prior().directed;
     estimate.directed_pairs = directed_pairs.size();
     for (const DirectedPair& pair : directed_pairs)
       estimate.directed_directions += pair.directions * sums.replicateCount();
   }
-  // With all closed forms what is no entry sees nothing of the other, whatever is between them.
-  const auto isSampledAlone = [](const KnownPair& pair) { return pair.j < kEnvironment && std::isinf(pair.exchange); };
+  // With all unoccluded form factors what is no entry sees nothing of the other, whatever is between them.
+  const auto isSampledAlone = [](const PairPrior& pair) { return pair.j < kEnvironment && std::isinf(pair.exchange); };
   const bool knows_all =
-      sums.visible && sums.visible->known().has_all_pairs &&
-      std::none_of(sums.visible->known().pairs.begin(), sums.visible->known().pairs.end(), isSampledAlone);
+      sums.prior_sums && sums.prior_sums->prior().has_all_pairs &&
+      std::none_of(sums.prior_sums->prior().pairs.begin(), sums.prior_sums->prior().pairs.end(), isSampledAlone);
   if (!knows_all && !std::isinf(sums.countArea()))
     estimate.unmet_bound =
         unmetBound(*std::min_element(areas.begin(), areas.end()), sums.countArea(), double(sums.directions));

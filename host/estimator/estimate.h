@@ -5,7 +5,7 @@
 
 #include <viewpeel/result.h>
 
-#include "directions/asked_directions.h"
+#include "directions/drawn_directions.h"
 #include "directions/sampler.h"
 #include <viewpeel/engine.h>
 #include "sums/run_sums.h"
@@ -39,14 +39,14 @@ struct EstimateOptions {
   std::optional<double> seconds;
   uint64_t seed = 1;
   // Draws the `count` directions of a replicate in place of the sampler. If it draws none, every form factor is 0.
-  std::function<AskedDirections(uint32_t count, uint64_t replicate)> asked_directions;
+  std::function<DrawnDirections(uint32_t count, uint64_t replicate)> drawn_directions;
   uint64_t first_replicate = 0;
   // Sums to continue from, which count towards `replicates`: those of first_replicate and its successors, of the same
   // scene, ids and options. May be nullptr.
   const RunSums* resumed = nullptr;
-  // The prior (visible_share.h). It needs an engine and ids by face; goals and result are those of `by`. May be
+  // The prior (find_prior.h). It needs an engine and ids by face; goals and result are those of `by`. May be
   // nullptr.
-  const KnownShares* known = nullptr;
+  const Prior* prior = nullptr;
   // Computes unoccluded form factors of pairs outside the prior; nullptr: such pairs are counted.
   FaceExchanges* exchanges = nullptr;
   By by = By::polygon;  // of the result, and of the goals
@@ -62,16 +62,16 @@ struct EstimateOptions {
 // Without entries of 0.
 FormFactors keepSeen(FormFactors form_factors);
 
-// Makes the estimate of all replicates counted.    In: row: as in VisibleSums    Cost: O(nonzeros).
+// Makes the estimate of all replicates counted.    In: row: as in PriorSums    Cost: O(nonzeros).
 Estimate makeEstimate(const RunSums& sums, double relative_floor, const ExchangeRow& row = {});
 // The same from form factors that sums.formFactors(row) has made already.
 Estimate makeEstimate(const RunSums& sums, double relative_floor, FormFactors all);
 
 // Computes F_ij = (2 / A_i) E[A'_ij(u)] for all pairs (Pellegrini 1997, sections 4.3 and 5.1).
 //   In: scene and ids as the engine was made with
-//   Error: unbiased at any spacing and number of directions, but for closed forms by polygon: share_sums.h bounds their
-//   small bias, and pairs that no
-//     line met are guessed from their neighbours (neighbour_shares.h). The standard error is that of independent
+//   Error: unbiased at any spacing and number of directions, but for unoccluded form factors by polygon:
+//   visibility_sums.h bounds their small bias, and pairs that no
+//     line met are guessed from their neighbours (neighbour_visibility.h). The standard error is that of independent
 //     replicates, or of the guess. Tests: tests/laws/closed_form_test.cpp.
 //   Throws: what the engine and callbacks throw, but for Interrupted; Error bad_usage for zero directions, fewer than 2
 //   replicates, a goal that is not positive, or directed pairs

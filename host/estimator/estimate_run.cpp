@@ -20,8 +20,8 @@ void requireSoundOptions(const EstimateOptions& options) {
 RunSums sumsToBeginWith(const Scene& scene, const Ids& ids, const EstimateOptions& options) {
   requireSoundOptions(options);
   RunSums sums = makeRunSums(scene, ids);
-  if (options.known && !options.resumed)
-    sums.visible.emplace(sums.by_id.ids(), sums.by_surface.ids(), options.by, *options.known);
+  if (options.prior && !options.resumed)
+    sums.prior_sums.emplace(sums.by_id.ids(), sums.by_surface.ids(), options.by, *options.prior);
   return sums;
 }
 
@@ -33,12 +33,13 @@ EstimateRun::EstimateRun(Engine& engine, const Scene& scene, const Ids& ids, Est
       count_area_(engine.unitArea() * scene.scale * scene.scale / options_.directions),
       sums_(sumsToBeginWith(scene, ids, options_)) {
   const RunSums& begun = options_.resumed ? *options_.resumed : sums_;
-  if (begun.visible) directed_ = begun.visible->known().directed;
+  if (begun.prior_sums) directed_ = begun.prior_sums->prior().directed;
   if (!directed_.empty() && !options_.pairs)
     throw Error(ErrorCode::bad_usage,
                 "some pairs have directions of their own, and nothing to count them with; give EstimateOptions::pairs");
   if (!directed_.empty()) options_.pairs->prepare(directed_);
-  if (begun.visible && options_.exchanges && !begun.visible->known().has_all_pairs) row_ = options_.exchanges->rows();
+  if (begun.prior_sums && options_.exchanges && !begun.prior_sums->prior().has_all_pairs)
+    row_ = options_.exchanges->rows();
   if (options_.resumed) resume();
   start_ = Clock::now();
 }
@@ -65,9 +66,9 @@ void EstimateRun::measureErrors() {
   found_.reset();
   if (!(options_.tolerance || options_.relative) || sums_.replicateCount() < options_.replicates)
     return;  // nobody asks
-  if (sums_.visible) {
+  if (sums_.prior_sums) {
     // Rows of all pairs take seconds, and mostly it is one of those known for which there have to be more replicates.
-    if (row_ && !measure(sums_.knownFormFactors())) return;
+    if (row_ && !measure(sums_.priorFormFactors())) return;
     FormFactors all = sums_.formFactors(row_);
     if (measure(all)) found_ = std::move(all);
     return;
@@ -87,21 +88,21 @@ bool EstimateRun::isDone() const {
   return done >= options_.replicates && isReached() && !(options_.seconds && !options_.tolerance && !options_.relative);
 }
 
-AskedDirections EstimateRun::directionsOf(uint64_t replicate) const {
-  AskedDirections asked =
-      options_.asked_directions
-          ? options_.asked_directions(options_.directions, replicate)
-          : AskedDirections{sampleDirections(options_.sampler, options_.directions, options_.seed, replicate), {}, 1};
-  for (size_t k = 0; k < asked.weights.size(); ++k) asked.directions[k].weight = asked.weights[k];
-  return asked;
+DrawnDirections EstimateRun::directionsOf(uint64_t replicate) const {
+  DrawnDirections drawn =
+      options_.drawn_directions
+          ? options_.drawn_directions(options_.directions, replicate)
+          : DrawnDirections{sampleDirections(options_.sampler, options_.directions, options_.seed, replicate), {}, 1};
+  for (size_t k = 0; k < drawn.weights.size(); ++k) drawn.directions[k].weight = drawn.weights[k];
+  return drawn;
 }
 
 void EstimateRun::step() {
   const uint64_t replicate = options_.first_replicate + sums_.replicateCount();
-  const AskedDirections asked = directionsOf(replicate);
-  if (sums_.replicateCount() == 0) sums_.measure_area = count_area_ * asked.weight_unit;
+  const DrawnDirections drawn = directionsOf(replicate);
+  if (sums_.replicateCount() == 0) sums_.measure_area = count_area_ * drawn.weight_unit;
   const PairCounts of_directed = directed_.empty() ? PairCounts{} : options_.pairs->count(directed_, replicate);
-  sums_.add(replicate, asked.directions.empty() ? PairCounts{} : engine_.count(asked.directions), options_.directions,
+  sums_.add(replicate, drawn.directions.empty() ? PairCounts{} : engine_.count(drawn.directions), options_.directions,
             of_directed);
   if (options_.exchanges) options_.exchanges->learn(sums_);
   measureErrors();

@@ -32,14 +32,14 @@ class EstimateRun {
   bool measure(const FormFactors& so_far);
   void resume();
   void measureErrors();
-  AskedDirections directionsOf(uint64_t replicate) const;
+  DrawnDirections directionsOf(uint64_t replicate) const;
 
   Engine& engine_;
   EstimateOptions options_;
   double count_area_;
   RunSums sums_;
   std::vector<DirectedPair> directed_;
-  ExchangeRow row_;  // closed forms of pairs that are not known
+  ExchangeRow row_;  // unoccluded form factors of pairs that are not known
   double largest_error_ = INFINITY, largest_relative_error_ = INFINITY;
   std::optional<FormFactors> found_;  // where the goal is reached
   uint64_t resumed_count_ = 0;

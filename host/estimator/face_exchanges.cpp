@@ -17,7 +17,7 @@ FaceExchanges::FaceExchanges(const Device* device, const Scene& scene, const Ids
   for (uint32_t k = 0; k < ids.of_polygon.size(); ++k) polygons_[ids.of_polygon[k]].push_back(k);
 }
 
-uint64_t FaceExchanges::compute(std::span<KnownPair> pairs) {
+uint64_t FaceExchanges::compute(std::span<PairPrior> pairs) {
   uint64_t unreached = 0;
   for (size_t first = 0; first < pairs.size(); first += kChunk) {
     if (on_chunk_) on_chunk_();
@@ -27,12 +27,12 @@ uint64_t FaceExchanges::compute(std::span<KnownPair> pairs) {
 }
 
 void FaceExchanges::learn(RunSums& sums) {
-  if (!sums.visible) return;
-  std::vector<KnownPair> met = sums.visible->unknownPairs(hasRows() ? kLinesToLearn : kLinesToShare);
-  compute(met);
-  for (KnownPair& pair : met)
+  if (!sums.prior_sums) return;
+  std::vector<PairPrior> found = sums.prior_sums->pairsOutsidePrior(hasRows() ? kLinesToLearn : kLinesForVisibility);
+  compute(found);
+  for (PairPrior& pair : found)
     if (pair.exchange == 0) pair.exchange = INFINITY;  // one lies in the other's plane but for rounding
-  sums.visible->learn(met);
+  sums.prior_sums->learn(found);
 }
 
 bool FaceExchanges::hasRows() const { return pairCount(ids_.count()) <= kMostRowPairs; }
@@ -43,11 +43,11 @@ ExchangeRow FaceExchanges::rows() {
   return [this](uint32_t i, std::span<BoundedExchange> later) { row_exchange_->compute(i, later); };
 }
 
-uint64_t FaceExchanges::computeChunk(std::span<KnownPair> pairs) {
+uint64_t FaceExchanges::computeChunk(std::span<PairPrior> pairs) {
   std::vector<SidePair> sides;
-  std::vector<uint32_t> known_pair;  // of each of `sides`
+  std::vector<uint32_t> prior_of_side;  // of each of `sides`
   for (uint32_t s = 0; s < pairs.size(); ++s) {
-    KnownPair& pair = pairs[s];
+    PairPrior& pair = pairs[s];
     if (pair.j >= kEnvironment) {
       pair.exchange = ids_.areas[pair.i];
       continue;
@@ -57,7 +57,7 @@ uint64_t FaceExchanges::computeChunk(std::span<KnownPair> pairs) {
       for (uint32_t q : polygons_[pair.j])
         for (uint32_t side = 0; side < (ids_.two_sided ? 4u : 1u); ++side) {
           sides.push_back({frontSide(p) + side % 2, frontSide(q) + side / 2});
-          known_pair.push_back(s);
+          prior_of_side.push_back(s);
         }
   }
   if (sides.empty()) return 0;
@@ -66,10 +66,10 @@ uint64_t FaceExchanges::computeChunk(std::span<KnownPair> pairs) {
         device_ ? std::make_unique<UnoccludedExchange>(*device_, scene_) : std::make_unique<UnoccludedExchange>(scene_);
   std::vector<double> areas(sides.size());
   const std::vector<UnreachedPair> unreached = exchange_->compute(sides, areas);
-  for (size_t k = 0; k < sides.size(); ++k) pairs[known_pair[k]].exchange += areas[k] * scene_.scale * scene_.scale;
+  for (size_t k = 0; k < sides.size(); ++k) pairs[prior_of_side[k]].exchange += areas[k] * scene_.scale * scene_.scale;
   uint64_t count = 0;
   for (const UnreachedPair& side : unreached) {
-    KnownPair& pair = pairs[known_pair[side.pair]];
+    PairPrior& pair = pairs[prior_of_side[side.pair]];
     count += pair.exchange < INFINITY;
     pair = {pair.i, pair.j, 0, 0, INFINITY};
   }

@@ -13,7 +13,7 @@
 //     It is looked at after set numbers of blocks, the k-th time with p = delta / (2 k (k + 1) m): all those p of all m
 //     bounds together are delta / 2. Blocks of one direction in each of B strata have a V that is far smaller than that
 //     of B independent directions.
-//   With closed forms the mean is that of V - b (V + O - F0), whose bounds are in share_bounds.h.
+//   With unoccluded form factors the mean is that of V - b (V + O - F0), whose bounds are in visibility_bounds.h.
 //   The run ends when one of the two is at most epsilon for everything; either way the error exceeds epsilon with
 //   probability at most delta. Snapping moves corners by at most s = 2^-10 of a spacing h along each axis, to either
 //   side alike. An area is linear in each of its corners, so that what is left in the mean are products of two corners'
@@ -29,7 +29,7 @@
 #include "engines/lattice_options.h"
 #include "estimator/estimate.h"
 #include "estimator/plan.h"
-#include "estimator/share_bounds.h"
+#include "estimator/visibility_bounds.h"
 #include "vulkan/device.h"
 
 namespace viewpeel {
@@ -47,9 +47,9 @@ struct GuaranteeOptions {
   uint64_t seed = 1;
   double range = 0;               // that lattices are made for; 0 chooses
   uint32_t block_directions = 0;  // 0 chooses
-  bool closed_forms =
-      false;  // ids are then by face, all pairs of them few enough (kMostKnownPairs), and engines count blocked pairs
-  const Device* device = nullptr;                          // that computes closed forms; none: the processor
+  bool unoccluded =
+      false;  // ids are then by face, all pairs of them few enough (kMostPriorPairs), and engines count blocked pairs
+  const Device* device = nullptr;                          // that computes unoccluded form factors; none: the processor
   const RunSums* resumed = nullptr;                        // go on after these blocks, of the same plan; may be nullptr
   std::function<void(const GuaranteeProgress&)> on_block;  // may be empty
   std::function<void(const RunSums& sums, bool last)> on_sums;  // as for estimates; may be empty
@@ -83,8 +83,8 @@ double bernsteinBound(double variance, double range, double blocks, double p);
 
 struct GuaranteePlan : GuaranteeFigures {
   std::vector<double> ranges;  // of ids
-  KnownShares known;           // with closed forms
-  std::optional<ShareBounds> share_bounds;
+  Prior prior;                 // with unoccluded form factors
+  std::optional<VisibilityBounds> visibility_bounds;
   std::vector<SizeGroup> groups;
   std::unique_ptr<Engine> engine;
 };

@@ -27,9 +27,9 @@ std::vector<PairCounts> countBlocks(Engine& engine, const GuaranteeOptions& opti
   if (blocks == 1) return {countBlock(engine, options, directions, first)};
   std::vector<Direction> all;
   for (uint64_t block = first; block < first + blocks; ++block) {
-    const std::vector<Direction> own =
+    const std::vector<Direction> directions_of_block =
         sampleDirections(options.sampler, static_cast<uint32_t>(directions), options.seed, block);
-    all.insert(all.end(), own.begin(), own.end());
+    all.insert(all.end(), directions_of_block.begin(), directions_of_block.end());
   }
   return engine.countBlocks(all, directions);
 }
@@ -37,17 +37,17 @@ std::vector<PairCounts> countBlocks(Engine& engine, const GuaranteeOptions& opti
 RunSums makeGuaranteeSums(const Scene& scene, const Ids& ids, const GuaranteePlan& plan, uint64_t directions) {
   RunSums sums = makeRunSums(scene, ids);
   sums.measure_area = plan.engine->unitArea() * scene.scale * scene.scale / double(directions);
-  if (plan.share_bounds) sums.visible.emplace(sums.by_id.ids(), sums.by_surface.ids(), By::polygon, plan.known);
+  if (plan.visibility_bounds) sums.prior_sums.emplace(sums.by_id.ids(), sums.by_surface.ids(), By::polygon, plan.prior);
   return sums;
 }
 
 std::function<double(double blocks, double p)> boundFor(const RunSums& sums, const Ids& ids, const GuaranteePlan& plan,
                                                         uint32_t block_directions) {
-  if (plan.share_bounds)
+  if (plan.visibility_bounds)
     return [&plan, block_directions,
-            variances = plan.share_bounds->measureVariances(sums.visible->faceControls(), sums.measure_area)](
+            variances = plan.visibility_bounds->measureVariances(sums.prior_sums->faceControls(), sums.measure_area)](
                double blocks, double p) {
-      return plan.share_bounds->largestBound(variances, blocks, block_directions, p);
+      return plan.visibility_bounds->largestBound(variances, blocks, block_directions, p);
     };
   // What was never met has the largest range.
   std::vector<std::pair<double, double>> entries{{0, *std::max_element(plan.ranges.begin(), plan.ranges.end())}};

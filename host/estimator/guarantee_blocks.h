@@ -14,7 +14,7 @@ constexpr double kEpochGrowth = 1.15;  // of the blocks from one look at Bernste
 std::vector<PairCounts> countBlocks(Engine& engine, const GuaranteeOptions& options, uint64_t directions,
                                     uint64_t first, uint64_t blocks);
 
-// Sums of no blocks, with the plan's shares.
+// Sums of no blocks, with the plan's visibilities.
 RunSums makeGuaranteeSums(const Scene& scene, const Ids& ids, const GuaranteePlan& plan, uint64_t directions);
 
 // A bound on all errors at once, that holds with probability 1 - p after so many blocks, if blocks go on to vary as

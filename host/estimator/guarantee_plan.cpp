@@ -8,7 +8,7 @@
 #include "estimator/bounds.h"
 #include "estimator/guarantee.h"
 #include "estimator/guarantee_blocks.h"
-#include "estimator/visible_share.h"
+#include "estimator/find_prior.h"
 #include "stopwatch.h"
 
 namespace viewpeel {
@@ -20,7 +20,7 @@ constexpr double kBaseShare = 0.9;  // of the area, that the first group's resol
 constexpr uint32_t kPilotBlocks = 24, kPilotDirections = 8;
 constexpr std::array kRanges = {5.0, 3.5, 2.8, 2.4, 2.2};  // that lattices are tried for
 constexpr std::array kBlockDirections = {1u, 4u, 16u};     // that blocks are tried with
-constexpr uint32_t kSharePilotDirections = 1024;
+constexpr uint32_t kPriorPilotDirections = 1024;
 constexpr uint64_t kFewestBlocks = 8;  // for standard errors
 constexpr double kDearer = 1.5;        // than the best so far: finer lattices are not tried
 
@@ -84,16 +84,15 @@ double blocksUntil(double epsilon, double delta, BoundAt bound_at) {
   return high;
 }
 
-// Shares from a pilot, in few directions: they serve any number of blocks.
-KnownShares findShares(const GuaranteePlan& plan, const Scene& scene, const Ids& ids, const GuaranteeOptions& options) {
+// Visibilities from a pilot, in few directions: they serve any number of blocks.
+Prior findBoundedPrior(const GuaranteePlan& plan, const Scene& scene, const Ids& ids, const GuaranteeOptions& options) {
   EstimateOptions pilot;
-  pilot.directions = kSharePilotDirections;
+  pilot.directions = kPriorPilotDirections;
   pilot.sampler = options.sampler;
   pilot.seed = options.seed;
   FaceExchanges exchanges(options.device, scene, ids);
-  return keepBounded(
-      findVisibleShares(*plan.engine, exchanges, scene, ids, plan.groups, pilot, {pilot.directions}).known, ids,
-      plan.groups.size() == 1);
+  return keepBounded(findPrior(*plan.engine, exchanges, scene, ids, plan.groups, pilot, {pilot.directions}).prior, ids,
+                     plan.groups.size() == 1);
 }
 
 class GuaranteePlanner {
@@ -144,9 +143,9 @@ class GuaranteePlanner {
     plan.ranges =
         formFactorRanges(scene_, ids_, exact_ ? std::vector<double>{} : resolutionsOf(scene_, plan.groups), sampling);
     plan.largest_range = *std::max_element(plan.ranges.begin(), plan.ranges.end());
-    if (options_.closed_forms) {
-      plan.known = findShares(plan, scene_, ids_, options_);
-      plan.share_bounds.emplace(ids_, plan.ranges, plan.known);
+    if (options_.unoccluded) {
+      plan.prior = findBoundedPrior(plan, scene_, ids_, options_);
+      plan.visibility_bounds.emplace(ids_, plan.ranges, plan.prior);
     }
     return plan;
   }
@@ -154,8 +153,8 @@ class GuaranteePlanner {
   // What bounds that are known beforehand ask for.
   void findDirections(GuaranteePlan& plan) const {
     const double e = plan.epsilon, d = plan.delta, m = plan.largest_range;
-    plan.hoeffding = plan.share_bounds ? plan.share_bounds->directionsFor(e, d / 2)
-                                       : hoeffdingDirections(plan.ranges, bounds_, e, d / 2);
+    plan.hoeffding = plan.visibility_bounds ? plan.visibility_bounds->directionsFor(e, d / 2)
+                                            : hoeffdingDirections(plan.ranges, bounds_, e, d / 2);
     plan.lemma_1 = std::ceil(1 / (e * e * d));
     plan.lemma_1_all = std::ceil(plan.bounds / (e * e * d));
     plan.runs = static_cast<uint64_t>(std::ceil(8 * std::log(plan.bounds / d))) | 1;
@@ -192,7 +191,7 @@ class GuaranteePlanner {
       block_seconds = seconds_each;
     }
     plan.most_blocks = std::max(kFewestBlocks, (plan.hoeffding + plan.block_directions - 1) / plan.block_directions);
-    const double bounds_of_empirical = plan.share_bounds ? plan.share_bounds->rowBounds() : plan.bounds;
+    const double bounds_of_empirical = plan.visibility_bounds ? plan.visibility_bounds->rowBounds() : plan.bounds;
     plan.least_blocks = static_cast<uint64_t>(
         std::min(double(plan.most_blocks),
                  std::ceil(1 + 7 * plan.largest_range * std::log(4 * 2 * 2 * bounds_of_empirical / d) / (3 * e))));

@@ -25,8 +25,8 @@ FormFactors medianOf(const std::vector<PairCounts>& runs, const FormFactors& mea
   std::vector<uint64_t> counts(runs.size());
   for (FormFactors::Entry& entry : entries) {
     for (size_t r = 0; r < runs.size(); ++r) {
-      const bool met = at[r] < runs[r].size() && runs[r][at[r]].i == entry.i && runs[r][at[r]].j == entry.j;
-      counts[r] = met ? runs[r][at[r]++].count : 0;
+      const bool is_there = at[r] < runs[r].size() && runs[r][at[r]].i == entry.i && runs[r][at[r]].j == entry.j;
+      counts[r] = is_there ? runs[r][at[r]++].count : 0;
     }
     std::nth_element(counts.begin(), counts.begin() + static_cast<std::ptrdiff_t>(counts.size() / 2), counts.end());
     entry.exchange_area.value = (entry.i == entry.j ? 4 : 2) * measure_area * double(counts[counts.size() / 2]);
@@ -49,7 +49,7 @@ GuaranteeRun::GuaranteeRun(const Scene& scene, const Ids& ids, const GuaranteeOp
       guarantee_{options.epsilon, options.delta, INFINITY, is_median_ ? GuaranteedBy::median : GuaranteedBy::hoeffding},
       next_look_(std::max<uint64_t>(2, plan.least_blocks)) {
   if (options_.resumed) {
-    sums_.visible.reset();  // theirs
+    sums_.prior_sums.reset();  // theirs
     sums_.add(*options_.resumed);
   }
   while (next_look_ < sums_.replicateCount()) passLook();  // those that a run did before it was stopped found nothing
@@ -92,8 +92,8 @@ Estimate GuaranteeRun::estimate() const {
     estimate.between_surfaces =
         medianOf(mergeIdsOfAll(runs_, ids_.surface), estimate.between_surfaces, sums_.measure_area);
   }
-  if (sums_.visible)
-    estimate.form_factors = keepSeen(sums_.visible->controlledFormFactors(
+  if (sums_.prior_sums)
+    estimate.form_factors = keepSeen(sums_.prior_sums->controlledFormFactors(
         sums_.measure_area, sums_.by_id.formFactors(sums_.measure_area, sums_.countArea())));
   estimate.guarantee = guarantee_;
   if (guarantee_.by != GuaranteedBy::bernstein) estimate.guarantee->bound = options_.epsilon;

@@ -6,7 +6,7 @@
 #include <span>
 #include <utility>
 
-#include "estimator/visible_share.h"
+#include "estimator/find_prior.h"
 #include "sums/add_pairs.h"
 
 namespace viewpeel {
@@ -29,21 +29,22 @@ struct Spread {
   double total, between_lattices;
 };
 
-std::vector<PairShare> sharesOf(std::span<const PilotCounts> replicates) {
+std::vector<PairVisibility> visibilitiesOf(std::span<const PilotCounts> replicates) {
   PairCounts all;
   for (const PilotCounts& replicate : replicates) all = addCounts(addCounts(all, replicate.first), replicate.second);
-  return fitShares(withRows(std::move(all)));
+  return fitVisibilities(withRows(std::move(all)));
 }
 
-// What is left of counts when shares are taken off, where there are closed forms.
-std::vector<Residual> residualsOf(const PairCounts& counts, const std::vector<PairShare>& shares,
+// What is left of counts when visibilities are taken off, where there are unoccluded form factors.
+std::vector<Residual> residualsOf(const PairCounts& counts, const std::vector<PairVisibility>& visibilities,
                                   const std::vector<uint32_t>& id_of_face) {
   std::vector<Residual> residuals;
   if (id_of_face.empty()) {
     for (const PairCount& count : counts) residuals.push_back({count.i, count.j, double(count.count)});
   } else {
-    for (const ControlCount& control : mergeIds(takeShares(withRows(counts, shares), shares), id_of_face))
-      residuals.push_back({control.i, control.j, double(control.control) / kShareOne});
+    for (const ControlVariate& control :
+         mergeIds(takeControlVariates(withRows(counts, visibilities), visibilities), id_of_face))
+      residuals.push_back({control.i, control.j, double(control.control) / kVisibilityOne});
   }
   return residuals;
 }
@@ -83,11 +84,11 @@ PilotVariances pilotVariances(const std::vector<PilotCounts>& counted, const Ids
   const size_t n = counted.size() / 2;
   std::vector<Moments> moments;
   for (size_t half = 0; half < 2; ++half) {
-    const std::vector<PairShare> shares =
-        id_of_face.empty() ? std::vector<PairShare>{} : sharesOf(all.subspan((1 - half) * n, n));
+    const std::vector<PairVisibility> visibilities =
+        id_of_face.empty() ? std::vector<PairVisibility>{} : visibilitiesOf(all.subspan((1 - half) * n, n));
     for (const PilotCounts& replicate : all.subspan(half * n, n))
-      addReplicate(moments, half, residualsOf(replicate.first, shares, id_of_face),
-                   residualsOf(replicate.second, shares, id_of_face));
+      addReplicate(moments, half, residualsOf(replicate.first, visibilities, id_of_face),
+                   residualsOf(replicate.second, visibilities, id_of_face));
   }
 
   std::vector<Spread> spreads;  // in units of the larger form factor of the two ways

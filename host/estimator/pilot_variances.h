@@ -1,8 +1,8 @@
 // How much of the variance of form factors comes from directions, and how much from the lattice.
 //
 // A pilot counts every direction on two lattices: what the two have in common varies with the directions, the rest from
-// lattice to lattice. With closed forms, what varies is left when shares are taken off: each half of the pilot takes
-// those that the other half tells.
+// lattice to lattice. With unoccluded form factors, what varies is left when visibilities are taken off: each half of
+// the pilot takes those that the other half tells.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -26,8 +26,8 @@ struct PilotVariances {
                      // vary much more
 };
 
-//   In: counted: replicates, an even number of at least 4; id_of_face: with closed forms, empty without; measure_area:
-//   of a count, as in ReplicateSums; options: the goal
+//   In: counted: replicates, an even number of at least 4; id_of_face: with unoccluded form factors, empty without;
+//   measure_area: of a count, as in ReplicateSums; options: the goal
 //   Cost: O(nonzeros log nonzeros) a replicate.
 PilotVariances pilotVariances(const std::vector<PilotCounts>& counted, const Ids& ids,
                               const std::vector<uint32_t>& id_of_face, double measure_area,

@@ -13,9 +13,9 @@
 #include "engines/engine_factory.h"
 #include "engines/lattice.h"
 #include "estimator/pilot_variances.h"
-#include "estimator/visible_share.h"
+#include "estimator/find_prior.h"
 #include "scene/perimeter.h"
-#include "sums/neighbour_shares.h"
+#include "sums/neighbour_visibility.h"
 #include "sums/pair_count.h"
 #include "scene/rank_by_place.h"
 #include "stopwatch.h"
@@ -65,7 +65,7 @@ double latticeVariance(Sampling sampling, double perimeter_per_area_squared, dou
 
 // How many lattice points, or scanlines, of a direction meet an id, on the average: of its mean projection, taken for a
 // square.
-double timesMet(Sampling sampling, double area, double h) {
+double expectedPoints(Sampling sampling, double area, double h) {
   return sampling == Sampling::scanline ? std::sqrt(area / 2) / h : area / 2 / (h * h);
 }
 
@@ -111,7 +111,7 @@ std::vector<double> finenessOf(const std::vector<double>& perimeters_per_area_sq
 // What an id's lattice variance asks for, and enough points in the whole run of so many directions a replicate.
 double neededResolution(Sampling sampling, double fineness, double area, int finest, double directions) {
   const double times =
-      timesMet(sampling, area, 2) * kUsualReplicates * directions;  // on a lattice of one spacing across
+      expectedPoints(sampling, area, 2) * kUsualReplicates * directions;  // on a lattice of one spacing across
   return std::max(fineness * finest,
                   sampling == Sampling::scanline ? kLatticePoints / times : std::sqrt(kLatticePoints / times));
 }
@@ -134,12 +134,13 @@ class Planner {
     double seconds = 0, variance = INFINITY;
     bool counts_too_large = false;  // of all that get to the goal
   };
-  AskedDirections directionsOf(uint32_t count, uint64_t replicate) const;
+  DrawnDirections directionsOf(uint32_t count, uint64_t replicate) const;
   void makeEngine(uint32_t directions, const Shape& shape);
   double timeDirections(uint32_t count);
   void measure(uint32_t directions, const Shape& shape);
   bool takesLonger(const Choice& choice);
-  double largestErrorOfShares(const std::vector<PilotCounts>& counted, double measure_area, double count_area) const;
+  double largestErrorOfVisibilities(const std::vector<PilotCounts>& counted, double measure_area,
+                                    double count_area) const;
   Choice choose() const;
   Choice choose(bool by_time) const;
   // For a pilot.
@@ -163,9 +164,10 @@ class Planner {
   std::vector<double> ratios_;                // perimetersPerAreaSquared
   std::vector<double> areas_;                 // of ids, unit-ball units squared
   double whole_area_ = 0, largest_face_ = 0;  // of all ids, of a face; likewise
-  std::vector<uint32_t> ranks_;  // of ids, by place, where form factors are shares of closed forms, their neighbours'
-                                 // where few lines tell (neighbour_shares.h)
-  std::vector<uint32_t> id_of_face_;  // with closed forms
+  std::vector<uint32_t>
+      ranks_;  // of ids, by place, where form factors are shares of unoccluded form factors, their neighbours'
+               // where few lines tell (neighbour_visibility.h)
+  std::vector<uint32_t> id_of_face_;  // with unoccluded form factors
   std::vector<SizeClass> classes_;
   mutable std::map<std::array<int, 3>, size_t> windows_;  // of classes from one to another at a resolution
   std::vector<Pilot> pilots_;
@@ -207,13 +209,13 @@ Planner::Planner(const Scene& scene, const Ids& ids, const EstimateOptions& opti
     ranks_ = rankByPlace(scene, ids.of_polygon, ids.count());
 }
 
-AskedDirections Planner::directionsOf(uint32_t count, uint64_t replicate) const {
-  AskedDirections asked =
-      options_.asked_directions
-          ? options_.asked_directions(count, replicate)
-          : AskedDirections{sampleDirections(options_.sampler, count, options_.seed, replicate), {}, 1};
-  for (size_t k = 0; k < asked.weights.size(); ++k) asked.directions[k].weight = asked.weights[k];
-  return asked;
+DrawnDirections Planner::directionsOf(uint32_t count, uint64_t replicate) const {
+  DrawnDirections drawn =
+      options_.drawn_directions
+          ? options_.drawn_directions(count, replicate)
+          : DrawnDirections{sampleDirections(options_.sampler, count, options_.seed, replicate), {}, 1};
+  for (size_t k = 0; k < drawn.weights.size(); ++k) drawn.directions[k].weight = drawn.weights[k];
+  return drawn;
 }
 
 double Planner::neededBy(const SizeClass& size, const Shape& shape, double directions) const {
@@ -276,16 +278,16 @@ void Planner::measure(uint32_t directions, const Shape& shape) {
   double weight_unit = 1;
   const auto start = Clock::now();
   for (uint32_t r = 0; r < kPilotReplicates; ++r) {
-    AskedDirections asked = directionsOf(directions, kPlanReplicates.first + pilot_replicates_);
-    weight_unit = asked.weight_unit;
-    counted.push_back({engine_->count(asked.directions), {}});
+    DrawnDirections drawn = directionsOf(directions, kPlanReplicates.first + pilot_replicates_);
+    weight_unit = drawn.weight_unit;
+    counted.push_back({engine_->count(drawn.directions), {}});
     Random random(options_.seed, kPlanLatticeReplicates.first + pilot_replicates_++);
-    for (Direction& direction : asked.directions) {
+    for (Direction& direction : drawn.directions) {
       const uint32_t weight = direction.weight;
       direction = directionAlong(direction.u, random);
       direction.weight = weight;
     }
-    counted.back().second = engine_->count(asked.directions);
+    counted.back().second = engine_->count(drawn.directions);
   }
   const double seconds = secondsSince(start);
 
@@ -293,14 +295,15 @@ void Planner::measure(uint32_t directions, const Shape& shape) {
   Pilot pilot{directions, shape, pilotVariances(counted, ids_, id_of_face_, measure_area, options_),
               loadOf(shape, directions)};
   if (!ranks_.empty()) {
-    // Both in the shares found, as large together as the run would say.
-    const double count_area = ids_.asked.empty() ? measure_area * directions / 2 : INFINITY,
-                 told = std::pow(largestErrorOfShares(counted, measure_area / 2, count_area), 2) * kPilotReplicates;
+    // Both in the visibilities found, as large together as the run would say.
+    const double count_area = ids_.requested.empty() ? measure_area * directions / 2 : INFINITY,
+                 stated =
+                     std::pow(largestErrorOfVisibilities(counted, measure_area / 2, count_area), 2) * kPilotReplicates;
     const double found =
         pilot.variances.of_directions + pilot.variances.of_lattices / 2;  // of two lattices a direction
     if (found > 0)
       for (double* variance : {&pilot.variances.of_directions, &pilot.variances.of_lattices, &pilot.variances.doubt})
-        *variance *= told / found;
+        *variance *= stated / found;
   }
   pilot_seconds_ += secondsSince(begun);
   pilots_.push_back(pilot);
@@ -308,30 +311,30 @@ void Planner::measure(uint32_t directions, const Shape& shape) {
 }
 
 // What the run would say of the pilot: pairs of which few lines tell have the standard error that theirs and their
-// neighbours' give them, with the closed forms that lines themselves tell.
-double Planner::largestErrorOfShares(const std::vector<PilotCounts>& counted, double measure_area,
-                                     double count_area) const {
-  ShareSums sums(ids_);
+// neighbours' give them, with the unoccluded form factors that lines themselves tell.
+double Planner::largestErrorOfVisibilities(const std::vector<PilotCounts>& counted, double measure_area,
+                                           double count_area) const {
+  VisibilitySums sums(ids_);
   PairCounts all;
   for (const PilotCounts& replicate : counted) all = addCounts(addCounts(all, replicate.first), replicate.second);
-  const std::vector<PairShare> seen = fitShares(withRows(std::move(all)));
+  const std::vector<PairVisibility> seen = fitVisibilities(withRows(std::move(all)));
   for (const PilotCounts& replicate : counted) sums.add(withRows(addCounts(replicate.first, replicate.second), seen));
-  std::vector<KnownPair> known;
-  for (const ShareSums::PairSum& pair : sums.pairs())
+  std::vector<PairPrior> prior;
+  for (const VisibilitySums::PairSum& pair : sums.pairs())
     if (pair.i != pair.j && (pair.j < kEnvironment || pair.facing > 0))
-      known.push_back({pair.i, pair.j, 0, 0,
+      prior.push_back({pair.i, pair.j, 0, 0,
                        pair.j < kEnvironment
                            ? 2 * measure_area * double(pair.facing + pair.blocked) / double(counted.size())
                            : INFINITY});
   const std::vector<uint64_t> lines = countsOfLines(ids_, groups_, engine_->unitArea());
-  const NeighbourShares neighbours(sums, lines, ranks_);
+  const NeighbourVisibility neighbours(sums, lines, ranks_);
   return largestStandardError(
-      {ids_, sums.find(known, lines, measure_area, count_area, {}, {}, &neighbours).entries, {}});
+      {ids_, sums.find(prior, lines, measure_area, count_area, {}, {}, &neighbours).entries, {}});
 }
 
 double Planner::directionVariance(double directions) const {
   const Pilot& last = pilots_.back();
-  double exponent = options_.sampler == Sampler::iid && !options_.asked_directions ? 1 : 2;
+  double exponent = options_.sampler == Sampler::iid && !options_.drawn_directions ? 1 : 2;
   for (const Pilot& pilot : pilots_)
     if (pilot.directions * 3 <= last.directions && pilot.variances.of_directions > 0 &&
         last.variances.of_directions > 0)
@@ -408,8 +411,8 @@ size_t Planner::windowsOf(const std::vector<int>& resolutions, int base) const {
   return windows;
 }
 
-// For closed forms: those of a row in a replicate, the sum over a surface's faces, and the squares over all replicates
-// (control_sums.h). A face's projection is half of its area on the average.
+// For unoccluded form factors: those of a row in a replicate, the sum over a surface's faces, and the squares over all
+// replicates (control_variate_sums.h). A face's projection is half of its area on the average.
 bool Planner::areCountsTooLarge(const Load& load, double directions, double replicates) const {
   if (id_of_face_.empty()) return false;
   const double count_area =
@@ -534,10 +537,10 @@ Plan Planner::plan() {
   for (const SizeGroup& group : plan.groups)
     for (uint32_t k : group.polygons)
       points[ids_.of_polygon[k]] +=
-          timesMet(lattices_.lattice.sampling, scene_.polygons[k].area, 2.0 / group.resolution) * choice.directions *
-          double(options_.replicates);
+          expectedPoints(lattices_.lattice.sampling, scene_.polygons[k].area, 2.0 / group.resolution) *
+          choice.directions * double(options_.replicates);
   for (uint32_t id = 0; id < ids_.count(); ++id)
-    if (!options_.asked_directions && points[id] < kFewPoints) plan.barely_met.push_back(id);
+    if (!options_.drawn_directions && points[id] < kFewPoints) plan.barely_covered.push_back(id);
   if (!areAlike(plan.groups, groups_)) {
     engine_.reset();
     engine_ = viewpeel::makeEngine(lattices_, scene_, ids_, plan.groups);

@@ -17,9 +17,9 @@ struct Plan {
   double seconds = 0;              // of counting the replicates asked for, predicted
   double standard_error = 0;      // largest over all form factors, or of its form factor for a relative goal; predicted
   double pilot_seconds = 0;       // spent on finding out
-  bool counts_too_large = false;  // for closed forms, of all that would get to the goal
-  std::vector<uint32_t> barely_met;  // ids that the replicates asked for meet at fewer than 5 lattice points, or
-                                     // scanlines, expected: even the finest lattice is too coarse for them
+  bool counts_too_large = false;  // for unoccluded form factors, of all that would get to the goal
+  std::vector<uint32_t> barely_covered;  // ids that the replicates asked for meet at fewer than 5 lattice points, or
+                                         // scanlines, expected: even the finest lattice is too coarse for them
 };
 
 // Which engines a plan may choose among.
@@ -28,8 +28,8 @@ struct Lattices {
   LatticeOptions lattice;  // of all of them, but for resolution and window
   int resolution = 0;      // 0: to be planned
   bool may_group = false;  // whether small polygons may have lattices of their own
-  // Where closed forms are to be used (visible_share.h) engines count by these, blocked pairs too; nullptr: by the ids
-  // that are planned for. Referred to.
+  // Where unoccluded form factors are to be used (find_prior.h) engines count by these, blocked pairs too; nullptr: by
+  // the ids that are planned for. Referred to.
   const Ids* face_ids = nullptr;
 };
 
@@ -51,7 +51,7 @@ std::unique_ptr<Engine> makeEngine(const Lattices& lattices, const Scene& scene,
 //   Another pilot counts on the plan's lattice where the first one could not separate V_directions from the lattice's
 //   part. A lattice much finer than those timed is tried before it is chosen. In eight replicates every id gets 100
 //   lattice points, or 100 scanlines, as far as the finest lattice allows.
-//   In: options: goal, replicates, sampler, seed, asked_directions    Out: the plan, with its engine
+//   In: options: goal, replicates, sampler, seed, drawn_directions    Out: the plan, with its engine
 //   Error: a prediction; the run measures its own errors. Pilots and the run have no directions or lattices in common.
 //   Throws: what engines throw.
 //   Cost: a pilot takes at most about a tenth of the run, or of the time there is, and half a minute. The first has 512

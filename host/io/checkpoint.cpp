@@ -16,12 +16,13 @@ constexpr uint64_t kFormat = 6;  // of the file: changes with every change of wh
 
 using Sum = ReplicateSums::Sum;
 using PairSum = ReplicateSums::PairSum;
-using ControlSum = ControlSums::PairSum;
-using ShareSum = ShareSums::PairSum;
+using ControlSum = ControlVariateSums::PairSum;
+using VisibilitySum = VisibilitySums::PairSum;
 using Wide = ReplicateSums::Wide;
 
-constexpr ControlSums::SignedWide kMostControl =
-    ControlSums::SignedWide(1) << 126;              // 2^64 replicates of 2^62 (takeShares); two such sums can be added
+constexpr ControlVariateSums::SignedWide kMostControl =
+    ControlVariateSums::SignedWide(1)
+    << 126;  // 2^64 replicates of 2^62 (takeControlVariates); two such sums can be added
 constexpr uint64_t kMostLines = uint64_t(1) << 63;  // of facing ones, or blocked ones: two such sums can be added
 
 uint64_t highOf(Wide number) { return static_cast<uint64_t>(number >> 64); }
@@ -70,7 +71,7 @@ void writeReplicateSums(Hdf5Output& out, const std::string& group, const Replica
   out.write(group + "/names", ids.names);
   out.write(group + "/areas", ids.areas);
   out.write(group + "/surfaces", ids.surface);
-  writeColumn<uint8_t>(out, group + "/asked", ids.asked, [](bool asked) { return asked; });
+  writeColumn<uint8_t>(out, group + "/asked", ids.requested, [](bool requested) { return requested; });
   out.write(group + "/splits_surfaces", std::vector<uint8_t>{ids.splits_surfaces});
   out.write(group + "/rows_sum_to_one", std::vector<uint8_t>{ids.rows_sum_to_one});
   out.write(group + "/two_sided", std::vector<uint8_t>{ids.two_sided});
@@ -108,50 +109,50 @@ void readWide(Hdf5Input& in, const std::string& name, Pairs& pairs, Set set) {
   for (size_t k = 0; k < pairs.size(); ++k) set(pairs[k], words[k]);
 }
 
-void writeVisibleSums(Hdf5Output& out, const RunSums& sums) {
-  out.write("visible/is_there", std::vector<uint8_t>{sums.visible.has_value()});
-  if (!sums.visible) return;
-  out.write("visible/by_surface", std::vector<uint8_t>{sums.visible->by() == By::surface});
-  const KnownShares& known = sums.visible->known();
-  out.write("visible/has_all_pairs", std::vector<uint8_t>{known.has_all_pairs});
-  out.write("visible/lines", known.lines);
-  out.write("visible/ranks", known.ranks);
-  writeColumn<uint32_t>(out, "visible/known/i", known.pairs, [](const KnownPair& pair) { return pair.i; });
-  writeColumn<uint32_t>(out, "visible/known/j", known.pairs, [](const KnownPair& pair) { return pair.j; });
-  writeColumn<uint32_t>(out, "visible/known/share", known.pairs, [](const KnownPair& pair) { return pair.share; });
-  writeColumn<uint32_t>(out, "visible/known/surface_share", known.pairs,
-                        [](const KnownPair& pair) { return pair.surface_share; });
-  writeColumn<double>(out, "visible/known/exchange", known.pairs, [](const KnownPair& pair) { return pair.exchange; });
-  writeColumn<uint32_t>(out, "visible/known/directed/i", known.directed,
+void writePriorSums(Hdf5Output& out, const RunSums& sums) {
+  out.write("visible/is_there", std::vector<uint8_t>{sums.prior_sums.has_value()});
+  if (!sums.prior_sums) return;
+  out.write("visible/by_surface", std::vector<uint8_t>{sums.prior_sums->by() == By::surface});
+  const Prior& prior = sums.prior_sums->prior();
+  out.write("visible/has_all_pairs", std::vector<uint8_t>{prior.has_all_pairs});
+  out.write("visible/lines", prior.lines);
+  out.write("visible/ranks", prior.ranks);
+  writeColumn<uint32_t>(out, "visible/known/i", prior.pairs, [](const PairPrior& pair) { return pair.i; });
+  writeColumn<uint32_t>(out, "visible/known/j", prior.pairs, [](const PairPrior& pair) { return pair.j; });
+  writeColumn<uint32_t>(out, "visible/known/share", prior.pairs, [](const PairPrior& pair) { return pair.visibility; });
+  writeColumn<uint32_t>(out, "visible/known/surface_share", prior.pairs,
+                        [](const PairPrior& pair) { return pair.surface_visibility; });
+  writeColumn<double>(out, "visible/known/exchange", prior.pairs, [](const PairPrior& pair) { return pair.exchange; });
+  writeColumn<uint32_t>(out, "visible/known/directed/i", prior.directed,
                         [](const DirectedPair& pair) { return pair.i; });
-  writeColumn<uint32_t>(out, "visible/known/directed/j", known.directed,
+  writeColumn<uint32_t>(out, "visible/known/directed/j", prior.directed,
                         [](const DirectedPair& pair) { return pair.j; });
-  writeColumn<uint32_t>(out, "visible/known/directed/directions", known.directed,
+  writeColumn<uint32_t>(out, "visible/known/directed/directions", prior.directed,
                         [](const DirectedPair& pair) { return pair.directions; });
-  writeColumn<uint32_t>(out, "visible/known/directed/resolution", known.directed,
+  writeColumn<uint32_t>(out, "visible/known/directed/resolution", prior.directed,
                         [](const DirectedPair& pair) { return pair.resolution; });
-  writeColumn<uint32_t>(out, "visible/known/directed/share", known.directed,
-                        [](const DirectedPair& pair) { return pair.share; });
-  writeColumn<uint32_t>(out, "visible/known/directed/line", known.directed,
+  writeColumn<uint32_t>(out, "visible/known/directed/share", prior.directed,
+                        [](const DirectedPair& pair) { return pair.visibility; });
+  writeColumn<uint32_t>(out, "visible/known/directed/line", prior.directed,
                         [](const DirectedPair& pair) { return pair.line; });
-  writeColumn<double>(out, "visible/known/directed/measure_area", known.directed,
+  writeColumn<double>(out, "visible/known/directed/measure_area", prior.directed,
                       [](const DirectedPair& pair) { return pair.measure_area; });
-  writeColumn<double>(out, "visible/known/directed/count_area", known.directed,
+  writeColumn<double>(out, "visible/known/directed/count_area", prior.directed,
                       [](const DirectedPair& pair) { return pair.count_area; });
-  const std::vector<ShareSum>& faces = sums.visible->byFace().pairs();
-  out.write("visible/faces/replicate_count", std::vector<uint64_t>{sums.visible->byFace().replicateCount()});
-  writeColumn<uint32_t>(out, "visible/faces/i", faces, [](const ShareSum& pair) { return pair.i; });
-  writeColumn<uint32_t>(out, "visible/faces/j", faces, [](const ShareSum& pair) { return pair.j; });
-  writeColumn<uint64_t>(out, "visible/faces/facing", faces, [](const ShareSum& pair) { return pair.facing; });
-  writeColumn<uint64_t>(out, "visible/faces/blocked", faces, [](const ShareSum& pair) { return pair.blocked; });
+  const std::vector<VisibilitySum>& faces = sums.prior_sums->byFace().pairs();
+  out.write("visible/faces/replicate_count", std::vector<uint64_t>{sums.prior_sums->byFace().replicateCount()});
+  writeColumn<uint32_t>(out, "visible/faces/i", faces, [](const VisibilitySum& pair) { return pair.i; });
+  writeColumn<uint32_t>(out, "visible/faces/j", faces, [](const VisibilitySum& pair) { return pair.j; });
+  writeColumn<uint64_t>(out, "visible/faces/facing", faces, [](const VisibilitySum& pair) { return pair.facing; });
+  writeColumn<uint64_t>(out, "visible/faces/blocked", faces, [](const VisibilitySum& pair) { return pair.blocked; });
   writeWide(out, "visible/faces/facing_squared", faces,
-            [&](const ShareSum& pair) { return sums.visible->byFace().squaresOf(pair).facing; });
+            [&](const VisibilitySum& pair) { return sums.prior_sums->byFace().squaresOf(pair).facing; });
   writeWide(out, "visible/faces/product", faces,
-            [&](const ShareSum& pair) { return sums.visible->byFace().squaresOf(pair).product; });
+            [&](const VisibilitySum& pair) { return sums.prior_sums->byFace().squaresOf(pair).product; });
   writeWide(out, "visible/faces/blocked_squared", faces,
-            [&](const ShareSum& pair) { return sums.visible->byFace().squaresOf(pair).blocked; });
-  for (const auto& [name, controls] : {std::pair(std::string("visible/surfaces"), &sums.visible->surfaceControls()),
-                                       {"visible/directed", &sums.visible->directed()}}) {
+            [&](const VisibilitySum& pair) { return sums.prior_sums->byFace().squaresOf(pair).blocked; });
+  for (const auto& [name, controls] : {std::pair(std::string("visible/surfaces"), &sums.prior_sums->surfaceControls()),
+                                       {"visible/directed", &sums.prior_sums->directed()}}) {
     out.write(name + "/replicate_count", std::vector<uint64_t>{controls->replicateCount()});
     writeColumn<uint32_t>(out, name + "/i", controls->pairs(), [](const ControlSum& pair) { return pair.i; });
     writeColumn<uint32_t>(out, name + "/j", controls->pairs(), [](const ControlSum& pair) { return pair.j; });
@@ -173,14 +174,14 @@ void requireOrder(Hdf5Input& in, const std::string& group, const Pairs& pairs, u
   }
 }
 
-ControlSums readControlSums(Hdf5Input& in, const std::string& group, const Ids& ids) {
+ControlVariateSums readControlSums(Hdf5Input& in, const std::string& group, const Ids& ids) {
   const auto replicate_count = readOne<uint64_t>(in, group + "/replicate_count");
   std::vector<ControlSum> pairs;
   for (uint32_t i : in.read<uint32_t>(group + "/i")) pairs.push_back({i, 0});
   readColumn<uint32_t>(in, group + "/j", pairs, [](ControlSum& pair, uint32_t j) { pair.j = j; });
   readColumn<uint64_t>(in, group + "/line", pairs, [](ControlSum& pair, uint64_t line) { pair.line = line; });
   readWide(in, group + "/sum", pairs, [&](ControlSum& pair, Wide wide) {
-    pair.sum = static_cast<ControlSums::SignedWide>(wide);
+    pair.sum = static_cast<ControlVariateSums::SignedWide>(wide);
     if (pair.sum >= kMostControl || pair.sum <= -kMostControl)
       in.refuse(fmt::format("its '{}/sum' are larger than sums come to", group));
   });
@@ -190,81 +191,84 @@ ControlSums readControlSums(Hdf5Input& in, const std::string& group, const Ids& 
   return {ids, replicate_count, std::move(pairs)};
 }
 
-ShareSums readShareSums(Hdf5Input& in, const std::string& group, const Ids& ids) {
+VisibilitySums readVisibilitySums(Hdf5Input& in, const std::string& group, const Ids& ids) {
   const auto replicate_count = readOne<uint64_t>(in, group + "/replicate_count");
-  std::vector<ShareSum> pairs;
+  std::vector<VisibilitySum> pairs;
   for (uint32_t i : in.read<uint32_t>(group + "/i")) pairs.push_back({i, 0});
-  readColumn<uint32_t>(in, group + "/j", pairs, [](ShareSum& pair, uint32_t j) { pair.j = j; });
-  readColumn<uint64_t>(in, group + "/facing", pairs, [](ShareSum& pair, uint64_t facing) { pair.facing = facing; });
-  readColumn<uint64_t>(in, group + "/blocked", pairs, [](ShareSum& pair, uint64_t blocked) { pair.blocked = blocked; });
-  std::vector<ShareSums::Squares> squares(pairs.size());
+  readColumn<uint32_t>(in, group + "/j", pairs, [](VisibilitySum& pair, uint32_t j) { pair.j = j; });
+  readColumn<uint64_t>(in, group + "/facing", pairs,
+                       [](VisibilitySum& pair, uint64_t facing) { pair.facing = facing; });
+  readColumn<uint64_t>(in, group + "/blocked", pairs,
+                       [](VisibilitySum& pair, uint64_t blocked) { pair.blocked = blocked; });
+  std::vector<VisibilitySums::Squares> squares(pairs.size());
   readWide(in, group + "/facing_squared", squares,
-           [](ShareSums::Squares& of_pair, Wide wide) { of_pair.facing = wide; });
-  readWide(in, group + "/product", squares, [](ShareSums::Squares& of_pair, Wide wide) { of_pair.product = wide; });
+           [](VisibilitySums::Squares& of_pair, Wide wide) { of_pair.facing = wide; });
+  readWide(in, group + "/product", squares,
+           [](VisibilitySums::Squares& of_pair, Wide wide) { of_pair.product = wide; });
   readWide(in, group + "/blocked_squared", squares,
-           [](ShareSums::Squares& of_pair, Wide wide) { of_pair.blocked = wide; });
-  for (const ShareSum& pair : pairs)
+           [](VisibilitySums::Squares& of_pair, Wide wide) { of_pair.blocked = wide; });
+  for (const VisibilitySum& pair : pairs)
     if (std::max(pair.facing, pair.blocked) >= kMostLines)
       in.refuse(fmt::format("its '{}' are larger than sums come to", group));
   requireOrder(in, group, pairs, ids.count());
   return {ids, replicate_count, std::move(pairs), squares};
 }
 
-std::optional<VisibleSums> readVisibleSums(Hdf5Input& in, const Ids& face_ids, const Ids& surface_ids) {
+std::optional<PriorSums> readPriorSums(Hdf5Input& in, const Ids& face_ids, const Ids& surface_ids) {
   if (!readOne<uint8_t>(in, "visible/is_there")) return {};
-  KnownShares known;
-  known.has_all_pairs = readOne<uint8_t>(in, "visible/has_all_pairs");
-  known.lines.resize(face_ids.count());
-  readColumn<uint64_t>(in, "visible/lines", known.lines, [](uint64_t& line, uint64_t stored) { line = stored; });
-  known.ranks = in.read<uint32_t>("visible/ranks");
+  Prior prior;
+  prior.has_all_pairs = readOne<uint8_t>(in, "visible/has_all_pairs");
+  prior.lines.resize(face_ids.count());
+  readColumn<uint64_t>(in, "visible/lines", prior.lines, [](uint64_t& line, uint64_t stored) { line = stored; });
+  prior.ranks = in.read<uint32_t>("visible/ranks");
   std::vector<bool> is_taken(face_ids.count(), false);
-  for (uint32_t rank : known.ranks) {
+  for (uint32_t rank : prior.ranks) {
     if (rank >= is_taken.size() || is_taken[rank]) in.refuse("its 'visible/ranks' are no order of its ids");
     is_taken[rank] = true;
   }
-  if (pairCount(known.ranks.size()) > kMostRowPairs)
+  if (pairCount(prior.ranks.size()) > kMostRowPairs)
     in.refuse("its 'visible/ranks' are of more ids than neighbours are looked at for");
-  if (!known.ranks.empty() && known.ranks.size() != face_ids.count())
-    in.refuse(fmt::format("its 'visible/ranks' has {} values for {}", known.ranks.size(), face_ids.count()));
-  for (uint32_t i : in.read<uint32_t>("visible/known/i")) known.pairs.push_back({i, 0});
-  readColumn<uint32_t>(in, "visible/known/j", known.pairs, [](KnownPair& pair, uint32_t j) { pair.j = j; });
-  readColumn<uint32_t>(in, "visible/known/share", known.pairs,
-                       [](KnownPair& pair, uint32_t share) { pair.share = share; });
-  readColumn<uint32_t>(in, "visible/known/surface_share", known.pairs,
-                       [](KnownPair& pair, uint32_t share) { pair.surface_share = share; });
-  readColumn<double>(in, "visible/known/exchange", known.pairs,
-                     [](KnownPair& pair, double exchange) { pair.exchange = exchange; });
-  requireOrder(in, "visible/known", known.pairs, face_ids.count());
-  const bool are_shares = std::ranges::all_of(known.pairs, [](const KnownPair& pair) {
-    return pair.share <= kShareOne && pair.surface_share <= kShareOne && pair.exchange >= 0;
+  if (!prior.ranks.empty() && prior.ranks.size() != face_ids.count())
+    in.refuse(fmt::format("its 'visible/ranks' has {} values for {}", prior.ranks.size(), face_ids.count()));
+  for (uint32_t i : in.read<uint32_t>("visible/known/i")) prior.pairs.push_back({i, 0});
+  readColumn<uint32_t>(in, "visible/known/j", prior.pairs, [](PairPrior& pair, uint32_t j) { pair.j = j; });
+  readColumn<uint32_t>(in, "visible/known/share", prior.pairs,
+                       [](PairPrior& pair, uint32_t visibility) { pair.visibility = visibility; });
+  readColumn<uint32_t>(in, "visible/known/surface_share", prior.pairs,
+                       [](PairPrior& pair, uint32_t visibility) { pair.surface_visibility = visibility; });
+  readColumn<double>(in, "visible/known/exchange", prior.pairs,
+                     [](PairPrior& pair, double exchange) { pair.exchange = exchange; });
+  requireOrder(in, "visible/known", prior.pairs, face_ids.count());
+  const bool are_visibilities = std::ranges::all_of(prior.pairs, [](const PairPrior& pair) {
+    return pair.visibility <= kVisibilityOne && pair.surface_visibility <= kVisibilityOne && pair.exchange >= 0;
   });
-  if (!are_shares) in.refuse("its 'visible/known' are no shares of exchange areas");
-  for (uint32_t i : in.read<uint32_t>("visible/known/directed/i")) known.directed.push_back({i, 0});
-  readColumn<uint32_t>(in, "visible/known/directed/j", known.directed,
+  if (!are_visibilities) in.refuse("its 'visible/known' are no shares of exchange areas");
+  for (uint32_t i : in.read<uint32_t>("visible/known/directed/i")) prior.directed.push_back({i, 0});
+  readColumn<uint32_t>(in, "visible/known/directed/j", prior.directed,
                        [](DirectedPair& pair, uint32_t j) { pair.j = j; });
-  readColumn<uint32_t>(in, "visible/known/directed/directions", known.directed,
+  readColumn<uint32_t>(in, "visible/known/directed/directions", prior.directed,
                        [](DirectedPair& pair, uint32_t directions) { pair.directions = directions; });
-  readColumn<uint32_t>(in, "visible/known/directed/resolution", known.directed,
+  readColumn<uint32_t>(in, "visible/known/directed/resolution", prior.directed,
                        [](DirectedPair& pair, uint32_t resolution) { pair.resolution = resolution; });
-  readColumn<uint32_t>(in, "visible/known/directed/share", known.directed,
-                       [](DirectedPair& pair, uint32_t share) { pair.share = share; });
-  readColumn<uint32_t>(in, "visible/known/directed/line", known.directed,
+  readColumn<uint32_t>(in, "visible/known/directed/share", prior.directed,
+                       [](DirectedPair& pair, uint32_t visibility) { pair.visibility = visibility; });
+  readColumn<uint32_t>(in, "visible/known/directed/line", prior.directed,
                        [](DirectedPair& pair, uint32_t line) { pair.line = line; });
-  readColumn<double>(in, "visible/known/directed/measure_area", known.directed,
+  readColumn<double>(in, "visible/known/directed/measure_area", prior.directed,
                      [](DirectedPair& pair, double area) { pair.measure_area = area; });
-  readColumn<double>(in, "visible/known/directed/count_area", known.directed,
+  readColumn<double>(in, "visible/known/directed/count_area", prior.directed,
                      [](DirectedPair& pair, double area) { pair.count_area = area; });
-  requireOrder(in, "visible/known/directed", known.directed, face_ids.count());
-  const bool are_known = std::ranges::all_of(known.directed, [&](const DirectedPair& pair) {
-    return pair.j < kEnvironment && pair.directions > 0 && pair.share <= kShareOne &&
-           std::ranges::binary_search(known.pairs, keyOf(pair), {}, keyOf<KnownPair>);
+  requireOrder(in, "visible/known/directed", prior.directed, face_ids.count());
+  const bool are_prior_pairs = std::ranges::all_of(prior.directed, [&](const DirectedPair& pair) {
+    return pair.j < kEnvironment && pair.directions > 0 && pair.visibility <= kVisibilityOne &&
+           std::ranges::binary_search(prior.pairs, keyOf(pair), {}, keyOf<PairPrior>);
   });
-  if (!are_known) in.refuse("its 'visible/known/directed' are none of its pairs");
+  if (!are_prior_pairs) in.refuse("its 'visible/known/directed' are none of its pairs");
   const By by = readOne<uint8_t>(in, "visible/by_surface") ? By::surface : By::polygon;
-  ShareSums by_face = readShareSums(in, "visible/faces", face_ids);
-  ControlSums by_surface = readControlSums(in, "visible/surfaces", surface_ids),
-              directed = readControlSums(in, "visible/directed", face_ids);
-  return VisibleSums(by, std::move(known), std::move(by_face), std::move(by_surface), std::move(directed));
+  VisibilitySums by_face = readVisibilitySums(in, "visible/faces", face_ids);
+  ControlVariateSums by_surface = readControlSums(in, "visible/surfaces", surface_ids),
+                     directed = readControlSums(in, "visible/directed", face_ids);
+  return PriorSums(by, std::move(prior), std::move(by_face), std::move(by_surface), std::move(directed));
 }
 
 // Written only where there are any.
@@ -288,9 +292,9 @@ ReplicateSums readReplicateSums(Hdf5Input& in, const std::string& group) {
   readColumn<double>(in, group + "/areas", ids.areas, [](double& area, double stored) { area = stored; });
   readColumn<uint32_t>(in, group + "/surfaces", ids.surface,
                        [](uint32_t& surface, uint32_t stored) { surface = stored; });
-  for (uint8_t asked : in.read<uint8_t>(group + "/asked")) ids.asked.push_back(asked);
-  if (!ids.asked.empty() && ids.asked.size() != ids.count())
-    in.refuse(fmt::format("its '{}/asked' has {} values for {}", group, ids.asked.size(), ids.count()));
+  for (uint8_t requested : in.read<uint8_t>(group + "/asked")) ids.requested.push_back(requested);
+  if (!ids.requested.empty() && ids.requested.size() != ids.count())
+    in.refuse(fmt::format("its '{}/asked' has {} values for {}", group, ids.requested.size(), ids.count()));
   ids.splits_surfaces = readOne<uint8_t>(in, group + "/splits_surfaces");
   ids.rows_sum_to_one = readOne<uint8_t>(in, group + "/rows_sum_to_one");
   ids.two_sided = readOne<uint8_t>(in, group + "/two_sided");
@@ -327,7 +331,7 @@ void writeCheckpoint(const Settings& settings, const RunSums& sums, const std::f
   out.write("measure_area", std::vector<double>{sums.measure_area});
   writeReplicateSums(out, "by_id", sums.by_id);
   writeReplicateSums(out, "by_surface", sums.by_surface);
-  writeVisibleSums(out, sums);
+  writePriorSums(out, sums);
   const std::vector<char> bytes = out.finish();
   writeFile(file,
             [&](std::ostream& stream) { stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size())); });
@@ -341,7 +345,8 @@ Checkpoint readCheckpoint(const std::filesystem::path& file) {
                                                   "wrote it, or start afresh with another file",
                                                   file.string(), format, kFormat));
   Settings settings;
-  for (const std::string& name : in.read<std::string>("settings/names")) settings.push_back({name, {}});
+  for (const std::string& name : in.read<std::string>("settings/names"))
+    settings.push_back({name == "--closed-forms" ? "--unoccluded" : name, {}});  // the older name, until 0.3
   readColumn<std::string>(in, "settings/values", settings,
                           [](auto& setting, const std::string& value) { setting.second = value; });
   std::vector<ReplicateRange> replicates;
@@ -353,10 +358,10 @@ Checkpoint readCheckpoint(const std::filesystem::path& file) {
   for (const ReplicateSums* sums : {&by_id, &by_surface})
     if (std::ranges::any_of(sums->ids().surface, [&](uint32_t surface) { return surface >= by_surface.ids().count(); }))
       in.refuse("its ids are of surfaces that it does not have");
-  std::optional<VisibleSums> visible = readVisibleSums(in, by_id.ids(), by_surface.ids());
-  Checkpoint checkpoint{
-      std::move(settings),
-      {std::move(by_id), std::move(by_surface), std::move(replicates), directions, measure_area, std::move(visible)}};
+  std::optional<PriorSums> prior_sums = readPriorSums(in, by_id.ids(), by_surface.ids());
+  Checkpoint checkpoint{std::move(settings),
+                        {std::move(by_id), std::move(by_surface), std::move(replicates), directions, measure_area,
+                         std::move(prior_sums)}};
   if (!checkpoint.sums.isWhole()) in.refuse("its replicates are not those it has sums of");
   return checkpoint;
 }
@@ -391,13 +396,14 @@ Checkpoint mergeCheckpoints(const std::vector<std::filesystem::path>& files) {
       throw Error(ErrorCode::bad_usage, fmt::format("{}: areas are not those of {}, though the settings are the same; "
                                                     "were they made by one build of viewpeel?",
                                                     files[k].string(), files.front().string()));
-    if (other.sums.visible.has_value() != merged.sums.visible.has_value() ||
-        (merged.sums.visible && !merged.sums.visible->goesWith(*other.sums.visible)))
-      throw Error(ErrorCode::bad_usage,
-                  fmt::format("{}: its closed forms have other visible shares than {}, though the settings are the "
-                              "same; were they made by one build of viewpeel?",
-                              files[k].string(), files.front().string()));
-    if (merged.sums.visible && !merged.sums.visible->directsAs(*other.sums.visible))
+    if (other.sums.prior_sums.has_value() != merged.sums.prior_sums.has_value() ||
+        (merged.sums.prior_sums && !merged.sums.prior_sums->goesWith(*other.sums.prior_sums)))
+      throw Error(
+          ErrorCode::bad_usage,
+          fmt::format("{}: its unoccluded form factors have other visibilities than {}, though the settings are the "
+                      "same; were they made by one build of viewpeel?",
+                      files[k].string(), files.front().string()));
+    if (merged.sums.prior_sums && !merged.sums.prior_sums->directsAs(*other.sums.prior_sums))
       throw Error(ErrorCode::bad_usage,
                   fmt::format("{}: other pairs have directions of their own than in {}, for it had another goal; give "
                               "all parts of a run the same goal and --replicates",

@@ -21,13 +21,13 @@ struct Checkpoint {
   RunSums sums;
 };
 
-// Writes HDF5: settings, ranges of replicates, and by id and by surface names, areas and all sums; with closed forms
-// these, shares and controls. The same sums make the same bytes.
+// Writes HDF5: settings, ranges of replicates, and by id and by surface names, areas and all sums; with unoccluded form
+// factors these, visibilities and controls. The same sums make the same bytes.
 //   In: sums.isWhole()
 //   Error: none: integers and the bits of doubles.
 //   Throws: Error output, Error limit where memory is short; `file` is then what it was.
-//   Cost: 40 bytes of disk for each nonzero pair, 44 and the longest name for each id; with closed forms 24 for each
-//   pair known and 64 for each control; twice that in memory.
+//   Cost: 40 bytes of disk for each nonzero pair, 44 and the longest name for each id; with unoccluded form factors 24
+//   for each pair known and 64 for each control; twice that in memory.
 void writeCheckpoint(const Settings& settings, const RunSums& sums, const std::filesystem::path& file);
 
 //   Throws: Error bad_input where the file is none, of another format, cut off or damaged (all it holds is under a

@@ -31,18 +31,18 @@ void forEachEntry(const FormFactors& form_factors, Use use) {
   for (const FormFactors::Entry& entry : form_factors.entries()) rows[entry.i].push_back(entry);
   for (const auto& row : rows)
     for (const FormFactors::Entry& entry : row)
-      if (form_factors.ids().isAsked(entry.i)) use(entry.i, entry.j, form_factors.formFactor(entry.i, entry.j));
+      if (form_factors.ids().isRequested(entry.i)) use(entry.i, entry.j, form_factors.formFactor(entry.i, entry.j));
 }
 
 }  // namespace
 
-void writeCsv(const FormFactors& form_factors, std::ostream& out, const FormFactors* closed) {
+void writeCsv(const FormFactors& form_factors, std::ostream& out, const FormFactors* balanced) {
   const auto& names = form_factors.ids().names;
-  out << "from,to,form_factor,standard_error" << (closed ? ",closed_form_factor\n" : "\n");
+  out << "from,to,form_factor,standard_error" << (balanced ? ",balanced_form_factor\n" : "\n");
   forEachEntry(form_factors, [&](uint32_t i, uint32_t j, const Measured& f) {
     const std::string to = j == kEnvironment ? "environment" : j == kLeak ? "leak" : quoteName(names[j]);
     fmt::print(out, "{},{},{},{}", quoteName(names[i]), to, f.value, f.standard_error);
-    if (closed) fmt::print(out, ",{}", closed->formFactor(i, j).value);
+    if (balanced) fmt::print(out, ",{}", balanced->formFactor(i, j).value);
     out << '\n';
   });
 }
@@ -72,29 +72,29 @@ void writeMatrixMarket(const FormFactors& form_factors, std::ostream& out, const
   });
 }
 
-void writeFormFactors(const FormFactors& form_factors, const std::filesystem::path& file, const FormFactors* closed) {
+void writeFormFactors(const FormFactors& form_factors, const std::filesystem::path& file, const FormFactors* balanced) {
   if (!isMatrixMarket(file)) {
-    writeFile(file, [&](std::ostream& out) { writeCsv(form_factors, out, closed); });
+    writeFile(file, [&](std::ostream& out) { writeCsv(form_factors, out, balanced); });
     return;
   }
   writeFile(file, [&](std::ostream& out) { writeMatrixMarket(form_factors, out); });
-  if (closed)
+  if (balanced)
     writeFile(filesOf(file, true)[1],
-              [&](std::ostream& out) { writeMatrixMarket(*closed, out, "closed form factors"); });
+              [&](std::ostream& out) { writeMatrixMarket(*balanced, out, "balanced form factors"); });
 }
 
-std::vector<std::filesystem::path> filesOf(const std::filesystem::path& file, bool with_closure) {
-  if (!with_closure || !isMatrixMarket(file)) return {file};
-  return {file, std::filesystem::path(file).replace_extension(".closed.mtx")};
+std::vector<std::filesystem::path> filesOf(const std::filesystem::path& file, bool with_balance) {
+  if (!with_balance || !isMatrixMarket(file)) return {file};
+  return {file, std::filesystem::path(file).replace_extension(".balanced.mtx")};
 }
 
-void checkOutput(const std::filesystem::path& file, bool with_closure) {
-  if (with_closure && isMatrixMarket(file) && file.stem().extension() == ".closed")
+void checkOutput(const std::filesystem::path& file, bool with_balance) {
+  if (with_balance && isMatrixMarket(file) && file.stem().extension() == ".balanced")
     throw Error(
         ErrorCode::bad_usage,
-        fmt::format("{}: --closure takes names that end in .closed.mtx itself; use another one", file.string()));
+        fmt::format("{}: --balance takes names that end in .balanced.mtx itself; use another one", file.string()));
   isMatrixMarket(file);
-  for (const std::filesystem::path& written : filesOf(file, with_closure)) checkWritable(written);
+  for (const std::filesystem::path& written : filesOf(file, with_balance)) checkWritable(written);
 }
 
 }  // namespace viewpeel

@@ -56,11 +56,12 @@ std::vector<uint32_t> findPolygons(const Scene& scene, const std::string& name) 
       found.push_back(k);
   }
   if (found.empty()) {
-    std::string known;
+    std::string some_names;
     for (size_t k = 0; k < std::min<size_t>(scene.surfaces.size(), 5); ++k)
-      known += fmt::format("{}{}", k ? ", " : "", scene.surfaces[k].name);
-    throw Error(ErrorCode::bad_usage, fmt::format("{}: no surface or face is called '{}'; surfaces are {}{}",
-                                                  scene.file, name, known, scene.surfaces.size() > 5 ? ", ..." : ""));
+      some_names += fmt::format("{}{}", k ? ", " : "", scene.surfaces[k].name);
+    throw Error(ErrorCode::bad_usage,
+                fmt::format("{}: no surface or face is called '{}'; surfaces are {}{}", scene.file, name, some_names,
+                            scene.surfaces.size() > 5 ? ", ..." : ""));
   }
   return found;
 }
@@ -81,15 +82,15 @@ void askOnlyFor(const Question& question, const Scene& scene, Ids& ids) {
     give(question.pair.at(1), kReceives);
     ids.counts_environment = false;
   }
-  ids.asked.assign(ids.count(), question.from.empty() && question.pair.empty());
+  ids.requested.assign(ids.count(), question.from.empty() && question.pair.empty());
   for (uint32_t k = 0; k < scene.polygons.size(); ++k)
-    if (ids.roles[k] & kEmits || (ids.roles[k] && !question.pair.empty())) ids.asked[ids.of_polygon[k]] = true;
+    if (ids.roles[k] & kEmits || (ids.roles[k] && !question.pair.empty())) ids.requested[ids.of_polygon[k]] = true;
   for (const std::string& name : question.blockers)
     for (uint32_t polygon : findPolygons(scene, name)) {
       if ((!question.from.empty() && (ids.roles[polygon] & kEmits)) || (!question.pair.empty() && ids.roles[polygon]))
         throw Error(ErrorCode::bad_usage, fmt::format("'{}' is asked for and only blocks; drop one of the two", name));
       ids.roles[polygon] = 0;
-      ids.asked[ids.of_polygon[polygon]] = false;
+      ids.requested[ids.of_polygon[polygon]] = false;
     }
   std::vector<uint32_t> roles_of_id(ids.count(), UINT32_MAX), roles_of_surface(scene.surfaces.size(), UINT32_MAX);
   for (uint32_t k = 0; k < scene.polygons.size(); ++k) {

@@ -24,7 +24,7 @@ LeakAreas sumLeaks(const Scene& scene, const FormFactors& form_factors) {
   LeakAreas sums{std::vector<double>(ids.count(), 0), std::vector<double>(scene.surfaces.size(), 0),
                  std::vector<double>(scene.surfaces.size(), 0), 0, 0};
   for (uint32_t id = 0; id < ids.count(); ++id) {
-    if (!ids.isAsked(id)) continue;
+    if (!ids.isRequested(id)) continue;
     const double leak = form_factors.exchangeArea(id, kLeak).value;
     sums.of_id[id] = leak;
     sums.of_surface[ids.surface[id]] += leak;
@@ -70,7 +70,7 @@ std::vector<std::string> warnOfLeaks(const Scene& scene, const FormFactors& form
   const auto isPair = [](const FormFactors::Entry& entry) { return entry.j < kEnvironment; };
   const LeakAreas leaks = sumLeaks(scene, form_factors);
   const double share = leaks.total / leaks.emitted;
-  if (share == 0 && scene.faces.size() > 1 && ids.asked.empty() && !form_factors.entries().empty() &&
+  if (share == 0 && scene.faces.size() > 1 && ids.requested.empty() && !form_factors.entries().empty() &&
       std::none_of(form_factors.entries().begin(), form_factors.entries().end(), isPair))
     return {
         fmt::format("{}: no front sees another one: every line leaves the scene; turn a room whose normals look "

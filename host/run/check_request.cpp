@@ -2,11 +2,11 @@
 
 #include "run/rules.h"
 #include <viewpeel/error.h>
-#include <viewpeel/closure.h>
+#include <viewpeel/balance.h>
 
 namespace viewpeel {
 
-bool mayUseClosedForms(const Request& request) {
+bool mayUseUnoccluded(const Request& request) {
   const auto* guarantee = std::get_if<EpsilonDelta>(&request.goal);
   return request.engine != EngineKind::graphics && request.engine != EngineKind::exact &&
          request.question.isEverything() &&
@@ -22,11 +22,11 @@ void checkRequest(const Request& request) {
         amount.finest, amount.resolution));
   if (amount.finest && (!amount.directions || !amount.resolution))
     refuse("--finest needs --directions and --resolution");
-  if (request.closed_forms.value_or(false) && !mayUseClosedForms(request))
+  if (request.unoccluded.value_or(false) && !mayUseUnoccluded(request))
     refuse(
-        "--closed-forms on needs the whole matrix and --engine compute or host; of a guarantee also --by polygon and "
+        "--unoccluded on needs the whole matrix and --engine compute or host; of a guarantee also --by polygon and "
         "--statistic mean");
-  if (request.closure && !request.question.isEverything()) refuse(kClosureNeedsEveryRow);
+  if (request.balance && !request.question.isEverything()) refuse(kBalanceNeedsEveryRow);
   if (request.engine == EngineKind::exact && !request.exact_engine)
     refuse("there is no exact engine in this library; set Request::exact_engine, or take another engine");
   const auto* guarantee = std::get_if<EpsilonDelta>(&request.goal);

@@ -10,7 +10,7 @@
 #include <viewpeel/error.h>
 #include "estimator/estimate_run.h"
 #include "estimator/guarantee_run.h"
-#include "estimator/visible_share.h"
+#include "estimator/find_prior.h"
 #include "io/checkpoint.h"
 #include "result/leak_warnings.h"
 #include "run/observed_engine.h"
@@ -38,8 +38,8 @@ struct FormFactorRun::State {
   std::optional<GuaranteePlan> guarantee;
   PairSampler pairs;
   FaceExchanges exchanges;
-  VisibleShares shares;
-  std::optional<SharesSummary> shares_summary;
+  FoundPrior found_prior;
+  std::optional<PriorSummary> prior_summary;
   std::optional<EstimateRun> estimate_run;
   std::optional<GuaranteeRun> guarantee_run;
   bool is_interrupted = false, is_done = false;
@@ -47,19 +47,20 @@ struct FormFactorRun::State {
   State(const Scene& scene, Request request, Observer watching)
       : observer(std::move(watching)),
         setup(
-            scene, std::move(request), [this](uint64_t directions) { onBatch(directions); }, [this] { stopIfAsked(); }),
+            scene, std::move(request), [this](uint64_t directions) { onBatch(directions); },
+            [this] { stopIfRequested(); }),
         summary(summarise(setup)),
         pairs(setup.pairSampler()),
-        exchanges(setup.device(), scene, setup.faceIds(), [this] { stopIfAsked(); }) {}
+        exchanges(setup.device(), scene, setup.faceIds(), [this] { stopIfRequested(); }) {}
 
-  void stopIfAsked() const {
+  void stopIfRequested() const {
     if (observer.should_stop && observer.should_stop()) throw Interrupted{};
   }
   void tellProgress() const {
     if (observer.on_progress) observer.on_progress(progress);
   }
   void onBatch(uint64_t directions) {
-    stopIfAsked();
+    stopIfRequested();
     if (setup.guarantee()) return;  // it counts blocks
     progress.directions = directions;
     tellProgress();
@@ -80,10 +81,10 @@ struct FormFactorRun::State {
   const RunSums& sums() const { return guarantee_run ? guarantee_run->sums() : estimate_run->sums(); }
   bool isBegun() const { return estimate_run || guarantee_run; }
 
-  Plan makeOwnPlan() const;
-  Plan planOwn();
+  Plan makeFixedPlan() const;
+  Plan makePlanOfRequest();
   void makePlan();
-  void findShares();
+  void findPrior();
   EstimateOptions estimateOptions();
   void begin();
   void step();
@@ -92,31 +93,32 @@ struct FormFactorRun::State {
 };
 
 // As the request has it.
-Plan FormFactorRun::State::makeOwnPlan() const {
-  Plan own;
-  own.directions = setup.estimate().directions;
-  own.finest = setup.finest();
+Plan FormFactorRun::State::makeFixedPlan() const {
+  Plan fixed;
+  fixed.directions = setup.estimate().directions;
+  fixed.finest = setup.finest();
   const Lattices lattices = setup.lattices();
   const int resolution = setup.resolution() ? setup.resolution() : lattices.lattice.resolution;
-  own.groups = own.finest
-                   ? planGroups(setup.scene(), setup.ids(), setup.sampling(), resolution, own.finest, own.directions)
-                   : groupAsOne(setup.scene(), resolution);
-  own.engine = makeEngine(lattices, setup.scene(), setup.ids(), own.groups);
-  return own;
+  fixed.groups = fixed.finest ? planGroups(setup.scene(), setup.ids(), setup.sampling(), resolution, fixed.finest,
+                                           fixed.directions)
+                              : groupAsOne(setup.scene(), resolution);
+  fixed.engine = makeEngine(lattices, setup.scene(), setup.ids(), fixed.groups);
+  return fixed;
 }
 
-// Without closed forms where counts would be too large for those that nobody asked for.
-Plan FormFactorRun::State::planOwn() {
-  if (setup.isExact() || !setup.plans()) return makeOwnPlan();
+// Without unoccluded form factors where counts would be too large for those that nobody asked for.
+Plan FormFactorRun::State::makePlanOfRequest() {
+  if (setup.isExact() || !setup.plans()) return makeFixedPlan();
   const auto planned = [&] { return planEstimate(setup.scene(), setup.ids(), setup.estimate(), setup.lattices()); };
   Plan found = planned();
   if (!found.counts_too_large) return found;
-  if (!setup.closedFormsByDefault())
-    throw Error(ErrorCode::bad_usage,
-                "polygons differ too much in size for closed forms at this goal: counts would be too large; say "
-                "--closed-forms off, or ask for less");
+  if (!setup.unoccludedByDefault())
+    throw Error(
+        ErrorCode::bad_usage,
+        "polygons differ too much in size for unoccluded form factors at this goal: counts would be too large; say "
+        "--unoccluded off, or ask for less");
   found.engine.reset();
-  setup.leaveOutClosedForms();
+  setup.leaveOutUnoccluded();
   return planned();
 }
 
@@ -129,21 +131,21 @@ void FormFactorRun::State::makePlan() {
     guarantee->engine = observed(std::move(guarantee->engine), observer.on_count);
     summary = summarise(setup, *guarantee);
   } else {
-    plan = planOwn();
+    plan = makePlanOfRequest();
     plan->engine = observed(std::move(plan->engine), observer.on_count);
     summary = summarise(setup, *plan);
   }
   if (resumed) requireSameSettings(settingsOf(setup, summary), resumed->settings, resumed_file);
 }
 
-void FormFactorRun::State::findShares() {
-  if (!setup.usesClosedForms() || guarantee || resumed || shares_summary) return;
+void FormFactorRun::State::findPrior() {
+  if (!setup.usesUnoccluded() || guarantee || resumed || prior_summary) return;
   EstimateOptions pilot = setup.estimate();
   pilot.directions = plan->directions;
   pilot.pairs = &pairs;
-  shares =
-      findVisibleShares(engine(), exchanges, setup.scene(), setup.faceIds(), plan->groups, pilot, sharePilot(pilot));
-  shares_summary = summarise(shares);
+  found_prior = viewpeel::findPrior(engine(), exchanges, setup.scene(), setup.faceIds(), plan->groups, pilot,
+                                    choosePriorPilot(pilot));
+  prior_summary = summarise(found_prior);
 }
 
 EstimateOptions FormFactorRun::State::estimateOptions() {
@@ -151,8 +153,8 @@ EstimateOptions FormFactorRun::State::estimateOptions() {
   options.directions = plan->directions;
   options.resumed = resumed ? &resumed->sums : nullptr;
   options.pairs = &pairs;
-  if (setup.usesClosedForms()) {
-    options.known = &shares.known;
+  if (setup.usesUnoccluded()) {
+    options.prior = &found_prior.prior;
     options.exchanges = &exchanges;
   }
   if (options.seconds) options.seconds = std::max(*options.seconds - secondsSince(*start), 1e-3);
@@ -179,7 +181,7 @@ void FormFactorRun::State::step() {
     progress.replicates = sums().replicateCount();
     progress.directions = 0;
     tellProgress();
-    stopIfAsked();
+    stopIfRequested();
   };
   if (guarantee_run) {
     guarantee_run->step(tell);
@@ -209,11 +211,11 @@ Result FormFactorRun::State::resultOf(Estimate estimate) const {
   result.leak_share = shareOf(result.form_factors, kLeak);
   result.plan = summary;
   result.seconds = start ? secondsSince(*start) : 0;
-  if (!setup.request().closure) return result;
+  if (!setup.request().balance) return result;
   try {
-    result.closed = closeRows(result.form_factors);
+    result.balanced = balanceRows(result.form_factors);
   } catch (const Error& error) {
-    result.closure_refusal = error;
+    result.balance_refusal = error;
   }
   return result;
 }
@@ -262,17 +264,17 @@ const PlanSummary& FormFactorRun::makePlan() {
   return state_->summary;
 }
 
-const SharesSummary* FormFactorRun::findShares() {
+const PriorSummary* FormFactorRun::findPrior() {
   makePlan();
-  state_->doUnlessStopped([&] { state_->findShares(); });
-  return state_->shares_summary ? &*state_->shares_summary : nullptr;
+  state_->doUnlessStopped([&] { state_->findPrior(); });
+  return state_->prior_summary ? &*state_->prior_summary : nullptr;
 }
 
 double FormFactorRun::measureSeconds() {
   makePlan();
   const EstimateOptions& estimate = state_->setup.estimate();
   const auto directionsOf = [&](uint32_t count) {
-    return estimate.asked_directions ? estimate.asked_directions(count, kPlanReplicates.first).directions
+    return estimate.drawn_directions ? estimate.drawn_directions(count, kPlanReplicates.first).directions
                                      : sampleDirections(estimate.sampler, count, estimate.seed, kPlanReplicates.first);
   };
   const uint32_t all = state_->plan->directions;
@@ -290,7 +292,7 @@ double FormFactorRun::measureSeconds() {
 bool FormFactorRun::isDone() const { return state_->is_done; }
 
 void FormFactorRun::step() {
-  findShares();
+  findPrior();
   state_->doUnlessStopped([&] {
     if (!state_->isBegun()) state_->begin();
     if (!state_->is_done) state_->step();

@@ -61,13 +61,13 @@ Settings settingsOf(const Setup& setup) {
 }
 
 bool mayBePlanned(const std::string& name) {
-  constexpr std::array kPlanned = {"--closed-forms", "--directions", "--resolution", "--finest", "--range", "--block"};
+  constexpr std::array kPlanned = {"--unoccluded", "--directions", "--resolution", "--finest", "--range", "--block"};
   return std::ranges::find(kPlanned, name) != kPlanned.end();
 }
 
 Settings settingsOf(const Setup& setup, const PlanSummary& plan) {
   Settings all = settingsOf(setup);
-  all.emplace_back("--closed-forms", setup.usesClosedForms() ? "on" : "off");
+  all.emplace_back("--unoccluded", setup.usesUnoccluded() ? "on" : "off");
   if (plan.guarantee) {
     all.insert(all.end(), {{"--resolution", std::to_string(setup.resolution())},
                            {"--range", fmt::format("{}", plan.guarantee->range)},

@@ -10,7 +10,7 @@
 #include "engines/engine_factory.h"
 #include "engines/host_engine.h"
 #include <viewpeel/error.h>
-#include "estimator/visible_share.h"
+#include "estimator/find_prior.h"
 #include "io/checkpoint.h"
 #include "run/rules.h"
 #include "scene/interpenetration.h"
@@ -85,30 +85,31 @@ Setup::Setup(const Scene& scene, Request request, std::function<void(uint64_t)> 
   lattice_.on_batch = std::move(on_batch);
   lattice_.stop = stop_;
   askOnlyFor(request_.question, scene_, ids_);
-  settleClosedForms();
+  settleUnoccluded();
   chooseEngine();
   requireWhatEnginesHave();
-  askDirections();
+  settleDirections();
   if (guarantee()) sampler_ = nameOf(guaranteeOptions().sampler);
   if (engine_ == EngineKind::compute || engine_ == EngineKind::graphics) device_.emplace(request_.device);
   make_engine_ = isExact() ? request_.exact_engine : latticeEngines(engine_, device());
 }
 
-// Between surfaces counts vary less than their parts: there shares pay for small tolerances only. Where lines meet many
-// fronts, as with two-sided polygons, blocked pairs cost more than they gain, and a guarantee's tests of lattices each
-// wait for closed forms of all pairs (README).
-void Setup::settleClosedForms() {
+// Between surfaces counts vary less than their parts: there visibilities pay for small tolerances only. Where lines
+// meet many fronts, as with two-sided polygons, blocked pairs cost more than they gain, and a guarantee's tests of
+// lattices each wait for unoccluded form factors of all pairs (README).
+void Setup::settleUnoccluded() {
   const bool pays =
       !request_.two_sided && !guarantee() &&
-      (request_.by == By::polygon || (estimate_.tolerance && *estimate_.tolerance <= kSurfaceShareTolerance));
-  closed_forms_by_default_ = !request_.closed_forms;
-  closed_forms_possible_ = mayUseClosedForms(request_);
-  closed_forms_ = request_.closed_forms.value_or(plans_ && closed_forms_possible_ && pays &&
-                                                 scene_.faces.size() <= kMostSharedFaces);
-  if (!guarantee() || !closed_forms_ || pairCount(scene_.faces.size()) <= kMostKnownPairs) return;
-  throw Error(ErrorCode::bad_usage, fmt::format("a guarantee with closed forms needs those of all pairs of polygons: "
-                                                "{} at most, not {}; say --closed-forms off",
-                                                kMostKnownPairs, pairCount(scene_.faces.size())));
+      (request_.by == By::polygon || (estimate_.tolerance && *estimate_.tolerance <= kSurfaceUnoccludedTolerance));
+  unoccluded_by_default_ = !request_.unoccluded;
+  unoccluded_possible_ = mayUseUnoccluded(request_);
+  unoccluded_ = request_.unoccluded.value_or(plans_ && unoccluded_possible_ && pays &&
+                                             scene_.faces.size() <= kMostUnoccludedFaces);
+  if (!guarantee() || !unoccluded_ || pairCount(scene_.faces.size()) <= kMostPriorPairs) return;
+  throw Error(ErrorCode::bad_usage,
+              fmt::format("a guarantee with unoccluded form factors needs those of all pairs of polygons: "
+                          "{} at most, not {}; say --unoccluded off",
+                          kMostPriorPairs, pairCount(scene_.faces.size())));
 }
 
 // Compute shaders on a GPU; on a processor its own threads are many times faster than the shaders are through a
@@ -119,9 +120,9 @@ void Setup::chooseEngine() {
     const bool names_device = !request_.device.selector.empty() || std::getenv("VIEWPEEL_DEVICE");
     engine_ = names_device || hasGpu() ? EngineKind::compute : EngineKind::host;
   }
-  const bool takes_shares = closed_forms_ && request_.by == By::polygon;
-  lattice_.sampling = request_.sampling.value_or(
-      engine_ == EngineKind::host ? chooseSampling(scene_, ids_, takes_shares) : Sampling::lattice);
+  const bool has_prior = unoccluded_ && request_.by == By::polygon;
+  lattice_.sampling = request_.sampling.value_or(engine_ == EngineKind::host ? chooseSampling(scene_, ids_, has_prior)
+                                                                             : Sampling::lattice);
   if (lattice_.sampling != Sampling::scanline) return;
   const std::vector<Interpenetration> crossings = findInterpenetrations(scene_, kCrossingDepth);
   if (crossings.empty()) return;
@@ -146,13 +147,13 @@ void Setup::requireWhatEnginesHave() const {
 }
 
 // Fewer directions where not everything is asked for, unless a sampler of the whole sphere is.
-void Setup::askDirections() {
+void Setup::settleDirections() {
   const Question& question = request_.question;
   if (request_.sampler) return;
   if (!question.pair.empty()) {
     const DirectionRegion region = findPairRegion(scene_, findPolygons(scene_, question.pair[0]),
                                                   findPolygons(scene_, question.pair[1]), request_.two_sided);
-    estimate_.asked_directions = [region, seed = request_.seed](uint32_t count, uint64_t replicate) {
+    estimate_.drawn_directions = [region, seed = request_.seed](uint32_t count, uint64_t replicate) {
       return sampleRegion(region, count, seed, replicate);
     };
     sampler_ = region.isEmpty() ? "but none in which a front of one sees a front of the other"
@@ -166,7 +167,7 @@ void Setup::askDirections() {
     const std::vector<uint32_t> polygons = findPolygons(scene_, name);
     emitter.insert(emitter.end(), polygons.begin(), polygons.end());
   }
-  estimate_.asked_directions = [emitter, &scene = scene_, seed = request_.seed](uint32_t count, uint64_t replicate) {
+  estimate_.drawn_directions = [emitter, &scene = scene_, seed = request_.seed](uint32_t count, uint64_t replicate) {
     return sampleEmitter(scene, emitter, count, seed, replicate);
   };
   sampler_ = isPlanar(scene_, emitter) ? "by the emitter's cosine" : "fibonacci";
@@ -177,33 +178,33 @@ std::string Setup::deviceName() const {
 }
 
 GuaranteeOptions Setup::guaranteeOptions() const {
-  const EpsilonDelta& asked = *guarantee();
+  const EpsilonDelta& goal = *guarantee();
   GuaranteeOptions options;
-  options.epsilon = asked.epsilon;
-  options.delta = asked.delta;
-  options.statistic = asked.statistic;
-  options.sampler = request_.sampler.value_or(asked.statistic == Statistic::median ? Sampler::iid : Sampler::jittered);
+  options.epsilon = goal.epsilon;
+  options.delta = goal.delta;
+  options.statistic = goal.statistic;
+  options.sampler = request_.sampler.value_or(goal.statistic == Statistic::median ? Sampler::iid : Sampler::jittered);
   options.seed = request_.seed;
-  options.range = asked.range;
-  options.block_directions = asked.block_directions;
-  options.closed_forms = closed_forms_;
+  options.range = goal.range;
+  options.block_directions = goal.block_directions;
+  options.unoccluded = unoccluded_;
   options.device = device();
   return options;
 }
 
 void Setup::adoptPlan(const Settings& stored) {
   if (stored.empty()) return;
-  if (closed_forms_by_default_ && closed_forms_possible_) {
-    closed_forms_ = findSetting(stored, "--closed-forms") == "on";
-    closed_forms_by_default_ = false;
+  if (unoccluded_by_default_ && unoccluded_possible_) {
+    unoccluded_ = findSetting(stored, "--unoccluded") == "on";
+    unoccluded_by_default_ = false;
   }
   const auto figureOf = [&](const char* name) {
     const std::optional<std::string> figure = findSetting(stored, name);
     return figure ? std::strtod(figure->c_str(), nullptr) : 0;
   };
-  if (auto* asked = std::get_if<EpsilonDelta>(&request_.goal)) {
-    if (!(asked->range > 0)) asked->range = figureOf("--range");
-    if (!asked->block_directions) asked->block_directions = static_cast<uint32_t>(figureOf("--block"));
+  if (auto* goal = std::get_if<EpsilonDelta>(&request_.goal)) {
+    if (!(goal->range > 0)) goal->range = figureOf("--range");
+    if (!goal->block_directions) goal->block_directions = static_cast<uint32_t>(figureOf("--block"));
   } else if (plans_ && !isExact() && figureOf("--directions") >= 1) {
     plans_ = false;
     estimate_.directions = static_cast<uint32_t>(figureOf("--directions"));
@@ -215,8 +216,8 @@ void Setup::adoptPlan(const Settings& stored) {
 Lattices Setup::lattices() const {
   const bool has_windows = engine_ == EngineKind::compute || engine_ == EngineKind::host;
   Lattices lattices{make_engine_, lattice_, resolution_, has_windows && ids_.roles.empty() && !resolution_, nullptr};
-  lattices.lattice.count_blocked = closed_forms_;
-  if (closed_forms_) lattices.face_ids = &face_ids_;
+  lattices.lattice.count_blocked = unoccluded_;
+  if (unoccluded_) lattices.face_ids = &face_ids_;
   return lattices;
 }
 

@@ -26,7 +26,7 @@ class Setup {
   const Ids& ids() const { return ids_; }
   const Ids& faceIds() const { return face_ids_; }
   // Ids that engines count by.
-  const Ids& countedIds() const { return closed_forms_ ? face_ids_ : ids_; }
+  const Ids& countedIds() const { return unoccluded_ ? face_ids_ : ids_; }
   EngineKind engine() const { return engine_; }
   bool isExact() const { return engine_ == EngineKind::exact; }
   Sampling sampling() const { return lattice_.sampling; }
@@ -45,10 +45,10 @@ class Setup {
   int finest() const { return finest_; }
   // 0: to be planned.
   int resolution() const { return resolution_; }
-  bool usesClosedForms() const { return closed_forms_; }
+  bool usesUnoccluded() const { return unoccluded_; }
   // They were nobody's wish, and can be left out.
-  bool closedFormsByDefault() const { return closed_forms_by_default_; }
-  void leaveOutClosedForms() { closed_forms_ = false; }
+  bool unoccludedByDefault() const { return unoccluded_by_default_; }
+  void leaveOutUnoccluded() { unoccluded_ = false; }
   // Keeps what the plan of an earlier run chose, as its settings have it.
   void adoptPlan(const Settings& stored);
 
@@ -57,10 +57,10 @@ class Setup {
   PairSampler pairSampler() const;
 
  private:
-  void settleClosedForms();
+  void settleUnoccluded();
   void chooseEngine();
   void requireWhatEnginesHave() const;
-  void askDirections();
+  void settleDirections();
 
   const Scene& scene_;
   Request request_;
@@ -70,7 +70,7 @@ class Setup {
   LatticeOptions lattice_;
   std::string sampler_;
   EstimateOptions estimate_;
-  bool plans_ = true, closed_forms_ = false, closed_forms_by_default_ = false, closed_forms_possible_ = false;
+  bool plans_ = true, unoccluded_ = false, unoccluded_by_default_ = false, unoccluded_possible_ = false;
   int resolution_ = 0, finest_ = 0;
   std::optional<Device> device_;
   EngineFactory make_engine_;

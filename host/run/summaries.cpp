@@ -27,7 +27,7 @@ PlanSummary summarise(const Setup& setup) {
   summary.device = setup.deviceName();
   summary.sampling = setup.sampling();
   summary.sampler = setup.sampler();
-  summary.closed_forms = setup.usesClosedForms();
+  summary.unoccluded = setup.usesUnoccluded();
   return summary;
 }
 
@@ -39,7 +39,7 @@ PlanSummary summarise(const Setup& setup, const Plan& plan) {
   summary.seconds = plan.seconds;
   summary.standard_error = plan.standard_error;
   summary.pilot_seconds = plan.pilot_seconds;
-  for (uint32_t id : plan.barely_met) summary.barely_met.push_back(setup.ids().names[id]);
+  for (uint32_t id : plan.barely_covered) summary.barely_covered.push_back(setup.ids().names[id]);
   return summary;
 }
 
@@ -48,25 +48,25 @@ PlanSummary summarise(const Setup& setup, const GuaranteePlan& plan) {
   summary.directions = plan.block_directions;
   summary.lattices = summariseGroups(plan.groups);
   summary.guarantee = plan;
-  if (!plan.share_bounds) return summary;
-  summary.unoccluded_pairs = plan.known.pairs.size();
-  summary.shared_pairs = std::count_if(plan.known.pairs.begin(), plan.known.pairs.end(),
-                                       [](const KnownPair& pair) { return pair.share > 0; });
+  if (!plan.visibility_bounds) return summary;
+  summary.unoccluded_pairs = plan.prior.pairs.size();
+  summary.pairs_with_visibility = std::count_if(plan.prior.pairs.begin(), plan.prior.pairs.end(),
+                                                [](const PairPrior& pair) { return pair.visibility > 0; });
   return summary;
 }
 
-SharesSummary summarise(const VisibleShares& shares) {
-  SharesSummary summary;
-  for (const KnownPair& pair : shares.known.pairs) {
+PriorSummary summarise(const FoundPrior& found) {
+  PriorSummary summary;
+  for (const PairPrior& pair : found.prior.pairs) {
     summary.pairs += pair.j < kEnvironment;
-    summary.never_blocked += pair.j < kEnvironment && pair.share == kShareOne;
+    summary.never_blocked += pair.j < kEnvironment && pair.visibility == kVisibilityOne;
   }
-  summary.unreached = shares.unreached;
-  summary.directed_pairs = shares.known.directed.size();
-  for (const DirectedPair& pair : shares.known.directed) summary.directed_directions += pair.directions;
-  summary.pilot_seconds = shares.pilot_seconds;
-  summary.closed_form_seconds = shares.closed_form_seconds;
-  summary.directed_seconds = shares.directed_seconds;
+  summary.unreached = found.unreached;
+  summary.directed_pairs = found.prior.directed.size();
+  for (const DirectedPair& pair : found.prior.directed) summary.directed_directions += pair.directions;
+  summary.pilot_seconds = found.pilot_seconds;
+  summary.unoccluded_seconds = found.unoccluded_seconds;
+  summary.directed_seconds = found.directed_seconds;
   return summary;
 }
 
@@ -74,7 +74,7 @@ std::string optionsOf(const PlanSummary& plan) {
   return fmt::format("--directions {} --resolution {}{}{}{}", plan.directions, plan.lattices[0].resolution,
                      plan.lattices.size() > 1 ? fmt::format(" --finest {}", plan.finest) : "",
                      plan.sampling == Sampling::scanline ? " --sampling scanline" : "",
-                     plan.closed_forms ? " --closed-forms on" : "");
+                     plan.unoccluded ? " --unoccluded on" : "");
 }
 
 std::string inWords(double seconds) {
@@ -96,7 +96,7 @@ double shareOf(const FormFactors& form_factors, uint32_t column) {
   for (const auto& entry : form_factors.entries())
     if (entry.j == column) exchange += entry.exchange_area.value;
   for (uint32_t k = 0; k < form_factors.ids().count(); ++k)
-    if (form_factors.ids().isAsked(k)) area += form_factors.ids().areas[k];
+    if (form_factors.ids().isRequested(k)) area += form_factors.ids().areas[k];
   return exchange / area;
 }
 

@@ -1,10 +1,10 @@
-// What is said of a run: its plan, its shares, and what its form factors come to in all.
+// What is said of a run: its plan, its visibilities, and what its form factors come to in all.
 #pragma once
 #include <string>
 
 #include <viewpeel/result.h>
 
-#include "estimator/visible_share.h"
+#include "estimator/find_prior.h"
 #include "run/setup.h"
 
 namespace viewpeel {
@@ -13,7 +13,7 @@ namespace viewpeel {
 PlanSummary summarise(const Setup& setup);
 PlanSummary summarise(const Setup& setup, const Plan& plan);
 PlanSummary summarise(const Setup& setup, const GuaranteePlan& plan);
-SharesSummary summarise(const VisibleShares& shares);
+PriorSummary summarise(const FoundPrior& found);
 
 // A time for people: "0.31 s", "14 minutes".
 std::string inWords(double seconds);

@@ -71,23 +71,23 @@ void groupPlanes(Scene& scene) {
   PlaneIndex index;
   for (uint32_t polygon_index : by_area) {
     Polygon& polygon = scene.polygons[polygon_index];
-    const Plane own = planeOf(scene, polygon);
+    const Plane polygon_plane = planeOf(scene, polygon);
     // A polygon of width w within the tolerance of a plane is turned against it by up to twice the tolerance over w.
     const double width = polygon.area / perimeterOf(scene, polygon);
     const double reach = kCoplanarTolerance + std::min(2 * kCoplanarTolerance / width, 1e-3);
     uint32_t found = UINT32_MAX;
     for (double sign : {1.0, -1.0})
-      index.forEachNear(sign * own.normal, sign * own.offset, reach, [&](uint32_t candidate) {
+      index.forEachNear(sign * polygon_plane.normal, sign * polygon_plane.offset, reach, [&](uint32_t candidate) {
         if (candidate < found && distanceFrom(scene.planes[candidate], scene, polygon) <= kCoplanarTolerance)
           found = candidate;
       });
     if (found == UINT32_MAX) {
       found = static_cast<uint32_t>(scene.planes.size());
-      scene.planes.push_back(own);
-      index.add(own, found);
+      scene.planes.push_back(polygon_plane);
+      index.add(polygon_plane, found);
     }
     polygon.plane = found;
-    polygon.front_along_plane_normal = glm::dot(scene.planes[found].normal, own.normal) > 0;
+    polygon.front_along_plane_normal = glm::dot(scene.planes[found].normal, polygon_plane.normal) > 0;
   }
 }
 

@@ -87,10 +87,10 @@ class ObjReader {
   // The latest `o` or `g` names the surface; a nameless `g` falls back to the object, and that to the file.
   uint32_t surfaceInForce() {
     const std::string& name = !name_.empty() ? name_ : object_;
-    const std::string own = name.empty() ? file_.stem().string() : name;
-    const auto [at, is_new] = surfaces_.try_emplace(std::pair(own == object_ ? std::string() : object_, own),
+    const std::string surface = name.empty() ? file_.stem().string() : name;
+    const auto [at, is_new] = surfaces_.try_emplace(std::pair(surface == object_ ? std::string() : object_, surface),
                                                     uint32_t(scene_.surface_names.size()));
-    if (is_new) scene_.surface_names.push_back(own);
+    if (is_new) scene_.surface_names.push_back(surface);
     return at->second;
   }
 

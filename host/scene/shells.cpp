@@ -190,9 +190,9 @@ void ShellFinder::joinMany(std::vector<EdgeUse> uses) {
   std::map<uint32_t, std::vector<EdgeUse>> by_surface;
   for (const EdgeUse& use : uses) by_surface[surfaceOf(use)].push_back(use);
   uses.clear();
-  for (const auto& [surface, own] : by_surface) {
-    if (own.size() == 2) join(own[0], own[1]);
-    else uses.insert(uses.end(), own.begin(), own.end());
+  for (const auto& [surface, surface_uses] : by_surface) {
+    if (surface_uses.size() == 2) join(surface_uses[0], surface_uses[1]);
+    else uses.insert(uses.end(), surface_uses.begin(), surface_uses.end());
   }
   while (uses.size() >= 2) {
     double least = INFINITY;

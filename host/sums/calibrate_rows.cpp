@@ -21,7 +21,9 @@ void addToRows(Rows& rows, const Entry& entry, double value) {
   if (entry.j < kEnvironment && entry.j != entry.i) rows[entry.j] += value;
 }
 
-double tilt(double share, double odds_factor) { return share * odds_factor / (1 - share + share * odds_factor); }
+double tilt(double visibility, double odds_factor) {
+  return visibility * odds_factor / (1 - visibility + visibility * odds_factor);
+}
 
 // What one pass over the guesses finds, by row.
 struct Pass {
@@ -43,8 +45,8 @@ class Calibration {
       const double error = entry.exchange_area.standard_error, part = double(guess.weight) * guess.most;
       addToRows(measured, entry, -error * error);
       addToRows(together, entry, guess.weight * error);
-      addToRows(room_up, entry, part * (1 - guess.share));
-      addToRows(room_down, entry, part * guess.share);
+      addToRows(room_up, entry, part * (1 - guess.visibility));
+      addToRows(room_down, entry, part * guess.visibility);
     }
     for (size_t i = 0; i < areas.size(); ++i) {
       const double common = together[i] * together[i], variance = common + std::max(0.0, measured[i]);
@@ -71,7 +73,8 @@ class Calibration {
 
   double gainOf(const Guess& guess) const {
     const Entry& entry = entries_[guess.entry];
-    return double(guess.weight) * guess.most * (tilt(guess.share, std::exp(y_[entry.i] + y_[entry.j])) - guess.share);
+    return double(guess.weight) * guess.most *
+           (tilt(guess.visibility, std::exp(y_[entry.i] + y_[entry.j])) - guess.visibility);
   }
 
  private:
@@ -89,9 +92,9 @@ class Calibration {
         const Guess& guess = guesses_[k];
         const Entry& entry = entries_[guess.entry];
         const double weight = double(guess.weight) * guess.most,
-                     share = tilt(guess.share, odds[entry.i] * odds[entry.j]);
-        addToRows(sums.gain, entry, weight * (share - guess.share));
-        addToRows(sums.slope, entry, weight * share * (1 - share));
+                     visibility = tilt(guess.visibility, odds[entry.i] * odds[entry.j]);
+        addToRows(sums.gain, entry, weight * (visibility - guess.visibility));
+        addToRows(sums.slope, entry, weight * visibility * (1 - visibility));
       }
     });
     for (size_t part = 1; part < parts; ++part)

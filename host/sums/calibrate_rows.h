@@ -5,7 +5,7 @@
 // missing in a row, or is too much, moves the odds of all guesses of that row by one common factor. Entries that lines
 // have measured stay as they are. Source: J.-C. Deville & C.-E. Särndal, Calibration estimators in survey sampling, J.
 // Am. Stat. Assoc. 87, 1992, 376-382 (the logit
-//   method, which keeps every share between 0 and 1).
+//   method, which keeps every visibility between 0 and 1).
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -14,12 +14,12 @@
 
 namespace viewpeel {
 
-// The part of an entry that is a guess: weight * most * share.
+// The part of an entry that is a guess: weight * most * visibility.
 struct Guess {
-  uint32_t entry = 0;  // its index
-  float most = 0;      // exchange area with nothing in between, input units squared
-  float share = 0;     // guessed visibility
-  float weight = 0;    // of the guess beside the pair's own lines: 1 without lines
+  uint32_t entry = 0;    // its index
+  float most = 0;        // exchange area with nothing in between, input units squared
+  float visibility = 0;  // guessed visibility
+  float weight = 0;      // of the guess beside the pair's own lines: 1 without lines
 };
 
 // Moves guesses so that row sums come near to 1.
@@ -30,7 +30,7 @@ struct Guess {
 //   sums.
 //   In: entries of all pairs, environment and leak, sorted; guesses sorted by entry; areas: emitting area of each row
 //   Out: entries, moved; reciprocity holds as before, for x_ij is one number. Standard errors stay.
-//   Error: a row gains g_i to 1 % of the root of E_i^2 + V_i, or as near to it as shares from 0 to 1 allow.
+//   Error: a row gains g_i to 1 % of the root of E_i^2 + V_i, or as near to it as visibilities from 0 to 1 allow.
 //     tests/unit/calibrate_rows_test.cpp. The same for any number of threads.
 //   Cost: some 20 passes over all guesses; memory 16 bytes a row.
 void calibrateRows(std::vector<FormFactors::Entry>& entries, const std::vector<Guess>& guesses,

@@ -26,17 +26,18 @@ std::vector<ReplicateRange> joinRanges(std::vector<ReplicateRange> ranges) {
 RunSums makeRunSums(const Scene& scene, const Ids& ids) {
   Ids surface_ids = makeIds(scene, By::surface, ids.two_sided);
   surface_ids.rows_sum_to_one = ids.rows_sum_to_one;
-  if (!ids.asked.empty()) {
-    surface_ids.asked.assign(surface_ids.count(), false);
+  if (!ids.requested.empty()) {
+    surface_ids.requested.assign(surface_ids.count(), false);
     for (uint32_t k = 0; k < ids.count(); ++k)
-      if (ids.asked[k]) surface_ids.asked[ids.surface[k]] = true;
+      if (ids.requested[k]) surface_ids.requested[ids.surface[k]] = true;
   }
   return {ReplicateSums(ids), ReplicateSums(std::move(surface_ids)), {}};
 }
 
 double RunSums::countArea() const {
-  return by_id.ids().asked.empty() && replicateCount() ? measure_area * double(directions) / double(replicateCount())
-                                                       : INFINITY;
+  return by_id.ids().requested.empty() && replicateCount()
+             ? measure_area * double(directions) / double(replicateCount())
+             : INFINITY;
 }
 
 bool RunSums::isWhole() const {
@@ -47,14 +48,14 @@ bool RunSums::isWhole() const {
   }
   if (hasPairsInVisible() && !by_id.pairs().empty()) return false;
   return by_id.replicateCount() == count && by_surface.replicateCount() == count &&
-         (!visible ||
-          (visible->byFace().replicateCount() == count && visible->surfaceControls().replicateCount() == count &&
-           visible->directed().replicateCount() == count));
+         (!prior_sums ||
+          (prior_sums->byFace().replicateCount() == count && prior_sums->surfaceControls().replicateCount() == count &&
+           prior_sums->directed().replicateCount() == count));
 }
 
 void RunSums::add(uint64_t replicate, const PairCounts& counts, uint64_t direction_count, const PairCounts& directed) {
   const auto addTo = [&](size_t, size_t k) {
-    if (k == 0 && visible) visible->add(counts, directed);
+    if (k == 0 && prior_sums) prior_sums->add(counts, directed);
     if (k == 1) by_surface.add(mergeIds(counts, by_id.ids().surface));
     if (k == 2) hasPairsInVisible() ? by_id.addRows(counts) : by_id.add(counts);
   };
@@ -66,10 +67,11 @@ void RunSums::add(uint64_t replicate, const PairCounts& counts, uint64_t directi
 
 void RunSums::add(const RunSums& others) {
   if (replicates.empty()) measure_area = others.measure_area;
-  if (others.visible && !visible) visible = others.visible;
-  else if (visible)
-    visible->add(*others.visible, !others.replicates.empty() && (replicates.empty() || others.replicates.front().first <
-                                                                                           replicates.front().first));
+  if (others.prior_sums && !prior_sums) prior_sums = others.prior_sums;
+  else if (prior_sums)
+    prior_sums->add(*others.prior_sums,
+                    !others.replicates.empty() &&
+                        (replicates.empty() || others.replicates.front().first < replicates.front().first));
   by_surface.add(others.by_surface);
   by_id.add(others.by_id);
   replicates.insert(replicates.end(), others.replicates.begin(), others.replicates.end());
@@ -78,36 +80,36 @@ void RunSums::add(const RunSums& others) {
 }
 
 FormFactors RunSums::formFactors(const ExchangeRow& row) const {
-  if (visible && visible->by() == By::surface) return betweenSurfaces();
-  if (!visible) return by_id.formFactors(measure_area, countArea());
+  if (prior_sums && prior_sums->by() == By::surface) return betweenSurfaces();
+  if (!prior_sums) return by_id.formFactors(measure_area, countArea());
   // What counts alone say of other pairs is not looked at.
-  const std::vector<ShareSums::PairSum>& pairs = visible->byFace().pairs();
+  const std::vector<VisibilitySums::PairSum>& pairs = prior_sums->byFace().pairs();
   std::vector<FormFactors::Entry> sampled;
   sampled.reserve(pairs.size());
-  auto at = visible->known().pairs.begin();
-  const auto end = visible->known().pairs.end();
-  for (const ShareSums::PairSum& pair : pairs) {
+  auto at = prior_sums->prior().pairs.begin();
+  const auto end = prior_sums->prior().pairs.end();
+  for (const VisibilitySums::PairSum& pair : pairs) {
     while (at != end && keyOf(*at) < keyOf(pair)) ++at;
-    const bool is_known = at != end && keyOf(*at) == keyOf(pair);
-    if (pair.facing == 0 || (is_known && !visible->isCountedAlone(*at, double(directions), countArea()))) continue;
-    const ReplicateSums::PairSum counted{pair.i, pair.j, {pair.facing, visible->byFace().squaresOf(pair).facing}};
+    const bool has_prior = at != end && keyOf(*at) == keyOf(pair);
+    if (pair.facing == 0 || (has_prior && !prior_sums->isCountedAlone(*at, double(directions), countArea()))) continue;
+    const ReplicateSums::PairSum counted{pair.i, pair.j, {pair.facing, prior_sums->byFace().squaresOf(pair).facing}};
     sampled.push_back({pair.i, pair.j, by_id.exchangeArea(counted, measure_area, countArea())});
   }
-  return visible->byPolygon(measure_area, countArea(), by_id, sampled, row);
+  return prior_sums->byPolygon(measure_area, countArea(), by_id, sampled, row);
 }
 
-FormFactors RunSums::knownFormFactors() const {
-  std::vector<FormFactors::Entry> entries = visible->ofKnownPairs(measure_area, countArea(), by_id);
-  auto at = visible->known().pairs.begin();  // one of each of these
+FormFactors RunSums::priorFormFactors() const {
+  std::vector<FormFactors::Entry> entries = prior_sums->ofPriorPairs(measure_area, countArea(), by_id);
+  auto at = prior_sums->prior().pairs.begin();  // one of each of these
   std::erase_if(entries, [&](const FormFactors::Entry&) {
-    return visible->isCountedAlone(*at++, double(directions), countArea());
+    return prior_sums->isCountedAlone(*at++, double(directions), countArea());
   });
   return {by_id.ids(), std::move(entries), {}};
 }
 
 FormFactors RunSums::betweenSurfaces() const {
   const FormFactors sampled = by_surface.formFactors(measure_area, countArea());
-  return visible ? visible->bySurface(measure_area, countArea(), sampled) : sampled;
+  return prior_sums ? prior_sums->bySurface(measure_area, countArea(), sampled) : sampled;
 }
 
 ReplicateRange findShared(const std::vector<ReplicateRange>& a, const std::vector<ReplicateRange>& b) {

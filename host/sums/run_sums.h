@@ -6,7 +6,7 @@
 
 #include <viewpeel/form_factors.h>
 #include "sums/replicate_sums.h"
-#include "sums/visible_sums.h"
+#include "sums/prior_sums.h"
 
 namespace viewpeel {
 
@@ -25,31 +25,32 @@ struct RunSums {
   std::vector<ReplicateRange> replicates;  // sorted; a gap between each and the next
   uint64_t directions = 0;                 // in all, those of directed pairs not counted
   double measure_area = 0;                 // input units squared of one count; unknown, 0, before the first replicate
-  std::optional<VisibleSums> visible{};    // with closed forms: by_id is by face then
+  std::optional<PriorSums> prior_sums{};   // with unoccluded form factors: by_id is by face then
 
   uint64_t replicateCount() const { return by_id.replicateCount(); }
-  // With closed forms by polygon: what counts alone say of a pair is among what its share is made of.
-  bool hasPairsInVisible() const { return visible && visible->by() == By::polygon; }
+  // With unoccluded form factors by polygon: what counts alone say of a pair is among what its visibility is made of.
+  bool hasPairsInVisible() const { return prior_sums && prior_sums->by() == By::polygon; }
   // Input units squared of one count along its direction; infinite, not known, where only some rows were asked for and
   // directions are drawn for them.
   double countArea() const;
   // False where something ended a call of add early, and for sums that do not go with each other.
   bool isWhole() const;
 
-  //   In: a replicate that is not there yet; counts by id; of directed pairs (VisibleSums) those along their own
+  //   In: a replicate that is not there yet; counts by id; of directed pairs (PriorSums) those along their own
   //   directions
   //   Cost: O(nonzeros log nonzeros).
   void add(uint64_t replicate, const PairCounts& counts, uint64_t direction_count, const PairCounts& directed = {});
-  //   In: replicates that are not there yet, of the same run: the same ids, the same measure_area, the same shares
+  //   In: replicates that are not there yet, of the same run: the same ids, the same measure_area, the same
+  //   visibilities
   //   Cost: O(nonzeros).
   void add(const RunSums& others);
 
-  // What was counted comes to: with closed forms where there are, then of the ids asked for (VisibleSums::by) and with
-  // entries of 0 for pairs never seen, else of by_id.
-  //   In: row: as in VisibleSums
+  // What was counted comes to: with unoccluded form factors where there are, then of the ids asked for (PriorSums::by)
+  // and with entries of 0 for pairs never seen, else of by_id.
+  //   In: row: as in PriorSums
   FormFactors formFactors(const ExchangeRow& row = {}) const;
-  // Only those by polygon whose closed forms are known, as they are among all; needs VisibleSums.
-  FormFactors knownFormFactors() const;
+  // Only those by polygon whose unoccluded form factors are known, as they are among all; needs PriorSums.
+  FormFactors priorFormFactors() const;
   FormFactors betweenSurfaces() const;
 };
 

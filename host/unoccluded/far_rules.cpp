@@ -9,7 +9,7 @@ double binomialOf3(int n) { return double(n) * (n - 1) * (n - 2) / 6; }
 
 }  // namespace
 
-closed_form_data::FarBound farBound(int n) {
+unoccluded_data::FarBound farBound(int n) {
   const double error = largestMonomialError(n);
   // Binomials of the three sums grow by less than the last from one even power to the next.
   return {float(error * binomialOf3(2 * n + 3)), float(error * binomialOf3(2 * n + 2)),

@@ -6,6 +6,6 @@ namespace viewpeel {
 
 // What the bound on the error of a product rule is made of, see unoccluded_classify.comp.
 //   In: n: points along each coordinate.     Out: the bound, in single precision.
-closed_form_data::FarBound farBound(int n);
+unoccluded_data::FarBound farBound(int n);
 
 }  // namespace viewpeel

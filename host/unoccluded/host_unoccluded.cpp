@@ -12,7 +12,7 @@
 
 namespace viewpeel {
 
-using namespace closed_form_data;
+using namespace unoccluded_data;
 using glm::dot, glm::cross;
 
 namespace {

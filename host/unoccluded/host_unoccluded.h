@@ -37,8 +37,8 @@ class HostUnoccluded {
     double at, weight;
   };
   using Depths = std::array<double, 4>;
-  static constexpr size_t kMostFar = closed_form_data::kMostFarPoints;
-  static constexpr uint32_t unseen = closed_form_data::kPairLists;  // beside the numbers of pair lists
+  static constexpr size_t kMostFar = unoccluded_data::kMostFarPoints;
+  static constexpr uint32_t unseen = unoccluded_data::kPairLists;  // beside the numbers of pair lists
 
   Sides sidesOf(const SidePair& pair) const;
   uint32_t classify(const Sides& sides) const;
@@ -47,10 +47,10 @@ class HostUnoccluded {
   double integrateLine(Edge p, Edge q, size_t round, double& error) const;
 
   size_t threads_;
-  std::vector<closed_form_data::ShapeData> shapes_;
-  std::array<closed_form_data::FarBound, closed_form_data::kFarRules> bounds_;
-  std::array<std::vector<Point>, closed_form_data::kFarRules> far_points_;
-  std::array<std::array<std::vector<Point>, closed_form_data::kLineRules>, kLineRounds.size()> line_points_;
+  std::vector<unoccluded_data::ShapeData> shapes_;
+  std::array<unoccluded_data::FarBound, unoccluded_data::kFarRules> bounds_;
+  std::array<std::vector<Point>, unoccluded_data::kFarRules> far_points_;
+  std::array<std::array<std::vector<Point>, unoccluded_data::kLineRules>, kLineRounds.size()> line_points_;
   UnoccludedWork work_;
 };
 

@@ -51,11 +51,11 @@ RowExchange::RowExchange(const Scene& scene, const Ids& ids)
   std::iota(polygon_.begin(), polygon_.end(), 0u);
   std::stable_sort(polygon_.begin(), polygon_.end(),
                    [&](uint32_t a, uint32_t b) { return ids.of_polygon[a] < ids.of_polygon[b]; });
-  const std::vector<closed_form_data::ShapeData> shapes = makeShapes(scene);
+  const std::vector<unoccluded_data::ShapeData> shapes = makeShapes(scene);
   const std::vector<GaussPoint> rule = gaussPoints(2);
   first_.assign(ids.count() + 1, 0);
   for (uint32_t k : polygon_) {
-    const closed_form_data::ShapeData& s = shapes[k];
+    const unoccluded_data::ShapeData& s = shapes[k];
     id_.push_back(ids.of_polygon[k]);
     ++first_[ids.of_polygon[k] + 1];
     plane_.push_back(s.plane);

@@ -12,7 +12,7 @@
 
 #include "unoccluded/host_unoccluded.h"
 #include <viewpeel/ids.h>
-#include "sums/known_pair.h"
+#include "sums/pair_prior.h"
 
 namespace viewpeel {
 
@@ -50,7 +50,7 @@ class RowExchange {
   std::array<std::array<std::vector<float>, 3>, 4> points_;  // of the product rule
   std::array<std::vector<float>, 4> weights_;                // sum: the area
   std::vector<float> radius_, reach_, skew_, area_;
-  closed_form_data::FarBound bound_;
+  unoccluded_data::FarBound bound_;
 };
 
 }  // namespace viewpeel

@@ -10,7 +10,7 @@
 namespace viewpeel {
 namespace {
 
-using closed_form_data::ShapeData;
+using unoccluded_data::ShapeData;
 
 // Largest |slope| / value, at the middle of an edge of the square, of the density given at its corners.
 double skewOf(const std::array<double, 4>& density) {

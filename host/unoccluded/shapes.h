@@ -9,14 +9,14 @@
 
 namespace viewpeel {
 
-// The scene's polygons as the closed forms' kernels read them, see ShapeData.
+// The scene's polygons as the unoccluded form factors' kernels read them, see ShapeData.
 //   In: a scene as buildScene makes it.     Out: a shape a polygon, in order.
 //   Error: rounding of double.
 //   Throws: nothing.     Cost: O(polygons).     Source: none.
-std::vector<closed_form_data::ShapeData> makeShapes(const Scene& scene);
+std::vector<unoccluded_data::ShapeData> makeShapes(const Scene& scene);
 
 // The middle of its four corners, not that of its area.
-inline glm::dvec3 meanCorner(const closed_form_data::ShapeData& shape) {
+inline glm::dvec3 meanCorner(const unoccluded_data::ShapeData& shape) {
   return 0.25 * ((shape.corners[0] + shape.corners[1]) + (shape.corners[2] + shape.corners[3]));
 }
 
@@ -25,7 +25,7 @@ struct Stretch {
   glm::dvec3 along_u, along_v, along_uv;
 };
 
-inline Stretch stretchOf(const closed_form_data::ShapeData& shape) {
+inline Stretch stretchOf(const unoccluded_data::ShapeData& shape) {
   const auto& c = shape.corners;
   return {0.25 * ((c[1] - c[0]) + (c[2] - c[3])), 0.25 * ((c[3] - c[0]) + (c[2] - c[1])),
           0.25 * ((c[0] - c[1]) + (c[2] - c[3]))};

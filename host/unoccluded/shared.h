@@ -1,10 +1,10 @@
-// The structs that the closed forms' shaders share, for C++.
+// The structs that the unoccluded form factors' shaders share, for C++.
 #pragma once
 #include <cstdint>
 
 #include <glm/vec3.hpp>
 
-namespace viewpeel::closed_form_data {
+namespace viewpeel::unoccluded_data {
 using uint = std::uint32_t;
 using glm::dvec3;
 #include "../../shaders/unoccluded/unoccluded.h"
@@ -12,4 +12,4 @@ using glm::dvec3;
 static_assert(sizeof(ShapeData) == 192 && sizeof(WorkList) == kWorkListBytes && sizeof(EdgeData) == 48);
 static_assert(sizeof(ClassifyArgs) <= 128 && sizeof(FarArgs) <= 128 && sizeof(EdgesArgs) <= 128 &&
               sizeof(LineArgs) <= 128 && sizeof(SumArgs) <= 128);
-}  // namespace viewpeel::closed_form_data
+}  // namespace viewpeel::unoccluded_data

@@ -31,7 +31,7 @@
 namespace viewpeel {
 namespace {
 
-using namespace closed_form_data;
+using namespace unoccluded_data;
 
 constexpr uint32_t kGradedRule = kLineRules - 1;
 const std::array<const char*, 1 + kFarRules> kChunkPasses = {"classify", "far 2", "far 3", "far 4", "far 5", "far 6"};
@@ -56,7 +56,7 @@ void upload(Commands& commands, const Device& device, const std::vector<T>& valu
 
 struct UnoccludedExchange::State {
   State(const Device& device, const Scene& scene, const UnoccludedOptions& options);
-  void computeChunk(std::span<const SidePair> asked, std::span<double> found);
+  void computeChunk(std::span<const SidePair> requested, std::span<double> found);
   void integrateNear(VkDeviceAddress list, uint32_t near_count);
   void recordRound(size_t round, VkDeviceAddress near, uint32_t count);
   void bindTexels(const Kernel& kernel, const Buffer& texels);
@@ -83,8 +83,8 @@ struct UnoccludedExchange::State {
   UnoccludedWork work;
 };
 
-UnoccludedExchange::State::State(const Device& device, const Scene& scene, const UnoccludedOptions& asked)
-    : options(asked),
+UnoccludedExchange::State::State(const Device& device, const Scene& scene, const UnoccludedOptions& requested)
+    : options(requested),
       side_count(2 * scene.polygons.size()),
       classify(device, unoccluded_classify_comp, sizeof(ClassifyArgs), {}, 1),
       edges(device, unoccluded_edges_comp, sizeof(EdgesArgs), {}, 1),
@@ -147,10 +147,10 @@ void UnoccludedExchange::State::endPass() {
 void UnoccludedExchange::State::addSeconds(std::span<const char* const> passes) {
   const std::vector<double> seconds = timestamps.seconds();
   for (size_t k = 0; k < passes.size(); ++k) {
-    const auto known = std::find_if(work.pass_seconds.begin(), work.pass_seconds.end(),
+    const auto entry = std::find_if(work.pass_seconds.begin(), work.pass_seconds.end(),
                                     [&](const auto& one) { return one.first == passes[k]; });
-    if (known == work.pass_seconds.end()) work.pass_seconds.emplace_back(passes[k], seconds[k]);
-    else known->second += seconds[k];
+    if (entry == work.pass_seconds.end()) work.pass_seconds.emplace_back(passes[k], seconds[k]);
+    else entry->second += seconds[k];
   }
 }
 
@@ -220,16 +220,16 @@ void UnoccludedExchange::State::integrateNear(VkDeviceAddress list, uint32_t nea
   }
 }
 
-void UnoccludedExchange::State::computeChunk(std::span<const SidePair> asked, std::span<double> found) {
-  const auto count = static_cast<uint32_t>(asked.size());
-  pairs_written.write(asked);
+void UnoccludedExchange::State::computeChunk(std::span<const SidePair> requested, std::span<double> found) {
+  const auto count = static_cast<uint32_t>(requested.size());
+  pairs_written.write(requested);
   UnoccludedStatus none{};
   for (WorkList& list : none.pairs) list = {0, 1, 1, 0};
   commands.begin();
   timestamps.reset(commands.handle());
   vkCmdUpdateBuffer(commands.handle(), status.handle(), 0, sizeof none, &none);
   commands.fill(areas, 0, found.size_bytes());
-  commands.copy(pairs_written, pairs, asked.size_bytes());
+  commands.copy(pairs_written, pairs, requested.size_bytes());
   endPass();
   constexpr VkDeviceSize kWork = offsetof(UnoccludedStatus, pairs);
   ClassifyArgs sort{pairs.address(), pair_lists.address(), status.address() + kWork, {}, count};
@@ -292,12 +292,13 @@ std::vector<UnreachedPair> UnoccludedExchange::compute(std::span<const SidePair>
   if (host_) return host_->compute(pairs, areas);
   std::vector<UnreachedPair> unreached;
   for (size_t first = 0; first < pairs.size(); first += state_->options.chunk_pairs) {
-    const size_t count = std::min<size_t>(state_->options.chunk_pairs, pairs.size() - first), known = unreached.size();
+    const size_t count = std::min<size_t>(state_->options.chunk_pairs, pairs.size() - first),
+                 unreached_before = unreached.size();
     state_->computeChunk(pairs.subspan(first, count), areas.subspan(first, count));
     for (const UnreachedData& one :
          state_->unreached_read.mapped<UnreachedData>().first(state_->readStatus().unreached))
       unreached.push_back({first + one.pair, one.error});
-    std::sort(unreached.begin() + static_cast<std::ptrdiff_t>(known), unreached.end(),
+    std::sort(unreached.begin() + static_cast<std::ptrdiff_t>(unreached_before), unreached.end(),
               [](const auto& a, const auto& b) { return a.pair < b.pair; });
   }
   return unreached;

@@ -76,9 +76,9 @@ class FormFactorRun {
   //   Throws: Error bad_usage where a goal cannot be reached as asked; Error device, Error limit.    Cost: pilots of
   //   about a tenth of the run.
   const PlanSummary& makePlan();
-  // Finds visible shares and closed forms before the first replicate; nullptr where the run has none of its own. Plans
-  // first.
-  const SharesSummary* findShares();
+  // Finds visibilities and unoccluded form factors before the first replicate; nullptr where the run has none of its
+  // own. Plans first.
+  const PriorSummary* findPrior();
   // How long the replicates asked for take, in seconds, from a few directions. Plans first.
   double measureSeconds();
 
@@ -111,8 +111,8 @@ class FormFactorRun {
 };
 
 // Computes F_ij = (2 / A_i) E[A'_ij(u)] of all pairs asked for (Pellegrini 1997, sections 4.3 and 5.1), as `viewpeel
-// compute` finds them: with a plan, closed forms times visible shares where that pays, and directions of their own for
-// pairs that others hardly meet.
+// compute` finds them: with a plan, unoccluded form factors times visibilities where that pays, and directions of their
+// own for pairs that others hardly meet.
 //   In: scene as from loadScene or buildScene    Out: see Result
 //   Error: as asked for by the goal; unbiased at any spacing and number of directions, but for the small bias of shares
 //   (docs/method.md).

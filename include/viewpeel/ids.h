@@ -26,7 +26,7 @@ struct Ids {
   std::vector<uint32_t> of_polygon;  // id of each Scene::polygons entry
   std::vector<uint32_t> roles;       // of each Scene::polygons entry; empty where every one has both
   bool counts_environment = true;    // environment and leak, too
-  std::vector<bool> asked;           // whether the row was asked for; empty where all are
+  std::vector<bool> requested;       // whether the row was asked for; empty where all are
   bool splits_surfaces = false;      // roles differ within a surface: sums by surface would mean nothing
   bool rows_sum_to_one = true;       // whether everything that a row asked for can see is counted
   std::vector<std::string> names;    // faceName, or the surface's name
@@ -36,10 +36,10 @@ struct Ids {
   std::vector<EmptyRow> empty_rows;  // of the file, by row, which no id stands for: results have them, too
 
   uint32_t rolesOf(uint32_t polygon_index) const { return roles.empty() ? kEmits | kReceives : roles[polygon_index]; }
-  bool isAsked(uint32_t id) const { return asked.empty() || asked[id]; }
+  bool isRequested(uint32_t id) const { return requested.empty() || requested[id]; }
   // The smaller area of a pair, of those whose rows were asked for; infinite where none was.
   double smallerArea(uint32_t i, uint32_t j) const {
-    return std::min(isAsked(i) ? areas[i] : INFINITY, j < kEnvironment && isAsked(j) ? areas[j] : INFINITY);
+    return std::min(isRequested(i) ? areas[i] : INFINITY, j < kEnvironment && isRequested(j) ? areas[j] : INFINITY);
   }
   uint32_t count() const { return static_cast<uint32_t>(names.size()); }
   // Rows of results, empty ones too.

@@ -85,7 +85,7 @@ struct Request {
   std::optional<Sampler>
       sampler;  // of directions over the sphere; unset: fibonacci, better ones for a question, jittered for a guarantee
   std::optional<bool>
-      closed_forms;   // sample only the visible share of each pair's unoccluded form factor; unset: where that pays
+      unoccluded;     // sample only the visibility of each pair's unoccluded form factor; unset: where that pays
   uint64_t seed = 1;  // the same seed and plan give the same bits
   uint64_t first_replicate = 0;  // of a part of a run, for merging
 
@@ -96,7 +96,7 @@ struct Request {
   uint32_t batch_directions = 0;  // peeled at once; 0: by memory. Never changes a result
   bool measure_work = false;      // fills Result::work
 
-  bool closure = false;        // fills Result::closed: the nearest form factors whose rows sum to 1
+  bool balance = false;        // fills Result::closed: the nearest form factors whose rows sum to 1
   SceneOptions scene_options;  // that the scene was made with: checkpoints name them
 };
 

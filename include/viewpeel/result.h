@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include <viewpeel/closure.h>
+#include <viewpeel/balance.h>
 #include <viewpeel/engine.h>
 #include <viewpeel/error.h>
 #include <viewpeel/form_factors.h>
@@ -34,8 +34,8 @@ struct Estimate {
   bool interrupted =
       false;  // goals may not be reached; standard errors are infinite where fewer than 2 replicates are done
   std::optional<Guarantee> guarantee;
-  // Pairs of ids that can see each other by their closed forms and that no line met: their shares are their
-  // neighbours'.
+  // Pairs of ids that can see each other by their unoccluded form factors and that no line met: their visibilities are
+  // their neighbours'.
   uint64_t unmet_pairs = 0;
   double largest_unmet_error = 0;  // standard error, from the smaller of the two
   // Pairs that can see each other and were never seen: form factors of 0, whose standard errors count among the
@@ -77,40 +77,39 @@ struct PlanSummary {
   std::string device;  // name; "processor", or "none" for exact areas
   Sampling sampling = Sampling::lattice;
   std::string sampler;  // how directions are drawn, in words
-  bool closed_forms = false;
+  bool unoccluded = false;
   uint32_t directions = 0;               // of a replicate
   std::vector<LatticeSummary> lattices;  // the whole scene's first
   int finest = 0;                        // resolution that the neediest polygon gets, at least
   double seconds = 0;                    // of counting the replicates asked for, predicted; 0 where nothing was planned
   double standard_error = 0;  // largest over all form factors, or of its form factor for a relative goal; predicted
   double pilot_seconds = 0;   // spent on finding out; 0 where nothing was planned
-  std::vector<std::string> barely_met;  // rows so small that even the finest lattice may not meet them
+  std::vector<std::string> barely_covered;  // rows so small that even the finest lattice may not meet them
   std::optional<GuaranteeFigures> guarantee;
-  uint64_t unoccluded_pairs = 0,
-           shared_pairs =
-               0;  // of a guarantee with closed forms: pairs that have one, and those with a visible share from a pilot
+  uint64_t unoccluded_pairs = 0;       // of a guarantee: pairs with an unoccluded form factor
+  uint64_t pairs_with_visibility = 0;  // of these, with a visibility from a pilot
 };
 
-// The program's options that give the same plan again: "--directions 64 --resolution 128 --closed-forms on". Not of a
+// The program's options that give the same plan again: "--directions 64 --resolution 128 --unoccluded on". Not of a
 // guarantee.
 //   In: a plan of a result    Cost: O(1).
 std::string optionsOf(const PlanSummary& plan);
 
-// What pilots and closed forms found before the first replicate.
-struct SharesSummary {
-  uint64_t pairs = 0;          // of polygons, with closed forms
+// What pilots and unoccluded form factors found before the first replicate.
+struct PriorSummary {
+  uint64_t pairs = 0;          // of polygons, with unoccluded form factors
   uint64_t never_blocked = 0;  // of these, in the pilot
-  uint64_t unreached = 0;      // pairs left to sampling alone, as their closed forms were not accurate enough
+  uint64_t unreached = 0;  // pairs left to sampling alone, as their unoccluded form factors were not accurate enough
   uint64_t directed_pairs = 0, directed_directions = 0;  // pairs with directions of their own, and these in a replicate
-  double pilot_seconds = 0, closed_form_seconds = 0, directed_seconds = 0;
+  double pilot_seconds = 0, unoccluded_seconds = 0, directed_seconds = 0;
 };
 
 // All that one call finds.
 struct Result : Estimate {
-  double environment_share = 0;             // of all that the rows asked for emit, what leaves the scene
-  double leak_share = 0;                    // and what ends on the backs of polygons
-  std::optional<ClosedFormFactors> closed;  // with Request::closure
-  std::optional<Error> closure_refusal;     // why there are none
+  double environment_share = 0;                 // of all that the rows asked for emit, what leaves the scene
+  double leak_share = 0;                        // and what ends on the backs of polygons
+  std::optional<BalancedFormFactors> balanced;  // with Request::balance
+  std::optional<Error> balance_refusal;         // why there are none
   std::vector<std::string>
       warnings;  // one line each: faces that look the wrong way, as leaks tell; not of a run that was stopped
   PlanSummary plan;

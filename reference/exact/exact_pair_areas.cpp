@@ -85,9 +85,9 @@ class Walk {
     });
     const Vertex &a = projection_.vertices()[edge.a], &b = projection_.vertices()[edge.b];
     exact_cross_ = a.x * b.y - a.y * b.x;
-    long own = 0;
-    const double mantissa = mpz_get_d_2exp(&own, exact_cross_.get_mpz_t());
-    const double cross = std::ldexp(mantissa, static_cast<int>(own + 2 * projection_.exponent()));
+    long binary_exponent = 0;
+    const double mantissa = mpz_get_d_2exp(&binary_exponent, exact_cross_.get_mpz_t());
+    const double cross = std::ldexp(mantissa, static_cast<int>(binary_exponent + 2 * projection_.exponent()));
     cross_ = {cross, Ball::kUnit * std::abs(cross)};
   }
 
@@ -127,15 +127,15 @@ class Walk {
       addAll(change.outside, outside);
       return;
     }
-    sums_.addGap(change.lower, change.own, inside);
-    sums_.addGap(change.own, change.upper, inside);
+    sums_.addGap(change.lower, change.outline, inside);
+    sums_.addGap(change.outline, change.upper, inside);
     sums_.addGap(change.lower, change.upper, outside);
     if (!options_.blocked) return;
     sums_.addBlocked(change.lower, change.upper, inside);
     const std::vector<uint32_t>& layers = change.inside;
-    const size_t own = static_cast<size_t>(std::find(layers.begin(), layers.end(), change.own) - layers.begin());
-    for (size_t k = 0; k + 1 < own; ++k) sums_.addBlocked(layers[k], change.own, inside);
-    for (size_t k = own + 2; k < layers.size(); ++k) sums_.addBlocked(change.own, layers[k], inside);
+    const size_t place = static_cast<size_t>(std::find(layers.begin(), layers.end(), change.outline) - layers.begin());
+    for (size_t k = 0; k + 1 < place; ++k) sums_.addBlocked(layers[k], change.outline, inside);
+    for (size_t k = place + 2; k < layers.size(); ++k) sums_.addBlocked(change.outline, layers[k], inside);
   }
 
   void addAll(const std::vector<uint32_t>& layers, const Piece& piece) {

@@ -27,7 +27,7 @@ HeightOrder::HeightOrder(const Projection& projection) : projection_(projection)
 bool HeightOrder::isBelow(uint32_t a, uint32_t b) {
   const bool swapped = b < a;
   if (swapped) std::swap(a, b);
-  const auto [entry, is_new] = known_.try_emplace(uint64_t{a} << 32 | b, false);
+  const auto [entry, is_new] = orders_.try_emplace(uint64_t{a} << 32 | b, false);
   if (is_new) entry->second = decide(a, b);
   return entry->second != swapped;
 }

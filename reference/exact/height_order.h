@@ -39,7 +39,7 @@ class HeightOrder {
   };
   const Projection& projection_;
   std::vector<Height> heights_;
-  std::unordered_map<uint64_t, bool> known_;
+  std::unordered_map<uint64_t, bool> orders_;
 };
 
 }  // namespace viewpeel::reference

@@ -5,14 +5,14 @@
 
 namespace viewpeel::reference {
 
-void Layers::assign(uint32_t own) {
-  layers_.assign(1, {own, 0, false});
-  change_.own = own;
+void Layers::assign(uint32_t outline) {
+  layers_.assign(1, {outline, 0, false});
+  change_.outline = outline;
   update();
 }
 
 void Layers::insert(uint32_t outline) {
-  Layer added{outline, 0, order_.isBelow(outline, change_.own)};
+  Layer added{outline, 0, order_.isBelow(outline, change_.outline)};
   for (Layer& layer : layers_) {
     if (order_.isBelow(layer.outline, outline)) ++added.below_count;
     else ++layer.below_count;
@@ -41,11 +41,11 @@ void Layers::update() {
 
 void Layers::findNeighbours() {
   taken_.assign(layers_.size(), false);
-  const uint32_t own_count = layers_.front().below_count;
+  const uint32_t outline_below_count = layers_.front().below_count;
   for (const Layer& layer : layers_) {
     if (std::exchange(taken_[layer.below_count], true)) change_.is_cyclic = true;
-    if (layer.below_count + 1 == own_count) change_.lower = layer.outline;
-    if (layer.below_count == own_count + 1) change_.upper = layer.outline;
+    if (layer.below_count + 1 == outline_below_count) change_.lower = layer.outline;
+    if (layer.below_count == outline_below_count + 1) change_.upper = layer.outline;
   }
 }
 
@@ -53,8 +53,8 @@ void Layers::listAll() {
   std::vector<std::pair<uint32_t, uint32_t>> inside, outside;  // below_count, outline
   for (const Layer& layer : layers_) {
     inside.emplace_back(layer.below_count, layer.outline);
-    if (layer.outline != change_.own)
-      outside.emplace_back(layer.below_count - (layer.is_below_own ? 0 : 1), layer.outline);
+    if (layer.outline != change_.outline)
+      outside.emplace_back(layer.below_count - (layer.is_below_outline ? 0 : 1), layer.outline);
   }
   const auto list = [](auto& counted, std::vector<uint32_t>& result) {
     std::sort(counted.begin(), counted.end());

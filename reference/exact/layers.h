@@ -9,10 +9,10 @@ namespace viewpeel::reference {
 
 constexpr uint32_t kNoOutline = 0xFFFFFFFFu;
 
-// What an edge of outline `own` changes: layers `lower`, `own`, `upper` follow each other on its inner side, `lower`
+// What an edge of `outline` changes: layers `lower`, `outline`, `upper` follow each other on its inner side, `lower`
 // and `upper` on the outer.
 struct LayerChange {
-  uint32_t lower = kNoOutline, own = kNoOutline, upper = kNoOutline;
+  uint32_t lower = kNoOutline, outline = kNoOutline, upper = kNoOutline;
   bool is_cyclic = false;  // the pairwise order, by rounding: `lower` and `upper` say nothing
   // All layers of both sides between two kNoOutline, where the order is cyclic or they were asked for.
   std::vector<uint32_t> inside, outside;
@@ -29,7 +29,7 @@ class Layers {
   // Keeps a reference. lists_all: all layers of every change.
   Layers(HeightOrder& order, bool lists_all) : order_(order), lists_all_(lists_all) {}
 
-  void assign(uint32_t own);  // the inner side of an edge of `own`, and nothing else
+  void assign(uint32_t outline);  // the inner side of an edge of `outline`, and nothing else
   // Cost: O(layers).
   void insert(uint32_t outline);
   void erase(uint32_t outline);
@@ -39,7 +39,7 @@ class Layers {
   struct Layer {
     uint32_t outline;
     uint32_t below_count;
-    bool is_below_own;
+    bool is_below_outline;
   };
   void update();
   void findNeighbours();

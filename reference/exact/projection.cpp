@@ -15,9 +15,9 @@ namespace viewpeel::reference {
 namespace {
 
 double toDouble(const mpz_class& integer, long exponent) {
-  long own = 0;
-  const double mantissa = mpz_get_d_2exp(&own, integer.get_mpz_t());
-  return std::ldexp(mantissa, static_cast<int>(own + exponent));
+  long binary_exponent = 0;
+  const double mantissa = mpz_get_d_2exp(&binary_exponent, integer.get_mpz_t());
+  return std::ldexp(mantissa, static_cast<int>(binary_exponent + exponent));
 }
 
 struct HashPoint {
@@ -53,10 +53,10 @@ mpq_class toRational(const Dyadic& x) {
 }
 
 IntegerCorners::IntegerCorners(const Scene& scene) {
-  std::unordered_map<glm::dvec3, uint32_t, HashPoint> known;
+  std::unordered_map<glm::dvec3, uint32_t, HashPoint> by_corner;
   std::vector<std::array<Dyadic, 3>> parts;
   for (const glm::dvec3& corner : scene.corners) {
-    const auto [entry, is_new] = known.try_emplace(corner, static_cast<uint32_t>(parts.size()));
+    const auto [entry, is_new] = by_corner.try_emplace(corner, static_cast<uint32_t>(parts.size()));
     point_of_corner.push_back(entry->second);
     if (!is_new) continue;
     parts.push_back({splitDouble(corner.x), splitDouble(corner.y), splitDouble(corner.z)});
@@ -99,7 +99,7 @@ Projection::Projection(const Scene& scene, const IntegerCorners& corners, const 
     integer_u[c] = parts[c].mantissa << static_cast<mp_bitcnt_t>(parts[c].exponent - u_exponent);
   exponent_ = corners.exponent + u_exponent;
 
-  std::unordered_map<glm::dvec3, std::vector<uint32_t>, HashPoint> known;
+  std::unordered_map<glm::dvec3, std::vector<uint32_t>, HashPoint> by_corner;
   std::vector<uint32_t> vertex_of_point;
   for (const auto& point : corners.points) {
     Vertex vertex;
@@ -107,7 +107,7 @@ Projection::Projection(const Scene& scene, const IntegerCorners& corners, const 
     vertex.y = point[j] * integer_u[k] - point[k] * integer_u[j];
     vertex.rounded = {toDouble(vertex.x, exponent_), toDouble(vertex.y, exponent_)};
     largest_ = std::max({largest_, std::abs(vertex.rounded.x), std::abs(vertex.rounded.y)});
-    std::vector<uint32_t>& same = known[glm::dvec3(vertex.rounded, 0)];
+    std::vector<uint32_t>& same = by_corner[glm::dvec3(vertex.rounded, 0)];
     const auto equal = [&](uint32_t v) { return vertices_[v].x == vertex.x && vertices_[v].y == vertex.y; };
     auto match = std::find_if(same.begin(), same.end(), equal);
     if (match == same.end()) {

@@ -1,4 +1,5 @@
-// What the closed forms' kernels share: pairs of sides, and the parts of two polygons that see each other's front.
+// What the unoccluded form factors' kernels share: pairs of sides, and the parts of two polygons that see each other's
+// front.
 #extension GL_EXT_buffer_reference2 : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
@@ -54,8 +55,8 @@ ShapeData fetchShape(uint index) {
 }
 
 Sides loadSides(uint64_t pairs, uint pair) {
-  SidePairData asked = SidePairs(pairs).at[pair];
-  uint first = min(asked.i, asked.j), second = max(asked.i, asked.j);
+  SidePairData requested = SidePairs(pairs).at[pair];
+  uint first = min(requested.i, requested.j), second = max(requested.i, requested.j);
   Sides sides;
   sides.a = fetchShape(first >> 1);
   sides.b = fetchShape(second >> 1);

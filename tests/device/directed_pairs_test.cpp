@@ -9,7 +9,7 @@
 #include "tests/support/compare.h"
 #include <viewpeel/error.h>
 #include "estimator/directed_pairs.h"
-#include "estimator/visible_share.h"
+#include "estimator/find_prior.h"
 #include "reference/exact/exact_engine.h"
 #include "reference/closed_forms/past_blocker.h"
 #include "scenes/named_scenes.h"
@@ -27,7 +27,7 @@ struct Directed {
   LatticeOptions lattice;
   std::unique_ptr<Engine> engine;
   std::vector<SizeGroup> groups;
-  std::map<std::pair<int, double>, std::unique_ptr<Engine>> own;  // of pairs
+  std::map<std::pair<int, double>, std::unique_ptr<Engine>> pair_engines;  // of pairs
 
   explicit Directed(const InputScene& input, const LatticeOptions& options = {.resolution = 64})
       : scene(buildScene(input)), ids(makeIds(scene, By::polygon, false)), lattice(options) {
@@ -40,19 +40,19 @@ struct Directed {
         scene, ids, seed,
         [this](const Scene& of, const Ids& pair_ids, const LatticeOptions& options) {
           std::unique_ptr<Engine>& made =
-              own[{options.resolution, options.window.radius}];  // tells scenes of one pair's engines apart
+              pair_engines[{options.resolution, options.window.radius}];  // tells scenes of one pair's engines apart
           if (!made) made = makeComputeEngine(testDevice(), of, pair_ids, options);
           return std::make_unique<SharedEngine>(*made);
         },
         lattice);
   }
-  VisibleShares find(EstimateOptions options, PairSampler* pairs) {
+  FoundPrior find(EstimateOptions options, PairSampler* pairs) {
     options.pairs = pairs;
     FaceExchanges exchanges(&testDevice(), scene, ids);
-    return findVisibleShares(*engine, exchanges, scene, ids, groups, options, {sharePilot(options).directions});
+    return findPrior(*engine, exchanges, scene, ids, groups, options, {choosePriorPilot(options).directions});
   }
-  Estimate estimate(EstimateOptions options, const VisibleShares& shares, PairSampler* pairs) {
-    options.known = &shares.known;
+  Estimate estimate(EstimateOptions options, const FoundPrior& found, PairSampler* pairs) {
+    options.prior = &found.prior;
     options.pairs = pairs;
     return estimateFormFactors(*engine, scene, ids, options);
   }
@@ -65,13 +65,13 @@ double truthPastTheEdge() {
 
 const EstimateOptions kGoal{.directions = 256, .relative = 0.05, .relative_floor = 1e-5};
 
-// Facing points weighed by solid angle come to the form factor, and all points to the closed form, whatever share and
-// number of directions. Means over 400 replicates, within allowedStandardErrors of them. A pair engine of exact areas
-// has nothing of a lattice, and comes to the same.
+// Facing points weighed by solid angle come to the form factor, and all points to the unoccluded form factor, whatever
+// share and number of directions. Means over 400 replicates, within allowedStandardErrors of them. A pair engine of
+// exact areas has nothing of a lattice, and comes to the same.
 TEST(DirectedPairs, CountsStandForTheirSolidAngle) {
   Directed made(ts::squaresPastAnEdge());
   const double truth = truthPastTheEdge(), area = made.ids.areas[0];
-  const double whole = made.find({.directions = 64}, nullptr).known.pairs[0].exchange / area;
+  const double whole = made.find({.directions = 64}, nullptr).prior.pairs[0].exchange / area;
   PairSampler lattice = made.sampler(3);
   PairSampler exact(made.scene, made.ids, 3, reference::exactEngines());
   constexpr uint64_t kReplicates = 400;
@@ -111,13 +111,13 @@ TEST(DirectedPairs, AgreeWithTheTruthOverSeeds) {
     EstimateOptions options = kGoal;
     options.seed = seed;
     PairSampler pairs = made.sampler(seed);
-    const VisibleShares shares = made.find(options, &pairs);
-    ASSERT_EQ(shares.known.directed.size(), 1u) << seed;
-    EXPECT_EQ(std::pair(shares.known.directed[0].i, shares.known.directed[0].j), std::pair(0u, 1u));
+    const FoundPrior found = made.find(options, &pairs);
+    ASSERT_EQ(found.prior.directed.size(), 1u) << seed;
+    EXPECT_EQ(std::pair(found.prior.directed[0].i, found.prior.directed[0].j), std::pair(0u, 1u));
     options.relative.reset();
-    const Estimate e = made.estimate(options, shares, &pairs);
+    const Estimate e = made.estimate(options, found, &pairs);
     EXPECT_EQ(e.replicates, 8u);
-    EXPECT_EQ(e.directed_directions, 8u * shares.known.directed[0].directions);
+    EXPECT_EQ(e.directed_directions, 8u * found.prior.directed[0].directions);
     const Measured f = e.form_factors.formFactor(0, 1);
     held += std::abs(f.value - truth) <= t * f.standard_error;
     sum += f.value - truth;
@@ -188,22 +188,22 @@ TEST(DirectedPairs, PairsOfOneEmitterShareAnEngine) {
   EXPECT_EQ(together.direct(1, 3, 10).directions, 0u);
 }
 
-// A pair never blocked is its closed form, one always blocked 0, with the error of one line, which is that of its own
-// lattice: h^2 |W| / (2 pi) / (all directions) a line.
+// A pair never blocked is its unoccluded form factor, one always blocked 0, with the error of one line, which is that
+// of its own lattice: h^2 |W| / (2 pi) / (all directions) a line.
 TEST(DirectedPairs, NeverAndAlwaysBlockedAreExact) {
   for (const bool is_blocked : {false, true}) {
     Directed made(is_blocked ? ts::squaresPastAnEdge(0.9) : ts::stackOfSheets({0, 9}));
     PairSampler pairs = made.sampler(1);
-    VisibleShares shares = made.find({.directions = 256}, nullptr);
+    FoundPrior found = made.find({.directions = 256}, nullptr);
     DirectedPair pair = pairs.direct(0, 1, 64);
     pairs.prepare({&pair, 1});
-    pair.share = is_blocked ? 0 : kShareOne;
-    shares.known.directed = {pair};
-    const double whole = shares.known.pairs[0].exchange;
+    pair.visibility = is_blocked ? 0 : kVisibilityOne;
+    found.prior.directed = {pair};
+    const double whole = found.prior.pairs[0].exchange;
     std::optional<FormFactors> all;
     const EstimateOptions options{
         .directions = 16, .replicates = 4, .on_sums = [&](const RunSums& sums, bool) { all = sums.formFactors(); }};
-    const Estimate e = made.estimate(options, shares, &pairs);
+    const Estimate e = made.estimate(options, found, &pairs);
     const Measured f = all->exchangeArea(0, 1);
     EXPECT_EQ(f.value, is_blocked ? 0 : whole);
     const DirectionRegion region = findPairRegion(made.scene, std::vector{0u}, std::vector{1u});
@@ -220,8 +220,8 @@ TEST(DirectedPairs, NeverAndAlwaysBlockedAreExact) {
 TEST(DirectedPairs, AreSumsLikeAnyOther) {
   Directed made(ts::squaresPastAnEdge());
   PairSampler pairs = made.sampler(1);
-  const VisibleShares shares = made.find(kGoal, &pairs);
-  ASSERT_EQ(shares.known.directed.size(), 1u);
+  const FoundPrior found = made.find(kGoal, &pairs);
+  ASSERT_EQ(found.prior.directed.size(), 1u);
   const auto run = [&](uint64_t first, uint32_t replicates, const RunSums* resumed, PairSampler* sampler) {
     std::optional<RunSums> sums;
     EstimateOptions options{.directions = 64,
@@ -229,7 +229,7 @@ TEST(DirectedPairs, AreSumsLikeAnyOther) {
                             .first_replicate = first,
                             .resumed = resumed,
                             .on_sums = [&](const RunSums& s, bool) { sums = s; }};
-    made.estimate(options, shares, sampler);
+    made.estimate(options, found, sampler);
     return *sums;
   };
   const auto isSame = [](const RunSums& a, const RunSums& b) {
@@ -237,7 +237,7 @@ TEST(DirectedPairs, AreSumsLikeAnyOther) {
     return x.exchangeArea(0, 1).value == y.exchangeArea(0, 1).value &&
            x.exchangeArea(0, 1).standard_error == y.exchangeArea(0, 1).standard_error &&
            x.exchangeArea(0, 1).standard_error > 0 &&
-           a.visible->directed().pairs()[0].sum == b.visible->directed().pairs()[0].sum;
+           a.prior_sums->directed().pairs()[0].sum == b.prior_sums->directed().pairs()[0].sum;
   };
   const RunSums whole = run(0, 6, nullptr, &pairs), begun = run(0, 3, nullptr, &pairs);
   PairSampler fresh = made.sampler(1);
@@ -253,11 +253,11 @@ TEST(DirectedPairs, AreSumsLikeAnyOther) {
 TEST(DirectedPairs, OnlyWhereTheyPay) {
   Directed made(ts::squaresPastAnEdge());
   PairSampler pairs = made.sampler(1);
-  EXPECT_TRUE(made.find({.directions = 256}, &pairs).known.directed.empty());
-  EXPECT_TRUE(made.find({.directions = 256, .tolerance = 0.1}, &pairs).known.directed.empty());
+  EXPECT_TRUE(made.find({.directions = 256}, &pairs).prior.directed.empty());
+  EXPECT_TRUE(made.find({.directions = 256, .tolerance = 0.1}, &pairs).prior.directed.empty());
   Directed near(ts::roomWithTouchingBoxes());
   PairSampler near_pairs = near.sampler(1);
-  EXPECT_TRUE(near.find({.directions = 256, .tolerance = 3e-3}, &near_pairs).known.directed.empty());
+  EXPECT_TRUE(near.find({.directions = 256, .tolerance = 3e-3}, &near_pairs).prior.directed.empty());
 }
 
 }  // namespace

@@ -128,7 +128,7 @@ TEST(ReplicateSums, OneDirectionDoesNotTellHowManyLinesOthersSee) {
 }
 
 // With one line at a time at most the bound is that of their probability; larger polygons are met at many at once.
-TEST(ReplicateSums, WhatWasNotMetIsBounded) {
+TEST(ReplicateSums, UnmetPairsAreBounded) {
   // (1 - p)^n = 5 % for p = 1 - 0.05^(1/n).
   EXPECT_NEAR(unmetBound(0.5, 2, 1000), 2 * 4 * (1 - std::pow(0.05, 1e-3)), 2e-3 * unmetBound(0.5, 2, 1000));
   EXPECT_DOUBLE_EQ(unmetBound(2, 2, 1000), unmetBound(50, 2, 1000));

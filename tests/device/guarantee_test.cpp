@@ -161,18 +161,18 @@ TEST(Guarantee, FailsNoMoreOftenThanItMay) {
 }
 
 // By hand: l = ln(2 / 0.02) = 4.60517; M l / 3 = 3.07011; (3.07011 + sqrt(3.07011^2 + 2 1000 0.05 l)) / 1000.
-TEST(Guarantee, BernsteinsBoundOfAKnownVariance) {
-  EXPECT_NEAR(knownVarianceBound(0.05, 2, 1000, 0.02), (3.07011 + std::sqrt(3.07011 * 3.07011 + 460.517)) / 1000, 1e-7);
+TEST(Guarantee, BernsteinsBoundOfAGivenVariance) {
+  EXPECT_NEAR(givenVarianceBound(0.05, 2, 1000, 0.02), (3.07011 + std::sqrt(3.07011 * 3.07011 + 460.517)) / 1000, 1e-7);
   // Twice as many directions are what Hoeffding's bound of the range takes where variance is the most that the range
   // allows, M^2 / 4, up to the term in the range.
-  EXPECT_GT(knownVarianceBound(1, 2, 1e6, 0.02), 2 * std::sqrt(std::log(2 / 0.02) / 2e6));
+  EXPECT_GT(givenVarianceBound(1, 2, 1e6, 0.02), 2 * std::sqrt(std::log(2 / 0.02) / 2e6));
 }
 
 // No geometry: along a direction all of the range of T = V + O or none of it, and all of T visible or none of it: the
 // most variable there is, given F0 and F.
 class TwoCoinEngine : public Engine {
  public:
-  TwoCoinEngine(double lines, double visible, double area) : lines_(lines), visible_(visible), area_(area) {}
+  TwoCoinEngine(double lines, double prior_sums, double area) : lines_(lines), visible_(prior_sums), area_(area) {}
   PairCounts count(std::span<const Direction> directions) override {
     PairCount pair{0, 1, 0, 0};
     for (const Direction& direction : directions)
@@ -185,13 +185,13 @@ class TwoCoinEngine : public Engine {
   double lines_, visible_, area_;
 };
 
-struct ShareOutcome {
+struct VisibilityOutcome {
   int failed = 0;
   uint64_t directions = 0;
 };
 
-ShareOutcome shareFailures(double lines, double visible, double b, double epsilon, double delta, int seeds,
-                           GuaranteedBy by) {
+VisibilityOutcome visibilityFailures(double lines, double prior_sums, double b, double epsilon, double delta, int seeds,
+                                     GuaranteedBy by) {
   const Scene scene = buildScene(ts::parallelSquares());
   const Ids ids = makeIds(scene, By::polygon, false);
   GuaranteePlan plan;
@@ -199,21 +199,21 @@ ShareOutcome shareFailures(double lines, double visible, double b, double epsilo
   plan.delta = delta;
   plan.ranges = {2, 2};
   plan.largest_range = 2;
-  plan.known = {{{0, 1, static_cast<uint32_t>(b * kShareOne), 0, 2 * lines * ids.areas[0]}}, {1, 1}, true};
-  plan.share_bounds.emplace(ids, plan.ranges, plan.known);
+  plan.prior = {{{0, 1, static_cast<uint32_t>(b * kVisibilityOne), 0, 2 * lines * ids.areas[0]}}, {1, 1}, true};
+  plan.visibility_bounds.emplace(ids, plan.ranges, plan.prior);
   plan.bounds = 5;
-  plan.hoeffding = plan.share_bounds->directionsFor(epsilon, delta / 2);
+  plan.hoeffding = plan.visibility_bounds->directionsFor(epsilon, delta / 2);
   plan.block_directions = 1;
   plan.most_blocks = plan.hoeffding;
   plan.least_blocks = by == GuaranteedBy::bernstein ? 50 : plan.hoeffding;
-  plan.engine = std::make_unique<TwoCoinEngine>(lines, visible, ids.areas[0] / (scene.scale * scene.scale));
-  ShareOutcome outcome;
+  plan.engine = std::make_unique<TwoCoinEngine>(lines, prior_sums, ids.areas[0] / (scene.scale * scene.scale));
+  VisibilityOutcome outcome;
   for (int seed = 0; seed < seeds; ++seed) {
     GuaranteeOptions options{.epsilon = epsilon, .delta = delta};
     options.sampler = Sampler::iid;
     options.seed = static_cast<uint64_t>(seed);
     const Estimate estimate = guaranteeFormFactors(scene, ids, options, plan);
-    outcome.failed += std::abs(estimate.form_factors.formFactor(0, 1).value - 2 * lines * visible) > epsilon;
+    outcome.failed += std::abs(estimate.form_factors.formFactor(0, 1).value - 2 * lines * prior_sums) > epsilon;
     outcome.directions += estimate.directions;
     EXPECT_TRUE(by == GuaranteedBy::bernstein || estimate.guarantee->by == by);  // else what comes first
     EXPECT_LE(estimate.guarantee->bound, epsilon);
@@ -221,43 +221,43 @@ ShareOutcome shareFailures(double lines, double visible, double b, double epsilo
   return outcome;
 }
 
-// Whatever the share from the pilot, the right one, none, or one far off; by the bound known beforehand and by the
+// Whatever the visibility from the pilot, the right one, none, or one far off; by the bound known beforehand and by the
 // empirical one.
-TEST(Guarantee, WithClosedFormsItFailsNoMoreOftenThanItMay) {
+TEST(Guarantee, WithUnoccludedFormFactorsItFailsNoMoreOftenThanItMay) {
   constexpr int kSeeds = 30;
   const double allowed = 0.2 * kSeeds + 4 * std::sqrt(0.2 * 0.8 * kSeeds);
   for (const double b : {0.0, 0.5, 1.0})
-    for (const auto& [lines, visible] : {std::pair(0.05, 0.5), std::pair(0.4, 0.5), std::pair(0.4, 0.98)})
+    for (const auto& [lines, prior_sums] : {std::pair(0.05, 0.5), std::pair(0.4, 0.5), std::pair(0.4, 0.98)})
       for (const GuaranteedBy by : {GuaranteedBy::hoeffding, GuaranteedBy::bernstein}) {
-        const ShareOutcome outcome = shareFailures(lines, visible, b, 0.08, 0.2, kSeeds, by);
-        EXPECT_LE(outcome.failed, allowed) << b << " " << lines << " " << visible;
+        const VisibilityOutcome outcome = visibilityFailures(lines, prior_sums, b, 0.08, 0.2, kSeeds, by);
+        EXPECT_LE(outcome.failed, allowed) << b << " " << lines << " " << prior_sums;
       }
 }
 
-// A share that is right ends a run sooner than none.
-TEST(Guarantee, SharesEndItSooner) {
-  const uint64_t without = shareFailures(0.4, 0.98, 0, 0.08, 0.2, 10, GuaranteedBy::bernstein).directions,
-                 with = shareFailures(0.4, 0.98, 1, 0.08, 0.2, 10, GuaranteedBy::bernstein).directions;
+// A visibility that is right ends a run sooner than none.
+TEST(Guarantee, VisibilitiesEndItSooner) {
+  const uint64_t without = visibilityFailures(0.4, 0.98, 0, 0.08, 0.2, 10, GuaranteedBy::bernstein).directions,
+                 with = visibilityFailures(0.4, 0.98, 1, 0.08, 0.2, 10, GuaranteedBy::bernstein).directions;
   EXPECT_LT(with, without);
 }
 
 // Numbers of directions: of Hoeffding's bound for what leaves the scene, but not for pairs that see little of each
 // other.
-TEST(Guarantee, ClosedFormsAskForNoMoreDirectionsThanHoeffding) {
+TEST(Guarantee, UnoccludedFormFactorsNeedNoMoreDirectionsThanHoeffding) {
   Ids ids;
   constexpr uint32_t kIds = 200;
   ids.names.resize(kIds);
   ids.areas.assign(kIds, 1);
   for (uint32_t k = 0; k < kIds; ++k) ids.of_polygon.push_back(k);
   const std::vector<double> ranges(kIds, 2);
-  KnownShares known{{}, std::vector<uint64_t>(kIds, 1), true};
+  Prior prior{{}, std::vector<uint64_t>(kIds, 1), true};
   for (uint32_t i = 0; i < kIds; ++i)
-    for (uint32_t j = i + 1; j < kIds; ++j) known.pairs.push_back({i, j, kShareOne, 0, 0.005});
+    for (uint32_t j = i + 1; j < kIds; ++j) prior.pairs.push_back({i, j, kVisibilityOne, 0, 0.005});
   const uint64_t plain = hoeffdingDirections(ranges, countBounds(ids), 0.01, 0.005),
-                 with = ShareBounds(ids, ranges, known).directionsFor(0.01, 0.005);
+                 with = VisibilityBounds(ids, ranges, prior).directionsFor(0.01, 0.005);
   // 400 bounds in the place of 20,300: ln(2 400 / 0.005) / ln(2 20300 / 0.005).
   EXPECT_NEAR(double(with) / double(plain), std::log(800 / 0.005) / std::log(40600 / 0.005), 1e-3);
-  EXPECT_THROW(ShareBounds(ids, ranges, known).directionsFor(1e-6, 0.005), Error);
+  EXPECT_THROW(VisibilityBounds(ids, ranges, prior).directionsFor(1e-6, 0.005), Error);
 }
 
 // No direction adds more than the range to V + O either, which is what the bounds rest on.
@@ -286,21 +286,21 @@ TEST(Guarantee, BlockedLinesKeepToTheRangesToo) {
 }
 
 // Planned, and carried out, past a blocker: the truth is within epsilon, and the same bits come after a stop.
-TEST(Guarantee, WithClosedFormsTheWholeChainHolds) {
+TEST(Guarantee, WithUnoccludedFormFactorsTheWholeChainHolds) {
   const Scene scene = buildScene(ts::perpendicularSquares());
   const Ids ids = makeIds(scene, By::polygon, false);
   GuaranteeOptions options{.epsilon = 0.08, .delta = 0.2, .seed = 4};
-  options.closed_forms = true;
+  options.unoccluded = true;
   options.device = &testDevice();
   const Lattices lattices{enginesOf(EngineKind::compute), {.count_blocked = true}, 0, true, &ids};
   const GuaranteePlan plan = planGuarantee(scene, ids, options, lattices, false);
-  ASSERT_TRUE(plan.share_bounds);
+  ASSERT_TRUE(plan.visibility_bounds);
   std::optional<RunSums> half;
   options.on_sums = [&](const RunSums& sums, bool) {
     if (sums.replicateCount() == plan.least_blocks / 2) half = sums;
   };
   const Estimate whole = guaranteeFormFactors(scene, ids, options, plan);
-  // Nothing is in between, and the pilot knows it: all shares are 1, so that what is left is rounding.
+  // Nothing is in between, and the pilot knows it: all visibilities are 1, so that what is left is rounding.
   EXPECT_NEAR(whole.form_factors.formFactor(0, 1).value, 0.2000437761, 1e-6);
   EXPECT_LE(whole.guarantee->bound, options.epsilon);
   ASSERT_TRUE(half);

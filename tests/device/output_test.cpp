@@ -44,7 +44,7 @@ TEST(Output, CsvHasOneNonzeroEntryALineBothWays) {
   EXPECT_EQ(lines[5].find("\"wall, \"\"north\"\"\",leak,"), 0u);
 }
 
-TEST(Output, ClosedFormFactorsAreAColumnMore) {
+TEST(Output, BalancedFormFactorsAreAColumnMore) {
   const FormFactors f = exampleMatrix();
   FormFactors::Entry moved = f.entries()[1];
   moved.exchange_area.value = 0.3;
@@ -57,7 +57,7 @@ TEST(Output, ClosedFormFactorsAreAColumnMore) {
   const auto lines = linesOf(out.str()), lines_before = linesOf(plain.str());
   ASSERT_EQ(lines.size(), lines_before.size());
   for (size_t k = 0; k < lines.size(); ++k) EXPECT_EQ(lines[k].substr(0, lines[k].rfind(',')), lines_before[k]);
-  EXPECT_EQ(lines[0].substr(lines[0].rfind(',')), ",closed_form_factor");
+  EXPECT_EQ(lines[0].substr(lines[0].rfind(',')), ",balanced_form_factor");
   EXPECT_EQ(std::stod(lines[2].substr(lines[2].rfind(',') + 1)), 0.3 / 3);
   EXPECT_EQ(std::stod(lines[3].substr(lines[3].rfind(',') + 1)), 0.3 / 0.7);
 }
@@ -126,10 +126,10 @@ TEST_F(OutputFile, BadPlacesAreFoundBeforehand) {
   EXPECT_THROW(checkOutput(folder_ / "folder.csv"), Error);
 }
 
-TEST_F(OutputFile, ClosedMatrixHasAFileOfItsOwn) {
+TEST_F(OutputFile, BalancedMatrixHasASeparateFile) {
   const FormFactors f = exampleMatrix();
   writeFormFactors(f, folder_ / "a.mtx", &f);
-  ASSERT_EQ(filesOf(folder_ / "a.mtx", true), (std::vector<fs::path>{folder_ / "a.mtx", folder_ / "a.closed.mtx"}));
+  ASSERT_EQ(filesOf(folder_ / "a.mtx", true), (std::vector<fs::path>{folder_ / "a.mtx", folder_ / "a.balanced.mtx"}));
   EXPECT_EQ(filesOf(folder_ / "a.mtx", false).size(), 1u);
   EXPECT_EQ(filesOf(folder_ / "a.csv", true).size(), 1u);
   const auto textOf = [](const fs::path& file) {
@@ -137,13 +137,13 @@ TEST_F(OutputFile, ClosedMatrixHasAFileOfItsOwn) {
     text << std::ifstream(file).rdbuf();
     return text.str();
   };
-  std::ostringstream plain, closed;
+  std::ostringstream plain, balanced;
   writeMatrixMarket(f, plain);
-  writeMatrixMarket(f, closed, "closed form factors");
+  writeMatrixMarket(f, balanced, "balanced form factors");
   EXPECT_EQ(textOf(folder_ / "a.mtx"), plain.str());
-  EXPECT_EQ(textOf(folder_ / "a.closed.mtx"), closed.str());
-  EXPECT_THROW(checkOutput(folder_ / "a.closed.mtx", true), Error);
-  EXPECT_NO_THROW(checkOutput(folder_ / "a.closed.mtx"));
+  EXPECT_EQ(textOf(folder_ / "a.balanced.mtx"), balanced.str());
+  EXPECT_THROW(checkOutput(folder_ / "a.balanced.mtx", true), Error);
+  EXPECT_NO_THROW(checkOutput(folder_ / "a.balanced.mtx"));
 }
 
 }  // namespace

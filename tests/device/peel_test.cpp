@@ -42,7 +42,7 @@ void expectTwinAgrees(const InputScene& input, const std::vector<Direction>& dir
   EXPECT_FALSE(twin.empty());
 }
 
-TEST(Peel, CountsAreThoseOfTheCpuTwin) {
+TEST(Peel, CountsEqualTheCpuTwin) {
   const auto directions = sampleDirections(Sampler::iid, 12, 7, 0);
   for (int resolution : {1, 7, 33, 64}) {
     const CountRun one_sided{.lattice = {.resolution = resolution}},
@@ -82,7 +82,7 @@ TEST(Peel, BlocksAreCountedApart) {
       }
 }
 
-TEST(Peel, CountsAreThoseOfTheCpuTwinAlongAxesAndEdges) {
+TEST(Peel, CountsEqualTheCpuTwinAlongAxesAndEdges) {
   const std::vector<Direction> directions = ts::alongAxesAndEdges();
   for (int resolution : {8, 32}) {
     expectTwinAgrees(ts::roomWithTouchingBoxes(), directions, {.lattice = {.resolution = resolution}});
@@ -92,7 +92,7 @@ TEST(Peel, CountsAreThoseOfTheCpuTwinAlongAxesAndEdges) {
 }
 
 // Sheets, contacts and stacks of both, with scanlines, too.
-TEST(Peel, CoincidentFacesAreThoseOfTheCpuTwin) {
+TEST(Peel, CoincidentFacesEqualTheCpuTwin) {
   const auto directions = sampleDirections(Sampler::iid, 6, 11, 0);
   for (const ts::CoincidentScene& of : ts::coincidentScenes()) {
     SCOPED_TRACE(of.name);
@@ -112,7 +112,7 @@ TEST(Peel, CoincidentFacesAreThoseOfTheCpuTwin) {
 
 // Faces that overlap and look the same way, along lines of both signs: the same one counts (tests/unit/alike_test.cpp
 // says which).
-TEST(Peel, AlikeFacesAreThoseOfTheCpuTwin) {
+TEST(Peel, AlikeFacesEqualTheCpuTwin) {
   const auto directions = sampleDirections(Sampler::iid, 6, 11, 0);
   std::vector<Direction> other_way = directions;
   for (Direction& direction : other_way) direction = ts::reversed(direction);
@@ -364,7 +364,7 @@ TEST(Peel, BuffersGrowAndRepeat) {
   }
 }
 
-TEST(Peel, IntervalsAreThoseOfTheCpuTwin) {
+TEST(Peel, IntervalsEqualTheCpuTwin) {
   const auto directions = sampleDirections(Sampler::iid, 6, 7, 0);
   for (int resolution : {1, 7, 33, 64})
     for (const InputScene& input : {ts::insideOfCube(), ts::roomWithTouchingBoxes(), ts::triangleSoup(60, 0.5, 3)}) {
@@ -390,7 +390,7 @@ TEST(Peel, IntervalsAreThoseOfTheCpuTwin) {
 }
 
 // Weighted directions, and only what was asked for.
-TEST(Peel, CountsWhatWasAskedFor) {
+TEST(Peel, CountsWhatWasRequested) {
   const Scene scene = buildScene(ts::roomWithTouchingBoxes());
   auto directions = sampleDirections(Sampler::fibonacci, 20, 3, 0);
   for (size_t k = 0; k < directions.size(); ++k) directions[k].weight = static_cast<uint32_t>(1 + 3 * k);

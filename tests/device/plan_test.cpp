@@ -5,7 +5,7 @@
 
 #include "engines/host_engine.h"
 #include "estimator/plan.h"
-#include "estimator/visible_share.h"
+#include "estimator/find_prior.h"
 #include "scenes/named_scenes.h"
 #include "tests/support/test_device.h"
 
@@ -36,10 +36,10 @@ TEST(Plan, PredictsTheStandardError) {
     }
 }
 
-// Of small parts of a room few lines tell each pair: with shares of closed forms and of neighbours the run reaches
-// about what was planned. The largest of many standard errors that lines give as chance has them, not replicates,
-// spreads by less than 2; interpolation may add 2.
-TEST(Plan, PredictsErrorsOfSharesThatFewLinesTell) {
+// Of small parts of a room few lines tell each pair: with shares of unoccluded form factors and of neighbours the run
+// reaches about what was planned. The largest of many standard errors that lines give as chance has them, not
+// replicates, spreads by less than 2; interpolation may add 2.
+TEST(Plan, PredictsErrorsOfVisibilitiesFromFewLines) {
   InputScene input{"room in parts", {"room"}, {}};
   constexpr int kCuts = 5;
   for (const InputFace& face : ts::roomWithTouchingBoxes().faces) {
@@ -60,9 +60,9 @@ TEST(Plan, PredictsErrorsOfSharesThatFewLinesTell) {
     options.directions = plan.directions;
     options.tolerance.reset();
     FaceExchanges exchanges(nullptr, scene, ids);
-    const VisibleShares shares =
-        findVisibleShares(*plan.engine, exchanges, scene, ids, plan.groups, options, {sharePilot(options).directions});
-    options.known = &shares.known;
+    const FoundPrior found =
+        findPrior(*plan.engine, exchanges, scene, ids, plan.groups, options, {choosePriorPilot(options).directions});
+    options.prior = &found.prior;
     const double reached = estimateFormFactors(*plan.engine, scene, ids, options).largest_standard_error;
     EXPECT_LT(reached, 4 * plan.standard_error) << tolerance;
     EXPECT_GT(reached, plan.standard_error / 4) << tolerance;
@@ -83,9 +83,9 @@ TEST(Plan, CoarseLatticesDoNotHideWhatDirectionsAdd) {
   const Plan plan = planEstimate(scene, ids, options, lattices);
   options = {.directions = plan.directions, .replicates = 32};
   FaceExchanges exchanges(nullptr, scene, ids);
-  const VisibleShares shares =
-      findVisibleShares(*plan.engine, exchanges, scene, ids, plan.groups, options, {sharePilot(options).directions});
-  options.known = &shares.known;
+  const FoundPrior found =
+      findPrior(*plan.engine, exchanges, scene, ids, plan.groups, options, {choosePriorPilot(options).directions});
+  options.prior = &found.prior;
   const double reached =
       2 * estimateFormFactors(*plan.engine, scene, ids, options).largest_standard_error;  // of 8 replicates
   EXPECT_LT(reached, 9 * plan.standard_error) << plan.directions << " directions, " << plan.finest << " across";
@@ -145,19 +145,19 @@ TEST(Plan, SmallPolygonsAreSeen) {
   EXPECT_GT(truth, 0.9);
 }
 
-// With closed forms a row's counts of a replicate stay below 2^50, also where a small polygon has a fine window and the
-// error asked for is small: replicates do the rest, or the plan says so.
-TEST(Plan, CountsAreNotTooLargeForClosedForms) {
+// With unoccluded form factors a row's counts of a replicate stay below 2^50, also where a small polygon has a fine
+// window and the error asked for is small: replicates do the rest, or the plan says so.
+TEST(Plan, CountsAreNotTooLargeForUnoccludedFormFactors) {
   const Scene scene = buildScene(speckOverFloor(1e-5));
   const Ids ids = makeIds(scene, By::polygon, false);
-  for (const bool closed_forms : {false, true}) {
+  for (const bool unoccluded : {false, true}) {
     Lattices lattices = latticesWithWindows();
-    lattices.lattice.count_blocked = closed_forms;
-    if (closed_forms) lattices.face_ids = &ids;
+    lattices.lattice.count_blocked = unoccluded;
+    if (unoccluded) lattices.face_ids = &ids;
     const Plan plan = planEstimate(scene, ids, {.tolerance = 1e-5, .seconds = 60}, lattices);  // pilots of 6 s at most
     const double of_row = plan.directions * ids.areas[0] / 2 / (scene.scale * scene.scale) / plan.engine->unitArea();
-    EXPECT_EQ(of_row > double(kMostCounts), !closed_forms) << of_row;
-    EXPECT_EQ(plan.counts_too_large, closed_forms);
+    EXPECT_EQ(of_row > double(kMostCounts), !unoccluded) << of_row;
+    EXPECT_EQ(plan.counts_too_large, unoccluded);
   }
 }
 
@@ -170,7 +170,7 @@ TEST(Plan, WhatMayGoUnmetIsNamed) {
   const Scene scene = buildScene(input);
   const Ids ids = makeIds(scene, By::polygon, false);
   EstimateOptions options{.seconds = 1e-9};  // the fewest directions
-  EXPECT_EQ(planEstimate(scene, ids, options, latticesWithWindows()).barely_met, std::vector<uint32_t>{1});
+  EXPECT_EQ(planEstimate(scene, ids, options, latticesWithWindows()).barely_covered, std::vector<uint32_t>{1});
 }
 
 // The figures that a plan prints make the same lattices again.

@@ -91,7 +91,7 @@ TEST(SizeGroups, WindowsAreFew) {
 }
 
 // The counts of a window are the twin's, for the polygons that the group owns.
-TEST(SizeGroups, CountsAreThoseOfTheCpuTwin) {
+TEST(SizeGroups, CountsEqualTheCpuTwin) {
   const auto directions = sampleDirections(Sampler::iid, 6, 11, 0);
   for (By by : {By::polygon, By::surface})
     for (const InputScene& input : {squaresOfAllSizes(), ts::triangleSoup(60, 0.5, 3)}) {
@@ -128,9 +128,9 @@ TEST(SizeGroups, WindowsAreOnOneLattice) {
   const Scene scene = buildScene(squaresOfAllSizes());
   Ids ids = makeIds(scene, By::polygon, false);
   ids.roles.assign(scene.polygons.size(), kReceives);
-  const auto own = static_cast<uint32_t>(std::find(ids.names.begin(), ids.names.end(), "k1_down") - ids.names.begin());
-  ids.roles[own] = kEmits | kReceives;
-  const glm::dvec3 corner = scene.corners[scene.polygons[own].first_corner];
+  const auto id = static_cast<uint32_t>(std::find(ids.names.begin(), ids.names.end(), "k1_down") - ids.names.begin());
+  ids.roles[id] = kEmits | kReceives;
+  const glm::dvec3 corner = scene.corners[scene.polygons[id].first_corner];
   const auto whole = makeComputeEngine(testDevice(), scene, ids, {.resolution = 512});
   for (const Window& window : {Window{corner, 0.2}, Window{0.9 * corner, 0.3}}) {
     ASSERT_LT(glm::length(corner - window.centre) + 0.1 / scene.scale * 1.5, window.radius);

@@ -167,20 +167,20 @@ TEST_P(Unoccluded, CommonEdgesFrom1To179Degrees) {
   expectReference(pairs, "common edges");
 }
 
-struct KnownPair {
+struct ExpectedPair {
   CornerPair pair;
   double truth;  // F from a, which must be the smaller
 };
 
 // Closed forms of rectangles; corners are scaled to the unit ball, which rounds them: corner_rounding bounds what that
 // does to F.
-void expectKnown(const std::vector<KnownPair>& known, const std::string& what, double truth_error) {
+void expectFactors(const std::vector<ExpectedPair>& expected, const std::string& what, double truth_error) {
   std::vector<CornerPair> pairs;
-  for (const KnownPair& one : known) pairs.push_back(one.pair);
+  for (const ExpectedPair& one : expected) pairs.push_back(one.pair);
   const Scene scene = sceneOf(pairs);
   const Outcome outcome = computeBothWays(scene, what);
-  for (size_t k = 0; k < known.size(); ++k)
-    EXPECT_TRUE(isAccurate(outcome.factors[k], known[k].truth, truth_error)) << what << ", pair " << k;
+  for (size_t k = 0; k < expected.size(); ++k)
+    EXPECT_TRUE(isAccurate(outcome.factors[k], expected[k].truth, truth_error)) << what << ", pair " << k;
 }
 
 TEST_P(Unoccluded, Slivers) {
@@ -188,7 +188,7 @@ TEST_P(Unoccluded, Slivers) {
     const Corners floor = rectangle({0, 0, 0}, {width, 0, 0}, {0, 1, 0}),
                   wall = rectangle({0, 0, 0}, {0, 1, 0}, {0, 0, 1});
     const Corners thin_wall = rectangle({0, 0, 0}, {0, 1, 0}, {0, 0, width});
-    std::vector<KnownPair> known{
+    std::vector<ExpectedPair> expected{
         {{floor, wall}, reference::perpendicularRectangles({0, width}, {0, 1}, {0, 1}, {0, 1})},
         {{floor, thin_wall}, reference::perpendicularRectangles({0, width}, {0, 1}, {0, 1}, {0, width})},
         {{floor, moved(thin_wall, 1, {0, 0.5, 0})},
@@ -199,11 +199,12 @@ TEST_P(Unoccluded, Slivers) {
     for (double distance : {width, 100 * width, 0.1, 3.0}) {
       const Corners above = flipped(moved(floor, 1, {0, 0, distance})),
                     square = rectangle({0, 0, distance}, {0, 1, 0}, {1, 0, 0});
-      known.push_back(
+      expected.push_back(
           {{floor, above}, reference::parallelRectangles({0, width}, {0, 1}, {0, width}, {0, 1}, distance)});
-      known.push_back({{floor, square}, reference::parallelRectangles({0, width}, {0, 1}, {0, 1}, {0, 1}, distance)});
+      expected.push_back(
+          {{floor, square}, reference::parallelRectangles({0, width}, {0, 1}, {0, 1}, {0, 1}, distance)});
     }
-    expectKnown(known, fmt::format("slivers {} wide", width), 1e-10);
+    expectFactors(expected, fmt::format("slivers {} wide", width), 1e-10);
   }
 }
 
@@ -352,26 +353,26 @@ TEST_P(Unoccluded, PairsThatDoNotSeeEachOtherAreExactlyZero) {
   EXPECT_EQ(areas[0], 0) << "a polygon's own sides";
 }
 
-TEST_P(Unoccluded, SidesAreThoseOfFlippedPolygons) {
+TEST_P(Unoccluded, SidesEqualFlippedPolygons) {
   Random random(46);
   std::vector<CornerPair> pairs;
   for (int k = 0; k < 40; ++k)
     pairs.push_back({random.convexPolygon(glm::dvec3(0), random.direction(), 3 + k % 2),
                      random.convexPolygon(random.direction() * random.uniform(0.7, 9), random.direction(), 4)});
   const Scene scene = sceneOf(pairs);
-  std::vector<SidePair> asked;
+  std::vector<SidePair> requested;
   std::vector<double> truths;
   for (uint32_t k = 0; k < scene.polygons.size(); k += 2)
     for (uint32_t back_a : {0u, 1u})
       for (uint32_t back_b : {0u, 1u}) {
-        asked.push_back({2 * k + back_a, 2 * (k + 1) + back_b});
+        requested.push_back({2 * k + back_a, 2 * (k + 1) + back_b});
         const Corners a = cornersOf(scene, k), b = cornersOf(scene, k + 1);
         truths.push_back(reference::formFactor(back_a ? flipped(a) : a, back_b ? flipped(b) : b));
       }
-  std::vector<double> areas(asked.size());
-  EXPECT_TRUE(makeExchange(scene).compute(asked, areas).empty());
-  for (size_t k = 0; k < asked.size(); ++k) {
-    const double area_a = scene.polygons[asked[k].i / 2].area, area_b = scene.polygons[asked[k].j / 2].area;
+  std::vector<double> areas(requested.size());
+  EXPECT_TRUE(makeExchange(scene).compute(requested, areas).empty());
+  for (size_t k = 0; k < requested.size(); ++k) {
+    const double area_a = scene.polygons[requested[k].i / 2].area, area_b = scene.polygons[requested[k].j / 2].area;
     // The reference's F is from a.
     const double allowed =
         std::max(kUnoccludedRelativeError * truths[k] * area_a, kUnoccludedAbsoluteError * std::min(area_a, area_b));
@@ -424,13 +425,13 @@ TEST_P(Unoccluded, ChunksDoNotMatter) {
                      rectangle({0, 0, 0}, {std::cos(angle_rad), std::sin(angle_rad), 0}, {0, 0, length})});
   }
   const Scene scene = sceneOf(pairs);
-  std::vector<SidePair> asked;
-  for (uint32_t k = 0; k < scene.polygons.size(); k += 2) asked.push_back({frontSide(k), frontSide(k + 1)});
-  std::vector<double> whole(asked.size()), parts(asked.size());
+  std::vector<SidePair> requested;
+  for (uint32_t k = 0; k < scene.polygons.size(); k += 2) requested.push_back({frontSide(k), frontSide(k + 1)});
+  std::vector<double> whole(requested.size()), parts(requested.size());
   UnoccludedExchange large = makeExchange(scene);
   UnoccludedExchange small = makeExchange(scene, {.chunk_pairs = 11, .near_pairs = 3, .thread_count = 3});
-  large.compute(asked, whole);
-  small.compute(asked, parts);
+  large.compute(requested, whole);
+  small.compute(requested, parts);
   EXPECT_EQ(whole, parts);
   EXPECT_EQ(large.work().near_pairs, small.work().near_pairs);
   EXPECT_GT(small.work().again_pairs, 0u);

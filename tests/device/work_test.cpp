@@ -55,7 +55,7 @@ TEST(Work, EdgeOnPolygonsEnterNoTile) {
   EXPECT_EQ(floor_and_wall.list_entries, floor_and_wall.active_tiles);
 }
 
-TEST(Work, OnlyTheWindowOfWhatWasAskedFor) {
+TEST(Work, OnlyTheWindowOfWhatWasRequested) {
   const auto directions = sampleDirections(Sampler::fibonacci, 30, 3, 0);
   const InputScene room = ts::roomWithTouchingBoxes();
   const LatticeOptions lattice{.resolution = 128};

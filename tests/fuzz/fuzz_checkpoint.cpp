@@ -69,7 +69,8 @@ void writeColumn(Hdf5Output& out, Bytes& bytes, const std::string& name, const s
   }
 }
 
-// Two ids, two replicates, one pair and the environment; without these of by_id, for closed forms by polygon sum them.
+// Two ids, two replicates, one pair and the environment; without these of by_id, for unoccluded form factors by polygon
+// sum them.
 void writeSums(Hdf5Output& out, Bytes& bytes, const std::string& group) {
   using U8 = std::vector<uint8_t>;
   using U32 = std::vector<uint32_t>;
@@ -99,8 +100,8 @@ void writeSums(Hdf5Output& out, Bytes& bytes, const std::string& group) {
   }
 }
 
-// The closed form of that pair, the lines that end in the environment, and directions of the pair's own.
-void writeVisibleSums(Hdf5Output& out, Bytes& bytes) {
+// The unoccluded form factor of that pair, the lines that end in the environment, and directions of the pair's own.
+void writePriorSums(Hdf5Output& out, Bytes& bytes) {
   using U8 = std::vector<uint8_t>;
   using U32 = std::vector<uint32_t>;
   using U64 = std::vector<uint64_t>;
@@ -167,7 +168,7 @@ Checkpoint readBytes(const uint8_t* data, size_t count) {
   writeColumn(out, bytes, "measure_area", std::vector<double>{0.1});
   writeSums(out, bytes, "by_id");
   writeSums(out, bytes, "by_surface");
-  writeVisibleSums(out, bytes);
+  writePriorSums(out, bytes);
   return readCheckpoint(file.write(out.finish()));
 }
 
@@ -182,14 +183,14 @@ void use(Checkpoint checkpoint) {
     writeMatrixMarket(estimate.form_factors, text);
   }
   const RunSums others = checkpoint.sums;
-  if (others.visible &&
-      !(checkpoint.sums.visible->goesWith(*others.visible) && checkpoint.sums.visible->directsAs(*others.visible)))
+  if (others.prior_sums && !(checkpoint.sums.prior_sums->goesWith(*others.prior_sums) &&
+                             checkpoint.sums.prior_sums->directsAs(*others.prior_sums)))
     std::abort();
   checkpoint.sums.add(others);
   if (checkpoint.sums.by_id.ids().count() < 2) return;
   PairCounts directed;
-  if (checkpoint.sums.visible)
-    for (const DirectedPair& pair : checkpoint.sums.visible->known().directed)
+  if (checkpoint.sums.prior_sums)
+    for (const DirectedPair& pair : checkpoint.sums.prior_sums->prior().directed)
       directed.push_back({pair.i, pair.j, 7, 4});
   const uint64_t next = checkpoint.sums.replicates.empty() ? 0 : checkpoint.sums.replicates.back().end;
   checkpoint.sums.add(next, {{0, 1, 5, 3}, {0, kEnvironment, 2, 0}}, 10, directed);
@@ -199,10 +200,10 @@ void use(Checkpoint checkpoint) {
 }  // namespace
 }  // namespace viewpeel
 
-// Nothing left to say is read, and with closed forms, or what the target finds means nothing.
+// Nothing left to say is read, and with unoccluded form factors, or what the target finds means nothing.
 extern "C" int LLVMFuzzerInitialize(int*, char***) {
   try {
-    if (viewpeel::readBytes(nullptr, 0).sums.visible) return 0;
+    if (viewpeel::readBytes(nullptr, 0).sums.prior_sums) return 0;
   } catch (const viewpeel::Error& error) {
     std::fprintf(stderr, "%s\n", error.what());
   }

@@ -86,7 +86,7 @@ TEST(ClosedForm, TwoSidedPlatesShareWhatBothSidesEmit) {
       isEstimateOf(e.form_factors.formFactor(0, kEnvironment), 1 - kParallelSquares / 2, e.replicates, kTenDigits));
 }
 
-Estimate estimateAsked(const InputScene& input, const Question& question, const LatticeOptions& lattice,
+Estimate estimateDrawn(const InputScene& input, const Question& question, const LatticeOptions& lattice,
                        By by = By::polygon) {
   const Scene scene = buildScene(input);
   Ids ids = makeIds(scene, by, false);
@@ -95,12 +95,12 @@ Estimate estimateAsked(const InputScene& input, const Question& question, const 
   if (!question.pair.empty()) {
     const DirectionRegion region =
         findPairRegion(scene, findPolygons(scene, question.pair[0]), findPolygons(scene, question.pair[1]));
-    options.asked_directions = [=](uint32_t count, uint64_t replicate) {
+    options.drawn_directions = [=](uint32_t count, uint64_t replicate) {
       return sampleRegion(region, count, 7, replicate);
     };
   } else {
     const std::vector<uint32_t> emitter = findPolygons(scene, question.from.at(0));
-    options.asked_directions = [=](uint32_t count, uint64_t replicate) {
+    options.drawn_directions = [=](uint32_t count, uint64_t replicate) {
       return sampleEmitter(scene, emitter, count, 7, replicate);
     };
   }
@@ -118,8 +118,8 @@ TEST(ClosedForm, DirectionsDrawnForAPairOrAnEmitter) {
     const Measured all = estimateScene(scene, whole).form_factors.formFactor(0, 1);
     for (Sampling sampling : {Sampling::lattice, Sampling::scanline}) {
       const LatticeOptions lattice{.resolution = 128, .sampling = sampling};
-      const Estimate pair = estimateAsked(scene, {.pair = {scene.surface_names[0], scene.surface_names[1]}}, lattice);
-      const Estimate row = estimateAsked(scene, {.from = {scene.surface_names[1]}}, lattice);
+      const Estimate pair = estimateDrawn(scene, {.pair = {scene.surface_names[0], scene.surface_names[1]}}, lattice);
+      const Estimate row = estimateDrawn(scene, {.from = {scene.surface_names[1]}}, lattice);
       EXPECT_TRUE(isEstimateOf(pair.form_factors.formFactor(0, 1), truth, pair.replicates, kTenDigits)) << scene.file;
       EXPECT_TRUE(isEstimateOf(row.form_factors.formFactor(1, 0), truth, row.replicates, kTenDigits)) << scene.file;
       EXPECT_TRUE(isEstimateOf(row.form_factors.formFactor(1, kEnvironment), 1 - truth, row.replicates, kTenDigits))
@@ -133,7 +133,7 @@ TEST(ClosedForm, DirectionsDrawnForAPairOrAnEmitter) {
 // A cube's face and what it sees, past a blocker that gets no row.
 TEST(ClosedForm, BlockersTakeWhatTheyHide) {
   const InputScene scene = ts::cubeInCube(0.4);
-  const Estimate e = estimateAsked(scene, {.from = {"outer"}, .blockers = {"inner"}}, {}, By::surface);
+  const Estimate e = estimateDrawn(scene, {.from = {"outer"}, .blockers = {"inner"}}, {}, By::surface);
   EXPECT_TRUE(isEstimateOf(e.form_factors.formFactor(0, 0), 1 - 0.16, e.replicates));
   EXPECT_EQ(e.form_factors.entries().size(), 1u);
 }

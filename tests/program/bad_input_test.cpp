@@ -150,7 +150,7 @@ TEST_F(BadInput, OptionsOutOfRangeContradictoryOrRepeated) {
       {"--delta 0.1", "--epsilon"},
       {"-o " + file("a.csv") + " -o " + file("./a.csv"), "written twice"},
       {"-o " + file("a.csv") + " --checkpoint " + file("a.csv"), "written twice"},
-      {"--closure -o " + file("a.mtx") + " --checkpoint " + file("a.closed.mtx"), "written twice"},
+      {"--balance -o " + file("a.mtx") + " --checkpoint " + file("a.balanced.mtx"), "written twice"},
       {"another.obj", "not expected"},
   };
   for (const auto& [options, part] : cases) expectOneLine(run(kPlates + options), 2, "", part);

@@ -36,14 +36,14 @@ std::string fault() {
 
 // Whether the count-th call is one that `kind` makes fail.
 bool failsAt(const std::string& kind, int count) {
-  const std::string asked = fault();
-  return asked.rfind(kind + ":", 0) == 0 && count >= std::strtol(asked.c_str() + kind.size() + 1, nullptr, 10);
+  const std::string requested = fault();
+  return requested.rfind(kind + ":", 0) == 0 && count >= std::strtol(requested.c_str() + kind.size() + 1, nullptr, 10);
 }
 
 bool hasSpace(VkDeviceSize size_bytes) {
-  const std::string asked = fault();
-  return asked.rfind("space:", 0) != 0 || allocated_bytes + size_bytes <= std::strtoull(asked.c_str() + 6, nullptr, 10)
-                                                                              << 10;
+  const std::string requested = fault();
+  return requested.rfind("space:", 0) != 0 ||
+         allocated_bytes + size_bytes <= std::strtoull(requested.c_str() + 6, nullptr, 10) << 10;
 }
 
 // Of what lies below; looked up when the instance and the device are made, for later the loader answers with the top of
@@ -121,9 +121,9 @@ VKAPI_ATTR VkResult VKAPI_CALL enumeratePhysicalDevices(VkInstance instance, uin
 VKAPI_ATTR void VKAPI_CALL getProperties2(VkPhysicalDevice device, VkPhysicalDeviceProperties2* properties) {
   next.getProperties2(device, properties);
   if (fault() == "version") properties->properties.apiVersion = VK_API_VERSION_1_2;
-  if (const std::string asked = fault(); asked.rfind("texels:", 0) == 0)
+  if (const std::string requested = fault(); requested.rfind("texels:", 0) == 0)
     properties->properties.limits.maxTexelBufferElements =
-        static_cast<uint32_t>(std::strtoul(asked.c_str() + 7, nullptr, 10));
+        static_cast<uint32_t>(std::strtoul(requested.c_str() + 7, nullptr, 10));
 }
 
 VKAPI_ATTR void VKAPI_CALL getFeatures2(VkPhysicalDevice device, VkPhysicalDeviceFeatures2* features) {

@@ -76,7 +76,7 @@ TEST_F(Fault, LayerIsUsed) {
   EXPECT_EQ(readFile(file("a.csv")), readFile(file("b.csv")));
 }
 
-TEST_F(Fault, NoUsableDeviceIsToldWithTheReason) {
+TEST_F(Fault, NoUsableDeviceIsReportedWithTheReason) {
   const std::string plates = "compute " VIEWPEEL_SCENES "/plates.obj --quiet --engine compute";
   expectOneLine(run(plates, "VK_DRIVER_FILES=/nowhere.json VK_ICD_FILENAMES=/nowhere.json"), 1,
                 {"no Vulkan driver found; install"});
@@ -105,14 +105,14 @@ TEST_F(Fault, LostDeviceKeepsTheCheckpoint) {
   }
   EXPECT_GE(most, 1u);  // some were lost in the middle
   for (const std::string planned : {"--tolerance 1e-3 --engine compute", "--epsilon 0.1 --engine compute",
-                                    "--closed-forms on --engine compute", "--engine graphics --directions 20"})
+                                    "--unoccluded on --engine compute", "--engine graphics --directions 20"})
     expectOneLine(run(kOffice + planned, withFault("lost:8")), 1, {"the device was lost"});
 }
 
 TEST_F(Fault, LackOfDeviceMemoryIsAClearError) {
   for (const std::string planned :
        {"--directions 50 --engine compute", "--tolerance 1e-3 --engine compute", "--epsilon 0.1 --engine compute",
-        "--closed-forms on --engine compute", "--engine graphics --directions 20"})
+        "--unoccluded on --engine compute", "--engine graphics --directions 20"})
     for (int allocation : {1, 12})
       expectOneLine(run(kOffice + planned, withFault(fmt::format("memory:{}", allocation))), 1,
                     {"cannot allocate", "try a smaller"});
@@ -183,7 +183,7 @@ TEST_F(Fault, ListsTooLongToAddressMakeBatchesSmaller) {
   EXPECT_GT(refused, 0);
 }
 
-// Whatever goes on: a scene being read, a plan, closed forms, one long batch of either engine.
+// Whatever goes on: a scene being read, a plan, unoccluded form factors, one long batch of either engine.
 TEST_F(Fault, SignalEndsALargeRunWithinTwoSeconds) {
   const std::string large = "compute " + writeLargeScene(100'000) + " --quiet ";
   const std::pair<std::string, double> runs[] = {
@@ -235,10 +235,10 @@ TEST_F(Fault, TwoRunsDoNotDisturbEachOther) {
     const int a = first.wait(), b = second.wait();
     EXPECT_EQ(std::min(a, b), 0) << readFile(file("first")) << readFile(file("second"));
     EXPECT_GE(std::max(a, b), 1) << readFile(file("first")) << readFile(file("second"));
-    const std::string told = readFile(file(a == 0 ? "second" : "first"));
-    EXPECT_TRUE(told.find("another run has put its own there") != std::string::npos ||
-                told.find("there is a checkpoint already") != std::string::npos)
-        << told;
+    const std::string message = readFile(file(a == 0 ? "second" : "first"));
+    EXPECT_TRUE(message.find("another run has put its own there") != std::string::npos ||
+                message.find("there is a checkpoint already") != std::string::npos)
+        << message;
     EXPECT_EQ(replicatesOf("a.h5"), 60u);
   }
   {

@@ -27,7 +27,7 @@ class LongRun : public Program {
 class KilledRun : public LongRun, public testing::WithParamInterface<const char*> {};
 
 INSTANTIATE_TEST_SUITE_P(LongRun, KilledRun, testing::Values("off", "on"),
-                         [](const auto& closed_forms) { return fmt::format("ClosedForms_{}", closed_forms.param); });
+                         [](const auto& unoccluded) { return fmt::format("Unoccluded_{}", unoccluded.param); });
 
 TEST_P(KilledRun, AnywhereAndResumedIsTheSameRun) {
   const auto seed = std::random_device{}();
@@ -35,7 +35,7 @@ TEST_P(KilledRun, AnywhereAndResumedIsTheSameRun) {
   SCOPED_TRACE("seed " + std::to_string(seed));
   std::mt19937 random(seed);
   const std::string options =
-      kOffice + "--directions 100 --replicates 40 --checkpoint-seconds 0 --closed-forms " + GetParam() + " ";
+      kOffice + "--directions 100 --replicates 40 --checkpoint-seconds 0 --unoccluded " + GetParam() + " ";
   ASSERT_EQ(run(options + "-o " + file("whole.csv") + " --checkpoint " + file("whole.h5")).status, 0);
 
   const std::string resumed = options + "-o " + file("a.csv") + " --checkpoint " + file("a.h5") + " --resume";
@@ -119,7 +119,7 @@ TEST_F(LongRun, PlansAndGuaranteesAreGoneOnWith) {
   const std::pair<std::string, std::vector<std::string>> runs[] = {
       {kOffice + "--tolerance 2e-3 ", {"--directions", "--resolution", "--finest"}},
       {"compute " VIEWPEEL_SCENES "/office.obj --quiet --tolerance 3e-2 ",
-       {"--directions", "--resolution", "--finest", "--closed-forms"}},
+       {"--directions", "--resolution", "--finest", "--unoccluded"}},
       {"compute " VIEWPEEL_SCENES "/plates.obj --quiet --epsilon 0.03 ", {"--range", "--block"}}};
   int k = 0;
   for (const auto& [options, chosen] : runs) {
@@ -149,8 +149,7 @@ TEST_F(LongRun, PlansAndGuaranteesAreGoneOnWith) {
 
 class PartsOfARun : public LongRun, public testing::WithParamInterface<const char*> {};
 
-INSTANTIATE_TEST_SUITE_P(LongRun, PartsOfARun,
-                         testing::Values("", "--closed-forms on ", "--closed-forms on --by surface "),
+INSTANTIATE_TEST_SUITE_P(LongRun, PartsOfARun, testing::Values("", "--unoccluded on ", "--unoccluded on --by surface "),
                          [](const auto& options) { return fmt::format("Options{}", options.index); });
 
 TEST_P(PartsOfARun, MergeToOneRun) {
@@ -190,7 +189,7 @@ TEST_P(PartsOfARun, MergeToOneRun) {
 // A pair with directions of its own: the same bits in any batches and pieces, which choose alike for the same goal.
 TEST_F(LongRun, DirectedPairsGoOnAndMerge) {
   const std::string all = "compute " VIEWPEEL_SCENES
-                          "/past_edge.obj --directions 512 --resolution 64 --closed-forms on --floor 1e-4 ",
+                          "/past_edge.obj --directions 512 --resolution 64 --unoccluded on --floor 1e-4 ",
                     options = all + "--relative 0.05 ";
   const Result whole = run(options + "-o " + file("whole.csv") + " --checkpoint " + file("whole.h5"));
   ASSERT_EQ(whole.status, 0);
@@ -213,8 +212,8 @@ TEST_F(LongRun, DirectedPairsGoOnAndMerge) {
   EXPECT_NE(refused.output.find("give all parts of a run the same goal"), std::string::npos) << refused.output;
 }
 
-// Of more polygons than checkpoints keep closed forms of all pairs for: with the scene parts come to the same bits as a
-// whole run; without it what few lines told is sampled alone, with a warning.
+// Of more polygons than checkpoints keep unoccluded form factors of all pairs for: with the scene parts come to the
+// same bits as a whole run; without it what few lines told is sampled alone, with a warning.
 TEST_F(LongRun, PartsOfManyPolygonsMergeWithTheirScene) {
   constexpr int kCuts = 54;
   const auto writeScene = [&](const std::string& name, double height) {
@@ -232,7 +231,7 @@ TEST_F(LongRun, PartsOfManyPolygonsMergeWithTheirScene) {
   writeScene("other.obj", 31);
   const std::string options =
       "compute " + file("scene.obj") +
-      " --quiet --closed-forms on --directions 16 --resolution 64 --sampling scanline --checkpoint ";
+      " --quiet --unoccluded on --directions 16 --resolution 64 --sampling scanline --checkpoint ";
   ASSERT_EQ(run(options + file("whole.h5") + " --replicates 5 -o " + file("whole.csv")).status, 0);
   ASSERT_EQ(run(options + file("a.h5") + " --replicates 2").status, 0);
   ASSERT_EQ(run(options + file("b.h5") + " --replicates 3 --first-replicate 2").status, 0);
@@ -275,9 +274,9 @@ TEST_F(LongRun, WrongCheckpointsAreRefused) {
       {scene + " --resume --seed 2", "--seed is '1' there, '2' here"},
       {scene + "  --resume --two-sided", "--two-sided"},
       {scene + "  --resume --by surface", "--by"},
-      {"compute " + file("scene.obj") + " --quiet --directions 5 --resume --closed-forms on --checkpoint " +
+      {"compute " + file("scene.obj") + " --quiet --directions 5 --resume --unoccluded on --checkpoint " +
            file("lattice.h5"),
-       "--closed-forms is 'off' there, 'on' here"},
+       "--unoccluded is 'off' there, 'on' here"},
       {scene + "  --resume --sampler iid", "--sampler"},
       {scene + "  --resume --from a", "--from"},
       {scene + "  --resume --pair a b", "--pair"},

@@ -21,7 +21,7 @@ TEST_F(Program, AFacetWithoutAreaHasAnEmptyRow) {
                     gone = facet("0 0 0", "0.5 0.5 0", "1 1 0");
   std::ofstream(file("d.stl")) << "solid a\n" << lower << gone << upper << "endsolid\n";
   std::ofstream(file("whole.stl")) << "solid a\n" << lower << upper << "endsolid\n";
-  const std::string lattice = " --directions 50 --resolution 16 --replicates 2 --closed-forms off --quiet ";
+  const std::string lattice = " --directions 50 --resolution 16 --replicates 2 --unoccluded off --quiet ";
   const Result r = run("compute " + file("d.stl") + lattice + "-o " + file("d.mtx") + " -o " + file("d.csv") +
                        " --checkpoint " + file("d.h5"));
   EXPECT_EQ(r.status, 0);
@@ -216,7 +216,7 @@ TEST_F(Program, RowsOfOverlappingTilesAddUp) {
     for (int seed = 1; seed <= 5; ++seed) {
       const Result r =
           run("compute " + file("tiles.obj") + " --engine host --directions 45 --resolution 23 --sampling " +
-              "scanline --closed-forms on --tolerance " + goal + " --seed " + std::to_string(seed) + " -o " +
+              "scanline --unoccluded on --tolerance " + goal + " --seed " + std::to_string(seed) + " -o " +
               file("tiles.csv"));
       EXPECT_EQ(r.status, 0) << r.output;
       directed += r.output.find("\ndirected   ") != std::string::npos;

@@ -107,12 +107,12 @@ const std::vector<Axis> kAxes = {
     {"scene", {"cube", "plates", "box", "wall", "sliver", "junctions"}},
     {"engine", {"", "--engine auto", "--engine compute", "--engine host", "--engine graphics", "--engine exact"}},
     {"by", {"", "--by polygon", "--by surface"}},
-    {"closed forms", {"", "--closed-forms off", "--closed-forms on"}},
+    {"unoccluded", {"", "--unoccluded off", "--unoccluded on"}},
     {"sampling", {"", "--sampling lattice", "--sampling scanline"}},
     {"sampler", {"", "--sampler fibonacci", "--sampler jittered", "--sampler sobol", "--sampler iid"}},
     {"sides", {"", "--two-sided"}},
     {"question", {"", "--from floor", "--pair floor ceiling", "--blocker ceiling"}},
-    {"closure", {"", "--closure"}},
+    {"balance", {"", "--balance"}},
     {"long run", {"", "--checkpoint", "--checkpoint --resume"}},
     {"matrix", {"", "-o"}},  // beside the .csv file
     {"talk", {"", "--quiet", "--verbose", "--json"}},
@@ -136,19 +136,19 @@ struct Contradiction {
 };
 
 const std::vector<Contradiction> kContradictions = {
-    {[](const Choices& r) { return has(r, "closure", "--closure") && has(r, "question", "-"); },
-     "--closure needs every row"},
+    {[](const Choices& r) { return has(r, "balance", "--balance") && has(r, "question", "-"); },
+     "--balance needs every row"},
     {[](const Choices& r) {
-       return has(r, "closure", "--closure") && (isOpen(choiceOf(r, "scene")) || has(r, "sides", "two"));
+       return has(r, "balance", "--balance") && (isOpen(choiceOf(r, "scene")) || has(r, "sides", "two"));
      },
-     "closure: "},
+     "balance: "},
     {[](const Choices& r) {
-       return has(r, "closed forms", "on") &&
+       return has(r, "unoccluded", "on") &&
               (has(r, "engine", "graphics") || has(r, "engine", "exact") || has(r, "question", "-"));
      },
-     "--closed-forms on needs the whole matrix and --engine compute or host"},
+     "--unoccluded on needs the whole matrix and --engine compute or host"},
     {[](const Choices& r) {
-       return has(r, "closed forms", "on") && has(r, "goal", "epsilon") &&
+       return has(r, "unoccluded", "on") && has(r, "goal", "epsilon") &&
               (has(r, "by", "surface") || has(r, "goal", "median"));
      },
      "of a guarantee also --by polygon and --statistic mean"},
@@ -268,15 +268,16 @@ double studentQuantile(uint64_t replicates) {
 }
 
 // What differs from the truth by more than is stated, of form factors that were asked for.
-std::vector<std::string> findDifferences(const Matrix& found, const Matrix& truth, const Stated& stated,
-                                         const std::function<bool(const std::string&, const std::string&)>& is_asked) {
+std::vector<std::string> findDifferences(
+    const Matrix& found, const Matrix& truth, const Stated& stated,
+    const std::function<bool(const std::string&, const std::string&)>& is_requested) {
   Matrix all = truth;
   all.insert(found.begin(), found.end());
   std::vector<std::string> differences;
   for (const auto& [pair, unused] : all) {
     const Entry f = found.contains(pair) ? found.at(pair) : Entry{},
                 t = truth.contains(pair) ? truth.at(pair) : Entry{};
-    if (!is_asked(pair.first, pair.second)) {
+    if (!is_requested(pair.first, pair.second)) {
       if (found.contains(pair))
         differences.push_back(fmt::format("{} to {}: was not asked for", pair.first, pair.second));
       continue;
@@ -326,7 +327,7 @@ class OptionPairs : public Program {
   }
 
   // Of the exact engine, which shares neither lattice nor shaders with the others. Checked against closed forms by
-  // TruthIsThatOfClosedForms.
+  // TruthEqualsTheClosedForm.
   const Matrix& truthOf(const std::string& scene, bool by_surface, bool two_sided) {
     const auto [at, is_new] = truths_.try_emplace({scene, by_surface, two_sided});
     if (!is_new) return at->second;
@@ -368,9 +369,9 @@ class OptionPairs : public Program {
   void checkCompute(const Choices& run) {
     const std::string csv = file("f.csv"), mtx = file("f.mtx"), checkpoint = file("run.h5"),
                       scene = choiceOf(run, "scene");
-    for (const std::string& old : {csv, mtx, checkpoint, file("f.closed.mtx")}) std::filesystem::remove(old);
+    for (const std::string& old : {csv, mtx, checkpoint, file("f.balanced.mtx")}) std::filesystem::remove(old);
     std::string arguments = "compute " + file(scene + ".obj") + commonArguments(run) + " -o " + csv;
-    for (const char* axis : {"closure", "talk"})
+    for (const char* axis : {"balance", "talk"})
       if (!choiceOf(run, axis).empty()) arguments += " " + choiceOf(run, axis);
     if (has(run, "matrix", "-o")) arguments += " -o " + mtx;
     if (has(run, "long run", "checkpoint")) arguments += " --checkpoint " + checkpoint;
@@ -414,7 +415,7 @@ class OptionPairs : public Program {
     const auto isOf = [](const std::string& id, const std::string& surface) {
       return id == surface || id.starts_with(surface + "[");
     };
-    const auto is_asked = [&](const std::string& from, const std::string& to) {
+    const auto is_requested = [&](const std::string& from, const std::string& to) {
       if (question.starts_with("--from")) return isOf(from, "floor");
       if (question.starts_with("--pair"))
         return (isOf(from, "floor") && isOf(to, "ceiling")) || (isOf(from, "ceiling") && isOf(to, "floor"));
@@ -429,7 +430,7 @@ class OptionPairs : public Program {
       stated.quantile = std::max(stated.quantile, studentQuantile(*replicates));
     }
     const Matrix& truth = truthOf(choiceOf(run, "scene"), has(run, "by", "surface"), has(run, "sides", "two"));
-    EXPECT_EQ(fmt::format("{}", fmt::join(findDifferences(found, truth, stated, is_asked), "\n")), "");
+    EXPECT_EQ(fmt::format("{}", fmt::join(findDifferences(found, truth, stated, is_requested), "\n")), "");
     const bool rows_are_whole = question.empty() || question.starts_with("--from");
     EXPECT_EQ(rows_are_whole ? fmt::format("{}", fmt::join(findOpenRows(found, stated), "\n")) : "", "");
   }
@@ -453,17 +454,17 @@ class OptionPairs : public Program {
 };
 
 TEST_F(OptionPairs, EveryPairIsInARun) {
-  std::set<Pair> met;
+  std::set<Pair> covered;
   const std::vector<Choices> runs = coverPairs(kAxes.size());
   size_t all = 0, refused = 0;
   for (const Choices& run : runs) {
     refused += !refusalsOf(run).empty();
     for (size_t i = 0; i < kAxes.size(); ++i)
-      for (size_t j = i + 1; j < kAxes.size(); ++j) met.insert({i, run[i], j, run[j]});
+      for (size_t j = i + 1; j < kAxes.size(); ++j) covered.insert({i, run[i], j, run[j]});
   }
   for (size_t i = 0; i < kAxes.size(); ++i)
     for (size_t j = i + 1; j < kAxes.size(); ++j) all += kAxes[i].choices.size() * kAxes[j].choices.size();
-  EXPECT_EQ(met.size(), all);
+  EXPECT_EQ(covered.size(), all);
   EXPECT_GT(runs.size() - refused, 40u);
   EXPECT_TRUE(refusalsOf(Choices(kAxes.size(), 0)).empty());
 }
@@ -498,7 +499,7 @@ TEST_F(OptionPairs, OfAPlan) {
 
 // What runs are compared with has the closed forms that are known: opposite and adjacent faces of a cube (Howell, C-11
 // and C-14), and a wall that nothing passes.
-TEST_F(OptionPairs, TruthIsThatOfClosedForms) {
+TEST_F(OptionPairs, TruthEqualsTheClosedForm) {
   const double opposite = 0.199824895698, adjacent = (1 - opposite) / 4;
   for (const std::string scene : {"cube", "junctions", "plates"}) {
     const Matrix& truth = truthOf(scene, true, false);

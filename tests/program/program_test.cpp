@@ -32,7 +32,7 @@ TEST_F(Program, SameSeedSameFileWhateverBatchAndThreads) {
 }
 
 // A polygon that no line met is told from one that sees nothing.
-TEST_F(Program, RowsThatWereNeverMetAreNamed) {
+TEST_F(Program, UnmetRowsAreNamed) {
   std::ofstream(file("speck.obj")) << "o floor\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no speck\nv 0.3 0.3 1\nv 0.3 "
                                       "0.30001 1\nv 0.30001 0.3 1\nf 4 5 6\n";
   const Result r = run("compute " + file("speck.obj") + " --directions 10 --resolution 16");
@@ -93,7 +93,7 @@ TEST_F(Program, TwoSidesOfAWallDoNotSeeEachOther) {
 }
 
 // The plan looks at surfaces as the run does: ids of 576 faces in arrays of 18 surfaces crashed it.
-TEST_F(Program, PlansClosedFormsBySurface) {
+TEST_F(Program, PlansUnoccludedFormFactorsBySurface) {
   const std::string office = " " VIEWPEEL_SCENES "/office.obj --by surface --tolerance 2e-4";
   for (const char* command : {"plan", "compute --quiet"}) {
     const Result r = run(command + office);
@@ -125,10 +125,10 @@ TEST_F(Program, BadUsageAndInputEndWithOneLineAndStatus2) {
       {plates + "--tolerance 0", "tolerance"},
       {plates + "--tolerance x", "--tolerance"},
       {plates + "--by face", "--by"},
-      {plates + "--closure --from lower", "--from"},
-      {plates + "--closure --pair lower upper", "--pair"},
-      {plates + "--closure --blocker lower", "--blocker"},
-      {plates + "--closure -o " + file("a.closed.mtx"), ".closed.mtx"},
+      {plates + "--balance --from lower", "--from"},
+      {plates + "--balance --pair lower upper", "--pair"},
+      {plates + "--balance --blocker lower", "--blocker"},
+      {plates + "--balance -o " + file("a.balanced.mtx"), ".balanced.mtx"},
       {plates + "--no-such-option", "--no-such-option"},
       {plates + "-o " + file("a.xyz"), ".csv or .mtx"},
       {plates + "--quiet --epsilon 1e-9", "epsilon"},
@@ -156,15 +156,16 @@ std::map<std::string, double> sumRows(const std::string& csv) {
   return sums;
 }
 
-TEST_F(Program, ClosureIsWrittenBesideWhatWasMeasured) {
+TEST_F(Program, BalanceIsWrittenBesideWhatWasMeasured) {
   const std::string office = "compute " VIEWPEEL_SCENES "/office.obj --directions 200 ";
   const Result plain = run(office + "-o " + file("raw.csv") + " -o " + file("raw.mtx"));
-  const Result closed = run(office + "--closure -o " + file("c.csv") + " -o " + file("c.mtx"));
+  const Result balanced = run(office + "--balance -o " + file("c.csv") + " -o " + file("c.mtx"));
   EXPECT_EQ(plain.status, 0) << plain.output;
-  EXPECT_EQ(closed.status, 0) << closed.output;
-  EXPECT_NE(closed.output.find("\nclosed     row sums differ from 1 by at most"), std::string::npos) << closed.output;
-  EXPECT_NE(closed.output.find("c.closed.mtx"), std::string::npos) << closed.output;
-  EXPECT_EQ(plain.output.find("closed     "), std::string::npos);
+  EXPECT_EQ(balanced.status, 0) << balanced.output;
+  EXPECT_NE(balanced.output.find("\nbalanced   row sums differ from 1 by at most"), std::string::npos)
+      << balanced.output;
+  EXPECT_NE(balanced.output.find("c.balanced.mtx"), std::string::npos) << balanced.output;
+  EXPECT_EQ(plain.output.find("balanced   "), std::string::npos);
   EXPECT_EQ(readFile(file("raw.mtx")), readFile(file("c.mtx")));
   std::istringstream raw_lines(readFile(file("raw.csv"))), closed_lines(readFile(file("c.csv")));
   std::string a, b;
@@ -174,18 +175,27 @@ TEST_F(Program, ClosureIsWrittenBesideWhatWasMeasured) {
   }
   const auto sums = sumRows(readFile(file("c.csv")));
   EXPECT_EQ(sums.size(), 576u);
-  for (const auto& [row, sum] : sums) EXPECT_NEAR(sum, 1, 1.1e-12) << row;  // kClosureTolerance, and 576 roundings
+  for (const auto& [row, sum] : sums) EXPECT_NEAR(sum, 1, 1.1e-12) << row;  // kBalanceTolerance, and 576 roundings
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 5);
-  const Result json = run("compute " VIEWPEEL_SCENES "/cube.obj --directions 20 --closure --json");
-  EXPECT_NE(json.output.find("\"closed\": {\"largest\": "), std::string::npos) << json.output;
+  const Result json = run("compute " VIEWPEEL_SCENES "/cube.obj --directions 20 --balance --json");
+  EXPECT_NE(json.output.find("\"balanced\": {\"largest\": "), std::string::npos) << json.output;
 }
 
 // The scene is open: found after the computation, whose result is kept.
-TEST_F(Program, RefusedClosureKeepsWhatWasMeasured) {
+TEST_F(Program, OlderNamesOfOptionsWork) {
+  const std::string cube = "compute " VIEWPEEL_SCENES "/cube.obj --quiet --directions 20 --resolution 32 ";
+  EXPECT_EQ(run(cube + "--unoccluded on --balance -o " + file("new.csv")).status, 0);
+  EXPECT_EQ(run(cube + "--closed-forms on --closure -o " + file("old.csv")).status, 0);
+  EXPECT_EQ(run(cube + "--unoccluded off --balance -o " + file("off.csv")).status, 0);
+  EXPECT_EQ(readFile(file("old.csv")), readFile(file("new.csv")));
+  EXPECT_NE(readFile(file("off.csv")), readFile(file("new.csv")));
+}
+
+TEST_F(Program, RefusedBalanceKeepsWhatWasMeasured) {
   const std::string plates = "compute " VIEWPEEL_SCENES "/plates.obj --quiet --directions 20 ";
-  const Result r = run(plates + "--closure -o " + file("p.csv"));
+  const Result r = run(plates + "--balance -o " + file("p.csv"));
   EXPECT_EQ(r.status, 2);
-  EXPECT_EQ(r.output.find("viewpeel: closure: 79."), 0u) << r.output;
+  EXPECT_EQ(r.output.find("viewpeel: balance: 79."), 0u) << r.output;
   EXPECT_EQ(std::count(r.output.begin(), r.output.end(), '\n'), 1) << r.output;
   EXPECT_EQ(run(plates + "-o " + file("q.csv")).status, 0);
   EXPECT_EQ(readFile(file("p.csv")), readFile(file("q.csv")));
@@ -274,7 +284,7 @@ TEST_F(Program, HelpNamesEveryOption) {
   EXPECT_EQ(r.status, 0);
   for (const char* option :
        {"--output", "--tolerance", "--directions", "--replicates", "--resolution", "--by", "--sampler", "--seed",
-        "--two-sided", "--device", "--quiet", "--closure", "--checkpoint", "--resume", "--first-replicate"})
+        "--two-sided", "--device", "--quiet", "--balance", "--checkpoint", "--resume", "--first-replicate"})
     EXPECT_NE(r.output.find(option), std::string::npos) << option;
 }
 

@@ -108,7 +108,7 @@ class Counters {
       for (size_t b = a + 2; b < layers.size(); ++b) {
         if (!ids_.two_sided && (layers[a].front_down || !layers[b].front_down)) continue;
         const uint32_t near = layers[a].polygon, far = layers[b].polygon;
-        if (areAskedFor(near, far)) counterOf(ids_.of_polygon[near], ids_.of_polygon[far]).second += weight;
+        if (areRequested(near, far)) counterOf(ids_.of_polygon[near], ids_.of_polygon[far]).second += weight;
       }
     for (size_t k = 0; k <= layers.size() && !layers.empty(); ++k) {
       const bool has_lower = k > 0, has_upper = k < layers.size();
@@ -118,7 +118,7 @@ class Counters {
       const bool lower_emits = ids_.rolesOf(lower) & kEmits, upper_emits = ids_.rolesOf(upper) & kEmits;
       const uint32_t i = ids_.of_polygon[lower], j = ids_.of_polygon[upper];
       if (lower_sees && upper_sees) {
-        if (areAskedFor(lower, upper)) counterOf(i, j).first += weight;
+        if (areRequested(lower, upper)) counterOf(i, j).first += weight;
       } else if (ids_.counts_environment && lower_sees && lower_emits) {
         counterOf(i, has_upper ? kLeak : kEnvironment).first += weight;
       } else if (ids_.counts_environment && upper_sees && upper_emits) {
@@ -134,7 +134,7 @@ class Counters {
   }
 
  private:
-  bool areAskedFor(uint32_t a, uint32_t b) const {
+  bool areRequested(uint32_t a, uint32_t b) const {
     const uint32_t a_roles = ids_.rolesOf(a), b_roles = ids_.rolesOf(b);
     return ((a_roles & kEmits) && (b_roles & kReceives)) || ((b_roles & kEmits) && (a_roles & kReceives));
   }

@@ -192,7 +192,7 @@ TEST(BuildScene, PlanesAreFoundAtAnyAngle) {
   }
 }
 
-TEST(BuildScene, ClosedAndOpenScenesAreToldApart) {
+TEST(BuildScene, ClosedAndOpenScenesDiffer) {
   EXPECT_TRUE(isClosed(buildScene(ts::insideOfCube())));
   EXPECT_TRUE(isClosed(buildScene(ts::roomWithTouchingBoxes())));  // has T-junctions
   InputScene open = ts::roomWithTouchingBoxes();

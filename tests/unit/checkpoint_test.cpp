@@ -127,7 +127,7 @@ TEST_F(CheckpointFile, ReadsBackEveryBit) {
     EXPECT_EQ(a->ids().names, b->ids().names);
     EXPECT_EQ(a->ids().areas, b->ids().areas);
     EXPECT_EQ(a->ids().surface, b->ids().surface);
-    EXPECT_EQ(a->ids().asked, b->ids().asked);
+    EXPECT_EQ(a->ids().requested, b->ids().requested);
     EXPECT_EQ(a->ids().splits_surfaces, b->ids().splits_surfaces);
     EXPECT_EQ(a->ids().rows_sum_to_one, b->ids().rows_sum_to_one);
     EXPECT_EQ(a->replicateCount(), b->replicateCount());
@@ -146,6 +146,12 @@ TEST_F(CheckpointFile, ReadsBackEveryBit) {
           << k;
   }
   EXPECT_TRUE(passes_64_bits);
+}
+
+// Older checkpoints name the setting --unoccluded by its older name.
+TEST_F(CheckpointFile, OlderNamesOfSettingsAreRead) {
+  writeCheckpoint({{"--closed-forms", "on"}}, makeRunSums(scene_, ids_), file("old.h5"));
+  EXPECT_EQ(readCheckpoint(file("old.h5")).settings, (Settings{{"--unoccluded", "on"}}));
 }
 
 TEST_F(CheckpointFile, PartsInAnyOrderAddUpToOneRun) {
@@ -180,45 +186,46 @@ TEST_F(CheckpointFile, WhatDoesNotBelongTogetherIsRefused) {
   EXPECT_NE(merge("e.h5").find("areas"), std::string::npos) << merge("e.h5");
 }
 
-// With closed forms: controls are integers, too, and shares are the same in all parts. What closed forms gave may
-// differ in the last bits from device to device: in any order of files it is that of the first replicate which stays.
+// With unoccluded form factors: controls are integers, too, and visibilities are the same in all parts. What unoccluded
+// form factors gave may differ in the last bits from device to device: in any order of files it is that of the first
+// replicate which stays.
 TEST_F(CheckpointFile, ControlsAddUpToOneRun) {
-  const auto sumsWithShares = [&](const std::vector<uint64_t>& replicates, uint32_t one_share = 0,
-                                  uint32_t directions = 16) {
-    KnownShares known{{}, std::vector<uint64_t>(ids_.count(), 16), true};
+  const auto sumsWithPrior = [&](const std::vector<uint64_t>& replicates, uint32_t one_visibility = 0,
+                                 uint32_t directions = 16) {
+    Prior prior{{}, std::vector<uint64_t>(ids_.count(), 16), true};
     std::mt19937_64 random(4);
     for (uint32_t i = 0; i < ids_.count(); ++i)
       for (uint32_t j = i + 1; j < ids_.count(); ++j)
         if (random() % 2)
-          known.pairs.push_back({i, j, static_cast<uint32_t>(random() % kShareOne),
+          prior.pairs.push_back({i, j, static_cast<uint32_t>(random() % kVisibilityOne),
                                  static_cast<uint32_t>(random() % 2 * 3077),
                                  replicates[0] == 0 ? 0.1 : std::nextafter(0.1, 1)});
-    if (one_share) known.pairs[3].share = one_share;
-    known.directed = {
-        {known.pairs[2].i, known.pairs[2].j, directions, 200, 1000, 1, 0.01, 0.2},
-        {known.pairs[9].i, known.pairs[9].j, 32, 300, 0, 4, replicates[0] == 0 ? 0.1 : std::nextafter(0.1, 1), 0.2}};
+    if (one_visibility) prior.pairs[3].visibility = one_visibility;
+    prior.directed = {
+        {prior.pairs[2].i, prior.pairs[2].j, directions, 200, 1000, 1, 0.01, 0.2},
+        {prior.pairs[9].i, prior.pairs[9].j, 32, 300, 0, 4, replicates[0] == 0 ? 0.1 : std::nextafter(0.1, 1), 0.2}};
     RunSums sums = makeRunSums(scene_, ids_);
-    sums.visible.emplace(ids_, sums.by_surface.ids(), By::polygon, known);
+    sums.prior_sums.emplace(ids_, sums.by_surface.ids(), By::polygon, prior);
     sums.measure_area = 0.1;
     for (uint64_t replicate : replicates) {
       PairCounts counts = randomCounts(ids_, replicate);
       for (PairCount& count : counts)
         count = {count.i, count.j, count.count >> 8, count.j < kEnvironment ? count.count % 1'000'003 << 20 : 0};
-      const PairCounts directed{{known.pairs[2].i, known.pairs[2].j, replicate * 3, 700},
-                                {known.pairs[9].i, known.pairs[9].j, 1 + replicate % 3, replicate}};
+      const PairCounts directed{{prior.pairs[2].i, prior.pairs[2].j, replicate * 3, 700},
+                                {prior.pairs[9].i, prior.pairs[9].j, 1 + replicate % 3, replicate}};
       sums.add(replicate, counts, 10, directed);
     }
     return sums;
   };
-  const RunSums sums = sumsWithShares({0, 1, 2, 3, 4, 5, 6});
+  const RunSums sums = sumsWithPrior({0, 1, 2, 3, 4, 5, 6});
   const std::string whole = bytesOf(sums);
   const Checkpoint read = readCheckpoint(file("bytes.h5"));
-  ASSERT_TRUE(read.sums.visible);
-  ASSERT_EQ(read.sums.visible->directed().pairs().size(), 2u);
-  EXPECT_EQ(read.sums.visible->known(), sums.visible->known());
-  EXPECT_TRUE(std::ranges::any_of(sums.visible->directed().pairs(), [](const auto& pair) { return pair.sum < 0; }));
-  EXPECT_TRUE(std::ranges::any_of(sums.visible->byFace().pairs(), [&](const auto& pair) {
-    return sums.visible->byFace().squaresOf(pair).blocked >> 64;
+  ASSERT_TRUE(read.sums.prior_sums);
+  ASSERT_EQ(read.sums.prior_sums->directed().pairs().size(), 2u);
+  EXPECT_EQ(read.sums.prior_sums->prior(), sums.prior_sums->prior());
+  EXPECT_TRUE(std::ranges::any_of(sums.prior_sums->directed().pairs(), [](const auto& pair) { return pair.sum < 0; }));
+  EXPECT_TRUE(std::ranges::any_of(sums.prior_sums->byFace().pairs(), [&](const auto& pair) {
+    return sums.prior_sums->byFace().squaresOf(pair).blocked >> 64;
   }));
   const FormFactors a = sums.formFactors(), b = read.sums.formFactors();
   ASSERT_EQ(a.entries().size(), b.entries().size());
@@ -229,7 +236,7 @@ TEST_F(CheckpointFile, ControlsAddUpToOneRun) {
   std::vector<fs::path> files;
   for (const std::vector<uint64_t>& part : {std::vector<uint64_t>{0, 1}, {2}, {3, 5}, {4, 6}}) {
     files.push_back(file("part" + std::to_string(files.size()) + ".h5"));
-    writeCheckpoint(kSettings, sumsWithShares(part), files.back());
+    writeCheckpoint(kSettings, sumsWithPrior(part), files.back());
   }
   do EXPECT_EQ(bytesOf(mergeCheckpoints(files).sums), whole) << files[0] << files[1] << files[2] << files[3];
   while (std::next_permutation(files.begin(), files.end()));
@@ -238,11 +245,11 @@ TEST_F(CheckpointFile, ControlsAddUpToOneRun) {
   writeCheckpoint(kSettings, twice, file("twice.h5"));
   EXPECT_NE(messageOf([&] { readCheckpoint(file("twice.h5")); }).find("not those it has sums of"), std::string::npos)
       << "pairs that are summed twice";
-  writeCheckpoint(kSettings, sumsWithShares({9}, 5), file("other.h5"));
-  writeCheckpoint(kSettings, sumsWithShares({9}, 0, 17), file("directed.h5"));
+  writeCheckpoint(kSettings, sumsWithPrior({9}, 5), file("other.h5"));
+  writeCheckpoint(kSettings, sumsWithPrior({9}, 0, 17), file("directed.h5"));
   writeCheckpoint(kSettings, sumsOf({9}), file("without.h5"));
-  for (const auto& [name, reason] : {std::pair("other.h5", "other visible shares"),
-                                     {"without.h5", "other visible shares"},
+  for (const auto& [name, reason] : {std::pair("other.h5", "other visibilities"),
+                                     {"without.h5", "other visibilities"},
                                      {"directed.h5", "give all parts of a run the same goal"}}) {
     const std::vector<fs::path> apart = {file("part0.h5"), file(name)};
     const std::string message = messageOf([&] { mergeCheckpoints(apart); });
@@ -394,7 +401,7 @@ TEST_F(StoppedEstimate, ErrorsLoseNoReplicateEither) {
   EXPECT_TRUE(kept_->isWhole());
 }
 
-TEST_F(StoppedEstimate, RangesOfReplicatesAreThoseOfOneRun) {
+TEST_F(StoppedEstimate, RangesOfReplicatesEqualOneRun) {
   estimate();
   const std::string whole = bytesOf(*kept_);
   options_.replicates = 3;

@@ -39,7 +39,7 @@ void expectCloses(const std::vector<Corners>& faces, const std::string& what) {
         << what << ", face " << i;
 }
 
-TEST(Contour, KnownValues) {
+TEST(Contour, PublishedValues) {
   EXPECT_TRUE(isWithin(formFactor(unitSquare(), squareAbove(1)), 0.1998248957, 5e-11));
   const Corners wall = rectangle({0, 0, 0}, {0, 1, 0}, {0, 0, 1});
   EXPECT_TRUE(isWithin(formFactor(unitSquare(), wall), 0.2000437761, 5e-11));

@@ -23,7 +23,7 @@ TEST(ExactEngine, RefusesPolygonsThatPassThroughEachOther) {
   EXPECT_THROW(makeExactEngine(scene, makeIds(scene, By::polygon, false)), Error);
 }
 
-TEST(ExactEngine, EstimatesAreThoseOfTheClosedForm) {
+TEST(ExactEngine, EstimatesEqualTheClosedForm) {
   const Scene scene = buildScene(ts::perpendicularSquares());
   const Ids ids = makeIds(scene, By::polygon, false);
   const auto engine = makeExactEngine(scene, ids);
@@ -49,7 +49,7 @@ TEST(ExactEngine, SeesPastABlocker) {
 }
 
 // Perimeters: of a square seen face to face, and of what a smaller square in front of it leaves over: both outlines.
-TEST(ExactPairAreas, PerimetersAreThoseOfTheRegions) {
+TEST(ExactPairAreas, PerimetersMatchTheRegions) {
   InputScene input = ts::parallelSquares();
   ts::addFace(input, "screen",
               {{0.25, 0.25, 0.5}, {0.25, 0.75, 0.5}, {0.75, 0.75, 0.5}, {0.75, 0.25, 0.5}});  // faces down
@@ -76,7 +76,7 @@ TEST(ExactEngine, ThreadsNeverChangeTheCounts) {
 
 // Lines through a smaller square between two: each square faces the screen's front or its back, and the other through
 // it.
-TEST(ExactEngine, CountsBlockedPairsWhereAsked) {
+TEST(ExactEngine, CountsBlockedPairsOnRequest) {
   InputScene input = ts::parallelSquares();
   ts::addFace(input, "screen",
               {{0.25, 0.25, 0.5}, {0.25, 0.75, 0.5}, {0.75, 0.75, 0.5}, {0.75, 0.25, 0.5}});  // faces down

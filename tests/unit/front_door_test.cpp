@@ -32,21 +32,21 @@ void expectSameBits(const FormFactors& a, const FormFactors& b) {
 }
 
 // Each goal comes to the closed form, with what it promises. Squares that nothing blocks are exact by default; without
-// closed forms they lie within 6 standard errors of 8 or more replicates, which chance passes in less than 1 of 1,000
-// runs (Student, 7 degrees of freedom).
+// unoccluded form factors they lie within 6 standard errors of 8 or more replicates, which chance passes in less than 1
+// of 1,000 runs (Student, 7 degrees of freedom).
 TEST(FrontDoor, EveryGoalIsReached) {
   const Scene scene = buildScene(ts::parallelSquares());
   for (const Goal& goal : {Goal(Tolerance{2e-3}), Goal(Tolerance{1e-2, 0.05}), Goal(Relative{0.05}), Goal(Seconds{0.5}),
                            Goal(FixedAmount{.directions = 64, .resolution = 64})}) {
-    for (const bool closed_forms : {true, false}) {
-      SCOPED_TRACE(testing::Message() << "goal " << goal.index() << (closed_forms ? ", closed forms" : ""));
+    for (const bool unoccluded : {true, false}) {
+      SCOPED_TRACE(testing::Message() << "goal " << goal.index() << (unoccluded ? ", unoccluded form factors" : ""));
       Request request = onHost(goal);
-      request.closed_forms = closed_forms;
+      request.unoccluded = unoccluded;
       const Result result = computeFormFactors(scene, request);
       const Measured f = result.form_factors.formFactor(0, 1);
-      EXPECT_NEAR(f.value, kParallelSquares, closed_forms ? 1e-7 : 6 * f.standard_error);
+      EXPECT_NEAR(f.value, kParallelSquares, unoccluded ? 1e-7 : 6 * f.standard_error);
       EXPECT_FALSE(result.interrupted);
-      EXPECT_EQ(result.plan.closed_forms, closed_forms);
+      EXPECT_EQ(result.plan.unoccluded, unoccluded);
       EXPECT_EQ(result.directions, result.replicates * result.plan.directions);
       const auto* tolerance = std::get_if<Tolerance>(&goal);
       EXPECT_LE(result.largest_standard_error, tolerance ? tolerance->standard_error : INFINITY);
@@ -82,9 +82,9 @@ TEST(FrontDoor, TheExactEngineIsBrought) {
 TEST(FrontDoor, GoesOnFromACheckpoint) {
   const Scene scene = buildScene(ts::squaresPastAnEdge());
   const std::filesystem::path file = testing::TempDir() + "front_door.h5";
-  for (const bool closed_forms : {true, false}) {
+  for (const bool unoccluded : {true, false}) {
     Request request = onHost(FixedAmount{.directions = 64, .resolution = 64});
-    request.closed_forms = closed_forms;
+    request.unoccluded = unoccluded;
     const Result whole = computeFormFactors(scene, request);
     FormFactorRun first(scene, request);
     while (first.replicateCount() < 4) first.step();
@@ -92,7 +92,7 @@ TEST(FrontDoor, GoesOnFromACheckpoint) {
     EXPECT_EQ(first.resultSoFar().replicates, 4u);
     first.writeCheckpoint(file);
     Request again = onHost(Tolerance{1});
-    again.closed_forms = closed_forms;
+    again.unoccluded = unoccluded;
     FormFactorRun second(scene, again);
     EXPECT_EQ(second.resumeFrom(file), "0 to 3");
     while (!second.isDone()) second.step();
@@ -108,7 +108,7 @@ TEST(FrontDoor, GoesOnFromACheckpoint) {
 }
 
 // Whenever the observer says so: before anything is counted there is nothing, afterwards what was counted.
-TEST(FrontDoor, StopsWhenAsked) {
+TEST(FrontDoor, StopsOnRequest) {
   const Scene scene = buildScene(ts::parallelSquares());
   for (const uint64_t replicates : {0, 3}) {
     uint64_t done = 0, calls = 0;
@@ -131,16 +131,16 @@ TEST(FrontDoor, StopsWhenAsked) {
 }
 
 // Closure where there is one, and its refusal beside what was measured where there is none.
-TEST(FrontDoor, ClosureOrWhyThereIsNone) {
+TEST(FrontDoor, BalanceOrWhyThereIsNone) {
   Request request = onHost(FixedAmount{.directions = 200, .resolution = 64});
-  request.closure = true;
+  request.balance = true;
   const Result room = computeFormFactors(buildScene(ts::insideOfCube()), request);
-  ASSERT_TRUE(room.closed);
-  EXPECT_FALSE(room.closure_refusal);
-  for (const Measured& sum : room.closed->form_factors.rowSums()) EXPECT_NEAR(sum.value, 1, kClosureTolerance);
+  ASSERT_TRUE(room.balanced);
+  EXPECT_FALSE(room.balance_refusal);
+  for (const Measured& sum : room.balanced->form_factors.rowSums()) EXPECT_NEAR(sum.value, 1, kBalanceTolerance);
   const Result open = computeFormFactors(buildScene(ts::parallelSquares()), request);
-  EXPECT_FALSE(open.closed);
-  ASSERT_TRUE(open.closure_refusal);
+  EXPECT_FALSE(open.balanced);
+  ASSERT_TRUE(open.balance_refusal);
   EXPECT_GT(open.form_factors.formFactor(0, 1).value, 0);
 }
 
@@ -162,8 +162,8 @@ TEST(FrontDoor, ContradictionsAreRefused) {
   EXPECT_NE(refusal({.goal = EpsilonDelta{.statistic = Statistic::median, .block_directions = 4}}).find("not blocks"),
             std::string::npos);
   EXPECT_NE(refusal({.goal = FixedAmount{.finest = 128}}).find("--finest"), std::string::npos);
-  EXPECT_NE(refusal({.question = {.from = {"floor"}}, .closed_forms = true}).find("whole matrix"), std::string::npos);
-  EXPECT_NE(refusal({.question = {.from = {"floor"}}, .closure = true}).find("every row"), std::string::npos);
+  EXPECT_NE(refusal({.question = {.from = {"floor"}}, .unoccluded = true}).find("whole matrix"), std::string::npos);
+  EXPECT_NE(refusal({.question = {.from = {"floor"}}, .balance = true}).find("every row"), std::string::npos);
 }
 
 }  // namespace

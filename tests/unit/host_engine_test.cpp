@@ -24,7 +24,7 @@ std::vector<InputScene> scenes() {
           ts::triangleSoup(200, 0.05, 4)};
 }
 
-TEST(HostEngine, CountsAreThoseOfTheCpuTwin) {
+TEST(HostEngine, CountsEqualTheCpuTwin) {
   std::vector<Direction> directions = sampleDirections(Sampler::iid, 6, 7, 0);
   for (const Direction& direction : ts::alongAxesAndEdges()) directions.push_back(direction);
   directions.back().weight = 3;
@@ -138,18 +138,18 @@ TEST(HostEngine, AStoppedCallLeavesNothingBehind) {
   const auto directions = sampleDirections(Sampler::fibonacci, 500, 11, 0);
   for (const uint64_t budget : {uint64_t(0), uint64_t(1)}) {
     bool stops = true;
-    uint64_t told = 0;
+    uint64_t reported = 0;
     const auto engine = makeHostEngine(
         scene, ids,
         {.resolution = 16, .counter_budget_bytes = budget, .thread_count = 2, .on_batch = [&](uint64_t done) {
-           told = done;
+           reported = done;
            if (stops) throw Error(ErrorCode::limit, "enough");
          }});
     EXPECT_THROW(engine->count(directions), Error);
-    EXPECT_LT(told, 500u);
+    EXPECT_LT(reported, 500u);
     stops = false;
     EXPECT_EQ(engine->count(directions), countWith(scene, ids, directions, {.resolution = 16}));
-    EXPECT_EQ(told, 500u);
+    EXPECT_EQ(reported, 500u);
   }
 }
 

@@ -1,4 +1,4 @@
-// The rules of the closed forms' line integrals against adaptive integration.
+// The rules of the unoccluded form factors' line integrals against adaptive integration.
 #include "unoccluded/line_rules.h"
 
 #include <algorithm>

@@ -219,7 +219,7 @@ class ObjNames : public testing::Test {
   std::filesystem::path file_;
 };
 
-TEST_F(ObjNames, GroupsOfOneNameInDifferentObjectsAreToldApart) {
+TEST_F(ObjNames, GroupsOfOneNameInDifferentObjectsStaySeparate) {
   using Names = std::vector<std::string>;
   EXPECT_EQ(surfacesOf("o box1;g side;f;o box2;g side;f"), (Names{"box1/side", "box2/side"}));
   EXPECT_EQ(countWith(load("o box1;g side;f;o box2;g side;f"), "2 groups share their names"), 1u);

@@ -109,7 +109,7 @@ std::vector<std::vector<Snapped>> drawPolygons(uint64_t seed, size_t count) {
   return polygons;
 }
 
-TEST(Outlines, CutsAreThoseOfTheEdges) {
+TEST(Outlines, CutsMatchTheEdges) {
   for (const int column_bits : {0, 10})
     for (uint64_t seed = 1; seed <= 4; ++seed) {
       const auto polygons = drawPolygons(seed, 1000 + 100 * seed);  // the last block is not full

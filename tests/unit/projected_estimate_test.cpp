@@ -59,7 +59,7 @@ TEST(ProjectedPair, OneDirectionIsTheExactArea) {
   EXPECT_GT(seen, 30);  // the comparison means something
 }
 
-TEST(ProjectedEstimate, KnownValues) {
+TEST(ProjectedEstimate, PublishedValues) {
   const Corners floor = rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}), wall = rectangle({0, 0, 0}, {0, 1, 0}, {0, 0, 1});
   const Corners ceiling = rectangle({0, 0, 1}, {0, 1, 0}, {1, 0, 0});
   const ProjectedEstimate to_ceiling = estimateFormFactor(floor, ceiling, 200'000, 1),

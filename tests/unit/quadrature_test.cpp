@@ -52,9 +52,9 @@ TEST(Integrate, SaysSoWhereItStops) {
 TEST(Integrate, EndsAtTheNoise) {
   int calls = 0;
   const auto noisy = [&calls](long double x) { return ++calls, 1e-18L * std::sin(1e20L * x); };
-  const LineIntegral told = integrate(noisy, 0, 1, 1e-25L, 1e-18L);
+  const LineIntegral integral = integrate(noisy, 0, 1, 1e-25L, 1e-18L);
   EXPECT_EQ(calls, 26);
-  EXPECT_GE(told.error, 1e-19L);
+  EXPECT_GE(integral.error, 1e-19L);
   const LineIntegral untold = integrate(noisy, 0, 1, 1e-25L);
   EXPECT_LE(calls, 3'000'000);
   EXPECT_GE(untold.error, 1e-20L);

@@ -31,7 +31,7 @@ Interval randomInterval(test::Random& random, double low, double high) {
 // Corners of the contour integral's rectangles are rounded sums: 4 corners off by 2^-52 of a coordinate of at most 4.
 constexpr double kBound = kContourError + 64 * 0x1p-52;
 
-TEST(Rectangles, KnownValues) {
+TEST(Rectangles, PublishedValues) {
   EXPECT_TRUE(isWithin(parallelRectangles(kUnit, kUnit, kUnit, kUnit, 1), 0.1998248957, kTenDigits));
   EXPECT_TRUE(isWithin(perpendicularRectangles(kUnit, kUnit, kUnit, kUnit), 0.2000437761, kTenDigits));
 }

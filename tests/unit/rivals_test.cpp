@@ -19,15 +19,16 @@ TEST(Points, SobolPointsAreStratified) {
   std::vector<std::array<uint32_t, kDimensions>> points;
   for (uint32_t k = 0; k < 1u << kBits; ++k) points.push_back(source.next());
   for (uint32_t d = 0; d < kDimensions; ++d) {
-    std::vector<bool> met(points.size(), false);
-    for (const auto& p : points) met[p[d] >> (32 - kBits)] = true;
-    EXPECT_EQ(std::count(met.begin(), met.end(), true), 1 << kBits) << "dimension " << d;
+    std::vector<bool> is_hit(points.size(), false);
+    for (const auto& p : points) is_hit[p[d] >> (32 - kBits)] = true;
+    EXPECT_EQ(std::count(is_hit.begin(), is_hit.end(), true), 1 << kBits) << "dimension " << d;
   }
   for (uint32_t first_bits = 1; first_bits < kBits; ++first_bits) {
-    std::vector<bool> met(points.size(), false);
+    std::vector<bool> is_hit(points.size(), false);
     for (const auto& p : points)
-      met[(p[0] >> (32 - first_bits)) << (kBits - first_bits) | p[1] >> (32 - (kBits - first_bits))] = true;
-    EXPECT_EQ(std::count(met.begin(), met.end(), true), 1 << kBits) << first_bits << " bits of the first dimension";
+      is_hit[(p[0] >> (32 - first_bits)) << (kBits - first_bits) | p[1] >> (32 - (kBits - first_bits))] = true;
+    EXPECT_EQ(std::count(is_hit.begin(), is_hit.end(), true), 1 << kBits)
+        << first_bits << " bits of the first dimension";
   }
 }
 
@@ -57,7 +58,7 @@ TEST(Points, AreUniform) {
   }
 }
 
-TEST(HemicubeWeights, AddUpToOneAndAreThoseOfTheirPixels) {
+TEST(HemicubeWeights, AddUpToOneAndMatchTheirPixels) {
   for (const uint32_t resolution : {2u, 32u, 256u}) {
     const std::vector<double> weights = hemicubeWeights(resolution);
     double sum = 0;
@@ -84,7 +85,7 @@ TEST(HemicubeWeights, AddUpToOneAndAreThoseOfTheirPixels) {
     }
 }
 
-TEST(ExchangeMatrix, ErrorsAreThoseOfBothFormFactors) {
+TEST(ExchangeMatrix, ErrorsCombineBothFormFactors) {
   ExchangeMatrix reference(3), measured(3);
   reference.at(0, 1) = 0.5;
   measured.at(1, 0) = 0.7;

@@ -1,4 +1,4 @@
-// Closed forms of whole rows, against those of pairs in double precision: the bound on every error holds.
+// Unoccluded form factors of whole rows, against those of pairs in double precision: the bound on every error holds.
 #include "unoccluded/row_exchange.h"
 
 #include <gtest/gtest.h>

@@ -28,7 +28,7 @@ std::set<uint32_t> flippedIn(const InputScene& input) {
 }
 
 // Solids and rooms that touch are shells of their own, whether they share corners, edges in part or whole faces.
-TEST(Shells, TouchingSolidsAreShellsOfTheirOwn) {
+TEST(Shells, TouchingSolidsAreSeparateShells) {
   const Scene room = buildScene(ts::roomWithTouchingBoxes());
   const std::vector<Shell> shells = findShells(room);
   ASSERT_EQ(shells.size(), 4u);

@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "engines/host_engine.h"
-#include "estimator/visible_share.h"
-#include "sums/neighbour_shares.h"
+#include "estimator/find_prior.h"
+#include "sums/neighbour_visibility.h"
 #include "scene/rank_by_place.h"
 #include "scenes/named_scenes.h"
 #include "threads.h"
@@ -90,10 +90,10 @@ void expectSameBits(const FormFactors& one, const FormFactors& other) {
   }
 }
 
-// A run with closed forms - lattices, pilots, pairs with nothing in between, sums by polygon and by surface, form
-// factors - has the same bits on one processor and on all of the machine's. Lists are longer than what is left to one
-// thread.
-TEST(Threads, NeverChangeARunWithClosedForms) {
+// A run with unoccluded form factors - lattices, pilots, pairs with nothing in between, sums by polygon and by surface,
+// form factors - has the same bits on one processor and on all of the machine's. Lists are longer than what is left to
+// one thread.
+TEST(Threads, NeverChangeARunWithUnoccludedFormFactors) {
   if (isAlone()) GTEST_SKIP() << "there is one processor";
   const Scene scene = buildScene(cubeInCubeInParts());
   const Ids ids = makeIds(scene, By::polygon, false);
@@ -101,13 +101,14 @@ TEST(Threads, NeverChangeARunWithClosedForms) {
     const auto engine = makeHostEngine(scene, ids, {.resolution = 48, .count_blocked = true});
     FaceExchanges exchanges(nullptr, scene, ids);
     EstimateOptions options{.directions = 48, .replicates = 2};
-    const VisibleShares shares = findVisibleShares(*engine, exchanges, scene, ids, groupAsOne(scene, 48), options,
-                                                   {sharePilot(options).directions});
-    EXPECT_EQ(threadsFor(shares.known.pairs.size()), threadCount()) << shares.known.pairs.size();
-    options.known = &shares.known;
+    const FoundPrior found = findPrior(*engine, exchanges, scene, ids, groupAsOne(scene, 48), options,
+                                       {choosePriorPilot(options).directions});
+    EXPECT_EQ(threadsFor(found.prior.pairs.size()), threadCount()) << found.prior.pairs.size();
+    options.prior = &found.prior;
     options.by = by;
     options.on_sums = [](const RunSums& sums, bool) {
-      const size_t pairs = sums.hasPairsInVisible() ? sums.visible->byFace().pairs().size() : sums.by_id.pairs().size();
+      const size_t pairs =
+          sums.hasPairsInVisible() ? sums.prior_sums->byFace().pairs().size() : sums.by_id.pairs().size();
       EXPECT_EQ(threadsFor(pairs), threadCount()) << pairs;
     };
     return estimateFormFactors(*engine, scene, ids, options);
@@ -122,17 +123,17 @@ TEST(Threads, NeverChangeARunWithClosedForms) {
   }
 }
 
-// Form factors of all pairs, most of them met by no line: rows of closed forms times shares of neighbours.
-TEST(Threads, NeverChangeRowsOfClosedForms) {
+// Form factors of all pairs, most of them met by no line: rows of unoccluded form factors times shares of neighbours.
+TEST(Threads, NeverChangeRowsOfUnoccludedFormFactors) {
   if (isAlone()) GTEST_SKIP() << "there is one processor";
   const Scene scene = buildScene(cubeInCubeInParts());
   const Ids ids = makeIds(scene, By::polygon, false);
   const auto engine = makeHostEngine(scene, ids, {.resolution = 24, .count_blocked = true, .thread_count = 1});
-  ShareSums sums(ids);
+  VisibilitySums sums(ids);
   for (uint64_t replicate = 0; replicate < 2; ++replicate)
     sums.add(engine->count(sampleDirections(Sampler::fibonacci, 8, 1, replicate)));
   const std::vector<uint32_t> ranks = rankByPlace(scene, ids.of_polygon, ids.count());
-  const NeighbourShares neighbours(sums, {}, ranks);
+  const NeighbourVisibility neighbours(sums, {}, ranks);
   FaceExchanges exchanges(nullptr, scene, ids);
   const ExchangeRow rows = exchanges.rows();
   std::optional<FormFactors> on_one, on_all;

@@ -3,17 +3,17 @@
 #pragma once
 #include <vector>
 
-#include "sums/share_sums.h"
+#include "sums/visibility_sums.h"
 
 namespace viewpeel {
 
 // A pair of faces that gets separate directions on a separate lattice. Lines of the common directions do not enter its
 // form factor.
 struct DirectedPair {
-  uint32_t i, j;            // i < j, one of KnownShares::pairs
+  uint32_t i, j;            // i < j, one of Prior::pairs
   uint32_t directions = 0;  // per replicate
   uint32_t resolution = 0;  // of the lattice
-  uint32_t share = 0;       // in its controls; units of 2^-kShareBits
+  uint32_t visibility = 0;  // in its controls; units of 2^-kVisibilityBits
   uint32_t line = 1;        // counts that one line adds
   double measure_area = 0;  // input units squared of one count, as RunSums has it for common directions
   double count_area = 0;    // the same along its direction
@@ -21,49 +21,50 @@ struct DirectedPair {
   bool operator==(const DirectedPair&) const = default;
 };
 
-// Control variates of pairs with separate directions.    In: both sorted    Throws: as takeShares.
-std::vector<ControlCount> takeDirectedShares(const PairCounts& counts, const std::vector<DirectedPair>& directed);
+// Control variates of pairs with separate directions.    In: both sorted    Throws: as takeControlVariates.
+std::vector<ControlVariate> takeDirectedControlVariates(const PairCounts& counts,
+                                                        const std::vector<DirectedPair>& directed);
 
 // The prior of a run: unoccluded exchange areas and visibilities, fixed before its first replicate.
-struct KnownShares {
-  std::vector<KnownPair> pairs;  // sorted; without has_all_pairs those that pilots met, and what the run sees beside
-  std::vector<uint64_t> lines;   // of faces: counts that one line adds (takeShares)
+struct Prior {
+  std::vector<PairPrior> pairs;  // sorted; without has_all_pairs those that pilots met, and what the run sees beside
+  std::vector<uint64_t> lines;   // of faces: counts that one line adds (takeControlVariates)
   bool has_all_pairs = false;    // pairs that are not there do not see each other
   std::vector<DirectedPair> directed{};  // sorted
   std::vector<uint32_t> ranks{};  // of faces, by place (rankByPlace); empty: pairs that no line met are not compared
                                   // with their neighbours
 
-  bool operator==(const KnownShares&) const = default;
+  bool operator==(const Prior&) const = default;
 };
 
-class VisibleSums {
+class PriorSums {
  public:
   //   In: ids by face and by surface; by: which of the two form factors are asked for
-  VisibleSums(const Ids& face_ids, const Ids& surface_ids, By by, KnownShares known);
+  PriorSums(const Ids& face_ids, const Ids& surface_ids, By by, Prior prior);
   // Restores sums from a checkpoint.
-  VisibleSums(By by, KnownShares known, ShareSums by_face, ControlSums by_surface, ControlSums directed);
+  PriorSums(By by, Prior prior, VisibilitySums by_face, ControlVariateSums by_surface, ControlVariateSums directed);
 
   // Adds one replicate.
-  //   In: counts: of common directions; directed: of the separate directions of KnownShares::directed
-  //   Throws: as takeShares.    Cost: O(nonzeros log nonzeros).
+  //   In: counts: of common directions; directed: of the separate directions of Prior::directed
+  //   Throws: as takeControlVariates.    Cost: O(nonzeros log nonzeros).
   void add(const PairCounts& counts, const PairCounts& directed);
   // Lists pairs of faces that saw each other on `least_lines` lines or more and have no entry in the prior yet.
-  std::vector<KnownPair> unknownPairs(uint64_t least_lines = 0) const;
+  std::vector<PairPrior> pairsOutsidePrior(uint64_t least_lines = 0) const;
   // Adds unoccluded exchange areas of such pairs to the prior.    In: sorted, none of them in the prior
-  void learn(const std::vector<KnownPair>& pairs);
+  void learn(const std::vector<PairPrior>& pairs);
   // Adds other replicates of the same run. Exchange areas may differ in rounding between devices: those of the part
   // with the first replicate stay.
-  void add(const VisibleSums& others, bool others_are_first);
+  void add(const PriorSums& others, bool others_are_first);
 
   By by() const { return by_; }
-  const KnownShares& known() const { return known_; }
-  const ShareSums& byFace() const { return by_face_; }  // empty where surfaces are asked for
-  const ControlSums& surfaceControls() const { return by_surface_; }
-  const ControlSums& directed() const { return directed_; }  // by face
+  const Prior& prior() const { return prior_; }
+  const VisibilitySums& byFace() const { return by_face_; }  // empty where surfaces are asked for
+  const ControlVariateSums& surfaceControls() const { return by_surface_; }
+  const ControlVariateSums& directed() const { return directed_; }  // by face
   // Whether both have the same visibilities in their prior, to the last bit.
-  bool goesWith(const VisibleSums& others) const;
+  bool goesWith(const PriorSums& others) const;
   // Whether the same pairs have as many separate directions in both.
-  bool directsAs(const VisibleSums& others) const;
+  bool directsAs(const PriorSums& others) const;
 
   // Form factors by polygon and their row sums.
   //   In: measure_area, count_area: as in ReplicateSums; counted: all lines of each row, of the same replicates
@@ -72,33 +73,33 @@ class VisibleSums {
   FormFactors byPolygon(double measure_area, double count_area, const ReplicateSums& counted,
                         const std::vector<FormFactors::Entry>& sampled, const ExchangeRow& row = {}) const;
   // Entries of the prior's pairs alone, one for each, before guesses are made to fit their rows.
-  std::vector<FormFactors::Entry> ofKnownPairs(double measure_area, double count_area,
+  std::vector<FormFactors::Entry> ofPriorPairs(double measure_area, double count_area,
                                                const ReplicateSums& counted) const;
   // Form factors between surfaces.
   //   In: sampled: counted form factors of the same replicates, which stand where control variates add noise
   FormFactors bySurface(double measure_area, double count_area, const FormFactors& sampled) const;
   // Whether counts alone are the estimate of a pair of the prior (docs/method.md, eq. (42)).
   //   In: directions: of all replicates; count_area: as in ReplicateSums
-  bool isCountedAlone(const KnownPair& pair, double directions, double count_area) const;
+  bool isCountedAlone(const PairPrior& pair, double directions, double count_area) const;
   // Control variates of faces, with the visibilities of the prior.
-  ControlSums faceControls() const { return by_face_.controls(shares_, known_.lines); }
+  ControlVariateSums faceControls() const { return by_face_.controls(visibilities_, prior_.lines); }
   FormFactors controlledFormFactors(double measure_area, const FormFactors& sampled) const;
 
  private:
   void prepare();
   PairCounts withoutDirected(PairCounts counts) const;
   std::vector<FormFactors::Entry> directedEntries() const;
-  ShareSums::Found find(double measure_area, double count_area, const ReplicateSums& counted,
-                        const std::vector<FormFactors::Entry>& sampled, const ExchangeRow& row) const;
+  VisibilitySums::Found find(double measure_area, double count_area, const ReplicateSums& counted,
+                             const std::vector<FormFactors::Entry>& sampled, const ExchangeRow& row) const;
 
   By by_;
-  KnownShares known_;
-  ShareSums by_face_;
-  ControlSums by_surface_, directed_;
+  Prior prior_;
+  VisibilitySums by_face_;
+  ControlVariateSums by_surface_, directed_;
   // Derived from known_.
-  std::vector<PairShare> shares_, surface_shares_;
-  std::vector<PairShare> row_shares_;  // of environment and leak
-  std::vector<KnownExchange> surface_exchanges_, directed_exchanges_;
+  std::vector<PairVisibility> visibilities_, surface_visibilities_;
+  std::vector<PairVisibility> row_visibilities_;  // of environment and leak
+  std::vector<PriorExchange> surface_exchanges_, directed_exchanges_;
 };
 
 }  // namespace viewpeel

@@ -1,4 +1,4 @@
-#include "sums/share_sums.h"
+#include "sums/visibility_sums.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 #include <boost/math/distributions/students_t.hpp>
 
 #include "sums/add_pairs.h"
-#include "sums/neighbour_shares.h"
+#include "sums/neighbour_visibility.h"
 #include "threads.h"
 
 namespace viewpeel {
@@ -28,12 +28,13 @@ double besideReplicates(uint64_t replicates) {
 
 }  // namespace
 
-ShareSums::ShareSums(Ids ids, uint64_t replicate_count, std::vector<PairSum> pairs, const std::vector<Squares>& squares)
+VisibilitySums::VisibilitySums(Ids ids, uint64_t replicate_count, std::vector<PairSum> pairs,
+                               const std::vector<Squares>& squares)
     : ids_(std::move(ids)), pairs_(std::move(pairs)), replicate_count_(replicate_count) {
   for (size_t k = 0; k < pairs_.size(); ++k) addSquares(pairs_[k], squares[k]);
 }
 
-void ShareSums::addSquares(PairSum& sum, const Squares& squares) {
+void VisibilitySums::addSquares(PairSum& sum, const Squares& squares) {
   const std::array<Wide, 3> added{squares.facing, squares.product, squares.blocked};
   for (size_t k = 0; k < added.size(); ++k) {
     const Wide total = sum.low_squares[k] + added[k];
@@ -42,7 +43,7 @@ void ShareSums::addSquares(PairSum& sum, const Squares& squares) {
   }
 }
 
-ShareSums::Squares ShareSums::squaresOf(const PairSum& pair) const {
+VisibilitySums::Squares VisibilitySums::squaresOf(const PairSum& pair) const {
   std::array<Wide, 3> squares{pair.low_squares[0], pair.low_squares[1], pair.low_squares[2]};
   if (!high_squares_.empty())
     if (const auto high = high_squares_.find(keyOf(pair)); high != high_squares_.end())
@@ -50,10 +51,10 @@ ShareSums::Squares ShareSums::squaresOf(const PairSum& pair) const {
   return {squares[0], squares[1], squares[2]};
 }
 
-void ShareSums::add(const PairCounts& counts) {
+void VisibilitySums::add(const PairCounts& counts) {
   ++replicate_count_;  // first: what ends early is seen (RunSums::isWhole)
   addPairs(pairs_, counts, [&](PairSum& sum, const PairCount& count) {
-    requireCountsForShares(count);
+    requireCountsForVisibilities(count);
     sum.facing += count.count;
     sum.blocked += count.blocked;
     addSquares(
@@ -61,7 +62,7 @@ void ShareSums::add(const PairCounts& counts) {
   });
 }
 
-void ShareSums::add(const ShareSums& others) {
+void VisibilitySums::add(const VisibilitySums& others) {
   replicate_count_ += others.replicate_count_;
   addPairs(pairs_, others.pairs_, [&](PairSum& sum, const PairSum& other) {
     sum.facing += other.facing;
@@ -71,18 +72,18 @@ void ShareSums::add(const ShareSums& others) {
 }
 
 // Makes the entries of some rows. What is known, told and sampled goes along with the pairs, in their order.
-class ShareSums::Entries {
+class VisibilitySums::Entries {
   template <class Pairs>
   static auto firstOf(const Pairs& pairs, uint32_t i) {
     return std::lower_bound(pairs.begin(), pairs.end(), i, [](const auto& pair, uint32_t row) { return pair.i < row; });
   }
 
  public:
-  Entries(const ShareSums& sums, const std::vector<KnownPair>& known, const std::vector<uint64_t>& lines,
+  Entries(const VisibilitySums& sums, const std::vector<PairPrior>& prior, const std::vector<uint64_t>& lines,
           double measure_area, double count_area, std::span<const ReplicateSums::Sum> rows,
-          const std::vector<FormFactors::Entry>& sampled, const NeighbourShares* neighbours)
+          const std::vector<FormFactors::Entry>& sampled, const NeighbourVisibility* neighbours)
       : sums_(sums),
-        known_pairs_(known),
+        prior_pairs_(prior),
         lines_(lines),
         rows_(rows),
         sampled_entries_(sampled),
@@ -92,8 +93,8 @@ class ShareSums::Entries {
         beside_replicates_(besideReplicates(sums.replicate_count_)) {}
 
   Found of(uint32_t first_row, uint32_t end_row, const ExchangeRow& row) {
-    known_ = firstOf(known_pairs_, first_row);
-    told_ = firstOf(sums_.pairs_, first_row);
+    prior_ = firstOf(prior_pairs_, first_row);
+    counted_ = firstOf(sums_.pairs_, first_row);
     sampled_ = firstOf(sampled_entries_, first_row);
     std::vector<BoundedExchange> later;
     if (row)
@@ -102,8 +103,8 @@ class ShareSums::Entries {
     for (uint32_t i = first_row; i < end_row; ++i) {
       if (row) {
         later.assign(sums_.ids_.count() - i - 1, {});
-        for (auto known = known_; known != known_pairs_.end() && known->i == i; ++known)
-          if (known->j > i && known->j < kEnvironment) later[known->j - i - 1].error = -1;
+        for (auto prior = prior_; prior != prior_pairs_.end() && prior->i == i; ++prior)
+          if (prior->j > i && prior->j < kEnvironment) later[prior->j - i - 1].error = -1;
         row(i, later);
       }
       for (uint32_t j = i + 1, end = static_cast<uint32_t>(i + 1 + later.size()); j < end; ++j) {
@@ -114,14 +115,14 @@ class ShareSums::Entries {
         if (j == end) break;
         addBefore(i, j);
         const BoundedExchange& exchange = later[j - i - 1];
-        if (isAt(known_, known_pairs_, i, j)) {
+        if (isAt(prior_, prior_pairs_, i, j)) {
           addBefore(i, j + 1);  // before what is told of it is passed
           continue;
         }
         if (!(exchange.area > 0 || exchange.error > 0)) continue;
-        const PairSum told = take(i, j);
+        const PairSum lines_of_pair = take(i, j);
         if (isAt(sampled_, sampled_entries_, i, j)) ++sampled_;
-        add(told, {i, j, 0, 0, exchange.area}, exchange.error);
+        add(lines_of_pair, {i, j, 0, 0, exchange.area}, exchange.error);
       }
       addBefore(i + 1, 0);
     }
@@ -136,8 +137,8 @@ class ShareSums::Entries {
 
   // The sums of a pair, 0 where no line told.
   PairSum take(uint32_t i, uint32_t j) {
-    while (told_ != sums_.pairs_.end() && keyOf(*told_) < std::pair(i, j)) ++told_;
-    return isAt(told_, sums_.pairs_, i, j) ? *told_ : PairSum{i, j};
+    while (counted_ != sums_.pairs_.end() && keyOf(*counted_) < std::pair(i, j)) ++counted_;
+    return isAt(counted_, sums_.pairs_, i, j) ? *counted_ : PairSum{i, j};
   }
 
   // Of environment and leak all other lines of the row are blocked, in replicates that saw none leave it, too:
@@ -154,37 +155,39 @@ class ShareSums::Entries {
 
   // The least j of row i, of at least `from`, of a pair that is known, told or sampled.
   uint32_t nextAfter(uint32_t i, uint32_t from) {
-    while (told_ != sums_.pairs_.end() && keyOf(*told_) < std::pair(i, from)) ++told_;
+    while (counted_ != sums_.pairs_.end() && keyOf(*counted_) < std::pair(i, from)) ++counted_;
     uint32_t next = UINT32_MAX;
-    if (told_ != sums_.pairs_.end() && told_->i == i) next = told_->j;
-    if (known_ != known_pairs_.end() && known_->i == i) next = std::min(next, std::max(from, known_->j));
+    if (counted_ != sums_.pairs_.end() && counted_->i == i) next = counted_->j;
+    if (prior_ != prior_pairs_.end() && prior_->i == i) next = std::min(next, std::max(from, prior_->j));
     if (sampled_ != sampled_entries_.end() && sampled_->i == i) next = std::min(next, std::max(from, sampled_->j));
     return next;
   }
 
   // A pair that no line met.
   void guess(uint32_t i, uint32_t j, double area, double error) {
-    const NeighbourShares::Share share = neighbours_->of(i, j);
+    const NeighbourVisibility::Value visibility = neighbours_->of(i, j);
     const double most = std::min({area, sums_.ids_.areas[i], sums_.ids_.areas[j]});
-    found_.guesses.push_back({static_cast<uint32_t>(found_.entries.size()), static_cast<float>(most), share.mean, 1});
+    found_.guesses.push_back(
+        {static_cast<uint32_t>(found_.entries.size()), static_cast<float>(most), visibility.mean, 1});
     found_.entries.push_back(
         {i,
          j,
-         {share.mean * most, sums_.replicate_count_ < 2 ? INFINITY : share.deviation() * most + share.mean * error}});
+         {visibility.mean * most,
+          sums_.replicate_count_ < 2 ? INFINITY : visibility.deviation() * most + visibility.mean * error}});
   }
 
   // Pairs that are known, and those sampled alone.
   void addBefore(uint32_t i, uint32_t j) {
     const std::pair key(i, j);
     for (;;) {
-      const bool has_known = known_ != known_pairs_.end() && keyOf(*known_) < key,
+      const bool has_prior = prior_ != prior_pairs_.end() && keyOf(*prior_) < key,
                  has_sampled = sampled_ != sampled_entries_.end() && keyOf(*sampled_) < key;
-      if (!has_known && !has_sampled) return;
-      if (has_sampled && (!has_known || keyOf(*sampled_) < keyOf(*known_))) {
+      if (!has_prior && !has_sampled) return;
+      if (has_sampled && (!has_prior || keyOf(*sampled_) < keyOf(*prior_))) {
         found_.entries.push_back(*sampled_++);
         continue;
       }
-      const KnownPair& pair = *known_++;
+      const PairPrior& pair = *prior_++;
       const bool is_sampled = has_sampled && keyOf(*sampled_) == keyOf(pair);
       if (is_sampled) found_.entries.push_back(*sampled_);
       else add(take(pair.i, pair.j), pair, 0);
@@ -193,21 +196,21 @@ class ShareSums::Entries {
   }
 
   //   In: error: of the exchange area
-  void add(const PairSum& told, const KnownPair& pair, double error) {
-    const KnownExchange known = exchangeOf(pair, pair.share, sums_.ids_.areas, lines_);
-    const auto [sum, squares] = withRow(told);
-    if (sum.facing + sum.blocked == 0 && !std::isinf(known.most) && neighbours_ && pair.j < kEnvironment)
-      return guess(pair.i, pair.j, known.most, error);
-    found_.entries.push_back({pair.i, pair.j, measure(sum, squares, known, error)});
+  void add(const PairSum& lines_of_pair, const PairPrior& pair, double error) {
+    const PriorExchange prior = exchangeOf(pair, pair.visibility, sums_.ids_.areas, lines_);
+    const auto [sum, squares] = withRow(lines_of_pair);
+    if (sum.facing + sum.blocked == 0 && !std::isinf(prior.most) && neighbours_ && pair.j < kEnvironment)
+      return guess(pair.i, pair.j, prior.most, error);
+    found_.entries.push_back({pair.i, pair.j, measure(sum, squares, prior, error)});
   }
 
-  // Of a pair that lines met, or whose exchange area or neighbours nobody knows.    In: error: of known.most
-  Measured measure(const PairSum& pair, const Squares& squared, const KnownExchange& known, double error) {
+  // Of a pair that lines met, or that has no exchange area or no neighbours.    In: error: of prior.most
+  Measured measure(const PairSum& pair, const Squares& squared, const PriorExchange& prior, double error) {
     const auto replicates = static_cast<double>(sums_.replicate_count_), facing = double(pair.facing),
                blocked = double(pair.blocked), lines = facing + blocked;
-    const bool has_form = !std::isinf(known.most), is_share = lines > 0 && has_form;
+    const bool has_form = !std::isinf(prior.most), has_visibility = lines > 0 && has_form;
     const double b = lines > 0 ? facing / lines : 0;
-    Measured exchange{is_share ? b * known.most : known.area, INFINITY};
+    Measured exchange{has_visibility ? b * prior.most : prior.area, INFINITY};
     if (sums_.replicate_count_ < 2) return exchange;
     const double area = std::min(sums_.ids_.areas[pair.i], pair.j < kEnvironment ? sums_.ids_.areas[pair.j] : INFINITY);
     // The replicates' variance in units of counts: of residuals (1 - b) V_r - b O_r, whose sum is 0; and of lines, each
@@ -215,78 +218,81 @@ class ShareSums::Entries {
     const double residuals = (1 - b) * (1 - b) * double(squared.facing) - 2 * b * (1 - b) * double(squared.product) +
                              b * b * double(squared.blocked);
     const double variance = std::max(0.0, residuals) * replicates / (replicates - 1),
-                 squares = b * blocked * double(known.line);
-    if (is_share && neighbours_ && pair.j < kEnvironment) {
-      const double told = effectiveLines(pair, squared, double(known.line));
+                 squares = b * blocked * double(prior.line);
+    if (has_visibility && neighbours_ && pair.j < kEnvironment) {
+      const double lines_of_pair = effectiveLines(pair, squared, double(prior.line));
       const float mean = neighbours_->of(pair.i, pair.j).mean;
-      const double share = told < kFewLines ? withNeighbours(told, b, mean) : b;
-      if (told < kFewLines)
-        found_.guesses.push_back({static_cast<uint32_t>(found_.entries.size()), static_cast<float>(known.most), mean,
-                                  static_cast<float>(withNeighbours(told, 0, 1))});
-      exchange.value = share * known.most;
-      exchange.standard_error = std::sqrt(varianceOfShare(pair, squared, b, variance / lines / lines,
-                                                          area / count_area_, double(known.line))) *
-                                known.most;
+      const double visibility = lines_of_pair < kFewLines ? withNeighbours(lines_of_pair, b, mean) : b;
+      if (lines_of_pair < kFewLines)
+        found_.guesses.push_back({static_cast<uint32_t>(found_.entries.size()), static_cast<float>(prior.most), mean,
+                                  static_cast<float>(withNeighbours(lines_of_pair, 0, 1))});
+      exchange.value = visibility * prior.most;
+      exchange.standard_error = std::sqrt(varianceOfVisibility(pair, squared, b, variance / lines / lines,
+                                                               area / count_area_, double(prior.line))) *
+                                prior.most;
       exchange.standard_error =
-          std::min(exchange.standard_error, std::max(exchange.value, known.most - exchange.value)) + share * error;
+          std::min(exchange.standard_error, std::max(exchange.value, prior.most - exchange.value)) + visibility * error;
       return exchange;
     }
     const double count_exchange =
-        is_share ? known.most / lines : (pair.i == pair.j ? 4 : 2) * measure_area_ / replicates;
-    exchange.standard_error = errorOfSum(variance, squares, double(known.line), area / count_area_) * count_exchange;
-    exchange.standard_error = std::min(exchange.standard_error, std::max(exchange.value, known.most - exchange.value));
-    if (squares == 0) exchange = allowForUnmet(exchange, known, replicates * count_area_ / measure_area_, area);
+        has_visibility ? prior.most / lines : (pair.i == pair.j ? 4 : 2) * measure_area_ / replicates;
+    exchange.standard_error = errorOfSum(variance, squares, double(prior.line), area / count_area_) * count_exchange;
+    exchange.standard_error = std::min(exchange.standard_error, std::max(exchange.value, prior.most - exchange.value));
+    if (squares == 0) exchange = allowForUnmet(exchange, prior, replicates * count_area_ / measure_area_, area);
     exchange.standard_error += b * error;  // a bound, whatever the lines told
     return exchange;
   }
 
-  // Where few lines tell of a pair, with a share m of its neighbours.
+  // Where few lines tell of a pair, with a visibility m of its neighbours.
   static constexpr double kFewLines = 4;
-  static double withNeighbours(double told, double b, double m) {
-    return (told * b + NeighbourShares::kNeighbours * m) / (told + NeighbourShares::kNeighbours);
+  static double withNeighbours(double lines_of_pair, double b, double m) {
+    return (lines_of_pair * b + NeighbourVisibility::kNeighbours * m) /
+           (lines_of_pair + NeighbourVisibility::kNeighbours);
   }
 
-  // Of the share b that lines tell, of which a direction adds up to most_counts. That of replicates is worth little
-  // where few lines are of the rarer kind; then that of n directions that see the pair, each facing or blocked by
-  // chance, p (1 - p) / (n + 1/2), half a line of the neighbours' among them, with p of b, the neighbours' s, as of two
-  // lines more, and a tenth of a line of either kind: (n b + 2 s + 0.1) / (n + 2.2) (Agresti & Coull 1998). A direction
-  // that sees it has 1 + 8/27 A / h^2 lines (replicate_sums.cpp), but parts of a pair in different places are blocked
-  // one by one, and lattices and directions are more even than chance: 2 / (n + 3) of that variance is left where lines
-  // are of both kinds, all of it where they are of one, which does not say that the other is not there (measured in
-  // five scenes: bench/programs/coverage.cpp, README).
-  double varianceOfShare(const PairSum& pair, const Squares& squared, double b, double of_replicates,
-                         double most_counts, double line) const {
+  // Of the visibility b that lines tell, of which a direction adds up to most_counts. That of replicates is worth
+  // little where few lines are of the rarer kind; then that of n directions that see the pair, each facing or blocked
+  // by chance, p (1 - p) / (n + 1/2), half a line of the neighbours' among them, with p of b, the neighbours' s, as of
+  // two lines more, and a tenth of a line of either kind: (n b + 2 s + 0.1) / (n + 2.2) (Agresti & Coull 1998). A
+  // direction that sees it has 1 + 8/27 A / h^2 lines (replicate_sums.cpp), but parts of a pair in different places are
+  // blocked one by one, and lattices and directions are more even than chance: 2 / (n + 3) of that variance is left
+  // where lines are of both kinds, all of it where they are of one, which does not say that the other is not there
+  // (measured in five scenes: bench/programs/coverage.cpp, README).
+  double varianceOfVisibility(const PairSum& pair, const Squares& squared, double b, double of_replicates,
+                              double most_counts, double line) const {
     const double n = effectiveLines(pair, squared, line + 8 / 27.0 * most_counts),
                  s = neighbours_->of(pair.i, pair.j).smoothed;
     const double p = (n * b + 2 * s + 0.1) / (n + 2.2), rarer = n * p * (1 - p),
                  trust = rarer * rarer / (rarer * rarer + 0.25);
-    const double by_chance = p * (1 - p) / (n + NeighbourShares::kNeighbours), left = b > 0 && b < 1 ? 2 / (n + 3) : 1;
+    const double by_chance = p * (1 - p) / (n + NeighbourVisibility::kNeighbours),
+                 left = b > 0 && b < 1 ? 2 / (n + 3) : 1;
     return trust * of_replicates + (1 - trust) * left * by_chance * beside_replicates_;
   }
 
-  const ShareSums& sums_;
-  const std::vector<KnownPair>& known_pairs_;
+  const VisibilitySums& sums_;
+  const std::vector<PairPrior>& prior_pairs_;
   const std::vector<uint64_t>& lines_;
   std::span<const ReplicateSums::Sum> rows_;
   const std::vector<FormFactors::Entry>& sampled_entries_;
-  const NeighbourShares* neighbours_;
+  const NeighbourVisibility* neighbours_;
   double measure_area_, count_area_, beside_replicates_;
-  std::vector<KnownPair>::const_iterator known_;
-  std::vector<PairSum>::const_iterator told_;
+  std::vector<PairPrior>::const_iterator prior_;
+  std::vector<PairSum>::const_iterator counted_;
   std::vector<FormFactors::Entry>::const_iterator sampled_;
   Found found_;
 };
 
-ShareSums::Found ShareSums::find(const std::vector<KnownPair>& known, const std::vector<uint64_t>& lines,
-                                 double measure_area, double count_area, std::span<const ReplicateSums::Sum> rows,
-                                 const std::vector<FormFactors::Entry>& sampled, const NeighbourShares* neighbours,
-                                 const ExchangeRow& row) const {
+VisibilitySums::Found VisibilitySums::find(const std::vector<PairPrior>& prior, const std::vector<uint64_t>& lines,
+                                           double measure_area, double count_area,
+                                           std::span<const ReplicateSums::Sum> rows,
+                                           const std::vector<FormFactors::Entry>& sampled,
+                                           const NeighbourVisibility* neighbours, const ExchangeRow& row) const {
   // Some rows at a time: the first have the most pairs.
   constexpr size_t kParts = 64;
   const size_t n = ids_.count(), part_count = std::min(n, kParts);
   std::vector<std::optional<Found>> parts(part_count);
   Found all;
-  all.entries.reserve((row ? size_t(pairCount(n)) : known.size()) + sampled.size() +
+  all.entries.reserve((row ? size_t(pairCount(n)) : prior.size()) + sampled.size() +
                       2 * n);  // no memory before it is written to
   std::mutex mutex;
   size_t added = 0;
@@ -296,7 +302,7 @@ ShareSums::Found ShareSums::find(const std::vector<KnownPair>& known, const std:
   const auto addPart = [&](size_t, size_t part) {
     const uint32_t end = part + 1 == part_count ? static_cast<uint32_t>(n) : firstRow(part + 1);
     Found made =
-        Entries(*this, known, lines, measure_area, count_area, rows, sampled, neighbours).of(firstRow(part), end, row);
+        Entries(*this, prior, lines, measure_area, count_area, rows, sampled, neighbours).of(firstRow(part), end, row);
     const std::lock_guard lock(mutex);
     parts[part] = std::move(made);
     for (; added < part_count && parts[added];
@@ -307,22 +313,24 @@ ShareSums::Found ShareSums::find(const std::vector<KnownPair>& known, const std:
       parts[added].emplace();
     }
   };
-  shareOut(threadsFor(row ? n * n / 2 : known.size()), part_count, 1, addPart);
+  shareOut(threadsFor(row ? n * n / 2 : prior.size()), part_count, 1, addPart);
   return all;
 }
 
-ControlSums ShareSums::controls(const std::vector<PairShare>& shares, const std::vector<uint64_t>& lines) const {
-  std::vector<ControlSums::PairSum> controls;
-  auto share = shares.begin();
+ControlVariateSums VisibilitySums::controls(const std::vector<PairVisibility>& visibilities,
+                                            const std::vector<uint64_t>& lines) const {
+  std::vector<ControlVariateSums::PairSum> controls;
+  auto visibility = visibilities.begin();
   for (const PairSum& pair : pairs_) {
-    while (share != shares.end() && keyOf(*share) < keyOf(pair)) ++share;
-    const Wide b = share != shares.end() && keyOf(*share) == keyOf(pair) ? share->share : 0, rest = kShareOne - b;
-    ControlSums::PairSum control{pair.i, pair.j};
+    while (visibility != visibilities.end() && keyOf(*visibility) < keyOf(pair)) ++visibility;
+    const Wide b = visibility != visibilities.end() && keyOf(*visibility) == keyOf(pair) ? visibility->visibility : 0,
+               rest = kVisibilityOne - b;
+    ControlVariateSums::PairSum control{pair.i, pair.j};
     control.line = lineOf(lines, pair.i, pair.j);
     control.squares = (pair.facing * rest * rest + pair.blocked * b * b) * control.line;
     if (control.squares == 0) continue;
-    control.sum = static_cast<ControlSums::SignedWide>(pair.facing * rest) -
-                  static_cast<ControlSums::SignedWide>(pair.blocked * b);
+    control.sum = static_cast<ControlVariateSums::SignedWide>(pair.facing * rest) -
+                  static_cast<ControlVariateSums::SignedWide>(pair.blocked * b);
     const Squares squared = squaresOf(pair);
     control.sum_of_squares = rest * rest * squared.facing + b * b * squared.blocked - 2 * b * rest * squared.product;
     controls.push_back(control);

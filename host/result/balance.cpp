@@ -6,7 +6,7 @@
 // singular (two plates that see nothing else), solved by conjugate gradients to that error, and Armijo's rule: the dual
 // Newton method of H. Qi & D. Sun, A quadratically convergent Newton method for computing the nearest correlation
 // matrix, SIAM J. Matrix Anal. Appl. 28(2), 2006, 360-385, for rows in place of a diagonal.
-#include <viewpeel/closure.h>
+#include <viewpeel/balance.h>
 
 #include <algorithm>
 #include <cmath>
@@ -86,7 +86,7 @@ class Dual {
         throw Error(
             ErrorCode::bad_input,
             fmt::format(
-                "closure: no line from '{}' to any polygon was counted; use more --directions or a finer --resolution",
+                "balance: no line from '{}' to any polygon was counted; use more --directions or a finer --resolution",
                 ids_.names[i]));
   }
 
@@ -170,15 +170,16 @@ class Dual {
     }
     std::vector<double> joining_area(n, 0.0);
     for (uint32_t i = 0; i < n; ++i) joining_area[joins[i]] += areas_[i];
-    double area = 0, met_area = 0;
+    double area = 0, reachable_area = 0;
     for (uint32_t k = 0; k < n; ++k) {
       area += areas_[rows[k]];
-      met_area += joining_area[k];
-      if (area > met_area * (1 + 2 * kClosureTolerance))
-        throw Error(ErrorCode::bad_input,
-                    fmt::format("closure: '{}'{} of area {:.6g} met only rows of area {:.6g}; use more --directions or "
-                                "a finer --resolution",
-                                ids_.names[rows[0]], k ? fmt::format(" and {} more rows", k) : "", area, met_area));
+      reachable_area += joining_area[k];
+      if (area > reachable_area * (1 + 2 * kBalanceTolerance))
+        throw Error(
+            ErrorCode::bad_input,
+            fmt::format("balance: '{}'{} of area {:.6g} met only rows of area {:.6g}; use more --directions or "
+                        "a finer --resolution",
+                        ids_.names[rows[0]], k ? fmt::format(" and {} more rows", k) : "", area, reachable_area));
     }
   }
 
@@ -199,47 +200,47 @@ void refuseOpen(const FormFactors& measured) {
   const std::vector<double>& areas = measured.ids().areas;
   const double area = std::accumulate(areas.begin(), areas.end(), 0.0);
   if (environment + leak > kGrazingShare * area)
-    throw Error(ErrorCode::bad_input, fmt::format("closure: {:.3g} % of all emitted radiation leaves the scene and "
+    throw Error(ErrorCode::bad_input, fmt::format("balance: {:.3g} % of all emitted radiation leaves the scene and "
                                                   "{:.3g} % ends on backs; close the scene, turn flipped "
-                                                  "polygons, or leave --closure out",
+                                                  "polygons, or leave --balance out",
                                                   100 * environment / area, 100 * leak / area));
 }
 
-void measureChanges(const FormFactors& measured, ClosedFormFactors& closed) {
+void measureChanges(const FormFactors& measured, BalancedFormFactors& balanced) {
   double changes = 0, variances = 0;
   for (size_t k = 0; k < measured.entries().size(); ++k) {
     const Entry& entry = measured.entries()[k];
     if (entry.j >= kEnvironment) continue;
-    const double change = std::abs(closed.form_factors.entries()[k].exchange_area.value - entry.exchange_area.value);
+    const double change = std::abs(balanced.form_factors.entries()[k].exchange_area.value - entry.exchange_area.value);
     const double standard_error = entry.exchange_area.standard_error;
     changes += change * change;
     variances += standard_error * standard_error;
-    if (standard_error > 0) closed.largest_change = std::max(closed.largest_change, change / standard_error);
+    if (standard_error > 0) balanced.largest_change = std::max(balanced.largest_change, change / standard_error);
     const std::vector<double>& areas = measured.ids().areas;
     const auto [from, to] =
         areas[entry.i] <= areas[entry.j] ? std::pair(entry.i, entry.j) : std::pair(entry.j, entry.i);
-    if (change / areas[from] >= closed.largest_form_factor_change) {
-      closed.largest_form_factor_change = change / areas[from];
-      closed.from = from;
-      closed.to = to;
+    if (change / areas[from] >= balanced.largest_form_factor_change) {
+      balanced.largest_form_factor_change = change / areas[from];
+      balanced.from = from;
+      balanced.to = to;
     }
   }
-  if (variances > 0) closed.rms_change = std::sqrt(changes / variances);
+  if (variances > 0) balanced.rms_change = std::sqrt(changes / variances);
 }
 
 }  // namespace
 
-ClosedFormFactors closeRows(const FormFactors& measured) {
+BalancedFormFactors balanceRows(const FormFactors& measured) {
   const Ids& ids = measured.ids();
-  if (!ids.asked.empty()) throw Error(ErrorCode::bad_usage, kClosureNeedsEveryRow);
+  if (!ids.requested.empty()) throw Error(ErrorCode::bad_usage, kBalanceNeedsEveryRow);
   refuseOpen(measured);
 
   Dual dual(measured);
   Point at = dual.start();
   uint32_t steps = 0;
-  for (; dual.errorOf(at) > kClosureTolerance; ++steps) {
+  for (; dual.errorOf(at) > kBalanceTolerance; ++steps) {
     if (steps == kMostSteps)
-      throw Error(ErrorCode::limit, fmt::format("closure: row sums still differ from 1 by {:.1e} after {} steps; use "
+      throw Error(ErrorCode::limit, fmt::format("balance: row sums still differ from 1 by {:.1e} after {} steps; use "
                                                 "more --directions or a finer --resolution",
                                                 dual.errorOf(at), steps));
     dual.step(at);
@@ -249,10 +250,10 @@ ClosedFormFactors closeRows(const FormFactors& measured) {
   for (size_t k = 0; k < entries.size(); ++k) entries[k].exchange_area.value = at.x[k];
   std::vector<Measured> row_sums(ids.count());
   for (uint32_t i = 0; i < ids.count(); ++i) row_sums[i].value = 1 + at.residual[i] / ids.areas[i];
-  ClosedFormFactors closed{
+  BalancedFormFactors balanced{
       FormFactors(ids, std::move(entries), std::move(row_sums)), {at.y.begin(), at.y.end()}, steps};
-  measureChanges(measured, closed);
-  return closed;
+  measureChanges(measured, balanced);
+  return balanced;
 }
 
 }  // namespace viewpeel

@@ -1,4 +1,4 @@
-#include "sums/neighbour_shares.h"
+#include "sums/neighbour_visibility.h"
 
 #include <utility>
 
@@ -20,18 +20,18 @@ struct Level {
 
 }  // namespace
 
-NeighbourShares::NeighbourShares(const ShareSums& sums, const std::vector<uint64_t>& lines,
-                                 const std::vector<uint32_t>& ranks)
-    : ranks_(ranks), side_(((ranks.size() - 1) >> kStep) + 1), shares_(side_ * side_) {
+NeighbourVisibility::NeighbourVisibility(const VisibilitySums& sums, const std::vector<uint64_t>& lines,
+                                         const std::vector<uint32_t>& ranks)
+    : ranks_(ranks), side_(((ranks.size() - 1) >> kStep) + 1), visibilities_(side_ * side_) {
   std::vector<Level> levels{{side_, std::vector<Lines>(side_ * side_)}};
-  for (const ShareSums::PairSum& pair : sums.pairs()) {
+  for (const VisibilitySums::PairSum& pair : sums.pairs()) {
     if (pair.j >= kEnvironment || pair.i == pair.j || pair.facing + pair.blocked == 0) continue;
     const double all = double(pair.facing) + double(pair.blocked),
-                 told = effectiveLines(pair, sums.squaresOf(pair), double(lineOf(lines, pair.i, pair.j)));
-    const double weight = (1 + kNeighbours) * told / (told + kNeighbours),
-                 share = double(pair.facing) / all;  // 1 where all are facing
+                 effective = effectiveLines(pair, sums.squaresOf(pair), double(lineOf(lines, pair.i, pair.j)));
+    const double weight = (1 + kNeighbours) * effective / (effective + kNeighbours),
+                 visibility = double(pair.facing) / all;  // 1 where all are facing
     Lines& block = levels[0].blocks[blockOf(ranks[pair.i], ranks[pair.j])];
-    block.facing += static_cast<float>(weight * share);
+    block.facing += static_cast<float>(weight * visibility);
     block.all += static_cast<float>(weight);
   }
   while (levels.back().side > 1) {
@@ -59,7 +59,7 @@ NeighbourShares::NeighbourShares(const ShareSums& sums, const std::vector<uint64
         const float facing = of.facing + means[(a >> kStep) * coarse_side + (b >> kStep)], mean = facing / (of.all + 1),
                     smoothed = (facing + kBeside) / (of.all + 1 + 2 * kBeside);
         if (k > 0) finer[a * side + b] = mean;
-        else shares_[a * side + b] = {mean, smoothed};
+        else visibilities_[a * side + b] = {mean, smoothed};
       }
     means = std::move(finer);
   }

@@ -1,4 +1,4 @@
-// Facing and blocked lines with shares fixed beforehand: what they add up to, and how far that may be off.
+// Facing and blocked lines with visibilities fixed beforehand: what they add up to, and how far that may be off.
 #include <cmath>
 #include <random>
 
@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <viewpeel/error.h>
-#include "sums/control_sums.h"
+#include "sums/control_variate_sums.h"
 #include "scenes/named_scenes.h"
 #include "tests/support/test_device.h"
 
@@ -15,16 +15,16 @@ namespace {
 
 namespace ts = test_scenes;
 
-TEST(ControlSums, WithoutSharesTheyAreReplicateSums) {
+TEST(ControlVariateSums, WithoutVisibilityTheyAreReplicateSums) {
   const Scene scene = buildScene(ts::roomWithTouchingBoxes());
   const Ids ids = makeIds(scene, By::polygon, false);
   const auto engine = makeComputeEngine(testDevice(), scene, ids, {.resolution = 24, .count_blocked = true});
   ReplicateSums plain(ids);
-  ControlSums controls(ids);
+  ControlVariateSums controls(ids);
   for (uint64_t r = 0; r < 5; ++r) {
     const PairCounts counts = engine->count(sampleDirections(Sampler::fibonacci, 20, 1, r));
     plain.add(counts);
-    controls.add(takeShares(counts, {}));
+    controls.add(takeControlVariates(counts, {}));
   }
   const FormFactors a = plain.formFactors(0.01), b = controls.formFactors(0.01, {});
   ASSERT_EQ(a.entries().size(), b.entries().size());
@@ -37,25 +37,25 @@ TEST(ControlSums, WithoutSharesTheyAreReplicateSums) {
   }
 }
 
-TEST(ControlSums, ByHand) {
-  const std::vector<PairShare> shares{{0, 1, kShareOne / 4}};
+TEST(ControlVariateSums, ByHand) {
+  const std::vector<PairVisibility> visibilities{{0, 1, kVisibilityOne / 4}};
   const PairCounts first{{0, 1, 3, 5}, {0, 2, 2}, {0, kEnvironment, 7}}, second{{0, 1, 1, 11}};
-  const auto controls = takeShares(first, shares);
+  const auto controls = takeControlVariates(first, visibilities);
   ASSERT_EQ(controls.size(), 3u);
-  EXPECT_EQ(controls[0].control, (3 - 0.25 * 8) * kShareOne);
-  EXPECT_EQ(controls[0].squares, ControlCount::Wide((3 * 0.5625 + 5 * 0.0625) * kShareOne * kShareOne));
-  EXPECT_EQ(controls[1].control, 2 * kShareOne);
-  EXPECT_EQ(controls[2].control, 7 * kShareOne);
+  EXPECT_EQ(controls[0].control, (3 - 0.25 * 8) * kVisibilityOne);
+  EXPECT_EQ(controls[0].squares, ControlVariate::Wide((3 * 0.5625 + 5 * 0.0625) * kVisibilityOne * kVisibilityOne));
+  EXPECT_EQ(controls[1].control, 2 * kVisibilityOne);
+  EXPECT_EQ(controls[2].control, 7 * kVisibilityOne);
   const auto merged = mergeIds(controls, {0, 1, 1});
   ASSERT_EQ(merged.size(), 2u);
-  EXPECT_EQ(merged[0].control, 3 * kShareOne);
+  EXPECT_EQ(merged[0].control, 3 * kVisibilityOne);
 
   Ids ids;
   ids.names = {"a", "b", "c"};
   ids.areas = {1, 1, 1};
-  ControlSums sums(ids);
+  ControlVariateSums sums(ids);
   sums.add(controls);
-  sums.add(takeShares(second, shares));
+  sums.add(takeControlVariates(second, visibilities));
   // Controls of (0, 1): 1 and -2, mean -0.5; variance of the sum 2 x 4.5 = 9; squares 2 + 1.25 lines, so 9 / 3.25 lines
   // at a time, and one more.
   const Measured f = sums.formFactors(0.5, {{0, 1, 4, 16}}).exchangeArea(0, 1);
@@ -71,7 +71,7 @@ TEST(ControlSums, ByHand) {
 }
 
 // What leaves the scene is a share of its row, whose lines are known in number, too.
-TEST(ControlSums, RowsAreKnown) {
+TEST(ControlVariateSums, RowsHaveAllTheirLines) {
   const PairCounts counts = withRows({{0, 1, 3, 5}, {0, kEnvironment, 6}, {1, 2, 4}, {1, kLeak, 1}});
   ASSERT_EQ(counts.size(), 4u);
   EXPECT_EQ(counts[0].blocked, 5u);
@@ -80,7 +80,7 @@ TEST(ControlSums, RowsAreKnown) {
   EXPECT_EQ(counts[3].blocked, 7u);
   // A replicate in which no line of the row leaves the scene has all of them as blocked, where other replicates saw
   // one; a row without lines has none.
-  const std::vector<PairShare> others{{0, kEnvironment, 7}, {0, kLeak, 7}, {1, 2, 7}, {3, kLeak, 7}};
+  const std::vector<PairVisibility> others{{0, kEnvironment, 7}, {0, kLeak, 7}, {1, 2, 7}, {3, kLeak, 7}};
   const PairCounts filled = withRows({{0, 1, 3, 5}, {0, kEnvironment, 6}, {1, 2, 4}}, others);
   ASSERT_EQ(filled.size(), 4u);
   EXPECT_EQ(filled[1].blocked, 3u);
@@ -90,32 +90,32 @@ TEST(ControlSums, RowsAreKnown) {
 }
 
 // On a coarse lattice, and with scanlines, one line adds several counts: then errors are no less than those of as many.
-TEST(ControlSums, LinesOfSeveralCounts) {
-  const auto controls = takeShares({{0, 1, 64}, {0, 2, 64}, {1, kEnvironment, 16}}, {}, {16, 1, 64});
+TEST(ControlVariateSums, LinesOfSeveralCounts) {
+  const auto controls = takeControlVariates({{0, 1, 64}, {0, 2, 64}, {1, kEnvironment, 16}}, {}, {16, 1, 64});
   EXPECT_EQ(controls[0].line, 1u);  // the finer of the two lattices
   EXPECT_EQ(controls[1].line, 16u);
-  EXPECT_EQ(controls[1].squares, ControlCount::Wide(4 * 16 * 16) * kShareOne * kShareOne);
+  EXPECT_EQ(controls[1].squares, ControlVariate::Wide(4 * 16 * 16) * kVisibilityOne * kVisibilityOne);
   EXPECT_EQ(controls[2].line, 1u);
   EXPECT_EQ(mergeIds(controls, {0, 1, 1})[0].line, 16u);
   Ids ids;
   ids.names = {"a", "b", "c"};
   ids.areas = {1, 1, 1};
-  ControlSums sums(ids);
+  ControlVariateSums sums(ids);
   sums.add(controls);
   sums.add(controls);
   EXPECT_EQ(sums.formFactors(0.5, {}).exchangeArea(0, 1).standard_error, 0.5);
   EXPECT_EQ(sums.formFactors(0.5, {}).exchangeArea(0, 2).standard_error, 8);
   // Nothing that is known to be less than a line is uncertain by more than itself.
   EXPECT_EQ(sums.formFactors(0.5, {{1, 2, 0, 3, 16}}).exchangeArea(1, 2).standard_error, 3);
-  EXPECT_THROW(takeShares({{0, 1, uint64_t(1) << 51}}, {}), Error);
+  EXPECT_THROW(takeControlVariates({{0, 1, uint64_t(1) << 51}}, {}), Error);
 }
 
-// Zero spread is not zero error: the share b of a pair is 1 (never blocked) or 0 (never seen) in a pilot, and of
+// Zero spread is not zero error: the visibility b of a pair is 1 (never blocked) or 0 (never seen) in a pilot, and of
 // `lines` lines in eight replicates as many as Poisson's law has with mean m are blocked, or seen, all the same.
 // Intervals of 95 %, t = 2.36 standard errors of at least one line, hold the truth unless no line tells and m > 2.36,
 // whose probability is e^-2.36 = 9.4 % at most, or the spread of the few is too small, as for plain counts (README,
 // Accuracy: 88 to 93 % between 0.3 and 3 counts a replicate).
-TEST(ControlSums, NothingSeenIsNotNothingThere) {
+TEST(ControlVariateSums, NothingSeenIsNotNothingThere) {
   std::mt19937_64 random(6);
   constexpr int kTrials = 4000, kReplicates = 8;
   const double t = quantile(complement(boost::math::students_t(kReplicates - 1), 0.025));
@@ -128,11 +128,12 @@ TEST(ControlSums, NothingSeenIsNotNothingThere) {
       std::poisson_distribution<uint64_t> few(m / kReplicates);
       int held = 0;
       for (int trial = 0; trial < kTrials; ++trial) {
-        ControlSums sums(ids);
+        ControlVariateSums sums(ids);
         for (int r = 0; r < kReplicates; ++r) {
           const uint64_t rare = few(random);
-          sums.add(takeShares({{0, 1, never_blocked ? kLines - rare : rare, never_blocked ? rare : kLines - rare}},
-                              {{0, 1, never_blocked ? kShareOne : 0}}));
+          sums.add(
+              takeControlVariates({{0, 1, never_blocked ? kLines - rare : rare, never_blocked ? rare : kLines - rare}},
+                                  {{0, 1, never_blocked ? kVisibilityOne : 0}}));
         }
         const double all = 2 * kLines, truth = 2 * (never_blocked ? kLines - m / kReplicates : m / kReplicates);
         const Measured f = sums.formFactors(1, {{0, 1, never_blocked ? all : 0, all}}).exchangeArea(0, 1);
@@ -146,19 +147,19 @@ TEST(ControlSums, NothingSeenIsNotNothingThere) {
 }
 
 // Squares of 2^62 add up 15 times within 128 bits, 16 times not: by one replicate after another, and by sums of others.
-TEST(ControlSums, SquaresBeyond128BitsAreRefused) {
+TEST(ControlVariateSums, SquaresBeyond128BitsAreRefused) {
   Ids ids;
   ids.names = {"a", "b"};
   ids.areas = {1, 1};
   const PairCounts most{{0, 1, kMostCounts, 0}};
-  ControlSums sums(ids), eight(ids);
-  for (int k = 0; k < 15; ++k) sums.add(takeShares(most, {}));
-  for (int k = 0; k < 8; ++k) eight.add(takeShares(most, {}));
-  EXPECT_EQ(sums.pairs()[0].sum_of_squares, ControlSums::Wide(15) << 124);
-  EXPECT_THROW(sums.add(takeShares(most, {})), Error);
-  ControlSums both = eight;
+  ControlVariateSums sums(ids), eight(ids);
+  for (int k = 0; k < 15; ++k) sums.add(takeControlVariates(most, {}));
+  for (int k = 0; k < 8; ++k) eight.add(takeControlVariates(most, {}));
+  EXPECT_EQ(sums.pairs()[0].sum_of_squares, ControlVariateSums::Wide(15) << 124);
+  EXPECT_THROW(sums.add(takeControlVariates(most, {})), Error);
+  ControlVariateSums both = eight;
   EXPECT_THROW(both.add(eight), Error);
-  EXPECT_THROW(takeShares({{0, 1, kMostCounts + 1, 0}}, {}), Error);
+  EXPECT_THROW(takeControlVariates({{0, 1, kMostCounts + 1, 0}}, {}), Error);
 }
 
 }  // namespace

@@ -19,12 +19,12 @@
 #include <vector>
 
 #include "sums/calibrate_rows.h"
-#include "sums/known_pair.h"
+#include "sums/pair_prior.h"
 #include "sums/replicate_sums.h"
 
 namespace viewpeel {
 
-class NeighbourShares;
+class NeighbourVisibility;
 
 // Computes the unoccluded exchange areas of id i with every later id, with a bound on each (RowExchange::compute).
 // Several threads may call it at once.
@@ -34,7 +34,7 @@ using ExchangeRow = std::function<void(uint32_t i, std::span<BoundedExchange> la
 // An entry takes 24 bytes. In larger scenes few runs meet most pairs.
 constexpr uint64_t kMostRowPairs = 50'000'000;
 
-class ShareSums {
+class VisibilitySums {
  public:
   __extension__ using Wide = unsigned __int128;
   // One pair's lines, summed over replicates.
@@ -48,16 +48,16 @@ class ShareSums {
     Wide facing = 0, product = 0, blocked = 0;
   };
 
-  explicit ShareSums(Ids ids) : ids_(std::move(ids)) {}
+  explicit VisibilitySums(Ids ids) : ids_(std::move(ids)) {}
   // Restores sums from a checkpoint.
   //   In: pairs: sorted by (i, j), every pair at most once, without squares; squares: one for each pair
-  ShareSums(Ids ids, uint64_t replicate_count, std::vector<PairSum> pairs, const std::vector<Squares>& squares);
+  VisibilitySums(Ids ids, uint64_t replicate_count, std::vector<PairSum> pairs, const std::vector<Squares>& squares);
 
   // Adds one replicate.
   //   Throws: Error bad_usage where counts are too large for the sums of squares.    Cost: O(nonzeros).
   void add(const PairCounts& counts);
   // Adds the sums of other replicates.
-  void add(const ShareSums& others);
+  void add(const VisibilitySums& others);
   const Ids& ids() const { return ids_; }
   const std::vector<PairSum>& pairs() const { return pairs_; }
   Squares squaresOf(const PairSum& pair) const;
@@ -68,7 +68,7 @@ class ShareSums {
     std::vector<Guess> guesses;  // sorted by entry; without neighbours there are none
   };
   // Estimates the exchange areas of all pairs; calibrateRows then makes guesses fit their rows.
-  //   In: known: pairs with unoccluded exchange areas, sorted by (i, j), every pair at most once
+  //   In: prior: pairs with unoccluded exchange areas, sorted by (i, j), every pair at most once
   //     lines: counts that one line adds, by id (lineOf)
   //     measure_area, count_area: as in ReplicateSums
   //     rows: all lines of each row, of the same replicates
@@ -79,15 +79,16 @@ class ShareSums {
   //   than
   //     four lines measured is drawn to its neighbours', which then counts as half a line. Standard errors are those of
   //     replicates; they are never less than one line's, nor more than the distance to the farther end of [0, most].
-  //     Tests: tests/device/visible_share_test.cpp, bench/programs/coverage.cpp.
-  Found find(const std::vector<KnownPair>& known, const std::vector<uint64_t>& lines, double measure_area,
+  //     Tests: tests/device/find_prior_test.cpp, bench/programs/coverage.cpp.
+  Found find(const std::vector<PairPrior>& prior, const std::vector<uint64_t>& lines, double measure_area,
              double count_area, std::span<const ReplicateSums::Sum> rows,
-             const std::vector<FormFactors::Entry>& sampled, const NeighbourShares* neighbours = nullptr,
+             const std::vector<FormFactors::Entry>& sampled, const NeighbourVisibility* neighbours = nullptr,
              const ExchangeRow& row = {}) const;
 
-  // Turns the same lines into control variates with visibilities fixed beforehand.    In: shares, lines: as in
-  // takeShares
-  ControlSums controls(const std::vector<PairShare>& shares, const std::vector<uint64_t>& lines) const;
+  // Turns the same lines into control variates with visibilities fixed beforehand.    In: visibilities, lines: as in
+  // takeControlVariates
+  ControlVariateSums controls(const std::vector<PairVisibility>& visibilities,
+                              const std::vector<uint64_t>& lines) const;
 
  private:
   class Entries;
@@ -103,7 +104,8 @@ class ShareSums {
 // The number of independent lines that carry as much information as the lines of a pair: lines of a replicate that come
 // together count as fewer (Kish, Survey Sampling, 1965, section 8.2).
 //   In: least: the most counts that one independent line adds
-inline double effectiveLines(const ShareSums::PairSum& pair, const ShareSums::Squares& squares, double least) {
+inline double effectiveLines(const VisibilitySums::PairSum& pair, const VisibilitySums::Squares& squares,
+                             double least) {
   const double lines = double(pair.facing) + double(pair.blocked),
                of_lines = double(squares.facing) + 2 * double(squares.product) + double(squares.blocked);
   return std::max(lines / least, lines * lines / of_lines);

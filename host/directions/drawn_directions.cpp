@@ -1,4 +1,4 @@
-#include "directions/asked_directions.h"
+#include "directions/drawn_directions.h"
 
 #include <algorithm>
 #include <cassert>
@@ -425,18 +425,18 @@ DirectionRegion findPairRegion(const Scene& scene, std::span<const uint32_t> a, 
   return region;
 }
 
-AskedDirections sampleRegion(const DirectionRegion& region, uint32_t count, uint64_t seed, uint64_t replicate) {
+DrawnDirections sampleRegion(const DirectionRegion& region, uint32_t count, uint64_t seed, uint64_t replicate) {
   if (region.isEmpty()) return {{}, {}, 0};
   Random random(seed, replicate);
   const ShiftedLattice lattice(count, random);
-  AskedDirections asked{{}, std::vector<uint32_t>(count, 1), region.solidAngle() / (2 * kPi)};
-  asked.directions.reserve(count);
+  DrawnDirections requested{{}, std::vector<uint32_t>(count, 1), region.solidAngle() / (2 * kPi)};
+  requested.directions.reserve(count);
   for (uint32_t k = 0; k < count; ++k)
-    asked.directions.push_back(directionAlong(region.map(lattice.around(k), lattice.outwards(k)), random));
-  return asked;
+    requested.directions.push_back(directionAlong(region.map(lattice.around(k), lattice.outwards(k)), random));
+  return requested;
 }
 
-AskedDirections sampleEmitter(const Scene& scene, std::span<const uint32_t> emitter, uint32_t count, uint64_t seed,
+DrawnDirections sampleEmitter(const Scene& scene, std::span<const uint32_t> emitter, uint32_t count, uint64_t seed,
                               uint64_t replicate) {
   const glm::dvec3 normal = commonFront(scene, emitter);
   if (normal == glm::dvec3(0))
@@ -444,20 +444,20 @@ AskedDirections sampleEmitter(const Scene& scene, std::span<const uint32_t> emit
   Random random(seed, replicate);
   const ShiftedLattice lattice(count, random);
   const Frame frame = frameAbout(normal);
-  AskedDirections asked{{}, {}, kEmitterWeightUnit};
-  asked.directions.reserve(count);
-  asked.weights.reserve(count);
+  DrawnDirections requested{{}, {}, kEmitterWeightUnit};
+  requested.directions.reserve(count);
+  requested.weights.reserve(count);
   constexpr double e = kUniformShare;
   for (uint32_t k = 0; k < count; ++k) {
     // (1 - e) cos^2 + e cos is uniform.
     const double share = lattice.outwards(k), cosine = 2 * share / (e + std::sqrt(e * e + 4 * (1 - e) * share));
     const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine)), azimuth_rad = 2 * kPi * lattice.around(k);
     const glm::dvec3 across = std::cos(azimuth_rad) * frame.x + std::sin(azimuth_rad) * frame.y;
-    asked.directions.push_back(directionAlong(sine * across + cosine * normal, random));
-    asked.weights.push_back(
+    requested.directions.push_back(directionAlong(sine * across + cosine * normal, random));
+    requested.weights.push_back(
         uint32_t(std::floor(1 / (2 * (1 - e) * cosine + e) / kEmitterWeightUnit + random.uniform())));
   }
-  return asked;
+  return requested;
 }
 
 }  // namespace viewpeel

@@ -1,8 +1,8 @@
-// Counts with what closed forms know taken off: the same expectation up to a known number, and less noise.
+// Counts with what unoccluded form factors know taken off: the same expectation up to a known number, and less noise.
 //
-// On every line two fronts that look at each other are facing (V) or blocked (O), and E[V + O] is known. With a share b
-// fixed beforehand V - b (V + O) has a known difference from V in expectation, and where b is near the share of lines
-// that nothing blocks it hardly varies.
+// On every line two fronts that look at each other are facing (V) or blocked (O), and E[V + O] is known. With a
+// visibility b fixed beforehand V - b (V + O) has a known difference from V in expectation, and where b is near the
+// share of lines that nothing blocks it hardly varies.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -13,18 +13,18 @@
 
 namespace viewpeel {
 
-constexpr int kShareBits = 12;  // of a share
-constexpr uint32_t kShareOne = 1u << kShareBits;
+constexpr int kVisibilityBits = 12;  // of a visibility
+constexpr uint32_t kVisibilityOne = 1u << kVisibilityBits;
 
-// The share of a pair's lines that nothing blocks, in units of 2^-kShareBits.
-struct PairShare {
+// The share of a pair's lines that nothing blocks, in units of 2^-kVisibilityBits.
+struct PairVisibility {
   uint32_t i, j;  // i < j
-  uint32_t share;
+  uint32_t visibility;
 };
 
-// One replicate's V - b (V + O) of a pair, in units of 2^-kShareBits counts, and the sum over lines of the squares of
-// what each adds.
-struct ControlCount {
+// One replicate's V - b (V + O) of a pair, in units of 2^-kVisibilityBits counts, and the sum over lines of the squares
+// of what each adds.
+struct ControlVariate {
   __extension__ using Wide = unsigned __int128;
   uint32_t i, j;
   int64_t control;
@@ -37,32 +37,33 @@ struct ControlCount {
 //   In: others: pairs (i, environment or leak), sorted, of which other replicates counted lines: where these counts
 //   have none, the
 //     pair is added with 0 facing lines, for a replicate whose lines all go elsewhere tells of the pair, too
-PairCounts withRows(PairCounts counts, std::span<const PairShare> others = {});
+PairCounts withRows(PairCounts counts, std::span<const PairVisibility> others = {});
 
-// Of a pair, or a row, in one replicate: with kShareBits more the squares of 2^3 replicates are within 128 bits.
+// Of a pair, or a row, in one replicate: with kVisibilityBits more the squares of 2^3 replicates are within 128 bits.
 constexpr uint64_t kMostCounts = uint64_t(1) << 50;
 
-// Throws: Error bad_usage where counts are too large for shares of them.
-void requireCountsForShares(const PairCount& count);
+// Throws: Error bad_usage where counts are too large for visibilities of them.
+void requireCountsForVisibilities(const PairCount& count);
 
 // Counts that one line adds to a pair: the less of its ids', where all of each is counted on one lattice.    In: lines:
 // of each id; none: 1
 uint64_t lineOf(const std::vector<uint64_t>& lines, uint32_t i, uint32_t j);
 
-//   In: shares sorted by (i, j); pairs without one have b = 0; lines as in lineOf
-//   Throws: as requireCountsForShares.
-std::vector<ControlCount> takeShares(const PairCounts& counts, const std::vector<PairShare>& shares,
-                                     const std::vector<uint64_t>& lines = {});
+//   In: visibilities sorted by (i, j); pairs without one have b = 0; lines as in lineOf
+//   Throws: as requireCountsForVisibilities.
+std::vector<ControlVariate> takeControlVariates(const PairCounts& counts,
+                                                const std::vector<PairVisibility>& visibilities,
+                                                const std::vector<uint64_t>& lines = {});
 
 // The controls of a coarser set of ids: id k becomes id_map[k].
-std::vector<ControlCount> mergeIds(const std::vector<ControlCount>& controls, const std::vector<uint32_t>& id_map);
+std::vector<ControlVariate> mergeIds(const std::vector<ControlVariate>& controls, const std::vector<uint32_t>& id_map);
 
-// What closed forms add back: b A_i F_ij with nothing in between.
-struct KnownExchange {
+// What unoccluded form factors add back: b A_i F_ij with nothing in between.
+struct PriorExchange {
   uint32_t i, j;
   double area;  // input units squared: b times the exchange area
   double most;  // the exchange area itself, which what is visible cannot exceed; infinite where not all of it is known
-  uint64_t line = 1;  // as in ControlCount
+  uint64_t line = 1;  // as in ControlVariate
 };
 
 // The standard error of what replicates add up to, in counts.
@@ -74,10 +75,10 @@ double errorOfSum(double variance, double squares, double line, double most);
 // Of n directions none meets a pair with a probability of e^(-n F / 2) at most, F from the smaller of the two and with
 // nothing in between, for E[A'] = F A / 2 and A' <= A. Where no line told anything but what was taken for granted,
 // standard errors are raised to that times `most`.    In: area: the smaller of the two
-Measured allowForUnmet(Measured exchange, const KnownExchange& known, double directions, double area);
+Measured allowForUnmet(Measured exchange, const PriorExchange& prior, double directions, double area);
 
 // Sums the controls of replicates, exactly.
-class ControlSums {
+class ControlVariateSums {
  public:
   __extension__ using Wide = unsigned __int128;
   __extension__ using SignedWide = __int128;
@@ -89,15 +90,15 @@ class ControlSums {
     uint64_t line = 1;
   };
 
-  explicit ControlSums(Ids ids) : ids_(std::move(ids)) {}
+  explicit ControlVariateSums(Ids ids) : ids_(std::move(ids)) {}
   // As they were summed before.    In: pairs sorted by (i, j), every pair at most once
-  ControlSums(Ids ids, uint64_t replicate_count, std::vector<PairSum> pairs)
+  ControlVariateSums(Ids ids, uint64_t replicate_count, std::vector<PairSum> pairs)
       : ids_(std::move(ids)), pairs_(std::move(pairs)), replicate_count_(replicate_count) {}
 
   // Throws: Error bad_usage where so many replicates with counts so large are beyond 128 bits.    Cost: O(nonzeros).
-  void add(const std::vector<ControlCount>& controls);
-  // Controls of other replicates, with the same shares.    Throws: as above.
-  void add(const ControlSums& others);
+  void add(const std::vector<ControlVariate>& controls);
+  // Controls of other replicates, with the same visibilities.    Throws: as above.
+  void add(const ControlVariateSums& others);
   const Ids& ids() const { return ids_; }
   const std::vector<PairSum>& pairs() const { return pairs_; }
   uint64_t replicateCount() const { return replicate_count_; }
@@ -109,34 +110,34 @@ class ControlSums {
     for (const PairSum& pair : pairs_) f(pair.i, pair.j, variance(pair, measure_area));
   }
 
-  //   In: measure_area, count_area as in ReplicateSums; known: sorted by (i, j), every pair at most once
+  //   In: measure_area, count_area as in ReplicateSums; prior: sorted by (i, j), every pair at most once
   //   Out: without row sums
   //   Error: unbiased but for the ends of [0, most], to which values are moved: the truth lies within. Standard errors
   //   as in ReplicateSums, with the squares in the place of
   //     counts: never less than one line's, and no more than the distance to the farther end. So a pair that no line
   //     met has a value of 0 and a standard error, too.
-  FormFactors formFactors(double measure_area, const std::vector<KnownExchange>& known,
+  FormFactors formFactors(double measure_area, const std::vector<PriorExchange>& prior,
                           double count_area = INFINITY) const;
   // The same, of pairs that no line told.
   FormFactors allowForUnmet(const FormFactors& form_factors, double measure_area,
-                            const std::vector<KnownExchange>& known, double count_area) const;
+                            const std::vector<PriorExchange>& prior, double count_area) const;
   // Both, of one pair.    Cost: O(log nonzeros).
-  Measured exchangeArea(double measure_area, const KnownExchange& known, double count_area = INFINITY) const;
+  Measured exchangeArea(double measure_area, const PriorExchange& prior, double count_area = INFINITY) const;
 
  private:
   double variance(const PairSum& pair, double measure_area) const;
-  Measured allowForUnmetPair(const Measured& exchange, double measure_area, const KnownExchange& known,
+  Measured allowForUnmetPair(const Measured& exchange, double measure_area, const PriorExchange& prior,
                              double count_area) const;
-  Measured measure(const PairSum& pair, double measure_area, const KnownExchange* known, double count_area) const;
+  Measured measure(const PairSum& pair, double measure_area, const PriorExchange* prior, double count_area) const;
 
   Ids ids_;
   std::vector<PairSum> pairs_;
   uint64_t replicate_count_ = 0;
 };
 
-// The controlled form factors, but those sampled whose standard error is less than half of theirs: where shares were
-// told by too few lines, control adds noise. The factor 2 keeps chance out of it: of two equal standard errors from 8
-// replicates one comes out half the other in 1 of 25 cases.
+// The controlled form factors, but those sampled whose standard error is less than half of theirs: where visibilities
+// were told by too few lines, control adds noise. The factor 2 keeps chance out of it: of two equal standard errors
+// from 8 replicates one comes out half the other in 1 of 25 cases.
 //   In: of the same ids; row sums are those sampled
 FormFactors chooseBetter(const FormFactors& controlled, const FormFactors& sampled);
 

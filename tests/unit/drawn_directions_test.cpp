@@ -1,6 +1,6 @@
 // Directions drawn for one pair or one emitter: no line missed, none drawn in vain, and expectations that are form
 // factors. Pair areas are the exact path's, so that only the directions err.
-#include "directions/asked_directions.h"
+#include "directions/drawn_directions.h"
 
 #include <algorithm>
 #include <cmath>
@@ -201,7 +201,7 @@ TEST(PairRegion, IsWhereThePairAreaIsPositive) {
 
 // Closed forms: a half sphere, a lune, and the pyramid of two squares that face, of half width 1 at distance 1: 4
 // asin(1/2) sr.
-TEST(PairRegion, SolidAngleOfKnownRegions) {
+TEST(PairRegion, SolidAngleOfSimpleRegions) {
   const auto solidAngleOf = [](const char* name, uint64_t seed) {
     const auto pair = std::ranges::find(cases(), name, &Case::name);
     return regionOf(sceneOf(*pair, seed).scene).solidAngle();
@@ -283,9 +283,9 @@ TEST(PairRegion, IsEmptyWhereFrontsDoNotFace) {
       EXPECT_TRUE(region.isEmpty()) << pair.name;
       EXPECT_EQ(region.solidAngle(), 0);
       EXPECT_FALSE(region.contains({0, 0, 1}));
-      const AskedDirections asked = sampleRegion(region, 10, 1, 0);
-      EXPECT_TRUE(asked.directions.empty());
-      EXPECT_EQ(asked.weight_unit, 0);
+      const DrawnDirections drawn = sampleRegion(region, 10, 1, 0);
+      EXPECT_TRUE(drawn.directions.empty());
+      EXPECT_EQ(drawn.weight_unit, 0);
       if (pair.name == "convex edge") {
         EXPECT_FALSE(findPairRegion(placed.scene, std::array{0u}, std::array{1u}, true).isEmpty());
       }
@@ -312,21 +312,21 @@ double pairArea(const reference::ExactPairAreas& found, const std::vector<bool>&
 }
 
 // F of one replicate, for surfaces of several polygons that do not see themselves.
-double formFactorOf(const Scene& scene, const AskedDirections& asked, std::span<const uint32_t> a,
+double formFactorOf(const Scene& scene, const DrawnDirections& drawn, std::span<const uint32_t> a,
                     std::span<const uint32_t> b) {
-  if (asked.directions.empty()) return 0;
+  if (drawn.directions.empty()) return 0;
   std::vector<bool> is_a(scene.polygons.size()), is_b(scene.polygons.size());
   double area_a = 0, sum = 0;
   for (uint32_t k : a) is_a[k] = true, area_a += scene.polygons[k].area;
   for (uint32_t k : b) is_b[k] = true;
   std::vector<glm::dvec3> directions;
-  for (const Direction& direction : asked.directions) directions.push_back(direction.u);
+  for (const Direction& direction : drawn.directions) directions.push_back(direction.u);
   const auto found = reference::computeExactPairAreas(scene, directions, {.touching_depth = 1e-6});
-  for (size_t k = 0; k < found.size(); ++k) sum += asked.weights[k] * pairArea(found[k], is_a, is_b);
-  return 2 / area_a * asked.weight_unit * sum / double(asked.directions.size());
+  for (size_t k = 0; k < found.size(); ++k) sum += drawn.weights[k] * pairArea(found[k], is_a, is_b);
+  return 2 / area_a * drawn.weight_unit * sum / double(drawn.directions.size());
 }
 
-AskedDirections wholeSphere(uint32_t count, uint64_t seed, uint64_t replicate) {
+DrawnDirections wholeSphere(uint32_t count, uint64_t seed, uint64_t replicate) {
   return {sampleDirections(Sampler::fibonacci, count, seed, replicate), std::vector<uint32_t>(count, 1), 1};
 }
 
@@ -351,7 +351,7 @@ Measured measurePair(const Scene& scene, const DirectionRegion& region, uint32_t
 // What rounding of the unit-ball corners, and the exact path's areas, may add to a form factor.
 constexpr double kAreaRounding = 1e-12;
 
-TEST(AskedPair, MeansAreFormFactors) {
+TEST(PairDirections, MeansAreFormFactors) {
   const uint64_t replicates = 24;
   for (const Case& pair : cases()) {
     if (pair.name == "squares at distance 1e-9") continue;
@@ -373,7 +373,7 @@ TEST(AskedPair, MeansAreFormFactors) {
   }
 }
 
-TEST(AskedPair, MeansAreTheClosedFormsOfRectangles) {
+TEST(PairDirections, MeansAreTheClosedFormsOfRectangles) {
   const uint64_t replicates = 32;
   const auto check = [&](const char* name, double truth) {
     const PairScene placed = sceneOf(*std::ranges::find(cases(), name, &Case::name), 5);
@@ -397,7 +397,7 @@ TEST(AskedPair, MeansAreTheClosedFormsOfRectangles) {
 }
 
 // Surfaces of several polygons, two-sided ones, occlusion, and surfaces by their boxes: against the whole sphere.
-TEST(AskedPair, MeansAgreeWithTheWholeSphere) {
+TEST(PairDirections, MeansAgreeWithTheWholeSphere) {
   Random random(2);
   const Scene room = tests::turn(tests::makeCubeInCube(), randomRotation(random));
   const uint64_t replicates = 24;
@@ -405,9 +405,9 @@ TEST(AskedPair, MeansAgreeWithTheWholeSphere) {
                          double largest_share) {
     const DirectionRegion region = findPairRegion(room, a, b);
     EXPECT_LE(region.solidAngle(), largest_share * 2 * kPi + 1e-12) << name;
-    const Measured asked = measure(room, a, b, replicates, [&](uint64_t k) { return sampleRegion(region, 64, 5, k); });
+    const Measured drawn = measure(room, a, b, replicates, [&](uint64_t k) { return sampleRegion(region, 64, 5, k); });
     const Measured all = measure(room, a, b, replicates, [&](uint64_t k) { return wholeSphere(64, 6, k); });
-    EXPECT_TRUE(areEstimatesOfTheSame(asked, all, replicates)) << name;
+    EXPECT_TRUE(areEstimatesOfTheSame(drawn, all, replicates)) << name;
   };
   // Room: 0 low z, 1 high z, 2 low y, 3 high y, 4 low x, 5 high x; then the cube.
   check("floor and ceiling, the cube between", {0}, {1}, 1);
@@ -417,7 +417,7 @@ TEST(AskedPair, MeansAgreeWithTheWholeSphere) {
   EXPECT_TRUE(findPairRegion(room, std::array{6u}, std::array{7u, 8u, 9u, 10u, 11u}).isEmpty());
 }
 
-TEST(AskedPair, LargeSurfacesEnterByTheirBoxes) {
+TEST(PairDirections, LargeSurfacesEnterByTheirBoxes) {
   SceneBuilder builder;
   std::vector<uint32_t> a, b;
   const int side = 20;
@@ -435,7 +435,7 @@ TEST(AskedPair, LargeSurfacesEnterByTheirBoxes) {
   EXPECT_NEAR(same.solidAngle(), 2 * kPi, 1e-12);
 }
 
-TEST(AskedPair, TwoSidedPolygonsCountBothSides) {
+TEST(PairDirections, TwoSidedPolygonsCountBothSides) {
   const Corners square = rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
   for (const Corners& other : {squareAbove(1), flipped(squareAbove(1)), squareAbove(-1), hinged(1)}) {
     const PairScene placed = sceneOf({"", square, other}, 4);
@@ -451,7 +451,7 @@ TEST(AskedPair, TwoSidedPolygonsCountBothSides) {
   }
 }
 
-TEST(AskedDirections, AreAFunctionOfSeedAndReplicate) {
+TEST(DrawnDirections, AreAFunctionOfSeedAndReplicate) {
   const PairScene placed = sceneOf(cases()[0], 1);
   const DirectionRegion region = regionOf(placed.scene);
   const std::array emitter{0u};
@@ -475,7 +475,7 @@ TEST(AskedDirections, AreAFunctionOfSeedAndReplicate) {
 
 // The mean over a set of weight x f has the expectation of f over the half sphere. 5 standard errors on 5 means:
 // false-alarm rate 3e-6.
-TEST(AskedEmitter, WeightsHaveTheRightExpectation) {
+TEST(EmitterDirections, WeightsHaveTheRightExpectation) {
   const PairScene placed = sceneOf(cases()[0], 2);
   const glm::dvec3 normal = placed.scene.planes[placed.scene.polygons[0].plane].normal;
   const uint64_t replicates = 20000;
@@ -484,16 +484,16 @@ TEST(AskedEmitter, WeightsHaveTheRightExpectation) {
   double sum[5] = {}, squares[5] = {};
   for (uint64_t replicate = 0; replicate < replicates; ++replicate) {
     const uint32_t count = 7;
-    const AskedDirections asked = sampleEmitter(placed.scene, std::array{0u}, count, 77, replicate);
+    const DrawnDirections drawn = sampleEmitter(placed.scene, std::array{0u}, count, 77, replicate);
     double means[5] = {};
     for (uint32_t which = 0; which < count; ++which) {
-      const glm::dvec3 u = asked.directions[which].u;
-      const double weight = asked.weights[which] * asked.weight_unit, cosine = glm::dot(normal, u);
+      const glm::dvec3 u = drawn.directions[which].u;
+      const double weight = drawn.weights[which] * drawn.weight_unit, cosine = glm::dot(normal, u);
       EXPECT_GE(cosine, -1e-15);
       const double exact = 1 / (2 * (1 - kUniformShare) * cosine + kUniformShare);
-      EXPECT_LT(std::abs(weight - exact), asked.weight_unit * 1.0001);
+      EXPECT_LT(std::abs(weight - exact), drawn.weight_unit * 1.0001);
       const double values[5] = {weight, weight * cosine, weight * cosine * cosine, weight * u.x * u.x,
-                                (weight - exact) / asked.weight_unit};
+                                (weight - exact) / drawn.weight_unit};
       for (int k = 0; k < 5; ++k) means[k] += values[k] / count;
     }
     for (int k = 0; k < 5; ++k) sum[k] += means[k], squares[k] += means[k] * means[k];
@@ -505,7 +505,7 @@ TEST(AskedEmitter, WeightsHaveTheRightExpectation) {
   }
 }
 
-TEST(AskedEmitter, WeightsAreBounded) {
+TEST(EmitterDirections, WeightsAreBounded) {
   const PairScene placed = sceneOf(cases()[0], 2);
   uint32_t least = ~0u, most = 0;
   for (uint64_t replicate = 0; replicate < 20; ++replicate)
@@ -518,7 +518,7 @@ TEST(AskedEmitter, WeightsAreBounded) {
   EXPECT_GT(most, 1u << 13);
 }
 
-TEST(AskedEmitter, MeansAreFormFactors) {
+TEST(EmitterDirections, MeansAreFormFactors) {
   const uint64_t replicates = 32;
   for (const Case& pair : cases()) {
     if (pair.name.starts_with("s") || pair.name.find("1e-") != std::string::npos ||
@@ -536,25 +536,25 @@ TEST(AskedEmitter, MeansAreFormFactors) {
   }
 }
 
-TEST(AskedEmitter, SeveralNormalsGetTheWholeSphere) {
+TEST(EmitterDirections, SeveralNormalsGetTheWholeSphere) {
   const Scene room = tests::makeCubeInCube();
-  const AskedDirections asked = sampleEmitter(room, std::array{0u, 2u}, 50, 1, 2), all = wholeSphere(50, 1, 2);
-  for (int k = 0; k < 50; ++k) EXPECT_EQ(asked.directions[k].u, all.directions[k].u);
-  EXPECT_EQ(asked.weights, all.weights);
-  EXPECT_EQ(asked.weight_unit, 1);
+  const DrawnDirections drawn = sampleEmitter(room, std::array{0u, 2u}, 50, 1, 2), all = wholeSphere(50, 1, 2);
+  for (int k = 0; k < 50; ++k) EXPECT_EQ(drawn.directions[k].u, all.directions[k].u);
+  EXPECT_EQ(drawn.weights, all.weights);
+  EXPECT_EQ(drawn.weight_unit, 1);
 }
 
 // --- the gain --------------------------------------------------------------------------------------------------------
 
 // Not a test: prints the rms error of a replicate, whole sphere against asked directions. Run with
 // --gtest_also_run_disabled_tests.
-TEST(AskedDirections, DISABLED_Gain) {
+TEST(DrawnDirections, DISABLED_Gain) {
   const uint64_t replicates = 40;
-  const auto print = [&](const std::string& name, uint32_t count, const Measured& all, const Measured& asked) {
+  const auto print = [&](const std::string& name, uint32_t count, const Measured& all, const Measured& drawn) {
     const double to_rms = std::sqrt(double(replicates - 1));
-    std::printf("%-40s %5u  F %.6e  sphere %.2e  asked %.2e  ratio %.1f\n", name.c_str(), count, asked.value,
-                all.standard_error * to_rms / asked.value, asked.standard_error * to_rms / asked.value,
-                all.standard_error / asked.standard_error);
+    std::printf("%-40s %5u  F %.6e  sphere %.2e  asked %.2e  ratio %.1f\n", name.c_str(), count, drawn.value,
+                all.standard_error * to_rms / drawn.value, drawn.standard_error * to_rms / drawn.value,
+                all.standard_error / drawn.standard_error);
   };
   const Corners square = rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
   const std::vector<Case> pairs = {

@@ -1,4 +1,4 @@
-// Closed forms times visible shares: exact where nothing is in between, honest where something is.
+// Unoccluded form factors times visibilities: exact where nothing is in between, honest where something is.
 #include <cmath>
 #include <map>
 #include <optional>
@@ -9,8 +9,8 @@
 
 #include "tests/support/compare.h"
 #include "engines/host_engine.h"
-#include "estimator/visible_share.h"
-#include "sums/neighbour_shares.h"
+#include "estimator/find_prior.h"
+#include "sums/neighbour_visibility.h"
 #include "reference/closed_forms/past_blocker.h"
 #include "scenes/named_scenes.h"
 #include "tests/support/test_device.h"
@@ -22,7 +22,7 @@ namespace ts = test_scenes;
 
 constexpr double kParallelSquares = 0.1998248957, kPerpendicularSquares = 0.2000437761, kTenDigits = 5e-11;
 
-struct Shared {
+struct PriorScene {
   Scene scene;
   Ids ids;
   std::unique_ptr<Engine> engine;
@@ -36,20 +36,20 @@ struct Shared {
         if (count.i == i && count.j == j) sum.add(count);
     return sum;
   }
-  VisibleShares find(const EstimateOptions& options) const {
+  FoundPrior find(const EstimateOptions& options) const {
     FaceExchanges exchanges(&testDevice(), scene, ids);
-    return findVisibleShares(*engine, exchanges, scene, ids, groups, options, {sharePilot(options).directions});
+    return findPrior(*engine, exchanges, scene, ids, groups, options, {choosePriorPilot(options).directions});
   }
   Estimate estimate(EstimateOptions options, By by = By::polygon) const {
-    const VisibleShares shares = find(options);
-    options.known = &shares.known;
+    const FoundPrior found = find(options);
+    options.prior = &found.prior;
     options.by = by;
     return estimateFormFactors(*engine, scene, ids, options);
   }
 };
 
-Shared share(const InputScene& input, int resolution, Sampling sampling = Sampling::lattice) {
-  Shared made{buildScene(input), {}, nullptr, {}};
+PriorScene makePriorScene(const InputScene& input, int resolution, Sampling sampling = Sampling::lattice) {
+  PriorScene made{buildScene(input), {}, nullptr, {}};
   made.ids = makeIds(made.scene, By::polygon, false);
   made.groups = groupAsOne(made.scene, resolution);
   made.engine = makeComputeEngine(testDevice(), made.scene, made.ids,
@@ -58,34 +58,34 @@ Shared share(const InputScene& input, int resolution, Sampling sampling = Sampli
 }
 
 // The standard error of a pair whose lines are all facing, or all blocked, as a share of the most that it exchanges: of
-// n directions that see it p (1 - p) / (n + 1/2), p as of two lines more with the share s around the pair, and a tenth
-// of a line of either kind; replicates, which do not differ, are trusted as far as the square of n p (1 - p) goes
+// n directions that see it p (1 - p) / (n + 1/2), p as of two lines more with the visibility s around the pair, and a
+// tenth of a line of either kind; replicates, which do not differ, are trusted as far as the square of n p (1 - p) goes
 // beside 1/4, and t standard errors are an interval of a variance that is known better than R replicates know theirs, R
-// 8 at least (ShareSums).
+// 8 at least (VisibilitySums).
 double deviationOfOneKind(const RunSums& sums, uint32_t i, uint32_t j) {
-  const ShareSums& by_face = sums.visible->byFace();
-  const KnownShares& known = sums.visible->known();
-  const auto told = std::ranges::find(by_face.pairs(), std::pair(i, j),
-                                      [](const ShareSums::PairSum& pair) { return std::pair(pair.i, pair.j); });
-  const ShareSums::Squares squared = by_face.squaresOf(*told);
-  const double lines = double(told->facing + told->blocked), squares = double(squared.facing + squared.blocked),
+  const VisibilitySums& by_face = sums.prior_sums->byFace();
+  const Prior& prior = sums.prior_sums->prior();
+  const auto counted = std::ranges::find(by_face.pairs(), std::pair(i, j),
+                                         [](const VisibilitySums::PairSum& pair) { return std::pair(pair.i, pair.j); });
+  const VisibilitySums::Squares squared = by_face.squaresOf(*counted);
+  const double lines = double(counted->facing + counted->blocked), squares = double(squared.facing + squared.blocked),
                area = std::min(by_face.ids().areas[i], by_face.ids().areas[j]);
-  const double per_direction = double(lineOf(known.lines, i, j)) + 8 / 27.0 * area / sums.countArea(),
+  const double per_direction = double(lineOf(prior.lines, i, j)) + 8 / 27.0 * area / sums.countArea(),
                n = std::max(lines * lines / squares, lines / per_direction);
-  const double s = NeighbourShares(by_face, known.lines, known.ranks).of(i, j).smoothed;
-  const double p = ((told->facing > 0 ? n : 0) + 2 * s + 0.1) / (n + 2.2), rarer = n * p * (1 - p);
+  const double s = NeighbourVisibility(by_face, prior.lines, prior.ranks).of(i, j).smoothed;
+  const double p = ((counted->facing > 0 ? n : 0) + 2 * s + 0.1) / (n + 2.2), rarer = n * p * (1 - p);
   const double t =
       quantile(complement(boost::math::students_t(double(std::max<uint64_t>(sums.replicateCount(), 8) - 1)), 0.025));
   return std::sqrt(0.25 / (rarer * rarer + 0.25) * p * (1 - p) / (n + 0.5)) *
          quantile(complement(boost::math::normal(), 0.025)) / t;
 }
 
-// Pairs never blocked are their closed forms, on any lattice and with any number of directions.
-TEST(VisibleShare, UnblockedPairsAreExact) {
+// Pairs never blocked are their unoccluded form factors, on any lattice and with any number of directions.
+TEST(FindPrior, UnblockedPairsAreExact) {
   for (const auto& [input, truth] : {std::pair(ts::parallelSquares(), kParallelSquares),
                                      std::pair(ts::perpendicularSquares(), kPerpendicularSquares)}) {
     for (const auto& [sampling, replicates] : {std::pair(Sampling::lattice, 4u), std::pair(Sampling::scanline, 24u)}) {
-      const Shared made = share(input, 16, sampling);
+      const PriorScene made = makePriorScene(input, 16, sampling);
       EstimateOptions options{.directions = 24, .replicates = replicates};
       double deviation = 0;
       options.on_sums = [&](const RunSums& sums, bool last) {
@@ -99,7 +99,7 @@ TEST(VisibleShare, UnblockedPairsAreExact) {
                   1e-11 * deviation);  // 1 - p is rounded to 2^-53, and no less than 0.1 / n for n of 1e4 at most
     }
   }
-  const Estimate cube = share(ts::insideOfCube(), 16).estimate({.directions = 24, .replicates = 4});
+  const Estimate cube = makePriorScene(ts::insideOfCube(), 16).estimate({.directions = 24, .replicates = 4});
   for (uint32_t i = 0; i < 6; ++i)
     for (uint32_t j = 0; j < 6; ++j) {
       const double truth = i == j ? 0 : i / 2 == j / 2 ? kParallelSquares : kPerpendicularSquares;
@@ -108,13 +108,13 @@ TEST(VisibleShare, UnblockedPairsAreExact) {
 }
 
 // Where pilots saw nothing blocked all pairs are exact, those too that few lines or none told.
-TEST(VisibleShare, NothingInBetweenIsExactForEveryPair) {
-  const Shared made = share(ts::squaresInParts(2, 1, 4), 4);
+TEST(FindPrior, NothingInBetweenIsExactForEveryPair) {
+  const PriorScene made = makePriorScene(ts::squaresInParts(2, 1, 4), 4);
   const EstimateOptions options{.directions = 8, .replicates = 2};
-  const VisibleShares shares = made.find(options);
+  const FoundPrior found = made.find(options);
   const FormFactors few = made.estimate(options).form_factors;
   size_t pairs = 0;
-  for (const KnownPair& pair : shares.known.pairs) {
+  for (const PairPrior& pair : found.prior.pairs) {
     if (pair.j >= kEnvironment) continue;
     ++pairs;
     EXPECT_NEAR(few.exchangeArea(pair.i, pair.j).value, pair.exchange, 1e-12 * pair.exchange);
@@ -122,24 +122,24 @@ TEST(VisibleShare, NothingInBetweenIsExactForEveryPair) {
   EXPECT_EQ(pairs, 16u);
 }
 
-// Of more polygons than closed forms are known of beforehand: every pair gets its own, that of which many lines tell to
-// the last digit, whatever pilots met; going on with sums, and sums of parts, come to the same bits. Nothing is
-// blocked, so that neighbours tell the truth of pairs that no line met.
-TEST(VisibleShare, EveryPairOfManyPolygonsGetsItsClosedForm) {
+// Of more polygons than unoccluded form factors are known of beforehand: every pair gets its own, that of which many
+// lines tell to the last digit, whatever pilots met; going on with sums, and sums of parts, come to the same bits.
+// Nothing is blocked, so that neighbours tell the truth of pairs that no line met.
+TEST(FindPrior, EveryPairOfManyPolygonsGetsItsUnoccludedFormFactor) {
   constexpr uint32_t kCuts = 40;
   InputScene input = ts::squaresInParts(kCuts, 1.0 / kCuts, 1);
   ts::addFace(input, "wall",
               ts::parallelogram({-0.5, 0, 0}, {0, 1, 0}, {0, 0, 1}));  // many lines between it and each part
   const Scene scene = buildScene(input);
   const Ids ids = makeIds(scene, By::polygon, false);
-  ASSERT_GT(pairCount(ids.count()), kMostKnownPairs);
+  ASSERT_GT(pairCount(ids.count()), kMostPriorPairs);
   const auto engine = makeHostEngine(scene, ids, {.resolution = 64, .count_blocked = true});
   EstimateOptions options{.directions = 128, .replicates = 4};
   FaceExchanges exchanges(nullptr, scene, ids);
-  const VisibleShares shares = findVisibleShares(*engine, exchanges, scene, ids, groupAsOne(scene, 64), options,
-                                                 {sharePilot(options).directions});
-  EXPECT_FALSE(shares.known.has_all_pairs);
-  options.known = &shares.known;
+  const FoundPrior found =
+      findPrior(*engine, exchanges, scene, ids, groupAsOne(scene, 64), options, {choosePriorPilot(options).directions});
+  EXPECT_FALSE(found.prior.has_all_pairs);
+  options.prior = &found.prior;
   options.exchanges = &exchanges;
   std::vector<RunSums> after;
   options.on_sums = [&](const RunSums& sums, bool last) {
@@ -147,22 +147,22 @@ TEST(VisibleShare, EveryPairOfManyPolygonsGetsItsClosedForm) {
   };
   const Estimate whole = estimateFormFactors(*engine, scene, ids, options);
   std::map<std::pair<uint32_t, uint32_t>, uint64_t> lines;
-  for (const ShareSums::PairSum& pair : after.back().visible->byFace().pairs())
+  for (const VisibilitySums::PairSum& pair : after.back().prior_sums->byFace().pairs())
     lines[{pair.i, pair.j}] = pair.facing + pair.blocked;
   const ExchangeRow row = exchanges.rows();
   std::vector<BoundedExchange> later;
   uint32_t row_of = UINT32_MAX;
-  size_t learnt = 0, told = 0, guessed = 0, unmet = 0, all = 0;
+  size_t learnt = 0, counted = 0, guessed = 0, unmet = 0, all = 0;
   for (const FormFactors::Entry& entry : whole.form_factors.entries()) {
     if (entry.j >= kEnvironment) continue;
     ++all;
-    const bool was_known = std::ranges::binary_search(shares.known.pairs, std::pair(entry.i, entry.j), {},
-                                                      [](const KnownPair& pair) { return std::pair(pair.i, pair.j); });
+    const bool had_prior = std::ranges::binary_search(found.prior.pairs, std::pair(entry.i, entry.j), {},
+                                                      [](const PairPrior& pair) { return std::pair(pair.i, pair.j); });
     const uint64_t line_count = lines[{entry.i, entry.j}];
     unmet += line_count == 0;
-    size_t& kind = line_count >= kLinesToLearn ? learnt : line_count ? told : guessed;
-    if (was_known || kind++ % 100) continue;
-    KnownPair alone{entry.i, entry.j};
+    size_t& kind = line_count >= kLinesToLearn ? learnt : line_count ? counted : guessed;
+    if (had_prior || kind++ % 100) continue;
+    PairPrior alone{entry.i, entry.j};
     exchanges.compute(std::span(&alone, 1));
     if (line_count >= kLinesToLearn) {
       EXPECT_EQ(entry.exchange_area.value, alone.exchange);
@@ -179,7 +179,7 @@ TEST(VisibleShare, EveryPairOfManyPolygonsGetsItsClosedForm) {
   EXPECT_EQ(all, size_t(kCuts) * kCuts * (kCuts * kCuts + 2));
   EXPECT_EQ(whole.unmet_pairs, unmet);
   EXPECT_GT(learnt, 0u);  // pilots have met nearly all of these
-  for (const size_t count : {told, guessed}) EXPECT_GT(count, 500u);
+  for (const size_t count : {counted, guessed}) EXPECT_GT(count, 500u);
 
   const auto isTheSame = [&](const FormFactors& other) {
     const auto& a = whole.form_factors.entries();
@@ -210,7 +210,7 @@ TEST(VisibleShare, EveryPairOfManyPolygonsGetsItsClosedForm) {
 
 // A goal is reached with the first replicate after which all standard errors are small enough, those of rough closed
 // forms and of pairs that no line met among them.
-TEST(VisibleShare, GoalsAreReachedByEveryPairOfManyPolygons) {
+TEST(FindPrior, GoalsAreReachedByEveryPairOfManyPolygons) {
   constexpr uint32_t kCuts = 55;
   InputScene input{"a floor in 3025 parts below a lamp and a screen", {}, {}};
   for (uint32_t row = 0; row < kCuts; ++row)
@@ -220,17 +220,17 @@ TEST(VisibleShare, GoalsAreReachedByEveryPairOfManyPolygons) {
   ts::addFace(input, "screen", ts::parallelogram({24, 16, 15}, {9, 0, 0}, {0, 9, 0}));
   const Scene scene = buildScene(input);
   const Ids ids = makeIds(scene, By::polygon, false);
-  ASSERT_GT(pairCount(ids.count()), kMostKnownPairs);
+  ASSERT_GT(pairCount(ids.count()), kMostPriorPairs);
   const auto engine = makeHostEngine(scene, ids, {.resolution = 64, .count_blocked = true});
   EstimateOptions options{.directions = 32, .replicates = 3};
   FaceExchanges exchanges(nullptr, scene, ids);
-  const VisibleShares shares = findVisibleShares(*engine, exchanges, scene, ids, groupAsOne(scene, 64), options,
-                                                 {sharePilot(options).directions});
-  options.known = &shares.known;
+  const FoundPrior found =
+      findPrior(*engine, exchanges, scene, ids, groupAsOne(scene, 64), options, {choosePriorPilot(options).directions});
+  options.prior = &found.prior;
   options.exchanges = &exchanges;
   const double first = estimateFormFactors(*engine, scene, ids, options).largest_standard_error;
-  for (const double share : {0.9, 0.7}) {
-    options.tolerance = share * first;
+  for (const double visibility : {0.9, 0.7}) {
+    options.tolerance = visibility * first;
     std::vector<double> largest;
     options.on_sums = [&](const RunSums& sums, bool last) {
       if (!last) largest.push_back(makeEstimate(sums, options.relative_floor, exchanges.rows()).largest_standard_error);
@@ -251,8 +251,8 @@ double truthPastTheBlocker() {
 
 // Partly blocked: unbiased, with less error than counting alone, and 95 % intervals that hold the truth 95 times in 100
 // but for chance, that is within four standard deviations of the binomial law.
-TEST(VisibleShare, PartlyBlockedPairsAreSampledWell) {
-  const Shared made = share(ts::squaresPastABlocker(), 24);
+TEST(FindPrior, PartlyBlockedPairsAreSampledWell) {
+  const PriorScene made = makePriorScene(ts::squaresPastABlocker(), 24);
   const double truth = truthPastTheBlocker();
   constexpr int kSeeds = 60;
   const double t = quantile(complement(boost::math::students_t(7), 0.025));
@@ -275,8 +275,8 @@ TEST(VisibleShare, PartlyBlockedPairsAreSampledWell) {
 }
 
 // Scanlines count lengths, the same way.
-TEST(VisibleShare, PartlyBlockedPairsByScanlines) {
-  const Shared made = share(ts::squaresPastABlocker(), 24, Sampling::scanline);
+TEST(FindPrior, PartlyBlockedPairsByScanlines) {
+  const PriorScene made = makePriorScene(ts::squaresPastABlocker(), 24, Sampling::scanline);
   const double truth = truthPastTheBlocker();
   double squares = 0, plain_squares = 0;
   for (uint64_t seed = 1; seed <= 12; ++seed) {
@@ -294,8 +294,8 @@ TEST(VisibleShare, PartlyBlockedPairsByScanlines) {
 }
 
 // Two squares see each other and nothing else: what leaves is the rest of the row, and as exact.
-TEST(VisibleShare, WhatLeavesTheSceneIsExactBesideExactPairs) {
-  const Shared made = share(ts::parallelSquares(), 16);
+TEST(FindPrior, WhatLeavesTheSceneIsExactBesideExactPairs) {
+  const PriorScene made = makePriorScene(ts::parallelSquares(), 16);
   const EstimateOptions options{.directions = 400};
   const Estimate with = made.estimate(options),
                  without = estimateFormFactors(*made.engine, made.scene, made.ids, options);
@@ -307,11 +307,11 @@ TEST(VisibleShare, WhatLeavesTheSceneIsExactBesideExactPairs) {
 
 // Pairs that no line met are there with what their neighbours tell, and its spread; blocked ones with what they may be
 // at most: with eight lines in all, most are not met.
-TEST(VisibleShare, PairsThatNoLineMetAreUncertain) {
-  const Shared made = share(ts::roomWithTouchingBoxes(), 4);
+TEST(FindPrior, UnmetPairsAreUncertain) {
+  const PriorScene made = makePriorScene(ts::roomWithTouchingBoxes(), 4);
   const EstimateOptions options{.directions = 1, .replicates = 2};
-  const VisibleShares shares = made.find(options);
-  EXPECT_TRUE(shares.known.has_all_pairs);
+  const FoundPrior found = made.find(options);
+  EXPECT_TRUE(found.prior.has_all_pairs);
   std::optional<RunSums> counted;
   EstimateOptions watched = options;
   watched.on_sums = [&](const RunSums& sums, bool last) {
@@ -320,10 +320,11 @@ TEST(VisibleShare, PairsThatNoLineMetAreUncertain) {
   const Estimate few = made.estimate(watched);
   // Before guesses are made to fit their rows.
   const FormFactors with_unseen(
-      made.ids, counted->visible->ofKnownPairs(counted->measure_area, counted->countArea(), counted->by_id), {});
-  const NeighbourShares neighbours(counted->visible->byFace(), counted->visible->known().lines, shares.known.ranks);
+      made.ids, counted->prior_sums->ofPriorPairs(counted->measure_area, counted->countArea(), counted->by_id), {});
+  const NeighbourVisibility neighbours(counted->prior_sums->byFace(), counted->prior_sums->prior().lines,
+                                       found.prior.ranks);
   size_t unmet = 0, blocked_pairs = 0, is_zero = 0;
-  for (const KnownPair& pair : shares.known.pairs) {
+  for (const PairPrior& pair : found.prior.pairs) {
     const PairCount counts = made.countsOf(options, pair.i, pair.j);
     const Measured f = with_unseen.exchangeArea(pair.i, pair.j);
     if (pair.j >= kEnvironment || counts.count > 0) continue;
@@ -340,9 +341,9 @@ TEST(VisibleShare, PairsThatNoLineMetAreUncertain) {
       continue;
     }
     ++unmet;
-    const NeighbourShares::Share share = neighbours.of(pair.i, pair.j);
-    EXPECT_NEAR(f.value, share.mean * most, 1e-14 * most);  // rounding
-    EXPECT_NEAR(f.standard_error, share.deviation() * most, 1e-14 * most);
+    const NeighbourVisibility::Value visibility = neighbours.of(pair.i, pair.j);
+    EXPECT_NEAR(f.value, visibility.mean * most, 1e-14 * most);  // rounding
+    EXPECT_NEAR(f.standard_error, visibility.deviation() * most, 1e-14 * most);
     EXPECT_GT(f.standard_error, 0);
   }
   EXPECT_GT(unmet, 20u);
@@ -365,20 +366,20 @@ TEST(VisibleShare, PairsThatNoLineMetAreUncertain) {
   const Estimate many = estimateFormFactors(*made.engine, made.scene, made.ids, {.directions = 2000});
   for (const auto& entry : many.form_factors.entries()) {
     if (entry.j >= kEnvironment) continue;
-    EXPECT_TRUE(std::any_of(shares.known.pairs.begin(), shares.known.pairs.end(),
-                            [&](const KnownPair& pair) { return pair.i == entry.i && pair.j == entry.j; }))
+    EXPECT_TRUE(std::any_of(found.prior.pairs.begin(), found.prior.pairs.end(),
+                            [&](const PairPrior& pair) { return pair.i == entry.i && pair.j == entry.j; }))
         << entry.i << " " << entry.j;
   }
 }
 
 // The same lines in another sum: form factors between surfaces are what those of their polygons add up to, and agree
 // with counting alone.
-TEST(VisibleShare, SurfacesAndClosedRooms) {
-  const Shared made = share(ts::roomWithTouchingBoxes(), 48);
+TEST(FindPrior, SurfacesAndClosedRooms) {
+  const PriorScene made = makePriorScene(ts::roomWithTouchingBoxes(), 48);
   const EstimateOptions options{.directions = 400};
   const Estimate by_surface = made.estimate(options, By::surface),
                  plain = estimateFormFactors(*made.engine, made.scene, made.ids, options);
-  // What closed forms leave out cannot see each other; without them it may only not have been met.
+  // What unoccluded form factors leave out cannot see each other; without them it may only not have been met.
   EXPECT_TRUE(std::isinf(by_surface.unmet_bound));
   EXPECT_LT(plain.unmet_bound, 1);
   const uint32_t n = by_surface.form_factors.ids().count();

@@ -1,4 +1,4 @@
-// The visible share of a closed form: exact sums, small bias, honest errors.
+// The visibility of an unoccluded form factor: exact sums, small bias, honest errors.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,8 +9,8 @@
 #include <gtest/gtest.h>
 
 #include <viewpeel/error.h>
-#include "sums/neighbour_shares.h"
-#include "sums/visible_sums.h"
+#include "sums/neighbour_visibility.h"
+#include "sums/prior_sums.h"
 
 namespace viewpeel {
 namespace {
@@ -22,13 +22,13 @@ Ids idsOf(std::vector<double> areas) {
   return ids;
 }
 
-Measured exchangeOf(const ShareSums& sums, double measure_area, const KnownPair& known) {
-  return FormFactors(sums.ids(), sums.find({known}, {}, measure_area, INFINITY, {}, {}).entries, {})
-      .exchangeArea(known.i, known.j);
+Measured exchangeOf(const VisibilitySums& sums, double measure_area, const PairPrior& prior) {
+  return FormFactors(sums.ids(), sums.find({prior}, {}, measure_area, INFINITY, {}, {}).entries, {})
+      .exchangeArea(prior.i, prior.j);
 }
 
-TEST(ShareSums, ByHand) {
-  ShareSums sums(idsOf({20, 20, 20}));
+TEST(VisibilitySums, ByHand) {
+  VisibilitySums sums(idsOf({20, 20, 20}));
   sums.add({{0, 1, 3, 5}, {0, 2, 4, 0}});
   sums.add({{0, 1, 1, 11}, {0, 2, 6, 0}});
   // 4 of 20 lines are facing; residuals are 0.8 x 3 - 0.2 x 5 = 1.4 and -1.4, R s^2 = 2 x 3.92; squares 0.64 x 4 + 0.04
@@ -41,10 +41,10 @@ TEST(ShareSums, ByHand) {
   EXPECT_EQ(whole.value, 8);
   EXPECT_DOUBLE_EQ(whole.standard_error, 0.8);
   // No line: what was said beforehand, with one line's error, 2 x 0.5 / 2.
-  const Measured unmet = exchangeOf(sums, 0.5, {1, 2, kShareOne / 4 * 3, 0, 4});
+  const Measured unmet = exchangeOf(sums, 0.5, {1, 2, kVisibilityOne / 4 * 3, 0, 4});
   EXPECT_EQ(unmet.value, 3);
   EXPECT_EQ(unmet.standard_error, 0.5);
-  // Not known: as it was sampled.
+  // Outside the prior: as it was sampled.
   const FormFactors sampled({}, {{0, 1, {5, 2}}, {1, 2, {7, 3}}}, {});
   const FormFactors all = FormFactors(
       sums.ids(),
@@ -53,18 +53,18 @@ TEST(ShareSums, ByHand) {
   EXPECT_EQ(all.exchangeArea(0, 1).value, 5);
   EXPECT_EQ(all.exchangeArea(0, 2).value, 8);
   EXPECT_EQ(all.exchangeArea(1, 2).standard_error, 3);
-  ShareSums large(idsOf({1, 1}));
+  VisibilitySums large(idsOf({1, 1}));
   EXPECT_THROW(large.add({{0, 1, 0, uint64_t(1) << 51}}), Error);
 }
 
 // Few lines: their spread counts for as much as they have of the rarer kind, beside what neighbours and they tell
 // together.
-TEST(ShareSums, FewLinesByHand) {
-  ShareSums sums(idsOf({20, 20, 20}));
+TEST(VisibilitySums, FewLinesByHand) {
+  VisibilitySums sums(idsOf({20, 20, 20}));
   sums.add({{0, 1, 3, 5}, {0, 2, 4, 0}});
   sums.add({{0, 1, 1, 11}, {0, 2, 6, 0}});
   const std::vector<uint32_t> ranks{0, 1, 2};
-  const NeighbourShares neighbours(sums, {}, ranks);
+  const NeighbourVisibility neighbours(sums, {}, ranks);
   const FormFactors all = FormFactors(
       sums.ids(),
       sums.find({{0, 1, 0, 0, 16}, {0, 2, 0, 0, 8}, {1, 2, 0, 0, 4}}, {}, 0.5, INFINITY, {}, {}, &neighbours).entries,
@@ -82,14 +82,14 @@ TEST(ShareSums, FewLinesByHand) {
   EXPECT_NEAR(all.exchangeArea(1, 2).value, 4 * 0.5951807, 1e-6);  // in single precision
 }
 
-// With rows of closed forms every pair is as it is alone, whether its closed form was known, or a row has it; what no
-// row has is as it was sampled, and pairs that no line met have their neighbours' share.
-TEST(ShareSums, RowsAndKnownPairsAndSampledOnesGoTogether) {
+// With rows of unoccluded form factors every pair is as it is alone, whether its unoccluded form factor was known, or a
+// row has it; what no row has is as it was sampled, and pairs that no line met have their neighbours' visibility.
+TEST(VisibilitySums, RowsAndPriorPairsAndSampledOnesGoTogether) {
   constexpr uint32_t n = 40;
   const Ids ids = idsOf(std::vector<double>(n, 100.0));
   std::mt19937_64 random(7);
   const auto isOneOf = [&](int count) { return random() % count == 0; };
-  ShareSums sums(ids);
+  VisibilitySums sums(ids);
   for (int r = 0; r < 3; ++r) {
     PairCounts counts;
     for (uint32_t i = 0; i < n; ++i) {
@@ -99,27 +99,27 @@ TEST(ShareSums, RowsAndKnownPairsAndSampledOnesGoTogether) {
     }
     sums.add(counts);
   }
-  std::vector<KnownPair> known;
+  std::vector<PairPrior> prior;
   std::vector<FormFactors::Entry> sampled_entries;
   std::vector<std::vector<double>> areas(n, std::vector<double>(n, 0.0));
   for (uint32_t i = 0; i < n; ++i) {
     for (uint32_t j = i + 1; j < n; ++j) {
       areas[i][j] = isOneOf(5) ? 0 : 1 + double(random() % 50);
-      if (isOneOf(3)) known.push_back({i, j, 0, 0, 1 + double(random() % 50)});
+      if (isOneOf(3)) prior.push_back({i, j, 0, 0, 1 + double(random() % 50)});
       else if (isOneOf(3)) sampled_entries.push_back({i, j, {7, 2}});
     }
-    known.push_back({i, kEnvironment, 0, 0, 100});
+    prior.push_back({i, kEnvironment, 0, 0, 100});
     sampled_entries.push_back({i, kLeak, {3, 1}});
   }
   const FormFactors sampled({}, sampled_entries, {});
   std::vector<uint32_t> ranks(n);
   std::iota(ranks.begin(), ranks.end(), 0u);
-  const NeighbourShares neighbours(sums, {}, ranks);
+  const NeighbourVisibility neighbours(sums, {}, ranks);
   const ExchangeRow row = [&](uint32_t i, std::span<BoundedExchange> later) {
     for (size_t k = 0; k < later.size(); ++k) later[k] = {areas[i][i + 1 + k], 0};
   };
   const FormFactors all =
-      FormFactors(sums.ids(), sums.find(known, {}, 0.5, INFINITY, {}, sampled.entries(), &neighbours, row).entries, {});
+      FormFactors(sums.ids(), sums.find(prior, {}, 0.5, INFINITY, {}, sampled.entries(), &neighbours, row).entries, {});
   EXPECT_TRUE(std::ranges::is_sorted(all.entries(), {},
                                      [](const FormFactors::Entry& entry) { return std::pair(entry.i, entry.j); }));
   std::array<size_t, 5> kinds{};
@@ -128,16 +128,16 @@ TEST(ShareSums, RowsAndKnownPairsAndSampledOnesGoTogether) {
     EXPECT_EQ(all.exchangeArea(i, kEnvironment).value, exchangeOf(sums, 0.5, {i, kEnvironment, 0, 0, 100}).value);
     for (uint32_t j = i + 1; j < n; ++j) {
       const auto at =
-          std::ranges::find(known, std::pair(i, j), [](const KnownPair& pair) { return std::pair(pair.i, pair.j); });
-      const bool is_known = at != known.end(),
-                 is_told = std::ranges::any_of(
-                     sums.pairs(), [&](const ShareSums::PairSum&pair) { return pair.i == i && pair.j == j; });
-      const double most = is_known ? at->exchange : areas[i][j];
+          std::ranges::find(prior, std::pair(i, j), [](const PairPrior& pair) { return std::pair(pair.i, pair.j); });
+      const bool has_prior = at != prior.end(),
+                 has_lines = std::ranges::any_of(
+                     sums.pairs(), [&](const VisibilitySums::PairSum&pair) { return pair.i == i && pair.j == j; });
+      const double most = has_prior ? at->exchange : areas[i][j];
       const Measured f = all.exchangeArea(i, j);
-      ++kinds[most == 0 ? 0 : 1 + 2 * is_known + is_told];
+      ++kinds[most == 0 ? 0 : 1 + 2 * has_prior + has_lines];
       if (most == 0) {
         EXPECT_EQ(f.value, sampled.exchangeArea(i, j).value);
-      } else if (is_told) {
+      } else if (has_lines) {
         const Measured alone =
             FormFactors(sums.ids(), sums.find({{i, j, 0, 0, most}}, {}, 0.5, INFINITY, {}, {}, &neighbours).entries, {})
                 .exchangeArea(i, j);
@@ -152,21 +152,23 @@ TEST(ShareSums, RowsAndKnownPairsAndSampledOnesGoTogether) {
   for (const size_t count : kinds) EXPECT_GT(count, 50u);
 }
 
-// With shares fixed beforehand they are what ControlSums add up, to the last bit; in any order, and in parts.
-TEST(ShareSums, AreControlsOfAnyShares) {
+// With visibilities fixed beforehand they are what ControlVariateSums add up, to the last bit; in any order, and in
+// parts.
+TEST(VisibilitySums, MakeControlVariatesOfAnyVisibility) {
   constexpr uint32_t n = 12;
   const Ids ids = idsOf(std::vector<double>(n, 1.0));
   std::mt19937_64 random(3);
-  std::vector<PairShare> shares;
+  std::vector<PairVisibility> visibilities;
   std::vector<uint64_t> lines;
   for (uint32_t i = 0; i < n; ++i) {
     lines.push_back(1 + random() % 300);
     for (uint32_t j = i + 1; j < n; ++j)
       if (random() % 3)
-        shares.push_back({i, j, std::array{1u, kShareOne, static_cast<uint32_t>(random() % kShareOne)}[random() % 3]});
+        visibilities.push_back(
+            {i, j, std::array{1u, kVisibilityOne, static_cast<uint32_t>(random() % kVisibilityOne)}[random() % 3]});
   }
-  ShareSums whole(ids), parts[2] = {ShareSums(ids), ShareSums(ids)};
-  ControlSums controls(ids);
+  VisibilitySums whole(ids), parts[2] = {VisibilitySums(ids), VisibilitySums(ids)};
+  ControlVariateSums controls(ids);
   for (uint32_t r = 0; r < 9; ++r) {
     PairCounts counts;
     for (uint32_t i = 0; i < n; ++i)
@@ -176,15 +178,15 @@ TEST(ShareSums, AreControlsOfAnyShares) {
               {i, j < n ? j : kEnvironment, random() % 3 ? random() >> 16 : 0, random() % 3 ? random() >> 16 : 1});
     whole.add(counts);
     parts[r % 2].add(counts);
-    controls.add(takeShares(counts, shares, lines));
+    controls.add(takeControlVariates(counts, visibilities, lines));
   }
   parts[1].add(parts[0]);
-  for (const ShareSums& sums : {whole, parts[1]}) {
-    const ControlSums same = sums.controls(shares, lines);
+  for (const VisibilitySums& sums : {whole, parts[1]}) {
+    const ControlVariateSums same = sums.controls(visibilities, lines);
     EXPECT_EQ(same.replicateCount(), 9u);
     ASSERT_EQ(same.pairs().size(), controls.pairs().size());
     for (size_t k = 0; k < same.pairs().size(); ++k) {
-      const ControlSums::PairSum &a = same.pairs()[k], &b = controls.pairs()[k];
+      const ControlVariateSums::PairSum &a = same.pairs()[k], &b = controls.pairs()[k];
       EXPECT_TRUE(a.i == b.i && a.j == b.j && a.sum == b.sum && a.sum_of_squares == b.sum_of_squares &&
                   a.squares == b.squares && a.line == b.line)
           << a.i << " " << a.j;
@@ -194,30 +196,30 @@ TEST(ShareSums, AreControlsOfAnyShares) {
 
 // More pairs than one thread takes at once, a whole multiple of them too: each is what it is alone, and pairs not known
 // stand in their places.
-TEST(ShareSums, ManyPairsAreEachWhatTheyAreAlone) {
+TEST(VisibilitySums, ManyPairsAreEachWhatTheyAreAlone) {
   constexpr uint32_t n = 520;
   const Ids ids = idsOf(std::vector<double>(n, 100.0));
   std::mt19937_64 random(5);
-  for (const size_t most_known : {size_t(1) << 16, size_t(1) << 17, size_t(100'000)}) {
+  for (const size_t most_prior : {size_t(1) << 16, size_t(1) << 17, size_t(100'000)}) {
     PairCounts counts;
-    std::vector<KnownPair> known;
+    std::vector<PairPrior> prior;
     std::vector<FormFactors::Entry> others;
     for (uint32_t i = 0; i < n; ++i)
       for (uint32_t j = i + 1; j < n; ++j) {
         if (random() % 4) counts.push_back({i, j, 1 + random() % 9, random() % 9});
-        if (random() % 50 && known.size() < most_known) known.push_back({i, j, 0, 0, 1.0 + double(random() % 9)});
+        if (random() % 50 && prior.size() < most_prior) prior.push_back({i, j, 0, 0, 1.0 + double(random() % 9)});
         else if (random() % 2) others.push_back({i, j, {double(i), double(j)}});
       }
-    ShareSums sums(ids);
+    VisibilitySums sums(ids);
     sums.add(counts);
     sums.add(counts);
-    const FormFactors all = FormFactors(sums.ids(), sums.find(known, {}, 0.1, INFINITY, {}, others).entries, {});
-    ASSERT_EQ(all.entries().size(), known.size() + others.size());
+    const FormFactors all = FormFactors(sums.ids(), sums.find(prior, {}, 0.1, INFINITY, {}, others).entries, {});
+    ASSERT_EQ(all.entries().size(), prior.size() + others.size());
     EXPECT_TRUE(std::ranges::is_sorted(all.entries(), {},
                                        [](const FormFactors::Entry& entry) { return std::pair(entry.i, entry.j); }));
     for (const FormFactors::Entry& entry : others) ASSERT_EQ(all.exchangeArea(entry.i, entry.j).value, double(entry.i));
-    for (size_t k = 0; k < known.size(); k += 97) {
-      const Measured alone = exchangeOf(sums, 0.1, known[k]), together = all.exchangeArea(known[k].i, known[k].j);
+    for (size_t k = 0; k < prior.size(); k += 97) {
+      const Measured alone = exchangeOf(sums, 0.1, prior[k]), together = all.exchangeArea(prior[k].i, prior[k].j);
       ASSERT_TRUE(alone.value == together.value && alone.standard_error == together.standard_error) << k;
     }
   }
@@ -226,7 +228,7 @@ TEST(ShareSums, ManyPairsAreEachWhatTheyAreAlone) {
 // Of lines as many as Poisson's law has, each facing with probability b: no bias, however few lines there are; and 95 %
 // intervals hold the truth as often as those of plain counts do, at least 88 times in 100 (README, Accuracy), where a
 // line told anything.
-TEST(ShareSums, LinesByChanceHaveNoBias) {
+TEST(VisibilitySums, LinesByChanceHaveNoBias) {
   constexpr int kTrials = 4000, kReplicates = 8;
   const double t = quantile(complement(boost::math::students_t(kReplicates - 1), 0.025));
   std::mt19937_64 random(6);
@@ -234,9 +236,9 @@ TEST(ShareSums, LinesByChanceHaveNoBias) {
     for (const double b : {0.02, 0.3, 0.5, 0.9, 0.99}) {
       std::poisson_distribution<uint64_t> some(lines / kReplicates);
       double sum = 0, squares = 0;
-      int met = 0, held = 0;
+      int trials = 0, held = 0;
       for (int trial = 0; trial < kTrials; ++trial) {
-        ShareSums sums(idsOf({1e9, 1e9}));
+        VisibilitySums sums(idsOf({1e9, 1e9}));
         uint64_t all = 0;
         for (int r = 0; r < kReplicates; ++r) {
           const uint64_t of_replicate = some(random),
@@ -246,19 +248,20 @@ TEST(ShareSums, LinesByChanceHaveNoBias) {
         }
         const Measured f = exchangeOf(sums, kReplicates / 2.0, {0, 1, 0, 0, lines});
         if (all == 0) continue;
-        ++met;
+        ++trials;
         sum += f.value - b * lines;
         squares += std::pow(f.value - b * lines, 2);
         held += std::abs(f.value - b * lines) <= t * f.standard_error;
       }
       EXPECT_LE(std::abs(sum), 4 * std::sqrt(squares)) << lines << " " << b;
-      EXPECT_GE(held, met * 0.88 - 4 * std::sqrt(0.88 * 0.12 * met)) << lines << " " << b << ": " << double(held) / met;
+      EXPECT_GE(held, trials * 0.88 - 4 * std::sqrt(0.88 * 0.12 * trials))
+          << lines << " " << b << ": " << double(held) / trials;
     }
 }
 
 // Where facing and blocked lines vary each on their own the bias is below the standard error times the relative
 // standard error of all lines (Hartley & Ross 1954).
-TEST(ShareSums, BiasIsBounded) {
+TEST(VisibilitySums, BiasIsBounded) {
   constexpr int kTrials = 20'000, kReplicates = 4;
   std::mt19937_64 random(8);
   for (const double spread : {0.1, 0.3}) {
@@ -267,7 +270,7 @@ TEST(ShareSums, BiasIsBounded) {
     std::vector<double> values;
     double lines = 0, squared_lines = 0;
     for (int trial = 0; trial < kTrials; ++trial) {
-      ShareSums sums(idsOf({1e9, 1e9}));
+      VisibilitySums sums(idsOf({1e9, 1e9}));
       double all = 0;
       for (int r = 0; r < kReplicates; ++r) {
         const PairCount counts{0, 1, count(3e6), count(1e6)};
@@ -285,54 +288,54 @@ TEST(ShareSums, BiasIsBounded) {
   }
 }
 
-// One line of 80 of a row leaves the scene, in one replicate of eight: its share is 1 / 80, by polygon and by surface,
-// whatever pilots have seen, and not 1 / 10, as in the one replicate that saw it.
-TEST(ShareSums, EnvironmentSeenInOneReplicateOfEight) {
+// One line of 80 of a row leaves the scene, in one replicate of eight: its visibility is 1 / 80, by polygon and by
+// surface, whatever pilots have seen, and not 1 / 10, as in the one replicate that saw it.
+TEST(VisibilitySums, EnvironmentSeenInOneReplicateOfEight) {
   Ids ids;
   ids.names = {"a", "b"};
   ids.areas = {10, 10};
   ids.surface = {0, 1};
   ids.of_polygon = {0, 1};
   constexpr double kMeasureArea = 0.5;  // a row of 10 lines then makes 10 = 2 * 0.5 * 10 input units squared
-  for (const uint32_t share : {0u, kShareOne / 3}) {
-    KnownShares known;
-    if (share) known.pairs = {{0, kEnvironment, share, share, ids.areas[0]}};
-    VisibleSums visible(ids, ids, By::polygon, known);
+  for (const uint32_t visibility : {0u, kVisibilityOne / 3}) {
+    Prior prior;
+    if (visibility) prior.pairs = {{0, kEnvironment, visibility, visibility, ids.areas[0]}};
+    PriorSums prior_sums(ids, ids, By::polygon, prior);
     ReplicateSums counted(ids);
     for (int replicate = 0; replicate < 8; ++replicate) {
       const PairCounts counts =
           replicate == 3 ? PairCounts{{0, 1, 9}, {0, kEnvironment, 1}, {1, kEnvironment, 1}} : PairCounts{{0, 1, 10}};
-      visible.add(counts, {});
+      prior_sums.add(counts, {});
       counted.add(counts);
     }
-    if (!share) visible.learn({{0, kEnvironment, 0, 0, ids.areas[0]}});
-    const FormFactors by_polygon = visible.byPolygon(kMeasureArea, INFINITY, counted, {});
-    EXPECT_NEAR(by_polygon.formFactor(0, kEnvironment).value, 1 / 80.0, 1e-12) << share;
-    const FormFactors by_surface = visible.bySurface(kMeasureArea, INFINITY, counted.formFactors(kMeasureArea));
+    if (!visibility) prior_sums.learn({{0, kEnvironment, 0, 0, ids.areas[0]}});
+    const FormFactors by_polygon = prior_sums.byPolygon(kMeasureArea, INFINITY, counted, {});
+    EXPECT_NEAR(by_polygon.formFactor(0, kEnvironment).value, 1 / 80.0, 1e-12) << visibility;
+    const FormFactors by_surface = prior_sums.bySurface(kMeasureArea, INFINITY, counted.formFactors(kMeasureArea));
     EXPECT_NEAR(by_surface.formFactor(0, kEnvironment).value, 1 / 80.0, 1e-6)
-        << share;  // shares in units of 2^-12 are exact, areas are rounded
+        << visibility;  // visibilities in units of 2^-12 are exact, areas are rounded
   }
 }
 
 // Leak that pilots saw and the run did not is no leak.
-TEST(ShareSums, WhatOnlyPilotsSawIsNotStated) {
+TEST(VisibilitySums, WhatOnlyPilotsSawIsNotStated) {
   Ids ids;
   ids.names = {"a", "b"};
   ids.areas = {10, 10};
   ids.surface = {0, 1};
   ids.of_polygon = {0, 1};
-  KnownShares known;
-  known.pairs = {{0, kLeak, kShareOne / 100, kShareOne / 100, ids.areas[0]}};
-  VisibleSums visible(ids, ids, By::polygon, known);
+  Prior prior;
+  prior.pairs = {{0, kLeak, kVisibilityOne / 100, kVisibilityOne / 100, ids.areas[0]}};
+  PriorSums prior_sums(ids, ids, By::polygon, prior);
   ReplicateSums counted(ids);
   for (int replicate = 0; replicate < 8; ++replicate) {
-    visible.add({{0, 1, 1000}}, {});
+    prior_sums.add({{0, 1, 1000}}, {});
     counted.add(PairCounts{{0, 1, 1000}});
   }
-  const Measured leak = visible.byPolygon(0.005, INFINITY, counted, {}).formFactor(0, kLeak);
+  const Measured leak = prior_sums.byPolygon(0.005, INFINITY, counted, {}).formFactor(0, kLeak);
   EXPECT_EQ(leak.value, 0);
   EXPECT_NEAR(leak.standard_error, 1 / 8000.0, 1e-12);  // one line
-  EXPECT_NEAR(visible.bySurface(0.005, INFINITY, counted.formFactors(0.005)).formFactor(0, kLeak).value, 0, 1e-6);
+  EXPECT_NEAR(prior_sums.bySurface(0.005, INFINITY, counted.formFactors(0.005)).formFactor(0, kLeak).value, 0, 1e-6);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include <viewpeel/closure.h>
+#include <viewpeel/balance.h>
 
 #include <bit>
 #include <cmath>
@@ -13,7 +13,7 @@
 #include "engines/host_engine.h"
 #include <viewpeel/error.h>
 #include "estimator/face_exchanges.h"
-#include "estimator/visible_share.h"
+#include "estimator/find_prior.h"
 #include "reference/closed_forms/rectangles.h"
 #include "scenes/named_scenes.h"
 #include "tests/support/test_device.h"
@@ -33,10 +33,10 @@ FormFactors matrixOf(std::vector<double> areas, std::vector<Entry> entries) {
   return {std::move(ids), std::move(entries), std::move(row_sums)};
 }
 
-// What closeRows says to it.
+// What balanceRows says to it.
 std::string refusalOf(const FormFactors& measured) {
   try {
-    closeRows(measured);
+    balanceRows(measured);
   } catch (const Error& error) {
     EXPECT_TRUE(error.code() == ErrorCode::bad_input || error.code() == ErrorCode::bad_usage) << error.what();
     return error.what();
@@ -64,61 +64,61 @@ double objective(const FormFactors& measured, const std::vector<double>& x) {
 // --- by hand -----------------------------------------------------------------------------------------------------
 
 // Three rows without self views have one solution, whatever was measured: x_01 = (A_0 + A_1 - A_2) / 2 and so on.
-TEST(Closure, ThreePlanarRowsAreDetermined) {
-  const ClosedFormFactors closed =
-      closeRows(matrixOf({3, 4, 5}, {{0, 1, {1.1, 0.1}}, {0, 2, {1.7, 0.1}}, {1, 2, {3.5, 0.1}}}));
-  EXPECT_NEAR(closed.form_factors.exchangeArea(0, 1).value, 1, 12 * kClosureTolerance);
-  EXPECT_NEAR(closed.form_factors.exchangeArea(0, 2).value, 2, 12 * kClosureTolerance);
-  EXPECT_NEAR(closed.form_factors.exchangeArea(1, 2).value, 3, 12 * kClosureTolerance);
-  EXPECT_NEAR(closed.rms_change, std::sqrt((0.01 + 0.09 + 0.25) / 0.03), 1e-9);
-  EXPECT_NEAR(closed.largest_change, 5, 1e-9);
-  EXPECT_NEAR(closed.largest_form_factor_change, 0.5 / 4, 1e-9);
-  EXPECT_EQ(closed.from, 1u);
-  EXPECT_EQ(closed.to, 2u);
+TEST(Balance, ThreePlanarRowsAreDetermined) {
+  const BalancedFormFactors balanced =
+      balanceRows(matrixOf({3, 4, 5}, {{0, 1, {1.1, 0.1}}, {0, 2, {1.7, 0.1}}, {1, 2, {3.5, 0.1}}}));
+  EXPECT_NEAR(balanced.form_factors.exchangeArea(0, 1).value, 1, 12 * kBalanceTolerance);
+  EXPECT_NEAR(balanced.form_factors.exchangeArea(0, 2).value, 2, 12 * kBalanceTolerance);
+  EXPECT_NEAR(balanced.form_factors.exchangeArea(1, 2).value, 3, 12 * kBalanceTolerance);
+  EXPECT_NEAR(balanced.rms_change, std::sqrt((0.01 + 0.09 + 0.25) / 0.03), 1e-9);
+  EXPECT_NEAR(balanced.largest_change, 5, 1e-9);
+  EXPECT_NEAR(balanced.largest_form_factor_change, 0.5 / 4, 1e-9);
+  EXPECT_EQ(balanced.from, 1u);
+  EXPECT_EQ(balanced.to, 2u);
 }
 
 // The third row sees itself: t = x_22 is free, and setting the derivative of the sum of squares to 0 gives it.
-TEST(Closure, ThreeRowsWithASelfView) {
+TEST(Balance, ThreeRowsWithASelfView) {
   const double c01 = 1.1, c02 = 1.7, c12 = 3.2, c22 = 0.8, s01 = 0.1, s02 = 0.2, s12 = 0.05, A0 = 3, A1 = 4, A2 = 6;
-  const ClosedFormFactors closed =
-      closeRows(matrixOf({A0, A1, A2}, {{0, 1, {c01, s01}}, {0, 2, {c02, s02}}, {1, 2, {c12, s12}}, {2, 2, {c22, 0}}}));
+  const BalancedFormFactors balanced = balanceRows(
+      matrixOf({A0, A1, A2}, {{0, 1, {c01, s01}}, {0, 2, {c02, s02}}, {1, 2, {c12, s12}}, {2, 2, {c22, 0}}}));
   // x_01 = (A0 + A1 - A2 + t) / 2, x_02 = (A0 + A2 - A1 - t) / 2, x_12 = (A1 + A2 - A0 - t) / 2
   const double t =
       (1 + ((A0 + A2 - A1 - 2 * c02) / s02 + (A1 + A2 - A0 - 2 * c12) / s12 - (A0 + A1 - A2 - 2 * c01) / s01) / 4) /
       (1 / c22 + (1 / s01 + 1 / s02 + 1 / s12) / 4);
-  EXPECT_NEAR(closed.form_factors.exchangeArea(2, 2).value, t, 1e-10);
-  EXPECT_NEAR(closed.form_factors.exchangeArea(0, 1).value, (A0 + A1 - A2 + t) / 2, 1e-10);
-  EXPECT_NEAR(closed.form_factors.exchangeArea(0, 2).value, (A0 + A2 - A1 - t) / 2, 1e-10);
-  EXPECT_NEAR(closed.form_factors.exchangeArea(1, 2).value, (A1 + A2 - A0 - t) / 2, 1e-10);
+  EXPECT_NEAR(balanced.form_factors.exchangeArea(2, 2).value, t, 1e-10);
+  EXPECT_NEAR(balanced.form_factors.exchangeArea(0, 1).value, (A0 + A1 - A2 + t) / 2, 1e-10);
+  EXPECT_NEAR(balanced.form_factors.exchangeArea(0, 2).value, (A0 + A2 - A1 - t) / 2, 1e-10);
+  EXPECT_NEAR(balanced.form_factors.exchangeArea(1, 2).value, (A1 + A2 - A0 - t) / 2, 1e-10);
 }
 
 // A pair that is known much better than what it shares its rows with hardly moves: x_01 = t, x_00 = A0 - t, x_11 = A1 -
 // t.
-TEST(Closure, WhatIsKnownBestStays) {
+TEST(Balance, MostCertainPairsStay) {
   const double c00 = 2.2, c01 = 0.9, c11 = 1.3, s00 = 0.1, s01 = 1e-6, s11 = 0.2, A0 = 3, A1 = 2;
-  const ClosedFormFactors closed =
-      closeRows(matrixOf({A0, A1}, {{0, 0, {c00, s00}}, {0, 1, {c01, s01}}, {1, 1, {c11, s11}}}));
+  const BalancedFormFactors balanced =
+      balanceRows(matrixOf({A0, A1}, {{0, 0, {c00, s00}}, {0, 1, {c01, s01}}, {1, 1, {c11, s11}}}));
   const double t = ((A0 - c00) / s00 + c01 / s01 + (A1 - c11) / s11) / (1 / s00 + 1 / s01 + 1 / s11);
-  EXPECT_NEAR(closed.form_factors.exchangeArea(0, 1).value, t, 1e-11);
-  EXPECT_NEAR(closed.form_factors.exchangeArea(0, 1).value, c01,
+  EXPECT_NEAR(balanced.form_factors.exchangeArea(0, 1).value, t, 1e-11);
+  EXPECT_NEAR(balanced.form_factors.exchangeArea(0, 1).value, c01,
               3e-6);  // 2 s_01 (1 + 2), from the slope of the sum of squares at c_01
-  EXPECT_NEAR(closed.form_factors.exchangeArea(0, 0).value, A0 - t, 1e-11);
+  EXPECT_NEAR(balanced.form_factors.exchangeArea(0, 0).value, A0 - t, 1e-11);
 }
 
 // What is closed already stays as it is, to the last bit.
-TEST(Closure, ClosedRowsStay) {
+TEST(Balance, BalancedRowsStay) {
   const FormFactors measured = matrixOf({3, 4, 5}, {{0, 1, {1, 0.1}}, {0, 2, {2, 0.1}}, {1, 2, {3, 0.1}}});
-  const ClosedFormFactors closed = closeRows(measured);
-  EXPECT_EQ(valuesOf(closed.form_factors), valuesOf(measured));
-  EXPECT_EQ(closed.steps, 0u);
-  EXPECT_EQ(closed.rms_change, 0);
+  const BalancedFormFactors balanced = balanceRows(measured);
+  EXPECT_EQ(valuesOf(balanced.form_factors), valuesOf(measured));
+  EXPECT_EQ(balanced.steps, 0u);
+  EXPECT_EQ(balanced.rms_change, 0);
 }
 
 // Two plates that see nothing else: the rows are one equation, and the Hessian is singular.
-TEST(Closure, TwoPlates) {
-  const FormFactors closed = closeRows(matrixOf({2, 2}, {{0, 1, {1.9, 0.1}}})).form_factors;
-  EXPECT_NEAR(closed.formFactor(0, 1).value, 1, kClosureTolerance);
-  EXPECT_EQ(closed.formFactor(0, 1).value, closed.formFactor(1, 0).value);
+TEST(Balance, TwoPlates) {
+  const FormFactors balanced = balanceRows(matrixOf({2, 2}, {{0, 1, {1.9, 0.1}}})).form_factors;
+  EXPECT_NEAR(balanced.formFactor(0, 1).value, 1, kBalanceTolerance);
+  EXPECT_EQ(balanced.formFactor(0, 1).value, balanced.formFactor(1, 0).value);
 }
 
 // --- against the conditions of the minimum, and against an enumeration --------------------------------------------
@@ -149,21 +149,21 @@ Instance randomInstance(uint32_t count, double density, double spread, bool self
 }
 
 // A convex problem is solved where its rows sum to the areas and one multiplier per row explains every entry.
-TEST(Closure, ConditionsOfTheMinimum) {
+TEST(Balance, ConditionsOfTheMinimum) {
   size_t zeros = 0, positive = 0;
   for (uint64_t seed = 1; seed <= 60; ++seed) {
     const Instance instance =
         randomInstance(seed % 3 ? 40 : 300, seed % 2 ? 0.1 : 0.8, seed % 5 ? 0.3 : 2.5, seed % 4 < 2, seed);
     SCOPED_TRACE(instance.name);
     const FormFactors& measured = instance.measured;
-    const ClosedFormFactors closed = closeRows(measured);
+    const BalancedFormFactors balanced = balanceRows(measured);
     std::vector<double> sums(measured.ids().count(), 0);
     for (size_t k = 0; k < measured.entries().size(); ++k) {
-      const auto& [i, j, x] = closed.form_factors.entries()[k];
+      const auto& [i, j, x] = balanced.form_factors.entries()[k];
       const double c = measured.entries()[k].exchange_area.value, w = weightOf(measured.entries()[k].exchange_area);
-      const double pull = closed.row_corrections[i] + (i == j ? 0 : closed.row_corrections[j]);
+      const double pull = balanced.row_corrections[i] + (i == j ? 0 : balanced.row_corrections[j]);
       const double rounding =
-          4e-16 * (c + w * (std::abs(closed.row_corrections[i]) + std::abs(closed.row_corrections[j])));
+          4e-16 * (c + w * (std::abs(balanced.row_corrections[i]) + std::abs(balanced.row_corrections[j])));
       ASSERT_GE(x.value, 0);
       if (x.value > 0) ASSERT_NEAR((x.value - c), w * pull, rounding);  // stationary
       else ASSERT_LE(c + w * pull, rounding);                           // pushed against 0
@@ -174,14 +174,14 @@ TEST(Closure, ConditionsOfTheMinimum) {
     // Summed in another order: n roundings more.
     const double rounding = 1.2e-16 * double(sums.size());
     for (size_t i = 0; i < sums.size(); ++i)
-      ASSERT_NEAR(sums[i] / measured.ids().areas[i], 1, kClosureTolerance + rounding) << "row " << i;
+      ASSERT_NEAR(sums[i] / measured.ids().areas[i], 1, kBalanceTolerance + rounding) << "row " << i;
   }
   EXPECT_GT(zeros, 100u);  // the bound was met, and is the exception
   EXPECT_GT(positive, 10 * zeros);
 }
 
 // Of all sets of pairs that stay positive: the least change that keeps the rows and is nowhere negative.
-std::vector<double> enumerateClosed(const FormFactors& measured) {
+std::vector<double> enumerateBalanced(const FormFactors& measured) {
   const Eigen::Index n = measured.ids().count();
   const size_t count = measured.entries().size();
   const Eigen::VectorXd areas = Eigen::Map<const Eigen::VectorXd>(measured.ids().areas.data(), n);
@@ -212,13 +212,13 @@ std::vector<double> enumerateClosed(const FormFactors& measured) {
   return best;
 }
 
-TEST(Closure, AgreesWithEnumeration) {
+TEST(Balance, AgreesWithEnumeration) {
   size_t zeros = 0;
   for (uint64_t seed = 1; seed <= 100; ++seed) {
     const Instance instance = randomInstance(4, 0.9, seed % 2 ? 0.5 : 2, seed % 3 == 0, seed);
     SCOPED_TRACE(instance.name);
-    const std::vector<double> x = valuesOf(closeRows(instance.measured).form_factors),
-                              best = enumerateClosed(instance.measured);
+    const std::vector<double> x = valuesOf(balanceRows(instance.measured).form_factors),
+                              best = enumerateBalanced(instance.measured);
     ASSERT_EQ(best.size(), x.size());
     // The enumeration keeps rows to 1e-9 at worst, the solver to 1e-12; entries answer to rows through ratios of w.
     for (size_t k = 0; k < x.size(); ++k) EXPECT_NEAR(x[k], best[k], 1e-6) << "entry " << k;
@@ -227,19 +227,19 @@ TEST(Closure, AgreesWithEnumeration) {
   EXPECT_GT(zeros, 10u);
 }
 
-TEST(Closure, EnumerationFindsAWrongWeight) {
+TEST(Balance, EnumerationFindsAWrongWeight) {
   const Instance instance = randomInstance(4, 1, 0.5, true, 7);
   std::vector<Entry> entries = instance.measured.entries();
   entries[3].exchange_area.value *= 1.01;
-  const std::vector<double> x = valuesOf(closeRows(instance.measured).form_factors);
-  const std::vector<double> other = enumerateClosed({instance.measured.ids(), entries, instance.measured.rowSums()});
+  const std::vector<double> x = valuesOf(balanceRows(instance.measured).form_factors);
+  const std::vector<double> other = enumerateBalanced({instance.measured.ids(), entries, instance.measured.rowSums()});
   double difference = 0;
   for (size_t k = 0; k < x.size(); ++k) difference = std::max(difference, std::abs(x[k] - other[k]));
   EXPECT_GT(difference, 1e-4);
 }
 
 // Rows of one side see only the other: no self views, no cycles of odd length. The Hessian is singular at every point.
-TEST(Closure, TwoSidesOfManyRows) {
+TEST(Balance, TwoSidesOfManyRows) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> uniform(0.5, 2);
   const uint32_t side = 200;
@@ -252,16 +252,16 @@ TEST(Closure, TwoSidesOfManyRows) {
       areas[j] += x;
       entries.push_back({i, j, {x * uniform(random), 0.1}});
     }
-  const ClosedFormFactors closed = closeRows(matrixOf(areas, entries));
-  for (const Measured& sum : closed.form_factors.rowSums()) EXPECT_NEAR(sum.value, 1, kClosureTolerance);
+  const BalancedFormFactors balanced = balanceRows(matrixOf(areas, entries));
+  for (const Measured& sum : balanced.form_factors.rowSums()) EXPECT_NEAR(sum.value, 1, kBalanceTolerance);
   areas[3] *= 1.001;
   EXPECT_NE(refusalOf(matrixOf(areas, entries)).find("met only rows of area"), std::string::npos);
 }
 
 // Units of length and areas that differ by 10^8 change nothing.
-TEST(Closure, ScalesAndSmallRows) {
+TEST(Balance, ScalesAndSmallRows) {
   Instance instance = randomInstance(60, 0.5, 0.3, true, 11);
-  const std::vector<double> x = valuesOf(closeRows(instance.measured).form_factors);
+  const std::vector<double> x = valuesOf(balanceRows(instance.measured).form_factors);
   std::vector<double> areas = instance.measured.ids().areas;
   std::vector<Entry> entries = instance.measured.entries();
   for (double& area : areas) area *= 0x1p-40;
@@ -269,19 +269,19 @@ TEST(Closure, ScalesAndSmallRows) {
     entry.exchange_area.value *= 0x1p-40;
     entry.exchange_area.standard_error *= 0x1p-40;
   }
-  const std::vector<double> scaled = valuesOf(closeRows(matrixOf(areas, entries)).form_factors);
+  const std::vector<double> scaled = valuesOf(balanceRows(matrixOf(areas, entries)).form_factors);
   for (size_t k = 0; k < x.size(); ++k) EXPECT_EQ(scaled[k], x[k] * 0x1p-40);
 
   const double tiny = 1e-8;
-  const ClosedFormFactors closed = closeRows(
+  const BalancedFormFactors balanced = balanceRows(
       matrixOf({3, 4, 5, tiny}, {{0, 1, {1.1, 0.1}}, {0, 2, {1.7, 0.1}}, {1, 2, {3.5, 0.1}}, {1, 3, {tiny / 3, 0.1}}}));
-  for (const Measured& sum : closed.form_factors.rowSums()) EXPECT_NEAR(sum.value, 1, kClosureTolerance);
-  EXPECT_NEAR(closed.form_factors.formFactor(3, 1).value, 1, kClosureTolerance);
+  for (const Measured& sum : balanced.form_factors.rowSums()) EXPECT_NEAR(sum.value, 1, kBalanceTolerance);
+  EXPECT_NEAR(balanced.form_factors.formFactor(3, 1).value, 1, kBalanceTolerance);
 }
 
 // --- refusals ----------------------------------------------------------------------------------------------------
 
-TEST(Closure, RefusesWhatCannotBeClosed) {
+TEST(Balance, RefusesWhatCannotBeBalanced) {
   const std::vector<Entry> three = {{0, 1, {1.1, 0.1}}, {0, 2, {1.7, 0.1}}, {1, 2, {3.5, 0.1}}};
   const auto with = [&](const Entry& entry) {
     std::vector<Entry> entries = three;
@@ -306,21 +306,21 @@ TEST(Closure, RefusesWhatCannotBeClosed) {
   EXPECT_NE(refusalOf(matrixOf({2, 2.001}, {{0, 1, {1.9, 0.1}}})).find("'id1' of area 2.001 met only rows of area 2;"),
             std::string::npos);
   Ids some = matrixOf({3, 4, 5}, three).ids();
-  some.asked = {true, false, true};
+  some.requested = {true, false, true};
   EXPECT_NE(refusalOf({some, three, {{}, {}, {}}}).find("--from"), std::string::npos);
 }
 
 // A line in 10^8 that grazes an edge is no opening: its radiation goes to what the row was measured to see.
-TEST(Closure, GrazingLinesAreNoOpening) {
-  const ClosedFormFactors closed = closeRows(matrixOf({3, 4, 5}, {{0, 1, {1.1, 0.1}},
-                                                                  {0, 2, {1.7, 0.1}},
-                                                                  {0, kEnvironment, {1e-7, 1e-7}},
-                                                                  {1, 2, {3.5, 0.1}},
-                                                                  {1, kLeak, {1e-7, 1e-7}}}));
-  ASSERT_EQ(closed.form_factors.entries().size(), 5u);
-  EXPECT_EQ(closed.form_factors.formFactor(0, kEnvironment).value, 0);
-  EXPECT_EQ(closed.form_factors.formFactor(1, kLeak).value, 0);
-  EXPECT_NEAR(closed.form_factors.exchangeArea(1, 2).value, 3, 12 * kClosureTolerance);
+TEST(Balance, GrazingLinesAreNoOpening) {
+  const BalancedFormFactors balanced = balanceRows(matrixOf({3, 4, 5}, {{0, 1, {1.1, 0.1}},
+                                                                        {0, 2, {1.7, 0.1}},
+                                                                        {0, kEnvironment, {1e-7, 1e-7}},
+                                                                        {1, 2, {3.5, 0.1}},
+                                                                        {1, kLeak, {1e-7, 1e-7}}}));
+  ASSERT_EQ(balanced.form_factors.entries().size(), 5u);
+  EXPECT_EQ(balanced.form_factors.formFactor(0, kEnvironment).value, 0);
+  EXPECT_EQ(balanced.form_factors.formFactor(1, kLeak).value, 0);
+  EXPECT_NEAR(balanced.form_factors.exchangeArea(1, 2).value, 3, 12 * kBalanceTolerance);
 }
 
 // --- a cube of patches -------------------------------------------------------------------------------------------
@@ -440,7 +440,7 @@ double weightedError(const FormFactors& form_factors, const FormFactors& measure
 
 // The result is the nearest point to c of a convex set that holds the truth t: |c - t|^2 >= |c - x|^2 + |x - t|^2 in
 // the norm minimised, on every run. The truth is known to ten digits, which is far below the statistical errors.
-TEST(Closure, NeverFartherFromTheClosedForms) {
+TEST(Balance, NeverFartherFromTheClosedForms) {
   for (const Box& box : kBoxes) {
     SCOPED_TRACE(box.name);
     const Exchange truth = exactExchange(box);
@@ -448,36 +448,36 @@ TEST(Closure, NeverFartherFromTheClosedForms) {
       const Estimate estimate = estimateBox(box, seed, 200, 128);
       const FormFactors& measured = estimate.form_factors;
       for (const auto& [pair, exact] : truth) ASSERT_GT(measured.exchangeArea(pair.first, pair.second).value, 0);
-      const ClosedFormFactors closed = closeRows(measured);
+      const BalancedFormFactors balanced = balanceRows(measured);
       const double before = weightedError(measured, measured, truth),
-                   after = weightedError(closed.form_factors, measured, truth);
-      const double moved = objective(measured, valuesOf(closed.form_factors));
+                   after = weightedError(balanced.form_factors, measured, truth);
+      const double moved = objective(measured, valuesOf(balanced.form_factors));
       EXPECT_GT(moved, 0);
       EXPECT_GE(before * (1 + 1e-6), moved + after);
       for (uint32_t i = 0; i < measured.ids().count(); ++i) {
         double sum = 0;
-        for (uint32_t j = 0; j < measured.ids().count(); ++j) sum += closed.form_factors.formFactor(i, j).value;
-        EXPECT_NEAR(sum, 1, kClosureTolerance + 1e-14);
+        for (uint32_t j = 0; j < measured.ids().count(); ++j) sum += balanced.form_factors.formFactor(i, j).value;
+        EXPECT_NEAR(sum, 1, kBalanceTolerance + 1e-14);
       }
       // x - c is a part of c - t, which has about the size of its standard errors; with 7 degrees of freedom each, over
       // a dozen pairs at least.
-      EXPECT_LT(closed.rms_change, 3);
+      EXPECT_LT(balanced.rms_change, 3);
     }
   }
 }
 
-// Not a test: prints rms errors of form factors before and after closure. Run with --gtest_also_run_disabled_tests.
+// Not a test: prints rms errors of form factors before and after balancing. Run with --gtest_also_run_disabled_tests.
 void printGain(const std::string& name, const Exchange& truth, int seeds,
                const std::function<Estimate(uint64_t seed, uint32_t directions, int resolution)>& estimateOnce) {
   for (const auto& [directions, resolution] : {std::pair(100u, 32), std::pair(400u, 64), std::pair(100u, 128)}) {
     double before = 0, after = 0, moved = 0, least = INFINITY, most = 0;
     for (int seed = 1; seed <= seeds; ++seed) {
       const Estimate estimate = estimateOnce(seed, directions, resolution);
-      const ClosedFormFactors closed = closeRows(estimate.form_factors);
-      const double b = meanSquareError(estimate.form_factors, truth), a = meanSquareError(closed.form_factors, truth);
+      const BalancedFormFactors balanced = balanceRows(estimate.form_factors);
+      const double b = meanSquareError(estimate.form_factors, truth), a = meanSquareError(balanced.form_factors, truth);
       before += b;
       after += a;
-      moved += closed.rms_change / seeds;
+      moved += balanced.rms_change / seeds;
       least = std::min(least, std::sqrt(a / b));
       most = std::max(most, std::sqrt(a / b));
     }
@@ -490,7 +490,7 @@ void printGain(const std::string& name, const Exchange& truth, int seeds,
   }
 }
 
-TEST(Closure, DISABLED_Gain) {
+TEST(Balance, DISABLED_Gain) {
   for (const Box& box : kBoxes)
     printGain(box.name, exactExchange(box), 20, [&](uint64_t seed, uint32_t directions, int resolution) {
       return estimateBox(box, seed, directions, resolution);
@@ -499,16 +499,16 @@ TEST(Closure, DISABLED_Gain) {
   const Scene office = loadScene(VIEWPEEL_SCENES "/office.obj");
   const Ids faces = makeIds(office, By::polygon, false);
   for (By by : {By::surface, By::polygon}) {
-    const auto withClosedForms = [&](uint64_t seed, uint32_t directions, int resolution) {
+    const auto withUnoccluded = [&](uint64_t seed, uint32_t directions, int resolution) {
       const std::unique_ptr<Engine> engine = makeHostEngine(
           office, faces, {.resolution = resolution, .sampling = Sampling::scanline, .count_blocked = true});
       FaceExchanges exchanges(nullptr, office, faces);
       EstimateOptions options{.directions = directions, .seed = seed};
       options.by = by;
       options.exchanges = &exchanges;
-      const VisibleShares shares = findVisibleShares(*engine, exchanges, office, faces, groupAsOne(office, resolution),
-                                                     options, sharePilot(options));
-      options.known = &shares.known;
+      const FoundPrior found = findPrior(*engine, exchanges, office, faces, groupAsOne(office, resolution), options,
+                                         choosePriorPilot(options));
+      options.prior = &found.prior;
       return estimateFormFactors(*engine, office, faces, options);
     };
     const Ids ids = makeIds(office, by, false);
@@ -517,12 +517,12 @@ TEST(Closure, DISABLED_Gain) {
                                  {.directions = directions, .seed = seed});
     };
     Exchange truth;
-    const Estimate reference = withClosedForms(1000, 8000, 192);
+    const Estimate reference = withUnoccluded(1000, 8000, 192);
     for (const Entry& entry : reference.form_factors.entries())
       if (entry.i != entry.j && entry.j < kEnvironment) truth[{entry.i, entry.j}] = entry.exchange_area.value;
     const std::string name = by == By::surface ? "office by surface" : "office by polygon";
     printGain(name, truth, 6, without);
-    printGain(name + ", closed forms", truth, 6, withClosedForms);
+    printGain(name + ", unoccluded form factors", truth, 6, withUnoccluded);
   }
 }
 

@@ -31,7 +31,7 @@ class DirectionRegion {
   // The unit square onto the region, areas in proportion: around runs along the boundary, outwards from the centre to
   // it, so that map(0, t) = map(1, t), map(s, 0) is one point, and map(s, 1) the boundary.
   //   In: around, outwards in [0, 1]; a region closed and not empty    Out: a unit vector
-  //   Error: 1e-15 rad of directions; shares of area to 1e-15 / solidAngle(). tests/unit/asked_directions_test.cpp.
+  //   Error: 1e-15 rad of directions; shares of area to 1e-15 / solidAngle(). tests/unit/drawn_directions_test.cpp.
   //   Cost: O(log corners).
   //   Source: J. Arvo, Stratified sampling of spherical triangles, SIGGRAPH 1995, with every triangle cut by the
   //   perpendicular from the
@@ -69,7 +69,7 @@ class DirectionRegion {
 //   the pair's extent
 //     squared (1e-7 where corners are off their plane by the tolerance of group_planes.h); for two convex polygons that
 //     far apart or further larger by at most 1e-13 rad for each unit of extent / distance.
-//     tests/unit/asked_directions_test.cpp.
+//     tests/unit/drawn_directions_test.cpp.
 //   Throws: nothing.
 //   Cost: O(c_a c_b) for c_a, c_b corners for two convex polygons; O(c log c), c = min(c_a c_b, 2^20), else: larger
 //   surfaces enter by their
@@ -80,7 +80,7 @@ DirectionRegion findPairRegion(const Scene& scene, std::span<const uint32_t> a, 
 
 // Directions that do not count alike: C_ab = E[A'_ab] ~ weight_unit x sum over k of weights[k] A'_ab(directions[k]) /
 // directions.size(), F_ab = 2 C_ab / A_a.
-struct AskedDirections {
+struct DrawnDirections {
   std::vector<Direction> directions;
   std::vector<uint32_t> weights;  // as many
   double weight_unit = 1;
@@ -94,14 +94,14 @@ struct AskedDirections {
 //     weight_unit 0 where the region is empty. A function of the arguments only.
 //   Error: the mean over the set is unbiased for pairs whose directions the region holds, and for no others; a single
 //   direction's term
-//     is not. Tests: tests/unit/asked_directions_test.cpp.
+//     is not. Tests: tests/unit/drawn_directions_test.cpp.
 //   Throws: nothing.
 //   Cost: O(count log corners).
 //   Source: rank-1 lattice of the golden ratio, random shift: R. Cranley & T. N. L. Patterson, SIAM J. Numer. Anal. 13,
 //   1976; folded in
 //     the coordinate in which the integrand is not periodic: F. J. Hickernell, Obtaining O(N^(-2+eps)) convergence for
 //     lattice quadrature rules, MCQMC 2000.
-AskedDirections sampleRegion(const DirectionRegion& region, uint32_t count, uint64_t seed, uint64_t replicate);
+DrawnDirections sampleRegion(const DirectionRegion& region, uint32_t count, uint64_t seed, uint64_t replicate);
 
 // Of the emitter's density; the weights are at most its inverse. Measured on a patch under boxes in a room, rms error
 // over its form factors of 1600 directions: 4.2e-4 for 1/64, 1.8e-4 for 1/4 and 1/2, 3.0e-4 for 1, 3.5e-4 for the whole
@@ -120,13 +120,13 @@ constexpr double kEmitterWeightUnit = 0x1p-12;
 //   Error: the mean over the set is unbiased for every pair of the scene, the emitter's or not. With exact areas one
 //   direction's
 //     term of F_emitter,j is at most 2 / (2 - e), against 2 for uniform directions. Tests:
-//     tests/unit/asked_directions_test.cpp.
+//     tests/unit/drawn_directions_test.cpp.
 //   Throws: nothing.
 //   Cost: O(count).
 //   Source: defensive mixture: T. Hesterberg, Weighted average importance sampling and defensive mixture distributions,
 //   Technometrics 37,
 //     1995; lattice as in sampleRegion.
-AskedDirections sampleEmitter(const Scene& scene, std::span<const uint32_t> emitter, uint32_t count, uint64_t seed,
+DrawnDirections sampleEmitter(const Scene& scene, std::span<const uint32_t> emitter, uint32_t count, uint64_t seed,
                               uint64_t replicate);
 
 }  // namespace viewpeel

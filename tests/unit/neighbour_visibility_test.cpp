@@ -1,5 +1,5 @@
-// Ranks by place, and the shares of neighbours.
-#include "sums/neighbour_shares.h"
+// Ranks by place, and the visibilities of neighbours.
+#include "sums/neighbour_visibility.h"
 
 #include <algorithm>
 #include <array>
@@ -12,7 +12,7 @@
 
 #include "engines/host_engine.h"
 #include "estimator/estimate.h"
-#include "estimator/visible_share.h"
+#include "estimator/find_prior.h"
 #include "reference/closed_forms/past_blocker.h"
 #include "scene/rank_by_place.h"
 #include "scenes/named_scenes.h"
@@ -57,73 +57,73 @@ TEST(RankByPlace, BlocksOfRanksLieTogether) {
 
 // What blocks of 4, 16 and 64 ids in order say, by hand: lines of one pair count as 1.5 n / (n + 0.5), and m = (V + m')
 // / (L + 1) with the m' of the next larger blocks.
-TEST(NeighbourShares, LinesOfBlocksGoWithThoseOfLargerOnes) {
+TEST(NeighbourVisibility, LinesOfBlocksGoWithLargerBlocks) {
   const Ids ids = namelessIds(64);
-  ShareSums sums(ids);
+  VisibilitySums sums(ids);
   // (0, 4): 6 of 8 lines facing; (1, 5): 0 of 1; (2, 12): 1 of 1; (2, 30): 1 of 4.
   sums.add(PairCounts{{0, 4, 6, 2}, {1, 5, 0, 1}, {2, 12, 1, 0}, {2, 30, 1, 3}});
   const std::vector<uint32_t> ranks = inOrder(64);
-  const NeighbourShares shares(sums, {}, ranks);
+  const NeighbourVisibility shares(sums, {}, ranks);
   const double of_eight = 1.5 * 8 / 8.5, of_four = 1.5 * 4 / 4.5;  // of one: 1
-  const auto isShare = [&](uint32_t i, uint32_t j, double facing, double all, double mean_around) {
-    const NeighbourShares::Share share = shares.of(i, j);
-    EXPECT_NEAR(share.mean, (facing + mean_around) / (all + 1), 1e-6) << i << " " << j;
+  const auto isValue = [&](uint32_t i, uint32_t j, double facing, double all, double mean_around) {
+    const NeighbourVisibility::Value visibility = shares.of(i, j);
+    EXPECT_NEAR(visibility.mean, (facing + mean_around) / (all + 1), 1e-6) << i << " " << j;
     const double smoothed = (facing + mean_around + 0.1) / (all + 1.2);
-    EXPECT_NEAR(share.deviation(), std::sqrt(smoothed * (1 - smoothed)), 1e-6) << i << " " << j;
-    EXPECT_EQ(shares.of(j, i).mean, share.mean);
+    EXPECT_NEAR(visibility.deviation(), std::sqrt(smoothed * (1 - smoothed)), 1e-6) << i << " " << j;
+    EXPECT_EQ(shares.of(j, i).mean, visibility.mean);
   };
   // Of all 64 around each; and of the 16 around (0, 4), which are those around (2, 12), and around (2, 30).
   const double scene = (0.75 * of_eight + 1 + 0.25 * of_four) / (of_eight + 2 + of_four);
   const double near = (0.75 * of_eight + 1 + scene) / (of_eight + 2 + 1),
                far = (0.25 * of_four + scene) / (of_four + 1);
-  isShare(3, 5, 0.75 * of_eight, of_eight + 1, near);
-  isShare(3, 13, 1, 1, near);
-  isShare(6, 9, 0, 0, near);
-  isShare(1, 29, 0.25 * of_four, of_four, far);
-  isShare(5, 20, 0, 0, far);
-  isShare(40, 50, 0, 0, scene);  // nothing between 32..47 and 48..63
+  isValue(3, 5, 0.75 * of_eight, of_eight + 1, near);
+  isValue(3, 13, 1, 1, near);
+  isValue(6, 9, 0, 0, near);
+  isValue(1, 29, 0.25 * of_four, of_four, far);
+  isValue(5, 20, 0, 0, far);
+  isValue(40, 50, 0, 0, scene);  // nothing between 32..47 and 48..63
 }
 
 // Parts of lines, and lines that come together, count as the replicates that they come from.
-TEST(NeighbourShares, LinesThatComeTogetherAreOne) {
+TEST(NeighbourVisibility, LinesThatComeTogetherAreOne) {
   const Ids ids = namelessIds(4);
-  ShareSums sums(ids);
+  VisibilitySums sums(ids);
   sums.add(PairCounts{{0, 1, 30, 0}});  // less than a line
   sums.add(PairCounts{{0, 1, 0, 30}});
   sums.add(PairCounts{{0, 1, 30, 0}});
   const std::vector<uint32_t> ranks = inOrder(4);
-  const NeighbourShares shares(sums, {100, 100, 100, 100}, ranks);
+  const NeighbourVisibility shares(sums, {100, 100, 100, 100}, ranks);
   const double three = 1.5 * 3 / 3.5, facing = 2 / 3.0 * three + 2 / 3.0;
   EXPECT_NEAR(shares.of(2, 3).mean, facing / (three + 1), 1e-6);
   const double smoothed = (facing + 0.1) / (three + 1.2);
   EXPECT_NEAR(shares.of(2, 3).deviation(), std::sqrt(smoothed * (1 - smoothed)), 1e-6);
 }
 
-// A share that one line tells is drawn to the neighbours' by half a line; one that four tell is its own.
-TEST(NeighbourShares, FewLinesGoWithTheirNeighbours) {
+// A visibility that one line tells is drawn to the neighbours' by half a line; one that four tell is its own.
+TEST(NeighbourVisibility, FewLinesGoWithTheirNeighbours) {
   const Ids ids = namelessIds(4);
-  ShareSums sums(ids);
+  VisibilitySums sums(ids);
   const std::vector<uint32_t> ranks = inOrder(4);
   sums.add(PairCounts{{0, 1, 1, 0}, {1, 3, 0, 2}, {2, 3, 3, 1}});
   sums.add(PairCounts{{0, 2, 1, 1}, {1, 3, 0, 1}});
-  const NeighbourShares neighbours(sums, {}, ranks);
-  const std::vector<KnownPair> known = {{0, 1, 0, 0, 0.25}, {0, 2, 0, 0, 0.25}, {1, 3, 0, 0, 0.25}, {2, 3, 0, 0, 0.25}};
-  const FormFactors shrunk = FormFactors(sums.ids(), sums.find(known, {}, 1, 1, {}, {}, &neighbours).entries, {}),
-                    own = FormFactors(sums.ids(), sums.find(known, {}, 1, 1, {}, {}).entries, {});
+  const NeighbourVisibility neighbours(sums, {}, ranks);
+  const std::vector<PairPrior> prior = {{0, 1, 0, 0, 0.25}, {0, 2, 0, 0, 0.25}, {1, 3, 0, 0, 0.25}, {2, 3, 0, 0, 0.25}};
+  const FormFactors shrunk = FormFactors(sums.ids(), sums.find(prior, {}, 1, 1, {}, {}, &neighbours).entries, {}),
+                    alone = FormFactors(sums.ids(), sums.find(prior, {}, 1, 1, {}, {}).entries, {});
   ASSERT_EQ(shrunk.entries().size(), 4u);
   const double m = neighbours.of(0, 1).mean;  // all four ids are in one block
   EXPECT_DOUBLE_EQ(shrunk.entries()[0].exchange_area.value, 0.25 * (1 + 0.5 * m) / 1.5);
   EXPECT_DOUBLE_EQ(shrunk.entries()[1].exchange_area.value, 0.25 * (1 + 0.5 * m) / 2.5);
   EXPECT_DOUBLE_EQ(shrunk.entries()[2].exchange_area.value, 0.25 * 0.5 * m / 3.5);
   EXPECT_DOUBLE_EQ(shrunk.entries()[3].exchange_area.value, 0.25 * 0.75);
-  EXPECT_DOUBLE_EQ(own.entries()[0].exchange_area.value, 0.25);
-  EXPECT_DOUBLE_EQ(own.entries()[1].exchange_area.value, 0.125);
+  EXPECT_DOUBLE_EQ(alone.entries()[0].exchange_area.value, 0.25);
+  EXPECT_DOUBLE_EQ(alone.entries()[1].exchange_area.value, 0.125);
 }
 
 // Parts of two squares past a blocker: over pairs that no line met, and over those of which few told, errors are no
 // larger than stated, in the mean of squares, nor less than a third; and those of pairs that no line met are half of
 // what taking them for 0 would make, or less.
-TEST(NeighbourShares, ErrorsAreAsStated) {
+TEST(NeighbourVisibility, ErrorsAreAsStated) {
   constexpr uint32_t kCuts = 8;
   InputScene input = ts::squaresInParts(kCuts, 1.0 / kCuts, 1);
   const ts::Corners blocker = ts::squaresPastABlocker().faces.back().corners;
@@ -139,22 +139,22 @@ TEST(NeighbourShares, ErrorsAreAsStated) {
   Errors unmet, few;
   for (uint64_t seed = 1; seed <= 60; ++seed) {
     EstimateOptions options{.directions = 16, .replicates = 4, .seed = seed};
-    const VisibleShares found = findVisibleShares(*engine, exchanges, scene, ids, groupAsOne(scene, 16), options,
-                                                  {sharePilot(options).directions});
-    options.known = &found.known;
+    const FoundPrior found = findPrior(*engine, exchanges, scene, ids, groupAsOne(scene, 16), options,
+                                       {choosePriorPilot(options).directions});
+    options.prior = &found.prior;
     std::optional<RunSums> sums;
     options.on_sums = [&](const RunSums& so_far, bool last) {
       if (last) sums = so_far;
     };
     estimateFormFactors(*engine, scene, ids, options);
     const FormFactors all = sums->formFactors();
-    const auto& told = sums->visible->byFace().pairs();
+    const auto& counted = sums->prior_sums->byFace().pairs();
     for (const FormFactors::Entry& entry : all.entries()) {
       const bool is_between = entry.i < 2 * kCuts * kCuts && entry.j < 2 * kCuts * kCuts && entry.i % 2 != entry.j % 2;
-      const bool is_told =
-          std::ranges::binary_search(told, std::pair(entry.i, entry.j), {},
-                                     [](const ShareSums::PairSum& pair) { return std::pair(pair.i, pair.j); });
-      Errors& errors = is_told ? few : unmet;
+      const bool has_lines =
+          std::ranges::binary_search(counted, std::pair(entry.i, entry.j), {},
+                                     [](const VisibilitySums::PairSum& pair) { return std::pair(pair.i, pair.j); });
+      Errors& errors = has_lines ? few : unmet;
       if (!is_between || ++errors.pairs % 16) continue;
       const double truth =
           reference::formFactorPastBlocker(input.faces[entry.i].corners, input.faces[entry.j].corners, blocker).value *

@@ -3,8 +3,8 @@
 // Of a pair that few lines are expected to meet, most runs meet none, and taking its exchange area for 0 then is wrong
 // nearly always: of the pairs of a room most see each other whole. Lines between the faces around the one and those
 // around the other see nearly the same, so that their share of facing ones stands for the pair's. It is a guess that
-// lines confirm: an error of its own, the spread of shares among neighbours, is stated with it. And where few lines
-// tell of a pair, its share is made of theirs and its neighbours'.
+// lines confirm: an error of its own, the spread of visibilities among neighbours, is stated with it. And where few
+// lines tell of a pair, its visibility is made of theirs and its neighbours'.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -13,13 +13,13 @@
 #include <span>
 #include <vector>
 
-#include "sums/share_sums.h"
+#include "sums/visibility_sums.h"
 
 namespace viewpeel {
 
-class NeighbourShares {
+class NeighbourVisibility {
  public:
-  struct Share {
+  struct Value {
     float mean, smoothed;  // below
 
     float deviation() const { return std::sqrt(smoothed * (1 - smoothed)); }
@@ -27,16 +27,17 @@ class NeighbourShares {
 
   //   In: lines: as in lineOf; ranks: of ids, as rankByPlace makes them; referred to    Cost: O(pairs + (n / 4)^2)
   //   work, 16 bytes for each of the latter.
-  NeighbourShares(const ShareSums& sums, const std::vector<uint64_t>& lines, const std::vector<uint32_t>& ranks);
+  NeighbourVisibility(const VisibilitySums& sums, const std::vector<uint64_t>& lines,
+                      const std::vector<uint32_t>& ranks);
 
   // Of lines between the 4 ids around i and the 4 around j, by rank: m = (V + m') / (L + 1) for L lines, V of them
   // facing, and m' the same of 16 ids around each, and so on up to all of the scene's. However many lines tell of one
-  // pair, they say little of its neighbours: n count as 1.5 n / (n + 0.5), as they do where shares are mostly 0 or 1 (a
-  // beta distribution with parameters that add up to kNeighbours; Casella, An introduction to empirical Bayes data
-  // analysis, The American Statistician 39, 1985).
-  //   Error: m may be off by the root of s (1 - s) with s = (V + m' + 0.1) / (L + 1.2): no share spreads more about its
-  //   mean s. Measured: tests/unit/neighbour_shares_test.cpp.
-  Share of(uint32_t i, uint32_t j) const { return shares_[blockOf(ranks_[i], ranks_[j])]; }
+  // pair, they say little of its neighbours: n count as 1.5 n / (n + 0.5), as they do where visibilities are mostly 0
+  // or 1 (a beta distribution with parameters that add up to kNeighbours; Casella, An introduction to empirical Bayes
+  // data analysis, The American Statistician 39, 1985).
+  //   Error: m may be off by the root of s (1 - s) with s = (V + m' + 0.1) / (L + 1.2): no visibility spreads more
+  //   about its mean s. Measured: tests/unit/neighbour_visibility_test.cpp.
+  Value of(uint32_t i, uint32_t j) const { return visibilities_[blockOf(ranks_[i], ranks_[j])]; }
 
   // What the neighbours' m counts beside lines of a pair's own, in lines.
   static constexpr float kNeighbours = 0.5f;
@@ -51,7 +52,7 @@ class NeighbourShares {
 
   std::span<const uint32_t> ranks_;
   size_t side_;
-  std::vector<Share> shares_;  // of blocks of 4 x 4 ids; those below the diagonal are not used
+  std::vector<Value> visibilities_;  // of blocks of 4 x 4 ids; those below the diagonal are not used
 };
 
 }  // namespace viewpeel

@@ -1,4 +1,4 @@
-#include "sums/control_sums.h"
+#include "sums/control_variate_sums.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,16 +13,16 @@
 namespace viewpeel {
 namespace {
 
-void addExactly(ControlSums::Wide& sum, ControlSums::Wide more) {
+void addExactly(ControlVariateSums::Wide& sum, ControlVariateSums::Wide more) {
   if (__builtin_add_overflow(sum, more, &sum))
     throw Error(ErrorCode::bad_usage,
                 "the squares of counts of so many replicates are beyond 128 bits; ask for fewer --directions in each, "
-                "or --closed-forms off");
+                "or --unoccluded off");
 }
 
 }  // namespace
 
-PairCounts withRows(PairCounts counts, std::span<const PairShare> others) {
+PairCounts withRows(PairCounts counts, std::span<const PairVisibility> others) {
   std::vector<uint64_t> rows;
   const auto addTo = [&](uint32_t id, uint64_t count) {
     if (id >= rows.size()) rows.resize(id + 1, 0);
@@ -35,7 +35,7 @@ PairCounts withRows(PairCounts counts, std::span<const PairShare> others) {
   for (PairCount& count : counts)
     if (count.j >= kEnvironment) count.blocked = rows[count.i] - count.count;
   PairCounts missing;
-  for (const PairShare& pair : others)
+  for (const PairVisibility& pair : others)
     if (pair.j >= kEnvironment && pair.i < rows.size() && rows[pair.i] > 0)
       missing.push_back({pair.i, pair.j, 0, rows[pair.i]});
   PairCounts all;
@@ -44,12 +44,13 @@ PairCounts withRows(PairCounts counts, std::span<const PairShare> others) {
   return all;
 }
 
-void requireCountsForShares(const PairCount& count) {
+void requireCountsForVisibilities(const PairCount& count) {
   if (std::max(count.count, count.blocked) > kMostCounts)
-    throw Error(ErrorCode::bad_usage, fmt::format("a replicate's counts of a pair, {}, are too large for closed forms; "
-                                                  "ask for fewer --directions and more --replicates, or "
-                                                  "--closed-forms off",
-                                                  std::max(count.count, count.blocked)));
+    throw Error(ErrorCode::bad_usage,
+                fmt::format("a replicate's counts of a pair, {}, are too large for unoccluded form factors; "
+                            "ask for fewer --directions and more --replicates, or "
+                            "--unoccluded off",
+                            std::max(count.count, count.blocked)));
 }
 
 uint64_t lineOf(const std::vector<uint64_t>& lines, uint32_t i, uint32_t j) {
@@ -57,28 +58,32 @@ uint64_t lineOf(const std::vector<uint64_t>& lines, uint32_t i, uint32_t j) {
   return j < kEnvironment ? std::min(lines[i], lines[j]) : lines[i];
 }
 
-std::vector<ControlCount> takeShares(const PairCounts& counts, const std::vector<PairShare>& shares,
-                                     const std::vector<uint64_t>& lines) {
-  std::vector<ControlCount> controls;
+std::vector<ControlVariate> takeControlVariates(const PairCounts& counts,
+                                                const std::vector<PairVisibility>& visibilities,
+                                                const std::vector<uint64_t>& lines) {
+  std::vector<ControlVariate> controls;
   controls.reserve(counts.size());
-  auto share = shares.begin();
+  auto visibility = visibilities.begin();
   for (const PairCount& count : counts) {
-    requireCountsForShares(count);
-    while (share != shares.end() && keyOf(*share) < keyOf(count)) ++share;
-    const uint64_t b = share != shares.end() && keyOf(*share) == keyOf(count) ? share->share : 0;
-    const auto control = static_cast<int64_t>(count.count * (kShareOne - b)) - static_cast<int64_t>(count.blocked * b);
+    requireCountsForVisibilities(count);
+    while (visibility != visibilities.end() && keyOf(*visibility) < keyOf(count)) ++visibility;
+    const uint64_t b =
+        visibility != visibilities.end() && keyOf(*visibility) == keyOf(count) ? visibility->visibility : 0;
+    const auto control =
+        static_cast<int64_t>(count.count * (kVisibilityOne - b)) - static_cast<int64_t>(count.blocked * b);
     const uint64_t line = lineOf(lines, count.i, count.j);
     // count / line lines, each of which adds `line` times 1 - b
-    const ControlCount::Wide squares = (ControlCount::Wide(count.count) * (kShareOne - b) * (kShareOne - b) +
-                                        ControlCount::Wide(count.blocked) * b * b) *
-                                       line;
+    const ControlVariate::Wide squares =
+        (ControlVariate::Wide(count.count) * (kVisibilityOne - b) * (kVisibilityOne - b) +
+         ControlVariate::Wide(count.blocked) * b * b) *
+        line;
     if (squares) controls.push_back({count.i, count.j, control, squares, line});
   }
   return controls;
 }
 
-std::vector<ControlCount> mergeIds(const std::vector<ControlCount>& controls, const std::vector<uint32_t>& id_map) {
-  return mergePairs(controls, id_map, [](ControlCount& sum, const ControlCount& control) {
+std::vector<ControlVariate> mergeIds(const std::vector<ControlVariate>& controls, const std::vector<uint32_t>& id_map) {
+  return mergePairs(controls, id_map, [](ControlVariate& sum, const ControlVariate& control) {
     sum.control += control.control;
     sum.squares += control.squares;
     sum.line = std::max(sum.line, control.line);
@@ -95,17 +100,17 @@ double errorOfSum(double variance, double squares, double line, double most) {
   return std::sqrt(variance + surplus * surplus);
 }
 
-Measured allowForUnmet(Measured exchange, const KnownExchange& known, double directions, double area) {
-  if (known.j >= kEnvironment || std::isinf(known.most)) return exchange;
-  const double unmet = known.most * std::exp(-directions * known.most / (2 * area));
+Measured allowForUnmet(Measured exchange, const PriorExchange& prior, double directions, double area) {
+  if (prior.j >= kEnvironment || std::isinf(prior.most)) return exchange;
+  const double unmet = prior.most * std::exp(-directions * prior.most / (2 * area));
   exchange.standard_error =
-      std::max(exchange.standard_error, std::min(unmet, std::max(exchange.value, known.most - exchange.value)));
+      std::max(exchange.standard_error, std::min(unmet, std::max(exchange.value, prior.most - exchange.value)));
   return exchange;
 }
 
-void ControlSums::add(const std::vector<ControlCount>& controls) {
+void ControlVariateSums::add(const std::vector<ControlVariate>& controls) {
   ++replicate_count_;  // first: what ends early is seen (RunSums::isWhole)
-  addPairs(pairs_, controls, [](PairSum& sum, const ControlCount& control) {
+  addPairs(pairs_, controls, [](PairSum& sum, const ControlVariate& control) {
     sum.line = std::max(sum.line, control.line);
     sum.sum += control.control;
     addExactly(sum.sum_of_squares, Wide(SignedWide(control.control) * control.control));
@@ -113,7 +118,7 @@ void ControlSums::add(const std::vector<ControlCount>& controls) {
   });
 }
 
-void ControlSums::add(const ControlSums& others) {
+void ControlVariateSums::add(const ControlVariateSums& others) {
   replicate_count_ += others.replicate_count_;
   addPairs(pairs_, others.pairs_, [](PairSum& sum, const PairSum& other) {
     sum.line = std::max(sum.line, other.line);
@@ -123,21 +128,21 @@ void ControlSums::add(const ControlSums& others) {
   });
 }
 
-double ControlSums::variance(const PairSum& pair, double measure_area) const {
+double ControlVariateSums::variance(const PairSum& pair, double measure_area) const {
   const auto replicates = static_cast<long double>(replicate_count_), sum = static_cast<long double>(pair.sum);
-  const double scale = (pair.i == pair.j ? 4 : 2) * measure_area / kShareOne;
+  const double scale = (pair.i == pair.j ? 4 : 2) * measure_area / kVisibilityOne;
   return static_cast<double>(std::max(0.0L, static_cast<long double>(pair.sum_of_squares) - sum * sum / replicates) /
                              (replicates - 1)) *
          scale * scale;
 }
 
-Measured ControlSums::measure(const PairSum& pair, double measure_area, const KnownExchange* known,
-                              double count_area) const {
-  constexpr auto kOne = static_cast<double>(kShareOne);
+Measured ControlVariateSums::measure(const PairSum& pair, double measure_area, const PriorExchange* prior,
+                                     double count_area) const {
+  constexpr auto kOne = static_cast<double>(kVisibilityOne);
   const auto replicates = static_cast<long double>(replicate_count_);
-  const double scale = (pair.i == pair.j ? 4 : 2) * measure_area, most = known ? known->most : INFINITY;
+  const double scale = (pair.i == pair.j ? 4 : 2) * measure_area, most = prior ? prior->most : INFINITY;
   const long double mean = static_cast<long double>(pair.sum) / replicates;
-  Measured exchange{static_cast<double>(mean / kOne) * scale + (known ? known->area : 0), INFINITY};
+  Measured exchange{static_cast<double>(mean / kOne) * scale + (prior ? prior->area : 0), INFINITY};
   exchange.value = std::clamp(exchange.value, 0.0, most);
   if (replicate_count_ < 2) return exchange;
   // R s^2, the variance of the sum over replicates
@@ -145,7 +150,7 @@ Measured ControlSums::measure(const PairSum& pair, double measure_area, const Kn
       std::max(0.0L, (static_cast<long double>(pair.sum_of_squares) - mean * static_cast<long double>(pair.sum)) *
                          replicates / (replicates - 1));
   const double area = std::min(ids_.areas[pair.i], pair.j < kEnvironment ? ids_.areas[pair.j] : INFINITY);
-  const auto line = static_cast<double>(pair.squares || !known ? pair.line : known->line);
+  const auto line = static_cast<double>(pair.squares || !prior ? pair.line : prior->line);
   exchange.standard_error = errorOfSum(static_cast<double>(variance) / kOne / kOne,
                                        static_cast<double>(pair.squares) / kOne / kOne, line, area / count_area) /
                             static_cast<double>(replicates) * scale;
@@ -153,54 +158,54 @@ Measured ControlSums::measure(const PairSum& pair, double measure_area, const Kn
   return exchange;
 }
 
-Measured ControlSums::allowForUnmetPair(const Measured& exchange, double measure_area, const KnownExchange& known,
-                                        double count_area) const {
-  if (replicate_count_ < 2 || known.j >= kEnvironment) return exchange;
-  return viewpeel::allowForUnmet(exchange, known, double(replicate_count_) * count_area / measure_area,
-                                 std::min(ids_.areas[known.i], ids_.areas[known.j]));
+Measured ControlVariateSums::allowForUnmetPair(const Measured& exchange, double measure_area,
+                                               const PriorExchange& prior, double count_area) const {
+  if (replicate_count_ < 2 || prior.j >= kEnvironment) return exchange;
+  return viewpeel::allowForUnmet(exchange, prior, double(replicate_count_) * count_area / measure_area,
+                                 std::min(ids_.areas[prior.i], ids_.areas[prior.j]));
 }
 
-FormFactors ControlSums::allowForUnmet(const FormFactors& form_factors, double measure_area,
-                                       const std::vector<KnownExchange>& known, double count_area) const {
+FormFactors ControlVariateSums::allowForUnmet(const FormFactors& form_factors, double measure_area,
+                                              const std::vector<PriorExchange>& prior, double count_area) const {
   std::vector<FormFactors::Entry> entries = form_factors.entries();
-  auto told = pairs_.begin();
-  auto at = known.begin();
+  auto next_sum = pairs_.begin();
+  auto at = prior.begin();
   for (FormFactors::Entry& entry : entries) {
-    while (told != pairs_.end() && keyOf(*told) < keyOf(entry)) ++told;
-    while (at != known.end() && keyOf(*at) < keyOf(entry)) ++at;
-    const bool is_told = told != pairs_.end() && keyOf(*told) == keyOf(entry),
-               is_known = at != known.end() && keyOf(*at) == keyOf(entry);
-    if (is_known && !is_told)
+    while (next_sum != pairs_.end() && keyOf(*next_sum) < keyOf(entry)) ++next_sum;
+    while (at != prior.end() && keyOf(*at) < keyOf(entry)) ++at;
+    const bool has_sum = next_sum != pairs_.end() && keyOf(*next_sum) == keyOf(entry),
+               has_prior = at != prior.end() && keyOf(*at) == keyOf(entry);
+    if (has_prior && !has_sum)
       entry.exchange_area = allowForUnmetPair(entry.exchange_area, measure_area, *at, count_area);
   }
   return {form_factors.ids(), std::move(entries), form_factors.rowSums()};
 }
 
-FormFactors ControlSums::formFactors(double measure_area, const std::vector<KnownExchange>& known,
-                                     double count_area) const {
+FormFactors ControlVariateSums::formFactors(double measure_area, const std::vector<PriorExchange>& prior,
+                                            double count_area) const {
   std::vector<FormFactors::Entry> entries;
   entries.reserve(pairs_.size());
-  auto at = known.begin();
-  const auto addUnmet = [&](const KnownExchange& unmet) {
+  auto at = prior.begin();
+  const auto addUnmet = [&](const PriorExchange& unmet) {
     entries.push_back({unmet.i, unmet.j, measure({unmet.i, unmet.j}, measure_area, &unmet, count_area)});
   };
   for (const PairSum& pair : pairs_) {
-    for (; at != known.end() && keyOf(*at) < keyOf(pair); ++at) addUnmet(*at);
-    const bool is_known = at != known.end() && keyOf(*at) == keyOf(pair);
-    entries.push_back({pair.i, pair.j, measure(pair, measure_area, is_known ? &*at : nullptr, count_area)});
-    if (is_known) ++at;
+    for (; at != prior.end() && keyOf(*at) < keyOf(pair); ++at) addUnmet(*at);
+    const bool has_prior = at != prior.end() && keyOf(*at) == keyOf(pair);
+    entries.push_back({pair.i, pair.j, measure(pair, measure_area, has_prior ? &*at : nullptr, count_area)});
+    if (has_prior) ++at;
   }
-  for (; at != known.end(); ++at) addUnmet(*at);
+  for (; at != prior.end(); ++at) addUnmet(*at);
   return {ids_, std::move(entries), {}};
 }
 
-Measured ControlSums::exchangeArea(double measure_area, const KnownExchange& known, double count_area) const {
+Measured ControlVariateSums::exchangeArea(double measure_area, const PriorExchange& prior, double count_area) const {
   const auto at =
-      std::lower_bound(pairs_.begin(), pairs_.end(), known,
-                       [](const PairSum& pair, const KnownExchange& key) { return keyOf(pair) < keyOf(key); });
-  const bool is_told = at != pairs_.end() && keyOf(*at) == keyOf(known);
-  const Measured exchange = measure(is_told ? *at : PairSum{known.i, known.j}, measure_area, &known, count_area);
-  return is_told ? exchange : allowForUnmetPair(exchange, measure_area, known, count_area);
+      std::lower_bound(pairs_.begin(), pairs_.end(), prior,
+                       [](const PairSum& pair, const PriorExchange& key) { return keyOf(pair) < keyOf(key); });
+  const bool has_sum = at != pairs_.end() && keyOf(*at) == keyOf(prior);
+  const Measured exchange = measure(has_sum ? *at : PairSum{prior.i, prior.j}, measure_area, &prior, count_area);
+  return has_sum ? exchange : allowForUnmetPair(exchange, measure_area, prior, count_area);
 }
 
 FormFactors chooseBetter(const FormFactors& controlled, const FormFactors& sampled) {
