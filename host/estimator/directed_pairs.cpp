@@ -290,7 +290,7 @@ const DirectionRegion& PairSampler::regionOf(Key pair) {
 }
 
 DirectedPair PairSampler::direct(uint32_t i, uint32_t j, uint32_t directions) {
-  if (scene_.coincidences.alike_untold > 0 || regionOf({i, j}).isEmpty()) return {i, j};
+  if (scene_.coincidences.alike_unordered > 0 || regionOf({i, j}).isEmpty()) return {i, j};
   const std::vector<uint32_t>& emitter = polygons_[emitterOf(i, j)];
   double area = 0;
   for (uint32_t k : emitter) area += scene_.polygons[k].area;

@@ -42,7 +42,7 @@ class PairSampler {
 
   // The pair with so many directions a replicate, and a lattice of 16 spacings in the root of the emitter's area; 0
   // directions where no line can tell of it, or where directions decide which of two coincident polygons a line meets
-  // first (Coincidences::alike_untold): those of a pair have no opposite ones to make up for it.
+  // first (Coincidences::alike_unordered): those of a pair have no opposite ones to make up for it.
   DirectedPair direct(uint32_t i, uint32_t j, uint32_t directions);
   // Makes what engines are missing, for all these pairs at once, and sets what a count of each stands for.
   void prepare(std::span<DirectedPair> pairs);

@@ -524,7 +524,7 @@ void Stacking::rankPolygons() {
     const bool has_order = areInOnePlane(overlap)
                                ? scene_.polygons[overlap.a].tie_rank != scene_.polygons[overlap.b].tie_rank
                                : overlap.low > kResolvedGap || overlap.high < -kResolvedGap;
-    if (!has_order) ++scene_.coincidences.alike_untold;
+    if (!has_order) ++scene_.coincidences.alike_unordered;
   }
 }
 

@@ -31,7 +31,7 @@ struct AlikeOverlap {
 // them every corner at the very same place: by kCoincidenceReach at most, a corner of several such planes by as much
 // for each.
 //   Of two that look the same way the first in the file lies in front, unless others that overlap them are against it
-//   (tie_ranks.h). Coincidences::alike_untold counts those whose order is left to the direction.
+//   (tie_ranks.h). Coincidences::alike_unordered counts those whose order is left to the direction.
 //   Rays that meet other coincident polygons wait until those are ordered. Where rays tell nothing, the gap between two
 //   polygons decides; without a gap they are a sheet. Coincidences::in_doubt counts pairs whose rays contradict each
 //   other or never ended, and a warning names the first contradiction.

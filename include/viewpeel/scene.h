@@ -76,7 +76,7 @@ struct Coincidences {
   uint64_t in_doubt = 0;  // among both: what lies around them contradicts itself
   // Pairs that look the same way, where the direction of a line decides which of the two it meets first: in planes that
   // cross within rounding, or in stacks of more than kTieRanks.
-  uint64_t alike_untold = 0;
+  uint64_t alike_unordered = 0;
 };
 
 // All lengths are in unit-ball units: the input is moved by -centre and divided by scale so that every corner is

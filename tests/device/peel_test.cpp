@@ -112,7 +112,7 @@ TEST(Peel, CoincidentFacesEqualTheCpuTwin) {
 
 // Faces that overlap and look the same way, along lines of both signs: the same one counts (tests/unit/alike_test.cpp
 // says which).
-TEST(Peel, AlikeFacesAreThoseOfTheCpuTwin) {
+TEST(Peel, AlikeFacesEqualTheCpuTwin) {
   const auto directions = sampleDirections(Sampler::iid, 6, 11, 0);
   std::vector<Direction> other_way = directions;
   for (Direction& direction : other_way) direction = ts::reversed(direction);

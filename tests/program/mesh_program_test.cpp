@@ -216,7 +216,7 @@ TEST_F(Program, RowsOfOverlappingTilesAddUp) {
     for (int seed = 1; seed <= 5; ++seed) {
       const Result r =
           run("compute " + file("tiles.obj") + " --engine host --directions 45 --resolution 23 --sampling " +
-              "scanline --closed-forms on --tolerance " + goal + " --seed " + std::to_string(seed) + " -o " +
+              "scanline --unoccluded on --tolerance " + goal + " --seed " + std::to_string(seed) + " -o " +
               file("tiles.csv"));
       EXPECT_EQ(r.status, 0) << r.output;
       directed += r.output.find("\ndirected   ") != std::string::npos;

@@ -1,5 +1,5 @@
 // Faces that overlap in one plane and look the same way: one of them counts, the same one from both sides, and the
-// scene means what it means with the hidden parts cut away. Engines with a device: Peel.AlikeFacesAreThoseOfTheCpuTwin.
+// scene means what it means with the hidden parts cut away. Engines with a device: Peel.AlikeFacesEqualTheCpuTwin.
 #include <algorithm>
 #include <functional>
 #include <map>
@@ -95,7 +95,7 @@ TEST(Alike, TheSameFaceCountsFromBothSides) {
   for (const ts::AlikeScene& of : ts::alikeScenes())
     for (const InputScene& input : {of.make(false), ts::turnedAndMoved(of.make(false))}) {
       const Scene scene = buildScene(input);
-      EXPECT_EQ(scene.coincidences.alike_untold, 0u) << of.name;
+      EXPECT_EQ(scene.coincidences.alike_unordered, 0u) << of.name;
       for (const Counter& counter : counters()) {
         SCOPED_TRACE(of.name + ", " + counter.name);
         if (counter.name == std::string("host, scanlines"))
@@ -138,7 +138,7 @@ TEST(Alike, IsWhatTheCutSceneMeans) {
 }
 
 // Along directions of its own, which are of one side, a pair counts what it counts in the cut scene.
-TEST(Alike, PairsWithDirectionsOfTheirOwnSeeTheSameFace) {
+TEST(Alike, PairsWithSeparateDirectionsSeeTheSameFace) {
   const auto countOf = [](const Scene& scene, const char* a, const char* b) {
     const Ids ids = makeIds(scene, By::polygon, false);
     const auto idOf = [&](const char* name) {
@@ -164,7 +164,7 @@ TEST(Alike, PairsWithDirectionsOfTheirOwnSeeTheSameFace) {
 }
 
 // More faces on each other than there are ranks: contacts keep their order, and no pair gets directions of its own.
-TEST(Alike, HighStacksAreUntold) {
+TEST(Alike, HighStacksAreUnordered) {
   const auto stack = [](int count) {
     InputScene s{"stack", {}, {}};
     ts::addWalls(s, 1);
@@ -180,19 +180,19 @@ TEST(Alike, HighStacksAreUntold) {
   };
   for (int count : {7, 8}) {  // and the box
     const Scene scene = stack(count);
-    const bool is_told = count + 1 <= int(kTieRanks);
-    EXPECT_EQ(scene.coincidences.alike_untold > 0, !is_told) << count;
-    EXPECT_EQ(directionsOf(scene), is_told ? 64u : 0u) << count;
-    EXPECT_EQ(scene.warnings.size(), is_told ? 1u : 2u) << count;
+    const bool has_order = count + 1 <= int(kTieRanks);
+    EXPECT_EQ(scene.coincidences.alike_unordered > 0, !has_order) << count;
+    EXPECT_EQ(directionsOf(scene), has_order ? 64u : 0u) << count;
+    EXPECT_EQ(scene.warnings.size(), has_order ? 1u : 2u) << count;
     EXPECT_EQ(scene.coincidences.contacts, static_cast<uint64_t>(count));
     // The box stands in front of all of them.
     const Counter host = counters()[0];
-    uint64_t met = 0, leak = 0;
+    uint64_t on_faces = 0, leak = 0;
     for (const auto& [pair, lines] : countByName(scene, host, someDirections())) {
       if (pair.first != "boxz0" && pair.second != "boxz0") continue;
-      (pair.first == "leak" || pair.second == "leak" ? leak : met) += lines;
+      (pair.first == "leak" || pair.second == "leak" ? leak : on_faces) += lines;
     }
-    EXPECT_GT(met, 0u);
+    EXPECT_GT(on_faces, 0u);
     EXPECT_EQ(leak, 0u);
   }
 }
@@ -205,7 +205,7 @@ TEST(Alike, CrossingPlanesAreUntold) {
     ts::addTile(s, "first", 0, 0.6);
     ts::addTile(s, "second", 0.4, 1);
     for (glm::dvec3& corner : s.faces.back().corners) corner.z += lift + tilt * (corner.x - 0.5);
-    return buildScene(s).coincidences.alike_untold;
+    return buildScene(s).coincidences.alike_unordered;
   };
   EXPECT_EQ(untold(0, 0), 0u);
   EXPECT_EQ(untold(1e-9, 0), 0u);  // one plane
