@@ -17,9 +17,9 @@ constexpr uint32_t kLineRunDirections = 32;
 
 // What the tolerance T of a run stands for: plans allow each pair T / kPlannedErrors standard errors, so that the
 // largest error of all pairs, most of which have far less, is hardly ever above T. Measured: docs/accuracy.md.
-constexpr double kPlannedErrors = 3.5;
+constexpr double kPlannedErrors = 4.25;
 // Pairs whose standard error is above T / kReachedErrors after the replicates asked for get further ones.
-constexpr double kReachedErrors = 3.5;
+constexpr double kReachedErrors = 4.25;
 
 // Finds the pairs of a run and gives them lines for its goal: a tolerance, a relative error, or both.
 //   In: lines: of ids by face; ids: of the result, whose goals are meant; options: goals, replicates, by

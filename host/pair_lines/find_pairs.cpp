@@ -77,6 +77,12 @@ void PairFinder::findCovers() {
   std::unordered_map<uint32_t, std::vector<uint32_t>> of_plane;
   for (uint32_t k = 0; k < blockers_.size(); ++k) of_plane[blockers_[k].plane].push_back(k);
   for (auto& [plane, list] : of_plane) {
+    for (size_t k = 0; k < list.size() && !has_unordered_; ++k)
+      for (size_t m = 0; m < k && !has_unordered_; ++m) {
+        const Blocker &a = blockers_[list[k]], &b = blockers_[list[m]];
+        const bool are_apart = glm::any(glm::greaterThan(a.low, b.high)) || glm::any(glm::greaterThan(b.low, a.high));
+        has_unordered_ = a.level == b.level && !are_apart && overlap(a, a.corner_count, b, b.corner_count);
+      }
     const bool has_levels =
         std::ranges::any_of(list, [&](uint32_t k) { return blockers_[k].level != blockers_[list[0]].level; });
     if (!has_levels) list.clear();

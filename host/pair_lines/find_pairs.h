@@ -43,6 +43,9 @@ class PairFinder {
 
   const std::vector<Patch>& patches() const { return patches_; }
   const std::vector<Blocker>& blockers() const { return blockers_; }
+  // Whether polygons coincide of which nothing says which lies in front, so that it depends on the direction of a line
+  // (Coincidences). What is between two polygons is then not defined.
+  bool hasUnordered() const { return has_unordered_; }
 
   // All pairs of patches of different faces of which one emits and the other receives.
   //   In: threads; stop: called now and then by one thread, may throw, may be empty
@@ -75,6 +78,7 @@ class PairFinder {
   std::vector<Blocker> blockers_;
   std::vector<std::vector<uint32_t>> covers_;  // of each patch, the blockers of its plane in front of it
   std::vector<bool> is_covered_;               // whether one of these covers all of the patch
+  bool has_unordered_ = false;
   std::vector<uint32_t> largest_first_;        // blockers
   std::vector<Node> nodes_;
   std::vector<uint32_t> order_;  // of patches in nodes

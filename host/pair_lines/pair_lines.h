@@ -29,6 +29,8 @@ class PairLines {
   //   Cost: as PairFinder::find.
   std::vector<LinePair> find();
   PairLinesFigures figures() const;
+  // As PairFinder has it: then there are no pair lines.
+  bool hasUnordered() const { return finder_.hasUnordered(); }
 
   // Gives each pair lines, from pilots of 16 and 128 lines.
   //   In: pairs: as found; allowed: standard error that each pair may have, input units squared of exchange area; most

@@ -157,14 +157,20 @@ void FormFactorRun::State::planPairLines() {
   const Lattices lattices = setup.lattices();
   plan->groups = groupAsOne(setup.scene(), lattices.lattice.resolution);
   plan->engine = makeEngine(lattices, setup.scene(), setup.faceIds(), plan->groups);
-  if (!setup.request().pair_lines && !resumed && plan->directions && leaks()) {
+  const auto begun = Clock::now();
+  pair_lines.emplace(setup.scene(), setup.faceIds(), setup.request().seed, setup.request().threads,
+                     [this] { stopIfRequested(); });
+  const bool is_free = !setup.request().pair_lines && !resumed;
+  if (pair_lines->hasUnordered() && !is_free)
+    throw Error(ErrorCode::bad_usage,
+                "polygons coincide of which nothing says which lies in front, and pair lines need to know; name them by "
+                "--sheets or --solids, or leave out --pair-lines");
+  if (is_free && (pair_lines->hasUnordered() || (plan->directions && leaks()))) {
+    pair_lines.reset();
     setup.leaveOutPairLines();
     plan = makePlanOfRequest();
     return;
   }
-  const auto begun = Clock::now();
-  pair_lines.emplace(setup.scene(), setup.faceIds(), setup.request().seed, setup.request().threads,
-                     [this] { stopIfRequested(); });
   EstimateOptions options = setup.estimate();
   line_pairs = resumed ? resumed->sums.lines->pairs()
                        : planLines(*pair_lines, setup.faceIds(), setup.ids(), options);

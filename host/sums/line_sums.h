@@ -35,6 +35,8 @@ struct LineCount {
   uint32_t blocks;       // of 16 lines that were drawn
   uint32_t facing, all;  // weights of lines that nothing blocks, and of all; kLineUnit for LinePair::blocks
   uint32_t effective;    // number of lines of equal weight that tell as much, in units of 1/256
+
+  bool operator==(const LineCount&) const = default;
 };
 using LineCounts = std::vector<LineCount>;
 
