@@ -78,17 +78,38 @@ LineRun::LineRun(Engine& engine, const Scene& scene, const Ids& face_ids, PairLi
 
 void LineRun::measureErrors() {
   if (sums_.replicateCount() < options_.replicates) return;
-  const FormFactors all = sums_.pairFormFactors();
+  const FormFactors all = sums_.formFactors();
   largest_error_ = viewpeel::largestStandardError(all);
+  const Ids& ids = all.ids();
+  // The environment of a row is what its pairs leave: all of them have a part in its error.
+  struct Row {
+    double variance = 0, count = 0;
+    bool is_wanting = false;
+  };
+  std::vector<Row> rows(ids.count());
+  for (const FormFactors::Entry& entry : all.entries())
+    if (entry.j < kEnvironment)
+      for (const uint32_t id : {entry.i, entry.j}) {
+        rows[id].variance += std::pow(entry.exchange_area.standard_error, 2);
+        rows[id].count += 1;
+      }
+  for (const FormFactors::Entry& entry : all.entries()) {
+    if (entry.j != kEnvironment) continue;
+    Row& row = rows[entry.i];
+    row.is_wanting = isWanting({entry.i, kEnvironment, {entry.exchange_area.value, std::sqrt(row.variance)}}, ids);
+  }
+  std::set<std::pair<uint32_t, uint32_t>> keys;
+  for (const FormFactors::Entry& entry : all.entries()) {
+    if (entry.j >= kEnvironment) continue;
+    const double variance = std::pow(entry.exchange_area.standard_error, 2);
+    const auto isWantedBy = [&](const Row& row) { return row.is_wanting && variance * row.count > row.variance; };
+    if (isWanting(entry, ids) || isWantedBy(rows[entry.i]) || isWantedBy(rows[entry.j])) keys.insert(keyOf(entry));
+  }
   const std::vector<LinePair>& pairs = sums_.lines->pairs();
+  const std::vector<uint32_t>& surface = sums_.lines->ids().surface;
   wanting_.assign(pairs.size(), false);
   is_any_wanting_ = false;
-  std::set<std::pair<uint32_t, uint32_t>> keys;
-  for (const FormFactors::Entry& entry : all.entries())
-    if (isWanting(entry, all.ids())) keys.insert(keyOf(entry));
-  if (keys.empty()) return;
-  const std::vector<uint32_t>& surface = sums_.lines->ids().surface;
-  for (size_t k = 0; k < pairs.size(); ++k) {
+  for (size_t k = 0; k < pairs.size() && !keys.empty(); ++k) {
     auto key = keyOf(pairs[k]);
     if (options_.by == By::surface) key = std::minmax(surface[key.first], surface[key.second]);
     wanting_[k] = pairs[k].blocks && keys.contains(key);

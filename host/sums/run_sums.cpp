@@ -118,12 +118,6 @@ FormFactors RunSums::priorFormFactors() const {
   return {by_id.ids(), std::move(entries), {}};
 }
 
-FormFactors RunSums::pairFormFactors() const {
-  Ids ids = lines->by() == By::polygon ? by_id.ids() : by_surface.ids();
-  ids.counts_environment = false;
-  return lineFormFactors(*lines, lines->by(), ReplicateSums(std::move(ids)), measure_area, countArea());
-}
-
 FormFactors RunSums::betweenSurfaces() const {
   if (lines) return lineFormFactors(*lines, By::surface, by_surface, measure_area, countArea());
   const FormFactors sampled = by_surface.formFactors(measure_area, countArea());

@@ -56,8 +56,6 @@ struct RunSums {
   // Only those by polygon whose unoccluded form factors are known, as they are among all; needs PriorSums.
   FormFactors priorFormFactors() const;
   FormFactors betweenSurfaces() const;
-  // Those between the ids of the result that lines have found, without environment and leak; needs LineSums.
-  FormFactors pairFormFactors() const;
 };
 
 // Sums of no replicates.
