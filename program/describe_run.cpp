@@ -81,10 +81,12 @@ std::string describeExpectation(const Request& request, const PlanSummary& plan)
 }
 
 std::string describePairLines(const PairLinesSummary& lines, const PlanSummary& plan, uint64_t seed) {
-  std::string text = fmt::format("pairs      {} nothing can block, so that they are exact", counted(lines.clear, "pair"));
+  std::string text =
+      fmt::format("pairs      {} nothing can block, so that they are exact", counted(lines.clear, "pair"));
   if (lines.partial)
-    text += fmt::format("; {} may be blocked in part and get {} of their own, against {}",
-                        counted(lines.partial, "pair"), counted(lines.lines, "line"), counted(lines.blockers, "blocker"));
+    text +=
+        fmt::format("; {} may be blocked in part and get {} of their own, against {}", counted(lines.partial, "pair"),
+                    counted(lines.lines, "line"), counted(lines.blockers, "blocker"));
   text += fmt::format(" (found in {:.2g} s)\n", lines.seconds);
   if (plan.directions)
     text += fmt::format("sampling   {} a replicate, {}, for environment and leak; {}; ",

@@ -112,7 +112,8 @@ void addMethodOptions(CLI::App* command, const std::shared_ptr<RequestOptions>& 
   command
       ->add_option_function<std::string>(
           "--pair-lines", [options](const std::string& word) { options->request.pair_lines = word == "on"; },
-          "Draw lines between the two polygons of each pair that something may block, as many as its error asks for, in "
+          "Draw lines between the two polygons of each pair that something may block, as many as its error asks for, "
+          "in "
           "place of directions for all pairs. Without it planned runs do, where that pays")
       ->type_name("on|off")
       ->check(CLI::IsMember({"on", "off"}).description(""));

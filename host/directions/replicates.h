@@ -21,8 +21,8 @@ inline constexpr ReplicateNumbers kDirectedReplicates{uint64_t(4) << 40, uint64_
 inline constexpr ReplicateNumbers kLineReplicates{uint64_t(5) << 40, uint64_t(6) << 40};
 
 // All of them, in order.
-inline constexpr std::array kReplicateNumbers = {
-    kRunReplicates, kTrialReplicates, kPlanReplicates, kPlanLatticeReplicates, kPriorReplicates, kDirectedReplicates,
-    kLineReplicates};
+inline constexpr std::array kReplicateNumbers = {kRunReplicates,         kTrialReplicates, kPlanReplicates,
+                                                 kPlanLatticeReplicates, kPriorReplicates, kDirectedReplicates,
+                                                 kLineReplicates};
 
 }  // namespace viewpeel

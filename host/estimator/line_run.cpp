@@ -33,9 +33,10 @@ RunSums sumsToBeginWith(const Scene& scene, const Ids& face_ids, std::vector<Lin
 std::vector<LinePair> planLines(PairLines& lines, const Ids& face_ids, const Ids& ids, const EstimateOptions& options) {
   std::vector<LinePair> pairs = lines.find();
   if (options.by == By::polygon) {
-    lines.plan(pairs, [&](const LinePair& pair) {
-      return allowedBy(options, pair.exchange, face_ids.smallerArea(pair.i, pair.j));
-    }, options.replicates);
+    lines.plan(
+        pairs,
+        [&](const LinePair& pair) { return allowedBy(options, pair.exchange, face_ids.smallerArea(pair.i, pair.j)); },
+        options.replicates);
     return pairs;
   }
   // Between surfaces the errors of pairs of faces add up as independent ones: each gets its part of the square.
@@ -51,13 +52,16 @@ std::vector<LinePair> planLines(PairLines& lines, const Ids& face_ids, const Ids
     sum.exchange += pair.exchange;
     sum.square += pair.exchange * (pair.exchange - pair.clear);
   }
-  lines.plan(pairs, [&](const LinePair& pair) {
-    const auto key = surfacesOf(pair);
-    const Sum& sum = of_surfaces.at(key);
-    const double allowed = allowedBy(options, sum.exchange, ids.smallerArea(key.first, key.second));
-    // In proportion to the root of what is uncertain: the larger get most lines, and most of what is allowed.
-    return allowed * std::sqrt(pair.exchange * (pair.exchange - pair.clear) / std::max(sum.square, 1e-300));
-  }, options.replicates);
+  lines.plan(
+      pairs,
+      [&](const LinePair& pair) {
+        const auto key = surfacesOf(pair);
+        const Sum& sum = of_surfaces.at(key);
+        const double allowed = allowedBy(options, sum.exchange, ids.smallerArea(key.first, key.second));
+        // In proportion to the root of what is uncertain: the larger get most lines, and most of what is allowed.
+        return allowed * std::sqrt(pair.exchange * (pair.exchange - pair.clear) / std::max(sum.square, 1e-300));
+      },
+      options.replicates);
   return pairs;
 }
 
@@ -138,8 +142,8 @@ void LineRun::step() {
   // Twice as many lines in each further replicate: those that planned too few get there in a few of them.
   constexpr uint64_t kMostDoublings = 6;
   const uint64_t further = std::max<uint64_t>(sums_.replicateCount(), options_.replicates) - options_.replicates;
-  const LineCounts counts = lines_.count(sums_.lines->pairs(), replicate, wanting_,
-                                         1u << std::min(further, kMostDoublings));
+  const LineCounts counts =
+      lines_.count(sums_.lines->pairs(), replicate, wanting_, 1u << std::min(further, kMostDoublings));
   PairCounts common;
   if (options_.directions)
     common = engine_.count(sampleDirections(options_.sampler, options_.directions, options_.seed, replicate));

@@ -323,9 +323,8 @@ std::optional<LineSums> readLineSums(Hdf5Input& in, const Ids& face_ids) {
   readColumn<uint64_t>(in, "lines/all_squares", sums, [](LineSum& sum, uint64_t word) { sum.all_squares = word; });
   readColumn<uint64_t>(in, "lines/drawn_blocks", sums, [](LineSum& sum, uint64_t blocks) { sum.blocks = blocks; });
   readColumn<uint32_t>(in, "lines/replicates", sums, [](LineSum& sum, uint32_t count) { sum.replicates = count; });
-  const bool are_shares = std::ranges::all_of(sums, [](const LineSum& sum) {
-    return sum.facing <= sum.all && sum.all <= uint64_t(sum.replicates) << 31;
-  });
+  const bool are_shares = std::ranges::all_of(
+      sums, [](const LineSum& sum) { return sum.facing <= sum.all && sum.all <= uint64_t(sum.replicates) << 31; });
   if (!are_shares) in.refuse("its 'lines' are no sums of lines");
   const By by = readOne<uint8_t>(in, "lines/by_surface") ? By::surface : By::polygon;
   const auto replicate_count = readOne<uint64_t>(in, "lines/replicate_count");

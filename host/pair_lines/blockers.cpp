@@ -25,8 +25,7 @@ Blocker blockerOf(const std::vector<dvec3>& corners, const Scene& scene, const P
   b.level = levelOf(polygon);
   b.polygon = index;
   dvec3 area(0);
-  for (size_t k = 2; k < corners.size(); ++k)
-    area += glm::cross(corners[k - 1] - corners[0], corners[k] - corners[0]);
+  for (size_t k = 2; k < corners.size(); ++k) area += glm::cross(corners[k - 1] - corners[0], corners[k] - corners[0]);
   b.normal = corners.size() == polygon.corner_count ? frontNormal(scene, polygon) : glm::normalize(area);
   b.low = dvec3(INFINITY), b.high = dvec3(-INFINITY);
   double offset = 0;
@@ -140,8 +139,8 @@ class Joiner {
 
   const Scene& scene_;
   std::vector<dvec3> points_;
-  std::vector<std::vector<uint32_t>> loops_;     // of polygons; empty where joined to another
-  std::map<Edge, std::set<uint32_t>> users_;     // of directed edges
+  std::vector<std::vector<uint32_t>> loops_;  // of polygons; empty where joined to another
+  std::map<Edge, std::set<uint32_t>> users_;  // of directed edges
 };
 
 }  // namespace

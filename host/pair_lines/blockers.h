@@ -17,11 +17,11 @@ constexpr uint32_t kMostBlockerCorners = 8;
 // A convex polygon that is opaque from both sides. Lengths in unit-ball units.
 struct Blocker {
   uint32_t corner_count = 0;
-  uint32_t plane = 0;         // Scene::planes
-  int level = 0;              // place among the polygons of its plane, rising along the plane's normal
-  uint32_t polygon = 0;       // one of those that it is made of
-  glm::dvec3 normal{0};       // of its corners' order, unit length
-  double offset = 0;          // normal . x = offset
+  uint32_t plane = 0;    // Scene::planes
+  int level = 0;         // place among the polygons of its plane, rising along the plane's normal
+  uint32_t polygon = 0;  // one of those that it is made of
+  glm::dvec3 normal{0};  // of its corners' order, unit length
+  double offset = 0;     // normal . x = offset
   glm::dvec3 corners[kMostBlockerCorners]{};
   glm::dvec3 edge_normals[kMostBlockerCorners]{};  // within its plane, outwards, unit length
   double edge_offsets[kMostBlockerCorners]{};

@@ -57,8 +57,8 @@ struct Vector {
 
 VIEWPEEL_INLINE Floats dot(const float* n, const Vector& v) { return n[0] * v.x + n[1] * v.y + n[2] * v.z; }
 
-// Owen's scrambling by a hash (B. Burley, Practical hash-based Owen scrambling, JCGT 9(4), 2020; constants of N. Vegdahl,
-// Building a better LK hash, 2021), and the numbers in [0, 1) that the digits make.
+// Owen's scrambling by a hash (B. Burley, Practical hash-based Owen scrambling, JCGT 9(4), 2020; constants of N.
+// Vegdahl, Building a better LK hash, 2021), and the numbers in [0, 1) that the digits make.
 VIEWPEEL_INLINE Floats scrambled(Words digits, uint32_t seed) {
   Words x = digits ^ (digits * all(0x3d20adeau));
   x += all(seed);
@@ -77,7 +77,9 @@ VIEWPEEL_INLINE Floats scrambled(Words digits, uint32_t seed) {
 VIEWPEEL_INLINE Floats tangent(const Floats& angle) {
   const Floats x = 0.25f * angle, s = x * x;  // |x| < 0.4
   const Floats quarter =
-      x * (1.0f + s * (1 / 3.f + s * (2 / 15.f + s * (17 / 315.f + s * (62 / 2835.f + s * (1382 / 155925.f + s * (21844 / 6081075.f)))))));
+      x * (1.0f +
+           s * (1 / 3.f + s * (2 / 15.f + s * (17 / 315.f +
+                                               s * (62 / 2835.f + s * (1382 / 155925.f + s * (21844 / 6081075.f)))))));
   const Floats half = 2.0f * quarter / (1.0f - quarter * quarter);
   return 2.0f * half / (1.0f - half * half);
 }
@@ -92,7 +94,8 @@ VIEWPEEL_INLINE Floats arcTangent(const Floats& tangent) {
   const Floats base = is_large ? all(2 * quarter) : is_middle ? all(quarter) : Floats{};
   const Floats s = x * x;
   const Floats angle =
-      base + x + x * s * (-3.33329491539e-1f + s * (1.99777106478e-1f + s * (-1.38776856032e-1f + s * 8.05374449538e-2f)));
+      base + x +
+      x * s * (-3.33329491539e-1f + s * (1.99777106478e-1f + s * (-1.38776856032e-1f + s * 8.05374449538e-2f)));
   return tangent < 0.0f ? -angle : angle;
 }
 
@@ -114,7 +117,8 @@ dvec3 longestEdge(const Patch& patch) {
 double pointFormFactor(const dvec3& p, const dvec3& normal, const Patch& patch) {
   double sum = 0;
   for (uint32_t k = 0; k < patch.corner_count; ++k) {
-    const dvec3 a = patch.corners[k] - p, b = patch.corners[(k + 1) % patch.corner_count] - p, across = glm::cross(a, b);
+    const dvec3 a = patch.corners[k] - p, b = patch.corners[(k + 1) % patch.corner_count] - p,
+                across = glm::cross(a, b);
     const double sine = glm::length(across);
     if (sine > 0) sum += glm::dot(normal, across) / sine * std::atan2(sine, glm::dot(a, b));
   }
@@ -162,9 +166,9 @@ LineDrawer::LineDrawer(const Patch& a, const Patch& b, LineWay way, double excha
   for (const PlacedBlocker& placed : between) {
     const Blocker& blocker = blockers[placed.blocker];
     Obstacle& obstacle = obstacles_.emplace_back();
-    obstacle.place = placed.place == BlockerPlace::between ? BlockerPlace::between
+    obstacle.place = placed.place == BlockerPlace::between                      ? BlockerPlace::between
                      : (placed.place == BlockerPlace::over_first) != is_swapped ? BlockerPlace::over_first
-                                                                               : BlockerPlace::over_second;
+                                                                                : BlockerPlace::over_second;
     obstacle.edge_count = blocker.corner_count;
     toFloats(blocker.normal, obstacle.plane);
     obstacle.plane[3] = static_cast<float>(glm::dot(blocker.normal, origin) - blocker.offset);
@@ -181,7 +185,8 @@ void LineDrawer::frameSecond(const Patch& small, const Patch& large) {
   uint32_t count = 0;
   for (uint32_t k = 0; k < large.corner_count; ++k) {
     const dvec3 &p = large.corners[k], &q = large.corners[(k + 1) % large.corner_count];
-    const double height_p = glm::dot(small.normal, p) - small.offset, height_q = glm::dot(small.normal, q) - small.offset;
+    const double height_p = glm::dot(small.normal, p) - small.offset,
+                 height_q = glm::dot(small.normal, q) - small.offset;
     if (height_p >= 0) seen[count++] = p;
     if ((height_p > 0 && height_q < 0) || (height_p < 0 && height_q > 0))
       seen[count++] = p + height_p / (height_p - height_q) * (q - p);
@@ -229,14 +234,15 @@ void LineDrawer::warpTowards(const Patch& small, const Patch& large) {
 }
 
 DrawnLines LineDrawer::draw(const std::array<uint32_t, 4>& scrambles, uint32_t first, uint32_t end,
-                          Vectors vectors) const {
+                            Vectors vectors) const {
   DrawnLines sums;
-  runVectorised(vectors, [&]() __attribute__((always_inline)) { sums = drawAll(scrambles, first, end); });
+  runVectorised(
+      vectors, [&]() __attribute__((always_inline)) { sums = drawAll(scrambles, first, end); });
   return sums;
 }
 
 [[gnu::always_inline]] inline DrawnLines LineDrawer::drawAll(const std::array<uint32_t, 4>& scrambles, uint32_t first,
-                                                           uint32_t end) const {
+                                                             uint32_t end) const {
   const auto pointOn = [](const End& of, Floats s, Floats t, Floats& density) __attribute__((always_inline)) {
     if (of.is_triangle) {
       // The square folded onto the triangle, area for area (E. Heitz, A low-distortion map between triangle and square,
@@ -252,7 +258,7 @@ DrawnLines LineDrawer::draw(const std::array<uint32_t, 4>& scrambles, uint32_t f
                   of.corner[1] + of.side_a[1] * s + of.side_b[1] * t + of.twist[1] * st,
                   of.corner[2] + of.side_a[2] * s + of.side_b[2] * t + of.twist[2] * st};
   };
-  const auto isInside = [](const float (*edges)[4], uint32_t count, const Vector& at) __attribute__((always_inline)) {
+  const auto isInside = [](const float(*edges)[4], uint32_t count, const Vector& at) __attribute__((always_inline)) {
     Flags is_inside = Flags{} == 0;
     for (uint32_t e = 0; e < count; ++e) is_inside &= dot(edges[e], at) + edges[e][3] <= 0.0f;
     return is_inside;
@@ -276,8 +282,9 @@ DrawnLines LineDrawer::draw(const std::array<uint32_t, 4>& scrambles, uint32_t f
         Floats warped = u[axis] * warps_[axis].scales[0], scale = all(warps_[axis].scales[0]);
         for (int bin = 1; bin < Warp::kBins; ++bin) {
           const Flags is_beyond = u[axis] >= warps_[axis].starts[bin];
-          warped = is_beyond ? float(bin) / Warp::kBins + (u[axis] - warps_[axis].starts[bin]) * warps_[axis].scales[bin]
-                             : warped;
+          warped = is_beyond
+                       ? float(bin) / Warp::kBins + (u[axis] - warps_[axis].starts[bin]) * warps_[axis].scales[bin]
+                       : warped;
           scale = is_beyond ? all(warps_[axis].scales[bin]) : scale;
         }
         u[axis] = warped;
@@ -325,8 +332,7 @@ DrawnLines LineDrawer::draw(const std::array<uint32_t, 4>& scrambles, uint32_t f
         const Vector x{p.x + t * d.x, p.y + t * d.y, p.z + t * d.z};
         is_open &= ~((t > 0.0f) & (t < 1.0f) & isInside(obstacle.edges, obstacle.edge_count, x));
       } else {
-        is_open &= ~isInside(obstacle.edges, obstacle.edge_count,
-                             obstacle.place == BlockerPlace::over_first ? p : q);
+        is_open &= ~isInside(obstacle.edges, obstacle.edge_count, obstacle.place == BlockerPlace::over_first ? p : q);
       }
       if (!isAny(is_open)) break;
     }

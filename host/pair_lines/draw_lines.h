@@ -2,7 +2,8 @@
 //
 // Lines are drawn in one of three ways:
 //   points   from a point of one patch to a point of the other; a line weighs cos cos / (pi r^2) dA dA;
-//   angles   from a point of the smaller patch, at a height h over the other's plane, to a point of that plane at h tan(a)
+//   angles   from a point of the smaller patch, at a height h over the other's plane, to a point of that plane at h
+//   tan(a)
 //            and h tan(b) from its foot, a and b uniform. For patches that are near, where the weights of points vary
 //            without bound: these vary little. Points are denser where the other patch looks larger;
 //   contact  for patches of one plane that face each other: from a point of one to the same point of the other.
@@ -76,7 +77,7 @@ class LineDrawer {
   struct Obstacle {
     BlockerPlace place;
     uint32_t edge_count;
-    float plane[4];                             // normal and minus its offset
+    float plane[4];  // normal and minus its offset
     float edges[kMostBlockerCorners][4];
   };
 
@@ -88,7 +89,7 @@ class LineDrawer {
   LineWay way_;
   End first_, second_;
   Warp warps_[2];  // of points of the first patch, by angles
-  float unit_;  // of weights
+  float unit_;     // of weights
   std::vector<Obstacle> obstacles_;
 };
 

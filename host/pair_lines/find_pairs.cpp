@@ -15,9 +15,10 @@ namespace {
 using glm::dvec3;
 
 constexpr uint32_t kLeafPatches = 8;
-constexpr double kNormalWeight = 0.3;  // of a normal beside a place, in the size of the scene: patches of a cluster should
-                                     // look the same way
-constexpr size_t kTasks = 256;       // that are shared out to threads, at least
+constexpr double kNormalWeight =
+    0.3;                        // of a normal beside a place, in the size of the scene: patches of a cluster should
+                                // look the same way
+constexpr size_t kTasks = 256;  // that are shared out to threads, at least
 
 // Whether convex polygons of one plane have more than an edge in common.
 template <class A, class B>
@@ -191,8 +192,7 @@ class PairFinder::Search {
       if (!flat.is_flat) return false;
       const Patch& patch = finder_.patches_[flat.patch];
       const dvec3 middle = 0.5 * (other.box.low + other.box.high), reach = 0.5 * (other.box.high - other.box.low);
-      return glm::dot(patch.normal, middle) + glm::dot(glm::abs(patch.normal), reach) <
-             patch.offset - kTouchingShaft;
+      return glm::dot(patch.normal, middle) + glm::dot(glm::abs(patch.normal), reach) < patch.offset - kTouchingShaft;
     };
     return !isBehind(a, b) && !isBehind(b, a);
   }
@@ -292,15 +292,16 @@ PatchPairs PairFinder::find(size_t threads, const std::function<void()>& stop) c
   }
   std::vector<PatchPairs> parts(tasks.size() + 1);
   parts.back() = std::move(first.found);
-  shareOut(threads, tasks.size(), 1,
-           [&](size_t, size_t k) {
-             Search search(*this);
-             search.search(std::move(tasks[k]));
-             parts[k] = std::move(search.found);
-           },
-           [&](size_t) {
-             if (stop) stop();
-           });
+  shareOut(
+      threads, tasks.size(), 1,
+      [&](size_t, size_t k) {
+        Search search(*this);
+        search.search(std::move(tasks[k]));
+        parts[k] = std::move(search.found);
+      },
+      [&](size_t) {
+        if (stop) stop();
+      });
 
   PatchPairs all;
   size_t pair_count = 0, between_count = 0;

@@ -1,8 +1,8 @@
 // Which pairs of polygons may see each other, and what is between each.
 //
-// Clusters of patches come first: blockers outside the shaft of two clusters are in the way of no pair of theirs, and one
-// blocker that hides two clusters from each other hides all their pairs. What is left goes down to smaller clusters
-// (S. Teller, P. Hanrahan, Global visibility algorithms for illumination computations, 1993).
+// Clusters of patches come first: blockers outside the shaft of two clusters are in the way of no pair of theirs, and
+// one blocker that hides two clusters from each other hides all their pairs. What is left goes down to smaller
+// clusters (S. Teller, P. Hanrahan, Global visibility algorithms for illumination computations, 1993).
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -79,7 +79,7 @@ class PairFinder {
   std::vector<std::vector<uint32_t>> covers_;  // of each patch, the blockers of its plane in front of it
   std::vector<bool> is_covered_;               // whether one of these covers all of the patch
   bool has_unordered_ = false;
-  std::vector<uint32_t> largest_first_;        // blockers
+  std::vector<uint32_t> largest_first_;  // blockers
   std::vector<Node> nodes_;
   std::vector<uint32_t> order_;  // of patches in nodes
   HostUnoccluded unoccluded_;

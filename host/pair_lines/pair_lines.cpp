@@ -13,11 +13,11 @@
 namespace viewpeel {
 namespace {
 
-constexpr size_t kChunk = 64;  // pairs that a thread takes at once
+constexpr size_t kChunk = 64;        // pairs that a thread takes at once
 constexpr double kLarge = 0.3;       // form factors above which angles are better than points
 constexpr double kNear = 0.15;       // gap in diagonals of the smaller patch, below which they are, too,
 constexpr double kLeastNear = 1e-3;  // where the form factor is larger than this
-constexpr double kUneven = 0.2;  // share of points that tell of a pair, below which angles are better, too
+constexpr double kUneven = 0.2;      // share of points that tell of a pair, below which angles are better, too
 constexpr uint32_t kPilots = 8;
 constexpr uint32_t kMostPeriod = 8;
 // N lines that agree leave a share of ln(1 / p) / N to the others but for probability p. So many times allowed standard
@@ -32,8 +32,7 @@ bool areNear(const Patch& a, const Patch& b) {
 
 }  // namespace
 
-PairLines::PairLines(const Scene& scene, const Ids& face_ids, uint64_t seed, size_t threads,
-                     std::function<void()> stop)
+PairLines::PairLines(const Scene& scene, const Ids& face_ids, uint64_t seed, size_t threads, std::function<void()> stop)
     : scene_(scene),
       ids_(face_ids),
       seed_(seed),
@@ -44,8 +43,8 @@ PairLines::PairLines(const Scene& scene, const Ids& face_ids, uint64_t seed, siz
 std::vector<LinePair> PairLines::find() {
   parts_ = finder_.find(threads_, stop_);
   const auto idsOf = [&](const PatchPair& part) {
-    return std::minmax({ids_.of_polygon[finder_.patches()[part.a].side / 2],
-                        ids_.of_polygon[finder_.patches()[part.b].side / 2]});
+    return std::minmax(
+        {ids_.of_polygon[finder_.patches()[part.a].side / 2], ids_.of_polygon[finder_.patches()[part.b].side / 2]});
   };
   std::ranges::stable_sort(parts_.pairs, {}, idsOf);
   std::vector<LinePair> pairs;
@@ -94,9 +93,7 @@ LineCount PairLines::draw(const LinePair& pair, const Group& group, uint64_t rep
         hash.add(number);
       scrambles[d] = static_cast<uint32_t>(hash.value() >> 16);
     }
-    const LineWay way = a.plane == b.plane     ? LineWay::contact
-                        : pair.by_angles ? LineWay::angles
-                                             : LineWay::points;
+    const LineWay way = a.plane == b.plane ? LineWay::contact : pair.by_angles ? LineWay::angles : LineWay::points;
     const LineDrawer drawer(a, b, way, part.exchange, finder_.blockers(),
                             {&parts_.between[part.first_blocker], part.blocker_count});
     const DrawnLines lines = drawer.draw(scrambles, 0, blocks, vectors);
@@ -115,9 +112,11 @@ LineCount PairLines::draw(const LinePair& pair, const Group& group, uint64_t rep
 }
 
 void PairLines::forEach(size_t count, const std::function<void(size_t)>& work) const {
-  shareOut(threads_, count, kChunk, [&](size_t, size_t k) { work(k); }, [&](size_t) {
-    if (stop_) stop_();
-  });
+  shareOut(
+      threads_, count, kChunk, [&](size_t, size_t k) { work(k); },
+      [&](size_t) {
+        if (stop_) stop_();
+      });
 }
 
 bool PairLines::isPartial(const Group& group) const {

@@ -16,8 +16,7 @@ void BlockerList::clear() {
 
 void BlockerList::add(uint32_t index, const Blocker& blocker) {
   indices.push_back(index);
-  for (int axis = 0; axis < 3; ++axis)
-    low[axis].push_back(blocker.low[axis]), high[axis].push_back(blocker.high[axis]);
+  for (int axis = 0; axis < 3; ++axis) low[axis].push_back(blocker.low[axis]), high[axis].push_back(blocker.high[axis]);
 }
 
 void BlockerList::add(const BlockerList& from, size_t k) {
@@ -61,7 +60,8 @@ BoxShaft::BoxShaft(const Box& a, const Box& b) {
 }
 
 void BoxShaft::keepInside(const BlockerList& from, BlockerList& to, Vectors vectors) const {
-  runVectorised(vectors, [&]() __attribute__((always_inline)) { keepInsideAll(from, to); });
+  runVectorised(
+      vectors, [&]() __attribute__((always_inline)) { keepInsideAll(from, to); });
 }
 
 [[gnu::always_inline]] inline void BoxShaft::keepInsideAll(const BlockerList& from, BlockerList& to) const {
@@ -203,7 +203,8 @@ void PatchShaft::addTangents(const Patch& a, const Patch& b) {
 Sight PatchShaft::find(const std::vector<Blocker>& blockers, std::span<const uint32_t> from,
                        std::vector<uint32_t>& between, Vectors vectors) const {
   Sight sight = Sight::clear;
-  runVectorised(vectors, [&]() __attribute__((always_inline)) { sight = findAll(blockers, from, between); });
+  runVectorised(
+      vectors, [&]() __attribute__((always_inline)) { sight = findAll(blockers, from, between); });
   return sight;
 }
 

@@ -67,8 +67,8 @@ class PatchShaft {
   //   In: from: indices of blockers, those of the patches' planes among them are passed over
   //   Out: between: appended to, the blockers that some line may meet; hidden: the last of them hides all; clear: there
   //   are none    Cost: O(from).
-  Sight find(const std::vector<Blocker>& blockers, std::span<const uint32_t> from,
-             std::vector<uint32_t>& between, Vectors vectors) const;
+  Sight find(const std::vector<Blocker>& blockers, std::span<const uint32_t> from, std::vector<uint32_t>& between,
+             Vectors vectors) const;
 
  private:
   Sight findAll(const std::vector<Blocker>& blockers, std::span<const uint32_t> from,

@@ -35,7 +35,8 @@ void checkRequest(const Request& request) {
   if (request.pair_lines.value_or(false)) {
     if (!mayUsePairLines(request))
       refuse(
-          "--pair-lines on needs a goal by --tolerance or --relative, and any engine but exact; leave out --directions, "
+          "--pair-lines on needs a goal by --tolerance or --relative, and any engine but exact; leave out "
+          "--directions, "
           "--seconds without a tolerance, and --epsilon");
     if (request.unoccluded.has_value())
       refuse("--pair-lines on takes unoccluded form factors as they are; leave out --unoccluded");

@@ -28,9 +28,10 @@ constexpr double kTrialSeconds = 0.5;  // of measureSeconds
 
 void requireSamePairs(const std::vector<LinePair>& found, const std::vector<LinePair>& stored) {
   if (!std::ranges::equal(found, stored, {}, keyOf<LinePair>, keyOf<LinePair>))
-    throw Error(ErrorCode::bad_usage,
-                "the checkpoint has lines of other pairs than this scene, though the settings are the same; was it made "
-                "by another build of viewpeel?");
+    throw Error(
+        ErrorCode::bad_usage,
+        "the checkpoint has lines of other pairs than this scene, though the settings are the same; was it made "
+        "by another build of viewpeel?");
 }
 
 }  // namespace
@@ -142,8 +143,8 @@ Plan FormFactorRun::State::makePlanOfRequest() {
 bool FormFactorRun::State::leaks() {
   constexpr double kMostLeak = 1e-3;
   double all = 0, leak = 0;
-  for (const PairCount& count : plan->engine->count(
-           sampleDirections(setup.estimate().sampler, 2 * kLineRunDirections, setup.request().seed, kLineReplicates.first))) {
+  for (const PairCount& count : plan->engine->count(sampleDirections(setup.estimate().sampler, 2 * kLineRunDirections,
+                                                                     setup.request().seed, kLineReplicates.first))) {
     all += double(count.count) * (count.j < kEnvironment ? 2 : 1);
     if (count.j == kLeak) leak += double(count.count);
   }
@@ -162,9 +163,10 @@ void FormFactorRun::State::planPairLines() {
                      [this] { stopIfRequested(); });
   const bool is_free = !setup.request().pair_lines && !resumed;
   if (pair_lines->hasUnordered() && !is_free)
-    throw Error(ErrorCode::bad_usage,
-                "polygons coincide of which nothing says which lies in front, and pair lines need to know; name them by "
-                "--sheets or --solids, or leave out --pair-lines");
+    throw Error(
+        ErrorCode::bad_usage,
+        "polygons coincide of which nothing says which lies in front, and pair lines need to know; name them by "
+        "--sheets or --solids, or leave out --pair-lines");
   if (is_free && (pair_lines->hasUnordered() || (plan->directions && leaks()))) {
     pair_lines.reset();
     setup.leaveOutPairLines();
@@ -172,8 +174,7 @@ void FormFactorRun::State::planPairLines() {
     return;
   }
   EstimateOptions options = setup.estimate();
-  line_pairs = resumed ? resumed->sums.lines->pairs()
-                       : planLines(*pair_lines, setup.faceIds(), setup.ids(), options);
+  line_pairs = resumed ? resumed->sums.lines->pairs() : planLines(*pair_lines, setup.faceIds(), setup.ids(), options);
   if (resumed) requireSamePairs(pair_lines->find(), line_pairs);
   const PairLinesFigures figures = pair_lines->figures();
   plan->pair_lines = {figures.clear, figures.partial, 0, figures.blockers, secondsSince(begun)};
@@ -388,7 +389,7 @@ std::string FormFactorRun::division() const { return state_->engine().describePl
 Result FormFactorRun::resultSoFar() const {
   return state_->resultOf(state_->line_run        ? state_->line_run->estimate()
                           : state_->guarantee_run ? state_->guarantee_run->estimateSoFar()
-                                                : state_->estimate_run->estimateSoFar());
+                                                  : state_->estimate_run->estimateSoFar());
 }
 
 Result FormFactorRun::result() {

@@ -7,7 +7,8 @@
 namespace viewpeel {
 
 // The form factors between ids, and of each with environment and leak.
-//   In: lines: of pairs of faces; by: of the result; counted: lines of common directions, by the result's ids: faces or surfaces;
+//   In: lines: of pairs of faces; by: of the result; counted: lines of common directions, by the result's ids: faces
+//   or surfaces;
 //   measure_area, count_area: as in ReplicateSums
 //   Out: pairs by their own lines. Environment is what a row's pairs leave, less the leak that common directions
 //   counted, where they saw lines of the row leave the scene, or where it is beyond doubt. Rows of a scene in which no

@@ -5,7 +5,6 @@
 #include <tuple>
 #include <utility>
 
-
 namespace viewpeel {
 namespace {
 
@@ -24,7 +23,11 @@ LineSums::LineSums(Ids ids, By by, std::vector<LinePair> pairs)
     : ids_(std::move(ids)), by_(by), pairs_(std::move(pairs)), sums_(pairs_.size()) {}
 
 LineSums::LineSums(Ids ids, By by, std::vector<LinePair> pairs, std::vector<PairSum> sums, uint64_t replicate_count)
-    : ids_(std::move(ids)), by_(by), pairs_(std::move(pairs)), sums_(std::move(sums)), replicate_count_(replicate_count) {}
+    : ids_(std::move(ids)),
+      by_(by),
+      pairs_(std::move(pairs)),
+      sums_(std::move(sums)),
+      replicate_count_(replicate_count) {}
 
 void LineSums::add(const LineCounts& counts) {
   ++replicate_count_;
@@ -75,11 +78,10 @@ Visibility visibilityOf(const LineSums::PairSum& sum, uint32_t planned_blocks) {
   }
   const double residuals = double(sum.facing_squares) - 2 * found.value * double(sum.products) +
                            found.value * found.value * double(sum.all_squares);
-  const double of_replicates =
-      std::max(0.0, residuals) * 256 * replicates / (replicates - 1) / (all * all);
+  const double of_replicates = std::max(0.0, residuals) * 256 * replicates / (replicates - 1) / (all * all);
   const double expected = kEvenness * std::pow(double(sum.blocks), -0.25) * by_chance;
-  found.variance = (kChanceDegrees * expected + (replicates - 1) * of_replicates) / (kChanceDegrees + replicates - 1) +
-                   unknown;
+  found.variance =
+      (kChanceDegrees * expected + (replicates - 1) * of_replicates) / (kChanceDegrees + replicates - 1) + unknown;
   return found;
 }
 

@@ -14,11 +14,11 @@ namespace viewpeel {
 // A pair of faces that see each other with nothing in between, and the lines that it gets. Fixed before the first
 // replicate.
 struct LinePair {
-  uint32_t i, j;            // i < j
-  double exchange = 0;      // A_i F_ij with nothing in between, input units squared
-  double clear = 0;         // what nothing can block of it
-  uint32_t blocks = 0;      // of 16 lines, in a replicate of those planned with lines; 0 where all is clear
-  uint32_t period = 1;      // one of so many replicates
+  uint32_t i, j;           // i < j
+  double exchange = 0;     // A_i F_ij with nothing in between, input units squared
+  double clear = 0;        // what nothing can block of it
+  uint32_t blocks = 0;     // of 16 lines, in a replicate of those planned with lines; 0 where all is clear
+  uint32_t period = 1;     // one of so many replicates
   bool by_angles = false;  // how lines are drawn (draw_lines.h)
 
   bool operator==(const LinePair&) const = default;
@@ -40,8 +40,8 @@ struct LineCount {
 };
 using LineCounts = std::vector<LineCount>;
 
-constexpr double kLineUnit = 1 << 20;         // the expectation of LineCount::all
-constexpr double kMostLineUnits = 1u << 30;   // weights are scaled down to it
+constexpr double kLineUnit = 1 << 20;        // the expectation of LineCount::all
+constexpr double kMostLineUnits = 1u << 30;  // weights are scaled down to it
 constexpr double kEffectiveUnit = 256;
 constexpr uint32_t kMostLineBlocks = 1 << 16;  // of a pair in a replicate
 

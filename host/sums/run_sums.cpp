@@ -90,7 +90,8 @@ void RunSums::add(const RunSums& others) {
 }
 
 FormFactors RunSums::formFactors(const ExchangeRow& row) const {
-  if (lines && lines->by() == By::polygon) return lineFormFactors(*lines, By::polygon, by_id, measure_area, countArea());
+  if (lines && lines->by() == By::polygon)
+    return lineFormFactors(*lines, By::polygon, by_id, measure_area, countArea());
   if (lines || (prior_sums && prior_sums->by() == By::surface)) return betweenSurfaces();
   if (!prior_sums) return by_id.formFactors(measure_area, countArea());
   // What counts alone say of other pairs is not looked at.

@@ -27,7 +27,8 @@ struct RunSums {
   uint64_t directions = 0;                 // in all, those of directed pairs not counted
   double measure_area = 0;                 // input units squared of one count; unknown, 0, before the first replicate
   std::optional<PriorSums> prior_sums{};   // with unoccluded form factors: by_id is by face then
-  std::optional<LineSums> lines{};  // where all pairs have lines of their own: by_id is by face, for environment and leak
+  std::optional<LineSums>
+      lines{};  // where all pairs have lines of their own: by_id is by face, for environment and leak
 
   uint64_t replicateCount() const { return by_id.replicateCount(); }
   // With unoccluded form factors by polygon: what counts alone say of a pair is among what its visibility is made of.

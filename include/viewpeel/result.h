@@ -43,7 +43,7 @@ struct Estimate {
   uint64_t unseen_pairs = 0;
   double largest_unseen_error = 0;
   uint64_t directed_pairs = 0, directed_directions = 0;  // pairs with directions of their own, and all of these
-  uint64_t line_pairs = 0, lines = 0;  // pairs with lines between them alone, and all of these
+  uint64_t line_pairs = 0, lines = 0;                    // pairs with lines between them alone, and all of these
   // On each form factor that no line met, from the smaller of its pair, with 95 % confidence; infinite where closed
   // forms of all pairs leave none to be met.
   double unmet_bound = INFINITY;

@@ -59,11 +59,12 @@ TEST(Blockers, CoverWhatPolygonsCover) {
     }
 }
 
-// --- what is between --------------------------------------------------------------------------------------------------
+// --- what is between
+// --------------------------------------------------------------------------------------------------
 
-// Nothing that shafts say is against exact areas along directions: a pair that is left out is hidden, and a clear one is
-// never blocked. Blockers that reach less than kTouchingShaft into a shaft may be overlooked: strips of that width and of
-// the length of a scene, 2, so that areas along a direction may be off by some 1e-8 where several of them are.
+// Nothing that shafts say is against exact areas along directions: a pair that is left out is hidden, and a clear one
+// is never blocked. Blockers that reach less than kTouchingShaft into a shaft may be overlooked: strips of that width
+// and of the length of a scene, 2, so that areas along a direction may be off by some 1e-8 where several of them are.
 TEST(PairFinder, ExactAreasAgreeWithWhatIsHiddenAndClear) {
   constexpr double kStrips = 1e-8;
   uint64_t scene_count = 0, pair_count = 0, clear_count = 0, hidden_count = 0;
@@ -82,8 +83,8 @@ TEST(PairFinder, ExactAreasAgreeWithWhatIsHiddenAndClear) {
       ++scene_count;
       std::map<std::pair<uint32_t, uint32_t>, bool> is_clear;  // of face pairs that may see each other
       for (const PatchPair& pair : findAll(finder).pairs) {
-        const auto key = std::minmax({ids.of_polygon[finder.patches()[pair.a].side / 2],
-                                      ids.of_polygon[finder.patches()[pair.b].side / 2]});
+        const auto key = std::minmax(
+            {ids.of_polygon[finder.patches()[pair.a].side / 2], ids.of_polygon[finder.patches()[pair.b].side / 2]});
         const auto at = is_clear.try_emplace(key, true).first;
         at->second = at->second && pair.blocker_count == 0;
       }
@@ -131,7 +132,8 @@ TEST(PairFinder, APlateIsSeen) {
   EXPECT_EQ(between({floor, ceiling, plate}), -1);
 }
 
-// --- lines ------------------------------------------------------------------------------------------------------------
+// --- lines
+// ------------------------------------------------------------------------------------------------------------
 
 // Over 16 scramblings, of 2^14 lines each.
 std::pair<double, double> visibilityOfLines(const std::vector<rt::Corners>& faces, LineWay way, double& mean_weight) {
@@ -210,8 +212,8 @@ TEST(DrawLines, AllVectorsGiveTheSameBits) {
   for (const PatchPair& pair : found.pairs) {
     if (!pair.blocker_count) continue;
     for (const LineWay way : {LineWay::points, LineWay::angles}) {
-      const LineDrawer drawer(finder.patches()[pair.a], finder.patches()[pair.b], way, pair.exchange,
-                              finder.blockers(), {found.between.data() + pair.first_blocker, pair.blocker_count});
+      const LineDrawer drawer(finder.patches()[pair.a], finder.patches()[pair.b], way, pair.exchange, finder.blockers(),
+                              {found.between.data() + pair.first_blocker, pair.blocker_count});
       const auto drawnBy = [&](Vectors vectors) { return drawer.draw({1, 2, 3, 4}, 3, 9, vectors); };
       const DrawnLines plain = drawnBy(Vectors::plain), widest = drawnBy(widestVectors());
       EXPECT_EQ(plain.facing, widest.facing);
@@ -223,7 +225,8 @@ TEST(DrawLines, AllVectorsGiveTheSameBits) {
   EXPECT_GT(compared, 20);
 }
 
-// --- sums -------------------------------------------------------------------------------------------------------------
+// --- sums
+// -------------------------------------------------------------------------------------------------------------
 
 struct Office {
   Scene scene = loadScene(VIEWPEEL_SCENES "/street.obj");
@@ -233,7 +236,8 @@ struct Office {
   PairLines planned(size_t threads) {
     PairLines lines(scene, ids, 5, threads);
     pairs = lines.find();
-    lines.plan(pairs, [&](const LinePair& pair) { return 1e-3 * std::min(ids.areas[pair.i], ids.areas[pair.j]); }, 8);
+    lines.plan(
+        pairs, [&](const LinePair& pair) { return 1e-3 * std::min(ids.areas[pair.i], ids.areas[pair.j]); }, 8);
     return lines;
   }
 };
