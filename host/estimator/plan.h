@@ -15,9 +15,10 @@ struct Plan {
   std::vector<SizeGroup> groups;   // one: the same lattice for all
   std::unique_ptr<Engine> engine;  // for these groups
   double seconds = 0;              // of counting the replicates asked for, predicted
-  double standard_error = 0;      // largest over all form factors, or of its form factor for a relative goal; predicted
-  double pilot_seconds = 0;       // spent on finding out
-  bool counts_too_large = false;  // for unoccluded form factors, of all that would get to the goal
+  double standard_error = 0;  // largest over all form factors, or of its form factor for a relative goal; predicted
+  double pilot_seconds = 0;   // spent on finding out
+  std::optional<PairLinesSummary> pair_lines;
+  bool counts_too_large = false;         // for unoccluded form factors, of all that would get to the goal
   std::vector<uint32_t> barely_covered;  // ids that the replicates asked for meet at fewer than 5 lattice points, or
                                          // scanlines, expected: even the finest lattice is too coarse for them
 };

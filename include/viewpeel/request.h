@@ -85,8 +85,11 @@ struct Request {
   std::optional<Sampler>
       sampler;  // of directions over the sphere; unset: fibonacci, better ones for a question, jittered for a guarantee
   std::optional<bool>
-      unoccluded;     // sample only the visibility of each pair's unoccluded form factor; unset: where that pays
-  uint64_t seed = 1;  // the same seed and plan give the same bits
+      unoccluded;  // sample only the visibility of each pair's unoccluded form factor; unset: where that pays
+  // Draws lines between the two polygons of each pair that something may block, as many as the pair's error asks for,
+  // in place of directions that all pairs have in common. Needs a Tolerance or Relative; unset: where that pays.
+  std::optional<bool> pair_lines;
+  uint64_t seed = 1;             // the same seed and plan give the same bits
   uint64_t first_replicate = 0;  // of a part of a run, for merging
 
   EngineKind engine = EngineKind::automatic;
@@ -96,7 +99,7 @@ struct Request {
   uint32_t batch_directions = 0;  // peeled at once; 0: by memory. Never changes a result
   bool measure_work = false;      // fills Result::work
 
-  bool balance = false;        // fills Result::closed: the nearest form factors whose rows sum to 1
+  bool balance = false;        // fills Result::balanced: the nearest form factors whose rows sum to 1
   SceneOptions scene_options;  // that the scene was made with: checkpoints name them
 };
 
