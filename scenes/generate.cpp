@@ -2,29 +2,17 @@
 
 #include <cmath>
 #include <numbers>
-#include <random>
 #include <span>
 
 #include <fmt/format.h>
 #include <glm/glm.hpp>
 
+#include "scenes/random.h"
+
 namespace viewpeel::bench {
 namespace {
 
-// Distributions of the standard library differ between platforms; its engines do not.
-class Random {
- public:
-  explicit Random(uint64_t seed) : engine_(seed) {}
-  double uniform() { return double(engine_() >> 11) * 0x1p-53; }
-  double uniform(double low, double high) { return low + (high - low) * uniform(); }
-  glm::dvec3 onSphere() {
-    const double z = uniform(-1, 1), azimuth_rad = uniform(0, 2 * std::numbers::pi), r = std::sqrt(1 - z * z);
-    return {r * std::cos(azimuth_rad), r * std::sin(azimuth_rad), z};
-  }
-
- private:
-  std::mt19937_64 engine_;
-};
+using Random = SceneRandom;
 
 uint32_t addSurface(InputScene& scene, const std::string& name) {
   scene.surface_names.push_back(name);

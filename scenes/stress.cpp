@@ -4,7 +4,6 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <random>
 
 #include <fmt/format.h>
 
@@ -15,30 +14,14 @@
 #include "reference/exact/exact_pair_areas.h"
 #include "reference/exact/lattice_check.h"
 #include "scenes/named_scenes.h"
+#include "scenes/random.h"
 
 namespace viewpeel::stress {
 namespace {
 
 namespace ts = test_scenes;
 
-class Random {
- public:
-  explicit Random(uint64_t seed) : engine_(seed) {}
-  double uniform(double low, double high) { return low + (high - low) * double(engine_() >> 11) * 0x1p-53; }
-  uint32_t below(uint32_t n) { return static_cast<uint32_t>(uniform(0, n)); }
-  bool flip() { return below(2) == 1; }
-  glm::dvec3 onSphere() {
-    const double z = uniform(-1, 1), azimuth_rad = uniform(0, 2 * std::numbers::pi), r = std::sqrt(1 - z * z);
-    return {r * std::cos(azimuth_rad), r * std::sin(azimuth_rad), z};
-  }
-  glm::dmat3 rotation() {
-    const glm::dvec3 z = onSphere(), x = glm::normalize(glm::cross(z, onSphere()));
-    return {x, glm::cross(z, x), z};
-  }
-
- private:
-  std::mt19937_64 engine_;
-};
+using Random = SceneRandom;
 
 // A convex polygon within a ball: corners at random angles of a circle, pressed to 1 / aspect of its width.
 ts::Corners polygonIn(glm::dvec3 centre, double radius, uint32_t corner_count, double aspect, Random& random) {

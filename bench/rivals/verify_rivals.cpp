@@ -5,10 +5,10 @@
 
 #include <fmt/format.h>
 
-#include "bench/rivals/embree_rays.h"
 #include <viewpeel/error.h>
 #include "scenes/generate.h"
 #include "bench/rivals/hemicube.h"
+#include "bench/rivals/ray_ladders.h"
 #include "reference/closed_forms/contour_integral.h"
 #include "reference/closed_forms/past_blocker.h"
 
@@ -71,24 +71,7 @@ double hemicubeBias(uint32_t resolution) { return 2 * 16 * 0.33 * 4 / (12.0 * re
 
 void verifyOn(const Device& device, const std::string& name, const Scene& scene, double truth) {
   const double area = scene.polygons[0].area;
-  const EmbreeRays embree(scene);
-  for (const Trace trace : {Trace::packets_of_8, Trace::streams}) {
-    const char* form = trace == Trace::streams ? "streams" : "packets";
-    for (const auto& [points, word] : {std::pair(Points::random, "random"), std::pair(Points::sobol, "sobol")}) {
-      verify(
-          name, fmt::format("rays_{} in {}", word, form),
-          [&, points = points](double rays, uint64_t seed) {
-            return estimateFromRays(embree.shoot(trace, points, static_cast<uint64_t>(rays), seed), scene).exchange;
-          },
-          4096, area, truth, 0);
-      verify(
-          name, fmt::format("double_area_{} in {}", word, form),
-          [&, points = points](double samples, uint64_t seed) {
-            return embree.integrate(trace, points, static_cast<uint32_t>(samples), seed).exchange;
-          },
-          1024, area, truth, 0);
-    }
-  }
+  for (const RayRival& rays : makeRayRivals(scene)) verify(name, rays.name, rays.run, rays.work, area, truth, 0);
   constexpr uint32_t kResolution = 128;
   Hemicube hemicube(device, scene, kResolution);
   verify(

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "bench/support/exchange_matrix.h"
+#include "bench/support/run_time.h"
 #include <viewpeel/scene.h>
 
 namespace viewpeel::bench {
@@ -21,7 +22,7 @@ ExchangeMatrix readView3d(std::istream& in, uint32_t polygon_count, const std::s
 
 struct View3dRun {
   ExchangeMatrix exchange;  // input units squared
-  double seconds = 0;       // of the program, with its reading and writing
+  RunTime time;             // of the program, with its reading and writing
 };
 
 // Runs `program IN OUT` in `directory`.    Throws: Error bad_usage where the program fails; what readView3d throws.

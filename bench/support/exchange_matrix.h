@@ -68,4 +68,29 @@ inline MatrixError errorOf(const ExchangeMatrix& measured, const ExchangeMatrix&
   return sums.over(measured.count());
 }
 
+// What a row leaves for environment and leaks: the polygon's area less its exchange areas.
+inline std::vector<double> restOf(const ExchangeMatrix& exchange, const std::vector<double>& areas) {
+  std::vector<double> rest = areas;
+  for (uint32_t i = 0; i < exchange.count(); ++i)
+    for (uint32_t j = i + 1; j < exchange.count(); ++j) rest[i] -= exchange.at(i, j), rest[j] -= exchange.at(i, j);
+  return rest;
+}
+
+// Of what rows leave, as form factors: rms and largest.
+struct RestError {
+  double rms = 0, largest = 0;
+};
+
+inline RestError errorOfRest(const std::vector<double>& measured, const std::vector<double>& reference,
+                             const std::vector<double>& areas) {
+  RestError error;
+  for (size_t i = 0; i < areas.size(); ++i) {
+    const double e = (measured[i] - reference[i]) / areas[i];
+    error.rms += e * e / double(areas.size());
+    error.largest = std::fmax(error.largest, std::abs(e));
+  }
+  error.rms = std::sqrt(error.rms);
+  return error;
+}
+
 }  // namespace viewpeel::bench

@@ -44,14 +44,6 @@ class PlaneIndex {
   std::map<Cell, std::multimap<double, uint32_t>> cells_;
 };
 
-Plane planeOf(const Scene& scene, const Polygon& polygon) {
-  const glm::dvec3* corners = &scene.corners[polygon.first_corner];
-  glm::dvec3 centre(0);
-  for (uint32_t k = 0; k < polygon.corner_count; ++k) centre += corners[k] / double(polygon.corner_count);
-  const glm::dvec3 normal = frontNormal(scene, polygon);
-  return {normal, glm::dot(normal, centre)};
-}
-
 // Of the corner furthest off.
 double distanceFrom(const Plane& plane, const Scene& scene, const Polygon& polygon) {
   double distance = 0;
@@ -62,6 +54,14 @@ double distanceFrom(const Plane& plane, const Scene& scene, const Polygon& polyg
 }
 
 }  // namespace
+
+Plane planeOf(const Scene& scene, const Polygon& polygon) {
+  const glm::dvec3* corners = &scene.corners[polygon.first_corner];
+  glm::dvec3 centre(0);
+  for (uint32_t k = 0; k < polygon.corner_count; ++k) centre += corners[k] / double(polygon.corner_count);
+  const glm::dvec3 normal = frontNormal(scene, polygon);
+  return {normal, glm::dot(normal, centre)};
+}
 
 void groupPlanes(Scene& scene) {
   std::vector<uint32_t> by_area(scene.polygons.size());

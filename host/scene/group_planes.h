@@ -9,6 +9,9 @@ namespace viewpeel {
 // depth.
 constexpr double kCoplanarTolerance = 1e-8;
 
+// The plane of a polygon's own corners, through their mean; its normal is the front's.    Cost: O(1).
+Plane planeOf(const Scene& scene, const Polygon& polygon);
+
 // Fills Scene::planes and each polygon's plane and front_along_plane_normal. The largest polygon of a plane defines it.
 //   Cost: O(n log n) where few planes are nearly parallel and nearly coincident.
 void groupPlanes(Scene& scene);
