@@ -82,7 +82,7 @@ void RunSums::add(const RunSums& others) {
 FormFactors RunSums::formFactors(const ExchangeRow& row) const {
   if (prior_sums && prior_sums->by() == By::surface) return betweenSurfaces();
   if (!prior_sums) return by_id.formFactors(measure_area, countArea());
-  // What counts alone say of other pairs is not looked at.
+  // The counts of other pairs are not looked at.
   const std::vector<VisibilitySums::PairSum>& pairs = prior_sums->byFace().pairs();
   std::vector<FormFactors::Entry> sampled;
   sampled.reserve(pairs.size());
