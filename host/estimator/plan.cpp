@@ -397,7 +397,8 @@ std::vector<int> Planner::resolutionsOf(const Shape& shape, double directions) c
   return resolutions;
 }
 
-// Beside the whole scene's. Classes of one resolution are taken to follow each other.
+// Returns the number of windows beside the whole scene's lattice. Classes of one resolution are taken to follow each
+// other.
 size_t Planner::windowsOf(const std::vector<int>& resolutions, int base) const {
   size_t windows = 0;
   for (size_t first = 0, end = 0; first < resolutions.size(); first = end) {

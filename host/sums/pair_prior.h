@@ -9,15 +9,16 @@
 
 namespace viewpeel {
 
-// It may also be a face with environment or leak.
+// A PairPrior may also belong to a face with environment or leak.
 struct PairPrior {
   uint32_t i, j;  // i < j
-  uint32_t visibility =
-      0;  // in the controls of faces, and what a pair is taken for that no line met; units of 2^-kVisibilityBits
-  // The visibility in the controls between surfaces: the same, or 0.
+  // The visibility has the unit 2^-kVisibilityBits. The controls of faces use it, and a pair that no line hit.
+  uint32_t visibility = 0;
+  // The controls between surfaces use this visibility: the same, or 0.
   uint32_t surface_visibility = 0;
-  double exchange =
-      0;  // A_i F_ij with nothing in between, A_i for environment and leak; infinite where unknown, and visibilities 0
+  // The exchange area is A_i F_ij with nothing in between, A_i for environment and leak. It is infinite, with
+  // visibilities of 0, where it is unknown.
+  double exchange = 0;
 
   bool operator==(const PairPrior&) const = default;
 };
