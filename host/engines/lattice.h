@@ -1,4 +1,4 @@
-// What the engines that count lattice points share.
+// The engines that count lattice points share these functions.
 #pragma once
 #include <span>
 
@@ -32,8 +32,8 @@ int windowReach(int resolution, const Window& window = {});
 // Area of a lattice point, unit-ball units squared.
 inline double pointArea(int resolution) { return 4.0 / (double(resolution) * resolution); }
 
-// Where the lattice's origin lies in P(u), in spacings: in the middle of the window, within a spacing. The lattice
-// itself is that of the direction, the same in all windows of a resolution.
+// Returns the place of the lattice's origin in P(u), in spacings: in the middle of the window, within a spacing. The
+// lattice itself is the direction's, the same in all windows of a resolution.
 glm::dvec2 latticeOrigin(const Direction& direction, int resolution, const Window& window);
 
 // The same bits as the shaders' (projection.glsl): the same operations in the same order.
@@ -41,8 +41,8 @@ glm::dvec2 latticeOrigin(const Direction& direction, int resolution, const Windo
   return ax * b.x + ay * b.y + az * b.z;
 }
 
-// DirectionData[directions.size()] into an upload buffer.
-//   In: first: how many directions came before; block_directions: of each block
+// Writes DirectionData[directions.size()] into an upload buffer.
+//   In: first: the number of directions before these; block_directions: of each block
 void writeDirections(std::span<const Direction> directions, int resolution, const Window& window, Buffer& buffer,
                      uint64_t first, uint64_t block_directions);
 

@@ -7,9 +7,9 @@
 
 namespace viewpeel {
 
-// Counters of all pairs of ids on the device, 64 bits each: dense, or a hash table of the pairs met. One a pair, of
-// facing pairs, or two: beside it the lines on which the two face each other, blocked or not. Blocks of directions may
-// have dense counters of their own.
+// PairCounters are counters of all pairs of ids on the device, 64 bits each: dense, or a hash table of the pairs with
+// counts. A pair has one of facing lines, or two: the second counts all lines on which the two face each other, blocked
+// or not. Blocks of directions may have dense counters of their own.
 class PairCounters {
  public:
   // Dense where their bytes fit the budget (0: 1 GiB), else, if `may_be_sparse`, a hash table of `table_capacity`
@@ -26,12 +26,12 @@ class PairCounters {
 
   // How many blocks of directions can have counters of their own: more than one where they are dense and small.
   uint32_t mostBlocks() const;
-  // Of the dense counters of one block; those of the next follow.
+  // Returns the size of the dense counters of one block; the next block's follow.
   uint64_t blockBytes() const { return counter_count_ * wordsEach() * sizeof(uint64_t); }
 
-  // Empties everything, and makes room for so many blocks, mostBlocks() at most.
+  // Empties everything, and makes room for this many blocks, mostBlocks() at most.
   void start(Commands& commands, uint32_t blocks = 1);
-  // Pairs that entered the table.
+  // Adds to the number of pairs that entered the table.
   void notePairs(uint64_t pairs) {
     pairs_ += pairs;
     last_pairs_ = pairs;

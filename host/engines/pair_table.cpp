@@ -19,7 +19,7 @@ uint64_t denseWords(uint32_t id_count, bool counts_blocked) {
   return device_data::counterCount(id_count) * (counts_blocked ? 2 : 1);
 }
 
-// Counts to the places of their keys, those of one key in the order they had.
+// Moves counts to the places of their keys; counts of one key keep their order.
 template <class KeyOf>
 PairCounts inOrderOf(const PairCounts& counts, size_t keys, KeyOf keyOf) {
   std::vector<uint32_t> places(keys + 1, 0);
@@ -65,7 +65,7 @@ uint64_t* SharedPairs::find(Part& part, uint64_t key) const {
   return &part.words[place + 1];
 }
 
-// So that so many more leave it no more than half full.
+// Makes room for `more` pairs, so that the table is no more than half full.
 void SharedPairs::makeRoom(Part& part, uint64_t more) {
   const uint64_t places = part.words.size() / stride_;
   if (2 * (part.used + more) <= places) return;
@@ -96,7 +96,8 @@ void SharedPairs::add(uint32_t part_index, const Addition* additions, size_t cou
   }
 }
 
-// The counts of a part, in order, and empties it; those of all parts one after the other are in order.
+// Returns the counts of a part, in order, and empties it. The counts of all parts, one part after the other, are in
+// order.
 PairCounts SharedPairs::take(uint32_t part_index) {
   Part& part = parts_[part_index];
   PairCounts counts;
@@ -140,7 +141,7 @@ uint64_t PairTable::denseBytes(uint32_t id_count, bool counts_blocked) {
   return denseWords(id_count, counts_blocked) * sizeof(uint64_t);
 }
 
-// Adds what is still on its way.
+// Adds the counts that are still on their way.
 void PairTable::settle() {
   for (Coming& coming : coming_) {
     if (coming.weight) *coming.counter += coming.weight;

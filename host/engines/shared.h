@@ -15,7 +15,7 @@ using glm::ivec2;
 using glm::vec2;
 #include "../../shaders/shared.h"
 
-// What is read as texels of 16 bytes.
+// The shaders read these structs as texels of 16 bytes.
 static_assert(sizeof(PolygonData) == 48 && sizeof(ProjectedPolygon) == 48 && sizeof(SnappedCorners) == 32 &&
               sizeof(ActiveTile) == 48 && sizeof(Cover) == 16);
 static_assert(sizeof(DirectionData) == 96 && sizeof(CornerData) == 32 && sizeof(Outline) == 40 &&

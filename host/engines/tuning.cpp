@@ -15,7 +15,7 @@ using namespace device_data;
 
 namespace {
 
-constexpr uint32_t kFewPoints = 64;  // in boxes, which hold up to three times what a polygon covers
+constexpr uint32_t kFewPoints = 64;  // in boxes, which hold up to three times the points of a polygon
 constexpr double kFewAcross = 5;     // such a polygon, on the average over directions, as a square
 
 constexpr uint32_t kLongList = 48;    // polygons over a tile, on the average, from which on smaller tiles are faster
@@ -73,8 +73,8 @@ uint64_t counterBudget(const LatticeOptions& options) {
 }
 
 // Entering spares tiles' lists the polygons over few lattice points, each of which is tested for every point of the
-// tile; where those are not most of the lists, making room for fragments costs more than it spares. Tiles are 8 x 8,
-// and a polygon's mean projection is half its area.
+// tile. Where they are not most of the lists, making room for fragments costs more than it spares. Tiles are 8 x 8, and
+// a polygon's mean projection is half its area.
 uint32_t chooseFewPoints(const Scene& scene, int resolution) {
   double entries = 0, spared = 0;
   for (const Polygon& polygon : scene.polygons) {

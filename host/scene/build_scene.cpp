@@ -71,8 +71,8 @@ std::vector<glm::dvec3> distinctCorners(const InputFace& face, const Scene& scen
   return corners;
 }
 
-// A face narrower than what rounding leaves of its coordinates in the unit ball (2^-53 each, in a cross product of
-// edges) has no area.
+// A face has no area where it is narrower than the rounding of its coordinates in the unit ball (2^-53 each, in a cross
+// product of edges).
 bool hasArea(const std::vector<glm::dvec3>& corners) {
   return glm::length(twiceVectorArea(corners)) > 8 * 0x1p-53 * perimeterOf(corners);
 }
@@ -83,7 +83,7 @@ const char* reasonToDrop(const std::vector<glm::dvec3>& corners) {
   return hasArea(corners) ? nullptr : "zero area";
 }
 
-// What is to be said of faces that are dropped.
+// Dropped collects warnings about faces that are left out.
 class Dropped {
  public:
   void count(const char* reason, const std::string& where) {
@@ -206,7 +206,7 @@ Scene assemble(const InputScene& input, const SceneOptions& options) {
     const std::vector<AlikeOverlap> alike = orderCoincidentPolygons(scene, options, rounding / scene.scale);
     const std::vector<Duplicate> more = findDuplicates(input, scene, alike, rounding);
     repeats.insert(repeats.end(), more.begin(), more.end());
-    if (!more.empty()) continue;  // what is left is ordered without them
+    if (!more.empty()) continue;  // the rest is ordered without them
     if (!repeats.empty()) scene.warnings.push_back(describeRepeats(input, repeats));
     if (!alike.empty()) scene.warnings.push_back(describeOverlaps(scene, alike));
     return scene;

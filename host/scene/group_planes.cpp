@@ -52,7 +52,7 @@ Plane planeOf(const Scene& scene, const Polygon& polygon) {
   return {normal, glm::dot(normal, centre)};
 }
 
-// Of the corner furthest off.
+// Returns the distance of the corner furthest from the plane.
 double distanceFrom(const Plane& plane, const Scene& scene, const Polygon& polygon) {
   double distance = 0;
   for (uint32_t k = 0; k < polygon.corner_count; ++k)

@@ -25,10 +25,10 @@ struct Interpenetration {
   double length;     // of that segment, unit-ball units
 };
 
-// All pairs of polygons that pass through one another: each has corners on both sides of the other's plane, further
-// from it than `touching_depth`, and the chords that they cut from the common line of the planes overlap by more
-// than `touching_depth`. Touching in corners, in edges, of an edge with an interior, and overlap within one plane are
-// none.
+// Finds all pairs of polygons that pass through one another.
+//   Each has corners on both sides of the other's plane, further from it than `touching_depth`. The chords that they
+//     cut from the common line of the planes overlap by more than `touching_depth`. Touching in corners, in edges, of
+//     an edge with an interior, and overlap within one plane do not count.
 //   In: scene, unit-ball units; touching_depth in unit-ball units, at least 1e-14.
 //   Out: sorted by (a, b).
 //   Error: decided in double, whose error (1e-15) is far below touching_depth; tests/unit/interpenetration_test.cpp.

@@ -44,7 +44,8 @@ bool isClosed(const Scene& scene) {
   const EdgeCounts open = unmatched(std::move(counts));
   if (open.empty()) return true;
 
-  // T-junctions: cut what is left at one another's ends. Quadratic, so only where little is left.
+  // T-junctions cut the remaining open edges at one another's ends. The work is quadratic, so it is done only where few
+  // are left.
   constexpr size_t kMostOpenEdges = 4000;
   if (open.size() > kMostOpenEdges) return false;
   std::vector<Key> ends;

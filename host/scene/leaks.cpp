@@ -15,7 +15,7 @@ namespace {
 
 constexpr uint64_t kRays = 1 << 14, kEnough = 2000;  // rays; of them on backs
 constexpr uint64_t kQuickRays = 512;
-constexpr uint32_t kAround = 6;  // rays that tell whether a point is hidden
+constexpr uint32_t kAround = 6;  // rays that decide whether a point is hidden
 constexpr size_t kMostNamed = 5;
 
 struct Tally {
@@ -107,7 +107,7 @@ class LeakFinder {
 struct Group {
   LeakCause cause;
   double share = 0, hidden_area = 0;
-  std::vector<uint32_t> culprits, others;  // surfaces, those of the largest leaks first
+  std::vector<uint32_t> culprits, others;  // surfaces, the largest leaks first
 };
 
 std::vector<Group> groupLeaks(const std::vector<Leak>& leaks) {

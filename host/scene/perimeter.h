@@ -15,7 +15,7 @@ inline double perimeterOf(std::span<const glm::dvec3> corners) {
   return perimeter;
 }
 
-// The same of a polygon of the scene, unit-ball units.
+// Returns the perimeter of a polygon of the scene, unit-ball units.
 inline double perimeterOf(const Scene& scene, const Polygon& polygon) {
   return perimeterOf(std::span(scene.corners).subspan(polygon.first_corner, polygon.corner_count));
 }

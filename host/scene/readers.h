@@ -1,5 +1,5 @@
-// One reader per format. They are our own because the file has to be read in double, errors have to name their line,
-// and a file that is cut short has to be refused. The file is known to exist and to be readable.
+// There is one reader per format. They are our own because the file has to be read in double, errors have to name their
+// line, and a file that is cut short has to be refused. The file exists and is readable.
 #pragma once
 #include <viewpeel/scene.h>
 

@@ -19,7 +19,7 @@ constexpr size_t kMostOpenEdges = 4000;  // that are cut at one another's ends, 
 constexpr uint64_t kMostRays = 1 << 18;
 constexpr uint32_t kLeastHits = 4, kTurns = 4;
 constexpr double kThickness = 1e-4;  // of a room, unit-ball units
-constexpr double kAlmost = 0.1;      // of rays: what other parts of a mesh may spoil
+constexpr double kAlmost = 0.1;      // of rays: other parts of a mesh may spoil this share
 
 struct EdgeUse {
   uint32_t low, high;  // vertices
@@ -166,9 +166,9 @@ void ShellFinder::cutOpenEdges() {
   uses_ = std::move(kept);
 }
 
-// The angle of space or of solid between two faces at an edge, whichever lies before or behind both of their fronts;
-// solid counts a little less, which puts a box that stands on tiles before the tiles. Infinite where the two do not
-// fit.
+// Returns the angle of space or of solid between two faces at an edge, whichever lies before or behind both of their
+// fronts. Solid counts a little less, which puts a box that stands on tiles before the tiles. It is infinite where the
+// two do not fit.
 double ShellFinder::wedgeBetween(const EdgeUse& a, const EdgeUse& b) const {
   if (a.is_forward == b.is_forward) return INFINITY;
   const dvec3 axis = glm::normalize(places_[a.high] - places_[a.low]);
@@ -254,7 +254,7 @@ std::vector<Shell> ShellFinder::find() {
   return shells;
 }
 
-// What rays from the two sides of a shell end on: fronts of other shells.
+// Seen counts the rays from the two sides of a shell that end on fronts of other shells.
 struct Seen {
   uint32_t rays = 0, by_front = 0, by_back = 0, anything = 0;
 };

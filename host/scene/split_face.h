@@ -12,7 +12,7 @@ namespace viewpeel {
 // triangles. It bounds the error of depths; a coordinate in single precision is good to 6e-8.
 constexpr double kPlanarTolerance = 1e-7;
 
-// Pieces as loops of corner indices, counter-clockwise about the face's normal.
+// Pieces are loops of corner indices, counter-clockwise about the face's normal.
 using Pieces = std::vector<std::vector<uint32_t>>;
 
 // Twice the vector area (Newell's formula); its direction is the mean normal.

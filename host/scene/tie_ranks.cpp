@@ -130,7 +130,7 @@ uint64_t rankCoincidentPolygons(Scene& scene, TieOrders orders) {
   std::set<uint32_t> too_high;
   for (const auto& entry : levels)
     if (isTooHigh(entry.first)) too_high.insert(entry.first);
-  // What touching solids see counts for more than which of two alike faces sees it.
+  // Contacts of solids count for more than the choice between two alike faces.
   if (std::erase_if(orders.alike, [&](const auto& pair) { return isTooHigh(pair.first); }) > 0) {
     levels = partAlike(scene, orders, of_below);
     heights = heightsOf(orders, levels);

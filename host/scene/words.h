@@ -1,4 +1,4 @@
-// Words and numbers of text formats, shared by the readers.
+// The readers share these functions for words and numbers of text formats.
 #pragma once
 #include <algorithm>
 #include <charconv>
@@ -38,7 +38,7 @@ inline std::string_view skipByteOrderMark(std::string_view text) {
   return text.substr(text.starts_with(kMark) ? kMark.size() : 0);
 }
 
-// Short and without control characters, for messages. UTF-8 is not cut within a character.
+// Returns the text short and without control characters, for messages. UTF-8 is not cut within a character.
 inline std::string printable(std::string_view text) {
   size_t length = std::min<size_t>(text.size(), 20);
   while (length > 0 && length < text.size() && (text[length] & 0xC0) == 0x80) --length;
