@@ -27,7 +27,7 @@ struct Frame {
   glm::dvec3 x, y;
 };
 
-// x, y, along right-handed.
+// Returns a frame with x, y, along right-handed.
 Frame frameAbout(const glm::dvec3& along) {
   const glm::dvec3 helper = std::abs(along.z) < 0.9 ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0);
   const glm::dvec3 x = glm::normalize(glm::cross(helper, along));
@@ -100,8 +100,8 @@ bool overlapInPlane(const Plate& a, const Plate& b, double slack) {
   return true;
 }
 
-// What a pair of convex polygons gives to a region: the corners that fronts of the other see, and how far rounding may
-// have moved them.
+// A SeenPair is the part of two convex polygons that enters a region: the corners that fronts of the other see, and a
+// bound on their movement by rounding.
 struct SeenPair {
   Plate a, b;
   double slack = 0;
@@ -135,9 +135,9 @@ SeenPair clipPair(const Scene& scene, uint32_t a_index, uint32_t b_index, bool t
   return seen;
 }
 
-// For every edge of `near`, the plane through it that is turned from near's own plane, away from near, until it meets
-// `far`: near lies on one side of it and far on the other. Appends their normals, towards far. An edge whose plane
-// rounding makes doubtful is left out.
+// Appends normals of planes that separate the two plates, one for every edge of `near`. The plane is turned about the
+// edge from near's own plane, away from near, until it touches `far`. So near lies on one side of it and far on the
+// other, and the normal points towards far. An edge whose plane rounding makes doubtful is left out.
 void appendSeparatingNormals(const Plate& near, const Plate& far, double slack, std::vector<glm::dvec3>& normals) {
   for (size_t k = 0; k < near.corners.size(); ++k) {
     const glm::dvec3 start = near.corners[k], edge = near.corners[(k + 1) % near.corners.size()] - start;
@@ -252,7 +252,7 @@ DirectionRegion hullRegion(const std::vector<Difference>& differences, const glm
   return region;
 }
 
-// The one front normal of all polygons, or zero.
+// Returns the one front normal of all polygons, or zero.
 glm::dvec3 commonFront(const Scene& scene, std::span<const uint32_t> polygons) {
   const glm::dvec3 front = plateOf(scene, polygons[0], glm::dvec3(0)).front;
   for (uint32_t polygon : polygons)
@@ -260,7 +260,7 @@ glm::dvec3 commonFront(const Scene& scene, std::span<const uint32_t> polygons) {
   return front;
 }
 
-// The corners of the bounding box.
+// Returns the corners of the bounding box.
 Plate boxAround(const Scene& scene, std::span<const uint32_t> polygons) {
   glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
   for (uint32_t polygon : polygons)
@@ -310,8 +310,8 @@ DirectionRegion DirectionRegion::hemisphere(const glm::dvec3& pole) {
   return region;
 }
 
-// Sutherland & Hodgman, Reentrant polygon clipping, 1974, on the cone of the region. What rounding cannot tell from
-// inside stays.
+// Clips the cone of the region: Sutherland & Hodgman, Reentrant polygon clipping, 1974. Corners outside by no more than
+// rounding stay.
 void DirectionRegion::clip(const glm::dvec3& inner_normal) {
   std::vector<Arc> kept;
   for (size_t k = 0; k < arcs_.size(); ++k) {
@@ -394,7 +394,7 @@ DirectionRegion findPairRegion(const Scene& scene, std::span<const uint32_t> a, 
                                bool two_sided) {
   if (a.empty() || b.empty()) return {};
   std::vector<Difference> differences;
-  bool is_open = false;  // the differences do not tell the cone
+  bool is_open = false;  // the differences do not decide about the cone
   if (cornerCount(scene, a) * cornerCount(scene, b) > kMostDifferences) {
     const Plate box_a = boxAround(scene, a), box_b = boxAround(scene, b);
     is_open = appendDifferences(box_a, box_b, 0, differences) || differences.empty();

@@ -1,4 +1,4 @@
-// Which numbers replicates have: those of runs, and those of pilots, whose random numbers are none of the run's.
+// Replicates of runs and of pilots have different numbers, so the random numbers of pilots are none of the run's.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
 
-// A rotation uniform over SO(3), from a uniform unit quaternion (Shoemake 1992).
+// Returns a rotation uniform over SO(3), from a uniform unit quaternion (Shoemake 1992).
 glm::dmat3 randomRotation(Random& random) {
   const double a = random.uniform(), b = kTwoPi * random.uniform(), c = kTwoPi * random.uniform();
   const double x = std::sqrt(1 - a) * std::sin(b), y = std::sqrt(1 - a) * std::cos(b);
@@ -72,7 +72,7 @@ uint32_t reverseBits(uint32_t x) {
   return reversed;
 }
 
-// The second dimension of Sobol's sequence: direction numbers of the polynomial x + 1.
+// Returns the second dimension of Sobol's sequence: direction numbers of the polynomial x + 1.
 uint32_t sobolSecond(uint32_t index) {
   uint32_t x = 0;
   for (uint32_t direction = 1u << 31; index; index >>= 1, direction ^= direction >> 1)

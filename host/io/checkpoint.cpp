@@ -12,7 +12,7 @@
 namespace viewpeel {
 namespace {
 
-constexpr uint64_t kFormat = 6;  // of the file: changes with every change of what is written below
+constexpr uint64_t kFormat = 6;  // of the file: changes with every change of the columns below
 
 using Sum = ReplicateSums::Sum;
 using PairSum = ReplicateSums::PairSum;
@@ -94,7 +94,7 @@ T readOne(Hdf5Input& in, const std::string& name) {
   return values.front();
 }
 
-// 128-bit numbers, as two columns.
+// Writes 128-bit numbers as two columns.
 template <class Pairs, class Value>
 void writeWide(Hdf5Output& out, const std::string& name, const Pairs& pairs, Value value) {
   writeColumn<uint64_t>(out, name + "_high", pairs, [&](const auto& pair) { return highOf(Wide(value(pair))); });

@@ -35,7 +35,7 @@ LeakAreas sumLeaks(const Scene& scene, const FormFactors& form_factors) {
   return sums;
 }
 
-// Of Scene::polygons: the exchange area of its row's leak, shared out by area.
+// Returns weights of Scene::polygons: the exchange area of its row's leak, shared out by area.
 std::vector<double> weightPolygons(const Scene& scene, const Ids& ids, const LeakAreas& leaks) {
   const bool by_polygon = ids.count() == scene.faces.size();  // where every surface is one face the two are the same
   std::vector<double> weights;

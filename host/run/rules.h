@@ -1,4 +1,4 @@
-// By what rules a request is settled: what it may have, and what pays.
+// These rules settle a request: which choices it may have, and which pay.
 #pragma once
 #include <viewpeel/request.h>
 

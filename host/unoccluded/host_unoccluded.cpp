@@ -27,7 +27,7 @@ constexpr size_t kChunk = 256;       // pairs that a thread takes at once
 double leastOf(const std::array<double, 4>& v) { return std::min(std::min(v[0], v[1]), std::min(v[2], v[3])); }
 double greatestOf(const std::array<double, 4>& v) { return std::max(std::max(v[0], v[1]), std::max(v[2], v[3])); }
 
-// Of a shape's corners over another's plane.
+// Returns the depths of a shape's corners over another's plane.
 std::array<double, 4> depthsOf(const ShapeData& shape, const ShapeData& plane, const dvec3& normal) {
   std::array<double, 4> depths;
   for (size_t k = 0; k < 4; ++k) depths[k] = dot(normal, shape.corners[k] - plane.corners[0]);
@@ -37,7 +37,8 @@ std::array<double, 4> depthsOf(const ShapeData& shape, const ShapeData& plane, c
 // How far a depth over the plane of `plane` may be off by the rounding of its corners.
 double depthRounding(const ShapeData& plane, double distance) { return kFrontRounding + plane.tilt * distance; }
 
-// Largest |slope| / value at the middle of an edge of the square, of a bilinear function given at its corners.
+// Returns the largest |slope| / value at the middle of an edge of the square, of a bilinear function given at its
+// corners.
 float slopeOf(const std::array<double, 4>& at) {
   float slope = 0;
   for (size_t k = 0; k < 4; ++k) {
@@ -48,7 +49,8 @@ float slopeOf(const std::array<double, 4>& at) {
   return slope;
 }
 
-// What the bound on the relative error over a polygon's two coordinates is made of (unoccluded_classify.comp).
+// Coordinates holds the terms of the bound on the relative error over a polygon's two coordinates
+// (unoccluded/classify.comp).
 struct Coordinates {
   float t, square, power;  // t, t^2, t^(2n - 2)
   float slopes, product;   // s + j, s j
@@ -126,7 +128,7 @@ void addWork(const UnoccludedWork& part, UnoccludedWork& sum) {
 
 }  // namespace
 
-// Two sides, the lower number first, so that the order asked for does not matter.
+// Sides are two sides, the lower number first, so that the order of a pair does not matter.
 struct HostUnoccluded::Sides {
   const ShapeData &a, &b;
   dvec3 normal_a, normal_b;  // of the sides
@@ -210,7 +212,7 @@ uint32_t HostUnoccluded::classify(const Sides& sides) const {
   return kNearList;
 }
 
-// By a product Gauss rule:  A_i F_ij = int_i int_j (n_j . (x - y)) (n_i . (y - x)) / (pi |y - x|^4) dy dx.
+// Integrates by a product Gauss rule: docs/method.md, eq. (35).
 double HostUnoccluded::integrateFar(const Sides& sides, uint32_t rule) const {
   struct Points {
     std::array<double, kMostFar * kMostFar> x, y, z, weight;
@@ -248,8 +250,8 @@ double HostUnoccluded::integrateFar(const Sides& sides, uint32_t rule) const {
   return sum / kPi;
 }
 
-// int_p int_q ln r ds . dt, the outer integral, over the shorter edge, by a Gauss rule. Adds its error, bound and
-// rounding.
+// Returns int_p int_q ln r ds . dt, the outer integral, over the shorter edge, by a Gauss rule. Adds its error, bound
+// and rounding.
 double HostUnoccluded::integrateLine(Edge p, Edge q, size_t round, double& error) const {
   const double together = dot(p.along, q.along);
   if (dot(p.along, p.along) > dot(q.along, q.along)) std::swap(p, q);

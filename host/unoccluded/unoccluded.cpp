@@ -1,10 +1,10 @@
-// The passes, in order, for a chunk of pairs:
-//   classify   which pairs see each other, and how each is to be integrated
+// A chunk of pairs takes these passes, in order:
+//   classify   finds the pairs that see each other, and the rule of each
 //   far        product Gauss rules, a dispatch for each number of points
 // and then, for some of the near pairs at a time:
 //   edges      the edges of the parts that see each other, and a rule for each pair of them
 //   line       the line integrals, a dispatch for each rule
-//   sum        add them up; pairs whose bound on the error is too large go round again with more points
+//   sum        adds them up; pairs whose bound on the error is too large go round again with more points
 #include "unoccluded/unoccluded.h"
 
 #include <algorithm>

@@ -24,7 +24,7 @@ class Device {
   uint32_t queueFamily() const { return queue_family_; }
   const DeviceDescription& description() const { return description_; }
   const VkPhysicalDeviceProperties& properties() const { return properties_; }
-  // Largest single buffer or image allocation.
+  // Returns the size of the largest single buffer or image allocation.
   VkDeviceSize maxAllocationBytes() const { return max_allocation_bytes_; }
   // Of the device, or of the machine where the device is its CPU.
   uint64_t memoryBytes() const;
