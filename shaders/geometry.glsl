@@ -7,7 +7,8 @@ struct Edge {
   int64_t c;
 };
 
-// The value of an edge at a corner, within what leaves room for its changes over a tile: fewer than 2^30.
+// The value of an edge at a corner is held within this bound, which leaves room for its changes over a tile: fewer than
+// 2^30.
 const int kSaturated = 1 << 30;
 
 int valueAtCorner(Edge edge, ivec2 corner) {
@@ -20,11 +21,10 @@ bool isInside(Edge edge, ivec2 p) {
   return int64_t(edge.a) * int64_t(p.x) + int64_t(edge.b) * int64_t(p.y) + edge.c >= int64_t(0);
 }
 
-// Edge k of a polygon, from corner k to the next.
-// A point on an edge belongs to the polygon that holds it after the point has moved by an infinitesimal (-e, e^2): to
-// exactly one of the two on either side (the top-left rule). cut_bits: of the corners' fixed point, those finer than
-// the edge's columns. Error: none. Coordinates are below 2^kSnapBits, so c below 2^(2 kSnapBits + 2); an edge of no
-// length lets every point pass.
+// Makes edge k of a polygon, from corner k to the next. A point on an edge belongs to one polygon: the one that holds
+// it after the point has moved by an infinitesimal (-e, e^2) (the top-left rule). cut_bits: bits of the corners' fixed
+// point that are finer than the edge's columns. Error: none. Coordinates are below 2^kSnapBits, so c is below 2^(2
+// kSnapBits + 2). An edge of no length lets every point pass.
 Edge makeEdge(SnappedCorners corners, uint k, int cut_bits) {
   ivec2 from = corners.at[k], along = corners.at[k + 1u & 3u] - from;
   Edge edge;
@@ -33,8 +33,7 @@ Edge makeEdge(SnappedCorners corners, uint k, int cut_bits) {
   bool owns_points = along.y > 0 || (along.y == 0 && along.x >= 0);
   int64_t c = -(int64_t(edge.a) * int64_t(from.x) + int64_t(edge.b) * int64_t(from.y)) -
               (owns_points ? int64_t(0) : int64_t(1));
-  // Rounds down, which is exact: at columns in units of 2^-column_bits the rest of the sum is a multiple of what is cut
-  // off.
+  // Rounding down is exact here: at columns in units of 2^-column_bits the rest of the sum is a multiple of 2^cut_bits.
   edge.c = c >> cut_bits;
   return edge;
 }
@@ -81,7 +80,7 @@ uint nearestDepth(int64_t depth, int64_t depth_x, int64_t depth_y, int shift, iv
   return uint(clamp(least >> shift, int64_t(range.x), int64_t(range.y)));
 }
 
-// The greatest.
+// Returns the greatest depth of the plane over a tile.
 uint farthestDepth(int64_t depth, int64_t depth_x, int64_t depth_y, int shift, ivec2 range, ivec2 tile_size) {
   int64_t most =
       depth + max(depth_x * int64_t(tile_size.x), int64_t(0)) + max(depth_y * int64_t(tile_size.y), int64_t(0));

@@ -31,9 +31,9 @@ struct SnappedCorners {
   ivec2 at[4];
 };
 
-// A polygon in one direction. Depth at a lattice point p is
-//   clamp((depth_0 + depth_x p.x + depth_y p.y) >> depth_shift, depth_min, depth_max), in units of 2^-kDepthBits above
-//   -1.
+// A ProjectedPolygon is a polygon in one direction. Its depth at a lattice point p, in units of 2^-kDepthBits above -1,
+// is
+//   clamp((depth_0 + depth_x p.x + depth_y p.y) >> depth_shift, depth_min, depth_max).
 struct ProjectedPolygon {
   ivec2 box_min;  // lattice points it can cover, between columns too; box_min.x > box_max.x where it covers none
   ivec2 box_max;
@@ -44,7 +44,7 @@ struct ProjectedPolygon {
   uint depth_max_packed;  // depth_max | place at ties << kTieShift
 };
 
-// What the graphics engine draws of it.
+// The graphics engine draws this Outline of a polygon.
 struct Outline {
   vec2 strip[4];  // in lattice coordinates, a triangle strip around all lattice points it can cover; one point where it
                   // covers none
@@ -82,8 +82,9 @@ struct ProjectArgs {
   uint cell_size;     // see DrawArgs
   int window;         // lattice points from the origin to its left and lower border; beyond it nothing is looked at
   // Of the compute engine.
-  uint64_t listed;  // uint[direction_count * polygon_count]: of what the passes over tiles look at, places in projected
-  uint64_t status;  // BatchStatus
+  // uint[direction_count * polygon_count]: places in projected of the polygons for the passes over tiles
+  uint64_t listed;
+  uint64_t status;     // BatchStatus
   uint64_t fragments;  // uint64_t[fragment_capacity][point_count]: layers, key << 32 | polygon, as in Layer; points are
                        // those of tile 0, of tile 1, ...
   uint64_t fragment_counts;  // uint[point_count]
@@ -149,8 +150,8 @@ const uint kMostTilesPerInvocation = 4096u;
 const uint kMostTileRows = 8u;
 const uint kMostTileWidth = 8u;  // with lattice points: an edge changes by less than 2^30 within a tile
 
-// Polygons' roles: what their facing pairs are counted for. A facing pair counts where one of the two emits and the
-// other receives.
+// Roles say where a polygon's facing pairs count. A facing pair counts where one of the two emits and the other
+// receives.
 const uint kEmits = 1u;
 const uint kReceives = 2u;
 const uint kRolesShift = 30u;  // in the word that holds a polygon's id
@@ -160,7 +161,7 @@ SHARED_FUNCTION bool exchange(uint roles, uint others_roles) {
          ((others_roles & kEmits) != 0u && (roles & kReceives) != 0u);
 }
 
-// What went wrong in a batch. After the first nothing has been counted.
+// These bits say why a batch failed. After the first nothing has been counted.
 const uint kListsOverflowed = 0x80000000u;
 const uint kListsUncountable = 0x40000000u;
 const uint kTooManySpans = 1u;  // in a row, for its ends to be put in order
@@ -172,7 +173,7 @@ struct Groups {
   uint x, y, z;
 };
 
-// What the passes of a batch found, for the passes after them and for the host.
+// A BatchStatus has figures of the passes of a batch, for the passes after them and for the host.
 struct BatchStatus {
   Groups project_groups, bin_groups;  // over what is listed
   uint listed;
@@ -222,7 +223,7 @@ struct BinArgs {
   uint needed_roles;         // of an active tile
 };
 
-// What bin.comp does.
+// The modes of bin.comp are these.
 const uint kBinEmitters = 0u;
 const uint kBinReceivers = 1u;
 const uint kBinCount = 2u;
@@ -273,8 +274,9 @@ struct Meeting {
 const uint kMostFarther = 256u;  // that one invocation of meet goes through
 
 struct MeetArgs {
-  uint64_t covers;  // Cover[list_capacity]: of each tile, where its list is, those with fronts that face +u first, the
-                    // others last
+  // Cover[list_capacity]: of each tile, where its list is. Polygons with fronts that face +u come first, the others
+  // last.
+  uint64_t covers;
   uint64_t cover_polygons;  // uint[list_capacity]: whose they are
   uint64_t meetings;        // Meeting[]
   uint64_t status;
@@ -309,12 +311,12 @@ struct PeelArgs {
   uint64_t block_bytes;  // of the dense counters of one block, which follow each other
 };
 
-// A cell has 8 x 8 blocks, one bit each: where the previous layer has no polygon, nothing is behind it, and polygons
+// A cell has 8 x 8 blocks, one bit each. Where the previous layer has no polygon, nothing is behind it, and polygons
 // that can cover points of no other blocks are not drawn.
 SHARED_FUNCTION uint blockAlong(uint in_cell, uint cell_size) { return in_cell * 8u / cell_size; }
 
-// Dense counters of ids i <= j as the rows of an upper triangle, each row followed by the row's environment (column
-// id_count) and leak (column id_count + 1).
+// Returns the place of dense counters of ids i <= j: the rows of an upper triangle, each row followed by the row's
+// environment (column id_count) and leak (column id_count + 1).
 SHARED_FUNCTION uint64_t counterIndex(uint i, uint column, uint id_count) {
   uint64_t row = uint64_t(i);
   return row * uint64_t(id_count + 2u) - row * (row + uint64_t(1u)) / uint64_t(2u) + uint64_t(column);

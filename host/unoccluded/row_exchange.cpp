@@ -16,8 +16,8 @@ namespace {
 
 constexpr float kMostError = 0.05f;  // of a far pair, relative; nearer ones are computed in double precision
 constexpr float kRounding = 5e-7f;  // of a depth: coordinates up to 1 and a normal, three products, in single precision
-constexpr float kCutError =
-    0.1f;  // how far the mean of max(0, depth) over a polygon may be off the rule's, in radii (below)
+// The rule's mean of max(0, depth) over a polygon is off by at most this, in radii (see addPolygon).
+constexpr float kCutError = 0.1f;
 
 // How a pair is integrated.
 constexpr size_t kLanes = RowExchange::kLanes;
@@ -95,9 +95,10 @@ void RowExchange::compute(uint32_t i, std::span<BoundedExchange> later) const {
   for (uint32_t a = first_[i]; a < first_[i + 1]; ++a) addPolygon(a, first_[i + 1], later, i + 1);
 }
 
-// A cut pair has this bound, kCutError. The mean over a polygon of max(0, depth), depth linear, is off the rule's by at
-// most 0.045 of the depth's half range over a line. The worst zero is at a point of the rule. Over the square it is no
-// more than twice as much: over one coordinate at a time. The bound allows for weights that are not constant, too.
+// Adds the pairs of polygon a. The error of a cut pair is kCutError. The rule's mean of max(0, depth) along a line,
+// depth linear, is off by at most 0.045 of the depth's half range. The worst zero is at a point of the rule. Over the
+// square the error is no more than twice as much: over one coordinate at a time. kCutError allows for weights that are
+// not constant, too.
 void RowExchange::addPolygon(uint32_t a, uint32_t first, std::span<BoundedExchange> later, uint32_t first_id) const {
   for (size_t start = first; start < id_.size(); start += kLanes) {
     Floats errors;

@@ -1,8 +1,8 @@
 #version 460
-// One invocation takes one edge of the part of a polygon that sees another's front, with each edge of that one's part,
-// and chooses the rule for the line integral over the two.
-//   In: shapes, pairs, near     Out: edges; lists of their pairs by rule; values: bounds on their errors
-// Source: I. E. Sutherland & G. W. Hodgman, Reentrant polygon clipping, CACM 17(1), 1974.
+// One invocation takes one edge of the part of a polygon that sees another's front, with each edge of the other's part.
+// It chooses the rule for the line integral over the two.
+//   In: shapes, pairs, near     Out: edges; lists of their pairs by rule; values: bounds on their errors Source: I. E.
+//     Sutherland & G. W. Hodgman, Reentrant polygon clipping, CACM 17(1), 1974.
 #extension GL_GOOGLE_include_directive : require
 #include "unoccluded.glsl"
 

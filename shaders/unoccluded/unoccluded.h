@@ -33,7 +33,7 @@ const uint kFewestFarPoints = 2u;
 const uint kFarRules = 5u;
 const uint kMostFarPoints = kFewestFarPoints + kFarRules - 1u;
 
-// What the bound on a product rule's error is made of, see unoccluded_classify.comp.
+// FarBound holds the coefficients of the bound on a product rule's error, see classify.comp.
 struct FarBound {
   float even, odd, skew, tail;
 };
@@ -63,8 +63,8 @@ struct UnoccludedStatus {
   uint unreached;  // pairs
 };
 
-// What is left of a polygon in front of a plane has at most five edges; a pair's line integrals are those over all
-// pairs of edges.
+// The part of a polygon in front of a plane has at most five edges; a pair's line integrals are those over all pairs of
+// edges.
 const uint kMostEdges = 5u;
 const uint kEdgePairs = kMostEdges * kMostEdges;
 
