@@ -55,7 +55,7 @@ double goalOf(const Request& request) {
   return relative ? relative->standard_error : INFINITY;
 }
 
-// What was found out by pilots: nothing of plans that were asked for.
+// Describes the figures from pilots: nothing for a plan that the options fix.
 std::string describeExpectation(const Request& request, const PlanSummary& plan) {
   if (!(plan.pilot_seconds > 0)) return "";
   const uint32_t replicates = request.amount.replicates;

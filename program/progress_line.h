@@ -1,4 +1,4 @@
-// One line on the terminal, rewritten after every batch of directions and every replicate.
+// The progress is one line on the terminal, rewritten after every batch of directions and every replicate.
 #pragma once
 #include <functional>
 

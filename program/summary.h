@@ -1,4 +1,4 @@
-// What the program prints for people.
+// The program prints these summaries for people.
 #pragma once
 #include <string>
 
@@ -10,10 +10,10 @@
 namespace viewpeel::program {
 
 std::string describeDevice(const DeviceDescription& device);
-// The same of what the host engine runs on.
+// Describes the processor of the host engine.
 std::string describeProcessor();
 
-// "1 polygon", "2 polygons".
+// Returns a count with its noun: "1 polygon", "2 polygons".
 std::string counted(uint64_t count, const char* noun);
 
 // Polygons, surfaces, areas, closed or open; several lines.
@@ -30,10 +30,10 @@ std::string describeDirected(const Estimate& estimate);
 // The largest form factors and describeErrors.
 std::string describeResult(const Estimate& estimate);
 
-// Standard errors, closure, leak and environment of the whole matrix.
+// Describes standard errors, closure, leak and environment of the whole matrix.
 std::string describeErrors(const Estimate& estimate);
 
-// What closing the rows changed.
+// Describes the changes by balancing.
 std::string describeBalance(const BalancedFormFactors& balanced);
 
 // The same and the work done, as JSON.

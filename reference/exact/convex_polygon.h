@@ -10,7 +10,7 @@ namespace viewpeel::reference {
 using Vec3 = glm::vec<3, long double>;
 using ConvexPolygon = std::vector<Vec3>;  // counter-clockwise seen from the front
 
-// Where dot(normal, x) >= offset.
+// A HalfSpace is where dot(normal, x) >= offset.
 struct HalfSpace {
   Vec3 normal{0};  // unit length
   long double offset = 0;
@@ -49,8 +49,8 @@ HalfSpace frontOf(const ConvexPolygon& polygon);
 //   Source: I. E. Sutherland & G. W. Hodgman, Reentrant polygon clipping, CACM 17(1), 1974.
 ConvexPolygon clip(const ConvexPolygon& polygon, const HalfSpace& half_space, long double rounding);
 
-// The parts of two polygons that see each other's front: each clipped to the other's front half space; both empty where
-// one of them lies behind or within the other's plane.
+// FacingParts are the parts of two polygons that see each other's front: each clipped to the other's front half space.
+// Both are empty where one of them lies behind or within the other's plane.
 struct FacingParts {
   ConvexPolygon a, b;
 };
