@@ -7,6 +7,8 @@
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
+#include "scenes/named_scenes.h"
+
 namespace viewpeel::tests {
 namespace {
 
@@ -48,18 +50,6 @@ std::vector<Corners> subdivide(const Corners& quad, uint32_t parts) {
   return result;
 }
 
-std::vector<Corners> boxQuads(const glm::dvec3& l, const glm::dvec3& h, bool inwards) {
-  std::vector<Corners> quads = {{{l.x, l.y, l.z}, {l.x, h.y, l.z}, {h.x, h.y, l.z}, {h.x, l.y, l.z}},
-                                {{l.x, l.y, h.z}, {h.x, l.y, h.z}, {h.x, h.y, h.z}, {l.x, h.y, h.z}},
-                                {{l.x, l.y, l.z}, {h.x, l.y, l.z}, {h.x, l.y, h.z}, {l.x, l.y, h.z}},
-                                {{l.x, h.y, l.z}, {l.x, h.y, h.z}, {h.x, h.y, h.z}, {h.x, h.y, l.z}},
-                                {{l.x, l.y, l.z}, {l.x, l.y, h.z}, {l.x, h.y, h.z}, {l.x, h.y, l.z}},
-                                {{h.x, l.y, l.z}, {h.x, h.y, l.z}, {h.x, h.y, h.z}, {h.x, l.y, h.z}}};
-  if (inwards)
-    for (Corners& quad : quads) std::reverse(quad.begin(), quad.end());
-  return quads;
-}
-
 Corners square(double x0, double y0, double x1, double y1, double z, bool up) {
   Corners corners = {{x0, y0, z}, {x1, y0, z}, {x1, y1, z}, {x0, y1, z}};
   if (!up) std::reverse(corners.begin(), corners.end());
@@ -81,7 +71,9 @@ void SceneBuilder::addPolygon(const std::string& name, const std::vector<glm::dv
 }
 
 void SceneBuilder::addBox(const std::string& name, const glm::dvec3& low, const glm::dvec3& high, bool inwards) {
-  for (const Corners& quad : boxQuads(low, high, inwards)) addPolygon(name, quad);
+  const auto sides = test_scenes::sidesOfBox(low, high, inwards);
+  for (const size_t k : {4, 5, 2, 3, 0, 1})  // -z, +z, -y, +y, -x, +x
+    addPolygon(name, test_scenes::parallelogram(sides[k].origin, sides[k].a, sides[k].b));
 }
 
 Scene turn(const Scene& scene, const glm::dmat3& rotation) {
