@@ -12,7 +12,7 @@
 namespace viewpeel::tests {
 namespace {
 
-// The plane of the corners, shared with earlier polygons within 1e-12.
+// Assigns the plane of the corners, shared with earlier polygons within 1e-12.
 void assignPlane(Scene& scene, Polygon& polygon) {
   const glm::dvec3* corners = &scene.corners[polygon.first_corner];
   glm::dvec3 twice_area(0), middle(0);
