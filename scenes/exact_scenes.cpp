@@ -50,6 +50,14 @@ std::vector<Corners> subdivide(const Corners& quad, uint32_t parts) {
   return result;
 }
 
+std::vector<Corners> boxQuads(const glm::dvec3& low, const glm::dvec3& high, bool inwards) {
+  const auto sides = test_scenes::sidesOfBox(low, high, inwards);
+  std::vector<Corners> quads;
+  for (const size_t k : {4, 5, 2, 3, 0, 1})  // -z, +z, -y, +y, -x, +x
+    quads.push_back(test_scenes::parallelogram(sides[k].origin, sides[k].a, sides[k].b));
+  return quads;
+}
+
 Corners square(double x0, double y0, double x1, double y1, double z, bool up) {
   Corners corners = {{x0, y0, z}, {x1, y0, z}, {x1, y1, z}, {x0, y1, z}};
   if (!up) std::reverse(corners.begin(), corners.end());
@@ -71,9 +79,7 @@ void SceneBuilder::addPolygon(const std::string& name, const std::vector<glm::dv
 }
 
 void SceneBuilder::addBox(const std::string& name, const glm::dvec3& low, const glm::dvec3& high, bool inwards) {
-  const auto sides = test_scenes::sidesOfBox(low, high, inwards);
-  for (const size_t k : {4, 5, 2, 3, 0, 1})  // -z, +z, -y, +y, -x, +x
-    addPolygon(name, test_scenes::parallelogram(sides[k].origin, sides[k].a, sides[k].b));
+  for (const Corners& quad : boxQuads(low, high, inwards)) addPolygon(name, quad);
 }
 
 Scene turn(const Scene& scene, const glm::dmat3& rotation) {
