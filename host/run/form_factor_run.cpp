@@ -79,7 +79,7 @@ struct FormFactorRun::State {
     tellProgress();
   }
 
-  // What an observer stops has come to its end.
+  // Runs the work; if the observer stops it, the run has come to its end.
   template <class Work>
   void doUnlessStopped(const Work& work) {
     if (is_interrupted) return;
@@ -123,7 +123,8 @@ Plan FormFactorRun::State::makeFixedPlan() const {
   return fixed;
 }
 
-// Without unoccluded form factors where counts would be too large for those that nobody asked for.
+// Makes the plan. It goes without unoccluded form factors where counts would be too large for them and the request does
+// not insist on them.
 Plan FormFactorRun::State::makePlanOfRequest() {
   if (setup.isExact() || !setup.plans()) return makeFixedPlan();
   const auto planned = [&] { return planEstimate(setup.scene(), setup.ids(), setup.estimate(), setup.lattices()); };

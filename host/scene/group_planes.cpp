@@ -44,7 +44,7 @@ class PlaneIndex {
   std::map<Cell, std::multimap<double, uint32_t>> cells_;
 };
 
-// Of the corner furthest off.
+// Returns the distance of the corner furthest from the plane.
 double distanceFrom(const Plane& plane, const Scene& scene, const Polygon& polygon) {
   double distance = 0;
   for (uint32_t k = 0; k < polygon.corner_count; ++k)

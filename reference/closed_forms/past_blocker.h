@@ -1,4 +1,4 @@
-// The form factor of two convex polygons past a third.
+// This header has the form factor of two convex polygons past a third.
 #pragma once
 #include <span>
 
@@ -10,7 +10,7 @@ namespace viewpeel::reference {
 
 constexpr double kPastBlockerError = 1e-7;
 
-// F from polygon a to polygon b, fronts only, with one blocker that stops light on both of its sides:
+// Returns F from polygon a to polygon b, fronts only, with one blocker that stops light on both of its sides:
 //   F = 1/A int_a (f(x, b) - f(x, b within the blocker's shadow from x)) dx,
 //   2 pi f(x, polygon) = - sum_k angle(r_k, r_k+1) n . (r_k x r_k+1) / |r_k x r_k+1|,   r_k = corner_k - x (Lambert).
 // a is first cut along every line where a corner of b passes an edge of the blocker or the other way round, and along
