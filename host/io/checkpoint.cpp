@@ -307,7 +307,7 @@ std::optional<LineSums> readLineSums(Hdf5Input& in, const Ids& face_ids) {
   readColumn<uint32_t>(in, "lines/blocks", pairs, [](LinePair& pair, uint32_t blocks) { pair.blocks = blocks; });
   readColumn<uint32_t>(in, "lines/period", pairs, [](LinePair& pair, uint32_t period) { pair.period = period; });
   readColumn<uint8_t>(in, "lines/by_angles", pairs, [](LinePair& pair, uint8_t is) { pair.by_angles = is; });
-  requireOrder(in, "lines", pairs, face_ids.count());
+  requireOrder(in, "lines", pairs, 2 * face_ids.count());  // pairs with backs, too
   const bool are_sound = std::ranges::all_of(pairs, [](const LinePair& pair) {
     return pair.i < pair.j && pair.j < kEnvironment && pair.period > 0 && pair.exchange >= pair.clear &&
            pair.clear >= 0 && std::isfinite(pair.exchange) && pair.blocks <= kMostLineBlocks;

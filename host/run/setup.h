@@ -47,7 +47,7 @@ class Setup {
   int resolution() const { return resolution_; }
   bool usesUnoccluded() const { return unoccluded_ && !pair_lines_; }
   bool usesPairLines() const { return pair_lines_; }
-  // Where lines leak, common directions measure the leak better.
+  // Where it is not defined what lies between two polygons.
   void leaveOutPairLines() { pair_lines_ = false; }
   // They were nobody's wish, and can be left out.
   bool unoccludedByDefault() const { return unoccluded_by_default_; }
