@@ -12,13 +12,16 @@
 namespace viewpeel {
 namespace {
 
-// Standard error that a goal allows an exchange area, input units squared.
+// Standard errors that make up a goal, of an entry in this column.
+double errorsInGoal(uint32_t column) { return column < kEnvironment ? kErrorsInGoal : kErrorsInRowGoal; }
+
+// What a goal allows an exchange area, input units squared.
 double allowedBy(const EstimateOptions& options, double exchange, double smaller_area) {
   double allowed = options.tolerance ? *options.tolerance * smaller_area : INFINITY;
   // The least visibility is not known before the run: an error relative to what is seen is one of half of it.
   if (options.relative && exchange >= options.relative_floor * smaller_area)
     allowed = std::min(allowed, *options.relative * exchange / 2);
-  return allowed / kPlannedErrors;
+  return allowed;
 }
 
 using Key = std::pair<uint32_t, uint32_t>;
@@ -41,29 +44,28 @@ RunSums sumsToBeginWith(const Scene& scene, const Ids& face_ids, std::vector<Lin
 
 std::vector<LinePair> planLines(PairLines& lines, const Ids& face_ids, const Ids& ids, const EstimateOptions& options) {
   std::vector<LinePair> pairs = lines.find();
-  // The errors of all pairs of an entry, between surfaces or of a row's leak, add up as independent ones: each gets its
-  // part of the square, in proportion to the root of what is uncertain.
+  // The errors of all pairs of an entry, between surfaces or of a row's leak, add up as independent ones. Least lines do
+  // where a pair's part of the variance is as its exchange area to the power of 8/9 (docs/method.md, eq. (48)).
   struct Sum {
-    double exchange = 0, square = 0;
+    double exchange = 0, parts = 0;
   };
   std::map<Key, Sum> of_entries;
-  const auto squareOf = [](const LinePair& pair) { return pair.exchange * (pair.exchange - pair.clear); };
+  const auto partOf = [](const LinePair& pair) { return std::pow(pair.exchange - pair.clear, 8.0 / 9); };
   for (const LinePair& pair : pairs) {
     const Key key = entryOf(pair, face_ids, options.by);
     if (key == keyOf(pair)) continue;
     Sum& sum = of_entries[key];
     sum.exchange += pair.exchange;
-    sum.square += squareOf(pair);
+    sum.parts += partOf(pair);
   }
   lines.plan(
       pairs,
       [&](const LinePair& pair) {
         const Key key = entryOf(pair, face_ids, options.by);
-        const double area = ids.smallerArea(key.first, key.second);
+        const double area = ids.smallerArea(key.first, key.second), errors = errorsInGoal(key.second);
         const auto sum = of_entries.find(key);
-        if (sum == of_entries.end()) return allowedBy(options, pair.exchange, area);
-        return allowedBy(options, sum->second.exchange, area) *
-               std::sqrt(squareOf(pair) / std::max(sum->second.square, 1e-300));
+        if (sum == of_entries.end()) return allowedBy(options, pair.exchange, area) / errors;
+        return allowedBy(options, sum->second.exchange, area) / errors * std::sqrt(partOf(pair) / sum->second.parts);
       },
       options.replicates);
   return pairs;
@@ -124,10 +126,11 @@ void LineRun::measureErrors() {
 }
 
 bool LineRun::isWanting(const FormFactors::Entry& entry, const Ids& ids) const {
-  const double area = ids.smallerArea(entry.i, entry.j), error = entry.exchange_area.standard_error;
-  if (options_.tolerance && kReachedErrors * error > *options_.tolerance * area) return true;
+  const double area = ids.smallerArea(entry.i, entry.j),
+               error = errorsInGoal(entry.j) * entry.exchange_area.standard_error;
+  if (options_.tolerance && error > *options_.tolerance * area) return true;
   return options_.relative && entry.exchange_area.value >= options_.relative_floor * area &&
-         kReachedErrors * error > *options_.relative * entry.exchange_area.value;
+         error > *options_.relative * entry.exchange_area.value;
 }
 
 bool LineRun::isDone() const {

@@ -32,7 +32,8 @@ bool areNear(const Patch& a, const Patch& b) {
 
 }  // namespace
 
-PairLines::PairLines(const Scene& scene, const Ids& face_ids, bool with_leak, uint64_t seed, size_t threads, std::function<void()> stop)
+PairLines::PairLines(const Scene& scene, const Ids& face_ids, bool with_leak, uint64_t seed, size_t threads,
+                     std::function<void()> stop)
     : scene_(scene),
       ids_(face_ids),
       seed_(seed),

@@ -142,8 +142,8 @@ Plan FormFactorRun::State::makePlanOfRequest() {
 
 // Whether any line of a few directions ends on a back.
 bool FormFactorRun::State::leaks() {
-  const std::vector<Direction> directions = sampleDirections(setup.estimate().sampler, 2 * kLineRunDirections,
-                                                             setup.request().seed, kLineReplicates.first);
+  const std::vector<Direction> directions =
+      sampleDirections(setup.estimate().sampler, 2 * kLineRunDirections, setup.request().seed, kLineReplicates.first);
   return std::ranges::any_of(plan->engine->count(directions), [](const PairCount& count) { return count.j == kLeak; });
 }
 
@@ -157,8 +157,8 @@ void FormFactorRun::State::planPairLines() {
   plan->engine = makeEngine(lattices, setup.scene(), setup.faceIds(), plan->groups);
   const auto begun = Clock::now();
   const auto hasBack = [&](const LinePair& pair) { return pair.j >= setup.faceIds().count(); };
-  const bool with_leak = resumed ? std::ranges::any_of(resumed->sums.lines->pairs(), hasBack)
-                                 : plan->directions > 0 && leaks();
+  const bool with_leak =
+      resumed ? std::ranges::any_of(resumed->sums.lines->pairs(), hasBack) : plan->directions > 0 && leaks();
   pair_lines.emplace(setup.scene(), setup.faceIds(), with_leak, setup.request().seed, setup.request().threads,
                      [this] { stopIfRequested(); });
   if (pair_lines->hasUnordered() && (setup.request().pair_lines || resumed))
