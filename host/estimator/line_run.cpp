@@ -44,8 +44,8 @@ RunSums sumsToBeginWith(const Scene& scene, const Ids& face_ids, std::vector<Lin
 
 std::vector<LinePair> planLines(PairLines& lines, const Ids& face_ids, const Ids& ids, const EstimateOptions& options) {
   std::vector<LinePair> pairs = lines.find();
-  // The errors of all pairs of an entry, between surfaces or of a row's leak, add up as independent ones. Least lines do
-  // where a pair's part of the variance is as its exchange area to the power of 8/9 (docs/method.md, eq. (48)).
+  // An entry between surfaces, and a row's leak, is a sum over many pairs with independent errors. Parts of the variance
+  // as in eq. (48) of docs/method.md take the fewest lines.
   struct Sum {
     double exchange = 0, parts = 0;
   };

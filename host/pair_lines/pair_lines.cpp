@@ -164,7 +164,7 @@ void PairLines::plan(std::span<LinePair> pairs, const std::function<double(const
     const double lines = findNeed(pair, groups_[k], allowed(pair) / (pair.exchange - pair.clear), vectors),
                  blocks = lines / (LineDrawer::kBlockLines * double(replicates));
     pair.blocks = static_cast<uint32_t>(std::min(double(kMostLineBlocks), std::max(1.0, std::ceil(blocks))));
-    while (2 * pair.period <= kMostPeriod && 2 * pair.period * blocks <= 1) pair.period *= 2;
+    while (2 * pair.period <= std::min(kMostPeriod, replicates) && 2 * pair.period * blocks <= 1) pair.period *= 2;
   });
 }
 
