@@ -21,7 +21,8 @@ enum class Kind {
   sheets,   // parallel squares one above another at gaps of 1 to 1e-7 of their size, facing either way
   doubles,  // coincident squares facing alike and oppositely, parts of them, and coplanar neighbours
 };
-inline constexpr std::array kKinds = {Kind::soup, Kind::slivers, Kind::boxes, Kind::turned, Kind::sheets, Kind::doubles};
+inline constexpr std::array kKinds = {Kind::soup,   Kind::slivers, Kind::boxes,
+                                      Kind::turned, Kind::sheets,  Kind::doubles};
 const char* nameOf(Kind kind);
 inline bool isClosed(Kind kind) { return kind == Kind::boxes || kind == Kind::turned; }
 

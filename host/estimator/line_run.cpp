@@ -44,8 +44,8 @@ RunSums sumsToBeginWith(const Scene& scene, const Ids& face_ids, std::vector<Lin
 
 std::vector<LinePair> planLines(PairLines& lines, const Ids& face_ids, const Ids& ids, const EstimateOptions& options) {
   std::vector<LinePair> pairs = lines.find();
-  // An entry between surfaces, and a row's leak, is a sum over many pairs with independent errors. Parts of the variance
-  // as in eq. (48) of docs/method.md take the fewest lines.
+  // An entry between surfaces, and a row's leak, is a sum over many pairs with independent errors. Parts of the
+  // variance as in eq. (48) of docs/method.md take the fewest lines.
   struct Sum {
     double exchange = 0, parts = 0;
   };

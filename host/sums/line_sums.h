@@ -80,7 +80,8 @@ class LineSums {
   bool hasBack(size_t pair) const { return pairs_[pair].j >= ids_.count(); }
   // Of the smaller face of a pair, input units squared; of the face where the other is a back.
   double smallerArea(const LinePair& pair) const;
-  // Exchange areas of all pairs, and of faces with kLeak as sums over their pairs with backs; input units squared, sorted.
+  // Exchange areas of all pairs, and of faces with kLeak as sums over their pairs with backs, sorted; input units
+  // squared.
   //   Error: that of replicates and that of independent lines together; see docs/method.md. Coverage:
   //   bench/programs/coverage.cpp.
   std::vector<FormFactors::Entry> entries() const;

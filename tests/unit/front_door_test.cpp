@@ -157,8 +157,8 @@ Result byPairLines(const Scene& scene, Goal goal, uint64_t seed) {
   return computeFormFactors(scene, request);
 }
 
-// A plate between two squares, against the integral past one blocker. No form factor is off by more than the tolerance,
-// which is 4.25 standard errors; 40 of the 80 errors are above a hundredth of it, so that the comparison says something.
+// A plate between two squares, against the integral past one blocker. No form factor is off by more than the
+// tolerance, which is 4.25 standard errors. 40 of the 80 errors are above a hundredth of it.
 TEST(PairLineRuns, ErrorsAreBelowTheTolerance) {
   namespace rt = reference::test;
   const rt::Corners lower = rt::rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}),
