@@ -31,6 +31,7 @@ struct CoincidentScene {
   std::function<InputScene(double gap)> make;
 };
 
+// The list is longer than a screen: a scene stands beside its name and its flags.
 inline std::vector<CoincidentScene> coincidentScenes() {
   const auto named = [](const char* name) { return InputScene{name, {}, {}}; };
   return {

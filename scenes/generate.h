@@ -30,7 +30,7 @@ InputScene spreadOfSizes();
 InputScene twoPlates(uint32_t cuts);
 
 // The inside of a unit cube, cuts x cuts squares a face.
-InputScene insideOfCube(uint32_t cuts);
+InputScene cubeOfPatches(uint32_t cuts);
 
 // Every polygon of a scene as a face of its own, cut into refine x refine: quadrilaterals along lines between opposite
 // sides, triangles into like ones.

@@ -1,7 +1,11 @@
 // Named scenes for tests, as a file would give them.
 #pragma once
+#include <algorithm>
+#include <array>
 #include <random>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <glm/glm.hpp>
 
@@ -22,19 +26,34 @@ inline Corners parallelogram(glm::dvec3 origin, glm::dvec3 a, glm::dvec3 b) {
   return {origin, origin + a, origin + a + b, origin + b};
 }
 
-// The six faces of an axis-parallel box, fronts inward or outward: -x, +x, -y, +y, -z, +z.
-inline void addBox(InputScene& scene, const std::string& surface, glm::dvec3 low, glm::dvec3 high, bool inward,
-                   bool face_names = false) {
+// A BoxSide is one of the six faces of an axis-parallel box: a parallelogram from `origin`, a x b along its front.
+struct BoxSide {
+  glm::dvec3 origin, a, b;
+};
+
+// Returns the sides of a box, fronts inward or outward: -x, +x, -y, +y, -z, +z.
+inline std::array<BoxSide, 6> sidesOfBox(glm::dvec3 low, glm::dvec3 high, bool inward) {
   const glm::dvec3 size = high - low;
+  std::array<BoxSide, 6> sides;
   for (int axis = 0; axis < 3; ++axis)
     for (int upper = 0; upper < 2; ++upper) {
-      glm::dvec3 origin = low, a(0), b(0);
-      if (upper) origin[axis] = high[axis];
-      a[(axis + 1) % 3] = size[(axis + 1) % 3];
-      b[(axis + 2) % 3] = size[(axis + 2) % 3];
-      if ((upper == 1) == inward) std::swap(a, b);  // a x b points along the front
-      addFace(scene, face_names ? surface + "xyz"[axis] + "01"[upper] : surface, parallelogram(origin, a, b));
+      BoxSide side{low, glm::dvec3(0), glm::dvec3(0)};
+      if (upper) side.origin[axis] = high[axis];
+      side.a[(axis + 1) % 3] = size[(axis + 1) % 3];
+      side.b[(axis + 2) % 3] = size[(axis + 2) % 3];
+      if ((upper == 1) == inward) std::swap(side.a, side.b);
+      sides[2 * axis + upper] = side;
     }
+  return sides;
+}
+
+// Adds the sides of a box, all of one surface or each of one of its own: "namex0", "namex1", and so on.
+inline void addBox(InputScene& scene, const std::string& surface, glm::dvec3 low, glm::dvec3 high, bool inward,
+                   bool face_names = false) {
+  const std::array<BoxSide, 6> sides = sidesOfBox(low, high, inward);
+  for (size_t k = 0; k < sides.size(); ++k)
+    addFace(scene, face_names ? surface + "xyz"[k / 2] + "01"[k % 2] : surface,
+            parallelogram(sides[k].origin, sides[k].a, sides[k].b));
 }
 
 // Two unit squares that face each other at distance 1.

@@ -43,7 +43,7 @@ struct Run {
 };
 
 Scene makeScene(const std::string& name) {
-  if (name == "cube") return buildScene(insideOfCube(4));
+  if (name == "cube") return buildScene(cubeOfPatches(4));
   if (name == "room4") return buildScene(roomWithBoxes(4));
   return loadScene(VIEWPEEL_SOURCE "/scenes/" + name + ".obj");
 }
