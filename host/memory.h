@@ -1,4 +1,4 @@
-// The program's way of allocating memory: freed memory is kept, and new memory comes in huge pages.
+// The program allocates memory in its own way: freed memory is kept, and new memory comes in huge pages.
 #pragma once
 #include <malloc.h>
 #include <sys/mman.h>

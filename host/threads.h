@@ -5,7 +5,7 @@
 
 namespace viewpeel {
 
-// As many as the processors that the process may run on (taskset).
+// Returns the number of processors that the process may run on (taskset).
 size_t threadCount();
 
 // Returns the number of threads for lists of this many entries, one where a second would take longer to start.

@@ -1,5 +1,5 @@
-// Scenes with coincident faces as users draw them: thin walls, and solids that touch. Each can be drawn with a gap in
-// place of every coincidence, which leaves no doubt what is meant.
+// These scenes have coincident faces as users draw them: thin walls, and solids that touch. Each can be drawn with a
+// gap in place of every coincidence, which leaves no doubt which of the two is meant.
 #pragma once
 #include <functional>
 #include <string>
@@ -27,7 +27,8 @@ inline void addRoom(InputScene& scene, const std::string& name, glm::dvec3 low, 
 struct CoincidentScene {
   std::string name;
   bool is_closed;
-  bool needs_gap;  // what a negative gap means is something else, for nothing but the gap tells
+  // A negative gap would mean something else, for nothing but the gap decides.
+  bool needs_gap;
   std::function<InputScene(double gap)> make;
 };
 
@@ -50,7 +51,7 @@ inline std::vector<CoincidentScene> coincidentScenes() {
          return s;
        }},
       {"three rooms in a row", true, false,
-       [=](double gap) {  // only rays through ordered walls tell of the middle one
+       [=](double gap) {  // only rays through ordered walls decide about the middle one
          InputScene s = named("row");
          for (int k = 0; k < 3; ++k)
            addRoom(s, std::string("room") + "abc" [k], { k + gap / 2, 0, 0 }, {k + 1 - gap / 2, 1, 1});

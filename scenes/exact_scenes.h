@@ -16,7 +16,7 @@ struct SceneBuilder {
 
   SceneBuilder() { scene.file = "test"; }
   void addPolygon(const std::string& name, const std::vector<glm::dvec3>& corners);
-  // Six quads with fronts outwards, or inwards for a room.
+  // Adds six quads with fronts outwards, or inwards for a room.
   void addBox(const std::string& name, const glm::dvec3& low, const glm::dvec3& high, bool inwards = false);
 };
 

@@ -40,7 +40,7 @@ class Random {
   std::mt19937_64 engine_;
 };
 
-// A convex polygon within a ball: corners at random angles of a circle, pressed to 1 / aspect of its width.
+// Returns a convex polygon within a ball: corners at random angles of a circle, pressed to 1 / aspect of its width.
 ts::Corners polygonIn(glm::dvec3 centre, double radius, uint32_t corner_count, double aspect, Random& random) {
   const glm::dmat3 frame = random.rotation();
   std::vector<double> angles_rad;
@@ -75,8 +75,8 @@ InputScene makeSoup(Random& random, bool slivers) {
   return scene;
 }
 
-// Boxes with corners in multiples of 1/8 in the cells of a 3 x 3 x 3 grid: many reach the sides of their cell and touch
-// what is there.
+// Makes boxes with corners in multiples of 1/8 in the cells of a 3 x 3 x 3 grid: many reach the sides of their cell and
+// touch their neighbours.
 InputScene makeBoxes(Random& random) {
   InputScene scene{"boxes", {}, {}};
   ts::addBox(scene, "room", glm::dvec3(0), glm::dvec3(3), true);

@@ -76,8 +76,7 @@ void main() {
   }
 
   Longs words =
-      Longs(args.projected +
-            uint64_t(projected_at) * 48ul);  // as few stores as can be: they are what this pass spends its time with
+      Longs(args.projected + uint64_t(projected_at) * 48ul);  // few stores, for this pass spends its time on them
   words.at[0] = packUint2x32(uvec2(polygon.box_min));
   words.at[1] = packUint2x32(uvec2(polygon.box_max));
   words.at[2] = uint64_t(polygon.depth_0);

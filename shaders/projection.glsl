@@ -91,7 +91,7 @@ Projection projectPolygon(uint polygon_index, uint direction_index) {
                       any(greaterThan(found.polygon.box_min, found.polygon.box_max));
   for (uint k = 0u; k < 4u; ++k) found.edges[k] = makeEdge(found.corners, k, args.fraction_bits - args.column_bits);
 
-  // The plane normal . (x, y, z) = plane_offset is solved for z at lattice points.
+  // The plane's equation normal . (x, y, z) = plane_offset is solved for z at lattice points.
   dvec2 plane_01 = doublesFrom(texelFetch(polygon_texels, int(3u * polygon_index + 1u)));
   dvec2 plane_23 = doublesFrom(texelFetch(polygon_texels, int(3u * polygon_index + 2u)));
   dvec3 normal = dvec3(plane_01, plane_23.x);

@@ -175,7 +175,7 @@ struct Groups {
 
 // A BatchStatus has figures of the passes of a batch, for the passes after them and for the host.
 struct BatchStatus {
-  Groups project_groups, bin_groups;  // over what is listed
+  Groups project_groups, bin_groups;  // over the listed polygons
   uint listed;
   uint most_fragments;  // of a lattice point
   Groups peel_groups;   // over active tiles
@@ -297,7 +297,7 @@ struct UnfinishedTile {
 struct PeelArgs {
   uint64_t tiles;       // UnfinishedTile[], where it works off those
   uint64_t reached;     // uint64_t[]: the layers that the lines of those tiles have reached; ~0 where they are finished
-  uint64_t unfinished;  // UnfinishedTile[]: what this dispatch leaves
+  uint64_t unfinished;  // UnfinishedTile[]: tiles that this dispatch does not finish
   uint64_t reached_next;
   uint64_t status;
   uint64_t counters;

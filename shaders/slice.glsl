@@ -26,8 +26,8 @@ uint endIn(uint entry) { return entry / kMostSpans; }
 // The order of ends: of equal ones the earlier span's, and its left one, come first.
 int endKey(uint position, uint span, uint side) { return int((position * kMostSpans + span) * 2u + side); }
 
-// The spans of the rows of a tile, as counted: all of them, those at the front of `spans`, and for each row those of
-// the rows before it. Rows that hold a span are counted where work is measured.
+// FoundSpans are the numbers of spans in the rows of a tile: of all, of those that come first in `spans`, and for each
+// row of those in earlier rows. Rows that hold a span are counted where work is measured.
 struct FoundSpans {
   uint count, ups, held_rows;
   uint starts[kMostRowsAtOnce];  // only where no blocked pairs are counted
@@ -142,7 +142,7 @@ uint keepPositions(uint end_count, uint lane, inout bool cut) {
 }
 
 // Puts the rows' spans and their ends, each once and in order, into shared memory, and the spans in order of where they
-// begin into `window`. Returns the number of spans, of those that come first, of ends, and, where work is measured, of
+// begin into `window`. Returns the numbers of spans, of spans that come first, of ends, and, where work is measured, of
 // rows that hold a span. With more than kMostSpans spans it returns nothing but their number.
 uvec4 sliceRows(Tile tile, uint lane, inout bool cut) {
   FoundSpans found = findSpans(tile, lane, cut);
@@ -151,8 +151,7 @@ uvec4 sliceRows(Tile tile, uint lane, inout bool cut) {
   return uvec4(found.count, found.ups, keepPositions(2u * found.count, lane, cut), found.held_rows);
 }
 
-// Of the spans from `begin` to `end` in `window` moves those that go on beyond a position to the end. Returns where
-// they begin.
+// Moves the spans of `window` from `begin` to `end` that go on beyond a position to the end. Returns where they begin.
 uint dropEnded(uint begin, uint end, uint position, uint lane, inout bool cut) {
   const uint lanes = gl_WorkGroupSize.x;
   uint left = end - begin;

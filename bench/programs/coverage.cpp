@@ -1,18 +1,21 @@
-// Are the standard errors honest? How often the 95 % interval, mean +- t_0.975(R - 1) standard errors, holds the true
-// form factor, over many seeds. CSV on stdout, one row for each scene, setting, rule when to stop and class of entries.
-//   coverage [--scene facing|edge|far|cube|blocked|parts|gap|office|room|city]... [--unoccluded] [--host] [--directed
-//   R] [--sampler fibonacci|jittered|sobol|iid]... [--setting PXxN]... [--rule RULE]...
-//     [--seeds K] [--device D]
+// Are the standard errors honest? This bench answers: it counts how often the 95 % interval, mean +- t_0.975(R - 1)
+// standard errors, holds the true form factor, over many seeds. It prints CSV on stdout, one row for each scene,
+// setting, rule when to stop and class of entries.
+//   coverage [--scene facing|edge|far|cube|blocked|parts|gap|office|room|city]... [--unoccluded] [--host]
+//     [--directed R] [--sampler fibonacci|jittered|sobol|iid]... [--setting PXxN]... [--rule RULE]... [--seeds K]
+//     [--device D]
+//
 // The truth of office, room and city is a long run, of 16,384 directions and 256 scanlines. With --host the host engine
-// counts scanlines, in place of the compute engine's points. With --directed pairs that pilots tell to keep the run
-// from a relative error of R have directions of their own. A rule is R, a fixed number of replicates, or R:G, at least
-// R and on until the largest standard error reaches the tolerance that takes G on the average. Entries fall into
-// classes by the lattice points that a replicate is expected to count for them; with unoccluded form factors those that
-// something blocks in part are a class, too, for what nothing or everything between two blocks is known when it is met.
-// The last class are all that some replicate met. Entries of one run are correlated, so the standard error of a
-// coverage comes from the spread between seeds. What no line met is covered where the bound for that holds the truth
-// (unmetBound). Where the truth of all pairs is known there are two classes more: rows, the row sums written, whose
-// truth is 1, and groups, form factors between surfaces.
+// counts scanlines, in place of the compute engine's points. With --directed pairs have directions of their own where
+// pilots predict that they keep a run from a relative error of R. A rule is R, a fixed number of replicates, or R:G: at
+// least R, and on until the largest standard error reaches the tolerance that takes G on the average.
+//
+// Entries fall into classes by the lattice points that a replicate is expected to count for them. With unoccluded form
+// factors entries that something blocks in part are a class, too: a pair with nothing or everything in between is exact
+// once a line hits it. The last class has all entries that some replicate hit. Entries of one run are correlated, so
+// the standard error of a coverage comes from the spread between seeds. An entry without a line is covered where
+// unmetBound holds the truth. Where all pairs have a truth there are two classes more: rows, the row sums written,
+// whose truth is 1, and groups, form factors between surfaces.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -44,8 +47,8 @@ constexpr double kConfidence = 0.95, kNormalQuantile = 1.959964;
 constexpr uint64_t kPilotSeed = 1'000'000'000, kLongRunSeed = 2'000'000'000;
 constexpr uint32_t kPilots = 20, kPilotReplicates = 16;
 constexpr std::array<double, 5> kCountEnds{0.3, 1, 3, 10, INFINITY};  // expected per replicate
-constexpr double kBlockedInPart =
-    1e-3;  // of what two would exchange with nothing in between: at least as much is seen, and blocked
+// At least this share of an unoccluded form factor is seen, and as much is blocked.
+constexpr double kBlockedInPart = 1e-3;
 const std::map<std::string, Sampler> kSamplers(kSamplerNames.begin(), kSamplerNames.end());
 
 struct Options {
@@ -67,7 +70,7 @@ struct Case {
   bool has_all_pairs = false;
 };
 
-// The truth between surfaces, F_IJ = sum_ij A_i F_ij / A_I.
+// Returns the truth between surfaces, F_IJ = sum_ij A_i F_ij / A_I.
 Truths sumBySurface(const Truths& truths, const Ids& ids, const Ids& surface_ids) {
   Truths sums;
   for (const auto& [pair, truth] : truths) {
@@ -134,7 +137,7 @@ Case pastABlocker(const InputScene& input) {
   return {buildScene(input), {{{0, 1}, factor}}};
 }
 
-// 8 x 8 parts each of two facing squares past a blocker: of most pairs few lines tell, or none.
+// Returns 8 x 8 parts each of two facing squares past a blocker: few lines hit most pairs, or none.
 Case partsPastABlocker() {
   InputScene input = test_scenes::squaresInParts(8, 1.0 / 8, 1);
   const auto count = static_cast<uint32_t>(input.faces.size());
@@ -211,7 +214,7 @@ struct Rule {
   uint32_t replicates = 0, goal_replicates = 0;  // goal 0: none
 };
 
-// Two whole numbers with a separator between them.
+// Reads two numbers with a separator between them.
 template <class First>
 bool readPair(const std::string& text, char separator, First& first, uint32_t& second) {
   std::istringstream in(text);
@@ -241,7 +244,7 @@ struct RunOutcome {
   uint64_t replicates = 0;
 };
 
-// What became of the entries of one class.
+// A Tally counts the covered entries of one class.
 class Tally {
  public:
   void startRun() { runs_.push_back({}); }

@@ -1,12 +1,13 @@
-// How fast are the compute and the host engine beside Embree on the same cores? Interleaved rounds, CSV on stdout.
+// How fast are the compute and the host engine beside Embree on the same cores? Rounds are interleaved, CSV is on
+// stdout.
 //   engine_speed [--scene NAME] [--resolution PX] [--by polygon|surface] [--rounds N] [--seconds S]
-// Methods: `viewpeel`, the compute engine; `host`, the same lattices by the host engine, `host_scanlines`, its
-// scanlines, of which a sample is counted where a lattice point would be; `embree_lines_*`, the lines of the same
-// lattices traced by Embree and sorted; `embree_rays_*`, rays shot from the surfaces. A sample is a facing pair seen by
+// Methods: `viewpeel` is the compute engine, `host` the same lattices by the host engine, and `host_scanlines` its
+// scanlines, of which a sample is counted where a lattice point would be. Embree traces and sorts the lines of the same
+// lattices in `embree_lines_*`, and shoots rays from the surfaces in `embree_rays_*`. A sample is a facing pair seen by
 // a line, or a ray that ends on a front; other rays cost time and count for nothing. All are timed from directions or
-// rays to all counts in the order of pairs. The fixed cost of that, reading and emptying counters in which nothing was
-// counted, is timed in every round and left out. Debian builds its Embree with assertions on: Embree's own release
-// build may be faster than this one.
+// rays to all counts in the order of pairs. The fixed cost, reading and emptying counters without counts, is timed in
+// every round and left out. Debian builds its Embree with assertions on: Embree's own release build may be faster than
+// this one.
 #include <cmath>
 #include <functional>
 #include <optional>
@@ -37,8 +38,8 @@ struct Options {
   DeviceOptions device;
 };
 
-// One way to count. count(n) works through n directions, or n groups of rays, and returns samples; count(0) costs what
-// is fixed.
+// A Method is one way to count. count(n) works through n directions, or n groups of rays, and returns samples; count(0)
+// has only the fixed cost.
 struct Method {
   std::string name;
   bool has_directions;
@@ -79,7 +80,7 @@ uint64_t facingPairs(const PairCounts& counts) {
   return sum;
 }
 
-// Of |a - b| over all pairs, environment and leak.
+// Returns the sum of |a - b| over all pairs, environment and leak.
 uint64_t distance(const PairCounts& a, const PairCounts& b) {
   uint64_t sum = 0;
   size_t at = 0;

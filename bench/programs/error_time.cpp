@@ -1,16 +1,21 @@
-// What error does each method have after what time? All form factors of a scene by viewpeel and by what users would
-// pick instead, in one run on one machine. CSV on stdout.
+// What error does each method have after a given time? The bench computes all form factors of a scene by viewpeel and
+// by the methods that users would pick instead, in one run on one machine. CSV on stdout.
 //   error_time [--scene NAME]... [--method NAME]... [--full] [--seconds S] [--reference-seconds S] [--rounds K]
-//   [--view3d PROGRAM] [--cache DIR] [--device D]
-// Methods (methods.cpp): planned (the program's default), fibonacci, jittered, iid and the same with unoccluded form
-// factors, scanline, host and host_unoccluded (scanlines on the processor), graphics, exact; rays_random and
-// rays_sobol, double_area_random and double_area_sobol (embree_rays.h), hemicube (hemicube.h), view3d (view3d.h).
-// Rivals are verified first (verify_rivals.h). Each method climbs a ladder of growing work until its next run would
-// take longer than --seconds; short runs are repeated with other seeds, and rounds of all ladders follow each other.
-// seconds: from a method made ready to its result; setup_seconds: to make it ready (kernels compiled, trees built).
-// Errors: exchange_matrix.h; reference_error is the reference's own rms error (a reference kept in --cache from a busy
-// machine is a poor one: delete it). chosen: parameters that a method chose itself. waiting_share: of seconds, what the
-// calling thread does not compute. passes: shares of the time on the device, over other directions.
+//     [--view3d PROGRAM] [--cache DIR] [--device D]
+//
+// Methods of viewpeel (methods.cpp): planned (the program's default), fibonacci, jittered, iid and the same with
+// unoccluded form factors, scanline, host and host_unoccluded (scanlines on the processor), graphics, exact. Rivals:
+// rays_random and rays_sobol, double_area_random and double_area_sobol (embree_rays.h), hemicube (hemicube.h), view3d
+// (view3d.h). They are verified first (verify_rivals.h).
+//
+// Each method climbs a ladder of growing work until its next run would take longer than --seconds. Short runs are
+// repeated with other seeds, and rounds of all ladders follow each other.
+//
+// Columns: seconds run from a method made ready to its result; setup_seconds make it ready (kernels compiled, trees
+// built). Errors: exchange_matrix.h. reference_error is the reference's own rms error (a reference kept in --cache from
+// a busy machine is a poor one: delete it). chosen: parameters that a method chose itself. waiting_share: of seconds,
+// the part in which the calling thread does not compute. passes: shares of the time on the device, over other
+// directions.
 #include <algorithm>
 #include <fstream>
 #include <set>
@@ -82,7 +87,7 @@ struct Place {
   std::string commit, device, driver;
 };
 
-// The first four columns.
+// Returns the first four columns.
 std::string describe(const Place& place, const Ladder& ladder) {
   const std::string device = ladder.on_device ? place.device : "CPU";
   const std::string driver =
@@ -147,8 +152,8 @@ void measureScene(const std::string& name, const Device& device, const Place& pl
              scene.polygons.size(), reference.source, reference.error.rms, reference.error.largest);
   std::fflush(stdout);
   const std::vector<Ladder> ladders = makeLadders(device, scene, options.method);
-  std::set<std::string> too_slow;  // methods whose shortest run takes far longer than is asked for: finer lattices of
-                                   // theirs take longer still
+  // The shortest run of these methods takes far longer than --seconds. Their finer lattices take longer still.
+  std::set<std::string> too_slow;
   for (uint64_t round = 0; round < options.rounds; ++round)
     for (const Ladder& ladder : ladders) {
       if (!isRequested(ladder.method, options)) continue;

@@ -1,12 +1,12 @@
-// Which samples of a direction, lattice points or scanlines, give the smaller error for the same time, on which engine,
-// and how does the error fall with the number of them? CSV on stdout: rms error over all ordered pairs of polygons, of
-// single replicates of rotated Fibonacci directions; in comments, for each engine and sampling, the exponent a of rms ~
-// T^-a at the best split of T samples (lattice points, or scanlines) between directions and spacing, and the time to
-// given errors.
+// Which samples of a direction, lattice points or scanlines, give the smaller error for the same time, on which engine?
+// How does the error fall with their number? CSV on stdout has the rms error over all ordered pairs of polygons, of
+// single replicates of rotated Fibonacci directions. Comments have, for each engine and sampling, the exponent a of rms
+// ~ T^-a, and the time to given errors. T samples (lattice points, or scanlines) are split best between directions and
+// spacing.
 //   sampling_error [--scene plates|cube|office|room4]... [--resolution PX]... [--directions N]... [--repeats K]
-//   [--reference N] [--engine compute|host]...
-// References: the closed form by contour integrals for plates and the inside of a cube of 96 patches; for scenes with
-// occlusion a long run with scanlines, whose own error is printed.
+//     [--reference N] [--engine compute|host]...
+// The reference is the closed form by contour integrals for plates and the inside of a cube of 96 patches. For scenes
+// with occlusion it is a long run with scanlines, whose own error is printed.
 #include <cmath>
 #include <map>
 

@@ -1,9 +1,10 @@
 // How fast are exchange areas of all pairs of a scene's polygons, and how accurate? CSV on stdout.
-//   unoccluded [--refine N] [--triangles N] [--drawn PAIRS] [--checked PAIRS] [--chunk PAIRS] [--near PAIRS] [--device
-//   D]
-// Pairs of the fronts of a room with boxes, or of N random triangles, all or so many drawn at random, in calls of about
-// a million; a random sample of them is compared with the reference. cpu_seconds do not include waiting where other
-// work shares the cores.
+//   unoccluded [--refine N] [--triangles N] [--drawn PAIRS] [--checked PAIRS] [--chunk PAIRS] [--near PAIRS]
+//     [--device D]
+//
+// Pairs are those of the fronts of a room with boxes, or of N random triangles. They are all, or as many as --drawn
+// says at random, in calls of about a million. A random sample of them is compared with the reference. cpu_seconds do
+// not include waiting where other work shares the cores.
 #include <sys/resource.h>
 
 #include <cmath>

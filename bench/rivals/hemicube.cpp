@@ -113,7 +113,7 @@ struct Hemicube::State {
     vkCmdDraw(commands.handle(), 4, polygon_count, 0, 0);
   }
 
-  // Leaves what each eye sees in host_sums.
+  // Leaves the sums of each eye in host_sums.
   void look(std::span<const Eye> eyes) {
     const uint32_t width = cells_per_row * cell_width, height = divideUp(eyes.size(), cells_per_row) * cell_height;
     commands.begin();

@@ -1,4 +1,4 @@
-// The hemicube as a rival, on the same Vulkan device, by its raster pipeline (M. F. Cohen & D. P. Greenberg, The
+// The hemicube is a rival on the same Vulkan device, by its raster pipeline (M. F. Cohen & D. P. Greenberg, The
 // hemi-cube, SIGGRAPH 1985).
 #pragma once
 #include <memory>

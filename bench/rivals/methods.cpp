@@ -41,7 +41,7 @@ RunTime timeOf(Run run) {
   return {seconds, cpuSeconds(RUSAGE_SELF) - cpu_s, cpuSeconds(RUSAGE_THREAD) - host_s};
 }
 
-// amount, times `factor` for each rung.
+// Each rung has `factor` times the amount of the one before.
 std::vector<Ladder::Rung> climb(double first, double factor, double last) {
   std::vector<Ladder::Rung> rungs;
   for (double amount = first; amount <= last * 1.001; amount *= factor) rungs.push_back({amount, amount});
@@ -70,7 +70,7 @@ Outcome outcomeOf(const Estimate& estimate, const Scene& scene, RunTime time) {
   return outcome;
 }
 
-// The first call compiles and tunes; the next compiles what was tuned.
+// The first call compiles and tunes; the next compiles the tuned kernels.
 void warmUp(Engine& engine) {
   for (uint64_t replicate = 0; replicate < 2; ++replicate)
     engine.count(sampleDirections(Sampler::fibonacci, 16, 5, replicate));
@@ -102,7 +102,8 @@ class Viewpeel {
       engine = make(device_, false);
       warmUp(*engine);
     });
-    // On a queue of its own: where one has drawn, lavapipe takes the times of what is dispatched a pass late.
+    // The device has a queue of its own: once a queue has drawn, lavapipe takes the times of its dispatches a pass
+    // late.
     const Device apart({.selector = std::to_string(device_.description().index)});
     if (const std::unique_ptr<Engine> measured = make(apart, true); measured->work())
       runner.profile = profileOf(*measured);

@@ -33,7 +33,7 @@ struct Profile {
 // A method made ready for a scene; not to be used after its ladder.
 struct Runner {
   std::function<Outcome(double amount, uint64_t seed)> run;
-  double setup_seconds = 0;  // to build what every run needs, kernels compiled
+  double setup_seconds = 0;  // to build the parts that every run needs, kernels compiled
   Profile profile;
   std::string chosen;  // parameters chosen when it was made ready
 };

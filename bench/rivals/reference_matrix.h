@@ -1,4 +1,4 @@
-// What errors are measured against.
+// Errors are measured against a reference matrix.
 #pragma once
 #include <string>
 

@@ -1,4 +1,4 @@
-// View3D (G. N. Walton, Calculation of obstructed view factors by adaptive integration, NISTIR 6925, 2002) as a rival:
+// View3D is a rival (G. N. Walton, Calculation of obstructed view factors by adaptive integration, NISTIR 6925, 2002):
 // its input, its program, its output.
 #pragma once
 #include <iosfwd>
@@ -9,8 +9,8 @@
 
 namespace viewpeel::bench {
 
-// A scene as .vs3: vertices in input units with 17 digits, so that they are read back as they are; a surface for every
-// polygon, its corners counter-clockwise seen from the front.
+// Writes a scene as .vs3: vertices in input units with 17 digits, so that they are read back as they are. Every polygon
+// is a surface, its corners counter-clockwise seen from the front.
 //   In: epsilon: View3D's own eps, its convergence criterion
 void writeView3d(const Scene& scene, double epsilon, std::ostream& out);
 
@@ -24,7 +24,7 @@ struct View3dRun {
   double seconds = 0;       // of the program, with its reading and writing
 };
 
-// Runs `program IN OUT` in `directory`.    Throws: Error bad_usage where the program fails; what readView3d throws.
+// Runs `program IN OUT` in `directory`.    Throws: Error bad_usage where the program fails; errors of readView3d.
 View3dRun runView3d(const std::string& program, const Scene& scene, double epsilon, const std::string& directory);
 
 }  // namespace viewpeel::bench

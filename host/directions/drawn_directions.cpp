@@ -59,7 +59,7 @@ double extentOf(const Plate& plate) {
   return extent;
 }
 
-// How far the corners are off the plane of the first.
+// Returns how far the corners are off the plane of the first.
 double roughnessOf(const Plate& plate) {
   double roughness = 0;
   for (const glm::dvec3& corner : plate.corners)
@@ -67,8 +67,8 @@ double roughnessOf(const Plate& plate) {
   return roughness;
 }
 
-// The part of `corners` in front of the plate's plane; corners within `slack` of it stay as they are. Empty where none
-// is further in front.
+// Returns the part of `corners` in front of the plate's plane; corners within `slack` of it stay as they are. Empty
+// where none is further in front.
 Corners clipToFront(const Corners& corners, const Plate& plate, double slack) {
   const auto heightOf = [&](const glm::dvec3& corner) { return glm::dot(plate.front, corner - plate.corners[0]); };
   Corners kept;
@@ -85,8 +85,8 @@ Corners clipToFront(const Corners& corners, const Plate& plate, double slack) {
   return kept;
 }
 
-// Whether polygons of one plane overlap by more than `slack`: no edge of one has all of the other outside (separating
-// axes).
+// Returns whether polygons of one plane overlap by more than `slack`: no edge of one has all of the other outside
+// (separating axes).
 bool overlapInPlane(const Plate& a, const Plate& b, double slack) {
   for (const auto& [one, other] : {std::pair(&a, &b), std::pair(&b, &a)})
     for (size_t k = 0; k < one->corners.size(); ++k) {
@@ -182,8 +182,8 @@ bool appendDifferences(const Plate& a, const Plate& b, double slack, std::vector
   return in_doubt;
 }
 
-// Axis of a narrow cone around all differences: steps towards the furthest (M. Badoiu & K. L. Clarkson, Smaller
-// core-sets for balls, 2003).
+// Returns the axis of a narrow cone around all differences: steps towards the furthest (M. Badoiu & K. L. Clarkson,
+// Smaller core-sets for balls, 2003).
 glm::dvec3 axisOf(const std::vector<Difference>& differences) {
   glm::dvec3 axis = differences[0].d;
   for (int step = 0; step < 256; ++step) {
@@ -229,8 +229,8 @@ std::vector<glm::dvec2> hullOf(std::vector<glm::dvec2> points) {
   return hull;
 }
 
-// The convex hull of directions that fit in a half sphere about the axis, through its central projection on the plane
-// dot(axis, x) = 1. A direction enters as the corners of a square around it, of its error and a margin.
+// Returns the convex hull of directions that fit in a half sphere about the axis, through its central projection on the
+// plane dot(axis, x) = 1. A direction enters as the corners of a square around it, of its error and a margin.
 DirectionRegion hullRegion(const std::vector<Difference>& differences, const glm::dvec3& axis) {
   const Frame frame = frameAbout(axis);
   std::vector<glm::dvec2> points;
@@ -285,8 +285,8 @@ size_t cornerCount(const Scene& scene, std::span<const uint32_t> polygons) {
 // --- samplers
 // ---------------------------------------------------------------------------------------------------------
 
-// Points of the unit square, each uniform in it: a lattice under one random shift, periodic in `around`, folded (t and
-// 1 - t alike) in `outwards`.
+// A ShiftedLattice has points of the unit square, each uniform in it: a lattice under one random shift, periodic in
+// `around`, folded (t and 1 - t alike) in `outwards`.
 class ShiftedLattice {
  public:
   ShiftedLattice(uint32_t count, Random& random) : count_(count), shift_(random.uniform()), turn_(random.uniform()) {}

@@ -9,8 +9,9 @@
 
 namespace viewpeel {
 
-// A convex spherical polygon: directions u, of which it never holds both u and -u but on its boundary. Opposite
-// directions carry the same lines, so a region that holds u or -u of every line of a pair is all that the pair needs.
+// A DirectionRegion is a convex spherical polygon: directions u, of which it never holds both u and -u but on its
+// boundary. Opposite directions carry the same lines, so a region that holds u or -u of every line of a pair is all
+// that the pair needs.
 class DirectionRegion {
  public:
   // The default region has no direction at all.
@@ -40,8 +41,8 @@ class DirectionRegion {
   glm::dvec3 map(double around, double outwards) const;
 
  private:
-  // From `from` to the next arc's `from`, at most a quarter of a great circle, the region on its left, where
-  // inner_normal points.
+  // An Arc goes from `from` to the next arc's `from`, at most a quarter of a great circle, the region on its left,
+  // where inner_normal points.
   struct Arc {
     glm::dvec3 from, inner_normal;
     // The method close() sets these. They are the circle's point nearest to the centre, and the way the arc runs there.
@@ -75,7 +76,7 @@ class DirectionRegion {
 DirectionRegion findPairRegion(const Scene& scene, std::span<const uint32_t> a, std::span<const uint32_t> b,
                                bool two_sided = false);
 
-// Directions that do not count alike: C_ab = E[A'_ab] ~ weight_unit x sum over k of weights[k] A'_ab(directions[k]) /
+// DrawnDirections do not count alike: C_ab = E[A'_ab] ~ weight_unit x sum over k of weights[k] A'_ab(directions[k]) /
 // directions.size(), F_ab = 2 C_ab / A_a.
 struct DrawnDirections {
   std::vector<Direction> directions;

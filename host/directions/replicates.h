@@ -19,7 +19,7 @@ inline constexpr ReplicateNumbers kPlanLatticeReplicates{
 inline constexpr ReplicateNumbers kPriorReplicates{uint64_t(3) << 40, uint64_t(4) << 40};
 inline constexpr ReplicateNumbers kDirectedReplicates{uint64_t(4) << 40, uint64_t(5) << 40};
 
-// All of them, in order.
+// The list has all of them, in order.
 inline constexpr std::array kReplicateNumbers = {kRunReplicates,         kTrialReplicates, kPlanReplicates,
                                                  kPlanLatticeReplicates, kPriorReplicates, kDirectedReplicates};
 

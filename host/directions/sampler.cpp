@@ -47,14 +47,14 @@ void addJittered(uint32_t count, const glm::dmat3& rotation, Random& random, std
   }
 }
 
-// A bit that depends on all of the key.
+// Returns a bit that depends on all of the key.
 uint32_t randomBit(uint64_t key) {
   key = (key ^ key >> 31) * 0x7FB5D329728EA185ull;
   key = (key ^ key >> 27) * 0x81DADEF4BC2DD44Dull;
   return static_cast<uint32_t>(key >> 63);
 }
 
-// Owen's scrambling: every bit is flipped at random, by a coin of its own for each value of the bits before it.
+// Scrambles as Owen does: every bit is flipped at random, by a coin of its own for each value of the bits before it.
 double scramble(uint32_t bits, uint64_t seed) {
   uint32_t scrambled = 0;
   for (uint32_t level = 0; level < 32; ++level) {

@@ -25,8 +25,8 @@ struct BatchShape {
   uint64_t list_capacity = 0;      // entries of all tiles' lists together
   uint32_t fragment_capacity = 0;  // of a lattice point
 
-  // Whether allocate takes rows of tiles, each in the span of its emitters, and not every tile: wide windows are mostly
-  // empty around long thin emitters.
+  // Returns whether allocate takes rows of tiles, each in the span of its emitters, and not every tile: wide windows
+  // are mostly empty around long thin emitters.
   bool allocatesRows() const { return has_roles && tiles_wide >= 64; }
   uint32_t tilesPerDirection() const { return tiles_wide * tiles_high; }
   uint32_t pointsPerDirection() const { return tilesPerDirection() * points_per_tile; }
@@ -61,7 +61,7 @@ std::vector<BufferSize> listBuffers(const BatchShape& shape);
 //   Throws: Error memory where the device has no room, or lists are longer than it can address.
 void fitBuffers(const Device& device, const BatchShape& shape, BatchBuffers& buffers);
 
-// List entries that a batch can have: texels, whose numbers shaders hold in 31 bits.
+// Returns the number of list entries that a batch can have: texels, whose numbers shaders hold in 31 bits.
 uint64_t mostListed(const Device& device);
 
 // Returns the error for polygons that reach too many tiles: smaller batches have shorter lists, as where memory is
@@ -72,7 +72,7 @@ Error listsTooLong(const Device& device);
 uint64_t sizeBytes(const BatchShape& shape);
 uint64_t largestBytes(const BatchShape& shape);
 
-// Bytes of the buffers that a batch has, all of them or those for one use.
+// Returns the bytes of the buffers that a batch has, all of them or those for one use.
 uint64_t sizeBytes(const BatchBuffers& buffers);
 uint64_t sizeBytes(const BatchBuffers& buffers, BufferUse use);
 

@@ -1,4 +1,5 @@
-// How the compute engine divides directions into batches, by the memory that they take. No division changes a result.
+// A batch plan divides the compute engine's directions into batches, by the memory that they take. No division changes
+// a result.
 #pragma once
 #include <cstdint>
 
@@ -13,7 +14,7 @@ constexpr uint32_t kGroupSize = 64;           // local_size_x of project, bin an
 constexpr uint64_t kMemoryBudget = 1u << 30;  // of all batches
 constexpr uint32_t kTrialDirections = 4;      // after which the tuning is settled
 
-// How batches are made.
+// A BatchPlan says how batches are made.
 struct BatchPlan {
   BatchShape shape;
   uint32_t in_flight = 2;  // batches at once

@@ -111,7 +111,8 @@ GraphicsEngine::GraphicsEngine(const Device& device, const Scene& scene, const I
   prepareImages();
 }
 
-// How many directions fit side by side in one image, and within the memory set aside for their projections.
+// Plans the number of directions that fit side by side in one image, and within the memory set aside for their
+// projections.
 void GraphicsEngine::planBatch(uint64_t polygon_bytes_per_direction) {
   const uint32_t largest_side = device_.properties().limits.maxImageDimension2D;
   const uint64_t cell_pixels = uint64_t(cell_size_) * cell_size_;

@@ -1,4 +1,4 @@
-// Engine `host`: on the processor's own threads.
+// Engine `host` runs on the processor's own threads.
 #pragma once
 #include <memory>
 

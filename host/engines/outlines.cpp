@@ -48,7 +48,8 @@ SweepScene::SweepScene(const Scene& scene, const Ids& ids)
       if (x[place] == corner.x && y[place] == corner.y && z[place] == corner.z) return place;
     }
   };
-  // Planes in the order in which polygons come to them: a pass over the polygons reads them one after the other.
+  // Planes are numbered in the order in which polygons come to them: a pass over the polygons reads them one after the
+  // other.
   std::vector<uint32_t> number_of(scene.planes.size(), UINT32_MAX);
   const auto numberOf = [&](uint32_t plane_index) {
     uint32_t& number = number_of[plane_index];
@@ -189,7 +190,7 @@ void Outlines::findEdges() {
             const int32_t row_from = shiftUpward(y[e], bits);
             first = ((size == 0) & (b > 0)) ? std::max(first, row_from) : first;
             last = ((size == 0) & (b < 0)) ? std::min(last, row_from - 1) : last;
-            // To the right of an edge that ends the polygon: |a| X - v - 1 >= 0.
+            // This is the form to the right of an edge that ends the polygon: |a| X - v - 1 >= 0.
             row_0[e * kBlock + k] = a > 0 ? c : c + 1.0;
             per_row[e * kBlock + k] = b * row_columns;
             inverse[e * kBlock + k] = (a > 0 ? -1.0 : a < 0 ? 1.0 : 0.0) / std::max(size, 1.0);

@@ -33,7 +33,7 @@ class Outlines {
   static constexpr size_t kBlock = 256;  // polygons at once
   static constexpr size_t kCuts = 1024;  // rows of polygons at once
 
-  // A polygon and a row that it may reach, and the columns [low, high) that it covers there, in units of
+  // Cuts lists a polygon and a row that it may reach, and the columns [low, high) that it covers there, in units of
   // 2^-column_bits; low >= high where it covers none.
   struct Cuts {
     size_t count;
@@ -80,8 +80,8 @@ class Outlines {
   OfBlock<int32_t> polygon_first_row_{}, polygon_last_row_{};  // of the block's polygons
   OfBlock<uint32_t> reaching_{};                               // polygons that may reach a row: one outline each
   OfBlock<int32_t> first_row_{}, last_row_{}, front_up_{};
-  // Of edge e of outline k, at e kBlock + k: the crossing with row y is ceil((row_0 + per_row y) inverse), see cut().
-  // inverse is -1 / |a| of left edges, 1 / |a| of right ones, 0 of those along rows.
+  // These belong to edge e of outline k, at e kBlock + k: the crossing with row y is ceil((row_0 + per_row y) inverse),
+  // see cut(). inverse is -1 / |a| of left edges, 1 / |a| of right ones, 0 of those along rows.
   std::array<double, 4 * kBlock> row_0_{}, per_row_{}, inverse_{};
 
   size_t next_outline_ = 0;

@@ -30,7 +30,7 @@ PairCounts inOrderOf(const PairCounts& counts, size_t keys, KeyOf keyOf) {
   return sorted;
 }
 
-// By i and j: where there are many, first by j and then by i, of which a part has few.
+// Sorts by i and j: where there are many, first by j and then by i, of which a part has few.
 void sortPart(PairCounts& counts, uint32_t id_count) {
   if (8 * counts.size() < id_count) return std::sort(counts.begin(), counts.end(), isBefore);
   const auto [first, last] = std::minmax_element(counts.begin(), counts.end(),
@@ -51,7 +51,7 @@ SharedPairs::SharedPairs(uint32_t id_count, bool counts_blocked, uint64_t most_b
       most_bytes_(most_bytes),
       parts_(kParts) {}
 
-// The counters of a key, which are new where there were none.
+// Returns the counters of a key, which are new where there were none.
 uint64_t* SharedPairs::find(Part& part, uint64_t key) const {
   uint64_t place = placeOf(key, part.words.size() / stride_);
   while (part.words[place] != key) {

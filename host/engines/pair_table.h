@@ -1,4 +1,4 @@
-// Counters of pairs of ids on the host: dense ones of each thread, or hash tables that all threads share.
+// PairTable has counters of pairs of ids on the host: dense ones of each thread, or hash tables that all threads share.
 #pragma once
 #include <array>
 #include <atomic>
@@ -66,9 +66,9 @@ class PairTable {
   void add(uint32_t i, uint32_t j, uint64_t weight) { addTo(i, j, weight, 0); }
   void addBlocked(uint32_t i, uint32_t j, uint64_t weight) { addTo(i, j, weight, 1); }
 
-  // Of dense counters: all counts, in order; and empties them.
+  // Returns all counts of dense counters, in order, and empties them.
   PairCounts take();
-  // Of dense counters: adds them to others, and empties them.
+  // Adds dense counters: it adds them to others, and empties them.
   void moveInto(PairTable& sum);
   // Gives the waiting additions to the shared tables.    Throws: Error limit.
   void flush();

@@ -1,4 +1,4 @@
-// The structs and rules that the shaders share, for C++.
+// C++ gets from here the structs and rules that the shaders share, for C++.
 #pragma once
 #include <cstdint>
 
@@ -23,6 +23,6 @@ static_assert(sizeof(DirectionData) == 96 && sizeof(CornerData) == 32 && sizeof(
 static_assert(sizeof(ProjectArgs) <= 128 && sizeof(DrawArgs) <= 128 && sizeof(AccumulateArgs) <= 128);
 static_assert(sizeof(BinArgs) <= 128 && sizeof(PeelArgs) <= 128 && sizeof(MeetArgs) <= 128);
 
-// How many dense counters there are.
+// Returns how many dense counters there are.
 inline uint64_t counterCount(uint32_t id_count) { return counterIndex(id_count - 1, id_count + 1, id_count) + 1; }
 }  // namespace viewpeel::device_data

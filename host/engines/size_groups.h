@@ -1,4 +1,4 @@
-// Polygons of very different sizes, each looked at with the lattice spacing that it needs.
+// Size groups serve polygons of very different sizes: each is looked at with the lattice spacing that it needs.
 #pragma once
 #include <memory>
 #include <vector>
@@ -35,14 +35,14 @@ std::vector<SizeGroup> groupBySize(const Scene& scene, const std::vector<double>
 // Puts all polygons at one resolution.    Cost: O(n).
 std::vector<SizeGroup> groupAsOne(const Scene& scene, int resolution);
 
-// How many windows polygons get at a resolution; no polygon may be too large for one.    Cost: O(n log n).
+// Returns how many windows polygons get at a resolution; no polygon may be too large for one.    Cost: O(n log n).
 size_t countWindows(const Scene& scene, std::vector<uint32_t> polygons, int resolution);
 
 // A ball around their box, a little larger, for corners are rounded; the whole scene's where that is no larger.
 Window windowAround(const Scene& scene, const std::vector<uint32_t>& polygons);
 
-// Half the diagonal of its box, unit-ball units: radius x resolution <= kMostWindowPoints where a window of that
-// resolution can hold it.
+// Returns half the diagonal of its box, unit-ball units: radius x resolution <= kMostWindowPoints where a window of
+// that resolution can hold it.
 double boxRadius(const Scene& scene, uint32_t polygon_index);
 
 // Makes an engine that peels every group at its own resolution. unitArea() is the finest group's.

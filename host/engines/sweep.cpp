@@ -179,7 +179,7 @@ Sweep::Layer Sweep::enter(const Span& span, int row) const {
           scene_.two_sided || !surface.front_up};
 }
 
-// The order along the line through a column: depth, place at ties, then the polygon's number (Layer in
+// Returns the order along the line through a column: depth, place at ties, then the polygon's number (Layer in
 // shaders/shared.h).
 uint64_t Sweep::keyAt(const Layer& layer, int32_t column) const {
   const int64_t depth = layer.depth + layer.whole * column + (layer.rest * column >> column_bits_);

@@ -29,7 +29,8 @@ class Sweep {
   uint64_t memoryBytes() const;
 
  private:
-  // Depth over the lattice, as in ProjectedPolygon (shaders/shared.h), of the direction of that turn.
+  // A DepthPlane is the depth over the lattice, as in ProjectedPolygon (shaders/shared.h), of the direction of that
+  // turn.
   struct DepthPlane {
     uint64_t turn = 0;
     int64_t at_origin, per_column, per_row;

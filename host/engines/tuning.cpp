@@ -46,7 +46,7 @@ Tuning tune(const Device& device, const LatticeOptions& options) {
   const uint32_t tile_rows = std::min(std::bit_ceil(choose(options.tile_rows, default_rows)), kMostTileRows);
   if (options.sampling == Sampling::scanline)
     return {subgroup_size, kScanlineCell, tile_rows, 1, layers_kept, most_blocks, false};
-  // Lattice points: as many columns as divide a subgroup, and the rows in steps.
+  // Lattice points take as many columns as divide a subgroup, and the rows in steps.
   const uint32_t tile_width = std::min(std::bit_ceil(choose(options.tile_width, 8)), kMostTileWidth);
   return {subgroup_size, tile_width,  tile_rows,   std::max(1u, tile_width * tile_rows / subgroup_size),
           layers_kept,   most_blocks, options.sort};

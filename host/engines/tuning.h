@@ -24,10 +24,10 @@ Tuning tune(const Device& device, const LatticeOptions& options);
 // Chooses open options by the first batch's figures over its active tiles, of which there is at least one.
 void adaptOptions(const device_data::BatchStatus& found, LatticeOptions& options);
 
-// Of dense counters, beyond which they are kept in a hash table.
+// Returns the budget of dense counters, beyond which they are kept in a hash table.
 uint64_t counterBudget(const LatticeOptions& options);
 
-// Lattice points of a polygon that enters itself, see LatticeOptions; 0 where none should.
+// Returns the most lattice points of a polygon that enters itself, see LatticeOptions; 0 where none should.
 uint32_t chooseFewPoints(const Scene& scene, int resolution);
 
 }  // namespace viewpeel

@@ -35,8 +35,9 @@ template <class Loops>
 }
 #endif
 
-// loops: called without arguments; it and all that it calls must be inlined, which [[gnu::always_inline]] sees to.
-// Results are the same bits with all vectors: without contraction every operation is rounded.
+// The argument `loops` is called without arguments; it and all that it calls must be inlined, which
+// [[gnu::always_inline]] sees to. Results are the same bits with all vectors: without contraction every operation is
+// rounded.
 template <class Loops>
 void runVectorised(Vectors vectors, const Loops& loops) {
 #if defined(__x86_64__)

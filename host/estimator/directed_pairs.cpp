@@ -22,10 +22,10 @@ namespace {
 
 constexpr uint32_t kPilots = 8, kPilotDirections = 16, kUsualDirections = 32;
 constexpr double kEmitterSpacings = 16;  // in the root of the emitter's area
-// Work in the time that one polygon takes at one lattice point, some 10 ns; measured on lavapipe, and the same on every
-// device, for parts of a run have to choose alike.
+// The unit of work is the time that one polygon takes at one lattice point, some 10 ns. The costs were measured on
+// lavapipe, and are the same on every device, for parts of a run have to choose alike.
 constexpr double kPolygonCost = 100, kDirectedPolygonCost = 30;  // of projecting a polygon along a direction
-constexpr double kPointCost = 4;                                 // with what is blocked
+constexpr double kPointCost = 4;                                 // with blocked pairs
 constexpr double kDirectionCost = 2000, kEngineCost = 2e7;
 constexpr double kDearest = 8;  // most directions of a pair, as a multiple of the common ones
 // None of this many directions hits a pair in e^-3 = 5 % of cases, and fewer say little of its visibility.
@@ -41,7 +41,7 @@ double smallerArea(const Ids& ids, Key pair) {
   return std::min(ids.areas[pair.first], pair.second < kEnvironment ? ids.areas[pair.second] : INFINITY);
 }
 
-// What the goals allow of a pair's exchange area to err; infinite where they do not look at it.
+// Returns the error of a pair's exchange area that the goals allow; infinite where they do not look at it.
 double allowedError(const EstimateOptions& options, double area, double exchange) {
   double allowed = options.tolerance ? *options.tolerance * area : INFINITY;
   if (options.relative && exchange >= options.relative_floor * area)
@@ -49,7 +49,7 @@ double allowedError(const EstimateOptions& options, double area, double exchange
   return allowed;
 }
 
-// A pair that does not reach the goal in the replicates asked for.
+// A Need is a pair that does not reach the goal in the request's replicates.
 struct Need {
   Key pair;
   double replicates = 0;  // that it needs
@@ -73,7 +73,7 @@ struct PredictedError {
   }
 };
 
-// Variances of one pilot's exchange area, for pairs in order.
+// PilotVariances holds variances of one pilot's exchange area, for pairs in order.
 class PilotVariances {
  public:
   // Each half of the pilots takes the visibilities of the other half. With its own, pairs of few lines would look
@@ -118,7 +118,7 @@ class PilotVariances {
   size_t at_[2] = {0, 0};
 };
 
-// Sorted, those that need most replicates first.
+// Returns needs, sorted: the pair that needs most replicates comes first.
 std::vector<Need> findNeeds(const Ids& ids, const Prior& prior, const CommonPilots& pilots,
                             const EstimateOptions& options) {
   PairCounts all;
@@ -243,7 +243,7 @@ DirectedPair fit(PairSampler& sampler, const Ids& ids, const Need& need, Directe
     const std::vector<PairVisibility> visibilities = fitVisibilities(fitted);
     return visibilities.empty() ? 0 : visibilities[0].visibility;
   };
-  // Either half takes the visibility of the other half, or none.
+  // Either half of the pilots takes the visibility of the other half, or none.
   const auto errorWith = [&](bool has_visibility) {
     double squares = 0;
     for (const bool second : {false, true}) {
@@ -334,7 +334,7 @@ void PairSampler::prepare(std::span<DirectedPair> pairs) {
   }
 }
 
-// 0 the emitter, from 1 on its partners, and one for all that is only in the way.
+// Returns ids: 0 the emitter, from 1 on its partners, and one for all that is only in the way.
 Ids PairSampler::idsOf(uint32_t emitter, const std::vector<uint32_t>& partners) const {
   Ids ids;
   ids.two_sided = face_ids_.two_sided;

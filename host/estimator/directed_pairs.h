@@ -3,10 +3,10 @@
 //
 // All lines between two faces lie along the directions of a region W of the half sphere (findPairRegion). Eq. (10) of
 // docs/method.md gives C_ij from directions uniform in W, and eq. (25) the area that one counted point stands for,
-// facing or blocked. Eq. (17) is unbiased with it, whatever W, the number of directions, the spacing and b are, as long
-// as they are fixed beforehand. Pilots fix them, and the pilots' random numbers are none of the run's. In the run the
-// form factor of such a pair is made of its own directions alone, in every replicate. Every other pair takes common
-// directions alone. No rule looks at the sums of the run.
+// facing or blocked. Eq. (17) is unbiased with it if W, the number of directions, the spacing and b are fixed
+// beforehand. Pilots fix them, and the pilots' random numbers are none of the run's. In the run the form factor of such
+// a pair is made of its own directions alone, in every replicate. Every other pair takes common directions alone. So no
+// choice depends on the run's own counts.
 //
 // A pair has the replicates of the run, with random numbers of its own. Counts are a function of seed, pair and number
 // of the replicate, and add up as integers. Row sums, environment and leak stay with the common directions. Tests:

@@ -22,7 +22,7 @@ struct Interrupted {};
 
 struct EstimateProgress {
   uint64_t replicates = 0;
-  // The largest over all form factors up to now. It is infinite without a goal, and before the least number of
+  // It is the largest over all form factors up to now. It is infinite without a goal, and before the least number of
   // replicates is done.
   double largest_standard_error = 0;
 };
@@ -33,11 +33,12 @@ struct EstimateOptions {
   uint32_t replicates = 8;    // at least
   // The largest standard error to reach. Replicates beyond `replicates` are added for it.
   std::optional<double> tolerance;
-  // The largest standard error relative to the form factor, over form factors of at least `relative_floor`.
+  // A second goal is the largest standard error relative to the form factor, over form factors of at least
+  // `relative_floor`.
   std::optional<double> relative;
   double relative_floor = 0.01;
-  // The time after which no further replicate ends, even if fewer than `replicates` are done. Two are done at least,
-  // and one in this call.
+  // This is the time after which no further replicate ends, even if fewer than `replicates` are done. Two are done at
+  // least, and one in this call.
   std::optional<double> seconds;
   uint64_t seed = 1;
   // Draws the `count` directions of a replicate in place of the sampler. If it draws none, every form factor is 0.
@@ -46,7 +47,7 @@ struct EstimateOptions {
   // Sums to continue from, which count towards `replicates`: those of first_replicate and its successors, of the same
   // scene, ids and options. May be nullptr.
   const RunSums* resumed = nullptr;
-  // The prior (find_prior.h). It needs an engine and ids by face; goals and result are those of `by`. May be
+  // The prior (find_prior.h) needs an engine and ids by face; goals and result are for the rows of `by`. May be
   // nullptr.
   const Prior* prior = nullptr;
   // Computes unoccluded form factors of pairs outside the prior; nullptr: such pairs are counted.

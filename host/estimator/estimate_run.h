@@ -20,8 +20,8 @@ class EstimateRun {
   // Counts one replicate.    Throws: what the engine throws; the sums are then as before.
   void step();
   const RunSums& sums() const { return sums_; }
-  // The largest standard error of all form factors so far. It is infinite without a goal, and before the least number
-  // of replicates is done.
+  // Returns the largest standard error of all form factors so far. It is infinite without a goal, and before the least
+  // number of replicates is done.
   double largestStandardError() const { return largest_error_; }
   // Returns the estimate of the replicates up to now.
   Estimate estimateSoFar() const;

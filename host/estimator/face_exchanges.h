@@ -15,7 +15,7 @@ namespace viewpeel {
 // A pair gets its unoccluded form factor to the last digit once this many lines hit it; before, it is not worth the
 // time.
 constexpr uint64_t kLinesToLearn = 32;
-// The same number where there are no rows for other pairs. Of the pairs that isEstimatedByVisibility takes, fewer than
+// It is the number where there are no rows for other pairs. Of the pairs that isEstimatedByVisibility takes, fewer than
 // 1 in 1,000 have fewer lines.
 constexpr uint64_t kLinesForVisibility = 16;
 

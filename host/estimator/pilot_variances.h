@@ -22,7 +22,8 @@ struct PilotCounts {
 // relative where the goal is.
 struct PilotVariances {
   double of_directions = 0, of_lattices = 0;
-  // Standard error of of_directions. A covariance of few replicates is uncertain beside lattices that vary much more.
+  // This is the standard error of of_directions. A covariance of few replicates is uncertain beside lattices that vary
+  // much more.
   double doubt = 0;
 };
 

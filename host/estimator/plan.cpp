@@ -31,7 +31,7 @@ constexpr double kLatticePoints = 100, kUsualReplicates = 8;  // every id gets t
 constexpr double kDefaultTolerance = 1e-3;
 // Of the most counts: along some directions there are more than the average.
 constexpr double kAllowed = 0.8;
-// Most replicates to a goal that other choices reach with fewer.
+// A plan takes at most this many replicates to a goal that other choices reach with fewer.
 constexpr double kMostReplicates = 128;
 constexpr double kMostPoints = 8192.0 * 8192, kMostScanlines = 4 * 8192;  // of a direction
 constexpr double kMostPilotSeconds = 30;                                  // of each pilot
@@ -42,17 +42,18 @@ constexpr int kMostTrials = 4;
 // A pilot confirms a predicted variance whose standard error is beyond this multiple of it.
 constexpr double kMostDoubt = 4;
 
-// The lattice of a plan: groups at `base` x 4^m, up to the resolution that the neediest polygon gets.
+// A Shape is the lattice of a plan: groups at `base` x 4^m, up to the resolution that the neediest polygon gets.
 struct Shape {
   int base = kFirstResolution;
   int finest = kFirstResolution;
   bool operator==(const Shape&) const = default;
 };
 
-// What a direction's time is made of, and the lattice variance of the worst id, by the rule below.
+// A Load is the work of a direction, and the lattice variance of the worst id, by latticeVariance.
 struct Load {
   double groups = 1, points = 1, variance = 0;  // points, or scanlines
-  // One line's part in the form factor of the worst id. Standard errors are no less than one line's in the whole run.
+  // This is one line's part in the form factor of the worst id. Standard errors are no less than one line's in the
+  // whole run.
   double line = 0;
   int finest = 0;  // resolution
 };
@@ -66,8 +67,8 @@ double latticeVariance(Sampling sampling, double perimeter_per_area_squared, dou
   return std::min(0.229 * h * h * h * perimeter_per_area_squared, 2 * h * h / area);
 }
 
-// How many lattice points, or scanlines, of a direction meet an id, on the average: of its mean projection, taken for a
-// square.
+// Returns how many lattice points, or scanlines, of a direction meet an id, on the average: of its mean projection,
+// taken for a square.
 double expectedPoints(Sampling sampling, double area, double h) {
   return sampling == Sampling::scanline ? std::sqrt(area / 2) / h : area / 2 / (h * h);
 }
@@ -79,13 +80,13 @@ struct Pilot {
   Load load;
 };
 
-// What a direction took on a lattice.
+// A Timing is the measured time of a direction on a lattice.
 struct Timing {
   Load load;
   double seconds = 0;
 };
 
-// Polygons that need about the same resolution.
+// A SizeClass has polygons that need about the same resolution.
 struct SizeClass {
   double fineness = 0;
   double perimeter_per_area_squared = 0;
@@ -103,7 +104,8 @@ std::vector<double> perimetersPerAreaSquared(const Scene& scene, const Ids& ids)
   return ratios;
 }
 
-// Resolutions at which the lattice variance of every id is that of the neediest, as shares of its own.
+// Returns the resolutions, as fractions of the neediest id's own, at which the lattice variance of every id equals the
+// neediest one's.
 std::vector<double> finenessOf(const std::vector<double>& perimeters_per_area_squared) {
   const double most = *std::max_element(perimeters_per_area_squared.begin(), perimeters_per_area_squared.end());
   std::vector<double> fineness;
@@ -111,7 +113,8 @@ std::vector<double> finenessOf(const std::vector<double>& perimeters_per_area_sq
   return fineness;
 }
 
-// What an id's lattice variance asks for, and enough points in the whole run of so many directions a replicate.
+// Returns the resolution for an id: fine enough for its lattice variance, and for enough points in the whole run of
+// `directions` a replicate.
 double neededResolution(Sampling sampling, double fineness, double area, int finest, double directions) {
   const double times =
       expectedPoints(sampling, area, 2) * kUsualReplicates * directions;  // on a lattice of one spacing across
@@ -248,9 +251,9 @@ double Planner::timeDirections(uint32_t count) {
   return secondsSince(start);
 }
 
-// Tries a lattice that is much finer than those that were timed: points of windows and of the whole scene, met and
-// unmet, do not all take the same time. What a call takes beside directions is left out, and what a busy machine adds
-// to one of two trials.
+// Tries a lattice that is much finer than all timed lattices. Points of windows and of the whole scene, hit or not, do
+// not all take the same time. The difference of two calls leaves out the fixed time of a call. The smaller of two
+// trials leaves out the delay of a busy machine.
 bool Planner::takesLonger(const Choice& choice) {
   const auto start = Clock::now();
   const Load load = loadOf(choice.shape, choice.directions);
@@ -349,8 +352,8 @@ double Planner::directionVariance(double directions) const {
   return last.variances.of_directions * std::pow(last.directions / directions, exponent);
 }
 
-// Whether the variance predicted is that of lattices alone, which hid the directions' in the pilot: its lattices hardly
-// met what the plan's own meet often.
+// Returns whether the predicted variance is that of lattices alone, which hid the directions' in the pilot. Then its
+// lattices hardly hit pairs that the plan's own hit often.
 bool Planner::isDoubtful(const Choice& choice) const {
   const Pilot& last = pilots_.back();
   return last.variances.doubt * std::pow(last.directions / double(choice.directions), 2) / double(options_.replicates) >
@@ -379,7 +382,8 @@ Load Planner::loadOf(const Shape& shape, double directions) const {
   return load;
 }
 
-// What groupBySize makes of the classes: no finer than windows can be, and than there may be windows.
+// Returns the resolutions that groupBySize makes of the classes: no finer than windows can be, and with no more windows
+// than there may be.
 std::vector<int> Planner::resolutionsOf(const Shape& shape, double directions) const {
   std::vector<int> resolutions(classes_.size(), shape.base);
   for (int finest = maxWindowResolution(lattices_.lattice.sampling); lattices_.may_group; finest /= kGroupStep) {
@@ -416,8 +420,9 @@ size_t Planner::windowsOf(const std::vector<int>& resolutions, int base) const {
   return windows;
 }
 
-// For unoccluded form factors: those of a row in a replicate, the sum over a surface's faces, and the squares over all
-// replicates (control_variate_sums.h). A face's projection is half of its area on the average.
+// Returns whether counts are too large for unoccluded form factors. It looks at the counts of a row in a replicate, the
+// sum over a surface's faces, and the squares over all replicates (control_variate_sums.h). A face's projection is half
+// of its area on the average.
 bool Planner::areCountsTooLarge(const Load& load, double directions, double replicates) const {
   if (id_of_face_.empty()) return false;
   const double count_area =
@@ -427,8 +432,8 @@ bool Planner::areCountsTooLarge(const Load& load, double directions, double repl
   return of_row > most || of_all > 2 * most || replicates * of_row * of_row > 8 * most * most;
 }
 
-// A direction costs something for every group, and for every lattice point over the group's polygons; half each where
-// pilots do not tell.
+// Returns the time of a direction. It costs something for every group, and for every lattice point over the group's
+// polygons. Where pilots cannot part the two, each gets half.
 double Planner::secondsOf(const Load& load) const {
   const Timing& last = timings_.back();
   double per_group = 0.5 * last.seconds / last.load.groups, per_point = 0.5 * last.seconds / last.load.points;
@@ -442,7 +447,7 @@ double Planner::secondsOf(const Load& load) const {
   return per_group * load.groups + per_point * load.points;
 }
 
-// The least time to the goal; the least error in the time there is, where there is no goal or no time for it.
+// Chooses the least time to the goal; the least error in the time there is, where there is no goal or no time for it.
 Planner::Choice Planner::choose() const {
   const Choice choice = choose(options_.seconds && !options_.tolerance && !options_.relative);
   return options_.seconds && choice.seconds > secondsLeft() ? choose(true) : choice;

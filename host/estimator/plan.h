@@ -19,8 +19,8 @@ struct Plan {
   double pilot_seconds = 0;   // spent on pilots
   // A plan with unoccluded form factors counts too many pairs at every choice that would reach the goal.
   bool counts_too_large = false;
-  // Ids that the replicates of the run hit at fewer than 5 lattice points, or scanlines, expected. Even the finest
-  // lattice is too coarse for them.
+  // These are ids that the replicates of the run hit at fewer than 5 lattice points, or scanlines, expected. Even the
+  // finest lattice is too coarse for them.
   std::vector<uint32_t> barely_covered;
 };
 

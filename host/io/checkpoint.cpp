@@ -271,7 +271,7 @@ std::optional<PriorSums> readPriorSums(Hdf5Input& in, const Ids& face_ids, const
   return PriorSums(by, std::move(prior), std::move(by_face), std::move(by_surface), std::move(directed));
 }
 
-// Written only where there are any.
+// Empty rows are written only where there are any.
 std::vector<EmptyRow> readEmptyRows(Hdf5Input& in, const std::string& group, uint32_t id_count) {
   std::vector<EmptyRow> empty_rows;
   if (!in.has(group + "/empty_rows")) return empty_rows;

@@ -22,7 +22,7 @@ static_assert(std::endian::native == std::endian::little);  // of check sums
 constexpr size_t kCheckSumBytes = sizeof(uint64_t);
 constexpr size_t kGrowthBytes = 1 << 20;  // of a file in memory; read at a time
 
-// An HDF5 identifier that closes itself; below 0 where HDF5 failed.
+// A Handle is an HDF5 identifier that closes itself; below 0 where HDF5 failed.
 class Handle {
  public:
   Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}

@@ -9,7 +9,7 @@
 
 namespace viewpeel {
 
-// Switches HDF5's printing of errors off while it lives.
+// Hdf5Silence switches HDF5's printing of errors off while it lives.
 class Hdf5Silence {
  public:
   Hdf5Silence();

@@ -1,4 +1,4 @@
-// Files that are at any time whole or untouched.
+// Files written here are at any time whole or untouched.
 #pragma once
 #include <filesystem>
 #include <functional>

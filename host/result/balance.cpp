@@ -118,7 +118,7 @@ class Dual {
     return change <= kShare * length * slope + kRounding * size;
   }
 
-  // The diagonal and the pairs, both upper: the order in which findDirection fills in values.
+  // Makes places for the diagonal and the pairs, both upper: the order in which findDirection fills in values.
   void makePattern() {
     hessian_.reserve(static_cast<Eigen::Index>(entries_.size()) + ids_.count());
     auto entry = entries_.begin();

@@ -13,7 +13,7 @@ namespace {
 constexpr size_t kMostSurfaces = 3;
 constexpr double kLeastNamed = 0.01;  // of the leak
 
-// Exchange areas of leaks, of rows and of the surfaces that they belong to.
+// LeakAreas has exchange areas of leaks, of rows and of the surfaces that they belong to.
 struct LeakAreas {
   std::vector<double> of_id, of_surface, area_of_surface;
   double total = 0, emitted = 0;

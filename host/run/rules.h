@@ -8,7 +8,8 @@ constexpr uint32_t kUsualDirections = 400;            // of a replicate, where n
 constexpr double kSurfaceUnoccludedTolerance = 2e-4;  // up to which unoccluded form factors pay between surfaces
 constexpr size_t kMostUnoccludedFaces = 20'000;       // beyond which blocked pairs take gigabytes
 
-// The amount of a FixedAmount where that is the goal, else the request's own. Directions of 0 are to be planned.
+// Returns the amount of a FixedAmount where that is the goal, else the request's own. Directions of 0 are to be
+// planned.
 Amount amountOf(const Request& request);
 
 // Unoccluded form factors need the whole matrix, blocked pairs counted, and of a guarantee means by polygon.

@@ -112,7 +112,7 @@ void Setup::settleUnoccluded() {
                           kMostPriorPairs, pairCount(scene_.faces.size())));
 }
 
-// Compute shaders on a GPU; on a processor its own threads are many times faster than the shaders are through a
+// Chooses compute shaders on a GPU; on a processor its own threads are many times faster than the shaders are through a
 // software driver (README). The counts are the same.
 void Setup::chooseEngine() {
   engine_ = request_.engine;

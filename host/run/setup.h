@@ -25,7 +25,7 @@ class Setup {
   const Request& request() const { return request_; }
   const Ids& ids() const { return ids_; }
   const Ids& faceIds() const { return face_ids_; }
-  // Ids that engines count by.
+  // Returns the ids that engines count by.
   const Ids& countedIds() const { return unoccluded_ ? face_ids_ : ids_; }
   EngineKind engine() const { return engine_; }
   bool isExact() const { return engine_ == EngineKind::exact; }
@@ -37,13 +37,13 @@ class Setup {
   const std::function<void()>& stop() const { return stop_; }
 
   const EpsilonDelta* guarantee() const { return std::get_if<EpsilonDelta>(&request_.goal); }
-  // Goals, replicates, sampler; directions where these are not planned.
+  // Returns goals, replicates, sampler; directions where these are not planned.
   const EstimateOptions& estimate() const { return estimate_; }
   GuaranteeOptions guaranteeOptions() const;
-  // Whether directions, and where 0 the resolution, are to be planned.
+  // Returns whether directions, and where 0 the resolution, are to be planned.
   bool plans() const { return plans_; }
   int finest() const { return finest_; }
-  // 0: to be planned.
+  // Returns the resolution; 0: to be planned.
   int resolution() const { return resolution_; }
   bool usesUnoccluded() const { return unoccluded_; }
   // They were nobody's wish, and can be left out.

@@ -9,7 +9,7 @@
 
 namespace viewpeel {
 
-// Before the plan.
+// Summarises the request before the plan.
 PlanSummary summarise(const Setup& setup);
 PlanSummary summarise(const Setup& setup, const Plan& plan);
 PlanSummary summarise(const Setup& setup, const GuaranteePlan& plan);

@@ -21,8 +21,8 @@
 namespace viewpeel {
 namespace {
 
-// Radii in input units whose areas, and squares of areas, are doubles with room to spare, for polygons of 1e-32 of the
-// radius squared, too.
+// These are radii in input units whose areas, and squares of areas, are doubles with room to spare, for polygons of
+// 1e-32 of the radius squared, too.
 constexpr double kLargestRadius = 1e60, kSmallestRadius = 1e-60;
 
 std::string place(const InputScene& input, const InputFace& face) {
@@ -42,7 +42,7 @@ void fitUnitBall(const InputScene& input, Scene& scene) {
     }
   scene.centre = low / 2.0 + high / 2.0;
   double squared = 0;
-  // Scaled first, so that squares neither overflow nor vanish.
+  // Coordinates are scaled first, so that squares neither overflow nor vanish.
   const glm::dvec3 half = high / 2.0 - low / 2.0;
   const double largest = std::max({half.x, half.y, half.z});
   if (largest == 0 || !std::isnormal(largest))
@@ -60,7 +60,7 @@ void fitUnitBall(const InputScene& input, Scene& scene) {
                                                   input.file, scene.scale, kSmallestRadius, kLargestRadius));
 }
 
-// Without corners that repeat the one before.
+// Returns the corners without those that repeat the one before.
 std::vector<glm::dvec3> distinctCorners(const InputFace& face, const Scene& scene) {
   std::vector<glm::dvec3> corners;
   for (const glm::dvec3& input : face.corners) {
@@ -147,7 +147,7 @@ void addPiece(const std::vector<glm::dvec3>& corners, const std::vector<uint32_t
   }
 }
 
-// All but the order of coincident polygons.
+// Makes a scene, but for the order of coincident polygons.
 //   In: repeats: faces that repeat others
 Scene splitFaces(const InputScene& input, const std::vector<Duplicate>& repeats) {
   Scene scene;

@@ -32,7 +32,7 @@ constexpr uint32_t kRays = 8;         // to either side of a place
 constexpr size_t kMostPermuted = 6;   // polygons of a place whose orders are all tried
 constexpr size_t kMostInserted = 16;  // put in one by one
 
-// Two polygons of nearly one plane and the part that they have in common.
+// An Overlap is two polygons of nearly one plane and the part that they have in common.
 struct Overlap {
   uint32_t a, b;
   bool is_opposite;            // they look opposite ways
@@ -40,7 +40,7 @@ struct Overlap {
   double low, high;            // least and greatest such height
   std::vector<dvec3> corners;  // of the common part, in a's plane
   double area;
-  // Of opposite polygons 1 where they face each other, -1 where they are back to back, 0 while that is open.
+  // For opposite polygons it is 1 where they face each other, -1 where they are back to back, 0 while that is open.
   int side = 0;
   bool is_forced = false;
 };
@@ -53,7 +53,7 @@ struct Votes {
   double score() const { return free - solid; }
 };
 
-// A point of an overlap, and all polygons that coincide there.
+// A Place is a point of an overlap, and all polygons that coincide there.
 struct Place {
   dvec3 point, normal;  // of the front of overlap's a
   std::vector<uint32_t> polygons;
@@ -230,7 +230,7 @@ void Stacking::forceOrder(Overlap& overlap) const {
   overlap.is_forced = true;
 }
 
-// The middle of the common part, then points at random.
+// Returns the middle of the common part, then points at random.
 dvec3 Stacking::pointOf(const Overlap& overlap, uint32_t trial) {
   const std::vector<dvec3>& c = overlap.corners;
   if (trial == 0) return std::accumulate(c.begin(), c.end(), dvec3(0)) / double(c.size());
@@ -285,8 +285,8 @@ Votes Stacking::castRays(const Place& place, double side) {
   return votes;
 }
 
-// How the polygon that was hit and an opposite one that coincides with it there are ordered: nothing without such a
-// one.
+// Returns how the polygon that was hit and an opposite one that coincides with it there are ordered: nothing without
+// such a one.
 std::optional<int> Stacking::sideAt(const PolygonTree::Hit& hit) const {
   const auto at = overlaps_of_.find(hit.polygon);
   if (at == overlaps_of_.end()) return std::nullopt;
@@ -345,7 +345,7 @@ void Stacking::orderPairs() {
 
 void Stacking::decideByGap(Overlap& overlap) const { overlap.side = overlap.gap > rounding_ ? 1 : -1; }
 
-// False where rays have to wait for other pairs.    In: takes_any: one ray's word is enough
+// Returns false where rays have to wait for other pairs.    In: takes_any: one ray's word is enough
 bool Stacking::orderPair(Overlap& overlap, bool takes_any) {
   const Place& place = places_[place_of_[static_cast<size_t>(&overlap - overlaps_.data())]];
   const Votes ahead = castRays(place, 1), behind = castRays(place, -1);
@@ -452,7 +452,7 @@ void Stacking::orderPlace(const Place& place) {
     }
 }
 
-// Whether the gap between the two keeps them in their order by itself.
+// Returns whether the gap between the two keeps them in their order by itself.
 bool Stacking::isResolved(const Overlap& overlap) const {
   if (scene_.polygons[overlap.a].plane == scene_.polygons[overlap.b].plane) return false;
   return overlap.side > 0 ? overlap.low > kResolvedGap : overlap.high < -kResolvedGap;
@@ -543,7 +543,7 @@ void Stacking::report() {
                     scene_.file, contradictions_, found.sheets + found.contacts, first_contradiction_));
 }
 
-// Whether an opposite polygon faces one of two that look alike and turns its back to the other one.
+// Returns whether an opposite polygon faces one of two that look alike and turns its back to the other one.
 bool Stacking::isBetween(uint32_t other, const Overlap& alike) const {
   const Overlap *to_a = overlapOf(alike.a, other), *to_b = overlapOf(alike.b, other);
   return to_a && to_b && to_a->is_opposite && to_b->is_opposite && to_a->side * to_b->side < 0;

@@ -27,7 +27,7 @@ EdgeCounts unmatched(EdgeCounts counts) {
   return counts;
 }
 
-// Whether p lies inside the segment, to within the rounding of coordinates.
+// Returns whether p lies inside the segment, to within the rounding of coordinates.
 bool splits(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& p) {
   const double along = glm::dot(p - a, b - a) / glm::dot(b - a, b - a);
   return along > 1e-12 && along < 1 - 1e-12 && glm::length(a + along * (b - a) - p) < 1e-12;

@@ -9,7 +9,7 @@
 
 namespace viewpeel {
 
-// Why lines of one surface end on the backs of another.
+// A LeakCause says why lines of one surface end on the backs of another.
 enum class LeakCause {
   flipped,    // one of the two, or its shell, is turned the wrong way
   overlap,    // the two lie over each other in one plane and look the same way

@@ -9,7 +9,7 @@
 
 namespace viewpeel {
 
-// A face that repeats an earlier one, corner for corner.
+// A Duplicate is a face that repeats an earlier one, corner for corner.
 struct Duplicate {
   uint32_t face, of;  // into InputScene::faces, of < face
 };

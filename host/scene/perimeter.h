@@ -8,7 +8,8 @@
 
 namespace viewpeel {
 
-// Sum over k of |corners[(k + 1) % n] - corners[k]|, in that order, in the corners' unit; 0 where there are none.
+// Returns the sum over k of |corners[(k + 1) % n] - corners[k]|, in that order, in the corners' unit; 0 where there are
+// none.
 inline double perimeterOf(std::span<const glm::dvec3> corners) {
   double perimeter = 0;
   for (size_t k = 0; k < corners.size(); ++k) perimeter += glm::length(corners[(k + 1) % corners.size()] - corners[k]);

@@ -1,4 +1,4 @@
-// How finely a file gives coordinates.
+// These functions judge how finely a file gives coordinates.
 #pragma once
 #include <string>
 

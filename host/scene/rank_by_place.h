@@ -1,4 +1,4 @@
-// An order in which ids of about the same place and orientation come one after the other.
+// The ranks are an order in which ids of about the same place and orientation come one after the other.
 #pragma once
 #include <cstdint>
 #include <vector>

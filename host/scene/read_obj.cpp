@@ -11,7 +11,7 @@
 namespace viewpeel {
 namespace {
 
-// Statements that carry no polygons, and so nothing that is wanted.
+// The reader ignores statements that carry no polygons, and so nothing that is wanted.
 constexpr std::string_view kIgnored[] = {"vt",     "vn",       "vp",       "s",          "usemtl",    "mtllib",
                                          "l",      "p",        "mg",       "lod",        "end",       "bevel",
                                          "usemap", "c_interp", "d_interp", "shadow_obj", "trace_obj", "maplib"};

@@ -34,7 +34,7 @@ class Sides {
   explicit Sides(size_t count) : parents_(count), turned_(count, false) {
     std::iota(parents_.begin(), parents_.end(), 0u);
   }
-  // The root, and whether the face is turned against it.
+  // Returns the root, and whether the face is turned against it.
   std::pair<uint32_t, bool> find(uint32_t face) {
     uint32_t root = face;
     bool turned = false;
@@ -50,7 +50,7 @@ class Sides {
     }
     return {root, turned};
   }
-  // False where they hang together already, the other way round.
+  // Returns false where they hang together already, the other way round.
   bool join(uint32_t a, uint32_t b, bool turned) {
     auto [root_a, turned_a] = find(a);
     auto [root_b, turned_b] = find(b);
@@ -259,7 +259,7 @@ struct Seen {
   uint32_t rays = 0, by_front = 0, by_back = 0, anything = 0;
 };
 
-// Whether closed faces lie about a room, rather than back to back.
+// Returns whether closed faces lie about a room, rather than back to back.
 bool holdsSpace(const Scene& scene) {
   double volume = 0, area = 0;
   for (const Polygon& polygon : scene.polygons) {

@@ -1,4 +1,4 @@
-// Shells: faces that hang together by their edges, and which of them are turned the wrong way.
+// Shells are faces that hang together by their edges, and which of them are turned the wrong way.
 #pragma once
 #include <cstdint>
 #include <vector>

@@ -98,7 +98,7 @@ Levels partAlike(const Scene& scene, const TieOrders& orders, Levels levels) {
   return parted;
 }
 
-// How many levels the polygons have that overlap, directly or by others; of each polygon.
+// Returns how many levels the polygons have that overlap, directly or by others; of each polygon.
 std::map<uint32_t, uint32_t> heightsOf(const TieOrders& orders, const Levels& levels) {
   Pairs all = orders.below;
   all.insert(all.end(), orders.alike.begin(), orders.alike.end());

@@ -14,10 +14,11 @@ struct TieOrders {
   std::vector<std::pair<uint32_t, uint32_t>> alike;  // look the same way; the first has the smaller index
 };
 
-// Gives every polygon of `orders` the lowest place that its orders leave it, stacks in the middle of the ranks.
+// Gives every polygon of `orders` the lowest place that its orders leave it. The places of a stack of coincident
+// polygons lie in the middle of the ranks.
 //   Of two that look alike the orders of `below` decide which one lies in front, along their own normal. Where they
-//     leave it open the one of smaller index does, or another one in chains of more than two: colours keep the ranks
-//     few.
+//     leave it open the one of smaller index lies in front. In chains of more than two a greedy colouring, which keeps
+//     the ranks few, may put the other one in front.
 //   In: scene whose polygons have kContactRank; of each pair of `orders`, polygons of one plane
 //   Out: tie ranks; the number of cycles in `below`, each of which breaks one of its orders. Where stacks with pairs of
 //     `alike` need more than kTieRanks places, these pairs have no order. Polygons of higher stacks have the last rank.

@@ -22,7 +22,7 @@ inline std::string_view nextWord(std::string_view& rest) {
   return word;
 }
 
-// All words that are left, one blank between them.
+// Returns all words that are left, one blank between them.
 inline std::string joinWords(std::string_view rest) {
   std::string joined;
   for (std::string_view word = nextWord(rest); !word.empty(); word = nextWord(rest)) {
@@ -32,7 +32,7 @@ inline std::string joinWords(std::string_view rest) {
   return joined;
 }
 
-// The text without the mark that some editors begin UTF-8 files with.
+// Returns the text without the mark that some editors begin UTF-8 files with.
 inline std::string_view skipByteOrderMark(std::string_view text) {
   constexpr std::string_view kMark = "\xEF\xBB\xBF";
   return text.substr(text.starts_with(kMark) ? kMark.size() : 0);

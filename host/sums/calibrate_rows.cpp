@@ -12,9 +12,10 @@ using Entry = FormFactors::Entry;
 using Rows = std::vector<double>;
 
 constexpr int kMostPasses = 40;
-constexpr double kTolerance = 0.01;  // of the standard error of what is missing in a row
+constexpr double kTolerance = 0.01;  // of the standard error of a row's missing part
 constexpr double kMostTilt = 8;      // |y|: odds change by less than e^16
-// Guesses take up this share of what visibilities from 0 to 1 leave a row. The rest would take odds without end.
+// ^Guesses take up this part of the room that visibilities from 0 to 1 leave a row. The rest would take odds without
+// end.
 constexpr double kMostOfRoom = 0.98;
 
 void addToRows(Rows& rows, const Entry& entry, double value) {

@@ -9,7 +9,7 @@
 
 namespace viewpeel {
 
-// A PairPrior may also belong to a face with environment or leak.
+// Face i is paired with face j, or with environment or leak.
 struct PairPrior {
   uint32_t i, j;  // i < j
   // The visibility has the unit 2^-kVisibilityBits. The controls of faces use it, and a pair that no line hit.

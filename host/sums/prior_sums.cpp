@@ -193,7 +193,7 @@ VisibilitySums::Found PriorSums::find(double measure_area, double count_area, co
       by_face_.find(prior_.pairs, prior_.lines, measure_area, count_area, counted.rowSums(), sampled,
                     neighbours ? &*neighbours : nullptr, neighbours ? row : ExchangeRow{});
   std::vector<uint32_t> measured;                                 // entries of pairs with directions of their own
-  for (const FormFactors::Entry& directed : directedEntries()) {  // among the pairs known, so there
+  for (const FormFactors::Entry& directed : directedEntries()) {  // among the prior's pairs, so there
     const auto at = std::ranges::lower_bound(found.entries, keyOf(directed), {}, keyOf<FormFactors::Entry>);
     at->exchange_area = directed.exchange_area;
     measured.push_back(static_cast<uint32_t>(at - found.entries.begin()));

@@ -27,7 +27,8 @@ std::vector<ControlVariate> takeDirectedControlVariates(const PairCounts& counts
 
 // A Prior holds unoccluded exchange areas and visibilities, fixed before the first replicate of its run.
 struct Prior {
-  // Sorted. Without has_all_pairs they are the pairs that pilots hit, and those added when the run saw them.
+  // The pairs are sorted. Without has_all_pairs they are the pairs that pilots hit, and those added when the run saw
+  // them.
   std::vector<PairPrior> pairs;
   std::vector<uint64_t> lines;           // of faces: counts that one line adds (takeControlVariates)
   bool has_all_pairs = false;            // pairs without an entry cannot see each other

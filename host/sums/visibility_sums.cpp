@@ -142,9 +142,9 @@ class VisibilitySums::Entries {
     return isAt(counted_, sums_.pairs_, i, j) ? *counted_ : PairSum{i, j};
   }
 
-  // All other lines of the row are blocked for environment and leak, in replicates that saw none leave it, too:
-  //   sum O^2 = sum (L - V)^2 = sum L^2 - 2 sum V (V + O) + sum V^2
-  // with L lines of the row in a replicate, for V + O = L where V > 0.
+  // All lines of the row that do not reach environment or leak count as blocked for it, also in replicates in which
+  // none reached it. With L lines of the row in a replicate V + O = L where V > 0, so
+  //   sum O^2 = sum (L - V)^2 = sum L^2 - 2 sum V (V + O) + sum V^2.
   std::pair<PairSum, Squares> withRow(PairSum pair) const {
     Squares squares = sums_.squaresOf(pair);
     if (pair.j < kEnvironment || rows_.empty()) return {pair, squares};

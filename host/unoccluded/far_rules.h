@@ -1,4 +1,4 @@
-// The error bound of the product rules that integrate far pairs.
+// Far rules have the error bound of the product rules that integrate far pairs.
 #pragma once
 #include "unoccluded/shared.h"
 

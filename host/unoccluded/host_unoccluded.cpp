@@ -34,7 +34,7 @@ std::array<double, 4> depthsOf(const ShapeData& shape, const ShapeData& plane, c
   return depths;
 }
 
-// How far a depth over the plane of `plane` may be off by the rounding of its corners.
+// Returns how far a depth over the plane of `plane` may be off by the rounding of its corners.
 double depthRounding(const ShapeData& plane, double distance) { return kFrontRounding + plane.tilt * distance; }
 
 // Returns the largest |slope| / value at the middle of an edge of the square, of a bilinear function given at its
@@ -75,7 +75,7 @@ float errorOf(const FarBound& rule, const Coordinates& c) {
   return rest < 0.5f ? c.factor * c.power * series * (1 + 2 * rest) : 1.0f;
 }
 
-// Of the square, as a polynomial: a position, and the weight of its points.
+// A Patch is of the square, as a polynomial: a position, and the weight of its points.
 struct Patch {
   Stretch along;
   std::array<double, 4> depth;  // 1, u, v, uv: over the other's plane
@@ -89,7 +89,7 @@ Patch patchOf(const ShapeData& shape, const std::array<double, 4>& d) {
           {shape.density, shape.density_u, shape.density_v}};
 }
 
-// The inner integral, over the edge q; magnitude: of its terms, which may cancel.
+// Returns the inner integral, over the edge q; magnitude: of its terms, which may cancel.
 double innerIntegral(const dvec3& from, const dvec3& direction, double length_q, double& magnitude) {
   const double along = dot(from, direction), rest = length_q - along;
   const dvec3 across = cross(from, direction);
@@ -101,7 +101,7 @@ double innerIntegral(const dvec3& from, const dvec3& direction, double length_q,
   return first + last + turn;
 }
 
-// Where the inner integral over q is singular above p, in shares of p, in order (unoccluded_line.comp).
+// Returns where the inner integral over q is singular above p, in shares of p, in order (unoccluded_line.comp).
 std::array<double, kMostPieces + 1> cutsOf(const dvec3& p_start, const dvec3& p_along, const dvec3& q_start,
                                            const dvec3& q_along) {
   const dvec3 from = q_start - p_start, across = cross(p_along, q_along);
@@ -287,7 +287,7 @@ double HostUnoccluded::integrateLine(Edge p, Edge q, size_t round, double& error
   return factor * sum;
 }
 
-// Along the contours of the parts that see each other:  A_i F_ij = 1 / (2 pi) oint_i oint_j ln r ds . dt.
+// Integrates along the contours of the parts that see each other:  A_i F_ij = 1 / (2 pi) oint_i oint_j ln r ds . dt.
 double HostUnoccluded::integrateNear(const Sides& sides, size_t round, double& error, UnoccludedWork& work) const {
   const dvec3 origin = meanCorner(sides.a);
   const auto frontEdges = [&](const ShapeData& shape, const Depths& depths, double rounding) {

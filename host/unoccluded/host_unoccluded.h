@@ -18,7 +18,7 @@ class HostUnoccluded {
   //   In: thread_count: 0: one per core
   explicit HostUnoccluded(const Scene& scene, size_t thread_count = 0);
 
-  // As UnoccludedExchange::compute, of sides that the scene has.
+  // Computes as UnoccludedExchange::compute, of sides that the scene has.
   std::vector<UnreachedPair> compute(std::span<const SidePair> pairs, std::span<double> areas);
 
   struct Found {

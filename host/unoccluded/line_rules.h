@@ -1,4 +1,4 @@
-// The rules of the line integrals, and how far they may be off.
+// Line integrals have these rules, with bounds on their errors.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -19,7 +19,7 @@ constexpr float kRounding = 5e-7f;  // of a depth: coordinates up to 1 and a nor
 // The rule's mean of max(0, depth) over a polygon is off by at most this, in radii (see addPolygon).
 constexpr float kCutError = 0.1f;
 
-// How a pair is integrated.
+// A pair is integrated in one of these ways.
 constexpr size_t kLanes = RowExchange::kLanes;
 constexpr int32_t kUnseen = 0, kFar = 1, kCut = 2, kNear = 4;
 
@@ -128,8 +128,8 @@ void RowExchange::addPolygon(uint32_t a, uint32_t first, std::span<BoundedExchan
 
 // Chooses the rule of each pair. errors: relative, or of a cut pair the cut's own, unit-ball units squared.
 RowExchange::Flags RowExchange::classify(uint32_t a, size_t start, Floats& errors) const {
-  // The relative error of the rule over a polygon's coordinates (unoccluded_classify.comp); a slope is at most the
-  // reach over the least depth.
+  // Returns the relative error of the rule over a polygon's coordinates (unoccluded_classify.comp); a slope is at most
+  // the reach over the least depth.
   const auto errorOf = [this](Floats reach, Floats other_radius, Floats skew, Floats distance, Floats depth) {
     const Floats t = reach / greater(distance - reach - other_radius, reach), square = t * t,
                  slope = reach / greater(depth - reach, reach), product = slope * skew;

@@ -1,4 +1,4 @@
-// Polygons of a scene in the form that the kernels of unoccluded form factors read.
+// Shapes are polygons of a scene in the form that the kernels of unoccluded form factors read.
 #pragma once
 #include <vector>
 

@@ -41,7 +41,7 @@ constexpr uint32_t groupsFor(uint64_t invocations) {
   return static_cast<uint32_t>((invocations + kUnoccludedGroupSize - 1) / kUnoccludedGroupSize);
 }
 
-// Into a buffer that is read as texels.
+// Writes values into a buffer that is read as texels.
 template <class T>
 void upload(Commands& commands, const Device& device, const std::vector<T>& values, Buffer& buffer) {
   buffer = Buffer(device, values.size() * sizeof(T), MemoryUse::device, VK_FORMAT_R32G32B32A32_UINT);

@@ -13,7 +13,8 @@
 
 namespace viewpeel {
 
-// Of every pair that is not reported: relative, or absolute in the form factor from the smaller polygon.
+// The error of every pair that is not reported is bounded by these: relative, or absolute in the form factor from the
+// smaller polygon.
 constexpr double kUnoccludedRelativeError = 1e-6;
 constexpr double kUnoccludedAbsoluteError = 1e-9;
 
@@ -31,7 +32,7 @@ struct UnoccludedOptions {
   uint32_t thread_count = 0;        // on the processor; 0: one per core
 };
 
-// A pair whose accuracy was not reached.
+// An UnreachedPair is a pair whose accuracy was not reached.
 struct UnreachedPair {
   uint64_t pair = 0;  // index into the pairs of the call
   double error = 0;   // estimated, of its exchange area

@@ -1,4 +1,4 @@
-// A Vulkan buffer that owns its memory.
+// A Buffer is a Vulkan buffer that owns its memory.
 #pragma once
 #include <cstring>
 #include <span>

@@ -8,7 +8,7 @@
 
 namespace viewpeel {
 
-// A command buffer that is recorded, submitted and waited for, again and again.
+// Commands is a command buffer that is recorded, submitted and waited for, again and again.
 class Commands {
  public:
   explicit Commands(const Device& device);

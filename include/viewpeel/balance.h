@@ -10,8 +10,8 @@ namespace viewpeel {
 // Row sums of balanced form factors differ from 1 by at most this much, the sum of 10^7 roundings with room to spare.
 constexpr double kBalanceTolerance = 1e-12;
 
-// In a closed scene about 1e-8 of all lines, those that graze an edge within rounding, may be counted as environment or
-// leak. A share larger than this is an opening; a single line in 10^5 is not.
+// Lines that graze an edge within rounding, about 1e-8 of all in a closed scene, may be counted as environment or leak.
+// A share larger than this is an opening; a single line in 10^5 is not.
 constexpr double kGrazingShare = 1e-5;
 
 // The program and balanceRows refuse a question with this message.

@@ -9,12 +9,12 @@ namespace viewpeel {
 // 1.
 enum class ErrorCode {
   bad_input,  // a file says something that is not a scene, or not a checkpoint
-  bad_usage,  // a request contradicts itself, or names what is not there
+  bad_usage,  // a request contradicts itself, or names an absent surface, face or file
   device,     // no Vulkan device can be used, or a call of its driver failed
   memory,     // the device has not enough of it
   output,     // a file cannot be written
   limit,      // more than the library can count or hold
-  check,      // results are not what they have to be
+  check,      // results contradict a check
 };
 
 // Error is the one exception type of the library. The message is one line. It names the file, line, polygon or device

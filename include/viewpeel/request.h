@@ -58,7 +58,8 @@ struct FixedAmount {
   uint32_t directions = 400;  // of a replicate
   uint32_t replicates = 8;    // two at least
   int resolution = 0;         // lattice spacings across the scene's diameter; 0: 64
-  // Lattice spacings for the polygon that needs most of them, in windows. With 0 none has more than `resolution`.
+  // These are lattice spacings for the polygon that needs most of them, in windows. With 0 none has more than
+  // `resolution`.
   int finest = 0;
 };
 

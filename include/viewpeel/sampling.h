@@ -10,11 +10,11 @@ namespace viewpeel {
 enum class Sampler {
   iid,        // independent: the paper's own (Pellegrini 1997, section 5)
   fibonacci,  // spherical Fibonacci lattice under one random rotation (Marques et al. 2013; rotation: Shoemake 1992)
-  // Independent directions, one in each of `count` regions of equal area under one random rotation: zones cut into
-  // cells (Leopardi 2006).
+  // It draws independent directions, one in each of `count` regions of equal area under one random rotation: zones cut
+  // into cells (Leopardi 2006).
   jittered,
-  // The first two dimensions of Sobol's sequence, scrambled (Owen 1995), through the equal-area map of the cylinder;
-  // rotated, too.
+  // It takes the first two dimensions of Sobol's sequence, scrambled (Owen 1995), through the equal-area map of the
+  // cylinder; rotated, too.
   sobol,
 };
 
@@ -29,7 +29,8 @@ std::string nameOf(Sampler sampler);
 // A direction is sampled in one of two ways.
 enum class Sampling {
   lattice,  // points, each of weight one
-  // The intervals of lattice rows between two ends of polygons, cut every 32 columns, with their lengths as weights.
+  // Samples are the intervals of lattice rows between two ends of polygons, cut every 32 columns, with their lengths as
+  // weights.
   scanline,
 };
 

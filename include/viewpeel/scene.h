@@ -92,7 +92,7 @@ struct Scene {
   glm::dvec3 centre{0};
   double scale = 1;
   Coincidences coincidences;
-  // Each warning is one line with a count: what was found in the file and what was done (docs/meshes.md).
+  // Each warning is one line with a count: a fault of the file and its treatment (docs/meshes.md).
   std::vector<std::string> warnings;
 };
 

@@ -29,8 +29,8 @@ double innerIntegral(dvec3 from, dvec3 direction, double length_q, out double ma
   return first + last + turn;
 }
 
-// Returns the places where the inner integral over q is singular above p, as fractions of p. They are q's ends and,
-// where the other line's foot lies within q, the place nearest to it. In order, between 0 and 1.
+// Returns the places where the inner integral over q is singular above p, as fractions of p, in order, between 0 and 1.
+// They are q's ends and, where the other line's foot lies within q, the place nearest to it.
 double[kMostPieces + 1u] cutsOf(EdgeData p, EdgeData q) {
   dvec3 from = q.start - p.start, across = cross(p.along, q.along);
   double per_p = 1.0LF / dot(p.along, p.along), first = dot(from, p.along) * per_p,
