@@ -147,7 +147,7 @@ void appendSeparatingNormals(const Plate& near, const Plate& far, double slack, 
     for (const glm::dvec3& corner : far.corners) {
       const double in = glm::dot(inwards, corner - start), up = std::max(0.0, glm::dot(near.front, corner - start));
       const double distance = std::hypot(in, up);
-      // A corner on the line of the edge holds the plane back at no angle.
+      // A corner on the line of the edge does not limit the plane's turn.
       if (distance > slack) angle_rad = std::min(angle_rad, std::atan2(up, in) - 2 * slack / distance - kAngleMargin);
     }
     if (angle_rad <= 0) continue;
