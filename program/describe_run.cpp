@@ -80,6 +80,21 @@ std::string describeExpectation(const Request& request, const PlanSummary& plan)
   return text;
 }
 
+std::string describePairLines(const PairLinesSummary& lines, const PlanSummary& plan, uint64_t seed) {
+  std::string text =
+      fmt::format("pairs      {} nothing can block, so that they are exact", counted(lines.clear, "pair"));
+  if (lines.partial)
+    text +=
+        fmt::format("; {} may be blocked in part and get {} of their own, against {}", counted(lines.partial, "pair"),
+                    counted(lines.lines, "line"), counted(lines.blockers, "blocker"));
+  text += fmt::format(" (found in {:.2g} s)\n", lines.seconds);
+  if (plan.directions)
+    text += fmt::format("sampling   {} a replicate, {}, for environment and leak; {}; ",
+                        counted(plan.directions, "direction"), plan.sampler, describeLattices(plan));
+  else text += "sampling   ";
+  return text + fmt::format("seed {}\n", seed);
+}
+
 }  // namespace
 
 std::string describePlace(const FormFactorRun& run, const Scene& scene) {
@@ -94,6 +109,7 @@ std::string describePlan(const FormFactorRun& run) {
   const Request& request = run.request();
   const PlanSummary& plan = run.plan();
   if (plan.guarantee) return describeGuarantee(request, plan);
+  if (plan.pair_lines) return describePairLines(*plan.pair_lines, plan, request.seed);
   return fmt::format("sampling   {} a replicate, {}; {}; seed {}\n", counted(plan.directions, "direction"),
                      plan.sampler, describeLattices(plan), request.seed) +
          describeExpectation(request, plan);

@@ -109,6 +109,14 @@ void addMethodOptions(CLI::App* command, const std::shared_ptr<RequestOptions>& 
           "form factor; --closed-forms is its older name. Planned runs do, where they can")
       ->type_name("on|off")
       ->check(CLI::IsMember({"on", "off"}).description(""));
+  command
+      ->add_option_function<std::string>(
+          "--pair-lines", [options](const std::string& word) { options->request.pair_lines = word == "on"; },
+          "Draw lines between the two polygons of each pair that something may block, as many as its error asks for, "
+          "in "
+          "place of directions for all pairs. Without it planned runs do, where that pays")
+      ->type_name("on|off")
+      ->check(CLI::IsMember({"on", "off"}).description(""));
 }
 
 void addQuestionOptions(CLI::App* command, Question& question) {

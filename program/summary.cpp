@@ -209,6 +209,8 @@ std::string describeErrors(const Estimate& estimate) {
 }
 
 std::string describeDirected(const Estimate& estimate) {
+  if (estimate.lines)
+    return fmt::format(", {} of {}", counted(estimate.lines, "line"), counted(estimate.line_pairs, "pair"));
   return estimate.directed_pairs ? fmt::format(" and {} of {} alone", estimate.directed_directions,
                                                counted(estimate.directed_pairs, "pair"))
                                  : "";
@@ -250,6 +252,8 @@ std::string asJson(const std::string& scene, const Result& estimate) {
   if (estimate.unseen_pairs)
     text += fmt::format(",\n  \"unseen\": {{\"pairs\": {}, \"largest_standard_error\": {:.6g}}}", estimate.unseen_pairs,
                         estimate.largest_unseen_error);
+  if (estimate.lines)
+    text += fmt::format(",\n  \"pair_lines\": {{\"pairs\": {}, \"lines\": {}}}", estimate.line_pairs, estimate.lines);
   if (estimate.directed_pairs)
     text += fmt::format(",\n  \"directed\": {{\"pairs\": {}, \"directions\": {}}}", estimate.directed_pairs,
                         estimate.directed_directions);

@@ -18,9 +18,11 @@ inline constexpr ReplicateNumbers kPlanLatticeReplicates{
     uint64_t(2) << 40, uint64_t(3) << 40};  // of the second lattice of every direction of a plan's pilots
 inline constexpr ReplicateNumbers kPriorReplicates{uint64_t(3) << 40, uint64_t(4) << 40};
 inline constexpr ReplicateNumbers kDirectedReplicates{uint64_t(4) << 40, uint64_t(5) << 40};
+inline constexpr ReplicateNumbers kLineReplicates{uint64_t(5) << 40, uint64_t(6) << 40};
 
 // The list has all of them, in order.
 inline constexpr std::array kReplicateNumbers = {kRunReplicates,         kTrialReplicates, kPlanReplicates,
-                                                 kPlanLatticeReplicates, kPriorReplicates, kDirectedReplicates};
+                                                 kPlanLatticeReplicates, kPriorReplicates, kDirectedReplicates,
+                                                 kLineReplicates};
 
 }  // namespace viewpeel

@@ -53,6 +53,11 @@ Estimate makeEstimate(const RunSums& sums, double relative_floor, FormFactors al
     for (const DirectedPair& pair : directed_pairs)
       estimate.directed_directions += pair.directions * sums.replicateCount();
   }
+  if (sums.lines) {
+    for (const LinePair& pair : sums.lines->pairs()) estimate.line_pairs += pair.blocks > 0;
+    estimate.lines = sums.lines->lineCount();
+    return estimate;
+  }
   // With all unoccluded form factors, a pair without an entry cannot see each other, whatever is between them.
   const auto isSampledAlone = [](const PairPrior& pair) { return pair.j < kEnvironment && std::isinf(pair.exchange); };
   const bool knows_all =

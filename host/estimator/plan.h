@@ -17,6 +17,7 @@ struct Plan {
   double seconds = 0;              // of counting all replicates of the request, predicted
   double standard_error = 0;  // largest over all form factors, or of its form factor for a relative goal; predicted
   double pilot_seconds = 0;   // spent on pilots
+  std::optional<PairLinesSummary> pair_lines;
   // A plan with unoccluded form factors counts too many pairs at every choice that would reach the goal.
   bool counts_too_large = false;
   // These are ids that the replicates of the run hit at fewer than 5 lattice points, or scanlines, expected. Even the

@@ -1,6 +1,7 @@
 #include "io/checkpoint.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -18,6 +19,7 @@ using Sum = ReplicateSums::Sum;
 using PairSum = ReplicateSums::PairSum;
 using ControlSum = ControlVariateSums::PairSum;
 using VisibilitySum = VisibilitySums::PairSum;
+using LineSum = LineSums::PairSum;
 using Wide = ReplicateSums::Wide;
 
 constexpr ControlVariateSums::SignedWide kMostControl =
@@ -164,6 +166,30 @@ void writePriorSums(Hdf5Output& out, const RunSums& sums) {
   }
 }
 
+void writeLineSums(Hdf5Output& out, const RunSums& sums) {
+  if (!sums.lines) return;
+  const LineSums& lines = *sums.lines;
+  out.write("lines/by_surface", std::vector<uint8_t>{lines.by() == By::surface});
+  out.write("lines/replicate_count", std::vector<uint64_t>{lines.replicateCount()});
+  const auto& pairs = lines.pairs();
+  writeColumn<uint32_t>(out, "lines/i", pairs, [](const LinePair& pair) { return pair.i; });
+  writeColumn<uint32_t>(out, "lines/j", pairs, [](const LinePair& pair) { return pair.j; });
+  writeColumn<double>(out, "lines/exchange", pairs, [](const LinePair& pair) { return pair.exchange; });
+  writeColumn<double>(out, "lines/clear", pairs, [](const LinePair& pair) { return pair.clear; });
+  writeColumn<uint32_t>(out, "lines/blocks", pairs, [](const LinePair& pair) { return pair.blocks; });
+  writeColumn<uint32_t>(out, "lines/period", pairs, [](const LinePair& pair) { return pair.period; });
+  writeColumn<uint8_t>(out, "lines/by_angles", pairs, [](const LinePair& pair) { return pair.by_angles; });
+  const auto& of_pairs = lines.sums();
+  writeColumn<uint64_t>(out, "lines/facing", of_pairs, [](const LineSum& sum) { return sum.facing; });
+  writeColumn<uint64_t>(out, "lines/all", of_pairs, [](const LineSum& sum) { return sum.all; });
+  writeColumn<uint64_t>(out, "lines/effective", of_pairs, [](const LineSum& sum) { return sum.effective; });
+  writeColumn<uint64_t>(out, "lines/facing_squares", of_pairs, [](const LineSum& sum) { return sum.facing_squares; });
+  writeColumn<uint64_t>(out, "lines/products", of_pairs, [](const LineSum& sum) { return sum.products; });
+  writeColumn<uint64_t>(out, "lines/all_squares", of_pairs, [](const LineSum& sum) { return sum.all_squares; });
+  writeColumn<uint64_t>(out, "lines/drawn_blocks", of_pairs, [](const LineSum& sum) { return sum.blocks; });
+  writeColumn<uint32_t>(out, "lines/replicates", of_pairs, [](const LineSum& sum) { return sum.replicates; });
+}
+
 template <class Pairs>
 void requireOrder(Hdf5Input& in, const std::string& group, const Pairs& pairs, uint32_t count) {
   for (size_t k = 0; k < pairs.size(); ++k) {
@@ -271,6 +297,40 @@ std::optional<PriorSums> readPriorSums(Hdf5Input& in, const Ids& face_ids, const
   return PriorSums(by, std::move(prior), std::move(by_face), std::move(by_surface), std::move(directed));
 }
 
+std::optional<LineSums> readLineSums(Hdf5Input& in, const Ids& face_ids) {
+  if (!in.has("lines/i")) return {};
+  std::vector<LinePair> pairs;
+  for (uint32_t i : in.read<uint32_t>("lines/i")) pairs.push_back({i, 0});
+  readColumn<uint32_t>(in, "lines/j", pairs, [](LinePair& pair, uint32_t j) { pair.j = j; });
+  readColumn<double>(in, "lines/exchange", pairs, [](LinePair& pair, double area) { pair.exchange = area; });
+  readColumn<double>(in, "lines/clear", pairs, [](LinePair& pair, double area) { pair.clear = area; });
+  readColumn<uint32_t>(in, "lines/blocks", pairs, [](LinePair& pair, uint32_t blocks) { pair.blocks = blocks; });
+  readColumn<uint32_t>(in, "lines/period", pairs, [](LinePair& pair, uint32_t period) { pair.period = period; });
+  readColumn<uint8_t>(in, "lines/by_angles", pairs, [](LinePair& pair, uint8_t is) { pair.by_angles = is; });
+  requireOrder(in, "lines", pairs, face_ids.count());
+  const bool are_sound = std::ranges::all_of(pairs, [](const LinePair& pair) {
+    return pair.i < pair.j && pair.j < kEnvironment && pair.period > 0 && pair.exchange >= pair.clear &&
+           pair.clear >= 0 && std::isfinite(pair.exchange) && pair.blocks <= kMostLineBlocks;
+  });
+  if (!are_sound) in.refuse("its 'lines' are no pairs with lines");
+  std::vector<LineSum> sums(pairs.size());
+  readColumn<uint64_t>(in, "lines/facing", sums, [](LineSum& sum, uint64_t word) { sum.facing = word; });
+  readColumn<uint64_t>(in, "lines/all", sums, [](LineSum& sum, uint64_t word) { sum.all = word; });
+  readColumn<uint64_t>(in, "lines/effective", sums, [](LineSum& sum, uint64_t word) { sum.effective = word; });
+  readColumn<uint64_t>(in, "lines/facing_squares", sums,
+                       [](LineSum& sum, uint64_t word) { sum.facing_squares = word; });
+  readColumn<uint64_t>(in, "lines/products", sums, [](LineSum& sum, uint64_t word) { sum.products = word; });
+  readColumn<uint64_t>(in, "lines/all_squares", sums, [](LineSum& sum, uint64_t word) { sum.all_squares = word; });
+  readColumn<uint64_t>(in, "lines/drawn_blocks", sums, [](LineSum& sum, uint64_t blocks) { sum.blocks = blocks; });
+  readColumn<uint32_t>(in, "lines/replicates", sums, [](LineSum& sum, uint32_t count) { sum.replicates = count; });
+  const bool are_shares = std::ranges::all_of(
+      sums, [](const LineSum& sum) { return sum.facing <= sum.all && sum.all <= uint64_t(sum.replicates) << 31; });
+  if (!are_shares) in.refuse("its 'lines' are no sums of lines");
+  const By by = readOne<uint8_t>(in, "lines/by_surface") ? By::surface : By::polygon;
+  const auto replicate_count = readOne<uint64_t>(in, "lines/replicate_count");
+  return LineSums(face_ids, by, std::move(pairs), std::move(sums), replicate_count);
+}
+
 // Empty rows are written only where there are any.
 std::vector<EmptyRow> readEmptyRows(Hdf5Input& in, const std::string& group, uint32_t id_count) {
   std::vector<EmptyRow> empty_rows;
@@ -332,6 +392,7 @@ void writeCheckpoint(const Settings& settings, const RunSums& sums, const std::f
   writeReplicateSums(out, "by_id", sums.by_id);
   writeReplicateSums(out, "by_surface", sums.by_surface);
   writePriorSums(out, sums);
+  writeLineSums(out, sums);
   const std::vector<char> bytes = out.finish();
   writeFile(file,
             [&](std::ostream& stream) { stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size())); });
@@ -359,9 +420,10 @@ Checkpoint readCheckpoint(const std::filesystem::path& file) {
     if (std::ranges::any_of(sums->ids().surface, [&](uint32_t surface) { return surface >= by_surface.ids().count(); }))
       in.refuse("its ids are of surfaces that it does not have");
   std::optional<PriorSums> prior_sums = readPriorSums(in, by_id.ids(), by_surface.ids());
+  std::optional<LineSums> lines = readLineSums(in, by_id.ids());
   Checkpoint checkpoint{std::move(settings),
                         {std::move(by_id), std::move(by_surface), std::move(replicates), directions, measure_area,
-                         std::move(prior_sums)}};
+                         std::move(prior_sums), std::move(lines)}};
   if (!checkpoint.sums.isWhole()) in.refuse("its replicates are not those it has sums of");
   return checkpoint;
 }
@@ -403,6 +465,12 @@ Checkpoint mergeCheckpoints(const std::vector<std::filesystem::path>& files) {
           fmt::format("{}: its unoccluded form factors have other visibilities than {}, though the settings are the "
                       "same; were they made by one build of viewpeel?",
                       files[k].string(), files.front().string()));
+    if (other.sums.lines.has_value() != merged.sums.lines.has_value() ||
+        (merged.sums.lines && !merged.sums.lines->goesWith(*other.sums.lines)))
+      throw Error(ErrorCode::bad_usage,
+                  fmt::format("{}: pairs have other lines than in {}, for it had another goal; give all parts of a run "
+                              "the same goal and --replicates",
+                              files[k].string(), files.front().string()));
     if (merged.sums.prior_sums && !merged.sums.prior_sums->directsAs(*other.sums.prior_sums))
       throw Error(ErrorCode::bad_usage,
                   fmt::format("{}: other pairs have directions of their own than in {}, for it had another goal; give "

@@ -13,6 +13,12 @@ bool mayUseUnoccluded(const Request& request) {
          (!guarantee || (request.by == By::polygon && guarantee->statistic == Statistic::mean));
 }
 
+bool mayUsePairLines(const Request& request) {
+  return request.engine != EngineKind::exact &&
+         (std::holds_alternative<Tolerance>(request.goal) || std::holds_alternative<Relative>(request.goal)) &&
+         !amountOf(request).directions;
+}
+
 void checkRequest(const Request& request) {
   const auto refuse = [](const std::string& message) { throw Error(ErrorCode::bad_usage, message); };
   const Amount amount = amountOf(request);
@@ -26,6 +32,15 @@ void checkRequest(const Request& request) {
     refuse(
         "--unoccluded on needs the whole matrix and --engine compute or host; of a guarantee also --by polygon and "
         "--statistic mean");
+  if (request.pair_lines.value_or(false)) {
+    if (!mayUsePairLines(request))
+      refuse(
+          "--pair-lines on needs a goal by --tolerance or --relative, and any engine but exact; leave out "
+          "--directions, "
+          "--seconds without a tolerance, and --epsilon");
+    if (request.unoccluded.has_value())
+      refuse("--pair-lines on takes unoccluded form factors as they are; leave out --unoccluded");
+  }
   if (request.balance && !request.question.isEverything()) refuse(kBalanceNeedsEveryRow);
   if (request.engine == EngineKind::exact && !request.exact_engine)
     refuse("there is no exact engine in this library; set Request::exact_engine, or take another engine");

@@ -10,6 +10,7 @@
 #include <viewpeel/error.h>
 #include "estimator/estimate_run.h"
 #include "estimator/guarantee_run.h"
+#include "estimator/line_run.h"
 #include "estimator/find_prior.h"
 #include "io/checkpoint.h"
 #include "result/leak_warnings.h"
@@ -18,11 +19,20 @@
 #include "run/setup.h"
 #include "run/summaries.h"
 #include "stopwatch.h"
+#include "sums/add_pairs.h"
 
 namespace viewpeel {
 namespace {
 
 constexpr double kTrialSeconds = 0.5;  // of measureSeconds
+
+void requireSamePairs(const std::vector<LinePair>& found, const std::vector<LinePair>& stored) {
+  if (!std::ranges::equal(found, stored, {}, keyOf<LinePair>, keyOf<LinePair>))
+    throw Error(
+        ErrorCode::bad_usage,
+        "the checkpoint has lines of other pairs than this scene, though the settings are the same; was it made "
+        "by another build of viewpeel?");
+}
 
 }  // namespace
 
@@ -42,6 +52,9 @@ struct FormFactorRun::State {
   std::optional<PriorSummary> prior_summary;
   std::optional<EstimateRun> estimate_run;
   std::optional<GuaranteeRun> guarantee_run;
+  std::optional<PairLines> pair_lines;
+  std::vector<LinePair> line_pairs;  // as planned
+  std::optional<LineRun> line_run;
   bool is_interrupted = false, is_done = false;
 
   State(const Scene& scene, Request request, Observer watching)
@@ -78,12 +91,16 @@ struct FormFactorRun::State {
   }
 
   Engine& engine() const { return guarantee ? *guarantee->engine : *plan->engine; }
-  const RunSums& sums() const { return guarantee_run ? guarantee_run->sums() : estimate_run->sums(); }
-  bool isBegun() const { return estimate_run || guarantee_run; }
+  const RunSums& sums() const {
+    return guarantee_run ? guarantee_run->sums() : line_run ? line_run->sums() : estimate_run->sums();
+  }
+  bool isBegun() const { return estimate_run || guarantee_run || line_run; }
 
   Plan makeFixedPlan() const;
   Plan makePlanOfRequest();
   void makePlan();
+  bool leaks();
+  void planPairLines();
   void findPrior();
   EstimateOptions estimateOptions();
   void begin();
@@ -123,6 +140,49 @@ Plan FormFactorRun::State::makePlanOfRequest() {
   return planned();
 }
 
+// Whether more than kMostLeak of the lines of a few directions end on backs.
+bool FormFactorRun::State::leaks() {
+  constexpr double kMostLeak = 1e-3;
+  double all = 0, leak = 0;
+  for (const PairCount& count : plan->engine->count(sampleDirections(setup.estimate().sampler, 2 * kLineRunDirections,
+                                                                     setup.request().seed, kLineReplicates.first))) {
+    all += double(count.count) * (count.j < kEnvironment ? 2 : 1);
+    if (count.j == kLeak) leak += double(count.count);
+  }
+  return leak > kMostLeak * all;
+}
+
+// Few common directions, and lines for each pair. Without pair lines where lines leak, unless they are the request's.
+void FormFactorRun::State::planPairLines() {
+  plan.emplace();
+  plan->directions = setup.faceIds().counts_environment ? kLineRunDirections : 0;
+  const Lattices lattices = setup.lattices();
+  plan->groups = groupAsOne(setup.scene(), lattices.lattice.resolution);
+  plan->engine = makeEngine(lattices, setup.scene(), setup.faceIds(), plan->groups);
+  const auto begun = Clock::now();
+  pair_lines.emplace(setup.scene(), setup.faceIds(), setup.request().seed, setup.request().threads,
+                     [this] { stopIfRequested(); });
+  const bool is_free = !setup.request().pair_lines && !resumed;
+  if (pair_lines->hasUnordered() && !is_free)
+    throw Error(
+        ErrorCode::bad_usage,
+        "polygons coincide of which nothing says which lies in front, and pair lines need to know; name them by "
+        "--sheets or --solids, or leave out --pair-lines");
+  if (is_free && (pair_lines->hasUnordered() || (plan->directions && leaks()))) {
+    pair_lines.reset();
+    setup.leaveOutPairLines();
+    plan = makePlanOfRequest();
+    return;
+  }
+  EstimateOptions options = setup.estimate();
+  line_pairs = resumed ? resumed->sums.lines->pairs() : planLines(*pair_lines, setup.faceIds(), setup.ids(), options);
+  if (resumed) requireSamePairs(pair_lines->find(), line_pairs);
+  const PairLinesFigures figures = pair_lines->figures();
+  plan->pair_lines = {figures.clear, figures.partial, 0, figures.blockers, secondsSince(begun)};
+  for (const LinePair& pair : line_pairs)
+    plan->pair_lines->lines += uint64_t(16) * pair.blocks * options.replicates / pair.period;
+}
+
 void FormFactorRun::State::makePlan() {
   start = Clock::now();
   if (setup.guarantee()) {
@@ -132,7 +192,8 @@ void FormFactorRun::State::makePlan() {
     guarantee->engine = observed(std::move(guarantee->engine), observer.on_count);
     summary = summarise(setup, *guarantee);
   } else {
-    plan = makePlanOfRequest();
+    if (setup.usesPairLines()) planPairLines();
+    else plan = makePlanOfRequest();
     plan->engine = observed(std::move(plan->engine), observer.on_count);
     summary = summarise(setup, *plan);
   }
@@ -173,6 +234,15 @@ void FormFactorRun::State::begin() {
     return;
   }
   progress.directions_of_replicate = plan->directions;
+  if (pair_lines) {
+    EstimateOptions options = setup.estimate();
+    options.directions = plan->directions;
+    options.resumed = resumed ? &resumed->sums : nullptr;
+    if (options.seconds) options.seconds = std::max(*options.seconds - secondsSince(*start), 1e-3);
+    line_run.emplace(*plan->engine, setup.scene(), setup.faceIds(), *pair_lines, std::move(line_pairs), options);
+    is_done = line_run->isDone();
+    return;
+  }
   estimate_run.emplace(*plan->engine, setup.scene(), setup.countedIds(), estimateOptions());
   is_done = estimate_run->isDone();
 }
@@ -187,6 +257,13 @@ void FormFactorRun::State::step() {
   if (guarantee_run) {
     guarantee_run->step(tell);
     is_done = guarantee_run->isDone();
+    return;
+  }
+  if (line_run) {
+    line_run->step();
+    is_done = line_run->isDone();
+    progress.largest_standard_error = line_run->largestStandardError();
+    tell();
     return;
   }
   estimate_run->step();
@@ -279,6 +356,11 @@ double FormFactorRun::measureSeconds() {
                                      : sampleDirections(estimate.sampler, count, estimate.seed, kPlanReplicates.first);
   };
   const uint32_t all = state_->plan->directions;
+  if (state_->pair_lines) {
+    const auto trial = Clock::now();
+    state_->pair_lines->count(state_->line_pairs, kTrialReplicates.first);
+    return secondsSince(trial) * estimate.replicates;
+  }
   double each = 0;
   uint32_t count = std::min(4u, all);
   for (uint32_t turn = 0; turn < 2; ++turn, count = std::clamp(static_cast<uint32_t>(kTrialSeconds / each), 1u, all)) {
@@ -306,14 +388,16 @@ const RunSums& FormFactorRun::sums() const { return state_->sums(); }
 std::string FormFactorRun::division() const { return state_->engine().describePlan(); }
 
 Result FormFactorRun::resultSoFar() const {
-  return state_->resultOf(state_->guarantee_run ? state_->guarantee_run->estimateSoFar()
-                                                : state_->estimate_run->estimateSoFar());
+  return state_->resultOf(state_->line_run        ? state_->line_run->estimate()
+                          : state_->guarantee_run ? state_->guarantee_run->estimateSoFar()
+                                                  : state_->estimate_run->estimateSoFar());
 }
 
 Result FormFactorRun::result() {
   checkDevice();
   if (!state_->isBegun()) return state_->resultOf(state_->estimateOfNothing());
   const auto estimate = [&] {
+    if (state_->line_run) return state_->line_run->estimate();
     if (!state_->guarantee_run) return state_->estimate_run->takeEstimate();
     return state_->is_done && !state_->is_interrupted ? state_->guarantee_run->estimate()
                                                       : state_->guarantee_run->estimateSoFar();

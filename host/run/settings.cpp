@@ -61,13 +61,15 @@ Settings settingsOf(const Setup& setup) {
 }
 
 bool mayBePlanned(const std::string& name) {
-  constexpr std::array kPlanned = {"--unoccluded", "--directions", "--resolution", "--finest", "--range", "--block"};
+  constexpr std::array kPlanned = {"--unoccluded", "--pair-lines", "--directions", "--resolution",
+                                   "--finest",     "--range",      "--block"};
   return std::ranges::find(kPlanned, name) != kPlanned.end();
 }
 
 Settings settingsOf(const Setup& setup, const PlanSummary& plan) {
   Settings all = settingsOf(setup);
   all.emplace_back("--unoccluded", setup.usesUnoccluded() ? "on" : "off");
+  if (setup.usesPairLines()) all.emplace_back("--pair-lines", "on");
   if (plan.guarantee) {
     all.insert(all.end(), {{"--resolution", std::to_string(setup.resolution())},
                            {"--range", fmt::format("{}", plan.guarantee->range)},

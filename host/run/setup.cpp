@@ -87,6 +87,7 @@ Setup::Setup(const Scene& scene, Request request, std::function<void(uint64_t)> 
   askOnlyFor(request_.question, scene_, ids_);
   settleUnoccluded();
   chooseEngine();
+  settlePairLines();
   requireWhatEnginesHave();
   settleDirections();
   if (guarantee()) sampler_ = nameOf(guaranteeOptions().sampler);
@@ -110,6 +111,17 @@ void Setup::settleUnoccluded() {
               fmt::format("a guarantee with unoccluded form factors needs those of all pairs of polygons: "
                           "{} at most, not {}; say --unoccluded off",
                           kMostPriorPairs, pairCount(scene_.faces.size())));
+}
+
+// Lines of pairs are drawn on the processor's threads. Rough goals of many polygons are reached sooner by directions
+// that all pairs have in common (docs/speed.md).
+void Setup::settlePairLines() {
+  const bool is_open = !request_.unoccluded && !request_.sampling && !request_.sampler && !resolution_ && plans_ &&
+                       (request_.engine == EngineKind::automatic || request_.engine == EngineKind::host);
+  const bool pays =
+      scene_.faces.size() <= kMostPairLineFaces && (!estimate_.tolerance || *estimate_.tolerance <= kPairLineTolerance);
+  pair_lines_ = request_.pair_lines.value_or(is_open && pays && mayUsePairLines(request_));
+  if (pair_lines_) askOnlyFor(request_.question, scene_, face_ids_);
 }
 
 // Chooses compute shaders on a GPU; on a processor its own threads are many times faster than the shaders are through a
@@ -194,6 +206,7 @@ GuaranteeOptions Setup::guaranteeOptions() const {
 
 void Setup::adoptPlan(const Settings& stored) {
   if (stored.empty()) return;
+  pair_lines_ = findSetting(stored, "--pair-lines") == "on";
   if (unoccluded_by_default_ && unoccluded_possible_) {
     unoccluded_ = findSetting(stored, "--unoccluded") == "on";
     unoccluded_by_default_ = false;
@@ -216,8 +229,8 @@ void Setup::adoptPlan(const Settings& stored) {
 Lattices Setup::lattices() const {
   const bool has_windows = engine_ == EngineKind::compute || engine_ == EngineKind::host;
   Lattices lattices{make_engine_, lattice_, resolution_, has_windows && ids_.roles.empty() && !resolution_, nullptr};
-  lattices.lattice.count_blocked = unoccluded_;
-  if (unoccluded_) lattices.face_ids = &face_ids_;
+  lattices.lattice.count_blocked = usesUnoccluded();
+  if (usesUnoccluded()) lattices.face_ids = &face_ids_;
   return lattices;
 }
 

@@ -26,7 +26,7 @@ class Setup {
   const Ids& ids() const { return ids_; }
   const Ids& faceIds() const { return face_ids_; }
   // Returns the ids that engines count by.
-  const Ids& countedIds() const { return unoccluded_ ? face_ids_ : ids_; }
+  const Ids& countedIds() const { return unoccluded_ || pair_lines_ ? face_ids_ : ids_; }
   EngineKind engine() const { return engine_; }
   bool isExact() const { return engine_ == EngineKind::exact; }
   Sampling sampling() const { return lattice_.sampling; }
@@ -45,7 +45,10 @@ class Setup {
   int finest() const { return finest_; }
   // Returns the resolution; 0: to be planned.
   int resolution() const { return resolution_; }
-  bool usesUnoccluded() const { return unoccluded_; }
+  bool usesUnoccluded() const { return unoccluded_ && !pair_lines_; }
+  bool usesPairLines() const { return pair_lines_; }
+  // Where lines leak, common directions measure the leak better.
+  void leaveOutPairLines() { pair_lines_ = false; }
   // They were nobody's wish, and can be left out.
   bool unoccludedByDefault() const { return unoccluded_by_default_; }
   void leaveOutUnoccluded() { unoccluded_ = false; }
@@ -58,6 +61,7 @@ class Setup {
 
  private:
   void settleUnoccluded();
+  void settlePairLines();
   void chooseEngine();
   void requireWhatEnginesHave() const;
   void settleDirections();
@@ -70,7 +74,8 @@ class Setup {
   LatticeOptions lattice_;
   std::string sampler_;
   EstimateOptions estimate_;
-  bool plans_ = true, unoccluded_ = false, unoccluded_by_default_ = false, unoccluded_possible_ = false;
+  bool plans_ = true, unoccluded_ = false, unoccluded_by_default_ = false, unoccluded_possible_ = false,
+       pair_lines_ = false;
   int resolution_ = 0, finest_ = 0;
   std::optional<Device> device_;
   EngineFactory make_engine_;

@@ -39,6 +39,7 @@ PlanSummary summarise(const Setup& setup, const Plan& plan) {
   summary.seconds = plan.seconds;
   summary.standard_error = plan.standard_error;
   summary.pilot_seconds = plan.pilot_seconds;
+  summary.pair_lines = plan.pair_lines;
   for (uint32_t id : plan.barely_covered) summary.barely_covered.push_back(setup.ids().names[id]);
   return summary;
 }
@@ -71,6 +72,7 @@ PriorSummary summarise(const FoundPrior& found) {
 }
 
 std::string optionsOf(const PlanSummary& plan) {
+  if (plan.pair_lines) return "--pair-lines on";
   return fmt::format("--directions {} --resolution {}{}{}{}", plan.directions, plan.lattices[0].resolution,
                      plan.lattices.size() > 1 ? fmt::format(" --finest {}", plan.finest) : "",
                      plan.sampling == Sampling::scanline ? " --sampling scanline" : "",

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sums/add_pairs.h"
+#include "sums/line_form_factors.h"
 #include "threads.h"
 
 namespace viewpeel {
@@ -47,6 +48,7 @@ bool RunSums::isWhole() const {
     count += replicates[k].end - replicates[k].first;
   }
   if (hasPairsInVisible() && !by_id.pairs().empty()) return false;
+  if (lines && lines->replicateCount() != count) return false;
   return by_id.replicateCount() == count && by_surface.replicateCount() == count &&
          (!prior_sums ||
           (prior_sums->byFace().replicateCount() == count && prior_sums->surfaceControls().replicateCount() == count &&
@@ -65,7 +67,15 @@ void RunSums::add(uint64_t replicate, const PairCounts& counts, uint64_t directi
   directions += direction_count;
 }
 
+void RunSums::addLines(uint64_t replicate, const PairCounts& counts, uint64_t direction_count,
+                       const LineCounts& line_counts) {
+  lines->add(line_counts);
+  add(replicate, counts, direction_count);
+}
+
 void RunSums::add(const RunSums& others) {
+  if (lines && !replicates.empty()) lines->add(*others.lines);
+  else lines = others.lines;
   if (replicates.empty()) measure_area = others.measure_area;
   if (others.prior_sums && !prior_sums) prior_sums = others.prior_sums;
   else if (prior_sums)
@@ -80,7 +90,9 @@ void RunSums::add(const RunSums& others) {
 }
 
 FormFactors RunSums::formFactors(const ExchangeRow& row) const {
-  if (prior_sums && prior_sums->by() == By::surface) return betweenSurfaces();
+  if (lines && lines->by() == By::polygon)
+    return lineFormFactors(*lines, By::polygon, by_id, measure_area, countArea());
+  if (lines || (prior_sums && prior_sums->by() == By::surface)) return betweenSurfaces();
   if (!prior_sums) return by_id.formFactors(measure_area, countArea());
   // The counts of other pairs are not looked at.
   const std::vector<VisibilitySums::PairSum>& pairs = prior_sums->byFace().pairs();
@@ -108,6 +120,7 @@ FormFactors RunSums::priorFormFactors() const {
 }
 
 FormFactors RunSums::betweenSurfaces() const {
+  if (lines) return lineFormFactors(*lines, By::surface, by_surface, measure_area, countArea());
   const FormFactors sampled = by_surface.formFactors(measure_area, countArea());
   return prior_sums ? prior_sums->bySurface(measure_area, countArea(), sampled) : sampled;
 }

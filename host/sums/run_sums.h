@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <viewpeel/form_factors.h>
+#include "sums/line_sums.h"
 #include "sums/replicate_sums.h"
 #include "sums/prior_sums.h"
 
@@ -26,6 +27,8 @@ struct RunSums {
   uint64_t directions = 0;                 // in all, those of directed pairs not counted
   double measure_area = 0;                 // input units squared of one count; 0 before the first replicate
   std::optional<PriorSums> prior_sums{};   // with unoccluded form factors: by_id is by face then
+  std::optional<LineSums>
+      lines{};  // where all pairs have lines of their own: by_id is by face, for environment and leak
 
   uint64_t replicateCount() const { return by_id.replicateCount(); }
   // Returns true with unoccluded form factors by polygon: their visibilities contain the counts of pairs.
@@ -41,6 +44,8 @@ struct RunSums {
   //     directions
   //   Cost: O(nonzeros log nonzeros).
   void add(uint64_t replicate, const PairCounts& counts, uint64_t direction_count, const PairCounts& directed = {});
+  // Adds one replicate of a run with lines.
+  void addLines(uint64_t replicate, const PairCounts& counts, uint64_t direction_count, const LineCounts& line_counts);
   // Adds other replicates of the same run.
   //   In: replicates that are not there yet; the same ids, the same measure_area, the same visibilities
   //   Cost: O(nonzeros).

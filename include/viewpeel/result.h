@@ -43,6 +43,7 @@ struct Estimate {
   uint64_t unseen_pairs = 0;
   double largest_unseen_error = 0;
   uint64_t directed_pairs = 0, directed_directions = 0;  // pairs with directions of their own, and all of these
+  uint64_t line_pairs = 0, lines = 0;                    // pairs with lines between them alone, and all of these
   // Each form factor of a pair without a line is below this bound, from the smaller of its pair, with 95 % confidence.
   // It is infinite where unoccluded form factors of all pairs leave no such pair.
   double unmet_bound = INFINITY;
@@ -71,6 +72,16 @@ struct GuaranteeFigures {
   double least_seconds = 0, expected_seconds = 0, most_seconds = 0;  // estimates
 };
 
+// A PairLinesSummary counts pairs of polygons that see each other with nothing in between, but for those that one
+// blocker hides.
+struct PairLinesSummary {
+  uint64_t clear = 0;     // pairs that nothing can block: their form factors are the unoccluded ones
+  uint64_t partial = 0;   // pairs that get lines
+  uint64_t lines = 0;     // of these pairs, in all replicates of the request
+  uint64_t blockers = 0;  // all polygons were joined to these
+  double seconds = 0;     // spent on finding the pairs and planning their lines
+};
+
 // A PlanSummary says what a run will do, and which error and time are expected.
 struct PlanSummary {
   EngineKind engine = EngineKind::host;
@@ -87,6 +98,7 @@ struct PlanSummary {
   // These rows are so small that even the finest lattice may miss them.
   std::vector<std::string> barely_covered;
   std::optional<GuaranteeFigures> guarantee;
+  std::optional<PairLinesSummary> pair_lines;
   uint64_t unoccluded_pairs = 0;       // of a guarantee: pairs with an unoccluded form factor
   uint64_t pairs_with_visibility = 0;  // of these, with a visibility from a pilot
 };

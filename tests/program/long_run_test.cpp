@@ -114,10 +114,11 @@ TEST_F(LongRun, InterruptedIsWrittenAndResumed) {
 }
 
 // What a plan chose from measured times is kept with the checkpoint: the rest of the run is that plan's, whatever
-// another plan would be.
+// another plan would be. Lines of pairs are planned without times, and kept as well.
 TEST_F(LongRun, PlansAndGuaranteesAreGoneOnWith) {
   const std::pair<std::string, std::vector<std::string>> runs[] = {
-      {kOffice + "--tolerance 2e-3 ", {"--directions", "--resolution", "--finest"}},
+      {kOffice + "--tolerance 2e-3 ", {"--pair-lines"}},
+      {kOffice + "--tolerance 2e-3 --pair-lines off ", {"--directions", "--resolution", "--finest"}},
       {"compute " VIEWPEEL_SCENES "/office.obj --quiet --tolerance 3e-2 ",
        {"--directions", "--resolution", "--finest", "--unoccluded"}},
       {"compute " VIEWPEEL_SCENES "/plates.obj --quiet --epsilon 0.03 ", {"--range", "--block"}}};

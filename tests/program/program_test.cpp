@@ -62,7 +62,7 @@ TEST_F(Program, PlansSayWhatARunTakes) {
               std::string::npos)
         << r.output;
   }
-  const Result r = run(plates + "--tolerance 1e-9 --seconds 1");
+  const Result r = run(plates + "--tolerance 1e-9 --seconds 1 --pair-lines off");
   EXPECT_NE(r.output.find("more than --seconds 1 allow; the run ends short of it"), std::string::npos) << r.output;
   EXPECT_EQ(run(plates + "--tolerance 0.1").output.find("takes about"), std::string::npos);
 }

@@ -1,0 +1,62 @@
+// Lines of their own for every pair, in steps: one replicate each, until the goal.
+//
+// Common directions are few here. They tell which rows see the environment and where lines leak; form factors between
+// faces come from pair lines (pair_lines.h).
+#pragma once
+#include <functional>
+#include <optional>
+
+#include "estimator/estimate.h"
+#include "pair_lines/pair_lines.h"
+#include "stopwatch.h"
+
+namespace viewpeel {
+
+// Common directions of a replicate.
+constexpr uint32_t kLineRunDirections = 32;
+
+// What the tolerance T of a run stands for: plans allow each pair T / kPlannedErrors standard errors, so that the
+// largest error of all pairs, most of which have far less, is hardly ever above T. Measured: docs/accuracy.md.
+constexpr double kPlannedErrors = 4.25;
+// Pairs whose standard error is above T / kReachedErrors after the replicates asked for get further ones.
+constexpr double kReachedErrors = 4.25;
+
+// Finds the pairs of a run and gives them lines for its goal: a tolerance, a relative error, or both.
+//   In: lines: of ids by face; ids: of the result, whose goals are meant; options: goals, replicates, by
+//   Cost: as PairLines::find and PairLines::plan.
+std::vector<LinePair> planLines(PairLines& lines, const Ids& face_ids, const Ids& ids, const EstimateOptions& options);
+
+class LineRun {
+ public:
+  //   In: engine, face_ids: of common directions; lines: after planLines; pairs: as it has planned, ignored where
+  //   options.resumed has them; all but pairs are referred to. options: goals, replicates, first_replicate, seed,
+  //   sampler, directions, resumed, by
+  LineRun(Engine& engine, const Scene& scene, const Ids& face_ids, PairLines& lines, std::vector<LinePair> pairs,
+          EstimateOptions options);
+
+  // Whether the goal is reached, or the next replicate would end after the time.
+  bool isDone() const;
+  // Counts one replicate.    Throws: what the engine throws; the sums are then as before.
+  void step();
+  const RunSums& sums() const { return sums_; }
+  // Of all pairs of faces so far; infinite before the least number of replicates is done.
+  double largestStandardError() const { return largest_error_; }
+  Estimate estimate() const;
+
+ private:
+  void measureErrors();
+  bool isWanting(const FormFactors::Entry& entry, const Ids& ids) const;
+
+  Engine& engine_;
+  PairLines& lines_;
+  EstimateOptions options_;
+  double count_area_;
+  RunSums sums_;
+  double largest_error_ = INFINITY;
+  std::vector<bool> wanting_;  // of pairs, after the replicates asked for: those that miss the goal
+  bool is_any_wanting_ = true;
+  uint64_t resumed_count_ = 0;
+  Clock::time_point start_ = Clock::now();
+};
+
+}  // namespace viewpeel

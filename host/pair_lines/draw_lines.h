@@ -1,0 +1,96 @@
+// Lines between two patches, and which of them nothing blocks.
+//
+// Lines are drawn in one of three ways:
+//   points   from a point of one patch to a point of the other; a line weighs cos cos / (pi r^2) dA dA;
+//   angles   from a point of the smaller patch, at a height h over the other's plane, to a point of that plane at h
+//   tan(a)
+//            and h tan(b) from its foot, a and b uniform. For patches that are near, where the weights of points vary
+//            without bound: these vary little. Points are denser where the other patch looks larger;
+//   contact  for patches of one plane that face each other: from a point of one to the same point of the other.
+// In all three the share of the weight that nothing blocks is the visibility of the pair (docs/method.md).
+//
+// Points are Sobol' points of four dimensions (S. Joe, F. Kuo, Constructing Sobol sequences with better two-dimensional
+// projections, SIAM J. Sci. Comput. 30, 2008), scrambled for each replicate apart (A. Owen, Randomly permuted
+// (t,m,s)-nets and (t,s)-sequences, 1995). One lattice with random shifts is no substitute: its replicates may all be
+// wrong together, for a thin blocker lies between the same points in each of them.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engines/vectorised.h"
+#include "pair_lines/blockers.h"
+#include "pair_lines/patches.h"
+
+namespace viewpeel {
+
+enum class LineWay : uint8_t { points, angles, contact };
+
+// What covers an end of lines lies in its plane; other blockers lie between.
+enum class BlockerPlace : uint8_t { between, over_first, over_second };
+
+struct PlacedBlocker {
+  uint32_t blocker;
+  BlockerPlace place;
+};
+
+// Lines of two patches. Weights are of a mean of 1, those of lines that miss 0.
+struct DrawnLines {
+  double facing = 0, all = 0;  // weights of lines that nothing blocks, and of all
+  double squares = 0;          // of all weights
+  uint64_t lines = 0;
+};
+
+// A pair of patches, ready for lines: in single precision, and about the middle of the smaller patch, so that rounding
+// is relative to the distance from it.
+class LineDrawer {
+ public:
+  // Lines that are drawn at once.
+  static constexpr uint32_t kBlockLines = 16;
+
+  //   In: exchange: A F with nothing in between, unit-ball units squared, above 0; all are copied
+  LineDrawer(const Patch& a, const Patch& b, LineWay way, double exchange, const std::vector<Blocker>& blockers,
+             std::span<const PlacedBlocker> between);
+
+  // Draws lines 16 first to 16 end - 1 of the sequence that the four scrambles make.
+  //   Error: rounding of single precision.    Cost: some 4 ns a line and more with every blocker.
+  DrawnLines draw(const std::array<uint32_t, 4>& scrambles, uint32_t first, uint32_t end, Vectors vectors) const;
+
+ private:
+  // A point is corner + s side_a + t side_b + s t twist for s, t in [0, 1]; of a triangle where s + t <= 1.
+  struct End {
+    float corner[3], side_a[3], side_b[3], twist[3];
+    float density[3];  // of the area, per ds dt: 1, s, t; a triangle has one density
+    float normal[3], offset;
+    bool is_triangle;
+    uint32_t edge_count;
+    float edges[4][4];  // outward normals and minus their offsets
+    float axes[2][3];   // of its plane, unit length
+    float range[2][2];  // of the patch along the axes, least and most
+  };
+  // Numbers in [0, 1), more of them where more of what counts is: bin by bin.
+  struct Warp {
+    static constexpr int kBins = 8;
+    float starts[kBins], scales[kBins];  // of bin k: u >= starts[k], and its width over its share
+  };
+  struct Obstacle {
+    BlockerPlace place;
+    uint32_t edge_count;
+    float plane[4];  // normal and minus its offset
+    float edges[kMostBlockerCorners][4];
+  };
+
+  static End endOf(const Patch& patch, const glm::dvec3& origin, bool folds_triangles);
+  void frameSecond(const Patch& small, const Patch& large);
+  void warpTowards(const Patch& small, const Patch& large);
+  DrawnLines drawAll(const std::array<uint32_t, 4>& scrambles, uint32_t first, uint32_t end) const;
+
+  LineWay way_;
+  End first_, second_;
+  Warp warps_[2];  // of points of the first patch, by angles
+  float unit_;     // of weights
+  std::vector<Obstacle> obstacles_;
+};
+
+}  // namespace viewpeel

@@ -1,0 +1,325 @@
+#include "pair_lines/find_pairs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <unordered_map>
+
+#include <glm/glm.hpp>
+
+#include "threads.h"
+
+namespace viewpeel {
+namespace {
+
+using glm::dvec3;
+
+constexpr uint32_t kLeafPatches = 8;
+constexpr double kNormalWeight =
+    0.3;                        // of a normal beside a place, in the size of the scene: patches of a cluster should
+                                // look the same way
+constexpr size_t kTasks = 256;  // that are shared out to threads, at least
+
+// Whether convex polygons of one plane have more than an edge in common.
+template <class A, class B>
+bool overlap(const A& a, uint32_t corners_a, const B& b, uint32_t corners_b) {
+  const auto isApart = [](const auto& p, uint32_t edges, const auto& q, uint32_t corners) {
+    for (uint32_t e = 0; e < edges; ++e) {
+      double nearest = INFINITY;
+      for (uint32_t c = 0; c < corners; ++c)
+        nearest = std::min(nearest, glm::dot(p.edge_normals[e], q.corners[c]) - p.edge_offsets[e]);
+      if (nearest >= -kTouchingShaft) return true;
+    }
+    return false;
+  };
+  return !isApart(a, corners_a, b, corners_b) && !isApart(b, corners_b, a, corners_a);
+}
+
+bool covers(const Blocker& blocker, const Patch& patch) {
+  for (uint32_t e = 0; e < blocker.corner_count; ++e)
+    for (uint32_t c = 0; c < patch.corner_count; ++c)
+      if (glm::dot(blocker.edge_normals[e], patch.corners[c]) - blocker.edge_offsets[e] > kTouchingShaft) return false;
+  return true;
+}
+
+// Above 0 where a blocker of the patch's plane lies in front of the patch.
+int stepsInFront(const Blocker& blocker, const Patch& patch) {
+  return (patch.along_plane_normal ? blocker.level : -blocker.level) - patch.height;
+}
+
+}  // namespace
+
+PairFinder::PairFinder(const Scene& scene, const Ids& ids, bool join_blockers)
+    : scene_(scene),
+      ids_(ids),
+      patches_(makePatches(scene, ids)),
+      blockers_(makeBlockers(scene, join_blockers)),
+      unoccluded_(scene) {
+  // Large blockers hide most: where one hides all, the rest need no test.
+  std::vector<double> sizes;
+  for (const Blocker& blocker : blockers_) {
+    glm::dvec3 area(0);
+    for (uint32_t c = 2; c < blocker.corner_count; ++c)
+      area += glm::cross(blocker.corners[c - 1] - blocker.corners[0], blocker.corners[c] - blocker.corners[0]);
+    sizes.push_back(glm::length(area));
+  }
+  largest_first_.resize(blockers_.size());
+  std::iota(largest_first_.begin(), largest_first_.end(), 0u);
+  std::ranges::stable_sort(largest_first_, std::ranges::greater{}, [&](uint32_t k) { return sizes[k]; });
+  findCovers();
+  order_.resize(patches_.size());
+  std::iota(order_.begin(), order_.end(), 0u);
+  if (!patches_.empty()) build(order_, 0, static_cast<uint32_t>(patches_.size()));
+}
+
+void PairFinder::findCovers() {
+  covers_.resize(patches_.size());
+  is_covered_.resize(patches_.size(), false);
+  std::unordered_map<uint32_t, std::vector<uint32_t>> of_plane;
+  for (uint32_t k = 0; k < blockers_.size(); ++k) of_plane[blockers_[k].plane].push_back(k);
+  for (auto& [plane, list] : of_plane) {
+    for (size_t k = 0; k < list.size() && !has_unordered_; ++k)
+      for (size_t m = 0; m < k && !has_unordered_; ++m) {
+        const Blocker &a = blockers_[list[k]], &b = blockers_[list[m]];
+        const bool are_apart = glm::any(glm::greaterThan(a.low, b.high)) || glm::any(glm::greaterThan(b.low, a.high));
+        has_unordered_ = a.level == b.level && !are_apart && overlap(a, a.corner_count, b, b.corner_count);
+      }
+    const bool has_levels =
+        std::ranges::any_of(list, [&](uint32_t k) { return blockers_[k].level != blockers_[list[0]].level; });
+    if (!has_levels) list.clear();
+  }
+  for (uint32_t p = 0; p < patches_.size(); ++p)
+    for (const uint32_t k : of_plane[patches_[p].plane]) {
+      if (stepsInFront(blockers_[k], patches_[p]) <= 0) continue;
+      if (!overlap(blockers_[k], blockers_[k].corner_count, patches_[p], patches_[p].corner_count)) continue;
+      covers_[p].push_back(k);
+      if (covers(blockers_[k], patches_[p])) is_covered_[p] = true;
+    }
+}
+
+uint32_t PairFinder::build(std::vector<uint32_t>& order, uint32_t first, uint32_t end) {
+  const auto index = static_cast<uint32_t>(nodes_.size());
+  nodes_.emplace_back();
+  Node node;
+  node.first = first, node.end = end;
+  node.box = {dvec3(INFINITY), dvec3(-INFINITY)};
+  node.patch = order[first];
+  node.is_flat = true;
+  double low[6], high[6];
+  std::fill_n(low, 6, INFINITY), std::fill_n(high, 6, -INFINITY);
+  const auto placeOf = [&](uint32_t p, int axis) {
+    return axis < 3 ? patches_[p].middle[axis] : kNormalWeight * patches_[p].normal[axis - 3];
+  };
+  for (uint32_t k = first; k < end; ++k) {
+    const Patch &patch = patches_[order[k]], &one = patches_[node.patch];
+    node.box.low = glm::min(node.box.low, patch.low), node.box.high = glm::max(node.box.high, patch.high);
+    node.emits |= patch.emits, node.receives |= patch.receives;
+    node.is_flat &= patch.plane == one.plane && patch.along_plane_normal == one.along_plane_normal;
+    for (int axis = 0; axis < 6; ++axis) {
+      low[axis] = std::min(low[axis], placeOf(order[k], axis));
+      high[axis] = std::max(high[axis], placeOf(order[k], axis));
+    }
+  }
+  if (node.size() > kLeafPatches) {
+    int axis = 0;
+    for (int other = 1; other < 6; ++other)
+      if (high[other] - low[other] > high[axis] - low[axis]) axis = other;
+    const uint32_t middle = first + node.size() / 2;
+    std::nth_element(order.begin() + first, order.begin() + middle, order.begin() + end, [&](uint32_t p, uint32_t q) {
+      const double x = placeOf(p, axis), y = placeOf(q, axis);
+      return x != y ? x < y : p < q;
+    });
+    node.left = build(order, first, middle);
+    node.right = build(order, middle, end);
+  }
+  nodes_[index] = node;
+  return index;
+}
+
+// Two clusters, and the blockers that may be between them.
+struct PairFinder::Task {
+  uint32_t a, b;
+  BlockerList between;
+};
+
+// Goes down from one task on, in one thread.
+class PairFinder::Search {
+ public:
+  explicit Search(const PairFinder& finder) : finder_(finder) {}
+
+  // Appends the tasks of the next smaller clusters, or finds the pairs of two leaves.
+  void divide(Task& task, std::vector<Task>& next) {
+    const Node &a = node(task.a), &b = node(task.b);
+    if (a.isLeaf() && b.isLeaf()) return findLeaf(task);
+    const auto add = [&](uint32_t m, uint32_t n) {
+      if (!mayFace(node(m), node(n))) return;
+      Task& part = next.emplace_back(Task{m, n, {}});
+      if (!keepBetween(task.between, part)) next.pop_back();
+    };
+    if (task.a == task.b) {
+      add(a.left, a.left), add(a.left, a.right), add(a.right, a.right);
+    } else if (b.isLeaf() || (!a.isLeaf() && sizeOf(a) >= sizeOf(b))) {
+      add(a.left, task.b), add(a.right, task.b);
+    } else {
+      add(task.a, b.left), add(task.a, b.right);
+    }
+  }
+
+  // All pairs of the task.
+  void search(Task task) {
+    std::vector<Task> stack;
+    stack.push_back(std::move(task));
+    while (!stack.empty()) {
+      Task next = std::move(stack.back());
+      stack.pop_back();
+      divide(next, stack);
+    }
+  }
+
+  PatchPairs found;
+
+ private:
+  const Node& node(uint32_t k) const { return finder_.nodes_[k]; }
+  static double sizeOf(const Node& n) {
+    const dvec3 size = n.box.high - n.box.low;
+    return glm::dot(size, size);
+  }
+
+  // Whether a pair of the two clusters may look at each other.
+  bool mayFace(const Node& a, const Node& b) const {
+    if (!(a.emits && b.receives) && !(a.receives && b.emits)) return false;
+    const auto isBehind = [&](const Node& flat, const Node& other) {
+      if (!flat.is_flat) return false;
+      const Patch& patch = finder_.patches_[flat.patch];
+      const dvec3 middle = 0.5 * (other.box.low + other.box.high), reach = 0.5 * (other.box.high - other.box.low);
+      return glm::dot(patch.normal, middle) + glm::dot(glm::abs(patch.normal), reach) < patch.offset - kTouchingShaft;
+    };
+    return !isBehind(a, b) && !isBehind(b, a);
+  }
+
+  // False: one blocker hides all.
+  bool keepBetween(const BlockerList& from, Task& part) const {
+    const Box &a = node(part.a).box, &b = node(part.b).box;
+    BoxShaft(a, b).keepInside(from, part.between, vectors_);
+    if (part.a != part.b)
+      for (const uint32_t k : part.between.indices)
+        if (hidesBox(finder_.blockers_[k], a, b)) return false;
+    part.between.pad();
+    return true;
+  }
+
+  void findLeaf(const Task& task) {
+    const Node &a = node(task.a), &b = node(task.b);
+    for (uint32_t k = a.first; k < a.end; ++k)
+      for (uint32_t m = task.a == task.b ? k + 1 : b.first; m < b.end; ++m)
+        findPair(std::min(finder_.order_[k], finder_.order_[m]), std::max(finder_.order_[k], finder_.order_[m]),
+                 task.between.indices);
+  }
+
+  bool hasCornerInFront(const Patch& a, const Patch& b) const {
+    for (uint32_t k = 0; k < b.corner_count; ++k)
+      if (glm::dot(a.normal, b.corners[k]) > a.offset) return true;
+    return false;
+  }
+
+  void findPair(uint32_t p, uint32_t q, std::span<const uint32_t> from) {
+    const Patch &a = finder_.patches_[p], &b = finder_.patches_[q];
+    if (!(a.emits && b.receives) && !(a.receives && b.emits)) return;
+    const bool is_contact = a.plane == b.plane;
+    if (is_contact) {
+      if (a.along_plane_normal == b.along_plane_normal || a.height + b.height >= 0) return;
+    } else if (!hasCornerInFront(a, b) || !hasCornerInFront(b, a)) {
+      return;
+    }
+    const size_t before = found.between.size();
+    if (is_contact) {
+      // What lies between two levels of one plane.
+      for (const uint32_t k : finder_.covers_[p])
+        if (stepsInFront(finder_.blockers_[k], b) > 0) found.between.push_back({k, BlockerPlace::over_first});
+    } else {
+      if (finder_.is_covered_[p] || finder_.is_covered_[q]) return;
+      between_.clear();
+      const PatchShaft shaft(a, b);
+      // What hid the last pair often hides its neighbours.
+      const auto isHidden = [&](std::span<const uint32_t> by) {
+        found.figures.blocker_tests += by.size();
+        return shaft.find(finder_.blockers_, by, between_, vectors_) == Sight::hidden;
+      };
+      if (isHidden({&last_hider_, 1})) return void(++found.figures.hidden);
+      between_.clear();
+      if (isHidden(from)) {
+        last_hider_ = between_.back();
+        return void(++found.figures.hidden);
+      }
+      for (const uint32_t k : between_) found.between.push_back({k, BlockerPlace::between});
+      for (const uint32_t k : finder_.covers_[p]) found.between.push_back({k, BlockerPlace::over_first});
+      for (const uint32_t k : finder_.covers_[q]) found.between.push_back({k, BlockerPlace::over_second});
+    }
+    const double exchange = finder_.unoccluded_.find({a.side, b.side}, work_).area;
+    if (!(exchange > 0)) {
+      found.between.resize(before);
+      return;
+    }
+    const auto count = static_cast<uint32_t>(found.between.size() - before);
+    ++(count ? found.figures.partial : found.figures.clear);
+    found.pairs.push_back({p, q, exchange, static_cast<uint32_t>(before), count});
+  }
+
+  const PairFinder& finder_;
+  UnoccludedWork work_;
+  std::vector<uint32_t> between_;
+  uint32_t last_hider_ = 0;
+  Vectors vectors_ = widestVectors();
+};
+
+PatchPairs PairFinder::find(size_t threads, const std::function<void()>& stop) const {
+  if (nodes_.empty()) return {};
+  // Divided by one thread until there are tasks enough for all, then each task to its end.
+  Search first(*this);
+  std::vector<Task> tasks(1);
+  tasks[0].a = tasks[0].b = 0;
+  for (const uint32_t k : largest_first_) tasks[0].between.add(k, blockers_[k]);
+  tasks[0].between.pad();
+  while (!tasks.empty() && tasks.size() < kTasks) {
+    std::vector<Task> next;
+    bool is_divided = false;
+    for (Task& task : tasks) {
+      is_divided |= !nodes_[task.a].isLeaf() || !nodes_[task.b].isLeaf();
+      first.divide(task, next);
+    }
+    tasks = std::move(next);
+    if (!is_divided) break;
+  }
+  std::vector<PatchPairs> parts(tasks.size() + 1);
+  parts.back() = std::move(first.found);
+  shareOut(
+      threads, tasks.size(), 1,
+      [&](size_t, size_t k) {
+        Search search(*this);
+        search.search(std::move(tasks[k]));
+        parts[k] = std::move(search.found);
+      },
+      [&](size_t) {
+        if (stop) stop();
+      });
+
+  PatchPairs all;
+  size_t pair_count = 0, between_count = 0;
+  for (const PatchPairs& part : parts) pair_count += part.pairs.size(), between_count += part.between.size();
+  all.pairs.reserve(pair_count), all.between.reserve(between_count);
+  for (PatchPairs& part : parts) {
+    const auto offset = static_cast<uint32_t>(all.between.size());
+    for (PatchPair pair : part.pairs) {
+      pair.first_blocker += offset;
+      all.pairs.push_back(pair);
+    }
+    all.between.insert(all.between.end(), part.between.begin(), part.between.end());
+    all.figures.clear += part.figures.clear, all.figures.partial += part.figures.partial;
+    all.figures.hidden += part.figures.hidden, all.figures.blocker_tests += part.figures.blocker_tests;
+    part = {};
+  }
+  std::ranges::sort(all.pairs, {}, [](const PatchPair& pair) { return std::pair(pair.a, pair.b); });
+  return all;
+}
+
+}  // namespace viewpeel

@@ -1,0 +1,88 @@
+// Which pairs of polygons may see each other, and what is between each.
+//
+// Clusters of patches come first: blockers outside the shaft of two clusters are in the way of no pair of theirs, and
+// one blocker that hides two clusters from each other hides all their pairs. What is left goes down to smaller
+// clusters (S. Teller, P. Hanrahan, Global visibility algorithms for illumination computations, 1993).
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "pair_lines/draw_lines.h"
+#include "pair_lines/shafts.h"
+#include "unoccluded/host_unoccluded.h"
+
+namespace viewpeel {
+
+// A pair of patches with a form factor above 0 unless something hides it.
+struct PatchPair {
+  uint32_t a, b;        // patches, a < b
+  double exchange = 0;  // A F with nothing in between, unit-ball units squared
+  // Blockers, of PatchPairs::between; none where nothing is in the way.
+  uint32_t first_blocker = 0, blocker_count = 0;
+};
+
+// How many pairs of patches were looked at, and what became of them.
+struct PatchPairFigures {
+  uint64_t clear = 0, partial = 0, hidden = 0;  // hidden: but for those of whole clusters
+  uint64_t blocker_tests = 0;                   // of shafts of patches
+};
+
+struct PatchPairs {
+  std::vector<PatchPair> pairs;        // sorted by (a, b); pairs that are hidden are left out
+  std::vector<PlacedBlocker> between;  // of all pairs
+  PatchPairFigures figures;
+};
+
+class PairFinder {
+ public:
+  //   In: scene, ids: referred to    Cost: O(n log n) for most scenes.
+  PairFinder(const Scene& scene, const Ids& ids, bool join_blockers = true);
+
+  const std::vector<Patch>& patches() const { return patches_; }
+  const std::vector<Blocker>& blockers() const { return blockers_; }
+  // Whether polygons coincide of which nothing says which lies in front, so that it depends on the direction of a line
+  // (Coincidences). What is between two polygons is then not defined.
+  bool hasUnordered() const { return has_unordered_; }
+
+  // All pairs of patches of different faces of which one emits and the other receives.
+  //   In: threads; stop: called now and then by one thread, may throw, may be empty
+  //   Error: blockers that reach less deep than kTouchingShaft into a shaft count as outside it.
+  //   Cost: a fraction of a microsecond a pair and what closed forms take. Tests: tests/unit/find_pairs_test.cpp.
+  PatchPairs find(size_t threads, const std::function<void()>& stop = {}) const;
+
+ private:
+  // A cluster of patches.
+  struct Node {
+    Box box;
+    uint32_t first, end;  // of order_
+    uint32_t left = 0, right = 0;
+    bool emits = false, receives = false;
+    // Where all patches lie in one plane and look one way.
+    bool is_flat = false;
+    uint32_t patch = 0;  // one of them
+
+    bool isLeaf() const { return left == 0; }
+    uint32_t size() const { return end - first; }
+  };
+  struct Task;
+  class Search;
+  uint32_t build(std::vector<uint32_t>& order, uint32_t first, uint32_t end);
+  void findCovers();
+
+  const Scene& scene_;
+  const Ids& ids_;
+  std::vector<Patch> patches_;
+  std::vector<Blocker> blockers_;
+  std::vector<std::vector<uint32_t>> covers_;  // of each patch, the blockers of its plane in front of it
+  std::vector<bool> is_covered_;               // whether one of these covers all of the patch
+  bool has_unordered_ = false;
+  std::vector<uint32_t> largest_first_;  // blockers
+  std::vector<Node> nodes_;
+  std::vector<uint32_t> order_;  // of patches in nodes
+  HostUnoccluded unoccluded_;
+};
+
+}  // namespace viewpeel

@@ -1,0 +1,183 @@
+#include "pair_lines/pair_lines.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <glm/glm.hpp>
+
+#include "directions/replicates.h"
+#include "hash.h"
+#include "threads.h"
+
+namespace viewpeel {
+namespace {
+
+constexpr size_t kChunk = 64;        // pairs that a thread takes at once
+constexpr double kLarge = 0.3;       // form factors above which angles are better than points
+constexpr double kNear = 0.15;       // gap in diagonals of the smaller patch, below which they are, too,
+constexpr double kLeastNear = 1e-3;  // where the form factor is larger than this
+constexpr double kUneven = 0.2;      // share of points that tell of a pair, below which angles are better, too
+constexpr uint32_t kPilots = 8;
+constexpr uint32_t kMostPeriod = 8;
+// N lines that agree leave a share of ln(1 / p) / N to the others but for probability p. So many times allowed standard
+// errors is p = 1e-3, where these are a quarter of what errors may be.
+constexpr double kAgreeing = 1.75;
+constexpr double kRate = 0.8;  // a variance falls as N^-1.25: N lines for it are its power of -0.8
+
+bool areNear(const Patch& a, const Patch& b) {
+  const glm::dvec3 gap = glm::max(glm::dvec3(0), glm::max(a.low - b.high, b.low - a.high));
+  return glm::length(gap) < kNear * std::min(glm::length(a.high - a.low), glm::length(b.high - b.low));
+}
+
+}  // namespace
+
+PairLines::PairLines(const Scene& scene, const Ids& face_ids, uint64_t seed, size_t threads, std::function<void()> stop)
+    : scene_(scene),
+      ids_(face_ids),
+      seed_(seed),
+      threads_(threads ? threads : threadCount()),
+      stop_(std::move(stop)),
+      finder_(scene, face_ids) {}
+
+std::vector<LinePair> PairLines::find() {
+  parts_ = finder_.find(threads_, stop_);
+  const auto idsOf = [&](const PatchPair& part) {
+    return std::minmax(
+        {ids_.of_polygon[finder_.patches()[part.a].side / 2], ids_.of_polygon[finder_.patches()[part.b].side / 2]});
+  };
+  std::ranges::stable_sort(parts_.pairs, {}, idsOf);
+  std::vector<LinePair> pairs;
+  groups_.clear();
+  const double unit = scene_.scale * scene_.scale;
+  for (uint32_t k = 0; k < parts_.pairs.size(); ++k) {
+    const PatchPair& part = parts_.pairs[k];
+    const auto [i, j] = idsOf(part);
+    if (pairs.empty() || pairs.back().i != i || pairs.back().j != j) {
+      pairs.push_back({i, j});
+      groups_.push_back({k, 0});
+    }
+    LinePair& pair = pairs.back();
+    ++groups_.back().count;
+    pair.exchange += part.exchange * unit;
+    if (part.blocker_count == 0) pair.clear += part.exchange * unit;
+    const Patch &a = finder_.patches()[part.a], &b = finder_.patches()[part.b];
+    const double form_factor = part.exchange / std::min(a.area, b.area);
+    pair.by_angles |= form_factor > kLarge || (form_factor > kLeastNear && areNear(a, b));
+  }
+  return pairs;
+}
+
+PairLinesFigures PairLines::figures() const {
+  PairLinesFigures figures;
+  figures.blockers = finder_.blockers().size();
+  for (const Group& group : groups_) ++(isPartial(group) ? figures.partial : figures.clear);
+  return figures;
+}
+
+// All lines of a pair in one replicate.
+LineCount PairLines::draw(const LinePair& pair, const Group& group, uint64_t replicate, uint32_t times,
+                          Vectors vectors) const {
+  const uint32_t blocks = std::min(pair.blocks * times, kMostLineBlocks);
+  double facing = 0, all = 0, squares = 0, blockable = 0;
+  for (uint32_t k = group.first; k < group.first + group.count; ++k)
+    if (parts_.pairs[k].blocker_count) blockable += parts_.pairs[k].exchange;
+  for (uint32_t k = group.first; k < group.first + group.count; ++k) {
+    const PatchPair& part = parts_.pairs[k];
+    if (!part.blocker_count) continue;
+    const Patch &a = finder_.patches()[part.a], &b = finder_.patches()[part.b];
+    std::array<uint32_t, 4> scrambles;
+    for (uint32_t d = 0; d < 4; ++d) {
+      Hash hash;
+      for (const uint64_t number : {seed_, uint64_t(a.side), uint64_t(b.side), replicate, uint64_t(d)})
+        hash.add(number);
+      scrambles[d] = static_cast<uint32_t>(hash.value() >> 16);
+    }
+    const LineWay way = a.plane == b.plane ? LineWay::contact : pair.by_angles ? LineWay::angles : LineWay::points;
+    const LineDrawer drawer(a, b, way, part.exchange, finder_.blockers(),
+                            {&parts_.between[part.first_blocker], part.blocker_count});
+    const DrawnLines lines = drawer.draw(scrambles, 0, blocks, vectors);
+    const double weight = part.exchange / blockable;
+    facing += weight * lines.facing, all += weight * lines.all, squares += weight * weight * lines.squares;
+  }
+  // In units of what is expected of all of them, kLineUnit.
+  const double unit = kLineUnit / (LineDrawer::kBlockLines * double(pair.blocks));
+  const double scale = unit * std::min(1.0, kMostLineUnits / std::max(1.0, all * unit));
+  LineCount count{0, blocks, 0, 0, 0};
+  count.facing = static_cast<uint32_t>(std::lround(facing * scale));
+  count.all = static_cast<uint32_t>(std::lround(all * scale));
+  if (squares > 0)
+    count.effective = static_cast<uint32_t>(std::min(4e9, std::round(all * all / squares * kEffectiveUnit)));
+  return count;
+}
+
+void PairLines::forEach(size_t count, const std::function<void(size_t)>& work) const {
+  shareOut(
+      threads_, count, kChunk, [&](size_t, size_t k) { work(k); },
+      [&](size_t) {
+        if (stop_) stop_();
+      });
+}
+
+bool PairLines::isPartial(const Group& group) const {
+  for (uint32_t part = group.first; part < group.first + group.count; ++part)
+    if (parts_.pairs[part].blocker_count > 0) return true;
+  return false;
+}
+
+// The number of lines after which a pair has the goal, by pilots of 16 lines, and of 128 where these do not do.
+//   In: goal: standard error of the visibility    Out: pair: by_angles
+double PairLines::findNeed(LinePair& pair, const Group& group, double goal, Vectors vectors) const {
+  constexpr double kPilotLines = LineDrawer::kBlockLines;
+  LineSums::PairSum sum;
+  const auto pilot = [&](uint32_t first, uint32_t end) {
+    for (uint32_t p = first; p < end; ++p)
+      LineSums::addTo(sum, draw(pair, group, kLineReplicates.first + p, 1, vectors));
+  };
+  const auto takeBetterWay = [&](uint32_t pilots) {
+    if (pair.by_angles || double(sum.effective) / kEffectiveUnit >= kUneven * pilots * kPilotLines) return;
+    pair.by_angles = true;
+    sum = {};
+    pilot(0, pilots);
+  };
+  const auto needOf = [&](double lines) {
+    return lines * std::pow(visibilityOf(sum, pair.blocks).variance / (goal * goal), kRate);
+  };
+  pilot(0, 1);
+  takeBetterWay(1);
+  const double need = needOf(kPilotLines);
+  if (need <= kPilots * kPilotLines && sum.all > 0) return std::max(need, kAgreeing / goal);
+  pilot(1, kPilots);
+  takeBetterWay(kPilots);
+  return std::max(needOf(kPilots * kPilotLines), kAgreeing / goal);
+}
+
+void PairLines::plan(std::span<LinePair> pairs, const std::function<double(const LinePair&)>& allowed,
+                     uint32_t replicates) {
+  const Vectors vectors = widestVectors();
+  forEach(pairs.size(), [&](size_t k) {
+    LinePair& pair = pairs[k];
+    pair.blocks = isPartial(groups_[k]), pair.period = 1;
+    if (pair.blocks == 0) return;
+    const double lines = findNeed(pair, groups_[k], allowed(pair) / (pair.exchange - pair.clear), vectors),
+                 blocks = lines / (LineDrawer::kBlockLines * double(replicates));
+    pair.blocks = static_cast<uint32_t>(std::min(double(kMostLineBlocks), std::max(1.0, std::ceil(blocks))));
+    while (2 * pair.period <= kMostPeriod && 2 * pair.period * blocks <= 1) pair.period *= 2;
+  });
+}
+
+LineCounts PairLines::count(std::span<const LinePair> pairs, uint64_t replicate, const std::vector<bool>& wanted,
+                            uint32_t times) {
+  std::vector<uint32_t> due;
+  for (uint32_t k = 0; k < pairs.size(); ++k)
+    if (wanted.empty() ? pairs[k].hasLines(replicate) : pairs[k].blocks && wanted[k]) due.push_back(k);
+  LineCounts counts(due.size());
+  const Vectors vectors = widestVectors();
+  forEach(due.size(), [&](size_t k) {
+    counts[k] = draw(pairs[due[k]], groups_[due[k]], replicate, wanted.empty() ? 1 : times, vectors);
+    counts[k].pair = due[k];
+  });
+  return counts;
+}
+
+}  // namespace viewpeel

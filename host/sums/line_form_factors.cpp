@@ -1,0 +1,70 @@
+#include "sums/line_form_factors.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sums/add_pairs.h"
+#include "sums/calibrate_rows.h"
+
+namespace viewpeel {
+namespace {
+
+constexpr double kBeyondDoubt = 3;  // standard errors of a row's pairs
+
+// Sums of independent entries.
+std::vector<FormFactors::Entry> mergeBySurface(std::vector<FormFactors::Entry> entries,
+                                               const std::vector<uint32_t>& surface) {
+  for (FormFactors::Entry& entry : entries) {
+    const auto [i, j] = std::minmax(surface[entry.i], surface[entry.j]);
+    // Two faces of one surface exchange both ways within it.
+    const double ways = i == j ? 2 : 1;
+    entry = {i, j, {ways * entry.exchange_area.value, ways * entry.exchange_area.standard_error}};
+  }
+  std::ranges::sort(entries, {}, keyOf<FormFactors::Entry>);
+  std::vector<FormFactors::Entry> merged;
+  for (const FormFactors::Entry& entry : entries) {
+    if (merged.empty() || keyOf(merged.back()) != keyOf(entry)) {
+      merged.push_back(entry);
+      continue;
+    }
+    Measured& sum = merged.back().exchange_area;
+    sum.value += entry.exchange_area.value;
+    sum.standard_error = std::hypot(sum.standard_error, entry.exchange_area.standard_error);
+  }
+  return merged;
+}
+
+}  // namespace
+
+FormFactors lineFormFactors(const LineSums& lines, By by, const ReplicateSums& counted, double measure_area,
+                            double count_area) {
+  const Ids& ids = counted.ids();
+  std::vector<FormFactors::Entry> entries = lines.entries();
+  if (by == By::surface) entries = mergeBySurface(std::move(entries), lines.ids().surface);
+  std::vector<Measured> environment(ids.count()), leak(ids.count());
+  bool is_open = false;
+  for (const ReplicateSums::PairSum& pair : counted.pairs()) {
+    if (pair.j < kEnvironment) continue;
+    is_open |= pair.j == kEnvironment;
+    (pair.j == kLeak ? leak : environment)[pair.i] = counted.exchangeArea(pair, measure_area, count_area);
+  }
+  if (ids.counts_environment) {
+    const std::vector<Measured> rows = sumRows(entries, ids.areas);
+    for (uint32_t i = 0; i < ids.count(); ++i) {
+      if (!ids.isRequested(i)) continue;
+      const double left = std::max(0.0, 1 - rows[i].value) * ids.areas[i],
+                   doubt = rows[i].standard_error * ids.areas[i];
+      if (leak[i].value > 0) {
+        leak[i].value = std::min(leak[i].value, left);
+        entries.push_back({i, kLeak, leak[i]});
+      }
+      if (environment[i].value > 0 || (is_open && left - leak[i].value > kBeyondDoubt * doubt))
+        entries.push_back({i, kEnvironment, {left - leak[i].value, std::hypot(doubt, leak[i].standard_error)}});
+    }
+    std::ranges::sort(entries, {}, keyOf<FormFactors::Entry>);
+  }
+  std::vector<Measured> rows = sumRows(entries, ids.areas);
+  return {ids, std::move(entries), std::move(rows)};
+}
+
+}  // namespace viewpeel

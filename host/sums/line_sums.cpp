@@ -1,0 +1,114 @@
+#include "sums/line_sums.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+namespace viewpeel {
+namespace {
+
+constexpr double kUnoccludedError = 1e-6;  // relative, of exchange areas: kUnoccludedRelativeError
+// Scrambled Sobol' points err less than independent lines: of N lines the variance is this share of theirs, times
+// (N / 16)^-1/4. Measured: docs/accuracy.md.
+constexpr double kEvenness = 1;
+// So many degrees of freedom is the variance of independent lines worth beside that of replicates.
+constexpr double kChanceDegrees = 5;
+
+uint64_t squareUnits(uint64_t a, uint64_t b) { return (a >> 4) * (b >> 4); }
+
+}  // namespace
+
+LineSums::LineSums(Ids ids, By by, std::vector<LinePair> pairs)
+    : ids_(std::move(ids)), by_(by), pairs_(std::move(pairs)), sums_(pairs_.size()) {}
+
+LineSums::LineSums(Ids ids, By by, std::vector<LinePair> pairs, std::vector<PairSum> sums, uint64_t replicate_count)
+    : ids_(std::move(ids)),
+      by_(by),
+      pairs_(std::move(pairs)),
+      sums_(std::move(sums)),
+      replicate_count_(replicate_count) {}
+
+void LineSums::add(const LineCounts& counts) {
+  ++replicate_count_;
+  for (const LineCount& count : counts) addTo(sums_[count.pair], count);
+}
+
+void LineSums::addTo(PairSum& sum, const LineCount& count) {
+  sum.facing += count.facing, sum.all += count.all, sum.effective += count.effective;
+  sum.facing_squares += squareUnits(count.facing, count.facing);
+  sum.products += squareUnits(count.facing, count.all);
+  sum.all_squares += squareUnits(count.all, count.all);
+  sum.blocks += count.blocks;
+  ++sum.replicates;
+}
+
+void LineSums::add(const LineSums& others) {
+  replicate_count_ += others.replicate_count_;
+  for (size_t k = 0; k < sums_.size(); ++k) {
+    PairSum& sum = sums_[k];
+    const PairSum& other = others.sums_[k];
+    sum.facing += other.facing, sum.all += other.all, sum.effective += other.effective;
+    sum.facing_squares += other.facing_squares, sum.products += other.products, sum.all_squares += other.all_squares;
+    sum.blocks += other.blocks, sum.replicates += other.replicates;
+  }
+}
+
+uint64_t LineSums::lineCount() const {
+  uint64_t lines = 0;
+  for (const PairSum& sum : sums_) lines += 16 * sum.blocks;
+  return lines;
+}
+
+Visibility visibilityOf(const LineSums::PairSum& sum, uint32_t planned_blocks) {
+  if (sum.all == 0) return {};
+  const double facing = double(sum.facing), all = double(sum.all), replicates = sum.replicates,
+               lines = double(sum.effective) / kEffectiveUnit;
+  Visibility found;
+  found.value = facing / all;
+  // Half a line of either kind is added, for no number of lines says that the other kind is not there.
+  const double likely = (lines * found.value + 0.5) / (lines + 1);
+  const double by_chance = likely * (1 - likely) / (lines + 1), half_a_line = 0.25 / ((lines + 1) * (lines + 1));
+  // Where less weight came than is expected, few heavy lines are missing, and nothing is known of them.
+  const double missing = std::max(0.0, 1 - all * planned_blocks / (kLineUnit * double(sum.blocks)));
+  const double unknown = half_a_line + 0.25 * missing * missing;
+  if (replicates < 2) {
+    found.variance = by_chance + unknown;
+    return found;
+  }
+  const double residuals = double(sum.facing_squares) - 2 * found.value * double(sum.products) +
+                           found.value * found.value * double(sum.all_squares);
+  const double of_replicates = std::max(0.0, residuals) * 256 * replicates / (replicates - 1) / (all * all);
+  const double expected = kEvenness * std::pow(double(sum.blocks), -0.25) * by_chance;
+  found.variance =
+      (kChanceDegrees * expected + (replicates - 1) * of_replicates) / (kChanceDegrees + replicates - 1) + unknown;
+  return found;
+}
+
+Measured LineSums::exchangeArea(size_t k) const {
+  const LinePair& pair = pairs_[k];
+  const double area = std::min(ids_.areas[pair.i], ids_.areas[pair.j]);
+  const double most = std::min(pair.exchange, area), blockable = std::max(0.0, pair.exchange - pair.clear);
+  if (pair.blocks == 0) return {most, kUnoccludedError * most};
+  const Visibility visibility = visibilityOf(sums_[k], pair.blocks);
+  const double value = std::min(most, pair.clear + visibility.value * blockable);
+  double error = blockable * std::sqrt(visibility.variance);
+  error = std::min(error, blockable * std::max(visibility.value, 1 - visibility.value));
+  return {value, error + kUnoccludedError * value};
+}
+
+bool LineSums::goesWith(const LineSums& others) const {
+  const auto linesOf = [](const LinePair& pair) {
+    return std::tuple(pair.i, pair.j, pair.blocks, pair.period, pair.by_angles);
+  };
+  return by_ == others.by_ && std::ranges::equal(pairs_, others.pairs_, {}, linesOf, linesOf);
+}
+
+std::vector<FormFactors::Entry> LineSums::entries() const {
+  std::vector<FormFactors::Entry> entries;
+  entries.reserve(pairs_.size());
+  for (size_t k = 0; k < pairs_.size(); ++k) entries.push_back({pairs_[k].i, pairs_[k].j, exchangeArea(k)});
+  return entries;
+}
+
+}  // namespace viewpeel
