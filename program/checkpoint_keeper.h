@@ -37,7 +37,7 @@ class CheckpointKeeper {
   // Writes where the last time is long enough ago, or `last`. A failure is a warning: the run is worth more than its
   // checkpoint. A file that another run has put there is left alone.
   void keep(const FormFactorRun& run, bool last);
-  // False where the last attempt failed.
+  // Returns false where the last attempt failed.
   bool isKept() const { return is_kept_; }
 
  private:

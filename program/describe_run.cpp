@@ -48,7 +48,7 @@ std::string describeGuarantee(const Request& request, const PlanSummary& plan) {
                     g.hoeffding, g.lemma_1, g.lemma_1_all, double(g.runs) * double(g.run_directions));
 }
 
-// The goal as a standard error, of its form factor where it is relative; infinite where there is none.
+// Returns the goal as a standard error, of its form factor where it is relative; infinite where there is none.
 double goalOf(const Request& request) {
   if (const auto* tolerance = std::get_if<Tolerance>(&request.goal)) return tolerance->standard_error;
   const auto* relative = std::get_if<Relative>(&request.goal);

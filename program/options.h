@@ -1,4 +1,4 @@
-// Options that several subcommands share.
+// Several subcommands share these options.
 #pragma once
 #include <charconv>
 #include <cmath>
@@ -30,7 +30,7 @@ inline std::string isWholeNumber(const std::string& text) {
              : text + " is not a whole number from 0 to 2^64 - 1";
 }
 
-// An option that takes one of a few words; the first is the default.
+// Adds an option that takes one of a few words; the first is the default.
 template <class T>
 void addChoice(CLI::App* command, const std::string& name, T& value,
                const std::vector<std::pair<std::string, T>>& choices, const std::string& text) {

@@ -10,7 +10,7 @@
 
 namespace viewpeel::test_scenes {
 
-// The same lines the other way: lattice points are mirrored in their rows.
+// Returns the same lines the other way: lattice points are mirrored in their rows.
 inline Direction reversed(Direction direction) {
   direction.u = -direction.u;
   direction.x_axis = -direction.x_axis;

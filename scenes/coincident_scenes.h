@@ -9,7 +9,7 @@
 
 namespace viewpeel::test_scenes {
 
-// Two faces back to back about the parallelogram: `gap` apart, the first turned to a x b.
+// Adds two faces back to back about the parallelogram: `gap` apart, the first turned to a x b.
 inline void addSheet(InputScene& scene, const std::string& name, glm::dvec3 origin, glm::dvec3 a, glm::dvec3 b,
                      double gap) {
   const glm::dvec3 half = glm::normalize(glm::cross(a, b)) * (gap / 2);
@@ -160,7 +160,7 @@ inline std::vector<CoincidentScene> coincidentScenes() {
   };
 }
 
-// Turned by angles that are no fractions of a circle, and moved.
+// Returns the scene turned by angles that are no fractions of a circle, and moved.
 inline InputScene turnedAndMoved(InputScene scene) {
   const auto turn = [](glm::dvec3 x) {
     const double a = 0.7, b = 1.9;

@@ -33,8 +33,8 @@ uint32_t addSurface(InputScene& scene, const std::string& name) {
   return static_cast<uint32_t>(scene.surface_names.size() - 1);
 }
 
-// A parallelogram from `origin` cut into rows x columns quads; a x b points along the front. Corners are computed alike
-// on both sides of a cut.
+// Adds a parallelogram from `origin` cut into rows x columns quads; a x b points along the front. Corners are computed
+// alike on both sides of a cut.
 void addGrid(InputScene& scene, uint32_t surface, glm::dvec3 origin, glm::dvec3 a, glm::dvec3 b, uint32_t columns,
              uint32_t rows) {
   const auto corner = [&](uint32_t x, uint32_t y) {

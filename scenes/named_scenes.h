@@ -21,7 +21,7 @@ inline void addFace(InputScene& scene, const std::string& surface, const Corners
   scene.faces.push_back({corners, static_cast<uint32_t>(scene.surface_names.size() - 1), 0});
 }
 
-// A parallelogram from `origin`, counter-clockwise a then b.
+// Returns a parallelogram from `origin`, counter-clockwise a then b.
 inline Corners parallelogram(glm::dvec3 origin, glm::dvec3 a, glm::dvec3 b) {
   return {origin, origin + a, origin + a + b, origin + b};
 }
@@ -56,7 +56,7 @@ inline void addBox(InputScene& scene, const std::string& surface, glm::dvec3 low
             parallelogram(sides[k].origin, sides[k].a, sides[k].b));
 }
 
-// Two unit squares that face each other at distance 1.
+// Returns two unit squares that face each other at distance 1.
 inline InputScene parallelSquares() {
   InputScene scene{"parallel squares", {}, {}};
   addFace(scene, "lower", {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
@@ -64,8 +64,8 @@ inline InputScene parallelSquares() {
   return scene;
 }
 
-// Two squares in cuts x cuts parts each, of the edge given, that face each other at `height`: a part of the lower one,
-// then the part above it.
+// Returns two squares in cuts x cuts parts each, of the edge given, that face each other at `height`: a part of the
+// lower one, then the part above it.
 inline InputScene squaresInParts(uint32_t cuts, double edge, double height) {
   InputScene scene{"two squares in parts", {"low", "high"}, {}};
   for (uint32_t k = 0; k < cuts * cuts; ++k) {
@@ -77,7 +77,8 @@ inline InputScene squaresInParts(uint32_t cuts, double edge, double height) {
   return scene;
 }
 
-// Two squares far apart that see each other past the edge of a third polygon: one direction in 200 or so meets the two.
+// Returns two squares far apart that see each other past the edge of a third polygon: one direction in 200 or so meets
+// the two.
 inline InputScene squaresPastAnEdge(double edge = 0.4) {
   InputScene scene{"squares past an edge", {}, {}};
   addFace(scene, "lower", {{0, 0, 0}, {0.5, 0, 0}, {0.5, 0.5, 0}, {0, 0.5, 0}});
@@ -86,14 +87,14 @@ inline InputScene squaresPastAnEdge(double edge = 0.4) {
   return scene;
 }
 
-// Parallel squares with a smaller one between them, off their middle.
+// Returns parallel squares with a smaller one between them, off their middle.
 inline InputScene squaresPastABlocker() {
   InputScene scene = parallelSquares();
   addFace(scene, "blocker", {{0.2, 0.1, 0.4}, {0.7, 0.1, 0.4}, {0.7, 0.6, 0.4}, {0.2, 0.6, 0.4}});
   return scene;
 }
 
-// Two unit squares at a right angle that share an edge.
+// Returns two unit squares at a right angle that share an edge.
 inline InputScene perpendicularSquares() {
   InputScene scene{"perpendicular squares", {}, {}};
   addFace(scene, "floor", {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
@@ -107,7 +108,7 @@ inline InputScene insideOfCube() {
   return scene;
 }
 
-// A cube of edge `inner` in the middle of a cube of edge 1.
+// Returns a cube of edge `inner` in the middle of a cube of edge 1.
 inline InputScene cubeInCube(double inner) {
   InputScene scene{"cube in cube", {}, {}};
   addBox(scene, "outer", {0, 0, 0}, {1, 1, 1}, true);
@@ -115,7 +116,7 @@ inline InputScene cubeInCube(double inner) {
   return scene;
 }
 
-// Unit squares above one another at the given heights; those of even index face up, of odd index down.
+// Returns unit squares above one another at the given heights; those of even index face up, of odd index down.
 inline InputScene stackOfSheets(const std::vector<double>& heights) {
   InputScene scene{"stack of sheets", {}, {}};
   for (size_t k = 0; k < heights.size(); ++k) {
@@ -127,8 +128,8 @@ inline InputScene stackOfSheets(const std::vector<double>& heights) {
   return scene;
 }
 
-// A closed room of patches with boxes in it that touch its floor and each other: T-junctions, coplanar and touching
-// polygons.
+// Returns a closed room of patches with boxes in it that touch its floor and each other: T-junctions, coplanar and
+// touching polygons.
 inline InputScene roomWithTouchingBoxes() {
   InputScene scene{"room with touching boxes", {}, {}};
   for (int x = 0; x < 4; ++x)
@@ -144,8 +145,8 @@ inline InputScene roomWithTouchingBoxes() {
   return scene;
 }
 
-// Triangles of random size and direction in a ball; fronts at random. They may cross: for tests that compare two
-// engines.
+// Returns triangles of random size and direction in a ball; fronts at random. They may cross: for tests that compare
+// two engines.
 inline InputScene triangleSoup(int count, double size, uint64_t seed) {
   InputScene scene{"triangle soup, seed " + std::to_string(seed), {}, {}};
   std::mt19937_64 random(seed);
@@ -158,7 +159,7 @@ inline InputScene triangleSoup(int count, double size, uint64_t seed) {
   return scene;
 }
 
-// Every face turned, scaled and moved: x -> scale R x + offset.
+// Returns every face turned, scaled and moved: x -> scale R x + offset.
 inline InputScene transformed(InputScene scene, const glm::dmat3& rotation, double scale, glm::dvec3 offset) {
   scene.file += ", moved";
   for (InputFace& face : scene.faces)

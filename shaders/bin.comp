@@ -23,9 +23,9 @@ BinArgs args;
 
 const int kWideBox = 16;  // tiles, from which on a row's span pays for its divisions
 
-// The columns of tiles in one row that an edge may reach, of those from span.x to span.y: all where
-// reach + per_column x >= 0, rounded outward. Floats are off by 2^-22 of a quotient at most, which is below 2^13 here,
-// so by less than the half tile that is added.
+// Returns the columns of tiles in one row that an edge may reach, of those from span.x to span.y: all where reach +
+// per_column x >= 0, rounded outward. Floats are off by 2^-22 of a quotient at most, which is below 2^13 here, so by
+// less than the half tile that is added.
 ivec2 clipSpan(ivec2 span, int64_t reach, int64_t per_column) {
   if (per_column == int64_t(0)) return reach < int64_t(0) ? ivec2(0, -1) : span;
   float crossing = clamp(float(reach) / -float(per_column), float(span.x) - 1.0, float(span.y) + 1.0);

@@ -31,7 +31,7 @@ SHARED_FUNCTION uint placeAtTie(bool front_up, uint tie_rank) {
   return front_up ? tie_rank : (1u << kTieBits) - 1u - tie_rank;
 }
 
-// The side that a polygon turns to the gap above it (above = true) or below it. front_up: its front faces +u.
+// Returns the side that a polygon turns to the gap above it (above = true) or below it. front_up: its front faces +u.
 SHARED_FUNCTION uint sideTowardsGap(bool front_up, bool two_sided, bool above) {
   return two_sided || front_up == above ? kSideFront : kSideBack;
 }

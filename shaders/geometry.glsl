@@ -1,6 +1,6 @@
-// Coverage and depth at lattice points, in integers: the same on every device.
+// Coverage and depth at lattice points are integers: the same on every device.
 
-// An edge over the lattice: a X + b y 2^column_bits + c >= 0 where the point (X / 2^column_bits, y) lies on the
+// An Edge lies over the lattice: a X + b y 2^column_bits + c >= 0 where the point (X / 2^column_bits, y) lies on the
 // polygon's side of it.
 struct Edge {
   int a, b;
@@ -16,7 +16,7 @@ int valueAtCorner(Edge edge, ivec2 corner) {
   return int(clamp(value, int64_t(-kSaturated), int64_t(kSaturated)));
 }
 
-// Whether lattice point p lies on the polygon's side of an edge whose columns are the lattice's own.
+// Returns whether lattice point p lies on the polygon's side of an edge whose columns are the lattice's own.
 bool isInside(Edge edge, ivec2 p) {
   return int64_t(edge.a) * int64_t(p.x) + int64_t(edge.b) * int64_t(p.y) + edge.c >= int64_t(0);
 }
@@ -38,7 +38,7 @@ Edge makeEdge(SnappedCorners corners, uint k, int cut_bits) {
   return edge;
 }
 
-// depth: the plane's at a lattice point, see ProjectedPolygon.
+// Returns a layer's key. depth: the plane's at a lattice point, see ProjectedPolygon.
 uint layerKeyOf(int64_t depth, ProjectedPolygon polygon) {
   uint packed_low = uint(polygon.depth_x_packed);
   uint clamped = uint(clamp(depth >> depthShiftOf(packed_low), int64_t(polygon.depth_min),
@@ -46,7 +46,7 @@ uint layerKeyOf(int64_t depth, ProjectedPolygon polygon) {
   return clamped << kTieBits | placeAtTieOf(polygon.depth_max_packed);
 }
 
-// The order of a polygon along the line through lattice point p (Layer.key).
+// Returns the order of a polygon along the line through lattice point p (Layer.key).
 uint layerKey(ProjectedPolygon polygon, ivec2 p) {
   return layerKeyOf(polygon.depth_0 + depthXOf(polygon.depth_x_packed) * int64_t(p.x) + polygon.depth_y * int64_t(p.y),
                     polygon);
@@ -72,8 +72,8 @@ void cutRow(Edge edge, int64_t value, int width, inout int low, inout int high) 
   else if (value < int64_t(0)) high = 0;
 }
 
-// The least depth that a polygon can have at the lattice points of a tile; depth: its plane's at the tile's corner, see
-// ProjectedPolygon.
+// Returns the least depth that a polygon can have at the lattice points of a tile; depth: its plane's at the tile's
+// corner, see ProjectedPolygon.
 uint nearestDepth(int64_t depth, int64_t depth_x, int64_t depth_y, int shift, ivec2 range, ivec2 tile_size) {
   int64_t least =
       depth + min(depth_x * int64_t(tile_size.x), int64_t(0)) + min(depth_y * int64_t(tile_size.y), int64_t(0));

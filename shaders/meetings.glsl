@@ -4,7 +4,7 @@
 // leave no doubt which is nearer, all samples that they have in common count. Otherwise each of these samples is looked
 // at. Of two-sided polygons the order does not matter.
 
-// A polygon, the samples of the tile or row that it covers, and how its depth ranges there.
+// A Party is a polygon, the samples of the tile or row that it covers, and how its depth ranges there.
 struct Party {
   uvec2 samples;
   uint nearest, farthest;  // keys, see Layer
@@ -24,7 +24,7 @@ struct Parties {
 Party fetchParty(uint place, uint direction, ivec2 corner);
 bool haveCommon(uvec2 samples, uvec2 others);
 uint countCommon(uvec2 samples, uvec2 others);
-// Those at which the nearer comes before the farther.
+// Returns the number of samples at which the nearer comes before the farther.
 uint countInOrder(uvec2 samples, uvec2 others, DepthPlane nearer, DepthPlane farther, inout bool cut);
 
 Party fetchPartyBefore(uint place, uint end, uint direction, ivec2 corner) {

@@ -75,7 +75,7 @@ struct Place {
 };
 Place sample_at;
 
-// Work done, of the subgroup or, from `samples` on, of the invocation.
+// A Tally is the work done, of the subgroup or, from `samples` on, of the invocation.
 struct Tally {
   uint rounds, tested;  // tested: polygons, of every round
   uint samples, fragments, gaps;
@@ -99,7 +99,7 @@ int rowsPerStep() { return kScanlines ? 1 : int(gl_WorkGroupSize.x / kTileWidth)
     take(7);               \
   }
 
-// One polygon on its way past the samples.
+// A Passing is one polygon on its way past the samples.
 struct Passing {
   ivec4 edges, edges_per_step;  // without scanlines
   bool covered;                 // with scanlines
@@ -188,8 +188,8 @@ void leaveForLater(uint place, uint first, uint first_meeting, uint lane) {
   }
 }
 
-// The workgroup's tile, and where it begins in it: its first sample and first meeting, and 1 + the place of the layers
-// reached before, or 0. False where there is no tile.
+// Finds the workgroup's tile, and where it begins in it: its first sample and first meeting, and 1 + the place of the
+// layers reached before, or 0. False where there is no tile.
 bool findTile(uint lanes, out uint place, out uint first, out uint first_meeting, out uint resume) {
   uint group = gl_WorkGroupID.y * kGroupsPerRow + gl_WorkGroupID.x;
   bool found;
@@ -344,7 +344,7 @@ void takePolygon(Loaded loaded, uint t) {
 #undef TAKE
 }
 
-// Whether a sample of the invocation keeps as many layers as it can.
+// Returns whether a sample of the invocation keeps as many layers as it can.
 bool isFull() {
   bool full = false;
   [[unroll]] for (int k = 0; k < kMostSteps; ++k) full =

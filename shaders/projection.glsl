@@ -27,7 +27,7 @@ DirectionData fetchDirection(uint index) {
   return direction;
 }
 
-// The same sum in the same order on every device, which dot() does not promise.
+// Returns the same sum in the same order on every device, which dot() does not promise.
 double dotInOrder(dvec3 a, dvec3 b) {
   precise double sum = a.x * b.x + a.y * b.y + a.z * b.z;
   return sum;

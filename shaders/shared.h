@@ -1,5 +1,6 @@
-// Structs that host and shaders share, written once. GLSL reads them in scalar layout, which is C++'s own. Included by
-// C++ through host/engines/shared.h. A word "lattice point" is an integer pair; lattice coordinates are x / h + offset.
+// These are structs that host and shaders share, written once. GLSL reads them in scalar layout, which is C++'s own.
+// Included by C++ through host/engines/shared.h. A word "lattice point" is an integer pair; lattice coordinates are x /
+// h + offset.
 
 struct DirectionData {
   dvec3 x_axis;
@@ -24,9 +25,9 @@ struct CornerData {
   double padding;
 };
 
-// The corners of a polygon in one direction, snapped to fixed point, counter-clockwise as seen from +u; a triangle's
-// last twice. Two texels, and a ProjectedPolygon is three: software devices fetch texels several times faster than they
-// load words.
+// SnappedCorners are the corners of a polygon in one direction, snapped to fixed point, counter-clockwise as seen from
+// +u; a triangle's last twice. Two texels, and a ProjectedPolygon is three: software devices fetch texels several times
+// faster than they load words.
 struct SnappedCorners {
   ivec2 at[4];
 };
@@ -55,7 +56,7 @@ const int kDepthBits = 27;   // of a unit length; the unit ball spans 2^28 depth
 const uint kTieShift = 29u;  // depths reach 2^28
 const int kSnapBits = 25;    // of a snapped coordinate
 
-// The nearest polygon of a lattice point that peeling has not passed yet. Ordered by (key, polygon).
+// A Layer is the nearest polygon of a lattice point that peeling has not passed yet. Ordered by (key, polygon).
 struct Layer {
   uint key;      // depth << kTieBits | place at ties
   uint polygon;  // (index + 1) << 1, and one where the front faces -u; 0 where the line has left the scene
@@ -229,7 +230,8 @@ const uint kBinReceivers = 1u;
 const uint kBinCount = 2u;
 const uint kBinScatter = 3u;
 
-// A tile that holds anything or, with scanlines, the rows of it that peel takes at once, which share its list.
+// An ActiveTile is a tile that holds anything or, with scanlines, the rows of it that peel takes at once, which share
+// its list.
 struct ActiveTile {
   uint list_start;
   uint list_length;
@@ -243,7 +245,7 @@ struct ActiveTile {
   uint padding[2];
 };
 
-// An entry of a list that is to be sorted.
+// A ListEntry is an entry of a list that is to be sorted.
 struct ListEntry {
   uint polygon;
   uint nearest_depth;  // in the tile
@@ -287,7 +289,8 @@ struct MeetArgs {
   uint64_t block_bytes;
 };
 
-// A tile, or the rows of it that were taken at once, whose layers one invocation could not get through.
+// An UnfinishedTile is a tile, or the rows of it that were taken at once, whose layers one invocation could not get
+// through.
 struct UnfinishedTile {
   uint tile;
   uint first_sample;

@@ -1,6 +1,6 @@
 // Part of peel.glsl: with scanlines, the samples of some rows.
 
-// A polygon's part in a row: first | last - first << kPositionBits.
+// Returns a polygon's part in a row: first | last - first << kPositionBits.
 uint spanOf(ivec2 corner, uint row, SnappedCorners corners) {
   int low = 0, high = int(kRowWidth);
   [[unroll]] for (uint k = 0u; k < 4u; ++k) {
@@ -12,10 +12,10 @@ uint spanOf(ivec2 corner, uint row, SnappedCorners corners) {
   return low < high ? row * kRowWidth + uint(low) | uint(high - low - 1) << kPositionBits : kNoColumns;
 }
 
-// Where span k is: the first `ups` from the beginning, the others from the end.
+// Returns where span k is: the first `ups` from the beginning, the others from the end.
 uint placeOfSpan(uint k, uint ups) { return kCountsBlocked && k >= ups ? kMostSpans - 1u - (k - ups) : k; }
 
-// An end in shared memory: its position | the number of spans that begin before it << kPositionBits + 1.
+// An end is in shared memory: its position | the number of spans that begin before it << kPositionBits + 1.
 uint positionOf(uint end) { return end & (2u * kPositions - 1u); }
 uint begunBefore(uint end) { return end >> kPositionBits + 1u; }
 
@@ -23,7 +23,7 @@ uint begunBefore(uint end) { return end >> kPositionBits + 1u; }
 uint spanIn(uint entry) { return entry & kMostSpans - 1u; }
 uint endIn(uint entry) { return entry / kMostSpans; }
 
-// The order of ends: of equal ones the earlier span's, and its left one, come first.
+// Returns a key that orders ends: of equal ones the earlier span's, and its left one, come first.
 int endKey(uint position, uint span, uint side) { return int((position * kMostSpans + span) * 2u + side); }
 
 // FoundSpans are the numbers of spans in the rows of a tile: of all, of those that come first in `spans`, and for each

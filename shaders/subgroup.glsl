@@ -9,7 +9,7 @@ bool anyOf(bool value) {
   return any != 0u;
 }
 
-// The sum over this invocation and those before it; `all`: over all.
+// Returns the sum over this invocation and those before it; `all`: over all.
 uint sumSoFar(uint value, out uint all) {
   uint lane = gl_SubgroupInvocationID;
   [[unroll]] for (uint k = 0u; k < kDoublings; ++k) if (1u << k < gl_WorkGroupSize.x) {

@@ -104,7 +104,7 @@ double factorInCube(const Patch& a, const Patch& b) {
                                             distances(b.extent[a.axis], a.side));
 }
 
-// The inside of a unit cube, every face cut into `cuts` x `cuts` patches.
+// Returns the inside of a unit cube, every face cut into `cuts` x `cuts` patches.
 Case cutCube(int cuts) {
   InputScene input{"cube", {"cube"}, {}};
   std::vector<Patch> patches;
@@ -130,7 +130,7 @@ Case cutCube(int cuts) {
   return cube;
 }
 
-// Two squares, first in the scene, that see each other past a third one.
+// Returns two squares, first in the scene, that see each other past a third one.
 Case pastABlocker(const InputScene& input) {
   const double factor =
       reference::formFactorPastBlocker(input.faces[0].corners, input.faces[1].corners, input.faces[2].corners).value;
@@ -153,7 +153,7 @@ Case partsPastABlocker() {
   return parts;
 }
 
-// All pairs that see each other, as a long run of the host engine has them.
+// Returns all pairs that see each other, as a long run of the host engine has them.
 Case byLongRun(Scene scene) {
   constexpr int kResolution = 256;
   const Ids ids = makeIds(scene, By::polygon, false);
@@ -230,7 +230,7 @@ Rule ruleOf(const std::string& text) {
   return rule;
 }
 
-// A form factor, and how often a replicate is expected to count it.
+// An Entry is a form factor, and how often a replicate is expected to count it.
 struct Entry {
   double truth, expected_count, area;  // the smaller of the two
   bool is_blocked_in_part = false;
@@ -259,7 +259,7 @@ class Tally {
     if (truth > 0) relative_squares_ += error * error / (truth * truth);
     predicted_ += measured.standard_error * measured.standard_error;
   }
-  // Nothing where the class is empty.
+  // Prints nothing where the class is empty.
   void print(const std::string& key, double mean_replicates) const {
     double entries = 0, covered = 0, squares = 0;
     for (const Run& run : runs_) entries += run.entries, covered += run.covered;

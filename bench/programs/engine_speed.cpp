@@ -59,8 +59,8 @@ struct Method {
   }
 };
 
-// Also warms up: the first dispatch on a device may compile. A method that leaves out a fixed cost runs for as long as
-// that at least: a small difference of two long times is noise.
+// Chooses the amount of work, and warms up: the first dispatch on a device may compile. A method that leaves out a
+// fixed cost runs for as long as that at least: a small difference of two long times is noise.
 void calibrate(Method& method, double least_seconds) {
   const uint64_t most = method.has_directions ? kMostDirections : 1u << 30;
   method.run(1);

@@ -74,7 +74,8 @@ double measureArea(const Engine& engine, const Scene& scene, uint32_t directions
   return engine.unitArea() * scene.scale * scene.scale / directions;
 }
 
-// Closed forms where nothing is in the way; else the mean of two long runs, and half their difference as its error.
+// Returns closed forms where nothing is in the way; else the mean of two long runs, and half their difference as its
+// error.
 Reference makeReference(const std::string& name, const Scene& scene, const Ids& ids, uint32_t directions) {
   Reference reference;
   const double pairs = double(ids.count()) * (ids.count() - 1);

@@ -59,7 +59,7 @@ void forAllPairs(uint32_t polygon_count, Use use) {
   if (!pairs.empty()) use(pairs);
 }
 
-// The same with pairs drawn at random.
+// Does the same with pairs drawn at random.
 template <class Use>
 void forDrawnPairs(uint32_t polygon_count, uint64_t pair_count, Use use) {
   std::mt19937_64 random(kSeed + 1);
@@ -78,7 +78,7 @@ std::vector<glm::dvec3> cornersOf(const Scene& scene, uint32_t polygon_index) {
           scene.corners.begin() + polygon.first_corner + polygon.corner_count};
 }
 
-// Pairs drawn from all, and their areas.
+// A Sample has pairs drawn from all, and their areas.
 struct Sample {
   std::vector<SidePair> pairs;
   std::vector<double> areas;

@@ -1,4 +1,5 @@
-// Two rivals on Embree, both on all cores: ray shooting, and the double area integral with one visibility ray a sample.
+// Two rivals run on Embree, both on all cores: ray shooting, and the double area integral with one visibility ray a
+// sample.
 #pragma once
 #include <vector>
 
@@ -36,7 +37,7 @@ class EmbreeRays {
   // The scene stays the caller's.
   explicit EmbreeRays(const Scene& scene);
 
-  // Rays from points uniform on every polygon, by the cosine law.
+  // Shoots rays from points uniform on every polygon, by the cosine law.
   //   In: rays_per_polygon: of Sobol' points best a power of two
   RayCounts shoot(Trace trace, Points points, uint64_t rays_per_polygon, uint64_t seed) const;
 
@@ -47,7 +48,7 @@ class EmbreeRays {
   RayEstimate integrate(Trace trace, Points points, uint32_t samples_per_pair, uint64_t seed) const;
 
  private:
-  // A convex polygon as one or two triangles, chosen by area: a parallelogram needs no choice.
+  // An Emitter is a convex polygon as one or two triangles, chosen by area: a parallelogram needs no choice.
   struct Emitter {
     glm::vec3 origin, a, b,
         c;            // a triangle origin, a, b, and where it has four corners one of b, c: sides from the origin

@@ -44,7 +44,7 @@ std::array<glm::vec3, kCosineCount> cosineDirections() {
   return table;
 }
 
-// A parallelogram or triangle that rays start from.
+// An Emitter is a parallelogram or triangle that rays start from.
 struct Emitter {
   glm::vec3 origin, a, b;  // sides
   glm::vec3 x, y, normal;  // orthonormal

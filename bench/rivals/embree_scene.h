@@ -37,8 +37,8 @@ class EmbreeScene {
   // Finds the first polygon on each ray.
   //   In: at most kRayGroup rays    Out: the polygon that each hits first, or UINT32_MAX
   void findFirst(Trace trace, RTCIntersectContext& context, std::span<const Ray> rays, std::span<uint32_t> hit) const;
-  // Whether anything is in the way of each; a filter of the context is called for every hit, with the ray's number as
-  // its id.
+  // Finds whether anything is in the way of each; a filter of the context is called for every hit, with the ray's
+  // number as its id.
   void findBlocked(Trace trace, RTCIntersectContext& context, std::span<const Ray> rays, std::span<bool> blocked) const;
 
  private:

@@ -36,7 +36,7 @@ struct Eye {
   glm::vec3 normal, x, y;
 };
 
-// Of a convex polygon: points of the unit square go to its two triangles by area.
+// Returns a point of a convex polygon: points of the unit square go to its two triangles by area.
 glm::dvec3 pointOn(const Scene& scene, const Polygon& polygon, double s, double t) {
   const glm::dvec3* p = &scene.corners[polygon.first_corner];
   const glm::dvec3 a = p[1] - p[0], b = p[2] - p[0], c = p[polygon.corner_count - 1] - p[0];

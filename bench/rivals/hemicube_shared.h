@@ -1,4 +1,4 @@
-// Structs that the host and the hemicube's shaders share, written once; as shaders/shared.h.
+// These are structs that the host and the hemicube's shaders share, written once; as shaders/shared.h.
 
 // A HemicubeDraw is one face of a hemicube: its eye sees a pyramid, above the horizon only where it is a side.
 struct HemicubeDraw {

@@ -18,7 +18,7 @@ inline HemicubeFace hemicubeFace(uint32_t face, uint32_t resolution) {
   return {resolution * (1 + (face - 1) % 2), (face - 1) / 2 * (resolution / 2), resolution, resolution / 2};
 }
 
-// Of the pixels of a cell; they add up to 1.    In: resolution even
+// Returns the weights of the pixels of a cell; they add up to 1.    In: resolution even
 inline std::vector<double> hemicubeWeights(uint32_t resolution) {
   // The integrals are those of 1 / (pi (1 + x^2 + y^2)^2) over the top, of z / (pi (1 + y^2 + z^2)^2) over a side.
   const auto top = [](double x, double y) {

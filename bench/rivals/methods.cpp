@@ -123,7 +123,7 @@ class Viewpeel {
     return runner;
   }
 
-  // As the program does by default, plan and all. Amounts are tolerances.
+  // Runs as the program does by default, plan and all. Amounts are tolerances.
   Runner planned() const {
     Runner runner;
     runner.run = [this](double amount, uint64_t seed) {
@@ -172,7 +172,7 @@ class Viewpeel {
 
   static Profile profileOf(Engine& engine) {
     warmUp(engine);
-    // The least of a few: other work that takes a core for a moment would fill one pass or another.
+    // It takes the least of a few: other work that takes a core for a moment would fill one pass or another.
     std::vector<double> passes;
     for (uint64_t repeat = 0; repeat < kProfileRepeats; ++repeat) {
       const Work before = *engine.work();
@@ -196,7 +196,7 @@ class Viewpeel {
   const bool on_host_ = device_.description().kind == "cpu";
 };
 
-// The form of tracing that is fastest on a small share of the work.
+// Returns the form of tracing that is fastest on a small share of the work.
 template <class Run>
 std::pair<Trace, std::string> fastestTrace(Run run) {
   std::pair<Trace, std::string> best;

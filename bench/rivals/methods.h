@@ -1,4 +1,4 @@
-// The methods that error_time compares: viewpeel's and its rivals', each as ladders of runs of growing work.
+// Here are the methods that error_time compares: viewpeel's and its rivals', each as ladders of runs of growing work.
 #pragma once
 #include <functional>
 #include <optional>
@@ -54,14 +54,14 @@ struct MethodOptions {
   std::string work_directory = ".";
 };
 
-// All ladders for a scene whose polygons are faces, both of which have to outlive them.
+// Returns all ladders for a scene whose polygons are faces, both of which have to outlive them.
 std::vector<Ladder> makeLadders(const Device& device, const Scene& scene, const MethodOptions& options);
 
-// The methods that verifyRivals is about.
+// Returns the names of the methods that verifyRivals checks.
 std::vector<std::string> rivalNames();
 
-// The exchange areas and standard errors of all pairs by viewpeel with unoccluded form factors, as a reference: as many
-// directions as a time allows; specks in windows.
+// A LongRun has the exchange areas and standard errors of all pairs by viewpeel with unoccluded form factors, as a
+// reference: as many directions as a time allows; specks in windows.
 struct LongRun {
   ExchangeMatrix exchange, standard_errors;
 };

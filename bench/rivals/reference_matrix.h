@@ -15,7 +15,7 @@ struct ReferenceMatrix {
   std::string source;
 };
 
-// Closed forms by contour integrals, for scenes in which nothing is in the way.
+// Returns closed forms by contour integrals, for scenes in which nothing is in the way.
 ReferenceMatrix referenceByClosedForms(const Scene& scene);
 
 // viewpeel's longest run (runLong in methods.h), from another seed than every method. Kept in `directory` by the

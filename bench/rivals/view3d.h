@@ -14,7 +14,8 @@ namespace viewpeel::bench {
 //   In: epsilon: View3D's own eps, its convergence criterion
 void writeView3d(const Scene& scene, double epsilon, std::ostream& out);
 
-// View3D's text output: a line `View3D version out encl emit N`, N areas, N rows of N form factors, and emissivities.
+// Reads View3D's text output: a line `View3D version out encl emit N`, N areas, N rows of N form factors, and
+// emissivities.
 //   Out: A_i F_ij in units of the file's areas, (A_i F_ij + A_j F_ji) / 2 of its rows
 //   Throws: Error bad_input, naming `name`, where it is not such a file of `polygon_count` surfaces.
 ExchangeMatrix readView3d(std::istream& in, uint32_t polygon_count, const std::string& name);

@@ -1,4 +1,4 @@
-// A_i F_ij of all pairs of polygons, and how far one such matrix is from another.
+// An ExchangeMatrix has A_i F_ij of all pairs of polygons, and how far one such matrix is from another.
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace viewpeel::bench {
 
-// Symmetric, zero on the diagonal; dense: n (n - 1) / 2 doubles.
+// The matrix is symmetric, zero on the diagonal; dense: n (n - 1) / 2 doubles.
 class ExchangeMatrix {
  public:
   explicit ExchangeMatrix(uint32_t count = 0) : count_(count), values_(pairCount(count)) {}

@@ -16,7 +16,7 @@
 namespace viewpeel::reference {
 namespace {
 
-// Rounding of one value of the inner integral: its terms are at most 2 in the unit ball, and cancel.
+// This is the rounding of one value of the inner integral: its terms are at most 2 in the unit ball, and cancel.
 constexpr long double kNoise = 4 * std::numeric_limits<long double>::epsilon();
 constexpr long double kPi = std::numbers::pi_v<long double>;
 
@@ -106,7 +106,7 @@ std::vector<WeightedPoint> areaRule(const ConvexPolygon& polygon, int n) {
   return points;
 }
 
-// pi A F by the rule of n^4 points per pair of triangles.
+// Returns pi A F by the rule of n^4 points per pair of triangles.
 long double areaIntegral(const ConvexPolygon& a, const ConvexPolygon& b, const HalfSpace& front_a,
                          const HalfSpace& front_b, int n) {
   const std::vector<WeightedPoint> points_a = areaRule(a, n), points_b = areaRule(b, n);

@@ -1,4 +1,4 @@
-// The form factor of two convex polygons with nothing between them.
+// This header has the form factor of two convex polygons with nothing between them.
 #pragma once
 #include <span>
 

@@ -1,4 +1,4 @@
-// Form factors of discs, in closed form.
+// Discs have form factors in closed form.
 #pragma once
 
 namespace viewpeel::reference {

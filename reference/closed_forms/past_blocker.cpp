@@ -17,7 +17,8 @@ constexpr long double kPi = std::numbers::pi_v<long double>;
 constexpr size_t kMaxTriangles = 200'000;
 constexpr long double kTiny = 1e-17L;  // lengths in the unit ball below this are rounding
 
-// Lambert's formula: the form factor from the point x with the given normal to a polygon seen counter-clockwise from x.
+// Returns, by Lambert's formula, the form factor from the point x with the given normal to a polygon seen
+// counter-clockwise from x.
 long double pointFormFactor(const Vec3& x, const Vec3& normal, const ConvexPolygon& polygon) {
   long double sum = 0;
   for (size_t k = 0; k < polygon.size(); ++k) {
@@ -28,8 +29,8 @@ long double pointFormFactor(const Vec3& x, const Vec3& normal, const ConvexPolyg
   return sum / (2 * kPi);
 }
 
-// The part of b that the blocker hides from x. The blocker lies in front of b's plane and of the plane of a, so every
-// line from x through it meets it before b.
+// Returns the part of b that the blocker hides from x. The blocker lies in front of b's plane and of the plane of a, so
+// every line from x through it meets it before b.
 ConvexPolygon hiddenPart(const Vec3& x, const ConvexPolygon& b, const ConvexPolygon& blocker,
                          const HalfSpace& blocker_front) {
   const long double depth = blocker_front.depth(x);

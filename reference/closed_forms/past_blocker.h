@@ -1,4 +1,4 @@
-// The form factor of two convex polygons past a third.
+// This header has the form factor of two convex polygons past a third.
 #pragma once
 #include <span>
 

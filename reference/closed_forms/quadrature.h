@@ -15,7 +15,8 @@ struct GaussRule {
   std::vector<long double> nodes, weights;  // on (0, 1)
 };
 
-// The Gauss-Legendre rule of n points on (0, 1): sum_k weight_k f(node_k), exact for polynomials of degree 2n - 1.
+// Returns the Gauss-Legendre rule of n points on (0, 1): sum_k weight_k f(node_k), exact for polynomials of degree 2n -
+// 1.
 //   In: n, 1..64.
 //   Out: the rule; the same object on every call, safe from several threads.
 //   Error: nodes and weights to 4 ulp of long double; tests/unit/quadrature_test.cpp (monomials).

@@ -1,4 +1,4 @@
-// Form factors of axis-parallel rectangles, in closed form.
+// Axis-parallel rectangles have form factors in closed form.
 #pragma once
 
 namespace viewpeel::reference {

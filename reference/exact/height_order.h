@@ -21,10 +21,9 @@ class HeightOrder {
   // Keeps a reference. Cost: O(outlines).
   explicit HeightOrder(const Projection& projection);
 
-  // True where a comes before b along +u. Meaningful where the outlines share area.
-  // In: a != b, into Projection::outlines.
-  // Error: none at the point looked at, which lies within rounding (1e-15, more beside edges shorter than 1) of both.
-  // Cost: O(corners of a x corners of b) once for every pair, then a look-up.
+  // Returns true where a comes before b along +u. Meaningful where the outlines share area. In: a != b, into
+  // Projection::outlines. Error: none at the point looked at, which lies within rounding (1e-15, more beside edges
+  // shorter than 1) of both. Cost: O(corners of a x corners of b) once for every pair, then a look-up.
   bool isBelow(uint32_t a, uint32_t b);
 
  private:

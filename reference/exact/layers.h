@@ -1,4 +1,4 @@
-// The order of the outlines that a point of a projected edge lies in.
+// Layers is the order of the outlines that a point of a projected edge lies in.
 #pragma once
 #include <cstdint>
 #include <vector>

@@ -71,7 +71,7 @@ PlanePolygon project(const std::vector<glm::dvec3>& corners, const Frame& frame)
   return projected;
 }
 
-// Depth along u of the point above (x, y) of the plane through `point`.
+// Returns the depth along u of the point above (x, y) of the plane through `point`.
 HalfPlane depthOver(const glm::dvec3& normal, const glm::dvec3& point, const Frame& frame) {
   const double slope = glm::dot(normal, frame.u);
   return {-glm::dot(normal, frame.x_axis) / slope, -glm::dot(normal, frame.y_axis) / slope,

@@ -1,4 +1,4 @@
-// The form factor of two convex polygons with nothing between them, estimated from random projections.
+// The form factor of two convex polygons with nothing between them is estimated from random projections.
 #pragma once
 #include <cstdint>
 #include <span>

@@ -33,7 +33,7 @@ struct Dyadic {
 Dyadic splitDouble(double x);
 mpq_class toRational(const Dyadic& x);
 
-// A vertex of the projection; points that coincide exactly are one vertex.
+// A Vertex is one of the projection; points that coincide exactly are one vertex.
 struct Vertex {
   mpz_class x, y;      // units of Projection::exponent
   glm::dvec2 rounded;  // the same point, coordinates within 1 ulp
@@ -53,7 +53,8 @@ class Projection {
   //   Cost: O(corners) work and memory.
   Projection(const Scene& scene, const IntegerCorners& corners, const glm::dvec3& u);
 
-  // Only polygons with an area in the projection and a plane that does not contain u, in the order of the scene.
+  // Returns only polygons with an area in the projection and a plane that does not contain u, in the order of the
+  // scene.
   const std::vector<Outline>& outlines() const { return outlines_; }
   const std::vector<Vertex>& vertices() const { return vertices_; }
 

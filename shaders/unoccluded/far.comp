@@ -32,7 +32,7 @@ Patch patchOf(ShapeData shape, dvec4 depths) {
   return made;
 }
 
-// A point of the rule, from the patch's middle, with its weight.
+// Returns a point of the rule, from the patch's middle, with its weight.
 dvec4 pointOf(Patch on, double u, double v, double weight) {
   double density = on.density.x + on.density.y * u + on.density.z * v;
   double depth = on.depth.x + on.depth.y * u + on.depth.z * v + on.depth.w * (u * v);

@@ -82,7 +82,7 @@ dvec4 depthsOf(ShapeData shape, ShapeData plane, dvec3 normal) {
   return depths;
 }
 
-// How far a depth over the plane of `plane` may be off by the rounding of its corners.
+// Returns how far a depth over the plane of `plane` may be off by the rounding of its corners.
 double depthRounding(ShapeData plane, double distance) { return kFrontRounding + plane.tilt * distance; }
 
 // Takes a place in a list.

@@ -1,4 +1,4 @@
-// A second writing of the engines' rules, slow and plain, whose counts every engine must equal.
+// This is a second writing of the engines' rules, slow and plain, whose counts every engine must equal.
 #pragma once
 #include <viewpeel/engine.h>
 #include "engines/lattice_options.h"
@@ -16,7 +16,8 @@ enum class Fault { none, last_layer_dropped, two_depths_swapped };
 PairCounts countPairsOnCpu(const Scene& scene, const Ids& ids, const std::vector<Direction>& directions, int resolution,
                            bool blocked = false, Fault fault = Fault::none, const Window& window = {});
 
-// The same with scanlines: every interval between consecutive ends of spans sorts all polygons that hold its middle.
+// Returns the same with scanlines: every interval between consecutive ends of spans sorts all polygons that hold its
+// middle.
 PairCounts countIntervalsOnCpu(const Scene& scene, const Ids& ids, const std::vector<Direction>& directions,
                                int resolution, bool blocked = false);
 
