@@ -13,8 +13,8 @@
 namespace viewpeel {
 namespace {
 
-// Planes by normal, in cells wide enough that nearly parallel ones lie in the same or neighbouring cells, then by
-// offset.
+// A PlaneIndex has planes by normal, in cells wide enough that nearly parallel ones lie in the same or neighbouring
+// cells, then by offset.
 class PlaneIndex {
  public:
   void add(const Plane& plane, uint32_t index) { cells_[cellOf(plane.normal)].emplace(plane.offset, index); }

@@ -92,8 +92,8 @@ struct Request {
   std::optional<Sampler> sampler;
   // Only the visibility of each pair's unoccluded form factor is sampled. Unset, this is done where it pays.
   std::optional<bool> unoccluded;
-  // Lines are drawn between the two polygons of each pair that something may block, as many as the pair's error needs,
-  // in place of directions that all pairs have in common. Needs a Tolerance or Relative; unset: where it pays.
+  // Lines are drawn between the two polygons of each pair that something may block, as many as the pair's error needs.
+  // They replace directions that all pairs have in common. Needs a Tolerance or Relative; unset: where it pays.
   std::optional<bool> pair_lines;
   uint64_t seed = 1;             // the same seed and plan give the same bits
   uint64_t first_replicate = 0;  // of a part of a run, for merging
