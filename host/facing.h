@@ -1,4 +1,4 @@
-// The facing rules of shaders/facing.h for C++.
+// This header makes the facing rules of shaders/facing.h usable in C++.
 #pragma once
 #include <cstdint>
 

@@ -7,8 +7,8 @@
 
 namespace viewpeel {
 
-// 64 bits of whatever is added, in order: tells apart what differs by accident, with a chance of 2^-64 to miss it, and
-// never misses a difference in one number alone. Not against intent.
+// A Hash has 64 bits that depend on all added values, in order. Two inputs that differ by accident have the same hash
+// with a chance of 2^-64, and never where they differ in one number alone. It does not withstand intent.
 class Hash {
  public:
   template <std::unsigned_integral T>

@@ -1,4 +1,4 @@
-// The program's way of allocating memory: freed memory is kept, and new memory comes in huge pages.
+// The program allocates memory in its own way: freed memory is kept, and new memory comes in huge pages.
 #pragma once
 #include <malloc.h>
 #include <sys/mman.h>
@@ -9,11 +9,12 @@
 
 namespace viewpeel {
 
-// Keeps freed memory in the process and asks for huge pages.
-// Lists as large as the matrix come and go with every replicate, and the kernel clears memory before it hands it out
-// again: a quarter of the time of 9,984 polygons went there. The peak grows by an eighth.
-// Half of the machine's memory is reserved, marked for huge pages and freed again, before any page is touched. Where
-// the reservation fails, or under a sanitizer, pages stay small. A program calls this once, before it allocates much.
+// Keeps freed memory in the process and reserves huge pages.
+//
+// Lists as large as the matrix come and go with every replicate, and the kernel clears each page that a process gets.
+// With 9,984 polygons a quarter of the time went there. The peak grows by an eighth. Half of the machine's memory is
+// reserved, marked for huge pages and freed again, before any page is touched. Where the reservation fails, or under a
+// sanitizer, pages stay small. A program calls this once, before it allocates much.
 inline void keepFreedMemory() {
   ::mallopt(M_MMAP_MAX, 0);
   ::mallopt(M_TRIM_THRESHOLD, -1);  // never

@@ -1,4 +1,4 @@
-// Time since a moment.
+// A stopwatch measures the time since a moment.
 #pragma once
 #include <chrono>
 

@@ -1,14 +1,14 @@
-// Work shared out to threads.
+// Threads share out work in these functions.
 #pragma once
 #include <cstddef>
 #include <functional>
 
 namespace viewpeel {
 
-// As many as the processors that the process may run on (taskset).
+// Returns the number of processors that the process may run on (taskset).
 size_t threadCount();
 
-// The same for lists of so many entries, one where that takes less than to start another.
+// Returns the number of threads for lists of this many entries, one where a second would take longer to start.
 size_t threadsFor(size_t entries);
 
 // Does tasks 0..tasks-1, `chunk` at a time by whichever thread is free; the calling thread is thread 0. Where one

@@ -1,4 +1,4 @@
-// What --checkpoint and --resume do.
+// A CheckpointKeeper does the work of --checkpoint and --resume.
 #pragma once
 #include <chrono>
 #include <string>
@@ -19,26 +19,25 @@ struct CheckpointOptions {
 
 void addCheckpointOptions(CLI::App* command, CheckpointOptions& options);
 
-// That nothing is written over by mistake.    Throws: Error bad_usage where there is such a file, or none can be
-// written.
+// Makes sure that no file is written over by mistake.    Throws: Error bad_usage where there is such a file, or none
+// can be written.
 void requireNewCheckpoint(const std::string& file);
 
 // Keeps the checkpoint of one run up to date.
 class CheckpointKeeper {
  public:
-  // Lets the run go on from what there is. Before its plan.
-  //   Throws: Error bad_usage where there is a file and nobody said to resume, it is of another run, another run is
-  //   keeping it, or none can be written;
-  //     as FormFactorRun::resumeFrom.
+  // Lets the run go on from its checkpoint, where there is one. Call it before the run's plan.
+  //   Throws: Error bad_usage where there is a file without --resume, it is of another run, another run is keeping it,
+  //     or none can be written; as FormFactorRun::resumeFrom.
   CheckpointKeeper(const CheckpointOptions& options, FormFactorRun& run);
 
-  // One line: what was found.
+  // Returns one line about the checkpoint found.
   std::string describe() const;
 
   // Writes where the last time is long enough ago, or `last`. A failure is a warning: the run is worth more than its
-  // checkpoint. What another run has put there is left alone.
+  // checkpoint. A file that another run has put there is left alone.
   void keep(const FormFactorRun& run, bool last);
-  // False where the last attempt failed.
+  // Returns false where the last attempt failed.
   bool isKept() const { return is_kept_; }
 
  private:

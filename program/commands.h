@@ -1,5 +1,5 @@
-// The subcommands of the program, one file each. Each adds itself to the command line and returns what to run when it
-// was chosen.
+// The program has these subcommands, one file each. Each adds itself to the command line and returns the function that
+// runs it.
 #pragma once
 #include <functional>
 

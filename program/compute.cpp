@@ -33,7 +33,7 @@ struct ComputeOptions {
   bool keepsCheckpoint() const { return !checkpoint.file.empty(); }
 };
 
-// One line on stderr: what is left of a run that was stopped. Returns the exit status.
+// Says on stderr, in one line, how much of a stopped run is kept. Returns the exit status.
 int tellInterruption(const ComputeOptions& options, uint64_t replicates) {
   std::string left;
   if (options.keepsCheckpoint() && replicates > 0)
@@ -81,7 +81,7 @@ void printResult(const ComputeOptions& options, const Result& result, const std:
       fmt::print("written    {}\n", file.string());
 }
 
-// Writes and prints what came out. Returns the exit status.
+// Writes and prints the results. Returns the exit status.
 int conclude(const ComputeOptions& options, const Result& result, bool is_kept, const std::string& first_division) {
   warnOfGoal(options.request, result);
   const int status = result.interrupted ? tellInterruption(options, result.replicates) : is_kept ? 0 : 1;
@@ -106,7 +106,7 @@ bool prepare(const ComputeOptions& options, FormFactorRun& run, const Checkpoint
   return !run.isInterrupted();
 }
 
-// Counts to the end, and keeps what was counted.
+// Counts to the end, and keeps the counts.
 void count(FormFactorRun& run, CheckpointKeeper* keeper, const std::function<int()>& conclude_early) {
   const auto keep = [&](bool last) {
     if (keeper) keeper->keep(run, last);

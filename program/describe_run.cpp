@@ -48,14 +48,14 @@ std::string describeGuarantee(const Request& request, const PlanSummary& plan) {
                     g.hoeffding, g.lemma_1, g.lemma_1_all, double(g.runs) * double(g.run_directions));
 }
 
-// The goal as a standard error, of its form factor where it is relative; infinite where there is none.
+// Returns the goal as a standard error, of its form factor where it is relative; infinite where there is none.
 double goalOf(const Request& request) {
   if (const auto* tolerance = std::get_if<Tolerance>(&request.goal)) return tolerance->standard_error;
   const auto* relative = std::get_if<Relative>(&request.goal);
   return relative ? relative->standard_error : INFINITY;
 }
 
-// What was found out by pilots: nothing of plans that were asked for.
+// Describes the figures from pilots: nothing for a plan that the options fix.
 std::string describeExpectation(const Request& request, const PlanSummary& plan) {
   if (!(plan.pilot_seconds > 0)) return "";
   const uint32_t replicates = request.amount.replicates;

@@ -1,4 +1,4 @@
-// What the program prints of a run: device and scene, plan, shares.
+// The program prints these descriptions of a run: device and scene, plan, visibilities.
 #pragma once
 #include <string>
 
@@ -6,9 +6,9 @@
 
 namespace viewpeel::program {
 
-// Device and scene.
+// Describes device and scene.
 std::string describePlace(const FormFactorRun& run, const Scene& scene);
-// What a plan promises, and how to have the same run again; several lines.
+// Describes a plan's promise, and the options for the same run again; several lines.
 std::string describePlan(const FormFactorRun& run);
 std::string describePrior(const PriorSummary& prior);
 

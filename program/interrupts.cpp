@@ -18,14 +18,14 @@ namespace {
 constexpr std::chrono::milliseconds kGrace(1500);  // of the two seconds in which a run ends; the rest is for writing
 
 std::atomic<int> received = 0;
-static_assert(std::atomic<int>::is_always_lock_free);  // what a signal handler may touch
+static_assert(std::atomic<int>::is_always_lock_free);  // a signal handler may touch it
 sem_t word;
 
 struct Watch {
   std::function<int()> first_end, end;
   std::atomic<bool> has_results = false;
   std::atomic<bool> is_ending = false;  // one of the threads has taken it upon itself
-  std::mutex at_work;                   // held by the run, but for what need not be waited for
+  std::mutex at_work;                   // held by the run, but not while another thread may end it
 };
 Watch* watch = nullptr;  // never destroyed: the other thread outlives main
 

@@ -17,7 +17,7 @@ int exitStatus(viewpeel::ErrorCode code) {
   return code == viewpeel::ErrorCode::bad_input || code == viewpeel::ErrorCode::bad_usage ? kBadUsage : kFailed;
 }
 
-// One line on stderr, also where the message quotes control characters of a name.
+// Prints one line on stderr, also where the message quotes control characters of a name.
 void report(std::string message) {
   for (char& c : message)
     if (static_cast<unsigned char>(c) < 32 || c == 127) c = '?';

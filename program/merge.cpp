@@ -21,7 +21,7 @@ struct MergeCommand {
   bool quiet = false;
 };
 
-// What unoccluded form factors of pairs that no checkpoint keeps are made of.
+// A MergedScene makes unoccluded form factors of pairs that no checkpoint keeps.
 struct MergedScene {
   Scene scene;
   Ids face_ids;

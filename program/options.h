@@ -1,4 +1,4 @@
-// Options that several subcommands share.
+// Several subcommands share these options.
 #pragma once
 #include <charconv>
 #include <cmath>
@@ -14,8 +14,8 @@
 
 namespace viewpeel::program {
 
-// Checks of an option's value, as CLI11 has them: what is wrong, empty where nothing is. CLI11's own take nan, and -1
-// for 2^64 - 1.
+// Checks an option's value, as CLI11's checks do: returns what is wrong, empty where nothing is. CLI11's own checks
+// take nan, and -1 for 2^64 - 1.
 inline std::string isNumber(const std::string& text, double least, double most) {
   double value = 0;
   return CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value >= least && value <= most
@@ -30,7 +30,7 @@ inline std::string isWholeNumber(const std::string& text) {
              : text + " is not a whole number from 0 to 2^64 - 1";
 }
 
-// An option that takes one of a few words; the first is the default.
+// Adds an option that takes one of a few words; the first is the default.
 template <class T>
 void addChoice(CLI::App* command, const std::string& name, T& value,
                const std::vector<std::pair<std::string, T>>& choices, const std::string& text) {
@@ -47,7 +47,7 @@ void addChoice(CLI::App* command, const std::string& name, T& value,
   command->add_option_function<std::string>(name, choose, text)->default_str(choices.front().first)->type_name(words);
 }
 
-// What the file leaves open: --sheets, --solids, --flip and --fix-normals.
+// Adds the options for questions that a file leaves open: --sheets, --solids, --flip and --fix-normals.
 void addSceneOptions(CLI::App* command, SceneOptions& options);
 
 }  // namespace viewpeel::program

@@ -1,4 +1,4 @@
-// The files named by -o and --checkpoint.
+// The options -o and --checkpoint name these files.
 #pragma once
 #include <string>
 #include <vector>
@@ -14,7 +14,7 @@ void checkOutputs(const std::vector<std::string>& outputs, const std::string& ch
 
 // Writes all of them, also where one fails.
 //   In: balanced: nullptr where --balance is not given
-//   Throws: what the first that failed threw.
+//   Throws: the first error of all files.
 void writeOutputs(const FormFactors& form_factors, const std::vector<std::string>& outputs,
                   const FormFactors* balanced = nullptr);
 

@@ -1,4 +1,4 @@
-// One line on the terminal, rewritten after every batch of directions and every replicate.
+// The progress is one line on the terminal, rewritten after every batch of directions and every replicate.
 #pragma once
 #include <functional>
 
@@ -12,7 +12,7 @@ class ProgressLine {
  public:
   // Shows nothing where stderr is no terminal.    In: request: referred to
   ProgressLine(const Request& request, bool shows);
-  // For Observer::on_progress; empty where nothing is shown. It refers to this line.
+  // Returns a function for Observer::on_progress; empty where nothing is shown. It refers to this line.
   std::function<void(const Progress&)> listener();
   void clear() const;
 

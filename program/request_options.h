@@ -1,4 +1,4 @@
-// What `compute` and `plan` share: their options, and the request that these come to.
+// Commands `compute` and `plan` share their options, and the request that these come to.
 #pragma once
 #include <memory>
 #include <optional>
@@ -12,7 +12,7 @@ namespace viewpeel::program {
 
 struct RequestOptions {
   std::string scene;
-  // What needs no more than its option; the rest of it is made of what follows.
+  // The request has options that need no other option; the members below make the rest of it.
   Request request;
   std::optional<double> tolerance, relative, seconds, epsilon;
   EpsilonDelta guarantee;
@@ -20,10 +20,10 @@ struct RequestOptions {
 
 std::shared_ptr<RequestOptions> addRequestOptions(CLI::App* command);
 
-// What is asked for, once all options are read.    Throws: Error bad_usage for those that contradict each other.
+// Makes the request, once all options are read.    Throws: Error bad_usage for options that contradict each other.
 Request requestOf(const CLI::App* command, const RequestOptions& options);
 
-// Reads a scene and prints what is doubtful about it on stderr.
+// Reads a scene and prints its warnings on stderr.
 Scene loadSceneOf(const std::string& file, const SceneOptions& options);
 
 }  // namespace viewpeel::program

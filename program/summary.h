@@ -1,4 +1,4 @@
-// What the program prints for people.
+// The program prints these summaries for people.
 #pragma once
 #include <string>
 
@@ -10,36 +10,36 @@
 namespace viewpeel::program {
 
 std::string describeDevice(const DeviceDescription& device);
-// The same of what the host engine runs on.
+// Describes the processor of the host engine.
 std::string describeProcessor();
 
-// "1 polygon", "2 polygons".
+// Returns a count with its noun: "1 polygon", "2 polygons".
 std::string counted(uint64_t count, const char* noun);
 
-// Polygons, surfaces, areas, closed or open; several lines.
+// Describes polygons, surfaces, areas, closed or open; several lines.
 std::string describeScene(const Scene& scene);
-// Pairs of coincident polygons and how they are ordered; empty where there are none.
+// Describes pairs of coincident polygons and how they are ordered; empty where there are none.
 std::string describeCoincidences(const Scene& scene);
 
-// The largest form factors between named surfaces, with standard errors.
+// Tabulates the largest form factors between named surfaces, with standard errors.
 std::string tabulateLargest(const FormFactors& between_surfaces, size_t rows);
 
-// Directions of pairs that have their own, after the number of common ones; empty where there are none.
+// Describes directions of pairs that have their own, after the number of common ones; empty where there are none.
 std::string describeDirected(const Estimate& estimate);
 
-// The largest form factors and describeErrors.
+// Joins the largest form factors and describeErrors.
 std::string describeResult(const Estimate& estimate);
 
-// Standard errors, closure, leak and environment of the whole matrix.
+// Describes standard errors, closure, leak and environment of the whole matrix.
 std::string describeErrors(const Estimate& estimate);
 
-// What closing the rows changed.
+// Describes the changes by balancing.
 std::string describeBalance(const BalancedFormFactors& balanced);
 
-// The same and the work done, as JSON.
+// Returns the same and the work done, as JSON.
 std::string asJson(const std::string& scene, const Result& result);
 
-// The row sum farthest from 1, and its row.
+// A Closure is the row sum farthest from 1, and its row.
 struct Closure {
   double largest_error = 0;
   double standard_error = 0;  // of that row sum
@@ -52,7 +52,7 @@ Closure measureClosure(const FormFactors& form_factors);
 //   Throws: Error device.
 void checkValidation(const Device& device);
 
-// With quotes, backslashes and control characters escaped, for use between quotes.
+// Returns the text with quotes, backslashes and control characters escaped, for use between quotes.
 std::string escapeJson(const std::string& text);
 
 }  // namespace viewpeel::program

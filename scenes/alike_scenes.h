@@ -10,7 +10,7 @@
 
 namespace viewpeel::test_scenes {
 
-// The same lines the other way: lattice points are mirrored in their rows.
+// Returns the same lines the other way: lattice points are mirrored in their rows.
 inline Direction reversed(Direction direction) {
   direction.u = -direction.u;
   direction.x_axis = -direction.x_axis;
@@ -20,15 +20,15 @@ inline Direction reversed(Direction direction) {
 
 struct AlikeScene {
   std::string name;
-  std::function<InputScene(bool cut)> make;  // cut: without what another face hides
+  std::function<InputScene(bool cut)> make;  // cut: without parts that another face hides
 };
 
-// Of the floor z = 0, 1 deep.
+// Adds a tile of the floor z = 0, 1 deep.
 inline void addTile(InputScene& scene, const std::string& name, double low, double high) {
   addFace(scene, name, parallelogram({low, 0, 0}, {high - low, 0, 0}, {0, 1, 0}));
 }
 
-// A room 1 deep and 1 high, without a floor.
+// Adds a room 1 deep and 1 high, without a floor.
 inline void addWalls(InputScene& scene, double length) {
   InputScene room{"", {}, {}};
   addRoom(room, "room", {0, 0, 0}, {length, 1, 1});

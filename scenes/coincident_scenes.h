@@ -1,5 +1,5 @@
-// Scenes with coincident faces as users draw them: thin walls, and solids that touch. Each can be drawn with a gap in
-// place of every coincidence, which leaves no doubt what is meant.
+// These scenes have coincident faces as users draw them: thin walls, and solids that touch. Each can be drawn with a
+// gap in place of every coincidence, which leaves no doubt which of the two is meant.
 #pragma once
 #include <functional>
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace viewpeel::test_scenes {
 
-// Two faces back to back about the parallelogram: `gap` apart, the first turned to a x b.
+// Adds two faces back to back about the parallelogram: `gap` apart, the first turned to a x b.
 inline void addSheet(InputScene& scene, const std::string& name, glm::dvec3 origin, glm::dvec3 a, glm::dvec3 b,
                      double gap) {
   const glm::dvec3 half = glm::normalize(glm::cross(a, b)) * (gap / 2);
@@ -27,10 +27,12 @@ inline void addRoom(InputScene& scene, const std::string& name, glm::dvec3 low, 
 struct CoincidentScene {
   std::string name;
   bool is_closed;
-  bool needs_gap;  // what a negative gap means is something else, for nothing but the gap tells
+  // A negative gap would mean something else, for nothing but the gap decides.
+  bool needs_gap;
   std::function<InputScene(double gap)> make;
 };
 
+// The list is longer than a screen: a scene stands beside its name and its flags.
 inline std::vector<CoincidentScene> coincidentScenes() {
   const auto named = [](const char* name) { return InputScene{name, {}, {}}; };
   return {
@@ -49,7 +51,7 @@ inline std::vector<CoincidentScene> coincidentScenes() {
          return s;
        }},
       {"three rooms in a row", true, false,
-       [=](double gap) {  // only rays through ordered walls tell of the middle one
+       [=](double gap) {  // only rays through ordered walls decide about the middle one
          InputScene s = named("row");
          for (int k = 0; k < 3; ++k)
            addRoom(s, std::string("room") + "abc" [k], { k + gap / 2, 0, 0 }, {k + 1 - gap / 2, 1, 1});
@@ -158,7 +160,7 @@ inline std::vector<CoincidentScene> coincidentScenes() {
   };
 }
 
-// Turned by angles that are no fractions of a circle, and moved.
+// Returns the scene turned by angles that are no fractions of a circle, and moved.
 inline InputScene turnedAndMoved(InputScene scene) {
   const auto turn = [](glm::dvec3 x) {
     const double a = 0.7, b = 1.9;

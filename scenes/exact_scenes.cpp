@@ -7,10 +7,12 @@
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
+#include "scenes/named_scenes.h"
+
 namespace viewpeel::tests {
 namespace {
 
-// The plane of the corners, shared with earlier polygons within 1e-12.
+// Assigns the plane of the corners, shared with earlier polygons within 1e-12.
 void assignPlane(Scene& scene, Polygon& polygon) {
   const glm::dvec3* corners = &scene.corners[polygon.first_corner];
   glm::dvec3 twice_area(0), middle(0);
@@ -48,15 +50,11 @@ std::vector<Corners> subdivide(const Corners& quad, uint32_t parts) {
   return result;
 }
 
-std::vector<Corners> boxQuads(const glm::dvec3& l, const glm::dvec3& h, bool inwards) {
-  std::vector<Corners> quads = {{{l.x, l.y, l.z}, {l.x, h.y, l.z}, {h.x, h.y, l.z}, {h.x, l.y, l.z}},
-                                {{l.x, l.y, h.z}, {h.x, l.y, h.z}, {h.x, h.y, h.z}, {l.x, h.y, h.z}},
-                                {{l.x, l.y, l.z}, {h.x, l.y, l.z}, {h.x, l.y, h.z}, {l.x, l.y, h.z}},
-                                {{l.x, h.y, l.z}, {l.x, h.y, h.z}, {h.x, h.y, h.z}, {h.x, h.y, l.z}},
-                                {{l.x, l.y, l.z}, {l.x, l.y, h.z}, {l.x, h.y, h.z}, {l.x, h.y, l.z}},
-                                {{h.x, l.y, l.z}, {h.x, h.y, l.z}, {h.x, h.y, h.z}, {h.x, l.y, h.z}}};
-  if (inwards)
-    for (Corners& quad : quads) std::reverse(quad.begin(), quad.end());
+std::vector<Corners> boxQuads(const glm::dvec3& low, const glm::dvec3& high, bool inwards) {
+  const auto sides = test_scenes::sidesOfBox(low, high, inwards);
+  std::vector<Corners> quads;
+  for (const size_t k : {4, 5, 2, 3, 0, 1})  // -z, +z, -y, +y, -x, +x
+    quads.push_back(test_scenes::parallelogram(sides[k].origin, sides[k].a, sides[k].b));
   return quads;
 }
 

@@ -1,4 +1,4 @@
-// Small scenes in unit-ball units for the tests of the exact path, written down corner by corner.
+// These are small scenes in unit-ball units for the tests of the exact path, written down corner by corner.
 #pragma once
 #include <string>
 #include <vector>
@@ -10,20 +10,21 @@
 
 namespace viewpeel::tests {
 
-// One surface per polygon, named by the caller, so that messages name polygons.
+// A SceneBuilder makes one surface per polygon, named by the caller, so that messages name polygons.
 struct SceneBuilder {
   Scene scene;
 
   SceneBuilder() { scene.file = "test"; }
   void addPolygon(const std::string& name, const std::vector<glm::dvec3>& corners);
-  // Six quads with fronts outwards, or inwards for a room.
+  // Adds six quads with fronts outwards, or inwards for a room.
   void addBox(const std::string& name, const glm::dvec3& low, const glm::dvec3& high, bool inwards = false);
 };
 
-// The scene turned: every corner is rounded, so corners leave their planes and edges their neighbours by about 1e-16.
+// Returns the scene turned: every corner is rounded, so corners leave their planes and edges their neighbours by about
+// 1e-16.
 Scene turn(const Scene& scene, const glm::dmat3& rotation);
 
-// The scene with the polygon's corners in reverse: its front is its back.
+// Returns the scene with the polygon's corners in reverse: its front is its back.
 Scene flip(const Scene& scene, uint32_t polygon_index);
 
 Scene makeRoom();                                        // the inside of a cube
@@ -35,7 +36,7 @@ Scene makeTiles();                                       // coplanar neighbours,
 Scene makeDuplicates();                                  // coincident polygons, equally and oppositely facing
 Scene makeCreases();                                     // several polygons on one edge, folded over each other
 Scene makeSoup(uint32_t triangle_count, uint32_t seed);  // random triangles in disjoint balls
-// A room with desks of five boxes each on a grid, cut so that every quad of a box or a wall is subdivided.
+// Makes a room with desks of five boxes each on a grid, cut so that every quad of a box or a wall is subdivided.
 Scene makeOffice(uint32_t desks_per_side, uint32_t subdivision);
 
 }  // namespace viewpeel::tests

@@ -2,37 +2,26 @@
 
 #include <cmath>
 #include <numbers>
-#include <random>
 #include <span>
 
 #include <fmt/format.h>
 #include <glm/glm.hpp>
 
+#include "scenes/random.h"
+#include "scenes/named_scenes.h"
+
 namespace viewpeel::bench {
 namespace {
 
-// Distributions of the standard library differ between platforms; its engines do not.
-class Random {
- public:
-  explicit Random(uint64_t seed) : engine_(seed) {}
-  double uniform() { return double(engine_() >> 11) * 0x1p-53; }
-  double uniform(double low, double high) { return low + (high - low) * uniform(); }
-  glm::dvec3 onSphere() {
-    const double z = uniform(-1, 1), azimuth_rad = uniform(0, 2 * std::numbers::pi), r = std::sqrt(1 - z * z);
-    return {r * std::cos(azimuth_rad), r * std::sin(azimuth_rad), z};
-  }
-
- private:
-  std::mt19937_64 engine_;
-};
+using Random = SceneRandom;
 
 uint32_t addSurface(InputScene& scene, const std::string& name) {
   scene.surface_names.push_back(name);
   return static_cast<uint32_t>(scene.surface_names.size() - 1);
 }
 
-// A parallelogram from `origin` cut into rows x columns quads; a x b points along the front. Corners are computed alike
-// on both sides of a cut.
+// Adds a parallelogram from `origin` cut into rows x columns quads; a x b points along the front. Corners are computed
+// alike on both sides of a cut.
 void addGrid(InputScene& scene, uint32_t surface, glm::dvec3 origin, glm::dvec3 a, glm::dvec3 b, uint32_t columns,
              uint32_t rows) {
   const auto corner = [&](uint32_t x, uint32_t y) {
@@ -43,19 +32,12 @@ void addGrid(InputScene& scene, uint32_t surface, glm::dvec3 origin, glm::dvec3 
       scene.faces.push_back({{corner(x, y), corner(x + 1, y), corner(x + 1, y + 1), corner(x, y + 1)}, surface, 0});
 }
 
-// The six faces of an axis-parallel box, each a surface of its own where `surfaces` is not one for all.
-void addBox(InputScene& scene, std::span<const uint32_t> surfaces, glm::dvec3 low, glm::dvec3 high, bool inward,
-            uint32_t cuts) {
-  const glm::dvec3 size = high - low;
-  for (int axis = 0; axis < 3; ++axis)
-    for (int upper = 0; upper < 2; ++upper) {
-      glm::dvec3 origin = low, a(0), b(0);
-      if (upper) origin[axis] = high[axis];
-      a[(axis + 1) % 3] = size[(axis + 1) % 3];
-      b[(axis + 2) % 3] = size[(axis + 2) % 3];
-      if ((upper == 1) == inward) std::swap(a, b);
-      addGrid(scene, surfaces[(2 * axis + upper) % surfaces.size()], origin, a, b, cuts, cuts);
-    }
+// Adds the sides of a box in cuts x cuts quads each. The surfaces take them in turn: six, or one for all.
+void addCutBox(InputScene& scene, std::span<const uint32_t> surfaces, glm::dvec3 low, glm::dvec3 high, bool inward,
+               uint32_t cuts) {
+  const auto sides = test_scenes::sidesOfBox(low, high, inward);
+  for (size_t k = 0; k < sides.size(); ++k)
+    addGrid(scene, surfaces[k % surfaces.size()], sides[k].origin, sides[k].a, sides[k].b, cuts, cuts);
 }
 
 constexpr uint32_t kTriangleSurfaces = 100;
@@ -108,7 +90,7 @@ InputScene roomWithBoxes(uint32_t refine) {
   std::vector<uint32_t> walls;
   for (const char* name : {"west_wall", "east_wall", "south_wall", "north_wall", "floor", "ceiling"})
     walls.push_back(addSurface(scene, name));
-  addBox(scene, walls, {0, 0, 0}, {6, 5, 3}, true, 8 * refine);
+  addCutBox(scene, walls, {0, 0, 0}, {6, 5, 3}, true, 8 * refine);
   Random random(1);
   for (uint32_t k = 0; k < 10; ++k) {  // one in each of 4 x 3 cells but two
     const uint32_t column = k % 4, row = k / 4;
@@ -116,7 +98,7 @@ InputScene roomWithBoxes(uint32_t refine) {
     const glm::dvec3 low(x + random.uniform(0.1, 0.4), y + random.uniform(0.1, 0.4), kGap);
     const glm::dvec3 high(x + random.uniform(0.9, 1.4), y + random.uniform(1.0, 1.5), random.uniform(0.4, 2.4));
     const uint32_t box = addSurface(scene, fmt::format("box_{}", k + 1));
-    addBox(scene, std::span(&box, 1), low, high, false, 2 * refine);
+    addCutBox(scene, std::span(&box, 1), low, high, false, 2 * refine);
   }
   return scene;
 }
@@ -183,10 +165,10 @@ InputScene twoPlates(uint32_t cuts) {
   return scene;
 }
 
-InputScene insideOfCube(uint32_t cuts) {
+InputScene cubeOfPatches(uint32_t cuts) {
   InputScene scene{"inside of a cube", {}, {}};
   const uint32_t cube = addSurface(scene, "cube");
-  addBox(scene, std::span(&cube, 1), {0, 0, 0}, {1, 1, 1}, true, cuts);
+  addCutBox(scene, std::span(&cube, 1), {0, 0, 0}, {1, 1, 1}, true, cuts);
   return scene;
 }
 

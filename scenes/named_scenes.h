@@ -1,7 +1,11 @@
 // Named scenes for tests, as a file would give them.
 #pragma once
+#include <algorithm>
+#include <array>
 #include <random>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <glm/glm.hpp>
 
@@ -17,27 +21,42 @@ inline void addFace(InputScene& scene, const std::string& surface, const Corners
   scene.faces.push_back({corners, static_cast<uint32_t>(scene.surface_names.size() - 1), 0});
 }
 
-// A parallelogram from `origin`, counter-clockwise a then b.
+// Returns a parallelogram from `origin`, counter-clockwise a then b.
 inline Corners parallelogram(glm::dvec3 origin, glm::dvec3 a, glm::dvec3 b) {
   return {origin, origin + a, origin + a + b, origin + b};
 }
 
-// The six faces of an axis-parallel box, fronts inward or outward: -x, +x, -y, +y, -z, +z.
-inline void addBox(InputScene& scene, const std::string& surface, glm::dvec3 low, glm::dvec3 high, bool inward,
-                   bool face_names = false) {
+// A BoxSide is one of the six faces of an axis-parallel box: a parallelogram from `origin`, a x b along its front.
+struct BoxSide {
+  glm::dvec3 origin, a, b;
+};
+
+// Returns the sides of a box, fronts inward or outward: -x, +x, -y, +y, -z, +z.
+inline std::array<BoxSide, 6> sidesOfBox(glm::dvec3 low, glm::dvec3 high, bool inward) {
   const glm::dvec3 size = high - low;
+  std::array<BoxSide, 6> sides;
   for (int axis = 0; axis < 3; ++axis)
     for (int upper = 0; upper < 2; ++upper) {
-      glm::dvec3 origin = low, a(0), b(0);
-      if (upper) origin[axis] = high[axis];
-      a[(axis + 1) % 3] = size[(axis + 1) % 3];
-      b[(axis + 2) % 3] = size[(axis + 2) % 3];
-      if ((upper == 1) == inward) std::swap(a, b);  // a x b points along the front
-      addFace(scene, face_names ? surface + "xyz"[axis] + "01"[upper] : surface, parallelogram(origin, a, b));
+      BoxSide side{low, glm::dvec3(0), glm::dvec3(0)};
+      if (upper) side.origin[axis] = high[axis];
+      side.a[(axis + 1) % 3] = size[(axis + 1) % 3];
+      side.b[(axis + 2) % 3] = size[(axis + 2) % 3];
+      if ((upper == 1) == inward) std::swap(side.a, side.b);
+      sides[2 * axis + upper] = side;
     }
+  return sides;
 }
 
-// Two unit squares that face each other at distance 1.
+// Adds the sides of a box, all of one surface or each of one of its own: "namex0", "namex1", and so on.
+inline void addBox(InputScene& scene, const std::string& surface, glm::dvec3 low, glm::dvec3 high, bool inward,
+                   bool face_names = false) {
+  const std::array<BoxSide, 6> sides = sidesOfBox(low, high, inward);
+  for (size_t k = 0; k < sides.size(); ++k)
+    addFace(scene, face_names ? surface + "xyz"[k / 2] + "01"[k % 2] : surface,
+            parallelogram(sides[k].origin, sides[k].a, sides[k].b));
+}
+
+// Returns two unit squares that face each other at distance 1.
 inline InputScene parallelSquares() {
   InputScene scene{"parallel squares", {}, {}};
   addFace(scene, "lower", {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
@@ -45,8 +64,8 @@ inline InputScene parallelSquares() {
   return scene;
 }
 
-// Two squares in cuts x cuts parts each, of the edge given, that face each other at `height`: a part of the lower one,
-// then the part above it.
+// Returns two squares in cuts x cuts parts each, of the edge given, that face each other at `height`: a part of the
+// lower one, then the part above it.
 inline InputScene squaresInParts(uint32_t cuts, double edge, double height) {
   InputScene scene{"two squares in parts", {"low", "high"}, {}};
   for (uint32_t k = 0; k < cuts * cuts; ++k) {
@@ -58,7 +77,8 @@ inline InputScene squaresInParts(uint32_t cuts, double edge, double height) {
   return scene;
 }
 
-// Two squares far apart that see each other past the edge of a third polygon: one direction in 200 or so meets the two.
+// Returns two squares far apart that see each other past the edge of a third polygon: one direction in 200 or so meets
+// the two.
 inline InputScene squaresPastAnEdge(double edge = 0.4) {
   InputScene scene{"squares past an edge", {}, {}};
   addFace(scene, "lower", {{0, 0, 0}, {0.5, 0, 0}, {0.5, 0.5, 0}, {0, 0.5, 0}});
@@ -67,14 +87,14 @@ inline InputScene squaresPastAnEdge(double edge = 0.4) {
   return scene;
 }
 
-// Parallel squares with a smaller one between them, off their middle.
+// Returns parallel squares with a smaller one between them, off their middle.
 inline InputScene squaresPastABlocker() {
   InputScene scene = parallelSquares();
   addFace(scene, "blocker", {{0.2, 0.1, 0.4}, {0.7, 0.1, 0.4}, {0.7, 0.6, 0.4}, {0.2, 0.6, 0.4}});
   return scene;
 }
 
-// Two unit squares at a right angle that share an edge.
+// Returns two unit squares at a right angle that share an edge.
 inline InputScene perpendicularSquares() {
   InputScene scene{"perpendicular squares", {}, {}};
   addFace(scene, "floor", {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
@@ -88,7 +108,7 @@ inline InputScene insideOfCube() {
   return scene;
 }
 
-// A cube of edge `inner` in the middle of a cube of edge 1.
+// Returns a cube of edge `inner` in the middle of a cube of edge 1.
 inline InputScene cubeInCube(double inner) {
   InputScene scene{"cube in cube", {}, {}};
   addBox(scene, "outer", {0, 0, 0}, {1, 1, 1}, true);
@@ -96,7 +116,7 @@ inline InputScene cubeInCube(double inner) {
   return scene;
 }
 
-// Unit squares above one another at the given heights; those of even index face up, of odd index down.
+// Returns unit squares above one another at the given heights; those of even index face up, of odd index down.
 inline InputScene stackOfSheets(const std::vector<double>& heights) {
   InputScene scene{"stack of sheets", {}, {}};
   for (size_t k = 0; k < heights.size(); ++k) {
@@ -108,8 +128,8 @@ inline InputScene stackOfSheets(const std::vector<double>& heights) {
   return scene;
 }
 
-// A closed room of patches with boxes in it that touch its floor and each other: T-junctions, coplanar and touching
-// polygons.
+// Returns a closed room of patches with boxes in it that touch its floor and each other: T-junctions, coplanar and
+// touching polygons.
 inline InputScene roomWithTouchingBoxes() {
   InputScene scene{"room with touching boxes", {}, {}};
   for (int x = 0; x < 4; ++x)
@@ -125,8 +145,8 @@ inline InputScene roomWithTouchingBoxes() {
   return scene;
 }
 
-// Triangles of random size and direction in a ball; fronts at random. They may cross: for tests that compare two
-// engines.
+// Returns triangles of random size and direction in a ball; fronts at random. They may cross: for tests that compare
+// two engines.
 inline InputScene triangleSoup(int count, double size, uint64_t seed) {
   InputScene scene{"triangle soup, seed " + std::to_string(seed), {}, {}};
   std::mt19937_64 random(seed);
@@ -139,7 +159,7 @@ inline InputScene triangleSoup(int count, double size, uint64_t seed) {
   return scene;
 }
 
-// Every face turned, scaled and moved: x -> scale R x + offset.
+// Returns every face turned, scaled and moved: x -> scale R x + offset.
 inline InputScene transformed(InputScene scene, const glm::dmat3& rotation, double scale, glm::dvec3 offset) {
   scene.file += ", moved";
   for (InputFace& face : scene.faces)

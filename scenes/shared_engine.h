@@ -1,4 +1,4 @@
-// One engine for the samplers of many seeds, each of which owns engines.
+// A SharedEngine is one engine for the samplers of many seeds, each of which owns engines.
 #pragma once
 #include <viewpeel/engine.h>
 

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <random>
 
 #include <fmt/format.h>
 
@@ -15,32 +14,16 @@
 #include "reference/exact/exact_pair_areas.h"
 #include "reference/exact/lattice_check.h"
 #include "scenes/named_scenes.h"
+#include "scenes/random.h"
 
 namespace viewpeel::stress {
 namespace {
 
 namespace ts = test_scenes;
 
-class Random {
- public:
-  explicit Random(uint64_t seed) : engine_(seed) {}
-  double uniform(double low, double high) { return low + (high - low) * double(engine_() >> 11) * 0x1p-53; }
-  uint32_t below(uint32_t n) { return static_cast<uint32_t>(uniform(0, n)); }
-  bool flip() { return below(2) == 1; }
-  glm::dvec3 onSphere() {
-    const double z = uniform(-1, 1), azimuth_rad = uniform(0, 2 * std::numbers::pi), r = std::sqrt(1 - z * z);
-    return {r * std::cos(azimuth_rad), r * std::sin(azimuth_rad), z};
-  }
-  glm::dmat3 rotation() {
-    const glm::dvec3 z = onSphere(), x = glm::normalize(glm::cross(z, onSphere()));
-    return {x, glm::cross(z, x), z};
-  }
+using Random = SceneRandom;
 
- private:
-  std::mt19937_64 engine_;
-};
-
-// A convex polygon within a ball: corners at random angles of a circle, pressed to 1 / aspect of its width.
+// Returns a convex polygon within a ball: corners at random angles of a circle, pressed to 1 / aspect of its width.
 ts::Corners polygonIn(glm::dvec3 centre, double radius, uint32_t corner_count, double aspect, Random& random) {
   const glm::dmat3 frame = random.rotation();
   std::vector<double> angles_rad;
@@ -75,8 +58,8 @@ InputScene makeSoup(Random& random, bool slivers) {
   return scene;
 }
 
-// Boxes with corners in multiples of 1/8 in the cells of a 3 x 3 x 3 grid: many reach the sides of their cell and touch
-// what is there.
+// Makes boxes with corners in multiples of 1/8 in the cells of a 3 x 3 x 3 grid: many reach the sides of their cell and
+// touch their neighbours.
 InputScene makeBoxes(Random& random) {
   InputScene scene{"boxes", {}, {}};
   ts::addBox(scene, "room", glm::dvec3(0), glm::dvec3(3), true);

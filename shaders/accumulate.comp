@@ -1,7 +1,7 @@
 #version 460
-// One invocation takes one lattice point, applies the facing rules to the gap between its layers k-1 and k and adds one
-// to the counter of what the gap contributes. Where layer k has a polygon it asks for layer k+1. Where blocked pairs
-// are counted it adds one for every layer before k that layer k faces.
+// One invocation takes one lattice point, applies the facing rules to the gap between its layers k-1 and k, and adds
+// one to the gap's counter. Where layer k has a polygon it requests layer k+1. Where blocked pairs are counted it adds
+// one for every layer before k that layer k faces.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_shader_atomic_int64 : require
 #define SHARED_FUNCTION

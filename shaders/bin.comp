@@ -1,8 +1,8 @@
 #version 460
 // One invocation takes one listed polygon in one direction, and some rows of tiles, and finds the tiles that it can
-// cover samples of: to note its roles there, to count the polygons of tiles, or, when lists have been allocated, to
-// enter itself. Where only some polygons count, nothing outside a row's span of tiles with emitters is looked at: long
-// thin emitters leave most of a fine window empty.
+// cover samples of. Its mode says why: to note its roles there, to count the polygons of tiles, or, with lists
+// allocated, to enter itself. Where only some polygons count, nothing outside a row's span of tiles with emitters is
+// looked at: long thin emitters leave most of a fine window empty.
 //   In: listed, projected, corners
 //   Out, by mode: tile_roles, emitter_spans; tile_counts; lists (tile_counts is counted down to 0)
 #extension GL_GOOGLE_include_directive : require
@@ -23,9 +23,9 @@ BinArgs args;
 
 const int kWideBox = 16;  // tiles, from which on a row's span pays for its divisions
 
-// The columns of tiles in one row that an edge may reach, of those from span.x to span.y: all where
-// reach + per_column x >= 0, rounded outward. Floats are off by 2^-22 of a quotient at most, which is below 2^13 here,
-// so by less than the half tile that is added.
+// Returns the columns of tiles in one row that an edge may reach, of those from span.x to span.y: all where reach +
+// per_column x >= 0, rounded outward. Floats are off by 2^-22 of a quotient at most, which is below 2^13 here, so by
+// less than the half tile that is added.
 ivec2 clipSpan(ivec2 span, int64_t reach, int64_t per_column) {
   if (per_column == int64_t(0)) return reach < int64_t(0) ? ivec2(0, -1) : span;
   float crossing = clamp(float(reach) / -float(per_column), float(span.x) - 1.0, float(span.y) + 1.0);
@@ -45,7 +45,8 @@ void main() {
   uint roles = finds_roles ? fetchId(polygon_index) >> kRolesShift : 0u;
   if (finds_roles && (roles == 0u || finds_emitters != ((roles & kEmits) != 0u))) return;
 
-  // The most that the edges reach over a tile, at the grid's first tile, and what it changes by from tile to tile.
+  // These are the largest values of the edges over a tile, at the grid's first tile, and their changes from tile to
+  // tile.
   ivec2 grid = -ivec2(args.tiles_wide * kTileWidth, args.tiles_high * kTileRows) / 2;
   int64_t most[4], per_column[4], per_row[4];
   SnappedCorners corners = fetchCorners(listed);

@@ -1,10 +1,11 @@
-// Counters of pairs of ids, 64 bits each: a dense triangle, or an open-addressing hash table of the pairs met. A pair
-// has one, of its facing pairs, or two: beside it the lines on which the two face each other, blocked or not.
+// Counters of pairs of ids have 64 bits each: a dense triangle, or an open-addressing hash table of the pairs with
+// counts. A pair has one of facing lines, or two: the second counts all lines on which the two face each other, blocked
+// or not.
 layout(buffer_reference, scalar, buffer_reference_align = 8) coherent buffer Counter { uint64_t value; };
 
 const uint kMostProbes = 256u;
 
-// The gap of a line between two consecutive layers as a pair of ids: x <= y, or y kEnvironmentColumn or kLeakColumn.
+// The gap of a line between two consecutive layers is a pair of ids: x <= y, or y is kEnvironmentColumn or kLeakColumn.
 const uint kEnvironmentColumn = 0xFFFFFFFEu;
 const uint kLeakColumn = 0xFFFFFFFFu;
 

@@ -1,8 +1,8 @@
 #version 460
-// One workgroup, meant to be one subgroup, takes one tile: which of its samples each polygon covers and between which
-// depths it lies there. Polygons that cover none, or whose pairs nobody asked for, are left out; of the others those
-// whose fronts face +u come first, the others last. A meeting is some of the former with all of the latter. Of
-// two-sided polygons all come first, and meet those that come after them.
+// One workgroup, meant to be one subgroup, takes one tile. It finds the samples that each polygon covers, and the
+// depths between which it lies there. Polygons that cover none, or whose pairs do not count, are left out. Polygons
+// whose fronts face +u come first, the others last. A meeting is some of the former with all of the latter. Two-sided
+// polygons all come first, and meet the polygons that come after them.
 //   In: active_tiles, lists, projected, corners, polygons     Out: covers, cover_polygons, meetings, status
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require

@@ -2,7 +2,7 @@
 //   Error: 3 ulp of the result, or of 0.1 where a logarithm is smaller; tests/device/double_math_test.cpp.
 //   Source: the polynomials of FDLIBM, e_log.c and s_atan.c (Sun Microsystems, 1993).
 
-// ln x of a normal x > 0.
+// Returns ln x of a normal x > 0.
 double logOf(double x) {
   uvec2 bits = unpackDouble2x32(x);
   uint high = bits.y + (0x3FF00000u - 0x3FE6A09Eu);
@@ -19,7 +19,7 @@ double logOf(double x) {
          ((half_square - (s * (half_square + r) + k * 1.90821492927058770002e-10LF)) - f);
 }
 
-// The angle of (x, y) from the x axis, 0..pi, for y >= 0 and not both 0.
+// Returns the angle of (x, y) from the x axis, 0..pi, for y >= 0 and not both 0.
 double angleOf(double x, double y) {
   double size = abs(x), low = min(y, size), high = max(y, size);
   bool turned = low > 0.41421356237309503LF * high;  // tan(pi/8): beyond it, the angle from the diagonal

@@ -1,9 +1,9 @@
 #version 460
 // One invocation takes one polygon along one direction. Where it can cover only few lattice points, it tries each and
-// enters itself at those it covers: for peel that is a layer which no other point of the tile has to be tested for.
-// Other polygons are listed for the passes over tiles.
-//   In: directions, polygons, corners     Out: fragments, fragment_counts; listed
-// After the A-buffer: Carpenter, "The A-buffer, an antialiased hidden surface method" (1984).
+// enters itself at points that it covers. For peel this is a layer that no other point of the tile has to be tested
+// for. Other polygons are listed for the passes over tiles.
+//   In: directions, polygons, corners     Out: fragments, fragment_counts; listed After the A-buffer: Carpenter, "The
+//     A-buffer, an antialiased hidden surface method" (1984).
 #extension GL_GOOGLE_include_directive : require
 #define SHARED_FUNCTION
 #include "common.glsl"

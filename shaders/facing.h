@@ -1,9 +1,9 @@
-// The facing rules, written once for shaders, host and the exact path: what the gap between two consecutive layers of a
-// line contributes, and to whom. Included by GLSL and, through host/facing.h, by C++.
+// The facing rules say what the gap between two consecutive layers of a line contributes, and to whom. They are written
+// once for shaders, host and the exact path. GLSL includes them and, through host/facing.h, C++.
 //
-// A line runs along +u. Of a polygon that bounds the gap from below the upper side matters, of one that bounds it
-// from above the lower side. A side is `front` where the polygon's front is turned to the gap, or the polygon is
-// two-sided; `none` stands for no polygon: the gap reaches out of the scene.
+// A line runs along +u. A gap sees the upper side of the polygon that bounds it from below, and the lower side of the
+// polygon that bounds it from above. A side is `front` where the polygon's front is turned to the gap, or the polygon
+// is two-sided; `none` stands for no polygon: the gap reaches out of the scene.
 
 #ifdef __cplusplus
 #define SHARED_FUNCTION inline
@@ -31,7 +31,7 @@ SHARED_FUNCTION uint placeAtTie(bool front_up, uint tie_rank) {
   return front_up ? tie_rank : (1u << kTieBits) - 1u - tie_rank;
 }
 
-// The side that a polygon turns to the gap above it (above = true) or below it. front_up: its front faces +u.
+// Returns the side that a polygon turns to the gap above it (above = true) or below it. front_up: its front faces +u.
 SHARED_FUNCTION uint sideTowardsGap(bool front_up, bool two_sided, bool above) {
   return two_sided || front_up == above ? kSideFront : kSideBack;
 }

@@ -1,6 +1,6 @@
-// Part of peel.glsl: what the gaps between the layers of a line contribute, and to which counters.
+// Part of peel.glsl: it adds the gaps between the layers of a line to their counters.
 
-// Whether a gap contributes to anything that was asked for; lower and upper: ids with roles.
+// Returns whether a gap contributes to a pair that counts; lower and upper: ids with roles.
 bool isCounted(uint gap, uint lower, uint upper) {
   if (kAllCount) return gap != kGapNothing;
   uint lower_roles = lower >> kRolesShift, upper_roles = upper >> kRolesShift;
@@ -19,7 +19,7 @@ Counters peelCounters() {
                   kSparse, kCountsBlocked ? 2u : 1u);
 }
 
-// Adds up what neighbouring lanes with the same pair have: the first of a run adds for all.
+// Adds up the weights of neighbouring lanes with the same pair: the first of a run adds for all.
 void addRuns(bool has, uvec2 pair, uint weight, uint lane) {
   if (kAggregates) {
     const uint lanes = gl_WorkGroupSize.x;
@@ -97,7 +97,7 @@ uint flush(uint64_t bound, bool at_end, uint weight, uint lane, inout bool cut) 
     }
     gaps += addGaps(before, layers, its_bound, at_end, is_open, weight, lane, cut);
     if (kSorted) {
-      [[unroll]] for (int k = 0; k < kLayersKept; ++k) {  // what has been added goes
+      [[unroll]] for (int k = 0; k < kLayersKept; ++k) {  // layers that have been added go
         bool first_gone = layers[0] <= before && layers[0] < its_bound;
         [[unroll]] for (int m = 0; m < kLayersKept; ++m) layers[m] =
             first_gone ? m + 1 < kLayersKept ? layers[m + 1] : kNoLayer : layers[m];

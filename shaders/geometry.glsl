@@ -1,13 +1,14 @@
-// Coverage and depth at lattice points, in integers: the same on every device.
+// Coverage and depth at lattice points are integers: the same on every device.
 
-// An edge over the lattice: a X + b y 2^column_bits + c >= 0 where the point (X / 2^column_bits, y) lies on the
+// An Edge lies over the lattice: a X + b y 2^column_bits + c >= 0 where the point (X / 2^column_bits, y) lies on the
 // polygon's side of it.
 struct Edge {
   int a, b;
   int64_t c;
 };
 
-// The value of an edge at a corner, within what leaves room for its changes over a tile: fewer than 2^30.
+// The value of an edge at a corner is held within this bound, which leaves room for its changes over a tile: fewer than
+// 2^30.
 const int kSaturated = 1 << 30;
 
 int valueAtCorner(Edge edge, ivec2 corner) {
@@ -15,16 +16,15 @@ int valueAtCorner(Edge edge, ivec2 corner) {
   return int(clamp(value, int64_t(-kSaturated), int64_t(kSaturated)));
 }
 
-// Whether lattice point p lies on the polygon's side of an edge whose columns are the lattice's own.
+// Returns whether lattice point p lies on the polygon's side of an edge whose columns are the lattice's own.
 bool isInside(Edge edge, ivec2 p) {
   return int64_t(edge.a) * int64_t(p.x) + int64_t(edge.b) * int64_t(p.y) + edge.c >= int64_t(0);
 }
 
-// Edge k of a polygon, from corner k to the next.
-// A point on an edge belongs to the polygon that holds it after the point has moved by an infinitesimal (-e, e^2): to
-// exactly one of the two on either side (the top-left rule). cut_bits: of the corners' fixed point, those finer than
-// the edge's columns. Error: none. Coordinates are below 2^kSnapBits, so c below 2^(2 kSnapBits + 2); an edge of no
-// length lets every point pass.
+// Makes edge k of a polygon, from corner k to the next. A point on an edge belongs to one polygon: the one that holds
+// it after the point has moved by an infinitesimal (-e, e^2) (the top-left rule). cut_bits: bits of the corners' fixed
+// point that are finer than the edge's columns. Error: none. Coordinates are below 2^kSnapBits, so c is below 2^(2
+// kSnapBits + 2). An edge of no length lets every point pass.
 Edge makeEdge(SnappedCorners corners, uint k, int cut_bits) {
   ivec2 from = corners.at[k], along = corners.at[k + 1u & 3u] - from;
   Edge edge;
@@ -33,13 +33,12 @@ Edge makeEdge(SnappedCorners corners, uint k, int cut_bits) {
   bool owns_points = along.y > 0 || (along.y == 0 && along.x >= 0);
   int64_t c = -(int64_t(edge.a) * int64_t(from.x) + int64_t(edge.b) * int64_t(from.y)) -
               (owns_points ? int64_t(0) : int64_t(1));
-  // Rounds down, which is exact: at columns in units of 2^-column_bits the rest of the sum is a multiple of what is cut
-  // off.
+  // Rounding down is exact here: at columns in units of 2^-column_bits the rest of the sum is a multiple of 2^cut_bits.
   edge.c = c >> cut_bits;
   return edge;
 }
 
-// depth: the plane's at a lattice point, see ProjectedPolygon.
+// Returns a layer's key. depth: the plane's at a lattice point, see ProjectedPolygon.
 uint layerKeyOf(int64_t depth, ProjectedPolygon polygon) {
   uint packed_low = uint(polygon.depth_x_packed);
   uint clamped = uint(clamp(depth >> depthShiftOf(packed_low), int64_t(polygon.depth_min),
@@ -47,7 +46,7 @@ uint layerKeyOf(int64_t depth, ProjectedPolygon polygon) {
   return clamped << kTieBits | placeAtTieOf(polygon.depth_max_packed);
 }
 
-// The order of a polygon along the line through lattice point p (Layer.key).
+// Returns the order of a polygon along the line through lattice point p (Layer.key).
 uint layerKey(ProjectedPolygon polygon, ivec2 p) {
   return layerKeyOf(polygon.depth_0 + depthXOf(polygon.depth_x_packed) * int64_t(p.x) + polygon.depth_y * int64_t(p.y),
                     polygon);
@@ -73,15 +72,15 @@ void cutRow(Edge edge, int64_t value, int width, inout int low, inout int high) 
   else if (value < int64_t(0)) high = 0;
 }
 
-// The least depth that a polygon can have at the lattice points of a tile; depth: its plane's at the tile's corner, see
-// ProjectedPolygon.
+// Returns the least depth that a polygon can have at the lattice points of a tile; depth: its plane's at the tile's
+// corner, see ProjectedPolygon.
 uint nearestDepth(int64_t depth, int64_t depth_x, int64_t depth_y, int shift, ivec2 range, ivec2 tile_size) {
   int64_t least =
       depth + min(depth_x * int64_t(tile_size.x), int64_t(0)) + min(depth_y * int64_t(tile_size.y), int64_t(0));
   return uint(clamp(least >> shift, int64_t(range.x), int64_t(range.y)));
 }
 
-// The greatest.
+// Returns the greatest depth of the plane over a tile.
 uint farthestDepth(int64_t depth, int64_t depth_x, int64_t depth_y, int shift, ivec2 range, ivec2 tile_size) {
   int64_t most =
       depth + max(depth_x * int64_t(tile_size.x), int64_t(0)) + max(depth_y * int64_t(tile_size.y), int64_t(0));

@@ -1,5 +1,5 @@
-// Part of peel_blocked.comp: with scanlines, what meetings need to know of the row's spans. Samples are a span's
-// columns, first and end; their number is a length.
+// Part of peel_blocked.comp: with scanlines, it finds the meetings of the row's spans. Samples are a span's columns,
+// first and end; their number is a length.
 
 uint depthInRow(DepthPlane plane, uint position) {
   int column = int(position % kRowWidth), row = int(position / kRowWidth);

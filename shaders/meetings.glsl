@@ -1,10 +1,10 @@
-// Part of meet.comp and, with scanlines, of peel_blocked.comp: on how many samples two polygons face each other,
-// whatever is between them. Each invocation has one of the polygons that may be the nearer and goes through those that
-// may be the farther, which are loaded one by each and passed on by shuffles. Where the depths of two leave no doubt
-// which is nearer, the samples that they have in common are all; otherwise each of those is looked at. Of two-sided
-// polygons the order does not matter.
+// Part of meet.comp and, with scanlines, of peel_blocked.comp: it counts the samples on which two polygons face each
+// other, whatever is between them. Each invocation has one of the polygons that may be the nearer. It goes through the
+// polygons that may be the farther, which are loaded one by each and passed on by shuffles. Where the depths of two
+// leave no doubt which is nearer, all samples that they have in common count. Otherwise each of these samples is looked
+// at. Of two-sided polygons the order does not matter.
 
-// A polygon, the samples of the tile or row that it covers, and how its depth ranges there.
+// A Party is a polygon, the samples of the tile or row that it covers, and how its depth ranges there.
 struct Party {
   uvec2 samples;
   uint nearest, farthest;  // keys, see Layer
@@ -20,11 +20,11 @@ struct Parties {
   ivec2 corner;
 };
 
-// What samples are is for the includer to say.
+// The includer defines samples.
 Party fetchParty(uint place, uint direction, ivec2 corner);
 bool haveCommon(uvec2 samples, uvec2 others);
 uint countCommon(uvec2 samples, uvec2 others);
-// Those at which the nearer comes before the farther.
+// Returns the number of samples at which the nearer comes before the farther.
 uint countInOrder(uvec2 samples, uvec2 others, DepthPlane nearer, DepthPlane farther, inout bool cut);
 
 Party fetchPartyBefore(uint place, uint end, uint direction, ivec2 corner) {
@@ -34,8 +34,8 @@ Party fetchPartyBefore(uint place, uint end, uint direction, ivec2 corner) {
   return party;
 }
 
-// Of the eight farther polygons from `eight` on, a bit each: those that have samples in common with the nearer one and
-// lie behind it on all of them, or, where `doubtful`, may lie behind it.
+// Returns a bit for each of the eight farther polygons from `eight` on. It is set where the polygon has samples in
+// common with the nearer one and lies behind it on all of them. With `doubtful` it may also lie behind it on some.
 uint findMeeting(Party nearer, Party farther, uint eight, uint place, uint farther_place, bool doubtful) {
   uint meeting = 0u;
   [[unroll]] for (uint t = 0u; t < 8u; ++t) {
@@ -52,7 +52,7 @@ uint findMeeting(Party nearer, Party farther, uint eight, uint place, uint farth
   return meeting;
 }
 
-// Adds up what meets: without doubt, or in doubt.
+// Adds up the meetings that are without doubt, or in doubt.
 void addMeeting(Parties parties, Counters counters, bool doubtful, inout uint steps, inout bool cut) {
   const uint lanes = gl_WorkGroupSize.x;
   uint lane = gl_SubgroupInvocationID, place = parties.nearer + lane;

@@ -1,5 +1,5 @@
 #version 460
-// peel.glsl, where no blocked pairs are counted, or by meet.
+// This is peel.glsl, where no blocked pairs are counted, or by meet.
 #extension GL_GOOGLE_include_directive : require
 #include "peel.glsl"
 

@@ -1,6 +1,6 @@
 #version 460
-// One fragment is one polygon at one lattice point: it survives where the polygon covers the point and lies strictly
-// behind the previous layer; the depth test then keeps the nearest, and of equal keys the lowest index, since polygons
+// One fragment is one polygon at one lattice point. It survives where the polygon covers the point and lies strictly
+// behind the previous layer. The depth test then keeps the nearest, and of equal keys the lowest index, since polygons
 // are drawn in order.
 #extension GL_GOOGLE_include_directive : require
 #define SHARED_FUNCTION
@@ -28,7 +28,7 @@ void main() {
     if (!isInside(makeEdge(corners, k, args.fraction_bits), p)) discard;
   layer = uvec2(key, packed);
   // Bit patterns of positive floats are ordered as the floats are: a 32-bit depth buffer compares the keys exactly.
-  // Below 1 there are fewer than 2^30 of them: of places at ties only the middle two, 3 and 4, are told apart; the host
+  // Below 1 there are fewer than 2^30 of them. So of places at ties only the middle two, 3 and 4, keep apart; the host
   // refuses scenes with others.
   gl_FragDepth = uintBitsToFloat((key >> kTieBits << 1 | key >> (kTieBits - 1u) & 1u) + 0x00800000u);
 }

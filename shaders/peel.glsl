@@ -1,11 +1,11 @@
-// One workgroup, meant to be one subgroup, peels one tile, with scanlines some rows of it: each invocation takes kSteps
-// samples and keeps the kLayersKept nearest layers of each behind those of the round before in registers; it adds what
-// the gaps between consecutive layers contribute to the counters, and goes round again where more layers remain. A
-// sample is a lattice point or, with scanlines, the interval between two ends of spans: the order of polygons does not
-// change in it, and its length is its weight. The tile's polygons are loaded one by each invocation and passed on by
+// One workgroup, meant to be one subgroup, peels one tile, with scanlines some rows of it. Each invocation takes kSteps
+// samples. It keeps in registers the kLayersKept nearest layers of each behind the layers of the round before. It adds
+// the gaps between consecutive layers to the counters, and goes round again where more layers remain. A sample is a
+// lattice point or, with scanlines, the interval between two ends of spans. The order of polygons does not change in an
+// interval, and its length is its weight. The tile's polygons are loaded one by each invocation and passed on by
 // shuffles.
-//   In: active_tiles, lists, projected, corners, polygons, fragments     Out: counters, unfinished tiles and the layers
-//   that they reached
+//   In: active_tiles, lists, projected, corners, polygons, fragments
+//   Out: counters, unfinished tiles and the layers that they reached
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_shader_atomic_int64 : require
 #extension GL_KHR_shader_subgroup_basic : require
@@ -30,7 +30,7 @@ layout(constant_id = 10) const
 layout(constant_id = 11) const bool kTwoSided = false;
 layout(constant_id = 12) const bool kCountsBlocked = false;
 layout(constant_id = 13) const
-    bool kFragments = false;  // lattice points have layers beside those of the tile's polygons
+    bool kFragments = false;  // lattice points also have layers of fragments, beside the tile's polygons
 layout(constant_id = 14) const uint kTileRows = 8u;
 layout(constant_id = 15) const int kColumnBits = 0;                // of an edge's column coordinate: with scanlines
 layout(constant_id = 16) const int kCutBits = 0;                   // see makeEdge
@@ -50,9 +50,9 @@ const uint kPositions = 1u << kPositionBits;
 const uint kNoColumns = ~0u;      // a span that holds no sample
 const int kEndless = 0x7FFFFFFF;  // beyond the key of any end
 
-// With scanlines, the spans of the rows: polygon, and columns as in spanOf; their ends in order; and the spans in order
-// of where they begin. Samples are taken past a window of those, which holds the spans that reach them and moves on
-// with them.
+// With scanlines, these arrays hold the spans of the rows: polygon, and columns as in spanOf; their ends in order; and
+// the spans in order of where they begin. A window of the last holds the spans that reach the present samples, and
+// moves on with them.
 shared uvec2 spans[kScanlines ? kMostSpans : 1];
 shared uint ends[kScanlines ? 2 * kMostSpans : 1];
 shared uint window[kScanlines ? kMostSpans : 1];
@@ -75,7 +75,7 @@ struct Place {
 };
 Place sample_at;
 
-// Work done, of the subgroup or, from `samples` on, of the invocation.
+// A Tally is the work done, of the subgroup or, from `samples` on, of the invocation.
 struct Tally {
   uint rounds, tested;  // tested: polygons, of every round
   uint samples, fragments, gaps;
@@ -99,7 +99,7 @@ int rowsPerStep() { return kScanlines ? 1 : int(gl_WorkGroupSize.x / kTileWidth)
     take(7);               \
   }
 
-// One polygon on its way past the samples.
+// A Passing is one polygon on its way past the samples.
 struct Passing {
   ivec4 edges, edges_per_step;  // without scanlines
   bool covered;                 // with scanlines
@@ -125,9 +125,9 @@ uint endOf(uint columns) { return firstOf(columns) + (columns >> kPositionBits) 
 #include "slice.glsl"
 #include "gaps.glsl"
 
-// Adds up all that meet in the rows, of the spans that may be the nearer, the first `ups`, from the one `from` on, as
-// far as one invocation may go. Returns how far it got. With scanlines; peel_blocked.comp does it, peel.comp has
-// nothing to do.
+// Adds up all meetings in the rows, of the spans that may be the nearer, the first `ups`, from the one `from` on, as
+// far as one invocation may go. Returns how far it got. With scanlines peel_blocked.comp does it; peel.comp has nothing
+// to do.
 uint meetSpans(Tile tile, uint from, uint ups, uint span_count, inout uint blocks_done, inout bool cut);
 
 // A layer of sample s, or kNoLayer, goes among the nearest; the farthest of those goes when there is no room.
@@ -141,7 +141,7 @@ void keepLayer(int s, uint64_t layer) {
   lost[s] = min(lost[s], layer);
 }
 
-// Fragment k of sample s, at the lattice point `point`, where it has so many.
+// Keeps fragment k of sample s, at the lattice point `point`, where it has more than k of them.
 void keepFragment(int s, uint k, uint point, uint count) {
   bool has = k < count;
   uint64_t layer = packUint2x32(texelFetch(fragment_texels, int(k * args.point_count + point)).xy);
@@ -188,8 +188,8 @@ void leaveForLater(uint place, uint first, uint first_meeting, uint lane) {
   }
 }
 
-// The workgroup's tile, and where it begins in it: its first sample and first meeting, and 1 + the place of the layers
-// reached before, or 0. False where there is no tile.
+// Finds the workgroup's tile, and where it begins in it: its first sample and first meeting, and 1 + the place of the
+// layers reached before, or 0. False where there is no tile.
 bool findTile(uint lanes, out uint place, out uint first, out uint first_meeting, out uint resume) {
   uint group = gl_WorkGroupID.y * kGroupsPerRow + gl_WorkGroupID.x;
   bool found;
@@ -239,7 +239,7 @@ void loadSamples(Tile tile, uint first, uint sample_count, uint resume, uint lan
     sample_at.position = (from + to - 1u) >> 1;  // the middle: where polygons meet at an end, depths tie
     sample_at.column = int(sample_at.position % kRowWidth);
     sample_at.weight *= to - from;
-    if (from / kRowWidth != (to - 1u) / kRowWidth) fresh = 0u;  // no sample, but what lies between those of two rows
+    if (from / kRowWidth != (to - 1u) / kRowWidth) fresh = 0u;  // no sample: the gap between two rows
     list_begin = dropEnded(list_begin, list_end, positionOf(subgroupShuffle(begin, 0u)), lane, cut);
     list_end = begunBefore(subgroupShuffle(end, lanes - 1u));
   }
@@ -344,7 +344,7 @@ void takePolygon(Loaded loaded, uint t) {
 #undef TAKE
 }
 
-// Whether a sample of the invocation keeps as many layers as it can.
+// Returns whether a sample of the invocation keeps as many layers as it can.
 bool isFull() {
   bool full = false;
   [[unroll]] for (int k = 0; k < kMostSteps; ++k) full =
@@ -352,8 +352,8 @@ bool isFull() {
   return full;
 }
 
-// Before which layers are settled once the list's entries before `next` have been taken: with sorted lists nothing from
-// there on is nearer than the nearest depth of that polygon in the tile.
+// Returns the key before which layers are settled once the list's entries before `next` have been taken. With sorted
+// lists nothing from there on is nearer than the nearest depth of polygon `next` in the tile.
 uint64_t settledBefore(Tile tile, uint next, uint list_end) {
   uint64_t bound = kNoLayer;
   if (kSorted) {
@@ -366,7 +366,7 @@ uint64_t settledBefore(Tile tile, uint next, uint list_end) {
   return bound;
 }
 
-// Takes the samples past the polygons from list_begin to list_end and adds what their layers contribute. A segment ends
+// Takes the samples past the polygons from list_begin to list_end and adds the gaps of their layers. A segment ends
 // where a sample has no room left or the list ends; its layers are added as far as they are settled.
 void takePolygons(Tile tile, uint list_begin, uint list_end, uint lane, inout uint blocks_done, inout bool cut) {
   const uint lanes = gl_WorkGroupSize.x;
@@ -396,8 +396,8 @@ void takePolygons(Tile tile, uint list_begin, uint list_end, uint lane, inout ui
   tally.tested += kScanlines ? passed : list_end;
 }
 
-// Closes the samples that have met all their layers, or that no polygon asked for lies behind. Whether any is left, of
-// the subgroup's.
+// Closes the samples that have all their layers, or that have no polygon behind them that counts. Returns whether the
+// subgroup has any left.
 bool closeSamples() {
   bool again = false;
   [[unroll]] for (int k = 0; k < kMostSteps; ++k) {
@@ -464,9 +464,8 @@ void main() {
     }
   }
   uint list_begin = 0u,
-       list_end = kScanlines
-                      ? 0u
-                      : polygon_count;  // what the samples are taken past: of the list or, with scanlines, of `window`
+       list_end =
+           kScanlines ? 0u : polygon_count;  // the samples pass these: of the list or, with scanlines, of `window`
   while (first < sample_count && !cut) {
     loadSamples(tile, first, sample_count, resume, lane, list_begin, list_end, cut);
     resume = 0u;

@@ -1,6 +1,6 @@
 #version 460
-// peel.glsl, where blocked pairs are counted with scanlines. A shader of its own, since dead code takes a driver its
-// time, too.
+// This is peel.glsl, where blocked pairs are counted with scanlines. A shader of its own, since dead code takes a
+// driver its time, too.
 #extension GL_GOOGLE_include_directive : require
 #include "peel.glsl"
 #include "meetings.glsl"

@@ -1,5 +1,5 @@
 #version 460
-// One invocation projects one polygon along one direction: snaps its corners to the lattice's fixed point and writes
+// One invocation projects one polygon along one direction and snaps its corners to the lattice's fixed point. It writes
 // them, its depth as a plane over the lattice and, for drawing, an outline of the lattice points it can cover.
 //   In: directions, polygons, corners, listed     Out: snapped corners, projected, outlines, listed
 #extension GL_GOOGLE_include_directive : require
@@ -8,11 +8,11 @@
 #include "projection.glsl"
 
 layout(constant_id = 0) const bool kListed = false;  // takes the polygons that enter has listed, not all
-layout(constant_id = 1) const bool kLists = false;   // those that can cover lattice points
+layout(constant_id = 1) const bool kLists = false;   // polygons that can cover lattice points
 layout(constant_id = 2) const bool kDraws = false;   // writes outlines
 
-// The corner between two edges, moved outward by a little on either side, so that a rasteriser that snaps and rounds as
-// it likes finds every lattice point of the polygon. False where the corner is too sharp for that.
+// Moves the corner between two edges outward by a little on either side. So a rasteriser that snaps and rounds as it
+// likes finds every lattice point of the polygon. Returns false where the corner is too sharp for it.
 bool widenCorner(Edge before, Edge after, vec2 corner, out vec2 widened) {
   const float kMargin = 1.0 / 16.0;  // of a spacing; rasterisers snap to 1/16 or finer
   vec2 n1 = -vec2(before.a, before.b), n2 = -vec2(after.a, after.b);
@@ -76,8 +76,7 @@ void main() {
   }
 
   Longs words =
-      Longs(args.projected +
-            uint64_t(projected_at) * 48ul);  // as few stores as can be: they are what this pass spends its time with
+      Longs(args.projected + uint64_t(projected_at) * 48ul);  // few stores, for this pass spends its time on them
   words.at[0] = packUint2x32(uvec2(polygon.box_min));
   words.at[1] = packUint2x32(uvec2(polygon.box_max));
   words.at[2] = uint64_t(polygon.depth_0);

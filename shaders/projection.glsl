@@ -27,13 +27,13 @@ DirectionData fetchDirection(uint index) {
   return direction;
 }
 
-// The same sum in the same order on every device, which dot() does not promise.
+// Returns the same sum in the same order on every device, which dot() does not promise.
 double dotInOrder(dvec3 a, dvec3 b) {
   precise double sum = a.x * b.x + a.y * b.y + a.z * b.z;
   return sum;
 }
 
-// floor(log2(x)) of a normal x > 0.
+// Returns floor(log2(x)) of a normal x > 0.
 int exponentOf(double x) { return int((unpackDouble2x32(x).y >> 20) & 0x7FFu) - 1023; }
 
 ivec2 snap(dvec3 corner, DirectionData direction, double per_spacing, double fixed_one) {
@@ -56,7 +56,7 @@ Projection projectPolygon(uint polygon_index, uint direction_index) {
   Projection found;
   found.edge_count = corners.y;
 
-  // Corners in lattice coordinates, x / h + offset with 1 / h = resolution / 2.
+  // Corners are in lattice coordinates, x / h + offset with 1 / h = resolution / 2.
   precise double per_spacing = double(args.resolution) * 0.5LF;
   precise double fixed_one = double(1 << args.fraction_bits);
   double z[4];
@@ -91,7 +91,7 @@ Projection projectPolygon(uint polygon_index, uint direction_index) {
                       any(greaterThan(found.polygon.box_min, found.polygon.box_max));
   for (uint k = 0u; k < 4u; ++k) found.edges[k] = makeEdge(found.corners, k, args.fraction_bits - args.column_bits);
 
-  // normal . (x, y, z) = plane_offset, solved for z at lattice points.
+  // The plane's equation normal . (x, y, z) = plane_offset is solved for z at lattice points.
   dvec2 plane_01 = doublesFrom(texelFetch(polygon_texels, int(3u * polygon_index + 1u)));
   dvec2 plane_23 = doublesFrom(texelFetch(polygon_texels, int(3u * polygon_index + 2u)));
   dvec3 normal = dvec3(plane_01, plane_23.x);
@@ -103,7 +103,7 @@ Projection projectPolygon(uint polygon_index, uint direction_index) {
   precise double dx = -nx / (nz * per_spacing) * unit;
   precise double dy = -ny / (nz * per_spacing) * unit;
   precise double d0 = (plane_23.y / nz + 1.0LF) * unit - dx * direction.offset.x - dy * direction.offset.y;
-  // Tiles reach up to 18 spacings beyond half the resolution: what is multiplied with their corners stays below 2^62.
+  // Tiles reach up to 18 spacings beyond half the resolution: products with their corners stay below 2^62.
   double bound = abs(d0) + (abs(dx) + abs(dy)) * double(max(args.resolution, 32)) + 1.0LF;
   int exponent = exponentOf(bound);
   if (abs(nz) > 1e-12LF && exponent < 60) {
@@ -113,7 +113,7 @@ Projection projectPolygon(uint polygon_index, uint direction_index) {
     found.polygon.depth_x_packed = packDepthX(int64_t(floor(dx * scale + 0.5LF)), depth_shift,
                                               front_up);  // below 2^57: resolution is 32 or more in the bound
     found.polygon.depth_y = int64_t(floor(dy * scale + 0.5LF));
-  } else {  // edge-on: what rounding lets it cover lies at its middle
+  } else {  // edge-on: points that it covers by rounding lie at its middle
     found.polygon.depth_0 = int64_t((0.5LF * (z_min + z_max) + 1.0LF) * unit);
     found.polygon.depth_x_packed = packDepthX(int64_t(0), 0, front_up);
     found.polygon.depth_y = int64_t(0);

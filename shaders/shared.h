@@ -1,5 +1,6 @@
-// Structs that host and shaders share, written once. GLSL reads them in scalar layout, which is C++'s own. Included by
-// C++ through host/engines/shared.h. A word "lattice point" is an integer pair; lattice coordinates are x / h + offset.
+// These are structs that host and shaders share, written once. GLSL reads them in scalar layout, which is C++'s own.
+// Included by C++ through host/engines/shared.h. A word "lattice point" is an integer pair; lattice coordinates are x /
+// h + offset.
 
 struct DirectionData {
   dvec3 x_axis;
@@ -24,16 +25,16 @@ struct CornerData {
   double padding;
 };
 
-// The corners of a polygon in one direction, snapped to fixed point, counter-clockwise as seen from +u; a triangle's
-// last twice. Two texels, and a ProjectedPolygon is three: software devices fetch texels several times faster than they
-// load words.
+// SnappedCorners are the corners of a polygon in one direction, snapped to fixed point, counter-clockwise as seen from
+// +u; a triangle's last twice. Two texels, and a ProjectedPolygon is three: software devices fetch texels several times
+// faster than they load words.
 struct SnappedCorners {
   ivec2 at[4];
 };
 
-// A polygon in one direction. Depth at a lattice point p is
-//   clamp((depth_0 + depth_x p.x + depth_y p.y) >> depth_shift, depth_min, depth_max), in units of 2^-kDepthBits above
-//   -1.
+// A ProjectedPolygon is a polygon in one direction. Its depth at a lattice point p, in units of 2^-kDepthBits above -1,
+// is
+//   clamp((depth_0 + depth_x p.x + depth_y p.y) >> depth_shift, depth_min, depth_max).
 struct ProjectedPolygon {
   ivec2 box_min;  // lattice points it can cover, between columns too; box_min.x > box_max.x where it covers none
   ivec2 box_max;
@@ -44,7 +45,7 @@ struct ProjectedPolygon {
   uint depth_max_packed;  // depth_max | place at ties << kTieShift
 };
 
-// What the graphics engine draws of it.
+// The graphics engine draws this Outline of a polygon.
 struct Outline {
   vec2 strip[4];  // in lattice coordinates, a triangle strip around all lattice points it can cover; one point where it
                   // covers none
@@ -55,7 +56,7 @@ const int kDepthBits = 27;   // of a unit length; the unit ball spans 2^28 depth
 const uint kTieShift = 29u;  // depths reach 2^28
 const int kSnapBits = 25;    // of a snapped coordinate
 
-// The nearest polygon of a lattice point that peeling has not passed yet. Ordered by (key, polygon).
+// A Layer is the nearest polygon of a lattice point that peeling has not passed yet. Ordered by (key, polygon).
 struct Layer {
   uint key;      // depth << kTieBits | place at ties
   uint polygon;  // (index + 1) << 1, and one where the front faces -u; 0 where the line has left the scene
@@ -82,8 +83,9 @@ struct ProjectArgs {
   uint cell_size;     // see DrawArgs
   int window;         // lattice points from the origin to its left and lower border; beyond it nothing is looked at
   // Of the compute engine.
-  uint64_t listed;  // uint[direction_count * polygon_count]: of what the passes over tiles look at, places in projected
-  uint64_t status;  // BatchStatus
+  // uint[direction_count * polygon_count]: places in projected of the polygons for the passes over tiles
+  uint64_t listed;
+  uint64_t status;     // BatchStatus
   uint64_t fragments;  // uint64_t[fragment_capacity][point_count]: layers, key << 32 | polygon, as in Layer; points are
                        // those of tile 0, of tile 1, ...
   uint64_t fragment_counts;  // uint[point_count]
@@ -149,8 +151,8 @@ const uint kMostTilesPerInvocation = 4096u;
 const uint kMostTileRows = 8u;
 const uint kMostTileWidth = 8u;  // with lattice points: an edge changes by less than 2^30 within a tile
 
-// Polygons' roles: what their facing pairs are counted for. A facing pair counts where one of the two emits and the
-// other receives.
+// Roles say where a polygon's facing pairs count. A facing pair counts where one of the two emits and the other
+// receives.
 const uint kEmits = 1u;
 const uint kReceives = 2u;
 const uint kRolesShift = 30u;  // in the word that holds a polygon's id
@@ -160,7 +162,7 @@ SHARED_FUNCTION bool exchange(uint roles, uint others_roles) {
          ((others_roles & kEmits) != 0u && (roles & kReceives) != 0u);
 }
 
-// What went wrong in a batch. After the first nothing has been counted.
+// These bits say why a batch failed. After the first nothing has been counted.
 const uint kListsOverflowed = 0x80000000u;
 const uint kListsUncountable = 0x40000000u;
 const uint kTooManySpans = 1u;  // in a row, for its ends to be put in order
@@ -172,9 +174,9 @@ struct Groups {
   uint x, y, z;
 };
 
-// What the passes of a batch found, for the passes after them and for the host.
+// A BatchStatus has figures of the passes of a batch, for the passes after them and for the host.
 struct BatchStatus {
-  Groups project_groups, bin_groups;  // over what is listed
+  Groups project_groups, bin_groups;  // over the listed polygons
   uint listed;
   uint most_fragments;  // of a lattice point
   Groups peel_groups;   // over active tiles
@@ -222,13 +224,14 @@ struct BinArgs {
   uint needed_roles;         // of an active tile
 };
 
-// What bin.comp does.
+// The modes of bin.comp are these.
 const uint kBinEmitters = 0u;
 const uint kBinReceivers = 1u;
 const uint kBinCount = 2u;
 const uint kBinScatter = 3u;
 
-// A tile that holds anything or, with scanlines, the rows of it that peel takes at once, which share its list.
+// An ActiveTile is a tile that holds anything or, with scanlines, the rows of it that peel takes at once, which share
+// its list.
 struct ActiveTile {
   uint list_start;
   uint list_length;
@@ -242,7 +245,7 @@ struct ActiveTile {
   uint padding[2];
 };
 
-// An entry of a list that is to be sorted.
+// A ListEntry is an entry of a list that is to be sorted.
 struct ListEntry {
   uint polygon;
   uint nearest_depth;  // in the tile
@@ -273,8 +276,9 @@ struct Meeting {
 const uint kMostFarther = 256u;  // that one invocation of meet goes through
 
 struct MeetArgs {
-  uint64_t covers;  // Cover[list_capacity]: of each tile, where its list is, those with fronts that face +u first, the
-                    // others last
+  // Cover[list_capacity]: of each tile, where its list is. Polygons with fronts that face +u come first, the others
+  // last.
+  uint64_t covers;
   uint64_t cover_polygons;  // uint[list_capacity]: whose they are
   uint64_t meetings;        // Meeting[]
   uint64_t status;
@@ -285,7 +289,8 @@ struct MeetArgs {
   uint64_t block_bytes;
 };
 
-// A tile, or the rows of it that were taken at once, whose layers one invocation could not get through.
+// An UnfinishedTile is a tile, or the rows of it that were taken at once, whose layers one invocation could not get
+// through.
 struct UnfinishedTile {
   uint tile;
   uint first_sample;
@@ -295,7 +300,7 @@ struct UnfinishedTile {
 struct PeelArgs {
   uint64_t tiles;       // UnfinishedTile[], where it works off those
   uint64_t reached;     // uint64_t[]: the layers that the lines of those tiles have reached; ~0 where they are finished
-  uint64_t unfinished;  // UnfinishedTile[]: what this dispatch leaves
+  uint64_t unfinished;  // UnfinishedTile[]: tiles that this dispatch does not finish
   uint64_t reached_next;
   uint64_t status;
   uint64_t counters;
@@ -309,12 +314,12 @@ struct PeelArgs {
   uint64_t block_bytes;  // of the dense counters of one block, which follow each other
 };
 
-// A cell has 8 x 8 blocks, one bit each: where the previous layer has no polygon, nothing is behind it, and polygons
+// A cell has 8 x 8 blocks, one bit each. Where the previous layer has no polygon, nothing is behind it, and polygons
 // that can cover points of no other blocks are not drawn.
 SHARED_FUNCTION uint blockAlong(uint in_cell, uint cell_size) { return in_cell * 8u / cell_size; }
 
-// Dense counters of ids i <= j as the rows of an upper triangle, each row followed by the row's environment (column
-// id_count) and leak (column id_count + 1).
+// Returns the place of dense counters of ids i <= j: the rows of an upper triangle, each row followed by the row's
+// environment (column id_count) and leak (column id_count + 1).
 SHARED_FUNCTION uint64_t counterIndex(uint i, uint column, uint id_count) {
   uint64_t row = uint64_t(i);
   return row * uint64_t(id_count + 2u) - row * (row + uint64_t(1u)) / uint64_t(2u) + uint64_t(column);

@@ -1,6 +1,6 @@
 // Part of peel.glsl: with scanlines, the samples of some rows.
 
-// A polygon's part in a row: first | last - first << kPositionBits.
+// Returns a polygon's part in a row: first | last - first << kPositionBits.
 uint spanOf(ivec2 corner, uint row, SnappedCorners corners) {
   int low = 0, high = int(kRowWidth);
   [[unroll]] for (uint k = 0u; k < 4u; ++k) {
@@ -12,10 +12,10 @@ uint spanOf(ivec2 corner, uint row, SnappedCorners corners) {
   return low < high ? row * kRowWidth + uint(low) | uint(high - low - 1) << kPositionBits : kNoColumns;
 }
 
-// Where span k is: the first `ups` from the beginning, the others from the end.
+// Returns where span k is: the first `ups` from the beginning, the others from the end.
 uint placeOfSpan(uint k, uint ups) { return kCountsBlocked && k >= ups ? kMostSpans - 1u - (k - ups) : k; }
 
-// An end in shared memory: its position | the number of spans that begin before it << kPositionBits + 1.
+// An end is in shared memory: its position | the number of spans that begin before it << kPositionBits + 1.
 uint positionOf(uint end) { return end & (2u * kPositions - 1u); }
 uint begunBefore(uint end) { return end >> kPositionBits + 1u; }
 
@@ -23,18 +23,24 @@ uint begunBefore(uint end) { return end >> kPositionBits + 1u; }
 uint spanIn(uint entry) { return entry & kMostSpans - 1u; }
 uint endIn(uint entry) { return entry / kMostSpans; }
 
-// The order of ends: of equal ones the earlier span's, and its left one, come first.
+// Returns a key that orders ends: of equal ones the earlier span's, and its left one, come first.
 int endKey(uint position, uint span, uint side) { return int((position * kMostSpans + span) * 2u + side); }
 
-// Puts the rows' spans and their ends, each once and in order, into shared memory, and the spans in order of where they
-// begin into `window`. In `spans` a row comes after another; where blocked pairs are counted the spans of polygons
-// whose fronts face +u come first; of two-sided polygons all do. Returns the number of spans, of those that come first,
-// of ends, and, where work is measured, of rows that hold a span; more than kMostSpans spans: nothing but their number.
-uvec4 sliceRows(Tile tile, uint lane, inout bool cut) {
+// FoundSpans are the numbers of spans in the rows of a tile: of all, of those that come first in `spans`, and for each
+// row of those in earlier rows. Rows that hold a span are counted where work is measured.
+struct FoundSpans {
+  uint count, ups, held_rows;
+  uint starts[kMostRowsAtOnce];  // only where no blocked pairs are counted
+};
+
+// Puts the rows' spans into shared memory, one row after another. Where blocked pairs are counted the spans of polygons
+// whose fronts face +u come first, and the others stand at the end; of two-sided polygons all come first.
+FoundSpans findSpans(Tile tile, uint lane, inout bool cut) {
   const uint lanes = gl_WorkGroupSize.x;
-  uint ups = 0u, downs = 0u, base = 0u, held = 0u, rows = 0u;
-  uint starts[kMostRowsAtOnce];  // of rows: spans that come before; where no blocked pairs are counted
-  [[unroll]] for (uint k = 0u; k < kMostRowsAtOnce; ++k) starts[k] = 0u;
+  FoundSpans found;
+  found.ups = found.held_rows = 0u;
+  uint downs = 0u, base = 0u, held = 0u;
+  [[unroll]] for (uint k = 0u; k < kMostRowsAtOnce; ++k) found.starts[k] = 0u;
   for (; base < tile.list_length * tile.rows; base += lanes) {
     uint row = 0u, mine = base + lane;  // all polygons in the first row, in the next
     [[unroll]] for (uint k = 1u; k < kMostRowsAtOnce; ++k) row +=
@@ -46,8 +52,8 @@ uvec4 sliceRows(Tile tile, uint lane, inout bool cut) {
     bool covers = mine < tile.list_length && columns != kNoColumns;
     bool is_up = !kCountsBlocked || kTwoSided ||
                  frontUpOf(texelFetch(projected_texels, int(kProjectedTexels * projected + 1u)).z) != 0u;
-    uint all, so_far = sumSoFar(covers && is_up ? 1u : 0u, all), place = ups + so_far - 1u;
-    ups += all;
+    uint all, so_far = sumSoFar(covers && is_up ? 1u : 0u, all), place = found.ups + so_far - 1u;
+    found.ups += all;
     if (kCountsBlocked) {
       uint from_end = downs + sumSoFar(covers && !is_up ? 1u : 0u, all) - 1u;
       downs += all;
@@ -56,7 +62,7 @@ uvec4 sliceRows(Tile tile, uint lane, inout bool cut) {
       [[unroll]] for (uint k = 1u; k < kMostRowsAtOnce; ++k) {
         uint before = min(max(k * tile.list_length, base) - base, lanes),
              its = subgroupShuffle(so_far, max(before, 1u) - 1u);
-        starts[k] += before == 0u ? 0u : its;
+        found.starts[k] += before == 0u ? 0u : its;
       }
     }
     held |= covers ? 1u << row : 0u;
@@ -64,28 +70,34 @@ uvec4 sliceRows(Tile tile, uint lane, inout bool cut) {
   }
   cut = cut || base < tile.list_length * tile.rows;
   if (kMeasuresWork) [[unroll]]
-    for (uint k = 0u; k < kMostRowsAtOnce; ++k) rows += anyOf((held >> k & 1u) != 0u) ? 1u : 0u;
-  uint span_count = ups + downs;
+    for (uint k = 0u; k < kMostRowsAtOnce; ++k) found.held_rows += anyOf((held >> k & 1u) != 0u) ? 1u : 0u;
+  found.count = found.ups + downs;
   memoryBarrierShared();
   subgroupBarrier();
-  if (span_count > kMostSpans || span_count == 0u) return uvec4(span_count, ups, 0u, 0u);
+  return found;
+}
 
-  for (base = 0u; base < span_count; base += lanes) {
+// Ranks every end among all ends and puts it at its rank into `ends`, with the number of spans that begin before it.
+// Puts the spans in order of where they begin into `window`.
+void orderEnds(FoundSpans found, uint lane) {
+  const uint lanes = gl_WorkGroupSize.x;
+  for (uint base = 0u; base < found.count; base += lanes) {
     uint mine = base + lane;
-    uint place = placeOfSpan(min(mine, span_count - 1u), ups), columns = spans[place].y;
+    uint place = placeOfSpan(min(mine, found.count - 1u), found.ups), columns = spans[place].y;
     int low = endKey(firstOf(columns), mine, 0u), high = endKey(endOf(columns), mine, 1u);
-    uint from = 0u, to = span_count;
-    if (!kCountsBlocked) {  // of the rows of these spans; all those of rows before come before them
+    uint from = 0u, to = found.count;
+    // Only spans of the rows of these spans are compared: all spans of earlier rows come before them.
+    if (!kCountsBlocked) {
       [[unroll]] for (uint k = 1u; k < kMostRowsAtOnce; ++k) {
-        if (starts[k] <= base) from = starts[k];
-        if (starts[kMostRowsAtOnce - k] >= base + lanes) to = starts[kMostRowsAtOnce - k];
+        if (found.starts[k] <= base) from = found.starts[k];
+        if (found.starts[kMostRowsAtOnce - k] >= base + lanes) to = found.starts[kMostRowsAtOnce - k];
       }
     }
-    uint begin_low = from, end_low = from, begin_high = from,
-         end_high = from;  // spans that begin and that end before the low and the high end
+    // Spans that begin and that end before the low and the high end are counted.
+    uint begin_low = from, end_low = from, begin_high = from, end_high = from;
     for (uint other_base = from; other_base < to; other_base += lanes) {
       uint other = other_base + lane;
-      uint other_columns = spans[placeOfSpan(min(other, span_count - 1u), ups)].y;
+      uint other_columns = spans[placeOfSpan(min(other, found.count - 1u), found.ups)].y;
       int other_low = other < to ? endKey(firstOf(other_columns), other, 0u) : kEndless;
       int other_high = other < to ? endKey(endOf(other_columns), other, 1u) : kEndless;
       [[unroll]] for (uint t = 0u; t < 8u; ++t) for (uint eight = 0u; eight < lanes; eight += 8u) {
@@ -96,7 +108,7 @@ uvec4 sliceRows(Tile tile, uint lane, inout bool cut) {
         end_high += uint(b < high);
       }
     }
-    if (mine < span_count) {
+    if (mine < found.count) {
       ends[begin_low + end_low] = firstOf(columns) | begin_low << kPositionBits + 1u;
       ends[begin_high + end_high] = endOf(columns) | begin_high << kPositionBits + 1u;
       window[begin_low] = place + endOf(columns) * kMostSpans;
@@ -104,28 +116,42 @@ uvec4 sliceRows(Tile tile, uint lane, inout bool cut) {
   }
   memoryBarrierShared();
   subgroupBarrier();
-  uint kept = 0u, last = ~0u;
-  for (base = 0u; base < 2u * span_count; base += lanes) {
+}
+
+// Keeps each position of the `end_count` ends once, the first of its ends. Returns how many are left.
+uint keepPositions(uint end_count, uint lane, inout bool cut) {
+  const uint lanes = gl_WorkGroupSize.x;
+  uint kept = 0u, last = ~0u, base = 0u;
+  for (; base < end_count; base += lanes) {
     uint at = base + lane;
-    uint end = ends[min(at, 2u * span_count - 1u)];
+    uint end = ends[min(at, end_count - 1u)];
     uint before = subgroupShuffle(end, max(lane, 1u) - 1u);
     before = lane == 0u ? last : before;
     last = subgroupShuffle(end, lanes - 1u);
-    bool keep = at < 2u * span_count && positionOf(end) != positionOf(before);
+    bool keep = at < end_count && positionOf(end) != positionOf(before);
     uint all, place = kept + sumSoFar(keep ? 1u : 0u, all) - 1u;
     memoryBarrierShared();
     subgroupBarrier();
     if (keep) ends[place] = end;
     kept += all;
   }
-  cut = cut || base < 2u * span_count;
+  cut = cut || base < end_count;
   memoryBarrierShared();
   subgroupBarrier();
-  return uvec4(span_count, ups, kept, rows);
+  return kept;
 }
 
-// Of the spans from `begin` to `end` in `window` moves those that go on beyond a position to the end. Returns where
-// they begin.
+// Puts the rows' spans and their ends, each once and in order, into shared memory, and the spans in order of where they
+// begin into `window`. Returns the numbers of spans, of spans that come first, of ends, and, where work is measured, of
+// rows that hold a span. With more than kMostSpans spans it returns nothing but their number.
+uvec4 sliceRows(Tile tile, uint lane, inout bool cut) {
+  FoundSpans found = findSpans(tile, lane, cut);
+  if (found.count > kMostSpans || found.count == 0u) return uvec4(found.count, found.ups, 0u, 0u);
+  orderEnds(found, lane);
+  return uvec4(found.count, found.ups, keepPositions(2u * found.count, lane, cut), found.held_rows);
+}
+
+// Moves the spans of `window` from `begin` to `end` that go on beyond a position to the end. Returns where they begin.
 uint dropEnded(uint begin, uint end, uint position, uint lane, inout bool cut) {
   const uint lanes = gl_WorkGroupSize.x;
   uint left = end - begin;

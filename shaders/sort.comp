@@ -1,7 +1,7 @@
 #version 460
 // One workgroup, meant to be one subgroup, puts the list of one tile in the order of its polygons' nearest depths in
-// the tile, so that peel can add layers while it goes through the list. Every invocation ranks kRanked entries at a
-// time among all. Lists too long for that stay as they are, which peel is told.
+// the tile. So peel can add layers while it goes through the list. Every invocation ranks kRanked entries at a time
+// among all. Longer lists stay as they are, and is_sorted says so.
 //   In: lists, projected     Out: sorted_lists; active_tiles: is_sorted
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require

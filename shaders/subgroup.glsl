@@ -1,4 +1,4 @@
-// Votes and sums over the invocations of a workgroup that is one subgroup, by shuffles: software devices make loops
+// Votes and sums over the invocations of a workgroup that is one subgroup go by shuffles. Software devices make loops
 // over invocations of the built-in ones, and unroll only loops that count up by one.
 const uint kDoublings = 6u;  // to 64 invocations
 
@@ -9,7 +9,7 @@ bool anyOf(bool value) {
   return any != 0u;
 }
 
-// The sum over this invocation and those before it; `all`: over all.
+// Returns the sum over this invocation and those before it; `all`: over all.
 uint sumSoFar(uint value, out uint all) {
   uint lane = gl_SubgroupInvocationID;
   [[unroll]] for (uint k = 0u; k < kDoublings; ++k) if (1u << k < gl_WorkGroupSize.x) {
@@ -20,7 +20,7 @@ uint sumSoFar(uint value, out uint all) {
   return value;
 }
 
-// The least of this invocation and those after it.
+// Returns the least of this invocation and the later ones.
 uint leastFrom(uint value) {
   uint lane = gl_SubgroupInvocationID;
   [[unroll]] for (uint k = 0u; k < kDoublings; ++k) if (1u << k < gl_WorkGroupSize.x) value =

@@ -1,4 +1,4 @@
-// What earlier passes wrote, read as texels: several times faster than words on software devices.
+// Results of earlier passes are read as texels: several times faster than words on software devices.
 #include "geometry.glsl"
 
 layout(binding = 0) uniform usamplerBuffer snapped_corner_texels;
@@ -12,7 +12,7 @@ const uint kProjectedTexels = 3u;
 
 int64_t longFrom(uvec2 words) { return int64_t(packUint2x32(words)); }
 
-// projected: a polygon's place among those of all directions.
+// Fetches the corners of a polygon. projected: its place among the polygons of all directions.
 SnappedCorners fetchCorners(uint projected) {
   ivec4 first = ivec4(texelFetch(snapped_corner_texels, int(2u * projected))),
         second = ivec4(texelFetch(snapped_corner_texels, int(2u * projected + 1u)));
@@ -26,7 +26,7 @@ SnappedCorners fetchCorners(uint projected) {
 
 uint fetchId(uint polygon) { return texelFetch(polygon_texels, int(3u * polygon)).z; }
 
-// The depth plane of a polygon in one direction, its constant at a tile's corner.
+// A DepthPlane is that of a polygon in one direction, its constant at a tile's corner.
 struct DepthPlane {
   int64_t at_corner, per_column, per_row;
   ivec2 range;

@@ -1,5 +1,5 @@
-// What does it cost to count blocked pairs beside facing pairs? Processor time per direction without and with them, CSV
-// on stdout.
+// What does it cost to count blocked pairs beside facing pairs? The bench prints processor time per direction without
+// and with them, as CSV on stdout.
 //   blocked_cost [--scene room|room4|triangles|FILE]... [--sampling lattice|scanline]... [--resolution PX]...
 //   [--directions N] [--rounds N]
 // One round counts the same directions without and with them, one after the other; ratios are of one round. Reading the

@@ -1,18 +1,21 @@
-// Are the standard errors honest? How often the 95 % interval, mean +- t_0.975(R - 1) standard errors, holds the true
-// form factor, over many seeds. CSV on stdout, one row for each scene, setting, rule when to stop and class of entries.
-//   coverage [--scene facing|edge|far|cube|blocked|parts|gap|office|room|city]... [--unoccluded] [--host] [--directed
-//   R] [--sampler fibonacci|jittered|sobol|iid]... [--setting PXxN]... [--rule RULE]...
-//     [--seeds K] [--device D]
+// Are the standard errors honest? This bench answers: it counts how often the 95 % interval, mean +- t_0.975(R - 1)
+// standard errors, holds the true form factor, over many seeds. It prints CSV on stdout, one row for each scene,
+// setting, rule when to stop and class of entries.
+//   coverage [--scene facing|edge|far|cube|blocked|parts|gap|office|room|city]... [--unoccluded] [--host]
+//     [--directed R] [--sampler fibonacci|jittered|sobol|iid]... [--setting PXxN]... [--rule RULE]... [--seeds K]
+//     [--device D]
+//
 // The truth of office, room and city is a long run, of 16,384 directions and 256 scanlines. With --host the host engine
-// counts scanlines, in place of the compute engine's points. With --directed pairs that pilots tell to keep the run
-// from a relative error of R have directions of their own. A rule is R, a fixed number of replicates, or R:G, at least
-// R and on until the largest standard error reaches the tolerance that takes G on the average. Entries fall into
-// classes by the lattice points that a replicate is expected to count for them; with unoccluded form factors those that
-// something blocks in part are a class, too, for what nothing or everything between two blocks is known when it is met.
-// The last class are all that some replicate met. Entries of one run are correlated, so the standard error of a
-// coverage comes from the spread between seeds. What no line met is covered where the bound for that holds the truth
-// (unmetBound). Where the truth of all pairs is known there are two classes more: rows, the row sums written, whose
-// truth is 1, and groups, form factors between surfaces.
+// counts scanlines, in place of the compute engine's points. With --directed pairs have directions of their own where
+// pilots predict that they keep a run from a relative error of R. A rule is R, a fixed number of replicates, or R:G: at
+// least R, and on until the largest standard error reaches the tolerance that takes G on the average.
+//
+// Entries fall into classes by the lattice points that a replicate is expected to count for them. With unoccluded form
+// factors entries that something blocks in part are a class, too: a pair with nothing or everything in between is exact
+// once a line hits it. The last class has all entries that some replicate hit. Entries of one run are correlated, so
+// the standard error of a coverage comes from the spread between seeds. An entry without a line is covered where
+// unmetBound holds the truth. Where all pairs have a truth there are two classes more: rows, the row sums written,
+// whose truth is 1, and groups, form factors between surfaces.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -44,8 +47,8 @@ constexpr double kConfidence = 0.95, kNormalQuantile = 1.959964;
 constexpr uint64_t kPilotSeed = 1'000'000'000, kLongRunSeed = 2'000'000'000;
 constexpr uint32_t kPilots = 20, kPilotReplicates = 16;
 constexpr std::array<double, 5> kCountEnds{0.3, 1, 3, 10, INFINITY};  // expected per replicate
-constexpr double kBlockedInPart =
-    1e-3;  // of what two would exchange with nothing in between: at least as much is seen, and blocked
+// At least this share of an unoccluded form factor is seen, and as much is blocked.
+constexpr double kBlockedInPart = 1e-3;
 const std::map<std::string, Sampler> kSamplers(kSamplerNames.begin(), kSamplerNames.end());
 
 struct Options {
@@ -67,7 +70,7 @@ struct Case {
   bool has_all_pairs = false;
 };
 
-// The truth between surfaces, F_IJ = sum_ij A_i F_ij / A_I.
+// Returns the truth between surfaces, F_IJ = sum_ij A_i F_ij / A_I.
 Truths sumBySurface(const Truths& truths, const Ids& ids, const Ids& surface_ids) {
   Truths sums;
   for (const auto& [pair, truth] : truths) {
@@ -101,7 +104,7 @@ double factorInCube(const Patch& a, const Patch& b) {
                                             distances(b.extent[a.axis], a.side));
 }
 
-// The inside of a unit cube, every face cut into `cuts` x `cuts` patches.
+// Returns the inside of a unit cube, every face cut into `cuts` x `cuts` patches.
 Case cutCube(int cuts) {
   InputScene input{"cube", {"cube"}, {}};
   std::vector<Patch> patches;
@@ -127,14 +130,14 @@ Case cutCube(int cuts) {
   return cube;
 }
 
-// Two squares, first in the scene, that see each other past a third one.
+// Returns two squares, first in the scene, that see each other past a third one.
 Case pastABlocker(const InputScene& input) {
   const double factor =
       reference::formFactorPastBlocker(input.faces[0].corners, input.faces[1].corners, input.faces[2].corners).value;
   return {buildScene(input), {{{0, 1}, factor}}};
 }
 
-// 8 x 8 parts each of two facing squares past a blocker: of most pairs few lines tell, or none.
+// Returns 8 x 8 parts each of two facing squares past a blocker: few lines hit most pairs, or none.
 Case partsPastABlocker() {
   InputScene input = test_scenes::squaresInParts(8, 1.0 / 8, 1);
   const auto count = static_cast<uint32_t>(input.faces.size());
@@ -150,7 +153,7 @@ Case partsPastABlocker() {
   return parts;
 }
 
-// All pairs that see each other, as a long run of the host engine has them.
+// Returns all pairs that see each other, as a long run of the host engine has them.
 Case byLongRun(Scene scene) {
   constexpr int kResolution = 256;
   const Ids ids = makeIds(scene, By::polygon, false);
@@ -211,7 +214,7 @@ struct Rule {
   uint32_t replicates = 0, goal_replicates = 0;  // goal 0: none
 };
 
-// Two whole numbers with a separator between them.
+// Reads two numbers with a separator between them.
 template <class First>
 bool readPair(const std::string& text, char separator, First& first, uint32_t& second) {
   std::istringstream in(text);
@@ -227,7 +230,7 @@ Rule ruleOf(const std::string& text) {
   return rule;
 }
 
-// A form factor, and how often a replicate is expected to count it.
+// An Entry is a form factor, and how often a replicate is expected to count it.
 struct Entry {
   double truth, expected_count, area;  // the smaller of the two
   bool is_blocked_in_part = false;
@@ -241,7 +244,7 @@ struct RunOutcome {
   uint64_t replicates = 0;
 };
 
-// What became of the entries of one class.
+// A Tally counts the covered entries of one class.
 class Tally {
  public:
   void startRun() { runs_.push_back({}); }
@@ -256,7 +259,7 @@ class Tally {
     if (truth > 0) relative_squares_ += error * error / (truth * truth);
     predicted_ += measured.standard_error * measured.standard_error;
   }
-  // Nothing where the class is empty.
+  // Prints nothing where the class is empty.
   void print(const std::string& key, double mean_replicates) const {
     double entries = 0, covered = 0, squares = 0;
     for (const Run& run : runs_) entries += run.entries, covered += run.covered;
@@ -311,110 +314,173 @@ void report(const std::string& key, const std::vector<Entry>& entries, const Tru
   std::fflush(stdout);
 }
 
+// A Setting is an engine for one PXxN, and the entries whose intervals are judged.
+struct Setting {
+  Setting(const Case& scene_case, const Ids& ids, const std::string& text, const Device& device,
+          const Options& options);
+
+  int resolution = 0;
+  EstimateOptions estimate;
+  std::unique_ptr<Engine> engine;
+  double count_area = 0;  // input units squared
+  std::vector<Entry> entries;
+};
+
+Setting::Setting(const Case& scene_case, const Ids& ids, const std::string& text, const Device& device,
+                 const Options& options) {
+  if (!readPair(text, 'x', resolution, estimate.directions))
+    throw Error(ErrorCode::bad_usage, "--setting " + text + ": give PXxN");
+  const Scene& scene = scene_case.scene;
+  LatticeOptions lattice{.resolution = resolution, .count_blocked = options.unoccluded};
+  if (options.on_host) lattice.sampling = Sampling::scanline;
+  engine = options.on_host ? makeHostEngine(scene, ids, lattice) : makeComputeEngine(device, scene, ids, lattice);
+  count_area = engine->unitArea() * scene.scale * scene.scale;
+  for (const auto& [pair, truth] : scene_case.truths)
+    entries.push_back(
+        {truth, truth * ids.areas[pair.first] * estimate.directions / (2 * count_area),
+         std::min(ids.areas[pair.first], pair.second < kEnvironment ? ids.areas[pair.second] : INFINITY)});
+}
+
+// SamplerRuns makes the runs of one scene, setting and sampler, all with one engine.
+class SamplerRuns {
+ public:
+  SamplerRuns(const Case& scene_case, const Ids& ids, const Setting& setting, Sampler sampler, const Device& device,
+              const Options& options)
+      : case_(scene_case),
+        ids_(ids),
+        setting_(setting),
+        device_(device),
+        options_(options),
+        estimate_(setting.estimate),
+        engine_(*setting.engine) {
+    estimate_.sampler = sampler;
+  }
+  SamplerRuns(const SamplerRuns&) = delete;
+
+  // Returns the largest standard error of one replicate, nearly: from pilot runs with seeds of their own.
+  double largestErrorOfReplicate() {
+    double largest = 0;
+    for (uint32_t pilot = 0; pilot < kPilots; ++pilot) {
+      engine_.forget();
+      largest +=
+          run({kPilotReplicates}, 0, kPilotSeed + pilot).largest_standard_error * std::sqrt(kPilotReplicates) / kPilots;
+    }
+    return largest;
+  }
+
+  // Returns the outcome of a seed for each of the program's rules.
+  std::vector<RunOutcome> outcomesOf(uint64_t seed, double largest_error, const Truths& group_truths) {
+    engine_.forget();
+    std::vector<RunOutcome> outcomes;
+    for (const std::string& text : options_.rules) {
+      const Rule rule = ruleOf(text);
+      const Estimate e = run(rule, largest_error / std::sqrt(rule.goal_replicates), seed);
+      RunOutcome& outcome = outcomes.emplace_back();
+      outcome.replicates = e.replicates;
+      for (const Entry& entry : setting_.entries)
+        outcome.unmet_bounds.push_back(unmetBound(entry.area, setting_.count_area, double(e.directions)));
+      if (case_.has_all_pairs) {
+        outcome.rows = e.form_factors.rowSums();
+        for (const auto& [pair, truth] : group_truths)
+          outcome.groups.push_back(e.between_surfaces.formFactor(pair.first, pair.second));
+      }
+      for (const auto& [pair, truth] : case_.truths)
+        outcome.factors.push_back(e.form_factors.formFactor(pair.first, pair.second));
+    }
+    return outcomes;
+  }
+
+  // Marks the entries that something blocks in part. The prior of these scenes has all pairs.
+  void markBlockedInPart(std::vector<Entry>& entries) const {
+    size_t k = 0;
+    for (const auto& [pair, truth] : case_.truths) {
+      const auto prior =
+          std::ranges::lower_bound(found_.prior.pairs, pair, {}, [](const PairPrior& at) { return keyOf(at); });
+      if (prior != found_.prior.pairs.end() && keyOf(*prior) == pair) {
+        const double visibility = truth * ids_.areas[pair.first] / prior->exchange;
+        entries[k].is_blocked_in_part =
+            pair.second < kEnvironment && visibility > kBlockedInPart && visibility < 1 - kBlockedInPart;
+      }
+      ++k;
+    }
+  }
+
+  uint64_t runCount() const { return runs_; }
+  uint64_t directedRunCount() const { return directed_runs_; }
+
+ private:
+  Estimate run(const Rule& rule, double tolerance, uint64_t seed) {
+    estimate_.replicates = rule.replicates;
+    estimate_.tolerance = rule.goal_replicates ? std::optional(tolerance) : std::nullopt;
+    estimate_.seed = seed;
+    if (options_.unoccluded && prior_seed_ != seed) findPriorOf(seed);
+    estimate_.pairs = pairs_ ? &*pairs_ : nullptr;
+    estimate_.prior = options_.unoccluded ? &found_.prior : nullptr;
+    engine_.startAgain();
+    return estimateFormFactors(engine_, case_.scene, ids_, estimate_);
+  }
+
+  void findPriorOf(uint64_t seed) {
+    EstimateOptions pilot = estimate_;
+    if (options_.directed > 0) {
+      pairs_.emplace(case_.scene, ids_, seed,
+                     [this](const Scene& scene, const Ids& pair_ids, const LatticeOptions& lattice) {
+                       return pairEngine(scene, pair_ids, lattice);
+                     });
+      pilot.pairs = &*pairs_;
+      pilot.relative = options_.directed;
+      pilot.relative_floor = 1e-5;
+      pilot.tolerance.reset();
+    }
+    FaceExchanges exchanges(options_.on_host ? nullptr : &device_, case_.scene, ids_);
+    found_ = findPrior(*setting_.engine, exchanges, case_.scene, ids_, groupAsOne(case_.scene, setting_.resolution),
+                       pilot, {choosePriorPilot(pilot).directions});
+    prior_seed_ = seed;
+    ++runs_;
+    directed_runs_ += !found_.prior.directed.empty();
+  }
+
+  // Resolution and window tell the engines of pairs apart in these scenes, so each is made once for all seeds.
+  std::unique_ptr<Engine> pairEngine(const Scene& scene, const Ids& pair_ids, const LatticeOptions& lattice) {
+    std::unique_ptr<Engine>& made = pair_engines_[{lattice.resolution, lattice.window.radius}];
+    if (!made) made = makeComputeEngine(device_, scene, pair_ids, lattice);
+    return std::make_unique<SharedEngine>(*made);
+  }
+
+  const Case& case_;
+  const Ids& ids_;
+  const Setting& setting_;
+  const Device& device_;
+  const Options& options_;
+  EstimateOptions estimate_;
+  RememberingEngine engine_;
+  FoundPrior found_;
+  std::optional<PairSampler> pairs_;
+  std::map<std::pair<int, double>, std::unique_ptr<Engine>> pair_engines_;
+  uint64_t prior_seed_ = 0, directed_runs_ = 0, runs_ = 0;
+};
+
 void measureCase(const std::string& name, const Device& device, const Options& options) {
   const Case scene_case = makeCase(name);
-  const Scene& scene = scene_case.scene;
-  const Ids ids = makeIds(scene, By::polygon, false);
-  const Truths group_truths = sumBySurface(scene_case.truths, ids, makeIds(scene, By::surface, false));
-  for (const std::string& setting : options.settings) {
-    int resolution = 0;
-    EstimateOptions estimate;
-    if (!readPair(setting, 'x', resolution, estimate.directions))
-      throw Error(ErrorCode::bad_usage, "--setting " + setting + ": give PXxN");
-    LatticeOptions lattice{.resolution = resolution, .count_blocked = options.unoccluded};
-    if (options.on_host) lattice.sampling = Sampling::scanline;
-    const auto engine =
-        options.on_host ? makeHostEngine(scene, ids, lattice) : makeComputeEngine(device, scene, ids, lattice);
-    RememberingEngine remembering(*engine);
-    std::vector<Entry> entries;
-    const double count_area = engine->unitArea() * scene.scale * scene.scale;
-    for (const auto& [pair, truth] : scene_case.truths)
-      entries.push_back(
-          {truth, truth * ids.areas[pair.first] * estimate.directions / (2 * count_area),
-           std::min(ids.areas[pair.first], pair.second < kEnvironment ? ids.areas[pair.second] : INFINITY)});
+  const Ids ids = makeIds(scene_case.scene, By::polygon, false);
+  const Truths group_truths = sumBySurface(scene_case.truths, ids, makeIds(scene_case.scene, By::surface, false));
+  for (const std::string& text : options.settings) {
+    Setting setting(scene_case, ids, text, device, options);
     for (const std::string& sampler : options.samplers) {
-      estimate.sampler = kSamplers.at(sampler);
-      FoundPrior found;
-      std::optional<PairSampler> pairs;
-      std::map<std::pair<int, double>, std::unique_ptr<Engine>>
-          pair_engines;  // by resolution and window, which tell them apart in these scenes
-      const EngineFactory makePairEngine = [&](const Scene& of, const Ids& pair_ids,
-                                               const LatticeOptions& pair_lattice) {
-        std::unique_ptr<Engine>& made = pair_engines[{pair_lattice.resolution, pair_lattice.window.radius}];
-        if (!made) made = makeComputeEngine(device, of, pair_ids, pair_lattice);
-        return std::make_unique<SharedEngine>(*made);
-      };
-      uint64_t prior_seed = 0, directed_runs = 0, runs = 0;
-      const auto run = [&](const Rule& rule, double tolerance, uint64_t seed) {
-        estimate.replicates = rule.replicates;
-        estimate.tolerance = rule.goal_replicates ? std::optional(tolerance) : std::nullopt;
-        estimate.seed = seed;
-        if (options.unoccluded && prior_seed != seed) {
-          EstimateOptions pilot = estimate;
-          if (options.directed > 0) {
-            pairs.emplace(scene, ids, seed, makePairEngine);
-            pilot.pairs = &*pairs;
-            pilot.relative = options.directed;
-            pilot.relative_floor = 1e-5;
-            pilot.tolerance.reset();
-          }
-          FaceExchanges exchanges(options.on_host ? nullptr : &device, scene, ids);
-          found = findPrior(*engine, exchanges, scene, ids, groupAsOne(scene, resolution), pilot,
-                            {choosePriorPilot(pilot).directions});
-          prior_seed = seed;
-          ++runs;
-          directed_runs += !found.prior.directed.empty();
-        }
-        estimate.pairs = pairs ? &*pairs : nullptr;
-        estimate.prior = options.unoccluded ? &found.prior : nullptr;
-        remembering.startAgain();
-        return estimateFormFactors(remembering, scene, ids, estimate);
-      };
-      // Closed forms are known of all pairs of these scenes.
-      const auto markBlockedInPart = [&] {
-        size_t k = 0;
-        for (const auto& [pair, truth] : scene_case.truths) {
-          const auto prior =
-              std::ranges::lower_bound(found.prior.pairs, pair, {}, [](const PairPrior& at) { return keyOf(at); });
-          if (prior != found.prior.pairs.end() && keyOf(*prior) == pair) {
-            const double visibility = truth * ids.areas[pair.first] / prior->exchange;
-            entries[k].is_blocked_in_part =
-                pair.second < kEnvironment && visibility > kBlockedInPart && visibility < 1 - kBlockedInPart;
-          }
-          ++k;
-        }
-      };
-      // The largest standard error of one replicate, nearly: from pilot runs with seeds of their own.
-      double largest = 0;
-      for (uint32_t pilot = 0; pilot < kPilots; ++pilot) {
-        remembering.forget();
-        largest += run({kPilotReplicates}, 0, kPilotSeed + pilot).largest_standard_error * std::sqrt(kPilotReplicates) /
-                   kPilots;
-      }
+      SamplerRuns runs(scene_case, ids, setting, kSamplers.at(sampler), device, options);
+      const double largest_error = runs.largestErrorOfReplicate();
       std::vector<std::vector<RunOutcome>> outcomes(options.rules.size());
       for (uint64_t seed = 1; seed <= options.seeds; ++seed) {
-        remembering.forget();
-        for (size_t k = 0; k < options.rules.size(); ++k) {
-          const Rule rule = ruleOf(options.rules[k]);
-          const Estimate e = run(rule, largest / std::sqrt(rule.goal_replicates), seed);
-          RunOutcome& outcome = outcomes[k].emplace_back();
-          outcome.replicates = e.replicates;
-          for (const Entry& entry : entries)
-            outcome.unmet_bounds.push_back(unmetBound(entry.area, count_area, double(e.directions)));
-          if (scene_case.has_all_pairs) {
-            outcome.rows = e.form_factors.rowSums();
-            for (const auto& [pair, truth] : group_truths)
-              outcome.groups.push_back(e.between_surfaces.formFactor(pair.first, pair.second));
-          }
-          for (const auto& [pair, truth] : scene_case.truths)
-            outcome.factors.push_back(e.form_factors.formFactor(pair.first, pair.second));
-        }
+        std::vector<RunOutcome> of_seed = runs.outcomesOf(seed, largest_error, group_truths);
+        for (size_t k = 0; k < outcomes.size(); ++k) outcomes[k].push_back(std::move(of_seed[k]));
       }
-      if (options.directed > 0) fmt::print("# {}: directed pairs in {} of {} runs\n", name, directed_runs, runs);
-      if (options.unoccluded) markBlockedInPart();
+      if (options.directed > 0)
+        fmt::print("# {}: directed pairs in {} of {} runs\n", name, runs.directedRunCount(), runs.runCount());
+      if (options.unoccluded) runs.markBlockedInPart(setting.entries);
       for (size_t k = 0; k < options.rules.size(); ++k)
-        report(fmt::format("{},{},{},{},{}", name, sampler, resolution, estimate.directions, options.rules[k]), entries,
-               group_truths, outcomes[k]);
+        report(fmt::format("{},{},{},{},{}", name, sampler, setting.resolution, setting.estimate.directions,
+                           options.rules[k]),
+               setting.entries, group_truths, outcomes[k]);
     }
   }
 }

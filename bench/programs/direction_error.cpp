@@ -1,10 +1,10 @@
-// How does the error of a form factor fall with the number N of directions, for each way of drawing them? Scenes of two
-// squares with closed forms. CSV on stdout: rms error over independent replicates of N directions, with exact areas
-// along each direction and with lattice points; in comments the exponent a of rms ~ N^-a by least squares, with its
-// standard error.
+// How does the error of a form factor fall with the number N of directions, for each way of drawing them? Scenes are
+// two squares with closed forms. CSV on stdout has the rms error over independent replicates of N directions, with
+// exact areas along each direction and with lattice points. Comments have the exponent a of rms ~ N^-a by least
+// squares, with its standard error.
 //   direction_error [--scene facing|edge|distant]... [--sampler S]... [--directions N]... [--replicates K]
 //                   [--resolution PX]... [--lattice-directions N]... [--lattice-replicates K] [--device D]
-// Fitted are the N of which kFewestSeen directions or more see the pair on the average: below that every sampler is as
+// The fit takes the N of which kFewestSeen directions or more see the pair on the average: below it every sampler is as
 // good as independent.
 #include <cmath>
 #include <map>
@@ -37,7 +37,7 @@ struct Options {
   DeviceOptions device;
 };
 
-// The errors of replicates of N directions each.
+// A Spread has the errors of replicates of N directions each.
 struct Spread {
   uint32_t directions = 0;
   double rms = 0, rms_standard_error = 0;

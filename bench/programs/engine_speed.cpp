@@ -1,12 +1,13 @@
-// How fast are the compute and the host engine beside Embree on the same cores? Interleaved rounds, CSV on stdout.
+// How fast are the compute and the host engine beside Embree on the same cores? Rounds are interleaved, CSV is on
+// stdout.
 //   engine_speed [--scene NAME] [--resolution PX] [--by polygon|surface] [--rounds N] [--seconds S]
-// Methods: `viewpeel`, the compute engine; `host`, the same lattices by the host engine, `host_scanlines`, its
-// scanlines, of which a sample is counted where a lattice point would be; `embree_lines_*`, the lines of the same
-// lattices traced by Embree and sorted; `embree_rays_*`, rays shot from the surfaces. A sample is a facing pair seen by
+// Methods: `viewpeel` is the compute engine, `host` the same lattices by the host engine, and `host_scanlines` its
+// scanlines, of which a sample is counted where a lattice point would be. Embree traces and sorts the lines of the same
+// lattices in `embree_lines_*`, and shoots rays from the surfaces in `embree_rays_*`. A sample is a facing pair seen by
 // a line, or a ray that ends on a front; other rays cost time and count for nothing. All are timed from directions or
-// rays to all counts in the order of pairs. The fixed cost of that, reading and emptying counters in which nothing was
-// counted, is timed in every round and left out. Debian builds its Embree with assertions on: Embree's own release
-// build may be faster than this one.
+// rays to all counts in the order of pairs. The fixed cost, reading and emptying counters without counts, is timed in
+// every round and left out. Debian builds its Embree with assertions on: Embree's own release build may be faster than
+// this one.
 #include <cmath>
 #include <functional>
 #include <optional>
@@ -37,8 +38,8 @@ struct Options {
   DeviceOptions device;
 };
 
-// One way to count. count(n) works through n directions, or n groups of rays, and returns samples; count(0) costs what
-// is fixed.
+// A Method is one way to count. count(n) works through n directions, or n groups of rays, and returns samples; count(0)
+// has only the fixed cost.
 struct Method {
   std::string name;
   bool has_directions;
@@ -58,8 +59,8 @@ struct Method {
   }
 };
 
-// Also warms up: the first dispatch on a device may compile. A method that leaves out a fixed cost runs for as long as
-// that at least: a small difference of two long times is noise.
+// Chooses the amount of work, and warms up: the first dispatch on a device may compile. A method that leaves out a
+// fixed cost runs for as long as that at least: a small difference of two long times is noise.
 void calibrate(Method& method, double least_seconds) {
   const uint64_t most = method.has_directions ? kMostDirections : 1u << 30;
   method.run(1);
@@ -79,7 +80,7 @@ uint64_t facingPairs(const PairCounts& counts) {
   return sum;
 }
 
-// Of |a - b| over all pairs, environment and leak.
+// Returns the sum of |a - b| over all pairs, environment and leak.
 uint64_t distance(const PairCounts& a, const PairCounts& b) {
   uint64_t sum = 0;
   size_t at = 0;
@@ -105,90 +106,117 @@ void verify(Engine& engine, EmbreeRivals& embree, std::span<const Direction> dir
       double(distance(ours, theirs)) / pairs);
 }
 
-void measure(const std::string& name, const Scene& scene, const Ids& ids, EmbreeRivals& embree, const Device& device,
-             int resolution, const Options& options) {
-  const std::vector<Direction> directions = sampleDirections(Sampler::iid, kMostDirections, kSeed, 0);
-  const auto first = [&](uint64_t count) { return std::span(directions).first(count); };
-  std::vector<Method> methods;
-  const auto addEngine = [&](const std::string& method, const std::function<std::unique_ptr<Engine>()>& make) {
+// MeasuredCase is one scene at one resolution, with all methods that count it.
+class MeasuredCase {
+ public:
+  MeasuredCase(const std::string& name, const Scene& scene, const Ids& ids, EmbreeRivals& embree, const Device& device,
+               int resolution)
+      : name_(name), polygon_count_(scene.polygons.size()), resolution_(resolution), embree_(embree) {
+    addEngine("viewpeel", [&] { return makeComputeEngine(device, scene, ids, {.resolution = resolution}); });
+    addEngine("host", [&] { return makeHostEngine(scene, ids, {.resolution = resolution}); });
+    addEngine("host_scanlines",
+              [&] { return makeHostEngine(scene, ids, {.resolution = resolution, .sampling = Sampling::scanline}); });
+    engine_count_ = methods_.size();
+    addRivals();
+  }
+  MeasuredCase(const MeasuredCase&) = delete;
+
+  void measure(const Options& options) {
+    for (Method& method : methods_) calibrate(method, options.seconds);
+    for (int round = 0; round < options.rounds; ++round)
+      for (Method& method : methods_) {
+        const auto [samples, spent_s] = method.run(method.amount);
+        method.directions_per_second.push_back(double(method.amount) / spent_s);
+        method.samples_per_second.push_back(double(samples) / spent_s);
+      }
+  }
+
+  void print() const {
+    double best_lines = 0, best_rays = 0, best_directions = 0;
+    for (size_t k = 0; k < methods_.size(); ++k) {
+      const Method& method = methods_[k];
+      const double samples = samplesOf(method), per_second = median(method.directions_per_second);
+      printRow(method.name, method.has_directions ? fmt::format("{:.4g}", per_second) : "", samples);
+      if (!method.has_directions) {
+        best_rays = std::max(best_rays, samples);
+      } else if (k >= engine_count_ && samples > best_lines) {
+        best_lines = samples;
+        best_directions = per_second;
+      }
+    }
+    printRow("embree_lines_best", fmt::format("{:.4g}", best_directions), best_lines);
+    printRow("embree_rays_best", "", best_rays);
+    printSpread();
+    for (size_t k = 0; k < engine_count_; ++k)
+      fmt::print("# {}/Embree: lines {:.2f}, rays {:.2f}\n", methods_[k].name, samplesOf(methods_[k]) / best_lines,
+                 samplesOf(methods_[k]) / best_rays);
+    std::fflush(stdout);
+  }
+
+ private:
+  static double samplesOf(const Method& method) { return median(method.samples_per_second); }
+  std::span<const Direction> first(uint64_t count) const { return std::span(directions_).first(count); }
+
+  // Adds an engine, verified where it counts lattice points, or prints why it refuses the scene.
+  void addEngine(const std::string& method, const std::function<std::unique_ptr<Engine>()>& make) {
     try {
       const std::shared_ptr<Engine> engine = make();
-      const double points_each = engine->unitArea() / pointArea(resolution);  // lattice points' worth of a count
-      if (points_each == 1) verify(*engine, embree, first(4), resolution);
-      methods.push_back({method, true, [=](uint64_t count) {
-                           return static_cast<uint64_t>(double(facingPairs(engine->count(first(count)))) * points_each);
-                         }});
+      const double points_each = engine->unitArea() / pointArea(resolution_);  // lattice points' worth of a count
+      if (points_each == 1) verify(*engine, embree_, first(4), resolution_);
+      methods_.push_back({method, true, [=, this](uint64_t count) {
+                            return static_cast<uint64_t>(double(facingPairs(engine->count(first(count)))) *
+                                                         points_each);
+                          }});
     } catch (const Error& error) {
       if (error.code() != ErrorCode::limit) throw;
-      fmt::print("# {} refused: {}\n{},{},{},{},refused,refused,\n", method, error.what(), name, scene.polygons.size(),
-                 resolution, method);
-    }
-  };
-  addEngine("viewpeel", [&] { return makeComputeEngine(device, scene, ids, {.resolution = resolution}); });
-  addEngine("host", [&] { return makeHostEngine(scene, ids, {.resolution = resolution}); });
-  addEngine("host_scanlines",
-            [&] { return makeHostEngine(scene, ids, {.resolution = resolution, .sampling = Sampling::scanline}); });
-  const size_t engine_count = methods.size();
-  uint64_t seed = kSeed;
-  uint64_t rays = 0, ray_samples = 0;
-  const std::pair<Trace, const char*> traces[] = {
-      {Trace::single, "single"}, {Trace::packets_of_8, "packets"}, {Trace::streams, "streams"}};
-  for (const auto& [trace, suffix] : traces)
-    methods.push_back({fmt::format("embree_lines_{}", suffix), true, [&, trace = trace](uint64_t count) {
-                         const uint64_t samples = embree.countLines(trace, first(count), resolution);
-                         embree.takeCounts();
-                         return samples;
-                       }});
-  for (const auto& [trace, suffix] : traces)
-    methods.push_back({fmt::format("embree_rays_{}", suffix), false, [&, trace = trace](uint64_t count) {
-                         const RayCount counted = embree.shootRays(trace, 64 * count, seed++);
-                         embree.takeCounts();
-                         rays += counted.rays;
-                         ray_samples += counted.samples;
-                         return counted.samples;
-                       }});
-
-  for (Method& method : methods) calibrate(method, options.seconds);
-  for (int round = 0; round < options.rounds; ++round)
-    for (Method& method : methods) {
-      const auto [samples, spent_s] = method.run(method.amount);
-      method.directions_per_second.push_back(double(method.amount) / spent_s);
-      method.samples_per_second.push_back(double(samples) / spent_s);
-    }
-
-  const auto samplesOf = [](const Method& method) { return median(method.samples_per_second); };
-  const double ours = engine_count ? samplesOf(methods.front()) : 0;
-  double best_lines = 0, best_rays = 0;
-  const auto printRow = [&](const std::string& method, const std::string& directions_text, double samples) {
-    fmt::print("{},{},{},{},{},{:.4g},{}\n", name, scene.polygons.size(), resolution, method, directions_text, samples,
-               engine_count ? fmt::format("{:.3f}", samples / ours) : "");
-  };
-  double best_directions = 0;
-  for (size_t k = 0; k < methods.size(); ++k) {
-    const Method& method = methods[k];
-    const double samples = samplesOf(method), per_second = median(method.directions_per_second);
-    printRow(method.name, method.has_directions ? fmt::format("{:.4g}", per_second) : "", samples);
-    if (!method.has_directions) {
-      best_rays = std::max(best_rays, samples);
-    } else if (k >= engine_count && samples > best_lines) {
-      best_lines = samples;
-      best_directions = per_second;
+      fmt::print("# {} refused: {}\n{},{},{},{},refused,refused,\n", method, error.what(), name_, polygon_count_,
+                 resolution_, method);
     }
   }
-  printRow("embree_lines_best", fmt::format("{:.4g}", best_directions), best_lines);
-  printRow("embree_rays_best", "", best_rays);
-  std::string spread;
-  for (const Method& method : methods) {
-    const auto [low, high] = std::minmax_element(method.samples_per_second.begin(), method.samples_per_second.end());
-    spread += fmt::format(" {} {:.2f}", method.name, *high / *low);
+
+  void addRivals() {
+    const std::pair<Trace, const char*> traces[] = {
+        {Trace::single, "single"}, {Trace::packets_of_8, "packets"}, {Trace::streams, "streams"}};
+    for (const auto& [trace, suffix] : traces)
+      methods_.push_back({fmt::format("embree_lines_{}", suffix), true, [this, trace = trace](uint64_t count) {
+                            const uint64_t samples = embree_.countLines(trace, first(count), resolution_);
+                            embree_.takeCounts();
+                            return samples;
+                          }});
+    for (const auto& [trace, suffix] : traces)
+      methods_.push_back({fmt::format("embree_rays_{}", suffix), false, [this, trace = trace](uint64_t count) {
+                            const RayCount counted = embree_.shootRays(trace, 64 * count, seed_++);
+                            embree_.takeCounts();
+                            rays_ += counted.rays;
+                            ray_samples_ += counted.samples;
+                            return counted.samples;
+                          }});
   }
-  fmt::print("# fastest over slowest round:{}\n# rays that ended on a front: {:.4f} of all\n", spread,
-             double(ray_samples) / double(rays));
-  for (size_t k = 0; k < engine_count; ++k)
-    fmt::print("# {}/Embree: lines {:.2f}, rays {:.2f}\n", methods[k].name, samplesOf(methods[k]) / best_lines,
-               samplesOf(methods[k]) / best_rays);
-  std::fflush(stdout);
-}
+
+  void printRow(const std::string& method, const std::string& directions_text, double samples) const {
+    fmt::print("{},{},{},{},{},{:.4g},{}\n", name_, polygon_count_, resolution_, method, directions_text, samples,
+               engine_count_ ? fmt::format("{:.3f}", samples / samplesOf(methods_.front())) : "");
+  }
+
+  void printSpread() const {
+    std::string spread;
+    for (const Method& method : methods_) {
+      const auto [low, high] = std::minmax_element(method.samples_per_second.begin(), method.samples_per_second.end());
+      spread += fmt::format(" {} {:.2f}", method.name, *high / *low);
+    }
+    fmt::print("# fastest over slowest round:{}\n# rays that ended on a front: {:.4f} of all\n", spread,
+               double(ray_samples_) / double(rays_));
+  }
+
+  std::string name_;
+  size_t polygon_count_;
+  int resolution_;
+  EmbreeRivals& embree_;
+  std::vector<Direction> directions_ = sampleDirections(Sampler::iid, kMostDirections, kSeed, 0);
+  std::vector<Method> methods_;  // engines first
+  size_t engine_count_ = 0;
+  uint64_t seed_ = kSeed, rays_ = 0, ray_samples_ = 0;
+};
 
 void measureAll(const Options& options) {
   const Device device(options.device);
@@ -204,7 +232,11 @@ void measureAll(const Options& options) {
     const Ids ids =
         makeIds(scene, options.by, triangles);  // two-sided where fronts are random, so that every gap counts
     EmbreeRivals embree(scene, ids);
-    for (int resolution : options.resolutions) measure(name, scene, ids, embree, device, resolution, options);
+    for (int resolution : options.resolutions) {
+      MeasuredCase measured(name, scene, ids, embree, device, resolution);
+      measured.measure(options);
+      measured.print();
+    }
   }
 }
 

@@ -1,12 +1,12 @@
-// Which samples of a direction, lattice points or scanlines, give the smaller error for the same time, on which engine,
-// and how does the error fall with the number of them? CSV on stdout: rms error over all ordered pairs of polygons, of
-// single replicates of rotated Fibonacci directions; in comments, for each engine and sampling, the exponent a of rms ~
-// T^-a at the best split of T samples (lattice points, or scanlines) between directions and spacing, and the time to
-// given errors.
+// Which samples of a direction, lattice points or scanlines, give the smaller error for the same time, on which engine?
+// How does the error fall with their number? CSV on stdout has the rms error over all ordered pairs of polygons, of
+// single replicates of rotated Fibonacci directions. Comments have, for each engine and sampling, the exponent a of rms
+// ~ T^-a, and the time to given errors. T samples (lattice points, or scanlines) are split best between directions and
+// spacing.
 //   sampling_error [--scene plates|cube|office|room4]... [--resolution PX]... [--directions N]... [--repeats K]
-//   [--reference N] [--engine compute|host]...
-// References: the closed form by contour integrals for plates and the inside of a cube of 96 patches; for scenes with
-// occlusion a long run with scanlines, whose own error is printed.
+//     [--reference N] [--engine compute|host]...
+// The reference is the closed form by contour integrals for plates and the inside of a cube of 96 patches. For scenes
+// with occlusion it is a long run with scanlines, whose own error is printed.
 #include <cmath>
 #include <map>
 
@@ -43,7 +43,7 @@ struct Run {
 };
 
 Scene makeScene(const std::string& name) {
-  if (name == "cube") return buildScene(insideOfCube(4));
+  if (name == "cube") return buildScene(cubeOfPatches(4));
   if (name == "room4") return buildScene(roomWithBoxes(4));
   return loadScene(VIEWPEEL_SOURCE "/scenes/" + name + ".obj");
 }
@@ -74,7 +74,8 @@ double measureArea(const Engine& engine, const Scene& scene, uint32_t directions
   return engine.unitArea() * scene.scale * scene.scale / directions;
 }
 
-// Closed forms where nothing is in the way; else the mean of two long runs, and half their difference as its error.
+// Returns closed forms where nothing is in the way; else the mean of two long runs, and half their difference as its
+// error.
 Reference makeReference(const std::string& name, const Scene& scene, const Ids& ids, uint32_t directions) {
   Reference reference;
   const double pairs = double(ids.count()) * (ids.count() - 1);

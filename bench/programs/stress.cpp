@@ -1,5 +1,5 @@
-// Thousands of random hard scenes against exact areas; see scenes/stress.h. CSV on stdout, exit status 1 where
-// something is off.
+// The bench judges thousands of random hard scenes by exact areas; see scenes/stress.h. CSV on stdout, exit status 1
+// where something is off.
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
 

@@ -1,9 +1,10 @@
 // How fast are exchange areas of all pairs of a scene's polygons, and how accurate? CSV on stdout.
-//   unoccluded [--refine N] [--triangles N] [--drawn PAIRS] [--checked PAIRS] [--chunk PAIRS] [--near PAIRS] [--device
-//   D]
-// Pairs of the fronts of a room with boxes, or of N random triangles, all or so many drawn at random, in calls of about
-// a million; a random sample of them is compared with the reference. cpu_seconds do not include waiting where other
-// work shares the cores.
+//   unoccluded [--refine N] [--triangles N] [--drawn PAIRS] [--checked PAIRS] [--chunk PAIRS] [--near PAIRS]
+//     [--device D]
+//
+// Pairs are those of the fronts of a room with boxes, or of N random triangles. They are all, or as many as --drawn
+// says at random, in calls of about a million. A random sample of them is compared with the reference. cpu_seconds do
+// not include waiting where other work shares the cores.
 #include <sys/resource.h>
 
 #include <cmath>
@@ -58,7 +59,7 @@ void forAllPairs(uint32_t polygon_count, Use use) {
   if (!pairs.empty()) use(pairs);
 }
 
-// The same with pairs drawn at random.
+// Does the same with pairs drawn at random.
 template <class Use>
 void forDrawnPairs(uint32_t polygon_count, uint64_t pair_count, Use use) {
   std::mt19937_64 random(kSeed + 1);
@@ -77,7 +78,7 @@ std::vector<glm::dvec3> cornersOf(const Scene& scene, uint32_t polygon_index) {
           scene.corners.begin() + polygon.first_corner + polygon.corner_count};
 }
 
-// Pairs drawn from all, and their areas.
+// A Sample has pairs drawn from all, and their areas.
 struct Sample {
   std::vector<SidePair> pairs;
   std::vector<double> areas;

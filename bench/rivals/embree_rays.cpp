@@ -9,16 +9,16 @@
 namespace viewpeel::bench {
 namespace {
 
-// A ray's start and end, unit-ball units from its polygons: beyond rounding to 32 bits, and short beside the distance
-// of small ones.
+// A ray starts and ends at this distance, unit-ball units from its polygons: beyond rounding to 32 bits, and short
+// beside the distance of small ones.
 constexpr float kMostAway = 1e-5f, kLeastAway = 2e-7f, kAwayPerSize = 0.01f;
 constexpr uint64_t kRaysAtOnce = 1u << 14;
 constexpr uint32_t kAngles = 4096;
 
 float toUnit(uint32_t word) { return float(word >> 8) * 0x1p-24f; }
 
-// Cosine and sine of 2 pi times 2^-32 times a word: a table and the angle left over, below 2 pi / kAngles, whose third
-// power is below 4e-9.
+// A Circle has cosine and sine of 2 pi times 2^-32 times a word: a table and the angle left over, below 2 pi / kAngles,
+// whose third power is below 4e-9.
 class Circle {
  public:
   Circle() {

@@ -1,4 +1,5 @@
-// Two rivals on Embree, both on all cores: ray shooting, and the double area integral with one visibility ray a sample.
+// Two rivals run on Embree, both on all cores: ray shooting, and the double area integral with one visibility ray a
+// sample.
 #pragma once
 #include <vector>
 
@@ -8,8 +9,8 @@
 
 namespace viewpeel::bench {
 
-// What ray shooting has counted. Rays of polygon i that end on the front of j say F_ij; those of j say the same
-// exchange area once more.
+// RayCounts are those of ray shooting. Rays of polygon i that end on the front of j measure F_ij; rays of j measure the
+// same exchange area once more.
 struct RayCounts {
   struct Hits {
     uint32_t from, to, count;
@@ -18,13 +19,13 @@ struct RayCounts {
   uint64_t rays_per_polygon = 0;
 };
 
-// The exchange areas, unit-ball units squared, of both directions with the weights that leave the least variance. With
-// N rays from each polygon the variance of A_i F_ij from i is A_i C / N, small F, so the weights of i and j are as 1 /
-// A_i and 1 / A_j:
+// A RayEstimate has exchange areas, unit-ball units squared, of both directions with the weights that leave the least
+// variance. With N rays from each polygon the variance of A_i F_ij from i is A_i C / N, small F, so the weights of i
+// and j are as 1 / A_i and 1 / A_j:
 //   A_i F_ij = (hits_ij + hits_ji) / (N / A_i + N / A_j).
 // The plain average has (A_i + A_j) C / 4 N, never less than this one's C / (N / A_i + N / A_j).
 //   Out: also the rms standard error over all ordered pairs where rays are independent: each pair's variance is that of
-//   its hits
+//     its hits
 struct RayEstimate {
   ExchangeMatrix exchange;
   double rms_standard_error = 0;
@@ -36,7 +37,7 @@ class EmbreeRays {
   // The scene stays the caller's.
   explicit EmbreeRays(const Scene& scene);
 
-  // Rays from points uniform on every polygon, by the cosine law.
+  // Shoots rays from points uniform on every polygon, by the cosine law.
   //   In: rays_per_polygon: of Sobol' points best a power of two
   RayCounts shoot(Trace trace, Points points, uint64_t rays_per_polygon, uint64_t seed) const;
 
@@ -47,7 +48,7 @@ class EmbreeRays {
   RayEstimate integrate(Trace trace, Points points, uint32_t samples_per_pair, uint64_t seed) const;
 
  private:
-  // A convex polygon as one or two triangles, chosen by area: a parallelogram needs no choice.
+  // An Emitter is a convex polygon as one or two triangles, chosen by area: a parallelogram needs no choice.
   struct Emitter {
     glm::vec3 origin, a, b,
         c;            // a triangle origin, a, b, and where it has four corners one of b, c: sides from the origin

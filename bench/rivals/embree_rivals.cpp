@@ -33,7 +33,7 @@ struct Random {  // splitmix64: costs next to nothing beside a ray
   }
 };
 
-// Tables of directions spare every ray two square roots, a sine and a cosine.
+// Returns cosine directions; tables of them spare every ray two square roots, a sine and a cosine.
 std::array<glm::vec3, kCosineCount> cosineDirections() {
   std::array<glm::vec3, kCosineCount> table;
   const double golden_angle_rad = std::numbers::pi * (3 - std::sqrt(5.0));
@@ -44,7 +44,7 @@ std::array<glm::vec3, kCosineCount> cosineDirections() {
   return table;
 }
 
-// A parallelogram or triangle that rays start from.
+// An Emitter is a parallelogram or triangle that rays start from.
 struct Emitter {
   glm::vec3 origin, a, b;  // sides
   glm::vec3 x, y, normal;  // orthonormal

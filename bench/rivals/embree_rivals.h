@@ -1,6 +1,6 @@
-// The same facing pairs by Embree 3, two ways: rays from the surfaces, and whole lines through a lattice. Both use all
-// cores, count into the host engine's tables, and answer the same question on the same scene, so that their speed can
-// be set beside viewpeel's.
+// Embree 3 counts the same facing pairs in two ways: rays from the surfaces, and whole lines through a lattice. Both
+// use all cores, count into the host engine's tables, and answer the same question on the same scene. So their speed
+// can be set beside viewpeel's.
 #pragma once
 #include <memory>
 #include <span>
@@ -23,16 +23,16 @@ class EmbreeRivals {
   EmbreeRivals(const Scene& scene, const Ids& ids);
   ~EmbreeRivals();
 
-  // Global lines: all hits of the lattice's lines along every direction, sorted, and every gap counted by
-  // shaders/facing.h. The lines are those of viewpeel's lattice, to rounding in 32-bit floats, without those that pass
+  // Counts global lines: all hits of the lattice's lines along every direction, sorted, and every gap by
+  // shaders/facing.h. The lines are those of viewpeel's lattice, to rounding in 32-bit floats, without lines that pass
   // the unit ball by. Returns the number of facing pairs.
   uint64_t countLines(Trace trace, std::span<const Direction> directions, int resolution);
 
-  // Ray shooting: rays from uniform points on all polygons in turn, 64 from each, by the cosine law; what they hit
-  // first is counted.
+  // Shoots rays from uniform points on all polygons in turn, 64 from each, by the cosine law, and counts the first
+  // polygon that each hits.
   RayCount shootRays(Trace trace, uint64_t ray_count, uint64_t seed);
 
-  // What both have counted since the last call, in order.
+  // Returns the counts of both since the last call, in order.
   PairCounts takeCounts();
 
  private:

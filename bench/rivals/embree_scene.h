@@ -34,10 +34,11 @@ class EmbreeScene {
   const glm::vec3& normal(uint32_t polygon_index) const { return normals_[polygon_index]; }
   uint32_t polygonOf(uint32_t primitive) const { return polygon_of_primitive_[primitive]; }
 
+  // Finds the first polygon on each ray.
   //   In: at most kRayGroup rays    Out: the polygon that each hits first, or UINT32_MAX
   void findFirst(Trace trace, RTCIntersectContext& context, std::span<const Ray> rays, std::span<uint32_t> hit) const;
-  // Whether anything is in the way of each; a filter of the context is called for every hit, with the ray's number as
-  // its id.
+  // Finds whether anything is in the way of each; a filter of the context is called for every hit, with the ray's
+  // number as its id.
   void findBlocked(Trace trace, RTCIntersectContext& context, std::span<const Ray> rays, std::span<bool> blocked) const;
 
  private:
@@ -57,7 +58,7 @@ void runOnAllCores(Run run) {
   for (std::thread& thread : threads) thread.join();
 }
 
-// "3.13.5"
+// Returns the version of Embree: "3.13.5".
 std::string embreeVersion();
 
 }  // namespace viewpeel::bench

@@ -36,7 +36,7 @@ struct Eye {
   glm::vec3 normal, x, y;
 };
 
-// Of a convex polygon: points of the unit square go to its two triangles by area.
+// Returns a point of a convex polygon: points of the unit square go to its two triangles by area.
 glm::dvec3 pointOn(const Scene& scene, const Polygon& polygon, double s, double t) {
   const glm::dvec3* p = &scene.corners[polygon.first_corner];
   const glm::dvec3 a = p[1] - p[0], b = p[2] - p[0], c = p[polygon.corner_count - 1] - p[0];
@@ -113,7 +113,7 @@ struct Hemicube::State {
     vkCmdDraw(commands.handle(), 4, polygon_count, 0, 0);
   }
 
-  // Leaves what each eye sees in host_sums.
+  // Leaves the sums of each eye in host_sums.
   void look(std::span<const Eye> eyes) {
     const uint32_t width = cells_per_row * cell_width, height = divideUp(eyes.size(), cells_per_row) * cell_height;
     commands.begin();

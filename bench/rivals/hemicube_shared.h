@@ -1,6 +1,6 @@
-// Structs that the host and the hemicube's shaders share, written once; as shaders/shared.h.
+// These are structs that the host and the hemicube's shaders share, written once; as shaders/shared.h.
 
-// One face of a hemicube: what its eye sees in a pyramid, above the horizon only where it is a side.
+// A HemicubeDraw is one face of a hemicube: its eye sees a pyramid, above the horizon only where it is a side.
 struct HemicubeDraw {
   uint64_t polygons;  // PolygonData[polygon_count]
   uint64_t corners;   // CornerData[]

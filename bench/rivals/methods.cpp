@@ -1,7 +1,5 @@
 #include "bench/rivals/methods.h"
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -11,11 +9,11 @@
 
 #include <viewpeel/compute.h>
 
-#include "bench/rivals/embree_rays.h"
 #include "engines/engine_factory.h"
 #include "estimator/find_prior.h"
 #include <viewpeel/error.h>
 #include "bench/rivals/hemicube.h"
+#include "bench/rivals/ray_ladders.h"
 #include "bench/support/measure.h"
 #include "reference/exact/exact_engine.h"
 #include "bench/rivals/view3d.h"
@@ -25,39 +23,23 @@ namespace {
 
 constexpr uint32_t kReplicates = 8;  // the program's default
 constexpr uint32_t kProfileDirections = 64, kProfileRepeats = 5;
-constexpr size_t kManyPolygons = 5000;       // beyond which hemicubes and View3D take minutes even once
+constexpr size_t kManyPolygons = 5000;       // beyond which hemicubes take minutes even once
 constexpr uint64_t kLongRunSeed = 1u << 20;  // no run of a ladder has it
 
-template <class Run>
-RunTime timeOf(Run run) {
-  const auto cpuSeconds = [](int who) {
-    rusage usage;
-    ::getrusage(who, &usage);
-    return double(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
-           1e-6 * double(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
-  };
-  const double cpu_s = cpuSeconds(RUSAGE_SELF), host_s = cpuSeconds(RUSAGE_THREAD);
-  const double seconds = secondsOf(run);
-  return {seconds, cpuSeconds(RUSAGE_SELF) - cpu_s, cpuSeconds(RUSAGE_THREAD) - host_s};
-}
-
-// amount, times `factor` for each rung.
-std::vector<Ladder::Rung> climb(double first, double factor, double last) {
-  std::vector<Ladder::Rung> rungs;
-  for (double amount = first; amount <= last * 1.001; amount *= factor) rungs.push_back({amount, amount});
-  return rungs;
-}
-
-void addUp(const FormFactors& form_factors, const Scene& scene, ExchangeMatrix& exchange,
-           ExchangeMatrix* standard_errors, double* rms) {
+void addUp(const FormFactors& form_factors, const Scene& scene, ExchangeMatrix& exchange, std::vector<double>& rest,
+           double* rms, LongRun* errors) {
   const double unit = 1 / (scene.scale * scene.scale);
   double squares = 0;
   for (const FormFactors::Entry& entry : form_factors.entries()) {
+    const double error = entry.exchange_area.standard_error * unit, area_i = scene.polygons[entry.i].area;
+    if (entry.j >= kEnvironment) {
+      rest[entry.i] += entry.exchange_area.value * unit;
+      if (errors) errors->largest_rest_error = std::max(errors->largest_rest_error, error / area_i);
+    }
     if (entry.j >= kEnvironment || entry.i == entry.j) continue;
     exchange.at(entry.i, entry.j) = entry.exchange_area.value * unit;
-    const double error = entry.exchange_area.standard_error * unit, area_i = scene.polygons[entry.i].area,
-                 area_j = scene.polygons[entry.j].area;
-    if (standard_errors) standard_errors->at(entry.i, entry.j) = error;
+    const double area_j = scene.polygons[entry.j].area;
+    if (errors) errors->standard_errors.at(entry.i, entry.j) = error;
     squares += error * error * (1 / (area_i * area_i) + 1 / (area_j * area_j));
   }
   const double n = exchange.count();
@@ -66,7 +48,8 @@ void addUp(const FormFactors& form_factors, const Scene& scene, ExchangeMatrix& 
 
 Outcome outcomeOf(const Estimate& estimate, const Scene& scene, RunTime time) {
   Outcome outcome{ExchangeMatrix(static_cast<uint32_t>(scene.polygons.size())), 0.0, time, {}};
-  addUp(estimate.form_factors, scene, outcome.exchange, nullptr, &*outcome.standard_error);
+  outcome.rest.resize(scene.polygons.size());
+  addUp(estimate.form_factors, scene, outcome.exchange, outcome.rest, &*outcome.standard_error, nullptr);
   return outcome;
 }
 
@@ -122,43 +105,41 @@ class Viewpeel {
     return runner;
   }
 
-  // As the program does by default, plan and all. Amounts are tolerances.
-  Runner planned() const {
-    Runner runner;
-    runner.run = [this](double amount, uint64_t seed) {
-      FormFactorRun run = runOf({.goal = Tolerance{amount}, .seed = seed});
-      std::optional<Result> result;
-      const RunTime time = timeOf([&] { result = finish(run); });
-      Outcome outcome = outcomeOf(*result, scene_, time);
-      outcome.chosen = fmt::format("directions={} resolution={} lattices={}", result->plan.directions,
-                                   result->plan.lattices[0].resolution, windowsOf(result->plan));
-      return outcome;
-    };
-    return runner;
+  // As the program does by default: engine, device and kernels, plan and prior are all in the time. Amounts are
+  // tolerances. pair_lines: as the plan decides, or not
+  Runner planned(std::optional<bool> pair_lines) const {
+    return throughTheFrontDoor([](double amount) { return Goal(Tolerance{amount}); }, pair_lines);
   }
 
+  // The same without a plan. Amounts are directions of a replicate.
+  Runner fixed() const {
+    return throughTheFrontDoor([](double amount) { return Goal(FixedAmount{static_cast<uint32_t>(amount)}); }, {});
+  }
+
+  // By directions for all pairs alone, so that pair lines have another method to be held against.
   Result runLong(double seconds) const {
-    FormFactorRun run = runOf({.goal = Seconds{seconds}, .seed = kLongRunSeed});
-    return finish(run);
+    return computeFormFactors(scene_, requestOf(Seconds{seconds}, kLongRunSeed, false));
   }
 
  private:
-  // Opens the device, which a run's time leaves out.
-  FormFactorRun runOf(Request request) const {
-    request.device.selector = std::to_string(device_.description().index);
+  Request requestOf(Goal goal, uint64_t seed, std::optional<bool> pair_lines) const {
+    Request request{.goal = goal, .pair_lines = pair_lines, .seed = seed};
     request.engine = on_host_ ? EngineKind::host : EngineKind::compute;
-    return FormFactorRun(scene_, request);
+    request.device.selector = std::to_string(device_.description().index);
+    return request;
   }
 
-  static Result finish(FormFactorRun& run) {
-    while (!run.isDone()) run.step();
-    return run.result();
-  }
-
-  static size_t windowsOf(const PlanSummary& plan) {
-    size_t windows = 0;
-    for (const LatticeSummary& lattice : plan.lattices) windows += lattice.windows;
-    return windows;
+  Runner throughTheFrontDoor(std::function<Goal(double amount)> goal_of, std::optional<bool> pair_lines) const {
+    Runner runner;
+    runner.run = [this, goal_of, pair_lines](double amount, uint64_t seed) {
+      const Request request = requestOf(goal_of(amount), seed, pair_lines);
+      std::optional<Result> result;
+      const RunTime time = timeOf([&] { result = computeFormFactors(scene_, request); });
+      Outcome outcome = outcomeOf(*result, scene_, time);
+      outcome.chosen = optionsOf(result->plan);
+      return outcome;
+    };
+    return runner;
   }
 
   Estimate withUnoccluded(Engine& engine, const std::vector<SizeGroup>& groups, EstimateOptions options) const {
@@ -195,71 +176,12 @@ class Viewpeel {
   const bool on_host_ = device_.description().kind == "cpu";
 };
 
-// The form of tracing that is fastest on a small share of the work.
-template <class Run>
-std::pair<Trace, std::string> fastestTrace(Run run) {
-  std::pair<Trace, std::string> best;
-  double least_s = INFINITY;
-  for (const auto& [trace, name] : {std::pair(Trace::packets_of_8, "packets"), std::pair(Trace::streams, "streams"),
-                                    std::pair(Trace::single, "single")}) {
-    run(trace);
-    double trace_s = INFINITY;
-    for (int k = 0; k < 3; ++k) trace_s = std::min(trace_s, secondsOf([&, tried = trace] { run(tried); }));
-    if (trace_s < least_s) least_s = trace_s, best = {trace, std::string("trace=") + name};
-  }
-  return best;
-}
-
 void addRivals(const Device& device, const Scene& scene, const MethodOptions& options, std::vector<Ladder>& ladders) {
-  const double pairs = 0.5 * double(scene.polygons.size()) * (double(scene.polygons.size()) - 1);
-  for (const auto& [points, name] : {std::pair(Points::random, "random"), std::pair(Points::sobol, "sobol")}) {
-    const bool stated = points == Points::random;
-    ladders.push_back({fmt::format("rays_{}", name), "", "rays_per_polygon", false, climb(64, 4, 1u << 30),
-                       [&scene, points = points, stated] {
-                         Runner runner;
-                         std::shared_ptr<EmbreeRays> embree;
-                         runner.setup_seconds = secondsOf([&] { embree = std::make_shared<EmbreeRays>(scene); });
-                         const uint64_t few = std::clamp<uint64_t>(200'000 / scene.polygons.size(), 64, 1u << 16);
-                         const auto [trace, chosen] =
-                             fastestTrace([&](Trace form) { embree->shoot(form, points, few, 1); });
-                         runner.chosen = chosen;
-                         runner.run = [embree, &scene, points, stated, trace = trace](double amount, uint64_t seed) {
-                           RayCounts counts;
-                           const RunTime time = timeOf(
-                               [&] { counts = embree->shoot(trace, points, static_cast<uint64_t>(amount), seed); });
-                           RayEstimate estimate = estimateFromRays(counts, scene);
-                           return Outcome{std::move(estimate.exchange),
-                                          stated ? std::optional(estimate.rms_standard_error) : std::nullopt,
-                                          time,
-                                          {}};
-                         };
-                         return runner;
-                       }});
-    ladders.push_back(
-        {fmt::format("double_area_{}", name), "", "samples_per_pair", false, climb(pairs < 1e6 ? 4 : 1, 4, 1u << 28),
-         [&scene, pairs, points = points, stated] {
-           Runner runner;
-           std::shared_ptr<EmbreeRays> embree;
-           runner.setup_seconds = secondsOf([&] { embree = std::make_shared<EmbreeRays>(scene); });
-           const auto few = static_cast<uint32_t>(std::clamp(1e5 / pairs, 1.0, 1e5));
-           const auto [trace, chosen] = fastestTrace([&](Trace form) { embree->integrate(form, points, few, 1); });
-           runner.chosen = chosen;
-           runner.run = [embree, points, stated, trace = trace](double amount, uint64_t seed) {
-             RayEstimate estimate;
-             const RunTime time =
-                 timeOf([&] { estimate = embree->integrate(trace, points, static_cast<uint32_t>(amount), seed); });
-             return Outcome{std::move(estimate.exchange),
-                            stated && amount > 1 ? std::optional(estimate.rms_standard_error) : std::nullopt,
-                            time,
-                            {}};
-           };
-           return runner;
-         }});
-  }
+  addRayLadders(scene, ladders);
   const std::vector<uint32_t> all{32, 64, 128, 256, 512}, some{32, 128};
   for (const uint32_t resolution : options.full&& scene.polygons.size() < kManyPolygons ? all : some)
     ladders.push_back({"hemicube", fmt::format("resolution={} ", resolution), "points_per_polygon", true,
-                       climb(1, 4, 1u << 16), [&device, &scene, resolution] {
+                       climbBy(1, 4, 1u << 16), [&device, &scene, resolution] {
                          Runner runner;
                          std::shared_ptr<Hemicube> hemicube;
                          runner.setup_seconds = secondsOf([&] {
@@ -278,14 +200,13 @@ void addRivals(const Device& device, const Scene& scene, const MethodOptions& op
   std::vector<Ladder::Rung> rungs;  // time about doubles from one eps to the next
   for (int k = 2; k <= 9; ++k) rungs.push_back({std::pow(10.0, -k), std::pow(2.0, k)});
   ladders.push_back({"view3d", "", "eps", false, rungs, [&scene, options] {
-                       if (scene.polygons.size() >= kManyPolygons)
-                         throw Error(ErrorCode::limit,
-                                     "View3D takes a quarter of an hour or more at every eps; choose a smaller scene");
+                       if (scene.polygons.size() > options.view3d_most_polygons)
+                         throw Error(ErrorCode::limit, "View3D takes long at every eps; raise --view3d-most");
                        Runner runner;
                        runner.run = [&scene, options](double amount, uint64_t) {
                          View3dRun run = runView3d(options.view3d, scene, amount, options.work_directory);
                          for (double& value : run.exchange.values()) value /= scene.scale * scene.scale;
-                         return Outcome{std::move(run.exchange), std::nullopt, {run.seconds, run.seconds, 0}, {}};
+                         return Outcome{std::move(run.exchange), std::nullopt, run.time, {}};
                        };
                        return runner;
                      }});
@@ -293,18 +214,28 @@ void addRivals(const Device& device, const Scene& scene, const MethodOptions& op
 
 }  // namespace
 
+std::vector<Ladder::Rung> climbBy(double first, double factor, double last) {
+  std::vector<Ladder::Rung> rungs;
+  for (double amount = first; amount <= last * 1.001; amount *= factor) rungs.push_back({amount, amount});
+  return rungs;
+}
+
 std::vector<Ladder> makeLadders(const Device& device, const Scene& scene, const MethodOptions& options) {
   const auto viewpeel = std::make_shared<Viewpeel>(device, scene);
   std::vector<Ladder> ladders;
   const auto add = [&](const std::string& method, const std::string& parameters, const Viewpeel::Engines& engines,
                        Sampler sampler, int unoccluded, double first) {
     ladders.push_back({method, parameters, "directions", method != "exact" && !method.starts_with("host"),
-                       climb(first, 4, 1u << 22), [=] { return viewpeel->runner(engines, sampler, unoccluded); }});
+                       climbBy(first, 4, 1u << 22), [=] { return viewpeel->runner(engines, sampler, unoccluded); }});
   };
   std::vector<Ladder::Rung> tolerances;  // the lattice's error falls as the square root of time
-  for (const double tolerance : {3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5})
+  for (const double tolerance : {1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5})
     tolerances.push_back({tolerance, 1 / tolerance});
-  ladders.push_back({"planned", "", "tolerance", true, tolerances, [viewpeel] { return viewpeel->planned(); }});
+  ladders.push_back({"planned", "", "tolerance", true, tolerances, [viewpeel] { return viewpeel->planned({}); }});
+  ladders.push_back(
+      {"planned_directions", "", "tolerance", true, tolerances, [viewpeel] { return viewpeel->planned(false); }});
+  ladders.push_back(
+      {"fixed", "", "directions", true, climbBy(32, 4, 1u << 22), [viewpeel] { return viewpeel->fixed(); }});
   const std::vector<int> all = options.full ? std::vector<int>{64, 128, 256, 512} : std::vector<int>{64, 256}, one{128};
   for (const Sampler sampler : {Sampler::fibonacci, Sampler::jittered, Sampler::iid})
     for (const bool unoccluded : {false, true})
@@ -337,8 +268,8 @@ std::vector<std::string> rivalNames() {
 LongRun runLong(const Device& device, const Scene& scene, double seconds) {
   const Estimate estimate = Viewpeel(device, scene).runLong(seconds);
   const auto count = static_cast<uint32_t>(scene.polygons.size());
-  LongRun run{ExchangeMatrix(count), ExchangeMatrix(count)};
-  addUp(estimate.form_factors, scene, run.exchange, &run.standard_errors, nullptr);
+  LongRun run{ExchangeMatrix(count), ExchangeMatrix(count), std::vector<double>(count), 0};
+  addUp(estimate.form_factors, scene, run.exchange, run.rest, nullptr, &run);
   return run;
 }
 

@@ -6,23 +6,20 @@
 #include <vector>
 
 #include "bench/support/exchange_matrix.h"
+#include "bench/support/run_time.h"
 #include <viewpeel/scene.h>
 #include "vulkan/device.h"
 
 namespace viewpeel::bench {
-
-// Of the part that counts: until the method has its result, before that becomes a matrix to compare.
-struct RunTime {
-  double seconds = 0;
-  double cpu_seconds = 0;   // of all threads
-  double host_seconds = 0;  // of the calling thread: the rest of `seconds` it waits
-};
 
 struct Outcome {
   ExchangeMatrix exchange;               // unit-ball units squared
   std::optional<double> standard_error;  // rms over all ordered pairs, where the method states one
   RunTime time;
   std::string chosen;  // parameters that the method chose itself: "directions=64 resolution=32"
+  // Of each polygon's exchange area, what goes to the environment and leaks; empty where a method says nothing of them,
+  // so that users take one less the row's form factors.
+  std::vector<double> rest{};
 };
 
 struct Profile {
@@ -49,8 +46,9 @@ struct Ladder {
 };
 
 struct MethodOptions {
-  bool full = false;   // every resolution, not two
-  std::string view3d;  // its program; none where empty
+  bool full = false;                   // every resolution, not two
+  std::string view3d;                  // its program; none where empty
+  size_t view3d_most_polygons = 5000;  // in larger scenes it takes minutes even once
   std::string work_directory = ".";
 };
 
@@ -60,10 +58,15 @@ std::vector<Ladder> makeLadders(const Device& device, const Scene& scene, const 
 // The methods that verifyRivals is about.
 std::vector<std::string> rivalNames();
 
+// Amounts, and costs, from `first` to `last`, each `factor` times the one before.
+std::vector<Ladder::Rung> climbBy(double first, double factor, double last);
+
 // The exchange areas and standard errors of all pairs by viewpeel with unoccluded form factors, as a reference: as many
 // directions as a time allows; specks in windows.
 struct LongRun {
   ExchangeMatrix exchange, standard_errors;
+  std::vector<double> rest;       // as in Outcome
+  double largest_rest_error = 0;  // standard error, of form factors
 };
 LongRun runLong(const Device& device, const Scene& scene, double seconds);
 

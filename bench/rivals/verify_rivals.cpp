@@ -5,10 +5,10 @@
 
 #include <fmt/format.h>
 
-#include "bench/rivals/embree_rays.h"
 #include <viewpeel/error.h>
 #include "scenes/generate.h"
 #include "bench/rivals/hemicube.h"
+#include "bench/rivals/ray_ladders.h"
 #include "reference/closed_forms/contour_integral.h"
 #include "reference/closed_forms/past_blocker.h"
 
@@ -16,11 +16,11 @@ namespace viewpeel::bench {
 namespace {
 
 constexpr uint32_t kSeeds = 16;
-// A t of 15 degrees of freedom is beyond 6 in 1 of 40,000 cases: 18 of them fail by chance once in 2,000 sets of seeds,
-// and the seeds are fixed.
+// A t of 15 degrees of freedom is beyond 6 in 1 of 40,000 cases. So 18 of them fail by chance once in 2,000 sets of
+// seeds, and the seeds are fixed.
 constexpr double kMostStandardErrors = 6;
-// Four times the samples halve the error of independent ones; the ratio of two rms errors from 16 seeds each has a
-// relative spread of 1 / sqrt(16), so sixteen times the samples leave 1/4 (1 +- 0.25): 1/2 is four of them away. Rivals
+// Four times the samples halve the error of independent ones. The ratio of two rms errors from 16 seeds each has a
+// relative spread of 1 / sqrt(16). So sixteen times the samples leave 1/4 (1 +- 0.25): 1/2 is four spreads away. Rivals
 // that converge faster leave less.
 constexpr double kMostLeft = 0.5;
 constexpr double kMoreWork = 16;
@@ -63,32 +63,15 @@ std::vector<glm::dvec3> cornersOf(const Scene& scene, uint32_t polygon_index) {
           scene.corners.begin() + polygon.first_corner + polygon.corner_count};
 }
 
-// A hemicube decides coverage at a pixel's middle and counts the pixel's whole weight: where an edge falls within a
-// pixel at random, that is off on the average by at most the weight's change across a pixel, |grad w| p^2 / 12 per
-// length of edge, p = 2 / resolution, |grad w| <= 0.33. The outline of a convex polygon is no longer than 16 on the
-// faces of a hemicube of half width 1; two outlines, plate and blocker.
+// Returns a bound on a hemicube's mean error. It decides coverage at a pixel's middle and counts the pixel's whole
+// weight. Where an edge falls within a pixel at random, the weight is off on the average by at most its change across a
+// pixel. This is |grad w| p^2 / 12 per length of edge, p = 2 / resolution, |grad w| <= 0.33. The outline of a convex
+// polygon is no longer than 16 on the faces of a hemicube of half width 1; there are two outlines, plate and blocker.
 double hemicubeBias(uint32_t resolution) { return 2 * 16 * 0.33 * 4 / (12.0 * resolution * resolution); }
 
 void verifyOn(const Device& device, const std::string& name, const Scene& scene, double truth) {
   const double area = scene.polygons[0].area;
-  const EmbreeRays embree(scene);
-  for (const Trace trace : {Trace::packets_of_8, Trace::streams}) {
-    const char* form = trace == Trace::streams ? "streams" : "packets";
-    for (const auto& [points, word] : {std::pair(Points::random, "random"), std::pair(Points::sobol, "sobol")}) {
-      verify(
-          name, fmt::format("rays_{} in {}", word, form),
-          [&, points = points](double rays, uint64_t seed) {
-            return estimateFromRays(embree.shoot(trace, points, static_cast<uint64_t>(rays), seed), scene).exchange;
-          },
-          4096, area, truth, 0);
-      verify(
-          name, fmt::format("double_area_{} in {}", word, form),
-          [&, points = points](double samples, uint64_t seed) {
-            return embree.integrate(trace, points, static_cast<uint32_t>(samples), seed).exchange;
-          },
-          1024, area, truth, 0);
-    }
-  }
+  for (const RayRival& rays : makeRayRivals(scene)) verify(name, rays.name, rays.run, rays.work, area, truth, 0);
   constexpr uint32_t kResolution = 128;
   Hemicube hemicube(device, scene, kResolution);
   verify(

@@ -4,8 +4,8 @@
 
 namespace viewpeel::bench {
 
-// Two plates, alone and past a blocker that hides them in part: for every rival the mean over seeds is within its
-// standard error of the closed form, and the error falls as the work grows. Prints one comment line each.
+// Verifies every rival on two plates, alone and past a blocker that hides them in part. The mean over seeds is within
+// its standard error of the closed form, and the error falls as the work grows. Prints one comment line each.
 //   Throws: Error check, naming the rival and the figures.
 void verifyRivals(const Device& device);
 

@@ -3,13 +3,13 @@
 #include <sys/wait.h>
 
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 
 #include <fmt/format.h>
 
 #include <viewpeel/error.h>
-#include "bench/support/measure.h"
 
 namespace viewpeel::bench {
 
@@ -63,9 +63,13 @@ View3dRun runView3d(const std::string& program, const Scene& scene, double epsil
       throw Error(ErrorCode::output, fmt::format("{}: cannot be written; choose another --work directory", input));
   }
   std::remove(output.c_str());
-  const std::string command = fmt::format("'{}' '{}' '{}' >/dev/null 2>&1", program, input, output);
+  // It leaves a log where it runs.
+  const auto absolute = [](const std::string& file) { return std::filesystem::absolute(file).string(); };
+  const std::string command = fmt::format("cd '{}' && '{}' '{}' '{}' >/dev/null 2>&1", directory,
+                                          program.find('/') == std::string::npos ? program : absolute(program),
+                                          absolute(input), absolute(output));
   int status = 0;
-  const double seconds = secondsOf([&] { status = std::system(command.c_str()); });
+  const RunTime time = timeOf([&] { status = std::system(command.c_str()); });
   if (status != 0)
     throw Error(
         ErrorCode::bad_usage,
@@ -73,7 +77,7 @@ View3dRun runView3d(const std::string& program, const Scene& scene, double epsil
             "{}: ends with status {}; give the path of View3D's program, which takes an input and an output file",
             program, WEXITSTATUS(status)));
   std::ifstream file(output);
-  return {readView3d(file, static_cast<uint32_t>(scene.polygons.size()), output), seconds};
+  return {readView3d(file, static_cast<uint32_t>(scene.polygons.size()), output), time};
 }
 
 }  // namespace viewpeel::bench

@@ -1,30 +1,32 @@
-// View3D (G. N. Walton, Calculation of obstructed view factors by adaptive integration, NISTIR 6925, 2002) as a rival:
+// View3D is a rival (G. N. Walton, Calculation of obstructed view factors by adaptive integration, NISTIR 6925, 2002):
 // its input, its program, its output.
 #pragma once
 #include <iosfwd>
 #include <string>
 
 #include "bench/support/exchange_matrix.h"
+#include "bench/support/run_time.h"
 #include <viewpeel/scene.h>
 
 namespace viewpeel::bench {
 
-// A scene as .vs3: vertices in input units with 17 digits, so that they are read back as they are; a surface for every
-// polygon, its corners counter-clockwise seen from the front.
+// Writes a scene as .vs3: vertices in input units with 17 digits, so that they are read back as they are. Every polygon
+// is a surface, its corners counter-clockwise seen from the front.
 //   In: epsilon: View3D's own eps, its convergence criterion
 void writeView3d(const Scene& scene, double epsilon, std::ostream& out);
 
-// View3D's text output: a line `View3D version out encl emit N`, N areas, N rows of N form factors, and emissivities.
+// Reads View3D's text output: a line `View3D version out encl emit N`, N areas, N rows of N form factors, and
+// emissivities.
 //   Out: A_i F_ij in units of the file's areas, (A_i F_ij + A_j F_ji) / 2 of its rows
 //   Throws: Error bad_input, naming `name`, where it is not such a file of `polygon_count` surfaces.
 ExchangeMatrix readView3d(std::istream& in, uint32_t polygon_count, const std::string& name);
 
 struct View3dRun {
   ExchangeMatrix exchange;  // input units squared
-  double seconds = 0;       // of the program, with its reading and writing
+  RunTime time;             // of the program, with its reading and writing
 };
 
-// Runs `program IN OUT` in `directory`.    Throws: Error bad_usage where the program fails; what readView3d throws.
+// Runs `program IN OUT` in `directory`.    Throws: Error bad_usage where the program fails; errors of readView3d.
 View3dRun runView3d(const std::string& program, const Scene& scene, double epsilon, const std::string& directory);
 
 }  // namespace viewpeel::bench

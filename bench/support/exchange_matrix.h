@@ -1,4 +1,4 @@
-// A_i F_ij of all pairs of polygons, and how far one such matrix is from another.
+// An ExchangeMatrix has A_i F_ij of all pairs of polygons, and how far one such matrix is from another.
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -9,13 +9,13 @@
 
 namespace viewpeel::bench {
 
-// Symmetric, zero on the diagonal; dense: n (n - 1) / 2 doubles.
+// The matrix is symmetric, zero on the diagonal; dense: n (n - 1) / 2 doubles.
 class ExchangeMatrix {
  public:
   explicit ExchangeMatrix(uint32_t count = 0) : count_(count), values_(pairCount(count)) {}
 
   uint32_t count() const { return count_; }
-  //   In: i != j
+  // Returns the exchange area of a pair.    In: i != j
   double& at(uint32_t i, uint32_t j) { return values_[index(i, j)]; }
   double at(uint32_t i, uint32_t j) const { return values_[index(i, j)]; }
   std::vector<double>& values() { return values_; }
@@ -30,15 +30,17 @@ class ExchangeMatrix {
   std::vector<double> values_;
 };
 
-// Of form factors, over all ordered pairs i != j. The weighted ones give each pair the weight w_ij = C_ij = A_i F_ij /
-// 2 that it has in the exchange of radiation: rms = sqrt(sum w e^2 / sum w), largest = max sqrt(w / max w) |e|.
+// A MatrixError is that of form factors, over all ordered pairs i != j. The weighted ones give each pair the weight
+// w_ij = C_ij = A_i F_ij / 2 that it has in the exchange of radiation. So rms = sqrt(sum w e^2 / sum w), largest = max
+// sqrt(w / max w) |e|.
 struct MatrixError {
   double rms = 0, largest = 0, weighted_rms = 0, weighted_largest = 0;
 };
 
 class ErrorSums {
  public:
-  //   In: the reference's exchange area, the error of the exchange area, the areas of both
+  // Adds the errors of a pair, both ways.    In: the reference's exchange area, the error of the exchange area, the
+  // areas of both
   void add(double reference, double error, double area_i, double area_j) {
     const double e_i = error / area_i, e_j = error / area_j, largest = std::fmax(std::abs(e_i), std::abs(e_j));
     squares_ += e_i * e_i + e_j * e_j;
@@ -58,7 +60,7 @@ class ErrorSums {
   double squares_ = 0, weighted_squares_ = 0, weights_ = 0, most_weight_ = 0, largest_ = 0, weighted_largest_ = 0;
 };
 
-//   In: of the same polygons; areas in the unit of both
+// Returns the error of a matrix.    In: both of the same polygons; areas in the unit of both
 inline MatrixError errorOf(const ExchangeMatrix& measured, const ExchangeMatrix& reference,
                            const std::vector<double>& areas) {
   ErrorSums sums;
@@ -66,6 +68,31 @@ inline MatrixError errorOf(const ExchangeMatrix& measured, const ExchangeMatrix&
     for (uint32_t j = i + 1; j < measured.count(); ++j)
       sums.add(reference.at(i, j), measured.at(i, j) - reference.at(i, j), areas[i], areas[j]);
   return sums.over(measured.count());
+}
+
+// What a row leaves for environment and leaks: the polygon's area less its exchange areas.
+inline std::vector<double> restOf(const ExchangeMatrix& exchange, const std::vector<double>& areas) {
+  std::vector<double> rest = areas;
+  for (uint32_t i = 0; i < exchange.count(); ++i)
+    for (uint32_t j = i + 1; j < exchange.count(); ++j) rest[i] -= exchange.at(i, j), rest[j] -= exchange.at(i, j);
+  return rest;
+}
+
+// Of what rows leave, as form factors: rms and largest.
+struct RestError {
+  double rms = 0, largest = 0;
+};
+
+inline RestError errorOfRest(const std::vector<double>& measured, const std::vector<double>& reference,
+                             const std::vector<double>& areas) {
+  RestError error;
+  for (size_t i = 0; i < areas.size(); ++i) {
+    const double e = (measured[i] - reference[i]) / areas[i];
+    error.rms += e * e / double(areas.size());
+    error.largest = std::fmax(error.largest, std::abs(e));
+  }
+  error.rms = std::sqrt(error.rms);
+  return error;
 }
 
 }  // namespace viewpeel::bench

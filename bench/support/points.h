@@ -1,4 +1,5 @@
-// Points of the unit hypercube of four dimensions for rivals that sample: independent, or Sobol's sequence, scrambled.
+// Points are those of the unit hypercube of four dimensions for rivals that sample: independent, or Sobol's sequence,
+// scrambled.
 //
 // Sobol' points with the direction numbers of S. Joe & F. Y. Kuo, Constructing Sobol sequences with better
 // two-dimensional projections, SIAM J. Sci. Comput. 30, 2008; nested uniform scrambling (A. B. Owen 1995) by the hash
@@ -36,7 +37,7 @@ constexpr uint32_t reverseBits(uint32_t x) {
 
 using DirectionNumbers = std::array<std::array<uint32_t, 32>, kDimensions>;
 
-// With bits reversed: bit k of a number is the k-th binary digit after the point.
+// Makes direction numbers with bits reversed: bit k of a number is the k-th binary digit after the point.
 constexpr DirectionNumbers makeDirectionNumbers() {
   struct Polynomial {
     uint32_t degree, coefficients;
@@ -66,8 +67,8 @@ constexpr DirectionNumbers makeDirectionNumbers() {
 
 inline constexpr DirectionNumbers kReversedNumbers = makeDirectionNumbers();
 
-// Points in order. The first 2^m points of a Sobol' source are stratified; two sources of one seed and stream are the
-// same.
+// A PointSource has points in order. The first 2^m points of a Sobol' source are stratified; two sources of one seed
+// and stream are the same.
 class PointSource {
  public:
   //   In: stream: every one has points of its own; first: the first point's index

@@ -27,7 +27,7 @@ struct Frame {
   glm::dvec3 x, y;
 };
 
-// x, y, along right-handed.
+// Returns a frame with x, y, along right-handed.
 Frame frameAbout(const glm::dvec3& along) {
   const glm::dvec3 helper = std::abs(along.z) < 0.9 ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0);
   const glm::dvec3 x = glm::normalize(glm::cross(helper, along));
@@ -59,7 +59,7 @@ double extentOf(const Plate& plate) {
   return extent;
 }
 
-// How far the corners are off the plane of the first.
+// Returns how far the corners are off the plane of the first.
 double roughnessOf(const Plate& plate) {
   double roughness = 0;
   for (const glm::dvec3& corner : plate.corners)
@@ -67,8 +67,8 @@ double roughnessOf(const Plate& plate) {
   return roughness;
 }
 
-// The part of `corners` in front of the plate's plane; corners within `slack` of it stay as they are. Empty where none
-// is further in front.
+// Returns the part of `corners` in front of the plate's plane; corners within `slack` of it stay as they are. Empty
+// where none is further in front.
 Corners clipToFront(const Corners& corners, const Plate& plate, double slack) {
   const auto heightOf = [&](const glm::dvec3& corner) { return glm::dot(plate.front, corner - plate.corners[0]); };
   Corners kept;
@@ -85,8 +85,8 @@ Corners clipToFront(const Corners& corners, const Plate& plate, double slack) {
   return kept;
 }
 
-// Whether polygons of one plane overlap by more than `slack`: no edge of one has all of the other outside (separating
-// axes).
+// Returns whether polygons of one plane overlap by more than `slack`: no edge of one has all of the other outside
+// (separating axes).
 bool overlapInPlane(const Plate& a, const Plate& b, double slack) {
   for (const auto& [one, other] : {std::pair(&a, &b), std::pair(&b, &a)})
     for (size_t k = 0; k < one->corners.size(); ++k) {
@@ -100,8 +100,8 @@ bool overlapInPlane(const Plate& a, const Plate& b, double slack) {
   return true;
 }
 
-// What a pair of convex polygons gives to a region: the corners that fronts of the other see, and how far rounding may
-// have moved them.
+// A SeenPair is the part of two convex polygons that enters a region: the corners that fronts of the other see, and a
+// bound on their movement by rounding.
 struct SeenPair {
   Plate a, b;
   double slack = 0;
@@ -135,9 +135,9 @@ SeenPair clipPair(const Scene& scene, uint32_t a_index, uint32_t b_index, bool t
   return seen;
 }
 
-// For every edge of `near`, the plane through it that is turned from near's own plane, away from near, until it meets
-// `far`: near lies on one side of it and far on the other. Appends their normals, towards far. An edge whose plane
-// rounding makes doubtful is left out.
+// Appends normals of planes that separate the two plates, one for every edge of `near`. The plane is turned about the
+// edge from near's own plane, away from near, until it touches `far`. So near lies on one side of it and far on the
+// other, and the normal points towards far. An edge whose plane rounding makes doubtful is left out.
 void appendSeparatingNormals(const Plate& near, const Plate& far, double slack, std::vector<glm::dvec3>& normals) {
   for (size_t k = 0; k < near.corners.size(); ++k) {
     const glm::dvec3 start = near.corners[k], edge = near.corners[(k + 1) % near.corners.size()] - start;
@@ -147,7 +147,7 @@ void appendSeparatingNormals(const Plate& near, const Plate& far, double slack, 
     for (const glm::dvec3& corner : far.corners) {
       const double in = glm::dot(inwards, corner - start), up = std::max(0.0, glm::dot(near.front, corner - start));
       const double distance = std::hypot(in, up);
-      // A corner on the line of the edge holds the plane back at no angle.
+      // A corner on the line of the edge does not limit the plane's turn.
       if (distance > slack) angle_rad = std::min(angle_rad, std::atan2(up, in) - 2 * slack / distance - kAngleMargin);
     }
     if (angle_rad <= 0) continue;
@@ -182,8 +182,8 @@ bool appendDifferences(const Plate& a, const Plate& b, double slack, std::vector
   return in_doubt;
 }
 
-// Axis of a narrow cone around all differences: steps towards the furthest (M. Badoiu & K. L. Clarkson, Smaller
-// core-sets for balls, 2003).
+// Returns the axis of a narrow cone around all differences: steps towards the furthest (M. Badoiu & K. L. Clarkson,
+// Smaller core-sets for balls, 2003).
 glm::dvec3 axisOf(const std::vector<Difference>& differences) {
   glm::dvec3 axis = differences[0].d;
   for (int step = 0; step < 256; ++step) {
@@ -229,8 +229,8 @@ std::vector<glm::dvec2> hullOf(std::vector<glm::dvec2> points) {
   return hull;
 }
 
-// The convex hull of directions that fit in a half sphere about the axis, through its central projection on the plane
-// dot(axis, x) = 1. A direction enters as the corners of a square around it, of its error and a margin.
+// Returns the convex hull of directions that fit in a half sphere about the axis, through its central projection on the
+// plane dot(axis, x) = 1. A direction enters as the corners of a square around it, of its error and a margin.
 DirectionRegion hullRegion(const std::vector<Difference>& differences, const glm::dvec3& axis) {
   const Frame frame = frameAbout(axis);
   std::vector<glm::dvec2> points;
@@ -252,7 +252,7 @@ DirectionRegion hullRegion(const std::vector<Difference>& differences, const glm
   return region;
 }
 
-// The one front normal of all polygons, or zero.
+// Returns the one front normal of all polygons, or zero.
 glm::dvec3 commonFront(const Scene& scene, std::span<const uint32_t> polygons) {
   const glm::dvec3 front = plateOf(scene, polygons[0], glm::dvec3(0)).front;
   for (uint32_t polygon : polygons)
@@ -260,7 +260,7 @@ glm::dvec3 commonFront(const Scene& scene, std::span<const uint32_t> polygons) {
   return front;
 }
 
-// The corners of the bounding box.
+// Returns the corners of the bounding box.
 Plate boxAround(const Scene& scene, std::span<const uint32_t> polygons) {
   glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
   for (uint32_t polygon : polygons)
@@ -285,8 +285,8 @@ size_t cornerCount(const Scene& scene, std::span<const uint32_t> polygons) {
 // --- samplers
 // ---------------------------------------------------------------------------------------------------------
 
-// Points of the unit square, each uniform in it: a lattice under one random shift, periodic in `around`, folded (t and
-// 1 - t alike) in `outwards`.
+// A ShiftedLattice has points of the unit square, each uniform in it: a lattice under one random shift, periodic in
+// `around`, folded (t and 1 - t alike) in `outwards`.
 class ShiftedLattice {
  public:
   ShiftedLattice(uint32_t count, Random& random) : count_(count), shift_(random.uniform()), turn_(random.uniform()) {}
@@ -310,8 +310,8 @@ DirectionRegion DirectionRegion::hemisphere(const glm::dvec3& pole) {
   return region;
 }
 
-// Sutherland & Hodgman, Reentrant polygon clipping, 1974, on the cone of the region. What rounding cannot tell from
-// inside stays.
+// Clips the cone of the region: Sutherland & Hodgman, Reentrant polygon clipping, 1974. Corners outside by no more than
+// rounding stay.
 void DirectionRegion::clip(const glm::dvec3& inner_normal) {
   std::vector<Arc> kept;
   for (size_t k = 0; k < arcs_.size(); ++k) {
@@ -394,7 +394,7 @@ DirectionRegion findPairRegion(const Scene& scene, std::span<const uint32_t> a, 
                                bool two_sided) {
   if (a.empty() || b.empty()) return {};
   std::vector<Difference> differences;
-  bool is_open = false;  // the differences do not tell the cone
+  bool is_open = false;  // the differences do not decide about the cone
   if (cornerCount(scene, a) * cornerCount(scene, b) > kMostDifferences) {
     const Plate box_a = boxAround(scene, a), box_b = boxAround(scene, b);
     is_open = appendDifferences(box_a, box_b, 0, differences) || differences.empty();

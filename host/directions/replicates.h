@@ -1,4 +1,4 @@
-// Which numbers replicates have: those of runs, and those of pilots, whose random numbers are none of the run's.
+// Replicates of runs and of pilots have different numbers, so the random numbers of pilots are none of the run's.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -20,7 +20,7 @@ inline constexpr ReplicateNumbers kPriorReplicates{uint64_t(3) << 40, uint64_t(4
 inline constexpr ReplicateNumbers kDirectedReplicates{uint64_t(4) << 40, uint64_t(5) << 40};
 inline constexpr ReplicateNumbers kLineReplicates{uint64_t(5) << 40, uint64_t(6) << 40};
 
-// All of them, in order.
+// The list has all of them, in order.
 inline constexpr std::array kReplicateNumbers = {kRunReplicates,         kTrialReplicates, kPlanReplicates,
                                                  kPlanLatticeReplicates, kPriorReplicates, kDirectedReplicates,
                                                  kLineReplicates};

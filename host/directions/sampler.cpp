@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
 
-// A rotation uniform over SO(3), from a uniform unit quaternion (Shoemake 1992).
+// Returns a rotation uniform over SO(3), from a uniform unit quaternion (Shoemake 1992).
 glm::dmat3 randomRotation(Random& random) {
   const double a = random.uniform(), b = kTwoPi * random.uniform(), c = kTwoPi * random.uniform();
   const double x = std::sqrt(1 - a) * std::sin(b), y = std::sqrt(1 - a) * std::cos(b);
@@ -47,14 +47,14 @@ void addJittered(uint32_t count, const glm::dmat3& rotation, Random& random, std
   }
 }
 
-// A bit that depends on all of the key.
+// Returns a bit that depends on all of the key.
 uint32_t randomBit(uint64_t key) {
   key = (key ^ key >> 31) * 0x7FB5D329728EA185ull;
   key = (key ^ key >> 27) * 0x81DADEF4BC2DD44Dull;
   return static_cast<uint32_t>(key >> 63);
 }
 
-// Owen's scrambling: every bit is flipped at random, by a coin of its own for each value of the bits before it.
+// Scrambles as Owen does: every bit is flipped at random, by a coin of its own for each value of the bits before it.
 double scramble(uint32_t bits, uint64_t seed) {
   uint32_t scrambled = 0;
   for (uint32_t level = 0; level < 32; ++level) {
@@ -72,7 +72,7 @@ uint32_t reverseBits(uint32_t x) {
   return reversed;
 }
 
-// The second dimension of Sobol's sequence: direction numbers of the polynomial x + 1.
+// Returns the second dimension of Sobol's sequence: direction numbers of the polynomial x + 1.
 uint32_t sobolSecond(uint32_t index) {
   uint32_t x = 0;
   for (uint32_t direction = 1u << 31; index; index >>= 1, direction ^= direction >> 1)

@@ -7,14 +7,14 @@
 
 namespace viewpeel {
 
-// The directions of one replicate, each with a lattice offset uniform in [0, 1)^2 and a lattice rotation uniform about
-// u.
+// Draws the directions of one replicate, each with a lattice offset uniform in [0, 1)^2 and a lattice rotation uniform
+// about u.
 //   In: count > 0; seed, replicate: any    Out: count directions, a function of the arguments only
 //   Error: axes orthonormal to 1e-15; uniformity tested in tests/device/directions_test.cpp.
 //   Cost: O(count).
 std::vector<Direction> sampleDirections(Sampler sampler, uint32_t count, uint64_t seed, uint64_t replicate);
 
-// Independent random lattices, offset and rotation, along one direction.
+// Draws independent random lattices, offset and rotation, along one direction.
 //   In: u of unit length    Out: count directions that differ in axes and offset only
 std::vector<Direction> sampleLattices(const glm::dvec3& u, uint32_t count, uint64_t seed);
 

@@ -1,5 +1,5 @@
-// The buffers of one batch of directions: one list says what each holds, how large it is and what it is for. Plans,
-// allocation, growth and the summary of memory all read that list.
+// The buffers of one batch of directions stand in one list, with contents, size and use. Plans, allocation, growth and
+// the summary of memory all read this list.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace viewpeel {
 
-// What the sizes of a batch's buffers follow from.
+// The sizes of a batch's buffers follow from its shape.
 struct BatchShape {
   uint32_t directions = 1;  // at most
   uint32_t polygon_count = 0;
@@ -25,8 +25,8 @@ struct BatchShape {
   uint64_t list_capacity = 0;      // entries of all tiles' lists together
   uint32_t fragment_capacity = 0;  // of a lattice point
 
-  // Whether allocate takes rows of tiles, each in the span of its emitters, and not every tile: wide windows are mostly
-  // empty around long thin emitters.
+  // Returns whether allocate takes rows of tiles, each in the span of its emitters, and not every tile: wide windows
+  // are mostly empty around long thin emitters.
   bool allocatesRows() const { return has_roles && tiles_wide >= 64; }
   uint32_t tilesPerDirection() const { return tiles_wide * tiles_high; }
   uint32_t pointsPerDirection() const { return tilesPerDirection() * points_per_tile; }
@@ -42,7 +42,7 @@ struct BatchBuffers {
   Buffer status, status_read;
 };
 
-// What a buffer is counted as in the summary of memory.
+// The summary of memory adds up buffers by their use.
 enum class BufferUse { control, projections, lists, fragments, unfinished };
 
 struct BufferSize {
@@ -57,21 +57,22 @@ struct BufferSize {
 //   Out: one row a member of BatchBuffers
 std::vector<BufferSize> listBuffers(const BatchShape& shape);
 
-// Makes every buffer that is missing or too small; what any of these held is lost.
+// Makes every buffer that is missing or too small; the contents of these buffers are lost.
 //   Throws: Error memory where the device has no room, or lists are longer than it can address.
 void fitBuffers(const Device& device, const BatchShape& shape, BatchBuffers& buffers);
 
-// List entries that a batch can have: texels, whose numbers shaders hold in 31 bits.
+// Returns the number of list entries that a batch can have: texels, whose numbers shaders hold in 31 bits.
 uint64_t mostListed(const Device& device);
 
-// What to throw where polygons reach more tiles: smaller batches have shorter lists, as where memory is short.
+// Returns the error for polygons that reach too many tiles: smaller batches have shorter lists, as where memory is
+// short.
 Error listsTooLong(const Device& device);
 
 // Bytes of all buffers of a batch together, and of the largest, as if no texel had fewer than 8.
 uint64_t sizeBytes(const BatchShape& shape);
 uint64_t largestBytes(const BatchShape& shape);
 
-// Bytes of the buffers that a batch has, all of them or those for one use.
+// Returns the bytes of the buffers that a batch has, all of them or those for one use.
 uint64_t sizeBytes(const BatchBuffers& buffers);
 uint64_t sizeBytes(const BatchBuffers& buffers, BufferUse use);
 

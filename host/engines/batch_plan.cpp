@@ -12,8 +12,8 @@ namespace {
 
 constexpr uint64_t kBatchWork = 1u << 17;  // polygons, or tiles: enough to outweigh a submission
 
-// Of one direction, without fragments. The window holds its ball with the lattice's offset; tiles form a grid that is
-// symmetric about the lattice's origin.
+// Returns the shape of one direction, without fragments. The window holds its ball with the lattice's offset; tiles
+// form a grid that is symmetric about the lattice's origin.
 BatchShape shapeOf(const LatticeOptions& options, const Tuning& tuning, const BatchNeeds& needs) {
   const auto reach = static_cast<uint64_t>(windowReach(options.resolution, options.window));
   const bool is_lattice = options.sampling == Sampling::lattice;

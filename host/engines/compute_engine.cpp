@@ -1,6 +1,6 @@
-// Engine `compute`: plans batches of directions, keeps two in flight where memory allows, and repeats what overflowed.
-// A batch is one submission of the passes in record_passes.h. What overflows says so in the batch's status: the host
-// makes room and repeats, with smaller batches where the device has no memory for that.
+// Engine `compute` plans batches of directions, keeps two in flight where memory allows, and repeats batches that
+// overflow. A batch is one submission of the passes in record_passes.h. An overflow shows in the batch's status: the
+// host makes room and repeats, with smaller batches where the device has no memory for more.
 #include "engines/compute_engine.h"
 
 #include <algorithm>
@@ -60,7 +60,7 @@ class ComputeEngine : public Engine {
   BatchPlan plan_;
   uint32_t fragment_capacity_;  // of a lattice point, in new batches
   std::vector<Batch> batches_;
-  Commands commands_;        // of what is done between batches
+  Commands commands_;        // of all work between batches
   bool must_grow_ = false;   // the hash table
   bool must_refit_ = false;  // the batches, to more fragments or less memory
   bool tuned_ = false;
@@ -93,7 +93,7 @@ ComputeEngine::ComputeEngine(const Device& device, const Scene& scene, const Ids
   rebuild();
 }
 
-// After an error a batch may still be running on what is about to go.
+// After an error a batch may still be running on buffers that end here.
 ComputeEngine::~ComputeEngine() {
   for (Batch& batch : batches_)
     if (batch.in_flight) vkDeviceWaitIdle(device_.handle());
@@ -133,7 +133,7 @@ void ComputeEngine::shrink(const Error& error) {
     throw Error(ErrorCode::memory, fmt::format("one direction at a time does not fit: {}", error.what()));
 }
 
-// Chooses the rest by what the first batch met: it changes no result.
+// Chooses the open options by the figures of the first batch: none of them changes a result.
 void ComputeEngine::retune(const BatchStatus& found) {
   tuned_ = true;
   if (found.active_tiles == 0) return;
@@ -168,7 +168,7 @@ std::vector<PairCounts> ComputeEngine::countBlocks(std::span<const Direction> di
 void ComputeEngine::countInto(std::span<const Direction> directions, size_t block_directions) {
   block_directions_ = block_directions;
   const uint32_t blocks = std::max(divideUp(directions.size(), block_directions), 1u);
-  for (Batch& batch : batches_) {  // what a call that ended in an error left running
+  for (Batch& batch : batches_) {  // a call that ended in an error left them running
     if (batch.in_flight) batch.commands.wait();
     batch.in_flight = false;
   }
@@ -198,7 +198,7 @@ void ComputeEngine::startCounters(uint32_t blocks) {
   }
 }
 
-// False where what was counted is lost, because the hash table or peel's work had to be given more room.
+// Returns false where counts are lost, because the hash table or peel's work had to get more room.
 bool ComputeEngine::countAll(std::span<const Direction> directions) {
   bool complete = true;
   size_t done = 0;
@@ -285,9 +285,9 @@ bool ComputeEngine::makeRoom(Batch& batch, const BatchStatus& found) {
   return !must_refit_;
 }
 
-// Whether a batch has counted all that it met. Where it has not, everything is counted again: with a larger table, or
+// Returns whether a batch has counted all its gaps. If it has not, everything is counted again: with a larger table, or
 // shorter loops.
-//   Throws: Error limit or device where that would not help.
+//   Throws: Error limit or device where neither would help.
 bool ComputeEngine::isSound(const BatchStatus& found) {
   if (found.overflows & kOtherSubgroups)
     throw Error(ErrorCode::device, fmt::format("{}: subgroups are not of {} as it says; use --engine graphics",

@@ -1,4 +1,4 @@
-// The engines that count lattice points, by kind.
+// These factories make the engines that count lattice points, by kind.
 #pragma once
 #include <memory>
 #include <vector>
@@ -14,7 +14,8 @@ namespace viewpeel {
 //   In: kind: compute, graphics or host; device: of the first two, referred to; nullptr with the host engine
 EngineFactory latticeEngines(EngineKind kind, const Device* device);
 
-// One engine for all groups: a plain one at the group's resolution where there is one group, else as makeGroupedEngine.
+// Makes one engine for all groups: a plain one at the group's resolution where there is one group, else as
+// makeGroupedEngine.
 std::unique_ptr<Engine> makeEngine(const EngineFactory& make_engine, const Scene& scene, const Ids& ids,
                                    LatticeOptions options, const std::vector<SizeGroup>& groups);
 

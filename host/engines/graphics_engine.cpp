@@ -1,10 +1,10 @@
-// The passes, in order, for a batch of directions side by side in one image:
+// Engine `graphics` records these passes, in order, for a batch of directions side by side in one image:
 //   project       every polygon along every direction: snapped corners, outline and depth over the lattice
-//   peel          draw all polygons; what lies behind the previous layer competes in the depth test for this one
+//   peel          draw all polygons; fragments behind the previous layer compete in the depth test for this one
 //   (copy)        the layer becomes readable
-//   accumulate    layers k-1 and k: facing rules, counters; asks for layer k+1 where layer k has a polygon
-// peel and accumulate repeat until a layer is empty. Their draws and dispatches are indirect: recorded ahead, empty
-// when not asked for.
+//   accumulate    layers k-1 and k: facing rules, counters; needs layer k+1 where layer k has a polygon
+// Passes peel and accumulate repeat until a layer is empty. Their draws and dispatches are indirect: recorded ahead,
+// empty once no layer is left.
 #include "engines/graphics_engine.h"
 
 #include <algorithm>
@@ -111,7 +111,8 @@ GraphicsEngine::GraphicsEngine(const Device& device, const Scene& scene, const I
   prepareImages();
 }
 
-// How many directions fit side by side in one image, and within the memory set aside for their projections.
+// Plans the number of directions that fit side by side in one image, and within the memory set aside for their
+// projections.
 void GraphicsEngine::planBatch(uint64_t polygon_bytes_per_direction) {
   const uint32_t largest_side = device_.properties().limits.maxImageDimension2D;
   const uint64_t cell_pixels = uint64_t(cell_size_) * cell_size_;

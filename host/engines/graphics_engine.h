@@ -1,4 +1,4 @@
-// Engine `graphics`: depth peeling on the raster pipeline (Everitt 2001), one pass per layer.
+// Engine `graphics` is depth peeling on the raster pipeline (Everitt 2001), one pass per layer.
 #pragma once
 #include <memory>
 

@@ -1,4 +1,4 @@
-// Engine `host`: on the processor's own threads.
+// Engine `host` runs on the processor's own threads.
 #pragma once
 #include <memory>
 
@@ -17,11 +17,12 @@ namespace viewpeel {
 //   Cost: per direction and thread as Sweep.
 std::unique_ptr<Engine> makeHostEngine(const Scene& scene, const Ids& ids, const LatticeOptions& options);
 
-// The samples with which it has the smaller error after the same time (bench/sampling_error): scanlines in scenes of
-// few polygons, lattice points in those of many, whose polygons are so small that a scanline is worth few points; also
-// where polygons are too small for scanlines, which windows can make less fine.
-//   In: has_prior: of unoccluded form factors, by polygon (VisibilitySums); these need the more lines the smaller
-//   polygons are
+// Chooses the samples with the smaller error after the same time (bench/programs/sampling_error.cpp). These are
+// scanlines in scenes of few polygons, and lattice points in scenes of many, whose polygons are so small that a
+// scanline is worth few points. Lattice points also serve polygons that are too small for scanlines, whose windows
+// cannot be as fine.
+//   In: has_prior: of unoccluded form factors, by polygon (VisibilitySums). These need the more lines the smaller
+//     polygons are.
 Sampling chooseSampling(const Scene& scene, const Ids& ids, bool has_prior);
 
 }  // namespace viewpeel

@@ -1,4 +1,5 @@
-// Options of the engines that count lattice points: the lattice itself, and the tuning that changes no result.
+// This header has the options of the engines that count lattice points: the lattice itself, and the tuning that changes
+// no result.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -10,13 +11,13 @@
 
 namespace viewpeel {
 
-// The part of the scene whose projections are looked at: a ball that holds every polygon that emits.
+// A Window is the part of the scene whose projections are looked at: a ball that holds every polygon that emits.
 struct Window {
   glm::dvec3 centre{0};  // unit-ball units
   double radius = 1;
 };
 
-// What the engines that count lattice points have in common. None but `resolution`, `sampling`, `window` and
+// The engines that count lattice points have these options in common. None but `resolution`, `sampling`, `window` and
 // `count_blocked` changes a result.
 struct LatticeOptions {
   int resolution = 64;  // lattice spacings across the unit ball's diameter, 1 to kMaxResolution
@@ -40,13 +41,15 @@ struct LatticeOptions {
   uint32_t table_capacity = 0;         // of the hash table at first
   uint32_t most_blocks = 0;            // of spans that one invocation of peel goes through
   uint64_t memory_budget_bytes = 0;    // of batches; a direction that needs more gets it, and one batch at a time
-  uint64_t available_bytes = 0;        // on the device; what needs more is refused
+  uint64_t available_bytes = 0;        // on the device; an engine that needs more is refused
   bool measure_work = false;
-  uint32_t thread_count = 0;   // of the host engine; 0: one per core
-  std::function<void()> stop;  // of engines that finish directions on several threads: called before each, by any of
-                               // them; what it throws ends the call; may be empty
-  std::function<void(uint64_t directions)>
-      on_batch;  // told how many of a call have been counted; what it throws ends the call; may be empty
+  uint32_t thread_count = 0;  // of the host engine; 0: one per core
+  // Engines that finish directions on several threads call it before each, from any thread. An exception from it ends
+  // the call. It may be empty.
+  std::function<void()> stop;
+  // The engine calls it with the number of directions of a call that have been counted. An exception from it ends the
+  // call. It may be empty.
+  std::function<void(uint64_t directions)> on_batch;
 };
 
 }  // namespace viewpeel

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kInfinite = HUGE_VAL;
 
-// floor(x) of |x| < 2^31. Doubles and their comparisons have the same width, which vectors need.
+// Returns floor(x) of |x| < 2^31. Doubles and their comparisons have the same width, which vectors need.
 [[gnu::always_inline]] inline int32_t floorOf(double x) {
   const auto whole = static_cast<double>(static_cast<int32_t>(x));
   return static_cast<int32_t>(whole - (whole > x ? 1.0 : 0.0));
@@ -25,14 +25,14 @@ constexpr double kInfinite = HUGE_VAL;
   return static_cast<int32_t>(whole + (whole < x ? 1.0 : 0.0));
 }
 
-// ceil(value / 2^bits) of |value| < 2^25, bits <= 24.
+// Returns ceil(value / 2^bits) of |value| < 2^25, bits <= 24.
 [[gnu::always_inline]] inline int32_t shiftUpward(int32_t value, int bits) { return (value + (1 << bits) - 1) >> bits; }
 
 }  // namespace
 
 SweepScene::SweepScene(const Scene& scene, const Ids& ids)
     : two_sided(ids.two_sided), all_count(ids.roles.empty()), counts_environment(ids.counts_environment) {
-  // An open-addressing table of the corners met.
+  // An open-addressing table holds the corners found before.
   std::vector<uint32_t> places(std::bit_ceil(2 * scene.corners.size() + 1), UINT32_MAX);
   const auto placeOf = [&](const glm::dvec3& corner) {
     Hash hash;
@@ -48,7 +48,8 @@ SweepScene::SweepScene(const Scene& scene, const Ids& ids)
       if (x[place] == corner.x && y[place] == corner.y && z[place] == corner.z) return place;
     }
   };
-  // Planes in the order in which polygons come to them: a pass over the polygons reads them one after the other.
+  // Planes are numbered in the order in which polygons come to them: a pass over the polygons reads them one after the
+  // other.
   std::vector<uint32_t> number_of(scene.planes.size(), UINT32_MAX);
   const auto numberOf = [&](uint32_t plane_index) {
     uint32_t& number = number_of[plane_index];
@@ -189,7 +190,7 @@ void Outlines::findEdges() {
             const int32_t row_from = shiftUpward(y[e], bits);
             first = ((size == 0) & (b > 0)) ? std::max(first, row_from) : first;
             last = ((size == 0) & (b < 0)) ? std::min(last, row_from - 1) : last;
-            // To the right of an edge that ends the polygon: |a| X - v - 1 >= 0.
+            // This is the form to the right of an edge that ends the polygon: |a| X - v - 1 >= 0.
             row_0[e * kBlock + k] = a > 0 ? c : c + 1.0;
             per_row[e * kBlock + k] = b * row_columns;
             inverse[e * kBlock + k] = (a > 0 ? -1.0 : a < 0 ? 1.0 : 0.0) / std::max(size, 1.0);
@@ -202,10 +203,10 @@ void Outlines::findEdges() {
       });
 }
 
-// A crossing is the least X with |a| X + v >= 0 (left edges; right edges: the first X beyond the polygon), v = row_0 +
-// per_row y exact in doubles, so X = ceil(-v / |a|). Of crossings within the window, |X| <= 2^23, v inverse is off by
-// less than 2^-28, and -v / |a| is whole or at least 2^-26 from whole numbers, since |a| < 2^26: less 2^-27 it rounds
-// up to the same.
+// A crossing is the least X with |a| X + v >= 0 (left edges; right edges: the first X beyond the polygon). Here v =
+// row_0 + per_row y is exact in doubles, so X = ceil(-v / |a|). Crossings within the window have |X| <= 2^23, so v
+// inverse is off by less than 2^-28. And -v / |a| is whole, or at least 2^-26 from whole numbers, since |a| < 2^26. So
+// less 2^-27 it rounds up to the same number.
 Outlines::Cuts Outlines::cut() {
   size_t count = 0;
   for (; next_outline_ < outline_count_ && count < kCuts; ++next_outline_) {

@@ -1,5 +1,5 @@
-// What the polygons of a scene cover along a direction, row by row of the lattice, for engine `host`: for many polygons
-// at once, by loops over arrays.
+// Outlines finds the rows and columns of the lattice that the polygons of a scene cover along a direction, for engine
+// `host`. It takes many polygons at once, by loops over arrays.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -33,7 +33,7 @@ class Outlines {
   static constexpr size_t kBlock = 256;  // polygons at once
   static constexpr size_t kCuts = 1024;  // rows of polygons at once
 
-  // A polygon and a row that it may reach, and the columns [low, high) that it covers there, in units of
+  // Cuts lists a polygon and a row that it may reach, and the columns [low, high) that it covers there, in units of
   // 2^-column_bits; low >= high where it covers none.
   struct Cuts {
     size_t count;
@@ -47,7 +47,7 @@ class Outlines {
   // Snaps all corners.    In: origin: of the lattice, see latticeOrigin; per_spacing: spacings to a unit length
   void project(const Direction& direction, const glm::dvec2& origin, double per_spacing);
 
-  // Finds the outlines of up to kBlock polygons from `first` on, but for those that lie between two rows.
+  // Finds the outlines of up to kBlock polygons from `first` on, without polygons that lie between two rows.
   void find(size_t first);
   // Cuts the next rows of these; no more than there are. Of a polygon they follow one after the other.
   Cuts cut();
@@ -78,10 +78,10 @@ class Outlines {
 
   size_t first_ = 0, outline_count_ = 0;
   OfBlock<int32_t> polygon_first_row_{}, polygon_last_row_{};  // of the block's polygons
-  OfBlock<uint32_t> reaching_{};                               // those that may reach a row: one outline each
+  OfBlock<uint32_t> reaching_{};                               // polygons that may reach a row: one outline each
   OfBlock<int32_t> first_row_{}, last_row_{}, front_up_{};
-  // Of edge e of outline k, at e kBlock + k: the crossing with row y is ceil((row_0 + per_row y) inverse), see cut().
-  // inverse is -1 / |a| of left edges, 1 / |a| of right ones, 0 of those along rows.
+  // These belong to edge e of outline k, at e kBlock + k: the crossing with row y is ceil((row_0 + per_row y) inverse),
+  // see cut(). inverse is -1 / |a| of left edges, 1 / |a| of right ones, 0 of those along rows.
   std::array<double, 4 * kBlock> row_0_{}, per_row_{}, inverse_{};
 
   size_t next_outline_ = 0;

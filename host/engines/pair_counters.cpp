@@ -96,7 +96,7 @@ std::vector<PairCounts> PairCounters::finishBlocks(Commands& commands) {
   return blocks;
 }
 
-// Of all lines on which two face each other leaves those that are blocked.
+// Subtracts facing lines from all lines on which two face each other: the rest are blocked.
 void PairCounters::takeBlocked(PairCounts& counts) const {
   for (PairCount& count : counts)
     if (counts_blocked_ && count.j < kEnvironment) count.blocked -= count.count;

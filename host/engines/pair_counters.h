@@ -1,4 +1,4 @@
-// Counters of pairs on the device: a dense table, or a hash table where a dense one does not fit.
+// PairCounters holds counters of pairs on the device: a dense table, or a hash table where a dense one does not fit.
 #pragma once
 #include <vector>
 
@@ -7,13 +7,13 @@
 
 namespace viewpeel {
 
-// Counters of all pairs of ids on the device, 64 bits each: dense, or a hash table of the pairs met. One a pair, of
-// facing pairs, or two: beside it the lines on which the two face each other, blocked or not. Blocks of directions may
-// have dense counters of their own.
+// PairCounters are counters of all pairs of ids on the device, 64 bits each: dense, or a hash table of the pairs with
+// counts. A pair has one of facing lines, or two: the second counts all lines on which the two face each other, blocked
+// or not. Blocks of directions may have dense counters of their own.
 class PairCounters {
  public:
-  // Dense where their bytes fit the budget (0: 1 GiB), else, if `may_be_sparse`, a hash table of `table_capacity`
-  // places at first (0 chooses).
+  // Makes dense counters where their bytes fit the budget (0: 1 GiB), else, if `may_be_sparse`, a hash table of
+  // `table_capacity` places at first (0 chooses).
   //   Throws: Error limit where dense counters are needed and do not fit.
   PairCounters(const Device& device, uint32_t id_count, bool counts_blocked, uint64_t budget_bytes, bool may_be_sparse,
                uint32_t table_capacity = 0);
@@ -24,19 +24,19 @@ class PairCounters {
   uint32_t mask() const { return capacity_ - 1; }
   uint64_t sizeBytes() const;
 
-  // How many blocks of directions can have counters of their own: more than one where they are dense and small.
+  // Returns how many blocks of directions can have counters of their own: more than one where they are dense and small.
   uint32_t mostBlocks() const;
-  // Of the dense counters of one block; those of the next follow.
+  // Returns the size of the dense counters of one block; the next block's follow.
   uint64_t blockBytes() const { return counter_count_ * wordsEach() * sizeof(uint64_t); }
 
-  // Empties everything, and makes room for so many blocks, mostBlocks() at most.
+  // Empties everything, and makes room for this many blocks, mostBlocks() at most.
   void start(Commands& commands, uint32_t blocks = 1);
-  // Pairs that entered the table.
+  // Adds to the number of pairs that entered the table.
   void notePairs(uint64_t pairs) {
     pairs_ += pairs;
     last_pairs_ = pairs;
   }
-  // Whether the table may be more than half full after two more batches like the last.
+  // Returns whether the table may be more than half full after two more batches like the last.
   bool isCrowded() const { return isSparse() && pairs_ > 0 && pairs_ + 2 * last_pairs_ > capacity_ / 2; }
   // Empties the table into the host's sums and makes it larger, where the device has room for that; nothing is lost.
   // The device must be idle.

@@ -19,7 +19,7 @@ uint64_t denseWords(uint32_t id_count, bool counts_blocked) {
   return device_data::counterCount(id_count) * (counts_blocked ? 2 : 1);
 }
 
-// Counts to the places of their keys, those of one key in the order they had.
+// Moves counts to the places of their keys; counts of one key keep their order.
 template <class KeyOf>
 PairCounts inOrderOf(const PairCounts& counts, size_t keys, KeyOf keyOf) {
   std::vector<uint32_t> places(keys + 1, 0);
@@ -30,7 +30,7 @@ PairCounts inOrderOf(const PairCounts& counts, size_t keys, KeyOf keyOf) {
   return sorted;
 }
 
-// By i and j: where there are many, first by j and then by i, of which a part has few.
+// Sorts by i and j: where there are many, first by j and then by i, of which a part has few.
 void sortPart(PairCounts& counts, uint32_t id_count) {
   if (8 * counts.size() < id_count) return std::sort(counts.begin(), counts.end(), isBefore);
   const auto [first, last] = std::minmax_element(counts.begin(), counts.end(),
@@ -51,7 +51,7 @@ SharedPairs::SharedPairs(uint32_t id_count, bool counts_blocked, uint64_t most_b
       most_bytes_(most_bytes),
       parts_(kParts) {}
 
-// The counters of a key, which are new where there were none.
+// Returns the counters of a key, which are new where there were none.
 uint64_t* SharedPairs::find(Part& part, uint64_t key) const {
   uint64_t place = placeOf(key, part.words.size() / stride_);
   while (part.words[place] != key) {
@@ -65,7 +65,7 @@ uint64_t* SharedPairs::find(Part& part, uint64_t key) const {
   return &part.words[place + 1];
 }
 
-// So that so many more leave it no more than half full.
+// Makes room for `more` pairs, so that the table is no more than half full.
 void SharedPairs::makeRoom(Part& part, uint64_t more) {
   const uint64_t places = part.words.size() / stride_;
   if (2 * (part.used + more) <= places) return;
@@ -96,7 +96,8 @@ void SharedPairs::add(uint32_t part_index, const Addition* additions, size_t cou
   }
 }
 
-// The counts of a part, in order, and empties it; those of all parts one after the other are in order.
+// Returns the counts of a part, in order, and empties it. The counts of all parts, one part after the other, are in
+// order.
 PairCounts SharedPairs::take(uint32_t part_index) {
   Part& part = parts_[part_index];
   PairCounts counts;
@@ -140,7 +141,7 @@ uint64_t PairTable::denseBytes(uint32_t id_count, bool counts_blocked) {
   return denseWords(id_count, counts_blocked) * sizeof(uint64_t);
 }
 
-// Adds what is still on its way.
+// Adds the counts that are still on their way.
 void PairTable::settle() {
   for (Coming& coming : coming_) {
     if (coming.weight) *coming.counter += coming.weight;

@@ -1,4 +1,4 @@
-// Counters of pairs of ids on the host: dense ones of each thread, or hash tables that all threads share.
+// PairTable has counters of pairs of ids on the host: dense ones of each thread, or hash tables that all threads share.
 #pragma once
 #include <array>
 #include <atomic>
@@ -10,8 +10,8 @@
 
 namespace viewpeel {
 
-// Hash tables of the pairs met by any thread, one for each part of the ids i: additions come a part's worth at a time,
-// and then its table is in the processor's caches.
+// SharedPairs are hash tables of the pairs that any thread has counted, one for each part of the ids i. Additions come
+// a part's worth at a time, and then its table is in the processor's caches.
 class SharedPairs {
  public:
   static constexpr uint32_t kParts = 256;
@@ -22,12 +22,13 @@ class SharedPairs {
   };
   static uint64_t keyOf(uint32_t i, uint32_t j) { return ~(uint64_t(i) << 32 | j); }  // not 0
 
+  // Makes the tables, which grow.
   //   In: most_bytes: of the tables' memory
   SharedPairs(uint32_t id_count, bool counts_blocked, uint64_t most_bytes);
 
   uint32_t partOf(uint32_t i) const { return static_cast<uint32_t>(i * parts_per_id_ >> 32); }
 
-  // By any thread.    Throws: Error limit.
+  // Adds counts; any thread may call it.    Throws: Error limit.
   void add(uint32_t part, const Addition* additions, size_t count);
 
   // All counts, in order, and empties it.
@@ -54,10 +55,10 @@ class SharedPairs {
   std::vector<Part> parts_;
 };
 
-// What one thread counts with.
+// A PairTable holds the counts of one thread.
 class PairTable {
  public:
-  // Dense.
+  // Makes a dense table.
   PairTable(uint32_t id_count, bool counts_blocked);
   explicit PairTable(SharedPairs& shared);
 
@@ -65,13 +66,13 @@ class PairTable {
   void add(uint32_t i, uint32_t j, uint64_t weight) { addTo(i, j, weight, 0); }
   void addBlocked(uint32_t i, uint32_t j, uint64_t weight) { addTo(i, j, weight, 1); }
 
-  // Of dense counters: all counts, in order; and empties them.
+  // Returns all counts of dense counters, in order, and empties them.
   PairCounts take();
-  // Of dense counters: adds them to others, and empties them.
+  // Adds dense counters: it adds them to others, and empties them.
   void moveInto(PairTable& sum);
-  // Gives the shared tables what waits.    Throws: Error limit.
+  // Gives the waiting additions to the shared tables.    Throws: Error limit.
   void flush();
-  // Forgets what was added and not taken.
+  // Forgets all counts since the last take.
   void clear();
 
   static uint64_t denseBytes(uint32_t id_count, bool counts_blocked);
@@ -112,7 +113,7 @@ class PairTable {
   uint32_t turn_ = 0;
   SharedPairs* shared_ = nullptr;
   std::vector<SharedPairs::Addition> waiting_;
-  std::vector<uint32_t> counts_;  // of what waits, by part
+  std::vector<uint32_t> counts_;  // of the waiting additions, by part
 };
 
 }  // namespace viewpeel

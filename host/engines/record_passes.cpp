@@ -149,7 +149,7 @@ void runPass(Commands& commands, const Buffer& status, const Pass& pass) {
   std::visit(dispatch, pass.args);
 }
 
-// Empties what the passes count up.
+// Empties the counters of the passes.
 void recordClearing(Batch& batch) {
   BatchStatus none{};
   none.project_groups = {0, 1, 1};

@@ -1,13 +1,15 @@
-// The passes of the compute engine: their kernels, and how a batch of directions is recorded.
-//   enter      where all polygons count: those over few lattice points become fragments there, the others are listed
-//   project    every polygon along every direction, or every listed one: snapped corners, box and depth over the
-//   lattice bin emitters   where only some polygons count: the tiles that emitters reach, and their span in each row of
-//   tiles bin receivers  the same of the other receivers, within that span bin count  counts the polygons that reach
-//   each tile allocate   gives every tile its list and lists the active tiles bin scatter  fills the lists sort where
-//   lines meet many polygons: orders the lists by depth peel       every row of every active tile: spans of its
-//   polygons, samples, layers in order, facing rules, counters cover      where blocked pairs are counted: the lattice
-//   points of every active tile that each of its polygons covers meet       counts, for every two polygons of a tile
-//   that may face each other, how many of these points they share
+// These are the passes of the compute engine: their kernels, and the order in which a batch of directions records them.
+//   enter      where all polygons count: polygons over few lattice points become fragments, the others are listed
+//   project    every polygon along every direction, or every listed one: snapped corners, box, depth over the lattice
+//   bin emitters   where only some polygons count: tiles that emitters reach, and their span in each row of tiles
+//   bin receivers  the same of the other receivers, within that span
+//   bin count  counts the polygons that reach each tile
+//   allocate   gives every tile its list and lists the active tiles
+//   bin scatter  fills the lists
+//   sort       where lines hit many polygons: orders the lists by depth
+//   peel       every row of every active tile: spans of its polygons, samples, layers in order, facing rules, counters
+//   cover      where blocked pairs are counted: lattice points of every active tile that each of its polygons covers
+//   meet       counts how many of these points every two polygons of a tile share that may face each other
 #pragma once
 #include <span>
 #include <vector>
@@ -24,7 +26,7 @@ namespace viewpeel {
 
 constexpr size_t kMostPasses = 11;
 
-// What one batch of directions is done with.
+// A Batch of directions has these buffers, commands and plan.
 struct Batch {
   Commands commands;
   Timestamps timestamps;                // a mark before the first pass and one after each
@@ -36,7 +38,7 @@ struct Batch {
   bool in_flight = false;
 };
 
-// What ids ask of the passes.
+// Ids decide these rules of the passes.
 struct IdRules {
   explicit IdRules(const Ids& ids);
 
@@ -46,7 +48,7 @@ struct IdRules {
   uint32_t needed_roles;  // of a tile that is worth peeling, 0 where all count
 };
 
-// What the passes of all batches have in common. The engine owns what is referred to.
+// The passes of all batches share these settings. They refer to objects of the engine.
 struct PassSettings {
   const LatticeOptions& options;
   const Tuning& tuning;
@@ -59,14 +61,14 @@ struct PassSettings {
   bool isScanline() const { return options.sampling == Sampling::scanline; }
 };
 
-// Those that the engine has no use for are not made.
+// Kernels without a use in the engine are not made.
 struct PassKernels {
   Kernel enter, project, bin_emitters, bin_receivers, bin_count, allocate, bin_scatter, sort, peel, cover, meet;
 };
 
 PassKernels makeKernels(const Device& device, const PassSettings& settings, const BatchShape& shape);
 
-// Records every pass over the batch's directions, which are in its buffer, and the copy of what they found to
+// Records every pass over the batch's directions, which are in its buffer, and the copy of the batch's status to
 // status_read.
 void recordPasses(const PassSettings& settings, const PassKernels& kernels, Batch& batch);
 

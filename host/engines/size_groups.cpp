@@ -147,7 +147,7 @@ class GroupedEngine : public Engine {
     std::unique_ptr<Engine> engine;
     int resolution;
     size_t polygons;
-    uint64_t weight;  // of its counts, in those of the finest
+    uint64_t weight;  // of its counts, in counts of the finest
   };
   void weigh(PairCounts& counts, const Part& part, size_t directions) const {
     for (PairCount& count : counts) {

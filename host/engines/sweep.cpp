@@ -103,8 +103,8 @@ const Sweep::DepthPlane& Sweep::depthPlane(uint32_t plane_index, const Direction
   return plane;
 }
 
-// Spans by row. Where only some polygons emit, of the others no more than what shares a column with those, which come
-// first.
+// Makes spans by row. Where only some polygons emit, emitters come first, and other polygons have spans only where they
+// share a column with them.
 template <bool kAllCount>
 void Sweep::slice(const Direction& direction) {
   ++turn_;
@@ -136,6 +136,7 @@ void Sweep::slice(const Direction& direction) {
   }
 }
 
+// Adds a polygon's depths along the direction.
 //   In: place: of the polygon in the scene of sweeps
 void Sweep::addSurface(uint32_t place, bool front_up, const Direction& direction) {
   const SweepScene::Polygon& polygon = scene_.polygons[place];
@@ -178,7 +179,7 @@ Sweep::Layer Sweep::enter(const Span& span, int row) const {
           scene_.two_sided || !surface.front_up};
 }
 
-// The order along the line through a column: depth, place at ties, then the polygon's number (Layer in
+// Returns the order along the line through a column: depth, place at ties, then the polygon's number (Layer in
 // shaders/shared.h).
 uint64_t Sweep::keyAt(const Layer& layer, int32_t column) const {
   const int64_t depth = layer.depth + layer.whole * column + (layer.rest * column >> column_bits_);
@@ -211,8 +212,8 @@ void Sweep::sortByLow(std::span<Span> spans) {
 }
 
 // Goes from one end of a span to the next. Between them the order of the polygons does not change, but for rounding: it
-// is decided in the middle of every sample, a lattice point or, with scanlines, what lies between two ends in a cell of
-// kScanlineCell columns.
+// is decided in the middle of every sample. A sample is a lattice point or, with scanlines, the interval between two
+// ends in a cell of kScanlineCell columns.
 template <bool kAllCount, bool kBlocked>
 void Sweep::sweepRow(int row, std::span<Span> spans, uint64_t weight, PairTable& table) {
   sortByLow(spans);
@@ -221,7 +222,7 @@ void Sweep::sweepRow(int row, std::span<Span> spans, uint64_t weight, PairTable&
   const int32_t cell_bits = column_bits_ + std::countr_zero(kScanlineCell);
   uint32_t emitters = 0;  // among those open
   int32_t column = 0, first_end = INT_MAX;
-  uint64_t waiting = 0;  // columns whose gaps have not been added yet: those of open_
+  uint64_t waiting = 0;  // columns of open_ whose gaps have not been added yet
   const auto settle = [&] {
     if (waiting) addGaps<kAllCount, kBlocked>(waiting * weight, table);
     waiting = 0;

@@ -1,6 +1,6 @@
-// What engine `host` does with one direction: lattice rows cut the projected scene into spans; going along a row, the
-// polygons between any two of their ends are sorted by depth. After the scan-line algorithms: Watkins, "A real time
-// visible surface algorithm" (1970).
+// A Sweep counts one direction for engine `host`: lattice rows cut the projected scene into spans. It goes along each
+// row and sorts the polygons between any two ends of spans by depth. The source are the scan-line algorithms: Watkins,
+// "A real time visible surface algorithm" (1970).
 #pragma once
 #include <cstdint>
 #include <span>
@@ -15,21 +15,22 @@
 
 namespace viewpeel {
 
-// Counts what the compute engine counts, to the last bit; of one thread.
+// A Sweep is of one thread, and its counts are those of the compute engine, to the last bit.
 //   Cost: per direction, O(polygons + spans log (spans of a row) + samples x layers).
 class Sweep {
  public:
   //   Throws: Error bad_usage where the resolution is out of range, or too fine for scanlines.
   Sweep(const SweepScene& scene, const LatticeOptions& options);
 
-  // Adds all gaps between consecutive layers of a direction's lines, and what is blocked where that was asked for.
+  // Adds all gaps between consecutive layers of a direction's lines, and blocked pairs where the options want them.
   void count(const Direction& direction, PairTable& table);
 
   const Work& work() const { return work_; }  // but for directions and memory
   uint64_t memoryBytes() const;
 
  private:
-  // Depth over the lattice, as in ProjectedPolygon (shaders/shared.h), of the direction of that turn.
+  // A DepthPlane is the depth over the lattice, as in ProjectedPolygon (shaders/shared.h), of the direction of that
+  // turn.
   struct DepthPlane {
     uint64_t turn = 0;
     int64_t at_origin, per_column, per_row;
@@ -37,7 +38,7 @@ class Sweep {
     int shift;
     bool is_edge_on;  // then every polygon has a depth of its own
   };
-  // What is asked of a polygon where a row enters it, on one line of the processor's cache.
+  // A row reads these data of a polygon that enters it, in one line of the processor's cache.
   struct alignas(64) Surface {
     int64_t at_origin, per_column, per_row;  // its depth
     int32_t depth_min, depth_max, shift;

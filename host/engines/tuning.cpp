@@ -15,7 +15,7 @@ using namespace device_data;
 
 namespace {
 
-constexpr uint32_t kFewPoints = 64;  // in boxes, which hold up to three times what a polygon covers
+constexpr uint32_t kFewPoints = 64;  // in boxes, which hold up to three times the points of a polygon
 constexpr double kFewAcross = 5;     // such a polygon, on the average over directions, as a square
 
 constexpr uint32_t kLongList = 48;    // polygons over a tile, on the average, from which on smaller tiles are faster
@@ -46,7 +46,7 @@ Tuning tune(const Device& device, const LatticeOptions& options) {
   const uint32_t tile_rows = std::min(std::bit_ceil(choose(options.tile_rows, default_rows)), kMostTileRows);
   if (options.sampling == Sampling::scanline)
     return {subgroup_size, kScanlineCell, tile_rows, 1, layers_kept, most_blocks, false};
-  // Lattice points: as many columns as divide a subgroup, and the rows in steps.
+  // Lattice points take as many columns as divide a subgroup, and the rows in steps.
   const uint32_t tile_width = std::min(std::bit_ceil(choose(options.tile_width, 8)), kMostTileWidth);
   return {subgroup_size, tile_width,  tile_rows,   std::max(1u, tile_width * tile_rows / subgroup_size),
           layers_kept,   most_blocks, options.sort};
@@ -73,8 +73,8 @@ uint64_t counterBudget(const LatticeOptions& options) {
 }
 
 // Entering spares tiles' lists the polygons over few lattice points, each of which is tested for every point of the
-// tile; where those are not most of the lists, making room for fragments costs more than it spares. Tiles are 8 x 8,
-// and a polygon's mean projection is half its area.
+// tile. Where they are not most of the lists, making room for fragments costs more than it spares. Tiles are 8 x 8, and
+// a polygon's mean projection is half its area.
 uint32_t chooseFewPoints(const Scene& scene, int resolution) {
   double entries = 0, spared = 0;
   for (const Polygon& polygon : scene.polygons) {

@@ -1,4 +1,4 @@
-// What the compute engine chooses by device, scene and options. None of it changes a result.
+// The compute engine chooses these values by device, scene and options. None of them changes a result.
 #pragma once
 #include <cstdint>
 
@@ -17,18 +17,17 @@ struct Tuning {
   bool sorts;
 };
 
-// As asked for, or what suits the device.
-//   Throws: Error device where its subgroups are not of use.
+// Takes the options' values, or the best for the device.
+//   Throws: Error device where its subgroups are of no use.
 Tuning tune(const Device& device, const LatticeOptions& options);
 
-// Chooses options that are left open by what the first batch found over its active tiles, of which there is at least
-// one.
+// Chooses open options by the first batch's figures over its active tiles, of which there is at least one.
 void adaptOptions(const device_data::BatchStatus& found, LatticeOptions& options);
 
-// Of dense counters, beyond which they are kept in a hash table.
+// Returns the budget of dense counters, beyond which they are kept in a hash table.
 uint64_t counterBudget(const LatticeOptions& options);
 
-// Lattice points of a polygon that enters itself, see LatticeOptions; 0 where none should.
+// Returns the most lattice points of a polygon that enters itself, see LatticeOptions; 0 where none should.
 uint32_t chooseFewPoints(const Scene& scene, int resolution);
 
 }  // namespace viewpeel

@@ -2,7 +2,7 @@
 // vectors of 2003.
 #pragma once
 
-// Before a loop whose turns neither read nor write what others write.
+// The macro stands before a loop whose turns neither read nor write the results of others.
 #if defined(__clang__)
 #define VIEWPEEL_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
 #else
@@ -13,7 +13,7 @@ namespace viewpeel {
 
 enum class Vectors { plain, avx2, avx512 };
 
-// Those of the processor at hand.
+// Returns the widest vectors of this processor.
 inline Vectors widestVectors() {
 #if defined(__x86_64__)
   if (__builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw"))
@@ -35,8 +35,9 @@ template <class Loops>
 }
 #endif
 
-// loops: called without arguments; it and all that it calls must be inlined, which [[gnu::always_inline]] sees to.
-// Results are the same bits with all vectors: without contraction every operation is rounded.
+// The argument `loops` is called without arguments; it and all that it calls must be inlined, which
+// [[gnu::always_inline]] sees to. Results are the same bits with all vectors: without contraction every operation is
+// rounded.
 template <class Loops>
 void runVectorised(Vectors vectors, const Loops& loops) {
 #if defined(__x86_64__)

@@ -1,4 +1,4 @@
-// Work that an engine did, counted, where LatticeOptions::measure_work asks for it.
+// An engine counts its work where LatticeOptions::measure_work is set.
 #pragma once
 #include <viewpeel/engine.h>
 

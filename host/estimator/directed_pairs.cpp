@@ -22,15 +22,15 @@ namespace {
 
 constexpr uint32_t kPilots = 8, kPilotDirections = 16, kUsualDirections = 32;
 constexpr double kEmitterSpacings = 16;  // in the root of the emitter's area
-// Work in the time that one polygon takes at one lattice point, some 10 ns; measured on lavapipe, and the same on every
-// device, for parts of a run have to choose alike.
+// The unit of work is the time that one polygon takes at one lattice point, some 10 ns. The costs were measured on
+// lavapipe, and are the same on every device, for parts of a run have to choose alike.
 constexpr double kPolygonCost = 100, kDirectedPolygonCost = 30;  // of projecting a polygon along a direction
-constexpr double kPointCost = 4;                                 // with what is blocked
+constexpr double kPointCost = 4;                                 // with blocked pairs
 constexpr double kDirectionCost = 2000, kEngineCost = 2e7;
-constexpr double kDearest = 8;  // most directions of a pair, in those that all pairs have in common
-constexpr double kFewDirections =
-    3;  // directions that meet a pair tell little of its visibility; none of so many meets it in e^-3 = 5 % of cases
-constexpr int64_t kMostOnTrust = 8;                       // pairs
+constexpr double kDearest = 8;  // most directions of a pair, as a multiple of the common ones
+// None of this many directions hits a pair in e^-3 = 5 % of cases, and fewer say little of its visibility.
+constexpr double kFewDirections = 3;
+constexpr int64_t kMostOnTrust = 8;                       // pairs of which no pilot saw a polygon blocked
 constexpr size_t kMostDirected = 256, kMostEngines = 32;  // each engine takes memory and compiles its kernels
 constexpr double kWorthIt = 0.8;                          // of the work without them
 constexpr double kMostReplicates = 1e12;
@@ -41,7 +41,7 @@ double smallerArea(const Ids& ids, Key pair) {
   return std::min(ids.areas[pair.first], pair.second < kEnvironment ? ids.areas[pair.second] : INFINITY);
 }
 
-// What the goals allow of a pair's exchange area to err; infinite where they do not look at it.
+// Returns the error of a pair's exchange area that the goals allow; infinite where they do not look at it.
 double allowedError(const EstimateOptions& options, double area, double exchange) {
   double allowed = options.tolerance ? *options.tolerance * area : INFINITY;
   if (options.relative && exchange >= options.relative_floor * area)
@@ -49,13 +49,14 @@ double allowedError(const EstimateOptions& options, double area, double exchange
   return allowed;
 }
 
-// A pair that does not reach the goal in the replicates asked for.
+// A Need is a pair that does not reach the goal in the request's replicates.
 struct Need {
   Key pair;
-  double replicates = 0;  // that it takes
+  double replicates = 0;  // that it needs
   double allowed = 0, most = INFINITY;
   bool may_direct = false;
-  bool on_trust = false;  // neither face was seen blocked, and few lines told of the pair
+  // Neither face was seen blocked, and few lines hit the pair.
+  bool on_trust = false;
 };
 
 struct PredictedError {
@@ -72,11 +73,11 @@ struct PredictedError {
   }
 };
 
-// Variances of one pilot's exchange area, for pairs in order.
+// PilotVariances holds variances of one pilot's exchange area, for pairs in order.
 class PilotVariances {
  public:
-  // Each half of the pilots is taken with the visibilities that the other half tells, so that those which few lines
-  // told do not look better than they are.
+  // Each half of the pilots takes the visibilities of the other half. With its own, pairs of few lines would look
+  // better than they are.
   PilotVariances(const Ids& ids, const Prior& prior, const CommonPilots& pilots) {
     const size_t half = pilots.counts.size() / 2;
     for (const bool second : {false, true}) {
@@ -98,7 +99,7 @@ class PilotVariances {
       });
     }
   }
-  // In rising order of pairs; nothing where no line told.
+  // The pairs come in rising order; none where no line counted.
   std::optional<double> of(Key pair) {
     double sum = 0;
     bool has_variance = false;
@@ -117,7 +118,7 @@ class PilotVariances {
   size_t at_[2] = {0, 0};
 };
 
-// Sorted, those that need most replicates first.
+// Returns needs, sorted: the pair that needs most replicates comes first.
 std::vector<Need> findNeeds(const Ids& ids, const Prior& prior, const CommonPilots& pilots,
                             const EstimateOptions& options) {
   PairCounts all;
@@ -137,15 +138,14 @@ std::vector<Need> findNeeds(const Ids& ids, const Prior& prior, const CommonPilo
         double(is_pair ? std::min(prior.lines[pair.first], prior.lines[pair.second]) : prior.lines[pair.first]);
     if (pair_prior && is_pair && pair_prior->exchange < INFINITY) error.most = std::min(pair_prior->exchange, area);
     const std::optional<double> variance = variances.of(pair);
-    // Of one replicate, whose directions are those of all pilots.
+    // The variance is that of one replicate, whose directions are those of all pilots.
     error.variance = variance.value_or(0) * pilots.directions / directions;
     error.has_variance = variance.has_value();
     const bool may_direct = is_pair && error.most < INFINITY;
     double exchange = 2 * double(count) * pilots.count_area / (pilots.directions * pilot_count);
     if (may_direct) exchange = std::max(exchange, error.most * pair_prior->visibility / kVisibilityOne);
     PredictedError unsure = error;
-    // Few directions that agree do not tell. Of those that meet a pair, `expected_directions` at least, half may see
-    // it.
+    // Few directions that agree prove little. At least `expected_directions` hit the pair, and half of them may see it.
     if (const double expected_directions = directions * error.most / (2 * area);
         may_direct && expected_directions < kFewDirections &&
         error.most * error.most / (4 * expected_directions) > error.variance) {
@@ -172,7 +172,7 @@ std::vector<Need> findNeeds(const Ids& ids, const Prior& prior, const CommonPilo
     if (is_counted) ++count;
     if (has_prior) ++at;
   }
-  // What is only unlikely is looked into where that costs little.
+  // A pair whose trouble is only unlikely is looked into where this costs little.
   if (std::count_if(needs.begin(), needs.end(), [](const Need& need) { return need.on_trust; }) > kMostOnTrust)
     std::erase_if(needs, [](const Need& need) { return need.on_trust; });
   std::sort(needs.begin(), needs.end(), [](const Need& a, const Need& b) {
@@ -188,15 +188,16 @@ class RunWork {
           const CommonPilots& pilots, const EstimateOptions& options)
       : sampler_(sampler), needs_(needs), options_(options) {
     const double polygons = double(ids.of_polygon.size());
-    double points = 0;  // that faces are counted at along a direction, half of their areas being their mean projection
+    // Lattice points of faces along a direction. The mean projection of a face is half of its area.
+    double points = 0;
     for (uint32_t k = 0; k < ids.count(); ++k)
       points += ids.areas[k] / (2 * pilots.count_area * double(prior.lines[k]));
     common_ = kDirectionCost + kPolygonCost * polygons + kPointCost * points;
     directed_ = kDirectionCost + kDirectedPolygonCost * polygons + kPointCost * kEmitterSpacings * kEmitterSpacings;
   }
 
-  // Of the first pairs of `directed`, in the order of needs, as many as make for the least work; none where that is not
-  // worth it.
+  // Returns how many of the first pairs of `directed`, in the order of needs, make for the least work. It returns none
+  // where this is not worth it.
   std::vector<DirectedPair> keepLeast(const std::vector<DirectedPair>& directed) const {
     std::vector<DirectedPair> tried, best;
     const double without = of({});
@@ -242,7 +243,7 @@ DirectedPair fit(PairSampler& sampler, const Ids& ids, const Need& need, Directe
     const std::vector<PairVisibility> visibilities = fitVisibilities(fitted);
     return visibilities.empty() ? 0 : visibilities[0].visibility;
   };
-  // Each half with the visibility that the other half tells, or none.
+  // Either half of the pilots takes the visibility of the other half, or none.
   const auto errorWith = [&](bool has_visibility) {
     double squares = 0;
     for (const bool second : {false, true}) {
@@ -257,8 +258,8 @@ DirectedPair fit(PairSampler& sampler, const Ids& ids, const Need& need, Directe
   };
   const double without = errorWith(false), with = errorWith(true);
   pair.visibility = with <= without ? visibilityOf(addCounts(halves[0], halves[1])) : 0;
-  // To half of what is allowed, for errors of pilots are not those of the run; and no direction is worth more than
-  // that.
+  // A pair is brought to half of its allowance, for errors of pilots are not those of the run. No direction is worth
+  // more.
   const double goal = need.allowed / 2;
   const double directions =
       std::max(kPilots * kPilotDirections * std::pow(std::min(with, without) / goal, 2), need.most / goal) /
@@ -333,7 +334,7 @@ void PairSampler::prepare(std::span<DirectedPair> pairs) {
   }
 }
 
-// 0 the emitter, from 1 on its partners, and one for all that is only in the way.
+// Returns ids: 0 the emitter, from 1 on its partners, and one for all that is only in the way.
 Ids PairSampler::idsOf(uint32_t emitter, const std::vector<uint32_t>& partners) const {
   Ids ids;
   ids.two_sided = face_ids_.two_sided;

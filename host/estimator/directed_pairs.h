@@ -1,19 +1,16 @@
-// Pairs of faces that common directions hardly meet, sampled on purpose by further directions inside their anti-convex
+// Pairs of faces that common directions hardly hit are sampled here by further directions inside their anti-convex
 // hulls.
 //
-// All lines between two faces lie along the directions of a region W of the half sphere (findPairRegion). With M
-// directions uniform in W, on a lattice of spacing h,
-//   C_ij = E[A'_ij(u)] = |W| / (2 pi) E[A'_ij(u) | u in W],
-// so that a point counted stands for h^2 |W| / (2 pi M), blocked points as well: V - b (V + O - F0_ij)
-// (find_prior.h) is unbiased, whatever W, M, h and b are, as long as they are fixed beforehand. They are: which
-// pairs have directions of their own, how many, and their b come from pilots, whose random numbers are none of the
-// run's. In the run the form factor of such a pair is made of its own directions alone, in every replicate, and that of
-// every other pair of common directions alone: no rule looks at what it then sums. A weighted mean of both would be
-// unbiased, too, but of two variances, one of which is many times the other, it gains nothing.
+// All lines between two faces lie along the directions of a region W of the half sphere (findPairRegion). Eq. (10) of
+// docs/method.md gives C_ij from directions uniform in W, and eq. (25) the area that one counted point stands for,
+// facing or blocked. Eq. (17) is unbiased with it if W, the number of directions, the spacing and b are fixed
+// beforehand. Pilots fix them, and the pilots' random numbers are none of the run's. In the run the form factor of such
+// a pair is made of its own directions alone, in every replicate. Every other pair takes common directions alone. So no
+// choice depends on the run's own counts.
 //
-// Replicates of a pair are those of the run, with random numbers of their own: counts are a function of seed, pair and
-// number of the replicate, and add up as integers. Row sums, environment and leak stay those of common directions.
-// Tests: tests/device/directed_pairs_test.cpp; coverage: bench/programs/coverage.cpp, scene `gap`.
+// A pair has the replicates of the run, with random numbers of its own. Counts are a function of seed, pair and number
+// of the replicate, and add up as integers. Row sums, environment and leak stay with the common directions. Tests:
+// tests/device/directed_pairs_test.cpp; coverage: bench/programs/coverage.cpp, scene `gap`.
 #pragma once
 #include <functional>
 #include <map>
@@ -30,27 +27,29 @@ namespace viewpeel {
 
 struct EstimateOptions;
 
-// Counts pairs along directions of their own. The smaller face of a pair is the emitter: its pairs share an engine,
-// whose window is around it.
+// A PairSampler counts pairs along directions of their own. The smaller face of a pair is the emitter. Pairs of one
+// emitter and resolution share an engine, whose window is around the emitter.
 class PairSampler {
  public:
-  //   In: scene, ids by face, without roles: both are referred to; lattice: of all engines, but for resolution, window
-  //   and blocked pairs, which are of each pair;
-  //     finest: the finest lattice that engines may have
+  // Makes a sampler without engines; prepare() makes those engines that pairs need.
+  //   In: scene, ids by face, without roles: both are referred to
+  //   lattice: of all engines, but for resolution, window and blocked pairs, which each pair sets
+  //   finest: the finest lattice that engines may have
   PairSampler(const Scene& scene, const Ids& face_ids, uint64_t seed, EngineFactory make_engine,
               LatticeOptions lattice = {}, int finest = kMaxWindowResolution);
 
-  // The pair with so many directions a replicate, and a lattice of 16 spacings in the root of the emitter's area; 0
-  // directions where no line can tell of it, or where directions decide which of two coincident polygons a line meets
-  // first (Coincidences::alike_unordered): those of a pair have no opposite ones to make up for it.
+  // Returns the pair with this number of directions a replicate, and a lattice of 16 spacings in the root of the
+  // emitter's area. It has 0 directions where no line can reach one face from the other. It has 0, too, where the
+  // direction of a line decides which of two coincident polygons comes first (Coincidences::alike_unordered).
+  // Directions of a pair have no opposite ones to make up for it.
   DirectedPair direct(uint32_t i, uint32_t j, uint32_t directions);
-  // Makes what engines are missing, for all these pairs at once, and sets what a count of each stands for.
+  // Makes the engines that are missing, for all these pairs at once, and sets the area that a count of each stands for.
   void prepare(std::span<DirectedPair> pairs);
-  // How many engines pairs need.
+  // Returns the number of engines that the pairs need.
   size_t countEngines(std::span<const DirectedPair> pairs) const;
-  // What the pair's own directions of one replicate see.    In: as prepared    Throws: what engines throw.
+  // Counts the pair along its own directions of one replicate.    In: pair as prepared    Throws: what engines throw.
   PairCount count(const DirectedPair& pair, uint64_t replicate);
-  // Of all, in their order.
+  // Counts all pairs, in their order.
   PairCounts count(std::span<const DirectedPair> pairs, uint64_t replicate);
 
  private:
@@ -76,28 +75,24 @@ class PairSampler {
   std::map<Key, Part> parts_;                    // by emitter and resolution
 };
 
-// What is known of common directions before the run.
+// CommonPilots holds the counts of the pilots along common directions, before the run.
 struct CommonPilots {
-  const std::vector<PairCounts>&
-      counts;               // of each, with rows; half of them and the other half tell visibilities for each other
+  // Counts of each pilot, with rows. The visibilities of either half of the pilots serve the other half.
+  const std::vector<PairCounts>& counts;
   uint32_t directions = 0;  // of each
   double count_area = 0;    // input units squared of one count along its direction
 };
 
-// The pairs that keep a run from its goal, if directions of their own bring it there sooner.
-//   A replicate of N common directions leaves a pair with a variance v, and one line with l, so that R replicates have
-//   the error min(most, sqrt(v / R + (l / R)^2)); where no line told, l / R is not less than an unmet pair's error
-//   (ControlVariateSums). Of a pair that few directions meet, N F0 / 2 < 3, half of these may see it, whatever pilots
-//   saw: v is not less than F0^2 / (4 N F0 / 2). That is looked into also where no polygon of the pair was seen
-//   blocked, if it concerns 8 pairs at most. Sorted by the replicates R_k that each needs, the first k get directions
-//   of their own, such that
-//     max(R_0, R_k) (N w + sum M w') + engines + pilots
-//   is least, w and w' being the work of a direction of either kind by numbers of polygons and lattice points, and R_0
-//   the replicates asked for. M is what brings a pair below half of the goal in R_0 replicates, by pilots of its own.
+// Returns the pairs that keep a run from its goal, if directions of their own bring it there sooner (docs/method.md,
+// section 8).
+//   The error that R replicates leave a pair, and the least variance of a pair that few directions hit, stand before
+//     eq. (26). Where no line counted, the part l / R is not less than an unmet pair's error (ControlVariateSums). A
+//     pair of which no polygon was seen blocked is treated alike, if there are at most 8 of them. Eq. (26) gives the
+//     number of pairs, and pilots of each pair's own give its directions M.
 //   In: options: goals, replicates, directions, seed
-//   Out: sorted; none without a goal, and where that would save less than a fifth of the work. A function of counts and
-//   options alone, not of time: parts of a run choose alike.
-//   Cost: O(known pairs log) and 128 directions for each pair tried.
+//   Out: sorted by pair; none without a goal, and where it would save less than a fifth of the work. The choice is a
+//     function of counts and options, not of time, so parts of a run choose alike.
+//   Cost: O(pairs of the prior log) and 128 directions for each pair tried.
 std::vector<DirectedPair> chooseDirectedPairs(PairSampler& sampler, const Ids& face_ids, const Prior& prior,
                                               const CommonPilots& pilots, const EstimateOptions& options);
 

@@ -58,7 +58,7 @@ Estimate makeEstimate(const RunSums& sums, double relative_floor, FormFactors al
     estimate.lines = sums.lines->lineCount();
     return estimate;
   }
-  // With all unoccluded form factors what is no entry sees nothing of the other, whatever is between them.
+  // With all unoccluded form factors, a pair without an entry cannot see each other, whatever is between them.
   const auto isSampledAlone = [](const PairPrior& pair) { return pair.j < kEnvironment && std::isinf(pair.exchange); };
   const bool knows_all =
       sums.prior_sums && sums.prior_sums->prior().has_all_pairs &&

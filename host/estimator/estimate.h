@@ -1,4 +1,5 @@
-// Estimates: replicates of random directions, until a standard error, a time, or a number of replicates is reached.
+// An estimate adds replicates of random directions until it reaches a standard error, a time, or a number of
+// replicates.
 #pragma once
 #include <functional>
 #include <optional>
@@ -21,21 +22,23 @@ struct Interrupted {};
 
 struct EstimateProgress {
   uint64_t replicates = 0;
-  double largest_standard_error = 0;  // over all form factors so far; infinite where there is no goal, or before as
-                                      // many replicates as there are to be at least
+  // It is the largest over all form factors up to now. It is infinite without a goal, and before the least number of
+  // replicates is done.
+  double largest_standard_error = 0;
 };
 
 struct EstimateOptions {
   Sampler sampler = Sampler::fibonacci;
   uint32_t directions = 400;  // per replicate
   uint32_t replicates = 8;    // at least
-  // The largest standard error to reach; replicates beyond `replicates` are added for it.
+  // The largest standard error to reach. Replicates beyond `replicates` are added for it.
   std::optional<double> tolerance;
-  // The same relative to the form factor, over form factors of at least `relative_floor`.
+  // A second goal is the largest standard error relative to the form factor, over form factors of at least
+  // `relative_floor`.
   std::optional<double> relative;
   double relative_floor = 0.01;
-  // The time after which no further replicate ends, even if fewer than `replicates` are done. Two are done at least,
-  // and one in this call.
+  // This is the time after which no further replicate ends, even if fewer than `replicates` are done. Two are done at
+  // least, and one in this call.
   std::optional<double> seconds;
   uint64_t seed = 1;
   // Draws the `count` directions of a replicate in place of the sampler. If it draws none, every form factor is 0.
@@ -44,7 +47,7 @@ struct EstimateOptions {
   // Sums to continue from, which count towards `replicates`: those of first_replicate and its successors, of the same
   // scene, ids and options. May be nullptr.
   const RunSums* resumed = nullptr;
-  // The prior (find_prior.h). It needs an engine and ids by face; goals and result are those of `by`. May be
+  // The prior (find_prior.h) needs an engine and ids by face; goals and result are for the rows of `by`. May be
   // nullptr.
   const Prior* prior = nullptr;
   // Computes unoccluded form factors of pairs outside the prior; nullptr: such pairs are counted.
@@ -59,23 +62,22 @@ struct EstimateOptions {
   std::function<void(const RunSums& sums, bool last)> on_sums;
 };
 
-// Without entries of 0.
+// Returns the form factors without entries of 0.
 FormFactors keepSeen(FormFactors form_factors);
 
 // Makes the estimate of all replicates counted.    In: row: as in PriorSums    Cost: O(nonzeros).
 Estimate makeEstimate(const RunSums& sums, double relative_floor, const ExchangeRow& row = {});
-// The same from form factors that sums.formFactors(row) has made already.
+// Makes the same estimate from form factors that sums.formFactors(row) has made already.
 Estimate makeEstimate(const RunSums& sums, double relative_floor, FormFactors all);
 
 // Computes F_ij = (2 / A_i) E[A'_ij(u)] for all pairs (Pellegrini 1997, sections 4.3 and 5.1).
 //   In: scene and ids as the engine was made with
-//   Error: unbiased at any spacing and number of directions, but for unoccluded form factors by polygon:
-//   visibility_sums.h bounds their small bias, and pairs that no
-//     line met are guessed from their neighbours (neighbour_visibility.h). The standard error is that of independent
-//     replicates, or of the guess. Tests: tests/laws/closed_form_test.cpp.
-//   Throws: what the engine and callbacks throw, but for Interrupted; Error bad_usage for zero directions, fewer than 2
-//   replicates, a goal that is not positive, or directed pairs
-//     without what samples them.
+//   Error: unbiased at any spacing and number of directions, but for unoccluded form factors by polygon. Their small
+//     bias is bounded in visibility_sums.h, and pairs that no line hit are guessed from their neighbours
+//     (neighbour_visibility.h). The standard error is that of independent replicates, or of the guess. Tests:
+//     tests/laws/closed_form_test.cpp.
+//   Throws: all that the engine and callbacks throw, but for Interrupted; Error bad_usage for zero directions, fewer
+//     than 2 replicates, a goal that is not positive, or directed pairs without a sampler of them.
 //   Cost: replicates x directions projections; memory O(nonzero pairs) beside the engine's.
 Estimate estimateFormFactors(Engine& engine, const Scene& scene, const Ids& ids, const EstimateOptions& options);
 

@@ -65,9 +65,10 @@ bool EstimateRun::measure(const FormFactors& so_far) {
 void EstimateRun::measureErrors() {
   found_.reset();
   if (!(options_.tolerance || options_.relative) || sums_.replicateCount() < options_.replicates)
-    return;  // nobody asks
+    return;  // without a goal nothing needs it
   if (sums_.prior_sums) {
-    // Rows of all pairs take seconds, and mostly it is one of those known for which there have to be more replicates.
+    // Rows of all pairs take seconds. Mostly the largest error is one of the prior's pairs, and more replicates have to
+    // follow.
     if (row_ && !measure(sums_.priorFormFactors())) return;
     FormFactors all = sums_.formFactors(row_);
     if (measure(all)) found_ = std::move(all);

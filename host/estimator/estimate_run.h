@@ -1,4 +1,4 @@
-// Estimate mode in steps: one replicate each, until the goal.
+// An EstimateRun is estimate mode in steps: it counts one replicate at a time, until the goal.
 #pragma once
 #include <optional>
 #include <vector>
@@ -10,21 +10,23 @@ namespace viewpeel {
 
 class EstimateRun {
  public:
-  //   In: engine, scene, ids: as for estimateFormFactors, referred to; options: those but for callbacks
+  // Starts the run, from the sums of an earlier one where options have them.
+  //   In: engine, scene, ids: as for estimateFormFactors, referred to; options: without the callbacks
   //   Throws: Error bad_usage, as estimateFormFactors.
   EstimateRun(Engine& engine, const Scene& scene, const Ids& ids, EstimateOptions options);
 
-  // Whether the goal is reached, or the next replicate would end after the time.
+  // Returns true where the goal is reached, or the next replicate would end after the time.
   bool isDone() const;
   // Counts one replicate.    Throws: what the engine throws; the sums are then as before.
   void step();
   const RunSums& sums() const { return sums_; }
-  // The largest standard error of all form factors so far. It is infinite without a goal, and before the least number
-  // of replicates is done.
+  // Returns the largest standard error of all form factors so far. It is infinite without a goal, and before the least
+  // number of replicates is done.
   double largestStandardError() const { return largest_error_; }
-  // The estimate of the replicates so far.
+  // Returns the estimate of the replicates up to now.
   Estimate estimateSoFar() const;
-  // The same once no step is to follow: what was computed to see that the goal is reached is not computed again.
+  // Returns the same estimate, once no step is to follow: the form factors that reached the goal are not computed
+  // again.
   Estimate takeEstimate();
 
  private:
@@ -39,9 +41,9 @@ class EstimateRun {
   double count_area_;
   RunSums sums_;
   std::vector<DirectedPair> directed_;
-  ExchangeRow row_;  // unoccluded form factors of pairs that are not known
+  ExchangeRow row_;  // unoccluded form factors of pairs outside the prior
   double largest_error_ = INFINITY, largest_relative_error_ = INFINITY;
-  std::optional<FormFactors> found_;  // where the goal is reached
+  std::optional<FormFactors> found_;  // once the goal is reached
   uint64_t resumed_count_ = 0;
   Clock::time_point start_ = Clock::now();
 };

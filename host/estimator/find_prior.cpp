@@ -17,7 +17,7 @@ namespace {
 
 constexpr uint32_t kPilots = 8;
 
-// Those of `visibilities` whose pairs are among `others`.
+// Returns the visibilities whose pairs are among `others`.
 std::vector<PairVisibility> shared(const std::vector<PairVisibility>& visibilities,
                                    const std::vector<PairVisibility>& others) {
   std::vector<PairVisibility> both;
@@ -27,9 +27,9 @@ std::vector<PairVisibility> shared(const std::vector<PairVisibility>& visibiliti
   return both;
 }
 
-// Those with which the pilots vary less than without, in the sums of ids that id_map makes of faces (none: faces
-// themselves). Each half of the pilots is tried with the visibilities that the other half has, so that visibilities
-// which few lines told do not look better than they are.
+// Returns the visibilities that let the pilots vary less than without them, in the sums of ids that id_map makes of
+// faces (none: faces themselves). Each half of the pilots is tried with the visibilities of the other half. With its
+// own, visibilities from few lines would look better than they are.
 std::vector<PairVisibility> keepUseful(const std::vector<PairVisibility>& visibilities,
                                        const std::vector<PairCounts>& pilots, const Ids& ids,
                                        const std::vector<uint32_t>& id_map) {
@@ -109,8 +109,8 @@ FoundPrior findPrior(Engine& engine, FaceExchanges& exchanges, const Scene& scen
   all = withRows(std::move(all));
   const std::vector<PairVisibility> seen = fitVisibilities(all);
   for (PairCounts& counts : pilots) counts = withRows(std::move(counts), seen);
-  // A visibility that few lines told adds more noise than it takes away: then counts are left alone, pair by pair of
-  // faces, and of surfaces, whose sums vary less than their parts.
+  // A visibility from few lines adds more noise than it takes away. Counts then stay alone: pair by pair of faces, and
+  // of surfaces, whose sums vary less than their parts.
   const std::vector<PairVisibility> visibilities = keepUseful(fitVisibilities(all), pilots, ids, {});
   const std::vector<PairVisibility> surface_visibilities =
       keepUseful(visibilities, pilots, makeIds(scene, By::surface, ids.two_sided), ids.surface);
@@ -140,7 +140,7 @@ FoundPrior findPrior(Engine& engine, FaceExchanges& exchanges, const Scene& scen
     pair.surface_visibility = shareOf(surface_visibility, surface_visibilities.end(), pair);
   }
 
-  // Faces of which no pilot saw a line blocked most likely see all of each other, also where no line told.
+  // Faces of which no pilot saw a line blocked most likely see all of each other, also where no line hit both.
   std::vector<bool> is_blocked(n, false);
   bool is_any_blocked = false;
   for (const PairCount& count : all)
@@ -155,7 +155,7 @@ FoundPrior findPrior(Engine& engine, FaceExchanges& exchanges, const Scene& scen
   std::erase_if(pairs, [](const PairPrior& pair) { return pair.exchange == 0; });
   found.unoccluded_seconds = secondsSince(start);
 
-  // Between surfaces, of many pairs, common directions meet more: there they stay as they are.
+  // Common directions hit more of the many pairs between two surfaces, so surfaces keep them.
   if (!options.pairs || options.by != By::polygon) return found;
   start = Clock::now();
   const CommonPilots common{pilots, each, engine.unitArea() * scene.scale * scene.scale};

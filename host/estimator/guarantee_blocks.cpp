@@ -49,7 +49,7 @@ std::function<double(double blocks, double p)> boundFor(const RunSums& sums, con
                double blocks, double p) {
       return plan.visibility_bounds->largestBound(variances, blocks, block_directions, p);
     };
-  // What was never met has the largest range.
+  // A pair that no line hit has the largest range.
   std::vector<std::pair<double, double>> entries{{0, *std::max_element(plan.ranges.begin(), plan.ranges.end())}};
   sums.by_id.forEachPair(sums.measure_area, [&](uint32_t i, uint32_t j, const Measured& exchange) {
     const uint32_t smaller = j < kEnvironment && ids.areas[j] < ids.areas[i] ? j : i;

@@ -14,19 +14,20 @@
 namespace viewpeel {
 namespace {
 
-constexpr double kFinestResolution =
-    1 << 14;                        // asked for; steps of 4 end below 2^16, where corners keep 9 bits after the point
-constexpr double kBaseShare = 0.9;  // of the area, that the first group's resolution is fine enough for
+// No base lattice is finer. Steps of 4 end below 2^16, where corners keep 9 bits after the point.
+constexpr double kFinestResolution = 1 << 14;
+constexpr double kBaseShare = 0.9;  // The first group's resolution is fine enough for this share of the area.
 constexpr uint32_t kPilotBlocks = 24, kPilotDirections = 8;
-constexpr std::array kRanges = {5.0, 3.5, 2.8, 2.4, 2.2};  // that lattices are tried for
-constexpr std::array kBlockDirections = {1u, 4u, 16u};     // that blocks are tried with
+constexpr std::array kRanges = {5.0, 3.5, 2.8, 2.4, 2.2};  // lattices are tried for these ranges
+constexpr std::array kBlockDirections = {1u, 4u, 16u};     // blocks are tried with these
 constexpr uint32_t kPriorPilotDirections = 1024;
-constexpr uint64_t kFewestBlocks = 8;  // for standard errors
-constexpr double kDearer = 1.5;        // than the best so far: finer lattices are not tried
+constexpr uint64_t kFewestBlocks = 8;  // a standard error needs them
+// Finer lattices are not tried beyond this multiple of the best time.
+constexpr double kDearer = 1.5;
 
-// Resolutions at which the ranges of ids are at most `range`, as far as they are not too fine.
+// Returns the resolutions at which the ranges of ids are at most `range`, as far as they are not too fine.
 std::vector<double> neededFor(const Scene& scene, const Ids& ids, double range, Sampling sampling) {
-  // sum 2 A + (p or 2 d) h + 2 h^2 = range A has one positive root h.
+  // The equation sum 2 A + (p or 2 d) h + 2 h^2 = range A has one positive root h.
   std::vector<double> areas(ids.count(), 0), slopes(ids.count(), 0), numbers(ids.count(), 0);
   for (size_t k = 0; k < scene.polygons.size(); ++k) {
     const ConvexSize size = sizeOf(scene, scene.polygons[k]);
@@ -51,7 +52,7 @@ std::vector<double> resolutionsOf(const Scene& scene, const std::vector<SizeGrou
   return resolutions;
 }
 
-// Lattices for that range: one for most of the area, windows for what needs more.
+// Makes lattices for one range: one lattice for most of the area, windows for polygons that need more.
 std::vector<SizeGroup> groupsFor(const Scene& scene, const std::vector<double>& needed, const Lattices& lattices) {
   const int finest = maxWindowResolution(lattices.lattice.sampling);
   if (lattices.resolution) return groupAsOne(scene, lattices.resolution);
@@ -73,7 +74,7 @@ std::vector<SizeGroup> groupsFor(const Scene& scene, const std::vector<double>& 
   return groupBySize(scene, needed, static_cast<int>(std::min<double>(std::ceil(base), kMaxResolution)), finest);
 }
 
-// Blocks until a bound, bound_at(blocks, p) for all at once, is epsilon.
+// Returns the number of blocks until bound_at(blocks, p), a bound for all at once, is epsilon.
 template <class BoundAt>
 double blocksUntil(double epsilon, double delta, BoundAt bound_at) {
   double low = 2, high = 1e15;
@@ -84,7 +85,7 @@ double blocksUntil(double epsilon, double delta, BoundAt bound_at) {
   return high;
 }
 
-// Visibilities from a pilot, in few directions: they serve any number of blocks.
+// Finds visibilities by a pilot of few directions: they serve any number of blocks.
 Prior findBoundedPrior(const GuaranteePlan& plan, const Scene& scene, const Ids& ids, const GuaranteeOptions& options) {
   EstimateOptions pilot;
   pilot.directions = kPriorPilotDirections;
@@ -101,7 +102,7 @@ class GuaranteePlanner {
                    bool exact)
       : scene_(scene), ids_(ids), options_(options), lattices_(lattices), exact_(exact), bounds_(countBounds(ids)) {}
 
-  // Finer lattices lower ranges and variances, and cost more each.
+  // Finer lattices lower ranges and variances, and each costs more.
   GuaranteePlan plan() const {
     const bool has_one_lattice = exact_ || lattices_.resolution;
     if (options_.range > 0 || has_one_lattice) return planFor(options_.range > 0 ? options_.range : kRanges.back());
@@ -115,11 +116,12 @@ class GuaranteePlanner {
   }
 
  private:
-  // With lattices for one range: the bounds, and what a pilot says of the time until they are reached.
+  // Makes the plan for one range: lattices, bounds, and the time until they are reached, as a pilot predicts it.
   GuaranteePlan planFor(double range) const {
     GuaranteePlan plan = makeLattices(range);
     findDirections(plan);
-    secondsOf(plan, kPilotDirections);  // kernels are compiled and tuned
+    // The first count compiles and tunes kernels.
+    secondsOf(plan, kPilotDirections);
     if (options_.statistic == Statistic::median) {
       const double direction_seconds = secondsOf(plan, kPilotDirections) / kPilotDirections;
       plan.least_seconds = plan.expected_seconds = plan.most_seconds =
@@ -150,7 +152,7 @@ class GuaranteePlanner {
     return plan;
   }
 
-  // What bounds that are known beforehand ask for.
+  // Bounds that need no sample set the number of directions.
   void findDirections(GuaranteePlan& plan) const {
     const double e = plan.epsilon, d = plan.delta, m = plan.largest_range;
     plan.hoeffding = plan.visibility_bounds ? plan.visibility_bounds->directionsFor(e, d / 2)
@@ -167,7 +169,8 @@ class GuaranteePlanner {
     return secondsSince(start);
   }
 
-  // The variance of some blocks says which size of block is expected to end first; that it does end is not at stake.
+  // The variance of some blocks predicts which size of block ends first. The end itself does not depend on the
+  // prediction.
   void chooseBlocks(GuaranteePlan& plan) const {
     const double e = plan.epsilon, d = plan.delta;
     plan.expected_seconds = INFINITY;

@@ -17,8 +17,8 @@ std::vector<PairCounts> mergeIdsOfAll(const std::vector<PairCounts>& runs, const
   return merged;
 }
 
-// The medians over runs of what `means` has the means of. Standard errors as for normal errors, of which the median has
-// pi / 2 times the mean's variance; row sums stay those of means.
+// Replaces the means of form factors by medians over runs. Standard errors are those of normal errors, of which the
+// median has pi / 2 times the mean's variance. Row sums stay those of means.
 FormFactors medianOf(const std::vector<PairCounts>& runs, const FormFactors& means, double measure_area) {
   std::vector<FormFactors::Entry> entries = means.entries();
   std::vector<size_t> at(runs.size(), 0);
@@ -49,10 +49,12 @@ GuaranteeRun::GuaranteeRun(const Scene& scene, const Ids& ids, const GuaranteeOp
       guarantee_{options.epsilon, options.delta, INFINITY, is_median_ ? GuaranteedBy::median : GuaranteedBy::hoeffding},
       next_look_(std::max<uint64_t>(2, plan.least_blocks)) {
   if (options_.resumed) {
-    sums_.prior_sums.reset();  // theirs
+    // They belong to the run that was resumed.
+    sums_.prior_sums.reset();
     sums_.add(*options_.resumed);
   }
-  while (next_look_ < sums_.replicateCount()) passLook();  // those that a run did before it was stopped found nothing
+  // Looks of the stopped run found no bound within epsilon.
+  while (next_look_ < sums_.replicateCount()) passLook();
 }
 
 void GuaranteeRun::passLook() {

@@ -12,13 +12,25 @@
 namespace viewpeel {
 namespace {
 
-// Standard error that a goal allows an exchange area, input units squared.
+// Standard errors that make up a goal, of an entry in this column.
+double errorsInGoal(uint32_t column) { return column < kEnvironment ? kErrorsInGoal : kErrorsInRowGoal; }
+
+// What a goal allows an exchange area, input units squared.
 double allowedBy(const EstimateOptions& options, double exchange, double smaller_area) {
   double allowed = options.tolerance ? *options.tolerance * smaller_area : INFINITY;
   // The least visibility is not known before the run: an error relative to what is seen is one of half of it.
   if (options.relative && exchange >= options.relative_floor * smaller_area)
     allowed = std::min(allowed, *options.relative * exchange / 2);
-  return allowed / kPlannedErrors;
+  return allowed;
+}
+
+using Key = std::pair<uint32_t, uint32_t>;
+
+// The entry of the result that a pair of faces, or of a face and a back, is a part of.
+Key entryOf(const LinePair& pair, const Ids& face_ids, By by) {
+  const bool is_leak = pair.j >= face_ids.count();
+  if (by == By::polygon) return {pair.i, is_leak ? kLeak : pair.j};
+  return std::minmax(face_ids.surface[pair.i], is_leak ? kLeak : face_ids.surface[pair.j]);
 }
 
 RunSums sumsToBeginWith(const Scene& scene, const Ids& face_ids, std::vector<LinePair> pairs,
@@ -32,34 +44,28 @@ RunSums sumsToBeginWith(const Scene& scene, const Ids& face_ids, std::vector<Lin
 
 std::vector<LinePair> planLines(PairLines& lines, const Ids& face_ids, const Ids& ids, const EstimateOptions& options) {
   std::vector<LinePair> pairs = lines.find();
-  if (options.by == By::polygon) {
-    lines.plan(
-        pairs,
-        [&](const LinePair& pair) { return allowedBy(options, pair.exchange, face_ids.smallerArea(pair.i, pair.j)); },
-        options.replicates);
-    return pairs;
-  }
-  // Between surfaces the errors of pairs of faces add up as independent ones: each gets its part of the square.
+  // An entry between surfaces, and a row's leak, is a sum over many pairs with independent errors. Parts of the
+  // variance as in eq. (48) of docs/method.md take the fewest lines.
   struct Sum {
-    double exchange = 0, square = 0;
+    double exchange = 0, parts = 0;
   };
-  std::map<std::pair<uint32_t, uint32_t>, Sum> of_surfaces;
-  const auto surfacesOf = [&](const LinePair& pair) {
-    return std::minmax({face_ids.surface[pair.i], face_ids.surface[pair.j]});
-  };
+  std::map<Key, Sum> of_entries;
+  const auto partOf = [](const LinePair& pair) { return std::pow(pair.exchange - pair.clear, 8.0 / 9); };
   for (const LinePair& pair : pairs) {
-    Sum& sum = of_surfaces[surfacesOf(pair)];
+    const Key key = entryOf(pair, face_ids, options.by);
+    if (key == keyOf(pair)) continue;
+    Sum& sum = of_entries[key];
     sum.exchange += pair.exchange;
-    sum.square += pair.exchange * (pair.exchange - pair.clear);
+    sum.parts += partOf(pair);
   }
   lines.plan(
       pairs,
       [&](const LinePair& pair) {
-        const auto key = surfacesOf(pair);
-        const Sum& sum = of_surfaces.at(key);
-        const double allowed = allowedBy(options, sum.exchange, ids.smallerArea(key.first, key.second));
-        // In proportion to the root of what is uncertain: the larger get most lines, and most of what is allowed.
-        return allowed * std::sqrt(pair.exchange * (pair.exchange - pair.clear) / std::max(sum.square, 1e-300));
+        const Key key = entryOf(pair, face_ids, options.by);
+        const double area = ids.smallerArea(key.first, key.second), errors = errorsInGoal(key.second);
+        const auto sum = of_entries.find(key);
+        if (sum == of_entries.end()) return allowedBy(options, pair.exchange, area) / errors;
+        return allowedBy(options, sum->second.exchange, area) / errors * std::sqrt(partOf(pair) / sum->second.parts);
       },
       options.replicates);
   return pairs;
@@ -92,40 +98,39 @@ void LineRun::measureErrors() {
   };
   std::vector<Row> rows(ids.count());
   for (const FormFactors::Entry& entry : all.entries())
-    if (entry.j < kEnvironment)
-      for (const uint32_t id : {entry.i, entry.j}) {
-        rows[id].variance += std::pow(entry.exchange_area.standard_error, 2);
-        rows[id].count += 1;
-      }
+    for (const uint32_t id : {entry.i, entry.j}) {
+      if (id >= kEnvironment || entry.j == kEnvironment) continue;
+      rows[id].variance += std::pow(entry.exchange_area.standard_error, 2);
+      rows[id].count += 1;
+    }
   for (const FormFactors::Entry& entry : all.entries()) {
     if (entry.j != kEnvironment) continue;
     Row& row = rows[entry.i];
     row.is_wanting = isWanting({entry.i, kEnvironment, {entry.exchange_area.value, std::sqrt(row.variance)}}, ids);
   }
-  std::set<std::pair<uint32_t, uint32_t>> keys;
+  std::set<Key> keys;
   for (const FormFactors::Entry& entry : all.entries()) {
-    if (entry.j >= kEnvironment) continue;
+    if (entry.j == kEnvironment) continue;
     const double variance = std::pow(entry.exchange_area.standard_error, 2);
     const auto isWantedBy = [&](const Row& row) { return row.is_wanting && variance * row.count > row.variance; };
-    if (isWanting(entry, ids) || isWantedBy(rows[entry.i]) || isWantedBy(rows[entry.j])) keys.insert(keyOf(entry));
+    if (isWanting(entry, ids) || isWantedBy(rows[entry.i]) || (entry.j < kEnvironment && isWantedBy(rows[entry.j])))
+      keys.insert(keyOf(entry));
   }
   const std::vector<LinePair>& pairs = sums_.lines->pairs();
-  const std::vector<uint32_t>& surface = sums_.lines->ids().surface;
   wanting_.assign(pairs.size(), false);
   is_any_wanting_ = false;
   for (size_t k = 0; k < pairs.size() && !keys.empty(); ++k) {
-    auto key = keyOf(pairs[k]);
-    if (options_.by == By::surface) key = std::minmax(surface[key.first], surface[key.second]);
-    wanting_[k] = pairs[k].blocks && keys.contains(key);
+    wanting_[k] = pairs[k].blocks && keys.contains(entryOf(pairs[k], sums_.lines->ids(), options_.by));
     is_any_wanting_ = is_any_wanting_ || wanting_[k];
   }
 }
 
 bool LineRun::isWanting(const FormFactors::Entry& entry, const Ids& ids) const {
-  const double area = ids.smallerArea(entry.i, entry.j), error = entry.exchange_area.standard_error;
-  if (options_.tolerance && kReachedErrors * error > *options_.tolerance * area) return true;
+  const double area = ids.smallerArea(entry.i, entry.j),
+               error = errorsInGoal(entry.j) * entry.exchange_area.standard_error;
+  if (options_.tolerance && error > *options_.tolerance * area) return true;
   return options_.relative && entry.exchange_area.value >= options_.relative_floor * area &&
-         kReachedErrors * error > *options_.relative * entry.exchange_area.value;
+         error > *options_.relative * entry.exchange_area.value;
 }
 
 bool LineRun::isDone() const {

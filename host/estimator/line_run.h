@@ -15,11 +15,10 @@ namespace viewpeel {
 // Common directions of a replicate.
 constexpr uint32_t kLineRunDirections = 32;
 
-// What the tolerance T of a run stands for: plans allow each pair T / kPlannedErrors standard errors, so that the
-// largest error of all pairs, most of which have far less, is hardly ever above T. Measured: docs/accuracy.md.
-constexpr double kPlannedErrors = 4.25;
-// Pairs whose standard error is above T / kReachedErrors after the replicates asked for get further ones.
-constexpr double kReachedErrors = 4.25;
+// A goal T is T / kErrorsInGoal standard errors of a pair, so that the largest error of all pairs is hardly ever above
+// T. Environment and leak are sums over many pairs, whose errors have no tails, and there are few of them: fewer
+// standard errors do. Measured: docs/accuracy.md.
+constexpr double kErrorsInGoal = 4.25, kErrorsInRowGoal = 2.5;
 
 // Finds the pairs of a run and gives them lines for its goal: a tolerance, a relative error, or both.
 //   In: lines: of ids by face; ids: of the result, whose goals are meant; options: goals, replicates, by

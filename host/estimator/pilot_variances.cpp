@@ -17,14 +17,14 @@ struct Residual {
   double counts;
 };
 
-// Over the replicates of each half: sums of residuals on the first lattice, on the second, and of their squares and
+// Spread sums over the replicates of each half: residuals on the first lattice, on the second, their squares and
 // products.
 struct Moments {
   uint32_t i, j;
   std::array<double, 2> a{}, b{}, aa{}, bb{}, ab{};
 };
 
-// Of one replicate.
+// A Spread is that of one replicate.
 struct Spread {
   double total, between_lattices;
 };
@@ -35,7 +35,7 @@ std::vector<PairVisibility> visibilitiesOf(std::span<const PilotCounts> replicat
   return fitVisibilities(withRows(std::move(all)));
 }
 
-// What is left of counts when visibilities are taken off, where there are unoccluded form factors.
+// Returns the counts less their control variates, where there are unoccluded form factors.
 std::vector<Residual> residualsOf(const PairCounts& counts, const std::vector<PairVisibility>& visibilities,
                                   const std::vector<uint32_t>& id_of_face) {
   std::vector<Residual> residuals;
@@ -65,7 +65,7 @@ void addReplicate(std::vector<Moments>& moments, size_t half, const std::vector<
   moments = std::move(merged);
 }
 
-// The means of the two halves, of n replicates each.
+// Returns the means of the two halves, of n replicates each.
 Spread spreadOf(const Moments& m, double n) {
   double total = 0, common = 0;
   for (size_t half = 0; half < 2; ++half) {
@@ -103,7 +103,7 @@ PilotVariances pilotVariances(const std::vector<PilotCounts>& counted, const Ids
     spreads.push_back({spread.total * unit * unit, spread.between_lattices * unit * unit});
   }
   if (spreads.empty()) return {};
-  // A covariance is known from few replicates only: its share is a mean over some of the largest variances.
+  // Few replicates give a rough covariance. So its share is a mean over some of the largest variances.
   const size_t top = std::clamp<size_t>(spreads.size() / 50, 1, 64);
   std::partial_sort(spreads.begin(), spreads.begin() + static_cast<std::ptrdiff_t>(top), spreads.end(),
                     [](const Spread& a, const Spread& b) { return a.total > b.total; });

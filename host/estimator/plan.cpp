@@ -26,45 +26,49 @@ namespace {
 constexpr uint32_t kPilotReplicates = 8, kFirstDirections = 16,
                    kPilotDirections = 32;  // of the first pilot, and of others at least
 constexpr int kFirstResolution = 64;
-constexpr double kFewPoints = 5;                              // of an id in the whole run, below which it may go unmet
-constexpr double kLatticePoints = 100, kUsualReplicates = 8;  // every id meets so many points in so many replicates
+constexpr double kFewPoints = 5;  // of an id in the whole run, below which no line may hit it
+constexpr double kLatticePoints = 100, kUsualReplicates = 8;  // every id gets this many points in this many replicates
 constexpr double kDefaultTolerance = 1e-3;
-constexpr double kAllowed = 0.8;         // of counts, where those of some directions are more than the average
-constexpr double kMostReplicates = 128;  // to a goal, where others get there
+// Of the most counts: along some directions there are more than the average.
+constexpr double kAllowed = 0.8;
+// A plan takes at most this many replicates to a goal that other choices reach with fewer.
+constexpr double kMostReplicates = 128;
 constexpr double kMostPoints = 8192.0 * 8192, kMostScanlines = 4 * 8192;  // of a direction
 constexpr double kMostPilotSeconds = 30;                                  // of each pilot
 constexpr uint32_t kTimedDirections = 4;                                  // that time a lattice
-constexpr double kMostBeyond = 4;  // times the points that were timed, and the seconds expected, that need no trial
+// A lattice needs no trial up to this multiple of the points that were timed, and of the expected seconds.
+constexpr double kMostBeyond = 4;
 constexpr int kMostTrials = 4;
-constexpr double kMostDoubt = 4;  // of a predicted variance, times itself, beyond which a pilot has to confirm it
+// A pilot confirms a predicted variance whose standard error is beyond this multiple of it.
+constexpr double kMostDoubt = 4;
 
-// The lattice of a plan: groups at `base` x 4^m, up to the resolution that the neediest polygon gets.
+// A Shape is the lattice of a plan: groups at `base` x 4^m, up to the resolution that the neediest polygon gets.
 struct Shape {
   int base = kFirstResolution;
   int finest = kFirstResolution;
   bool operator==(const Shape&) const = default;
 };
 
-// What a direction's time is made of, and the lattice variance of the worst id, by the rule below.
+// A Load is the work of a direction, and the lattice variance of the worst id, by latticeVariance.
 struct Load {
   double groups = 1, points = 1, variance = 0;  // points, or scanlines
-  double line = 0;  // what one line adds to the form factor of the worst id: standard errors are no less than one
-                    // line's in the whole run
-  int finest = 0;   // resolution
+  // This is one line's part in the form factor of the worst id. Standard errors are no less than one line's in the
+  // whole run.
+  double line = 0;
+  int finest = 0;  // resolution
 };
 
-// Variance of a form factor of an id of area A and perimeter P, all of which one other sees: 4 / A^2 of the count's,
-// whose is 0.0728 h^3 pi/4 P (tests/device/lattice_check_test.cpp; the mean projected perimeter is pi/4 P), or on
-// lattices coarser than the id that of hit or miss, h^2 times the mean projected area A / 2. With scanlines a quarter
-// of the former, or h times that of a line's length in it, (A / 2)^(3/2) for a square.
+// Returns the variance of a form factor of an id of area A and perimeter P, all of which one other id sees:
+// docs/method.md, eq. (24). With scanlines it is a quarter of the former, or h times the squared length of a line in
+// the id, (A / 2)^(3/2) for a square.
 double latticeVariance(Sampling sampling, double perimeter_per_area_squared, double area, double h) {
   if (sampling == Sampling::scanline)
     return std::min(0.061 * h * h * h * perimeter_per_area_squared, std::numbers::sqrt2 * h / std::sqrt(area));
   return std::min(0.229 * h * h * h * perimeter_per_area_squared, 2 * h * h / area);
 }
 
-// How many lattice points, or scanlines, of a direction meet an id, on the average: of its mean projection, taken for a
-// square.
+// Returns how many lattice points, or scanlines, of a direction meet an id, on the average: of its mean projection,
+// taken for a square.
 double expectedPoints(Sampling sampling, double area, double h) {
   return sampling == Sampling::scanline ? std::sqrt(area / 2) / h : area / 2 / (h * h);
 }
@@ -72,17 +76,17 @@ double expectedPoints(Sampling sampling, double area, double h) {
 struct Pilot {
   uint32_t directions = 0;
   Shape shape;
-  PilotVariances variances;  // at that number of directions
+  PilotVariances variances;  // at this number of directions
   Load load;
 };
 
-// What a direction took on a lattice.
+// A Timing is the measured time of a direction on a lattice.
 struct Timing {
   Load load;
   double seconds = 0;
 };
 
-// Polygons that need about the same resolution.
+// A SizeClass has polygons that need about the same resolution.
 struct SizeClass {
   double fineness = 0;
   double perimeter_per_area_squared = 0;
@@ -92,7 +96,7 @@ struct SizeClass {
   std::vector<uint32_t> polygons;
 };
 
-// P / A^2 of ids, in unit-ball units.
+// Returns P / A^2 of ids, in unit-ball units.
 std::vector<double> perimetersPerAreaSquared(const Scene& scene, const Ids& ids) {
   std::vector<double> ratios(ids.count(), 0);
   for (size_t k = 0; k < scene.polygons.size(); ++k) ratios[ids.of_polygon[k]] += perimeterOf(scene, scene.polygons[k]);
@@ -100,7 +104,8 @@ std::vector<double> perimetersPerAreaSquared(const Scene& scene, const Ids& ids)
   return ratios;
 }
 
-// Resolutions at which the lattice variance of every id is that of the neediest, as shares of its own.
+// Returns the resolutions, as fractions of the neediest id's own, at which the lattice variance of every id equals the
+// neediest one's.
 std::vector<double> finenessOf(const std::vector<double>& perimeters_per_area_squared) {
   const double most = *std::max_element(perimeters_per_area_squared.begin(), perimeters_per_area_squared.end());
   std::vector<double> fineness;
@@ -108,7 +113,8 @@ std::vector<double> finenessOf(const std::vector<double>& perimeters_per_area_sq
   return fineness;
 }
 
-// What an id's lattice variance asks for, and enough points in the whole run of so many directions a replicate.
+// Returns the resolution for an id: fine enough for its lattice variance, and for enough points in the whole run of
+// `directions` a replicate.
 double neededResolution(Sampling sampling, double fineness, double area, int finest, double directions) {
   const double times =
       expectedPoints(sampling, area, 2) * kUsualReplicates * directions;  // on a lattice of one spacing across
@@ -132,7 +138,7 @@ class Planner {
     uint32_t directions = 0;
     Shape shape;
     double seconds = 0, variance = INFINITY;
-    bool counts_too_large = false;  // of all that get to the goal
+    bool counts_too_large = false;  // of all plans that reach the goal
   };
   DrawnDirections directionsOf(uint32_t count, uint64_t replicate) const;
   void makeEngine(uint32_t directions, const Shape& shape);
@@ -143,9 +149,9 @@ class Planner {
                                     double count_area) const;
   Choice choose() const;
   Choice choose(bool by_time) const;
-  // For a pilot.
+  // The directions are those of a pilot.
   double allowedSeconds() const { return std::min(kMostPilotSeconds, 0.1 * options_.seconds.value_or(INFINITY)); }
-  // For the run, of the time that was given, with some to spare for making engines.
+  // The seconds are those left of the given time, with some to spare for making engines.
   double secondsLeft() const { return std::max(0.8 * (*options_.seconds - pilot_seconds_), 0.1 * *options_.seconds); }
   double directionVariance(double directions) const;
   bool isDoubtful(const Choice& choice) const;
@@ -164,9 +170,9 @@ class Planner {
   std::vector<double> ratios_;                // perimetersPerAreaSquared
   std::vector<double> areas_;                 // of ids, unit-ball units squared
   double whole_area_ = 0, largest_face_ = 0;  // of all ids, of a face; likewise
-  std::vector<uint32_t>
-      ranks_;  // of ids, by place, where form factors are shares of unoccluded form factors, their neighbours'
-               // where few lines tell (neighbour_visibility.h)
+  // Ranks of ids by place, where form factors are visibilities times unoccluded ones. Few lines are joined by their
+  // neighbours' (neighbour_visibility.h).
+  std::vector<uint32_t> ranks_;
   std::vector<uint32_t> id_of_face_;  // with unoccluded form factors
   std::vector<SizeClass> classes_;
   mutable std::map<std::array<int, 3>, size_t> windows_;  // of classes from one to another at a resolution
@@ -234,19 +240,20 @@ void Planner::makeEngine(uint32_t directions, const Shape& shape) {
   engine_.reset();
   groups_ = std::move(groups);
   engine_ = viewpeel::makeEngine(lattices_, scene_, ids_, groups_);
-  engine_->count(directionsOf(4, kTrialReplicates.end - 1).directions);  // kernels are compiled and tuned
+  // The first count compiles and tunes kernels.
+  engine_->count(directionsOf(4, kTrialReplicates.end - 1).directions);
 }
 
-// Of so many directions.
+// The time is that of `directions` directions.
 double Planner::timeDirections(uint32_t count) {
   const auto start = Clock::now();
   engine_->count(directionsOf(count, kTrialReplicates.end - 2).directions);
   return secondsSince(start);
 }
 
-// Tries a lattice that is much finer than those that were timed: points of windows and of the whole scene, met and
-// unmet, do not all take the same time. What a call takes beside directions is left out, and what a busy machine adds
-// to one of two trials.
+// Tries a lattice that is much finer than all timed lattices. Points of windows and of the whole scene, hit or not, do
+// not all take the same time. The difference of two calls leaves out the fixed time of a call. The smaller of two
+// trials leaves out the delay of a busy machine.
 bool Planner::takesLonger(const Choice& choice) {
   const auto start = Clock::now();
   const Load load = loadOf(choice.shape, choice.directions);
@@ -255,7 +262,8 @@ bool Planner::takesLonger(const Choice& choice) {
         load.groups <= timing.load.groups)
       return false;
   makeEngine(choice.directions, choice.shape);
-  timeDirections(kTimedDirections);  // what the engine changed after its first count is compiled
+  // The engine compiles here whatever it changed after its first count.
+  timeDirections(kTimedDirections);
   const double most = kMostBeyond * secondsOf(load);
   double each = INFINITY;
   for (int trial = 0; trial < 2 && each > most; ++trial) {
@@ -271,9 +279,9 @@ void Planner::measure(uint32_t directions, const Shape& shape) {
   const auto begun = Clock::now();
   makeEngine(directions, shape);
   if (pilots_.empty())
-    directions = static_cast<uint32_t>(std::clamp(allowedSeconds() / (2 * kPilotReplicates * timeDirections(2) / 2),
-                                                  1.0, double(directions)));  // in the time there is, too
-  // Of both lattices, every replicate.
+    directions = static_cast<uint32_t>(
+        std::clamp(allowedSeconds() / (2 * kPilotReplicates * timeDirections(2) / 2), 1.0, double(directions)));
+  // The counts are of both lattices and every replicate.
   std::vector<PilotCounts> counted;
   double weight_unit = 1;
   const auto start = Clock::now();
@@ -295,12 +303,12 @@ void Planner::measure(uint32_t directions, const Shape& shape) {
   Pilot pilot{directions, shape, pilotVariances(counted, ids_, id_of_face_, measure_area, options_),
               loadOf(shape, directions)};
   if (!ranks_.empty()) {
-    // Both in the visibilities found, as large together as the run would say.
+    // Both variances use the visibilities of the pilot, and are scaled to the run's own standard error.
     const double count_area = ids_.requested.empty() ? measure_area * directions / 2 : INFINITY,
                  stated =
                      std::pow(largestErrorOfVisibilities(counted, measure_area / 2, count_area), 2) * kPilotReplicates;
-    const double found =
-        pilot.variances.of_directions + pilot.variances.of_lattices / 2;  // of two lattices a direction
+    // A direction counts on two lattices, and each has half of the variance.
+    const double found = pilot.variances.of_directions + pilot.variances.of_lattices / 2;
     if (found > 0)
       for (double* variance : {&pilot.variances.of_directions, &pilot.variances.of_lattices, &pilot.variances.doubt})
         *variance *= stated / found;
@@ -310,8 +318,8 @@ void Planner::measure(uint32_t directions, const Shape& shape) {
   timings_.push_back({pilot.load, seconds / (2 * kPilotReplicates * directions)});
 }
 
-// What the run would say of the pilot: pairs of which few lines tell have the standard error that theirs and their
-// neighbours' give them, with the unoccluded form factors that lines themselves tell.
+// Returns the largest standard error that the run would state after the pilot. Pairs that few lines hit have the
+// standard error of their own lines and their neighbours'. Unoccluded form factors are those of the lines themselves.
 double Planner::largestErrorOfVisibilities(const std::vector<PilotCounts>& counted, double measure_area,
                                            double count_area) const {
   VisibilitySums sums(ids_);
@@ -344,8 +352,8 @@ double Planner::directionVariance(double directions) const {
   return last.variances.of_directions * std::pow(last.directions / directions, exponent);
 }
 
-// Whether the variance predicted is that of lattices alone, which hid the directions' in the pilot: its lattices hardly
-// met what the plan's own meet often.
+// Returns whether the predicted variance is that of lattices alone, which hid the directions' in the pilot. Then its
+// lattices hardly hit pairs that the plan's own hit often.
 bool Planner::isDoubtful(const Choice& choice) const {
   const Pilot& last = pilots_.back();
   return last.variances.doubt * std::pow(last.directions / double(choice.directions), 2) / double(options_.replicates) >
@@ -364,18 +372,18 @@ Load Planner::loadOf(const Shape& shape, double directions) const {
     if (resolution > shape.base) fine[resolution] += size.area;
     load.variance = std::max(load.variance, latticeVariance(lattices_.lattice.sampling, size.perimeter_per_area_squared,
                                                             size.least_area, 2 / resolution));
-    if (ranks_.empty())
-      load.line = std::max(load.line, 8 / (resolution * resolution * size.least_area) +
-                                          8 / 27.0);  // and half of what it counts with others (replicate_sums.cpp)
+    // A direction adds half of what it counts together with others (replicate_sums.cpp).
+    if (ranks_.empty()) load.line = std::max(load.line, 8 / (resolution * resolution * size.least_area) + 8 / 27.0);
   }
+  // A window reaches beyond its polygons.
   for (const auto& [resolution, share] : fine)
-    load.points += (is_scanline ? resolution : resolution * resolution) *
-                   std::min(1.0, 2 * share);  // what is looked at reaches beyond polygons
+    load.points += (is_scanline ? resolution : resolution * resolution) * std::min(1.0, 2 * share);
   load.groups += double(windowsOf(resolutions, shape.base));
   return load;
 }
 
-// What groupBySize makes of the classes: no finer than windows can be, and than there may be windows.
+// Returns the resolutions that groupBySize makes of the classes: no finer than windows can be, and with no more windows
+// than there may be.
 std::vector<int> Planner::resolutionsOf(const Shape& shape, double directions) const {
   std::vector<int> resolutions(classes_.size(), shape.base);
   for (int finest = maxWindowResolution(lattices_.lattice.sampling); lattices_.may_group; finest /= kGroupStep) {
@@ -393,7 +401,8 @@ std::vector<int> Planner::resolutionsOf(const Shape& shape, double directions) c
   return resolutions;
 }
 
-// Beside the whole scene's. Classes of one resolution are taken to follow each other.
+// Returns the number of windows beside the whole scene's lattice. Classes of one resolution are taken to follow each
+// other.
 size_t Planner::windowsOf(const std::vector<int>& resolutions, int base) const {
   size_t windows = 0;
   for (size_t first = 0, end = 0; first < resolutions.size(); first = end) {
@@ -411,8 +420,9 @@ size_t Planner::windowsOf(const std::vector<int>& resolutions, int base) const {
   return windows;
 }
 
-// For unoccluded form factors: those of a row in a replicate, the sum over a surface's faces, and the squares over all
-// replicates (control_variate_sums.h). A face's projection is half of its area on the average.
+// Returns whether counts are too large for unoccluded form factors. It looks at the counts of a row in a replicate, the
+// sum over a surface's faces, and the squares over all replicates (control_variate_sums.h). A face's projection is half
+// of its area on the average.
 bool Planner::areCountsTooLarge(const Load& load, double directions, double replicates) const {
   if (id_of_face_.empty()) return false;
   const double count_area =
@@ -422,8 +432,8 @@ bool Planner::areCountsTooLarge(const Load& load, double directions, double repl
   return of_row > most || of_all > 2 * most || replicates * of_row * of_row > 8 * most * most;
 }
 
-// A direction costs something for every group, and for every lattice point over the group's polygons; half each where
-// pilots do not tell.
+// Returns the time of a direction. It costs something for every group, and for every lattice point over the group's
+// polygons. Where pilots cannot part the two, each gets half.
 double Planner::secondsOf(const Load& load) const {
   const Timing& last = timings_.back();
   double per_group = 0.5 * last.seconds / last.load.groups, per_point = 0.5 * last.seconds / last.load.points;
@@ -437,7 +447,7 @@ double Planner::secondsOf(const Load& load) const {
   return per_group * load.groups + per_point * load.points;
 }
 
-// The least time to the goal; the least error in the time there is, where there is no goal or no time for it.
+// Chooses the least time to the goal; the least error in the time there is, where there is no goal or no time for it.
 Planner::Choice Planner::choose() const {
   const Choice choice = choose(options_.seconds && !options_.tolerance && !options_.relative);
   return options_.seconds && choice.seconds > secondsLeft() ? choose(true) : choice;
@@ -451,8 +461,8 @@ Planner::Choice Planner::choose(bool by_time) const {
   double least_area = 1;
   for (const SizeClass& size : classes_) least_area = std::min(least_area, size.least_area);
 
-  // Where nothing is quick enough, the quickest; where no error is small enough, what gets there first with more
-  // replicates, if not too many.
+  // Where no choice is quick enough, the quickest is taken. Where no error is small enough, the choice is the one that
+  // gets there first with more replicates, if they are not too many.
   const auto meets = [&](const Choice& c) { return by_time ? c.seconds <= secondsLeft() : c.variance <= goal * goal; };
   const auto rankOf = [&](const Choice& c) {
     if (meets(c)) return 0;
@@ -473,7 +483,7 @@ Planner::Choice Planner::choose(bool by_time) const {
       for (int step = 1; step == 1 || (lattices_.may_group && finest / step >= 8); step *= kGroupStep) {
         const Shape shape{(finest + step - 1) / step, finest};
         if (shape.base > kMaxResolution) continue;
-        // One lattice for all: fine enough for the least of them, or as fine as there is.
+        // One lattice serves all: fine enough for the least of them, or as fine as there is.
         if (!lattices_.may_group && !lattices_.resolution &&
             finest < std::min(neededBy({1, 0, 0, least_area}, shape, directions), kMaxResolution / 1.5))
           continue;
@@ -507,7 +517,8 @@ Plan Planner::plan() {
   const int first = lattices_.resolution ? lattices_.resolution : kFirstResolution;
   measure(kFirstDirections, {first, first});
   Choice choice = choose();
-  // A pilot nearer to the plan, where that costs little beside the run, or where nothing is known without it.
+  // Another pilot, nearer to the plan, counts where it costs little beside the run, or where a variance cannot be had
+  // without it.
   for (int more = 0; more < 2; ++more) {
     const Pilot& last = pilots_.back();
     const double share = 0.03 * double(options_.replicates) / kPilotReplicates;

@@ -1,23 +1,14 @@
-// Guarantees with unoccluded form factors: bounds on V - b (V + O - F0), b from a pilot.
+// These bounds serve guarantees with unoccluded form factors: they hold for V - b (V + O - F0), b from a pilot.
 //
-// One direction's V of a pair of polygons and T = V + O, in F's units of the smaller one, have 0 <= V <= T <= M
-// (bounds.h: a line is counted once at most, blocked or not), and E[T] = F0. So X = V - b T has b between 0 and 1 and
-// lies in [-b T, (1 - b) T]: an interval as wide as V's own, M, whatever b is - a range is no smaller with closed
-// forms, unless something proves that nothing is in between. What is smaller is the variance, and a bound on it is
-// known beforehand:
-//   E[X^2] <= max(b, 1 - b)^2 E[T^2] <= max(b, 1 - b)^2 M F0,
-// for X^2 is at most (b T)^2 or ((1 - b) T)^2, and T^2 <= M T. Without a visibility, b = 0, V^2 <= M V says the same.
-// Where F0 = 0 nothing is seen.
-//   Bernstein (S. Boucheron, G. Lugosi, P. Massart, Concentration inequalities, 2013, theorem 2.10 and corollary 2.11):
-//   N independent directions, in strata of equal size or not, have
-//     a mean that is off by t or more with probability at most 2 exp(-N t^2 / (2 v + 2 M t / 3)), v a bound on the mean
-//     of E[X^2] over strata, which is that of one direction.
-//   Hoeffding's bound is that of M, as without unoccluded form factors, and so is the empirical Bernstein bound of
-//   blocks, with the sample variance of X. A bound is chosen by what is known
-//     beforehand: Bernstein's where it is no more than the empirical one could be if the variance were 0.
-//   Environment and leak have T = all lines of the row, M F0 no use: Hoeffding's and the empirical bound of X. They are
-//   2 n bounds beside n (n - 1) / 2: either kind gets half of delta. F0 is good to kUnoccludedRelativeError or
-//   kUnoccludedAbsoluteError, which adds so much to every bound.
+// Derivation: docs/method.md, section 9, "With control variates". One direction's T = V + O of a pair lies in [0, M], M
+// the range of the smaller polygon (bounds.h), for a line counts once at most, blocked or not. The second moment is
+// bounded by eq. (31), and Bernstein's inequality, eq. (32), turns it into a bound on the mean. Without a visibility, b
+// = 0, V^2 <= M V says the same. Where F0 = 0 nothing is seen. Hoeffding's bound (29) is that of M, as without
+// unoccluded form factors. So is the empirical Bernstein bound (30) of blocks, with the sample variance of X = V - b T.
+// The choice among them is made beforehand: (32) where it is no more than (30) could be if the sample variance were 0.
+// Environment and leak have T = all lines of their row, for which M F0 is of no use. They have (29) and (30), as 2 n
+// bounds beside n (n - 1) / 2, and either kind gets half of delta. F0 is good to kUnoccludedRelativeError or
+// kUnoccludedAbsoluteError, which is added to every bound.
 #pragma once
 #include <vector>
 
@@ -25,31 +16,34 @@
 
 namespace viewpeel {
 
-// (M l / 3 + sqrt((M l / 3)^2 + 2 N v l)) / N, l = ln(2 / p): Bernstein's inequality with a variance known beforehand.
+// Returns (M l / 3 + sqrt((M l / 3)^2 + 2 N v l)) / N, l = ln(2 / p): Bernstein's inequality for a bound v on the
+// variance that holds before the run.
 double givenVarianceBound(double variance, double range, double directions, double p);
 
 class VisibilityBounds {
  public:
+  // Takes the pairs of the prior and their bounds on the variance.
   //   In: ids by face; ranges as from formFactorRanges; prior: of all pairs, without visibilities where the range does
-  //   not hold for T (keepBounded)
+  //     not hold for T (keepBounded)
   //   Cost: 24 bytes a pair that can see each other.
   VisibilityBounds(const Ids& ids, const std::vector<double>& ranges, const Prior& prior);
 
-  // The least N after which everything is within epsilon but for probability delta, by Hoeffding's and Bernstein's
-  // inequalities.
-  //   Throws: Error bad_usage where that is above 1e15, or epsilon is below what unoccluded form factors are good to.
+  // Returns the least N after which everything is within epsilon but for probability delta, by Hoeffding's and
+  // Bernstein's inequalities.
+  //   Throws: Error bad_usage where N is above 1e15, or epsilon is below the error of unoccluded form factors.
   uint64_t directionsFor(double epsilon, double delta) const;
 
-  // Sample variances of blocks: of pairs, and of environment, leak and self view, the largest by id.
+  // Variances holds sample variances of blocks: of pairs, and of environment, leak and self view, the largest by id.
   struct Variances {
     std::vector<double> of_pairs, of_rows;
   };
   Variances measureVariances(const ControlVariateSums& sums, double measure_area) const;
 
-  // The bounds of rows, which have half of any probability: as many as all would be.
+  // Returns the number of bounds of rows. They have half of any probability, so each kind gets its share by this
+  // number.
   double rowBounds() const { return 2 * row_count_; }
 
-  // What all errors are below but for probability p, after so many blocks.
+  // Returns a bound that all errors stay below but for probability p, after this number of blocks.
   double largestBound(const Variances& variances, double blocks, double block_directions, double p) const;
 
  private:
@@ -63,8 +57,8 @@ class VisibilityBounds {
   double largest_range_ = 0;
 };
 
-// Without the visibilities whose lines could be counted more than once: faces of several polygons, and rows where there
-// are several lattices.
+// Removes the visibilities whose lines could be counted more than once: of faces of several polygons, and all of them
+// where there are several lattices.
 Prior keepBounded(Prior prior, const Ids& ids, bool has_one_lattice);
 
 }  // namespace viewpeel

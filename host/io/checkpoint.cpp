@@ -13,7 +13,7 @@
 namespace viewpeel {
 namespace {
 
-constexpr uint64_t kFormat = 6;  // of the file: changes with every change of what is written below
+constexpr uint64_t kFormat = 6;  // of the file: changes with every change of the columns below
 
 using Sum = ReplicateSums::Sum;
 using PairSum = ReplicateSums::PairSum;
@@ -96,7 +96,7 @@ T readOne(Hdf5Input& in, const std::string& name) {
   return values.front();
 }
 
-// 128-bit numbers, as two columns.
+// Writes 128-bit numbers as two columns.
 template <class Pairs, class Value>
 void writeWide(Hdf5Output& out, const std::string& name, const Pairs& pairs, Value value) {
   writeColumn<uint64_t>(out, name + "_high", pairs, [&](const auto& pair) { return highOf(Wide(value(pair))); });
@@ -307,7 +307,7 @@ std::optional<LineSums> readLineSums(Hdf5Input& in, const Ids& face_ids) {
   readColumn<uint32_t>(in, "lines/blocks", pairs, [](LinePair& pair, uint32_t blocks) { pair.blocks = blocks; });
   readColumn<uint32_t>(in, "lines/period", pairs, [](LinePair& pair, uint32_t period) { pair.period = period; });
   readColumn<uint8_t>(in, "lines/by_angles", pairs, [](LinePair& pair, uint8_t is) { pair.by_angles = is; });
-  requireOrder(in, "lines", pairs, face_ids.count());
+  requireOrder(in, "lines", pairs, 2 * face_ids.count());  // pairs with backs, too
   const bool are_sound = std::ranges::all_of(pairs, [](const LinePair& pair) {
     return pair.i < pair.j && pair.j < kEnvironment && pair.period > 0 && pair.exchange >= pair.clear &&
            pair.clear >= 0 && std::isfinite(pair.exchange) && pair.blocks <= kMostLineBlocks;
@@ -331,7 +331,7 @@ std::optional<LineSums> readLineSums(Hdf5Input& in, const Ids& face_ids) {
   return LineSums(face_ids, by, std::move(pairs), std::move(sums), replicate_count);
 }
 
-// Written only where there are any.
+// Empty rows are written only where there are any.
 std::vector<EmptyRow> readEmptyRows(Hdf5Input& in, const std::string& group, uint32_t id_count) {
   std::vector<EmptyRow> empty_rows;
   if (!in.has(group + "/empty_rows")) return empty_rows;

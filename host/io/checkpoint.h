@@ -1,4 +1,4 @@
-// Checkpoints: what a run has counted so far, in a file, so that another run can go on from there.
+// A checkpoint is a file with all counts of a run, so that another run can go on from there.
 #pragma once
 #include <filesystem>
 #include <optional>
@@ -12,22 +12,22 @@
 
 namespace viewpeel {
 
-// What a setting is, where it is there.
+// Returns the value of a setting, where it is there.
 std::optional<std::string> findSetting(const Settings& settings, const std::string& name);
 
 struct Checkpoint {
   Settings settings;
-  // Ids have names, areas, surfaces, what was asked for and which sums mean something; of_polygon and roles are empty.
+  // Ids have names, areas, surfaces, requested rows and the flags of sums; of_polygon and roles are empty.
   RunSums sums;
 };
 
-// Writes HDF5: settings, ranges of replicates, and by id and by surface names, areas and all sums; with unoccluded form
-// factors these, visibilities and controls. The same sums make the same bytes.
+// Writes HDF5: settings, ranges of replicates, and by id and by surface names, areas and all sums. Unoccluded form
+// factors, visibilities and controls follow where a run has them. The same sums make the same bytes.
 //   In: sums.isWhole()
 //   Error: none: integers and the bits of doubles.
-//   Throws: Error output, Error limit where memory is short; `file` is then what it was.
+//   Throws: Error output, Error limit where memory is short; `file` is then as it was before.
 //   Cost: 40 bytes of disk for each nonzero pair, 44 and the longest name for each id; with unoccluded form factors 24
-//   for each pair known and 64 for each control; twice that in memory.
+//     for each pair of the prior and 64 for each control; twice that number of bytes in memory.
 void writeCheckpoint(const Settings& settings, const RunSums& sums, const std::filesystem::path& file);
 
 //   Throws: Error bad_input where the file is none, of another format, cut off or damaged (all it holds is under a
@@ -43,7 +43,7 @@ void requireSameSettings(const Settings& expected, const Settings& found, const 
 //   Cost: O(nonzeros) for each file; memory for the sum and one of them.
 Checkpoint mergeCheckpoints(const std::vector<std::filesystem::path>& files);
 
-// "0 to 7, 16 to 23"
+// Returns the ranges in words: "0 to 7, 16 to 23".
 std::string describeReplicates(const std::vector<ReplicateRange>& replicates);
 
 }  // namespace viewpeel

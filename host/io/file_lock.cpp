@@ -13,7 +13,7 @@ bool FileLock::take(const std::filesystem::path& file) {
   release();
   opened_ = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
   if (opened_ < 0) return false;
-  // A file system that has no locks is one where nothing can be said.
+  // A file system without locks cannot say who has the file.
   const bool locked = ::flock(opened_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK;
   if (locked && isOn(file)) return true;
   release();

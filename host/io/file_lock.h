@@ -12,10 +12,11 @@ class FileLock {
   FileLock(const FileLock&) = delete;
   FileLock& operator=(const FileLock&) = delete;
 
-  // False where another process has it, or the file cannot be opened. Lets go of the file that was locked before.
+  // Locks the file; returns false where another process has it, or the file cannot be opened. Lets go of the file that
+  // was locked before.
   //   Source: flock(2), which is released by the kernel however the process ends.
   bool take(const std::filesystem::path& file);
-  // Whether the file locked is the one of that name.
+  // Returns whether the locked file is the one of that name.
   bool isOn(const std::filesystem::path& file) const;
   void release();
 

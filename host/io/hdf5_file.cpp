@@ -22,7 +22,7 @@ static_assert(std::endian::native == std::endian::little);  // of check sums
 constexpr size_t kCheckSumBytes = sizeof(uint64_t);
 constexpr size_t kGrowthBytes = 1 << 20;  // of a file in memory; read at a time
 
-// An HDF5 identifier that closes itself; below 0 where HDF5 failed.
+// A Handle is an HDF5 identifier that closes itself; below 0 where HDF5 failed.
 class Handle {
  public:
   Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
@@ -38,7 +38,7 @@ class Handle {
   herr_t (*close_)(hid_t);
 };
 
-// In memory, and in files: little-endian everywhere.
+// A Type has a form in memory and one in files, little-endian everywhere.
 struct Type {
   hid_t native, stored;
 };
@@ -103,7 +103,7 @@ bool endsInCheckSum(std::istream& file, uint64_t size) {
               fmt::format("HDF5 cannot make {} of a checkpoint, for want of memory it seems; try --by surface", what));
 }
 
-// The groups on the way to a column: without times, which HDF5 would give those that it makes itself.
+// Makes the groups on the way to a column, without times. Groups that HDF5 makes itself would have them.
 void makeGroups(hid_t file, const std::string& name) {
   const Handle creation(H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
   H5Pset_obj_track_times(creation, false);

@@ -1,6 +1,6 @@
-// HDF5 files of flat columns, followed by a check sum of all bytes, 8 of them, little-endian: readers of HDF5 do not
-// look there, and what is cut off or damaged never gets to HDF5, which does not always survive it. Nor does it survive
-// a full disk: files are made in memory.
+// These are HDF5 files of flat columns, followed by a check sum of all bytes, 8 of them, little-endian. Readers of HDF5
+// do not look there. A file that is cut off or damaged never gets to HDF5, which does not always survive it. Nor does
+// it survive a full disk: files are made in memory.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -9,7 +9,7 @@
 
 namespace viewpeel {
 
-// Switches HDF5's printing of errors off while it lives.
+// Hdf5Silence switches HDF5's printing of errors off while it lives.
 class Hdf5Silence {
  public:
   Hdf5Silence();
@@ -32,7 +32,7 @@ class Hdf5Output {
   // In: name: with slashes for groups    Throws: Error limit where memory is short.
   template <class T>
   void write(const std::string& name, const std::vector<T>& values);
-  // The bytes of the whole file. To be called last.    Throws: Error limit.
+  // Returns the bytes of the whole file. Call it last.    Throws: Error limit.
   std::vector<char> finish();
 
  private:

@@ -21,8 +21,8 @@ constexpr size_t kBlockBytes = 4096;  // of a file system
   throw Error(code, fmt::format("{}: cannot write: {}; choose another place", file.string(), reason));
 }
 
-// Waits until the disk has what was written to the file, or the names in the folder. Returns errno; file systems that
-// cannot say EINVAL, folders that may be written but not read EACCES: that is as much as can be had.
+// Waits until the disk has the bytes of the file, or the names in the folder. Returns errno. File systems that cannot
+// wait say EINVAL, folders that may be written but not read EACCES: then no more can be done.
 int waitForDisk(const fs::path& file) {
   const int opened = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
   const int number = opened >= 0 && ::fsync(opened) == 0 ? 0 : errno;

@@ -1,4 +1,4 @@
-// Files that are at any time whole or untouched.
+// Files written here are at any time whole or untouched.
 #pragma once
 #include <filesystem>
 #include <functional>
@@ -6,8 +6,9 @@
 
 namespace viewpeel {
 
-// Writes to a temporary name beside `file`, has the disk keep that, and renames it: `file` is at any time, after a
-// power cut too, either whole or untouched. What ends the program meanwhile leaves the temporary file, FILE.PID.part.
+// Writes to a temporary name beside `file`, waits until the disk has the bytes, and renames it. `file` is at any time,
+// after a power cut too, either whole or untouched. If the program ends meanwhile the temporary file, FILE.PID.part,
+// stays.
 //   Throws: Error output, naming the file and the system's reason.
 void writeFile(const std::filesystem::path& file, const std::function<void(std::ostream&)>& write);
 

@@ -22,7 +22,7 @@ std::string quoteName(const std::string& name) {
   return quoted + '"';
 }
 
-// Calls use(i, j, F_ij) for every nonzero entry of the rows asked for, both ways, row by row.
+// Calls use(i, j, F_ij) for every nonzero entry of the requested rows, both ways, row by row.
 template <class Use>
 void forEachEntry(const FormFactors& form_factors, Use use) {
   std::vector<std::vector<FormFactors::Entry>> rows(form_factors.ids().count());

@@ -49,12 +49,8 @@ int stepsInFront(const Blocker& blocker, const Patch& patch) {
 
 }  // namespace
 
-PairFinder::PairFinder(const Scene& scene, const Ids& ids, bool join_blockers)
-    : scene_(scene),
-      ids_(ids),
-      patches_(makePatches(scene, ids)),
-      blockers_(makeBlockers(scene, join_blockers)),
-      unoccluded_(scene) {
+PairFinder::PairFinder(const Scene& scene, const Ids& ids, bool with_backs, bool join_blockers)
+    : patches_(makePatches(scene, ids, with_backs)), blockers_(makeBlockers(scene, join_blockers)), unoccluded_(scene) {
   // Large blockers hide most: where one hides all, the rest need no test.
   std::vector<double> sizes;
   for (const Blocker& blocker : blockers_) {

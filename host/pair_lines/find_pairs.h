@@ -38,8 +38,9 @@ struct PatchPairs {
 
 class PairFinder {
  public:
-  //   In: scene, ids: referred to    Cost: O(n log n) for most scenes.
-  PairFinder(const Scene& scene, const Ids& ids, bool join_blockers = true);
+  //   In: scene: referred to; with_backs: whether backs that lines leak to are among the patches
+  //   Cost: O(n log n) for most scenes.
+  PairFinder(const Scene& scene, const Ids& ids, bool with_backs = false, bool join_blockers = true);
 
   const std::vector<Patch>& patches() const { return patches_; }
   const std::vector<Blocker>& blockers() const { return blockers_; }
@@ -72,8 +73,6 @@ class PairFinder {
   uint32_t build(std::vector<uint32_t>& order, uint32_t first, uint32_t end);
   void findCovers();
 
-  const Scene& scene_;
-  const Ids& ids_;
   std::vector<Patch> patches_;
   std::vector<Blocker> blockers_;
   std::vector<std::vector<uint32_t>> covers_;  // of each patch, the blockers of its plane in front of it

@@ -32,19 +32,19 @@ bool areNear(const Patch& a, const Patch& b) {
 
 }  // namespace
 
-PairLines::PairLines(const Scene& scene, const Ids& face_ids, uint64_t seed, size_t threads, std::function<void()> stop)
+PairLines::PairLines(const Scene& scene, const Ids& face_ids, bool with_leak, uint64_t seed, size_t threads,
+                     std::function<void()> stop)
     : scene_(scene),
       ids_(face_ids),
       seed_(seed),
       threads_(threads ? threads : threadCount()),
       stop_(std::move(stop)),
-      finder_(scene, face_ids) {}
+      finder_(scene, face_ids, with_leak) {}
 
 std::vector<LinePair> PairLines::find() {
   parts_ = finder_.find(threads_, stop_);
   const auto idsOf = [&](const PatchPair& part) {
-    return std::minmax(
-        {ids_.of_polygon[finder_.patches()[part.a].side / 2], ids_.of_polygon[finder_.patches()[part.b].side / 2]});
+    return std::minmax({finder_.patches()[part.a].id, finder_.patches()[part.b].id});
   };
   std::ranges::stable_sort(parts_.pairs, {}, idsOf);
   std::vector<LinePair> pairs;
@@ -71,7 +71,9 @@ std::vector<LinePair> PairLines::find() {
 PairLinesFigures PairLines::figures() const {
   PairLinesFigures figures;
   figures.blockers = finder_.blockers().size();
-  for (const Group& group : groups_) ++(isPartial(group) ? figures.partial : figures.clear);
+  for (const Group& group : groups_)
+    if (finder_.patches()[parts_.pairs[group.first].b].id < ids_.count())
+      ++(isPartial(group) ? figures.partial : figures.clear);
   return figures;
 }
 
@@ -162,7 +164,7 @@ void PairLines::plan(std::span<LinePair> pairs, const std::function<double(const
     const double lines = findNeed(pair, groups_[k], allowed(pair) / (pair.exchange - pair.clear), vectors),
                  blocks = lines / (LineDrawer::kBlockLines * double(replicates));
     pair.blocks = static_cast<uint32_t>(std::min(double(kMostLineBlocks), std::max(1.0, std::ceil(blocks))));
-    while (2 * pair.period <= kMostPeriod && 2 * pair.period * blocks <= 1) pair.period *= 2;
+    while (2 * pair.period <= std::min(kMostPeriod, replicates) && 2 * pair.period * blocks <= 1) pair.period *= 2;
   });
 }
 

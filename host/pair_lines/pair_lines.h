@@ -20,9 +20,10 @@ struct PairLinesFigures {
 
 class PairLines {
  public:
-  //   In: scene, ids by face, with roles where a question restricts them: referred to; threads: 0: one a core; stop:
-  //   called between parts of the work, may throw, may be empty
-  PairLines(const Scene& scene, const Ids& face_ids, uint64_t seed, size_t threads = 0,
+  //   In: scene, face_ids: referred to; face_ids: by face, with roles where a question restricts them; with_leak:
+  //   whether pairs of faces and backs are looked for, too; threads: 0: one a core; stop: called between parts of the
+  //   work, may throw, may be empty
+  PairLines(const Scene& scene, const Ids& face_ids, bool with_leak, uint64_t seed, size_t threads = 0,
             std::function<void()> stop = {});
 
   // All pairs with an unoccluded form factor above 0 that nothing hides, sorted, without lines.

@@ -37,14 +37,20 @@ Patch patchOf(const Scene& scene, uint32_t index, bool is_front, uint32_t roles)
 
 }  // namespace
 
-std::vector<Patch> makePatches(const Scene& scene, const Ids& ids) {
+std::vector<Patch> makePatches(const Scene& scene, const Ids& ids, bool with_backs) {
   std::vector<Patch> patches;
+  const auto add = [&](uint32_t polygon, bool is_front, uint32_t roles, uint32_t id) {
+    patches.push_back(patchOf(scene, polygon, is_front, roles));
+    patches.back().id = id;
+  };
   for (uint32_t k = 0; k < scene.polygons.size(); ++k) {
     const uint32_t roles = ids.rolesOf(k);
     if (!roles) continue;
-    patches.push_back(patchOf(scene, k, true, roles));
-    if (ids.two_sided) patches.push_back(patchOf(scene, k, false, roles));
+    add(k, true, roles, ids.of_polygon[k]);
+    if (ids.two_sided) add(k, false, roles, ids.of_polygon[k]);
   }
+  if (with_backs && !ids.two_sided)
+    for (uint32_t k = 0; k < scene.polygons.size(); ++k) add(k, false, kReceives, ids.count() + ids.of_polygon[k]);
   return patches;
 }
 

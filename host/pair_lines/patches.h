@@ -13,6 +13,7 @@ namespace viewpeel {
 // One side of a convex polygon with three or four corners. Lengths in unit-ball units.
 struct Patch {
   uint32_t side = 0;   // frontSide or backSide of its polygon
+  uint32_t id = 0;     // of its row; of a back that lines leak to, the number of rows and its row's
   uint32_t plane = 0;  // Scene::planes
   int height = 0;      // levels of blockers of this plane that lie in front of the side are above it, see isInFront
   bool along_plane_normal = true;  // whether the side looks along its plane's normal
@@ -27,7 +28,9 @@ struct Patch {
   double area = 0;
 };
 
-// The sides that emit or receive.    In: ids of the scene's polygons, with their roles    Cost: O(polygons).
-std::vector<Patch> makePatches(const Scene& scene, const Ids& ids);
+// The sides that emit or receive.
+//   In: ids of the scene's polygons, with their roles; with_backs: whether backs that lines leak to are among them
+//   Cost: O(polygons).
+std::vector<Patch> makePatches(const Scene& scene, const Ids& ids, bool with_backs);
 
 }  // namespace viewpeel

@@ -1,11 +1,10 @@
-// With one multiplier y_i per row the conditions of the minimum are x_ij(y) = max(0, c_ij + w_ij (y_i + y_j)) and sum_j
-// x_ij(y) = A_i: the gradient of
-//     phi(y) = 1/2 sum_ij x_ij(y)^2 / w_ij - sum_i A_i y_i
-// vanishes, which is convex, once differentiable and piecewise quadratic. (i = j: y_i in place of y_i + y_j.) It is
-// minimised by Newton's method with the Hessian of the present piece, regularised by the present error since it may be
-// singular (two plates that see nothing else), solved by conjugate gradients to that error, and Armijo's rule: the dual
-// Newton method of H. Qi & D. Sun, A quadratically convergent Newton method for computing the nearest correlation
-// matrix, SIAM J. Matrix Anal. Appl. 28(2), 2006, 360-385, for rows in place of a diagonal.
+// Balanced exchange areas have one multiplier y_i per row, which minimises phi of docs/method.md, eq. (34), with
+// section 10's x_ij(y). (i = j: y_i in place of y_i + y_j.)
+//
+// Newton's method takes the Hessian of the present piece. It is regularised by the present error, since it may be
+// singular (two plates that see nothing else). Conjugate gradients solve it to this error, and Armijo's rule chooses
+// the step. It is the dual Newton method of H. Qi & D. Sun, A quadratically convergent Newton method for computing the
+// nearest correlation matrix, SIAM J. Matrix Anal. Appl. 28(2), 2006, 360-385, for rows in place of a diagonal.
 #include <viewpeel/balance.h>
 
 #include <algorithm>
@@ -100,8 +99,8 @@ class Dual {
     return at;
   }
 
-  // Armijo's rule. Changes of phi are summed term by term from the step itself: near the minimum they are far below the
-  // rounding of phi.
+  // Returns true where the step passes Armijo's rule. Changes of phi are summed term by term from the step itself: near
+  // the minimum they are far below the rounding of phi.
   bool decreases(const Point& at, const Point& next, const VectorXd& direction, double length, double slope) const {
     double change = 0, size = 0;
     const auto add = [&](double term) {
@@ -119,7 +118,7 @@ class Dual {
     return change <= kShare * length * slope + kRounding * size;
   }
 
-  // The diagonal and the pairs, both upper: the order in which findDirection fills in values.
+  // Makes places for the diagonal and the pairs, both upper: the order in which findDirection fills in values.
   void makePattern() {
     hessian_.reserve(static_cast<Eigen::Index>(entries_.size()) + ids_.count());
     auto entry = entries_.begin();
@@ -153,9 +152,9 @@ class Dual {
     return scale.cwiseProduct(solver.solve(right_side));
   }
 
-  // No x exists if and only if a set of rows is larger in area than all rows it was met with. y then grows without
-  // bound along a direction d with d_i + d_j <= 0 for every pair, and one of the sets of rows with the largest y is
-  // such a set.
+  // Refuses rows that no x can balance. No x exists if and only if a set of rows is larger in area than all its
+  // partners. Then y grows without bound along a direction d with d_i + d_j <= 0 for every pair. One of the sets of
+  // rows with the largest y is such a set.
   void refuseImpossible(const VectorXd& y) const {
     const uint32_t n = ids_.count();
     std::vector<uint32_t> rows(n), rank(n), joins(n, n);

@@ -13,7 +13,7 @@ namespace {
 constexpr size_t kMostSurfaces = 3;
 constexpr double kLeastNamed = 0.01;  // of the leak
 
-// Exchange areas of leaks, of rows and of the surfaces that they belong to.
+// LeakAreas has exchange areas of leaks, of rows and of the surfaces that they belong to.
 struct LeakAreas {
   std::vector<double> of_id, of_surface, area_of_surface;
   double total = 0, emitted = 0;
@@ -35,7 +35,7 @@ LeakAreas sumLeaks(const Scene& scene, const FormFactors& form_factors) {
   return sums;
 }
 
-// Of Scene::polygons: the exchange area of its row's leak, shared out by area.
+// Returns weights of Scene::polygons: the exchange area of its row's leak, shared out by area.
 std::vector<double> weightPolygons(const Scene& scene, const Ids& ids, const LeakAreas& leaks) {
   const bool by_polygon = ids.count() == scene.faces.size();  // where every surface is one face the two are the same
   std::vector<double> weights;

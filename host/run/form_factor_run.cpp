@@ -79,7 +79,7 @@ struct FormFactorRun::State {
     tellProgress();
   }
 
-  // What an observer stops has come to its end.
+  // Runs the work; if the observer stops it, the run has come to its end.
   template <class Work>
   void doUnlessStopped(const Work& work) {
     if (is_interrupted) return;
@@ -123,7 +123,8 @@ Plan FormFactorRun::State::makeFixedPlan() const {
   return fixed;
 }
 
-// Without unoccluded form factors where counts would be too large for those that nobody asked for.
+// Makes the plan. It goes without unoccluded form factors where counts would be too large for them and the request does
+// not insist on them.
 Plan FormFactorRun::State::makePlanOfRequest() {
   if (setup.isExact() || !setup.plans()) return makeFixedPlan();
   const auto planned = [&] { return planEstimate(setup.scene(), setup.ids(), setup.estimate(), setup.lattices()); };
@@ -139,19 +140,15 @@ Plan FormFactorRun::State::makePlanOfRequest() {
   return planned();
 }
 
-// Whether more than kMostLeak of the lines of a few directions end on backs.
+// Whether any line of a few directions ends on a back.
 bool FormFactorRun::State::leaks() {
-  constexpr double kMostLeak = 1e-3;
-  double all = 0, leak = 0;
-  for (const PairCount& count : plan->engine->count(sampleDirections(setup.estimate().sampler, 2 * kLineRunDirections,
-                                                                     setup.request().seed, kLineReplicates.first))) {
-    all += double(count.count) * (count.j < kEnvironment ? 2 : 1);
-    if (count.j == kLeak) leak += double(count.count);
-  }
-  return leak > kMostLeak * all;
+  const std::vector<Direction> directions =
+      sampleDirections(setup.estimate().sampler, 2 * kLineRunDirections, setup.request().seed, kLineReplicates.first);
+  return std::ranges::any_of(plan->engine->count(directions), [](const PairCount& count) { return count.j == kLeak; });
 }
 
-// Few common directions, and lines for each pair. Without pair lines where lines leak, unless they are the request's.
+// Few common directions, and lines for each pair. Without pair lines where it is not defined what lies between two
+// polygons.
 void FormFactorRun::State::planPairLines() {
   plan.emplace();
   plan->directions = setup.faceIds().counts_environment ? kLineRunDirections : 0;
@@ -159,15 +156,17 @@ void FormFactorRun::State::planPairLines() {
   plan->groups = groupAsOne(setup.scene(), lattices.lattice.resolution);
   plan->engine = makeEngine(lattices, setup.scene(), setup.faceIds(), plan->groups);
   const auto begun = Clock::now();
-  pair_lines.emplace(setup.scene(), setup.faceIds(), setup.request().seed, setup.request().threads,
+  const auto hasBack = [&](const LinePair& pair) { return pair.j >= setup.faceIds().count(); };
+  const bool with_leak =
+      resumed ? std::ranges::any_of(resumed->sums.lines->pairs(), hasBack) : plan->directions > 0 && leaks();
+  pair_lines.emplace(setup.scene(), setup.faceIds(), with_leak, setup.request().seed, setup.request().threads,
                      [this] { stopIfRequested(); });
-  const bool is_free = !setup.request().pair_lines && !resumed;
-  if (pair_lines->hasUnordered() && !is_free)
+  if (pair_lines->hasUnordered() && (setup.request().pair_lines || resumed))
     throw Error(
         ErrorCode::bad_usage,
         "polygons coincide of which nothing says which lies in front, and pair lines need to know; name them by "
         "--sheets or --solids, or leave out --pair-lines");
-  if (is_free && (pair_lines->hasUnordered() || (plan->directions && leaks()))) {
+  if (pair_lines->hasUnordered()) {
     pair_lines.reset();
     setup.leaveOutPairLines();
     plan = makePlanOfRequest();

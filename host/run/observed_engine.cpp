@@ -21,7 +21,7 @@ class ObservedEngine final : public Engine {
   std::string describePlan() const override { return engine_->describePlan(); }
 
  private:
-  // The end is told of calls that throw, too.
+  // The observer hears the end of calls that throw, too.
   struct Telling {
     explicit Telling(const std::function<void(bool)>& on_count) : on_count_(on_count) { on_count_(true); }
     ~Telling() { on_count_(false); }

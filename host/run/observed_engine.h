@@ -1,4 +1,4 @@
-// An engine that tells an observer when it counts.
+// An observed engine calls an observer when it counts.
 #pragma once
 #include <functional>
 #include <memory>
@@ -7,7 +7,8 @@
 
 namespace viewpeel {
 
-//   In: on_count as in Observer; empty: the engine itself
+// Wraps an engine for its observer.
+//   In: on_count as in Observer; empty: the engine itself is returned
 std::unique_ptr<Engine> observed(std::unique_ptr<Engine> engine, std::function<void(bool begins)> on_count);
 
 }  // namespace viewpeel

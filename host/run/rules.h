@@ -1,4 +1,4 @@
-// By what rules a request is settled: what it may have, and what pays.
+// These rules settle a request: which choices it may have, and which pay.
 #pragma once
 #include <viewpeel/request.h>
 
@@ -10,7 +10,8 @@ constexpr size_t kMostUnoccludedFaces = 20'000;       // beyond which blocked pa
 constexpr size_t kMostPairLineFaces = 8'000;          // beyond which finding what blocks each pair takes minutes
 constexpr double kPairLineTolerance = 0.02;           // up to which pair lines pay
 
-// The amount of a FixedAmount where that is the goal, else the request's own. Directions of 0 are to be planned.
+// Returns the amount of a FixedAmount where that is the goal, else the request's own. Directions of 0 are to be
+// planned.
 Amount amountOf(const Request& request);
 
 // Unoccluded form factors need the whole matrix, blocked pairs counted, and of a guarantee means by polygon.

@@ -1,4 +1,4 @@
-// What checkpoints know a run by.
+// A checkpoint recognises its run by these settings.
 #pragma once
 #include <string>
 
@@ -8,18 +8,19 @@
 
 namespace viewpeel {
 
-// "6 polygons, fingerprint 0123456789abcdef".    Cost: O(corners).
+// Returns the scene in words: "6 polygons, fingerprint 0123456789abcdef".    Cost: O(corners).
 std::string identityOf(const Scene& scene);
 
-// How a scene was made, among settings, and back.
+// These settings say how a scene was made, among settings, and back.
 void addSettings(const SceneOptions& options, Settings& settings);
 SceneOptions sceneOptionsOf(const Settings& settings);
 
-// What decides about counts and is known before the plan.    Throws: Error bad_usage for medians.
+// Returns the settings that decide about counts and are settled before the plan.    Throws: Error bad_usage for
+// medians.
 Settings settingsOf(const Setup& setup);
-// Whether a plan may choose the setting of that name.
+// Returns whether a plan may choose the setting of that name.
 bool mayBePlanned(const std::string& name);
-// The same with what the plan chose.
+// Returns all settings, with the plan's choices.
 Settings settingsOf(const Setup& setup, const PlanSummary& plan);
 
 }  // namespace viewpeel

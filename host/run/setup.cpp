@@ -18,7 +18,7 @@
 namespace viewpeel {
 namespace {
 
-// Goals, replicates and the like. Directions and sampler are settled later.
+// Returns goals, replicates and the like. Directions and sampler are settled later.
 EstimateOptions estimateOptionsOf(const Request& request) {
   EstimateOptions estimate;
   const Amount amount = amountOf(request);
@@ -95,9 +95,9 @@ Setup::Setup(const Scene& scene, Request request, std::function<void(uint64_t)> 
   make_engine_ = isExact() ? request_.exact_engine : latticeEngines(engine_, device());
 }
 
-// Between surfaces counts vary less than their parts: there visibilities pay for small tolerances only. Where lines
-// meet many fronts, as with two-sided polygons, blocked pairs cost more than they gain, and a guarantee's tests of
-// lattices each wait for unoccluded form factors of all pairs (README).
+// Visibilities pay between surfaces for small tolerances only, for there counts vary less than their parts. Where lines
+// hit many fronts, as with two-sided polygons, blocked pairs cost more than they gain. A guarantee's tests of lattices
+// each wait for unoccluded form factors of all pairs (docs/speed.md).
 void Setup::settleUnoccluded() {
   const bool pays =
       !request_.two_sided && !guarantee() &&
@@ -124,7 +124,7 @@ void Setup::settlePairLines() {
   if (pair_lines_) askOnlyFor(request_.question, scene_, face_ids_);
 }
 
-// Compute shaders on a GPU; on a processor its own threads are many times faster than the shaders are through a
+// Chooses compute shaders on a GPU; on a processor its own threads are many times faster than the shaders are through a
 // software driver (README). The counts are the same.
 void Setup::chooseEngine() {
   engine_ = request_.engine;
@@ -158,7 +158,7 @@ void Setup::requireWhatEnginesHave() const {
                             kMaxScanlineResolution));
 }
 
-// Fewer directions where not everything is asked for, unless a sampler of the whole sphere is.
+// A question takes fewer directions than all pairs do, unless the request has a sampler of the whole sphere.
 void Setup::settleDirections() {
   const Question& question = request_.question;
   if (request_.sampler) return;

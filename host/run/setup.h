@@ -1,5 +1,4 @@
-// What a run is made of before it is planned: engine, sampling, ids and goals, all settled from the request and the
-// scene.
+// A Setup is a run before its plan: engine, sampling, ids and goals, all settled from the request and the scene.
 #pragma once
 #include <optional>
 #include <string>
@@ -14,8 +13,9 @@ namespace viewpeel {
 
 class Setup {
  public:
+  // Settles the request and opens the device.
   //   In: scene: referred to; on_batch: of engines, stop: called between other work, may throw
-  //   Throws: Error bad_usage for what the request cannot have with this scene; Error device.
+  //   Throws: Error bad_usage for a request that does not suit this scene; Error device.
   Setup(const Scene& scene, Request request, std::function<void(uint64_t directions)> on_batch,
         std::function<void()> stop);
   Setup(const Setup&) = delete;
@@ -25,34 +25,34 @@ class Setup {
   const Request& request() const { return request_; }
   const Ids& ids() const { return ids_; }
   const Ids& faceIds() const { return face_ids_; }
-  // Ids that engines count by.
+  // Returns the ids that engines count by.
   const Ids& countedIds() const { return unoccluded_ || pair_lines_ ? face_ids_ : ids_; }
   EngineKind engine() const { return engine_; }
   bool isExact() const { return engine_ == EngineKind::exact; }
   Sampling sampling() const { return lattice_.sampling; }
-  // In words.
+  // Returns the sampler in words.
   const std::string& sampler() const { return sampler_; }
   std::string deviceName() const;
   const Device* device() const { return device_ ? &*device_ : nullptr; }
   const std::function<void()>& stop() const { return stop_; }
 
   const EpsilonDelta* guarantee() const { return std::get_if<EpsilonDelta>(&request_.goal); }
-  // Goals, replicates, sampler; directions where these are not planned.
+  // Returns goals, replicates, sampler; directions where these are not planned.
   const EstimateOptions& estimate() const { return estimate_; }
   GuaranteeOptions guaranteeOptions() const;
-  // Whether directions, and where 0 the resolution, are to be planned.
+  // Returns whether directions, and where 0 the resolution, are to be planned.
   bool plans() const { return plans_; }
   int finest() const { return finest_; }
-  // 0: to be planned.
+  // Returns the resolution; 0: to be planned.
   int resolution() const { return resolution_; }
   bool usesUnoccluded() const { return unoccluded_ && !pair_lines_; }
   bool usesPairLines() const { return pair_lines_; }
-  // Where lines leak, common directions measure the leak better.
+  // Where it is not defined what lies between two polygons.
   void leaveOutPairLines() { pair_lines_ = false; }
   // They were nobody's wish, and can be left out.
   bool unoccludedByDefault() const { return unoccluded_by_default_; }
   void leaveOutUnoccluded() { unoccluded_ = false; }
-  // Keeps what the plan of an earlier run chose, as its settings have it.
+  // Keeps the plan of an earlier run, as its settings have it.
   void adoptPlan(const Settings& stored);
 
   Lattices lattices() const;

@@ -21,8 +21,8 @@
 namespace viewpeel {
 namespace {
 
-// Radii in input units whose areas, and squares of areas, are doubles with room to spare, for polygons of 1e-32 of the
-// radius squared, too.
+// These are radii in input units whose areas, and squares of areas, are doubles with room to spare, for polygons of
+// 1e-32 of the radius squared, too.
 constexpr double kLargestRadius = 1e60, kSmallestRadius = 1e-60;
 
 std::string place(const InputScene& input, const InputFace& face) {
@@ -42,7 +42,7 @@ void fitUnitBall(const InputScene& input, Scene& scene) {
     }
   scene.centre = low / 2.0 + high / 2.0;
   double squared = 0;
-  // Scaled first, so that squares neither overflow nor vanish.
+  // Coordinates are scaled first, so that squares neither overflow nor vanish.
   const glm::dvec3 half = high / 2.0 - low / 2.0;
   const double largest = std::max({half.x, half.y, half.z});
   if (largest == 0 || !std::isnormal(largest))
@@ -60,7 +60,7 @@ void fitUnitBall(const InputScene& input, Scene& scene) {
                                                   input.file, scene.scale, kSmallestRadius, kLargestRadius));
 }
 
-// Without corners that repeat the one before.
+// Returns the corners without those that repeat the one before.
 std::vector<glm::dvec3> distinctCorners(const InputFace& face, const Scene& scene) {
   std::vector<glm::dvec3> corners;
   for (const glm::dvec3& input : face.corners) {
@@ -71,8 +71,8 @@ std::vector<glm::dvec3> distinctCorners(const InputFace& face, const Scene& scen
   return corners;
 }
 
-// A face narrower than what rounding leaves of its coordinates in the unit ball (2^-53 each, in a cross product of
-// edges) has no area.
+// A face has no area where it is narrower than the rounding of its coordinates in the unit ball (2^-53 each, in a cross
+// product of edges).
 bool hasArea(const std::vector<glm::dvec3>& corners) {
   return glm::length(twiceVectorArea(corners)) > 8 * 0x1p-53 * perimeterOf(corners);
 }
@@ -83,7 +83,7 @@ const char* reasonToDrop(const std::vector<glm::dvec3>& corners) {
   return hasArea(corners) ? nullptr : "zero area";
 }
 
-// What is to be said of faces that are dropped.
+// Dropped collects warnings about faces that are left out.
 class Dropped {
  public:
   void count(const char* reason, const std::string& where) {
@@ -147,7 +147,7 @@ void addPiece(const std::vector<glm::dvec3>& corners, const std::vector<uint32_t
   }
 }
 
-// All but the order of coincident polygons.
+// Makes a scene, but for the order of coincident polygons.
 //   In: repeats: faces that repeat others
 Scene splitFaces(const InputScene& input, const std::vector<Duplicate>& repeats) {
   Scene scene;
@@ -206,7 +206,7 @@ Scene assemble(const InputScene& input, const SceneOptions& options) {
     const std::vector<AlikeOverlap> alike = orderCoincidentPolygons(scene, options, rounding / scene.scale);
     const std::vector<Duplicate> more = findDuplicates(input, scene, alike, rounding);
     repeats.insert(repeats.end(), more.begin(), more.end());
-    if (!more.empty()) continue;  // what is left is ordered without them
+    if (!more.empty()) continue;  // the rest is ordered without them
     if (!repeats.empty()) scene.warnings.push_back(describeRepeats(input, repeats));
     if (!alike.empty()) scene.warnings.push_back(describeOverlaps(scene, alike));
     return scene;

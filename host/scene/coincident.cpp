@@ -24,15 +24,15 @@ namespace {
 
 using glm::dvec2, glm::dvec3;
 
-constexpr double kResolvedGap = 5e-8;  // wider gaps engines tell for certain: some units of depth, 2^-27 each
-constexpr double kThinGap = 0.01;      // of an overlap's width: what is no thinner is a solid or a room of its own
+constexpr double kResolvedGap = 5e-8;  // engines order wider gaps for certain: some units of depth, 2^-27 each
+constexpr double kThinGap = 0.01;      // of an overlap's width: a thicker gap is a solid or a room of its own
 constexpr size_t kMostOverlaps = 2'000'000;
 constexpr uint32_t kMostPlaces = 8;   // looked at in an overlap for one where no third polygon lies
 constexpr uint32_t kRays = 8;         // to either side of a place
 constexpr size_t kMostPermuted = 6;   // polygons of a place whose orders are all tried
 constexpr size_t kMostInserted = 16;  // put in one by one
 
-// Two polygons of nearly one plane and the part that they have in common.
+// An Overlap is two polygons of nearly one plane and the part that they have in common.
 struct Overlap {
   uint32_t a, b;
   bool is_opposite;            // they look opposite ways
@@ -40,12 +40,12 @@ struct Overlap {
   double low, high;            // least and greatest such height
   std::vector<dvec3> corners;  // of the common part, in a's plane
   double area;
-  // Of opposite polygons 1 where they face each other, -1 where they are back to back, 0 while that is open.
+  // For opposite polygons it is 1 where they face each other, -1 where they are back to back, 0 while that is open.
   int side = 0;
   bool is_forced = false;
 };
 
-// What rays to one side of a place met.
+// Votes are those of the rays to one side of a place.
 struct Votes {
   double free = 0, solid = 0;
   int missed = 0, waiting = 0;
@@ -53,7 +53,7 @@ struct Votes {
   double score() const { return free - solid; }
 };
 
-// A point of an overlap, and all polygons that coincide there.
+// A Place is a point of an overlap, and all polygons that coincide there.
 struct Place {
   dvec3 point, normal;  // of the front of overlap's a
   std::vector<uint32_t> polygons;
@@ -153,8 +153,8 @@ std::vector<dvec3> Stacking::cornersOf(uint32_t polygon) const {
   return {corners, corners + p.corner_count};
 }
 
-// b's corners moved along a's normal into a's plane, clipped by a's edges (I. Sutherland and G. Hodgman, Reentrant
-// polygon clipping, 1974).
+// Returns b's corners moved along a's normal into a's plane, clipped by a's edges (I. Sutherland and G. Hodgman,
+// Reentrant polygon clipping, 1974).
 std::vector<dvec3> Stacking::commonPart(uint32_t a, uint32_t b) const {
   const std::vector<dvec3> frame = cornersOf(a);
   const dvec3& normal = normals_[a];
@@ -230,7 +230,7 @@ void Stacking::forceOrder(Overlap& overlap) const {
   overlap.is_forced = true;
 }
 
-// The middle of the common part, then points at random.
+// Returns the middle of the common part, then points at random.
 dvec3 Stacking::pointOf(const Overlap& overlap, uint32_t trial) {
   const std::vector<dvec3>& c = overlap.corners;
   if (trial == 0) return std::accumulate(c.begin(), c.end(), dvec3(0)) / double(c.size());
@@ -266,6 +266,7 @@ Overlap* Stacking::overlapOf(uint32_t a, uint32_t b) {
   return nullptr;
 }
 
+// Casts the rays of one side and counts their votes.
 //   In: side: 1 for rays ahead of the place's normal, -1 for rays behind
 Votes Stacking::castRays(const Place& place, double side) {
   Votes votes;
@@ -273,7 +274,7 @@ Votes Stacking::castRays(const Place& place, double side) {
   const dvec3 across = glm::normalize(glm::cross(axis, std::abs(axis.x) < 0.6 ? dvec3(1, 0, 0) : dvec3(0, 1, 0)));
   const double turn = uniform();
   for (uint32_t k = 0; k < kRays; ++k) {
-    // One in each of kRays parts of a hemisphere without its rim, by the golden angle.
+    // Each ray has one of kRays parts of a hemisphere without its rim, by the golden angle.
     const double height = 0.25 + 0.75 * (k + uniform()) / kRays,
                  angle = 2 * std::numbers::pi * (turn + k * std::numbers::phi);
     const double radius = std::sqrt(1 - height * height);
@@ -284,8 +285,8 @@ Votes Stacking::castRays(const Place& place, double side) {
   return votes;
 }
 
-// How the polygon that was hit and an opposite one that coincides with it there are ordered: nothing without such a
-// one.
+// Returns how the polygon that was hit and an opposite one that coincides with it there are ordered: nothing without
+// such a one.
 std::optional<int> Stacking::sideAt(const PolygonTree::Hit& hit) const {
   const auto at = overlaps_of_.find(hit.polygon);
   if (at == overlaps_of_.end()) return std::nullopt;
@@ -298,7 +299,7 @@ std::optional<int> Stacking::sideAt(const PolygonTree::Hit& hit) const {
 }
 
 // Counts fronts less backs along a ray. Where the count falls below 0 the ray has left a solid that its origin lies in.
-// What it meets first weighs most: farther off, open surfaces mislead.
+// The first hit weighs most: farther off, open surfaces mislead.
 void Stacking::follow(const std::vector<PolygonTree::Hit>& hits, Votes& votes) const {
   int count = 0;
   for (size_t k = 0, next = 0; k < hits.size(); k = next) {
@@ -322,7 +323,8 @@ void Stacking::follow(const std::vector<PolygonTree::Hit>& hits, Votes& votes) c
   else ++votes.free;
 }
 
-// Pairs that lie somewhere without a third polygon. Rays that end on coincident polygons tell more in the next round.
+// Orders pairs that lie somewhere without a third polygon. Rays that end on coincident polygons decide more in the next
+// round.
 void Stacking::orderPairs() {
   std::vector<uint32_t> open;
   for (uint32_t k = 0; k < overlaps_.size(); ++k)
@@ -332,7 +334,7 @@ void Stacking::orderPairs() {
     const size_t before = open.size();
     std::erase_if(open, [&](uint32_t k) { return orderPair(overlaps_[k], false); });
     if (open.size() < before || open.empty()) continue;
-    // All wait for one another: what little is known decides, or the first one's gap.
+    // All wait for one another: the votes there are decide, or the first one's gap.
     std::erase_if(open, [&](uint32_t k) { return orderPair(overlaps_[k], true); });
     if (open.size() < before) continue;
     decideByGap(overlaps_[open.front()]);
@@ -343,7 +345,7 @@ void Stacking::orderPairs() {
 
 void Stacking::decideByGap(Overlap& overlap) const { overlap.side = overlap.gap > rounding_ ? 1 : -1; }
 
-// False where rays have to wait for other pairs.    In: takes_any: one ray's word is enough
+// Returns false where rays have to wait for other pairs.    In: takes_any: one ray's word is enough
 bool Stacking::orderPair(Overlap& overlap, bool takes_any) {
   const Place& place = places_[place_of_[static_cast<size_t>(&overlap - overlaps_.data())]];
   const Votes ahead = castRays(place, 1), behind = castRays(place, -1);
@@ -356,7 +358,7 @@ bool Stacking::orderPair(Overlap& overlap, bool takes_any) {
     return true;
   }
   if (waiting > 0) return false;
-  // Rays that all leave the scene have met nothing: a sheet in space, unless its sides face each other across a gap.
+  // Rays that all leave the scene have hit nothing: a sheet in space, unless its sides face each other across a gap.
   if (heard > 0) ++in_doubt_;
   if (heard > 0 && contradictions_++ == 0) {
     const Face& face = scene_.faces[scene_.polygons[overlap.a].face];
@@ -371,8 +373,8 @@ void Stacking::orderPlaces() {
     if (overlaps_[k].is_opposite && overlaps_[k].side == 0) orderPlace(places_[place_of_[k]]);
 }
 
-// Of the orders that the polygons of a place can have along its normal, how much the given one contradicts: what lies
-// on either side, that free space and solids take turns, the order of pairs elsewhere, gaps.
+// Returns how much an order of the polygons of a place along its normal contradicts. It may contradict the space on
+// either side, the rule that free space and solids take turns, the order of pairs elsewhere, and gaps.
 double Stacking::costOf(const Place& place, const std::vector<uint32_t>& order, const Votes& below,
                         const Votes& above) const {
   const auto looksUp = [&](uint32_t polygon) { return glm::dot(normals_[polygon], place.normal) > 0; };
@@ -401,8 +403,8 @@ double Stacking::costOf(const Place& place, const std::vector<uint32_t>& order, 
   return cost;
 }
 
-// All orders are tried where they are few; else polygons are put in one by one, each where it costs least. Of very many
-// those that look down and up take turns.
+// Returns the order of least cost. All orders are tried where they are few; else polygons are put in one by one, each
+// where it costs least. Of very many, polygons that look down and up take turns.
 std::vector<uint32_t> Stacking::cheapestOrder(const Place& place, const Votes& below, const Votes& above) const {
   std::vector<uint32_t> best;
   double best_cost = INFINITY;
@@ -450,13 +452,13 @@ void Stacking::orderPlace(const Place& place) {
     }
 }
 
-// Whether the gap between the two keeps them in their order by itself.
+// Returns whether the gap between the two keeps them in their order by itself.
 bool Stacking::isResolved(const Overlap& overlap) const {
   if (scene_.polygons[overlap.a].plane == scene_.polygons[overlap.b].plane) return false;
   return overlap.side > 0 ? overlap.low > kResolvedGap : overlap.high < -kResolvedGap;
 }
 
-// Moves polygons whose gaps do not tell their order into the plane of the largest of them.
+// Moves polygons whose gaps do not show their order into the plane of the largest of them.
 void Stacking::joinPlanes() {
   std::map<uint32_t, uint32_t> parents;
   const auto rootOf = [&](uint32_t polygon) {
@@ -541,7 +543,7 @@ void Stacking::report() {
                     scene_.file, contradictions_, found.sheets + found.contacts, first_contradiction_));
 }
 
-// Whether an opposite polygon faces one of two that look alike and turns its back to the other one.
+// Returns whether an opposite polygon faces one of two that look alike and turns its back to the other one.
 bool Stacking::isBetween(uint32_t other, const Overlap& alike) const {
   const Overlap *to_a = overlapOf(alike.a, other), *to_b = overlapOf(alike.b, other);
   return to_a && to_b && to_a->is_opposite && to_b->is_opposite && to_a->side * to_b->side < 0;

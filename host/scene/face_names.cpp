@@ -13,7 +13,7 @@
 namespace viewpeel {
 namespace {
 
-// "desk[3]" in its parts.
+// A NumberedName has the parts of "desk[3]".
 struct NumberedName {
   std::string surface;
   uint32_t number;

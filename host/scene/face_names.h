@@ -8,7 +8,7 @@
 
 namespace viewpeel {
 
-// The faces of the surface of that name, or the one face.
+// Returns the faces of the surface of this name, or the one face.
 //   In: option: named in the message    Out: indices into InputScene::faces
 //   Throws: Error bad_usage where there is none.    Cost: O(faces).
 std::vector<uint32_t> findFaces(const InputScene& input, const std::string& name, const char* option);

@@ -13,8 +13,8 @@
 namespace viewpeel {
 namespace {
 
-// Planes by normal, in cells wide enough that nearly parallel ones lie in the same or neighbouring cells, then by
-// offset.
+// A PlaneIndex has planes by normal, in cells wide enough that nearly parallel ones lie in the same or neighbouring
+// cells, then by offset.
 class PlaneIndex {
  public:
   void add(const Plane& plane, uint32_t index) { cells_[cellOf(plane.normal)].emplace(plane.offset, index); }
@@ -44,15 +44,7 @@ class PlaneIndex {
   std::map<Cell, std::multimap<double, uint32_t>> cells_;
 };
 
-Plane planeOf(const Scene& scene, const Polygon& polygon) {
-  const glm::dvec3* corners = &scene.corners[polygon.first_corner];
-  glm::dvec3 centre(0);
-  for (uint32_t k = 0; k < polygon.corner_count; ++k) centre += corners[k] / double(polygon.corner_count);
-  const glm::dvec3 normal = frontNormal(scene, polygon);
-  return {normal, glm::dot(normal, centre)};
-}
-
-// Of the corner furthest off.
+// Returns the distance of the corner furthest from the plane.
 double distanceFrom(const Plane& plane, const Scene& scene, const Polygon& polygon) {
   double distance = 0;
   for (uint32_t k = 0; k < polygon.corner_count; ++k)
@@ -62,6 +54,14 @@ double distanceFrom(const Plane& plane, const Scene& scene, const Polygon& polyg
 }
 
 }  // namespace
+
+Plane planeOf(const Scene& scene, const Polygon& polygon) {
+  const glm::dvec3* corners = &scene.corners[polygon.first_corner];
+  glm::dvec3 centre(0);
+  for (uint32_t k = 0; k < polygon.corner_count; ++k) centre += corners[k] / double(polygon.corner_count);
+  const glm::dvec3 normal = frontNormal(scene, polygon);
+  return {normal, glm::dot(normal, centre)};
+}
 
 void groupPlanes(Scene& scene) {
   std::vector<uint32_t> by_area(scene.polygons.size());

@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include <viewpeel/error.h>
+#include "scene/group_planes.h"
 #include "scene/polygon_tree.h"
 
 namespace viewpeel {
@@ -46,11 +47,16 @@ Chord cutByPlane(const Scene& scene, const Polygon& polygon, const Plane& plane,
 }  // namespace
 
 std::vector<Interpenetration> findInterpenetrations(const Scene& scene, double touching_depth) {
+  // Of their own corners: a plane shared with others may be off them by kCoplanarTolerance, and neighbours that touch
+  // would seem to pass through each other.
+  std::vector<Plane> planes;
+  planes.reserve(scene.polygons.size());
+  for (const Polygon& polygon : scene.polygons) planes.push_back(planeOf(scene, polygon));
   std::vector<Interpenetration> found;
   const auto test = [&](uint32_t a, uint32_t b) {
     const Polygon &polygon_a = scene.polygons[a], &polygon_b = scene.polygons[b];
     if (polygon_a.plane == polygon_b.plane) return;
-    const Plane &plane_a = scene.planes[polygon_a.plane], &plane_b = scene.planes[polygon_b.plane];
+    const Plane &plane_a = planes[a], &plane_b = planes[b];
     const Chord of_a = cutByPlane(scene, polygon_a, plane_b, touching_depth);
     if (!of_a.exists) return;
     const Chord of_b = cutByPlane(scene, polygon_b, plane_a, touching_depth);

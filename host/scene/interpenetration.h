@@ -1,5 +1,5 @@
-// Polygons that pass through one another. The exact path refuses such scenes, for no order along a line holds over a
-// region. Scanlines cannot count them, for they take the order for constant between the ends of spans.
+// Polygons that pass through one another are found here. The exact path refuses such scenes, for no order along a line
+// holds over a region. Scanlines cannot count them, for they take the order for constant between the ends of spans.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -15,8 +15,8 @@ namespace viewpeel {
 // anything a model means.
 constexpr double kTouchingDepth = 1e-9;
 
-// The same for scanlines: coordinates in single precision differ by less where polygons are meant to touch, and lines
-// so near to a crossing are few.
+// Scanlines have a larger depth: coordinates in single precision differ by less where polygons are meant to touch, and
+// lines so near to a crossing are few.
 constexpr double kCrossingDepth = 1e-6;
 
 struct Interpenetration {
@@ -25,10 +25,10 @@ struct Interpenetration {
   double length;     // of that segment, unit-ball units
 };
 
-// All pairs of polygons that pass through one another: each has corners on both sides of the other's plane, further
-// from it than `touching_depth`, and the chords that they cut from the common line of the planes overlap by more
-// than `touching_depth`. Touching in corners, in edges, of an edge with an interior, and overlap within one plane are
-// none.
+// Finds all pairs of polygons that pass through one another.
+//   Each has corners on both sides of the other's plane, further from it than `touching_depth`. The chords that they
+//     cut from the common line of the planes overlap by more than `touching_depth`. Touching in corners, in edges, of
+//     an edge with an interior, and overlap within one plane do not count.
 //   In: scene, unit-ball units; touching_depth in unit-ball units, at least 1e-14.
 //   Out: sorted by (a, b).
 //   Error: decided in double, whose error (1e-15) is far below touching_depth; tests/unit/interpenetration_test.cpp.
@@ -37,7 +37,7 @@ struct Interpenetration {
 //   Source: T. Moeller, A fast triangle-triangle intersection test (1997), for convex polygons; boxes: PolygonTree.
 std::vector<Interpenetration> findInterpenetrations(const Scene& scene, double touching_depth = kTouchingDepth);
 
-// One line for a message: `scene.obj: desk[3] and wall pass through each other at (1.5, 2, 0)`.
+// Returns one line for a message: `scene.obj: desk[3] and wall pass through each other at (1.5, 2, 0)`.
 std::string describe(const Scene& scene, const Interpenetration& found);
 
 // Returns where the scene has no interpenetration.

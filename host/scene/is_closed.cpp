@@ -27,7 +27,7 @@ EdgeCounts unmatched(EdgeCounts counts) {
   return counts;
 }
 
-// Whether p lies inside the segment, to within the rounding of coordinates.
+// Returns whether p lies inside the segment, to within the rounding of coordinates.
 bool splits(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& p) {
   const double along = glm::dot(p - a, b - a) / glm::dot(b - a, b - a);
   return along > 1e-12 && along < 1 - 1e-12 && glm::length(a + along * (b - a) - p) < 1e-12;
@@ -44,7 +44,8 @@ bool isClosed(const Scene& scene) {
   const EdgeCounts open = unmatched(std::move(counts));
   if (open.empty()) return true;
 
-  // T-junctions: cut what is left at one another's ends. Quadratic, so only where little is left.
+  // T-junctions cut the remaining open edges at one another's ends. The work is quadratic, so it is done only where few
+  // are left.
   constexpr size_t kMostOpenEdges = 4000;
   if (open.size() > kMostOpenEdges) return false;
   std::vector<Key> ends;

@@ -15,7 +15,7 @@ namespace {
 
 constexpr uint64_t kRays = 1 << 14, kEnough = 2000;  // rays; of them on backs
 constexpr uint64_t kQuickRays = 512;
-constexpr uint32_t kAround = 6;  // rays that tell whether a point is hidden
+constexpr uint32_t kAround = 6;  // rays that decide whether a point is hidden
 constexpr size_t kMostNamed = 5;
 
 struct Tally {
@@ -90,7 +90,7 @@ class LeakFinder {
     return is_closed ? LeakCause::gap : LeakCause::one_sided;
   }
 
-  // Whether the one to change is the one that lines leave.
+  // Returns whether the polygon to change is the one that lines leave.
   bool leavesCulprit(uint32_t onto, LeakCause cause) const {
     if (cause == LeakCause::flipped) return !is_flipped_[scene_.polygons[onto].face];
     return cause == LeakCause::overlap || cause == LeakCause::enclosed || cause == LeakCause::no_bottom;
@@ -103,11 +103,11 @@ class LeakFinder {
   std::vector<bool> is_flipped_;    // of faces
 };
 
-// Leaks of one cause and culprit; all that is flipped is one.
+// A Group has the leaks of one cause and culprit. All flipped surfaces share one group, for one remedy turns them all.
 struct Group {
   LeakCause cause;
   double share = 0, hidden_area = 0;
-  std::vector<uint32_t> culprits, others;  // surfaces, those of the largest leaks first
+  std::vector<uint32_t> culprits, others;  // surfaces, the largest leaks first
 };
 
 std::vector<Group> groupLeaks(const std::vector<Leak>& leaks) {

@@ -1,4 +1,5 @@
-// Leaks: lines that leave a front and end on a back. Whose, onto whose, and why, as far as rays tell.
+// A leak is a line that leaves a front and ends on a back. Rays find the two polygons and, as far as they can, the
+// cause.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -8,7 +9,7 @@
 
 namespace viewpeel {
 
-// Why lines of one surface end on the backs of another.
+// A LeakCause says why lines of one surface end on the backs of another.
 enum class LeakCause {
   flipped,    // one of the two, or its shell, is turned the wrong way
   overlap,    // the two lie over each other in one plane and look the same way
@@ -26,27 +27,27 @@ struct Leak {
   double hidden_area;  // of `from`, from which rays to all sides end on backs, input units squared
 };
 
-// What rays from fronts end on.
+// FrontRays counts the ends of rays from fronts.
 struct FrontRays {
   uint64_t rays = 0, backs = 0, escaped = 0;
   std::vector<Leak> leaks;  // largest share first
   double backShare() const { return rays ? double(backs) / double(rays) : 0; }
 };
 
-// Follows rays from fronts: uniform over them by area, or from where lines are known to leak.
+// Follows rays from fronts: uniform over them by area, or by weights, such as the counts of leaking lines.
 //   In: weights: of Scene::polygons; areas where empty
 //   Error: of shares some 1e-2; leaks of less than some 1e-4 of the lines are not found. The same in every run.
 //   Cost: O(edges log edges) and some 10^4 rays.
 FrontRays followFronts(const Scene& scene, const std::vector<double>& weights = {});
 
-// What is the matter and which option or change mends it, a line for each cause and culprit, the largest first.
+// Describes each cause and culprit in a line, with the option or change that mends it, the largest first.
 std::vector<std::string> describeLeaks(const Scene& scene, const std::vector<Leak>& leaks);
 
-// What fronts see before anything is computed: warnings about backs, empty where rays meet none, or that no front sees
-// another one.
+// Warns about backs that fronts see, before anything is computed. It warns, too, where no front sees another one. Empty
+// where all is well.
 std::vector<std::string> warnOfBacks(const Scene& scene);
 
-// "closed" or "open" and "leaking" as a few hundred rays from fronts tell, and whether edges say otherwise.
+// Returns "closed" or "open" and "leaking" by a few hundred rays from fronts, and whether edges say otherwise.
 //   Cost: O(edges log edges).
 std::string describeClosedness(const Scene& scene);
 

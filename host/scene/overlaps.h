@@ -9,12 +9,12 @@
 
 namespace viewpeel {
 
-// A face that repeats an earlier one, corner for corner.
+// A Duplicate is a face that repeats an earlier one, corner for corner.
 struct Duplicate {
   uint32_t face, of;  // into InputScene::faces, of < face
 };
 
-// Of faces that overlap, those with the very same corners in the same order, wherever they begin.
+// Finds the faces that overlap and have the very same corners in the same order, wherever they begin.
 //   In: alike: of the scene that was built from the input; rounding: of coordinates, input units
 //   Out: sorted by face, every face once, `of` never a duplicate itself
 //   Cost: O(overlaps corners^2).

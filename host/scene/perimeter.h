@@ -8,14 +8,15 @@
 
 namespace viewpeel {
 
-// Sum over k of |corners[(k + 1) % n] - corners[k]|, in that order, in the corners' unit; 0 where there are none.
+// Returns the sum over k of |corners[(k + 1) % n] - corners[k]|, in that order, in the corners' unit; 0 where there are
+// none.
 inline double perimeterOf(std::span<const glm::dvec3> corners) {
   double perimeter = 0;
   for (size_t k = 0; k < corners.size(); ++k) perimeter += glm::length(corners[(k + 1) % corners.size()] - corners[k]);
   return perimeter;
 }
 
-// The same of a polygon of the scene, unit-ball units.
+// Returns the perimeter of a polygon of the scene, unit-ball units.
 inline double perimeterOf(const Scene& scene, const Polygon& polygon) {
   return perimeterOf(std::span(scene.corners).subspan(polygon.first_corner, polygon.corner_count));
 }

@@ -26,9 +26,9 @@ class PolygonTree {
     glm::dvec3 point;
     bool is_front;  // the ray arrives on the polygon's front
   };
-  // All polygons that a ray meets farther than `least_distance` from its origin, nearest first.
+  // Returns all polygons that a ray hits farther than `least_distance` from its origin, nearest first.
   //   In: direction: unit length    Error: points within 1e-14 of an edge count as inside.
-  //   Cost: O(log n + boxes met).
+  //   Cost: O(log n + boxes hit).
   std::vector<Hit> cast(const glm::dvec3& origin, const glm::dvec3& direction, double least_distance) const;
 
  private:

@@ -1,4 +1,4 @@
-// Wavefront OBJ: v, f, o and g.
+// The reader of Wavefront OBJ takes v, f, o and g.
 #include <algorithm>
 #include <fstream>
 #include <map>
@@ -11,7 +11,7 @@
 namespace viewpeel {
 namespace {
 
-// Statements that carry no polygons, and so nothing that is wanted.
+// The reader ignores statements that carry no polygons, and so nothing that is wanted.
 constexpr std::string_view kIgnored[] = {"vt",     "vn",       "vp",       "s",          "usemtl",    "mtllib",
                                          "l",      "p",        "mg",       "lod",        "end",       "bevel",
                                          "usemap", "c_interp", "d_interp", "shadow_obj", "trace_obj", "maplib"};
@@ -94,7 +94,7 @@ class ObjReader {
     return at->second;
   }
 
-  // Groups of one name in different objects are different surfaces: the objects' names tell them apart.
+  // Groups of one name in different objects are different surfaces: their names get the objects' names.
   void tellGroupsApart() {
     std::unordered_map<std::string, uint32_t> uses;
     for (const std::string& name : scene_.surface_names) ++uses[name];

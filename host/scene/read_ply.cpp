@@ -1,5 +1,5 @@
-// PLY, text and binary of either byte order: element `vertex` with x, y, z and element `face` with a list of vertex
-// indices.
+// The reader of PLY takes text and binary of either byte order: element `vertex` with x, y, z and element `face` with a
+// list of vertex indices.
 #include <algorithm>
 #include <bit>
 #include <cstring>

@@ -1,4 +1,4 @@
-// STL, text and binary.
+// The reader of STL takes both kinds, text and binary.
 #include <bit>
 #include <cstring>
 #include <fstream>

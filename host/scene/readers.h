@@ -1,5 +1,5 @@
-// One reader per format. They are our own because the file has to be read in double, errors have to name their line,
-// and a file that is cut short has to be refused. The file is known to exist and to be readable.
+// There is one reader per format. They are our own because the file has to be read in double, errors have to name their
+// line, and a file that is cut short has to be refused. The file exists and is readable.
 #pragma once
 #include <viewpeel/scene.h>
 
@@ -8,11 +8,11 @@ namespace viewpeel {
 //   Throws: Error bad_input naming file and line.
 InputScene readObj(const std::filesystem::path& file);
 
-// Text and binary; every solid is a surface.
+// Reads text and binary; every solid is a surface.
 //   Throws: Error bad_input naming the file, and the line where it is text.
 InputScene readStl(const std::filesystem::path& file);
 
-// Text and binary, either byte order; one surface, named after the file.
+// Reads text and binary, either byte order; one surface, named after the file.
 //   Throws: Error bad_input naming the file, and the line where it is text.
 InputScene readPly(const std::filesystem::path& file);
 

@@ -19,7 +19,7 @@ constexpr size_t kMostOpenEdges = 4000;  // that are cut at one another's ends, 
 constexpr uint64_t kMostRays = 1 << 18;
 constexpr uint32_t kLeastHits = 4, kTurns = 4;
 constexpr double kThickness = 1e-4;  // of a room, unit-ball units
-constexpr double kAlmost = 0.1;      // of rays: what other parts of a mesh may spoil
+constexpr double kAlmost = 0.1;      // of rays: other parts of a mesh may spoil this share
 
 struct EdgeUse {
   uint32_t low, high;  // vertices
@@ -34,7 +34,7 @@ class Sides {
   explicit Sides(size_t count) : parents_(count), turned_(count, false) {
     std::iota(parents_.begin(), parents_.end(), 0u);
   }
-  // The root, and whether the face is turned against it.
+  // Returns the root, and whether the face is turned against it.
   std::pair<uint32_t, bool> find(uint32_t face) {
     uint32_t root = face;
     bool turned = false;
@@ -50,7 +50,7 @@ class Sides {
     }
     return {root, turned};
   }
-  // False where they hang together already, the other way round.
+  // Returns false where they hang together already, the other way round.
   bool join(uint32_t a, uint32_t b, bool turned) {
     auto [root_a, turned_a] = find(a);
     auto [root_b, turned_b] = find(b);
@@ -166,9 +166,9 @@ void ShellFinder::cutOpenEdges() {
   uses_ = std::move(kept);
 }
 
-// The angle of space or of solid between two faces at an edge, whichever lies before or behind both of their fronts;
-// solid counts a little less, which puts a box that stands on tiles before the tiles. Infinite where the two do not
-// fit.
+// Returns the angle of space or of solid between two faces at an edge, whichever lies before or behind both of their
+// fronts. Solid counts a little less, which puts a box that stands on tiles before the tiles. It is infinite where the
+// two do not fit.
 double ShellFinder::wedgeBetween(const EdgeUse& a, const EdgeUse& b) const {
   if (a.is_forward == b.is_forward) return INFINITY;
   const dvec3 axis = glm::normalize(places_[a.high] - places_[a.low]);
@@ -254,12 +254,12 @@ std::vector<Shell> ShellFinder::find() {
   return shells;
 }
 
-// What rays from the two sides of a shell end on: fronts of other shells.
+// Seen counts the rays from the two sides of a shell that end on fronts of other shells.
 struct Seen {
   uint32_t rays = 0, by_front = 0, by_back = 0, anything = 0;
 };
 
-// Whether closed faces lie about a room, rather than back to back.
+// Returns whether closed faces lie about a room, rather than back to back.
 bool holdsSpace(const Scene& scene) {
   double volume = 0, area = 0;
   for (const Polygon& polygon : scene.polygons) {

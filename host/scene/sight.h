@@ -1,4 +1,5 @@
-// Rays through a scene: what a point of a polygon sees. Slow beside the engines, and only for what messages say.
+// Sight follows rays through a scene: it finds the polygons that a point of a polygon sees. It is slow beside the
+// engines, and serves messages only.
 #pragma once
 #include <cstdint>
 #include <random>
@@ -23,12 +24,13 @@ class Sight {
   // The same rays in every run.
   uint64_t next() { return random_(); }
   double uniform() { return double(random_() >> 11) * 0x1p-53; }
-  // Uniform over the polygon.
+  // Draws a point uniformly over the polygon.
   glm::dvec3 pointOn(uint32_t polygon);
-  // By the cosine, on the side of the polygon's front, or of its back.
+  // Draws a direction by the cosine, on the side of the polygon's front, or of its back.
   glm::dvec3 directionFrom(uint32_t polygon, bool from_front);
-  // What a ray from a point of the polygon meets first. Coincident polygons are in the order of their tie ranks.
-  //   Cost: O(log n + boxes met).
+  // Finds the first polygon on a ray from a point of the polygon. Coincident polygons are in the order of their tie
+  // ranks.
+  //   Cost: O(log n + boxes hit).
   End look(uint32_t polygon, const glm::dvec3& point, const glm::dvec3& direction) const;
   End look(uint32_t polygon, bool from_front = true) {
     return look(polygon, pointOn(polygon), directionFrom(polygon, from_front));

@@ -16,7 +16,7 @@ using Flat = std::vector<glm::dvec2>;
 double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 double turn(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) { return cross(b - a, c - b); }
 
-// The corners in the plane orthogonal to the normal, counter-clockwise.
+// Returns the corners in the plane orthogonal to the normal, counter-clockwise.
 Flat flatten(const std::vector<glm::dvec3>& corners, const glm::dvec3& normal) {
   const glm::dvec3 helper = std::abs(normal.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
   const glm::dvec3 x = glm::normalize(glm::cross(helper, normal)), y = glm::cross(normal, x);
@@ -105,7 +105,7 @@ Pieces mergePieces(const Flat& flat, Pieces pieces) {
   for (const auto& [a, b] : diagonals) {
     const size_t p = owner[{a, b}], q = owner[{b, a}];
     std::vector<uint32_t> first = pieces[p], second = pieces[q];
-    // first: b ... a, second: a ... b; joined without repeating a and b.
+    // The lists are first: b ... a, second: a ... b; joining them repeats neither a nor b.
     std::rotate(first.begin(), std::find(first.begin(), first.end(), b), first.end());
     std::rotate(second.begin(), std::find(second.begin(), second.end(), a), second.end());
     first.insert(first.end(), second.begin() + 1, second.end() - 1);

@@ -1,4 +1,4 @@
-// Cutting a face of any shape into convex planar polygons.
+// A face of any shape is cut into convex planar polygons.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -12,10 +12,10 @@ namespace viewpeel {
 // triangles. It bounds the error of depths; a coordinate in single precision is good to 6e-8.
 constexpr double kPlanarTolerance = 1e-7;
 
-// Pieces as loops of corner indices, counter-clockwise about the face's normal.
+// Pieces are loops of corner indices, counter-clockwise about the face's normal.
 using Pieces = std::vector<std::vector<uint32_t>>;
 
-// Twice the vector area (Newell's formula); its direction is the mean normal.
+// Returns twice the vector area (Newell's formula); its direction is the mean normal.
 glm::dvec3 twiceVectorArea(const std::vector<glm::dvec3>& corners);
 
 // Cuts a simple polygon into convex planar pieces that tile it. A convex planar face is returned whole, corners in the

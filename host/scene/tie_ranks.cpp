@@ -98,7 +98,7 @@ Levels partAlike(const Scene& scene, const TieOrders& orders, Levels levels) {
   return parted;
 }
 
-// How many levels the polygons have that overlap, directly or by others; of each polygon.
+// Returns how many levels the polygons have that overlap, directly or by others; of each polygon.
 std::map<uint32_t, uint32_t> heightsOf(const TieOrders& orders, const Levels& levels) {
   Pairs all = orders.below;
   all.insert(all.end(), orders.alike.begin(), orders.alike.end());
@@ -130,7 +130,7 @@ uint64_t rankCoincidentPolygons(Scene& scene, TieOrders orders) {
   std::set<uint32_t> too_high;
   for (const auto& entry : levels)
     if (isTooHigh(entry.first)) too_high.insert(entry.first);
-  // What touching solids see counts for more than which of two alike faces sees it.
+  // Contacts of solids count for more than the choice between two alike faces.
   if (std::erase_if(orders.alike, [&](const auto& pair) { return isTooHigh(pair.first); }) > 0) {
     levels = partAlike(scene, orders, of_below);
     heights = heightsOf(orders, levels);

@@ -1,4 +1,4 @@
-// Words and numbers of text formats, shared by the readers.
+// The readers share these functions for words and numbers of text formats.
 #pragma once
 #include <algorithm>
 #include <charconv>
@@ -22,7 +22,7 @@ inline std::string_view nextWord(std::string_view& rest) {
   return word;
 }
 
-// All words that are left, one blank between them.
+// Returns all words that are left, one blank between them.
 inline std::string joinWords(std::string_view rest) {
   std::string joined;
   for (std::string_view word = nextWord(rest); !word.empty(); word = nextWord(rest)) {
@@ -32,13 +32,13 @@ inline std::string joinWords(std::string_view rest) {
   return joined;
 }
 
-// The text without the mark that some editors begin UTF-8 files with.
+// Returns the text without the mark that some editors begin UTF-8 files with.
 inline std::string_view skipByteOrderMark(std::string_view text) {
   constexpr std::string_view kMark = "\xEF\xBB\xBF";
   return text.substr(text.starts_with(kMark) ? kMark.size() : 0);
 }
 
-// Short and without control characters, for messages. UTF-8 is not cut within a character.
+// Returns the text short and without control characters, for messages. UTF-8 is not cut within a character.
 inline std::string printable(std::string_view text) {
   size_t length = std::min<size_t>(text.size(), 20);
   while (length > 0 && length < text.size() && (text[length] & 0xC0) == 0x80) --length;

@@ -1,4 +1,4 @@
-// Sums of pairs: sorted lists to which others, sorted alike, are added in place, or which become those of coarser ids.
+// These functions add sorted lists of pairs in place, or merge their ids to coarser ones.
 #pragma once
 #include <algorithm>
 #include <cstddef>
@@ -10,15 +10,15 @@
 
 namespace viewpeel {
 
-// By which lists are sorted.
+// Lists are sorted by this key.
 template <class Pair>
 std::pair<uint32_t, uint32_t> keyOf(const Pair& pair) {
   return {pair.i, pair.j};
 }
 
-// add_to(sum, pair) for each of `pairs`, in any order, whose sum is Sum{i, j} where there was none.
+// Calls add_to(sum, pair) for each of `pairs`, in any order. A pair without a sum gets Sum{i, j} first.
 //   In: sums and pairs sorted by (i, j), every pair at most once    Cost: O(sums + pairs); no memory but that of the
-//   sums.
+//     sums.
 template <class Sum, class Pairs, class AddTo>
 void addPairs(std::vector<Sum>& sums, const Pairs& pairs, AddTo add_to) {
   size_t fresh = 0, from = 0;
@@ -27,7 +27,7 @@ void addPairs(std::vector<Sum>& sums, const Pairs& pairs, AddTo add_to) {
     if (from < sums.size() && keyOf(sums[from]) == keyOf(pair)) add_to(sums[from], pair);
     else ++fresh;
   }
-  // Those that are there make room from the last one on.
+  // The sums that are there make room from the last one on.
   from = sums.size();
   size_t to = from + fresh;
   sums.resize(to);
@@ -39,8 +39,8 @@ void addPairs(std::vector<Sum>& sums, const Pairs& pairs, AddTo add_to) {
   }
 }
 
-// The pairs of a coarser set of ids, in order: id k becomes id_map[k], and add_to(sum, pair) joins a pair to one that
-// is there.
+// Returns the pairs of a coarser set of ids, in order: id k becomes id_map[k], and add_to(sum, pair) joins a pair to a
+// sum that is there.
 //   Cost: O(pairs) where there are few coarse ids, else O(pairs log pairs).
 template <class Pair, class AddTo>
 std::vector<Pair> mergePairs(const std::vector<Pair>& pairs, const std::vector<uint32_t>& id_map, AddTo add_to) {

@@ -12,9 +12,11 @@ using Entry = FormFactors::Entry;
 using Rows = std::vector<double>;
 
 constexpr int kMostPasses = 40;
-constexpr double kTolerance = 0.01;   // of the standard error of what is missing in a row
-constexpr double kMostTilt = 8;       // |y|: odds change by less than e^16
-constexpr double kMostOfRoom = 0.98;  // of what shares from 0 to 1 leave a row, for the rest takes odds without end
+constexpr double kTolerance = 0.01;  // of the standard error of a row's missing part
+constexpr double kMostTilt = 8;      // |y|: odds change by less than e^16
+// ^Guesses take up this part of the room that visibilities from 0 to 1 leave a row. The rest would take odds without
+// end.
+constexpr double kMostOfRoom = 0.98;
 
 void addToRows(Rows& rows, const Entry& entry, double value) {
   rows[entry.i] += value;
@@ -25,7 +27,7 @@ double tilt(double visibility, double odds_factor) {
   return visibility * odds_factor / (1 - visibility + visibility * odds_factor);
 }
 
-// What one pass over the guesses finds, by row.
+// Pass is the result of one pass over the guesses, by row.
 struct Pass {
   Rows gain, slope;  // sum of w X (t - s), and its derivative by y
 };
@@ -56,7 +58,7 @@ class Calibration {
     }
   }
 
-  // Half of Newton's step in every row at once: a guess moves with both of its rows.
+  // Every row takes half of Newton's step at once, for a guess moves with both of its rows.
   void solve() {
     for (int pass = 0; pass < kMostPasses; ++pass) {
       const Pass found = evaluate();
@@ -78,7 +80,7 @@ class Calibration {
   }
 
  private:
-  // In parts whose number does not depend on that of threads: their sums are added up in one order.
+  // The number of parts does not depend on that of threads: their sums are added up in one order.
   Pass evaluate() const {
     constexpr size_t kLeast = size_t(1) << 16, kMostParts = 32;
     const size_t n = y_.size(), parts = std::clamp<size_t>(guesses_.size() / kLeast, 1, kMostParts);

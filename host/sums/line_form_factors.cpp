@@ -15,7 +15,7 @@ constexpr double kBeyondDoubt = 3;  // standard errors of a row's pairs
 std::vector<FormFactors::Entry> mergeBySurface(std::vector<FormFactors::Entry> entries,
                                                const std::vector<uint32_t>& surface) {
   for (FormFactors::Entry& entry : entries) {
-    const auto [i, j] = std::minmax(surface[entry.i], surface[entry.j]);
+    const auto [i, j] = std::minmax({surface[entry.i], entry.j < kEnvironment ? surface[entry.j] : entry.j});
     // Two faces of one surface exchange both ways within it.
     const double ways = i == j ? 2 : 1;
     entry = {i, j, {ways * entry.exchange_area.value, ways * entry.exchange_area.standard_error}};
@@ -34,13 +34,10 @@ std::vector<FormFactors::Entry> mergeBySurface(std::vector<FormFactors::Entry> e
   return merged;
 }
 
-}  // namespace
-
-FormFactors lineFormFactors(const LineSums& lines, By by, const ReplicateSums& counted, double measure_area,
-                            double count_area) {
+// Adds environment to the rows that see it, and leak where only common directions have counted it.
+void addWhatIsLeft(std::vector<FormFactors::Entry>& entries, const ReplicateSums& counted, double measure_area,
+                   double count_area) {
   const Ids& ids = counted.ids();
-  std::vector<FormFactors::Entry> entries = lines.entries();
-  if (by == By::surface) entries = mergeBySurface(std::move(entries), lines.ids().surface);
   std::vector<Measured> environment(ids.count()), leak(ids.count());
   bool is_open = false;
   for (const ReplicateSums::PairSum& pair : counted.pairs()) {
@@ -48,21 +45,30 @@ FormFactors lineFormFactors(const LineSums& lines, By by, const ReplicateSums& c
     is_open |= pair.j == kEnvironment;
     (pair.j == kLeak ? leak : environment)[pair.i] = counted.exchangeArea(pair, measure_area, count_area);
   }
-  if (ids.counts_environment) {
-    const std::vector<Measured> rows = sumRows(entries, ids.areas);
-    for (uint32_t i = 0; i < ids.count(); ++i) {
-      if (!ids.isRequested(i)) continue;
-      const double left = std::max(0.0, 1 - rows[i].value) * ids.areas[i],
-                   doubt = rows[i].standard_error * ids.areas[i];
-      if (leak[i].value > 0) {
-        leak[i].value = std::min(leak[i].value, left);
-        entries.push_back({i, kLeak, leak[i]});
-      }
-      if (environment[i].value > 0 || (is_open && left - leak[i].value > kBeyondDoubt * doubt))
-        entries.push_back({i, kEnvironment, {left - leak[i].value, std::hypot(doubt, leak[i].standard_error)}});
+  for (const FormFactors::Entry& entry : entries)
+    if (entry.j == kLeak) leak[entry.i] = {};  // lines have found it
+  const std::vector<Measured> rows = sumRows(entries, ids.areas);
+  for (uint32_t i = 0; i < ids.count(); ++i) {
+    if (!ids.isRequested(i)) continue;
+    const double left = std::max(0.0, 1 - rows[i].value) * ids.areas[i], doubt = rows[i].standard_error * ids.areas[i];
+    if (leak[i].value > 0) {
+      leak[i].value = std::min(leak[i].value, left);
+      entries.push_back({i, kLeak, leak[i]});
     }
-    std::ranges::sort(entries, {}, keyOf<FormFactors::Entry>);
+    if (environment[i].value > 0 || (is_open && left - leak[i].value > kBeyondDoubt * doubt))
+      entries.push_back({i, kEnvironment, {left - leak[i].value, std::hypot(doubt, leak[i].standard_error)}});
   }
+  std::ranges::sort(entries, {}, keyOf<FormFactors::Entry>);
+}
+
+}  // namespace
+
+FormFactors lineFormFactors(const LineSums& lines, By by, const ReplicateSums& counted, double measure_area,
+                            double count_area) {
+  const Ids& ids = counted.ids();
+  std::vector<FormFactors::Entry> entries = lines.entries();
+  if (by == By::surface) entries = mergeBySurface(std::move(entries), lines.ids().surface);
+  if (ids.counts_environment) addWhatIsLeft(entries, counted, measure_area, count_area);
   std::vector<Measured> rows = sumRows(entries, ids.areas);
   return {ids, std::move(entries), std::move(rows)};
 }

@@ -5,6 +5,8 @@
 #include <tuple>
 #include <utility>
 
+#include "sums/add_pairs.h"
+
 namespace viewpeel {
 namespace {
 
@@ -87,8 +89,7 @@ Visibility visibilityOf(const LineSums::PairSum& sum, uint32_t planned_blocks) {
 
 Measured LineSums::exchangeArea(size_t k) const {
   const LinePair& pair = pairs_[k];
-  const double area = std::min(ids_.areas[pair.i], ids_.areas[pair.j]);
-  const double most = std::min(pair.exchange, area), blockable = std::max(0.0, pair.exchange - pair.clear);
+  const double most = std::min(pair.exchange, smallerArea(pair)), blockable = std::max(0.0, pair.exchange - pair.clear);
   if (pair.blocks == 0) return {most, kUnoccludedError * most};
   const Visibility visibility = visibilityOf(sums_[k], pair.blocks);
   const double value = std::min(most, pair.clear + visibility.value * blockable);
@@ -104,10 +105,24 @@ bool LineSums::goesWith(const LineSums& others) const {
   return by_ == others.by_ && std::ranges::equal(pairs_, others.pairs_, {}, linesOf, linesOf);
 }
 
+double LineSums::smallerArea(const LinePair& pair) const {
+  return std::min(ids_.areas[pair.i], pair.j < ids_.count() ? ids_.areas[pair.j] : INFINITY);
+}
+
 std::vector<FormFactors::Entry> LineSums::entries() const {
   std::vector<FormFactors::Entry> entries;
   entries.reserve(pairs_.size());
-  for (size_t k = 0; k < pairs_.size(); ++k) entries.push_back({pairs_[k].i, pairs_[k].j, exchangeArea(k)});
+  for (size_t k = 0; k < pairs_.size(); ++k) {
+    const Measured exchange = exchangeArea(k);
+    if (!hasBack(k)) {
+      entries.push_back({pairs_[k].i, pairs_[k].j, exchange});
+      continue;
+    }
+    if (entries.empty() || keyOf(entries.back()) != std::pair(pairs_[k].i, kLeak))
+      entries.push_back({pairs_[k].i, kLeak, {}});
+    Measured& leak = entries.back().exchange_area;
+    leak = {leak.value + exchange.value, std::hypot(leak.standard_error, exchange.standard_error)};
+  }
   return entries;
 }
 

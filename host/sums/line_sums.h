@@ -12,7 +12,7 @@
 namespace viewpeel {
 
 // A pair of faces that see each other with nothing in between, and the lines that it gets. Fixed before the first
-// replicate.
+// replicate. Where lines leak there are pairs of a face and a back, too: j is the number of faces plus the back's face.
 struct LinePair {
   uint32_t i, j;           // i < j
   double exchange = 0;     // A_i F_ij with nothing in between, input units squared
@@ -76,7 +76,12 @@ class LineSums {
   // Of all pairs, in all replicates so far.
   uint64_t lineCount() const;
 
-  // Exchange areas, one for each pair, input units squared.
+  // Whether a pair is one of a face and a back.
+  bool hasBack(size_t pair) const { return pairs_[pair].j >= ids_.count(); }
+  // Of the smaller face of a pair, input units squared; of the face where the other is a back.
+  double smallerArea(const LinePair& pair) const;
+  // Exchange areas of all pairs, and of faces with kLeak as sums over their pairs with backs, sorted; input units
+  // squared.
   //   Error: that of replicates and that of independent lines together; see docs/method.md. Coverage:
   //   bench/programs/coverage.cpp.
   std::vector<FormFactors::Entry> entries() const;

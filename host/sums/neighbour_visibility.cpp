@@ -5,14 +5,15 @@
 namespace viewpeel {
 namespace {
 
-// Of either kind, beside the lines that there are: as measured, intervals of 95 % then hold in 95 to 97 %.
+// This part of a line of either kind joins the lines that there are. As measured, intervals of 95 % then hold in 95 to
+// 97 %.
 constexpr float kBeside = 0.1f;
 
 struct Lines {
   float facing = 0, all = 0;
 };
 
-// Of square blocks of ids; those below the diagonal are empty.
+// Blocks of ids form a square; blocks below the diagonal are empty.
 struct Level {
   size_t side;
   std::vector<Lines> blocks;

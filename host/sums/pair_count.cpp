@@ -5,7 +5,7 @@
 
 namespace viewpeel {
 
-// First to each i its own, for the counts of one i are few.
+// Counts first go to their i, for the counts of one i are few.
 PairCounts sortAndJoin(const PairCounts& counts, uint32_t id_count) {
   std::vector<size_t> ends(id_count + 1, 0);
   for (const PairCount& count : counts) ++ends[count.i + 1];

@@ -14,7 +14,7 @@
 namespace viewpeel {
 namespace {
 
-// Exchanges between surfaces, of those of their faces: sums, at most the areas of the two.
+// Returns exchanges between surfaces: sums over their faces, at most the areas of the two.
 std::vector<PriorExchange> mergeBySurface(const std::vector<PriorExchange>& exchanges, bool has_all_pairs,
                                           const std::vector<uint32_t>& surface, const std::vector<double>& areas) {
   std::vector<PriorExchange> mapped;
@@ -88,8 +88,8 @@ void PriorSums::prepare() {
       for_surfaces.push_back({pair.i, pair.j, 0, 0, lineOf(prior_.lines, pair.i, pair.j)});
       continue;
     }
-    const bool is_learnt = !prior_.has_all_pairs && pair.visibility == 0 &&
-                           pair.surface_visibility == 0;  // from the run: no part of what was fixed beforehand
+    // The run added this pair: it is no part of the prior that was fixed beforehand.
+    const bool is_learnt = !prior_.has_all_pairs && pair.visibility == 0 && pair.surface_visibility == 0;
     if (!is_learnt) for_surfaces.push_back(exchangeOf(pair, pair.surface_visibility, areas, prior_.lines));
   }
   surface_exchanges_ =
@@ -147,7 +147,7 @@ void PriorSums::add(const PriorSums& others, bool others_are_first) {
     surface_exchanges_ = others.surface_exchanges_;
     directed_exchanges_ = others.directed_exchanges_;
   }
-  // What only one of them has met.
+  // Pairs that only one of them has are added.
   std::vector<PairPrior> missing;
   std::ranges::set_difference(second.pairs, prior_.pairs, std::back_inserter(missing),
                               [](const PairPrior& a, const PairPrior& b) { return keyOf(a) < keyOf(b); });
@@ -192,8 +192,8 @@ VisibilitySums::Found PriorSums::find(double measure_area, double count_area, co
   VisibilitySums::Found found =
       by_face_.find(prior_.pairs, prior_.lines, measure_area, count_area, counted.rowSums(), sampled,
                     neighbours ? &*neighbours : nullptr, neighbours ? row : ExchangeRow{});
-  std::vector<uint32_t> measured;                                 // entries that directions of their own have made
-  for (const FormFactors::Entry& directed : directedEntries()) {  // among the pairs known, so there
+  std::vector<uint32_t> measured;                                 // entries of pairs with directions of their own
+  for (const FormFactors::Entry& directed : directedEntries()) {  // among the prior's pairs, so there
     const auto at = std::ranges::lower_bound(found.entries, keyOf(directed), {}, keyOf<FormFactors::Entry>);
     at->exchange_area = directed.exchange_area;
     measured.push_back(static_cast<uint32_t>(at - found.entries.begin()));
@@ -218,7 +218,7 @@ std::vector<FormFactors::Entry> PriorSums::ofPriorPairs(double measure_area, dou
 }
 
 FormFactors PriorSums::bySurface(double measure_area, double count_area, const FormFactors& sampled) const {
-  // Directed pairs have random numbers of their own: their variances add up with that of the others.
+  // Directed pairs have random numbers of their own, so their variances and the others' add up.
   const FormFactors others =
       by_surface_.allowForUnmet(by_surface_.formFactors(measure_area, surface_exchanges_, count_area), measure_area,
                                 surface_exchanges_, count_area);

@@ -1,6 +1,5 @@
-// With C_ij = E[A'_ij] the form factor is F_ij = 2 C_ij / A_i (Pellegrini 1997, section 5.1), so A_i F_ij = 2 C_ij. An
-// id of several polygons can see itself; each unordered pair of its polygons then exchanges both ways, so A_i F_ii = 4
-// C_ii.
+// Counts become form factors by docs/method.md, eq. (7). An id of several polygons can see itself; each unordered pair
+// of its polygons then exchanges both ways, so A_i F_ii = 4 C_ii.
 #include "sums/replicate_sums.h"
 
 #include <algorithm>
@@ -43,26 +42,8 @@ void ReplicateSums::add(const ReplicateSums& others) {
   for (size_t k = 0; k < row_sums_.size(); ++k) row_sums_[k].add(others.row_sums_[k]);
 }
 
-// With R replicates that count c_r, K = sum c_r and s^2 = sum (c_r - K / R)^2 / (R - 1), the estimate is K / R and its
-// standard error
-//   sqrt(R s^2 + D^2) / R,   D = (K + D_0) / (K / max(1, R s^2 / K) + 1),
-// infinite from a single replicate. R s^2 alone has the variance of K as its mean, but where few lines count, K and s
-// fall short together and K +- t sqrt(R s^2) holds the expectation m too rarely. With D counts that come at a time the
-// variance is D m; |K - m| <= z sqrt(D m) (the score interval) is K + D z^2 / 2 +- z sqrt(D K + D^2 z^2 / 4), and z^2 /
-// 4 is 0.96 at 95 %: hence D^2. The centre stays, for the estimate is to be unbiased. Where s^2 is all there is to know
-// the surplus is nothing: a factor of sqrt(1 + q^2) for a relative standard error q. D_1 = R s^2 / K would be those
-// counts, at least 1, for they are integers: replicates that agree by chance are not exact. But one or two directions
-// that saw a pair, each with many lines or only grazing it, do not tell how many lines others would have seen. So K /
-// D_1 of them are joined by one more with D_0, what a direction that sees the pair counts: along it two convex regions
-// overlap as they happen to lie. Of an area X that varies so, and of counts on a lattice beside, E[X^2] / E[X] is 4/9
-// of the smaller region for parallelograms of one shape; lines leave a polygon with 2/3 as their mean cosine; counts
-// are at least 1: D_0 = 1 + 8/27 A / h^2 with A the smaller of the two areas and h^2 that of a count. Where many
-// directions saw the pair this is nothing. What no line met has no entry. Of n directions none meets a pair with
-// probability (1 - p)^n, which is 5 % for p = ln 20 / n, where p is the share of lattices and directions that meet it;
-// E[A'] is at most p max(h^2, A), for a lattice meets an area a below h^2 with probability a / h^2. Hence F <= 2 ln 20
-// max(1, h^2 / A) / n at 95 %, from the smaller of the two (unmetBound). How often intervals hold the truth:
-// bench/coverage.cpp. Source: A. Agresti & B. A. Coull, Approximate is better than "exact" for interval estimation of
-// binomial proportions, The American Statistician 52, 1998.
+// Returns the standard error of eq. (12), docs/method.md, section 5, where every term is derived. It is infinite from a
+// single replicate. The bound on pairs without a line is eq. (13).
 Measured ReplicateSums::measure(const Sum& sum, double most_counts) const {
   const Wide replicates = replicate_count_;
   Measured measured;
@@ -71,7 +52,7 @@ Measured ReplicateSums::measure(const Sum& sum, double most_counts) const {
     measured.standard_error = INFINITY;
     return measured;
   }
-  // R (R - 1) s^2, exactly
+  // spread = R (R - 1) s^2, exactly
   const Wide spread = replicates * sum.sum_of_squares - sum.sum * sum.sum;
   const double r = double(replicate_count_), variance = double(spread) / (r - 1);
   const double counted = double(sum.sum), at_a_time = spread ? std::max(1.0, variance / counted) : 1;
@@ -110,7 +91,7 @@ double ReplicateSums::largestStandardError(double measure_area, double count_are
 double ReplicateSums::largestRelativeError(double measure_area, double floor, double count_area) const {
   double largest = 0;
   for (const PairSum& pair : pairs_) {
-    // Both ways the relative error is the same: it counts if one of the two reaches the floor.
+    // The relative error is the same both ways, and counts if one of the two reaches the floor.
     const Measured exchange = exchangeArea(pair, measure_area, count_area);
     if (exchange.value / ids_.smallerArea(pair.i, pair.j) >= floor)
       largest = std::max(largest, exchange.standard_error / exchange.value);

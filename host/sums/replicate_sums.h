@@ -1,4 +1,4 @@
-// Counts summed over replicates, and the form factors that they estimate.
+// ReplicateSums adds up counts over replicates, and estimates form factors from them.
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace viewpeel {
 
-// Sums the counts of replicates, exactly, and turns them into form factors.
+// All sums are exact, in 128-bit integers.
 class ReplicateSums {
  public:
   __extension__ using Wide = unsigned __int128;
@@ -32,18 +32,18 @@ class ReplicateSums {
   };
 
   explicit ReplicateSums(Ids ids) : ids_(std::move(ids)), row_sums_(ids_.count()) {}
-  // As they were summed before.    In: pairs sorted by (i, j), every pair at most once; row_sums: one for each id
+  // Restores sums from a checkpoint.    In: pairs sorted by (i, j), every pair at most once; row_sums: one for each id
   ReplicateSums(Ids ids, uint64_t replicate_count, std::vector<PairSum> pairs, std::vector<Sum> row_sums)
       : ids_(std::move(ids)),
         pairs_(std::move(pairs)),
         row_sums_(std::move(row_sums)),
         replicate_count_(replicate_count) {}
 
-  // Cost: O(nonzeros).
+  // Adds one replicate.    Cost: O(nonzeros).
   void add(const PairCounts& counts);
-  // Without pairs, where others sum them: row sums alone.
+  // Adds one replicate to the row sums alone, where others sum its pairs.
   void addRows(const PairCounts& counts);
-  // Sums of other replicates.    In: others of the same ids    Cost: O(nonzeros).
+  // Adds sums of other replicates.    In: others of the same ids    Cost: O(nonzeros).
   void add(const ReplicateSums& others);
 
   const Ids& ids() const { return ids_; }
@@ -51,24 +51,25 @@ class ReplicateSums {
   const std::vector<Sum>& rowSums() const { return row_sums_; }
   uint64_t replicateCount() const { return replicate_count_; }
 
-  //   In: measure_area: input units squared of one count, that is unitArea() scale^2 / directions per replicate
-  //     count_area: of one count along its direction, measure_area x directions per replicate where these are over the
-  //     whole sphere; infinite where it is not known
+  // Finds the form factors of all pairs that a line hit.
+  //   In: measure_area: input units squared of one count, which is unitArea() scale^2 / directions per replicate
+  //   count_area: of one count along its direction, measure_area x directions per replicate where these are over the
+  //     whole sphere; infinite where it is unknown
   //   Error: none but rounding: counts and their squares are summed in 128-bit integers. Standard errors:
-  //   replicate_sums.cpp; tests/device/form_factors_test.cpp.
+  //     docs/method.md, eq. (12); tests/device/form_factors_test.cpp.
   FormFactors formFactors(double measure_area, double count_area = INFINITY) const;
-  // The same of one pair, whose counts were summed elsewhere.
+  // Finds the exchange area of one pair, whose counts were summed elsewhere.
   Measured exchangeArea(const PairSum& pair, double measure_area, double count_area) const;
 
-  // Calls f(i, j, A_i F_ij) for every pair met, and for environment and leak.
+  // Calls f(i, j, A_i F_ij) for every pair with an entry, and for environment and leak.
   template <class F>
   void forEachPair(double measure_area, F f) const {
     for (const PairSum& pair : pairs_) f(pair.i, pair.j, exchangeArea(pair, measure_area, INFINITY));
   }
 
-  // Largest standard error over all form factors of the rows asked for.
+  // Returns the largest standard error over all form factors of the request's rows.
   double largestStandardError(double measure_area, double count_area = INFINITY) const;
-  // The same relative to the form factor, over form factors of at least `floor`.
+  // Returns the largest relative to the form factor, over form factors of at least `floor`.
   double largestRelativeError(double measure_area, double floor, double count_area = INFINITY) const;
 
  private:
@@ -80,11 +81,11 @@ class ReplicateSums {
   uint64_t replicate_count_ = 0;
 };
 
-// What a form factor of an id of this area, the smaller of its pair, is at most where none of so many directions met
-// it: with 95 % confidence (replicate_sums.cpp).
+// Returns a bound on the form factor of a pair that none of `directions` hit, with 95 % confidence: docs/method.md, eq.
+// (13).    In: area: of the smaller id of its pair
 double unmetBound(double area, double count_area, double directions);
 
-// The counts of a coarser set of ids: id k becomes id_map[k].
+// Sums the counts by a coarser set of ids: id k becomes id_map[k].
 PairCounts mergeIds(const PairCounts& counts, const std::vector<uint32_t>& id_map);
 
 }  // namespace viewpeel

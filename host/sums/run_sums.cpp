@@ -94,7 +94,7 @@ FormFactors RunSums::formFactors(const ExchangeRow& row) const {
     return lineFormFactors(*lines, By::polygon, by_id, measure_area, countArea());
   if (lines || (prior_sums && prior_sums->by() == By::surface)) return betweenSurfaces();
   if (!prior_sums) return by_id.formFactors(measure_area, countArea());
-  // What counts alone say of other pairs is not looked at.
+  // The counts of other pairs are not looked at.
   const std::vector<VisibilitySums::PairSum>& pairs = prior_sums->byFace().pairs();
   std::vector<FormFactors::Entry> sampled;
   sampled.reserve(pairs.size());

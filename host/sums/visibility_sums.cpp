@@ -16,9 +16,9 @@
 namespace viewpeel {
 namespace {
 
-// (1.96 / t)^2 with Student's t of R - 1 degrees of freedom at 95 %. Intervals are t standard errors long, for R
-// replicates know their own spread only roughly; of a variance that is known by other means so much is right. R is 8 at
-// least: with fewer, standard errors would be far less than errors, and intervals are longer than they need be.
+// Returns (1.96 / t)^2 with Student's t of R - 1 degrees of freedom at 95 %. Intervals are t standard errors long, for
+// R replicates give their own spread only roughly. A variance from other sources needs no such length. R is 8 at least:
+// with fewer, standard errors would be far less than errors, and intervals longer than they need be.
 double besideReplicates(uint64_t replicates) {
   const double degrees = static_cast<double>(std::max<uint64_t>(replicates, 8) - 1), beyond = 0.025;
   const double ratio = quantile(complement(boost::math::normal(), beyond)) /
@@ -71,7 +71,7 @@ void VisibilitySums::add(const VisibilitySums& others) {
   });
 }
 
-// Makes the entries of some rows. What is known, told and sampled goes along with the pairs, in their order.
+// Entries makes the entries of some rows. Its pairs are in one order with those of the prior and with those sampled.
 class VisibilitySums::Entries {
   template <class Pairs>
   static auto firstOf(const Pairs& pairs, uint32_t i) {
@@ -108,7 +108,7 @@ class VisibilitySums::Entries {
         row(i, later);
       }
       for (uint32_t j = i + 1, end = static_cast<uint32_t>(i + 1 + later.size()); j < end; ++j) {
-        // Up to the next that anything is known of.
+        // The next entry of the prior, of the lines or of the samples ends the run of guesses.
         for (const uint32_t next = std::min(nextAfter(i, j), end); j < next; ++j)
           if (const BoundedExchange& exchange = later[j - i - 1]; exchange.area > 0 || exchange.error > 0)
             guess(i, j, exchange.area, exchange.error);
@@ -116,7 +116,8 @@ class VisibilitySums::Entries {
         addBefore(i, j);
         const BoundedExchange& exchange = later[j - i - 1];
         if (isAt(prior_, prior_pairs_, i, j)) {
-          addBefore(i, j + 1);  // before what is told of it is passed
+          // Guesses come before the entry.
+          addBefore(i, j + 1);
           continue;
         }
         if (!(exchange.area > 0 || exchange.error > 0)) continue;
@@ -135,15 +136,15 @@ class VisibilitySums::Entries {
     return at != pairs.end() && keyOf(*at) == std::pair(i, j);
   }
 
-  // The sums of a pair, 0 where no line told.
+  // Returns the sums of a pair, 0 where no line hit it.
   PairSum take(uint32_t i, uint32_t j) {
     while (counted_ != sums_.pairs_.end() && keyOf(*counted_) < std::pair(i, j)) ++counted_;
     return isAt(counted_, sums_.pairs_, i, j) ? *counted_ : PairSum{i, j};
   }
 
-  // Of environment and leak all other lines of the row are blocked, in replicates that saw none leave it, too:
-  //   sum O^2 = sum (L - V)^2 = sum L^2 - 2 sum V (V + O) + sum V^2 with L lines of the row in a replicate, for V + O =
-  //   L where V > 0.
+  // All lines of the row that do not reach environment or leak count as blocked for it, also in replicates in which
+  // none reached it. With L lines of the row in a replicate V + O = L where V > 0, so
+  //   sum O^2 = sum (L - V)^2 = sum L^2 - 2 sum V (V + O) + sum V^2.
   std::pair<PairSum, Squares> withRow(PairSum pair) const {
     Squares squares = sums_.squaresOf(pair);
     if (pair.j < kEnvironment || rows_.empty()) return {pair, squares};
@@ -153,7 +154,7 @@ class VisibilitySums::Entries {
     return {pair, squares};
   }
 
-  // The least j of row i, of at least `from`, of a pair that is known, told or sampled.
+  // Returns the least j of row i, of at least `from`, of a pair of the prior, of the lines or of the samples.
   uint32_t nextAfter(uint32_t i, uint32_t from) {
     while (counted_ != sums_.pairs_.end() && keyOf(*counted_) < std::pair(i, from)) ++counted_;
     uint32_t next = UINT32_MAX;
@@ -163,7 +164,7 @@ class VisibilitySums::Entries {
     return next;
   }
 
-  // A pair that no line met.
+  // Adds a pair that no line hit.
   void guess(uint32_t i, uint32_t j, double area, double error) {
     const NeighbourVisibility::Value visibility = neighbours_->of(i, j);
     const double most = std::min({area, sums_.ids_.areas[i], sums_.ids_.areas[j]});
@@ -176,7 +177,7 @@ class VisibilitySums::Entries {
           sums_.replicate_count_ < 2 ? INFINITY : visibility.deviation() * most + visibility.mean * error}});
   }
 
-  // Pairs that are known, and those sampled alone.
+  // Adds pairs of the prior, and those sampled alone.
   void addBefore(uint32_t i, uint32_t j) {
     const std::pair key(i, j);
     for (;;) {
@@ -195,7 +196,7 @@ class VisibilitySums::Entries {
     }
   }
 
-  //   In: error: of the exchange area
+  // Adds a pair by its lines, or guesses it where it has none.    In: error: of the exchange area
   void add(const PairSum& lines_of_pair, const PairPrior& pair, double error) {
     const PriorExchange prior = exchangeOf(pair, pair.visibility, sums_.ids_.areas, lines_);
     const auto [sum, squares] = withRow(lines_of_pair);
@@ -204,7 +205,7 @@ class VisibilitySums::Entries {
     found_.entries.push_back({pair.i, pair.j, measure(sum, squares, prior, error)});
   }
 
-  // Of a pair that lines met, or that has no exchange area or no neighbours.    In: error: of prior.most
+  // Adds a pair that lines hit, or without an exchange area or neighbours.    In: error: of prior.most
   Measured measure(const PairSum& pair, const Squares& squared, const PriorExchange& prior, double error) {
     const auto replicates = static_cast<double>(sums_.replicate_count_), facing = double(pair.facing),
                blocked = double(pair.blocked), lines = facing + blocked;
@@ -213,8 +214,8 @@ class VisibilitySums::Entries {
     Measured exchange{has_visibility ? b * prior.most : prior.area, INFINITY};
     if (sums_.replicate_count_ < 2) return exchange;
     const double area = std::min(sums_.ids_.areas[pair.i], pair.j < kEnvironment ? sums_.ids_.areas[pair.j] : INFINITY);
-    // The replicates' variance in units of counts: of residuals (1 - b) V_r - b O_r, whose sum is 0; and of lines, each
-    // by chance of its own.
+    // The replicates' variance is in units of counts: of residuals (1 - b) V_r - b O_r, whose sum is 0. The variance of
+    // lines takes each as blocked by chance of its own.
     const double residuals = (1 - b) * (1 - b) * double(squared.facing) - 2 * b * (1 - b) * double(squared.product) +
                              b * b * double(squared.blocked);
     const double variance = std::max(0.0, residuals) * replicates / (replicates - 1),
@@ -239,25 +240,19 @@ class VisibilitySums::Entries {
     exchange.standard_error = errorOfSum(variance, squares, double(prior.line), area / count_area_) * count_exchange;
     exchange.standard_error = std::min(exchange.standard_error, std::max(exchange.value, prior.most - exchange.value));
     if (squares == 0) exchange = allowForUnmet(exchange, prior, replicates * count_area_ / measure_area_, area);
-    exchange.standard_error += b * error;  // a bound, whatever the lines told
+    exchange.standard_error += b * error;  // a bound, whatever the lines show
     return exchange;
   }
 
-  // Where few lines tell of a pair, with a visibility m of its neighbours.
+  // Returns the visibility of a pair with few lines, joined by a visibility m of its neighbours: eq. (21).
   static constexpr double kFewLines = 4;
   static double withNeighbours(double lines_of_pair, double b, double m) {
     return (lines_of_pair * b + NeighbourVisibility::kNeighbours * m) /
            (lines_of_pair + NeighbourVisibility::kNeighbours);
   }
 
-  // Of the visibility b that lines tell, of which a direction adds up to most_counts. That of replicates is worth
-  // little where few lines are of the rarer kind; then that of n directions that see the pair, each facing or blocked
-  // by chance, p (1 - p) / (n + 1/2), half a line of the neighbours' among them, with p of b, the neighbours' s, as of
-  // two lines more, and a tenth of a line of either kind: (n b + 2 s + 0.1) / (n + 2.2) (Agresti & Coull 1998). A
-  // direction that sees it has 1 + 8/27 A / h^2 lines (replicate_sums.cpp), but parts of a pair in different places are
-  // blocked one by one, and lattices and directions are more even than chance: 2 / (n + 3) of that variance is left
-  // where lines are of both kinds, all of it where they are of one, which does not say that the other is not there
-  // (measured in five scenes: bench/programs/coverage.cpp, README).
+  // Returns the variance of the visibility b of lines, of which a direction adds up to most_counts: docs/method.md, eq.
+  // (22). Its factors were measured in five scenes (bench/programs/coverage.cpp, docs/accuracy.md).
   double varianceOfVisibility(const PairSum& pair, const Squares& squared, double b, double of_replicates,
                               double most_counts, double line) const {
     const double n = effectiveLines(pair, squared, line + 8 / 27.0 * most_counts),
@@ -287,7 +282,7 @@ VisibilitySums::Found VisibilitySums::find(const std::vector<PairPrior>& prior, 
                                            std::span<const ReplicateSums::Sum> rows,
                                            const std::vector<FormFactors::Entry>& sampled,
                                            const NeighbourVisibility* neighbours, const ExchangeRow& row) const {
-  // Some rows at a time: the first have the most pairs.
+  // Some rows are made at a time: the first have the most pairs.
   constexpr size_t kParts = 64;
   const size_t n = ids_.count(), part_count = std::min(n, kParts);
   std::vector<std::optional<Found>> parts(part_count);

@@ -1,13 +1,5 @@
-// Sums of facing and blocked lines over replicates, and the visibility of each pair that follows from them.
-// Derivation: docs/method.md, eq. (14) to (16) and (19) to (22).
-//
-// Of a pair's lines V_r are facing in replicate r, O_r blocked, and E[V_r + O_r] is known: it is the exchange area with
-// nothing in between, X_0, in counts. So the exchange area is X = b X_0 with b = sum V_r / sum (V_r + O_r), the ratio
-// estimator of survey sampling (Cochran, Sampling Techniques, 1977, chapter 6): what V and V + O have in common
-// cancels. Its variance is that of V_r - b (V_r + O_r) = (1 - b) V_r - b O_r. A ratio is biased: by no more than its
-// standard error times the relative standard error of sum (V_r + O_r) (Hartley & Ross, Unbiased ratio estimators,
-// Nature 174, 1954), and not at all where every line is facing or blocked by chance of its own, however few lines there
-// are.
+// VisibilitySums adds up facing and blocked lines over replicates, and finds the visibility of each pair from them.
+// Derivation: docs/method.md, eq. (14) to (16) and (19) to (22), with the bound on the small bias of a ratio.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -30,20 +22,20 @@ class NeighbourVisibility;
 // Several threads may call it at once.
 using ExchangeRow = std::function<void(uint32_t i, std::span<BoundedExchange> later)>;
 
-// The largest number of pairs for which every pair gets an unoccluded form factor, and neighbours where no line met it.
-// An entry takes 24 bytes. In larger scenes few runs meet most pairs.
+// Up to this number of pairs every pair gets an unoccluded form factor, and its neighbours' visibility where no line
+// hit it. An entry takes 24 bytes. In larger scenes few runs hit most pairs.
 constexpr uint64_t kMostRowPairs = 50'000'000;
 
 class VisibilitySums {
  public:
   __extension__ using Wide = unsigned __int128;
-  // One pair's lines, summed over replicates.
+  // A PairSum holds one pair's lines, summed over replicates.
   struct PairSum {
     uint32_t i, j;
     uint64_t facing = 0, blocked = 0;
     std::array<uint64_t, 3> low_squares{};  // squaresOf modulo 2^64, in the order it has
   };
-  // Sums of facing lines squared, of facing times blocked ones, and of blocked ones squared.
+  // Squares holds sums over replicates: facing lines squared, facing times blocked ones, and blocked ones squared.
   struct Squares {
     Wide facing = 0, product = 0, blocked = 0;
   };
@@ -69,16 +61,15 @@ class VisibilitySums {
   };
   // Estimates the exchange areas of all pairs; calibrateRows then makes guesses fit their rows.
   //   In: prior: pairs with unoccluded exchange areas, sorted by (i, j), every pair at most once
-  //     lines: counts that one line adds, by id (lineOf)
-  //     measure_area, count_area: as in ReplicateSums
-  //     rows: all lines of each row, of the same replicates
-  //     sampled: entries of pairs whose counts alone are their estimate
-  //     neighbours: of these sums; nullptr: a pair without lines gets the pilot's visibility
-  //     row: computes exchange areas of all other pairs; empty: pairs without lines are left out
-  //   Error: the bias of a visibility is below its standard error (above). With neighbours, a visibility that fewer
-  //   than
-  //     four lines measured is drawn to its neighbours', which then counts as half a line. Standard errors are those of
-  //     replicates; they are never less than one line's, nor more than the distance to the farther end of [0, most].
+  //   lines: counts that one line adds, by id (lineOf)
+  //   measure_area, count_area: as in ReplicateSums
+  //   rows: all lines of each row, of the same replicates
+  //   sampled: entries of pairs whose counts alone are their estimate
+  //   neighbours: of these sums; nullptr: a pair without lines gets the pilot's visibility
+  //   row: computes exchange areas of all other pairs; empty: pairs without lines are left out
+  //   Error: the bias of a visibility is below its standard error (section 6). With neighbours, a visibility from fewer
+  //     than four lines is drawn to its neighbours', which then counts as half a line. Standard errors are those of
+  //     replicates. They are never less than one line's, nor more than the distance to the farther end of [0, most].
   //     Tests: tests/device/find_prior_test.cpp, bench/programs/coverage.cpp.
   Found find(const std::vector<PairPrior>& prior, const std::vector<uint64_t>& lines, double measure_area,
              double count_area, std::span<const ReplicateSums::Sum> rows,
@@ -101,8 +92,8 @@ class VisibilitySums {
   uint64_t replicate_count_ = 0;
 };
 
-// The number of independent lines that carry as much information as the lines of a pair: lines of a replicate that come
-// together count as fewer (Kish, Survey Sampling, 1965, section 8.2).
+// Returns the number of independent lines that carry as much information as the lines of a pair. Lines of a replicate
+// that come together count as fewer (Kish, Survey Sampling, 1965, section 8.2).
 //   In: least: the most counts that one independent line adds
 inline double effectiveLines(const VisibilitySums::PairSum& pair, const VisibilitySums::Squares& squares,
                              double least) {

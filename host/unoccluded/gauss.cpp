@@ -29,7 +29,7 @@ std::vector<GaussPoint> gaussPoints(int n) {
 }
 
 double largestMonomialError(int n) {
-  // Both the mean and the rule's value fall with k; beyond this k neither reaches what smaller ones leave.
+  // Both the mean and the rule's value fall with k. Beyond this k neither reaches the remainder of smaller ones.
   constexpr int kLastPower = 400;
   const std::vector<GaussPoint> points = gaussPoints(n);
   double largest = 0;

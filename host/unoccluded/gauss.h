@@ -1,4 +1,4 @@
-// Gauss-Legendre rules.
+// Gauss-Legendre rules have their nodes and weights from here.
 #pragma once
 #include <vector>
 
@@ -9,14 +9,14 @@ struct GaussPoint {
   long double weight = 0;  // sum 2
 };
 
-// integral of f over -1..1 = sum_k weight_k f(node_k), exact for polynomials of degree 2n - 1.
+// Returns the rule integral of f over -1..1 = sum_k weight_k f(node_k), exact for polynomials of degree 2n - 1.
 //   In: n, 1..128.
 //   Out: the points in increasing order.
 //   Error: 4 ulp of long double in node and weight; tests/unit/line_rules_test.cpp (monomials).
 //   Throws: nothing.
 //   Cost: O(n^2).
 //   Source: Abramowitz & Stegun, Handbook of Mathematical Functions, 25.4.29; Newton's method on the Legendre
-//   recurrence.
+//     recurrence.
 std::vector<GaussPoint> gaussPoints(int n);
 
 // Largest error of the rule on the mean of a monomial: max |1 / (k + 1) - sum_i weight_i node_i^k / 2| over k = 2n, 2n

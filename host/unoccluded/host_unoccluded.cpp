@@ -27,17 +27,18 @@ constexpr size_t kChunk = 256;       // pairs that a thread takes at once
 double leastOf(const std::array<double, 4>& v) { return std::min(std::min(v[0], v[1]), std::min(v[2], v[3])); }
 double greatestOf(const std::array<double, 4>& v) { return std::max(std::max(v[0], v[1]), std::max(v[2], v[3])); }
 
-// Of a shape's corners over another's plane.
+// Returns the depths of a shape's corners over another's plane.
 std::array<double, 4> depthsOf(const ShapeData& shape, const ShapeData& plane, const dvec3& normal) {
   std::array<double, 4> depths;
   for (size_t k = 0; k < 4; ++k) depths[k] = dot(normal, shape.corners[k] - plane.corners[0]);
   return depths;
 }
 
-// How far a depth over the plane of `plane` may be off by the rounding of its corners.
+// Returns how far a depth over the plane of `plane` may be off by the rounding of its corners.
 double depthRounding(const ShapeData& plane, double distance) { return kFrontRounding + plane.tilt * distance; }
 
-// Largest |slope| / value at the middle of an edge of the square, of a bilinear function given at its corners.
+// Returns the largest |slope| / value at the middle of an edge of the square, of a bilinear function given at its
+// corners.
 float slopeOf(const std::array<double, 4>& at) {
   float slope = 0;
   for (size_t k = 0; k < 4; ++k) {
@@ -48,7 +49,8 @@ float slopeOf(const std::array<double, 4>& at) {
   return slope;
 }
 
-// What the bound on the relative error over a polygon's two coordinates is made of (unoccluded_classify.comp).
+// Coordinates holds the terms of the bound on the relative error over a polygon's two coordinates
+// (unoccluded/classify.comp).
 struct Coordinates {
   float t, square, power;  // t, t^2, t^(2n - 2)
   float slopes, product;   // s + j, s j
@@ -73,7 +75,7 @@ float errorOf(const FarBound& rule, const Coordinates& c) {
   return rest < 0.5f ? c.factor * c.power * series * (1 + 2 * rest) : 1.0f;
 }
 
-// Of the square, as a polynomial: a position, and the weight of its points.
+// A Patch is of the square, as a polynomial: a position, and the weight of its points.
 struct Patch {
   Stretch along;
   std::array<double, 4> depth;  // 1, u, v, uv: over the other's plane
@@ -87,7 +89,7 @@ Patch patchOf(const ShapeData& shape, const std::array<double, 4>& d) {
           {shape.density, shape.density_u, shape.density_v}};
 }
 
-// The inner integral, over the edge q; magnitude: of its terms, which may cancel.
+// Returns the inner integral, over the edge q; magnitude: of its terms, which may cancel.
 double innerIntegral(const dvec3& from, const dvec3& direction, double length_q, double& magnitude) {
   const double along = dot(from, direction), rest = length_q - along;
   const dvec3 across = cross(from, direction);
@@ -99,7 +101,7 @@ double innerIntegral(const dvec3& from, const dvec3& direction, double length_q,
   return first + last + turn;
 }
 
-// Where the inner integral over q is singular above p, in shares of p, in order (unoccluded_line.comp).
+// Returns where the inner integral over q is singular above p, in shares of p, in order (unoccluded_line.comp).
 std::array<double, kMostPieces + 1> cutsOf(const dvec3& p_start, const dvec3& p_along, const dvec3& q_start,
                                            const dvec3& q_along) {
   const dvec3 from = q_start - p_start, across = cross(p_along, q_along);
@@ -126,7 +128,7 @@ void addWork(const UnoccludedWork& part, UnoccludedWork& sum) {
 
 }  // namespace
 
-// Two sides, the lower number first, so that the order asked for does not matter.
+// Sides are two sides, the lower number first, so that the order of a pair does not matter.
 struct HostUnoccluded::Sides {
   const ShapeData &a, &b;
   dvec3 normal_a, normal_b;  // of the sides
@@ -210,7 +212,7 @@ uint32_t HostUnoccluded::classify(const Sides& sides) const {
   return kNearList;
 }
 
-// By a product Gauss rule:  A_i F_ij = int_i int_j (n_j . (x - y)) (n_i . (y - x)) / (pi |y - x|^4) dy dx.
+// Integrates by a product Gauss rule: docs/method.md, eq. (35).
 double HostUnoccluded::integrateFar(const Sides& sides, uint32_t rule) const {
   struct Points {
     std::array<double, kMostFar * kMostFar> x, y, z, weight;
@@ -248,8 +250,8 @@ double HostUnoccluded::integrateFar(const Sides& sides, uint32_t rule) const {
   return sum / kPi;
 }
 
-// int_p int_q ln r ds . dt, the outer integral, over the shorter edge, by a Gauss rule. Adds its error, bound and
-// rounding.
+// Returns int_p int_q ln r ds . dt, the outer integral, over the shorter edge, by a Gauss rule. Adds its error, bound
+// and rounding.
 double HostUnoccluded::integrateLine(Edge p, Edge q, size_t round, double& error) const {
   const double together = dot(p.along, q.along);
   if (dot(p.along, p.along) > dot(q.along, q.along)) std::swap(p, q);
@@ -285,7 +287,7 @@ double HostUnoccluded::integrateLine(Edge p, Edge q, size_t round, double& error
   return factor * sum;
 }
 
-// Along the contours of the parts that see each other:  A_i F_ij = 1 / (2 pi) oint_i oint_j ln r ds . dt.
+// Integrates along the contours of the parts that see each other:  A_i F_ij = 1 / (2 pi) oint_i oint_j ln r ds . dt.
 double HostUnoccluded::integrateNear(const Sides& sides, size_t round, double& error, UnoccludedWork& work) const {
   const dvec3 origin = meanCorner(sides.a);
   const auto frontEdges = [&](const ShapeData& shape, const Depths& depths, double rounding) {

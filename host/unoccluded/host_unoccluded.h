@@ -1,4 +1,4 @@
-// Unoccluded exchange areas on the processor, pair by pair.
+// HostUnoccluded computes unoccluded exchange areas on the processor, pair by pair.
 #pragma once
 #include <array>
 #include <vector>
@@ -10,21 +10,22 @@
 
 namespace viewpeel {
 
-// UnoccludedExchange on the processor: for each pair what the kernels unoccluded_*.comp do in passes, where each step
-// has its reason.
+// It takes each pair through the steps that the kernels shaders/unoccluded/*.comp take in passes, where each step has
+// its reason.
 class HostUnoccluded {
  public:
+  // Prepares the shapes of all polygons and the rules.
   //   In: thread_count: 0: one per core
   explicit HostUnoccluded(const Scene& scene, size_t thread_count = 0);
 
-  // As UnoccludedExchange::compute, of sides that the scene has.
+  // Computes as UnoccludedExchange::compute, of sides that the scene has.
   std::vector<UnreachedPair> compute(std::span<const SidePair> pairs, std::span<double> areas);
 
   struct Found {
     double area = 0, error = 0;  // unit-ball units squared; error: estimated, 0 for far pairs
     bool is_reached = true;
   };
-  // Of one pair, by several threads at once.    Out: work: added to
+  // Computes one pair; several threads may call it at once.    Out: work: added to
   Found find(const SidePair& pair, UnoccludedWork& work) const;
 
   uint64_t sideCount() const { return 2 * shapes_.size(); }

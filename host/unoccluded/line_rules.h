@@ -1,4 +1,4 @@
-// The rules of the line integrals, and how far they may be off.
+// Line integrals have these rules, with bounds on their errors.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -7,13 +7,12 @@
 
 namespace viewpeel {
 
-// One round over the near pairs: the points of the three plain rules, for pieces that are ever nearer to each other
-// (`clear` > 12, 3.5, 1.5 in unoccluded_edges.comp), and of the graded one.
-//   Error: of int_p int_q ln r ds dt, in units of |p| |q|: a plain rule of n points 4 r^-2n, r the axes' sum of the
-//   largest ellipse around p in
-//          which the inner integral is analytic (Trefethen, Approximation Theory and Approximation Practice,
-//          theorem 19.3); the graded one graded_error wherever the inner integral is singular, but above p's inside.
-//          Measured: at most 0.7 of either; tests/unit/line_rules_test.cpp.
+// A LineRound is one round over the near pairs. It has the points of the three plain rules and of the graded one. The
+// plain ones are for pieces that are ever nearer to each other (`clear` > 12, 3.5, 1.5 in
+// shaders/unoccluded/edges.comp).
+//   Error: of int_p int_q ln r ds dt, in units of |p| |q|. A plain rule of n points has 4 r^-2n, docs/method.md,
+//     section 11, "Near pairs". The graded one has graded_error wherever the inner integral is singular, but above p's
+//     inside. Measured: at most 0.7 of either; tests/unit/line_rules_test.cpp.
 struct LineRound {
   std::array<uint32_t, 4> points;
   double graded_error;
@@ -30,7 +29,7 @@ constexpr std::array<LineRound, 3> kLineRounds{
 //   Source: P. Davis & P. Rabinowitz, Methods of Numerical Integration, 2.12.
 std::vector<GaussPoint> gradedPoints(int n);
 
-// The plain rule on 0..1; everything else as gaussPoints.
+// Returns the plain rule on 0..1; everything else as gaussPoints.
 std::vector<GaussPoint> unitPoints(int n);
 
 }  // namespace viewpeel

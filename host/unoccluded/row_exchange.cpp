@@ -16,10 +16,10 @@ namespace {
 
 constexpr float kMostError = 0.05f;  // of a far pair, relative; nearer ones are computed in double precision
 constexpr float kRounding = 5e-7f;  // of a depth: coordinates up to 1 and a normal, three products, in single precision
-constexpr float kCutError =
-    0.1f;  // how far the mean of max(0, depth) over a polygon may be off the rule's, in radii (below)
+// The rule's mean of max(0, depth) over a polygon is off by at most this, in radii (see addPolygon).
+constexpr float kCutError = 0.1f;
 
-// How a pair is integrated.
+// A pair is integrated in one of these ways.
 constexpr size_t kLanes = RowExchange::kLanes;
 constexpr int32_t kUnseen = 0, kFar = 1, kCut = 2, kNear = 4;
 
@@ -78,7 +78,7 @@ RowExchange::RowExchange(const Scene& scene, const Ids& ids)
       weights_[p].push_back(static_cast<float>(s.density + s.density_u * u + s.density_v * v));
     }
   }
-  // What is read beyond the last.
+  // Vectors read beyond the last polygon.
   const size_t padded = id_.size() + kLanes;
   plane_.resize(padded);
   for (std::vector<float>* column : {&radius_, &reach_, &skew_, &area_}) column->resize(padded);
@@ -95,9 +95,10 @@ void RowExchange::compute(uint32_t i, std::span<BoundedExchange> later) const {
   for (uint32_t a = first_[i]; a < first_[i + 1]; ++a) addPolygon(a, first_[i + 1], later, i + 1);
 }
 
-// The mean over a polygon of max(0, depth), depth linear, is at most 0.045 of the depth's half range off the rule's
-// over a line, where its zero is at a point of the rule, and over the square no more than twice that: over one
-// coordinate at a time; kCutError allows for weights that are not constant, too.
+// Adds the pairs of polygon a. The error of a cut pair is kCutError. The rule's mean of max(0, depth) along a line,
+// depth linear, is off by at most 0.045 of the depth's half range. The worst zero is at a point of the rule. Over the
+// square the error is no more than twice as much: over one coordinate at a time. kCutError allows for weights that are
+// not constant, too.
 void RowExchange::addPolygon(uint32_t a, uint32_t first, std::span<BoundedExchange> later, uint32_t first_id) const {
   for (size_t start = first; start < id_.size(); start += kLanes) {
     Floats errors;
@@ -125,10 +126,10 @@ void RowExchange::addPolygon(uint32_t a, uint32_t first, std::span<BoundedExchan
   }
 }
 
-// How each pair is to be integrated. errors: relative, or of a cut pair that of the cut, unit-ball units squared.
+// Chooses the rule of each pair. errors: relative, or of a cut pair the cut's own, unit-ball units squared.
 RowExchange::Flags RowExchange::classify(uint32_t a, size_t start, Floats& errors) const {
-  // The relative error of the rule over a polygon's coordinates (unoccluded_classify.comp); a slope is at most the
-  // reach over the least depth.
+  // Returns the relative error of the rule over a polygon's coordinates (unoccluded_classify.comp); a slope is at most
+  // the reach over the least depth.
   const auto errorOf = [this](Floats reach, Floats other_radius, Floats skew, Floats distance, Floats depth) {
     const Floats t = reach / greater(distance - reach - other_radius, reach), square = t * t,
                  slope = reach / greater(depth - reach, reach), product = slope * skew;
@@ -170,7 +171,7 @@ RowExchange::Flags RowExchange::classify(uint32_t a, size_t start, Floats& error
   return is_behind ? Flags{} + kUnseen : way;
 }
 
-// Areas of pairs, whatever their way, unit-ball units squared.
+// Integrates areas of pairs, whatever their rule, unit-ball units squared.
 RowExchange::Floats RowExchange::integrate(uint32_t a, size_t start) const {
   const auto cosineOf = [this](Floats depth) { return greater(depth, two_sided_ ? -depth : Floats{}); };
   std::array<Floats, 4> over_b;

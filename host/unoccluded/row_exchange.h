@@ -1,9 +1,9 @@
-// Exchange areas of one face with all that follow it, nothing in between: many at once, in single precision, each with
-// a bound on its error.
+// A RowExchange computes exchange areas of one face with all that follow it, nothing in between: many at once, in
+// single precision, each with a bound on its error.
 //
-// For pairs of which few lines tell, whose error is that of their share. Far pairs by the product rule of 2 points a
-// coordinate; where a plane cuts the other polygon what lies behind it counts as 0 at those points; near pairs are left
-// to HostUnoccluded.
+// It serves pairs with few lines, whose error is that of their visibility. Far pairs take the product rule of 2 points
+// a coordinate. Where a plane cuts the other polygon, points behind the plane count as 0. Near pairs are left to
+// HostUnoccluded.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -18,7 +18,7 @@ namespace viewpeel {
 
 class RowExchange {
  public:
-  // Pairs computed at once.
+  // This many pairs are computed at once.
   static constexpr size_t kLanes = 4;
   using Floats = float __attribute__((vector_size(4 * kLanes)));
   using Flags = int32_t __attribute__((vector_size(4 * kLanes)));  // all bits or none
@@ -45,7 +45,7 @@ class RowExchange {
   std::vector<uint32_t> polygon_;     // Scene::polygons, by id
   std::vector<uint32_t> id_, plane_;  // of each of these, as all that follows
   std::vector<uint32_t> first_;       // of an id among them, and one more
-  // Single precision: a coordinate after the other, for all polygons.
+  // Coordinates are in single precision, one array after the other, for all polygons.
   std::array<std::vector<float>, 3> middle_, normal_;
   std::array<std::array<std::vector<float>, 3>, 4> points_;  // of the product rule
   std::array<std::vector<float>, 4> weights_;                // sum: the area

@@ -12,7 +12,7 @@ namespace {
 
 using unoccluded_data::ShapeData;
 
-// Largest |slope| / value, at the middle of an edge of the square, of the density given at its corners.
+// Returns the largest |slope| / value, at the middle of an edge of the square, of the density given at its corners.
 double skewOf(const std::array<double, 4>& density) {
   double skew = 0;
   for (size_t k = 0; k < 4; ++k) {

@@ -1,4 +1,4 @@
-// Polygons of a scene in the form that the kernels of unoccluded form factors read.
+// Shapes are polygons of a scene in the form that the kernels of unoccluded form factors read.
 #pragma once
 #include <vector>
 
@@ -15,7 +15,7 @@ namespace viewpeel {
 //   Throws: nothing.     Cost: O(polygons).     Source: none.
 std::vector<unoccluded_data::ShapeData> makeShapes(const Scene& scene);
 
-// The middle of its four corners, not that of its area.
+// Returns the middle of the four corners, which is not the middle of the area.
 inline glm::dvec3 meanCorner(const unoccluded_data::ShapeData& shape) {
   return 0.25 * ((shape.corners[0] + shape.corners[1]) + (shape.corners[2] + shape.corners[3]));
 }

@@ -1,4 +1,4 @@
-// The structs that the unoccluded form factors' shaders share, for C++.
+// C++ gets from here the structs that the unoccluded form factors' shaders share, for C++.
 #pragma once
 #include <cstdint>
 

@@ -1,10 +1,10 @@
-// The passes, in order, for a chunk of pairs:
-//   classify   which pairs see each other, and how each is to be integrated
+// A chunk of pairs takes these passes, in order:
+//   classify   finds the pairs that see each other, and the rule of each
 //   far        product Gauss rules, a dispatch for each number of points
 // and then, for some of the near pairs at a time:
 //   edges      the edges of the parts that see each other, and a rule for each pair of them
 //   line       the line integrals, a dispatch for each rule
-//   sum        add them up; pairs whose bound on the error is too large go round again with more points
+//   sum        adds them up; pairs whose bound on the error is too large go round again with more points
 #include "unoccluded/unoccluded.h"
 
 #include <algorithm>
@@ -41,7 +41,7 @@ constexpr uint32_t groupsFor(uint64_t invocations) {
   return static_cast<uint32_t>((invocations + kUnoccludedGroupSize - 1) / kUnoccludedGroupSize);
 }
 
-// Into a buffer that is read as texels.
+// Writes values into a buffer that is read as texels.
 template <class T>
 void upload(Commands& commands, const Device& device, const std::vector<T>& values, Buffer& buffer) {
   buffer = Buffer(device, values.size() * sizeof(T), MemoryUse::device, VK_FORMAT_R32G32B32A32_UINT);

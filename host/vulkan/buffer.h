@@ -1,4 +1,4 @@
-// A Vulkan buffer that owns its memory.
+// A Buffer is a Vulkan buffer that owns its memory.
 #pragma once
 #include <cstring>
 #include <span>
@@ -26,7 +26,7 @@ class Buffer {
   VkDeviceAddress address() const { return address_; }
   VkDeviceSize sizeBytes() const { return size_bytes_; }
 
-  // Of upload and readback buffers.
+  // Returns the mapped memory of upload and readback buffers.
   template <class T>
   std::span<T> mapped() const {
     return {static_cast<T*>(mapped_), size_bytes_ / sizeof(T)};

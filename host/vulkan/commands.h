@@ -8,7 +8,7 @@
 
 namespace viewpeel {
 
-// A command buffer that is recorded, submitted and waited for, again and again.
+// Commands is a command buffer that is recorded, submitted and waited for, again and again.
 class Commands {
  public:
   explicit Commands(const Device& device);
@@ -25,7 +25,7 @@ class Commands {
   void push(const Kernel& kernel, const Args& args) {
     vkCmdPushConstants(commands_, kernel.layout(), kernel.stages(), 0, sizeof(Args), &args);
   }
-  // What a kernel reads as texels, in the order of its bindings.
+  // Binds the buffers that a kernel reads as texels, in the order of its bindings.
   void bindTexels(const Kernel& kernel, std::span<const VkBufferView> views);
   template <class Args>
   void dispatch(const Kernel& kernel, const Args& args, uint32_t groups_x, uint32_t groups_y, uint32_t groups_z = 1) {
@@ -41,7 +41,7 @@ class Commands {
   }
   void copy(const Buffer& from, const Buffer& to, VkDeviceSize size_bytes, VkDeviceSize from_offset = 0,
             VkDeviceSize to_offset = 0);
-  // For its first use; what it holds is not kept.
+  // Prepares an image for its first use; its contents are lost.
   void prepare(const Image& image);
   void fill(const Buffer& buffer, uint32_t word, VkDeviceSize size_bytes = VK_WHOLE_SIZE);
   // Throws: Error device where the device is lost.

@@ -18,7 +18,7 @@ namespace {
 
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
 
-// The features needed, once: the same table checks a device and enables them.
+// Features lists the needed features once: the same table checks a device and enables them.
 struct Features {
   VkPhysicalDeviceVulkan13Features v13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES, nullptr};
   VkPhysicalDeviceVulkan12Features v12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, &v13};
@@ -126,7 +126,7 @@ std::string versionName(uint32_t version) {
                      VK_API_VERSION_PATCH(version));
 }
 
-// Index of a queue family that does everything, or -1.
+// Returns the index of a queue family that does everything, or -1.
 int findQueueFamily(VkPhysicalDevice device) {
   uint32_t count = 0;
   vkGetPhysicalDeviceQueueFamilyProperties(device, &count, nullptr);
@@ -280,7 +280,7 @@ Device::~Device() {
     vkDeviceWaitIdle(device_);
     vkDestroyDevice(device_, nullptr);
   }
-  // Looked up in this instance: the global pointer belongs to the instance that was made last.
+  // The function is looked up in this instance: the global pointer belongs to the instance that was made last.
   const auto destroy_messenger = reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(
       instance_ ? vkGetInstanceProcAddr(instance_, "vkDestroyDebugUtilsMessengerEXT") : nullptr);
   if (messenger_) destroy_messenger(instance_, messenger_, nullptr);

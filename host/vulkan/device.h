@@ -24,11 +24,11 @@ class Device {
   uint32_t queueFamily() const { return queue_family_; }
   const DeviceDescription& description() const { return description_; }
   const VkPhysicalDeviceProperties& properties() const { return properties_; }
-  // Largest single buffer or image allocation.
+  // Returns the size of the largest single buffer or image allocation.
   VkDeviceSize maxAllocationBytes() const { return max_allocation_bytes_; }
-  // Of the device, or of the machine where the device is its CPU.
+  // Returns the memory of the device, or of the machine where the device is its CPU.
   uint64_t memoryBytes() const;
-  // Index of a memory type among `allowed` that has all of `flags`.
+  // Returns the index of a memory type among `allowed` that has all of `flags`.
   uint32_t memoryType(uint32_t allowed, VkMemoryPropertyFlags flags) const;
 
   // Messages of error severity from the validation layer since the device was made; empty when validation is off.

@@ -1,4 +1,4 @@
-// A Vulkan image that owns its memory, for the graphics engine.
+// An Image is a Vulkan image that owns its memory, for the graphics engine.
 #pragma once
 #include "vulkan/device.h"
 

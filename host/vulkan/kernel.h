@@ -29,8 +29,9 @@ class Kernel {
   // A compute kernel. constants: specialisation constants 0, 1, ... of the shader.
   Kernel(const Device& device, std::span<const uint32_t> spirv, uint32_t push_bytes,
          const std::vector<uint32_t>& constants = {}, uint32_t texel_buffers = 0);
-  // A graphics kernel without vertex buffers: triangle strips, one colour and one depth attachment of the formats
-  // given, as dynamic rendering.    In: nearer: how a fragment's depth compares to what it replaces
+  // Makes a graphics kernel without vertex buffers: triangle strips, one colour and one depth attachment of these
+  // formats, as dynamic rendering.
+  //   In: nearer: how a fragment's depth compares to the depth it replaces
   Kernel(const Device& device, std::span<const uint32_t> vertex_spirv, std::span<const uint32_t> fragment_spirv,
          VkFormat colour, VkFormat depth, uint32_t push_bytes, VkCompareOp nearer = VK_COMPARE_OP_LESS);
   ~Kernel();

@@ -6,7 +6,7 @@
 
 namespace viewpeel {
 
-// Times between marks in a command buffer.
+// Timestamps are times between marks in a command buffer.
 class Timestamps {
  public:
   Timestamps() = default;
@@ -18,7 +18,7 @@ class Timestamps {
   // Forgets all marks; before the first.
   void reset(VkCommandBuffer commands);
   void mark(VkCommandBuffer commands);
-  // Seconds between consecutive marks; the commands must have finished.
+  // Returns the seconds between consecutive marks; the commands must have finished.
   std::vector<double> seconds() const;
 
  private:

@@ -1,4 +1,4 @@
-// Vulkan devices: which there are, and how one is chosen.
+// This header lists Vulkan devices, and says how one is chosen.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -6,7 +6,7 @@
 
 namespace viewpeel {
 
-// One physical device as `viewpeel devices` lists it.
+// A DeviceDescription is one physical device as `viewpeel devices` lists it.
 struct DeviceDescription {
   uint32_t index = 0;
   std::string name;
@@ -17,18 +17,18 @@ struct DeviceDescription {
 };
 
 // Lists every physical device that the Vulkan loader finds.
-//   Out: in the loader's order, refused ones too
+//   In: nothing    Out: in the loader's order, refused ones too    Error: none.
 //   Throws: Error device where there is no Vulkan loader or driver.
 //   Cost: loads the drivers, some 10 ms.
 std::vector<DeviceDescription> listDevices();
 
-// How a device is chosen.
+// DeviceOptions choose a device.
 struct DeviceOptions {
-  // Index of listDevices(), part of the name, "cpu" or "gpu". Empty: the environment variable VIEWPEEL_DEVICE, else the
-  // best by kind.
+  // The selector is an index of listDevices(), part of the name, "cpu" or "gpu". Where it is empty, the environment
+  // variable VIEWPEEL_DEVICE decides, else the kind: the best one.
   std::string selector;
-  // Validation layer with synchronisation validation; also switched on by the environment variable
-  // VIEWPEEL_VALIDATION=1.
+  // The validation layer runs with synchronisation validation. The environment variable VIEWPEEL_VALIDATION=1 switches
+  // it on, too.
   bool validation = false;
 };
 

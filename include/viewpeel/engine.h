@@ -1,9 +1,9 @@
-// Engines: what counts facing pairs along directions, whichever way it finds them.
+// An engine counts facing pairs along directions, whichever way it finds them.
 //
-// On a line that meets several polygons two of them face each other where the front of the nearer looks ahead and that
-// of the farther looks back. They are counted as facing pair where they are consecutive, and as blocked where others
-// lie between them. Facing and blocked together are all lines on which two fronts look at each other: along one
-// direction, the common part of two projections, whatever else the scene holds.
+// On a line through several polygons two of them face each other where the front of the nearer looks ahead and the
+// front of the farther looks back. They count as a facing pair where they are consecutive, and as blocked where others
+// lie between them. Facing and blocked lines together are all lines on which two fronts look at each other. Along one
+// direction they are the common part of two projections, whatever else the scene holds.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -20,19 +20,19 @@
 
 namespace viewpeel {
 
-// One projection: along u onto the plane of x_axis and y_axis, which carries the lattice.
+// A Direction is one projection: along u onto the plane of x_axis and y_axis, which carries the lattice.
 struct Direction {
   glm::dvec3 x_axis, y_axis, u;  // orthonormal, right-handed
   glm::dvec2 offset;             // of the lattice, in spacings, each in [0, 1)
-  uint32_t weight = 1;           // of everything counted along it
+  uint32_t weight = 1;           // of all counts along it
 };
 
-// What an engine counts for a pair of ids, summed over directions; area = count x Engine::unitArea().
+// A PairCount holds an engine's counts of a pair of ids, summed over directions; area = count x Engine::unitArea().
 struct PairCount {
   uint32_t i, j;   // i <= j
   uint64_t count;  // of lines on which they are consecutive and face each other
-  uint64_t blocked =
-      0;  // of lines on which they face each other with others between them, where the engine was asked for it
+  // These are lines on which they face each other with others between them, of an engine that counts blocked pairs.
+  uint64_t blocked = 0;
 
   void add(const PairCount& other) {
     count += other.count;
@@ -40,10 +40,10 @@ struct PairCount {
   }
 };
 
-// Counts of all pairs that were met, sorted by (i, j), every pair at most once, none with both counts 0.
+// PairCounts have every pair that lines hit, sorted by (i, j), at most once, and none with both counts 0.
 using PairCounts = std::vector<PairCount>;
 
-// Work that an engine did, counted.
+// Work counts the steps of an engine.
 struct Work {
   uint64_t directions = 0;
   uint64_t lattice_points = 0;  // of the tiles, or with scanlines their rows, that hold anything
@@ -63,30 +63,30 @@ struct Work {
   std::vector<std::pair<std::string, double>> pass_seconds;
 };
 
-struct LatticeOptions;  // of the engines that count lattice points; another engine leaves them alone
+struct LatticeOptions;  // only engines that count lattice points use them
 
-// Which engine counts.
+// An engine is of one of these kinds.
 enum class EngineKind {
-  automatic,  // compute on a GPU or the device named, else host
+  automatic,  // compute on a GPU or on the request's device, else host
   compute,    // depth peeling in compute shaders
   host,       // the same counts on the processor's threads
   graphics,   // depth peeling by the raster pipeline
   exact,      // exact areas, by an engine that the caller brings
 };
 
-// What the estimator needs of an engine, whichever way it finds the facing pairs. Calls come one at a time, from any
+// The estimator needs no more of an engine, whichever way it finds the facing pairs. Calls come one at a time, from any
 // thread.
 class Engine {
  public:
   virtual ~Engine() = default;
 
-  // Sums the measures of all facing pairs, of blocked pairs where the engine was made to, environment and leak over the
-  // directions, in integers: the result is independent of how the engine groups its work.
+  // Sums the measures of all facing pairs, environment and leak over the directions, and of blocked pairs where the
+  // engine was made to. Sums are integers, so the result is independent of how the engine groups its work.
   //   In: directions, any number    Out: counts; area in P(u) = count x unitArea()
   //   Throws: Error device, Error limit.
   virtual PairCounts count(std::span<const Direction> directions) = 0;
 
-  // The same of every block_directions of them, in order: what count() says of each.
+  // Counts every block_directions of the directions, in order, as count() counts each block.
   //   In: a multiple of block_directions    Throws: as count().
   virtual std::vector<PairCounts> countBlocks(std::span<const Direction> directions, size_t block_directions) {
     std::vector<PairCounts> blocks;
@@ -95,18 +95,18 @@ class Engine {
     return blocks;
   }
 
-  // The area of one count, unit-ball units squared.
+  // Returns the area of one count, unit-ball units squared.
   virtual double unitArea() const = 0;
 
-  // Work done so far, where the engine was asked to measure it; else nullptr.
+  // Returns the work up to now where the engine was made to measure it; else nullptr.
   virtual const Work* work() const { return nullptr; }
-  // How the engine has divided its work and what memory that takes, a few lines.
+  // Returns a few lines about how the engine has divided its work and how much memory it takes.
   virtual std::string describePlan() const { return {}; }
 };
 
-// Makes an engine that counts by these ids. Scene and ids outlive it.
-//   In: ids: as from makeIds, with roles where a question restricts them    Throws: Error bad_usage, device, memory or
-//   limit where there can be none.
+// An EngineFactory makes an engine that counts by these ids. Scene and ids outlive it.
+//   In: ids: as from makeIds, with roles where a question restricts them
+//   Throws: Error bad_usage, device, memory or limit where there can be none.
 using EngineFactory =
     std::function<std::unique_ptr<Engine>(const Scene& scene, const Ids& ids, const LatticeOptions& options)>;
 

@@ -1,4 +1,4 @@
-// The result: sparse, symmetric, with standard errors.
+// The form factors of a result are sparse and symmetric, and have standard errors.
 #pragma once
 #include <cstdint>
 #include <utility>
@@ -8,16 +8,16 @@
 
 namespace viewpeel {
 
-// A mean over R replicates and the standard error of that mean. Its 95 % interval is value +- t standard_error with
-// Student's t of R - 1 degrees of freedom, 2.36 for 8 replicates: the spread of a few replicates is itself uncertain.
-// Coverage: bench/programs/coverage.cpp.
+// Measured is a mean over R replicates and the standard error of this mean. Its 95 % interval is value +- t
+// standard_error with Student's t of R - 1 degrees of freedom, 2.36 for 8 replicates: the spread of a few replicates is
+// itself uncertain. Coverage: bench/programs/coverage.cpp.
 struct Measured {
   double value = 0;
   double standard_error = 0;
 };
 
-// Form factors of n ids. One symmetric quantity is stored per pair, the exchange area A_i F_ij = A_j F_ji, so that
-// reciprocity holds by construction: exchangeArea(i, j) and exchangeArea(j, i) are one number.
+// FormFactors holds the form factors of n ids. One symmetric quantity is stored per pair, the exchange area A_i F_ij =
+// A_j F_ji. So reciprocity holds by construction: exchangeArea(i, j) and exchangeArea(j, i) are one number.
 class FormFactors {
  public:
   struct Entry {
@@ -25,19 +25,21 @@ class FormFactors {
     Measured exchange_area;  // input units squared
   };
 
+  // Takes the entries as they are.
   //   In: entries sorted by (i, j), every pair at most once, input units squared; row_sums: one for each id
   FormFactors(Ids ids, std::vector<Entry> entries, std::vector<Measured> row_sums);
 
   const Ids& ids() const { return ids_; }
-  // Nonzero entries sorted by (i, j).
+  // Returns the nonzero entries, sorted by (i, j).
   const std::vector<Entry>& entries() const& { return entries_; }
   std::vector<Entry> entries() && { return std::move(entries_); }
 
-  // A_i F_ij in input units squared. Cost: O(log nonzeros).
+  // Returns A_i F_ij in input units squared.    Cost: O(log nonzeros).
   Measured exchangeArea(uint32_t i, uint32_t j) const;
-  // F_ij = A_i F_ij / A_i, the fraction of what leaves i that reaches j directly; j may be kEnvironment or kLeak.
+  // Returns F_ij = A_i F_ij / A_i, the fraction of the radiation leaving i that reaches j directly. j may be
+  // kEnvironment or kLeak.    Cost: O(log nonzeros).
   Measured formFactor(uint32_t i, uint32_t j) const;
-  // sum_j F_ij, environment and leak included; its expectation is 1.
+  // Returns sum_j F_ij of each row, environment and leak included; its expectation is 1.
   const std::vector<Measured>& rowSums() const { return row_sums_; }
 
  private:

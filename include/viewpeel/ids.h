@@ -1,4 +1,4 @@
-// Rows of the matrix: which polygons belong to each, its name and area, and which rows a question asks for.
+// Ids are the rows of the matrix: the polygons of each, its name and area, and the rows that a question wants.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -10,25 +10,25 @@
 
 namespace viewpeel {
 
-// Stand in the place of a second id: lines of the first id that leave the scene, and that end on a back.
+// These two stand in the place of a second id: for lines of the first id that leave the scene, and that end on a back.
 constexpr uint32_t kEnvironment = 0xFFFFFFFEu;
 constexpr uint32_t kLeak = 0xFFFFFFFFu;
 
-// What counters are kept for: every input polygon (a face of the file), or every named surface as a whole.
+// A row is a polygon of the input (a face of the file), or all polygons of one name.
 enum class By { polygon, surface };
 
-// What a polygon's facing pairs are counted for: a facing pair counts where one of the two emits and the other
-// receives. The environment and leak of a polygon count where it emits.
+// A facing pair counts where one of the two polygons emits and the other receives. The environment and leak of a
+// polygon count where it emits.
 constexpr uint32_t kEmits = 1, kReceives = 2;
 
-// The rows of the matrix.
+// Ids has an entry for each row of the matrix.
 struct Ids {
   std::vector<uint32_t> of_polygon;  // id of each Scene::polygons entry
   std::vector<uint32_t> roles;       // of each Scene::polygons entry; empty where every one has both
   bool counts_environment = true;    // environment and leak, too
-  std::vector<bool> requested;       // whether the row was asked for; empty where all are
+  std::vector<bool> requested;       // rows of the question; empty where all are
   bool splits_surfaces = false;      // roles differ within a surface: sums by surface would mean nothing
-  bool rows_sum_to_one = true;       // whether everything that a row asked for can see is counted
+  bool rows_sum_to_one = true;       // false where a question leaves out some of the ids that a row can see
   std::vector<std::string> names;    // faceName, or the surface's name
   std::vector<double> areas;         // emitting area, input units squared: both sides of a two-sided polygon count
   std::vector<uint32_t> surface;     // Scene::surfaces index of each id
@@ -37,21 +37,22 @@ struct Ids {
 
   uint32_t rolesOf(uint32_t polygon_index) const { return roles.empty() ? kEmits | kReceives : roles[polygon_index]; }
   bool isRequested(uint32_t id) const { return requested.empty() || requested[id]; }
-  // The smaller area of a pair, of those whose rows were asked for; infinite where none was.
+  // Returns the smaller area of a pair, among its requested rows; infinite where it has none.
   double smallerArea(uint32_t i, uint32_t j) const {
     return std::min(isRequested(i) ? areas[i] : INFINITY, j < kEnvironment && isRequested(j) ? areas[j] : INFINITY);
   }
   uint32_t count() const { return static_cast<uint32_t>(names.size()); }
-  // Rows of results, empty ones too.
+  // Returns the number of rows of results, empty ones too.
   uint32_t rowCount() const { return count() + static_cast<uint32_t>(empty_rows.size()); }
-  // The row of each id, from 0, ascending.
+  // Returns the row of each id, from 0, ascending.
   std::vector<uint32_t> rows() const;
 };
 
-// How many pairs n different ids make.
+// Returns the number of pairs of n different ids.
 constexpr uint64_t pairCount(uint64_t n) { return n * (n - 1) / 2; }
 
-// What to compute where not all form factors are wanted. Names are of surfaces ("desk") or faces ("desk[3]").
+// A Question says which form factors to compute, where not all of them. Names are of surfaces ("desk") or faces
+// ("desk[3]").
 struct Question {
   std::vector<std::string> from;      // only rows of these; all where empty
   std::vector<std::string> pair;      // empty, or two: only the form factors between them
@@ -60,17 +61,19 @@ struct Question {
   bool isEverything() const { return from.empty() && pair.empty() && blockers.empty(); }
 };
 
-// The polygons of the surface or face of that name.
-//   Out: indices into Scene::polygons, ascending    Throws: Error bad_usage where there is none.    Cost: O(polygons).
+// Returns the polygons of the surface or face of this name.
+//   In: name: "desk" or "desk[3]"    Out: indices into Scene::polygons, ascending
+//   Throws: Error bad_usage where there is none.    Cost: O(polygons).
 std::vector<uint32_t> findPolygons(const Scene& scene, const std::string& name);
 
-// Restricts ids to a question: sets roles, counts_environment, asked, splits_surfaces and rows_sum_to_one.
-//   In: ids of this scene, as makeIds gives them    Cost: O(polygons) a name.
-//   Throws: Error bad_usage: unknown names, a pair beside --from, what is asked for among the blockers, part of a
-//   surface with By::surface.
+// Restricts ids to a question: sets roles, counts_environment, requested, splits_surfaces and rows_sum_to_one.
+//   In: ids of this scene, as makeIds gives them
+//   Throws: Error bad_usage: unknown names, a pair beside --from, a row or column among the blockers, part of a surface
+//     with By::surface.
+//   Cost: O(polygons) a name.
 void askOnlyFor(const Question& question, const Scene& scene, Ids& ids);
 
-// The rows of a scene's matrix.
+// Makes the rows of a scene's matrix.
 //   In: by: one row a face or a surface; two_sided: every polygon emits and receives on both sides
 //   Out: every id with both roles, areas in input units squared
 //   Throws: Error bad_input where a surface is called `environment` or `leak`, which the result uses itself.

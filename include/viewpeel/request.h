@@ -1,5 +1,5 @@
-// What to compute: the rows, one goal, and how to get there. Everything has a default; Request{} asks for all form
-// factors of all polygons to 1e-3.
+// A request says what to compute: the rows, one goal, and how to get there. Everything has a default. Request{} wants
+// all form factors of all polygons to 1e-3.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -15,53 +15,58 @@
 
 namespace viewpeel {
 
-// Ends once the standard error of every form factor is at most this.
+// A run with a Tolerance ends once the standard error of every form factor is at most this.
 struct Tolerance {
   double standard_error = 1e-3;  // above 0
-  // With it: the standard errors of all form factors of at least Request::relative_floor, too, as shares of their form
-  // factors.
+  // The run may have a second goal: standard errors of all form factors of at least Request::relative_floor, as shares
+  // of their form factors.
   std::optional<double> relative;
 };
 
-// Ends once the standard error of every form factor of at least Request::relative_floor is at most this share of it.
+// A run with a Relative goal ends once the standard error of every form factor of at least Request::relative_floor is
+// at most this share of it.
 struct Relative {
   double standard_error = 0.01;  // above 0
 };
 
-// As many replicates as fit into a time, two at least.
+// A run with Seconds counts as many replicates as fit into this time, two at least.
 struct Seconds {
   double seconds = 60;  // above 0
 };
 
-// What a guarantee is of.
+// A guarantee holds for one of two statistics.
 enum class Statistic {
-  mean,    // the mean of blocks of directions
-  median,  // the median of Q runs of M^2 / epsilon^2 directions (Pellegrini 1997, section 5.3): each errs by more than
-           // epsilon with probability 1/4 at most, by Chebyshev
+  mean,  // the mean of blocks of directions
+  // The median of Q runs of M^2 / epsilon^2 directions (Pellegrini 1997, section 5.3). Each errs by more than epsilon
+  // with probability 1/4 at most, by Chebyshev.
+  median,
 };
 
-// A guarantee: with probability 1 - delta every form factor is within epsilon of the true one.
+// EpsilonDelta is a guarantee: with probability 1 - delta every form factor is within epsilon of the true one.
 struct EpsilonDelta {
   double epsilon = 1e-2;  // in (0, 1)
   double delta = 1e-2;    // in (0, 1)
   Statistic statistic = Statistic::mean;
-  double range =
-      0;  // lattices are so fine that a direction adds at most about this to a form factor, above 2; 0: planned
+  // Lattices are so fine that a direction adds at most about this to a form factor. The range is above 2; with 0 it is
+  // planned.
+  double range = 0;
   uint32_t block_directions = 0;  // 0: planned
 };
 
-// No goal but this amount, and no plan.
+// A FixedAmount is counted without a plan, and is the only goal.
 struct FixedAmount {
   uint32_t directions = 400;  // of a replicate
   uint32_t replicates = 8;    // two at least
   int resolution = 0;         // lattice spacings across the scene's diameter; 0: 64
-  int finest = 0;  // spacings for the polygon that needs most of them, in windows; 0: none has more than `resolution`
+  // These are lattice spacings for the polygon that needs most of them, in windows. With 0 none has more than
+  // `resolution`.
+  int finest = 0;
 };
 
-// When a run ends. Exactly one.
+// A run has exactly one goal, which ends it.
 using Goal = std::variant<Tolerance, Relative, Seconds, EpsilonDelta, FixedAmount>;
 
-// What a plan is not to choose, with a goal that is no FixedAmount.
+// An Amount takes choices away from a plan, with a goal that is no FixedAmount.
 struct Amount {
   uint32_t directions = 0;  // of a replicate; 0: planned
   uint32_t replicates = 8;  // at least
@@ -69,7 +74,7 @@ struct Amount {
   int finest = 0;           // with directions and resolution only
 };
 
-// A request. Program and library give the same bits for the same request and plan.
+// Program and library give the same bits for the same request and plan.
 struct Request {
   By by = By::polygon;
   Question question;  // empty: the whole matrix
@@ -78,16 +83,17 @@ struct Request {
   Goal goal = Tolerance{};
   Amount amount;
   double relative_floor = 0.01;  // the least form factor whose relative error counts, in (0, 1]
-  std::optional<double>
-      time_limit_s;  // the goal is given up when this time is over; a guarantee that takes longer is refused
+  // The goal is given up when this time is over. A guarantee that takes longer is refused.
+  std::optional<double> time_limit_s;
 
   std::optional<Sampling> sampling;  // unset: the quicker for engine and scene
-  std::optional<Sampler>
-      sampler;  // of directions over the sphere; unset: fibonacci, better ones for a question, jittered for a guarantee
-  std::optional<bool>
-      unoccluded;  // sample only the visibility of each pair's unoccluded form factor; unset: where that pays
-  // Draws lines between the two polygons of each pair that something may block, as many as the pair's error asks for,
-  // in place of directions that all pairs have in common. Needs a Tolerance or Relative; unset: where that pays.
+  // The sampler draws directions over the sphere. Unset, it is fibonacci, better ones for a question, jittered for a
+  // guarantee.
+  std::optional<Sampler> sampler;
+  // Only the visibility of each pair's unoccluded form factor is sampled. Unset, this is done where it pays.
+  std::optional<bool> unoccluded;
+  // Lines are drawn between the two polygons of each pair that something may block, as many as the pair's error needs.
+  // They replace directions that all pairs have in common. Needs a Tolerance or Relative; unset: where it pays.
   std::optional<bool> pair_lines;
   uint64_t seed = 1;             // the same seed and plan give the same bits
   uint64_t first_replicate = 0;  // of a part of a run, for merging
@@ -100,13 +106,14 @@ struct Request {
   bool measure_work = false;      // fills Result::work
 
   bool balance = false;        // fills Result::balanced: the nearest form factors whose rows sum to 1
-  SceneOptions scene_options;  // that the scene was made with: checkpoints name them
+  SceneOptions scene_options;  // the scene was made with these: checkpoints name them
 };
 
-// Refuses what contradicts itself, whatever the scene is. Every run does so first; a program may, before it reads a
-// large scene.
-//   Tests: tests/unit/front_door_test.cpp.
-//   Throws: Error bad_usage, naming the program's options and the remedy.    Cost: O(1).
+// Refuses a request that contradicts itself, whatever the scene is. Every run does so first; a program may, before it
+// reads a large scene.
+//   In: request: any
+//   Throws: Error bad_usage, naming the program's options and the remedy. Tests: tests/unit/front_door_test.cpp.
+//   Cost: O(1).
 void checkRequest(const Request& request);
 
 }  // namespace viewpeel

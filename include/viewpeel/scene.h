@@ -1,4 +1,4 @@
-// Scenes: what is read from a file (InputScene) and what everything else works on (Scene).
+// An InputScene is read from a file; everything else works on a Scene, which buildScene makes of it.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -9,7 +9,7 @@
 
 namespace viewpeel {
 
-// One face as the file has it: any simple polygon, its corners counter-clockwise seen from its front.
+// An InputFace is a face as the file has it: any simple polygon, its corners counter-clockwise seen from its front.
 struct InputFace {
   std::vector<glm::dvec3> corners;  // input units
   uint32_t surface = 0;             // index into InputScene::surface_names
@@ -23,16 +23,16 @@ struct InputScene {
   std::vector<std::string> warnings{};  // of the reader, one line each
 };
 
-// Where several polygons lie in one plane a line meets all of them at one depth, and their tie ranks order them: a
-// place among kTieRanks along the normal of the polygon's own front. Two polygons that look opposite ways face each
-// other where both have kContactRank, as touching solids do, and turn their backs to each other where both have
-// kSheetRank. Of two that look the same way the one of higher rank hides the other.
+// A tie rank orders polygons of one plane, which a line hits at one depth. It is a place among kTieRanks along the
+// normal of the polygon's own front. Two polygons that look opposite ways face each other where both have kContactRank,
+// as touching solids do. They turn their backs to each other where both have kSheetRank. Of two that look the same way
+// the one of higher rank hides the other.
 constexpr uint32_t kTieRanks = 8;
 constexpr uint32_t kContactRank = 3;
 constexpr uint32_t kSheetRank = 4;
 
-// A convex planar piece of an input face, a triangle or a quadrilateral. Its front is the side from which its corners
-// run counter-clockwise.
+// A Polygon is a convex planar piece of an input face, a triangle or a quadrilateral. Its front is the side from which
+// its corners run counter-clockwise.
 struct Polygon {
   uint32_t first_corner = 0;  // into Scene::corners
   uint32_t corner_count = 0;  // 3 or 4
@@ -55,8 +55,8 @@ struct Surface {
   uint32_t face_count = 0;  // in the file, empty rows counted
 };
 
-// A face or surface of the file that takes no part: it has no area, or repeats another one. It keeps its place among
-// the rows of results, so that row k is the file's face k, and its name.
+// An EmptyRow is a face or surface of the file that takes no part: it has no area, or repeats another one. It keeps its
+// place among the rows of results, so that row k is the file's face k, and its name.
 struct EmptyRow {
   uint32_t row = 0;  // from 0
   std::string name;
@@ -69,18 +69,18 @@ struct Plane {
   double offset = 0;     // dot(normal, x) = offset on the plane, unit-ball units
 };
 
-// Pairs of polygons that coincide over some area (coincident.h): those that look opposite ways by how they are ordered.
+// Coincidences counts pairs of polygons that coincide over some area, by how they are ordered (coincident.h).
 struct Coincidences {
   uint64_t sheets = 0;    // back to back: nothing passes between them
   uint64_t contacts = 0;  // face to face: touching solids
-  uint64_t in_doubt = 0;  // among both: what lies around them contradicts itself
-  // Pairs that look the same way, where the direction of a line decides which of the two it meets first: in planes that
-  // cross within rounding, or in stacks of more than kTieRanks.
+  uint64_t in_doubt = 0;  // among both: their surroundings contradict themselves
+  // In these pairs both polygons look the same way, and the direction of a line decides which of the two it hits first.
+  // They lie in planes that cross within rounding, or in stacks of more than kTieRanks.
   uint64_t alike_unordered = 0;
 };
 
-// All lengths are in unit-ball units: the input is moved by -centre and divided by scale so that every corner is
-// within distance 1 of the origin. x_input = centre + scale * x.
+// All lengths of a Scene are in unit-ball units: the input is moved by -centre and divided by scale so that every
+// corner is within distance 1 of the origin. x_input = centre + scale * x.
 struct Scene {
   std::string file;
   std::vector<glm::dvec3> corners;
@@ -92,10 +92,11 @@ struct Scene {
   glm::dvec3 centre{0};
   double scale = 1;
   Coincidences coincidences;
-  std::vector<std::string> warnings;  // one line each, counted: what was met and what was done (docs/meshes.md)
+  // Each warning is one line with a count: a fault of the file and its treatment (docs/meshes.md).
+  std::vector<std::string> warnings;
 };
 
-// What a file leaves open.
+// SceneOptions settle questions that a file leaves open.
 struct SceneOptions {
   std::vector<std::string> sheets;  // coincident faces of these surfaces are back to back
   std::vector<std::string> solids;  // coincident faces of these surfaces are face to face
@@ -103,38 +104,39 @@ struct SceneOptions {
   bool fix_normals = false;         // turns over the shells whose backs lines meet (shells.h)
 };
 
-// Validates, leaves out degenerate and repeated faces, splits the rest into convex planar polygons, moves and scales to
-// the unit ball, groups coplanar polygons into planes and orders the coincident ones.
+// Makes a scene: validates, leaves out degenerate and repeated faces, and splits the rest into convex planar polygons.
+// Then it scales to the unit ball, groups coplanar polygons into planes and orders the coincident ones.
 //   In: faces in input units, any size and offset    Out: the scene, in unit-ball units
 //   Error: corners to 1 ulp of the unit ball after the subtraction of the centre in double. Tests:
-//   tests/unit/build_scene_test.cpp.
+//     tests/unit/build_scene_test.cpp.
 //   Throws: Error bad_input (NaN or infinite coordinates, no usable polygon, names that collide), naming file and line;
-//     bad_usage for options that name what is not there.
+//     bad_usage for options that name absent surfaces or faces.
 //   Cost: O(corners log corners) work and memory; some thousand rays for each turn of fix_normals.
 Scene buildScene(const InputScene& input, const SceneOptions& options = {});
 
-// Reads .obj, .stl (both kinds) or .ply and calls buildScene. Surfaces are the `o` and `g` names of .obj, the solids
-// of .stl; a file without names has one surface, named after the file.
+// Reads .obj, .stl (both kinds) or .ply and calls buildScene. Surfaces are the `o` and `g` names of .obj, the solids of
+// .stl; a file without names has one surface, named after the file.
 //   In: file: any name; options: as for buildScene    Out, Error, Cost: as buildScene. Tests: tests/unit/load_test.cpp.
 //   Throws: Error bad_input, naming file, line where the format has lines, and remedy; as buildScene.
 Scene loadScene(const std::filesystem::path& file, const SceneOptions& options = {});
 
-// The name of a face: "desk[3]", or "desk" where the surface has one face only.    In: face_index into Scene::faces
-// Cost: O(1).
+// Returns the name of a face: "desk[3]", or "desk" where the surface has one face only.
+//   In: face_index into Scene::faces    Cost: O(1).
 std::string faceName(const Scene& scene, uint32_t face_index);
 
-// The normal of a polygon's own corners, of unit length, on the side of its front.    In: a polygon of the scene Cost:
-// O(1).
+// Returns the normal of a polygon's own corners, of unit length, on the side of its front.
+//   In: a polygon of the scene    Cost: O(1).
 glm::dvec3 frontNormal(const Scene& scene, const Polygon& polygon);
 
-// True where every edge of every polygon is met by an opposite edge of another polygon, the way the walls of a room do.
-// Touching of edges in part (T-junctions) counts. An estimate of intent for the summary, never used in numerics;
-// whether lines end on fronts is another question (seen_backs.h).
+// Returns true where every edge of every polygon has an opposite edge of another polygon, as in the walls of a room.
+// Touching of edges in part (T-junctions) counts. It is an estimate of intent for the summary, never used in numerics.
+// Whether lines end on fronts is another question (leaks.h).
 //   Cost: O(edges log edges).
 bool isClosed(const Scene& scene);
 
-// A hash, 64 bits, of all that a count can depend on: geometry to the last bit, order, names; not the file's place.
-// Cost: O(corners).
+// Returns a hash, 64 bits, of all that a count can depend on: geometry to the last bit, order, names; not the file's
+// place.
+//   Cost: O(corners).
 uint64_t fingerprint(const Scene& scene);
 
 }  // namespace viewpeel

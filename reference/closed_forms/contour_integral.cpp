@@ -16,7 +16,7 @@
 namespace viewpeel::reference {
 namespace {
 
-// Rounding of one value of the inner integral: its terms are at most 2 in the unit ball, and cancel.
+// This is the rounding of one value of the inner integral: its terms are at most 2 in the unit ball, and cancel.
 constexpr long double kNoise = 4 * std::numeric_limits<long double>::epsilon();
 constexpr long double kPi = std::numbers::pi_v<long double>;
 
@@ -37,21 +37,21 @@ std::vector<Edge> edgesOf(const ConvexPolygon& polygon) {
   return edges;
 }
 
-// integral over 0..v of ln hypot(t, d) dt, less -v.
+// Returns the integral over 0..v of ln hypot(t, d) dt, less v.
 long double logIntegral(long double v, long double d) {
   const long double r2 = v * v + d * d;
   return r2 > 0 ? v / 2 * std::log(r2) + d * std::atan2(v, d) : 0;
 }
 
-// integral over the edge of ln |x - y| dy.
+// Returns the integral over the edge of ln |x - y| dy.
 long double logIntegral(const Vec3& x, const Edge& edge) {
   const long double v = edge.along(x), d = glm::length(glm::cross(x - edge.start, edge.direction));
   return logIntegral(edge.length - v, d) + logIntegral(v, d) - edge.length;
 }
 
-// The inner integral over q, as a function of the place on p, is singular only at complex places: above q's ends seen
-// along p, and above the place where the two lines are nearest. With cuts at their real parts, halving closes in on
-// them fast.
+// Returns places to cut p. The inner integral over q, as a function of the place on p, is singular only at complex
+// places. They lie above q's ends seen along p, and above the place where the two lines are nearest. With cuts at their
+// real parts, halving closes in on them fast.
 std::vector<long double> cutsOf(const Edge& p, const Edge& q) {
   std::vector<long double> cuts{0, p.length};
   const auto add = [&](long double s) {
@@ -65,7 +65,7 @@ std::vector<long double> cutsOf(const Edge& p, const Edge& q) {
   return cuts;
 }
 
-// pi A F and its error.
+// Returns pi A F and its error.
 LineIntegral contourIntegral(const ConvexPolygon& a, const ConvexPolygon& b, long double tolerance) {
   const std::vector<Edge> edges_a = edgesOf(a), edges_b = edgesOf(b);
   const long double share = tolerance / (long double)(edges_a.size() * edges_b.size());
@@ -90,7 +90,7 @@ struct WeightedPoint {
   long double weight = 0;  // area
 };
 
-// Product rule on the fan of triangles about corner 0, collapsed at that corner.
+// Returns the product rule on the fan of triangles about corner 0, collapsed at this corner.
 std::vector<WeightedPoint> areaRule(const ConvexPolygon& polygon, int n) {
   const GaussRule& rule = gaussRule(n);
   std::vector<WeightedPoint> points;
@@ -106,7 +106,7 @@ std::vector<WeightedPoint> areaRule(const ConvexPolygon& polygon, int n) {
   return points;
 }
 
-// pi A F by the rule of n^4 points per pair of triangles.
+// Returns pi A F by the rule of n^4 points per pair of triangles.
 long double areaIntegral(const ConvexPolygon& a, const ConvexPolygon& b, const HalfSpace& front_a,
                          const HalfSpace& front_b, int n) {
   const std::vector<WeightedPoint> points_a = areaRule(a, n), points_b = areaRule(b, n);

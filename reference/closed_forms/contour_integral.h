@@ -1,4 +1,4 @@
-// The form factor of two convex polygons with nothing between them.
+// This header has the form factor of two convex polygons with nothing between them.
 #pragma once
 #include <span>
 
@@ -10,7 +10,7 @@ constexpr double kContourError = 1e-11;      // absolute, of every form factor
 constexpr double kFarRelativeError = 1e-10;  // of pairs further apart than kFarDistance
 constexpr double kFarDistance = 4;           // distance of the mean corners / sum of the radii about them
 
-// F from polygon a to polygon b, fronts only:
+// Returns F from polygon a to polygon b, fronts only:
 //   F = 1/(2 pi A) oint_a oint_b ln r ds . dt,
 // summed over pairs of edges: the inner integral in closed form, the outer adaptive, cut where the inner one is nearly
 // singular. A far pair's logarithms cancel, so there F = 1/A int_a int_b cos cos / (pi r^2) by product Gauss rules.

@@ -1,9 +1,9 @@
-// Form factors of discs, in closed form.
+// Discs have form factors in closed form.
 #pragma once
 
 namespace viewpeel::reference {
 
-// F from a disc of radius a to a coaxial parallel disc of radius b at distance h, fronts facing:
+// Returns F from a disc of radius a to a coaxial parallel disc of radius b at distance h, fronts facing:
 //   F = (X - sqrt(X^2 - 4 s^2)) / 2 with s = b/a, X = 1 + s^2 + (h/a)^2,
 // computed without cancellation as 2 s^2 / (X + sqrt((X - 2s)(X + 2s))), X - 2s = (1 - s)^2 + (h/a)^2.
 //   In: radii a, b > 0, distance h > 0, in one unit.

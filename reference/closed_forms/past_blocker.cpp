@@ -17,7 +17,8 @@ constexpr long double kPi = std::numbers::pi_v<long double>;
 constexpr size_t kMaxTriangles = 200'000;
 constexpr long double kTiny = 1e-17L;  // lengths in the unit ball below this are rounding
 
-// Lambert's formula: the form factor from the point x with the given normal to a polygon seen counter-clockwise from x.
+// Returns, by Lambert's formula, the form factor from the point x with the given normal to a polygon seen
+// counter-clockwise from x.
 long double pointFormFactor(const Vec3& x, const Vec3& normal, const ConvexPolygon& polygon) {
   long double sum = 0;
   for (size_t k = 0; k < polygon.size(); ++k) {
@@ -28,8 +29,8 @@ long double pointFormFactor(const Vec3& x, const Vec3& normal, const ConvexPolyg
   return sum / (2 * kPi);
 }
 
-// The part of b that the blocker hides from x. The blocker lies in front of b's plane and of the plane of a, so every
-// line from x through it meets it before b.
+// Returns the part of b that the blocker hides from x. The blocker lies in front of b's plane and of the plane of a, so
+// every line from x through it meets it before b.
 ConvexPolygon hiddenPart(const Vec3& x, const ConvexPolygon& b, const ConvexPolygon& blocker,
                          const HalfSpace& blocker_front) {
   const long double depth = blocker_front.depth(x);
@@ -44,7 +45,7 @@ ConvexPolygon hiddenPart(const Vec3& x, const ConvexPolygon& b, const ConvexPoly
   return hidden;
 }
 
-// The planes through an edge of one polygon and a corner of the other.
+// Adds the planes through an edge of one polygon and a corner of the other.
 void addEdgeCornerPlanes(const ConvexPolygon& with_edges, const ConvexPolygon& with_corners,
                          std::vector<HalfSpace>& planes) {
   for (size_t k = 0; k < with_edges.size(); ++k)
@@ -56,9 +57,9 @@ void addEdgeCornerPlanes(const ConvexPolygon& with_edges, const ConvexPolygon& w
     }
 }
 
-// Over a's points near the foot of an edge that hangs at a small height over a, f changes within that height, which a
-// rule with points further apart does not see. Cuts along the foot, at distances that grow from the height on, make it
-// visible.
+// Adds cuts under edges that hang at a small height over a. Near the foot of such an edge f changes within its height,
+// which a rule with points further apart does not see. Cuts along the foot, at distances that grow from the height on,
+// make it visible.
 void addCutsUnderLowEdges(const ConvexPolygon& polygon, const HalfSpace& front_a, std::vector<HalfSpace>& planes) {
   constexpr long double kLow = 1e-2L, kNegligible = 1e-9L, kGrowth = 8;  // a layer that thin holds that little of a
   for (size_t k = 0; k < polygon.size(); ++k) {
@@ -150,7 +151,7 @@ Approximation formFactorPastBlocker(std::span<const glm::dvec3> a, std::span<con
     planes.push_back(view.blocker_front);
     addEdgeCornerPlanes(view.blocker, view.b, planes);
     addEdgeCornerPlanes(view.b, view.blocker, planes);
-    // The plane of a itself, met where the blocker or b touches a, cuts nothing.
+    // The plane of a itself, where the blocker or b touches a, cuts nothing.
     std::erase_if(
         planes, [&](const HalfSpace& plane) { return glm::length(glm::cross(plane.normal, front_a.normal)) <= kTiny; });
   }
@@ -173,7 +174,7 @@ Approximation formFactorPastBlocker(std::span<const glm::dvec3> a, std::span<con
     Triangle worst = triangles.back();
     triangles.pop_back();
     error -= worst.error;
-    // Halve the longest edge, pq.
+    // The longest edge, pq, is halved.
     const auto length = [](const Vec3& x, const Vec3& y) { return glm::length(y - x); };
     for (int turn = 0; turn < 2; ++turn)
       if (length(worst.q, worst.r) > length(worst.p, worst.q) || length(worst.r, worst.p) > length(worst.p, worst.q))

@@ -1,4 +1,4 @@
-// The form factor of two convex polygons past a third.
+// This header has the form factor of two convex polygons past a third.
 #pragma once
 #include <span>
 
@@ -10,12 +10,12 @@ namespace viewpeel::reference {
 
 constexpr double kPastBlockerError = 1e-7;
 
-// F from polygon a to polygon b, fronts only, with one blocker that stops light on both of its sides:
+// Returns F from polygon a to polygon b, fronts only, with one blocker that stops light on both of its sides:
 //   F = 1/A int_a (f(x, b) - f(x, b within the blocker's shadow from x)) dx,
 //   2 pi f(x, polygon) = - sum_k angle(r_k, r_k+1) n . (r_k x r_k+1) / |r_k x r_k+1|,   r_k = corner_k - x (Lambert).
-// a is first cut along every line where a corner of b passes an edge of the blocker or the other way round, and along
-// the blocker's plane: on each piece the integrand is analytic. Under edges close to a it still changes within their
-// height, so a is cut there in growing strips too. Triangles of the pieces are halved, the worst first.
+// a is first cut along every line where a corner of b passes an edge of the blocker, or the other way round. It is cut
+// along the blocker's plane, too: on each piece the integrand is analytic. Under edges close to a it still changes
+// within their height, so a is cut there in growing strips too. Triangles of the pieces are halved, the worst first.
 //   In: three convex planar polygons of 3 or more corners, one unit; a and b counter-clockwise seen from the front. The
 //       blocker may touch or cross either; the part of it behind the plane of a or b stops nothing, nor does one within
 //       the plane of a; within the plane of b it covers b.

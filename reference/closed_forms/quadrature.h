@@ -1,11 +1,11 @@
-// Gauss-Legendre rules, and adaptive integration over an interval.
+// This header has Gauss-Legendre rules, and adaptive integration over an interval.
 #pragma once
 #include <functional>
 #include <vector>
 
 namespace viewpeel::reference {
 
-// A number and what it may be off by.
+// An Approximation is a number and a bound on its error.
 struct Approximation {
   double value = 0;
   double error = 0;  // see the function that returns it: a bound or an estimate
@@ -15,7 +15,8 @@ struct GaussRule {
   std::vector<long double> nodes, weights;  // on (0, 1)
 };
 
-// The Gauss-Legendre rule of n points on (0, 1): sum_k weight_k f(node_k), exact for polynomials of degree 2n - 1.
+// Returns the Gauss-Legendre rule of n points on (0, 1): sum_k weight_k f(node_k), exact for polynomials of degree 2n -
+// 1.
 //   In: n, 1..64.
 //   Out: the rule; the same object on every call, safe from several threads.
 //   Error: nodes and weights to 4 ulp of long double; tests/unit/quadrature_test.cpp (monomials).
@@ -30,7 +31,7 @@ struct LineIntegral {
   long double error = 0;  // sum of |16-point - 10-point| over the leaves
 };
 
-// integral of f over [low, high], halving until the 10-point and the 16-point Gauss rule agree.
+// Returns the integral of f over [low, high], halving until the 10-point and the 16-point Gauss rule agree.
 //   In: f, finite on (low, high), singular at most like x ln x at the ends; tolerance, absolute; noise, the rounding
 //   error
 //       of one value of f, absolute.

@@ -13,7 +13,7 @@ namespace {
 constexpr long double kTwoPi = 2 * std::numbers::pi_v<long double>;
 using Ends = std::array<long double, 2>;
 
-// In units of `scale`, so that the logarithms stay small.
+// Returns the ends in units of `scale`, so that the logarithms stay small.
 Ends ends(Interval interval, long double scale) { return {interval.low / scale, interval.high / scale}; }
 
 void checkNotEmpty(Interval interval, const char* name) {

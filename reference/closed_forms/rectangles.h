@@ -1,4 +1,4 @@
-// Form factors of axis-parallel rectangles, in closed form.
+// Axis-parallel rectangles have form factors in closed form.
 #pragma once
 
 namespace viewpeel::reference {
@@ -7,7 +7,8 @@ struct Interval {
   double low = 0, high = 0;
 };
 
-// F from the rectangle x by y in the plane z = 0 to the rectangle xi by eta in the plane z = distance, fronts facing:
+// Returns F from the rectangle x by y in the plane z = 0 to the rectangle xi by eta in the plane z = distance, fronts
+// facing:
 //   F = 1/A sum_ijkl (-1)^(i+j+k+l) G(x_i - xi_k, y_j - eta_l),
 //   2 pi G(p, q) = q sqrt(p^2 + z^2) atan(q / sqrt(p^2 + z^2)) + p sqrt(q^2 + z^2) atan(p / sqrt(q^2 + z^2))
 //                  - z^2/2 ln(p^2 + q^2 + z^2).
@@ -24,8 +25,8 @@ struct Interval {
 //           Factors, C-13.
 double parallelRectangles(Interval x, Interval y, Interval xi, Interval eta, double distance);
 
-// F from the rectangle x by y in the plane z = 0 to the rectangle y = eta, z = zeta in the plane x = 0, fronts towards
-// +z and +x:
+// Returns F from the rectangle x by y in the plane z = 0 to the rectangle y = eta, z = zeta in the plane x = 0, fronts
+// towards +z and +x:
 //   F = 1/A sum_ijkl (-1)^(i+j+k+l) G(x_i^2 + zeta_k^2, y_j - eta_l),
 //   2 pi G(c2, q) = q sqrt(c2) atan(q / sqrt(c2)) - (c2 - q^2)/4 ln(c2 + q^2).
 //   In: intervals with low < high, x.low >= 0, zeta.low >= 0 (both 0: the planes' common line is a common edge).

@@ -4,8 +4,8 @@
 
 namespace viewpeel::reference {
 
-// Some number within `error` of `value`. kUnit is twice the unit roundoff: the surplus covers the rounding of the
-// errors themselves, which costs a relative 2^-51 per operation at most.
+// A Ball is some number within `error` of `value`. kUnit is twice the unit roundoff: the surplus covers the rounding of
+// the errors themselves, which costs a relative 2^-51 per operation at most.
 struct Ball {
   static constexpr double kUnit = 0x1p-52;
   double value = 0;
@@ -26,7 +26,7 @@ inline Ball operator*(Ball a, Ball b) {
   return {product, error + 4 * Ball::kUnit * (std::abs(product) + error) + 0x1p-1000};
 }
 
-// Infinite error where b may be 0.
+// The error is infinite where b may be 0.
 inline Ball operator/(Ball a, Ball b) {
   const double quotient = a.value / b.value, room = std::abs(b.value) - b.error;
   if (!(room > 0)) return {0, HUGE_VAL};
@@ -34,7 +34,7 @@ inline Ball operator/(Ball a, Ball b) {
   return {quotient, error + 8 * Ball::kUnit * (std::abs(quotient) + error) + 0x1p-1000};
 }
 
-// The sign where the error leaves no doubt, else 0.
+// Returns the sign where the error leaves no doubt, else 0.
 inline int certainSign(Ball a) { return a.value > a.error ? 1 : a.value < -a.error ? -1 : 0; }
 
 }  // namespace viewpeel::reference

@@ -13,7 +13,7 @@ namespace viewpeel::reference {
 namespace {
 
 // Corners further out of the plane, or turning back by more, than this share of the polygon's size are an error of the
-// caller: 1e-9 is far above the rounding of doubles and far below what a wrong corner does.
+// caller. The share is far above the rounding of doubles and far below the effect of a wrong corner.
 constexpr long double kShapeTolerance = 1e-9L;
 
 [[noreturn]] void refuse(size_t index, const char* what) {

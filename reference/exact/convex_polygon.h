@@ -10,7 +10,7 @@ namespace viewpeel::reference {
 using Vec3 = glm::vec<3, long double>;
 using ConvexPolygon = std::vector<Vec3>;  // counter-clockwise seen from the front
 
-// Where dot(normal, x) >= offset.
+// A HalfSpace is where dot(normal, x) >= offset.
 struct HalfSpace {
   Vec3 normal{0};  // unit length
   long double offset = 0;
@@ -18,7 +18,8 @@ struct HalfSpace {
   long double depth(const Vec3& x) const;  // > 0 inside
 };
 
-// Two polygons, and perhaps a blocker, moved and scaled so that all corners are within distance 1 of the origin.
+// A UnitFrame has two polygons, and perhaps a blocker, moved and scaled so that all corners are within distance 1 of
+// the origin.
 struct UnitFrame {
   std::vector<ConvexPolygon> polygons;
   long double rounding = 0;  // bound on a coordinate's rounding in the input, in the new unit
@@ -39,7 +40,8 @@ long double area(const ConvexPolygon& polygon);
 Vec3 meanCorner(const ConvexPolygon& polygon);
 HalfSpace frontOf(const ConvexPolygon& polygon);
 
-// The part of a polygon in a half space; corners within `rounding` of its boundary count as inside and do not move.
+// Returns the part of a polygon in a half space; corners within `rounding` of its boundary count as inside and do not
+// move.
 //   In: a convex polygon, possibly empty; rounding >= 0, a length.
 //   Out: a convex polygon, empty where fewer than 3 corners are left.
 //   Error: 2 ulp of long double times 1 / sin(angle between the planes) in the new corners, plus rounding.
@@ -49,8 +51,8 @@ HalfSpace frontOf(const ConvexPolygon& polygon);
 //   Source: I. E. Sutherland & G. W. Hodgman, Reentrant polygon clipping, CACM 17(1), 1974.
 ConvexPolygon clip(const ConvexPolygon& polygon, const HalfSpace& half_space, long double rounding);
 
-// The parts of two polygons that see each other's front: each clipped to the other's front half space; both empty where
-// one of them lies behind or within the other's plane.
+// FacingParts are the parts of two polygons that see each other's front: each clipped to the other's front half space.
+// Both are empty where one of them lies behind or within the other's plane.
 struct FacingParts {
   ConvexPolygon a, b;
 };

@@ -75,7 +75,7 @@ Cut EdgeCuts::makeCut(uint32_t c, uint32_t d) const {
     const Ball a_side = projection_.cross(c, d, a_), b_side = projection_.cross(c, d, b_);
     cut.t = a_side / (a_side - b_side);
   }
-  // What a piece of the edge adds to an area is in proportion to t, so a shallow angle must not cost accuracy.
+  // A piece of the edge adds to an area in proportion to t, so a shallow angle must not cost accuracy.
   if (!(cut.t.error < 1e-12)) {
     const double t = exactParameter(cut).get_d();
     cut.t = {t, Ball::kUnit * std::abs(t)};

@@ -17,7 +17,7 @@ struct Cut {
   uint32_t c = 0, d = 0;
 };
 
-// The part of an edge that an outline covers, within [0, 1].
+// A Span is the part of an edge that an outline covers, within [0, 1].
 struct Span {
   uint32_t outline = 0;
   // 0: the line passes through the inside of the outline; 1, -1: along one of its edges, the inside to the left, right.

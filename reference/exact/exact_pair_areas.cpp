@@ -14,7 +14,7 @@
 namespace viewpeel::reference {
 namespace {
 
-// An edge of an outline, from the lower vertex to the higher.
+// An Edge is one of an outline, from the lower vertex to the higher.
 struct Edge {
   uint32_t a, b;
   uint32_t outline;

@@ -32,7 +32,7 @@ bool HeightOrder::isBelow(uint32_t a, uint32_t b) {
   return entry->second != swapped;
 }
 
-// In: a < b.
+// Decides the order of a < b.
 bool HeightOrder::decide(uint32_t a, uint32_t b) const {
   const Outline &first = projection_.outlines()[a], &second = projection_.outlines()[b];
   const Scene& scene = projection_.scene();
@@ -74,9 +74,9 @@ int HeightOrder::compareHeights(uint32_t a, uint32_t b, const glm::dvec2& point)
   return cmp(height(a), height(b)) * (u[k] > 0 ? 1 : -1);
 }
 
-// Corners of the common part of two outlines (I. Sutherland and G. Hodgman, 1974). New points lie between two old ones,
-// and a point counts as inside up to the rounding of `side`, so the result is not empty where the exact outlines share
-// one.
+// Returns corners of the common part of two outlines (I. Sutherland and G. Hodgman, 1974). New points lie between two
+// old ones, and a point counts as inside up to the rounding of `side`. So the result is not empty where the exact
+// outlines share a point.
 std::vector<glm::dvec2> HeightOrder::intersect(uint32_t a, uint32_t b) const {
   const auto& vertices = projection_.vertices();
   std::vector<glm::dvec2> points, clipped;

@@ -26,7 +26,7 @@ struct Region {
 };
 using Regions = std::map<Key, Region>;
 
-// By id: regions of polygons with one id add up. Their perimeters bound that of the union.
+// Returns regions by id: regions of polygons with one id add up. Their perimeters bound the union's.
 Regions exactRegions(const Scene& scene, const Ids& ids, bool blocked, const glm::dvec3& u) {
   Regions regions;
   ExactOptions options;

@@ -8,15 +8,15 @@
 
 namespace viewpeel::reference {
 
-// Variance of h^2 x (number of points of a lattice with uniformly random offset and rotation in a region of perimeter
-// P) for h small against the region: kLatticeVariance h^3 P. The constant is sum over integer pairs (m, n) != 0 of (m^2
-// + n^2)^(-3/2), over 4 pi^3: the mean of the region's squared Fourier transform at distance rho from 0 is P / (4 pi^3
-// rho^3) (Kendall & Moran 1963, chapter 5).
+// A lattice with uniformly random offset and rotation has a variance of h^2 x (number of its points in a region of
+// perimeter P): kLatticeVariance h^3 P for h small against the region. The constant is the sum over integer pairs (m,
+// n) != 0 of (m^2 + n^2)^(-3/2), over 4 pi^3. For the mean of the region's squared Fourier transform at distance rho
+// from 0 is P / (4 pi^3 rho^3) (Kendall & Moran 1963, chapter 5).
 constexpr double kLatticeVariance = 0.0728370;
 
-// The same of h x (length of lattice rows in the region): only the pairs (0, n) remain, 2 zeta(3) / (4 pi^3). It is the
-// mean over rotations: one at which no edge runs along the rows has a variance of order h^4, from corners alone, and
-// the few that have one nearly along them bring the h^3.
+// Lattice rows have this constant for h x (length of rows in the region): only the pairs (0, n) remain, 2 zeta(3) / (4
+// pi^3). It is the mean over rotations. A rotation at which no edge runs along the rows has a variance of order h^4,
+// from corners alone. The few that have an edge nearly along them bring the h^3.
 constexpr double kScanlineVariance = 0.0193841;
 
 struct CheckOptions {
@@ -59,10 +59,10 @@ struct CheckReport {
 };
 
 // Tests for every pair, direction and resolution whether the mean of the counted area over random lattices is the exact
-// area, and whether its variance is as predicted.
-//   Method: Student's test per visible region with Bonferroni's correction; regions with an expected count below 1/2 a
-//   lattice or thinner than h / 2 (2 A / P) are pooled into one sum per resolution. The ratio of variances must lie in
-//   [1/2, 2] over regions with A / P >= h, where terms of relative size h / width may still be felt.
+// area, and whether its variance is the predicted one.
+//   Method: Student's test per visible region with Bonferroni's correction. Regions with an expected count below 1/2 a
+//     lattice or thinner than h / 2 (2 A / P) are pooled into one sum per resolution. The ratio of variances must lie
+//     in [1/2, 2] over regions with A / P >= h, where terms of relative size h / width may still be felt.
 //   Cost: directions exact projections, directions x lattices x resolutions counts.
 CheckReport checkLattice(const Scene& scene, const Ids& ids, const CountLattice& count, const CheckOptions& options);
 

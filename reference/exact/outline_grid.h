@@ -7,13 +7,13 @@
 
 namespace viewpeel::reference {
 
-// A square grid over the projection; each cell lists the outlines whose bounds touch it.
+// An OutlineGrid is a square grid over the projection; each cell lists the outlines whose bounds touch it.
 class OutlineGrid {
  public:
   // Keeps a reference. Cost: O(outlines + cells covered by their bounds), about 4 cells per outline.
   explicit OutlineGrid(const Projection& projection);
 
-  // Every outline that the edge a -> b meets, and others near it; each once, in no particular order.
+  // Finds every outline that the edge a -> b meets, and others near it; each once, in no particular order.
   void findNear(uint32_t a, uint32_t b, std::vector<uint32_t>& outlines);
 
  private:

@@ -28,7 +28,7 @@ struct Piece {
   Piece operator-() const;
 };
 
-// The regions of pairs a < b of polygons, by what bounds them.
+// RegionSums adds up the regions of pairs a < b of polygons, by their boundary.
 class RegionSums {
  public:
   struct Sum {
@@ -43,7 +43,7 @@ class RegionSums {
 
   void add(uint32_t a, uint32_t b, const Piece& piece);
   void closeEdge(double length);
-  // Sorted by (a, b), without zero areas.
+  // Returns the areas, sorted by (a, b), without zeros.
   std::vector<PairArea> list(const Projection& projection) const;
   void appendOpenPairs(std::vector<std::array<uint32_t, 2>>& open) const;
   const std::unordered_map<uint64_t, Sum>& sums() const { return sums_; }
@@ -51,7 +51,7 @@ class RegionSums {
  private:
   struct Step {
     double at;
-    int change;  // of the number of pieces that run one way less those that run the other
+    int change;  // pieces that run one way less pieces that run the other
   };
 
   const ExactOptions& options_;
@@ -69,11 +69,11 @@ class PairSums {
   // Adds it to the blocked pair of two outlines with others between them, where they face each other.
   void addBlocked(uint32_t lower, uint32_t upper, const Piece& piece);
 
-  // The pieces since the last call lie on one edge of this length in P(u): what they leave of each other bounds the
+  // Ends an edge of this length in P(u), on which the pieces since the last call lie: the rest of them bounds the
   // regions.
   void closeEdge(double length);
 
-  // Cost: O(pairs log pairs).
+  // Returns all areas.    Cost: O(pairs log pairs).
   ExactPairAreas finish() const;
 
  private:

@@ -17,7 +17,7 @@ struct PlanePoint {
   double x = 0, y = 0;
 };
 
-// Where value(x, y) = a x + b y + c >= 0.
+// A HalfPlane is where value(x, y) = a x + b y + c >= 0.
 struct HalfPlane {
   double a = 0, b = 0, c = 0;
   double at(const PlanePoint& p) const { return a * p.x + b * p.y + c; }
@@ -58,7 +58,7 @@ glm::dvec3 randomDirection(std::mt19937_64& bits) {
   return {ring * std::cos(angle_rad), ring * std::sin(angle_rad), z};
 }
 
-// Duff et al., Building an orthonormal basis, revisited, JCGT 2017.
+// Returns a frame by Duff et al., Building an orthonormal basis, revisited, JCGT 2017.
 Frame frameAlong(const glm::dvec3& u) {
   const double sign = std::copysign(1.0, u.z), a = -1 / (sign + u.z), b = u.x * u.y * a;
   return {{1 + sign * u.x * u.x * a, sign * b, -sign * u.x}, {b, sign + u.y * u.y * a, -u.y}, u};
@@ -71,7 +71,7 @@ PlanePolygon project(const std::vector<glm::dvec3>& corners, const Frame& frame)
   return projected;
 }
 
-// Depth along u of the point above (x, y) of the plane through `point`.
+// Returns the depth along u of the point above (x, y) of the plane through `point`.
 HalfPlane depthOver(const glm::dvec3& normal, const glm::dvec3& point, const Frame& frame) {
   const double slope = glm::dot(normal, frame.u);
   return {-glm::dot(normal, frame.x_axis) / slope, -glm::dot(normal, frame.y_axis) / slope,

@@ -1,4 +1,4 @@
-// The form factor of two convex polygons with nothing between them, estimated from random projections.
+// The form factor of two convex polygons with nothing between them is estimated from random projections.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -8,7 +8,7 @@
 
 namespace viewpeel::reference {
 
-// One direction's term of F from polygon a to polygon b, fronts only:
+// A ProjectedPair computes one direction's term of F from polygon a to polygon b, fronts only:
 //   zeta(u) = 2/A area(projections of a and b along u, intersected), where u or -u leaves a's front and arrives at b's
 //   front, else 0,
 // counting only the lines that meet a first. F is its mean over directions uniform on the sphere.
@@ -19,8 +19,9 @@ class ProjectedPair {
   //   Cost: O(corners squared), for the check of convexity.
   ProjectedPair(std::span<const glm::dvec3> a, std::span<const glm::dvec3> b);
 
-  //   In: u of unit length    Out: 0 to 2    Error: 2e-14 / A, A the area of a where the pair fits in the unit ball.
-  //   tests/unit/projected_estimate_test.cpp.
+  // Returns zeta(u).
+  //   In: u of unit length    Out: 0 to 2
+  //   Error: 2e-14 / A, A the area of a where the pair fits in the unit ball. tests/unit/projected_estimate_test.cpp.
   //   Cost: O(corners_a corners_b).
   //   Source: Pellegrini as below.
   double zeta(const glm::dvec3& u) const;
@@ -39,7 +40,7 @@ struct ProjectedEstimate {
   double standard_error = 0;  // from the sample's spread
 };
 
-// F from polygon a to polygon b, fronts only, from N independent uniform directions u:
+// Estimates F from polygon a to polygon b, fronts only, from N independent uniform directions u:
 //   F ~ 1/N sum_u zeta(u).
 //   In: convex planar polygons of 3 or more corners, counter-clockwise seen from the front, any unit; direction_count
 //   >= 2.

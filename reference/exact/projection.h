@@ -1,5 +1,6 @@
-// A scene seen along one direction, in exact coordinates: sheared along u onto the coordinate plane across the largest
-// component of u. Corners and u are doubles, so in units of a power of two everything here is an integer:
+// A Projection is a scene seen along one direction, in exact coordinates: sheared along u onto the coordinate plane
+// across the largest component of u. Corners and u are doubles, so in units of a power of two everything here is an
+// integer:
 //   (x, y) = (p_i u_k - p_k u_i, p_j u_k - p_k u_j)      k the largest component of u, i and j the others.
 #pragma once
 #include <array>
@@ -24,7 +25,7 @@ struct IntegerCorners {
   long exponent = 0;
 };
 
-// Integer * 2^exponent, exactly x.
+// A Dyadic is integer * 2^exponent, exactly x.
 struct Dyadic {
   mpz_class mantissa;
   long exponent = 0;
@@ -32,7 +33,7 @@ struct Dyadic {
 Dyadic splitDouble(double x);
 mpq_class toRational(const Dyadic& x);
 
-// A vertex of the projection; points that coincide exactly are one vertex.
+// A Vertex is one of the projection; points that coincide exactly are one vertex.
 struct Vertex {
   mpz_class x, y;      // units of Projection::exponent
   glm::dvec2 rounded;  // the same point, coordinates within 1 ulp
@@ -47,11 +48,13 @@ struct Outline {
 
 class Projection {
  public:
-  // In: u finite and not zero, any length. Throws: Error bad_usage otherwise.
-  // Cost: O(corners) work and memory.
+  // Shears the scene along u.
+  //   In: u finite and not zero, any length. Throws: Error bad_usage otherwise.
+  //   Cost: O(corners) work and memory.
   Projection(const Scene& scene, const IntegerCorners& corners, const glm::dvec3& u);
 
-  // Only polygons with an area in the projection and a plane that does not contain u, in the order of the scene.
+  // Returns only polygons with an area in the projection and a plane that does not contain u, in the order of the
+  // scene.
   const std::vector<Outline>& outlines() const { return outlines_; }
   const std::vector<Vertex>& vertices() const { return vertices_; }
 
@@ -65,10 +68,10 @@ class Projection {
   int axis() const { return axis_; }
   long exponent() const { return exponent_; }
 
-  // Area in P(u) = factor * twice the area in `rounded` coordinates. Error: 4 ulp.
+  // Returns the area in P(u) of a unit of twice the area in `rounded` coordinates. Error: 4 ulp.
   double areaFactor() const;
 
-  // Distance in P(u) of two vertices. Error: a few ulp of the coordinates.
+  // Returns the distance in P(u) of two vertices. Error: a few ulp of the coordinates.
   double lengthInProjection(uint32_t a, uint32_t b) const;
 
  private:
@@ -83,7 +86,7 @@ class Projection {
   std::vector<Outline> outlines_;
 };
 
-// The exact sign of normal . u.
+// Returns the exact sign of normal . u.
 int slope(const glm::dvec3& normal, const glm::dvec3& u);
 
 }  // namespace viewpeel::reference

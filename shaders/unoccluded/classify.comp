@@ -1,15 +1,10 @@
 #version 460
-// One invocation finds out how one pair of sides is to be integrated: not at all (its area stays 0), by a product rule,
-// or along its contours.
+// One invocation chooses how one pair of sides is integrated: not at all (its area stays 0), by a product rule, or
+// along its contours.
 //   In: shapes, pairs     Out: lists of the pairs that see each other
 //
-// A rule with n points along each coordinate integrates f(u) = (1 + s u)(1 + j u) |p + u e|^-4, |e| = t |p|, over
-// -1..1: s is the slope of a cosine that stays positive, j that of the polygon's density. |p + u e|^-4 = |p|^-4 sum_k
-// C_k (-t u)^k with Gegenbauer polynomials of index 2, |C_k| <= binomial(k + 3, 3); the rule is exact below u^2n and on
-// odd powers, so with e_k its error on u^k, its error is at most
-//   sum over even k >= 2n of e_k (G_k + (s + j) G_(k-1) + s j G_(k-2)),   G_k = binomial(k + 3, 3) t^k,
-// where the mean of f is at least (1 - s j / 3) (1 + t)^-4. Weights and f are positive, so the relative errors of the
-// four coordinates add. Source: Gegenbauer's generating function, Abramowitz & Stegun, 22.9.3 and 22.14.2.
+// The bound on a product rule's error, with its derivation, is docs/method.md, eq. (37). Source: Gegenbauer's
+// generating function, Abramowitz & Stegun, 22.9.3 and 22.14.2.
 #extension GL_GOOGLE_include_directive : require
 #include "unoccluded.glsl"
 
@@ -17,7 +12,8 @@ layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Args { ClassifyArgs pushed; };
 ClassifyArgs args;
 
-// Largest |slope| / value at the middle of an edge of the square, of a bilinear function given at its corners.
+// Returns the largest |slope| / value at the middle of an edge of the square, of a bilinear function given at its
+// corners.
 float slopeOf(dvec4 at) {
   dvec4 next = at.yzwx;
   vec4 difference = vec4(abs(at - next)), sum = vec4(at + next);
@@ -27,8 +23,8 @@ float slopeOf(dvec4 at) {
   return slope;
 }
 
-// What the bound on the relative error over a polygon's two coordinates is made of. Single precision: its rounding is
-// 1e-6 of the bound.
+// Coordinates holds the terms of the bound on the relative error over a polygon's two coordinates. Single precision:
+// its rounding is 1e-6 of the bound.
 struct Coordinates {
   float t, square, power;  // t, t^2, t^(2n - 2)
   float slopes, product;   // s + j, s j

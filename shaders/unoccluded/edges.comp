@@ -1,8 +1,8 @@
 #version 460
-// One invocation takes one edge of the part of a polygon that sees another's front, with each edge of that one's part,
-// and chooses the rule for the line integral over the two.
-//   In: shapes, pairs, near     Out: edges; lists of their pairs by rule; values: bounds on their errors
-// Source: I. E. Sutherland & G. W. Hodgman, Reentrant polygon clipping, CACM 17(1), 1974.
+// One invocation takes one edge of the part of a polygon that sees another's front, with each edge of the other's part.
+// It chooses the rule for the line integral over the two.
+//   In: shapes, pairs, near     Out: edges; lists of their pairs by rule; values: bounds on their errors Source: I. E.
+//     Sutherland & G. W. Hodgman, Reentrant polygon clipping, CACM 17(1), 1974.
 #extension GL_GOOGLE_include_directive : require
 #include "unoccluded.glsl"
 
@@ -10,8 +10,8 @@ layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Args { EdgesArgs pushed; };
 EdgesArgs args;
 
-// The part of a polygon in front of a plane: its own edges as far as they are, then the one along the plane. The part
-// runs counter-clockwise as the polygon does. Corners within `rounding` of the plane stay where they are.
+// Returns the part of a polygon in front of a plane: its own edges as far as they are, then the one along the plane.
+// The part runs counter-clockwise as the polygon does. Corners within `rounding` of the plane stay where they are.
 EdgeData[kMostEdges] frontEdges(ShapeData shape, dvec4 depths, double rounding, dvec3 origin) {
   EdgeData edges[kMostEdges];
   dvec3 leaves = dvec3(0.0LF), enters = dvec3(0.0LF);
@@ -37,7 +37,7 @@ EdgeData select(EdgeData edges[kMostEdges], uint index) {
   return edge;
 }
 
-// The rule for a pair of edges, and a bound on its error.
+// Returns the rule for a pair of edges, and a bound on its error.
 uint chooseRule(EdgeData p, EdgeData q, double together, out double error) {
   double square_p = dot(p.along, p.along), square_q = dot(q.along, q.along);
   if (square_p > square_q) {

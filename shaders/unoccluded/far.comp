@@ -10,7 +10,7 @@ layout(constant_id = 0) const uint kPoints = 2u;
 layout(push_constant, scalar) uniform Args { FarArgs pushed; };
 FarArgs args;
 
-// A function f + f_u u + f_v v + f_uv u v of the square.
+// Returns the coefficients of f + f_u u + f_v v + f_uv u v over the square, from its values at the corners.
 dvec4 bilinear(dvec4 at) {
   return 0.25LF * dvec4(at.x + at.y + at.z + at.w, at.y + at.z - at.x - at.w, at.z + at.w - at.x - at.y,
                         at.x + at.z - at.y - at.w);
@@ -32,7 +32,7 @@ Patch patchOf(ShapeData shape, dvec4 depths) {
   return made;
 }
 
-// A point of the rule, from the patch's middle, with its weight.
+// Returns a point of the rule, from the patch's middle, with its weight.
 dvec4 pointOf(Patch on, double u, double v, double weight) {
   double density = on.density.x + on.density.y * u + on.density.z * v;
   double depth = on.depth.x + on.depth.y * u + on.depth.z * v + on.depth.w * (u * v);
@@ -56,7 +56,7 @@ void main() {
   }
   double sum = 0.0LF;
   [[dont_unroll]] for (uint i = 0u; i < kPoints; ++i) {
-    // Not args.nodes[i]: software devices index by what varies in a loop slowly.
+    // The loop does not read args.nodes[i]: software devices index slowly by a variable of a loop.
     double node = args.nodes[0], weight = args.weights[0];
     [[unroll]] for (uint k = 1u; k < kPoints; ++k) {
       node = i == k ? args.nodes[k] : node;

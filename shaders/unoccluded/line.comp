@@ -1,14 +1,9 @@
 #version 460
-// One invocation integrates ln r over one pair of edges, the inner integral, over the longer one, in closed form, the
-// outer by a Gauss rule:
-//   int_p int_q ln r ds . dt = (p . q) / |q| int_0^1 (v1/2 ln(v1^2 + d^2) + v2/2 ln(v2^2 + d^2) + d angle(d^2 - v1 v2,
-//   d |q|)) dt,
-// less a multiple of p . q, which adds up to nothing around a polygon. d is the distance from the line of q, v1 and v2
-// those along it to q's ends. Where the edges are close, p is cut where the inner integral is singular, and the rule is
-// graded towards both ends of each piece.
-//   In: edges, a list of their pairs, points     Out: values, rounding added to their errors
-// Source: E. M. Sparrow, A new and simpler formulation for radiative angle factors, J. Heat Transfer 85(2), 1963,
-// 81-87.
+// One invocation integrates ln r over one pair of edges, docs/method.md, eq. (38): the inner integral, over the longer
+// one, in closed form, the outer by a Gauss rule. Where the edges are close, p is cut where the inner integral is
+// singular, and the rule is graded towards both ends of each piece.
+//   In: edges, a list of their pairs, points     Out: values, rounding added to their errors Source: E. M. Sparrow, A
+//     new and simpler formulation for radiative angle factors, J. Heat Transfer 85(2), 1963, 81-87.
 #extension GL_GOOGLE_include_directive : require
 #include "unoccluded.glsl"
 #include "double_math.glsl"
@@ -34,8 +29,8 @@ double innerIntegral(dvec3 from, dvec3 direction, double length_q, out double ma
   return first + last + turn;
 }
 
-// Where the inner integral over q is singular above p, in shares of p: at q's ends and, where the other line's foot
-// lies within q, at the place nearest to it. In order, between 0 and 1.
+// Returns the places where the inner integral over q is singular above p, as fractions of p, in order, between 0 and 1.
+// They are q's ends and, where the other line's foot lies within q, the place nearest to it.
 double[kMostPieces + 1u] cutsOf(EdgeData p, EdgeData q) {
   dvec3 from = q.start - p.start, across = cross(p.along, q.along);
   double per_p = 1.0LF / dot(p.along, p.along), first = dot(from, p.along) * per_p,

@@ -1,4 +1,4 @@
-// What the unoccluded form factors' kernels share: pairs of sides, and the parts of two polygons that see each other's
+// The kernels of unoccluded form factors share pairs of sides, and the parts of two polygons that see each other's
 // front.
 #extension GL_EXT_buffer_reference2 : require
 #extension GL_EXT_scalar_block_layout : require
@@ -17,7 +17,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Work { WorkL
 
 const double kPi = 3.14159265358979323846LF;
 
-// Two sides, the lower number first, so that the order asked for does not matter.
+// Sides are two sides, the lower number first, so that the order of a pair does not matter.
 struct Sides {
   ShapeData a, b;
   dvec3 normal_a, normal_b;  // of the sides
@@ -75,14 +75,14 @@ dvec3 meanCorner(ShapeData shape) {
   return 0.25LF * ((shape.corners[0] + shape.corners[1]) + (shape.corners[2] + shape.corners[3]));
 }
 
-// Of a shape's corners over another's plane.
+// Returns the depths of a shape's corners over another's plane.
 dvec4 depthsOf(ShapeData shape, ShapeData plane, dvec3 normal) {
   dvec4 depths;
   [[unroll]] for (int k = 0; k < 4; ++k) depths[k] = dot(normal, shape.corners[k] - plane.corners[0]);
   return depths;
 }
 
-// How far a depth over the plane of `plane` may be off by the rounding of its corners.
+// Returns how far a depth over the plane of `plane` may be off by the rounding of its corners.
 double depthRounding(ShapeData plane, double distance) { return kFrontRounding + plane.tilt * distance; }
 
 // Takes a place in a list.

@@ -1,7 +1,7 @@
-// Structs of unoccluded form factors that host and shaders share, written once; C++ includes this through
+// These are structs of unoccluded form factors that host and shaders share, written once; C++ includes this through
 // host/unoccluded/shared.h.
 
-// A polygon as a bilinear image of the square -1..1 x -1..1; a triangle's last corner stands twice.
+// A ShapeData is a polygon as a bilinear image of the square -1..1 x -1..1; a triangle's last corner stands twice.
 struct ShapeData {
   dvec3 corners[4];  // of (-1,-1), (1,-1), (1,1), (-1,1); unit-ball units
   dvec3 normal;      // of the front, unit length
@@ -28,12 +28,12 @@ struct SidePairData {
 
 const double kFrontRounding = 8.881784197001252e-16;  // 2^-50: a depth within this of a plane lies in it
 
-// Product Gauss rules, by points along each of the four coordinates.
+// Product Gauss rules have these numbers of points along each of the four coordinates.
 const uint kFewestFarPoints = 2u;
 const uint kFarRules = 5u;
 const uint kMostFarPoints = kFewestFarPoints + kFarRules - 1u;
 
-// What the bound on a product rule's error is made of, see unoccluded_classify.comp.
+// FarBound holds the coefficients of the bound on a product rule's error, see classify.comp.
 struct FarBound {
   float even, odd, skew, tail;
 };
@@ -63,8 +63,8 @@ struct UnoccludedStatus {
   uint unreached;  // pairs
 };
 
-// What is left of a polygon in front of a plane has at most five edges; a pair's line integrals are those over all
-// pairs of edges.
+// The part of a polygon in front of a plane has at most five edges; a pair's line integrals are those over all pairs of
+// edges.
 const uint kMostEdges = 5u;
 const uint kEdgePairs = kMostEdges * kMostEdges;
 

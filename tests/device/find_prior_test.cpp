@@ -122,65 +122,91 @@ TEST(FindPrior, NothingInBetweenIsExactForEveryPair) {
   EXPECT_EQ(pairs, 16u);
 }
 
-// Of more polygons than unoccluded form factors are known of beforehand: every pair gets its own, that of which many
-// lines tell to the last digit, whatever pilots met; going on with sums, and sums of parts, come to the same bits.
-// Nothing is blocked, so that neighbours tell the truth of pairs that no line met.
-TEST(FindPrior, EveryPairOfManyPolygonsGetsItsUnoccludedFormFactor) {
-  constexpr uint32_t kCuts = 40;
-  InputScene input = ts::squaresInParts(kCuts, 1.0 / kCuts, 1);
-  ts::addFace(input, "wall",
-              ts::parallelogram({-0.5, 0, 0}, {0, 1, 0}, {0, 0, 1}));  // many lines between it and each part
-  const Scene scene = buildScene(input);
+// ManyPolygons has more pairs than all get an unoccluded form factor before the run. Nothing is blocked, so neighbours
+// give the true visibility of a pair that no line hits.
+class ManyPolygons {
+ public:
+  static constexpr uint32_t kCuts = 40;
+
+  ManyPolygons() {
+    options.prior = &found.prior;
+    options.exchanges = &exchanges;
+    options.on_sums = [this](const RunSums& sums, bool last) {
+      if (!last) after.push_back(sums);
+    };
+  }
+
+  Estimate estimate(const EstimateOptions& run) { return estimateFormFactors(*engine, scene, ids, run); }
+
+  // Returns the unoccluded exchange area of a pair to the last digit.
+  double exchangeOf(uint32_t i, uint32_t j) {
+    PairPrior alone{i, j};
+    exchanges.compute(std::span(&alone, 1));
+    return alone.exchange;
+  }
+
+  const Scene scene = [] {
+    InputScene input = ts::squaresInParts(kCuts, 1.0 / kCuts, 1);
+    // Many lines connect the wall and each part.
+    ts::addFace(input, "wall", ts::parallelogram({-0.5, 0, 0}, {0, 1, 0}, {0, 0, 1}));
+    return buildScene(input);
+  }();
   const Ids ids = makeIds(scene, By::polygon, false);
-  ASSERT_GT(pairCount(ids.count()), kMostPriorPairs);
-  const auto engine = makeHostEngine(scene, ids, {.resolution = 64, .count_blocked = true});
+  const std::unique_ptr<Engine> engine = makeHostEngine(scene, ids, {.resolution = 64, .count_blocked = true});
   EstimateOptions options{.directions = 128, .replicates = 4};
-  FaceExchanges exchanges(nullptr, scene, ids);
+  FaceExchanges exchanges{nullptr, scene, ids};
   const FoundPrior found =
       findPrior(*engine, exchanges, scene, ids, groupAsOne(scene, 64), options, {choosePriorPilot(options).directions});
-  EXPECT_FALSE(found.prior.has_all_pairs);
-  options.prior = &found.prior;
-  options.exchanges = &exchanges;
-  std::vector<RunSums> after;
-  options.on_sums = [&](const RunSums& sums, bool last) {
-    if (!last) after.push_back(sums);
-  };
-  const Estimate whole = estimateFormFactors(*engine, scene, ids, options);
+  std::vector<RunSums> after;  // each replicate
+};
+
+// Every pair of many polygons gets its unoccluded form factor. Pairs with many lines have it to the last digit, whether
+// pilots hit them or not.
+TEST(FindPrior, EveryPairOfManyPolygonsGetsItsUnoccludedFormFactor) {
+  ManyPolygons run;
+  constexpr size_t kCuts = ManyPolygons::kCuts;
+  ASSERT_GT(pairCount(run.ids.count()), kMostPriorPairs);
+  EXPECT_FALSE(run.found.prior.has_all_pairs);
+  const Estimate whole = run.estimate(run.options);
   std::map<std::pair<uint32_t, uint32_t>, uint64_t> lines;
-  for (const VisibilitySums::PairSum& pair : after.back().prior_sums->byFace().pairs())
+  for (const VisibilitySums::PairSum& pair : run.after.back().prior_sums->byFace().pairs())
     lines[{pair.i, pair.j}] = pair.facing + pair.blocked;
-  const ExchangeRow row = exchanges.rows();
+  const ExchangeRow row = run.exchanges.rows();
   std::vector<BoundedExchange> later;
   uint32_t row_of = UINT32_MAX;
   size_t learnt = 0, counted = 0, guessed = 0, unmet = 0, all = 0;
   for (const FormFactors::Entry& entry : whole.form_factors.entries()) {
     if (entry.j >= kEnvironment) continue;
     ++all;
-    const bool had_prior = std::ranges::binary_search(found.prior.pairs, std::pair(entry.i, entry.j), {},
+    const bool had_prior = std::ranges::binary_search(run.found.prior.pairs, std::pair(entry.i, entry.j), {},
                                                       [](const PairPrior& pair) { return std::pair(pair.i, pair.j); });
     const uint64_t line_count = lines[{entry.i, entry.j}];
     unmet += line_count == 0;
     size_t& kind = line_count >= kLinesToLearn ? learnt : line_count ? counted : guessed;
     if (had_prior || kind++ % 100) continue;
-    PairPrior alone{entry.i, entry.j};
-    exchanges.compute(std::span(&alone, 1));
+    const double exchange = run.exchangeOf(entry.i, entry.j);
     if (line_count >= kLinesToLearn) {
-      EXPECT_EQ(entry.exchange_area.value, alone.exchange);
+      EXPECT_EQ(entry.exchange_area.value, exchange);
     }
     if (row_of != entry.i) {
       row_of = entry.i;
-      later.assign(ids.count() - row_of - 1, {});
+      later.assign(run.ids.count() - row_of - 1, {});
       row(row_of, later);
     }
     const BoundedExchange& bounded = later[entry.j - entry.i - 1];
-    EXPECT_NEAR(entry.exchange_area.value, alone.exchange, bounded.error + kUnoccludedRelativeError * alone.exchange);
-    EXPECT_LT(bounded.error, 0.01 * alone.exchange);  // a part of 1/40 at a distance of 1 at least: far
+    EXPECT_NEAR(entry.exchange_area.value, exchange, bounded.error + kUnoccludedRelativeError * exchange);
+    EXPECT_LT(bounded.error, 0.01 * exchange);  // a part of 1/40 at a distance of 1 at least: far
   }
-  EXPECT_EQ(all, size_t(kCuts) * kCuts * (kCuts * kCuts + 2));
+  EXPECT_EQ(all, kCuts * kCuts * (kCuts * kCuts + 2));
   EXPECT_EQ(whole.unmet_pairs, unmet);
-  EXPECT_GT(learnt, 0u);  // pilots have met nearly all of these
+  EXPECT_GT(learnt, 0u);  // pilots hit nearly all of these
   for (const size_t count : {counted, guessed}) EXPECT_GT(count, 500u);
+}
 
+// A run of many polygons that goes on with sums, and sums of parts, come to the same bits as the whole run.
+TEST(FindPrior, PartsOfARunOfManyPolygonsComeToTheSameBits) {
+  ManyPolygons run;
+  const Estimate whole = run.estimate(run.options);
   const auto isTheSame = [&](const FormFactors& other) {
     const auto& a = whole.form_factors.entries();
     const auto& b = other.entries();
@@ -189,21 +215,21 @@ TEST(FindPrior, EveryPairOfManyPolygonsGetsItsUnoccludedFormFactor) {
              x.exchange_area.standard_error == y.exchange_area.standard_error;
     });
   };
-  ASSERT_EQ(after.size(), 4u);
-  const RunSums begun = after[1];
-  options.resumed = &begun;
-  EXPECT_TRUE(isTheSame(estimateFormFactors(*engine, scene, ids, options).form_factors));
-  EstimateOptions second = options;
+  ASSERT_EQ(run.after.size(), 4u);
+  const RunSums begun = run.after[1];
+  run.options.resumed = &begun;
+  EXPECT_TRUE(isTheSame(run.estimate(run.options).form_factors));
+  EstimateOptions second = run.options;
   second.resumed = nullptr;
   second.first_replicate = 2;
   second.replicates = 2;
-  after.clear();
-  second.on_sums = options.on_sums;
-  estimateFormFactors(*engine, scene, ids, second);
+  run.after.clear();
+  run.estimate(second);
+  const ExchangeRow row = run.exchanges.rows();
   for (const bool in_order : {true, false}) {
-    RunSums sum = in_order ? begun : after[1];
-    sum.add(in_order ? after[1] : begun);
-    exchanges.learn(sum);
+    RunSums sum = in_order ? begun : run.after[1];
+    sum.add(in_order ? run.after[1] : begun);
+    run.exchanges.learn(sum);
     EXPECT_TRUE(isTheSame(keepSeen(sum.formFactors(row)))) << in_order;
   }
 }

@@ -1,4 +1,4 @@
-// Comparisons of estimates with what they should be, each with its false-alarm rate.
+// These functions compare estimates with their truths, each with its false-alarm rate.
 #pragma once
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
@@ -8,8 +8,8 @@
 
 namespace viewpeel {
 
-// The chance that a right estimate fails one comparison. About a thousand are made in a run of all tests, with seeds
-// fixed: a failure that a change brings about is a fault with odds of a million to one for each comparison.
+// A right estimate fails one comparison with this chance. About a thousand are made in a run of all tests, with seeds
+// fixed. A failure after a change is a fault with odds of a million to one for each comparison.
 constexpr double kFalseAlarmRate = 1e-6;
 
 // A mean over replicates differs from its expectation by at most this many of its standard errors, but for
@@ -20,8 +20,8 @@ inline double allowedStandardErrors(uint64_t replicates) {
   return quantile(complement(distribution, kFalseAlarmRate / 2));
 }
 
-// Whether `measured` may be an estimate of `truth`. `truth_error` bounds the error of truth itself; what no replicate
-// met has standard error 0.
+// Returns whether `measured` may be an estimate of `truth`. `truth_error` bounds the error of truth itself. A pair
+// without a line has standard error 0.
 inline testing::AssertionResult isEstimateOf(const Measured& measured, double truth, uint64_t replicates,
                                              double truth_error = 0) {
   const double bound =
@@ -32,8 +32,8 @@ inline testing::AssertionResult isEstimateOf(const Measured& measured, double tr
                                      << bound;
 }
 
-// Whether two independent estimates may be of the same truth. Welch's number of degrees of freedom is at least that of
-// either alone.
+// Returns whether two independent estimates may be of the same truth. Welch's number of degrees of freedom is at least
+// that of either alone.
 inline testing::AssertionResult areEstimatesOfTheSame(const Measured& a, const Measured& b, uint64_t replicates) {
   return isEstimateOf({a.value, std::hypot(a.standard_error, b.standard_error)}, b.value, replicates);
 }

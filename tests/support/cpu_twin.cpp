@@ -15,7 +15,7 @@ struct Point {
   int64_t x, y;
 };
 
-// Twice the signed area of a triangle.
+// Returns twice the signed area of a triangle.
 int64_t cross(Point a, Point b, Point c) { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); }
 
 struct Flat {
@@ -102,7 +102,7 @@ class Counters {
  public:
   Counters(const Ids& ids, bool blocked) : ids_(ids), blocked_(blocked) {}
 
-  // Adds the gaps of one line, and what they keep apart.
+  // Adds the gaps of one line, and the pairs that they keep apart.
   void add(const Layers& layers, uint64_t weight) {
     for (size_t a = 0; blocked_ && a < layers.size(); ++a)
       for (size_t b = a + 2; b < layers.size(); ++b) {
@@ -147,8 +147,8 @@ class Counters {
   std::map<std::pair<uint32_t, uint32_t>, std::pair<uint64_t, uint64_t>> counters_;  // facing, blocked
 };
 
-// The columns [low, high) of row y that a polygon covers, in units of 2^-column_bits of a spacing: each bound found by
-// bisection of the covering test from a column inside.
+// Returns the columns [low, high) of row y that a polygon covers, in units of 2^-column_bits of a spacing. Bisection of
+// the covering test from a column inside finds each bound.
 std::pair<int64_t, int64_t> spanOf(const Flat& flat, int64_t y, int column_bits, int bits) {
   const int64_t unit = int64_t(1) << (bits - column_bits);
   const auto covers = [&](int64_t column) { return flat.covers({column * unit, y << bits}); };

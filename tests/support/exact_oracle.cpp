@@ -169,7 +169,7 @@ SlabAreas cutIntoSlabs(const Scene& scene, const glm::dvec3& u, bool two_sided) 
 
 namespace {
 
-// Right-handed axes across u.
+// Returns right-handed axes across u.
 std::pair<glm::dvec3, glm::dvec3> axesAcross(const glm::dvec3& u) {
   const glm::dvec3 other = std::abs(u.x) < 0.7 * glm::length(u) ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
   const glm::dvec3 x = glm::normalize(glm::cross(other, u));

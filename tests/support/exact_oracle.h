@@ -1,4 +1,4 @@
-// Slow, plain ways to the areas of pairs that share nothing with the exact path but the facing rules.
+// These are slow, plain ways to the areas of pairs that share nothing with the exact path but the facing rules.
 #pragma once
 #include <cstdint>
 #include <map>
@@ -12,8 +12,9 @@ namespace viewpeel::tests {
 
 using AreaMap = std::map<std::pair<uint32_t, uint32_t>, double>;  // (a, b), a < b -> area in P(u)
 
-// The plane cut into slabs between all x of end points and crossings, the slabs into trapezoids by all edges; each
-// trapezoid's layers sorted by exact height at its middle. Rational numbers throughout, rounded once per trapezoid.
+// SlabAreas has the plane cut into slabs between all x of end points and crossings, the slabs into trapezoids by all
+// edges; each trapezoid's layers sorted by exact height at its middle. Rational numbers throughout, rounded once per
+// trapezoid.
 //   Error: 1e-15 per trapezoid of a pair.
 //   Cost: O(crossings x edges x polygons) rational operations: small scenes only.
 struct SlabAreas {
@@ -21,7 +22,8 @@ struct SlabAreas {
 };
 SlabAreas cutIntoSlabs(const Scene& scene, const glm::dvec3& u, bool two_sided = false);
 
-// The same at random lines along u through a square that covers the projection: the share of lines times its area.
+// Samples does the same at random lines along u through a square that covers the projection: the share of lines times
+// its area.
 //   Error: standard deviation sqrt(area (square - area) / samples).
 //   Cost: O(samples x polygons), double.
 struct Samples {

@@ -1,3 +1,3 @@
-// Linked into what sanitizers watch: libraries stay loaded, or leaks in a driver would have no name that
-// tests/support/lsan.supp could tell.
+// Programs under a sanitizer link this file: libraries stay loaded, or leaks in a driver would have no name for
+// tests/support/lsan.supp.
 extern "C" int dlclose(void*) { return 0; }

@@ -1,4 +1,4 @@
-// Shapes and comparators of the tests of reference/.
+// These are shapes and comparators of the tests of reference/.
 #pragma once
 #include <array>
 #include <cmath>
@@ -15,7 +15,7 @@ namespace viewpeel::reference::test {
 
 using Corners = std::vector<glm::dvec3>;
 
-// Parallelogram origin, + u, + u + v, + v; its front looks along u x v.
+// Returns the parallelogram origin, + u, + u + v, + v; its front looks along u x v.
 inline Corners rectangle(glm::dvec3 origin, glm::dvec3 u, glm::dvec3 v) {
   return {origin, origin + u, origin + u + v, origin + v};
 }
@@ -33,7 +33,7 @@ inline double areaOf(const Corners& corners) {
   return glm::length(sum) / 2;
 }
 
-// The six faces of the box from 0 to size, fronts inwards: x = 0, y = 0, z = 0, then their opposites.
+// Returns the six faces of the box from 0 to size, fronts inwards: x = 0, y = 0, z = 0, then their opposites.
 inline std::vector<Corners> boxFaces(glm::dvec3 size) {
   const glm::dvec3 x(size.x, 0, 0), y(0, size.y, 0), z(0, 0, size.z), o(0);
   return {rectangle(o, y, z), rectangle(o, z, x), rectangle(o, x, y),
@@ -68,7 +68,8 @@ struct Pair {
   Corners a, b;
 };
 
-// Three to seven corners each, within 5 of each other; about a third reach behind the other's plane.
+// Returns two polygons of three to seven corners each, within 5 of each other; about a third reach behind the other's
+// plane.
 inline Pair randomPair(Random& random) {
   const glm::dvec3 towards = random.direction();
   const auto facing = [&random](glm::dvec3 d) { return glm::normalize(d + 0.8 * random.direction()); };
@@ -77,7 +78,7 @@ inline Pair randomPair(Random& random) {
   return {a, random.convexPolygon(random.uniform(1.2, 5) * towards, facing(-towards), count_b)};
 }
 
-// A value against the truth, with a derived bound.
+// Compares a value with the truth, with a derived bound.
 inline testing::AssertionResult isWithin(double value, double truth, double bound) {
   if (std::abs(value - truth) <= bound) return testing::AssertionSuccess();
   return testing::AssertionFailure() << std::scientific << value << " is off " << truth << " by "

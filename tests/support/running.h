@@ -1,4 +1,4 @@
-// The program in the background.
+// Running is the program in the background.
 #pragma once
 #include <chrono>
 #include <csignal>
@@ -11,7 +11,7 @@ namespace viewpeel {
 
 inline void waitFor(double seconds) { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
 
-// In which a program ends that was told to: 2 s, and some for a busy machine, or for a sanitizer's ten times slower
+// A program that is stopped ends in this time: 2 s, and some for a busy machine, or for a sanitizer's ten times slower
 // program on one.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr double kSoon = 60;
@@ -37,7 +37,7 @@ class Running {
   }
   void send(int signal) { ::kill(pid_, signal); }
   bool hasEnded() { return ended_ || (ended_ = ::waitpid(pid_, &status_, WNOHANG) == pid_); }
-  // Its exit status, or minus the signal that ended it.
+  // Returns its exit status, or minus the signal that ended it.
   int wait() {
     if (!ended_) ::waitpid(pid_, &status_, 0);
     ended_ = true;

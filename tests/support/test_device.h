@@ -1,4 +1,4 @@
-// The device that all device tests share, and runs of the estimator on it.
+// Here are the device that all device tests share, and runs of the estimator on it.
 #pragma once
 #include <ostream>
 
@@ -11,7 +11,7 @@
 
 namespace viewpeel {
 
-// For failure messages and ==.
+// Failure messages and == need these.
 inline bool operator==(const PairCount& a, const PairCount& b) {
   return a.i == b.i && a.j == b.j && a.count == b.count && a.blocked == b.blocked;
 }
@@ -19,11 +19,11 @@ inline void PrintTo(const PairCount& c, std::ostream* out) {
   *out << "(" << c.i << ", " << c.j << "): " << c.count << ", blocked " << c.blocked;
 }
 
-// The device all tests share, with validation and synchronisation validation on. Any error message fails the test in
-// which it came.
+// Returns the device all tests share, with validation and synchronisation validation on. Any error message fails the
+// test in which it came.
 const Device& testDevice();
 
-// Engines of a kind, on that device where they need one.
+// Returns engines of a kind, on that device where they need one.
 EngineFactory enginesOf(EngineKind kind);
 
 struct TestRun {
@@ -41,7 +41,7 @@ std::vector<TestRun> withEngines(const TestRun& run = {});
 
 Estimate estimateScene(const InputScene& input, const TestRun& run = {});
 
-// How counts of one set of directions are made.
+// A CountRun says how counts of one set of directions are made.
 struct CountRun {
   LatticeOptions lattice;
   bool two_sided = false;

@@ -6,8 +6,12 @@
 
 #include <viewpeel/compute.h>
 
+#include "reference/closed_forms/contour_integral.h"
+#include "reference/closed_forms/past_blocker.h"
 #include "reference/exact/exact_engine.h"
 #include "scenes/named_scenes.h"
+#include "scenes/stress.h"
+#include "tests/support/reference_shapes.h"
 
 namespace viewpeel {
 namespace {
@@ -144,6 +148,143 @@ TEST(FrontDoor, BalanceOrWhyThereIsNone) {
   EXPECT_GT(open.form_factors.formFactor(0, 1).value, 0);
 }
 
+// --- pair lines -----------------------------------------------------------------------------------------------------
+
+Result byPairLines(const Scene& scene, Goal goal, uint64_t seed) {
+  Request request = onHost(goal);
+  request.pair_lines = true;
+  request.seed = seed;
+  return computeFormFactors(scene, request);
+}
+
+// A plate between two squares, against the integral past one blocker. No form factor is off by more than the
+// tolerance, which is 4.25 standard errors. 40 of the 80 errors are above a hundredth of it.
+TEST(PairLineRuns, ErrorsAreBelowTheTolerance) {
+  namespace rt = reference::test;
+  const rt::Corners lower = rt::rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}),
+                    upper = rt::rectangle({0, 0, 1}, {0, 1, 0}, {1, 0, 0}),
+                    plate = rt::rectangle({0.3, 0.2, 0.4}, {0.5, 0, 0.1}, {0, 0.4, 0});
+  InputScene input{"plate", {}, {}};
+  ts::addFace(input, "lower", lower);
+  ts::addFace(input, "upper", upper);
+  ts::addFace(input, "plate", plate);
+  const Scene scene = buildScene(input);
+  const double truth = reference::formFactorPastBlocker(lower, upper, plate).value,
+               to_back = reference::formFactor(lower, rt::flipped(plate));
+  int larger = 0;
+  for (const double tolerance : {1e-2, 1e-3})
+    for (uint64_t seed = 1; seed <= 40; ++seed) {
+      const Result result = byPairLines(scene, Tolerance{tolerance}, seed);
+      const double error = std::abs(result.form_factors.formFactor(0, 1).value - truth);
+      EXPECT_LE(error, tolerance) << seed;
+      larger += error > 0.01 * tolerance;
+      // The back of the plate hides nothing from the lower square but itself: leak is exact, and rows add up.
+      EXPECT_NEAR(result.form_factors.formFactor(0, kLeak).value, to_back, 1e-6);
+      EXPECT_NEAR(result.form_factors.rowSums()[0].value, 1, 1e-12);
+      EXPECT_NEAR(result.form_factors.formFactor(0, kEnvironment).value, 1 - truth - to_back, tolerance);
+    }
+  EXPECT_GE(larger, 40);
+}
+
+// Rows of closed rooms add up to 1 by what lines find, which nothing forces: of the rows of 20 rooms with boxes in them
+// hardly any is beyond 4 standard errors of its own (1 of 16,000 if they were normal).
+TEST(PairLineRuns, RowsOfClosedScenesAddUp) {
+  int rows = 0, beyond = 0;
+  double worst = 0;
+  for (const stress::Kind kind : {stress::Kind::boxes, stress::Kind::turned})
+    for (uint64_t seed = 0; seed < 10; ++seed) {
+      const Result result = byPairLines(buildScene(stress::makeScene(kind, seed)), Tolerance{5e-3}, seed + 1);
+      for (const Measured& row : result.form_factors.rowSums()) {
+        ++rows;
+        beyond += std::abs(row.value - 1) > 4 * row.standard_error + 1e-6;
+        worst = std::max(worst, std::abs(row.value - 1));
+      }
+    }
+  EXPECT_GT(rows, 200);
+  EXPECT_LE(beyond, rows / 200);
+  EXPECT_GT(worst, 1e-5);  // they are not made to
+}
+
+// Two ways to the same matrix that share neither lines nor rules of visibility.
+TEST(PairLineRuns, AgreeWithCommonDirections) {
+  const Scene scene = loadScene(VIEWPEEL_SCENES "/street.obj");
+  for (const bool two_sided : {false, true})
+    for (const By by : {By::polygon, By::surface}) {
+      SCOPED_TRACE(testing::Message() << (two_sided ? "two-sided, " : "") << (by == By::surface ? "surfaces" : ""));
+      Request request = onHost(Tolerance{2e-3});
+      request.by = by;
+      request.two_sided = two_sided;
+      request.pair_lines = true;
+      const Result lines = computeFormFactors(scene, request);
+      request.pair_lines = false;
+      const Result directions = computeFormFactors(scene, request);
+      double squares = 0;
+      int count = 0, beyond = 0;
+      for (const auto& entry : directions.form_factors.entries()) {
+        const Measured a = entry.exchange_area, b = lines.form_factors.exchangeArea(entry.i, entry.j);
+        const double error = std::hypot(a.standard_error, b.standard_error);
+        if (!(b.standard_error > 1e-5 * b.value)) continue;
+        const double z = (a.value - b.value) / error;
+        squares += z * z, ++count, beyond += std::abs(z) > 5;
+      }
+      ASSERT_GT(count, 20);
+      EXPECT_LT(std::sqrt(squares / count), 1.3);
+      EXPECT_GT(std::sqrt(squares / count), 0.2);
+      EXPECT_LE(beyond, count / 500);
+    }
+}
+
+TEST(PairLineRuns, ThreadsDoNotMatterAndSeedsDo) {
+  const Scene scene = loadScene(VIEWPEEL_SCENES "/street.obj");
+  Request request = onHost(Tolerance{1e-2});
+  request.threads = 1;
+  const Result one = computeFormFactors(scene, request);
+  EXPECT_TRUE(one.plan.pair_lines);
+  request.threads = 3;
+  expectSameBits(one.form_factors, computeFormFactors(scene, request).form_factors);
+  request.seed = 2;
+  const Result other = computeFormFactors(scene, request);
+  bool differs = other.form_factors.entries().size() != one.form_factors.entries().size();
+  for (size_t k = 0; k < other.form_factors.entries().size() && !differs; ++k)
+    differs = other.form_factors.entries()[k].exchange_area.value != one.form_factors.entries()[k].exchange_area.value;
+  EXPECT_TRUE(differs);
+}
+
+TEST(PairLineRuns, GoOnFromACheckpoint) {
+  const Scene scene = loadScene(VIEWPEEL_SCENES "/street.obj");
+  const Request request = onHost(Tolerance{2e-3});
+  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "pair_lines.h5";
+  const Result whole = computeFormFactors(scene, request);
+  {
+    FormFactorRun first(scene, request);
+    for (int k = 0; k < 5; ++k) first.step();
+    first.writeCheckpoint(file);
+  }
+  FormFactorRun second(scene, request);
+  second.resumeFrom(file);
+  while (!second.isDone()) second.step();
+  expectSameBits(whole.form_factors, second.result().form_factors);
+  std::filesystem::remove(file);
+}
+
+// Only pairs that were asked for get lines, and rows are those of the whole matrix.
+TEST(PairLineRuns, AnswerQuestions) {
+  const Scene scene = loadScene(VIEWPEEL_SCENES "/street.obj");
+  Request request = onHost(Tolerance{5e-3});
+  const Result all = computeFormFactors(scene, request);
+  request.question.from = {"road"};
+  const Result rows = computeFormFactors(scene, request);
+  EXPECT_LT(rows.lines, all.lines / 2);
+  int compared = 0;
+  for (const auto& entry : rows.form_factors.entries()) {
+    if (!rows.form_factors.ids().isRequested(entry.i) || entry.j >= kEnvironment) continue;
+    const Measured whole = all.form_factors.exchangeArea(entry.i, entry.j);
+    EXPECT_NEAR(entry.exchange_area.value, whole.value, 6 * whole.standard_error + 1e-12);
+    ++compared;
+  }
+  EXPECT_GT(compared, 100);
+}
+
 TEST(FrontDoor, ContradictionsAreRefused) {
   const auto refusal = [](const Request& request) -> std::string {
     try {
@@ -164,6 +305,9 @@ TEST(FrontDoor, ContradictionsAreRefused) {
   EXPECT_NE(refusal({.goal = FixedAmount{.finest = 128}}).find("--finest"), std::string::npos);
   EXPECT_NE(refusal({.question = {.from = {"floor"}}, .unoccluded = true}).find("whole matrix"), std::string::npos);
   EXPECT_NE(refusal({.question = {.from = {"floor"}}, .balance = true}).find("every row"), std::string::npos);
+  EXPECT_NE(refusal({.goal = Seconds{}, .pair_lines = true}).find("--tolerance or --relative"), std::string::npos);
+  EXPECT_NE(refusal({.amount = {.directions = 64}, .pair_lines = true}).find("--directions"), std::string::npos);
+  EXPECT_NE(refusal({.unoccluded = true, .pair_lines = true}).find("leave out --unoccluded"), std::string::npos);
 }
 
 }  // namespace

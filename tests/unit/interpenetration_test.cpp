@@ -61,6 +61,19 @@ TEST(Interpenetration, TouchingIsNone) {
   }
 }
 
+// Two pieces of a wall, bent by 9e-9 where they meet and so in one plane, and a triangle that touches the corner of the
+// smaller one from behind. Its tip goes past the shared plane, but not past the smaller piece.
+TEST(Interpenetration, NeighbourOfAPieceOffItsSharedPlaneIsNone) {
+  constexpr double kOff = 9e-9;
+  InputScene input{"walls", {}, {}};
+  ts::addFace(input, "large", {{-1, 0, -0.6}, {0.6, 0, -0.6}, {0.6, 0, 0.6}});
+  ts::addFace(input, "small", {{0.6, 0, -0.6}, {0.8, kOff, 0}, {0.6, 0, 0.6}});
+  ts::addFace(input, "behind", {{0.8, kOff, 0}, {0.4, -0.1, 0.2}, {1.2, -0.1, -0.2}});
+  const Scene scene = buildScene(input);
+  ASSERT_EQ(scene.polygons[0].plane, scene.polygons[1].plane);
+  EXPECT_TRUE(findInterpenetrations(scene).empty());
+}
+
 TEST(Interpenetration, OverlapOfPlanesOutsideThePolygonsIsNone) {
   SceneBuilder builder;
   builder.addPolygon("one", {{-0.4, -0.4, 0}, {0, -0.4, 0}, {0, 0.4, 0}, {-0.4, 0.4, 0}});

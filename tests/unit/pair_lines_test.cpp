@@ -234,7 +234,7 @@ struct Office {
   std::vector<LinePair> pairs;
 
   PairLines planned(size_t threads) {
-    PairLines lines(scene, ids, 5, threads);
+    PairLines lines(scene, ids, false, 5, threads);
     pairs = lines.find();
     lines.plan(
         pairs, [&](const LinePair& pair) { return 1e-3 * std::min(ids.areas[pair.i], ids.areas[pair.j]); }, 8);

@@ -116,5 +116,19 @@ TEST(Generate, RefinedScenesCoverTheSame) {
   EXPECT_NEAR(area, 3, 1e-13);
 }
 
+// Three polygons of areas 2, 1 and 4 with exchange areas 0.5, 0.25 and 0.125 keep 1.25, 0.375 and 3.625.
+TEST(ExchangeMatrix, RowsLeaveTheirAreaLessWhatPairsTake) {
+  ExchangeMatrix exchange(3);
+  exchange.at(0, 1) = 0.5;
+  exchange.at(0, 2) = 0.25;
+  exchange.at(1, 2) = 0.125;
+  const std::vector<double> areas{2, 1, 4}, rest = restOf(exchange, areas);
+  EXPECT_EQ(rest, (std::vector<double>{1.25, 0.375, 3.625}));
+  const RestError none = errorOfRest(rest, rest, areas), some = errorOfRest({1.25, 0.875, 1.625}, rest, areas);
+  EXPECT_EQ(none.largest, 0);
+  EXPECT_EQ(some.largest, 0.5);
+  EXPECT_DOUBLE_EQ(some.rms, std::sqrt(0.5 / 3));
+}
+
 }  // namespace
 }  // namespace viewpeel::bench

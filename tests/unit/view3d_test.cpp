@@ -124,7 +124,8 @@ TEST(View3d, ItsProgramTakesInputAndOutput) {
       "grep -q '^S 2 ' \"$1\" && printf 'View3D 4.0.0 0 0 0 2\\n2 1\\n0 0.25\\n0.5 0\\n0.9 0.9\\n' > \"$2\"\n");
   const View3dRun run = runView3d(program, scene, 1e-4, testing::TempDir());
   EXPECT_DOUBLE_EQ(run.exchange.at(0, 1), 0.5);
-  EXPECT_GT(run.seconds, 0);
+  EXPECT_GT(run.time.seconds, 0);
+  EXPECT_GT(run.time.cpu_seconds, 0);  // of a shell and grep
   try {
     runView3d(writeProgram("exit 3\n"), scene, 1e-4, testing::TempDir());
     FAIL() << "a program that fails is taken";

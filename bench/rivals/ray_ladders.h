@@ -1,0 +1,25 @@
+// Rivals that trace rays, where Embree is there: ray_ladders.cpp. Where it is not, without_embree.cpp adds none.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bench/rivals/methods.h"
+
+namespace viewpeel::bench {
+
+// Ladders of ray shooting and of the double area integral, with random and Sobol' points, on all cores.
+void addRayLadders(const Scene& scene, std::vector<Ladder>& ladders);
+
+// One of them as verifyRivals runs it.
+struct RayRival {
+  std::string name;
+  double work = 0;  // rays or samples that make an error well above rounding
+  std::function<ExchangeMatrix(double work, uint64_t seed)> run;
+};
+std::vector<RayRival> makeRayRivals(const Scene& scene);
+
+std::string describeRays();  // "Embree 3.13.5"; "none"
+
+}  // namespace viewpeel::bench
