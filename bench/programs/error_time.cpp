@@ -55,7 +55,7 @@ Scene makeScene(const std::string& name) {
     return buildScene(refined(loadScene(VIEWPEEL_SOURCE "/scenes/office.obj"), refine));
   };
   if (name == "plates") return buildScene(twoPlates(1));
-  if (name == "cube") return buildScene(insideOfCube(4));
+  if (name == "cube") return buildScene(cubeOfPatches(4));
   if (name == "office") return office(1);
   if (name == "office2") return office(2);
   if (name == "office4") return office(4);

@@ -42,7 +42,8 @@ RunSums sumsToBeginWith(const Scene& scene, const Ids& face_ids, std::vector<Lin
 
 }  // namespace
 
-std::vector<LinePair> planLines(PairLines& lines, const Ids& face_ids, const Ids& ids, const EstimateOptions& options) {
+std::vector<LinePair> planLines(PairLines& lines, const Ids& face_ids, const Ids& ids, const EstimateOptions& options,
+                                double most_lines) {
   std::vector<LinePair> pairs = lines.find();
   // An entry between surfaces, and a row's leak, is a sum over many pairs with independent errors. Parts of the
   // variance as in eq. (48) of docs/method.md take the fewest lines.
@@ -58,16 +59,21 @@ std::vector<LinePair> planLines(PairLines& lines, const Ids& face_ids, const Ids
     sum.exchange += pair.exchange;
     sum.parts += partOf(pair);
   }
+  const auto allowedTo = [&](const LinePair& pair) {
+    const Key key = entryOf(pair, face_ids, options.by);
+    const double area = ids.smallerArea(key.first, key.second), errors = errorsInGoal(key.second);
+    const auto sum = of_entries.find(key);
+    if (sum == of_entries.end()) return allowedBy(options, pair.exchange, area) / errors;
+    return allowedBy(options, sum->second.exchange, area) / errors * std::sqrt(partOf(pair) / sum->second.parts);
+  };
+  lines.plan(pairs, allowedTo, options.replicates);
+  double all = 0;
+  for (const LinePair& pair : pairs) all += 16.0 * pair.blocks * options.replicates / pair.period;
+  if (!(all > most_lines)) return pairs;
+  // The number of lines falls as the error to the power of -8/5.
+  const double relief = std::pow(all / most_lines, 5.0 / 8);
   lines.plan(
-      pairs,
-      [&](const LinePair& pair) {
-        const Key key = entryOf(pair, face_ids, options.by);
-        const double area = ids.smallerArea(key.first, key.second), errors = errorsInGoal(key.second);
-        const auto sum = of_entries.find(key);
-        if (sum == of_entries.end()) return allowedBy(options, pair.exchange, area) / errors;
-        return allowedBy(options, sum->second.exchange, area) / errors * std::sqrt(partOf(pair) / sum->second.parts);
-      },
-      options.replicates);
+      pairs, [&](const LinePair& pair) { return relief * allowedTo(pair); }, options.replicates);
   return pairs;
 }
 
@@ -136,13 +142,14 @@ bool LineRun::isWanting(const FormFactors::Entry& entry, const Ids& ids) const {
 bool LineRun::isDone() const {
   const uint64_t done = sums_.replicateCount();
   const auto done_here = double(done - resumed_count_);
-  if (options_.seconds && done >= 2 && done_here > 0 &&
-      secondsSince(start_) * (done_here + 1) / done_here > *options_.seconds)
-    return true;
+  // Further replicates have twice the lines of the one before.
+  const double next = done >= options_.replicates ? 2 * last_seconds_ : secondsSince(start_) / std::max(done_here, 1.0);
+  if (options_.seconds && done >= 2 && done_here > 0 && secondsSince(start_) + next > *options_.seconds) return true;
   return done >= options_.replicates && !is_any_wanting_;
 }
 
 void LineRun::step() {
+  const auto begun = Clock::now();
   const uint64_t replicate = options_.first_replicate + sums_.replicateCount();
   // Twice as many lines in each further replicate: those that planned too few get there in a few of them.
   constexpr uint64_t kMostDoublings = 6;
@@ -157,6 +164,7 @@ void LineRun::step() {
   if (sums_.replicateCount() == 0) sums_.measure_area = count_area_;
   sums_.addLines(replicate, common, options_.directions, counts);
   measureErrors();
+  last_seconds_ = secondsSince(begun);
 }
 
 Estimate LineRun::estimate() const { return makeEstimate(sums_, options_.relative_floor); }

@@ -21,9 +21,11 @@ constexpr uint32_t kLineRunDirections = 32;
 constexpr double kErrorsInGoal = 4.25, kErrorsInRowGoal = 2.5;
 
 // Finds the pairs of a run and gives them lines for its goal: a tolerance, a relative error, or both.
-//   In: lines: of ids by face; ids: of the result, whose goals are meant; options: goals, replicates, by
+//   In: lines: of ids by face; ids: of the result, whose goals are meant; options: goals, replicates, by; most_lines:
+//   where the goal takes more, the lines are those of a goal that takes about as many
 //   Cost: as PairLines::find and PairLines::plan.
-std::vector<LinePair> planLines(PairLines& lines, const Ids& face_ids, const Ids& ids, const EstimateOptions& options);
+std::vector<LinePair> planLines(PairLines& lines, const Ids& face_ids, const Ids& ids, const EstimateOptions& options,
+                                double most_lines);
 
 class LineRun {
  public:
@@ -56,6 +58,7 @@ class LineRun {
   bool is_any_wanting_ = true;
   uint64_t resumed_count_ = 0;
   Clock::time_point start_ = Clock::now();
+  double last_seconds_ = 0;  // of the last replicate
 };
 
 }  // namespace viewpeel

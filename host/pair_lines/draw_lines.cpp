@@ -56,6 +56,7 @@ struct Vector {
 };
 
 VIEWPEEL_INLINE Floats dot(const float* n, const Vector& v) { return n[0] * v.x + n[1] * v.y + n[2] * v.z; }
+VIEWPEEL_INLINE Floats dot(const Vector& a, const Vector& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
 // Owen's scrambling by a hash (B. Burley, Practical hash-based Owen scrambling, JCGT 9(4), 2020; constants of N.
 // Vegdahl, Building a better LK hash, 2021), and the numbers in [0, 1) that the digits make.
@@ -70,7 +71,7 @@ VIEWPEEL_INLINE Floats scrambled(Words digits, uint32_t seed) {
   x = ((x >> 4) & 0x0f0f0f0fu) | ((x & 0x0f0f0f0fu) << 4);
   x = ((x >> 8) & 0x00ff00ffu) | ((x & 0x00ff00ffu) << 8);
   x = (x >> 16) | (x << 16);
-  return __builtin_convertvector((Flags)(x >> 8), Floats) * 0x1p-24f;
+  return __builtin_convertvector((Integers)(x >> 8), Floats) * 0x1p-24f;
 }
 
 // The tangent of an angle within (-pi/2, pi/2), to 4e-7 of itself: of half the angle, by its series, and then doubled.
@@ -87,16 +88,121 @@ VIEWPEEL_INLINE Floats tangent(const Floats& angle) {
 // The angle of a tangent, to 3e-7 (S. Moshier, Cephes, atanf).
 VIEWPEEL_INLINE Floats arcTangent(const Floats& tangent) {
   const Floats size = tangent < 0.0f ? -tangent : tangent;
-  const Flags is_large = size > 2.414213562f, is_middle = (size > 0.4142135624f) & ~is_large;
-  Floats x = is_large ? -1.0f / size : size;
-  x = is_middle ? (size - 1.0f) / (size + 1.0f) : x;
-  constexpr float quarter = std::numbers::pi_v<float> / 4;
-  const Floats base = is_large ? all(2 * quarter) : is_middle ? all(quarter) : Floats{};
+  constexpr float large = 2.414213562f, middle = 0.4142135624f, quarter = std::numbers::pi_v<float> / 4;
+  Floats x = size > middle ? (size - 1.0f) / (size + 1.0f) : size;
+  x = size > large ? -1.0f / size : x;
+  Floats base = size > middle ? all(quarter) : Floats{};
+  base = size > large ? all(2 * quarter) : base;
   const Floats s = x * x;
   const Floats angle =
       base + x +
       x * s * (-3.33329491539e-1f + s * (1.99777106478e-1f + s * (-1.38776856032e-1f + s * 8.05374449538e-2f)));
   return tangent < 0.0f ? -angle : angle;
+}
+
+// Sixteen lines from p to q = p + d. Lines that are not open start or end on a back, or miss the other patch.
+struct Lines {
+  Vector p, q, d;
+  Floats weight;
+  Floats open;  // above 0 where it is
+};
+
+// Points on a patch, and the density of its area there.
+template <class End>
+VIEWPEEL_INLINE Vector pointOn(const End& of, Floats s, Floats t, Floats& density) {
+  if (of.is_triangle) {
+    // The square is folded onto the triangle, area for area (E. Heitz, A low-distortion map between triangle and
+    // square, 2019).
+    const Floats half_s = 0.5f * s, half_t = 0.5f * t, folded_s = t > s ? half_s : s - half_t;
+    t = t > s ? t - half_s : half_t;
+    s = folded_s;
+  }
+  const Floats st = s * t;
+  density = of.density[0] + of.density[1] * s + of.density[2] * t;
+  return {of.corner[0] + of.side_a[0] * s + of.side_b[0] * t + of.twist[0] * st,
+          of.corner[1] + of.side_a[1] * s + of.side_b[1] * t + of.twist[1] * st,
+          of.corner[2] + of.side_a[2] * s + of.side_b[2] * t + of.twist[2] * st};
+}
+
+// Returns how far a point of the plane is beyond the farthest edge: at most 0 inside.
+VIEWPEEL_INLINE Floats beyond(const float (*edges)[4], uint32_t count, const Vector& at) {
+  Floats most = dot(edges[0], at) + edges[0][3];
+  for (uint32_t e = 1; e < count; ++e) most = greatest(most, dot(edges[e], at) + edges[e][3]);
+  return most;
+}
+
+// Moves u to where the warp is dense; stretch: multiplied by the density that is lost.
+template <class Warp>
+VIEWPEEL_INLINE void warp(const Warp& by, Floats& u, Floats& stretch) {
+  Floats warped = u * by.scales[0], scale = all(by.scales[0]);
+  for (int bin = 1; bin < Warp::kBins; ++bin) {
+    warped = u >= by.starts[bin] ? float(bin) / Warp::kBins + (u - by.starts[bin]) * by.scales[bin] : warped;
+    scale = u >= by.starts[bin] ? all(by.scales[bin]) : scale;
+  }
+  u = warped;
+  stretch *= scale;
+}
+
+// Lines from points to points: eq. (43) of docs/method.md.
+template <class End>
+VIEWPEEL_INLINE Lines drawPoints(const End& first, const End& second, const Floats* u) {
+  Lines lines;
+  Floats density_p, density_q;
+  lines.p = pointOn(first, u[0], u[1], density_p);
+  lines.q = pointOn(second, u[2], u[3], density_q);
+  lines.d = {lines.q.x - lines.p.x, lines.q.y - lines.p.y, lines.q.z - lines.p.z};
+  const Floats out = dot(first.normal, lines.d), in = -dot(second.normal, lines.d), square = dot(lines.d, lines.d);
+  lines.open = least(out, in);
+  lines.weight = (out * in) / (square * square) * (density_p * density_q);
+  return lines;
+}
+
+// Lines from points by angles: eq. (45).
+template <class End, class Warp>
+VIEWPEEL_INLINE Lines drawAngles(const End& first, const End& second, const Warp* warps, const Floats* u) {
+  Lines lines;
+  Floats at[2] = {u[0], u[1]}, stretch = all(1.0f), density_p;
+  for (int axis = 0; axis < 2; ++axis) warp(warps[axis], at[axis], stretch);
+  lines.p = pointOn(first, at[0], at[1], density_p);
+  const Floats height = dot(second.normal, lines.p) - second.offset;
+  Floats aside[2], spread = density_p * stretch;
+  for (int axis = 0; axis < 2; ++axis) {
+    const Floats foot = dot(second.axes[axis], lines.p);
+    const Floats low = arcTangent((second.range[axis][0] - foot) / height),
+                 high = arcTangent((second.range[axis][1] - foot) / height);
+    aside[axis] = height * tangent(low + u[2 + axis] * (high - low));
+    spread *= (high - low) * (height * height + aside[axis] * aside[axis]) / height;
+  }
+  const auto towards = [&](int axis) __attribute__((always_inline)) {
+    return aside[0] * second.axes[0][axis] + aside[1] * second.axes[1][axis] - height * second.normal[axis];
+  };
+  lines.d = {towards(0), towards(1), towards(2)};
+  lines.q = {lines.p.x + lines.d.x, lines.p.y + lines.d.y, lines.p.z + lines.d.z};
+  const Floats out = dot(first.normal, lines.d), square = dot(lines.d, lines.d);
+  lines.open = least(least(height, out), -beyond(second.edges, second.edge_count, lines.q));
+  lines.weight = spread * (out * height) / (square * square);
+  return lines;
+}
+
+// Lines of no length, between patches of one plane.
+template <class End>
+VIEWPEEL_INLINE Lines drawContact(const End& first, const End& second, const Floats* u) {
+  Lines lines;
+  lines.p = lines.q = pointOn(first, u[0], u[1], lines.weight);
+  lines.d = Vector{};
+  lines.open = -beyond(second.edges, second.edge_count, lines.p);
+  return lines;
+}
+
+// Returns numbers of at most 0 where a line is blocked. Lines along the blocker's plane pass it.
+template <class Obstacle>
+VIEWPEEL_INLINE Floats passing(const Obstacle& by, const Lines& lines) {
+  if (by.place != BlockerPlace::between)
+    return beyond(by.edges, by.edge_count, by.place == BlockerPlace::over_first ? lines.p : lines.q);
+  const Floats at_p = dot(by.plane, lines.p) + by.plane[3], slope = dot(by.plane, lines.d);
+  const Floats t = at_p / -slope;
+  const Vector x{lines.p.x + t * lines.d.x, lines.p.y + t * lines.d.y, lines.p.z + t * lines.d.z};
+  return greatest(greatest(-t, t - 1.0f), beyond(by.edges, by.edge_count, x));
 }
 
 void toFloats(const dvec3& v, float* to) {
@@ -243,27 +349,6 @@ DrawnLines LineDrawer::draw(const std::array<uint32_t, 4>& scrambles, uint32_t f
 
 [[gnu::always_inline]] inline DrawnLines LineDrawer::drawAll(const std::array<uint32_t, 4>& scrambles, uint32_t first,
                                                              uint32_t end) const {
-  const auto pointOn = [](const End& of, Floats s, Floats t, Floats& density) __attribute__((always_inline)) {
-    if (of.is_triangle) {
-      // The square folded onto the triangle, area for area (E. Heitz, A low-distortion map between triangle and square,
-      // 2019).
-      const Flags is_upper = t > s;
-      const Floats half_s = 0.5f * s, half_t = 0.5f * t;
-      s = is_upper ? half_s : s - half_t;
-      t = is_upper ? t - half_s : half_t;
-    }
-    const Floats st = s * t;
-    density = of.density[0] + of.density[1] * s + of.density[2] * t;
-    return Vector{of.corner[0] + of.side_a[0] * s + of.side_b[0] * t + of.twist[0] * st,
-                  of.corner[1] + of.side_a[1] * s + of.side_b[1] * t + of.twist[1] * st,
-                  of.corner[2] + of.side_a[2] * s + of.side_b[2] * t + of.twist[2] * st};
-  };
-  const auto isInside = [](const float(*edges)[4], uint32_t count, const Vector& at) __attribute__((always_inline)) {
-    Flags is_inside = Flags{} == 0;
-    for (uint32_t e = 0; e < count; ++e) is_inside &= dot(edges[e], at) + edges[e][3] <= 0.0f;
-    return is_inside;
-  };
-
   uint32_t digits[4] = {};
   for (int d = 0; d < 4; ++d)
     for (uint32_t gray = first ^ first >> 1, k = 0; gray >> k; ++k)
@@ -276,67 +361,19 @@ DrawnLines LineDrawer::draw(const std::array<uint32_t, 4>& scrambles, uint32_t f
       u[d] = scrambled(load<Words>(kSobol.lanes[d]) ^ all(digits[d]), scrambles[d]);
       digits[d] ^= kSobol.of[d][4 + std::countr_zero(block + 1)];
     }
-    Floats density_p, density_q, weight, stretch = all(1.0f);
-    if (way_ == LineWay::angles)
-      for (int axis = 0; axis < 2; ++axis) {
-        Floats warped = u[axis] * warps_[axis].scales[0], scale = all(warps_[axis].scales[0]);
-        for (int bin = 1; bin < Warp::kBins; ++bin) {
-          const Flags is_beyond = u[axis] >= warps_[axis].starts[bin];
-          warped = is_beyond
-                       ? float(bin) / Warp::kBins + (u[axis] - warps_[axis].starts[bin]) * warps_[axis].scales[bin]
-                       : warped;
-          scale = is_beyond ? all(warps_[axis].scales[bin]) : scale;
-        }
-        u[axis] = warped;
-        stretch *= scale;
-      }
-    const Vector p = pointOn(first_, u[0], u[1], density_p);
-    Vector d{}, q = p;
-    Flags is_open;
-    if (way_ == LineWay::points) {
-      q = pointOn(second_, u[2], u[3], density_q);
-      d = {q.x - p.x, q.y - p.y, q.z - p.z};
-      const Floats out = dot(first_.normal, d), in = -dot(second_.normal, d);
-      const Floats square = d.x * d.x + d.y * d.y + d.z * d.z;
-      is_open = (out > 0.0f) & (in > 0.0f);
-      weight = unit_ * (out * in) / (square * square) * (density_p * density_q);
-    } else if (way_ == LineWay::angles) {
-      const Floats height = dot(second_.normal, p) - second_.offset;
-      Floats foot[2], aside[2], spread = unit_ * density_p * stretch;
-      for (int axis = 0; axis < 2; ++axis) {
-        foot[axis] = dot(second_.axes[axis], p);
-        const Floats low = arcTangent((second_.range[axis][0] - foot[axis]) / height),
-                     high = arcTangent((second_.range[axis][1] - foot[axis]) / height);
-        aside[axis] = height * tangent(low + u[2 + axis] * (high - low));
-        spread *= (high - low) * (height * height + aside[axis] * aside[axis]) / height;
-      }
-      const auto towards = [&](int axis) __attribute__((always_inline)) {
-        return aside[0] * second_.axes[0][axis] + aside[1] * second_.axes[1][axis] - height * second_.normal[axis];
-      };
-      d = {towards(0), towards(1), towards(2)};
-      q = {p.x + d.x, p.y + d.y, p.z + d.z};
-      const Floats out = dot(first_.normal, d), square = d.x * d.x + d.y * d.y + d.z * d.z;
-      is_open = (height > 0.0f) & (out > 0.0f) & isInside(second_.edges, second_.edge_count, q);
-      weight = spread * (out * height) / (square * square);
-    } else {
-      is_open = isInside(second_.edges, second_.edge_count, p);
-      weight = unit_ * density_p;
-    }
-    weight = keep(is_open, weight);
+    Lines lines = way_ == LineWay::points   ? drawPoints(first_, second_, u)
+                  : way_ == LineWay::angles ? drawAngles(first_, second_, warps_, u)
+                                            : drawContact(first_, second_, u);
+    const Floats weight = keep(lines.open, unit_ * lines.weight);
     weights += weight;
     squares += weight * weight;
-    for (const Obstacle& obstacle : obstacles_) {
-      if (obstacle.place == BlockerPlace::between) {
-        const Floats at_p = dot(obstacle.plane, p) + obstacle.plane[3], slope = dot(obstacle.plane, d);
-        const Floats t = at_p / -slope;
-        const Vector x{p.x + t * d.x, p.y + t * d.y, p.z + t * d.z};
-        is_open &= ~((t > 0.0f) & (t < 1.0f) & isInside(obstacle.edges, obstacle.edge_count, x));
-      } else {
-        is_open &= ~isInside(obstacle.edges, obstacle.edge_count, obstacle.place == BlockerPlace::over_first ? p : q);
-      }
-      if (!isAny(is_open)) break;
+    Floats seen = weight;
+    for (size_t k = 0; k < obstacles_.size(); ++k) {
+      seen = passing(obstacles_[k], lines) <= 0.0f ? Floats{} : seen;
+      if (k % 4 == 3 && !isAny(seen)) break;
     }
-    facing += keep(is_open, weight);
+    facing += seen;
+    // Sums of single precision stay short.
     if ((block & 63) == 63 || block + 1 == end) {
       sums.facing += sumOf(facing), sums.all += sumOf(weights), sums.squares += sumOf(squares);
       facing = weights = squares = Floats{};

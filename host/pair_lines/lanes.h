@@ -16,9 +16,8 @@ constexpr int kLineLanes = 16, kBlockerLanes = 8;
 
 using Floats = float __attribute__((vector_size(4 * kLineLanes)));
 using Words = uint32_t __attribute__((vector_size(4 * kLineLanes)));
-using Flags = int32_t __attribute__((vector_size(4 * kLineLanes)));  // all bits or none
+using Integers = int32_t __attribute__((vector_size(4 * kLineLanes)));
 using Doubles = double __attribute__((vector_size(8 * kBlockerLanes)));
-using LongFlags = int64_t __attribute__((vector_size(8 * kBlockerLanes)));
 
 VIEWPEEL_INLINE Floats all(float x) { return x - Floats{}; }
 VIEWPEEL_INLINE Words all(uint32_t x) { return x - Words{}; }
@@ -31,28 +30,30 @@ VIEWPEEL_INLINE Lanes load(const Number* from) {
   return lanes;
 }
 
-// The lanes that are flagged, 0 elsewhere.
-VIEWPEEL_INLINE Floats keep(Flags flags, Floats x) { return (Floats)((Flags)x & flags); }
+// A condition is a number for each lane, above 0 or not: compilers take comparisons that end in integers apart, lane by
+// lane, where they do not know the processor, and leave choices between numbers whole.
+VIEWPEEL_INLINE Floats least(const Floats& a, const Floats& b) { return a < b ? a : b; }
+VIEWPEEL_INLINE Floats greatest(const Floats& a, const Floats& b) { return a > b ? a : b; }
+VIEWPEEL_INLINE Doubles least(const Doubles& a, const Doubles& b) { return a < b ? a : b; }
+VIEWPEEL_INLINE Doubles greatest(const Doubles& a, const Doubles& b) { return a > b ? a : b; }
 
-VIEWPEEL_INLINE Doubles least(Doubles a, Doubles b) { return a < b ? a : b; }
-VIEWPEEL_INLINE Doubles greatest(Doubles a, Doubles b) { return a > b ? a : b; }
+// Returns x where the condition is above 0, else 0.
+VIEWPEEL_INLINE Floats keep(const Floats& condition, const Floats& x) { return condition > 0.0f ? x : Floats{}; }
 
-// Whether any lane, or every lane, is flagged.
-VIEWPEEL_INLINE bool isAny(Flags flags) {
-  const auto wide = (LongFlags)flags;
-  int64_t any = 0;
-  for (int k = 0; k < kBlockerLanes; ++k) any |= wide[k];
-  return any != 0;
+// Returns the largest or least of all lanes.
+VIEWPEEL_INLINE double largestOf(const Doubles& x) {
+  const double a = x[0] > x[1] ? x[0] : x[1], b = x[2] > x[3] ? x[2] : x[3], c = x[4] > x[5] ? x[4] : x[5],
+               d = x[6] > x[7] ? x[6] : x[7], e = a > b ? a : b, f = c > d ? c : d;
+  return e > f ? e : f;
 }
-VIEWPEEL_INLINE bool isAny(LongFlags flags) {
-  int64_t any = 0;
-  for (int k = 0; k < kBlockerLanes; ++k) any |= flags[k];
+VIEWPEEL_INLINE double leastOf(const Doubles& x) { return -largestOf(-x); }
+
+// Returns whether any lane is not 0.
+VIEWPEEL_INLINE bool isAny(const Floats& x) {
+  uint64_t words[kLineLanes / 2], any = 0;
+  std::memcpy(words, &x, sizeof words);
+  for (const uint64_t word : words) any |= word;
   return any != 0;
-}
-VIEWPEEL_INLINE bool isEvery(LongFlags flags) {
-  int64_t every = -1;
-  for (int k = 0; k < kBlockerLanes; ++k) every &= flags[k];
-  return every != 0;
 }
 
 // In the order of lanes, in double precision.

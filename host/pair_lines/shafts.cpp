@@ -66,19 +66,19 @@ void BoxShaft::keepInside(const BlockerList& from, BlockerList& to, Vectors vect
 
 [[gnu::always_inline]] inline void BoxShaft::keepInsideAll(const BlockerList& from, BlockerList& to) const {
   for (size_t first = 0; first < from.size(); first += kBlockerLanes) {
-    LongFlags is_outside{};
-    for (int p = 0; p < plane_count_ && !isEvery(is_outside); ++p) {
+    Doubles outside = all(-double(INFINITY));
+    for (int p = 0; p < plane_count_; ++p) {
       const OutwardPlane& plane = planes_[p];
       Doubles nearest = all(kTouchingShaft - plane.offset);
       for (int axis = 0; axis < 3; ++axis) {
         if (plane.normal[axis] == 0) continue;
         const auto& bound = plane.normal[axis] > 0 ? from.low[axis] : from.high[axis];
-        nearest += all(plane.normal[axis]) * load<Doubles>(&bound[first]);
+        nearest += plane.normal[axis] * load<Doubles>(&bound[first]);
       }
-      is_outside |= nearest >= 0.0;
+      outside = greatest(outside, nearest);
     }
     for (size_t k = 0; k < kBlockerLanes && first + k < from.size(); ++k)
-      if (!is_outside[k]) to.add(from, first + k);
+      if (outside[k] < 0) to.add(from, first + k);
   }
 }
 
@@ -162,12 +162,12 @@ void PatchShaft::addTangents(const Patch& a, const Patch& b) {
   for (uint32_t c = 0; c < blocker.corner_count; ++c)
     for (int half = 0; half < 2; ++half) {
       const int at = half * kBlockerLanes;
-      const Doubles beyond = load<Doubles>(x + at) * all(blocker.corners[c].x) +
-                             load<Doubles>(y + at) * all(blocker.corners[c].y) +
-                             load<Doubles>(z + at) * all(blocker.corners[c].z) + load<Doubles>(w + at);
+      const glm::dvec3& corner = blocker.corners[c];
+      const Doubles beyond = load<Doubles>(x + at) * corner.x + load<Doubles>(y + at) * corner.y +
+                             load<Doubles>(z + at) * corner.z + load<Doubles>(w + at);
       nearest[half] = least(nearest[half], beyond);
     }
-  return isAny((nearest[0] >= -kTouchingShaft) | (nearest[1] >= -kTouchingShaft));
+  return largestOf(greatest(nearest[0], nearest[1])) >= -kTouchingShaft;
 }
 
 //   In: heights of the eight corners over the blocker's plane
@@ -180,18 +180,17 @@ void PatchShaft::addTangents(const Patch& a, const Patch& b) {
   const bool is_between = (above_a && !below_a && below_b && !above_b) || (below_a && !above_a && above_b && !below_b);
   if (!is_between) return false;
   for (int i = 0; i < 4; ++i) {
-    Doubles p[3];
-    for (int axis = 0; axis < 3; ++axis) p[axis] = all(double(corners_[axis][i]));
+    const double p[3] = {corners_[0][i], corners_[1][i], corners_[2][i]}, height = heights[i];
     // The lines to b's corners, twice.
-    const Doubles difference = all(double(heights[i])) - heights;
+    const Doubles difference = height - heights;
     for (int j = 4; j < 8; ++j)
       if (!(difference[j] != 0)) return false;
-    const Doubles t = all(double(heights[i])) / difference;
+    const Doubles t = height / difference;
     Doubles beyond = all(-double(INFINITY));
     for (uint32_t e = 0; e < blocker.corner_count; ++e) {
       const dvec3& m = blocker.edge_normals[e];
-      const Doubles at = all(m.x) * (p[0] + t * (corners_[0] - p[0])) + all(m.y) * (p[1] + t * (corners_[1] - p[1])) +
-                         all(m.z) * (p[2] + t * (corners_[2] - p[2])) - all(blocker.edge_offsets[e]);
+      const Doubles at = m.x * (p[0] + t * (corners_[0] - p[0])) + m.y * (p[1] + t * (corners_[1] - p[1])) +
+                         m.z * (p[2] + t * (corners_[2] - p[2])) - blocker.edge_offsets[e];
       beyond = greatest(beyond, at);
     }
     for (int j = 4; j < 8; ++j)
@@ -215,9 +214,9 @@ Sight PatchShaft::find(const std::vector<Blocker>& blockers, std::span<const uin
   for (const uint32_t index : from) {
     const Blocker& blocker = blockers[index];
     if (blocker.plane == a_.plane || blocker.plane == b_.plane) continue;
-    const Doubles heights = corners_[0] * all(blocker.normal.x) + corners_[1] * all(blocker.normal.y) +
-                            corners_[2] * all(blocker.normal.z) - all(blocker.offset);
-    if (!isAny(heights > kTouchingShaft) || !isAny(heights < -kTouchingShaft)) continue;
+    const Doubles heights = corners_[0] * blocker.normal.x + corners_[1] * blocker.normal.y +
+                            corners_[2] * blocker.normal.z - blocker.offset;
+    if (largestOf(heights) <= kTouchingShaft || leastOf(heights) >= -kTouchingShaft) continue;
     if (isOutside(blocker)) continue;
     between.push_back(index);
     if (hides(blocker, heights)) return Sight::hidden;

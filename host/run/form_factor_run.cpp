@@ -20,11 +20,13 @@
 #include "run/summaries.h"
 #include "stopwatch.h"
 #include "sums/add_pairs.h"
+#include "threads.h"
 
 namespace viewpeel {
 namespace {
 
-constexpr double kTrialSeconds = 0.5;  // of measureSeconds
+constexpr double kTrialSeconds = 0.5;    // of measureSeconds
+constexpr double kSecondsOfLine = 4e-8;  // on one thread, against some 10 blockers
 
 void requireSamePairs(const std::vector<LinePair>& found, const std::vector<LinePair>& stored) {
   if (!std::ranges::equal(found, stored, {}, keyOf<LinePair>, keyOf<LinePair>))
@@ -172,8 +174,12 @@ void FormFactorRun::State::planPairLines() {
     plan = makePlanOfRequest();
     return;
   }
-  EstimateOptions options = setup.estimate();
-  line_pairs = resumed ? resumed->sums.lines->pairs() : planLines(*pair_lines, setup.faceIds(), setup.ids(), options);
+  const EstimateOptions& options = setup.estimate();
+  // Half of the time is for finding pairs, and for further lines of those that need them.
+  const double threads = setup.request().threads ? setup.request().threads : double(threadCount()),
+               most_lines = options.seconds ? *options.seconds / 2 * threads / kSecondsOfLine : INFINITY;
+  line_pairs = resumed ? resumed->sums.lines->pairs()
+                       : planLines(*pair_lines, setup.faceIds(), setup.ids(), options, most_lines);
   if (resumed) requireSamePairs(pair_lines->find(), line_pairs);
   const PairLinesFigures figures = pair_lines->figures();
   plan->pair_lines = {figures.clear, figures.partial, 0, figures.blockers, secondsSince(begun)};
