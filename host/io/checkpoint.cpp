@@ -308,9 +308,10 @@ std::optional<LineSums> readLineSums(Hdf5Input& in, const Ids& face_ids) {
   readColumn<uint32_t>(in, "lines/period", pairs, [](LinePair& pair, uint32_t period) { pair.period = period; });
   readColumn<uint8_t>(in, "lines/by_angles", pairs, [](LinePair& pair, uint8_t is) { pair.by_angles = is; });
   requireOrder(in, "lines", pairs, 2 * face_ids.count());  // pairs with backs, too
-  const bool are_sound = std::ranges::all_of(pairs, [](const LinePair& pair) {
-    return pair.i < pair.j && pair.j < kEnvironment && pair.period > 0 && pair.exchange >= pair.clear &&
-           pair.clear >= 0 && std::isfinite(pair.exchange) && pair.blocks <= kMostLineBlocks;
+  const bool are_sound = std::ranges::all_of(pairs, [&](const LinePair& pair) {
+    return pair.i < face_ids.count() && pair.i < pair.j && pair.j < kEnvironment && pair.period > 0 &&
+           pair.exchange >= pair.clear && pair.clear >= 0 && std::isfinite(pair.exchange) &&
+           pair.blocks <= kMostLineBlocks;
   });
   if (!are_sound) in.refuse("its 'lines' are no pairs with lines");
   std::vector<LineSum> sums(pairs.size());

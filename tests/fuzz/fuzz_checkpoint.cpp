@@ -100,6 +100,25 @@ void writeSums(Hdf5Output& out, Bytes& bytes, const std::string& group) {
   }
 }
 
+// Lines of that pair, and of the first id and a back.
+void writeLineSums(Hdf5Output& out, Bytes& bytes) {
+  using U8 = std::vector<uint8_t>;
+  using U32 = std::vector<uint32_t>;
+  using U64 = std::vector<uint64_t>;
+  writeColumn(out, bytes, "lines/by_surface", U8{0});
+  writeColumn(out, bytes, "lines/replicate_count", U64{2});
+  writeColumn(out, bytes, "lines/i", U32{0, 0});
+  writeColumn(out, bytes, "lines/j", U32{1, 3});
+  writeColumn(out, bytes, "lines/exchange", std::vector<double>{0.5, 0.2});
+  writeColumn(out, bytes, "lines/clear", std::vector<double>{0.1, 0});
+  writeColumn(out, bytes, "lines/blocks", U32{2, 1});
+  writeColumn(out, bytes, "lines/period", U32{1, 2});
+  writeColumn(out, bytes, "lines/by_angles", U8{0, 1});
+  for (const char* sum : {"facing", "all", "effective", "facing_squares", "products", "all_squares", "drawn_blocks"})
+    writeColumn(out, bytes, std::string("lines/") + sum, U64{7, 7});
+  writeColumn(out, bytes, "lines/replicates", U32{2, 1});
+}
+
 // The unoccluded form factor of that pair, the lines that end in the environment, and directions of the pair's own.
 void writePriorSums(Hdf5Output& out, Bytes& bytes) {
   using U8 = std::vector<uint8_t>;
@@ -169,6 +188,7 @@ Checkpoint readBytes(const uint8_t* data, size_t count) {
   writeSums(out, bytes, "by_id");
   writeSums(out, bytes, "by_surface");
   writePriorSums(out, bytes);
+  if (bytes.take<uint8_t>() % 2) writeLineSums(out, bytes);  // then results are made of these
   return readCheckpoint(file.write(out.finish()));
 }
 

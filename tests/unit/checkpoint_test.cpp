@@ -186,6 +186,42 @@ TEST_F(CheckpointFile, WhatDoesNotBelongTogetherIsRefused) {
   EXPECT_NE(merge("e.h5").find("areas"), std::string::npos) << merge("e.h5");
 }
 
+// With pair lines: sums of a pair and of a face with a back are the same after writing and reading, and parts add up to
+// the bytes of the whole in any order. Other lines of a pair are another run.
+TEST_F(CheckpointFile, PairLinesAddUpToOneRun) {
+  const auto sumsWithLines = [&](const std::vector<uint64_t>& replicates, uint32_t blocks = 3) {
+    const std::vector<LinePair> pairs = {
+        {0, 1, 0.4, 0.4}, {0, 2, 0.5, 0.1, blocks}, {1, ids_.count() + 2, 0.25, 0, 1, 2, true}};
+    RunSums sums = makeRunSums(scene_, ids_);
+    sums.lines.emplace(ids_, By::polygon, pairs);
+    sums.measure_area = 0.1;
+    for (const uint64_t replicate : replicates)
+      sums.addLines(replicate, {{0, kEnvironment, 5 + replicate, 0}}, 10,
+                    {{1, blocks, 600'000 + uint32_t(replicate), 1'000'000 + 7 * uint32_t(replicate), 40 * 256},
+                     {2, 1, 300'000, 1'100'000, 15 * 256}});
+    return sums;
+  };
+  const RunSums sums = sumsWithLines({0, 1, 2, 3});
+  const std::string whole = bytesOf(sums);
+  const Checkpoint read = readCheckpoint(file("bytes.h5"));
+  ASSERT_TRUE(read.sums.lines);
+  EXPECT_EQ(read.sums.lines->pairs(), sums.lines->pairs());
+  EXPECT_EQ(read.sums.lines->sums(), sums.lines->sums());
+  EXPECT_TRUE(read.sums.lines->hasBack(2));
+  const FormFactors found = read.sums.formFactors();
+  EXPECT_EQ(found.exchangeArea(0, 1).value, 0.4);
+  EXPECT_NEAR(found.exchangeArea(0, 2).value, 0.1 + 0.6 * 0.4, 1e-5);
+  EXPECT_NEAR(found.exchangeArea(1, kLeak).value, 0.25 * 3 / 11, 1e-12);
+  EXPECT_GT(found.exchangeArea(0, kEnvironment).value, 0);
+
+  writeCheckpoint(kSettings, sumsWithLines({0, 2}), file("a.h5"));
+  writeCheckpoint(kSettings, sumsWithLines({1, 3}), file("b.h5"));
+  EXPECT_EQ(bytesOf(mergeCheckpoints({file("a.h5"), file("b.h5")}).sums), whole);
+  EXPECT_EQ(bytesOf(mergeCheckpoints({file("b.h5"), file("a.h5")}).sums), whole);
+  writeCheckpoint(kSettings, sumsWithLines({1, 3}, 4), file("c.h5"));
+  EXPECT_THROW(mergeCheckpoints({file("a.h5"), file("c.h5")}), Error);
+}
+
 // With unoccluded form factors: controls are integers, too, and visibilities are the same in all parts. What unoccluded
 // form factors gave may differ in the last bits from device to device: in any order of files it is that of the first
 // replicate which stays.
