@@ -141,7 +141,8 @@ struct PairFinder::Task {
 // Goes down from one task on, in one thread.
 class PairFinder::Search {
  public:
-  explicit Search(const PairFinder& finder) : finder_(finder) {}
+  //   In: pair_count: of all searches together
+  Search(const PairFinder& finder, std::atomic<size_t>& pair_count) : finder_(finder), pair_count_(pair_count) {}
 
   // Appends the tasks of the next smaller clusters, or finds the pairs of two leaves.
   void divide(Task& task, std::vector<Task>& next) {
@@ -165,7 +166,7 @@ class PairFinder::Search {
   void search(Task task) {
     std::vector<Task> stack;
     stack.push_back(std::move(task));
-    while (!stack.empty()) {
+    while (!stack.empty() && pair_count_ <= kMostPatchPairs) {
       Task next = std::move(stack.back());
       stack.pop_back();
       divide(next, stack);
@@ -256,12 +257,14 @@ class PairFinder::Search {
       found.between.resize(before);
       return;
     }
+    ++pair_count_;
     const auto count = static_cast<uint32_t>(found.between.size() - before);
     ++(count ? found.figures.partial : found.figures.clear);
     found.pairs.push_back({p, q, exchange, static_cast<uint32_t>(before), count});
   }
 
   const PairFinder& finder_;
+  std::atomic<size_t>& pair_count_;
   UnoccludedWork work_;
   std::vector<uint32_t> between_;
   uint32_t last_hider_ = 0;
@@ -271,7 +274,8 @@ class PairFinder::Search {
 PatchPairs PairFinder::find(size_t threads, const std::function<void()>& stop) const {
   if (nodes_.empty()) return {};
   // Divided by one thread until there are tasks enough for all, then each task to its end.
-  Search first(*this);
+  std::atomic<size_t> found_count = 0;
+  Search first(*this, found_count);
   std::vector<Task> tasks(1);
   tasks[0].a = tasks[0].b = 0;
   for (const uint32_t k : largest_first_) tasks[0].between.add(k, blockers_[k]);
@@ -291,7 +295,7 @@ PatchPairs PairFinder::find(size_t threads, const std::function<void()>& stop) c
   shareOut(
       threads, tasks.size(), 1,
       [&](size_t, size_t k) {
-        Search search(*this);
+        Search search(*this, found_count);
         search.search(std::move(tasks[k]));
         parts[k] = std::move(search.found);
       },
@@ -300,6 +304,8 @@ PatchPairs PairFinder::find(size_t threads, const std::function<void()>& stop) c
       });
 
   PatchPairs all;
+  all.is_complete = found_count <= kMostPatchPairs;
+  if (!all.is_complete) return all;
   size_t pair_count = 0, between_count = 0;
   for (const PatchPairs& part : parts) pair_count += part.pairs.size(), between_count += part.between.size();
   all.pairs.reserve(pair_count), all.between.reserve(between_count);

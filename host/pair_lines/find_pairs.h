@@ -4,6 +4,7 @@
 // one blocker that hides two clusters from each other hides all their pairs. What is left goes down to smaller
 // clusters (S. Teller, P. Hanrahan, Global visibility algorithms for illumination computations, 1993).
 #pragma once
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -30,7 +31,11 @@ struct PatchPairFigures {
   uint64_t blocker_tests = 0;                   // of shafts of patches
 };
 
+// The most pairs that are found: with what is planned and counted for it a pair takes some 250 bytes.
+constexpr size_t kMostPatchPairs = 12'000'000;
+
 struct PatchPairs {
+  bool is_complete = true;             // false: there are more than kMostPatchPairs, and what is here means nothing
   std::vector<PatchPair> pairs;        // sorted by (a, b); pairs that are hidden are left out
   std::vector<PlacedBlocker> between;  // of all pairs
   PatchPairFigures figures;

@@ -32,6 +32,8 @@ class PairLines {
   PairLinesFigures figures() const;
   // As PairFinder has it: then there are no pair lines.
   bool hasUnordered() const { return finder_.hasUnordered(); }
+  // After find(): whether there are more pairs than kMostPatchPairs. Then it has found none.
+  bool hasTooMany() const { return !parts_.is_complete; }
 
   // Gives each pair lines, from pilots of 16 and 128 lines.
   //   In: pairs: as found; allowed: standard error that each pair may have, input units squared of exchange area; most

@@ -103,6 +103,7 @@ struct FormFactorRun::State {
   void makePlan();
   bool leaks();
   void planPairLines();
+  void planWithoutPairLines();
   void findPrior();
   EstimateOptions estimateOptions();
   void begin();
@@ -168,12 +169,7 @@ void FormFactorRun::State::planPairLines() {
         ErrorCode::bad_usage,
         "polygons coincide of which nothing says which lies in front, and pair lines need to know; name them by "
         "--sheets or --solids, or leave out --pair-lines");
-  if (pair_lines->hasUnordered()) {
-    pair_lines.reset();
-    setup.leaveOutPairLines();
-    plan = makePlanOfRequest();
-    return;
-  }
+  if (pair_lines->hasUnordered()) return planWithoutPairLines();
   const EstimateOptions& options = setup.estimate();
   // Half of the time is for finding pairs, and for further lines of those that need them.
   const double threads = setup.request().threads ? setup.request().threads : double(threadCount()),
@@ -181,10 +177,25 @@ void FormFactorRun::State::planPairLines() {
   line_pairs = resumed ? resumed->sums.lines->pairs()
                        : planLines(*pair_lines, setup.faceIds(), setup.ids(), options, most_lines);
   if (resumed) requireSamePairs(pair_lines->find(), line_pairs);
+  if (pair_lines->hasTooMany()) {
+    if (setup.request().pair_lines || resumed)
+      throw Error(ErrorCode::limit,
+                  fmt::format("more than {} pairs of polygons see each other, too many for pair lines; "
+                              "leave out --pair-lines",
+                              kMostPatchPairs));
+    return planWithoutPairLines();
+  }
   const PairLinesFigures figures = pair_lines->figures();
   plan->pair_lines = {figures.clear, figures.partial, 0, figures.blockers, secondsSince(begun)};
   for (const LinePair& pair : line_pairs)
     plan->pair_lines->lines += uint64_t(16) * pair.blocks * options.replicates / pair.period;
+}
+
+void FormFactorRun::State::planWithoutPairLines() {
+  pair_lines.reset();
+  line_pairs.clear();
+  setup.leaveOutPairLines();
+  plan = makePlanOfRequest();
 }
 
 void FormFactorRun::State::makePlan() {
