@@ -73,7 +73,8 @@ void PairFinder::findCovers() {
   is_covered_.resize(patches_.size(), false);
   std::unordered_map<uint32_t, std::vector<uint32_t>> of_plane;
   for (uint32_t k = 0; k < blockers_.size(); ++k) of_plane[blockers_[k].plane].push_back(k);
-  for (auto& [plane, list] : of_plane) {
+  for (auto& entry : of_plane) {
+    std::vector<uint32_t>& list = entry.second;
     for (size_t k = 0; k < list.size() && !has_unordered_; ++k)
       for (size_t m = 0; m < k && !has_unordered_; ++m) {
         const Blocker &a = blockers_[list[k]], &b = blockers_[list[m]];
