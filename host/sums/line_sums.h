@@ -2,7 +2,7 @@
 //
 // A pair's lines carry weights whose expectation is the unoccluded form factor. The visibility b is the weight of lines
 // that nothing blocks over the weight of all lines, a ratio estimator as in share_sums.h. A pair that nothing can block
-// has no lines and no error but that of its unoccluded form factor. Derivation: docs/method.md, section 15.
+// has no lines and no error but that of its unoccluded form factor. Derivation: docs/method.md, section 13.
 #pragma once
 #include <cstdint>
 #include <utility>
