@@ -26,7 +26,11 @@ constexpr double kShareOfLines = 0.98;   // of what an entry may err; the rest i
 constexpr double kFirstLook = 1.2;       // of the lines after which an entry without facing lines is done
 constexpr double kRowShare = 0.5;        // of delta, where rows have bounds
 constexpr uint64_t kPilotSeries = 1000;  // looks have those below
-constexpr size_t kChunk = 16;            // entries that a thread takes at once
+// A line of an entry that geometry bounds may cost so many candidates; beyond, its lines are left open. Such entries are
+// small and near: slivers side by side. Leak is a sum over many parts, of which each counts.
+constexpr double kMostCandidates = 100, kMostLeakCandidates = 10'000;
+constexpr double kShareOfOpen = 0.01;  // of a row's bound that such entries may take together
+constexpr size_t kChunk = 16;          // entries that a thread takes at once
 constexpr size_t kTimedEntries = 64;
 constexpr uint64_t kTimedLines = 2048;
 
@@ -110,7 +114,10 @@ void LineGuarantee::planLooks() {
       const double allowed = options_.epsilon * ids_.areas[entry.i];
       entry.weight = std::min(entry.weight, 4 * allowed * allowed / blockable);
     }
-    if (!isDrawn(entry)) continue;
+    if (!isDrawn(entry)) {
+      entry.most_candidates = entry.j == kLeak ? kMostLeakCandidates : kMostCandidates;
+      continue;
+    }
     const double allowed = kShareOfLines * entry.allowed,
                  last = std::min(entry.weight, hoeffdingWeight(blockable, entry.part_count, allowed, log_entry_)),
                  first = std::max(last, std::min(entry.weight, allowed / (kFirstLook * log_entry_)));
@@ -121,10 +128,12 @@ void LineGuarantee::planLooks() {
 
 // Lines of the first look bound a row's sum: so many that the bound is epsilon.
 void LineGuarantee::planRows() {
-  std::vector<double> blockable(ids_.count(), 0), parts(ids_.count(), 0), rounding(ids_.count(), 0);
+  std::vector<double> blockable(ids_.count(), 0), parts(ids_.count(), 0), rounding(ids_.count(), 0),
+      entry_counts(ids_.count(), 0);
   const auto addTo = [&](uint32_t row, const Entry& entry) {
     blockable[row] += entry.blockable(), parts[row] += entry.part_count;
     rounding[row] += kRoundingError * entry.exchange;
+    ++entry_counts[row];
   };
   const auto forRows = [&](const Entry& entry, const auto& use) {
     if (ids_.isRequested(entry.i)) use(entry.i);
@@ -137,6 +146,8 @@ void LineGuarantee::planRows() {
     forRows(entry, [&](uint32_t row) {
       const double allowed = kShareOfLines * options_.epsilon * ids_.areas[row] - rounding[row];
       most = std::min(most, hoeffdingWeight(blockable[row], parts[row], allowed, log_row_));
+      if (entry.blockable() * entry_counts[row] > kShareOfOpen * options_.epsilon * ids_.areas[row])
+        entry.most_candidates = INFINITY;
     });
     entry.weight = std::min(entry.weight, most);
     while (entry.looks > 1 && weightAt(entry, 0) > most) --entry.looks;
@@ -150,7 +161,7 @@ void LineGuarantee::predict() {
     for (uint32_t k = 0; k < entry.part_count; ++k) {
       const Part& part = parts_[entry.first_part + k];
       const uint64_t lines = k < kFewestLines ? static_cast<uint64_t>(kFewestLines) / entry.part_count + 1 : 0;
-      const UniformLineCount count = lines_.drawUniform(part.index, kPilotSeries, lines, vectors_);
+      const UniformLineCount count = lines_.drawUniform(part.index, kPilotSeries, lines, INFINITY, vectors_);
       facing += double(count.facing), all += double(count.lines);
     }
     const double share = (facing + 1) / (all + 2), variance = share * (1 - share);
@@ -183,7 +194,7 @@ void LineGuarantee::predict() {
   const size_t timed = std::min(kTimedEntries, drawn.size());
   for (size_t k = 0; k < timed; ++k)
     lines_.drawUniform(parts_[entries_[drawn[k * drawn.size() / timed]].first_part].index, kPilotSeries, kTimedLines,
-                       vectors_);
+                       INFINITY, vectors_);
   const double seconds_each = secondsSince(begun) / double(timed * kTimedLines) / double(lines_.threads());
   figures_.expected_seconds = figures_.expected_lines * seconds_each;
   figures_.most_seconds = figures_.most_lines * seconds_each;
@@ -210,11 +221,13 @@ void LineGuarantee::draw(Entry& entry, uint32_t look) {
     Part& part = parts_[entry.first_part + k];
     const auto wanted = static_cast<uint64_t>(linesOfPart(part.exchange, weightAt(entry, look)));
     if (wanted > part.count.lines)
-      part.count += lines_.drawUniform(part.index, look, wanted - part.count.lines, vectors_);
+      part.count += lines_.drawUniform(part.index, look, wanted - part.count.lines, entry.most_candidates, vectors_);
+    if (part.count.open == part.count.lines)
+      part.guess = static_cast<float>(lines_.guessVisibility(part.index, look, vectors_));
     if (look > 0) continue;
     const double each = part.exchange / double(part.count.lines);
     entry.first_facing += each * double(part.count.facing), entry.first_open += each * double(part.count.open);
-    entry.first_variance += each * part.exchange;
+    entry.first_variance += each * part.exchange * (part.count.open < part.count.lines);
   }
 }
 
@@ -222,11 +235,12 @@ void LineGuarantee::draw(Entry& entry, uint32_t look) {
 // needs it
 bool LineGuarantee::settle(Entry& entry, uint32_t look) const {
   const double blockable = entry.blockable(), rounding = kRoundingError * entry.exchange;
-  double facing = 0, open = 0, lines = 0;
+  double facing = 0, open = 0, guess = 0, lines = 0;
   for (uint32_t k = 0; k < entry.part_count; ++k) {
     const Part& part = parts_[entry.first_part + k];
     facing += part.exchange * double(part.count.facing) / double(part.count.lines);
-    open += part.exchange * double(part.count.open) / double(part.count.lines);
+    const double open_here = part.exchange * double(part.count.open) / double(part.count.lines);
+    open += open_here, guess += open_here * part.guess;
     lines += double(part.count.lines);
   }
   Interval seen{0, blockable};
@@ -238,9 +252,9 @@ bool LineGuarantee::settle(Entry& entry, uint32_t look) const {
     seen = {std::min(blockable, most * mean.lower), std::min(blockable, most * mean.upper)};
   }
   entry.interval = {std::max(0.0, entry.clear + seen.lower - rounding), entry.clear + seen.upper + rounding};
-  entry.value = std::clamp(entry.clear + facing + open / 2, entry.interval.lower, entry.interval.upper);
+  entry.value = std::clamp(entry.clear + facing + guess, entry.interval.lower, entry.interval.upper);
   // Half a line of either kind is added, as in eq. (46).
-  const double share = blockable > 0 ? facing / blockable : 0, likely = (lines * share + 0.5) / (lines + 1);
+  const double share = blockable > 0 ? (facing + guess) / blockable : 0, likely = (lines * share + 0.5) / (lines + 1);
   entry.standard_error =
       entry.part_count ? blockable * std::sqrt(likely * (1 - likely) / (lines + 1) + 0.25 / ((lines + 1) * (lines + 1)))
                        : 0;
@@ -320,6 +334,26 @@ std::vector<Interval> LineGuarantee::findIntervals(const FormFactors& form_facto
   return intervals;
 }
 
+// Adds the environment of rows that look as if they saw none: their intervals say how much it may be.
+FormFactors LineGuarantee::withEveryEnvironment(FormFactors all) const {
+  std::vector<char> has_environment(ids_.count(), false);
+  bool is_open = false;
+  for (const FormFactors::Entry& entry : all.entries())
+    if (entry.j == kEnvironment) has_environment[entry.i] = is_open = true;
+  if (!is_open) return all;
+  std::vector<Measured> row_sums = all.rowSums();
+  const Ids ids = all.ids();
+  std::vector<FormFactors::Entry> entries = std::move(all).entries();
+  for (uint32_t id = 0; id < ids.count(); ++id) {
+    if (has_environment[id] || !ids.isRequested(id)) continue;
+    const double left = std::max(0.0, 1 - row_sums[id].value) * ids.areas[id];
+    entries.push_back({id, kEnvironment, {left, row_sums[id].standard_error * ids.areas[id]}});
+    row_sums[id].value = std::max(row_sums[id].value, 1.0);
+  }
+  std::ranges::sort(entries, {}, keyOf<FormFactors::Entry>);
+  return {ids, std::move(entries), std::move(row_sums)};
+}
+
 Estimate LineGuarantee::estimate(const RunSums& sums, double relative_floor) const {
   std::vector<FormFactors::Entry> entries;
   Estimate estimate{FormFactors({}, {}, {}), FormFactors({}, {}, {})};
@@ -349,6 +383,7 @@ Estimate LineGuarantee::estimate(const RunSums& sums, double relative_floor) con
     estimate.form_factors = keepSeen(std::move(all));
     return estimate;
   }
+  all = withEveryEnvironment(std::move(all));
   std::vector<Interval> intervals = findIntervals(all);
   std::vector<Measured> row_sums = all.rowSums();
   const Ids ids = all.ids();

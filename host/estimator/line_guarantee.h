@@ -57,6 +57,7 @@ class LineGuarantee {
     Interval interval{};                      // of exchange areas
     double first_facing = 0, first_open = 0;  // exchange areas after the first look
     double first_variance = 0;                // sum of squares of ranges of its lines
+    double most_candidates = INFINITY;        // for one line, where geometry alone bounds the entry
     double value = 0, standard_error = 0;
 
     double blockable() const { return exchange - clear; }
@@ -64,7 +65,8 @@ class LineGuarantee {
   };
   struct Part {
     uint32_t index;
-    double exchange;  // input units squared
+    double exchange;     // input units squared
+    float guess = 0.5f;  // of the visibility of open lines
     UniformLineCount count{};
   };
 
@@ -78,6 +80,7 @@ class LineGuarantee {
   bool settle(Entry& entry, uint32_t look) const;
   std::string nameOf(uint32_t column) const { return column < kEnvironment ? ids_.names[column] : "leak"; }
   double linesOf(const Entry& entry, uint32_t look) const;
+  FormFactors withEveryEnvironment(FormFactors all) const;
   std::vector<Interval> findIntervals(const FormFactors& form_factors) const;
 
   const Scene& scene_;

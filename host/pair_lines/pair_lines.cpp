@@ -77,6 +77,18 @@ PairLinesFigures PairLines::figures() const {
   return figures;
 }
 
+std::array<uint32_t, 4> PairLines::scramblesOf(const PatchPair& part, uint64_t replicate) const {
+  std::array<uint32_t, 4> scrambles;
+  for (uint32_t d = 0; d < 4; ++d) {
+    Hash hash;
+    for (const uint64_t number : {seed_, uint64_t(finder_.patches()[part.a].side),
+                                  uint64_t(finder_.patches()[part.b].side), replicate, uint64_t(d)})
+      hash.add(number);
+    scrambles[d] = static_cast<uint32_t>(hash.value() >> 16);
+  }
+  return scrambles;
+}
+
 // All lines of a pair in one replicate.
 LineCount PairLines::draw(const LinePair& pair, const Group& group, uint64_t replicate, uint32_t times,
                           Vectors vectors) const {
@@ -88,17 +100,10 @@ LineCount PairLines::draw(const LinePair& pair, const Group& group, uint64_t rep
     const PatchPair& part = parts_.pairs[k];
     if (!part.blocker_count) continue;
     const Patch &a = finder_.patches()[part.a], &b = finder_.patches()[part.b];
-    std::array<uint32_t, 4> scrambles;
-    for (uint32_t d = 0; d < 4; ++d) {
-      Hash hash;
-      for (const uint64_t number : {seed_, uint64_t(a.side), uint64_t(b.side), replicate, uint64_t(d)})
-        hash.add(number);
-      scrambles[d] = static_cast<uint32_t>(hash.value() >> 16);
-    }
     const LineWay way = a.plane == b.plane ? LineWay::contact : pair.by_angles ? LineWay::angles : LineWay::points;
     const LineDrawer drawer(a, b, way, part.exchange, finder_.blockers(),
                             {&parts_.between[part.first_blocker], part.blocker_count});
-    const DrawnLines lines = drawer.draw(scrambles, 0, blocks, vectors);
+    const DrawnLines lines = drawer.draw(scramblesOf(part, replicate), 0, blocks, vectors);
     const double weight = part.exchange / blockable;
     facing += weight * lines.facing, all += weight * lines.all, squares += weight * weight * lines.squares;
   }
@@ -121,14 +126,25 @@ std::vector<PairLines::Part> PairLines::blockableParts(size_t pair) const {
   return found;
 }
 
-UniformLineCount PairLines::drawUniform(uint32_t index, uint64_t series, uint64_t lines, Vectors vectors) const {
+UniformLineCount PairLines::drawUniform(uint32_t index, uint64_t series, uint64_t lines, double most_candidates,
+                                        Vectors vectors) const {
   const PatchPair& part = parts_.pairs[index];
   const Patch &a = finder_.patches()[part.a], &b = finder_.patches()[part.b];
   Hash stream;
   for (const uint64_t number : {seed_, uint64_t(a.side), uint64_t(b.side), series}) stream.add(number);
   const UniformLines drawn(a, b, part.exchange, finder_.blockers(),
                            {&parts_.between[part.first_blocker], part.blocker_count});
+  if (drawn.efficiency() * most_candidates < 1) return {.lines = lines, .open = lines};
   return drawn.draw(stream.value(), lines, vectors);
+}
+
+double PairLines::guessVisibility(uint32_t index, uint64_t series, Vectors vectors) const {
+  const PatchPair& part = parts_.pairs[index];
+  const Patch &a = finder_.patches()[part.a], &b = finder_.patches()[part.b];
+  const LineDrawer drawer(a, b, a.plane == b.plane ? LineWay::contact : LineWay::angles, part.exchange,
+                          finder_.blockers(), {&parts_.between[part.first_blocker], part.blocker_count});
+  const DrawnLines lines = drawer.draw(scramblesOf(part, kLineReplicates.first + series), 0, 1, vectors);
+  return lines.all > 0 ? lines.facing / lines.all : 0.5;
 }
 
 void PairLines::forEach(size_t count, const std::function<void(size_t)>& work) const {

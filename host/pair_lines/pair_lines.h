@@ -3,6 +3,7 @@
 // A pair that nothing blocks has its unoccluded form factor, a pair that one blocker hides has none, both exactly. All
 // others get lines, each as many as its own error asks for. A pair's lines do not depend on other pairs.
 #pragma once
+#include <array>
 #include <functional>
 #include <span>
 #include <vector>
@@ -56,8 +57,12 @@ class PairLines {
   // Returns the parts of a pair that something may block.    In: pair: an index into find()'s
   std::vector<Part> blockableParts(size_t pair) const;
   // Draws independent lines of one part.
-  //   In: part: Part::index; series: different ones are independent    Out: a function of seed, part and series alone
-  UniformLineCount drawUniform(uint32_t part, uint64_t series, uint64_t lines, Vectors vectors) const;
+  //   In: part: Part::index; series: different ones are independent; most_candidates: for one line
+  //   Out: a function of seed, part and series alone; where a line takes more candidates, all lines are open
+  UniformLineCount drawUniform(uint32_t part, uint64_t series, uint64_t lines, double most_candidates,
+                               Vectors vectors) const;
+  // Returns an estimate of the visibility of one part from 16 scrambled lines.    In, Out: as drawUniform
+  double guessVisibility(uint32_t part, uint64_t series, Vectors vectors) const;
   size_t threads() const { return threads_; }
   void stopIfRequested() const {
     if (stop_) stop_();
@@ -69,6 +74,7 @@ class PairLines {
   };
   LineCount draw(const LinePair& pair, const Group& group, uint64_t replicate, uint32_t times, Vectors vectors) const;
   bool isPartial(const Group& group) const;
+  std::array<uint32_t, 4> scramblesOf(const PatchPair& part, uint64_t replicate) const;
   double findNeed(LinePair& pair, const Group& group, double goal, Vectors vectors) const;
   void forEach(size_t count, const std::function<void(size_t)>& work) const;
 

@@ -173,11 +173,11 @@ TEST(LineGuarantee, TheEnvironmentHasABoundOfItsOwn) {
       // The reference is off by its goal at most but for a chance that the estimator's tests measure.
       EXPECT_LE(interval.lower, expected.value + 1e-3) << found.ids().names[i];
       EXPECT_GE(interval.upper, expected.value - 1e-3) << found.ids().names[i];
-      if (rows) EXPECT_LE(interval.upper - interval.lower, 2 * 0.02 + 1e-9) << found.ids().names[i];
+      EXPECT_LE(interval.upper - interval.lower, rows ? 2 * 0.02 + 1e-9 : 1) << found.ids().names[i];
     }
     EXPECT_TRUE(sees_environment);
     EXPECT_GT(result.guarantee->row_bound, 0);
-    if (rows) EXPECT_LE(result.guarantee->row_bound, 2 * 0.02);
+    EXPECT_LE(result.guarantee->row_bound, rows ? 2 * 0.02 : 1);
   }
 }
 
@@ -195,6 +195,21 @@ TEST(LineGuarantee, SumsOverSurfacesHaveFewerLines) {
     EXPECT_LE(interval.lower, expected + 1e-3);
     EXPECT_GE(interval.upper, expected - 1e-3);
   }
+}
+
+// Slivers side by side: f has no useful bound and their form factor is tiny, so that hardly a candidate is a line.
+TEST(LineGuarantee, SliversEndSoon) {
+  const rt::Corners sliver = rt::rectangle({0, 0, 0}, {1, 0, 0}, {0, 1e-5, 0}),
+                    wall = rt::rectangle({0, -1e-5, 0}, {1e-5, 0, 1e-5}, {0, 0, 1}),
+                    blocker = rt::rectangle({0.2, -1, 0.4}, {0.2, 0, 0}, {0, 2, 0});
+  const Result result = guarantee({sliver, wall, kCeiling, blocker}, 1e-2, 1e-2);
+  ASSERT_TRUE(result.guarantee);
+  EXPECT_LE(result.guarantee->bound, 1e-2);
+  const double truth = reference::formFactorPastBlocker(sliver, kCeiling, blocker).value;
+  EXPECT_LE(result.form_factors.interval(0, 2).lower, truth + 1e-5);
+  EXPECT_GE(result.form_factors.interval(0, 2).upper, truth - 1e-5);
+  for (uint32_t i = 0; i < result.form_factors.ids().count(); ++i)
+    EXPECT_GE(result.form_factors.interval(i, kEnvironment).upper, result.form_factors.interval(i, kEnvironment).lower);
 }
 
 TEST(LineGuarantee, ThreadsDoNotMatter) {
