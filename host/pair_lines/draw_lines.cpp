@@ -14,8 +14,8 @@ namespace {
 
 using glm::dvec3;
 
-// Bits of Sobol' points, the first binary digit lowest: of each dimension, for every bit of a point's number in Gray's
-// order. Primitive polynomials and first numbers: Joe & Kuo, new-joe-kuo-6.21201, dimensions 1 to 4.
+// SobolBits has the direction numbers of Sobol' points in Gray's order: for each dimension and each bit of a point's
+// number, with the first binary digit lowest. Source: Joe & Kuo, new-joe-kuo-6.21201, dimensions 1 to 4.
 class SobolBits {
  public:
   static constexpr int kBits = 32, kDimensions = 4;
@@ -38,7 +38,7 @@ class SobolBits {
       for (int k = 0; k < kBits; ++k)
         for (int bit = 0; bit < kBits; ++bit) of[d][k] |= (numbers[k] >> bit & 1) << (31 - bit);
     }
-    // Of the points of one block, by lane.
+    // The points of one block differ in four bits of their number: each lane has its own.
     for (int d = 0; d < kDimensions; ++d)
       for (uint32_t lane = 0; lane < kLineLanes; ++lane)
         for (int k = 0; k < 4; ++k)
@@ -58,8 +58,8 @@ struct Vector {
 VIEWPEEL_INLINE Floats dot(const float* n, const Vector& v) { return n[0] * v.x + n[1] * v.y + n[2] * v.z; }
 VIEWPEEL_INLINE Floats dot(const Vector& a, const Vector& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
-// Owen's scrambling by a hash (B. Burley, Practical hash-based Owen scrambling, JCGT 9(4), 2020; constants of N.
-// Vegdahl, Building a better LK hash, 2021), and the numbers in [0, 1) that the digits make.
+// Scrambles digits as Owen does, by a hash, and makes numbers in [0, 1) of them (B. Burley, Practical hash-based Owen
+// scrambling, JCGT 9(4), 2020; constants of N. Vegdahl, Building a better LK hash, 2021).
 VIEWPEEL_INLINE Floats scrambled(Words digits, uint32_t seed) {
   Words x = digits ^ (digits * all(0x3d20adeau));
   x += all(seed);
@@ -74,7 +74,7 @@ VIEWPEEL_INLINE Floats scrambled(Words digits, uint32_t seed) {
   return __builtin_convertvector((Integers)(x >> 8), Floats) * 0x1p-24f;
 }
 
-// The tangent of an angle within (-pi/2, pi/2), to 4e-7 of itself: of half the angle, by its series, and then doubled.
+// Returns the tangent of an angle within (-pi/2, pi/2), to 4e-7 of itself. It doubles a series of half the angle.
 VIEWPEEL_INLINE Floats tangent(const Floats& angle) {
   const Floats x = 0.25f * angle, s = x * x;  // |x| < 0.4
   const Floats quarter =
@@ -85,7 +85,7 @@ VIEWPEEL_INLINE Floats tangent(const Floats& angle) {
   return 2.0f * half / (1.0f - half * half);
 }
 
-// The angle of a tangent, to 3e-7 (S. Moshier, Cephes, atanf).
+// Returns the angle of a tangent, to 3e-7 (S. Moshier, Cephes, atanf).
 VIEWPEEL_INLINE Floats arcTangent(const Floats& tangent) {
   const Floats size = tangent < 0.0f ? -tangent : tangent;
   constexpr float large = 2.414213562f, middle = 0.4142135624f, quarter = std::numbers::pi_v<float> / 4;
@@ -100,14 +100,14 @@ VIEWPEEL_INLINE Floats arcTangent(const Floats& tangent) {
   return tangent < 0.0f ? -angle : angle;
 }
 
-// Sixteen lines from p to q = p + d. Lines that are not open start or end on a back, or miss the other patch.
+// Lines are sixteen lines from p to q = p + d. Lines that are not open start or end on a back, or miss the other patch.
 struct Lines {
   Vector p, q, d;
   Floats weight;
   Floats open;  // above 0 where it is
 };
 
-// Points on a patch, and the density of its area there.
+// Returns points on a patch, and the density of its area there.
 template <class End>
 VIEWPEEL_INLINE Vector pointOn(const End& of, Floats s, Floats t, Floats& density) {
   if (of.is_triangle) {
@@ -131,7 +131,7 @@ VIEWPEEL_INLINE Floats beyond(const float (*edges)[4], uint32_t count, const Vec
   return most;
 }
 
-// Moves u to where the warp is dense; stretch: multiplied by the density that is lost.
+// Moves u to where the warp is dense, and multiplies `stretch` by the density that is lost.
 template <class Warp>
 VIEWPEEL_INLINE void warp(const Warp& by, Floats& u, Floats& stretch) {
   Floats warped = u * by.scales[0], scale = all(by.scales[0]);
@@ -143,7 +143,7 @@ VIEWPEEL_INLINE void warp(const Warp& by, Floats& u, Floats& stretch) {
   stretch *= scale;
 }
 
-// Lines from points to points: eq. (43) of docs/method.md.
+// Draws lines from points to points, eq. (43) of docs/method.md.
 template <class End>
 VIEWPEEL_INLINE Lines drawPoints(const End& first, const End& second, const Floats* u) {
   Lines lines;
@@ -157,7 +157,7 @@ VIEWPEEL_INLINE Lines drawPoints(const End& first, const End& second, const Floa
   return lines;
 }
 
-// Lines from points by angles: eq. (45).
+// Draws lines from points by angles, eq. (45).
 template <class End, class Warp>
 VIEWPEEL_INLINE Lines drawAngles(const End& first, const End& second, const Warp* warps, const Floats* u) {
   Lines lines;
@@ -184,7 +184,7 @@ VIEWPEEL_INLINE Lines drawAngles(const End& first, const End& second, const Warp
   return lines;
 }
 
-// Lines of no length, between patches of one plane.
+// Draws lines of no length, between patches of one plane.
 template <class End>
 VIEWPEEL_INLINE Lines drawContact(const End& first, const End& second, const Floats* u) {
   Lines lines;
@@ -209,7 +209,7 @@ void toFloats(const dvec3& v, float* to) {
   for (int axis = 0; axis < 3; ++axis) to[axis] = static_cast<float>(v[axis]);
 }
 
-// Of unit length.
+// Returns the direction of the longest edge, of unit length.
 dvec3 longestEdge(const Patch& patch) {
   dvec3 longest(0);
   for (uint32_t k = 0; k < patch.corner_count; ++k) {
@@ -219,7 +219,7 @@ dvec3 longestEdge(const Patch& patch) {
   return glm::normalize(longest);
 }
 
-// From a point to a patch, by Lambert's formula; what lies behind the point's plane counts less than 0.
+// Returns the form factor from a point to a patch, by Lambert's formula. Parts behind the point's plane subtract.
 double pointFormFactor(const dvec3& p, const dvec3& normal, const Patch& patch) {
   double sum = 0;
   for (uint32_t k = 0; k < patch.corner_count; ++k) {
@@ -236,7 +236,7 @@ double pointFormFactor(const dvec3& p, const dvec3& normal, const Patch& patch) 
 LineDrawer::End LineDrawer::endOf(const Patch& patch, const dvec3& origin, bool folds_triangles) {
   End end{};
   end.is_triangle = patch.corner_count == 3 && folds_triangles;
-  // Without folding a triangle's last corner is its first one again: a square with one collapsed side.
+  // Without folding a triangle is a square with one collapsed side: its last corner is its first one again.
   const dvec3* const c = patch.corners;
   const dvec3 last = patch.corner_count == 3 ? c[0] : c[3];
   const dvec3 side_a = c[1] - c[0], side_b = (end.is_triangle ? c[2] : last) - c[0],
@@ -285,7 +285,7 @@ LineDrawer::LineDrawer(const Patch& a, const Patch& b, LineWay way, double excha
   }
 }
 
-// Sets the rectangle of the second patch that angles go to: around what the first patch has in front of it.
+// Sets the rectangle that angles go to. It lies around the part of the second patch in front of the first one.
 void LineDrawer::frameSecond(const Patch& small, const Patch& large) {
   dvec3 seen[8];
   uint32_t count = 0;

@@ -112,7 +112,7 @@ struct FormFactorRun::State {
   Result resultOf(Estimate estimate) const;
 };
 
-// As the request has it.
+// Makes the plan that the request spells out.
 Plan FormFactorRun::State::makeFixedPlan() const {
   Plan fixed;
   fixed.directions = setup.estimate().directions;
@@ -143,15 +143,15 @@ Plan FormFactorRun::State::makePlanOfRequest() {
   return planned();
 }
 
-// Whether any line of a few directions ends on a back.
+// Returns whether any line of a few directions ends on a back.
 bool FormFactorRun::State::leaks() {
   const std::vector<Direction> directions =
       sampleDirections(setup.estimate().sampler, 2 * kLineRunDirections, setup.request().seed, kLineReplicates.first);
   return std::ranges::any_of(plan->engine->count(directions), [](const PairCount& count) { return count.j == kLeak; });
 }
 
-// Few common directions, and lines for each pair. Without pair lines where it is not defined what lies between two
-// polygons.
+// Plans few common directions, and lines for each pair. Where coincident polygons have no order, or there are too many
+// pairs, it plans without pair lines.
 void FormFactorRun::State::planPairLines() {
   plan.emplace();
   plan->directions = setup.faceIds().counts_environment ? kLineRunDirections : 0;
@@ -171,7 +171,7 @@ void FormFactorRun::State::planPairLines() {
         "--sheets or --solids, or leave out --pair-lines");
   if (pair_lines->hasUnordered()) return planWithoutPairLines();
   const EstimateOptions& options = setup.estimate();
-  // Half of the time is for finding pairs, and for further lines of those that need them.
+  // Half of the time is left for finding pairs, and for further lines of pairs that need them.
   const double threads = setup.request().threads ? setup.request().threads : double(threadCount()),
                most_lines = options.seconds ? *options.seconds / 2 * threads / kSecondsOfLine : INFINITY;
   line_pairs = resumed ? resumed->sums.lines->pairs()
@@ -287,7 +287,7 @@ void FormFactorRun::State::step() {
   tell();
 }
 
-// Of a run that was stopped before it counted anything.
+// Returns the estimate of a run that was stopped before it counted anything.
 Estimate FormFactorRun::State::estimateOfNothing() const {
   return {FormFactors(setup.ids(), {}, std::vector<Measured>(setup.ids().count())),
           FormFactors({}, {}, {}),

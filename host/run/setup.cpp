@@ -95,9 +95,9 @@ Setup::Setup(const Scene& scene, Request request, std::function<void(uint64_t)> 
   make_engine_ = isExact() ? request_.exact_engine : latticeEngines(engine_, device());
 }
 
-// Visibilities pay between surfaces for small tolerances only, for there counts vary less than their parts. Where lines
-// hit many fronts, as with two-sided polygons, blocked pairs cost more than they gain. A guarantee's tests of lattices
-// each wait for unoccluded form factors of all pairs (docs/speed.md).
+// Decides whether to use unoccluded form factors (docs/speed.md). Between surfaces they pay for small tolerances only:
+// counts of surfaces vary less than counts of their parts. Where lines hit many fronts, as with two-sided polygons,
+// blocked pairs cost more than they gain. In a guarantee each test of a lattice would wait for them.
 void Setup::settleUnoccluded() {
   const bool pays =
       !request_.two_sided && !guarantee() &&
@@ -113,8 +113,8 @@ void Setup::settleUnoccluded() {
                           kMostPriorPairs, pairCount(scene_.faces.size())));
 }
 
-// Lines of pairs are drawn on the processor's threads. Rough goals of many polygons are reached sooner by directions
-// that all pairs have in common (docs/speed.md).
+// Decides whether to use pair lines, which the processor's threads draw. Rough goals of many polygons are reached
+// sooner by directions that all pairs have in common (docs/speed.md).
 void Setup::settlePairLines() {
   const bool is_open = !request_.unoccluded && !request_.sampling && !request_.sampler && !resolution_ && plans_ &&
                        (request_.engine == EngineKind::automatic || request_.engine == EngineKind::host);
@@ -124,8 +124,8 @@ void Setup::settlePairLines() {
   if (pair_lines_) askOnlyFor(request_.question, scene_, face_ids_);
 }
 
-// Chooses compute shaders on a GPU; on a processor its own threads are many times faster than the shaders are through a
-// software driver (README). The counts are the same.
+// Chooses compute shaders on a GPU, else the processor's threads, which are many times faster than shaders through a
+// software driver (docs/speed.md). The counts are the same.
 void Setup::chooseEngine() {
   engine_ = request_.engine;
   if (engine_ == EngineKind::automatic) {

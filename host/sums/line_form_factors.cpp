@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kBeyondDoubt = 3;  // standard errors of a row's pairs
 
-// Sums of independent entries.
+// Adds the entries of faces up to entries of surfaces. Their errors are independent.
 std::vector<FormFactors::Entry> mergeBySurface(std::vector<FormFactors::Entry> entries,
                                                const std::vector<uint32_t>& surface) {
   for (FormFactors::Entry& entry : entries) {
