@@ -68,7 +68,7 @@ std::vector<LinePair> planLines(PairLines& lines, const Ids& face_ids, const Ids
   };
   lines.plan(pairs, allowedTo, options.replicates);
   double all = 0;
-  for (const LinePair& pair : pairs) all += 16.0 * pair.blocks * options.replicates / pair.period;
+  for (const LinePair& pair : pairs) all += pair.linesIn(options.replicates);
   if (!(all > most_lines)) return pairs;
   // The number of lines falls as the error to the power of -8/5.
   const double relief = std::pow(all / most_lines, 5.0 / 8);

@@ -159,9 +159,7 @@ void FormFactorRun::State::planPairLines() {
   plan->groups = groupAsOne(setup.scene(), lattices.lattice.resolution);
   plan->engine = makeEngine(lattices, setup.scene(), setup.faceIds(), plan->groups);
   const auto begun = Clock::now();
-  const auto hasBack = [&](const LinePair& pair) { return pair.j >= setup.faceIds().count(); };
-  const bool with_leak =
-      resumed ? std::ranges::any_of(resumed->sums.lines->pairs(), hasBack) : plan->directions > 0 && leaks();
+  const bool with_leak = resumed ? resumed->sums.lines->hasBacks() : plan->directions > 0 && leaks();
   pair_lines.emplace(setup.scene(), setup.faceIds(), with_leak, setup.request().seed, setup.request().threads,
                      [this] { stopIfRequested(); });
   if (pair_lines->hasUnordered() && (setup.request().pair_lines || resumed))
@@ -188,7 +186,7 @@ void FormFactorRun::State::planPairLines() {
   const PairLinesFigures figures = pair_lines->figures();
   plan->pair_lines = {figures.clear, figures.partial, 0, figures.blockers, secondsSince(begun)};
   for (const LinePair& pair : line_pairs)
-    plan->pair_lines->lines += uint64_t(16) * pair.blocks * options.replicates / pair.period;
+    plan->pair_lines->lines += static_cast<uint64_t>(pair.linesIn(options.replicates));
 }
 
 void FormFactorRun::State::planWithoutPairLines() {
@@ -250,11 +248,8 @@ void FormFactorRun::State::begin() {
   }
   progress.directions_of_replicate = plan->directions;
   if (pair_lines) {
-    EstimateOptions options = setup.estimate();
-    options.directions = plan->directions;
-    options.resumed = resumed ? &resumed->sums : nullptr;
-    if (options.seconds) options.seconds = std::max(*options.seconds - secondsSince(*start), 1e-3);
-    line_run.emplace(*plan->engine, setup.scene(), setup.faceIds(), *pair_lines, std::move(line_pairs), options);
+    line_run.emplace(*plan->engine, setup.scene(), setup.faceIds(), *pair_lines, std::move(line_pairs),
+                     estimateOptions());
     is_done = line_run->isDone();
     return;
   }
@@ -274,17 +269,14 @@ void FormFactorRun::State::step() {
     is_done = guarantee_run->isDone();
     return;
   }
-  if (line_run) {
-    line_run->step();
-    is_done = line_run->isDone();
-    progress.largest_standard_error = line_run->largestStandardError();
+  const auto stepOf = [&](auto& run) {
+    run.step();
+    is_done = run.isDone();
+    progress.largest_standard_error = run.largestStandardError();
     tell();
-    return;
-  }
-  estimate_run->step();
-  is_done = estimate_run->isDone();
-  progress.largest_standard_error = estimate_run->largestStandardError();
-  tell();
+  };
+  if (line_run) stepOf(*line_run);
+  else stepOf(*estimate_run);
 }
 
 // Returns the estimate of a run that was stopped before it counted anything.

@@ -105,6 +105,10 @@ bool LineSums::goesWith(const LineSums& others) const {
   return by_ == others.by_ && std::ranges::equal(pairs_, others.pairs_, {}, linesOf, linesOf);
 }
 
+bool LineSums::hasBacks() const {
+  return std::ranges::any_of(pairs_, [&](const LinePair& pair) { return pair.j >= ids_.count(); });
+}
+
 double LineSums::smallerArea(const LinePair& pair) const {
   return std::min(ids_.areas[pair.i], pair.j < ids_.count() ? ids_.areas[pair.j] : INFINITY);
 }

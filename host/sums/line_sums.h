@@ -24,6 +24,8 @@ struct LinePair {
 
   bool operator==(const LinePair&) const = default;
 
+  // Returns how many lines are planned for so many replicates.
+  double linesIn(uint32_t replicates) const { return 16.0 * blocks * replicates / period; }
   // Returns whether the pair has lines in a replicate. Pairs take turns.
   bool hasLines(uint64_t replicate) const {
     return blocks && (replicate + i * 0x9E3779B9u + j * 0x85EBCA6Bu) % period == 0;
@@ -78,8 +80,9 @@ class LineSums {
   // Returns the lines of all pairs, in all replicates so far.
   uint64_t lineCount() const;
 
-  // Returns whether a pair is one of a face and a back.
+  // Returns whether a pair is one of a face and a back, and whether any is.
   bool hasBack(size_t pair) const { return pairs_[pair].j >= ids_.count(); }
+  bool hasBacks() const;
   // Returns the area of a pair's smaller face, or of the face where the other is a back; input units squared.
   double smallerArea(const LinePair& pair) const;
   // Returns exchange areas of all pairs, and of faces with kLeak as sums over their pairs with backs, sorted; input
