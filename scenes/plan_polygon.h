@@ -15,7 +15,7 @@ bool contains(const PlanPolygon& polygon, glm::dvec2 point);
 double distanceTo(const PlanPolygon& polygon, glm::dvec2 point);  // of a point to the outline
 glm::dvec2 meanOf(const PlanPolygon& polygon);                    // of its corners
 
-// The convex polygon whose sides lie `distance` further in.    In: convex, its inscribed circle larger than that
+// Returns the polygon whose sides lie `distance` further in.    In: convex, its inscribed circle larger than `distance`
 PlanPolygon inset(const PlanPolygon& polygon, double distance);
 
 // A rectangle about a centre, turned.

@@ -465,7 +465,7 @@ void main() {
   }
   uint list_begin = 0u,
        list_end =
-           kScanlines ? 0u : polygon_count;  // the samples pass these: of the list or, with scanlines, of `window`
+           kScanlines ? 0u : polygon_count;  // the samples pass so many: of the list or, with scanlines, of `window`
   while (first < sample_count && !cut) {
     loadSamples(tile, first, sample_count, resume, lane, list_begin, list_end, cut);
     resume = 0u;

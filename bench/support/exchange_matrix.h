@@ -30,7 +30,7 @@ class ExchangeMatrix {
   std::vector<double> values_;
 };
 
-// A MatrixError is that of form factors, over all ordered pairs i != j. The weighted ones give each pair the weight
+// A MatrixError is the error of form factors over all ordered pairs i != j. The weighted ones give each pair the weight
 // w_ij = C_ij = A_i F_ij / 2 that it has in the exchange of radiation. So rms = sqrt(sum w e^2 / sum w), largest = max
 // sqrt(w / max w) |e|.
 struct MatrixError {

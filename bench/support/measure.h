@@ -28,8 +28,8 @@ inline double median(std::vector<double> values) {
   return (values[(values.size() - 1) / 2] + values[values.size() / 2]) / 2;
 }
 
-// A PowerLaw is y = exp(intercept) x^exponent, by least squares on logarithms. The standard error is that of the
-// exponent from the residuals.
+// A PowerLaw is y = exp(intercept) x^exponent, by least squares on logarithms. The standard error is of the exponent,
+// from the residuals.
 struct PowerLaw {
   double exponent = 0, intercept = 0, standard_error = 0;
   double at(double x) const { return std::exp(intercept) * std::pow(x, exponent); }

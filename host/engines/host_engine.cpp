@@ -113,10 +113,10 @@ std::vector<PairCounts> HostEngine::countBlocks(std::span<const Direction> direc
       worker.sweep.count(direction, worker.table);
     blocks[k] = worker.table.take();
   };
-  const auto tell = [&](size_t done) {
+  const auto report = [&](size_t done) {
     if (options_.on_batch) options_.on_batch(done * block_directions);
   };
-  shareOut(workers_.size(), blocks.size(), 1, countBlock, tell);
+  shareOut(workers_.size(), blocks.size(), 1, countBlock, report);
   directions_ += directions.size();
   is_clear_ = true;
   return blocks;

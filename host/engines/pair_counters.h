@@ -38,7 +38,7 @@ class PairCounters {
   }
   // Returns whether the table may be more than half full after two more batches like the last.
   bool isCrowded() const { return isSparse() && pairs_ > 0 && pairs_ + 2 * last_pairs_ > capacity_ / 2; }
-  // Empties the table into the host's sums and makes it larger, where the device has room for that; nothing is lost.
+  // Empties the table into the host's sums and makes it larger, where the device has room for it; nothing is lost.
   // The device must be idle.
   void makeRoom(Commands& commands);
   // Makes the table larger; start() has to follow.

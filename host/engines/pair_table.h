@@ -18,7 +18,7 @@ class SharedPairs {
 
   struct Addition {
     uint64_t key;     // keyOf
-    uint64_t weight;  // twice that, and one more for blocked lines
+    uint64_t weight;  // twice the weight, and one more for blocked lines
   };
   static uint64_t keyOf(uint32_t i, uint32_t j) { return ~(uint64_t(i) << 32 | j); }  // not 0
 

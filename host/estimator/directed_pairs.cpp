@@ -138,7 +138,7 @@ std::vector<Need> findNeeds(const Ids& ids, const Prior& prior, const CommonPilo
         double(is_pair ? std::min(prior.lines[pair.first], prior.lines[pair.second]) : prior.lines[pair.first]);
     if (pair_prior && is_pair && pair_prior->exchange < INFINITY) error.most = std::min(pair_prior->exchange, area);
     const std::optional<double> variance = variances.of(pair);
-    // The variance is that of one replicate, whose directions are those of all pilots.
+    // The variance is of one replicate, which has as many directions as all pilots.
     error.variance = variance.value_or(0) * pilots.directions / directions;
     error.has_variance = variance.has_value();
     const bool may_direct = is_pair && error.most < INFINITY;
@@ -258,8 +258,8 @@ DirectedPair fit(PairSampler& sampler, const Ids& ids, const Need& need, Directe
   };
   const double without = errorWith(false), with = errorWith(true);
   pair.visibility = with <= without ? visibilityOf(addCounts(halves[0], halves[1])) : 0;
-  // A pair is brought to half of its allowance, for errors of pilots are not those of the run. No direction is worth
-  // more.
+  // A pair is brought to half of its allowance, for errors of pilots differ from errors of the run. No direction is
+  // worth more.
   const double goal = need.allowed / 2;
   const double directions =
       std::max(kPilots * kPilotDirections * std::pow(std::min(with, without) / goal, 2), need.most / goal) /

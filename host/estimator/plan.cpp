@@ -149,7 +149,7 @@ class Planner {
                                     double count_area) const;
   Choice choose() const;
   Choice choose(bool by_time) const;
-  // The directions are those of a pilot.
+  // The directions are a pilot's.
   double allowedSeconds() const { return std::min(kMostPilotSeconds, 0.1 * options_.seconds.value_or(INFINITY)); }
   // The seconds are those left of the given time, with some to spare for making engines.
   double secondsLeft() const { return std::max(0.8 * (*options_.seconds - pilot_seconds_), 0.1 * *options_.seconds); }
@@ -244,7 +244,7 @@ void Planner::makeEngine(uint32_t directions, const Shape& shape) {
   engine_->count(directionsOf(4, kTrialReplicates.end - 1).directions);
 }
 
-// The time is that of `directions` directions.
+// The time is of `directions` directions.
 double Planner::timeDirections(uint32_t count) {
   const auto start = Clock::now();
   engine_->count(directionsOf(count, kTrialReplicates.end - 2).directions);
@@ -319,7 +319,7 @@ void Planner::measure(uint32_t directions, const Shape& shape) {
 }
 
 // Returns the largest standard error that the run would state after the pilot. Pairs that few lines hit have the
-// standard error of their own lines and their neighbours'. Unoccluded form factors are those of the lines themselves.
+// standard error of their own lines and their neighbours'. Unoccluded form factors are the lines' own counts.
 double Planner::largestErrorOfVisibilities(const std::vector<PilotCounts>& counted, double measure_area,
                                            double count_area) const {
   VisibilitySums sums(ids_);
@@ -352,7 +352,7 @@ double Planner::directionVariance(double directions) const {
   return last.variances.of_directions * std::pow(last.directions / directions, exponent);
 }
 
-// Returns whether the predicted variance is that of lattices alone, which hid the directions' in the pilot. Then its
+// Returns whether the predicted variance is of lattices alone, which hid the directions' in the pilot. Then its
 // lattices hardly hit pairs that the plan's own hit often.
 bool Planner::isDoubtful(const Choice& choice) const {
   const Pilot& last = pilots_.back();

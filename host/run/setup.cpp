@@ -84,7 +84,7 @@ Setup::Setup(const Scene& scene, Request request, std::function<void(uint64_t)> 
   lattice_.measure_work = request_.measure_work;
   lattice_.on_batch = std::move(on_batch);
   lattice_.stop = stop_;
-  askOnlyFor(request_.question, scene_, ids_);
+  restrictToQuestion(request_.question, scene_, ids_);
   settleUnoccluded();
   chooseEngine();
   settlePairLines();
@@ -121,7 +121,7 @@ void Setup::settlePairLines() {
   const bool pays =
       scene_.faces.size() <= kMostPairLineFaces && (!estimate_.tolerance || *estimate_.tolerance <= kPairLineTolerance);
   pair_lines_ = request_.pair_lines.value_or(is_open && pays && mayUsePairLines(request_));
-  if (pair_lines_) askOnlyFor(request_.question, scene_, face_ids_);
+  if (pair_lines_) restrictToQuestion(request_.question, scene_, face_ids_);
 }
 
 // Chooses compute shaders on a GPU, else the processor's threads, which are many times faster than shaders through a

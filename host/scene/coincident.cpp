@@ -45,11 +45,11 @@ struct Overlap {
   bool is_forced = false;
 };
 
-// Votes are those of the rays to one side of a place.
+// Votes come from the rays to one side of a place.
 struct Votes {
   double free = 0, solid = 0;
   int missed = 0, waiting = 0;
-  double heard() const { return free + solid; }
+  double total() const { return free + solid; }
   double score() const { return free - solid; }
 };
 
@@ -349,18 +349,18 @@ void Stacking::decideByGap(Overlap& overlap) const { overlap.side = overlap.gap 
 bool Stacking::orderPair(Overlap& overlap, bool takes_any) {
   const Place& place = places_[place_of_[static_cast<size_t>(&overlap - overlaps_.data())]];
   const Votes ahead = castRays(place, 1), behind = castRays(place, -1);
-  const double score = ahead.score() + behind.score(), heard = ahead.heard() + behind.heard();
+  const double score = ahead.score() + behind.score(), total = ahead.total() + behind.total();
   const int waiting = ahead.waiting + behind.waiting;
   const double least_score = takes_any || waiting == 0 ? 0.5 : 2;
-  const bool is_clear = std::abs(score) >= least_score && 2 * std::abs(score) >= heard;
+  const bool is_clear = std::abs(score) >= least_score && 2 * std::abs(score) >= total;
   if (is_clear) {
     overlap.side = score > 0 ? -1 : 1;
     return true;
   }
   if (waiting > 0) return false;
   // Rays that all leave the scene have hit nothing: a sheet in space, unless its sides face each other across a gap.
-  if (heard > 0) ++in_doubt_;
-  if (heard > 0 && contradictions_++ == 0) {
+  if (total > 0) ++in_doubt_;
+  if (total > 0 && contradictions_++ == 0) {
     const Face& face = scene_.faces[scene_.polygons[overlap.a].face];
     first_contradiction_ = fmt::format("{}[{}]", scene_.surfaces[face.surface].name, face.number);
   }

@@ -95,7 +95,7 @@ class ObjReader {
   }
 
   // Groups of one name in different objects are different surfaces: their names get the objects' names.
-  void tellGroupsApart() {
+  void separateGroups() {
     std::unordered_map<std::string, uint32_t> uses;
     for (const std::string& name : scene_.surface_names) ++uses[name];
     const std::vector<std::string> names = scene_.surface_names;
@@ -121,7 +121,7 @@ class ObjReader {
   }
 
   InputScene finish() {
-    tellGroupsApart();
+    separateGroups();
     for (const Face& face : faces_) {
       InputFace input{{}, face.surface, face.line};
       for (uint64_t index : face.vertices) {

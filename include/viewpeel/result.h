@@ -28,7 +28,7 @@ struct Estimate {
   FormFactors form_factors;
   FormFactors between_surfaces;  // the same counts summed by surface
   uint64_t replicates = 0;
-  uint64_t directions = 0;  // in all, without those of directed pairs
+  uint64_t directions = 0;  // in all, without directions of directed pairs
   double largest_standard_error = 0;
   double largest_relative_error = 0;  // over form factors of at least relative_floor
   // An interrupted run may not have reached its goal. Standard errors are infinite with fewer than 2 replicates.
@@ -42,8 +42,8 @@ struct Estimate {
   // among the largest.
   uint64_t unseen_pairs = 0;
   double largest_unseen_error = 0;
-  uint64_t directed_pairs = 0, directed_directions = 0;  // pairs with directions of their own, and all of these
-  uint64_t line_pairs = 0, lines = 0;                    // pairs with lines between them alone, and all of these
+  uint64_t directed_pairs = 0, directed_directions = 0;  // pairs with directions of their own, and all these directions
+  uint64_t line_pairs = 0, lines = 0;                    // pairs with lines between them alone, and all these lines
   // Each form factor of a pair without a line is below this bound, from the smaller of its pair, with 95 % confidence.
   // It is infinite where unoccluded form factors of all pairs leave no such pair.
   double unmet_bound = INFINITY;
@@ -64,21 +64,21 @@ struct GuaranteeFigures {
   double largest_range = 0;  // M: the most that a direction adds to a form factor
   uint64_t hoeffding = 0;    // directions
   uint32_t block_directions = 0;
-  uint64_t least_blocks = 0;              // Bernstein's bound cannot be epsilon before these
-  uint64_t most_blocks = 0;               // Hoeffding's bound is epsilon after these
+  uint64_t least_blocks = 0;              // Bernstein's bound cannot be epsilon before these blocks
+  uint64_t most_blocks = 0;               // Hoeffding's bound is epsilon after these blocks
   uint64_t expected_blocks = 0;           // an estimate, from a pilot
   double lemma_1 = 0, lemma_1_all = 0;    // directions of Pellegrini's Lemma 1: for one pair, and for m bounds at once
   uint64_t runs = 0, run_directions = 0;  // of the median
   double least_seconds = 0, expected_seconds = 0, most_seconds = 0;  // estimates
 };
 
-// A PairLinesSummary counts pairs of polygons that see each other with nothing in between, but for those that one
+// A PairLinesSummary counts pairs of polygons that see each other with nothing in between, but for pairs that one
 // blocker hides.
 struct PairLinesSummary {
   uint64_t clear = 0;     // pairs that nothing can block: their form factors are the unoccluded ones
   uint64_t partial = 0;   // pairs that get lines
   uint64_t lines = 0;     // of these pairs, in all replicates of the request
-  uint64_t blockers = 0;  // all polygons were joined to these
+  uint64_t blockers = 0;  // all polygons were joined to so many
   double seconds = 0;     // spent on finding the pairs and planning their lines
 };
 
@@ -100,7 +100,7 @@ struct PlanSummary {
   std::optional<GuaranteeFigures> guarantee;
   std::optional<PairLinesSummary> pair_lines;
   uint64_t unoccluded_pairs = 0;       // of a guarantee: pairs with an unoccluded form factor
-  uint64_t pairs_with_visibility = 0;  // of these, with a visibility from a pilot
+  uint64_t pairs_with_visibility = 0;  // of these pairs, with a visibility from a pilot
 };
 
 // Returns the program's options that give the same plan again: "--directions 64 --resolution 128 --unoccluded on".
@@ -110,10 +110,11 @@ std::string optionsOf(const PlanSummary& plan);
 // A PriorSummary says what pilots and unoccluded form factors found before the first replicate.
 struct PriorSummary {
   uint64_t pairs = 0;          // of polygons, with unoccluded form factors
-  uint64_t never_blocked = 0;  // of these, in the pilot
+  uint64_t never_blocked = 0;  // of these pairs, in the pilot
   // These pairs are left to sampling alone, as their unoccluded form factors were not accurate enough.
   uint64_t unreached = 0;
-  uint64_t directed_pairs = 0, directed_directions = 0;  // pairs with directions of their own, and these in a replicate
+  uint64_t directed_pairs = 0,
+           directed_directions = 0;  // pairs with directions of their own, and directions of a replicate
   double pilot_seconds = 0, unoccluded_seconds = 0, directed_seconds = 0;
 };
 

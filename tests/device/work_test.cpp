@@ -13,7 +13,7 @@ Work workOf(const InputScene& input, const std::vector<Direction>& directions, c
             const Question& question = {}) {
   const Scene scene = buildScene(input);
   Ids ids = makeIds(scene, By::polygon, false);
-  askOnlyFor(question, scene, ids);
+  restrictToQuestion(question, scene, ids);
   LatticeOptions options = lattice;
   options.measure_work = true;
   const auto engine = makeComputeEngine(testDevice(), scene, ids, options);

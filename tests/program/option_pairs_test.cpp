@@ -425,7 +425,7 @@ class OptionPairs : public Program {
     if (has(run, "goal", "--epsilon 0.2")) stated.bound = 0.2;
     if (has(run, "goal", "--epsilon 0.5")) stated.bound = 0.5;
     if (has(run, "goal", "--seconds")) {
-      const std::optional<uint64_t> replicates = replicatesSaid(out);
+      const std::optional<uint64_t> replicates = replicatesIn(out);
       if (!replicates) return;  // --quiet: nobody says how many there were
       stated.quantile = std::max(stated.quantile, studentQuantile(*replicates));
     }
@@ -435,7 +435,7 @@ class OptionPairs : public Program {
     EXPECT_EQ(rows_are_whole ? fmt::format("{}", fmt::join(findOpenRows(found, stated), "\n")) : "", "");
   }
 
-  static std::optional<uint64_t> replicatesSaid(const std::string& out) {
+  static std::optional<uint64_t> replicatesIn(const std::string& out) {
     for (const char* before : {"\"replicates\": ", "work       "})
       if (const size_t at = out.find(before); at != std::string::npos)
         return std::strtoull(out.c_str() + at + std::string(before).size(), nullptr, 10);

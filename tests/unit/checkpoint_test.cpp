@@ -108,7 +108,7 @@ std::string messageOf(Use use) {
 
 TEST_F(CheckpointFile, ReadsBackEveryBit) {
   Ids ids = ids_;
-  askOnlyFor({.from = {"upper box"}}, scene_, ids);
+  restrictToQuestion({.from = {"upper box"}}, scene_, ids);
   ids.names[0] = "wall, \"nörth\"";
   RunSums sums = makeRunSums(scene_, ids);
   sums.measure_area = 1 / 3.0;
