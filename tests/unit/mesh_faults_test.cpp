@@ -232,5 +232,39 @@ TEST_F(ObjNames, GroupsOfOneNameInDifferentObjectsStaySeparate) {
   EXPECT_THROW(load("o a;g s;f;o b;g s;f;o a/s;f"), Error);
 }
 
+// Materials name surfaces where neither objects nor groups do.
+TEST_F(ObjNames, MaterialsNameSurfacesWhereNothingElseDoes) {
+  using Names = std::vector<std::string>;
+  EXPECT_EQ(surfacesOf("usemtl brick;f;usemtl glass;f;usemtl brick;f"), (Names{"brick", "glass"}));
+  EXPECT_EQ(surfacesOf("f;usemtl glass;f"), (Names{file_.stem().string(), "glass"}));
+  EXPECT_EQ(surfacesOf("g;o;usemtl brick;f"), (Names{"brick"}));
+  EXPECT_EQ(surfacesOf("o wall;usemtl brick;f;usemtl glass;f"), (Names{"wall"}));
+  EXPECT_EQ(surfacesOf("usemtl brick;f;g wall;f"), (Names{file_.stem().string(), "wall"}));
+  EXPECT_TRUE(load("usemtl brick;f;usemtl glass;f").warnings.empty());
+}
+
+// Solids of one name are different surfaces, with numbers after their names.
+TEST(StlNames, SolidsOfOneNameStaySeparate) {
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / ("viewpeel_stl_names_" + std::to_string(::getpid()) + ".stl");
+  const auto load = [&](const std::vector<std::string>& solids) {
+    std::ofstream text(file);
+    for (size_t k = 0; k < solids.size(); ++k)
+      text << "solid " << solids[k] << "\nfacet normal 0 0 1\nouter loop\nvertex 0 0 " << k << "\nvertex 1 0 " << k
+           << "\nvertex 0 1 " << k << "\nendloop\nendfacet\nendsolid\n";
+    text.close();
+    return loadScene(file);
+  };
+  const Scene scene = load({"part", "part", "lid", "part"});
+  std::vector<std::string> names;
+  for (const Surface& surface : scene.surfaces) names.push_back(surface.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"part", "part#2", "lid", "part#3"}));
+  EXPECT_EQ(countWith(scene, "2 solids have the name of a solid before, and a number after it, as 'part#2'"), 1u);
+  EXPECT_EQ(load({"", ""}).surfaces[1].name, file.stem().string() + "#2");
+  EXPECT_EQ(load({"part", "lid"}).warnings.size(), 0u);
+  EXPECT_THROW(load({"part", "part", "part#2"}), Error);
+  std::filesystem::remove(file);
+}
+
 }  // namespace
 }  // namespace viewpeel
