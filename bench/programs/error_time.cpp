@@ -97,7 +97,7 @@ struct Place {
   std::string commit, device, driver;
 };
 
-// The first four columns.
+// Returns the first four columns.
 std::string describe(const Place& place, const Ladder& ladder) {
   const std::string device = ladder.on_device ? place.device : "CPU";
   const std::string driver =

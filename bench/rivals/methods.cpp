@@ -59,7 +59,7 @@ void warmUp(Engine& engine) {
     engine.count(sampleDirections(Sampler::fibonacci, 16, 5, replicate));
 }
 
-// viewpeel's own methods, all by polygon.
+// These are viewpeel's own methods, all by polygon.
 class Viewpeel {
  public:
   Viewpeel(const Device& device, const Scene& scene)

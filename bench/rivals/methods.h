@@ -27,7 +27,7 @@ struct Profile {
   std::string passes;  // shares of the time on the device: "project 0.12 peel 0.70"
 };
 
-// A method made ready for a scene; not to be used after its ladder.
+// A Runner is a method made ready for a scene. It is not to be used after its ladder.
 struct Runner {
   std::function<Outcome(double amount, uint64_t seed)> run;
   double setup_seconds = 0;  // to build what every run needs, kernels compiled

@@ -9,7 +9,7 @@
 
 namespace viewpeel::bench {
 
-// Ladders of ray shooting and of the double area integral, with random and Sobol' points, on all cores.
+// Makes the ladders of ray shooting and of the double area integral, with random and Sobol' points, on all cores.
 void addRayLadders(const Scene& scene, std::vector<Ladder>& ladders);
 
 // One of them as verifyRivals runs it.

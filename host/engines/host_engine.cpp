@@ -102,7 +102,7 @@ PairCounts HostEngine::count(std::span<const Direction> directions) {
   return workers_[0]->table.take();
 }
 
-// Every block by one thread, in dense counters of its own.
+// One thread counts each block, in dense counters of its own.
 std::vector<PairCounts> HostEngine::countBlocks(std::span<const Direction> directions, size_t block_directions) {
   if (shared_) return Engine::countBlocks(directions, block_directions);
   clear();

@@ -52,7 +52,7 @@ class Outlines {
   // Cuts the next rows of the outlines; no more than there are. Of a polygon they follow one after the other.
   Cuts cut();
 
-  // Of an outline of this block.
+  // Returns the polygon of an outline of this block, and whether its front is up.
   uint32_t polygonOf(uint32_t outline) const { return static_cast<uint32_t>(first_ + reaching_[outline]); }
   bool isFrontUp(uint32_t outline) const { return front_up_[outline]; }
 

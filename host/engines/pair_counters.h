@@ -45,9 +45,9 @@ class PairCounters {
   //   Throws: Error limit where it has too many places; Error memory where the device has no room for them: then
   //   start() makes the table that was.
   void enlarge();
-  // Everything counted since start(), of one block.
+  // Returns all that was counted since start(), of one block.
   PairCounts finish(Commands& commands);
-  // The same of each block.
+  // Returns the same counts of each block.
   std::vector<PairCounts> finishBlocks(Commands& commands);
 
  private:

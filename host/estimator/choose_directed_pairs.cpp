@@ -182,7 +182,7 @@ class RunWork {
           const CommonPilots& pilots, const EstimateOptions& options)
       : sampler_(sampler), needs_(needs), options_(options) {
     const double polygons = double(ids.of_polygon.size());
-    // Lattice points of faces along a direction. The mean projection of a face is half of its area.
+    // Counts lattice points of faces along a direction. The mean projection of a face is half of its area.
     double points = 0;
     for (uint32_t k = 0; k < ids.count(); ++k)
       points += ids.areas[k] / (2 * pilots.count_area * double(prior.lines[k]));

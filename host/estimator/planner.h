@@ -1,5 +1,5 @@
-// A Planner finds the plan of a run: it times and measures pilots (measure_pilots.cpp), predicts what a lattice costs and
-// how its counts vary (lattice_loads.cpp), and chooses (plan.cpp).
+// A Planner finds the plan of a run: it times and measures pilots (measure_pilots.cpp), predicts what a lattice costs
+// and how its counts vary (lattice_loads.cpp), and chooses (plan.cpp).
 #pragma once
 #include <algorithm>
 #include <array>

@@ -292,6 +292,7 @@ Estimate FormFactorRun::State::estimateOfNothing() const {
 Result FormFactorRun::State::resultOf(Estimate estimate) const {
   Result result{std::move(estimate)};
   result.interrupted = is_interrupted;
+  result.closure = measureClosure(result.form_factors);
   result.environment_share = shareOf(result.form_factors, kEnvironment);
   result.leak_share = shareOf(result.form_factors, kLeak);
   result.plan = summary;

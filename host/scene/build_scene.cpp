@@ -105,7 +105,7 @@ class Dropped {
   std::map<std::string, std::pair<uint64_t, std::string>> reasons_;
 };
 
-// Faces and surfaces of the file as rows, empty ones too.
+// Makes rows of the faces and surfaces of the file, empty ones too.
 //   In: is_left_out: of each face
 void addRows(const InputScene& input, const std::vector<bool>& is_left_out, Scene& scene) {
   constexpr uint32_t kNone = UINT32_MAX;

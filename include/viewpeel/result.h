@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <viewpeel/balance.h>
@@ -118,8 +119,30 @@ struct PriorSummary {
   double pilot_seconds = 0, unoccluded_seconds = 0, directed_seconds = 0;
 };
 
+// A Closure says how far row sums are from 1, over the rows of the request.
+struct Closure {
+  double largest_error = 0;
+  double standard_error = 0;  // of the row sum with the largest error
+  double rms_error = 0;
+  std::string row;  // with the largest error
+};
+
+// Measures the closure of form factors.    Cost: O(rows).
+Closure measureClosure(const FormFactors& form_factors);
+
+// StandardErrors are taken over all nonzero form factors of the requested rows, in both directions of a pair.
+struct StandardErrors {
+  size_t count = 0;  // of form factors
+  double rms = 0;
+  std::vector<std::pair<uint32_t, uint32_t>> worst;  // from, to; the largest first
+};
+
+// Measures standard errors.    In: worst: how many pairs with large ones to name    Cost: O(entries).
+StandardErrors measureStandardErrors(const FormFactors& form_factors, size_t worst);
+
 // A Result holds all that one call finds.
 struct Result : Estimate {
+  Closure closure;               // of form_factors
   double environment_share = 0;  // of the radiation of the request's rows, the part that leaves the scene
   double leak_share = 0;         // and the part that ends on the backs of polygons
   std::optional<BalancedFormFactors> balanced;  // with Request::balance

@@ -462,7 +462,7 @@ TEST(Peel, MemoryIsPlanned) {
   }
 }
 
-// An error of one batch while the other is on the device is only that.
+// An error of one batch while the other is on the device leaves the other batch whole.
 TEST(Peel, ErrorsWaitForTheOtherBatch) {
   std::vector<double> heights;
   for (int k = 0; k < 1100; ++k) heights.push_back(0.004 * k);

@@ -69,8 +69,8 @@ void writeColumn(Hdf5Output& out, Bytes& bytes, const std::string& name, const s
   }
 }
 
-// Two ids, two replicates, one pair and the environment; without these of by_id, for unoccluded form factors by polygon
-// sum them.
+// Writes two ids, two replicates, one pair and the environment; by_id without pair and environment, which unoccluded
+// form factors sum by polygon.
 void writeSums(Hdf5Output& out, Bytes& bytes, const std::string& group) {
   using U8 = std::vector<uint8_t>;
   using U32 = std::vector<uint32_t>;
@@ -188,7 +188,7 @@ Checkpoint readBytes(const uint8_t* data, size_t count) {
   writeSums(out, bytes, "by_id");
   writeSums(out, bytes, "by_surface");
   writePriorSums(out, bytes);
-  if (bytes.take<uint8_t>() % 2) writeLineSums(out, bytes);  // then results are made of these
+  if (bytes.take<uint8_t>() % 2) writeLineSums(out, bytes);  // then results are made of these lines
   return readCheckpoint(file.write(out.finish()));
 }
 

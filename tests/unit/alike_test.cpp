@@ -1,5 +1,5 @@
-// Faces that overlap in one plane and look the same way: one of them counts, the same one from both sides, and the
-// scene means what it means with the hidden parts cut away. Engines with a device: Peel.AlikeFacesEqualTheCpuTwin.
+// Of faces that overlap in one plane and look the same way one counts, the same one from both sides. The scene means
+// what it means with the hidden parts cut away. Engines with a device: Peel.AlikeFacesEqualTheCpuTwin.
 #include <algorithm>
 #include <functional>
 #include <map>

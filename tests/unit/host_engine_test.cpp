@@ -1,5 +1,5 @@
-// Engine `host`: bit-exact against the CPU twin, whatever its threads and counters. That it agrees with the other
-// engines is tested wherever these are compared (countPairs).
+// Engine `host`: bit-exact against the CPU twin, whatever its threads and counters. Other tests compare it with
+// the other engines (countPairs).
 #include <gtest/gtest.h>
 
 #include "tests/support/test_device.h"
