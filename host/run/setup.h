@@ -48,7 +48,7 @@ class Setup {
   bool usesUnoccluded() const { return unoccluded_ && !pair_lines_; }
   bool usesPairLines() const { return pair_lines_; }
   // Goes without pair lines, where coincident polygons have no order or there are too many pairs.
-  void leaveOutPairLines() { pair_lines_ = false; }
+  void leaveOutPairLines();
   // Returns whether the request did not ask for unoccluded form factors, so that the run may go without.
   bool unoccludedByDefault() const { return unoccluded_by_default_; }
   void leaveOutUnoccluded() { unoccluded_ = false; }

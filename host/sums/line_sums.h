@@ -5,6 +5,7 @@
 // block has no lines, and no error but its unoccluded form factor's. Derivation: docs/method.md, section 15.
 #pragma once
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include <viewpeel/form_factors.h>
@@ -31,6 +32,9 @@ struct LinePair {
     return blocks && (replicate + i * 0x9E3779B9u + j * 0x85EBCA6Bu) % period == 0;
   }
 };
+
+// Returns the entry of the result that a pair of faces, or of a face and a back, is a part of.
+std::pair<uint32_t, uint32_t> entryOf(const LinePair& pair, const Ids& face_ids, By by);
 
 // A LineCount has the weights of a pair's lines in one replicate.
 struct LineCount {
