@@ -1,11 +1,14 @@
 // What a mesh can be beside clean: faces that are there twice, overlap, or have no area, and names that collide.
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <viewpeel/compute.h>
 #include <viewpeel/error.h>
 #include <viewpeel/ids.h>
 #include "scene/face_names.h"
@@ -180,6 +183,33 @@ TEST(MeshFaults, FacesWithoutAreaKeepTheirNumbers) {
   Scene shifted = scene;
   shifted.empty_faces[1].row = 1;
   EXPECT_NE(fingerprint(shifted), fingerprint(scene));
+}
+
+// Three squares with a common edge, and a sliver of 1e-6 of its length: closed forms hold, and nothing is said.
+TEST(MeshFaults, EdgesOfThreeFacesAndSliversAreQuiet) {
+  InputScene input = named("edge of three");
+  ts::addFace(input, "floor", {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
+  ts::addFace(input, "wall", {{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}});
+  ts::addFace(input, "skirt", {{1, 0, 0}, {0, 0, 0}, {0, 0, -1}, {1, 0, -1}});
+  ts::addFace(input, "sliver", {{0, 0.5, 1}, {0, 0.500001, 1}, {1, 0.500001, 1}, {1, 0.5, 1}});
+  const Scene scene = buildScene(input);
+  EXPECT_TRUE(scene.warnings.empty());
+  const Result result = computeFormFactors(scene);
+  EXPECT_TRUE(result.warnings.empty());
+  EXPECT_NEAR(result.form_factors.formFactor(0, 1).value, 0.2000437761, 1e-6);
+  EXPECT_EQ(result.form_factors.formFactor(1, 2).value, 0);
+  // The strip lies over the middle of a unit square at a distance of 1. Its form factor is the mean along the strip of
+  // an element's to four rectangles below it (Howell, B-3).
+  double truth = 0;
+  constexpr int kParts = 2000;
+  for (int k = 0; k < kParts; ++k) {
+    const double x = (k + 0.5) / kParts;
+    for (const double a : {x, 1 - x}) {
+      const double b = 0.5, of_a = std::sqrt(1 + a * a), of_b = std::sqrt(1 + b * b);
+      truth += 2 * (a / of_a * std::atan(b / of_a) + b / of_b * std::atan(a / of_b)) / (2 * std::numbers::pi) / kParts;
+    }
+  }
+  EXPECT_NEAR(result.form_factors.formFactor(3, 0).value, truth, 2e-6);
 }
 
 TEST(MeshFaults, NamesThatCollideAreRefused) {
