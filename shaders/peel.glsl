@@ -6,6 +6,7 @@
 // shuffles.
 //   In: active_tiles, lists, projected, corners, polygons, fragments
 //   Out: counters, unfinished tiles and the layers that they reached
+// The file is long because its steps share the registers of an invocation: parts of it have no meaning alone.
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_shader_atomic_int64 : require
 #extension GL_KHR_shader_subgroup_basic : require
