@@ -178,7 +178,7 @@ Checkpoint readBytes(const uint8_t* data, size_t count) {
   static const NamedFile file;
   Bytes bytes(data, count);
   Hdf5Output out;
-  writeColumn(out, bytes, "format", std::vector<uint64_t>{6});
+  writeColumn(out, bytes, "format", std::vector<uint64_t>{7});
   writeColumn(out, bytes, "settings/names", std::vector<std::string>{"--seed"});
   writeColumn(out, bytes, "settings/values", std::vector<std::string>{"1"});
   writeColumn(out, bytes, "replicates/first", std::vector<uint64_t>{0});
