@@ -102,7 +102,7 @@ void LineGuarantee::planLooks() {
   log_row_ = std::log(2 * double(ids_.count()) / (kRowShare * options_.delta));
   for (Entry& entry : entries_) {
     const double blockable = entry.blockable();
-    ++(entry.part_count == 0 ? figures_.exact : isDrawn(entry) ? figures_.drawn : figures_.known);
+    ++(entry.part_count == 0 ? figures_.exact : isDrawn(entry) ? figures_.drawn : figures_.bounded);
     if (entry.part_count == 0) continue;
     entry.weight = blockable / kFewestLines;
     if (entry.j == kLeak && !options_.rows) {

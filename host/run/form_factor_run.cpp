@@ -75,14 +75,14 @@ struct FormFactorRun::State {
   void stopIfRequested() const {
     if (observer.should_stop && observer.should_stop()) throw Interrupted{};
   }
-  void tellProgress() const {
+  void reportProgress() const {
     if (observer.on_progress) observer.on_progress(progress);
   }
   void onBatch(uint64_t directions) {
     stopIfRequested();
     if (setup.guarantee()) return;  // it counts blocks
     progress.directions = directions;
-    tellProgress();
+    reportProgress();
   }
 
   // Runs the work; if the observer stops it, the run has come to its end.
@@ -327,20 +327,20 @@ void FormFactorRun::State::begin() {
 }
 
 void FormFactorRun::State::step() {
-  const auto tell = [&] {
+  const auto report = [&] {
     progress.replicates = replicateCount();
     progress.directions = 0;
-    tellProgress();
+    reportProgress();
     stopIfRequested();
   };
   if (line_guarantee) {
     line_guarantee->step();
     is_done = line_guarantee->isDone();
-    tell();
+    report();
     return;
   }
   if (guarantee_run) {
-    guarantee_run->step(tell);
+    guarantee_run->step(report);
     is_done = guarantee_run->isDone();
     return;
   }
@@ -348,7 +348,7 @@ void FormFactorRun::State::step() {
     run.step();
     is_done = run.isDone();
     progress.largest_standard_error = run.largestStandardError();
-    tell();
+    report();
   };
   if (line_run) stepOf(*line_run);
   else stepOf(*estimate_run);

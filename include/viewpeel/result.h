@@ -77,9 +77,9 @@ struct GuaranteeFigures {
 // LineGuaranteeFigures are the numbers of lines of a guarantee by pair lines.
 struct LineGuaranteeFigures {
   double epsilon = 0, delta = 0;
-  uint64_t exact = 0;  // entries that nothing can block
-  uint64_t known = 0;  // entries that geometry bounds to epsilon
-  uint64_t drawn = 0;  // entries that need lines for that
+  uint64_t exact = 0;    // entries that nothing can block
+  uint64_t bounded = 0;  // entries that geometry bounds to epsilon
+  uint64_t drawn = 0;    // entries that need lines for this
   double expected_lines = 0, most_lines = 0;
   double most_for_one = 0;                       // entry
   std::pair<std::string, std::string> neediest;  // the names of its ids; the second may be "leak"
