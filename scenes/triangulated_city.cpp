@@ -62,7 +62,7 @@ PlanPolygon outlineOf(const Sides& sides) {
   return outline;
 }
 
-// From one height to another, both included; those above `levels`, where there are any.
+// Returns heights from one to another, both included; the ones above `levels`, where there are any.
 std::vector<double> makeLevels(double low, double high) {
   const auto rows = static_cast<uint32_t>(std::ceil((high - low) / kWallRow));
   std::vector<double> levels;

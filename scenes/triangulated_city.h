@@ -8,7 +8,7 @@
 
 namespace viewpeel::bench {
 
-// What stands on the ground behind one kerb: a building or two under one wall, or a park.
+// A plot has on its ground behind one kerb a building, two under one wall, or a park.
 struct CityPlot {
   PlanPolygon outline;
   std::vector<PlanPolygon> footprints;  // of buildings, trunks and hedges, under which there is no pavement

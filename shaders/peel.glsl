@@ -85,7 +85,7 @@ Tally tally;
 
 int rowsPerStep() { return kScanlines ? 1 : int(gl_WorkGroupSize.x / kTileWidth); }
 
-// Every sample of an invocation by a literal number, so that all indices become constants.
+// Names every sample of an invocation by a literal number, so that all indices become constants.
 #define EVERY_STEP(take)   \
   take(0);                 \
   if (kSteps > 1) take(1); \
@@ -118,7 +118,7 @@ struct Tile {
   bool is_sorted;  // its list
 };
 
-// Of a span: see spanOf.
+// Return the ends of a span: see spanOf.
 uint firstOf(uint columns) { return columns & kPositions - 1u; }
 uint endOf(uint columns) { return firstOf(columns) + (columns >> kPositionBits) + 1u; }
 

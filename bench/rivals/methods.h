@@ -17,7 +17,7 @@ struct Outcome {
   std::optional<double> standard_error;  // rms over all ordered pairs, where the method states one
   RunTime time;
   std::string chosen;  // parameters that the method chose itself: "directions=64 resolution=32"
-  // Of each polygon's exchange area, what goes to the environment and leaks; empty where a method says nothing of them,
+  // Each polygon has here the exchange area to environment and leak; empty where a method says nothing of the two,
   // so that users take one less the row's form factors.
   std::vector<double> rest{};
 };
@@ -52,7 +52,7 @@ struct MethodOptions {
   std::string work_directory = ".";
 };
 
-// All ladders for a scene whose polygons are faces, both of which have to outlive them.
+// Makes all ladders for a scene whose polygons are faces. Both have to outlive the ladders.
 std::vector<Ladder> makeLadders(const Device& device, const Scene& scene, const MethodOptions& options);
 
 // The methods that verifyRivals is about.

@@ -70,7 +70,7 @@ inline MatrixError errorOf(const ExchangeMatrix& measured, const ExchangeMatrix&
   return sums.over(measured.count());
 }
 
-// What a row leaves for environment and leaks: the polygon's area less its exchange areas.
+// Returns what a row leaves for environment and leaks: the polygon's area less its exchange areas.
 inline std::vector<double> restOf(const ExchangeMatrix& exchange, const std::vector<double>& areas) {
   std::vector<double> rest = areas;
   for (uint32_t i = 0; i < exchange.count(); ++i)
@@ -78,7 +78,7 @@ inline std::vector<double> restOf(const ExchangeMatrix& exchange, const std::vec
   return rest;
 }
 
-// Of what rows leave, as form factors: rms and largest.
+// Returns errors of what rows leave, as form factors: rms and largest.
 struct RestError {
   double rms = 0, largest = 0;
 };

@@ -49,7 +49,7 @@ inline PowerLaw fitPowerLaw(const std::vector<double>& x, const std::vector<doub
   return law;
 }
 
-// Of the source tree at `directory` as it is now; "unknown" without git.
+// Returns the commit of the source tree at `directory` as it is now; "unknown" without git.
 inline std::string commitOf(const std::string& directory) {
   std::string commit;
   if (FILE* pipe = ::popen(

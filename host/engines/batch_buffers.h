@@ -53,7 +53,7 @@ struct BufferSize {
   MemoryUse memory = MemoryUse::device;
 };
 
-// Every buffer of a batch, in the order of shaders/shared.h's passes.
+// A batch has these buffers, in the order of shaders/shared.h's passes.
 //   Out: one row a member of BatchBuffers
 std::vector<BufferSize> listBuffers(const BatchShape& shape);
 

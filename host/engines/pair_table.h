@@ -31,7 +31,7 @@ class SharedPairs {
   // Adds counts; any thread may call it.    Throws: Error limit.
   void add(uint32_t part, const Addition* additions, size_t count);
 
-  // All counts, in order, and empties it.
+  // Returns all counts, in order, and empties the table.
   PairCounts takeAll(size_t threads);
   uint64_t sizeBytes() const { return bytes_; }
 

@@ -11,7 +11,7 @@ namespace viewpeel {
 namespace {
 
 constexpr double kLatticePoints = 100, kUsualReplicates = 8;  // every id gets this many points in this many replicates
-// Of the most counts: along some directions there are more than the average.
+// A plan uses this share of the most counts: along some directions there are more than the average.
 constexpr double kAllowed = 0.8;
 
 }  // namespace

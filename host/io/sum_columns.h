@@ -1,4 +1,4 @@
-// Sums of a run as columns of a checkpoint, one group a kind.
+// A checkpoint keeps the sums of a run as columns, one group a kind.
 #pragma once
 #include <optional>
 #include <string>
@@ -19,7 +19,7 @@ void writeColumn(Hdf5Output& out, const std::string& name, const Rows& rows, Val
   out.write(name, column);
 }
 
-// As many rows as `rows` has get their values.
+// Sets the values of as many rows as `rows` has.
 template <class T, class Rows, class Set>
 void readColumn(Hdf5Input& in, const std::string& name, Rows& rows, Set set) {
   const std::vector<T> column = in.read<T>(name);

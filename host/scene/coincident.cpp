@@ -143,7 +143,7 @@ bool Stacking::isBetween(uint32_t other, const Overlap& alike) const {
   return to_a && to_b && to_a->is_opposite && to_b->is_opposite && to_a->side * to_b->side < 0;
 }
 
-// As two sheets lie on each other: the upper one's back is between their upper sides.
+// Returns whether two sheets lie on each other: the upper one's back is then between their upper sides.
 bool Stacking::isSeparated(const Overlap& alike) const {
   const std::vector<dvec3>& c = alike.corners;
   const dvec3 middle = std::accumulate(c.begin(), c.end(), dvec3(0)) / double(c.size());

@@ -86,7 +86,7 @@ void Stacking::orderPairs() {
     const size_t before = open.size();
     std::erase_if(open, [&](uint32_t k) { return orderPair(overlaps_[k], false); });
     if (open.size() < before || open.empty()) continue;
-    // All wait for one another: the votes there are decide, or the first one's gap.
+    // All wait for one another. The votes so far decide, or else the first one's gap.
     std::erase_if(open, [&](uint32_t k) { return orderPair(overlaps_[k], true); });
     if (open.size() < before) continue;
     decideByGap(overlaps_[open.front()]);
