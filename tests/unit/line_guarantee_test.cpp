@@ -173,11 +173,15 @@ TEST(LineGuarantee, TheEnvironmentHasABoundOfItsOwn) {
       // The reference is off by its goal at most but for a chance that the estimator's tests measure.
       EXPECT_LE(interval.lower, expected.value + 1e-3) << found.ids().names[i];
       EXPECT_GE(interval.upper, expected.value - 1e-3) << found.ids().names[i];
-      if (rows) EXPECT_LE(interval.upper - interval.lower, 2 * 0.02 + 1e-9) << found.ids().names[i];
+      if (rows) {
+        EXPECT_LE(interval.upper - interval.lower, 2 * 0.02 + 1e-9) << found.ids().names[i];
+      }
     }
     EXPECT_TRUE(sees_environment);
     EXPECT_GT(result.guarantee->row_bound, 0);
-    if (rows) EXPECT_LE(result.guarantee->row_bound, 2 * 0.02);
+    if (rows) {
+      EXPECT_LE(result.guarantee->row_bound, 2 * 0.02);
+    }
   }
 }
 
