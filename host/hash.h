@@ -1,4 +1,4 @@
-// A hash of 64 bits for fingerprints of scenes and for tables of corners.
+// A Hash has 64 bits, for fingerprints of scenes and for tables of corners.
 #pragma once
 #include <bit>
 #include <concepts>

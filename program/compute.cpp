@@ -34,7 +34,7 @@ struct ComputeOptions {
 };
 
 // Says on stderr, in one line, how much of a stopped run is kept. Returns the exit status.
-int tellInterruption(const ComputeOptions& options, uint64_t replicates) {
+int reportInterruption(const ComputeOptions& options, uint64_t replicates) {
   std::string left;
   if (options.keepsCheckpoint() && replicates > 0)
     left = fmt::format("; {} has what was counted, go on with --resume", options.checkpoint.file);
@@ -87,7 +87,7 @@ void printResult(const ComputeOptions& options, const Result& result, const std:
 // Writes and prints the results. Returns the exit status.
 int conclude(const ComputeOptions& options, const Result& result, bool is_kept, const std::string& first_division) {
   warnOfGoal(options.request, result);
-  const int status = result.interrupted ? tellInterruption(options, result.replicates) : is_kept ? 0 : 1;
+  const int status = result.interrupted ? reportInterruption(options, result.replicates) : is_kept ? 0 : 1;
   if (result.interrupted && result.replicates < 2) return status;
   for (const std::string& warning : result.warnings) fmt::print(stderr, "viewpeel: warning: {}\n", warning);
   write(options, result);
@@ -132,7 +132,7 @@ int runCompute(const ComputeOptions& options) {
   checkOutputs(options.outputs, options.checkpoint.file, options.request.balance);
   if (options.keepsCheckpoint() && !options.checkpoint.resume) requireNewCheckpoint(options.checkpoint.file);
   const bool is_held = options.keepsCheckpoint() || !options.outputs.empty();
-  if (is_held) holdInterrupts([&] { return tellInterruption(options, 0); });
+  if (is_held) holdInterrupts([&] { return reportInterruption(options, 0); });
   const Scene scene = loadSceneOf(options.scene, options.request.scene_options);
   ProgressLine progress(options.request, !options.quiet);
   FormFactorRun run(scene, options.request,
@@ -145,7 +145,7 @@ int runCompute(const ComputeOptions& options) {
   if (options.keepsCheckpoint()) keeper.emplace(options.checkpoint, run);
   const auto endEarly = [&] {
     endByItself();
-    return tellInterruption(options, 0);
+    return reportInterruption(options, 0);
   };
   if (!prepare(options, run, keeper ? &*keeper : nullptr)) return endEarly();
   progress.clear();

@@ -59,7 +59,7 @@ std::string describeLineGuarantee(const Request& request, const PlanSummary& pla
                         g.epsilon);
   text += fmt::format(
       "pairs      {} nothing can block, so that they are exact; {} geometry alone bounds to {}; {} need lines\n",
-      g.exact, g.known, g.epsilon, g.drawn);
+      g.exact, g.bounded, g.epsilon, g.drawn);
   text += fmt::format("plan       {:.2g} lines at most ({}), {:.2g} expected ({}); found out in {}; seed {}\n",
                       g.most_lines, inWords(g.most_seconds), g.expected_lines, inWords(g.expected_seconds),
                       inWords(g.plan_seconds), request.seed);

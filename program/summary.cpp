@@ -18,36 +18,6 @@ std::string columnName(const Ids& ids, uint32_t j) {
   return j == kEnvironment ? "environment" : j == kLeak ? "leak" : ids.names[j];
 }
 
-struct StandardErrors {
-  size_t count = 0;  // of nonzero form factors, both ways
-  double rms = 0;
-  std::vector<std::pair<uint32_t, uint32_t>> worst;  // from, to; the largest first
-};
-
-StandardErrors measureStandardErrors(const FormFactors& form_factors, size_t worst) {
-  StandardErrors errors;
-  std::vector<std::pair<double, std::pair<uint32_t, uint32_t>>> largest;  // sorted, at most `worst`
-  double squares = 0;
-  const auto add = [&](uint32_t from, uint32_t to, const Measured& exchange) {
-    if (!form_factors.ids().isRequested(from)) return;
-    const double error = exchange.standard_error / form_factors.ids().areas[from];
-    ++errors.count;
-    squares += error * error;
-    if (worst == 0 || (largest.size() == worst && error <= largest.back().first)) return;
-    const auto at =
-        std::find_if(largest.begin(), largest.end(), [&](const auto& other) { return other.first < error; });
-    largest.insert(at, {error, {from, to}});
-    if (largest.size() > worst) largest.pop_back();
-  };
-  for (const auto& entry : form_factors.entries()) {
-    add(entry.i, entry.j, entry.exchange_area);
-    if (entry.j < kEnvironment && entry.j != entry.i) add(entry.j, entry.i, entry.exchange_area);
-  }
-  for (const auto& [error, pair] : largest) errors.worst.push_back(pair);
-  errors.rms = errors.count ? std::sqrt(squares / double(errors.count)) : 0;
-  return errors;
-}
-
 }  // namespace
 
 std::string describeDevice(const DeviceDescription& device) {
@@ -123,26 +93,6 @@ std::string tabulateLargest(const FormFactors& between_surfaces, size_t rows) {
     text += fmt::format("  {:<{}}  {:<{}}  {:11.6f}  {:14.1e}\n", names[row.from], from_width, nameOf(row.to), to_width,
                         row.f.value, row.f.standard_error);
   return text;
-}
-
-Closure measureClosure(const FormFactors& form_factors) {
-  Closure closure;
-  double squares = 0;
-  const auto& sums = form_factors.rowSums();
-  size_t row_count = 0;
-  for (uint32_t k = 0; k < sums.size(); ++k) {
-    if (!form_factors.ids().isRequested(k)) continue;
-    ++row_count;
-    const double error = std::abs(sums[k].value - 1);
-    squares += error * error;
-    if (error >= closure.largest_error) {
-      closure.largest_error = error;
-      closure.row = form_factors.ids().names[k];
-      closure.standard_error = sums[k].standard_error;
-    }
-  }
-  closure.rms_error = std::sqrt(squares / double(row_count));
-  return closure;
 }
 
 namespace {

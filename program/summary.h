@@ -39,15 +39,6 @@ std::string describeBalance(const BalancedFormFactors& balanced);
 // Returns the same and the work done, as JSON.
 std::string asJson(const std::string& scene, const Result& result);
 
-// A Closure is the row sum farthest from 1, and its row.
-struct Closure {
-  double largest_error = 0;
-  double standard_error = 0;  // of that row sum
-  double rms_error = 0;
-  std::string row;
-};
-Closure measureClosure(const FormFactors& form_factors);
-
 // Messages of the validation layer are our errors: there is never a result beside them.
 //   Throws: Error device.
 void checkValidation(const Device& device);

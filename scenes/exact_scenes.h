@@ -1,4 +1,4 @@
-// These are small scenes in unit-ball units for the tests of the exact path, written down corner by corner.
+// The tests of the exact path use small scenes in unit-ball units, written down corner by corner.
 #pragma once
 #include <string>
 #include <vector>

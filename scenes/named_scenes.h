@@ -116,7 +116,7 @@ inline InputScene cubeInCube(double inner) {
   return scene;
 }
 
-// Returns unit squares above one another at the given heights; those of even index face up, of odd index down.
+// Returns unit squares above one another at the given heights. Squares of even index face up, of odd index down.
 inline InputScene stackOfSheets(const std::vector<double>& heights) {
   InputScene scene{"stack of sheets", {}, {}};
   for (size_t k = 0; k < heights.size(); ++k) {

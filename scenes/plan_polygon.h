@@ -15,23 +15,23 @@ bool contains(const PlanPolygon& polygon, glm::dvec2 point);
 double distanceTo(const PlanPolygon& polygon, glm::dvec2 point);  // of a point to the outline
 glm::dvec2 meanOf(const PlanPolygon& polygon);                    // of its corners
 
-// The convex polygon whose sides lie `distance` further in.    In: convex, its inscribed circle larger than that
+// Returns the polygon whose sides lie `distance` further in.    In: convex, its inscribed circle larger than `distance`
 PlanPolygon inset(const PlanPolygon& polygon, double distance);
 
-// A rectangle about a centre, turned.
+// Returns a rectangle about a centre, turned.
 PlanPolygon rectangle(glm::dvec2 centre, glm::dvec2 half_size, double turned_rad);
 
-// Corner k cut off between shares a and b of the sides before and after it.
+// Cuts corner k off between shares a and b of the sides before and after it.
 PlanPolygon cutCorner(const PlanPolygon& polygon, size_t k, double a, double b);
 
-// A parallelogram taken out of corner k: an L where the polygon is a quadrilateral and shares are below 1/2.
+// Takes a parallelogram out of corner k: an L where the polygon is a quadrilateral and shares are below 1/2.
 PlanPolygon notchCorner(const PlanPolygon& polygon, size_t k, double a, double b);
 
-// Every corner replaced by `sides` sides of the length given, as kerbs go round corners.
+// Replaces every corner by `sides` sides of the length given, as kerbs go round corners.
 PlanPolygon roundCorners(const PlanPolygon& polygon, uint32_t sides, double length);
 
-// Constrained Delaunay triangles of what loops enclose: inside the first, outside the others. Triangles larger than
-// most_area are divided at their centroids; sides of loops are never divided, so that neighbours fit.
+// Returns constrained Delaunay triangles of the region inside the first loop and outside the others. Triangles larger
+// than most_area are divided at their centroids; sides of loops are never divided, so that neighbours fit.
 //   In: points; loops: indices into them, that neither cross nor touch    Out: counter-clockwise triples; points, with
 //   those added behind
 //   Throws: CGAL's exception where loops cross.    Cost: O(n log n).

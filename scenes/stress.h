@@ -15,7 +15,8 @@ namespace viewpeel::stress {
 enum class Kind {
   soup,     // convex polygons of 3 to 64 corners and sizes from 1 to 1e-3 in disjoint balls
   slivers,  // the same with aspects up to 1e6
-  // A closed room with boxes that touch its walls and one another: T-junctions, shared edges, coplanar neighbours.
+  // Makes a closed room with boxes that touch its walls and one another: T-junctions, shared edges, coplanar
+  // neighbours.
   boxes,
   turned,   // the same turned at random, so that every corner is rounded, and moved by 1e4 of its size
   sheets,   // parallel squares one above another at gaps of 1 to 1e-7 of their size, facing either way

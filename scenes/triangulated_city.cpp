@@ -62,7 +62,7 @@ PlanPolygon outlineOf(const Sides& sides) {
   return outline;
 }
 
-// From one height to another, both included; those above `levels`, where there are any.
+// Returns heights from one to another, both included; the ones above `levels`, where there are any.
 std::vector<double> makeLevels(double low, double high) {
   const auto rows = static_cast<uint32_t>(std::ceil((high - low) / kWallRow));
   std::vector<double> levels;
@@ -117,7 +117,7 @@ double drawHeight(SceneRandom& random, size_t building) {
   return kind < 0.2 ? random.uniform(kLeastHeight, 7) : random.uniform(7, 28);
 }
 
-// Boxes on a flat roof: stair heads, and chimneys with triangles of a tenth of a square metre.
+// Puts boxes on a flat roof: stair heads, and chimneys with triangles of a tenth of a square metre.
 std::vector<Box> placeRoofBoxes(const PlanPolygon& eaves, double height, SceneRandom& random) {
   std::vector<Box> boxes;
   const uint32_t wanted = 1 + random.below(4);
@@ -160,7 +160,7 @@ Building makeSingle(const PlanPolygon& footprint, double low, double height, boo
   return {outlineOf(sides), {makePart(raise(sides, levels), sides, levels.back(), tent, random)}};
 }
 
-// Two under one wall, the second the higher one.
+// Makes two parts with a common wall, of which the second is the higher one.
 Building makePair(const PlanPolygon& quad, double low, double height, double more, SceneRandom& random) {
   const double a = random.uniform(0.35, 0.65), b = random.uniform(0.35, 0.65);
   const glm::dvec2 m = rounded(quad[0] + a * (quad[1] - quad[0])), n = rounded(quad[3] + b * (quad[2] - quad[3]));
@@ -269,7 +269,7 @@ class Triangles {
 
   void beginSurface(const std::string& name) { scene.surface_names.push_back(name); }
 
-  // A level region: inside the first loop, outside the others.
+  // Adds a level region: inside the first loop, outside the others.
   void addLevel(double height, const std::vector<PlanPolygon>& loops, double most_area, bool facing_up = true) {
     PlanPolygon points;
     std::vector<std::vector<uint32_t>> indices;
@@ -287,7 +287,8 @@ class Triangles {
     }
   }
 
-  // A wall in its own plane: distance from the first corner, height. Its front lies to the right of its side.
+  // A wall has coordinates in its own plane: distance from the first corner, height. Its front lies to the right of its
+  // side.
   void addWall(const Side& side, const std::vector<double>& levels) {
     PlanPolygon points;
     std::vector<glm::dvec3> places;

@@ -8,7 +8,7 @@
 
 namespace viewpeel::bench {
 
-// What stands on the ground behind one kerb: a building or two under one wall, or a park.
+// A plot has on its ground behind one kerb a building, two under one wall, or a park.
 struct CityPlot {
   PlanPolygon outline;
   std::vector<PlanPolygon> footprints;  // of buildings, trunks and hedges, under which there is no pavement
@@ -25,7 +25,7 @@ constexpr double kKerbHeight = 0.12;  // at least, metres
 constexpr double kMostCityArea = 70;  // of a triangle that is not ground, square metres
 constexpr double kLeastCityArea = 5e-3;
 
-// About n triangles, within 2 %: streets between plots of irregular shape, each behind a kerb with rounded
+// Makes about n triangles, within 2 %: streets between plots of irregular shape, each behind a kerb with rounded
 // corners; buildings with convex, L-shaped and turned footprints, some under one wall with a higher neighbour, 3 to
 // 80 m high, under flat roofs with boxes on them or tents; trees as boxes on trunks, hedges. Every coordinate is a
 // number of single precision, so that walls in pieces are not quite plane. Walls, roofs and pavements are constrained

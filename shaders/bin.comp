@@ -23,8 +23,8 @@ BinArgs args;
 
 const int kWideBox = 16;  // tiles, from which on a row's span pays for its divisions
 
-// Returns the columns of tiles in one row that an edge may reach, of those from span.x to span.y: all where reach +
-// per_column x >= 0, rounded outward. Floats are off by 2^-22 of a quotient at most, which is below 2^13 here, so by
+// Returns the columns of tiles in one row, from span.x to span.y, that an edge may reach: all where reach + per_column
+// x >= 0, rounded outward. Floats are off by 2^-22 of a quotient at most, which is below 2^13 here, so by
 // less than the half tile that is added.
 ivec2 clipSpan(ivec2 span, int64_t reach, int64_t per_column) {
   if (per_column == int64_t(0)) return reach < int64_t(0) ? ivec2(0, -1) : span;
@@ -45,7 +45,7 @@ void main() {
   uint roles = finds_roles ? fetchId(polygon_index) >> kRolesShift : 0u;
   if (finds_roles && (roles == 0u || finds_emitters != ((roles & kEmits) != 0u))) return;
 
-  // These are the largest values of the edges over a tile, at the grid's first tile, and their changes from tile to
+  // The largest values of the edges over a tile are at the grid's first tile here, with their changes from tile to
   // tile.
   ivec2 grid = -ivec2(args.tiles_wide * kTileWidth, args.tiles_high * kTileRows) / 2;
   int64_t most[4], per_column[4], per_row[4];

@@ -1,4 +1,5 @@
-// Logarithm and arc tangent in double precision, which GLSL lacks. No branches: software devices would take both sides.
+// These functions are logarithm and arc tangent in double precision, which GLSL lacks. No branches: software devices
+// would take both sides.
 //   Error: 3 ulp of the result, or of 0.1 where a logarithm is smaller; tests/device/double_math_test.cpp.
 //   Source: the polynomials of FDLIBM, e_log.c and s_atan.c (Sun Microsystems, 1993).
 

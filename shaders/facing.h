@@ -26,7 +26,7 @@ const uint kGapUpperLeak = 5u;
 // normals.
 const uint kTieBits = 3u;
 
-// The place among equal depths along +u, 0 to 7.
+// Returns the place among equal depths along +u, 0 to 7.
 SHARED_FUNCTION uint placeAtTie(bool front_up, uint tie_rank) {
   return front_up ? tie_rank : (1u << kTieBits) - 1u - tie_rank;
 }

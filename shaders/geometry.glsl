@@ -21,18 +21,18 @@ bool isInside(Edge edge, ivec2 p) {
   return int64_t(edge.a) * int64_t(p.x) + int64_t(edge.b) * int64_t(p.y) + edge.c >= int64_t(0);
 }
 
-// Makes edge k of a polygon, from corner k to the next. A point on an edge belongs to one polygon: the one that holds
-// it after the point has moved by an infinitesimal (-e, e^2) (the top-left rule). cut_bits: bits of the corners' fixed
-// point that are finer than the edge's columns. Error: none. Coordinates are below 2^kSnapBits, so c is below 2^(2
-// kSnapBits + 2). An edge of no length lets every point pass.
+// Makes edge k of a polygon, from corner k to the next. A point on an edge belongs to one polygon, by the top-left
+// rule: the one that holds the point after it has moved by an infinitesimal (-e, e^2). cut_bits: bits of the corners'
+// fixed point that are finer than the edge's columns. Error: none. Coordinates are below 2^kSnapBits, so c is below
+// 2^(2 kSnapBits + 2). An edge of no length lets every point pass.
 Edge makeEdge(SnappedCorners corners, uint k, int cut_bits) {
   ivec2 from = corners.at[k], along = corners.at[k + 1u & 3u] - from;
   Edge edge;
   edge.a = -along.y;
   edge.b = along.x;
-  bool owns_points = along.y > 0 || (along.y == 0 && along.x >= 0);
+  bool includes_points = along.y > 0 || (along.y == 0 && along.x >= 0);
   int64_t c = -(int64_t(edge.a) * int64_t(from.x) + int64_t(edge.b) * int64_t(from.y)) -
-              (owns_points ? int64_t(0) : int64_t(1));
+              (includes_points ? int64_t(0) : int64_t(1));
   // Rounding down is exact here: at columns in units of 2^-column_bits the rest of the sum is a multiple of 2^cut_bits.
   edge.c = c >> cut_bits;
   return edge;
@@ -61,7 +61,8 @@ int firstColumn(int size, int64_t value, double reciprocal, int width) {
   return x > 0 && at - int64_t(size) >= int64_t(0) ? x - 1 : x;
 }
 
-// Keeps of the columns [low, high) of a row those on an edge's inner side. value: the edge's at the row's first column.
+// Keeps of the columns [low, high) of a row the part on an edge's inner side. value: the edge's at the row's first
+// column.
 void cutRow(Edge edge, int64_t value, int width, inout int low, inout int high) {
   int size = max(abs(edge.a), 1);
   bool from_left = edge.a > 0;

@@ -6,6 +6,7 @@
 // shuffles.
 //   In: active_tiles, lists, projected, corners, polygons, fragments
 //   Out: counters, unfinished tiles and the layers that they reached
+// The file is long because its steps share the registers of an invocation: parts of it have no meaning alone.
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_shader_atomic_int64 : require
 #extension GL_KHR_shader_subgroup_basic : require
@@ -84,7 +85,7 @@ Tally tally;
 
 int rowsPerStep() { return kScanlines ? 1 : int(gl_WorkGroupSize.x / kTileWidth); }
 
-// Every sample of an invocation by a literal number, so that all indices become constants.
+// Names every sample of an invocation by a literal number, so that all indices become constants.
 #define EVERY_STEP(take)   \
   take(0);                 \
   if (kSteps > 1) take(1); \
@@ -117,7 +118,7 @@ struct Tile {
   bool is_sorted;  // its list
 };
 
-// Of a span: see spanOf.
+// Return the ends of a span: see spanOf.
 uint firstOf(uint columns) { return columns & kPositions - 1u; }
 uint endOf(uint columns) { return firstOf(columns) + (columns >> kPositionBits) + 1u; }
 
@@ -465,7 +466,7 @@ void main() {
   }
   uint list_begin = 0u,
        list_end =
-           kScanlines ? 0u : polygon_count;  // the samples pass these: of the list or, with scanlines, of `window`
+           kScanlines ? 0u : polygon_count;  // the samples pass so many: of the list or, with scanlines, of `window`
   while (first < sample_count && !cut) {
     loadSamples(tile, first, sample_count, resume, lane, list_begin, list_end, cut);
     resume = 0u;

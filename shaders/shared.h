@@ -1,4 +1,4 @@
-// These are structs that host and shaders share, written once. GLSL reads them in scalar layout, which is C++'s own.
+// Host and shaders share these structs, which are written once. GLSL reads them in scalar layout, which is C++'s own.
 // Included by C++ through host/engines/shared.h. A word "lattice point" is an integer pair; lattice coordinates are x /
 // h + offset.
 
@@ -87,7 +87,7 @@ struct ProjectArgs {
   uint64_t listed;
   uint64_t status;     // BatchStatus
   uint64_t fragments;  // uint64_t[fragment_capacity][point_count]: layers, key << 32 | polygon, as in Layer; points are
-                       // those of tile 0, of tile 1, ...
+                       // first of tile 0, then of tile 1, ...
   uint64_t fragment_counts;  // uint[point_count]
   uint fragment_capacity;
   uint point_count;
@@ -146,7 +146,7 @@ SHARED_FUNCTION uint rowsAtOnce(uint list_length, uint tile_rows) {
 }
 
 // Software devices end a shader's loops after 65,535 iterations in all (llvmpipe's LP_MAX_TGSI_LOOP_ITERATIONS). An
-// invocation of bin stays below that.
+// invocation of bin stays below this number.
 const uint kMostTilesPerInvocation = 4096u;
 const uint kMostTileRows = 8u;
 const uint kMostTileWidth = 8u;  // with lattice points: an edge changes by less than 2^30 within a tile
@@ -224,7 +224,7 @@ struct BinArgs {
   uint needed_roles;         // of an active tile
 };
 
-// The modes of bin.comp are these.
+// bin.comp has these modes.
 const uint kBinEmitters = 0u;
 const uint kBinReceivers = 1u;
 const uint kBinCount = 2u;
@@ -298,7 +298,7 @@ struct UnfinishedTile {
 };
 
 struct PeelArgs {
-  uint64_t tiles;       // UnfinishedTile[], where it works off those
+  uint64_t tiles;       // UnfinishedTile[], where it works off unfinished tiles
   uint64_t reached;     // uint64_t[]: the layers that the lines of those tiles have reached; ~0 where they are finished
   uint64_t unfinished;  // UnfinishedTile[]: tiles that this dispatch does not finish
   uint64_t reached_next;
@@ -318,8 +318,8 @@ struct PeelArgs {
 // that can cover points of no other blocks are not drawn.
 SHARED_FUNCTION uint blockAlong(uint in_cell, uint cell_size) { return in_cell * 8u / cell_size; }
 
-// Returns the place of dense counters of ids i <= j: the rows of an upper triangle, each row followed by the row's
-// environment (column id_count) and leak (column id_count + 1).
+// Returns the place of dense counters of ids i <= j: the rows of an upper triangle. Each row is followed by its
+// environment (column id_count) and its leak (column id_count + 1).
 SHARED_FUNCTION uint64_t counterIndex(uint i, uint column, uint id_count) {
   uint64_t row = uint64_t(i);
   return row * uint64_t(id_count + 2u) - row * (row + uint64_t(1u)) / uint64_t(2u) + uint64_t(column);

@@ -26,7 +26,7 @@ SnappedCorners fetchCorners(uint projected) {
 
 uint fetchId(uint polygon) { return texelFetch(polygon_texels, int(3u * polygon)).z; }
 
-// A DepthPlane is that of a polygon in one direction, its constant at a tile's corner.
+// A DepthPlane is a polygon's in one direction, with its constant at a tile's corner.
 struct DepthPlane {
   int64_t at_corner, per_column, per_row;
   ivec2 range;

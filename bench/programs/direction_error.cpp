@@ -4,8 +4,8 @@
 // squares, with its standard error.
 //   direction_error [--scene facing|edge|distant]... [--sampler S]... [--directions N]... [--replicates K]
 //                   [--resolution PX]... [--lattice-directions N]... [--lattice-replicates K] [--device D]
-// The fit takes the N of which kFewestSeen directions or more see the pair on the average: below it every sampler is as
-// good as independent.
+// The fit takes every N of which kFewestSeen directions or more see the pair on the average. Below it every sampler is
+// as good as independent directions.
 #include <cmath>
 #include <map>
 

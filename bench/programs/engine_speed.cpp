@@ -2,12 +2,12 @@
 // stdout.
 //   engine_speed [--scene NAME] [--resolution PX] [--by polygon|surface] [--rounds N] [--seconds S]
 // Methods: `viewpeel` is the compute engine, `host` the same lattices by the host engine, and `host_scanlines` its
-// scanlines, of which a sample is counted where a lattice point would be. Embree traces and sorts the lines of the same
-// lattices in `embree_lines_*`, and shoots rays from the surfaces in `embree_rays_*`. A sample is a facing pair seen by
-// a line, or a ray that ends on a front; other rays cost time and count for nothing. All are timed from directions or
-// rays to all counts in the order of pairs. The fixed cost, reading and emptying counters without counts, is timed in
-// every round and left out. Debian builds its Embree with assertions on: Embree's own release build may be faster than
-// this one.
+// scanlines. Of a scanline a sample is counted where a lattice point would be. Embree traces and sorts the lines of the
+// same lattices in `embree_lines_*`, and shoots rays from the surfaces in `embree_rays_*`. A sample is a facing pair
+// seen by a line, or a ray that ends on a front; other rays cost time and count for nothing. All are timed from
+// directions or rays to all counts in the order of pairs. The fixed cost, reading and emptying counters without counts,
+// is timed in every round and left out. Debian builds its Embree with assertions on: Embree's own release build may be
+// faster than this one.
 #include <cmath>
 #include <functional>
 #include <optional>
@@ -60,7 +60,7 @@ struct Method {
 };
 
 // Chooses the amount of work, and warms up: the first dispatch on a device may compile. A method that leaves out a
-// fixed cost runs for as long as that at least: a small difference of two long times is noise.
+// fixed cost runs for at least as long as the cost: a small difference of two long times is noise.
 void calibrate(Method& method, double least_seconds) {
   const uint64_t most = method.has_directions ? kMostDirections : 1u << 30;
   method.run(1);

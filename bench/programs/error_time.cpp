@@ -11,10 +11,10 @@
 // other. seconds: from a method made ready to its result; setup_seconds: to make it ready (kernels compiled, trees
 // built). Errors: exchange_matrix.h; environment_*: of what rows leave for environment and leaks, by the method's own
 // word or as one less the row. References are by directions without pair lines; --reference-method says another
-// method. Embree's rays are no reference below 3e-3: those of two triangles that share an edge start off the edge, so
-// that kerbs in city1000 are off by 2.3e-3 however many there are. reference_error is the reference's own rms error (a
-// reference kept in --cache from a busy machine is a poor one: delete it). chosen: parameters that a method chose
-// itself. waiting_share: of seconds, what the calling thread does not compute. passes: shares of the time on the
+// method. Embree's rays are no reference below 3e-3: rays of two triangles that share an edge start off the edge, so
+// that kerbs in city1000 are off by 2.3e-3 however many rays there are. reference_error is the reference's own rms
+// error (a reference kept in --cache from a busy machine is a poor one: delete it). chosen: parameters that a method
+// chose itself. waiting_share: of seconds, what the calling thread does not compute. passes: shares of the time on the
 // device, over other directions. bench/plot makes tables of times to errors.
 #include <algorithm>
 #include <fstream>
@@ -97,7 +97,7 @@ struct Place {
   std::string commit, device, driver;
 };
 
-// The first four columns.
+// Returns the first four columns.
 std::string describe(const Place& place, const Ladder& ladder) {
   const std::string device = ladder.on_device ? place.device : "CPU";
   const std::string driver =

@@ -44,7 +44,7 @@ double fitExponent(std::span<const Point> points) {
 
 void printExponents(const std::string& what, const std::vector<Point>& points) {
   if (points.size() < 2) return;
-  // Sizes are only near those of the options, and grow in steps. The exponent starts from the last size that is a
+  // Sizes are only near the sizes of the options, and grow in steps. The exponent starts from the last size that is a
   // factor of 8 or more below the largest.
   auto decade = points.end() - 1;
   while (decade != points.begin() && decade->x * 8 > points.back().x) --decade;

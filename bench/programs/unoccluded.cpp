@@ -2,7 +2,7 @@
 //   unoccluded [--refine N] [--triangles N] [--drawn PAIRS] [--checked PAIRS] [--chunk PAIRS] [--near PAIRS]
 //     [--device D]
 //
-// Pairs are those of the fronts of a room with boxes, or of N random triangles. They are all, or as many as --drawn
+// Pairs are of the fronts of a room with boxes, or of N random triangles. They are all, or as many as --drawn
 // says at random, in calls of about a million. A random sample of them is compared with the reference. cpu_seconds do
 // not include waiting where other work shares the cores.
 #include <sys/resource.h>

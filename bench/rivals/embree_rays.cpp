@@ -17,8 +17,8 @@ constexpr uint32_t kAngles = 4096;
 
 float toUnit(uint32_t word) { return float(word >> 8) * 0x1p-24f; }
 
-// A Circle has cosine and sine of 2 pi times 2^-32 times a word: a table and the angle left over, below 2 pi / kAngles,
-// whose third power is below 4e-9.
+// A Circle has cosine and sine of 2 pi times 2^-32 times a word. It is a table and a series for the rest of the angle,
+// which is below 2 pi / kAngles, so that its third power is below 4e-9.
 class Circle {
  public:
   Circle() {

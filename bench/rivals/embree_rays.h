@@ -9,8 +9,8 @@
 
 namespace viewpeel::bench {
 
-// RayCounts are those of ray shooting. Rays of polygon i that end on the front of j measure F_ij; rays of j measure the
-// same exchange area once more.
+// RayCounts are counts of ray shooting. Rays of polygon i that end on the front of j measure F_ij; rays of j measure
+// the same exchange area once more.
 struct RayCounts {
   struct Hits {
     uint32_t from, to, count;

@@ -52,7 +52,7 @@ struct Emitter {
   bool triangle;
 };
 
-// Hits of the lines of a group, filled by the filter. A hit is its distance and its primitive in one word: positive
+// A filter fills these hits of the lines of a group. A hit is its distance and its primitive in one word: positive
 // floats sort as integers do.
 struct LineContext {
   RTCIntersectContext context;

@@ -24,7 +24,7 @@ class EmbreeRivals {
   ~EmbreeRivals();
 
   // Counts global lines: all hits of the lattice's lines along every direction, sorted, and every gap by
-  // shaders/facing.h. The lines are those of viewpeel's lattice, to rounding in 32-bit floats, without lines that pass
+  // shaders/facing.h. The lines are viewpeel's lattice, to rounding in 32-bit floats, without lines that pass
   // the unit ball by. Returns the number of facing pairs.
   uint64_t countLines(Trace trace, std::span<const Direction> directions, int resolution);
 

@@ -1,5 +1,5 @@
 #version 460
-// The nearest polygon of a pixel.
+// The shader writes the nearest polygon of a pixel.
 layout(location = 0) flat in uint seen;
 layout(location = 0) out uint pixel;
 

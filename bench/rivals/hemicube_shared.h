@@ -1,4 +1,4 @@
-// These are structs that the host and the hemicube's shaders share, written once; as shaders/shared.h.
+// The host and the hemicube's shaders share these structs, which are written once, as in shaders/shared.h.
 
 // A HemicubeDraw is one face of a hemicube: its eye sees a pyramid, above the horizon only where it is a side.
 struct HemicubeDraw {

@@ -20,7 +20,7 @@ inline HemicubeFace hemicubeFace(uint32_t face, uint32_t resolution) {
 
 // Returns the weights of the pixels of a cell; they add up to 1.    In: resolution even
 inline std::vector<double> hemicubeWeights(uint32_t resolution) {
-  // The integrals are those of 1 / (pi (1 + x^2 + y^2)^2) over the top, of z / (pi (1 + y^2 + z^2)^2) over a side.
+  // The integrals are of 1 / (pi (1 + x^2 + y^2)^2) over the top, of z / (pi (1 + y^2 + z^2)^2) over a side.
   const auto top = [](double x, double y) {
     const double p = std::sqrt(1 + x * x), q = std::sqrt(1 + y * y);
     return (x / p * std::atan(y / p) + y / q * std::atan(x / q)) / (2 * std::numbers::pi);

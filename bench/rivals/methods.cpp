@@ -59,7 +59,7 @@ void warmUp(Engine& engine) {
     engine.count(sampleDirections(Sampler::fibonacci, 16, 5, replicate));
 }
 
-// viewpeel's own methods, all by polygon.
+// These are viewpeel's own methods, all by polygon.
 class Viewpeel {
  public:
   Viewpeel(const Device& device, const Scene& scene)
@@ -85,7 +85,7 @@ class Viewpeel {
       engine = make(device_, false);
       warmUp(*engine);
     });
-    // On a queue of its own: where one has drawn, lavapipe takes the times of what is dispatched a pass late.
+    // It runs on a queue of its own: where one has drawn, lavapipe takes the times of what is dispatched a pass late.
     const Device apart({.selector = std::to_string(device_.description().index)});
     if (const std::unique_ptr<Engine> measured = make(apart, true); measured->work())
       runner.profile = profileOf(*measured);
@@ -105,7 +105,7 @@ class Viewpeel {
     return runner;
   }
 
-  // As the program does by default: engine, device and kernels, plan and prior are all in the time. Amounts are
+  // Runs as the program does by default: engine, device and kernels, plan and prior are all in the time. Amounts are
   // tolerances. pair_lines: as the plan decides, or not
   Runner planned(std::optional<bool> pair_lines) const {
     return throughTheFrontDoor([](double amount) { return Goal(Tolerance{amount}); }, pair_lines);
@@ -116,7 +116,7 @@ class Viewpeel {
     return throughTheFrontDoor([](double amount) { return Goal(FixedAmount{static_cast<uint32_t>(amount)}); }, {});
   }
 
-  // By directions for all pairs alone, so that pair lines have another method to be held against.
+  // Runs by directions for all pairs alone, so that pair lines have another method to be held against.
   Result runLong(double seconds) const {
     return computeFormFactors(scene_, requestOf(Seconds{seconds}, kLongRunSeed, false));
   }

@@ -17,7 +17,7 @@ struct Outcome {
   std::optional<double> standard_error;  // rms over all ordered pairs, where the method states one
   RunTime time;
   std::string chosen;  // parameters that the method chose itself: "directions=64 resolution=32"
-  // Of each polygon's exchange area, what goes to the environment and leaks; empty where a method says nothing of them,
+  // Each polygon has here the exchange area to environment and leak; empty where a method says nothing of the two,
   // so that users take one less the row's form factors.
   std::vector<double> rest{};
 };
@@ -27,7 +27,7 @@ struct Profile {
   std::string passes;  // shares of the time on the device: "project 0.12 peel 0.70"
 };
 
-// A method made ready for a scene; not to be used after its ladder.
+// A Runner is a method made ready for a scene. It is not to be used after its ladder.
 struct Runner {
   std::function<Outcome(double amount, uint64_t seed)> run;
   double setup_seconds = 0;  // to build what every run needs, kernels compiled
@@ -52,7 +52,7 @@ struct MethodOptions {
   std::string work_directory = ".";
 };
 
-// All ladders for a scene whose polygons are faces, both of which have to outlive them.
+// Makes all ladders for a scene whose polygons are faces. Both have to outlive the ladders.
 std::vector<Ladder> makeLadders(const Device& device, const Scene& scene, const MethodOptions& options);
 
 // The methods that verifyRivals is about.

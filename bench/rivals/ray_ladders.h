@@ -9,10 +9,10 @@
 
 namespace viewpeel::bench {
 
-// Ladders of ray shooting and of the double area integral, with random and Sobol' points, on all cores.
+// Makes the ladders of ray shooting and of the double area integral, with random and Sobol' points, on all cores.
 void addRayLadders(const Scene& scene, std::vector<Ladder>& ladders);
 
-// One of them as verifyRivals runs it.
+// A RayRival is one of the methods as verifyRivals runs it.
 struct RayRival {
   std::string name;
   double work = 0;  // rays or samples that make an error well above rounding

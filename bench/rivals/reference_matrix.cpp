@@ -15,7 +15,7 @@ namespace {
 
 constexpr uint64_t kReferenceSeed = 1u << 21;  // no run of a ladder has it
 
-// Of a kept file; the values follow, and what rows leave.
+// A kept file starts with this header; the values follow, and what rows leave.
 struct Header {
   uint64_t version = 2, fingerprint = 0, count = 0;
   double seconds = 0;

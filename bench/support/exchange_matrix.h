@@ -30,7 +30,7 @@ class ExchangeMatrix {
   std::vector<double> values_;
 };
 
-// A MatrixError is that of form factors, over all ordered pairs i != j. The weighted ones give each pair the weight
+// A MatrixError is the error of form factors over all ordered pairs i != j. The weighted ones give each pair the weight
 // w_ij = C_ij = A_i F_ij / 2 that it has in the exchange of radiation. So rms = sqrt(sum w e^2 / sum w), largest = max
 // sqrt(w / max w) |e|.
 struct MatrixError {
@@ -70,7 +70,7 @@ inline MatrixError errorOf(const ExchangeMatrix& measured, const ExchangeMatrix&
   return sums.over(measured.count());
 }
 
-// What a row leaves for environment and leaks: the polygon's area less its exchange areas.
+// Returns what a row leaves for environment and leaks: the polygon's area less its exchange areas.
 inline std::vector<double> restOf(const ExchangeMatrix& exchange, const std::vector<double>& areas) {
   std::vector<double> rest = areas;
   for (uint32_t i = 0; i < exchange.count(); ++i)
@@ -78,7 +78,7 @@ inline std::vector<double> restOf(const ExchangeMatrix& exchange, const std::vec
   return rest;
 }
 
-// Of what rows leave, as form factors: rms and largest.
+// Returns errors of what rows leave, as form factors: rms and largest.
 struct RestError {
   double rms = 0, largest = 0;
 };

@@ -28,8 +28,8 @@ inline double median(std::vector<double> values) {
   return (values[(values.size() - 1) / 2] + values[values.size() / 2]) / 2;
 }
 
-// A PowerLaw is y = exp(intercept) x^exponent, by least squares on logarithms. The standard error is that of the
-// exponent from the residuals.
+// A PowerLaw is y = exp(intercept) x^exponent, by least squares on logarithms. The standard error is of the exponent,
+// from the residuals.
 struct PowerLaw {
   double exponent = 0, intercept = 0, standard_error = 0;
   double at(double x) const { return std::exp(intercept) * std::pow(x, exponent); }
@@ -49,7 +49,7 @@ inline PowerLaw fitPowerLaw(const std::vector<double>& x, const std::vector<doub
   return law;
 }
 
-// Of the source tree at `directory` as it is now; "unknown" without git.
+// Returns the commit of the source tree at `directory` as it is now; "unknown" without git.
 inline std::string commitOf(const std::string& directory) {
   std::string commit;
   if (FILE* pipe = ::popen(

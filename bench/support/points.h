@@ -1,4 +1,4 @@
-// Points are those of the unit hypercube of four dimensions for rivals that sample: independent, or Sobol's sequence,
+// Points lie in the unit hypercube of four dimensions, for rivals that sample: independent, or Sobol's sequence,
 // scrambled.
 //
 // Sobol' points with the direction numbers of S. Joe & F. Y. Kuo, Constructing Sobol sequences with better

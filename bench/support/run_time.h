@@ -6,7 +6,7 @@
 
 namespace viewpeel::bench {
 
-// Of the part that counts: until a method has its result, before that becomes a matrix to compare.
+// These times are of the part that counts: until a method has its result, before that becomes a matrix to compare.
 struct RunTime {
   double seconds = 0;
   double cpu_seconds = 0;   // of all threads, and of processes that were waited for

@@ -16,7 +16,7 @@ class DirectionRegion {
  public:
   // The default region has no direction at all.
   DirectionRegion() = default;
-  // Returns the half sphere dot(pole, u) >= 0, whose lines are those of every pair.    In: pole of unit length
+  // Returns the half sphere dot(pole, u) >= 0, whose lines may meet any pair.    In: pole of unit length
   static DirectionRegion hemisphere(const glm::dvec3& pole);
 
   // Keeps the part with dot(inner_normal, u) >= 0.    In: inner_normal of unit length
@@ -45,9 +45,9 @@ class DirectionRegion {
   // where inner_normal points.
   struct Arc {
     glm::dvec3 from, inner_normal;
-    // The method close() sets these. They are the circle's point nearest to the centre, and the way the arc runs there.
-    // Then follow tan(p/2) of the distance p between, and the signed area of the right triangle that ends at the arc's
-    // start. Last come the areas of all arcs to this one's end.
+    // The method close() sets these vectors. They are the circle's point nearest to the centre, and the way the arc
+    // runs there. Then follow tan(p/2) of the distance p between, and the signed area of the right triangle that ends
+    // at the arc's start. Last come the areas of all arcs to this one's end.
     glm::dvec3 foot{0}, along{0};
     double half_tangent = 0, first_area = 0, solid_angle_to_here = 0;
   };

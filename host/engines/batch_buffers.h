@@ -53,7 +53,7 @@ struct BufferSize {
   MemoryUse memory = MemoryUse::device;
 };
 
-// Every buffer of a batch, in the order of shaders/shared.h's passes.
+// A batch has these buffers, in the order of shaders/shared.h's passes.
 //   Out: one row a member of BatchBuffers
 std::vector<BufferSize> listBuffers(const BatchShape& shape);
 
@@ -72,7 +72,7 @@ Error listsTooLong(const Device& device);
 uint64_t sizeBytes(const BatchShape& shape);
 uint64_t largestBytes(const BatchShape& shape);
 
-// Returns the bytes of the buffers that a batch has, all of them or those for one use.
+// Returns the bytes of a batch's buffers, of all or of the buffers for one use.
 uint64_t sizeBytes(const BatchBuffers& buffers);
 uint64_t sizeBytes(const BatchBuffers& buffers, BufferUse use);
 

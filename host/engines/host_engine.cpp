@@ -102,7 +102,7 @@ PairCounts HostEngine::count(std::span<const Direction> directions) {
   return workers_[0]->table.take();
 }
 
-// Every block by one thread, in dense counters of its own.
+// One thread counts each block, in dense counters of its own.
 std::vector<PairCounts> HostEngine::countBlocks(std::span<const Direction> directions, size_t block_directions) {
   if (shared_) return Engine::countBlocks(directions, block_directions);
   clear();
@@ -113,10 +113,10 @@ std::vector<PairCounts> HostEngine::countBlocks(std::span<const Direction> direc
       worker.sweep.count(direction, worker.table);
     blocks[k] = worker.table.take();
   };
-  const auto tell = [&](size_t done) {
+  const auto report = [&](size_t done) {
     if (options_.on_batch) options_.on_batch(done * block_directions);
   };
-  shareOut(workers_.size(), blocks.size(), 1, countBlock, tell);
+  shareOut(workers_.size(), blocks.size(), 1, countBlock, report);
   directions_ += directions.size();
   is_clear_ = true;
   return blocks;

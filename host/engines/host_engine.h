@@ -17,7 +17,7 @@ namespace viewpeel {
 //   Cost: per direction and thread as Sweep.
 std::unique_ptr<Engine> makeHostEngine(const Scene& scene, const Ids& ids, const LatticeOptions& options);
 
-// Chooses the samples with the smaller error after the same time (bench/programs/sampling_error.cpp). These are
+// Chooses the samples with the smaller error after the same time (bench/programs/sampling_error.cpp). It takes
 // scanlines in scenes of few polygons, and lattice points in scenes of many, whose polygons are so small that a
 // scanline is worth few points. Lattice points also serve polygons that are too small for scanlines, whose windows
 // cannot be as fine.

@@ -43,7 +43,7 @@ glm::dvec2 latticeOrigin(const Direction& direction, int resolution, const Windo
 }
 
 // Writes DirectionData[directions.size()] into an upload buffer.
-//   In: first: the number of directions before these; block_directions: of each block
+//   In: first: the number of directions before the first one; block_directions: of each block
 void writeDirections(std::span<const Direction> directions, int resolution, const Window& window, Buffer& buffer,
                      uint64_t first, uint64_t block_directions);
 

@@ -28,7 +28,7 @@ struct LatticeOptions {
   uint64_t counter_budget_bytes =
       0;  // of the dense counters, beyond which the compute engine keeps a hash table; 0 chooses
 
-  // Of the compute engine, 0 chooses. Tests set them to show that they do not matter.
+  // The compute engine has these; 0 chooses. Tests set them to show that they do not matter.
   uint32_t tile_width = 0;             // lattice columns; 32 with scanlines
   uint32_t tile_rows = 0;              // 1 to 8
   uint32_t layers_kept = 0;            // a round

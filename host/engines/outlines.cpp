@@ -141,7 +141,7 @@ void Outlines::findRows(size_t count) {
       });
 }
 
-// Edges a X + b y 2^column_bits + c >= 0 with the top-left rule, as in geometry.glsl; all of these are below 2^53, so
+// Edges a X + b y 2^column_bits + c >= 0 with the top-left rule, as in geometry.glsl; all numbers are below 2^53, so
 // doubles hold them. An edge along a row bounds the rows: from its own on where the polygon is above it, up to the one
 // before where it is below.
 void Outlines::findEdges() {
@@ -185,8 +185,8 @@ void Outlines::findEdges() {
             const double along_x = (px[next] - px[e]) * orientation, along_y = (py[next] - py[e]) * orientation,
                          size = std::abs(along_y);
             const double a = -along_y, b = along_x;
-            const double owns_none = along_y < 0 ? 1.0 : along_y > 0 ? 0.0 : along_x < 0 ? 1.0 : 0.0;
-            const double c = std::floor((-(a * px[e] + b * py[e]) - owns_none) * finest);
+            const double excludes_points = along_y < 0 ? 1.0 : along_y > 0 ? 0.0 : along_x < 0 ? 1.0 : 0.0;
+            const double c = std::floor((-(a * px[e] + b * py[e]) - excludes_points) * finest);
             const int32_t row_from = shiftUpward(y[e], bits);
             first = ((size == 0) & (b > 0)) ? std::max(first, row_from) : first;
             last = ((size == 0) & (b < 0)) ? std::min(last, row_from - 1) : last;

@@ -49,10 +49,10 @@ class Outlines {
 
   // Finds the outlines of up to kBlock polygons from `first` on, without polygons that lie between two rows.
   void find(size_t first);
-  // Cuts the next rows of these; no more than there are. Of a polygon they follow one after the other.
+  // Cuts the next rows of the outlines; no more than there are. Of a polygon they follow one after the other.
   Cuts cut();
 
-  // Of an outline of this block.
+  // Returns the polygon of an outline of this block, and whether its front is up.
   uint32_t polygonOf(uint32_t outline) const { return static_cast<uint32_t>(first_ + reaching_[outline]); }
   bool isFrontUp(uint32_t outline) const { return front_up_[outline]; }
 
@@ -80,8 +80,8 @@ class Outlines {
   OfBlock<int32_t> polygon_first_row_{}, polygon_last_row_{};  // of the block's polygons
   OfBlock<uint32_t> reaching_{};                               // polygons that may reach a row: one outline each
   OfBlock<int32_t> first_row_{}, last_row_{}, front_up_{};
-  // These belong to edge e of outline k, at e kBlock + k: the crossing with row y is ceil((row_0 + per_row y) inverse),
-  // see cut(). inverse is -1 / |a| of left edges, 1 / |a| of right ones, 0 of those along rows.
+  // These numbers belong to edge e of outline k, at e kBlock + k: the crossing with row y is ceil((row_0 + per_row y)
+  // inverse), see cut(). inverse is -1 / |a| of left edges, 1 / |a| of right ones, 0 of edges along rows.
   std::array<double, 4 * kBlock> row_0_{}, per_row_{}, inverse_{};
 
   size_t next_outline_ = 0;

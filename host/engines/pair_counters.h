@@ -38,16 +38,16 @@ class PairCounters {
   }
   // Returns whether the table may be more than half full after two more batches like the last.
   bool isCrowded() const { return isSparse() && pairs_ > 0 && pairs_ + 2 * last_pairs_ > capacity_ / 2; }
-  // Empties the table into the host's sums and makes it larger, where the device has room for that; nothing is lost.
+  // Empties the table into the host's sums and makes it larger, where the device has room for it; nothing is lost.
   // The device must be idle.
   void makeRoom(Commands& commands);
   // Makes the table larger; start() has to follow.
   //   Throws: Error limit where it has too many places; Error memory where the device has no room for them: then
   //   start() makes the table that was.
   void enlarge();
-  // Everything counted since start(), of one block.
+  // Returns all that was counted since start(), of one block.
   PairCounts finish(Commands& commands);
-  // The same of each block.
+  // Returns the same counts of each block.
   std::vector<PairCounts> finishBlocks(Commands& commands);
 
  private:

@@ -18,7 +18,7 @@ class SharedPairs {
 
   struct Addition {
     uint64_t key;     // keyOf
-    uint64_t weight;  // twice that, and one more for blocked lines
+    uint64_t weight;  // twice the weight, and one more for blocked lines
   };
   static uint64_t keyOf(uint32_t i, uint32_t j) { return ~(uint64_t(i) << 32 | j); }  // not 0
 
@@ -31,7 +31,7 @@ class SharedPairs {
   // Adds counts; any thread may call it.    Throws: Error limit.
   void add(uint32_t part, const Addition* additions, size_t count);
 
-  // All counts, in order, and empties it.
+  // Returns all counts, in order, and empties the table.
   PairCounts takeAll(size_t threads);
   uint64_t sizeBytes() const { return bytes_; }
 

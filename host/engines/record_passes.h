@@ -1,4 +1,4 @@
-// These are the passes of the compute engine: their kernels, and the order in which a batch of directions records them.
+// The compute engine's passes are here: their kernels, and the order in which a batch of directions records them.
 //   enter      where all polygons count: polygons over few lattice points become fragments, the others are listed
 //   project    every polygon along every direction, or every listed one: snapped corners, box, depth over the lattice
 //   bin emitters   where only some polygons count: tiles that emitters reach, and their span in each row of tiles

@@ -188,7 +188,7 @@ uint64_t Sweep::keyAt(const Layer& layer, int32_t column) const {
   return (clamped << kTieBits | layer.place_at_tie) << 32 | layer.polygon;
 }
 
-// By whole columns first, each with places of its own; within them few are left to put in order.
+// Sorts by whole columns first, each with places of its own. Within a column few are left to put in order.
 void Sweep::sortByLow(std::span<Span> spans) {
   const auto columns = 2 * static_cast<size_t>(reach_);
   if (spans.size() < columns / 4)

@@ -15,7 +15,7 @@
 
 namespace viewpeel {
 
-// A Sweep is of one thread, and its counts are those of the compute engine, to the last bit.
+// A Sweep is of one thread. It counts as the compute engine does, to the last bit.
 //   Cost: per direction, O(polygons + spans log (spans of a row) + samples x layers).
 class Sweep {
  public:

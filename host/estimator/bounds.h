@@ -26,8 +26,8 @@ double latticeRange(const ConvexSize& x, double h);
 //   Out: 2 A + 2 h d + 2^-9 h (d + h)    Error, Tests, Throws, Cost: as latticeRange.
 double scanlineRange(const ConvexSize& x, double h);
 
-// Returns the range M of one direction's estimate of F_ij. The points that i and j share are at most those of either,
-// and so is the estimate.
+// Returns the range M of one direction's estimate of F_ij. The points that i and j share are at most as many as
+// either has, and so is the estimate.
 //   In: range_i, range_j: latticeRange or scanlineRange of the two, area_i: A_i in the same units
 //   Out: M = min(range_i, range_j) / A_i
 double formFactorRange(double range_i, double range_j, double area_i);

@@ -25,6 +25,8 @@
 
 namespace viewpeel {
 
+constexpr double kEmitterSpacings = 16;  // in the root of the emitter's area
+
 struct EstimateOptions;
 
 // A PairSampler counts pairs along directions of their own. The smaller face of a pair is the emitter. Pairs of one

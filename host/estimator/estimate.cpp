@@ -60,10 +60,10 @@ Estimate makeEstimate(const RunSums& sums, double relative_floor, FormFactors al
   }
   // With all unoccluded form factors, a pair without an entry cannot see each other, whatever is between them.
   const auto isSampledAlone = [](const PairPrior& pair) { return pair.j < kEnvironment && std::isinf(pair.exchange); };
-  const bool knows_all =
+  const bool lists_all_pairs =
       sums.prior_sums && sums.prior_sums->prior().has_all_pairs &&
       std::none_of(sums.prior_sums->prior().pairs.begin(), sums.prior_sums->prior().pairs.end(), isSampledAlone);
-  if (!knows_all && !std::isinf(sums.countArea()))
+  if (!lists_all_pairs && !std::isinf(sums.countArea()))
     estimate.unmet_bound =
         unmetBound(*std::min_element(areas.begin(), areas.end()), sums.countArea(), double(sums.directions));
   return estimate;

@@ -44,8 +44,8 @@ struct EstimateOptions {
   // Draws the `count` directions of a replicate in place of the sampler. If it draws none, every form factor is 0.
   std::function<DrawnDirections(uint32_t count, uint64_t replicate)> drawn_directions;
   uint64_t first_replicate = 0;
-  // Sums to continue from, which count towards `replicates`: those of first_replicate and its successors, of the same
-  // scene, ids and options. May be nullptr.
+  // The run continues from these sums, which count towards `replicates`. They are of first_replicate and its
+  // successors, of the same scene, ids and options. May be nullptr.
   const RunSums* resumed = nullptr;
   // The prior (find_prior.h) needs an engine and ids by face; goals and result are for the rows of `by`. May be
   // nullptr.
@@ -74,7 +74,7 @@ Estimate makeEstimate(const RunSums& sums, double relative_floor, FormFactors al
 //   In: scene and ids as the engine was made with
 //   Error: unbiased at any spacing and number of directions, but for unoccluded form factors by polygon. Their small
 //     bias is bounded in visibility_sums.h, and pairs that no line hit are guessed from their neighbours
-//     (neighbour_visibility.h). The standard error is that of independent replicates, or of the guess. Tests:
+//     (neighbour_visibility.h). The standard error is of independent replicates, or of the guess. Tests:
 //     tests/laws/closed_form_test.cpp.
 //   Throws: all that the engine and callbacks throw, but for Interrupted; Error bad_usage for zero directions, fewer
 //     than 2 replicates, a goal that is not positive, or directed pairs without a sampler of them.

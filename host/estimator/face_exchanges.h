@@ -30,7 +30,7 @@ class FaceExchanges {
 
   // Sets the exchange areas of pairs. They are infinite, with visibilities of 0, where unoccluded form factors are not
   // accurate enough.
-  //   Out: how many of these
+  //   Out: how many of the pairs
   //   Error: kUnoccludedRelativeError or kUnoccludedAbsoluteError for each pair of polygons.
   //   Throws: as UnoccludedExchange::compute.
   uint64_t compute(std::span<PairPrior> pairs);

@@ -4,7 +4,7 @@
 // Derivation: docs/method.md, section 6. By polygon the run's own lines give the visibility of a pair
 // (visibility_sums.h). Between surfaces, and for guarantees, a pilot fixes a visibility b beforehand, and eq. (17) is
 // unbiased for any b. Environment and leak have all lines of their row in the place of V + O, for rows sum to 1.
-// Control variates are integers and add up in any order. Standard errors are those of replicates, and never less than
+// Control variates are integers and add up in any order. Standard errors come from replicates, and are never less than
 // one line's: no number of lines proves that nothing is there. Tests: tests/device/find_prior_test.cpp,
 // tests/unit/visibility_sums_test.cpp.
 #pragma once

@@ -19,7 +19,7 @@ constexpr double kFinestResolution = 1 << 14;
 constexpr double kBaseShare = 0.9;  // The first group's resolution is fine enough for this share of the area.
 constexpr uint32_t kPilotBlocks = 24, kPilotDirections = 8;
 constexpr std::array kRanges = {5.0, 3.5, 2.8, 2.4, 2.2};  // lattices are tried for these ranges
-constexpr std::array kBlockDirections = {1u, 4u, 16u};     // blocks are tried with these
+constexpr std::array kBlockDirections = {1u, 4u, 16u};     // blocks of so many are tried
 constexpr uint32_t kPriorPilotDirections = 1024;
 constexpr uint64_t kFewestBlocks = 8;  // a standard error needs them
 // Finer lattices are not tried beyond this multiple of the best time.

@@ -17,8 +17,8 @@ std::vector<PairCounts> mergeIdsOfAll(const std::vector<PairCounts>& runs, const
   return merged;
 }
 
-// Replaces the means of form factors by medians over runs. Standard errors are those of normal errors, of which the
-// median has pi / 2 times the mean's variance. Row sums stay those of means.
+// Replaces the means of form factors by medians over runs. Standard errors are as of normal errors, of which the
+// median has pi / 2 times the mean's variance. Row sums stay sums of means.
 FormFactors medianOf(const std::vector<PairCounts>& runs, const FormFactors& means, double measure_area) {
   std::vector<FormFactors::Entry> entries = means.entries();
   std::vector<size_t> at(runs.size(), 0);

@@ -26,8 +26,8 @@ constexpr double kShareOfLines = 0.98;   // of what an entry may err; the rest i
 constexpr double kFirstLook = 1.2;       // of the lines after which an entry without facing lines is done
 constexpr double kRowShare = 0.5;        // of delta, where rows have bounds
 constexpr uint64_t kPilotSeries = 1000;  // looks have those below
-// A line of an entry that geometry bounds may cost so many candidates; beyond, its lines are left open. Such entries are
-// small and near: slivers side by side. Leak is a sum over many parts, of which each counts.
+// A line of an entry that geometry bounds may cost so many candidates; beyond, its lines are left open. Such entries
+// are small and near: slivers side by side. Leak is a sum over many parts, of which each counts.
 constexpr double kMostCandidates = 100, kMostLeakCandidates = 10'000;
 constexpr double kShareOfOpen = 0.01;  // of a row's bound that such entries may take together
 constexpr size_t kChunk = 16;          // entries that a thread takes at once
@@ -106,7 +106,7 @@ void LineGuarantee::planLooks() {
   log_row_ = std::log(2 * double(ids_.count()) / (kRowShare * options_.delta));
   for (Entry& entry : entries_) {
     const double blockable = entry.blockable();
-    ++(entry.part_count == 0 ? figures_.exact : isDrawn(entry) ? figures_.drawn : figures_.known);
+    ++(entry.part_count == 0 ? figures_.exact : isDrawn(entry) ? figures_.drawn : figures_.bounded);
     if (entry.part_count == 0) continue;
     entry.weight = blockable / kFewestLines;
     if (entry.j == kLeak && !options_.rows) {

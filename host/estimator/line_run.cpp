@@ -12,13 +12,13 @@
 namespace viewpeel {
 namespace {
 
-// Standard errors that make up a goal, of an entry in this column.
+// Returns how many standard errors make up the goal of an entry in this column.
 double errorsInGoal(uint32_t column) { return column < kEnvironment ? kErrorsInGoal : kErrorsInRowGoal; }
 
-// What a goal allows an exchange area, input units squared.
+// Returns the error that a goal allows an exchange area, input units squared.
 double allowedBy(const EstimateOptions& options, double exchange, double smaller_area) {
   double allowed = options.tolerance ? *options.tolerance * smaller_area : INFINITY;
-  // The least visibility is not known before the run: an error relative to what is seen is one of half of it.
+  // No visibility is known before the run. An error relative to the form factor is taken for half the unoccluded one.
   if (options.relative && exchange >= options.relative_floor * smaller_area)
     allowed = std::min(allowed, *options.relative * exchange / 2);
   return allowed;
@@ -90,7 +90,7 @@ void LineRun::measureErrors() {
   const FormFactors all = sums_.formFactors();
   largest_error_ = viewpeel::largestStandardError(all);
   const Ids& ids = all.ids();
-  // The environment of a row is what its pairs leave: all of them have a part in its error.
+  // A row's environment is 1 less its pairs: all of them have a part in its error.
   struct Row {
     double variance = 0, count = 0;
     bool is_wanting = false;
@@ -144,7 +144,7 @@ bool LineRun::isDone() const {
 void LineRun::step() {
   const auto begun = Clock::now();
   const uint64_t replicate = options_.first_replicate + sums_.replicateCount();
-  // Twice as many lines in each further replicate: those that planned too few get there in a few of them.
+  // Each further replicate has twice as many lines, so that a pair with too few planned reaches its goal in a few.
   constexpr uint64_t kMostDoublings = 6;
   const uint64_t further = std::max<uint64_t>(sums_.replicateCount(), options_.replicates) - options_.replicates;
   const LineCounts counts =
@@ -152,7 +152,7 @@ void LineRun::step() {
   PairCounts common;
   if (options_.directions)
     common = engine_.count(sampleDirections(options_.sampler, options_.directions, options_.seed, replicate));
-  // Only lines that leave the scene or leak are asked for.
+  // Only lines that leave the scene or leak are kept.
   std::erase_if(common, [](const PairCount& count) { return count.j < kEnvironment; });
   if (sums_.replicateCount() == 0) sums_.measure_area = count_area_;
   sums_.addLines(replicate, common, options_.directions, counts);

@@ -24,7 +24,7 @@ struct Moments {
   std::array<double, 2> a{}, b{}, aa{}, bb{}, ab{};
 };
 
-// A Spread is that of one replicate.
+// A Spread is of one replicate.
 struct Spread {
   double total, between_lattices;
 };

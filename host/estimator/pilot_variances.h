@@ -18,8 +18,8 @@ struct PilotCounts {
   PairCounts first, second;
 };
 
-// PilotVariances are those of one replicate. Each is the largest of all form factors, perhaps of different ones, and
-// relative where the goal is.
+// PilotVariances are variances of one replicate. Each is the largest of all form factors, perhaps of different ones,
+// and relative where the goal is.
 struct PilotVariances {
   double of_directions = 0, of_lattices = 0;
   // This is the standard error of of_directions. A covariance of few replicates is uncertain beside lattices that vary

@@ -20,7 +20,7 @@ struct Plan {
   std::optional<PairLinesSummary> pair_lines;
   // A plan with unoccluded form factors counts too many pairs at every choice that would reach the goal.
   bool counts_too_large = false;
-  // These are ids that the replicates of the run hit at fewer than 5 lattice points, or scanlines, expected. Even the
+  // The replicates of the run hit these ids at fewer than 5 lattice points, or scanlines, expected. Even the
   // finest lattice is too coarse for them.
   std::vector<uint32_t> barely_covered;
 };
@@ -36,7 +36,7 @@ struct Lattices {
   const Ids* face_ids = nullptr;
 };
 
-// Makes the engine that counts all groups.    In: ids: those of the plan
+// Makes the engine that counts all groups.    In: ids: the plan's
 std::unique_ptr<Engine> makeEngine(const Lattices& lattices, const Scene& scene, const Ids& ids,
                                    const std::vector<SizeGroup>& groups);
 

@@ -1,12 +1,12 @@
 // These bounds serve guarantees with unoccluded form factors: they hold for V - b (V + O - F0), b from a pilot.
 //
-// Derivation: docs/method.md, section 9, "With control variates". One direction's T = V + O of a pair lies in [0, M], M
-// the range of the smaller polygon (bounds.h), for a line counts once at most, blocked or not. The second moment is
+// Derivation: docs/method.md, section 9, "With control variates". One direction's T = V + O of a pair lies in [0, M]
+// with M the range of the smaller polygon (bounds.h). A line counts once at most, blocked or not. The second moment is
 // bounded by eq. (31), and Bernstein's inequality, eq. (32), turns it into a bound on the mean. Without a visibility, b
-// = 0, V^2 <= M V says the same. Where F0 = 0 nothing is seen. Hoeffding's bound (29) is that of M, as without
-// unoccluded form factors. So is the empirical Bernstein bound (30) of blocks, with the sample variance of X = V - b T.
-// The choice among them is made beforehand: (32) where it is no more than (30) could be if the sample variance were 0.
-// Environment and leak have T = all lines of their row, for which M F0 is of no use. They have (29) and (30), as 2 n
+// = 0, V^2 <= M V says the same. Where F0 = 0 nothing is seen. Hoeffding's bound (29) takes M, as without
+// unoccluded form factors. So does the empirical Bernstein bound (30) of blocks, with the sample variance of X = V - b
+// T. The choice among them is made beforehand: (32) where it is no more than (30) could be if the sample variance were
+// 0. Environment and leak have T = all lines of their row, for which M F0 is of no use. They have (29) and (30), as 2 n
 // bounds beside n (n - 1) / 2, and either kind gets half of delta. F0 is good to kUnoccludedRelativeError or
 // kUnoccludedAbsoluteError, which is added to every bound.
 #pragma once

@@ -65,7 +65,7 @@ hid_t createFile() {
   return H5Fcreate("checkpoint", H5F_ACC_TRUNC, creation, access);
 }
 
-// Of bytes: a Hash of words of 8, the last one filled up with zeros.
+// Returns the check sum of bytes: a Hash of words of 8, the last one filled up with zeros.
 class CheckSum {
  public:
   //   In: bytes: of all calls but the last a multiple of 8

@@ -1,4 +1,4 @@
-// These are HDF5 files of flat columns, followed by a check sum of all bytes, 8 of them, little-endian. Readers of HDF5
+// An HDF5 file here has flat columns, followed by a check sum of all bytes, 8 of them, little-endian. Readers of HDF5
 // do not look there. A file that is cut off or damaged never gets to HDF5, which does not always survive it. Nor does
 // it survive a full disk: files are made in memory.
 #pragma once

@@ -42,7 +42,7 @@ Blocker blockerOf(const std::vector<dvec3>& corners, const Scene& scene, const P
   return b;
 }
 
-// Joins polygons of one plane, level and facing across common edges, as long as the union is convex.
+// A Joiner joins polygons of one plane, level and facing across common edges, as long as the union is convex.
 class Joiner {
  public:
   explicit Joiner(const Scene& scene) : scene_(scene) {
@@ -97,7 +97,7 @@ class Joiner {
     return p.plane == q.plane && p.front_along_plane_normal == q.front_along_plane_normal && p.tie_rank == q.tie_rank;
   }
 
-  // Without corners on straight lines; empty where the outline is not convex or has too many corners.
+  // Returns the outline without corners on straight lines; empty where it is not convex or has too many corners.
   std::vector<uint32_t> tidied(const std::vector<uint32_t>& loop, const dvec3& normal) const {
     std::vector<uint32_t> kept;
     for (size_t k = 0; k < loop.size(); ++k) {
@@ -112,7 +112,7 @@ class Joiner {
     return kept;
   }
 
-  // By one neighbour.
+  // Joins one neighbour. Returns whether there was one.
   bool extend(uint32_t k) {
     const dvec3 normal = frontNormal(scene_, scene_.polygons[k]);
     for (size_t e = 0; e < loops_[k].size(); ++e) {

@@ -1,4 +1,4 @@
-// What stands in the way of lines: the scene's polygons, neighbours of one plane joined into larger convex ones.
+// Blockers stand in the way of lines: they are the scene's polygons, neighbours of one plane joined to convex ones.
 //
 // A line cares only whether something is in its way, not what. A wall of 2,500 quadrilaterals is one blocker. Joining
 // neighbours makes tests of lines against blockers cheaper and leaves fewer pairs that several blockers hide together.
@@ -14,13 +14,13 @@ namespace viewpeel {
 
 constexpr uint32_t kMostBlockerCorners = 8;
 
-// A convex polygon that is opaque from both sides. Lengths in unit-ball units.
+// A Blocker is a convex polygon, opaque from both sides. Lengths are in unit-ball units.
 struct Blocker {
   uint32_t corner_count = 0;
   uint32_t plane = 0;    // Scene::planes
   int level = 0;         // levelOf its polygons
-  uint32_t polygon = 0;  // one of those that it is made of
-  glm::dvec3 normal{0};  // of its corners' order, unit length
+  uint32_t polygon = 0;  // one of its polygons
+  glm::dvec3 normal{0};  // by its corners' order, unit length
   double offset = 0;     // normal . x = offset
   glm::dvec3 corners[kMostBlockerCorners]{};
   glm::dvec3 edge_normals[kMostBlockerCorners]{};  // within its plane, outwards, unit length
@@ -28,8 +28,9 @@ struct Blocker {
   glm::dvec3 low{0}, high{0};  // its box
 };
 
+// Makes the blockers of a scene.
 //   In: a scene as buildScene makes it; join: whether neighbours become one
-//   Out: blockers whose union is that of all polygons, plane by plane and level by level
+//   Out: blockers with the same union as all polygons, plane by plane and level by level
 //   Error: a joined outline may leave out corners within 1e-12 of an edge's length from a straight line.
 //   Cost: O(n log n) for most scenes.
 std::vector<Blocker> makeBlockers(const Scene& scene, bool join = true);

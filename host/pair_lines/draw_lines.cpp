@@ -14,8 +14,8 @@ namespace {
 
 using glm::dvec3;
 
-// Bits of Sobol' points, the first binary digit lowest: of each dimension, for every bit of a point's number in Gray's
-// order. Primitive polynomials and first numbers: Joe & Kuo, new-joe-kuo-6.21201, dimensions 1 to 4.
+// SobolBits has the direction numbers of Sobol' points in Gray's order: for each dimension and each bit of a point's
+// number, with the first binary digit lowest. Source: Joe & Kuo, new-joe-kuo-6.21201, dimensions 1 to 4.
 class SobolBits {
  public:
   static constexpr int kBits = 32, kDimensions = 4;
@@ -38,7 +38,7 @@ class SobolBits {
       for (int k = 0; k < kBits; ++k)
         for (int bit = 0; bit < kBits; ++bit) of[d][k] |= (numbers[k] >> bit & 1) << (31 - bit);
     }
-    // Of the points of one block, by lane.
+    // The points of one block differ in four bits of their number: each lane has its own.
     for (int d = 0; d < kDimensions; ++d)
       for (uint32_t lane = 0; lane < kLineLanes; ++lane)
         for (int k = 0; k < 4; ++k)
@@ -53,8 +53,8 @@ static_assert(1 << 4 == kLineLanes);
 
 using Vector = LaneVector<Floats>;
 
-// Owen's scrambling by a hash (B. Burley, Practical hash-based Owen scrambling, JCGT 9(4), 2020; constants of N.
-// Vegdahl, Building a better LK hash, 2021), and the numbers in [0, 1) that the digits make.
+// Scrambles digits as Owen does, by a hash, and makes numbers in [0, 1) of them (B. Burley, Practical hash-based Owen
+// scrambling, JCGT 9(4), 2020; constants of N. Vegdahl, Building a better LK hash, 2021).
 VIEWPEEL_INLINE Floats scrambled(Words digits, uint32_t seed) {
   Words x = digits ^ (digits * all(0x3d20adeau));
   x += all(seed);
@@ -69,7 +69,7 @@ VIEWPEEL_INLINE Floats scrambled(Words digits, uint32_t seed) {
   return __builtin_convertvector((Integers)(x >> 8), Floats) * 0x1p-24f;
 }
 
-// The tangent of an angle within (-pi/2, pi/2), to 4e-7 of itself: of half the angle, by its series, and then doubled.
+// Returns the tangent of an angle within (-pi/2, pi/2), to 4e-7 of itself. It doubles a series of half the angle.
 VIEWPEEL_INLINE Floats tangent(const Floats& angle) {
   const Floats x = 0.25f * angle, s = x * x;  // |x| < 0.4
   const Floats quarter =
@@ -80,7 +80,7 @@ VIEWPEEL_INLINE Floats tangent(const Floats& angle) {
   return 2.0f * half / (1.0f - half * half);
 }
 
-// The angle of a tangent, to 3e-7 (S. Moshier, Cephes, atanf).
+// Returns the angle of a tangent, to 3e-7 (S. Moshier, Cephes, atanf).
 VIEWPEEL_INLINE Floats arcTangent(const Floats& tangent) {
   const Floats size = tangent < 0.0f ? -tangent : tangent;
   constexpr float large = 2.414213562f, middle = 0.4142135624f, quarter = std::numbers::pi_v<float> / 4;
@@ -95,14 +95,14 @@ VIEWPEEL_INLINE Floats arcTangent(const Floats& tangent) {
   return tangent < 0.0f ? -angle : angle;
 }
 
-// Sixteen lines from p to q = p + d. Lines that are not open start or end on a back, or miss the other patch.
+// Lines are sixteen lines from p to q = p + d. Lines that are not open start or end on a back, or miss the other patch.
 struct Lines {
   Vector p, q, d;
   Floats weight;
   Floats open;  // above 0 where it is
 };
 
-// Moves u to where the warp is dense; stretch: multiplied by the density that is lost.
+// Moves u to where the warp is dense, and multiplies `stretch` by the density that is lost.
 template <class Warp>
 VIEWPEEL_INLINE void warp(const Warp& by, Floats& u, Floats& stretch) {
   Floats warped = u * by.scales[0], scale = all(by.scales[0]);
@@ -114,7 +114,7 @@ VIEWPEEL_INLINE void warp(const Warp& by, Floats& u, Floats& stretch) {
   stretch *= scale;
 }
 
-// Lines from points to points: eq. (43) of docs/method.md.
+// Draws lines from points to points, eq. (43) of docs/method.md.
 VIEWPEEL_INLINE Lines drawPoints(const LineEnd<float>& first, const LineEnd<float>& second, const Floats* u) {
   Lines lines;
   Floats density_p, density_q;
@@ -127,7 +127,7 @@ VIEWPEEL_INLINE Lines drawPoints(const LineEnd<float>& first, const LineEnd<floa
   return lines;
 }
 
-// Lines from points by angles: eq. (45).
+// Draws lines from points by angles, eq. (45).
 template <class Rectangle, class Warp>
 VIEWPEEL_INLINE Lines drawAngles(const LineEnd<float>& first, const LineEnd<float>& second, const Rectangle& rectangle,
                                  const Warp* warps, const Floats* u) {
@@ -155,7 +155,7 @@ VIEWPEEL_INLINE Lines drawAngles(const LineEnd<float>& first, const LineEnd<floa
   return lines;
 }
 
-// Lines of no length, between patches of one plane.
+// Draws lines of no length, between patches of one plane.
 VIEWPEEL_INLINE Lines drawContact(const LineEnd<float>& first, const LineEnd<float>& second, const Floats* u) {
   Lines lines;
   lines.p = lines.q = pointOn(first, u[0], u[1], lines.weight);
@@ -178,7 +178,7 @@ void toFloats(const dvec3& v, float* to) {
   for (int axis = 0; axis < 3; ++axis) to[axis] = static_cast<float>(v[axis]);
 }
 
-// Of unit length.
+// Returns the direction of the longest edge, of unit length.
 dvec3 longestEdge(const Patch& patch) {
   dvec3 longest(0);
   for (uint32_t k = 0; k < patch.corner_count; ++k) {
@@ -188,7 +188,7 @@ dvec3 longestEdge(const Patch& patch) {
   return glm::normalize(longest);
 }
 
-// From a point to a patch, by Lambert's formula; what lies behind the point's plane counts less than 0.
+// Returns the form factor from a point to a patch, by Lambert's formula. Parts behind the point's plane subtract.
 double pointFormFactor(const dvec3& p, const dvec3& normal, const Patch& patch) {
   double sum = 0;
   for (uint32_t k = 0; k < patch.corner_count; ++k) {
@@ -217,7 +217,7 @@ LineDrawer::LineDrawer(const Patch& a, const Patch& b, LineWay way, double excha
   obstacles_ = makeObstacles<float>(blockers, between, origin, is_swapped);
 }
 
-// Sets the rectangle of the second patch that angles go to: around what the first patch has in front of it.
+// Sets the rectangle that angles go to. It lies around the part of the second patch in front of the first one.
 void LineDrawer::frameSecond(const Patch& small, const Patch& large) {
   dvec3 seen[8];
   uint32_t count = 0;

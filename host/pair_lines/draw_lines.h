@@ -1,12 +1,12 @@
-// Lines between two patches, and which of them nothing blocks.
+// A LineDrawer draws lines between two patches and finds the lines that nothing blocks.
 //
 // Lines are drawn in one of three ways:
 //   points   from a point of one patch to a point of the other; a line weighs cos cos / (pi r^2) dA dA;
-//   angles   from a point of the smaller patch, at a height h over the other's plane, to a point of that plane at h
-//   tan(a)
-//            and h tan(b) from its foot, a and b uniform. For patches that are near, where the weights of points vary
-//            without bound: these vary little. Points are denser where the other patch looks larger;
-//   contact  for patches of one plane that face each other: from a point of one to the same point of the other.
+//   angles   from a point of the smaller patch, at a height h over the other's plane. The line ends in this plane, at
+//            h tan(a) and h tan(b) from the point's foot, with a and b uniform. This way is for near patches: their
+//            weights by points vary without bound, by angles little. Points are denser where the other patch looks
+//            larger;
+//   contact  from a point of one patch to the same point of the other; for patches of one plane, face to face.
 // In all three the share of the weight that nothing blocks is the visibility of the pair (docs/method.md).
 //
 // Points are Sobol' points of four dimensions (S. Joe, F. Kuo, Constructing Sobol sequences with better two-dimensional
@@ -26,18 +26,18 @@ namespace viewpeel {
 
 enum class LineWay : uint8_t { points, angles, contact };
 
-// Lines of two patches. Weights are of a mean of 1, those of lines that miss 0.
+// DrawnLines are sums over lines between two patches. Weights have a mean of 1; a line that misses weighs 0.
 struct DrawnLines {
   double facing = 0, all = 0;  // weights of lines that nothing blocks, and of all
   double squares = 0;          // of all weights
   uint64_t lines = 0;
 };
 
-// A pair of patches, ready for lines: in single precision, and about the middle of the smaller patch, so that rounding
-// is relative to the distance from it.
+// A LineDrawer is a pair of patches, ready for lines. It is in single precision, about the middle of the smaller patch,
+// so that rounding is relative to the distance from there.
 class LineDrawer {
  public:
-  // Lines that are drawn at once.
+  // Lines are drawn so many at once.
   static constexpr uint32_t kBlockLines = 16;
 
   //   In: exchange: A F with nothing in between, unit-ball units squared, above 0; all are copied
@@ -49,12 +49,12 @@ class LineDrawer {
   DrawnLines draw(const std::array<uint32_t, 4>& scrambles, uint32_t first, uint32_t end, Vectors vectors) const;
 
  private:
-  // The part of the second patch's plane that angles go to.
+  // A Rectangle is the part of the second patch's plane that angles go to.
   struct Rectangle {
     float axes[2][3];   // of its plane, unit length
     float range[2][2];  // along the axes, least and most
   };
-  // Numbers in [0, 1), more of them where more of what counts is: bin by bin.
+  // A Warp makes uniform numbers in [0, 1) denser in bins with a larger part of the form factor.
   struct Warp {
     static constexpr int kBins = 8;
     float starts[kBins], scales[kBins];  // of bin k: u >= starts[k], and its width over its share

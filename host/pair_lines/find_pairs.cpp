@@ -20,7 +20,7 @@ constexpr double kNormalWeight =
                                 // look the same way
 constexpr size_t kTasks = 256;  // that are shared out to threads, at least
 
-// Whether convex polygons of one plane have more than an edge in common.
+// Returns whether convex polygons of one plane have more than an edge in common.
 template <class A, class B>
 bool overlap(const A& a, uint32_t corners_a, const B& b, uint32_t corners_b) {
   const auto isApart = [](const auto& p, uint32_t edges, const auto& q, uint32_t corners) {
@@ -42,7 +42,7 @@ bool covers(const Blocker& blocker, const Patch& patch) {
   return true;
 }
 
-// Above 0 where a blocker of the patch's plane lies in front of the patch.
+// Returns a number above 0 where a blocker of the patch's plane lies in front of the patch.
 int stepsInFront(const Blocker& blocker, const Patch& patch) {
   return (patch.along_plane_normal ? blocker.level : -blocker.level) - patch.height;
 }
@@ -51,7 +51,7 @@ int stepsInFront(const Blocker& blocker, const Patch& patch) {
 
 PairFinder::PairFinder(const Scene& scene, const Ids& ids, bool with_backs)
     : patches_(makePatches(scene, ids, with_backs)), blockers_(makeBlockers(scene)), unoccluded_(scene) {
-  // Large blockers hide most: where one hides all, the rest need no test.
+  // Large blockers come first, for they hide most: where one hides all, the rest need no test.
   std::vector<double> sizes;
   for (const Blocker& blocker : blockers_) {
     glm::dvec3 area(0);
@@ -133,16 +133,16 @@ uint32_t PairFinder::build(std::vector<uint32_t>& order, uint32_t first, uint32_
   return index;
 }
 
-// Two clusters, and the blockers that may be between them.
+// A Task is two clusters, and the blockers that may be between them.
 struct PairFinder::Task {
   uint32_t a, b;
   BlockerList between;
 };
 
-// Goes down from one task on, in one thread.
+// A Search divides one task to its end, in one thread.
 class PairFinder::Search {
  public:
-  //   In: pair_count: of all searches together
+  // Begins a search.    In: pair_count: of all searches together
   Search(const PairFinder& finder, std::atomic<size_t>& pair_count) : finder_(finder), pair_count_(pair_count) {}
 
   // Appends the tasks of the next smaller clusters, or finds the pairs of two leaves.
@@ -163,7 +163,7 @@ class PairFinder::Search {
     }
   }
 
-  // All pairs of the task.
+  // Finds all pairs of the task.
   void search(Task task) {
     std::vector<Task> stack;
     stack.push_back(std::move(task));
@@ -183,7 +183,7 @@ class PairFinder::Search {
     return glm::dot(size, size);
   }
 
-  // Whether a pair of the two clusters may look at each other.
+  // Returns whether a pair of the two clusters may look at each other.
   bool mayFace(const Node& a, const Node& b) const {
     if (!(a.emits && b.receives) && !(a.receives && b.emits)) return false;
     const auto isBehind = [&](const Node& flat, const Node& other) {
@@ -195,7 +195,7 @@ class PairFinder::Search {
     return !isBehind(a, b) && !isBehind(b, a);
   }
 
-  // False: one blocker hides all.
+  // Keeps the blockers between two clusters. Returns false where one of them hides all.
   bool keepBetween(const BlockerList& from, Task& part) const {
     const Box &a = node(part.a).box, &b = node(part.b).box;
     BoxShaft(a, b).keepInside(from, part.between, vectors_);
@@ -231,14 +231,14 @@ class PairFinder::Search {
     }
     const size_t before = found.between.size();
     if (is_contact) {
-      // What lies between two levels of one plane.
+      // Both patches lie in one plane: blockers of levels between theirs are in the way.
       for (const uint32_t k : finder_.covers_[p])
         if (stepsInFront(finder_.blockers_[k], b) > 0) found.between.push_back({k, BlockerPlace::over_first});
     } else {
       if (finder_.is_covered_[p] || finder_.is_covered_[q]) return;
       between_.clear();
       const PatchShaft shaft(a, b);
-      // What hid the last pair often hides its neighbours.
+      // The blocker that hid the last pair often hides its neighbours.
       if (shaft.isHidden(finder_.blockers_, {&last_hider_, 1}, between_, vectors_)) return;
       between_.clear();
       if (shaft.isHidden(finder_.blockers_, from, between_, vectors_)) {
@@ -269,7 +269,7 @@ class PairFinder::Search {
 
 PatchPairs PairFinder::find(size_t threads, const std::function<void()>& stop) const {
   if (nodes_.empty()) return {};
-  // Divided by one thread until there are tasks enough for all, then each task to its end.
+  // One thread divides until there are tasks enough for all threads. Then each task is searched to its end.
   std::atomic<size_t> found_count = 0;
   Search first(*this, found_count);
   std::vector<Task> tasks(1);

@@ -1,8 +1,8 @@
-// Which pairs of polygons may see each other, and what is between each.
+// A PairFinder finds which pairs of polygons may see each other, and which blockers are between the two.
 //
-// Clusters of patches come first: blockers outside the shaft of two clusters are in the way of no pair of theirs, and
-// one blocker that hides two clusters from each other hides all their pairs. What is left goes down to smaller
-// clusters (S. Teller, P. Hanrahan, Global visibility algorithms for illumination computations, 1993).
+// Clusters of patches come first. A blocker outside the shaft of two clusters is in the way of no pair of theirs. One
+// blocker that hides two clusters from each other hides all their pairs. Other clusters are divided into smaller ones
+// (S. Teller, P. Hanrahan, Global visibility algorithms for illumination computations, 1993).
 #pragma once
 #include <atomic>
 #include <cstdint>
@@ -17,15 +17,15 @@
 
 namespace viewpeel {
 
-// A pair of patches with a form factor above 0 unless something hides it.
+// A PatchPair is a pair of patches with a form factor above 0 unless something hides it.
 struct PatchPair {
   uint32_t a, b;        // patches, a < b
   double exchange = 0;  // A F with nothing in between, unit-ball units squared
-  // Blockers, of PatchPairs::between; none where nothing is in the way.
+  // These indices of PatchPairs::between name its blockers; there are none where nothing is in the way.
   uint32_t first_blocker = 0, blocker_count = 0;
 };
 
-// The most pairs that are found: with what is planned and counted for it a pair takes some 250 bytes.
+// At most so many pairs are found. A pair takes some 250 bytes, with its plan and its counts.
 constexpr size_t kMostPatchPairs = 12'000'000;
 
 struct PatchPairs {
@@ -42,26 +42,25 @@ class PairFinder {
 
   const std::vector<Patch>& patches() const { return patches_; }
   const std::vector<Blocker>& blockers() const { return blockers_; }
-  // Whether polygons coincide of which nothing says which lies in front, so that it depends on the direction of a line
-  // (Coincidences). What is between two polygons is then not defined.
+  // Returns whether coincident polygons are without an order, so that the one in front depends on a line's direction
+  // (Coincidences). Then it is not defined which blockers are between two polygons.
   bool hasUnordered() const { return has_unordered_; }
 
-  // All pairs of patches of different faces of which one emits and the other receives.
+  // Finds all pairs of patches of different faces of which one emits and the other receives.
   //   In: threads; stop: called now and then by one thread, may throw, may be empty
   //   Error: blockers that reach less deep than kTouchingShaft into a shaft count as outside it.
-  //   Cost: a fraction of a microsecond a pair and what closed forms take. Tests: tests/unit/pair_lines_test.cpp.
+  //   Cost: a fraction of a microsecond a pair, and its unoccluded form factor. Tests: tests/unit/pair_lines_test.cpp.
   PatchPairs find(size_t threads, const std::function<void()>& stop = {}) const;
 
  private:
-  // A cluster of patches.
+  // A Node is a cluster of patches.
   struct Node {
     Box box;
     uint32_t first, end;  // of order_
     uint32_t left = 0, right = 0;
     bool emits = false, receives = false;
-    // Where all patches lie in one plane and look one way.
-    bool is_flat = false;
-    uint32_t patch = 0;  // one of them
+    bool is_flat = false;  // all patches lie in one plane and look one way
+    uint32_t patch = 0;    // one of them
 
     bool isLeaf() const { return left == 0; }
     uint32_t size() const { return end - first; }

@@ -1,5 +1,5 @@
-// Numbers of sixteen lines, or of eight blockers, at once: one operation for all lanes, on whatever vectors the
-// processor has. Without contraction every lane rounds as a scalar would, so that results are the same bits everywhere.
+// Lanes hold numbers of sixteen lines, or of eight blockers, and one operation serves all, on any processor's vectors.
+// Without contraction every lane rounds as a scalar would, so that results are the same bits everywhere.
 #pragma once
 #include <cstdint>
 #include <cstring>
@@ -30,8 +30,8 @@ VIEWPEEL_INLINE Lanes load(const Number* from) {
   return lanes;
 }
 
-// A condition is a number for each lane, above 0 or not: compilers take comparisons that end in integers apart, lane by
-// lane, where they do not know the processor, and leave choices between numbers whole.
+// A condition is a number for each lane, above 0 or not. Compilers that do not know the processor take comparisons
+// apart, lane by lane, where these comparisons end in integers. They leave choices between numbers whole.
 VIEWPEEL_INLINE Floats least(const Floats& a, const Floats& b) { return a < b ? a : b; }
 VIEWPEEL_INLINE Floats greatest(const Floats& a, const Floats& b) { return a > b ? a : b; }
 VIEWPEEL_INLINE Doubles least(const Doubles& a, const Doubles& b) { return a < b ? a : b; }
@@ -59,7 +59,7 @@ VIEWPEEL_INLINE bool isAny(const Floats& x) {
   return any != 0;
 }
 
-// In the order of lanes, in double precision.
+// Returns the sum of all lanes, in their order and in double precision.
 VIEWPEEL_INLINE double sumOf(Floats x) {
   double sum = 0;
   for (int k = 0; k < kLineLanes; ++k) sum += double(x[k]);

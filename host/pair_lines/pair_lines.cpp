@@ -17,11 +17,11 @@ constexpr size_t kChunk = 64;        // pairs that a thread takes at once
 constexpr double kLarge = 0.3;       // form factors above which angles are better than points
 constexpr double kNear = 0.15;       // gap in diagonals of the smaller patch, below which they are, too,
 constexpr double kLeastNear = 1e-3;  // where the form factor is larger than this
-constexpr double kUneven = 0.2;      // share of points that tell of a pair, below which angles are better, too
+constexpr double kUneven = 0.2;      // effective share of points, below which angles are better, too
 constexpr uint32_t kPilots = 8;
 constexpr uint32_t kMostPeriod = 8;
-// N lines that agree leave a share of ln(1 / p) / N to the others but for probability p. So many times allowed standard
-// errors is p = 1e-3, where these are a quarter of what errors may be.
+// N lines that agree leave a share of at most ln(1 / p) / N to lines that do not, but for probability p. At p = 1e-3,
+// with errors of four standard errors, N has to be this over the allowed standard error.
 constexpr double kAgreeing = 1.75;
 constexpr double kRate = 0.8;  // a variance falls as N^-1.25: N lines for it are its power of -0.8
 
@@ -89,7 +89,7 @@ std::array<uint32_t, 4> PairLines::scramblesOf(const PatchPair& part, uint64_t r
   return scrambles;
 }
 
-// All lines of a pair in one replicate.
+// Draws all lines of a pair in one replicate.
 LineCount PairLines::draw(const LinePair& pair, const Group& group, uint64_t replicate, uint32_t times,
                           Vectors vectors) const {
   const uint32_t blocks = std::min(pair.blocks * times, kMostLineBlocks);
@@ -107,7 +107,7 @@ LineCount PairLines::draw(const LinePair& pair, const Group& group, uint64_t rep
     const double weight = part.exchange / blockable;
     facing += weight * lines.facing, all += weight * lines.all, squares += weight * weight * lines.squares;
   }
-  // In units of what is expected of all of them, kLineUnit.
+  // Counts are integers: kLineUnit is the expected weight of all lines.
   const double unit = kLineUnit / (LineDrawer::kBlockLines * double(pair.blocks));
   const double scale = unit * std::min(1.0, kMostLineUnits / std::max(1.0, all * unit));
   LineCount count{0, blocks, 0, 0, 0};
@@ -158,7 +158,7 @@ bool PairLines::isPartial(const Group& group) const {
   return false;
 }
 
-// The number of lines after which a pair has the goal, by pilots of 16 lines, and of 128 where these do not do.
+// Returns how many lines a pair needs for its goal, from a pilot of 16 lines, or of 128 where 16 are too few.
 //   In: goal: standard error of the visibility    Out: pair: by_angles
 double PairLines::findNeed(LinePair& pair, const Group& group, double goal, Vectors vectors) const {
   constexpr double kPilotLines = LineDrawer::kBlockLines;

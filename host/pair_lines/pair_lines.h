@@ -1,7 +1,7 @@
-// Lines of their own for all pairs of faces that something may block.
+// PairLines draws lines between the two faces of each pair that something may block.
 //
-// A pair that nothing blocks has its unoccluded form factor, a pair that one blocker hides has none, both exactly. All
-// others get lines, each as many as its own error asks for. A pair's lines do not depend on other pairs.
+// A pair that nothing blocks has its unoccluded form factor; a pair that one blocker hides has 0. Both are exact. Each
+// other pair gets as many lines as its error needs. A pair's lines do not depend on other pairs.
 #pragma once
 #include <array>
 #include <functional>
@@ -14,27 +14,28 @@
 
 namespace viewpeel {
 
-// What finding pairs came to.
+// PairLinesFigures say how many pairs and blockers were found.
 struct PairLinesFigures {
   uint64_t clear = 0, partial = 0;  // pairs of faces
-  uint64_t blockers = 0;            // that polygons were joined to
+  uint64_t blockers = 0;            // joined from all polygons
 };
 
 class PairLines {
  public:
+  // Prepares patches and blockers; find() does the search.
   //   In: scene, face_ids: referred to; face_ids: by face, with roles where a question restricts them; with_leak:
   //   whether pairs of faces and backs are looked for, too; threads: 0: one a core; stop: called between parts of the
   //   work, may throw, may be empty
   PairLines(const Scene& scene, const Ids& face_ids, bool with_leak, uint64_t seed, size_t threads = 0,
             std::function<void()> stop = {});
 
-  // All pairs with an unoccluded form factor above 0 that nothing hides, sorted, without lines.
+  // Finds all pairs with an unoccluded form factor above 0 that nothing hides, sorted, without lines.
   //   Cost: as PairFinder::find.
   std::vector<LinePair> find();
   PairLinesFigures figures() const;
-  // As PairFinder has it: then there are no pair lines.
+  // Returns whether coincident polygons have no order (PairFinder). There are no pair lines then.
   bool hasUnordered() const { return finder_.hasUnordered(); }
-  // After find(): whether there are more pairs than kMostPatchPairs. Then it has found none.
+  // Returns whether find() has met more pairs than kMostPatchPairs and kept none.
   bool hasTooMany() const { return !parts_.is_complete; }
 
   // Gives each pair lines, from pilots of 16 and 128 lines.
@@ -43,8 +44,8 @@ class PairLines {
   void plan(std::span<LinePair> pairs, const std::function<double(const LinePair&)>& allowed, uint32_t replicates);
 
   // Draws the lines of one replicate.
-  //   In: pairs: as planned, all of find()'s; wanted: those that draw in this replicate, whatever their turn, and
-  //   `times` as many lines as planned; empty: those whose turn it is
+  //   In: pairs: as planned, all of find()'s; wanted: of each pair, whether it draws in this replicate, whatever its
+  //   turn, `times` as many lines as planned; empty: pairs draw when it is their turn
   //   Out: counts, by pair; a function of seed, pair and replicate alone    Cost: some 5 to 50 ns a line.
   LineCounts count(std::span<const LinePair> pairs, uint64_t replicate, const std::vector<bool>& wanted = {},
                    uint32_t times = 1);

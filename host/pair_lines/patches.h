@@ -1,4 +1,4 @@
-// Sides of polygons as ends of lines.
+// Patches are sides of polygons, as ends of lines.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -10,12 +10,12 @@
 
 namespace viewpeel {
 
-// One side of a convex polygon with three or four corners. Lengths in unit-ball units.
+// A Patch is one side of a convex polygon with three or four corners. Lengths are in unit-ball units.
 struct Patch {
   uint32_t side = 0;   // frontSide or backSide of its polygon
-  uint32_t id = 0;     // of its row; of a back that lines leak to, the number of rows and its row's
+  uint32_t id = 0;     // of its row; a back that lines leak to has its row's plus the number of rows
   uint32_t plane = 0;  // Scene::planes
-  int height = 0;      // levels of blockers of this plane that lie in front of the side are above it, see isInFront
+  int height = 0;      // blockers of this plane with higher levels lie in front of the side, see stepsInFront
   bool along_plane_normal = true;  // whether the side looks along its plane's normal
   bool emits = true, receives = true;
   uint32_t corner_count = 0;
@@ -28,7 +28,7 @@ struct Patch {
   double area = 0;
 };
 
-// The sides that emit or receive.
+// Makes patches of the sides that emit or receive.
 //   In: ids of the scene's polygons, with their roles; with_backs: whether backs that lines leak to are among them
 //   Cost: O(polygons).
 std::vector<Patch> makePatches(const Scene& scene, const Ids& ids, bool with_backs);

@@ -86,7 +86,7 @@ bool hidesBox(const Blocker& blocker, const Box& a, const Box& b) {
   const auto cornerOf = [](const Box& box, int k) {
     return dvec3(k & 1 ? box.high.x : box.low.x, k & 2 ? box.high.y : box.low.y, k & 4 ? box.high.z : box.low.z);
   };
-  // The nearest and the farthest corner along the blocker's normal.
+  // Returns where the nearest and the farthest corner lie along the blocker's normal.
   const auto rangeOf = [&](const Box& box) {
     const dvec3 middle = 0.5 * (box.low + box.high), reach = 0.5 * (box.high - box.low);
     const double at = glm::dot(blocker.normal, middle) - blocker.offset,
@@ -131,7 +131,7 @@ void PatchShaft::addPlane(const dvec3& normal, double offset) {
   planes_[3][plane_count_++] = -offset;
 }
 
-// The plane of a itself, and through each edge of a the plane that has all of b which a can see on its inner side.
+// Adds a's plane, and through each edge of a the plane whose inner side has all parts of b that a can see.
 void PatchShaft::addTangents(const Patch& a, const Patch& b) {
   addPlane(-a.normal, -a.offset);
   double height[4];
@@ -170,7 +170,7 @@ void PatchShaft::addTangents(const Patch& a, const Patch& b) {
   return largestOf(greatest(nearest[0], nearest[1])) >= -kTouchingShaft;
 }
 
-//   In: heights of the eight corners over the blocker's plane
+// Returns whether the blocker hides all.    In: heights of the eight corners over the blocker's plane
 [[gnu::always_inline]] inline bool PatchShaft::hides(const Blocker& blocker, const Doubles& heights) const {
   int above_a = 0, above_b = 0, below_a = 0, below_b = 0;
   for (int k = 0; k < 4; ++k) {
@@ -181,7 +181,7 @@ void PatchShaft::addTangents(const Patch& a, const Patch& b) {
   if (!is_between) return false;
   for (int i = 0; i < 4; ++i) {
     const double p[3] = {corners_[0][i], corners_[1][i], corners_[2][i]}, height = heights[i];
-    // The lines to b's corners, twice.
+    // Lanes 4 to 7 are the lines to b's corners.
     const Doubles difference = height - heights;
     for (int j = 4; j < 8; ++j)
       if (!(difference[j] != 0)) return false;

@@ -1,9 +1,9 @@
-// Shafts: what lies between two ends of lines, and what cannot.
+// A shaft tells which blockers may lie between two ends of lines.
 //
 // The shaft of two convex ends is their convex hull: all lines between them run inside it (E. Haines, J. Wallace, Shaft
 // culling for efficient ray-cast radiosity, 1991). A blocker beyond one plane of the shaft is in no line's way. A
-// blocker that every line between corners passes through hides all of one end from the other, for where a line between
-// two points crosses the blocker's plane is a convex combination of where lines between corners do.
+// blocker that every line between corners passes through hides all of one end from the other. For a line between any
+// two points crosses the blocker's plane at a convex combination of the points where lines between corners do.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -23,7 +23,7 @@ struct Box {
   glm::dvec3 low{0}, high{0};
 };
 
-// Blockers' boxes, a coordinate after the other, for tests of eight at once.
+// A BlockerList has blockers' boxes, a coordinate after the other, for tests of eight at once.
 class BlockerList {
  public:
   void clear();
@@ -38,11 +38,11 @@ class BlockerList {
   std::vector<double> low[3], high[3];
 };
 
-// The planes of a shaft between two boxes.
+// A BoxShaft has the planes of a shaft between two boxes.
 class BoxShaft {
  public:
   BoxShaft(const Box& a, const Box& b);
-  // Appends those of `from` that may reach into the shaft.    In: from: padded    Cost: O(from).
+  // Appends the blockers of `from` that may reach into the shaft.    In: from: padded    Cost: O(from).
   void keepInside(const BlockerList& from, BlockerList& to, Vectors vectors) const;
 
  private:
@@ -55,15 +55,16 @@ class BoxShaft {
   int plane_count_ = 0;
 };
 
-// Whether the blocker hides all of one box from all of the other.
+// Returns whether the blocker hides all of one box from all of the other.
 bool hidesBox(const Blocker& blocker, const Box& a, const Box& b);
 
-// What is between two patches that do not lie in one plane.
+// A PatchShaft is the shaft of two patches that do not lie in one plane.
 class PatchShaft {
  public:
   PatchShaft(const Patch& a, const Patch& b);
-  //   In: from: indices of blockers, those of the patches' planes among them are passed over
-  //   Out: between: appended to, the blockers that some line may meet; true where the last of them hides all
+  // Finds the blockers between the patches. Returns whether one of them hides all.
+  //   In: from: indices of blockers; blockers of the patches' planes are passed over
+  //   Out: between: appended to, the blockers that some line may meet; the last one hides all where true is returned
   //   Cost: O(from).
   bool isHidden(const std::vector<Blocker>& blockers, std::span<const uint32_t> from, std::vector<uint32_t>& between,
                 Vectors vectors) const;

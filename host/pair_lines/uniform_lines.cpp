@@ -342,13 +342,13 @@ struct UniformLines::Waiting {
     if (k % 4 == 3 && !isAny(blocked < 0.0f ? none : one)) break;
   }
   const Floats is_line = line.inside > 0.0f ? one : none, is_facing = passed > 0.0f ? is_line : none,
-               is_known = blocked < 0.0f ? is_line : is_facing;
-  if (here == kLineLanes && !isAny(one - is_known) && sum.lines + kLineLanes <= lines) {
+               is_decided = blocked < 0.0f ? is_line : is_facing;
+  if (here == kLineLanes && !isAny(one - is_decided) && sum.lines + kLineLanes <= lines) {
     sum.lines += kLineLanes, sum.facing += static_cast<uint64_t>(sumOf(is_facing));
     return;
   }
   for (int lane = 0; lane < here && sum.lines < lines; ++lane) {
-    if (is_known[lane] > 0) {
+    if (is_decided[lane] > 0) {
       ++sum.lines, sum.facing += is_facing[lane] > 0;
       continue;
     }

@@ -1,7 +1,7 @@
 // Independent lines that are uniform over all lines between two patches, for bounds that hold beforehand.
 //
-// A line of density f / F0, f = cos cos / (pi r^2), is a coin whose chance is the visibility. Candidates
-// are drawn in the way that wastes fewest, and the rest are rejected, so that the density is f / F0 exactly:
+// A line of density f / F0, f = cos cos / (pi r^2), is blocked or not: a coin whose chance is the visibility.
+// Candidates are drawn in the way that wastes fewest, and the rest are rejected, so that the density is f / F0 exactly:
 //   points      from a uniform point of one patch to a uniform point of the other, kept with probability f over a bound
 //               on f;
 //   directions  from a uniform point of the smaller patch along a direction of Lambert's cosine law, kept where it

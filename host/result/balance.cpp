@@ -1,5 +1,5 @@
 // Balanced exchange areas have one multiplier y_i per row, which minimises phi of docs/method.md, eq. (34), with
-// section 10's x_ij(y). (i = j: y_i in place of y_i + y_j.)
+// section 10's x_ij(y). (For i = j, y_i stands in place of y_i + y_j.)
 //
 // Newton's method takes the Hessian of the present piece. It is regularised by the present error, since it may be
 // singular (two plates that see nothing else). Conjugate gradients solve it to this error, and Armijo's rule chooses

@@ -66,7 +66,7 @@ std::vector<uint32_t> findPolygons(const Scene& scene, const std::string& name) 
   return found;
 }
 
-void askOnlyFor(const Question& question, const Scene& scene, Ids& ids) {
+void restrictToQuestion(const Question& question, const Scene& scene, Ids& ids) {
   if (question.isEverything()) return;
   if (!question.pair.empty() && !question.from.empty())
     throw Error(ErrorCode::bad_usage, "--pair and --from ask for different things; use one of them");

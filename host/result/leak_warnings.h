@@ -13,10 +13,10 @@ namespace viewpeel {
 constexpr double kClosedLeak = 1e-6, kOpenLeak = 1e-3;
 
 // Warns, one line each, about leaks: the share of radiation that ends on backs, the surfaces whose rows lose it, and
-// those whose backs get it. Each names the likely cause and the remedy. It warns, too, where no front sees another one
-// at all. Empty where nothing is wrong.
+// the surfaces whose backs get it. Each names the likely cause and the remedy. It warns, too, where no front sees
+// another one at all. Empty where nothing is wrong.
 //   In: form_factors of the scene, by polygon or by surface
-//   Cost: O(entries); above the shares kClosedLeak and kOpenLeak also that of followFronts.
+//   Cost: O(entries); above the shares kClosedLeak and kOpenLeak also followFronts.
 std::vector<std::string> warnOfLeaks(const Scene& scene, const FormFactors& form_factors);
 
 }  // namespace viewpeel

@@ -75,14 +75,14 @@ struct FormFactorRun::State {
   void stopIfRequested() const {
     if (observer.should_stop && observer.should_stop()) throw Interrupted{};
   }
-  void tellProgress() const {
+  void reportProgress() const {
     if (observer.on_progress) observer.on_progress(progress);
   }
   void onBatch(uint64_t directions) {
     stopIfRequested();
     if (setup.guarantee()) return;  // it counts blocks
     progress.directions = directions;
-    tellProgress();
+    reportProgress();
   }
 
   // Runs the work; if the observer stops it, the run has come to its end.
@@ -125,7 +125,7 @@ struct FormFactorRun::State {
   Result resultOf(Estimate estimate) const;
 };
 
-// As the request has it.
+// Makes the plan that the request spells out.
 Plan FormFactorRun::State::makeFixedPlan() const {
   Plan fixed;
   fixed.directions = setup.estimate().directions;
@@ -156,15 +156,15 @@ Plan FormFactorRun::State::makePlanOfRequest() {
   return planned();
 }
 
-// Whether any line of a few directions ends on a back.
+// Returns whether any line of a few directions ends on a back.
 bool FormFactorRun::State::leaks() {
   const std::vector<Direction> directions =
       sampleDirections(setup.estimate().sampler, 2 * kLineRunDirections, setup.request().seed, kLineReplicates.first);
   return std::ranges::any_of(plan->engine->count(directions), [](const PairCount& count) { return count.j == kLeak; });
 }
 
-// Finds what lies between polygons, with an engine for a few common directions.    Out: false where it is not defined
-// what lies between two polygons
+// Finds the blockers of pairs, with an engine for a few common directions.    Out: false where coincident polygons have
+// no order
 bool FormFactorRun::State::makePairLines() {
   plan.emplace();
   plan->directions = setup.faceIds().counts_environment ? kLineRunDirections : 0;
@@ -182,12 +182,12 @@ bool FormFactorRun::State::makePairLines() {
   return !pair_lines->hasUnordered();
 }
 
-// Few common directions, and lines for each pair.
+// Plans few common directions, and lines for each pair.
 void FormFactorRun::State::planPairLines() {
   const auto begun = Clock::now();
   if (!makePairLines()) return planWithoutPairLines();
   const EstimateOptions& options = setup.estimate();
-  // Half of the time is for finding pairs, and for further lines of those that need them.
+  // Half of the time is left for finding pairs, and for further lines of pairs that need them.
   const double threads = setup.request().threads ? setup.request().threads : double(threadCount()),
                most_lines = options.seconds ? *options.seconds / 2 * threads / kSecondsOfLine : INFINITY;
   line_pairs = resumed ? resumed->sums.lines->pairs()
@@ -327,20 +327,20 @@ void FormFactorRun::State::begin() {
 }
 
 void FormFactorRun::State::step() {
-  const auto tell = [&] {
+  const auto report = [&] {
     progress.replicates = replicateCount();
     progress.directions = 0;
-    tellProgress();
+    reportProgress();
     stopIfRequested();
   };
   if (line_guarantee) {
     line_guarantee->step();
     is_done = line_guarantee->isDone();
-    tell();
+    report();
     return;
   }
   if (guarantee_run) {
-    guarantee_run->step(tell);
+    guarantee_run->step(report);
     is_done = guarantee_run->isDone();
     return;
   }
@@ -348,13 +348,13 @@ void FormFactorRun::State::step() {
     run.step();
     is_done = run.isDone();
     progress.largest_standard_error = run.largestStandardError();
-    tell();
+    report();
   };
   if (line_run) stepOf(*line_run);
   else stepOf(*estimate_run);
 }
 
-// Of a run that was stopped before it counted anything.
+// Returns the estimate of a run that was stopped before it counted anything.
 Estimate FormFactorRun::State::estimateOfNothing() const {
   return {FormFactors(setup.ids(), {}, std::vector<Measured>(setup.ids().count())),
           FormFactors({}, {}, {}),
@@ -367,6 +367,7 @@ Estimate FormFactorRun::State::estimateOfNothing() const {
 Result FormFactorRun::State::resultOf(Estimate estimate) const {
   Result result{std::move(estimate)};
   result.interrupted = is_interrupted;
+  result.closure = measureClosure(result.form_factors);
   result.environment_share = shareOf(result.form_factors, kEnvironment);
   result.leak_share = shareOf(result.form_factors, kLeak);
   result.plan = summary;

@@ -9,11 +9,11 @@ class ObservedEngine final : public Engine {
       : engine_(std::move(engine)), on_count_(std::move(on_count)) {}
 
   PairCounts count(std::span<const Direction> directions) override {
-    const Telling telling(on_count_);
+    const Call call(on_count_);
     return engine_->count(directions);
   }
   std::vector<PairCounts> countBlocks(std::span<const Direction> directions, size_t block_directions) override {
-    const Telling telling(on_count_);
+    const Call call(on_count_);
     return engine_->countBlocks(directions, block_directions);
   }
   double unitArea() const override { return engine_->unitArea(); }
@@ -22,11 +22,11 @@ class ObservedEngine final : public Engine {
 
  private:
   // The observer hears the end of calls that throw, too.
-  struct Telling {
-    explicit Telling(const std::function<void(bool)>& on_count) : on_count_(on_count) { on_count_(true); }
-    ~Telling() { on_count_(false); }
-    Telling(const Telling&) = delete;
-    Telling& operator=(const Telling&) = delete;
+  struct Call {
+    explicit Call(const std::function<void(bool)>& on_count) : on_count_(on_count) { on_count_(true); }
+    ~Call() { on_count_(false); }
+    Call(const Call&) = delete;
+    Call& operator=(const Call&) = delete;
     const std::function<void(bool)>& on_count_;
   };
 

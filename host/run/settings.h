@@ -11,7 +11,7 @@ namespace viewpeel {
 // Returns the scene in words: "6 polygons, fingerprint 0123456789abcdef".    Cost: O(corners).
 std::string identityOf(const Scene& scene);
 
-// These settings say how a scene was made, among settings, and back.
+// Adds to the settings how a scene was made, and reads it back.
 void addSettings(const SceneOptions& options, Settings& settings);
 SceneOptions sceneOptionsOf(const Settings& settings);
 

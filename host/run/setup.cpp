@@ -84,7 +84,7 @@ Setup::Setup(const Scene& scene, Request request, std::function<void(uint64_t)> 
   lattice_.measure_work = request_.measure_work;
   lattice_.on_batch = std::move(on_batch);
   lattice_.stop = stop_;
-  askOnlyFor(request_.question, scene_, ids_);
+  restrictToQuestion(request_.question, scene_, ids_);
   settleUnoccluded();
   chooseEngine();
   settlePairLines();
@@ -95,9 +95,9 @@ Setup::Setup(const Scene& scene, Request request, std::function<void(uint64_t)> 
   make_engine_ = isExact() ? request_.exact_engine : latticeEngines(engine_, device());
 }
 
-// Visibilities pay between surfaces for small tolerances only, for there counts vary less than their parts. Where lines
-// hit many fronts, as with two-sided polygons, blocked pairs cost more than they gain. A guarantee's tests of lattices
-// each wait for unoccluded form factors of all pairs (docs/speed.md).
+// Decides whether to use unoccluded form factors (docs/speed.md). Between surfaces they pay for small tolerances only:
+// counts of surfaces vary less than counts of their parts. Where lines hit many fronts, as with two-sided polygons,
+// blocked pairs cost more than they gain. In a guarantee each test of a lattice would wait for them.
 void Setup::settleUnoccluded() {
   const bool pays =
       !request_.two_sided && !guarantee() &&
@@ -113,15 +113,15 @@ void Setup::settleUnoccluded() {
                           kMostPriorPairs, pairCount(scene_.faces.size())));
 }
 
-// Lines of pairs are drawn on the processor's threads. Rough goals of many polygons are reached sooner by directions
-// that all pairs have in common (docs/speed.md), but no guarantee is.
+// Decides whether to use pair lines, which the processor's threads draw. Rough goals of many polygons are reached
+// sooner by directions that all pairs have in common (docs/speed.md), but no guarantee is.
 void Setup::settlePairLines() {
   const bool is_open = !request_.unoccluded && !request_.sampling && !request_.sampler && !resolution_ && plans_ &&
                        (guarantee() || request_.engine == EngineKind::automatic || request_.engine == EngineKind::host);
   const bool pays =
       scene_.faces.size() <= kMostPairLineFaces && (!estimate_.tolerance || *estimate_.tolerance <= kPairLineTolerance);
   pair_lines_ = request_.pair_lines.value_or(is_open && pays && mayUsePairLines(request_));
-  if (pair_lines_) askOnlyFor(request_.question, scene_, face_ids_);
+  if (pair_lines_) restrictToQuestion(request_.question, scene_, face_ids_);
 }
 
 void Setup::leaveOutPairLines() {
@@ -129,8 +129,8 @@ void Setup::leaveOutPairLines() {
   if (guarantee()) sampler_ = nameOf(guaranteeOptions().sampler);
 }
 
-// Chooses compute shaders on a GPU; on a processor its own threads are many times faster than the shaders are through a
-// software driver (README). The counts are the same.
+// Chooses compute shaders on a GPU, else the processor's threads, which are many times faster than shaders through a
+// software driver (docs/speed.md). The counts are the same.
 void Setup::chooseEngine() {
   engine_ = request_.engine;
   if (engine_ == EngineKind::automatic) {

@@ -37,7 +37,7 @@ class Setup {
   const std::function<void()>& stop() const { return stop_; }
 
   const EpsilonDelta* guarantee() const { return std::get_if<EpsilonDelta>(&request_.goal); }
-  // Returns goals, replicates, sampler; directions where these are not planned.
+  // Returns goals, replicates and sampler, and the number of directions where no plan chooses it.
   const EstimateOptions& estimate() const { return estimate_; }
   GuaranteeOptions guaranteeOptions() const;
   // Returns whether directions, and where 0 the resolution, are to be planned.
@@ -47,9 +47,9 @@ class Setup {
   int resolution() const { return resolution_; }
   bool usesUnoccluded() const { return unoccluded_ && !pair_lines_; }
   bool usesPairLines() const { return pair_lines_; }
-  // Where it is not defined what lies between two polygons.
+  // Goes without pair lines, where coincident polygons have no order or there are too many pairs.
   void leaveOutPairLines();
-  // They were nobody's wish, and can be left out.
+  // Returns whether the request did not ask for unoccluded form factors, so that the run may go without.
   bool unoccludedByDefault() const { return unoccluded_by_default_; }
   void leaveOutUnoccluded() { unoccluded_ = false; }
   // Keeps the plan of an earlier run, as its settings have it.

@@ -21,7 +21,7 @@
 namespace viewpeel {
 namespace {
 
-// These are radii in input units whose areas, and squares of areas, are doubles with room to spare, for polygons of
+// Between these radii in input units areas, and squares of areas, are doubles with room to spare, for polygons of
 // 1e-32 of the radius squared, too.
 constexpr double kLargestRadius = 1e60, kSmallestRadius = 1e-60;
 
@@ -60,7 +60,7 @@ void fitUnitBall(const InputScene& input, Scene& scene) {
                                                   input.file, scene.scale, kSmallestRadius, kLargestRadius));
 }
 
-// Returns the corners without those that repeat the one before.
+// Returns the corners without any that repeats the one before.
 std::vector<glm::dvec3> distinctCorners(const InputFace& face, const Scene& scene) {
   std::vector<glm::dvec3> corners;
   for (const glm::dvec3& input : face.corners) {
@@ -105,7 +105,7 @@ class Dropped {
   std::map<std::string, std::pair<uint64_t, std::string>> reasons_;
 };
 
-// Faces and surfaces of the file as rows, empty ones too.
+// Makes rows of the faces and surfaces of the file, empty ones too.
 //   In: is_left_out: of each face
 void addRows(const InputScene& input, const std::vector<bool>& is_left_out, Scene& scene) {
   constexpr uint32_t kNone = UINT32_MAX;

@@ -39,9 +39,9 @@ struct AlikeOverlap {
 //     as much for each.
 //   Of two that look the same way the first in the file lies in front, unless others that overlap them are against it
 //     (tie_ranks.h). Coincidences::alike_unordered counts pairs whose order is left to the direction.
-//   Rays that hit other coincident polygons wait until these are ordered. Where no ray decides, the gap between two
-//     polygons does; without a gap they are a sheet. Coincidences::in_doubt counts pairs whose rays contradict each
-//     other or never ended, and a warning names the first contradiction.
+//   Rays that hit other coincident polygons wait until these polygons are ordered. Where no ray decides, the gap
+//     between two polygons does; without a gap they are a sheet. Coincidences::in_doubt counts pairs whose rays
+//     contradict each other or never ended, and a warning names the first contradiction.
 //   In: scene with planes; options: surfaces whose coincident faces are sheets or solids, whatever lies around;
 //     rounding: of coordinates, unit-ball units: gaps up to this decide nothing
 //   Throws: Error bad_usage for names that are no surface's, or that are both.

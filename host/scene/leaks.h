@@ -16,7 +16,7 @@ enum class LeakCause {
   enclosed,   // part of the one lies inside a closed solid
   no_bottom,  // part of the one lies under a shell that is open towards it
   one_sided,  // the other one is a sheet that is seen from both sides
-  gap,        // none of these
+  gap,        // none of the other causes
 };
 
 struct Leak {

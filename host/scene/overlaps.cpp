@@ -14,7 +14,7 @@
 namespace viewpeel {
 namespace {
 
-// Returns the corners without those that repeat the one before.
+// Returns the corners without any that repeats the one before.
 std::vector<glm::dvec3> cornersOf(const InputFace& face) {
   std::vector<glm::dvec3> corners;
   for (const glm::dvec3& corner : face.corners)

@@ -1,4 +1,4 @@
-// The reader of Wavefront OBJ takes v, f, o and g.
+// The reader of Wavefront OBJ takes v, f, o and g, and usemtl where the file has neither o nor g.
 #include <algorithm>
 #include <fstream>
 #include <map>
@@ -12,9 +12,9 @@ namespace viewpeel {
 namespace {
 
 // The reader ignores statements that carry no polygons, and so nothing that is wanted.
-constexpr std::string_view kIgnored[] = {"vt",     "vn",       "vp",       "s",          "usemtl",    "mtllib",
-                                         "l",      "p",        "mg",       "lod",        "end",       "bevel",
-                                         "usemap", "c_interp", "d_interp", "shadow_obj", "trace_obj", "maplib"};
+constexpr std::string_view kIgnored[] = {"vt",       "vn",       "vp",         "s",         "mtllib", "l",
+                                         "p",        "mg",       "lod",        "end",       "bevel",  "usemap",
+                                         "c_interp", "d_interp", "shadow_obj", "trace_obj", "maplib"};
 
 class ObjReader {
  public:
@@ -51,8 +51,9 @@ class ObjReader {
     if (keyword.empty()) return;
     if (keyword == "v") readVertex(rest);
     else if (keyword == "f" || keyword == "fo") readFace(rest);
-    else if (keyword == "o") object_ = name_ = joinWords(rest);
-    else if (keyword == "g") name_ = joinWords(rest);
+    else if (keyword == "o") object_ = name_ = joinWords(rest), has_names_ |= !name_.empty();
+    else if (keyword == "g") name_ = joinWords(rest), has_names_ |= !name_.empty();
+    else if (keyword == "usemtl") material_ = joinWords(rest);
     else if (std::find(std::begin(kIgnored), std::end(kIgnored), keyword) == std::end(kIgnored))
       refuse(fmt::format("'{}' is not a statement that is understood; export polygons as OBJ text", printable(keyword)),
              line_);
@@ -69,7 +70,7 @@ class ObjReader {
   }
 
   void readFace(std::string_view rest) {
-    Face face{{}, surfaceInForce(), line_};
+    Face face{{}, surfaceInForce(), materialInForce(), line_};
     for (std::string_view word = nextWord(rest); !word.empty(); word = nextWord(rest)) {
       int64_t index = 0;
       const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), index);
@@ -94,8 +95,23 @@ class ObjReader {
     return at->second;
   }
 
+  uint32_t materialInForce() {
+    const auto [at, is_new] =
+        materials_.try_emplace(material_.empty() ? file_.stem().string() : material_, uint32_t(material_names_.size()));
+    if (is_new) material_names_.push_back(at->first);
+    return at->second;
+  }
+
+  // Materials name surfaces where nothing else does. Beside objects and groups they say how a surface looks, and would
+  // cut named surfaces into parts.
+  void nameByMaterials() {
+    if (has_names_) return;
+    scene_.surface_names = material_names_;
+    for (Face& face : faces_) face.surface = face.material;
+  }
+
   // Groups of one name in different objects are different surfaces: their names get the objects' names.
-  void tellGroupsApart() {
+  void separateGroups() {
     std::unordered_map<std::string, uint32_t> uses;
     for (const std::string& name : scene_.surface_names) ++uses[name];
     const std::vector<std::string> names = scene_.surface_names;
@@ -121,7 +137,8 @@ class ObjReader {
   }
 
   InputScene finish() {
-    tellGroupsApart();
+    separateGroups();
+    nameByMaterials();
     for (const Face& face : faces_) {
       InputFace input{{}, face.surface, face.line};
       for (uint64_t index : face.vertices) {
@@ -137,14 +154,17 @@ class ObjReader {
 
   struct Face {
     std::vector<uint64_t> vertices;  // from 1
-    uint32_t surface, line;
+    uint32_t surface, material, line;
   };
   std::filesystem::path file_;
   InputScene scene_;
   uint32_t line_ = 0;
-  std::string object_, name_;
+  std::string object_, name_, material_;
+  bool has_names_ = false;  // of objects or groups
   std::map<std::pair<std::string, std::string>, uint32_t>
       surfaces_;  // by object, empty where it names the surface itself, and name
+  std::map<std::string, uint32_t> materials_;
+  std::vector<std::string> material_names_;  // in the order of their first faces
   std::vector<glm::dvec3> vertices_;
   std::vector<Face> faces_;
 };

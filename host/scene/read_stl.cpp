@@ -4,6 +4,7 @@
 #include <fstream>
 #include <iterator>
 #include <unordered_map>
+#include <unordered_set>
 #include <utility>
 
 #include "scene/readers.h"
@@ -42,12 +43,29 @@ void readBinary(const std::string& bytes, InputScene& scene) {
   }
 }
 
+// Says that solids share names, or refuses names that numbers do not tell apart.
+void checkRepeated(const std::vector<std::string>& repeated, InputScene& scene) {
+  if (repeated.empty()) return;
+  std::unordered_set<std::string_view> names;
+  for (const std::string& name : scene.surface_names)
+    if (!names.insert(name).second)
+      FilePlace{scene.file}.refuse(fmt::format(
+          "a solid is called '{}', and so is another one by its number among solids of one name; rename one of them",
+          printable(name)));
+  scene.warnings.push_back(
+      fmt::format("{}: {} the name of a solid before, and a number after it, as '{}'; rename solids that are to have "
+                  "names of their own",
+                  scene.file, repeated.size() == 1 ? "1 solid has" : fmt::format("{} solids have", repeated.size()),
+                  printable(repeated.front())));
+}
+
 void readText(std::string_view rest, const std::string& stem, InputScene& scene) {
   FilePlace place{scene.file};
   bool in_solid = false, in_facet = false;
   uint32_t surface = 0;
   InputFace face;
-  std::unordered_map<std::string, uint32_t> surfaces;
+  std::unordered_map<std::string, uint32_t> uses;  // of solids' names
+  std::vector<std::string> repeated;
   while (!rest.empty()) {
     const size_t end = std::min(rest.find('\n'), rest.size());
     std::string_view line = rest.substr(0, end);
@@ -55,11 +73,11 @@ void readText(std::string_view rest, const std::string& stem, InputScene& scene)
     ++place.line;
     const std::string_view keyword = nextWord(line);
     if (keyword == "solid") {
-      const std::string name = joinWords(line);
-      const auto [at, is_new] =
-          surfaces.try_emplace(name.empty() ? stem : name, static_cast<uint32_t>(surfaces.size()));
-      if (is_new) scene.surface_names.push_back(at->first);
-      surface = at->second;
+      const std::string given = joinWords(line), name = given.empty() ? stem : given;
+      const uint32_t use = ++uses[name];
+      surface = static_cast<uint32_t>(scene.surface_names.size());
+      scene.surface_names.push_back(use > 1 ? fmt::format("{}#{}", name, use) : name);
+      if (use > 1) repeated.push_back(scene.surface_names.back());
       in_solid = true;
     } else if (keyword == "facet" && in_solid) {
       face = {{}, surface, place.line};
@@ -79,6 +97,7 @@ void readText(std::string_view rest, const std::string& stem, InputScene& scene)
     }
   }
   if (in_solid) place.refuse("the file ends before 'endsolid'; export it again");
+  checkRepeated(repeated, scene);
 }
 
 }  // namespace

@@ -15,13 +15,13 @@ struct Shell {
   bool is_twisted = false;       // faces cannot all be turned to one side, as in a Moebius strip
 };
 
-// Finds shells: two faces at an edge hang together. Of more than two at an edge the faces of one surface do, then those
+// Finds shells: two faces at an edge hang together. Of more than two at an edge the faces of one surface do, then faces
 // with the smallest wedge of space or solid between them. T-junctions are cut where fewer than 4,000 edges are open.
 //   Cost: O(edges log edges).
 std::vector<Shell> findShells(const Scene& scene);
 
 // Finds the faces to turn over so that lines hit fronts.
-//   These are faces against their shells, and whole shells of three kinds. Closed shells turn whose backs other fronts
+//   They are faces against their shells, and whole shells of three kinds. Closed shells turn whose backs other fronts
 //     see while their own fronts see (almost) no others: a solid inside out, a room with its normals outward. Open
 //     shells turn whose backs end (almost) all rays on other fronts, while their fronts see none. So does the one
 //     closed shell of a scene in which no front sees anything.

@@ -17,8 +17,8 @@ std::pair<uint32_t, uint32_t> keyOf(const Pair& pair) {
 }
 
 // Calls add_to(sum, pair) for each of `pairs`, in any order. A pair without a sum gets Sum{i, j} first.
-//   In: sums and pairs sorted by (i, j), every pair at most once    Cost: O(sums + pairs); no memory but that of the
-//     sums.
+//   In: sums and pairs sorted by (i, j), every pair at most once    Cost: O(sums + pairs); memory for the new sums
+//     alone.
 template <class Sum, class Pairs, class AddTo>
 void addPairs(std::vector<Sum>& sums, const Pairs& pairs, AddTo add_to) {
   size_t fresh = 0, from = 0;

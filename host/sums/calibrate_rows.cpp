@@ -80,7 +80,7 @@ class Calibration {
   }
 
  private:
-  // The number of parts does not depend on that of threads: their sums are added up in one order.
+  // The number of parts does not depend on the number of threads: their sums are added up in one order.
   Pass evaluate() const {
     constexpr size_t kLeast = size_t(1) << 16, kMostParts = 32;
     const size_t n = y_.size(), parts = std::clamp<size_t>(guesses_.size() / kLeast, 1, kMostParts);

@@ -90,8 +90,8 @@ std::vector<ControlVariate> mergeIds(const std::vector<ControlVariate>& controls
   });
 }
 
-// Returns the lines that come at a time: the variance over that of independent lines, at least one. docs/method.md, eq.
-// (12) has D.
+// Returns the lines that come at a time: the variance over the variance of independent lines, at least one.
+// docs/method.md, eq. (12) has D.
 double errorOfSum(double variance, double squares, double line, double most) {
   double surplus = line;
   if (squares > 0) {

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kBeyondDoubt = 3;  // standard errors of a row's pairs
 
-// Sums of independent entries.
+// Adds the entries of faces up to entries of surfaces. Their errors are independent.
 std::vector<FormFactors::Entry> mergeBySurface(std::vector<FormFactors::Entry> entries,
                                                const std::vector<uint32_t>& surface) {
   for (FormFactors::Entry& entry : entries) {
@@ -35,8 +35,8 @@ std::vector<FormFactors::Entry> mergeBySurface(std::vector<FormFactors::Entry> e
 }
 
 // Adds environment to the rows that see it, and leak where only common directions have counted it.
-void addWhatIsLeft(std::vector<FormFactors::Entry>& entries, const ReplicateSums& counted, double measure_area,
-                   double count_area) {
+void addEnvironmentAndLeak(std::vector<FormFactors::Entry>& entries, const ReplicateSums& counted, double measure_area,
+                           double count_area) {
   const Ids& ids = counted.ids();
   std::vector<Measured> environment(ids.count()), leak(ids.count());
   bool is_open = false;
@@ -72,7 +72,7 @@ FormFactors lineFormFactors(std::vector<FormFactors::Entry> entries, const std::
                             const ReplicateSums& counted, double measure_area, double count_area) {
   const Ids& ids = counted.ids();
   if (by == By::surface) entries = mergeBySurface(std::move(entries), surface);
-  if (ids.counts_environment) addWhatIsLeft(entries, counted, measure_area, count_area);
+  if (ids.counts_environment) addEnvironmentAndLeak(entries, counted, measure_area, count_area);
   std::vector<Measured> rows = sumRows(entries, ids.areas);
   return {ids, std::move(entries), std::move(rows)};
 }

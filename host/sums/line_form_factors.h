@@ -1,4 +1,4 @@
-// Form factors of a run in which pairs have lines of their own.
+// Makes the form factors of a run with pair lines.
 #pragma once
 #include <viewpeel/form_factors.h>
 #include "sums/line_sums.h"
@@ -6,14 +6,13 @@
 
 namespace viewpeel {
 
-// The form factors between ids, and of each with environment and leak.
+// Returns the form factors between ids, and of each with environment and leak.
 //   In: lines: of pairs of faces; by: of the result; counted: lines of common directions, by the result's ids: faces
-//   or surfaces;
-//   measure_area, count_area: as in ReplicateSums
-//   Out: pairs by their own lines. Environment is what a row's pairs leave, less the leak that common directions
-//   counted, where they saw lines of the row leave the scene, or where it is beyond doubt. Rows of a scene in which no
-//   line leaves or leaks are as they add up.
-//   Error: of environment: that of the row's pairs together and of the leak.
+//   or surfaces; measure_area, count_area: as in ReplicateSums
+//   Out: pairs by pair lines. Environment is 1 less the row's pairs and less the leak that common directions counted.
+//   A row has it where these directions saw a line leave the scene, or where it is beyond doubt. Rows of a scene in
+//   which no line leaves or leaks are as they add up.
+//   Error: environment has the errors of the row's pairs and of the leak together.
 FormFactors lineFormFactors(const LineSums& lines, By by, const ReplicateSums& counted, double measure_area,
                             double count_area);
 

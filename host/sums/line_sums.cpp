@@ -11,10 +11,10 @@ namespace viewpeel {
 namespace {
 
 constexpr double kUnoccludedError = 1e-6;  // relative, of exchange areas: kUnoccludedRelativeError
-// Scrambled Sobol' points err less than independent lines: of N lines the variance is this share of theirs, times
-// (N / 16)^-1/4. Measured: docs/accuracy.md.
+// N scrambled Sobol' points have this share of the variance of N independent lines, times (N / 16)^-1/4. Measured:
+// docs/accuracy.md.
 constexpr double kEvenness = 1;
-// So many degrees of freedom is the variance of independent lines worth beside that of replicates.
+// The variance of independent lines counts as so many degrees of freedom beside the variance of replicates.
 constexpr double kChanceDegrees = 5;
 
 uint64_t squareUnits(uint64_t a, uint64_t b) { return (a >> 4) * (b >> 4); }
@@ -77,7 +77,7 @@ Visibility visibilityOf(const LineSums::PairSum& sum, uint32_t planned_blocks) {
   // Half a line of either kind is added, for no number of lines says that the other kind is not there.
   const double likely = (lines * found.value + 0.5) / (lines + 1);
   const double by_chance = likely * (1 - likely) / (lines + 1), half_a_line = 0.25 / ((lines + 1) * (lines + 1));
-  // Where less weight came than is expected, few heavy lines are missing, and nothing is known of them.
+  // Where less weight came than is expected, few heavy lines are missing, and nothing says whether they were blocked.
   const double missing = std::max(0.0, 1 - all * planned_blocks / (kLineUnit * double(sum.blocks)));
   const double unknown = half_a_line + 0.25 * missing * missing;
   if (replicates < 2) {

@@ -1,8 +1,8 @@
-// Sums over replicates of the lines that pairs of faces have of their own, and the exchange areas that follow.
+// LineSums add up pair lines over replicates and make exchange areas of the sums.
 //
 // A pair's lines carry weights whose expectation is the unoccluded form factor. The visibility b is the weight of lines
-// that nothing blocks over the weight of all lines, a ratio estimator as in share_sums.h. A pair that nothing can block
-// has no lines and no error but that of its unoccluded form factor. Derivation: docs/method.md, section 13.
+// that nothing blocks over the weight of all lines, a ratio estimator as in visibility_sums.h. A pair that nothing can
+// block has no lines, and no error but its unoccluded form factor's. Derivation: docs/method.md, section 13.
 #pragma once
 #include <cstdint>
 #include <utility>
@@ -12,12 +12,13 @@
 
 namespace viewpeel {
 
-// A pair of faces that see each other with nothing in between, and the lines that it gets. Fixed before the first
-// replicate. Where lines leak there are pairs of a face and a back, too: j is the number of faces plus the back's face.
+// A LinePair is a pair of faces with an unoccluded form factor above 0, and the number of its lines, which is fixed
+// before the first replicate. Where lines leak a face and a back make a pair, too: j is then the number of faces plus
+// the back's face.
 struct LinePair {
   uint32_t i, j;           // i < j
   double exchange = 0;     // A_i F_ij with nothing in between, input units squared
-  double clear = 0;        // what nothing can block of it
+  double clear = 0;        // the part of it that nothing can block
   uint32_t blocks = 0;     // of 16 lines, in a replicate of those planned with lines; 0 where all is clear
   uint32_t period = 1;     // one of so many replicates
   bool by_angles = false;  // how lines are drawn (draw_lines.h)
@@ -26,7 +27,7 @@ struct LinePair {
 
   // Returns how many lines are planned for so many replicates.
   double linesIn(uint32_t replicates) const { return 16.0 * blocks * replicates / period; }
-  // Whether the pair has lines in a replicate. Pairs take turns.
+  // Returns whether the pair has lines in a replicate. Pairs take turns.
   bool hasLines(uint64_t replicate) const {
     return blocks && (replicate + i * 0x9E3779B9u + j * 0x85EBCA6Bu) % period == 0;
   }
@@ -35,12 +36,12 @@ struct LinePair {
 // Returns the entry of the result that a pair of faces, or of a face and a back, is a part of.
 std::pair<uint32_t, uint32_t> entryOf(const LinePair& pair, const Ids& face_ids, By by);
 
-// What the lines of a pair came to in one replicate.
+// A LineCount has the weights of a pair's lines in one replicate.
 struct LineCount {
   uint32_t pair;         // index
   uint32_t blocks;       // of 16 lines that were drawn
   uint32_t facing, all;  // weights of lines that nothing blocks, and of all; kLineUnit for LinePair::blocks
-  uint32_t effective;    // number of lines of equal weight that tell as much, in units of 1/256
+  uint32_t effective;    // number of lines of equal weight with the same variance, in units of 1/256
 
   bool operator==(const LineCount&) const = default;
 };
@@ -53,7 +54,7 @@ constexpr uint32_t kMostLineBlocks = 1 << 16;  // of a pair in a replicate
 
 class LineSums {
  public:
-  // Of one pair. Squares are of counts without their last 4 bits: those of 4,096 replicates are below 2^64.
+  // A PairSum is of one pair. Squares are of counts without their last 4 bits: 4,096 replicates stay below 2^64.
   struct PairSum {
     uint64_t facing = 0, all = 0, effective = 0;
     uint64_t facing_squares = 0, products = 0, all_squares = 0;  // over replicates
@@ -63,6 +64,7 @@ class LineSums {
     bool operator==(const PairSum&) const = default;
   };
 
+  // Begins without replicates.
   //   In: ids by face; by: of the result; pairs sorted by (i, j), every pair at most once
   LineSums(Ids ids, By by, std::vector<LinePair> pairs);
   // Restores sums from a checkpoint.    In: sums: one for each pair
@@ -79,22 +81,22 @@ class LineSums {
   const std::vector<LinePair>& pairs() const { return pairs_; }
   const std::vector<PairSum>& sums() const { return sums_; }
   uint64_t replicateCount() const { return replicate_count_; }
-  // Of all pairs, in all replicates so far.
+  // Returns the lines of all pairs, in all replicates so far.
   uint64_t lineCount() const;
 
-  // Whether a pair is one of a face and a back, and whether any is.
+  // Returns whether a pair is one of a face and a back, and whether any is.
   bool hasBack(size_t pair) const { return pairs_[pair].j >= ids_.count(); }
   bool hasBacks() const;
-  // Of the smaller face of a pair, input units squared; of the face where the other is a back.
+  // Returns the area of a pair's smaller face, or of the face where the other is a back; input units squared.
   double smallerArea(const LinePair& pair) const;
-  // Exchange areas of all pairs, and of faces with kLeak as sums over their pairs with backs, sorted; input units
-  // squared.
-  //   Error: that of replicates and that of independent lines together; see docs/method.md. Coverage:
+  // Returns exchange areas of all pairs, and of faces with kLeak as sums over their pairs with backs, sorted; input
+  // units squared.
+  //   Error: the variances of replicates and of independent lines are taken together; see docs/method.md. Coverage:
   //   bench/programs/coverage.cpp.
   std::vector<FormFactors::Entry> entries() const;
-  // What entries() says of one pair.
+  // Returns the exchange area of one pair, as entries() has it.
   Measured exchangeArea(size_t pair) const;
-  // Whether two runs have the same pairs with the same lines. Unoccluded form factors may differ in rounding.
+  // Returns whether two runs have the same pairs with the same lines. Unoccluded form factors may differ in rounding.
   bool goesWith(const LineSums& others) const;
 
  private:
@@ -105,7 +107,7 @@ class LineSums {
   uint64_t replicate_count_ = 0;
 };
 
-// The visibility that lines tell, and its variance.    In: planned_blocks: LinePair::blocks
+// Returns the visibility that follows from lines, and its variance.    In: planned_blocks: LinePair::blocks
 struct Visibility {
   double value = 0.5, variance = 0.25;
 };

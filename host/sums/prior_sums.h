@@ -33,7 +33,8 @@ struct Prior {
   std::vector<uint64_t> lines;           // of faces: counts that one line adds (takeControlVariates)
   bool has_all_pairs = false;            // pairs without an entry cannot see each other
   std::vector<DirectedPair> directed{};  // sorted
-  // Of faces, by place (rankByPlace). Where it is empty, pairs that no line hit are not compared with their neighbours.
+  // Faces have these ranks by place (rankByPlace). Where it is empty, pairs that no line hit are not compared with
+  // their neighbours.
   std::vector<uint32_t> ranks{};
 
   bool operator==(const Prior&) const = default;

@@ -53,8 +53,8 @@ class ReplicateSums {
 
   // Finds the form factors of all pairs that a line hit.
   //   In: measure_area: input units squared of one count, which is unitArea() scale^2 / directions per replicate
-  //   count_area: of one count along its direction, measure_area x directions per replicate where these are over the
-  //     whole sphere; infinite where it is unknown
+  //   count_area: of one count along its direction, measure_area x directions per replicate where directions are over
+  //     the whole sphere; infinite where it is unknown
   //   Error: none but rounding: counts and their squares are summed in 128-bit integers. Standard errors:
   //     docs/method.md, eq. (12); tests/device/form_factors_test.cpp.
   FormFactors formFactors(double measure_area, double count_area = INFINITY) const;

@@ -112,7 +112,7 @@ FormFactors RunSums::formFactors(const ExchangeRow& row) const {
 
 FormFactors RunSums::priorFormFactors() const {
   std::vector<FormFactors::Entry> entries = prior_sums->ofPriorPairs(measure_area, countArea(), by_id);
-  auto at = prior_sums->prior().pairs.begin();  // one of each of these
+  auto at = prior_sums->prior().pairs.begin();  // one of each pair
   std::erase_if(entries, [&](const FormFactors::Entry&) {
     return prior_sums->isCountedAlone(*at++, double(directions), countArea());
   });

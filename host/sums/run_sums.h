@@ -1,4 +1,4 @@
-// RunSums holds the counts of a run. A checkpoint keeps it, and those of several runs add up.
+// RunSums holds the counts of a run. A checkpoint keeps it, and RunSums of several runs add up.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -24,7 +24,7 @@ struct RunSums {
   ReplicateSums by_id;                     // row sums alone where prior_sums has the pairs (hasPairsInVisible)
   ReplicateSums by_surface;                // the same counts summed by surface
   std::vector<ReplicateRange> replicates;  // sorted; a gap between each and the next
-  uint64_t directions = 0;                 // in all, those of directed pairs not counted
+  uint64_t directions = 0;                 // in all, without directions of directed pairs
   double measure_area = 0;                 // input units squared of one count; 0 before the first replicate
   std::optional<PriorSums> prior_sums{};   // with unoccluded form factors: by_id is by face then
   std::optional<LineSums>

@@ -71,7 +71,7 @@ void VisibilitySums::add(const VisibilitySums& others) {
   });
 }
 
-// Entries makes the entries of some rows. Its pairs are in one order with those of the prior and with those sampled.
+// Entries makes the entries of some rows. Its pairs are in one order with the prior's pairs and with the pairs sampled.
 class VisibilitySums::Entries {
   template <class Pairs>
   static auto firstOf(const Pairs& pairs, uint32_t i) {

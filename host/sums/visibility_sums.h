@@ -68,7 +68,7 @@ class VisibilitySums {
   //   neighbours: of these sums; nullptr: a pair without lines gets the pilot's visibility
   //   row: computes exchange areas of all other pairs; empty: pairs without lines are left out
   //   Error: the bias of a visibility is below its standard error (section 6). With neighbours, a visibility from fewer
-  //     than four lines is drawn to its neighbours', which then counts as half a line. Standard errors are those of
+  //     than four lines is drawn to its neighbours', which then counts as half a line. Standard errors come from
   //     replicates. They are never less than one line's, nor more than the distance to the farther end of [0, most].
   //     Tests: tests/device/find_prior_test.cpp, bench/programs/coverage.cpp.
   Found find(const std::vector<PairPrior>& prior, const std::vector<uint64_t>& lines, double measure_area,

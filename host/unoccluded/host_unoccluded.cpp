@@ -194,7 +194,7 @@ HostUnoccluded::Sides HostUnoccluded::sidesOf(const SidePair& pair) const {
   return sides;
 }
 
-// Which list of the kernels' the pair would be in: its product rule, or kNearList; or `unseen`.
+// Returns the list of the kernels' that the pair would be in: its product rule, or kNearList; or `unseen`.
 uint32_t HostUnoccluded::classify(const Sides& sides) const {
   const ShapeData &a = sides.a, &b = sides.b;
   bool is_seen = greatestOf(sides.depths_a) > sides.rounding_a && greatestOf(sides.depths_b) > sides.rounding_b;

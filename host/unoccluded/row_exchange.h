@@ -1,7 +1,7 @@
 // A RowExchange computes exchange areas of one face with all that follow it, nothing in between: many at once, in
 // single precision, each with a bound on its error.
 //
-// It serves pairs with few lines, whose error is that of their visibility. Far pairs take the product rule of 2 points
+// It serves pairs with few lines, whose error is their visibility's. Far pairs take the product rule of 2 points
 // a coordinate. Where a plane cuts the other polygon, points behind the plane count as 0. Near pairs are left to
 // HostUnoccluded.
 #pragma once
@@ -43,7 +43,7 @@ class RowExchange {
   bool two_sided_;
   double unit_;                       // input units squared of a unit-ball area
   std::vector<uint32_t> polygon_;     // Scene::polygons, by id
-  std::vector<uint32_t> id_, plane_;  // of each of these, as all that follows
+  std::vector<uint32_t> id_, plane_;  // of each polygon, as all that follows
   std::vector<uint32_t> first_;       // of an id among them, and one more
   // Coordinates are in single precision, one array after the other, for all polygons.
   std::array<std::vector<float>, 3> middle_, normal_;

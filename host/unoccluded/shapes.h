@@ -20,7 +20,7 @@ inline glm::dvec3 meanCorner(const unoccluded_data::ShapeData& shape) {
   return 0.25 * ((shape.corners[0] + shape.corners[1]) + (shape.corners[2] + shape.corners[3]));
 }
 
-// A shape as an image of the square -1 <= u, v <= 1: mean corner + u along_u + v along_v + u v along_uv.
+// A shape is here an image of the square -1 <= u, v <= 1: mean corner + u along_u + v along_v + u v along_uv.
 struct Stretch {
   glm::dvec3 along_u, along_v, along_uv;
 };

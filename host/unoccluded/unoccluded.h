@@ -13,7 +13,7 @@
 
 namespace viewpeel {
 
-// The error of every pair that is not reported is bounded by these: relative, or absolute in the form factor from the
+// These bounds hold for the error of every pair that is not reported: relative, or absolute in the form factor from the
 // smaller polygon.
 constexpr double kUnoccludedRelativeError = 1e-6;
 constexpr double kUnoccludedAbsoluteError = 1e-9;
@@ -42,7 +42,7 @@ struct UnreachedPair {
 struct UnoccludedWork {
   uint64_t pairs = 0, unseen_pairs = 0;                      // of all calls; of polygons that do not see each other
   std::array<uint64_t, 5> far_pairs{};                       // by product rules of 2, 3, 4, 5, 6 points a coordinate
-  uint64_t near_pairs = 0, again_pairs = 0;                  // by their contours; of these, with more points
+  uint64_t near_pairs = 0, again_pairs = 0;                  // by their contours; of these pairs, with more points
   uint64_t line_integrals = 0;                               // over pairs of edges
   std::vector<std::pair<std::string, double>> pass_seconds;  // on the device
 };
@@ -71,7 +71,7 @@ class UnoccludedExchange {
   //     Sides of one plane that face each other, as touching solids do, exchange the area of their overlap. Returned:
   //     the pairs that have not reached the accuracy, by index; their areas are the best there is.
   //   Error: kUnoccludedRelativeError or kUnoccludedAbsoluteError, whichever allows more; kUnoccludedRelativeError
-  //     alone for far pairs. It rests on bounds on every rule's error, of which that of graded rules was measured
+  //     alone for far pairs. It rests on bounds on every rule's error, of which the bound of graded rules was measured
   //     (line_rules.h), and on rounding. The corners are taken as exact. tests/device/unoccluded_test.cpp.
   //   Throws: Error bad_usage (a side that the scene does not have; spans of different sizes); Error device.
   //   Cost: 16..1296 kernel values a far pair; up to 25 line integrals a near one, of 4 to 24 points, or four times

@@ -1,4 +1,4 @@
-// Pipelines made of embedded SPIR-V, with their layout.
+// A Kernel is a pipeline made of embedded SPIR-V, with its layout.
 #pragma once
 #include <span>
 #include <vector>
@@ -7,7 +7,7 @@
 
 namespace viewpeel {
 
-// A shader module made from embedded SPIR-V.
+// A ShaderModule is made from embedded SPIR-V.
 class ShaderModule {
  public:
   ShaderModule(const Device& device, std::span<const uint32_t> spirv);

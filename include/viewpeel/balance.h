@@ -25,7 +25,7 @@ struct BalancedFormFactors {
   std::vector<double> row_corrections;
   uint32_t steps = 0;  // of Newton's method
 
-  // The changes are those of exchange areas x_ij from the measured c_ij with their standard errors s_ij.
+  // The changes are of exchange areas x_ij from the measured c_ij with their standard errors s_ij.
   double rms_change = 0;      // sqrt(sum (x_ij - c_ij)^2 / sum s_ij^2), 0 where all s_ij are 0
   double largest_change = 0;  // |x_ij - c_ij| / s_ij, over pairs whose s_ij is not 0
   // The form factor from `from` to `to` changed most.

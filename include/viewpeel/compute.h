@@ -25,7 +25,7 @@ using Settings = std::vector<std::pair<std::string, std::string>>;
 struct Progress {
   uint64_t replicates = 0;                   // complete ones; blocks of a guarantee
   double largest_standard_error = INFINITY;  // over all form factors; infinite before it is measured
-  // These are directions of the replicate in progress that are counted, and its number of directions. The latter is 0
+  // The counts are of directions of the replicate in progress that are done, and of all its directions. The latter is 0
   // for a pilot.
   uint64_t directions = 0, directions_of_replicate = 0;
   uint64_t expected_blocks = 0, most_blocks = 0;  // of a guarantee

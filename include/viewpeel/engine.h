@@ -31,7 +31,7 @@ struct Direction {
 struct PairCount {
   uint32_t i, j;   // i <= j
   uint64_t count;  // of lines on which they are consecutive and face each other
-  // These are lines on which they face each other with others between them, of an engine that counts blocked pairs.
+  // An engine that counts blocked pairs has here the lines on which they face each other with others between them.
   uint64_t blocked = 0;
 
   void add(const PairCount& other) {

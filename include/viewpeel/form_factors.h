@@ -9,7 +9,7 @@
 namespace viewpeel {
 
 // Measured is a mean over R replicates and the standard error of this mean. Its 95 % interval is value +- t
-// standard_error with Student's t of R - 1 degrees of freedom, 2.36 for 8 replicates: the spread of a few replicates is
+// standard_error with Student's t of R - 1 degrees of freedom, 2.36 for 8 replicates. The spread of few replicates is
 // itself uncertain. Coverage: bench/programs/coverage.cpp.
 struct Measured {
   double value = 0;

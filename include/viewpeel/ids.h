@@ -54,7 +54,7 @@ constexpr uint64_t pairCount(uint64_t n) { return n * (n - 1) / 2; }
 // A Question says which form factors to compute, where not all of them. Names are of surfaces ("desk") or faces
 // ("desk[3]").
 struct Question {
-  std::vector<std::string> from;      // only rows of these; all where empty
+  std::vector<std::string> from;      // only rows of these names; all where empty
   std::vector<std::string> pair;      // empty, or two: only the form factors between them
   std::vector<std::string> blockers;  // only block: no rows or columns
 
@@ -71,7 +71,7 @@ std::vector<uint32_t> findPolygons(const Scene& scene, const std::string& name);
 //   Throws: Error bad_usage: unknown names, a pair beside --from, a row or column among the blockers, part of a surface
 //     with By::surface.
 //   Cost: O(polygons) a name.
-void askOnlyFor(const Question& question, const Scene& scene, Ids& ids);
+void restrictToQuestion(const Question& question, const Scene& scene, Ids& ids);
 
 // Makes the rows of a scene's matrix.
 //   In: by: one row a face or a surface; two_sided: every polygon emits and receives on both sides

@@ -61,8 +61,8 @@ struct FixedAmount {
   uint32_t directions = 400;  // of a replicate
   uint32_t replicates = 8;    // two at least
   int resolution = 0;         // lattice spacings across the scene's diameter; 0: 64
-  // These are lattice spacings for the polygon that needs most of them, in windows. With 0 none has more than
-  // `resolution`.
+  // The number of lattice spacings across is for the polygon that needs most of them, in windows. With 0 none has more
+  // than `resolution`.
   int finest = 0;
 };
 
@@ -110,7 +110,7 @@ struct Request {
   bool measure_work = false;      // fills Result::work
 
   bool balance = false;        // fills Result::balanced: the nearest form factors whose rows sum to 1
-  SceneOptions scene_options;  // the scene was made with these: checkpoints name them
+  SceneOptions scene_options;  // how the scene was made; checkpoints name it
 };
 
 // Refuses a request that contradicts itself, whatever the scene is. Every run does so first; a program may, before it

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <viewpeel/balance.h>
@@ -29,7 +30,7 @@ struct Estimate {
   FormFactors form_factors;
   FormFactors between_surfaces;  // the same counts summed by surface
   uint64_t replicates = 0;
-  uint64_t directions = 0;  // in all, without those of directed pairs
+  uint64_t directions = 0;  // in all, without directions of directed pairs
   double largest_standard_error = 0;
   double largest_relative_error = 0;  // over form factors of at least relative_floor
   // An interrupted run may not have reached its goal. Standard errors are infinite with fewer than 2 replicates.
@@ -43,8 +44,8 @@ struct Estimate {
   // among the largest.
   uint64_t unseen_pairs = 0;
   double largest_unseen_error = 0;
-  uint64_t directed_pairs = 0, directed_directions = 0;  // pairs with directions of their own, and all of these
-  uint64_t line_pairs = 0, lines = 0;                    // pairs with lines between them alone, and all of these
+  uint64_t directed_pairs = 0, directed_directions = 0;  // pairs with directions of their own, and all these directions
+  uint64_t line_pairs = 0, lines = 0;                    // pairs with lines between them alone, and all these lines
   // Each form factor of a pair without a line is below this bound, from the smaller of its pair, with 95 % confidence.
   // It is infinite where unoccluded form factors of all pairs leave no such pair.
   double unmet_bound = INFINITY;
@@ -65,8 +66,8 @@ struct GuaranteeFigures {
   double largest_range = 0;  // M: the most that a direction adds to a form factor
   uint64_t hoeffding = 0;    // directions
   uint32_t block_directions = 0;
-  uint64_t least_blocks = 0;              // Bernstein's bound cannot be epsilon before these
-  uint64_t most_blocks = 0;               // Hoeffding's bound is epsilon after these
+  uint64_t least_blocks = 0;              // Bernstein's bound cannot be epsilon before these blocks
+  uint64_t most_blocks = 0;               // Hoeffding's bound is epsilon after these blocks
   uint64_t expected_blocks = 0;           // an estimate, from a pilot
   double lemma_1 = 0, lemma_1_all = 0;    // directions of Pellegrini's Lemma 1: for one pair, and for m bounds at once
   uint64_t runs = 0, run_directions = 0;  // of the median
@@ -76,9 +77,9 @@ struct GuaranteeFigures {
 // LineGuaranteeFigures are the numbers of lines of a guarantee by pair lines.
 struct LineGuaranteeFigures {
   double epsilon = 0, delta = 0;
-  uint64_t exact = 0;  // entries that nothing can block
-  uint64_t known = 0;  // entries that geometry bounds to epsilon
-  uint64_t drawn = 0;  // entries that need lines for that
+  uint64_t exact = 0;    // entries that nothing can block
+  uint64_t bounded = 0;  // entries that geometry bounds to epsilon
+  uint64_t drawn = 0;    // entries that need lines for this
   double expected_lines = 0, most_lines = 0;
   double most_for_one = 0;                       // entry
   std::pair<std::string, std::string> neediest;  // the names of its ids; the second may be "leak"
@@ -87,13 +88,13 @@ struct LineGuaranteeFigures {
   double plan_seconds = 0, expected_seconds = 0, most_seconds = 0;
 };
 
-// A PairLinesSummary counts pairs of polygons that see each other with nothing in between, but for those that one
+// A PairLinesSummary counts pairs of polygons that see each other with nothing in between, but for pairs that one
 // blocker hides.
 struct PairLinesSummary {
   uint64_t clear = 0;     // pairs that nothing can block: their form factors are the unoccluded ones
   uint64_t partial = 0;   // pairs that get lines
   uint64_t lines = 0;     // of these pairs, in all replicates of the request
-  uint64_t blockers = 0;  // all polygons were joined to these
+  uint64_t blockers = 0;  // all polygons were joined to so many
   double seconds = 0;     // spent on finding the pairs and planning their lines
 };
 
@@ -116,7 +117,7 @@ struct PlanSummary {
   std::optional<PairLinesSummary> pair_lines;
   std::optional<LineGuaranteeFigures> line_guarantee;
   uint64_t unoccluded_pairs = 0;       // of a guarantee: pairs with an unoccluded form factor
-  uint64_t pairs_with_visibility = 0;  // of these, with a visibility from a pilot
+  uint64_t pairs_with_visibility = 0;  // of these pairs, with a visibility from a pilot
 };
 
 // Returns the program's options that give the same plan again: "--directions 64 --resolution 128 --unoccluded on".
@@ -126,15 +127,38 @@ std::string optionsOf(const PlanSummary& plan);
 // A PriorSummary says what pilots and unoccluded form factors found before the first replicate.
 struct PriorSummary {
   uint64_t pairs = 0;          // of polygons, with unoccluded form factors
-  uint64_t never_blocked = 0;  // of these, in the pilot
+  uint64_t never_blocked = 0;  // of these pairs, in the pilot
   // These pairs are left to sampling alone, as their unoccluded form factors were not accurate enough.
   uint64_t unreached = 0;
-  uint64_t directed_pairs = 0, directed_directions = 0;  // pairs with directions of their own, and these in a replicate
+  uint64_t directed_pairs = 0,
+           directed_directions = 0;  // pairs with directions of their own, and directions of a replicate
   double pilot_seconds = 0, unoccluded_seconds = 0, directed_seconds = 0;
 };
 
+// A Closure says how far row sums are from 1, over the rows of the request.
+struct Closure {
+  double largest_error = 0;
+  double standard_error = 0;  // of the row sum with the largest error
+  double rms_error = 0;
+  std::string row;  // with the largest error
+};
+
+// Measures the closure of form factors.    Cost: O(rows).
+Closure measureClosure(const FormFactors& form_factors);
+
+// StandardErrors are taken over all nonzero form factors of the requested rows, in both directions of a pair.
+struct StandardErrors {
+  size_t count = 0;  // of form factors
+  double rms = 0;
+  std::vector<std::pair<uint32_t, uint32_t>> worst;  // from, to; the largest first
+};
+
+// Measures standard errors.    In: worst: how many pairs with large ones to name    Cost: O(entries).
+StandardErrors measureStandardErrors(const FormFactors& form_factors, size_t worst);
+
 // A Result holds all that one call finds.
 struct Result : Estimate {
+  Closure closure;               // of form_factors
   double environment_share = 0;  // of the radiation of the request's rows, the part that leaves the scene
   double leak_share = 0;         // and the part that ends on the backs of polygons
   std::optional<BalancedFormFactors> balanced;  // with Request::balance

@@ -79,7 +79,7 @@ struct Coincidences {
   uint64_t alike_unordered = 0;
 };
 
-// All lengths of a Scene are in unit-ball units: the input is moved by -centre and divided by scale so that every
+// All lengths of a Scene are in unit-ball units. The input is moved by -centre and divided by scale, so that every
 // corner is within distance 1 of the origin. x_input = centre + scale * x.
 struct Scene {
   std::string file;

@@ -4,7 +4,7 @@
 
 namespace viewpeel::reference {
 
-// A Ball is some number within `error` of `value`. kUnit is twice the unit roundoff: the surplus covers the rounding of
+// A Ball is some number within `error` of `value`. kUnit is twice the unit roundoff. The surplus covers the rounding of
 // the errors themselves, which costs a relative 2^-51 per operation at most.
 struct Ball {
   static constexpr double kUnit = 0x1p-52;

@@ -1,4 +1,4 @@
-// Convex planar polygons in long double, for the closed forms.
+// The closed forms use these convex planar polygons in long double.
 #pragma once
 #include <span>
 #include <vector>

@@ -10,7 +10,7 @@
 
 namespace viewpeel::reference {
 
-// The point a + t (b - a) of an edge a -> b where it meets the line from vertex c to vertex d, or vertex c itself if
+// An EdgeCut is the point a + t (b - a) of an edge a -> b on the line from vertex c to vertex d, or at vertex c if
 // c = d.
 struct Cut {
   Ball t;

@@ -24,7 +24,8 @@
 
 namespace viewpeel::reference {
 
-// A PairArea is that of polygons a < b that face each other; b is kEnvironment or kLeak for lines of a that end there.
+// A PairArea is the area of polygons a < b that face each other; b is kEnvironment or kLeak for lines of a that end
+// there.
 struct PairArea {
   uint32_t a, b;
   double area;       // in P(u), unit-ball units squared

@@ -1,4 +1,4 @@
-// Which of two polygons a line along u meets first, wherever it meets both.
+// Decides which of two polygons a line along u meets first, wherever it meets both.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -9,8 +9,8 @@ namespace viewpeel::reference {
 
 constexpr uint32_t kNoOutline = 0xFFFFFFFFu;
 
-// A LayerChange is that at an edge of `outline`: layers `lower`, `outline`, `upper` follow each other on its inner
-// side, `lower` and `upper` on the outer.
+// A LayerChange is the change at an edge of `outline`: layers `lower`, `outline`, `upper` follow each other on its
+// inner side, `lower` and `upper` on the outer.
 struct LayerChange {
   uint32_t lower = kNoOutline, outline = kNoOutline, upper = kNoOutline;
   bool is_cyclic = false;  // the pairwise order, by rounding: `lower` and `upper` say nothing

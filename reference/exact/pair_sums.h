@@ -15,7 +15,7 @@
 
 namespace viewpeel::reference {
 
-// A piece of an edge, as it enters boundary integrals.
+// A piece of an edge is given as it enters boundary integrals.
 struct Piece {
   Ball twice_area;          // cross(from, to) in Vertex::rounded coordinates
   double from = 0, to = 0;  // parameters along the edge

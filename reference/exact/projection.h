@@ -16,7 +16,8 @@
 
 namespace viewpeel::reference {
 
-// Corners of a scene as integers, equal ones merged: corner = integer * 2^exponent. Read-only, shared by the threads.
+// Corners of a scene are integers here, equal ones merged: corner = integer * 2^exponent. Read-only, shared by the
+// threads.
 struct IntegerCorners {
   explicit IntegerCorners(const Scene& scene);
 

@@ -1,4 +1,4 @@
-// These are structs of unoccluded form factors that host and shaders share, written once; C++ includes this through
+// Host and shaders share these structs of unoccluded form factors, which are written once; C++ includes this through
 // host/unoccluded/shared.h.
 
 // A ShapeData is a polygon as a bilinear image of the square -1..1 x -1..1; a triangle's last corner stands twice.

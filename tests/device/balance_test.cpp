@@ -438,8 +438,9 @@ double weightedError(const FormFactors& form_factors, const FormFactors& measure
   return sum;
 }
 
-// The result is the nearest point to c of a convex set that holds the truth t: |c - t|^2 >= |c - x|^2 + |x - t|^2 in
-// the norm minimised, on every run. The truth is known to ten digits, which is far below the statistical errors.
+// The result x is the nearest point to c of a convex set that holds the truth t. So in the norm minimised
+// |c - t|^2 >= |c - x|^2 + |x - t|^2, on every run. The truth is known to ten digits, which is far below the
+// statistical errors.
 TEST(Balance, NeverFartherFromTheClosedForms) {
   for (const Box& box : kBoxes) {
     SCOPED_TRACE(box.name);

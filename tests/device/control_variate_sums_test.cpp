@@ -89,7 +89,7 @@ TEST(ControlVariateSums, RowsHaveAllTheirLines) {
   EXPECT_EQ(filled[2].blocked, 9u);
 }
 
-// On a coarse lattice, and with scanlines, one line adds several counts: then errors are no less than those of as many.
+// On a coarse lattice, and with scanlines, one line adds several counts: then errors are no less than of as many lines.
 TEST(ControlVariateSums, LinesOfSeveralCounts) {
   const auto controls = takeControlVariates({{0, 1, 64}, {0, 2, 64}, {1, kEnvironment, 16}}, {}, {16, 1, 64});
   EXPECT_EQ(controls[0].line, 1u);  // the finer of the two lattices
@@ -110,11 +110,11 @@ TEST(ControlVariateSums, LinesOfSeveralCounts) {
   EXPECT_THROW(takeControlVariates({{0, 1, uint64_t(1) << 51}}, {}), Error);
 }
 
-// Zero spread is not zero error: the visibility b of a pair is 1 (never blocked) or 0 (never seen) in a pilot, and of
-// `lines` lines in eight replicates as many as Poisson's law has with mean m are blocked, or seen, all the same.
-// Intervals of 95 %, t = 2.36 standard errors of at least one line, hold the truth unless no line tells and m > 2.36,
-// whose probability is e^-2.36 = 9.4 % at most, or the spread of the few is too small, as for plain counts (README,
-// Accuracy: 88 to 93 % between 0.3 and 3 counts a replicate).
+// Zero spread is not zero error. The visibility b of a pair is 1 (never blocked) or 0 (never seen) in a pilot. Of
+// `lines` lines in eight replicates some are blocked, or seen, all the same: as many as Poisson's law has with mean m.
+// Intervals of 95 % are t = 2.36 standard errors of at least one line. They miss the truth where no line shows it and
+// m > 2.36, with a probability of e^-2.36 = 9.4 % at most. They also miss it where the spread of few lines is too
+// small, as for plain counts (docs/accuracy.md, coverage).
 TEST(ControlVariateSums, NothingSeenIsNotNothingThere) {
   std::mt19937_64 random(6);
   constexpr int kTrials = 4000, kReplicates = 8;

@@ -147,7 +147,7 @@ TEST(DirectedPairs, ReachTheGoalSooner) {
   EXPECT_EQ(with.form_factors.exchangeArea(0, 1).value, with.between_surfaces.exchangeArea(0, 1).value);
   EXPECT_EQ(with.form_factors.exchangeArea(0, 1).standard_error,
             with.between_surfaces.exchangeArea(0, 1).standard_error);
-  // Row sums are of common directions, so that they differ from 1 by the error of these.
+  // Row sums are of common directions, so that they differ from 1 by the error of these directions.
   EXPECT_TRUE(isEstimateOf(with.form_factors.rowSums()[0], 1, with.replicates));
 }
 
@@ -188,8 +188,8 @@ TEST(DirectedPairs, PairsOfOneEmitterShareAnEngine) {
   EXPECT_EQ(together.direct(1, 3, 10).directions, 0u);
 }
 
-// A pair never blocked is its unoccluded form factor, one always blocked 0, with the error of one line, which is that
-// of its own lattice: h^2 |W| / (2 pi) / (all directions) a line.
+// A pair never blocked has its unoccluded form factor, a pair always blocked 0. Both have the error of one line of the
+// pair's own lattice: h^2 |W| / (2 pi) / (all directions) a line.
 TEST(DirectedPairs, NeverAndAlwaysBlockedAreExact) {
   for (const bool is_blocked : {false, true}) {
     Directed made(is_blocked ? ts::squaresPastAnEdge(0.9) : ts::stackOfSheets({0, 9}));

@@ -123,8 +123,8 @@ TEST(Directions, SetsIntegrateSmoothFunctions) {
   }
 }
 
-// However few or many: as many as asked for, and their mean vector and second moments are those of the sphere on the
-// average over replicates.
+// Sets of any size have the number requested, and their mean vector and second moments are the sphere's on the average
+// over replicates.
 TEST(Directions, SetsOfAnySizeAreUnbiased) {
   for (Sampler sampler : {Sampler::jittered, Sampler::sobol})
     for (uint32_t count : {1u, 2u, 3u, 5u, 17u, 100u}) {

@@ -57,11 +57,11 @@ PriorScene makePriorScene(const InputScene& input, int resolution, Sampling samp
   return made;
 }
 
-// The standard error of a pair whose lines are all facing, or all blocked, as a share of the most that it exchanges: of
-// n directions that see it p (1 - p) / (n + 1/2), p as of two lines more with the visibility s around the pair, and a
-// tenth of a line of either kind; replicates, which do not differ, are trusted as far as the square of n p (1 - p) goes
-// beside 1/4, and t standard errors are an interval of a variance that is known better than R replicates know theirs, R
-// 8 at least (VisibilitySums).
+// Returns the standard error of a pair whose lines are all facing, or all blocked, over the most that it exchanges. Of
+// n directions that see it the variance is p (1 - p) / (n + 1/2). Here p has two lines more with the visibility s
+// around the pair, and a tenth of a line of either kind. Replicates, which do not differ, are trusted as far as the
+// square of n p (1 - p) goes beside 1/4. The variance is better determined than by R replicates, 8 at least, so that t
+// standard errors are an interval of it (VisibilitySums).
 double deviationOfOneKind(const RunSums& sums, uint32_t i, uint32_t j) {
   const VisibilitySums& by_face = sums.prior_sums->byFace();
   const Prior& prior = sums.prior_sums->prior();
@@ -199,7 +199,7 @@ TEST(FindPrior, EveryPairOfManyPolygonsGetsItsUnoccludedFormFactor) {
   }
   EXPECT_EQ(all, kCuts * kCuts * (kCuts * kCuts + 2));
   EXPECT_EQ(whole.unmet_pairs, unmet);
-  EXPECT_GT(learnt, 0u);  // pilots hit nearly all of these
+  EXPECT_GT(learnt, 0u);  // pilots hit nearly all pairs
   for (const size_t count : {counted, guessed}) EXPECT_GT(count, 500u);
 }
 
@@ -234,8 +234,8 @@ TEST(FindPrior, PartsOfARunOfManyPolygonsComeToTheSameBits) {
   }
 }
 
-// A goal is reached with the first replicate after which all standard errors are small enough, those of rough closed
-// forms and of pairs that no line met among them.
+// A goal is reached with the first replicate after which all standard errors are small enough, also of rough unoccluded
+// form factors and of pairs that no line met.
 TEST(FindPrior, GoalsAreReachedByEveryPairOfManyPolygons) {
   constexpr uint32_t kCuts = 55;
   InputScene input{"a floor in 3025 parts below a lamp and a screen", {}, {}};
@@ -275,8 +275,8 @@ double truthPastTheBlocker() {
   return reference::formFactorPastBlocker(input.faces[0].corners, input.faces[1].corners, input.faces[2].corners).value;
 }
 
-// Partly blocked: unbiased, with less error than counting alone, and 95 % intervals that hold the truth 95 times in 100
-// but for chance, that is within four standard deviations of the binomial law.
+// Partly blocked pairs are unbiased, with less error than counting alone. Their 95 % intervals hold the truth 95 times
+// in 100, within four standard deviations of the binomial law.
 TEST(FindPrior, PartlyBlockedPairsAreSampledWell) {
   const PriorScene made = makePriorScene(ts::squaresPastABlocker(), 24);
   const double truth = truthPastTheBlocker();
@@ -398,8 +398,7 @@ TEST(FindPrior, UnmetPairsAreUncertain) {
   }
 }
 
-// The same lines in another sum: form factors between surfaces are what those of their polygons add up to, and agree
-// with counting alone.
+// Form factors between surfaces are sums over their polygons of the same lines, and agree with counting alone.
 TEST(FindPrior, SurfacesAndClosedRooms) {
   const PriorScene made = makePriorScene(ts::roomWithTouchingBoxes(), 48);
   const EstimateOptions options{.directions = 400};

@@ -23,8 +23,8 @@ TEST(ReplicateSums, MeanAndStandardErrorOfThree) {
   sums.add({{0, 1, 14}});
   sums.add({{0, 1, 18}});
   const FormFactors f = sums.formFactors(0.5);
-  // Sum 42; sample variance 16, so that of the sum 48: 48 / 42 counts at a time, 36.75 times, and once 1: the mean's
-  // standard error is sqrt(48 + (43 / 37.75)^2) / 3. A_i F_ij = 2 C_ij.
+  // The sum is 42, the sample variance 16, and the variance of the sum 48. So 48 / 42 counts come at a time, 36.75
+  // times, and once 1. The mean's standard error is sqrt(48 + (43 / 37.75)^2) / 3. A_i F_ij = 2 C_ij.
   const double standard_error = std::hypot(std::sqrt(48.0), 43 / 37.75) / 3;
   EXPECT_DOUBLE_EQ(f.exchangeArea(0, 1).value, 14);
   EXPECT_DOUBLE_EQ(f.exchangeArea(1, 0).standard_error, standard_error);
@@ -127,7 +127,7 @@ TEST(ReplicateSums, OneDirectionDoesNotTellHowManyLinesOthersSee) {
   EXPECT_NEAR(errorOf(1000, 0.1), errorOf(1000, INFINITY), 1e-3 * errorOf(1000, INFINITY));
 }
 
-// With one line at a time at most the bound is that of their probability; larger polygons are met at many at once.
+// With one line at a time at most the bound is of the lines' probability; larger polygons are met at many at once.
 TEST(ReplicateSums, UnmetPairsAreBounded) {
   // (1 - p)^n = 5 % for p = 1 - 0.05^(1/n).
   EXPECT_NEAR(unmetBound(0.5, 2, 1000), 2 * 4 * (1 - std::pow(0.05, 1e-3)), 2e-3 * unmetBound(0.5, 2, 1000));

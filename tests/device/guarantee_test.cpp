@@ -163,13 +163,13 @@ TEST(Guarantee, FailsNoMoreOftenThanItMay) {
 // By hand: l = ln(2 / 0.02) = 4.60517; M l / 3 = 3.07011; (3.07011 + sqrt(3.07011^2 + 2 1000 0.05 l)) / 1000.
 TEST(Guarantee, BernsteinsBoundOfAGivenVariance) {
   EXPECT_NEAR(givenVarianceBound(0.05, 2, 1000, 0.02), (3.07011 + std::sqrt(3.07011 * 3.07011 + 460.517)) / 1000, 1e-7);
-  // Twice as many directions are what Hoeffding's bound of the range takes where variance is the most that the range
-  // allows, M^2 / 4, up to the term in the range.
+  // The variance is at most M^2 / 4 of the range M. At this variance Hoeffding's bound takes twice as many directions,
+  // up to the term in the range.
   EXPECT_GT(givenVarianceBound(1, 2, 1e6, 0.02), 2 * std::sqrt(std::log(2 / 0.02) / 2e6));
 }
 
-// No geometry: along a direction all of the range of T = V + O or none of it, and all of T visible or none of it: the
-// most variable there is, given F0 and F.
+// There is no geometry here. A direction has all of the range of T = V + O or none of it, and all of T is visible or
+// none: nothing varies more, given F0 and F.
 class TwoCoinEngine : public Engine {
  public:
   TwoCoinEngine(double lines, double prior_sums, double area) : lines_(lines), visible_(prior_sums), area_(area) {}

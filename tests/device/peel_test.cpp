@@ -403,7 +403,7 @@ TEST(Peel, CountsWhatWasRequested) {
     for (By by : {By::polygon, By::surface})
       for (uint32_t n : {1u, 4u}) {
         Ids ids = makeIds(scene, by, false);
-        askOnlyFor(question, scene, ids);
+        restrictToQuestion(question, scene, ids);
         const PairCounts expected = countPairsOnCpu(scene, ids, directions, 40, true);
         EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 40, .layers_kept = n}), withoutBlocked(expected));
         EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 40, .count_blocked = true, .layers_kept = n}),
@@ -462,7 +462,7 @@ TEST(Peel, MemoryIsPlanned) {
   }
 }
 
-// An error of one batch while the other is on the device is only that.
+// An error of one batch while the other is on the device leaves the other batch whole.
 TEST(Peel, ErrorsWaitForTheOtherBatch) {
   std::vector<double> heights;
   for (int k = 0; k < 1100; ++k) heights.push_back(0.004 * k);

@@ -16,8 +16,8 @@ namespace ts = test_scenes;
 
 Lattices latticesWithWindows() { return {enginesOf(EngineKind::compute), {}, 0, true}; }
 
-// A run reaches about what its plan promised. The largest of standard errors from 8 replicates each, predicted from 8
-// others: their squares have 7 degrees of freedom, and F(7, 7) stays below 10^2 with probability 1 - 1e-6.
+// A run reaches about what its plan promised. The largest standard error of 8 replicates is predicted from 8 others.
+// Squares of both have 7 degrees of freedom, and F(7, 7) stays below 10^2 with probability 1 - 1e-6.
 // Interpolation between pilots may add a factor of 2.
 TEST(Plan, PredictsTheStandardError) {
   for (const InputScene& input : {ts::parallelSquares(), ts::insideOfCube(), ts::roomWithTouchingBoxes()})
@@ -145,8 +145,8 @@ TEST(Plan, SmallPolygonsAreSeen) {
   EXPECT_GT(truth, 0.9);
 }
 
-// With unoccluded form factors a row's counts of a replicate stay below 2^50, also where a small polygon has a fine
-// window and the error asked for is small: replicates do the rest, or the plan says so.
+// With unoccluded form factors a row's counts of a replicate stay below 2^50. They do so where a small polygon has a
+// fine window and the tolerance is small, too: replicates do the rest, or the plan says so.
 TEST(Plan, CountsAreNotTooLargeForUnoccludedFormFactors) {
   const Scene scene = buildScene(speckOverFloor(1e-5));
   const Ids ids = makeIds(scene, By::polygon, false);
@@ -161,8 +161,8 @@ TEST(Plan, CountsAreNotTooLargeForUnoccludedFormFactors) {
   }
 }
 
-// A square of 2.5e-17 of the scene's area has less than one point of the finest lattice there is in what a run of this
-// length takes: the plan says so, of it alone.
+// A square of 2.5e-17 of the scene's area has less than one point of the finest lattice there is in a run of this
+// length. The plan says so, and of no other polygon.
 TEST(Plan, WhatMayGoUnmetIsNamed) {
   InputScene input{"speck", {}, {}};
   ts::addFace(input, "floor", {{0, 0, 0}, {2000, 0, 0}, {2000, 2000, 0}, {0, 2000, 0}});

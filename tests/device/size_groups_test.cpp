@@ -191,8 +191,8 @@ TEST(SizeGroups, OneGroupIsTheWholeMatrix) {
   EXPECT_EQ(engine->unitArea(), 4.0 / (33 * 33));
 }
 
-// Areas from 1 to 1e-8, and pairs of equal squares at a distance of their own edge at all sizes: within five standard
-// errors, which are those of polygons well above the spacing.
+// Areas go from 1 to 1e-8, with pairs of equal squares at a distance of their own edge. All are within five standard
+// errors, which are as of polygons well above the spacing.
 TEST(SizeGroups, SmallPolygonsHaveTheirClosedForms) {
   const Scene scene = buildScene(squaresOfAllSizes());
   const Ids ids = makeIds(scene, By::polygon, false);

@@ -32,8 +32,8 @@ struct CornerPair {
   Corners a, b;
 };
 
-// Pairs 2k, 2k + 1 of the polygons, each built as a scene of its own: polygons of different pairs may lie anywhere,
-// across each other or in one place, and know nothing of each other.
+// Polygons 2k and 2k + 1 are a pair, each pair built as a scene of its own. Polygons of different pairs may lie
+// anywhere, across each other or in one place: no pair depends on another one.
 Scene sceneOf(const std::vector<CornerPair>& pairs, const SceneOptions& options = {}) {
   Scene all;
   all.file = "pairs";
@@ -234,8 +234,8 @@ TEST_P(Unoccluded, ParallelPlatesCloseTogether) {
                     above = rectangle({shift, 0.1, gap}, {0, 1, 0}, {1, 0, 0});
       const double truth =
           reference::parallelRectangles({0, 1}, {0, 1}, {shift, 1 + shift}, {0.1, 1.1}, std::max(gap, 1e-13));
-      // Unit squares in a ball of about their size: a corner's rounding of 2^-53 moves the plates by no more than that,
-      // and F with the gap's size.
+      // Unit squares lie in a ball of about their size: a corner's rounding moves the plates by no more than 2^-53, and
+      // F with the gap's size.
       constexpr double kRounding = 1e-10;
       // Without a gap plates alone in space are the two sides of a sheet, unless the user says that they are faces of
       // solids.

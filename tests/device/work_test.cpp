@@ -13,7 +13,7 @@ Work workOf(const InputScene& input, const std::vector<Direction>& directions, c
             const Question& question = {}) {
   const Scene scene = buildScene(input);
   Ids ids = makeIds(scene, By::polygon, false);
-  askOnlyFor(question, scene, ids);
+  restrictToQuestion(question, scene, ids);
   LatticeOptions options = lattice;
   options.measure_work = true;
   const auto engine = makeComputeEngine(testDevice(), scene, ids, options);
@@ -106,8 +106,8 @@ TEST(Work, IsCountedOnce) {
   }
 }
 
-// Small polygons are tested for the lattice points of their boxes only, those between lattice points for none; who is
-// large is not changed by that.
+// Small polygons are tested for the lattice points of their boxes only, boxes between lattice points for none. Large
+// polygons stay as they are.
 TEST(Work, SmallPolygonsAreNotTestedAllOverTheirTiles) {
   const auto directions = sampleDirections(Sampler::fibonacci, 12, 3, 0);
   const InputScene soup = ts::triangleSoup(4000, 0.05, 5), room = ts::roomWithTouchingBoxes();

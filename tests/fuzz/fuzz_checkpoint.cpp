@@ -69,8 +69,8 @@ void writeColumn(Hdf5Output& out, Bytes& bytes, const std::string& name, const s
   }
 }
 
-// Two ids, two replicates, one pair and the environment; without these of by_id, for unoccluded form factors by polygon
-// sum them.
+// Writes two ids, two replicates, one pair and the environment; by_id without pair and environment, which unoccluded
+// form factors sum by polygon.
 void writeSums(Hdf5Output& out, Bytes& bytes, const std::string& group) {
   using U8 = std::vector<uint8_t>;
   using U32 = std::vector<uint32_t>;
@@ -78,7 +78,7 @@ void writeSums(Hdf5Output& out, Bytes& bytes, const std::string& group) {
   writeColumn(out, bytes, group + "/names", std::vector<std::string>{"floor", "wall"});
   writeColumn(out, bytes, group + "/areas", std::vector<double>{1, 2});
   writeColumn(out, bytes, group + "/surfaces", U32{0, 1});
-  writeColumn(out, bytes, group + "/asked", U8{});
+  writeColumn(out, bytes, group + "/requested", U8{});
   writeColumn(out, bytes, group + "/splits_surfaces", U8{0});
   writeColumn(out, bytes, group + "/rows_sum_to_one", U8{1});
   writeColumn(out, bytes, group + "/two_sided", U8{0});
@@ -124,26 +124,26 @@ void writePriorSums(Hdf5Output& out, Bytes& bytes) {
   using U8 = std::vector<uint8_t>;
   using U32 = std::vector<uint32_t>;
   using U64 = std::vector<uint64_t>;
-  writeColumn(out, bytes, "visible/is_there", U8{1});
-  writeColumn(out, bytes, "visible/by_surface", U8{0});
-  writeColumn(out, bytes, "visible/has_all_pairs", U8{1});
-  writeColumn(out, bytes, "visible/lines", U64{1, 1});
-  writeColumn(out, bytes, "visible/ranks", U32{1, 0});
-  writeColumn(out, bytes, "visible/known/i", U32{0, 1});
-  writeColumn(out, bytes, "visible/known/j", U32{1, kEnvironment});
-  writeColumn(out, bytes, "visible/known/share", U32{3000, 4096});
-  writeColumn(out, bytes, "visible/known/surface_share", U32{3000, 4096});
-  writeColumn(out, bytes, "visible/known/exchange", std::vector<double>{0.5, 2});
-  writeColumn(out, bytes, "visible/known/directed/i", U32{0});
-  writeColumn(out, bytes, "visible/known/directed/j", U32{1});
-  writeColumn(out, bytes, "visible/known/directed/directions", U32{16});
-  writeColumn(out, bytes, "visible/known/directed/resolution", U32{64});
-  writeColumn(out, bytes, "visible/known/directed/share", U32{3000});
-  writeColumn(out, bytes, "visible/known/directed/line", U32{1});
-  writeColumn(out, bytes, "visible/known/directed/measure_area", std::vector<double>{0.01});
-  writeColumn(out, bytes, "visible/known/directed/count_area", std::vector<double>{0.1});
-  for (const std::string group : {"visible/faces", "visible/surfaces", "visible/directed"}) {
-    const bool of_faces = group == "visible/faces";
+  writeColumn(out, bytes, "prior/is_there", U8{1});
+  writeColumn(out, bytes, "prior/by_surface", U8{0});
+  writeColumn(out, bytes, "prior/has_all_pairs", U8{1});
+  writeColumn(out, bytes, "prior/lines", U64{1, 1});
+  writeColumn(out, bytes, "prior/ranks", U32{1, 0});
+  writeColumn(out, bytes, "prior/pairs/i", U32{0, 1});
+  writeColumn(out, bytes, "prior/pairs/j", U32{1, kEnvironment});
+  writeColumn(out, bytes, "prior/pairs/visibility", U32{3000, 4096});
+  writeColumn(out, bytes, "prior/pairs/surface_visibility", U32{3000, 4096});
+  writeColumn(out, bytes, "prior/pairs/exchange", std::vector<double>{0.5, 2});
+  writeColumn(out, bytes, "prior/pairs/directed/i", U32{0});
+  writeColumn(out, bytes, "prior/pairs/directed/j", U32{1});
+  writeColumn(out, bytes, "prior/pairs/directed/directions", U32{16});
+  writeColumn(out, bytes, "prior/pairs/directed/resolution", U32{64});
+  writeColumn(out, bytes, "prior/pairs/directed/visibility", U32{3000});
+  writeColumn(out, bytes, "prior/pairs/directed/line", U32{1});
+  writeColumn(out, bytes, "prior/pairs/directed/measure_area", std::vector<double>{0.01});
+  writeColumn(out, bytes, "prior/pairs/directed/count_area", std::vector<double>{0.1});
+  for (const std::string group : {"prior/faces", "prior/surfaces", "prior/directed"}) {
+    const bool of_faces = group == "prior/faces";
     writeColumn(out, bytes, group + "/replicate_count", U64{2});
     writeColumn(out, bytes, group + "/i", U32{0, 1});
     writeColumn(out, bytes, group + "/j", U32{1, kEnvironment});
@@ -178,7 +178,7 @@ Checkpoint readBytes(const uint8_t* data, size_t count) {
   static const NamedFile file;
   Bytes bytes(data, count);
   Hdf5Output out;
-  writeColumn(out, bytes, "format", std::vector<uint64_t>{6});
+  writeColumn(out, bytes, "format", std::vector<uint64_t>{7});
   writeColumn(out, bytes, "settings/names", std::vector<std::string>{"--seed"});
   writeColumn(out, bytes, "settings/values", std::vector<std::string>{"1"});
   writeColumn(out, bytes, "replicates/first", std::vector<uint64_t>{0});
@@ -188,7 +188,7 @@ Checkpoint readBytes(const uint8_t* data, size_t count) {
   writeSums(out, bytes, "by_id");
   writeSums(out, bytes, "by_surface");
   writePriorSums(out, bytes);
-  if (bytes.take<uint8_t>() % 2) writeLineSums(out, bytes);  // then results are made of these
+  if (bytes.take<uint8_t>() % 2) writeLineSums(out, bytes);  // then results are made of these lines
   return readCheckpoint(file.write(out.finish()));
 }
 

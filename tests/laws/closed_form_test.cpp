@@ -90,7 +90,7 @@ Estimate estimateDrawn(const InputScene& input, const Question& question, const 
                        By by = By::polygon) {
   const Scene scene = buildScene(input);
   Ids ids = makeIds(scene, by, false);
-  askOnlyFor(question, scene, ids);
+  restrictToQuestion(question, scene, ids);
   EstimateOptions options{.directions = 100, .replicates = 16};
   if (!question.pair.empty()) {
     const DirectionRegion region =
@@ -142,13 +142,13 @@ TEST(ClosedForm, BlockersTakeWhatTheyHide) {
 TEST(ClosedForm, AFaceOfASurface) {
   const Scene scene = buildScene(ts::roomWithTouchingBoxes());
   Ids ids = makeIds(scene, By::polygon, false);
-  askOnlyFor({.from = {"floor[3]"}}, scene, ids);
+  restrictToQuestion({.from = {"floor[3]"}}, scene, ids);
   EXPECT_TRUE(ids.splits_surfaces);
   Ids by_surface = makeIds(scene, By::surface, false);
   for (const Question& question : {Question{.from = {"floor[3]"}}, Question{.blockers = {"floor[3]"}},
                                    Question{.pair = {"floor[3]", "upper box"}}}) {
     try {
-      askOnlyFor(question, scene, by_surface);
+      restrictToQuestion(question, scene, by_surface);
       ADD_FAILURE() << "accepted";
     } catch (const std::exception& error) {
       EXPECT_NE(std::string(error.what()).find("--by polygon"), std::string::npos) << error.what();

@@ -27,8 +27,8 @@ TEST(Laws, ReciprocityToTheLastBit) {
     }
 }
 
-// What lines can be lost in. A corner in the middle of another's edge is snapped off it by 2^-24 of the scene's
-// diameter at most, which opens a crack of an area below that times its length. A_i F_i,leak is twice the mean area in
+// Lines can be lost in cracks. A corner in the middle of another's edge is snapped off it by 2^-24 of the scene's
+// diameter at most. The crack's area is below this distance times its length. A_i F_i,leak is twice the mean area in
 // which i meets a back.
 double mostLost(const InputScene& scene) {
   double edges = 0;
@@ -98,8 +98,8 @@ TEST(Laws, RigidMotionAndScaleLeaveFactorsAlone) {
   }
 }
 
-// Coordinates are then rounded to 1.5e-8 of the scene's size, more than what makes planes one: form factors stay, no
-// line is lost, and it is said where planes are in doubt.
+// Coordinates are then rounded to 1.5e-8 of the scene's size, more than planes may differ and be one. Form factors
+// stay, no line is lost, and a warning says where planes are in doubt.
 TEST(Laws, MovedFarAwayFactorsStay) {
   TestRun run;
   run.estimate.directions = 150;

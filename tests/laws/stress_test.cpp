@@ -86,7 +86,7 @@ TEST(Stress, GapsBetweenPlates) {
     }
 }
 
-// Nearer to one another than depths can tell, the order of two plates alone in space is that of their gap.
+// Two plates alone in space keep the order of their gap, also where it is narrower than depths resolve.
 TEST(Stress, GapsTooNarrowForDepths) {
   for (double gap : {6e-9, 1e-9, 1e-11})
     for (const TestRun& run :
@@ -166,8 +166,8 @@ TEST(Stress, AreasFromOneToATrillionth) {
   }
 }
 
-// All engines, the graphics engine, too, which has no windows: a square of 1e-6 of the scene's size is met by the one
-// line that passes through its middle, and by none that passes beside it.
+// All engines count the one line through the middle of a square of 1e-6 of the scene's size, and none that passes
+// beside it. The graphics engine does so, too, which has no windows.
 TEST(Stress, ALineThroughASpeckMeetsIt) {
   const Scene scene = buildScene(pairsOfAllSizes());
   const Ids ids = makeIds(scene, By::polygon, false);
@@ -235,7 +235,7 @@ InputScene polygonsFaceToFace(uint32_t corner_count, double moved, Way way) {
   return scene;
 }
 
-// 3 to 64 corners; one of them moved in or up by 1e-12 to 1e-3: F moves by no more than that.
+// Polygons have 3 to 64 corners. One corner is moved in or up by 1e-12 to 1e-3, and F moves by no more.
 TEST(Stress, PolygonsOfManyCorners) {
   for (uint32_t corner_count : {3u, 64u}) {
     const ts::Corners lower = regularPolygon(corner_count, 0, true), upper = regularPolygon(corner_count, 0.7, false);
@@ -252,8 +252,8 @@ TEST(Stress, PolygonsOfManyCorners) {
           SCOPED_TRACE(fmt::format("{} corners, moved {}, {}", corner_count, moved, run.name));
           const Estimate e = estimateScene(scene, run);
           const double area = e.form_factors.ids().areas[1];
-          // A_2 F_21 = A_1 F_12 changes by no more than the area that is missing below, and what a corner raised by
-          // `moved` can hide of lines from aside: its two edges, shorter than 2 each, times that.
+          // A_2 F_21 = A_1 F_12 changes by no more than the area that is missing below, and the lines from aside that a
+          // corner raised by `moved` can hide: its two edges, shorter than 2 each, times `moved`.
           EXPECT_TRUE(
               isEstimateOf(e.form_factors.formFactor(1, 0), truth, e.replicates, (missing + 4 * moved) / area + 1e-9));
           EXPECT_EQ(e.form_factors.formFactor(1, kLeak).value, 0);
@@ -262,9 +262,8 @@ TEST(Stress, PolygonsOfManyCorners) {
   }
 }
 
-// The graphics engine, too, where the tests here and those of laws have estimates of compute and host engine: counts
-// are the same, along the axes, which are the poles of the maps of directions, and as little beside them as doubles
-// tell, and at random.
+// The graphics engine counts the same where other tests have estimates of compute and host engine. Directions are the
+// axes, which are the poles of the maps of directions, the nearest doubles beside them, and random ones.
 TEST(Stress, GraphicsCountsAsTheOthers) {
   std::vector<Direction> directions = sampleDirections(Sampler::iid, 8, 5, 0);
   for (const glm::dvec3& pole : {glm::dvec3(0, 0, 1), glm::dvec3(0, 0, -1), glm::dvec3(0, 1, 0), glm::dvec3(1, 0, 0)})

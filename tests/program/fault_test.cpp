@@ -118,8 +118,8 @@ TEST_F(Fault, LackOfDeviceMemoryIsAClearError) {
                     {"cannot allocate", "try a smaller"});
 }
 
-// On devices of less and less memory: enough for the plan; for smaller batches; for smaller ones than those, once the
-// lists of tiles grow, as sheets above one another make them; and not for one direction. What is computed has the same
+// Devices have less and less memory: enough for the plan; for smaller batches; for still smaller ones, once the lists
+// of tiles grow, as sheets above one another make them; and not for one direction. What is computed has the same
 // bits.
 TEST_F(Fault, LackOfDeviceMemoryMakesBatchesSmaller) {
   const std::string options =

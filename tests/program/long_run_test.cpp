@@ -100,7 +100,7 @@ TEST_F(LongRun, InterruptedIsWrittenAndResumed) {
               std::string::npos)
         << messages;
     EXPECT_EQ(std::count(messages.begin(), messages.end(), '\n'), 1) << messages;
-    // The results are those of as many replicates in one run.
+    // The results are as of as many replicates in one run.
     EXPECT_EQ(run("merge --quiet " + file(engine + ".h5") + " -o " + file("merged.csv")).status, 0);
     EXPECT_EQ(readFile(file("a.csv")), readFile(file("merged.csv")));
     const std::string replicates = replicatesOf(engine + ".h5");

@@ -85,7 +85,7 @@ TEST_F(Program, LeaksAreExplainedAndMended) {
   struct Case {
     const char* name;
     std::string text;
-    std::vector<const char*> said;
+    std::vector<const char*> messages;
     const char* remedy;  // an option, where one mends it
   };
   const Case cases[] = {
@@ -117,9 +117,9 @@ TEST_F(Program, LeaksAreExplainedAndMended) {
     const std::string command = "compute " + scene + " --directions 60 --resolution 32 --replicates 2 --quiet ";
     const Result r = run(command);
     EXPECT_EQ(r.status, 0) << r.output;
-    for (const char* part : each.said)
+    for (const char* part : each.messages)
       EXPECT_NE(r.output.find(part), std::string::npos) << each.name << ": no " << part << " in\n" << r.output;
-    if (each.said.empty()) {
+    if (each.messages.empty()) {
       EXPECT_EQ(r.output, "") << each.name;
     }
     if (!*each.remedy) continue;

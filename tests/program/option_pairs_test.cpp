@@ -1,7 +1,7 @@
 // Options in pairs, as users type them: any two values of two options meet in some run, on scenes as users have them.
 //
 // Runs are the rows of a covering array, which a greedy search makes (Cohen, Dalal, Fredman, Patton, IEEE Transactions
-// on Software Engineering 23 (7), 1997). A run ends with status 0, and then its form factors are those of the scene
+// on Software Engineering 23 (7), 1997). A run ends with status 0, and then its form factors are the scene's
 // within their stated error; or with status 2 and one line on stderr, where its options contradict each other in one of
 // the ways listed here. Nothing else is allowed: no signal, no other status, no refusal that is not listed.
 #include <algorithm>
@@ -399,7 +399,7 @@ class OptionPairs : public Program {
     checkErrors(run, found, r.out);
   }
 
-  // Values and row names are those of the .csv file.
+  // Values and row names are as in the .csv file.
   void checkMatrix(const std::string& text, const Matrix& found) {
     std::istringstream in(text);
     std::vector<std::string> names;
@@ -433,7 +433,7 @@ class OptionPairs : public Program {
     if (has(run, "goal", "--epsilon 0.2")) stated.bound = 0.2;
     if (has(run, "goal", "--epsilon 0.5")) stated.bound = 0.5;
     if (has(run, "goal", "--seconds")) {
-      const std::optional<uint64_t> replicates = replicatesSaid(out);
+      const std::optional<uint64_t> replicates = replicatesIn(out);
       if (!replicates) return;  // --quiet: nobody says how many there were
       stated.quantile = std::max(stated.quantile, studentQuantile(*replicates));
     }
@@ -443,7 +443,7 @@ class OptionPairs : public Program {
     EXPECT_EQ(rows_are_whole ? fmt::format("{}", fmt::join(findOpenRows(found, stated), "\n")) : "", "");
   }
 
-  static std::optional<uint64_t> replicatesSaid(const std::string& out) {
+  static std::optional<uint64_t> replicatesIn(const std::string& out) {
     for (const char* before : {"\"replicates\": ", "work       "})
       if (const size_t at = out.find(before); at != std::string::npos)
         return std::strtoull(out.c_str() + at + std::string(before).size(), nullptr, 10);

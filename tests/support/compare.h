@@ -33,7 +33,7 @@ inline testing::AssertionResult isEstimateOf(const Measured& measured, double tr
 }
 
 // Returns whether two independent estimates may be of the same truth. Welch's number of degrees of freedom is at least
-// that of either alone.
+// as large as of either alone.
 inline testing::AssertionResult areEstimatesOfTheSame(const Measured& a, const Measured& b, uint64_t replicates) {
   return isEstimateOf({a.value, std::hypot(a.standard_error, b.standard_error)}, b.value, replicates);
 }

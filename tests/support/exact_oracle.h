@@ -1,4 +1,4 @@
-// These are slow, plain ways to the areas of pairs that share nothing with the exact path but the facing rules.
+// The oracle has slow, plain ways to the areas of pairs, which share nothing with the exact path but the facing rules.
 #pragma once
 #include <cstdint>
 #include <map>

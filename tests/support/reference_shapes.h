@@ -1,4 +1,4 @@
-// These are shapes and comparators of the tests of reference/.
+// Tests of reference/ use these shapes and comparators.
 #pragma once
 #include <array>
 #include <cmath>

@@ -11,7 +11,7 @@
 
 namespace viewpeel {
 
-// Failure messages and == need these.
+// Failure messages and == need these operators.
 inline bool operator==(const PairCount& a, const PairCount& b) {
   return a.i == b.i && a.j == b.j && a.count == b.count && a.blocked == b.blocked;
 }

@@ -108,7 +108,7 @@ std::string messageOf(Use use) {
 
 TEST_F(CheckpointFile, ReadsBackEveryBit) {
   Ids ids = ids_;
-  askOnlyFor({.from = {"upper box"}}, scene_, ids);
+  restrictToQuestion({.from = {"upper box"}}, scene_, ids);
   ids.names[0] = "wall, \"nörth\"";
   RunSums sums = makeRunSums(scene_, ids);
   sums.measure_area = 1 / 3.0;
@@ -186,8 +186,8 @@ TEST_F(CheckpointFile, WhatDoesNotBelongTogetherIsRefused) {
   EXPECT_NE(merge("e.h5").find("areas"), std::string::npos) << merge("e.h5");
 }
 
-// With pair lines: sums of a pair and of a face with a back are the same after writing and reading, and parts add up to
-// the bytes of the whole in any order. Other lines of a pair are another run.
+// Sums of pair lines, of a pair and of a face with a back, are the same after writing and reading. Parts add up to the
+// bytes of the whole in any order. Other lines of a pair are another run.
 TEST_F(CheckpointFile, PairLinesAddUpToOneRun) {
   const auto sumsWithLines = [&](const std::vector<uint64_t>& replicates, uint32_t blocks = 3) {
     const std::vector<LinePair> pairs = {
@@ -222,9 +222,8 @@ TEST_F(CheckpointFile, PairLinesAddUpToOneRun) {
   EXPECT_THROW(mergeCheckpoints({file("a.h5"), file("c.h5")}), Error);
 }
 
-// With unoccluded form factors: controls are integers, too, and visibilities are the same in all parts. What unoccluded
-// form factors gave may differ in the last bits from device to device: in any order of files it is that of the first
-// replicate which stays.
+// With unoccluded form factors: controls are integers, too, and visibilities are the same in all parts. Unoccluded
+// form factors may differ in the last bits from device to device: in any order of files the first replicate's stay.
 TEST_F(CheckpointFile, ControlsAddUpToOneRun) {
   const auto sumsWithPrior = [&](const std::vector<uint64_t>& replicates, uint32_t one_visibility = 0,
                                  uint32_t directions = 16) {
@@ -325,7 +324,7 @@ TEST_F(CheckpointFile, OtherFilesAreRefused) {
   };
   write("other.h5", std::pair("temperatures", std::vector<double>{1, 2}));
   write("later.h5", std::pair("format", std::vector<uint64_t>{1000}));
-  write("short.h5", std::pair("format", std::vector<uint64_t>{6}),
+  write("short.h5", std::pair("format", std::vector<uint64_t>{7}),
         std::pair("settings/names", std::vector<std::string>{"--seed"}),
         std::pair("settings/values", std::vector<std::string>{"1", "2"}));
   const auto message = [&](const char* name) { return messageOf([&] { readCheckpoint(file(name)); }); };

@@ -64,8 +64,8 @@ std::string firstDifference(const InputScene& input, const Areas& areas, const A
 
 constexpr double kMeantGap = 1e-5;
 
-// A gap of g moves every face by at most 2 g, so every edge of the projection, and a pair's area by at most 2 g times
-// all perimeters, in either of the scenes compared.
+// A gap of g moves every face by at most 2 g, and so every edge of the projection. A pair's area changes by at most 2 g
+// times all perimeters, in either of the scenes compared.
 double allowedDifference(const InputScene& input, double gap, size_t directions) {
   return 2 * (kMeantGap + gap) * perimeters(input) * double(directions);
 }

@@ -205,8 +205,8 @@ double pointToCornerRectangle(double x, double y, double z) {
   return (x / rx * std::atan(y / rx) + y / ry * std::atan(x / ry)) / (2 * kPi);
 }
 
-// Small squares under a large one, against the mean of the points' form factors: 12 x 12 points, exact to rounding
-// since the integrand is analytic to 2 or more sides' distance from the square.
+// Small squares under a large one are held against the mean of 12 x 12 points' form factors. The mean is exact to
+// rounding, since the integrand is analytic to 2 or more sides' distance from the square.
 TEST(Contour, SmallNextToLarge) {
   for (double side : {1e-1, 1e-3, 1e-5, 1e-6}) {
     const Interval small{0.3, 0.3 + side};

@@ -259,7 +259,7 @@ TEST(PairRegion, MapKeepsAreas) {
           inside += glm::dot(normal, u) >= 0;
         }
       // The cut crosses at most as many cells as a curve that meets every row and column four times; cells of slivers
-      // are folded unevenly, so to twice that.
+      // are folded unevenly, which doubles the number.
       const double bound = 8.0 * (around + outwards) / count;
       EXPECT_NEAR(double(inside) / count, part.solidAngle() / region.solidAngle(), bound) << pair.name;
     }

@@ -149,7 +149,7 @@ TEST(ExactPairAreas, SlabsAgreeAndSumsCloseInAnOffice) {
   }
 }
 
-// Half a degree off a plane and less, by powers of ten: slivers of every width, down to that of rounding.
+// Half a degree off a plane and less, by powers of ten, makes slivers of every width, down to the width of rounding.
 TEST(ExactPairAreas, SlabsAgreeAndSumsCloseAtGrazingAngles) {
   std::mt19937 random(13);
   for (const Scene& scene : {makeCubeInCube(), makeCreases()}) {
@@ -261,8 +261,8 @@ double worstDeviation(const ExactPairAreas& found, const Samples& samples, uint3
   return worst;
 }
 
-// About 2e3 pairs in all. A count of mean m is off by more than 9 (m + 1)^1/2 with probability below 3e-10 (Chernoff's
-// bound exp(k - m - k log(k / m)) at k = m +- 9 (m + 1)^1/2), so a false alarm has probability below 1e-6.
+// About 2e3 pairs in all. A count of mean m is off by more than 9 (m + 1)^1/2 with probability below 3e-10, by
+// Chernoff's bound exp(k - m - k log(k / m)) at k = m +- 9 (m + 1)^1/2. A false alarm has probability below 1e-6.
 TEST(ExactPairAreas, RandomLinesAgree) {
   constexpr uint32_t kSampleCount = 100'000;
   const Scene soup = makeSoup(150, 1), office = makeOffice(2, 1);

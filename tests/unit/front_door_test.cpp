@@ -1,5 +1,6 @@
 // The one call behind program and library: against closed forms, in steps, stopped, gone on with, refused.
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include <gtest/gtest.h>
@@ -81,6 +82,26 @@ TEST(FrontDoor, AGuaranteeSaysWhatHolds) {
 }
 
 // The caller's exact engine: 2 x 400 exact projections, no lattice. Without one the kind is refused.
+TEST(FrontDoor, ClosureIsOfTheMatrixDelivered) {
+  Ids ids;
+  ids.names = {"a", "b", "c"};
+  ids.areas = {1, 2, 4};
+  ids.surface = {0, 1, 2};
+  const FormFactors f(ids, {{0, 1, {0.5, 0.1}}, {1, 2, {1, 0.2}}}, {{1.02, 0.01}, {0.97, 0.03}, {1, 0}});
+  const Closure closure = measureClosure(f);
+  EXPECT_EQ(closure.row, "b");
+  EXPECT_NEAR(closure.largest_error, 0.03, 1e-15);
+  EXPECT_EQ(closure.standard_error, 0.03);
+  EXPECT_NEAR(closure.rms_error, std::sqrt((0.02 * 0.02 + 0.03 * 0.03) / 3), 1e-15);
+  const StandardErrors errors = measureStandardErrors(f, 2);  // 0.1, 0.05, 0.1, 0.05
+  EXPECT_EQ(errors.count, 4u);
+  EXPECT_NEAR(errors.rms, std::sqrt(0.025 / 4), 1e-15);
+  EXPECT_EQ(errors.worst.size(), 2u);
+  const Result result = computeFormFactors(loadScene(VIEWPEEL_SCENES "/office.obj"), onHost(Tolerance{2e-2}));
+  EXPECT_EQ(result.closure.largest_error, measureClosure(result.form_factors).largest_error);
+  EXPECT_GT(result.closure.largest_error, 0);
+}
+
 TEST(FrontDoor, TheExactEngineIsBrought) {
   const Scene scene = buildScene(ts::parallelSquares());
   Request request{.goal = FixedAmount{.directions = 400}, .engine = EngineKind::exact};
@@ -196,7 +217,7 @@ TEST(PairLineRuns, ErrorsAreBelowTheTolerance) {
   EXPECT_GE(larger, 40);
 }
 
-// Rows of closed rooms add up to 1 by what lines find, which nothing forces: of the rows of 20 rooms with boxes in them
+// Rows of closed rooms add up to 1 by lines alone: nothing forces them. Of the rows of 20 rooms with boxes in them
 // hardly any is beyond 4 standard errors of its own (1 of 16,000 if they were normal).
 TEST(PairLineRuns, RowsOfClosedScenesAddUp) {
   int rows = 0, beyond = 0;
@@ -277,7 +298,7 @@ TEST(PairLineRuns, GoOnFromACheckpoint) {
   std::filesystem::remove(file);
 }
 
-// Only pairs that were asked for get lines, and rows are those of the whole matrix.
+// Only pairs of the question get lines, and rows are as in the whole matrix.
 TEST(PairLineRuns, AnswerQuestions) {
   const Scene scene = loadScene(VIEWPEEL_SCENES "/street.obj");
   Request request = onHost(Tolerance{5e-3});

@@ -1,5 +1,5 @@
-// Engine `host`: bit-exact against the CPU twin, whatever its threads and counters. That it agrees with the other
-// engines is tested wherever these are compared (countPairs).
+// Engine `host`: bit-exact against the CPU twin, whatever its threads and counters. Other tests compare it with
+// the other engines (countPairs).
 #include <gtest/gtest.h>
 
 #include "tests/support/test_device.h"
@@ -60,7 +60,7 @@ TEST(HostEngine, RolesAndWindowsCountAsInTheTwin) {
   for (const Question& question :
        {Question{.from = {last}}, Question{.pair = {first, last}}, Question{.blockers = {first}}}) {
     Ids ids = makeIds(scene, By::surface, false);
-    askOnlyFor(question, scene, ids);
+    restrictToQuestion(question, scene, ids);
     for (const bool blocked : {false, true}) {
       const PairCounts expected = countPairsOnCpu(scene, ids, directions, 33, true);
       EXPECT_EQ(countWith(scene, ids, directions, {.resolution = 33, .count_blocked = blocked}),

@@ -1,11 +1,14 @@
 // What a mesh can be beside clean: faces that are there twice, overlap, or have no area, and names that collide.
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <viewpeel/compute.h>
 #include <viewpeel/error.h>
 #include <viewpeel/ids.h>
 #include "scene/face_names.h"
@@ -182,6 +185,33 @@ TEST(MeshFaults, FacesWithoutAreaKeepTheirNumbers) {
   EXPECT_NE(fingerprint(shifted), fingerprint(scene));
 }
 
+// Three squares with a common edge, and a sliver of 1e-6 of its length: closed forms hold, and nothing is said.
+TEST(MeshFaults, EdgesOfThreeFacesAndSliversAreQuiet) {
+  InputScene input = named("edge of three");
+  ts::addFace(input, "floor", {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
+  ts::addFace(input, "wall", {{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}});
+  ts::addFace(input, "skirt", {{1, 0, 0}, {0, 0, 0}, {0, 0, -1}, {1, 0, -1}});
+  ts::addFace(input, "sliver", {{0, 0.5, 1}, {0, 0.500001, 1}, {1, 0.500001, 1}, {1, 0.5, 1}});
+  const Scene scene = buildScene(input);
+  EXPECT_TRUE(scene.warnings.empty());
+  const Result result = computeFormFactors(scene);
+  EXPECT_TRUE(result.warnings.empty());
+  EXPECT_NEAR(result.form_factors.formFactor(0, 1).value, 0.2000437761, 1e-6);
+  EXPECT_EQ(result.form_factors.formFactor(1, 2).value, 0);
+  // The strip lies over the middle of a unit square at a distance of 1. Its form factor is the mean along the strip of
+  // an element's to four rectangles below it (Howell, B-3).
+  double truth = 0;
+  constexpr int kParts = 2000;
+  for (int k = 0; k < kParts; ++k) {
+    const double x = (k + 0.5) / kParts;
+    for (const double a : {x, 1 - x}) {
+      const double b = 0.5, of_a = std::sqrt(1 + a * a), of_b = std::sqrt(1 + b * b);
+      truth += 2 * (a / of_a * std::atan(b / of_a) + b / of_b * std::atan(a / of_b)) / (2 * std::numbers::pi) / kParts;
+    }
+  }
+  EXPECT_NEAR(result.form_factors.formFactor(3, 0).value, truth, 2e-6);
+}
+
 TEST(MeshFaults, NamesThatCollideAreRefused) {
   InputScene input = named("names");
   ts::addFace(input, "a[2]", {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}});
@@ -230,6 +260,40 @@ TEST_F(ObjNames, GroupsOfOneNameInDifferentObjectsStaySeparate) {
   EXPECT_EQ(surfacesOf("g side;f;g top;f;g side"), (Names{"side", "top"}));
   EXPECT_EQ(load("g side;f;g top;f").warnings.size(), 0u);
   EXPECT_THROW(load("o a;g s;f;o b;g s;f;o a/s;f"), Error);
+}
+
+// Materials name surfaces where neither objects nor groups do.
+TEST_F(ObjNames, MaterialsNameSurfacesWhereNothingElseDoes) {
+  using Names = std::vector<std::string>;
+  EXPECT_EQ(surfacesOf("usemtl brick;f;usemtl glass;f;usemtl brick;f"), (Names{"brick", "glass"}));
+  EXPECT_EQ(surfacesOf("f;usemtl glass;f"), (Names{file_.stem().string(), "glass"}));
+  EXPECT_EQ(surfacesOf("g;o;usemtl brick;f"), (Names{"brick"}));
+  EXPECT_EQ(surfacesOf("o wall;usemtl brick;f;usemtl glass;f"), (Names{"wall"}));
+  EXPECT_EQ(surfacesOf("usemtl brick;f;g wall;f"), (Names{file_.stem().string(), "wall"}));
+  EXPECT_TRUE(load("usemtl brick;f;usemtl glass;f").warnings.empty());
+}
+
+// Solids of one name are different surfaces, with numbers after their names.
+TEST(StlNames, SolidsOfOneNameStaySeparate) {
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / ("viewpeel_stl_names_" + std::to_string(::getpid()) + ".stl");
+  const auto load = [&](const std::vector<std::string>& solids) {
+    std::ofstream text(file);
+    for (size_t k = 0; k < solids.size(); ++k)
+      text << "solid " << solids[k] << "\nfacet normal 0 0 1\nouter loop\nvertex 0 0 " << k << "\nvertex 1 0 " << k
+           << "\nvertex 0 1 " << k << "\nendloop\nendfacet\nendsolid\n";
+    text.close();
+    return loadScene(file);
+  };
+  const Scene scene = load({"part", "part", "lid", "part"});
+  std::vector<std::string> names;
+  for (const Surface& surface : scene.surfaces) names.push_back(surface.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"part", "part#2", "lid", "part#3"}));
+  EXPECT_EQ(countWith(scene, "2 solids have the name of a solid before, and a number after it, as 'part#2'"), 1u);
+  EXPECT_EQ(load({"", ""}).surfaces[1].name, file.stem().string() + "#2");
+  EXPECT_EQ(load({"part", "lid"}).warnings.size(), 0u);
+  EXPECT_THROW(load({"part", "part", "part#2"}), Error);
+  std::filesystem::remove(file);
 }
 
 }  // namespace

@@ -36,8 +36,8 @@ std::vector<uint32_t> inOrder(uint32_t count) {
   return ranks;
 }
 
-// Every rank is given once, and the 64 ids of any block of ranks lie in one of 64 squares of 8 x 8 parts, or their
-// mirror images above: those of other places or directions come elsewhere.
+// Every rank is given once. The 64 ids of any block of ranks lie in one of 64 squares of 8 x 8 parts, or their mirror
+// images above: ids of other places or directions come elsewhere.
 TEST(RankByPlace, BlocksOfRanksLieTogether) {
   constexpr uint32_t kCuts = 64;
   const Scene scene = buildScene(ts::squaresInParts(kCuts, 1, 10));
@@ -55,8 +55,8 @@ TEST(RankByPlace, BlocksOfRanksLieTogether) {
   }
 }
 
-// What blocks of 4, 16 and 64 ids in order say, by hand: lines of one pair count as 1.5 n / (n + 0.5), and m = (V + m')
-// / (L + 1) with the m' of the next larger blocks.
+// Blocks of 4, 16 and 64 ids in order are computed by hand. Lines of one pair count as 1.5 n / (n + 0.5), and m = (V +
+// m') / (L + 1) with the m' of the next larger blocks.
 TEST(NeighbourVisibility, LinesOfBlocksGoWithLargerBlocks) {
   const Ids ids = namelessIds(64);
   VisibilitySums sums(ids);
@@ -120,9 +120,9 @@ TEST(NeighbourVisibility, FewLinesGoWithTheirNeighbours) {
   EXPECT_DOUBLE_EQ(alone.entries()[1].exchange_area.value, 0.125);
 }
 
-// Parts of two squares past a blocker: over pairs that no line met, and over those of which few told, errors are no
-// larger than stated, in the mean of squares, nor less than a third; and those of pairs that no line met are half of
-// what taking them for 0 would make, or less.
+// Parts of two squares lie past a blocker. Over pairs that no line met, and over pairs that few lines met, errors are
+// no larger than stated, in the mean of squares, nor less than a third. Errors of pairs that no line met are at most
+// half of the errors that values of 0 would have.
 TEST(NeighbourVisibility, ErrorsAreAsStated) {
   constexpr uint32_t kCuts = 8;
   InputScene input = ts::squaresInParts(kCuts, 1.0 / kCuts, 1);

@@ -42,7 +42,7 @@ TEST(Blockers, AGridOfTilesIsOne) {
   EXPECT_EQ(makeBlockers(scene, false).size(), 72u);
 }
 
-// The union of blockers is that of polygons: the areas add up, plane by plane.
+// The union of blockers is the union of polygons: the areas add up, plane by plane.
 TEST(Blockers, CoverWhatPolygonsCover) {
   for (const stress::Kind kind : stress::kKinds)
     for (uint64_t seed = 0; seed < 5; ++seed) {
@@ -64,8 +64,8 @@ TEST(Blockers, CoverWhatPolygonsCover) {
 // --------------------------------------------------------------------------------------------------
 
 // Nothing that shafts say is against exact areas along directions: a pair that is left out is hidden, and a clear one
-// is never blocked. Blockers that reach less than kTouchingShaft into a shaft may be overlooked: strips of that width
-// and of the length of a scene, 2, so that areas along a direction may be off by some 1e-8 where several of them are.
+// is never blocked. Blockers that reach less than kTouchingShaft into a shaft may be overlooked. They are strips of
+// this width and of the length of a scene, 2, so that areas along a direction may be off by some 1e-8 with several.
 TEST(PairFinder, ExactAreasAgreeWithWhatIsHiddenAndClear) {
   constexpr double kStrips = 1e-8;
   uint64_t scene_count = 0, pair_count = 0, clear_count = 0, hidden_count = 0;

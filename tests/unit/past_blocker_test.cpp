@@ -92,8 +92,8 @@ TEST(PastBlocker, BlockerBehindEitherOrWithinThePlaneOfAStopsNothing) {
         << z;
 }
 
-// Just above the floor the blocker covers the part of the floor under it, up to the light that slips in at its rim:
-// from a strip as wide as the gap, to O(gap) of the floor's area.
+// Just above the floor the blocker covers the part of the floor under it. Only some light slips in at its rim: from a
+// strip as wide as the gap, to O(gap) of the floor's area.
 TEST(PastBlocker, BlockerJustAboveACoversIt) {
   const double gap = 1e-9, rest = parallelRectangles({0.4, 1}, kUnit, kUnit, kUnit, 1);
   EXPECT_TRUE(isGood(formFactorPastBlocker(floorSquare(), ceilingSquare(), level({-1, 0.4}, {-1, 2}, gap)), 0.6 * rest,

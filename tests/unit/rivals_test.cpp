@@ -11,8 +11,8 @@
 namespace viewpeel::bench {
 namespace {
 
-// Of 2^m Sobol' points, scrambled or not, each of the 2^m elementary intervals of dimensions 1 and 2 holds one (a (0,
-// m, 2)-net), and each dimension has one in every 2^-m.
+// 2^m Sobol' points, scrambled or not, are a (0, m, 2)-net: each of the 2^m elementary intervals of dimensions 1 and 2
+// holds one. Each dimension has one in every 2^-m.
 TEST(Points, SobolPointsAreStratified) {
   constexpr uint32_t kBits = 8;
   PointSource source(Points::sobol, 3, 5);
@@ -68,7 +68,7 @@ TEST(HemicubeWeights, AddUpToOneAndMatchTheirPixels) {
     }
     EXPECT_NEAR(sum, 1, 1e-10) << resolution;  // 3 x 256^2 pixels of 4 integrals below 1/4, each good to 1e-16
   }
-  // Cohen & Greenberg's own weights, at a pixel's middle: the next term of the midpoint rule is below (second
+  // Cohen & Greenberg's own weights are at a pixel's middle. The next term of the midpoint rule is below (second
   // derivative) p^2 / 12, at most 4 p^2 / 12 of the weight.
   constexpr uint32_t kResolution = 64;
   const std::vector<double> weights = hemicubeWeights(kResolution);

@@ -1,4 +1,4 @@
-// Unoccluded form factors of whole rows, against those of pairs in double precision: the bound on every error holds.
+// Unoccluded form factors of whole rows are held against pairs in double precision: the bound on every error holds.
 #include "unoccluded/row_exchange.h"
 
 #include <gtest/gtest.h>
@@ -81,7 +81,7 @@ TEST(RowExchange, EveryWayIsTaken) {
   EXPECT_GE(seen.near, size_t(kParts));  // those along the common edge
 }
 
-// A face of several polygons is the sum of these: an L of two rectangles, and a face of eight corners.
+// A face of several polygons is the sum of its polygons: an L of two rectangles, and a face of eight corners.
 TEST(RowExchange, FacesAreSumsOfTheirPolygons) {
   InputScene input{"faces", {"l", "octagon", "square"}, {}};
   ts::addFace(input, "l", {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}});

@@ -1,10 +1,13 @@
 // Shells and flipped faces: what hangs together, and which way it is turned.
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <set>
 
 #include <gtest/gtest.h>
 
+#include <viewpeel/form_factors.h>
+#include "result/leak_warnings.h"
 #include "scene/leaks.h"
 #include "scene/shells.h"
 #include "scenes/coincident_scenes.h"
@@ -119,6 +122,28 @@ TEST(Leaks, HiddenAreaIsMeasured) {
     const std::string word = describeClosedness(buildScene(ts::roundedToSingle(ts::turnedAndMoved(of.make(0)))));
     EXPECT_TRUE(word == "closed" || word == "closed but for edges that meet no other") << of.name << ": " << word;
   }
+}
+
+// A leak is a warning from a millionth on where all edges meet another, and from a thousandth on elsewhere.
+TEST(Leaks, WarningsBeginAtTheirShares) {
+  InputScene open = named("open");
+  ts::addRoom(open, "room", {0, 0, 0}, {1, 1, 1});
+  open.faces.pop_back();
+  InputScene closed = named("closed");
+  ts::addRoom(closed, "room", {0, 0, 0}, {1, 1, 1});
+  const auto warns = [](const InputScene& input, double share) {
+    const Scene scene = buildScene(input);
+    Ids ids = makeIds(scene, By::polygon, false);
+    const double area = std::accumulate(ids.areas.begin(), ids.areas.end(), 0.0);
+    const size_t rows = ids.count();
+    return !warnOfLeaks(
+                scene, FormFactors(ids, {{0, 1, {0.2, 0}}, {0, kLeak, {share * area, 0}}}, std::vector<Measured>(rows)))
+                .empty();
+  };
+  EXPECT_FALSE(warns(closed, 0.99e-6));
+  EXPECT_TRUE(warns(closed, 1.01e-6));
+  EXPECT_FALSE(warns(open, 0.99e-3));
+  EXPECT_TRUE(warns(open, 1.01e-3));
 }
 
 }  // namespace

@@ -36,7 +36,7 @@ cpu_set_t firstOf(const cpu_set_t& set) {
   return one;
 }
 
-// In a thread of its own, for which, and for those that it starts, these processors are allowed.
+// Runs the work in a thread of its own. This thread, and all that it starts, may use these processors only.
 void runOn(const cpu_set_t& set, const std::function<void()>& work) {
   std::jthread([&] {
     ASSERT_EQ(::sched_setaffinity(0, sizeof set, &set), 0);
@@ -90,8 +90,8 @@ void expectSameBits(const FormFactors& one, const FormFactors& other) {
   }
 }
 
-// A run with unoccluded form factors - lattices, pilots, pairs with nothing in between, sums by polygon and by surface,
-// form factors - has the same bits on one processor and on all of the machine's. Lists are longer than what is left to
+// A run with unoccluded form factors has the same bits on one processor and on all of the machine's: lattices, pilots,
+// pairs with nothing in between, sums by polygon and by surface, form factors. Lists are longer than what is left to
 // one thread.
 TEST(Threads, NeverChangeARunWithUnoccludedFormFactors) {
   if (isAlone()) GTEST_SKIP() << "there is one processor";

@@ -62,7 +62,7 @@ class TriangulatedCity : public testing::TestWithParam<Case> {
       "city of " + std::to_string(GetParam().n) + ", seed " + std::to_string(GetParam().seed) + ": ";
 };
 
-TEST_P(TriangulatedCity, HasTheCountAskedFor) {
+TEST_P(TriangulatedCity, HasTheCountRequested) {
   EXPECT_LE(std::abs(double(city_.scene.faces.size()) - GetParam().n), 0.02 * GetParam().n) << where_;
 }
 

@@ -69,8 +69,8 @@ TEST(VisibilitySums, FewLinesByHand) {
       sums.ids(),
       sums.find({{0, 1, 0, 0, 16}, {0, 2, 0, 0, 8}, {1, 2, 0, 0, 4}}, {}, 0.5, INFINITY, {}, {}, &neighbours).entries,
       {});
-  // All are neighbours: 20 lines of one pair count as 1.4634, 10 as 1.4286, of which V = 1.7213 of L = 2.8920 are
-  // facing, so that m = V / L = 0.595181 and s = (V + m + 0.1) / (L + 1.2) = 0.590529. Of 20, two more and a tenth of
+  // All are neighbours: 20 lines of one pair count as 1.4634, 10 as 1.4286. Of these L = 2.8920 lines V = 1.7213 are
+  // facing. So m = V / L = 0.595181, and s = (V + m + 0.1) / (L + 1.2) = 0.590529. Of 20, two more and a tenth of
   // either kind p = (4 + 2 s + 0.1) / 22.2 = 0.237885 are facing, 3.62592 of the rarer kind, which are trusted
   // to 3.62592^2 / (3.62592^2 + 1/4). R s^2 / 20^2 = 0.0196, 2 / 23 of p (1 - p) / 20.5 is 0.000769019, and (1.959964
   // / 2.364624)^2 of that, t of 8 replicates: the root of 0.981340 x 0.0196 + 0.018660 x 0.000528334, times 16.
@@ -225,9 +225,9 @@ TEST(VisibilitySums, ManyPairsAreEachWhatTheyAreAlone) {
   }
 }
 
-// Of lines as many as Poisson's law has, each facing with probability b: no bias, however few lines there are; and 95 %
-// intervals hold the truth as often as those of plain counts do, at least 88 times in 100 (README, Accuracy), where a
-// line told anything.
+// Lines are as many as Poisson's law has, each facing with probability b. There is no bias, however few lines there
+// are. Where a line met the pair 95 % intervals hold the truth as often as plain counts' do, at least 88 times in 100
+// (docs/accuracy.md).
 TEST(VisibilitySums, LinesByChanceHaveNoBias) {
   constexpr int kTrials = 4000, kReplicates = 8;
   const double t = quantile(complement(boost::math::students_t(kReplicates - 1), 0.025));
@@ -288,8 +288,8 @@ TEST(VisibilitySums, BiasIsBounded) {
   }
 }
 
-// One line of 80 of a row leaves the scene, in one replicate of eight: its visibility is 1 / 80, by polygon and by
-// surface, whatever pilots have seen, and not 1 / 10, as in the one replicate that saw it.
+// One line of 80 of a row leaves the scene, in one replicate of eight. Its visibility is 1 / 80, by polygon and by
+// surface, whatever pilots have seen. It is not 1 / 10, as in the one replicate that saw it.
 TEST(VisibilitySums, EnvironmentSeenInOneReplicateOfEight) {
   Ids ids;
   ids.names = {"a", "b"};

@@ -1,0 +1,153 @@
+// Pilots are counted before a plan, for times of directions and variances of form factors.
+#include "directions/random.h"
+#include "directions/replicates.h"
+#include "engines/lattice.h"
+#include "estimator/find_prior.h"
+#include "estimator/planner.h"
+#include "stopwatch.h"
+#include "sums/neighbour_visibility.h"
+#include "sums/pair_count.h"
+
+namespace viewpeel {
+namespace {
+
+constexpr uint32_t kTimedDirections = 4;  // that time a lattice
+// A lattice needs no trial up to this multiple of the points that were timed, and of the expected seconds.
+constexpr double kMostBeyond = 4;
+
+}  // namespace
+
+bool areAlike(const std::vector<SizeGroup>& a, const std::vector<SizeGroup>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const SizeGroup& x, const SizeGroup& y) {
+    return x.resolution == y.resolution && x.polygons == y.polygons;
+  });
+}
+
+DrawnDirections Planner::directionsOf(uint32_t count, uint64_t replicate) const {
+  DrawnDirections drawn =
+      options_.drawn_directions
+          ? options_.drawn_directions(count, replicate)
+          : DrawnDirections{sampleDirections(options_.sampler, count, options_.seed, replicate), {}, 1};
+  for (size_t k = 0; k < drawn.weights.size(); ++k) drawn.directions[k].weight = drawn.weights[k];
+  return drawn;
+}
+
+void Planner::makeEngine(uint32_t directions, const Shape& shape) {
+  auto groups = groupsOf(shape, directions);
+  if (engine_ && areAlike(groups, groups_)) return;
+  engine_.reset();
+  groups_ = std::move(groups);
+  engine_ = viewpeel::makeEngine(lattices_, scene_, ids_, groups_);
+  // The first count compiles and tunes kernels.
+  engine_->count(directionsOf(4, kTrialReplicates.end - 1).directions);
+}
+
+// The time is of `directions` directions.
+double Planner::timeDirections(uint32_t count) {
+  const auto start = Clock::now();
+  engine_->count(directionsOf(count, kTrialReplicates.end - 2).directions);
+  return secondsSince(start);
+}
+
+// Tries a lattice that is much finer than all timed lattices. Points of windows and of the whole scene, hit or not, do
+// not all take the same time. The difference of two calls leaves out the fixed time of a call. The smaller of two
+// trials leaves out the delay of a busy machine.
+bool Planner::takesLonger(const Choice& choice) {
+  const auto start = Clock::now();
+  const Load load = loadOf(choice.shape, choice.directions);
+  for (const Timing& timing : timings_)
+    if (load.points < kMostBeyond * timing.load.points && load.finest < kMostBeyond * timing.load.finest &&
+        load.groups <= timing.load.groups)
+      return false;
+  makeEngine(choice.directions, choice.shape);
+  // The engine compiles here whatever it changed after its first count.
+  timeDirections(kTimedDirections);
+  const double most = kMostBeyond * secondsOf(load);
+  double each = INFINITY;
+  for (int trial = 0; trial < 2 && each > most; ++trial) {
+    const double few = timeDirections(kTimedDirections);
+    each = std::min(each, std::max(timeDirections(3 * kTimedDirections) - few, 0.0) / (2 * kTimedDirections));
+  }
+  if (each > most) timings_.push_back({load, each});
+  pilot_seconds_ += secondsSince(start);
+  return each > most;
+}
+
+void Planner::measure(uint32_t directions, const Shape& shape) {
+  const auto begun = Clock::now();
+  makeEngine(directions, shape);
+  if (pilots_.empty())
+    directions = static_cast<uint32_t>(
+        std::clamp(allowedSeconds() / (2 * kPilotReplicates * timeDirections(2) / 2), 1.0, double(directions)));
+  // The counts are of both lattices and every replicate.
+  std::vector<PilotCounts> counted;
+  double weight_unit = 1;
+  const auto start = Clock::now();
+  for (uint32_t r = 0; r < kPilotReplicates; ++r) {
+    DrawnDirections drawn = directionsOf(directions, kPlanReplicates.first + pilot_replicates_);
+    weight_unit = drawn.weight_unit;
+    counted.push_back({engine_->count(drawn.directions), {}});
+    Random random(options_.seed, kPlanLatticeReplicates.first + pilot_replicates_++);
+    for (Direction& direction : drawn.directions) {
+      const uint32_t weight = direction.weight;
+      direction = directionAlong(direction.u, random);
+      direction.weight = weight;
+    }
+    counted.back().second = engine_->count(drawn.directions);
+  }
+  const double seconds = secondsSince(start);
+
+  const double measure_area = engine_->unitArea() * scene_.scale * scene_.scale / directions * weight_unit;
+  Pilot pilot{directions, shape, pilotVariances(counted, ids_, id_of_face_, measure_area, options_),
+              loadOf(shape, directions)};
+  if (!ranks_.empty()) {
+    // Both variances use the visibilities of the pilot, and are scaled to the run's own standard error.
+    const double count_area = ids_.requested.empty() ? measure_area * directions / 2 : INFINITY,
+                 stated =
+                     std::pow(largestErrorOfVisibilities(counted, measure_area / 2, count_area), 2) * kPilotReplicates;
+    // A direction counts on two lattices, and each has half of the variance.
+    const double found = pilot.variances.of_directions + pilot.variances.of_lattices / 2;
+    if (found > 0)
+      for (double* variance : {&pilot.variances.of_directions, &pilot.variances.of_lattices, &pilot.variances.doubt})
+        *variance *= stated / found;
+  }
+  pilot_seconds_ += secondsSince(begun);
+  pilots_.push_back(pilot);
+  timings_.push_back({pilot.load, seconds / (2 * kPilotReplicates * directions)});
+}
+
+// Returns the largest standard error that the run would state after the pilot. Pairs that few lines hit have the
+// standard error of their own lines and their neighbours'. Unoccluded form factors are the lines' own counts.
+double Planner::largestErrorOfVisibilities(const std::vector<PilotCounts>& counted, double measure_area,
+                                           double count_area) const {
+  VisibilitySums sums(ids_);
+  PairCounts all;
+  for (const PilotCounts& replicate : counted) all = addCounts(addCounts(all, replicate.first), replicate.second);
+  const std::vector<PairVisibility> seen = fitVisibilities(withRows(std::move(all)));
+  for (const PilotCounts& replicate : counted) sums.add(withRows(addCounts(replicate.first, replicate.second), seen));
+  std::vector<PairPrior> prior;
+  for (const VisibilitySums::PairSum& pair : sums.pairs())
+    if (pair.i != pair.j && (pair.j < kEnvironment || pair.facing > 0))
+      prior.push_back({pair.i, pair.j, 0, 0,
+                       pair.j < kEnvironment
+                           ? 2 * measure_area * double(pair.facing + pair.blocked) / double(counted.size())
+                           : INFINITY});
+  const std::vector<uint64_t> lines = countsOfLines(ids_, groups_, engine_->unitArea());
+  const NeighbourVisibility neighbours(sums, lines, ranks_);
+  return largestStandardError(
+      {ids_, sums.find(prior, lines, measure_area, count_area, {}, {}, &neighbours).entries, {}});
+}
+
+double Planner::directionVariance(double directions) const {
+  const Pilot& last = pilots_.back();
+  double exponent = options_.sampler == Sampler::iid && !options_.drawn_directions ? 1 : 2;
+  for (const Pilot& pilot : pilots_)
+    if (pilot.directions * 3 <= last.directions && pilot.variances.of_directions > 0 &&
+        last.variances.of_directions > 0)
+      exponent = std::clamp(std::log(pilot.variances.of_directions / last.variances.of_directions) /
+                                std::log(double(last.directions) / pilot.directions),
+                            1.0, 3.0);
+  return last.variances.of_directions * std::pow(last.directions / directions, exponent);
+}
+
+}  // namespace viewpeel

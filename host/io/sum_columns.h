@@ -1,0 +1,50 @@
+// A checkpoint keeps the sums of a run as columns, one group a kind.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "io/hdf5_file.h"
+#include "sums/run_sums.h"
+
+namespace viewpeel {
+
+template <class T, class Rows, class Value>
+void writeColumn(Hdf5Output& out, const std::string& name, const Rows& rows, Value value) {
+  std::vector<T> column;
+  column.reserve(rows.size());
+  for (const auto& row : rows) column.push_back(value(row));
+  out.write(name, column);
+}
+
+// Sets the values of as many rows as `rows` has.
+template <class T, class Rows, class Set>
+void readColumn(Hdf5Input& in, const std::string& name, Rows& rows, Set set) {
+  const std::vector<T> column = in.read<T>(name);
+  if (column.size() != rows.size())
+    in.refuse(fmt::format("its '{}' has {} values for {}", name, column.size(), rows.size()));
+  for (size_t k = 0; k < column.size(); ++k) set(rows[k], column[k]);
+}
+
+template <class T>
+T readOne(Hdf5Input& in, const std::string& name) {
+  const std::vector<T> values = in.read<T>(name);
+  if (values.size() != 1) in.refuse(fmt::format("its '{}' is not one number", name));
+  return values.front();
+}
+
+// Writes the sums of the group's ids.
+void writeReplicateSums(Hdf5Output& out, const std::string& group, const ReplicateSums& sums);
+// Writes the prior and its sums, where a run has them.
+void writePriorSums(Hdf5Output& out, const RunSums& sums);
+// Writes pair lines and their sums, where a run has them.
+void writeLineSums(Hdf5Output& out, const RunSums& sums);
+
+//   Throws: Error bad_input where columns are missing, of other lengths, or cannot be sums of a run.
+ReplicateSums readReplicateSums(Hdf5Input& in, const std::string& group);
+std::optional<PriorSums> readPriorSums(Hdf5Input& in, const Ids& face_ids, const Ids& surface_ids);
+std::optional<LineSums> readLineSums(Hdf5Input& in, const Ids& face_ids);
+
+}  // namespace viewpeel
