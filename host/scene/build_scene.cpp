@@ -153,6 +153,7 @@ Scene splitFaces(const InputScene& input, const std::vector<Duplicate>& repeats)
   Scene scene;
   scene.file = input.file;
   scene.warnings = input.warnings;
+  scene.blockers = input.blockers;
   if (std::string coarse = describeCoarseSteps(input); !coarse.empty()) scene.warnings.push_back(std::move(coarse));
   fitUnitBall(input, scene);
   std::vector<bool> is_left_out(input.faces.size(), false);
@@ -243,7 +244,9 @@ glm::dvec3 frontNormal(const Scene& scene, const Polygon& polygon) {
   return glm::normalize(normal);
 }
 
-Scene buildScene(const InputScene& input, const SceneOptions& options) {
+Scene buildScene(const InputScene& input, const SceneOptions& given) {
+  SceneOptions options = given;
+  options.solids.insert(options.solids.end(), input.solids.begin(), input.solids.end());
   if (input.faces.empty())
     throw Error(ErrorCode::bad_input,
                 fmt::format("{}: no usable polygon; the file has no faces, check the export", input.file));

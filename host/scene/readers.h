@@ -16,4 +16,8 @@ InputScene readStl(const std::filesystem::path& file);
 //   Throws: Error bad_input naming the file, and the line where it is text.
 InputScene readPly(const std::filesystem::path& file);
 
+// Reads View3D's input. Surfaces are the file's, merged ones as one (read_vs3.h).
+//   Throws: Error bad_input naming file and line.
+InputScene readVs3(const std::filesystem::path& file);
+
 }  // namespace viewpeel
