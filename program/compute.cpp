@@ -26,6 +26,7 @@ struct ComputeOptions {
   std::string scene;
   Request request;
   std::vector<std::string> outputs, shown;
+  std::string ccx_version = "2.20";
   CheckpointOptions checkpoint;
   bool quiet = false, verbose = false, json = false;
 
@@ -60,7 +61,7 @@ void warnOfGoal(const Request& request, const Result& result) {
 // Where balancing is refused, form factors are written as measured.
 void write(const ComputeOptions& options, const Result& result, const FormFactorRun& run, const Scene& scene) {
   writeOutputs({result.form_factors, result.balanced ? &result.balanced->form_factors : nullptr, &scene,
-                parametersOf(settingsOf(run), result), options.shown},
+                parametersOf(settingsOf(run), result), options.shown, options.ccx_version},
                options.outputs);
   if (!result.balance_refusal) return;
   const Error& refusal = *result.balance_refusal;
@@ -169,7 +170,7 @@ void addCompute(CLI::App& app, Run& chosen) {
   CLI::App* command = app.add_subcommand("compute", "Compute the form factors of a scene");
   const auto request_options = addRequestOptions(command);
   const auto options = std::make_shared<ComputeOptions>();
-  addOutputOptions(command, options->outputs, options->shown);
+  addOutputOptions(command, options->outputs, options->shown, options->ccx_version);
   command->add_flag("--balance,--closure", request_options->request.balance,
                     "Closed scenes: also the nearest form factors whose rows sum to 1, beside those measured; "
                     "--closure is its older name");

@@ -17,7 +17,7 @@ namespace {
 
 struct MergeCommand {
   std::vector<std::string> inputs, outputs, shown;
-  std::string checkpoint, scene;
+  std::string checkpoint, scene, ccx_version = "2.20";
   bool quiet = false;
 };
 
@@ -69,7 +69,7 @@ int runMerge(const MergeCommand& command) {
   const Estimate estimate = makeEstimate(merged.sums, EstimateOptions{}.relative_floor,
                                          is_sparse && of ? of->exchanges.rows() : ExchangeRow{});
   writeOutputs({estimate.form_factors, nullptr, of ? &of->scene : nullptr, parametersOf(merged.settings, estimate),
-                command.shown},
+                command.shown, command.ccx_version},
                command.outputs);
   if (command.quiet) return 0;
   for (const auto& [name, value] : merged.settings) fmt::print("{:<14} {}\n", name, value);
@@ -88,7 +88,7 @@ void addMerge(CLI::App& app, Run& chosen) {
   CLI::App* command = app.add_subcommand(
       "merge", "Add up checkpoints of different replicates of one run; of one alone, show it and write its results");
   command->add_option("CHECKPOINT", options->inputs, "Files of --checkpoint, in any order")->required();
-  addOutputOptions(command, options->outputs, options->shown);
+  addOutputOptions(command, options->outputs, options->shown, options->ccx_version);
   command
       ->add_option(
           "--scene", options->scene,

@@ -57,18 +57,24 @@ std::vector<std::pair<std::string, std::string>> parametersOf(const Settings& se
   return parameters;
 }
 
-void addOutputOptions(CLI::App* command, std::vector<std::string>& outputs, std::vector<std::string>& shown) {
+void addOutputOptions(CLI::App* command, std::vector<std::string>& outputs, std::vector<std::string>& shown,
+                      std::string& ccx_version) {
   command
       ->add_option("-o,--output", outputs,
-                   "Write the matrix: .csv, .mtx, .npz, .h5 or .vtp; may be given several times")
+                   "Write the matrix: .csv, .mtx, .npz, .h5, .vtp or .vwf; may be given several times")
       ->type_name("FILE")
       ->allow_extra_args(false);
   command
       ->add_option("--show", shown,
-                   "In .vtp: the form factors from this surface or face to every polygon, as an array 'from NAME'; "
-                   "may be given several times")
+                   "In .vtp: the form factors from this surface or face to every polygon, as an array 'from NAME'; may "
+                   "be given several times")
       ->type_name("NAME")
       ->allow_extra_args(false);
+  command
+      ->add_option("--ccx-version", ccx_version,
+                   "In .vwf: the version of CalculiX that is to read it; none for those without a version record")
+      ->type_name("V")
+      ->capture_default_str();
 }
 
 Settings settingsOf(const FormFactorRun& run) {

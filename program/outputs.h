@@ -10,8 +10,9 @@
 
 namespace viewpeel::program {
 
-// Adds -o and --show.
-void addOutputOptions(CLI::App* command, std::vector<std::string>& outputs, std::vector<std::string>& shown);
+// Adds -o, --show and --ccx-version.
+void addOutputOptions(CLI::App* command, std::vector<std::string>& outputs, std::vector<std::string>& shown,
+                      std::string& ccx_version);
 
 // That every file can be written, and none over another: before anything is computed.
 //   In: checkpoint: empty where there is none; has_scene: of the content

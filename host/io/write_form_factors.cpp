@@ -14,16 +14,20 @@ namespace viewpeel {
 namespace {
 
 // In the order in which they are named to users.
-enum class Format { csv, mtx, npz, h5, vtp };
-constexpr std::array<std::pair<const char*, Format>, 5> kExtensions = {
-    {{".csv", Format::csv}, {".mtx", Format::mtx}, {".npz", Format::npz}, {".h5", Format::h5}, {".vtp", Format::vtp}}};
+enum class Format { csv, mtx, npz, h5, vtp, vwf };
+constexpr std::array<std::pair<const char*, Format>, 6> kExtensions = {{{".csv", Format::csv},
+                                                                        {".mtx", Format::mtx},
+                                                                        {".npz", Format::npz},
+                                                                        {".h5", Format::h5},
+                                                                        {".vtp", Format::vtp},
+                                                                        {".vwf", Format::vwf}}};
 
 Format formatOf(const std::filesystem::path& file) {
   for (const auto& [extension, format] : kExtensions)
     if (file.extension() == extension) return format;
-  throw Error(
-      ErrorCode::bad_usage,
-      fmt::format("{}: unknown output format; use a name that ends in .csv, .mtx, .npz, .h5 or .vtp", file.string()));
+  throw Error(ErrorCode::bad_usage,
+              fmt::format("{}: unknown output format; use a name that ends in .csv, .mtx, .npz, .h5, .vtp or .vwf",
+                          file.string()));
 }
 
 // Balanced form factors have a file of their own.
@@ -42,6 +46,7 @@ void writeAs(Format format, const OutputContent& content, std::ostream& out) {
   if (format == Format::npz) writeNpz(content.form_factors, out);
   if (format == Format::h5) writeHdf5(content, out);
   if (format == Format::vtp) writeVtp(content, out);
+  if (format == Format::vwf) writeVwf(content, out);
 }
 
 void requireScene(const std::filesystem::path& file, bool has_scene) {

@@ -15,4 +15,7 @@ void writeHdf5(const OutputContent& content, std::ostream& out);
 // In: content: with a scene
 void writeVtp(const OutputContent& content, std::ostream& out);
 
+// Cost: 8 n^2 bytes, written row by row.
+void writeVwf(const OutputContent& content, std::ostream& out);
+
 }  // namespace viewpeel

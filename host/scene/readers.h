@@ -20,4 +20,9 @@ InputScene readPly(const std::filesystem::path& file);
 //   Throws: Error bad_input naming file and line.
 InputScene readVs3(const std::filesystem::path& file);
 
+// Reads the radiating faces of a CalculiX deck. Each is a surface, "ELEMENT.R<face>", in the order of CalculiX's rows
+// (ccx_deck.h).
+//   Throws: Error bad_input naming file and line.
+InputScene readInp(const std::filesystem::path& file);
+
 }  // namespace viewpeel

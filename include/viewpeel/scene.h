@@ -120,7 +120,7 @@ struct SceneOptions {
 //   Cost: O(corners log corners) work and memory; some thousand rays for each turn of fix_normals.
 Scene buildScene(const InputScene& input, const SceneOptions& options = {});
 
-// Reads .obj, .stl (both kinds), .ply or .vs3 and calls buildScene. Surfaces are the `o` and `g` names of .obj, the solids of
+// Reads .obj, .stl (both kinds), .ply, .vs3 or .inp and calls buildScene. Surfaces are the `o` and `g` names of .obj, the solids of
 // .stl; a file without names has one surface, named after the file.
 //   In: file: any name; options: as for buildScene    Out, Error, Cost: as buildScene. Tests: tests/unit/load_test.cpp.
 //   Throws: Error bad_input, naming file, line where the format has lines, and remedy; as buildScene.

@@ -40,11 +40,13 @@ struct OutputContent {
   std::vector<std::pair<std::string, std::string>> parameters{};
   // Each is a surface or face, whose form factors to all polygons are an array of .vtp: "from NAME".
   std::vector<std::string> shown{};
+  // Of .vwf: the version of CalculiX that reads it, which compares this; "none" for versions that do not.
+  std::string ccx_version = "2.20";
 };
 
-// Writes a file by its extension: .csv, .mtx, .npz, .h5 or .vtp (docs/formats.md). With balanced form factors .csv has a
+// Writes a file by its extension: .csv, .mtx, .npz, .h5, .vtp or .vwf (docs/formats.md). With balanced form factors .csv has a
 // column more, and .h5 a group more. NAME.balanced.mtx and NAME.balanced.npz beside NAME.mtx and NAME.npz have the
-// balanced ones, and .vtp leaves them out. A file is whole at any time, or untouched: it is written under another name
+// balanced ones; .vwf has nothing else, and .vtp leaves them out. A file is whole at any time, or untouched: it is written under another name
 // and renamed.
 //   In: content: n rows; file: its folder exists    Out: the files of filesOf
 //   Error: none: numbers are the same doubles. Tests: tests/device/output_test.cpp, tests/program/output_files_test.cpp,
