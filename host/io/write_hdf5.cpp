@@ -76,7 +76,7 @@ void addRows(Hdf5Output& out, const FormFactors& form_factors) {
     out.useScale(name, "row");
     out.setAttribute(name, "units", unit);
   };
-  addColumn("area", "input unit squared", [&](uint32_t id) { return ids.areas[id]; });
+  addColumn("area", "length unit squared", [&](uint32_t id) { return ids.areas[id]; });
   for (const auto& [name, j] : {std::pair("environment", kEnvironment), std::pair("leak", kLeak)}) {
     const uint32_t column = j;
     addColumn(name, "1", [&](uint32_t id) { return form_factors.formFactor(id, column).value; });

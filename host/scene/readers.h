@@ -25,4 +25,8 @@ InputScene readVs3(const std::filesystem::path& file);
 //   Throws: Error bad_input naming file and line.
 InputScene readInp(const std::filesystem::path& file);
 
+// Reads Gmsh's meshes, 2.2 and 4.1, text and binary. Physical groups of surfaces are surfaces.
+//   Throws: Error bad_input naming the file, and the line where it is text.
+InputScene readMsh(const std::filesystem::path& file);
+
 }  // namespace viewpeel

@@ -108,6 +108,7 @@ struct SceneOptions {
   std::vector<std::string> solids;  // coincident faces of these surfaces are face to face
   std::vector<std::string> flip;    // surfaces ("desk") and faces ("desk[3]") to turn over
   bool fix_normals = false;         // turns over the shells whose backs lines meet (shells.h)
+  double unit_m = 1;                // metres of one unit of the file: Scene, and areas with it, is in metres
 };
 
 // Makes a scene: validates, leaves out degenerate and repeated faces, and splits the rest into convex planar polygons.
@@ -120,7 +121,7 @@ struct SceneOptions {
 //   Cost: O(corners log corners) work and memory; some thousand rays for each turn of fix_normals.
 Scene buildScene(const InputScene& input, const SceneOptions& options = {});
 
-// Reads .obj, .stl (both kinds), .ply, .vs3 or .inp and calls buildScene. Surfaces are the `o` and `g` names of .obj, the solids of
+// Reads .obj, .stl (both kinds), .ply, .vs3, .inp or .msh and calls buildScene. Surfaces are the `o` and `g` names of .obj, the solids of
 // .stl; a file without names has one surface, named after the file.
 //   In: file: any name; options: as for buildScene    Out, Error, Cost: as buildScene. Tests: tests/unit/load_test.cpp.
 //   Throws: Error bad_input, naming file, line where the format has lines, and remedy; as buildScene.
