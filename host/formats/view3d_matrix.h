@@ -1,6 +1,7 @@
-// A matrix as View3D's programs exchange it: areas, emissivities, exchange areas; closed and with reflections on demand.
-//   Source: G. N. Walton, Calculation of obstructed view factors by adaptive integration, NISTIR 6925, 2002; View3D 4.0,
-//   viewpp.c and savevf.c. H. C. Hottel & A. F. Sarofim, Radiative Transfer, McGraw-Hill, 1967, 84-86.
+// A matrix as View3D's programs exchange it: areas, emissivities, exchange areas; closed and with reflections on
+// demand.
+//   Source: G. N. Walton, Calculation of obstructed view factors by adaptive integration, NISTIR 6925, 2002; View3D
+//   4.0, viewpp.c and savevf.c. H. C. Hottel & A. F. Sarofim, Radiative Transfer, McGraw-Hill, 1967, 84-86.
 #pragma once
 #include <cstdint>
 #include <ostream>
@@ -29,8 +30,8 @@ View3dMatrix makeView3dMatrix(const FormFactors& form_factors, std::vector<doubl
 //   Out: true where all rows do to 1e-7 within 100 sweeps    Cost: O(nonzeros) a sweep.
 bool closeRows(View3dMatrix& matrix, const std::vector<double>& sums);
 
-// Puts Hottel's script-F in the place of form factors: E (I - F R)^-1 F E with E = diag(emissivity), R = I - E. What row
-// i lacks to 1 is lost.
+// Puts Hottel's script-F in the place of form factors: E (I - F R)^-1 F E with E = diag(emissivity), R = I - E. What
+// row i lacks to 1 is lost.
 //   Error: a few ulps of the largest entry times n. Tests: tests/files/view3d_files_test.cpp.
 //   Throws: Error limit beyond 20,000 rows.    Cost: O(n^3) work, O(n^2) memory.
 void includeReflections(View3dMatrix& matrix);

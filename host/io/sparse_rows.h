@@ -7,8 +7,8 @@
 
 namespace viewpeel {
 
-// SparseRows are rows of the file, empty ones too, counted from 0. The entries of row i are from starts[i] to starts[i +
-// 1]. Columns ascend within a row; environment and leak are left out.
+// SparseRows are rows of the file, empty ones too, counted from 0. The entries of row i are from starts[i] to
+// starts[i + 1]. Columns ascend within a row; environment and leak are left out.
 struct SparseRows {
   std::vector<int64_t> starts;   // rows + 1
   std::vector<int32_t> columns;  // nonzeros

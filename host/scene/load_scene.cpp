@@ -14,7 +14,8 @@ namespace fs = std::filesystem;
 
 using Reader = InputScene (*)(const fs::path&);
 constexpr std::pair<const char*, Reader> kReaders[] = {{".obj", readObj}, {".stl", readStl}, {".ply", readPly},
-                                                       {".vs3", readVs3}, {".inp", readInp}, {".msh", readMsh}};
+                                                       {".vs3", readVs3}, {".inp", readInp}, {".msh", readMsh},
+                                                       {".vtp", readVtp}, {".vtu", readVtu}};
 
 [[noreturn]] void refuse(const fs::path& file, const std::string& what) {
   throw Error(ErrorCode::bad_input, fmt::format("{}: {}", file.string(), what));
@@ -43,7 +44,7 @@ Scene loadScene(const fs::path& file, const SceneOptions& options) {
   const std::string extension = extensionOf(file);
   for (const auto& [name, read] : kReaders)
     if (extension == name) return buildScene(read(file), options);
-  refuse(file, "unknown format; use .obj, .stl, .ply, .vs3, .inp or .msh");
+  refuse(file, "unknown format; use .obj, .stl, .ply, .vs3, .inp, .msh, .vtp or .vtu");
 }
 
 }  // namespace viewpeel

@@ -29,4 +29,9 @@ InputScene readInp(const std::filesystem::path& file);
 //   Throws: Error bad_input naming the file, and the line where it is text.
 InputScene readMsh(const std::filesystem::path& file);
 
+// Read the polygons of VTK's XML PolyData, and the faces of its UnstructuredGrid. A cell array names surfaces.
+//   Throws: Error bad_input naming the file.
+InputScene readVtp(const std::filesystem::path& file);
+InputScene readVtu(const std::filesystem::path& file);
+
 }  // namespace viewpeel

@@ -121,8 +121,8 @@ struct SceneOptions {
 //   Cost: O(corners log corners) work and memory; some thousand rays for each turn of fix_normals.
 Scene buildScene(const InputScene& input, const SceneOptions& options = {});
 
-// Reads .obj, .stl (both kinds), .ply, .vs3, .inp or .msh and calls buildScene. Surfaces are the `o` and `g` names of .obj, the solids of
-// .stl; a file without names has one surface, named after the file.
+// Reads any format of docs/formats.md, chosen by the end of the file's name, and calls buildScene. A file without names
+// of surfaces has one, named after the file.
 //   In: file: any name; options: as for buildScene    Out, Error, Cost: as buildScene. Tests: tests/unit/load_test.cpp.
 //   Throws: Error bad_input, naming file, line where the format has lines, and remedy; as buildScene.
 Scene loadScene(const std::filesystem::path& file, const SceneOptions& options = {});

@@ -36,8 +36,8 @@ struct OutputContent {
   const FormFactors& form_factors;
   const FormFactors* balanced = nullptr;  // BalancedFormFactors::form_factors of these
   const Scene* scene = nullptr;           // of these form factors: the geometry of .h5, and a must for .vtp
-  // Each is a name and a value, in words: attributes of .h5, where numbers become numbers. FormFactorRun::settings() has
-  // options, seed and version.
+  // Each is a name and a value, in words: attributes of .h5, where numbers become numbers. FormFactorRun::settings()
+  // has options, seed and version.
   std::vector<std::pair<std::string, std::string>> parameters{};
   // Each is a surface or face, whose form factors to all polygons are an array of .vtp: "from NAME".
   std::vector<std::string> shown{};
@@ -45,16 +45,16 @@ struct OutputContent {
   std::string ccx_version = "2.20";
 };
 
-// Writes a file by its extension: .csv, .mtx, .npz, .h5, .vtp or .vwf (docs/formats.md). With balanced form factors .csv has a
-// column more, and .h5 a group more. NAME.balanced.mtx and NAME.balanced.npz beside NAME.mtx and NAME.npz have the
-// balanced ones; .vwf has nothing else, and .vtp leaves them out. A file is whole at any time, or untouched: it is written under another name
-// and renamed.
+// Writes a file by its extension: .csv, .mtx, .npz, .h5, .vtp or .vwf (docs/formats.md). A file is whole at any time,
+// or untouched: it is written under another name and renamed.
+//   With balanced form factors .csv has a column more, and .h5 a group more. NAME.balanced.mtx and NAME.balanced.npz
+//     beside NAME.mtx and NAME.npz have them; .vwf has nothing else, and .vtp leaves them out.
 //   In: content: n rows; file: its folder exists    Out: the files of filesOf
-//   Error: none: numbers are the same doubles. Tests: tests/device/output_test.cpp, tests/program/output_files_test.cpp,
-//     tests/program/fault_test.cpp.
+//   Error: none: numbers are the same doubles. Tests: tests/device/output_test.cpp, tests/files/output_files_test.cpp,
+//     tests/files/calculix_test.cpp, tests/program/fault_test.cpp.
 //   Throws: Error bad_usage for an unknown extension, .vtp without a scene, an unknown name among those shown; Error
 //     limit for a .h5 that memory cannot hold; Error output, naming file and the system's reason.
-//   Cost: O(nonzeros + polygons); .h5 and .vtp are made in memory.
+//   Cost: O(nonzeros + polygons); .h5 and .vtp are made in memory; .vwf has 8 n^2 bytes.
 void writeFormFactors(const OutputContent& content, const std::filesystem::path& file);
 
 // Writes form factors alone, as above.    In: balanced: nullptr where there are none
@@ -67,8 +67,8 @@ std::vector<std::filesystem::path> filesOf(const std::filesystem::path& file, bo
 
 // Refuses a file that writeFormFactors would refuse, before anything is computed.
 //   In: has_scene: whether there will be a scene in the content
-//   Throws: Error bad_usage: an unknown extension, a name that --balance takes, .vtp without a scene, a file that cannot
-//     be written.
+//   Throws: Error bad_usage: an unknown extension, a name that --balance takes, .vtp without a scene, a file that
+//     cannot be written.
 //   Cost: one file of a byte, written and removed.
 void checkOutput(const std::filesystem::path& file, bool with_balance = false, bool has_scene = true);
 

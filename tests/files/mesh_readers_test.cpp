@@ -13,6 +13,7 @@
 #include <viewpeel/error.h>
 #include <viewpeel/ids.h>
 #include "scene/readers.h"
+#include "tests/support/python.h"
 
 namespace viewpeel {
 namespace {
@@ -97,6 +98,115 @@ TEST_F(Meshes, GmshFilesThatAreNoneAreRefused) {
   EXPECT_EQ(refusal("a.msh", head), ": no usable polygon; the file has no faces, check the export");
   EXPECT_EQ(refusal("a.msh", std::string("$MeshFormat\n4.1 1 8\n\0\0\0\1", 24)),
             ": the mesh is big-endian; save it as text");
+}
+
+// VTK's own writers, in every encoding, of a square and a triangle; a line before them counts as a cell, too.
+constexpr const char* kWriteVtk = R"(
+import vtk
+points = vtk.vtkPoints()
+points.SetDataTypeToDouble()
+for p in ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (.5, 2, 1 / 3)):
+    points.InsertNextPoint(*p)
+names, groups = vtk.vtkStringArray(), vtk.vtkIntArray()
+names.SetName('surface')
+groups.SetName('group')
+for name in ('edge', 'Tür', 'gable'):
+    names.InsertNextValue(name)
+    groups.InsertNextValue(len(name))
+cells = ((0, 1), (0, 1, 2, 3), (3, 2, 4))
+mesh = vtk.vtkPolyData()
+mesh.SetPoints(points)
+lines, polys = vtk.vtkCellArray(), vtk.vtkCellArray()
+grid = vtk.vtkUnstructuredGrid()
+grid.SetPoints(points)
+for corners, kind in zip(cells, (vtk.VTK_LINE, vtk.VTK_QUAD, vtk.VTK_TRIANGLE)):
+    ids = vtk.vtkIdList()
+    for c in corners:
+        ids.InsertNextId(c)
+    grid.InsertNextCell(kind, ids)
+    (lines if len(corners) == 2 else polys).InsertNextCell(ids)
+mesh.SetLines(lines)
+mesh.SetPolys(polys)
+mesh.GetCellData().AddArray(names)
+grid.GetCellData().AddArray(groups)
+for data, writer, end in ((mesh, vtk.vtkXMLPolyDataWriter, 'vtp'), (grid, vtk.vtkXMLUnstructuredGridWriter, 'vtu')):
+    for mode in ('Ascii', 'Binary', 'Appended'):
+        for compressor in ('None', 'ZLib'):
+            for header in (32, 64):
+                for encodes in (0, 1):
+                    w = writer()
+                    w.SetInputData(data)
+                    getattr(w, 'SetDataModeTo' + mode)()
+                    getattr(w, 'SetCompressorTypeTo' + compressor)()
+                    getattr(w, 'SetHeaderTypeToUInt%d' % header)()
+                    w.SetEncodeAppendedData(encodes)
+                    w.SetFileName('%s-%s-%d-%d.%s' % (mode, compressor, header, encodes, end))
+                    w.Write()
+)";
+
+TEST_F(Meshes, VtkWritesThemInEveryEncoding) {
+  const PythonResult written = runPython(folder_, kWriteVtk);
+  ASSERT_EQ(written.status, 0) << written.output;
+  int count = 0;
+  for (const auto& entry : fs::directory_iterator(folder_)) {
+    const bool is_polydata = entry.path().extension() == ".vtp";
+    if (!is_polydata && entry.path().extension() != ".vtu") continue;
+    ++count;
+    const InputScene input = is_polydata ? readVtp(entry.path()) : readVtu(entry.path());
+    ASSERT_EQ(input.faces.size(), 2u) << entry.path();
+    EXPECT_EQ(input.surface_names, is_polydata ? (std::vector<std::string>{"Tür", "gable"})
+                                               : (std::vector<std::string>{"group 3", "group 5"}))
+        << entry.path();
+    const std::vector<glm::dvec3> square = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+    EXPECT_EQ(input.faces[0].corners, square) << entry.path();
+    ASSERT_EQ(input.faces[1].corners.size(), 3u);
+    // Text has as many digits as the numbers.
+    EXPECT_NEAR(input.faces[1].corners[2].z, 1 / 3.0, 1e-15) << entry.path();
+    EXPECT_EQ(input.warnings.size(), 1u) << entry.path();  // the line
+  }
+  EXPECT_EQ(count, 48);
+}
+
+// What is written with results is read again as the scene that it was.
+TEST_F(Meshes, OurOwnVtpIsAScene) {
+  const fs::path file = write("two.obj", "o a\nv 0 0 0\nv 3 0 0\nv 3 2 0\nv 0 2 0\nf 1 2 3 4\no b\nf 4 3 2\n");
+  const std::string command = fmt::format("'{}' compute '{}' --quiet --directions 8 -o '{}'", VIEWPEEL_PROGRAM,
+                                          file.string(), (folder_ / "two.vtp").string());
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  const InputScene input = readVtp(folder_ / "two.vtp");
+  EXPECT_EQ(input.surface_names, (std::vector<std::string>{"a", "b"}));
+  ASSERT_EQ(input.faces.size(), 2u);
+  EXPECT_LT(glm::distance(input.faces[0].corners[2], glm::dvec3(3, 2, 0)), 1e-15 * 4);
+}
+
+TEST_F(Meshes, VtkFilesThatAreNoneAreRefused) {
+  const auto file = [](const std::string& arrays, const std::string& attributes = "") {
+    return fmt::format(
+        "<VTKFile type=\"PolyData\" {}><PolyData><Piece NumberOfPoints=\"3\"><Points><DataArray "
+        "type=\"Float64\" format=\"ascii\">0 0 0 1 0 0 0 1 0</DataArray></Points><Polys>{}</Polys>"
+        "</Piece></PolyData></VTKFile>",
+        attributes, arrays);
+  };
+  const auto array = [](const char* name, const std::string& text) {
+    return fmt::format("<DataArray type=\"Int64\" Name=\"{}\" format=\"ascii\">{}</DataArray>", name, text);
+  };
+  EXPECT_EQ(refusal("a.vtp", file(array("connectivity", "0 1 2") + array("offsets", "3"))), "none");
+  EXPECT_EQ(refusal("a.vtp", "<VTKFile>"), ": not XML at byte 8: Start-end tags mismatch; export it again");
+  EXPECT_EQ(refusal("a.vtu", file("")), ": not a VTK file of UnstructuredGrid; export it again");
+  EXPECT_EQ(refusal("a.vtp", file("", "byte_order=\"BigEndian\"")),
+            ": the file is big-endian; export it little-endian");
+  EXPECT_EQ(refusal("a.vtp", file("", "compressor=\"vtkLZ4DataCompressor\"")),
+            ": compressed by vtkLZ4DataCompressor; export it with zlib or without compression");
+  EXPECT_EQ(refusal("a.vtp", file(array("offsets", "3"))), ": there is no array 'connectivity'; export the file again");
+  EXPECT_EQ(refusal("a.vtp", file(array("connectivity", "0 1 x") + array("offsets", "3"))),
+            ": 'x' in array 'connectivity' is not a number; correct it");
+  EXPECT_EQ(refusal("a.vtp", file(array("connectivity", "0 1 3") + array("offsets", "3"))),
+            ": there is no point 3; export the file again");
+  EXPECT_EQ(refusal("a.vtp", file(array("connectivity", "0 1 2") + array("offsets", "4"))),
+            ": cell 0 ends out of range; export the file again");
+  EXPECT_EQ(refusal("a.vtp", file(array("connectivity", "0 1 2") + "<DataArray type=\"Int64\" Name=\"offsets\" "
+                                                                   "format=\"binary\">CAAAAAMA</DataArray>")),
+            ": an array is cut off; export the file again");
 }
 
 // Areas are in metres; everything else is as without a unit.
