@@ -50,7 +50,7 @@ class FileCursor {
   void skipPast(std::string_view text) {
     word_ = at_;
     const size_t found = bytes_.find(text, at_);
-    if (found == std::string::npos) refuse(fmt::format("the file ends before '{}'; export it again", text));
+    if (found == std::string::npos) refuse(fmt::format("the file ends before '{}'; export it again", printable(text)));
     at_ = found + text.size();
   }
 
