@@ -25,7 +25,8 @@ namespace {
 struct ComputeOptions {
   std::string scene;
   Request request;
-  std::vector<std::string> outputs;
+  std::vector<std::string> outputs, shown;
+  std::string ccx_version = "2.20";
   CheckpointOptions checkpoint;
   bool quiet = false, verbose = false, json = false;
 
@@ -58,8 +59,10 @@ void warnOfGoal(const Request& request, const Result& result) {
 }
 
 // Where balancing is refused, form factors are written as measured.
-void write(const ComputeOptions& options, const Result& result) {
-  writeOutputs(result.form_factors, options.outputs, result.balanced ? &result.balanced->form_factors : nullptr);
+void write(const ComputeOptions& options, const Result& result, const FormFactorRun& run, const Scene& scene) {
+  writeOutputs({result.form_factors, result.balanced ? &result.balanced->form_factors : nullptr, &scene,
+                parametersOf(settingsOf(run), result), options.shown, options.ccx_version},
+               options.outputs);
   if (!result.balance_refusal) return;
   const Error& refusal = *result.balance_refusal;
   throw Error(refusal.code(), fmt::format("{}{}", refusal.what(),
@@ -85,12 +88,13 @@ void printResult(const ComputeOptions& options, const Result& result, const std:
 }
 
 // Writes and prints the results. Returns the exit status.
-int conclude(const ComputeOptions& options, const Result& result, bool is_kept, const std::string& first_division) {
+int conclude(const ComputeOptions& options, const Result& result, const FormFactorRun& run, const Scene& scene,
+             bool is_kept, const std::string& first_division) {
   warnOfGoal(options.request, result);
   const int status = result.interrupted ? reportInterruption(options, result.replicates) : is_kept ? 0 : 1;
   if (result.interrupted && result.replicates < 2) return status;
   for (const std::string& warning : result.warnings) fmt::print(stderr, "viewpeel: warning: {}\n", warning);
-  write(options, result);
+  write(options, result, run, scene);
   printResult(options, result, first_division);
   return status;
 }
@@ -134,6 +138,7 @@ int runCompute(const ComputeOptions& options) {
   const bool is_held = options.keepsCheckpoint() || !options.outputs.empty();
   if (is_held) holdInterrupts([&] { return reportInterruption(options, 0); });
   const Scene scene = loadSceneOf(options.scene, options.request.scene_options);
+  checkShown(scene, makeIds(scene, options.request.by, options.request.two_sided), options.shown);
   ProgressLine progress(options.request, !options.quiet);
   FormFactorRun run(scene, options.request,
                     {.should_stop = [] { return interruption() != 0; },
@@ -155,11 +160,11 @@ int runCompute(const ComputeOptions& options) {
     Result result = run.resultSoFar();
     result.interrupted = true;
     progress.clear();
-    return conclude(options, result, true, division);
+    return conclude(options, result, run, scene, true, division);
   });
   endByItself();
   progress.clear();
-  return conclude(options, run.result(), !keeper || keeper->isKept(), division);
+  return conclude(options, run.result(), run, scene, !keeper || keeper->isKept(), division);
 }
 
 }  // namespace
@@ -168,9 +173,7 @@ void addCompute(CLI::App& app, Run& chosen) {
   CLI::App* command = app.add_subcommand("compute", "Compute the form factors of a scene");
   const auto request_options = addRequestOptions(command);
   const auto options = std::make_shared<ComputeOptions>();
-  command->add_option("-o,--output", options->outputs, "Write the matrix: .csv or .mtx; may be given several times")
-      ->type_name("FILE")
-      ->allow_extra_args(false);
+  addOutputOptions(command, options->outputs, options->shown, options->ccx_version);
   command->add_flag("--balance,--closure", request_options->request.balance,
                     "Closed scenes: also the nearest form factors whose rows sum to 1, beside those measured; "
                     "--closure is its older name");

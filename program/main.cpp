@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "program/commands.h"
+#include "program/view3d.h"
 #include <viewpeel/error.h>
 #include "memory.h"
 
@@ -41,8 +42,9 @@ int main(int argc, char** argv) {
   viewpeel::program::addMerge(app, chosen);
   viewpeel::program::addDevices(app, chosen);
   try {
-    app.parse(argc, argv);
-    const int status = chosen();
+    const bool is_view3d = viewpeel::program::isView3d(argv[0]);
+    if (!is_view3d) app.parse(argc, argv);
+    const int status = is_view3d ? viewpeel::program::runView3d(argc, argv) : chosen();
     errno = 0;
     if (std::fflush(stdout) != 0 || std::ferror(stdout))
       throw viewpeel::Error(viewpeel::ErrorCode::output,

@@ -16,8 +16,8 @@ namespace viewpeel::program {
 namespace {
 
 struct MergeCommand {
-  std::vector<std::string> inputs, outputs;
-  std::string checkpoint, scene;
+  std::vector<std::string> inputs, outputs, shown;
+  std::string checkpoint, scene, ccx_version = "2.20";
   bool quiet = false;
 };
 
@@ -34,7 +34,9 @@ struct MergedScene {
 };
 
 int runMerge(const MergeCommand& command) {
-  checkOutputs(command.outputs, command.checkpoint);
+  checkOutputs(command.outputs, command.checkpoint, false, !command.scene.empty());
+  if (command.scene.empty() && !command.shown.empty())
+    throw Error(ErrorCode::bad_usage, "--show names surfaces of a scene; give it by --scene");
   if (!command.checkpoint.empty()) requireNewCheckpoint(command.checkpoint);
   Checkpoint merged = mergeCheckpoints({command.inputs.begin(), command.inputs.end()});
   if (!command.outputs.empty() && merged.sums.replicateCount() < 2)
@@ -51,6 +53,11 @@ int runMerge(const MergeCommand& command) {
                   fmt::format("{}: another scene than that of {}: {}, not {}; give the scene that was computed",
                               command.scene, command.inputs.front(), identityOf(of->scene), computed));
   }
+  if (of)
+    checkShown(of->scene,
+               makeIds(of->scene, findSetting(merged.settings, "--by") == "surface" ? By::surface : By::polygon,
+                       of->face_ids.two_sided),
+               command.shown);
   const bool is_sparse = merged.sums.prior_sums && merged.sums.prior_sums->by() == By::polygon &&
                          !merged.sums.prior_sums->prior().has_all_pairs;
   if (is_sparse && !of)
@@ -61,7 +68,9 @@ int runMerge(const MergeCommand& command) {
   if (!command.checkpoint.empty()) writeCheckpoint(merged.settings, merged.sums, command.checkpoint);
   const Estimate estimate = makeEstimate(merged.sums, EstimateOptions{}.relative_floor,
                                          is_sparse && of ? of->exchanges.rows() : ExchangeRow{});
-  writeOutputs(estimate.form_factors, command.outputs);
+  writeOutputs({estimate.form_factors, nullptr, of ? &of->scene : nullptr, parametersOf(merged.settings, estimate),
+                command.shown, command.ccx_version},
+               command.outputs);
   if (command.quiet) return 0;
   for (const auto& [name, value] : merged.settings) fmt::print("{:<14} {}\n", name, value);
   fmt::print("{:<14} {}\n{}", "replicates", describeReplicates(merged.sums.replicates), describeResult(estimate));
@@ -79,14 +88,12 @@ void addMerge(CLI::App& app, Run& chosen) {
   CLI::App* command = app.add_subcommand(
       "merge", "Add up checkpoints of different replicates of one run; of one alone, show it and write its results");
   command->add_option("CHECKPOINT", options->inputs, "Files of --checkpoint, in any order")->required();
-  command->add_option("-o,--output", options->outputs, "Write the matrix: .csv or .mtx; may be given several times")
-      ->type_name("FILE")
-      ->allow_extra_args(false);
+  addOutputOptions(command, options->outputs, options->shown, options->ccx_version);
   command
       ->add_option(
           "--scene", options->scene,
           "The scene that was computed: for unoccluded form factors of pairs with few lines, which checkpoints "
-          "of more than 2,896 polygons do not keep")
+          "of more than 2,896 polygons do not keep; for the polygons of .vtp, and of .h5")
       ->type_name("FILE");
   command
       ->add_option("--checkpoint", options->checkpoint,

@@ -21,6 +21,10 @@ void addSceneOptions(CLI::App* command, SceneOptions& options) {
   command->add_flag("--fix-normals", options.fix_normals,
                     "Turn faces over that look another way than most of their shell, and shells whose backs are seen "
                     "instead of their fronts");
+  addChoice<double>(command, "--units", options.unit_m,
+                    {{"m", 1}, {"mm", 1e-3}, {"cm", 1e-2}, {"in", 0.0254}, {"ft", 0.3048}},
+                    "Unit of length of the scene file. Form factors have none; areas and corners in results are in "
+                    "metres");
 }
 
 }  // namespace viewpeel::program

@@ -1,5 +1,6 @@
 #include "program/outputs.h"
 
+#include <algorithm>
 #include <exception>
 #include <filesystem>
 #include <set>
@@ -11,7 +12,8 @@
 
 namespace viewpeel::program {
 
-void checkOutputs(const std::vector<std::string>& outputs, const std::string& checkpoint, bool with_balance) {
+void checkOutputs(const std::vector<std::string>& outputs, const std::string& checkpoint, bool with_balance,
+                  bool has_scene) {
   namespace fs = std::filesystem;
   std::set<fs::path> named;
   const auto name = [&](const fs::path& file) {
@@ -23,20 +25,64 @@ void checkOutputs(const std::vector<std::string>& outputs, const std::string& ch
   for (const std::string& output : outputs)
     for (const fs::path& file : filesOf(output, with_balance)) name(file);
   if (!checkpoint.empty()) name(checkpoint);
-  for (const std::string& output : outputs) checkOutput(output, with_balance);
+  for (const std::string& output : outputs) checkOutput(output, with_balance, has_scene);
 }
 
-void writeOutputs(const FormFactors& form_factors, const std::vector<std::string>& outputs,
-                  const FormFactors* balanced) {
+void writeOutputs(const OutputContent& content, const std::vector<std::string>& outputs) {
   std::exception_ptr first_failure;
   for (const std::string& output : outputs) {
     try {
-      writeFormFactors(form_factors, output, balanced);
+      writeFormFactors(content, output);
     } catch (const Error&) {
       if (!first_failure) first_failure = std::current_exception();
     }
   }
   if (first_failure) std::rethrow_exception(first_failure);
+}
+
+std::vector<std::pair<std::string, std::string>> parametersOf(const Settings& settings, const Estimate& estimate) {
+  std::vector<std::pair<std::string, std::string>> parameters;
+  const auto add = [&](const std::string& name, const std::string& value) {
+    const std::string plain = name.substr(std::min(name.find_first_not_of('-'), name.size()));
+    const auto same = std::ranges::find(parameters, plain, &std::pair<std::string, std::string>::first);
+    if (same == parameters.end()) parameters.emplace_back(plain, value);
+    else same->second += ", " + value;  // an option that was given several times
+  };
+  for (const auto& [name, value] : settings) add(name, value);
+  add("replicates", std::to_string(estimate.replicates));
+  // With pair lines a setting has this name: of a replicate.
+  add("all_directions", std::to_string(estimate.directions));
+  add("all_lines", std::to_string(estimate.lines));
+  add("largest_standard_error", fmt::format("{}", estimate.largest_standard_error));
+  return parameters;
+}
+
+void addOutputOptions(CLI::App* command, std::vector<std::string>& outputs, std::vector<std::string>& shown,
+                      std::string& ccx_version) {
+  command
+      ->add_option("-o,--output", outputs,
+                   "Write the matrix: .csv, .mtx, .npz, .h5, .vtp or .vwf; may be given several times")
+      ->type_name("FILE")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--show", shown,
+                   "In .vtp: the form factors from this surface or face to every polygon, as an array 'from NAME'; may "
+                   "be given several times")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--ccx-version", ccx_version,
+                   "In .vwf: the version of CalculiX that is to read it; none for those without a version record")
+      ->type_name("V")
+      ->capture_default_str();
+}
+
+Settings settingsOf(const FormFactorRun& run) {
+  try {
+    return run.settings();
+  } catch (const Error&) {
+    return {{"version", VIEWPEEL_VERSION}, {"--seed", std::to_string(run.request().seed)}, {"--statistic", "median"}};
+  }
 }
 
 }  // namespace viewpeel::program

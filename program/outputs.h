@@ -3,19 +3,32 @@
 #include <string>
 #include <vector>
 
-#include <viewpeel/form_factors.h>
+#include <CLI/CLI.hpp>
+
+#include <viewpeel/compute.h>
+#include <viewpeel/write.h>
 
 namespace viewpeel::program {
 
+// Adds -o, --show and --ccx-version.
+void addOutputOptions(CLI::App* command, std::vector<std::string>& outputs, std::vector<std::string>& shown,
+                      std::string& ccx_version);
+
 // That every file can be written, and none over another: before anything is computed.
-//   In: checkpoint: empty where there is none
+//   In: checkpoint: empty where there is none; has_scene: of the content
 //   Throws: Error bad_usage.
-void checkOutputs(const std::vector<std::string>& outputs, const std::string& checkpoint, bool with_balance = false);
+void checkOutputs(const std::vector<std::string>& outputs, const std::string& checkpoint, bool with_balance = false,
+                  bool has_scene = true);
 
 // Writes all of them, also where one fails.
-//   In: balanced: nullptr where --balance is not given
 //   Throws: the first error of all files.
-void writeOutputs(const FormFactors& form_factors, const std::vector<std::string>& outputs,
-                  const FormFactors* balanced = nullptr);
+void writeOutputs(const OutputContent& content, const std::vector<std::string>& outputs);
+
+// Returns what a file says of a run beside its form factors: settings, and the amount that was counted.
+//   In: settings: of a run or checkpoint, names with dashes
+std::vector<std::pair<std::string, std::string>> parametersOf(const Settings& settings, const Estimate& estimate);
+
+// Returns the settings of a run, also of one that no checkpoint can keep: medians, with fewer.
+Settings settingsOf(const FormFactorRun& run);
 
 }  // namespace viewpeel::program

@@ -139,7 +139,8 @@ void addQuestionOptions(CLI::App* command, Question& question) {
 std::shared_ptr<RequestOptions> addRequestOptions(CLI::App* command) {
   auto options = std::make_shared<RequestOptions>();
   Request& request = options->request;
-  command->add_option("SCENE", options->scene, "Scene file: .obj, .stl or .ply")->required();
+  command->add_option("SCENE", options->scene, "Scene file: .obj, .stl, .ply, .vs3, .inp, .msh, .vtp or .vtu")
+      ->required();
   addGoalOptions(command, options);
   addAmountOptions(command, request.amount);
   addSceneOptions(command, request.scene_options);

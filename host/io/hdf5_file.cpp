@@ -45,6 +45,8 @@ struct Type {
 template <class T>
 Type typeOf() {
   if constexpr (std::is_same_v<T, uint8_t>) return {H5T_NATIVE_UINT8, H5T_STD_U8LE};
+  else if constexpr (std::is_same_v<T, int32_t>) return {H5T_NATIVE_INT32, H5T_STD_I32LE};
+  else if constexpr (std::is_same_v<T, int64_t>) return {H5T_NATIVE_INT64, H5T_STD_I64LE};
   else if constexpr (std::is_same_v<T, uint32_t>) return {H5T_NATIVE_UINT32, H5T_STD_U32LE};
   else if constexpr (std::is_same_v<T, uint64_t>) return {H5T_NATIVE_UINT64, H5T_STD_U64LE};
   else return {H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE};
@@ -100,7 +102,7 @@ bool endsInCheckSum(std::istream& file, uint64_t size) {
 
 [[noreturn]] void failToWrite(const std::string& what) {
   throw Error(ErrorCode::limit,
-              fmt::format("HDF5 cannot make {} of a checkpoint, for want of memory it seems; try --by surface", what));
+              fmt::format("HDF5 cannot make {}, for want of memory it seems; try --by surface", what));
 }
 
 // Makes the groups on the way to a column, without times. Groups that HDF5 makes itself would have them.
@@ -121,6 +123,40 @@ bool writeColumn(hid_t file, const std::string& name, hid_t native, hid_t stored
   const Handle space(H5Screate_simple(1, &count, nullptr), H5Sclose);
   const Handle column(H5Dcreate2(file, name.c_str(), stored, space, H5P_DEFAULT, creation, H5P_DEFAULT), H5Dclose);
   return column.isValid() && H5Dwrite(column, native, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0;
+}
+
+// Texts of any length, UTF-8.
+Handle anyLengthType() {
+  const hid_t id = H5Tcopy(H5T_C_S1);
+  H5Tset_size(id, H5T_VARIABLE);
+  H5Tset_cset(id, H5T_CSET_UTF8);
+  return {id, H5Tclose};
+}
+
+//   In: space: of the attribute's values
+bool writeAttribute(hid_t file, const std::string& object, const std::string& name, hid_t stored, hid_t native,
+                    hid_t space, const void* values) {
+  const Handle opened(H5Oopen(file, object.c_str(), H5P_DEFAULT), H5Oclose);
+  const Handle attribute(H5Acreate2(opened, name.c_str(), stored, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  return attribute.isValid() && H5Awrite(attribute, native, values) >= 0;
+}
+
+// What a scale knows of the columns that use it: references, with the number of their dimension.
+struct Reference {
+  hobj_ref_t column;
+  int32_t dimension;
+};
+
+bool writeReferences(hid_t file, const std::string& scale, const std::vector<std::string>& users) {
+  std::vector<Reference> references(users.size(), Reference{0, 0});
+  for (size_t k = 0; k < users.size(); ++k)
+    if (H5Rcreate(&references[k].column, file, users[k].c_str(), H5R_OBJECT, -1) < 0) return false;
+  const Handle type(H5Tcreate(H5T_COMPOUND, sizeof(Reference)), H5Tclose);
+  H5Tinsert(type, "dataset", HOFFSET(Reference, column), H5T_STD_REF_OBJ);
+  H5Tinsert(type, "dimension", HOFFSET(Reference, dimension), H5T_STD_I32LE);
+  const hsize_t count = references.size();
+  const Handle space(H5Screate_simple(1, &count, nullptr), H5Sclose);
+  return writeAttribute(file, scale, "REFERENCE_LIST", type, type, space, references.data());
 }
 
 }  // namespace
@@ -157,7 +193,61 @@ void Hdf5Output::write(const std::string& name, const std::vector<T>& values) {
   if (!written) failToWrite(name);
 }
 
+void Hdf5Output::writeTexts(const std::string& name, const std::vector<std::string>& values) {
+  std::vector<const char*> pointers;
+  for (const std::string& text : values) pointers.push_back(text.c_str());
+  const Handle type = anyLengthType();
+  if (!writeColumn(id_, name, type, type, values.size(), pointers.data())) failToWrite(name);
+}
+
+void Hdf5Output::link(const std::string& name, const std::string& column) {
+  makeGroups(id_, name);
+  if (H5Lcreate_hard(id_, column.c_str(), id_, name.c_str(), H5P_DEFAULT, H5P_DEFAULT) < 0) failToWrite(name);
+}
+
+template <class T>
+void Hdf5Output::setAttribute(const std::string& object, const std::string& name, const T& value) {
+  const Handle scalar(H5Screate(H5S_SCALAR), H5Sclose);
+  bool written;
+  if constexpr (std::is_same_v<T, std::string>) {
+    const Handle type = anyLengthType();
+    const char* text = value.c_str();
+    written = writeAttribute(id_, object, name, type, type, scalar, &text);
+  } else if constexpr (std::is_same_v<T, std::vector<int64_t>>) {
+    const hsize_t count = value.size();
+    const Handle space(H5Screate_simple(1, &count, nullptr), H5Sclose);
+    written = writeAttribute(id_, object, name, H5T_STD_I64LE, H5T_NATIVE_INT64, space, value.data());
+  } else {
+    written = writeAttribute(id_, object, name, typeOf<T>().stored, typeOf<T>().native, scalar, &value);
+  }
+  if (!written) failToWrite(name);
+}
+
+void Hdf5Output::makeScale(const std::string& column) {
+  const Handle scalar(H5Screate(H5S_SCALAR), H5Sclose);
+  const std::string name = column.substr(column.rfind('/') + 1);
+  for (const auto& [attribute, text] :
+       {std::pair<std::string, std::string>("CLASS", "DIMENSION_SCALE"), {"NAME", name}}) {
+    const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+    H5Tset_size(type, text.size() + 1);
+    if (!writeAttribute(id_, column, attribute, type, type, scalar, text.c_str())) failToWrite(column);
+  }
+}
+
+void Hdf5Output::useScale(const std::string& column, const std::string& scale) {
+  hobj_ref_t reference = 0;
+  const Handle type(H5Tvlen_create(H5T_STD_REF_OBJ), H5Tclose);
+  const hsize_t dimensions = 1;
+  const Handle space(H5Screate_simple(1, &dimensions, nullptr), H5Sclose);
+  const bool is_found = H5Rcreate(&reference, id_, scale.c_str(), H5R_OBJECT, -1) >= 0;
+  const hvl_t list{1, &reference};
+  if (!is_found || !writeAttribute(id_, column, "DIMENSION_LIST", type, type, space, &list)) failToWrite(column);
+  users_[scale].push_back(column);
+}
+
 std::vector<char> Hdf5Output::finish() {
+  for (const auto& [scale, users] : users_)
+    if (!writeReferences(id_, scale, users)) failToWrite(scale);
   if (H5Fflush(id_, H5F_SCOPE_GLOBAL) < 0) failToWrite("the file");
   const ssize_t size = H5Fget_file_image(id_, nullptr, 0);
   if (size <= 0) failToWrite("the file");
@@ -222,10 +312,16 @@ void Hdf5Input::refuse(const std::string& reason) const {
 }
 
 template void Hdf5Output::write(const std::string&, const std::vector<uint8_t>&);
+template void Hdf5Output::write(const std::string&, const std::vector<int32_t>&);
+template void Hdf5Output::write(const std::string&, const std::vector<int64_t>&);
 template void Hdf5Output::write(const std::string&, const std::vector<uint32_t>&);
 template void Hdf5Output::write(const std::string&, const std::vector<uint64_t>&);
 template void Hdf5Output::write(const std::string&, const std::vector<double>&);
 template void Hdf5Output::write(const std::string&, const std::vector<std::string>&);
+template void Hdf5Output::setAttribute(const std::string&, const std::string&, const std::string&);
+template void Hdf5Output::setAttribute(const std::string&, const std::string&, const int64_t&);
+template void Hdf5Output::setAttribute(const std::string&, const std::string&, const double&);
+template void Hdf5Output::setAttribute(const std::string&, const std::string&, const std::vector<int64_t>&);
 bool Hdf5Input::has(const std::string& name) const { return H5Lexists(id_, name.c_str(), H5P_DEFAULT) > 0; }
 
 template std::vector<uint8_t> Hdf5Input::read(const std::string&);

@@ -4,6 +4,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -21,8 +22,8 @@ class Hdf5Silence {
   void* print_data_ = nullptr;
 };
 
-// Makes a file in memory. Columns are of uint8_t, uint32_t, uint64_t, double or std::string (all as wide as the
-// longest). The same columns make the same bytes.
+// Makes a file in memory. Columns are of uint8_t, int32_t, uint32_t, int64_t, uint64_t, double or std::string (all as
+// wide as the longest). The same columns make the same bytes.
 class Hdf5Output {
  public:
   Hdf5Output();
@@ -32,12 +33,28 @@ class Hdf5Output {
   // In: name: with slashes for groups    Throws: Error limit where memory is short.
   template <class T>
   void write(const std::string& name, const std::vector<T>& values);
+
+  // Results have more than columns, for readers of other projects.    Throws: Error limit, as write.
+  // Writes a column of texts of any length, which NetCDF's readers take for text, too.
+  void writeTexts(const std::string& name, const std::vector<std::string>& values);
+  // Gives a column a second name.
+  void link(const std::string& name, const std::string& column);
+  // In: object: a column or group, "/" for the whole file; value: std::string, int64_t, double or std::vector<int64_t>
+  template <class T>
+  void setAttribute(const std::string& object, const std::string& name, const T& value);
+  // Makes a column a dimension scale, by which readers know that other columns are as long and belong together.
+  //   Source: The HDF Group, HDF5 Dimension Scale Specification, 2005.
+  void makeScale(const std::string& column);
+  // Says that a column has the dimension of a scale. A column with two names has one dimension.
+  void useScale(const std::string& column, const std::string& scale);
+
   // Returns the bytes of the whole file. Call it last.    Throws: Error limit.
   std::vector<char> finish();
 
  private:
   Hdf5Silence silence_;
   int64_t id_;
+  std::map<std::string, std::vector<std::string>> users_;  // of each scale
 };
 
 // Reads them back.

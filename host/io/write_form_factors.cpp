@@ -1,19 +1,37 @@
 #include <viewpeel/write.h>
 
+#include <array>
+
 #include <fmt/ostream.h>
 
 #include <viewpeel/error.h>
+#include "io/each_entry.h"
+#include "io/shown_rows.h"
 #include "io/write_file.h"
+#include "io/writers.h"
 
 namespace viewpeel {
 namespace {
 
-bool isMatrixMarket(const std::filesystem::path& file) {
-  if (file.extension() == ".csv") return false;
-  if (file.extension() == ".mtx") return true;
+// In the order in which they are named to users.
+enum class Format { csv, mtx, npz, h5, vtp, vwf };
+constexpr std::array<std::pair<const char*, Format>, 6> kExtensions = {{{".csv", Format::csv},
+                                                                        {".mtx", Format::mtx},
+                                                                        {".npz", Format::npz},
+                                                                        {".h5", Format::h5},
+                                                                        {".vtp", Format::vtp},
+                                                                        {".vwf", Format::vwf}}};
+
+Format formatOf(const std::filesystem::path& file) {
+  for (const auto& [extension, format] : kExtensions)
+    if (file.extension() == extension) return format;
   throw Error(ErrorCode::bad_usage,
-              fmt::format("{}: unknown output format; use a name that ends in .csv or .mtx", file.string()));
+              fmt::format("{}: unknown output format; use a name that ends in .csv, .mtx, .npz, .h5, .vtp or .vwf",
+                          file.string()));
 }
+
+// Balanced form factors have a file of their own.
+bool hasBalancedFile(Format format) { return format == Format::mtx || format == Format::npz; }
 
 std::string quoteName(const std::string& name) {
   if (name.find_first_of(",\"\r\n") == std::string::npos) return name;
@@ -22,16 +40,19 @@ std::string quoteName(const std::string& name) {
   return quoted + '"';
 }
 
-// Calls use(i, j, F_ij) for every nonzero entry of the requested rows, both ways, row by row.
-template <class Use>
-void forEachEntry(const FormFactors& form_factors, Use use) {
-  std::vector<std::vector<FormFactors::Entry>> rows(form_factors.ids().count());
-  for (const FormFactors::Entry& entry : form_factors.entries())
-    if (entry.j < kEnvironment && entry.j != entry.i) rows[entry.j].push_back({entry.j, entry.i, entry.exchange_area});
-  for (const FormFactors::Entry& entry : form_factors.entries()) rows[entry.i].push_back(entry);
-  for (const auto& row : rows)
-    for (const FormFactors::Entry& entry : row)
-      if (form_factors.ids().isRequested(entry.i)) use(entry.i, entry.j, form_factors.formFactor(entry.i, entry.j));
+void writeAs(Format format, const OutputContent& content, std::ostream& out) {
+  if (format == Format::csv) writeCsv(content.form_factors, out, content.balanced);
+  if (format == Format::mtx) writeMatrixMarket(content.form_factors, out);
+  if (format == Format::npz) writeNpz(content.form_factors, out);
+  if (format == Format::h5) writeHdf5(content, out);
+  if (format == Format::vtp) writeVtp(content, out);
+  if (format == Format::vwf) writeVwf(content, out);
+}
+
+void requireScene(const std::filesystem::path& file, bool has_scene) {
+  if (formatOf(file) == Format::vtp && !has_scene)
+    throw Error(ErrorCode::bad_usage,
+                fmt::format("{}: has the polygons, too; give the scene by --scene, or write .h5", file.string()));
 }
 
 }  // namespace
@@ -78,29 +99,37 @@ void writeMatrixMarket(const FormFactors& form_factors, std::ostream& out, const
   });
 }
 
+void writeFormFactors(const OutputContent& content, const std::filesystem::path& file) {
+  const Format format = formatOf(file);
+  requireScene(file, content.scene != nullptr);
+  writeFile(file, [&](std::ostream& out) { writeAs(format, content, out); });
+  if (!content.balanced || !hasBalancedFile(format)) return;
+  writeFile(filesOf(file, true)[1], [&](std::ostream& out) {
+    if (format == Format::mtx) writeMatrixMarket(*content.balanced, out, "balanced form factors");
+    else writeNpz(*content.balanced, out);
+  });
+}
+
 void writeFormFactors(const FormFactors& form_factors, const std::filesystem::path& file, const FormFactors* balanced) {
-  if (!isMatrixMarket(file)) {
-    writeFile(file, [&](std::ostream& out) { writeCsv(form_factors, out, balanced); });
-    return;
-  }
-  writeFile(file, [&](std::ostream& out) { writeMatrixMarket(form_factors, out); });
-  if (balanced)
-    writeFile(filesOf(file, true)[1],
-              [&](std::ostream& out) { writeMatrixMarket(*balanced, out, "balanced form factors"); });
+  writeFormFactors(OutputContent{form_factors, balanced}, file);
 }
 
 std::vector<std::filesystem::path> filesOf(const std::filesystem::path& file, bool with_balance) {
-  if (!with_balance || !isMatrixMarket(file)) return {file};
-  return {file, std::filesystem::path(file).replace_extension(".balanced.mtx")};
+  if (!hasBalancedFile(formatOf(file)) || !with_balance) return {file};
+  return {file, std::filesystem::path(file).replace_extension(".balanced" + file.extension().string())};
 }
 
-void checkOutput(const std::filesystem::path& file, bool with_balance) {
-  if (with_balance && isMatrixMarket(file) && file.stem().extension() == ".balanced")
-    throw Error(
-        ErrorCode::bad_usage,
-        fmt::format("{}: --balance takes names that end in .balanced.mtx itself; use another one", file.string()));
-  isMatrixMarket(file);
+void checkOutput(const std::filesystem::path& file, bool with_balance, bool has_scene) {
+  if (with_balance && hasBalancedFile(formatOf(file)) && file.stem().extension() == ".balanced")
+    throw Error(ErrorCode::bad_usage, fmt::format("{}: --balance takes names that end in .balanced{} itself; use "
+                                                  "another one",
+                                                  file.string(), file.extension().string()));
+  requireScene(file, has_scene);
   for (const std::filesystem::path& written : filesOf(file, with_balance)) checkWritable(written);
+}
+
+void checkShown(const Scene& scene, const Ids& ids, const std::vector<std::string>& names) {
+  for (const std::string& name : names) shownIds(scene, ids, name);
 }
 
 }  // namespace viewpeel

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -19,6 +20,7 @@ void addSettings(const SceneOptions& options, Settings& settings) {
   for (const std::string& name : options.solids) settings.emplace_back("--solids", name);
   for (const std::string& name : options.flip) settings.emplace_back("--flip", name);
   if (options.fix_normals) settings.emplace_back("--fix-normals", "yes");
+  if (options.unit_m != 1) settings.emplace_back("--units", fmt::format("{}", options.unit_m));
 }
 
 SceneOptions sceneOptionsOf(const Settings& settings) {
@@ -28,6 +30,7 @@ SceneOptions sceneOptionsOf(const Settings& settings) {
     if (name == "--solids") options.solids.push_back(value);
     if (name == "--flip") options.flip.push_back(value);
     if (name == "--fix-normals") options.fix_normals = value == "yes";
+    if (name == "--units") std::from_chars(value.data(), value.data() + value.size(), options.unit_m);
   }
   return options;
 }

@@ -59,6 +59,14 @@ bool isPlanar(const Scene& scene, const std::vector<uint32_t>& polygons) {
   });
 }
 
+// What a file says only blocks is asked for as nothing else.
+Request withBlockersOf(const Scene& scene, Request request) {
+  std::vector<std::string>& blockers = request.question.blockers;
+  for (const std::string& name : scene.blockers)
+    if (std::ranges::find(blockers, name) == blockers.end()) blockers.push_back(name);
+  return request;
+}
+
 }  // namespace
 
 Amount amountOf(const Request& request) {
@@ -68,7 +76,7 @@ Amount amountOf(const Request& request) {
 
 Setup::Setup(const Scene& scene, Request request, std::function<void(uint64_t)> on_batch, std::function<void()> stop)
     : scene_(scene),
-      request_(std::move(request)),
+      request_(withBlockersOf(scene, std::move(request))),
       stop_(std::move(stop)),
       ids_(makeIds(scene, request_.by, request_.two_sided)),
       face_ids_(makeIds(scene, By::polygon, request_.two_sided)),

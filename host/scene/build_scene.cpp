@@ -153,6 +153,7 @@ Scene splitFaces(const InputScene& input, const std::vector<Duplicate>& repeats)
   Scene scene;
   scene.file = input.file;
   scene.warnings = input.warnings;
+  scene.blockers = input.blockers;
   if (std::string coarse = describeCoarseSteps(input); !coarse.empty()) scene.warnings.push_back(std::move(coarse));
   fitUnitBall(input, scene);
   std::vector<bool> is_left_out(input.faces.size(), false);
@@ -243,7 +244,9 @@ glm::dvec3 frontNormal(const Scene& scene, const Polygon& polygon) {
   return glm::normalize(normal);
 }
 
-Scene buildScene(const InputScene& input, const SceneOptions& options) {
+namespace {
+
+Scene buildInFileUnits(const InputScene& input, const SceneOptions& options) {
   if (input.faces.empty())
     throw Error(ErrorCode::bad_input,
                 fmt::format("{}: no usable polygon; the file has no faces, check the export", input.file));
@@ -262,6 +265,18 @@ Scene buildScene(const InputScene& input, const SceneOptions& options) {
   for (uint32_t face : flipped) turnFace(turned.faces[scene.faces[face].row]);
   scene = assemble(turned, options);
   scene.warnings.push_back(fixed);
+  return scene;
+}
+
+}  // namespace
+
+// What is computed is in the unit ball: only the way back to lengths has a unit.
+Scene buildScene(const InputScene& input, const SceneOptions& given) {
+  SceneOptions options = given;
+  options.solids.insert(options.solids.end(), input.solids.begin(), input.solids.end());
+  Scene scene = buildInFileUnits(input, options);
+  scene.centre *= options.unit_m;
+  scene.scale *= options.unit_m;
   return scene;
 }
 

@@ -12,6 +12,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
+using Reader = InputScene (*)(const fs::path&);
+constexpr std::pair<const char*, Reader> kReaders[] = {{".obj", readObj}, {".stl", readStl}, {".ply", readPly},
+                                                       {".vs3", readVs3}, {".inp", readInp}, {".msh", readMsh},
+                                                       {".vtp", readVtp}, {".vtu", readVtu}};
+
 [[noreturn]] void refuse(const fs::path& file, const std::string& what) {
   throw Error(ErrorCode::bad_input, fmt::format("{}: {}", file.string(), what));
 }
@@ -37,10 +42,9 @@ Scene loadScene(const fs::path& file, const SceneOptions& options) {
   if (in.peek() == std::ifstream::traits_type::eof()) refuse(file, "the file is empty; export the scene again");
   in.close();
   const std::string extension = extensionOf(file);
-  if (extension == ".obj") return buildScene(readObj(file), options);
-  if (extension == ".stl") return buildScene(readStl(file), options);
-  if (extension == ".ply") return buildScene(readPly(file), options);
-  refuse(file, "unknown format; use .obj, .stl or .ply");
+  for (const auto& [name, read] : kReaders)
+    if (extension == name) return buildScene(read(file), options);
+  refuse(file, "unknown format; use .obj, .stl, .ply, .vs3, .inp, .msh, .vtp or .vtu");
 }
 
 }  // namespace viewpeel

@@ -16,4 +16,22 @@ InputScene readStl(const std::filesystem::path& file);
 //   Throws: Error bad_input naming the file, and the line where it is text.
 InputScene readPly(const std::filesystem::path& file);
 
+// Reads View3D's input. Surfaces are the file's, merged ones as one (read_vs3.h).
+//   Throws: Error bad_input naming file and line.
+InputScene readVs3(const std::filesystem::path& file);
+
+// Reads the radiating faces of a CalculiX deck. Each is a surface, "ELEMENT.R<face>", in the order of CalculiX's rows
+// (ccx_deck.h).
+//   Throws: Error bad_input naming file and line.
+InputScene readInp(const std::filesystem::path& file);
+
+// Reads Gmsh's meshes, 2.2 and 4.1, text and binary. Physical groups of surfaces are surfaces.
+//   Throws: Error bad_input naming the file, and the line where it is text.
+InputScene readMsh(const std::filesystem::path& file);
+
+// Read the polygons of VTK's XML PolyData, and the faces of its UnstructuredGrid. A cell array names surfaces.
+//   Throws: Error bad_input naming the file.
+InputScene readVtp(const std::filesystem::path& file);
+InputScene readVtu(const std::filesystem::path& file);
+
 }  // namespace viewpeel

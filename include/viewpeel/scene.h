@@ -21,6 +21,10 @@ struct InputScene {
   std::vector<std::string> surface_names;
   std::vector<InputFace> faces;
   std::vector<std::string> warnings{};  // of the reader, one line each
+  // Surfaces that only block, by the file itself: as Question::blockers.
+  std::vector<std::string> blockers{};
+  // Coincident faces of these surfaces are face to face, by the file itself: as SceneOptions::solids.
+  std::vector<std::string> solids{};
 };
 
 // A tie rank orders polygons of one plane, which a line hits at one depth. It is a place among kTieRanks along the
@@ -94,6 +98,8 @@ struct Scene {
   Coincidences coincidences;
   // Each warning is one line with a count: a fault of the file and its treatment (docs/meshes.md).
   std::vector<std::string> warnings;
+  std::vector<std::string>
+      blockers;  // surfaces that only block, by the file itself: every run adds them to its question
 };
 
 // SceneOptions settle questions that a file leaves open.
@@ -102,6 +108,7 @@ struct SceneOptions {
   std::vector<std::string> solids;  // coincident faces of these surfaces are face to face
   std::vector<std::string> flip;    // surfaces ("desk") and faces ("desk[3]") to turn over
   bool fix_normals = false;         // turns over the shells whose backs lines meet (shells.h)
+  double unit_m = 1;                // metres of one unit of the file: Scene, and areas with it, is in metres
 };
 
 // Makes a scene: validates, leaves out degenerate and repeated faces, and splits the rest into convex planar polygons.
@@ -114,8 +121,8 @@ struct SceneOptions {
 //   Cost: O(corners log corners) work and memory; some thousand rays for each turn of fix_normals.
 Scene buildScene(const InputScene& input, const SceneOptions& options = {});
 
-// Reads .obj, .stl (both kinds) or .ply and calls buildScene. Surfaces are the `o` and `g` names of .obj, the solids of
-// .stl; a file without names has one surface, named after the file.
+// Reads any format of docs/formats.md, chosen by the end of the file's name, and calls buildScene. A file without names
+// of surfaces has one, named after the file.
 //   In: file: any name; options: as for buildScene    Out, Error, Cost: as buildScene. Tests: tests/unit/load_test.cpp.
 //   Throws: Error bad_input, naming file, line where the format has lines, and remedy; as buildScene.
 Scene loadScene(const std::filesystem::path& file, const SceneOptions& options = {});

@@ -1,7 +1,9 @@
-// Form factors are written to files: comma-separated, or in Matrix Market's format.
+// Form factors are written to files: as text, for NumPy, HDF5 and VTK.
 #pragma once
 #include <filesystem>
 #include <ostream>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <viewpeel/form_factors.h>
@@ -29,13 +31,33 @@ void writeCsv(const FormFactors& form_factors, std::ostream& out, const FormFact
 //   Source: R. F. Boisvert, R. Pozo & K. A. Remington, The Matrix Market exchange formats, NISTIR 5935, 1996.
 void writeMatrixMarket(const FormFactors& form_factors, std::ostream& out, const char* what = "form factors");
 
-// Writes a file by its extension, .csv or .mtx. With balanced form factors .csv has a column more; .mtx stays as it is,
-// and NAME.balanced.mtx beside it has the balanced ones. A file is whole at any time, or untouched: it is written under
-// another name and renamed.
-//   In: as writeCsv; file: its folder exists    Out: the files of filesOf
-//   Error: none. Tests: tests/device/output_test.cpp, tests/program/fault_test.cpp.
-//   Throws: Error bad_usage for an unknown extension; Error output, naming file and the system's reason.
-//   Cost: O(nonzeros).
+// An OutputContent is all that a file of results may hold. Form factors alone will do for .csv, .mtx and .npz.
+struct OutputContent {
+  const FormFactors& form_factors;
+  const FormFactors* balanced = nullptr;  // BalancedFormFactors::form_factors of these
+  const Scene* scene = nullptr;           // of these form factors: the geometry of .h5, and a must for .vtp
+  // Each is a name and a value, in words: attributes of .h5, where numbers become numbers. FormFactorRun::settings()
+  // has options, seed and version.
+  std::vector<std::pair<std::string, std::string>> parameters{};
+  // Each is a surface or face, whose form factors to all polygons are an array of .vtp: "from NAME".
+  std::vector<std::string> shown{};
+  // Of .vwf: the version of CalculiX that reads it, which compares this; "none" for versions that do not.
+  std::string ccx_version = "2.20";
+};
+
+// Writes a file by its extension: .csv, .mtx, .npz, .h5, .vtp or .vwf (docs/formats.md). A file is whole at any time,
+// or untouched: it is written under another name and renamed.
+//   With balanced form factors .csv has a column more, and .h5 a group more. NAME.balanced.mtx and NAME.balanced.npz
+//     beside NAME.mtx and NAME.npz have them; .vwf has nothing else, and .vtp leaves them out.
+//   In: content: n rows; file: its folder exists    Out: the files of filesOf
+//   Error: none: numbers are the same doubles. Tests: tests/device/output_test.cpp, tests/files/output_files_test.cpp,
+//     tests/files/calculix_test.cpp, tests/program/fault_test.cpp.
+//   Throws: Error bad_usage for an unknown extension, .vtp without a scene, an unknown name among those shown; Error
+//     limit for a .h5 that memory cannot hold; Error output, naming file and the system's reason.
+//   Cost: O(nonzeros + polygons); .h5 and .vtp are made in memory; .vwf has 8 n^2 bytes.
+void writeFormFactors(const OutputContent& content, const std::filesystem::path& file);
+
+// Writes form factors alone, as above.    In: balanced: nullptr where there are none
 void writeFormFactors(const FormFactors& form_factors, const std::filesystem::path& file,
                       const FormFactors* balanced = nullptr);
 
@@ -44,8 +66,15 @@ void writeFormFactors(const FormFactors& form_factors, const std::filesystem::pa
 std::vector<std::filesystem::path> filesOf(const std::filesystem::path& file, bool with_balance);
 
 // Refuses a file that writeFormFactors would refuse, before anything is computed.
-//   Throws: Error bad_usage: an unknown extension, a name that --balance takes, a file that cannot be written.
+//   In: has_scene: whether there will be a scene in the content
+//   Throws: Error bad_usage: an unknown extension, a name that --balance takes, .vtp without a scene, a file that
+//     cannot be written.
 //   Cost: one file of a byte, written and removed.
-void checkOutput(const std::filesystem::path& file, bool with_balance = false);
+void checkOutput(const std::filesystem::path& file, bool with_balance = false, bool has_scene = true);
+
+// Refuses names that no array of .vtp can have.
+//   In: ids: of the scene; names: as OutputContent::shown
+//   Throws: Error bad_usage for an absent surface or face, or a part of a row.    Cost: O(polygons) a name.
+void checkShown(const Scene& scene, const Ids& ids, const std::vector<std::string>& names);
 
 }  // namespace viewpeel

@@ -24,6 +24,16 @@ if(headers OR count GREATER 14)
   message(FATAL_ERROR "installed beside the public headers: ${headers}, ${count} in all")
 endif()
 
+# The program's second name takes the place of View3D, which writes its log where it runs.
+file(WRITE ${WORK}/plates.vs3 "F 3\nV 1 0 0 0\nV 2 1 0 0\nV 3 1 1 0\nV 4 0 1 0\nV 5 0 0 1\nV 6 1 0 1\nV 7 1 1 1\nV 8 0 1 1\n"
+  "S 1 1 2 3 4 0 0 .9 low\nS 2 8 7 6 5 0 0 .9 high\nEnd\n")
+run(${WORK}/installed/bin/view3d plates.vs3 plates.txt)
+file(STRINGS ${WORK}/plates.txt lines)
+list(GET lines 2 row)
+if(NOT row STREQUAL "0.000000 0.199825" OR NOT EXISTS ${WORK}/View3D.log)
+  message(FATAL_ERROR "view3d has written '${row}' for two opposite squares")
+endif()
+
 # A plan depends on the time that directions take: the program gets the consumer's.
 execute_process(COMMAND ${WORK}/build/consumer ${SCENE} ${WORK}/consumer.csv OUTPUT_VARIABLE plan RESULT_VARIABLE status)
 if(NOT status EQUAL 0)

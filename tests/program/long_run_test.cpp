@@ -295,7 +295,7 @@ TEST_F(LongRun, WrongCheckpointsAreRefused) {
       {"merge " + file("a.h5") + " " + file("a.h5"), "replicates 0 to 7"},
       {"merge " + file("b.h5") + " --checkpoint " + file("a.h5"), "there is a checkpoint already"},
       {"merge " + file("missing.h5"), "No such file"},
-      {"merge " + file("a.h5") + " -o " + file("a.xyz"), ".csv or .mtx"},
+      {"merge " + file("a.h5") + " -o " + file("a.xyz"), ".csv, .mtx, .npz"},
   };
   for (const auto& [arguments, part] : cases) {
     const Result r = run(arguments);

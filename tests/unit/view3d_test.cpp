@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <viewpeel/error.h>
+#include "scene/read_vs3.h"
 #include "scenes/named_scenes.h"
 
 namespace viewpeel::bench {
@@ -22,54 +23,21 @@ InputScene squareAndTriangle() {
   return scene;
 }
 
-// What the format says of a file: corners of each surface by way of its vertices.
-std::vector<std::vector<glm::dvec3>> readSurfaces(std::istream& in, std::string& control) {
-  std::vector<glm::dvec3> vertices;
-  std::vector<std::vector<glm::dvec3>> surfaces;
-  bool ended = false;
-  for (std::string line; std::getline(in, line);) {
-    std::istringstream words(line.substr(1));
-    size_t number = 0;
-    if (line[0] == 'C') control = line;
-    if (line[0] == 'F') {
-      EXPECT_EQ(line, "F 3");
-    }
-    if (line[0] == 'V') {
-      glm::dvec3 p;
-      words >> number >> p.x >> p.y >> p.z;
-      vertices.push_back(p);
-      EXPECT_EQ(number, vertices.size());
-    }
-    if (line[0] == 'S') {
-      size_t corner[4], base = 1, combine = 1;
-      double emissivity = 0;
-      words >> number >> corner[0] >> corner[1] >> corner[2] >> corner[3] >> base >> combine >> emissivity;
-      EXPECT_TRUE(words) << line;
-      surfaces.emplace_back();
-      EXPECT_EQ(number, surfaces.size());
-      EXPECT_EQ(base + combine, 0u);
-      for (const size_t c : corner)
-        if (c > 0) surfaces.back().push_back(vertices.at(c - 1));
-    }
-    ended |= line[0] == 'E';
-  }
-  EXPECT_TRUE(ended);
-  return surfaces;
-}
-
 TEST(View3d, SurfacesAreWrittenWithTheirCornersInOrder) {
   const InputScene input = squareAndTriangle();
-  std::stringstream file;
-  writeView3d(buildScene(input), 1e-5, file);
-  std::string control;
-  const auto surfaces = readSurfaces(file, control);
-  EXPECT_NE(control.find("eps=1e-05"), std::string::npos);
+  const std::string name = testing::TempDir() + "viewpeel_view3d_test.vs3";
+  std::ofstream out(name);
+  writeView3d(buildScene(input), 1e-5, out);
+  out.close();
+  const Vs3File file = parseVs3(name);
+  EXPECT_EQ(file.control.eps, 1e-5);
+  const std::vector<Vs3Surface>& surfaces = file.surfaces;
   ASSERT_EQ(surfaces.size(), 2u);
   for (size_t k = 0; k < 2; ++k) {
-    ASSERT_EQ(surfaces[k].size(), input.faces[k].corners.size());
+    ASSERT_EQ(surfaces[k].corners.size(), input.faces[k].corners.size());
     // Moved to the unit ball and back, of radius and offset below 2: a few ulps.
-    for (size_t c = 0; c < surfaces[k].size(); ++c)
-      EXPECT_LT(glm::length(surfaces[k][c] - input.faces[k].corners[c]), 1e-15);
+    for (size_t c = 0; c < surfaces[k].corners.size(); ++c)
+      EXPECT_LT(glm::length(surfaces[k].corners[c] - input.faces[k].corners[c]), 1e-15);
   }
 }
 

@@ -1,0 +1,52 @@
+// A matrix as View3D's programs exchange it: areas, emissivities, exchange areas; closed and with reflections on
+// demand.
+//   Source: G. N. Walton, Calculation of obstructed view factors by adaptive integration, NISTIR 6925, 2002; View3D
+//   4.0, viewpp.c and savevf.c. H. C. Hottel & A. F. Sarofim, Radiative Transfer, McGraw-Hill, 1967, 84-86.
+#pragma once
+#include <cstdint>
+#include <ostream>
+#include <vector>
+
+#include <viewpeel/form_factors.h>
+
+namespace viewpeel {
+
+struct View3dMatrix {
+  struct Entry {
+    uint32_t i, j;         // i <= j
+    double exchange_area;  // A_i F_ij
+  };
+  std::vector<double> areas, emissivities;  // of each row
+  std::vector<Entry> entries;               // sorted by (i, j)
+
+  uint32_t rowCount() const { return static_cast<uint32_t>(areas.size()); }
+};
+
+// Takes the first rows of a result, empty ones too.
+//   In: emissivities: of these rows    Cost: O(nonzeros).
+View3dMatrix makeView3dMatrix(const FormFactors& form_factors, std::vector<double> emissivities);
+
+// Scales rows and columns in turn until row i sums to sums[i], as View3D closes an enclosure.
+//   Out: true where all rows do to 1e-7 within 100 sweeps    Cost: O(nonzeros) a sweep.
+bool closeRows(View3dMatrix& matrix, const std::vector<double>& sums);
+
+// Puts Hottel's script-F in the place of form factors: E (I - F R)^-1 F E with E = diag(emissivity), R = I - E. What
+// row i lacks to 1 is lost.
+//   Error: a few ulps of the largest entry times n. Tests: tests/files/view3d_files_test.cpp.
+//   Throws: Error limit beyond 20,000 rows.    Cost: O(n^3) work, O(n^2) memory.
+void includeReflections(View3dMatrix& matrix);
+
+// The header of 30 characters, without the end of line.
+struct View3dHeader {
+  uint32_t layout = 0;
+  bool is_closed = false, has_emissivities = false;
+};
+
+// Writes areas, all F_ij with 6 digits after the point, and emissivities, as text.    Cost: O(n^2).
+void writeView3dText(const View3dMatrix& matrix, const View3dHeader& header, std::ostream& out);
+// Writes the same as float32, little-endian, behind a header of 32 bytes: 32 + 4 (n^2 + 2 n) bytes.    Cost: O(n^2).
+void writeView3dBinary(const View3dMatrix& matrix, const View3dHeader& header, std::ostream& out);
+// Writes `i j F_ij`, counted from 1, a line for each F_ij of at least 5e-7.    Cost: O(nonzeros).
+void writeView3dSparse(const View3dMatrix& matrix, std::ostream& out);
+
+}  // namespace viewpeel

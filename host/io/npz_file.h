@@ -1,0 +1,38 @@
+// NumPy's .npz: a zip of .npy arrays, stored without compression, with the 64-bit sizes of ZIP64 throughout.
+//   Sources: the NPY format, version 1.0 (numpy.lib.format); PKWARE, APPNOTE.TXT 6.3.9, sections 4.3 and 4.5.3.
+#pragma once
+#include <cstdint>
+#include <ostream>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace viewpeel {
+
+// Writes arrays one after the other. The same arrays make the same bytes.
+class NpzOutput {
+ public:
+  // In: out: at the beginning of the file
+  explicit NpzOutput(std::ostream& out) : out_(out) {}
+
+  // Adds NAME.npy, an array of one dimension.    In: values: int32_t, int64_t or double
+  template <class T>
+  void write(const std::string& name, std::span<const T> values);
+  // Adds NAME.npy, one text as an array without dimensions, of bytes.
+  void writeText(const std::string& name, const std::string& text);
+  // Writes the directory. Call it last.
+  void finish();
+
+ private:
+  struct Member {
+    std::string name;
+    uint32_t check_sum;
+    uint64_t size, place;
+  };
+  void add(const std::string& name, const std::string& head, std::span<const char> data);
+  std::ostream& out_;
+  std::vector<Member> members_;
+  uint64_t place_ = 0;
+};
+
+}  // namespace viewpeel

@@ -1,0 +1,177 @@
+// A result in HDF5, for SciPy, AnnData and xarray at once: compressed rows in a group, of which columns are also found
+// at the top, with dimension scales.
+//   Sources: AnnData's on-disk format, csr_matrix 0.1.0; CF Conventions 1.8, section 8.2, compression by gathering.
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+#include "io/hdf5_file.h"
+#include "io/shown_rows.h"
+#include "io/sparse_rows.h"
+#include "io/writers.h"
+
+namespace viewpeel {
+namespace {
+
+constexpr int64_t kResultFormat = 1;
+
+// A matrix whose columns and starts are those of the form factors.
+void addMatrix(Hdf5Output& out, const std::string& group, const SparseRows& rows, const std::vector<double>& values) {
+  out.write(group + "/data", values);
+  if (group == "form_factors") {
+    out.write(group + "/indices", rows.columns);
+    out.write(group + "/indptr", rows.starts);
+  } else {
+    out.link(group + "/indices", "form_factors/indices");
+    out.link(group + "/indptr", "form_factors/indptr");
+  }
+  out.setAttribute(group, "encoding-type", std::string("csr_matrix"));
+  out.setAttribute(group, "encoding-version", std::string("0.1.0"));
+  out.setAttribute(group, "shape", std::vector<int64_t>(2, rows.rowCount()));
+}
+
+// The pairs under the names that xarray's users see. They are the columns of the groups, and take no room.
+void addPairs(Hdf5Output& out, const SparseRows& rows, bool with_balance) {
+  std::vector<int64_t> places;
+  std::vector<int32_t> from;
+  for (int64_t i = 0; i < rows.rowCount(); ++i)
+    for (int64_t k = rows.starts[i]; k < rows.starts[i + 1]; ++k) {
+      places.push_back(i * rows.rowCount() + rows.columns[k]);
+      from.push_back(static_cast<int32_t>(i));
+    }
+  out.write("pair", places);
+  out.makeScale("pair");
+  out.setAttribute("pair", "compress", std::string("from to"));
+  out.write("from", from);
+  out.link("to", "form_factors/indices");
+  out.link("form_factor", "form_factors/data");
+  out.link("standard_error", "standard_errors/data");
+  std::vector<std::string> of_pairs = {"form_factor", "standard_error", "from", "to"};
+  if (with_balance) {
+    out.link("balanced_form_factor", "balanced_form_factors/data");
+    of_pairs.push_back("balanced_form_factor");
+  }
+  for (const std::string& column : of_pairs) out.useScale(column, "pair");
+  for (const std::string& column : of_pairs)
+    if (column != "from" && column != "to") out.setAttribute(column, "units", std::string("1"));
+}
+
+void addRows(Hdf5Output& out, const FormFactors& form_factors) {
+  const Ids& ids = form_factors.ids();
+  std::vector<int32_t> numbers(ids.rowCount());
+  for (size_t row = 0; row < numbers.size(); ++row) numbers[row] = static_cast<int32_t>(row);
+  out.write("row", numbers);
+  out.makeScale("row");
+  out.writeTexts("name", rowNames(ids));
+  out.useScale("name", "row");
+  std::vector<uint8_t> asked(ids.rowCount(), 0);
+  const std::vector<uint32_t> rows = ids.rows();
+  for (uint32_t id = 0; id < ids.count(); ++id) asked[rows[id]] = ids.isRequested(id);
+  out.write("is_requested", asked);
+  out.useScale("is_requested", "row");
+  const auto addColumn = [&](const std::string& name, const std::string& unit, auto valueOf) {
+    std::vector<double> values(ids.count());
+    for (uint32_t id = 0; id < ids.count(); ++id) values[id] = valueOf(id);
+    out.write(name, spreadOverRows(ids, values));
+    out.useScale(name, "row");
+    out.setAttribute(name, "units", unit);
+  };
+  addColumn("area", "length unit squared", [&](uint32_t id) { return ids.areas[id]; });
+  for (const auto& [name, j] : {std::pair("environment", kEnvironment), std::pair("leak", kLeak)}) {
+    const uint32_t column = j;
+    addColumn(name, "1", [&](uint32_t id) { return form_factors.formFactor(id, column).value; });
+    addColumn(std::string(name) + "_standard_error", "1",
+              [&](uint32_t id) { return form_factors.formFactor(id, column).standard_error; });
+  }
+  addColumn("row_sum", "1", [&](uint32_t id) { return form_factors.rowSums()[id].value; });
+  addColumn("row_sum_standard_error", "1", [&](uint32_t id) { return form_factors.rowSums()[id].standard_error; });
+}
+
+// The triangles and quadrilaterals that were computed, corners in input units.
+void addGeometry(Hdf5Output& out, const Scene& scene, const Ids& ids) {
+  std::vector<double> coordinates[3];
+  for (const glm::dvec3& corner : scene.corners)
+    for (int axis = 0; axis < 3; ++axis) coordinates[axis].push_back(scene.centre[axis] + scene.scale * corner[axis]);
+  const std::vector<uint32_t> rows = ids.rows(), id_of_polygon = idsOfPolygons(scene, ids);
+  std::vector<int32_t> first, count, row, surface;
+  std::vector<double> area;
+  for (uint32_t k = 0; k < scene.polygons.size(); ++k) {
+    const Polygon& polygon = scene.polygons[k];
+    first.push_back(static_cast<int32_t>(polygon.first_corner));
+    count.push_back(static_cast<int32_t>(polygon.corner_count));
+    row.push_back(static_cast<int32_t>(rows[id_of_polygon[k]]));
+    surface.push_back(static_cast<int32_t>(scene.faces[polygon.face].surface));
+    area.push_back(polygon.area * scene.scale * scene.scale);
+  }
+  std::vector<std::string> surfaces;
+  for (const Surface& of_scene : scene.surfaces) surfaces.push_back(of_scene.name);
+  const auto addScale = [&](const std::string& name, size_t length) {
+    std::vector<int32_t> numbers(length);
+    for (size_t k = 0; k < length; ++k) numbers[k] = static_cast<int32_t>(k);
+    out.write("geometry/" + name, numbers);
+    out.makeScale("geometry/" + name);
+  };
+  addScale("corner", scene.corners.size());
+  addScale("polygon", scene.polygons.size());
+  addScale("surface", scene.surfaces.size());
+  const auto add = [&](const std::string& name, const auto& values, const std::string& scale) {
+    out.write("geometry/" + name, values);
+    out.useScale("geometry/" + name, "geometry/" + scale);
+  };
+  for (int axis = 0; axis < 3; ++axis) add(std::string(1, static_cast<char>('x' + axis)), coordinates[axis], "corner");
+  add("first_corner", first, "polygon");
+  add("corner_count", count, "polygon");
+  add("row_of_polygon", row, "polygon");
+  add("surface_of_polygon", surface, "polygon");
+  add("polygon_area", area, "polygon");
+  out.writeTexts("geometry/surface_name", surfaces);
+  out.useScale("geometry/surface_name", "geometry/surface");
+}
+
+// Numbers stand as numbers.
+void addParameter(Hdf5Output& out, const std::string& name, const std::string& value) {
+  const char* end = value.data() + value.size();
+  int64_t whole = 0;
+  double number = 0;
+  if (const auto [at, failure] = std::from_chars(value.data(), end, whole); failure == std::errc() && at == end)
+    out.setAttribute("/", name, whole);
+  else if (const auto [at2, failure2] = std::from_chars(value.data(), end, number);
+           failure2 == std::errc() && at2 == end)
+    out.setAttribute("/", name, number);
+  else out.setAttribute("/", name, value);
+}
+
+// The distance of rows from 1.
+void addClosure(Hdf5Output& out, const FormFactors& form_factors) {
+  double largest = 0, squares = 0, count = 0;
+  for (uint32_t id = 0; id < form_factors.ids().count(); ++id) {
+    if (!form_factors.ids().isRequested(id)) continue;
+    const double error = std::abs(form_factors.rowSums()[id].value - 1);
+    largest = std::max(largest, error);
+    squares += error * error;
+    ++count;
+  }
+  out.setAttribute("/", "closure_largest", largest);
+  out.setAttribute("/", "closure_rms", count > 0 ? std::sqrt(squares / count) : 0.0);
+}
+
+}  // namespace
+
+void writeHdf5(const OutputContent& content, std::ostream& out) {
+  const FormFactors& form_factors = content.form_factors;
+  const SparseRows rows = compressRows(form_factors);
+  Hdf5Output file;
+  addMatrix(file, "form_factors", rows, rows.form_factors);
+  addMatrix(file, "standard_errors", rows, rows.standard_errors);
+  if (content.balanced) addMatrix(file, "balanced_form_factors", rows, compressRows(*content.balanced).form_factors);
+  addPairs(file, rows, content.balanced != nullptr);
+  addRows(file, form_factors);
+  if (content.scene) addGeometry(file, *content.scene, form_factors.ids());
+  file.setAttribute("/", "viewpeel_result_format", kResultFormat);
+  for (const auto& [name, value] : content.parameters) addParameter(file, name, value);
+  if (form_factors.ids().rows_sum_to_one) addClosure(file, form_factors);
+  const std::vector<char> bytes = file.finish();
+  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+}
+
+}  // namespace viewpeel
