@@ -3,6 +3,7 @@
 #include <fmt/ostream.h>
 
 #include <viewpeel/error.h>
+#include "io/csv.h"
 #include "io/write_file.h"
 
 namespace viewpeel {
@@ -13,13 +14,6 @@ bool isMatrixMarket(const std::filesystem::path& file) {
   if (file.extension() == ".mtx") return true;
   throw Error(ErrorCode::bad_usage,
               fmt::format("{}: unknown output format; use a name that ends in .csv or .mtx", file.string()));
-}
-
-std::string quoteName(const std::string& name) {
-  if (name.find_first_of(",\"\r\n") == std::string::npos) return name;
-  std::string quoted = "\"";
-  for (char c : name) quoted.append(c == '"' ? 2 : 1, c);
-  return quoted + '"';
 }
 
 // Calls use(i, j, F_ij) for every nonzero entry of the requested rows, both ways, row by row.

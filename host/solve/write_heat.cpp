@@ -1,0 +1,26 @@
+#include <viewpeel/solve.h>
+
+#include <fmt/ostream.h>
+
+#include "io/csv.h"
+
+namespace viewpeel {
+
+void writeHeat(const HeatSolution& solution, By by, std::ostream& out) {
+  fmt::print(out,
+             "{},area,emissivity,temperature,temperature_standard_error,radiosity,radiosity_standard_error,irradiation,"
+             "irradiation_standard_error,heat_flux,heat_flux_standard_error,heat_flow,heat_flow_standard_error\n",
+             by == By::surface ? "surface" : "polygon");
+  for (const HeatRow& row : by == By::surface ? solution.surfaces : solution.rows) {
+    fmt::print(out, "{},{},{}", quoteName(row.name), row.area, row.emissivity);
+    for (const Measured& value : {row.temperature, row.radiosity, row.irradiation, row.heat_flux, row.heat_flow})
+      fmt::print(out, ",{},{}", value.value, value.standard_error);
+    out << '\n';
+  }
+  // What leaves the scene is what its surroundings absorb: their heat flow is below 0.
+  if (solution.is_open)
+    fmt::print(out, "environment,,1,,,,,,,,,{},{}\n", -solution.to_environment.value,
+               solution.to_environment.standard_error);
+}
+
+}  // namespace viewpeel
