@@ -195,6 +195,11 @@ Enclosure assignMaterials(const MaterialTable& table, const Ids& ids, const std:
     if (!line) refuse(0, fmt::format("'{}' has no material; give it a line, or one to 'default'", ids.names[i]));
     enclosure.materials.push_back(line->material);
   }
+  const bool has_temperature = std::ranges::any_of(
+      enclosure.materials, [](const Material& material) { return material.temperature.has_value(); });
+  if (!has_temperature && !table.environment_temperature)
+    refuse(0,
+           "no temperature is given to refer to, heat fluxes alone; give one surface or the environment a temperature");
   if (const Line* unused = finder.firstUnused()) {
     const bool has_wildcard = hasWildcard(unused->name);
     const bool is_face = !has_wildcard && unused->name.ends_with(']') && ids.names == surface_names;

@@ -3,8 +3,19 @@
 #include <fmt/ostream.h>
 
 #include "io/csv.h"
+#include "io/write_file.h"
+#include <viewpeel/error.h>
 
 namespace viewpeel {
+namespace {
+
+void requireCsv(const std::filesystem::path& file) {
+  if (file.extension() != ".csv")
+    throw Error(ErrorCode::bad_usage,
+                fmt::format("{}: unknown output format of heat; use a name that ends in .csv", file.string()));
+}
+
+}  // namespace
 
 void writeHeat(const HeatSolution& solution, By by, std::ostream& out) {
   fmt::print(out,
@@ -21,6 +32,16 @@ void writeHeat(const HeatSolution& solution, By by, std::ostream& out) {
   if (solution.is_open)
     fmt::print(out, "environment,,1,,,,,,,,,{},{}\n", -solution.to_environment.value,
                solution.to_environment.standard_error);
+}
+
+void writeHeat(const HeatSolution& solution, By by, const std::filesystem::path& file) {
+  requireCsv(file);
+  writeFile(file, [&](std::ostream& out) { writeHeat(solution, by, out); });
+}
+
+void checkHeatOutput(const std::filesystem::path& file) {
+  requireCsv(file);
+  checkWritable(file);
 }
 
 }  // namespace viewpeel

@@ -104,12 +104,58 @@ struct HeatSolution {
 //   Source: A. K. Oppenheim, Radiation analysis by the network method, Trans. ASME 78, 1956, 725-735.
 HeatSolution solveHeat(const FormFactors& form_factors, const Enclosure& enclosure);
 
+// A HeatTolerance is the largest standard error that answers may have.
+struct HeatTolerance {
+  enum class Of {
+    temperature,  // K, over temperatures that are not given
+    heat_flux,    // W/m2, over all rows
+    relative,     // of heat flows, as a share of HeatSolution::heat_flow_total
+  };
+  double standard_error = 0;  // above 0
+  Of of = Of::relative;
+};
+
+// Returns the largest standard error of the answers of rows, as the tolerance means it.    Cost: O(rows).
+double largestHeatError(const HeatSolution& solution, HeatTolerance::Of of);
+
+// The SceneHeat of a scene has the answers and the form factors that they come from.
+struct SceneHeat {
+  HeatSolution heat;
+  Result form_factors;
+  uint32_t runs = 1;                 // of form factors
+  double form_factor_tolerance = 0;  // of the last run; 0 where the request has another goal
+  bool is_reached = true;            // false where time was up before the tolerance
+};
+
+// Computes the form factors of a scene and solves the enclosure.
+//   With a tolerance form factors start at 0.02, and are computed again with a smaller tolerance until the answers have
+//     theirs: answers average over many form factors, whose errors may be larger.
+//   In: request: rows, seed and the like; its goal counts where there is no tolerance; its time limit counts for all
+//     runs together
+//   Out: see SceneHeat
+//   Error: as solveHeat. Tests: tests/unit/solve_scene_test.cpp.
+//   Throws: as assignMaterials, before anything is computed; as computeFormFactors and solveHeat; Error limit where the
+//     tolerance takes form factors below 2e-6, or the observer stops the run; Error bad_usage for a tolerance of
+//     temperatures where all are given.
+//   Cost: that of computeFormFactors and solveHeat; with a tolerance, about twice that of the last run.
+SceneHeat solveScene(const Scene& scene, const MaterialTable& materials, Request request = {},
+                     std::optional<HeatTolerance> tolerance = {}, const Observer& observer = {});
+
 // Writes `surface,area,emissivity,temperature,radiosity,irradiation,heat_flux,heat_flow`, each uncertain column followed
 // by its `_standard_error`; the first column is `polygon` for rows by polygon.
-//   In: rows: HeatSolution::rows or surfaces; first_column: its header
+//   In: by: HeatSolution::rows, or surfaces
 //   Out: 1 + rows lines; a last line `environment` for an open scene with its heat flow, which is what leaves it
 //   Error: none: numbers read back to the same bits. Tests: tests/unit/solve_materials_test.cpp.
 //   Throws: nothing; a failure is out's state.    Cost: O(rows).
 void writeHeat(const HeatSolution& solution, By by, std::ostream& out);
+
+// Writes the same to a file, which is whole at any time, or untouched.
+//   In: file: ends in .csv; its folder exists    Error: none. Tests: tests/program/solve_program_test.cpp.
+//   Throws: Error bad_usage for another extension; Error output, naming file and the system's reason.    Cost: O(rows).
+void writeHeat(const HeatSolution& solution, By by, const std::filesystem::path& file);
+// Refuses a file that writeHeat would refuse, before anything is computed.
+//   Throws: Error bad_usage: an unknown extension, a file that cannot be written.
+//   Cost: one file of a byte, written and removed.
+void checkHeatOutput(const std::filesystem::path& file);
 
 }  // namespace viewpeel
