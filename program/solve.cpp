@@ -1,4 +1,5 @@
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <set>
@@ -26,6 +27,8 @@ struct SolveCommand {
   Request request;
   std::optional<double> form_factor_tolerance;
   std::optional<HeatTolerance> tolerance;
+  std::optional<ExchangeKind> exchange;
+  double drop_below = 0;
   bool quiet = false;
 };
 
@@ -50,13 +53,39 @@ std::string describeTolerance(const HeatTolerance& tolerance, double reached) {
   return fmt::format("{:.2g}{}, {:.2g} asked for", reached, unit, tolerance.standard_error);
 }
 
+// NAME.exchange.csv beside NAME.csv.
+std::string exchangeFileOf(const std::string& output) {
+  return std::filesystem::path(output).replace_extension(".exchange.csv").string();
+}
+
 void checkOutputs(const SolveCommand& command) {
+  if (command.exchange && command.outputs.empty())
+    throw Error(ErrorCode::bad_usage, "--exchange writes NAME.exchange.csv beside NAME.csv; give -o NAME.csv");
   std::set<std::string> named;
   for (const std::string& output : command.outputs) {
     if (!named.insert(output).second)
       throw Error(ErrorCode::bad_usage, fmt::format("{}: is to be written twice; name every file once", output));
     checkHeatOutput(output);
+    if (!command.exchange) continue;
+    const std::string beside = exchangeFileOf(output);
+    if (!named.insert(beside).second)
+      throw Error(ErrorCode::bad_usage,
+                  fmt::format("{}: --exchange writes this file itself; use another name", beside));
+    checkHeatOutput(beside);
   }
+}
+
+// Writes exchange factors beside the answers.
+void writeExchanges(const SolveCommand& command, const FormFactors& form_factors, const Enclosure& enclosure) {
+  if (!command.exchange) return;
+  const ExchangeFactors factors = findExchangeFactors(form_factors, enclosure, command.drop_below);
+  for (const std::string& output : command.outputs) writeExchange(factors, *command.exchange, exchangeFileOf(output));
+  if (command.quiet) return;
+  fmt::print("exchange   {}", counted(factors.entries.size(), "conductor"));
+  if (factors.dropped)
+    fmt::print("; {} below {} were dropped, {:.2g} of a row at most, and the rest balanced",
+               counted(factors.dropped, "pair"), command.drop_below, factors.largest_dropped_share);
+  fmt::print("\n");
 }
 
 std::string describeMaterials(const MaterialTable& table, const HeatSolution& solution) {
@@ -77,7 +106,10 @@ void conclude(const SolveCommand& command, const MaterialTable& table, const Hea
 
 void printWritten(const SolveCommand& command) {
   if (command.quiet) return;
-  for (const std::string& output : command.outputs) fmt::print("written    {}\n", output);
+  for (const std::string& output : command.outputs) {
+    fmt::print("written    {}\n", output);
+    if (command.exchange) fmt::print("written    {}\n", exchangeFileOf(output));
+  }
 }
 
 // From checkpoints.
@@ -92,8 +124,9 @@ int solveStored(const SolveCommand& command) {
   if (!is_by_surface && findSetting(run.merged().settings, "--by") == "surface")
     throw Error(ErrorCode::bad_usage,
                 fmt::format("{}: its rows are surfaces; leave out --by polygon", command.stored.front()));
-  const HeatSolution solution = solveHeat(form_factors, assignMaterials(table, form_factors.ids(), surface_names));
-  conclude(command, table, solution);
+  const Enclosure enclosure = assignMaterials(table, form_factors.ids(), surface_names);
+  conclude(command, table, solveHeat(form_factors, enclosure));
+  writeExchanges(command, form_factors, enclosure);
   if (!command.quiet)
     fmt::print("work       form factors of {}, {}, {}{}\n", command.stored.front(),
                counted(estimate.replicates, "replicate"), counted(estimate.directions, "direction"),
@@ -115,6 +148,9 @@ int solveFile(const SolveCommand& command) {
   progress.clear();
   for (const std::string& warning : found.form_factors.warnings) fmt::print(stderr, "viewpeel: warning: {}\n", warning);
   conclude(command, table, found.heat);
+  const FormFactors& form_factors = found.form_factors.form_factors;
+  writeExchanges(command, form_factors,
+                 assignMaterials(table, form_factors.ids(), found.form_factors.between_surfaces.ids().names));
   if (command.tolerance) {
     const double reached = largestHeatError(found.heat, command.tolerance->of);
     const std::string text = describeTolerance(*command.tolerance, reached);
@@ -195,6 +231,25 @@ void addSolve(CLI::App& app, Run& chosen) {
   command->add_option("-o,--output", options->outputs, "Write the answers: .csv; may be given several times")
       ->type_name("FILE")
       ->allow_extra_args(false);
+  CLI::Option* exchange =
+      command
+          ->add_option_function<std::string>(
+              "--exchange",
+              [options](const std::string& word) {
+                options->exchange = word == "gebhart" ? ExchangeKind::gebhart : ExchangeKind::script_f;
+              },
+              "Also write exchange factors, reflections and all, and conductors in m2, into NAME.exchange.csv beside "
+              "NAME.csv")
+          ->type_name("gebhart|script-f")
+          ->check(CLI::IsMember({"gebhart", "script-f"}).description(""));
+  command
+      ->add_option(
+          "--drop-below", options->drop_below,
+          "Leave out pairs whose Gebhart factors are below this both ways; the rest is balanced so that energy "
+          "is kept")
+      ->type_name("X")
+      ->check([](const std::string& text) { return isNumber(text, 0, 0.999); })
+      ->needs(exchange);
   addChoice(command, "--by", options->request.by, {{"surface", By::surface}, {"polygon", By::polygon}},
             "One radiosity for each named surface, or for each polygon");
   command

@@ -24,6 +24,9 @@ class Irradiation {
   Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
   // Returns the whole inverse (A - X R)^-1, n x n, in rows.    Cost: 2 n^3; memory 16 n^2 bytes.
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> inverse() const;
+  // Returns S = A - R^(1/2) X R^(1/2), and R^(1/2).
+  const Eigen::SparseMatrix<double, Eigen::RowMajor>& symmetric() const { return symmetric_; }
+  const Eigen::VectorXd& roots() const { return root_; }
   // Returns steps of conjugate gradients in all calls of solve.
   uint32_t steps() const { return steps_; }
 

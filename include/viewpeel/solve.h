@@ -141,6 +141,45 @@ struct SceneHeat {
 SceneHeat solveScene(const Scene& scene, const MaterialTable& materials, Request request = {},
                      std::optional<HeatTolerance> tolerance = {}, const Observer& observer = {});
 
+// The ExchangeFactors of an enclosure are kept as conductors, symmetric and in input units squared. What flows from row i
+// to j by all paths is s R_ij (T_i^4 - T_j^4). R_ij = A_i e_i B_ij = A_i F*_ij: B are Gebhart's factors, the shares of
+// what i emits that j absorbs, and F* Hottel's script-F.
+struct ExchangeFactors {
+  struct Entry {
+    uint32_t i, j;  // i <= j; j may be kEnvironment
+    double conductor;
+  };
+  std::vector<Entry> entries;        // nonzero, sorted by (i, j)
+  std::vector<std::string> names;    // of rows
+  std::vector<double> areas;         // input units squared
+  std::vector<double> emissivities;  // of rows
+  uint64_t dropped = 0;              // pairs below the cut
+  double largest_dropped_share = 0;  // of what a row emits, before the rest took its place
+};
+
+// Computes the exchange factors of an enclosure: docs/solve.md, eq. (9).
+//   B = (I - F R)^-1 F E, whose rows, environment included, sum to 1
+//   Pairs whose Gebhart factors are below the cut both ways are left out, but for each row's largest. The others are then
+//     balanced (balanceRows), so that R stays symmetric and rows sum to A_i e_i as before: energy is kept.
+//   In: form factors of all rows; enclosure: emissivities count, temperatures do not; drop_below: in [0, 1)
+//   Out: see ExchangeFactors
+//   Error: rounding, 1e-12 of A_i e_i. Tests: tests/unit/solve_exchange_test.cpp compares with solveHeat.
+//   Throws: Error bad_usage and bad_input as solveHeat for form factors and emissivities; bad_input for a cut that leaves
+//     rows which cannot be balanced; limit above 10,000 rows.
+//   Cost: 2.3 n^3; memory 24 n^2 bytes.
+//   Source: B. Gebhart, Surface temperature calculations in radiant surroundings of arbitrary complexity, Int. J. Heat
+//     Mass Transfer 3, 1961, 341-346; H. C. Hottel & A. F. Sarofim, Radiative Transfer, McGraw-Hill 1967 (script-F).
+ExchangeFactors findExchangeFactors(const FormFactors& form_factors, const Enclosure& enclosure, double drop_below = 0);
+
+enum class ExchangeKind { gebhart, script_f };
+
+// Writes `from,to,gebhart,conductor` or `from,to,script_f,conductor`, both ways, row by row; `environment` stands in
+// `to`.
+//   Throws: nothing; a failure is out's state.    Cost: O(entries).
+void writeExchange(const ExchangeFactors& factors, ExchangeKind kind, std::ostream& out);
+// Writes the same to a file, as writeHeat.
+void writeExchange(const ExchangeFactors& factors, ExchangeKind kind, const std::filesystem::path& file);
+
 // Writes `surface,area,emissivity,temperature,radiosity,irradiation,heat_flux,heat_flow`, each uncertain column followed
 // by its `_standard_error`; the first column is `polygon` for rows by polygon.
 //   In: by: HeatSolution::rows, or surfaces

@@ -99,6 +99,33 @@ TEST_F(SolveProgram, TheToleranceIsOfTheAnswers) {
   }
 }
 
+TEST_F(SolveProgram, ExchangeFactorsStandBesideTheAnswers) {
+  const std::string command =
+      "solve " + kOffice + " --materials " + officeMaterials() + " --form-factors 0.01 -o " + file("a.csv");
+  const Result r = run(command + " --exchange gebhart");
+  ASSERT_EQ(r.status, 0) << r.output;
+  EXPECT_NE(r.output.find("written    " + file("a.exchange.csv")), std::string::npos) << r.output;
+  std::map<std::string, double> sums;
+  std::istringstream in(readFile(file("a.exchange.csv")));
+  std::string line, from, to, factor;
+  std::getline(in, line);
+  EXPECT_EQ(line, "from,to,gebhart,conductor");
+  while (std::getline(in, from, ',') && std::getline(in, to, ',') && std::getline(in, factor, ',') &&
+         std::getline(in, line))
+    sums[from] += std::stod(factor);
+  EXPECT_EQ(sums.size(), 18u);
+  for (const auto& [name, sum] : sums) EXPECT_NEAR(sum, 1, 1e-12) << name;
+  const Result cut = run(command + " --exchange script-f --drop-below 0.001");
+  EXPECT_EQ(cut.status, 0) << cut.output;
+  EXPECT_NE(cut.output.find("below 0.001 were dropped"), std::string::npos) << cut.output;
+  const std::string cube = "solve " + kCube + " --materials " + officeMaterials();
+  expectRefusal(run(cube + " --exchange gebhart"), "give -o NAME.csv");
+  expectRefusal(run(cube + " --drop-below 0.1"), "requires --exchange");
+  expectRefusal(run(cube + " --exchange b -o " + file("b.csv")), "not in");
+  expectRefusal(run(cube + " --exchange gebhart -o " + file("b.csv") + " -o " + file("b.exchange.csv")),
+                "is to be written twice");
+}
+
 TEST_F(SolveProgram, AnOpenSceneHasAnEnvironment) {
   const std::string hot = write("hot.csv", kHeader + "default,0.8,350,\n"),
                     both = write("both.csv", kHeader + "default,0.8,350,\nenvironment,,280,\n");
