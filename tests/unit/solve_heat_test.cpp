@@ -5,7 +5,8 @@
 #include <viewpeel/balance.h>
 
 #include "reference/closed_forms/rectangles.h"
-#include "scenes/named_scenes.h"
+#include "reference/exact/exact_engine.h"
+#include "scenes/heat_scenes.h"
 #include "tests/support/enclosures.h"
 #include "tests/support/reference_shapes.h"
 
@@ -265,6 +266,25 @@ TEST(SolveHeat, BlackShields) {
     // Outer sides exchange with the surroundings. Rims lose 2 (1 - f) of what a sheet emits.
     const double outside = te::power(400) - te::power(350), truth = outside + between / (shields + 1);
     EXPECT_TRUE(isWithin(found.rows[0].heat_flow.value, truth, 4 * (shields + 1) * (1 - f) * between)) << shields;
+  }
+}
+
+// Two squares past a sheet: closed forms, and the exact engine's areas along random directions.
+TEST(SolveHeat, TheExactEngineAgrees) {
+  const InputScene input = ts::squaresPastASheet(1);
+  const Scene scene = buildScene(input);
+  const FormFactors exact = ts::exactPastASheet(input, makeIds(scene, By::polygon, false));
+  const Enclosure enclosure{
+      {te::hot(0.8, 400), te::flux(0.6, 50), te::flux(0.3, 0), te::flux(0.3, 0)}, 300, exact.ids().names};
+  const Request request{.goal = FixedAmount{.directions = 100, .replicates = 16},
+                        .engine = EngineKind::exact,
+                        .exact_engine = reference::exactEngines()};
+  const HeatSolution truth = solveHeat(exact, enclosure),
+                     found = solveHeat(computeFormFactors(scene, request).form_factors, enclosure);
+  for (size_t k = 0; k < truth.rows.size(); ++k) {
+    const HeatRow &row = found.rows[k], &of_truth = truth.rows[k];
+    EXPECT_TRUE(isEstimateOf(row.irradiation.value, row.irradiation.standard_error, of_truth.irradiation.value));
+    EXPECT_TRUE(isEstimateOf(row.temperature.value, row.temperature.standard_error, of_truth.temperature.value));
   }
 }
 
