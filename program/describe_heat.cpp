@@ -11,10 +11,11 @@ namespace viewpeel::program {
 namespace {
 
 constexpr size_t kMostRows = 30;
+constexpr double kRounding = 1e-8;
 
-// A value to the last two digits of its standard error, four at least: "351.02 +- 0.14".
+// A value to the second digit of its standard error: "351.02 +- 1.4e-01".
 std::string inDigits(const Measured& value) {
-  if (!(value.standard_error > 0)) return fmt::format("{:.6g}", value.value);
+  if (!(value.standard_error > kRounding * std::abs(value.value))) return fmt::format("{:.6g}", value.value);
   const double last = std::floor(std::log10(value.standard_error)) - 1;
   const int decimals = std::clamp(static_cast<int>(-last), 0, 9);
   return fmt::format("{:.{}f} +- {:.1e}", value.value, decimals, value.standard_error);

@@ -1,8 +1,10 @@
 #include "solve/heat_errors.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "directions/random.h"
+#include "threads.h"
 
 namespace viewpeel {
 namespace {
@@ -44,19 +46,22 @@ HeatErrors::HeatErrors(const FormFactors& measured, const ClosedExchange& closed
   }
   probes_.resize(closed.areas.size(), kProbes);
   to_environment_ = VectorXd::Zero(kProbes);
-  for (uint32_t probe = 0; probe < kProbes; ++probe) {
+  shareOut(std::min<size_t>(threadCount(), kProbes), kProbes, 1, [&](size_t, size_t probe) {
     Random random(kProbeSeed, probe);
     VectorXd disturbance = VectorXd::Zero(closed.areas.size());
     uint64_t signs = 0;
+    double outside = 0;
     for (size_t k = 0; k < sources_.size(); ++k) {
       signs = k % 64 == 0 ? random.word() : signs >> 1;
       const double sign = signs & 1 ? 1 : -1;
       disturbance[sources_[k].i] += sign * sources_[k].of_i;
       disturbance[sources_[k].j] += sign * sources_[k].of_j;
-      to_environment_[probe] += sign * sources_[k].to_environment;
+      outside += sign * sources_[k].to_environment;
     }
-    probes_.col(probe) = irradiation.solve(disturbance);
-  }
+    const auto column = static_cast<Eigen::Index>(probe);
+    to_environment_[column] = outside;
+    probes_.col(column) = irradiation.solveRoughly(disturbance);
+  });
 }
 
 double HeatErrors::rootOfSquares(const VectorXd& adjoint, bool of_environment) const {

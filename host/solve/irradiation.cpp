@@ -9,9 +9,10 @@ namespace viewpeel {
 namespace {
 
 using Eigen::VectorXd;
+using Solver = Eigen::ConjugateGradient<Eigen::SparseMatrix<double, Eigen::RowMajor>, Eigen::Lower | Eigen::Upper>;
 using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-constexpr double kResidual = 1e-14, kStep = 1e-10;
+constexpr double kResidual = 1e-14, kStep = 1e-10, kRoughStep = 1e-7;
 constexpr int kRefinements = 4;
 
 }  // namespace
@@ -32,8 +33,7 @@ VectorXd Irradiation::solveSymmetric(const VectorXd& right_side) const {
     const VectorXd sizes = h.cwiseAbs();
     return (right_side.cwiseAbs() + 2 * diagonal.cwiseProduct(sizes) - symmetric_ * sizes).norm();
   };
-  Eigen::ConjugateGradient<Eigen::SparseMatrix<double, Eigen::RowMajor>, Eigen::Lower | Eigen::Upper> solver(
-      symmetric_);
+  Solver solver(symmetric_);
   solver.setTolerance(kStep);
   solver.setMaxIterations(10 * right_side.size() + 1000);
   // Rounding keeps one run of conjugate gradients from its residual: the next starts from the true one.
@@ -49,8 +49,15 @@ VectorXd Irradiation::solveSymmetric(const VectorXd& right_side) const {
                           residual.norm() / right_side.norm()));
 }
 
-VectorXd Irradiation::solve(const VectorXd& b) const {
-  const VectorXd h = solveSymmetric(root_.cwiseProduct(b));
+VectorXd Irradiation::solve(const VectorXd& b) const { return irradiationOf(b, solveSymmetric(root_.cwiseProduct(b))); }
+
+VectorXd Irradiation::solveRoughly(const VectorXd& b) const {
+  Solver solver(symmetric_);
+  solver.setTolerance(kRoughStep);
+  return irradiationOf(b, solver.solve(root_.cwiseProduct(b)));
+}
+
+VectorXd Irradiation::irradiationOf(const VectorXd& b, const VectorXd& h) const {
   return (b + closed_.pairs * root_.cwiseProduct(h)).cwiseQuotient(closed_.areas);
 }
 

@@ -22,6 +22,8 @@ class Irradiation {
   //   Throws: Error limit where conjugate gradients do not get there.
   //   Cost: some dozens of products of X.
   Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
+  // Returns the same to 1e-7 of the right side, for errors of errors. Several threads may call it at once.
+  Eigen::VectorXd solveRoughly(const Eigen::VectorXd& b) const;
   // Returns the whole inverse (A - X R)^-1, n x n, in rows.    Cost: 2 n^3; memory 16 n^2 bytes.
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> inverse() const;
   // Returns S = A - R^(1/2) X R^(1/2), and R^(1/2).
@@ -32,6 +34,7 @@ class Irradiation {
 
  private:
   Eigen::VectorXd solveSymmetric(const Eigen::VectorXd& right_side) const;
+  Eigen::VectorXd irradiationOf(const Eigen::VectorXd& b, const Eigen::VectorXd& h) const;
 
   const ClosedExchange& closed_;
   Eigen::VectorXd root_;  // of reflectivities
