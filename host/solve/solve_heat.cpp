@@ -82,8 +82,7 @@ double chooseShift(const ClosedExchange& closed, const Enclosure& enclosure) {
 class Solver {
  public:
   Solver(const FormFactors& form_factors, const Enclosure& enclosure)
-      : form_factors_(form_factors),
-        ids_(form_factors.ids()),
+      : ids_(form_factors.ids()),
         enclosure_(enclosure),
         closed_(closeRows(form_factors)),
         shift_(chooseShift(closed_, enclosure)),
@@ -211,7 +210,6 @@ class Solver {
     }
   }
 
-  const FormFactors& form_factors_;
   const Ids& ids_;
   const Enclosure& enclosure_;
   ClosedExchange closed_;
