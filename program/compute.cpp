@@ -73,7 +73,10 @@ void printResult(const ComputeOptions& options, const Result& result, const std:
     fmt::print("after a trial\n{}", result.division);
   fmt::print("{}{}", describeResult(result), result.balanced ? describeBalance(*result.balanced) : "");
   const auto* guarantee = std::get_if<EpsilonDelta>(&options.request.goal);
-  const char* unit = !guarantee ? "replicate" : guarantee->statistic == Statistic::median ? "run" : "block";
+  const char* unit = result.plan.line_guarantee                  ? "look"
+                     : !guarantee                                ? "replicate"
+                     : guarantee->statistic == Statistic::median ? "run"
+                                                                 : "block";
   fmt::print("work       {}, {}{}, {:.2f} s\n", counted(result.replicates, unit),
              counted(result.directions, "direction"), describeDirected(result), result.seconds);
   for (const std::string& output : options.outputs)

@@ -48,6 +48,32 @@ std::string describeGuarantee(const Request& request, const PlanSummary& plan) {
                     g.hoeffding, g.lemma_1, g.lemma_1_all, double(g.runs) * double(g.run_directions));
 }
 
+std::string describeLineGuarantee(const Request& request, const PlanSummary& plan) {
+  const LineGuaranteeFigures& g = *plan.line_guarantee;
+  const char* what = std::get<EpsilonDelta>(request.goal).rows ? "form factor, environment too," : "form factor";
+  std::string text =
+      g.delta > 0 ? fmt::format("goal       every {} within {} with probability {}\n", what, g.epsilon, 1 - g.delta)
+                  : fmt::format(
+                        "goal       intervals that geometry alone proves, within {} where it "
+                        "does\n",
+                        g.epsilon);
+  text += fmt::format(
+      "pairs      {} nothing can block, so that they are exact; {} geometry alone bounds to {}; {} need lines\n",
+      g.exact, g.known, g.epsilon, g.drawn);
+  text += fmt::format("plan       {:.2g} lines at most ({}), {:.2g} expected ({}); found out in {}; seed {}\n",
+                      g.most_lines, inWords(g.most_seconds), g.expected_lines, inWords(g.expected_seconds),
+                      inWords(g.plan_seconds), request.seed);
+  if (g.drawn)
+    text += fmt::format("           most of all for {} and {}: {:.2g}\n", g.neediest.first, g.neediest.second,
+                        g.most_for_one);
+  if (g.delta > 0)
+    text += fmt::format(
+        "beside     directions of Pellegrini's Lemma 1: {:.3g} for one pair, {:.3g} for all; of the median of runs "
+        "{:.3g}\n",
+        g.lemma_1, g.lemma_1_all, g.median_directions);
+  return text;
+}
+
 // Returns the goal as a standard error, of its form factor where it is relative; infinite where there is none.
 double goalOf(const Request& request) {
   if (const auto* tolerance = std::get_if<Tolerance>(&request.goal)) return tolerance->standard_error;
@@ -109,6 +135,7 @@ std::string describePlan(const FormFactorRun& run) {
   const Request& request = run.request();
   const PlanSummary& plan = run.plan();
   if (plan.guarantee) return describeGuarantee(request, plan);
+  if (plan.line_guarantee) return describeLineGuarantee(request, plan);
   if (plan.pair_lines) return describePairLines(*plan.pair_lines, plan, request.seed);
   return fmt::format("sampling   {} a replicate, {}; {}; seed {}\n", counted(plan.directions, "direction"),
                      plan.sampler, describeLattices(plan), request.seed) +

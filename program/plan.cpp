@@ -19,7 +19,7 @@ int runPlan(const std::string& scene_file, const Request& request) {
   std::fflush(stdout);
   const PlanSummary& plan = run.makePlan();
   fmt::print("{}", describePlan(run));
-  if (!plan.guarantee && !(plan.pilot_seconds > 0))
+  if (!plan.guarantee && !plan.line_guarantee && !(plan.pilot_seconds > 0))
     fmt::print("expected   {} for {}\n", inWords(run.measureSeconds()),
                counted(request.amount.replicates, "replicate"));
   fmt::print("{}", run.division());

@@ -39,10 +39,13 @@ void addGoalOptions(CLI::App* command, const std::shared_ptr<RequestOptions>& op
   addGoal("--epsilon", options->epsilon, "Guarantee: every form factor within E with probability 1 - D; see --delta",
           "E");
   EpsilonDelta& guarantee = options->guarantee;
-  command->add_option("--delta", guarantee.delta, "Probability with which a guarantee may fail")
+  command
+      ->add_option("--delta", guarantee.delta,
+                   "Probability with which a guarantee may fail; 0: intervals that geometry alone proves")
       ->type_name("D")
-      ->check(isPositive)
+      ->check([](const std::string& text) { return text == "0" ? std::string() : isPositive(text); })
       ->capture_default_str();
+  command->add_flag("--rows", guarantee.rows, "Guarantee the environment of each row, too");
   command
       ->add_option("--range", guarantee.range,
                    "Of a guarantee: lattices so fine that a direction adds at most about this to a form factor; chosen")
@@ -167,7 +170,7 @@ Request requestOf(const CLI::App* command, const RequestOptions& options) {
   Request request = options.request;
   const Amount& amount = request.amount;
   request.exact_engine = reference::exactEngines();
-  for (const char* name : {"--delta", "--statistic", "--range", "--block"})
+  for (const char* name : {"--delta", "--rows", "--statistic", "--range", "--block"})
     if (!options.epsilon && command->get_option(name)->count())
       throw Error(ErrorCode::bad_usage, fmt::format("{} is of a guarantee; give its --epsilon", name));
   if (options.epsilon && (options.tolerance || options.relative || command->get_option("--replicates")->count()))

@@ -145,6 +145,25 @@ Closure measureClosure(const FormFactors& form_factors) {
   return closure;
 }
 
+namespace {
+
+std::string describeGuarantee(const Guarantee& g) {
+  const char* by = g.by == GuaranteedBy::hoeffding   ? "Hoeffding's bound"
+                   : g.by == GuaranteedBy::bernstein ? "the empirical Bernstein bound"
+                   : g.by == GuaranteedBy::chernoff  ? "Chernoff's bound on independent lines"
+                                                     : "the median of runs";
+  const std::string chance =
+      g.delta > 0 ? fmt::format("with probability {}, by {}", 1 - g.delta, by) : "for certain, by geometry alone";
+  std::string text = fmt::format("guarantee  every form factor{} within {:.2e} {}\n",
+                                 g.by == GuaranteedBy::chernoff ? " between ids" : "", g.bound, chance);
+  if (g.row_bound > 0)
+    text +=
+        fmt::format("           what leaves the scene from each row within {:.2e}; all hold at once\n", g.row_bound);
+  return text;
+}
+
+}  // namespace
+
 std::string describeErrors(const Estimate& estimate) {
   const FormFactors& f = estimate.form_factors;
   const StandardErrors errors = measureStandardErrors(f, 3);
@@ -183,13 +202,7 @@ std::string describeErrors(const Estimate& estimate) {
         "two, at 95 % confidence;\n"
         "           rows add up without them\n",
         left_out, all, estimate.unmet_bound);
-  if (const auto& g = estimate.guarantee)
-    text =
-        fmt::format("guarantee  every form factor within {:.3g} with probability {}, by {}\n", g->bound, 1 - g->delta,
-                    g->by == GuaranteedBy::hoeffding   ? "Hoeffding's bound"
-                    : g->by == GuaranteedBy::bernstein ? "the empirical Bernstein bound"
-                                                       : "the median of runs") +
-        text;
+  if (estimate.guarantee) text = describeGuarantee(*estimate.guarantee) + text;
   if (!f.ids().rows_sum_to_one) return text;
   size_t unmet = 0;
   std::string first;
@@ -258,8 +271,9 @@ std::string asJson(const std::string& scene, const Result& estimate) {
     text += fmt::format(",\n  \"directed\": {{\"pairs\": {}, \"directions\": {}}}", estimate.directed_pairs,
                         estimate.directed_directions);
   if (const auto& g = estimate.guarantee)
-    text += fmt::format(",\n  \"guarantee\": {{\"epsilon\": {}, \"delta\": {}, \"bound\": {:.6g}}}", g->epsilon,
-                        g->delta, g->bound);
+    text +=
+        fmt::format(",\n  \"guarantee\": {{\"epsilon\": {}, \"delta\": {}, \"bound\": {:.6g}, \"row_bound\": {:.6g}}}",
+                    g->epsilon, g->delta, g->bound, g->row_bound);
   if (f.ids().rows_sum_to_one) {
     const Closure closure = measureClosure(f);
     text += fmt::format(

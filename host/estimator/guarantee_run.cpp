@@ -35,6 +35,19 @@ FormFactors medianOf(const std::vector<PairCounts>& runs, const FormFactors& mea
   return {means.ids(), std::move(entries), means.rowSums()};
 }
 
+// Gives every form factor the interval of the bound, of the smaller id of its pair.
+FormFactors withIntervals(FormFactors all, double bound) {
+  const Ids ids = all.ids();
+  std::vector<Measured> row_sums = all.rowSums();
+  std::vector<FormFactors::Entry> entries = std::move(all).entries();
+  std::vector<Interval> intervals;
+  for (const FormFactors::Entry& entry : entries) {
+    const double value = entry.exchange_area.value, off = bound * ids.smallerArea(entry.i, entry.j);
+    intervals.push_back({std::max(0.0, value - off), value + off});
+  }
+  return {ids, std::move(entries), std::move(row_sums), std::move(intervals)};
+}
+
 }  // namespace
 
 GuaranteeRun::GuaranteeRun(const Scene& scene, const Ids& ids, const GuaranteeOptions& options,
@@ -99,6 +112,7 @@ Estimate GuaranteeRun::estimate() const {
         sums_.measure_area, sums_.by_id.formFactors(sums_.measure_area, sums_.countArea())));
   estimate.guarantee = guarantee_;
   if (guarantee_.by != GuaranteedBy::bernstein) estimate.guarantee->bound = options_.epsilon;
+  estimate.form_factors = withIntervals(std::move(estimate.form_factors), estimate.guarantee->bound);
   return estimate;
 }
 

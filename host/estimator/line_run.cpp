@@ -26,13 +26,6 @@ double allowedBy(const EstimateOptions& options, double exchange, double smaller
 
 using Key = std::pair<uint32_t, uint32_t>;
 
-// The entry of the result that a pair of faces, or of a face and a back, is a part of.
-Key entryOf(const LinePair& pair, const Ids& face_ids, By by) {
-  const bool is_leak = pair.j >= face_ids.count();
-  if (by == By::polygon) return {pair.i, is_leak ? kLeak : pair.j};
-  return std::minmax(face_ids.surface[pair.i], is_leak ? kLeak : face_ids.surface[pair.j]);
-}
-
 RunSums sumsToBeginWith(const Scene& scene, const Ids& face_ids, std::vector<LinePair> pairs,
                         const EstimateOptions& options) {
   RunSums sums = makeRunSums(scene, face_ids);
@@ -68,7 +61,7 @@ std::vector<LinePair> planLines(PairLines& lines, const Ids& face_ids, const Ids
   };
   lines.plan(pairs, allowedTo, options.replicates);
   double all = 0;
-  for (const LinePair& pair : pairs) all += 16.0 * pair.blocks * options.replicates / pair.period;
+  for (const LinePair& pair : pairs) all += pair.linesIn(options.replicates);
   if (!(all > most_lines)) return pairs;
   // The number of lines falls as the error to the power of -8/5.
   const double relief = std::pow(all / most_lines, 5.0 / 8);

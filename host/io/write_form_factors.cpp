@@ -32,10 +32,16 @@ void forEachEntry(const FormFactors& form_factors, Use use) {
 
 void writeCsv(const FormFactors& form_factors, std::ostream& out, const FormFactors* balanced) {
   const auto& names = form_factors.ids().names;
-  out << "from,to,form_factor,standard_error" << (balanced ? ",balanced_form_factor\n" : "\n");
+  const bool has_intervals = form_factors.hasIntervals();
+  out << "from,to,form_factor,standard_error" << (has_intervals ? ",lower,upper" : "")
+      << (balanced ? ",balanced_form_factor\n" : "\n");
   forEachEntry(form_factors, [&](uint32_t i, uint32_t j, const Measured& f) {
     const std::string to = j == kEnvironment ? "environment" : j == kLeak ? "leak" : quoteName(names[j]);
     fmt::print(out, "{},{},{},{}", quoteName(names[i]), to, f.value, f.standard_error);
+    if (has_intervals) {
+      const Interval interval = form_factors.interval(i, j);
+      fmt::print(out, ",{},{}", interval.lower, interval.upper);
+    }
     if (balanced) fmt::print(out, ",{}", balanced->formFactor(i, j).value);
     out << '\n';
   });

@@ -10,6 +10,7 @@
 #include <glm/glm.hpp>
 
 #include "hash.h"
+#include "scene/coincident.h"
 
 namespace viewpeel {
 namespace {
@@ -144,10 +145,6 @@ class Joiner {
 };
 
 }  // namespace
-
-int levelOf(const Polygon& polygon) {
-  return polygon.front_along_plane_normal ? int(polygon.tie_rank) : int(kTieRanks) - 1 - int(polygon.tie_rank);
-}
 
 std::vector<Blocker> makeBlockers(const Scene& scene, bool join) {
   Joiner joiner(scene);

@@ -18,7 +18,7 @@ constexpr uint32_t kMostBlockerCorners = 8;
 struct Blocker {
   uint32_t corner_count = 0;
   uint32_t plane = 0;    // Scene::planes
-  int level = 0;         // place among the polygons of its plane, rising along the plane's normal
+  int level = 0;         // levelOf its polygons
   uint32_t polygon = 0;  // one of those that it is made of
   glm::dvec3 normal{0};  // of its corners' order, unit length
   double offset = 0;     // normal . x = offset
@@ -27,9 +27,6 @@ struct Blocker {
   double edge_offsets[kMostBlockerCorners]{};
   glm::dvec3 low{0}, high{0};  // its box
 };
-
-// The level of a polygon in its plane: coincident polygons are as if they lay apart by their levels.
-int levelOf(const Polygon& polygon);
 
 //   In: a scene as buildScene makes it; join: whether neighbours become one
 //   Out: blockers whose union is that of all polygons, plane by plane and level by level

@@ -51,12 +51,7 @@ class SobolBits {
 constexpr SobolBits kSobol;
 static_assert(1 << 4 == kLineLanes);
 
-struct Vector {
-  Floats x, y, z;
-};
-
-VIEWPEEL_INLINE Floats dot(const float* n, const Vector& v) { return n[0] * v.x + n[1] * v.y + n[2] * v.z; }
-VIEWPEEL_INLINE Floats dot(const Vector& a, const Vector& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+using Vector = LaneVector<Floats>;
 
 // Owen's scrambling by a hash (B. Burley, Practical hash-based Owen scrambling, JCGT 9(4), 2020; constants of N.
 // Vegdahl, Building a better LK hash, 2021), and the numbers in [0, 1) that the digits make.
@@ -107,30 +102,6 @@ struct Lines {
   Floats open;  // above 0 where it is
 };
 
-// Points on a patch, and the density of its area there.
-template <class End>
-VIEWPEEL_INLINE Vector pointOn(const End& of, Floats s, Floats t, Floats& density) {
-  if (of.is_triangle) {
-    // The square is folded onto the triangle, area for area (E. Heitz, A low-distortion map between triangle and
-    // square, 2019).
-    const Floats half_s = 0.5f * s, half_t = 0.5f * t, folded_s = t > s ? half_s : s - half_t;
-    t = t > s ? t - half_s : half_t;
-    s = folded_s;
-  }
-  const Floats st = s * t;
-  density = of.density[0] + of.density[1] * s + of.density[2] * t;
-  return {of.corner[0] + of.side_a[0] * s + of.side_b[0] * t + of.twist[0] * st,
-          of.corner[1] + of.side_a[1] * s + of.side_b[1] * t + of.twist[1] * st,
-          of.corner[2] + of.side_a[2] * s + of.side_b[2] * t + of.twist[2] * st};
-}
-
-// Returns how far a point of the plane is beyond the farthest edge: at most 0 inside.
-VIEWPEEL_INLINE Floats beyond(const float (*edges)[4], uint32_t count, const Vector& at) {
-  Floats most = dot(edges[0], at) + edges[0][3];
-  for (uint32_t e = 1; e < count; ++e) most = greatest(most, dot(edges[e], at) + edges[e][3]);
-  return most;
-}
-
 // Moves u to where the warp is dense; stretch: multiplied by the density that is lost.
 template <class Warp>
 VIEWPEEL_INLINE void warp(const Warp& by, Floats& u, Floats& stretch) {
@@ -144,8 +115,7 @@ VIEWPEEL_INLINE void warp(const Warp& by, Floats& u, Floats& stretch) {
 }
 
 // Lines from points to points: eq. (43) of docs/method.md.
-template <class End>
-VIEWPEEL_INLINE Lines drawPoints(const End& first, const End& second, const Floats* u) {
+VIEWPEEL_INLINE Lines drawPoints(const LineEnd<float>& first, const LineEnd<float>& second, const Floats* u) {
   Lines lines;
   Floats density_p, density_q;
   lines.p = pointOn(first, u[0], u[1], density_p);
@@ -158,8 +128,9 @@ VIEWPEEL_INLINE Lines drawPoints(const End& first, const End& second, const Floa
 }
 
 // Lines from points by angles: eq. (45).
-template <class End, class Warp>
-VIEWPEEL_INLINE Lines drawAngles(const End& first, const End& second, const Warp* warps, const Floats* u) {
+template <class Rectangle, class Warp>
+VIEWPEEL_INLINE Lines drawAngles(const LineEnd<float>& first, const LineEnd<float>& second, const Rectangle& rectangle,
+                                 const Warp* warps, const Floats* u) {
   Lines lines;
   Floats at[2] = {u[0], u[1]}, stretch = all(1.0f), density_p;
   for (int axis = 0; axis < 2; ++axis) warp(warps[axis], at[axis], stretch);
@@ -167,14 +138,14 @@ VIEWPEEL_INLINE Lines drawAngles(const End& first, const End& second, const Warp
   const Floats height = dot(second.normal, lines.p) - second.offset;
   Floats aside[2], spread = density_p * stretch;
   for (int axis = 0; axis < 2; ++axis) {
-    const Floats foot = dot(second.axes[axis], lines.p);
-    const Floats low = arcTangent((second.range[axis][0] - foot) / height),
-                 high = arcTangent((second.range[axis][1] - foot) / height);
+    const Floats foot = dot(rectangle.axes[axis], lines.p);
+    const Floats low = arcTangent((rectangle.range[axis][0] - foot) / height),
+                 high = arcTangent((rectangle.range[axis][1] - foot) / height);
     aside[axis] = height * tangent(low + u[2 + axis] * (high - low));
     spread *= (high - low) * (height * height + aside[axis] * aside[axis]) / height;
   }
   const auto towards = [&](int axis) __attribute__((always_inline)) {
-    return aside[0] * second.axes[0][axis] + aside[1] * second.axes[1][axis] - height * second.normal[axis];
+    return aside[0] * rectangle.axes[0][axis] + aside[1] * rectangle.axes[1][axis] - height * second.normal[axis];
   };
   lines.d = {towards(0), towards(1), towards(2)};
   lines.q = {lines.p.x + lines.d.x, lines.p.y + lines.d.y, lines.p.z + lines.d.z};
@@ -185,8 +156,7 @@ VIEWPEEL_INLINE Lines drawAngles(const End& first, const End& second, const Warp
 }
 
 // Lines of no length, between patches of one plane.
-template <class End>
-VIEWPEEL_INLINE Lines drawContact(const End& first, const End& second, const Floats* u) {
+VIEWPEEL_INLINE Lines drawContact(const LineEnd<float>& first, const LineEnd<float>& second, const Floats* u) {
   Lines lines;
   lines.p = lines.q = pointOn(first, u[0], u[1], lines.weight);
   lines.d = Vector{};
@@ -195,8 +165,7 @@ VIEWPEEL_INLINE Lines drawContact(const End& first, const End& second, const Flo
 }
 
 // Returns numbers of at most 0 where a line is blocked. Lines along the blocker's plane pass it.
-template <class Obstacle>
-VIEWPEEL_INLINE Floats passing(const Obstacle& by, const Lines& lines) {
+VIEWPEEL_INLINE Floats passing(const Obstacle<float>& by, const Lines& lines) {
   if (by.place != BlockerPlace::between)
     return beyond(by.edges, by.edge_count, by.place == BlockerPlace::over_first ? lines.p : lines.q);
   const Floats at_p = dot(by.plane, lines.p) + by.plane[3], slope = dot(by.plane, lines.d);
@@ -233,56 +202,19 @@ double pointFormFactor(const dvec3& p, const dvec3& normal, const Patch& patch) 
 
 }  // namespace
 
-LineDrawer::End LineDrawer::endOf(const Patch& patch, const dvec3& origin, bool folds_triangles) {
-  End end{};
-  end.is_triangle = patch.corner_count == 3 && folds_triangles;
-  // Without folding a triangle's last corner is its first one again: a square with one collapsed side.
-  const dvec3* const c = patch.corners;
-  const dvec3 last = patch.corner_count == 3 ? c[0] : c[3];
-  const dvec3 side_a = c[1] - c[0], side_b = (end.is_triangle ? c[2] : last) - c[0],
-              twist = end.is_triangle ? dvec3(0) : c[0] - c[1] + c[2] - last;
-  toFloats(c[0] - origin, end.corner);
-  toFloats(side_a, end.side_a), toFloats(side_b, end.side_b), toFloats(twist, end.twist);
-  const dvec3 across = glm::normalize(glm::cross(c[1] - c[0], c[2] - c[0]));
-  end.density[0] = static_cast<float>(glm::dot(across, glm::cross(side_a, side_b)) / (end.is_triangle ? 2 : 1));
-  end.density[1] = static_cast<float>(glm::dot(across, glm::cross(side_a, twist)));
-  end.density[2] = static_cast<float>(glm::dot(across, glm::cross(twist, side_b)));
-  toFloats(patch.normal, end.normal);
-  end.offset = static_cast<float>(patch.offset - glm::dot(patch.normal, origin));
-  end.edge_count = patch.corner_count;
-  for (uint32_t e = 0; e < patch.corner_count; ++e) {
-    toFloats(patch.edge_normals[e], end.edges[e]);
-    end.edges[e][3] = static_cast<float>(glm::dot(patch.edge_normals[e], origin) - patch.edge_offsets[e]);
-  }
-  return end;
-}
-
 LineDrawer::LineDrawer(const Patch& a, const Patch& b, LineWay way, double exchange,
                        const std::vector<Blocker>& blockers, std::span<const PlacedBlocker> between)
     : way_(way) {
   const bool is_swapped = b.area < a.area;
   const Patch &small = is_swapped ? b : a, &large = is_swapped ? a : b;
   const dvec3 origin = small.middle;
-  first_ = endOf(small, origin, way != LineWay::angles), second_ = endOf(large, origin, true);
+  first_ = makeLineEnd<float>(small, origin, way != LineWay::angles), second_ = makeLineEnd<float>(large, origin, true);
   if (way == LineWay::angles) {
     frameSecond(small, large);
     warpTowards(small, large);
   }
   unit_ = static_cast<float>(way == LineWay::contact ? 1 / exchange : 1 / (std::numbers::pi * exchange));
-  for (const PlacedBlocker& placed : between) {
-    const Blocker& blocker = blockers[placed.blocker];
-    Obstacle& obstacle = obstacles_.emplace_back();
-    obstacle.place = placed.place == BlockerPlace::between                      ? BlockerPlace::between
-                     : (placed.place == BlockerPlace::over_first) != is_swapped ? BlockerPlace::over_first
-                                                                                : BlockerPlace::over_second;
-    obstacle.edge_count = blocker.corner_count;
-    toFloats(blocker.normal, obstacle.plane);
-    obstacle.plane[3] = static_cast<float>(glm::dot(blocker.normal, origin) - blocker.offset);
-    for (uint32_t e = 0; e < blocker.corner_count; ++e) {
-      toFloats(blocker.edge_normals[e], obstacle.edges[e]);
-      obstacle.edges[e][3] = static_cast<float>(glm::dot(blocker.edge_normals[e], origin) - blocker.edge_offsets[e]);
-    }
-  }
+  obstacles_ = makeObstacles<float>(blockers, between, origin, is_swapped);
 }
 
 // Sets the rectangle of the second patch that angles go to: around what the first patch has in front of it.
@@ -302,13 +234,13 @@ void LineDrawer::frameSecond(const Patch& small, const Patch& large) {
   axes[0] = count == large.corner_count || glm::length(along) < 1e-6 ? longestEdge(large) : glm::normalize(along);
   axes[1] = glm::cross(large.normal, axes[0]);
   for (int axis = 0; axis < 2; ++axis) {
-    toFloats(axes[axis], second_.axes[axis]);
+    toFloats(axes[axis], rectangle_.axes[axis]);
     double low = INFINITY, high = -INFINITY;
     for (uint32_t k = 0; k < count; ++k) {
       low = std::min(low, glm::dot(axes[axis], seen[k] - small.middle));
       high = std::max(high, glm::dot(axes[axis], seen[k] - small.middle));
     }
-    second_.range[axis][0] = static_cast<float>(low), second_.range[axis][1] = static_cast<float>(high);
+    rectangle_.range[axis][0] = static_cast<float>(low), rectangle_.range[axis][1] = static_cast<float>(high);
   }
 }
 
@@ -362,7 +294,7 @@ DrawnLines LineDrawer::draw(const std::array<uint32_t, 4>& scrambles, uint32_t f
       digits[d] ^= kSobol.of[d][4 + std::countr_zero(block + 1)];
     }
     Lines lines = way_ == LineWay::points   ? drawPoints(first_, second_, u)
-                  : way_ == LineWay::angles ? drawAngles(first_, second_, warps_, u)
+                  : way_ == LineWay::angles ? drawAngles(first_, second_, rectangle_, warps_, u)
                                             : drawContact(first_, second_, u);
     const Floats weight = keep(lines.open, unit_ * lines.weight);
     weights += weight;

@@ -20,20 +20,11 @@
 #include <vector>
 
 #include "engines/vectorised.h"
-#include "pair_lines/blockers.h"
-#include "pair_lines/patches.h"
+#include "pair_lines/line_ends.h"
 
 namespace viewpeel {
 
 enum class LineWay : uint8_t { points, angles, contact };
-
-// What covers an end of lines lies in its plane; other blockers lie between.
-enum class BlockerPlace : uint8_t { between, over_first, over_second };
-
-struct PlacedBlocker {
-  uint32_t blocker;
-  BlockerPlace place;
-};
 
 // Lines of two patches. Weights are of a mean of 1, those of lines that miss 0.
 struct DrawnLines {
@@ -58,39 +49,26 @@ class LineDrawer {
   DrawnLines draw(const std::array<uint32_t, 4>& scrambles, uint32_t first, uint32_t end, Vectors vectors) const;
 
  private:
-  // A point is corner + s side_a + t side_b + s t twist for s, t in [0, 1]; of a triangle where s + t <= 1.
-  struct End {
-    float corner[3], side_a[3], side_b[3], twist[3];
-    float density[3];  // of the area, per ds dt: 1, s, t; a triangle has one density
-    float normal[3], offset;
-    bool is_triangle;
-    uint32_t edge_count;
-    float edges[4][4];  // outward normals and minus their offsets
+  // The part of the second patch's plane that angles go to.
+  struct Rectangle {
     float axes[2][3];   // of its plane, unit length
-    float range[2][2];  // of the patch along the axes, least and most
+    float range[2][2];  // along the axes, least and most
   };
   // Numbers in [0, 1), more of them where more of what counts is: bin by bin.
   struct Warp {
     static constexpr int kBins = 8;
     float starts[kBins], scales[kBins];  // of bin k: u >= starts[k], and its width over its share
   };
-  struct Obstacle {
-    BlockerPlace place;
-    uint32_t edge_count;
-    float plane[4];  // normal and minus its offset
-    float edges[kMostBlockerCorners][4];
-  };
-
-  static End endOf(const Patch& patch, const glm::dvec3& origin, bool folds_triangles);
   void frameSecond(const Patch& small, const Patch& large);
   void warpTowards(const Patch& small, const Patch& large);
   DrawnLines drawAll(const std::array<uint32_t, 4>& scrambles, uint32_t first, uint32_t end) const;
 
   LineWay way_;
-  End first_, second_;
+  LineEnd<float> first_, second_;
+  Rectangle rectangle_{};
   Warp warps_[2];  // of points of the first patch, by angles
   float unit_;     // of weights
-  std::vector<Obstacle> obstacles_;
+  std::vector<Obstacle<float>> obstacles_;
 };
 
 }  // namespace viewpeel

@@ -49,8 +49,8 @@ int stepsInFront(const Blocker& blocker, const Patch& patch) {
 
 }  // namespace
 
-PairFinder::PairFinder(const Scene& scene, const Ids& ids, bool with_backs, bool join_blockers)
-    : patches_(makePatches(scene, ids, with_backs)), blockers_(makeBlockers(scene, join_blockers)), unoccluded_(scene) {
+PairFinder::PairFinder(const Scene& scene, const Ids& ids, bool with_backs)
+    : patches_(makePatches(scene, ids, with_backs)), blockers_(makeBlockers(scene)), unoccluded_(scene) {
   // Large blockers hide most: where one hides all, the rest need no test.
   std::vector<double> sizes;
   for (const Blocker& blocker : blockers_) {
@@ -239,15 +239,11 @@ class PairFinder::Search {
       between_.clear();
       const PatchShaft shaft(a, b);
       // What hid the last pair often hides its neighbours.
-      const auto isHidden = [&](std::span<const uint32_t> by) {
-        found.figures.blocker_tests += by.size();
-        return shaft.find(finder_.blockers_, by, between_, vectors_) == Sight::hidden;
-      };
-      if (isHidden({&last_hider_, 1})) return void(++found.figures.hidden);
+      if (shaft.isHidden(finder_.blockers_, {&last_hider_, 1}, between_, vectors_)) return;
       between_.clear();
-      if (isHidden(from)) {
+      if (shaft.isHidden(finder_.blockers_, from, between_, vectors_)) {
         last_hider_ = between_.back();
-        return void(++found.figures.hidden);
+        return;
       }
       for (const uint32_t k : between_) found.between.push_back({k, BlockerPlace::between});
       for (const uint32_t k : finder_.covers_[p]) found.between.push_back({k, BlockerPlace::over_first});
@@ -260,7 +256,6 @@ class PairFinder::Search {
     }
     ++pair_count_;
     const auto count = static_cast<uint32_t>(found.between.size() - before);
-    ++(count ? found.figures.partial : found.figures.clear);
     found.pairs.push_back({p, q, exchange, static_cast<uint32_t>(before), count});
   }
 
@@ -317,8 +312,6 @@ PatchPairs PairFinder::find(size_t threads, const std::function<void()>& stop) c
       all.pairs.push_back(pair);
     }
     all.between.insert(all.between.end(), part.between.begin(), part.between.end());
-    all.figures.clear += part.figures.clear, all.figures.partial += part.figures.partial;
-    all.figures.hidden += part.figures.hidden, all.figures.blocker_tests += part.figures.blocker_tests;
     part = {};
   }
   std::ranges::sort(all.pairs, {}, [](const PatchPair& pair) { return std::pair(pair.a, pair.b); });

@@ -25,12 +25,6 @@ struct PatchPair {
   uint32_t first_blocker = 0, blocker_count = 0;
 };
 
-// How many pairs of patches were looked at, and what became of them.
-struct PatchPairFigures {
-  uint64_t clear = 0, partial = 0, hidden = 0;  // hidden: but for those of whole clusters
-  uint64_t blocker_tests = 0;                   // of shafts of patches
-};
-
 // The most pairs that are found: with what is planned and counted for it a pair takes some 250 bytes.
 constexpr size_t kMostPatchPairs = 12'000'000;
 
@@ -38,14 +32,13 @@ struct PatchPairs {
   bool is_complete = true;             // false: there are more than kMostPatchPairs, and what is here means nothing
   std::vector<PatchPair> pairs;        // sorted by (a, b); pairs that are hidden are left out
   std::vector<PlacedBlocker> between;  // of all pairs
-  PatchPairFigures figures;
 };
 
 class PairFinder {
  public:
   //   In: scene: referred to; with_backs: whether backs that lines leak to are among the patches
   //   Cost: O(n log n) for most scenes.
-  PairFinder(const Scene& scene, const Ids& ids, bool with_backs = false, bool join_blockers = true);
+  PairFinder(const Scene& scene, const Ids& ids, bool with_backs = false);
 
   const std::vector<Patch>& patches() const { return patches_; }
   const std::vector<Blocker>& blockers() const { return blockers_; }
@@ -56,7 +49,7 @@ class PairFinder {
   // All pairs of patches of different faces of which one emits and the other receives.
   //   In: threads; stop: called now and then by one thread, may throw, may be empty
   //   Error: blockers that reach less deep than kTouchingShaft into a shaft count as outside it.
-  //   Cost: a fraction of a microsecond a pair and what closed forms take. Tests: tests/unit/find_pairs_test.cpp.
+  //   Cost: a fraction of a microsecond a pair and what closed forms take. Tests: tests/unit/pair_lines_test.cpp.
   PatchPairs find(size_t threads, const std::function<void()>& stop = {}) const;
 
  private:

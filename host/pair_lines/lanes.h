@@ -37,6 +37,9 @@ VIEWPEEL_INLINE Floats greatest(const Floats& a, const Floats& b) { return a > b
 VIEWPEEL_INLINE Doubles least(const Doubles& a, const Doubles& b) { return a < b ? a : b; }
 VIEWPEEL_INLINE Doubles greatest(const Doubles& a, const Doubles& b) { return a > b ? a : b; }
 
+VIEWPEEL_INLINE double least(double a, double b) { return a < b ? a : b; }
+VIEWPEEL_INLINE double greatest(double a, double b) { return a > b ? a : b; }
+
 // Returns x where the condition is above 0, else 0.
 VIEWPEEL_INLINE Floats keep(const Floats& condition, const Floats& x) { return condition > 0.0f ? x : Floats{}; }
 

@@ -113,12 +113,27 @@ LineCount PairLines::draw(const LinePair& pair, const Group& group, uint64_t rep
   return count;
 }
 
+std::vector<PairLines::Part> PairLines::blockableParts(size_t pair) const {
+  std::vector<Part> found;
+  const double unit = scene_.scale * scene_.scale;
+  for (uint32_t k = groups_[pair].first; k < groups_[pair].first + groups_[pair].count; ++k)
+    if (parts_.pairs[k].blocker_count) found.push_back({k, parts_.pairs[k].exchange * unit});
+  return found;
+}
+
+UniformLineCount PairLines::drawUniform(uint32_t index, uint64_t series, uint64_t lines, Vectors vectors) const {
+  const PatchPair& part = parts_.pairs[index];
+  const Patch &a = finder_.patches()[part.a], &b = finder_.patches()[part.b];
+  Hash stream;
+  for (const uint64_t number : {seed_, uint64_t(a.side), uint64_t(b.side), series}) stream.add(number);
+  const UniformLines drawn(a, b, part.exchange, finder_.blockers(),
+                           {&parts_.between[part.first_blocker], part.blocker_count});
+  return drawn.draw(stream.value(), lines, vectors);
+}
+
 void PairLines::forEach(size_t count, const std::function<void(size_t)>& work) const {
   shareOut(
-      threads_, count, kChunk, [&](size_t, size_t k) { work(k); },
-      [&](size_t) {
-        if (stop_) stop_();
-      });
+      threads_, count, kChunk, [&](size_t, size_t k) { work(k); }, [&](size_t) { stopIfRequested(); });
 }
 
 bool PairLines::isPartial(const Group& group) const {

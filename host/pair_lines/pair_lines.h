@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pair_lines/find_pairs.h"
+#include "pair_lines/uniform_lines.h"
 #include "sums/line_sums.h"
 
 namespace viewpeel {
@@ -46,6 +47,21 @@ class PairLines {
   //   Out: counts, by pair; a function of seed, pair and replicate alone    Cost: some 5 to 50 ns a line.
   LineCounts count(std::span<const LinePair> pairs, uint64_t replicate, const std::vector<bool>& wanted = {},
                    uint32_t times = 1);
+
+  // A part of a pair of faces: two of their patches that something may block.
+  struct Part {
+    uint32_t index;
+    double exchange;  // with nothing in between, input units squared
+  };
+  // Returns the parts of a pair that something may block.    In: pair: an index into find()'s
+  std::vector<Part> blockableParts(size_t pair) const;
+  // Draws independent lines of one part.
+  //   In: part: Part::index; series: different ones are independent    Out: a function of seed, part and series alone
+  UniformLineCount drawUniform(uint32_t part, uint64_t series, uint64_t lines, Vectors vectors) const;
+  size_t threads() const { return threads_; }
+  void stopIfRequested() const {
+    if (stop_) stop_();
+  }
 
  private:
   struct Group {

@@ -4,7 +4,7 @@
 
 #include <glm/glm.hpp>
 
-#include "pair_lines/blockers.h"
+#include "scene/coincident.h"
 
 namespace viewpeel {
 namespace {

@@ -199,18 +199,17 @@ void PatchShaft::addTangents(const Patch& a, const Patch& b) {
   return true;
 }
 
-Sight PatchShaft::find(const std::vector<Blocker>& blockers, std::span<const uint32_t> from,
-                       std::vector<uint32_t>& between, Vectors vectors) const {
-  Sight sight = Sight::clear;
+bool PatchShaft::isHidden(const std::vector<Blocker>& blockers, std::span<const uint32_t> from,
+                          std::vector<uint32_t>& between, Vectors vectors) const {
+  bool is_hidden = false;
   runVectorised(
-      vectors, [&]() __attribute__((always_inline)) { sight = findAll(blockers, from, between); });
-  return sight;
+      vectors, [&]() __attribute__((always_inline)) { is_hidden = isHiddenByOne(blockers, from, between); });
+  return is_hidden;
 }
 
-[[gnu::always_inline]] inline Sight PatchShaft::findAll(const std::vector<Blocker>& blockers,
-                                                        std::span<const uint32_t> from,
-                                                        std::vector<uint32_t>& between) const {
-  const size_t before = between.size();
+[[gnu::always_inline]] inline bool PatchShaft::isHiddenByOne(const std::vector<Blocker>& blockers,
+                                                             std::span<const uint32_t> from,
+                                                             std::vector<uint32_t>& between) const {
   for (const uint32_t index : from) {
     const Blocker& blocker = blockers[index];
     if (blocker.plane == a_.plane || blocker.plane == b_.plane) continue;
@@ -219,9 +218,9 @@ Sight PatchShaft::find(const std::vector<Blocker>& blockers, std::span<const uin
     if (largestOf(heights) <= kTouchingShaft || leastOf(heights) >= -kTouchingShaft) continue;
     if (isOutside(blocker)) continue;
     between.push_back(index);
-    if (hides(blocker, heights)) return Sight::hidden;
+    if (hides(blocker, heights)) return true;
   }
-  return between.size() == before ? Sight::clear : Sight::partial;
+  return false;
 }
 
 }  // namespace viewpeel

@@ -58,21 +58,19 @@ class BoxShaft {
 // Whether the blocker hides all of one box from all of the other.
 bool hidesBox(const Blocker& blocker, const Box& a, const Box& b);
 
-enum class Sight { clear, partial, hidden };
-
 // What is between two patches that do not lie in one plane.
 class PatchShaft {
  public:
   PatchShaft(const Patch& a, const Patch& b);
   //   In: from: indices of blockers, those of the patches' planes among them are passed over
-  //   Out: between: appended to, the blockers that some line may meet; hidden: the last of them hides all; clear: there
-  //   are none    Cost: O(from).
-  Sight find(const std::vector<Blocker>& blockers, std::span<const uint32_t> from, std::vector<uint32_t>& between,
-             Vectors vectors) const;
+  //   Out: between: appended to, the blockers that some line may meet; true where the last of them hides all
+  //   Cost: O(from).
+  bool isHidden(const std::vector<Blocker>& blockers, std::span<const uint32_t> from, std::vector<uint32_t>& between,
+                Vectors vectors) const;
 
  private:
-  Sight findAll(const std::vector<Blocker>& blockers, std::span<const uint32_t> from,
-                std::vector<uint32_t>& between) const;
+  bool isHiddenByOne(const std::vector<Blocker>& blockers, std::span<const uint32_t> from,
+                     std::vector<uint32_t>& between) const;
   void addTangents(const Patch& a, const Patch& b);
   void addPlane(const glm::dvec3& normal, double offset);
   bool isOutside(const Blocker& blocker) const;

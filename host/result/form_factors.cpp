@@ -5,14 +5,29 @@
 
 namespace viewpeel {
 
-FormFactors::FormFactors(Ids ids, std::vector<Entry> entries, std::vector<Measured> row_sums)
-    : ids_(std::move(ids)), entries_(std::move(entries)), row_sums_(std::move(row_sums)) {}
+FormFactors::FormFactors(Ids ids, std::vector<Entry> entries, std::vector<Measured> row_sums,
+                         std::vector<Interval> intervals)
+    : ids_(std::move(ids)),
+      entries_(std::move(entries)),
+      row_sums_(std::move(row_sums)),
+      intervals_(std::move(intervals)) {}
 
-Measured FormFactors::exchangeArea(uint32_t i, uint32_t j) const {
+size_t FormFactors::find(uint32_t i, uint32_t j) const {
   const std::pair key(std::min(i, j), std::max(i, j));
   const auto key_of = [](const Entry& entry) { return std::pair(entry.i, entry.j); };
   const auto at = std::ranges::lower_bound(entries_, key, {}, key_of);
-  return at != entries_.end() && key_of(*at) == key ? at->exchange_area : Measured{};
+  return at != entries_.end() && key_of(*at) == key ? static_cast<size_t>(at - entries_.begin()) : entries_.size();
+}
+
+Measured FormFactors::exchangeArea(uint32_t i, uint32_t j) const {
+  const size_t at = find(i, j);
+  return at < entries_.size() ? entries_[at].exchange_area : Measured{};
+}
+
+Interval FormFactors::interval(uint32_t i, uint32_t j) const {
+  const size_t at = find(i, j);
+  if (at >= intervals_.size()) return {};
+  return {intervals_[at].lower / ids_.areas[i], intervals_[at].upper / ids_.areas[i]};
 }
 
 Measured FormFactors::formFactor(uint32_t i, uint32_t j) const {

@@ -14,9 +14,11 @@ bool mayUseUnoccluded(const Request& request) {
 }
 
 bool mayUsePairLines(const Request& request) {
-  return request.engine != EngineKind::exact &&
-         (std::holds_alternative<Tolerance>(request.goal) || std::holds_alternative<Relative>(request.goal)) &&
-         !amountOf(request).directions;
+  const auto* guarantee = std::get_if<EpsilonDelta>(&request.goal);
+  const bool has_goal =
+      std::holds_alternative<Tolerance>(request.goal) || std::holds_alternative<Relative>(request.goal) ||
+      (guarantee && guarantee->statistic == Statistic::mean && !(guarantee->range > 0) && !guarantee->block_directions);
+  return request.engine != EngineKind::exact && has_goal && !amountOf(request).directions;
 }
 
 void checkRequest(const Request& request) {
@@ -35,9 +37,8 @@ void checkRequest(const Request& request) {
   if (request.pair_lines.value_or(false)) {
     if (!mayUsePairLines(request))
       refuse(
-          "--pair-lines on needs a goal by --tolerance or --relative, and any engine but exact; leave out "
-          "--directions, "
-          "--seconds without a tolerance, and --epsilon");
+          "--pair-lines on needs a goal by --tolerance, --relative or --epsilon, and any engine but exact; leave out "
+          "--directions, --seconds without a tolerance, --statistic median, --range and --block");
     if (request.unoccluded.has_value())
       refuse("--pair-lines on takes unoccluded form factors as they are; leave out --unoccluded");
   }
@@ -48,8 +49,12 @@ void checkRequest(const Request& request) {
   if (request.engine == EngineKind::exact && (amount.resolution || (guarantee && guarantee->range > 0)))
     refuse("--engine exact has no lattice; leave out --resolution and --range");
   if (!guarantee) return;
-  if (!(guarantee->epsilon > 0 && guarantee->epsilon < 1 && guarantee->delta > 0 && guarantee->delta < 1))
-    refuse("--epsilon and --delta have to lie between 0 and 1");
+  if (!(guarantee->epsilon > 0 && guarantee->epsilon < 1 && guarantee->delta >= 0 && guarantee->delta < 1))
+    refuse("--epsilon has to lie between 0 and 1, --delta from 0 to below 1");
+  if (guarantee->delta == 0 && (!mayUsePairLines(request) || !request.pair_lines.value_or(true)))
+    refuse(
+        "--delta 0 needs a guarantee by pair lines; leave out --pair-lines off, --statistic, --range, --block and "
+        "--engine exact");
   if (amount.directions || amount.finest || request.first_replicate)
     refuse(
         "a guarantee plans for itself: leave out --tolerance, --relative, --directions, --finest, --replicates and "

@@ -10,6 +10,7 @@
 #include <viewpeel/error.h>
 #include "estimator/estimate_run.h"
 #include "estimator/guarantee_run.h"
+#include "estimator/line_guarantee.h"
 #include "estimator/line_run.h"
 #include "estimator/find_prior.h"
 #include "io/checkpoint.h"
@@ -27,6 +28,7 @@ namespace {
 
 constexpr double kTrialSeconds = 0.5;    // of measureSeconds
 constexpr double kSecondsOfLine = 4e-8;  // on one thread, against some 10 blockers
+constexpr uint64_t kFewReplicates = 8;   // of common directions of a guarantee
 
 void requireSamePairs(const std::vector<LinePair>& found, const std::vector<LinePair>& stored) {
   if (!std::ranges::equal(found, stored, {}, keyOf<LinePair>, keyOf<LinePair>))
@@ -57,6 +59,8 @@ struct FormFactorRun::State {
   std::optional<PairLines> pair_lines;
   std::vector<LinePair> line_pairs;  // as planned
   std::optional<LineRun> line_run;
+  std::optional<LineGuarantee> line_guarantee;
+  std::optional<RunSums> common_sums;  // of a guarantee by lines: environment and leak
   bool is_interrupted = false, is_done = false;
 
   State(const Scene& scene, Request request, Observer watching)
@@ -94,16 +98,25 @@ struct FormFactorRun::State {
 
   Engine& engine() const { return guarantee ? *guarantee->engine : *plan->engine; }
   const RunSums& sums() const {
-    return guarantee_run ? guarantee_run->sums() : line_run ? line_run->sums() : estimate_run->sums();
+    return guarantee_run ? guarantee_run->sums()
+           : line_run    ? line_run->sums()
+           : common_sums ? *common_sums
+                         : estimate_run->sums();
   }
-  bool isBegun() const { return estimate_run || guarantee_run || line_run; }
+  bool isBegun() const { return estimate_run || guarantee_run || line_run || common_sums; }
+  uint64_t replicateCount() const { return line_guarantee ? line_guarantee->lookCount() : sums().replicateCount(); }
 
   Plan makeFixedPlan() const;
   Plan makePlanOfRequest();
   void makePlan();
   bool leaks();
+  bool makePairLines();
   void planPairLines();
   void planWithoutPairLines();
+  void requireNoPairLines() const;
+  void planGuarantee();
+  bool planLineGuarantee();
+  void countCommonDirections();
   void findPrior();
   EstimateOptions estimateOptions();
   void begin();
@@ -150,18 +163,15 @@ bool FormFactorRun::State::leaks() {
   return std::ranges::any_of(plan->engine->count(directions), [](const PairCount& count) { return count.j == kLeak; });
 }
 
-// Few common directions, and lines for each pair. Without pair lines where it is not defined what lies between two
-// polygons.
-void FormFactorRun::State::planPairLines() {
+// Finds what lies between polygons, with an engine for a few common directions.    Out: false where it is not defined
+// what lies between two polygons
+bool FormFactorRun::State::makePairLines() {
   plan.emplace();
   plan->directions = setup.faceIds().counts_environment ? kLineRunDirections : 0;
   const Lattices lattices = setup.lattices();
   plan->groups = groupAsOne(setup.scene(), lattices.lattice.resolution);
   plan->engine = makeEngine(lattices, setup.scene(), setup.faceIds(), plan->groups);
-  const auto begun = Clock::now();
-  const auto hasBack = [&](const LinePair& pair) { return pair.j >= setup.faceIds().count(); };
-  const bool with_leak =
-      resumed ? std::ranges::any_of(resumed->sums.lines->pairs(), hasBack) : plan->directions > 0 && leaks();
+  const bool with_leak = resumed ? resumed->sums.lines->hasBacks() : plan->directions > 0 && leaks();
   pair_lines.emplace(setup.scene(), setup.faceIds(), with_leak, setup.request().seed, setup.request().threads,
                      [this] { stopIfRequested(); });
   if (pair_lines->hasUnordered() && (setup.request().pair_lines || resumed))
@@ -169,7 +179,13 @@ void FormFactorRun::State::planPairLines() {
         ErrorCode::bad_usage,
         "polygons coincide of which nothing says which lies in front, and pair lines need to know; name them by "
         "--sheets or --solids, or leave out --pair-lines");
-  if (pair_lines->hasUnordered()) return planWithoutPairLines();
+  return !pair_lines->hasUnordered();
+}
+
+// Few common directions, and lines for each pair.
+void FormFactorRun::State::planPairLines() {
+  const auto begun = Clock::now();
+  if (!makePairLines()) return planWithoutPairLines();
   const EstimateOptions& options = setup.estimate();
   // Half of the time is for finding pairs, and for further lines of those that need them.
   const double threads = setup.request().threads ? setup.request().threads : double(threadCount()),
@@ -178,17 +194,21 @@ void FormFactorRun::State::planPairLines() {
                        : planLines(*pair_lines, setup.faceIds(), setup.ids(), options, most_lines);
   if (resumed) requireSamePairs(pair_lines->find(), line_pairs);
   if (pair_lines->hasTooMany()) {
-    if (setup.request().pair_lines || resumed)
-      throw Error(ErrorCode::limit,
-                  fmt::format("more than {} pairs of polygons see each other, too many for pair lines; "
-                              "leave out --pair-lines",
-                              kMostPatchPairs));
+    requireNoPairLines();
     return planWithoutPairLines();
   }
   const PairLinesFigures figures = pair_lines->figures();
   plan->pair_lines = {figures.clear, figures.partial, 0, figures.blockers, secondsSince(begun)};
   for (const LinePair& pair : line_pairs)
-    plan->pair_lines->lines += uint64_t(16) * pair.blocks * options.replicates / pair.period;
+    plan->pair_lines->lines += static_cast<uint64_t>(pair.linesIn(options.replicates));
+}
+
+// Refuses a request that insists on pair lines where there are too many pairs.
+void FormFactorRun::State::requireNoPairLines() const {
+  if (setup.request().pair_lines || resumed)
+    throw Error(ErrorCode::limit, fmt::format("more than {} pairs of polygons see each other, too many for pair lines; "
+                                              "leave out --pair-lines",
+                                              kMostPatchPairs));
 }
 
 void FormFactorRun::State::planWithoutPairLines() {
@@ -198,14 +218,43 @@ void FormFactorRun::State::planWithoutPairLines() {
   plan = makePlanOfRequest();
 }
 
+void FormFactorRun::State::planGuarantee() {
+  if (setup.usesPairLines()) {
+    if (planLineGuarantee()) return;
+    line_guarantee.reset(), pair_lines.reset(), plan.reset();
+    setup.leaveOutPairLines();
+  }
+  guarantee =
+      viewpeel::planGuarantee(setup.scene(), setup.ids(), setup.guaranteeOptions(), setup.lattices(), setup.isExact());
+  if (const auto& limit = setup.request().time_limit_s; limit && guarantee->least_seconds > *limit)
+    refuseGuarantee(*guarantee, *limit);
+  guarantee->engine = observed(std::move(guarantee->engine), observer.on_count);
+  summary = summarise(setup, *guarantee);
+}
+
+// Returns false where pair lines cannot do it.
+bool FormFactorRun::State::planLineGuarantee() {
+  if (!makePairLines()) return false;
+  const EpsilonDelta& goal = *setup.guarantee();
+  line_guarantee.emplace(setup.scene(), setup.faceIds(), setup.ids(), *pair_lines,
+                         LineGuaranteeOptions{goal.epsilon, goal.delta, goal.rows, setup.request().by});
+  if (pair_lines->hasTooMany()) {
+    requireNoPairLines();
+    return false;
+  }
+  const LineGuaranteeFigures& figures = line_guarantee->figures();
+  if (const auto& limit = setup.request().time_limit_s; limit && figures.expected_seconds > *limit)
+    refuseGuarantee(figures, *limit);
+  plan->engine = observed(std::move(plan->engine), observer.on_count);
+  summary = summarise(setup, *plan);
+  summary.line_guarantee = figures;
+  return true;
+}
+
 void FormFactorRun::State::makePlan() {
   start = Clock::now();
   if (setup.guarantee()) {
-    guarantee = planGuarantee(setup.scene(), setup.ids(), setup.guaranteeOptions(), setup.lattices(), setup.isExact());
-    if (const auto& limit = setup.request().time_limit_s; limit && guarantee->least_seconds > *limit)
-      refuseGuarantee(*guarantee, *limit);
-    guarantee->engine = observed(std::move(guarantee->engine), observer.on_count);
-    summary = summarise(setup, *guarantee);
+    planGuarantee();
   } else {
     if (setup.usesPairLines()) planPairLines();
     else plan = makePlanOfRequest();
@@ -216,7 +265,7 @@ void FormFactorRun::State::makePlan() {
 }
 
 void FormFactorRun::State::findPrior() {
-  if (!setup.usesUnoccluded() || guarantee || resumed || prior_summary) return;
+  if (!setup.usesUnoccluded() || setup.guarantee() || resumed || prior_summary) return;
   EstimateOptions pilot = setup.estimate();
   pilot.directions = plan->directions;
   pilot.pairs = &pairs;
@@ -238,7 +287,25 @@ EstimateOptions FormFactorRun::State::estimateOptions() {
   return options;
 }
 
+// Common directions tell which rows see the environment, and where lines leak.
+void FormFactorRun::State::countCommonDirections() {
+  common_sums.emplace(makeRunSums(setup.scene(), setup.faceIds()));
+  if (plan->directions == 0) return;
+  common_sums->measure_area =
+      plan->engine->unitArea() * setup.scene().scale * setup.scene().scale / double(plan->directions);
+  for (uint64_t replicate = 0; replicate < kFewReplicates; ++replicate) {
+    PairCounts counts = plan->engine->count(
+        sampleDirections(setup.estimate().sampler, plan->directions, setup.request().seed, replicate));
+    std::erase_if(counts, [](const PairCount& count) { return count.j < kEnvironment; });
+    common_sums->add(replicate, counts, plan->directions);
+  }
+}
+
 void FormFactorRun::State::begin() {
+  if (line_guarantee) {
+    progress.expected_blocks = progress.most_blocks = line_guarantee->mostLooks();
+    return countCommonDirections();
+  }
   if (guarantee) {
     GuaranteeOptions options = setup.guaranteeOptions();
     options.resumed = resumed ? &resumed->sums : nullptr;
@@ -250,11 +317,8 @@ void FormFactorRun::State::begin() {
   }
   progress.directions_of_replicate = plan->directions;
   if (pair_lines) {
-    EstimateOptions options = setup.estimate();
-    options.directions = plan->directions;
-    options.resumed = resumed ? &resumed->sums : nullptr;
-    if (options.seconds) options.seconds = std::max(*options.seconds - secondsSince(*start), 1e-3);
-    line_run.emplace(*plan->engine, setup.scene(), setup.faceIds(), *pair_lines, std::move(line_pairs), options);
+    line_run.emplace(*plan->engine, setup.scene(), setup.faceIds(), *pair_lines, std::move(line_pairs),
+                     estimateOptions());
     is_done = line_run->isDone();
     return;
   }
@@ -264,27 +328,30 @@ void FormFactorRun::State::begin() {
 
 void FormFactorRun::State::step() {
   const auto tell = [&] {
-    progress.replicates = sums().replicateCount();
+    progress.replicates = replicateCount();
     progress.directions = 0;
     tellProgress();
     stopIfRequested();
   };
+  if (line_guarantee) {
+    line_guarantee->step();
+    is_done = line_guarantee->isDone();
+    tell();
+    return;
+  }
   if (guarantee_run) {
     guarantee_run->step(tell);
     is_done = guarantee_run->isDone();
     return;
   }
-  if (line_run) {
-    line_run->step();
-    is_done = line_run->isDone();
-    progress.largest_standard_error = line_run->largestStandardError();
+  const auto stepOf = [&](auto& run) {
+    run.step();
+    is_done = run.isDone();
+    progress.largest_standard_error = run.largestStandardError();
     tell();
-    return;
-  }
-  estimate_run->step();
-  is_done = estimate_run->isDone();
-  progress.largest_standard_error = estimate_run->largestStandardError();
-  tell();
+  };
+  if (line_run) stepOf(*line_run);
+  else stepOf(*estimate_run);
 }
 
 // Of a run that was stopped before it counted anything.
@@ -398,11 +465,13 @@ void FormFactorRun::step() {
 }
 
 bool FormFactorRun::isInterrupted() const { return state_->is_interrupted; }
-uint64_t FormFactorRun::replicateCount() const { return state_->isBegun() ? state_->sums().replicateCount() : 0; }
+uint64_t FormFactorRun::replicateCount() const { return state_->isBegun() ? state_->replicateCount() : 0; }
 const RunSums& FormFactorRun::sums() const { return state_->sums(); }
 std::string FormFactorRun::division() const { return state_->engine().describePlan(); }
 
 Result FormFactorRun::resultSoFar() const {
+  if (state_->line_guarantee)
+    return state_->resultOf(state_->line_guarantee->estimate(state_->sums(), request().relative_floor));
   return state_->resultOf(state_->line_run        ? state_->line_run->estimate()
                           : state_->guarantee_run ? state_->guarantee_run->estimateSoFar()
                                                   : state_->estimate_run->estimateSoFar());
@@ -413,6 +482,7 @@ Result FormFactorRun::result() {
   if (!state_->isBegun()) return state_->resultOf(state_->estimateOfNothing());
   const auto estimate = [&] {
     if (state_->line_run) return state_->line_run->estimate();
+    if (state_->line_guarantee) return state_->line_guarantee->estimate(sums(), request().relative_floor);
     if (!state_->guarantee_run) return state_->estimate_run->takeEstimate();
     return state_->is_done && !state_->is_interrupted ? state_->guarantee_run->estimate()
                                                       : state_->guarantee_run->estimateSoFar();

@@ -55,6 +55,10 @@ Settings settingsOf(const Setup& setup) {
   if (!guarantee) return all;
   if (guarantee->statistic == Statistic::median)
     throw Error(ErrorCode::bad_usage, "--checkpoint keeps means only; leave out --statistic median");
+  if (setup.usesPairLines())
+    throw Error(ErrorCode::bad_usage,
+                "--checkpoint keeps a guarantee by common directions only; add --pair-lines off, or leave out "
+                "--checkpoint");
   all.insert(all.end(),
              {{"--epsilon", fmt::format("{}", guarantee->epsilon)}, {"--delta", fmt::format("{}", guarantee->delta)}});
   return all;

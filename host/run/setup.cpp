@@ -90,7 +90,7 @@ Setup::Setup(const Scene& scene, Request request, std::function<void(uint64_t)> 
   settlePairLines();
   requireWhatEnginesHave();
   settleDirections();
-  if (guarantee()) sampler_ = nameOf(guaranteeOptions().sampler);
+  if (guarantee() && !pair_lines_) sampler_ = nameOf(guaranteeOptions().sampler);
   if (engine_ == EngineKind::compute || engine_ == EngineKind::graphics) device_.emplace(request_.device);
   make_engine_ = isExact() ? request_.exact_engine : latticeEngines(engine_, device());
 }
@@ -122,6 +122,11 @@ void Setup::settlePairLines() {
       scene_.faces.size() <= kMostPairLineFaces && (!estimate_.tolerance || *estimate_.tolerance <= kPairLineTolerance);
   pair_lines_ = request_.pair_lines.value_or(is_open && pays && mayUsePairLines(request_));
   if (pair_lines_) askOnlyFor(request_.question, scene_, face_ids_);
+}
+
+void Setup::leaveOutPairLines() {
+  pair_lines_ = false;
+  if (guarantee()) sampler_ = nameOf(guaranteeOptions().sampler);
 }
 
 // Chooses compute shaders on a GPU; on a processor its own threads are many times faster than the shaders are through a

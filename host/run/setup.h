@@ -48,7 +48,7 @@ class Setup {
   bool usesUnoccluded() const { return unoccluded_ && !pair_lines_; }
   bool usesPairLines() const { return pair_lines_; }
   // Where it is not defined what lies between two polygons.
-  void leaveOutPairLines() { pair_lines_ = false; }
+  void leaveOutPairLines();
   // They were nobody's wish, and can be left out.
   bool unoccludedByDefault() const { return unoccluded_by_default_; }
   void leaveOutUnoccluded() { unoccluded_ = false; }

@@ -93,6 +93,13 @@ void refuseGuarantee(const GuaranteeFigures& plan, double time_limit_s) {
                           plan.epsilon, inWords(plan.least_seconds), inWords(plan.most_seconds), time_limit_s));
 }
 
+void refuseGuarantee(const LineGuaranteeFigures& plan, double time_limit_s) {
+  throw Error(ErrorCode::bad_usage,
+              fmt::format("a guarantee of {} takes about {}, {} at most, more than --seconds {}; ask for a larger "
+                          "--epsilon, or an estimate by --tolerance",
+                          plan.epsilon, inWords(plan.expected_seconds), inWords(plan.most_seconds), time_limit_s));
+}
+
 double shareOf(const FormFactors& form_factors, uint32_t column) {
   double exchange = 0, area = 0;
   for (const auto& entry : form_factors.entries())

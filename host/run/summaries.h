@@ -20,6 +20,7 @@ std::string inWords(double seconds);
 
 //   Throws: Error bad_usage: the guarantee takes longer than there is time.
 [[noreturn]] void refuseGuarantee(const GuaranteeFigures& plan, double time_limit_s);
+[[noreturn]] void refuseGuarantee(const LineGuaranteeFigures& plan, double time_limit_s);
 
 // Returns the share of the emitting area of the requested rows whose lines end in this column: kEnvironment or kLeak.
 double shareOf(const FormFactors& form_factors, uint32_t column);

@@ -11,8 +11,14 @@
 #include <vector>
 
 #include <viewpeel/scene.h>
+#include "facing.h"
 
 namespace viewpeel {
+
+// Returns the place of a polygon among the coincident ones of its plane, rising along the plane's normal.
+inline int levelOf(const Polygon& polygon) {
+  return static_cast<int>(placeAtTie(polygon.front_along_plane_normal, polygon.tie_rank));
+}
 
 // Polygons whose planes are nearer than this to each other over all of their overlap coincide, unit-ball units: some
 // units in the last place of coordinates in single precision.

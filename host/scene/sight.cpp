@@ -16,11 +16,6 @@ using glm::dvec3;
 constexpr double kLeastCosine = 0.01;  // below it coincident polygons may lie far along the ray
 constexpr double kStepBack = 2 * kCoincidenceReach / kLeastCosine;
 
-// Where a polygon's tie rank puts it along its plane's normal.
-int levelOf(const Polygon& polygon) {
-  return polygon.front_along_plane_normal ? int(polygon.tie_rank) : int(kTieRanks) - 1 - int(polygon.tie_rank);
-}
-
 }  // namespace
 
 Sight::Sight(const Scene& scene) : scene_(scene), tree_(scene) {

@@ -65,9 +65,13 @@ void addWhatIsLeft(std::vector<FormFactors::Entry>& entries, const ReplicateSums
 
 FormFactors lineFormFactors(const LineSums& lines, By by, const ReplicateSums& counted, double measure_area,
                             double count_area) {
+  return lineFormFactors(lines.entries(), lines.ids().surface, by, counted, measure_area, count_area);
+}
+
+FormFactors lineFormFactors(std::vector<FormFactors::Entry> entries, const std::vector<uint32_t>& surface, By by,
+                            const ReplicateSums& counted, double measure_area, double count_area) {
   const Ids& ids = counted.ids();
-  std::vector<FormFactors::Entry> entries = lines.entries();
-  if (by == By::surface) entries = mergeBySurface(std::move(entries), lines.ids().surface);
+  if (by == By::surface) entries = mergeBySurface(std::move(entries), surface);
   if (ids.counts_environment) addWhatIsLeft(entries, counted, measure_area, count_area);
   std::vector<Measured> rows = sumRows(entries, ids.areas);
   return {ids, std::move(entries), std::move(rows)};

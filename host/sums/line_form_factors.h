@@ -17,4 +17,9 @@ namespace viewpeel {
 FormFactors lineFormFactors(const LineSums& lines, By by, const ReplicateSums& counted, double measure_area,
                             double count_area);
 
+// Makes the same of exchange areas between faces, and of faces with kLeak, however they were found.
+//   In: entries: of independent errors, sorted; surface: of each face
+FormFactors lineFormFactors(std::vector<FormFactors::Entry> entries, const std::vector<uint32_t>& surface, By by,
+                            const ReplicateSums& counted, double measure_area, double count_area);
+
 }  // namespace viewpeel

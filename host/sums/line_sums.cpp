@@ -21,6 +21,12 @@ uint64_t squareUnits(uint64_t a, uint64_t b) { return (a >> 4) * (b >> 4); }
 
 }  // namespace
 
+std::pair<uint32_t, uint32_t> entryOf(const LinePair& pair, const Ids& face_ids, By by) {
+  const bool is_leak = pair.j >= face_ids.count();
+  if (by == By::polygon) return {pair.i, is_leak ? kLeak : pair.j};
+  return std::minmax(face_ids.surface[pair.i], is_leak ? kLeak : face_ids.surface[pair.j]);
+}
+
 LineSums::LineSums(Ids ids, By by, std::vector<LinePair> pairs)
     : ids_(std::move(ids)), by_(by), pairs_(std::move(pairs)), sums_(pairs_.size()) {}
 
@@ -103,6 +109,10 @@ bool LineSums::goesWith(const LineSums& others) const {
     return std::tuple(pair.i, pair.j, pair.blocks, pair.period, pair.by_angles);
   };
   return by_ == others.by_ && std::ranges::equal(pairs_, others.pairs_, {}, linesOf, linesOf);
+}
+
+bool LineSums::hasBacks() const {
+  return std::ranges::any_of(pairs_, [&](const LinePair& pair) { return pair.j >= ids_.count(); });
 }
 
 double LineSums::smallerArea(const LinePair& pair) const {

@@ -5,6 +5,7 @@
 // has no lines and no error but that of its unoccluded form factor. Derivation: docs/method.md, section 15.
 #pragma once
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include <viewpeel/form_factors.h>
@@ -23,11 +24,16 @@ struct LinePair {
 
   bool operator==(const LinePair&) const = default;
 
+  // Returns how many lines are planned for so many replicates.
+  double linesIn(uint32_t replicates) const { return 16.0 * blocks * replicates / period; }
   // Whether the pair has lines in a replicate. Pairs take turns.
   bool hasLines(uint64_t replicate) const {
     return blocks && (replicate + i * 0x9E3779B9u + j * 0x85EBCA6Bu) % period == 0;
   }
 };
+
+// Returns the entry of the result that a pair of faces, or of a face and a back, is a part of.
+std::pair<uint32_t, uint32_t> entryOf(const LinePair& pair, const Ids& face_ids, By by);
 
 // What the lines of a pair came to in one replicate.
 struct LineCount {
@@ -76,8 +82,9 @@ class LineSums {
   // Of all pairs, in all replicates so far.
   uint64_t lineCount() const;
 
-  // Whether a pair is one of a face and a back.
+  // Whether a pair is one of a face and a back, and whether any is.
   bool hasBack(size_t pair) const { return pairs_[pair].j >= ids_.count(); }
+  bool hasBacks() const;
   // Of the smaller face of a pair, input units squared; of the face where the other is a back.
   double smallerArea(const LinePair& pair) const;
   // Exchange areas of all pairs, and of faces with kLeak as sums over their pairs with backs, sorted; input units

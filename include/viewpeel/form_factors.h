@@ -16,6 +16,11 @@ struct Measured {
   double standard_error = 0;
 };
 
+// An Interval holds a true value with the probability of a guarantee, all intervals of a result at once.
+struct Interval {
+  double lower = 0, upper = 0;
+};
+
 // FormFactors holds the form factors of n ids. One symmetric quantity is stored per pair, the exchange area A_i F_ij =
 // A_j F_ji. So reciprocity holds by construction: exchangeArea(i, j) and exchangeArea(j, i) are one number.
 class FormFactors {
@@ -26,8 +31,10 @@ class FormFactors {
   };
 
   // Takes the entries as they are.
-  //   In: entries sorted by (i, j), every pair at most once, input units squared; row_sums: one for each id
-  FormFactors(Ids ids, std::vector<Entry> entries, std::vector<Measured> row_sums);
+  //   In: entries sorted by (i, j), every pair at most once, input units squared; row_sums: one for each id; intervals:
+  //   of a guarantee, one for each entry's exchange area, or none
+  FormFactors(Ids ids, std::vector<Entry> entries, std::vector<Measured> row_sums,
+              std::vector<Interval> intervals = {});
 
   const Ids& ids() const { return ids_; }
   // Returns the nonzero entries, sorted by (i, j).
@@ -39,13 +46,22 @@ class FormFactors {
   // Returns F_ij = A_i F_ij / A_i, the fraction of the radiation leaving i that reaches j directly. j may be
   // kEnvironment or kLeak.    Cost: O(log nonzeros).
   Measured formFactor(uint32_t i, uint32_t j) const;
+  // Returns true where a guarantee gives every entry an interval.
+  bool hasIntervals() const { return !intervals_.empty(); }
+  // Returns the intervals of exchange areas, one for each entry, or none.
+  const std::vector<Interval>& intervals() const { return intervals_; }
+  // Returns the interval of F_ij; [0, 0] where there is no entry.    In: as formFactor    Cost: O(log nonzeros).
+  Interval interval(uint32_t i, uint32_t j) const;
   // Returns sum_j F_ij of each row, environment and leak included; its expectation is 1.
   const std::vector<Measured>& rowSums() const { return row_sums_; }
 
  private:
+  size_t find(uint32_t i, uint32_t j) const;
+
   Ids ids_;
   std::vector<Entry> entries_;
   std::vector<Measured> row_sums_;
+  std::vector<Interval> intervals_;
 };
 
 }  // namespace viewpeel

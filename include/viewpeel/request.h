@@ -42,11 +42,14 @@ enum class Statistic {
   median,
 };
 
-// EpsilonDelta is a guarantee: with probability 1 - delta every form factor is within epsilon of the true one.
+// EpsilonDelta is a guarantee: with probability 1 - delta every form factor between polygons (or surfaces) is within
+// epsilon of the true one, and in its interval (FormFactors::interval). With common directions (Request::pair_lines)
+// environment and leak are within epsilon, too.
 struct EpsilonDelta {
   double epsilon = 1e-2;  // in (0, 1)
-  double delta = 1e-2;    // in (0, 1)
+  double delta = 1e-2;    // in [0, 1); with 0 only what geometry alone proves is in the intervals
   Statistic statistic = Statistic::mean;
+  bool rows = false;  // the promise is for the environment of each row, too
   // Lattices are so fine that a direction adds at most about this to a form factor. The range is above 2; with 0 it is
   // planned.
   double range = 0;
@@ -93,7 +96,8 @@ struct Request {
   // Only the visibility of each pair's unoccluded form factor is sampled. Unset, this is done where it pays.
   std::optional<bool> unoccluded;
   // Lines are drawn between the two polygons of each pair that something may block, as many as the pair's error needs.
-  // They replace directions that all pairs have in common. Needs a Tolerance or Relative; unset: where it pays.
+  // They replace directions that all pairs have in common. Needs a Tolerance, Relative or
+  // EpsilonDelta; unset: where it pays.
   std::optional<bool> pair_lines;
   uint64_t seed = 1;             // the same seed and plan give the same bits
   uint64_t first_replicate = 0;  // of a part of a run, for merging

@@ -14,13 +14,14 @@
 
 namespace viewpeel {
 
-enum class GuaranteedBy { hoeffding, bernstein, median };
+enum class GuaranteedBy { hoeffding, bernstein, median, chernoff };
 
 // A Guarantee holds for all form factors at once, with probability 1 - delta.
 struct Guarantee {
-  double epsilon = 0, delta = 0;
-  double bound = 0;  // on the error, at most epsilon
+  double epsilon = 0, delta = 0;  // delta of the result: 0 where geometry alone proves it
+  double bound = 0;               // on the error of form factors between ids
   GuaranteedBy by = GuaranteedBy::hoeffding;
+  double row_bound = 0;  // on that of the environment's; `bound` holds for it, too, unless `by` is chernoff
 };
 
 // An Estimate is made of the sums of some replicates.
@@ -72,6 +73,20 @@ struct GuaranteeFigures {
   double least_seconds = 0, expected_seconds = 0, most_seconds = 0;  // estimates
 };
 
+// LineGuaranteeFigures are the numbers of lines of a guarantee by pair lines.
+struct LineGuaranteeFigures {
+  double epsilon = 0, delta = 0;
+  uint64_t exact = 0;  // entries that nothing can block
+  uint64_t known = 0;  // entries that geometry bounds to epsilon
+  uint64_t drawn = 0;  // entries that need lines for that
+  double expected_lines = 0, most_lines = 0;
+  double most_for_one = 0;                       // entry
+  std::pair<std::string, std::string> neediest;  // the names of its ids; the second may be "leak"
+  double lemma_1 = 0, lemma_1_all = 0;  // directions of Pellegrini's Lemma 1: for one pair, and for all entries
+  double median_directions = 0;         // of the median of runs (section 5.3), for all entries
+  double plan_seconds = 0, expected_seconds = 0, most_seconds = 0;
+};
+
 // A PairLinesSummary counts pairs of polygons that see each other with nothing in between, but for those that one
 // blocker hides.
 struct PairLinesSummary {
@@ -99,6 +114,7 @@ struct PlanSummary {
   std::vector<std::string> barely_covered;
   std::optional<GuaranteeFigures> guarantee;
   std::optional<PairLinesSummary> pair_lines;
+  std::optional<LineGuaranteeFigures> line_guarantee;
   uint64_t unoccluded_pairs = 0;       // of a guarantee: pairs with an unoccluded form factor
   uint64_t pairs_with_visibility = 0;  // of these, with a visibility from a pilot
 };

@@ -11,6 +11,7 @@ namespace viewpeel {
 // Writes form factors comma-separated: header `from,to,form_factor,standard_error`, then one nonzero entry a line, both
 // ways; `environment` and `leak` stand in `to`. Numbers have the shortest form that reads back to the same double.
 // Names are quoted as in RFC 4180 where they must be.
+// With intervals of a guarantee `lower` and `upper` are further columns.
 //   In: form_factors: n rows; balanced: BalancedFormFactors::form_factors of these, for a further column
 //     `balanced_form_factor`; nullptr: no such column
 //   Out: 1 + (1 to 2) x nonzeros lines; form factors and standard errors without unit

@@ -121,7 +121,7 @@ TEST_F(LongRun, PlansAndGuaranteesAreGoneOnWith) {
       {kOffice + "--tolerance 2e-3 --pair-lines off ", {"--directions", "--resolution", "--finest"}},
       {"compute " VIEWPEEL_SCENES "/office.obj --quiet --tolerance 3e-2 ",
        {"--directions", "--resolution", "--finest", "--unoccluded"}},
-      {"compute " VIEWPEEL_SCENES "/plates.obj --quiet --epsilon 0.03 ", {"--range", "--block"}}};
+      {"compute " VIEWPEEL_SCENES "/plates.obj --quiet --epsilon 0.03 --pair-lines off ", {"--range", "--block"}}};
   int k = 0;
   for (const auto& [options, chosen] : runs) {
     const std::string name = "c" + std::to_string(k++) + ".h5", checkpoint = options + "--checkpoint " + file(name);
@@ -305,7 +305,7 @@ TEST_F(LongRun, WrongCheckpointsAreRefused) {
     EXPECT_EQ(r.output.find("viewpeel: "), 0u) << r.output;
   }
   // Before anything is planned: a plan for another goal would take its time first.
-  for (const char* other : {"--seed 2", "--two-sided", "--epsilon 0.5"}) {
+  for (const char* other : {"--seed 2", "--two-sided", "--epsilon 0.5 --pair-lines off"}) {
     const Result r = run("compute " + file("scene.obj") + " --resume --checkpoint " + file("planned.h5") + " " + other);
     EXPECT_EQ(r.status, 2) << r.output;
     EXPECT_NE(r.output.find("a checkpoint of another run"), std::string::npos) << r.output;

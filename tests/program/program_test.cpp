@@ -53,12 +53,15 @@ TEST_F(Program, AFloorThatNothingReachesIsSaid) {
 // Time is said of every plan, and what its goal takes where its replicates do not do.
 TEST_F(Program, PlansSayWhatARunTakes) {
   const std::string plates = "plan " VIEWPEEL_SCENES "/plates.obj ";
-  for (const char* options :
-       {"--engine exact", "--directions 10 --resolution 16", "--directions 10 --pair lower upper", "--epsilon 0.3"}) {
+  for (const char* options : {"--engine exact", "--directions 10 --resolution 16", "--directions 10 --pair lower upper",
+                              "--epsilon 0.3", "--epsilon 0.3 --pair-lines off"}) {
     const Result r = run(plates + options);
     EXPECT_EQ(r.status, 0) << r.output;
     EXPECT_NE(r.output.find(" s"), std::string::npos) << r.output;
-    EXPECT_NE(r.output.find(std::string(options).starts_with("--epsilon") ? "plan       blocks of " : "expected   "),
+    const std::string words = options;
+    EXPECT_NE(r.output.find(words.ends_with("off")           ? "plan       blocks of "
+                            : words.starts_with("--epsilon") ? " lines at most ("
+                                                             : "expected   "),
               std::string::npos)
         << r.output;
   }

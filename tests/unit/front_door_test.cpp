@@ -63,11 +63,21 @@ TEST(FrontDoor, EveryGoalIsReached) {
 
 TEST(FrontDoor, AGuaranteeSaysWhatHolds) {
   const Scene scene = buildScene(ts::parallelSquares());
-  const Result result = computeFormFactors(scene, onHost(EpsilonDelta{.epsilon = 0.1, .delta = 0.1}));
-  ASSERT_TRUE(result.guarantee && result.plan.guarantee);
-  EXPECT_LE(result.guarantee->bound, 0.1);
-  EXPECT_NEAR(result.form_factors.formFactor(0, 1).value, kParallelSquares, 0.1);
-  EXPECT_EQ(result.directions, result.replicates * result.plan.guarantee->block_directions);
+  Request request = onHost(EpsilonDelta{.epsilon = 0.1, .delta = 0.1});
+  for (const bool pair_lines : {false, true}) {
+    request.pair_lines = pair_lines;
+    const Result result = computeFormFactors(scene, request);
+    ASSERT_TRUE(result.guarantee);
+    EXPECT_LE(result.guarantee->bound, 0.1);
+    EXPECT_NEAR(result.form_factors.formFactor(0, 1).value, kParallelSquares, 0.1);
+    const Interval interval = result.form_factors.interval(0, 1);
+    EXPECT_LE(interval.lower, kParallelSquares + 1e-6);
+    EXPECT_GE(interval.upper, kParallelSquares - 1e-6);
+    EXPECT_EQ(result.plan.guarantee.has_value(), !pair_lines);
+    EXPECT_EQ(result.plan.line_guarantee.has_value(), pair_lines);
+    if (pair_lines) continue;
+    EXPECT_EQ(result.directions, result.replicates * result.plan.guarantee->block_directions);
+  }
 }
 
 // The caller's exact engine: 2 x 400 exact projections, no lattice. Without one the kind is refused.
@@ -305,7 +315,8 @@ TEST(FrontDoor, ContradictionsAreRefused) {
   EXPECT_NE(refusal({.goal = FixedAmount{.finest = 128}}).find("--finest"), std::string::npos);
   EXPECT_NE(refusal({.question = {.from = {"floor"}}, .unoccluded = true}).find("whole matrix"), std::string::npos);
   EXPECT_NE(refusal({.question = {.from = {"floor"}}, .balance = true}).find("every row"), std::string::npos);
-  EXPECT_NE(refusal({.goal = Seconds{}, .pair_lines = true}).find("--tolerance or --relative"), std::string::npos);
+  EXPECT_NE(refusal({.goal = Seconds{}, .pair_lines = true}).find("--tolerance, --relative or --epsilon"),
+            std::string::npos);
   EXPECT_NE(refusal({.amount = {.directions = 64}, .pair_lines = true}).find("--directions"), std::string::npos);
   EXPECT_NE(refusal({.unoccluded = true, .pair_lines = true}).find("leave out --unoccluded"), std::string::npos);
 }

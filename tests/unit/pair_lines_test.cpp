@@ -8,6 +8,7 @@
 
 #include "engines/lattice_options.h"
 #include "pair_lines/pair_lines.h"
+#include "scene/coincident.h"
 #include "reference/closed_forms/past_blocker.h"
 #include "reference/exact/exact_engine.h"
 #include "scenes/exact_scenes.h"

@@ -1,0 +1,97 @@
+// A guarantee by lines of their own: with probability 1 - delta every form factor lies in its interval, and every form
+// factor between polygons is within epsilon.
+//
+// An entry of the result has the exchange area clear + share x blockable, whose share is the only unknown. Where the
+// blockable part is at most epsilon, geometry alone bounds it. Others get independent lines (uniform_lines.h).
+// How many suffice at most follows from Hoeffding's bound before the run. Chernoff's bound, looked at after set numbers
+// of lines, may end an entry sooner. Derivation: docs/method.md, section 14.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <viewpeel/result.h>
+
+#include "engines/vectorised.h"
+#include "pair_lines/pair_lines.h"
+#include "sums/run_sums.h"
+
+namespace viewpeel {
+
+struct LineGuaranteeOptions {
+  double epsilon = 1e-2, delta = 1e-2;
+  bool rows = false;  // whether environment, too, is to be within epsilon
+  By by = By::polygon;
+};
+
+class LineGuarantee {
+ public:
+  // Plans: which entries need lines, and how many at most. A few lines of each say what to expect.
+  //   In: lines: before find(); scene, face_ids, ids and lines are referred to; ids: of the result
+  //   Cost: as PairLines::find, and 16 lines an entry.
+  LineGuarantee(const Scene& scene, const Ids& face_ids, const Ids& ids, PairLines& lines,
+                const LineGuaranteeOptions& options);
+
+  const LineGuaranteeFigures& figures() const { return figures_; }
+  uint64_t lookCount() const { return look_; }
+  // Returns the most looks that may come.
+  uint64_t mostLooks() const { return most_looks_; }
+  bool isDone() const { return look_ > 0 && open_.empty(); }
+  // Draws lines of all open entries up to their next look.
+  void step();
+
+  // Returns the estimate, with intervals where the run is done.
+  //   In: sums: of common directions by face, for environment and leak
+  Estimate estimate(const RunSums& sums, double relative_floor) const;
+
+ private:
+  // A form factor between two ids, or the leak of one.
+  struct Entry {
+    uint32_t i, j;
+    double exchange = 0, clear = 0;  // with nothing in between, and what nothing can block; input units squared
+    double allowed = 0;              // error of the exchange area that the guarantee allows
+    double weight = 0;               // of one line at most, after the last look
+    uint32_t first_part = 0, part_count = 0;
+    uint32_t looks = 1;                       // at most
+    Interval interval{};                      // of exchange areas
+    double first_facing = 0, first_open = 0;  // exchange areas after the first look
+    double first_variance = 0;                // sum of squares of ranges of its lines
+    double value = 0, standard_error = 0;
+
+    double blockable() const { return exchange - clear; }
+    bool isKnown() const { return blockable() <= allowed; }
+  };
+  struct Part {
+    uint32_t index;
+    double exchange;  // input units squared
+    UniformLineCount count{};
+  };
+
+  void collectEntries();
+  void planLooks();
+  void planRows();
+  void predict();
+  void forEach(size_t count, const std::function<void(size_t)>& work) const;
+  double weightAt(const Entry& entry, uint32_t look) const;
+  void draw(Entry& entry, uint32_t look);
+  bool settle(Entry& entry, uint32_t look) const;
+  std::string nameOf(uint32_t column) const { return column < kEnvironment ? ids_.names[column] : "leak"; }
+  double linesOf(const Entry& entry, uint32_t look) const;
+  std::vector<Interval> findIntervals(const FormFactors& form_factors) const;
+
+  const Scene& scene_;
+  const Ids& face_ids_;
+  const Ids& ids_;
+  PairLines& lines_;
+  LineGuaranteeOptions options_;
+  LineGuaranteeFigures figures_;
+  std::vector<Entry> entries_;          // sorted by (i, j)
+  std::vector<Part> parts_;             // of entries
+  std::vector<uint32_t> open_;          // entries
+  double log_entry_ = 0, log_row_ = 0;  // ln(2 / p) of one look at one entry, of one row
+  uint32_t look_ = 0, most_looks_ = 1;
+  Vectors vectors_ = widestVectors();
+};
+
+}  // namespace viewpeel

@@ -1,0 +1,55 @@
+// Chernoff's bounds against exact binomial tails.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "estimator/chernoff.h"
+
+namespace viewpeel {
+namespace {
+
+// P(X <= k) of n coins with chance s, by summing logarithms.
+double binomialTail(int n, int k, double s) {
+  double sum = 0;
+  for (int m = 0; m <= k; ++m)
+    sum += std::exp(std::lgamma(n + 1.0) - std::lgamma(m + 1.0) - std::lgamma(n - m + 1.0) + m * std::log(s) +
+                    (n - m) * std::log1p(-s));
+  return sum;
+}
+
+TEST(Chernoff, ExactTailsAreBelowTheProbabilityOfTheBound) {
+  // Were s the upper bound that k of n gives, k or fewer would come with probability p / 2 at most: so the bound fails
+  // with that probability at most, whatever s is.
+  for (const double p : {0.05, 1e-3, 1e-8}) {
+    const double l = std::log(2 / p);
+    for (const int n : {1, 5, 40, 1000})
+      for (int k = 0; k < n; k += 1 + n / 23) {
+        const MeanBounds bounds = chernoffBounds(double(k) / n, double(k) / n, n, l);
+        EXPECT_LE(binomialTail(n, k, bounds.upper), p / 2 * (1 + 1e-9)) << n << ' ' << k;
+        // The bound is no looser than Hoeffding's.
+        EXPECT_LE(bounds.upper, double(k) / n + std::sqrt(l / (2 * n)) + 1e-9);
+        EXPECT_GE(bounds.upper, double(k) / n);
+        const MeanBounds mirrored = chernoffBounds(1 - double(k) / n, 1 - double(k) / n, n, l);
+        EXPECT_NEAR(mirrored.lower, 1 - bounds.upper, 1e-9);
+      }
+  }
+}
+
+TEST(Chernoff, ABoundThatIsATenthTooSmallFails) {
+  // The negative control: for coins that are often on one side the bound has little to spare.
+  const double p = 0.05, l = std::log(2 / p);
+  const int n = 40;
+  const double upper = chernoffBounds(0, 0, n, l).upper;
+  EXPECT_GT(binomialTail(n, 0, 0.9 * upper), p / 2);
+}
+
+TEST(Chernoff, LinesThatAreOpenWidenTheBounds) {
+  const MeanBounds known = chernoffBounds(0.3, 0.3, 100, 5), open = chernoffBounds(0.25, 0.35, 100, 5);
+  EXPECT_LT(open.lower, known.lower);
+  EXPECT_GT(open.upper, known.upper);
+  EXPECT_DOUBLE_EQ(chernoffBounds(0, 1, 100, 5).lower, 0);
+  EXPECT_DOUBLE_EQ(chernoffBounds(0, 1, 100, 5).upper, 1);
+}
+
+}  // namespace
+}  // namespace viewpeel

@@ -1,0 +1,157 @@
+// Uniform lines: how many candidates become lines against exchange areas, moments against quadrature, visibilities
+// against integrals past one blocker, and decisions that rounding must not make.
+#include <cmath>
+#include <numbers>
+
+#include <glm/glm.hpp>
+#include <gtest/gtest.h>
+
+#include "pair_lines/find_pairs.h"
+#include "pair_lines/uniform_lines.h"
+#include "scenes/exact_scenes.h"
+#include "scenes/named_scenes.h"
+#include "scenes/stress.h"
+#include "tests/support/reference_shapes.h"
+
+namespace viewpeel {
+namespace {
+
+namespace ts = test_scenes;
+namespace rt = reference::test;
+using glm::dvec3;
+
+// At 5.5 standard errors a true figure fails once in 2.6e7.
+constexpr double kStandardErrors = 5.5;
+
+Scene sceneOf(const std::vector<rt::Corners>& faces) {
+  InputScene input{"faces", {}, {}};
+  for (size_t k = 0; k < faces.size(); ++k) ts::addFace(input, "face" + std::to_string(k), faces[k]);
+  return buildScene(input);
+}
+
+struct Pair {
+  Scene scene;
+  PairFinder finder;
+  PatchPairs pairs;
+
+  explicit Pair(const std::vector<rt::Corners>& faces)
+      : scene(sceneOf(faces)), finder(scene, makeIds(scene, By::polygon, false)), pairs(finder.find(1)) {}
+  const PatchPair& between(uint32_t i, uint32_t j) const {
+    for (const PatchPair& pair : pairs.pairs)
+      if (finder.patches()[pair.a].id == i && finder.patches()[pair.b].id == j) return pair;
+    throw std::logic_error("the pair is hidden");
+  }
+  UniformLines lines(const PatchPair& pair) const {
+    return {finder.patches()[pair.a], finder.patches()[pair.b], pair.exchange, finder.blockers(),
+            std::span(pairs.between).subspan(pair.first_blocker, pair.blocker_count)};
+  }
+};
+
+rt::Corners rectangle(dvec3 corner, dvec3 a, dvec3 b) { return {corner, corner + a, corner + a + b, corner + b}; }
+
+const rt::Corners kFloor = rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+const rt::Corners kCeiling = rectangle({0, 0, 1}, {0, 1, 0}, {1, 0, 0});
+
+TEST(UniformLines, CandidatesBecomeLinesAsOftenAsTheExchangeAreaSays) {
+  // The share of candidates that are lines is an integral of f, which closed forms have computed independently.
+  const std::vector<std::pair<const char*, rt::Corners>> seconds = {
+      {"opposite", kCeiling},
+      {"far", rectangle({3, 2, 9}, {0, 1, 0}, {1, 0, 0})},
+      {"touching wall", rectangle({0, 0, 0}, {0, 1, 0}, {0, 0, 1})},
+      {"near wall", rectangle({-0.01, 0.2, 0}, {0, 0.5, 0}, {0, 0, 1})},
+      {"narrow gap", rectangle({0.1, 0.1, 0.003}, {0, 0.7, 0}, {0.6, 0, 0})},
+      {"tilted triangle", {{0.2, 0.1, 0.7}, {0.4, 1.1, 0.9}, {1.0, 0.3, 0.8}}},
+      {"trapezium", {{0.2, 0.1, 0.7}, {0.3, 0.6, 0.7}, {0.6, 0.6, 0.7}, {1.9, 0.1, 0.7}}},
+      {"half behind", rectangle({0.5, 0.2, -0.4}, {0, 0.5, 0}, {0.1, 0, 1})},
+  };
+  for (const auto& [name, second] : seconds) {
+    const Pair pair({kFloor, second});
+    const UniformLines lines = pair.lines(pair.between(0, 1));
+    const UniformLineCount count = lines.draw(7, 1'000'000, widestVectors());
+    EXPECT_EQ(count.lines, 1'000'000u) << name;
+    EXPECT_EQ(count.open, 0u) << name;
+    EXPECT_EQ(count.facing, count.lines) << name;
+    // Stopping at a number of lines biases the share by its variance over that number: far below the error.
+    const double share = double(count.lines) / double(count.candidates), e = lines.efficiency();
+    EXPECT_NEAR(share, e, kStandardErrors * std::sqrt(e * (1 - e) / double(count.candidates)) + 2e-6 * e) << name;
+    EXPECT_GT(e, 0.01) << name;
+  }
+}
+
+// A blocker above half of the floor cuts off lines; how many is an integral over points.
+double visibilityByQuadrature(double edge, double height) {
+  // Floor and ceiling of the unit cube, a blocker at `height` over x < edge. Midpoints, 60 in each of four coordinates.
+  constexpr int kSteps = 60;
+  double seen = 0, all = 0;
+  for (int i = 0; i < kSteps; ++i)
+    for (int j = 0; j < kSteps; ++j) {
+      const double x = (i + 0.5) / kSteps, u = (j + 0.5) / kSteps;
+      // In y only the difference counts.
+      double of_y = 0;
+      for (int k = 0; k < 2000; ++k) {
+        const double dy = (k + 0.5) / 2000, r2 = 1 + dy * dy + (u - x) * (u - x);
+        of_y += 2 * (1 - dy) / (r2 * r2) / 2000;
+      }
+      all += of_y;
+      // The share of this cell's lines that passes the edge: x (1 - height) + u height > edge.
+      const double at = x * (1 - height) + u * height, half = 0.5 / kSteps;
+      seen += of_y * std::clamp(0.5 + (at - edge) / (2 * half), 0.0, 1.0);
+    }
+  return seen / all;
+}
+
+TEST(UniformLines, VisibilitiesAreThoseOfQuadrature) {
+  for (const double edge : {0.2, 0.5, 0.8}) {
+    const Pair pair({kFloor, kCeiling, rectangle({-2, -5, 0.3}, {edge + 2, 0, 0}, {0, 11, 0})});
+    const UniformLineCount count = pair.lines(pair.between(0, 1)).draw(11, 10'000'000, widestVectors());
+    const double seen = double(count.facing) / double(count.lines), truth = visibilityByQuadrature(edge, 0.3);
+    // The quadrature's error is that of its 60 steps, some 1 / 60^2 of curvature: below 1e-4.
+    EXPECT_NEAR(seen, truth, kStandardErrors * std::sqrt(truth * (1 - truth) / double(count.lines)) + 1e-4) << edge;
+    EXPECT_EQ(count.open, 0u);
+    // A wrong blocker is found: the same one, higher.
+    EXPECT_GT(std::abs(seen - visibilityByQuadrature(edge, 0.35)), edge == 0.5 ? 0.0 : 2e-3) << edge;
+  }
+}
+
+TEST(UniformLines, StreamsAreIndependentAndRepeatable) {
+  const Pair pair({kFloor, kCeiling, rectangle({-2, -5, 0.3}, {2.5, 0, 0}, {0, 11, 0})});
+  const UniformLines lines = pair.lines(pair.between(0, 1));
+  const UniformLineCount one = lines.draw(1, 1000, widestVectors()), same = lines.draw(1, 1000, Vectors::plain);
+  EXPECT_EQ(one.facing, same.facing);
+  EXPECT_EQ(one.candidates, same.candidates);
+  // Of 4,000 streams of 256 lines the counts vary as coins do: chi-squared of 3,999 degrees, 5.5 sigma.
+  const double s = double(lines.draw(2, 4'000'000, widestVectors()).facing) / 4e6;
+  double squares = 0;
+  constexpr int kStreams = 4000, kLines = 256;
+  for (int stream = 0; stream < kStreams; ++stream) {
+    const double facing = double(lines.draw(100 + stream, kLines, widestVectors()).facing);
+    squares += std::pow(facing - kLines * s, 2) / (kLines * s * (1 - s));
+  }
+  EXPECT_NEAR(squares, kStreams, kStandardErrors * std::sqrt(2.0 * kStreams));
+}
+
+TEST(UniformLines, WhatRoundingMayDecideIsDecidedAgain) {
+  // A blocker's edge lies 1e-7 of the scene's size beside the edge of what the two patches see: single precision alone
+  // would count lines on either side.
+  const double gap = 1e-7;
+  const Pair pair({kFloor, kCeiling, rectangle({-3, -5, 0.5}, {3 + gap, 0, 0}, {0, 11, 0})});
+  const UniformLineCount count = pair.lines(pair.between(0, 1)).draw(3, 2'000'000, widestVectors());
+  // Blocked are lines with x + u < 2 gap: a share below (2 gap)^2 of some 1e-14.
+  EXPECT_EQ(count.facing + count.open, count.lines);
+  EXPECT_LE(count.open, 1u);
+}
+
+TEST(UniformLines, LeastDistanceIsALowerBoundAndSharp) {
+  const Pair pair({kFloor, rectangle({0.3, 0.4, 0.25}, {0, 0.2, 0}, {0.2, 0, 0.1}),
+                   rectangle({2, 2, 0}, {0, 0, 1}, {-0.5, 0.5, 0})});
+  const auto& patches = pair.finder.patches();
+  const double unit = pair.scene.scale;
+  EXPECT_NEAR(leastDistance(patches[0], patches[1]) * unit, 0.25, 1e-9);
+  EXPECT_LE(leastDistance(patches[0], patches[1]) * unit, 0.25 + 1e-12);
+  // From the corner (1, 1, 0) to the line between (2, 2) and (1.5, 2.5): 1.5 across both corners' diagonal.
+  EXPECT_NEAR(leastDistance(patches[0], patches[2]) * unit, std::sqrt(2.0), 2e-3);
+  EXPECT_LE(leastDistance(patches[0], patches[2]) * unit, std::sqrt(2.0) + 1e-12);
+}
+
+}  // namespace
+}  // namespace viewpeel
