@@ -41,6 +41,14 @@ std::string tabulate(const std::vector<HeatRow>& rows) {
   return text + "\n";
 }
 
+std::string describeLargest(const std::vector<HeatRow>& rows, double HeatBounds::*of, const char* name,
+                            const char* unit) {
+  const auto boundOf = [&](const HeatRow& row) { return row.bounds ? (*row.bounds).*of : 0; };
+  const auto largest = std::ranges::max_element(rows, {}, boundOf);
+  if (largest == rows.end() || !(boundOf(*largest) > 0)) return "";
+  return fmt::format("{} {:.2g} {} ({})", name, boundOf(*largest), unit, largest->name);
+}
+
 std::string describeLargest(const std::vector<HeatRow>& rows, Measured HeatRow::*of, const char* name,
                             const char* unit) {
   const auto largest = std::ranges::max_element(
@@ -63,6 +71,11 @@ std::string describeHeat(const HeatSolution& solution, By by) {
   if (!temperature.empty() || !flux.empty())
     text += fmt::format("errors     largest standard errors: {}{}{}\n", temperature,
                         temperature.empty() || flux.empty() ? "" : ", ", flux);
+  const std::string temperature_bound = describeLargest(rows, &HeatBounds::temperature, "temperature", "K"),
+                    flux_bound = describeLargest(rows, &HeatBounds::heat_flux, "heat flux", "W/m2");
+  if (!rows.empty() && rows.front().bounds)
+    text += fmt::format("bounds     largest: {}{}{}\n", temperature_bound,
+                        temperature_bound.empty() || flux_bound.empty() ? "" : ", ", flux_bound);
   return text + fmt::format(
                     "closure    row sums differ from 1 by at most {:.1e} ({}); such radiation returns to its "
                     "row\n",

@@ -25,7 +25,8 @@ struct SolveCommand {
   std::string scene, materials;
   std::vector<std::string> outputs, stored;
   Request request;
-  std::optional<double> form_factor_tolerance;
+  std::optional<double> form_factor_tolerance, epsilon;
+  double delta = EpsilonDelta{}.delta;
   std::optional<HeatTolerance> tolerance;
   std::optional<ExchangeKind> exchange;
   double drop_below = 0;
@@ -139,6 +140,10 @@ int solveFile(const SolveCommand& command) {
   const MaterialTable table = readMaterials(command.materials);
   Request request = command.request;
   request.goal = Tolerance{command.form_factor_tolerance.value_or(Tolerance{}.standard_error)};
+  if (command.epsilon) {
+    request.goal = EpsilonDelta{.epsilon = *command.epsilon, .delta = command.delta};
+    request.pair_lines = true;  // it has an interval for each pair
+  }
   checkRequest(request);
   const Scene scene = loadSceneOf(command.scene, request.scene_options);
   if (!command.quiet) fmt::print("{}", describeScene(scene));
@@ -148,6 +153,9 @@ int solveFile(const SolveCommand& command) {
   progress.clear();
   for (const std::string& warning : found.form_factors.warnings) fmt::print(stderr, "viewpeel: warning: {}\n", warning);
   conclude(command, table, found.heat);
+  if (const auto& guarantee = found.form_factors.guarantee; guarantee && !command.quiet)
+    fmt::print("guarantee  every form factor within {:.3g}, and all answers within their bounds, with probability {}\n",
+               guarantee->bound, 1 - guarantee->delta);
   const FormFactors& form_factors = found.form_factors.form_factors;
   writeExchanges(command, form_factors,
                  assignMaterials(table, form_factors.ids(), found.form_factors.between_surfaces.ids().names));
@@ -192,6 +200,20 @@ void addComputing(CLI::App* command, SolveCommand& options) {
           ->type_name("T")
           ->check([](const std::string& text) { return isNumber(text, 1e-9, 1); })
           ->excludes(computing.front()));
+  computing.push_back(command
+                          ->add_option_function<double>(
+                              "--epsilon", [&options](const double& value) { options.epsilon = value; },
+                              "Guarantee: every form factor between rows within E with probability 1 - D, and bounds "
+                              "of all answers that follow; see --delta")
+                          ->type_name("E")
+                          ->check([](const std::string& text) { return isNumber(text, 1e-9, 0.999); })
+                          ->excludes(computing[0])
+                          ->excludes(computing[1]));
+  computing.push_back(command->add_option("--delta", options.delta, "Probability with which a guarantee may fail")
+                          ->type_name("D")
+                          ->check([](const std::string& text) { return isNumber(text, 0, 0.999); })
+                          ->needs(computing.back())
+                          ->capture_default_str());
   computing.push_back(command
                           ->add_option_function<double>(
                               "--seconds", [&options](const double& value) { options.request.time_limit_s = value; },

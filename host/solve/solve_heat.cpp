@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "solve/heat_bounds.h"
 #include "solve/heat_errors.h"
 #include <viewpeel/error.h>
 
@@ -99,6 +100,7 @@ class Solver {
     h_ = irradiation_->solve(closed_.pairs * source_);
     b_ = source_ + reflectivity_.cwiseProduct(h_);
     errors_.emplace(form_factors, closed_, *irradiation_, b_);
+    if (form_factors.hasIntervals()) bounds_ = boundIrradiation(form_factors, closed_, *irradiation_, b_);
   }
 
   HeatSolution solution() const {
@@ -159,7 +161,20 @@ class Solver {
     row.irradiation = {h_[i] + shift_, error};
     row.heat_flux = {fluxOf(i), std::abs(fluxSlope(i)) * error};
     row.heat_flow = {area * row.heat_flux.value, area * row.heat_flux.standard_error};
+    if (bounds_.size() > 0) {
+      const double bound = bounds_[i], of_flux = std::abs(fluxSlope(i)) * bound;
+      row.bounds = {temperatureBound(row.temperature.value, powerSlope(i) * bound), reflectivity_[i] * bound, bound,
+                    of_flux, area * of_flux};
+    }
     return row;
+  }
+
+  // How far a temperature is off where the emissive power is off by no more than a bound.
+  static double temperatureBound(double temperature, double bound) {
+    if (!(bound > 0)) return 0;
+    const double power = emissivePower(temperature);
+    return std::max(temperatureOf(power + bound) - temperature,
+                    temperature - temperatureOf(std::max(0.0, power - bound)));
   }
 
   HeatRow sumRows(const std::string& name, const std::vector<uint32_t>& rows) const {
@@ -193,6 +208,17 @@ class Solver {
     sum.irradiation = {irradiation + shift_, errors_->standardError(irradiations)};
     sum.heat_flux = {flow / sum.area, errors_->standardError(fluxes)};
     sum.heat_flow = {flow, sum.area * sum.heat_flux.standard_error};
+    if (bounds_.size() > 0) {
+      const auto boundOf = [&](const std::vector<HeatErrors::Term>& terms) {
+        double bound = 0;
+        for (const HeatErrors::Term& term : terms)
+          bound += term.factor == 0 ? 0 : std::abs(term.factor) * bounds_[term.row];
+        return bound;
+      };
+      const double of_flux = boundOf(fluxes);
+      sum.bounds = {temperatureBound(sum.temperature.value, boundOf(powers)), boundOf(radiosities),
+                    boundOf(irradiations), of_flux, sum.area * of_flux};
+    }
     return sum;
   }
 
@@ -217,6 +243,7 @@ class Solver {
   VectorXd source_, reflectivity_, h_, b_;
   std::optional<Irradiation> irradiation_;
   std::optional<HeatErrors> errors_;
+  VectorXd bounds_;  // of irradiations; empty without intervals
 };
 
 }  // namespace

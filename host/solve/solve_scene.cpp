@@ -28,9 +28,14 @@ void requireUnknownTemperatures(const Enclosure& enclosure) {
 
 SceneHeat solveOnce(const Scene& scene, const Enclosure& enclosure, const Request& request, const Observer& observer) {
   Result result = computeFormFactors(scene, request, observer);
-  if (result.replicates < 2)
+  if (result.interrupted && result.replicates < 2)
     throw Error(ErrorCode::limit, "the run was stopped before its form factors had errors; let it run longer");
-  HeatSolution heat = solveHeat(result.form_factors, enclosure);
+  // Those of common directions leave out pairs that no line met, which have a bound, too.
+  const bool has_all_intervals = result.guarantee && result.guarantee->by == GuaranteedBy::chernoff;
+  const FormFactors& found = result.form_factors;
+  HeatSolution heat = has_all_intervals || !found.hasIntervals()
+                          ? solveHeat(found, enclosure)
+                          : solveHeat(FormFactors(found.ids(), found.entries(), found.rowSums()), enclosure);
   const auto* tolerance = std::get_if<Tolerance>(&request.goal);
   return {std::move(heat), std::move(result), 1, tolerance ? tolerance->standard_error : 0};
 }

@@ -18,20 +18,31 @@ void requireCsv(const std::filesystem::path& file) {
 }  // namespace
 
 void writeHeat(const HeatSolution& solution, By by, std::ostream& out) {
-  fmt::print(out,
-             "{},area,emissivity,temperature,temperature_standard_error,radiosity,radiosity_standard_error,irradiation,"
-             "irradiation_standard_error,heat_flux,heat_flux_standard_error,heat_flow,heat_flow_standard_error\n",
-             by == By::surface ? "surface" : "polygon");
-  for (const HeatRow& row : by == By::surface ? solution.surfaces : solution.rows) {
+  const std::vector<HeatRow>& rows = by == By::surface ? solution.surfaces : solution.rows;
+  const bool has_bounds = !rows.empty() && rows.front().bounds;
+  out << (by == By::surface ? "surface" : "polygon") << ",area,emissivity";
+  for (const char* name : {"temperature", "radiosity", "irradiation", "heat_flux", "heat_flow"}) {
+    fmt::print(out, ",{},{}_standard_error", name, name);
+    if (has_bounds) fmt::print(out, ",{}_bound", name);
+  }
+  out << '\n';
+  for (const HeatRow& row : rows) {
     fmt::print(out, "{},{},{}", quoteName(row.name), row.area, row.emissivity);
-    for (const Measured& value : {row.temperature, row.radiosity, row.irradiation, row.heat_flux, row.heat_flow})
+    const auto print = [&](const Measured& value, double HeatBounds::*bound) {
       fmt::print(out, ",{},{}", value.value, value.standard_error);
+      if (has_bounds) fmt::print(out, ",{}", (*row.bounds).*bound);
+    };
+    print(row.temperature, &HeatBounds::temperature);
+    print(row.radiosity, &HeatBounds::radiosity);
+    print(row.irradiation, &HeatBounds::irradiation);
+    print(row.heat_flux, &HeatBounds::heat_flux);
+    print(row.heat_flow, &HeatBounds::heat_flow);
     out << '\n';
   }
   // What leaves the scene is what its surroundings absorb: their heat flow is below 0.
   if (solution.is_open)
-    fmt::print(out, "environment,,1,,,,,,,,,{},{}\n", -solution.to_environment.value,
-               solution.to_environment.standard_error);
+    fmt::print(out, "environment,,1,{}{},{}{}\n", has_bounds ? ",,,,,,,,,,,," : ",,,,,,,,",
+               -solution.to_environment.value, solution.to_environment.standard_error, has_bounds ? "," : "");
 }
 
 void writeHeat(const HeatSolution& solution, By by, const std::filesystem::path& file) {

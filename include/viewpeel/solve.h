@@ -61,17 +61,23 @@ MaterialTable readMaterials(const std::filesystem::path& file);
 //   Cost: O(rows x lines with wildcards).
 Enclosure assignMaterials(const MaterialTable& table, const Ids& ids, const std::vector<std::string>& surface_names);
 
+// HeatBounds hold with the probability of a guarantee, all at once: the answer of the true form factors is within each.
+struct HeatBounds {
+  double temperature = 0, radiosity = 0, irradiation = 0, heat_flux = 0, heat_flow = 0;
+};
+
 // A HeatRow has the answers of one row. Standard errors are those that the form factors' errors cause; what materials
 // give is exact.
 struct HeatRow {
   std::string name;
-  double area = 0;        // emitting, input units squared
-  double emissivity = 1;  // of a surface of several rows: its mean over the area
-  Measured temperature;   // K; of several rows: that at which they would emit as much
-  Measured radiosity;     // W/m2 that leave
-  Measured irradiation;   // W/m2 that arrive
-  Measured heat_flux;     // W/m2, radiosity less irradiation
-  Measured heat_flow;     // heat flux times area: W where the input unit is the metre
+  double area = 0;                     // emitting, input units squared
+  double emissivity = 1;               // of a surface of several rows: its mean over the area
+  Measured temperature;                // K; of several rows: that at which they would emit as much
+  Measured radiosity;                  // W/m2 that leave
+  Measured irradiation;                // W/m2 that arrive
+  Measured heat_flux;                  // W/m2, radiosity less irradiation
+  Measured heat_flow;                  // heat flux times area: W where the input unit is the metre
+  std::optional<HeatBounds> bounds{};  // where form factors have intervals
 };
 
 struct HeatSolution {
@@ -91,8 +97,9 @@ struct HeatSolution {
 //   B_i = e_i s T_i^4 + (1 - e_i) H_i, or B_i = q_i + H_i where q_i is given;  A_i H_i = sum_j x_ij B_j + x_ie s T_e^4
 //   What a row's form factors lack of 1, or exceed it by, is taken for radiation that returns to the row. So exchange
 //     stays symmetric, energy is kept, and in a scene of one temperature all heat fluxes are 0, whatever the errors.
-//   In: form factors of all rows; enclosure: a material for each
-//   Out: see HeatSolution
+//   In: form factors of all rows; enclosure: a material for each. Intervals, where there are any (of
+//     GuaranteedBy::chernoff), have to be of all pairs that may see each other.
+//   Out: see HeatSolution; bounds where form factors have intervals, eq. (10). They hold for scenes without leak.
 //   Error: of the equations: 1e-12 of the largest |B - s T_0^4|, T_0 being the environment's temperature or the first
 //     given one; standard errors: of first order, pairs taken for independent. Beyond 1,000 rows these have a standard
 //     error of 1/16 of themselves. Tests: tests/unit/solve_heat_test.cpp; coverage: tests/unit/solve_errors_test.cpp.
@@ -181,7 +188,7 @@ void writeExchange(const ExchangeFactors& factors, ExchangeKind kind, std::ostre
 void writeExchange(const ExchangeFactors& factors, ExchangeKind kind, const std::filesystem::path& file);
 
 // Writes `surface,area,emissivity,temperature,radiosity,irradiation,heat_flux,heat_flow`, each uncertain column followed
-// by its `_standard_error`; the first column is `polygon` for rows by polygon.
+// by its `_standard_error`, and where rows have bounds by its `_bound`; the first column is `polygon` for rows by polygon.
 //   In: by: HeatSolution::rows, or surfaces
 //   Out: 1 + rows lines; a last line `environment` for an open scene with its heat flow, which is what leaves it
 //   Error: none: numbers read back to the same bits. Tests: tests/unit/solve_materials_test.cpp.

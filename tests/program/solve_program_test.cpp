@@ -126,6 +126,17 @@ TEST_F(SolveProgram, ExchangeFactorsStandBesideTheAnswers) {
                 "is to be written twice");
 }
 
+TEST_F(SolveProgram, AGuaranteeBoundsTheAnswers) {
+  const Result r = run("solve " + kPlates + " --epsilon 0.05 --delta 0.1 -o " + file("a.csv") + " --materials " +
+                       write("m.csv", kHeader + "default,0.8,,50\nenvironment,,280,\n"));
+  ASSERT_EQ(r.status, 0) << r.output;
+  for (const char* part : {"bounds     largest: temperature", "guarantee  every form factor within", "probability"})
+    EXPECT_NE(r.output.find(part), std::string::npos) << part << r.output;
+  EXPECT_NE(readFile(file("a.csv")).find(",temperature,temperature_standard_error,temperature_bound,radiosity"),
+            std::string::npos);
+  expectRefusal(run("solve " + kPlates + " --materials m.csv --delta 0.1"), "requires --epsilon");
+}
+
 TEST_F(SolveProgram, AnOpenSceneHasAnEnvironment) {
   const std::string hot = write("hot.csv", kHeader + "default,0.8,350,\n"),
                     both = write("both.csv", kHeader + "default,0.8,350,\nenvironment,,280,\n");
