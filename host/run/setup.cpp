@@ -114,10 +114,10 @@ void Setup::settleUnoccluded() {
 }
 
 // Lines of pairs are drawn on the processor's threads. Rough goals of many polygons are reached sooner by directions
-// that all pairs have in common (docs/speed.md).
+// that all pairs have in common (docs/speed.md), but no guarantee is.
 void Setup::settlePairLines() {
   const bool is_open = !request_.unoccluded && !request_.sampling && !request_.sampler && !resolution_ && plans_ &&
-                       (request_.engine == EngineKind::automatic || request_.engine == EngineKind::host);
+                       (guarantee() || request_.engine == EngineKind::automatic || request_.engine == EngineKind::host);
   const bool pays =
       scene_.faces.size() <= kMostPairLineFaces && (!estimate_.tolerance || *estimate_.tolerance <= kPairLineTolerance);
   pair_lines_ = request_.pair_lines.value_or(is_open && pays && mayUsePairLines(request_));

@@ -101,8 +101,7 @@ struct Axis {
 const std::vector<Axis> kAxes = {
     {"goal",
      {"--directions 60 --replicates 16", "--tolerance 0.01 --replicates 16", "--relative 0.1 --replicates 16",
-      "--seconds 0.3", "--epsilon 0.2 --delta 1e-6", "--epsilon 0.2 --delta 1e-6 --pair-lines off",
-      "--epsilon 0.2 --rows", "--epsilon 0.5 --delta 1e-3 --statistic median",
+      "--seconds 0.3", "--epsilon 0.2 --delta 1e-6 --rows", "--epsilon 0.5 --delta 1e-3 --statistic median",
       "--directions 60 --replicates 16 --resolution 96",
       "--directions 60 --replicates 16 --resolution 24 --finest 96"}},
     {"scene", {"cube", "plates", "box", "wall", "sliver", "junctions"}},
@@ -133,9 +132,8 @@ bool has(const Choices& run, const std::string& axis, const std::string& part) {
 
 // Whether a guarantee is by pair lines: nothing asks for directions.
 bool isByLines(const Choices& run) {
-  return has(run, "goal", "--epsilon 0.2") && !has(run, "goal", "off") && choiceOf(run, "sampler").empty() &&
-         choiceOf(run, "sampling").empty() && choiceOf(run, "unoccluded").empty() &&
-         (choiceOf(run, "engine").empty() || has(run, "engine", "auto") || has(run, "engine", "host"));
+  return has(run, "goal", "--epsilon 0.2") && choiceOf(run, "sampler").empty() && choiceOf(run, "sampling").empty() &&
+         choiceOf(run, "unoccluded").empty() && !has(run, "engine", "exact");
 }
 
 struct Contradiction {
