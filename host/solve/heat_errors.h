@@ -10,12 +10,12 @@ constexpr uint32_t kMostExactRows = 1000;
 constexpr uint32_t kProbes = 128;
 
 // HeatErrors has the standard errors of sums sum_k c_k H_k over irradiations.
-//   Up to kMostExactRows rows they follow from the inverse. Beyond, from kProbes sets of random signs, one for the error
-//   of each pair: the mean square over probes is the variance, with a standard error of 1/16 of the standard error.
+//   Up to kMostExactRows rows they follow from the inverse. Beyond, from kProbes sets of random signs, one for the
+//   error of each pair: the mean square over probes is the variance, known to 1/16 of the standard error.
 class HeatErrors {
  public:
   //   In: measured: entries with standard errors, taken for independent; closed: of these; irradiation: of the
-  //     solution's reflectivities; radiosity: of rows, less the environment's where there is one, else less any constant
+  //     solution's reflectivities; radiosity: of rows, less the environment's where there is one
   //   Cost: that of Irradiation::inverse, or kProbes times Irradiation::solve.
   HeatErrors(const FormFactors& measured, const ClosedExchange& closed, const Irradiation& irradiation,
              const Eigen::VectorXd& radiosity, uint32_t most_exact_rows = kMostExactRows);

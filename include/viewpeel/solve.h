@@ -100,9 +100,10 @@ struct HeatSolution {
 //   In: form factors of all rows; enclosure: a material for each. Intervals, where there are any (of
 //     GuaranteedBy::chernoff), have to be of all pairs that may see each other.
 //   Out: see HeatSolution; bounds where form factors have intervals, eq. (10). They hold for scenes without leak.
-//   Error: of the equations: 1e-12 of the largest |B - s T_0^4|, T_0 being the environment's temperature or the first
-//     given one; standard errors: of first order, pairs taken for independent. Beyond 1,000 rows these have a standard
-//     error of 1/16 of themselves. Tests: tests/unit/solve_heat_test.cpp; coverage: tests/unit/solve_errors_test.cpp.
+//   Error: of the equations, for emissivities from 1e-3 on: 1e-11 of the largest |B - s T_0^4|, T_0 being the
+//     environment's temperature or the first given one. Standard errors: of first order, pairs taken for independent;
+//     beyond 1,000 rows they have a standard error of 1/16 of themselves. Tests: tests/unit/solve_heat_test.cpp,
+//     solve_errors_test.cpp, solve_bounds_test.cpp.
 //   Throws: Error bad_usage for form factors of some rows only, or materials that do not go with them; bad_input where
 //     radiation ends on backs, leaves the scene without an environment, rows have no temperature to refer to, or a heat
 //     flux would need a temperature below 0; limit where conjugate gradients do not end.
@@ -148,9 +149,9 @@ struct SceneHeat {
 SceneHeat solveScene(const Scene& scene, const MaterialTable& materials, Request request = {},
                      std::optional<HeatTolerance> tolerance = {}, const Observer& observer = {});
 
-// The ExchangeFactors of an enclosure are kept as conductors, symmetric and in input units squared. What flows from row i
-// to j by all paths is s R_ij (T_i^4 - T_j^4). R_ij = A_i e_i B_ij = A_i F*_ij: B are Gebhart's factors, the shares of
-// what i emits that j absorbs, and F* Hottel's script-F.
+// The ExchangeFactors of an enclosure are kept as conductors, symmetric and in input units squared. What flows from row
+// i to j by all paths is s R_ij (T_i^4 - T_j^4). R_ij = A_i e_i B_ij = A_i F*_ij: B are Gebhart's factors, the shares
+// of what i emits that j absorbs, and F* Hottel's script-F.
 struct ExchangeFactors {
   struct Entry {
     uint32_t i, j;  // i <= j; j may be kEnvironment
@@ -166,14 +167,14 @@ struct ExchangeFactors {
 
 // Computes the exchange factors of an enclosure: docs/solve.md, eq. (9).
 //   B = (I - F R)^-1 F E, whose rows, environment included, sum to 1
-//   Pairs whose Gebhart factors are below the cut both ways are left out, but for each row's largest. The others are then
-//     balanced (balanceRows), so that R stays symmetric and rows sum to A_i e_i as before: energy is kept.
+//   Pairs whose Gebhart factors are below the cut both ways are left out, but for each row's largest. The others are
+//     then balanced (balanceRows), so that R stays symmetric and rows sum to A_i e_i as before: energy is kept.
 //   In: form factors of all rows; enclosure: emissivities count, temperatures do not; drop_below: in [0, 1)
 //   Out: see ExchangeFactors
 //   Error: rounding, 1e-12 of A_i e_i. Tests: tests/unit/solve_exchange_test.cpp compares with solveHeat.
-//   Throws: Error bad_usage and bad_input as solveHeat for form factors and emissivities; bad_input for a cut that leaves
-//     rows which cannot be balanced; limit above 10,000 rows.
-//   Cost: 2.3 n^3; memory 24 n^2 bytes.
+//   Throws: Error bad_usage and bad_input as solveHeat for form factors and emissivities; bad_input for a cut that
+//     leaves rows which cannot be balanced; limit above 10,000 rows.
+//   Cost: 2.3 n^3; memory 48 n^2 bytes.
 //   Source: B. Gebhart, Surface temperature calculations in radiant surroundings of arbitrary complexity, Int. J. Heat
 //     Mass Transfer 3, 1961, 341-346; H. C. Hottel & A. F. Sarofim, Radiative Transfer, McGraw-Hill 1967 (script-F).
 ExchangeFactors findExchangeFactors(const FormFactors& form_factors, const Enclosure& enclosure, double drop_below = 0);
@@ -187,8 +188,9 @@ void writeExchange(const ExchangeFactors& factors, ExchangeKind kind, std::ostre
 // Writes the same to a file, as writeHeat.
 void writeExchange(const ExchangeFactors& factors, ExchangeKind kind, const std::filesystem::path& file);
 
-// Writes `surface,area,emissivity,temperature,radiosity,irradiation,heat_flux,heat_flow`, each uncertain column followed
-// by its `_standard_error`, and where rows have bounds by its `_bound`; the first column is `polygon` for rows by polygon.
+// Writes `surface,area,emissivity,temperature,radiosity,irradiation,heat_flux,heat_flow`, each uncertain column
+// followed by its `_standard_error`, and where rows have bounds by its `_bound`; the first column is `polygon` for rows
+// by polygon.
 //   In: by: HeatSolution::rows, or surfaces
 //   Out: 1 + rows lines; a last line `environment` for an open scene with its heat flow, which is what leaves it
 //   Error: none: numbers read back to the same bits. Tests: tests/unit/solve_materials_test.cpp.

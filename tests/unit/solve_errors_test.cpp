@@ -157,9 +157,10 @@ TEST(SolveErrors, TheInverseIsTheSolution) {
   EXPECT_LE((irradiation.inverse() * b - h).norm(), 1e-12 * h.norm());
 }
 
-// Entries with normal errors of their standard errors: each answer's 95 % interval holds the truth in 95 % of 400 draws,
-// within 4.5 standard deviations of the binomial distribution, 0.049. Over 61 answers and three kinds of rows chance
-// passes this bound once in 800 runs; seeds are fixed. First order suffices: second-order terms are 1e-3 of the first.
+// Entries with normal errors of their standard errors: each answer's 95 % interval holds the truth in 95 % of 400
+// draws, within 4.5 standard deviations of the binomial distribution, 0.049. Over 61 answers and three kinds of rows
+// chance passes this bound once in 800 runs; seeds are fixed. First order suffices: second-order terms are 1e-3 of the
+// first.
 TEST_P(SolveErrors, IntervalsHoldTheTruth) {
   const auto [is_open, is_rest] = GetParam();
   constexpr uint32_t kDraws = 400;

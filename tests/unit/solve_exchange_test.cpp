@@ -98,8 +98,8 @@ TEST(ExchangeFactors, OfTwoSurfaces) {
     }
 }
 
-// A cut keeps symmetry, which storage has, and row sums. A row loses what is cut and the rest of it gains as much, which
-// changes its flow by twice the share at most; partners that pass on what they gain may double this.
+// A cut keeps symmetry, which storage has, and row sums. A row loses what is cut and the rest of it gains as much,
+// which changes its flow by twice the share at most; partners that pass on what they gain may double this.
 TEST(ExchangeFactors, ACutKeepsEnergy) {
   for (const bool is_open : {false, true}) {
     const FormFactors f = randomRows(60, is_open);
