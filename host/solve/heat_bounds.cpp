@@ -67,7 +67,7 @@ VectorXd boundIrradiation(const FormFactors& measured, const ClosedExchange& clo
   const VectorXd right_side = spread.of(radiosity), reflectivity = irradiation.roots().cwiseAbs2();
   VectorXd guess = VectorXd::Zero(right_side.size());
   for (int turn = 0; turn < kMostTurns; ++turn) {
-    const VectorXd bound = irradiation.solve(right_side + guess);
+    VectorXd bound = irradiation.solve(right_side + guess);
     if (!bound.allFinite() || bound.norm() > 1e100) break;
     // (A - X~ R) w >= v + guess - |X~ - X| R w, which is v or more where the guess suffices.
     const VectorXd needed = spread.of(reflectivity.cwiseProduct(bound));
