@@ -1,12 +1,13 @@
-// Are the standard errors of heat honest? This bench answers: it counts how often the interval, answer +- t_0.975(R - 1)
-// standard errors, holds the true answer, over many seeds. It prints CSV on stdout, one row for each scene, way to count
-// and kind of answer.
+// Are the standard errors of heat honest? This bench answers: it counts how often the interval, answer +- t_0.975(R -
+// 1) standard errors, holds the true answer, over many seeds. It prints CSV on stdout, one row for each scene, way to
+// count and kind of answer.
 //   heat_coverage [--scene sheet|office]... [--seeds K]
 //
-// The scene `sheet` has parts of two squares past a sheet, whose form factors have closed forms. The truth of the office,
-// by surface, is a run by pair lines to 5e-5. Ways to count: pair lines, visibilities along common directions, and
-// common directions alone. A column has the error in standard errors, rms; it is 1 where these are neither too large nor
-// too small. Answers of one run are correlated, so the standard error of a coverage comes from the spread between seeds.
+// The scene `sheet` has parts of two squares past a sheet, whose form factors have closed forms. The truth of the
+// office, by surface, is a run by pair lines to 5e-5. Ways to count: pair lines, visibilities along common directions,
+// and common directions alone. A column has the error in standard errors, rms; it is 1 where these are neither too
+// large nor too small. Answers of one run are correlated, so the standard error of a coverage comes from the spread
+// between seeds.
 #include <cmath>
 #include <map>
 

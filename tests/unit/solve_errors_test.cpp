@@ -78,7 +78,7 @@ std::vector<Measured> answersOf(const HeatSolution& solution) {
 }
 
 // Three surfaces of four rows each.
-HeatSolution solve(FormFactors f) {
+HeatSolution solve(const FormFactors& f) {
   Ids ids = f.ids();
   for (uint32_t i = 0; i < kRows; ++i) ids.surface[i] = i / 4;
   FormFactors grouped(ids, f.entries(), f.rowSums());
