@@ -16,5 +16,6 @@ void addPlan(CLI::App& app, Run& chosen);
 void addCheck(CLI::App& app, Run& chosen);
 void addDevices(CLI::App& app, Run& chosen);
 void addMerge(CLI::App& app, Run& chosen);
+void addSolve(CLI::App& app, Run& chosen);
 
 }  // namespace viewpeel::program

@@ -37,6 +37,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   viewpeel::program::Run chosen;
   viewpeel::program::addCompute(app, chosen);
+  viewpeel::program::addSolve(app, chosen);
   viewpeel::program::addPlan(app, chosen);
   viewpeel::program::addCheck(app, chosen);
   viewpeel::program::addMerge(app, chosen);

@@ -5,6 +5,7 @@
 #include <fmt/ostream.h>
 
 #include <viewpeel/error.h>
+#include "io/csv.h"
 #include "io/each_entry.h"
 #include "io/shown_rows.h"
 #include "io/write_file.h"
@@ -32,13 +33,6 @@ Format formatOf(const std::filesystem::path& file) {
 
 // Balanced form factors have a file of their own.
 bool hasBalancedFile(Format format) { return format == Format::mtx || format == Format::npz; }
-
-std::string quoteName(const std::string& name) {
-  if (name.find_first_of(",\"\r\n") == std::string::npos) return name;
-  std::string quoted = "\"";
-  for (char c : name) quoted.append(c == '"' ? 2 : 1, c);
-  return quoted + '"';
-}
 
 void writeAs(Format format, const OutputContent& content, std::ostream& out) {
   if (format == Format::csv) writeCsv(content.form_factors, out, content.balanced);

@@ -18,6 +18,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t count) {
   app.require_subcommand(1);
   program::Run chosen;
   program::addCompute(app, chosen);
+  program::addSolve(app, chosen);
   program::addPlan(app, chosen);
   program::addCheck(app, chosen);
   program::addMerge(app, chosen);

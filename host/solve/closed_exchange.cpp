@@ -1,0 +1,92 @@
+#include "solve/closed_exchange.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <viewpeel/balance.h>
+#include <viewpeel/error.h>
+
+namespace viewpeel {
+namespace {
+
+using Eigen::VectorXd;
+using Entry = FormFactors::Entry;
+
+// The environment is beyond doubt where it is so many standard errors: chance passes them once in 147,000 cases.
+constexpr double kBeyondDoubt = 4.5;
+constexpr double kRounding = 1e-12;  // of a row sum that is 1 by construction
+
+void refuseLeak(const FormFactors& form_factors) {
+  const Ids& ids = form_factors.ids();
+  double leak = 0, largest = 0, area = 0;
+  uint32_t row = 0;
+  for (const double of_row : ids.areas) area += of_row;
+  for (const Entry& entry : form_factors.entries()) {
+    if (entry.j != kLeak) continue;
+    leak += entry.exchange_area.value;
+    if (entry.exchange_area.value > largest) largest = entry.exchange_area.value, row = entry.i;
+  }
+  if (leak > kGrazingShare * area)
+    throw Error(ErrorCode::bad_input,
+                fmt::format("{:.3g} % of all emitted radiation ends on backs, which have no material (most of it comes "
+                            "from '{}'); turn flipped faces over with --flip or --fix-normals, or say --two-sided",
+                            100 * leak / area, ids.names[row]));
+}
+
+}  // namespace
+
+ClosedExchange closeRows(const FormFactors& form_factors) {
+  const Ids& ids = form_factors.ids();
+  const uint32_t n = ids.count();
+  if (!ids.requested.empty() || !ids.rows_sum_to_one || form_factors.rowSums().size() != n)
+    throw Error(ErrorCode::bad_usage,
+                "heat needs the form factors of all rows; compute them without --from, --pair and --blocker");
+  refuseLeak(form_factors);
+
+  ClosedExchange closed;
+  closed.areas = Eigen::Map<const VectorXd>(ids.areas.data(), n);
+  closed.environment = VectorXd::Zero(n);
+  closed.environment_is_rest.assign(n, false);
+  double environment = 0, variance = 0;
+  for (const Entry& entry : form_factors.entries()) {
+    if (entry.j != kEnvironment) continue;
+    closed.environment[entry.i] = entry.exchange_area.value;
+    environment += entry.exchange_area.value;
+    variance += std::pow(entry.exchange_area.standard_error, 2);
+    closed.environment_is_rest[entry.i] = std::abs(form_factors.rowSums()[entry.i].value - 1) < kRounding;
+  }
+  const double area = closed.areas.sum();
+  closed.is_open = environment > kGrazingShare * area && environment > kBeyondDoubt * std::sqrt(variance);
+  if (!closed.is_open) {
+    closed.environment.setZero();
+    closed.environment_is_rest.assign(n, false);
+  } else {
+    closed.environment_share = environment / area;
+  }
+
+  VectorXd diagonal = closed.areas - closed.environment, measured = closed.environment;
+  std::vector<Eigen::Triplet<double, uint32_t>> triplets;
+  triplets.reserve(2 * form_factors.entries().size() + n);
+  for (const Entry& entry : form_factors.entries()) {
+    if (entry.j >= kEnvironment) continue;
+    const double exchange = entry.exchange_area.value;
+    measured[entry.i] += exchange;
+    if (entry.i == entry.j) continue;
+    measured[entry.j] += exchange;
+    diagonal[entry.i] -= exchange;
+    diagonal[entry.j] -= exchange;
+    triplets.emplace_back(entry.i, entry.j, exchange);
+    triplets.emplace_back(entry.j, entry.i, exchange);
+  }
+  for (uint32_t i = 0; i < n; ++i) {
+    triplets.emplace_back(i, i, diagonal[i]);
+    const double lack = 1 - measured[i] / closed.areas[i];
+    if (std::abs(lack) > std::abs(closed.largest_lack)) closed.largest_lack = lack, closed.lacking_row = i;
+  }
+  closed.pairs.resize(n, n);
+  closed.pairs.setFromTriplets(triplets.begin(), triplets.end());
+  return closed;
+}
+
+}  // namespace viewpeel

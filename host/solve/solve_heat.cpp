@@ -1,0 +1,255 @@
+// The grey, diffuse enclosure: docs/solve.md.
+#include <viewpeel/solve.h>
+
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "solve/heat_bounds.h"
+#include "solve/heat_errors.h"
+#include <viewpeel/error.h>
+
+namespace viewpeel {
+namespace {
+
+using Eigen::VectorXd;
+
+double emissivePower(double temperature) { return kStefanBoltzmann * std::pow(temperature, 4); }
+double temperatureOf(double emissive_power) { return std::pow(emissive_power / kStefanBoltzmann, 0.25); }
+
+// Where E = s T^4, dT = dE / (4 s T^3); the error of a temperature near 0 is that of the emissive power's root.
+Measured temperatureOf(const Measured& emissive_power) {
+  const double temperature = temperatureOf(emissive_power.value);
+  const double slope = 4 * kStefanBoltzmann * std::pow(temperature, 3);
+  return {temperature, emissive_power.standard_error == 0 ? 0 : emissive_power.standard_error / slope};
+}
+
+// Refuses rows whose heat has no way to a given temperature.
+void refuseWithoutReference(const ClosedExchange& closed, const Enclosure& enclosure, const Ids& ids) {
+  std::vector<uint32_t> group(ids.count());
+  std::iota(group.begin(), group.end(), 0u);
+  const auto find = [&](uint32_t k) {
+    while (group[k] != k) k = group[k] = group[group[k]];
+    return k;
+  };
+  for (uint32_t i = 0; i < ids.count(); ++i)
+    for (decltype(closed.pairs)::InnerIterator at(closed.pairs, i); at; ++at)
+      if (at.value() > 0) group[find(static_cast<uint32_t>(at.col()))] = find(i);
+  std::vector<bool> refers(ids.count());
+  for (uint32_t i = 0; i < ids.count(); ++i)
+    if (enclosure.materials[i].temperature || closed.environment[i] > 0) refers[find(i)] = true;
+  for (uint32_t i = 0; i < ids.count(); ++i)
+    if (!refers[find(i)])
+      throw Error(
+          ErrorCode::bad_input,
+          fmt::format("'{}' has no temperature to refer to: it and all it exchanges with have heat fluxes only; "
+                      "give one of them a temperature",
+                      ids.names[i]));
+}
+
+void requireMaterials(const ClosedExchange& closed, const Enclosure& enclosure, const Ids& ids) {
+  if (enclosure.materials.size() != ids.count())
+    throw Error(ErrorCode::bad_usage,
+                fmt::format("{} materials for {} rows; give one for each", enclosure.materials.size(), ids.count()));
+  for (uint32_t i = 0; i < ids.count(); ++i) {
+    const Material& material = enclosure.materials[i];
+    if (!(material.emissivity > 0 && material.emissivity <= 1))
+      throw Error(ErrorCode::bad_usage, fmt::format("'{}' has an emissivity of {}, not above 0 and up to 1; correct it",
+                                                    ids.names[i], material.emissivity));
+    if (material.temperature.has_value() == material.heat_flux.has_value())
+      throw Error(ErrorCode::bad_usage,
+                  fmt::format("'{}' needs either a temperature or a heat flux; give one of the two", ids.names[i]));
+  }
+  if (closed.is_open && !enclosure.environment_temperature)
+    throw Error(
+        ErrorCode::bad_input,
+        fmt::format("{:.3g} % of all emitted radiation leaves the scene; give its surroundings a temperature by "
+                    "a line 'environment' in the materials (0 for empty space), or close the scene",
+                    100 * closed.environment_share));
+  refuseWithoutReference(closed, enclosure, ids);
+}
+
+// The emissive power that all others are measured from: the environment's, which then drops out of the equations.
+double chooseShift(const ClosedExchange& closed, const Enclosure& enclosure) {
+  if (closed.is_open && enclosure.environment_temperature) return emissivePower(*enclosure.environment_temperature);
+  for (const Material& material : enclosure.materials)
+    if (material.temperature) return emissivePower(*material.temperature);
+  return 0;
+}
+
+// A Solver has radiosities and irradiations less one emissive power, so that rows of nearly one temperature lose no
+// digits.
+class Solver {
+ public:
+  Solver(const FormFactors& form_factors, const Enclosure& enclosure)
+      : ids_(form_factors.ids()),
+        enclosure_(enclosure),
+        closed_(closeRows(form_factors)),
+        shift_(chooseShift(closed_, enclosure)),
+        source_(ids_.count()),
+        reflectivity_(ids_.count()) {
+    requireMaterials(closed_, enclosure, ids_);
+    for (uint32_t i = 0; i < ids_.count(); ++i) {
+      const Material& material = enclosure_.materials[i];
+      source_[i] = material.temperature ? material.emissivity * (emissivePower(*material.temperature) - shift_)
+                                        : *material.heat_flux;
+      reflectivity_[i] = material.temperature ? 1 - material.emissivity : 1;
+    }
+    irradiation_.emplace(closed_, reflectivity_);
+    h_ = irradiation_->solve(closed_.pairs * source_);
+    b_ = source_ + reflectivity_.cwiseProduct(h_);
+    errors_.emplace(form_factors, closed_, *irradiation_, b_);
+    if (form_factors.hasIntervals()) bounds_ = boundIrradiation(form_factors, closed_, *irradiation_, b_);
+  }
+
+  HeatSolution solution() const {
+    HeatSolution found;
+    found.is_open = closed_.is_open;
+    found.largest_lack = closed_.largest_lack;
+    found.lacking_row = ids_.count() ? ids_.names[closed_.lacking_row] : "";
+    for (uint32_t i = 0; i < ids_.count(); ++i) found.rows.push_back(rowOf(i));
+    sumSurfaces(found);
+    const VectorXd to_environment = closed_.environment.cwiseProduct(b_);
+    found.to_environment = {to_environment.sum(), errors_->environmentError(reflectivity_)};
+    double flow = -found.to_environment.value;
+    found.heat_flow_total = std::abs(found.to_environment.value) / 2;
+    for (const HeatRow& row : found.rows) {
+      flow += row.heat_flow.value;
+      found.heat_flow_total += std::abs(row.heat_flow.value) / 2;
+    }
+    found.balance_residual = flow;
+    found.steps = irradiation_->steps();
+    return found;
+  }
+
+ private:
+  // The emissive power of a row less the shift.
+  double powerOf(uint32_t i) const {
+    const Material& material = enclosure_.materials[i];
+    return material.temperature ? emissivePower(*material.temperature) - shift_
+                                : h_[i] + *material.heat_flux / material.emissivity;
+  }
+  double fluxOf(uint32_t i) const {
+    const Material& material = enclosure_.materials[i];
+    return material.temperature ? material.emissivity * (powerOf(i) - h_[i]) : *material.heat_flux;
+  }
+  // The change of the heat flux with the irradiation.
+  double fluxSlope(uint32_t i) const {
+    return enclosure_.materials[i].temperature ? -enclosure_.materials[i].emissivity : 0.0;
+  }
+  double powerSlope(uint32_t i) const { return enclosure_.materials[i].temperature ? 0 : 1; }
+
+  Measured temperatureAt(double power, double error, const std::string& name) const {
+    const double emissive_power = power + shift_;
+    if (!(emissive_power >= 0) && emissive_power > -1e-9 * (std::abs(power) + shift_)) return {0, 0};  // rounding
+    if (!(emissive_power >= 0))
+      throw Error(ErrorCode::bad_input,
+                  fmt::format("'{}' would have to emit {:.4g} W/m2, less than nothing: its heat flux takes more than "
+                              "arrives; lower it",
+                              name, emissive_power));
+    return temperatureOf(Measured{emissive_power, error});
+  }
+
+  HeatRow rowOf(uint32_t i) const {
+    const Material& material = enclosure_.materials[i];
+    const double error = errors_->standardError({{i, 1}}), area = ids_.areas[i];
+    HeatRow row{ids_.names[i], area, material.emissivity};
+    row.temperature =
+        material.temperature ? Measured{*material.temperature, 0} : temperatureAt(powerOf(i), error, ids_.names[i]);
+    row.radiosity = {b_[i] + shift_, reflectivity_[i] * error};
+    row.irradiation = {h_[i] + shift_, error};
+    row.heat_flux = {fluxOf(i), std::abs(fluxSlope(i)) * error};
+    row.heat_flow = {area * row.heat_flux.value, area * row.heat_flux.standard_error};
+    if (bounds_.size() > 0) {
+      const double bound = bounds_[i], of_flux = std::abs(fluxSlope(i)) * bound;
+      row.bounds = {temperatureBound(row.temperature.value, powerSlope(i) * bound), reflectivity_[i] * bound, bound,
+                    of_flux, area * of_flux};
+    }
+    return row;
+  }
+
+  // How far a temperature is off where the emissive power is off by no more than a bound.
+  static double temperatureBound(double temperature, double bound) {
+    if (!(bound > 0)) return 0;
+    const double power = emissivePower(temperature);
+    return std::max(temperatureOf(power + bound) - temperature,
+                    temperature - temperatureOf(std::max(0.0, power - bound)));
+  }
+
+  HeatRow sumRows(const std::string& name, const std::vector<uint32_t>& rows) const {
+    HeatRow sum{name, 0, 0};
+    double emitting = 0;
+    for (const uint32_t i : rows) {
+      sum.area += ids_.areas[i];
+      emitting += ids_.areas[i] * enclosure_.materials[i].emissivity;
+    }
+    sum.emissivity = emitting / sum.area;
+    std::vector<HeatErrors::Term> irradiations, radiosities, fluxes, powers;
+    double power = 0, radiosity = 0, irradiation = 0, flow = 0;
+    bool is_given = true;
+    for (const uint32_t i : rows) {
+      const double share = ids_.areas[i] / sum.area,
+                   emitted = ids_.areas[i] * enclosure_.materials[i].emissivity / emitting;
+      irradiations.push_back({i, share});
+      radiosities.push_back({i, share * reflectivity_[i]});
+      fluxes.push_back({i, share * fluxSlope(i)});
+      powers.push_back({i, emitted * powerSlope(i)});
+      irradiation += share * h_[i];
+      radiosity += share * b_[i];
+      power += emitted * powerOf(i);
+      flow += ids_.areas[i] * fluxOf(i);
+      is_given = is_given && enclosure_.materials[i].temperature == enclosure_.materials[rows.front()].temperature &&
+                 enclosure_.materials[i].temperature;
+    }
+    sum.temperature = is_given ? Measured{*enclosure_.materials[rows.front()].temperature, 0}
+                               : temperatureAt(power, errors_->standardError(powers), name);
+    sum.radiosity = {radiosity + shift_, errors_->standardError(radiosities)};
+    sum.irradiation = {irradiation + shift_, errors_->standardError(irradiations)};
+    sum.heat_flux = {flow / sum.area, errors_->standardError(fluxes)};
+    sum.heat_flow = {flow, sum.area * sum.heat_flux.standard_error};
+    if (bounds_.size() > 0) {
+      const auto boundOf = [&](const std::vector<HeatErrors::Term>& terms) {
+        double bound = 0;
+        for (const HeatErrors::Term& term : terms)
+          bound += term.factor == 0 ? 0 : std::abs(term.factor) * bounds_[term.row];
+        return bound;
+      };
+      const double of_flux = boundOf(fluxes);
+      sum.bounds = {temperatureBound(sum.temperature.value, boundOf(powers)), boundOf(radiosities),
+                    boundOf(irradiations), of_flux, sum.area * of_flux};
+    }
+    return sum;
+  }
+
+  void sumSurfaces(HeatSolution& found) const {
+    std::vector<std::vector<uint32_t>> rows(enclosure_.surface_names.size());
+    for (uint32_t i = 0; i < ids_.count(); ++i)
+      if (ids_.surface[i] < rows.size()) rows[ids_.surface[i]].push_back(i);
+    for (size_t k = 0; k < rows.size(); ++k) {
+      if (rows[k].size() == 1) {
+        found.surfaces.push_back(found.rows[rows[k].front()]);
+        found.surfaces.back().name = enclosure_.surface_names[k];
+      } else if (!rows[k].empty()) {
+        found.surfaces.push_back(sumRows(enclosure_.surface_names[k], rows[k]));
+      }
+    }
+  }
+
+  const Ids& ids_;
+  const Enclosure& enclosure_;
+  ClosedExchange closed_;
+  double shift_;
+  VectorXd source_, reflectivity_, h_, b_;
+  std::optional<Irradiation> irradiation_;
+  std::optional<HeatErrors> errors_;
+  VectorXd bounds_;  // of irradiations; empty without intervals
+};
+
+}  // namespace
+
+HeatSolution solveHeat(const FormFactors& form_factors, const Enclosure& enclosure) {
+  return Solver(form_factors, enclosure).solution();
+}
+
+}  // namespace viewpeel

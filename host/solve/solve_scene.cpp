@@ -1,0 +1,91 @@
+#include <viewpeel/solve.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "stopwatch.h"
+#include <viewpeel/error.h>
+
+namespace viewpeel {
+namespace {
+
+constexpr double kFirstTolerance = 0.02, kLeastTolerance = 2e-6;
+// The error of answers is a little below that of the last run's in proportion, so that chance seldom asks for one more.
+constexpr double kMargin = 0.8, kMostReduction = 1e-2, kLeastReduction = 0.7;
+
+const char* unitOf(HeatTolerance::Of of) {
+  return of == HeatTolerance::Of::temperature ? " K" : of == HeatTolerance::Of::heat_flux ? " W/m2" : " of the heat";
+}
+
+void requireUnknownTemperatures(const Enclosure& enclosure) {
+  if (std::ranges::all_of(enclosure.materials,
+                          [](const Material& material) { return material.temperature.has_value(); }))
+    throw Error(ErrorCode::bad_usage,
+                "all temperatures are given, so that none has an error; ask for a tolerance in W/m2 or as a share");
+}
+
+SceneHeat solveOnce(const Scene& scene, const Enclosure& enclosure, const Request& request, const Observer& observer) {
+  Result result = computeFormFactors(scene, request, observer);
+  if (result.interrupted && result.replicates < 2)
+    throw Error(ErrorCode::limit, "the run was stopped before its form factors had errors; let it run longer");
+  // Those of common directions leave out pairs that no line met, which have a bound, too.
+  const bool has_all_intervals = result.guarantee && result.guarantee->by == GuaranteedBy::chernoff;
+  const FormFactors& found = result.form_factors;
+  HeatSolution heat = has_all_intervals || !found.hasIntervals()
+                          ? solveHeat(found, enclosure)
+                          : solveHeat(FormFactors(found.ids(), found.entries(), found.rowSums()), enclosure);
+  const auto* tolerance = std::get_if<Tolerance>(&request.goal);
+  return {std::move(heat), std::move(result), 1, tolerance ? tolerance->standard_error : 0};
+}
+
+}  // namespace
+
+double largestHeatError(const HeatSolution& solution, HeatTolerance::Of of) {
+  double largest = 0;
+  for (const HeatRow& row : solution.rows)
+    largest = std::max(largest, of == HeatTolerance::Of::temperature ? row.temperature.standard_error
+                                : of == HeatTolerance::Of::heat_flux ? row.heat_flux.standard_error
+                                                                     : row.heat_flow.standard_error);
+  if (of != HeatTolerance::Of::relative || largest == 0) return largest;
+  return largest / solution.heat_flow_total;
+}
+
+SceneHeat solveScene(const Scene& scene, const MaterialTable& materials, Request request,
+                     std::optional<HeatTolerance> tolerance, const Observer& observer) {
+  std::vector<std::string> surface_names;
+  for (const Surface& surface : scene.surfaces) surface_names.push_back(surface.name);
+  const Enclosure enclosure = assignMaterials(materials, makeIds(scene, request.by, request.two_sided), surface_names);
+  if (!tolerance) return solveOnce(scene, enclosure, request, observer);
+
+  if (!(tolerance->standard_error > 0))
+    throw Error(ErrorCode::bad_usage, "the tolerance is not above 0; give a larger");
+  if (tolerance->of == HeatTolerance::Of::temperature) requireUnknownTemperatures(enclosure);
+  const auto start = Clock::now();
+  const std::optional<double> limit_s = request.time_limit_s;
+  double of_form_factors = kFirstTolerance;
+  for (uint32_t runs = 1;; ++runs) {
+    request.goal = Tolerance{of_form_factors};
+    if (limit_s) request.time_limit_s = std::max(*limit_s - secondsSince(start), 1e-3);
+    SceneHeat found = solveOnce(scene, enclosure, request, observer);
+    found.runs = runs;
+    const double error = largestHeatError(found.heat, tolerance->of);
+    if (error <= tolerance->standard_error) return found;
+    const bool is_time_up = limit_s && secondsSince(start) >= *limit_s;
+    if (is_time_up || found.form_factors.interrupted) {
+      found.is_reached = false;
+      return found;
+    }
+    if (of_form_factors <= kLeastTolerance)
+      throw Error(
+          ErrorCode::limit,
+          fmt::format("the tolerance is out of reach: form factors to {:.0e} leave a standard error of {:.2g}{}; "
+                      "ask for more",
+                      of_form_factors, error, unitOf(tolerance->of)));
+    const double reduction = std::clamp(kMargin * tolerance->standard_error / error, kMostReduction, kLeastReduction);
+    of_form_factors = std::max(of_form_factors * reduction, kLeastTolerance);
+  }
+}
+
+}  // namespace viewpeel

@@ -1,0 +1,77 @@
+#include <viewpeel/solve.h>
+
+#include <fmt/ostream.h>
+
+#include "io/csv.h"
+#include "io/write_file.h"
+#include <viewpeel/error.h>
+
+namespace viewpeel {
+namespace {
+
+void requireCsv(const std::filesystem::path& file) {
+  if (file.extension() != ".csv")
+    throw Error(ErrorCode::bad_usage,
+                fmt::format("{}: unknown output format of heat; use a name that ends in .csv", file.string()));
+}
+
+}  // namespace
+
+void writeHeat(const HeatSolution& solution, By by, std::ostream& out) {
+  const std::vector<HeatRow>& rows = by == By::surface ? solution.surfaces : solution.rows;
+  const bool has_bounds = !rows.empty() && rows.front().bounds;
+  out << (by == By::surface ? "surface" : "polygon") << ",area,emissivity";
+  for (const char* name : {"temperature", "radiosity", "irradiation", "heat_flux", "heat_flow"}) {
+    fmt::print(out, ",{},{}_standard_error", name, name);
+    if (has_bounds) fmt::print(out, ",{}_bound", name);
+  }
+  out << '\n';
+  for (const HeatRow& row : rows) {
+    fmt::print(out, "{},{},{}", quoteName(row.name), row.area, row.emissivity);
+    const auto print = [&](const Measured& value, double HeatBounds::*bound) {
+      fmt::print(out, ",{},{}", value.value, value.standard_error);
+      if (has_bounds) fmt::print(out, ",{}", (*row.bounds).*bound);
+    };
+    print(row.temperature, &HeatBounds::temperature);
+    print(row.radiosity, &HeatBounds::radiosity);
+    print(row.irradiation, &HeatBounds::irradiation);
+    print(row.heat_flux, &HeatBounds::heat_flux);
+    print(row.heat_flow, &HeatBounds::heat_flow);
+    out << '\n';
+  }
+  // What leaves the scene is what its surroundings absorb: their heat flow is below 0.
+  if (solution.is_open)
+    fmt::print(out, "environment,,1,{}{},{}{}\n", has_bounds ? ",,,,,,,,,,,," : ",,,,,,,,",
+               -solution.to_environment.value, solution.to_environment.standard_error, has_bounds ? "," : "");
+}
+
+void writeHeat(const HeatSolution& solution, By by, const std::filesystem::path& file) {
+  requireCsv(file);
+  writeFile(file, [&](std::ostream& out) { writeHeat(solution, by, out); });
+}
+
+void writeExchange(const ExchangeFactors& factors, ExchangeKind kind, std::ostream& out) {
+  fmt::print(out, "from,to,{},conductor\n", kind == ExchangeKind::gebhart ? "gebhart" : "script_f");
+  std::vector<std::vector<std::pair<uint32_t, double>>> rows(factors.names.size());
+  for (const ExchangeFactors::Entry& entry : factors.entries)
+    if (entry.j < kEnvironment && entry.j != entry.i) rows[entry.j].emplace_back(entry.i, entry.conductor);
+  for (const ExchangeFactors::Entry& entry : factors.entries) rows[entry.i].emplace_back(entry.j, entry.conductor);
+  for (size_t i = 0; i < rows.size(); ++i) {
+    const double all = factors.areas[i] * (kind == ExchangeKind::gebhart ? factors.emissivities[i] : 1);
+    for (const auto& [j, conductor] : rows[i])
+      fmt::print(out, "{},{},{},{}\n", quoteName(factors.names[i]),
+                 j == kEnvironment ? "environment" : quoteName(factors.names[j]), conductor / all, conductor);
+  }
+}
+
+void writeExchange(const ExchangeFactors& factors, ExchangeKind kind, const std::filesystem::path& file) {
+  requireCsv(file);
+  writeFile(file, [&](std::ostream& out) { writeExchange(factors, kind, out); });
+}
+
+void checkHeatOutput(const std::filesystem::path& file) {
+  requireCsv(file);
+  checkWritable(file);
+}
+
+}  // namespace viewpeel

@@ -1,0 +1,288 @@
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <set>
+
+#include <fmt/format.h>
+
+#include <viewpeel/solve.h>
+
+#include "program/commands.h"
+#include "program/describe_heat.h"
+#include "program/options.h"
+#include "program/progress_line.h"
+#include "program/request_options.h"
+#include "program/stored_run.h"
+#include "program/summary.h"
+#include "run/settings.h"
+#include <viewpeel/error.h>
+
+namespace viewpeel::program {
+namespace {
+
+struct SolveCommand {
+  std::string scene, materials;
+  std::vector<std::string> outputs, stored;
+  Request request;
+  std::optional<double> form_factor_tolerance, epsilon;
+  double delta = EpsilonDelta{}.delta;
+  std::optional<HeatTolerance> tolerance;
+  std::optional<ExchangeKind> exchange;
+  double drop_below = 0;
+  bool quiet = false;
+};
+
+// "0.1K", "2W/m2", "1%" or "0.01".    Throws: CLI::ValidationError.
+HeatTolerance toleranceOf(const std::string& text) {
+  using Of = HeatTolerance::Of;
+  double value = 0;
+  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const std::string unit(end, text.data() + text.size());
+  const bool is_number = failure == std::errc() && std::isfinite(value) && value > 0;
+  if (is_number && unit == "K") return {value, Of::temperature};
+  if (is_number && unit == "W/m2") return {value, Of::heat_flux};
+  if (is_number && unit == "%") return {value / 100, Of::relative};
+  if (is_number && unit.empty()) return {value, Of::relative};
+  throw CLI::ValidationError("--tolerance",
+                             fmt::format("'{}' is not a number above 0 with a unit: 0.1K, 2W/m2, 1% or 0.01", text));
+}
+
+std::string describeTolerance(const HeatTolerance& tolerance, double reached) {
+  using Of = HeatTolerance::Of;
+  const char* unit = tolerance.of == Of::temperature ? " K" : tolerance.of == Of::heat_flux ? " W/m2" : " of all heat";
+  return fmt::format("{:.2g}{}, {:.2g} asked for", reached, unit, tolerance.standard_error);
+}
+
+// NAME.exchange.csv beside NAME.csv.
+std::string exchangeFileOf(const std::string& output) {
+  return std::filesystem::path(output).replace_extension(".exchange.csv").string();
+}
+
+void checkOutputs(const SolveCommand& command) {
+  if (command.exchange && command.outputs.empty())
+    throw Error(ErrorCode::bad_usage, "--exchange writes NAME.exchange.csv beside NAME.csv; give -o NAME.csv");
+  std::set<std::string> named;
+  for (const std::string& output : command.outputs) {
+    if (!named.insert(output).second)
+      throw Error(ErrorCode::bad_usage, fmt::format("{}: is to be written twice; name every file once", output));
+    checkHeatOutput(output);
+    if (!command.exchange) continue;
+    const std::string beside = exchangeFileOf(output);
+    if (!named.insert(beside).second)
+      throw Error(ErrorCode::bad_usage,
+                  fmt::format("{}: --exchange writes this file itself; use another name", beside));
+    checkHeatOutput(beside);
+  }
+}
+
+// Writes exchange factors beside the answers.
+void writeExchanges(const SolveCommand& command, const FormFactors& form_factors, const Enclosure& enclosure) {
+  if (!command.exchange) return;
+  const ExchangeFactors factors = findExchangeFactors(form_factors, enclosure, command.drop_below);
+  for (const std::string& output : command.outputs) writeExchange(factors, *command.exchange, exchangeFileOf(output));
+  if (command.quiet) return;
+  fmt::print("exchange   {}", counted(factors.entries.size(), "conductor"));
+  if (factors.dropped)
+    fmt::print("; {} below {} were dropped, {:.2g} of a row at most, and the rest balanced",
+               counted(factors.dropped, "pair"), command.drop_below, factors.largest_dropped_share);
+  fmt::print("\n");
+}
+
+std::string describeMaterials(const MaterialTable& table, const HeatSolution& solution) {
+  std::string text = fmt::format("materials  {}: {} for {}", table.file, counted(table.lines.size(), "line"),
+                                 counted(solution.rows.size(), "row"));
+  if (table.environment_temperature) text += fmt::format(", environment {} K", *table.environment_temperature);
+  return text + "\n";
+}
+
+void conclude(const SolveCommand& command, const MaterialTable& table, const HeatSolution& solution) {
+  if (table.environment_temperature && !solution.is_open)
+    fmt::print(stderr, "viewpeel: warning: {}: no radiation leaves the scene, so that its environment has no effect\n",
+               table.file);
+  for (const std::string& output : command.outputs) writeHeat(solution, command.request.by, output);
+  if (command.quiet) return;
+  fmt::print("{}{}", describeMaterials(table, solution), describeHeat(solution, command.request.by));
+}
+
+void printWritten(const SolveCommand& command) {
+  if (command.quiet) return;
+  for (const std::string& output : command.outputs) {
+    fmt::print("written    {}\n", output);
+    if (command.exchange) fmt::print("written    {}\n", exchangeFileOf(output));
+  }
+}
+
+// From checkpoints.
+int solveStored(const SolveCommand& command) {
+  const MaterialTable table = readMaterials(command.materials);
+  StoredRun run(command.stored, command.scene);
+  run.requireErrors();
+  const Estimate estimate = run.estimate();
+  const std::vector<std::string>& surface_names = estimate.between_surfaces.ids().names;
+  const bool is_by_surface = command.request.by == By::surface;
+  const FormFactors& form_factors = is_by_surface ? estimate.between_surfaces : estimate.form_factors;
+  if (!is_by_surface && findSetting(run.merged().settings, "--by") == "surface")
+    throw Error(ErrorCode::bad_usage,
+                fmt::format("{}: its rows are surfaces; leave out --by polygon", command.stored.front()));
+  const Enclosure enclosure = assignMaterials(table, form_factors.ids(), surface_names);
+  conclude(command, table, solveHeat(form_factors, enclosure));
+  writeExchanges(command, form_factors, enclosure);
+  if (!command.quiet)
+    fmt::print("work       form factors of {}, {}, {}{}\n", command.stored.front(),
+               counted(estimate.replicates, "replicate"), counted(estimate.directions, "direction"),
+               describeDirected(estimate));
+  printWritten(command);
+  return 0;
+}
+
+int solveFile(const SolveCommand& command) {
+  const MaterialTable table = readMaterials(command.materials);
+  Request request = command.request;
+  request.goal = Tolerance{command.form_factor_tolerance.value_or(Tolerance{}.standard_error)};
+  if (command.epsilon) {
+    request.goal = EpsilonDelta{.epsilon = *command.epsilon, .delta = command.delta};
+    request.pair_lines = true;  // it has an interval for each pair
+  }
+  checkRequest(request);
+  const Scene scene = loadSceneOf(command.scene, request.scene_options);
+  if (!command.quiet) fmt::print("{}", describeScene(scene));
+  std::fflush(stdout);
+  ProgressLine progress(request, !command.quiet);
+  const SceneHeat found = solveScene(scene, table, request, command.tolerance, {.on_progress = progress.listener()});
+  progress.clear();
+  for (const std::string& warning : found.form_factors.warnings) fmt::print(stderr, "viewpeel: warning: {}\n", warning);
+  conclude(command, table, found.heat);
+  if (const auto& guarantee = found.form_factors.guarantee; guarantee && !command.quiet)
+    fmt::print("guarantee  every form factor within {:.3g}, and all answers within their bounds, with probability {}\n",
+               guarantee->bound, 1 - guarantee->delta);
+  const FormFactors& form_factors = found.form_factors.form_factors;
+  writeExchanges(command, form_factors,
+                 assignMaterials(table, form_factors.ids(), found.form_factors.between_surfaces.ids().names));
+  if (command.tolerance) {
+    const double reached = largestHeatError(found.heat, command.tolerance->of);
+    const std::string text = describeTolerance(*command.tolerance, reached);
+    if (!found.is_reached)
+      fmt::print(stderr, "viewpeel: warning: time was up before the tolerance: standard errors of {}\n", text);
+    if (!command.quiet)
+      fmt::print("tolerance  standard errors up to {}; form factors to {:.2g} in {}\n", text,
+                 found.form_factor_tolerance, counted(found.runs, "run"));
+  }
+  if (!command.quiet)
+    fmt::print("work       {}, {}{}, {}; {:.2f} s\n", counted(found.form_factors.replicates, "replicate"),
+               counted(found.form_factors.directions, "direction"), describeDirected(found.form_factors),
+               counted(found.heat.steps, "step") + " of conjugate gradients", found.form_factors.seconds);
+  printWritten(command);
+  return 0;
+}
+
+int runSolve(const SolveCommand& command) {
+  if (command.scene.empty() && command.stored.empty())
+    throw Error(ErrorCode::bad_usage, "solve needs a scene, or form factors by --from-result");
+  checkOutputs(command);
+  return command.stored.empty() ? solveFile(command) : solveStored(command);
+}
+
+void addComputing(CLI::App* command, SolveCommand& options) {
+  std::vector<CLI::Option*> computing;
+  computing.push_back(command
+                          ->add_option_function<std::string>(
+                              "--tolerance",
+                              [&options](const std::string& text) { options.tolerance = toleranceOf(text); },
+                              "Compute until the largest standard error of the answers is at most this: of "
+                              "temperatures (0.1K), heat fluxes (2W/m2), or heat flows as a share of all heat (1%)")
+                          ->type_name("T"));
+  computing.push_back(
+      command
+          ->add_option_function<double>(
+              "--form-factors", [&options](const double& value) { options.form_factor_tolerance = value; },
+              "Largest standard error of form factors, as of compute --tolerance; 1e-3 unless --tolerance is given")
+          ->type_name("T")
+          ->check([](const std::string& text) { return isNumber(text, 1e-9, 1); })
+          ->excludes(computing.front()));
+  computing.push_back(command
+                          ->add_option_function<double>(
+                              "--epsilon", [&options](const double& value) { options.epsilon = value; },
+                              "Guarantee: every form factor between rows within E with probability 1 - D, and bounds "
+                              "of all answers that follow; see --delta")
+                          ->type_name("E")
+                          ->check([](const std::string& text) { return isNumber(text, 1e-9, 0.999); })
+                          ->excludes(computing[0])
+                          ->excludes(computing[1]));
+  computing.push_back(command->add_option("--delta", options.delta, "Probability with which a guarantee may fail")
+                          ->type_name("D")
+                          ->check([](const std::string& text) { return isNumber(text, 0, 0.999); })
+                          ->needs(computing.back())
+                          ->capture_default_str());
+  computing.push_back(command
+                          ->add_option_function<double>(
+                              "--seconds", [&options](const double& value) { options.request.time_limit_s = value; },
+                              "Stop short of the tolerance when this time is up")
+                          ->type_name("S")
+                          ->check([](const std::string& text) { return isNumber(text, 1e-3, 1e9); }));
+  computing.push_back(command->add_option("--seed", options.request.seed, "The same seed and plan give the same bits")
+                          ->type_name("K")
+                          ->check(isWholeNumber)
+                          ->capture_default_str());
+  addSceneOptions(command, options.request.scene_options);
+  for (const char* name : {"--sheets", "--solids", "--flip", "--fix-normals"})
+    computing.push_back(command->get_option(name));
+  computing.push_back(
+      command->add_flag("--two-sided", options.request.two_sided, "Every polygon emits and receives on both sides"));
+  computing.push_back(command
+                          ->add_option("--device", options.request.device.selector,
+                                       "Vulkan device: index, part of its name, cpu or gpu")
+                          ->type_name("DEVICE"));
+  for (CLI::Option* option : computing) command->get_option("--from-result")->excludes(option);
+}
+
+}  // namespace
+
+void addSolve(CLI::App& app, Run& chosen) {
+  auto options = std::make_shared<SolveCommand>();
+  options->request.by = By::surface;
+  CLI::App* command = app.add_subcommand(
+      "solve", "Compute radiative heat flows and temperatures of a scene from the materials of its surfaces");
+  command->add_option("SCENE", options->scene, "Scene file: .obj, .stl or .ply; its unit is the metre");
+  command
+      ->add_option("--materials", options->materials,
+                   "File .csv with the header surface,emissivity,temperature,heat_flux: K, or W/m2 or adiabatic; names "
+                   "with wildcards, default, environment")
+      ->type_name("FILE")
+      ->required();
+  command->add_option("-o,--output", options->outputs, "Write the answers: .csv; may be given several times")
+      ->type_name("FILE")
+      ->allow_extra_args(false);
+  CLI::Option* exchange =
+      command
+          ->add_option_function<std::string>(
+              "--exchange",
+              [options](const std::string& word) {
+                options->exchange = word == "gebhart" ? ExchangeKind::gebhart : ExchangeKind::script_f;
+              },
+              "Also write exchange factors, reflections and all, and conductors in m2, into NAME.exchange.csv beside "
+              "NAME.csv")
+          ->type_name("gebhart|script-f")
+          ->check(CLI::IsMember({"gebhart", "script-f"}).description(""));
+  command
+      ->add_option(
+          "--drop-below", options->drop_below,
+          "Leave out pairs whose Gebhart factors are below this both ways; the rest is balanced so that energy "
+          "is kept")
+      ->type_name("X")
+      ->check([](const std::string& text) { return isNumber(text, 0, 0.999); })
+      ->needs(exchange);
+  addChoice(command, "--by", options->request.by, {{"surface", By::surface}, {"polygon", By::polygon}},
+            "One radiosity for each named surface, or for each polygon");
+  command
+      ->add_option("--from-result", options->stored,
+                   "Take form factors from this checkpoint in place of computing them; SCENE is needed only as of "
+                   "merge --scene; may be given several times")
+      ->type_name("FILE")
+      ->allow_extra_args(false);
+  addComputing(command, *options);
+  command->add_flag("--quiet", options->quiet, "Print nothing but errors and warnings");
+  command->callback([options, &chosen] { chosen = [options] { return runSolve(*options); }; });
+}
+
+}  // namespace viewpeel::program

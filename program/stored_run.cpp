@@ -1,0 +1,59 @@
+#include "program/stored_run.h"
+
+#include <fmt/format.h>
+
+#include <viewpeel/error.h>
+#include "estimator/face_exchanges.h"
+#include "run/settings.h"
+
+namespace viewpeel::program {
+
+// It makes unoccluded form factors of pairs that no checkpoint keeps.
+struct StoredRun::LoadedScene {
+  Scene scene;
+  Ids face_ids;
+  FaceExchanges exchanges;
+
+  LoadedScene(const std::string& file, const SceneOptions& options, bool two_sided)
+      : scene(loadScene(file, options)),
+        face_ids(makeIds(scene, By::polygon, two_sided)),
+        exchanges(nullptr, scene, face_ids) {}
+};
+
+StoredRun::StoredRun(const std::vector<std::string>& checkpoints, const std::string& scene)
+    : first_file_(checkpoints.front()), merged_(mergeCheckpoints({checkpoints.begin(), checkpoints.end()})) {
+  if (!scene.empty()) {
+    of_ = std::make_unique<LoadedScene>(scene, sceneOptionsOf(merged_.settings),
+                                        findSetting(merged_.settings, "--two-sided") == "yes");
+    const std::string computed = findSetting(merged_.settings, "scene").value_or("");
+    if (identityOf(of_->scene) != computed)
+      throw Error(ErrorCode::bad_usage,
+                  fmt::format("{}: another scene than that of {}: {}, not {}; give the scene that was computed", scene,
+                              first_file_, identityOf(of_->scene), computed));
+  }
+  is_sparse_ = merged_.sums.prior_sums && merged_.sums.prior_sums->by() == By::polygon &&
+               !merged_.sums.prior_sums->prior().has_all_pairs;
+  if (is_sparse_ && !of_)
+    fmt::print(stderr,
+               "viewpeel: warning: pairs with few lines are sampled alone, and those that no line met left "
+               "out; for their unoccluded form factors give --scene FILE\n");
+  if (is_sparse_ && of_) of_->exchanges.learn(merged_.sums);
+}
+
+StoredRun::~StoredRun() = default;
+
+const Scene* StoredRun::scene() const { return of_ ? &of_->scene : nullptr; }
+
+void StoredRun::requireErrors() const {
+  if (merged_.sums.replicateCount() < 2)
+    throw Error(ErrorCode::bad_usage,
+                fmt::format("{}: holds 1 replicate, a standard error needs 2; go on with it, or merge it with others",
+                            first_file_));
+}
+
+Estimate StoredRun::estimate() {
+  return makeEstimate(merged_.sums, EstimateOptions{}.relative_floor,
+                      is_sparse_ && of_ ? of_->exchanges.rows() : ExchangeRow{});
+}
+
+}  // namespace viewpeel::program

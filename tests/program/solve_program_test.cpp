@@ -1,0 +1,185 @@
+// viewpeel solve as users type it: answers, their sources, and what is refused in one line.
+#include <algorithm>
+#include <map>
+#include <sstream>
+
+#include "tests/support/program.h"
+
+namespace viewpeel {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kOffice = VIEWPEEL_SCENES "/office.obj", kPlates = VIEWPEEL_SCENES "/plates.obj",
+                  kCube = VIEWPEEL_SCENES "/cube.obj";
+const std::string kHeader = "surface,emissivity,temperature,heat_flux\n";
+
+class SolveProgram : public Program {
+ protected:
+  std::string write(const std::string& name, const std::string& text) const {
+    std::ofstream(file(name), std::ios::binary) << text;
+    return file(name);
+  }
+  std::string officeMaterials() const {
+    return write("office.csv", kHeader +
+                                   "default,0.9,,adiabatic\nradiator,0.95,333.15,\nwall_*,0.92,292,\nfloor,0.9,293,\n"
+                                   "ceiling,0.9,294,\nwindow_?,0.84,281,\nperson,0.97,,45\n");
+  }
+  static void expectRefusal(const Result& r, const std::string& part) {
+    EXPECT_EQ(r.status, 2) << r.output;
+    EXPECT_EQ(r.output.find("viewpeel: "), 0u) << r.output;
+    EXPECT_NE(r.output.find(part), std::string::npos) << r.output << "does not say " << part;
+    EXPECT_EQ(std::count(r.output.begin(), r.output.end(), '\n'), 1) << r.output;
+  }
+  // The fields of each row by the name in its first one.
+  static std::map<std::string, std::vector<std::string>> rowsOf(const std::string& text) {
+    std::map<std::string, std::vector<std::string>> rows;
+    std::istringstream in(text);
+    for (std::string line; std::getline(in, line);) {
+      std::istringstream fields(line);
+      std::string name, field;
+      std::getline(fields, name, ',');
+      while (std::getline(fields, field, ',')) rows[name].push_back(field);
+    }
+    return rows;
+  }
+};
+
+TEST_F(SolveProgram, TheOfficeBySurfaceAndByPolygon) {
+  for (const bool by_polygon : {false, true}) {
+    const Result r = run("solve " + kOffice + " --materials " + officeMaterials() + " --form-factors 0.01 -o " +
+                         file("a.csv") + (by_polygon ? " --by polygon" : ""));
+    ASSERT_EQ(r.status, 0) << r.output;
+    for (const char* part :
+         {"576 polygons", "heat flows and temperatures", "radiator", "balance    all heat flows add up",
+          "errors     largest standard errors: temperature", "closure", "work", "written    "})
+      EXPECT_NE(r.output.find(part), std::string::npos) << part << r.output;
+    const auto rows = rowsOf(readFile(file("a.csv")));
+    ASSERT_EQ(rows.size(), by_polygon ? 577u : 19u);
+    EXPECT_EQ(rows.at(by_polygon ? "polygon" : "surface").size(), 12u);
+    const auto& person = rows.at(by_polygon ? "person[1]" : "person");
+    EXPECT_EQ(person.at(8), "45");
+    EXPECT_GT(std::stod(person.at(2)), 294);  // warmer than the room
+    EXPECT_GT(std::stod(person.at(3)), 0);
+    double flow = 0, size = 0;
+    for (const auto& [name, fields] : rows) {
+      if (name == "surface" || name == "polygon") continue;
+      flow += std::stod(fields.at(10)), size += std::abs(std::stod(fields.at(10)));
+    }
+    EXPECT_LE(std::abs(flow), 1e-11 * size);
+  }
+}
+
+// The same form factors by compute and its checkpoint: the same bits.
+TEST_F(SolveProgram, CheckpointsGiveTheSameAnswers) {
+  const std::string materials = officeMaterials(), checkpoint = file("office.vpk");
+  for (const std::string by : {"surface", "polygon"}) {
+    const std::string of = " --by " + by + " --materials " + materials + " --quiet -o ";
+    ASSERT_EQ(run("compute " + kOffice + " --tolerance 0.01 --quiet --by " + by + " --checkpoint " + checkpoint).status,
+              0);
+    ASSERT_EQ(run("solve " + kOffice + " --form-factors 0.01" + of + file("a.csv")).status, 0);
+    ASSERT_EQ(run("solve --from-result " + checkpoint + of + file("b.csv")).status, 0);
+    EXPECT_EQ(readFile(file("a.csv")), readFile(file("b.csv")));
+    if (by == "surface")
+      expectRefusal(run("solve --from-result " + checkpoint + " --by polygon --materials " + materials),
+                    "its rows are surfaces; leave out --by polygon");
+    else EXPECT_EQ(run("solve --from-result " + checkpoint + " --by surface --materials " + materials).status, 0);
+    fs::remove(checkpoint);
+  }
+}
+
+TEST_F(SolveProgram, TheToleranceIsOfTheAnswers) {
+  const Result r =
+      run("solve " + kOffice + " --materials " + officeMaterials() + " --tolerance 0.05K -o " + file("a.csv"));
+  ASSERT_EQ(r.status, 0) << r.output;
+  EXPECT_NE(r.output.find("K, 0.05 asked for; form factors to "), std::string::npos) << r.output;
+  for (const auto& [name, fields] : rowsOf(readFile(file("a.csv")))) {
+    if (name == "surface") continue;
+    EXPECT_LE(std::stod(fields.at(3)), 0.05) << name;
+  }
+}
+
+TEST_F(SolveProgram, ExchangeFactorsStandBesideTheAnswers) {
+  const std::string command =
+      "solve " + kOffice + " --materials " + officeMaterials() + " --form-factors 0.01 -o " + file("a.csv");
+  const Result r = run(command + " --exchange gebhart");
+  ASSERT_EQ(r.status, 0) << r.output;
+  EXPECT_NE(r.output.find("written    " + file("a.exchange.csv")), std::string::npos) << r.output;
+  std::map<std::string, double> sums;
+  std::istringstream in(readFile(file("a.exchange.csv")));
+  std::string line, from, to, factor;
+  std::getline(in, line);
+  EXPECT_EQ(line, "from,to,gebhart,conductor");
+  while (std::getline(in, from, ',') && std::getline(in, to, ',') && std::getline(in, factor, ',') &&
+         std::getline(in, line))
+    sums[from] += std::stod(factor);
+  EXPECT_EQ(sums.size(), 18u);
+  for (const auto& [name, sum] : sums) EXPECT_NEAR(sum, 1, 1e-12) << name;
+  const Result cut = run(command + " --exchange script-f --drop-below 0.001");
+  EXPECT_EQ(cut.status, 0) << cut.output;
+  EXPECT_NE(cut.output.find("below 0.001 were dropped"), std::string::npos) << cut.output;
+  const std::string cube = "solve " + kCube + " --materials " + officeMaterials();
+  expectRefusal(run(cube + " --exchange gebhart"), "give -o NAME.csv");
+  expectRefusal(run(cube + " --drop-below 0.1"), "requires --exchange");
+  expectRefusal(run(cube + " --exchange b -o " + file("b.csv")), "not in");
+  expectRefusal(run(cube + " --exchange gebhart -o " + file("b.csv") + " -o " + file("b.exchange.csv")),
+                "is to be written twice");
+}
+
+TEST_F(SolveProgram, AGuaranteeBoundsTheAnswers) {
+  const Result r = run("solve " + kPlates + " --epsilon 0.05 --delta 0.1 -o " + file("a.csv") + " --materials " +
+                       write("m.csv", kHeader + "default,0.8,,50\nenvironment,,280,\n"));
+  ASSERT_EQ(r.status, 0) << r.output;
+  for (const char* part : {"bounds     largest: temperature", "guarantee  every form factor within", "probability"})
+    EXPECT_NE(r.output.find(part), std::string::npos) << part << r.output;
+  EXPECT_NE(readFile(file("a.csv")).find(",temperature,temperature_standard_error,temperature_bound,radiosity"),
+            std::string::npos);
+  expectRefusal(run("solve " + kPlates + " --materials m.csv --delta 0.1"), "requires --epsilon");
+}
+
+TEST_F(SolveProgram, AnOpenSceneHasAnEnvironment) {
+  const std::string hot = write("hot.csv", kHeader + "default,0.8,350,\n"),
+                    both = write("both.csv", kHeader + "default,0.8,350,\nenvironment,,280,\n");
+  expectRefusal(run("solve " + kPlates + " --quiet --materials " + hot), "leaves the scene; give its surroundings");
+  const Result r = run("solve " + kPlates + " --materials " + both + " -o " + file("a.csv"));
+  EXPECT_EQ(r.status, 0) << r.output;
+  EXPECT_NE(r.output.find("W leave the scene"), std::string::npos) << r.output;
+  EXPECT_NE(readFile(file("a.csv")).find("\nenvironment,,1,,,,,,,,,-"), std::string::npos);
+  const Result closed = run("solve " + kCube + " --materials " + both);
+  EXPECT_NE(closed.output.find("warning: " + both + ": no radiation leaves the scene"), std::string::npos)
+      << closed.output;
+}
+
+TEST_F(SolveProgram, MistakesAreRefusedInOneLine) {
+  const auto refuse = [&](const std::string& lines, const std::string& part) {
+    expectRefusal(
+        run("solve " + kCube + " --quiet -o " + file("a.csv") + " --materials " + write("m.csv", kHeader + lines)),
+        part);
+    EXPECT_FALSE(fs::exists(file("a.csv")));
+  };
+  refuse("default,1.2,300,\n", "m.csv:2: an emissivity of 1.2 is not above 0 and up to 1");
+  refuse("default,0.5,300,5\n", "m.csv:2: 'default' has both temperature and heat_flux");
+  refuse("default,0.5,,\n", "m.csv:2: 'default' has neither temperature nor heat_flux");
+  refuse("default,0.5,,adiabatic\n", "m.csv: no temperature is given to refer to");
+  refuse("default,0.5,300,\nceilng,0.5,300,\n", "m.csv:3: no surface or face is called 'ceilng'");
+  refuse("environment:up,,250,\n", "draw sky and ground as surfaces");
+  // A face that looks the wrong way lets radiation out, and shows its back.
+  std::string cube = readFile(kCube);
+  cube.replace(cube.find("f 1 2 3 4"), 9, "f 4 3 2 1");
+  expectRefusal(run("solve " + write("flipped.obj", cube) + " --quiet --materials " +
+                    write("m.csv", kHeader + "default,0.5,300,\n")),
+                "ends on backs, which have no material");
+  const std::string materials = " --materials " + write("m.csv", kHeader + "default,0.5,300,\n");
+  expectRefusal(run("solve " + kCube), "--materials is required");
+  expectRefusal(run("solve" + materials), "solve needs a scene, or form factors by --from-result");
+  expectRefusal(run("solve " + kCube + " --materials " + file("none.csv")), "none.csv: cannot be read");
+  expectRefusal(run("solve " + kCube + materials + " -o " + file("a.txt")), "use a name that ends in .csv");
+  expectRefusal(run("solve " + kCube + materials + " --tolerance 5C"), "'5C' is not a number above 0 with a unit");
+  expectRefusal(run("solve " + kCube + materials + " --tolerance 1K --quiet"), "all temperatures are given");
+  expectRefusal(run("solve " + kCube + materials + " --tolerance 1K --form-factors 0.1"), "excludes");
+  expectRefusal(run("solve --from-result " + file("none.vpk") + materials), "none.vpk");
+  expectRefusal(run("solve --from-result " + kCube + materials + " --seed 3"), "excludes");
+}
+
+}  // namespace
+}  // namespace viewpeel
