@@ -98,7 +98,7 @@ void LineGuarantee::collectEntries() {
 }
 
 void LineGuarantee::planLooks() {
-  const auto isDrawn = [&](const Entry& entry) { return options_.delta > 0 && !entry.isKnown(); };
+  const auto isDrawn = [&](const Entry& entry) { return options_.delta > 0 && !entry.isBounded(); };
   const bool has_rows = ids_.counts_environment && options_.delta > 0;
   const double drawn = double(std::ranges::count_if(entries_, isDrawn)),
                delta = options_.delta * (has_rows ? 1 - kRowShare : 1);
@@ -244,7 +244,7 @@ bool LineGuarantee::settle(Entry& entry, uint32_t look) const {
     lines += double(part.count.lines);
   }
   Interval seen{0, blockable};
-  const bool is_proved = options_.delta == 0 || entry.isKnown();
+  const bool is_proved = options_.delta == 0 || entry.isBounded();
   if (!is_proved) {
     // The variables are what each line adds, over the largest of them.
     const double most = weightAt(entry, look) * lines;

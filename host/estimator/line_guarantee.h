@@ -61,7 +61,7 @@ class LineGuarantee {
     double value = 0, standard_error = 0;
 
     double blockable() const { return exchange - clear; }
-    bool isKnown() const { return blockable() <= allowed; }
+    bool isBounded() const { return blockable() <= allowed; }
   };
   struct Part {
     uint32_t index;

@@ -172,7 +172,7 @@ TEST_F(OutputFiles, VtpNeedsTheSceneOfItsFormFactors) {
 // Rows that were not asked for have no entries, but keep their places.
 TEST_F(OutputFiles, RowsThatWereNotAskedForStayEmpty) {
   Ids ids = ids_;
-  askOnlyFor({.from = {"wall"}, .pair = {}, .blockers = {}}, scene_, ids);
+  restrictToQuestion({.from = {"wall"}, .pair = {}, .blockers = {}}, scene_, ids);
   const FormFactors asked(ids, form_factors_.entries(), form_factors_.rowSums());
   writeFormFactors(OutputContent{asked, nullptr, &scene_}, folder_ / "office.h5");
   check("h5py and SciPy",
