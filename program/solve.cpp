@@ -243,7 +243,8 @@ void addSolve(CLI::App& app, Run& chosen) {
   options->request.by = By::surface;
   CLI::App* command = app.add_subcommand(
       "solve", "Compute radiative heat flows and temperatures of a scene from the materials of its surfaces");
-  command->add_option("SCENE", options->scene, "Scene file: .obj, .stl or .ply; its unit is the metre");
+  command->add_option("SCENE", options->scene,
+                      "Scene file: .obj, .stl, .ply, .vs3, .inp, .msh, .vtp or .vtu; in metres unless --units says so");
   command
       ->add_option("--materials", options->materials,
                    "File .csv with the header surface,emissivity,temperature,heat_flux: K, or W/m2 or adiabatic; names "

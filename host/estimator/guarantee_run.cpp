@@ -45,7 +45,7 @@ FormFactors withIntervals(FormFactors all, double bound) {
     const double value = entry.exchange_area.value, off = bound * ids.smallerArea(entry.i, entry.j);
     intervals.push_back({std::max(0.0, value - off), value + off});
   }
-  return {ids, std::move(entries), std::move(row_sums), std::move(intervals)};
+  return {ids, std::move(entries), std::move(row_sums), std::move(intervals), bound};
 }
 
 }  // namespace

@@ -20,6 +20,9 @@ SparseRows compressRows(const FormFactors& form_factors) {
     sparse.columns.push_back(static_cast<int32_t>(rows[j]));
     sparse.form_factors.push_back(f.value);
     sparse.standard_errors.push_back(f.standard_error);
+    if (!form_factors.hasIntervals()) return;
+    const Interval interval = form_factors.interval(i, j);
+    sparse.lower.push_back(interval.lower), sparse.upper.push_back(interval.upper);
   });
   for (size_t row = 1; row < sparse.starts.size(); ++row) sparse.starts[row] += sparse.starts[row - 1];
   return sparse;

@@ -13,6 +13,7 @@ struct SparseRows {
   std::vector<int64_t> starts;   // rows + 1
   std::vector<int32_t> columns;  // nonzeros
   std::vector<double> form_factors, standard_errors;
+  std::vector<double> lower, upper;  // of a guarantee; else empty
 
   int64_t rowCount() const { return static_cast<int64_t>(starts.size()) - 1; }
 };

@@ -51,6 +51,11 @@ void addPairs(Hdf5Output& out, const SparseRows& rows, bool with_balance) {
     out.link("balanced_form_factor", "balanced_form_factors/data");
     of_pairs.push_back("balanced_form_factor");
   }
+  if (!rows.lower.empty())
+    for (const std::string name : {"lower", "upper"}) {
+      out.link(name, name + "_bounds/data");
+      of_pairs.push_back(name);
+    }
   for (const std::string& column : of_pairs) out.useScale(column, "pair");
   for (const std::string& column : of_pairs)
     if (column != "from" && column != "to") out.setAttribute(column, "units", std::string("1"));
@@ -64,10 +69,10 @@ void addRows(Hdf5Output& out, const FormFactors& form_factors) {
   out.makeScale("row");
   out.writeTexts("name", rowNames(ids));
   out.useScale("name", "row");
-  std::vector<uint8_t> asked(ids.rowCount(), 0);
+  std::vector<uint8_t> is_requested(ids.rowCount(), 0);
   const std::vector<uint32_t> rows = ids.rows();
-  for (uint32_t id = 0; id < ids.count(); ++id) asked[rows[id]] = ids.isRequested(id);
-  out.write("is_requested", asked);
+  for (uint32_t id = 0; id < ids.count(); ++id) is_requested[rows[id]] = ids.isRequested(id);
+  out.write("is_requested", is_requested);
   out.useScale("is_requested", "row");
   const auto addColumn = [&](const std::string& name, const std::string& unit, auto valueOf) {
     std::vector<double> values(ids.count());
@@ -82,6 +87,9 @@ void addRows(Hdf5Output& out, const FormFactors& form_factors) {
     addColumn(name, "1", [&](uint32_t id) { return form_factors.formFactor(id, column).value; });
     addColumn(std::string(name) + "_standard_error", "1",
               [&](uint32_t id) { return form_factors.formFactor(id, column).standard_error; });
+    if (!form_factors.hasIntervals()) continue;
+    addColumn(std::string(name) + "_lower", "1", [&](uint32_t id) { return form_factors.interval(id, column).lower; });
+    addColumn(std::string(name) + "_upper", "1", [&](uint32_t id) { return form_factors.interval(id, column).upper; });
   }
   addColumn("row_sum", "1", [&](uint32_t id) { return form_factors.rowSums()[id].value; });
   addColumn("row_sum_standard_error", "1", [&](uint32_t id) { return form_factors.rowSums()[id].standard_error; });
@@ -164,6 +172,10 @@ void writeHdf5(const OutputContent& content, std::ostream& out) {
   addMatrix(file, "form_factors", rows, rows.form_factors);
   addMatrix(file, "standard_errors", rows, rows.standard_errors);
   if (content.balanced) addMatrix(file, "balanced_form_factors", rows, compressRows(*content.balanced).form_factors);
+  if (!rows.lower.empty()) {
+    addMatrix(file, "lower_bounds", rows, rows.lower);
+    addMatrix(file, "upper_bounds", rows, rows.upper);
+  }
   addPairs(file, rows, content.balanced != nullptr);
   addRows(file, form_factors);
   if (content.scene) addGeometry(file, *content.scene, form_factors.ids());

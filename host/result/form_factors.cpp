@@ -6,11 +6,12 @@
 namespace viewpeel {
 
 FormFactors::FormFactors(Ids ids, std::vector<Entry> entries, std::vector<Measured> row_sums,
-                         std::vector<Interval> intervals)
+                         std::vector<Interval> intervals, double unlisted_bound)
     : ids_(std::move(ids)),
       entries_(std::move(entries)),
       row_sums_(std::move(row_sums)),
-      intervals_(std::move(intervals)) {}
+      intervals_(std::move(intervals)),
+      unlisted_bound_(unlisted_bound) {}
 
 size_t FormFactors::find(uint32_t i, uint32_t j) const {
   const std::pair key(std::min(i, j), std::max(i, j));
@@ -26,7 +27,7 @@ Measured FormFactors::exchangeArea(uint32_t i, uint32_t j) const {
 
 Interval FormFactors::interval(uint32_t i, uint32_t j) const {
   const size_t at = find(i, j);
-  if (at >= intervals_.size()) return {};
+  if (at >= intervals_.size()) return {0, unlisted_bound_ * std::min(1.0, ids_.smallerArea(i, j) / ids_.areas[i])};
   return {intervals_[at].lower / ids_.areas[i], intervals_[at].upper / ids_.areas[i]};
 }
 

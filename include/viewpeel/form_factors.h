@@ -32,9 +32,10 @@ class FormFactors {
 
   // Takes the entries as they are.
   //   In: entries sorted by (i, j), every pair at most once, input units squared; row_sums: one for each id; intervals:
-  //   of a guarantee, one for each entry's exchange area, or none
-  FormFactors(Ids ids, std::vector<Entry> entries, std::vector<Measured> row_sums,
-              std::vector<Interval> intervals = {});
+  //   of a guarantee, one for each entry's exchange area, or none; unlisted_bound: of such intervals, on form factors
+  //   of pairs without an entry, from the smaller id
+  FormFactors(Ids ids, std::vector<Entry> entries, std::vector<Measured> row_sums, std::vector<Interval> intervals = {},
+              double unlisted_bound = 0);
 
   const Ids& ids() const { return ids_; }
   // Returns the nonzero entries, sorted by (i, j).
@@ -50,7 +51,8 @@ class FormFactors {
   bool hasIntervals() const { return !intervals_.empty(); }
   // Returns the intervals of exchange areas, one for each entry, or none.
   const std::vector<Interval>& intervals() const { return intervals_; }
-  // Returns the interval of F_ij; [0, 0] where there is no entry.    In: as formFactor    Cost: O(log nonzeros).
+  // Returns the interval of F_ij. A pair without an entry is surely 0 after pair lines, and at most the bound of the
+  // guarantee after common directions.    In: as formFactor    Cost: O(log nonzeros).
   Interval interval(uint32_t i, uint32_t j) const;
   // Returns sum_j F_ij of each row, environment and leak included; its expectation is 1.
   const std::vector<Measured>& rowSums() const { return row_sums_; }
@@ -62,6 +64,7 @@ class FormFactors {
   std::vector<Entry> entries_;
   std::vector<Measured> row_sums_;
   std::vector<Interval> intervals_;
+  double unlisted_bound_ = 0;
 };
 
 }  // namespace viewpeel

@@ -106,6 +106,20 @@ TEST_F(OutputFiles, Hdf5HoldsMatrixErrorsAndNames) {
           "    assert abs(group['x'][first:first + count] - 3).max() < 1e-14\n");
 }
 
+TEST_F(OutputFiles, Hdf5HoldsTheIntervalsOfAGuarantee) {
+  std::vector<Interval> intervals;
+  for (const FormFactors::Entry& entry : form_factors_.entries())
+    intervals.push_back({0.5 * entry.exchange_area.value, 2 * entry.exchange_area.value});
+  form_factors_ = {form_factors_.ids(), form_factors_.entries(), form_factors_.rowSums(), intervals};
+  writeFormFactors(OutputContent{form_factors_}, folder_ / "office.h5");
+  check("h5py and SciPy", std::string(kSameMatrix) +
+                              "with h5py.File('office.h5') as file:\n"
+                              "    assert (file['lower_bounds/data'][:] == F.data / 2).all()\n"
+                              "    assert (file['upper'][:] == 2 * F.data).all() and F.nnz > 5\n"
+                              "    assert (file['environment_lower'][:] == environment / 2).all()\n"
+                              "    assert (file['leak_upper'][:] == 2 * leak).all()\n");
+}
+
 TEST_F(OutputFiles, XarrayOpensTheSameFile) {
   writeFormFactors(OutputContent{form_factors_, nullptr, &scene_}, folder_ / "office.h5");
   check("xarray",

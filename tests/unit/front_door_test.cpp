@@ -74,6 +74,8 @@ TEST(FrontDoor, AGuaranteeSaysWhatHolds) {
     const Interval interval = result.form_factors.interval(0, 1);
     EXPECT_LE(interval.lower, kParallelSquares + 1e-6);
     EXPECT_GE(interval.upper, kParallelSquares - 1e-6);
+    // Nothing is said of a pair without an entry but by the bound: each square with itself.
+    EXPECT_EQ(result.form_factors.interval(0, 0).upper, pair_lines ? 0 : result.guarantee->bound);
     EXPECT_EQ(result.plan.guarantee.has_value(), !pair_lines);
     EXPECT_EQ(result.plan.line_guarantee.has_value(), pair_lines);
     if (pair_lines) continue;
