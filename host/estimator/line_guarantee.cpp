@@ -22,14 +22,15 @@ constexpr double kFewestLines = 16;      // of an entry
 // Of unoccluded form factors (kUnoccludedRelativeError), and of the density of lines.
 constexpr double kRoundingError = 3e-6;
 constexpr double kLeastRoundingShare = 0.5;  // of epsilon that rounding has to leave
-constexpr double kShareOfLines = 0.98;   // of what an entry may err; the rest is for lines that rounding leaves open
-constexpr double kFirstLook = 1.2;       // of the lines after which an entry without facing lines is done
-constexpr double kRowShare = 0.5;        // of delta, where rows have bounds
-constexpr uint64_t kPilotSeries = 1000;  // looks have those below
+constexpr double kShareOfLines = 0.98;    // of what an entry may err; the rest is for lines that rounding leaves open
+constexpr double kShareOfRowLines = 0.9;  // the same of a row, with parts that cost too many candidates
+constexpr double kFirstLook = 1.2;        // of the lines after which an entry without facing lines is done
+constexpr double kRowShare = 0.5;         // of delta, where rows have bounds
+constexpr uint64_t kPilotSeries = 1000;   // looks have those below
 // A line of an entry that geometry bounds may cost so many candidates; beyond, its lines are left open. Such entries
-// are small and near: slivers side by side. Leak is a sum over many parts, of which each counts.
-constexpr double kMostCandidates = 100, kMostLeakCandidates = 10'000;
-constexpr double kShareOfOpen = 0.01;  // of a row's bound that such entries may take together
+// are small and near: slivers side by side. Where a row's sum is promised, or is the entry, each of them counts more.
+constexpr double kMostCandidates = 100, kMostCandidatesOfSums = 10'000;
+constexpr double kShareOfOpen = 0.01;  // of what a sum may err: parts that may be left open sooner, all together
 constexpr size_t kChunk = 16;          // entries that a thread takes at once
 constexpr size_t kTimedEntries = 64;
 constexpr uint64_t kTimedLines = 2048;
@@ -115,7 +116,7 @@ void LineGuarantee::planLooks() {
       entry.weight = std::min(entry.weight, 4 * allowed * allowed / blockable);
     }
     if (!isDrawn(entry)) {
-      entry.most_candidates = entry.j == kLeak ? kMostLeakCandidates : kMostCandidates;
+      entry.most_candidates = entry.j == kLeak ? kMostCandidatesOfSums : kMostCandidates;
       continue;
     }
     const double allowed = kShareOfLines * entry.allowed,
@@ -144,10 +145,10 @@ void LineGuarantee::planRows() {
     if (entry.part_count == 0) continue;
     double most = INFINITY;
     forRows(entry, [&](uint32_t row) {
-      const double allowed = kShareOfLines * options_.epsilon * ids_.areas[row] - rounding[row];
+      const double allowed = kShareOfRowLines * options_.epsilon * ids_.areas[row] - rounding[row];
       most = std::min(most, hoeffdingWeight(blockable[row], parts[row], allowed, log_row_));
       if (entry.blockable() * entry_counts[row] > kShareOfOpen * options_.epsilon * ids_.areas[row])
-        entry.most_candidates = INFINITY;
+        entry.most_candidates = std::max(entry.most_candidates, kMostCandidatesOfSums);
     });
     entry.weight = std::min(entry.weight, most);
     while (entry.looks > 1 && weightAt(entry, 0) > most) --entry.looks;
@@ -161,7 +162,8 @@ void LineGuarantee::predict() {
     for (uint32_t k = 0; k < entry.part_count; ++k) {
       const Part& part = parts_[entry.first_part + k];
       const uint64_t lines = k < kFewestLines ? static_cast<uint64_t>(kFewestLines) / entry.part_count + 1 : 0;
-      const UniformLineCount count = lines_.drawUniform(part.index, kPilotSeries, lines, INFINITY, vectors_);
+      const UniformLineCount count =
+          lines_.drawUniform(part.index, kPilotSeries, lines, mostCandidates(entry, part), vectors_);
       facing += double(count.facing), all += double(count.lines);
     }
     const double share = (facing + 1) / (all + 2), variance = share * (1 - share);
@@ -182,7 +184,7 @@ void LineGuarantee::predict() {
     if (entries_[k].part_count == 0) continue;
     figures_.expected_lines += expected[k];
     figures_.most_lines += linesOf(entries_[k], entries_[k].looks - 1);
-    if (entries_[k].looks > 1) drawn.push_back(k);
+    drawn.push_back(k);
     most_looks_ = std::max(most_looks_, entries_[k].looks);
   }
   figures_.most_for_one = 0;
@@ -191,10 +193,13 @@ void LineGuarantee::predict() {
       figures_.most_for_one = lines, figures_.neediest = {ids_.names[entry.i], nameOf(entry.j)};
   if (drawn.empty()) return;
   const auto begun = Clock::now();
+  // Those with most lines take most of the time.
   const size_t timed = std::min(kTimedEntries, drawn.size());
+  std::ranges::partial_sort(drawn, drawn.begin() + static_cast<std::ptrdiff_t>(timed), std::ranges::greater{},
+                            [&](uint32_t k) { return expected[k]; });
   for (size_t k = 0; k < timed; ++k)
-    lines_.drawUniform(parts_[entries_[drawn[k * drawn.size() / timed]].first_part].index, kPilotSeries, kTimedLines,
-                       INFINITY, vectors_);
+    lines_.drawUniform(parts_[entries_[drawn[k]].first_part].index, kPilotSeries, kTimedLines, kMostCandidates,
+                       vectors_);
   const double seconds_each = secondsSince(begun) / double(timed * kTimedLines) / double(lines_.threads());
   figures_.expected_seconds = figures_.expected_lines * seconds_each;
   figures_.most_seconds = figures_.most_lines * seconds_each;
@@ -216,12 +221,19 @@ double LineGuarantee::linesOf(const Entry& entry, uint32_t look) const {
   return lines;
 }
 
+// Returns how many candidates a line of a part may cost. Little parts of a sum may be left open.
+double LineGuarantee::mostCandidates(const Entry& entry, const Part& part) const {
+  const bool is_little = part.exchange * entry.part_count <= kShareOfOpen * entry.allowed;
+  return is_little ? std::min(entry.most_candidates, kMostCandidates) : entry.most_candidates;
+}
+
 void LineGuarantee::draw(Entry& entry, uint32_t look) {
   for (uint32_t k = 0; k < entry.part_count; ++k) {
     Part& part = parts_[entry.first_part + k];
     const auto wanted = static_cast<uint64_t>(linesOfPart(part.exchange, weightAt(entry, look)));
+    const double most = mostCandidates(entry, part);
     if (wanted > part.count.lines)
-      part.count += lines_.drawUniform(part.index, look, wanted - part.count.lines, entry.most_candidates, vectors_);
+      part.count += lines_.drawUniform(part.index, look, wanted - part.count.lines, most, vectors_);
     if (part.count.open == part.count.lines)
       part.guess = static_cast<float>(lines_.guessVisibility(part.index, look, vectors_));
     if (look > 0) continue;
@@ -280,16 +292,10 @@ void LineGuarantee::step() {
   for (size_t k = 0; k < open_.size(); ++k)
     if (!is_done[k]) still_open.push_back(open_[k]);
   open_ = std::move(still_open);
-  ++look_;
+  if (++look_ == 1 && options_.rows) requireRows();
 }
 
-// Adds what each row's first lines say together, and what the row's other entries leave.
-std::vector<Interval> LineGuarantee::findIntervals(const FormFactors& form_factors) const {
-  struct Row {
-    double lower = 0, upper = 0;              // sums of intervals
-    double first = 0, open = 0, squares = 0;  // sums over first looks
-    double rounding = 0;
-  };
+std::vector<LineGuarantee::Row> LineGuarantee::sumRows() const {
   std::vector<Row> rows(ids_.count());
   const auto addTo = [&](uint32_t id, const Entry& entry) {
     Row& row = rows[id];
@@ -301,6 +307,28 @@ std::vector<Interval> LineGuarantee::findIntervals(const FormFactors& form_facto
     addTo(entry.i, entry);
     if (entry.j < kEnvironment && entry.j != entry.i) addTo(entry.j, entry);
   }
+  return rows;
+}
+
+// Refuses rows of which too much is left open after the first look, as their bound can no longer be kept.
+void LineGuarantee::requireRows() const {
+  const std::vector<Row> rows = sumRows();
+  for (uint32_t id = 0; id < ids_.count(); ++id) {
+    if (!ids_.isRequested(id) || !ids_.counts_environment) continue;
+    const double off =
+        (std::sqrt(log_row_ * rows[id].squares / 2) + rows[id].rounding + rows[id].open) / ids_.areas[id];
+    if (off > options_.epsilon)
+      throw Error(
+          ErrorCode::limit,
+          fmt::format("the row of {} sees slivers beside it in so many pairs that its environment is bounded to "
+                      "{:.2e} only; ask for a larger --epsilon, or leave out --rows",
+                      ids_.names[id], off));
+  }
+}
+
+// Adds what each row's first lines say together, and what the row's other entries leave.
+std::vector<Interval> LineGuarantee::findIntervals(const FormFactors& form_factors) const {
+  const std::vector<Row> rows = sumRows();
   const auto leftBy = [&](uint32_t id) {
     const Row& row = rows[id];
     const double area = ids_.areas[id];

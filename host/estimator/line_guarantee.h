@@ -70,12 +70,22 @@ class LineGuarantee {
     UniformLineCount count{};
   };
 
+  // Sums over a row's entries.
+  struct Row {
+    double lower = 0, upper = 0;              // of intervals
+    double first = 0, open = 0, squares = 0;  // after first looks
+    double rounding = 0;
+  };
+
+  std::vector<Row> sumRows() const;
+  void requireRows() const;
   void collectEntries();
   void planLooks();
   void planRows();
   void predict();
   void forEach(size_t count, const std::function<void(size_t)>& work) const;
   double weightAt(const Entry& entry, uint32_t look) const;
+  double mostCandidates(const Entry& entry, const Part& part) const;
   void draw(Entry& entry, uint32_t look);
   bool settle(Entry& entry, uint32_t look) const;
   std::string nameOf(uint32_t column) const { return column < kEnvironment ? ids_.names[column] : "leak"; }
