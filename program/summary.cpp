@@ -105,7 +105,7 @@ std::string describeGuarantee(const Guarantee& g) {
   const std::string chance =
       g.delta > 0 ? fmt::format("with probability {}, by {}", 1 - g.delta, by) : "for certain, by geometry alone";
   std::string text = fmt::format("guarantee  every form factor{} within {:.2e} {}\n",
-                                 g.by == GuaranteedBy::chernoff ? " between ids" : "", g.bound, chance);
+                                 g.by == GuaranteedBy::chernoff ? " between rows" : "", g.bound, chance);
   if (g.row_bound > 0)
     text +=
         fmt::format("           what leaves the scene from each row within {:.2e}; all hold at once\n", g.row_bound);
