@@ -49,6 +49,7 @@ LineGuarantee::LineGuarantee(const Scene& scene, const Ids& face_ids, const Ids&
                              const LineGuaranteeOptions& options)
     : scene_(scene), face_ids_(face_ids), ids_(ids), lines_(lines), options_(options) {
   const auto begun = Clock::now();
+  options_.rows &= options_.delta > 0;  // no number of lines proves a row's sum for certain
   collectEntries();
   if (lines_.hasTooMany()) return;
   planLooks();
@@ -385,8 +386,9 @@ FormFactors LineGuarantee::withEveryEnvironment(FormFactors all) const {
 Estimate LineGuarantee::estimate(const RunSums& sums, double relative_floor) const {
   std::vector<FormFactors::Entry> entries;
   Estimate estimate{FormFactors({}, {}, {}), FormFactors({}, {}, {})};
-  Guarantee guarantee{options_.epsilon, figures_.drawn && options_.delta > 0 ? options_.delta : 0, 0,
-                      GuaranteedBy::chernoff};
+  // Without lines all is certain, intervals of the environment too.
+  const bool needs_lines = figures_.drawn || (ids_.counts_environment && !parts_.empty());
+  Guarantee guarantee{options_.epsilon, needs_lines ? options_.delta : 0, 0, GuaranteedBy::chernoff};
   for (const Entry& entry : entries_) {
     entries.push_back({entry.i, entry.j, {entry.value, entry.standard_error}});
     estimate.line_pairs += entry.part_count > 0;

@@ -146,6 +146,12 @@ TEST(LineGuarantee, GeometryAloneProvesWhatNothingBlocks) {
   EXPECT_EQ(certain.form_factors.interval(0, 1).lower, 0);
   EXPECT_NEAR(certain.form_factors.interval(0, 1).upper, clear, 1e-5);
   EXPECT_GT(certain.guarantee->bound, 1e-3);
+  EXPECT_EQ(certain.guarantee->delta, 0);
+  Request rows = guaranteeOf(1e-3, 0);
+  std::get<EpsilonDelta>(rows.goal).rows = true;
+  EXPECT_EQ(computeFormFactors(sceneOf({kFloor, kCeiling, half}), rows).guarantee->delta, 0);
+  // Geometry bounds all pairs to 0.5, but the environment's interval follows from lines.
+  EXPECT_EQ(guarantee({kFloor, kCeiling, half}, 0.5, 0.01).guarantee->delta, 0.01);
 }
 
 // A box in a room of which one wall is open: environment from the whole row's lines, narrower than the sum of its
