@@ -1,0 +1,171 @@
+// Plans a run: engine, samples and directions, the pairs that get lines of their own, or what a guarantee takes.
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <viewpeel/error.h>
+#include "directions/replicates.h"
+#include "run/observed_engine.h"
+#include "run/run_state.h"
+#include "run/settings.h"
+#include "sums/add_pairs.h"
+#include "threads.h"
+
+namespace viewpeel {
+namespace {
+
+constexpr double kSecondsOfLine = 4e-8;  // on one thread, against some 10 blockers
+
+void requireSamePairs(const std::vector<LinePair>& found, const std::vector<LinePair>& stored) {
+  if (!std::ranges::equal(found, stored, {}, keyOf<LinePair>, keyOf<LinePair>))
+    throw Error(
+        ErrorCode::bad_usage,
+        "the checkpoint has lines of other pairs than this scene, though the settings are the same; was it made "
+        "by another build of viewpeel?");
+}
+
+}  // namespace
+
+// Makes the plan that the request spells out.
+Plan FormFactorRun::State::makeFixedPlan() const {
+  Plan fixed;
+  fixed.directions = setup.estimate().directions;
+  fixed.finest = setup.finest();
+  const Lattices lattices = setup.lattices();
+  const int resolution = setup.resolution() ? setup.resolution() : lattices.lattice.resolution;
+  fixed.groups = fixed.finest ? planGroups(setup.scene(), setup.ids(), setup.sampling(), resolution, fixed.finest,
+                                           fixed.directions)
+                              : groupAsOne(setup.scene(), resolution);
+  fixed.engine = makeEngine(lattices, setup.scene(), setup.ids(), fixed.groups);
+  return fixed;
+}
+
+// Makes the plan. It goes without unoccluded form factors where counts would be too large for them and the request does
+// not insist on them.
+Plan FormFactorRun::State::makePlanOfRequest() {
+  if (setup.isExact() || !setup.plans()) return makeFixedPlan();
+  const auto planned = [&] { return planEstimate(setup.scene(), setup.ids(), setup.estimate(), setup.lattices()); };
+  Plan found = planned();
+  if (!found.counts_too_large) return found;
+  if (!setup.unoccludedByDefault())
+    throw Error(
+        ErrorCode::bad_usage,
+        "polygons differ too much in size for unoccluded form factors at this goal: counts would be too large; say "
+        "--unoccluded off, or ask for less");
+  found.engine.reset();
+  setup.leaveOutUnoccluded();
+  return planned();
+}
+
+// Returns whether any line of a few directions ends on a back.
+bool FormFactorRun::State::leaks() {
+  const std::vector<Direction> directions =
+      sampleDirections(setup.estimate().sampler, 2 * kLineRunDirections, setup.request().seed, kLineReplicates.first);
+  return std::ranges::any_of(plan->engine->count(directions), [](const PairCount& count) { return count.j == kLeak; });
+}
+
+// Finds the blockers of pairs, with an engine for a few common directions.    Out: false where coincident polygons have
+// no order
+bool FormFactorRun::State::makePairLines() {
+  plan.emplace();
+  plan->directions = setup.faceIds().counts_environment ? kLineRunDirections : 0;
+  const Lattices lattices = setup.lattices();
+  plan->groups = groupAsOne(setup.scene(), lattices.lattice.resolution);
+  plan->engine = makeEngine(lattices, setup.scene(), setup.faceIds(), plan->groups);
+  const bool with_leak = resumed ? resumed->sums.lines->hasBacks() : plan->directions > 0 && leaks();
+  pair_lines.emplace(setup.scene(), setup.faceIds(), with_leak, setup.request().seed, setup.request().threads,
+                     [this] { stopIfRequested(); });
+  if (pair_lines->hasUnordered() && (setup.request().pair_lines || resumed))
+    throw Error(
+        ErrorCode::bad_usage,
+        "polygons coincide of which nothing says which lies in front, and pair lines need to know; name them by "
+        "--sheets or --solids, or leave out --pair-lines");
+  return !pair_lines->hasUnordered();
+}
+
+// Plans few common directions, and lines for each pair.
+void FormFactorRun::State::planPairLines() {
+  const auto begun = Clock::now();
+  if (!makePairLines()) return planWithoutPairLines();
+  const EstimateOptions& options = setup.estimate();
+  // Half of the time is left for finding pairs, and for further lines of pairs that need them.
+  const double threads = setup.request().threads ? setup.request().threads : double(threadCount()),
+               most_lines = options.seconds ? *options.seconds / 2 * threads / kSecondsOfLine : INFINITY;
+  line_pairs = resumed ? resumed->sums.lines->pairs()
+                       : planLines(*pair_lines, setup.faceIds(), setup.ids(), options, most_lines);
+  if (resumed) requireSamePairs(pair_lines->find(), line_pairs);
+  if (pair_lines->hasTooMany()) {
+    requireNoPairLines();
+    return planWithoutPairLines();
+  }
+  const PairLinesFigures figures = pair_lines->figures();
+  plan->pair_lines = {figures.clear, figures.partial, 0, figures.blockers, secondsSince(begun)};
+  for (const LinePair& pair : line_pairs)
+    plan->pair_lines->lines += static_cast<uint64_t>(pair.linesIn(options.replicates));
+}
+
+// Refuses a request that insists on pair lines where there are too many pairs.
+void FormFactorRun::State::requireNoPairLines() const {
+  if (setup.request().pair_lines || resumed)
+    throw Error(ErrorCode::limit, fmt::format("more than {} pairs of polygons see each other, too many for pair lines; "
+                                              "leave out --pair-lines",
+                                              kMostPatchPairs));
+}
+
+void FormFactorRun::State::planWithoutPairLines() {
+  pair_lines.reset();
+  line_pairs.clear();
+  setup.leaveOutPairLines();
+  plan = makePlanOfRequest();
+}
+
+void FormFactorRun::State::planGuarantee() {
+  if (setup.usesPairLines()) {
+    if (planLineGuarantee()) return;
+    line_guarantee.reset(), pair_lines.reset(), plan.reset();
+    setup.leaveOutPairLines();
+  }
+  guarantee =
+      viewpeel::planGuarantee(setup.scene(), setup.ids(), setup.guaranteeOptions(), setup.lattices(), setup.isExact());
+  if (const auto& limit = setup.request().time_limit_s; limit && guarantee->least_seconds > *limit)
+    refuseGuarantee(*guarantee, *limit);
+  guarantee->engine = observed(std::move(guarantee->engine), observer.on_count);
+  summary = summarise(setup, *guarantee);
+}
+
+// Returns false where pair lines cannot do it.
+bool FormFactorRun::State::planLineGuarantee() {
+  if (!makePairLines()) return false;
+  const EpsilonDelta& goal = *setup.guarantee();
+  line_guarantee.emplace(setup.scene(), setup.faceIds(), setup.ids(), *pair_lines,
+                         LineGuaranteeOptions{goal.epsilon, goal.delta, goal.rows, setup.request().by});
+  if (pair_lines->hasTooMany()) {
+    requireNoPairLines();
+    return false;
+  }
+  const LineGuaranteeFigures& figures = line_guarantee->figures();
+  if (const auto& limit = setup.request().time_limit_s; limit && figures.expected_seconds > *limit)
+    refuseGuarantee(figures, *limit);
+  plan->engine = observed(std::move(plan->engine), observer.on_count);
+  summary = summarise(setup, *plan);
+  summary.line_guarantee = figures;
+  return true;
+}
+
+void FormFactorRun::State::makePlan() {
+  start = Clock::now();
+  if (setup.guarantee()) {
+    planGuarantee();
+  } else {
+    if (setup.usesPairLines()) planPairLines();
+    else plan = makePlanOfRequest();
+    plan->engine = observed(std::move(plan->engine), observer.on_count);
+    summary = summarise(setup, *plan);
+  }
+  if (resumed) requireSameSettings(settingsOf(setup, summary), resumed->settings, resumed_file);
+}
+
+}  // namespace viewpeel

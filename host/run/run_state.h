@@ -1,0 +1,110 @@
+#pragma once
+
+// Holds the state of a run (include/viewpeel/compute.h): plan_run.cpp fills the plan, step_run.cpp counts and looks.
+// Exactly one of the four ways of counting is begun: EstimateRun, GuaranteeRun, LineRun or LineGuarantee.
+
+#include <filesystem>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <viewpeel/compute.h>
+
+#include "estimator/estimate_run.h"
+#include "estimator/find_prior.h"
+#include "estimator/guarantee_run.h"
+#include "estimator/line_guarantee.h"
+#include "estimator/line_run.h"
+#include "io/checkpoint.h"
+#include "run/setup.h"
+#include "run/summaries.h"
+#include "stopwatch.h"
+
+namespace viewpeel {
+
+struct FormFactorRun::State {
+  Observer observer;
+  Progress progress;
+  Setup setup;
+  PlanSummary summary;
+  std::optional<Checkpoint> resumed;
+  std::filesystem::path resumed_file;
+  std::optional<Clock::time_point> start;  // of the plan
+  std::optional<Plan> plan;
+  std::optional<GuaranteePlan> guarantee;
+  PairSampler pairs;
+  FaceExchanges exchanges;
+  FoundPrior found_prior;
+  std::optional<PriorSummary> prior_summary;
+  std::optional<EstimateRun> estimate_run;
+  std::optional<GuaranteeRun> guarantee_run;
+  std::optional<PairLines> pair_lines;
+  std::vector<LinePair> line_pairs;  // as planned
+  std::optional<LineRun> line_run;
+  std::optional<LineGuarantee> line_guarantee;
+  std::optional<RunSums> common_sums;  // of a guarantee by lines: environment and leak
+  bool is_interrupted = false, is_done = false;
+
+  State(const Scene& scene, Request request, Observer watching)
+      : observer(std::move(watching)),
+        setup(
+            scene, std::move(request), [this](uint64_t directions) { onBatch(directions); },
+            [this] { stopIfRequested(); }),
+        summary(summarise(setup)),
+        pairs(setup.pairSampler()),
+        exchanges(setup.device(), scene, setup.faceIds(), [this] { stopIfRequested(); }) {}
+
+  void stopIfRequested() const {
+    if (observer.should_stop && observer.should_stop()) throw Interrupted{};
+  }
+  void reportProgress() const {
+    if (observer.on_progress) observer.on_progress(progress);
+  }
+  void onBatch(uint64_t directions) {
+    stopIfRequested();
+    if (setup.guarantee()) return;  // it counts blocks
+    progress.directions = directions;
+    reportProgress();
+  }
+
+  // Runs the work; if the observer stops it, the run has come to its end.
+  template <class Work>
+  void doUnlessStopped(const Work& work) {
+    if (is_interrupted) return;
+    try {
+      work();
+    } catch (const Interrupted&) {
+      is_interrupted = is_done = true;
+    }
+  }
+
+  Engine& engine() const { return guarantee ? *guarantee->engine : *plan->engine; }
+  const RunSums& sums() const {
+    return guarantee_run ? guarantee_run->sums()
+           : line_run    ? line_run->sums()
+           : common_sums ? *common_sums
+                         : estimate_run->sums();
+  }
+  bool isBegun() const { return estimate_run || guarantee_run || line_run || common_sums; }
+  uint64_t replicateCount() const { return line_guarantee ? line_guarantee->lookCount() : sums().replicateCount(); }
+
+  Plan makeFixedPlan() const;
+  Plan makePlanOfRequest();
+  void makePlan();
+  bool leaks();
+  bool makePairLines();
+  void planPairLines();
+  void planWithoutPairLines();
+  void requireNoPairLines() const;
+  void planGuarantee();
+  bool planLineGuarantee();
+  void countCommonDirections();
+  void findPrior();
+  EstimateOptions estimateOptions();
+  void begin();
+  void step();
+  Estimate estimateOfNothing() const;
+  Result resultOf(Estimate estimate) const;
+};
+
+}  // namespace viewpeel

@@ -1,0 +1,134 @@
+// Counts: finds the prior, begins the one way of counting that the plan chose, takes its steps, and reads its result.
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <viewpeel/error.h>
+#include "run/run_state.h"
+
+namespace viewpeel {
+namespace {
+
+constexpr uint64_t kFewReplicates = 8;  // of common directions of a guarantee
+
+}  // namespace
+
+void FormFactorRun::State::findPrior() {
+  if (!setup.usesUnoccluded() || setup.guarantee() || resumed || prior_summary) return;
+  EstimateOptions pilot = setup.estimate();
+  pilot.directions = plan->directions;
+  pilot.pairs = &pairs;
+  found_prior = viewpeel::findPrior(engine(), exchanges, setup.scene(), setup.faceIds(), plan->groups, pilot,
+                                    choosePriorPilot(pilot));
+  prior_summary = summarise(found_prior);
+}
+
+EstimateOptions FormFactorRun::State::estimateOptions() {
+  EstimateOptions options = setup.estimate();
+  options.directions = plan->directions;
+  options.resumed = resumed ? &resumed->sums : nullptr;
+  options.pairs = &pairs;
+  if (setup.usesUnoccluded()) {
+    options.prior = &found_prior.prior;
+    options.exchanges = &exchanges;
+  }
+  if (options.seconds) options.seconds = std::max(*options.seconds - secondsSince(*start), 1e-3);
+  return options;
+}
+
+// Common directions tell which rows see the environment, and where lines leak.
+void FormFactorRun::State::countCommonDirections() {
+  common_sums.emplace(makeRunSums(setup.scene(), setup.faceIds()));
+  if (plan->directions == 0) return;
+  common_sums->measure_area =
+      plan->engine->unitArea() * setup.scene().scale * setup.scene().scale / double(plan->directions);
+  for (uint64_t replicate = 0; replicate < kFewReplicates; ++replicate) {
+    PairCounts counts = plan->engine->count(
+        sampleDirections(setup.estimate().sampler, plan->directions, setup.request().seed, replicate));
+    std::erase_if(counts, [](const PairCount& count) { return count.j < kEnvironment; });
+    common_sums->add(replicate, counts, plan->directions);
+  }
+}
+
+void FormFactorRun::State::begin() {
+  if (line_guarantee) {
+    progress.expected_blocks = progress.most_blocks = line_guarantee->mostLooks();
+    return countCommonDirections();
+  }
+  if (guarantee) {
+    GuaranteeOptions options = setup.guaranteeOptions();
+    options.resumed = resumed ? &resumed->sums : nullptr;
+    guarantee_run.emplace(setup.scene(), setup.ids(), options, *guarantee);
+    progress.expected_blocks = guarantee_run->expectedBlocks();
+    progress.most_blocks = guarantee_run->mostBlocks();
+    is_done = guarantee_run->isDone();
+    return;
+  }
+  progress.directions_of_replicate = plan->directions;
+  if (pair_lines) {
+    line_run.emplace(*plan->engine, setup.scene(), setup.faceIds(), *pair_lines, std::move(line_pairs),
+                     estimateOptions());
+    is_done = line_run->isDone();
+    return;
+  }
+  estimate_run.emplace(*plan->engine, setup.scene(), setup.countedIds(), estimateOptions());
+  is_done = estimate_run->isDone();
+}
+
+void FormFactorRun::State::step() {
+  const auto report = [&] {
+    progress.replicates = replicateCount();
+    progress.directions = 0;
+    reportProgress();
+    stopIfRequested();
+  };
+  if (line_guarantee) {
+    line_guarantee->step();
+    is_done = line_guarantee->isDone();
+    report();
+    return;
+  }
+  if (guarantee_run) {
+    guarantee_run->step(report);
+    is_done = guarantee_run->isDone();
+    return;
+  }
+  const auto stepOf = [&](auto& run) {
+    run.step();
+    is_done = run.isDone();
+    progress.largest_standard_error = run.largestStandardError();
+    report();
+  };
+  if (line_run) stepOf(*line_run);
+  else stepOf(*estimate_run);
+}
+
+// Returns the estimate of a run that was stopped before it counted anything.
+Estimate FormFactorRun::State::estimateOfNothing() const {
+  return {FormFactors(setup.ids(), {}, std::vector<Measured>(setup.ids().count())),
+          FormFactors({}, {}, {}),
+          0,
+          0,
+          INFINITY,
+          INFINITY};
+}
+
+Result FormFactorRun::State::resultOf(Estimate estimate) const {
+  Result result{std::move(estimate)};
+  result.interrupted = is_interrupted;
+  result.closure = measureClosure(result.form_factors);
+  result.environment_share = shareOf(result.form_factors, kEnvironment);
+  result.leak_share = shareOf(result.form_factors, kLeak);
+  result.plan = summary;
+  result.seconds = start ? secondsSince(*start) : 0;
+  if (!setup.request().balance) return result;
+  try {
+    result.balanced = balanceRows(result.form_factors);
+  } catch (const Error& error) {
+    result.balance_refusal = error;
+  }
+  return result;
+}
+
+}  // namespace viewpeel
