@@ -1,5 +1,4 @@
 #include <cmath>
-#include <csignal>
 #include <filesystem>
 #include <optional>
 
@@ -26,6 +25,7 @@ struct ComputeOptions {
   std::string scene;
   Request request;
   std::vector<std::string> outputs, shown;
+  std::vector<PlannedFile> files;  // of the outputs, as they are before the run
   std::string ccx_version = "2.20";
   CheckpointOptions checkpoint;
   bool quiet = false, verbose = false, json = false;
@@ -34,14 +34,21 @@ struct ComputeOptions {
   bool keepsCheckpoint() const { return !checkpoint.file.empty(); }
 };
 
+std::vector<PlannedFile> planOutputs(const std::vector<std::string>& outputs, bool with_balance) {
+  std::vector<std::string> names;
+  for (const std::string& output : outputs)
+    for (const std::filesystem::path& file : filesOf(output, with_balance)) names.push_back(file.string());
+  return planFiles(names);
+}
+
 // Says on stderr, in one line, how much of a stopped run is kept. Returns the exit status.
 int reportInterruption(const ComputeOptions& options, uint64_t replicates) {
   std::string left;
   if (options.keepsCheckpoint() && replicates > 0)
     left = fmt::format("; {} has what was counted, go on with --resume", options.checkpoint.file);
   if (!options.outputs.empty()) left += replicates < 2 ? "; too few to write results" : "; results are written";
-  fmt::print(stderr, "viewpeel: stopped by {}, {} replicate{} done{}\n",
-             interruption() == SIGINT ? "SIGINT" : "SIGTERM", replicates, replicates == 1 ? "" : "s", left);
+  fmt::print(stderr, "viewpeel: stopped by {}, {} replicate{} done{}\n", interruptionName(), replicates,
+             replicates == 1 ? "" : "s", left);
   return 128 + interruption();
 }
 
@@ -82,9 +89,7 @@ void printResult(const ComputeOptions& options, const Result& result, const std:
                                                                  : "block";
   fmt::print("work       {}, {}{}, {:.2f} s\n", counted(result.replicates, unit),
              counted(result.directions, "direction"), describeDirected(result), result.seconds);
-  for (const std::string& output : options.outputs)
-    for (const std::filesystem::path& file : filesOf(output, options.request.balance))
-      fmt::print("written    {}\n", file.string());
+  fmt::print("{}", describeWritten(options.files));
 }
 
 // Writes and prints the results. Returns the exit status.
@@ -97,6 +102,21 @@ int conclude(const ComputeOptions& options, const Result& result, const FormFact
   write(options, result, run, scene);
   printResult(options, result, first_division);
   return status;
+}
+
+// Writes what there is, after SIGUSR1, and says so on stderr. The run goes on where that fails.
+void writeSoFar(const ComputeOptions& options, const FormFactorRun& run, const Scene& scene) {
+  const std::string counted_so_far = counted(run.replicateCount(), "replicate");
+  if (run.replicateCount() < 2) {
+    fmt::print(stderr, "viewpeel: SIGUSR1: {} so far, too few to write results\n", counted_so_far);
+    return;
+  }
+  try {
+    write(options, run.resultSoFar(), run, scene);
+    fmt::print(stderr, "viewpeel: SIGUSR1: the results of {} so far are written; the run goes on\n", counted_so_far);
+  } catch (const Error& error) {
+    fmt::print(stderr, "viewpeel: warning: SIGUSR1: {}\n", error.what());
+  }
 }
 
 // Plans, and says so. False where the run was stopped meanwhile.
@@ -114,7 +134,9 @@ bool prepare(const ComputeOptions& options, FormFactorRun& run, const Checkpoint
 }
 
 // Counts to the end, and keeps the counts.
-void count(FormFactorRun& run, CheckpointKeeper* keeper, const std::function<int()>& conclude_early) {
+//   In: conclude_early: ends a run that was stopped; show: writes the results so far
+void count(FormFactorRun& run, CheckpointKeeper* keeper, const std::function<int()>& conclude_early,
+           const std::function<void()>& show) {
   const auto keep = [&](bool last) {
     if (keeper) keeper->keep(run, last);
   };
@@ -122,7 +144,9 @@ void count(FormFactorRun& run, CheckpointKeeper* keeper, const std::function<int
     do {
       run.step();
       if (run.replicateCount() == 0) continue;
-      keep(false);
+      const bool is_wanted = wantsResults();
+      keep(is_wanted);
+      if (is_wanted) show();
       offerResults(conclude_early);
     } while (!run.isDone());
   } catch (...) {
@@ -144,7 +168,10 @@ int runCompute(const ComputeOptions& options) {
                     {.should_stop = [] { return interruption() != 0; },
                      .on_progress = progress.listener(),
                      .on_count = letOthersEnd});
-  if (options.talks()) fmt::print("{}", describePlace(run, scene));
+  if (options.talks()) {
+    fmt::print("{}", describePlace(run, scene));
+    if (!is_held) fmt::print("kept       nothing but this summary; name a file by -o to keep the form factors\n");
+  }
   std::fflush(stdout);
   std::optional<CheckpointKeeper> keeper;
   if (options.keepsCheckpoint()) keeper.emplace(options.checkpoint, run);
@@ -155,12 +182,16 @@ int runCompute(const ComputeOptions& options) {
   if (!prepare(options, run, keeper ? &*keeper : nullptr)) return endEarly();
   progress.clear();
   const std::string division = run.division();
-  count(run, keeper ? &*keeper : nullptr, [&] {
+  const auto concludeEarly = [&] {
     if (keeper) keeper->keep(run, true);
     Result result = run.resultSoFar();
     result.interrupted = true;
     progress.clear();
     return conclude(options, result, run, scene, true, division);
+  };
+  count(run, keeper ? &*keeper : nullptr, concludeEarly, [&] {
+    progress.clear();
+    writeSoFar(options, run, scene);
   });
   endByItself();
   progress.clear();
@@ -188,7 +219,10 @@ void addCompute(CLI::App& app, Run& chosen) {
     options->scene = request_options->scene;
     options->request = requestOf(command, *request_options);
     options->request.measure_work = options->json;
-    chosen = [options] { return runCompute(*options); };
+    chosen = [options] {
+      options->files = planOutputs(options->outputs, options->request.balance);
+      return runCompute(*options);
+    };
   });
 }
 

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kGrace(1500);  // of the two seconds in which a run ends; the rest is for writing
 
-std::atomic<int> received = 0;
+std::atomic<int> received = 0, looks = 0;              // looks: 1 after SIGUSR1
 static_assert(std::atomic<int>::is_always_lock_free);  // a signal handler may touch it
 sem_t word;
 
@@ -67,11 +67,25 @@ void holdInterrupts(std::function<int()> end) {
     ::sem_post(&word);
   };
   hold.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
-  ::sigaction(SIGINT, &hold, nullptr);
-  ::sigaction(SIGTERM, &hold, nullptr);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction old {};
+    ::sigaction(signal, nullptr, &old);
+    if (signal != SIGHUP || old.sa_handler != SIG_IGN) ::sigaction(signal, &hold, nullptr);
+  }
+  struct sigaction look {};
+  look.sa_handler = [](int) { looks = 1; };
+  look.sa_flags = SA_RESTART;
+  ::sigaction(SIGUSR1, &look, nullptr);
 }
 
 int interruption() { return received; }
+
+const char* interruptionName() {
+  const int signal = received;
+  return signal == SIGINT ? "SIGINT" : signal == SIGHUP ? "SIGHUP" : "SIGTERM";
+}
+
+bool wantsResults() { return looks.exchange(0) != 0; }
 
 void offerResults(std::function<int()> end) {
   if (!watch) return;

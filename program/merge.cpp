@@ -24,6 +24,9 @@ int runMerge(const MergeCommand& command) {
   if (command.scene.empty() && !command.shown.empty())
     throw Error(ErrorCode::bad_usage, "--show names surfaces of a scene; give it by --scene");
   if (!command.checkpoint.empty()) requireNewCheckpoint(command.checkpoint);
+  std::vector<std::string> names = command.outputs;
+  if (!command.checkpoint.empty()) names.insert(names.begin(), command.checkpoint);
+  const std::vector<PlannedFile> files = planFiles(names);
   StoredRun run(command.inputs, command.scene);
   const Checkpoint& merged = run.merged();
   if (!command.outputs.empty()) run.requireErrors();
@@ -42,8 +45,7 @@ int runMerge(const MergeCommand& command) {
   fmt::print("{:<14} {}\n{}", "replicates", describeReplicates(merged.sums.replicates), describeResult(estimate));
   fmt::print("work       {} replicates, {} directions{}\n", estimate.replicates, estimate.directions,
              describeDirected(estimate));
-  if (!command.checkpoint.empty()) fmt::print("written    {}\n", command.checkpoint);
-  for (const std::string& output : command.outputs) fmt::print("written    {}\n", output);
+  fmt::print("{}", describeWritten(files));
   return 0;
 }
 

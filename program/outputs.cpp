@@ -28,6 +28,20 @@ void checkOutputs(const std::vector<std::string>& outputs, const std::string& ch
   for (const std::string& output : outputs) checkOutput(output, with_balance, has_scene);
 }
 
+std::vector<PlannedFile> planFiles(const std::vector<std::string>& names) {
+  std::vector<PlannedFile> files;
+  std::error_code failure;
+  for (const std::string& name : names) files.push_back({name, std::filesystem::exists(name, failure)});
+  return files;
+}
+
+std::string describeWritten(const std::vector<PlannedFile>& files) {
+  std::string text;
+  for (const PlannedFile& file : files)
+    text += fmt::format("{:<10} {}\n", file.replaces ? "replaced" : "written", file.name);
+  return text;
+}
+
 void writeOutputs(const OutputContent& content, const std::vector<std::string>& outputs) {
   std::exception_ptr first_failure;
   for (const std::string& output : outputs) {

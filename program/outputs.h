@@ -20,6 +20,16 @@ void addOutputOptions(CLI::App* command, std::vector<std::string>& outputs, std:
 void checkOutputs(const std::vector<std::string>& outputs, const std::string& checkpoint, bool with_balance = false,
                   bool has_scene = true);
 
+// A PlannedFile is to be written at the end of a run; at its start it may be there.
+struct PlannedFile {
+  std::string name;
+  bool replaces;
+};
+// Looks which files are there before the run.
+std::vector<PlannedFile> planFiles(const std::vector<std::string>& names);
+// Says of each file that it is written, or replaced; a line each.
+std::string describeWritten(const std::vector<PlannedFile>& files);
+
 // Writes all of them, also where one fails.
 //   Throws: the first error of all files.
 void writeOutputs(const OutputContent& content, const std::vector<std::string>& outputs);

@@ -11,6 +11,7 @@
 #include "program/commands.h"
 #include "program/describe_heat.h"
 #include "program/options.h"
+#include "program/outputs.h"
 #include "program/progress_line.h"
 #include "program/request_options.h"
 #include "program/stored_run.h"
@@ -105,12 +106,14 @@ void conclude(const SolveCommand& command, const MaterialTable& table, const Hea
   fmt::print("{}{}", describeMaterials(table, solution), describeHeat(solution, command.request.by));
 }
 
-void printWritten(const SolveCommand& command) {
-  if (command.quiet) return;
+// Returns the answers' files, and those of exchange factors.
+std::vector<PlannedFile> filesOf(const SolveCommand& command) {
+  std::vector<std::string> names;
   for (const std::string& output : command.outputs) {
-    fmt::print("written    {}\n", output);
-    if (command.exchange) fmt::print("written    {}\n", exchangeFileOf(output));
+    names.push_back(output);
+    if (command.exchange) names.push_back(exchangeFileOf(output));
   }
+  return planFiles(names);
 }
 
 // From checkpoints.
@@ -132,7 +135,6 @@ int solveStored(const SolveCommand& command) {
     fmt::print("work       form factors of {}, {}, {}{}\n", command.stored.front(),
                counted(estimate.replicates, "replicate"), counted(estimate.directions, "direction"),
                describeDirected(estimate));
-  printWritten(command);
   return 0;
 }
 
@@ -172,7 +174,6 @@ int solveFile(const SolveCommand& command) {
     fmt::print("work       {}, {}{}, {}; {:.2f} s\n", counted(found.form_factors.replicates, "replicate"),
                counted(found.form_factors.directions, "direction"), describeDirected(found.form_factors),
                counted(found.heat.steps, "step") + " of conjugate gradients", found.form_factors.seconds);
-  printWritten(command);
   return 0;
 }
 
@@ -180,7 +181,10 @@ int runSolve(const SolveCommand& command) {
   if (command.scene.empty() && command.stored.empty())
     throw Error(ErrorCode::bad_usage, "solve needs a scene, or form factors by --from-result");
   checkOutputs(command);
-  return command.stored.empty() ? solveFile(command) : solveStored(command);
+  const std::vector<PlannedFile> files = filesOf(command);
+  const int status = command.stored.empty() ? solveFile(command) : solveStored(command);
+  if (!command.quiet) fmt::print("{}", describeWritten(files));
+  return status;
 }
 
 void addComputing(CLI::App* command, SolveCommand& options) {

@@ -1,11 +1,14 @@
 #include "io/write_file.h"
 
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
-#include <fstream>
+#include <string>
 
+#include <ext/stdio_filebuf.h>
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <viewpeel/error.h>
@@ -16,6 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr size_t kBlockBytes = 4096;  // of a file system
+constexpr mode_t kModeOfNewFiles = 0666;
 
 [[noreturn]] void refuse(const fs::path& file, const std::string& reason, ErrorCode code = ErrorCode::output) {
   throw Error(code, fmt::format("{}: cannot write: {}; choose another place", file.string(), reason));
@@ -30,47 +34,90 @@ int waitForDisk(const fs::path& file) {
   return number == EINVAL || number == EACCES ? 0 : number;
 }
 
-fs::path temporaryName(const fs::path& file) { return file.string() + fmt::format(".{}.part", ::getpid()); }
+// Returns the file that a symbolic link names in the end, there or not; the file itself where it is no link.
+fs::path followLink(const fs::path& file) {
+  constexpr int kMostLinks = 40;  // as many as Linux follows
+  fs::path place = file;
+  std::error_code failure;
+  for (int k = 0; k < kMostLinks && fs::is_symlink(place, failure); ++k) {
+    const fs::path target = fs::read_symlink(place, failure);
+    if (failure) break;
+    place = place.parent_path() / target;  // which is `target` where that is absolute
+  }
+  return place;
+}
+
+mode_t modeOfNewFile() {
+  const mode_t mask = ::umask(0);
+  ::umask(mask);
+  return kModeOfNewFiles & ~mask;
+}
+
+// A TemporaryFile is a new file of an unguessable name beside another one. It is removed unless it takes that name: a
+// link that somebody else put there is never followed.
+class TemporaryFile {
+ public:
+  // Throws: Error of this code, which names the other file.
+  TemporaryFile(const fs::path& beside, ErrorCode code) : name_(beside.string() + ".XXXXXX.part") {
+    const int opened = ::mkostemps(name_.data(), int(std::strlen(".part")), O_CLOEXEC);
+    if (opened < 0) refuse(beside, std::strerror(errno), code);
+    struct stat old {};
+    const bool replaces = ::stat(beside.c_str(), &old) == 0;
+    // Only root may give files away, and others keep at least the group where they are in it.
+    if (replaces && ::fchown(opened, old.st_uid, old.st_gid) != 0 && ::fchown(opened, uid_t(-1), old.st_gid) != 0)
+      errno = 0;
+    ::fchmod(opened, replaces ? old.st_mode & 07777 : modeOfNewFile());
+    buffer_ = __gnu_cxx::stdio_filebuf<char>(opened, std::ios::out | std::ios::binary);
+  }
+  ~TemporaryFile() {
+    if (!name_.empty()) ::unlink(name_.c_str());
+  }
+  TemporaryFile(const TemporaryFile&) = delete;
+
+  // Writes into it and closes it. Returns why that failed, as errno; 0 where it did not.
+  int fill(const std::function<void(std::ostream&)>& write) {
+    errno = 0;
+    std::ostream out(&buffer_);
+    write(out);
+    const bool is_closed = buffer_.close() != nullptr;
+    return out && is_closed ? 0 : errno ? errno : ENOSPC;
+  }
+  const std::string& name() const { return name_; }
+  // Takes the name of the other file.    Returns errno.
+  int rename(const fs::path& file) {
+    if (::rename(name_.c_str(), file.c_str()) != 0) return errno;
+    name_.clear();
+    return 0;
+  }
+
+ private:
+  std::string name_;
+  __gnu_cxx::stdio_filebuf<char> buffer_;
+};
 
 }  // namespace
 
-void writeFile(const fs::path& file, const std::function<void(std::ostream&)>& write) {
-  const fs::path temporary = temporaryName(file);
-  std::error_code ignored;
-  try {
-    errno = 0;
-    std::ofstream out(temporary, std::ios::binary | std::ios::trunc);
-    if (!out) refuse(file, std::strerror(errno));
-    write(out);
-    out.close();
-    if (!out) refuse(file, errno ? std::strerror(errno) : "the disk is full");
-    if (const int number = waitForDisk(temporary)) refuse(file, std::strerror(number));
-    std::error_code failure;
-    fs::rename(temporary, file, failure);
-    if (failure) refuse(file, failure.message());
-  } catch (...) {
-    fs::remove(temporary, ignored);
-    throw;
-  }
+void writeFile(const fs::path& named, const std::function<void(std::ostream&)>& write) {
+  const fs::path file = followLink(named);
+  TemporaryFile temporary(file, ErrorCode::output);
+  if (const int number = temporary.fill(write)) refuse(named, std::strerror(number));
+  if (const int number = waitForDisk(temporary.name())) refuse(named, std::strerror(number));
+  if (const int number = temporary.rename(file)) refuse(named, std::strerror(number));
   if (const int number = waitForDisk(file.has_parent_path() ? file.parent_path() : "."))
-    refuse(file, std::strerror(number));
+    refuse(named, std::strerror(number));
 }
 
-void checkWritable(const fs::path& file) {
+void checkWritable(const fs::path& named) {
+  const fs::path file = followLink(named);
   std::error_code failure;
   const fs::file_status status = fs::status(file, failure);
-  if (fs::is_directory(status)) refuse(file, "it is a directory", ErrorCode::bad_usage);
+  if (fs::is_directory(status)) refuse(named, "it is a directory", ErrorCode::bad_usage);
   if (fs::exists(status) && !fs::is_regular_file(status))
-    refuse(file, "it is not a regular file", ErrorCode::bad_usage);
-  const fs::path temporary = temporaryName(file);
-  errno = 0;
-  std::ofstream out(temporary, std::ios::binary | std::ios::trunc);
+    refuse(named, "it is not a regular file", ErrorCode::bad_usage);
+  TemporaryFile temporary(file, ErrorCode::bad_usage);
   // A full disk takes empty files.
-  out << std::string(kBlockBytes, ' ');
-  out.close();
-  const int reason = errno;
-  fs::remove(temporary, failure);
-  if (!out) refuse(file, reason ? std::strerror(reason) : "the disk is full", ErrorCode::bad_usage);
+  const int number = temporary.fill([](std::ostream& out) { out << std::string(kBlockBytes, ' '); });
+  if (number) refuse(named, std::strerror(number), ErrorCode::bad_usage);
 }
 
 }  // namespace viewpeel

@@ -6,9 +6,10 @@
 
 namespace viewpeel {
 
-// Writes to a temporary name beside `file`, waits until the disk has the bytes, and renames it. `file` is at any time,
-// after a power cut too, either whole or untouched. If the program ends meanwhile the temporary file, FILE.PID.part,
-// stays.
+// Writes to a temporary file in the same folder, waits until the disk has the bytes, and gives it the name `file`. So
+// `file` is at any time, after a power cut too, either whole or untouched.
+//   A file that was there keeps its mode and, where the system allows it, its owner. A symbolic link stays, and the
+//     file that it names is replaced. If the program is killed meanwhile the temporary file, FILE.XXXXXX.part, stays.
 //   Throws: Error output, naming the file and the system's reason.
 void writeFile(const std::filesystem::path& file, const std::function<void(std::ostream&)>& write);
 

@@ -168,11 +168,16 @@ Scene splitFaces(const InputScene& input, const std::vector<Duplicate>& repeats)
   for (uint32_t face = 0; face < scene.faces.size(); ++face) {
     const InputFace& of_file = input.faces[scene.faces[face].row];
     const std::vector<glm::dvec3> corners = distinctCorners(of_file, scene);
-    const Pieces pieces = splitFace(corners);
-    if (pieces.empty())
+    const std::optional<Pieces> pieces = splitFace(corners);
+    if (!pieces)
+      throw Error(ErrorCode::bad_input,
+                  fmt::format("{}: the face has {} corners, too many to cut it into convex pieces in seconds; split it "
+                              "into several",
+                              place(input, of_file), corners.size()));
+    if (pieces->empty())
       throw Error(ErrorCode::bad_input,
                   fmt::format("{}: the face crosses itself; split it into simple ones", place(input, of_file)));
-    for (const std::vector<uint32_t>& piece : pieces) addPiece(corners, piece, face, scene);
+    for (const std::vector<uint32_t>& piece : *pieces) addPiece(corners, piece, face, scene);
   }
   for (std::string& line : dropped.warnings()) scene.warnings.push_back(std::move(line));
   if (scene.polygons.empty())

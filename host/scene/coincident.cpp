@@ -157,7 +157,7 @@ bool Stacking::isSeparated(const Overlap& alike) const {
 void Stacking::findAlike() {
   for (uint32_t k = 0; k < overlaps_.size(); ++k) {
     const Overlap& overlap = overlaps_[k];
-    if (overlap.is_opposite || scene_.polygons[overlap.a].face == scene_.polygons[overlap.b].face) continue;
+    if (overlap.is_opposite) continue;
     if (widthOf(overlap.corners, overlap.area) < 2 * rounding_ || isSeparated(overlap)) continue;
     alike_.push_back(k);
   }

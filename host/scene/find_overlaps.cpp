@@ -61,10 +61,13 @@ bool Stacking::isInside(uint32_t polygon, const dvec3& point) const {
   return true;
 }
 
+// The pieces of a face tile it and are left out: a face of thousands of corners would have millions of pairs.
 void Stacking::findOverlaps() {
   for (uint32_t a = 0; a < scene_.polygons.size(); ++a)
     tree_.forEachNear(a, kCoincidenceReach, [&](uint32_t b) {
-      if (b > a && std::abs(glm::dot(normals_[a], normals_[b])) > 0.99) findOverlap(a, b);
+      if (b > a && scene_.polygons[a].face != scene_.polygons[b].face &&
+          std::abs(glm::dot(normals_[a], normals_[b])) > 0.99)
+        findOverlap(a, b);
     });
 }
 

@@ -24,12 +24,18 @@ T readAt(const std::string& bytes, size_t at) {
   return value;
 }
 
+// Refuses a binary file that is shorter than its header says.
+void checkSize(uint64_t size_bytes, uint32_t facet_count, const std::string& file) {
+  if (size_bytes < kHeaderBytes + 4 + uint64_t(facet_count) * kFacetBytes)
+    FilePlace{file}.refuse(
+        fmt::format("neither STL text nor {} binary facets, as its header says; export it again", facet_count));
+}
+
 void readBinary(const std::string& bytes, InputScene& scene) {
   const FilePlace place{scene.file};
   if (bytes.size() < kHeaderBytes + 4) place.refuse("the file ends in its header; export it again");
   const auto count = readAt<uint32_t>(bytes, kHeaderBytes);
-  if (bytes.size() < kHeaderBytes + 4 + uint64_t(count) * kFacetBytes)
-    place.refuse(fmt::format("neither STL text nor {} binary facets, as its header says; export it again", count));
+  checkSize(bytes.size(), count, scene.file);
   for (uint32_t k = 0; k < count; ++k) {
     InputFace face{{}, 0, 0};
     for (size_t corner = 0; corner < 3; ++corner) {
@@ -104,8 +110,16 @@ void readText(std::string_view rest, const std::string& stem, InputScene& scene)
 
 InputScene readStl(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(in), {}};
   InputScene scene{file.string(), {}, {}};
+  // A header that belies the file's size is refused before memory is taken for all of it.
+  std::string bytes(kHeaderBytes + 4, '\0');
+  in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  bytes.resize(static_cast<size_t>(in.gcount()));
+  std::error_code failure;
+  const uint64_t size = std::filesystem::file_size(file, failure);
+  if (!failure && bytes.size() == kHeaderBytes + 4 && !skipByteOrderMark(bytes).starts_with("solid"))
+    checkSize(size, readAt<uint32_t>(bytes, kHeaderBytes), scene.file);
+  bytes.append(std::istreambuf_iterator<char>(in), {});
   // Some binary files begin with "solid" too; their size gives them away.
   const bool fits_binary =
       bytes.size() >= kHeaderBytes + 4 &&

@@ -46,16 +46,43 @@ bool isConvex(const Flat& flat, const std::vector<uint32_t>& loop) {
   return std::abs(turned_rad - 2 * std::numbers::pi) < 1;
 }
 
-bool crossesItself(const Flat& flat) {
+// Counts down to 0 while a face is split, so that none takes minutes.
+class TestsLeft {
+ public:
+  // Returns false where not so many are left.
+  bool take(uint64_t count) {
+    if (count > left_) return false;
+    left_ -= count;
+    return true;
+  }
+
+ private:
+  uint64_t left_ = kMostTests;
+};
+
+// Edges are tested in order of their least x, each against those that begin before it ends: nothing where no test is
+// left.
+std::optional<bool> crossesItself(const Flat& flat, TestsLeft& left) {
   const size_t m = flat.size();
   const auto sideOf = [&](size_t edge, size_t point) {
     const glm::dvec2 a = flat[edge], b = flat[(edge + 1) % m], p = flat[point % m];
     const double side = turn(a, b, p);
     return std::abs(side) <= turnSlack(a, b, p) ? 0 : side > 0 ? 1 : -1;
   };
-  for (size_t i = 0; i < m; ++i)
-    for (size_t j = i + 2; j < m; ++j)
+  const auto leastOf = [&](size_t edge) { return std::min(flat[edge].x, flat[(edge + 1) % m].x); };
+  const auto mostOf = [&](size_t edge) { return std::max(flat[edge].x, flat[(edge + 1) % m].x); };
+  std::vector<uint32_t> order(m);
+  std::iota(order.begin(), order.end(), 0u);
+  std::ranges::sort(order, {}, leastOf);
+  for (size_t first = 0; first < m; ++first) {
+    const size_t i = order[first];
+    size_t second = first + 1;
+    for (; second < m && leastOf(order[second]) <= mostOf(i); ++second) {
+      const size_t j = order[second];
       if (sideOf(i, j) * sideOf(i, j + 1) < 0 && sideOf(j, i) * sideOf(j, i + 1) < 0) return true;
+    }
+    if (!left.take(second - first)) return std::nullopt;
+  }
   return false;
 }
 
@@ -71,21 +98,26 @@ bool isEar(const Flat& flat, const std::vector<uint32_t>& loop, size_t at) {
   return true;
 }
 
-Pieces clipEars(const Flat& flat) {
+// Returns triangles; none where the face crosses itself, nothing where no test is left.
+std::optional<Pieces> clipEars(const Flat& flat, TestsLeft& left) {
   std::vector<uint32_t> loop(flat.size());
   std::iota(loop.begin(), loop.end(), 0u);
   Pieces triangles;
   while (loop.size() >= 3) {
     const size_t m = loop.size();
     size_t at = 0;
-    while (at < m && !isEar(flat, loop, at)) ++at;
+    while (at < m && !isEar(flat, loop, at)) {
+      ++at;
+      if (!left.take(m)) return std::nullopt;
+    }
+    if (!left.take(m)) return std::nullopt;
     if (at == m) {
       // Nothing but corners on straight edges is left to cut off: they bound no area.
       for (at = 0; at < m; ++at) {
         const glm::dvec2 a = flat[loop[(at + m - 1) % m]], b = flat[loop[at]], c = flat[loop[(at + 1) % m]];
         if (std::abs(turn(a, b, c)) <= turnSlack(a, b, c)) break;
       }
-      if (at == m) return {};
+      if (at == m) return Pieces{};
     } else {
       triangles.push_back({loop[(at + m - 1) % m], loop[at], loop[(at + 1) % m]});
     }
@@ -127,17 +159,21 @@ glm::dvec3 twiceVectorArea(const std::vector<glm::dvec3>& corners) {
   return sum;
 }
 
-Pieces splitFace(const std::vector<glm::dvec3>& corners) {
+std::optional<Pieces> splitFace(const std::vector<glm::dvec3>& corners) {
+  if (corners.size() > kMostCorners) return std::nullopt;
   std::vector<uint32_t> whole(corners.size());
   std::iota(whole.begin(), whole.end(), 0u);
-  if (corners.size() == 3) return {whole};
+  if (corners.size() == 3) return Pieces{whole};
   const glm::dvec3 normal = glm::normalize(twiceVectorArea(corners));
   const Flat flat = flatten(corners, normal);
   const bool planar = isPlanar(corners, normal);
-  if (planar && isConvex(flat, whole)) return {whole};
-  if (crossesItself(flat)) return {};
-  Pieces triangles = clipEars(flat);
-  return planar ? mergePieces(flat, std::move(triangles)) : triangles;
+  if (planar && isConvex(flat, whole)) return Pieces{whole};
+  TestsLeft left;
+  const std::optional<bool> crosses = crossesItself(flat, left);
+  if (!crosses) return std::nullopt;
+  if (*crosses) return Pieces{};
+  std::optional<Pieces> triangles = clipEars(flat, left);
+  return planar && triangles ? mergePieces(flat, std::move(*triangles)) : triangles;
 }
 
 }  // namespace viewpeel

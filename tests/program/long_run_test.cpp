@@ -69,7 +69,8 @@ TEST_P(KilledRun, AnywhereAndResumedIsTheSameRun) {
 
 // A replicate takes minutes here: the program does not wait for its end.
 TEST_F(LongRun, SignalsStopItWithinSeconds) {
-  for (const auto& [signal, name] : {std::pair(SIGINT, "SIGINT"), std::pair(SIGTERM, "SIGTERM")}) {
+  for (const auto& [signal, name] :
+       {std::pair(SIGINT, "SIGINT"), std::pair(SIGTERM, "SIGTERM"), std::pair(SIGHUP, "SIGHUP")}) {
     Running running(kOffice + "--directions 300000 -o " + file("a.csv") + " --checkpoint " + file("a.h5"),
                     file("messages"));
     waitFor(3);
@@ -111,6 +112,37 @@ TEST_F(LongRun, InterruptedIsWrittenAndResumed) {
         0);
     EXPECT_EQ(readFile(file("a.csv")), readFile(file("one.csv")));
   }
+}
+
+// Slurm warns of a job's end by SIGUSR1. The run writes what there is and goes on to the same bytes.
+TEST_F(LongRun, ResultsAreWrittenOnRequestAndTheRunGoesOn) {
+  const std::string options = kOffice + "--directions 20 --replicates 400 ";
+  ASSERT_EQ(run(options + "-o " + file("whole.csv")).status, 0);
+  Running running(options + "-o " + file("a.csv") + " --checkpoint-seconds 0 --checkpoint " + file("a.h5"),
+                  file("messages"));
+  while (!running.hasEnded() && !fs::exists(file("a.h5"))) waitFor(0.01);
+  EXPECT_FALSE(fs::exists(file("a.csv")));
+  while (!running.hasEnded() && !fs::exists(file("a.csv"))) {
+    running.send(SIGUSR1);
+    waitFor(0.05);
+  }
+  const std::string early = readFile(file("a.csv"));
+  EXPECT_EQ(running.wait(), 0);
+  EXPECT_NE(readFile(file("messages")).find(" so far are written; the run goes on\n"), std::string::npos)
+      << readFile(file("messages"));
+  EXPECT_NE(early, readFile(file("whole.csv")));
+  EXPECT_EQ(readFile(file("a.csv")), readFile(file("whole.csv")));
+}
+
+// A run under nohup outlives its terminal.
+TEST_F(LongRun, AnIgnoredHangUpStaysIgnored) {
+  Running running(kOffice + "--directions 20 --replicates 300 -o " + file("a.csv") + " --checkpoint-seconds 0 " +
+                      "--checkpoint " + file("a.h5"),
+                  file("messages"), "trap '' HUP; ");
+  while (!running.hasEnded() && !fs::exists(file("a.h5"))) waitFor(0.01);
+  running.send(SIGHUP);
+  EXPECT_EQ(running.wait(), 0) << readFile(file("messages"));
+  EXPECT_TRUE(fs::exists(file("a.csv")));
 }
 
 // What a plan chose from measured times is kept with the checkpoint: the rest of the run is that plan's, whatever

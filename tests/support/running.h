@@ -21,10 +21,12 @@ constexpr double kSoon = 5;
 
 class Running {
  public:
-  Running(const std::string& arguments, const std::string& messages) {
+  // In: before: shell commands that go before the program
+  Running(const std::string& arguments, const std::string& messages, const std::string& before = "") {
     pid_ = ::fork();
     if (pid_ == 0) {
-      const std::string command = "exec " VIEWPEEL_PROGRAM " " + arguments + " >" + messages + " 2>&1 </dev/null";
+      const std::string command =
+          before + "exec " VIEWPEEL_PROGRAM " " + arguments + " >" + messages + " 2>&1 </dev/null";
       ::execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
       ::_exit(127);
     }

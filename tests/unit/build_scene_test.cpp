@@ -87,6 +87,37 @@ TEST(BuildScene, NonConvexFacesAreCutIntoFewConvexOnes) {
 }
 
 // Star-shaped polygons with random radii: simple, anything but convex.
+// Splitting takes seconds or is refused. A comb has ears that only a search through many corners finds.
+TEST(BuildScene, FacesOfManyCornersAreSplitOrRefused) {
+  const auto star = [](int m) {
+    ts::Corners corners;
+    for (int k = 0; k < m; ++k) {
+      const double angle_rad = 2 * std::numbers::pi * k / m, radius = 1 + 0.3 * std::sin(7 * angle_rad);
+      corners.push_back({radius * std::cos(angle_rad), radius * std::sin(angle_rad), 0});
+    }
+    return corners;
+  };
+  const auto comb = [](int teeth) {
+    ts::Corners corners = {{double(teeth), 0, 0}, {double(teeth), -1, 0}, {0, -1, 0}};
+    for (int k = 0; k < teeth; ++k) {
+      corners.push_back({k, 0, 0});
+      corners.push_back({k + 0.2, 50.0 + k % 7, 0});
+    }
+    return corners;
+  };
+  const auto expectTooMany = [](const ts::Corners& corners) {
+    try {
+      buildScene(oneFace(corners));
+      FAIL() << "not refused";
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find("corners, too many"), std::string::npos) << error.what();
+    }
+  };
+  expectSplitsWell(star(2'000), 1'998);
+  expectTooMany(star(100'000));
+  expectTooMany(comb(9'000));
+}
+
 TEST(BuildScene, RandomSimplePolygonsSplitWell) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> radius(0.1, 1);

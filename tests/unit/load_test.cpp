@@ -4,6 +4,7 @@
 
 #include <glm/glm.hpp>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <viewpeel/error.h>
@@ -192,6 +193,29 @@ TEST_F(Load, StlRefusesWhatIsBroken) {
   expectRefused("a.stl", "solid x\n facet normal 0 0 1\n", "a.stl:2", "ends before");
   expectRefused("a.stl", "solid x\n vertex 0 0 0\n", "a.stl:2", "out of place");
   expectRefused("a.stl", "nonsense", "a.stl", "header");
+}
+
+// A sparse file of 2 GB, whose header names 4 billion facets, costs no memory: only the header is read.
+TEST_F(Load, StlWhoseSizeBeliesItsHeaderIsNotRead) {
+  const fs::path file = folder_ / "sparse.stl";
+  std::string head(80, ' ');
+  head += "\xee\xff\xff\xee";
+  std::ofstream(file, std::ios::binary) << head;
+  fs::resize_file(file, uint64_t(2) << 30);
+  const auto largestResidentKiB = [] {
+    rusage used{};
+    ::getrusage(RUSAGE_SELF, &used);
+    return used.ru_maxrss;
+  };
+  const long before = largestResidentKiB();
+  std::string message;
+  try {
+    loadScene(file);
+  } catch (const Error& error) {
+    message = error.what();
+  }
+  EXPECT_LT(largestResidentKiB() - before, 100'000);  // reading it took 2 GB at least
+  EXPECT_NE(message.find("neither STL text nor 4009754606 binary facets"), std::string::npos) << message;
 }
 
 TEST_F(Load, PlyKeepsPolygons) {
