@@ -53,6 +53,11 @@ static_assert(1 << 4 == kLineLanes);
 
 using Vector = LaneVector<Floats>;
 
+constexpr float kLeast = 0x1p-40f;  // heights and the like that are below count as 0: 1e-12 of the scene's radius
+constexpr float kLeastSquare = 0x1p-100f;
+constexpr float kFarAway = 0x1p40f;
+constexpr float kMostWeight = 0x1p50f;  // sums of squares stay finite
+
 // Scrambles digits as Owen does, by a hash, and makes numbers in [0, 1) of them (B. Burley, Practical hash-based Owen
 // scrambling, JCGT 9(4), 2020; constants of N. Vegdahl, Building a better LK hash, 2021).
 VIEWPEEL_INLINE Floats scrambled(Words digits, uint32_t seed) {
@@ -69,30 +74,37 @@ VIEWPEEL_INLINE Floats scrambled(Words digits, uint32_t seed) {
   return __builtin_convertvector((Integers)(x >> 8), Floats) * 0x1p-24f;
 }
 
-// Returns the tangent of an angle within (-pi/2, pi/2), to 4e-7 of itself. It doubles a series of half the angle.
+constexpr float kQuarterTurn = std::numbers::pi_v<float> / 2;
+
+// Returns the tangent of an angle within (-pi/2, pi/2), to 4e-7 of itself where it is below 1e6. With x the tangent of a
+// quarter of the angle, by its series, it is 4 x (1 - x^2) / ((1 - x^2)^2 - 4 x^2).
 VIEWPEEL_INLINE Floats tangent(const Floats& angle) {
-  const Floats x = 0.25f * angle, s = x * x;  // |x| < 0.4
-  const Floats quarter =
-      x * (1.0f +
+  const Floats a = 0.25f * angle, s = a * a;  // |a| < 0.4
+  const Floats x =
+      a * (1.0f +
            s * (1 / 3.f + s * (2 / 15.f + s * (17 / 315.f +
                                                s * (62 / 2835.f + s * (1382 / 155925.f + s * (21844 / 6081075.f)))))));
-  const Floats half = 2.0f * quarter / (1.0f - quarter * quarter);
-  return 2.0f * half / (1.0f - half * half);
+  const Floats square = x * x, rest = 1.0f - square;
+  const Floats below = rest * rest - 4.0f * square;
+  return 4.0f * x * rest * reciprocal(greatest(below, all(kLeast)));
 }
 
-// Returns the angle of a tangent, to 3e-7 (S. Moshier, Cephes, atanf).
-VIEWPEEL_INLINE Floats arcTangent(const Floats& tangent) {
-  const Floats size = tangent < 0.0f ? -tangent : tangent;
-  constexpr float large = 2.414213562f, middle = 0.4142135624f, quarter = std::numbers::pi_v<float> / 4;
-  Floats x = size > middle ? (size - 1.0f) / (size + 1.0f) : size;
-  x = size > large ? -1.0f / size : x;
-  Floats base = size > middle ? all(quarter) : Floats{};
-  base = size > large ? all(2 * quarter) : base;
-  const Floats s = x * x;
+// Returns the angle of (adjacent, opposite) from the first axis, to 4e-7 (S. Moshier, Cephes, atanf).
+//   In: adjacent: above 0    Out: within (-pi/2, pi/2)
+VIEWPEEL_INLINE Floats arcTangent(const Floats& opposite, const Floats& adjacent) {
+  constexpr float large = 2.414213562f, middle = 0.4142135624f;
+  const Floats size = opposite < 0.0f ? -opposite : opposite;
+  const Floats over_large = size - large * adjacent, over_middle = size - middle * adjacent;
+  Floats above = over_middle > 0.0f ? size - adjacent : size, below = over_middle > 0.0f ? size + adjacent : adjacent;
+  above = over_large > 0.0f ? -adjacent : above;
+  below = over_large > 0.0f ? size : below;
+  Floats base = over_middle > 0.0f ? all(kQuarterTurn / 2) : Floats{};
+  base = over_large > 0.0f ? all(kQuarterTurn) : base;
+  const Floats x = above * reciprocal(below), s = x * x;
   const Floats angle =
       base + x +
       x * s * (-3.33329491539e-1f + s * (1.99777106478e-1f + s * (-1.38776856032e-1f + s * 8.05374449538e-2f)));
-  return tangent < 0.0f ? -angle : angle;
+  return opposite < 0.0f ? -angle : angle;
 }
 
 // Lines are sixteen lines from p to q = p + d. Lines that are not open start or end on a back, or miss the other patch.
@@ -122,8 +134,9 @@ VIEWPEEL_INLINE Lines drawPoints(const LineEnd<float>& first, const LineEnd<floa
   lines.q = pointOn(second, u[2], u[3], density_q);
   lines.d = {lines.q.x - lines.p.x, lines.q.y - lines.p.y, lines.q.z - lines.p.z};
   const Floats out = dot(first.normal, lines.d), in = -dot(second.normal, lines.d), square = dot(lines.d, lines.d);
+  const Floats inverse = reciprocal(greatest(square, all(kLeastSquare)));
   lines.open = least(out, in);
-  lines.weight = (out * in) / (square * square) * (density_p * density_q);
+  lines.weight = (out * inverse) * (in * inverse) * (density_p * density_q);
   return lines;
 }
 
@@ -135,23 +148,25 @@ VIEWPEEL_INLINE Lines drawAngles(const LineEnd<float>& first, const LineEnd<floa
   Floats at[2] = {u[0], u[1]}, stretch = all(1.0f), density_p;
   for (int axis = 0; axis < 2; ++axis) warp(warps[axis], at[axis], stretch);
   lines.p = pointOn(first, at[0], at[1], density_p);
-  const Floats height = dot(second.normal, lines.p) - second.offset;
-  Floats aside[2], spread = density_p * stretch;
+  const Floats over = dot(second.normal, lines.p) - second.offset, height = greatest(over, all(kLeast));
+  Floats aside[2], turn[2];
   for (int axis = 0; axis < 2; ++axis) {
     const Floats foot = dot(rectangle.axes[axis], lines.p);
-    const Floats low = arcTangent((rectangle.range[axis][0] - foot) / height),
-                 high = arcTangent((rectangle.range[axis][1] - foot) / height);
-    aside[axis] = height * tangent(low + u[2 + axis] * (high - low));
-    spread *= (high - low) * (height * height + aside[axis] * aside[axis]) / height;
+    const Floats low = arcTangent(rectangle.range[axis][0] - foot, height),
+                 high = arcTangent(rectangle.range[axis][1] - foot, height);
+    turn[axis] = high - low;
+    aside[axis] = height * tangent(low + u[2 + axis] * turn[axis]);
   }
   const auto towards = [&](int axis) __attribute__((always_inline)) {
     return aside[0] * rectangle.axes[0][axis] + aside[1] * rectangle.axes[1][axis] - height * second.normal[axis];
   };
   lines.d = {towards(0), towards(1), towards(2)};
   lines.q = {lines.p.x + lines.d.x, lines.p.y + lines.d.y, lines.p.z + lines.d.z};
-  const Floats out = dot(first.normal, lines.d), square = dot(lines.d, lines.d);
-  lines.open = least(least(height, out), -beyond(second.edges, second.edge_count, lines.q));
-  lines.weight = spread * (out * height) / (square * square);
+  const Floats out = dot(first.normal, lines.d), inverse = reciprocal(dot(lines.d, lines.d));
+  lines.open = least(least(over - kLeast, out), -beyond(second.edges, second.edge_count, lines.q));
+  Floats spread = density_p * stretch * (out * reciprocal(height));
+  for (int axis = 0; axis < 2; ++axis) spread *= turn[axis] * ((height * height + aside[axis] * aside[axis]) * inverse);
+  lines.weight = spread;
   return lines;
 }
 
@@ -164,43 +179,49 @@ VIEWPEEL_INLINE Lines drawContact(const LineEnd<float>& first, const LineEnd<flo
   return lines;
 }
 
-// Returns numbers of at most 0 where a line is blocked. Lines along the blocker's plane pass it.
+// Returns numbers of at most 0 where a line is blocked. The line meets the blocker's plane at p + (t / size) d: all is
+// multiplied by `size`, which is above 0 unless the line runs along the plane. Then it passes.
 VIEWPEEL_INLINE Floats passing(const Obstacle<float>& by, const Lines& lines) {
   if (by.place != BlockerPlace::between)
     return beyond(by.edges, by.edge_count, by.place == BlockerPlace::over_first ? lines.p : lines.q);
   const Floats at_p = dot(by.plane, lines.p) + by.plane[3], slope = dot(by.plane, lines.d);
-  const Floats t = at_p / -slope;
-  const Vector x{lines.p.x + t * lines.d.x, lines.p.y + t * lines.d.y, lines.p.z + t * lines.d.z};
-  return greatest(greatest(-t, t - 1.0f), beyond(by.edges, by.edge_count, x));
+  const Floats size = slope < 0.0f ? -slope : slope, t = slope < 0.0f ? at_p : -at_p;
+  const Vector x{size * lines.p.x + t * lines.d.x, size * lines.p.y + t * lines.d.y, size * lines.p.z + t * lines.d.z};
+  Floats most = greatest(-t, t + kLeastSquare - size);
+  for (uint32_t e = 0; e < by.edge_count; ++e) most = greatest(most, dot(by.edges[e], x) + by.edges[e][3] * size);
+  return most;
 }
 
-void toFloats(const dvec3& v, float* to) {
-  for (int axis = 0; axis < 3; ++axis) to[axis] = static_cast<float>(v[axis]);
-}
+using Point = LaneVector<float>;
 
-// Returns the direction of the longest edge, of unit length.
-dvec3 longestEdge(const Patch& patch) {
-  dvec3 longest(0);
-  for (uint32_t k = 0; k < patch.corner_count; ++k) {
-    const dvec3 edge = patch.corners[(k + 1) % patch.corner_count] - patch.corners[k];
-    if (glm::dot(edge, edge) > glm::dot(longest, longest)) longest = edge;
+Point cross(const Point& a, const Point& b) {
+  return {a.y * b.z - b.y * a.z, a.z * b.x - b.z * a.x, a.x * b.y - b.x * a.y};
+}
+Point pointOf(const float* v) { return {v[0], v[1], v[2]}; }
+Point pointOf(const dvec3& v) { return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)}; }
+
+// Returns form factors from points to a polygon, by Lambert's formula. Parts behind a point's plane subtract.
+VIEWPEEL_INLINE Floats pointFormFactors(const Vector& p, const float* normal, const Point* corners, uint32_t count) {
+  Floats sum{};
+  const auto towards = [&](const Point& corner) __attribute__((always_inline)) {
+    return Vector{corner.x - p.x, corner.y - p.y, corner.z - p.z};
+  };
+  for (uint32_t k = 0; k < count; ++k) {
+    const Vector a = towards(corners[k]), b = towards(corners[k + 1 < count ? k + 1 : 0]);
+    const Vector across{a.y * b.z - b.y * a.z, a.z * b.x - b.z * a.x, a.x * b.y - b.x * a.y};
+    const Floats square = greatest(dot(across, across), all(kLeastSquare)), inverse = inverseRoot(square);
+    const Floats sine = square * inverse, cosine = dot(a, b), size = cosine < 0.0f ? -cosine : cosine;
+    const Floats angle = arcTangent(sine, greatest(size, all(kLeastSquare)));
+    sum += dot(normal, across) * inverse * (cosine < 0.0f ? 2 * kQuarterTurn - angle : angle);
   }
-  return glm::normalize(longest);
-}
-
-// Returns the form factor from a point to a patch, by Lambert's formula. Parts behind the point's plane subtract.
-double pointFormFactor(const dvec3& p, const dvec3& normal, const Patch& patch) {
-  double sum = 0;
-  for (uint32_t k = 0; k < patch.corner_count; ++k) {
-    const dvec3 a = patch.corners[k] - p, b = patch.corners[(k + 1) % patch.corner_count] - p,
-                across = glm::cross(a, b);
-    const double sine = glm::length(across);
-    if (sine > 0) sum += glm::dot(normal, across) / sine * std::atan2(sine, glm::dot(a, b));
-  }
-  return std::abs(sum) / (2 * std::numbers::pi);
+  return (sum < 0.0f ? -sum : sum) * (1 / (4 * kQuarterTurn));
 }
 
 }  // namespace
+
+float unitOfWeights(LineWay way, double exchange) {
+  return static_cast<float>(way == LineWay::contact ? 1 / exchange : 1 / (std::numbers::pi * exchange));
+}
 
 LineDrawer::LineDrawer(const Patch& a, const Patch& b, LineWay way, double exchange,
                        const std::vector<Blocker>& blockers, std::span<const PlacedBlocker> between)
@@ -210,62 +231,84 @@ LineDrawer::LineDrawer(const Patch& a, const Patch& b, LineWay way, double excha
   const dvec3 origin = small.middle;
   first_ = makeLineEnd<float>(small, origin, way != LineWay::angles), second_ = makeLineEnd<float>(large, origin, true);
   if (way == LineWay::angles) {
-    frameSecond(small, large);
-    warpTowards(small, large);
+    Point corners[4];
+    for (uint32_t k = 0; k < large.corner_count; ++k) corners[k] = pointOf(large.corners[k] - origin);
+    frameSecond(corners, large.corner_count);
+    warpTowards(corners, large.corner_count, widestVectors());
   }
-  unit_ = static_cast<float>(way == LineWay::contact ? 1 / exchange : 1 / (std::numbers::pi * exchange));
+  unit_ = unitOfWeights(way, exchange);
   obstacles_ = makeObstacles<float>(blockers, between, origin, is_swapped);
 }
 
 // Sets the rectangle that angles go to. It lies around the part of the second patch in front of the first one.
-void LineDrawer::frameSecond(const Patch& small, const Patch& large) {
-  dvec3 seen[8];
-  uint32_t count = 0;
-  for (uint32_t k = 0; k < large.corner_count; ++k) {
-    const dvec3 &p = large.corners[k], &q = large.corners[(k + 1) % large.corner_count];
-    const double height_p = glm::dot(small.normal, p) - small.offset,
-                 height_q = glm::dot(small.normal, q) - small.offset;
-    if (height_p >= 0) seen[count++] = p;
-    if ((height_p > 0 && height_q < 0) || (height_p < 0 && height_q > 0))
-      seen[count++] = p + height_p / (height_p - height_q) * (q - p);
-  }
-  const dvec3 along = glm::cross(small.normal, large.normal);
-  dvec3 axes[2];
-  axes[0] = count == large.corner_count || glm::length(along) < 1e-6 ? longestEdge(large) : glm::normalize(along);
-  axes[1] = glm::cross(large.normal, axes[0]);
-  for (int axis = 0; axis < 2; ++axis) {
-    toFloats(axes[axis], rectangle_.axes[axis]);
-    double low = INFINITY, high = -INFINITY;
-    for (uint32_t k = 0; k < count; ++k) {
-      low = std::min(low, glm::dot(axes[axis], seen[k] - small.middle));
-      high = std::max(high, glm::dot(axes[axis], seen[k] - small.middle));
+void LineDrawer::frameSecond(const Point* corners, uint32_t count) {
+  Point seen[8], longest{0, 0, 0};
+  uint32_t seen_count = 0;
+  float longest_square = 0;
+  bool is_cut = false;
+  for (uint32_t k = 0; k < count; ++k) {
+    const Point &p = corners[k], &q = corners[k + 1 < count ? k + 1 : 0], along{q.x - p.x, q.y - p.y, q.z - p.z};
+    if (const float square = dot(along, along); square > longest_square) longest = along, longest_square = square;
+    const float over_p = dot(first_.normal, p) - first_.offset, over_q = dot(first_.normal, q) - first_.offset;
+    if (over_p >= 0) seen[seen_count++] = p;
+    else is_cut = true;
+    if ((over_p > 0 && over_q < 0) || (over_p < 0 && over_q > 0)) {
+      const float at = over_p * reciprocal(greatest(std::abs(over_p - over_q), kLeast)) * (over_p > 0 ? 1.0f : -1.0f);
+      seen[seen_count++] = {p.x + at * along.x, p.y + at * along.y, p.z + at * along.z};
     }
-    rectangle_.range[axis][0] = static_cast<float>(low), rectangle_.range[axis][1] = static_cast<float>(high);
+  }
+  const Point normal = pointOf(second_.normal), fold = cross(pointOf(first_.normal), normal);
+  constexpr float kParallel = 1e-12f;  // square of a sine
+  Point axes[2];
+  axes[0] = is_cut && dot(fold, fold) >= kParallel ? fold : longest;
+  const float inverse = inverseRoot(greatest(dot(axes[0], axes[0]), kLeastSquare));
+  axes[0] = {axes[0].x * inverse, axes[0].y * inverse, axes[0].z * inverse};
+  axes[1] = cross(normal, axes[0]);
+  for (int axis = 0; axis < 2; ++axis) {
+    rectangle_.axes[axis][0] = axes[axis].x, rectangle_.axes[axis][1] = axes[axis].y,
+    rectangle_.axes[axis][2] = axes[axis].z;
+    float low = kFarAway, high = -kFarAway;
+    for (uint32_t k = 0; k < seen_count; ++k) {
+      const float at = dot(axes[axis], seen[k]);
+      low = least(low, at), high = greatest(high, at);
+    }
+    rectangle_.range[axis][0] = low, rectangle_.range[axis][1] = high;
   }
 }
 
 // Makes points of the first patch denser where the form factor from them is larger, along either coordinate.
-void LineDrawer::warpTowards(const Patch& small, const Patch& large) {
+void LineDrawer::warpTowards(const Point* corners, uint32_t count, Vectors vectors) {
   constexpr int kBins = Warp::kBins;
-  double sums[2][kBins] = {}, all = 0;
+  static_assert(kLineLanes == 2 * kBins);
+  float shares[kBins * kBins];
+  runVectorised(
+      vectors, [&]() __attribute__((always_inline)) {
+        for (int row = 0; row < kBins; row += 2) {
+          Floats s, t, density;
+          for (int lane = 0; lane < kLineLanes; ++lane)
+            s[lane] = (float(row + lane / kBins) + 0.5f) / kBins, t[lane] = (float(lane % kBins) + 0.5f) / kBins;
+          const Vector p = pointOn(first_, s, t, density);
+          const Floats over = dot(second_.normal, p) - second_.offset;
+          const Floats share = keep(over, pointFormFactors(p, first_.normal, corners, count) * density);
+          std::memcpy(shares + row * kBins, &share, sizeof share);
+        }
+      });
+  float sums[2][kBins] = {}, all_shares = 0;
   for (int row = 0; row < kBins; ++row)
     for (int column = 0; column < kBins; ++column) {
-      const double s = (row + 0.5) / kBins, t = (column + 0.5) / kBins;
-      const dvec3* c = small.corners;
-      const dvec3 last = small.corner_count == 3 ? c[0] : c[3];
-      const dvec3 p = (1 - s) * ((1 - t) * c[0] + t * last) + s * ((1 - t) * c[1] + t * c[2]);
-      const double density = first_.density[0] + s * first_.density[1] + t * first_.density[2];
-      if (glm::dot(large.normal, p) <= large.offset) continue;
-      const double share = pointFormFactor(p, small.normal, large) * density;
-      sums[0][row] += share, sums[1][column] += share, all += share;
+      const float share = shares[row * kBins + column];
+      sums[0][row] += share, sums[1][column] += share;
     }
-  constexpr double kEven = 0.15;  // of the points stay evenly spread
+  for (const float sum : sums[0]) all_shares += sum;
+  constexpr float kEven = 0.15f;  // of the points stay evenly spread
+  const bool is_seen = all_shares > kLeastSquare;
+  const float part = is_seen ? (1 - kEven) * reciprocal(all_shares) : 0;
   for (int axis = 0; axis < 2; ++axis) {
-    double start = 0;
+    float start = 0;
     for (int bin = 0; bin < kBins; ++bin) {
-      const double share = all > 0 ? kEven / kBins + (1 - kEven) * sums[axis][bin] / all : 1.0 / kBins;
-      warps_[axis].starts[bin] = static_cast<float>(start);
-      warps_[axis].scales[bin] = static_cast<float>(1 / (kBins * share));
+      const float share = is_seen ? kEven / kBins + part * sums[axis][bin] : 1.0f / kBins;
+      warps_[axis].starts[bin] = start;
+      warps_[axis].scales[bin] = reciprocal(kBins * share);
       start += share;
     }
   }
@@ -296,7 +339,7 @@ DrawnLines LineDrawer::draw(const std::array<uint32_t, 4>& scrambles, uint32_t f
     Lines lines = way_ == LineWay::points   ? drawPoints(first_, second_, u)
                   : way_ == LineWay::angles ? drawAngles(first_, second_, rectangle_, warps_, u)
                                             : drawContact(first_, second_, u);
-    const Floats weight = keep(lines.open, unit_ * lines.weight);
+    const Floats weight = keep(lines.open, least(unit_ * lines.weight, all(kMostWeight)));
     weights += weight;
     squares += weight * weight;
     Floats seen = weight;
@@ -306,13 +349,15 @@ DrawnLines LineDrawer::draw(const std::array<uint32_t, 4>& scrambles, uint32_t f
     }
     facing += seen;
     // Sums of single precision stay short.
-    if ((block & 63) == 63 || block + 1 == end) {
-      sums.facing += sumOf(facing), sums.all += sumOf(weights), sums.squares += sumOf(squares);
+    if ((block + 1) % kRunBlocks == 0 || block + 1 == end) {
+      sums.facing += double(sumOf(facing)), sums.all += double(sumOf(weights)), sums.squares += double(sumOf(squares));
       facing = weights = squares = Floats{};
     }
   }
   sums.lines = uint64_t(kBlockLines) * (end - first);
   return sums;
 }
+
+std::span<const uint32_t> sobolBits() { return {&kSobol.of[0][0], SobolBits::kDimensions * SobolBits::kBits}; }
 
 }  // namespace viewpeel

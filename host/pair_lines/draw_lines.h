@@ -33,12 +33,20 @@ struct DrawnLines {
   uint64_t lines = 0;
 };
 
+// Returns what weights are multiplied by, so that their mean is 1.    In: as LineDrawer's
+float unitOfWeights(LineWay way, double exchange);
+
+// Returns the direction numbers of Sobol' points in Gray's order, 4 dimensions x 32 bits.
+std::span<const uint32_t> sobolBits();
+
 // A LineDrawer is a pair of patches, ready for lines. It is in single precision, about the middle of the smaller patch,
 // so that rounding is relative to the distance from there.
 class LineDrawer {
  public:
   // Lines are drawn so many at once.
   static constexpr uint32_t kBlockLines = 16;
+  // So many blocks, from a multiple of this number on, are added up in single precision.
+  static constexpr uint32_t kRunBlocks = 16;
 
   //   In: exchange: A F with nothing in between, unit-ball units squared, above 0; all are copied
   LineDrawer(const Patch& a, const Patch& b, LineWay way, double exchange, const std::vector<Blocker>& blockers,
@@ -59,8 +67,8 @@ class LineDrawer {
     static constexpr int kBins = 8;
     float starts[kBins], scales[kBins];  // of bin k: u >= starts[k], and its width over its share
   };
-  void frameSecond(const Patch& small, const Patch& large);
-  void warpTowards(const Patch& small, const Patch& large);
+  void frameSecond(const LaneVector<float>* corners, uint32_t count);
+  void warpTowards(const LaneVector<float>* corners, uint32_t count, Vectors vectors);
   DrawnLines drawAll(const std::array<uint32_t, 4>& scrambles, uint32_t first, uint32_t end) const;
 
   LineWay way_;

@@ -1,6 +1,11 @@
 // Lanes hold numbers of sixteen lines, or of eight blockers, and one operation serves all, on any processor's vectors.
 // Without contraction every lane rounds as a scalar would, so that results are the same bits everywhere.
+//
+// Vulkan devices round sums, differences and products of single precision correctly, but quotients and roots to 2.5 ulp
+// or worse. Lines that devices draw, too, are therefore made of sums, differences, products and comparisons alone
+// (docs/method.md, section 13).
 #pragma once
+#include <bit>
 #include <cstdint>
 #include <cstring>
 
@@ -37,6 +42,8 @@ VIEWPEEL_INLINE Floats greatest(const Floats& a, const Floats& b) { return a > b
 VIEWPEEL_INLINE Doubles least(const Doubles& a, const Doubles& b) { return a < b ? a : b; }
 VIEWPEEL_INLINE Doubles greatest(const Doubles& a, const Doubles& b) { return a > b ? a : b; }
 
+VIEWPEEL_INLINE float least(float a, float b) { return a < b ? a : b; }
+VIEWPEEL_INLINE float greatest(float a, float b) { return a > b ? a : b; }
 VIEWPEEL_INLINE double least(double a, double b) { return a < b ? a : b; }
 VIEWPEEL_INLINE double greatest(double a, double b) { return a > b ? a : b; }
 
@@ -59,11 +66,36 @@ VIEWPEEL_INLINE bool isAny(const Floats& x) {
   return any != 0;
 }
 
-// Returns the sum of all lanes, in their order and in double precision.
-VIEWPEEL_INLINE double sumOf(Floats x) {
-  double sum = 0;
-  for (int k = 0; k < kLineLanes; ++k) sum += double(x[k]);
-  return sum;
+// Returns the sum of all lanes, by halves: lanes 8 apart first.
+VIEWPEEL_INLINE float sumOf(const Floats& x) {
+  float sums[kLineLanes];
+  std::memcpy(sums, &x, sizeof sums);
+  for (int half = kLineLanes / 2; half > 0; half /= 2)
+    for (int k = 0; k < half; ++k) sums[k] += sums[k + half];
+  return sums[0];
+}
+
+VIEWPEEL_INLINE Words bitsOf(const Floats& x) { return (Words)x; }
+VIEWPEEL_INLINE uint32_t bitsOf(float x) { return std::bit_cast<uint32_t>(x); }
+VIEWPEEL_INLINE Floats numberOf(const Words& bits) { return (Floats)bits; }
+VIEWPEEL_INLINE float numberOf(uint32_t bits) { return std::bit_cast<float>(bits); }
+
+// Returns 1 / x for x in [2^-125, 2^125], to 3e-7 of itself. The bits of x make a first guess, and each of Newton's
+// steps squares its error.
+template <class Numbers>
+VIEWPEEL_INLINE Numbers reciprocal(const Numbers& x) {
+  Numbers y = numberOf(0x7EF311C7u - bitsOf(x));  // to 0.13
+  for (int step = 0; step < 3; ++step) y = y * (2.0f - x * y);
+  return y;
+}
+
+// Returns x^-1/2 for x in [2^-100, 2^100], to 3e-7 of itself.    Source: as reciprocal
+template <class Numbers>
+VIEWPEEL_INLINE Numbers inverseRoot(const Numbers& x) {
+  Numbers y = numberOf(0x5F3759DFu - (bitsOf(x) >> 1));  // to 0.035
+  const Numbers half = 0.5f * x;
+  for (int step = 0; step < 3; ++step) y = y * (1.5f - half * y * y);
+  return y;
 }
 
 }  // namespace viewpeel
