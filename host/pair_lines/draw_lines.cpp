@@ -8,11 +8,13 @@
 #include <glm/glm.hpp>
 
 #include "pair_lines/lanes.h"
+#include "pair_lines/shared.h"
 
 namespace viewpeel {
 namespace {
 
 using glm::dvec3;
+using namespace pair_lines_data;  // constants
 
 // SobolBits has the direction numbers of Sobol' points in Gray's order: for each dimension and each bit of a point's
 // number, with the first binary digit lowest. Source: Joe & Kuo, new-joe-kuo-6.21201, dimensions 1 to 4.
@@ -53,11 +55,6 @@ static_assert(1 << 4 == kLineLanes);
 
 using Vector = LaneVector<Floats>;
 
-constexpr float kLeast = 0x1p-40f;  // heights and the like that are below count as 0: 1e-12 of the scene's radius
-constexpr float kLeastSquare = 0x1p-100f;
-constexpr float kFarAway = 0x1p40f;
-constexpr float kMostWeight = 0x1p50f;  // sums of squares stay finite
-
 // Scrambles digits as Owen does, by a hash, and makes numbers in [0, 1) of them (B. Burley, Practical hash-based Owen
 // scrambling, JCGT 9(4), 2020; constants of N. Vegdahl, Building a better LK hash, 2021).
 VIEWPEEL_INLINE Floats scrambled(Words digits, uint32_t seed) {
@@ -71,39 +68,32 @@ VIEWPEEL_INLINE Floats scrambled(Words digits, uint32_t seed) {
   x = ((x >> 4) & 0x0f0f0f0fu) | ((x & 0x0f0f0f0fu) << 4);
   x = ((x >> 8) & 0x00ff00ffu) | ((x & 0x00ff00ffu) << 8);
   x = (x >> 16) | (x << 16);
-  return __builtin_convertvector((Integers)(x >> 8), Floats) * 0x1p-24f;
+  return __builtin_convertvector((Integers)(x >> 8), Floats) * kDigit;
 }
 
-constexpr float kQuarterTurn = std::numbers::pi_v<float> / 2;
-
-// Returns the tangent of an angle within (-pi/2, pi/2), to 4e-7 of itself where it is below 1e6. With x the tangent of a
-// quarter of the angle, by its series, it is 4 x (1 - x^2) / ((1 - x^2)^2 - 4 x^2).
+// Returns the tangent of an angle within (-pi/2, pi/2), to 4e-7 of itself where it is below 1e6. With x the tangent of
+// a quarter of the angle, by its series, it is 4 x (1 - x^2) / ((1 - x^2)^2 - 4 x^2).
 VIEWPEEL_INLINE Floats tangent(const Floats& angle) {
   const Floats a = 0.25f * angle, s = a * a;  // |a| < 0.4
   const Floats x =
       a * (1.0f +
-           s * (1 / 3.f + s * (2 / 15.f + s * (17 / 315.f +
-                                               s * (62 / 2835.f + s * (1382 / 155925.f + s * (21844 / 6081075.f)))))));
-  const Floats square = x * x, rest = 1.0f - square;
-  const Floats below = rest * rest - 4.0f * square;
+           s * (kTangent3 + s * (kTangent5 + s * (kTangent7 + s * (kTangent9 + s * (kTangent11 + s * kTangent13))))));
+  const Floats square = x * x, rest = 1.0f - square, below = rest * rest - 4.0f * square;
   return 4.0f * x * rest * reciprocal(greatest(below, all(kLeast)));
 }
 
 // Returns the angle of (adjacent, opposite) from the first axis, to 4e-7 (S. Moshier, Cephes, atanf).
 //   In: adjacent: above 0    Out: within (-pi/2, pi/2)
 VIEWPEEL_INLINE Floats arcTangent(const Floats& opposite, const Floats& adjacent) {
-  constexpr float large = 2.414213562f, middle = 0.4142135624f;
   const Floats size = opposite < 0.0f ? -opposite : opposite;
-  const Floats over_large = size - large * adjacent, over_middle = size - middle * adjacent;
+  const Floats over_large = size - kLargeTangent * adjacent, over_middle = size - kMiddleTangent * adjacent;
   Floats above = over_middle > 0.0f ? size - adjacent : size, below = over_middle > 0.0f ? size + adjacent : adjacent;
   above = over_large > 0.0f ? -adjacent : above;
   below = over_large > 0.0f ? size : below;
-  Floats base = over_middle > 0.0f ? all(kQuarterTurn / 2) : Floats{};
+  Floats base = over_middle > 0.0f ? all(kEighthTurn) : Floats{};
   base = over_large > 0.0f ? all(kQuarterTurn) : base;
   const Floats x = above * reciprocal(below), s = x * x;
-  const Floats angle =
-      base + x +
-      x * s * (-3.33329491539e-1f + s * (1.99777106478e-1f + s * (-1.38776856032e-1f + s * 8.05374449538e-2f)));
+  const Floats angle = base + x + x * s * (kArcTangent3 + s * (kArcTangent5 + s * (kArcTangent7 + s * kArcTangent9)));
   return opposite < 0.0f ? -angle : angle;
 }
 
@@ -212,12 +202,14 @@ VIEWPEEL_INLINE Floats pointFormFactors(const Vector& p, const float* normal, co
     const Floats square = greatest(dot(across, across), all(kLeastSquare)), inverse = inverseRoot(square);
     const Floats sine = square * inverse, cosine = dot(a, b), size = cosine < 0.0f ? -cosine : cosine;
     const Floats angle = arcTangent(sine, greatest(size, all(kLeastSquare)));
-    sum += dot(normal, across) * inverse * (cosine < 0.0f ? 2 * kQuarterTurn - angle : angle);
+    sum += dot(normal, across) * inverse * (cosine < 0.0f ? kHalfTurn - angle : angle);
   }
-  return (sum < 0.0f ? -sum : sum) * (1 / (4 * kQuarterTurn));
+  return (sum < 0.0f ? -sum : sum) * kInverseTurn;
 }
 
 }  // namespace
+
+static_assert(LineDrawer::kRunBlocks == pair_lines_data::kRunBlocks && LineDrawer::kBlockLines == kRunLanes);
 
 float unitOfWeights(LineWay way, double exchange) {
   return static_cast<float>(way == LineWay::contact ? 1 / exchange : 1 / (std::numbers::pi * exchange));
@@ -258,9 +250,8 @@ void LineDrawer::frameSecond(const Point* corners, uint32_t count) {
     }
   }
   const Point normal = pointOf(second_.normal), fold = cross(pointOf(first_.normal), normal);
-  constexpr float kParallel = 1e-12f;  // square of a sine
   Point axes[2];
-  axes[0] = is_cut && dot(fold, fold) >= kParallel ? fold : longest;
+  axes[0] = is_cut && dot(fold, fold) >= kParallelSquare ? fold : longest;
   const float inverse = inverseRoot(greatest(dot(axes[0], axes[0]), kLeastSquare));
   axes[0] = {axes[0].x * inverse, axes[0].y * inverse, axes[0].z * inverse};
   axes[1] = cross(normal, axes[0]);
@@ -300,13 +291,12 @@ void LineDrawer::warpTowards(const Point* corners, uint32_t count, Vectors vecto
       sums[0][row] += share, sums[1][column] += share;
     }
   for (const float sum : sums[0]) all_shares += sum;
-  constexpr float kEven = 0.15f;  // of the points stay evenly spread
   const bool is_seen = all_shares > kLeastSquare;
-  const float part = is_seen ? (1 - kEven) * reciprocal(all_shares) : 0;
+  const float part = kUnevenShare * reciprocal(greatest(all_shares, kLeastSquare));
   for (int axis = 0; axis < 2; ++axis) {
     float start = 0;
     for (int bin = 0; bin < kBins; ++bin) {
-      const float share = is_seen ? kEven / kBins + part * sums[axis][bin] : 1.0f / kBins;
+      const float share = is_seen ? kEvenShare / kBins + part * sums[axis][bin] : 1.0f / kBins;
       warps_[axis].starts[bin] = start;
       warps_[axis].scales[bin] = reciprocal(kBins * share);
       start += share;

@@ -31,6 +31,8 @@ struct DrawnLines {
   double facing = 0, all = 0;  // weights of lines that nothing blocks, and of all
   double squares = 0;          // of all weights
   uint64_t lines = 0;
+
+  bool operator==(const DrawnLines&) const = default;
 };
 
 // Returns what weights are multiplied by, so that their mean is 1.    In: as LineDrawer's

@@ -14,6 +14,16 @@ void store(const dvec3& v, Number* to) {
 
 }  // namespace
 
+dvec3 acrossOf(const Patch& patch) {
+  const dvec3* const c = patch.corners;
+  return glm::normalize(glm::cross(c[1] - c[0], c[2] - c[0]));
+}
+
+BlockerPlace placeFrom(BlockerPlace place, bool is_swapped) {
+  if (place == BlockerPlace::between || !is_swapped) return place;
+  return place == BlockerPlace::over_first ? BlockerPlace::over_second : BlockerPlace::over_first;
+}
+
 template <class Number>
 LineEnd<Number> makeLineEnd(const Patch& patch, const dvec3& origin, bool folds) {
   LineEnd<Number> end{};
@@ -25,7 +35,7 @@ LineEnd<Number> makeLineEnd(const Patch& patch, const dvec3& origin, bool folds)
               twist = end.is_folded ? dvec3(0) : c[0] - c[1] + c[2] - last;
   store(c[0] - origin, end.corner);
   store(side_a, end.side_a), store(side_b, end.side_b), store(twist, end.twist);
-  const dvec3 across = glm::normalize(glm::cross(c[1] - c[0], c[2] - c[0]));
+  const dvec3 across = acrossOf(patch);
   end.density[0] = static_cast<Number>(glm::dot(across, glm::cross(side_a, side_b)) / (end.is_folded ? 2 : 1));
   end.density[1] = static_cast<Number>(glm::dot(across, glm::cross(side_a, twist)));
   end.density[2] = static_cast<Number>(glm::dot(across, glm::cross(twist, side_b)));
@@ -47,9 +57,7 @@ std::vector<Obstacle<Number>> makeObstacles(const std::vector<Blocker>& blockers
   for (const PlacedBlocker& placed : between) {
     const Blocker& blocker = blockers[placed.blocker];
     Obstacle<Number>& obstacle = obstacles.emplace_back();
-    obstacle.place = placed.place == BlockerPlace::between                      ? BlockerPlace::between
-                     : (placed.place == BlockerPlace::over_first) != is_swapped ? BlockerPlace::over_first
-                                                                                : BlockerPlace::over_second;
+    obstacle.place = placeFrom(placed.place, is_swapped);
     obstacle.edge_count = blocker.corner_count;
     store(blocker.normal, obstacle.plane);
     obstacle.plane[3] = static_cast<Number>(glm::dot(blocker.normal, origin) - blocker.offset);

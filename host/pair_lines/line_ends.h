@@ -23,6 +23,12 @@ struct PlacedBlocker {
   BlockerPlace place;
 };
 
+// Returns a place as it is called where the first end is the second patch.
+BlockerPlace placeFrom(BlockerPlace place, bool is_swapped);
+
+// Returns the normal of a patch's corners, counter-clockwise, unit length.
+glm::dvec3 acrossOf(const Patch& patch);
+
 // A point is corner + s side_a + t side_b + s t twist for s, t in [0, 1]; of a folded triangle where s + t <= 1.
 template <class Number>
 struct LineEnd {

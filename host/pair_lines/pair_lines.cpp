@@ -13,7 +13,9 @@
 namespace viewpeel {
 namespace {
 
-constexpr size_t kChunk = 64;        // pairs that a thread takes at once
+constexpr size_t kChunk = 64;             // pairs that a thread takes at once
+constexpr size_t kDeviceChunk = 1 << 16;  // pairs whose tasks are made at once
+constexpr size_t kTriedPairs = 64;
 constexpr double kLarge = 0.3;       // form factors above which angles are better than points
 constexpr double kNear = 0.15;       // gap in diagonals of the smaller patch, below which they are, too,
 constexpr double kLeastNear = 1e-3;  // where the form factor is larger than this
@@ -33,13 +35,14 @@ bool areNear(const Patch& a, const Patch& b) {
 }  // namespace
 
 PairLines::PairLines(const Scene& scene, const Ids& face_ids, bool with_leak, uint64_t seed, size_t threads,
-                     std::function<void()> stop)
+                     std::function<void()> stop, const Device* device)
     : scene_(scene),
       ids_(face_ids),
       seed_(seed),
       threads_(threads ? threads : threadCount()),
       stop_(std::move(stop)),
-      finder_(scene, face_ids, with_leak) {}
+      finder_(scene, face_ids, with_leak),
+      device_(device) {}
 
 std::vector<LinePair> PairLines::find() {
   parts_ = finder_.find(threads_, stop_);
@@ -89,22 +92,31 @@ std::array<uint32_t, 4> PairLines::scramblesOf(const PatchPair& part, uint64_t r
   return scrambles;
 }
 
-// Draws all lines of a pair in one replicate.
-LineCount PairLines::draw(const LinePair& pair, const Group& group, uint64_t replicate, uint32_t times,
-                          Vectors vectors) const {
-  const uint32_t blocks = std::min(pair.blocks * times, kMostLineBlocks);
+// Returns what to draw of one part of a pair.
+LineTask PairLines::taskOf(const LinePair& pair, uint32_t part, uint64_t replicate, uint32_t blocks) const {
+  const PatchPair& patches = parts_.pairs[part];
+  const bool is_contact = finder_.patches()[patches.a].plane == finder_.patches()[patches.b].plane;
+  return {.a = patches.a,
+          .b = patches.b,
+          .way = is_contact       ? LineWay::contact
+                 : pair.by_angles ? LineWay::angles
+                                  : LineWay::points,
+          .exchange = patches.exchange,
+          .between = {&parts_.between[patches.first_blocker], patches.blocker_count},
+          .scrambles = scramblesOf(patches, replicate),
+          .end = blocks};
+}
+
+// Makes the count of a pair in one replicate of the lines of its parts.    In: drawn_of: of a part that has blockers
+template <class DrawnOf>
+LineCount PairLines::combine(const LinePair& pair, const Group& group, uint32_t blocks, const DrawnOf& drawn_of) const {
   double facing = 0, all = 0, squares = 0, blockable = 0;
   for (uint32_t k = group.first; k < group.first + group.count; ++k)
     if (parts_.pairs[k].blocker_count) blockable += parts_.pairs[k].exchange;
   for (uint32_t k = group.first; k < group.first + group.count; ++k) {
-    const PatchPair& part = parts_.pairs[k];
-    if (!part.blocker_count) continue;
-    const Patch &a = finder_.patches()[part.a], &b = finder_.patches()[part.b];
-    const LineWay way = a.plane == b.plane ? LineWay::contact : pair.by_angles ? LineWay::angles : LineWay::points;
-    const LineDrawer drawer(a, b, way, part.exchange, finder_.blockers(),
-                            {&parts_.between[part.first_blocker], part.blocker_count});
-    const DrawnLines lines = drawer.draw(scramblesOf(part, replicate), 0, blocks, vectors);
-    const double weight = part.exchange / blockable;
+    if (!parts_.pairs[k].blocker_count) continue;
+    const DrawnLines lines = drawn_of(k);
+    const double weight = parts_.pairs[k].exchange / blockable;
     facing += weight * lines.facing, all += weight * lines.all, squares += weight * weight * lines.squares;
   }
   // Counts are integers: kLineUnit is the expected weight of all lines.
@@ -116,6 +128,70 @@ LineCount PairLines::draw(const LinePair& pair, const Group& group, uint64_t rep
   if (squares > 0)
     count.effective = static_cast<uint32_t>(std::min(4e9, std::round(all * all / squares * kEffectiveUnit)));
   return count;
+}
+
+// Draws all lines of a pair in one replicate.
+LineCount PairLines::draw(const LinePair& pair, const Group& group, uint64_t replicate, uint32_t times,
+                          Vectors vectors) const {
+  const uint32_t blocks = std::min(pair.blocks * times, kMostLineBlocks);
+  return combine(pair, group, blocks, [&](uint32_t part) {
+    return drawOnHost(taskOf(pair, part, replicate, blocks), finder_.patches(), finder_.blockers(), vectors);
+  });
+}
+
+// Makes the device ready, and tries it: where it rounds otherwise than the processor, the processor draws all lines.
+void PairLines::openDevice(std::span<const LinePair> pairs, std::span<const LineCount> counts, uint64_t replicate) {
+  device_lines_.emplace(*device_, finder_.patches(), finder_.blockers());
+  std::vector<LineTask> tasks;
+  for (size_t k = 0; k < counts.size(); k += counts.size() / kTriedPairs + 1) {
+    const Group& group = groups_[counts[k].pair];
+    for (uint32_t part = group.first; part < group.first + group.count; ++part)
+      if (parts_.pairs[part].blocker_count) tasks.push_back(taskOf(pairs[counts[k].pair], part, replicate, 1));
+  }
+  if (agree(*device_lines_, tasks, finder_.patches(), finder_.blockers())) return;
+  device_lines_.reset();
+  device_ = nullptr;
+}
+
+// Draws the lines of pairs on the device, but for parts with too many blockers.    In, out: counts: with their pairs
+void PairLines::drawOnDevice(std::span<const LinePair> pairs, std::span<LineCount> counts, uint64_t replicate,
+                             uint32_t times) {
+  const auto blocksOf = [&](size_t k) { return std::min(pairs[counts[k].pair].blocks * times, kMostLineBlocks); };
+  std::vector<size_t> first_task(counts.size() + 1);
+  for (size_t k = 0; k < counts.size(); ++k) {
+    const Group& group = groups_[counts[k].pair];
+    first_task[k + 1] = first_task[k];
+    for (uint32_t part = group.first; part < group.first + group.count; ++part)
+      first_task[k + 1] += parts_.pairs[part].blocker_count > 0;
+  }
+  std::vector<LineTask> tasks(first_task.back());
+  const Vectors vectors = widestVectors();
+  std::vector<DrawnLines> on_host(tasks.size());
+  forEach(counts.size(), [&](size_t k) {
+    const Group& group = groups_[counts[k].pair];
+    size_t at = first_task[k];
+    for (uint32_t part = group.first; part < group.first + group.count; ++part) {
+      if (!parts_.pairs[part].blocker_count) continue;
+      LineTask& task = tasks[at];
+      task = taskOf(pairs[counts[k].pair], part, replicate, blocksOf(k));
+      if (!DeviceLines::takes(task)) {
+        on_host[at] = drawOnHost(task, finder_.patches(), finder_.blockers(), vectors);
+        task.between = {}, task.end = task.first;
+      }
+      ++at;
+    }
+  });
+  const std::vector<DrawnLines> drawn = device_lines_->draw(tasks, stop_);
+  forEach(counts.size(), [&](size_t k) {
+    const uint32_t pair = counts[k].pair;
+    size_t at = first_task[k];
+    counts[k] = combine(pairs[pair], groups_[pair], blocksOf(k), [&](uint32_t) {
+      const DrawnLines& lines = on_host[at].lines ? on_host[at] : drawn[at];
+      ++at;
+      return lines;
+    });
+    counts[k].pair = pair;
+  });
 }
 
 std::vector<PairLines::Part> PairLines::blockableParts(size_t pair) const {
@@ -205,9 +281,18 @@ LineCounts PairLines::count(std::span<const LinePair> pairs, uint64_t replicate,
   for (uint32_t k = 0; k < pairs.size(); ++k)
     if (wanted.empty() ? pairs[k].hasLines(replicate) : pairs[k].blocks && wanted[k]) due.push_back(k);
   LineCounts counts(due.size());
+  for (size_t k = 0; k < due.size(); ++k) counts[k].pair = due[k];
+  const uint32_t more = wanted.empty() ? 1 : times;
+  if (device_ && !device_lines_ && !due.empty()) openDevice(pairs, counts, replicate);
+  if (device_lines_) {
+    for (size_t first = 0; first < counts.size(); first += kDeviceChunk)
+      drawOnDevice(pairs, std::span(counts).subspan(first, std::min(kDeviceChunk, counts.size() - first)), replicate,
+                   more);
+    return counts;
+  }
   const Vectors vectors = widestVectors();
   forEach(due.size(), [&](size_t k) {
-    counts[k] = draw(pairs[due[k]], groups_[due[k]], replicate, wanted.empty() ? 1 : times, vectors);
+    counts[k] = draw(pairs[due[k]], groups_[due[k]], replicate, more, vectors);
     counts[k].pair = due[k];
   });
   return counts;

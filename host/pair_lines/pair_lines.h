@@ -5,9 +5,11 @@
 #pragma once
 #include <array>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "pair_lines/device_lines.h"
 #include "pair_lines/find_pairs.h"
 #include "pair_lines/uniform_lines.h"
 #include "sums/line_sums.h"
@@ -25,9 +27,9 @@ class PairLines {
   // Prepares patches and blockers; find() does the search.
   //   In: scene, face_ids: referred to; face_ids: by face, with roles where a question restricts them; with_leak:
   //   whether pairs of faces and backs are looked for, too; threads: 0: one a core; stop: called between parts of the
-  //   work, may throw, may be empty
+  //   work, may throw, may be empty; device: draws the lines of replicates, the same bits; nullptr: the threads do
   PairLines(const Scene& scene, const Ids& face_ids, bool with_leak, uint64_t seed, size_t threads = 0,
-            std::function<void()> stop = {});
+            std::function<void()> stop = {}, const Device* device = nullptr);
 
   // Finds all pairs with an unoccluded form factor above 0 that nothing hides, sorted, without lines.
   //   Cost: as PairFinder::find.
@@ -74,6 +76,11 @@ class PairLines {
     uint32_t first, count;  // of parts_
   };
   LineCount draw(const LinePair& pair, const Group& group, uint64_t replicate, uint32_t times, Vectors vectors) const;
+  LineTask taskOf(const LinePair& pair, uint32_t part, uint64_t replicate, uint32_t blocks) const;
+  template <class DrawnOf>
+  LineCount combine(const LinePair& pair, const Group& group, uint32_t blocks, const DrawnOf& drawn_of) const;
+  void openDevice(std::span<const LinePair> pairs, std::span<const LineCount> counts, uint64_t replicate);
+  void drawOnDevice(std::span<const LinePair> pairs, std::span<LineCount> counts, uint64_t replicate, uint32_t times);
   bool isPartial(const Group& group) const;
   std::array<uint32_t, 4> scramblesOf(const PatchPair& part, uint64_t replicate) const;
   double findNeed(LinePair& pair, const Group& group, double goal, Vectors vectors) const;
@@ -87,6 +94,8 @@ class PairLines {
   PairFinder finder_;
   PatchPairs parts_;           // pairs of patches, by pairs of faces
   std::vector<Group> groups_;  // of each pair of faces
+  const Device* device_;
+  std::optional<DeviceLines> device_lines_;  // once lines were drawn on it, and were those of the processor
 };
 
 }  // namespace viewpeel

@@ -76,8 +76,9 @@ bool FormFactorRun::State::makePairLines() {
   plan->groups = groupAsOne(setup.scene(), lattices.lattice.resolution);
   plan->engine = makeEngine(lattices, setup.scene(), setup.faceIds(), plan->groups);
   const bool with_leak = resumed ? resumed->sums.lines->hasBacks() : plan->directions > 0 && leaks();
-  pair_lines.emplace(setup.scene(), setup.faceIds(), with_leak, setup.request().seed, setup.request().threads,
-                     [this] { stopIfRequested(); });
+  pair_lines.emplace(
+      setup.scene(), setup.faceIds(), with_leak, setup.request().seed, setup.request().threads,
+      [this] { stopIfRequested(); }, setup.lineDevice());
   if (pair_lines->hasUnordered() && (setup.request().pair_lines || resumed))
     throw Error(
         ErrorCode::bad_usage,

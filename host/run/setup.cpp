@@ -121,15 +121,22 @@ void Setup::settleUnoccluded() {
                           kMostPriorPairs, pairCount(scene_.faces.size())));
 }
 
-// Decides whether to use pair lines, which the processor's threads draw. Rough goals of many polygons are reached
+// Decides whether to use pair lines. Rough goals of many polygons are reached
 // sooner by directions that all pairs have in common (docs/speed.md), but no guarantee is.
 void Setup::settlePairLines() {
   const bool is_open = !request_.unoccluded && !request_.sampling && !request_.sampler && !resolution_ && plans_ &&
-                       (guarantee() || request_.engine == EngineKind::automatic || request_.engine == EngineKind::host);
+                       (guarantee() || request_.engine == EngineKind::automatic ||
+                        request_.engine == EngineKind::host || request_.engine == EngineKind::compute);
   const bool pays =
       scene_.faces.size() <= kMostPairLineFaces && (!estimate_.tolerance || *estimate_.tolerance <= kPairLineTolerance);
   pair_lines_ = request_.pair_lines.value_or(is_open && pays && mayUsePairLines(request_));
   if (pair_lines_) restrictToQuestion(request_.question, scene_, face_ids_);
+}
+
+// The processor's threads draw lines sooner than a software device does, which draws them only where it is asked for.
+const Device* Setup::lineDevice() const {
+  const bool is_asked = request_.engine == EngineKind::compute;
+  return engine_ == EngineKind::compute && (is_asked || device_->description().kind != "cpu") ? device() : nullptr;
 }
 
 void Setup::leaveOutPairLines() {

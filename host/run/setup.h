@@ -34,6 +34,8 @@ class Setup {
   const std::string& sampler() const { return sampler_; }
   std::string deviceName() const;
   const Device* device() const { return device_ ? &*device_ : nullptr; }
+  // Returns the device that draws pair lines; nullptr where the processor's threads do, to the same bits.
+  const Device* lineDevice() const;
   const std::function<void()>& stop() const { return stop_; }
 
   const EpsilonDelta* guarantee() const { return std::get_if<EpsilonDelta>(&request_.goal); }

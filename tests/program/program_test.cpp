@@ -243,6 +243,24 @@ TEST_F(Program, EnginesWriteTheSameFiles) {
   }
 }
 
+// Pair lines are the same on a device: whole runs, parts that are merged, and runs that one begins and the other ends.
+TEST_F(Program, PairLinesAreTheSameOnADevice) {
+  const std::string street = "compute " VIEWPEEL_SCENES
+                             "/street.obj --quiet --tolerance 2e-2 --sampling lattice "
+                             "--pair-lines on --engine ";
+  ASSERT_EQ(run(street + "host -o " + file("host.csv") + " --checkpoint " + file("host.h5")).output, "");
+  ASSERT_EQ(run(street + "compute -o " + file("compute.csv") + " --checkpoint " + file("compute.h5")).output, "");
+  EXPECT_TRUE(readFile(file("compute.csv")) == readFile(file("host.csv")));
+  EXPECT_TRUE(readFile(file("compute.h5")) == readFile(file("host.h5")));
+  EXPECT_GT(readFile(file("host.csv")).size(), 10000u);
+  const std::string more = " --replicates 12 --resume -o " + file("more.csv") + " --checkpoint ";
+  ASSERT_EQ(run(street + "host" + more + file("compute.h5")).output, "");
+  const std::string by_host = readFile(file("more.csv"));
+  ASSERT_EQ(run(street + "compute" + more + file("host.h5")).output, "");
+  EXPECT_TRUE(readFile(file("more.csv")) == by_host);
+  EXPECT_FALSE(by_host == readFile(file("host.csv")));
+}
+
 TEST_F(Program, ExactEngineComputesWithoutADevice) {
   const Result r =
       run("compute " VIEWPEEL_SCENES "/cube.obj --engine exact --directions 50 --replicates 4 -o " + file("e.csv"),
