@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <numeric>
 #include <unordered_map>
 
@@ -14,11 +15,11 @@ namespace {
 
 using glm::dvec3;
 
-constexpr uint32_t kLeafPatches = 8;
-constexpr double kNormalWeight =
-    0.3;                        // of a normal beside a place, in the size of the scene: patches of a cluster should
-                                // look the same way
-constexpr size_t kTasks = 256;  // that are shared out to threads, at least
+constexpr uint32_t kLeafPatches = 16;
+// Patches of a cluster should look the same way: a normal counts so much beside a place, in the size of the scene.
+constexpr double kNormalWeight = 0.3;
+constexpr size_t kTasks = 256;      // that are shared out to threads, at least
+constexpr size_t kFewBlockers = 8;  // so few are tested with each pair at once
 
 // Returns whether convex polygons of one plane have more than an edge in common.
 template <class A, class B>
@@ -146,72 +147,98 @@ class PairFinder::Search {
   Search(const PairFinder& finder, std::atomic<size_t>& pair_count) : finder_(finder), pair_count_(pair_count) {}
 
   // Appends the tasks of the next smaller clusters, or finds the pairs of two leaves.
-  void divide(Task& task, std::vector<Task>& next) {
-    const Node &a = node(task.a), &b = node(task.b);
-    if (a.isLeaf() && b.isLeaf()) return findLeaf(task);
-    const auto add = [&](uint32_t m, uint32_t n) {
-      if (!mayFace(node(m), node(n))) return;
+  void divide(const Task& task, std::vector<Task>& next) {
+    if (node(task.a).isLeaf() && node(task.b).isLeaf()) return findLeaf(task.a, task.b, task.between);
+    forEachPart(task.a, task.b, [&](uint32_t m, uint32_t n) {
       Task& part = next.emplace_back(Task{m, n, {}});
-      if (!keepBetween(task.between, part)) next.pop_back();
-    };
-    if (task.a == task.b) {
-      add(a.left, a.left), add(a.left, a.right), add(a.right, a.right);
-    } else if (b.isLeaf() || (!a.isLeaf() && sizeOf(a) >= sizeOf(b))) {
-      add(a.left, task.b), add(a.right, task.b);
-    } else {
-      add(task.a, b.left), add(task.a, b.right);
-    }
+      if (!keepBetween(task.between, m, n, part.between)) next.pop_back();
+    });
   }
 
-  // Finds all pairs of the task.
-  void search(Task task) {
-    std::vector<Task> stack;
-    stack.push_back(std::move(task));
-    while (!stack.empty() && pair_count_ <= kMostPatchPairs) {
-      Task next = std::move(stack.back());
-      stack.pop_back();
-      divide(next, stack);
-    }
+  // Finds all pairs of two clusters.    In: depth: of calls, which have a list each
+  void search(uint32_t a, uint32_t b, const BlockerList& between, size_t depth = 0) {
+    if (pair_count_ > kMostPatchPairs) return;
+    if (node(a).isLeaf() && node(b).isLeaf()) return findLeaf(a, b, between);
+    if (lists_.size() <= depth) lists_.emplace_back();
+    BlockerList& part = lists_[depth];
+    forEachPart(a, b, [&](uint32_t m, uint32_t n) {
+      if (keepBetween(between, m, n, part)) search(m, n, part, depth + 1);
+    });
   }
 
   PatchPairs found;
 
  private:
   const Node& node(uint32_t k) const { return finder_.nodes_[k]; }
-  static double sizeOf(const Node& n) {
-    const dvec3 size = n.box.high - n.box.low;
+  static double sizeOf(const Box& box) {
+    const dvec3 size = box.high - box.low;
     return glm::dot(size, size);
+  }
+
+  // Calls do_part(m, n) with the parts of the larger of two clusters and the other one.
+  template <class Do>
+  void forEachPart(uint32_t of_a, uint32_t of_b, const Do& do_part) const {
+    const Node &a = node(of_a), &b = node(of_b);
+    const auto doPart = [&](uint32_t m, uint32_t n) {
+      if (mayFace(node(m), node(n))) do_part(m, n);
+    };
+    if (of_a == of_b) {
+      doPart(a.left, a.left), doPart(a.left, a.right), doPart(a.right, a.right);
+    } else if (b.isLeaf() || (!a.isLeaf() && sizeOf(a.box) >= sizeOf(b.box))) {
+      doPart(a.left, of_b), doPart(a.right, of_b);
+    } else {
+      doPart(of_a, b.left), doPart(of_a, b.right);
+    }
+  }
+
+  static bool isBehind(const Patch& patch, const Box& box) {
+    const dvec3 middle = 0.5 * (box.low + box.high), reach = 0.5 * (box.high - box.low);
+    return glm::dot(patch.normal, middle) + glm::dot(glm::abs(patch.normal), reach) < patch.offset - kTouchingShaft;
   }
 
   // Returns whether a pair of the two clusters may look at each other.
   bool mayFace(const Node& a, const Node& b) const {
     if (!(a.emits && b.receives) && !(a.receives && b.emits)) return false;
-    const auto isBehind = [&](const Node& flat, const Node& other) {
-      if (!flat.is_flat) return false;
-      const Patch& patch = finder_.patches_[flat.patch];
-      const dvec3 middle = 0.5 * (other.box.low + other.box.high), reach = 0.5 * (other.box.high - other.box.low);
-      return glm::dot(patch.normal, middle) + glm::dot(glm::abs(patch.normal), reach) < patch.offset - kTouchingShaft;
-    };
-    return !isBehind(a, b) && !isBehind(b, a);
+    return !(a.is_flat && isBehind(finder_.patches_[a.patch], b.box)) &&
+           !(b.is_flat && isBehind(finder_.patches_[b.patch], a.box));
   }
 
   // Keeps the blockers between two clusters. Returns false where one of them hides all.
-  bool keepBetween(const BlockerList& from, Task& part) const {
-    const Box &a = node(part.a).box, &b = node(part.b).box;
-    BoxShaft(a, b).keepInside(from, part.between, vectors_);
-    if (part.a != part.b)
-      for (const uint32_t k : part.between.indices)
-        if (hidesBox(finder_.blockers_[k], a, b)) return false;
-    part.between.pad();
-    return true;
+  bool keepBetween(const BlockerList& from, uint32_t m, uint32_t n, BlockerList& to) const {
+    const Box &a = node(m).box, &b = node(n).box;
+    Shaft(a, b).keepInside(from, to, vectors_);
+    return m == n || Corners(a, b).findHider(finder_.blockers_, to, vectors_) == UINT32_MAX;
   }
 
-  void findLeaf(const Task& task) {
-    const Node &a = node(task.a), &b = node(task.b);
-    for (uint32_t k = a.first; k < a.end; ++k)
-      for (uint32_t m = task.a == task.b ? k + 1 : b.first; m < b.end; ++m)
-        findPair(std::min(finder_.order_[k], finder_.order_[m]), std::max(finder_.order_[k], finder_.order_[m]),
-                 task.between.indices);
+  // Finds the pairs of two leaves, one patch of the larger leaf after the other.
+  void findLeaf(uint32_t of_a, uint32_t of_b, const BlockerList& between) {
+    const bool is_same = of_a == of_b, is_swapped = sizeOf(node(of_a).box) < sizeOf(node(of_b).box);
+    const Node &a = node(is_swapped ? of_b : of_a), &b = node(is_swapped ? of_a : of_b);
+    for (uint32_t k = a.first; k < a.end; ++k) {
+      const uint32_t p = finder_.order_[k];
+      const Patch& patch = finder_.patches_[p];
+      const BlockerList* list = &between;
+      if (between.size() > kFewBlockers) {
+        if (isBehind(patch, b.box)) continue;
+        if (!is_same && isHiddenRow(patch, b.box, between)) continue;
+        Shaft(patch, b.box).keepInside(between, row_, vectors_);
+        list = &row_;
+      }
+      for (uint32_t m = is_same ? k + 1 : b.first; m < b.end; ++m) {
+        const uint32_t q = finder_.order_[m];
+        findPair(std::min(p, q), std::max(p, q), *list);
+      }
+    }
+  }
+
+  // Returns whether one blocker hides a patch from a box. A blocker that hid one row often hides the next.
+  bool isHiddenRow(const Patch& patch, const Box& box, const BlockerList& between) {
+    const Corners corners(patch, box);
+    if (corners.areHidden(finder_.blockers_[last_row_hider_], vectors_)) return true;
+    const uint32_t hider = corners.findHider(finder_.blockers_, between, vectors_);
+    if (hider == UINT32_MAX) return false;
+    last_row_hider_ = hider;
+    return true;
   }
 
   bool hasCornerInFront(const Patch& a, const Patch& b) const {
@@ -220,7 +247,7 @@ class PairFinder::Search {
     return false;
   }
 
-  void findPair(uint32_t p, uint32_t q, std::span<const uint32_t> from) {
+  void findPair(uint32_t p, uint32_t q, const BlockerList& from) {
     const Patch &a = finder_.patches_[p], &b = finder_.patches_[q];
     if (!(a.emits && b.receives) && !(a.receives && b.emits)) return;
     const bool is_contact = a.plane == b.plane;
@@ -237,10 +264,9 @@ class PairFinder::Search {
     } else {
       if (finder_.is_covered_[p] || finder_.is_covered_[q]) return;
       between_.clear();
-      const PatchShaft shaft(a, b);
+      PatchShaft shaft(a, b);
       // The blocker that hid the last pair often hides its neighbours.
-      if (shaft.isHidden(finder_.blockers_, {&last_hider_, 1}, between_, vectors_)) return;
-      between_.clear();
+      if (from.size() > 0 && shaft.isHiddenBy(finder_.blockers_[last_hider_], vectors_)) return;
       if (shaft.isHidden(finder_.blockers_, from, between_, vectors_)) {
         last_hider_ = between_.back();
         return;
@@ -263,7 +289,9 @@ class PairFinder::Search {
   std::atomic<size_t>& pair_count_;
   UnoccludedWork work_;
   std::vector<uint32_t> between_;
-  uint32_t last_hider_ = 0;
+  std::deque<BlockerList> lists_;  // by depth
+  BlockerList row_;
+  uint32_t last_hider_ = 0, last_row_hider_ = 0;
   Vectors vectors_ = widestVectors();
 };
 
@@ -274,12 +302,13 @@ PatchPairs PairFinder::find(size_t threads, const std::function<void()>& stop) c
   Search first(*this, found_count);
   std::vector<Task> tasks(1);
   tasks[0].a = tasks[0].b = 0;
+  tasks[0].between.clear(blockers_.size());
   for (const uint32_t k : largest_first_) tasks[0].between.add(k, blockers_[k]);
-  tasks[0].between.pad();
+  tasks[0].between.close();
   while (!tasks.empty() && tasks.size() < kTasks) {
     std::vector<Task> next;
     bool is_divided = false;
-    for (Task& task : tasks) {
+    for (const Task& task : tasks) {
       is_divided |= !nodes_[task.a].isLeaf() || !nodes_[task.b].isLeaf();
       first.divide(task, next);
     }
@@ -292,7 +321,8 @@ PatchPairs PairFinder::find(size_t threads, const std::function<void()>& stop) c
       threads, tasks.size(), 1,
       [&](size_t, size_t k) {
         Search search(*this, found_count);
-        search.search(std::move(tasks[k]));
+        search.search(tasks[k].a, tasks[k].b, tasks[k].between);
+        tasks[k] = {};
         parts[k] = std::move(search.found);
       },
       [&](size_t) {

@@ -9,151 +9,222 @@ namespace viewpeel {
 
 using glm::dvec3;
 
-void BlockerList::clear() {
-  indices.clear();
-  for (int axis = 0; axis < 3; ++axis) low[axis].clear(), high[axis].clear();
+namespace {
+
+dvec3 cornerOf(const Box& box, int k) {
+  return dvec3(k & 1 ? box.high.x : box.low.x, k & 2 ? box.high.y : box.low.y, k & 4 ? box.high.z : box.low.z);
 }
 
-void BlockerList::add(uint32_t index, const Blocker& blocker) {
-  indices.push_back(index);
-  for (int axis = 0; axis < 3; ++axis) low[axis].push_back(blocker.low[axis]), high[axis].push_back(blocker.high[axis]);
+Box boxOf(const Patch& patch) { return {patch.low, patch.high}; }
+
+VIEWPEEL_INLINE Doubles heightsOf(const Doubles* corners, const Blocker& blocker) {
+  return corners[0] * blocker.normal.x + corners[1] * blocker.normal.y + corners[2] * blocker.normal.z - blocker.offset;
 }
 
-void BlockerList::add(const BlockerList& from, size_t k) {
-  indices.push_back(from.indices[k]);
-  for (int axis = 0; axis < 3; ++axis) low[axis].push_back(from.low[axis][k]), high[axis].push_back(from.high[axis][k]);
-}
+// A Tangent is a plane through an edge of a patch whose inner side has all points that the patch can see.
+struct Tangent {
+  bool is_found = false;
+  dvec3 normal{0};
+  double offset = 0;
+};
 
-void BlockerList::pad() {
-  for (int axis = 0; axis < 3; ++axis) {
-    low[axis].resize((size() + kBlockerLanes - 1) / kBlockerLanes * kBlockerLanes, INFINITY);
-    high[axis].resize(low[axis].size(), INFINITY);
+// Returns the tangent of an edge of a.    In: heights of the other end's corners over a's plane
+Tangent tangentOf(const Patch& a, uint32_t edge, std::span<const dvec3> corners, std::span<const double> heights) {
+  double outward[8], slope = -INFINITY;
+  for (size_t k = 0; k < corners.size(); ++k) {
+    outward[k] = glm::dot(a.edge_normals[edge], corners[k]) - a.edge_offsets[edge];
+    if (heights[k] > kTouchingShaft) slope = std::max(slope, outward[k] / heights[k]);
   }
+  if (!(slope > -INFINITY)) return {};
+  // Where the other end crosses a's plane beyond the edge no plane through the edge has it on its inner side.
+  for (size_t k = 0; k < corners.size(); ++k) {
+    if (heights[k] > kTouchingShaft) continue;
+    if (heights[k] >= -kTouchingShaft) {
+      if (outward[k] > kTouchingShaft) return {};
+      continue;
+    }
+    for (size_t m = 0; m < corners.size(); ++m)
+      if (heights[m] > kTouchingShaft && outward[k] * heights[m] - outward[m] * heights[k] > 0) return {};
+  }
+  const double scale = 1 / std::sqrt(1 + slope * slope);
+  return {true, scale * (a.edge_normals[edge] - slope * a.normal), scale * (a.edge_offsets[edge] - slope * a.offset)};
 }
 
-BoxShaft::BoxShaft(const Box& a, const Box& b) {
-  const Box both{glm::min(a.low, b.low), glm::max(a.high, b.high)};
-  for (int axis = 0; axis < 3; ++axis)
-    for (const double sign : {1.0, -1.0}) {
-      dvec3 normal(0);
-      normal[axis] = sign;
-      planes_[plane_count_++] = {normal, sign > 0 ? both.high[axis] : -both.low[axis]};
-    }
+}  // namespace
+
+Shaft::Shaft(const Box& a, const Box& b) : both_{glm::min(a.low, b.low), glm::max(a.high, b.high)} {
   // A plane along one axis touches both boxes where its normal points into the quadrant of the corners that it joins.
   for (int axis = 0; axis < 3; ++axis) {
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
     for (const double sign_u : {1.0, -1.0})
       for (const double sign_v : {1.0, -1.0}) {
-        const auto cornerOf = [&](const Box& box) {
+        const auto cornerAt = [&](const Box& box) {
           return glm::dvec2(sign_u > 0 ? box.high[u] : box.low[u], sign_v > 0 ? box.high[v] : box.low[v]);
         };
-        const glm::dvec2 from = cornerOf(a), along = cornerOf(b) - from;
-        glm::dvec2 normal(along.y, -along.x);
-        if (normal.x * sign_u < 0) normal = -normal;
-        if (!(normal.x * sign_u > 0) || !(normal.y * sign_v > 0)) continue;
-        normal = glm::normalize(normal);
-        OutwardPlane& plane = planes_[plane_count_++];
-        plane.normal[u] = normal.x, plane.normal[v] = normal.y;
-        plane.offset = glm::dot(normal, from);
+        const glm::dvec2 from = cornerAt(a), along = cornerAt(b) - from;
+        glm::dvec2 across(along.y, -along.x);
+        if (across.x * sign_u < 0) across = -across;
+        if (!(across.x * sign_u > 0) || !(across.y * sign_v > 0)) continue;
+        across = glm::normalize(across);
+        dvec3 normal(0);
+        normal[u] = across.x, normal[v] = across.y;
+        addPlane(normal, glm::dot(across, from));
       }
   }
 }
 
-void BoxShaft::keepInside(const BlockerList& from, BlockerList& to, Vectors vectors) const {
+Shaft::Shaft(const Patch& a, const Box& b) : Shaft(boxOf(a), b) {
+  addPlane(-a.normal, -a.offset);
+  dvec3 corners[8];
+  double heights[8];
+  for (int k = 0; k < 8; ++k) {
+    corners[k] = cornerOf(b, k);
+    heights[k] = glm::dot(a.normal, corners[k]) - a.offset;
+  }
+  for (uint32_t e = 0; e < a.corner_count; ++e)
+    if (const Tangent tangent = tangentOf(a, e, corners, heights); tangent.is_found)
+      addPlane(tangent.normal, tangent.offset);
+}
+
+void Shaft::addPlane(const dvec3& normal, double offset) {
+  OutwardPlane& plane = planes_[plane_count_++];
+  plane.offset = offset;
+  for (int axis = 0; axis < 3; ++axis) {
+    plane.normal[axis] = normal[axis];
+    plane.bounds[axis] = normal[axis] > 0 ? axis : 3 + axis;
+  }
+}
+
+void Shaft::keepInside(const BlockerList& from, BlockerList& to, Vectors vectors) const {
+  to.clear(from.size());
   runVectorised(
       vectors, [&]() __attribute__((always_inline)) { keepInsideAll(from, to); });
+  to.close();
 }
 
-[[gnu::always_inline]] inline void BoxShaft::keepInsideAll(const BlockerList& from, BlockerList& to) const {
-  for (size_t first = 0; first < from.size(); first += kBlockerLanes) {
+[[gnu::always_inline]] inline void Shaft::keepInsideAll(const BlockerList& from, BlockerList& to) const {
+  for (size_t g = 0; g < from.groupCount(); ++g) {
+    const BlockerList::Group& group = from.group(g);
+    // How far the nearest point of each box is outside the shaft.
     Doubles outside = all(-double(INFINITY));
+    for (int axis = 0; axis < 3; ++axis) {
+      outside = greatest(outside, load<Doubles>(group.bounds[axis]) - both_.high[axis]);
+      outside = greatest(outside, both_.low[axis] - load<Doubles>(group.bounds[3 + axis]));
+    }
     for (int p = 0; p < plane_count_; ++p) {
       const OutwardPlane& plane = planes_[p];
-      Doubles nearest = all(kTouchingShaft - plane.offset);
-      for (int axis = 0; axis < 3; ++axis) {
-        if (plane.normal[axis] == 0) continue;
-        const auto& bound = plane.normal[axis] > 0 ? from.low[axis] : from.high[axis];
-        nearest += plane.normal[axis] * load<Doubles>(&bound[first]);
-      }
+      const Doubles nearest = plane.normal[0] * load<Doubles>(group.bounds[plane.bounds[0]]) +
+                              plane.normal[1] * load<Doubles>(group.bounds[plane.bounds[1]]) +
+                              plane.normal[2] * load<Doubles>(group.bounds[plane.bounds[2]]) - plane.offset;
       outside = greatest(outside, nearest);
     }
-    for (size_t k = 0; k < kBlockerLanes && first + k < from.size(); ++k)
-      if (outside[k] < 0) to.add(from, first + k);
+    for (int k = 0; k < kBlockerLanes; ++k)
+      if (outside[k] < -kTouchingShaft) to.add(group, k);
   }
 }
 
-bool hidesBox(const Blocker& blocker, const Box& a, const Box& b) {
-  const auto cornerOf = [](const Box& box, int k) {
-    return dvec3(k & 1 ? box.high.x : box.low.x, k & 2 ? box.high.y : box.low.y, k & 4 ? box.high.z : box.low.z);
-  };
-  // Returns where the nearest and the farthest corner lie along the blocker's normal.
-  const auto rangeOf = [&](const Box& box) {
-    const dvec3 middle = 0.5 * (box.low + box.high), reach = 0.5 * (box.high - box.low);
-    const double at = glm::dot(blocker.normal, middle) - blocker.offset,
-                 spread = glm::dot(glm::abs(blocker.normal), reach);
-    return glm::dvec2(at - spread, at + spread);
-  };
-  const glm::dvec2 range_a = rangeOf(a), range_b = rangeOf(b);
-  const bool is_between = (range_a.x > kTouchingShaft && range_b.y < -kTouchingShaft) ||
-                          (range_a.y < -kTouchingShaft && range_b.x > kTouchingShaft);
+Corners::Corners(const Box& a, const Box& b) : count_(8), middles_{0.5 * (a.low + a.high), 0.5 * (b.low + b.high)} {
+  for (int k = 0; k < 8; ++k)
+    for (int axis = 0; axis < 3; ++axis)
+      first_[axis][k] = cornerOf(a, k)[axis], second_[axis][k] = cornerOf(b, k)[axis];
+}
+
+Corners::Corners(const Patch& a, const Box& b) : count_(4), middles_{a.middle, 0.5 * (b.low + b.high)} {
+  for (int k = 0; k < 8; ++k)
+    for (int axis = 0; axis < 3; ++axis)
+      first_[axis][k] = a.corners[k % 4][axis], second_[axis][k] = cornerOf(b, k)[axis];
+}
+
+[[gnu::always_inline]] inline bool Corners::areHiddenBy(const Blocker& blocker) const {
+  const Doubles from = heightsOf(first_, blocker), to = heightsOf(second_, blocker);
+  const double least_from = leastOf(from), largest_from = largestOf(from), least_to = leastOf(to),
+               largest_to = largestOf(to);
+  const bool is_between = (least_from > kTouchingShaft && largest_to < -kTouchingShaft) ||
+                          (largest_from < -kTouchingShaft && least_to > kTouchingShaft);
   if (!is_between) return false;
-  for (int i = 0; i < 8; ++i) {
-    const dvec3 p = cornerOf(a, i);
-    const double height_p = glm::dot(blocker.normal, p) - blocker.offset;
-    for (int j = 0; j < 8; ++j) {
-      const dvec3 q = cornerOf(b, j);
-      const double height_q = glm::dot(blocker.normal, q) - blocker.offset;
-      const dvec3 x = p + height_p / (height_p - height_q) * (q - p);
-      for (uint32_t e = 0; e < blocker.corner_count; ++e)
-        if (glm::dot(blocker.edge_normals[e], x) - blocker.edge_offsets[e] > 0) return false;
+  for (int i = 0; i < count_; ++i) {
+    const double p[3] = {first_[0][i], first_[1][i], first_[2][i]}, height = from[i];
+    const Doubles t = height / (height - to), x = p[0] + t * (second_[0] - p[0]), y = p[1] + t * (second_[1] - p[1]),
+                  z = p[2] + t * (second_[2] - p[2]);
+    Doubles beyond = all(-double(INFINITY));
+    for (uint32_t e = 0; e < blocker.corner_count; ++e) {
+      const dvec3& m = blocker.edge_normals[e];
+      beyond = greatest(beyond, m.x * x + m.y * y + m.z * z - blocker.edge_offsets[e]);
     }
+    if (!(largestOf(beyond) <= 0)) return false;
   }
   return true;
+}
+
+bool Corners::areHidden(const Blocker& blocker, Vectors vectors) const {
+  bool are_hidden = false;
+  runVectorised(
+      vectors, [&]() __attribute__((always_inline)) { are_hidden = areHiddenBy(blocker); });
+  return are_hidden;
+}
+
+uint32_t Corners::findHider(const std::vector<Blocker>& blockers, const BlockerList& list, Vectors vectors) const {
+  uint32_t found = UINT32_MAX;
+  runVectorised(
+      vectors, [&]() __attribute__((always_inline)) {
+        // A blocker that hides all meets the line between the middles.
+        constexpr double kLeast = 1e-300;
+        double per_length[3];
+        for (int axis = 0; axis < 3; ++axis) {
+          const double length = middles_[1][axis] - middles_[0][axis];
+          per_length[axis] = 1 / (std::abs(length) > kLeast ? length : kLeast);
+        }
+        for (size_t g = 0; g < list.groupCount(); ++g) {
+          const BlockerList::Group& group = list.group(g);
+          Doubles enters = all(0.0), leaves = all(1.0);
+          for (int axis = 0; axis < 3; ++axis) {
+            const Doubles one = (load<Doubles>(group.bounds[axis]) - middles_[0][axis]) * per_length[axis],
+                          other = (load<Doubles>(group.bounds[3 + axis]) - middles_[0][axis]) * per_length[axis];
+            enters = greatest(enters, least(one, other)), leaves = least(leaves, greatest(one, other));
+          }
+          const Doubles inside = leaves - enters;
+          for (int k = 0; k < kBlockerLanes; ++k) {
+            if (!(inside[k] >= -kTouchingShaft) || group.indices[k] == UINT32_MAX) continue;
+            if (!areHiddenBy(blockers[group.indices[k]])) continue;
+            found = group.indices[k];
+            return;
+          }
+        }
+      });
+  return found;
 }
 
 PatchShaft::PatchShaft(const Patch& a, const Patch& b) : a_(a), b_(b) {
   for (int axis = 0; axis < 3; ++axis)
     for (int k = 0; k < 4; ++k) corners_[axis][k] = a.corners[k][axis], corners_[axis][4 + k] = b.corners[k][axis];
-  addTangents(a, b);
-  addTangents(b, a);
-  const dvec3 low = glm::min(a.low, b.low), high = glm::max(a.high, b.high);
+}
+
+void PatchShaft::findPlanes() {
+  const auto addTangents = [&](const Patch& a, const Patch& b) {
+    addPlane(-a.normal, -a.offset);
+    double heights[4];
+    for (uint32_t k = 0; k < b.corner_count; ++k) heights[k] = glm::dot(a.normal, b.corners[k]) - a.offset;
+    for (uint32_t e = 0; e < a.corner_count; ++e) {
+      const Tangent tangent = tangentOf(a, e, std::span(b.corners, b.corner_count), std::span(heights, b.corner_count));
+      if (tangent.is_found) addPlane(tangent.normal, tangent.offset);
+    }
+  };
+  addTangents(a_, b_);
+  addTangents(b_, a_);
+  const dvec3 low = glm::min(a_.low, b_.low), high = glm::max(a_.high, b_.high);
   for (int axis = 0; axis < 3; ++axis) {
     dvec3 normal(0);
     normal[axis] = 1;
     addPlane(normal, high[axis]);
     addPlane(-normal, -low[axis]);
   }
-  while (plane_count_ < 16) addPlane(-a.normal, -a.offset);
+  used_planes_ = plane_count_;
+  while (plane_count_ < 16) addPlane(-a_.normal, -a_.offset);
 }
 
 void PatchShaft::addPlane(const dvec3& normal, double offset) {
   for (int axis = 0; axis < 3; ++axis) planes_[axis][plane_count_] = normal[axis];
   planes_[3][plane_count_++] = -offset;
-}
-
-// Adds a's plane, and through each edge of a the plane whose inner side has all parts of b that a can see.
-void PatchShaft::addTangents(const Patch& a, const Patch& b) {
-  addPlane(-a.normal, -a.offset);
-  double height[4];
-  for (uint32_t k = 0; k < b.corner_count; ++k) height[k] = glm::dot(a.normal, b.corners[k]) - a.offset;
-  for (uint32_t e = 0; e < a.corner_count; ++e) {
-    double outward[4], slope = -INFINITY;
-    for (uint32_t k = 0; k < b.corner_count; ++k) {
-      outward[k] = glm::dot(a.edge_normals[e], b.corners[k]) - a.edge_offsets[e];
-      if (height[k] > kTouchingShaft) slope = std::max(slope, outward[k] / height[k]);
-    }
-    // Where b crosses a's plane beyond the edge no plane through the edge has it on its inner side.
-    bool is_open = false;
-    for (uint32_t k = 0; k < b.corner_count; ++k) {
-      if (height[k] <= kTouchingShaft && height[k] >= -kTouchingShaft) is_open |= outward[k] > kTouchingShaft;
-      for (uint32_t m = 0; m < b.corner_count; ++m)
-        if (height[k] > kTouchingShaft && height[m] < -kTouchingShaft)
-          is_open |= outward[m] * height[k] - outward[k] * height[m] > 0;
-    }
-    if (is_open || !(slope > -INFINITY)) continue;
-    const double scale = 1 / std::sqrt(1 + slope * slope);
-    addPlane(scale * (a.edge_normals[e] - slope * a.normal), scale * (a.edge_offsets[e] - slope * a.offset));
-  }
 }
 
 [[gnu::always_inline]] inline bool PatchShaft::isOutside(const Blocker& blocker) const {
@@ -199,8 +270,18 @@ void PatchShaft::addTangents(const Patch& a, const Patch& b) {
   return true;
 }
 
-bool PatchShaft::isHidden(const std::vector<Blocker>& blockers, std::span<const uint32_t> from,
-                          std::vector<uint32_t>& between, Vectors vectors) const {
+bool PatchShaft::isHiddenBy(const Blocker& blocker, Vectors vectors) const {
+  if (blocker.plane == a_.plane || blocker.plane == b_.plane) return false;
+  bool is_hidden = false;
+  runVectorised(
+      vectors, [&]() __attribute__((always_inline)) { is_hidden = hides(blocker, heightsOf(corners_, blocker)); });
+  return is_hidden;
+}
+
+bool PatchShaft::isHidden(const std::vector<Blocker>& blockers, const BlockerList& from, std::vector<uint32_t>& between,
+                          Vectors vectors) {
+  if (from.size() == 0) return false;
+  findPlanes();
   bool is_hidden = false;
   runVectorised(
       vectors, [&]() __attribute__((always_inline)) { is_hidden = isHiddenByOne(blockers, from, between); });
@@ -208,17 +289,29 @@ bool PatchShaft::isHidden(const std::vector<Blocker>& blockers, std::span<const 
 }
 
 [[gnu::always_inline]] inline bool PatchShaft::isHiddenByOne(const std::vector<Blocker>& blockers,
-                                                             std::span<const uint32_t> from,
+                                                             const BlockerList& from,
                                                              std::vector<uint32_t>& between) const {
-  for (const uint32_t index : from) {
-    const Blocker& blocker = blockers[index];
-    if (blocker.plane == a_.plane || blocker.plane == b_.plane) continue;
-    const Doubles heights = corners_[0] * blocker.normal.x + corners_[1] * blocker.normal.y +
-                            corners_[2] * blocker.normal.z - blocker.offset;
-    if (largestOf(heights) <= kTouchingShaft || leastOf(heights) >= -kTouchingShaft) continue;
-    if (isOutside(blocker)) continue;
-    between.push_back(index);
-    if (hides(blocker, heights)) return true;
+  int bounds[3][16];
+  for (int p = 0; p < used_planes_; ++p)
+    for (int axis = 0; axis < 3; ++axis) bounds[axis][p] = planes_[axis][p] > 0 ? axis : 3 + axis;
+  for (size_t g = 0; g < from.groupCount(); ++g) {
+    const BlockerList::Group& group = from.group(g);
+    // How far the nearest point of each box is outside the shaft: boxes first, eight at once, then corners.
+    Doubles outside = all(-double(INFINITY));
+    for (int p = 0; p < used_planes_; ++p)
+      outside = greatest(outside, planes_[0][p] * load<Doubles>(group.bounds[bounds[0][p]]) +
+                                      planes_[1][p] * load<Doubles>(group.bounds[bounds[1][p]]) +
+                                      planes_[2][p] * load<Doubles>(group.bounds[bounds[2][p]]) + planes_[3][p]);
+    for (int k = 0; k < kBlockerLanes; ++k) {
+      if (!(outside[k] < -kTouchingShaft)) continue;
+      const Blocker& blocker = blockers[group.indices[k]];
+      if (blocker.plane == a_.plane || blocker.plane == b_.plane) continue;
+      const Doubles heights = heightsOf(corners_, blocker);
+      if (largestOf(heights) <= kTouchingShaft || leastOf(heights) >= -kTouchingShaft) continue;
+      if (isOutside(blocker)) continue;
+      between.push_back(group.indices[k]);
+      if (hides(blocker, heights)) return true;
+    }
   }
   return false;
 }

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "engines/vectorised.h"
-#include "pair_lines/blockers.h"
+#include "pair_lines/blocker_list.h"
 #include "pair_lines/lanes.h"
 #include "pair_lines/patches.h"
 
@@ -23,64 +23,74 @@ struct Box {
   glm::dvec3 low{0}, high{0};
 };
 
-// A BlockerList has blockers' boxes, a coordinate after the other, for tests of eight at once.
-class BlockerList {
+// A Shaft has planes around all lines between two ends, of which one is a box or a patch and the other a box.
+class Shaft {
  public:
-  void clear();
-  void add(uint32_t index, const Blocker& blocker);
-  // Copies entry k of another list.
-  void add(const BlockerList& from, size_t k);
-  size_t size() const { return indices.size(); }
-  // Appends entries that nothing reads up to a multiple of eight.
-  void pad();
-
-  std::vector<uint32_t> indices;
-  std::vector<double> low[3], high[3];
-};
-
-// A BoxShaft has the planes of a shaft between two boxes.
-class BoxShaft {
- public:
-  BoxShaft(const Box& a, const Box& b);
-  // Appends the blockers of `from` that may reach into the shaft.    In: from: padded    Cost: O(from).
+  Shaft(const Box& a, const Box& b);
+  Shaft(const Patch& a, const Box& b);
+  // Copies the blockers of `from` that may reach into the shaft, in their order.
+  //   Out: to: closed    Cost: O(from).
   void keepInside(const BlockerList& from, BlockerList& to, Vectors vectors) const;
 
  private:
+  void addPlane(const glm::dvec3& normal, double offset);
   void keepInsideAll(const BlockerList& from, BlockerList& to) const;
   struct OutwardPlane {
-    glm::dvec3 normal{0};
-    double offset = 0;
+    double normal[3];
+    double offset;
+    int bounds[3];  // of BlockerList::Group: the side of a box that is nearest
   };
-  OutwardPlane planes_[18];
+  Box both_;
+  OutwardPlane planes_[17];  // twelve of two boxes, a patch's plane, and four through its edges
   int plane_count_ = 0;
 };
 
-// Returns whether the blocker hides all of one box from all of the other.
-bool hidesBox(const Blocker& blocker, const Box& a, const Box& b);
+// Corners are the corners of two convex ends, up to eight each, for tests of blockers that hide all.
+class Corners {
+ public:
+  Corners(const Box& a, const Box& b);
+  Corners(const Patch& a, const Box& b);
+
+  // Returns whether the blocker hides all of one end from all of the other.
+  bool areHidden(const Blocker& blocker, Vectors vectors) const;
+  // Finds a blocker that does.    Out: an index, or UINT32_MAX
+  uint32_t findHider(const std::vector<Blocker>& blockers, const BlockerList& list, Vectors vectors) const;
+
+ private:
+  bool areHiddenBy(const Blocker& blocker) const;
+
+  int count_ = 0;      // of the first end
+  Doubles first_[3];   // the first end's
+  Doubles second_[3];  // the second end's
+  glm::dvec3 middles_[2];
+};
 
 // A PatchShaft is the shaft of two patches that do not lie in one plane.
 class PatchShaft {
  public:
+  //   In: a, b: referred to
   PatchShaft(const Patch& a, const Patch& b);
+  // Returns whether one blocker hides all.
+  bool isHiddenBy(const Blocker& blocker, Vectors vectors) const;
   // Finds the blockers between the patches. Returns whether one of them hides all.
-  //   In: from: indices of blockers; blockers of the patches' planes are passed over
+  //   In: from: blockers of the patches' planes are passed over
   //   Out: between: appended to, the blockers that some line may meet; the last one hides all where true is returned
   //   Cost: O(from).
-  bool isHidden(const std::vector<Blocker>& blockers, std::span<const uint32_t> from, std::vector<uint32_t>& between,
-                Vectors vectors) const;
+  bool isHidden(const std::vector<Blocker>& blockers, const BlockerList& from, std::vector<uint32_t>& between,
+                Vectors vectors);
 
  private:
-  bool isHiddenByOne(const std::vector<Blocker>& blockers, std::span<const uint32_t> from,
+  void findPlanes();
+  bool isHiddenByOne(const std::vector<Blocker>& blockers, const BlockerList& from,
                      std::vector<uint32_t>& between) const;
-  void addTangents(const Patch& a, const Patch& b);
   void addPlane(const glm::dvec3& normal, double offset);
   bool isOutside(const Blocker& blocker) const;
   bool hides(const Blocker& blocker, const Doubles& heights) const;
 
   const Patch &a_, &b_;
   Doubles corners_[3];  // four of a, four of b
-  int plane_count_ = 0;
-  alignas(64) double planes_[4][16];  // outward normals and minus their offsets
+  int plane_count_ = 0, used_planes_ = 0;
+  alignas(64) double planes_[4][16];  // outward normals and minus their offsets; unused ones repeat the first
 };
 
 }  // namespace viewpeel

@@ -1,0 +1,52 @@
+// A BlockerList has blockers' boxes, eight at a time and a coordinate after the other, for tests in vectors.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "pair_lines/blockers.h"
+#include "pair_lines/lanes.h"
+
+namespace viewpeel {
+
+class BlockerList {
+ public:
+  // A Group has the boxes of eight blockers; the last group's places after the end are empty boxes beyond everything.
+  struct alignas(64) Group {
+    // low x, y, z, then high x, y, z
+    double bounds[6][kBlockerLanes];
+    uint32_t indices[kBlockerLanes];
+  };
+
+  // Takes all members out and makes room for so many.
+  void clear(size_t most) {
+    size_ = 0;
+    if (groups_.size() < most / kBlockerLanes + 1) groups_.resize(most / kBlockerLanes + 1);
+  }
+  void add(uint32_t index, const Blocker& blocker) {
+    Group& group = groups_[size_ / kBlockerLanes];
+    const size_t at = size_++ % kBlockerLanes;
+    group.indices[at] = index;
+    for (int axis = 0; axis < 3; ++axis)
+      group.bounds[axis][at] = blocker.low[axis], group.bounds[3 + axis][at] = blocker.high[axis];
+  }
+  // Copies one place of another list's group.
+  VIEWPEEL_INLINE void add(const Group& from, int lane) {
+    Group& group = groups_[size_ / kBlockerLanes];
+    const size_t at = size_++ % kBlockerLanes;
+    group.indices[at] = from.indices[lane];
+    for (int bound = 0; bound < 6; ++bound) group.bounds[bound][at] = from.bounds[bound][lane];
+  }
+  // Fills the last group up, after the last add().
+  void close();
+
+  size_t size() const { return size_; }
+  size_t groupCount() const { return (size_ + kBlockerLanes - 1) / kBlockerLanes; }
+  const Group& group(size_t k) const { return groups_[k]; }
+  uint32_t operator[](size_t k) const { return groups_[k / kBlockerLanes].indices[k % kBlockerLanes]; }
+
+ private:
+  size_t size_ = 0;
+  std::vector<Group> groups_;
+};
+
+}  // namespace viewpeel
