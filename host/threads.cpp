@@ -4,18 +4,43 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <exception>
+#include <fstream>
 #include <mutex>
+#include <sstream>
 #include <thread>
 #include <vector>
 
+#include "processor_quota.h"
+
 namespace viewpeel {
 
-size_t threadCount() {
+namespace {
+
+std::atomic<size_t> most_threads = 0;
+
+size_t processorsAllowed() {
+  static const double quota = [] {
+    std::stringstream membership;
+    membership << std::ifstream("/proc/self/cgroup").rdbuf();
+    return processorQuota("/sys/fs/cgroup", membership.str());
+  }();
   cpu_set_t allowed;
-  return ::sched_getaffinity(0, sizeof allowed, &allowed) == 0 ? std::max(1, CPU_COUNT(&allowed))
-                                                               : std::max(1u, std::thread::hardware_concurrency());
+  const int processors = ::sched_getaffinity(0, sizeof allowed, &allowed) == 0
+                             ? CPU_COUNT(&allowed)
+                             : static_cast<int>(std::thread::hardware_concurrency());
+  return static_cast<size_t>(std::max(1.0, std::min(double(processors), std::ceil(quota))));
 }
+
+}  // namespace
+
+size_t threadCount() {
+  const size_t limit = most_threads, allowed = processorsAllowed();
+  return limit ? std::min(limit, allowed) : allowed;
+}
+
+void limitThreads(size_t most) { most_threads = most; }
 
 size_t threadsFor(size_t entries) {
   constexpr size_t kFew = 20'000;  // about 0.1 ms

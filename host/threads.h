@@ -5,8 +5,12 @@
 
 namespace viewpeel {
 
-// Returns the number of processors that the process may run on (taskset).
+// Returns the number of threads for work of any size: as many as the processors that the process may run on (taskset),
+// but no more than its control group allows the time of, nor than limitThreads() said last.
 size_t threadCount();
+
+// Limits threadCount() from here on.    In: 0: no limit
+void limitThreads(size_t most);
 
 // Returns the number of threads for lists of this many entries, one where a second would take longer to start.
 size_t threadsFor(size_t entries);

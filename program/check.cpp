@@ -159,6 +159,7 @@ void addCheck(CLI::App& app, Run& chosen) {
   command->add_flag("--blocked", options->check.blocked, "Pairs whose fronts look at each other past something, too");
   addSceneOptions(command, options->scene_options);
   command->add_flag("--two-sided", options->two_sided, "Every polygon emits and receives on both sides");
+  addThreadsOption(command);
   command->add_option("--device", options->device.selector, "Vulkan device: index, part of its name, cpu or gpu")
       ->type_name("DEVICE");
   command->add_flag("--json", options->json, "Print the report as JSON");

@@ -1,11 +1,15 @@
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "program/commands.h"
+#include "program/mistakes.h"
 #include "program/view3d.h"
 #include <viewpeel/error.h>
 #include "memory.h"
@@ -42,9 +46,14 @@ int main(int argc, char** argv) {
   viewpeel::program::addCheck(app, chosen);
   viewpeel::program::addMerge(app, chosen);
   viewpeel::program::addDevices(app, chosen);
+  std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
   try {
     const bool is_view3d = viewpeel::program::isView3d(argv[0]);
-    if (!is_view3d) app.parse(argc, argv);
+    if (!is_view3d) {
+      viewpeel::program::addDefaultCommand(app, arguments);
+      std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());  // parse takes them from the back
+      app.parse(reversed);
+    }
     const int status = is_view3d ? viewpeel::program::runView3d(argc, argv) : chosen();
     errno = 0;
     if (std::fflush(stdout) != 0 || std::ferror(stdout))
@@ -54,7 +63,7 @@ int main(int argc, char** argv) {
     return status;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // help and version
-    report(fmt::format("{}; see 'viewpeel --help'", error.what()));
+    report(viewpeel::program::describeMistake(app, arguments, error));
     return kBadUsage;
   } catch (const viewpeel::Error& error) {
     report(error.what());

@@ -1,5 +1,9 @@
 #include "program/options.h"
 
+#include <cstdlib>
+
+#include "threads.h"
+
 namespace viewpeel::program {
 
 void addSceneOptions(CLI::App* command, SceneOptions& options) {
@@ -25,6 +29,19 @@ void addSceneOptions(CLI::App* command, SceneOptions& options) {
                     {{"m", 1}, {"mm", 1e-3}, {"cm", 1e-2}, {"in", 0.0254}, {"ft", 0.3048}},
                     "Unit of length of the scene file. Form factors have none; areas and corners in results are in "
                     "metres");
+}
+
+void addThreadsOption(CLI::App* command) {
+  const auto limit = [](const uint32_t& threads) {
+    limitThreads(threads);
+    // Mesa's lavapipe reads it when a device is opened.
+    ::setenv("LP_NUM_THREADS", std::to_string(threads).c_str(), 1);
+  };
+  command
+      ->add_option_function<uint32_t>("-j,--threads", limit,
+                                      "Threads on the processor, at most; as many as it has cores for this program")
+      ->type_name("N")
+      ->check(CLI::Range(1u, 4096u).description(""));
 }
 
 }  // namespace viewpeel::program

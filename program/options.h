@@ -50,4 +50,7 @@ void addChoice(CLI::App* command, const std::string& name, T& value,
 // Adds the options for questions that a file leaves open: --sheets, --solids, --flip and --fix-normals.
 void addSceneOptions(CLI::App* command, SceneOptions& options);
 
+// Adds --threads, which limits all work on the processor, also that of a Vulkan device in software.
+void addThreadsOption(CLI::App* command);
+
 }  // namespace viewpeel::program

@@ -157,6 +157,7 @@ std::shared_ptr<RequestOptions> addRequestOptions(CLI::App* command) {
       ->check(isWholeNumber)
       ->capture_default_str();
   command->add_flag("--two-sided", request.two_sided, "Every polygon emits and receives on both sides");
+  addThreadsOption(command);
   command->add_option("--device", request.device.selector, "Vulkan device: index, part of its name, cpu or gpu")
       ->type_name("DEVICE");
   command

@@ -285,6 +285,7 @@ void addSolve(CLI::App& app, Run& chosen) {
                    "merge --scene; may be given several times")
       ->type_name("FILE")
       ->allow_extra_args(false);
+  addThreadsOption(command);
   addComputing(command, *options);
   command->add_flag("--quiet", options->quiet, "Print nothing but errors and warnings");
   command->callback([options, &chosen] { chosen = [options] { return runSolve(*options); }; });

@@ -151,7 +151,7 @@ TEST_F(BadInput, OptionsOutOfRangeContradictoryOrRepeated) {
       {"-o " + file("a.csv") + " -o " + file("./a.csv"), "written twice"},
       {"-o " + file("a.csv") + " --checkpoint " + file("a.csv"), "written twice"},
       {"--balance -o " + file("a.mtx") + " --checkpoint " + file("a.balanced.mtx"), "written twice"},
-      {"another.obj", "not expected"},
+      {"another.obj", "is not expected"},
   };
   for (const auto& [options, part] : cases) expectOneLine(run(kPlates + options), 2, "", part);
   EXPECT_EQ(files(), std::vector<std::string>{});

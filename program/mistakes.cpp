@@ -1,0 +1,106 @@
+#include "program/mistakes.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <numeric>
+
+#include <fmt/format.h>
+
+namespace viewpeel::program {
+namespace {
+
+// Returns how many letters have to be put in, left out or changed (V. Levenshtein, Binary codes capable of correcting
+// deletions, insertions, and reversals, 1966), where - and _ are the same.
+size_t distanceOf(const std::string& a, const std::string& b) {
+  const auto areSame = [](char x, char y) { return x == y || (x == '-' && y == '_') || (x == '_' && y == '-'); };
+  std::vector<size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), size_t(0));
+  for (size_t i = 0; i < a.size(); ++i) {
+    size_t diagonal = std::exchange(row[0], i + 1);
+    for (size_t j = 0; j < b.size(); ++j) {
+      const size_t changed = diagonal + (areSame(a[i], b[j]) ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({changed, row[j] + 1, row[j + 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+// Returns the word that begins with the given one, or the nearest by at most a third of its letters.
+std::optional<std::string> nearestOf(const std::string& given, const std::vector<std::string>& words) {
+  std::optional<std::string> nearest;
+  size_t least = given.size() / 3 + 1;
+  for (const std::string& word : words) {
+    const size_t distance = given.size() > 3 && word.starts_with(given) ? 1 : distanceOf(given, word);
+    if (distance >= least) continue;
+    least = distance;
+    nearest = word;
+  }
+  return nearest;
+}
+
+std::vector<std::string> commandsOf(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+    if (!command->get_name().empty()) names.push_back(command->get_name());
+  return names;
+}
+
+std::vector<std::string> optionsOf(const CLI::App& command) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  return names;
+}
+
+std::string suggest(const std::optional<std::string>& nearest) {
+  return nearest ? fmt::format("; did you mean {}?", *nearest) : "";
+}
+
+// Returns the first argument that is an option no command has; empty where there is none.
+std::string unknownOption(const CLI::App& command, const std::vector<std::string>& arguments) {
+  const std::vector<std::string> names = optionsOf(command);
+  for (const std::string& argument : arguments) {
+    if (argument == "--") break;
+    const std::string name = argument.substr(0, argument.find('='));
+    if (name.starts_with("--") && std::ranges::find(names, name) == names.end()) return name;
+  }
+  return "";
+}
+
+}  // namespace
+
+void addDefaultCommand(const CLI::App& app, std::vector<std::string>& arguments) {
+  if (arguments.empty() || arguments[0].starts_with("-")) return;
+  const std::vector<std::string> commands = commandsOf(app);
+  std::error_code failure;
+  if (std::ranges::find(commands, arguments[0]) == commands.end() && std::filesystem::exists(arguments[0], failure))
+    arguments.insert(arguments.begin(), "compute");
+}
+
+std::string describeMistake(const CLI::App& app, const std::vector<std::string>& arguments,
+                            const CLI::ParseError& error) {
+  const std::vector<const CLI::App*> chosen = [&] {
+    const auto parsed = app.get_subcommands();
+    return std::vector<const CLI::App*>(parsed.begin(), parsed.end());
+  }();
+  if (chosen.empty()) {
+    const std::string list = fmt::format("{}", fmt::join(commandsOf(app), ", "));
+    if (arguments.empty() || arguments[0].starts_with("-"))
+      return fmt::format("{}; name one of {}; see 'viewpeel --help'", error.what(), list);
+    const std::optional<std::string> nearest = nearestOf(arguments[0], commandsOf(app));
+    return fmt::format("'{}' is neither a command nor a file{}; commands are {}; see 'viewpeel --help'", arguments[0],
+                       suggest(nearest), list);
+  }
+  const CLI::App& command = *chosen.front();
+  const std::string help = fmt::format("; see 'viewpeel {} --help'", command.get_name());
+  if (dynamic_cast<const CLI::ExtrasError*>(&error)) {
+    if (const std::string option = unknownOption(command, arguments); !option.empty())
+      return fmt::format("there is no option {}{}{}", option, suggest(nearestOf(option, optionsOf(command))), help);
+    std::vector<std::string> extra = app.remaining(true);
+    return fmt::format("'{}' is not expected{}", extra.empty() ? "" : extra.front(), help);
+  }
+  return error.what() + help;
+}
+
+}  // namespace viewpeel::program

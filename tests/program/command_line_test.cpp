@@ -1,0 +1,59 @@
+// Command lines as users type them: what is wrong is said in one line, with the word that was meant.
+#include "tests/support/program.h"
+
+namespace viewpeel {
+namespace {
+
+const std::string kCube = VIEWPEEL_SCENES "/cube.obj";
+
+TEST_F(Program, MistypedWordsAreCorrectedInOneLine) {
+  struct Case {
+    std::string arguments, first, last;
+  };
+  for (const Case& c : std::vector<Case>{
+           {"comput " + kCube, "'comput' is neither a command nor a file; did you mean compute?", "viewpeel --help'"},
+           {"nothing.obj", "'nothing.obj' is neither a command nor a file; commands are compute", "viewpeel --help'"},
+           {"", "A subcommand is required; name one of compute, ", "viewpeel --help'"},
+           {"compute " + kCube + " --tol 1", "there is no option --tol; did you mean --tolerance?", "compute --help'"},
+           {"compute " + kCube + " --two_sided", "there is no option --two_sided; did you mean --two-sided?",
+            "compute --help'"},
+           {"plan " + kCube + " --resoluton=9", "there is no option --resoluton; did you mean --resolution?",
+            "plan --help'"},
+           {"compute " + kCube + " --zzzzzzz", "there is no option --zzzzzzz; see", "compute --help'"},
+           {"compute " + kCube + " one two", "'one' is not expected", "compute --help'"},
+           {"compute " + kCube + " --directions", "--directions: 1 required N missing", "compute --help'"}}) {
+    const Result r = run(c.arguments);
+    EXPECT_EQ(r.status, 2) << c.arguments;
+    EXPECT_EQ(r.output.find("viewpeel: " + c.first), 0u) << r.output;
+    EXPECT_EQ(std::count(r.output.begin(), r.output.end(), '\n'), 1) << r.output;
+    EXPECT_EQ(r.output.substr(r.output.size() - c.last.size() - 1), c.last + "\n") << r.output;
+  }
+}
+
+TEST_F(Program, ASceneAloneIsComputed) {
+  const std::string rest = " --directions 16 --quiet -o ";
+  const Result r = run(kCube + rest + file("a.csv"));
+  EXPECT_EQ(r.status, 0) << r.output;
+  ASSERT_EQ(run("compute " + kCube + rest + file("b.csv")).status, 0);
+  EXPECT_EQ(readFile(file("a.csv")), readFile(file("b.csv")));
+  EXPECT_NE(readFile(file("a.csv")), "");
+}
+
+TEST_F(Program, ThreadsAreLimited) {
+  const Result r = run(kCube + " --threads 1 --directions 16");
+  EXPECT_EQ(r.status, 0) << r.output;
+  EXPECT_EQ(r.output.find("device     processor, 1 thread\n"), 0u) << r.output;
+  EXPECT_EQ(run(kCube + " --threads 0").status, 2);
+}
+
+TEST_F(Program, FilesThatWereThereAreSaidToBeReplaced) {
+  const std::string arguments = kCube + " --directions 16 -o " + file("a.csv");
+  EXPECT_NE(run(arguments).output.find("\nwritten    " + file("a.csv")), std::string::npos);
+  const Result again = run(arguments);
+  EXPECT_NE(again.output.find("\nreplaced   " + file("a.csv")), std::string::npos) << again.output;
+  EXPECT_EQ(again.output.find("kept       nothing"), std::string::npos) << again.output;
+  EXPECT_NE(run(kCube + " --directions 16").output.find("\nkept       nothing but this summary"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace viewpeel

@@ -1,0 +1,69 @@
+// Control groups limit the time of processors, not their number: version 2 and version 1, the group itself and those
+// above it.
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "host/processor_quota.h"
+#include "host/threads.h"
+
+namespace viewpeel {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ProcessorQuota : public testing::Test {
+ protected:
+  void TearDown() override { fs::remove_all(groups_); }
+  void write(const std::string& file, const std::string& text) {
+    fs::create_directories((groups_ / file).parent_path());
+    std::ofstream(groups_ / file) << text;
+  }
+  fs::path groups_ = fs::temp_directory_path() / ("viewpeel_quota_test_" + std::to_string(::getpid()));
+};
+
+TEST_F(ProcessorQuota, IsTheLeastOfAGroupAndThoseAboveIt) {
+  EXPECT_EQ(processorQuota(groups_, "0::/job/step\n"), INFINITY);
+  write("job/step/cpu.max", "max 100000\n");
+  EXPECT_EQ(processorQuota(groups_, "0::/job/step\n"), INFINITY);
+  write("job/cpu.max", "250000 100000\n");
+  EXPECT_EQ(processorQuota(groups_, "0::/job/step\n"), 2.5);
+  EXPECT_EQ(processorQuota(groups_, "0::/other\n"), INFINITY);
+  write("cpu.max", "50000 100000\n");
+  EXPECT_EQ(processorQuota(groups_, "0::/job/step\n"), 0.5);
+  EXPECT_EQ(processorQuota(groups_, "0::/\n"), 0.5);  // as a container sees its own group
+}
+
+TEST_F(ProcessorQuota, OfVersion1IsThatOfTheProcessorsController) {
+  write("cpu,cpuacct/job/cpu.cfs_quota_us", "300000\n");
+  write("cpu,cpuacct/job/cpu.cfs_period_us", "100000\n");
+  write("cpu,cpuacct/free/cpu.cfs_quota_us", "-1\n");
+  write("cpu,cpuacct/free/cpu.cfs_period_us", "100000\n");
+  write("memory/job/cpu.cfs_quota_us", "1\n");
+  write("memory/job/cpu.cfs_period_us", "100000\n");
+  EXPECT_EQ(processorQuota(groups_, "9:memory:/job\n4:cpu,cpuacct:/job\n"), 3);
+  EXPECT_EQ(processorQuota(groups_, "4:cpu,cpuacct:/free\n"), INFINITY);
+}
+
+TEST_F(ProcessorQuota, NonsenseIsNoLimit) {
+  write("job/cpu.max", "many\n");
+  write("half/cpu.max", "100000\n");
+  for (const char* text : {"", "nonsense", "0:", "0::/job\n", "0::/half\n", "0::/../..\n"})
+    EXPECT_EQ(processorQuota(groups_, text), INFINITY) << text;
+}
+
+TEST(Threads, LimitHoldsUntilItIsLifted) {
+  const size_t all = threadCount();
+  limitThreads(1);
+  EXPECT_EQ(threadCount(), 1u);
+  limitThreads(all + 5);
+  EXPECT_EQ(threadCount(), all);
+  limitThreads(0);
+  EXPECT_EQ(threadCount(), all);
+}
+
+}  // namespace
+}  // namespace viewpeel
