@@ -259,8 +259,13 @@ std::vector<DrawnLines> DeviceLines::draw(std::span<const LineTask> tasks, const
   struct Waiting {
     State& of;
     ~Waiting() {
-      for (Slot& slot : of.slots)
-        if (std::exchange(slot.is_busy, false)) slot.commands.wait();
+      for (Slot& slot : of.slots) {
+        if (!std::exchange(slot.is_busy, false)) continue;
+        try {
+          slot.commands.wait();
+        } catch (const Error&) {  // the device is lost, as another call has said
+        }
+      }
     }
   } waiting{state};
   Place next;

@@ -6,6 +6,7 @@
 
 #include <glm/glm.hpp>
 
+#include <viewpeel/error.h>
 #include "directions/replicates.h"
 #include "hash.h"
 #include "threads.h"
@@ -148,9 +149,7 @@ void PairLines::openDevice(std::span<const LinePair> pairs, std::span<const Line
     for (uint32_t part = group.first; part < group.first + group.count; ++part)
       if (parts_.pairs[part].blocker_count) tasks.push_back(taskOf(pairs[counts[k].pair], part, replicate, 1));
   }
-  if (agree(*device_lines_, tasks, finder_.patches(), finder_.blockers())) return;
-  device_lines_.reset();
-  device_ = nullptr;
+  if (!agree(*device_lines_, tasks, finder_.patches(), finder_.blockers())) device_lines_.reset();
 }
 
 // Draws the lines of pairs on the device, but for parts with too many blockers.    In, out: counts: with their pairs
@@ -192,6 +191,21 @@ void PairLines::drawOnDevice(std::span<const LinePair> pairs, std::span<LineCoun
     });
     counts[k].pair = pair;
   });
+}
+
+// Draws on the device. Returns false where it rounds otherwise, or lacks memory; it is not asked again then.
+bool PairLines::tryDevice(std::span<const LinePair> pairs, LineCounts& counts, uint64_t replicate, uint32_t times) {
+  try {
+    if (!device_lines_) openDevice(pairs, counts, replicate);
+    for (size_t first = 0; device_lines_ && first < counts.size(); first += kDeviceChunk)
+      drawOnDevice(pairs, std::span(counts).subspan(first, std::min(kDeviceChunk, counts.size() - first)), replicate,
+                   times);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::memory) throw;
+    device_lines_.reset();
+  }
+  if (!device_lines_) device_ = nullptr;
+  return device_lines_.has_value();
 }
 
 std::vector<PairLines::Part> PairLines::blockableParts(size_t pair) const {
@@ -283,13 +297,7 @@ LineCounts PairLines::count(std::span<const LinePair> pairs, uint64_t replicate,
   LineCounts counts(due.size());
   for (size_t k = 0; k < due.size(); ++k) counts[k].pair = due[k];
   const uint32_t more = wanted.empty() ? 1 : times;
-  if (device_ && !device_lines_ && !due.empty()) openDevice(pairs, counts, replicate);
-  if (device_lines_) {
-    for (size_t first = 0; first < counts.size(); first += kDeviceChunk)
-      drawOnDevice(pairs, std::span(counts).subspan(first, std::min(kDeviceChunk, counts.size() - first)), replicate,
-                   more);
-    return counts;
-  }
+  if (device_ && tryDevice(pairs, counts, replicate, more)) return counts;
   const Vectors vectors = widestVectors();
   forEach(due.size(), [&](size_t k) {
     counts[k] = draw(pairs[due[k]], groups_[due[k]], replicate, more, vectors);

@@ -80,6 +80,7 @@ class PairLines {
   template <class DrawnOf>
   LineCount combine(const LinePair& pair, const Group& group, uint32_t blocks, const DrawnOf& drawn_of) const;
   void openDevice(std::span<const LinePair> pairs, std::span<const LineCount> counts, uint64_t replicate);
+  bool tryDevice(std::span<const LinePair> pairs, LineCounts& counts, uint64_t replicate, uint32_t times);
   void drawOnDevice(std::span<const LinePair> pairs, std::span<LineCount> counts, uint64_t replicate, uint32_t times);
   bool isPartial(const Group& group) const;
   std::array<uint32_t, 4> scramblesOf(const PatchPair& part, uint64_t replicate) const;

@@ -109,6 +109,36 @@ TEST_F(Fault, LostDeviceKeepsTheCheckpoint) {
     expectOneLine(run(kOffice + planned, withFault("lost:8")), 1, {"the device was lost"});
 }
 
+// Pair lines on a device that is lost while it draws them, and on devices with less and less memory. The engine for
+// common directions takes some; where lines have none left the processor draws them.
+TEST_F(Fault, PairLinesOutliveTheDevice) {
+  const std::string street =
+      "compute " VIEWPEEL_SCENES
+      "/street.obj --quiet --tolerance 2e-2 --sampling lattice --pair-lines on --engine compute -o " +
+      file("a.csv");
+  ASSERT_EQ(run(street, withFault("")).status, 0);
+  const std::string whole = readFile(file("a.csv"));
+  const std::string kept = street + " --checkpoint-seconds 0 --checkpoint " + file("a.h5");
+  uint64_t most = 0;
+  for (int submission : {8, 20, 26}) {
+    fs::remove(file("a.csv"));
+    expectOneLine(run(kept, withFault(fmt::format("lost:{}", submission))), 1, {"the device was lost"});
+    most = std::max(most, replicatesOf("a.h5"));
+    ASSERT_EQ(run(kept + " --resume").status, 0) << submission;
+    EXPECT_TRUE(readFile(file("a.csv")) == whole) << submission;
+    fs::remove(file("a.h5"));
+  }
+  EXPECT_GE(most, 1u);
+  int drawn = 0;
+  for (const int kib : {65536, 34304, 33792}) {
+    fs::remove(file("a.csv"));
+    if (run(street, withFault(fmt::format("space:{}", kib))).status != 0) continue;
+    EXPECT_TRUE(readFile(file("a.csv")) == whole) << kib;
+    ++drawn;
+  }
+  EXPECT_GE(drawn, 2);
+}
+
 TEST_F(Fault, LackOfDeviceMemoryIsAClearError) {
   for (const std::string planned :
        {"--directions 50 --engine compute", "--tolerance 1e-3 --engine compute", "--epsilon 0.1 --engine compute",
