@@ -17,5 +17,6 @@ void addCheck(CLI::App& app, Run& chosen);
 void addDevices(CLI::App& app, Run& chosen);
 void addMerge(CLI::App& app, Run& chosen);
 void addSolve(CLI::App& app, Run& chosen);
+void addReport(CLI::App& app, Run& chosen);
 
 }  // namespace viewpeel::program

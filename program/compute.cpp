@@ -67,8 +67,10 @@ void warnOfGoal(const Request& request, const Result& result) {
 
 // Where balancing is refused, form factors are written as measured.
 void write(const ComputeOptions& options, const Result& result, const FormFactorRun& run, const Scene& scene) {
-  writeOutputs({result.form_factors, result.balanced ? &result.balanced->form_factors : nullptr, &scene,
-                parametersOf(settingsOf(run), result), options.shown, options.ccx_version},
+  auto parameters = parametersOf(settingsOf(run), result);
+  addOrigin(options.request, parameters);
+  writeOutputs({result.form_factors, result.balanced ? &result.balanced->form_factors : nullptr, &scene, parameters,
+                options.shown, nullptr, options.ccx_version},
                options.outputs);
   if (!result.balance_refusal) return;
   const Error& refusal = *result.balance_refusal;

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "program/command_line.h"
 #include "program/commands.h"
 #include "program/mistakes.h"
 #include "program/view3d.h"
@@ -33,6 +34,7 @@ void report(std::string message) {
 
 int main(int argc, char** argv) {
   viewpeel::keepFreedMemory();
+  viewpeel::program::keepCommandLine(argc, argv);
   CLI::App app(
       "viewpeel: form factors (view factors) of polygonal scenes with occlusion, for every pair at once, with a stated "
       "error",
@@ -45,6 +47,7 @@ int main(int argc, char** argv) {
   viewpeel::program::addPlan(app, chosen);
   viewpeel::program::addCheck(app, chosen);
   viewpeel::program::addMerge(app, chosen);
+  viewpeel::program::addReport(app, chosen);
   viewpeel::program::addDevices(app, chosen);
   std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
   try {

@@ -37,7 +37,7 @@ int runMerge(const MergeCommand& command) {
   }
   if (!command.checkpoint.empty()) writeCheckpoint(merged.settings, merged.sums, command.checkpoint);
   const Estimate estimate = run.estimate();
-  writeOutputs({estimate.form_factors, nullptr, scene, parametersOf(merged.settings, estimate), command.shown,
+  writeOutputs({estimate.form_factors, nullptr, scene, parametersOf(merged.settings, estimate), command.shown, nullptr,
                 command.ccx_version},
                command.outputs);
   if (command.quiet) return 0;

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "program/command_line.h"
 #include <viewpeel/error.h>
 #include <viewpeel/write.h>
 
@@ -71,11 +72,21 @@ std::vector<std::pair<std::string, std::string>> parametersOf(const Settings& se
   return parameters;
 }
 
+void addOrigin(const Request& request, std::vector<std::pair<std::string, std::string>>& parameters) {
+  parameters.emplace_back("command", commandLine());
+  const auto add = [&](const std::string& name, double value) {
+    if (std::ranges::find(parameters, name, &std::pair<std::string, std::string>::first) == parameters.end())
+      parameters.emplace_back(name, fmt::format("{}", value));
+  };
+  if (const auto* tolerance = std::get_if<Tolerance>(&request.goal)) add("tolerance", tolerance->standard_error);
+  if (const auto* guarantee = std::get_if<EpsilonDelta>(&request.goal)) add("epsilon", guarantee->epsilon);
+}
+
 void addOutputOptions(CLI::App* command, std::vector<std::string>& outputs, std::vector<std::string>& shown,
                       std::string& ccx_version) {
   command
       ->add_option("-o,--output", outputs,
-                   "Write the matrix: .csv, .mtx, .npz, .h5, .vtp or .vwf; may be given several times")
+                   "Write the matrix: .csv, .mtx, .npz, .h5, .vtp, .vwf, or a page: .html; may be given several times")
       ->type_name("FILE")
       ->allow_extra_args(false);
   command

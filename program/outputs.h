@@ -38,6 +38,9 @@ void writeOutputs(const OutputContent& content, const std::vector<std::string>& 
 //   In: settings: of a run or checkpoint, names with dashes
 std::vector<std::pair<std::string, std::string>> parametersOf(const Settings& settings, const Estimate& estimate);
 
+// Adds the command that made a result, and its goal: tolerance or epsilon.
+void addOrigin(const Request& request, std::vector<std::pair<std::string, std::string>>& parameters);
+
 // Returns the settings of a run, also of one that no checkpoint can keep: medians, with fewer.
 Settings settingsOf(const FormFactorRun& run);
 

@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <optional>
 #include <type_traits>
 
 #include <fmt/format.h>
@@ -131,6 +132,28 @@ Handle anyLengthType() {
   H5Tset_size(id, H5T_VARIABLE);
   H5Tset_cset(id, H5T_CSET_UTF8);
   return {id, H5Tclose};
+}
+
+// Returns a scalar attribute; nothing where it is of another kind.
+std::optional<std::string> attributeInWords(hid_t object, const char* name) {
+  const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
+  const Handle stored(H5Aget_type(attribute), H5Tclose), space(H5Aget_space(attribute), H5Sclose);
+  if (H5Sget_simple_extent_type(space) != H5S_SCALAR) return std::nullopt;
+  if (H5Tget_class(stored) == H5T_STRING && H5Tis_variable_str(stored) > 0) {
+    const Handle type = anyLengthType();
+    char* text = nullptr;
+    if (H5Aread(attribute, type, &text) < 0 || !text) return std::nullopt;
+    std::string value = text;
+    H5Dvlen_reclaim(type, space, H5P_DEFAULT, &text);
+    return value;
+  }
+  int64_t whole = 0;
+  if (H5Tget_class(stored) == H5T_INTEGER && H5Aread(attribute, H5T_NATIVE_INT64, &whole) >= 0)
+    return fmt::format("{}", whole);
+  double number = 0;
+  if (H5Tget_class(stored) == H5T_FLOAT && H5Aread(attribute, H5T_NATIVE_DOUBLE, &number) >= 0)
+    return fmt::format("{}", number);
+  return std::nullopt;
 }
 
 //   In: space: of the attribute's values
@@ -260,17 +283,28 @@ std::vector<char> Hdf5Output::finish() {
   return bytes;
 }
 
-Hdf5Input::Hdf5Input(const std::filesystem::path& file) : file_(file) {
+Hdf5Input::Hdf5Input(const std::filesystem::path& file, const char* kind, const char* remedy)
+    : file_(file), kind_(kind), remedy_(remedy) {
   errno = 0;
   std::ifstream stream(file, std::ios::binary);
   if (!stream || std::filesystem::is_directory(file))
     throw Error(ErrorCode::bad_input, fmt::format("{}: cannot be read: {}; check the name", file.string(),
                                                   errno ? std::strerror(errno) : "it is a directory"));
-  if (!endsInCheckSum(stream, std::filesystem::file_size(file))) refuse("it is another file, cut off or damaged");
+  size_bytes_ = std::filesystem::file_size(file);
+  if (!endsInCheckSum(stream, size_bytes_)) refuse("it is another file, cut off or damaged");
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_file_locking(access, false, true);  // not every file system can
   id_ = H5Fopen(file.c_str(), H5F_ACC_RDONLY, access);
   if (id_ < 0) refuse("it is not HDF5");
+}
+
+Hdf5Input::Hdf5Input(const std::vector<char>& bytes, const std::string& name, const char* kind, const char* remedy)
+    : file_(name), kind_(kind), remedy_(remedy), size_bytes_(bytes.size()) {
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_fapl_core(access, kGrowthBytes, false);
+  std::vector<char> image = bytes;  // HDF5 takes no constant bytes, and copies them
+  if (H5Pset_file_image(access, image.data(), image.size()) >= 0) id_ = H5Fopen(name.c_str(), H5F_ACC_RDONLY, access);
+  if (id_ < 0) refuse("HDF5 cannot read it, for want of memory it seems");
 }
 
 Hdf5Input::~Hdf5Input() {
@@ -289,7 +323,7 @@ std::vector<T> Hdf5Input::read(const std::string& name) {
                                  : H5Tequal(stored, typeOf<std::conditional_t<is_text, double, T>>().stored) > 0;
   const bool shape_fits =
       H5Sget_simple_extent_ndims(space) == 1 && H5Sget_simple_extent_dims(space, &count, nullptr) == 1;
-  if (!type_fits || !shape_fits || count > std::filesystem::file_size(file_) / width)
+  if (!type_fits || !shape_fits || count > size_bytes_ / width)
     refuse(fmt::format("its '{}' is of another kind", name));
   std::vector<T> values(count);
   bool is_read;
@@ -305,10 +339,39 @@ std::vector<T> Hdf5Input::read(const std::string& name) {
   return values;
 }
 
+std::vector<std::string> Hdf5Input::readTexts(const std::string& name) {
+  const Handle column(H5Dopen2(id_, name.c_str(), H5P_DEFAULT), H5Dclose);
+  if (!column.isValid()) refuse(fmt::format("it has no readable '{}'", name));
+  const Handle space(H5Dget_space(column), H5Sclose), stored(H5Dget_type(column), H5Tclose);
+  const hssize_t count = H5Sget_simple_extent_npoints(space);
+  const uint64_t most = size_bytes_;
+  if (H5Tget_class(stored) != H5T_STRING || H5Tis_variable_str(stored) <= 0 || count < 0 || uint64_t(count) > most)
+    refuse(fmt::format("its '{}' is of another kind", name));
+  std::vector<char*> pointers(static_cast<size_t>(count), nullptr);
+  const Handle type = anyLengthType();
+  if (count > 0 && H5Dread(column, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, pointers.data()) < 0)
+    refuse(fmt::format("its '{}' cannot be read", name));
+  std::vector<std::string> texts;
+  for (const char* text : pointers) texts.emplace_back(text ? text : "");
+  if (count > 0) H5Dvlen_reclaim(type, space, H5P_DEFAULT, pointers.data());
+  return texts;
+}
+
+std::vector<std::pair<std::string, std::string>> Hdf5Input::attributes() {
+  std::vector<std::pair<std::string, std::string>> found;
+  const Handle root(H5Oopen(id_, "/", H5P_DEFAULT), H5Oclose);
+  hsize_t place = 0;
+  const auto add = [](hid_t object, const char* name, const H5A_info_t*, void* data) -> herr_t {
+    auto& texts = *static_cast<std::vector<std::pair<std::string, std::string>>*>(data);
+    if (const std::optional<std::string> value = attributeInWords(object, name)) texts.emplace_back(name, *value);
+    return 0;
+  };
+  if (H5Aiterate2(root, H5_INDEX_NAME, H5_ITER_INC, &place, add, &found) < 0) refuse("its attributes cannot be read");
+  return found;
+}
+
 void Hdf5Input::refuse(const std::string& reason) const {
-  throw Error(ErrorCode::bad_input,
-              fmt::format("{}: not a whole checkpoint: {}; take another, or remove it and start afresh", file_.string(),
-                          reason));
+  throw Error(ErrorCode::bad_input, fmt::format("{}: not a whole {}: {}; {}", file_.string(), kind_, reason, remedy_));
 }
 
 template void Hdf5Output::write(const std::string&, const std::vector<uint8_t>&);
@@ -325,6 +388,8 @@ template void Hdf5Output::setAttribute(const std::string&, const std::string&, c
 bool Hdf5Input::has(const std::string& name) const { return H5Lexists(id_, name.c_str(), H5P_DEFAULT) > 0; }
 
 template std::vector<uint8_t> Hdf5Input::read(const std::string&);
+template std::vector<int32_t> Hdf5Input::read(const std::string&);
+template std::vector<int64_t> Hdf5Input::read(const std::string&);
 template std::vector<uint32_t> Hdf5Input::read(const std::string&);
 template std::vector<uint64_t> Hdf5Input::read(const std::string&);
 template std::vector<double> Hdf5Input::read(const std::string&);

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace viewpeel {
@@ -60,22 +61,32 @@ class Hdf5Output {
 // Reads them back.
 class Hdf5Input {
  public:
+  // In: kind: of the file, and remedy: for a file that cannot be used, both for messages
   // Throws: Error bad_input where there is no such file, or its check sum is wrong.
-  explicit Hdf5Input(const std::filesystem::path& file);
+  explicit Hdf5Input(const std::filesystem::path& file, const char* kind = "checkpoint",
+                     const char* remedy = "take another, or remove it and start afresh");
+  // Reads what Hdf5Output::finish returned.    In: name: for messages
+  Hdf5Input(const std::vector<char>& bytes, const std::string& name, const char* kind, const char* remedy);
   ~Hdf5Input();
   Hdf5Input(const Hdf5Input&) = delete;
 
   // Throws: Error bad_input where there is no such column of this type.
   template <class T>
   std::vector<T> read(const std::string& name);
-  // In: name: of a column whose group there is
+  // Reads a column of writeTexts.    Throws: Error bad_input where there is no such column.
+  std::vector<std::string> readTexts(const std::string& name);
+  // Returns the attributes of the whole file, in words; numbers as their shortest form that reads back to the same.
+  std::vector<std::pair<std::string, std::string>> attributes();
+  // In: name: of a column or group whose own group there is
   bool has(const std::string& name) const;
   [[noreturn]] void refuse(const std::string& reason) const;
 
  private:
   Hdf5Silence silence_;
   std::filesystem::path file_;
-  int64_t id_;
+  const char *kind_, *remedy_;
+  uint64_t size_bytes_ = 0;
+  int64_t id_ = -1;
 };
 
 }  // namespace viewpeel

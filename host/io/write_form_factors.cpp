@@ -10,40 +10,45 @@
 #include "io/shown_rows.h"
 #include "io/write_file.h"
 #include "io/writers.h"
+#include "report/write_page.h"
 
 namespace viewpeel {
 namespace {
 
 // In the order in which they are named to users.
-enum class Format { csv, mtx, npz, h5, vtp, vwf };
-constexpr std::array<std::pair<const char*, Format>, 6> kExtensions = {{{".csv", Format::csv},
+enum class Format { csv, mtx, npz, h5, vtp, vwf, html };
+constexpr std::array<std::pair<const char*, Format>, 7> kExtensions = {{{".csv", Format::csv},
                                                                         {".mtx", Format::mtx},
                                                                         {".npz", Format::npz},
                                                                         {".h5", Format::h5},
                                                                         {".vtp", Format::vtp},
-                                                                        {".vwf", Format::vwf}}};
+                                                                        {".vwf", Format::vwf},
+                                                                        {".html", Format::html}}};
 
 Format formatOf(const std::filesystem::path& file) {
   for (const auto& [extension, format] : kExtensions)
     if (file.extension() == extension) return format;
-  throw Error(ErrorCode::bad_usage,
-              fmt::format("{}: unknown output format; use a name that ends in .csv, .mtx, .npz, .h5, .vtp or .vwf",
-                          file.string()));
+  throw Error(
+      ErrorCode::bad_usage,
+      fmt::format("{}: unknown output format; use a name that ends in .csv, .mtx, .npz, .h5, .vtp, .vwf or .html",
+                  file.string()));
 }
 
 // Balanced form factors have a file of their own.
 bool hasBalancedFile(Format format) { return format == Format::mtx || format == Format::npz; }
 
-void writeAs(Format format, const OutputContent& content, std::ostream& out) {
+void writeAs(Format format, const OutputContent& content, const std::filesystem::path& file, std::ostream& out) {
   if (format == Format::csv) writeCsv(content.form_factors, out, content.balanced);
   if (format == Format::mtx) writeMatrixMarket(content.form_factors, out);
   if (format == Format::npz) writeNpz(content.form_factors, out);
   if (format == Format::h5) writeHdf5(content, out);
   if (format == Format::vtp) writeVtp(content, out);
   if (format == Format::vwf) writeVwf(content, out);
+  if (format == Format::html) writeHtml(content, file, out);
 }
 
-void requireScene(const std::filesystem::path& file, bool has_scene) {
+void requireContent(const std::filesystem::path& file, bool has_scene) {
+  if (formatOf(file) == Format::html) requirePage(file.string());
   if (formatOf(file) == Format::vtp && !has_scene)
     throw Error(ErrorCode::bad_usage,
                 fmt::format("{}: has the polygons, too; give the scene by --scene, or write .h5", file.string()));
@@ -95,8 +100,8 @@ void writeMatrixMarket(const FormFactors& form_factors, std::ostream& out, const
 
 void writeFormFactors(const OutputContent& content, const std::filesystem::path& file) {
   const Format format = formatOf(file);
-  requireScene(file, content.scene != nullptr);
-  writeFile(file, [&](std::ostream& out) { writeAs(format, content, out); });
+  requireContent(file, content.scene != nullptr);
+  writeFile(file, [&](std::ostream& out) { writeAs(format, content, file, out); });
   if (!content.balanced || !hasBalancedFile(format)) return;
   writeFile(filesOf(file, true)[1], [&](std::ostream& out) {
     if (format == Format::mtx) writeMatrixMarket(*content.balanced, out, "balanced form factors");
@@ -118,7 +123,7 @@ void checkOutput(const std::filesystem::path& file, bool with_balance, bool has_
     throw Error(ErrorCode::bad_usage, fmt::format("{}: --balance takes names that end in .balanced{} itself; use "
                                                   "another one",
                                                   file.string(), file.extension().string()));
-  requireScene(file, has_scene);
+  requireContent(file, has_scene);
   for (const std::filesystem::path& written : filesOf(file, with_balance)) checkWritable(written);
 }
 

@@ -6,9 +6,12 @@
 #include <limits>
 
 #include "io/hdf5_file.h"
+#include "io/read_report.h"
 #include "io/shown_rows.h"
 #include "io/sparse_rows.h"
 #include "io/writers.h"
+#include "report/write_page.h"
+#include <viewpeel/solve.h>
 
 namespace viewpeel {
 namespace {
@@ -95,6 +98,34 @@ void addRows(Hdf5Output& out, const FormFactors& form_factors) {
   addColumn("row_sum_standard_error", "1", [&](uint32_t id) { return form_factors.rowSums()[id].standard_error; });
 }
 
+// The answers of `solve`. Rows of the heat are those of the form factors.
+void addHeat(Hdf5Output& out, const Ids& ids, const HeatSolution& heat) {
+  const auto add = [&](const std::string& name, const std::string& unit, auto valueOf) {
+    std::vector<double> values(ids.count());
+    for (uint32_t id = 0; id < ids.count(); ++id) values[id] = valueOf(heat.rows[id]);
+    out.write(name, spreadOverRows(ids, values));
+    out.useScale(name, "row");
+    out.setAttribute(name, "units", unit);
+  };
+  add("emissivity", "1", [](const HeatRow& row) { return row.emissivity; });
+  struct Answer {
+    const char *name, *unit;
+    Measured HeatRow::*value;
+    double HeatBounds::*bound;
+  };
+  for (const Answer& answer : {Answer{"temperature", "K", &HeatRow::temperature, &HeatBounds::temperature},
+                               Answer{"radiosity", "W/m2", &HeatRow::radiosity, &HeatBounds::radiosity},
+                               Answer{"irradiation", "W/m2", &HeatRow::irradiation, &HeatBounds::irradiation},
+                               Answer{"heat_flux", "W/m2", &HeatRow::heat_flux, &HeatBounds::heat_flux},
+                               Answer{"heat_flow", "W", &HeatRow::heat_flow, &HeatBounds::heat_flow}}) {
+    const std::string name = answer.name;
+    add(name, answer.unit, [&](const HeatRow& row) { return (row.*answer.value).value; });
+    add(name + "_standard_error", answer.unit, [&](const HeatRow& row) { return (row.*answer.value).standard_error; });
+    if (heat.rows.empty() || !heat.rows.front().bounds) continue;
+    add(name + "_bound", answer.unit, [&](const HeatRow& row) { return (*row.bounds).*answer.bound; });
+  }
+}
+
 // The triangles and quadrilaterals that were computed, corners in input units.
 void addGeometry(Hdf5Output& out, const Scene& scene, const Ids& ids) {
   std::vector<double> coordinates[3];
@@ -163,9 +194,7 @@ void addClosure(Hdf5Output& out, const FormFactors& form_factors) {
   out.setAttribute("/", "closure_rms", count > 0 ? std::sqrt(squares / count) : 0.0);
 }
 
-}  // namespace
-
-void writeHdf5(const OutputContent& content, std::ostream& out) {
+std::vector<char> makeHdf5(const OutputContent& content) {
   const FormFactors& form_factors = content.form_factors;
   const SparseRows rows = compressRows(form_factors);
   Hdf5Output file;
@@ -178,12 +207,25 @@ void writeHdf5(const OutputContent& content, std::ostream& out) {
   }
   addPairs(file, rows, content.balanced != nullptr);
   addRows(file, form_factors);
+  if (content.heat) addHeat(file, form_factors.ids(), *content.heat);
   if (content.scene) addGeometry(file, *content.scene, form_factors.ids());
   file.setAttribute("/", "viewpeel_result_format", kResultFormat);
+  if (content.scene)
+    file.setAttribute("/", "scene_file", std::filesystem::path(content.scene->file).filename().string());
   for (const auto& [name, value] : content.parameters) addParameter(file, name, value);
   if (form_factors.ids().rows_sum_to_one) addClosure(file, form_factors);
-  const std::vector<char> bytes = file.finish();
+  return file.finish();
+}
+
+}  // namespace
+
+void writeHdf5(const OutputContent& content, std::ostream& out) {
+  const std::vector<char> bytes = makeHdf5(content);
   out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+}
+
+void writeHtml(const OutputContent& content, const std::filesystem::path& file, std::ostream& out) {
+  writePage(readReport(makeHdf5(content), file.string()), out);
 }
 
 }  // namespace viewpeel

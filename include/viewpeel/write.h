@@ -10,6 +10,8 @@
 
 namespace viewpeel {
 
+struct HeatSolution;
+
 // Writes form factors comma-separated: header `from,to,form_factor,standard_error`, then one nonzero entry a line, both
 // ways; `environment` and `leak` stand in `to`. Numbers have the shortest form that reads back to the same double.
 // Names are quoted as in RFC 4180 where they must be.
@@ -41,20 +43,22 @@ struct OutputContent {
   std::vector<std::pair<std::string, std::string>> parameters{};
   // Each is a surface or face, whose form factors to all polygons are an array of .vtp: "from NAME".
   std::vector<std::string> shown{};
+  // Of solveHeat with these form factors: columns of .h5 and quantities of .html.
+  const HeatSolution* heat = nullptr;
   // Of .vwf: the version of CalculiX that reads it, which compares this; "none" for versions that do not.
   std::string ccx_version = "2.20";
 };
 
-// Writes a file by its extension: .csv, .mtx, .npz, .h5, .vtp or .vwf (docs/formats.md). A file is whole at any time,
-// or untouched: it is written under another name and renamed.
+// Writes a file by its extension: .csv, .mtx, .npz, .h5, .vtp, .vwf or .html (docs/formats.md). A file is whole at any
+// time, or untouched: it is written under another name and renamed.
 //   With balanced form factors .csv has a column more, and .h5 a group more. NAME.balanced.mtx and NAME.balanced.npz
 //     beside NAME.mtx and NAME.npz have them; .vwf has nothing else, and .vtp leaves them out.
 //   In: content: n rows; file: its folder exists    Out: the files of filesOf
 //   Error: none: numbers are the same doubles. Tests: tests/device/output_test.cpp, tests/files/output_files_test.cpp,
 //     tests/files/calculix_test.cpp, tests/program/fault_test.cpp.
-//   Throws: Error bad_usage for an unknown extension, .vtp without a scene, an unknown name among those shown; Error
-//     limit for a .h5 that memory cannot hold; Error output, naming file and the system's reason.
-//   Cost: O(nonzeros + polygons); .h5 and .vtp are made in memory; .vwf has 8 n^2 bytes.
+//   Throws: Error bad_usage for an unknown extension, .vtp without a scene, .html where the page was not built
+//     (VIEWPEEL_BUILD_REPORT), an unknown name among those shown; Error limit for a .h5 that memory cannot hold; Error output, naming file and the system's reason.
+//   Cost: O(nonzeros + polygons); .h5, .html and .vtp are made in memory; .vwf has 8 n^2 bytes.
 void writeFormFactors(const OutputContent& content, const std::filesystem::path& file);
 
 // Writes form factors alone, as above.    In: balanced: nullptr where there are none
@@ -67,8 +71,8 @@ std::vector<std::filesystem::path> filesOf(const std::filesystem::path& file, bo
 
 // Refuses a file that writeFormFactors would refuse, before anything is computed.
 //   In: has_scene: whether there will be a scene in the content
-//   Throws: Error bad_usage: an unknown extension, a name that --balance takes, .vtp without a scene, a file that
-//     cannot be written.
+//   Throws: Error bad_usage: an unknown extension, a name that --balance takes, .vtp without a scene, .html without the
+//     page, a file that cannot be written.
 //   Cost: one file of a byte, written and removed.
 void checkOutput(const std::filesystem::path& file, bool with_balance = false, bool has_scene = true);
 

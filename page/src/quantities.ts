@@ -1,0 +1,46 @@
+// What the scene can be coloured by: form factors from what is selected, or a value of each row.
+import type { Kind } from './colours';
+import type { Contents } from './contents';
+
+export interface Quantity {
+  key: string;
+  title: string;
+  unit: string; // '' where it has none
+  kind: Kind;
+  centre: number; // of a diverging scale
+  ofSelection: boolean; // form factors and their errors: from what is selected
+  values?: Float64Array; // of rows
+  errors?: Float64Array; // standard errors of rows
+  bounds?: Float64Array; // of a guarantee: each value is at most so far off
+  lower?: Float64Array;
+  upper?: Float64Array;
+}
+
+const COLUMNS: { name: string; title: string; unit: string; kind: Kind; centre?: number }[] = [
+  { name: 'environment', title: 'Share to the environment (sky view factor)', unit: '', kind: 'linear' },
+  { name: 'leak', title: 'Leak: share that ends on backs', unit: '', kind: 'logarithmic' },
+  { name: 'row_sum', title: 'Row sum', unit: '', kind: 'diverging', centre: 1 },
+  { name: 'temperature', title: 'Temperature', unit: 'K', kind: 'linear' },
+  { name: 'radiosity', title: 'Radiosity', unit: 'W/m\u00b2', kind: 'linear' },
+  { name: 'irradiation', title: 'Irradiation', unit: 'W/m\u00b2', kind: 'linear' },
+  { name: 'heat_flux', title: 'Net heat flux', unit: 'W/m\u00b2', kind: 'diverging', centre: 0 },
+  { name: 'heat_flow', title: 'Net heat flow', unit: 'W', kind: 'diverging', centre: 0 },
+];
+
+export async function loadQuantities(contents: Contents): Promise<Quantity[]> {
+  const found: Quantity[] = [
+    { key: 'form_factor', title: 'Form factor', unit: '', kind: 'logarithmic', centre: 0, ofSelection: true },
+    { key: 'standard_error', title: contents.head.is_bounded ? 'Standard error, at most' : 'Standard error', unit: '', kind: 'logarithmic', centre: 0, ofSelection: true },
+  ];
+  const column = async (name: string) => (contents.has(`column.${name}`) ? ((await contents.array(`column.${name}`)) as Float64Array) : undefined);
+  for (const { name, title, unit, kind, centre } of COLUMNS) {
+    const values = await column(name);
+    if (!values) continue;
+    found.push({
+      key: name, title, unit, kind, centre: centre ?? 0, ofSelection: false, values,
+      errors: await column(`${name}_standard_error`), bounds: await column(`${name}_bound`),
+      lower: await column(`${name}_lower`), upper: await column(`${name}_upper`),
+    });
+  }
+  return found;
+}

@@ -1,0 +1,327 @@
+// The scene in three dimensions: polygons in colours, the outline of what is selected, picking.
+import {
+  BufferAttribute, BufferGeometry, Color, DoubleSide, FrontSide, LineSegments, Mesh, PerspectiveCamera, Ray, Raycaster, Scene as World, ShaderMaterial, Sphere, Spherical, Vector2,
+  Vector3, WebGLRenderer,
+} from 'three';
+import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+import { LineMaterial } from 'three/examples/jsm/lines/LineMaterial.js';
+import { LineSegments2 } from 'three/examples/jsm/lines/LineSegments2.js';
+import { LineSegmentsGeometry } from 'three/examples/jsm/lines/LineSegmentsGeometry.js';
+import { MeshBVH } from 'three-mesh-bvh';
+import { type Colour, palette } from './colours';
+import type { Contents } from './contents';
+
+export type Backs = 'hatched' | 'hidden' | 'solid';
+const MOST_EDGES = 120000; // beyond these the lines between polygons would hide their colours
+
+// Faces look a little darker from the side. A back is hatched, so that what lies behind is seen.
+const FACE_VERTEX = `
+in vec3 tint;
+out vec3 colour;
+out vec3 place;
+void main() {
+  colour = tint;
+  vec4 seen = modelViewMatrix * vec4(position, 1.0);
+  place = seen.xyz;
+  gl_Position = projectionMatrix * seen;
+}`;
+const FACE_FRAGMENT = `
+in vec3 colour;
+in vec3 place;
+uniform vec3 back;
+uniform float spacing;
+uniform bool is_solid;
+out vec4 result;
+void main() {
+  float facing = abs(dot(normalize(cross(dFdx(place), dFdy(place))), normalize(place)));
+  float shade = 0.82 + 0.18 * facing;
+  if (gl_FrontFacing) {
+    result = vec4(colour * shade, 1.0);
+    return;
+  }
+  bool is_line = mod(gl_FragCoord.x + gl_FragCoord.y, spacing) < 0.09 * spacing;
+  if (!is_line && !is_solid) discard;
+  result = vec4(is_line ? back : mix(back, vec3(0.5), 0.55) * shade, 1.0);
+}`;
+// Edges are drawn around fronts alone.
+const EDGE_VERTEX = `
+out float front;
+void main() {
+  vec4 seen = modelViewMatrix * vec4(position, 1.0);
+  front = -dot(normalMatrix * normal, seen.xyz);
+  gl_Position = projectionMatrix * seen;
+}`;
+const EDGE_FRAGMENT = `
+in float front;
+uniform vec3 ink;
+out vec4 result;
+void main() {
+  if (front <= 0.0) discard;
+  result = vec4(ink, 0.22);
+}`;
+
+interface Shapes {
+  positions: Float32Array; // three corners a triangle
+  polygonOfTriangle: Int32Array;
+  firstCorner: Int32Array; // of polygons, and the end
+  corners: Float32Array; // three coordinates each
+}
+
+async function loadShapes(contents: Contents): Promise<Shapes> {
+  const [x, y, z, counts] = await Promise.all([contents.array('x'), contents.array('y'), contents.array('z'), contents.array('corner_count')]);
+  const firstCorner = new Int32Array(counts.length + 1);
+  for (let k = 0; k < counts.length; ++k) firstCorner[k + 1] = firstCorner[k] + counts[k];
+  const corners = new Float32Array(3 * x.length);
+  for (let c = 0; c < x.length; ++c) corners.set([x[c], y[c], z[c]], 3 * c);
+  const triangleCount = x.length - 2 * counts.length;
+  const positions = new Float32Array(9 * triangleCount), polygonOfTriangle = new Int32Array(triangleCount);
+  for (let k = 0, triangle = 0; k < counts.length; ++k)
+    for (let c = 1; c + 1 < counts[k]; ++c, ++triangle) {
+      polygonOfTriangle[triangle] = k;
+      [0, c, c + 1].forEach((corner, place) => positions.set(corners.subarray(3 * (firstCorner[k] + corner), 3 * (firstCorner[k] + corner) + 3), 9 * triangle + 3 * place));
+    }
+  return { positions, polygonOfTriangle, firstCorner, corners };
+}
+
+export class Scene {
+  private readonly renderer: WebGLRenderer;
+  private readonly world = new World();
+  private readonly camera = new PerspectiveCamera(40, 1, 0.1, 100);
+  private controls: OrbitControls;
+  private readonly geometry = new BufferGeometry();
+  private readonly tints: BufferAttribute;
+  private readonly face: ShaderMaterial;
+  private readonly edge: ShaderMaterial;
+  private readonly outlines: LineSegments2[] = [];
+  private readonly sphere: Sphere;
+  private tree?: MeshBVH;
+  private isAsked = false;
+  frames = 0;
+  onHover: (polygon: number | undefined, x: number, y: number) => void = () => {};
+  onPick: (polygon: number | undefined) => void = () => {};
+
+  static async make(contents: Contents, canvas: HTMLCanvasElement): Promise<Scene> {
+    return new Scene(await loadShapes(contents), canvas);
+  }
+
+  private constructor(private readonly shapes: Shapes, private readonly canvas: HTMLCanvasElement) {
+    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true });
+    const corners = shapes.positions.length / 3;
+    this.tints = new BufferAttribute(new Uint8Array(3 * corners), 3, true);
+    this.geometry.setAttribute('position', new BufferAttribute(shapes.positions, 3));
+    this.geometry.setAttribute('tint', this.tints);
+    this.geometry.computeBoundingSphere();
+    this.sphere = this.geometry.boundingSphere as Sphere;
+    if (!(this.sphere.radius > 0)) this.sphere.radius = 1;
+    const glsl3 = { glslVersion: '300 es' as const };
+    this.face = new ShaderMaterial({
+      ...glsl3, vertexShader: FACE_VERTEX, fragmentShader: FACE_FRAGMENT, side: DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1,
+      uniforms: { back: { value: sRgb(palette.back) }, spacing: { value: 13 }, is_solid: { value: false } },
+    });
+    this.edge = new ShaderMaterial({ ...glsl3, vertexShader: EDGE_VERTEX, fragmentShader: EDGE_FRAGMENT, transparent: true, depthWrite: false, uniforms: { ink: { value: sRgb(palette.light.ink) } } });
+    this.world.add(new Mesh(this.geometry, this.face));
+    this.addEdges();
+    for (const isFront of [false, true]) {
+      const material = new LineMaterial({ color: palette.selected, linewidth: isFront ? 3.5 : 2, transparent: true, opacity: isFront ? 1 : 0.45, depthTest: isFront });
+      const outline = new LineSegments2(new LineSegmentsGeometry(), material);
+      outline.visible = false;
+      outline.frustumCulled = false;
+      this.outlines.push(outline);
+      this.world.add(outline);
+    }
+    this.camera.up.set(0, 0, 1);
+    this.controls = this.makeControls();
+    this.showAll();
+    this.listen();
+    new ResizeObserver(() => this.resize()).observe(canvas.parentElement as Element);
+    this.resize();
+  }
+
+  // In: colourOf: of a polygon
+  paint(colourOf: (polygon: number) => Colour): void {
+    const bytes = this.tints.array, { polygonOfTriangle } = this.shapes;
+    let last = -1, colour: Colour = [0, 0, 0];
+    for (let triangle = 0, at = 0; triangle < polygonOfTriangle.length; ++triangle) {
+      const polygon = polygonOfTriangle[triangle];
+      if (polygon !== last) [last, colour] = [polygon, colourOf(polygon)];
+      for (let corner = 0; corner < 3; ++corner) for (let axis = 0; axis < 3; ++axis) bytes[at++] = colour[axis];
+    }
+    this.tints.needsUpdate = true;
+    this.draw();
+  }
+
+  // Outlines polygons together: lines that two of them share are left out.
+  outline(polygons: number[]): void {
+    const { corners, firstCorner } = this.shapes;
+    const edges = new Map<string, number[] | undefined>();
+    const key = (c: number) => corners.subarray(3 * c, 3 * c + 3).join();
+    for (const polygon of polygons) {
+      const first = firstCorner[polygon], end = firstCorner[polygon + 1];
+      for (let c = first; c < end; ++c) {
+        const next = c + 1 < end ? c + 1 : first;
+        const name = [key(c), key(next)].sort().join(';');
+        edges.set(name, edges.has(name) ? undefined : [...corners.subarray(3 * c, 3 * c + 3), ...corners.subarray(3 * next, 3 * next + 3)]);
+      }
+    }
+    const points = [...edges.values()].filter((edge) => edge !== undefined).flat();
+    for (const outline of this.outlines) {
+      outline.visible = points.length > 0;
+      if (points.length === 0) continue;
+      outline.geometry.dispose();
+      outline.geometry = new LineSegmentsGeometry().setPositions(points);
+    }
+    this.draw();
+  }
+
+  setBacks(backs: Backs): void {
+    this.face.side = backs === 'hidden' ? FrontSide : DoubleSide;
+    this.face.uniforms.is_solid.value = backs === 'solid';
+    this.face.needsUpdate = true;
+    this.draw();
+  }
+
+  setInk(hex: string): void {
+    this.edge.uniforms.ink.value = sRgb(hex);
+    this.draw();
+  }
+
+  setUp(axis: 'x' | 'y' | 'z'): void {
+    this.camera.up.set(Number(axis === 'x'), Number(axis === 'y'), Number(axis === 'z'));
+    this.controls.dispose();
+    this.controls = this.makeControls();
+    this.showAll();
+  }
+
+  showAll(): void {
+    const { up } = this.camera;
+    const side = up.y ? new Vector3(0.62, 0.52, 0.9) : up.x ? new Vector3(0.52, 0.62, 0.9) : new Vector3(0.62, -0.9, 0.52);
+    const { width, height } = this.canvas.getBoundingClientRect();
+    const narrow = width > 0 && height > 0 ? Math.min(1, width / height) : 1;
+    const distance = (0.8 * this.sphere.radius) / Math.sin((this.camera.fov * Math.PI) / 360) / narrow;
+    this.controls.target.copy(this.sphere.center);
+    this.camera.position.copy(this.sphere.center).addScaledVector(side.normalize(), distance);
+    this.camera.near = this.sphere.radius / 500;
+    this.camera.far = distance + 60 * this.sphere.radius;
+    this.camera.updateProjectionMatrix();
+    this.controls.update();
+    this.draw();
+  }
+
+  // Turns by angles in radians, or zooms by a factor.
+  turn(around: number, over: number, zoom = 1): void {
+    const toUp = this.camera.up;
+    const offset = this.camera.position.clone().sub(this.controls.target);
+    const turned = new Spherical();
+    const toY = (v: Vector3) => (toUp.z ? v.set(v.x, v.z, -v.y) : toUp.x ? v.set(-v.y, v.x, v.z) : v);
+    const back = (v: Vector3) => (toUp.z ? v.set(v.x, -v.z, v.y) : toUp.x ? v.set(v.y, -v.x, v.z) : v);
+    turned.setFromVector3(toY(offset));
+    turned.theta += around;
+    turned.phi = Math.min(Math.PI - 0.01, Math.max(0.01, turned.phi + over));
+    turned.radius *= zoom;
+    this.camera.position.copy(this.controls.target).add(back(offset.setFromSpherical(turned)));
+    this.controls.update();
+    this.draw();
+  }
+
+  // Returns the polygon under a place of the window; backs are seen through unless they are solid.
+  pick(x: number, y: number): number | undefined {
+    this.tree ??= new MeshBVH(this.geometry, { indirect: true });
+    const box = this.canvas.getBoundingClientRect();
+    const caster = new Raycaster();
+    caster.setFromCamera(new Vector2(((x - box.left) / box.width) * 2 - 1, 1 - ((y - box.top) / box.height) * 2), this.camera);
+    const ray: Ray = caster.ray;
+    const hit = this.tree.raycastFirst(ray, this.face.uniforms.is_solid.value ? DoubleSide : FrontSide);
+    return hit?.faceIndex === undefined || hit.faceIndex === null ? undefined : this.shapes.polygonOfTriangle[hit.faceIndex];
+  }
+
+  draw(): void {
+    if (this.isAsked) return;
+    this.isAsked = true;
+    requestAnimationFrame(() => {
+      this.isAsked = false;
+      this.renderer.render(this.world, this.camera);
+      ++this.frames;
+    });
+  }
+
+  private makeControls(): OrbitControls {
+    const controls = new OrbitControls(this.camera, this.canvas);
+    controls.addEventListener('change', () => this.draw());
+    return controls;
+  }
+
+  private addEdges(): void {
+    const { corners, firstCorner } = this.shapes;
+    const count = corners.length / 3;
+    if (count > MOST_EDGES) return;
+    const points = new Float32Array(6 * count), normals = new Float32Array(6 * count);
+    const [a, b, c] = [new Vector3(), new Vector3(), new Vector3()];
+    for (let polygon = 0, at = 0; polygon + 1 < firstCorner.length; ++polygon) {
+      const first = firstCorner[polygon], end = firstCorner[polygon + 1];
+      a.fromArray(corners, 3 * first), b.fromArray(corners, 3 * first + 3), c.fromArray(corners, 3 * first + 6);
+      const normal = b.sub(a).cross(c.sub(a)).normalize();
+      for (let corner = first; corner < end; ++corner)
+        for (const place of [corner, corner + 1 < end ? corner + 1 : first]) {
+          points.set(corners.subarray(3 * place, 3 * place + 3), at);
+          normals.set([normal.x, normal.y, normal.z], at);
+          at += 3;
+        }
+    }
+    const geometry = new BufferGeometry();
+    geometry.setAttribute('position', new BufferAttribute(points, 3));
+    geometry.setAttribute('normal', new BufferAttribute(normals, 3));
+    this.world.add(new LineSegments(geometry, this.edge));
+  }
+
+  private resize(): void {
+    const { clientWidth, clientHeight } = this.canvas.parentElement as HTMLElement;
+    if (clientWidth === 0 || clientHeight === 0) return;
+    const ratio = Math.min(2, window.devicePixelRatio);
+    this.renderer.setPixelRatio(ratio);
+    this.renderer.setSize(clientWidth, clientHeight, false);
+    this.face.uniforms.spacing.value = 13 * ratio;
+    this.camera.aspect = clientWidth / clientHeight;
+    this.camera.updateProjectionMatrix();
+    this.draw();
+  }
+
+  private listen(): void {
+    let pressed: { x: number; y: number } | undefined, moved: { x: number; y: number } | undefined, isWaiting = false;
+    this.canvas.addEventListener('pointerdown', (event) => (pressed = { x: event.clientX, y: event.clientY }));
+    this.canvas.addEventListener('pointerup', (event) => {
+      if (pressed && event.button === 0 && Math.hypot(event.clientX - pressed.x, event.clientY - pressed.y) < 5) this.onPick(this.pick(event.clientX, event.clientY));
+      pressed = undefined;
+    });
+    this.canvas.addEventListener('pointermove', (event) => {
+      moved = { x: event.clientX, y: event.clientY };
+      if (isWaiting || event.buttons !== 0) return;
+      isWaiting = true;
+      requestAnimationFrame(() => {
+        isWaiting = false;
+        if (moved) this.onHover(this.pick(moved.x, moved.y), moved.x, moved.y);
+      });
+    });
+    this.canvas.addEventListener('pointerleave', () => {
+      moved = undefined;
+      this.onHover(undefined, 0, 0);
+    });
+    this.canvas.addEventListener('keydown', (event) => {
+      const step = 0.12;
+      const turns: Record<string, [number, number, number?]> = {
+        ArrowLeft: [-step, 0], ArrowRight: [step, 0], ArrowUp: [0, -step], ArrowDown: [0, step], '+': [0, 0, 0.88], '=': [0, 0, 0.88], '-': [0, 0, 1 / 0.88],
+      };
+      if (event.ctrlKey || event.metaKey || event.altKey) return;
+      if (event.key === 'Home') this.showAll();
+      else if (turns[event.key]) this.turn(...turns[event.key]);
+      else return;
+      event.preventDefault();
+    });
+  }
+}
+
+// Colours go to the screen as they are.
+function sRgb(hex: string): Color {
+  const colour = new Color();
+  colour.setRGB(parseInt(hex.slice(1, 3), 16) / 255, parseInt(hex.slice(3, 5), 16) / 255, parseInt(hex.slice(5, 7), 16) / 255, 'srgb-linear');
+  return colour;
+}
