@@ -8,6 +8,7 @@
 
 #include <viewpeel/solve.h>
 
+#include "program/command_line.h"
 #include "program/commands.h"
 #include "program/describe_heat.h"
 #include "program/options.h"
@@ -18,6 +19,7 @@
 #include "program/summary.h"
 #include "run/settings.h"
 #include <viewpeel/error.h>
+#include <viewpeel/write.h>
 
 namespace viewpeel::program {
 namespace {
@@ -60,6 +62,9 @@ std::string exchangeFileOf(const std::string& output) {
   return std::filesystem::path(output).replace_extension(".exchange.csv").string();
 }
 
+// .h5 and .html have the form factors, too.
+bool isWholeResult(const std::string& output) { return output.ends_with(".h5") || output.ends_with(".html"); }
+
 void checkOutputs(const SolveCommand& command) {
   if (command.exchange && command.outputs.empty())
     throw Error(ErrorCode::bad_usage, "--exchange writes NAME.exchange.csv beside NAME.csv; give -o NAME.csv");
@@ -67,7 +72,11 @@ void checkOutputs(const SolveCommand& command) {
   for (const std::string& output : command.outputs) {
     if (!named.insert(output).second)
       throw Error(ErrorCode::bad_usage, fmt::format("{}: is to be written twice; name every file once", output));
-    checkHeatOutput(output);
+    if (isWholeResult(output)) checkOutput(output);
+    else if (output.ends_with(".csv")) checkHeatOutput(output);
+    else
+      throw Error(ErrorCode::bad_usage,
+                  fmt::format("{}: unknown output format of heat; use a name that ends in .csv, .h5 or .html", output));
     if (!command.exchange) continue;
     const std::string beside = exchangeFileOf(output);
     if (!named.insert(beside).second)
@@ -97,11 +106,16 @@ std::string describeMaterials(const MaterialTable& table, const HeatSolution& so
   return text + "\n";
 }
 
-void conclude(const SolveCommand& command, const MaterialTable& table, const HeatSolution& solution) {
+// Answers and the form factors that they come from.
+//   In: content: its heat is the solution
+void conclude(const SolveCommand& command, const MaterialTable& table, const HeatSolution& solution,
+              const OutputContent& content) {
   if (table.environment_temperature && !solution.is_open)
     fmt::print(stderr, "viewpeel: warning: {}: no radiation leaves the scene, so that its environment has no effect\n",
                table.file);
-  for (const std::string& output : command.outputs) writeHeat(solution, command.request.by, output);
+  for (const std::string& output : command.outputs)
+    if (isWholeResult(output)) writeFormFactors(content, output);
+    else writeHeat(solution, command.request.by, output);
   if (command.quiet) return;
   fmt::print("{}{}", describeMaterials(table, solution), describeHeat(solution, command.request.by));
 }
@@ -129,7 +143,11 @@ int solveStored(const SolveCommand& command) {
     throw Error(ErrorCode::bad_usage,
                 fmt::format("{}: its rows are surfaces; leave out --by polygon", command.stored.front()));
   const Enclosure enclosure = assignMaterials(table, form_factors.ids(), surface_names);
-  conclude(command, table, solveHeat(form_factors, enclosure));
+  const HeatSolution solution = solveHeat(form_factors, enclosure);
+  auto parameters = parametersOf(run.merged().settings, estimate);
+  parameters.emplace_back("command", commandLine());
+  conclude(command, table, solution,
+           {.form_factors = form_factors, .scene = run.scene(), .parameters = parameters, .heat = &solution});
   writeExchanges(command, form_factors, enclosure);
   if (!command.quiet)
     fmt::print("work       form factors of {}, {}, {}{}\n", command.stored.front(),
@@ -154,7 +172,16 @@ int solveFile(const SolveCommand& command) {
   const SceneHeat found = solveScene(scene, table, request, command.tolerance, {.on_progress = progress.listener()});
   progress.clear();
   for (const std::string& warning : found.form_factors.warnings) fmt::print(stderr, "viewpeel: warning: {}\n", warning);
-  conclude(command, table, found.heat);
+  const OutputContent content{.form_factors = found.form_factors.form_factors,
+                              .scene = &scene,
+                              .parameters = {{"version", VIEWPEEL_VERSION},
+                                             {"by", request.by == By::surface ? "surface" : "polygon"},
+                                             {"two-sided", request.two_sided ? "yes" : "no"},
+                                             {"seed", std::to_string(request.seed)},
+                                             {"materials", table.file},
+                                             {"command", commandLine()}},
+                              .heat = &found.heat};
+  conclude(command, table, found.heat, content);
   if (const auto& guarantee = found.form_factors.guarantee; guarantee && !command.quiet)
     fmt::print("guarantee  every form factor within {:.3g}, and all answers within their bounds, with probability {}\n",
                guarantee->bound, 1 - guarantee->delta);
@@ -255,7 +282,9 @@ void addSolve(CLI::App& app, Run& chosen) {
                    "with wildcards, default, environment")
       ->type_name("FILE")
       ->required();
-  command->add_option("-o,--output", options->outputs, "Write the answers: .csv; may be given several times")
+  command
+      ->add_option("-o,--output", options->outputs,
+                   "Write the answers: .csv; with the form factors: .h5, or a page: .html; may be given several times")
       ->type_name("FILE")
       ->allow_extra_args(false);
   CLI::Option* exchange =

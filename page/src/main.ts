@@ -69,18 +69,21 @@ class Page {
     const file = this.parameters.get('scene_file');
     byId('title').textContent = file ? `Form factors of ${file}` : 'Form factors';
     document.title = file ? `${file}: form factors` : 'Form factors';
-    const leaking = this.quantities.find(({ key }) => key === 'leak')?.values?.some((value) => value > LEAK_THAT_COUNTS);
     const facts = [
       ...(this.rowOfPolygon.length ? [counted(this.rowOfPolygon.length, 'polygon')] : []),
       ...(this.rows.surfaceNames.length ? [counted(this.rows.surfaceNames.length, 'surface')] : []),
       counted(head.entries_of_file, 'form factor'),
       `largest standard error ${asError(head.errors.largest ?? NaN)}`,
       ...(this.parameters.has('closure_largest') ? [`rows within ${asError(Number(this.parameters.get('closure_largest')))} of 1`] : []),
-      leaking ? 'some surfaces leak' : 'no leak',
+      this.leaks() ? 'some surfaces leak' : 'no leak',
     ];
     byId('facts').replaceChildren(...facts.map((fact) => element('li', {}, fact)));
     byId('warning').hidden = this.notes.length === 0;
     byId('warning').textContent = this.notes.join(' ');
+  }
+
+  private leaks(): boolean {
+    return this.quantities.find(({ key }) => key === 'leak')?.values?.some((value) => value > LEAK_THAT_COUNTS) ?? false;
   }
 
   private addTools(): void {
@@ -94,7 +97,12 @@ class Page {
     byId('tools').addEventListener('submit', (event) => event.preventDefault());
     // Where rows are surfaces there is nothing else to select.
     byId('unit-label').hidden = this.rows.surfaceNames.length === 0 || this.rows.names.length === this.rows.surfaceNames.length;
-    byId<HTMLSelectElement>('backs').addEventListener('change', (event) => this.scene?.setBacks((event.target as HTMLSelectElement).value as Backs));
+    const backs = byId<HTMLSelectElement>('backs');
+    const setBacks = () => this.scene?.setBacks(backs.value as Backs);
+    // Where radiation ends on backs, they are to be found.
+    backs.value = this.leaks() ? 'hatched' : 'dotted';
+    setBacks();
+    backs.addEventListener('change', setBacks);
     byId<HTMLSelectElement>('up').addEventListener('change', (event) => this.scene?.setUp((event.target as HTMLSelectElement).value as 'x' | 'y' | 'z'));
     byId('home').addEventListener('click', () => this.scene?.showAll());
   }

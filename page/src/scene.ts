@@ -11,10 +11,10 @@ import { MeshBVH } from 'three-mesh-bvh';
 import { type Colour, palette } from './colours';
 import type { Contents } from './contents';
 
-export type Backs = 'hatched' | 'hidden' | 'solid';
+export type Backs = 'dotted' | 'hatched' | 'hidden' | 'solid';
 const MOST_EDGES = 120000; // beyond these the lines between polygons would hide their colours
 
-// Faces look a little darker from the side. A back is hatched, so that what lies behind is seen.
+// Faces look a little darker from the side. A back is dotted or hatched, so that what lies behind is seen.
 const FACE_VERTEX = `
 in vec3 tint;
 out vec3 colour;
@@ -31,6 +31,7 @@ in vec3 place;
 uniform vec3 back;
 uniform float spacing;
 uniform bool is_solid;
+uniform bool is_dotted;
 out vec4 result;
 void main() {
   float facing = abs(dot(normalize(cross(dFdx(place), dFdy(place))), normalize(place)));
@@ -39,7 +40,8 @@ void main() {
     result = vec4(colour * shade, 1.0);
     return;
   }
-  bool is_line = mod(gl_FragCoord.x + gl_FragCoord.y, spacing) < 0.09 * spacing;
+  vec2 dot_place = mod(gl_FragCoord.xy, 0.75 * spacing);
+  bool is_line = is_dotted ? max(dot_place.x, dot_place.y) < 0.13 * spacing : mod(gl_FragCoord.x + gl_FragCoord.y, spacing) < 0.16 * spacing;
   if (!is_line && !is_solid) discard;
   result = vec4(is_line ? back : mix(back, vec3(0.5), 0.55) * shade, 1.0);
 }`;
@@ -116,7 +118,7 @@ export class Scene {
     const glsl3 = { glslVersion: '300 es' as const };
     this.face = new ShaderMaterial({
       ...glsl3, vertexShader: FACE_VERTEX, fragmentShader: FACE_FRAGMENT, side: DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1,
-      uniforms: { back: { value: sRgb(palette.back) }, spacing: { value: 13 }, is_solid: { value: false } },
+      uniforms: { back: { value: sRgb(palette.back) }, spacing: { value: 13 }, is_solid: { value: false }, is_dotted: { value: false } },
     });
     this.edge = new ShaderMaterial({ ...glsl3, vertexShader: EDGE_VERTEX, fragmentShader: EDGE_FRAGMENT, transparent: true, depthWrite: false, uniforms: { ink: { value: sRgb(palette.light.ink) } } });
     this.world.add(new Mesh(this.geometry, this.face));
@@ -131,10 +133,10 @@ export class Scene {
     }
     this.camera.up.set(0, 0, 1);
     this.controls = this.makeControls();
+    this.resize();
     this.showAll();
     this.listen();
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement as Element);
-    this.resize();
   }
 
   // In: colourOf: of a polygon
@@ -176,6 +178,7 @@ export class Scene {
   setBacks(backs: Backs): void {
     this.face.side = backs === 'hidden' ? FrontSide : DoubleSide;
     this.face.uniforms.is_solid.value = backs === 'solid';
+    this.face.uniforms.is_dotted.value = backs === 'dotted';
     this.face.needsUpdate = true;
     this.draw();
   }
@@ -195,16 +198,33 @@ export class Scene {
   showAll(): void {
     const { up } = this.camera;
     const side = up.y ? new Vector3(0.62, 0.52, 0.9) : up.x ? new Vector3(0.52, 0.62, 0.9) : new Vector3(0.62, -0.9, 0.52);
-    const { width, height } = this.canvas.getBoundingClientRect();
-    const narrow = width > 0 && height > 0 ? Math.min(1, width / height) : 1;
-    const distance = (0.8 * this.sphere.radius) / Math.sin((this.camera.fov * Math.PI) / 360) / narrow;
-    this.controls.target.copy(this.sphere.center);
-    this.camera.position.copy(this.sphere.center).addScaledVector(side.normalize(), distance);
+    const { middle, distance } = this.placeToSeeAll(side.normalize());
+    this.controls.target.copy(middle);
+    this.camera.position.copy(middle).addScaledVector(side, distance);
     this.camera.near = this.sphere.radius / 500;
     this.camera.far = distance + 60 * this.sphere.radius;
     this.camera.updateProjectionMatrix();
     this.controls.update();
     this.draw();
+  }
+
+  // Returns where to look, and from how far, for every corner to be in sight and the scene in the middle.
+  private placeToSeeAll(side: Vector3): { middle: Vector3; distance: number } {
+    const right = this.camera.up.clone().cross(side).normalize(), over = side.clone().cross(right);
+    const tall = 0.88 * Math.tan((this.camera.fov * Math.PI) / 360), wide = tall * this.camera.aspect;
+    const { corners } = this.shapes, corner = new Vector3(), middle = this.sphere.center.clone();
+    let distance = 0;
+    for (let turn = 0; turn < 3; ++turn) {
+      const far = [0, 0, 0, 0]; // how far the camera has to stand for the corners to the right, left, above, below
+      for (let at = 0; at < corners.length; at += 3) {
+        corner.fromArray(corners, at).sub(middle);
+        const near = corner.dot(side), x = corner.dot(right) / wide, y = corner.dot(over) / tall;
+        [x, -x, y, -y].forEach((need, k) => (far[k] = Math.max(far[k], near + need)));
+      }
+      distance = Math.max(...far, 0.1 * this.sphere.radius);
+      middle.addScaledVector(right, ((far[0] - far[1]) / 2) * wide).addScaledVector(over, ((far[2] - far[3]) / 2) * tall);
+    }
+    return { middle, distance: distance * 1.01 };
   }
 
   // Turns by angles in radians, or zooms by a factor.
