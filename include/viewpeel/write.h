@@ -57,7 +57,8 @@ struct OutputContent {
 //   Error: none: numbers are the same doubles. Tests: tests/device/output_test.cpp, tests/files/output_files_test.cpp,
 //     tests/files/calculix_test.cpp, tests/program/fault_test.cpp.
 //   Throws: Error bad_usage for an unknown extension, .vtp without a scene, .html where the page was not built
-//     (VIEWPEEL_BUILD_REPORT), an unknown name among those shown; Error limit for a .h5 that memory cannot hold; Error output, naming file and the system's reason.
+//     (VIEWPEEL_BUILD_REPORT), an unknown name among those shown; Error limit for a .h5 that memory cannot
+//     hold; Error output, naming file and the system's reason.
 //   Cost: O(nonzeros + polygons); .h5, .html and .vtp are made in memory; .vwf has 8 n^2 bytes.
 void writeFormFactors(const OutputContent& content, const std::filesystem::path& file);
 
