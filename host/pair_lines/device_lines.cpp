@@ -15,6 +15,7 @@ namespace {
 
 using namespace pair_lines_data;
 
+constexpr uint64_t kMostTests = 1 << 26, kMostTestsInSoftware = 1 << 21;
 constexpr uint64_t kLeastBatchBytes = 1 << 16;
 constexpr size_t kTriedTasks = 48;
 
@@ -118,6 +119,8 @@ DeviceLines::State::State(const Device& on, std::span<const Patch> all_patches, 
       place(on, pair_lines_place_comp, sizeof(PlaceArgs)),
       draw(on, pair_lines_draw_comp, sizeof(DrawLinesArgs)),
       slots{Slot(on), Slot(on)} {
+  if (options.most_tests == 0)
+    options.most_tests = device.description().kind == "cpu" ? kMostTestsInSoftware : kMostTests;
   options.most_bytes = std::min({options.most_bytes, device.memoryBytes() / 8, uint64_t(device.maxAllocationBytes())});
   std::vector<PatchData> patch_values;
   for (const Patch& patch : patches) patch_values.push_back(dataOf(patch));

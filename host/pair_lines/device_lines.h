@@ -33,7 +33,7 @@ DrawnLines drawOnHost(const LineTask& task, std::span<const Patch> patches, cons
                       Vectors vectors);
 
 struct DeviceLinesOptions {
-  uint64_t most_tests = 1u << 26;   // of a line against an obstacle in a batch, so that a run can be stopped
+  uint64_t most_tests = 0;          // of a line against an obstacle in a batch; 0: as many as take well under a second
   uint64_t most_bytes = 256 << 20;  // of a batch on the device
 };
 
