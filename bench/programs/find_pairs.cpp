@@ -1,5 +1,5 @@
 // How long does it take to find which pairs see each other, and past what? CSV on stdout.
-//   find_pairs FILE... [--threads N] [--repeats N]
+//   find_pairs FILE... [--threads N] [--repeats N] [--least F]
 //
 // A row has CPU seconds of the three steps: blockers joined, pairs found, unoccluded form factors of the pairs found
 // (again: they are a part of the second). `between` is how many blockers a pair has that something may block. The last
@@ -35,14 +35,14 @@ uint64_t hashOf(const PatchPairs& found) {
   return hash.value();
 }
 
-void measure(const std::string& file, size_t threads, int repeats) {
+void measure(const std::string& file, size_t threads, int repeats, double least_form_factor) {
   const Scene scene = loadScene(file);
   const Ids ids = makeIds(scene, By::polygon, false);
   for (int repeat = 0; repeat < repeats; ++repeat) {
     std::optional<PairFinder> finder;
     const RunTime joining = timeOf([&] { finder.emplace(scene, ids); });
     PatchPairs found;
-    const RunTime finding = timeOf([&] { found = finder->find(threads); });
+    const RunTime finding = timeOf([&] { found = finder->find(threads, {}, least_form_factor); });
     const HostUnoccluded unoccluded(scene);
     UnoccludedWork work;
     const RunTime integrating = timeOf([&] {
@@ -66,17 +66,19 @@ int main(int argc, char** argv) {
   std::vector<std::string> files;
   size_t threads = threadCount();
   int repeats = 1;
+  double least_form_factor = 0;
   CLI::App app("Finding pairs and what is between them: CSV on stdout");
   app.add_option("files", files)->required();
   app.add_option("--threads", threads)->check(CLI::PositiveNumber);
   app.add_option("--repeats", repeats)->check(CLI::PositiveNumber);
+  app.add_option("--least", least_form_factor, "unoccluded form factor of a pair")->check(CLI::NonNegativeNumber);
   CLI11_PARSE(app, argc, argv);
   try {
     fmt::print("# commit {}\n", bench::commitOf(VIEWPEEL_SOURCE));
     fmt::print(
         "file,polygons,blockers,clear,partial,between,joining_cpu_s,finding_cpu_s,finding_s,unoccluded_cpu_s,"
         "hash\n");
-    for (const std::string& file : files) bench::measure(file, threads, repeats);
+    for (const std::string& file : files) bench::measure(file, threads, repeats, least_form_factor);
     return 0;
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}\n", error.what());

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <numbers>
 #include <numeric>
 #include <unordered_map>
 
@@ -111,7 +112,8 @@ uint32_t PairFinder::build(std::vector<uint32_t>& order, uint32_t first, uint32_
   for (uint32_t k = first; k < end; ++k) {
     const Patch &patch = patches_[order[k]], &one = patches_[node.patch];
     node.box.low = glm::min(node.box.low, patch.low), node.box.high = glm::max(node.box.high, patch.high);
-    node.emits |= patch.emits, node.receives |= patch.receives;
+    node.emits |= patch.emits, node.receives |= patch.receives, node.has_parts |= patch.is_part;
+    node.largest_area = std::max(node.largest_area, patch.area);
     node.is_flat &= patch.plane == one.plane && patch.along_plane_normal == one.along_plane_normal;
     for (int axis = 0; axis < 6; ++axis) {
       low[axis] = std::min(low[axis], placeOf(order[k], axis));
@@ -143,8 +145,9 @@ struct PairFinder::Task {
 // A Search divides one task to its end, in one thread.
 class PairFinder::Search {
  public:
-  // Begins a search.    In: pair_count: of all searches together
-  Search(const PairFinder& finder, std::atomic<size_t>& pair_count) : finder_(finder), pair_count_(pair_count) {}
+  // Begins a search.    In: least_form_factor: as in find(); pair_count: of all searches together
+  Search(const PairFinder& finder, double least_form_factor, std::atomic<size_t>& pair_count)
+      : finder_(finder), least_form_factor_(least_form_factor), pair_count_(pair_count) {}
 
   // Appends the tasks of the next smaller clusters, or finds the pairs of two leaves.
   void divide(const Task& task, std::vector<Task>& next) {
@@ -180,7 +183,7 @@ class PairFinder::Search {
   void forEachPart(uint32_t of_a, uint32_t of_b, const Do& do_part) const {
     const Node &a = node(of_a), &b = node(of_b);
     const auto doPart = [&](uint32_t m, uint32_t n) {
-      if (mayFace(node(m), node(n))) do_part(m, n);
+      if (mayFace(node(m), node(n)) && !areFar(endOf(node(m)), endOf(node(n)))) do_part(m, n);
     };
     if (of_a == of_b) {
       doPart(a.left, a.left), doPart(a.left, a.right), doPart(a.right, a.right);
@@ -203,6 +206,38 @@ class PairFinder::Search {
            !(b.is_flat && isBehind(finder_.patches_[b.patch], a.box));
   }
 
+  // An End is a cluster or a patch, as bounds of form factors see it.
+  struct End {
+    Box box;
+    double largest_area;
+    bool has_parts;
+    const Patch* flat;  // a patch of the end's plane, where it lies in one
+  };
+  End endOf(const Node& n) const {
+    return {n.box, n.largest_area, n.has_parts, n.is_flat ? &finder_.patches_[n.patch] : nullptr};
+  }
+  End endOf(uint32_t p) const {
+    const Patch& patch = finder_.patches_[p];
+    return {{patch.low, patch.high}, patch.area, patch.is_part, &patch};
+  }
+
+  // Returns whether all pairs of two ends have unoccluded form factors below the least. With distances of d or more
+  // and heights of h or less over each other's planes it is min(1, h_a / d) min(1, h_b / d) A / (pi d^2), A the larger
+  // area.
+  bool areFar(const End& a, const End& b) const {
+    if (least_form_factor_ == 0 || a.has_parts || b.has_parts) return false;
+    const dvec3 gap = glm::max(dvec3(0), glm::max(a.box.low - b.box.high, b.box.low - a.box.high));
+    const double square = glm::dot(gap, gap), all = std::max(a.largest_area, b.largest_area) / std::numbers::pi;
+    if (!(square > 0)) return false;
+    const auto cosineOver = [&](const Patch* flat, const Box& box) {
+      if (!flat) return 1.0;
+      const dvec3 middle = 0.5 * (box.low + box.high), reach = 0.5 * (box.high - box.low);
+      const double height = glm::dot(flat->normal, middle) + glm::dot(glm::abs(flat->normal), reach) - flat->offset;
+      return std::min(1.0, (std::max(height, 0.0) + kTouchingShaft) / std::sqrt(square));
+    };
+    return all * cosineOver(a.flat, b.box) * cosineOver(b.flat, a.box) < least_form_factor_ * square;
+  }
+
   // Keeps the blockers between two clusters. Returns false where one of them hides all.
   bool keepBetween(const BlockerList& from, uint32_t m, uint32_t n, BlockerList& to) const {
     const Box &a = node(m).box, &b = node(n).box;
@@ -217,6 +252,7 @@ class PairFinder::Search {
     for (uint32_t k = a.first; k < a.end; ++k) {
       const uint32_t p = finder_.order_[k];
       const Patch& patch = finder_.patches_[p];
+      if (areFar(endOf(p), endOf(b))) continue;
       const BlockerList* list = &between;
       if (between.size() > kFewBlockers) {
         if (isBehind(patch, b.box)) continue;
@@ -250,6 +286,7 @@ class PairFinder::Search {
   void findPair(uint32_t p, uint32_t q, const BlockerList& from) {
     const Patch &a = finder_.patches_[p], &b = finder_.patches_[q];
     if (!(a.emits && b.receives) && !(a.receives && b.emits)) return;
+    if (areFar(endOf(p), endOf(q))) return;
     const bool is_contact = a.plane == b.plane;
     if (is_contact) {
       if (a.along_plane_normal == b.along_plane_normal || a.height + b.height >= 0) return;
@@ -276,7 +313,8 @@ class PairFinder::Search {
       for (const uint32_t k : finder_.covers_[q]) found.between.push_back({k, BlockerPlace::over_second});
     }
     const double exchange = finder_.unoccluded_.find({a.side, b.side}, work_).area;
-    if (!(exchange > 0)) {
+    const bool is_small = exchange < least_form_factor_ * std::min(a.area, b.area) && !a.is_part && !b.is_part;
+    if (!(exchange > 0) || is_small) {
       found.between.resize(before);
       return;
     }
@@ -286,6 +324,7 @@ class PairFinder::Search {
   }
 
   const PairFinder& finder_;
+  double least_form_factor_;
   std::atomic<size_t>& pair_count_;
   UnoccludedWork work_;
   std::vector<uint32_t> between_;
@@ -295,11 +334,11 @@ class PairFinder::Search {
   Vectors vectors_ = widestVectors();
 };
 
-PatchPairs PairFinder::find(size_t threads, const std::function<void()>& stop) const {
+PatchPairs PairFinder::find(size_t threads, const std::function<void()>& stop, double least_form_factor) const {
   if (nodes_.empty()) return {};
   // One thread divides until there are tasks enough for all threads. Then each task is searched to its end.
   std::atomic<size_t> found_count = 0;
-  Search first(*this, found_count);
+  Search first(*this, least_form_factor, found_count);
   std::vector<Task> tasks(1);
   tasks[0].a = tasks[0].b = 0;
   tasks[0].between.clear(blockers_.size());
@@ -320,7 +359,7 @@ PatchPairs PairFinder::find(size_t threads, const std::function<void()>& stop) c
   shareOut(
       threads, tasks.size(), 1,
       [&](size_t, size_t k) {
-        Search search(*this, found_count);
+        Search search(*this, least_form_factor, found_count);
         search.search(tasks[k].a, tasks[k].b, tasks[k].between);
         tasks[k] = {};
         parts[k] = std::move(search.found);

@@ -47,10 +47,13 @@ class PairFinder {
   bool hasUnordered() const { return has_unordered_; }
 
   // Finds all pairs of patches of different faces of which one emits and the other receives.
-  //   In: threads; stop: called now and then by one thread, may throw, may be empty
+  //   In: threads; stop: called now and then by one thread, may throw, may be empty; least_form_factor: pairs of which
+  //   the unoccluded form factor from the smaller patch is below it are left out, but for patches that are parts of one
+  //   row: their form factors add up
   //   Error: blockers that reach less deep than kTouchingShaft into a shaft count as outside it.
-  //   Cost: a fraction of a microsecond a pair, and its unoccluded form factor. Tests: tests/unit/pair_lines_test.cpp.
-  PatchPairs find(size_t threads, const std::function<void()>& stop = {}) const;
+  //   Cost: a fraction of a microsecond a pair, and its unoccluded form factor. Distant clusters of pairs below the
+  //   least form factor are left out at once. Tests: tests/unit/pair_lines_test.cpp.
+  PatchPairs find(size_t threads, const std::function<void()>& stop = {}, double least_form_factor = 0) const;
 
  private:
   // A Node is a cluster of patches.
@@ -59,8 +62,10 @@ class PairFinder {
     uint32_t first, end;  // of order_
     uint32_t left = 0, right = 0;
     bool emits = false, receives = false;
-    bool is_flat = false;  // all patches lie in one plane and look one way
-    uint32_t patch = 0;    // one of them
+    bool has_parts = false;   // whether a patch is_part
+    double largest_area = 0;  // of a patch
+    bool is_flat = false;     // all patches lie in one plane and look one way
+    uint32_t patch = 0;       // one of them
 
     bool isLeaf() const { return left == 0; }
     uint32_t size() const { return end - first; }

@@ -45,8 +45,8 @@ PairLines::PairLines(const Scene& scene, const Ids& face_ids, bool with_leak, ui
       finder_(scene, face_ids, with_leak),
       device_(device) {}
 
-std::vector<LinePair> PairLines::find() {
-  parts_ = finder_.find(threads_, stop_);
+std::vector<LinePair> PairLines::find(double least_form_factor) {
+  parts_ = finder_.find(threads_, stop_, least_form_factor);
   const auto idsOf = [&](const PatchPair& part) {
     return std::minmax({finder_.patches()[part.a].id, finder_.patches()[part.b].id});
   };
@@ -69,7 +69,19 @@ std::vector<LinePair> PairLines::find() {
     const double form_factor = part.exchange / std::min(a.area, b.area);
     pair.by_angles |= form_factor > kLarge || (form_factor > kLeastNear && areNear(a, b));
   }
+  if (least_form_factor > 0) leaveOut(pairs, least_form_factor);
   return pairs;
+}
+
+// Leaves out pairs of faces in parts, whose form factors add up to less than the least.
+void PairLines::leaveOut(std::vector<LinePair>& pairs, double least_form_factor) {
+  size_t kept = 0;
+  for (size_t k = 0; k < pairs.size(); ++k) {
+    const double area_i = ids_.areas[pairs[k].i % ids_.count()], area_j = ids_.areas[pairs[k].j % ids_.count()];
+    if (pairs[k].exchange < least_form_factor * std::min(area_i, area_j)) continue;
+    pairs[kept] = pairs[k], groups_[kept++] = groups_[k];
+  }
+  pairs.resize(kept), groups_.resize(kept);
 }
 
 PairLinesFigures PairLines::figures() const {

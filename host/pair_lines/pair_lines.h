@@ -32,8 +32,9 @@ class PairLines {
             std::function<void()> stop = {}, const Device* device = nullptr);
 
   // Finds all pairs with an unoccluded form factor above 0 that nothing hides, sorted, without lines.
+  //   In: least_form_factor: pairs are left out whose unoccluded form factor from the smaller face is below it
   //   Cost: as PairFinder::find.
-  std::vector<LinePair> find();
+  std::vector<LinePair> find(double least_form_factor = 0);
   PairLinesFigures figures() const;
   // Returns whether coincident polygons have no order (PairFinder). There are no pair lines then.
   bool hasUnordered() const { return finder_.hasUnordered(); }
@@ -83,6 +84,7 @@ class PairLines {
   bool tryDevice(std::span<const LinePair> pairs, LineCounts& counts, uint64_t replicate, uint32_t times);
   void drawOnDevice(std::span<const LinePair> pairs, std::span<LineCount> counts, uint64_t replicate, uint32_t times);
   bool isPartial(const Group& group) const;
+  void leaveOut(std::vector<LinePair>& pairs, double least_form_factor);
   std::array<uint32_t, 4> scramblesOf(const PatchPair& part, uint64_t replicate) const;
   double findNeed(LinePair& pair, const Group& group, double goal, Vectors vectors) const;
   void forEach(size_t count, const std::function<void(size_t)>& work) const;

@@ -18,6 +18,7 @@ struct Patch {
   int height = 0;      // blockers of this plane with higher levels lie in front of the side, see stepsInFront
   bool along_plane_normal = true;  // whether the side looks along its plane's normal
   bool emits = true, receives = true;
+  bool is_part = false;  // whether its row has more patches
   uint32_t corner_count = 0;
   glm::dvec3 corners[4]{};       // a triangle's last twice
   glm::dvec3 normal{0};          // of the side, unit length

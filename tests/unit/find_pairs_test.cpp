@@ -1,0 +1,205 @@
+// Pairs that clusters decide at once against each pair by itself, in scenes as users draw them: thin walls, boxes that
+// stand on a floor, slivers, triangles of single precision.
+#include <map>
+#include <set>
+
+#include <glm/glm.hpp>
+#include <gtest/gtest.h>
+
+#include "pair_lines/pair_lines.h"
+#include "scenes/coincident_scenes.h"
+#include "scenes/generate.h"
+#include "scenes/named_scenes.h"
+#include "scenes/stress.h"
+#include "scenes/triangulated_city.h"
+
+namespace viewpeel {
+namespace {
+
+namespace ts = test_scenes;
+
+struct NamedScene {
+  std::string name;
+  Scene scene;
+};
+
+std::vector<NamedScene> awkwardScenes() {
+  std::vector<NamedScene> scenes;
+  for (const ts::CoincidentScene& coincident : ts::coincidentScenes()) {
+    scenes.push_back({coincident.name, buildScene(coincident.make(0))});
+    scenes.push_back({coincident.name + ", turned, single precision",
+                      buildScene(ts::roundedToSingle(ts::turnedAndMoved(coincident.make(0))))});
+  }
+  for (uint64_t seed = 0; seed < 3; ++seed)
+    scenes.push_back({"slivers " + std::to_string(seed), buildScene(stress::makeScene(stress::Kind::slivers, seed))});
+  scenes.push_back({"room with touching boxes", buildScene(ts::roomWithTouchingBoxes())});
+  scenes.push_back({"room with boxes", buildScene(bench::roomWithBoxes(1))});
+  scenes.push_back({"city", buildScene(bench::triangulatedCity(1000, 3).scene)});
+  return scenes;
+}
+
+bool isInFront(const Patch& a, const Patch& b) {
+  for (uint32_t k = 0; k < b.corner_count; ++k)
+    if (glm::dot(a.normal, b.corners[k]) > a.offset) return true;
+  return false;
+}
+
+// Returns how many of some lines between two patches pass through a blocker, more than a strip from its edges.
+int linesThrough(const Blocker& blocker, const Patch& a, const Patch& b) {
+  constexpr double kStrip = 1e-8;  // ten times kTouchingShaft
+  const auto pointOf = [](const Patch& patch, int k) {
+    const double s = (k % 3) / 2.0, t = (k / 3) / 2.0;
+    const glm::dvec3 one = glm::mix(patch.corners[0], patch.corners[1], s),
+                     other = glm::mix(patch.corners[3], patch.corners[2], s);
+    return glm::mix(one, other, t);
+  };
+  int count = 0;
+  for (int i = 0; i < 9; ++i)
+    for (int j = 0; j < 9; ++j) {
+      const glm::dvec3 p = pointOf(a, i), q = pointOf(b, j);
+      // Lines that run behind a patch are none between their fronts.
+      if (glm::dot(a.normal, q) <= a.offset || glm::dot(b.normal, p) <= b.offset) continue;
+      const double from = glm::dot(blocker.normal, p) - blocker.offset,
+                   to = glm::dot(blocker.normal, q) - blocker.offset;
+      if (std::min(from, to) > -kStrip || std::max(from, to) < kStrip) continue;
+      const glm::dvec3 x = glm::mix(p, q, from / (from - to));
+      bool is_inside = true;
+      for (uint32_t e = 0; e < blocker.corner_count; ++e)
+        is_inside &= glm::dot(blocker.edge_normals[e], x) - blocker.edge_offsets[e] < -kStrip;
+      count += is_inside;
+    }
+  return count;
+}
+
+// A pair that clusters leave out is hidden by a blocker of its own, and blockers that they leave out stop no line.
+TEST(PairFinder, ClustersDecideAsSinglePairs) {
+  uint64_t found_count = 0, hidden_count = 0, left_out_count = 0, stopped_count = 0;
+  for (const auto& [name, scene] : awkwardScenes()) {
+    SCOPED_TRACE(name);
+    const Ids ids = makeIds(scene, By::polygon, false);
+    const PairFinder finder(scene, ids);
+    if (finder.hasUnordered()) continue;
+    const PatchPairs found = finder.find(2);
+    std::map<std::pair<uint32_t, uint32_t>, const PatchPair*> by_patches;
+    for (const PatchPair& pair : found.pairs) by_patches[{pair.a, pair.b}] = &pair;
+    BlockerList all;
+    all.clear(finder.blockers().size());
+    for (uint32_t k = 0; k < finder.blockers().size(); ++k) all.add(k, finder.blockers()[k]);
+    all.close();
+    const HostUnoccluded unoccluded(scene);
+    UnoccludedWork work;
+    std::vector<uint32_t> between;
+    // Every pair of a small scene, and some of a large one.
+    const auto count = static_cast<uint32_t>(finder.patches().size()), step = 1 + count / 60;
+    for (uint32_t p = 0; p < count; p += step)
+      for (uint32_t q = p + 1; q < count; ++q) {
+        const Patch &a = finder.patches()[p], &b = finder.patches()[q];
+        if (a.plane == b.plane || !isInFront(a, b) || !isInFront(b, a)) continue;
+        if (!(unoccluded.find({a.side, b.side}, work).area > 0)) continue;
+        between.clear();
+        const bool is_hidden = PatchShaft(a, b).isHidden(finder.blockers(), all, between, widestVectors());
+        const auto at = by_patches.find({p, q});
+        if (at == by_patches.end()) {
+          ++hidden_count;
+          // A face right in front hides a patch, too; then nothing sees it.
+          const auto isSeen = [&](uint32_t patch) {
+            return std::ranges::any_of(found.pairs, [&](const PatchPair& pair) {
+              const Patch &one = finder.patches()[pair.a], &other = finder.patches()[pair.b];
+              return (pair.a == patch || pair.b == patch) && one.plane != other.plane;
+            });
+          };
+          EXPECT_TRUE(is_hidden || !isSeen(p) || !isSeen(q)) << p << " " << q;
+          continue;
+        }
+        ++found_count;
+        EXPECT_FALSE(is_hidden) << p << " " << q;
+        std::set<uint32_t> kept;
+        for (uint32_t k = 0; k < at->second->blocker_count; ++k)
+          if (const PlacedBlocker& placed = found.between[at->second->first_blocker + k];
+              placed.place == BlockerPlace::between)
+            kept.insert(placed.blocker);
+        for (const uint32_t k : between) {
+          const int stopped = linesThrough(finder.blockers()[k], a, b);
+          stopped_count += stopped > 0;
+          if (kept.contains(k)) continue;
+          ++left_out_count;
+          EXPECT_EQ(stopped, 0) << "blocker " << k << " between " << p << " and " << q;
+        }
+        for (const uint32_t k : kept) EXPECT_TRUE(std::ranges::find(between, k) != between.end()) << k;
+      }
+  }
+  EXPECT_GT(found_count, 10'000u);
+  EXPECT_GT(hidden_count, 1'000u);
+  EXPECT_GT(left_out_count, 100u);   // clusters know better now and then
+  EXPECT_GT(stopped_count, 1'000u);  // and lines that are stopped are seen to be
+}
+
+bool areAlike(const PatchPairs& x, const PatchPairs& y) {
+  const auto isSame = [](const PatchPair& p, const PatchPair& q) {
+    return p.a == q.a && p.b == q.b && p.exchange == q.exchange && p.first_blocker == q.first_blocker &&
+           p.blocker_count == q.blocker_count;
+  };
+  const auto isSameBlocker = [](const PlacedBlocker& p, const PlacedBlocker& q) {
+    return p.blocker == q.blocker && p.place == q.place;
+  };
+  return std::ranges::equal(x.pairs, y.pairs, isSame) && std::ranges::equal(x.between, y.between, isSameBlocker);
+}
+
+TEST(PairFinder, ThreadsDoNotMatter) {
+  const Scene scene = buildScene(bench::triangulatedCity(1000, 2).scene);
+  const Ids ids = makeIds(scene, By::polygon, false);
+  const PairFinder finder(scene, ids);
+  const PatchPairs one = finder.find(1);
+  EXPECT_GT(one.pairs.size(), 10'000u);
+  EXPECT_TRUE(areAlike(one, finder.find(3)));
+  EXPECT_FALSE(areAlike(one, finder.find(3, {}, 1e-3)));
+}
+
+// A least form factor takes out the pairs below it and no others.
+TEST(PairFinder, ALeastFormFactorLeavesOutSmallPairs) {
+  for (const auto& [name, scene] : awkwardScenes()) {
+    SCOPED_TRACE(name);
+    const Ids ids = makeIds(scene, By::polygon, false);
+    const PairFinder finder(scene, ids);
+    if (finder.hasUnordered()) continue;
+    const PatchPairs all = finder.find(1);
+    for (const double least : {1e-4, 1e-3, 1e-2, 0.1}) {
+      std::vector<std::array<double, 4>> expected, found;
+      const auto entryOf = [](const PatchPair& pair) {
+        return std::array{double(pair.a), double(pair.b), pair.exchange, double(pair.blocker_count)};
+      };
+      for (const PatchPair& pair : all.pairs) {
+        const Patch &a = finder.patches()[pair.a], &b = finder.patches()[pair.b];
+        if (a.is_part || b.is_part || !(pair.exchange < least * std::min(a.area, b.area)))
+          expected.push_back(entryOf(pair));
+      }
+      for (const PatchPair& pair : finder.find(1, {}, least).pairs) found.push_back(entryOf(pair));
+      EXPECT_EQ(found, expected) << least;
+    }
+  }
+}
+
+// Parts of one face add up: a pair of faces in parts is kept though each pair of parts is below the least.
+TEST(PairFinder, PartsOfAFaceAreKept) {
+  // A star, which is cut into several convex parts, over a square.
+  InputScene input{"star", {}, {}};
+  ts::addFace(input, "square", ts::parallelogram({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}));
+  ts::Corners star;
+  for (int k = 0; k < 10; ++k) {
+    const double angle = -0.628318530717958648 * k, radius = k % 2 ? 0.3 : 1;
+    star.push_back({radius * std::cos(angle), radius * std::sin(angle), 1});
+  }
+  ts::addFace(input, "star", star);
+  const Scene scene = buildScene(input);
+  ASSERT_GT(scene.polygons.size(), 3u);
+  const Ids ids = makeIds(scene, By::polygon, false);
+  PairLines lines(scene, ids, false, 1, 1);
+  const std::vector<LinePair> whole = lines.find();
+  ASSERT_EQ(whole.size(), 1u);
+  const double form_factor = whole[0].exchange / std::min(ids.areas[0], ids.areas[1]);
+  EXPECT_EQ(lines.find(0.9 * form_factor), whole);
+  EXPECT_TRUE(lines.find(1.1 * form_factor).empty());
+}
+
+}  // namespace
+}  // namespace viewpeel
