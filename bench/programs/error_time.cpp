@@ -1,7 +1,8 @@
 // What error does each method have after what time? All form factors of a scene by viewpeel and by what users would
 // pick instead, in one run on one machine. CSV on stdout.
 //   error_time [--scene NAME]... [--method NAME]... [--full] [--seconds S] [--reference-seconds S]
-//   [--reference-method M] [--rounds K] [--view3d PROGRAM] [--view3d-most N] [--cache DIR] [--device D]
+//   [--reference-method M [--reference-amount A]] [--rounds K] [--view3d PROGRAM] [--view3d-most N] [--cache DIR]
+//   [--device D]
 // Methods (methods.cpp): planned (the program's default), planned_directions (without pair lines) and fixed (without a
 // plan), all three with all that a start takes; fibonacci, jittered, iid and the same with unoccluded form factors,
 // scanline, host and host_unoccluded (scanlines on the processor), graphics, exact; rays_random and rays_sobol,
@@ -18,6 +19,7 @@
 // device, over other directions. bench/plot makes tables of times to errors.
 #include <algorithm>
 #include <fstream>
+#include <optional>
 #include <set>
 
 #include <CLI/CLI.hpp>
@@ -43,6 +45,7 @@ struct Options {
   std::vector<std::string> scenes{"plates", "cube", "office"}, methods;
   std::string reference_method;  // empty: viewpeel
   double seconds = 0.5, reference_seconds = 20;
+  std::optional<double> reference_amount;
   uint32_t rounds = 1;
   std::string cache = "build/references";
   MethodOptions method;
@@ -161,7 +164,8 @@ ReferenceMatrix makeReference(const Device& device, const Scene& scene, const st
     return referenceByLongRun(device, scene, name, options.reference_seconds, options.cache);
   for (const Ladder& ladder : ladders)
     if (ladder.method == options.reference_method)
-      return referenceByMethod(ladder, scene, name, options.reference_seconds, options.cache);
+      return referenceByMethod(ladder, scene, name, {options.reference_seconds, options.reference_amount},
+                               options.cache);
   throw Error(ErrorCode::bad_usage,
               fmt::format("--reference-method {}: no such method here; choose one of methods.cpp, those of Embree only "
                           "where it is installed",
@@ -237,6 +241,9 @@ int main(int argc, char** argv) {
   app.add_option(
          "--reference-method", options.reference_method,
          "Another method than viewpeel to compute references with; its first ladder, --reference-seconds in all")
+      ->take_last();
+  app.add_option("--reference-amount", options.reference_amount,
+                 "What each of the eight runs of --reference-method gets, such as a tolerance, in place of a time")
       ->take_last();
   app.add_option("--rounds", options.rounds, "Of all ladders, each with other seeds")
       ->check(CLI::PositiveNumber)

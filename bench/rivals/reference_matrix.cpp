@@ -83,20 +83,21 @@ class Mean {
   std::vector<double> means_, squares_;
 };
 
-// Eight runs that take as long together as is left for them.
-void averageRuns(const Ladder& ladder, const Scene& scene, double seconds, ReferenceMatrix& reference) {
+// Eight runs that take as long together as is left for them, or of the amount that is given.
+void averageRuns(const Ladder& ladder, const Scene& scene, const ReferenceEffort& effort, ReferenceMatrix& reference) {
   constexpr uint32_t kRuns = 8;
   const std::vector<double> areas = areasOf(scene);
   const Runner runner = ladder.set_up();
   size_t rung = 0;
-  for (; rung + 1 < ladder.rungs.size(); ++rung) {
+  for (; !effort.amount && rung + 1 < ladder.rungs.size(); ++rung) {
     const double took_s = runner.run(ladder.rungs[rung].amount, kReferenceSeed).time.seconds;
-    if (took_s * ladder.rungs[rung + 1].cost / ladder.rungs[rung].cost > seconds / kRuns) break;
+    if (took_s * ladder.rungs[rung + 1].cost / ladder.rungs[rung].cost > effort.seconds / kRuns) break;
   }
+  const double amount = effort.amount.value_or(ladder.rungs[rung].amount);
   std::vector<double>& values = reference.exchange.values();
   Mean pairs(values.size()), rest(areas.size());
   for (uint32_t k = 0; k < kRuns; ++k) {
-    const Outcome outcome = runner.run(ladder.rungs[rung].amount, kReferenceSeed + 1 + k);
+    const Outcome outcome = runner.run(amount, kReferenceSeed + 1 + k);
     pairs.add(outcome.exchange.values());
     rest.add(outcome.rest.empty() ? restOf(outcome.exchange, areas) : outcome.rest);
   }
@@ -162,16 +163,19 @@ ReferenceMatrix referenceByLongRun(const Device& device, const Scene& scene, con
   return reference;
 }
 
-ReferenceMatrix referenceByMethod(const Ladder& ladder, const Scene& scene, const std::string& name, double seconds,
-                                  const std::string& directory) {
+ReferenceMatrix referenceByMethod(const Ladder& ladder, const Scene& scene, const std::string& name,
+                                  const ReferenceEffort& effort, const std::string& directory) {
   const uint64_t print = fingerprint(scene);
-  const std::string file = fmt::format("{}/{}-{:016x}-{}.bin", directory, name, print, ladder.method);
-  ReferenceMatrix reference{ExchangeMatrix(static_cast<uint32_t>(scene.polygons.size())), {}, {}, 0, seconds, {}};
-  if (!readKept(file, print, seconds, reference)) {
-    averageRuns(ladder, scene, seconds, reference);
-    keep(file, directory, print, seconds, reference);
+  const std::string amount = effort.amount ? fmt::format("{}={:g}", ladder.amount_name, *effort.amount) : "";
+  const std::string file = fmt::format("{}/{}-{:016x}-{}{}.bin", directory, name, print, ladder.method, amount);
+  ReferenceMatrix reference{
+      ExchangeMatrix(static_cast<uint32_t>(scene.polygons.size())), {}, {}, 0, effort.seconds, {}};
+  if (!readKept(file, print, effort.amount ? 0 : effort.seconds, reference)) {
+    averageRuns(ladder, scene, effort, reference);
+    keep(file, directory, print, effort.seconds, reference);
   }
-  reference.source = fmt::format("eight runs of {} within {:.0f} s", ladder.method, reference.seconds);
+  reference.source = fmt::format("eight runs of {} {}", ladder.method,
+                                 effort.amount ? "with " + amount : fmt::format("within {:.0f} s", reference.seconds));
   return reference;
 }
 

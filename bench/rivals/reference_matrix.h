@@ -1,5 +1,6 @@
 // Errors are measured against a reference matrix.
 #pragma once
+#include <optional>
 #include <string>
 
 #include "bench/rivals/methods.h"
@@ -29,8 +30,12 @@ ReferenceMatrix referenceByLongRun(const Device& device, const Scene& scene, con
 
 // The mean of eight long runs of another method than the one judged, from seeds of their own; its error is the spread
 // of their mean. Kept as above, by method.
-//   In: seconds: of all eight    Throws: Error output.
-ReferenceMatrix referenceByMethod(const Ladder& ladder, const Scene& scene, const std::string& name, double seconds,
-                                  const std::string& directory);
+//   Throws: Error output.
+struct ReferenceEffort {
+  double seconds = 0;            // of all eight
+  std::optional<double> amount;  // of each, as the ladder's; in place of seconds
+};
+ReferenceMatrix referenceByMethod(const Ladder& ladder, const Scene& scene, const std::string& name,
+                                  const ReferenceEffort& effort, const std::string& directory);
 
 }  // namespace viewpeel::bench
