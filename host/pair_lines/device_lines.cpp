@@ -53,23 +53,23 @@ constexpr uint32_t groupsFor(size_t invocations, uint32_t of_group) {
   return static_cast<uint32_t>((invocations + of_group - 1) / of_group);
 }
 
-// A Place says where a task's next run begins.
+// A Place says where a task's next portion begins.
 struct Place {
   size_t task = 0;
   uint32_t block = 0;  // added to the task's first
 };
 
-// A Batch holds runs of consecutive tasks. The runs of one task may be in several batches.
+// A Batch holds portions of consecutive tasks. The portions of one task may be in several batches.
 struct Batch {
   std::vector<LineTaskData> tasks;
-  std::vector<LineRunData> runs;
+  std::vector<LinePortionData> portions;
   std::vector<PlacedData> placed;
   size_t first_task = 0;
 
   uint64_t bytes() const {
     return tasks.size() * (sizeof(LineTaskData) + sizeof(LinePairData)) +
            placed.size() * (sizeof(PlacedData) + sizeof(ObstacleData)) +
-           runs.size() * (sizeof(LineRunData) + sizeof(LineRunSums));
+           portions.size() * (sizeof(LinePortionData) + sizeof(LinePortionSums));
   }
 };
 
@@ -78,7 +78,7 @@ struct Slot {
   explicit Slot(const Device& device) : commands(device) {}
 
   Commands commands;
-  Buffer tasks_written, runs_written, placed_written, tasks, runs, placed, pairs, obstacles, sums, sums_read;
+  Buffer tasks_written, portions_written, placed_written, tasks, portions, placed, pairs, obstacles, sums, sums_read;
   Batch batch;
   bool is_busy = false;
 };
@@ -143,7 +143,7 @@ Buffer DeviceLines::State::uploaded(const std::vector<T>& values) {
   return buffer;
 }
 
-// Adds a task, and its obstacles, without runs.
+// Adds a task, and its obstacles, without portions.
 void DeviceLines::State::addTask(Batch& batch, const LineTask& task) const {
   const bool is_swapped = patches[task.b].area < patches[task.a].area;
   const auto index = static_cast<uint32_t>(batch.tasks.size());
@@ -158,22 +158,23 @@ void DeviceLines::State::addTask(Batch& batch, const LineTask& task) const {
     batch.placed.push_back({index, placed.blocker, static_cast<uint32_t>(placeFrom(placed.place, is_swapped))});
 }
 
-// Fills a batch from where the one before has ended: one run at least.
+// Fills a batch from where the one before has ended: one portion at least.
 void DeviceLines::State::fill(Batch& batch, std::span<const LineTask> tasks, Place& next) const {
-  batch.tasks.clear(), batch.runs.clear(), batch.placed.clear();
+  batch.tasks.clear(), batch.portions.clear(), batch.placed.clear();
   batch.first_task = next.task;
-  const uint64_t most_runs = uint64_t(device.properties().limits.maxComputeWorkGroupCount[0]) * kTeams;
+  const uint64_t most_portions = uint64_t(device.properties().limits.maxComputeWorkGroupCount[0]) * kTeams;
   uint64_t tests = 0;
   for (; next.task < tasks.size(); ++next.task, next.block = 0) {
     const LineTask& task = tasks[next.task];
     addTask(batch, task);
     while (task.first + next.block < task.end) {
-      if (!batch.runs.empty() &&
-          (tests >= options.most_tests || batch.bytes() >= options.most_bytes || batch.runs.size() >= most_runs))
+      if (!batch.portions.empty() && (tests >= options.most_tests || batch.bytes() >= options.most_bytes ||
+                                      batch.portions.size() >= most_portions))
         return;
-      const uint32_t first = task.first + next.block, end = std::min((first / kRunBlocks + 1) * kRunBlocks, task.end);
-      batch.runs.push_back({static_cast<uint32_t>(batch.tasks.size() - 1), first, end});
-      tests += uint64_t(end - first) * kRunLanes * (task.between.size() + 4);
+      const uint32_t first = task.first + next.block,
+                     end = std::min((first / kPortionBlocks + 1) * kPortionBlocks, task.end);
+      batch.portions.push_back({static_cast<uint32_t>(batch.tasks.size() - 1), first, end});
+      tests += uint64_t(end - first) * kBlockLanes * (task.between.size() + 4);
       next.block = end - task.first;
     }
   }
@@ -192,18 +193,18 @@ void DeviceLines::State::fit(Slot& slot) const {
     grow(read, size_bytes, MemoryUse::device);
   };
   growBoth(slot.tasks_written, slot.tasks, batch.tasks.size() * sizeof(LineTaskData));
-  growBoth(slot.runs_written, slot.runs, batch.runs.size() * sizeof(LineRunData));
+  growBoth(slot.portions_written, slot.portions, batch.portions.size() * sizeof(LinePortionData));
   growBoth(slot.placed_written, slot.placed, batch.placed.size() * sizeof(PlacedData));
   grow(slot.pairs, batch.tasks.size() * sizeof(LinePairData), MemoryUse::device);
   grow(slot.obstacles, batch.placed.size() * sizeof(ObstacleData), MemoryUse::device);
-  grow(slot.sums, batch.runs.size() * sizeof(LineRunSums), MemoryUse::device);
-  grow(slot.sums_read, batch.runs.size() * sizeof(LineRunSums), MemoryUse::readback);
+  grow(slot.sums, batch.portions.size() * sizeof(LinePortionSums), MemoryUse::device);
+  grow(slot.sums_read, batch.portions.size() * sizeof(LinePortionSums), MemoryUse::readback);
 }
 
 void DeviceLines::State::submit(Slot& slot) const {
   const Batch& batch = slot.batch;
   const auto task_count = static_cast<uint32_t>(batch.tasks.size()),
-             run_count = static_cast<uint32_t>(batch.runs.size()),
+             portion_count = static_cast<uint32_t>(batch.portions.size()),
              placed_count = static_cast<uint32_t>(batch.placed.size());
   Commands& commands = slot.commands;
   commands.begin();
@@ -213,7 +214,7 @@ void DeviceLines::State::submit(Slot& slot) const {
     commands.copy(written, read, std::span(values).size_bytes());
   };
   send(batch.tasks, slot.tasks_written, slot.tasks);
-  send(batch.runs, slot.runs_written, slot.runs);
+  send(batch.portions, slot.portions_written, slot.portions);
   send(batch.placed, slot.placed_written, slot.placed);
   commands.barrier();
   commands.dispatch(prepare, PrepareArgs{slot.tasks.address(), patch_data.address(), slot.pairs.address(), task_count},
@@ -225,26 +226,26 @@ void DeviceLines::State::submit(Slot& slot) const {
                       groupsFor(placed_count, kPairLinesGroup), 1);
   commands.barrier();
   commands.dispatch(draw,
-                    DrawLinesArgs{slot.runs.address(), slot.tasks.address(), slot.pairs.address(),
-                                  slot.obstacles.address(), sobol.address(), slot.sums.address(), run_count},
-                    groupsFor(run_count, kTeams), 1);
+                    DrawLinesArgs{slot.portions.address(), slot.tasks.address(), slot.pairs.address(),
+                                  slot.obstacles.address(), sobol.address(), slot.sums.address(), portion_count},
+                    groupsFor(portion_count, kTeams), 1);
   commands.barrier();
-  commands.copy(slot.sums, slot.sums_read, run_count * sizeof(LineRunSums));
+  commands.copy(slot.sums, slot.sums_read, portion_count * sizeof(LinePortionSums));
   commands.submit();
   slot.is_busy = true;
 }
 
-// Adds the sums of a batch, run by run in their order.
+// Adds the sums of a batch, portion by portion in their order.
 void DeviceLines::State::collect(Slot& slot, std::vector<DrawnLines>& found) const {
   if (!slot.is_busy) return;
   slot.is_busy = false;
   slot.commands.wait();
-  const std::span<const LineRunSums> sums = slot.sums_read.mapped<LineRunSums>();
-  for (size_t k = 0; k < slot.batch.runs.size(); ++k) {
-    const LineRunData& run = slot.batch.runs[k];
-    DrawnLines& of = found[slot.batch.first_task + run.task];
+  const std::span<const LinePortionSums> sums = slot.sums_read.mapped<LinePortionSums>();
+  for (size_t k = 0; k < slot.batch.portions.size(); ++k) {
+    const LinePortionData& portion = slot.batch.portions[k];
+    DrawnLines& of = found[slot.batch.first_task + portion.task];
     of.facing += double(sums[k].facing), of.all += double(sums[k].all), of.squares += double(sums[k].squares);
-    of.lines += uint64_t(LineDrawer::kBlockLines) * (run.end - run.first);
+    of.lines += uint64_t(LineDrawer::kBlockLines) * (portion.end - portion.first);
   }
 }
 
@@ -279,7 +280,7 @@ std::vector<DrawnLines> DeviceLines::draw(std::span<const LineTask> tasks, const
     state.collect(slot, found);
     const Place begun = next;
     state.fill(slot.batch, tasks, next);
-    if (slot.batch.runs.empty()) break;
+    if (slot.batch.portions.empty()) break;
     try {
       state.fit(slot);
     } catch (const Error& error) {
@@ -302,7 +303,7 @@ bool agree(DeviceLines& device_lines, std::span<const LineTask> tasks, std::span
   for (size_t k = 0; k < tasks.size(); k += tasks.size() / kTriedTasks + 1) {
     if (!DeviceLines::takes(tasks[k])) continue;
     tried.push_back(tasks[k]);
-    tried.back().end = std::min(tried.back().end, tried.back().first + kRunBlocks);
+    tried.back().end = std::min(tried.back().end, tried.back().first + kPortionBlocks);
   }
   const std::vector<DrawnLines> found = device_lines.draw(tried);
   const Vectors vectors = widestVectors();

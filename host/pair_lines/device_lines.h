@@ -3,8 +3,8 @@
 // A batch of tasks takes these passes, in order:
 //   prepare  where the lines of a task start and end
 //   place    the blockers of each task, in single precision about its smaller patch
-//   draw     the lines of runs of up to 16 blocks, and their sums
-// The host adds the sums of a task's runs in their order.
+//   draw     the lines of portions of up to 16 blocks, and their sums
+// The host adds the sums of a task's portions in their order.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -57,7 +57,7 @@ class DeviceLines {
   //   Out: of each task, as drawOnHost() has it, to the last bit
   //   Error: that of LineDrawer. It rests on the device rounding as IEEE 754 has it by default; agree() tries it.
   //   Throws: Error device, Error memory where not even small batches fit.
-  //   Cost: some 0.5 KB a task, 164 bytes a blocker, and 24 bytes a run on the device. Two batches are in flight.
+  //   Cost: some 0.5 KB a task, 164 bytes a blocker, and 24 bytes a portion on the device. Two batches are in flight.
   std::vector<DrawnLines> draw(std::span<const LineTask> tasks, const std::function<void()>& stop = {});
 
  private:

@@ -209,7 +209,7 @@ VIEWPEEL_INLINE Floats pointFormFactors(const Vector& p, const float* normal, co
 
 }  // namespace
 
-static_assert(LineDrawer::kRunBlocks == pair_lines_data::kRunBlocks && LineDrawer::kBlockLines == kRunLanes);
+static_assert(LineDrawer::kPortionBlocks == pair_lines_data::kPortionBlocks && LineDrawer::kBlockLines == kBlockLanes);
 
 float unitOfWeights(LineWay way, double exchange) {
   return static_cast<float>(way == LineWay::contact ? 1 / exchange : 1 / (std::numbers::pi * exchange));
@@ -339,7 +339,7 @@ DrawnLines LineDrawer::draw(const std::array<uint32_t, 4>& scrambles, uint32_t f
     }
     facing += seen;
     // Sums of single precision stay short.
-    if ((block + 1) % kRunBlocks == 0 || block + 1 == end) {
+    if ((block + 1) % kPortionBlocks == 0 || block + 1 == end) {
       sums.facing += double(sumOf(facing)), sums.all += double(sumOf(weights)), sums.squares += double(sumOf(squares));
       facing = weights = squares = Floats{};
     }

@@ -48,7 +48,7 @@ class LineDrawer {
   // Lines are drawn so many at once.
   static constexpr uint32_t kBlockLines = 16;
   // So many blocks, from a multiple of this number on, are added up in single precision.
-  static constexpr uint32_t kRunBlocks = 16;
+  static constexpr uint32_t kPortionBlocks = 16;
 
   //   In: exchange: A F with nothing in between, unit-ball units squared, above 0; all are copied
   LineDrawer(const Patch& a, const Patch& b, LineWay way, double exchange, const std::vector<Blocker>& blockers,

@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Teams of 16 invocations draw one run each, a line of every block an invocation, four teams a workgroup.
-//   In: LineRunData runs[run_count], LineTaskData tasks[], LinePairData pairs[], ObstacleData obstacles[]
-//   Out: LineRunSums sums[run_count], the same bits as LineDrawer's (host/pair_lines/draw_lines.cpp)
+// Teams of 16 invocations draw one portion each, a line of every block an invocation, four teams a workgroup.
+//   In: LinePortionData portions[portion_count], LineTaskData tasks[], LinePairData pairs[], ObstacleData obstacles[]
+//   Out: LinePortionSums sums[portion_count], the same bits as LineDrawer's (host/pair_lines/draw_lines.cpp)
 #include "pair_lines.glsl"
 
 layout(local_size_x = kPairLinesGroup) in;
@@ -145,10 +145,10 @@ uvec4 sobolOf(uint bit) { return uvec4(sobol[bit], sobol[32u + bit], sobol[64u +
 
 // Returns the sum over a team by halves: lanes 8 apart first.
 float sumOfTeam(float mine) {
-  uint at = gl_LocalInvocationIndex, lane = at % kRunLanes;
+  uint at = gl_LocalInvocationIndex, lane = at % kBlockLanes;
   barrier();
   sums[at] = mine;
-  for (uint half_lanes = kRunLanes / 2u; half_lanes > 0u; half_lanes /= 2u) {
+  for (uint half_lanes = kBlockLanes / 2u; half_lanes > 0u; half_lanes /= 2u) {
     barrier();
     if (lane < half_lanes) {
       precise float both = sums[at] + sums[at + half_lanes];
@@ -177,18 +177,18 @@ void loadShared(DrawLinesArgs args, uint team, uint lane, uint task, uint obstac
 
 void main() {
   DrawLinesArgs args = pushed;
-  uint team = gl_LocalInvocationIndex / kRunLanes, lane = gl_LocalInvocationIndex % kRunLanes;
+  uint team = gl_LocalInvocationIndex / kBlockLanes, lane = gl_LocalInvocationIndex % kBlockLanes;
   uint index = gl_WorkGroupID.x * kTeams + team;
-  bool is_run = index < args.run_count;
-  LineRunData run = LineRunData(0u, 0u, 0u);
-  if (is_run) run = Runs(args.runs).at[index];
-  LineTaskData task = loadTask(args.tasks, run.task);
-  uint obstacle_count = is_run ? task.obstacle_count : 0u;
-  loadShared(args, team, lane, run.task, obstacle_count);
+  bool is_portion = index < args.portion_count;
+  LinePortionData portion = LinePortionData(0u, 0u, 0u);
+  if (is_portion) portion = Portions(args.portions).at[index];
+  LineTaskData task = loadTask(args.tasks, portion.task);
+  uint obstacle_count = is_portion ? task.obstacle_count : 0u;
+  loadShared(args, team, lane, portion.task, obstacle_count);
 
   uvec4 first_digits = uvec4(0);
   [[unroll]] for (uint k = 0u; k < 4u; ++k) if ((lane >> k & 1u) != 0u) first_digits ^= sobolOf(k);
-  for (uint gray = run.first ^ run.first >> 1, k = 4u; gray != 0u; gray >>= 1, ++k)
+  for (uint gray = portion.first ^ portion.first >> 1, k = 4u; gray != 0u; gray >>= 1, ++k)
     if ((gray & 1u) != 0u) first_digits ^= sobolOf(k);
 
   // Lines are drawn again for every tile of obstacles: few tasks have more than one.
@@ -202,7 +202,7 @@ void main() {
     barrier();
     bool is_last = tile + 1u == tile_count;
     uvec4 digits = first_digits;
-    for (uint block = run.first; block < run.end; ++block) {
+    for (uint block = portion.first; block < portion.end; ++block) {
       vec4 u = vec4(scrambled(digits.x, task.scrambles[0]), scrambled(digits.y, task.scrambles[1]),
                     scrambled(digits.z, task.scrambles[2]), scrambled(digits.w, task.scrambles[3]));
       digits ^= sobolOf(4u + uint(findLSB(block + 1u)));
@@ -210,7 +210,7 @@ void main() {
       if (task.way == kByPoints) line = drawPoints(team, u);
       else if (task.way == kByAngles) line = drawAngles(team, u);
       else line = drawContact(team, u);
-      uint bit = 1u << block - run.first;
+      uint bit = 1u << block - portion.first;
       for (uint k = 0u; k < count && (blocked & bit) == 0u; ++k)
         if (passing(team, k, line) <= 0.0) blocked |= bit;
       if (!is_last) continue;
@@ -222,5 +222,5 @@ void main() {
     }
   }
   float of_facing = sumOfTeam(facing), of_all = sumOfTeam(weights), of_squares = sumOfTeam(squares);
-  if (is_run && lane == 0u) Sums(args.sums).at[index] = LineRunSums(of_facing, of_all, of_squares);
+  if (is_portion && lane == 0u) Sums(args.sums).at[index] = LinePortionSums(of_facing, of_all, of_squares);
 }

@@ -10,11 +10,11 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Pat
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Blockers { BlockerData at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Tasks { LineTaskData at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Placed { PlacedData at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Runs { LineRunData at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Portions { LinePortionData at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Sobol { uint at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Pairs { LinePairData at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Obstacles { ObstacleData at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Sums { LineRunSums at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Sums { LinePortionSums at[]; };
 
 precise float dotInOrder(vec3 a, vec3 b) {
   precise float sum = a.x * b.x + a.y * b.y + a.z * b.z;

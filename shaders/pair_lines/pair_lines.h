@@ -35,8 +35,8 @@ struct LineTaskData {
   uint first_obstacle, obstacle_count;
 };
 
-// A LineRunData is up to 16 blocks of 16 lines of a task, which are added up in single precision.
-struct LineRunData {
+// A LinePortionData is up to 16 blocks of 16 lines of a task, which are added up in single precision.
+struct LinePortionData {
   uint task, first, end;
 };
 
@@ -73,8 +73,8 @@ struct ObstacleData {
   vec4 edges[kMostObstacleEdges];
 };
 
-// LineRunSums are sums of weights over a run: of lines that nothing blocks, and of all lines; and of all squares.
-struct LineRunSums {
+// LinePortionSums are sums of weights over a portion: of lines that nothing blocks, and of all; and of all squares.
+struct LinePortionSums {
   float facing, all, squares;
 };
 
@@ -95,19 +95,19 @@ struct PlaceArgs {
 };
 
 struct DrawLinesArgs {
-  uint64_t runs;       // LineRunData[run_count]
+  uint64_t portions;   // LinePortionData[portion_count]
   uint64_t tasks;      // LineTaskData[]
   uint64_t pairs;      // LinePairData[], by task
   uint64_t obstacles;  // ObstacleData[]
   uint64_t sobol;      // uint[4][32]: direction numbers in Gray's order
-  uint64_t sums;       // LineRunSums[run_count]
-  uint run_count;
+  uint64_t sums;       // LinePortionSums[portion_count]
+  uint portion_count;
 };
 
 const uint kPairLinesGroup = 64u;
-const uint kRunLanes = 16u;   // lines of a block
-const uint kRunBlocks = 16u;  // of a run
-const uint kTeams = kPairLinesGroup / kRunLanes;
+const uint kBlockLanes = 16u;     // lines of a block
+const uint kPortionBlocks = 16u;  // of a task, added up in single precision
+const uint kTeams = kPairLinesGroup / kBlockLanes;
 const uint kTileObstacles = 8u;  // of a task, in shared memory at once
 
 // LineWay and BlockerPlace have these values.
