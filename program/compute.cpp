@@ -29,6 +29,7 @@ struct ComputeOptions {
   std::string ccx_version = "2.20";
   CheckpointOptions checkpoint;
   bool quiet = false, verbose = false, json = false;
+  bool older_names = false;  // of what --balance writes
 
   bool talks() const { return !quiet && !json; }
   bool keepsCheckpoint() const { return !checkpoint.file.empty(); }
@@ -70,7 +71,7 @@ void write(const ComputeOptions& options, const Result& result, const FormFactor
   auto parameters = parametersOf(settingsOf(run), result);
   addOrigin(options.request, parameters);
   writeOutputs({result.form_factors, result.balanced ? &result.balanced->form_factors : nullptr, &scene, parameters,
-                options.shown, nullptr, options.ccx_version},
+                options.shown, nullptr, options.ccx_version, options.older_names ? kOlderBalancedColumn : kBalancedColumn},
                options.outputs);
   if (!result.balance_refusal) return;
   const Error& refusal = *result.balance_refusal;
@@ -207,9 +208,10 @@ void addCompute(CLI::App& app, Run& chosen) {
   const auto request_options = addRequestOptions(command);
   const auto options = std::make_shared<ComputeOptions>();
   addOutputOptions(command, options->outputs, options->shown, options->ccx_version);
-  command->add_flag("--balance,--closure", request_options->request.balance,
-                    "Closed scenes: also the nearest form factors whose rows sum to 1, beside those measured; "
-                    "--closure is its older name");
+  command->add_flag("--balance", request_options->request.balance,
+                    "Closed scenes: also the nearest form factors whose rows sum to 1, beside those measured");
+  command->add_flag("--closure", options->older_names,
+                    "The older name of --balance, until 0.3: its .csv column has its older name, closed_form_factor");
   addCheckpointOptions(command, options->checkpoint);
   CLI::Option* quiet = command->add_flag("--quiet", options->quiet, "Print nothing but errors and warnings");
   CLI::Option* verbose =
@@ -220,6 +222,7 @@ void addCompute(CLI::App& app, Run& chosen) {
   command->callback([=, &chosen] {
     options->scene = request_options->scene;
     options->request = requestOf(command, *request_options);
+    options->request.balance |= options->older_names;
     options->request.measure_work = options->json;
     chosen = [options] {
       options->files = planOutputs(options->outputs, options->request.balance);

@@ -1,7 +1,5 @@
 #include "program/describe_run.h"
 
-#include <cmath>
-
 #include <fmt/format.h>
 
 #include "program/summary.h"
@@ -74,13 +72,6 @@ std::string describeLineGuarantee(const Request& request, const PlanSummary& pla
   return text;
 }
 
-// Returns the goal as a standard error, of its form factor where it is relative; infinite where there is none.
-double goalOf(const Request& request) {
-  if (const auto* tolerance = std::get_if<Tolerance>(&request.goal)) return tolerance->standard_error;
-  const auto* relative = std::get_if<Relative>(&request.goal);
-  return relative ? relative->standard_error : INFINITY;
-}
-
 // Describes the figures from pilots: nothing for a plan that the options fix.
 std::string describeExpectation(const Request& request, const PlanSummary& plan) {
   if (!(plan.pilot_seconds > 0)) return "";
@@ -90,15 +81,13 @@ std::string describeExpectation(const Request& request, const PlanSummary& plan)
       "again: {}\n",
       plan.standard_error, std::holds_alternative<Relative>(request.goal) ? " of its form factor" : "", replicates,
       inWords(plan.seconds), inWords(plan.pilot_seconds), optionsOf(plan));
-  if (const double goal = goalOf(request);
-      plan.standard_error > goal) {  // errors fall with the root of the number of replicates
-    const double more = std::pow(plan.standard_error / goal, 2), seconds = more * plan.seconds;
-    text += fmt::format(
-        "           {:.1e} takes about {:.3g} replicates, {}{}\n", goal, std::ceil(more * replicates), inWords(seconds),
-        request.time_limit_s && seconds > *request.time_limit_s
-            ? fmt::format(": more than --seconds {} allow; the run ends short of it", *request.time_limit_s)
-            : "");
-  }
+  if (const auto& goal = plan.goal_beyond_request)
+    text +=
+        fmt::format("           {:.1e} takes about {:.3g} replicates, {}{}\n", goal->standard_error, goal->replicates,
+                    inWords(goal->seconds),
+                    request.time_limit_s && goal->seconds > *request.time_limit_s
+                        ? fmt::format(": more than --seconds {} allow; the run ends short of it", *request.time_limit_s)
+                        : "");
   if (const size_t rows = plan.barely_covered.size())
     text += fmt::format("           {} ({}{}) {} too small even for the finest lattice there is: {} may go unmet\n",
                         counted(rows, "row"), plan.barely_covered[0], rows > 1 ? ", ..." : "", rows > 1 ? "are" : "is",

@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ostream.h>
-#include <glm/glm.hpp>
 
 #include <viewpeel/compute.h>
 #include <viewpeel/error.h>
@@ -69,21 +68,6 @@ Scene build(const Vs3Scene& made, Log& log) {
   return scene;
 }
 
-// Leaves out pairs of rows that are farther apart than maxD, by the means of their corners.
-void dropDistantPairs(const Vs3File& file, const std::vector<uint32_t>& surface_of, View3dMatrix& matrix) {
-  std::vector<glm::dvec3> centres(matrix.rowCount(), glm::dvec3(0));
-  std::vector<double> counts(matrix.rowCount(), 0);
-  for (size_t k = 0; k < file.surfaces.size(); ++k) {
-    if (surface_of[k] >= matrix.rowCount()) continue;
-    for (const glm::dvec3& corner : file.surfaces[k].corners) centres[surface_of[k]] += corner;
-    counts[surface_of[k]] += double(file.surfaces[k].corners.size());
-  }
-  for (uint32_t row = 0; row < matrix.rowCount(); ++row) centres[row] /= counts[row];
-  std::erase_if(matrix.entries, [&](const View3dMatrix::Entry& entry) {
-    return glm::distance(centres[entry.i], centres[entry.j]) > file.control.largest_distance;
-  });
-}
-
 void computeAll(const Vs3File& file, const fs::path& output, Log& log) {
   const Vs3Control& control = file.control;
   const Vs3Scene made = makeScene(file);
@@ -95,7 +79,7 @@ void computeAll(const Vs3File& file, const fs::path& output, Log& log) {
     log.say("WARNING encl=1 beside surfaces that only block: rows are scaled to 1 without what these receive");
   const Result result = compute(scene, control, {}, log);
   View3dMatrix matrix = makeView3dMatrix(result.form_factors, emissivities);
-  dropDistantPairs(file, made.surface_of, matrix);
+  dropDistantPairs(matrix, file, made.surface_of);
   const std::vector<double> ones(matrix.rowCount(), 1.0);
   if (control.is_closed && !closeRows(matrix, ones))
     log.say("WARNING encl=1: rows cannot be scaled to 1; the surfaces are no enclosure");
@@ -110,11 +94,7 @@ void computeAll(const Vs3File& file, const fs::path& output, Log& log) {
     if (control.out == 2) writeView3dSparse(matrix, out);
   });
   if (control.list == 0) return;
-  std::vector<double> sums(matrix.rowCount(), 0);
-  for (const View3dMatrix::Entry& entry : matrix.entries) {
-    sums[entry.i] += entry.exchange_area / matrix.areas[entry.i];
-    if (entry.i != entry.j) sums[entry.j] += entry.exchange_area / matrix.areas[entry.j];
-  }
+  const std::vector<double> sums = sumRows(matrix);
   log.note("\nrow  area  row sum  name");
   for (uint32_t row = 0; row < matrix.rowCount(); ++row)
     log.note(fmt::format("{} {:g} {:.6f} {}", row + 1, matrix.areas[row], sums[row], made.input.surface_names[row]));

@@ -5,6 +5,7 @@
 
 #include <Eigen/Cholesky>
 #include <fmt/ostream.h>
+#include <glm/glm.hpp>
 
 #include <viewpeel/error.h>
 
@@ -73,6 +74,29 @@ View3dMatrix makeView3dMatrix(const FormFactors& form_factors, std::vector<doubl
     if (entry.j < kEnvironment && rows[entry.i] < count && rows[entry.j] < count)
       matrix.entries.push_back({rows[entry.i], rows[entry.j], entry.exchange_area.value});
   return matrix;
+}
+
+void dropDistantPairs(View3dMatrix& matrix, const Vs3File& file, const std::vector<uint32_t>& surface_of) {
+  std::vector<glm::dvec3> centres(matrix.rowCount(), glm::dvec3(0));
+  std::vector<double> counts(matrix.rowCount(), 0);
+  for (size_t k = 0; k < file.surfaces.size(); ++k) {
+    if (surface_of[k] >= matrix.rowCount()) continue;
+    for (const glm::dvec3& corner : file.surfaces[k].corners) centres[surface_of[k]] += corner;
+    counts[surface_of[k]] += double(file.surfaces[k].corners.size());
+  }
+  for (uint32_t row = 0; row < matrix.rowCount(); ++row) centres[row] /= counts[row];
+  std::erase_if(matrix.entries, [&](const View3dMatrix::Entry& entry) {
+    return glm::distance(centres[entry.i], centres[entry.j]) > file.control.largest_distance;
+  });
+}
+
+std::vector<double> sumRows(const View3dMatrix& matrix) {
+  std::vector<double> sums(matrix.rowCount(), 0);
+  for (const View3dMatrix::Entry& entry : matrix.entries) {
+    sums[entry.i] += entry.exchange_area / matrix.areas[entry.i];
+    if (entry.i != entry.j) sums[entry.j] += entry.exchange_area / matrix.areas[entry.j];
+  }
+  return sums;
 }
 
 bool closeRows(View3dMatrix& matrix, const std::vector<double>& sums) {

@@ -9,6 +9,8 @@
 
 #include <viewpeel/form_factors.h>
 
+#include "scene/read_vs3.h"
+
 namespace viewpeel {
 
 struct View3dMatrix {
@@ -25,6 +27,13 @@ struct View3dMatrix {
 // Takes the first rows of a result, empty ones too.
 //   In: emissivities: of these rows    Cost: O(nonzeros).
 View3dMatrix makeView3dMatrix(const FormFactors& form_factors, std::vector<double> emissivities);
+
+// Leaves out pairs of rows whose centres, the means of their corners, are farther apart than the file's maxD.
+//   In: surface_of: Vs3Scene::surface_of, the row of each surface of the file    Cost: O(corners + entries).
+void dropDistantPairs(View3dMatrix& matrix, const Vs3File& file, const std::vector<uint32_t>& surface_of);
+
+// Returns the sum of F_ij over j, for each row i.    Cost: O(entries).
+std::vector<double> sumRows(const View3dMatrix& matrix);
 
 // Scales rows and columns in turn until row i sums to sums[i], as View3D closes an enclosure.
 //   Out: true where all rows do to 1e-7 within 100 sweeps    Cost: O(nonzeros) a sweep.

@@ -38,7 +38,7 @@ Format formatOf(const std::filesystem::path& file) {
 bool hasBalancedFile(Format format) { return format == Format::mtx || format == Format::npz; }
 
 void writeAs(Format format, const OutputContent& content, const std::filesystem::path& file, std::ostream& out) {
-  if (format == Format::csv) writeCsv(content.form_factors, out, content.balanced);
+  if (format == Format::csv) writeCsv(content.form_factors, out, content.balanced, content.balanced_column);
   if (format == Format::mtx) writeMatrixMarket(content.form_factors, out);
   if (format == Format::npz) writeNpz(content.form_factors, out);
   if (format == Format::h5) writeHdf5(content, out);
@@ -56,11 +56,13 @@ void requireContent(const std::filesystem::path& file, bool has_scene) {
 
 }  // namespace
 
-void writeCsv(const FormFactors& form_factors, std::ostream& out, const FormFactors* balanced) {
+void writeCsv(const FormFactors& form_factors, std::ostream& out, const FormFactors* balanced,
+              const char* balanced_column) {
   const auto& names = form_factors.ids().names;
   const bool has_intervals = form_factors.hasIntervals();
-  out << "from,to,form_factor,standard_error" << (has_intervals ? ",lower,upper" : "")
-      << (balanced ? ",balanced_form_factor\n" : "\n");
+  out << "from,to,form_factor,standard_error" << (has_intervals ? ",lower,upper" : "");
+  if (balanced) out << ',' << balanced_column;
+  out << '\n';
   forEachEntry(form_factors, [&](uint32_t i, uint32_t j, const Measured& f) {
     const std::string to = j == kEnvironment ? "environment" : j == kLeak ? "leak" : quoteName(names[j]);
     fmt::print(out, "{},{},{},{}", quoteName(names[i]), to, f.value, f.standard_error);

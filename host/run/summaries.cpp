@@ -1,6 +1,8 @@
 #include "run/summaries.h"
 
 #include <algorithm>
+#include <cmath>
+#include <variant>
 
 #include <fmt/format.h>
 
@@ -17,6 +19,20 @@ std::vector<LatticeSummary> summariseGroups(const std::vector<SizeGroup>& groups
     lattices.back().polygons += groups[g].polygons.size();
   }
   return lattices;
+}
+
+// Returns the goal as a standard error, of its form factor where it is relative; infinite where there is none.
+double goalOf(const Request& request) {
+  if (const auto* tolerance = std::get_if<Tolerance>(&request.goal)) return tolerance->standard_error;
+  const auto* relative = std::get_if<Relative>(&request.goal);
+  return relative ? relative->standard_error : INFINITY;
+}
+
+std::optional<PlanSummary::GoalCost> costBeyond(const Request& request, const Plan& plan) {
+  const double goal = goalOf(request);
+  if (!(plan.pilot_seconds > 0) || !(plan.standard_error > goal)) return std::nullopt;
+  const double more = std::pow(plan.standard_error / goal, 2);
+  return PlanSummary::GoalCost{goal, std::ceil(more * request.amount.replicates), more * plan.seconds};
 }
 
 }  // namespace
@@ -39,6 +55,7 @@ PlanSummary summarise(const Setup& setup, const Plan& plan) {
   summary.seconds = plan.seconds;
   summary.standard_error = plan.standard_error;
   summary.pilot_seconds = plan.pilot_seconds;
+  summary.goal_beyond_request = costBeyond(setup.request(), plan);
   summary.pair_lines = plan.pair_lines;
   for (uint32_t id : plan.barely_covered) summary.barely_covered.push_back(setup.ids().names[id]);
   return summary;

@@ -100,6 +100,11 @@ struct PairLinesSummary {
 
 // A PlanSummary says what a run will do, and which error and time are expected.
 struct PlanSummary {
+  // A GoalCost says what the goal takes.
+  struct GoalCost {
+    double standard_error;       // of the goal
+    double replicates, seconds;  // predicted: errors fall with the root of the number of replicates
+  };
   EngineKind engine = EngineKind::host;
   std::string device;  // name; "processor", or "none" for exact areas
   Sampling sampling = Sampling::lattice;
@@ -111,6 +116,8 @@ struct PlanSummary {
   double seconds = 0;                    // of counting all replicates of the request, predicted; 0 without a plan
   double standard_error = 0;  // largest over all form factors, or of its form factor for a relative goal; predicted
   double pilot_seconds = 0;   // spent on pilots; 0 without a plan
+  // A goal that the request's number of replicates misses by the prediction takes so much.
+  std::optional<GoalCost> goal_beyond_request;
   // These rows are so small that even the finest lattice may miss them.
   std::vector<std::string> barely_covered;
   std::optional<GuaranteeFigures> guarantee;

@@ -12,17 +12,23 @@ namespace viewpeel {
 
 struct HeatSolution;
 
+// The .csv column of balanced form factors has this name, and had the older one until 0.1 (`--closure` keeps it until
+// 0.3).
+constexpr const char* kBalancedColumn = "balanced_form_factor";
+constexpr const char* kOlderBalancedColumn = "closed_form_factor";
+
 // Writes form factors comma-separated: header `from,to,form_factor,standard_error`, then one nonzero entry a line, both
 // ways; `environment` and `leak` stand in `to`. Numbers have the shortest form that reads back to the same double.
 // Names are quoted as in RFC 4180 where they must be.
 // With intervals of a guarantee `lower` and `upper` are further columns.
-//   In: form_factors: n rows; balanced: BalancedFormFactors::form_factors of the same, for a further column
-//     `balanced_form_factor`; nullptr: no such column
+//   In: form_factors: n rows; balanced: BalancedFormFactors::form_factors of the same, for a further column of the name
+//     balanced_column; nullptr: no such column
 //   Out: 1 + (1 to 2) x nonzeros lines; form factors and standard errors without unit
 //   Error: none: numbers read back to the same bits. Tests: tests/device/output_test.cpp.
 //   Throws: nothing; a failure is out's state.
 //   Cost: O(nonzeros).
-void writeCsv(const FormFactors& form_factors, std::ostream& out, const FormFactors* balanced = nullptr);
+void writeCsv(const FormFactors& form_factors, std::ostream& out, const FormFactors* balanced = nullptr,
+              const char* balanced_column = kBalancedColumn);
 
 // Writes form factors in Matrix Market's format, coordinate real general: entry (i, j) is F_ij, rows and columns
 // counted from 1. Comment lines give every row's emitting area, environment share and name. Rows are in the order of
@@ -47,6 +53,7 @@ struct OutputContent {
   const HeatSolution* heat = nullptr;
   // Of .vwf: the version of CalculiX that reads it, which compares this; "none" for versions that do not.
   std::string ccx_version = "2.20";
+  const char* balanced_column = kBalancedColumn;  // of .csv
 };
 
 // Writes a file by its extension: .csv, .mtx, .npz, .h5, .vtp, .vwf or .html (docs/formats.md). A file is whole at any
