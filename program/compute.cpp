@@ -70,9 +70,10 @@ void warnOfGoal(const Request& request, const Result& result) {
 void write(const ComputeOptions& options, const Result& result, const FormFactorRun& run, const Scene& scene) {
   auto parameters = parametersOf(settingsOf(run), result);
   addOrigin(options.request, parameters);
-  writeOutputs({result.form_factors, result.balanced ? &result.balanced->form_factors : nullptr, &scene, parameters,
-                options.shown, nullptr, options.ccx_version, options.older_names ? kOlderBalancedColumn : kBalancedColumn},
-               options.outputs);
+  writeOutputs(
+      {result.form_factors, result.balanced ? &result.balanced->form_factors : nullptr, &scene, parameters,
+       options.shown, nullptr, options.ccx_version, options.older_names ? kOlderBalancedColumn : kBalancedColumn},
+      options.outputs);
   if (!result.balance_refusal) return;
   const Error& refusal = *result.balance_refusal;
   throw Error(refusal.code(), fmt::format("{}{}", refusal.what(),

@@ -12,8 +12,8 @@ namespace viewpeel {
 
 struct HeatSolution;
 
-// The .csv column of balanced form factors has this name, and had the older one until 0.1 (`--closure` keeps it until
-// 0.3).
+// The .csv column of balanced form factors has this name. Version 0.1 had the older one, which `--closure` keeps until
+// 0.3.
 constexpr const char* kBalancedColumn = "balanced_form_factor";
 constexpr const char* kOlderBalancedColumn = "closed_form_factor";
 
