@@ -1,4 +1,5 @@
-// Buffers, tables and batches of depth peeling: what is too small grows, and neither tuning nor memory is seen in counts.
+// Buffers, tables and batches of depth peeling: what is too small grows, and neither tuning nor memory is seen in
+// counts.
 #include <cstdlib>
 
 #include <gtest/gtest.h>
