@@ -10,7 +10,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// "max 100000", or "150000 100000": microseconds of processor time in each period.
+// Reads "max 100000", or "150000 100000": microseconds of processor time in each period.
 double quotaOf(std::istream&& text) {
   double quota = 0, period = 0;
   return text >> quota >> period && quota > 0 && period > 0 ? quota / period : INFINITY;
@@ -30,7 +30,7 @@ double processorQuota(const fs::path& groups, const std::string& membership) {
   double least = INFINITY;
   std::istringstream lines(membership);
   for (std::string line; std::getline(lines, line);) {
-    // "0::/user.slice/run" in version 2, "4:cpu,cpuacct:/job" in version 1.
+    // A line is "0::/user.slice/run" in version 2, "4:cpu,cpuacct:/job" in version 1.
     const size_t first = line.find(':'), second = line.find(':', first + 1);
     if (second == std::string::npos) continue;
     const std::string controllers = line.substr(first + 1, second - first - 1);

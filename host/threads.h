@@ -5,8 +5,8 @@
 
 namespace viewpeel {
 
-// Returns the number of threads for work of any size: as many as the processors that the process may run on (taskset),
-// but no more than its control group allows the time of, nor than limitThreads() said last.
+// Returns the number of threads for work of any size: as many as the processors that the process may run on (taskset).
+// Neither its control group's quota of time nor the last limitThreads() is exceeded.
 size_t threadCount();
 
 // Limits threadCount() from here on.    In: 0: no limit

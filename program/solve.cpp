@@ -36,7 +36,7 @@ struct SolveCommand {
   bool quiet = false;
 };
 
-// "0.1K", "2W/m2", "1%" or "0.01".    Throws: CLI::ValidationError.
+// Reads "0.1K", "2W/m2", "1%" or "0.01".    Throws: CLI::ValidationError.
 HeatTolerance toleranceOf(const std::string& text) {
   using Of = HeatTolerance::Of;
   double value = 0;
@@ -57,7 +57,7 @@ std::string describeTolerance(const HeatTolerance& tolerance, double reached) {
   return fmt::format("{:.2g}{}, {:.2g} asked for", reached, unit, tolerance.standard_error);
 }
 
-// NAME.exchange.csv beside NAME.csv.
+// Exchange factors go to NAME.exchange.csv beside NAME.csv.
 std::string exchangeFileOf(const std::string& output) {
   return std::filesystem::path(output).replace_extension(".exchange.csv").string();
 }
@@ -130,7 +130,7 @@ std::vector<PlannedFile> filesOf(const SolveCommand& command) {
   return planFiles(names);
 }
 
-// From checkpoints.
+// Solves with the form factors of checkpoints.
 int solveStored(const SolveCommand& command) {
   const MaterialTable table = readMaterials(command.materials);
   StoredRun run(command.stored, command.scene);

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 constexpr const char* kLogFile = "View3D.log";
 constexpr double kLeastTolerance = 1e-5, kLargestTolerance = 1e-2;
 
-// What the log file gets, and stderr with it.
+// A Log keeps what the log file gets, and says some of it on stderr.
 class Log {
  public:
   void note(const std::string& line) { text_ += line + "\n"; }
@@ -100,7 +100,7 @@ void computeAll(const Vs3File& file, const fs::path& output, Log& log) {
     log.note(fmt::format("{} {:g} {:.6f} {}", row + 1, matrix.areas[row], sums[row], made.input.surface_names[row]));
 }
 
-// One row: its form factors to all surfaces that are not merged into others, a line each. With a column, only the log
+// Writes one row: its form factors to all surfaces that are not merged into others, a line each. With a column, only the log
 // has the form factor.
 void computeRow(const Vs3File& file, const fs::path& output, Log& log) {
   const Vs3Control& control = file.control;

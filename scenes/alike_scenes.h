@@ -1,4 +1,4 @@
-// Scenes whose faces overlap in one plane and look the same way. Each can be drawn with the hidden parts cut away,
+// Makes scenes whose faces overlap in one plane and look the same way. Each can be drawn with the hidden parts cut away,
 // which leaves no doubt which face counts.
 #pragma once
 #include <functional>

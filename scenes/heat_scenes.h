@@ -1,4 +1,4 @@
-// Scenes for heat whose form factors have closed forms, though something blocks their pairs.
+// Makes scenes for heat whose form factors have closed forms, though something blocks their pairs.
 #pragma once
 #include <vector>
 

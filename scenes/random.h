@@ -1,5 +1,5 @@
-// Random numbers for generated scenes: distributions of the standard library differ between platforms, its engines do
-// not.
+// Draws random numbers for generated scenes. Distributions of the standard library differ between platforms, its
+// engines do not.
 #pragma once
 #include <cmath>
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Random scenes that are hard on a rasteriser, counted by both engines and judged by exact areas. Shared by a quick
+// Makes random scenes that are hard on a rasteriser, counted by both engines and judged by exact areas. Shared by a quick
 // test and bench/stress.
 #pragma once
 #include <array>

@@ -17,7 +17,7 @@ namespace {
 using Side = std::vector<glm::dvec2>;  // from a corner to the next, both included
 using Sides = std::vector<Side>;       // all around
 
-// Metres.
+// Lengths are metres.
 constexpr double kPitch = 36, kJitter = 5;         // of the nodes between streets
 constexpr double kWallColumn = 8, kWallRow = 6.5;  // at most, between corners along and up a wall
 constexpr double kLeastHeight = 3, kMostHeight = 80;
@@ -33,7 +33,7 @@ PlanPolygon rounded(PlanPolygon polygon) {
   return polygon;
 }
 
-// Corners of neighbouring walls: the same from either end.
+// Neighbouring walls have the same corners: a side is cut alike from either end.
 Side makeSide(glm::dvec2 a, glm::dvec2 b) {
   const auto columns = static_cast<uint32_t>(std::ceil(glm::distance(a, b) / kWallColumn));
   Side side{a};

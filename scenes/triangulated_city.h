@@ -1,4 +1,4 @@
-// City models as users of urban climate have them.
+// Makes city models as users of urban climate have them.
 #pragma once
 #include <cstdint>
 #include <vector>

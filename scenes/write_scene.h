@@ -10,7 +10,7 @@ namespace viewpeel::bench {
 //   Throws: Error output where the file cannot be written.    Cost: O(corners).
 void writePly(const InputScene& scene, const std::string& file);
 
-// Binary STL, which is in single precision and one surface.
+// Writes binary STL, which is in single precision and one surface.
 //   In: triangles    Throws: Error bad_input for other faces, output where the file cannot be written.
 //   Cost: O(triangles).
 void writeStl(const InputScene& scene, const std::string& file);

@@ -22,9 +22,9 @@ bool isInside(Edge edge, ivec2 p) {
 }
 
 // Makes edge k of a polygon, from corner k to the next. A point on an edge belongs to one polygon, by the top-left
-// rule: the one that holds the point after it has moved by an infinitesimal (-e, e^2). cut_bits: bits of the corners'
-// fixed point that are finer than the edge's columns. Error: none. Coordinates are below 2^kSnapBits, so c is below
-// 2^(2 kSnapBits + 2). An edge of no length lets every point pass.
+// rule: the one that holds the point after it has moved by an infinitesimal (-e, e^2). Coordinates are below
+// 2^kSnapBits, so c is below 2^(2 kSnapBits + 2). An edge of no length lets every point pass.
+//   In: cut_bits: bits of the corners' fixed point that are finer than the edge's columns    Error: none
 Edge makeEdge(SnappedCorners corners, uint k, int cut_bits) {
   ivec2 from = corners.at[k], along = corners.at[k + 1u & 3u] - from;
   Edge edge;
@@ -52,7 +52,7 @@ uint layerKey(ProjectedPolygon polygon, ivec2 p) {
                     polygon);
 }
 
-// The least X in [0, width] with |a| X + value >= 0; width where there is none.
+// Returns the least X in [0, width] with |a| X + value >= 0, or width where there is none.
 // The quotient is off by less than one: tried and mended in integers.
 int firstColumn(int size, int64_t value, double reciprocal, int width) {
   int x = int(clamp(ceil(-double(value) * reciprocal), 0.0LF, double(width)));
@@ -66,7 +66,7 @@ int firstColumn(int size, int64_t value, double reciprocal, int width) {
 void cutRow(Edge edge, int64_t value, int width, inout int low, inout int high) {
   int size = max(abs(edge.a), 1);
   bool from_left = edge.a > 0;
-  // To the right of an edge that ends the span: |a| X - value - 1 >= 0.
+  // A point lies to the right of an edge that ends the span where |a| X - value - 1 >= 0.
   int x = firstColumn(size, from_left ? value : ~value, 1.0LF / double(size), width);
   if (from_left) low = max(low, x);
   else if (edge.a < 0) high = min(high, x);

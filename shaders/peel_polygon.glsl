@@ -87,8 +87,8 @@ Loaded loadPolygon(Tile tile, uint entry, uint list_end) {
   }
   int64_t z_x = depthXOf(longFrom(depth_01.zw)), depth = longFrom(depth_01.xy) + z_x * int64_t(tile.corner.x) +
                                                          longFrom(depth_2.xy) * int64_t(tile.corner.y + span_row);
-  // With scanlines: depth per spacing x column / 2^column_bits, rounded down; the product itself may need more than 64
-  // bits.
+  // With scanlines the depth is per spacing x column / 2^column_bits, rounded down. The product itself may need more
+  // than 64 bits.
   int64_t whole = kScanlines ? z_x >> kColumnBits : z_x;
   uint part = kScanlines ? uint(z_x - (whole << kColumnBits)) : 0u;
   loaded.plane = uvec4(unpackUint2x32(uint64_t(depth)), unpackUint2x32(uint64_t(whole)));

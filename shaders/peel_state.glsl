@@ -1,4 +1,4 @@
-// Part of peel.glsl: its variants, its textures, and what an invocation holds of its samples and of the work done.
+// Part of peel.glsl: it declares variants, textures, and the samples and work that an invocation keeps.
 
 layout(local_size_x_id = 0) in;  // the subgroup size, 8 to 64
 layout(constant_id = 1) const int kLayersKept = 4;

@@ -1,4 +1,4 @@
-// A polygon along a direction, as project and enter find it.
+// Projects a polygon along a direction, for project and enter.
 #include "geometry.glsl"
 
 layout(local_size_x = 64) in;

@@ -64,7 +64,7 @@ struct Layer {
 
 const uint kKeyPastEverything = 0xFFFFFFFFu;
 
-// Written by the device for layer k+1 when layer k has any polygon.
+// The device writes LayerCommands for layer k+1 when layer k has any polygon.
 struct LayerCommands {
   uint draw_vertex_count, draw_instance_count, draw_first_vertex, draw_first_instance;
   uint group_count_x, group_count_y, group_count_z;
@@ -82,7 +82,7 @@ struct ProjectArgs {
   int column_bits;    // of an edge's column coordinate
   uint cell_size;     // see DrawArgs
   int window;         // lattice points from the origin to its left and lower border; beyond it nothing is looked at
-  // Of the compute engine.
+  // The compute engine alone has the following.
   // uint[direction_count * polygon_count]: places in projected of the polygons for the passes over tiles
   uint64_t listed;
   uint64_t status;     // BatchStatus
@@ -138,8 +138,8 @@ const uint kScanlineCell = 32u;     // lattice columns: a scanline is cut at the
 const uint kMostRowsAtOnce = 4u;
 const uint kFewSpans = 128u;  // the fastest of 32 to 512 on lavapipe
 
-// With scanlines, how many rows of a tile peel takes at once: several where its polygons have few spans in them, which
-// would leave invocations idle.
+// Returns how many rows of a tile peel takes at once with scanlines: several where its polygons have few spans in
+// them, which would leave invocations idle.
 SHARED_FUNCTION uint rowsAtOnce(uint list_length, uint tile_rows) {
   uint rows = list_length * 4u <= kFewSpans ? 4u : list_length * 2u <= kFewSpans ? 2u : 1u;
   return rows < tile_rows ? rows : tile_rows;
@@ -265,8 +265,8 @@ struct Cover {
   uint nearest, farthest;  // keys, see Layer
 };
 
-// Polygons of a tile that may face others of it: a few that may be the nearer, all that may be the farther. Places in
-// the lists of covers.
+// A Meeting lists polygons of a tile that may face others of it: a few that may be the nearer, all that may be the
+// farther. They are places in the lists of covers.
 struct Meeting {
   uint tile;  // its place among the active ones
   uint nearer, nearer_end;
@@ -276,8 +276,8 @@ struct Meeting {
 const uint kMostFarther = 256u;  // that one invocation of meet goes through
 
 struct MeetArgs {
-  // Cover[list_capacity]: of each tile, where its list is. Polygons with fronts that face +u come first, the others
-  // last.
+  // Cover[list_capacity] has the covers of each tile where its list is. Polygons with fronts that face +u come first,
+  // the others last.
   uint64_t covers;
   uint64_t cover_polygons;  // uint[list_capacity]: whose they are
   uint64_t meetings;        // Meeting[]

@@ -1,4 +1,4 @@
-// Part of peel.glsl: with scanlines, the samples of some rows.
+// Part of peel.glsl: with scanlines, it finds the samples of some rows.
 
 // Returns a polygon's part in a row: first | last - first << kPositionBits.
 uint spanOf(ivec2 corner, uint row, SnappedCorners corners) {
@@ -26,8 +26,8 @@ uint endIn(uint entry) { return entry / kMostSpans; }
 // Returns a key that orders ends: of equal ones the earlier span's, and its left one, come first.
 int endKey(uint position, uint span, uint side) { return int((position * kMostSpans + span) * 2u + side); }
 
-// FoundSpans are the numbers of spans in the rows of a tile: of all, of the ones that come first in `spans`, and for
-// each row the number in earlier rows. Rows that hold a span are counted where work is measured.
+// FoundSpans are the numbers of spans in the rows of a tile: of all, and of the ones that come first in `spans`. Each
+// row has the number in earlier rows. Rows that hold a span are counted where work is measured.
 struct FoundSpans {
   uint count, ups, held_rows;
   uint starts[kMostRowsAtOnce];  // only where no blocked pairs are counted

@@ -50,7 +50,7 @@ struct Method {
   double fixedSeconds() const {
     return secondsOf([&] { count(0); });
   }
-  // Samples, and seconds without the fixed ones.
+  // Counts samples, and seconds without the fixed ones.
   std::pair<uint64_t, double> run(uint64_t n) const {
     const double fixed_s = fixedSeconds();
     uint64_t samples = 0;

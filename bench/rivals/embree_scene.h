@@ -1,4 +1,4 @@
-// A scene as Embree 3 has it, and groups of rays through it in each of Embree's forms.
+// Keeps a scene as Embree 3 has it, and traces groups of rays through it in each of Embree's forms.
 #pragma once
 #include <cstdint>
 #include <span>

@@ -1,4 +1,4 @@
-// The methods that error_time compares: viewpeel's and its rivals', each as ladders of runs of growing work.
+// Runs the methods that error_time compares, viewpeel's and its rivals': each is ladders of runs of growing work.
 #pragma once
 #include <functional>
 #include <optional>
@@ -55,7 +55,7 @@ struct MethodOptions {
 // Makes all ladders for a scene whose polygons are faces. Both have to outlive the ladders.
 std::vector<Ladder> makeLadders(const Device& device, const Scene& scene, const MethodOptions& options);
 
-// The methods that verifyRivals is about.
+// Returns the methods that verifyRivals is about.
 std::vector<std::string> rivalNames();
 
 // Amounts, and costs, from `first` to `last`, each `factor` times the one before.

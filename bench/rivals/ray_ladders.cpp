@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::pair<Points, const char*> kPoints[] = {{Points::random, "random"}, {Points::sobol, "sobol"}};
 
-// The form of tracing that is fastest on a small share of the work.
+// Returns the form of tracing that is fastest on a small share of the work.
 template <class Run>
 std::pair<Trace, std::string> fastestTrace(Run run) {
   std::pair<Trace, std::string> best;

@@ -1,4 +1,4 @@
-// Frames about a direction, and the rounding that directions have.
+// Makes frames about a direction, and says what rounding directions have.
 #pragma once
 #include <cmath>
 #include <cstdint>

@@ -1,4 +1,4 @@
-// The region of a pair: the directions along which a line can leave a front of one polygon and arrive at the other's.
+// The region of a pair holds the directions along which a line can leave a front of one polygon and arrive at the other's.
 #include <algorithm>
 #include <cmath>
 
@@ -187,7 +187,7 @@ DirectionRegion regionOfConvexPair(const SeenPair& seen) {
   return region;
 }
 
-// Counter-clockwise, without its last point (A. M. Andrew's monotone chains, 1979).
+// Returns the convex hull, counter-clockwise, without its last point (A. M. Andrew's monotone chains, 1979).
 std::vector<glm::dvec2> hullOf(std::vector<glm::dvec2> points) {
   std::ranges::sort(points,
                     [](const glm::dvec2& a, const glm::dvec2& b) { return a.x < b.x || (a.x == b.x && a.y < b.y); });

@@ -68,7 +68,7 @@ uint64_t mostListed(const Device& device);
 // short.
 Error listsTooLong(const Device& device);
 
-// Bytes of all buffers of a batch together, and of the largest, as if no texel had fewer than 8.
+// Return the bytes of all buffers of a batch together, and of the largest, as if no texel had fewer than 8.
 uint64_t sizeBytes(const BatchShape& shape);
 uint64_t largestBytes(const BatchShape& shape);
 

@@ -184,7 +184,7 @@ void ComputeEngine::countInto(std::span<const Direction> directions, size_t bloc
   }
 }
 
-// Empty and as large as they have to be, before batches where memory is short.
+// Makes empty counters, as large as they have to be: before batches take what memory is left.
 void ComputeEngine::startCounters(uint32_t blocks) {
   for (;;) {
     try {

@@ -9,7 +9,7 @@
 
 namespace viewpeel {
 
-// The scene as the shaders read it.
+// SceneBuffers hold the scene as the shaders read it.
 struct SceneBuffers {
   Buffer polygons;  // PolygonData[polygon_count], as texels too
   Buffer corners;   // CornerData[corner_count], as texels only

@@ -12,8 +12,8 @@
 
 namespace viewpeel {
 
-// The scene as sweeps read it: every corner and every plane once, however many polygons share it; polygons that emit
-// first.
+// A SweepScene holds the scene as sweeps read it: every corner and every plane once, however many polygons share it.
+// Polygons that emit come first.
 struct SweepScene {
   struct Polygon {
     uint32_t index;  // in the scene
@@ -33,8 +33,8 @@ class Outlines {
   static constexpr size_t kBlock = 256;  // polygons at once
   static constexpr size_t kCuts = 1024;  // rows of polygons at once
 
-  // Cuts lists a polygon and a row that it may reach, and the columns [low, high) that it covers there, in units of
-  // 2^-column_bits; low >= high where it covers none.
+  // Each of Cuts is a polygon and a row that it may reach. It covers the columns [low, high) there, in units of
+  // 2^-column_bits, or none where low >= high.
   struct Cuts {
     size_t count;
     std::span<const uint32_t> outlines;  // of this block
@@ -80,8 +80,8 @@ class Outlines {
   OfBlock<int32_t> polygon_first_row_{}, polygon_last_row_{};  // of the block's polygons
   OfBlock<uint32_t> reaching_{};                               // polygons that may reach a row: one outline each
   OfBlock<int32_t> first_row_{}, last_row_{}, front_up_{};
-  // These numbers belong to edge e of outline k, at e kBlock + k: the crossing with row y is ceil((row_0 + per_row y)
-  // inverse), see cut(). inverse is -1 / |a| of left edges, 1 / |a| of right ones, 0 of edges along rows.
+  // These numbers belong to edge e of outline k, at e kBlock + k. The edge crosses row y at ceil((row_0 + per_row y)
+  // inverse), see cut(). Left edges have the inverse -1 / |a|, right ones 1 / |a|, edges along rows 0.
   std::array<double, 4 * kBlock> row_0_{}, per_row_{}, inverse_{};
 
   size_t next_outline_ = 0;

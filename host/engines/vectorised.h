@@ -1,4 +1,4 @@
-// Loops over arrays, compiled again for processors of the last ten years: programs for any x86-64 are built for the
+// Compiles loops over arrays again for processors of the last ten years. Programs for any x86-64 are built for the
 // vectors of 2003.
 #pragma once
 

@@ -17,7 +17,7 @@ double divergence(double x, double y) {
 double upperBound(double mean, double n, double l) {
   if (mean >= 1) return 1;
   if (mean <= 0) return -std::expm1(-l / n);
-  // Pinsker: n KL >= 2 n (mu - mean)^2.
+  // By Pinsker's inequality n KL >= 2 n (mu - mean)^2.
   double low = mean, high = std::min(1.0, mean + std::sqrt(l / (2 * n)));
   while (high - low > kSharp) {
     const double middle = (low + high) / 2;

@@ -7,8 +7,8 @@ struct MeanBounds {
   double lower = 0, upper = 1;
 };
 
-// Returns bounds on the expectation of the mean of n independent variables in [0, 1], which may differ:
-//   lower: the least mu <= mean_low with n KL(mean_low, mu) <= l, and likewise the largest mu >= mean_high,
+// Returns bounds on the expectation of the mean of n independent variables in [0, 1], which may differ.
+//   The lower one is the least mu <= mean_low with n KL(mean_low, mu) <= l, the upper one the largest mu >= mean_high.
 //   KL(x, y) = x ln(x / y) + (1 - x) ln((1 - x) / (1 - y)).
 //   In: mean_low <= mean_high: bounds on the mean that was found; n > 0; l = ln(2 / p)
 //   Error: each bound is on the safe side of this by 1e-9 at most. They fail with probability p at most, both together.

@@ -19,7 +19,7 @@ constexpr int kMostSweeps = 100;
 constexpr uint32_t kMostReflectingRows = 20000;
 constexpr size_t kHeaderBytes = 30;
 
-// Entries of every row, both ways, columns ascending.
+// Returns the entries of every row, both ways, columns ascending.
 std::vector<std::vector<std::pair<uint32_t, uint32_t>>> rowsOf(const View3dMatrix& matrix) {
   std::vector<std::vector<std::pair<uint32_t, uint32_t>>> rows(matrix.rowCount());
   for (uint32_t k = 0; k < matrix.entries.size(); ++k)
@@ -116,7 +116,7 @@ bool closeRows(View3dMatrix& matrix, const std::vector<double>& sums) {
   return largest_error <= kCloseTolerance;
 }
 
-// With a_i = A_i eps_i / rho_i and M = diag(A_i / rho_i) - [A_i F_ij], A_i script-F_ij = a_i (M^-1)_ij a_j, less a_i
+// Inverts one matrix: with a_i = A_i eps_i / rho_i and M = diag(A_i / rho_i) - [A_i F_ij], A_i script-F_ij = a_i (M^-1)_ij a_j, less a_i
 // eps_i where i = j. M is symmetric and, as rows of F sum to at most 1, positive definite.
 void includeReflections(View3dMatrix& matrix) {
   const uint32_t n = matrix.rowCount();

@@ -1,5 +1,5 @@
-// A matrix as View3D's programs exchange it: areas, emissivities, exchange areas; closed and with reflections on
-// demand.
+// Makes a matrix as View3D's programs exchange it: areas, emissivities, exchange areas. Rows are closed, and
+// reflections included, on demand.
 //   Source: G. N. Walton, Calculation of obstructed view factors by adaptive integration, NISTIR 6925, 2002; View3D
 //   4.0, viewpp.c and savevf.c. H. C. Hottel & A. F. Sarofim, Radiative Transfer, McGraw-Hill, 1967, 84-86.
 #pragma once

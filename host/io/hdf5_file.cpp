@@ -126,7 +126,7 @@ bool writeColumn(hid_t file, const std::string& name, hid_t native, hid_t stored
   return column.isValid() && H5Dwrite(column, native, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0;
 }
 
-// Texts of any length, UTF-8.
+// Makes the type of texts of any length, UTF-8.
 Handle anyLengthType() {
   const hid_t id = H5Tcopy(H5T_C_S1);
   H5Tset_size(id, H5T_VARIABLE);
@@ -164,7 +164,7 @@ bool writeAttribute(hid_t file, const std::string& object, const std::string& na
   return attribute.isValid() && H5Awrite(attribute, native, values) >= 0;
 }
 
-// What a scale knows of the columns that use it: references, with the number of their dimension.
+// A scale refers to the columns that use it, each with the number of its dimension.
 struct Reference {
   hobj_ref_t column;
   int32_t dimension;

@@ -33,7 +33,7 @@ class Record {
   std::string bytes_;
 };
 
-// The head of a .npy file: magic, version, length, and a dictionary filled up to 64 bytes.
+// Returns the head of a .npy file: magic, version, length, and a dictionary filled up to 64 bytes.
 std::string npyHead(const std::string& type, const std::string& shape) {
   std::string text = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': {}, }}", type, shape);
   text.append((64 - (10 + text.size() + 1) % 64) % 64, ' ');

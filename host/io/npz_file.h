@@ -1,4 +1,4 @@
-// NumPy's .npz: a zip of .npy arrays, stored without compression, with the 64-bit sizes of ZIP64 throughout.
+// NumPy's .npz is a zip of .npy arrays, stored without compression, with the 64-bit sizes of ZIP64 throughout.
 //   Sources: the NPY format, version 1.0 (numpy.lib.format); PKWARE, APPNOTE.TXT 6.3.9, sections 4.3 and 4.5.3.
 #pragma once
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Form factors as compressed sparse rows, as SciPy, AnnData and View3D's sparse layout have them.
+// Compresses form factors to sparse rows, as SciPy, AnnData and View3D's sparse layout have them.
 #pragma once
 #include <cstdint>
 #include <vector>

@@ -1,5 +1,5 @@
-// A result in HDF5, for SciPy, AnnData and xarray at once: compressed rows in a group, of which columns are also found
-// at the top, with dimension scales.
+// Writes a result in HDF5, for SciPy, AnnData and xarray at once. Compressed rows are in a group; its columns are also
+// found at the top, with dimension scales.
 //   Sources: AnnData's on-disk format, csr_matrix 0.1.0; CF Conventions 1.8, section 8.2, compression by gathering.
 #include <charconv>
 #include <cmath>
@@ -18,7 +18,7 @@ namespace {
 
 constexpr int64_t kResultFormat = 1;
 
-// A matrix whose columns and starts are those of the form factors.
+// Adds a matrix whose columns and starts are those of the form factors.
 void addMatrix(Hdf5Output& out, const std::string& group, const SparseRows& rows, const std::vector<double>& values) {
   out.write(group + "/data", values);
   if (group == "form_factors") {
@@ -126,7 +126,7 @@ void addHeat(Hdf5Output& out, const Ids& ids, const HeatSolution& heat) {
   }
 }
 
-// The triangles and quadrilaterals that were computed, corners in input units.
+// Adds the triangles and quadrilaterals that were computed, corners in input units.
 void addGeometry(Hdf5Output& out, const Scene& scene, const Ids& ids) {
   std::vector<double> coordinates[3];
   for (const glm::dvec3& corner : scene.corners)
@@ -180,7 +180,7 @@ void addParameter(Hdf5Output& out, const std::string& name, const std::string& v
   else out.setAttribute("/", name, value);
 }
 
-// The distance of rows from 1.
+// Adds the distance of row sums from 1.
 void addClosure(Hdf5Output& out, const FormFactors& form_factors) {
   double largest = 0, squares = 0, count = 0;
   for (uint32_t id = 0; id < form_factors.ids().count(); ++id) {

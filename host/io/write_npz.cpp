@@ -1,4 +1,4 @@
-// A matrix as scipy.sparse.load_npz reads it: the three arrays of its compressed rows, with format and shape.
+// Writes a matrix as scipy.sparse.load_npz reads it: the three arrays of its compressed rows, with format and shape.
 #include "io/npz_file.h"
 #include "io/sparse_rows.h"
 #include "io/writers.h"

@@ -1,4 +1,4 @@
-// VTK's XML PolyData, arrays appended raw, little-endian, each after its length in 64 bits.
+// Writes VTK's XML PolyData, arrays appended raw, little-endian, each after its length in 64 bits.
 //   Source: Kitware, The VTK User's Guide, 11th edition, VTK file formats.
 #include <cstring>
 #include <functional>
@@ -60,7 +60,7 @@ std::string textArray(const std::string& name, uint32_t count,
   return line + "</DataArray>\n";
 }
 
-// The arrays of the polygons, each with its row's values.
+// Returns the arrays of the polygons, each with its row's values.
 std::string cellData(const OutputContent& content, Arrays& arrays) {
   const FormFactors& f = content.form_factors;
   const Ids& ids = f.ids();

@@ -1,4 +1,4 @@
-// CalculiX's view factors, .vwf: unformatted records of Fortran, as *VIEWFACTOR,READ takes them.
+// Writes CalculiX's view factors, .vwf: unformatted records of Fortran, as *VIEWFACTOR,READ takes them.
 //   Sources: CalculiX 2.20, readview.f and writeview.f; GNU Fortran, File format of unformatted sequential files.
 #include <algorithm>
 #include <bit>
@@ -55,7 +55,7 @@ class Record {
   bool is_first_ = true;
 };
 
-// What the deck says of each row: its cavity, and whether nothing leaves it. Other scenes are one open cavity.
+// Rows have their cavities, and whether nothing leaves these, from the deck. Other scenes are one open cavity.
 struct Rows {
   std::vector<int> cavities;
   std::vector<bool> is_closed;

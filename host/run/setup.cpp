@@ -59,7 +59,7 @@ bool isPlanar(const Scene& scene, const std::vector<uint32_t>& polygons) {
   });
 }
 
-// What a file says only blocks is asked for as nothing else.
+// Surfaces that only block by the file take no other part.
 Request withBlockersOf(const Scene& scene, Request request) {
   std::vector<std::string>& blockers = request.question.blockers;
   for (const std::string& name : scene.blockers)

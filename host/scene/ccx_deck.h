@@ -1,4 +1,4 @@
-// CalculiX's input deck, as far as radiation between faces goes: *NODE, *ELEMENT, *ELSET, *INCLUDE and *RADIATE.
+// Reads CalculiX's input deck, as far as radiation between faces goes: *NODE, *ELEMENT, *ELSET, *INCLUDE and *RADIATE.
 //   Source: G. Dhondt, CalculiX CrunchiX User's Manual, version 2.20: keywords of these names; element faces.
 #pragma once
 #include <cstdint>

@@ -12,7 +12,7 @@ using Corners = std::vector<glm::dvec3>;
 
 constexpr double kLeastPiece = 1e-14;  // of the polygon's area
 
-// The part of a convex polygon where dot(normal, x) >= offset.
+// Returns the part of a convex polygon where dot(normal, x) >= offset.
 Corners clip(const Corners& corners, const glm::dvec3& normal, double offset) {
   Corners kept;
   for (size_t k = 0; k < corners.size(); ++k) {

@@ -1,4 +1,4 @@
-// A polygon without the parts that other polygons of its plane cover.
+// Cuts parts that other polygons of its plane cover away from a polygon.
 #pragma once
 #include <vector>
 

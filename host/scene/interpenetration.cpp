@@ -47,8 +47,8 @@ Chord cutByPlane(const Scene& scene, const Polygon& polygon, const Plane& plane,
 }  // namespace
 
 std::vector<Interpenetration> findInterpenetrations(const Scene& scene, double touching_depth) {
-  // Of their own corners: a plane shared with others may be off them by kCoplanarTolerance, and neighbours that touch
-  // would seem to pass through each other.
+  // Planes are of the polygons' own corners. A plane shared with others may be off them by kCoplanarTolerance, so that
+  // neighbours that touch would seem to pass through each other.
   std::vector<Plane> planes;
   planes.reserve(scene.polygons.size());
   for (const Polygon& polygon : scene.polygons) planes.push_back(planeOf(scene, polygon));

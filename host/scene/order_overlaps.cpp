@@ -198,7 +198,7 @@ void Stacking::orderPlace(const Place& place) {
   for (size_t k = 0; k < order.size(); ++k)
     for (size_t m = k + 1; m < order.size(); ++m) {
       Overlap* overlap = overlapOf(order[k], order[m]);
-      // Of two that look the same way one hides the other: rankPolygons() says which.
+      // Where two look the same way, one hides the other: rankPolygons() says which.
       if (!overlap || !overlap->is_opposite || overlap->side != 0) continue;
       overlap->side = glm::dot(normals_[order[k]], place.normal) > 0 ? 1 : -1;
     }

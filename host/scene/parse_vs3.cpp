@@ -184,7 +184,7 @@ class Parser {
     if (file_.control.column && !file_.control.row) refuse("col needs row; give both");
   }
 
-  // Those that steer View3D's own integration are read, and have no meaning here.
+  // Controls that steer View3D's own integration are read, and have no meaning here.
   void setControl(const std::string& name, const std::string& value) {
     Vs3Control& control = file_.control;
     const double number = parseFinite(value, words_.place());
@@ -251,7 +251,7 @@ class Parser {
     surface.name = words_.nextInLine();
   }
 
-  // Shapes of F 3a: x to the right and y upward in a plane that is placed by its origin, azimuth and tilt.
+  // Shapes of F 3a have x to the right and y upward in a plane that is placed by its origin, azimuth and tilt.
   void readPlacedSurface(Vs3Surface& surface) {
     const std::string_view word = words_.next("a shape");
     const char shape = static_cast<char>(std::toupper(static_cast<unsigned char>(word.front())));

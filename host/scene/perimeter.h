@@ -1,4 +1,4 @@
-// Perimeters of polygons: rules for narrow faces, fineness of ids and bounds of lattice counts all need them.
+// Measures perimeters of polygons: rules for narrow faces, fineness of ids and bounds of lattice counts need them.
 #pragma once
 #include <span>
 

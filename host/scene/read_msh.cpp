@@ -1,4 +1,4 @@
-// The reader of Gmsh's meshes, .msh 2.2 and 4.1, text and binary.
+// Reads Gmsh's meshes, .msh 2.2 and 4.1, text and binary.
 //   Source: C. Geuzaine & J.-F. Remacle, Gmsh reference manual 4.11, section 10, file formats.
 #include <array>
 #include <map>
@@ -21,7 +21,7 @@ const std::array<FaceType, 5> kFaceTypes = {{{2, {0, 1, 2}},
                                              {9, {0, 3, 1, 4, 2, 5}},
                                              {16, {0, 4, 1, 5, 2, 6, 3, 7}},
                                              {10, {0, 4, 1, 5, 2, 6, 3, 7}}}};
-// Nodes of types 1 to 31; 0 where a type is not known.
+// Elements of types 1 to 31 have so many nodes; 0 where a type is not known.
 constexpr uint32_t kNodeCounts[] = {0, 2,  3,  4,  4, 8,  6,  5,  3,  6,  9, 10, 27, 18, 14, 1,
                                     8, 20, 15, 13, 9, 10, 12, 15, 15, 21, 4, 5,  6,  20, 35, 56};
 // Higher orders of triangles: more than their mid nodes.

@@ -48,7 +48,7 @@ class SceneMaker {
   }
 
  private:
-  // A part of the base that is the other surface's. A mask hides its part, which stays the base's.
+  // A hole is a part of the base that is the other surface's. A mask hides its part, which stays the base's.
   void addHole(const Vs3Surface& surface) {
     const FilePlace place{file_.file, surface.line};
     const Vs3Surface& base = file_.surfaces[surface.base - 1];

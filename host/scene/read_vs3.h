@@ -1,4 +1,4 @@
-// View3D's input, .vs3: vertices and surfaces (F 3), or surfaces placed by azimuth and tilt (F 3a).
+// Reads View3D's input, .vs3: vertices and surfaces (F 3), or surfaces placed by azimuth and tilt (F 3a).
 //   Source: G. N. Walton, View3D user manual (NIST, public domain); View3D 4.0, getdat.c.
 #pragma once
 #include <cstdint>
@@ -22,7 +22,7 @@ struct Vs3Control {
   double largest_distance = std::numeric_limits<double>::infinity();  // maxD
 };
 
-// A surface of the file: a line S, M, N or O.
+// A Vs3Surface is a line S, M, N or O of the file.
 struct Vs3Surface {
   char kind = 'S';
   std::vector<glm::dvec3> corners;     // counter-clockwise from the active side

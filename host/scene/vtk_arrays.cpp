@@ -44,7 +44,7 @@ std::string decodeBase64(std::string_view text, size_t& used) {
   return bytes;
 }
 
-// The text of base64 that stands for so many bytes.
+// Returns the length of the text of base64 that stands for so many bytes.
 size_t base64Length(uint64_t bytes) { return static_cast<size_t>((bytes + 2) / 3 * 4); }
 
 std::string_view trim(std::string_view text) {

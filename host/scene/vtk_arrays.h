@@ -1,4 +1,4 @@
-// Arrays of VTK's XML files: text, base64 and appended, plain and compressed by zlib.
+// Reads arrays of VTK's XML files: text, base64 and appended, plain and compressed by zlib.
 //   Source: Kitware, The VTK User's Guide, 11th edition, VTK file formats.
 #pragma once
 #include <cstdint>

@@ -1,7 +1,7 @@
-// Gebhart's factors and script-F by the symmetric form of irradiation.h.
+// Computes Gebhart's factors and script-F by the symmetric form of irradiation.h.
 //
-// With r = 1 - e and S = A - r^(1/2) X r^(1/2) the conductors are R = e X e + Y^T Y, where Y = L^-1 r^(1/2) X e and
-// S = L L^T. So R is symmetric to the last bit. Derivation: docs/solve.md, eq. (9).
+// Let r = 1 - e, S = A - r^(1/2) X r^(1/2) = L L^T and Y = L^-1 r^(1/2) X e. Then the conductors are
+// R = e X e + Y^T Y. So R is symmetric to the last bit. Derivation: docs/solve.md, eq. (9).
 #include <viewpeel/solve.h>
 
 #include <algorithm>

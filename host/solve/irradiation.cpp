@@ -62,7 +62,7 @@ VectorXd Irradiation::irradiationOf(const VectorXd& b, const VectorXd& h) const 
 }
 
 RowMajorMatrix Irradiation::inverse() const {
-  // A^-1 + A^-1 X R^(1/2) S^-1 R^(1/2): without a division by R, which may be 0.
+  // The inverse is A^-1 + A^-1 X R^(1/2) S^-1 R^(1/2), without a division by R, which may be 0.
   const Eigen::MatrixXd dense = symmetric_;
   RowMajorMatrix inverse = dense.llt().solve(Eigen::MatrixXd(root_.asDiagonal()));
   inverse = root_.asDiagonal() * inverse;

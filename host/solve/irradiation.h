@@ -1,4 +1,4 @@
-// The irradiation of all rows, by conjugate gradients on a symmetric positive definite form.
+// Computes the irradiation of all rows, by conjugate gradients on a symmetric positive definite form.
 //
 // Rows reflect r_j of what arrives, and X are closed exchange areas: (A - X R) H = b. With h = R^(1/2) H the matrix
 // S = A - R^(1/2) X R^(1/2) is symmetric, and positive definite where every row has something to refer to. It stands

@@ -21,7 +21,7 @@ enum Column { kSurface, kEmissivity, kTemperature, kHeatFlux };
 using Line = MaterialTable::Line;
 using Fields = std::array<std::string, kColumns.size()>;
 
-// Whether * (any characters) and ? (one) of a pattern can stand for a text's.
+// Returns whether a text fits a pattern, in which * stands for any characters and ? for one.
 bool fits(std::string_view pattern, std::string_view text) {
   size_t p = 0, t = 0, star = std::string_view::npos, after_star = 0;
   while (t < text.size()) {
@@ -40,7 +40,7 @@ bool fits(std::string_view pattern, std::string_view text) {
 
 bool hasWildcard(const std::string& name) { return name.find_first_of("*?") != std::string::npos; }
 
-// The column of each field of the header.
+// Returns the column of each field of the header.
 std::vector<size_t> readHeader(const std::vector<std::string>& names, const FilePlace& place) {
   std::vector<size_t> columns;
   for (const std::string& name : names) {
@@ -121,7 +121,7 @@ class LineFinder {
   std::vector<bool> is_used_;
 };
 
-// Of the lines that fit a face and its surface: by the face's name, by the surface's, else the later one.
+// Returns the line that counts of two that fit a face and its surface: by the face's name, its surface's, or the later.
 const Line* stronger(const Line* of_face, const std::string& face, const Line* of_surface, const std::string& surface) {
   if (!of_face || !of_surface) return of_face ? of_face : of_surface;
   if (of_face->name == face) return of_face;

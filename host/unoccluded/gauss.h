@@ -19,8 +19,8 @@ struct GaussPoint {
 //     recurrence.
 std::vector<GaussPoint> gaussPoints(int n);
 
-// Returns the largest error of the rule on the mean of a monomial: max |1 / (k + 1) - sum_i weight_i node_i^k / 2| over
-// k = 2n, 2n + 2, ...
+// Returns the largest error of the rule on the mean of a monomial of degree k = 2n, 2n + 2, ...
+//   error = max_k |1 / (k + 1) - sum_i weight_i node_i^k / 2|
 //   In: n, 1..100.     Out: the error.
 //   Error: rounding; tests/unit/line_rules_test.cpp.
 //   Throws: nothing.     Cost: O(n^2 + 200 n).     Source: none.

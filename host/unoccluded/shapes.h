@@ -9,7 +9,7 @@
 
 namespace viewpeel {
 
-// The scene's polygons as the unoccluded form factors' kernels read them, see ShapeData.
+// Returns the scene's polygons as the kernels of unoccluded form factors read them, see ShapeData.
 //   In: a scene as buildScene makes it.     Out: a shape a polygon, in order.
 //   Error: rounding of double.
 //   Throws: nothing.     Cost: O(polygons).     Source: none.

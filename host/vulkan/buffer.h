@@ -7,7 +7,7 @@
 
 namespace viewpeel {
 
-// Where a buffer lives: on the device only, or mapped for the host to write (upload) or to read (readback).
+// A buffer lives on the device only, or is mapped for the host to write (upload) or to read (readback).
 enum class MemoryUse { device, upload, readback };
 
 // A buffer with memory of its own, reached by device address and, where it has a texel format, read as texels. Not for

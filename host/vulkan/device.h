@@ -31,7 +31,7 @@ class Device {
   // Returns the index of a memory type among `allowed` that has all of `flags`.
   uint32_t memoryType(uint32_t allowed, VkMemoryPropertyFlags flags) const;
 
-  // Messages of error severity from the validation layer since the device was made; empty when validation is off.
+  // Returns the validation layer's errors since the device was made: none when validation is off.
   const std::vector<std::string>& validationErrors() const;
   bool validationEnabled() const { return messenger_ != VK_NULL_HANDLE; }
 

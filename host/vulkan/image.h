@@ -4,7 +4,7 @@
 
 namespace viewpeel {
 
-// A two-dimensional image used as an attachment and copied from; kept in the layout GENERAL.
+// An Image is two-dimensional, used as an attachment and copied from, and stays in the layout GENERAL.
 class Image {
  public:
   Image() = default;

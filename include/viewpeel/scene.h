@@ -21,7 +21,7 @@ struct InputScene {
   std::vector<std::string> surface_names;
   std::vector<InputFace> faces;
   std::vector<std::string> warnings{};  // of the reader, one line each
-  // Surfaces that only block, by the file itself: as Question::blockers.
+  // The file itself says that these surfaces only block: as Question::blockers.
   std::vector<std::string> blockers{};
   // Coincident faces of these surfaces are face to face, by the file itself: as SceneOptions::solids.
   std::vector<std::string> solids{};

@@ -51,8 +51,8 @@ struct Enclosure {
 //   Cost: O(length of the file).
 MaterialTable readMaterials(const std::filesystem::path& file);
 
-// Finds each row's material. A row has the line of its face ("desk[3]"), else of its surface ("desk"), else the last
-// line with wildcards that fit either (* any characters, ? one), else that of `default`.
+// Finds each row's material. A row has the line of its face ("desk[3]"), else of its surface ("desk"). Else it has the
+// last line with wildcards that fit either (* any characters, ? one), else that of `default`.
 //   In: table; ids: rows of the form factors; surface_names: of the indices in Ids::surface, without repetition
 //   Out: a material for each id
 //   Error: none. Tests: tests/unit/solve_materials_test.cpp.
@@ -85,7 +85,7 @@ struct HeatSolution {
   std::vector<HeatRow> surfaces;  // sums and means over the rows of each surface; of surfaces that have rows
   bool is_open = false;           // radiation leaves the scene
   Measured to_environment;        // heat flow out of the scene
-  // The heat flow of all rows less that to the environment, and the sum of all heat flows' sizes over 2.
+  // The residual is the heat flow of all rows less that to the environment; the total half the sum of all sizes.
   double balance_residual = 0, heat_flow_total = 0;
   // Row `lacking_row` has form factors whose sum, environment included, is off 1 by the most.
   double largest_lack = 0;
@@ -137,7 +137,7 @@ struct SceneHeat {
 
 // Computes the form factors of a scene and solves the enclosure.
 //   With a tolerance form factors start at 0.02, and are computed again with a smaller tolerance until the answers have
-//     theirs: answers average over many form factors, whose errors may be larger.
+//     theirs. Answers average over many form factors, whose errors may be larger.
 //   In: request: rows, seed and the like; its goal counts where there is no tolerance; its time limit counts for all
 //     runs together
 //   Out: see SceneHeat

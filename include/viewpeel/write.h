@@ -51,7 +51,7 @@ struct OutputContent {
   std::vector<std::string> shown{};
   // Of solveHeat with these form factors: columns of .h5 and quantities of .html.
   const HeatSolution* heat = nullptr;
-  // Of .vwf: the version of CalculiX that reads it, which compares this; "none" for versions that do not.
+  // A .vwf names the version of CalculiX that reads it, which compares; "none" for versions that do not.
   std::string ccx_version = "2.20";
   const char* balanced_column = kBalancedColumn;  // of .csv
 };

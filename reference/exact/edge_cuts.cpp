@@ -22,7 +22,7 @@ void EdgeCuts::appendSpan(uint32_t outline, std::vector<Span>& spans) const {
 
   Span span{outline, 0, {}, {}};
   if (any_left && any_right) {
-    // Counter-clockwise: the outline comes down across the line where the line enters, and goes up where it leaves.
+    // A counter-clockwise outline comes down across the line where the line enters, and goes up where it leaves.
     for (uint32_t k = 0; k < count; ++k) {
       const uint32_t next = (k + 1) % count, after = (k + 2) % count;
       if (sides[k] == 0) continue;

@@ -20,7 +20,7 @@ struct Cut {
 // A Span is the part of an edge that an outline covers, within [0, 1].
 struct Span {
   uint32_t outline = 0;
-  // 0: the line passes through the inside of the outline; 1, -1: along one of its edges, the inside to the left, right.
+  // The line passes through the inside of the outline (0), or along an edge with the inside to the left (1), right (-1).
   int side = 0;
   Cut enter, leave;
 };
@@ -36,7 +36,7 @@ class EdgeCuts {
   // Appends the span of the outline, if it has one of positive length. Cost: O(vertices of the outline).
   void appendSpan(uint32_t outline, std::vector<Span>& spans) const;
 
-  // Negative, 0, positive as p lies before, on, behind q along the edge. Exact.
+  // Returns a negative number, 0 or a positive one as p lies before, on or behind q along the edge. It is exact.
   int compare(const Cut& p, const Cut& q) const;
   mpq_class exactParameter(const Cut& cut) const;
 

@@ -42,7 +42,7 @@ struct ExactPairAreas {
   // Only Arithmetic::exact fills these lists, by sums of rational numbers without any rounding. The first has polygons
   // whose pairs, environment and leak do not add up to the area of their projection (twice, if two-sided).
   std::vector<uint32_t> open_polygons;
-  // and pairs whose regions have a boundary that does not close, which the sums above cannot see.
+  // The second has pairs whose regions have a boundary that does not close, which the sums above cannot see.
   std::vector<std::array<uint32_t, 2>> open_pairs;
 };
 

@@ -59,7 +59,7 @@ class Projection {
   const std::vector<Outline>& outlines() const { return outlines_; }
   const std::vector<Vertex>& vertices() const { return vertices_; }
 
-  // cross(b - a, c - a): positive where a, b, c turn left. Error: the ball holds the exact value.
+  // Returns cross(b - a, c - a), positive where a, b, c turn left. Error: the ball holds the exact value.
   Ball cross(uint32_t a, uint32_t b, uint32_t c) const;
   mpz_class exactCross(uint32_t a, uint32_t b, uint32_t c) const;
   int orientation(uint32_t a, uint32_t b, uint32_t c) const;  // exact sign of cross

@@ -17,7 +17,7 @@ const uint kMostPieces = 4u;
 const double kUnit = 2.2e-16LF;  // rounding of double
 const double kLeast = 1e-290LF;  // stands for 0 where a logarithm or an angle is multiplied by it
 
-// magnitude: of the terms, which may cancel.
+// Returns the inner integral, and the magnitude of its terms, which may cancel.
 double innerIntegral(dvec3 from, dvec3 direction, double length_q, out double magnitude) {
   double along = dot(from, direction), rest = length_q - along;
   dvec3 across = cross(from, direction);

@@ -25,7 +25,7 @@ void main() {
   double least = 1e-9LF * min(sides.a.area, sides.b.area);
   double area = (sides.is_flipped ? -sum : sum) / (2.0LF * kPi);
   bool is_reached = error <= max(least, 1e-6LF * area);
-  // Polygons of one plane that do not overlap.
+  // Polygons of one plane that do not overlap exchange nothing.
   if (areTouching(sides) && area <= least) area = 0.0LF;
   Doubles(args.areas).at[pair] = max(area, 0.0LF);
   if (is_reached) return;
