@@ -100,8 +100,8 @@ void computeAll(const Vs3File& file, const fs::path& output, Log& log) {
     log.note(fmt::format("{} {:g} {:.6f} {}", row + 1, matrix.areas[row], sums[row], made.input.surface_names[row]));
 }
 
-// Writes one row: its form factors to all surfaces that are not merged into others, a line each. With a column, only the log
-// has the form factor.
+// Writes one row: its form factors to all surfaces that are not merged into others, a line each. With a column, only
+// the log has the form factor.
 void computeRow(const Vs3File& file, const fs::path& output, Log& log) {
   const Vs3Control& control = file.control;
   const auto indexOf = [&](uint32_t number, const char* what) {

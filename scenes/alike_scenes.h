@@ -1,5 +1,5 @@
-// Makes scenes whose faces overlap in one plane and look the same way. Each can be drawn with the hidden parts cut away,
-// which leaves no doubt which face counts.
+// Makes scenes whose faces overlap in one plane and look the same way. Each can be drawn with the hidden parts cut
+// away, which leaves no doubt which face counts.
 #pragma once
 #include <functional>
 #include <string>

@@ -1,5 +1,5 @@
-// Makes random scenes that are hard on a rasteriser, counted by both engines and judged by exact areas. Shared by a quick
-// test and bench/stress.
+// Makes random scenes that are hard on a rasteriser, counted by both engines and judged by exact areas. Shared by a
+// quick test and bench/stress.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -1,4 +1,5 @@
-// The region of a pair holds the directions along which a line can leave a front of one polygon and arrive at the other's.
+// The region of a pair holds the directions along which a line can leave a front of one polygon and arrive at the
+// other's.
 #include <algorithm>
 #include <cmath>
 

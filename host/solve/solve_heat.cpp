@@ -70,7 +70,8 @@ void requireMaterials(const ClosedExchange& closed, const Enclosure& enclosure, 
   refuseWithoutReference(closed, enclosure, ids);
 }
 
-// Returns the emissive power that all others are measured from: the environment's, which then drops out of the equations.
+// Returns the emissive power that all others are measured from: the environment's, which then drops out of the
+// equations.
 double chooseShift(const ClosedExchange& closed, const Enclosure& enclosure) {
   if (closed.is_open && enclosure.environment_temperature) return emissivePower(*enclosure.environment_temperature);
   for (const Material& material : enclosure.materials)

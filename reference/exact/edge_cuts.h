@@ -20,7 +20,8 @@ struct Cut {
 // A Span is the part of an edge that an outline covers, within [0, 1].
 struct Span {
   uint32_t outline = 0;
-  // The line passes through the inside of the outline (0), or along an edge with the inside to the left (1), right (-1).
+  // The line passes through the inside of the outline (0), or along an edge with the inside to its left (1) or right
+  // (-1).
   int side = 0;
   Cut enter, leave;
 };
