@@ -7,6 +7,9 @@
 
 namespace viewpeel::program {
 
+// Exit statuses; 0 is success, and a run that a signal stopped ends with 128 and the signal's number.
+constexpr int kFailed = 1, kBadUsage = 2, kGoalMissed = 3;
+
 // Runs a subcommand and returns the exit status.
 using Run = std::function<int()>;
 

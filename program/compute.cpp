@@ -66,6 +66,15 @@ void warnOfGoal(const Request& request, const Result& result) {
                request.relative_floor, *relative);
 }
 
+// Says on stderr that time was up before the goal was reached. Returns the exit status.
+int reportMissedGoal(const Result& result) {
+  fmt::print(stderr,
+             "viewpeel: the goal was not reached in time: largest standard error {:.1e}; give more --seconds, or a "
+             "coarser goal\n",
+             result.largest_standard_error);
+  return kGoalMissed;
+}
+
 // Where balancing is refused, form factors are written as measured.
 void write(const ComputeOptions& options, const Result& result, const FormFactorRun& run, const Scene& scene) {
   auto parameters = parametersOf(settingsOf(run), result);
@@ -100,7 +109,10 @@ void printResult(const ComputeOptions& options, const Result& result, const std:
 int conclude(const ComputeOptions& options, const Result& result, const FormFactorRun& run, const Scene& scene,
              bool is_kept, const std::string& first_division) {
   warnOfGoal(options.request, result);
-  const int status = result.interrupted ? reportInterruption(options, result.replicates) : is_kept ? 0 : 1;
+  const int status = result.interrupted     ? reportInterruption(options, result.replicates)
+                     : !is_kept             ? kFailed
+                     : !result.goal_reached ? reportMissedGoal(result)
+                                            : 0;
   if (result.interrupted && result.replicates < 2) return status;
   for (const std::string& warning : result.warnings) fmt::print(stderr, "viewpeel: warning: {}\n", warning);
   write(options, result, run, scene);

@@ -17,7 +17,7 @@
 
 namespace {
 
-constexpr int kFailed = 1, kBadUsage = 2;
+using viewpeel::program::kBadUsage, viewpeel::program::kFailed;
 
 int exitStatus(viewpeel::ErrorCode code) {
   return code == viewpeel::ErrorCode::bad_input || code == viewpeel::ErrorCode::bad_usage ? kBadUsage : kFailed;

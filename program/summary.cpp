@@ -31,12 +31,37 @@ void checkValidation(const Device& device) {
     throw Error(ErrorCode::device, "Vulkan validation: " + device.validationErrors().front());
 }
 
+namespace {
+
+// Returns the bytes of the character of UTF-8 that begins here; 0 where there is none.
+//   Source: The Unicode Standard 15.0, table 3-7.
+size_t characterAt(const std::string& text, size_t at) {
+  const auto byteAt = [&](size_t k) { return k < text.size() ? static_cast<unsigned char>(text[k]) : 0u; };
+  const unsigned first = byteAt(at), second = byteAt(at + 1);
+  if (first < 0x80) return 1;
+  const size_t size = first >= 0xc2 && first < 0xe0   ? 2
+                      : first >= 0xe0 && first < 0xf0 ? 3
+                      : first >= 0xf0 && first < 0xf5 ? 4
+                                                      : 0;
+  for (size_t k = 1; k < size; ++k)
+    if ((byteAt(at + k) & 0xc0) != 0x80) return 0;
+  const bool is_overlong = (first == 0xe0 && second < 0xa0) || (first == 0xf0 && second < 0x90);
+  const bool is_beyond = (first == 0xed && second >= 0xa0) || (first == 0xf4 && second >= 0x90);
+  return is_overlong || is_beyond ? 0 : size;
+}
+
+}  // namespace
+
 std::string escapeJson(const std::string& text) {
   std::string escaped;
-  for (char c : text) {
+  for (size_t at = 0; at < text.size();) {
+    const char c = text[at];
+    const size_t size = characterAt(text, at);
     if (c == '"' || c == '\\') escaped += '\\';
-    if (static_cast<unsigned char>(c) < 32) escaped += fmt::format("\\u{:04x}", int(c));
-    else escaped += c;
+    if (size == 0) escaped += "\\ufffd";
+    else if (static_cast<unsigned char>(c) < 32) escaped += fmt::format("\\u{:04x}", int(c));
+    else escaped += text.substr(at, size);
+    at += std::max<size_t>(size, 1);
   }
   return escaped;
 }
@@ -205,10 +230,11 @@ std::string asJson(const std::string& scene, const Result& estimate) {
   const StandardErrors errors = measureStandardErrors(f, 0);
   std::string text = fmt::format(
       "{{\n  \"scene\": \"{}\",\n  \"device\": \"{}\",\n  \"ids\": {},\n  \"replicates\": {},\n  \"directions\": {},\n "
-      " \"seconds\": {:.6g},\n"
+      " \"seconds\": {:.6g},\n  \"goal_reached\": {},\n  \"interrupted\": {},\n"
       "  \"largest_standard_error\": {:.6g},\n  \"rms_standard_error\": {:.6g},\n  \"nonzero_form_factors\": {}",
       escapeJson(scene), escapeJson(estimate.plan.device), f.ids().count(), estimate.replicates, estimate.directions,
-      estimate.seconds, estimate.largest_standard_error, errors.rms, errors.count);
+      estimate.seconds, estimate.goal_reached, estimate.interrupted, estimate.largest_standard_error, errors.rms,
+      errors.count);
   if (estimate.unmet_pairs)
     text += fmt::format(",\n  \"unmet\": {{\"pairs\": {}, \"largest_standard_error\": {:.6g}}}", estimate.unmet_pairs,
                         estimate.largest_unmet_error);

@@ -43,7 +43,8 @@ std::string asJson(const std::string& scene, const Result& result);
 //   Throws: Error device.
 void checkValidation(const Device& device);
 
-// Returns the text with quotes, backslashes and control characters escaped, for use between quotes.
+// Returns the text for use between quotes. Quotes, backslashes and control characters are escaped; each byte that is
+// not UTF-8 becomes U+FFFD.
 std::string escapeJson(const std::string& text);
 
 }  // namespace viewpeel::program

@@ -17,6 +17,8 @@ class EstimateRun {
 
   // Returns true where the goal is reached, or the next replicate would end after the time.
   bool isDone() const;
+  // Returns true where the goal is reached, in time or not.
+  bool isReached() const;
   // Counts one replicate.    Throws: what the engine throws; the sums are then as before.
   void step();
   const RunSums& sums() const { return sums_; }
@@ -30,7 +32,6 @@ class EstimateRun {
   Estimate takeEstimate();
 
  private:
-  bool isReached() const;
   bool measure(const FormFactors& so_far);
   void resume();
   void measureErrors();

@@ -38,6 +38,8 @@ class LineRun {
 
   // Returns whether the goal is reached, or the next replicate would end after the time.
   bool isDone() const;
+  // Returns whether the goal is reached, in time or not.
+  bool isReached() const { return !is_any_wanting_; }
   // Counts one replicate.    Throws: what the engine throws; the sums are then as before.
   void step();
   const RunSums& sums() const { return sums_; }

@@ -105,6 +105,7 @@ struct FormFactorRun::State {
   void step();
   Estimate estimateOfNothing() const;
   Result resultOf(Estimate estimate) const;
+  bool isGoalReached() const;
 };
 
 }  // namespace viewpeel

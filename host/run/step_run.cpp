@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <viewpeel/error.h>
+#include "run/rules.h"
 #include "run/run_state.h"
 
 namespace viewpeel {
@@ -114,9 +115,18 @@ Estimate FormFactorRun::State::estimateOfNothing() const {
           INFINITY};
 }
 
+bool FormFactorRun::State::isGoalReached() const {
+  if (is_interrupted || !isBegun()) return false;
+  if (line_guarantee || guarantee_run) return is_done;
+  if (std::holds_alternative<Seconds>(setup.request().goal)) return true;
+  return replicateCount() >= amountOf(setup.request()).replicates &&
+         (line_run ? line_run->isReached() : estimate_run->isReached());
+}
+
 Result FormFactorRun::State::resultOf(Estimate estimate) const {
   Result result{std::move(estimate)};
   result.interrupted = is_interrupted;
+  result.goal_reached = isGoalReached();
   result.closure = measureClosure(result.form_factors);
   result.environment_share = shareOf(result.form_factors, kEnvironment);
   result.leak_share = shareOf(result.form_factors, kLeak);

@@ -1,4 +1,6 @@
 // Command lines as users type them: what is wrong is said in one line, with the word that was meant.
+#include <fmt/format.h>
+
 #include "tests/support/program.h"
 
 namespace viewpeel {
@@ -53,6 +55,37 @@ TEST_F(Program, FilesThatWereThereAreSaidToBeReplaced) {
   EXPECT_NE(again.output.find("\nreplaced   " + file("a.csv")), std::string::npos) << again.output;
   EXPECT_EQ(again.output.find("kept       nothing"), std::string::npos) << again.output;
   EXPECT_NE(run(kCube + " --directions 16").output.find("\nkept       nothing but this summary"), std::string::npos);
+}
+
+// Scripts learn from the status and from --json whether the result is as good as they asked for.
+TEST_F(Program, AMissedGoalIsNoSuccess) {
+  const std::string office = VIEWPEEL_SCENES "/office.obj --by surface --pair-lines off --replicates 2 ";
+  const Result missed = run(office + "--tolerance 1e-9 --seconds 0.5 --quiet -o " + file("a.csv"));
+  EXPECT_EQ(missed.status, 3) << missed.output;
+  EXPECT_NE(missed.output.find("viewpeel: the goal was not reached in time: largest standard error "),
+            std::string::npos)
+      << missed.output;
+  EXPECT_NE(readFile(file("a.csv")), "");
+  EXPECT_NE(run(office + "--tolerance 1e-9 --seconds 0.5 --json").output.find("\"goal_reached\": false"),
+            std::string::npos);
+  for (const char* goal : {"--tolerance 0.05", "--tolerance 0.05 --seconds 100", "--seconds 0.3", "--directions 30"}) {
+    const Result reached = run(office + goal + " --json");
+    EXPECT_EQ(reached.status, 0) << goal << reached.output;
+    EXPECT_NE(reached.output.find("\"goal_reached\": true"), std::string::npos) << goal << reached.output;
+    EXPECT_NE(reached.output.find("\"interrupted\": false"), std::string::npos) << goal << reached.output;
+  }
+}
+
+TEST_F(Program, JsonIsUtf8WhateverNamesAre) {
+  std::ofstream(file("odd\xff.obj")) << "o a\xff\xc3\xa9\xed\xa0\x80\\\"b\n"
+                                        "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no c\nv 0 0 1\nv 1 0 1\nv 0 1 1\nf 6 5 4\n";
+  const std::string scene = file("odd\xff.obj");
+  const Result r = run(fmt::format("'{}' --directions 16 --json", scene));
+  ASSERT_EQ(r.status, 0) << r.output;
+  std::ofstream(file("out.json")) << r.output;
+  const std::string command =
+      fmt::format("/usr/bin/python3 -c \"import json; json.load(open('{}', encoding='utf-8'))\"", file("out.json"));
+  EXPECT_EQ(std::system(command.c_str()), 0) << r.output;
 }
 
 }  // namespace
