@@ -1,0 +1,29 @@
+// Makes the scenes of the bench coverage, with the true form factors of their pairs.
+#pragma once
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+
+#include <viewpeel/form_factors.h>
+#include <viewpeel/scene.h>
+
+namespace viewpeel::bench {
+
+using Pair = std::pair<uint32_t, uint32_t>;
+using Truths = std::map<Pair, double>;  // F_ij, i < j, of the pairs that are looked at; j may be kEnvironment
+
+struct Case {
+  Scene scene;
+  Truths truths;
+  bool has_all_pairs = false;
+};
+
+// Returns the truth between surfaces, F_IJ = sum_ij A_i F_ij / A_I.
+Truths sumBySurface(const Truths& truths, const Ids& ids, const Ids& surface_ids);
+
+// Makes a case by its name: facing, edge, far, cube, blocked, parts and gap have closed forms or integrals as truth;
+// office, room and city have a long run.
+Case makeCase(const std::string& name);
+
+}  // namespace viewpeel::bench
