@@ -1,4 +1,4 @@
-// Balanced form factors: solutions by hand, conditions of the minimum, an enumeration, refusals.
+// These tests compare balanced form factors with solutions by hand, conditions of the minimum and an enumeration.
 #include <viewpeel/balance.h>
 
 #include <bit>
@@ -23,7 +23,7 @@ FormFactors matrixOf(std::vector<double> areas, std::vector<Entry> entries) {
   return {std::move(ids), std::move(entries), std::move(row_sums)};
 }
 
-// What balanceRows says to it.
+// Returns the message with which balanceRows refuses the form factors.
 std::string refusalOf(const FormFactors& measured) {
   try {
     balanceRows(measured);
@@ -87,7 +87,7 @@ TEST(Balance, BalancedRowsStay) {
   EXPECT_EQ(balanced.rms_change, 0);
 }
 
-// Two plates that see nothing else: the rows are one equation, and the Hessian is singular.
+// Two plates see nothing else: the rows are one equation, and the Hessian is singular.
 TEST(Balance, TwoPlates) {
   const FormFactors balanced = balanceRows(matrixOf({2, 2}, {{0, 1, {1.9, 0.1}}})).form_factors;
   EXPECT_NEAR(balanced.formFactor(0, 1).value, 1, kBalanceTolerance);
@@ -153,7 +153,8 @@ TEST(Balance, ConditionsOfTheMinimum) {
   EXPECT_GT(positive, 10 * zeros);
 }
 
-// Of all sets of pairs that stay positive: the least change that keeps the rows and is nowhere negative.
+// Looks at all sets of pairs that stay positive, and returns the least change that keeps the rows and is nowhere
+// negative.
 std::vector<double> enumerateBalanced(const FormFactors& measured) {
   const Eigen::Index n = measured.ids().count();
   const size_t count = measured.entries().size();

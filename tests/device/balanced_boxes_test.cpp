@@ -1,4 +1,4 @@
-// Balanced form factors of boxes in patches: never farther from the closed forms than what was measured.
+// Balanced form factors of boxes in patches are never farther from the closed forms than what was measured.
 #include <viewpeel/balance.h>
 
 #include <cmath>

@@ -15,7 +15,7 @@ namespace {
 
 namespace ts = test_scenes;
 
-// Of the first polygon, in unit-ball units.
+// Returns area and perimeter of the first polygon, in unit-ball units.
 ConvexSize sizeOf(const Scene& scene) {
   const Polygon& polygon = scene.polygons[0];
   ConvexSize size;
@@ -36,8 +36,7 @@ uint64_t totalOf(const PairCounts& counts) {
   return total;
 }
 
-// A lone polygon of some shape and size, seen from everywhere and along its normal, under lattices that fit it as well
-// as can be.
+// A lone polygon of some shape and size is seen from everywhere and along its normal, under lattices that fit it well.
 TEST(Bounds, RangesHoldForEveryDirectionAndLattice) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> uniform(0.02, 1);

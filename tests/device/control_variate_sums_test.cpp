@@ -1,4 +1,4 @@
-// Facing and blocked lines with visibilities fixed beforehand: what they add up to, and how far that may be off.
+// These tests add up facing and blocked lines with visibilities fixed beforehand, and say how far the sum may be off.
 #include <cmath>
 #include <random>
 
@@ -31,7 +31,7 @@ TEST(ControlVariateSums, WithoutVisibilityTheyAreReplicateSums) {
   for (size_t k = 0; k < a.entries().size(); ++k) {
     EXPECT_EQ(a.entries()[k].i, b.entries()[k].i);
     EXPECT_EQ(a.entries()[k].j, b.entries()[k].j);
-    // Rounding: a dozen operations in double on one side, in long double on the other.
+    // Rounding differs by a dozen operations in double on one side, in long double on the other.
     EXPECT_NEAR(a.entries()[k].exchange_area.value, b.entries()[k].exchange_area.value,
                 1e-14 * a.entries()[k].exchange_area.value);
   }
@@ -139,7 +139,7 @@ TEST(ControlVariateSums, NothingSeenIsNotNothingThere) {
         const Measured f = sums.formFactors(1, {{0, 1, never_blocked ? all : 0, all}}).exchangeArea(0, 1);
         held += std::abs(f.value - truth) <= t * f.standard_error;
       }
-      // Four standard deviations of the binomial law.
+      // The bound is four standard deviations of the binomial law.
       EXPECT_GE(held, kTrials * 0.88 - 4 * std::sqrt(0.88 * 0.12 * kTrials)) << never_blocked << " " << m;
       if (m < 16) continue;
       EXPECT_GE(held, kTrials * 0.94 - 4 * std::sqrt(0.94 * 0.06 * kTrials)) << never_blocked << " " << m;

@@ -1,5 +1,5 @@
-// Pairs that common directions hardly meet, along directions of their own: unbiased, honest, the same bits however they
-// are counted, and quicker.
+// Pairs that common directions hardly meet get directions of their own: unbiased, honest, quicker, and always the same
+// bits.
 #include <cmath>
 #include <numbers>
 

@@ -22,8 +22,7 @@ TEST(Directions, FramesAreOrthonormalAndRightHanded) {
     }
 }
 
-// Along the axes, where heights and azimuths have their poles, and beside them, where frames change from one helper to
-// another.
+// Directions lie along the axes, where heights and azimuths have their poles, and beside them, where frames change.
 TEST(Directions, FramesAtPolesAreOrthonormal) {
   for (int axis = 0; axis < 3; ++axis)
     for (const double sign : {1.0, -1.0})

@@ -1,4 +1,4 @@
-// The shaders' logarithm and arc tangent against long double.
+// Compares the shaders' logarithm and arc tangent with long double.
 #include <algorithm>
 #include <cmath>
 #include <random>

@@ -1,4 +1,4 @@
-// Lines that the device draws against those of the processor, to the last bit.
+// The device draws the same lines as the processor, to the last bit.
 #include <set>
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Unoccluded form factors times visibilities: exact where nothing is in between, honest where something is.
+// Unoccluded form factors times visibilities are exact where nothing is in between, and honest where something is.
 #include <cmath>
 #include <map>
 #include <optional>
@@ -27,7 +27,7 @@ struct PriorScene {
   Ids ids;
   std::unique_ptr<Engine> engine;
   std::vector<SizeGroup> groups;
-  // Over all replicates.
+  // Adds up the counts of all replicates.
   PairCount countsOf(const EstimateOptions& options, uint32_t i, uint32_t j) const {
     PairCount sum{i, j};
     for (uint64_t r = 0; r < options.replicates; ++r)

@@ -34,7 +34,7 @@ TEST(Guarantee, HoeffdingsDirections) {
 }
 
 TEST(Guarantee, BernsteinsBound) {
-  // By hand: L = ln(4 / 0.04) = 4.60517; sqrt(2 0.5 L / 101) = 0.213532; 7 2 L / 300 = 0.214908.
+  // By hand L = ln(4 / 0.04) is 4.60517, sqrt(2 0.5 L / 101) is 0.213532 and 7 2 L / 300 is 0.214908.
   EXPECT_NEAR(bernsteinBound(0.5, 2, 101, 0.04), 0.213532 + 0.214908, 2e-6);
 }
 
@@ -123,8 +123,8 @@ class CoinEngine : public Engine {
   double share_, area_;
 };
 
-// Failures over many seeds: at most delta of them but for chance, that is within four standard deviations of the
-// binomial law. The bounds are not sharp: there are far fewer.
+// At most delta of many seeds fail, but for chance: within four standard deviations of the binomial law. The bounds are
+// not sharp: there are far fewer.
 int failures(double share, double epsilon, double delta, int seeds, bool expect_bernstein) {
   const Scene scene = buildScene(ts::parallelSquares());
   const Ids ids = makeIds(scene, By::polygon, false);
@@ -160,7 +160,7 @@ TEST(Guarantee, FailsNoMoreOftenThanItMay) {
   EXPECT_LE(failures(0.002, 0.04, 0.2, kSeeds, true), allowed);
 }
 
-// By hand: l = ln(2 / 0.02) = 4.60517; M l / 3 = 3.07011; (3.07011 + sqrt(3.07011^2 + 2 1000 0.05 l)) / 1000.
+// By hand l = ln(2 / 0.02) is 4.60517 and M l / 3 is 3.07011: (3.07011 + sqrt(3.07011^2 + 2 1000 0.05 l)) / 1000.
 TEST(Guarantee, BernsteinsBoundOfAGivenVariance) {
   EXPECT_NEAR(givenVarianceBound(0.05, 2, 1000, 0.02), (3.07011 + std::sqrt(3.07011 * 3.07011 + 460.517)) / 1000, 1e-7);
   // The variance is at most M^2 / 4 of the range M. At this variance Hoeffding's bound takes twice as many directions,
@@ -221,8 +221,7 @@ VisibilityOutcome visibilityFailures(double lines, double prior_sums, double b, 
   return outcome;
 }
 
-// Whatever the visibility from the pilot, the right one, none, or one far off; by the bound known beforehand and by the
-// empirical one.
+// A guarantee holds whatever the visibility from the pilot: the right one, none, or one far off, by either bound.
 TEST(Guarantee, WithUnoccludedFormFactorsItFailsNoMoreOftenThanItMay) {
   constexpr int kSeeds = 30;
   const double allowed = 0.2 * kSeeds + 4 * std::sqrt(0.2 * 0.8 * kSeeds);
@@ -312,7 +311,7 @@ TEST(Guarantee, WithUnoccludedFormFactorsTheWholeChainHolds) {
     EXPECT_EQ(resumed.form_factors.exchangeArea(0, j).value, whole.form_factors.exchangeArea(0, j).value);
 }
 
-// The whole chain, planned for the scene.
+// Runs the whole chain, planned for the scene.
 TEST(Guarantee, HoldsForTheClosedForm) {
   const Scene scene = buildScene(ts::parallelSquares());
   const Ids ids = makeIds(scene, By::polygon, false);

@@ -1,4 +1,4 @@
-// Buffers, tables and batches of depth peeling: what is too small grows, and neither tuning nor memory is seen in
+// Buffers, tables and batches of depth peeling grow where they are too small; neither tuning nor memory is seen in
 // counts.
 #include <cstdlib>
 
@@ -92,7 +92,7 @@ TEST(Peel, BuffersGrowAndRepeat) {
   }
 }
 
-// Weighted directions, and only what was asked for.
+// Directions have weights, and only requested pairs are counted.
 TEST(Peel, CountsWhatWasRequested) {
   const Scene scene = buildScene(ts::roomWithTouchingBoxes());
   auto directions = sampleDirections(Sampler::fibonacci, 20, 3, 0);

@@ -1,4 +1,4 @@
-// Depth peeling: bit-exact against the CPU twin, and what it must never lose.
+// Depth peeling counts the CPU twin's bits, and loses no layer.
 #include <cstdlib>
 
 #include <gtest/gtest.h>
@@ -85,7 +85,7 @@ TEST(Peel, CountsEqualTheCpuTwinAlongAxesAndEdges) {
   }
 }
 
-// Sheets, contacts and stacks of both, with scanlines, too.
+// The scenes have sheets, contacts and stacks of both, with scanlines, too.
 TEST(Peel, CoincidentFacesEqualTheCpuTwin) {
   const auto directions = sampleDirections(Sampler::iid, 6, 11, 0);
   for (const ts::CoincidentScene& of : ts::coincidentScenes()) {

@@ -36,9 +36,9 @@ TEST(Plan, PredictsTheStandardError) {
     }
 }
 
-// Of small parts of a room few lines tell each pair: with shares of unoccluded form factors and of neighbours the run
-// reaches about what was planned. The largest of many standard errors that lines give as chance has them, not
-// replicates, spreads by less than 2; interpolation may add 2.
+// Few lines meet each pair of small parts of a room. With unoccluded form factors the run reaches about the planned
+// error. The largest of many standard errors that lines give as chance has them, not replicates, spreads by less than
+// 2; interpolation may add 2.
 TEST(Plan, PredictsErrorsOfVisibilitiesFromFewLines) {
   InputScene input{"room in parts", {"room"}, {}};
   constexpr int kCuts = 5;
@@ -116,7 +116,7 @@ TEST(Plan, TooLittleTimeGetsTheQuickest) {
   }
 }
 
-// Above the middle of a unit square, facing it.
+// Makes a speck above the middle of a unit square, facing it.
 InputScene speckOverFloor(double edge) {
   InputScene input{"speck", {}, {}};
   ts::addFace(input, "floor", {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});

@@ -1,4 +1,4 @@
-// Scenes of so many polygons that not all pairs get an unoccluded form factor before the run.
+// Scenes have so many polygons that not all pairs get an unoccluded form factor before the run.
 #include <cmath>
 #include <map>
 #include <optional>

@@ -16,8 +16,7 @@ namespace {
 
 namespace ts = test_scenes;
 
-// Squares of edges from 1 to 1e-4 above a large one, facing it and, in pairs, each other; scattered, so that windows
-// differ.
+// Squares of edges from 1 to 1e-4 lie above a large one, face it and, in pairs, each other, and are scattered.
 InputScene squaresOfAllSizes() {
   InputScene scene{"squares of all sizes", {}, {}};
   ts::addFace(scene, "floor", {{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}});
@@ -63,7 +62,7 @@ TEST(SizeGroups, EveryPolygonIsInOneWindowThatHoldsIt) {
           EXPECT_LE(glm::length(corner - group.window.centre), group.window.radius + 1e-12);
           radius = std::max(radius, glm::length(corner - scene.corners[polygon.first_corner]));
         }
-        // What it needs, within a step of 4 unless its own window would be too large.
+        // A polygon gets the lattice it needs, within a step of 4 unless its own window would be too large.
         const bool fits = group.resolution >= needed[k] || radius * group.resolution * 4 > kMostWindowPoints / 2.0;
         EXPECT_TRUE(fits) << group.resolution << " " << needed[k];
       }
@@ -149,7 +148,7 @@ TEST(SizeGroups, WindowsAreOnOneLattice) {
   }
 }
 
-// Strips that leave most tiles of a fine window empty, which the compute engine skips row by row; one is a sliver of a
+// Strips leave most tiles of a fine window empty, which the compute engine skips row by row. One is a sliver of a
 // triangle.
 TEST(SizeGroups, EmptyTilesOfAWindowHideNothing) {
   InputScene input{"strips over a square", {}, {}};

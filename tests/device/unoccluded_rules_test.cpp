@@ -1,4 +1,4 @@
-// Unoccluded form factors: sides, rows that add up to 1, chunks, and what cannot be reached or asked for.
+// These tests look at sides, rows that add up to 1, chunks, and what cannot be reached or asked for.
 // unoccluded_test.cpp says where these tests run.
 #include <algorithm>
 #include <cmath>
@@ -123,7 +123,7 @@ TEST_P(Unoccluded, ChunksDoNotMatter) {
   EXPECT_GT(small.work().far_pairs[1], 0u);
 }
 
-// Strips so thin that rounding alone is more than the error allowed: the value is there, and so is the report.
+// Strips are so thin that rounding alone is more than the error allowed: the value is there, and so is the report.
 TEST_P(Unoccluded, ReportsWhatItCannotReach) {
   constexpr double kWidth = 1e-10;
   const Scene scene =

@@ -14,7 +14,7 @@ namespace {
 INSTANTIATE_TEST_SUITE_P(Everywhere, Unoccluded, testing::Bool(),
                          [](const auto& where) { return where.param ? "Host" : "Device"; });
 
-// Every pair against the contour integral.
+// Compares every pair with the contour integral.
 void expectReference(const std::vector<CornerPair>& pairs, const std::string& what) {
   const Scene scene = sceneOf(pairs);
   const Outcome outcome = computeBothWays(scene, what);
@@ -94,7 +94,7 @@ TEST_P(Unoccluded, Slivers) {
   }
 }
 
-// Triangles and quadrilaterals 1e4 to 1e6 times as long as wide, near each other in any position.
+// Triangles and quadrilaterals are 1e4 to 1e6 times as long as wide, near each other in any position.
 TEST_P(Unoccluded, RandomSlivers) {
   constexpr uint64_t kSeed = 49;
   Random random(kSeed);
@@ -110,7 +110,7 @@ TEST_P(Unoccluded, RandomSlivers) {
   expectReference(pairs, fmt::format("seed {}, slivers", kSeed));
 }
 
-// Gaps down to less than what makes polygons coplanar: those exchange the area of their overlap, which is the limit.
+// Gaps go down to less than what makes polygons coplanar: such polygons exchange the area of their overlap, the limit.
 // Each pair is a scene of its own, for piled plates would coincide with each other.
 TEST_P(Unoccluded, ParallelPlatesCloseTogether) {
   for (double gap : {1e-1, 1e-2, 1e-3, 1e-5, 1e-7, 1e-9, 0.0})
@@ -157,14 +157,14 @@ TEST_P(Unoccluded, ClipsWhatReachesBehind) {
     pairs.push_back({random.convexPolygon(glm::dvec3(0), random.direction(), 3 + k % 2),
                      random.convexPolygon(apart, random.direction(), 3 + k / 2 % 2)});
   }
-  // A wall through the middle of a floor, at a corner of it, along its edge.
+  // A wall stands in the middle of a floor, at a corner of it, along its edge.
   const Corners floor = rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
   for (double x : {0.0, 0.5, 1.0}) pairs.push_back({floor, rectangle({x, 0, -1}, {0, 1, 0}, {0, 0, 2})});
   pairs.push_back({floor, rectangle({1, 0, -1}, {-1, 1, 0}, {0, 0, 2})});
   expectReference(pairs, "seed 43, any directions");
 }
 
-// Whether all corners of either lie before the other.
+// Returns whether all corners of either lie before the other.
 bool areWhole(const CornerPair& pair) {
   const auto isBefore = [](const Corners& plane, const Corners& corners) {
     const glm::dvec3 normal = glm::cross(plane[1] - plane[0], plane[2] - plane[0]);

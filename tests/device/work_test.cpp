@@ -1,4 +1,4 @@
-// What a scene does not need is not done: counted work.
+// Counted work shows that a scene costs no more than it needs.
 #include <gtest/gtest.h>
 
 #include "scenes/named_scenes.h"
@@ -49,8 +49,7 @@ TEST(Work, EdgeOnPolygonsEnterNoTile) {
   const auto along = kUp;
   const Work floor_and_wall = workOf(ts::perpendicularSquares(), along, {.resolution = 64});
   const Work cube = workOf(ts::insideOfCube(), along, {.resolution = 64});
-  // Of a cube seen along an axis four faces are edge-on: two layers at every point, and every entry is of the two
-  // others.
+  // A cube seen along an axis has four faces edge-on: two layers at every point, and every entry is of the two others.
   EXPECT_EQ(cube.list_entries, 2 * cube.active_tiles);
   EXPECT_EQ(floor_and_wall.list_entries, floor_and_wall.active_tiles);
 }

@@ -66,7 +66,7 @@ std::string radiating() {
   return lines;
 }
 
-// Radiosity of gray walls, and the powers that ccx found. `F` and `areas` come before it.
+// Compares the radiosity of gray walls with the powers that ccx found. `F` and `areas` come before it.
 constexpr const char* kCompare =
     "import re, numpy as np\n"
     "T, eps, sink = np.array(T), np.array(eps), np.array(sink)\nsigma = 5.669e-8\n"

@@ -1,4 +1,4 @@
-// Meshes of other programs, as these programs write them.
+// Reads meshes of other programs, as these programs write them.
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -44,7 +44,7 @@ class Meshes : public testing::Test {
   fs::path folder_;
 };
 
-// A room of 1 x 2 x 3 m in millimetres, with a volume, so that there are points, edges and tetrahedra to pass over.
+// The room has 1 x 2 x 3 m, in millimetres, and a volume, so that there are points, edges and tetrahedra to pass over.
 constexpr const char* kRoom =
     "SetFactory(\"OpenCASCADE\");\nBox(1) = {0,0,0, 1000,2000,3000};\nMesh.MeshSizeMax = 900;\n"
     "Physical Surface(\"walls x\") = {1, 2};\nPhysical Surface(\"walls y\") = {3, 4};\nPhysical Surface(7) = {5, 6};\n"

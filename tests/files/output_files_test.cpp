@@ -1,4 +1,4 @@
-// Files of results as their readers see them: SciPy, h5py, xarray and VTK of Debian, with the lines of docs/formats.md.
+// SciPy, h5py, xarray and VTK of Debian read files of results, with the lines of docs/formats.md.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <gtest/gtest.h>

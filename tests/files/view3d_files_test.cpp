@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A cube of side 4 whose wall y = 0 has a window, a null surface and a mask, and whose ceiling is two merged halves.
+// The cube of side 4 has a window, a null surface and a mask in its wall y = 0, and a ceiling of two merged halves.
 constexpr const char* kRoom =
     "T a room\n! comment\nC out=0 eps=1e-4\nF 3\n"
     "V 1 0 0 0\nV 2 4 0 0\nV 3 4 4 0\nV 4 0 4 0\nV 5 0 0 4\nV 6 4 0 4\nV 7 4 4 4\nV 8 0 4 4\n"
@@ -96,7 +96,7 @@ TEST_F(View3dFiles, SurfacesBasesMergesMasksAndHolesAreRead) {
   EXPECT_EQ(makeScene(file, false).input.surface_names.size(), 10u);
 }
 
-// The same cube as rectangles, a quadrilateral and a triangle placed by azimuth and tilt.
+// The same cube is made of rectangles, a quadrilateral and a triangle placed by azimuth and tilt.
 TEST_F(View3dFiles, PlacedSurfacesAreRead) {
   const Vs3File file =
       parseVs3(write("placed.vs3",
@@ -171,8 +171,8 @@ std::string asPython(const View3dMatrix& matrix) {
       f, matrix.areas, matrix.emissivities, matrix.rowCount());
 }
 
-// The rules by which uDALES reads each layout, and those of View3D's own readers for the rest. Bounds are half a last
-// digit, or float32's.
+// The test reads each layout by uDALES's rules, and the rest by View3D's own. Bounds are half a last digit, or
+// float32's.
 TEST_F(View3dFiles, LayoutsAreReadByTheirReadersRules) {
   const View3dMatrix matrix = randomMatrix(7);
   const auto stream = [&](const char* name) { return std::ofstream(folder_ / name, std::ios::binary); };

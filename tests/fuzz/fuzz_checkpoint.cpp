@@ -100,7 +100,7 @@ void writeSums(Hdf5Output& out, Bytes& bytes, const std::string& group) {
   }
 }
 
-// Lines of that pair, and of the first id and a back.
+// Adds lines of that pair, and of the first id and a back.
 void writeLineSums(Hdf5Output& out, Bytes& bytes) {
   using U8 = std::vector<uint8_t>;
   using U32 = std::vector<uint32_t>;
@@ -119,7 +119,7 @@ void writeLineSums(Hdf5Output& out, Bytes& bytes) {
   writeColumn(out, bytes, "lines/replicates", U32{2, 1});
 }
 
-// The unoccluded form factor of that pair, the lines that end in the environment, and directions of the pair's own.
+// Adds the unoccluded form factor of that pair, lines that end in the environment, and directions of the pair's own.
 void writePriorSums(Hdf5Output& out, Bytes& bytes) {
   using U8 = std::vector<uint8_t>;
   using U32 = std::vector<uint32_t>;
@@ -192,7 +192,7 @@ Checkpoint readBytes(const uint8_t* data, size_t count) {
   return readCheckpoint(file.write(out.finish()));
 }
 
-// What the program does with a checkpoint: report, merge, go on.
+// Does with a checkpoint what the program does: report, merge, go on.
 void use(Checkpoint checkpoint) {
   requireSameSettings(checkpoint.settings, checkpoint.settings, "again");
   describeReplicates(checkpoint.sums.replicates);

@@ -1,4 +1,4 @@
-// The bytes as a command line, an argument a line. What it asks for is not run.
+// Reads the bytes as a command line, an argument a line. What it asks for is not run.
 #include <cstdlib>
 #include <sstream>
 

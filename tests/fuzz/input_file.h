@@ -1,4 +1,4 @@
-// What the fuzz targets share: readers take files, libFuzzer makes bytes.
+// The fuzz targets share a file in memory, for readers take files and libFuzzer makes bytes.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -8,7 +8,7 @@
 
 namespace viewpeel::fuzz {
 
-// The bytes as a file in memory; the same one for every call.
+// Returns the bytes as a file in memory, the same one for every call.
 std::filesystem::path makeFile(const uint8_t* bytes, size_t count);
 
 // Reads the bytes as a scene and does with it what every run does before the first direction: split, group, name, look

@@ -10,11 +10,10 @@ namespace {
 
 namespace ts = test_scenes;
 
-// Howell, A Catalog of Radiation Heat Transfer Configuration Factors, C-11 and C-14, to ten digits.
+// The values are C-11 and C-14 of Howell, A Catalog of Radiation Heat Transfer Configuration Factors, to ten digits.
 constexpr double kParallelSquares = 0.1998248957, kPerpendicularSquares = 0.2000437761, kTenDigits = 5e-11;
 
-// Both samplers, both engines, and a lattice so coarse that a square is only a few spacings wide: resolution costs
-// variance, never bias.
+// A square is only a few spacings wide, with both samplers and both engines: resolution costs variance, never bias.
 std::vector<TestRun> runsToTry() {
   std::vector<TestRun> runs(8);
   runs[1].lattice.resolution = 6;
@@ -107,7 +106,7 @@ Estimate estimateDrawn(const InputScene& input, const Question& question, const 
   return estimateFormFactors(*makeComputeEngine(testDevice(), scene, ids, lattice), scene, ids, options);
 }
 
-// Directions inside the anti-convex-hull, and by the emitter's cosine: unbiased, and better than as many over the whole
+// Directions in the anti-convex hull, or by the emitter's cosine, are unbiased, and better than as many over the
 // sphere.
 TEST(ClosedForm, DirectionsDrawnForAPairOrAnEmitter) {
   TestRun whole;

@@ -1,5 +1,4 @@
-// Laws that hold whatever the scene: reciprocity, closure, rigid motion, scale, order of corners, subdivision,
-// reproducibility.
+// These laws hold whatever the scene: reciprocity, closure, rigid motion, scale, corner order, subdivision, same bits.
 #include <cstdlib>
 
 #include <fmt/format.h>

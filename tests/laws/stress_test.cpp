@@ -1,4 +1,4 @@
-// A quick part of bench/stress, and closed forms where scenes are extreme.
+// Runs a quick part of bench/stress, and compares extreme scenes with closed forms.
 #include "scenes/stress.h"
 
 #include <cmath>
@@ -38,7 +38,7 @@ TEST_P(HardScenes, OneWrongPolygonIsNoticed) { EXPECT_GT(stress::judge(testDevic
 INSTANTIATE_TEST_SUITE_P(Kinds, HardScenes, testing::ValuesIn(stress::kKinds),
                          [](const auto& kind) { return stress::nameOf(kind.param); });
 
-// Of coincident polygons the graphics engine tells two apart; more would be counted in a wrong order.
+// The graphics engine orders two coincident polygons; more would be counted in a wrong order.
 TEST(Stress, GraphicsEngineRefusesThreeCoincidentPolygons) {
   InputScene input{"three", {}, {}};
   for (bool up : {true, false, true}) {
@@ -60,8 +60,8 @@ InputScene plates(double gap, bool facing) {
   return scene;
 }
 
-// Down to 1e-8 of their size, 1.4e-8 of the scene's radius. The environment, 1 - F, is what a gap lets out: it has to
-// be there, and nothing else.
+// Gaps go down to 1e-8 of the plates' size, 1.4e-8 of the scene's radius. The environment, 1 - F, is what a gap lets
+// out: it has to be there, and nothing else.
 TEST(Stress, GapsBetweenPlates) {
   std::vector<TestRun> runs =
       withEngines({.lattice = {.resolution = 32}, .estimate = {.directions = 200, .replicates = 8}});
@@ -94,14 +94,14 @@ TEST(Stress, GapsTooNarrowForDepths) {
       SCOPED_TRACE(fmt::format("gap {}, {}", gap, run.name));
       const Estimate facing = estimateScene(plates(gap, true), run), apart = estimateScene(plates(gap, false), run);
       EXPECT_TRUE(isEstimateOf(facing.form_factors.formFactor(0, 1), 1, facing.replicates, 1e-10));
-      // What passes between their edges, and corners snapped to 2^-24.
+      // The allowance is for what passes between their edges, and corners snapped to 2^-24.
       EXPECT_LE(facing.form_factors.formFactor(0, kEnvironment).value, 4 * gap + 8 * 0x1p-24);
       EXPECT_TRUE(isEstimateOf(apart.form_factors.formFactor(0, kEnvironment), 1, apart.replicates));
       EXPECT_EQ(apart.form_factors.formFactor(0, 1).value, 0);
     }
 }
 
-// Exact areas, so that a strip 1e-6 wide is met by every direction.
+// Areas are exact, so that every direction meets a strip 1e-6 wide.
 TEST(Stress, SliversHaveTheirClosedForm) {
   for (double width : {1e-3, 1e-6}) {
     InputScene input{"sliver", {}, {}};
@@ -151,9 +151,9 @@ TEST(Stress, AreasFromOneToATrillionth) {
     for (uint32_t k = 0; k < kSizes; ++k) {
       const Measured f = e.form_factors.formFactor(2 * k, 2 * k + 1);
       EXPECT_TRUE(isEstimateOf(f, kTruth, e.replicates)) << k;
-      // Of independent directions, Var F <= v(F) = 4/3 (1 - (1 - F)^3/2) - F^2 (Pellegrini 1997), and of independent
-      // points 2 h^2 F / A beside it. From 16 replicates a standard error comes out twice as large in 2 of 10^7 cases
-      // (chi-squared of 15 degrees above 60).
+      // Independent directions have Var F <= v(F) = 4/3 (1 - (1 - F)^3/2) - F^2 (Pellegrini 1997); points add 2 h^2 F /
+      // A. From 16 replicates a standard error comes out twice as large in 2 of 10^7 cases (chi-squared of 15 degrees
+      // above 60).
       int resolution = 0;
       for (const SizeGroup& group : groups)
         if (std::ranges::count(group.polygons, 2 * k)) resolution = group.resolution;
@@ -180,7 +180,7 @@ TEST(Stress, ALineThroughASpeckMeetsIt) {
     const glm::dvec3 middle = (scene.corners[low.first_corner] + scene.corners[low.first_corner + 2] +
                                scene.corners[high.first_corner] + scene.corners[high.first_corner + 2]) /
                               4.0;
-    // 0.1 rad from their normals, so that they overlap by nine tenths.
+    // Directions lie 0.1 rad from the normals, so that plates overlap by nine tenths.
     const glm::dvec3 u(std::sin(0.1), 0, std::cos(0.1)), x = glm::normalize(glm::dvec3(0.3, 1, -0.3 * std::tan(0.1))),
                                                          y = glm::cross(u, x);
     const auto through = [&](double spacings_beside) {

@@ -1,4 +1,4 @@
-// What users get wrong, through the program: scene files, options, outputs. One line that says what and where, an exit
+// Users get scene files, options and outputs wrong; the program says so. One line that says what and where, an exit
 // status, and no half-written file. Scenes are computed by exact areas here, which need no device.
 #include <fmt/format.h>
 #include <sys/stat.h>
@@ -81,7 +81,7 @@ TEST_F(BadInput, FilesThatAreNone) {
     expectOneLine(run("compute " + file(name) + kExact, kWithoutRights), 2, file(name) + ": ", part);
 }
 
-// Odd, but what it says is clear.
+// These files are odd, but clear.
 TEST_F(BadInput, OddScenesAreRead) {
   const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\no Tür \"süd\"\nf 1 2 3 4\n";
   std::string windows = square;
@@ -175,7 +175,7 @@ TEST_F(BadInput, OutputsThatCannotBeWrittenAreFoundFirst) {
       expectOneLine(run(kPlates + "--engine exact --checkpoint " + file(name), kWithoutRights), 2,
                     file(name) + ": cannot write: ", part);
   }
-  // A disk with room for less than a block, as files of 2 KiB at most.
+  // A limit of 2 KiB on files stands for a disk with room for less than a block.
   expectOneLine(run(kPlates + kExact + "-o " + file("kept.csv"), "trap '' XFSZ; ulimit -f 4;"), 2,
                 file("kept.csv") + ": cannot write: ", "File too large");
   EXPECT_EQ(files(), before);

@@ -1,4 +1,4 @@
-// Command lines as users type them: what is wrong is said in one line, with the word that was meant.
+// One line says what is wrong with a command line, with the word that was meant.
 #include <fmt/format.h>
 
 #include "tests/support/program.h"

@@ -1,4 +1,4 @@
-// A Vulkan layer that fails on purpose, for tests of what the program does then. VIEWPEEL_FAULT says how:
+// This Vulkan layer fails on purpose, for tests of what the program does then. VIEWPEEL_FAULT says how:
 //   lost:N      the device is lost at the N-th submission, from 1, and stays lost
 //   memory:N    no memory is left at the N-th allocation and after it
 //   space:N     the device has N KiB of memory in all
@@ -34,7 +34,7 @@ std::string fault() {
   return text ? text : "";
 }
 
-// Whether the count-th call is one that `kind` makes fail.
+// Returns whether `kind` makes the count-th call fail.
 bool failsAt(const std::string& kind, int count) {
   const std::string requested = fault();
   return requested.rfind(kind + ":", 0) == 0 && count >= std::strtol(requested.c_str() + kind.size() + 1, nullptr, 10);
@@ -46,8 +46,8 @@ bool hasSpace(VkDeviceSize size_bytes) {
          allocated_bytes + size_bytes <= std::strtoull(requested.c_str() + 6, nullptr, 10) << 10;
 }
 
-// Of what lies below; looked up when the instance and the device are made, for later the loader answers with the top of
-// its layers.
+// Next holds the functions of the next layer below. They are looked up early, for later the loader answers with the top
+// of its layers.
 struct Next {
   PFN_vkEnumeratePhysicalDevices enumeratePhysicalDevices;
   PFN_vkGetPhysicalDeviceProperties2 getProperties2;

@@ -1,5 +1,4 @@
-// What fails around the program - driver, device, memory, another run, the user's patience - ends in one clear line,
-// and what was counted is kept.
+// Failures of driver, device, memory, another run or the user's patience end in one line, and what was counted is kept.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -11,8 +10,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The layer of fault_layer.cpp, failing as told. Validation is off: the layer breaks what it would watch; so is Mesa's
-// device selection, which does not survive that there are no devices.
+// Uses the layer of fault_layer.cpp with these failures. Validation is off: the layer breaks what it would watch; so is
+// Mesa's device selection, which does not survive that there are no devices.
 std::string withFault(const std::string& fault) {
   return "NODEVICE_SELECT=1 VK_LAYER_PATH=" VIEWPEEL_FAULT_LAYER
          " VK_INSTANCE_LAYERS=VK_LAYER_VIEWPEEL_faults VIEWPEEL_VALIDATION=0 VIEWPEEL_FAULT=" +
@@ -41,7 +40,7 @@ class Fault : public Program {
       out << fmt::format("v 0 0 {0}\nv 1 0 {0}\nv 1 1 {0}\nv 0 1 {0}\nf -4 -3 -2 -1\n", 0.01 * k);
     return file("sheets.obj");
   }
-  // Directions on the device at once, as planned and, where lists grew, in the end.
+  // Returns the directions on the device at once, as planned and, where lists grew, in the end.
   static unsigned atOnce(const Result& result, const char* after) {
     unsigned batches = 0, directions = 0;
     std::string word;
@@ -86,8 +85,8 @@ TEST_F(Fault, NoUsableDeviceIsReportedWithTheReason) {
   expectOneLine(run(plates, withFault("feature")), 1, {"no usable device: 0: ", "lacks shaderInt64"});
 }
 
-// Lost at any submission: at the first, while planning, or later. What is in the checkpoint then goes on to the bits of
-// a run without fault.
+// The device is lost at any submission: at the first, while planning, or later. What is in the checkpoint then goes on
+// to the bits of a run without fault.
 TEST_F(Fault, LostDeviceKeepsTheCheckpoint) {
   ASSERT_EQ(run(kSteady + "-o " + file("whole.csv")).status, 0);
   uint64_t most = 0;
@@ -109,8 +108,8 @@ TEST_F(Fault, LostDeviceKeepsTheCheckpoint) {
     expectOneLine(run(kOffice + planned, withFault("lost:8")), 1, {"the device was lost"});
 }
 
-// Pair lines on a device that is lost while it draws them, and on devices with less and less memory. The engine for
-// common directions takes some; where lines have none left the processor draws them.
+// A device is lost while it draws pair lines; others have less and less memory. The engine for common directions takes
+// some; where lines have none left the processor draws them.
 TEST_F(Fault, PairLinesOutliveTheDevice) {
   const std::string street =
       "compute " VIEWPEEL_SCENES
@@ -159,7 +158,7 @@ TEST_F(Fault, LackOfDeviceMemoryMakesBatchesSmaller) {
   ASSERT_EQ(run(options, withFault("")).status, 0);
   const std::string whole = readFile(file("a.csv"));
   int as_planned = 0, smaller = 0, smaller_later = 0, refused = 0;
-  // Beside the 32 MiB in which counters are read back, which are there before batches.
+  // The 32 MiB in which counters are read back come on top: they are there before batches.
   for (double mib = 20; mib > 0.3; mib = mib / 1.5 - 0.1) {
     fs::remove(file("a.csv"));
     const Result result = run(options, withFault(fmt::format("space:{}", int((32 + mib) * 1024))));
@@ -182,7 +181,7 @@ TEST_F(Fault, LackOfDeviceMemoryMakesBatchesSmaller) {
   EXPECT_GT(refused, 0);
 }
 
-// The same on devices that address shorter and shorter lists: that too depends on the batch.
+// Devices that address shorter and shorter lists do the same: that too depends on the batch.
 TEST_F(Fault, ListsTooLongToAddressMakeBatchesSmaller) {
   const std::string options =
       "compute --engine compute " + writeSheets() +
@@ -213,7 +212,7 @@ TEST_F(Fault, ListsTooLongToAddressMakeBatchesSmaller) {
   EXPECT_GT(refused, 0);
 }
 
-// Whatever goes on: a scene being read, a plan, unoccluded form factors, one long batch of either engine.
+// A signal ends whatever goes on: a scene being read, a plan, unoccluded form factors, one long batch of either engine.
 TEST_F(Fault, SignalEndsALargeRunWithinTwoSeconds) {
   const std::string large = "compute " + writeLargeScene(100'000) + " --quiet ";
   const std::pair<std::string, double> runs[] = {

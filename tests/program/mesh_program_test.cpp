@@ -1,4 +1,4 @@
-// Meshes as users have them, through the program: what it says on stderr, and rows that keep their numbers.
+// The program says on stderr what is odd in users' meshes, and rows keep their numbers.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -54,7 +54,7 @@ TEST_F(Program, NamesThatCollideAreSaidInOneLine) {
                 ":9: a surface is called 'a[1]', as face 1 of surface 'a' is in the results; rename one of the two\n");
 }
 
-// Scenes that nothing is wrong with: not a word.
+// About scenes that nothing is wrong with there is not a word.
 TEST_F(Program, CleanScenesAreQuiet) {
   for (const char* scene : {"office", "street", "cube", "plates"})
     EXPECT_EQ(run(std::string("compute " VIEWPEEL_SCENES "/") + scene +
@@ -64,14 +64,14 @@ TEST_F(Program, CleanScenesAreQuiet) {
         << scene;
 }
 
-// A room of unit walls, fronts inward: v, then w, e, s, n, floor, ceiling.
+// Writes a room of unit walls, fronts inward: v, then w, e, s, n, floor, ceiling.
 std::string roomWith(const std::string& more, const std::string& west = "1 2 3 4") {
   return "v 0 0 0\nv 0 1 0\nv 0 1 1\nv 0 0 1\nv 1 0 0\nv 1 1 0\nv 1 1 1\nv 1 0 1\no west\nf " + west +
          "\no east\nf 5 8 7 6\no south\nf 1 4 8 5\no north\nf 2 6 7 3\no floor\nf 1 5 6 2\no ceiling\nf 4 3 7 8\n" +
          more;
 }
 
-// A box without a bottom, fronts outward.
+// Writes a box without a bottom, fronts outward.
 std::string boxFrom(const std::string& bottom) {
   const std::string low = " " + bottom + "\n", high = " 0.5\n";
   return "v 0.3 0.3" + low + "v 0.7 0.3" + low + "v 0.7 0.7" + low + "v 0.3 0.7" + low + "v 0.3 0.3" + high +
@@ -128,7 +128,7 @@ TEST_F(Program, LeaksAreExplainedAndMended) {
   }
 }
 
-// A box as CAD exports it: no wall sees another one, until it is turned. A room stays a room.
+// A box as CAD exports it has no wall that sees another one, until it is turned. A room stays a room.
 TEST_F(Program, ABoxWithItsNormalsOutwardIsSaidAndTurned) {
   std::ofstream(file("in.obj")) << roomWith("");
   std::ofstream(file("out.obj"))
@@ -178,7 +178,7 @@ TEST_F(Program, CheckNamesFlippedSurfacesAndCheckpointsKeepFlips) {
   EXPECT_EQ(readFile(file("m.csv")).find("leak"), std::string::npos);
 }
 
-// A room whose floor is two tiles; the second one goes on under the first, 0.2 wide.
+// The room's floor is two tiles; the second one goes on under the first, 0.2 wide.
 std::string roomOnTiles() {
   return "v 0 0 0\nv 0 1 0\nv 0 1 1\nv 0 0 1\nv 1 0 0\nv 1 1 0\nv 1 1 1\nv 1 0 1\no west\nf 1 2 3 4\no east\nf 5 8 7 6"
          "\no south\nf 1 4 8 5\no north\nf 2 6 7 3\no ceiling\nf 4 3 7 8\n"
@@ -200,7 +200,7 @@ double worstRow(const std::string& csv) {
   return worst;
 }
 
-// The error that the summary states of the row that is farthest off.
+// Returns the error that the summary states of the row that is farthest off.
 double statedRowError(const std::string& summary) {
   const size_t at = summary.find("+- ", summary.find("closure    row sums differ from 1"));
   return at == std::string::npos ? 0 : std::stod(summary.substr(at + 3));

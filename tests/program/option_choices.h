@@ -1,5 +1,5 @@
-// Options and scenes of option_pairs_test: what may be chosen, which choices contradict each other, and runs that hold
-// every pair of choices.
+// Lists options and scenes of option_pairs_test, and which choices contradict each other; makes runs of all pairs of
+// choices.
 #pragma once
 #include <cstddef>
 #include <string>

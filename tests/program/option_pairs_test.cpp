@@ -1,4 +1,4 @@
-// Options in pairs, as users type them: any two values of two options meet in some run, on scenes as users have them.
+// Options are tested in pairs: any two values of two options meet in some run, on scenes as users have them.
 //
 // Runs are the rows of a covering array, which a greedy search makes (Cohen, Dalal, Fredman, Patton, IEEE Transactions
 // on Software Engineering 23 (7), 1997). A run ends with status 0, and then its form factors are the scene's
@@ -43,7 +43,7 @@ Matrix readCsv(const std::string& text) {
   return matrix;
 }
 
-// What a run states of its errors.
+// Stated says how far a run's errors may go by its own words.
 struct Stated {
   double quantile = 0;          // standard errors that an error exceeds with probability kFalseAlarm at most
   std::optional<double> bound;  // of a guarantee
@@ -58,7 +58,7 @@ double studentQuantile(uint64_t replicates) {
       boost::math::complement(boost::math::students_t(double(replicates) - 1), kFalseAlarm / 2));
 }
 
-// What differs from the truth by more than is stated, of form factors that were asked for.
+// Returns the requested form factors that differ from the truth by more than is stated.
 std::vector<std::string> findDifferences(
     const Matrix& found, const Matrix& truth, const Stated& stated,
     const std::function<bool(const std::string&, const std::string&)>& is_requested) {
@@ -82,7 +82,7 @@ std::vector<std::string> findDifferences(
   return differences;
 }
 
-// Rows that do not add up to 1 within the errors of their form factors, which may all err together.
+// Returns rows that do not add up to 1 within the errors of their form factors, which may all err together.
 std::vector<std::string> findOpenRows(const Matrix& found, const Stated& stated) {
   std::map<std::string, Entry> rows;
   for (const auto& [pair, entry] : found) {
@@ -117,8 +117,8 @@ class OptionPairs : public Program {
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, readFile(file("out")), readFile(file("err"))};
   }
 
-  // Of the exact engine, which shares neither lattice nor shaders with the others. Checked against closed forms by
-  // TruthEqualsTheClosedForm.
+  // The truth is the exact engine's, which shares neither lattice nor shaders with the others. Checked against closed
+  // forms by TruthEqualsTheClosedForm.
   const Matrix& truthOf(const std::string& scene, bool by_surface, bool two_sided) {
     const auto [at, is_new] = truths_.try_emplace({scene, by_surface, two_sided});
     if (!is_new) return at->second;
@@ -129,7 +129,7 @@ class OptionPairs : public Program {
     return at->second = readCsv(readFile(file("truth.csv")));
   }
 
-  // Whatever is typed: status 0 with nothing but warnings on stderr, or a refusal that is listed.
+  // A run ends with status 0 and nothing but warnings on stderr, or with a refusal that is listed.
   void checkStatus(const Choices& run, const Streams& r, const std::string& arguments) {
     const std::vector<std::string> says = refusalsOf(run);
     if (says.empty()) {
@@ -266,7 +266,7 @@ TEST_F(OptionPairs, WithARelativeError) { checkGoal("--relative"); }
 TEST_F(OptionPairs, WithATime) { checkGoal("--seconds"); }
 TEST_F(OptionPairs, WithAGuarantee) { checkGoal("--epsilon"); }
 
-// More than pairs, for whoever changes options: five minutes. Run it with --gtest_also_run_disabled_tests.
+// Tries more than pairs, for whoever changes options: five minutes. Run it with --gtest_also_run_disabled_tests.
 TEST_F(OptionPairs, DISABLED_AtRandom) {
   std::mt19937 random(1);
   for (int count = 0; count < 600;) {

@@ -1,4 +1,4 @@
-// The program as a user meets it: exit status, messages, files.
+// Tests the program as a user meets it: exit status, messages, files.
 #include <map>
 
 #include "tests/support/program.h"

@@ -47,7 +47,7 @@ inline PairCounts randomCounts(const Ids& ids, uint64_t replicate) {
   return counts;
 }
 
-// An engine whose counts of a replicate are randomCounts, told which one it is by the first direction.
+// A RandomEngine has randomCounts for counts of a replicate, which it knows by the first direction.
 class RandomEngine : public Engine {
  public:
   RandomEngine(const Ids& ids, uint64_t seed) : ids_(ids) {

@@ -1,4 +1,4 @@
-// Pairs of polygons that are hard on drawn directions, and their scenes.
+// These pairs of polygons, and their scenes, are hard on drawn directions.
 #pragma once
 #include <array>
 #include <cmath>
@@ -66,7 +66,7 @@ inline const std::vector<Case>& cases() {
         {"triangle and pentagon",
          {{0, 0, 0}, {1, 0.1, 0}, {0.3, 0.8, 0}},
          {{0.2, 0.2, 0.5}, {0, 0.6, 0.7}, {0.3, 0.9, 0.7}, {0.7, 0.8, 0.5}, {0.65, 0.4, 0.4}}}};
-    // The pentagon's corners in one plane.
+    // Moves the pentagon's corners into one plane.
     for (glm::dvec3& corner : list.back().b) corner.z = 0.6 + 0.2 * corner.x - 0.3 * corner.y;
     Random random(99);
     while (list.size() < 58) {
@@ -88,8 +88,7 @@ struct PairScene {
   Corners a, b;      // in the scene's unit
 };
 
-// The case in the unit ball, turned so that nothing is along an axis; not turned where rounding would open what
-// touches.
+// Places the case in the unit ball, turned so that nothing is along an axis, unless rounding would open what touches.
 inline PairScene sceneOf(const Case& pair, uint64_t seed = 0) {
   glm::dvec3 low(1e9), high(-1e9);
   for (const Corners& corners : {pair.a, pair.b})

@@ -32,7 +32,7 @@ struct Samples {
 };
 Samples sampleLines(const Scene& scene, const glm::dvec3& u, uint32_t sample_count, uint32_t seed);
 
-// The common part of two projected polygons, by clipping in double.
+// Returns the common part of two projected polygons, by clipping in double.
 struct Overlap {
   double area = 0;    // in P(u)
   double height = 0;  // of b's plane above a's in its middle, along u

@@ -1,4 +1,4 @@
-// A matrix in which every transposition and permutation of rows shows: unequal areas, random reciprocal form factors.
+// Makes a matrix in which every transposition and permutation of rows shows: unequal areas, random form factors.
 #pragma once
 #include <random>
 #include <vector>

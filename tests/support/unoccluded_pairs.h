@@ -65,7 +65,7 @@ inline Corners cornersOf(const Scene& scene, uint32_t polygon) {
   return {scene.corners.begin() + p.first_corner, scene.corners.begin() + p.first_corner + p.corner_count};
 }
 
-// F from the smaller polygon.
+// Returns F from the smaller polygon.
 inline double largerFactor(const Scene& scene, uint32_t i, uint32_t j, double exchange_area) {
   return exchange_area / std::min(scene.polygons[i].area, scene.polygons[j].area);
 }
@@ -113,7 +113,7 @@ inline Outcome computeBothWays(const Scene& scene, const std::string& what) {
   return outcome;
 }
 
-// Triangles and quadrilaterals, their distance 0.3 to `most` sizes, log-uniform; sizes in a ratio up to `ratio`.
+// Makes triangles and quadrilaterals at a distance of 0.3 to `most` sizes, log-uniform; sizes in a ratio up to `ratio`.
 inline CornerPair randomPair(Random& random, double most, double ratio) {
   const glm::dvec3 towards = random.direction();
   const auto facing = [&random](glm::dvec3 d) { return glm::normalize(d + 0.9 * random.direction()); };

@@ -1,4 +1,4 @@
-// Of faces that overlap in one plane and look the same way one counts, the same one from both sides. The scene means
+// Where faces overlap in one plane and look the same way, one counts, the same one from both sides. The scene means
 // what it means with the hidden parts cut away. Engines with a device: Peel.AlikeFacesEqualTheCpuTwin.
 #include <algorithm>
 #include <functional>
@@ -58,7 +58,7 @@ CountsByName countByName(const Scene& scene, const Counter& counter, const std::
   return counts;
 }
 
-// Empty where no two counts differ by more than `allowed`.
+// Returns nothing where no two counts differ by more than `allowed`.
 std::string firstDifference(const CountsByName& a, const CountsByName& b, uint64_t allowed) {
   CountsByName both = a;
   both.insert(b.begin(), b.end());
@@ -229,7 +229,7 @@ TEST(Alike, HighStacksAreUnordered) {
   }
 }
 
-// Planes that rounding has parted: their order, where they cross, may depend on the direction.
+// Rounding has parted these planes: their order, where they cross, may depend on the direction.
 TEST(Alike, CrossingPlanesAreUntold) {
   const auto untold = [](double lift, double tilt) {
     InputScene s{"crossing", {}, {}};

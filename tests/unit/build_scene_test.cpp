@@ -1,4 +1,4 @@
-// From faces to a scene: splitting, dropping, normalising, grouping.
+// Makes scenes of faces: splitting, dropping, normalising, grouping.
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -80,14 +80,14 @@ TEST(BuildScene, NonConvexFacesAreCutIntoFewConvexOnes) {
   for (int k = 40; k >= 0; --k)
     spiral.push_back({(1.3 + 0.1 * k) * std::cos(0.4 * k), (1.3 + 0.1 * k) * std::sin(0.4 * k), 1});
   expectSplitsWell(spiral, 80);
-  // A square hole, reached by a bridge that is walked both ways.
+  // A bridge that is walked both ways reaches the square hole.
   expectSplitsWell(
       {{0, 0, 0}, {3, 0, 0}, {3, 3, 0}, {0, 3, 0}, {0, 0, 0}, {1, 1, 0}, {1, 2, 0}, {2, 2, 0}, {2, 1, 0}, {1, 1, 0}},
       8);
 }
 
-// Star-shaped polygons with random radii: simple, anything but convex.
-// Splitting takes seconds or is refused. A comb has ears that only a search through many corners finds.
+// Star-shaped polygons with random radii are simple, and anything but convex. Splitting takes seconds or is refused. A
+// comb has ears that only a search through many corners finds.
 TEST(BuildScene, FacesOfManyCornersAreSplitOrRefused) {
   const auto star = [](int m) {
     ts::Corners corners;

@@ -18,7 +18,7 @@ struct Matrix {
   std::vector<double> areas;
 };
 
-// Every third pair measured to `error`, the others guessed with 0.7 of what is true: all guesses err alike.
+// Every third pair is measured to `error`, the others are guessed with 0.7 of what is true: all guesses err alike.
 Matrix makeGuessed(uint32_t count, double error, uint64_t seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> uniform(0, 1);

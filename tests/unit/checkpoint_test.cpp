@@ -1,4 +1,4 @@
-// Checkpoints as files.
+// Checkpoints are files that read back to every bit, or are refused.
 #include "io/checkpoint.h"
 
 #include <cmath>

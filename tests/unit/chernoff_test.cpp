@@ -8,7 +8,7 @@
 namespace viewpeel {
 namespace {
 
-// P(X <= k) of n coins with chance s, by summing logarithms.
+// Returns P(X <= k) of n coins with chance s, by summing logarithms.
 double binomialTail(int n, int k, double s) {
   double sum = 0;
   for (int m = 0; m <= k; ++m)
@@ -36,7 +36,7 @@ TEST(Chernoff, ExactTailsAreBelowTheProbabilityOfTheBound) {
 }
 
 TEST(Chernoff, ABoundThatIsATenthTooSmallFails) {
-  // The negative control: for coins that are often on one side the bound has little to spare.
+  // A negative control: for coins that are often on one side the bound has little to spare.
   const double p = 0.05, l = std::log(2 / p);
   const int n = 40;
   const double upper = chernoffBounds(0, 0, n, l).upper;

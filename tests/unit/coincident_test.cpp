@@ -43,7 +43,7 @@ double perimeters(const InputScene& scene) {
   return sum;
 }
 
-// Empty where no pair's area differs by more than `allowed`.
+// Returns nothing where no pair's area differs by more than `allowed`.
 std::string firstDifference(const InputScene& input, const Areas& areas, const Areas& meant, double allowed) {
   const auto nameOf = [&](uint32_t face) -> std::string {
     return face == kEnvironment ? "environment"
@@ -141,8 +141,8 @@ TEST(CoincidentPairs, AreCounted) {
   EXPECT_EQ(countsOf("three rooms in a row").in_doubt, 0u);
 }
 
-// Boxes with corners in whole numbers, and the same solid as the faces of the unit cubes at its surface. Faces are
-// named by the plane that they lie in and the way they look, so that both scenes have the same surfaces.
+// Makes boxes with corners in whole numbers, and the same solid as the faces of the unit cubes at its surface. Faces
+// are named by the plane that they lie in and the way they look, so that both scenes have the same surfaces.
 struct Boxes {
   static constexpr int kWidth = 24;
   std::vector<std::pair<glm::ivec3, glm::ivec3>> boxes;
@@ -157,7 +157,7 @@ struct Boxes {
   Boxes(size_t count, bool disjoint, uint32_t seed) {
     std::mt19937 random(seed);
     const auto below = [&](int most) { return static_cast<int>(random() % static_cast<uint32_t>(most)); };
-    // Two far corners, so that the ball around the scene does not depend on what is between.
+    // Adds two far corners, so that the ball around the scene does not depend on what is between.
     const auto add = [&](glm::ivec3 low, glm::ivec3 high) {
       boxes.emplace_back(low, high);
       forEachCube(low, high,
@@ -234,7 +234,7 @@ CountsByName countsByName(const InputScene& input) {
   return counts;
 }
 
-// Lines that one of the two has and the other has not.
+// Counts lines that one of the two has and the other has not.
 uint64_t differenceOf(const CountsByName& a, const CountsByName& b) {
   CountsByName all = a;
   all.insert(b.begin(), b.end());
@@ -275,8 +275,7 @@ TEST(CoincidentPairs, TouchingBoxesAreTheirUnion) {
   }
 }
 
-// Boxes that overlap, nested ones and such with coplanar faces: what leaves the union is the same. What lies inside of
-// it is leak.
+// Boxes overlap, are nested, or have coplanar faces: what leaves the union is the same. What lies inside of it is leak.
 TEST(CoincidentPairs, OverlappingBoxesShowTheirUnion) {
   const Boxes boxes(1000, false, 3);
   auto counted = countsByName(boxes.asBoxes());
@@ -310,7 +309,7 @@ TEST(CoincidentPairs, ContradictionsAreSaid) {
     if (input.surface_names[face.surface].starts_with("shell")) std::reverse(face.corners.begin(), face.corners.end());
   const Scene scene = buildScene(input);  // turned: all that the sheet sees is backs
   EXPECT_EQ(scene.coincidences.contacts, 1u);
-  // One side free, the other solid.
+  // One side is free, the other solid.
   input.faces.erase(
       std::remove_if(input.faces.begin(), input.faces.end(),
                      [&](const InputFace& face) { return input.surface_names[face.surface] == "shellz0"; }),

@@ -32,7 +32,7 @@ double pairArea(const reference::ExactPairAreas& found, const std::vector<bool>&
   return sum;
 }
 
-// F of one replicate, for surfaces of several polygons that do not see themselves.
+// Returns F of one replicate, for surfaces of several polygons that do not see themselves.
 double formFactorOf(const Scene& scene, const DrawnDirections& drawn, std::span<const uint32_t> a,
                     std::span<const uint32_t> b) {
   if (drawn.directions.empty()) return 0;
@@ -69,7 +69,7 @@ Measured measurePair(const Scene& scene, const DirectionRegion& region, uint32_t
                  [&](uint64_t replicate) { return sampleRegion(region, directions, 4, replicate); });
 }
 
-// What rounding of the unit-ball corners, and the exact path's areas, may add to a form factor.
+// Rounding of the unit-ball corners, and the exact path's areas, may add this to a form factor.
 constexpr double kAreaRounding = 1e-12;
 
 TEST(PairDirections, MeansAreFormFactors) {
@@ -103,7 +103,7 @@ TEST(PairDirections, MeansAreTheClosedFormsOfRectangles) {
     EXPECT_TRUE(isEstimateOf(found, truth, replicates, kAreaRounding)) << name;
     EXPECT_LT(found.standard_error, 3e-3 * truth) << name;
     EXPECT_FALSE(isEstimateOf(found, truth * 1.03, replicates, kAreaRounding)) << name;
-    // A region that misses a third of the lines, and one taken for larger than it is.
+    // One region misses a third of the lines, another is taken for larger than it is.
     DirectionRegion part = region;
     part.clip(glm::normalize(glm::cross(region.map(0, 0.1), region.map(0.4, 0.5))));
     part.close();
@@ -117,7 +117,7 @@ TEST(PairDirections, MeansAreTheClosedFormsOfRectangles) {
   check("part of an edge in common", reference::perpendicularRectangles(unit, unit, {0.3, 1.6}, {0, 0.4}));
 }
 
-// Surfaces of several polygons, two-sided ones, occlusion, and surfaces by their boxes: against the whole sphere.
+// Surfaces of several polygons, two-sided or occluded, or by their boxes, agree with the whole sphere.
 TEST(PairDirections, MeansAgreeWithTheWholeSphere) {
   Random random(2);
   const Scene room = tests::turn(tests::makeCubeInCube(), randomRotation(random));
@@ -130,7 +130,7 @@ TEST(PairDirections, MeansAgreeWithTheWholeSphere) {
     const Measured all = measure(room, a, b, replicates, [&](uint64_t k) { return wholeSphere(64, 6, k); });
     EXPECT_TRUE(areEstimatesOfTheSame(drawn, all, replicates)) << name;
   };
-  // Room: 0 low z, 1 high z, 2 low y, 3 high y, 4 low x, 5 high x; then the cube.
+  // The room's polygons are 0 low z, 1 high z, 2 low y, 3 high y, 4 low x, 5 high x; then comes the cube.
   check("floor and ceiling, the cube between", {0}, {1}, 1);
   check("floor and two walls", {0}, {2, 4}, 1);
   check("ceiling and the cube", {1}, {6, 7, 8, 9, 10, 11}, 0.9);

@@ -1,4 +1,4 @@
-// Engine `exact`: the estimator on exact areas.
+// Engine `exact` runs the estimator on exact areas.
 #include "reference/exact/exact_engine.h"
 
 #include <gtest/gtest.h>
@@ -33,7 +33,7 @@ TEST(ExactEngine, EstimatesEqualTheClosedForm) {
   EXPECT_LT(e.largest_standard_error, 1e-3);
 }
 
-// A polygon past a convex blocker, by the estimator and by quadrature.
+// Compares the estimator with quadrature for a polygon past a convex blocker.
 TEST(ExactEngine, SeesPastABlocker) {
   InputScene input = ts::parallelSquares();
   const std::vector<glm::dvec3> blocker{{0.2, 0.3, 0.4}, {0.9, 0.4, 0.6}, {0.3, 0.8, 0.5}};

@@ -36,7 +36,7 @@ const std::vector<NamedScene>& smallScenes() {
   return scenes;
 }
 
-// A rotation from four normal variates: a random unit quaternion.
+// Makes a rotation of four normal variates: a random unit quaternion.
 glm::dmat3 randomRotation(std::mt19937& random) {
   std::normal_distribution<double> normal;
   const double w = normal(random), x = normal(random), y = normal(random), z = normal(random);
@@ -59,7 +59,7 @@ std::vector<glm::dvec3> hardDirections(const Scene& scene) {
   return directions;
 }
 
-// Empty where both agree within `bound` in every pair, else the first disagreement.
+// Returns nothing where both agree within `bound` in every pair, else the first disagreement.
 std::string disagreement(const std::vector<PairArea>& found, const AreaMap& expected, double bound) {
   AreaMap rest = expected;
   for (const PairArea& pair : found) rest[{pair.a, pair.b}] -= pair.area;
@@ -261,8 +261,8 @@ double worstDeviation(const ExactPairAreas& found, const Samples& samples, uint3
   return worst;
 }
 
-// About 2e3 pairs in all. A count of mean m is off by more than 9 (m + 1)^1/2 with probability below 3e-10, by
-// Chernoff's bound exp(k - m - k log(k / m)) at k = m +- 9 (m + 1)^1/2. A false alarm has probability below 1e-6.
+// There are about 2e3 pairs in all. A count of mean m is off by more than 9 (m + 1)^1/2 with probability below 3e-10,
+// by Chernoff's bound exp(k - m - k log(k / m)) at k = m +- 9 (m + 1)^1/2. A false alarm has probability below 1e-6.
 TEST(ExactPairAreas, RandomLinesAgree) {
   constexpr uint32_t kSampleCount = 100'000;
   const Scene soup = makeSoup(150, 1), office = makeOffice(2, 1);

@@ -89,7 +89,7 @@ TEST(PairFinder, ClustersDecideAsSinglePairs) {
     const HostUnoccluded unoccluded(scene);
     UnoccludedWork work;
     std::vector<uint32_t> between;
-    // Every pair of a small scene, and some of a large one.
+    // Looks at every pair of a small scene, and some of a large one.
     const auto count = static_cast<uint32_t>(finder.patches().size()), step = 1 + count / 60;
     for (uint32_t p = 0; p < count; p += step)
       for (uint32_t q = p + 1; q < count; ++q) {
@@ -181,7 +181,7 @@ TEST(PairFinder, ALeastFormFactorLeavesOutSmallPairs) {
 
 // Parts of one face add up: a pair of faces in parts is kept though each pair of parts is below the least.
 TEST(PairFinder, PartsOfAFaceAreKept) {
-  // A star, which is cut into several convex parts, over a square.
+  // A star, which is cut into several convex parts, lies over a square.
   InputScene input{"star", {}, {}};
   ts::addFace(input, "square", ts::parallelogram({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}));
   ts::Corners star;

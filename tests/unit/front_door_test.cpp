@@ -83,7 +83,7 @@ TEST(FrontDoor, AGuaranteeSaysWhatHolds) {
   }
 }
 
-// The caller's exact engine: 2 x 400 exact projections, no lattice. Without one the kind is refused.
+// The caller's exact engine makes 2 x 400 exact projections, without a lattice. Without one the kind is refused.
 TEST(FrontDoor, ClosureIsOfTheMatrixDelivered) {
   Ids ids;
   ids.names = {"a", "b", "c"};
@@ -167,7 +167,7 @@ TEST(FrontDoor, StopsOnRequest) {
   }
 }
 
-// Closure where there is one, and its refusal beside what was measured where there is none.
+// Closed scenes have balanced form factors; open ones a refusal beside what was measured.
 TEST(FrontDoor, BalanceOrWhyThereIsNone) {
   Request request = onHost(FixedAmount{.directions = 200, .resolution = 64});
   request.balance = true;
@@ -190,7 +190,7 @@ Result byPairLines(const Scene& scene, Goal goal, uint64_t seed) {
   return computeFormFactors(scene, request);
 }
 
-// A plate between two squares, against the integral past one blocker. No form factor is off by more than the
+// Compares a plate between two squares with the integral past one blocker. No form factor is off by more than the
 // tolerance, which is 4.25 standard errors. 40 of the 80 errors are above a hundredth of it.
 TEST(PairLineRuns, ErrorsAreBelowTheTolerance) {
   namespace rt = reference::test;
@@ -238,7 +238,7 @@ TEST(PairLineRuns, RowsOfClosedScenesAddUp) {
   EXPECT_GT(worst, 1e-5);  // they are not made to
 }
 
-// Two ways to the same matrix that share neither lines nor rules of visibility.
+// Two ways to the same matrix share neither lines nor rules of visibility.
 TEST(PairLineRuns, AgreeWithCommonDirections) {
   const Scene scene = loadScene(VIEWPEEL_SCENES "/street.obj");
   for (const bool two_sided : {false, true})

@@ -1,5 +1,5 @@
-// Engine `host`: bit-exact against the CPU twin, whatever its threads and counters. Other tests compare it with
-// the other engines (countPairs).
+// Engine `host` counts the CPU twin's bits, whatever its threads and counters. Other tests compare it with the other
+// engines (countPairs).
 #include <gtest/gtest.h>
 
 #include "tests/support/test_device.h"
@@ -71,7 +71,7 @@ TEST(HostEngine, RolesAndWindowsCountAsInTheTwin) {
                 blocked ? intervals : withoutBlocked(intervals));
     }
   }
-  // A window around the last surface, which alone emits: what is outside of it does not count.
+  // A window lies around the last surface, which alone emits: what is outside of it does not count.
   Ids ids = makeIds(scene, By::polygon, false);
   ids.roles.assign(scene.polygons.size(), kReceives);
   Window window{glm::dvec3(0), 0};

@@ -15,7 +15,7 @@ namespace {
 using namespace reference;
 namespace ts = test_scenes;
 
-// A square in z = 0 and an upright one in y = height that crosses it from x = -0.1 to 0.3 where `low` < 0.
+// Makes a square in z = 0 and an upright one in y = height that crosses it from x = -0.1 to 0.3 where `low` < 0.
 Scene makeCross(double low) {
   SceneBuilder builder;
   builder.addPolygon("desk", {{-0.4, -0.4, 0}, {0.4, -0.4, 0}, {0.4, 0.4, 0}, {-0.4, 0.4, 0}});
@@ -93,7 +93,7 @@ TEST(Interpenetration, EveryPairIsFound) {
   for (uint32_t k = 0; k < 9; ++k) EXPECT_EQ(found[k].b, k + 1);
 }
 
-// A floor, and a wall on it whose lower edge is `depth` below the floor.
+// Makes a floor, and a wall on it whose lower edge is `depth` below the floor.
 InputScene wallInFloor(double depth) {
   InputScene scene{"wall in floor", {}, {}};
   ts::addFace(scene, "floor", ts::parallelogram({0, 0, 0}, {1, 0, 0}, {0, 1, 0}));

@@ -34,7 +34,7 @@ Request guaranteeOf(double epsilon, double delta, uint64_t seed = 1) {
 const rt::Corners kFloor = rt::rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}),
                   kCeiling = rt::rectangle({0, 0, 1}, {0, 1, 0}, {1, 0, 0});
 
-// F from floor to ceiling past slats of one plane, whose shadows do not overlap.
+// Returns F from floor to ceiling past slats of one plane, whose shadows do not overlap.
 double pastSlats(const rt::Corners& a, const rt::Corners& b, const std::vector<rt::Corners>& slats) {
   const double clear = reference::formFactorPastBlocker(a, b, rt::moved(slats[0], 1, {90, 0, 0})).value;
   double past = clear;

@@ -1,4 +1,4 @@
-// The rules of the unoccluded form factors' line integrals against adaptive integration.
+// Compares the rules of the unoccluded form factors' line integrals with adaptive integration.
 #include "unoccluded/line_rules.h"
 
 #include <algorithm>
@@ -76,7 +76,7 @@ Piece randomPiece(Random& random, double most) {
   return {Vec3(start), Vec3(start + along)};
 }
 
-// Whether the inner integral is singular above p's inside.
+// Returns whether the inner integral is singular above p's inside.
 bool needsCut(const Piece& q) {
   const auto isInside = [](long double x) { return x > 0 && x < 1; };
   if (isInside(q.start.x) || isInside(q.end.x)) return true;
@@ -122,7 +122,7 @@ TEST(LineRules, PlainErrorIsBoundedByTheEllipse) {
   std::array<double, 3> worst{};
   for (int trial = 0; trial < 4000; ++trial) {
     const int rule = trial % 3;
-    // Tangent to the sphere around p's middle in which nothing may lie, or ending on it.
+    // The segment is tangent to the sphere around p's middle in which nothing may lie, or ends on it.
     const double clear = kClear[rule] * std::exp(random.uniform(0, 0.5));
     const glm::dvec3 out = random.direction(), nearest = glm::dvec3(0.5, 0, 0) + 0.5 * clear * out;
     const glm::dvec3 along = glm::normalize(glm::cross(out, random.direction())) * std::exp(random.uniform(0, 3));

@@ -1,4 +1,4 @@
-// Reading scene files: what is kept, and how what is broken is refused.
+// Reads scene files, and says how broken ones are refused.
 #include <filesystem>
 #include <fstream>
 

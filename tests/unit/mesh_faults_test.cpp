@@ -1,4 +1,4 @@
-// What a mesh can be beside clean: faces that are there twice, overlap, or have no area, and names that collide.
+// Meshes are not always clean: faces are there twice, overlap, or have no area, and names collide.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -44,7 +44,7 @@ std::string messageOf(const InputScene& input, const SceneOptions& options = {})
 
 TEST(MeshFaults, AFaceThatIsThereTwiceCountsOnceAndKeepsItsRow) {
   InputScene input = ts::parallelSquares();
-  // The same square again, from another corner on and with a corner said twice.
+  // Adds the same square again, from another corner on and with a corner said twice.
   ts::addFace(input, "again", {{1, 1, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 0}, {1, 0, 0}});
   ts::addFace(input, "last", {{3, 0, 0}, {4, 0, 0}, {4, 1, 0}});
   const Scene scene = buildScene(input);
@@ -65,7 +65,7 @@ TEST(MeshFaults, AFaceThatIsThereTwiceCountsOnceAndKeepsItsRow) {
   }
 }
 
-// A whole mesh appended to itself three times, turned and rounded.
+// A whole mesh is appended to itself three times, turned and rounded.
 TEST(MeshFaults, AMeshThatIsThereThreeTimesCountsOnce) {
   InputScene input = ts::cubeInCube(0.3);
   const std::vector<InputFace> once = input.faces;
@@ -254,7 +254,7 @@ TEST_F(ObjNames, GroupsOfOneNameInDifferentObjectsStaySeparate) {
   EXPECT_EQ(surfacesOf("o box1;g side;f;o box2;g side;f"), (Names{"box1/side", "box2/side"}));
   EXPECT_EQ(countWith(load("o box1;g side;f;o box2;g side;f"), "2 groups share their names"), 1u);
   EXPECT_EQ(surfacesOf("o desk;f;o lamp;g desk;f"), (Names{"desk", "lamp/desk"}));
-  // Told apart already, or the same surface gone on with.
+  // These names are different already, or go on with the same surface.
   EXPECT_EQ(surfacesOf("o box1;g side;f;o box2;g top;f"), (Names{"side", "top"}));
   EXPECT_EQ(surfacesOf("o box;g box;f;o other;g other;f"), (Names{"box", "other"}));
   EXPECT_EQ(surfacesOf("g side;f;g top;f;g side"), (Names{"side", "top"}));

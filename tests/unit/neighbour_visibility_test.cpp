@@ -60,7 +60,7 @@ TEST(RankByPlace, BlocksOfRanksLieTogether) {
 TEST(NeighbourVisibility, LinesOfBlocksGoWithLargerBlocks) {
   const Ids ids = namelessIds(64);
   VisibilitySums sums(ids);
-  // (0, 4): 6 of 8 lines facing; (1, 5): 0 of 1; (2, 12): 1 of 1; (2, 30): 1 of 4.
+  // Pair (0, 4) has 6 of 8 lines facing, (1, 5) 0 of 1, (2, 12) 1 of 1, (2, 30) 1 of 4.
   sums.add(PairCounts{{0, 4, 6, 2}, {1, 5, 0, 1}, {2, 12, 1, 0}, {2, 30, 1, 3}});
   const std::vector<uint32_t> ranks = inOrder(64);
   const NeighbourVisibility shares(sums, {}, ranks);
@@ -72,7 +72,7 @@ TEST(NeighbourVisibility, LinesOfBlocksGoWithLargerBlocks) {
     EXPECT_NEAR(visibility.deviation(), std::sqrt(smoothed * (1 - smoothed)), 1e-6) << i << " " << j;
     EXPECT_EQ(shares.of(j, i).mean, visibility.mean);
   };
-  // Of all 64 around each; and of the 16 around (0, 4), which are those around (2, 12), and around (2, 30).
+  // All 64 around each count, and the 16 around (0, 4), which are the ones around (2, 12), and around (2, 30).
   const double scene = (0.75 * of_eight + 1 + 0.25 * of_four) / (of_eight + 2 + of_four);
   const double near = (0.75 * of_eight + 1 + scene) / (of_eight + 2 + 1),
                far = (0.25 * of_four + scene) / (of_four + 1);

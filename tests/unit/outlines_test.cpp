@@ -57,7 +57,7 @@ Covered coveredByEdges(const std::vector<std::vector<Snapped>>& polygons, int co
   return covered;
 }
 
-// Along +z, on a lattice whose spacing is 1.
+// The direction is +z, the lattice's spacing 1.
 Covered coveredByOutlines(const std::vector<std::vector<Snapped>>& polygons, int column_bits, Vectors vectors) {
   Scene scene;
   Ids ids;

@@ -136,7 +136,7 @@ TEST(PairFinder, APlateIsSeen) {
 // --- lines
 // ------------------------------------------------------------------------------------------------------------
 
-// Over 16 scramblings, of 2^14 lines each.
+// There are 16 scramblings, of 2^14 lines each.
 std::pair<double, double> visibilityOfLines(const std::vector<rt::Corners>& faces, LineWay way, double& mean_weight) {
   const Scene scene = sceneOf(faces);
   const Ids ids = makeIds(scene, By::polygon, false);
@@ -191,7 +191,7 @@ TEST(DrawLines, VisibilityPastOneBlockerIsTheIntegral) {
   EXPECT_GE(tried, 20);
 }
 
-// Squares that touch along an edge: weights of points have no variance, angles must do.
+// Squares touch along an edge: weights of points have no variance there, so that angles must do.
 TEST(DrawLines, AnglesOfTouchingSquaresPastABlocker) {
   const rt::Corners floor = rt::rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}),
                     wall = rt::rectangle({0, 0, 0}, {0, 1, 0}, {0, 0, 1}),
@@ -302,7 +302,7 @@ TEST(LineSums, LinesThatAgreeHaveAnError) {
   LineSums::addTo(sum, {0, 1, uint32_t(kLineUnit), uint32_t(kLineUnit), 16 * 256});
   const Visibility visibility = visibilityOf(sum, 1);
   EXPECT_EQ(visibility.value, 1);
-  // Half a line of the other kind among 17, and half a line: sqrt(0.5 * 16.5 / 17^3 + 0.25 / 17^2).
+  // Half a line of the other kind among 17, and half a line, give sqrt(0.5 * 16.5 / 17^3 + 0.25 / 17^2).
   EXPECT_NEAR(std::sqrt(visibility.variance), 0.05044, 1e-5);
 }
 

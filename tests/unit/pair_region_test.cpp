@@ -1,4 +1,4 @@
-// The region of directions that one pair needs: no line missed, none drawn in vain.
+// The region of directions that one pair needs misses no line and draws none in vain.
 #include "directions/drawn_directions.h"
 
 #include <algorithm>
@@ -24,7 +24,7 @@ namespace {
 
 using Vec3 = glm::vec<3, long double>;
 
-// Anywhere in the polygon, often at its border or near a corner.
+// Returns a point anywhere in the polygon, often at its border or near a corner.
 Vec3 pointIn(const Corners& corners, Random& random) {
   const double sharpness = std::array{1.0, 3.0, 20.0, 100.0}[(size_t)random.uniform(0, 4)];
   Vec3 point(0);
@@ -37,7 +37,7 @@ Vec3 pointIn(const Corners& corners, Random& random) {
   return point / sum;
 }
 
-// Every line from a front to a front that is not grazing within the rounding of the corners.
+// The region holds every line from a front to a front that is not grazing within the rounding of the corners.
 TEST(PairRegion, MissesNoLine) {
   for (const Case& pair : cases())
     for (uint64_t seed : {0, 7}) {
@@ -99,8 +99,7 @@ TEST(PairRegion, IsWhereThePairAreaIsPositive) {
   EXPECT_GT(outside, 1000);
 }
 
-// Closed forms: a half sphere, a lune, and the pyramid of two squares that face, of half width 1 at distance 1: 4
-// asin(1/2) sr.
+// Closed forms are a half sphere, a lune, and the pyramid of two squares of half width 1 at distance 1: 4 asin(1/2) sr.
 TEST(PairRegion, SolidAngleOfSimpleRegions) {
   const auto solidAngleOf = [](const char* name, uint64_t seed) {
     const auto pair = std::ranges::find(cases(), name, &Case::name);

@@ -15,8 +15,8 @@ using test::rectangle;
 
 constexpr uint64_t kDirections = 40'000;
 
-// 30 comparisons at 4.5 standard errors: a false alarm in 5,000 choices of the seed. A pair so small that fewer than
-// 100 directions count has no normal mean and is passed over.
+// These are 30 comparisons at 4.5 standard errors: a false alarm in 5,000 choices of the seed. A pair so small that
+// fewer than 100 directions count has no normal mean and is passed over.
 TEST(ProjectedEstimate, RandomPairsAgreeWithContourIntegral) {
   test::Random random(21);
   int compared = 0;

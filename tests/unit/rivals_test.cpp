@@ -1,4 +1,4 @@
-// What the rivals of the bench are made of: points, weights of pixels, errors of matrices.
+// The rivals of the bench are made of points, weights of pixels, errors of matrices.
 #include <algorithm>
 
 #include <gtest/gtest.h>

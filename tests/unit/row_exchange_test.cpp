@@ -15,7 +15,7 @@ struct Seen {
   size_t pairs = 0, far = 0, cut = 0, near = 0;
 };
 
-// What rows say of all pairs of ids, beside the sums of their polygons' pairs.
+// Compares what rows say of all pairs of ids with the sums of their polygons' pairs.
 Seen compareRows(const Scene& scene, bool two_sided) {
   const Ids ids = makeIds(scene, By::polygon, two_sided);
   const RowExchange rows(scene, ids);
@@ -39,7 +39,7 @@ Seen compareRows(const Scene& scene, bool two_sided) {
       double truth = 0;
       for (double area : areas) truth += area * unit;
       const BoundedExchange& bounded = later[j - i - 1];
-      // Beside the bound, the accuracy of what it is compared with.
+      // The comparison allows, beside the bound, the accuracy of the other side.
       const double least = double(sides.size()) * kUnoccludedAbsoluteError * std::min(ids.areas[i], ids.areas[j]);
       EXPECT_NEAR(bounded.area, truth, bounded.error + 2 * kUnoccludedRelativeError * truth + least)
           << scene.file << " " << i << " " << j;

@@ -36,7 +36,7 @@ Drawn drawTruth(std::mt19937_64& random, bool is_open) {
   return drawn;
 }
 
-// Entries with the environment that is left.
+// Adds the environment that is left to the entries.
 std::vector<Entry> withRest(const std::vector<double>& areas, std::vector<Entry> entries) {
   std::vector<double> rest = areas;
   for (const Entry& entry : entries) {
@@ -97,7 +97,7 @@ TEST(SolveBounds, HoldForEveryMatrixWithinTheIntervals) {
   }
 }
 
-// Intervals as wide as form factors: no bound, and none is claimed.
+// Intervals as wide as form factors give no bound, and none is claimed.
 TEST(SolveBounds, AreInfiniteWhereNothingIsKnown) {
   std::vector<Entry> entries{{0, 1, {1, 0}}, {1, 1, {0.5, 0}}};
   const FormFactors plain = te::formFactors({1, 1.5}, entries);

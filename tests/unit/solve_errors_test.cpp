@@ -1,4 +1,4 @@
-// Standard errors of heat: against finite differences, against spread, and in coverage.
+// Compares standard errors of heat with finite differences, spread and coverage.
 #include <random>
 
 #include <gtest/gtest.h>
@@ -77,7 +77,7 @@ std::vector<Measured> answersOf(const HeatSolution& solution) {
   return answers;
 }
 
-// Three surfaces of four rows each.
+// There are three surfaces of four rows each.
 HeatSolution solve(const FormFactors& f) {
   Ids ids = f.ids();
   for (uint32_t i = 0; i < kRows; ++i) ids.surface[i] = i / 4;
@@ -194,9 +194,9 @@ TEST_P(SolveErrors, IntervalsHoldTheTruth) {
   EXPECT_GE(compared, 40u);
 }
 
-// Pair lines between parts of two squares past a sheet, against closed forms. With t of 7 degrees of freedom intervals
-// hold the truth in 95 % or more of all cases. If all answers of a run stood or fell together, fewer than 48 of 60 runs
-// would hold with a chance of 1e-5.
+// Compares pair lines between parts of two squares past a sheet with closed forms. With t of 7 degrees of freedom
+// intervals hold the truth in 95 % or more of all cases. If all answers of a run stood or fell together, fewer than 48
+// of 60 runs would hold with a chance of 1e-5.
 TEST(SolveErrors, PairLinesHoldClosedForms) {
   constexpr uint32_t kSeeds = 60;
   constexpr double kQuantile = 2.365;

@@ -15,7 +15,7 @@ namespace te = test_enclosures;
 namespace ts = test_scenes;
 using reference::test::isWithin;
 
-// Rows at random, whose sums are off 1 by as much as sampling leaves; half of them see the environment.
+// Makes rows at random, whose sums are off 1 by as much as sampling leaves; half of them see the environment.
 FormFactors randomRows(uint32_t n, bool is_open) {
   std::mt19937_64 random(11);
   std::uniform_real_distribution<double> uniform(0, 1);
@@ -43,7 +43,7 @@ std::vector<Material> materialsOf(uint32_t n) {
   return materials;
 }
 
-// Heat flows of rows, and the sizes of their terms.
+// Returns heat flows of rows, and the sizes of their terms.
 std::vector<std::pair<double, double>> flowsOf(const ExchangeFactors& factors, const Enclosure& enclosure) {
   std::vector<std::pair<double, double>> flows(factors.names.size());
   const auto powerOf = [&](uint32_t i) {

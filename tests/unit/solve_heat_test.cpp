@@ -1,4 +1,4 @@
-// Heat in enclosures with closed forms: from exact form factors, and from computed ones.
+// Compares heat with closed forms, from exact form factors and from computed ones.
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
@@ -21,12 +21,12 @@ using reference::test::isWithin;
 // The equations hold to 1e-13 of their right side, and sums of a few terms to some 1e-15.
 constexpr double kSolved = 1e-11;
 
-// The form factor between two unit squares that face each other.
+// Returns the form factor between two unit squares that face each other.
 double unitSquares(double distance) { return reference::parallelRectangles({0, 1}, {0, 1}, {0, 1}, {0, 1}, distance); }
 
 const std::vector<double> kEmissivities{1, 0.9, 0.3, 1e-3};
 
-// An inner row of area 1 that sees the outer one alone, of area 2.5.
+// Makes an inner row of area 1 that sees the outer one alone, of area 2.5.
 FormFactors nested() { return te::formFactors({1, 2.5}, {{0, 1, {1, 0}}, {1, 1, {1.5, 0}}}); }
 
 TEST(SolveHeat, TwoSurfaces) {
@@ -50,7 +50,7 @@ TEST(SolveHeat, TwoSurfaces) {
 
 // Oppenheim's network of two rows at temperatures and an adiabatic one, whose emissivity does not matter.
 TEST(SolveHeat, ThreeSurfacesOneAdiabatic) {
-  // A triangular duct with sides 3, 4, 5: A_i F_ij by crossed strings.
+  // Makes a triangular duct with sides 3, 4, 5: A_i F_ij by crossed strings.
   const double x01 = (3 + 4 - 5) / 2.0, x02 = (3 + 5 - 4) / 2.0, x12 = (4 + 5 - 3) / 2.0;
   const FormFactors f = te::formFactors({3, 4, 5}, {{0, 1, {x01, 0}}, {0, 2, {x02, 0}}, {1, 2, {x12, 0}}});
   const double through = x01 + 1 / (1 / x02 + 1 / x12);
@@ -74,7 +74,7 @@ TEST(SolveHeat, ThreeSurfacesOneAdiabatic) {
     }
 }
 
-// A hot plate before the environment, and one that gives a known heat to it.
+// One hot plate stands before the environment, another gives a known heat to it.
 TEST(SolveHeat, TheEnvironmentIsBlack) {
   const FormFactors f = te::formFactors({2, 1}, {{0, kEnvironment, {2, 0}}, {1, kEnvironment, {1, 0}}});
   Enclosure enclosure = te::enclosureOf(f, {te::hot(0.7, 350), te::flux(0.4, 100)});
@@ -120,7 +120,7 @@ TEST(SolveHeat, EqualsTheRadiosityEquation) {
   }
 }
 
-// Whatever errors form factors have: what rows lack returns to them.
+// What rows lack returns to them, whatever errors form factors have.
 TEST(SolveHeat, OneTemperatureMeansNoHeat) {
   const FormFactors f =
       te::formFactors({1, 2, 3}, {{0, 1, {0.4, 0.01}}, {0, 2, {0.7, 0.01}}, {1, 2, {1.3, 0.02}}, {2, 2, {0.5, 0.1}}});
@@ -156,7 +156,7 @@ TEST(SolveHeat, RefusesWhatHasNoAnswer) {
   const FormFactors leaking = te::formFactors({1, 1}, {{0, 1, {0.9, 0}}, {0, kLeak, {0.1, 0}}});
   EXPECT_NE(refusal(leaking, {te::hot(0.5, 300), te::hot(0.5, 300)}).find("5 % of all emitted radiation ends on backs"),
             std::string::npos);
-  // Two pairs of rows that do not see each other: one has no temperature.
+  // Two pairs of rows do not see each other, and one of them has no temperature.
   const FormFactors apart = te::formFactors({1, 1, 1, 1}, {{0, 1, {1, 0}}, {2, 3, {1, 0}}});
   EXPECT_NE(
       refusal(apart, {te::hot(0.5, 300), te::hot(0.5, 300), te::flux(1, 0), te::flux(1, 0)}).find("'row2' has no"),
@@ -240,7 +240,7 @@ TEST(SolveHeat, PlatesWithASmallGap) {
     ts::addFace(plates, "upper", ts::parallelogram({0, 0, gap}, {0, 1, 0}, {1, 0, 0}));
     const HeatSolution found = solveScene(plates, {te::hot(0.8, 400), te::hot(0.5, 300)}, By::surface, 300);
     const double f = unitSquares(gap);
-    // Rows: B_0 = 0.8 E_0 + 0.2 H_0, B_1 = 0.5 E_1 + 0.5 H_1, all less the environment's.
+    // Rows have B_0 = 0.8 E_0 + 0.2 H_0, B_1 = 0.5 E_1 + 0.5 H_1, all less the environment's.
     const double hot = te::power(400) - te::power(300), b1_of_b0 = 0.5 * f, b0 = 0.8 * hot / (1 - 0.2 * f * b1_of_b0);
     const double truth = b0 - f * b1_of_b0 * b0;
     EXPECT_EQ(found.is_open, 1 - f > kGrazingShare);
@@ -269,7 +269,7 @@ TEST(SolveHeat, BlackShields) {
   }
 }
 
-// Two squares past a sheet: closed forms, and the exact engine's areas along random directions.
+// Compares two squares past a sheet with closed forms, and with the exact engine's areas along random directions.
 TEST(SolveHeat, TheExactEngineAgrees) {
   const InputScene input = ts::squaresPastASheet(1);
   const Scene scene = buildScene(input);

@@ -1,4 +1,4 @@
-// Materials: what a file says, which row has which, what is refused; and the file of the answers.
+// Tests what a file of materials says, which row has which, what is refused, and the file of the answers.
 #include <filesystem>
 #include <fstream>
 #include <sstream>

@@ -1,4 +1,4 @@
-// From a scene to heat in one call, with tolerances of the answers.
+// Goes from a scene to heat in one call, with tolerances of the answers.
 #include <gtest/gtest.h>
 
 #include "scenes/named_scenes.h"

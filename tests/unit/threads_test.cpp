@@ -1,4 +1,4 @@
-// Threads: as many as processors allowed, and results that do not depend on them. ThreadSanitizer watches (preset
+// There are as many threads as processors allowed, and results do not depend on them. ThreadSanitizer watches (preset
 // tsan).
 #include <sched.h>
 
@@ -44,14 +44,14 @@ void runOn(const cpu_set_t& set, const std::function<void()>& work) {
   });
 }
 
-// One under `taskset -c 0`.
+// Under `taskset -c 0` there is one.
 TEST(Threads, AreAsManyAsProcessorsAllowed) {
   const cpu_set_t set = allowed();
   EXPECT_EQ(threadCount(), static_cast<size_t>(CPU_COUNT(&set)));
   runOn(firstOf(set), [] { EXPECT_EQ(threadCount(), 1u); });
 }
 
-// All of the machine's, also where fewer are allowed to the test.
+// Returns all processors of the machine, also where fewer are allowed to the test.
 cpu_set_t allOf() {
   cpu_set_t all;
   CPU_ZERO(&all);

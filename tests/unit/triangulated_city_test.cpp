@@ -26,7 +26,7 @@ struct Case {
   uint64_t seed;
 };
 
-// Edges without exactly one opposite edge, which the rim's are in a city without a hole.
+// Returns edges without exactly one opposite edge, which the rim's are in a city without a hole.
 using Edge = std::array<double, 6>;
 std::vector<Edge> findOpenEdges(const InputScene& scene) {
   const auto edgeOf = [](glm::dvec3 a, glm::dvec3 b) { return Edge{a.x, a.y, a.z, b.x, b.y, b.z}; };
@@ -45,7 +45,7 @@ double areaOfFace(const InputFace& face) {
   return glm::length(glm::cross(face.corners[1] - face.corners[0], face.corners[2] - face.corners[0])) / 2;
 }
 
-// Of its shadow on the ground, positive where the face looks up.
+// Returns the area of a face's shadow on the ground, positive where the face looks up.
 double shadowOf(const InputFace& face) {
   return glm::cross(face.corners[1] - face.corners[0], face.corners[2] - face.corners[0]).z / 2;
 }

@@ -80,7 +80,8 @@ TEST(UniformLines, CandidatesBecomeLinesAsOftenAsTheExchangeAreaSays) {
 
 // A blocker above half of the floor cuts off lines; how many is an integral over points.
 double visibilityByQuadrature(double edge, double height) {
-  // Floor and ceiling of the unit cube, a blocker at `height` over x < edge. Midpoints, 60 in each of four coordinates.
+  // Makes floor and ceiling of the unit cube, and a blocker at `height` over x < edge. Midpoints, 60 in each of four
+  // coordinates.
   constexpr int kSteps = 60;
   double seen = 0, all = 0;
   for (int i = 0; i < kSteps; ++i)

@@ -1,4 +1,4 @@
-// View3D as a rival of the bench: its input as written, its output as read.
+// Tests View3D as a rival of the bench: its input as written, its output as read.
 #include "bench/rivals/view3d.h"
 
 #include <filesystem>
@@ -41,7 +41,7 @@ TEST(View3d, SurfacesAreWrittenWithTheirCornersInOrder) {
   }
 }
 
-// Composed after the format: three surfaces, of areas 2, 1 and 4.
+// The file is composed after the format: three surfaces, of areas 2, 1 and 4.
 constexpr const char* kOutput =
     "View3D 4.0.0 0 0 0 3          \n2 1 4\n"
     "0.000000 0.250000 0.5\n0.5 0.000000 1.25e-1\n0.25 0.030 0.000000\n0.900 0.900 0.900\n";

@@ -36,15 +36,15 @@ TEST(VisibilitySums, ByHand) {
   const Measured f = exchangeOf(sums, 0.5, {0, 1, 0, 0, 16});
   EXPECT_DOUBLE_EQ(f.value, 3.2);
   EXPECT_DOUBLE_EQ(f.standard_error, 0.8 * std::hypot(std::sqrt(7.84), 4.2 / (3.2 * 3.2 / 7.84 + 1)));
-  // Never blocked: all of it, but for one line of ten.
+  // A pair that is never blocked has all of it, but for one line of ten.
   const Measured whole = exchangeOf(sums, 0.5, {0, 2, 0, 0, 8});
   EXPECT_EQ(whole.value, 8);
   EXPECT_DOUBLE_EQ(whole.standard_error, 0.8);
-  // No line: what was said beforehand, with one line's error, 2 x 0.5 / 2.
+  // Without a line there is what was said beforehand, with one line's error, 2 x 0.5 / 2.
   const Measured unmet = exchangeOf(sums, 0.5, {1, 2, kVisibilityOne / 4 * 3, 0, 4});
   EXPECT_EQ(unmet.value, 3);
   EXPECT_EQ(unmet.standard_error, 0.5);
-  // Outside the prior: as it was sampled.
+  // Outside the prior a pair is as it was sampled.
   const FormFactors sampled({}, {{0, 1, {5, 2}}, {1, 2, {7, 3}}}, {});
   const FormFactors all = FormFactors(
       sums.ids(),
