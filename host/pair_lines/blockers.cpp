@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <set>
 #include <unordered_map>
 
@@ -65,6 +66,8 @@ class Joiner {
       }
     }
     for (uint32_t k = 0; k < loops_.size(); ++k) enter(k);
+    joined_to_.resize(loops_.size());
+    std::iota(joined_to_.begin(), joined_to_.end(), 0u);
   }
 
   void joinAll() {
@@ -73,6 +76,12 @@ class Joiner {
       for (uint32_t k = 0; k < loops_.size(); ++k)
         while (!loops_[k].empty() && extend(k)) is_changed = true;
     }
+  }
+
+  // Returns the polygon whose outline a polygon has become a part of.
+  uint32_t joinedTo(uint32_t k) const {
+    while (joined_to_[k] != k) k = joined_to_[k];
+    return k;
   }
 
   std::vector<dvec3> cornersOf(uint32_t k) const {
@@ -130,6 +139,7 @@ class Joiner {
         both = tidied(both, normal);
         if (both.empty()) continue;
         leave(k), leave(other);
+        joined_to_[other] = k;
         loops_[k] = std::move(both), loops_[other].clear();
         enter(k);
         return true;
@@ -141,18 +151,27 @@ class Joiner {
   const Scene& scene_;
   std::vector<dvec3> points_;
   std::vector<std::vector<uint32_t>> loops_;  // of polygons; empty where joined to another
+  std::vector<uint32_t> joined_to_;           // of polygons; itself where joined to no other
   std::map<Edge, std::set<uint32_t>> users_;  // of directed edges
 };
 
 }  // namespace
 
-std::vector<Blocker> makeBlockers(const Scene& scene, bool join) {
+std::vector<Blocker> makeBlockers(const Scene& scene, bool join, std::vector<uint32_t>* of_polygon) {
   Joiner joiner(scene);
   if (join) joiner.joinAll();
   std::vector<Blocker> blockers;
-  for (uint32_t k = 0; k < scene.polygons.size(); ++k)
-    if (const std::vector<dvec3> corners = joiner.cornersOf(k); !corners.empty())
-      blockers.push_back(blockerOf(corners, scene, scene.polygons[k], k));
+  std::vector<uint32_t> numbers(scene.polygons.size());
+  for (uint32_t k = 0; k < scene.polygons.size(); ++k) {
+    const std::vector<dvec3> corners = joiner.cornersOf(k);
+    if (corners.empty()) continue;
+    numbers[k] = static_cast<uint32_t>(blockers.size());
+    blockers.push_back(blockerOf(corners, scene, scene.polygons[k], k));
+  }
+  if (of_polygon) {
+    of_polygon->resize(numbers.size());
+    for (uint32_t k = 0; k < numbers.size(); ++k) (*of_polygon)[k] = numbers[joiner.joinedTo(k)];
+  }
   return blockers;
 }
 

@@ -30,9 +30,10 @@ struct Blocker {
 
 // Makes the blockers of a scene.
 //   In: a scene as buildScene makes it; join: whether neighbours become one
-//   Out: blockers with the same union as all polygons, plane by plane and level by level
+//   Out: blockers with the same union as all polygons, plane by plane and level by level; of_polygon: where given, the
+//   blocker of each polygon
 //   Error: a joined outline may leave out corners within 1e-12 of an edge's length from a straight line.
 //   Cost: O(n log n) for most scenes.
-std::vector<Blocker> makeBlockers(const Scene& scene, bool join = true);
+std::vector<Blocker> makeBlockers(const Scene& scene, bool join = true, std::vector<uint32_t>* of_polygon = nullptr);
 
 }  // namespace viewpeel

@@ -9,6 +9,7 @@
 
 #include <glm/glm.hpp>
 
+#include "pair_lines/curtain.h"
 #include "threads.h"
 
 namespace viewpeel {
@@ -20,6 +21,7 @@ constexpr uint32_t kLeafPatches = 16;
 // Patches of a cluster should look the same way: a normal counts so much beside a place, in the size of the scene.
 constexpr double kNormalWeight = 0.3;
 constexpr size_t kTasks = 256;      // that are shared out to threads, at least
+constexpr int kMostCurtains = 4;    // tried for a pair
 constexpr size_t kFewBlockers = 8;  // so few are tested with each pair at once
 
 // Returns whether convex polygons of one plane have more than an edge in common.
@@ -44,6 +46,16 @@ bool covers(const Blocker& blocker, const Patch& patch) {
   return true;
 }
 
+// Returns whether the line from p to q meets a blocker.
+bool isMet(const Blocker& blocker, const dvec3& p, const dvec3& q) {
+  const double from = glm::dot(blocker.normal, p) - blocker.offset, to = glm::dot(blocker.normal, q) - blocker.offset;
+  if (!(from * to < 0)) return false;
+  const dvec3 x = glm::mix(p, q, from / (from - to));
+  for (uint32_t e = 0; e < blocker.corner_count; ++e)
+    if (glm::dot(blocker.edge_normals[e], x) > blocker.edge_offsets[e]) return false;
+  return true;
+}
+
 // Returns a number above 0 where a blocker of the patch's plane lies in front of the patch.
 int stepsInFront(const Blocker& blocker, const Patch& patch) {
   return (patch.along_plane_normal ? blocker.level : -blocker.level) - patch.height;
@@ -52,7 +64,10 @@ int stepsInFront(const Blocker& blocker, const Patch& patch) {
 }  // namespace
 
 PairFinder::PairFinder(const Scene& scene, const Ids& ids, bool with_backs)
-    : patches_(makePatches(scene, ids, with_backs)), blockers_(makeBlockers(scene)), unoccluded_(scene) {
+    : patches_(makePatches(scene, ids, with_backs)), unoccluded_(scene) {
+  std::vector<uint32_t> of_polygon;
+  blockers_ = makeBlockers(scene, true, &of_polygon);
+  mesh_ = std::make_unique<BlockerMesh>(scene, of_polygon, blockers_.size());
   // Large blockers come first, for they hide most: where one hides all, the rest need no test.
   std::vector<double> sizes;
   for (const Blocker& blocker : blockers_) {
@@ -147,7 +162,10 @@ class PairFinder::Search {
  public:
   // Begins a search.    In: least_form_factor: as in find(); pair_count: of all searches together
   Search(const PairFinder& finder, double least_form_factor, std::atomic<size_t>& pair_count)
-      : finder_(finder), least_form_factor_(least_form_factor), pair_count_(pair_count) {}
+      : finder_(finder),
+        least_form_factor_(least_form_factor),
+        pair_count_(pair_count),
+        curtain_(finder.blockers_, *finder.mesh_) {}
 
   // Appends the tasks of the next smaller clusters, or finds the pairs of two leaves.
   void divide(const Task& task, std::vector<Task>& next) {
@@ -283,6 +301,26 @@ class PairFinder::Search {
     return false;
   }
 
+  // Returns whether several blockers that share edges hide two patches from each other.
+  bool isHiddenByCurtain(const Patch& a, const Patch& b, const PatchShaft& shaft) {
+    if (between_.size() < 2 || !shaft.areLinesBlocked(finder_.blockers_, between_, vectors_)) return false;
+    const auto isOutside = [&](const std::array<dvec3, 2>& ends) { return shaft.isOutside(ends); };
+    const auto isApart = [&](const Blocker& blocker) { return areApart(a, blocker) && areApart(b, blocker); };
+    // One line has to cross the curtain; the second serves where the first meets an edge, as it does in tidy scenes.
+    int tries = 0;
+    for (const double to_corner : {0.0, 0.4}) {
+      const dvec3 p = glm::mix(a.middle, a.corners[0], to_corner), q = glm::mix(b.middle, b.corners[1], to_corner);
+      if (glm::dot(a.normal, q) <= a.offset || glm::dot(b.normal, p) <= b.offset) continue;
+      for (const uint32_t first : between_) {
+        if (tries == kMostCurtains) return false;
+        if (!isMet(finder_.blockers_[first], p, q)) continue;
+        if (curtain_.grow(first, isOutside, isApart) && curtain_.isCrossedBy(p, q)) return true;
+        ++tries;
+      }
+    }
+    return false;
+  }
+
   void findPair(uint32_t p, uint32_t q, const BlockerList& from) {
     const Patch &a = finder_.patches_[p], &b = finder_.patches_[q];
     if (!(a.emits && b.receives) && !(a.receives && b.emits)) return;
@@ -308,6 +346,7 @@ class PairFinder::Search {
         last_hider_ = between_.back();
         return;
       }
+      if (isHiddenByCurtain(a, b, shaft)) return;
       for (const uint32_t k : between_) found.between.push_back({k, BlockerPlace::between});
       for (const uint32_t k : finder_.covers_[p]) found.between.push_back({k, BlockerPlace::over_first});
       for (const uint32_t k : finder_.covers_[q]) found.between.push_back({k, BlockerPlace::over_second});
@@ -327,6 +366,7 @@ class PairFinder::Search {
   double least_form_factor_;
   std::atomic<size_t>& pair_count_;
   UnoccludedWork work_;
+  Curtain curtain_;
   std::vector<uint32_t> between_;
   std::deque<BlockerList> lists_;  // by depth
   BlockerList row_;

@@ -11,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include "pair_lines/blocker_mesh.h"
 #include "pair_lines/draw_lines.h"
 #include "pair_lines/shafts.h"
 #include "unoccluded/host_unoccluded.h"
@@ -77,6 +78,7 @@ class PairFinder {
 
   std::vector<Patch> patches_;
   std::vector<Blocker> blockers_;
+  std::unique_ptr<BlockerMesh> mesh_;
   std::vector<std::vector<uint32_t>> covers_;  // of each patch, the blockers of its plane in front of it
   std::vector<bool> is_covered_;               // whether one of these covers all of the patch
   bool has_unordered_ = false;

@@ -123,6 +123,19 @@ void Shaft::keepInside(const BlockerList& from, BlockerList& to, Vectors vectors
   }
 }
 
+bool Shaft::isOutside(const std::array<dvec3, 2>& ends) const {
+  for (int axis = 0; axis < 3; ++axis)
+    if (std::min(ends[0][axis], ends[1][axis]) >= both_.high[axis] - kTouchingShaft ||
+        std::max(ends[0][axis], ends[1][axis]) <= both_.low[axis] + kTouchingShaft)
+      return true;
+  for (int p = 0; p < plane_count_; ++p) {
+    const dvec3 normal(planes_[p].normal[0], planes_[p].normal[1], planes_[p].normal[2]);
+    if (std::min(glm::dot(normal, ends[0]), glm::dot(normal, ends[1])) >= planes_[p].offset - kTouchingShaft)
+      return true;
+  }
+  return false;
+}
+
 Corners::Corners(const Box& a, const Box& b) : count_(8), middles_{0.5 * (a.low + a.high), 0.5 * (b.low + b.high)} {
   for (int k = 0; k < 8; ++k)
     for (int axis = 0; axis < 3; ++axis)
@@ -192,6 +205,37 @@ uint32_t Corners::findHider(const std::vector<Blocker>& blockers, const BlockerL
         }
       });
   return found;
+}
+
+bool areApart(const Patch& patch, const Blocker& blocker) {
+  if (patch.plane == blocker.plane) return false;
+  // A plane of either is between them: the blocker's, the patch's, or one through an edge of the patch.
+  double least = INFINITY, largest = -INFINITY;
+  for (const dvec3& corner : patch.corners) {
+    const double height = glm::dot(blocker.normal, corner) - blocker.offset;
+    least = std::min(least, height), largest = std::max(largest, height);
+  }
+  if ((least >= -kTouchingShaft && largest > kTouchingShaft) || (largest <= kTouchingShaft && least < -kTouchingShaft))
+    return true;
+  const auto isBeyond = [&](const dvec3& normal, double offset) {
+    for (uint32_t c = 0; c < blocker.corner_count; ++c)
+      if (glm::dot(normal, blocker.corners[c]) - offset < -kTouchingShaft) return false;
+    return true;
+  };
+  for (uint32_t e = 0; e < patch.corner_count; ++e)
+    if (isBeyond(patch.edge_normals[e], patch.edge_offsets[e])) return true;
+  return false;
+}
+
+bool areApart(const Box& box, const Blocker& blocker) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (blocker.low[axis] > box.high[axis] + kTouchingShaft || blocker.high[axis] < box.low[axis] - kTouchingShaft)
+      return true;
+  const dvec3 middle = 0.5 * (box.low + box.high), reach = 0.5 * (box.high - box.low);
+  const double at = glm::dot(blocker.normal, middle) - blocker.offset,
+               spread = glm::dot(glm::abs(blocker.normal), reach);
+  return (at - spread >= -kTouchingShaft && at + spread > kTouchingShaft) ||
+         (at + spread <= kTouchingShaft && at - spread < -kTouchingShaft);
 }
 
 PatchShaft::PatchShaft(const Patch& a, const Patch& b) : a_(a), b_(b) {
@@ -314,6 +358,46 @@ bool PatchShaft::isHidden(const std::vector<Blocker>& blockers, const BlockerLis
     }
   }
   return false;
+}
+
+bool PatchShaft::isOutside(const std::array<dvec3, 2>& ends) const {
+  for (int p = 0; p < used_planes_; ++p) {
+    const dvec3 normal(planes_[0][p], planes_[1][p], planes_[2][p]);
+    if (std::min(glm::dot(normal, ends[0]), glm::dot(normal, ends[1])) + planes_[3][p] >= -kTouchingShaft) return true;
+  }
+  return false;
+}
+
+bool PatchShaft::areLinesBlocked(const std::vector<Blocker>& blockers, std::span<const uint32_t> between,
+                                 Vectors vectors) const {
+  // Lines between points near corners: of a and b in turn, four of them crosswise.
+  Doubles p[3], q[3];
+  constexpr double kToMiddle = 0.05;
+  for (int axis = 0; axis < 3; ++axis)
+    for (int k = 0; k < 8; ++k) {
+      const int of_b = k < 4 ? k : (k + 2) % 4;
+      p[axis][k] = glm::mix(a_.corners[k % 4][axis], a_.middle[axis], kToMiddle);
+      q[axis][k] = glm::mix(b_.corners[of_b][axis], b_.middle[axis], kToMiddle);
+    }
+  bool are_blocked = false;
+  runVectorised(
+      vectors, [&]() __attribute__((always_inline)) {
+        // Above 0 where a line is free so far.
+        Doubles is_free = all(1.0);
+        for (const uint32_t index : between) {
+          const Blocker& blocker = blockers[index];
+          const Doubles from = heightsOf(p, blocker), to = heightsOf(q, blocker), t = from / (from - to);
+          const Doubles x = p[0] + t * (q[0] - p[0]), y = p[1] + t * (q[1] - p[1]), z = p[2] + t * (q[2] - p[2]);
+          Doubles beyond = from * to;
+          for (uint32_t e = 0; e < blocker.corner_count; ++e) {
+            const dvec3& m = blocker.edge_normals[e];
+            beyond = greatest(beyond, m.x * x + m.y * y + m.z * z - blocker.edge_offsets[e]);
+          }
+          is_free = beyond < kTouchingShaft ? Doubles{} : is_free;
+        }
+        are_blocked = largestOf(is_free) <= 0;
+      });
+  return are_blocked;
 }
 
 }  // namespace viewpeel

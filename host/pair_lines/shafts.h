@@ -5,6 +5,7 @@
 // blocker that every line between corners passes through hides all of one end from the other. For a line between any
 // two points crosses the blocker's plane at a convex combination of the points where lines between corners do.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -31,6 +32,8 @@ class Shaft {
   // Copies the blockers of `from` that may reach into the shaft, in their order.
   //   Out: to: closed    Cost: O(from).
   void keepInside(const BlockerList& from, BlockerList& to, Vectors vectors) const;
+  // Returns whether a straight edge is outside.
+  bool isOutside(const std::array<glm::dvec3, 2>& ends) const;
 
  private:
   void addPlane(const glm::dvec3& normal, double offset);
@@ -65,6 +68,11 @@ class Corners {
   glm::dvec3 middles_[2];
 };
 
+// Returns whether a patch touches a blocker nowhere but at its own edges, or not at all.
+bool areApart(const Patch& patch, const Blocker& blocker);
+// Returns whether a box touches a blocker nowhere but on its own surface, or not at all.
+bool areApart(const Box& box, const Blocker& blocker);
+
 // A PatchShaft is the shaft of two patches that do not lie in one plane.
 class PatchShaft {
  public:
@@ -78,6 +86,10 @@ class PatchShaft {
   //   Cost: O(from).
   bool isHidden(const std::vector<Blocker>& blockers, const BlockerList& from, std::vector<uint32_t>& between,
                 Vectors vectors);
+  // Returns whether a straight edge is outside, after isHidden().
+  bool isOutside(const std::array<glm::dvec3, 2>& ends) const;
+  // Returns whether each of eight lines meets one of these blockers.
+  bool areLinesBlocked(const std::vector<Blocker>& blockers, std::span<const uint32_t> between, Vectors vectors) const;
 
  private:
   void findPlanes();

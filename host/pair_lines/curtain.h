@@ -1,0 +1,77 @@
+// A Curtain is a surface of blockers that share edges. It hides two convex ends from each other where its rim is out of
+// the way of all lines between them, no end touches it, and one line crosses it an odd number of times.
+//
+// For lines between two convex ends can be moved into each other without a jump, and the number of times that they
+// cross a surface changes by one only where a line meets its rim, or an end meets the surface. So every line crosses it
+// an odd number of times, and at least once. Two walls that meet at a corner, or a wall in pieces, are such surfaces.
+#pragma once
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "pair_lines/blocker_mesh.h"
+#include "pair_lines/blockers.h"
+
+namespace viewpeel {
+
+class Curtain {
+ public:
+  //   In: both are referred to
+  Curtain(const std::vector<Blocker>& blockers, const BlockerMesh& mesh)
+      : blockers_(blockers), mesh_(mesh), is_odd_(mesh.edgeCount()) {}
+
+  // Adds neighbours to a first blocker until the rim is out of the way.
+  //   In: is_outside(ends of an edge): whether no line between the two ends meets the edge; is_apart(blocker): whether
+  //   neither end touches the blocker
+  //   Out: false: the rim stays in the way, or an end touches the curtain, or it has too many blockers
+  //   Cost: O(edges).
+  template <class IsOutside, class IsApart>
+  bool grow(uint32_t first, const IsOutside& is_outside, const IsApart& is_apart);
+
+  // Returns whether the line from p to q crosses the curtain an odd number of times, away from all edges.
+  bool isCrossedBy(const glm::dvec3& p, const glm::dvec3& q) const;
+
+ private:
+  static constexpr size_t kMostBlockers = 32, kMostEdges = 256;
+
+  const std::vector<Blocker>& blockers_;
+  const BlockerMesh& mesh_;
+  std::vector<uint32_t> members_, edges_;
+  std::vector<bool> is_odd_;  // whether an odd number of members have an edge: then it is of the rim
+};
+
+template <class IsOutside, class IsApart>
+bool Curtain::grow(uint32_t first, const IsOutside& is_outside, const IsApart& is_apart) {
+  members_.clear(), edges_.clear();
+  const auto add = [&](uint32_t blocker) {
+    members_.push_back(blocker);
+    for (const uint32_t edge : mesh_.edgesOf(blocker)) {
+      edges_.push_back(edge);
+      is_odd_[edge] = !is_odd_[edge];
+    }
+  };
+  const auto closeRim = [&] {
+    for (size_t k = 0; k < edges_.size(); ++k) {
+      const uint32_t edge = edges_[k];
+      if (!is_odd_[edge] || is_outside(mesh_.endsOf(edge))) continue;
+      bool is_found = false;
+      for (const uint32_t user : mesh_.usersOf(edge)) {
+        if (std::ranges::find(members_, user) != members_.end() || !is_apart(blockers_[user])) continue;
+        add(user);
+        is_found = true;
+        break;
+      }
+      if (!is_found || members_.size() > kMostBlockers || edges_.size() > kMostEdges) return false;
+    }
+    return true;
+  };
+  bool is_closed = is_apart(blockers_[first]);
+  if (is_closed) {
+    add(first);
+    is_closed = closeRim();
+  }
+  for (const uint32_t edge : edges_) is_odd_[edge] = false;
+  return is_closed;
+}
+
+}  // namespace viewpeel
