@@ -11,7 +11,7 @@
 namespace viewpeel::program {
 namespace {
 
-// Everything but the run.
+// Does everything but the run.
 int runPlan(const std::string& scene_file, const Request& request) {
   const Scene scene = loadSceneOf(scene_file, request.scene_options);
   FormFactorRun run(scene, request);

@@ -106,7 +106,7 @@ std::string describeMaterials(const MaterialTable& table, const HeatSolution& so
   return text + "\n";
 }
 
-// Answers and the form factors that they come from.
+// Writes answers and the form factors that they come from.
 //   In: content: its heat is the solution
 void conclude(const SolveCommand& command, const MaterialTable& table, const HeatSolution& solution,
               const OutputContent& content) {

@@ -1,4 +1,4 @@
-// The program under its second name, view3d, in the place of View3D.
+// Runs the program under its second name, view3d, in the place of View3D.
 #pragma once
 
 namespace viewpeel::program {

@@ -1,4 +1,4 @@
-// Named scenes for tests, as a file would give them.
+// Makes named scenes for tests, as a file would give them.
 #pragma once
 #include <algorithm>
 #include <array>

@@ -1,4 +1,5 @@
-// Polygons in plan, of which generated cities are made. Corners run counter-clockwise; lengths in metres.
+// Cuts and measures polygons in plan, of which generated cities are made. Corners run counter-clockwise; lengths in
+// metres.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -26,7 +26,7 @@ bool haveCommon(uvec2 samples, uvec2 others) { return max(samples.x, others.x) <
 
 uint countCommon(uvec2 samples, uvec2 others) { return min(samples.y, others.y) - max(samples.x, others.x); }
 
-// Interval by interval between ends of any spans, as peel orders them.
+// Goes interval by interval between ends of any spans, as peel orders them.
 uint countInOrder(uvec2 samples, uvec2 others, DepthPlane nearer, DepthPlane farther, inout bool cut) {
   uint from = max(samples.x, others.x), to = min(samples.y, others.y), at = 0u, count = 0u;
   [[unroll]] for (uint step = kMostSpans; step > 0u;

@@ -56,8 +56,8 @@ Tile fetchTile(uint place) {
               kSorted && corner.z != 0u);
 }
 
-// The samples from `first` on, one a lane and step. With scanlines, `window` from list_begin to list_end moves on to
-// the spans that reach them.
+// Loads the samples from `first` on, one a lane and step. With scanlines, `window` from list_begin to list_end moves
+// on to the spans that reach them.
 void loadSamples(Tile tile, uint first, uint sample_count, uint resume, uint lane, inout uint list_begin,
                  inout uint list_end, inout bool cut) {
   const uint lanes = gl_WorkGroupSize.x;

@@ -190,7 +190,7 @@ struct BatchStatus {
   Groups meet_groups;   // over meetings, and parts of their farther polygons
   uint meetings;
   uint padding;
-  // Work done, where it is measured.
+  // These count the work done, where it is measured.
   uint64_t rows;
   uint64_t spans;
   uint64_t samples;

@@ -19,7 +19,7 @@ uint placeOfSpan(uint k, uint ups) { return kCountsBlocked && k >= ups ? kMostSp
 uint positionOf(uint end) { return end & (2u * kPositions - 1u); }
 uint begunBefore(uint end) { return end >> kPositionBits + 1u; }
 
-// A span in `window`: its place in `spans` + its end * kMostSpans.
+// Returns a span in `window`: its place in `spans` + its end * kMostSpans.
 uint spanIn(uint entry) { return entry & kMostSpans - 1u; }
 uint endIn(uint entry) { return entry / kMostSpans; }
 

@@ -52,7 +52,7 @@ DepthPlane fetchDepthPlane(uint projected, ivec2 corner) {
   return plane;
 }
 
-// The order of two polygons of one direction along a line, as peel has it.
+// Returns the order of two polygons of one direction along a line, as peel has it.
 bool isBefore(DepthPlane a, uint depth_a, DepthPlane b, uint depth_b) {
   uint key_a = depth_a << kTieBits | a.place_at_tie, key_b = depth_b << kTieBits | b.place_at_tie;
   return key_a < key_b || (key_a == key_b && a.projected < b.projected);

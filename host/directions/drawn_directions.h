@@ -57,8 +57,9 @@ class DirectionRegion {
 
 // Returns the directions along which a line can leave a front of `a` and arrive at a front of `b`, or a region that
 // holds them.
-//   For two convex polygons it is the cone of all q - p, p in a and q in b, each clipped to the front of the other's
-//     plane: the paper's anti-convex hull. One great circle for each edge cuts it out of the wedge of the two planes.
+//   For two convex polygons, each clipped to the front of the other's plane, it is the cone of all q - p with p in a
+//     and q in b: the paper's anti-convex hull. One great circle for each edge cuts it out of the wedge of the two
+//     planes.
 //   For anything else, or two-sided, it is the convex hull of such cones where they fit in a half sphere. Else it is
 //     the wedge of the planes of a and b where each is planar, else a half sphere.
 //   It is empty where no front of one sees a front of the other: F = 0. Polygons of one plane that face and overlap

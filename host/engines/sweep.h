@@ -50,7 +50,7 @@ class Sweep {
     int32_t low, high;  // columns [low, high), in units of 2^-column_bits
     uint32_t surface;
   };
-  // A span that the row has entered.
+  // A Layer is a span that the row has entered.
   struct Layer {
     int64_t depth, whole, rest;  // depth in column X: depth + whole X + (rest X >> column_bits), before the shift
     int32_t depth_min, depth_max, shift, high;

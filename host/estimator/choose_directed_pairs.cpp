@@ -175,7 +175,7 @@ std::vector<Need> findNeeds(const Ids& ids, const Prior& prior, const CommonPilo
   return needs;
 }
 
-// The work of runs in which the first of `needs` have directions of their own.
+// Returns the work of runs in which the first of `needs` have directions of their own.
 class RunWork {
  public:
   RunWork(const PairSampler& sampler, const std::vector<Need>& needs, const Ids& ids, const Prior& prior,
@@ -220,7 +220,7 @@ class RunWork {
   double common_ = 0, directed_ = 0;  // of a direction
 };
 
-// Its share and as many directions as it needs; 0 directions where that is no gain.
+// Returns a pair's share and as many directions as it needs; 0 directions where that is no gain.
 DirectedPair fit(PairSampler& sampler, const Ids& ids, const Need& need, DirectedPair pair,
                  const EstimateOptions& options) {
   pair.directions = kPilotDirections;

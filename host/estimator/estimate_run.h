@@ -1,4 +1,4 @@
-// An EstimateRun is estimate mode in steps: it counts one replicate at a time, until the goal.
+// An EstimateRun computes an estimate in steps: it counts one replicate at a time, until the goal.
 #pragma once
 #include <optional>
 #include <vector>

@@ -14,7 +14,7 @@ constexpr double kDefaultTolerance = 1e-3;
 constexpr double kMostReplicates = 128;
 constexpr double kMostPoints = 8192.0 * 8192, kMostScanlines = 4 * 8192;  // of a direction
 constexpr int kMostTrials = 4;
-// A pilot confirms a predicted variance whose standard error is beyond this multiple of it.
+// Another pilot confirms a predicted variance whose standard error is beyond this multiple of the variance.
 constexpr double kMostDoubt = 4;
 
 }  // namespace

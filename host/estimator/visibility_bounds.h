@@ -16,8 +16,8 @@
 
 namespace viewpeel {
 
-// Returns (M l / 3 + sqrt((M l / 3)^2 + 2 N v l)) / N, l = ln(2 / p): Bernstein's inequality for a bound v on the
-// variance that holds before the run.
+// Returns Bernstein's bound for a bound v on the variance that holds before the run, with l = ln(2 / p).
+//   bound = (M l / 3 + sqrt((M l / 3)^2 + 2 N v l)) / N
 double givenVarianceBound(double variance, double range, double directions, double p);
 
 class VisibilityBounds {

@@ -45,7 +45,7 @@ bool closeRows(View3dMatrix& matrix, const std::vector<double>& sums);
 //   Throws: Error limit beyond 20,000 rows.    Cost: O(n^3) work, O(n^2) memory.
 void includeReflections(View3dMatrix& matrix);
 
-// The header of 30 characters, without the end of line.
+// The header has 30 characters without the end of line.
 struct View3dHeader {
   uint32_t layout = 0;
   bool is_closed = false, has_emissivities = false;

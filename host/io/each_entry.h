@@ -1,4 +1,4 @@
-// Writers go through form factors row by row.
+// Calls a function for each nonzero form factor, row by row, for writers of files.
 #pragma once
 #include <cstdint>
 #include <vector>

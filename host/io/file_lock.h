@@ -4,7 +4,8 @@
 
 namespace viewpeel {
 
-// A lock on a file as it is now: one process has it, until it ends or lets go. A file put in its place is another file.
+// A FileLock locks a file as it is now: one process has it, until it ends or lets go. A file put in its place is
+// another file.
 class FileLock {
  public:
   FileLock() = default;

@@ -15,7 +15,7 @@ constexpr uint32_t kAllOnes = 0xFFFFFFFFu;  // a size or place that stands in th
 constexpr uint16_t kZip64Version = 45, kExtraZip64 = 1;
 constexpr uint16_t kFirstOfJanuary1980 = 0x21;  // the first day that zip knows; files have no time
 
-// Bytes of a record, little-endian.
+// Collects bytes of a record, little-endian.
 class Record {
  public:
   template <class T>

@@ -16,7 +16,7 @@ constexpr const char* kRemedy = "take a .h5 that viewpeel wrote, or write it ane
 struct NamedColumn {
   const char *name, *unit;
 };
-// Columns of rows, where the file has them.
+// Rows have these columns, where the file has them.
 constexpr NamedColumn kColumns[] = {{"environment", "1"},
                                     {"environment_standard_error", "1"},
                                     {"environment_lower", "1"},

@@ -15,7 +15,7 @@
 namespace viewpeel {
 namespace {
 
-// In the order in which they are named to users.
+// Formats stand in the order in which users are told of them.
 enum class Format { csv, mtx, npz, h5, vtp, vwf, html };
 constexpr std::array<std::pair<const char*, Format>, 7> kExtensions = {{{".csv", Format::csv},
                                                                         {".mtx", Format::mtx},

@@ -33,7 +33,7 @@ void addMatrix(Hdf5Output& out, const std::string& group, const SparseRows& rows
   out.setAttribute(group, "shape", std::vector<int64_t>(2, rows.rowCount()));
 }
 
-// The pairs under the names that xarray's users see. They are the columns of the groups, and take no room.
+// Links the pairs to the names that xarray's users see. They are the columns of the groups, and take no room.
 void addPairs(Hdf5Output& out, const SparseRows& rows, bool with_balance) {
   std::vector<int64_t> places;
   std::vector<int32_t> from;

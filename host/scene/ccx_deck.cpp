@@ -95,7 +95,7 @@ class DeckReader {
     if (keyword_ == "*RADIATE" && parameters_["OP"] == "NEW") radiating_.clear();
   }
 
-  // The name as it is written: letters are not made capital.
+  // Returns the name as it is written: letters are not made capital.
   std::filesystem::path includedFile(std::string_view line, const std::filesystem::path& file) const {
     const size_t equals = line.find('=');
     if (equals == std::string_view::npos) place_.refuse("*INCLUDE has no INPUT=; complete it");

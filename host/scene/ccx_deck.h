@@ -9,7 +9,7 @@
 
 namespace viewpeel {
 
-// A face that exchanges radiation: a label R<face>CR of *RADIATE.
+// A label R<face>CR of *RADIATE makes a face exchange radiation.
 struct CcxFace {
   uint64_t element = 0;
   uint32_t face = 0;                // from 1

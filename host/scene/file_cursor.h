@@ -1,4 +1,4 @@
-// A place in a file that is text in one part and binary in another.
+// A FileCursor is a place in a file that is text in one part and binary in another.
 #pragma once
 #include <algorithm>
 #include <bit>

@@ -11,7 +11,7 @@
 
 namespace viewpeel {
 
-// Contact up to this depth, in unit-ball units, is touching. Far above the rounding of corners (1e-16) and far below
+// Contact up to this depth, in unit-ball units, is touching. It is far above the rounding of corners (1e-16), far below
 // anything a model means.
 constexpr double kTouchingDepth = 1e-9;
 

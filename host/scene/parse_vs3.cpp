@@ -88,7 +88,7 @@ class Words {
   bool is_inside_line_ = false;
 };
 
-// A warning for all places where the same is wrong.
+// Gives one warning for all places where the same is wrong.
 struct Counted {
   uint64_t count = 0;
   uint32_t first_line = 0;

@@ -24,7 +24,7 @@ const std::array<FaceType, 5> kFaceTypes = {{{2, {0, 1, 2}},
 // Elements of types 1 to 31 have so many nodes; 0 where a type is not known.
 constexpr uint32_t kNodeCounts[] = {0, 2,  3,  4,  4, 8,  6,  5,  3,  6,  9, 10, 27, 18, 14, 1,
                                     8, 20, 15, 13, 9, 10, 12, 15, 15, 21, 4, 5,  6,  20, 35, 56};
-// Higher orders of triangles: more than their mid nodes.
+// Triangles of higher orders have more than their mid nodes.
 constexpr std::array kCurvedTypes = {20, 21, 22, 23, 24, 25};
 
 class MshReader {

@@ -21,7 +21,7 @@ class Sight {
   // Keeps a reference to the scene.    Cost: O(n log n).
   explicit Sight(const Scene& scene);
 
-  // The same rays in every run.
+  // Every run casts the same rays.
   uint64_t next() { return random_(); }
   double uniform() { return double(random_() >> 11) * 0x1p-53; }
   // Draws a point uniformly over the polygon.
@@ -43,7 +43,7 @@ class Sight {
   std::mt19937_64 random_{1};
 };
 
-// A number from 0 to the last sum, to the entry whose share of the sums it falls into.
+// Returns the entry into whose share of the sums a number falls, from 0 to the last sum.
 //   In: sums: of entries 0 to k, ascending
 uint32_t pickBySums(const std::vector<double>& sums, double at);
 

@@ -35,7 +35,7 @@ bool isPlanar(const std::vector<glm::dvec3>& corners, const glm::dvec3& normal) 
 // Rounding of a turn: its terms are products of two lengths that carry a few units in the last place of the unit ball.
 double turnSlack(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) { return 4e-16 * (glm::length(b - a) + glm::length(c - b)); }
 
-// Left turns only, once around.
+// Returns whether there are left turns only, once around.
 bool isConvex(const Flat& flat, const std::vector<uint32_t>& loop) {
   double turned_rad = 0;
   for (size_t k = 0; k < loop.size(); ++k) {

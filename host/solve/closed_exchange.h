@@ -1,4 +1,4 @@
-// Exchange areas whose rows add up to the rows' areas: docs/solve.md, eq. (3).
+// Makes exchange areas whose rows add up to the rows' areas: docs/solve.md, eq. (3).
 #pragma once
 #include <vector>
 

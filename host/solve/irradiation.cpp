@@ -28,7 +28,7 @@ VectorXd Irradiation::solveSymmetric(const VectorXd& right_side) const {
   VectorXd h = VectorXd::Zero(right_side.size()), residual = right_side;
   if (!(right_side.norm() > 0)) return h;
   const VectorXd diagonal = symmetric_.diagonal();
-  // The sum of the sizes of all terms, in which rounding is kResidual at most. Entries off the diagonal are below 0.
+  // Rounding is kResidual at most of the sum of the sizes of all terms. Entries off the diagonal are below 0.
   const auto sizeOfTerms = [&] {
     const VectorXd sizes = h.cwiseAbs();
     return (right_side.cwiseAbs() + 2 * diagonal.cwiseProduct(sizes) - symmetric_ * sizes).norm();

@@ -125,7 +125,7 @@ class Solver {
   }
 
  private:
-  // The emissive power of a row less the shift.
+  // Returns the emissive power of a row less the shift.
   double powerOf(uint32_t i) const {
     const Material& material = enclosure_.materials[i];
     return material.temperature ? emissivePower(*material.temperature) - shift_
@@ -135,7 +135,7 @@ class Solver {
     const Material& material = enclosure_.materials[i];
     return material.temperature ? material.emissivity * (powerOf(i) - h_[i]) : *material.heat_flux;
   }
-  // The change of the heat flux with the irradiation.
+  // Returns the change of the heat flux with the irradiation.
   double fluxSlope(uint32_t i) const {
     return enclosure_.materials[i].temperature ? -enclosure_.materials[i].emissivity : 0.0;
   }

@@ -65,7 +65,7 @@ std::vector<ControlVariate> mergeIds(const std::vector<ControlVariate>& controls
 struct PriorExchange {
   uint32_t i, j;
   double area;  // input units squared: b times the exchange area
-  // The exchange area itself, which the visible part cannot exceed. It is infinite where some of it is unknown.
+  // The visible part cannot exceed the exchange area itself. It is infinite where some of it is unknown.
   double most;
   uint64_t line = 1;  // as in ControlVariate
 };

@@ -1,4 +1,4 @@
-// Gauss-Legendre rules have their nodes and weights from here.
+// Computes nodes and weights of Gauss-Legendre rules.
 #pragma once
 #include <vector>
 

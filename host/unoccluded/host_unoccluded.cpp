@@ -138,7 +138,7 @@ struct HostUnoccluded::Sides {
   Depths depths_a, depths_b;
   double rounding_a, rounding_b;
 
-  // In one plane and face to face, as touching solids are.
+  // Returns whether sides lie in one plane and face to face, as touching solids do.
   bool areTouching() const { return (plane_a ^ plane_b) == 1 && tie_rank_a + tie_rank_b < kLastTieRank; }
 };
 

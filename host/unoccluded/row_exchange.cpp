@@ -78,7 +78,7 @@ RowExchange::RowExchange(const Scene& scene, const Ids& ids)
       weights_[p].push_back(static_cast<float>(s.density + s.density_u * u + s.density_v * v));
     }
   }
-  // Vectors read beyond the last polygon.
+  // Vector instructions read beyond the last polygon.
   const size_t padded = id_.size() + kLanes;
   plane_.resize(padded);
   for (std::vector<float>* column : {&radius_, &reach_, &skew_, &area_}) column->resize(padded);

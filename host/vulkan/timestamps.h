@@ -6,7 +6,7 @@
 
 namespace viewpeel {
 
-// Timestamps are times between marks in a command buffer.
+// Timestamps measure the device's time between marks in a command buffer.
 class Timestamps {
  public:
   Timestamps() = default;
@@ -15,7 +15,7 @@ class Timestamps {
   Timestamps(Timestamps&& other) noexcept;
   Timestamps& operator=(Timestamps&& other) noexcept;
 
-  // Forgets all marks; before the first.
+  // Forgets all marks. It is called before the first mark.
   void reset(VkCommandBuffer commands);
   void mark(VkCommandBuffer commands);
   // Returns the seconds between consecutive marks; the commands must have finished.

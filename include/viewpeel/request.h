@@ -37,8 +37,8 @@ struct Seconds {
 // A guarantee holds for one of two statistics.
 enum class Statistic {
   mean,  // the mean of blocks of directions
-  // The median of Q runs of M^2 / epsilon^2 directions (Pellegrini 1997, section 5.3). Each errs by more than epsilon
-  // with probability 1/4 at most, by Chebyshev.
+  // The median is over Q runs of M^2 / epsilon^2 directions (Pellegrini 1997, section 5.3). Each errs by more than
+  // epsilon with probability 1/4 at most, by Chebyshev.
   median,
 };
 

@@ -49,9 +49,9 @@ struct OutputContent {
   std::vector<std::pair<std::string, std::string>> parameters{};
   // Each is a surface or face, whose form factors to all polygons are an array of .vtp: "from NAME".
   std::vector<std::string> shown{};
-  // Of solveHeat with these form factors: columns of .h5 and quantities of .html.
+  // The result of solveHeat with these form factors gives columns of .h5 and quantities of .html.
   const HeatSolution* heat = nullptr;
-  // A .vwf names the version of CalculiX that reads it, which compares; "none" for versions that do not.
+  // A .vwf names the version of CalculiX that may read it; others refuse it. Versions that do not compare take "none".
   std::string ccx_version = "2.20";
   const char* balanced_column = kBalancedColumn;  // of .csv
 };

@@ -1,4 +1,4 @@
-// Doubles with a bound on their rounding error: the filter in front of the exact arithmetic.
+// Balls are doubles with a bound on their rounding error: the filter in front of the exact arithmetic.
 #pragma once
 #include <cmath>
 

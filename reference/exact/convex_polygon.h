@@ -25,7 +25,7 @@ struct UnitFrame {
   long double rounding = 0;  // bound on a coordinate's rounding in the input, in the new unit
 };
 
-// x -> (x - centre) / scale for all corners.
+// Maps all corners x to (x - centre) / scale.
 //   In: polygons of 3 or more corners each, convex and planar to rounding, any units.
 //   Out: the same polygons within the unit ball, and by how much the input's doubles may be rounded there.
 //   Error: 2 ulp of long double.

@@ -143,7 +143,7 @@ class RowCheck {
 
   void test(const std::string& name, const Sums& sums, double expectation, double slack) {
     const double difference = sums.mean(n_) - expectation, error = std::sqrt(sums.variance(n_) / n_);
-    // Rounding of the sums, so that a region that every lattice counts alike is compared and not divided by zero.
+    // Rounding of the sums is the least error, so that a region that every lattice counts alike is not divided by zero.
     const double rounding = 1e-13 * (std::abs(expectation) + h_ * h_);
     const double deviation = std::max(0.0, std::abs(difference) - slack) / std::max(error, rounding);
     if (deviation <= row_.largest_deviation) return;

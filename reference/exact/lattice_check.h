@@ -31,7 +31,7 @@ struct CheckOptions {
       1e-4;  // that a right discretisation fails the test of unbiasedness, over all regions and resolutions together
 };
 
-// The counts of one random lattice, at a resolution.
+// Returns the counts of one random lattice, at a resolution.
 using CountLattice = std::function<PairCounts(const Direction&, int resolution)>;
 
 struct CheckRow {

@@ -63,7 +63,7 @@ void main() {
   dvec3 direction = q.along / length_q, from = p.start - q.start;
   double sum = 0.0LF, greatest = 0.0LF, low = 0.0LF;
   do {
-    // The next end that leaves a piece of some length.
+    // Returns the next end that leaves a piece of some length.
     double high = 1.0LF;
     [[unroll]] for (uint k = kMostPieces; k > 0u; --k) if (cuts[k] > low) high = cuts[k];
     double part = 0.0LF;

@@ -95,7 +95,7 @@ uint append(Work work) {
 double leastOf(dvec4 v) { return min(min(v.x, v.y), min(v.z, v.w)); }
 double greatestOf(dvec4 v) { return max(max(v.x, v.y), max(v.z, v.w)); }
 
-// In one plane and face to face, as touching solids are.
+// Returns whether sides lie in one plane and face to face, as touching solids do.
 bool areTouching(Sides sides) {
   return (sides.a.plane ^ sides.b.plane) == 1u && sides.a.tie_rank + sides.b.tie_rank < kLastTieRank;
 }

@@ -40,7 +40,7 @@ struct FarBound {
 
 const float kFarError = 9e-7f;  // bound on a product rule's relative error; the rest up to 1e-6 is for rounding
 
-// A list that a kernel appends to and the next one works off, one invocation an entry.
+// A kernel appends to this list, and the next one works it off, one invocation an entry.
 const uint kUnoccludedGroupSize = 64u;
 
 struct WorkList {

@@ -15,7 +15,7 @@ namespace {
 
 namespace ts = test_scenes;
 
-// Returns area and perimeter of the first polygon, in unit-ball units.
+// Returns area, perimeter and diameter of the first polygon, in unit-ball units.
 ConvexSize sizeOf(const Scene& scene) {
   const Polygon& polygon = scene.polygons[0];
   ConvexSize size;
