@@ -10,7 +10,7 @@ namespace viewpeel {
 // Draws the directions of one replicate, each with a lattice offset uniform in [0, 1)^2 and a lattice rotation uniform
 // about u.
 //   In: count > 0; seed, replicate: any    Out: count directions, a function of the arguments only
-//   Error: axes orthonormal to 1e-15; uniformity tested in tests/device/directions_test.cpp.
+//   Error: axes orthonormal to 1e-15; uniformity tested in tests/unit/directions_test.cpp.
 //   Cost: O(count).
 std::vector<Direction> sampleDirections(Sampler sampler, uint32_t count, uint64_t seed, uint64_t replicate);
 

@@ -16,7 +16,7 @@ ConvexSize sizeOf(const Scene& scene, const Polygon& polygon);
 
 // Returns a bound on 2 x h^2 x (lattice points of a projection of x), whatever the direction and the lattice's offset
 // and rotation: docs/method.md, eq. (27).
-//   Out: 2 A + p h + 2 h^2    Error: none.  Tests: tests/device/bounds_test.cpp.  Throws: nothing.  Cost: O(1).
+//   Out: 2 A + p h + 2 h^2    Error: none.  Tests: tests/unit/bounds_test.cpp.  Throws: nothing.  Cost: O(1).
 //   Source: M. Nosarzewska, Evaluation de la difference entre l'aire d'une region plane convexe et le nombre des points
 //     aux coordonnees entieres couverts par elle, Colloq. Math. 1, 1948.
 double latticeRange(const ConvexSize& x, double h);

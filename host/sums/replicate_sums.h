@@ -56,7 +56,7 @@ class ReplicateSums {
   //   count_area: of one count along its direction, measure_area x directions per replicate where directions are over
   //     the whole sphere; infinite where it is unknown
   //   Error: none but rounding: counts and their squares are summed in 128-bit integers. Standard errors:
-  //     docs/method.md, eq. (12); tests/device/form_factors_test.cpp.
+  //     docs/method.md, eq. (12); tests/unit/form_factors_test.cpp.
   FormFactors formFactors(double measure_area, double count_area = INFINITY) const;
   // Finds the exchange area of one pair, whose counts were summed elsewhere.
   Measured exchangeArea(const PairSum& pair, double measure_area, double count_area) const;

@@ -41,7 +41,7 @@ struct BalancedFormFactors {
 //   Out: see BalancedFormFactors; x_ij is one number, so A_i F_ij = A_j F_ji holds as before.
 //   Error: row sums differ from 1 by at most kBalanceTolerance. In the norm of eq. (33) x is no farther from the true
 //     exchange areas than c is, if lines hit every pair that sees each other. It is the nearest point of a convex set
-//     that holds them. Tests: tests/device/balance_test.cpp.
+//     that holds them. Tests: tests/unit/balance_test.cpp.
 //   Throws: Error bad_usage for a question without all rows; bad_input where more than kGrazingShare of all lines leave
 //     the scene or end on backs; bad_input where a row has no pair, or no x exists (a set of rows is larger in area
 //     than all its partners): more directions or a finer lattice; limit where Newton's method does not end.

@@ -24,7 +24,7 @@ constexpr const char* kOlderBalancedColumn = "closed_form_factor";
 //   In: form_factors: n rows; balanced: BalancedFormFactors::form_factors of the same, for a further column of the name
 //     balanced_column; nullptr: no such column
 //   Out: 1 + (1 to 2) x nonzeros lines; form factors and standard errors without unit
-//   Error: none: numbers read back to the same bits. Tests: tests/device/output_test.cpp.
+//   Error: none: numbers read back to the same bits. Tests: tests/unit/output_test.cpp.
 //   Throws: nothing; a failure is out's state.
 //   Cost: O(nonzeros).
 void writeCsv(const FormFactors& form_factors, std::ostream& out, const FormFactors* balanced = nullptr,
@@ -61,7 +61,7 @@ struct OutputContent {
 //   With balanced form factors .csv has a column more, and .h5 a group more. NAME.balanced.mtx and NAME.balanced.npz
 //     beside NAME.mtx and NAME.npz have them; .vwf has nothing else, and .vtp leaves them out.
 //   In: content: n rows; file: its folder exists    Out: the files of filesOf
-//   Error: none: numbers are the same doubles. Tests: tests/device/output_test.cpp, tests/files/output_files_test.cpp,
+//   Error: none: numbers are the same doubles. Tests: tests/unit/output_test.cpp, tests/files/output_files_test.cpp,
 //     tests/files/calculix_test.cpp, tests/program/fault_test.cpp.
 //   Throws: Error bad_usage for an unknown extension, .vtp without a scene, .html where the page was not built
 //     (VIEWPEEL_BUILD_REPORT), an unknown name among those shown; Error limit for a .h5 that memory cannot
