@@ -47,7 +47,7 @@ bool covers(const Blocker& blocker, const Patch& patch) {
 }
 
 // Returns whether the line from p to q meets a blocker.
-bool isMet(const Blocker& blocker, const dvec3& p, const dvec3& q) {
+bool isOnLine(const Blocker& blocker, const dvec3& p, const dvec3& q) {
   const double from = glm::dot(blocker.normal, p) - blocker.offset, to = glm::dot(blocker.normal, q) - blocker.offset;
   if (!(from * to < 0)) return false;
   const dvec3 x = glm::mix(p, q, from / (from - to));
@@ -313,7 +313,7 @@ class PairFinder::Search {
       if (glm::dot(a.normal, q) <= a.offset || glm::dot(b.normal, p) <= b.offset) continue;
       for (const uint32_t first : between_) {
         if (tries == kMostCurtains) return false;
-        if (!isMet(finder_.blockers_[first], p, q)) continue;
+        if (!isOnLine(finder_.blockers_[first], p, q)) continue;
         if (curtain_.grow(first, isOutside, isApart) && curtain_.isCrossedBy(p, q)) return true;
         ++tries;
       }

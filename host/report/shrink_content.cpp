@@ -44,7 +44,7 @@ class SurfaceRow {
       const int32_t surface = surface_of_row[content.to[k]];
       if (surface < 0) continue;
       Sums& sums = of_surface_[surface];
-      if (!std::exchange(sums.is_met, true)) met_.push_back(surface);
+      if (!std::exchange(sums.is_listed, true)) listed_.push_back(surface);
       sums.form_factor += share * content.form_factors[k];
       sums.standard_error += share * content.standard_errors[k];
       if (!content.hasIntervals()) continue;
@@ -55,26 +55,26 @@ class SurfaceRow {
 
   // Appends the row to a content and begins another.
   void appendTo(ReportContent& content, bool has_intervals) {
-    std::ranges::sort(met_);
-    for (int32_t surface : met_) {
+    std::ranges::sort(listed_);
+    for (int32_t surface : listed_) {
       const Sums sums = std::exchange(of_surface_[surface], Sums{});
       content.to.push_back(surface);
       content.form_factors.push_back(sums.form_factor);
       content.standard_errors.push_back(sums.standard_error);
       if (has_intervals) content.lower.push_back(sums.lower), content.upper.push_back(sums.upper);
     }
-    met_.clear();
+    listed_.clear();
     content.starts.push_back(static_cast<int64_t>(content.to.size()));
   }
 
  private:
   struct Sums {
     double form_factor = 0, standard_error = 0, lower = 0, upper = 0;
-    bool is_met = false;
+    bool is_listed = false;
   };
 
   std::vector<Sums> of_surface_;
-  std::vector<int32_t> met_;
+  std::vector<int32_t> listed_;
 };
 
 }  // namespace

@@ -135,8 +135,8 @@ void Setup::settlePairLines() {
 
 // The processor's threads draw lines sooner than a software device does, which draws them only where it is asked for.
 const Device* Setup::lineDevice() const {
-  const bool is_asked = request_.engine == EngineKind::compute;
-  return engine_ == EngineKind::compute && (is_asked || device_->description().kind != "cpu") ? device() : nullptr;
+  const bool is_requested = request_.engine == EngineKind::compute;
+  return engine_ == EngineKind::compute && (is_requested || device_->description().kind != "cpu") ? device() : nullptr;
 }
 
 void Setup::leaveOutPairLines() {

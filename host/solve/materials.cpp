@@ -165,8 +165,8 @@ MaterialTable readMaterials(const std::filesystem::path& file) {
       readEnvironment(ordered, place, table);
       continue;
     }
-    if (const auto [known, is_new] = lines.try_emplace(name, place.line); !is_new)
-      place.refuse(fmt::format("'{}' has a material on line {} already; remove one", printable(name), known->second));
+    if (const auto [earlier, is_new] = lines.try_emplace(name, place.line); !is_new)
+      place.refuse(fmt::format("'{}' has a material on line {} already; remove one", printable(name), earlier->second));
     table.lines.push_back({name, readMaterial(ordered, place), place.line});
   }
   if (in.bad()) place.refuse("cannot be read to its end");

@@ -167,7 +167,7 @@ TEST(DrawLines, ShadersHaveOnlyOperationsThatAllDevicesRoundAlike) {
 
 // --- all lines of a run ---------------------------------------------------------------------------------------------
 
-TEST(PairLines, CountsOnTheDeviceAreThoseOfTheProcessor) {
+TEST(PairLines, CountsOnDeviceAndProcessorAreTheSame) {
   const Scene scene = loadScene(VIEWPEEL_SCENES "/street.obj");
   const Ids ids = makeIds(scene, By::polygon, false);
   PairLines host(scene, ids, true, 5, 2), device(scene, ids, true, 5, 2, {}, &testDevice());

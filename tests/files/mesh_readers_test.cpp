@@ -168,7 +168,7 @@ TEST_F(Meshes, VtkWritesThemInEveryEncoding) {
 }
 
 // What is written with results is read again as the scene that it was.
-TEST_F(Meshes, OurOwnVtpIsAScene) {
+TEST_F(Meshes, AVtpOfResultsIsAScene) {
   const fs::path file = write("two.obj", "o a\nv 0 0 0\nv 3 0 0\nv 3 2 0\nv 0 2 0\nf 1 2 3 4\no b\nf 4 3 2\n");
   const std::string command = fmt::format("'{}' compute '{}' --quiet --directions 8 -o '{}'", VIEWPEEL_PROGRAM,
                                           file.string(), (folder_ / "two.vtp").string());

@@ -183,12 +183,12 @@ TEST_F(OutputFiles, VtpNeedsTheSceneOfItsFormFactors) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 0);
 }
 
-// Rows that were not asked for have no entries, but keep their places.
-TEST_F(OutputFiles, RowsThatWereNotAskedForStayEmpty) {
+// Rows that were not requested have no entries, but keep their places.
+TEST_F(OutputFiles, RowsThatWereNotRequestedStayEmpty) {
   Ids ids = ids_;
   restrictToQuestion({.from = {"wall"}, .pair = {}, .blockers = {}}, scene_, ids);
-  const FormFactors asked(ids, form_factors_.entries(), form_factors_.rowSums());
-  writeFormFactors(OutputContent{asked, nullptr, &scene_}, folder_ / "office.h5");
+  const FormFactors partial(ids, form_factors_.entries(), form_factors_.rowSums());
+  writeFormFactors(OutputContent{partial, nullptr, &scene_}, folder_ / "office.h5");
   check("h5py and SciPy",
         "truth[:4] = 0\n"
         "assert (F.toarray() == truth).all()\n"

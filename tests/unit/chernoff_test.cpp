@@ -44,9 +44,9 @@ TEST(Chernoff, ABoundThatIsATenthTooSmallFails) {
 }
 
 TEST(Chernoff, LinesThatAreOpenWidenTheBounds) {
-  const MeanBounds known = chernoffBounds(0.3, 0.3, 100, 5), open = chernoffBounds(0.25, 0.35, 100, 5);
-  EXPECT_LT(open.lower, known.lower);
-  EXPECT_GT(open.upper, known.upper);
+  const MeanBounds narrow = chernoffBounds(0.3, 0.3, 100, 5), wide = chernoffBounds(0.25, 0.35, 100, 5);
+  EXPECT_LT(wide.lower, narrow.lower);
+  EXPECT_GT(wide.upper, narrow.upper);
   EXPECT_DOUBLE_EQ(chernoffBounds(0, 1, 100, 5).lower, 0);
   EXPECT_DOUBLE_EQ(chernoffBounds(0, 1, 100, 5).upper, 1);
 }

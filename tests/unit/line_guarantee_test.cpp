@@ -156,7 +156,7 @@ TEST(LineGuarantee, GeometryAloneProvesWhatNothingBlocks) {
 
 // A box in a room of which one wall is open: environment from the whole row's lines, narrower than the sum of its
 // entries' intervals; with rows within epsilon.
-TEST(LineGuarantee, TheEnvironmentHasABoundOfItsOwn) {
+TEST(LineGuarantee, TheEnvironmentHasASeparateBound) {
   InputScene input = ts::roomWithTouchingBoxes();
   std::erase_if(input.faces, [&](const auto& face) { return &face == &input.faces.front(); });
   const Scene scene = buildScene(input);

@@ -25,7 +25,7 @@ class ProcessorQuota : public testing::Test {
   fs::path groups_ = fs::temp_directory_path() / ("viewpeel_quota_test_" + std::to_string(::getpid()));
 };
 
-TEST_F(ProcessorQuota, IsTheLeastOfAGroupAndThoseAboveIt) {
+TEST_F(ProcessorQuota, IsTheLeastOfAGroupAndItsParents) {
   EXPECT_EQ(processorQuota(groups_, "0::/job/step\n"), INFINITY);
   write("job/step/cpu.max", "max 100000\n");
   EXPECT_EQ(processorQuota(groups_, "0::/job/step\n"), INFINITY);

@@ -98,7 +98,7 @@ TEST(SolveBounds, HoldForEveryMatrixWithinTheIntervals) {
 }
 
 // Intervals as wide as form factors give no bound, and none is claimed.
-TEST(SolveBounds, AreInfiniteWhereNothingIsKnown) {
+TEST(SolveBounds, AreInfiniteWhereIntervalsAreWide) {
   std::vector<Entry> entries{{0, 1, {1, 0}}, {1, 1, {0.5, 0}}};
   const FormFactors plain = te::formFactors({1, 1.5}, entries);
   const FormFactors wide(plain.ids(), plain.entries(), plain.rowSums(), {{0, 2}, {0, 1.5}});

@@ -101,7 +101,7 @@ double visibilityByQuadrature(double edge, double height) {
   return seen / all;
 }
 
-TEST(UniformLines, VisibilitiesAreThoseOfQuadrature) {
+TEST(UniformLines, VisibilitiesAgreeWithQuadrature) {
   for (const double edge : {0.2, 0.5, 0.8}) {
     const Pair pair({kFloor, kCeiling, rectangle({-2, -5, 0.3}, {edge + 2, 0, 0}, {0, 11, 0})});
     const UniformLineCount count = pair.lines(pair.between(0, 1)).draw(11, 10'000'000, widestVectors());
