@@ -1,8 +1,8 @@
 // What error does each method have after what time? All form factors of a scene by viewpeel and by what users would
 // pick instead, in one run on one machine. CSV on stdout.
 //   error_time [--scene NAME]... [--method NAME]... [--full] [--seconds S] [--reference-seconds S]
-//   [--reference-method M [--reference-amount A]] [--rounds K] [--view3d PROGRAM] [--view3d-most N] [--cache DIR]
-//   [--device D]
+//   [--reference-method M [--reference-amount A]] [--rounds K] [--repeats K] [--view3d PROGRAM] [--view3d-most N]
+//   [--cache DIR] [--device D]
 // Methods (methods.cpp): planned (the program's default), planned_directions (without pair lines) and fixed (without a
 // plan), all three with all that a start takes; fibonacci, jittered, iid and the same with unoccluded form factors,
 // scanline, host and host_unoccluded (scanlines on the processor), graphics, exact; rays_random and rays_sobol,
@@ -37,7 +37,7 @@
 namespace viewpeel::bench {
 namespace {
 
-constexpr uint64_t kMostRepeats = 8;  // of a run within a round
+constexpr uint64_t kMostRepeats = 8;
 constexpr double kHopeless =
     20;  // times --seconds: from a run on that took longer, a method's finer lattices are left out
 
@@ -47,6 +47,7 @@ struct Options {
   double seconds = 0.5, reference_seconds = 20;
   std::optional<double> reference_amount;
   uint32_t rounds = 1;
+  uint64_t repeats = kMostRepeats;  // of a short run within a round
   std::string cache = "build/references";
   MethodOptions method;
   DeviceOptions device;
@@ -124,7 +125,7 @@ double climb(const Ladder& ladder, const std::string& scene_name, const std::vec
       if (k > 0 && rung.cost * least_s_per_cost > (k < 3 ? 4 : 1) * options.seconds) break;
       double spent_s = 0;
       for (uint64_t repeat = 0;
-           repeat < kMostRepeats && (repeat == 0 || spent_s * double(repeat + 1) / double(repeat) < options.seconds);
+           repeat < options.repeats && (repeat == 0 || spent_s * double(repeat + 1) / double(repeat) < options.seconds);
            ++repeat) {
         const uint64_t seed = round * kMostRepeats + repeat + 1;
         resetPeak();
@@ -247,6 +248,10 @@ int main(int argc, char** argv) {
       ->take_last();
   app.add_option("--rounds", options.rounds, "Of all ladders, each with other seeds")
       ->check(CLI::PositiveNumber)
+      ->take_last()
+      ->capture_default_str();
+  app.add_option("--repeats", options.repeats, "Of a run that is shorter than --seconds, with other seeds, at most")
+      ->check(CLI::Range(uint64_t(1), bench::kMostRepeats))
       ->take_last()
       ->capture_default_str();
   app.add_option("--view3d", options.method.view3d, "View3D's program, run as PROGRAM IN.vs3 OUT.txt");

@@ -231,7 +231,9 @@ std::vector<Ladder> makeLadders(const Device& device, const Scene& scene, const 
   std::vector<Ladder::Rung> tolerances;  // the lattice's error falls as the square root of time
   for (const double tolerance : {1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5})
     tolerances.push_back({tolerance, 1 / tolerance});
-  ladders.push_back({"planned", "", "tolerance", true, tolerances, [viewpeel] { return viewpeel->planned({}); }});
+  // Rougher ones take common directions, and longer in many scenes than the first by pair lines.
+  std::vector<Ladder::Rung> by_lines(tolerances.begin() + 2, tolerances.end());
+  ladders.push_back({"planned", "", "tolerance", true, by_lines, [viewpeel] { return viewpeel->planned({}); }});
   ladders.push_back(
       {"planned_directions", "", "tolerance", true, tolerances, [viewpeel] { return viewpeel->planned(false); }});
   ladders.push_back(
