@@ -130,7 +130,11 @@ void addCheck(CLI::App& app, Run& chosen) {
   auto options = std::make_shared<CheckCommand>();
   CLI::App* command =
       app.add_subcommand("check", "Check lattice counts against exact areas; exit status 1 where they do not agree");
-  command->add_option("SCENE", options->scene, "Scene file: .obj, .stl, .ply, .vs3, .inp, .msh, .vtp or .vtu")
+  command
+      ->add_option("SCENE", options->scene,
+                   "Scene file: .obj, .stl, .ply, .gltf, .glb, .vs3, .inp, .msh, .vtp, .vtu, .idf or .epJSON, or the "
+                   "folder of an "
+                   "OpenFOAM case")
       ->required();
   command->add_option("--directions", options->check.directions, "Random directions")
       ->type_name("N")

@@ -178,7 +178,9 @@ int runCompute(const ComputeOptions& options) {
   const bool is_held = options.keepsCheckpoint() || !options.outputs.empty();
   if (is_held) holdInterrupts([&] { return reportInterruption(options, 0); });
   const Scene scene = loadSceneOf(options.scene, options.request.scene_options);
-  checkShown(scene, makeIds(scene, options.request.by, options.request.two_sided), options.shown);
+  const Ids ids = makeIds(scene, options.request.by, options.request.two_sided);
+  checkShown(scene, ids, options.shown);
+  for (const std::string& output : options.outputs) checkRows(output, scene, ids);
   ProgressLine progress(options.request, !options.quiet);
   FormFactorRun run(scene, options.request,
                     {.should_stop = [] { return interruption() != 0; },

@@ -139,7 +139,11 @@ void addQuestionOptions(CLI::App* command, Question& question) {
 std::shared_ptr<RequestOptions> addRequestOptions(CLI::App* command) {
   auto options = std::make_shared<RequestOptions>();
   Request& request = options->request;
-  command->add_option("SCENE", options->scene, "Scene file: .obj, .stl, .ply, .vs3, .inp, .msh, .vtp or .vtu")
+  command
+      ->add_option("SCENE", options->scene,
+                   "Scene file: .obj, .stl, .ply, .gltf, .glb, .vs3, .inp, .msh, .vtp, .vtu, .idf or .epJSON, or the "
+                   "folder of an "
+                   "OpenFOAM case")
       ->required();
   addGoalOptions(command, options);
   addAmountOptions(command, request.amount);

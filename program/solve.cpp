@@ -62,8 +62,10 @@ std::string exchangeFileOf(const std::string& output) {
   return std::filesystem::path(output).replace_extension(".exchange.csv").string();
 }
 
-// .h5 and .html have the form factors, too.
-bool isWholeResult(const std::string& output) { return output.ends_with(".h5") || output.ends_with(".html"); }
+// .h5, .html and .vtp have the form factors, too.
+bool isWholeResult(const std::string& output) {
+  return output.ends_with(".h5") || output.ends_with(".html") || output.ends_with(".vtp");
+}
 
 void checkOutputs(const SolveCommand& command) {
   if (command.exchange && command.outputs.empty())
@@ -72,11 +74,12 @@ void checkOutputs(const SolveCommand& command) {
   for (const std::string& output : command.outputs) {
     if (!named.insert(output).second)
       throw Error(ErrorCode::bad_usage, fmt::format("{}: is to be written twice; name every file once", output));
-    if (isWholeResult(output)) checkOutput(output);
+    if (isWholeResult(output)) checkOutput(output, false, !command.scene.empty());
     else if (output.ends_with(".csv")) checkHeatOutput(output);
     else
-      throw Error(ErrorCode::bad_usage,
-                  fmt::format("{}: unknown output format of heat; use a name that ends in .csv, .h5 or .html", output));
+      throw Error(
+          ErrorCode::bad_usage,
+          fmt::format("{}: unknown output format of heat; use a name that ends in .csv, .h5, .vtp or .html", output));
     if (!command.exchange) continue;
     const std::string beside = exchangeFileOf(output);
     if (!named.insert(beside).second)
@@ -274,8 +277,10 @@ void addSolve(CLI::App& app, Run& chosen) {
   options->request.by = By::surface;
   CLI::App* command = app.add_subcommand(
       "solve", "Compute radiative heat flows and temperatures of a scene from the materials of its surfaces");
-  command->add_option("SCENE", options->scene,
-                      "Scene file: .obj, .stl, .ply, .vs3, .inp, .msh, .vtp or .vtu; in metres unless --units says so");
+  command->add_option(
+      "SCENE", options->scene,
+      "Scene file: .obj, .stl, .ply, .gltf, .glb, .vs3, .inp, .msh, .vtp, .vtu, .idf or .epJSON, or the folder of an "
+      "OpenFOAM case; in metres unless --units says so");
   command
       ->add_option("--materials", options->materials,
                    "File .csv with the header surface,emissivity,temperature,heat_flux: K, or W/m2 or adiabatic; names "
@@ -283,8 +288,9 @@ void addSolve(CLI::App& app, Run& chosen) {
       ->type_name("FILE")
       ->required();
   command
-      ->add_option("-o,--output", options->outputs,
-                   "Write the answers: .csv; with the form factors: .h5, or a page: .html; may be given several times")
+      ->add_option(
+          "-o,--output", options->outputs,
+          "Write the answers: .csv; with the form factors: .h5, .vtp, or a page: .html; may be given several times")
       ->type_name("FILE")
       ->allow_extra_args(false);
   CLI::Option* exchange =

@@ -11,28 +11,39 @@
 #include "io/write_file.h"
 #include "io/writers.h"
 #include "report/write_page.h"
+#include "scene/foam_case.h"
 
 namespace viewpeel {
 namespace {
 
 // Formats stand in the order in which users are told of them.
-enum class Format { csv, mtx, npz, h5, vtp, vwf, html };
-constexpr std::array<std::pair<const char*, Format>, 7> kExtensions = {{{".csv", Format::csv},
-                                                                        {".mtx", Format::mtx},
-                                                                        {".npz", Format::npz},
-                                                                        {".h5", Format::h5},
-                                                                        {".vtp", Format::vtp},
-                                                                        {".vwf", Format::vwf},
-                                                                        {".html", Format::html}}};
+// Elmer's text and bytes have one extension; a name that ends in .bin.dat has bytes.
+enum class Format { csv, mtx, npz, h5, vtp, vwf, html, idf, epjson, fdf, dat, moose, foam };
+constexpr std::array<std::pair<const char*, Format>, 12> kExtensions = {{{".csv", Format::csv},
+                                                                         {".mtx", Format::mtx},
+                                                                         {".npz", Format::npz},
+                                                                         {".h5", Format::h5},
+                                                                         {".vtp", Format::vtp},
+                                                                         {".vwf", Format::vwf},
+                                                                         {".html", Format::html},
+                                                                         {".idf", Format::idf},
+                                                                         {".epJSON", Format::epjson},
+                                                                         {".fdf", Format::fdf},
+                                                                         {".dat", Format::dat},
+                                                                         {".i", Format::moose}}};
 
 Format formatOf(const std::filesystem::path& file) {
+  std::error_code failure;
+  if (std::filesystem::is_directory(file, failure) && isFoamCase(file)) return Format::foam;
   for (const auto& [extension, format] : kExtensions)
     if (file.extension() == extension) return format;
-  throw Error(
-      ErrorCode::bad_usage,
-      fmt::format("{}: unknown output format; use a name that ends in .csv, .mtx, .npz, .h5, .vtp, .vwf or .html",
-                  file.string()));
+  throw Error(ErrorCode::bad_usage, fmt::format("{}: unknown output format; use a name that ends in .csv, .mtx, .npz, "
+                                                ".h5, .vtp, .html, .vwf, .idf, .epJSON, .fdf, .dat or .i, or the "
+                                                "folder of an OpenFOAM case",
+                                                file.string()));
 }
+
+bool isBuilding(Format format) { return format == Format::idf || format == Format::epjson; }
 
 // Balanced form factors have a file of their own.
 bool hasBalancedFile(Format format) { return format == Format::mtx || format == Format::npz; }
@@ -44,6 +55,11 @@ void writeAs(Format format, const OutputContent& content, const std::filesystem:
   if (format == Format::h5) writeHdf5(content, out);
   if (format == Format::vtp) writeVtp(content, out);
   if (format == Format::vwf) writeVwf(content, out);
+  const FormFactors& one = content.balanced ? *content.balanced : content.form_factors;
+  if (isBuilding(format)) writeEnergyPlus(content, format == Format::epjson, out);
+  if (format == Format::fdf) writeSyrthes(one, out);
+  if (format == Format::dat) writeElmer(one, file.stem().extension() == ".bin", out);
+  if (format == Format::moose) writeMoose(one, out);
   if (format == Format::html) writeHtml(content, file, out);
 }
 
@@ -103,6 +119,9 @@ void writeMatrixMarket(const FormFactors& form_factors, std::ostream& out, const
 void writeFormFactors(const OutputContent& content, const std::filesystem::path& file) {
   const Format format = formatOf(file);
   requireContent(file, content.scene != nullptr);
+  if (isBuilding(format)) requireBuilding(file, content.scene);
+  if (format == Format::moose) checkMooseRows(file, content.form_factors.ids());
+  if (format == Format::foam) return writeFoam(content, file);
   writeFile(file, [&](std::ostream& out) { writeAs(format, content, file, out); });
   if (!content.balanced || !hasBalancedFile(format)) return;
   writeFile(filesOf(file, true)[1], [&](std::ostream& out) {
@@ -116,6 +135,7 @@ void writeFormFactors(const FormFactors& form_factors, const std::filesystem::pa
 }
 
 std::vector<std::filesystem::path> filesOf(const std::filesystem::path& file, bool with_balance) {
+  if (formatOf(file) == Format::foam) return foamFilesOf(file);
   if (!hasBalancedFile(formatOf(file)) || !with_balance) return {file};
   return {file, std::filesystem::path(file).replace_extension(".balanced" + file.extension().string())};
 }
@@ -127,6 +147,15 @@ void checkOutput(const std::filesystem::path& file, bool with_balance, bool has_
                                                   file.string(), file.extension().string()));
   requireContent(file, has_scene);
   for (const std::filesystem::path& written : filesOf(file, with_balance)) checkWritable(written);
+}
+
+void checkRows(const std::filesystem::path& file, const Scene& scene, const Ids& ids) {
+  const Format format = formatOf(file);
+  if (format == Format::foam) checkFoamRows(file, ids);
+  if (format == Format::moose) checkMooseRows(file, ids);
+  if (!isBuilding(format)) return;
+  requireBuilding(file, &scene);
+  checkEnergyPlusRows(file, ids);
 }
 
 void checkShown(const Scene& scene, const Ids& ids, const std::vector<std::string>& names) {

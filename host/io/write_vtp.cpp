@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ostream.h>
 
+#include <viewpeel/solve.h>
 #include "io/shown_rows.h"
 #include "io/writers.h"
 
@@ -88,6 +89,13 @@ std::string cellData(const OutputContent& content, Arrays& arrays) {
   text += add("environment", [&](uint32_t id) { return f.formFactor(id, kEnvironment).value; });
   text += add("leak", [&](uint32_t id) { return f.formFactor(id, kLeak).value; });
   text += add("standard_error", [&](uint32_t id) { return largest[id]; });
+  if (content.heat) {
+    const std::vector<HeatRow>& rows_of_heat = content.heat->rows;
+    text += add("temperature", [&](uint32_t id) { return rows_of_heat[id].temperature.value; });
+    text += add("radiosity", [&](uint32_t id) { return rows_of_heat[id].radiosity.value; });
+    text += add("irradiation", [&](uint32_t id) { return rows_of_heat[id].irradiation.value; });
+    text += add("heat_flux", [&](uint32_t id) { return rows_of_heat[id].heat_flux.value; });
+  }
   for (const std::string& name : content.shown) {
     const std::vector<double> values = formFactorsFrom(f, shownIds(scene, ids, name));
     text += add("from " + name, [&](uint32_t id) { return values[id]; });

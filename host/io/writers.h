@@ -22,4 +22,30 @@ void writeVtp(const OutputContent& content, std::ostream& out);
 // Cost: 8 n^2 bytes, written row by row.
 void writeVwf(const OutputContent& content, std::ostream& out);
 
+// Elmer's view factors, text or a stream of bytes.    Throws: Error limit beyond 2^31 - 1 rows.
+void writeElmer(const FormFactors& form_factors, bool is_binary, std::ostream& out);
+
+// A block of MOOSE's input.    Cost: O(n^2).
+void writeMoose(const FormFactors& form_factors, std::ostream& out);
+// Refuses names that MOOSE could not tell apart.    Throws: Error bad_usage.
+void checkMooseRows(const std::filesystem::path& file, const Ids& ids);
+
+// SYRTHES's form factors, for a run on one rank.
+void writeSyrthes(const FormFactors& form_factors, std::ostream& out);
+
+// EnergyPlus's view factors, an object for each zone. In: content: with the scene of a building
+//   Throws: Error bad_usage where rows are not the building's surfaces.
+void writeEnergyPlus(const OutputContent& content, bool as_json, std::ostream& out);
+// Refuses rows that are not surfaces; another scene than a building, or a file that is the building itself.
+//   Throws: Error bad_usage.
+void checkEnergyPlusRows(const std::filesystem::path& file, const Ids& ids);
+void requireBuilding(const std::filesystem::path& file, const Scene* scene);
+
+// An OpenFOAM case has view factors in six files of each rank.
+//   In: folder: as for readFoam    Throws: Error bad_input where the case cannot be read.
+std::vector<std::filesystem::path> foamFilesOf(const std::filesystem::path& folder);
+// Refuses rows that are not the case's coarse faces, in their order.    Throws: Error bad_usage.
+void checkFoamRows(const std::filesystem::path& folder, const Ids& ids);
+void writeFoam(const OutputContent& content, const std::filesystem::path& folder);
+
 }  // namespace viewpeel

@@ -279,6 +279,7 @@ Scene buildInFileUnits(const InputScene& input, const SceneOptions& options) {
 Scene buildScene(const InputScene& input, const SceneOptions& given) {
   SceneOptions options = given;
   options.solids.insert(options.solids.end(), input.solids.begin(), input.solids.end());
+  options.sheets.insert(options.sheets.end(), input.sheets.begin(), input.sheets.end());
   Scene scene = buildInFileUnits(input, options);
   scene.centre *= options.unit_m;
   scene.scale *= options.unit_m;

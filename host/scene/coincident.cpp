@@ -22,6 +22,7 @@ std::set<uint32_t> findSurfaces(const Scene& scene, const std::vector<std::strin
   for (const std::string& name : names) {
     const auto at =
         std::find_if(scene.surfaces.begin(), scene.surfaces.end(), [&](const Surface& s) { return s.name == name; });
+    if (std::ranges::find(scene.empty_surfaces, name, &EmptyRow::name) != scene.empty_surfaces.end()) continue;
     if (at == scene.surfaces.end())
       throw Error(ErrorCode::bad_usage,
                   fmt::format("{}: {} has no surface '{}'; name one of its surfaces", option, scene.file, name));

@@ -13,9 +13,18 @@ namespace {
 namespace fs = std::filesystem;
 
 using Reader = InputScene (*)(const fs::path&);
-constexpr std::pair<const char*, Reader> kReaders[] = {{".obj", readObj}, {".stl", readStl}, {".ply", readPly},
-                                                       {".vs3", readVs3}, {".inp", readInp}, {".msh", readMsh},
-                                                       {".vtp", readVtp}, {".vtu", readVtu}};
+constexpr std::pair<const char*, Reader> kReaders[] = {{".obj", readObj},
+                                                       {".stl", readStl},
+                                                       {".ply", readPly},
+                                                       {".vs3", readVs3},
+                                                       {".inp", readInp},
+                                                       {".msh", readMsh},
+                                                       {".vtp", readVtp},
+                                                       {".vtu", readVtu},
+                                                       {".gltf", readGltf},
+                                                       {".glb", readGltf},
+                                                       {".idf", readEnergyPlusZones},
+                                                       {".epjson", readEnergyPlusZones}};
 
 [[noreturn]] void refuse(const fs::path& file, const std::string& what) {
   throw Error(ErrorCode::bad_input, fmt::format("{}: {}", file.string(), what));
@@ -33,7 +42,7 @@ Scene loadScene(const fs::path& file, const SceneOptions& options) {
   std::error_code failure;
   const fs::file_status status = fs::status(file, failure);
   if (status.type() == fs::file_type::not_found) refuse(file, "no such file; check the name");
-  if (status.type() == fs::file_type::directory) refuse(file, "is a directory; name a scene file");
+  if (status.type() == fs::file_type::directory) return buildScene(readFoam(file), options);
   // Readers open a file anew, and a pipe would wait for ever.
   if (fs::exists(status) && !fs::is_regular_file(status)) refuse(file, "is not a regular file; write the scene to one");
   errno = 0;
@@ -44,7 +53,9 @@ Scene loadScene(const fs::path& file, const SceneOptions& options) {
   const std::string extension = extensionOf(file);
   for (const auto& [name, read] : kReaders)
     if (extension == name) return buildScene(read(file), options);
-  refuse(file, "unknown format; use .obj, .stl, .ply, .vs3, .inp, .msh, .vtp or .vtu");
+  refuse(file,
+         "unknown format; use .obj, .stl, .ply, .gltf, .glb, .vs3, .inp, .msh, .vtp, .vtu, .idf or .epJSON, or the "
+         "folder of an OpenFOAM case");
 }
 
 }  // namespace viewpeel

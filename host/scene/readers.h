@@ -34,4 +34,18 @@ InputScene readMsh(const std::filesystem::path& file);
 InputScene readVtp(const std::filesystem::path& file);
 InputScene readVtu(const std::filesystem::path& file);
 
+// Reads the patches of an OpenFOAM case that are in the group viewFactorWall. Coarse faces are surfaces, in OpenFOAM's
+// order (foam_case.h).
+//   In: folder: the case, or CASE/constant/REGION    Throws: Error bad_input naming file and line.
+InputScene readFoam(const std::filesystem::path& folder);
+
+// Reads the surfaces of all zones of an EnergyPlus building, IDF or epJSON, seen from within (energyplus.h). Windows are
+// cut out of their walls.
+//   Throws: Error bad_input, naming file and line; of epJSON the object.
+InputScene readEnergyPlusZones(const std::filesystem::path& file);
+
+// Reads the triangles of glTF 2.0, .gltf or .glb, in the scene's coordinates. Nodes are surfaces.
+//   Throws: Error bad_input naming the file.
+InputScene readGltf(const std::filesystem::path& file);
+
 }  // namespace viewpeel

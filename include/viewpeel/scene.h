@@ -25,6 +25,8 @@ struct InputScene {
   std::vector<std::string> blockers{};
   // Coincident faces of these surfaces are face to face, by the file itself: as SceneOptions::solids.
   std::vector<std::string> solids{};
+  // Coincident faces of these surfaces are back to back, by the file itself: as SceneOptions::sheets.
+  std::vector<std::string> sheets{};
 };
 
 // A tie rank orders polygons of one plane, which a line hits at one depth. It is a place among kTieRanks along the
@@ -122,7 +124,7 @@ struct SceneOptions {
 Scene buildScene(const InputScene& input, const SceneOptions& options = {});
 
 // Reads any format of docs/formats.md, chosen by the end of the file's name, and calls buildScene. A file without names
-// of surfaces has one, named after the file.
+// of surfaces has one, named after the file. A folder is an OpenFOAM case.
 //   In: file: any name; options: as for buildScene    Out, Error, Cost: as buildScene. Tests: tests/unit/load_test.cpp.
 //   Throws: Error bad_input, naming file, line where the format has lines, and remedy; as buildScene.
 Scene loadScene(const std::filesystem::path& file, const SceneOptions& options = {});

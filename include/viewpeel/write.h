@@ -49,17 +49,19 @@ struct OutputContent {
   std::vector<std::pair<std::string, std::string>> parameters{};
   // Each is a surface or face, whose form factors to all polygons are an array of .vtp: "from NAME".
   std::vector<std::string> shown{};
-  // The result of solveHeat with these form factors gives columns of .h5 and quantities of .html.
+  // The result of solveHeat with these form factors gives columns of .h5, quantities of .html and arrays of .vtp.
   const HeatSolution* heat = nullptr;
   // A .vwf names the version of CalculiX that may read it; others refuse it. Versions that do not compare take "none".
   std::string ccx_version = "2.20";
   const char* balanced_column = kBalancedColumn;  // of .csv
 };
 
-// Writes a file by its extension: .csv, .mtx, .npz, .h5, .vtp, .vwf or .html (docs/formats.md). A file is whole at any
-// time, or untouched: it is written under another name and renamed.
+// Writes a file by its extension: .csv, .mtx, .npz, .h5, .vtp, .html, .vwf, .idf, .epJSON, .fdf, .dat or .i, or the files
+// of an OpenFOAM case into its folder (docs/formats.md). A file is whole at any time, or untouched: it is written under
+// another name and renamed.
 //   With balanced form factors .csv has a column more, and .h5 a group more. NAME.balanced.mtx and NAME.balanced.npz
-//     beside NAME.mtx and NAME.npz have them; .vwf has nothing else, and .vtp leaves them out.
+//     beside NAME.mtx and NAME.npz have them; other programs' files have nothing else, and .vtp leaves
+//     them out.
 //   In: content: n rows; file: its folder exists    Out: the files of filesOf
 //   Error: none: numbers are the same doubles. Tests: tests/unit/output_test.cpp, tests/files/output_files_test.cpp,
 //     tests/files/calculix_test.cpp, tests/program/fault_test.cpp.
@@ -83,6 +85,12 @@ std::vector<std::filesystem::path> filesOf(const std::filesystem::path& file, bo
 //     page, a file that cannot be written.
 //   Cost: one file of a byte, written and removed.
 void checkOutput(const std::filesystem::path& file, bool with_balance = false, bool has_scene = true);
+
+// Refuses rows that the file's format cannot have, before anything is computed: OpenFOAM has a row for each coarse face,
+// EnergyPlus one for each surface of a building, and MOOSE names without blanks.
+//   In: scene, ids: of the form factors that are to be written
+//   Throws: Error bad_usage, naming what is not as it has to be.    Cost: O(rows), and reading the case.
+void checkRows(const std::filesystem::path& file, const Scene& scene, const Ids& ids);
 
 // Refuses names that no array of .vtp can have.
 //   In: ids: of the scene; names: as OutputContent::shown

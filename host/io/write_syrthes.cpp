@@ -1,0 +1,51 @@
+// SYRTHES's mesh.fdf: exchange areas of a run on one rank.
+//   Source: SYRTHES 4.3.5, its own files.
+#include <bit>
+
+#include "io/sparse_rows.h"
+#include "io/writers.h"
+
+namespace viewpeel {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "records are little-endian and copied as they are");
+
+template <class T>
+void put(std::ostream& out, T value) {
+  out.write(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+}  // namespace
+
+// The diagonal has what other rows and the environment leave of a row's area, as in SYRTHES's own files.
+void writeSyrthes(const FormFactors& form_factors, std::ostream& out) {
+  const SparseRows rows = compressRows(form_factors);
+  const Ids& ids = form_factors.ids();
+  const std::vector<double> areas = spreadOverRows(ids, ids.areas);
+  std::vector<double> of_ids(ids.count());
+  for (uint32_t id = 0; id < ids.count(); ++id) of_ids[id] = form_factors.formFactor(id, kEnvironment).value;
+  const std::vector<double> environment = spreadOverRows(ids, of_ids);
+  const int64_t n = rows.rowCount();
+  std::vector<double> diagonal(static_cast<size_t>(n));
+  std::vector<int32_t> counts(static_cast<size_t>(n), 0);
+  for (int64_t i = 0; i < n; ++i) {
+    double rest = 1 - environment[i];
+    for (int64_t k = rows.starts[i]; k < rows.starts[i + 1]; ++k) {
+      if (rows.columns[k] == i) continue;
+      rest -= rows.form_factors[k];
+      ++counts[i];
+    }
+    diagonal[i] = areas[i] * rest;
+  }
+  put(out, static_cast<int32_t>(n));
+  for (double value : diagonal) put(out, value);
+  for (int32_t count : counts) put(out, count);
+  for (int64_t i = 0; i < n; ++i) {
+    for (int64_t k = rows.starts[i]; k < rows.starts[i + 1]; ++k)
+      if (rows.columns[k] != i) put(out, rows.columns[k]);
+    for (int64_t k = rows.starts[i]; k < rows.starts[i + 1]; ++k)
+      if (rows.columns[k] != i) put(out, areas[i] * rows.form_factors[k]);
+  }
+}
+
+}  // namespace viewpeel

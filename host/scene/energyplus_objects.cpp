@@ -1,0 +1,79 @@
+#include "scene/energyplus_objects.h"
+
+#include <fstream>
+#include <iterator>
+
+namespace viewpeel {
+namespace {
+
+// A field without the blanks around it.
+std::string trim(const std::string& text) {
+  const size_t first = text.find_first_not_of(" \t\r\n");
+  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t\r\n") - first + 1);
+}
+
+}  // namespace
+
+const std::string& IdfObject::field(size_t k) const {
+  static const std::string none;
+  return k < fields.size() ? fields[k] : none;
+}
+
+std::string lowerCase(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return text;
+}
+
+std::vector<IdfObject> readIdf(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::vector<IdfObject> objects;
+  std::vector<std::string> words;
+  std::string word;
+  FilePlace here{file.string()}, start;
+  for (std::string line; std::getline(in, line);) {
+    ++here.line;
+    std::string_view text = here.line == 1 ? skipByteOrderMark(line) : std::string_view(line);
+    text = text.substr(0, text.find('!'));
+    for (char c : text) {
+      if (c != ',' && c != ';') {
+        if (words.empty() && word.empty()) {
+          if (c == ' ' || c == '\t' || c == '\r') continue;
+          start = here;
+        }
+        word += c;
+        continue;
+      }
+      if (words.empty() && word.empty()) start = here;
+      words.push_back(trim(word));
+      word.clear();
+      if (c == ',') continue;
+      objects.push_back({lowerCase(words[0]), {words.begin() + 1, words.end()}, start});
+      words.clear();
+    }
+  }
+  if (!words.empty() || !trim(word).empty()) start.refuse("the object has no ';' at its end; complete it");
+  return objects;
+}
+
+nlohmann::ordered_json readEpJson(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  // Objects within objects as deep as this are no epJSON, and would exhaust the stack.
+  constexpr int kMostDepth = 64;
+  int depth = 0;
+  for (char c : text) {
+    depth += c == '{' || c == '[' ? 1 : c == '}' || c == ']' ? -1 : 0;
+    if (depth > kMostDepth) FilePlace{file.string()}.refuse("objects are nested too deeply; export the file again");
+  }
+  try {
+    return nlohmann::ordered_json::parse(text);
+  } catch (const nlohmann::json::exception& error) {
+    const auto* place = dynamic_cast<const nlohmann::json::parse_error*>(&error);
+    const size_t byte = place ? std::min(place->byte, text.size()) : 0;
+    const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(byte), '\n');
+    FilePlace{file.string(), static_cast<uint32_t>(line)}.refuse("not JSON here; correct it");
+  }
+}
+
+}  // namespace viewpeel

@@ -1,0 +1,148 @@
+// glTF: scenes that assimp writes, and what the format says of transforms, strips and errors.
+#include <cmath>
+
+#include <fmt/format.h>
+#include <glm/glm.hpp>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <viewpeel/error.h>
+#include <viewpeel/ids.h>
+#include "scene/readers.h"
+#include "tests/support/python.h"
+
+namespace viewpeel {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Gltf : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("viewpeel_gltf_" + std::to_string(::getpid()));
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  fs::path write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name, std::ios::binary) << text;
+    return folder_ / name;
+  }
+  std::string refusal(const std::string& text) const {
+    const fs::path file = write("a.gltf", text);
+    try {
+      readGltf(file);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::bad_input);
+      return std::string(error.what()).substr(file.string().size());
+    }
+    return "none";
+  }
+  fs::path folder_;
+};
+
+TEST_F(Gltf, AssimpWritesThem) {
+  write("shed.obj",
+        "o floor\nv 0 0 0\nv 4 0 0\nv 4 3 0\nv 0 3 0\nf 1 2 3 4\n"
+        "o heater\nv 1 1 1\nv 1 2 1\nv 2 2 1\nv 2 1 1\nf 5 6 7 8\n");
+  ASSERT_EQ(std::system(fmt::format("cd '{}' && assimp export shed.obj shed.glb >said 2>&1 && assimp export shed.obj "
+                                    "shed.gltf -fgltf2 >said 2>&1",
+                                    folder_.string())
+                            .c_str()),
+            0);
+  for (const char* name : {"shed.glb", "shed.gltf"}) {
+    const Scene scene = loadScene(folder_ / name);
+    const Ids ids = makeIds(scene, By::surface, false);
+    ASSERT_EQ(ids.names, (std::vector<std::string>{"floor", "heater"})) << name;
+    EXPECT_NEAR(ids.areas[0], 12, 1e-14) << name;
+    EXPECT_NEAR(ids.areas[1], 1, 1e-14) << name;
+    for (const Polygon& polygon : scene.polygons)
+      EXPECT_GT(frontNormal(scene, polygon).z * (scene.faces[polygon.face].surface == 0 ? 1 : -1), 0.99) << name;
+  }
+}
+
+// One triangle by single-precision positions and 16-bit indices, in a buffer within the file.
+constexpr const char* kBuffer =
+    "\"buffers\":[{\"byteLength\":42,\"uri\":\"data:application/octet-stream;base64,"
+    "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAABAAIA\"}],"
+    "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36},{\"buffer\":0,\"byteOffset\":36,\"byteLength\":6}],";
+constexpr const char* kAccessors =
+    "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":3},"
+    "{\"bufferView\":1,\"componentType\":5123,\"type\":\"SCALAR\",\"count\":3}],";
+std::string document(const std::string& nodes, const std::string& rest = "",
+                     const std::string& primitive = "\"attributes\":{\"POSITION\":0},\"indices\":1") {
+  return fmt::format(
+      "{{\"asset\":{{\"version\":\"2.0\"}},{}{}\"meshes\":[{{\"name\":\"m\",\"primitives\":[{{{}}}]}}],{}"
+      "\"nodes\":{}}}",
+      kBuffer, kAccessors, primitive, rest, nodes);
+}
+
+// A node's own transform comes first, then its parents'. A mirror turns corners round, so that fronts stay outside.
+TEST_F(Gltf, NodesHaveTransformsAndNames) {
+  const InputScene scene = readGltf(write(
+      "a.gltf",
+      document(
+          "[{\"name\":\"group\",\"translation\":[10,0,0],\"children\":[1,2]},"
+          "{\"name\":\"wall\",\"mesh\":0,\"rotation\":[0,0,0.7071067811865476,0.7071067811865476],\"scale\":[2,1,1]},"
+          "{\"mesh\":0,\"scale\":[1,1,-1]},{\"name\":\"wall\",\"mesh\":0,"
+          "\"matrix\":[1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,5,1]}]")));
+  EXPECT_EQ(scene.surface_names, (std::vector<std::string>{"wall", "m", "wall#2"}));
+  ASSERT_EQ(scene.faces.size(), 3u);
+  const std::vector<std::vector<glm::dvec3>> expected = {
+      {{10, 0, 0}, {10, 2, 0}, {9, 0, 0}}, {{10, 0, 0}, {10, 1, 0}, {11, 0, 0}}, {{0, 0, 5}, {1, 0, 5}, {0, 1, 5}}};
+  for (size_t k = 0; k < 3; ++k)
+    for (size_t c = 0; c < 3; ++c) EXPECT_LT(glm::distance(scene.faces[k].corners[c], expected[k][c]), 1e-14) << k << c;
+  // The scene that is shown has node 3 alone.
+  EXPECT_EQ(readGltf(write("b.gltf", document("[{},{},{},{\"name\":\"shown\",\"mesh\":0}]",
+                                              "\"scene\":1,\"scenes\":[{\"nodes\":[0]},{\"nodes\":[3]}],")))
+                .surface_names,
+            std::vector<std::string>{"shown"});
+}
+
+TEST_F(Gltf, StripsAndFansAreTriangles) {
+  const std::string indices =
+      "\"buffers\":[{\"byteLength\":52,\"uri\":\"data:;base64,"
+      "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAACAPwAAgD8AAAAAAAECAw==\"}],"
+      "\"bufferViews\":[{\"buffer\":0,\"byteLength\":48},{\"buffer\":0,\"byteOffset\":48,\"byteLength\":4}],"
+      "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":4},"
+      "{\"bufferView\":1,\"componentType\":5121,\"type\":\"SCALAR\",\"count\":4}],";
+  for (const int mode : {5, 6}) {
+    const InputScene scene = readGltf(
+        write("a.gltf", fmt::format("{{\"asset\":{{}},{}\"meshes\":[{{\"primitives\":[{{\"mode\":{},\"attributes\":{{"
+                                    "\"POSITION\":0}},\"indices\":1}},{{\"mode\":1}}]}}],\"nodes\":[{{\"mesh\":0}}]}}",
+                                    indices, mode)));
+    ASSERT_EQ(scene.faces.size(), 2u);
+    EXPECT_EQ(scene.warnings.size(), 1u);  // the lines
+    EXPECT_EQ(scene.surface_names, std::vector<std::string>{"node 0"});
+    const glm::dvec3 a(0, 0, 0), b(1, 0, 0), c(0, 1, 0), d(1, 1, 0);
+    EXPECT_EQ(scene.faces[0].corners, (std::vector<glm::dvec3>{a, b, c}));
+    EXPECT_EQ(scene.faces[1].corners,
+              mode == 5 ? (std::vector<glm::dvec3>{b, d, c}) : (std::vector<glm::dvec3>{a, c, d}));
+  }
+}
+
+TEST_F(Gltf, FilesThatAreNoneAreRefused) {
+  const std::string node = "[{\"mesh\":0}]";
+  EXPECT_EQ(refusal(document(node)), "none");
+  EXPECT_EQ(refusal("{"), ": not glTF: there is no JSON object; export it again");
+  EXPECT_EQ(refusal("{}"), ": not glTF: there is no 'asset'; export it again");
+  EXPECT_EQ(refusal(document("[{\"mesh\":1}]")), ": there is no element 1 of meshes; export the file again");
+  EXPECT_EQ(refusal(document("[{\"mesh\":0,\"children\":[0]}]", "\"scenes\":[{\"nodes\":[0]}],")),
+            ": nodes are nested too deeply, or in a circle; export the file again");
+  EXPECT_EQ(refusal(document("[{\"mesh\":0,\"scale\":[1,2]}]")), ": 'scale' has not 3 numbers; export the file again");
+  EXPECT_EQ(refusal(document(node, "\"extensionsRequired\":[\"KHR_draco_mesh_compression\"],")),
+            ": needs the extension KHR_draco_mesh_compr; export it without compression and extensions");
+  EXPECT_EQ(refusal(document(node, "", "\"attributes\":{\"POSITION\":1}")),
+            ": an accessor is not of type VEC3; export the file again");
+  std::string text = document(node);
+  text.replace(text.find("\"byteLength\":36"), 15, "\"byteLength\":35");
+  EXPECT_EQ(refusal(text), ": an accessor goes beyond its buffer; export the file again");
+  text = document(node);
+  text.replace(text.find("AAABAAIA"), 8, "AAABAAMA");
+  EXPECT_EQ(refusal(text), ": there is no point 3; export the file again");
+  text = document(node);
+  text.replace(text.find("data:app"), 4, "no/such");
+  EXPECT_NE(refusal(text).find("cannot be read; keep it beside the file"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace viewpeel
