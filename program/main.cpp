@@ -70,7 +70,8 @@ int main(int argc, char** argv) {
     return kBadUsage;
   } catch (const viewpeel::Error& error) {
     report(error.what());
-    return exitStatus(error.code());
+    // View3D knows one status for all that goes wrong.
+    return viewpeel::program::isView3d(argv[0]) ? kFailed : exitStatus(error.code());
   } catch (const std::bad_alloc&) {
     report("out of memory; try --by surface or a smaller scene");
   } catch (const std::exception& error) {

@@ -280,13 +280,46 @@ TEST_F(View3dFiles, ProgramWritesOneRowOrLogsOneEntry) {
   EXPECT_NE(textOf("View3D.log").find("F[1][7] = 2.00"), std::string::npos) << textOf("View3D.log");
 }
 
+// View3D's sample cases (public domain) against a longer run of our own by exact areas, which shares no lattice, pair
+// lines or closed form with the program. Five and a half standard errors of 64 replicates are exceeded by one of 164
+// entries in 1e-4 of all seeds; this one is fixed.
+TEST_F(View3dFiles, SampleCasesAgreeWithExactAreas) {
+  for (const char* name : {"facet", "wdwdoor"}) {
+    fs::copy_file(fmt::format("{}/view3d_cases/{}.vs3", VIEWPEEL_TEST_FILES, name), folder_ / "case.vs3",
+                  fs::copy_options::overwrite_existing);
+    std::string said;
+    ASSERT_EQ(runView3d("case.vs3 out.txt", &said), 0) << said;
+    const std::string command = fmt::format(
+        "cd '{}' && '{}' compute case.vs3 --by surface --engine exact --directions 64 --replicates 64 --seed 5 --quiet "
+        "-o exact.h5 >said 2>&1",
+        folder_.string(), VIEWPEEL_PROGRAM);
+    ASSERT_EQ(std::system(command.c_str()), 0) << textOf("said");
+    const PythonResult result = runPython(
+        folder_,
+        "import re, h5py, numpy as np\n"
+        "lines = open('out.txt').read().splitlines()\n"
+        "found = np.loadtxt(lines[2:-1])\nn = len(found)\n"
+        "error = float(re.search(r'largest standard error (\\S+)', open('View3D.log').read()).group(1))\n"
+        "with h5py.File('exact.h5') as f:\n"
+        "    truth, errors = np.zeros((n, n)), np.zeros((n, n))\n"
+        "    at = f['from'][:], f['to'][:]\n"
+        "    truth[at], errors[at] = f['form_factor'][:], f['standard_error'][:]\n"
+        "def off(found):\n"
+        "    return (abs(found - truth) / (5.5 * np.sqrt(errors**2 + error**2) + 5e-7)).max()\n"
+        "order = np.arange(n)\norder[[0, 6]] = order[[6, 0]]\n"
+        "assert off(found) < 1 < 10 < off(found[order]), (off(found), off(found[order]), errors.max(), error)\n"
+        "print('passed', errors.max())\n");
+    EXPECT_NE(result.output.find("passed"), std::string::npos) << name << result.output;
+  }
+}
+
 TEST_F(View3dFiles, ProgramFailsInOneLineAndLogsIt) {
   std::string said;
-  EXPECT_EQ(runView3d("room.vs3", &said), 2);
+  EXPECT_EQ(runView3d("room.vs3", &said), 1);
   EXPECT_NE(said.find("two arguments"), std::string::npos);
-  EXPECT_EQ(runView3d("missing.vs3 out.txt", &said), 2);
+  EXPECT_EQ(runView3d("missing.vs3 out.txt", &said), 1);
   write("bad.vs3", "F 3\nV 7 0 0 0\n");
-  EXPECT_EQ(runView3d("bad.vs3 out.txt", &said), 2);
+  EXPECT_EQ(runView3d("bad.vs3 out.txt", &said), 1);
   EXPECT_EQ(said, "viewpeel: bad.vs3:2: vertex 7 is out of sequence; 1 comes next\n");
   EXPECT_NE(textOf("View3D.log").find("ERROR bad.vs3:2: vertex 7"), std::string::npos);
   EXPECT_FALSE(fs::exists(folder_ / "out.txt"));
