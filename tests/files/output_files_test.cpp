@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <viewpeel/error.h>
+#include <viewpeel/solve.h>
 #include <viewpeel/write.h>
 #include "scenes/named_scenes.h"
 #include "tests/support/python.h"
@@ -159,6 +160,31 @@ TEST_F(OutputFiles, VtkReadsPolygonsAndTheirValues) {
         "assert corners[:2] == [4, 3] and sorted(corners[2:4]) == [3, 4] and corners[4] == 3, corners\n"
         "point = mesh.GetPoint(mesh.GetCell(0).GetPointId(2))\n"
         "assert abs(numpy.array(point) - [2, 3, 0]).max() < 1e-14\n");
+}
+
+// Rows of the answers are rows of the form factors; a polygon has those of its row.
+TEST_F(OutputFiles, VtpHasTheAnswersOfSolve) {
+  HeatSolution heat;
+  for (uint32_t id = 0; id < form_factors_.ids().count(); ++id) {
+    HeatRow row;
+    row.temperature.value = 300 + id;
+    row.radiosity.value = 400.5 + id;
+    row.irradiation.value = 10 * id;
+    row.heat_flux.value = -7.0 * id;
+    heat.rows.push_back(row);
+  }
+  OutputContent content{form_factors_, nullptr, &scene_};
+  content.shown = {"wall"};
+  content.heat = &heat;
+  writeFormFactors(content, folder_ / "office.vtp");
+  // Row 2 of the file is empty, so that rows 3 and 4 are the third and fourth of the answers.
+  check("VTK",
+        "cells = mesh.GetCellData()\n"
+        "def values(name):\n"
+        "    return list(vtk_to_numpy(cells.GetArray(name)))\n"
+        "assert values('temperature') == [300, 301, 302, 302, 303], values('temperature')\n"
+        "assert values('radiosity') == [400.5, 401.5, 402.5, 402.5, 403.5]\n"
+        "assert values('irradiation') == [0, 10, 20, 20, 30] and values('heat_flux') == [0, -7, -14, -14, -21]\n");
 }
 
 TEST_F(OutputFiles, VtpNeedsTheSceneOfItsFormFactors) {
