@@ -56,9 +56,9 @@ struct OutputContent {
   const char* balanced_column = kBalancedColumn;  // of .csv
 };
 
-// Writes a file by its extension: .csv, .mtx, .npz, .h5, .vtp, .html, .vwf, .idf, .epJSON, .fdf, .dat or .i, or the files
-// of an OpenFOAM case into its folder (docs/formats.md). A file is whole at any time, or untouched: it is written under
-// another name and renamed.
+// Writes a file by its extension: .csv, .mtx, .npz, .h5, .vtp, .html, .vwf, .idf, .epJSON, .fdf, .dat or .i, or the
+// files of an OpenFOAM case into its folder (docs/formats.md). A file is whole at any time, or untouched: it is written
+// under another name and renamed.
 //   With balanced form factors .csv has a column more, and .h5 a group more. NAME.balanced.mtx and NAME.balanced.npz
 //     beside NAME.mtx and NAME.npz have them; other programs' files have nothing else, and .vtp leaves
 //     them out.
@@ -86,8 +86,8 @@ std::vector<std::filesystem::path> filesOf(const std::filesystem::path& file, bo
 //   Cost: one file of a byte, written and removed.
 void checkOutput(const std::filesystem::path& file, bool with_balance = false, bool has_scene = true);
 
-// Refuses rows that the file's format cannot have, before anything is computed: OpenFOAM has a row for each coarse face,
-// EnergyPlus one for each surface of a building, and MOOSE names without blanks.
+// Refuses rows that the file's format cannot have, before anything is computed: OpenFOAM has a row for each coarse
+// face, EnergyPlus one for each surface of a building, and MOOSE names without blanks.
 //   In: scene, ids: of the form factors that are to be written
 //   Throws: Error bad_usage, naming what is not as it has to be.    Cost: O(rows), and reading the case.
 void checkRows(const std::filesystem::path& file, const Scene& scene, const Ids& ids);

@@ -47,7 +47,8 @@ class SmallFormats : public testing::Test {
   fs::path folder_;
 };
 
-// Elmer reads text by list-directed READ and bytes by access='stream'; this program does the same and prints the matrix.
+// Elmer reads text by list-directed READ and bytes by access='stream'; this program does the same and prints the
+// matrix.
 constexpr const char* kReader = R"(program reader
   implicit none
   integer, parameter :: n = 7
