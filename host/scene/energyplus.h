@@ -39,7 +39,8 @@ struct EnergyPlusBuilding {
 bool isEnergyPlus(const std::filesystem::path& file);
 
 // Reads a building. Zones of all surfaces exist, and bases of all windows.
-//   Throws: Error bad_input, naming file and line (epJSON: the object) for surfaces that are given by azimuth and length.
+//   Throws: Error bad_input, naming file and line (epJSON: the object) for surfaces that are given by azimuth and
+//     length.
 //   Cost: O(size of the file).
 EnergyPlusBuilding readEnergyPlus(const std::filesystem::path& file);
 
