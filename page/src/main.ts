@@ -16,7 +16,7 @@ class Page {
 
   constructor(
     private readonly contents: Contents, private readonly rows: Rows, private readonly quantities: Quantity[], private readonly parameters: Map<string, string>,
-    private readonly notes: string[], private readonly rowOfPolygon: Int32Array, private readonly surfaceOfPolygon: Int32Array, private readonly scene: Scene | undefined,
+    private readonly notes: string[], private readonly rowOfPolygon: Int32Array, private readonly surfaceOfPolygon: Int32Array, readonly scene: Scene | undefined,
   ) {
     this.quantity = quantities.find(({ key }) => key === 'temperature') ?? quantities[0];
   }
@@ -39,6 +39,18 @@ class Page {
     await makeMatrixPanel(panels[4], this.contents, this.rows, actions);
     this.listen();
     await this.choose([this.firstRow()], this.rows.names[this.firstRow()]);
+  }
+
+  // Returns the name of the row under a place of the window.
+  nameAt(x: number, y: number): string | undefined {
+    const polygon = this.scene?.pick(x, y);
+    return polygon === undefined ? undefined : this.rows.names[this.rowOfPolygon[polygon]];
+  }
+
+  // Selects the row of this name.
+  async chooseName(name: string): Promise<void> {
+    const row = this.rows.names.indexOf(name);
+    if (row >= 0) await this.choose([row], name);
   }
 
   say(text: string): void {
@@ -279,7 +291,7 @@ async function open(): Promise<void> {
   await page.start();
   byId('waiting').hidden = true;
   document.body.dataset.state = 'ready';
-  Object.assign(window, { viewpeelScene: scene });
+  Object.assign(window, { viewpeelPage: page }); // for consoles and tests
 }
 
 document.addEventListener('DOMContentLoaded', () => {

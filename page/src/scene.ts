@@ -12,7 +12,9 @@ import { type Colour, palette } from './colours';
 import type { Contents } from './contents';
 
 export type Backs = 'dotted' | 'hatched' | 'hidden' | 'solid';
-const MOST_EDGES = 120000; // beyond these the lines between polygons would hide their colours
+const MOST_EDGES = 40000; // beyond these the lines between polygons would hide their colours, and take time
+const STILL_MS = 180; // after the last move the scene is drawn sharp
+const MOVING_RATIO = 0.5; // of a large scene's pixels, across and down, while it moves
 
 // Faces look a little darker from the side. A back is dotted or hatched, so that what lies behind is seen.
 const FACE_VERTEX = `
@@ -98,6 +100,9 @@ export class Scene {
   private readonly sphere: Sphere;
   private tree?: MeshBVH;
   private isAsked = false;
+  private readonly isLarge: boolean;
+  private isMoving = false;
+  private stillTimer = 0;
   frames = 0;
   onHover: (polygon: number | undefined, x: number, y: number) => void = () => {};
   onPick: (polygon: number | undefined) => void = () => {};
@@ -107,7 +112,8 @@ export class Scene {
   }
 
   private constructor(private readonly shapes: Shapes, private readonly canvas: HTMLCanvasElement) {
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true });
+    this.isLarge = shapes.corners.length / 3 > MOST_EDGES;
+    this.renderer = new WebGLRenderer({ canvas, antialias: !this.isLarge, alpha: true });
     const corners = shapes.positions.length / 3;
     this.tints = new BufferAttribute(new Uint8Array(3 * corners), 3, true);
     this.geometry.setAttribute('position', new BufferAttribute(shapes.positions, 3));
@@ -264,9 +270,24 @@ export class Scene {
     });
   }
 
+  // Draws a scene that is moving: a large one coarser, and sharp again when it is still.
+  private drawMoving(): void {
+    if (this.isLarge) {
+      clearTimeout(this.stillTimer);
+      this.stillTimer = window.setTimeout(() => this.setMoving(false), STILL_MS);
+      if (!this.isMoving) this.setMoving(true);
+    }
+    this.draw();
+  }
+
+  private setMoving(isMoving: boolean): void {
+    this.isMoving = isMoving;
+    this.resize();
+  }
+
   private makeControls(): OrbitControls {
     const controls = new OrbitControls(this.camera, this.canvas);
-    controls.addEventListener('change', () => this.draw());
+    controls.addEventListener('change', () => this.drawMoving());
     return controls;
   }
 
@@ -296,7 +317,7 @@ export class Scene {
   private resize(): void {
     const { clientWidth, clientHeight } = this.canvas.parentElement as HTMLElement;
     if (clientWidth === 0 || clientHeight === 0) return;
-    const ratio = Math.min(2, window.devicePixelRatio);
+    const ratio = Math.min(2, window.devicePixelRatio) * (this.isMoving ? MOVING_RATIO : 1);
     this.renderer.setPixelRatio(ratio);
     this.renderer.setSize(clientWidth, clientHeight, false);
     this.face.uniforms.spacing.value = 13 * ratio;
