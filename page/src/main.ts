@@ -12,6 +12,7 @@ class Page {
   private selection?: Selection;
   private quantity: Quantity;
   private showSelection: (selection?: Selection) => void = () => {};
+  private hovered?: { polygon: number; x: number; y: number };
   private asked = 0; // the latest selection that was asked for
 
   constructor(
@@ -162,6 +163,7 @@ class Page {
     this.showSelection(this.selection);
     this.scene?.outline(rows.flatMap((row) => this.rows.polygonsOfRow.get(row) ?? []));
     this.paint();
+    if (this.hovered) this.showTip(this.hovered.polygon, this.hovered.x, this.hovered.y);
     this.say(`Selected ${name}: ${counted(this.selection.has.reduce((sum, has) => sum + has, 0), 'form factor')}.`);
   }
 
@@ -209,6 +211,7 @@ class Page {
 
   private showTip(polygon: number | undefined, x: number, y: number): void {
     const tip = byId('tip');
+    this.hovered = polygon === undefined ? undefined : { polygon, x, y };
     tip.hidden = polygon === undefined;
     if (polygon === undefined) return;
     const row = this.rowOfPolygon[polygon];
