@@ -34,7 +34,8 @@ test('a click selects, and all other colours change', async () => {
   await page.tab.waitForFunction((text) => document.querySelector('#panel-0 h2').textContent !== text, first);
   const changed = (await page.colours()).filter((colour, k) => colour !== colours[k]).length;
   assert.ok(changed > 0.2 * colours.length, `${changed} of ${colours.length} places have another colour`);
-  assert.match(await page.tab.locator('#tip').textContent(), /F from (desk\[1\]|floor\[40\]): .*area /);
+  await page.tab.mouse.move(place.x + 1, place.y);
+  await page.tab.waitForFunction(() => /F from (desk\[1\]|floor\[40\]): .*area /.test(document.getElementById('tip').textContent));
   // A negative control: what does not change the scene changes no colour.
   await page.tab.mouse.move(1500, 20);
   const before = await page.colours();
