@@ -93,16 +93,16 @@ TEST(DrawLines, DeviceDrawsTheLinesOfTheProcessor) {
   EXPECT_GT(in_part, 300u);
 }
 
-// The comparison above can fail: a blocker moved by a millionth of the radius, and a random number with another seed.
+// The comparison above can fail: blockers moved by 1e-4 of the radius, and a random number with another seed.
 TEST(DrawLines, PlantedFaultsAreFound) {
   const Found found(loadScene(VIEWPEEL_SCENES "/office.obj"));
   std::vector<Blocker> moved = found.finder.blockers();
   for (Blocker& blocker : moved) {
-    blocker.offset += 1e-6;
-    for (double& offset : blocker.edge_offsets) offset += 1e-6;
+    blocker.offset += 1e-4;
+    for (double& offset : blocker.edge_offsets) offset += 1e-4;
   }
   DeviceLines faulty(testDevice(), found.finder.patches(), moved);
-  EXPECT_GT(countDifferences(faulty.draw(found.tasks), found.onHost(), found), 3u);
+  EXPECT_GT(countDifferences(faulty.draw(found.tasks), found.onHost(), found), 20u);
   DeviceLines device(testDevice(), found.finder.patches(), found.finder.blockers());
   std::vector<LineTask> reseeded = found.tasks;
   for (LineTask& task : reseeded) task.scrambles[3] ^= 1;
