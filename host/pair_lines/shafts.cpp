@@ -123,19 +123,6 @@ void Shaft::keepInside(const BlockerList& from, BlockerList& to, Vectors vectors
   }
 }
 
-bool Shaft::isOutside(const std::array<dvec3, 2>& ends) const {
-  for (int axis = 0; axis < 3; ++axis)
-    if (std::min(ends[0][axis], ends[1][axis]) >= both_.high[axis] - kTouchingShaft ||
-        std::max(ends[0][axis], ends[1][axis]) <= both_.low[axis] + kTouchingShaft)
-      return true;
-  for (int p = 0; p < plane_count_; ++p) {
-    const dvec3 normal(planes_[p].normal[0], planes_[p].normal[1], planes_[p].normal[2]);
-    if (std::min(glm::dot(normal, ends[0]), glm::dot(normal, ends[1])) >= planes_[p].offset - kTouchingShaft)
-      return true;
-  }
-  return false;
-}
-
 Corners::Corners(const Box& a, const Box& b) : count_(8), middles_{0.5 * (a.low + a.high), 0.5 * (b.low + b.high)} {
   for (int k = 0; k < 8; ++k)
     for (int axis = 0; axis < 3; ++axis)
@@ -225,17 +212,6 @@ bool areApart(const Patch& patch, const Blocker& blocker) {
   for (uint32_t e = 0; e < patch.corner_count; ++e)
     if (isBeyond(patch.edge_normals[e], patch.edge_offsets[e])) return true;
   return false;
-}
-
-bool areApart(const Box& box, const Blocker& blocker) {
-  for (int axis = 0; axis < 3; ++axis)
-    if (blocker.low[axis] > box.high[axis] + kTouchingShaft || blocker.high[axis] < box.low[axis] - kTouchingShaft)
-      return true;
-  const dvec3 middle = 0.5 * (box.low + box.high), reach = 0.5 * (box.high - box.low);
-  const double at = glm::dot(blocker.normal, middle) - blocker.offset,
-               spread = glm::dot(glm::abs(blocker.normal), reach);
-  return (at - spread >= -kTouchingShaft && at + spread > kTouchingShaft) ||
-         (at + spread <= kTouchingShaft && at - spread < -kTouchingShaft);
 }
 
 PatchShaft::PatchShaft(const Patch& a, const Patch& b) : a_(a), b_(b) {

@@ -32,8 +32,6 @@ class Shaft {
   // Copies the blockers of `from` that may reach into the shaft, in their order.
   //   Out: to: closed    Cost: O(from).
   void keepInside(const BlockerList& from, BlockerList& to, Vectors vectors) const;
-  // Returns whether a straight edge is outside.
-  bool isOutside(const std::array<glm::dvec3, 2>& ends) const;
 
  private:
   void addPlane(const glm::dvec3& normal, double offset);
@@ -70,8 +68,6 @@ class Corners {
 
 // Returns whether a patch touches a blocker nowhere but at its own edges, or not at all.
 bool areApart(const Patch& patch, const Blocker& blocker);
-// Returns whether a box touches a blocker nowhere but on its own surface, or not at all.
-bool areApart(const Box& box, const Blocker& blocker);
 
 // A PatchShaft is the shaft of two patches that do not lie in one plane.
 class PatchShaft {
