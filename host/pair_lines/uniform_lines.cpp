@@ -23,7 +23,7 @@ constexpr double kLeastCosine2[] = {1.0 / 64, 1e-8};
 constexpr float kLeastSlope = 1e-18f;  // so that nothing overflows
 // Candidates beyond this multiple of what is expected show that the exchange area is wrong.
 constexpr double kMostCandidates = 64;
-constexpr uint64_t kFreeCandidates = 1 << 16;
+constexpr uint64_t kFreeCandidates = 1 << 10;
 
 // Sixteen generators xoshiro128++ side by side (D. Blackman, S. Vigna, Scrambled linear pseudorandom number generators,
 // ACM Trans. Math. Softw. 47, 2021).
