@@ -1,5 +1,6 @@
 // A guarantee by lines of their own: with probability 1 - delta every form factor lies in its interval, and every form
 // factor between polygons is within epsilon.
+// line_guarantee_plan.cpp plans, line_guarantee.cpp draws, line_guarantee_result.cpp makes intervals.
 //
 // An entry of the result has the exchange area clear + share x blockable, whose share is the only unknown. Where the
 // blockable part is at most epsilon, geometry alone bounds it. Others get independent lines (uniform_lines.h).
@@ -19,6 +20,9 @@
 
 namespace viewpeel {
 
+// Of unoccluded form factors (kUnoccludedRelativeError), and of the density of lines.
+constexpr double kRoundingError = 3e-6;
+
 struct LineGuaranteeOptions {
   double epsilon = 1e-2, delta = 1e-2;
   bool rows = false;  // whether environment, too, is to be within epsilon
@@ -29,7 +33,8 @@ class LineGuarantee {
  public:
   // Plans: which entries need lines, and how many at most. A few lines of each say what to expect.
   //   In: lines: before find(); scene, face_ids, ids and lines are referred to; ids: of the result
-  //   Cost: as PairLines::find, and 16 lines an entry.
+  //   Throws: Error bad_usage where epsilon is below what rounding leaves.
+  //   Cost: as PairLines::find, and some 160,000 lines.
   LineGuarantee(const Scene& scene, const Ids& face_ids, const Ids& ids, PairLines& lines,
                 const LineGuaranteeOptions& options);
 
@@ -83,6 +88,8 @@ class LineGuarantee {
   void planLooks();
   void planRows();
   void predict();
+  void measureSeconds();
+  double expectedLines(const Entry& entry) const;
   void forEach(size_t count, const std::function<void(size_t)>& work) const;
   double weightAt(const Entry& entry, uint32_t look) const;
   double mostCandidates(const Entry& entry, const Part& part) const;
@@ -105,6 +112,11 @@ class LineGuarantee {
   double log_entry_ = 0, log_row_ = 0;  // ln(2 / p) of one look at one entry, of one row
   uint32_t look_ = 0, most_looks_ = 1;
   Vectors vectors_ = widestVectors();
+
+  // A line of an entry that geometry bounds may cost so many candidates; beyond, its lines are left open. Such entries
+  // are small and near: slivers side by side. Where a row's sum is promised, or is the entry, each of them counts more.
+  static constexpr double kMostCandidates = 100, kMostCandidatesOfSums = 10'000;
+  static constexpr double kShareOfOpen = 0.01;  // of what a sum may err: parts that may be left open sooner, in all
 };
 
 }  // namespace viewpeel

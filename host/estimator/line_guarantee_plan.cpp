@@ -1,0 +1,216 @@
+// Plans a guarantee by pair lines: which entries need lines, how many at most, and how many are expected.
+#include "estimator/line_guarantee.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include <viewpeel/error.h>
+#include "stopwatch.h"
+#include "sums/add_pairs.h"
+
+namespace viewpeel {
+namespace {
+
+constexpr uint32_t kMostEntryLooks = 5;      // at an entry's bound; each has twice the lines of the one before
+constexpr double kFewestLines = 16;          // of an entry
+constexpr double kLeastRoundingShare = 0.5;  // of epsilon that rounding has to leave
+constexpr double kShareOfLines = 0.98;    // of what an entry may err; the rest is for lines that rounding leaves open
+constexpr double kShareOfRowLines = 0.9;  // the same of a row, with parts that cost too many candidates
+constexpr double kFirstLook = 1.2;        // of the lines after which an entry without facing lines is done
+constexpr double kRowShare = 0.5;         // of delta, where rows have bounds
+constexpr uint64_t kPilotSeries = 1000;   // looks have those below
+constexpr size_t kPilots = 2048;          // entries
+constexpr size_t kTimedEntries = 64;
+constexpr uint64_t kTimedLines = 2048;
+
+// Returns the largest weight c of a line for which Hoeffding's bound is `allowed`, where parts of g = blockable in all
+// have ceil(g_k / c) lines: c^2 (g / c + parts) l / 2 <= allowed^2.
+double hoeffdingWeight(double blockable, double parts, double allowed, double l) {
+  return (std::sqrt(blockable * blockable + 8 * parts * allowed * allowed / l) - blockable) / (2 * parts);
+}
+
+}  // namespace
+
+LineGuarantee::LineGuarantee(const Scene& scene, const Ids& face_ids, const Ids& ids, PairLines& lines,
+                             const LineGuaranteeOptions& options)
+    : scene_(scene), face_ids_(face_ids), ids_(ids), lines_(lines), options_(options) {
+  const auto begun = Clock::now();
+  options_.rows &= options_.delta > 0;  // no number of lines proves a row's sum for certain
+  collectEntries();
+  if (lines_.hasTooMany()) return;
+  planLooks();
+  if (options_.rows) planRows();
+  predict();
+  open_.resize(entries_.size());
+  std::iota(open_.begin(), open_.end(), 0u);
+  // The entries with most lines first, so that no thread is left with one of them at the end.
+  std::ranges::stable_sort(open_, std::ranges::greater{},
+                           [&](uint32_t k) { return linesOf(entries_[k], entries_[k].looks - 1); });
+  const double e = options_.epsilon, d = options_.delta, bounds = double(std::max<size_t>(entries_.size(), 1));
+  figures_.epsilon = e, figures_.delta = d;
+  figures_.lemma_1 = 1 / (e * e * d), figures_.lemma_1_all = bounds / (e * e * d);
+  figures_.median_directions = std::ceil(8 * std::log(bounds / d)) * 4 / (e * e);
+  figures_.plan_seconds = secondsSince(begun);
+  measureSeconds();
+}
+
+void LineGuarantee::collectEntries() {
+  const std::vector<LinePair> pairs = lines_.find();
+  std::vector<std::pair<std::pair<uint32_t, uint32_t>, uint32_t>> by_key;
+  by_key.reserve(pairs.size());
+  for (uint32_t k = 0; k < pairs.size(); ++k) by_key.push_back({entryOf(pairs[k], face_ids_, options_.by), k});
+  std::ranges::sort(by_key);
+  for (const auto& [key, k] : by_key) {
+    if (entries_.empty() || keyOf(entries_.back()) != key) {
+      entries_.push_back({key.first, key.second});
+      entries_.back().first_part = static_cast<uint32_t>(parts_.size());
+    }
+    // Two faces of one surface exchange both ways within it.
+    const double ways = key.first == key.second ? 2 : 1;
+    Entry& entry = entries_.back();
+    entry.exchange += ways * pairs[k].exchange, entry.clear += ways * pairs[k].clear;
+    for (const PairLines::Part& part : lines_.blockableParts(k)) parts_.push_back({part.index, ways * part.exchange});
+    entry.part_count = static_cast<uint32_t>(parts_.size()) - entry.first_part;
+  }
+  for (Entry& entry : entries_) {
+    double blockable = 0;
+    for (uint32_t k = 0; k < entry.part_count; ++k) blockable += parts_[entry.first_part + k].exchange;
+    entry.clear = entry.exchange - blockable;
+    const double area = ids_.smallerArea(entry.i, entry.j);
+    entry.allowed = options_.epsilon * area - kRoundingError * entry.exchange;
+    if (entry.allowed < kLeastRoundingShare * options_.epsilon * area)
+      throw Error(ErrorCode::bad_usage,
+                  fmt::format("--epsilon {} is below what rounding leaves of a guarantee; ask for {:.0e} or more",
+                              options_.epsilon, kRoundingError / (1 - kLeastRoundingShare)));
+    if (entry.j == kLeak && !options_.rows) entry.allowed = INFINITY;  // a part of the row's sum, like environment
+  }
+}
+
+void LineGuarantee::planLooks() {
+  const auto isDrawn = [&](const Entry& entry) { return options_.delta > 0 && !entry.isBounded(); };
+  const bool has_rows = ids_.counts_environment && options_.delta > 0;
+  const double drawn = double(std::ranges::count_if(entries_, isDrawn)),
+               delta = options_.delta * (has_rows ? 1 - kRowShare : 1);
+  log_entry_ = std::log(2 * std::max(drawn, 1.0) * kMostEntryLooks / delta);
+  log_row_ = std::log(2 * double(ids_.count()) / (kRowShare * options_.delta));
+  for (Entry& entry : entries_) {
+    const double blockable = entry.blockable();
+    ++(entry.part_count == 0 ? figures_.exact : isDrawn(entry) ? figures_.drawn : figures_.bounded);
+    if (entry.part_count == 0) continue;
+    entry.weight = blockable / kFewestLines;
+    if (entry.j == kLeak && !options_.rows) {
+      // So many lines that its standard error is epsilon at most.
+      const double allowed = options_.epsilon * ids_.areas[entry.i];
+      entry.weight = std::min(entry.weight, 4 * allowed * allowed / blockable);
+    }
+    if (!isDrawn(entry)) {
+      entry.most_candidates = entry.j == kLeak ? kMostCandidatesOfSums : kMostCandidates;
+      continue;
+    }
+    const double allowed = kShareOfLines * entry.allowed,
+                 last = std::min(entry.weight, hoeffdingWeight(blockable, entry.part_count, allowed, log_entry_)),
+                 first = std::max(last, std::min(entry.weight, allowed / (kFirstLook * log_entry_)));
+    entry.weight = last;
+    entry.looks = std::min(kMostEntryLooks, 1 + static_cast<uint32_t>(std::log2(first / last)));
+  }
+}
+
+// Lines of the first look bound a row's sum: so many that the bound is epsilon.
+void LineGuarantee::planRows() {
+  std::vector<double> blockable(ids_.count(), 0), parts(ids_.count(), 0), rounding(ids_.count(), 0),
+      entry_counts(ids_.count(), 0);
+  const auto addTo = [&](uint32_t row, const Entry& entry) {
+    blockable[row] += entry.blockable(), parts[row] += entry.part_count;
+    rounding[row] += kRoundingError * entry.exchange;
+    ++entry_counts[row];
+  };
+  const auto forRows = [&](const Entry& entry, const auto& use) {
+    if (ids_.isRequested(entry.i)) use(entry.i);
+    if (entry.j < kEnvironment && entry.j != entry.i && ids_.isRequested(entry.j)) use(entry.j);
+  };
+  for (const Entry& entry : entries_) forRows(entry, [&](uint32_t row) { addTo(row, entry); });
+  for (Entry& entry : entries_) {
+    if (entry.part_count == 0) continue;
+    double most = INFINITY;
+    forRows(entry, [&](uint32_t row) {
+      const double allowed = kShareOfRowLines * options_.epsilon * ids_.areas[row] - rounding[row];
+      most = std::min(most, hoeffdingWeight(blockable[row], parts[row], allowed, log_row_));
+      if (entry.blockable() * entry_counts[row] > kShareOfOpen * options_.epsilon * ids_.areas[row])
+        entry.most_candidates = std::max(entry.most_candidates, kMostCandidatesOfSums);
+    });
+    entry.weight = std::min(entry.weight, most);
+    while (entry.looks > 1 && weightAt(entry, 0) > most) --entry.looks;
+  }
+}
+
+// Returns the lines after which an entry is expected to be done, from a few of them.
+double LineGuarantee::expectedLines(const Entry& entry) const {
+  double facing = 0, all = 0;
+  for (uint32_t k = 0; k < entry.part_count; ++k) {
+    const Part& part = parts_[entry.first_part + k];
+    const uint64_t lines = k < kFewestLines ? static_cast<uint64_t>(kFewestLines) / entry.part_count + 1 : 0;
+    const UniformLineCount count =
+        lines_.drawUniform(part.index, kPilotSeries, lines, mostCandidates(entry, part), vectors_);
+    facing += double(count.facing), all += double(count.lines);
+  }
+  const double share = (facing + 1) / (all + 2), variance = share * (1 - share);
+  for (uint32_t look = 0; look + 1 < entry.looks; ++look) {
+    const double n = linesOf(entry, look),
+                 bound = entry.blockable() * (std::sqrt(2 * variance * log_entry_ / n) + log_entry_ / (3 * n));
+    if (bound <= entry.allowed) return n;
+  }
+  return linesOf(entry, entry.looks - 1);
+}
+
+// A pilot of some entries predicts the lines of all. Where an entry may have several looks, its chance to be in the
+// pilot is proportional to its most lines, and the sum is weighted accordingly.
+void LineGuarantee::predict() {
+  std::vector<uint32_t> uncertain;
+  double most_uncertain = 0;
+  for (uint32_t k = 0; k < entries_.size(); ++k) {
+    const Entry& entry = entries_[k];
+    if (entry.part_count == 0) continue;
+    const double most = linesOf(entry, entry.looks - 1);
+    figures_.most_lines += most;
+    most_looks_ = std::max(most_looks_, entry.looks);
+    if (most > figures_.most_for_one)
+      figures_.most_for_one = most, figures_.neediest = {ids_.names[entry.i], nameOf(entry.j)};
+    if (entry.looks == 1) figures_.expected_lines += most;
+    else uncertain.push_back(k), most_uncertain += most;
+  }
+  // Pilots stand at even distances of most lines.
+  std::vector<std::pair<uint32_t, double>> pilots;  // with weights
+  const double step = most_uncertain / double(kPilots);
+  double sum = 0;
+  for (const uint32_t k : uncertain) {
+    const double most = linesOf(entries_[k], entries_[k].looks - 1), before = std::floor(sum / step + 0.5),
+                 turns = std::floor((sum += most) / step + 0.5) - before;
+    if (uncertain.size() <= kPilots) pilots.emplace_back(k, 1);
+    else if (turns > 0) pilots.emplace_back(k, turns * step / most);
+  }
+  std::vector<double> expected(pilots.size());
+  forEach(pilots.size(), [&](size_t k) { expected[k] = expectedLines(entries_[pilots[k].first]); });
+  for (size_t k = 0; k < pilots.size(); ++k) figures_.expected_lines += pilots[k].second * expected[k];
+}
+
+// Predicts times from lines of the entries that have most of them.
+void LineGuarantee::measureSeconds() {
+  const auto begun = Clock::now();
+  double lines = 0;
+  for (size_t k = 0; k < std::min(kTimedEntries, open_.size()); ++k) {
+    const Entry& entry = entries_[open_[k]];
+    if (entry.part_count == 0) break;
+    const Part& part = parts_[entry.first_part];
+    lines_.drawUniform(part.index, kPilotSeries, kTimedLines, kMostCandidates, vectors_);
+    lines += double(kTimedLines);
+  }
+  if (!(lines > 0)) return;
+  const double seconds_each = secondsSince(begun) / lines / double(lines_.threads());
+  figures_.expected_seconds = figures_.expected_lines * seconds_each;
+  figures_.most_seconds = figures_.most_lines * seconds_each;
+}
+
+}  // namespace viewpeel

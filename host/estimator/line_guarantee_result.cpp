@@ -1,0 +1,151 @@
+// Makes form factors and intervals of a guarantee's lines: bounds of rows, and what rows leave to their entries.
+#include "estimator/line_guarantee.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <viewpeel/error.h>
+#include "estimator/estimate.h"
+#include "sums/add_pairs.h"
+#include "sums/line_form_factors.h"
+
+namespace viewpeel {
+
+std::vector<LineGuarantee::Row> LineGuarantee::sumRows() const {
+  std::vector<Row> rows(ids_.count());
+  const auto addTo = [&](uint32_t id, const Entry& entry) {
+    Row& row = rows[id];
+    row.lower += entry.interval.lower, row.upper += entry.interval.upper;
+    row.first += entry.clear + entry.first_facing, row.open += entry.first_open, row.squares += entry.first_variance;
+    row.rounding += kRoundingError * entry.exchange;
+  };
+  for (const Entry& entry : entries_) {
+    addTo(entry.i, entry);
+    if (entry.j < kEnvironment && entry.j != entry.i) addTo(entry.j, entry);
+  }
+  return rows;
+}
+
+// Refuses rows of which too much is left open after the first look, as their bound can no longer be kept.
+void LineGuarantee::requireRows() const {
+  const std::vector<Row> rows = sumRows();
+  for (uint32_t id = 0; id < ids_.count(); ++id) {
+    if (!ids_.isRequested(id) || !ids_.counts_environment) continue;
+    const double off =
+        (std::sqrt(log_row_ * rows[id].squares / 2) + rows[id].rounding + rows[id].open) / ids_.areas[id];
+    if (off > options_.epsilon)
+      throw Error(
+          ErrorCode::limit,
+          fmt::format("the row of {} sees slivers beside it in so many pairs that its environment is bounded to "
+                      "{:.2e} only; ask for a larger --epsilon, or leave out --rows",
+                      ids_.names[id], off));
+  }
+}
+
+// Adds what each row's first lines say together, and what the row's other entries leave.
+std::vector<Interval> LineGuarantee::findIntervals(const FormFactors& form_factors) const {
+  const std::vector<Row> rows = sumRows();
+  const auto leftBy = [&](uint32_t id) {
+    const Row& row = rows[id];
+    const double area = ids_.areas[id];
+    Interval left{std::max(0.0, area - row.upper), std::max(0.0, area - row.lower)};
+    if (options_.delta == 0) return left;
+    const double bound = std::sqrt(log_row_ * row.squares / 2) + row.rounding;
+    left.lower = std::max(left.lower, std::min(left.upper, area - row.first - row.open - bound));
+    left.upper = std::max(left.lower, std::min(left.upper, area - row.first + bound));
+    return left;
+  };
+  std::vector<Interval> intervals;
+  auto at = entries_.begin();
+  for (const FormFactors::Entry& wanted : form_factors.entries()) {
+    if (wanted.j == kEnvironment) {
+      intervals.push_back(leftBy(wanted.i));
+      continue;
+    }
+    while (at != entries_.end() && keyOf(*at) < keyOf(wanted)) ++at;
+    if (at == entries_.end() || keyOf(*at) != keyOf(wanted)) {  // leak that only common directions have counted
+      intervals.push_back({0, leftBy(wanted.i).upper});
+      continue;
+    }
+    Interval interval = at->interval;
+    if (ids_.counts_environment)
+      for (const uint32_t id : {at->i, at->j})
+        if (id < kEnvironment && ids_.isRequested(id))
+          interval.upper =
+              std::min(interval.upper, std::max(interval.lower, ids_.areas[id] - rows[id].lower + interval.lower));
+    intervals.push_back(interval);
+  }
+  return intervals;
+}
+
+// Adds the environment of rows that look as if they saw none: their intervals say how much it may be.
+FormFactors LineGuarantee::withEveryEnvironment(FormFactors all) const {
+  std::vector<char> has_environment(ids_.count(), false);
+  bool is_open = false;
+  for (const FormFactors::Entry& entry : all.entries())
+    if (entry.j == kEnvironment) has_environment[entry.i] = is_open = true;
+  if (!is_open) return all;
+  std::vector<Measured> row_sums = all.rowSums();
+  const Ids ids = all.ids();
+  std::vector<FormFactors::Entry> entries = std::move(all).entries();
+  for (uint32_t id = 0; id < ids.count(); ++id) {
+    if (has_environment[id] || !ids.isRequested(id)) continue;
+    const double left = std::max(0.0, 1 - row_sums[id].value) * ids.areas[id];
+    entries.push_back({id, kEnvironment, {left, row_sums[id].standard_error * ids.areas[id]}});
+    row_sums[id].value = std::max(row_sums[id].value, 1.0);
+  }
+  std::ranges::sort(entries, {}, keyOf<FormFactors::Entry>);
+  return {ids, std::move(entries), std::move(row_sums)};
+}
+
+Estimate LineGuarantee::estimate(const RunSums& sums, double relative_floor) const {
+  std::vector<FormFactors::Entry> entries;
+  Estimate estimate{FormFactors({}, {}, {}), FormFactors({}, {}, {})};
+  // Without lines all is certain, intervals of the environment too.
+  const bool needs_lines = figures_.drawn || (ids_.counts_environment && !parts_.empty());
+  Guarantee guarantee{options_.epsilon, needs_lines ? options_.delta : 0, 0, GuaranteedBy::chernoff};
+  for (const Entry& entry : entries_) {
+    entries.push_back({entry.i, entry.j, {entry.value, entry.standard_error}});
+    estimate.line_pairs += entry.part_count > 0;
+    for (uint32_t k = 0; k < entry.part_count; ++k) estimate.lines += parts_[entry.first_part + k].count.lines;
+    if (entry.j == kLeak) continue;
+    const double off = std::max(entry.interval.upper - entry.value, entry.value - entry.interval.lower);
+    guarantee.bound = std::max(guarantee.bound, off / ids_.smallerArea(entry.i, entry.j));
+  }
+  const bool by_polygon = options_.by == By::polygon;
+  const ReplicateSums& counted = by_polygon ? sums.by_id : sums.by_surface;
+  FormFactors all = lineFormFactors(entries, {}, By::polygon, counted, sums.measure_area, sums.countArea());
+  estimate.between_surfaces = by_polygon ? lineFormFactors(std::move(entries), face_ids_.surface, By::surface,
+                                                           sums.by_surface, sums.measure_area, sums.countArea())
+                                         : all;
+  estimate.between_surfaces = keepSeen(std::move(estimate.between_surfaces));
+  estimate.replicates = look_;
+  estimate.directions = sums.directions;
+  estimate.largest_standard_error = largestStandardError(all);
+  estimate.largest_relative_error = largestRelativeError(all, relative_floor);
+  estimate.interrupted = !isDone();
+  if (!isDone()) {
+    estimate.form_factors = keepSeen(std::move(all));
+    return estimate;
+  }
+  all = withEveryEnvironment(std::move(all));
+  std::vector<Interval> intervals = findIntervals(all);
+  std::vector<Measured> row_sums = all.rowSums();
+  const Ids ids = all.ids();
+  std::vector<FormFactors::Entry> found = std::move(all).entries();
+  // The environment's value is what values leave, and its interval follows from other sums.
+  for (size_t k = 0; k < found.size(); ++k) {
+    double& value = found[k].exchange_area.value;
+    value = std::clamp(value, intervals[k].lower, intervals[k].upper);
+    if (found[k].j != kEnvironment) continue;
+    const double off = std::max(intervals[k].upper - value, value - intervals[k].lower) / ids.areas[found[k].i];
+    guarantee.row_bound = std::max(guarantee.row_bound, off);
+  }
+  estimate.form_factors = FormFactors(ids, std::move(found), std::move(row_sums), std::move(intervals));
+  estimate.guarantee = guarantee;
+  return estimate;
+}
+
+}  // namespace viewpeel
