@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
 #include <utility>
 
 #include <viewpeel/error.h>
@@ -25,6 +24,10 @@ double allowedBy(const EstimateOptions& options, double exchange, double smaller
 }
 
 using Key = std::pair<uint32_t, uint32_t>;
+
+constexpr double kSpare = 1.2;       // of lines, beside those that an error asks for
+constexpr double kMostGrowth = 16;   // of a pair's lines by one replicate
+constexpr double kMostTimes = 1000;  // the planned lines: LineCount's units hold so much
 
 RunSums sumsToBeginWith(const Scene& scene, const Ids& face_ids, std::vector<LinePair> pairs,
                         const EstimateOptions& options) {
@@ -85,70 +88,111 @@ LineRun::LineRun(Engine& engine, const Scene& scene, const Ids& face_ids, PairLi
   }
 }
 
+// Returns the variance that each entry of a row may have so that the row's environment reaches the goal; infinite where
+// it has. A row's environment is 1 less its pairs, so all of them have a part in its error. The least lines do it where
+// the largest variances are cut to one size.
+std::vector<double> LineRun::findRowVariances(const FormFactors& all) const {
+  const Ids& ids = all.ids();
+  std::vector<double> sums(ids.count()), most(ids.count(), INFINITY);
+  // Lines of pairs make the leak no better where common directions count it.
+  const bool has_leak = sums_.lines->hasBacks();
+  const auto forEachPart = [&](const auto& add) {
+    for (const FormFactors::Entry& entry : all.entries())
+      for (const uint32_t id : {entry.i, entry.j})
+        if (id < kEnvironment && (entry.j < kEnvironment || (has_leak && entry.j == kLeak)))
+          add(id, std::pow(entry.exchange_area.standard_error, 2));
+  };
+  forEachPart([&](uint32_t id, double variance) { sums[id] += variance; });
+  std::map<uint32_t, std::vector<double>> parts;
+  for (const FormFactors::Entry& entry : all.entries()) {
+    if (entry.j != kEnvironment) continue;
+    const double excess = excessOf({entry.i, kEnvironment, {entry.exchange_area.value, std::sqrt(sums[entry.i])}}, ids);
+    if (!(excess > 1)) continue;
+    parts[entry.i];
+    sums[entry.i] /= excess * excess;  // what it may be
+  }
+  if (parts.empty()) return most;
+  forEachPart([&](uint32_t id, double variance) {
+    if (const auto row = parts.find(id); row != parts.end()) row->second.push_back(variance);
+  });
+  for (auto& [id, variances] : parts) {
+    std::ranges::sort(variances);
+    double left = sums[id];
+    for (size_t k = 0; k < variances.size(); ++k) {
+      most[id] = left / double(variances.size() - k);
+      if (variances[k] >= most[id]) break;
+      left -= variances[k];
+    }
+  }
+  return most;
+}
+
 void LineRun::measureErrors() {
   if (sums_.replicateCount() < options_.replicates) return;
   const FormFactors all = sums_.formFactors();
   largest_error_ = viewpeel::largestStandardError(all);
   const Ids& ids = all.ids();
-  // A row's environment is 1 less its pairs: all of them have a part in its error.
-  struct Row {
-    double variance = 0, count = 0;
-    bool is_wanting = false;
-  };
-  std::vector<Row> rows(ids.count());
-  for (const FormFactors::Entry& entry : all.entries())
-    for (const uint32_t id : {entry.i, entry.j}) {
-      if (id >= kEnvironment || entry.j == kEnvironment) continue;
-      rows[id].variance += std::pow(entry.exchange_area.standard_error, 2);
-      rows[id].count += 1;
-    }
-  for (const FormFactors::Entry& entry : all.entries()) {
-    if (entry.j != kEnvironment) continue;
-    Row& row = rows[entry.i];
-    row.is_wanting = isWanting({entry.i, kEnvironment, {entry.exchange_area.value, std::sqrt(row.variance)}}, ids);
-  }
-  std::set<Key> keys;
+  const std::vector<double> row_variances = findRowVariances(all);
+  std::vector<std::pair<Key, double>> wanting;  // entries and their excess, sorted
   for (const FormFactors::Entry& entry : all.entries()) {
     if (entry.j == kEnvironment) continue;
-    const double variance = std::pow(entry.exchange_area.standard_error, 2);
-    const auto isWantedBy = [&](const Row& row) { return row.is_wanting && variance * row.count > row.variance; };
-    if (isWanting(entry, ids) || isWantedBy(rows[entry.i]) || (entry.j < kEnvironment && isWantedBy(rows[entry.j])))
-      keys.insert(keyOf(entry));
+    const double error = entry.exchange_area.standard_error;
+    double excess = excessOf(entry, ids);
+    for (const uint32_t id : {entry.i, entry.j})
+      if (id < kEnvironment) excess = std::max(excess, error / std::sqrt(row_variances[id]));
+    if (excess > 1) wanting.emplace_back(keyOf(entry), excess);
   }
-  const std::vector<LinePair>& pairs = sums_.lines->pairs();
-  wanting_.assign(pairs.size(), false);
-  is_any_wanting_ = false;
-  for (size_t k = 0; k < pairs.size() && !keys.empty(); ++k) {
-    wanting_[k] = pairs[k].blocks && keys.contains(entryOf(pairs[k], sums_.lines->ids(), options_.by));
-    is_any_wanting_ = is_any_wanting_ || wanting_[k];
-  }
+  planFurther(wanting);
 }
 
-bool LineRun::isWanting(const FormFactors::Entry& entry, const Ids& ids) const {
+// Plans the lines of the next replicate: those that bring wanting entries to the goal.
+void LineRun::planFurther(const std::vector<std::pair<Key, double>>& wanting) {
+  const std::vector<LinePair>& pairs = sums_.lines->pairs();
+  further_.assign(wanting.empty() ? 0 : pairs.size(), 0);
+  is_reached_ = true;
+  for (size_t k = 0; k < further_.size(); ++k) {
+    if (pairs[k].blocks == 0) continue;
+    const Key key = entryOf(pairs[k], sums_.lines->ids(), options_.by);
+    const auto at = std::ranges::lower_bound(wanting, key, {}, &std::pair<Key, double>::first);
+    if (at == wanting.end() || at->first != key) continue;
+    // The number of lines falls as the error to the power of -8/5. Few lines know their own error badly.
+    const double lines = std::min(kSpare * std::pow(at->second, 8.0 / 5), kMostGrowth) - 1,
+                 times = lines * double(sums_.lines->sums()[k].blocks) / pairs[k].blocks;
+    further_[k] = static_cast<uint32_t>(std::clamp(std::ceil(times), 1.0, kMostTimes));
+    is_reached_ = false;
+  }
+  if (is_reached_) further_.clear();
+}
+
+// Returns an entry's error over the error that the goals allow it.
+double LineRun::excessOf(const FormFactors::Entry& entry, const Ids& ids) const {
   const double area = ids.smallerArea(entry.i, entry.j),
                error = errorsInGoal(entry.j) * entry.exchange_area.standard_error;
-  if (options_.tolerance && error > *options_.tolerance * area) return true;
-  return options_.relative && entry.exchange_area.value >= options_.relative_floor * area &&
-         error > *options_.relative * entry.exchange_area.value;
+  double excess = options_.tolerance ? error / (*options_.tolerance * area) : 0;
+  if (options_.relative && entry.exchange_area.value >= options_.relative_floor * area)
+    excess = std::max(excess, error / (*options_.relative * entry.exchange_area.value));
+  return excess;
 }
 
 bool LineRun::isDone() const {
   const uint64_t done = sums_.replicateCount();
   const auto done_here = double(done - resumed_count_);
-  // Further replicates have twice the lines of the one before.
-  const double next = done >= options_.replicates ? 2 * last_seconds_ : secondsSince(start_) / std::max(done_here, 1.0);
+  double next = secondsSince(start_) / std::max(done_here, 1.0);
+  if (!further_.empty()) next *= furtherLines() / (double(sums_.lines->lineCount()) / double(done));
   if (options_.seconds && done >= 2 && done_here > 0 && secondsSince(start_) + next > *options_.seconds) return true;
-  return done >= options_.replicates && !is_any_wanting_;
+  return done >= options_.replicates && further_.empty();
+}
+
+// Returns the lines of the next replicate.
+double LineRun::furtherLines() const {
+  double lines = 0;
+  for (size_t k = 0; k < further_.size(); ++k) lines += 16.0 * further_[k] * sums_.lines->pairs()[k].blocks;
+  return lines;
 }
 
 void LineRun::step() {
-  const auto begun = Clock::now();
   const uint64_t replicate = options_.first_replicate + sums_.replicateCount();
-  // Each further replicate has twice as many lines, so that a pair with too few planned reaches its goal in a few.
-  constexpr uint64_t kMostDoublings = 6;
-  const uint64_t further = std::max<uint64_t>(sums_.replicateCount(), options_.replicates) - options_.replicates;
-  const LineCounts counts =
-      lines_.count(sums_.lines->pairs(), replicate, wanting_, 1u << std::min(further, kMostDoublings));
+  const LineCounts counts = lines_.count(sums_.lines->pairs(), replicate, further_);
   PairCounts common;
   if (options_.directions)
     common = engine_.count(sampleDirections(options_.sampler, options_.directions, options_.seed, replicate));
@@ -157,7 +201,6 @@ void LineRun::step() {
   if (sums_.replicateCount() == 0) sums_.measure_area = count_area_;
   sums_.addLines(replicate, common, options_.directions, counts);
   measureErrors();
-  last_seconds_ = secondsSince(begun);
 }
 
 Estimate LineRun::estimate() const { return makeEstimate(sums_, options_.relative_floor); }

@@ -39,7 +39,7 @@ class LineRun {
   // Returns whether the goal is reached, or the next replicate would end after the time.
   bool isDone() const;
   // Returns whether the goal is reached, in time or not.
-  bool isReached() const { return !is_any_wanting_; }
+  bool isReached() const { return is_reached_; }
   // Counts one replicate.    Throws: what the engine throws; the sums are then as before.
   void step();
   const RunSums& sums() const { return sums_; }
@@ -49,7 +49,10 @@ class LineRun {
 
  private:
   void measureErrors();
-  bool isWanting(const FormFactors::Entry& entry, const Ids& ids) const;
+  std::vector<double> findRowVariances(const FormFactors& all) const;
+  void planFurther(const std::vector<std::pair<std::pair<uint32_t, uint32_t>, double>>& wanting);
+  double excessOf(const FormFactors::Entry& entry, const Ids& ids) const;
+  double furtherLines() const;
 
   Engine& engine_;
   PairLines& lines_;
@@ -57,11 +60,11 @@ class LineRun {
   double count_area_;
   RunSums sums_;
   double largest_error_ = INFINITY;
-  std::vector<bool> wanting_;  // of each pair, after the planned replicates: whether it misses the goal
-  bool is_any_wanting_ = true;
+  // After the planned replicates: how many times its planned lines each pair gets next. Empty where all are done.
+  std::vector<uint32_t> further_;
+  bool is_reached_ = false;  // all pairs have the lines that their goal asks for
   uint64_t resumed_count_ = 0;
   Clock::time_point start_ = Clock::now();
-  double last_seconds_ = 0;  // of the last replicate
 };
 
 }  // namespace viewpeel

@@ -26,6 +26,9 @@ constexpr uint32_t kMostPeriod = 8;
 // N lines that agree leave a share of at most ln(1 / p) / N to lines that do not, but for probability p. At p = 1e-3,
 // with errors of four standard errors, N has to be this over the allowed standard error.
 constexpr double kAgreeing = 1.75;
+// 16 lines leave a visibility this standard error at most where their weights are as uneven as kUneven allows: eq. (46)
+// and (47) with b = 1/2 and n = 3.2.
+constexpr double kCertain = 0.272;
 constexpr double kRate = 0.8;  // a variance falls as N^-1.25: N lines for it are its power of -0.8
 
 bool areNear(const Patch& a, const Patch& b) {
@@ -144,9 +147,8 @@ LineCount PairLines::combine(const LinePair& pair, const Group& group, uint32_t 
 }
 
 // Draws all lines of a pair in one replicate.
-LineCount PairLines::draw(const LinePair& pair, const Group& group, uint64_t replicate, uint32_t times,
+LineCount PairLines::draw(const LinePair& pair, const Group& group, uint64_t replicate, uint32_t blocks,
                           Vectors vectors) const {
-  const uint32_t blocks = std::min(pair.blocks * times, kMostLineBlocks);
   return combine(pair, group, blocks, [&](uint32_t part) {
     return drawOnHost(taskOf(pair, part, replicate, blocks), finder_.patches(), finder_.blockers(), vectors);
   });
@@ -165,9 +167,7 @@ void PairLines::openDevice(std::span<const LinePair> pairs, std::span<const Line
 }
 
 // Draws the lines of pairs on the device, but for parts with too many blockers.    In, out: counts: with their pairs
-void PairLines::drawOnDevice(std::span<const LinePair> pairs, std::span<LineCount> counts, uint64_t replicate,
-                             uint32_t times) {
-  const auto blocksOf = [&](size_t k) { return std::min(pairs[counts[k].pair].blocks * times, kMostLineBlocks); };
+void PairLines::drawOnDevice(std::span<const LinePair> pairs, std::span<LineCount> counts, uint64_t replicate) {
   std::vector<size_t> first_task(counts.size() + 1);
   for (size_t k = 0; k < counts.size(); ++k) {
     const Group& group = groups_[counts[k].pair];
@@ -184,7 +184,7 @@ void PairLines::drawOnDevice(std::span<const LinePair> pairs, std::span<LineCoun
     for (uint32_t part = group.first; part < group.first + group.count; ++part) {
       if (!parts_.pairs[part].blocker_count) continue;
       LineTask& task = tasks[at];
-      task = taskOf(pairs[counts[k].pair], part, replicate, blocksOf(k));
+      task = taskOf(pairs[counts[k].pair], part, replicate, counts[k].blocks);
       if (!DeviceLines::takes(task)) {
         on_host[at] = drawOnHost(task, finder_.patches(), finder_.blockers(), vectors);
         task.between = {}, task.end = task.first;
@@ -196,7 +196,7 @@ void PairLines::drawOnDevice(std::span<const LinePair> pairs, std::span<LineCoun
   forEach(counts.size(), [&](size_t k) {
     const uint32_t pair = counts[k].pair;
     size_t at = first_task[k];
-    counts[k] = combine(pairs[pair], groups_[pair], blocksOf(k), [&](uint32_t) {
+    counts[k] = combine(pairs[pair], groups_[pair], counts[k].blocks, [&](uint32_t) {
       const DrawnLines& lines = on_host[at].lines ? on_host[at] : drawn[at];
       ++at;
       return lines;
@@ -206,12 +206,11 @@ void PairLines::drawOnDevice(std::span<const LinePair> pairs, std::span<LineCoun
 }
 
 // Draws on the device. Returns false where it rounds otherwise, or lacks memory; it is not asked again then.
-bool PairLines::tryDevice(std::span<const LinePair> pairs, LineCounts& counts, uint64_t replicate, uint32_t times) {
+bool PairLines::tryDevice(std::span<const LinePair> pairs, LineCounts& counts, uint64_t replicate) {
   try {
     if (!device_lines_) openDevice(pairs, counts, replicate);
     for (size_t first = 0; device_lines_ && first < counts.size(); first += kDeviceChunk)
-      drawOnDevice(pairs, std::span(counts).subspan(first, std::min(kDeviceChunk, counts.size() - first)), replicate,
-                   times);
+      drawOnDevice(pairs, std::span(counts).subspan(first, std::min(kDeviceChunk, counts.size() - first)), replicate);
   } catch (const Error& error) {
     if (error.code() != ErrorCode::memory) throw;
     device_lines_.reset();
@@ -260,14 +259,16 @@ bool PairLines::isPartial(const Group& group) const {
   return false;
 }
 
-// Returns how many lines a pair needs for its goal, from a pilot of 16 lines, or of 128 where 16 are too few.
+// Returns how many lines a pair needs for its goal, from a pilot of 16 lines, or of 128 where 16 are too few. No pilot
+// is needed where 16 lines do whatever they say.
 //   In: goal: standard error of the visibility    Out: pair: by_angles
 double PairLines::findNeed(LinePair& pair, const Group& group, double goal, Vectors vectors) const {
   constexpr double kPilotLines = LineDrawer::kBlockLines;
+  if (goal >= kCertain) return kPilotLines;
   LineSums::PairSum sum;
   const auto pilot = [&](uint32_t first, uint32_t end) {
     for (uint32_t p = first; p < end; ++p)
-      LineSums::addTo(sum, draw(pair, group, kLineReplicates.first + p, 1, vectors));
+      LineSums::addTo(sum, draw(pair, group, kLineReplicates.first + p, pair.blocks, vectors));
   };
   const auto takeBetterWay = [&](uint32_t pilots) {
     if (pair.by_angles || double(sum.effective) / kEffectiveUnit >= kUneven * pilots * kPilotLines) return;
@@ -301,18 +302,19 @@ void PairLines::plan(std::span<LinePair> pairs, const std::function<double(const
   });
 }
 
-LineCounts PairLines::count(std::span<const LinePair> pairs, uint64_t replicate, const std::vector<bool>& wanted,
-                            uint32_t times) {
+LineCounts PairLines::count(std::span<const LinePair> pairs, uint64_t replicate, std::span<const uint32_t> times) {
   std::vector<uint32_t> due;
   for (uint32_t k = 0; k < pairs.size(); ++k)
-    if (wanted.empty() ? pairs[k].hasLines(replicate) : pairs[k].blocks && wanted[k]) due.push_back(k);
+    if (times.empty() ? pairs[k].hasLines(replicate) : pairs[k].blocks && times[k]) due.push_back(k);
   LineCounts counts(due.size());
-  for (size_t k = 0; k < due.size(); ++k) counts[k].pair = due[k];
-  const uint32_t more = wanted.empty() ? 1 : times;
-  if (device_ && tryDevice(pairs, counts, replicate, more)) return counts;
+  for (size_t k = 0; k < due.size(); ++k) {
+    counts[k].pair = due[k];
+    counts[k].blocks = std::min(pairs[due[k]].blocks * (times.empty() ? 1 : times[due[k]]), kMostLineBlocks);
+  }
+  if (device_ && tryDevice(pairs, counts, replicate)) return counts;
   const Vectors vectors = widestVectors();
   forEach(due.size(), [&](size_t k) {
-    counts[k] = draw(pairs[due[k]], groups_[due[k]], replicate, more, vectors);
+    counts[k] = draw(pairs[due[k]], groups_[due[k]], replicate, counts[k].blocks, vectors);
     counts[k].pair = due[k];
   });
   return counts;

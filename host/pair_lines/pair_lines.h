@@ -47,11 +47,10 @@ class PairLines {
   void plan(std::span<LinePair> pairs, const std::function<double(const LinePair&)>& allowed, uint32_t replicates);
 
   // Draws the lines of one replicate.
-  //   In: pairs: as planned, all of find()'s; wanted: of each pair, whether it draws in this replicate, whatever its
-  //   turn, `times` as many lines as planned; empty: pairs draw when it is their turn
+  //   In: pairs: as planned, all of find()'s; times: how many times its planned lines each pair draws, whatever its
+  //   turn; empty: pairs draw once when it is their turn
   //   Out: counts, by pair; a function of seed, pair and replicate alone    Cost: some 5 to 50 ns a line.
-  LineCounts count(std::span<const LinePair> pairs, uint64_t replicate, const std::vector<bool>& wanted = {},
-                   uint32_t times = 1);
+  LineCounts count(std::span<const LinePair> pairs, uint64_t replicate, std::span<const uint32_t> times = {});
 
   // A part of a pair of faces: two of their patches that something may block.
   struct Part {
@@ -76,13 +75,13 @@ class PairLines {
   struct Group {
     uint32_t first, count;  // of parts_
   };
-  LineCount draw(const LinePair& pair, const Group& group, uint64_t replicate, uint32_t times, Vectors vectors) const;
+  LineCount draw(const LinePair& pair, const Group& group, uint64_t replicate, uint32_t blocks, Vectors vectors) const;
   LineTask taskOf(const LinePair& pair, uint32_t part, uint64_t replicate, uint32_t blocks) const;
   template <class DrawnOf>
   LineCount combine(const LinePair& pair, const Group& group, uint32_t blocks, const DrawnOf& drawn_of) const;
   void openDevice(std::span<const LinePair> pairs, std::span<const LineCount> counts, uint64_t replicate);
-  bool tryDevice(std::span<const LinePair> pairs, LineCounts& counts, uint64_t replicate, uint32_t times);
-  void drawOnDevice(std::span<const LinePair> pairs, std::span<LineCount> counts, uint64_t replicate, uint32_t times);
+  bool tryDevice(std::span<const LinePair> pairs, LineCounts& counts, uint64_t replicate);
+  void drawOnDevice(std::span<const LinePair> pairs, std::span<LineCount> counts, uint64_t replicate);
   bool isPartial(const Group& group) const;
   void leaveOut(std::vector<LinePair>& pairs, double least_form_factor);
   std::array<uint32_t, 4> scramblesOf(const PatchPair& part, uint64_t replicate) const;

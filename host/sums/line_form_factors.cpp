@@ -48,17 +48,16 @@ void addEnvironmentAndLeak(std::vector<FormFactors::Entry>& entries, const Repli
   for (const FormFactors::Entry& entry : entries)
     if (entry.j == kLeak) leak[entry.i] = {};  // lines have found it
   const std::vector<Measured> rows = sumRows(entries, ids.areas);
+  const auto pair_count = static_cast<std::ptrdiff_t>(entries.size());
   for (uint32_t i = 0; i < ids.count(); ++i) {
     if (!ids.isRequested(i)) continue;
     const double left = std::max(0.0, 1 - rows[i].value) * ids.areas[i], doubt = rows[i].standard_error * ids.areas[i];
-    if (leak[i].value > 0) {
-      leak[i].value = std::min(leak[i].value, left);
-      entries.push_back({i, kLeak, leak[i]});
-    }
+    leak[i].value = std::min(leak[i].value, left);
     if (environment[i].value > 0 || (is_open && left - leak[i].value > kBeyondDoubt * doubt))
       entries.push_back({i, kEnvironment, {left - leak[i].value, std::hypot(doubt, leak[i].standard_error)}});
+    if (leak[i].value > 0) entries.push_back({i, kLeak, leak[i]});
   }
-  std::ranges::sort(entries, {}, keyOf<FormFactors::Entry>);
+  std::ranges::inplace_merge(entries, entries.begin() + pair_count, {}, keyOf<FormFactors::Entry>);
 }
 
 }  // namespace

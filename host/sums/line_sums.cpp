@@ -70,8 +70,7 @@ uint64_t LineSums::lineCount() const {
 
 Visibility visibilityOf(const LineSums::PairSum& sum, uint32_t planned_blocks) {
   if (sum.all == 0) return {};
-  const double facing = double(sum.facing), all = double(sum.all), replicates = sum.replicates,
-               lines = double(sum.effective) / kEffectiveUnit;
+  const double facing = double(sum.facing), all = double(sum.all), lines = double(sum.effective) / kEffectiveUnit;
   Visibility found;
   found.value = facing / all;
   // Half a line of either kind is added, for no number of lines says that the other kind is not there.
@@ -80,7 +79,10 @@ Visibility visibilityOf(const LineSums::PairSum& sum, uint32_t planned_blocks) {
   // Where less weight came than is expected, few heavy lines are missing, and nothing says whether they were blocked.
   const double missing = std::max(0.0, 1 - all * planned_blocks / (kLineUnit * double(sum.blocks)));
   const double unknown = half_a_line + 0.25 * missing * missing;
-  if (replicates < 2) {
+  // Replicates of different size count as so many of one size.
+  const double sizes = all * all / (256 * double(sum.all_squares)),
+               replicates = std::min(double(sum.replicates), sizes);
+  if (!(replicates > 1)) {
     found.variance = by_chance + unknown;
     return found;
   }

@@ -314,5 +314,32 @@ TEST(LineSums, MissingWeightIsUnknown) {
   EXPECT_GE(std::sqrt(visibilityOf(sum, 64).variance), 0.25);
 }
 
+// A replicate of hardly any weight says nothing of the spread: the variance is that of the other two.
+TEST(LineSums, ReplicatesCountByTheirWeight) {
+  LineSums::PairSum two;
+  LineSums::addTo(two, {0, 1, uint32_t(0.6 * kLineUnit), uint32_t(kLineUnit), 16 * 256});
+  LineSums::addTo(two, {0, 1, uint32_t(0.4 * kLineUnit), uint32_t(kLineUnit), 16 * 256});
+  LineSums::PairSum three = two;
+  LineSums::addTo(three, {0, 0, 512, 1024, 4});
+  // The weights of the third are a thousandth: nothing changes by more than some thousandths.
+  EXPECT_NEAR(visibilityOf(three, 1).variance / visibilityOf(two, 1).variance, 1, 0.005);
+}
+
+// Pairs whose 16 lines do for any visibility get no pilot, and one turn in eight; others may have more.
+TEST(PairLines, SmallPairsGetSixteenLinesWithoutAPilot) {
+  Office office;
+  PairLines lines = office.planned(8);
+  size_t small = 0;
+  std::vector<LinePair> pairs = office.pairs;
+  lines.plan(
+      pairs, [](const LinePair& pair) { return 0.3 * (pair.exchange - pair.clear); }, 8);
+  for (const LinePair& pair : pairs) {
+    if (pair.blocks == 0) continue;
+    EXPECT_EQ(pair.linesIn(8), 16) << pair.i << " " << pair.j;
+    ++small;
+  }
+  EXPECT_GT(small, 1000u);
+}
+
 }  // namespace
 }  // namespace viewpeel
