@@ -1,5 +1,7 @@
 #include "program/request_options.h"
 
+#include <charconv>
+
 #include <viewpeel/error.h>
 #include "reference/exact/exact_engine.h"
 
@@ -150,12 +152,18 @@ std::shared_ptr<RequestOptions> addRequestOptions(CLI::App* command) {
   addSceneOptions(command, request.scene_options);
   addMethodOptions(command, options);
   addQuestionOptions(command, request.question);
+  CLI::Option* first =
+      command
+          ->add_option("--first-replicate", request.first_replicate,
+                       "Count exactly --replicates from this one on: a part of a run, for viewpeel merge")
+          ->type_name("K")
+          ->check(CLI::Range(uint64_t(0), uint64_t(1) << 39).description(""))
+          ->capture_default_str();
   command
-      ->add_option("--first-replicate", request.first_replicate,
-                   "Count replicates from this one on: parts of a run, for viewpeel merge")
-      ->type_name("K")
-      ->check(CLI::Range(uint64_t(0), uint64_t(1) << 39).description(""))
-      ->capture_default_str();
+      ->add_option("--part", options->part,
+                   "Count part K of N of a run, exactly --replicates each, whatever the goal: for viewpeel merge")
+      ->type_name("K/N")
+      ->excludes(first);
   command->add_option("--seed", request.seed, "The same seed and plan give the same bits")
       ->type_name("K")
       ->check(isWholeNumber)
@@ -172,17 +180,39 @@ std::shared_ptr<RequestOptions> addRequestOptions(CLI::App* command) {
   return options;
 }
 
+namespace {
+
+// Settles the replicates of a part of a run: part K begins where the parts before it end.
+void choosePart(const std::string& text, Request& request) {
+  uint32_t part = 0, parts = 0;
+  const char* const end = text.data() + text.size();
+  const auto [slash, failure] = std::from_chars(text.data(), end, part);
+  const bool has_slash = failure == std::errc() && slash != end && *slash == '/';
+  const auto rest = has_slash ? std::from_chars(slash + 1, end, parts) : std::from_chars_result{};
+  constexpr uint32_t kMostParts = 1'000'000;
+  if (!has_slash || rest.ec != std::errc() || rest.ptr != end || part < 1 || part > parts || parts > kMostParts)
+    throw Error(ErrorCode::bad_usage,
+                fmt::format("--part: '{}' is not a part like 2/8, from 1/N to N/N with N up to {}", text, kMostParts));
+  request.first_replicate = uint64_t(part - 1) * request.amount.replicates;
+  request.amount.is_exact = true;
+}
+
+}  // namespace
+
 Request requestOf(const CLI::App* command, const RequestOptions& options) {
   Request request = options.request;
+  if (!options.part.empty()) choosePart(options.part, request);
+  if (command->get_option("--first-replicate")->count()) request.amount.is_exact = true;
   const Amount& amount = request.amount;
   request.exact_engine = reference::exactEngines();
   for (const char* name : {"--delta", "--rows", "--statistic", "--range", "--block"})
     if (!options.epsilon && command->get_option(name)->count())
       throw Error(ErrorCode::bad_usage, fmt::format("{} is of a guarantee; give its --epsilon", name));
   if (options.epsilon && (options.tolerance || options.relative || command->get_option("--replicates")->count()))
-    throw Error(ErrorCode::bad_usage,
-                "a guarantee plans for itself: leave out --tolerance, --relative, --directions, --finest, --replicates "
-                "and --first-replicate");
+    throw Error(
+        ErrorCode::bad_usage,
+        "a guarantee plans for itself: leave out --tolerance, --relative, --directions, --finest, --replicates, "
+        "--part and --first-replicate");
   request.time_limit_s = options.seconds;
   if (options.epsilon) {
     EpsilonDelta guarantee = options.guarantee;

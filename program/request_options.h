@@ -16,6 +16,7 @@ struct RequestOptions {
   Request request;
   std::optional<double> tolerance, relative, seconds, epsilon;
   EpsilonDelta guarantee;
+  std::string part;  // K/N; empty for all of a run
 };
 
 std::shared_ptr<RequestOptions> addRequestOptions(CLI::App* command);

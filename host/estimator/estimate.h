@@ -31,6 +31,7 @@ struct EstimateOptions {
   Sampler sampler = Sampler::fibonacci;
   uint32_t directions = 400;  // per replicate
   uint32_t replicates = 8;    // at least
+  bool is_exact = false;      // no more than `replicates`, even short of a goal
   // The run ends where the largest standard error is this. Replicates beyond `replicates` are added for it.
   std::optional<double> tolerance;
   // A second goal is the largest standard error relative to the form factor, over form factors of at least

@@ -86,6 +86,7 @@ bool EstimateRun::isDone() const {
   if (options_.seconds && done >= 2 && done_here > 0 &&
       secondsSince(start_) * (done_here + 1) / done_here > *options_.seconds)
     return true;
+  if (options_.is_exact) return done >= options_.replicates;
   return done >= options_.replicates && isReached() && !(options_.seconds && !options_.tolerance && !options_.relative);
 }
 

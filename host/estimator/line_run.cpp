@@ -180,7 +180,7 @@ bool LineRun::isDone() const {
   double next = secondsSince(start_) / std::max(done_here, 1.0);
   if (!further_.empty()) next *= furtherLines() / (double(sums_.lines->lineCount()) / double(done));
   if (options_.seconds && done >= 2 && done_here > 0 && secondsSince(start_) + next > *options_.seconds) return true;
-  return done >= options_.replicates && further_.empty();
+  return done >= options_.replicates && (options_.is_exact || further_.empty());
 }
 
 // Returns the lines of the next replicate.

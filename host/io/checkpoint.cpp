@@ -14,6 +14,14 @@
 namespace viewpeel {
 namespace {
 
+// Returns whether all of the replicates are among `held`.
+bool holdsAll(const std::vector<ReplicateRange>& held, const std::vector<ReplicateRange>& replicates) {
+  return std::ranges::all_of(replicates, [&](const ReplicateRange& range) {
+    return std::ranges::any_of(
+        held, [&](const ReplicateRange& of) { return of.first <= range.first && range.end <= of.end; });
+  });
+}
+
 constexpr uint64_t kFormat = 7;  // of the file: changes with every change of the columns below
 
 }  // namespace
@@ -91,12 +99,18 @@ void requireSameSettings(const Settings& expected, const Settings& found, const 
 Checkpoint mergeCheckpoints(const std::vector<std::filesystem::path>& files) {
   Checkpoint merged = readCheckpoint(files.front());
   for (size_t k = 1; k < files.size(); ++k) {
-    const Checkpoint other = readCheckpoint(files[k]);
+    Checkpoint other = readCheckpoint(files[k]);
     requireSameSettings(merged.settings, other.settings, files[k]);
     const ReplicateRange shared = findShared(merged.sums.replicates, other.sums.replicates);
+    if (holdsAll(merged.sums.replicates, other.sums.replicates)) continue;
+    if (holdsAll(other.sums.replicates, merged.sums.replicates)) {
+      merged = std::move(other);
+      continue;
+    }
     if (shared.first < shared.end)
       throw Error(ErrorCode::bad_usage,
-                  fmt::format("{}: replicates {} to {} are in a file before it, too; take each of them once",
+                  fmt::format("{}: replicates {} to {} are in a file before it, too, and others are not: a file's "
+                              "replicates cannot be told apart; leave out one of the two, and count the rest again",
                               files[k].string(), shared.first, shared.end - 1));
     if (other.sums.by_id.ids().areas != merged.sums.by_id.ids().areas ||
         other.sums.by_surface.ids().areas != merged.sums.by_surface.ids().areas ||

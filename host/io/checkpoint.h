@@ -37,9 +37,10 @@ Checkpoint readCheckpoint(const std::filesystem::path& file);
 //   Throws: Error bad_usage naming the first setting that differs, and `file` as where `found` is from.
 void requireSameSettings(const Settings& expected, const Settings& found, const std::filesystem::path& file);
 
-// Adds up checkpoints of different replicates of one run: the bits of one run over all of them, in any order of files.
+// Adds up checkpoints of one run: the bits of one run over all their replicates, in any order of files. A file whose
+// replicates are all in the sum of the files before it adds nothing, and one that has all of theirs takes their place.
 //   In: files: one or more
-//   Throws: as readCheckpoint; Error bad_usage where settings differ or a replicate is in two of them.
+//   Throws: as readCheckpoint; Error bad_usage where settings differ, or two files share some of their replicates.
 //   Cost: O(nonzeros) for each file; memory for the sum and one of them.
 Checkpoint mergeCheckpoints(const std::vector<std::filesystem::path>& files);
 

@@ -55,10 +55,10 @@ void checkRequest(const Request& request) {
     refuse(
         "--delta 0 needs a guarantee by pair lines; leave out --pair-lines off, --statistic, --range, --block and "
         "--engine exact");
-  if (amount.directions || amount.finest || request.first_replicate)
+  if (amount.directions || amount.finest || amount.is_exact || request.first_replicate)
     refuse(
-        "a guarantee plans for itself: leave out --tolerance, --relative, --directions, --finest, --replicates and "
-        "--first-replicate");
+        "a guarantee plans for itself: leave out --tolerance, --relative, --directions, --finest, --replicates, "
+        "--part and --first-replicate");
   if (amount.resolution && guarantee->range > 0)
     refuse("--range chooses the --resolution of a guarantee; give one of the two");
   if (guarantee->statistic == Statistic::median && guarantee->block_directions)

@@ -24,6 +24,7 @@ EstimateOptions estimateOptionsOf(const Request& request) {
   const Amount amount = amountOf(request);
   estimate.directions = amount.directions ? amount.directions : kUsualDirections;
   estimate.replicates = amount.replicates;
+  estimate.is_exact = amount.is_exact;
   estimate.sampler = request.sampler.value_or(Sampler::fibonacci);
   estimate.relative_floor = request.relative_floor;
   estimate.seed = request.seed;

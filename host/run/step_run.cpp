@@ -119,8 +119,9 @@ bool FormFactorRun::State::isGoalReached() const {
   if (is_interrupted || !isBegun()) return false;
   if (line_guarantee || guarantee_run) return is_done;
   if (std::holds_alternative<Seconds>(setup.request().goal)) return true;
-  return replicateCount() >= amountOf(setup.request()).replicates &&
-         (line_run ? line_run->isReached() : estimate_run->isReached());
+  const Amount amount = amountOf(setup.request());
+  return replicateCount() >= amount.replicates &&
+         (amount.is_exact || (line_run ? line_run->isReached() : estimate_run->isReached()));
 }
 
 Result FormFactorRun::State::resultOf(Estimate estimate) const {

@@ -75,6 +75,7 @@ struct Amount {
   uint32_t replicates = 8;  // at least
   int resolution = 0;       // 0: planned
   int finest = 0;           // with directions and resolution only
+  bool is_exact = false;    // counts `replicates`, no more, even short of the goal: a part of a run
 };
 
 // Program and library give the same bits for the same request and plan.

@@ -247,6 +247,40 @@ TEST_F(LongRun, DirectedPairsGoOnAndMerge) {
 
 // Of more polygons than checkpoints keep unoccluded form factors of all pairs for: with the scene parts come to the
 // same bits as a whole run; without it what few lines told is sampled alone, with a warning.
+// Parts never overlap, whatever the goal, and together have the bits of one run.
+TEST_F(LongRun, PartsCountExactlyTheirReplicates) {
+  const std::string directions = kOffice + "--directions 30 ";
+  ASSERT_EQ(run(directions + "--replicates 9 -o " + file("whole.csv")).status, 0);
+  std::string inputs;
+  for (const char* part : {"1", "2", "3"}) {
+    inputs += " " + file(std::string(part) + ".h5");
+    ASSERT_EQ(
+        run(directions + "--replicates 3 --part " + part + "/3 --checkpoint " + file(std::string(part) + ".h5")).status,
+        0);
+  }
+  ASSERT_EQ(run("merge --quiet" + inputs + " -o " + file("merged.csv")).status, 0);
+  EXPECT_EQ(readFile(file("merged.csv")), readFile(file("whole.csv")));
+
+  // A goal out of reach adds no replicates to a part: neither by common directions nor by pair lines.
+  for (const std::string method : {"--pair-lines off", "--pair-lines on"}) {
+    const std::string goal = "compute " VIEWPEEL_SCENES "/cube.obj --two-sided --quiet --tolerance 1e-5 " + method;
+    const std::string first = goal + " --replicates 3 --part 1/2 --checkpoint " + file("a.h5"),
+                      second = goal + " --replicates 3 --first-replicate 3 --checkpoint " + file("b.h5");
+    EXPECT_EQ(run(first).status, 0) << run(first).output;
+    EXPECT_EQ(run(second).status, 0);
+    EXPECT_EQ(replicatesOf("a.h5"), "0 to 2") << method;
+    EXPECT_EQ(replicatesOf("b.h5"), "3 to 5") << method;
+    fs::remove(file("a.h5"));
+    fs::remove(file("b.h5"));
+  }
+  for (const char* part : {"0/2", "3/2", "1", "1/", "a/b", "1/2/3", "-1/2", "1/0"}) {
+    const Result refused = run(directions + "--part " + part);
+    EXPECT_EQ(refused.status, 2) << part;
+    EXPECT_NE(refused.output.find(std::string("--part: '") + part + "' is not a part like 2/8"), std::string::npos)
+        << refused.output;
+  }
+}
+
 TEST_F(LongRun, PartsOfManyPolygonsMergeWithTheirScene) {
   constexpr int kCuts = 54;
   const auto writeScene = [&](const std::string& name, double height) {
@@ -324,7 +358,6 @@ TEST_F(LongRun, WrongCheckpointsAreRefused) {
       {"compute " + file("scene.obj") + exact + file("no.h5") + " --resume", "another file"},
       {"compute " + file("scene.obj") + " --resume", "--checkpoint"},
       {"merge " + file("a.h5") + " " + file("no.h5"), "another file"},
-      {"merge " + file("a.h5") + " " + file("a.h5"), "replicates 0 to 7"},
       {"merge " + file("b.h5") + " --checkpoint " + file("a.h5"), "there is a checkpoint already"},
       {"merge " + file("missing.h5"), "No such file"},
       {"merge " + file("a.h5") + " -o " + file("a.xyz"), ".csv, .mtx, .npz"},

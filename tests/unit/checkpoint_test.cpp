@@ -102,10 +102,27 @@ TEST_F(CheckpointFile, WhatDoesNotBelongTogetherIsRefused) {
   writeCheckpoint(kSettings, other_area, file("e.h5"));
   const auto merge = [&](const char* with) { return messageOf([&] { mergeCheckpoints({file("a.h5"), file(with)}); }); };
   EXPECT_NE(merge("b.h5").find("b.h5: replicates 2 to 2 are"), std::string::npos) << merge("b.h5");
-  EXPECT_NE(merge("a.h5").find("a.h5: replicates 0 to 2 are"), std::string::npos) << merge("a.h5");
   EXPECT_NE(merge("c.h5").find("--seed is '8' there, '7' here"), std::string::npos) << merge("c.h5");
   EXPECT_NE(merge("d.h5").find("--from is 'not set' there, '' here"), std::string::npos) << merge("d.h5");
   EXPECT_NE(merge("e.h5").find("areas"), std::string::npos) << merge("e.h5");
+}
+
+// Parts of a cluster's job that ran twice add nothing: the bytes are those of the file that has all replicates.
+TEST_F(CheckpointFile, ReplicatesInTwoFilesCountOnce) {
+  const std::string whole = bytesOf(sumsOf({0, 1, 2, 3}));
+  writeCheckpoint(kSettings, sumsOf({0, 1, 2, 3}), file("all.h5"));
+  writeCheckpoint(kSettings, sumsOf({1, 2}), file("some.h5"));
+  writeCheckpoint(kSettings, sumsOf({0, 3}), file("ends.h5"));
+  writeCheckpoint(kSettings, sumsOf({3, 4}), file("beyond.h5"));
+  const std::vector<std::vector<const char*>> orders = {{"all.h5", "some.h5"},  {"some.h5", "all.h5"},
+                                                        {"all.h5", "all.h5"},   {"ends.h5", "all.h5"},
+                                                        {"some.h5", "ends.h5"}, {"some.h5", "ends.h5", "some.h5"}};
+  for (const auto& order : orders) {
+    std::vector<std::filesystem::path> files;
+    for (const char* name : order) files.push_back(file(name));
+    EXPECT_EQ(bytesOf(mergeCheckpoints(files).sums), whole) << order[0] << ", " << order[1];
+  }
+  EXPECT_THROW(mergeCheckpoints({file("all.h5"), file("beyond.h5")}), Error);
 }
 
 // Sums of pair lines, of a pair and of a face with a back, are the same after writing and reading. Parts add up to the
