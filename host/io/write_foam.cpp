@@ -47,8 +47,8 @@ void writeConstructMap(std::ostream& out, const std::vector<uint64_t>& counts, s
 }
 
 // Both the map of OpenFOAM Ltd.'s versions and the three of the Foundation's. From 2021 on the former have the number
-// of
-// a communicator behind the two flips: there the 0 is it, and the list that follows has no count, which is a list, too.
+// of a communicator behind the two flips. There the 0 is this number, and the list that follows has no count, which is
+// a list, too.
 void writeMaps(const fs::path& folder, const std::vector<uint64_t>& counts, size_t rank) {
   uint64_t total = 0;
   for (uint64_t count : counts) total += count;

@@ -40,8 +40,7 @@ InputScene readVtu(const std::filesystem::path& file);
 InputScene readFoam(const std::filesystem::path& folder);
 
 // Reads the surfaces of all zones of an EnergyPlus building, IDF or epJSON, seen from within (energyplus.h). Windows
-// are
-// cut out of their walls.
+// are cut out of their walls.
 //   Throws: Error bad_input, naming file and line; of epJSON the object.
 InputScene readEnergyPlusZones(const std::filesystem::path& file);
 
