@@ -18,7 +18,7 @@ void requirePage(const std::string& file);
 //     left out. Notes on the page say so.
 //   In: content: n rows
 //   Out: HTML; no text of the content is markup or script: all of it is packed as base64
-//   Error: floats are within 6e-8 of their doubles, relatively. Tests: tests/unit/page_test.cpp, page/test.
+//   Error: floats are within 6e-8 of their doubles, relatively. Tests: tests/report.
 //   Throws: Error limit where names alone take too much.
 //   Cost: O(entries); the page in memory.
 void writePage(ReportContent content, std::ostream& out);
