@@ -77,7 +77,7 @@ int reportMissedGoal(const Result& result) {
 
 // Where balancing is refused, form factors are written as measured.
 void write(const ComputeOptions& options, const Result& result, const FormFactorRun& run, const Scene& scene) {
-  auto parameters = parametersOf(settingsOf(run), result);
+  auto parameters = parametersOf(run, result);
   addOrigin(options.request, parameters);
   writeOutputs(
       {result.form_factors, result.balanced ? &result.balanced->form_factors : nullptr, &scene, parameters,

@@ -55,23 +55,6 @@ void writeOutputs(const OutputContent& content, const std::vector<std::string>& 
   if (first_failure) std::rethrow_exception(first_failure);
 }
 
-std::vector<std::pair<std::string, std::string>> parametersOf(const Settings& settings, const Estimate& estimate) {
-  std::vector<std::pair<std::string, std::string>> parameters;
-  const auto add = [&](const std::string& name, const std::string& value) {
-    const std::string plain = name.substr(std::min(name.find_first_not_of('-'), name.size()));
-    const auto same = std::ranges::find(parameters, plain, &std::pair<std::string, std::string>::first);
-    if (same == parameters.end()) parameters.emplace_back(plain, value);
-    else same->second += ", " + value;  // an option that was given several times
-  };
-  for (const auto& [name, value] : settings) add(name, value);
-  add("replicates", std::to_string(estimate.replicates));
-  // With pair lines a setting has this name: of a replicate.
-  add("all_directions", std::to_string(estimate.directions));
-  add("all_lines", std::to_string(estimate.lines));
-  add("largest_standard_error", fmt::format("{}", estimate.largest_standard_error));
-  return parameters;
-}
-
 void addOrigin(const Request& request, std::vector<std::pair<std::string, std::string>>& parameters) {
   parameters.emplace_back("command", commandLine());
   const auto add = [&](const std::string& name, double value) {
@@ -102,14 +85,6 @@ void addOutputOptions(CLI::App* command, std::vector<std::string>& outputs, std:
                    "In .vwf: the version of CalculiX that is to read it; none for those without a version record")
       ->type_name("V")
       ->capture_default_str();
-}
-
-Settings settingsOf(const FormFactorRun& run) {
-  try {
-    return run.settings();
-  } catch (const Error&) {
-    return {{"version", VIEWPEEL_VERSION}, {"--seed", std::to_string(run.request().seed)}, {"--statistic", "median"}};
-  }
 }
 
 }  // namespace viewpeel::program

@@ -34,14 +34,7 @@ std::string describeWritten(const std::vector<PlannedFile>& files);
 //   Throws: the first error of all files.
 void writeOutputs(const OutputContent& content, const std::vector<std::string>& outputs);
 
-// Returns what a file says of a run beside its form factors: settings, and the amount that was counted.
-//   In: settings: of a run or checkpoint, names with dashes
-std::vector<std::pair<std::string, std::string>> parametersOf(const Settings& settings, const Estimate& estimate);
-
 // Adds the command that made a result, and its goal: tolerance or epsilon.
 void addOrigin(const Request& request, std::vector<std::pair<std::string, std::string>>& parameters);
-
-// Returns the settings of a run, also of one that no checkpoint can keep: medians, with fewer.
-Settings settingsOf(const FormFactorRun& run);
 
 }  // namespace viewpeel::program

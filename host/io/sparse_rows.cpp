@@ -1,4 +1,4 @@
-#include "io/sparse_rows.h"
+#include <viewpeel/sparse_rows.h>
 
 #include <limits>
 

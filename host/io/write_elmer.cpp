@@ -4,7 +4,7 @@
 
 #include <fmt/ostream.h>
 
-#include "io/sparse_rows.h"
+#include <viewpeel/sparse_rows.h>
 #include "io/writers.h"
 
 namespace viewpeel {

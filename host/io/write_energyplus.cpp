@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <viewpeel/error.h>
-#include "io/sparse_rows.h"
+#include <viewpeel/sparse_rows.h>
 #include "io/writers.h"
 #include "scene/energyplus.h"
 

@@ -5,7 +5,7 @@
 #include <fmt/ostream.h>
 
 #include <viewpeel/error.h>
-#include "io/sparse_rows.h"
+#include <viewpeel/sparse_rows.h>
 #include "io/write_file.h"
 #include "io/writers.h"
 #include "scene/foam_case.h"

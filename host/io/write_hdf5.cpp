@@ -8,7 +8,7 @@
 #include "io/hdf5_file.h"
 #include "io/read_report.h"
 #include "io/shown_rows.h"
-#include "io/sparse_rows.h"
+#include <viewpeel/sparse_rows.h>
 #include "io/writers.h"
 #include "report/write_page.h"
 #include <viewpeel/solve.h>
@@ -213,6 +213,7 @@ std::vector<char> makeHdf5(const OutputContent& content) {
   if (content.scene)
     file.setAttribute("/", "scene_file", std::filesystem::path(content.scene->file).filename().string());
   for (const auto& [name, value] : content.parameters) addParameter(file, name, value);
+  if (form_factors.hasIntervals()) file.setAttribute("/", "unlisted_bound", form_factors.unlistedBound());
   if (form_factors.ids().rows_sum_to_one) addClosure(file, form_factors);
   return file.finish();
 }

@@ -3,7 +3,7 @@
 #include <fmt/ostream.h>
 
 #include <viewpeel/error.h>
-#include "io/sparse_rows.h"
+#include <viewpeel/sparse_rows.h>
 #include "io/writers.h"
 
 namespace viewpeel {

@@ -1,6 +1,6 @@
 // Writes a matrix as scipy.sparse.load_npz reads it: the three arrays of its compressed rows, with format and shape.
 #include "io/npz_file.h"
-#include "io/sparse_rows.h"
+#include <viewpeel/sparse_rows.h>
 #include "io/writers.h"
 
 namespace viewpeel {

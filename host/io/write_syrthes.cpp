@@ -2,7 +2,7 @@
 //   Source: SYRTHES 4.3.5, its own files.
 #include <bit>
 
-#include "io/sparse_rows.h"
+#include <viewpeel/sparse_rows.h>
 #include "io/writers.h"
 
 namespace viewpeel {

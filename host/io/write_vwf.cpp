@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include <viewpeel/error.h>
-#include "io/sparse_rows.h"
+#include <viewpeel/sparse_rows.h>
 #include "io/writers.h"
 #include "scene/ccx_deck.h"
 

@@ -23,6 +23,7 @@ bool mayUsePairLines(const Request& request) {
 
 void checkRequest(const Request& request) {
   const auto refuse = [](const std::string& message) { throw Error(ErrorCode::bad_usage, message); };
+  requireNumbers(request);
   const Amount amount = amountOf(request);
   if (amount.finest && amount.finest < amount.resolution)
     refuse(fmt::format(

@@ -14,6 +14,10 @@ constexpr double kPairLineTolerance = 0.02;           // up to which pair lines 
 // planned.
 Amount amountOf(const Request& request);
 
+// Refuses numbers that mean nothing: goals, limits and amounts.
+//   Throws: Error bad_usage, naming the program's option.
+void requireNumbers(const Request& request);
+
 // Unoccluded form factors need the whole matrix, blocked pairs counted, and of a guarantee means by polygon.
 bool mayUseUnoccluded(const Request& request);
 

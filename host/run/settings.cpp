@@ -89,4 +89,36 @@ Settings settingsOf(const Setup& setup, const PlanSummary& plan) {
   return all;
 }
 
+std::vector<std::pair<std::string, std::string>> parametersOf(const Settings& settings, const Estimate& estimate) {
+  std::vector<std::pair<std::string, std::string>> parameters;
+  const auto add = [&](const std::string& name, const std::string& value) {
+    const std::string plain = name.substr(std::min(name.find_first_not_of('-'), name.size()));
+    const auto same = std::ranges::find(parameters, plain, &std::pair<std::string, std::string>::first);
+    if (same == parameters.end()) parameters.emplace_back(plain, value);
+    else same->second += ", " + value;  // an option that was given several times
+  };
+  for (const auto& [name, value] : settings) add(name, value);
+  add("replicates", std::to_string(estimate.replicates));
+  // With pair lines a setting has this name: of a replicate.
+  add("all_directions", std::to_string(estimate.directions));
+  add("all_lines", std::to_string(estimate.lines));
+  add("largest_standard_error", fmt::format("{}", estimate.largest_standard_error));
+  return parameters;
+}
+
+std::vector<std::pair<std::string, std::string>> parametersOf(const FormFactorRun& run, const Estimate& estimate) {
+  const Request& request = run.request();
+  const auto* guarantee = std::get_if<EpsilonDelta>(&request.goal);
+  const bool has_checkpoint = !guarantee || (guarantee->statistic != Statistic::median && !run.plan().line_guarantee);
+  if (has_checkpoint) return parametersOf(run.settings(), estimate);
+  return parametersOf({{"version", VIEWPEEL_VERSION},
+                       {"--by", request.by == By::polygon ? "polygon" : "surface"},
+                       {"--two-sided", request.two_sided ? "yes" : "no"},
+                       {"--seed", std::to_string(request.seed)},
+                       {"--epsilon", fmt::format("{}", guarantee->epsilon)},
+                       {"--delta", fmt::format("{}", guarantee->delta)},
+                       {"--statistic", guarantee->statistic == Statistic::median ? "median" : "mean"}},
+                      estimate);
+}
+
 }  // namespace viewpeel

@@ -37,6 +37,11 @@ std::vector<uint32_t> countFaces(const InputScene& input) {
 
 }  // namespace
 
+std::string surfaceOfName(const std::string& name) {
+  const std::optional<NumberedName> parts = splitName(name);
+  return parts ? parts->surface : name;
+}
+
 std::string faceName(const Scene& scene, uint32_t face_index) {
   const Face& face = scene.faces[face_index];
   const Surface& surface = scene.surfaces[face.surface];

@@ -13,6 +13,10 @@ namespace viewpeel {
 //   Throws: Error bad_usage where there is none.    Cost: O(faces).
 std::vector<uint32_t> findFaces(const InputScene& input, const std::string& name, const char* option);
 
+// Returns the surface in a name as faceName makes them for surfaces of several faces: "desk" of "desk[3]", and any
+// other name as it is.    Cost: O(length).
+std::string surfaceOfName(const std::string& name);
+
 // Names of all faces of a file, as faceName gives them.    Cost: O(faces).
 std::vector<std::string> nameFaces(const InputScene& input);
 

@@ -113,6 +113,14 @@ class FormFactorRun {
   std::unique_ptr<State> state_;
 };
 
+// Returns what a file of results says of a run beside its form factors: settings, and the amount that was counted.
+//   In: settings: of a run or checkpoint, names with dashes; estimate: of the same run
+//   Out: OutputContent::parameters: names without dashes; an option that was given several times has all its values
+//   Error, Throws: none.    Cost: O(settings).
+std::vector<std::pair<std::string, std::string>> parametersOf(const Settings& settings, const Estimate& estimate);
+// The same of a run that began; one that no checkpoint can keep has fewer settings.
+std::vector<std::pair<std::string, std::string>> parametersOf(const FormFactorRun& run, const Estimate& estimate);
+
 // Computes F_ij = (2 / A_i) E[A'_ij(u)] of all pairs of the request (Pellegrini 1997, sections 4.3 and 5.1), as
 // `viewpeel compute` does.
 //   It plans, and uses unoccluded form factors times visibilities where this pays. Pairs that common directions hardly

@@ -51,6 +51,8 @@ class FormFactors {
   bool hasIntervals() const { return !intervals_.empty(); }
   // Returns the intervals of exchange areas, one for each entry, or none.
   const std::vector<Interval>& intervals() const { return intervals_; }
+  // Returns the bound of a guarantee on form factors of pairs without an entry, from the smaller id.
+  double unlistedBound() const { return unlisted_bound_; }
   // Returns the interval of F_ij. A pair without an entry is surely 0 after pair lines, and at most the bound of the
   // guarantee after common directions.    In: as formFactor    Cost: O(log nonzeros).
   Interval interval(uint32_t i, uint32_t j) const;

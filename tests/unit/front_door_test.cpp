@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <viewpeel/compute.h>
+#include <viewpeel/error.h>
 
 #include "reference/closed_forms/contour_integral.h"
 #include "reference/closed_forms/past_blocker.h"
@@ -60,6 +61,33 @@ TEST(FrontDoor, EveryGoalIsReached) {
       EXPECT_EQ(result.leak_share, 0);
     }
   }
+}
+
+// The library has no options that refuse such numbers one by one.
+TEST(FrontDoor, NumbersThatMeanNothingAreRefused) {
+  const auto refuses = [](Goal goal, auto change) {
+    Request request = onHost(goal);
+    change(request);
+    try {
+      checkRequest(request);
+    } catch (const Error& error) {
+      return error.code() == ErrorCode::bad_usage;
+    }
+    return false;
+  };
+  const auto nothing = [](Request&) {};
+  EXPECT_FALSE(refuses(Tolerance{}, nothing));
+  for (const double wrong : {0.0, -1.0, double(NAN), double(INFINITY)}) {
+    EXPECT_TRUE(refuses(Tolerance{wrong}, nothing)) << wrong;
+    EXPECT_TRUE(refuses(Tolerance{1e-3, wrong}, nothing)) << wrong;
+    EXPECT_TRUE(refuses(Relative{wrong}, nothing)) << wrong;
+    EXPECT_TRUE(refuses(Seconds{wrong}, nothing)) << wrong;
+    EXPECT_TRUE(refuses(EpsilonDelta{wrong}, nothing)) << wrong;
+    EXPECT_TRUE(refuses(Tolerance{}, [&](Request& request) { request.time_limit_s = wrong; })) << wrong;
+    EXPECT_TRUE(refuses(Tolerance{}, [&](Request& request) { request.relative_floor = wrong; })) << wrong;
+  }
+  EXPECT_TRUE(refuses(Tolerance{}, [](Request& request) { request.amount.replicates = 1; }));
+  EXPECT_TRUE(refuses(Tolerance{}, [](Request& request) { request.amount.resolution = kMaxResolution + 1; }));
 }
 
 TEST(FrontDoor, AGuaranteeSaysWhatHolds) {

@@ -1,6 +1,7 @@
 // Compresses form factors to sparse rows, as SciPy, AnnData and View3D's sparse layout have them.
 #pragma once
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include <viewpeel/form_factors.h>
@@ -18,8 +19,11 @@ struct SparseRows {
   int64_t rowCount() const { return static_cast<int64_t>(starts.size()) - 1; }
 };
 
-//   In: form_factors: n rows    Out: the nonzero entries of the requested rows, both ways
-//   Throws: Error limit beyond 2^31 - 1 rows.    Cost: O(nonzeros).
+// Compresses F_ij = A_i F_ij / A_i of the requested rows, both ways.
+//   In: form_factors: n rows    Out: the nonzero entries
+//   Error: one rounding. Tests: tests/files/output_files_test.cpp.
+//   Throws: Error limit beyond 2^31 - 1 rows.
+//   Cost: O(nonzeros) work and memory.
 SparseRows compressRows(const FormFactors& form_factors);
 
 // Spreads a value of each id over the rows of the file; empty rows have 0.    Cost: O(rows).

@@ -1,0 +1,74 @@
+// The Python module stands on the public headers alone. These are the objects that Python holds.
+#pragma once
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <viewpeel/compute.h>
+#include <viewpeel/read.h>
+#include <viewpeel/solve.h>
+#include <viewpeel/sparse_rows.h>
+#include <viewpeel/write.h>
+
+namespace viewpeel::python {
+
+namespace py = pybind11;
+
+// A scene and how it was made; results of a run keep it.
+struct HeldScene {
+  std::shared_ptr<const Scene> scene;
+  SceneOptions options;
+};
+
+// A result, computed or read from a file.
+struct HeldResult {
+  StoredResult stored;
+  std::shared_ptr<const Scene> scene;        // none where it was read
+  std::shared_ptr<const SparseRows> rows{};  // made when they are first asked for
+  std::vector<std::string> warnings{};
+  double seconds = 0;
+};
+
+struct HeldHeat {
+  HeatSolution solution;
+  std::shared_ptr<HeldResult> form_factors;
+};
+
+// Makes a request of keyword arguments that are not None.    Throws: Error bad_usage for unknown words.
+Request requestOf(const py::dict& arguments);
+
+// Runs the work on another thread, without the interpreter's lock, and calls `tick` and the handlers of signals some 20
+// times a second meanwhile.
+//   In: work: gets an observer, whose stop it obeys; tick: a Python function of a dict of Progress, or None
+//   Out: the Python exception that stopped the work; none where it came to its end
+//   Throws: what the work throws.
+std::optional<py::error_already_set> runWatched(const std::function<void(const Observer&)>& work,
+                                                const py::object& tick);
+
+// Gives Python an array over values that `owner` keeps alive, without a copy.
+template <class T, class Owner>
+py::array_t<T> viewOf(const std::vector<T>& values, std::shared_ptr<const Owner> owner) {
+  using Kept = std::shared_ptr<const Owner>;
+  py::capsule keeper(new Kept(std::move(owner)), [](void* kept) { delete static_cast<Kept*>(kept); });
+  return py::array_t<T>(static_cast<py::ssize_t>(values.size()), values.data(), keeper);
+}
+
+// Gives the values themselves to Python, without a copy.
+template <class T>
+py::array_t<T> arrayOf(std::vector<T> values) {
+  auto owner = std::make_shared<const std::vector<T>>(std::move(values));
+  return viewOf(*owner, owner);
+}
+
+void addScene(py::module_& module);
+void addResult(py::module_& module);
+void addRun(py::module_& module);
+void addHeat(py::module_& module);
+
+}  // namespace viewpeel::python

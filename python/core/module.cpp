@@ -1,0 +1,45 @@
+// viewpeel._core: the compiled part of the Python module. viewpeel/_core.pyi has its types.
+#include "python/core/bindings.h"
+
+#include <viewpeel/error.h>
+
+namespace viewpeel::python {
+namespace {
+
+// Each code of the library's one exception becomes the Python exception that users expect.
+void translate(const Error& error, const py::object& other) {
+  switch (error.code()) {
+    case ErrorCode::bad_input:
+    case ErrorCode::bad_usage:
+      return PyErr_SetString(PyExc_ValueError, error.what());
+    case ErrorCode::memory:
+      return PyErr_SetString(PyExc_MemoryError, error.what());
+    case ErrorCode::output:
+      return PyErr_SetString(PyExc_OSError, error.what());
+    case ErrorCode::device:
+    case ErrorCode::limit:
+    case ErrorCode::check:
+      return PyErr_SetString(other.ptr(), error.what());
+  }
+}
+
+}  // namespace
+}  // namespace viewpeel::python
+
+PYBIND11_MODULE(_core, module) {
+  using namespace viewpeel::python;
+  module.doc() = "The compiled part of viewpeel; use the functions of viewpeel itself.";
+  module.attr("__version__") = VIEWPEEL_VERSION;
+  static py::exception<viewpeel::Error> other(module, "Error", PyExc_RuntimeError);
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      if (thrown) std::rethrow_exception(thrown);
+    } catch (const viewpeel::Error& error) {
+      translate(error, other);
+    }
+  });
+  addScene(module);
+  addResult(module);
+  addRun(module);
+  addHeat(module);
+}

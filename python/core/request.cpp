@@ -1,0 +1,102 @@
+// Keyword arguments of Python become a request.
+#include "python/core/bindings.h"
+
+#include <viewpeel/error.h>
+
+namespace viewpeel::python {
+namespace {
+
+// Sets a value where the argument is there and not None.
+class Arguments {
+ public:
+  explicit Arguments(const py::dict& arguments) : arguments_(arguments) {}
+
+  template <class T>
+  std::optional<T> find(const char* name) const {
+    if (!arguments_.contains(name) || arguments_[name].is_none()) return std::nullopt;
+    return arguments_[name].cast<T>();
+  }
+  template <class T>
+  void set(const char* name, T& value) const {
+    if (const std::optional<T> found = find<T>(name)) value = *found;
+  }
+  // Sets one of a few words.
+  template <class T, class Value>
+  void choose(const char* name, Value& value, const std::vector<std::pair<const char*, T>>& choices) const {
+    const std::optional<std::string> word = find<std::string>(name);
+    if (!word) return;
+    std::string words;
+    for (const auto& [choice, meaning] : choices) {
+      if (*word == choice) {
+        value = meaning;
+        return;
+      }
+      words += (words.empty() ? "" : ", ") + std::string(choice);
+    }
+    throw Error(ErrorCode::bad_usage, std::string(name) + ": '" + *word + "' is not one of " + words);
+  }
+
+ private:
+  const py::dict& arguments_;
+};
+
+// As the program chooses it: one goal, by the first argument of these that is there.
+void setGoal(const Arguments& arguments, Request& request) {
+  const auto tolerance = arguments.find<double>("tolerance"), relative = arguments.find<double>("relative"),
+             seconds = arguments.find<double>("seconds"), epsilon = arguments.find<double>("epsilon");
+  request.time_limit_s = seconds;
+  if (epsilon && (tolerance || relative))
+    throw Error(ErrorCode::bad_usage, "a guarantee plans for itself: leave out tolerance and relative beside epsilon");
+  if (!epsilon && (arguments.find<double>("delta") || arguments.find<bool>("rows")))
+    throw Error(ErrorCode::bad_usage, "delta and rows are of a guarantee; give its epsilon");
+  if (epsilon) {
+    EpsilonDelta guarantee{.epsilon = *epsilon};
+    arguments.set("delta", guarantee.delta);
+    arguments.set("rows", guarantee.rows);
+    request.goal = guarantee;
+  } else if (tolerance) {
+    request.goal = Tolerance{*tolerance, relative};
+  } else if (relative) {
+    request.goal = Relative{*relative};
+  } else if (seconds) {
+    request.goal = Seconds{*seconds};
+  } else if (request.amount.directions) {
+    request.goal = FixedAmount{request.amount.directions, request.amount.replicates, request.amount.resolution,
+                               request.amount.finest};
+  }
+}
+
+}  // namespace
+
+Request requestOf(const py::dict& given) {
+  const Arguments arguments(given);
+  Request request;
+  arguments.choose<By>("by", request.by, {{"polygon", By::polygon}, {"surface", By::surface}});
+  arguments.set("rows_of", request.question.from);
+  arguments.set("pair", request.question.pair);
+  arguments.set("blockers", request.question.blockers);
+  arguments.set("two_sided", request.two_sided);
+  arguments.set("directions", request.amount.directions);
+  arguments.set("replicates", request.amount.replicates);
+  arguments.set("resolution", request.amount.resolution);
+  arguments.set("floor", request.relative_floor);
+  setGoal(arguments, request);
+  arguments.choose<Sampling>("sampling", request.sampling,
+                             {{"lattice", Sampling::lattice}, {"scanline", Sampling::scanline}});
+  arguments.choose<Sampler>("sampler", request.sampler, {kSamplerNames.begin(), kSamplerNames.end()});
+  request.unoccluded = arguments.find<bool>("unoccluded");
+  request.pair_lines = arguments.find<bool>("pair_lines");
+  arguments.choose<EngineKind>("engine", request.engine,
+                               {{"auto", EngineKind::automatic},
+                                {"compute", EngineKind::compute},
+                                {"host", EngineKind::host},
+                                {"graphics", EngineKind::graphics}});
+  arguments.set("device", request.device.selector);
+  arguments.set("threads", request.threads);
+  arguments.set("seed", request.seed);
+  arguments.set("balance", request.balance);
+  checkRequest(request);
+  return request;
+}
+
+}  // namespace viewpeel::python

@@ -1,0 +1,134 @@
+// Results as arrays over the library's own memory, and in files.
+#include <limits>
+
+#include "python/core/bindings.h"
+
+#include <viewpeel/error.h>
+
+namespace viewpeel::python {
+namespace {
+
+using Held = std::shared_ptr<HeldResult>;
+
+std::shared_ptr<const SparseRows> rowsOf(HeldResult& held) {
+  if (!held.rows) {
+    const py::gil_scoped_release released;
+    held.rows = std::make_shared<const SparseRows>(compressRows(held.stored.form_factors));
+  }
+  return held.rows;
+}
+
+// SciPy wants starts of the columns' type where that is wide enough.
+py::array startsOf(const std::shared_ptr<const SparseRows>& rows) {
+  if (rows->starts.back() > std::numeric_limits<int32_t>::max()) return viewOf(rows->starts, rows);
+  return arrayOf(std::vector<int32_t>(rows->starts.begin(), rows->starts.end()));
+}
+
+// In: name: of the values    Out: (values, columns, starts), as scipy.sparse.csr_array takes them; None where the
+// result has no such values
+py::object sparse(HeldResult& held, const std::string& name) {
+  const std::shared_ptr<const SparseRows> rows = rowsOf(held);
+  const std::vector<double>& values = name == "form_factors"      ? rows->form_factors
+                                      : name == "standard_errors" ? rows->standard_errors
+                                      : name == "lower"           ? rows->lower
+                                                                  : rows->upper;
+  if (values.size() != rows->columns.size()) return py::none();
+  return py::make_tuple(viewOf(values, rows), viewOf(rows->columns, rows), startsOf(rows));
+}
+
+// Each exchange area stands twice, the same number: A_i F_ij = A_j F_ji.
+py::object exchangeAreas(HeldResult& held) {
+  const std::shared_ptr<const SparseRows> rows = rowsOf(held);
+  const FormFactors& form_factors = held.stored.form_factors;
+  const std::vector<uint32_t> row_of_id = form_factors.ids().rows();
+  std::vector<uint32_t> id_of_row(form_factors.ids().rowCount());
+  for (uint32_t id = 0; id < row_of_id.size(); ++id) id_of_row[row_of_id[id]] = id;
+  std::vector<double> areas;
+  areas.reserve(rows->columns.size());
+  for (size_t row = 0; row + 1 < rows->starts.size(); ++row)
+    for (auto k = static_cast<size_t>(rows->starts[row]); k < static_cast<size_t>(rows->starts[row + 1]); ++k)
+      areas.push_back(
+          form_factors.exchangeArea(id_of_row[row], id_of_row[static_cast<size_t>(rows->columns[k])]).value);
+  return py::make_tuple(arrayOf(std::move(areas)), viewOf(rows->columns, rows), startsOf(rows));
+}
+
+py::object balanced(HeldResult& held) {
+  if (!held.stored.balanced) return py::none();
+  const auto rows = std::make_shared<const SparseRows>(compressRows(*held.stored.balanced));
+  return py::make_tuple(viewOf(rows->form_factors, rows), viewOf(rows->columns, rows), startsOf(rows));
+}
+
+// In: to: kEnvironment or kLeak    Out: (form factors, standard errors) of all rows
+py::tuple columnTo(const HeldResult& held, uint32_t to) {
+  const FormFactors& form_factors = held.stored.form_factors;
+  std::vector<double> values, errors;
+  for (uint32_t id = 0; id < form_factors.ids().count(); ++id) {
+    const Measured f = form_factors.ids().isRequested(id) ? form_factors.formFactor(id, to) : Measured{};
+    values.push_back(f.value), errors.push_back(f.standard_error);
+  }
+  return py::make_tuple(arrayOf(spreadOverRows(form_factors.ids(), values)),
+                        arrayOf(spreadOverRows(form_factors.ids(), errors)));
+}
+
+py::array_t<double> rowSums(const HeldResult& held) {
+  std::vector<double> values;
+  for (const Measured& sum : held.stored.form_factors.rowSums()) values.push_back(sum.value);
+  return arrayOf(spreadOverRows(held.stored.form_factors.ids(), values));
+}
+
+py::object closure(const HeldResult& held) {
+  if (!held.stored.form_factors.ids().rows_sum_to_one) return py::none();
+  const Closure found = measureClosure(held.stored.form_factors);
+  return py::make_tuple(found.largest_error, found.standard_error, found.rms_error, found.row);
+}
+
+void save(const HeldResult& held, const std::string& file, const std::vector<std::string>& shown) {
+  OutputContent content{held.stored.form_factors};
+  if (held.stored.balanced) content.balanced = &*held.stored.balanced;
+  content.scene = held.scene.get();
+  content.parameters = held.stored.parameters;
+  content.shown = shown;
+  const py::gil_scoped_release released;
+  checkOutput(file, content.balanced != nullptr, content.scene != nullptr);
+  writeFormFactors(content, file);
+}
+
+// Attributes that a file gets of its own are not among the parameters that are written again.
+Held load(const std::string& file) {
+  const py::gil_scoped_release released;
+  auto held = std::make_shared<HeldResult>(HeldResult{readResult(file), nullptr});
+  std::erase_if(held->stored.parameters, [](const auto& parameter) {
+    const std::string& name = parameter.first;
+    return name == "viewpeel_result_format" || name == "unlisted_bound" || name.starts_with("closure_");
+  });
+  return held;
+}
+
+}  // namespace
+
+void addResult(py::module_& module) {
+  py::class_<HeldResult, Held>(module, "Result")
+      .def("sparse", &sparse, py::arg("name"))
+      .def("exchange_areas", &exchangeAreas)
+      .def("balanced", &balanced)
+      .def("environment", [](const HeldResult& held) { return columnTo(held, kEnvironment); })
+      .def("leak", [](const HeldResult& held) { return columnTo(held, kLeak); })
+      .def("row_sums", &rowSums)
+      .def("closure", &closure)
+      .def("names", [](const HeldResult& held) { return rowNames(held.stored.form_factors.ids()); })
+      .def("areas",
+           [](const HeldResult& held) {
+             const Ids& ids = held.stored.form_factors.ids();
+             return arrayOf(spreadOverRows(ids, ids.areas));
+           })
+      .def_property_readonly("surface_names", [](const HeldResult& held) { return held.stored.surface_names; })
+      .def_property_readonly("parameters", [](const HeldResult& held) { return held.stored.parameters; })
+      .def_property_readonly("unlisted_bound",
+                             [](const HeldResult& held) { return held.stored.form_factors.unlistedBound(); })
+      .def_property_readonly("warnings", [](const HeldResult& held) { return held.warnings; })
+      .def_property_readonly("seconds", [](const HeldResult& held) { return held.seconds; })
+      .def("save", &save, py::arg("file"), py::arg("shown"));
+  module.def("load", &load, py::arg("file"));
+}
+
+}  // namespace viewpeel::python

@@ -1,0 +1,161 @@
+"""compute: scenes of every kind, options, errors."""
+
+import os
+import subprocess
+import tempfile
+import unittest
+import warnings
+
+import numpy
+
+import viewpeel
+from scenes import PLATE_POINTS, PLATES, PLATES_F, PROGRAM, scene_file
+
+
+def expect_plates(test, result):
+    """What nothing blocks is exact to 1e-7 (docs/accuracy.md, unoccluded form factors)."""
+    test.assertEqual(result.form_factors.shape, (2, 2))
+    test.assertLess(abs(result.form_factors[0, 1] - PLATES_F), 1e-7)
+
+
+class Scenes(unittest.TestCase):
+    def test_the_wheel_is_what_is_tested(self):
+        self.assertIn("site-packages", viewpeel.__file__)
+        self.assertNotIn("/source/", viewpeel.__file__)
+
+    def test_a_file_gives_the_numbers_of_the_program(self):
+        with tempfile.TemporaryDirectory() as folder:
+            ours, theirs = os.path.join(folder, "ours.csv"), os.path.join(folder, "theirs.csv")
+            viewpeel.compute(scene_file("office.obj"), by="surface", directions=16, resolution=64).save(ours)
+            command = [PROGRAM, "compute", scene_file("office.obj"), "--by", "surface", "--directions", "16",
+                       "--resolution", "64", "--quiet", "-o", theirs]  # fmt: skip
+            subprocess.run(command, check=True)
+            self.assertEqual(open(ours).read(), open(theirs).read())
+            # Another seed is another result: the comparison can fail.
+            viewpeel.compute(scene_file("office.obj"), by="surface", directions=16, resolution=64, seed=2).save(ours)
+            self.assertNotEqual(open(ours).read(), open(theirs).read())
+
+    def test_arrays(self):
+        expect_plates(self, viewpeel.compute((PLATE_POINTS, PLATES)))
+        named = viewpeel.compute((PLATE_POINTS.tolist(), [list(p) for p in PLATES], ["low", "high"]))
+        expect_plates(self, named)
+        self.assertEqual(named.names, ["low", "high"])
+
+    def test_polygons_of_different_sizes(self):
+        points = numpy.vstack([PLATE_POINTS, [[5, 5, 5], [6, 5, 5], [5, 6, 5]]])
+        result = viewpeel.compute((points, [*PLATES.tolist(), [8, 9, 10]], ["low", "high", "triangle"]))
+        self.assertEqual(result.names, ["low", "high", "triangle"])
+        numpy.testing.assert_allclose(result.areas, [1, 1, 0.5], rtol=1e-14)
+
+    def test_a_mesh_of_meshio(self):
+        import meshio
+
+        mesh = meshio.Mesh(PLATE_POINTS, [("quad", PLATES), ("line", [[0, 1]])], cell_sets={"low": [[0], []], "high": [[1], []]})
+        result = viewpeel.compute(mesh)
+        expect_plates(self, result)
+        self.assertEqual(result.names, ["low", "high"])
+        with self.assertRaisesRegex(ValueError, "no triangles"):
+            viewpeel.compute(meshio.Mesh(PLATE_POINTS, [("line", [[0, 1]])]))
+
+    def test_a_mesh_of_vtk(self):
+        import vtk
+        from vtk.util.numpy_support import numpy_to_vtk
+
+        mesh, points, cells, names = vtk.vtkPolyData(), vtk.vtkPoints(), vtk.vtkCellArray(), vtk.vtkStringArray()
+        points.SetData(numpy_to_vtk(PLATE_POINTS, deep=True))
+        names.SetName("surface")
+        for corners, name in zip(PLATES, ["low", "high"]):
+            cells.InsertNextCell(4, [int(corner) for corner in corners])
+            names.InsertNextValue(name)
+        mesh.SetPoints(points), mesh.SetPolys(cells), mesh.GetCellData().AddArray(names)
+        result = viewpeel.compute(mesh)
+        expect_plates(self, result)
+        self.assertEqual(result.names, ["low", "high"])
+
+    def test_a_mesh_with_vertices_and_faces(self):
+        """As trimesh.Trimesh has them; Debian has no trimesh."""
+
+        class Mesh:
+            vertices = PLATE_POINTS
+            faces = numpy.array([[0, 1, 2], [0, 2, 3], [4, 7, 6], [4, 6, 5]])
+
+        result = viewpeel.compute(Mesh(), tolerance=1e-3)
+        self.assertEqual(len(result), 4)
+        below, above = result.exchange_areas[:2, 2:].sum(), result.areas[:2].sum()
+        self.assertLess(abs(below / above - PLATES_F), 1e-7)
+
+
+class Options(unittest.TestCase):
+    def test_a_guarantee_has_bounds(self):
+        result = viewpeel.compute(scene_file("past_edge.obj"), epsilon=0.05, delta=0.1)
+        lower, upper = result.bounds
+        self.assertTrue((lower.data <= result.form_factors.data).all() and (result.form_factors.data <= upper.data).all())
+        self.assertTrue((upper.data - lower.data <= 0.1 + 1e-12).all())
+        self.assertIsNone(viewpeel.compute(scene_file("plates.obj")).bounds)
+
+    def test_a_question(self):
+        result = viewpeel.compute(scene_file("office.obj"), by="surface", rows_of="radiator", tolerance=1e-2)
+        rows = numpy.unique(result.form_factors.tocoo().row)
+        self.assertEqual([result.names[row] for row in rows], ["radiator"])
+
+    def test_balanced_rows_sum_to_one(self):
+        result = viewpeel.compute(scene_file("cube.obj"), balance=True)
+        numpy.testing.assert_allclose(result.balanced.sum(axis=1), 1, rtol=0, atol=1e-12)
+        self.assertIsNone(viewpeel.compute(scene_file("plates.obj")).balanced)
+
+    def test_units_make_areas_metres(self):
+        numpy.testing.assert_allclose(viewpeel.compute((PLATE_POINTS, PLATES), units="mm").areas, 1e-6, rtol=1e-12)
+
+    def test_warnings_are_warnings(self):
+        points = numpy.vstack([PLATE_POINTS, [[2, 2, 2]]])
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            result = viewpeel.compute((points, [*PLATES.tolist(), [8, 8, 8]]))
+        self.assertTrue(any("dropped" in str(warning.message) for warning in caught))
+        self.assertEqual(result.areas[2], 0)
+        self.assertEqual(len(result), 3)
+
+
+class Errors(unittest.TestCase):
+    def refuses(self, pattern, *arguments, **options):
+        with self.assertRaisesRegex(ValueError, pattern) as caught:
+            viewpeel.compute(*arguments, **options)
+        self.assertNotIn("\n", str(caught.exception))
+
+    def test_a_value_error_has_the_line_of_the_program(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = os.path.join(folder, "bad.obj")
+            with open(file, "w") as out:
+                out.write("v 0 0 0\nv 1 0 0\nf 1 2 9\n")
+            told = subprocess.run([PROGRAM, "compute", file], capture_output=True, text=True)
+            self.assertEqual(told.returncode, 2)
+            with self.assertRaises(ValueError) as caught:
+                viewpeel.compute(file)
+            self.assertEqual(told.stderr, f"viewpeel: {caught.exception}\n")
+
+    def test_bad_input(self):
+        self.refuses("absent.obj", "absent.obj")
+        self.refuses("corner 9 is not one of the 8 points", (PLATE_POINTS, [[0, 1, 9]]))
+        self.refuses("corner -1", (PLATE_POINTS, [[0, 1, -1]]))
+        self.refuses("finite", (PLATE_POINTS * numpy.nan, PLATES))
+        self.refuses("two coordinates", (PLATE_POINTS[:, :2], PLATES))
+        self.refuses("n x 3", (PLATE_POINTS.ravel(), PLATES))
+        self.refuses("3 for 2 polygons", (PLATE_POINTS, PLATES, ["a", "b", "c"]))
+        self.refuses("no scene", 7)
+        self.refuses("whole numbers", (PLATE_POINTS, "abc"))
+
+    def test_bad_options(self):
+        plates = scene_file("plates.obj")
+        self.refuses("by: 'room' is not one of polygon, surface", plates, by="room")
+        self.refuses("units", plates, units="yard")
+        self.refuses("guarantee", plates, epsilon=0.1, tolerance=0.1)
+        self.refuses("no surface or face is called 'attic'", plates, rows_of="attic")
+        self.refuses("resume", plates, resume=True)
+        for wrong in ({"tolerance": -1}, {"tolerance": float("nan")}, {"relative": 0}, {"epsilon": 2}, {"seconds": -1}):
+            self.refuses("", plates, **wrong)
+        with self.assertRaises(TypeError):
+            viewpeel.compute(plates, tolerence=1e-3)
+
+
+if __name__ == "__main__":
+    unittest.main()

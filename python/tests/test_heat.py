@@ -1,0 +1,60 @@
+"""solve: against closed forms, and the program."""
+
+import os
+import subprocess
+import tempfile
+import unittest
+
+import numpy
+
+import viewpeel
+from scenes import PLATE_POINTS, PLATES, PLATES_F, PROGRAM, scene_file
+
+SIGMA = 5.670374419e-8
+
+
+class Heat(unittest.TestCase):
+    def test_two_black_plates_in_the_open(self):
+        """q_1 = s (T_1^4 - F T_2^4 - (1 - F) T_e^4); F is exact to 1e-7."""
+        materials = {"low": {"temperature": 400.0}, "high": {"temperature": 300.0}}
+        heat = viewpeel.solve((PLATE_POINTS, PLATES, ["low", "high"]), materials, environment=250.0)
+        expected = SIGMA * (400**4 - PLATES_F * 300**4 - (1 - PLATES_F) * 250**4)
+        self.assertEqual(heat.name, ["low", "high"])
+        self.assertLess(abs(heat.heat_flux[0] - expected), 2e-7 * SIGMA * 400**4)
+        numpy.testing.assert_allclose(heat.heat_flow.sum(), heat.to_environment[0], rtol=1e-10)
+
+    def test_the_program_gives_the_same(self):
+        with tempfile.TemporaryDirectory() as folder:
+            ours, theirs, checkpoint = (os.path.join(folder, name) for name in ("ours.csv", "theirs.csv", "run.ck"))
+            materials = scene_file("office_materials.csv")
+            result = viewpeel.compute(scene_file("office.obj"), by="surface", directions=32, resolution=64, checkpoint=checkpoint)
+            viewpeel.solve(result, materials).save(ours)
+            subprocess.run([PROGRAM, "solve", "--from-result", checkpoint, "--materials", materials, "--quiet", "-o", theirs,
+                            scene_file("office.obj")], check=True)  # fmt: skip
+            a, b = (numpy.genfromtxt(file, delimiter=",", skip_header=1)[:, 1:] for file in (ours, theirs))
+            numpy.testing.assert_allclose(a, b, rtol=1e-9, atol=1e-9 * SIGMA * 400**4)
+
+    def test_surfaces_sum_up_polygons(self):
+        heat = viewpeel.solve(scene_file("office.obj"), scene_file("office_materials.csv"), by="polygon", tolerance=2e-2)
+        surfaces = heat.by_surface()
+        self.assertEqual((len(heat), len(surfaces)), (576, 18))
+        numpy.testing.assert_allclose(surfaces.heat_flow.sum(), heat.heat_flow.sum(), atol=1e-6)
+        self.assertEqual(list(surfaces.to_frame()["name"]), surfaces.name)
+
+    def test_bad_materials(self):
+        plates = (PLATE_POINTS, PLATES, ["low", "high"])
+        for materials, pattern in (
+            ({"low": {"temperature": 300}}, "high"),
+            ({"default": {"temperature": 300}, "attic": {"temperature": 300}}, "attic"),
+            ({"default": {"temperature": 300, "heat_flux": 1}}, "one of temperature and heat_flux"),
+            ({"default": {"temperature": 300, "emissivity": 1.5}}, "emissivity"),
+            ({"default": {"temperature": -1}}, "temperature"),
+            ({"default": {"colour": 1, "temperature": 300}}, "no 'colour'"),
+            ({"default": {"temperature": 300}}, "environment"),
+        ):
+            with self.assertRaisesRegex(ValueError, pattern):
+                viewpeel.solve(plates, materials)
+
+
+if __name__ == "__main__":
+    unittest.main()

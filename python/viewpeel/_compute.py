@@ -1,0 +1,159 @@
+"""The one call that computes form factors."""
+
+from __future__ import annotations
+
+import os
+import sys
+import warnings
+from typing import Any, Callable, Dict, Optional, Sequence, Union
+
+from . import _core
+from ._result import Result
+from ._scene import scene_of
+
+Progress = Dict[str, Union[int, float]]
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C stopped a run.
+
+    result: the Result of the replicates counted, or None where there are fewer than two
+    checkpoint: the file that has the counts, to go on with by resume=True; None where none was given
+    """
+
+    def __init__(self, result: Optional[Result], checkpoint: Optional[str]):
+        self.result, self.checkpoint = result, checkpoint
+        kept = f"; {checkpoint} has what was counted, go on with resume=True" if checkpoint and result else ""
+        super().__init__("stopped" + kept)
+
+
+class _ProgressBar:
+    """tqdm's bar of replicates."""
+
+    def __init__(self, kind: Any):
+        self._bar = kind(unit=" replicates", leave=False)
+
+    def __call__(self, progress: Progress) -> None:
+        self._bar.total = progress["expected_blocks"] or None
+        self._bar.n = progress["replicates"]
+        error = progress["largest_standard_error"]
+        if error != float("inf"):
+            self._bar.set_postfix_str(f"largest standard error {error:.1e}", refresh=False)
+        self._bar.refresh()
+
+    def close(self) -> None:
+        self._bar.close()
+
+
+def _progress_bar() -> _ProgressBar:
+    try:
+        from tqdm.auto import tqdm
+    except ImportError:
+        raise ValueError("progress=True needs tqdm; install it, or give a function") from None
+    return _ProgressBar(tqdm)
+
+
+def _names(names: Union[str, Sequence[str]]) -> list[str]:
+    return [names] if isinstance(names, str) else list(names)
+
+
+def _check_checkpoint(checkpoint: Optional[str], resume: bool) -> None:
+    if resume and checkpoint is None:
+        raise ValueError("resume: goes on with a checkpoint; name its file")
+    if checkpoint is not None and not resume and os.path.exists(checkpoint):
+        raise ValueError(f"{checkpoint}: is there already; go on with it by resume=True, or name another file")
+
+
+def compute(
+    scene: Any,
+    *,
+    tolerance: Optional[float] = None,
+    relative: Optional[float] = None,
+    seconds: Optional[float] = None,
+    epsilon: Optional[float] = None,
+    delta: Optional[float] = None,
+    rows: Optional[bool] = None,
+    directions: Optional[int] = None,
+    replicates: Optional[int] = None,
+    resolution: Optional[int] = None,
+    floor: Optional[float] = None,
+    by: str = "polygon",
+    rows_of: Union[str, Sequence[str]] = (),
+    pair: Sequence[str] = (),
+    blockers: Union[str, Sequence[str]] = (),
+    two_sided: bool = False,
+    balance: bool = False,
+    seed: int = 1,
+    engine: str = "auto",
+    device: str = "",
+    threads: int = 0,
+    sampling: Optional[str] = None,
+    sampler: Optional[str] = None,
+    unoccluded: Optional[bool] = None,
+    pair_lines: Optional[bool] = None,
+    checkpoint: Union[str, "os.PathLike[str]", None] = None,
+    resume: bool = False,
+    progress: Union[bool, Callable[[Progress], None]] = False,
+    **scene_options: Any,
+) -> Result:
+    """Computes F_ij = (2 / A_i) E[A'_ij(u)] of all pairs, as `viewpeel compute` does with the options of these names.
+
+    In:
+        scene: one of
+            a file (.obj, .stl, .ply, .vs3, .inp, .msh, .vtp, .vtu),
+            (points, polygons) or (points, polygons, names): n x 3 float64, in any unit of length; m sequences of
+                indices from 0, counter-clockwise seen from the front, or an m x k array; the surface of each polygon,
+            a mesh of meshio, trimesh, pyvista (PolyData) or VTK
+        tolerance: largest standard error, above 0; the default goal
+        relative: largest standard error as a share of its form factor, over those of at least `floor` (0.01)
+        seconds: time limit, s; with another goal: stop short of it
+        epsilon, delta, rows: a guarantee: every form factor within epsilon with probability 1 - delta (0.01); with
+            rows=True the environment of each row, too
+        directions, replicates, resolution: in place of a plan
+        by: rows are "polygon" or "surface"
+        rows_of, pair, blockers: names of surfaces or polygons ("desk[3]"): rows wanted; the one pair wanted; those that
+            only block
+        two_sided: both sides emit and receive
+        balance: also the nearest form factors whose rows sum to 1, of closed scenes
+        seed: the same seed and plan give the same bits
+        engine, device, threads, sampling, sampler, unoccluded, pair_lines: as the program's options
+        checkpoint, resume: a file that keeps the counts, written at the end, on Ctrl-C and every half minute
+        progress: True for tqdm's bar, or a function of a dict of replicates, largest_standard_error, directions,
+            directions_of_replicate, expected_blocks, most_blocks, called some 20 times a second; what it raises stops
+            the run and passes on
+        scene_options: sheets, solids, flip (names), fix_normals (bool), units ("m", "mm", "cm", "in", "ft")
+    Out: Result of the scene's rows
+    Error: as the goal demands; standard errors are estimates, intervals of a guarantee bounds
+    Raises: ValueError with the program's line for bad scenes and options; Interrupted on Ctrl-C; OSError; Error;
+        MemoryError
+    Cost: as the program, and less than 1 ms a call more; other Python threads run meanwhile
+    """
+    arguments: Dict[str, Any] = dict(
+        tolerance=tolerance, relative=relative, seconds=seconds, epsilon=epsilon, delta=delta, rows=rows,
+        directions=directions, replicates=replicates, resolution=resolution, floor=floor, by=by,
+        rows_of=_names(rows_of), pair=_names(pair), blockers=_names(blockers), two_sided=two_sided, balance=balance,
+        seed=seed, engine=engine, device=device, threads=threads, sampling=sampling, sampler=sampler,
+        unoccluded=unoccluded, pair_lines=pair_lines,
+    )  # fmt: skip
+    file = None if checkpoint is None else os.fspath(checkpoint)
+    _check_checkpoint(file, resume)
+    made = scene_of(scene, scene_options)
+    if scene_options:
+        raise TypeError(f"compute() has no argument {', '.join(map(repr, scene_options))}")
+    bar = _progress_bar() if progress is True else None
+    tick = bar or (progress if callable(progress) else None)
+    try:
+        held, stop = _core.compute(made, arguments, file or "", resume, tick)
+    finally:
+        if bar:
+            bar.close()
+    result = None if held is None else Result(held)
+    if isinstance(stop, KeyboardInterrupt):
+        raise Interrupted(result, file) from None
+    if stop is not None:
+        raise stop
+    if result is None:
+        raise _core.Error("the run was stopped before it had a result")
+    for line in result.warnings:
+        warnings.warn(line, stacklevel=2)
+    return result

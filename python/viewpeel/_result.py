@@ -1,0 +1,216 @@
+"""Results: sparse matrices, arrays of rows, tables, pictures and files."""
+
+from __future__ import annotations
+
+import html
+import os
+from functools import cached_property
+from typing import Any, NamedTuple, Optional, Sequence, Union
+
+import numpy
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from . import _core
+
+Floats = NDArray[numpy.float64]
+
+
+class Closure(NamedTuple):
+    """How far row sums are from 1: the largest distance with its standard error, the rms, the row of the largest."""
+
+    largest: float
+    standard_error: float
+    rms: float
+    row: str
+
+
+def _number(text: str) -> Union[int, float, str]:
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            pass
+    return text
+
+
+class Result:
+    """Form factors of n rows, with their errors. Rows are in the order of the scene; empty rows keep their places.
+
+    Sparse matrices are n x n; entry [i, j] is from row i to row j, and F_ij is without unit. Arrays that share memory
+    with the library are this result's own: changing them changes no file that save() writes.
+    """
+
+    def __init__(self, held: _core.Result):
+        self._held = held
+
+    def _matrix(self, parts: Any) -> Optional[csr_array]:
+        if parts is None:
+            return None
+        count = len(parts[2]) - 1
+        return csr_array(parts, shape=(count, count), copy=False)
+
+    @cached_property
+    def form_factors(self) -> csr_array:
+        """F, n x n float64: F_ij is the share of the radiation leaving i that reaches j directly."""
+        return self._matrix(self._held.sparse("form_factors"))
+
+    @cached_property
+    def standard_errors(self) -> csr_array:
+        """Standard errors of F, in the same places."""
+        return self._matrix(self._held.sparse("standard_errors"))
+
+    @cached_property
+    def exchange_areas(self) -> csr_array:
+        """A_i F_ij, input units squared; symmetric to the last bit where both rows were asked for."""
+        return self._matrix(self._held.exchange_areas())
+
+    @cached_property
+    def balanced(self) -> Optional[csr_array]:
+        """The nearest form factors whose rows sum to 1 (balance=True), or None."""
+        return self._matrix(self._held.balanced())
+
+    @cached_property
+    def bounds(self) -> Optional[tuple[csr_array, csr_array]]:
+        """(lower, upper) of a guarantee, or None. A pair without an entry is at most `unlisted_bound`, as seen from
+        the smaller of the two."""
+        lower = self._matrix(self._held.sparse("lower"))
+        return None if lower is None else (lower, self._matrix(self._held.sparse("upper")))
+
+    @property
+    def unlisted_bound(self) -> float:
+        """The bound of a guarantee on form factors of pairs without an entry."""
+        return self._held.unlisted_bound
+
+    @cached_property
+    def names(self) -> list[str]:
+        """Name of each row: a surface, or "desk[3]"."""
+        return self._held.names()
+
+    @cached_property
+    def areas(self) -> Floats:
+        """Emitting area of each row, n float64, input units squared; both sides of two-sided polygons; 0 if empty."""
+        return self._held.areas()
+
+    @cached_property
+    def environment(self) -> Floats:
+        """F from each row out of the scene, n float64."""
+        return self._held.environment()[0]
+
+    @cached_property
+    def environment_standard_errors(self) -> Floats:
+        """Standard errors of `environment`, n float64."""
+        return self._held.environment()[1]
+
+    @cached_property
+    def leak(self) -> Floats:
+        """F from each row onto backs of polygons, n float64: flipped polygons and open solids show up here."""
+        return self._held.leak()[0]
+
+    @cached_property
+    def leak_standard_errors(self) -> Floats:
+        """Standard errors of `leak`, n float64."""
+        return self._held.leak()[1]
+
+    @cached_property
+    def row_sums(self) -> Floats:
+        """Sum of each row as counted, environment and leak included, n float64; 0 where a row was not asked for."""
+        return self._held.row_sums()
+
+    @cached_property
+    def closure(self) -> Optional[Closure]:
+        """Distance of row sums from 1; None for a question that leaves out what a row can see."""
+        found = self._held.closure()
+        return None if found is None else Closure(*found)
+
+    @cached_property
+    def parameters(self) -> dict[str, Union[int, float, str]]:
+        """Settings by name, and the amount counted: seed, replicates, all_directions, all_lines and so on."""
+        return {name: _number(value) for name, value in self._held.parameters}
+
+    @property
+    def warnings(self) -> list[str]:
+        """What the run noticed, a line each."""
+        return self._held.warnings
+
+    @property
+    def seconds(self) -> float:
+        """Time of the run, s; 0 for a result that was read."""
+        return self._held.seconds
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    def to_frame(self) -> Any:
+        """pandas.DataFrame of the nonzero entries, as .csv has them: from, to, form_factor, standard_error, and with a
+        guarantee lower, upper. `environment` and `leak` stand in `to`, after the pairs."""
+        import pandas
+
+        pairs, errors = self.form_factors.tocoo(), self.standard_errors
+        names = numpy.array(self.names, dtype=object)
+        columns = {
+            "from": names[pairs.row],
+            "to": names[pairs.col],
+            "form_factor": pairs.data,
+            "standard_error": errors.data,
+        }
+        if self.bounds is not None:
+            columns["lower"], columns["upper"] = self.bounds[0].data, self.bounds[1].data
+        frames = [pandas.DataFrame(columns)]
+        for to, values, of_values in (
+            ("environment", self.environment, self.environment_standard_errors),
+            ("leak", self.leak, self.leak_standard_errors),
+        ):
+            seen = numpy.flatnonzero(values)
+            frames.append(
+                pandas.DataFrame(
+                    {"from": names[seen], "to": to, "form_factor": values[seen], "standard_error": of_values[seen]}
+                )
+            )
+        return pandas.concat(frames, ignore_index=True)
+
+    def save(self, file: Union[str, "os.PathLike[str]"], show: Sequence[str] = ()) -> None:
+        """Writes a file by its extension: .csv, .mtx, .npz, .h5, .vtp or .vwf (docs/formats.md). It is whole at any
+        time, or untouched.
+
+        In: show: surfaces or polygons whose form factors to everything are arrays of .vtp
+        Raises: ValueError for an unknown extension or name, and for .vtp of a result that was read; OSError
+        """
+        self._held.save(os.fspath(file), list(show))
+
+    def plot(self) -> Any:
+        """matplotlib.figure.Figure: the matrix, F_ij in logarithmic colours, and a histogram of standard errors."""
+        from ._plot import plot
+
+        return plot(self)
+
+    def _largest(self, count: int = 10) -> list[tuple[str, str, float, float]]:
+        pairs = self.form_factors.tocoo()
+        places = numpy.argsort(-pairs.data, kind="stable")[:count]
+        errors = self.standard_errors.data
+        return [(self.names[pairs.row[k]], self.names[pairs.col[k]], pairs.data[k], errors[k]) for k in places]
+
+    def _describe(self) -> str:
+        errors = self.standard_errors.data
+        largest = f", standard errors up to {errors.max():.1e}" if errors.size else ""
+        return f"viewpeel.Result: {len(self)} rows, {self.form_factors.nnz} form factors{largest}"
+
+    def __repr__(self) -> str:
+        return f"<{self._describe()}>"
+
+    def _repr_html_(self) -> str:
+        lines = "".join(
+            f"<tr><td>{html.escape(of)}</td><td>{html.escape(to)}</td><td>{f:.6f}</td><td>{error:.1e}</td></tr>"
+            for of, to, f, error in self._largest()
+        )
+        head = "<tr><th>from</th><th>to</th><th>form factor</th><th>standard error</th></tr>"
+        return f"<div>{html.escape(self._describe())}</div><table>{head}{lines}</table>"
+
+
+def load(file: Union[str, "os.PathLike[str]"]) -> Result:
+    """Reads a .h5 that save() or `viewpeel compute -o` wrote.
+
+    Out: Result; exchange areas are made of the F_ij stored, so that numbers may differ in the last digit
+    Raises: ValueError where the file is no .h5 of results, cut off or damaged
+    """
+    return Result(_core.load(os.fspath(file)))

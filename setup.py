@@ -1,0 +1,42 @@
+"""Builds the Python module by CMake: `pip install . --no-build-isolation --no-deps` (docs/python.md).
+
+VIEWPEEL_BUILD_DIR=build/release takes the library from a build tree that is there, in place of compiling it anew.
+"""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import sysconfig
+from pathlib import Path
+
+from setuptools import Extension, setup
+from setuptools.command.build_ext import build_ext
+
+ROOT = Path(__file__).parent.resolve()
+
+
+class CMakeBuild(build_ext):
+    """Configures and builds the one target, and puts the module where setuptools wants it."""
+
+    def build_extension(self, extension):
+        given = os.environ.get("VIEWPEEL_BUILD_DIR")
+        tree = (ROOT / given).resolve() if given else Path(self.build_temp).resolve() / "viewpeel"
+        if not given:
+            parts = [f"-DVIEWPEEL_BUILD_{part}=OFF" for part in ("PROGRAM", "TESTS", "BENCH", "REFERENCE")]
+            subprocess.run(
+                ["cmake", "-S", ROOT, "-B", tree, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DVIEWPEEL_INSTALL=OFF",
+                 "-DVIEWPEEL_BUILD_PYTHON=ON", f"-DPython_EXECUTABLE={sys.executable}", *parts],
+                check=True)  # fmt: skip
+        subprocess.run(["cmake", "--build", tree, "--target", "viewpeel_python"], check=True)
+        built = tree / "python" / ("_core" + sysconfig.get_config_var("EXT_SUFFIX"))
+        if not built.exists():
+            sys.exit(f"setup.py: {tree} builds the module for another Python than {sys.executable}; unset VIEWPEEL_BUILD_DIR")
+        target = Path(self.get_ext_fullpath(extension.name)).resolve()
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(built, target)
+
+
+version = re.search(r"project\(viewpeel VERSION ([0-9.]+)", (ROOT / "CMakeLists.txt").read_text()).group(1)
+setup(version=version, ext_modules=[Extension("viewpeel._core", sources=[])], cmdclass={"build_ext": CMakeBuild})

@@ -1,0 +1,38 @@
+/* Two unit squares face each other at distance 1: the form factor is printed, written, read back; a mistake is told. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <viewpeel/c.h>
+
+static int check(viewpeel_status status) {
+  if (status != VIEWPEEL_OK) fprintf(stderr, "%s\n", viewpeel_last_error());
+  return status != VIEWPEEL_OK;
+}
+
+int main(int argc, char** argv) {
+  const double points[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1};
+  const uint32_t corners[] = {0, 1, 2, 3, 4, 7, 6, 5}, wrong[] = {0, 1, 2, 3, 4, 7, 6, 8};
+  const size_t starts[] = {0, 4, 8};
+  const char* names[] = {"floor", "ceiling"};
+  viewpeel_scene* scene = NULL;
+  viewpeel_result *result = NULL, *read = NULL;
+  const viewpeel_options options = {.tolerance = 1e-3};
+  double f = 0, error = 0, outside = 0, again = 0;
+  if (argc != 2) return 2;
+
+  if (viewpeel_build_scene(points, 8, wrong, starts, 2, names, &scene) != VIEWPEEL_BAD_INPUT || scene) return 1;
+  if (!strstr(viewpeel_last_error(), "polygon 1: corner 8")) return 1;
+  if (check(viewpeel_build_scene(points, 8, corners, starts, 2, names, &scene))) return 1;
+  if (check(viewpeel_compute(scene, &options, &result))) return 1;
+  viewpeel_free_scene(scene);
+  if (check(viewpeel_form_factor(result, 0, 1, &f, &error))) return 1;
+  if (check(viewpeel_form_factor(result, 0, VIEWPEEL_ENVIRONMENT, &outside, NULL))) return 1;
+  printf("%s to %s %.6f +- %.1e\n", viewpeel_row_name(result, 0), viewpeel_row_name(result, 1), f, error);
+  if (check(viewpeel_write_result(result, argv[1])) || check(viewpeel_read_result(argv[1], &read))) return 1;
+  if (check(viewpeel_form_factor(read, 1, 0, &again, NULL))) return 1;
+  const viewpeel_rows rows = viewpeel_get_rows(read);
+  const int is_right = fabs(f - 0.1998248957) < 1e-7 && fabs(f + outside - 1) < 1e-6 && fabs(again - f) < 1e-15 &&
+                       rows.row_count == 2 && rows.entry_count == 2 && rows.columns[0] == 1 && !rows.lower;
+  viewpeel_free_result(result), viewpeel_free_result(read);
+  return !is_right;
+}

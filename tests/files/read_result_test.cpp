@@ -1,0 +1,158 @@
+// What writeFormFactors puts into a .h5 comes back by readResult.
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <viewpeel/compute.h>
+#include <viewpeel/error.h>
+#include <viewpeel/read.h>
+#include <viewpeel/write.h>
+#include "scenes/named_scenes.h"
+#include "tests/support/random_form_factors.h"
+
+namespace viewpeel {
+namespace {
+
+namespace fs = std::filesystem;
+namespace ts = test_scenes;
+
+// Rows are not ids: a face has no area. "desk[2]" is the name of a face, and "solo" that of a surface of one face.
+InputScene deskScene() {
+  InputScene input{"desks", {}, {}};
+  ts::addFace(input, "desk", {{0, 0, 0}, {2, 0, 0}, {2, 3, 0}, {0, 3, 0}});
+  ts::addFace(input, "desk", {{0, 0, 6}, {1, 0, 6}, {1, 0, 6}});
+  ts::addFace(input, "desk", {{0, 0, 5}, {0, 1, 5}, {1, 1, 5}});
+  ts::addFace(input, "solo", {{3, 0, 0}, {3, 0, 1}, {3, 1, 2}, {3, 2, 1}, {3, 2, 0}});
+  ts::addFace(input, "wall", {{0, 4, 0}, {0.5, 4, 0}, {0.5, 4, 0.7}});
+  return input;
+}
+
+class ReadResult : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("viewpeel_read_result_" + std::to_string(::getpid()));
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  fs::path folder_;
+  Scene scene_ = buildScene(deskScene());
+  FormFactors form_factors_ = randomFormFactors(makeIds(scene_, By::polygon, false), 7, 0.7);
+};
+
+// F is stored, A F wanted: a rounding there and one back, 2^-53 of the value each.
+void expectSame(double a, double b) { EXPECT_NEAR(a, b, 2 * 0x1p-52 * std::abs(b)); }
+
+void expectSame(const FormFactors& read, const FormFactors& written) {
+  const Ids &a = read.ids(), &b = written.ids();
+  EXPECT_EQ(a.names, b.names);
+  EXPECT_EQ(a.areas, b.areas);
+  EXPECT_EQ(a.requested, b.requested);
+  EXPECT_EQ(a.empty_rows, b.empty_rows);
+  ASSERT_EQ(a.count(), b.count());
+  for (uint32_t i = 0; i < a.count(); ++i) {
+    if (!b.isRequested(i)) continue;
+    EXPECT_EQ(read.rowSums()[i].value, written.rowSums()[i].value);
+    for (uint32_t j = 0; j < a.count() + 2; ++j) {
+      const uint32_t to = j == a.count() ? kEnvironment : j == a.count() + 1 ? kLeak : j;
+      SCOPED_TRACE(testing::Message() << i << " to " << to);
+      expectSame(read.formFactor(i, to).value, written.formFactor(i, to).value);
+      expectSame(read.formFactor(i, to).standard_error, written.formFactor(i, to).standard_error);
+      expectSame(read.interval(i, to).lower, written.interval(i, to).lower);
+      expectSame(read.interval(i, to).upper, written.interval(i, to).upper);
+    }
+  }
+}
+
+TEST_F(ReadResult, BringsBackWhatWasWritten) {
+  for (const bool with_geometry : {true, false}) {
+    OutputContent content{form_factors_, nullptr, with_geometry ? &scene_ : nullptr, {{"seed", "7"}, {"rate", "0.25"}}};
+    writeFormFactors(content, folder_ / "desks.h5");
+    const StoredResult stored = readResult(folder_ / "desks.h5");
+    expectSame(stored.form_factors, form_factors_);
+    EXPECT_EQ(stored.surface_names, (std::vector<std::string>{"desk", "solo", "wall"}));
+    EXPECT_EQ(stored.form_factors.ids().surface, (std::vector<uint32_t>{0, 0, 1, 2}));
+    EXPECT_FALSE(stored.balanced);
+    using Parameter = std::pair<std::string, std::string>;
+    EXPECT_NE(std::ranges::find(stored.parameters, Parameter("seed", "7")), stored.parameters.end());
+    EXPECT_NE(std::ranges::find(stored.parameters, Parameter("rate", "0.25")), stored.parameters.end());
+  }
+}
+
+// A question leaves rows out; the form factors to them stand in the rows asked for alone.
+TEST_F(ReadResult, BringsBackTheRowsOfAQuestion) {
+  Ids ids = form_factors_.ids();
+  ids.requested = {false, true, false, true};
+  const FormFactors asked(ids, form_factors_.entries(), form_factors_.rowSums());
+  writeFormFactors(asked, folder_ / "asked.h5");
+  expectSame(readResult(folder_ / "asked.h5").form_factors, asked);
+}
+
+// Pairs without an entry keep their bound.
+TEST_F(ReadResult, BringsBackIntervalsAndBalancedFormFactors) {
+  std::vector<Interval> intervals;
+  for (const FormFactors::Entry& entry : form_factors_.entries())
+    intervals.push_back({0.5 * entry.exchange_area.value, 2 * entry.exchange_area.value});
+  const FormFactors bounded(form_factors_.ids(), form_factors_.entries(), form_factors_.rowSums(), intervals, 0.125);
+  writeFormFactors(OutputContent{bounded, &form_factors_}, folder_ / "bounded.h5");
+  const StoredResult stored = readResult(folder_ / "bounded.h5");
+  expectSame(stored.form_factors, bounded);
+  EXPECT_EQ(stored.form_factors.unlistedBound(), 0.125);
+  ASSERT_TRUE(stored.balanced);
+  EXPECT_EQ(stored.balanced->entries().size(), stored.form_factors.entries().size());
+  for (uint32_t j = 0; j < form_factors_.ids().count(); ++j)
+    expectSame(stored.balanced->formFactor(1, j).value, form_factors_.formFactor(1, j).value);
+}
+
+// What a run writes is what is read, whole rows and all.
+TEST_F(ReadResult, BringsBackARun) {
+  const Scene scene = buildScene(ts::parallelSquares());
+  Request request;
+  request.engine = EngineKind::host;
+  FormFactorRun run(scene, request);
+  while (!run.isDone()) run.step();
+  const Result result = run.result();
+  writeFormFactors({result.form_factors, nullptr, &scene, parametersOf(run, result)}, folder_ / "run.h5");
+  const StoredResult stored = readResult(folder_ / "run.h5");
+  expectSame(stored.form_factors, result.form_factors);
+  EXPECT_TRUE(stored.form_factors.ids().rows_sum_to_one);
+  EXPECT_FALSE(stored.form_factors.ids().two_sided);
+}
+
+TEST_F(ReadResult, RefusesOtherFiles) {
+  const auto refusal = [](const fs::path& file) {
+    try {
+      readResult(file);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::bad_input);
+      return std::string(error.what());
+    }
+    return std::string("none");
+  };
+  EXPECT_NE(refusal(folder_ / "absent.h5").find("cannot be read"), std::string::npos);
+  std::ofstream(folder_ / "text.h5") << "from,to,form_factor\n";
+  EXPECT_NE(refusal(folder_ / "text.h5").find("not a whole result"), std::string::npos);
+  writeFormFactors(form_factors_, folder_ / "whole.h5");
+  std::ifstream whole(folder_ / "whole.h5", std::ios::binary);
+  std::string bytes((std::istreambuf_iterator<char>(whole)), {});
+  for (const size_t at : {size_t(0), bytes.size() / 2, bytes.size() - 1}) {
+    std::string damaged = bytes;
+    damaged[at] = static_cast<char>(damaged[at] ^ 1);
+    std::ofstream(folder_ / "damaged.h5", std::ios::binary) << damaged;
+    EXPECT_NE(refusal(folder_ / "damaged.h5").find("not a whole result"), std::string::npos) << at;
+  }
+  const Scene scene = buildScene(ts::parallelSquares());
+  Request request;
+  request.engine = EngineKind::host;
+  request.goal = FixedAmount{.directions = 8, .replicates = 2};
+  FormFactorRun run(scene, request);
+  run.step();
+  run.writeCheckpoint(folder_ / "run.h5");
+  EXPECT_NE(refusal(folder_ / "run.h5").find("checkpoint"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace viewpeel
