@@ -182,10 +182,14 @@ TEST(PairLines, CountsOnDeviceAndProcessorAreTheSame) {
   plan(host);
   ASSERT_EQ(pairs, planned);
   for (const uint64_t replicate : {0, 3}) EXPECT_EQ(host.count(pairs, replicate), device.count(pairs, replicate));
-  std::vector<bool> wanted(pairs.size());
-  for (size_t k = 0; k < wanted.size(); k += 3) wanted[k] = true;
-  EXPECT_EQ(host.count(pairs, 9, wanted, 4), device.count(pairs, 9, wanted, 4));
-  EXPECT_FALSE(host.count(pairs, 9, wanted, 4) == device.count(pairs, 9, wanted, 2));
+  // Further lines: a third of the pairs, as often as planned or four times.
+  std::vector<uint32_t> once(pairs.size()), four_times(pairs.size());
+  for (size_t k = 0; k < pairs.size(); k += 3) {
+    once[k] = 1;
+    four_times[k] = 4;
+  }
+  EXPECT_EQ(host.count(pairs, 9, four_times), device.count(pairs, 9, four_times));
+  EXPECT_FALSE(host.count(pairs, 9, four_times) == device.count(pairs, 9, once));
 }
 
 }  // namespace
