@@ -35,6 +35,11 @@ struct PatchPairs {
   std::vector<PlacedBlocker> between;  // of all pairs
 };
 
+// Returns a number above 0 where a blocker of the patch's plane lies in front of the patch.
+inline int stepsInFront(const Blocker& blocker, const Patch& patch) {
+  return (patch.along_plane_normal ? blocker.level : -blocker.level) - patch.height;
+}
+
 class PairFinder {
  public:
   //   In: scene: referred to; with_backs: whether backs that lines leak to are among the patches
