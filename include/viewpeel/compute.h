@@ -56,7 +56,7 @@ class FormFactorRun {
 
   // Returns the request, with every open choice settled.
   const Request& request() const;
-  // Returns the plan: engine, sampling and sampler at first; the rest follows with makePlan().
+  // Returns the plan. Before makePlan() it has engine, sampling and sampler alone.
   const PlanSummary& plan() const;
   // Returns the device of an engine that needs one; else nullptr.
   const DeviceDescription* device() const;

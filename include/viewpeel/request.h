@@ -69,7 +69,7 @@ struct FixedAmount {
 // A run has exactly one goal, which ends it.
 using Goal = std::variant<Tolerance, Relative, Seconds, EpsilonDelta, FixedAmount>;
 
-// An Amount takes choices away from a plan, with a goal that is no FixedAmount.
+// An Amount fixes what it sets, and a plan chooses the rest. It is for goals other than FixedAmount.
 struct Amount {
   uint32_t directions = 0;  // of a replicate; 0: planned
   uint32_t replicates = 8;  // at least

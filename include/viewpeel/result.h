@@ -165,8 +165,8 @@ StandardErrors measureStandardErrors(const FormFactors& form_factors, size_t wor
 
 // A Result holds all that one call finds.
 struct Result : Estimate {
-  // The goal is reached; false where time was up before, and in a run that was stopped. Seconds are always reached, and
-  // an exact amount with its last replicate.
+  // True if the goal was reached; false if time was up before, or the run was stopped. A goal in seconds is reached by
+  // every run that was not stopped, an exact amount by its last replicate.
   bool goal_reached = false;
   Closure closure;               // of form_factors
   double environment_share = 0;  // of the radiation of the request's rows, the part that leaves the scene
