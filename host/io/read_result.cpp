@@ -65,10 +65,10 @@ std::vector<std::string> readSurfaces(Hdf5Input& in, Ids& ids) {
     }
     return names;
   }
-  std::unordered_map<std::string, uint32_t> known;
+  std::unordered_map<std::string, uint32_t> surface_of_name;
   for (uint32_t id = 0; id < ids.count(); ++id) {
     const std::string name = surfaceOfName(ids.names[id]);
-    const auto [at, is_new] = known.try_emplace(name, static_cast<uint32_t>(names.size()));
+    const auto [at, is_new] = surface_of_name.try_emplace(name, static_cast<uint32_t>(names.size()));
     if (is_new) names.push_back(name);
     ids.surface[id] = at->second;
   }

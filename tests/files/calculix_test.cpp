@@ -11,6 +11,7 @@
 #include "scene/readers.h"
 #include "tests/support/python.h"
 #include "tests/support/random_form_factors.h"
+#include "tests/support/test_folder.h"
 
 namespace viewpeel {
 namespace {
@@ -81,17 +82,8 @@ constexpr const char* kCompare =
     "def off(F):\n"
     "    return abs(found - power(F)).max() / abs(power(F)).max()\n";
 
-class CalculiX : public testing::Test {
+class CalculiX : public TestFolder {
  protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("viewpeel_calculix_" + std::to_string(::getpid()));
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-  fs::path write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name, std::ios::binary) << text;
-    return folder_ / name;
-  }
   void runCcx(bool succeeds = true) const {
     const int status = std::system(
         fmt::format("cd '{}' && OMP_NUM_THREADS=1 /usr/bin/ccx job >said 2>&1 </dev/null", folder_.string()).c_str());
@@ -101,15 +93,8 @@ class CalculiX : public testing::Test {
   }
   std::string refusal(const std::string& text) const {
     const fs::path file = write("bad.inp", text);
-    try {
-      readCcxDeck(file);
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ErrorCode::bad_input);
-      return std::string(error.what()).substr(folder_.string().size() + 1);
-    }
-    return "none";
+    return withoutPlace(refusalOf([&] { readCcxDeck(file); }), folder_.string().size() + 1);
   }
-  fs::path folder_;
 };
 
 std::string givens() { return fmt::format("T, eps, sink = {}, {}, {}\n", kTemperatures, kEmissivities, kSinks); }

@@ -11,6 +11,7 @@
 #include "scene/readers.h"
 #include "tests/support/python.h"
 #include "tests/support/random_form_factors.h"
+#include "tests/support/test_folder.h"
 
 namespace viewpeel {
 namespace {
@@ -131,28 +132,12 @@ std::string epJson(const std::vector<Wall>& walls, const std::vector<std::string
       of_zones, of_walls, of_windows);
 }
 
-class EnergyPlus : public testing::Test {
+class EnergyPlus : public TestFolder {
  protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("viewpeel_energyplus_" + std::to_string(::getpid()));
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-  fs::path write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name, std::ios::binary) << text;
-    return folder_ / name;
-  }
   std::string refusal(const std::string& name, const std::string& text) const {
     const fs::path file = write(name, text);
-    try {
-      loadScene(file);
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ErrorCode::bad_input);
-      return std::string(error.what()).substr(folder_.string().size() + 1);
-    }
-    return "none";
+    return withoutPlace(refusalOf([&] { loadScene(file); }), folder_.string().size() + 1);
   }
-  fs::path folder_;
 };
 
 // The example's own figures are View3D's, whose eps is 1e-4 by default. South Wall and East Wall, with nothing between

@@ -10,34 +10,19 @@
 #include <viewpeel/ids.h>
 #include "scene/readers.h"
 #include "tests/support/python.h"
+#include "tests/support/test_folder.h"
 
 namespace viewpeel {
 namespace {
 
 namespace fs = std::filesystem;
 
-class Gltf : public testing::Test {
+class Gltf : public TestFolder {
  protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("viewpeel_gltf_" + std::to_string(::getpid()));
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-  fs::path write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name, std::ios::binary) << text;
-    return folder_ / name;
-  }
   std::string refusal(const std::string& text) const {
     const fs::path file = write("a.gltf", text);
-    try {
-      readGltf(file);
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ErrorCode::bad_input);
-      return std::string(error.what()).substr(file.string().size());
-    }
-    return "none";
+    return withoutPlace(refusalOf([&] { readGltf(file); }), file.string().size());
   }
-  fs::path folder_;
 };
 
 TEST_F(Gltf, AssimpWritesThem) {

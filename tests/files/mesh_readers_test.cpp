@@ -14,34 +14,19 @@
 #include <viewpeel/ids.h>
 #include "scene/readers.h"
 #include "tests/support/python.h"
+#include "tests/support/test_folder.h"
 
 namespace viewpeel {
 namespace {
 
 namespace fs = std::filesystem;
 
-class Meshes : public testing::Test {
+class Meshes : public TestFolder {
  protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("viewpeel_meshes_" + std::to_string(::getpid()));
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-  fs::path write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name, std::ios::binary) << text;
-    return folder_ / name;
-  }
   std::string refusal(const std::string& name, const std::string& text) const {
     const fs::path file = write(name, text);
-    try {
-      loadScene(file);
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ErrorCode::bad_input);
-      return std::string(error.what()).substr(file.string().size());
-    }
-    return "none";
+    return withoutPlace(refusalOf([&] { loadScene(file); }), file.string().size());
   }
-  fs::path folder_;
 };
 
 // The room has 1 x 2 x 3 m, in millimetres, and a volume, so that there are points, edges and tetrahedra to pass over.

@@ -10,6 +10,7 @@
 #include "scenes/named_scenes.h"
 #include "tests/support/python.h"
 #include "tests/support/random_form_factors.h"
+#include "tests/support/test_folder.h"
 
 namespace viewpeel {
 namespace {
@@ -31,14 +32,8 @@ InputScene unequalScene() {
 
 constexpr uint32_t kRows = 5;
 
-class OutputFiles : public testing::Test {
+class OutputFiles : public TestFolder {
  protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("viewpeel_output_files_" + std::to_string(::getpid()));
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   // The script sees `truth`, `errors` (rows x rows), `areas`, `environment`, `leak` of all rows of the file.
   std::string expected() const {
     const auto rows = form_factors_.ids().rows();
@@ -67,7 +62,6 @@ class OutputFiles : public testing::Test {
     EXPECT_NE(result.output.find("passed"), std::string::npos) << result.output;
   }
 
-  fs::path folder_;
   Scene scene_ = buildScene(unequalScene());
   Ids ids_ = makeIds(scene_, By::polygon, false);
   FormFactors form_factors_ = randomFormFactors(ids_, 7, 0.7);

@@ -12,6 +12,7 @@
 #include <viewpeel/write.h>
 #include "scenes/named_scenes.h"
 #include "tests/support/random_form_factors.h"
+#include "tests/support/test_folder.h"
 
 namespace viewpeel {
 namespace {
@@ -30,15 +31,8 @@ InputScene deskScene() {
   return input;
 }
 
-class ReadResult : public testing::Test {
+class ReadResult : public TestFolder {
  protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("viewpeel_read_result_" + std::to_string(::getpid()));
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  fs::path folder_;
   Scene scene_ = buildScene(deskScene());
   FormFactors form_factors_ = randomFormFactors(makeIds(scene_, By::polygon, false), 7, 0.7);
 };

@@ -12,19 +12,15 @@
 #include <viewpeel/write.h>
 #include "tests/support/python.h"
 #include "tests/support/random_form_factors.h"
+#include "tests/support/test_folder.h"
 
 namespace viewpeel {
 namespace {
 
 namespace fs = std::filesystem;
 
-class SmallFormats : public testing::Test {
+class SmallFormats : public TestFolder {
  protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("viewpeel_small_formats_" + std::to_string(::getpid()));
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
   static Ids unequalRows(uint32_t count) {
     Ids ids;
     for (uint32_t k = 0; k < count; ++k) {
@@ -44,7 +40,6 @@ class SmallFormats : public testing::Test {
     const PythonResult result = runPython(folder_, script + "print('passed')\n");
     EXPECT_NE(result.output.find("passed"), std::string::npos) << result.output;
   }
-  fs::path folder_;
 };
 
 // Elmer reads text by list-directed READ and bytes by access='stream'; this program does the same and prints the

@@ -11,6 +11,7 @@
 #include "scene/read_vs3.h"
 #include "tests/support/python.h"
 #include "tests/support/random_form_factors.h"
+#include "tests/support/test_folder.h"
 
 namespace viewpeel {
 namespace {
@@ -34,26 +35,11 @@ constexpr const char* kRoom =
     "N 9 13 14 6 0 4 0 .9 hole\n"
     "M 10 17 18 19 5 4 0 .9 mask\n";
 
-class View3dFiles : public testing::Test {
+class View3dFiles : public TestFolder {
  protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("viewpeel_view3d_files_" + std::to_string(::getpid()));
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-  fs::path write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name, std::ios::binary) << text;
-    return folder_ / name;
-  }
   std::string refusal(const std::string& text) const {
     const fs::path file = write("bad.vs3", text);
-    try {
-      makeScene(parseVs3(file));
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ErrorCode::bad_input);
-      return std::string(error.what()).substr(file.string().size());
-    }
-    return "none";
+    return withoutPlace(refusalOf([&] { makeScene(parseVs3(file)); }), file.string().size());
   }
   // Runs `view3d ARGUMENTS` in the folder.
   int runView3d(const std::string& arguments, std::string* output = nullptr) const {
@@ -68,7 +54,6 @@ class View3dFiles : public testing::Test {
     text << std::ifstream(folder_ / name, std::ios::binary).rdbuf();
     return text.str();
   }
-  fs::path folder_;
 };
 
 double areaOf(const InputScene& scene, uint32_t surface) {

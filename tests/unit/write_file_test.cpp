@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "host/io/write_file.h"
+#include "tests/support/test_folder.h"
 #include <viewpeel/error.h>
 
 namespace viewpeel {
@@ -17,13 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class WriteFile : public testing::Test {
+class WriteFile : public TestFolder {
  protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("viewpeel_write_file_test_" + std::to_string(::getpid()));
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
   static std::string textOf(const fs::path& file) {
     std::ostringstream text;
     text << std::ifstream(file).rdbuf();
@@ -34,7 +30,6 @@ class WriteFile : public testing::Test {
     EXPECT_EQ(::stat(file.c_str(), &found), 0);
     return found.st_mode & 07777;
   }
-  fs::path folder_;
 };
 
 void writeNew(const fs::path& file) {
