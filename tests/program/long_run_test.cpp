@@ -11,17 +11,7 @@ namespace {
 namespace fs = std::filesystem;
 const std::string kOffice = "compute " VIEWPEEL_SCENES "/office.obj --quiet --by surface ";
 
-class LongRun : public Program {
- protected:
-  // The replicates a checkpoint holds, as merge shows them.
-  std::string replicatesOf(const std::string& name) const {
-    const std::string shown = run("merge " + file(name)).output;
-    const size_t at = shown.find("\nreplicates ");
-    return at == std::string::npos ? shown
-                                   : shown.substr(shown.find_first_not_of(' ', at + 12),
-                                                  shown.find('\n', at + 1) - shown.find_first_not_of(' ', at + 12));
-  }
-};
+class LongRun : public Program {};
 
 // Kills fall at random within a replicate, a write of the checkpoint, or the start of the program.
 class KilledRun : public LongRun, public testing::WithParamInterface<const char*> {};
@@ -167,154 +157,14 @@ TEST_F(LongRun, PlansAndGuaranteesAreGoneOnWith) {
     ASSERT_EQ(run(checkpoint + " --resume -o " + file("resumed.csv")).status, 0);
     std::string same = options;
     for (const std::string& option : chosen) {
-      const size_t at = shown.find("\n" + option + " ");
-      ASSERT_NE(at, std::string::npos) << shown;
-      const std::string value =
-          shown.substr(shown.find_first_not_of(' ', at + 1 + option.size()),
-                       shown.find('\n', at + 1) - shown.find_first_not_of(' ', at + 1 + option.size()));
+      const std::string value = shownValue(shown, option);
+      ASSERT_NE(value, shown) << option << " is missing";
       if (value != "0") same += option + " " + value + " ";
     }
     ASSERT_EQ(run(same + "-o " + file("whole.csv")).status, 0) << same;
     EXPECT_EQ(readFile(file("resumed.csv")), readFile(file("whole.csv"))) << same;
     EXPECT_FALSE(readFile(file("whole.csv")).empty());
   }
-}
-
-class PartsOfARun : public LongRun, public testing::WithParamInterface<const char*> {};
-
-INSTANTIATE_TEST_SUITE_P(LongRun, PartsOfARun, testing::Values("", "--unoccluded on ", "--unoccluded on --by surface "),
-                         [](const auto& options) { return fmt::format("Options{}", options.index); });
-
-TEST_P(PartsOfARun, MergeToOneRun) {
-  const std::string options =
-      std::string("compute " VIEWPEEL_SCENES "/office.obj --quiet --directions 30 ") + GetParam();
-  ASSERT_EQ(run(options + "--replicates 9 -o " + file("whole.csv") + " -o " + file("whole.mtx") + " --checkpoint " +
-                file("whole.h5"))
-                .status,
-            0);
-  for (const auto& [first, count] : {std::pair("0", "2"), {"2", "4"}, {"6", "3"}})
-    ASSERT_EQ(run(options + "--replicates " + count + " --first-replicate " + first + " --checkpoint " +
-                  file(std::string("p") + first + ".h5"))
-                  .status,
-              0);
-  for (const std::string order : {"0 2 6", "6 2 0", "2 6 0"}) {
-    std::string inputs;
-    for (char part : order)
-      if (part != ' ') inputs += " " + file(std::string("p") + part + ".h5");
-    fs::remove(file("m.h5"));
-    const Result merged = run("merge --quiet" + inputs + " -o " + file("m.csv") + " -o " + file("m.mtx") +
-                              " --checkpoint " + file("m.h5"));
-    EXPECT_EQ(merged.status, 0);
-    EXPECT_EQ(merged.output, "");
-    for (const char* kind : {"csv", "mtx", "h5"}) {
-      EXPECT_FALSE(readFile(file(std::string("m.") + kind)).empty());
-      EXPECT_EQ(readFile(file(std::string("m.") + kind)), readFile(file(std::string("whole.") + kind)))
-          << kind << " of " << order;
-    }
-  }
-  // What is merged can be gone on with, and in pieces: (0 to 5) and (6 to 8), then to 11.
-  EXPECT_EQ(run("merge --quiet " + file("p2.h5") + " " + file("p0.h5") + " --checkpoint " + file("q.h5")).status, 0);
-  EXPECT_EQ(run(options + "--replicates 12 --resume --checkpoint " + file("q.h5") + " -o " + file("q.csv")).status, 0);
-  EXPECT_EQ(run(options + "--replicates 12 -o " + file("r.csv")).status, 0);
-  EXPECT_EQ(readFile(file("q.csv")), readFile(file("r.csv")));
-}
-
-// A pair with directions of its own: the same bits in any batches and pieces, which choose alike for the same goal.
-TEST_F(LongRun, DirectedPairsGoOnAndMerge) {
-  const std::string all = "compute " VIEWPEEL_SCENES
-                          "/past_edge.obj --directions 512 --resolution 64 --unoccluded on --floor 1e-4 ",
-                    options = all + "--relative 0.05 ";
-  const Result whole = run(options + "-o " + file("whole.csv") + " --checkpoint " + file("whole.h5"));
-  ASSERT_EQ(whole.status, 0);
-  EXPECT_NE(whole.output.find("directions of its own"), std::string::npos) << whole.output;
-  const std::string csv = readFile(file("whole.csv")), h5 = readFile(file("whole.h5"));
-  EXPECT_EQ(run(options + "--batch 7 -o " + file("batch.csv")).status, 0);
-  EXPECT_EQ(readFile(file("batch.csv")), csv);
-  EXPECT_EQ(run(options + "--seconds 1e-6 --checkpoint " + file("part.h5")).status, 3);
-  EXPECT_NE(readFile(file("part.h5")), h5);
-  EXPECT_EQ(run(options + "--resume --checkpoint " + file("part.h5") + " -o " + file("resumed.csv")).status, 0);
-  EXPECT_EQ(readFile(file("resumed.csv")), csv);
-  EXPECT_EQ(readFile(file("part.h5")), h5);
-  EXPECT_EQ(run(options + "--seconds 1e-6 --first-replicate 1000 --checkpoint " + file("later.h5")).status, 3);
-  EXPECT_EQ(run("merge --quiet " + file("later.h5") + " " + file("whole.h5") + " -o " + file("merged.csv")).status, 0);
-  EXPECT_NE(readFile(file("merged.csv")), csv);
-  EXPECT_EQ(run(all + "--relative 0.005 --seconds 1e-6 --first-replicate 1000 --checkpoint " + file("other.h5")).status,
-            3);
-  const Result refused = run("merge --quiet " + file("other.h5") + " " + file("whole.h5"));
-  EXPECT_EQ(refused.status, 2);
-  EXPECT_NE(refused.output.find("give all parts of a run the same goal"), std::string::npos) << refused.output;
-}
-
-// Of more polygons than checkpoints keep unoccluded form factors of all pairs for: with the scene parts come to the
-// same bits as a whole run; without it what few lines told is sampled alone, with a warning.
-// Parts never overlap, whatever the goal, and together have the bits of one run.
-TEST_F(LongRun, PartsCountExactlyTheirReplicates) {
-  const std::string directions = kOffice + "--directions 30 ";
-  ASSERT_EQ(run(directions + "--replicates 9 -o " + file("whole.csv")).status, 0);
-  std::string inputs;
-  for (const char* part : {"1", "2", "3"}) {
-    inputs += " " + file(std::string(part) + ".h5");
-    ASSERT_EQ(
-        run(directions + "--replicates 3 --part " + part + "/3 --checkpoint " + file(std::string(part) + ".h5")).status,
-        0);
-  }
-  ASSERT_EQ(run("merge --quiet" + inputs + " -o " + file("merged.csv")).status, 0);
-  EXPECT_EQ(readFile(file("merged.csv")), readFile(file("whole.csv")));
-
-  // A goal out of reach adds no replicates to a part: neither by common directions nor by pair lines.
-  for (const std::string method : {"--pair-lines off", "--pair-lines on"}) {
-    const std::string goal = "compute " VIEWPEEL_SCENES "/cube.obj --two-sided --quiet --tolerance 1e-5 " + method;
-    const std::string first = goal + " --replicates 3 --part 1/2 --checkpoint " + file("a.h5"),
-                      second = goal + " --replicates 3 --first-replicate 3 --checkpoint " + file("b.h5");
-    EXPECT_EQ(run(first).status, 0) << run(first).output;
-    EXPECT_EQ(run(second).status, 0);
-    EXPECT_EQ(replicatesOf("a.h5"), "0 to 2") << method;
-    EXPECT_EQ(replicatesOf("b.h5"), "3 to 5") << method;
-    fs::remove(file("a.h5"));
-    fs::remove(file("b.h5"));
-  }
-  for (const char* part : {"0/2", "3/2", "1", "1/", "a/b", "1/2/3", "-1/2", "1/0"}) {
-    const Result refused = run(directions + "--part " + part);
-    EXPECT_EQ(refused.status, 2) << part;
-    EXPECT_NE(refused.output.find(std::string("--part: '") + part + "' is not a part like 2/8"), std::string::npos)
-        << refused.output;
-  }
-}
-
-TEST_F(LongRun, PartsOfManyPolygonsMergeWithTheirScene) {
-  constexpr int kCuts = 54;
-  const auto writeScene = [&](const std::string& name, double height) {
-    std::ofstream scene(file(name));
-    const auto square = [&](const char* surface, double x, double y, double z, double edge, bool up) {
-      scene << fmt::format("o {}\nv {} {} {}\nv {} {} {}\nv {} {} {}\nv {} {} {}\nf {}\n", surface, x, y, z, x + edge,
-                           y, z, x + edge, y + edge, z, x, y + edge, z, up ? "-4 -3 -2 -1" : "-1 -2 -3 -4");
-    };
-    for (int y = 0; y < kCuts; ++y)
-      for (int x = 0; x < kCuts; ++x) square("floor", x, y, 0, 1, true);
-    square("lamp", 20, 20, height, 6, false);
-    square("screen", 24, 16, height / 2, 9, true);
-  };
-  writeScene("scene.obj", 30);
-  writeScene("other.obj", 31);
-  const std::string options =
-      "compute " + file("scene.obj") +
-      " --quiet --unoccluded on --directions 16 --resolution 64 --sampling scanline --checkpoint ";
-  ASSERT_EQ(run(options + file("whole.h5") + " --replicates 5 -o " + file("whole.csv")).status, 0);
-  ASSERT_EQ(run(options + file("a.h5") + " --replicates 2").status, 0);
-  ASSERT_EQ(run(options + file("b.h5") + " --replicates 3 --first-replicate 2").status, 0);
-  const std::string merge = "merge --quiet " + file("b.h5") + " " + file("a.h5") + " -o ";
-  const Result with = run(merge + file("with.csv") + " --scene " + file("scene.obj")),
-               without = run(merge + file("without.csv")),
-               other = run(merge + file("no.csv") + " --scene " + file("other.obj"));
-  EXPECT_EQ(with.status, 0) << with.output;
-  EXPECT_EQ(with.output, "");
-  EXPECT_EQ(readFile(file("with.csv")), readFile(file("whole.csv")));
-  EXPECT_EQ(without.status, 0);
-  EXPECT_NE(without.output.find("give --scene FILE"), std::string::npos) << without.output;
-  EXPECT_LT(readFile(file("without.csv")).size(), readFile(file("whole.csv")).size());
-  EXPECT_EQ(other.status, 2);
-  EXPECT_NE(other.output.find("another scene"), std::string::npos) << other.output;
-  EXPECT_FALSE(fs::exists(file("no.csv")));
 }
 
 // One line, status 2, and the file stays what it was.

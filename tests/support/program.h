@@ -36,6 +36,15 @@ inline std::string readFile(const std::filesystem::path& file) {
   return text.str();
 }
 
+// Returns what the program shows after a label: the rest of the first line that begins with it, without the spaces
+// between. Where no line does, the text is returned whole, so that a failing test shows it.
+inline std::string shownValue(const std::string& output, const std::string& label) {
+  const size_t line = ("\n" + output).find("\n" + label + " ");
+  if (line == std::string::npos) return output;
+  const size_t value = output.find_first_not_of(' ', line + label.size());
+  return output.substr(value, output.find('\n', value) - value);
+}
+
 // Each test has a folder of its own.
 class Program : public testing::Test {
  protected:
@@ -45,6 +54,10 @@ class Program : public testing::Test {
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
   std::string file(const std::string& name) const { return (folder_ / name).string(); }
+  // Returns the replicates that a checkpoint holds, as `merge` shows them.
+  std::string replicatesOf(const std::string& name) const {
+    return shownValue(run("merge " + file(name)).output, "replicates");
+  }
   std::filesystem::path folder_;
 };
 
