@@ -1,8 +1,8 @@
 #include "io/write_file.h"
 
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
+#include <random>
 #include <string>
 
 #include <ext/stdio_filebuf.h>
@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr size_t kBlockBytes = 4096;  // of a file system
-constexpr mode_t kModeOfNewFiles = 0666;
+constexpr mode_t kModeOfNewFiles = 0666, kModeOfOwner = 0600;
 
 [[noreturn]] void refuse(const fs::path& file, const std::string& reason, ErrorCode code = ErrorCode::output) {
   throw Error(code, fmt::format("{}: cannot write: {}; choose another place", file.string(), reason));
@@ -47,26 +47,30 @@ fs::path followLink(const fs::path& file) {
   return place;
 }
 
-mode_t modeOfNewFile() {
-  const mode_t mask = ::umask(0);
-  ::umask(mask);
-  return kModeOfNewFiles & ~mask;
+// Returns 16 hexadecimal digits that nobody can guess.
+std::string drawDigits() {
+  std::random_device random;  // the system's
+  return fmt::format("{:08x}{:08x}", random(), random());
 }
 
-// A TemporaryFile is a new file of an unguessable name beside another one. It is removed unless it takes that name: a
-// link that somebody else put there is never followed.
+// A TemporaryFile is a new file beside another one, under a name that nobody can guess. It is removed unless it takes
+// the other file's name. O_EXCL refuses a link that somebody else put there.
 class TemporaryFile {
  public:
   // Throws: Error of this code, which names the other file.
-  TemporaryFile(const fs::path& beside, ErrorCode code) : name_(beside.string() + ".XXXXXX.part") {
-    const int opened = ::mkostemps(name_.data(), int(std::strlen(".part")), O_CLOEXEC);
-    if (opened < 0) refuse(beside, std::strerror(errno), code);
+  TemporaryFile(const fs::path& beside, ErrorCode code)
+      : name_(fmt::format("{}.{}.part", beside.string(), drawDigits())) {
     struct stat old {};
     const bool replaces = ::stat(beside.c_str(), &old) == 0;
+    // The new file has the mode that the process gives new files. Where it replaces a file, nobody else may open it
+    // before it has that file's mode.
+    const int opened =
+        ::open(name_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, replaces ? kModeOfOwner : kModeOfNewFiles);
+    if (opened < 0) refuse(beside, std::strerror(errno), code);
     // Only root may give files away, and others keep at least the group where they are in it.
     if (replaces && ::fchown(opened, old.st_uid, old.st_gid) != 0 && ::fchown(opened, uid_t(-1), old.st_gid) != 0)
       errno = 0;
-    ::fchmod(opened, replaces ? old.st_mode & 07777 : modeOfNewFile());
+    if (replaces) ::fchmod(opened, old.st_mode & 07777);
     buffer_ = __gnu_cxx::stdio_filebuf<char>(opened, std::ios::out | std::ios::binary);
   }
   ~TemporaryFile() {

@@ -111,8 +111,8 @@ TEST_F(Parts, PartsCountExactlyTheirReplicates) {
   }
 }
 
-// A checkpoint of this many polygons leaves out the unoccluded form factors of pairs that few lines hit. `merge` computes
-// these again from the scene. Without the scene it samples these pairs alone, and warns.
+// A checkpoint of this many polygons leaves out the unoccluded form factors of pairs that few lines hit. `merge`
+// computes them again from the scene. Without the scene it samples these pairs alone, and warns.
 TEST_F(Parts, PartsOfManyPolygonsMergeWithTheirScene) {
   constexpr int kCuts = 54;
   const auto writeScene = [&](const std::string& name, double height) {
