@@ -287,9 +287,11 @@ Hdf5Input::Hdf5Input(const std::filesystem::path& file, const char* kind, const 
     : file_(file), kind_(kind), remedy_(remedy) {
   errno = 0;
   std::ifstream stream(file, std::ios::binary);
-  if (!stream || std::filesystem::is_directory(file))
+  const bool is_open = stream.good();
+  std::error_code failure;
+  if (!is_open || !std::filesystem::is_regular_file(file, failure))
     throw Error(ErrorCode::bad_input, fmt::format("{}: cannot be read: {}; check the name", file.string(),
-                                                  errno ? std::strerror(errno) : "it is a directory"));
+                                                  is_open ? "it is not a regular file" : std::strerror(errno)));
   size_bytes_ = std::filesystem::file_size(file);
   if (!endsInCheckSum(stream, size_bytes_)) refuse("it is another file, cut off or damaged");
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
@@ -312,7 +314,7 @@ Hdf5Input::~Hdf5Input() {
 }
 
 template <class T>
-std::vector<T> Hdf5Input::read(const std::string& name) {
+std::vector<T> Hdf5Input::read(const std::string& name, std::optional<size_t> wanted) {
   constexpr bool is_text = std::is_same_v<T, std::string>;
   const Handle column(H5Dopen2(id_, name.c_str(), H5P_DEFAULT), H5Dclose);
   if (!column.isValid()) refuse(fmt::format("it has no readable '{}'", name));
@@ -325,6 +327,7 @@ std::vector<T> Hdf5Input::read(const std::string& name) {
       H5Sget_simple_extent_ndims(space) == 1 && H5Sget_simple_extent_dims(space, &count, nullptr) == 1;
   if (!type_fits || !shape_fits || count > size_bytes_ / width)
     refuse(fmt::format("its '{}' is of another kind", name));
+  if (wanted && count != *wanted) refuse(fmt::format("its '{}' has {} values for {}", name, count, *wanted));
   std::vector<T> values(count);
   bool is_read;
   if constexpr (is_text) {
@@ -343,11 +346,12 @@ std::vector<std::string> Hdf5Input::readTexts(const std::string& name) {
   const Handle column(H5Dopen2(id_, name.c_str(), H5P_DEFAULT), H5Dclose);
   if (!column.isValid()) refuse(fmt::format("it has no readable '{}'", name));
   const Handle space(H5Dget_space(column), H5Sclose), stored(H5Dget_type(column), H5Tclose);
-  const hssize_t count = H5Sget_simple_extent_npoints(space);
-  const uint64_t most = size_bytes_;
-  if (H5Tget_class(stored) != H5T_STRING || H5Tis_variable_str(stored) <= 0 || count < 0 || uint64_t(count) > most)
+  hsize_t count = 0;
+  const bool shape_fits =
+      H5Sget_simple_extent_ndims(space) == 1 && H5Sget_simple_extent_dims(space, &count, nullptr) == 1;
+  if (H5Tget_class(stored) != H5T_STRING || H5Tis_variable_str(stored) <= 0 || !shape_fits || count > size_bytes_)
     refuse(fmt::format("its '{}' is of another kind", name));
-  std::vector<char*> pointers(static_cast<size_t>(count), nullptr);
+  std::vector<char*> pointers(count, nullptr);
   const Handle type = anyLengthType();
   if (count > 0 && H5Dread(column, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, pointers.data()) < 0)
     refuse(fmt::format("its '{}' cannot be read", name));
@@ -387,12 +391,12 @@ template void Hdf5Output::setAttribute(const std::string&, const std::string&, c
 template void Hdf5Output::setAttribute(const std::string&, const std::string&, const std::vector<int64_t>&);
 bool Hdf5Input::has(const std::string& name) const { return H5Lexists(id_, name.c_str(), H5P_DEFAULT) > 0; }
 
-template std::vector<uint8_t> Hdf5Input::read(const std::string&);
-template std::vector<int32_t> Hdf5Input::read(const std::string&);
-template std::vector<int64_t> Hdf5Input::read(const std::string&);
-template std::vector<uint32_t> Hdf5Input::read(const std::string&);
-template std::vector<uint64_t> Hdf5Input::read(const std::string&);
-template std::vector<double> Hdf5Input::read(const std::string&);
-template std::vector<std::string> Hdf5Input::read(const std::string&);
+template std::vector<uint8_t> Hdf5Input::read(const std::string&, std::optional<size_t>);
+template std::vector<int32_t> Hdf5Input::read(const std::string&, std::optional<size_t>);
+template std::vector<int64_t> Hdf5Input::read(const std::string&, std::optional<size_t>);
+template std::vector<uint32_t> Hdf5Input::read(const std::string&, std::optional<size_t>);
+template std::vector<uint64_t> Hdf5Input::read(const std::string&, std::optional<size_t>);
+template std::vector<double> Hdf5Input::read(const std::string&, std::optional<size_t>);
+template std::vector<std::string> Hdf5Input::read(const std::string&, std::optional<size_t>);
 
 }  // namespace viewpeel

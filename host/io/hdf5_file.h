@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -70,9 +71,10 @@ class Hdf5Input {
   ~Hdf5Input();
   Hdf5Input(const Hdf5Input&) = delete;
 
-  // Throws: Error bad_input where there is no such column of this type.
+  // In: count: how many values there are to be, where it is known
+  // Throws: Error bad_input where there is no such column of this type and length.
   template <class T>
-  std::vector<T> read(const std::string& name);
+  std::vector<T> read(const std::string& name, std::optional<size_t> count = {});
   // Reads a column of writeTexts.    Throws: Error bad_input where there is no such column.
   std::vector<std::string> readTexts(const std::string& name);
   // Returns the attributes of the whole file, in words; numbers as their shortest form that reads back to the same.

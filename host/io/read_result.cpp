@@ -2,24 +2,14 @@
 #include <viewpeel/read.h>
 
 #include <algorithm>
+#include <charconv>
 #include <unordered_map>
 
-#include <fmt/format.h>
-
-#include "io/hdf5_file.h"
+#include "io/stored_rows.h"
 #include "scene/face_names.h"
 
 namespace viewpeel {
 namespace {
-
-constexpr const char* kResultFormat = "1";  // as write_hdf5.cpp has it
-
-template <class T>
-std::vector<T> readRows(Hdf5Input& in, const std::string& name, size_t count) {
-  std::vector<T> values = in.read<T>(name);
-  if (values.size() != count) in.refuse(fmt::format("its '{}' has {} values for {}", name, values.size(), count));
-  return values;
-}
 
 // Returns the id of each row of the file; rows that are empty have none.
 constexpr uint32_t kNone = UINT32_MAX;
@@ -30,18 +20,16 @@ std::vector<uint32_t> idsOfRows(const Ids& ids) {
   return id_of_row;
 }
 
-Ids readIds(Hdf5Input& in) {
+Ids readIds(Hdf5Input& in, const StoredRows& rows) {
   Ids ids;
-  const std::vector<std::string> names = in.readTexts("name");
-  const std::vector<double> areas = readRows<double>(in, "area", names.size());
-  const std::vector<uint8_t> is_requested = readRows<uint8_t>(in, "is_requested", names.size());
-  for (uint32_t row = 0; row < names.size(); ++row) {
-    if (areas[row] == 0) {
-      ids.empty_rows.push_back({row, names[row]});
+  const std::vector<uint8_t> is_requested = in.read<uint8_t>("is_requested", rows.count());
+  for (uint32_t row = 0; row < rows.count(); ++row) {
+    if (rows.areas[row] == 0) {
+      ids.empty_rows.push_back({row, rows.names[row]});
       continue;
     }
-    ids.names.push_back(names[row]);
-    ids.areas.push_back(areas[row]);
+    ids.names.push_back(rows.names[row]);
+    ids.areas.push_back(rows.areas[row]);
     ids.requested.push_back(is_requested[row] != 0);
   }
   if (!std::ranges::count(ids.requested, false)) ids.requested.clear();
@@ -51,20 +39,17 @@ Ids readIds(Hdf5Input& in) {
 // Surfaces are those of the geometry, or where there is none those that the names of rows tell.
 std::vector<std::string> readSurfaces(Hdf5Input& in, Ids& ids) {
   ids.surface.assign(ids.count(), 0);
-  std::vector<std::string> names;
   if (in.has("geometry")) {
-    names = in.readTexts("geometry/surface_name");
-    const std::vector<int32_t> rows = in.read<int32_t>("geometry/row_of_polygon");
-    const std::vector<int32_t> surfaces = readRows<int32_t>(in, "geometry/surface_of_polygon", rows.size());
+    ReportGeometry geometry = readGeometry(in, ids.rowCount());
     const std::vector<uint32_t> id_of_row = idsOfRows(ids);
-    for (size_t k = 0; k < rows.size(); ++k) {
-      const auto row = static_cast<size_t>(rows[k]), surface = static_cast<size_t>(surfaces[k]);
-      if (row >= id_of_row.size() || id_of_row[row] == kNone || surface >= names.size())
-        in.refuse("its geometry names absent rows or surfaces");
-      ids.surface[id_of_row[row]] = static_cast<uint32_t>(surface);
+    for (size_t k = 0; k < geometry.row_of_polygon.size(); ++k) {
+      const uint32_t id = id_of_row[static_cast<size_t>(geometry.row_of_polygon[k])];
+      if (id == kNone) in.refuse("an empty row has polygons");
+      ids.surface[id] = static_cast<uint32_t>(geometry.surface_of_polygon[k]);
     }
-    return names;
+    return std::move(geometry.surface_names);
   }
+  std::vector<std::string> names;
   std::unordered_map<std::string, uint32_t> surface_of_name;
   for (uint32_t id = 0; id < ids.count(); ++id) {
     const std::string name = surfaceOfName(ids.names[id]);
@@ -75,34 +60,14 @@ std::vector<std::string> readSurfaces(Hdf5Input& in, Ids& ids) {
   return names;
 }
 
-// StoredRows are the compressed rows of the file.
-struct StoredRows {
-  std::vector<int64_t> starts;
-  std::vector<int32_t> columns;
-};
-
-StoredRows readPlaces(Hdf5Input& in, size_t row_count) {
-  StoredRows rows{readRows<int64_t>(in, "form_factors/indptr", row_count + 1),
-                  in.read<int32_t>("form_factors/indices")};
-  bool fits = rows.starts.front() == 0 && rows.starts.back() == static_cast<int64_t>(rows.columns.size()) &&
-              std::ranges::is_sorted(rows.starts);
-  for (const int32_t column : rows.columns) fits = fits && column >= 0 && static_cast<size_t>(column) < row_count;
-  for (size_t row = 0; fits && row < row_count; ++row)
-    for (int64_t k = rows.starts[row] + 1; k < rows.starts[row + 1]; ++k)
-      fits = fits && rows.columns[static_cast<size_t>(k - 1)] < rows.columns[static_cast<size_t>(k)];
-  if (!fits) in.refuse("its rows are not in order");
-  return rows;
-}
-
 // A column of form factors, with those to environment and leak behind: [row] of each.
 struct Column {
   std::vector<double> pairs, environment, leak;
 };
 
 Column readColumn(Hdf5Input& in, const std::string& group, const std::string& suffix, const StoredRows& rows) {
-  const size_t count = rows.starts.size() - 1;
-  return {readRows<double>(in, group + "/data", rows.columns.size()),
-          readRows<double>(in, "environment" + suffix, count), readRows<double>(in, "leak" + suffix, count)};
+  return {readNumbers(in, group + "/data", rows.entryCount()), readNumbers(in, "environment" + suffix, rows.count()),
+          readNumbers(in, "leak" + suffix, rows.count())};
 }
 
 // PlacedEntries have the places of entries in a Column: k in `pairs`, or a row.
@@ -137,43 +102,40 @@ double valueAt(const Column& column, const PlacedEntry& entry) {
 }
 
 std::vector<Measured> readRowSums(Hdf5Input& in, const Ids& ids) {
-  const std::vector<double> values = readRows<double>(in, "row_sum", ids.rowCount());
-  const std::vector<double> errors = readRows<double>(in, "row_sum_standard_error", ids.rowCount());
+  const std::vector<double> values = readNumbers(in, "row_sum", ids.rowCount());
+  const std::vector<double> errors = readNumbers(in, "row_sum_standard_error", ids.rowCount());
   std::vector<Measured> sums;
   for (const uint32_t row : ids.rows()) sums.push_back({values[row], errors[row]});
   return sums;
 }
 
-double readUnlistedBound(Hdf5Input& in, const std::vector<std::pair<std::string, std::string>>& attributes) {
-  for (const auto& [name, value] : attributes)
-    if (name == "unlisted_bound") return std::stod(value);
-  in.refuse("it has intervals without a bound for the other pairs");
+double unlistedBound(Hdf5Input& in, const StoredRows& rows) {
+  const std::string text = rows.attribute("unlisted_bound");
+  double bound = 0;
+  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), bound);
+  if (failure != std::errc() || end != text.data() + text.size() || !(bound >= 0))
+    in.refuse("it has intervals, and no number 'unlisted_bound' for the other pairs");
+  return bound;
 }
 
 }  // namespace
 
 StoredResult readResult(const std::filesystem::path& file) {
-  Hdf5Input in(file, "result", "take a .h5 that viewpeel wrote, or write it anew");
-  StoredResult stored{FormFactors({}, {}, {}), {}, {}, in.attributes()};
-  const auto find = [&](const std::string& name) {
-    const auto at = std::ranges::find(stored.parameters, name, &std::pair<std::string, std::string>::first);
-    return at == stored.parameters.end() ? std::string() : at->second;
-  };
-  if (find("viewpeel_result_format").empty()) in.refuse("it is another file, perhaps a checkpoint");
-  if (find("viewpeel_result_format") != kResultFormat) in.refuse("it is of another format");
-  Ids ids = readIds(in);
-  ids.two_sided = find("two-sided") == "yes";
-  ids.rows_sum_to_one = !find("closure_largest").empty();
+  Hdf5Input in = openResult(file);
+  StoredRows rows = readStoredRows(in);
+  StoredResult stored{FormFactors({}, {}, {}), {}, {}, {}};
+  Ids ids = readIds(in, rows);
+  ids.two_sided = rows.attribute("two-sided") == "yes";
+  ids.rows_sum_to_one = !rows.attribute("closure_largest").empty();
   stored.surface_names = readSurfaces(in, ids);
-  const StoredRows rows = readPlaces(in, ids.rowCount());
   const std::vector<PlacedEntry> places = placeEntries(in, ids, rows);
   const Column values = readColumn(in, "form_factors", "", rows);
   const Column errors = readColumn(in, "standard_errors", "_standard_error", rows);
-  const bool has_intervals = in.has("lower_bounds");
+  const bool has_intervals = rows.has_intervals;
   const Column lower = has_intervals ? readColumn(in, "lower_bounds", "_lower", rows) : Column{};
   const Column upper = has_intervals ? readColumn(in, "upper_bounds", "_upper", rows) : Column{};
   const Column balanced{in.has("balanced_form_factors")
-                            ? readRows<double>(in, "balanced_form_factors/data", rows.columns.size())
+                            ? readNumbers(in, "balanced_form_factors/data", rows.entryCount())
                             : std::vector<double>(),
                         {},
                         {}};
@@ -197,7 +159,8 @@ StoredResult readResult(const std::filesystem::path& file) {
   if (!balanced_entries.empty())
     stored.balanced.emplace(ids, std::move(balanced_entries), std::vector<Measured>(ids.count(), Measured{1, 0}));
   stored.form_factors = FormFactors(std::move(ids), std::move(entries), sums, std::move(intervals),
-                                    has_intervals ? readUnlistedBound(in, stored.parameters) : 0);
+                                    has_intervals ? unlistedBound(in, rows) : 0);
+  stored.parameters = std::move(rows.attributes);
   return stored;
 }
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "sums/add_pairs.h"
 
 namespace viewpeel {

@@ -4,8 +4,6 @@
 #include <string>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "io/hdf5_file.h"
 #include "sums/run_sums.h"
 
@@ -22,17 +20,13 @@ void writeColumn(Hdf5Output& out, const std::string& name, const Rows& rows, Val
 // Sets the values of as many rows as `rows` has.
 template <class T, class Rows, class Set>
 void readColumn(Hdf5Input& in, const std::string& name, Rows& rows, Set set) {
-  const std::vector<T> column = in.read<T>(name);
-  if (column.size() != rows.size())
-    in.refuse(fmt::format("its '{}' has {} values for {}", name, column.size(), rows.size()));
+  const std::vector<T> column = in.read<T>(name, rows.size());
   for (size_t k = 0; k < column.size(); ++k) set(rows[k], column[k]);
 }
 
 template <class T>
 T readOne(Hdf5Input& in, const std::string& name) {
-  const std::vector<T> values = in.read<T>(name);
-  if (values.size() != 1) in.refuse(fmt::format("its '{}' is not one number", name));
-  return values.front();
+  return in.read<T>(name, 1).front();
 }
 
 // Writes the sums of the group's ids.

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -10,7 +11,9 @@
 #include <viewpeel/error.h>
 #include <viewpeel/read.h>
 #include <viewpeel/write.h>
+#include "io/read_report.h"
 #include "scenes/named_scenes.h"
+#include "tests/support/python.h"
 #include "tests/support/random_form_factors.h"
 #include "tests/support/test_folder.h"
 
@@ -146,6 +149,81 @@ TEST_F(ReadResult, RefusesOtherFiles) {
   run.step();
   run.writeCheckpoint(folder_ / "run.h5");
   EXPECT_NE(refusal(folder_ / "run.h5").find("checkpoint"), std::string::npos);
+}
+
+// An Edit is made by h5py, with the check sum of host/io/hdf5_file.h. The page does not show all of a file.
+struct Edit {
+  const char *code, *why;
+  bool is_shown = true;
+};
+const Edit kEdits[] = {
+    {"f.attrs['unlisted_bound'] = 'text'", "no number 'unlisted_bound'", false},
+    {"f.attrs['unlisted_bound'] = '0.1x'", "no number 'unlisted_bound'", false},
+    {"f.attrs['unlisted_bound'] = -1.0", "no number 'unlisted_bound'", false},
+    {"del f.attrs['unlisted_bound']", "no number 'unlisted_bound'", false},
+    {"del f.attrs['viewpeel_result_format']", "it is another file"},
+    {"f.attrs['viewpeel_result_format'] = 2", "of another format"},
+    {"del f['name']", "no readable 'name'"},
+    {"del f['name']; f['name'] = 7", "'name' is of another kind"},
+    {"f['area'][0] = -1", "no areas"},
+    {"f['area'][0] = float('inf')", "no areas"},
+    {"f['area'][0] = float('nan')", "'area' has values that are no numbers"},
+    {"f['area'][0] = 0", "an empty row has", false},
+    {"del f['area']; f['area'] = [1.0, 2.0]", "'area' has 2 values for 5"},
+    {"del f['area']; f['area'] = [[1.0] * 5]", "'area' is of another kind"},
+    {"del f['area']; f['area'] = numpy.ones(5, 'f4')", "'area' is of another kind"},
+    {"del f['area']; f.create_group('area')", "no readable 'area'"},
+    {"f['form_factors/indptr'][1] = 99", "rows are not in order"},
+    {"f['form_factors/indptr'][0] = -1", "rows are not in order"},
+    {"f['form_factors/indices'][0] = 5", "'form_factors/indices' has 5"},
+    {"f['form_factors/indices'][0] = -1", "'form_factors/indices' has -1"},
+    {"f['form_factors/data'][0] = float('nan')", "no numbers"},
+    {"f['upper_bounds/data'][0] = float('nan')", "no numbers"},
+    {"f['leak'][1] = float('nan')", "'leak' has values that are no numbers"},
+    {"f['geometry/row_of_polygon'][0] = 5", "'geometry/row_of_polygon' has 5"},
+    {"f['geometry/surface_of_polygon'][0] = -2", "'geometry/surface_of_polygon' has -2"},
+    {"f['geometry/first_corner'][0] = 99", "'geometry/first_corner' has 99"},
+    {"f['geometry/corner_count'][0] = 2", "other corners than there are"},
+};
+
+// Programs end with status 2 and one line: file, what, remedy.
+TEST_F(ReadResult, RefusesColumnsThatDoNotFit) {
+  std::vector<Interval> intervals;
+  for (const FormFactors::Entry& entry : form_factors_.entries())
+    intervals.push_back({0.5 * entry.exchange_area.value, 2 * entry.exchange_area.value});
+  const FormFactors bounded(form_factors_.ids(), form_factors_.entries(), form_factors_.rowSums(), intervals, 0.125);
+  writeFormFactors(OutputContent{bounded, nullptr, &scene_}, folder_ / "whole.h5");
+  std::string script = R"(
+import shutil, h5py, numpy
+def finish(name):
+    # The check sum stands behind HDF5's own end: of words of 8 bytes, little-endian.
+    with open(name, 'rb') as file:
+        content = file.read()
+    value, mask = 0x243F6A8885A308D3, 2**64 - 1
+    for word in numpy.frombuffer(content + bytes(-len(content) % 8), '<u8').tolist():
+        value = ((value ^ word) * 0x9E3779B97F4A7C15) & mask
+        value ^= value >> 32
+    with open(name, 'ab') as file:
+        file.write(value.to_bytes(8, 'little'))
+def edit(name, code):
+    shutil.copy('whole.h5', name)
+    with h5py.File(name, 'r+') as f:
+        exec(code)
+    finish(name)
+edit('same.h5', 'pass')
+)";
+  for (size_t k = 0; k < std::size(kEdits); ++k) script += fmt::format("edit('{}.h5', \"{}\")\n", k, kEdits[k].code);
+  const PythonResult made = runPython(folder_, script);
+  ASSERT_EQ(made.status, 0) << made.output;
+  expectSame(readResult(folder_ / "same.h5").form_factors, bounded);
+  for (size_t k = 0; k < std::size(kEdits); ++k) {
+    const fs::path file = folder_ / fmt::format("{}.h5", k);
+    const std::string said = refusalOf([&] { readResult(file); });
+    EXPECT_TRUE(said.starts_with(file.string() + ": not a whole result: ")) << kEdits[k].code << said;
+    EXPECT_NE(said.find(kEdits[k].why), std::string::npos) << kEdits[k].code << ": " << said;
+    EXPECT_TRUE(said.ends_with("; take a .h5 that viewpeel wrote, or write it anew")) << said;
+    EXPECT_EQ(refusalOf([&] { readReport(file); }), kEdits[k].is_shown ? said : "none") << kEdits[k].code;
+  }
 }
 
 }  // namespace

@@ -1,77 +1,23 @@
-// A checkpoint whose columns are not what they should be, with a check sum that is right: HDF5 itself gets sound files,
-// for it is not made to survive others, and the check sum keeps damaged ones from it (host/io/hdf5_file.h). The bytes
-// say, column by column, what is stored: nothing left to say is the column of a checkpoint that is whole.
+// A checkpoint whose columns are not what they should be, with a check sum that is right.
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
-#include <fstream>
 #include <sstream>
-
-#include <fmt/format.h>
-#include <unistd.h>
 
 #include <viewpeel/error.h>
 #include "estimator/estimate.h"
+#include "column_bytes.h"
 #include "input_file.h"
 #include "io/checkpoint.h"
-#include "io/hdf5_file.h"
 #include <viewpeel/write.h>
 
 namespace viewpeel {
 namespace {
 
-class Bytes {
- public:
-  Bytes(const uint8_t* bytes, size_t count) : at_(bytes), end_(bytes + count) {}
-  // Zeros behind the end.
-  template <class T>
-  T take() {
-    T value{};
-    const size_t count = std::min(sizeof value, static_cast<size_t>(end_ - at_));
-    if (count) std::memcpy(&value, at_, count);
-    at_ += count;
-    return value;
-  }
-  template <class T>
-  std::vector<T> takeColumn() {
-    std::vector<T> column(take<uint8_t>() % 8);
-    for (T& value : column) value = take<T>();
-    return column;
-  }
-  std::vector<std::string> takeTexts() {
-    std::vector<std::string> column(take<uint8_t>() % 8);
-    for (std::string& text : column)
-      for (uint8_t left = take<uint8_t>() % 16; left > 0; --left) text += take<char>();
-    return column;
-  }
-
- private:
-  const uint8_t *at_, *end_;
-};
-
-template <class T>
-void writeColumn(Hdf5Output& out, Bytes& bytes, const std::string& name, const std::vector<T>& whole) {
-  switch (bytes.take<uint8_t>() % 7) {
-    case 0:
-      return out.write(name, whole);
-    case 1:
-      return out.write(name, bytes.takeColumn<uint8_t>());
-    case 2:
-      return out.write(name, bytes.takeColumn<uint32_t>());
-    case 3:
-      return out.write(name, bytes.takeColumn<uint64_t>());
-    case 4:
-      return out.write(name, bytes.takeColumn<double>());
-    case 5:
-      return out.write(name, bytes.takeTexts());
-    default:
-      return;  // missing
-  }
-}
+using fuzz::writeColumn;
 
 // Writes two ids, two replicates, one pair and the environment; by_id without pair and environment, which unoccluded
 // form factors sum by polygon.
-void writeSums(Hdf5Output& out, Bytes& bytes, const std::string& group) {
+void writeSums(Hdf5Output& out, fuzz::Bytes& bytes, const std::string& group) {
   using U8 = std::vector<uint8_t>;
   using U32 = std::vector<uint32_t>;
   using U64 = std::vector<uint64_t>;
@@ -101,7 +47,7 @@ void writeSums(Hdf5Output& out, Bytes& bytes, const std::string& group) {
 }
 
 // Adds lines of that pair, and of the first id and a back.
-void writeLineSums(Hdf5Output& out, Bytes& bytes) {
+void writeLineSums(Hdf5Output& out, fuzz::Bytes& bytes) {
   using U8 = std::vector<uint8_t>;
   using U32 = std::vector<uint32_t>;
   using U64 = std::vector<uint64_t>;
@@ -120,7 +66,7 @@ void writeLineSums(Hdf5Output& out, Bytes& bytes) {
 }
 
 // Adds the unoccluded form factor of that pair, lines that end in the environment, and directions of the pair's own.
-void writePriorSums(Hdf5Output& out, Bytes& bytes) {
+void writePriorSums(Hdf5Output& out, fuzz::Bytes& bytes) {
   using U8 = std::vector<uint8_t>;
   using U32 = std::vector<uint32_t>;
   using U64 = std::vector<uint64_t>;
@@ -161,22 +107,9 @@ void writePriorSums(Hdf5Output& out, Bytes& bytes) {
   }
 }
 
-// With a name of its own: HDF5 opens no file that has none left. The same one for every call.
-class NamedFile {
- public:
-  ~NamedFile() { std::filesystem::remove(path_); }
-  const std::filesystem::path& write(const std::vector<char>& bytes) const {
-    std::ofstream(path_, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    return path_;
-  }
-
- private:
-  std::filesystem::path path_ = std::filesystem::temp_directory_path() / fmt::format("fuzz_checkpoint.{}", ::getpid());
-};
-
 Checkpoint readBytes(const uint8_t* data, size_t count) {
-  static const NamedFile file;
-  Bytes bytes(data, count);
+  static const fuzz::NamedFile file("checkpoint");
+  fuzz::Bytes bytes(data, count);
   Hdf5Output out;
   writeColumn(out, bytes, "format", std::vector<uint64_t>{7});
   writeColumn(out, bytes, "settings/names", std::vector<std::string>{"--seed"});
