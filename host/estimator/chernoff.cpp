@@ -13,11 +13,11 @@ double divergence(double x, double y) {
   return with + without;
 }
 
-// Returns the largest mu above the mean that the variables may have.
+// Returns the largest expectation mu above the observed mean with n KL(mean, mu) <= l.
 double upperBound(double mean, double n, double l) {
   if (mean >= 1) return 1;
   if (mean <= 0) return -std::expm1(-l / n);
-  // By Pinsker's inequality n KL >= 2 n (mu - mean)^2.
+  // Pinsker's inequality, n KL >= 2 n (mu - mean)^2, bounds the search from above.
   double low = mean, high = std::min(1.0, mean + std::sqrt(l / (2 * n)));
   while (high - low > kSharp) {
     const double middle = (low + high) / 2;

@@ -1,4 +1,4 @@
-// FaceExchanges computes unoccluded form factors of pairs of faces.
+// FaceExchanges computes the unoccluded form factors of pairs of faces, as exchange areas A_i F_ij.
 #pragma once
 #include <functional>
 #include <memory>
@@ -12,35 +12,35 @@
 
 namespace viewpeel {
 
-// A pair gets its unoccluded form factor to the last digit once this many lines hit it; before, it is not worth the
-// time.
+// A pair that this many lines hit gets its unoccluded form factor in double precision. For fewer lines the single
+// precision of rows is enough beside the sampling error.
 constexpr uint64_t kLinesToLearn = 32;
-// It is the number where there are no rows for other pairs. Of the pairs that isEstimatedByVisibility takes, fewer than
-// 1 in 1,000 have fewer lines.
+// This number takes the place of kLinesToLearn where rows() is empty. Of the pairs that isEstimatedByVisibility()
+// accepts, fewer than 1 in 1,000 have fewer lines.
 constexpr uint64_t kLinesForVisibility = 16;
 
 struct RunSums;
 
 class FaceExchanges {
  public:
-  // Opens nothing yet: kernels are made when they are needed.
-  //   In: device: computes them, none: on the processor; ids: by face; all of them are referred to. on_chunk: called
-  //     between parts of a fraction of a second, and may throw; may be empty.
+  // Computes nothing yet: kernels are compiled when they are needed.
+  //   In: device: computes the form factors; nullptr: the processor does; ids: by face. on_chunk: is called several
+  //     times a second during a computation, and may throw; may be empty. The caller keeps device, scene and ids alive.
   FaceExchanges(const Device* device, const Scene& scene, const Ids& ids, std::function<void()> on_chunk = {});
 
-  // Sets the exchange areas of pairs. They are infinite, with visibilities of 0, where unoccluded form factors are not
-  // accurate enough.
-  //   Out: how many of the pairs
-  //   Error: kUnoccludedRelativeError or kUnoccludedAbsoluteError for each pair of polygons.
+  // Sets the exchange area of every pair. Where its unoccluded form factor cannot be computed accurately enough, the
+  // pair gets an infinite exchange area and a visibility of 0.
+  //   Out: the number of pairs with an infinite exchange area
+  //   Error: of each pair of polygons kUnoccludedRelativeError or kUnoccludedAbsoluteError, whichever is larger.
   //   Throws: as UnoccludedExchange::compute.
   uint64_t compute(std::span<PairPrior> pairs);
 
-  // Computes unoccluded form factors of the pairs that the run saw and no pilot hit. Where there are rows, it takes the
-  // pairs with kLinesToLearn lines. The choice depends on the sums alone.
+  // Computes unoccluded form factors of pairs that the run's lines hit and no pilot hit. Where rows() has the other
+  // pairs, only pairs with at least kLinesToLearn lines are computed. The choice depends on the sums alone.
   void learn(RunSums& sums);
 
-  // Returns the unoccluded form factors of every pair, less accurately (RowExchange). The function is empty where there
-  // are more than kMostRowPairs. It refers to this object.
+  // Returns a function that computes the unoccluded form factors of a whole row in single precision (RowExchange). The
+  // function is empty where there are more than kMostRowPairs pairs. It must not outlive this object.
   ExchangeRow rows();
 
  private:
@@ -52,7 +52,7 @@ class FaceExchanges {
   const Device* device_;
   std::function<void()> on_chunk_;
   std::vector<std::vector<uint32_t>> polygons_;  // of faces
-  // They are made once they are needed.
+  // Both are nullptr until they are needed.
   std::unique_ptr<UnoccludedExchange> exchange_;
   std::unique_ptr<RowExchange> row_exchange_;
 };
