@@ -10,16 +10,16 @@ namespace viewpeel {
 
 class EstimateRun {
  public:
-  // Starts the run, from the sums of an earlier one where options have them.
-  //   In: engine, scene, ids: as for estimateFormFactors, referred to; options: without the callbacks
+  // Starts the run. If options.resumed holds the sums of an earlier run, this run continues it.
+  //   In: engine, scene, ids: as for estimateFormFactors; the caller keeps them alive. options: callbacks are ignored.
   //   Throws: Error bad_usage, as estimateFormFactors.
   EstimateRun(Engine& engine, const Scene& scene, const Ids& ids, EstimateOptions options);
 
-  // Returns true where the goal is reached, or the next replicate would end after the time.
+  // Returns true where the goal is reached, or the next replicate would end after the given time.
   bool isDone() const;
-  // Returns true where the goal is reached, in time or not.
+  // Returns true where the goal is reached. A run that ended for lack of time has not reached it.
   bool isReached() const;
-  // Counts one replicate.    Throws: what the engine throws; the sums are then as before.
+  // Counts one replicate.    Throws: whatever the engine throws; the sums then stay as they were.
   void step();
   const RunSums& sums() const { return sums_; }
   // Returns the largest standard error of all form factors so far. It is infinite without a goal, and before the least
@@ -27,8 +27,8 @@ class EstimateRun {
   double largestStandardError() const { return largest_error_; }
   // Returns the estimate of the replicates up to now.
   Estimate estimateSoFar() const;
-  // Returns the same estimate, once no step is to follow: the form factors that reached the goal are not computed
-  // again.
+  // Returns the same estimate. It may be called once, after the last step, and takes over the form factors that this
+  // step has computed.
   Estimate takeEstimate();
 
  private:

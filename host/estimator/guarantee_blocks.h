@@ -1,4 +1,4 @@
-// Planning and running a guarantee share these functions: they count blocks and bound the errors of their sums.
+// The plan and the run of a guarantee share these functions, which count blocks of directions and bound the errors.
 #pragma once
 #include <functional>
 #include <vector>
@@ -7,17 +7,19 @@
 
 namespace viewpeel {
 
-constexpr double kEpochGrowth = 1.15;  // of the blocks from one look at Bernstein's bound to the next
+// From one look at Bernstein's bound to the next, the number of blocks grows by this factor.
+constexpr double kEpochGrowth = 1.15;
 
-// Returns the counts of each of several blocks, the first of them `first`.    Cost: as one call of the engine for all.
+// Returns the counts of `blocks` blocks, one by one, from block number `first` on. Each has `directions` directions.
+//   Cost: that of one engine call for all blocks together.
 std::vector<PairCounts> countBlocks(Engine& engine, const GuaranteeOptions& options, uint64_t directions,
                                     uint64_t first, uint64_t blocks);
 
-// Makes the sums of no blocks, with the plan's visibilities.
+// Returns sums that hold no block yet, and the plan's visibilities.
 RunSums makeGuaranteeSums(const Scene& scene, const Ids& ids, const GuaranteePlan& plan, uint64_t directions);
 
-// Returns a bound on all errors at once. It holds with probability 1 - p after this number of blocks, if further blocks
-// vary as the blocks of `sums` do. It refers to the plan.
+// Returns a function that predicts the bound on all errors together after a number of blocks, with failure probability
+// p. The prediction assumes that further blocks vary as the blocks of `sums` do. The plan must outlive the function.
 std::function<double(double blocks, double p)> boundFor(const RunSums& sums, const Ids& ids, const GuaranteePlan& plan,
                                                         uint32_t block_directions);
 

@@ -1,8 +1,8 @@
 // A pilot splits the variance of form factors into the part of directions and the part of the lattice.
 //
-// It counts every direction on two lattices. The common part of both varies with the directions, the rest from lattice
-// to lattice. With unoccluded form factors only the part that is left without visibilities varies: each half of the
-// pilot takes the visibilities of the other half.
+// The pilot counts every direction on two lattices. The covariance of the two counts is the variance due to directions.
+// The rest of their variance is due to the lattice. With unoccluded form factors the pilot measures what is left after
+// the control variates. Each half of the pilot then takes its visibilities from the other half.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -13,23 +13,23 @@
 
 namespace viewpeel {
 
-// PilotCounts is a replicate of a pilot, on either lattice.
+// PilotCounts holds the counts of one replicate of a pilot, on its first and on its second lattice.
 struct PilotCounts {
   PairCounts first, second;
 };
 
-// PilotVariances are variances of one replicate. Each is the largest of all form factors, perhaps of different ones,
-// and relative where the goal is.
+// PilotVariances holds the two variances of one replicate. Each is the largest over all form factors. The two may come
+// from different form factors. They are relative to the form factor where the goal is relative.
 struct PilotVariances {
   double of_directions = 0, of_lattices = 0;
-  // This is the standard error of of_directions. A covariance of few replicates is uncertain beside lattices that vary
-  // much more.
+  // This is the standard error of of_directions. It is large where the lattice varies much more than the directions,
+  // because few replicates measure a small covariance badly.
   double doubt = 0;
 };
 
 // Computes both variances from the counts of a pilot.
-//   In: counted: replicates, an even number of at least 4; id_of_face: with unoccluded form factors, empty without;
-//     measure_area: of a count, as in ReplicateSums; options: the goal
+//   In: counted: the replicates, an even number of at least 4; id_of_face: uint32_t[face] with unoccluded form factors,
+//     else empty; measure_area: the area of one count, as in ReplicateSums; options: the goal
 //   Cost: O(nonzeros log nonzeros) a replicate.
 PilotVariances pilotVariances(const std::vector<PilotCounts>& counted, const Ids& ids,
                               const std::vector<uint32_t>& id_of_face, double measure_area,

@@ -1,5 +1,5 @@
-// A Planner finds the plan of a run: it times and measures pilots (measure_pilots.cpp), predicts what a lattice costs
-// and how its counts vary (lattice_loads.cpp), and chooses (plan.cpp).
+// A Planner finds the plan of a run. It counts pilots for times and variances (measure_pilots.cpp). It predicts the
+// cost of a lattice and the variance of its counts (lattice_loads.cpp). Then it chooses (plan.cpp).
 #pragma once
 #include <algorithm>
 #include <array>
@@ -17,18 +17,19 @@ constexpr int kFirstResolution = 64;      // of the first pilot
 constexpr uint32_t kPilotReplicates = 8;  // of a pilot
 constexpr double kMostPilotSeconds = 30;  // of each pilot
 
-// A Shape is the lattice of a plan: groups at `base` x 4^m, up to the resolution that the neediest polygon gets.
+// A Shape describes the lattices of a plan. The groups have the resolutions base x 4^m, up to `finest`, which the
+// neediest polygon gets.
 struct Shape {
   int base = kFirstResolution;
   int finest = kFirstResolution;
   bool operator==(const Shape&) const = default;
 };
 
-// A Load is the work of a direction, and the lattice variance of the worst id, by latticeVariance.
+// A Load is the work of one direction on a Shape, and the largest lattice variance of an id (latticeVariance).
 struct Load {
-  double groups = 1, points = 1, variance = 0;  // points, or scanlines
-  // This is one line's part in the form factor of the worst id. Standard errors are no less than one line's in the
-  // whole run.
+  double groups = 1, points = 1, variance = 0;  // points: lattice points, or scanlines
+  // This is what one line adds to the form factor of the worst id. A run states no standard error below the error of
+  // one line.
   double line = 0;
   int finest = 0;  // resolution
 };
@@ -36,7 +37,7 @@ struct Load {
 struct Pilot {
   uint32_t directions = 0;
   Shape shape;
-  PilotVariances variances;  // at this number of directions
+  PilotVariances variances;  // of a replicate of `directions` directions
   Load load;
 };
 
@@ -50,30 +51,30 @@ struct Timing {
 struct SizeClass {
   double fineness = 0;
   double perimeter_per_area_squared = 0;
-  double area = 0;        // share of all
+  double area = 0;        // share of the area of all polygons
   double least_area = 1;  // of an id, unit-ball units squared
   double radius = 0;      // of a polygon's box
   std::vector<uint32_t> polygons;
 };
 
-// Returns the variance of a form factor of an id of area A and perimeter P, all of which one other id sees:
-// docs/method.md, eq. (24). With scanlines it is a quarter of the former, or h times the squared length of a line in
-// the id, (A / 2)^(3/2) for a square.
+// Returns the lattice variance of a form factor of an id of area A and perimeter P, if one other id sees all of it:
+// docs/method.md, eq. (24). With scanlines it is the smaller of two bounds. One is a quarter of eq. (24). The other is
+// h times the squared length of a scanline in the id, (A / 2)^(3/2) for a square.
 double latticeVariance(Sampling sampling, double perimeter_per_area_squared, double area, double h);
 
-// Returns how many lattice points, or scanlines, of a direction meet an id, on the average: of its mean projection,
-// taken for a square.
+// Returns the average number of lattice points, or scanlines, of one direction that meet an id. The id's mean
+// projection is taken for a square.
 double expectedPoints(Sampling sampling, double area, double h);
 
-// Returns P / A^2 of ids, in unit-ball units.
+// Returns P / A^2 of every id: double[id], in unit-ball units.
 std::vector<double> perimetersPerAreaSquared(const Scene& scene, const Ids& ids);
 
-// Returns the resolutions, as fractions of the neediest id's own, at which the lattice variance of every id equals the
-// neediest one's.
+// Returns the resolution that each id needs for the lattice variance of the neediest id: double[id], as fractions of
+// that id's resolution.
 std::vector<double> finenessOf(const std::vector<double>& perimeters_per_area_squared);
 
-// Returns the resolution for an id: fine enough for its lattice variance, and for enough points in the whole run of
-// `directions` a replicate.
+// Returns the resolution for an id. It is fine enough for the id's lattice variance, and gives the id enough points
+// over the whole run, which has `directions` directions a replicate.
 double neededResolution(Sampling sampling, double fineness, double area, int finest, double directions);
 
 // Returns whether two lattices have the same groups.
@@ -90,7 +91,7 @@ class Planner {
     uint32_t directions = 0;
     Shape shape;
     double seconds = 0, variance = INFINITY;
-    bool counts_too_large = false;  // of all plans that reach the goal
+    bool counts_too_large = false;  // every plan that reaches the goal would overflow its sums
   };
   DrawnDirections directionsOf(uint32_t count, uint64_t replicate) const;
   void makeEngine(uint32_t directions, const Shape& shape);
@@ -101,9 +102,9 @@ class Planner {
                                     double count_area) const;
   Choice choose() const;
   Choice choose(bool by_time) const;
-  // The directions are a pilot's.
+  // Returns the most seconds that one pilot may take.
   double allowedSeconds() const { return std::min(kMostPilotSeconds, 0.1 * options_.seconds.value_or(INFINITY)); }
-  // The seconds are those left of the given time, with some to spare for making engines.
+  // Returns the seconds that are left of the given time, less a fifth for making engines.
   double secondsLeft() const { return std::max(0.8 * (*options_.seconds - pilot_seconds_), 0.1 * *options_.seconds); }
   double directionVariance(double directions) const;
   bool isDoubtful(const Choice& choice) const;
@@ -121,15 +122,16 @@ class Planner {
   const Lattices& lattices_;
   std::vector<double> ratios_;                // perimetersPerAreaSquared
   std::vector<double> areas_;                 // of ids, unit-ball units squared
-  double whole_area_ = 0, largest_face_ = 0;  // of all ids, of a face; likewise
-  // Ranks of ids by place, where form factors are visibilities times unoccluded ones. Few lines are joined by their
-  // neighbours' (neighbour_visibility.h).
+  double whole_area_ = 0, largest_face_ = 0;  // area of all ids, and of the largest face, in the same units
+  // These are the ranks of ids by place, where form factors are visibilities times unoccluded form factors. Pairs of
+  // few lines take visibility from their neighbours in rank (neighbour_visibility.h).
   std::vector<uint32_t> ranks_;
   std::vector<uint32_t> id_of_face_;  // with unoccluded form factors
   std::vector<SizeClass> classes_;
-  mutable std::map<std::array<int, 3>, size_t> windows_;  // of classes from one to another at a resolution
+  // This is the number of windows by {first class, last class, resolution}.
+  mutable std::map<std::array<int, 3>, size_t> windows_;
   std::vector<Pilot> pilots_;
-  std::vector<Timing> timings_;  // of pilots and trials
+  std::vector<Timing> timings_;  // of pilots, and of lattices that were timed alone
   std::vector<SizeGroup> groups_;
   std::unique_ptr<Engine> engine_;
   double pilot_seconds_ = 0;
