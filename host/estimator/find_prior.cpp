@@ -17,7 +17,7 @@ namespace {
 
 constexpr uint32_t kPilots = 8;
 
-// Returns the visibilities whose pairs are among `others`.
+// Returns the visibilities of the pairs that `others` have as well.
 std::vector<PairVisibility> shared(const std::vector<PairVisibility>& visibilities,
                                    const std::vector<PairVisibility>& others) {
   std::vector<PairVisibility> both;
@@ -27,9 +27,10 @@ std::vector<PairVisibility> shared(const std::vector<PairVisibility>& visibiliti
   return both;
 }
 
-// Returns the visibilities that let the pilots vary less than without them, in the sums of ids that id_map makes of
-// faces (none: faces themselves). Each half of the pilots is tried with the visibilities of the other half. With its
-// own, visibilities from few lines would look better than they are.
+// Returns the visibilities that make the estimates of the pilots vary less than they do without visibilities.
+//   Each half of the pilots is tried with the visibilities of the other half. With its own visibilities, a pair of few
+//   lines would look better than it is.
+//   In: id_map: uint32_t[face], the id that each face belongs to; empty: faces are the ids
 std::vector<PairVisibility> keepUseful(const std::vector<PairVisibility>& visibilities,
                                        const std::vector<PairCounts>& pilots, const Ids& ids,
                                        const std::vector<uint32_t>& id_map) {
@@ -109,8 +110,8 @@ FoundPrior findPrior(Engine& engine, FaceExchanges& exchanges, const Scene& scen
   all = withRows(std::move(all));
   const std::vector<PairVisibility> seen = fitVisibilities(all);
   for (PairCounts& counts : pilots) counts = withRows(std::move(counts), seen);
-  // A visibility from few lines adds more noise than it takes away. Counts then stay alone: pair by pair of faces, and
-  // of surfaces, whose sums vary less than their parts.
+  // A visibility from few lines adds more noise than it takes away, and is dropped. This is decided for each pair of
+  // faces, and again for each pair of surfaces, because sums over a surface vary less than their terms.
   const std::vector<PairVisibility> visibilities = keepUseful(fitVisibilities(all), pilots, ids, {});
   const std::vector<PairVisibility> surface_visibilities =
       keepUseful(visibilities, pilots, makeIds(scene, By::surface, ids.two_sided), ids.surface);
@@ -140,7 +141,8 @@ FoundPrior findPrior(Engine& engine, FaceExchanges& exchanges, const Scene& scen
     pair.surface_visibility = shareOf(surface_visibility, surface_visibilities.end(), pair);
   }
 
-  // Faces of which no pilot saw a line blocked most likely see all of each other, also where no line hit both.
+  // If no line of a pilot was blocked between a face and any other, the face most likely sees all of its partners, even
+  // where no line hit the pair.
   std::vector<bool> is_blocked(n, false);
   bool is_any_blocked = false;
   for (const PairCount& count : all)
@@ -155,7 +157,8 @@ FoundPrior findPrior(Engine& engine, FaceExchanges& exchanges, const Scene& scen
   std::erase_if(pairs, [](const PairPrior& pair) { return pair.exchange == 0; });
   found.unoccluded_seconds = secondsSince(start);
 
-  // Common directions hit more of the many pairs between two surfaces, so surfaces keep them.
+  // Directed pairs are for goals by polygon only. Two surfaces have many pairs of faces, so common directions hit them
+  // often enough.
   if (!options.pairs || options.by != By::polygon) return found;
   start = Clock::now();
   const CommonPilots common{pilots, each, engine.unitArea() * scene.scale * scene.scale};

@@ -14,18 +14,20 @@
 namespace viewpeel {
 namespace {
 
-// No base lattice is finer. Steps of 4 end below 2^16, where corners keep 9 bits after the point.
+// No polygon asks for a finer lattice. Resolutions grow in steps of 4 from the base, and end below 2^16. There snapped
+// corners still have 9 bits for fractions of a spacing.
 constexpr double kFinestResolution = 1 << 14;
 constexpr double kBaseShare = 0.9;  // The first group's resolution is fine enough for this share of the area.
 constexpr uint32_t kPilotBlocks = 24, kPilotDirections = 8;
-constexpr std::array kRanges = {5.0, 3.5, 2.8, 2.4, 2.2};  // lattices are tried for these ranges
-constexpr std::array kBlockDirections = {1u, 4u, 16u};     // blocks of so many are tried
+constexpr std::array kRanges = {5.0, 3.5, 2.8, 2.4, 2.2};  // the plan tries lattices for each of these ranges M
+constexpr std::array kBlockDirections = {1u, 4u, 16u};     // the plan tries blocks of these numbers of directions
 constexpr uint32_t kPriorPilotDirections = 1024;
-constexpr uint64_t kFewestBlocks = 8;  // a standard error needs them
-// Finer lattices are not tried beyond this multiple of the best time.
+constexpr uint64_t kFewestBlocks = 8;  // fewer blocks do not give a standard error
+// If a lattice takes more than this multiple of the best time so far, finer lattices are not tried.
 constexpr double kDearer = 1.5;
 
-// Returns the resolutions at which the ranges of ids are at most `range`, as far as they are not too fine.
+// Returns the resolution at which the range of each polygon's id is at most `range`: double[polygon]. No resolution is
+// above kFinestResolution.
 std::vector<double> neededFor(const Scene& scene, const Ids& ids, double range, Sampling sampling) {
   // The equation sum 2 A + (p or 2 d) h + 2 h^2 = range A has one positive root h.
   std::vector<double> areas(ids.count(), 0), slopes(ids.count(), 0), numbers(ids.count(), 0);
@@ -52,7 +54,8 @@ std::vector<double> resolutionsOf(const Scene& scene, const std::vector<SizeGrou
   return resolutions;
 }
 
-// Makes lattices for one range: one lattice for most of the area, windows for polygons that need more.
+// Returns the groups of polygons for one range. One lattice serves most of the area. Polygons that need a finer lattice
+// get windows.
 std::vector<SizeGroup> groupsFor(const Scene& scene, const std::vector<double>& needed, const Lattices& lattices) {
   const int finest = maxWindowResolution(lattices.lattice.sampling);
   if (lattices.resolution) return groupAsOne(scene, lattices.resolution);
@@ -74,7 +77,7 @@ std::vector<SizeGroup> groupsFor(const Scene& scene, const std::vector<double>& 
   return groupBySize(scene, needed, static_cast<int>(std::min<double>(std::ceil(base), kMaxResolution)), finest);
 }
 
-// Returns the number of blocks until bound_at(blocks, p), a bound for all at once, is epsilon.
+// Returns the number of blocks at which bound_at(blocks, p), the largest of all bounds, falls to epsilon.
 template <class BoundAt>
 double blocksUntil(double epsilon, double delta, BoundAt bound_at) {
   double low = 2, high = 1e15;
@@ -85,7 +88,7 @@ double blocksUntil(double epsilon, double delta, BoundAt bound_at) {
   return high;
 }
 
-// Finds visibilities by a pilot of few directions: they serve any number of blocks.
+// Returns the prior of a guarantee. Its pilot has few directions, because any visibility keeps the bounds valid.
 Prior findBoundedPrior(const GuaranteePlan& plan, const Scene& scene, const Ids& ids, const GuaranteeOptions& options) {
   EstimateOptions pilot;
   pilot.directions = kPriorPilotDirections;
@@ -102,7 +105,8 @@ class GuaranteePlanner {
                    bool exact)
       : scene_(scene), ids_(ids), options_(options), lattices_(lattices), exact_(exact), bounds_(countBounds(ids)) {}
 
-  // Finer lattices lower ranges and variances, and each costs more.
+  // Returns the plan that is expected to end first. Finer lattices have smaller ranges and variances, but each of their
+  // directions costs more.
   GuaranteePlan plan() const {
     const bool has_one_lattice = exact_ || lattices_.resolution;
     if (options_.range > 0 || has_one_lattice) return planFor(options_.range > 0 ? options_.range : kRanges.back());
@@ -116,7 +120,7 @@ class GuaranteePlanner {
   }
 
  private:
-  // Makes the plan for one range: lattices, bounds, and the time until they are reached, as a pilot predicts it.
+  // Returns the plan for one range: its lattices, its bounds, and the time that a pilot predicts.
   GuaranteePlan planFor(double range) const {
     GuaranteePlan plan = makeLattices(range);
     findDirections(plan);
@@ -152,7 +156,8 @@ class GuaranteePlanner {
     return plan;
   }
 
-  // Bounds that need no sample set the number of directions.
+  // Sets the numbers of directions that hold without any sample: those of Hoeffding's bound, of Lemma 1, and of the
+  // median.
   void findDirections(GuaranteePlan& plan) const {
     const double e = plan.epsilon, d = plan.delta, m = plan.largest_range;
     plan.hoeffding = plan.visibility_bounds ? plan.visibility_bounds->directionsFor(e, d / 2)
@@ -169,8 +174,8 @@ class GuaranteePlanner {
     return secondsSince(start);
   }
 
-  // The variance of some blocks predicts which size of block ends first. The end itself does not depend on the
-  // prediction.
+  // Chooses the number of directions in a block. The variance of some pilot blocks predicts which size ends first. A
+  // wrong prediction costs time, but the guarantee holds for any size.
   void chooseBlocks(GuaranteePlan& plan) const {
     const double e = plan.epsilon, d = plan.delta;
     plan.expected_seconds = INFINITY;
@@ -207,7 +212,7 @@ class GuaranteePlanner {
   const GuaranteeOptions& options_;
   const Lattices& lattices_;
   bool exact_;
-  std::vector<double> bounds_;  // of ids: how many have to hold
+  std::vector<double> bounds_;  // as countBounds() returns them
 };
 
 }  // namespace

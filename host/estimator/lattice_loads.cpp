@@ -1,4 +1,5 @@
-// Loads: the work of a direction on a lattice, and how its counts vary, both from sizes of polygons alone.
+// The functions here predict the work of a direction on a lattice, and the variance of its counts, from the sizes of
+// the polygons alone.
 #include <numbers>
 
 #include "engines/lattice.h"
@@ -10,8 +11,9 @@
 namespace viewpeel {
 namespace {
 
-constexpr double kLatticePoints = 100, kUsualReplicates = 8;  // every id gets this many points in this many replicates
-// A plan uses this share of the most counts: along some directions there are more than the average.
+// Every id is to get kLatticePoints lattice points, or scanlines, in kUsualReplicates replicates.
+constexpr double kLatticePoints = 100, kUsualReplicates = 8;
+// A plan uses at most this share of the largest count that fits, because some directions count more than the average.
 constexpr double kAllowed = 0.8;
 
 }  // namespace
@@ -41,8 +43,8 @@ std::vector<double> finenessOf(const std::vector<double>& perimeters_per_area_sq
 }
 
 double neededResolution(Sampling sampling, double fineness, double area, int finest, double directions) {
-  const double times =
-      expectedPoints(sampling, area, 2) * kUsualReplicates * directions;  // on a lattice of one spacing across
+  // This is the number of points that all directions give the id on a lattice of resolution 1, where h is 2.
+  const double times = expectedPoints(sampling, area, 2) * kUsualReplicates * directions;
   return std::max(fineness * finest,
                   sampling == Sampling::scanline ? kLatticePoints / times : std::sqrt(kLatticePoints / times));
 }
@@ -100,18 +102,19 @@ Load Planner::loadOf(const Shape& shape, double directions) const {
     if (resolution > shape.base) fine[resolution] += size.area;
     load.variance = std::max(load.variance, latticeVariance(lattices_.lattice.sampling, size.perimeter_per_area_squared,
                                                             size.least_area, 2 / resolution));
-    // A direction adds half of what it counts together with others (replicate_sums.cpp).
+    // This is D_0 of docs/method.md, eq. (12), as a form factor: one line, and the lines that come with it on the
+    // average.
     if (ranks_.empty()) load.line = std::max(load.line, 8 / (resolution * resolution * size.least_area) + 8 / 27.0);
   }
-  // A window reaches beyond its polygons.
+  // A window is larger than its polygons: it is taken for twice their share of the area.
   for (const auto& [resolution, share] : fine)
     load.points += (is_scanline ? resolution : resolution * resolution) * std::min(1.0, 2 * share);
   load.groups += double(windowsOf(resolutions, shape.base));
   return load;
 }
 
-// Returns the resolutions that groupBySize makes of the classes: no finer than windows can be, and with no more windows
-// than there may be.
+// Returns the resolution that groupBySize() gives each size class: int[class]. No resolution is beyond the finest
+// window, and there are no more windows than kMostWindows.
 std::vector<int> Planner::resolutionsOf(const Shape& shape, double directions) const {
   std::vector<int> resolutions(classes_.size(), shape.base);
   for (int finest = maxWindowResolution(lattices_.lattice.sampling); lattices_.may_group; finest /= kGroupStep) {
@@ -129,8 +132,8 @@ std::vector<int> Planner::resolutionsOf(const Shape& shape, double directions) c
   return resolutions;
 }
 
-// Returns the number of windows beside the whole scene's lattice. Classes of one resolution are taken to follow each
-// other.
+// Returns the number of windows beside the whole scene's lattice. The size classes are sorted, so classes of one
+// resolution follow each other.
 size_t Planner::windowsOf(const std::vector<int>& resolutions, int base) const {
   size_t windows = 0;
   for (size_t first = 0, end = 0; first < resolutions.size(); first = end) {
@@ -148,9 +151,9 @@ size_t Planner::windowsOf(const std::vector<int>& resolutions, int base) const {
   return windows;
 }
 
-// Returns whether counts are too large for unoccluded form factors. It looks at the counts of a row in a replicate, the
-// sum over a surface's faces, and the squares over all replicates (control_variate_sums.h). A face's projection is half
-// of its area on the average.
+// Returns whether sums with unoccluded form factors would overflow (control_variate_sums.h). Three sums may overflow:
+// the counts of a row in one replicate, the counts of all faces of a surface, and the squares over all replicates. The
+// mean projection of a face is half of its area.
 bool Planner::areCountsTooLarge(const Load& load, double directions, double replicates) const {
   if (id_of_face_.empty()) return false;
   const double count_area =
@@ -160,8 +163,8 @@ bool Planner::areCountsTooLarge(const Load& load, double directions, double repl
   return of_row > most || of_all > 2 * most || replicates * of_row * of_row > 8 * most * most;
 }
 
-// Returns the time of a direction. It costs something for every group, and for every lattice point over the group's
-// polygons. Where pilots cannot part the two, each gets half.
+// Returns the predicted seconds of a direction. The model is one cost per group and one cost per lattice point. Where
+// the timed lattices do not separate the two costs, each gets half of the time.
 double Planner::secondsOf(const Load& load) const {
   const Timing& last = timings_.back();
   double per_group = 0.5 * last.seconds / last.load.groups, per_point = 0.5 * last.seconds / last.load.points;

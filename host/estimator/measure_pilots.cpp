@@ -1,4 +1,5 @@
-// Pilots are counted before a plan, for times of directions and variances of form factors.
+// Before the planner chooses, it counts pilots here. They give the time of a direction and the variances of form
+// factors.
 #include "directions/random.h"
 #include "directions/replicates.h"
 #include "engines/lattice.h"
@@ -11,8 +12,9 @@
 namespace viewpeel {
 namespace {
 
-constexpr uint32_t kTimedDirections = 4;  // that time a lattice
-// A lattice needs no trial up to this multiple of the points that were timed, and of the expected seconds.
+constexpr uint32_t kTimedDirections = 4;  // directions counted to time a lattice
+// A lattice with up to this multiple of the points of a timed lattice is not timed again. A timed lattice is rejected
+// beyond this multiple of its predicted seconds.
 constexpr double kMostBeyond = 4;
 
 }  // namespace
@@ -42,16 +44,17 @@ void Planner::makeEngine(uint32_t directions, const Shape& shape) {
   engine_->count(directionsOf(4, kTrialReplicates.end - 1).directions);
 }
 
-// The time is of `directions` directions.
+// Returns the seconds that the engine takes to count this many directions.
 double Planner::timeDirections(uint32_t count) {
   const auto start = Clock::now();
   engine_->count(directionsOf(count, kTrialReplicates.end - 2).directions);
   return secondsSince(start);
 }
 
-// Tries a lattice that is much finer than all timed lattices. Points of windows and of the whole scene, hit or not, do
-// not all take the same time. The difference of two calls leaves out the fixed time of a call. The smaller of two
-// trials leaves out the delay of a busy machine.
+// Times a lattice that is much finer than every timed lattice, and returns whether it takes longer than predicted. The
+// prediction may fail because the time of a lattice point depends on its window, and on whether a polygon covers it.
+// The difference of two calls removes the fixed time of a call. The smaller of two trials removes most of a busy
+// machine's delays.
 bool Planner::takesLonger(const Choice& choice) {
   const auto start = Clock::now();
   const Load load = loadOf(choice.shape, choice.directions);
@@ -60,7 +63,7 @@ bool Planner::takesLonger(const Choice& choice) {
         load.groups <= timing.load.groups)
       return false;
   makeEngine(choice.directions, choice.shape);
-  // The engine compiles here whatever it changed after its first count.
+  // This call is not timed: the engine may still compile or tune its kernels.
   timeDirections(kTimedDirections);
   const double most = kMostBeyond * secondsOf(load);
   double each = INFINITY;
@@ -79,7 +82,7 @@ void Planner::measure(uint32_t directions, const Shape& shape) {
   if (pilots_.empty())
     directions = static_cast<uint32_t>(
         std::clamp(allowedSeconds() / (2 * kPilotReplicates * timeDirections(2) / 2), 1.0, double(directions)));
-  // The counts are of both lattices and every replicate.
+  // Each replicate counts the same directions on two lattices.
   std::vector<PilotCounts> counted;
   double weight_unit = 1;
   const auto start = Clock::now();
@@ -101,11 +104,12 @@ void Planner::measure(uint32_t directions, const Shape& shape) {
   Pilot pilot{directions, shape, pilotVariances(counted, ids_, id_of_face_, measure_area, options_),
               loadOf(shape, directions)};
   if (!ranks_.empty()) {
-    // Both variances use the visibilities of the pilot, and are scaled to the run's own standard error.
+    // The run's standard error comes from visibilities times unoccluded form factors. Both variances are scaled so that
+    // they add up to it.
     const double count_area = ids_.requested.empty() ? measure_area * directions / 2 : INFINITY,
                  stated =
                      std::pow(largestErrorOfVisibilities(counted, measure_area / 2, count_area), 2) * kPilotReplicates;
-    // A direction counts on two lattices, and each has half of the variance.
+    // A replicate of the pilot is a mean over two lattices, which halves the lattice variance.
     const double found = pilot.variances.of_directions + pilot.variances.of_lattices / 2;
     if (found > 0)
       for (double* variance : {&pilot.variances.of_directions, &pilot.variances.of_lattices, &pilot.variances.doubt})
@@ -116,8 +120,9 @@ void Planner::measure(uint32_t directions, const Shape& shape) {
   timings_.push_back({pilot.load, seconds / (2 * kPilotReplicates * directions)});
 }
 
-// Returns the largest standard error that the run would state after the pilot. Pairs that few lines hit have the
-// standard error of their own lines and their neighbours'. Unoccluded form factors are the lines' own counts.
+// Returns the largest standard error that the run would state after the counts of the pilot. As in the run, the error
+// of a pair of few lines rests on its own lines and its neighbours'. The pilot has no unoccluded form factors, and
+// takes the pair's counts, facing and blocked, in their place.
 double Planner::largestErrorOfVisibilities(const std::vector<PilotCounts>& counted, double measure_area,
                                            double count_area) const {
   VisibilitySums sums(ids_);

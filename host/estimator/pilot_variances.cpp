@@ -17,14 +17,14 @@ struct Residual {
   double counts;
 };
 
-// Spread sums over the replicates of each half: residuals on the first lattice, on the second, their squares and
-// products.
+// Moments holds sums over the replicates of either half of the pilot. They are the sums of the residuals on the first
+// lattice (a) and on the second (b), of their squares (aa, bb), and of their products (ab).
 struct Moments {
   uint32_t i, j;
   std::array<double, 2> a{}, b{}, aa{}, bb{}, ab{};
 };
 
-// A Spread is of one replicate.
+// A Spread holds the variance of one replicate of one form factor, and the part of it that is due to the lattice.
 struct Spread {
   double total, between_lattices;
 };
@@ -35,7 +35,8 @@ std::vector<PairVisibility> visibilitiesOf(std::span<const PilotCounts> replicat
   return fitVisibilities(withRows(std::move(all)));
 }
 
-// Returns the counts less their control variates, where there are unoccluded form factors.
+// Returns the counts. Where there are unoccluded form factors (id_of_face is not empty), their control variates are
+// subtracted.
 std::vector<Residual> residualsOf(const PairCounts& counts, const std::vector<PairVisibility>& visibilities,
                                   const std::vector<uint32_t>& id_of_face) {
   std::vector<Residual> residuals;
@@ -65,7 +66,7 @@ void addReplicate(std::vector<Moments>& moments, size_t half, const std::vector<
   moments = std::move(merged);
 }
 
-// Returns the means of the two halves, of n replicates each.
+// Returns the mean spread of the two halves, which have n replicates each.
 Spread spreadOf(const Moments& m, double n) {
   double total = 0, common = 0;
   for (size_t half = 0; half < 2; ++half) {
@@ -91,7 +92,7 @@ PilotVariances pilotVariances(const std::vector<PilotCounts>& counted, const Ids
                    residualsOf(replicate.second, visibilities, id_of_face));
   }
 
-  std::vector<Spread> spreads;  // in units of the larger form factor of the two ways
+  std::vector<Spread> spreads;  // of max(F_ij, F_ji)
   for (const Moments& m : moments) {
     double unit = (m.i == m.j ? 4 : 2) * measure_area / ids.smallerArea(m.i, m.j);
     if (options.relative && !options.tolerance) {
@@ -103,7 +104,8 @@ PilotVariances pilotVariances(const std::vector<PilotCounts>& counted, const Ids
     spreads.push_back({spread.total * unit * unit, spread.between_lattices * unit * unit});
   }
   if (spreads.empty()) return {};
-  // Few replicates give a rough covariance. So its share is a mean over some of the largest variances.
+  // Few replicates give a rough covariance. So the share of the lattice is a mean over the pairs with the largest
+  // variances.
   const size_t top = std::clamp<size_t>(spreads.size() / 50, 1, 64);
   std::partial_sort(spreads.begin(), spreads.begin() + static_cast<std::ptrdiff_t>(top), spreads.end(),
                     [](const Spread& a, const Spread& b) { return a.total > b.total; });

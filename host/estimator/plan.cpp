@@ -7,27 +7,29 @@
 namespace viewpeel {
 namespace {
 
-constexpr uint32_t kFirstDirections = 16, kPilotDirections = 32;  // of the first pilot, and of others at least
-constexpr double kFewPoints = 5;  // of an id in the whole run, below which no line may hit it
+constexpr uint32_t kFirstDirections = 16, kPilotDirections = 32;  // of the first pilot; least of a further pilot
+// An id that gets fewer lattice points, or scanlines, than this in the whole run is reported: no line may hit it.
+constexpr double kFewPoints = 5;
 constexpr double kDefaultTolerance = 1e-3;
-// A plan takes at most this many replicates to a goal that other choices reach with fewer.
+// A choice that needs more replicates than the request has is accepted up to this number.
 constexpr double kMostReplicates = 128;
 constexpr double kMostPoints = 8192.0 * 8192, kMostScanlines = 4 * 8192;  // of a direction
 constexpr int kMostTrials = 4;
-// Another pilot confirms a predicted variance whose standard error is beyond this multiple of the variance.
+// A predicted variance is doubtful where its standard error is above this multiple of it. Another pilot then checks it.
 constexpr double kMostDoubt = 4;
 
 }  // namespace
 
-// Returns whether the predicted variance is of lattices alone, which hid the directions' in the pilot. Then its
-// lattices hardly hit pairs that the plan's own hit often.
+// Returns whether the predicted variance is doubtful: the pilot's lattices varied so much that they hid the variance of
+// directions. This happens where the pilot's coarse lattices hardly hit pairs that the plan's lattices hit often.
 bool Planner::isDoubtful(const Choice& choice) const {
   const Pilot& last = pilots_.back();
   return last.variances.doubt * std::pow(last.directions / double(choice.directions), 2) / double(options_.replicates) >
          kMostDoubt * choice.variance;
 }
 
-// Chooses the least time to the goal; the least error in the time there is, where there is no goal or no time for it.
+// Returns the choice that reaches the goal in the least time. If only a time is given, or the goal takes longer than
+// that time, it returns the choice with the least error in the time.
 Planner::Choice Planner::choose() const {
   const Choice choice = choose(options_.seconds && !options_.tolerance && !options_.relative);
   return options_.seconds && choice.seconds > secondsLeft() ? choose(true) : choice;
@@ -41,8 +43,8 @@ Planner::Choice Planner::choose(bool by_time) const {
   double least_area = 1;
   for (const SizeClass& size : classes_) least_area = std::min(least_area, size.least_area);
 
-  // Where no choice is quick enough, the quickest is taken. Where no error is small enough, the choice is the one that
-  // gets there first with more replicates, if they are not too many.
+  // Where no choice meets the time, the quickest wins. Where no choice meets the error with the replicates of the
+  // request, the choice wins that reaches it first with up to kMostReplicates.
   const auto meets = [&](const Choice& c) { return by_time ? c.seconds <= secondsLeft() : c.variance <= goal * goal; };
   const auto rankOf = [&](const Choice& c) {
     if (meets(c)) return 0;
@@ -63,7 +65,7 @@ Planner::Choice Planner::choose(bool by_time) const {
       for (int step = 1; step == 1 || (lattices_.may_group && finest / step >= 8); step *= kGroupStep) {
         const Shape shape{(finest + step - 1) / step, finest};
         if (shape.base > kMaxResolution) continue;
-        // One lattice serves all: fine enough for the least of them, or as fine as there is.
+        // Without groups one lattice has to be fine enough for the smallest polygon, or the finest there is.
         if (!lattices_.may_group && !lattices_.resolution &&
             finest < std::min(neededBy({1, 0, 0, least_area}, shape, directions), kMaxResolution / 1.5))
           continue;
@@ -97,8 +99,8 @@ Plan Planner::plan() {
   const int first = lattices_.resolution ? lattices_.resolution : kFirstResolution;
   measure(kFirstDirections, {first, first});
   Choice choice = choose();
-  // Another pilot, nearer to the plan, counts where it costs little beside the run, or where a variance cannot be had
-  // without it.
+  // A further pilot, whose lattice is nearer to the plan's, is counted where it costs little beside the run, or where
+  // the predicted variance is doubtful.
   for (int more = 0; more < 2; ++more) {
     const Pilot& last = pilots_.back();
     const double share = 0.03 * double(options_.replicates) / kPilotReplicates;

@@ -128,7 +128,7 @@ class Planner {
   std::vector<uint32_t> ranks_;
   std::vector<uint32_t> id_of_face_;  // with unoccluded form factors
   std::vector<SizeClass> classes_;
-  // This is the number of windows by {first class, last class, resolution}.
+  // This is the number of windows by {first size class, end of the size classes, resolution}.
   mutable std::map<std::array<int, 3>, size_t> windows_;
   std::vector<Pilot> pilots_;
   std::vector<Timing> timings_;  // of pilots, and of lattices that were timed alone
