@@ -58,7 +58,8 @@ Estimate makeEstimate(const RunSums& sums, double relative_floor, FormFactors al
     estimate.lines = sums.lines->lineCount();
     return estimate;
   }
-  // With all unoccluded form factors, a pair without an entry cannot see each other, whatever is between them.
+  // Where the prior has the unoccluded form factors of all pairs, a pair without an entry has F0 = 0: its faces would
+  // not see each other even without blockers.
   const auto isSampledAlone = [](const PairPrior& pair) { return pair.j < kEnvironment && std::isinf(pair.exchange); };
   const bool lists_all_pairs =
       sums.prior_sums && sums.prior_sums->prior().has_all_pairs &&

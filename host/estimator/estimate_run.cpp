@@ -65,10 +65,10 @@ bool EstimateRun::measure(const FormFactors& so_far) {
 void EstimateRun::measureErrors() {
   found_.reset();
   if (!(options_.tolerance || options_.relative) || sums_.replicateCount() < options_.replicates)
-    return;  // without a goal nothing needs it
+    return;  // without a goal nobody asks for the largest error
   if (sums_.prior_sums) {
-    // Rows of all pairs take seconds. Mostly the largest error is one of the prior's pairs, and more replicates have to
-    // follow.
+    // Whole rows take seconds. So the pairs of the prior are measured first: most often one of them has the largest
+    // error, and shows that more replicates are needed.
     if (row_ && !measure(sums_.priorFormFactors())) return;
     FormFactors all = sums_.formFactors(row_);
     if (measure(all)) found_ = std::move(all);

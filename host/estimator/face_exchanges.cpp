@@ -8,7 +8,7 @@
 namespace viewpeel {
 namespace {
 
-constexpr size_t kChunk = size_t(1) << 19;  // pairs of faces
+constexpr size_t kChunk = size_t(1) << 19;  // pairs of faces computed between two calls of on_chunk
 
 }  // namespace
 
@@ -31,7 +31,8 @@ void FaceExchanges::learn(RunSums& sums) {
   std::vector<PairPrior> found = sums.prior_sums->pairsOutsidePrior(hasRows() ? kLinesToLearn : kLinesForVisibility);
   compute(found);
   for (PairPrior& pair : found)
-    if (pair.exchange == 0) pair.exchange = INFINITY;  // one lies in the other's plane but for rounding
+    // A line hit the pair, so its F0 is not 0. One face lies in the other's plane within rounding.
+    if (pair.exchange == 0) pair.exchange = INFINITY;
   sums.prior_sums->learn(found);
 }
 
@@ -45,7 +46,7 @@ ExchangeRow FaceExchanges::rows() {
 
 uint64_t FaceExchanges::computeChunk(std::span<PairPrior> pairs) {
   std::vector<SidePair> sides;
-  std::vector<uint32_t> prior_of_side;  // of each of `sides`
+  std::vector<uint32_t> prior_of_side;  // index in `pairs` of each of `sides`
   for (uint32_t s = 0; s < pairs.size(); ++s) {
     PairPrior& pair = pairs[s];
     if (pair.j >= kEnvironment) {

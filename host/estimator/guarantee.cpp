@@ -13,7 +13,7 @@
 namespace viewpeel {
 namespace {
 
-constexpr double kMostDirections = 1e15;  // of a guarantee; double holds all integers below 2^53 only
+constexpr double kMostDirections = 1e15;  // below 2^53, so that double holds every number of directions exactly
 
 }  // namespace
 
@@ -32,8 +32,7 @@ std::vector<double> formFactorRanges(const Scene& scene, const Ids& ids, const s
     coarsest[id] = std::min(coarsest[id], resolution);
     finest[id] = std::max(finest[id], resolution);
   }
-  // Ids may have several resolutions. On each finer lattice another polygon may be counted once more, as far as the
-  // polygons of both ids on this lattice allow.
+  // For ids of several resolutions: the range of the polygons that each id has on each lattice, by resolution and id.
   std::map<double, std::map<uint32_t, double>> mixed;
   for (uint32_t k = 0; k < scene.polygons.size(); ++k)
     if (const uint32_t id = ids.of_polygon[k]; coarsest[id] < finest[id])

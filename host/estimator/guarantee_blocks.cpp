@@ -7,10 +7,11 @@
 namespace viewpeel {
 namespace {
 
-constexpr uint64_t kMostAtOnce = 1 << 16;  // directions held at a time
+constexpr uint64_t kMostAtOnce = 1 << 16;  // directions in memory at a time
 
 PairCounts countBlock(Engine& engine, const GuaranteeOptions& options, uint64_t directions, uint64_t block) {
-  const uint64_t parts = (directions + kMostAtOnce - 1) / kMostAtOnce;  // more than one are of iid directions
+  // Only runs of a median have blocks so large that they need several parts. Their directions are iid.
+  const uint64_t parts = (directions + kMostAtOnce - 1) / kMostAtOnce;
   PairCounts sum;
   for (uint64_t part = 0; part < parts; ++part) {
     const uint64_t count = directions * (part + 1) / parts - directions * part / parts;
@@ -49,7 +50,7 @@ std::function<double(double blocks, double p)> boundFor(const RunSums& sums, con
                double blocks, double p) {
       return plan.visibility_bounds->largestBound(variances, blocks, block_directions, p);
     };
-  // A pair that no line hit has the largest range.
+  // Each entry is {variance, range}. The first one stands for every pair that no line hit: variance 0, largest range.
   std::vector<std::pair<double, double>> entries{{0, *std::max_element(plan.ranges.begin(), plan.ranges.end())}};
   sums.by_id.forEachPair(sums.measure_area, [&](uint32_t i, uint32_t j, const Measured& exchange) {
     const uint32_t smaller = j < kEnvironment && ids.areas[j] < ids.areas[i] ? j : i;

@@ -9,7 +9,7 @@
 namespace viewpeel {
 namespace {
 
-constexpr uint64_t kTogether = 512;  // directions of several blocks counted at once
+constexpr uint64_t kTogether = 512;  // one engine call counts blocks with up to this number of directions in all
 
 std::vector<PairCounts> mergeIdsOfAll(const std::vector<PairCounts>& runs, const std::vector<uint32_t>& id_map) {
   std::vector<PairCounts> merged;
@@ -17,8 +17,8 @@ std::vector<PairCounts> mergeIdsOfAll(const std::vector<PairCounts>& runs, const
   return merged;
 }
 
-// Replaces the means of form factors by medians over runs. Standard errors are as of normal errors, of which the
-// median has pi / 2 times the mean's variance. Row sums stay sums of means.
+// Replaces the mean of every form factor by its median over the runs. Standard errors are those of normal errors: the
+// variance of a median is pi / 2 times the variance of a mean. Row sums stay sums of means.
 FormFactors medianOf(const std::vector<PairCounts>& runs, const FormFactors& means, double measure_area) {
   std::vector<FormFactors::Entry> entries = means.entries();
   std::vector<size_t> at(runs.size(), 0);
@@ -35,7 +35,8 @@ FormFactors medianOf(const std::vector<PairCounts>& runs, const FormFactors& mea
   return {means.ids(), std::move(entries), means.rowSums()};
 }
 
-// Gives every form factor the interval of the bound, of the smaller id of its pair.
+// Gives every form factor an interval. `bound` is the half-width for the form factor from the pair's smaller id; the
+// form factor from the larger id has a smaller half-width, by the ratio of areas.
 FormFactors withIntervals(FormFactors all, double bound) {
   const Ids ids = all.ids();
   std::vector<Measured> row_sums = all.rowSums();
@@ -62,11 +63,11 @@ GuaranteeRun::GuaranteeRun(const Scene& scene, const Ids& ids, const GuaranteeOp
       guarantee_{options.epsilon, options.delta, INFINITY, is_median_ ? GuaranteedBy::median : GuaranteedBy::hoeffding},
       next_look_(std::max<uint64_t>(2, plan.least_blocks)) {
   if (options_.resumed) {
-    // They belong to the run that was resumed.
+    // The visibilities of the run that this one continues replace the plan's.
     sums_.prior_sums.reset();
     sums_.add(*options_.resumed);
   }
-  // Looks of the stopped run found no bound within epsilon.
+  // The stopped run has taken these looks, and none found a bound within epsilon.
   while (next_look_ < sums_.replicateCount()) passLook();
 }
 
@@ -128,7 +129,7 @@ Estimate guaranteeFormFactors(const Scene& scene, const Ids& ids, const Guarante
     while (!run.isDone()) run.step(onBlock);
   } catch (const Interrupted&) {
     if (options.on_sums) options.on_sums(run.sums(), true);
-    Estimate estimate = run.estimateSoFar();  // and no guarantee
+    Estimate estimate = run.estimateSoFar();  // it carries no guarantee
     estimate.interrupted = true;
     return estimate;
   } catch (...) {
