@@ -1,7 +1,8 @@
 #version 460
-// One invocation takes one lattice point, applies the facing rules to the gap between its layers k-1 and k, and adds
-// one to the gap's counter. Where layer k has a polygon it requests layer k+1. Where blocked pairs are counted it adds
-// one for every layer before k that layer k faces.
+// One invocation takes one lattice point of one direction (graphics engine). It applies the facing rules to the gap
+// between layers k-1 and k and adds one to the counter of the gap. Where layer k has a polygon, it requests layer k+1.
+// Where blocked pairs are counted, it adds one for every layer before k that faces layer k, whatever lies between them.
+//   In: polygons, layers     Out: counters, next_alive, next_commands
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_shader_atomic_int64 : require
 #define SHARED_FUNCTION
@@ -11,6 +12,7 @@
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Args { AccumulateArgs args; };
 
+// Returns the side that a layer turns to the gap above it, or below it.
 uint sideOf(Layer layer, bool above) {
   if (layer.polygon == 0u) return kSideNone;
   return sideTowardsGap(!isFrontDown(layer.polygon), args.two_sided != 0u, above);

@@ -1,7 +1,7 @@
 #version 460
-// One invocation gives one tile its list and, when it has any polygon or fragment, its place among the active tiles.
-// With scanlines it gives it a place for each set of rows that peel takes at once. Of wide rows one workgroup takes the
-// tiles in the span of its emitters.
+// One invocation gives one tile with any polygon or fragment room for its list and a place among the active tiles. With
+// scanlines the tile gets one place for each group of rows that peel takes at once. With kTakesRows one workgroup takes
+// a whole row of tiles, from the first to the last tile with emitters.
 //   In: tile_counts, emitter_spans, fragment_counts   Out: tile_starts, active_tiles, status
 #extension GL_GOOGLE_include_directive : require
 #define SHARED_FUNCTION

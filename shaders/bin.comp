@@ -1,10 +1,12 @@
 #version 460
-// One invocation takes one listed polygon in one direction, and some rows of tiles, and finds the tiles that it can
-// cover samples of. Its mode says why: to note its roles there, to count the polygons of tiles, or, with lists
-// allocated, to enter itself. Where only some polygons count, nothing outside a row's span of tiles with emitters is
-// looked at: long thin emitters leave most of a fine window empty.
+// One invocation takes one listed polygon in one direction and finds the tiles, in some rows of tiles, in which it can
+// cover samples. What it does there depends on kMode: it notes the polygon's roles (kBinEmitters, kBinReceivers),
+// counts the tile's polygons (kBinCount), or writes the polygon into the tile's list (kBinScatter). Where only some
+// polygons count, it visits no tiles beyond the first and the last tile with emitters in a row. Around long thin
+// emitters most of a fine window is empty.
 //   In: listed, projected, corners
-//   Out, by mode: tile_roles, emitter_spans; tile_counts; lists (tile_counts is counted down to 0)
+//   Out: tile_roles, emitter_spans (emitters and receivers); tile_counts (count); lists (scatter, which counts
+//     tile_counts down to 0)
 #extension GL_GOOGLE_include_directive : require
 #define SHARED_FUNCTION
 #include "common.glsl"
@@ -12,8 +14,8 @@
 
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const uint kMode = kBinCount;
-layout(constant_id = 1) const bool kNeedsRoles = false;  // of an active tile: args.needed_roles
-layout(constant_id = 2) const bool kSorts = false;
+layout(constant_id = 1) const bool kNeedsRoles = false;  // leaves out tiles without all of args.needed_roles
+layout(constant_id = 2) const bool kSorts = false;       // writes ListEntry, for sort
 layout(constant_id = 3) const uint kTileWidth = 8u;
 layout(constant_id = 4) const uint kTileRows = 8u;
 layout(constant_id = 5) const int kColumnBits = 0;
@@ -21,11 +23,12 @@ layout(constant_id = 6) const int kCutBits = 0;  // see makeEdge
 layout(push_constant, scalar) uniform Args { BinArgs pushed; };
 BinArgs args;
 
-const int kWideBox = 16;  // tiles, from which on a row's span pays for its divisions
+const int kWideBox = 16;  // boxes this many tiles wide are clipped by the edges, which takes a division an edge
 
-// Returns the columns of tiles in one row, from span.x to span.y, that an edge may reach: all where reach + per_column
-// x >= 0, rounded outward. Floats are off by 2^-22 of a quotient at most, which is below 2^13 here, so by
-// less than the half tile that is added.
+// Cuts the columns of tiles span.x to span.y of a row down to those with reach + per_column x >= 0, rounded outward.
+// The quotient is below 2^13, and single precision is off by at most 2^-22 of it. That is less than the half tile
+// added.
+//   In: reach, per_column: the largest value of an edge over tile x of the row is reach + per_column x
 ivec2 clipSpan(ivec2 span, int64_t reach, int64_t per_column) {
   if (per_column == int64_t(0)) return reach < int64_t(0) ? ivec2(0, -1) : span;
   float crossing = clamp(float(reach) / -float(per_column), float(span.x) - 1.0, float(span.y) + 1.0);
@@ -45,8 +48,8 @@ void main() {
   uint roles = finds_roles ? fetchId(polygon_index) >> kRolesShift : 0u;
   if (finds_roles && (roles == 0u || finds_emitters != ((roles & kEmits) != 0u))) return;
 
-  // The largest values of the edges over a tile are at the grid's first tile here, with their changes from tile to
-  // tile.
+  // `most` has the largest value of each edge over the grid's first tile. From a tile to the next one it changes by
+  // per_column and per_row.
   ivec2 grid = -ivec2(args.tiles_wide * kTileWidth, args.tiles_high * kTileRows) / 2;
   int64_t most[4], per_column[4], per_row[4];
   SnappedCorners corners = fetchCorners(listed);

@@ -5,8 +5,8 @@
 #include "facing.h"
 #include "shared.h"
 
-// Shaders copy their push constants first thing in main, from `pushed` to `args`. Once some invocations may have
-// returned, llvmpipe reads each constant for every invocation by itself, every time it is named.
+// Shaders copy their push constants from `pushed` to `args` at the beginning of main. Where some invocations may have
+// returned already, llvmpipe reads a push constant once per invocation, at every use.
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Directions { DirectionData at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Polygons { PolygonData at[]; };
@@ -24,7 +24,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Covers { Co
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Meetings { Meeting at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer UnfinishedTiles { UnfinishedTile at[]; };
 
-// Packs depth_x as ProjectedPolygon has it.
+// These functions pack and unpack the members of ProjectedPolygon that hold several values.
 int64_t packDepthX(int64_t depth_x, int shift, bool front_up) {
   return depth_x << 6 | int64_t(shift << 1 | (front_up ? 1 : 0));
 }
@@ -34,7 +34,7 @@ uint frontUpOf(uint packed_low) { return packed_low & 1u; }
 int depthMaxOf(uint packed) { return int(packed & (1u << kTieShift) - 1u); }
 uint placeAtTieOf(uint packed) { return packed >> kTieShift; }
 
-// Packs a polygon as Layer.polygon has it.
+// These functions pack and unpack Layer::polygon.
 uint packLayerPolygon(uint polygon_index, uint front_up) { return (polygon_index + 1u) << 1 | (1u - front_up); }
-uint layerPolygonOf(uint packed) { return packed >> 1; }  // index + 1
+uint layerPolygonOf(uint packed) { return packed >> 1; }  // index + 1, or 0
 bool isFrontDown(uint packed) { return (packed & 1u) != 0u; }

@@ -1,14 +1,16 @@
-// Counters of pairs of ids have 64 bits each: a dense triangle, or an open-addressing hash table of the pairs with
-// counts. A pair has one of facing lines, or two: the second counts all lines on which the two face each other, blocked
-// or not.
+// Counters of pairs of ids have 64 bits each. They form a dense triangle, or an open-addressing hash table of the pairs
+// with counts. A pair has one counter, of facing lines. Where blocked pairs are counted it has a second one: of all
+// lines on which the two fronts look at each other, blocked or not.
 layout(buffer_reference, scalar, buffer_reference_align = 8) coherent buffer Counter { uint64_t value; };
 
-const uint kMostProbes = 256u;
+const uint kMostProbes = 256u;  // places of the hash table that are tried for a pair
 
-// The gap of a line between two consecutive layers is a pair of ids: x <= y, or y is kEnvironmentColumn or kLeakColumn.
+// A gap counts for a pair (x, y) of ids with x <= y, or for the environment or leak of id x: then y is one of these.
 const uint kEnvironmentColumn = 0xFFFFFFFEu;
 const uint kLeakColumn = 0xFFFFFFFFu;
 
+// Returns the pair that a gap counts for.
+//   In: gap: what classifyGap returns, other than kGapNothing
 uvec2 pairOf(uint gap, uint lower_id, uint upper_id) {
   if (gap == kGapFacingPair) return uvec2(min(lower_id, upper_id), max(lower_id, upper_id));
   bool of_lower = gap == kGapLowerEnvironment || gap == kGapLowerLeak;
@@ -16,20 +18,23 @@ uvec2 pairOf(uint gap, uint lower_id, uint upper_id) {
                gap == kGapLowerLeak || gap == kGapUpperLeak ? kLeakColumn : kEnvironmentColumn);
 }
 
+// A pair has these counters.
 const uint kFacing = 0u;
 const uint kFacingOrBlocked = 1u;
 
 struct Counters {
-  uint64_t at;      // the dense triangle, per_pair words each, or mask + 1 places of 1 + per_pair words: the one's
-                    // complement of the pair (0: free), and counts
+  // Address of the dense triangle, uint64_t[][per_pair], or of the hash table, uint64_t[mask + 1][1 + per_pair]. A
+  // place of the table has the pair's one's complement, 0 where it is free, and its counters.
+  uint64_t at;
   uint64_t status;  // BatchStatus
   uint id_count;
-  uint mask;
-  bool sparse;
-  uint per_pair;
+  uint mask;      // places of the hash table - 1
+  bool sparse;    // whether there is a hash table
+  uint per_pair;  // counters of a pair, 1 or 2
 };
 
-// Adds to the pair's counter, kFacing or kFacingOrBlocked. A hash table that has no place left says so in the status.
+// Adds `weight` to the counter `which` of a pair. Where the hash table has no place for the pair, it sets
+// kCountersOverflowed in the status.
 void addCount(Counters counters, uint which, uvec2 pair, uint64_t weight) {
   if (!counters.sparse) {
     uint column = pair.y >= kEnvironmentColumn ? counters.id_count + (pair.y - kEnvironmentColumn) : pair.y;
@@ -38,8 +43,8 @@ void addCount(Counters counters, uint which, uvec2 pair, uint64_t weight) {
     return;
   }
   uint64_t key = ~packUint2x32(pair.yx);
-  uint at = pair.x * 0x9E3779B1u ^
-            pair.y * 0x85EBCA77u;  // mixed by odd multipliers, then by shifts (as in Appleby's finaliser)
+  // The pair's bits are mixed by odd multipliers, then by shifts, as in the finaliser of Appleby's MurmurHash3.
+  uint at = pair.x * 0x9E3779B1u ^ pair.y * 0x85EBCA77u;
   at ^= at >> 15;
   at *= 0x2C1B3C6Du;
   at ^= at >> 13;

@@ -1,8 +1,10 @@
 #version 460
-// One workgroup, meant to be one subgroup, takes one tile. It finds the samples that each polygon covers, and the
-// depths between which it lies there. Polygons that cover none, or whose pairs do not count, are left out. Polygons
-// whose fronts face +u come first, the others last. A meeting is some of the former with all of the latter. Two-sided
-// polygons all come first, and meet the polygons that come after them.
+// One workgroup, which has to be one subgroup, takes one active tile, where blocked pairs are counted on lattice
+// points. It writes a cover for each polygon of the tile: the lattice points that the polygon covers, and the range of
+// its keys. Polygons that cover no point, or that neither emit nor receive, get none. Covers of polygons whose fronts
+// face +u stand from the beginning of the tile's range, the others from its end. It then makes meetings: a subgroup's
+// size of the former as nearer polygons, with all of the latter as farther ones. Two-sided polygons all stand at the
+// beginning, and each meets those that stand behind it.
 //   In: active_tiles, lists, projected, corners, polygons     Out: covers, cover_polygons, meetings, status
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -23,6 +25,8 @@ MeetArgs args;
 
 #include "subgroup.glsl"
 
+// Returns the lattice points of a tile that a polygon covers, see Cover::samples.
+//   In: tile: the tile's least lattice column and row
 uint64_t samplesOf(SnappedCorners corners, ivec2 tile) {
   ivec4 a, b, value;
   [[unroll]] for (uint k = 0u; k < 4u; ++k) {
@@ -52,7 +56,7 @@ void main() {
   uint place = gl_WorkGroupID.y * kGroupsPerRow + gl_WorkGroupID.x;
   Status status = Status(args.status);
   uint active_tiles = status.at.active_tiles;
-  if (gl_NumSubgroups != 1u || place >= active_tiles || active_tiles >= kListsOverflowed) return;  // peel says so
+  if (gl_NumSubgroups != 1u || place >= active_tiles || active_tiles >= kListsOverflowed) return;  // peel reports it
   uvec4 tile = texelFetch(tile_texels, int(kTileTexels * place));  // list_start, list_length, direction, weight
   ivec2 corner = ivec2(texelFetch(tile_texels, int(kTileTexels * place + 1u)).xy);
   uint ups = 0u, downs = 0u;

@@ -1,9 +1,10 @@
 #version 460
-// One invocation takes one polygon along one direction. Where it can cover only few lattice points, it tries each and
-// enters itself at points that it covers. For peel this is a layer that no other point of the tile has to be tested
-// for. Other polygons are listed for the passes over tiles.
-//   In: directions, polygons, corners     Out: fragments, fragment_counts; listed After the A-buffer: Carpenter, "The
-//     A-buffer, an antialiased hidden surface method" (1984).
+// One invocation takes one polygon along one direction. Where the polygon's box holds few lattice points, the
+// invocation tests each and stores a fragment, which is a finished layer, at each point that the polygon covers. Peel
+// then need not test this polygon against the other points of its tile. All other polygons are listed for the passes
+// over tiles.
+//   In: directions, polygons, corners     Out: fragments, fragment_counts; listed
+//   Source: Carpenter, "The A-buffer, an antialiased hidden surface method" (1984).
 #extension GL_GOOGLE_include_directive : require
 #define SHARED_FUNCTION
 #include "common.glsl"
@@ -22,9 +23,9 @@ void main() {
   bool few = size.x <= int(kMostTileWidth) && size.y <= int(kMostTileRows) && size.x * size.y <= int(args.few_points);
   if (!found.covers_none && !few) listPolygon(direction_index * args.polygon_count + polygon_index);
 
-  // Which points of the box, by rows of kMostTileWidth, it covers: first all of them are found, for entering takes far
-  // longer than looking.
-  ivec4 a, b, row;  // the edges' changes, and values at the row's first point
+  // All covered points of the box are found before the first fragment is stored, because storing takes far longer than
+  // testing. Bit row * kMostTileWidth + column of `covered` is set where the polygon covers the point.
+  ivec4 a, b, row;  // of the four edges: change per column, change per row, value at the row's first point
   for (uint k = 0u; k < 4u; ++k) {
     a[k] = found.edges[k].a;
     b[k] = found.edges[k].b;

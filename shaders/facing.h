@@ -1,9 +1,10 @@
-// The facing rules say what the gap between two consecutive layers of a line contributes, and to whom. They are written
-// once for shaders, host and the exact path. GLSL includes them and, through host/facing.h, C++.
+// The facing rules say what the gap between two consecutive layers of a line counts for: a pair of polygons, or the
+// environment or leak of one polygon. Shaders, host engine and exact path all use this file; C++ includes it through
+// host/facing.h.
 //
-// A line runs along +u. A gap sees the upper side of the polygon that bounds it from below, and the lower side of the
-// polygon that bounds it from above. A side is `front` where the polygon's front is turned to the gap, or the polygon
-// is two-sided; `none` stands for no polygon: the gap reaches out of the scene.
+// A line runs along +u. Each polygon that bounds a gap, the lower and the upper one, turns one of its sides to the gap.
+// This side counts as `front` where it is the polygon's front or the polygon is two-sided, else as `back`. Where no
+// polygon bounds the gap, it reaches out of the scene, and the side is `none`.
 
 #ifdef __cplusplus
 #define SHARED_FUNCTION inline
@@ -15,27 +16,31 @@ const uint kSideNone = 0u;
 const uint kSideFront = 1u;
 const uint kSideBack = 2u;
 
-const uint kGapNothing = 0u;           // inside a solid, or outside of everything
-const uint kGapFacingPair = 1u;        // lower and upper see each other
-const uint kGapLowerEnvironment = 2u;  // lower sees the environment
-const uint kGapUpperEnvironment = 3u;
-const uint kGapLowerLeak = 4u;  // lower sees the back of upper: counted as its leak
-const uint kGapUpperLeak = 5u;
+const uint kGapNothing = 0u;           // the gap lies inside a solid, or outside of everything
+const uint kGapFacingPair = 1u;        // the fronts of lower and upper face each other
+const uint kGapLowerEnvironment = 2u;  // the front of lower sees the environment
+const uint kGapUpperEnvironment = 3u;  // the front of upper sees the environment
+const uint kGapLowerLeak = 4u;         // the front of lower sees the back of upper, which counts as leak of lower
+const uint kGapUpperLeak = 5u;         // the front of upper sees the back of lower, which counts as leak of upper
 
-// Polygons of one plane lie at one depth on every line, and tie ranks order them: places along their own fronts'
-// normals.
+// Coincident polygons have equal depths on every line. Their tie ranks order them: 0 to 7, along the normal of each
+// polygon's own front (docs/method.md, section 3).
 const uint kTieBits = 3u;
 
-// Returns the place among equal depths along +u, 0 to 7.
+// Returns the place along +u, 0 to 7, of a polygon among polygons of equal depth; eq. (9).
+//   In: front_up: the polygon's front faces +u
 SHARED_FUNCTION uint placeAtTie(bool front_up, uint tie_rank) {
   return front_up ? tie_rank : (1u << kTieBits) - 1u - tie_rank;
 }
 
-// Returns the side that a polygon turns to the gap above it (above = true) or below it. front_up: its front faces +u.
+// Returns the side that a polygon turns to the gap above it (above = true) or to the gap below it.
+//   In: front_up: the polygon's front faces +u
 SHARED_FUNCTION uint sideTowardsGap(bool front_up, bool two_sided, bool above) {
   return two_sided || front_up == above ? kSideFront : kSideBack;
 }
 
+// Returns what a gap counts for (kGap...).
+//   In: lower_side, upper_side: what sideTowardsGap returns for the polygons that bound the gap, or kSideNone
 SHARED_FUNCTION uint classifyGap(uint lower_side, uint upper_side) {
   if (lower_side == kSideFront) {
     if (upper_side == kSideFront) return kGapFacingPair;

@@ -1,6 +1,7 @@
-// Part of peel.glsl: it adds the gaps between the layers of a line to their counters.
+// This part of peel.glsl adds the gaps between the layers of a line to the counters.
 
-// Returns whether a gap contributes to a pair that counts; lower and upper: ids with roles.
+// Returns whether a gap counts, as the roles of the polygons around it say.
+//   In: gap: what classifyGap returns; lower, upper: ids with roles, as in PolygonData::id
 bool isCounted(uint gap, uint lower, uint upper) {
   if (kAllCount) return gap != kGapNothing;
   uint lower_roles = lower >> kRolesShift, upper_roles = upper >> kRolesShift;
@@ -9,6 +10,8 @@ bool isCounted(uint gap, uint lower, uint upper) {
   return ((gap == kGapLowerEnvironment || gap == kGapLowerLeak ? lower_roles : upper_roles) & kEmits) != 0u;
 }
 
+// Returns a polygon's id with its roles.
+//   In: layer_polygon: index + 1, or 0 for no polygon
 uint idOf(uint layer_polygon) {
   if (layer_polygon == 0u) return 0u;
   return kIdsAreIndices ? layer_polygon - 1u : fetchId(layer_polygon - 1u);
@@ -19,15 +22,17 @@ Counters peelCounters() {
                   kSparse, kCountsBlocked ? 2u : 1u);
 }
 
-// Adds up the weights of neighbouring lanes with the same pair: the first of a run adds for all.
+// Adds each lane's weight to the counter of its pair. Where neighbouring lanes have the same pair, the first of them
+// adds their sum.
+//   In: has: whether this lane adds anything
 void addRuns(bool has, uvec2 pair, uint weight, uint lane) {
   if (kAggregates) {
     const uint lanes = gl_WorkGroupSize.x;
     uvec2 key = has ? pair : uvec2(~0u);
     uvec2 before = subgroupShuffle(key, max(lane, 1u) - 1u);
     bool head = lane == 0u || key != before;
-    uint end =
-        subgroupShuffle(head ? lane : lanes, min(lane + 1u, lanes - 1u));  // of the run: where the next one begins
+    // A run of lanes with one pair ends where the next run begins.
+    uint end = subgroupShuffle(head ? lane : lanes, min(lane + 1u, lanes - 1u));
     if (lane + 1u == lanes) end = lanes;
     uint all, sum = sumSoFar(weight, all);
     end = leastFrom(end);
@@ -38,12 +43,16 @@ void addRuns(bool has, uvec2 pair, uint weight, uint lane) {
   if (has) addCount(peelCounters(), kFacing, pair, uint64_t(weight));
 }
 
-// Adds the gaps between consecutive layers of one sample a lane: below those nearer than `bound`, and at the end the
-// one above the last of them. Moves `before` to the last of them. Returns the number of gaps counted. Gaps that count
-// are gathered first: of the layers of closed solids only every other gap does.
+// Adds the gaps of one sample a lane to the counters: the gap below each layer that is nearer than `bound`, and, where
+// the list has ended without a lost layer, the gap above the last layer. Returns the number of gaps that were counted.
+// Gaps that count are collected first, for on lines through closed solids only every other gap counts.
+//   In: before: the last layer that has been added, or 0; at_end: whether the list has ended; is_open: whether the
+//     sample may have layers
+//   Out: before: the last layer that has been added now
 uint addGaps(inout uint64_t before, uint64_t layers[kLayersKept], uint64_t bound, bool at_end, bool is_open,
              uint weight, uint lane, inout bool cut) {
-  uvec2 found[kLayersKept + 1];  // lower and upper polygon, + 1; kBackMark where it does not turn a front to the gap
+  // A gap's lower and upper polygon are held as index + 1, or 0 for none, | kBackMark where no front faces the gap.
+  uvec2 found[kLayersKept + 1];
   uint count = 0u;
   [[unroll]] for (int k = 0; k <= kLayersKept; ++k) found[k] = uvec2(0);
   [[unroll]] for (int k = 0; k <= kLayersKept; ++k) {
@@ -78,8 +87,9 @@ uint addGaps(inout uint64_t before, uint64_t layers[kLayersKept], uint64_t bound
   return added;
 }
 
-// Adds, step by step, the gaps of the layers nearer than `bound`, which nothing that is still to come can part, and
-// makes room for others.
+// Adds the gaps of all samples of the invocation, up to the layer `bound`. No layer that is still to come can lie in
+// one of these gaps. With sorted lists it then removes the added layers from `nearest`, to make room. Returns the
+// number of gaps that were counted.
 uint flush(uint64_t bound, bool at_end, uint weight, uint lane, inout bool cut) {
   uint gaps = 0u;
   int s = 0;
@@ -97,7 +107,7 @@ uint flush(uint64_t bound, bool at_end, uint weight, uint lane, inout bool cut) 
     }
     gaps += addGaps(before, layers, its_bound, at_end, is_open, weight, lane, cut);
     if (kSorted) {
-      [[unroll]] for (int k = 0; k < kLayersKept; ++k) {  // layers that have been added go
+      [[unroll]] for (int k = 0; k < kLayersKept; ++k) {  // removes the layers that have been added
         bool first_gone = layers[0] <= before && layers[0] < its_bound;
         [[unroll]] for (int m = 0; m < kLayersKept; ++m) layers[m] =
             first_gone ? m + 1 < kLayersKept ? layers[m + 1] : kNoLayer : layers[m];

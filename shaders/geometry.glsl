@@ -1,30 +1,31 @@
-// Coverage and depth at lattice points are integers: the same on every device.
+// Coverage and depth at lattice points are computed in integers, so they are the same on every device.
 
-// An Edge lies over the lattice: a X + b y 2^column_bits + c >= 0 where the point (X / 2^column_bits, y) lies on the
-// polygon's side of it.
+// An Edge is a half-plane over the lattice: its value a X + b y 2^column_bits + c is >= 0 where the point
+// (X / 2^column_bits, y) lies on the polygon's side of the edge.
 struct Edge {
   int a, b;
   int64_t c;
 };
 
-// The value of an edge at a corner is held within this bound, which leaves room for its changes over a tile: fewer than
-// 2^30.
+// Values of edges at a tile's corner are clamped to this bound. They change by less than 2^30 over a tile, so they fit
+// 32 bits in the whole tile and keep their sign.
 const int kSaturated = 1 << 30;
 
+// Returns the clamped value of an edge at the lattice point `corner`, for edges whose columns are lattice columns.
 int valueAtCorner(Edge edge, ivec2 corner) {
   int64_t value = int64_t(edge.a) * int64_t(corner.x) + int64_t(edge.b) * int64_t(corner.y) + edge.c;
   return int(clamp(value, int64_t(-kSaturated), int64_t(kSaturated)));
 }
 
-// Returns whether lattice point p lies on the polygon's side of an edge whose columns are the lattice's own.
+// Returns whether lattice point p lies on the polygon's side of an edge, for edges whose columns are lattice columns.
 bool isInside(Edge edge, ivec2 p) {
   return int64_t(edge.a) * int64_t(p.x) + int64_t(edge.b) * int64_t(p.y) + edge.c >= int64_t(0);
 }
 
-// Makes edge k of a polygon, from corner k to the next. A point on an edge belongs to one polygon, by the top-left
-// rule: the one that holds the point after it has moved by an infinitesimal (-e, e^2). Coordinates are below
-// 2^kSnapBits, so c is below 2^(2 kSnapBits + 2). An edge of no length lets every point pass.
-//   In: cut_bits: bits of the corners' fixed point that are finer than the edge's columns    Error: none
+// Makes edge k of a polygon, from corner k to the next corner. By the top-left rule a point on an edge belongs to the
+// polygon that holds it after a move by an infinitesimal (-e, e^2). Coordinates are below 2^kSnapBits, so |c| is below
+// 2^(2 kSnapBits + 2). Every point lies on the polygon's side of an edge of length 0.
+//   In: cut_bits: fraction bits of snapped coordinates less the column bits of the edge    Error: none
 Edge makeEdge(SnappedCorners corners, uint k, int cut_bits) {
   ivec2 from = corners.at[k], along = corners.at[k + 1u & 3u] - from;
   Edge edge;
@@ -33,12 +34,13 @@ Edge makeEdge(SnappedCorners corners, uint k, int cut_bits) {
   bool includes_points = along.y > 0 || (along.y == 0 && along.x >= 0);
   int64_t c = -(int64_t(edge.a) * int64_t(from.x) + int64_t(edge.b) * int64_t(from.y)) -
               (includes_points ? int64_t(0) : int64_t(1));
-  // Rounding down is exact here: at columns in units of 2^-column_bits the rest of the sum is a multiple of 2^cut_bits.
+  // This shift does not change the sign of an edge's value, for the other terms are multiples of 2^cut_bits.
   edge.c = c >> cut_bits;
   return edge;
 }
 
-// Returns a layer's key. depth: the plane's at a lattice point, see ProjectedPolygon.
+// Returns Layer::key of a polygon at a lattice point.
+//   In: depth: depth_0 + depth_x p.x + depth_y p.y of the ProjectedPolygon at the point p
 uint layerKeyOf(int64_t depth, ProjectedPolygon polygon) {
   uint packed_low = uint(polygon.depth_x_packed);
   uint clamped = uint(clamp(depth >> depthShiftOf(packed_low), int64_t(polygon.depth_min),
@@ -46,14 +48,15 @@ uint layerKeyOf(int64_t depth, ProjectedPolygon polygon) {
   return clamped << kTieBits | placeAtTieOf(polygon.depth_max_packed);
 }
 
-// Returns the order of a polygon along the line through lattice point p (Layer.key).
+// Returns Layer::key of a polygon on the line through lattice point p.
 uint layerKey(ProjectedPolygon polygon, ivec2 p) {
   return layerKeyOf(polygon.depth_0 + depthXOf(polygon.depth_x_packed) * int64_t(p.x) + polygon.depth_y * int64_t(p.y),
                     polygon);
 }
 
-// Returns the least X in [0, width] with |a| X + value >= 0, or width where there is none.
-// The quotient is off by less than one: tried and mended in integers.
+// Returns the least X in [0, width] with size X + value >= 0, or width where there is none. The quotient is off by less
+// than one; a test in integers corrects it.
+//   In: size >= 1; reciprocal = 1 / size
 int firstColumn(int size, int64_t value, double reciprocal, int width) {
   int x = int(clamp(ceil(-double(value) * reciprocal), 0.0LF, double(width)));
   int64_t at = int64_t(size) * int64_t(x) + value;
@@ -61,27 +64,28 @@ int firstColumn(int size, int64_t value, double reciprocal, int width) {
   return x > 0 && at - int64_t(size) >= int64_t(0) ? x - 1 : x;
 }
 
-// Keeps of the columns [low, high) of a row the part on an edge's inner side. value: the edge's at the row's first
-// column.
+// Cuts the columns [low, high) of a row down to those on the polygon's side of an edge.
+//   In: value: the edge's value at the row's first column; width: number of columns in the row
 void cutRow(Edge edge, int64_t value, int width, inout int low, inout int high) {
   int size = max(abs(edge.a), 1);
   bool from_left = edge.a > 0;
-  // A point lies to the right of an edge that ends the span where |a| X - value - 1 >= 0.
+  // With a < 0 the first column outside is the least X with |a| X - value - 1 >= 0, and -value - 1 is ~value.
   int x = firstColumn(size, from_left ? value : ~value, 1.0LF / double(size), width);
   if (from_left) low = max(low, x);
   else if (edge.a < 0) high = min(high, x);
   else if (value < int64_t(0)) high = 0;
 }
 
-// Returns the least depth that a polygon can have at the lattice points of a tile; depth: its plane's at the tile's
-// corner, see ProjectedPolygon.
+// Returns a lower bound of a polygon's depth at the lattice points of a tile, in the units of ProjectedPolygon.
+//   In: depth, depth_x, depth_y: its plane before the shift: at the tile's corner, per column, per row; range: the
+//     polygon's depth_min and depth_max; tile_size: columns, rows
 uint nearestDepth(int64_t depth, int64_t depth_x, int64_t depth_y, int shift, ivec2 range, ivec2 tile_size) {
   int64_t least =
       depth + min(depth_x * int64_t(tile_size.x), int64_t(0)) + min(depth_y * int64_t(tile_size.y), int64_t(0));
   return uint(clamp(least >> shift, int64_t(range.x), int64_t(range.y)));
 }
 
-// Returns the greatest depth of the plane over a tile.
+// Returns an upper bound of the same depth, from the same arguments as nearestDepth.
 uint farthestDepth(int64_t depth, int64_t depth_x, int64_t depth_y, int shift, ivec2 range, ivec2 tile_size) {
   int64_t most =
       depth + max(depth_x * int64_t(tile_size.x), int64_t(0)) + max(depth_y * int64_t(tile_size.y), int64_t(0));

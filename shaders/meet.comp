@@ -1,6 +1,7 @@
 #version 460
-// One workgroup, meant to be one subgroup, takes one meeting: of some polygons of a tile with all that may face them,
-// the lattice points that two have in common.
+// One workgroup, which has to be one subgroup, takes one meeting (shared.h), or kMostFarther of its farther polygons.
+// For every pair of a nearer and a farther polygon it counts the lattice points on which their fronts look at each
+// other.
 //   In: meetings, covers, cover_polygons, active_tiles, projected, polygons     Out: counters
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -25,6 +26,7 @@ MeetArgs args;
 #include "subgroup.glsl"
 #include "meetings.glsl"
 
+// Samples of a party are lattice points of the tile here, a bit each.
 Party fetchParty(uint place, uint direction, ivec2 corner) {
   uvec4 cover = texelFetch(cover_texels, int(place));
   Party party;

@@ -1,9 +1,12 @@
-// Part of peel_blocked.comp: with scanlines, it finds the meetings of the row's spans. Samples are a span's columns,
-// first and end; their number is a length.
+// This part of peel_blocked.comp counts, with scanlines, on which lengths of the rows two polygons face each other,
+// whatever lies between them. The samples of a party are a span here: its first position and the position after its
+// last.
 
+// Returns the depth of a polygon at a position in the rows.
 uint depthInRow(DepthPlane plane, uint position) {
   int column = int(position % kRowWidth), row = int(position / kRowWidth);
-  // Depth per spacing x column / 2^column_bits, rounded down; the product itself may need more than 64 bits.
+  // The depth grows by per_column column / 2^kColumnBits, rounded down. The product per_column column may need more
+  // than 64 bits, so per_column is divided first, with remainder.
   int64_t whole = plane.per_column >> kColumnBits, rest = plane.per_column - (whole << kColumnBits);
   int64_t depth = plane.at_corner + plane.per_row * int64_t(row) + whole * int64_t(column) +
                   (rest * int64_t(column) >> kColumnBits);
@@ -26,7 +29,7 @@ bool haveCommon(uvec2 samples, uvec2 others) { return max(samples.x, others.x) <
 
 uint countCommon(uvec2 samples, uvec2 others) { return min(samples.y, others.y) - max(samples.x, others.x); }
 
-// Goes interval by interval between ends of any spans, as peel orders them.
+// Compares depths in the middle of every interval between two ends of spans, where peel orders its layers too.
 uint countInOrder(uvec2 samples, uvec2 others, DepthPlane nearer, DepthPlane farther, inout bool cut) {
   uint from = max(samples.x, others.x), to = min(samples.y, others.y), at = 0u, count = 0u;
   [[unroll]] for (uint step = kMostSpans; step > 0u;
@@ -42,6 +45,7 @@ uint countInOrder(uvec2 samples, uvec2 others, DepthPlane nearer, DepthPlane far
   return count;
 }
 
+// See peel.glsl.
 uint meetSpans(Tile tile, uint from, uint ups, uint span_count, inout uint blocks_done, inout bool cut) {
   const uint lanes = gl_WorkGroupSize.x;
   Parties parties;

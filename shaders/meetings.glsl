@@ -1,32 +1,36 @@
-// Part of meet.comp and, with scanlines, of peel_blocked.comp: it counts the samples on which two polygons face each
-// other, whatever is between them. Each invocation has one of the polygons that may be the nearer. It goes through the
-// polygons that may be the farther, which are loaded one by each and passed on by shuffles. Where the depths of two
-// leave no doubt which is nearer, all samples that they have in common count. Otherwise each of these samples is looked
-// at. Of two-sided polygons the order does not matter.
+// This part of meet.comp and of peel_blocked.comp counts the samples on which the fronts of two polygons look at each
+// other, whatever lies between them. Each invocation has one polygon that may be the nearer of a pair. It goes through
+// the polygons that may be the farther one; each invocation loads one of these, and shuffles pass it on. Where the
+// ranges of their keys do not overlap, all samples that the two have in common count. Where they overlap, the keys are
+// compared sample by sample. Two-sided polygons count whichever of them is nearer.
 
-// A Party is a polygon, the samples of the tile or row that it covers, and how its depth ranges there.
+// A Party is a polygon with the samples that it covers, and the range of its keys there.
 struct Party {
-  uvec2 samples;
-  uint nearest, farthest;  // keys, see Layer
+  uvec2 samples;           // as the including file defines them
+  uint nearest, farthest;  // the least and the greatest Layer::key
   uint polygon;
-  uint id;  // and roles, where they matter
+  uint id;  // as in PolygonData::id
 };
 
-// Who meets: places of parties; and the tile.
+// Parties are two ranges of parties, without their ends, and their tile.
 struct Parties {
-  uint nearer, nearer_end;  // as many as there are invocations, or fewer
+  uint nearer, nearer_end;  // no more than there are invocations
   uint farther, farther_end;
-  uint direction, weight;
-  ivec2 corner;
+  uint direction, weight;  // of the tile's direction
+  ivec2 corner;            // the tile's least lattice column and row
 };
 
-// The includer defines samples.
+// The including file defines these four functions, for its kind of samples. The first returns the party at a place; the
+// next two return whether, and how many, samples two parties have in common.
 Party fetchParty(uint place, uint direction, ivec2 corner);
 bool haveCommon(uvec2 samples, uvec2 others);
 uint countCommon(uvec2 samples, uvec2 others);
-// Returns the number of samples at which the nearer comes before the farther.
+// Returns the number of common samples on which polygon `nearer` comes before polygon `farther`.
+//   In: nearer, farther: their depth planes    Out: cut: true where the device ended a loop before its condition was
+//     false
 uint countInOrder(uvec2 samples, uvec2 others, DepthPlane nearer, DepthPlane farther, inout bool cut);
 
+// Returns the party at a place with its id, or, from `end` on, a party without samples.
 Party fetchPartyBefore(uint place, uint end, uint direction, ivec2 corner) {
   Party party = fetchParty(min(place, end - 1u), direction, corner);
   party.id = kIdsAreIndices ? party.polygon : fetchId(party.polygon);
@@ -34,8 +38,11 @@ Party fetchPartyBefore(uint place, uint end, uint direction, ivec2 corner) {
   return party;
 }
 
-// Returns a bit for each of the eight farther polygons from `eight` on. It is set where the polygon has samples in
-// common with the nearer one and lies behind it on all of them. With `doubtful` it may also lie behind it on some.
+// Returns a bit for each of the farther polygons of lanes `eight` to eight + 7. It is set where the polygon has samples
+// in common with the nearer one and its keys are greater on all of them. With `doubtful` it is set instead where the
+// keys may be greater on some samples, but need not be on all. For two-sided polygons, whose order does not matter, it
+// is set where the farther polygon stands behind the nearer one in the list.
+//   In: place: of the nearer polygon; farther_place: of lane 0's farther polygon
 uint findMeeting(Party nearer, Party farther, uint eight, uint place, uint farther_place, bool doubtful) {
   uint meeting = 0u;
   [[unroll]] for (uint t = 0u; t < 8u; ++t) {
@@ -52,7 +59,9 @@ uint findMeeting(Party nearer, Party farther, uint eight, uint place, uint farth
   return meeting;
 }
 
-// Adds up the meetings that are without doubt, or in doubt.
+// Counts the pairs of a nearer and a farther party: those whose ranges of keys do not overlap or, with `doubtful`,
+// those whose ranges overlap (see findMeeting).
+//   Out: steps: raised by the number of turns of the inner loops; cut: see countInOrder
 void addMeeting(Parties parties, Counters counters, bool doubtful, inout uint steps, inout bool cut) {
   const uint lanes = gl_WorkGroupSize.x;
   uint lane = gl_SubgroupInvocationID, place = parties.nearer + lane;
@@ -65,7 +74,7 @@ void addMeeting(Parties parties, Counters counters, bool doubtful, inout uint st
   do {
     uint meeting, meeting_eight;
     Party meeting_farther;
-    do {  // on to the next eight among which some invocation meets one
+    do {  // goes on to the next eight of which some invocation has to count one
       meeting = findMeeting(nearer, farther, eight, place, base, doubtful);
       meeting_farther = farther;
       meeting_eight = eight;

@@ -1,5 +1,5 @@
 #version 460
-// This is peel.glsl, where no blocked pairs are counted, or by meet.
+// This is peel.glsl for runs that count no blocked pairs, or count them by the pass meet.
 #extension GL_GOOGLE_include_directive : require
 #include "peel.glsl"
 

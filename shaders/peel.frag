@@ -1,7 +1,7 @@
 #version 460
 // One fragment is one polygon at one lattice point. It survives where the polygon covers the point and lies strictly
-// behind the previous layer. The depth test then keeps the nearest, and of equal keys the lowest index, since polygons
-// are drawn in order.
+// behind the previous layer. The depth test then keeps the nearest polygon. Of polygons with equal keys it keeps the
+// one with the lowest index, because polygons are drawn in the order of their indices.
 #extension GL_GOOGLE_include_directive : require
 #define SHARED_FUNCTION
 #include "common.glsl"
@@ -27,8 +27,8 @@ void main() {
   for (uint k = 0u; k < 4u; ++k)
     if (!isInside(makeEdge(corners, k, args.fraction_bits), p)) discard;
   layer = uvec2(key, packed);
-  // Bit patterns of positive floats are ordered as the floats are: a 32-bit depth buffer compares the keys exactly.
-  // Below 1 there are fewer than 2^30 of them. So of places at ties only the middle two, 3 and 4, keep apart; the host
-  // refuses scenes with others.
+  // Bit patterns of positive floats are in the order of their values, so a 32-bit depth buffer compares keys exactly.
+  // There are fewer than 2^30 such patterns below 1, which leaves one bit for the place at ties. It tells place 3 from
+  // place 4; the host refuses scenes with other places.
   gl_FragDepth = uintBitsToFloat((key >> kTieBits << 1 | key >> (kTieBits - 1u) & 1u) + 0x00800000u);
 }

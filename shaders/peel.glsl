@@ -1,13 +1,15 @@
-// One workgroup, meant to be one subgroup, peels one tile, with scanlines some rows of it. Each invocation takes kSteps
-// samples. It keeps in registers the kLayersKept nearest layers of each behind the layers of the round before. It adds
-// the gaps between consecutive layers to the counters, and goes round again where more layers remain. A sample is a
-// lattice point or, with scanlines, the interval between two ends of spans. The order of polygons does not change in an
-// interval, and its length is its weight. The tile's polygons are loaded one by each invocation and passed on by
-// shuffles.
+// One workgroup, which has to be one subgroup, peels one active tile. A sample is a lattice point or, with scanlines,
+// the interval between two neighbouring ends of spans, whose length is its weight. (A span is the part of a row that a
+// polygon covers.) The order of the polygons is constant in an interval. Each invocation has kSteps samples. It goes
+// through the tile's polygons in rounds. In a round it keeps in registers, for each sample, the kLayersKept nearest
+// layers behind the layers of the round before. Then it adds the gaps between consecutive layers to the counters.
+// Rounds end when no sample has further layers. Each invocation loads one polygon of a block of polygons; shuffles pass
+// it on to all invocations.
 //   In: active_tiles, lists, projected, corners, polygons, fragments
-//   Out: counters, unfinished tiles and the layers that they reached
-// Parts of it are files: peel_state.glsl has its variants, samples and structs; slice.glsl the samples of scanlines;
-// peel_tile.glsl the tile and its samples; peel_polygon.glsl takes polygons past samples; gaps.glsl counts.
+//   Out: counters; unfinished tiles, with the layers that their samples have reached
+// The shader has these parts: peel_state.glsl has its variants, samples and structs; slice.glsl finds the samples of
+// scanlines; peel_tile.glsl finds the tile and loads its samples; peel_polygon.glsl tests samples against polygons and
+// keeps layers; gaps.glsl counts gaps.
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_shader_atomic_int64 : require
 #extension GL_KHR_shader_subgroup_basic : require
@@ -22,15 +24,15 @@
 #include "slice.glsl"
 #include "gaps.glsl"
 
-// Adds up all meetings in the rows, of the spans that may be the nearer, the first `ups`, from the one `from` on, as
-// far as one invocation may go. Returns how far it got. With scanlines peel_blocked.comp does it; peel.comp has nothing
-// to do.
+// Counts, for blocked pairs with scanlines, on which parts of the rows two polygons face each other, whatever lies
+// between them. The spans that may be the nearer of a pair are the first `ups`; it takes them from number `from` on, as
+// far as args.most_blocks allows. Returns the number of the first span that it has not taken.
 uint meetSpans(Tile tile, uint from, uint ups, uint span_count, inout uint blocks_done, inout bool cut);
 
 #include "peel_tile.glsl"
 #include "peel_polygon.glsl"
 
-// Returns whether a sample of the invocation keeps as many layers as it can.
+// Returns whether an open sample of this invocation has kLayersKept layers, so that there is no room for another.
 bool isFull() {
   bool full = false;
   [[unroll]] for (int k = 0; k < kMostSteps; ++k) full =
@@ -38,8 +40,8 @@ bool isFull() {
   return full;
 }
 
-// Returns the key before which layers are settled once the list's entries before `next` have been taken. With sorted
-// lists nothing from there on is nearer than the nearest depth of polygon `next` in the tile.
+// Returns a bound: layers before it are settled, which means that no list entry from `next` on can come before them. In
+// a sorted list no later polygon is nearer than the nearest depth of entry `next` in the tile.
 uint64_t settledBefore(Tile tile, uint next, uint list_end) {
   uint64_t bound = kNoLayer;
   if (kSorted) {
@@ -52,8 +54,8 @@ uint64_t settledBefore(Tile tile, uint next, uint list_end) {
   return bound;
 }
 
-// Takes the samples past the polygons from list_begin to list_end and adds the gaps of their layers. A segment ends
-// where a sample has no room left or the list ends; its layers are added as far as they are settled.
+// Tests the samples against the polygons from list_begin to list_end and adds the gaps between their layers. Where
+// lists are sorted and a sample has no room for another layer, gaps between settled layers are added before it goes on.
 void takePolygons(Tile tile, uint list_begin, uint list_end, uint lane, inout uint blocks_done, inout bool cut) {
   const uint lanes = gl_WorkGroupSize.x;
   uint base = list_begin, t = 0u, passed = 0u, patience = 0u;
@@ -75,15 +77,16 @@ void takePolygons(Tile tile, uint list_begin, uint list_end, uint lane, inout ui
     } while (base < list_end && !full);
     cut = cut || (base < list_end && !full);
     tally.gaps += flush(settledBefore(tile, base + t, list_end), base >= list_end, sample_at.weight, lane, cut);
-    // Where nothing could be let go of, the next polygons are better left to another round than to a segment each.
+    // Where no layer could be added and forgotten, the rest of the list is taken without a stop; the next round gets
+    // the layers that find no room. Otherwise this would stop after every polygon.
     if (kSorted) patience = anyOf(isFull()) ? list_end : 0u;
   } while (base < list_end);
   cut = cut || base < list_end;
   tally.tested += kScanlines ? passed : list_end;
 }
 
-// Closes the samples that have all their layers, or that have no polygon behind them that counts. Returns whether the
-// subgroup has any left.
+// Closes the samples whose layers have all been added, and the samples behind whose last layer no pair counts any more.
+// Returns whether the subgroup has open samples left.
 bool closeSamples() {
   bool again = false;
   [[unroll]] for (int k = 0; k < kMostSteps; ++k) {
@@ -96,7 +99,8 @@ bool closeSamples() {
   return anyOf(again);
 }
 
-// In: begins: whether the tile's rows have not been counted by another dispatch
+// Adds the subgroup's work to the batch's status.
+//   In: begins: whether this dispatch is the first to peel the tile; only then rows and spans are added
 void addTally(uint row_count, uint polygon_count, bool begins, uint lane) {
   if (lane == 0u) atomicAdd(Status(args.status).at.rounds, tally.rounds);
   if (kMeasuresWork) {
@@ -126,7 +130,7 @@ void main() {
   }
   if (!findTile(lanes, place, first, first_meeting, resume)) return;
   Tile tile = fetchTile(place);
-  bool cut = false;  // whether a loop ended before its time
+  bool cut = false;  // whether the device ended a loop before its condition was false
   uint sample_count = lanes, polygon_count = tile.list_length, rows = kTileRows, blocks_done = 0u;
   tally = Tally(0u, 0u, 0u, 0u, 0u);
   sample_at = Place(kScanlines ? 0 : int(lane % kTileWidth), kScanlines ? 0 : int(lane / kTileWidth), 0u, 0u);
@@ -149,9 +153,8 @@ void main() {
       }
     }
   }
-  uint list_begin = 0u,
-       list_end =
-           kScanlines ? 0u : polygon_count;  // the samples pass so many: of the list or, with scanlines, of `window`
+  // The samples are tested against this part of the tile's list or, with scanlines, of `window`.
+  uint list_begin = 0u, list_end = kScanlines ? 0u : polygon_count;
   while (first < sample_count && !cut) {
     loadSamples(tile, first, sample_count, resume, lane, list_begin, list_end, cut);
     resume = 0u;

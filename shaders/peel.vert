@@ -1,6 +1,7 @@
 #version 460
-// One instance is one polygon in one direction: a strip of four vertices around the pixels of all lattice points it can
-// cover.
+// One instance is one polygon in one direction: a strip of four vertices around the pixels of all lattice points that
+// the polygon can cover. All four are one point where the previous layer is empty there, so that nothing is drawn.
+//   In: Outline outlines[direction_count][polygon_count], alive     Out: gl_Position; instance
 #extension GL_GOOGLE_include_directive : require
 #define SHARED_FUNCTION
 #include "common.glsl"

@@ -1,6 +1,8 @@
-// Part of peel.glsl: an invocation takes its samples past fragments and polygons, and keeps the nearest layers.
+// In this part of peel.glsl an invocation tests its samples against fragments and polygons, and keeps the nearest
+// layers.
 
-// A layer of sample s, or kNoLayer, goes among the nearest; the farthest of those goes when there is no room.
+// Inserts a layer of sample s, or kNoLayer, among its nearest layers. Where there is no room, the farthest of them is
+// left to a later round.
 void keepLayer(int s, uint64_t layer) {
   layer = layer > last[s] ? layer : kNoLayer;
   [[unroll]] for (int k = 0; k < kLayersKept; ++k) {
@@ -11,7 +13,8 @@ void keepLayer(int s, uint64_t layer) {
   lost[s] = min(lost[s], layer);
 }
 
-// Keeps fragment k of sample s, at the lattice point `point`, where it has more than k of them.
+// Keeps fragment k of sample s, where the sample has more than k fragments.
+//   In: point: the sample's lattice point, see ProjectArgs::fragments; count: the number of its fragments
 void keepFragment(int s, uint k, uint point, uint count) {
   bool has = k < count;
   uint64_t layer = packUint2x32(texelFetch(fragment_texels, int(k * args.point_count + point)).xy);
@@ -19,7 +22,7 @@ void keepFragment(int s, uint k, uint point, uint count) {
   keepLayer(s, has ? layer : kNoLayer);
 }
 
-// Takes sample s past the polygon.
+// Tests sample s against the polygon, and moves the polygon's values on to the next sample.
 void takeStep(int s, inout Passing polygon) {
   bool covered =
       kScanlines ? polygon.covered : (polygon.edges.x | polygon.edges.y | polygon.edges.z | polygon.edges.w) >= 0;
@@ -35,7 +38,7 @@ void takeStep(int s, inout Passing polygon) {
   polygon.z += polygon.z_per_step;
 }
 
-// Takes the samples past the fragments at their lattice points.
+// Keeps the fragments at the lattice points of all samples.
 void takeFragments(Tile tile, inout bool cut) {
   const uint step = uint(rowsPerStep()) * kTileWidth;
   uint point = tile.first_point + (sample_at.row < int(kTileRows) ? uint(sample_at.row) * kTileWidth : 0u) +
@@ -53,16 +56,22 @@ void takeFragments(Tile tile, inout bool cut) {
   cut = cut || k < tile.most_fragments;
 }
 
-// This invocation's entry of the list, to be passed on: its edges or its span, and its depth, at the tile's corner.
+// A Loaded is the polygon that an invocation has loaded for all invocations of the subgroup. Numbers of 64 bits are
+// held as two words, the lower first.
 struct Loaded {
-  ivec4 a, b, c;  // without scanlines: of its edges
-  uint columns;   // with scanlines
-  uvec4 plane;    // depth at the corner, whole depth per column
-  uvec2 plane_y;  // per row
-  uvec4 bounds;   // of its depth; its layer; bits of its depth per column
+  ivec4 a, b, c;  // with lattice points, of each edge: change per column and per row, value at the tile's corner
+  uint columns;   // with scanlines: its span, see spanOf
+  uvec4 plane;    // depth before the shift at the tile's corner (with scanlines: in the span's row); depth per column
+  uvec2 plane_y;  // depth per row
+  // depth_min and depth_max_packed of ProjectedPolygon, Layer::polygon, and remainder << 6 | the low 6 bits of
+  // depth_x_packed. With scanlines a column is 2^-kColumnBits spacings, and the remainder is that of the depth per
+  // spacing.
+  uvec4 bounds;
   uint roles;
 };
 
+// Loads entry `entry` of the tile's list or, with scanlines, of `window`. From list_end on it loads a polygon that
+// covers nothing.
 Loaded loadPolygon(Tile tile, uint entry, uint list_end) {
   bool is_polygon = entry < list_end;
   uint mine = min(entry, max(list_end, 1u) - 1u);
@@ -87,8 +96,8 @@ Loaded loadPolygon(Tile tile, uint entry, uint list_end) {
   }
   int64_t z_x = depthXOf(longFrom(depth_01.zw)), depth = longFrom(depth_01.xy) + z_x * int64_t(tile.corner.x) +
                                                          longFrom(depth_2.xy) * int64_t(tile.corner.y + span_row);
-  // With scanlines the depth is per spacing x column / 2^column_bits, rounded down. The product itself may need more
-  // than 64 bits.
+  // With scanlines the depth grows by z_x column / 2^kColumnBits, rounded down. The product z_x column may need more
+  // than 64 bits, so z_x is divided first, with remainder.
   int64_t whole = kScanlines ? z_x >> kColumnBits : z_x;
   uint part = kScanlines ? uint(z_x - (whole << kColumnBits)) : 0u;
   loaded.plane = uvec4(unpackUint2x32(uint64_t(depth)), unpackUint2x32(uint64_t(whole)));
@@ -98,7 +107,7 @@ Loaded loadPolygon(Tile tile, uint entry, uint list_end) {
   return loaded;
 }
 
-// Takes the samples past the polygon that lane t has loaded.
+// Tests all samples of the invocation against the polygon that lane t has loaded.
 void takePolygon(Loaded loaded, uint t) {
   uvec4 p = subgroupShuffle(loaded.plane, t), d = subgroupShuffle(loaded.bounds, t);
   Passing polygon;

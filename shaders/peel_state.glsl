@@ -1,75 +1,79 @@
-// Part of peel.glsl: it declares variants, textures, and the samples and work that an invocation keeps.
+// This part of peel.glsl declares its variants, its textures, and what an invocation keeps of its samples and its work.
 
-layout(local_size_x_id = 0) in;  // the subgroup size, 8 to 64
-layout(constant_id = 1) const int kLayersKept = 4;
-layout(constant_id = 2) const bool kScanlines = false;
-layout(constant_id = 3) const bool kSparse = false;     // counters in a hash table
+layout(local_size_x_id = 0) in;                         // the subgroup size, 8 to 64
+layout(constant_id = 1) const int kLayersKept = 4;      // layers of a sample that fit registers
+layout(constant_id = 2) const bool kScanlines = false;  // samples are intervals, not lattice points
+layout(constant_id = 3) const bool kSparse = false;     // counters are in a hash table
 layout(constant_id = 4) const bool kAllCount = true;    // every polygon emits and receives
-layout(constant_id = 5) const bool kAggregates = true;  // adds runs of equal contributions at once
+layout(constant_id = 5) const bool kAggregates = true;  // neighbouring lanes with the same pair are added at once
 layout(constant_id = 6) const bool kMeasuresWork = false;
 layout(constant_id = 7) const int kSteps = 8;               // samples of an invocation: 1, 2, 4 or 8
-layout(constant_id = 8) const bool kIdsAreIndices = false;  // of polygons
-layout(constant_id = 9) const uint kTileWidth = 8u;         // lattice points
-layout(constant_id = 10) const
-    bool kSorted = false;  // lists are in the order of their polygons' nearest depths in the tile, not with scanlines
+layout(constant_id = 8) const bool kIdsAreIndices = false;  // a polygon's id is its index
+layout(constant_id = 9) const uint kTileWidth = 8u;         // lattice columns
+// Lists are sorted by the polygons' nearest depths in the tile; never with scanlines.
+layout(constant_id = 10) const bool kSorted = false;
 layout(constant_id = 11) const bool kTwoSided = false;
 layout(constant_id = 12) const bool kCountsBlocked = false;
-layout(constant_id = 13) const
-    bool kFragments = false;  // lattice points also have layers of fragments, beside the tile's polygons
+// Lattice points have fragments, see enter.comp, beside the polygons of their tile.
+layout(constant_id = 13) const bool kFragments = false;
 layout(constant_id = 14) const uint kTileRows = 8u;
-layout(constant_id = 15) const int kColumnBits = 0;                // of an edge's column coordinate: with scanlines
+layout(constant_id = 15) const int kColumnBits = 0;                // columns are in units of 2^-kColumnBits spacings
 layout(constant_id = 16) const int kCutBits = 0;                   // see makeEdge
-layout(binding = 5) uniform usamplerBuffer fragment_texels;        // uint64_t
-layout(binding = 6) uniform usamplerBuffer fragment_count_texels;  // uint
+layout(binding = 5) uniform usamplerBuffer fragment_texels;        // uint64_t[], see ProjectArgs::fragments
+layout(binding = 6) uniform usamplerBuffer fragment_count_texels;  // uint[], fragments of each lattice point
 layout(push_constant, scalar) uniform Args { PeelArgs pushed; };
 PeelArgs args;
 
 const int kMostSteps = 8;
-const uint64_t kNoLayer = ~0ul;  // a layer is key << 32 | polygon, see Layer, so that layers are ordered as numbers
-const uint kBackMark = 0x80000000u;
-// With scanlines, the rows of a tile lie side by side: a position in them is row * kRowWidth + column, in units of
-// 2^-column_bits from the tile's first.
+// A layer of a sample is one number, Layer::key << 32 | Layer::polygon, so the order of these numbers is the order
+// along the line. kNoLayer stands for no layer.
+const uint64_t kNoLayer = ~0ul;
+const uint kBackMark = 0x80000000u;  // see addGaps
+// With scanlines, the rows that a workgroup takes are laid end to end. A position in them is row * kRowWidth + column,
+// with columns in units of 2^-kColumnBits spacings from the tile's first column.
 const uint kRowWidth = kTileWidth << kColumnBits;  // 2^15
 const uint kPositionBits = 17u;
 const uint kPositions = 1u << kPositionBits;
-const uint kNoColumns = ~0u;      // a span that holds no sample
-const int kEndless = 0x7FFFFFFF;  // beyond the key of any end
+const uint kNoColumns = ~0u;      // what spanOf returns where the polygon covers nothing of a row
+const int kEndless = 0x7FFFFFFF;  // greater than any value of endKey
 
-// With scanlines, these arrays hold the spans of the rows: polygon, and columns as in spanOf; their ends in order; and
-// the spans in order of where they begin. A window of the last holds the spans that reach the present samples, and
-// moves on with them.
+// With scanlines, `spans` has the spans of the rows: a polygon's index, and its columns as in spanOf. `ends` has the
+// ends of all spans in order. `window` has the spans in the order in which they begin; the part of it that reaches the
+// present samples moves on with them.
 shared uvec2 spans[kScanlines ? kMostSpans : 1];
 shared uint ends[kScanlines ? 2 * kMostSpans : 1];
 shared uint window[kScanlines ? kMostSpans : 1];
 
-// The samples of an invocation while it goes through the tile's polygons.
-uint64_t nearest[kMostSteps][kLayersKept];
-uint64_t last[kMostSteps];  // the farthest layer of the rounds before
-bool open[kMostSteps];      // whether the line may meet more layers
-uint end_count;             // with scanlines
-uint fresh;                 // samples, a bit each, whose layers have not been counted yet
-uint64_t lost[kMostSteps];  // the nearest layer that found no room
+// These variables hold the samples of an invocation while it goes through the tile's polygons.
+uint64_t nearest[kMostSteps][kLayersKept];  // the nearest layers of this round, in order
+uint64_t last[kMostSteps];                  // the last layer that has been added, 0 at first
+bool open[kMostSteps];                      // whether the sample may have further layers
+uint end_count;                             // number of entries of `ends`, with scanlines
+uint fresh;                                 // bit k is set while sample k is in its first round
+uint64_t lost[kMostSteps];                  // the nearest layer of this round for which there was no room
+// The farthest layers of each sample whose polygons emit, or receive.
 uint64_t farthest_emitter[kMostSteps], farthest_receiver[kMostSteps];
-uint block;  // whose counters the tile adds to
+uint block;  // DirectionData::block of the tile's direction
 
-// Where the invocation's first sample is; with lattice points the others follow rowsPerStep() apart.
+// The Place of an invocation's first sample. With lattice points each further sample lies rowsPerStep() rows on.
 struct Place {
-  int column, row;  // of the tile: lattice columns, with scanlines units of 2^-column_bits; rows
-  uint position;    // with scanlines: its middle
-  uint weight;
+  int column, row;  // in the tile; the column in spacings, with scanlines in units of 2^-kColumnBits spacings
+  uint position;    // with scanlines: position of the sample's middle
+  uint weight;      // what a gap on this sample adds to a counter
 };
 Place sample_at;
 
-// A Tally is the work done, of the subgroup or, from `samples` on, of the invocation.
+// A Tally counts work, see BatchStatus. The last three are of this invocation, the others of the subgroup.
 struct Tally {
-  uint rounds, tested;  // tested: polygons, of every round
+  uint rounds, tested;  // tested: polygons that the samples were tested against, in all rounds
   uint samples, fragments, gaps;
 };
 Tally tally;
 
+// Returns the distance in rows of consecutive samples of an invocation.
 int rowsPerStep() { return kScanlines ? 1 : int(gl_WorkGroupSize.x / kTileWidth); }
 
-// Names every sample of an invocation by a literal number, so that all indices become constants.
+// Calls `take` for every sample of an invocation with a literal number, so that all array indices are constants.
 #define EVERY_STEP(take)   \
   take(0);                 \
   if (kSteps > 1) take(1); \
@@ -84,24 +88,25 @@ int rowsPerStep() { return kScanlines ? 1 : int(gl_WorkGroupSize.x / kTileWidth)
     take(7);               \
   }
 
-// A Passing is one polygon on its way past the samples.
+// A Passing is the polygon against which an invocation tests its samples, with its values at the present sample.
 struct Passing {
-  ivec4 edges, edges_per_step;  // without scanlines
-  bool covered;                 // with scanlines
-  int64_t z, z_per_step;
-  int z_shift, z_min, z_max;
-  uint64_t rest;  // of the layer: the polygon, its facing, its place at ties
+  ivec4 edges, edges_per_step;  // with lattice points: values of its edges, and their change to the next sample
+  bool covered;                 // with scanlines: whether it covers the sample
+  int64_t z, z_per_step;        // its depth before the shift, and the change to the next sample
+  int z_shift, z_min, z_max;    // see ProjectedPolygon
+  uint64_t rest;                // its layer without the depth: place at ties << 32 | Layer::polygon
   uint roles;
 };
 
+// A Tile is the ActiveTile that the workgroup peels.
 struct Tile {
   uint list_start, list_length, direction, weight;
-  ivec2 corner;  // of the lattice: the least column and row
-  uint rows;     // with scanlines
+  ivec2 corner;  // its least lattice column and row
+  uint rows;     // rows that the workgroup takes
   uint first_point, most_fragments;
-  bool is_sorted;  // its list
+  bool is_sorted;  // whether its list is sorted
 };
 
-// Return the ends of a span: see spanOf.
+// These functions return the first position of a span and the position after its last, see spanOf.
 uint firstOf(uint columns) { return columns & kPositions - 1u; }
 uint endOf(uint columns) { return firstOf(columns) + (columns >> kPositionBits) + 1u; }

@@ -1,6 +1,9 @@
-// Part of peel.glsl: a workgroup finds its tile, loads samples of it, and leaves to another dispatch what is too much.
+// In this part of peel.glsl a workgroup finds its tile and loads samples of it. It leaves the rest of a tile to another
+// dispatch where the tile has too many polygons for one.
 
-// Leaves the rest of a tile to another dispatch. Returns where the layers go that its lines have reached.
+// Appends the rest of the tile to the unfinished tiles. Returns where the layers that this invocation's samples have
+// reached go in args.reached_next.
+//   In: place: the tile's index in the list of active tiles; first_sample, first_meeting: see UnfinishedTile
 uint leaveTile(uint place, uint first_sample, uint first_meeting, uint lane) {
   uint index = 0u;
   if (lane == 0u) {
@@ -14,7 +17,7 @@ uint leaveTile(uint place, uint first_sample, uint first_meeting, uint lane) {
   return (subgroupShuffle(index, 0u) * gl_WorkGroupSize.x + lane) * uint(kSteps);
 }
 
-// Leaves the samples from `first` on, of which the first have reached some layers, to another dispatch.
+// Leaves the samples from number `first` on to another dispatch, with the layers that the present samples have reached.
 void leaveForLater(uint place, uint first, uint first_meeting, uint lane) {
   uint reached_at = leaveTile(place, first, first_meeting, lane);
   [[unroll]] for (int k = 0; k < kMostSteps; ++k) {
@@ -23,8 +26,9 @@ void leaveForLater(uint place, uint first, uint first_meeting, uint lane) {
   }
 }
 
-// Finds the workgroup's tile, and where it begins in it: its first sample and first meeting, and 1 + the place of the
-// layers reached before, or 0. False where there is no tile.
+// Finds the workgroup's tile. Returns false where there is none.
+//   Out: place: the tile's index in the list of active tiles; first, first_meeting: see UnfinishedTile, 0 in a new
+//     tile; resume: 0 in a new tile, else 1 + the index in args.reached where its layers begin
 bool findTile(uint lanes, out uint place, out uint first, out uint first_meeting, out uint resume) {
   uint group = gl_WorkGroupID.y * kGroupsPerRow + gl_WorkGroupID.x;
   bool found;
@@ -56,8 +60,8 @@ Tile fetchTile(uint place) {
               kSorted && corner.z != 0u);
 }
 
-// Loads the samples from `first` on, one a lane and step. With scanlines, `window` from list_begin to list_end moves
-// on to the spans that reach them.
+// Loads the samples from number `first` on, one for every lane and step. With scanlines it moves list_begin and
+// list_end, so that they bound the spans of `window` that reach these samples.
 void loadSamples(Tile tile, uint first, uint sample_count, uint resume, uint lane, inout uint list_begin,
                  inout uint list_end, inout bool cut) {
   const uint lanes = gl_WorkGroupSize.x;
@@ -71,10 +75,10 @@ void loadSamples(Tile tile, uint first, uint sample_count, uint resume, uint lan
   if (kScanlines) {
     uint at = min(first + lane, sample_count - 1u), begin = ends[at], end = ends[at + 1u];
     uint from = positionOf(begin), to = positionOf(end);
-    sample_at.position = (from + to - 1u) >> 1;  // the middle: where polygons meet at an end, depths tie
+    sample_at.position = (from + to - 1u) >> 1;  // the middle, for polygons that meet at an end have one depth there
     sample_at.column = int(sample_at.position % kRowWidth);
     sample_at.weight *= to - from;
-    if (from / kRowWidth != (to - 1u) / kRowWidth) fresh = 0u;  // no sample: the gap between two rows
+    if (from / kRowWidth != (to - 1u) / kRowWidth) fresh = 0u;  // between two rows: not counted as a sample
     list_begin = dropEnded(list_begin, list_end, positionOf(subgroupShuffle(begin, 0u)), lane, cut);
     list_end = begunBefore(subgroupShuffle(end, lanes - 1u));
   }

@@ -1,20 +1,21 @@
 #version 460
-// One invocation projects one polygon along one direction and snaps its corners to the lattice's fixed point. It writes
-// them, its depth as a plane over the lattice and, for drawing, an outline of the lattice points it can cover.
+// One invocation projects one polygon along one direction. It writes the snapped corners, the depth as a plane over the
+// lattice and, for the graphics engine, an outline of the lattice points that the polygon can cover.
 //   In: directions, polygons, corners, listed     Out: snapped corners, projected, outlines, listed
 #extension GL_GOOGLE_include_directive : require
 #define SHARED_FUNCTION
 #include "common.glsl"
 #include "projection.glsl"
 
-layout(constant_id = 0) const bool kListed = false;  // takes the polygons that enter has listed, not all
-layout(constant_id = 1) const bool kLists = false;   // polygons that can cover lattice points
+layout(constant_id = 0) const bool kListed = false;  // takes only the polygons that enter has listed
+layout(constant_id = 1) const bool kLists = false;   // lists the polygons that can cover lattice points
 layout(constant_id = 2) const bool kDraws = false;   // writes outlines
 
-// Moves the corner between two edges outward by a little on either side. So a rasteriser that snaps and rounds as it
-// likes finds every lattice point of the polygon. Returns false where the corner is too sharp for it.
+// Moves the corner between two edges outward, so that both edges move out by kMargin. A rasteriser with rounding rules
+// of its own then still draws every lattice point that the polygon covers.
+//   Out: widened: the moved corner; returns false where the corner is too sharp to be moved
 bool widenCorner(Edge before, Edge after, vec2 corner, out vec2 widened) {
-  const float kMargin = 1.0 / 16.0;  // of a spacing; rasterisers snap to 1/16 or finer
+  const float kMargin = 1.0 / 16.0;  // spacings; rasterisers snap to 1/16 of a pixel or finer
   vec2 n1 = -vec2(before.a, before.b), n2 = -vec2(after.a, after.b);
   float l1 = length(n1), l2 = length(n2);
   widened = corner;
@@ -39,7 +40,7 @@ void main() {
   uint projected_at = direction_index * args.polygon_count + polygon_index;
   Projection found = projectPolygon(polygon_index, direction_index);
   ProjectedPolygon polygon = found.polygon;
-  if (!kDraws && found.covers_none) return;  // nobody looks at it
+  if (!kDraws && found.covers_none) return;  // no later pass reads the polygon
   if (kLists) listPolygon(projected_at);
   Longs corners = Longs(args.snapped_corners + uint64_t(projected_at) * 32ul);
   for (uint k = 0u; k < 4u; ++k) corners.at[k] = packUint2x32(uvec2(found.corners.at[k]));
@@ -65,7 +66,7 @@ void main() {
         usable = widenCorner(before, after, vec2(found.corners.at[at]) / float(1 << args.fraction_bits), widened[k]) &&
                  usable;
       }
-      if (usable) {  // a strip goes 0, 1, 3, 2
+      if (usable) {  // a strip takes the corners of a polygon in the order 0, 1, 3, 2
         outline.strip[0] = widened[0];
         outline.strip[1] = widened[1];
         outline.strip[2] = widened[3];
@@ -75,8 +76,8 @@ void main() {
     Outlines(args.outlines).at[projected_at] = outline;
   }
 
-  Longs words =
-      Longs(args.projected + uint64_t(projected_at) * 48ul);  // few stores, for this pass spends its time on them
+  // The polygon is stored in six words, for stores take most of this pass's time.
+  Longs words = Longs(args.projected + uint64_t(projected_at) * 48ul);
   words.at[0] = packUint2x32(uvec2(polygon.box_min));
   words.at[1] = packUint2x32(uvec2(polygon.box_max));
   words.at[2] = uint64_t(polygon.depth_0);

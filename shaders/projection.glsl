@@ -1,4 +1,4 @@
-// Projects a polygon along a direction, for project and enter.
+// The passes project and enter share these functions, which project one polygon along one direction.
 #include "geometry.glsl"
 
 layout(local_size_x = 64) in;
@@ -27,7 +27,7 @@ DirectionData fetchDirection(uint index) {
   return direction;
 }
 
-// Returns the same sum in the same order on every device, which dot() does not promise.
+// Returns a . b, added up in the same order on every device, which dot() does not promise.
 double dotInOrder(dvec3 a, dvec3 b) {
   precise double sum = a.x * b.x + a.y * b.y + a.z * b.z;
   return sum;
@@ -36,6 +36,7 @@ double dotInOrder(dvec3 a, dvec3 b) {
 // Returns floor(log2(x)) of a normal x > 0.
 int exponentOf(double x) { return int((unpackDouble2x32(x).y >> 20) & 0x7FFu) - 1023; }
 
+// Returns a corner's lattice coordinates in units of 1 / fixed_one spacings, rounded to the nearest.
 ivec2 snap(dvec3 corner, DirectionData direction, double per_spacing, double fixed_one) {
   precise double x = dotInOrder(corner, direction.x_axis) * per_spacing + direction.offset.x;
   precise double y = dotInOrder(corner, direction.y_axis) * per_spacing + direction.offset.y;
@@ -47,7 +48,7 @@ struct Projection {
   Edge edges[4];
   ProjectedPolygon polygon;
   uint edge_count;
-  bool covers_none;  // of the lattice points
+  bool covers_none;  // the polygon covers no lattice point (with scanlines: no column)
 };
 
 Projection projectPolygon(uint polygon_index, uint direction_index) {
@@ -74,7 +75,7 @@ Projection projectPolygon(uint polygon_index, uint direction_index) {
     twice_area += int64_t(a.x) * int64_t(b.y) - int64_t(a.y) * int64_t(b.x);
   }
   bool front_up = twice_area > int64_t(0);
-  if (!front_up) {  // the other way round
+  if (!front_up) {  // the corners run clockwise: turn them round
     ivec2 second = found.corners.at[1];
     found.corners.at[1] = found.corners.at[3];
     if (corners.y == 3u) found.corners.at[2] = second;
@@ -91,7 +92,7 @@ Projection projectPolygon(uint polygon_index, uint direction_index) {
                       any(greaterThan(found.polygon.box_min, found.polygon.box_max));
   for (uint k = 0u; k < 4u; ++k) found.edges[k] = makeEdge(found.corners, k, args.fraction_bits - args.column_bits);
 
-  // The plane's equation normal . (x, y, z) = plane_offset is solved for z at lattice points.
+  // The depth at lattice points is z in the plane's equation, normal . (x, y, z) = plane_offset.
   dvec2 plane_01 = doublesFrom(texelFetch(polygon_texels, int(3u * polygon_index + 1u)));
   dvec2 plane_23 = doublesFrom(texelFetch(polygon_texels, int(3u * polygon_index + 2u)));
   dvec3 normal = dvec3(plane_01, plane_23.x);
@@ -103,7 +104,8 @@ Projection projectPolygon(uint polygon_index, uint direction_index) {
   precise double dx = -nx / (nz * per_spacing) * unit;
   precise double dy = -ny / (nz * per_spacing) * unit;
   precise double d0 = (plane_23.y / nz + 1.0LF) * unit - dx * direction.offset.x - dy * direction.offset.y;
-  // Tiles reach up to 18 spacings beyond half the resolution: products with their corners stay below 2^62.
+  // Tiles reach up to 18 spacings beyond half the resolution. Depths at their corners, scaled by 2^depth_shift, stay
+  // below 2^62.
   double bound = abs(d0) + (abs(dx) + abs(dy)) * double(max(args.resolution, 32)) + 1.0LF;
   int exponent = exponentOf(bound);
   if (abs(nz) > 1e-12LF && exponent < 60) {
@@ -113,12 +115,12 @@ Projection projectPolygon(uint polygon_index, uint direction_index) {
     found.polygon.depth_x_packed = packDepthX(int64_t(floor(dx * scale + 0.5LF)), depth_shift,
                                               front_up);  // below 2^57: resolution is 32 or more in the bound
     found.polygon.depth_y = int64_t(floor(dy * scale + 0.5LF));
-  } else {  // edge-on: points that it covers by rounding lie at its middle
+  } else {  // the polygon is edge-on: lattice points that it covers by rounding get its mean depth
     found.polygon.depth_0 = int64_t((0.5LF * (z_min + z_max) + 1.0LF) * unit);
     found.polygon.depth_x_packed = packDepthX(int64_t(0), 0, front_up);
     found.polygon.depth_y = int64_t(0);
   }
-  // Corners lie within 1e-8 of their plane; the slack keeps the clamp from parting coplanar polygons.
+  // Corners lie within 1e-8 of their plane. With this slack the clamp does not give coplanar polygons different depths.
   double slack = 4.0LF + 2.0LF * min(steepness, 1e6LF);
   found.polygon.depth_min = int(max((z_min + 1.0LF) * unit - slack, 0.0LF));
   found.polygon.depth_max_packed =
@@ -126,7 +128,8 @@ Projection projectPolygon(uint polygon_index, uint direction_index) {
   return found;
 }
 
-// Leaves a polygon to the passes over tiles.
+// Appends a polygon to the list that project and bin work off.
+//   In: projected_at: the polygon's place in ProjectArgs::projected
 void listPolygon(uint projected_at) {
   Status status = Status(args.status);
   uint place = atomicAdd(status.at.listed, 1u);

@@ -1,6 +1,8 @@
-// Part of peel.glsl: with scanlines, it finds the samples of some rows.
+// This part of peel.glsl finds the samples of scanlines: the spans of some rows, and their ends in order.
 
-// Returns a polygon's part in a row: first | last - first << kPositionBits.
+// Returns the span of a polygon in a row, first | (last - first) << kPositionBits, with the first and last position
+// that it covers; kNoColumns where it covers none.
+//   In: corner: the tile's least lattice column and row; row: in the tile
 uint spanOf(ivec2 corner, uint row, SnappedCorners corners) {
   int low = 0, high = int(kRowWidth);
   [[unroll]] for (uint k = 0u; k < 4u; ++k) {
@@ -12,29 +14,32 @@ uint spanOf(ivec2 corner, uint row, SnappedCorners corners) {
   return low < high ? row * kRowWidth + uint(low) | uint(high - low - 1) << kPositionBits : kNoColumns;
 }
 
-// Returns where span k is: the first `ups` from the beginning, the others from the end.
+// Returns the place of span k in `spans`: the first `ups` spans stand at the beginning, the others from the end
+// backward.
 uint placeOfSpan(uint k, uint ups) { return kCountsBlocked && k >= ups ? kMostSpans - 1u - (k - ups) : k; }
 
-// An end is in shared memory: its position | the number of spans that begin before it << kPositionBits + 1.
+// An entry of `ends` is an end's position | (the number of spans that begin before it) << (kPositionBits + 1).
 uint positionOf(uint end) { return end & (2u * kPositions - 1u); }
 uint begunBefore(uint end) { return end >> kPositionBits + 1u; }
 
-// Returns a span in `window`: its place in `spans` + its end * kMostSpans.
+// An entry of `window` is a span's place in `spans` + its end * kMostSpans.
 uint spanIn(uint entry) { return entry & kMostSpans - 1u; }
 uint endIn(uint entry) { return entry / kMostSpans; }
 
-// Returns a key that orders ends: of equal ones the earlier span's, and its left one, come first.
+// Returns a key that orders ends by position. At one position the end of the earlier span comes first, and of one span
+// the left end (side 0).
 int endKey(uint position, uint span, uint side) { return int((position * kMostSpans + span) * 2u + side); }
 
-// FoundSpans are the numbers of spans in the rows of a tile: of all, and of the ones that come first in `spans`. Each
-// row has the number in earlier rows. Rows that hold a span are counted where work is measured.
+// FoundSpans says how many spans the rows of a workgroup have: `count` in all, of which `ups` stand at the beginning of
+// `spans`. Where work is measured, held_rows is the number of rows with any span.
 struct FoundSpans {
   uint count, ups, held_rows;
-  uint starts[kMostRowsAtOnce];  // only where no blocked pairs are counted
+  uint starts[kMostRowsAtOnce];  // spans in earlier rows, for each row; only where no blocked pairs are counted
 };
 
-// Puts the rows' spans into shared memory, one row after another. Where blocked pairs are counted the spans of polygons
-// whose fronts face +u come first, and the others stand at the end; of two-sided polygons all come first.
+// Writes the spans of the rows into `spans`, one row after another. Where blocked pairs are counted, only the spans of
+// polygons whose fronts face +u stand at the beginning, and the others from the end backward. Spans of two-sided
+// polygons all stand at the beginning.
 FoundSpans findSpans(Tile tile, uint lane, inout bool cut) {
   const uint lanes = gl_WorkGroupSize.x;
   FoundSpans found;
@@ -42,7 +47,7 @@ FoundSpans findSpans(Tile tile, uint lane, inout bool cut) {
   uint downs = 0u, base = 0u, held = 0u;
   [[unroll]] for (uint k = 0u; k < kMostRowsAtOnce; ++k) found.starts[k] = 0u;
   for (; base < tile.list_length * tile.rows; base += lanes) {
-    uint row = 0u, mine = base + lane;  // all polygons in the first row, in the next
+    uint row = 0u, mine = base + lane;  // lanes take all polygons in the first row, then all in the next
     [[unroll]] for (uint k = 1u; k < kMostRowsAtOnce; ++k) row +=
         mine >= k * tile.list_length && k < tile.rows ? 1u : 0u;
     mine -= row * tile.list_length;
@@ -77,8 +82,8 @@ FoundSpans findSpans(Tile tile, uint lane, inout bool cut) {
   return found;
 }
 
-// Ranks every end among all ends and puts it at its rank into `ends`, with the number of spans that begin before it.
-// Puts the spans in order of where they begin into `window`.
+// Writes every end, with the number of spans that begin before it, into `ends` at its rank among all ends. Writes the
+// spans into `window` in the order in which they begin.
 void orderEnds(FoundSpans found, uint lane) {
   const uint lanes = gl_WorkGroupSize.x;
   for (uint base = 0u; base < found.count; base += lanes) {
@@ -86,14 +91,15 @@ void orderEnds(FoundSpans found, uint lane) {
     uint place = placeOfSpan(min(mine, found.count - 1u), found.ups), columns = spans[place].y;
     int low = endKey(firstOf(columns), mine, 0u), high = endKey(endOf(columns), mine, 1u);
     uint from = 0u, to = found.count;
-    // Only spans of the rows of these spans are compared: all spans of earlier rows come before them.
+    // The lanes' spans are compared only with spans of their own rows: all spans of earlier rows come before them, and
+    // all spans of later rows behind.
     if (!kCountsBlocked) {
       [[unroll]] for (uint k = 1u; k < kMostRowsAtOnce; ++k) {
         if (found.starts[k] <= base) from = found.starts[k];
         if (found.starts[kMostRowsAtOnce - k] >= base + lanes) to = found.starts[kMostRowsAtOnce - k];
       }
     }
-    // Spans that begin and that end before the low and the high end are counted.
+    // For the low and the high end of this lane's span: how many spans begin, and how many end, before it.
     uint begin_low = from, end_low = from, begin_high = from, end_high = from;
     for (uint other_base = from; other_base < to; other_base += lanes) {
       uint other = other_base + lane;
@@ -118,7 +124,8 @@ void orderEnds(FoundSpans found, uint lane) {
   subgroupBarrier();
 }
 
-// Keeps each position of the `end_count` ends once, the first of its ends. Returns how many are left.
+// Removes every end whose position an earlier entry of `ends` has. Returns how many ends are left.
+//   In: end_count: number of entries before
 uint keepPositions(uint end_count, uint lane, inout bool cut) {
   const uint lanes = gl_WorkGroupSize.x;
   uint kept = 0u, last = ~0u, base = 0u;
@@ -141,9 +148,8 @@ uint keepPositions(uint end_count, uint lane, inout bool cut) {
   return kept;
 }
 
-// Puts the rows' spans and their ends, each once and in order, into shared memory, and the spans in order of where they
-// begin into `window`. Returns the numbers of spans, of spans that come first, of ends, and, where work is measured, of
-// rows that hold a span. With more than kMostSpans spans it returns nothing but their number.
+// Fills `spans`, `window` and `ends`, the last without ends of equal positions. Returns FoundSpans::count and ups, the
+// number of ends, and FoundSpans::held_rows. With more than kMostSpans spans only the first two are of use.
 uvec4 sliceRows(Tile tile, uint lane, inout bool cut) {
   FoundSpans found = findSpans(tile, lane, cut);
   if (found.count > kMostSpans || found.count == 0u) return uvec4(found.count, found.ups, 0u, 0u);
@@ -151,7 +157,8 @@ uvec4 sliceRows(Tile tile, uint lane, inout bool cut) {
   return uvec4(found.count, found.ups, keepPositions(2u * found.count, lane, cut), found.held_rows);
 }
 
-// Moves the spans of `window` from `begin` to `end` that go on beyond a position to the end. Returns where they begin.
+// Of the spans of `window` from `begin` to `end`, moves those that reach beyond `position` to the end of this range.
+// Returns where they begin; the others are lost.
 uint dropEnded(uint begin, uint end, uint position, uint lane, inout bool cut) {
   const uint lanes = gl_WorkGroupSize.x;
   uint left = end - begin;

@@ -1,7 +1,8 @@
 #version 460
-// One workgroup, meant to be one subgroup, puts the list of one tile in the order of its polygons' nearest depths in
-// the tile. So peel can add layers while it goes through the list. Every invocation ranks kRanked entries at a time
-// among all. Longer lists stay as they are, and is_sorted says so.
+// One workgroup, which has to be one subgroup, sorts the list of one tile by the polygons' nearest depths in the tile.
+// Peel can then settle layers before it has seen the whole list. Each invocation finds the ranks of kRanked entries at
+// a time, by comparing them with all entries. Lists of more than kMostSorted entries are copied unsorted; is_sorted
+// says which.
 //   In: lists, projected     Out: sorted_lists; active_tiles: is_sorted
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -29,7 +30,7 @@ void main() {
   uint compared_end = sorts ? list.y : 0u;
   uint done = 0u;
   do {
-    uint64_t mine[kRanked];  // depth << 32 | polygon
+    uint64_t mine[kRanked];  // entries as nearest_depth << 32 | polygon
     uint rank[kRanked];
     [[unroll]] for (int k = 0; k < kRanked; ++k) {
       mine[k] = packUint2x32(

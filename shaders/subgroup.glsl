@@ -1,7 +1,9 @@
-// Votes and sums over the invocations of a workgroup that is one subgroup go by shuffles. Software devices make loops
-// over invocations of the built-in ones, and unroll only loops that count up by one.
-const uint kDoublings = 6u;  // to 64 invocations
+// Votes and sums over the invocations of a workgroup that is one subgroup are made of shuffles here. Software devices
+// compile the built-in ones (subgroupAny, subgroupAdd) to loops over invocations. They unroll only loops that count up
+// by one.
+const uint kDoublings = 6u;  // steps that reach all of up to 64 invocations, each twice as far as the one before
 
+// Returns whether the value is true in any invocation.
 bool anyOf(bool value) {
   uint any = value ? 1u : 0u;
   [[unroll]] for (uint k = 0u; k < kDoublings; ++k) if (1u << k < gl_WorkGroupSize.x) any |=
@@ -9,7 +11,8 @@ bool anyOf(bool value) {
   return any != 0u;
 }
 
-// Returns the sum over this invocation and those before it; `all`: over all.
+// Returns the sum of the values of this invocation and of all invocations before it.
+//   Out: all: the sum over all invocations
 uint sumSoFar(uint value, out uint all) {
   uint lane = gl_SubgroupInvocationID;
   [[unroll]] for (uint k = 0u; k < kDoublings; ++k) if (1u << k < gl_WorkGroupSize.x) {
@@ -20,7 +23,7 @@ uint sumSoFar(uint value, out uint all) {
   return value;
 }
 
-// Returns the least of this invocation and the later ones.
+// Returns the least value of this invocation and all invocations after it.
 uint leastFrom(uint value) {
   uint lane = gl_SubgroupInvocationID;
   [[unroll]] for (uint k = 0u; k < kDoublings; ++k) if (1u << k < gl_WorkGroupSize.x) value =

@@ -1,18 +1,20 @@
-// Results of earlier passes are read as texels: several times faster than words on software devices.
+// The passes over tiles read the results of earlier passes as texels, which software devices fetch several times faster
+// than they load words.
 #include "geometry.glsl"
 
-layout(binding = 0) uniform usamplerBuffer snapped_corner_texels;
-layout(binding = 1) uniform usamplerBuffer projected_texels;  // ProjectedPolygon
-layout(binding = 2) uniform usamplerBuffer polygon_texels;    // PolygonData
-layout(binding = 3) uniform usamplerBuffer list_texels;       // polygons of tiles
-layout(binding = 4) uniform usamplerBuffer tile_texels;       // ActiveTile
+layout(binding = 0) uniform usamplerBuffer snapped_corner_texels;  // SnappedCorners
+layout(binding = 1) uniform usamplerBuffer projected_texels;       // ProjectedPolygon
+layout(binding = 2) uniform usamplerBuffer polygon_texels;         // PolygonData
+layout(binding = 3) uniform usamplerBuffer list_texels;            // lists; ListEntry in sort, cover_polygons in meet
+layout(binding = 4) uniform usamplerBuffer tile_texels;            // ActiveTile
 
 const uint kTileTexels = 3u;
 const uint kProjectedTexels = 3u;
 
 int64_t longFrom(uvec2 words) { return int64_t(packUint2x32(words)); }
 
-// Fetches the corners of a polygon. projected: its place among the polygons of all directions.
+// Returns the corners of a polygon in one direction.
+//   In: projected: direction * polygon_count + polygon
 SnappedCorners fetchCorners(uint projected) {
   ivec4 first = ivec4(texelFetch(snapped_corner_texels, int(2u * projected))),
         second = ivec4(texelFetch(snapped_corner_texels, int(2u * projected + 1u)));
@@ -26,14 +28,14 @@ SnappedCorners fetchCorners(uint projected) {
 
 uint fetchId(uint polygon) { return texelFetch(polygon_texels, int(3u * polygon)).z; }
 
-// A DepthPlane is a polygon's in one direction, with its constant at a tile's corner.
+// A DepthPlane is the depth of a polygon over one tile, see ProjectedPolygon.
 struct DepthPlane {
-  int64_t at_corner, per_column, per_row;
-  ivec2 range;
-  int shift;
+  int64_t at_corner, per_column, per_row;  // before the shift: at the tile's corner, and its changes
+  ivec2 range;                             // depth_min, depth_max
+  int shift;                               // depth_shift
   bool front_up;
   uint place_at_tie;
-  uint projected;
+  uint projected;  // direction * polygon_count + polygon
 };
 
 DepthPlane fetchDepthPlane(uint projected, ivec2 corner) {
@@ -52,12 +54,14 @@ DepthPlane fetchDepthPlane(uint projected, ivec2 corner) {
   return plane;
 }
 
-// Returns the order of two polygons of one direction along a line, as peel has it.
+// Returns whether polygon a comes before polygon b on a line, in the order in which peel has its layers.
+//   In: depth_a, depth_b: their depths on the line, see depthAt
 bool isBefore(DepthPlane a, uint depth_a, DepthPlane b, uint depth_b) {
   uint key_a = depth_a << kTieBits | a.place_at_tie, key_b = depth_b << kTieBits | b.place_at_tie;
   return key_a < key_b || (key_a == key_b && a.projected < b.projected);
 }
 
+// Returns a polygon's depth at a lattice point, given by its column and row in the tile.
 uint depthAt(DepthPlane plane, ivec2 in_tile) {
   int64_t depth = plane.at_corner + plane.per_column * int64_t(in_tile.x) + plane.per_row * int64_t(in_tile.y);
   return uint(clamp(depth >> plane.shift, int64_t(plane.range.x), int64_t(plane.range.y)));

@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Teams of 16 invocations draw one portion each, a line of every block an invocation, four teams a workgroup.
+// A team of 16 invocations draws one portion: each invocation draws one line of every block. A workgroup has four
+// teams.
 //   In: LinePortionData portions[portion_count], LineTaskData tasks[], LinePairData pairs[], ObstacleData obstacles[]
 //   Out: LinePortionSums sums[portion_count], the same bits as LineDrawer's (host/pair_lines/draw_lines.cpp)
 #include "pair_lines.glsl"
@@ -11,10 +12,11 @@ layout(push_constant, scalar) uniform Push { DrawLinesArgs pushed; };
 shared uint sobol[4 * 32];
 shared LinePairData pairs[kTeams];
 shared ObstacleData obstacles[kTeams][kTileObstacles];
-shared uint most_obstacles;  // of a team
+shared uint most_obstacles;  // the largest obstacle_count of the workgroup's tasks
 shared float sums[kPairLinesGroup];
 
-// Loads stand in functions of their own: glslang ends with a fault where a `precise` result leads back to one.
+// Each load from a buffer stands in a function of its own, because glslang crashes where a `precise` result is computed
+// from such a load directly.
 LineTaskData loadTask(uint64_t tasks, uint index) { return Tasks(tasks).at[index]; }
 LineEndData loadFirst(uint64_t from, uint index) { return Pairs(from).at[index].first; }
 LineEndData loadSecond(uint64_t from, uint index) { return Pairs(from).at[index].second; }
@@ -24,12 +26,14 @@ float loadStart(uint64_t from, uint index, uint bin) { return Pairs(from).at[ind
 float loadScale(uint64_t from, uint index, uint bin) { return Pairs(from).at[index].scales[bin]; }
 ObstacleData loadObstacle(uint64_t from, uint index) { return Obstacles(from).at[index]; }
 
-// A Line goes from p to q = p + d. It starts or ends on a back, or misses the other patch, unless `open` is above 0.
+// A Line goes from p to q = p + d. Where `open` is not above 0, the line starts or ends on a back or misses the second
+// patch, and weighs nothing.
 struct Line {
   vec3 p, q, d;
   float weight, open;
 };
 
+// Returns one coordinate of a scrambled Sobol' point, in [0, 1) (Burley 2020).
 float scrambled(uint digits, uint seed) {
   uint x = digits ^ (digits * 0x3d20adeau);
   x += seed;
@@ -116,7 +120,7 @@ Line drawContact(uint team, vec4 u) {
   return line;
 }
 
-// Returns a number of at most 0 where an obstacle blocks the line.
+// Returns a number that is at most 0 where obstacle k blocks the line (docs/method.md, section 13).
 float passing(uint team, uint k, Line line) {
   uint place = obstacles[team][k].place;
   precise vec3 x;
@@ -141,9 +145,10 @@ float passing(uint team, uint k, Line line) {
   return most;
 }
 
+// Returns direction number `bit` of the four dimensions.
 uvec4 sobolOf(uint bit) { return uvec4(sobol[bit], sobol[32u + bit], sobol[64u + bit], sobol[96u + bit]); }
 
-// Returns the sum over a team by halves: lanes 8 apart first.
+// Returns the sum over a team's lanes, in lane 0. It adds lanes 8 apart first, then 4, 2 and 1, as the host does.
 float sumOfTeam(float mine) {
   uint at = gl_LocalInvocationIndex, lane = at % kBlockLanes;
   barrier();
@@ -191,8 +196,8 @@ void main() {
   for (uint gray = portion.first ^ portion.first >> 1, k = 4u; gray != 0u; gray >>= 1, ++k)
     if ((gray & 1u) != 0u) first_digits ^= sobolOf(k);
 
-  // Lines are drawn again for every tile of obstacles: few tasks have more than one.
-  uint blocked = 0u;  // a bit for each block
+  // Obstacles are tested kTileObstacles at a time, and lines are drawn again each time. Few tasks have more obstacles.
+  uint blocked = 0u;  // bit k is set where this lane's line of the portion's block k is blocked
   precise float facing = 0.0, weights = 0.0, squares = 0.0;
   uint tile_count = max(1u, (most_obstacles + kTileObstacles - 1u) / kTileObstacles);
   for (uint tile = 0u; tile < tile_count; ++tile) {

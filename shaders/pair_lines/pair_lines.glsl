@@ -1,5 +1,6 @@
-// The kernels of pair lines share these functions, each the twin of one in host/pair_lines, of the same name. Both
-// round alike: they consist of sums, differences, products and comparisons, each `precise`, and no quotient or root.
+// The kernels of pair lines share these functions. Each has a twin of the same name in host/pair_lines (lanes.h,
+// line_ends.h), which says what it computes, and both return the same bits. Therefore they have no quotients and no
+// roots, only `precise` sums, differences, products and comparisons, which all devices round alike.
 #extension GL_EXT_buffer_reference2 : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require

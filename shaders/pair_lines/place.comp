@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// One invocation places one obstacle: a blocker in single precision about the middle of its task's smaller patch.
+// One invocation makes one obstacle: a blocker in single precision, in coordinates about the middle of the task's
+// smaller patch. Its twin is makeObstacles in host/pair_lines/line_ends.cpp.
 //   In: PlacedData placed[placed_count], LineTaskData tasks[], PatchData patches[], BlockerData blockers[]
 //   Out: ObstacleData obstacles[placed_count]
 #include "pair_lines.glsl"

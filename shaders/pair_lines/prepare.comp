@@ -1,7 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// One invocation prepares one task: where its lines start and end, in single precision about the middle of the smaller
-// patch and, by angles, the rectangle that they go to and where their points are denser.
+// One invocation prepares one task. It writes the two patches as ends of lines, in single precision about the middle of
+// the smaller patch. For tasks by angles it adds the rectangle around the second patch, and the warps that make points
+// of the first patch denser where the second one looks larger. Twins: host/pair_lines/line_ends.cpp, draw_lines.cpp.
 //   In: LineTaskData tasks[task_count], PatchData patches[]    Out: LinePairData pairs[task_count]
 #include "pair_lines.glsl"
 

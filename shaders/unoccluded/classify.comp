@@ -1,10 +1,10 @@
 #version 460
 // One invocation chooses how one pair of sides is integrated: not at all (its area stays 0), by a product rule, or
 // along its contours.
-//   In: shapes, pairs     Out: lists of the pairs that see each other
+//   In: shapes, pairs     Out: lists, of the pairs that can see each other, by the way of integration
 //
-// The bound on a product rule's error, with its derivation, is docs/method.md, eq. (37). Source: Gegenbauer's
-// generating function, Abramowitz & Stegun, 22.9.3 and 22.14.2.
+// docs/method.md derives the bound on a product rule's error, eq. (37). Source: Gegenbauer's generating function,
+// Abramowitz & Stegun, 22.9.3 and 22.14.2.
 #extension GL_GOOGLE_include_directive : require
 #include "unoccluded.glsl"
 
@@ -12,8 +12,8 @@ layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Args { ClassifyArgs pushed; };
 ClassifyArgs args;
 
-// Returns the largest |slope| / value at the middle of an edge of the square, of a bilinear function given at its
-// corners.
+// Returns the largest |slope| / value that a bilinear function on the square has at the middle of an edge, at most 1.
+//   In: at: its values at the corners, where the sum of two neighbours is not negative
 float slopeOf(dvec4 at) {
   dvec4 next = at.yzwx;
   vec4 difference = vec4(abs(at - next)), sum = vec4(at + next);
@@ -23,14 +23,16 @@ float slopeOf(dvec4 at) {
   return slope;
 }
 
-// Coordinates holds the terms of the bound on the relative error over a polygon's two coordinates. Single precision:
-// its rounding is 1e-6 of the bound.
+// Coordinates holds the terms of the bound (37) that a polygon's two coordinates share. They are in single precision,
+// whose rounding is 1e-6 of the bound.
 struct Coordinates {
-  float t, square, power;  // t, t^2, t^(2n - 2)
-  float slopes, product;   // s + j, s j
+  float t, square, power;  // t, t^2 and, for a rule of n points, t^(2n - 2)
+  float slopes, product;   // s + j and s j
   float factor;            // 2 (1 + t)^4 / (1 - s j / 3)
 };
 
+// Returns the terms for a shape, for the rule of fewest points.
+//   In: distance: between the middles of the two polygons; other_radius: the other polygon's radius; slope: see slopeOf
 Coordinates coordinatesOf(ShapeData shape, double distance, double other_radius, float slope) {
   Coordinates c;
   c.t = float(shape.reach) / float(max(distance - shape.reach - other_radius, shape.reach));
@@ -42,7 +44,9 @@ Coordinates coordinatesOf(ShapeData shape, double distance, double other_radius,
   return c;
 }
 
-// The sums over k are less than their first terms times 1 / (1 - tail t^2) <= 1 + 2 tail t^2, while that is at most 2.
+// Returns the bound on a rule's relative error over a polygon's two coordinates, or 1 where it is of no use. Each sum
+// over k in (37) is at most its first term times 1 / (1 - tail t^2), which is at most 1 + 2 tail t^2 while tail t^2 <=
+// 1/2.
 float errorOf(FarBound rule, Coordinates c) {
   float rest = rule.tail * c.square, series = rule.even * c.square + rule.odd * c.slopes * c.t + rule.skew * c.product;
   return rest < 0.5 ? c.factor * c.power * series * (1.0 + 2.0 * rest) : 1.0;

@@ -1,8 +1,8 @@
 #version 460
-// One invocation takes one edge of the part of a polygon that sees another's front, with each edge of the other's part.
-// It chooses the rule for the line integral over the two.
-//   In: shapes, pairs, near     Out: edges; lists of their pairs by rule; values: bounds on their errors Source: I. E.
-//     Sutherland & G. W. Hodgman, Reentrant polygon clipping, CACM 17(1), 1974.
+// Of a pair's two polygons the parts in front of each other's planes are integrated. One invocation takes one edge of
+// the first part, with each edge of the second part, and chooses the rule for the line integral over the two edges.
+//   In: shapes, pairs, near     Out: edges; lists, of pairs of edges, by rule; values: 0, with bounds on their errors
+//   Source: I. E. Sutherland & G. W. Hodgman, Reentrant polygon clipping, CACM 17(1), 1974.
 #extension GL_GOOGLE_include_directive : require
 #include "unoccluded.glsl"
 
@@ -10,8 +10,10 @@ layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Args { EdgesArgs pushed; };
 EdgesArgs args;
 
-// Returns the part of a polygon in front of a plane: its own edges as far as they are, then the one along the plane.
-// The part runs counter-clockwise as the polygon does. Corners within `rounding` of the plane stay where they are.
+// Returns the edges of the part of a polygon in front of a plane: what is left of each of its own edges, then the edge
+// along the plane. They run around the part as the polygon's corners do. Corners within `rounding` of the plane are
+// kept.
+//   In: depths: of the corners over the plane; origin: of the coordinates of the edges
 EdgeData[kMostEdges] frontEdges(ShapeData shape, dvec4 depths, double rounding, dvec3 origin) {
   EdgeData edges[kMostEdges];
   dvec3 leaves = dvec3(0.0LF), enters = dvec3(0.0LF);
@@ -20,7 +22,7 @@ EdgeData[kMostEdges] frontEdges(ShapeData shape, dvec4 depths, double rounding, 
     double from = depths[k], to = depths[(k + 1) & 3];
     bool starts = from >= -rounding, ends = to >= -rounding;
     bool crosses = (from > rounding && !ends) || (!starts && to > rounding);
-    // Where an edge passes the plane within rounding of a corner, the corner stands for the crossing.
+    // Where an edge crosses the plane at a corner, within rounding, that corner is taken for the crossing.
     dvec3 crossing = crosses ? start + (end - start) * (from / (from - to)) : starts ? start : end;
     if (starts && !ends) leaves = crossing;
     if (!starts && ends) enters = crossing;
@@ -37,7 +39,8 @@ EdgeData select(EdgeData edges[kMostEdges], uint index) {
   return edge;
 }
 
-// Returns the rule for a pair of edges, and a bound on its error.
+// Returns the number of the rule for a pair of edges.
+//   In: together: p . q    Out: error: bound on the rule's error
 uint chooseRule(EdgeData p, EdgeData q, double together, out double error) {
   double square_p = dot(p.along, p.along), square_q = dot(q.along, q.along);
   if (square_p > square_q) {
@@ -48,7 +51,8 @@ uint chooseRule(EdgeData p, EdgeData q, double together, out double error) {
     square_p = square_q;
     square_q = s;
   }
-  // The inner integral, over the longer edge q, is analytic within this distance of p's middle, in halves of p.
+  // The inner integral, over the longer edge q, is analytic up to this distance (`clear`) from the middle of p, in
+  // units of half the length of p.
   dvec3 from = p.start + 0.5LF * p.along - q.start;
   dvec3 off = from - q.along * clamp(dot(from, q.along) / square_q, 0.0LF, 1.0LF);
   double clear = 2.0LF * sqrt(dot(off, off) / square_p);
@@ -69,7 +73,7 @@ void main() {
   dvec3 origin = meanCorner(sides.a);
   double distance = length(meanCorner(sides.b) - origin);
   dvec4 depths_a = depthsOf(sides.a, sides.b, sides.normal_b), depths_b = depthsOf(sides.b, sides.a, sides.normal_a);
-  if (areTouching(sides)) depths_a = depths_b = dvec4(1.0LF);  // the limit of a narrow gap, nothing behind
+  if (areTouching(sides)) depths_a = depths_b = dvec4(1.0LF);  // as across a narrow gap: nothing is cut off
   EdgeData edges_a[kMostEdges] =
       frontEdges(sides.a, depths_a, depthRounding(sides.b, distance + sides.a.radius), origin);
   EdgeData edges_b[kMostEdges] =

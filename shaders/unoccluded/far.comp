@@ -1,7 +1,7 @@
 #version 460
 // One invocation integrates one pair by a product Gauss rule:
 //   A_i F_ij = int_i int_j (n_j . (x - y)) (n_i . (y - x)) / (pi |y - x|^4) dy dx.
-//   In: shapes, pairs, a list of them     Out: areas
+//   In: shapes, pairs, list: indices of pairs     Out: areas
 #extension GL_GOOGLE_include_directive : require
 #include "unoccluded.glsl"
 
@@ -10,16 +10,18 @@ layout(constant_id = 0) const uint kPoints = 2u;
 layout(push_constant, scalar) uniform Args { FarArgs pushed; };
 FarArgs args;
 
-// Returns the coefficients of f + f_u u + f_v v + f_uv u v over the square, from its values at the corners.
+// Returns the coefficients (f, f_u, f_v, f_uv) of the function f + f_u u + f_v v + f_uv u v on the square.
+//   In: at: its values at the corners, in the order of ShapeData::corners
 dvec4 bilinear(dvec4 at) {
   return 0.25LF * dvec4(at.x + at.y + at.z + at.w, at.y + at.z - at.x - at.w, at.z + at.w - at.x - at.y,
                         at.x + at.z - at.y - at.w);
 }
 
+// A Patch is a polygon as functions of u and v, see ShapeData, about its middle.
 struct Patch {
-  dvec3 along_u, along_v, along_uv;
-  dvec4 depth;  // over the other's plane
-  dvec3 density;
+  dvec3 along_u, along_v, along_uv;  // a point is u along_u + v along_v + u v along_uv
+  dvec4 depth;                       // depth over the other polygon's plane, as `bilinear` returns it
+  dvec3 density;                     // ShapeData::density, density_u, density_v
 };
 
 Patch patchOf(ShapeData shape, dvec4 depths) {
@@ -32,7 +34,7 @@ Patch patchOf(ShapeData shape, dvec4 depths) {
   return made;
 }
 
-// Returns a point of the rule, from the patch's middle, with its weight.
+// Returns a point of the rule about the patch's middle and, in w, its weight times the area per du dv times its depth.
 dvec4 pointOf(Patch on, double u, double v, double weight) {
   double density = on.density.x + on.density.y * u + on.density.z * v;
   double depth = on.depth.x + on.depth.y * u + on.depth.z * v + on.depth.w * (u * v);
@@ -56,7 +58,7 @@ void main() {
   }
   double sum = 0.0LF;
   [[dont_unroll]] for (uint i = 0u; i < kPoints; ++i) {
-    // The loop does not read args.nodes[i]: software devices index slowly by a variable of a loop.
+    // Node i is selected here, because software devices are slow at indexing args.nodes by a loop's variable.
     double node = args.nodes[0], weight = args.weights[0];
     [[unroll]] for (uint k = 1u; k < kPoints; ++k) {
       node = i == k ? args.nodes[k] : node;

@@ -1,9 +1,10 @@
 #version 460
-// One invocation integrates ln r over one pair of edges, docs/method.md, eq. (38): the inner integral, over the longer
-// one, in closed form, the outer by a Gauss rule. Where the edges are close, p is cut where the inner integral is
-// singular, and the rule is graded towards both ends of each piece.
-//   In: edges, a list of their pairs, points     Out: values, rounding added to their errors Source: E. M. Sparrow, A
-//     new and simpler formulation for radiative angle factors, J. Heat Transfer 85(2), 1963, 81-87.
+// One invocation integrates ln r over one pair of edges p and q, docs/method.md, eq. (38). The inner integral, over the
+// longer edge q, has a closed form; the outer one takes a Gauss rule. Where the edges are close (kIsGraded), p is cut
+// at the points where the inner integral is singular, and the rule is graded towards both ends of each piece.
+//   In: edges, list: of pairs of edges, points     Out: values: value; error, to which rounding is added
+//   Source: E. M. Sparrow, A new and simpler formulation for radiative angle factors, J. Heat Transfer 85(2), 1963,
+//     81-87.
 #extension GL_GOOGLE_include_directive : require
 #include "unoccluded.glsl"
 #include "double_math.glsl"
@@ -14,10 +15,12 @@ layout(push_constant, scalar) uniform Args { LineArgs pushed; };
 LineArgs args;
 
 const uint kMostPieces = 4u;
-const double kUnit = 2.2e-16LF;  // rounding of double
-const double kLeast = 1e-290LF;  // stands for 0 where a logarithm or an angle is multiplied by it
+const double kUnit = 2.2e-16LF;  // relative rounding of double precision
+const double kLeast = 1e-290LF;  // replaces 0 in arguments of logarithms and angles, whose factor is then 0 as well
 
-// Returns the inner integral, and the magnitude of its terms, which may cancel.
+// Returns the inner integral over q for one point of p.
+//   In: from: the point less the start of q; direction: of q, unit length
+//   Out: magnitude: the sum of the sizes of its terms, which may cancel
 double innerIntegral(dvec3 from, dvec3 direction, double length_q, out double magnitude) {
   double along = dot(from, direction), rest = length_q - along;
   dvec3 across = cross(from, direction);
@@ -29,8 +32,9 @@ double innerIntegral(dvec3 from, dvec3 direction, double length_q, out double ma
   return first + last + turn;
 }
 
-// Returns the places where the inner integral over q is singular above p, as fractions of p, in order, between 0 and 1.
-// They are q's ends and, where the other line's foot lies within q, the place nearest to it.
+// Returns 0, three places in order, and 1, as fractions of p: the ends of the pieces of p. At the places the inner
+// integral is singular, or nearly so. They are the feet of q's ends on the line of p, and the point of this line that
+// is nearest to the line of q, if the nearest point there lies within q. Places beyond p are moved to its ends.
 double[kMostPieces + 1u] cutsOf(EdgeData p, EdgeData q) {
   dvec3 from = q.start - p.start, across = cross(p.along, q.along);
   double per_p = 1.0LF / dot(p.along, p.along), first = dot(from, p.along) * per_p,
@@ -63,7 +67,7 @@ void main() {
   dvec3 direction = q.along / length_q, from = p.start - q.start;
   double sum = 0.0LF, greatest = 0.0LF, low = 0.0LF;
   do {
-    // Returns the next end that leaves a piece of some length.
+    // The piece ends at the next place that leaves it any length.
     double high = 1.0LF;
     [[unroll]] for (uint k = kMostPieces; k > 0u; --k) if (cuts[k] > low) high = cuts[k];
     double part = 0.0LF;

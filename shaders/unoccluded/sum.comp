@@ -1,7 +1,8 @@
 #version 460
 // One invocation adds up the line integrals of one pair:  A_i F_ij = 1 / (2 pi) oint_i oint_j ln r ds . dt.
-//   In: shapes, pairs, near, values     Out: areas; lists of the pairs that need more points, or have not reached the
-//   accuracy with the most
+//   In: shapes, pairs, near, values
+//   Out: areas; again: pairs that need rules with more points; unreached: pairs that are not accurate with the most
+//     points
 #extension GL_GOOGLE_include_directive : require
 #include "unoccluded.glsl"
 

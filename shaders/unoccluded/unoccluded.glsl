@@ -1,5 +1,5 @@
-// The kernels of unoccluded form factors share pairs of sides, and the parts of two polygons that see each other's
-// front.
+// The kernels of unoccluded form factors share these buffers and functions, which load pairs of sides and measure
+// depths over planes.
 #extension GL_EXT_buffer_reference2 : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
@@ -17,16 +17,18 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Work { WorkL
 
 const double kPi = 3.14159265358979323846LF;
 
-// Sides are two sides, the lower number first, so that the order of a pair does not matter.
+// Sides are the two sides of a pair, the one with the lower number first, so that (i, j) and (j, i) have the same
+// result. Plane and tie rank of a shape are those of the side here.
 struct Sides {
   ShapeData a, b;
-  dvec3 normal_a, normal_b;  // of the sides
-  bool is_flipped;           // exactly one of them is a back
-  bool are_one;              // of the same polygon
+  dvec3 normal_a, normal_b;  // unit normals of the sides
+  bool is_flipped;           // exactly one of the sides is a back
+  bool are_one;              // both sides are of the same polygon
 };
 
-layout(binding = 0) uniform usamplerBuffer
-    texels;  // ShapeData[], or points of line rules: software devices fetch texels faster than they load words
+// The texels are ShapeData[], in line.comp the points of line rules. Software devices fetch texels faster than they
+// load words.
+layout(binding = 0) uniform usamplerBuffer texels;
 
 dvec2 fetchDoubles(uint texel) {
   uvec4 bits = texelFetch(texels, int(texel));
@@ -75,17 +77,19 @@ dvec3 meanCorner(ShapeData shape) {
   return 0.25LF * ((shape.corners[0] + shape.corners[1]) + (shape.corners[2] + shape.corners[3]));
 }
 
-// Returns the depths of a shape's corners over another's plane.
+// Returns the depths of the four corners of `shape` over the plane of `plane`.
+//   In: normal: the unit normal of the side that spans the plane
 dvec4 depthsOf(ShapeData shape, ShapeData plane, dvec3 normal) {
   dvec4 depths;
   [[unroll]] for (int k = 0; k < 4; ++k) depths[k] = dot(normal, shape.corners[k] - plane.corners[0]);
   return depths;
 }
 
-// Returns how far a depth over the plane of `plane` may be off by the rounding of its corners.
+// Returns how far a depth over the plane of a shape may be off, because the shape's corners are rounded.
+//   In: distance: from the shape's middle
 double depthRounding(ShapeData plane, double distance) { return kFrontRounding + plane.tilt * distance; }
 
-// Takes a place in a list.
+// Appends an entry to a list and returns its place.
 uint append(Work work) {
   uint at = atomicAdd(work.at.count, 1u);
   if (at % kUnoccludedGroupSize == 0u) atomicAdd(work.at.groups_x, 1u);
@@ -95,7 +99,7 @@ uint append(Work work) {
 double leastOf(dvec4 v) { return min(min(v.x, v.y), min(v.z, v.w)); }
 double greatestOf(dvec4 v) { return max(max(v.x, v.y), max(v.z, v.w)); }
 
-// Returns whether sides lie in one plane and face to face, as touching solids do.
+// Returns whether the sides lie in one plane, face to face, as the faces of touching solids do.
 bool areTouching(Sides sides) {
   return (sides.a.plane ^ sides.b.plane) == 1u && sides.a.tie_rank + sides.b.tie_rank < kLastTieRank;
 }

@@ -1,84 +1,85 @@
-// Host and shaders share these structs of unoccluded form factors, which are written once; C++ includes this through
+// The host and the shaders of unoccluded form factors share these structs and constants. C++ includes this file through
 // host/unoccluded/shared.h.
 
-// A ShapeData is a polygon as a bilinear image of the square -1..1 x -1..1; a triangle's last corner stands twice.
+// A ShapeData is a polygon as a bilinear image of the square of coordinates u and v from -1 to 1. A triangle's last
+// corner stands twice. Lengths are in unit-ball units.
 struct ShapeData {
-  dvec3 corners[4];  // of (-1,-1), (1,-1), (1,1), (-1,1); unit-ball units
-  dvec3 normal;      // of the front, unit length
-  double density;    // area per du dv = density + density_u u + density_v v
+  dvec3 corners[4];  // images of (-1, -1), (1, -1), (1, 1), (-1, 1)
+  dvec3 normal;      // unit normal of the front
+  double density;    // area per du dv is density + density_u u + density_v v
   double density_u;
   double density_v;
-  double reach;   // largest distance from the middle of a line of constant v (or u) to its ends
-  double radius;  // of the corners about their mean
-  double skew;    // largest |slope| / value, at the middle of such a line, of the density along it; 0..1
-  double tilt;    // how far rounded corners may tilt the plane: depth per distance
+  double reach;   // half of the longest line along which only u, or only v, changes
+  double radius;  // greatest distance of a corner from the mean of the corners
+  double skew;    // greatest |slope| / value of the density at the middle of such a line, 0 to 1
+  double tilt;    // how much rounding of the corners may tilt the plane: depth per distance
   double area;
-  uint plane;     // twice the scene's plane, and one where the front looks against its normal
-  uint tie_rank;  // of the front, see placeAtTie
+  uint plane;     // twice the index of the scene's plane, plus 1 where the front looks against its normal
+  uint tie_rank;  // tie rank of the front, see placeAtTie
 };
 
 const uint kLastTieRank = 7u;
 
-const uint kShapeTexels = 12u;  // of 16 bytes
+const uint kShapeTexels = 12u;  // a ShapeData is this many texels of 16 bytes
 
-// Side 2k is the front of polygon k, side 2k + 1 its back.
+// A SidePairData is a pair of sides. Side 2k is the front of polygon k, side 2k + 1 its back.
 struct SidePairData {
   uint i, j;
 };
 
-const double kFrontRounding = 8.881784197001252e-16;  // 2^-50: a depth within this of a plane lies in it
+const double kFrontRounding = 8.881784197001252e-16;  // 2^-50: a point nearer to a plane than this lies in it
 
-// Product Gauss rules have these numbers of points along each of the four coordinates.
+// Product Gauss rules have kFewestFarPoints to kMostFarPoints points along each of the four coordinates.
 const uint kFewestFarPoints = 2u;
 const uint kFarRules = 5u;
 const uint kMostFarPoints = kFewestFarPoints + kFarRules - 1u;
 
-// FarBound holds the coefficients of the bound on a product rule's error, see classify.comp.
+// A FarBound holds the coefficients of the bound (37) on a product rule's error, see errorOf in classify.comp.
 struct FarBound {
   float even, odd, skew, tail;
 };
 
-const float kFarError = 9e-7f;  // bound on a product rule's relative error; the rest up to 1e-6 is for rounding
+const float kFarError = 9e-7f;  // largest relative error of a product rule; rounding has the rest up to 1e-6
 
-// A kernel appends to this list, and the next one works it off, one invocation an entry.
 const uint kUnoccludedGroupSize = 64u;
 
+// A WorkList is the head of a list: one kernel appends entries, and the next one takes them, one an invocation.
 struct WorkList {
-  uint groups_x, groups_y, groups_z;  // as an indirect dispatch reads it
-  uint count;
+  uint groups_x, groups_y, groups_z;  // workgroups of the next kernel, as an indirect dispatch reads them
+  uint count;                         // entries
 };
 
 const uint kWorkListBytes = 16u;
 
-const uint kLineRules = 4u;  // the last is graded, see host/unoccluded/line_rules.h
+const uint kLineRules = 4u;  // three plain Gauss rules and a graded one, see host/unoccluded/line_rules.h
 
-// Lists of pairs: one for each product rule, then those integrated along their contours.
+// There is a list of pairs for each product rule, and a last one of pairs that are integrated along their contours.
 const uint kNearList = kFarRules;
 const uint kPairLists = kFarRules + 1u;
 
 struct UnoccludedStatus {
   WorkList pairs[kPairLists];
   WorkList lines[kLineRules];
-  uint again;      // pairs whose line integrals need more points
-  uint unreached;  // pairs
+  uint again;      // number of pairs whose line integrals need more points
+  uint unreached;  // number of pairs that did not reach their accuracy with the most points
 };
 
-// The part of a polygon in front of a plane has at most five edges; a pair's line integrals are those over all pairs of
-// edges.
+// The part of a polygon in front of a plane has at most five edges. A pair has a line integral over every pair of an
+// edge of one polygon's part and an edge of the other's.
 const uint kMostEdges = 5u;
 const uint kEdgePairs = kMostEdges * kMostEdges;
 
 struct EdgeData {
-  dvec3 start, along;  // from the middle of the pair's first polygon; of length 0 where there is no such edge
+  dvec3 start, along;  // start in coordinates about the middle of the pair's first polygon; along is 0 for no edge
 };
 
 struct LineValue {
   double value;
-  double error;  // bound
+  double error;  // bound on the error of `value`
 };
 
 struct UnreachedData {
-  double error;  // of the exchange area
+  double error;  // bound on the error of the exchange area, unit-ball units squared
   uint pair;
   uint padding;
 };
@@ -93,31 +94,32 @@ struct ClassifyArgs {
 
 struct FarArgs {
   uint64_t pairs;
-  uint64_t areas;                  // double[]
+  uint64_t areas;                  // double[pair_count]: exchange areas, unit-ball units squared
   uint64_t list;                   // uint[work.count]
   uint64_t work;                   // WorkList
-  double nodes[kMostFarPoints];    // on -1..1
-  double weights[kMostFarPoints];  // sum 2
+  double nodes[kMostFarPoints];    // of the Gauss rule on [-1, 1]
+  double weights[kMostFarPoints];  // their sum is 2
 };
 
 struct EdgesArgs {
   uint64_t pairs;
-  uint64_t near;        // uint[near_count]
-  uint64_t edges;       // EdgeData[near_count][2 kMostEdges]: of the first polygon, then of the second
+  uint64_t near;        // uint[near_count]: indices of the pairs that are integrated along their contours
+  uint64_t edges;       // EdgeData[near_count][2 kMostEdges]: edges of the first polygon, then of the second
   uint64_t values;      // LineValue[near_count][kEdgePairs]
-  uint64_t lists;       // uint[kLineRules][near_count kEdgePairs], into values
+  uint64_t lists;       // uint[kLineRules][near_count kEdgePairs]: for each rule, places in `values`
   uint64_t work;        // WorkList[kLineRules]
-  double graded_error;  // of the graded rule, per |p| |q|
+  double graded_error;  // error of the graded rule for edges p and q, in units of |p . q|
   uint near_count;
-  uint plain_points[3];  // of the other rules
+  uint plain_points[3];  // points of the three plain rules
 };
 
 struct LineArgs {
   uint64_t edges;
   uint64_t list;
   uint64_t values;
-  uint64_t work;     // WorkList
-  uint first_point;  // of the rule, among the points read as texels: nodes on 0..1, each with its weight; sum 1
+  uint64_t work;  // WorkList
+  // The rule's points begin at this texel. A point is a node in [0, 1] and its weight; the weights add up to 1.
+  uint first_point;
   uint point_count;
 };
 
@@ -126,9 +128,9 @@ struct SumArgs {
   uint64_t near;
   uint64_t values;
   uint64_t areas;
-  uint64_t again;      // uint[]
+  uint64_t again;      // uint[]: indices of pairs that need more points
   uint64_t unreached;  // UnreachedData[]
   uint64_t status;
   uint near_count;
-  uint is_last;  // 1 where there is no rule with more points
+  uint is_last;  // 1 where no further round has more points
 };
