@@ -17,31 +17,32 @@ namespace viewpeel {
 
 struct RunSums;
 
-// Settings decide about the counts of a run, by name, in words. Two runs with the same settings count the same in the
-// same replicate.
+// Settings are name and value, as text, of everything that decides about the counts of a run. Two runs with the same
+// settings have the same counts in the same replicate.
 using Settings = std::vector<std::pair<std::string, std::string>>;
 
-// Progress says how far a run is.
+// Progress says how far a run has come.
 struct Progress {
-  uint64_t replicates = 0;                   // complete ones; blocks of a guarantee
+  uint64_t replicates = 0;                   // complete replicates; for a guarantee complete blocks
   double largest_standard_error = INFINITY;  // over all form factors; infinite before it is measured
-  // The counts are of directions of the replicate in progress that are done, and of all its directions. The latter is 0
-  // for a pilot.
+  // These are the directions counted in the current replicate, and the directions that it has in all. The second number
+  // is 0 during a pilot.
   uint64_t directions = 0, directions_of_replicate = 0;
   uint64_t expected_blocks = 0, most_blocks = 0;  // of a guarantee
 };
 
 // An Observer watches a run. Each function may be empty.
 struct Observer {
-  // The run calls it often, from any thread. If it returns true the run ends, and the replicate in progress is dropped.
+  // The run calls this often, from any thread. If it returns true the run ends, and the current replicate is dropped.
   std::function<bool()> should_stop;
   std::function<void(const Progress&)> on_progress;
-  // The run's own thread calls it before (true) and after (false) each call of the engine, once there is a plan. In
-  // between the run's results stay as they are: another thread may look at them. It must not throw.
+  // Once there is a plan, the run's own thread calls this before (true) and after (false) each call of the engine.
+  // Between the two calls the run's results do not change, so another thread may read them. The function must not
+  // throw.
   std::function<void(bool begins)> on_count;
 };
 
-// A FormFactorRun is a run in steps. It refers to the scene, which has to outlive it.
+// A FormFactorRun computes form factors step by step. The scene must outlive it.
 //   FormFactorRun run(scene, request);
 //   while (!run.isDone()) run.step();
 //   Result result = run.result();
@@ -56,56 +57,59 @@ class FormFactorRun {
 
   // Returns the request, with every open choice settled.
   const Request& request() const;
-  // Returns the plan. Before makePlan() it has engine, sampling and sampler alone.
+  // Returns the plan. Before makePlan() only its engine, sampling and sampler are set.
   const PlanSummary& plan() const;
-  // Returns the device of an engine that needs one; else nullptr.
+  // Returns the device that the engine uses; nullptr where the engine uses none.
   const DeviceDescription* device() const;
 
-  // Returns the settings that a checkpoint keeps: some before the plan, all of them afterwards.
-  //   Throws: Error bad_usage for runs that checkpoints cannot keep: medians.
+  // Returns the settings that a checkpoint keeps. Before makePlan() the settings that the plan chooses are missing.
+  //   Throws: Error bad_usage for a median, which checkpoints cannot keep.
   Settings settings() const;
-  // Goes on with the plan of an earlier run of the same scene and request, and after its replicates. Call it before
+  // Continues an earlier run of the same scene and request: with its plan, and after its replicates. Call it before
   // makePlan().
-  //   In: a file of writeCheckpoint of the earlier run, or of `viewpeel merge`    Out: the replicates in it, in words:
-  //     "0 to 7"
-  //   Throws: Error bad_input where the file is no checkpoint, or damaged; Error bad_usage where it is of another run.
+  //   In: checkpoint: a file that writeCheckpoint() or `viewpeel merge` has written
+  //   Out: the replicates in the file, as text: "0 to 7"
+  //   Throws: Error bad_input where the file is no checkpoint, or is damaged; Error bad_usage where it is of another
+  //     run.
   std::string resumeFrom(const std::filesystem::path& checkpoint);
   // Writes the sums to a file. Call it after the first step.
-  //   Throws: Error output; the file is then as it was before.
+  //   Throws: Error output; the file then stays as it was.
   //   Cost: about 40 bytes of disk a nonzero pair (formats.md).
   void writeCheckpoint(const std::filesystem::path& file) const;
 
-  // Plans lattices, directions and blocks, once; later calls return the same plan.
+  // Plans lattices, directions and blocks. Later calls return the same plan.
   //   Throws: Error bad_usage where the goal is out of reach; Error device, Error limit.
   //   Cost: pilots of about a tenth of the run.
   const PlanSummary& makePlan();
-  // Finds visibilities and unoccluded form factors before the first replicate; nullptr where the run has no prior.
-  // Plans first.
+  // Finds visibilities and unoccluded form factors before the first replicate. It calls makePlan() first.
+  //   Out: their summary; nullptr where the run uses none
   const PriorSummary* findPrior();
-  // Returns the time of all replicates of the request, in seconds, from a few directions. Plans first.
+  // Returns the predicted time of all replicates of the request, s. It calls makePlan() first, and times a few
+  // directions.
   double measureSeconds();
 
   // Returns a few lines about how the engine divides its work and how much memory it takes. Call it after makePlan().
   std::string division() const;
   // Returns true where the goal is reached, or the run was stopped.
   bool isDone() const;
-  // Counts one replicate, or some blocks of a guarantee. Plans and finds the prior first.    Throws: as makePlan().
+  // Counts one replicate, or some blocks of a guarantee. The first call plans and finds the prior.    Throws: as
+  // makePlan().
   void step();
   // Returns true where the observer stopped the run.
   bool isInterrupted() const;
-  // Returns the number of complete replicates or blocks, those resumed included.
+  // Returns the number of complete replicates or blocks. Those of a resumed checkpoint are included.
   uint64_t replicateCount() const;
   // Returns all counts, for the library's own use. Call it after the first step.
   const RunSums& sums() const;
 
-  // Returns the result of the replicates up to now, without the work. Call it after the first step; from any thread
-  // where Observer::on_count allows it.
+  // Returns the result of the replicates so far, without the engine's work. Call it after the first step. Another
+  // thread may call it while Observer::on_count allows it.
   Result resultSoFar() const;
-  // Returns the result with the engine's work, and with the guarantee where the run reached it. There are no form
-  // factors before the first step, as after an early stop.
-  //   Throws: Error device where the validation layer found fault: there is never a result beside it.
+  // Returns the result with the engine's work, and with the guarantee where the run reached it. Where the run was
+  // stopped before its first step, the result has no form factors.
+  //   Throws: Error device where the validation layer reported a fault.
   Result result();
-  // Refuses a device with whose use the validation layer found fault.    Throws: Error device.
+  // Throws Error device where the validation layer has reported a fault in the use of the device.
   void checkDevice() const;
 
  private:
@@ -113,22 +117,23 @@ class FormFactorRun {
   std::unique_ptr<State> state_;
 };
 
-// Returns what a file of results says of a run beside its form factors: settings, and the amount that was counted.
-//   In: settings: of a run or checkpoint, names with dashes; estimate: of the same run
-//   Out: OutputContent::parameters: names without dashes; an option that was given several times has all its values
+// Returns what a file of results says about a run beside its form factors: its settings, and how much it counted.
+//   In: settings: of a run or a checkpoint, with names as options ("--seed"); estimate: of the same run
+//   Out: OutputContent::parameters, with names without dashes. An option that was given several times has all its
+//     values.
 //   Error, Throws: none.    Cost: O(settings).
 std::vector<std::pair<std::string, std::string>> parametersOf(const Settings& settings, const Estimate& estimate);
-// The same of a run that began; one that no checkpoint can keep has fewer settings.
+// Returns the same for a run that has begun. A median, which no checkpoint can keep, has fewer settings.
 std::vector<std::pair<std::string, std::string>> parametersOf(const FormFactorRun& run, const Estimate& estimate);
 
 // Computes F_ij = (2 / A_i) E[A'_ij(u)] of all pairs of the request (Pellegrini 1997, sections 4.3 and 5.1), as
 // `viewpeel compute` does.
-//   It plans, and uses unoccluded form factors times visibilities where this pays. Pairs that common directions hardly
-//     hit get directions of their own.
-//   In: scene as from loadScene or buildScene    Out: see Result
-//   Error: as the goal demands; unbiased at any spacing and number of directions, but for the small bias of
-//     visibilities (docs/method.md, section 6). Tests: tests/unit/front_door_test.cpp; tests/consumer compares it with
-//     the program's files.
+//   It plans the run. Where this takes less time, a form factor is the product of an unoccluded form factor and a
+//     visibility, and pairs get lines or directions of their own.
+//   In: scene: from loadScene() or buildScene()    Out: see Result
+//   Error: as the goal demands. The estimate is unbiased at any spacing and number of directions, except for the small
+//     bias of visibilities (docs/method.md, section 6). Tests: tests/unit/front_door_test.cpp; tests/consumer compares
+//     the result with the program's files.
 //   Throws: as FormFactorRun.
 //   Cost: replicates x directions projections of the scene; memory O(nonzero pairs) beside the engine's.
 //   Source: M. Pellegrini, Monte Carlo approximation of form factors with error bounded a priori, Discrete &

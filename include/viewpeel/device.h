@@ -1,4 +1,4 @@
-// This header lists Vulkan devices, and says how one is chosen.
+// listDevices() lists the Vulkan devices of this machine. DeviceOptions choose one.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -6,26 +6,27 @@
 
 namespace viewpeel {
 
-// A DeviceDescription is one physical device as `viewpeel devices` lists it.
+// A DeviceDescription describes one physical device, as `viewpeel devices` lists it.
 struct DeviceDescription {
   uint32_t index = 0;
   std::string name;
   std::string kind;     // "discrete gpu", "integrated gpu", "virtual gpu", "cpu", "other"
-  std::string driver;   // name and version
+  std::string driver;   // name and version of the driver
   std::string api;      // Vulkan version
-  std::string refusal;  // why it cannot be used; empty where it can
+  std::string refusal;  // why the device cannot be used; empty for a usable device
 };
 
 // Lists every physical device that the Vulkan loader finds.
-//   In: nothing    Out: in the loader's order, refused ones too    Error: none.
+//   Out: the devices in the loader's order, with those that cannot be used    Error: none.
 //   Throws: Error device where there is no Vulkan loader or driver.
 //   Cost: loads the drivers, some 10 ms.
 std::vector<DeviceDescription> listDevices();
 
 // DeviceOptions choose a device.
 struct DeviceOptions {
-  // The selector is an index of listDevices(), part of the name, "cpu" or "gpu". Where it is empty, the environment
-  // variable VIEWPEEL_DEVICE decides, else the kind: the best one.
+  // The selector is an index of listDevices(), part of a name, "cpu" or "gpu". Where it is empty, the environment
+  // variable VIEWPEEL_DEVICE is the selector. Where that is empty, too, the first device of the best kind is chosen:
+  // discrete gpu, integrated gpu, virtual gpu, cpu.
   std::string selector;
   // The validation layer runs with synchronisation validation. The environment variable VIEWPEEL_VALIDATION=1 switches
   // it on, too.

@@ -1,9 +1,9 @@
-// An engine counts facing pairs along directions, whichever way it finds them.
+// An Engine counts facing pairs of polygons along directions. Every kind of engine has this interface.
 //
-// On a line through several polygons two of them face each other where the front of the nearer looks ahead and the
-// front of the farther looks back. They count as a facing pair where they are consecutive, and as blocked where others
-// lie between them. Facing and blocked lines together are all lines on which two fronts look at each other. Along one
-// direction they are the common part of two projections, whatever else the scene holds.
+// Take a line through several polygons. Two of them face each other if the front of the nearer one looks along the line
+// and the front of the farther one looks back. If no polygon lies between the two, they are a facing pair, else a
+// blocked pair. Facing and blocked lines together are all lines on which two fronts look at each other. Along one
+// direction these lines are the overlap of the two projections, whatever else the scene holds.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -20,18 +20,19 @@
 
 namespace viewpeel {
 
-// A Direction is one projection: along u onto the plane of x_axis and y_axis, which carries the lattice.
+// A Direction describes one parallel projection: along u, onto the plane of x_axis and y_axis, which carries the
+// lattice.
 struct Direction {
   glm::dvec3 x_axis, y_axis, u;  // orthonormal, right-handed
-  glm::dvec2 offset;             // of the lattice, in spacings, each in [0, 1)
-  uint32_t weight = 1;           // of all counts along it
+  glm::dvec2 offset;             // offset of the lattice, in spacings, each coordinate in [0, 1)
+  uint32_t weight = 1;           // every count along this direction is multiplied by it
 };
 
 // A PairCount holds an engine's counts of a pair of ids, summed over directions; area = count x Engine::unitArea().
 struct PairCount {
   uint32_t i, j;   // i <= j
-  uint64_t count;  // of lines on which they are consecutive and face each other
-  // An engine that counts blocked pairs has here the lines on which they face each other with others between them.
+  uint64_t count;  // lines on which they are a facing pair
+  // Lines on which they are a blocked pair; 0 where the engine does not count blocked pairs.
   uint64_t blocked = 0;
 
   void add(const PairCount& other) {
@@ -40,32 +41,32 @@ struct PairCount {
   }
 };
 
-// PairCounts have every pair that lines hit, sorted by (i, j), at most once, and none with both counts 0.
+// PairCounts lists the pairs that lines hit, each once, sorted by (i, j). No entry has two counts of 0.
 using PairCounts = std::vector<PairCount>;
 
-// Work counts the steps of an engine.
+// Work says how much an engine did.
 struct Work {
   uint64_t directions = 0;
-  uint64_t lattice_points = 0;  // of the tiles, or with scanlines their rows, that hold anything
-  uint64_t tiles = 0;           // in all windows
-  uint64_t active_tiles = 0;    // of the compute engine with scanlines, parts of tiles
-  uint64_t list_entries = 0;    // polygons in tiles
-  uint64_t rows = 0;            // of tiles, that hold a span
-  uint64_t spans = 0;           // polygons in rows
-  uint64_t samples = 0;         // lattice points or intervals peeled
-  uint64_t rounds = 0;          // over the samples of one subgroup
-  uint64_t tests = 0;           // of a sample against a span
+  uint64_t lattice_points = 0;  // lattice points in tiles that hold a polygon; with scanlines in rows that hold one
+  uint64_t tiles = 0;           // tiles of all windows
+  uint64_t active_tiles = 0;    // tiles that hold a polygon; parts of tiles in the compute engine with scanlines
+  uint64_t list_entries = 0;    // polygons in tiles, summed over tiles
+  uint64_t rows = 0;            // lattice rows of tiles that a polygon covers in part
+  uint64_t spans = 0;           // polygons in rows, summed over rows
+  uint64_t samples = 0;         // lattice points or intervals that were peeled
+  uint64_t rounds = 0;          // loops over the samples of one subgroup
+  uint64_t tests = 0;           // tests of a sample against a span
   uint64_t fragments = 0;       // samples that a span covers: layers
-  uint64_t gaps = 0;            // between consecutive layers, counted ones: facing pairs, environment and leak
-  uint64_t repeats = 0;         // batches done again because something had to grow
-  uint64_t resumed = 0;         // dispatches that went on with unfinished tiles
-  uint64_t memory_bytes = 0;    // on the device
+  uint64_t gaps = 0;            // gaps between consecutive layers that were counted: facing pairs, environment and leak
+  uint64_t repeats = 0;         // batches that were repeated because a buffer had to grow
+  uint64_t resumed = 0;         // dispatches that continued unfinished tiles
+  uint64_t memory_bytes = 0;    // memory of the device
   std::vector<std::pair<std::string, double>> pass_seconds;
 };
 
-struct LatticeOptions;  // only engines that count lattice points use them
+struct LatticeOptions;  // options of engines that count lattice points or scanlines
 
-// An engine is of one of these kinds.
+// EngineKind lists the kinds of engine.
 enum class EngineKind {
   automatic,  // compute on a GPU or on the request's device, else host
   compute,    // depth peeling in compute shaders
@@ -74,20 +75,21 @@ enum class EngineKind {
   exact,      // exact areas, by an engine that the caller brings
 };
 
-// The estimator needs no more of an engine, whichever way it finds the facing pairs. Calls come one at a time, from any
-// thread.
+// The estimator uses an engine through this interface. It makes one call at a time, from any thread.
 class Engine {
  public:
   virtual ~Engine() = default;
 
-  // Sums the measures of all facing pairs, environment and leak over the directions, and of blocked pairs where the
-  // engine was made to. Sums are integers, so the result is independent of how the engine groups its work.
-  //   In: directions, any number    Out: counts; area in P(u) = count x unitArea()
+  // Counts all facing pairs, environment and leak along the directions, and blocked pairs where the engine was made to
+  // count them. Counts are integers, so the result does not depend on how the engine groups its work.
+  //   In: directions: any number    Out: the counts, summed over directions. count x unitArea() is an area in the plane
+  //     of projection.
   //   Throws: Error device, Error limit.
   virtual PairCounts count(std::span<const Direction> directions) = 0;
 
-  // Counts every block_directions of the directions, in order, as count() counts each block.
-  //   In: a multiple of block_directions    Throws: as count().
+  // Counts blocks of directions: the first block_directions of them, the next, and so on. Each block has the result of
+  // count().
+  //   In: directions: a multiple of block_directions    Throws: as count().
   virtual std::vector<PairCounts> countBlocks(std::span<const Direction> directions, size_t block_directions) {
     std::vector<PairCounts> blocks;
     for (size_t first = 0; first < directions.size(); first += block_directions)
@@ -95,18 +97,18 @@ class Engine {
     return blocks;
   }
 
-  // Returns the area of one count, unit-ball units squared.
+  // Returns the area that one count stands for, in unit-ball units squared.
   virtual double unitArea() const = 0;
 
-  // Returns the work up to now where the engine was made to measure it; else nullptr.
+  // Returns the work done so far, if the engine was made to measure it; else nullptr.
   virtual const Work* work() const { return nullptr; }
   // Returns a few lines about how the engine has divided its work and how much memory it takes.
   virtual std::string describePlan() const { return {}; }
 };
 
-// An EngineFactory makes an engine that counts by these ids. Scene and ids outlive it.
-//   In: ids: as from makeIds, with roles where a question restricts them
-//   Throws: Error bad_usage, device, memory or limit where there can be none.
+// An EngineFactory makes an engine that counts by these ids. The scene and the ids must outlive the engine.
+//   In: ids: as makeIds() returns them, perhaps restricted to a question
+//   Throws: Error bad_usage, device, memory or limit where no engine can be made.
 using EngineFactory =
     std::function<std::unique_ptr<Engine>(const Scene& scene, const Ids& ids, const LatticeOptions& options)>;
 

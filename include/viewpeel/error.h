@@ -5,20 +5,20 @@
 
 namespace viewpeel {
 
-// An ErrorCode lets the caller act on an error. The program maps bad_input and bad_usage to exit status 2, the rest to
-// 1.
+// An ErrorCode lets the caller act on an error. The program ends with exit status 2 for bad_input and bad_usage, and
+// with 1 for the other codes.
 enum class ErrorCode {
   bad_input,  // a file says something that is not a scene, or not a checkpoint
   bad_usage,  // a request contradicts itself, or names an absent surface, face or file
   device,     // no Vulkan device can be used, or a call of its driver failed
-  memory,     // the device has not enough of it
+  memory,     // the device has not enough memory
   output,     // a file cannot be written
-  limit,      // more than the library can count or hold
-  check,      // results contradict a check
+  limit,      // the library cannot count or hold this much
+  check,      // a result contradicts a check
 };
 
-// Error is the one exception type of the library. The message is one line. It names the file, line, polygon or device
-// concerned, and the remedy.
+// Every exception that the library throws is an Error. Its message is one line, which names the file, line, polygon or
+// device, and the remedy.
 class Error : public std::runtime_error {
  public:
   Error(ErrorCode code, const std::string& message) : std::runtime_error(message), code_(code) {}

@@ -1,4 +1,4 @@
-// The form factors of a result are sparse and symmetric, and have standard errors.
+// FormFactors stores the form factors of a result sparsely, each with its standard error.
 #pragma once
 #include <cstdint>
 #include <utility>
@@ -8,21 +8,22 @@
 
 namespace viewpeel {
 
-// Measured is a mean over R replicates and the standard error of this mean. Its 95 % interval is value +- t
-// standard_error with Student's t of R - 1 degrees of freedom, 2.36 for 8 replicates. The spread of few replicates is
-// itself uncertain. Coverage: bench/programs/coverage.cpp.
+// A Measured is a mean over R replicates, with its standard error. The 95 % interval is value +- t standard_error.
+// Student's t has R - 1 degrees of freedom, because few replicates measure their spread badly: t is 2.36 for 8
+// replicates. Coverage: bench/programs/coverage.cpp.
 struct Measured {
   double value = 0;
   double standard_error = 0;
 };
 
-// An Interval holds a true value with the probability of a guarantee, all intervals of a result at once.
+// An Interval of a guarantee holds the true value. All intervals of a result hold together with the guarantee's
+// probability.
 struct Interval {
   double lower = 0, upper = 0;
 };
 
-// FormFactors holds the form factors of n ids. One symmetric quantity is stored per pair, the exchange area A_i F_ij =
-// A_j F_ji. So reciprocity holds by construction: exchangeArea(i, j) and exchangeArea(j, i) are one number.
+// FormFactors holds the form factors of n ids. It stores one number per pair, the exchange area A_i F_ij = A_j F_ji. So
+// reciprocity is exact.
 class FormFactors {
  public:
   struct Entry {
@@ -30,10 +31,11 @@ class FormFactors {
     Measured exchange_area;  // input units squared
   };
 
-  // Takes the entries as they are.
-  //   In: entries sorted by (i, j), every pair at most once, input units squared; row_sums: one for each id; intervals:
-  //   of a guarantee, one for each entry's exchange area, or none; unlisted_bound: of such intervals, on form factors
-  //   of pairs without an entry, from the smaller id
+  // Stores the entries.
+  //   In: entries: sorted by (i, j), every pair at most once, in input units squared; row_sums: sum_j F_ij, one for
+  //     each
+  //   id; intervals: those of a guarantee for the exchange area of each entry, or none; unlisted_bound: with intervals,
+  //   a bound on the form factor, from the smaller id, of every pair without an entry
   FormFactors(Ids ids, std::vector<Entry> entries, std::vector<Measured> row_sums, std::vector<Interval> intervals = {},
               double unlisted_bound = 0);
 
@@ -51,10 +53,10 @@ class FormFactors {
   bool hasIntervals() const { return !intervals_.empty(); }
   // Returns the intervals of exchange areas, one for each entry, or none.
   const std::vector<Interval>& intervals() const { return intervals_; }
-  // Returns the bound of a guarantee on form factors of pairs without an entry, from the smaller id.
+  // Returns the bound that a guarantee gives for pairs without an entry, on the form factor from the smaller id.
   double unlistedBound() const { return unlisted_bound_; }
-  // Returns the interval of F_ij. A pair without an entry is surely 0 after pair lines, and at most the bound of the
-  // guarantee after common directions.    In: as formFactor    Cost: O(log nonzeros).
+  // Returns the interval of F_ij. For a pair without an entry it is [0, unlistedBound() scaled to row i].
+  //   In: i, j: as for formFactor    Cost: O(log nonzeros).
   Interval interval(uint32_t i, uint32_t j) const;
   // Returns sum_j F_ij of each row, environment and leak included; its expectation is 1.
   const std::vector<Measured>& rowSums() const { return row_sums_; }

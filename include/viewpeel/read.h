@@ -1,4 +1,4 @@
-// Results are read back from a file.
+// readResult() reads the results that an earlier run has written.
 #pragma once
 #include <filesystem>
 #include <optional>
@@ -10,20 +10,20 @@
 
 namespace viewpeel {
 
-// A StoredResult is all that a .h5 of results says of form factors.
+// A StoredResult holds everything about form factors that a .h5 of results says.
 struct StoredResult {
-  FormFactors form_factors;                // its ids know no polygons: Ids::of_polygon is empty
+  FormFactors form_factors;                // Ids::of_polygon is empty: the file does not list polygons by id
   std::optional<FormFactors> balanced;     // balanced form factors, where the file has them
-  std::vector<std::string> surface_names;  // of the indices in Ids::surface
-  // Each is a name and a value, in words: OutputContent::parameters, and closure.
+  std::vector<std::string> surface_names;  // names that Ids::surface is an index of
+  // Each is a name and a value as text: OutputContent::parameters, and the closure of the rows.
   std::vector<std::pair<std::string, std::string>> parameters;
 };
 
 // Reads form factors from a .h5 that writeFormFactors or the program has written.
 //   In: file: .h5    Out: the rows, entries, standard errors and intervals that were written
-//   Error: an exchange area is A_i times the F_ij stored: one rounding, another where it is divided by A_i again.
+//   Error: an exchange area is A_i times the stored F_ij, with one rounding. Dividing by A_i again adds another one.
 //     Tests: tests/files/read_result_test.cpp.
-//   Throws: Error bad_input, naming the file and the remedy, where it is no .h5 of results, cut off or damaged.
+//   Throws: Error bad_input, naming the file and the remedy, where the file is no .h5 of results, cut off or damaged.
 //   Cost: O(nonzeros log nonzeros) work, O(nonzeros) memory.
 StoredResult readResult(const std::filesystem::path& file);
 

@@ -1,4 +1,4 @@
-// Directions and samples have these kinds and limits.
+// This header names the ways to draw directions and to sample along one, and their limits.
 #pragma once
 #include <array>
 #include <string>
@@ -6,19 +6,19 @@
 
 namespace viewpeel {
 
-// A Sampler draws the set of directions of a replicate, each direction uniform on the sphere by itself.
+// A Sampler draws the directions of a replicate. By itself, each direction is uniform on the sphere.
 enum class Sampler {
   iid,        // independent: the paper's own (Pellegrini 1997, section 5)
   fibonacci,  // spherical Fibonacci lattice under one random rotation (Marques et al. 2013; rotation: Shoemake 1992)
-  // It draws independent directions, one in each of `count` regions of equal area under one random rotation: zones cut
-  // into cells (Leopardi 2006).
+  // The sphere is cut into as many regions of equal area as there are directions: zones, cut into cells (Leopardi
+  // 2006). Each region gets one independent direction. One random rotation turns all of them.
   jittered,
-  // It takes the first two dimensions of Sobol's sequence, scrambled (Owen 1995), through the equal-area map of the
-  // cylinder; rotated, too.
+  // The first two dimensions of Sobol's sequence, scrambled (Owen 1995), go through the equal-area map from the
+  // cylinder to the sphere. One random rotation turns all directions.
   sobol,
 };
 
-// The program has these names for them.
+// The program's options use these names.
 inline constexpr std::array<std::pair<const char*, Sampler>, 4> kSamplerNames = {{{"fibonacci", Sampler::fibonacci},
                                                                                   {"jittered", Sampler::jittered},
                                                                                   {"sobol", Sampler::sobol},
@@ -26,25 +26,27 @@ inline constexpr std::array<std::pair<const char*, Sampler>, 4> kSamplerNames = 
 // Returns the name of a sampler: "fibonacci" and so on.    Cost: O(1).
 std::string nameOf(Sampler sampler);
 
-// A direction is sampled in one of two ways.
+// A projection along a direction is sampled in one of two ways.
 enum class Sampling {
-  lattice,  // points, each of weight one
-  // Samples are the intervals of lattice rows between two ends of polygons, cut every 32 columns, with their lengths as
-  // weights.
+  lattice,  // samples are lattice points, each of weight 1
+  // Samples are intervals of lattice rows, weighted by their length. An interval ends where a polygon begins or ends,
+  // and every 32 columns.
   scanline,
 };
 
-// The finest lattice of a whole scene has this resolution. One of 2043 x 2043 points is the largest whose groups of 64
-// every device can dispatch in one row (65,535).
+// The finest lattice of a whole scene has this resolution: the number of spacings across the unit ball's diameter.
+// Every device can dispatch 65,535 workgroups in one row. With 64 points each that is enough for up to 2043 x 2043
+// points.
 constexpr int kMaxResolution = 2039;
 
-// The finest lattice of a window leaves corners across the whole scene 4 bits after the point.
+// A window may have a lattice of up to this resolution. The snapped corners of the whole scene then keep 4 bits for
+// fractions of a spacing.
 constexpr int kMaxWindowResolution = 1 << 20;
-constexpr int kMostWindowPoints = 8192;  // across a window
-// Scanlines in windows are coarser: corners keep the 10 bits that ends of intervals have.
+constexpr int kMostWindowPoints = 8192;  // lattice points across a window
+// With scanlines the limit is lower, because the ends of intervals need 10 bits for fractions of a spacing.
 constexpr int kMaxScanlineResolution = 1 << 14;
 
-// Returns the finest resolution of windows: lattice spacings across the scene's diameter, at most.
+// Returns the finest resolution that a window may have.
 constexpr int maxWindowResolution(Sampling sampling) {
   return sampling == Sampling::scanline ? kMaxScanlineResolution : kMaxWindowResolution;
 }

@@ -1,4 +1,4 @@
-// Compresses form factors to sparse rows, as SciPy, AnnData and View3D's sparse layout have them.
+// compressRows() turns form factors into compressed sparse rows, the layout of SciPy, AnnData and View3D.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -8,28 +8,28 @@
 
 namespace viewpeel {
 
-// SparseRows are rows of the file, empty ones too, counted from 0. The entries of row i are from starts[i] to
-// starts[i + 1]. Columns ascend within a row; environment and leak are left out.
+// SparseRows holds the rows of a file, counted from 0, with its empty rows. Row i has the entries from starts[i] to
+// starts[i + 1] - 1, with ascending columns. Environment and leak are left out.
 struct SparseRows {
   std::vector<int64_t> starts;   // rows + 1
   std::vector<int32_t> columns;  // nonzeros
   std::vector<double> form_factors, standard_errors;
-  std::vector<double> lower, upper;  // of a guarantee; else empty
+  std::vector<double> lower, upper;  // intervals of a guarantee; empty for an estimate
 
   int64_t rowCount() const { return static_cast<int64_t>(starts.size()) - 1; }
 };
 
-// Compresses F_ij = A_i F_ij / A_i of the requested rows, both ways.
-//   In: form_factors: n rows    Out: the nonzero entries
+// Returns F_ij and F_ji of every pair, in compressed rows. Rows that are not requested stay empty.
+//   In: form_factors: of n rows    Out: the nonzero entries
 //   Error: one rounding. Tests: tests/files/output_files_test.cpp.
 //   Throws: Error limit beyond 2^31 - 1 rows.
 //   Cost: O(nonzeros) work and memory.
 SparseRows compressRows(const FormFactors& form_factors);
 
-// Spreads a value of each id over the rows of the file; empty rows have 0.    Cost: O(rows).
+// Returns the value of each row of the file, from the value of each id. Empty rows get 0.    Cost: O(rows).
 std::vector<double> spreadOverRows(const Ids& ids, const std::vector<double>& of_ids);
 
-// Returns the names of all rows of the file, empty ones too.    Cost: O(rows).
+// Returns the name of each row of the file, with the empty rows.    Cost: O(rows).
 std::vector<std::string> rowNames(const Ids& ids);
 
 }  // namespace viewpeel
