@@ -27,7 +27,7 @@ std::vector<BufferSize> listBuffers(const BatchShape& shape) {
                  entries = shape.list_capacity;
   const uint64_t points = shape.enters ? directions * shape.pointsPerDirection() : 0;
   const uint64_t covers = shape.meets ? entries : 0;
-  // Every tile has as many meetings as subgroups hold its polygons, the last not full.
+  // A tile has one meeting for each subgroup's size of its polygons; the last meeting may have fewer.
   const uint64_t meetings = shape.meets ? tiles + entries / shape.subgroup_size : 0;
   return {
       {&B::directions, directions * sizeof(DirectionData), control, kFourWords, MemoryUse::upload},
@@ -60,7 +60,7 @@ void fitBuffers(const Device& device, const BatchShape& shape, BatchBuffers& buf
   const std::vector<BufferSize> sizes = listBuffers(shape);
   const auto isTooSmall = [&](const BufferSize& size) { return (buffers.*size.buffer).sizeBytes() < size.size_bytes; };
   for (const BufferSize& size : sizes)
-    if (isTooSmall(size)) buffers.*size.buffer = Buffer();  // all of them first: their memory is room for the next
+    if (isTooSmall(size)) buffers.*size.buffer = Buffer();  // frees all of them before the first new one is made
   for (const BufferSize& size : sizes)
     if (isTooSmall(size)) buffers.*size.buffer = Buffer(device, size.size_bytes, size.memory, size.texels);
 }

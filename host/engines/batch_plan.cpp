@@ -10,10 +10,10 @@
 namespace viewpeel {
 namespace {
 
-constexpr uint64_t kBatchWork = 1u << 17;  // polygons, or tiles: enough to outweigh a submission
+constexpr uint64_t kBatchWork = 1u << 17;  // with this many polygons, or tiles, the cost of a submission matters little
 
-// Returns the shape of one direction, without fragments. The window holds its ball with the lattice's offset; tiles
-// form a grid that is symmetric about the lattice's origin.
+// Returns the shape of a batch of one direction, without fragments. Its tiles cover the window's ball wherever the
+// lattice's offset puts it, and form a grid that is symmetric about the lattice's origin.
 BatchShape shapeOf(const LatticeOptions& options, const Tuning& tuning, const BatchNeeds& needs) {
   const auto reach = static_cast<uint64_t>(windowReach(options.resolution, options.window));
   const bool is_lattice = options.sampling == Sampling::lattice;

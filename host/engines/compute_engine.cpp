@@ -1,6 +1,6 @@
-// Engine `compute` plans batches of directions, keeps two in flight where memory allows, and repeats batches that
-// overflow. A batch is one submission of the passes in record_passes.h. An overflow shows in the batch's status: the
-// host makes room and repeats, with smaller batches where the device has no memory for more.
+// Engine `compute` plans batches of directions and keeps two in flight where memory allows. A batch is one submission
+// of the passes in record_passes.h. Where lists, fragments or the hash table overflow, the batch's status says so. The
+// engine then makes room and repeats the batch, or counts everything again with smaller batches.
 #include "engines/compute_engine.h"
 
 #include <algorithm>
@@ -20,7 +20,7 @@ namespace {
 
 using namespace device_data;
 
-constexpr uint32_t kFragmentCapacity = 8;  // of a lattice point at first
+constexpr uint32_t kFragmentCapacity = 8;  // fragments of a lattice point in the first batches
 
 class ComputeEngine : public Engine {
  public:
@@ -58,15 +58,15 @@ class ComputeEngine : public Engine {
   PassSettings settings_;
   PassKernels kernels_;
   BatchPlan plan_;
-  uint32_t fragment_capacity_;  // of a lattice point, in new batches
+  uint32_t fragment_capacity_;  // most fragments of a lattice point, in batches that are planned next
   std::vector<Batch> batches_;
-  Commands commands_;        // of all work between batches
-  bool must_grow_ = false;   // the hash table
-  bool must_refit_ = false;  // the batches, to more fragments or less memory
-  bool tuned_ = false;
-  uint64_t counted_ = 0;  // directions of this call
-  uint64_t block_directions_ = 1;
-  BatchStatus first_found_{};
+  Commands commands_;              // for work on the counters, between batches
+  bool must_grow_ = false;         // the hash table has to be enlarged before counting goes on
+  bool must_refit_ = false;        // batches have to be planned again: for more fragments, or with less memory
+  bool tuned_ = false;             // whether the first batch's figures have been used to choose the tuning
+  uint64_t counted_ = 0;           // directions that this call has counted
+  uint64_t block_directions_ = 1;  // directions of each block with counters of its own
+  BatchStatus first_found_{};      // status of the first batch
   Work work_;
 };
 
@@ -93,7 +93,7 @@ ComputeEngine::ComputeEngine(const Device& device, const Scene& scene, const Ids
   rebuild();
 }
 
-// After an error a batch may still be running on buffers that end here.
+// Waits for the device, because after an error a batch may still use the buffers that are freed here.
 ComputeEngine::~ComputeEngine() {
   for (Batch& batch : batches_)
     if (batch.in_flight) vkDeviceWaitIdle(device_.handle());
@@ -101,7 +101,7 @@ ComputeEngine::~ComputeEngine() {
 
 void ComputeEngine::rebuild() {
   do {
-    batches_.clear();  // room for the next
+    batches_.clear();  // frees their memory for the new ones
     must_refit_ = false;
     plan_ = planBatches(
         device_, options_, tuning_,
@@ -124,8 +124,9 @@ void ComputeEngine::makeBatches() {
   }
 }
 
-// Where the device had no memory, or lists were too long: the next batches, once rebuilt, are smaller.
-//   Throws: the error, where they cannot be or it was another.
+// Makes the next batches smaller, after the device had no memory for these or lists were too long.
+//   In: error: what was thrown    Throws: the same error where its code is not memory; Error memory where batches
+//     cannot be smaller.
 void ComputeEngine::shrink(const Error& error) {
   if (error.code() != ErrorCode::memory) throw error;
   must_refit_ = true;
@@ -133,7 +134,8 @@ void ComputeEngine::shrink(const Error& error) {
     throw Error(ErrorCode::memory, fmt::format("one direction at a time does not fit: {}", error.what()));
 }
 
-// Chooses the open options by the figures of the first batch: none of them changes a result.
+// Chooses the tuning that options left open by the status of the first batch, and plans batches again where it differs.
+// No tuning changes a result.
 void ComputeEngine::retune(const BatchStatus& found) {
   tuned_ = true;
   if (found.active_tiles == 0) return;
@@ -164,11 +166,11 @@ std::vector<PairCounts> ComputeEngine::countBlocks(std::span<const Direction> di
   return blocks;
 }
 
-// Counts every block into counters of its own.
+// Counts all directions, each block of block_directions of them into counters of its own.
 void ComputeEngine::countInto(std::span<const Direction> directions, size_t block_directions) {
   block_directions_ = block_directions;
   const uint32_t blocks = std::max(divideUp(directions.size(), block_directions), 1u);
-  for (Batch& batch : batches_) {  // a call that ended in an error left them running
+  for (Batch& batch : batches_) {  // an earlier call that ended in an error may have left batches running
     if (batch.in_flight) batch.commands.wait();
     batch.in_flight = false;
   }
@@ -184,7 +186,8 @@ void ComputeEngine::countInto(std::span<const Direction> directions, size_t bloc
   }
 }
 
-// Makes empty counters, as large as they have to be: before batches take what memory is left.
+// Makes empty counters for this many blocks, with a larger hash table where must_grow_ says so. Where the device has no
+// memory for them, batches are planned smaller.
 void ComputeEngine::startCounters(uint32_t blocks) {
   for (;;) {
     try {
@@ -198,7 +201,8 @@ void ComputeEngine::startCounters(uint32_t blocks) {
   }
 }
 
-// Returns false where counts are lost, because the hash table or peel's work had to get more room.
+// Counts all directions, batch by batch. Returns false where counts were lost, so that everything has to be counted
+// again: the hash table was too small, loops were cut, or batches have to be planned again.
 bool ComputeEngine::countAll(std::span<const Direction> directions) {
   bool complete = true;
   size_t done = 0;
@@ -241,7 +245,8 @@ BatchStatus ComputeEngine::waitFor(Batch& batch) {
   return batch.buffers.status_read.mapped<BatchStatus>()[0];
 }
 
-// Waits, makes room where the batch lacked it and does it again. False where the counters have lost something.
+// Waits for a batch; where its lists or fragments overflowed, makes room and repeats it. Returns false where counts
+// were lost, so that everything has to be counted again.
 bool ComputeEngine::finish(Batch& batch) {
   BatchStatus found = waitFor(batch);
   while (found.active_tiles & kListsOverflowed) {
@@ -264,8 +269,8 @@ bool ComputeEngine::finish(Batch& batch) {
   return true;
 }
 
-// Makes longer lists, or more fragments, for a batch that lacked them. False where that takes smaller batches, or lists
-// instead of fragments.
+// Makes longer lists, or room for more fragments, for a batch that overflowed. Returns false where batches have to be
+// planned again, smaller or without fragments.
 bool ComputeEngine::makeRoom(Batch& batch, const BatchStatus& found) {
   if (found.most_fragments > batch.shape.fragment_capacity) {
     fragment_capacity_ = std::max(fragment_capacity_, found.most_fragments + found.most_fragments / 4);
@@ -285,8 +290,8 @@ bool ComputeEngine::makeRoom(Batch& batch, const BatchStatus& found) {
   return !must_refit_;
 }
 
-// Returns whether a batch has counted all its gaps. If it has not, everything is counted again: with a larger table, or
-// shorter loops.
+// Returns whether a batch has counted all its gaps. If it has not, everything has to be counted again, and this
+// prepares for it: the hash table will grow, or invocations of peel go through fewer blocks of polygons.
 //   Throws: Error limit or device where neither would help.
 bool ComputeEngine::isSound(const BatchStatus& found) {
   if (found.overflows & kOtherSubgroups)
@@ -297,7 +302,7 @@ bool ComputeEngine::isSound(const BatchStatus& found) {
                 fmt::format("more than {} polygons cross one row of a tile; try a larger --resolution", kMostSpans));
   must_grow_ = must_grow_ || (found.overflows & kCountersOverflowed);
   if ((found.overflows & kLoopCut) &&
-      !(found.overflows & kCountersOverflowed)) {  // a full table alone makes loops long
+      !(found.overflows & kCountersOverflowed)) {  // a full table by itself makes loops long
     if (tuning_.most_blocks < 2)
       throw Error(ErrorCode::limit,
                   "more polygons lie over one row than this device's loops can take; try --engine graphics");
@@ -306,7 +311,7 @@ bool ComputeEngine::isSound(const BatchStatus& found) {
   return found.overflows == 0;
 }
 
-// Rows whose layers one invocation could not get through go on where they had got to.
+// Dispatches peel again for unfinished tiles until there are none. Returns the last status.
 BatchStatus ComputeEngine::peelUnfinished(Batch& batch, BatchStatus found) {
   while (found.unfinished && !found.overflows) {
     std::swap(batch.buffers.unfinished, batch.buffers.unfinished_next);

@@ -1,4 +1,4 @@
-// These factories make the engines that count lattice points, by kind.
+// These factories make the engines that count on a lattice, by their kind.
 #pragma once
 #include <memory>
 #include <vector>
@@ -10,12 +10,13 @@
 
 namespace viewpeel {
 
-// Makes engines of that kind.
-//   In: kind: compute, graphics or host; device: of the first two, referred to; nullptr with the host engine
+// Returns a function that makes engines of one kind.
+//   In: kind: compute, graphics or host; device: the device of the first two kinds, which the caller keeps alive;
+//     nullptr for the host engine
 EngineFactory latticeEngines(EngineKind kind, const Device* device);
 
-// Makes one engine for all groups: a plain one at the group's resolution where there is one group, else as
-// makeGroupedEngine.
+// Makes one engine for all size groups: with one group an engine at its resolution, with more what makeGroupedEngine
+// makes.
 std::unique_ptr<Engine> makeEngine(const EngineFactory& make_engine, const Scene& scene, const Ids& ids,
                                    LatticeOptions options, const std::vector<SizeGroup>& groups);
 

@@ -1,10 +1,10 @@
 // Engine `graphics` records these passes, in order, for a batch of directions side by side in one image:
-//   project       every polygon along every direction: snapped corners, outline and depth over the lattice
-//   peel          draw all polygons; fragments behind the previous layer compete in the depth test for this one
-//   (copy)        the layer becomes readable
-//   accumulate    layers k-1 and k: facing rules, counters; needs layer k+1 where layer k has a polygon
-// Passes peel and accumulate repeat until a layer is empty. Their draws and dispatches are indirect: recorded ahead,
-// empty once no layer is left.
+//   project       finds snapped corners, outline and depth over the lattice of every polygon along every direction
+//   peel          draws all polygons; the depth test keeps the nearest polygon behind the previous layer
+//   (copy)        copies the layer to a buffer that shaders can read
+//   accumulate    counts the gaps between layers k-1 and k, and requests layer k+1 where layer k has a polygon
+// Passes peel and accumulate repeat until a layer is empty. Several layers are recorded ahead; their draws and
+// dispatches are indirect, so that they do nothing once no layer is left.
 #include "engines/graphics_engine.h"
 
 #include <algorithm>
@@ -33,10 +33,10 @@ constexpr VkFormat kLayerFormat = VK_FORMAT_R32G32_UINT;
 constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
 constexpr uint32_t kGroupSize = 64;  // local_size_x of the compute passes
 constexpr uint64_t kBatchPixels = 1u << 20;
-constexpr uint64_t kBatchPixelsOfAllLayers = 1u << 17;  // where all layers are kept
-constexpr uint32_t kMostLayers = 1u << 15;              // that can be kept: a software device's loops are no longer
-constexpr uint64_t kLayersRecorded = 4;  // per submission; an unused one costs as much as clearing and copying an image
-constexpr uint64_t kBatchBytes = 256u << 20;  // of projected polygons
+constexpr uint64_t kBatchPixelsOfAllLayers = 1u << 17;  // pixels of a batch, where all layers are kept
+constexpr uint32_t kMostLayers = 1u << 15;    // layers that are kept at most; software devices end loops at 2^16 turns
+constexpr uint64_t kLayersRecorded = 4;       // a submission; an unused layer still clears and copies an image
+constexpr uint64_t kBatchBytes = 256u << 20;  // memory for projected polygons
 
 class GraphicsEngine : public Engine {
  public:
@@ -50,7 +50,8 @@ class GraphicsEngine : public Engine {
   void countBatch(std::span<const Direction> directions);
   void recordLayer(uint32_t k, uint32_t direction_count);
   void makeLayer();
-  // Layer -1 lies before everything. Where blocked pairs are counted every layer is kept.
+  // Returns the buffer of layer k. Layer -1 lies before everything. Where blocked pairs are counted every layer is
+  // kept, else only the last two.
   const Buffer& layerBuffer(uint32_t k_plus_1) const {
     return layers_[options_.count_blocked ? k_plus_1 : k_plus_1 % 2];
   }
@@ -67,8 +68,8 @@ class GraphicsEngine : public Engine {
   Commands commands_;
   Buffer directions_, snapped_corners_, projected_, outlines_;
   std::vector<Buffer> layers_;
-  Buffer layer_addresses_;                       // uint64_t[kMostLayers], of layers 0, 1, ...
-  std::array<Buffer, 2> alive_, next_commands_;  // for layer k in [k % 2]
+  Buffer layer_addresses_;                       // uint64_t[kMostLayers]: addresses of layers 0, 1, ...
+  std::array<Buffer, 2> alive_, next_commands_;  // element k % 2 is for layer k
   Buffer status_, batch_status_;
   Image colour_, depth_;
 };
@@ -111,8 +112,8 @@ GraphicsEngine::GraphicsEngine(const Device& device, const Scene& scene, const I
   prepareImages();
 }
 
-// Plans the number of directions that fit side by side in one image, and within the memory set aside for their
-// projections.
+// Chooses how many directions a batch has: they must fit side by side in one image, and their projected polygons must
+// fit kBatchBytes.
 void GraphicsEngine::planBatch(uint64_t polygon_bytes_per_direction) {
   const uint32_t largest_side = device_.properties().limits.maxImageDimension2D;
   const uint64_t cell_pixels = uint64_t(cell_size_) * cell_size_;
@@ -183,7 +184,7 @@ void GraphicsEngine::countBatch(std::span<const Direction> directions) {
   commands_.bind(project_, VK_PIPELINE_BIND_POINT_COMPUTE);
   commands_.bindTexels(project_, std::array{directions_.texels(), scene_.polygons.texels(), scene_.corners.texels()});
   commands_.dispatch(project_, project, divideUp(scene_.polygon_count, kGroupSize), direction_count);
-  // Layer -1 lies before everything: key 0, no polygon.
+  // Layer -1 lies before everything: its key is 0, and it has no polygon.
   commands_.fill(layerBuffer(0), 0);
   commands_.fill(alive_[0], 0xFFFFFFFFu);
   const LayerCommands first{4,
@@ -213,7 +214,7 @@ void GraphicsEngine::recordLayer(uint32_t k, uint32_t direction_count) {
   const uint32_t width = cells_per_row_ * cell_size_, height = divideUp(direction_count, cells_per_row_) * cell_size_;
   const VkCommandBuffer commands = commands_.handle();
 
-  // Until the layer is found not to be empty, there is no next one.
+  // The next layer's commands do nothing until accumulate finds that this layer is not empty.
   const LayerCommands none{4, 0, 0, 0, 0, direction_count, 1, 0};
   vkCmdUpdateBuffer(commands, next_commands_[next].handle(), 0, sizeof none, &none);
   commands_.fill(alive_[next], 0);

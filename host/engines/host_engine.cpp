@@ -16,9 +16,8 @@
 namespace viewpeel {
 namespace {
 
-constexpr uint64_t kDenseBudget =
-    16u
-    << 20;  // of a thread: beyond it counters are seldom in the processor's caches anyway, and clearing them takes long
+// Bytes of a thread's dense counters. Larger counters are seldom in the processor's caches, and take long to clear.
+constexpr uint64_t kDenseBudget = 16u << 20;
 constexpr uint64_t kMostChunk = 64;  // directions that a thread takes at once
 
 uint64_t memoryOfMachine() {
@@ -53,7 +52,7 @@ class HostEngine : public Engine {
   std::optional<SharedPairs> shared_;
   std::vector<std::unique_ptr<Worker>> workers_;
   uint64_t directions_ = 0;
-  bool is_clear_ = true;  // nothing is left of a call that ended in an error
+  bool is_clear_ = true;  // whether all counters are empty; they are not after a call that ended in an error
   mutable Work work_;
 };
 
@@ -64,7 +63,7 @@ HostEngine::HostEngine(const Scene& scene, const Ids& ids, const LatticeOptions&
   const uint64_t dense_bytes = PairTable::denseBytes(id_count_, options.count_blocked);
   if (dense_bytes > (options.counter_budget_bytes ? options.counter_budget_bytes : kDenseBudget))
     shared_.emplace(id_count_, options.count_blocked, available / 2);
-  // Spans take up to as much again.
+  // A sweep's spans grow to as much memory again as it has at first.
   const uint64_t each = 2 * sweep_bytes + (shared_ ? 0 : dense_bytes);
   if (each > available / 2)
     throw Error(ErrorCode::limit,
@@ -102,7 +101,7 @@ PairCounts HostEngine::count(std::span<const Direction> directions) {
   return workers_[0]->table.take();
 }
 
-// One thread counts each block, in dense counters of its own.
+// Counts each block of directions on one thread, in the dense counters of this thread.
 std::vector<PairCounts> HostEngine::countBlocks(std::span<const Direction> directions, size_t block_directions) {
   if (shared_) return Engine::countBlocks(directions, block_directions);
   clear();
@@ -143,12 +142,14 @@ std::string HostEngine::describePlan() const {
                      double(memoryBytes()) / 1048576.0);
 }
 
-constexpr size_t kScanlinePolygons = 2400;  // between the office (576), where scanlines take half the time to 1e-4, and
-                                            // a room of 9,984, where they take twice as long
-constexpr size_t kScanlinePolygonsWithPrior =
-    10'000;  // the office refined to 9,280: rms errors less by 5 to 25 % after the same time, the largest a quarter
-constexpr double kScanlineArea =
-    1e-10;  // unit-ball units squared: of an id that scanlines in windows still meet often enough (plan.cpp)
+// Scanlines reach an rms error of 1e-4 in half the time of lattice points in the office (576 polygons), and take twice
+// their time in a room of 9,984 polygons. This number of polygons lies between the two.
+constexpr size_t kScanlinePolygons = 2400;
+// With a prior, scanlines still have rms errors less by 5 to 25 % after the same time in the office refined to 9,280
+// polygons, and a largest error of a quarter.
+constexpr size_t kScanlinePolygonsWithPrior = 10'000;
+// Smallest area of a row, in unit-ball units squared, that scanlines in windows still meet often enough (plan.cpp).
+constexpr double kScanlineArea = 1e-10;
 
 }  // namespace
 

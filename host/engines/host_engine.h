@@ -1,4 +1,4 @@
-// Engine `host` runs on the processor's own threads.
+// Engine `host` counts on the processor's threads.
 #pragma once
 #include <memory>
 
@@ -8,21 +8,21 @@
 
 namespace viewpeel {
 
-// Counts lattice points or scanlines, the same to the last bit as engine `compute`. Needs no Vulkan device.
-//   In: of the options resolution, sampling, window, count_blocked, counter_budget_bytes (of each thread's dense
-//   counters), thread_count, available_bytes,
-//     measure_work and on_batch
-//   Throws (constructor): Error bad_usage where the resolution is out of range; Error limit where one thread's work
-//   does not fit the memory.
-//   Cost: per direction and thread as Sweep.
+// Makes an engine that counts lattice points or scanlines: the same counts, to the last bit, as engine `compute`. It
+// needs no Vulkan device.
+//   In: options: it reads resolution, sampling, window, count_blocked, counter_budget_bytes (of each thread's dense
+//     counters), thread_count, available_bytes, measure_work and on_batch
+//   Throws: Error bad_usage where the resolution is out of range; Error limit where one thread's work does not fit the
+//     memory.
+//   Cost: a direction takes one thread as long as Sweep::count says.
 std::unique_ptr<Engine> makeHostEngine(const Scene& scene, const Ids& ids, const LatticeOptions& options);
 
-// Chooses the samples with the smaller error after the same time (bench/programs/sampling_error.cpp). It takes
-// scanlines in scenes of few polygons, and lattice points in scenes of many, whose polygons are so small that a
-// scanline is worth few points. Lattice points also serve polygons that are too small for scanlines, whose windows
-// cannot be as fine.
-//   In: has_prior: of unoccluded form factors, by polygon (VisibilitySums). These need the more lines the smaller
-//     polygons are.
+// Chooses the samples that give the smaller error after the same time (bench/programs/sampling_error.cpp). These are
+// scanlines in scenes of few polygons. In scenes of many polygons they are lattice points, for there polygons are so
+// small that a scanline is worth few points. They are also lattice points where a row's area is below 1e-10, for
+// windows of scanlines cannot be as fine.
+//   In: has_prior: whether unoccluded form factors by polygon are at hand (VisibilitySums); scanlines then pay in
+//     scenes of more polygons
 Sampling chooseSampling(const Scene& scene, const Ids& ids, bool has_prior);
 
 }  // namespace viewpeel

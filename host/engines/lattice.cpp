@@ -66,7 +66,7 @@ glm::dvec2 latticeOrigin(const Direction& direction, int resolution, const Windo
   const glm::dvec2 middle =
       resolution / 2.0 *
       glm::dvec2(glm::dot(window.centre, direction.x_axis), glm::dot(window.centre, direction.y_axis));
-  return direction.offset - glm::floor(direction.offset + middle);  // by whole spacings
+  return direction.offset - glm::floor(direction.offset + middle);  // moved by whole spacings
 }
 
 void writeDirections(std::span<const Direction> directions, int resolution, const Window& window, Buffer& buffer,

@@ -1,4 +1,4 @@
-// The engines that count lattice points share these functions.
+// The engines that count on a lattice share these functions.
 #pragma once
 #include <span>
 
@@ -9,41 +9,42 @@
 
 namespace viewpeel {
 
-// SceneBuffers hold the scene as the shaders read it.
+// SceneBuffers hold the scene on the device, as the shaders read it.
 struct SceneBuffers {
-  Buffer polygons;  // PolygonData[polygon_count], as texels too
-  Buffer corners;   // CornerData[corner_count], as texels only
+  Buffer polygons;  // PolygonData[polygon_count]
+  Buffer corners;   // CornerData[corner_count]
   uint32_t polygon_count;
 
   SceneBuffers(const Device& device, const Scene& scene, const Ids& ids);
 };
 
-// Returns the fraction bits of snapped coordinates: lattice coordinates stay within resolution / 2 (1 +
-// |window.centre|) + 1, and kSnapBits hold them.
+// Returns the number of binary digits after the point of snapped coordinates. Lattice coordinates are at most
+// resolution / 2 (1 + |window.centre|) + 1 in size, and kSnapBits bits hold them with their fraction.
 //   Throws: Error bad_usage where the resolution is out of range.
 int chooseFractionBits(int resolution, const Window& window = {});
 
-// This is the number of fraction bits of a column coordinate with scanlines: an interval's ends are rounded to 2^-10 of
-// a spacing.
+// With scanlines, columns are in units of 2^-10 spacings: the ends of spans are rounded to them.
 constexpr int kScanlineBits = 10;
 
-// Returns the number of lattice points from the middle of a window to its border.
+// Returns a number of lattice points: a window, wherever the lattice's offset puts it, lies between the points minus
+// this number and this number less 1, in x and y.
 int windowReach(int resolution, const Window& window = {});
 
-// Returns the area of a lattice point, unit-ball units squared.
+// Returns the area that one lattice point stands for, h^2 with h = 2 / resolution, in unit-ball units squared.
 inline double pointArea(int resolution) { return 4.0 / (double(resolution) * resolution); }
 
-// Returns the place of the lattice's origin in P(u), in spacings: in the middle of the window, within a spacing. The
-// lattice itself is the direction's, the same in all windows of a resolution.
+// Returns the offset of lattice coordinates, in spacings: the direction's offset, moved by whole spacings so that the
+// window's centre is within a spacing of lattice point (0, 0). All windows of one resolution thus have the same
+// lattice.
 glm::dvec2 latticeOrigin(const Direction& direction, int resolution, const Window& window);
 
-// Returns the same bits as the shaders' (projection.glsl): the same operations in the same order.
+// Returns a . b with the same bits as dotInOrder in projection.glsl, by the same operations in the same order.
 [[gnu::always_inline]] inline double dotInOrder(double ax, double ay, double az, const glm::dvec3& b) {
   return ax * b.x + ay * b.y + az * b.z;
 }
 
 // Writes DirectionData[directions.size()] into an upload buffer.
-//   In: first: the number of directions before the first one; block_directions: of each block
+//   In: first: number, within the call, of the first direction; block_directions: directions in each block
 void writeDirections(std::span<const Direction> directions, int resolution, const Window& window, Buffer& buffer,
                      uint64_t first, uint64_t block_directions);
 

@@ -14,7 +14,8 @@ namespace {
 
 constexpr double kInfinite = HUGE_VAL;
 
-// Returns floor(x) of |x| < 2^31. Doubles and their comparisons have the same width, which vectors need.
+// Returns floor(x) for |x| < 2^31. All steps but the last are on doubles, because vector instructions need operands of
+// one width.
 [[gnu::always_inline]] inline int32_t floorOf(double x) {
   const auto whole = static_cast<double>(static_cast<int32_t>(x));
   return static_cast<int32_t>(whole - (whole > x ? 1.0 : 0.0));
@@ -25,14 +26,14 @@ constexpr double kInfinite = HUGE_VAL;
   return static_cast<int32_t>(whole + (whole < x ? 1.0 : 0.0));
 }
 
-// Returns ceil(value / 2^bits) of |value| < 2^25, bits <= 24.
+// Returns ceil(value / 2^bits) for |value| < 2^25 and bits <= 24.
 [[gnu::always_inline]] inline int32_t shiftUpward(int32_t value, int bits) { return (value + (1 << bits) - 1) >> bits; }
 
 }  // namespace
 
 SweepScene::SweepScene(const Scene& scene, const Ids& ids)
     : two_sided(ids.two_sided), all_count(ids.roles.empty()), counts_environment(ids.counts_environment) {
-  // An open-addressing table holds the corners found before.
+  // This open-addressing hash table holds the places, in x, y and z, of the corners found so far.
   std::vector<uint32_t> places(std::bit_ceil(2 * scene.corners.size() + 1), UINT32_MAX);
   const auto placeOf = [&](const glm::dvec3& corner) {
     Hash hash;
@@ -48,8 +49,8 @@ SweepScene::SweepScene(const Scene& scene, const Ids& ids)
       if (x[place] == corner.x && y[place] == corner.y && z[place] == corner.z) return place;
     }
   };
-  // Planes are numbered in the order in which polygons come to them: a pass over the polygons reads them one after the
-  // other.
+  // Planes are numbered in the order in which polygons first use them, so that a pass over the polygons reads them one
+  // after the other.
   std::vector<uint32_t> number_of(scene.planes.size(), UINT32_MAX);
   const auto numberOf = [&](uint32_t plane_index) {
     uint32_t& number = number_of[plane_index];
@@ -93,7 +94,7 @@ void Outlines::project(const Direction& direction, const glm::dvec2& origin, dou
   runVectorised(
       vectors_, [&]() __attribute__((always_inline)) {
         const glm::dvec3 x_axis = direction.x_axis, y_axis = direction.y_axis,
-                         u = direction.u;  // copies: stores cannot change them
+                         u = direction.u;  // copies, which the stores below cannot change
         const double from_x = origin.x, from_y = origin.y, to_spacings = per_spacing, to_fixed = fixed_one;
         VIEWPEEL_INDEPENDENT
         for (size_t k = 0; k < count; ++k) {
@@ -123,7 +124,7 @@ std::array<const uint32_t*, 4> Outlines::cornersOfBlock() const {
           &scene_.corners[3][first_]};
 }
 
-// Many small polygons lie between two rows.
+// Finds the rows that each polygon of the block may reach. Many small polygons lie between two rows and reach none.
 void Outlines::findRows(size_t count) {
   const std::array<const uint32_t*, 4> corners = cornersOfBlock();
   const int32_t* const y = snapped_y_.data();
@@ -141,9 +142,9 @@ void Outlines::findRows(size_t count) {
       });
 }
 
-// Edges a X + b y 2^column_bits + c >= 0 with the top-left rule, as in geometry.glsl; all numbers are below 2^53, so
-// doubles hold them. An edge along a row bounds the rows: from its own on where the polygon is above it, up to the one
-// before where it is below.
+// Finds the edges of the block's outlines, a X + b y 2^column_bits + c >= 0 with the top-left rule, as in
+// geometry.glsl. All numbers are below 2^53, so doubles hold them. An edge along a row bounds the rows: where the
+// polygon is above it, rows begin with the edge's own; where it is below, they end with the row before.
 void Outlines::findEdges() {
   const std::array<const uint32_t*, 4> corners = cornersOfBlock();
   const int32_t *const snapped_x = snapped_x_.data(), *const snapped_y = snapped_y_.data();
@@ -172,7 +173,7 @@ void Outlines::findEdges() {
                        py[4] = {double(y[0]), double(y[1]), double(y[2]), double(y[3])};
           const int32_t first_column = shiftUpward(std::min(std::min(x[0], x[1]), std::min(x[2], x[3])), cut_bits);
           const int32_t last_column = std::max(std::max(x[0], x[1]), std::max(x[2], x[3])) >> cut_bits;
-          // The sum is rounded, but not to 0 and not to the other sign.
+          // The sum is rounded, but rounding neither makes it 0 nor changes its sign.
           const auto twiceAreaOf = [&](size_t b, size_t c) {
             return (px[b] - px[0]) * (py[c] - py[0]) - (py[b] - py[0]) * (px[c] - px[0]);
           };
@@ -190,7 +191,7 @@ void Outlines::findEdges() {
             const int32_t row_from = shiftUpward(y[e], bits);
             first = ((size == 0) & (b > 0)) ? std::max(first, row_from) : first;
             last = ((size == 0) & (b < 0)) ? std::min(last, row_from - 1) : last;
-            // This is the form to the right of an edge that ends the polygon: |a| X - v - 1 >= 0.
+            // The point X lies beyond an edge on the polygon's right, with a < 0, where |a| X - v - 1 >= 0.
             row_0[e * kBlock + k] = a > 0 ? c : c + 1.0;
             per_row[e * kBlock + k] = b * row_columns;
             inverse[e * kBlock + k] = (a > 0 ? -1.0 : a < 0 ? 1.0 : 0.0) / std::max(size, 1.0);
@@ -203,16 +204,17 @@ void Outlines::findEdges() {
       });
 }
 
-// A crossing is the least X with |a| X + v >= 0 (left edges; right edges: the first X beyond the polygon). Here v =
-// row_0 + per_row y is exact in doubles, so X = ceil(-v / |a|). Crossings within the window have |X| <= 2^23, so v
-// inverse is off by less than 2^-28. And -v / |a| is whole, or at least 2^-26 from whole numbers, since |a| < 2^26. So
-// less 2^-27 it rounds up to the same number.
+// Finds where the edges cross the rows. An edge on the polygon's left crosses at the first column inside, one on its
+// right at the first column beyond. Either is the least X with X >= v inverse, where v = row_0 + per_row y is exact in
+// doubles and inverse is -1 / |a| or 1 / |a|, so X = ceil(v inverse). Crossings within the window have |X| <= 2^23, so
+// the product is off by less than 2^-28. The exact quotient is whole or at least 2^-26 from whole numbers, because |a|
+// < 2^26. So the product less 2^-27 rounds up to the same number.
 Outlines::Cuts Outlines::cut() {
   size_t count = 0;
   for (; next_outline_ < outline_count_ && count < kCuts; ++next_outline_) {
     const int32_t first_row = std::max(first_row_[next_outline_], next_row_);
     const int32_t last_row = std::min(last_row_[next_outline_], first_row + static_cast<int32_t>(kCuts - count) - 1);
-    // Most have few rows: a few are always written, and as many kept as there are.
+    // Most outlines have few rows. Four rows are always written, without a branch, and only the outline's own are kept.
     for (int32_t k = 0; k < kFewRows; ++k) {
       cut_outlines_[count + k] = static_cast<uint32_t>(next_outline_);
       cut_rows_[count + k] = first_row + k;

@@ -1,5 +1,5 @@
 // Outlines finds the rows and columns of the lattice that the polygons of a scene cover along a direction, for engine
-// `host`. It takes many polygons at once, by loops over arrays.
+// `host`. Its loops over arrays take many polygons at once in vector instructions.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -12,17 +12,17 @@
 
 namespace viewpeel {
 
-// A SweepScene holds the scene as sweeps read it: every corner and every plane once, however many polygons share it.
-// Polygons that emit come first.
+// A SweepScene is a copy of the scene as class Sweep reads it: every corner and every plane stands once, however many
+// polygons share it. Polygons that emit come first.
 struct SweepScene {
   struct Polygon {
-    uint32_t index;  // in the scene
+    uint32_t index;  // in Scene::polygons
     uint32_t plane, id, roles, tie_rank;
   };
-  std::vector<double> x, y, z;                               // of corners, unit-ball units
-  std::vector<double> normal_x, normal_y, normal_z, offset;  // of planes
+  std::vector<double> x, y, z;                               // coordinates of each corner, unit-ball units
+  std::vector<double> normal_x, normal_y, normal_z, offset;  // unit normal and offset of each plane
   std::vector<Polygon> polygons;
-  std::array<std::vector<uint32_t>, 4> corners;  // of polygons; a triangle's last twice
+  std::array<std::vector<uint32_t>, 4> corners;  // corner k of each polygon; a triangle's last corner stands twice
   bool two_sided, all_count, counts_environment;
 
   SweepScene(const Scene& scene, const Ids& ids);
@@ -30,37 +30,43 @@ struct SweepScene {
 
 class Outlines {
  public:
-  static constexpr size_t kBlock = 256;  // polygons at once
-  static constexpr size_t kCuts = 1024;  // rows of polygons at once
+  static constexpr size_t kBlock = 256;  // polygons whose outlines find() finds at once
+  static constexpr size_t kCuts = 1024;  // most entries of Cuts
 
-  // Each of Cuts is a polygon and a row that it may reach. It covers the columns [low, high) there, in units of
-  // 2^-column_bits, or none where low >= high.
+  // Entry k of Cuts is an outline of this block and a row that it may reach. The polygon covers the columns [low, high)
+  // of the row, in units of 2^-column_bits spacings, or none where low >= high.
   struct Cuts {
     size_t count;
-    std::span<const uint32_t> outlines;  // of this block
+    std::span<const uint32_t> outlines;
     std::span<const int32_t> rows, low, high;
   };
 
-  //   In: reach: rows from -reach to reach - 1; fraction_bits: of snapped coordinates
+  //   In: scene: the caller keeps it alive; reach: rows run from -reach to reach - 1; fraction_bits: binary digits
+  //     after the point of snapped coordinates; column_bits: columns are in units of 2^-column_bits spacings
   Outlines(const SweepScene& scene, int fraction_bits, int column_bits, int reach, Vectors vectors = widestVectors());
 
-  // Snaps all corners.    In: origin: of the lattice, see latticeOrigin; per_spacing: spacings to a unit length
+  // Projects all corners along a direction and snaps them.
+  //   In: origin: what latticeOrigin returns; per_spacing: spacings in a unit length
   void project(const Direction& direction, const glm::dvec2& origin, double per_spacing);
 
-  // Finds the outlines of up to kBlock polygons from `first` on, without polygons that lie between two rows.
+  // Finds the outlines of a block: kBlock polygons from `first` on, or as many as there are. Polygons that lie between
+  // two rows get none.
   void find(size_t first);
-  // Cuts the next rows of the outlines; no more than there are. Of a polygon they follow one after the other.
+  // Returns the next rows of the block's outlines; without entries where there are none left. Rows of one outline
+  // follow each other.
   Cuts cut();
 
-  // Returns the polygon of an outline of this block, and whether its front is up.
+  // These return the index in SweepScene::polygons of an outline of this block, and whether the polygon's front faces
+  // +u.
   uint32_t polygonOf(uint32_t outline) const { return static_cast<uint32_t>(first_ + reaching_[outline]); }
   bool isFrontUp(uint32_t outline) const { return front_up_[outline]; }
 
-  double height(uint32_t corner) const { return height_[corner]; }  // along u
+  // Returns a corner's coordinate along u, in unit-ball units.
+  double height(uint32_t corner) const { return height_[corner]; }
   uint64_t memoryBytes() const { return scene_.x.size() * 16; }
 
  private:
-  static constexpr int32_t kFewRows = 4;  // of an outline
+  static constexpr int32_t kFewRows = 4;  // rows that cut() writes for every outline
 
   template <class T>
   using OfBlock = std::array<T, kBlock>;
@@ -73,19 +79,19 @@ class Outlines {
   const int fraction_bits_, column_bits_, reach_;
   const Vectors vectors_;
 
-  std::vector<int32_t> snapped_x_, snapped_y_;  // of corners
+  std::vector<int32_t> snapped_x_, snapped_y_;  // snapped lattice coordinates of each corner
   std::vector<double> height_;
 
   size_t first_ = 0, outline_count_ = 0;
-  OfBlock<int32_t> polygon_first_row_{}, polygon_last_row_{};  // of the block's polygons
-  OfBlock<uint32_t> reaching_{};                               // polygons that may reach a row: one outline each
-  OfBlock<int32_t> first_row_{}, last_row_{}, front_up_{};
-  // These numbers belong to edge e of outline k, at e kBlock + k. The edge crosses row y at ceil((row_0 + per_row y)
-  // inverse), see cut(). Left edges have the inverse -1 / |a|, right ones 1 / |a|, edges along rows 0.
+  OfBlock<int32_t> polygon_first_row_{}, polygon_last_row_{};  // rows that each polygon of the block may reach
+  OfBlock<uint32_t> reaching_{};                               // for each outline, its polygon's number in the block
+  OfBlock<int32_t> first_row_{}, last_row_{}, front_up_{};     // of each outline
+  // Element e kBlock + k is of edge e of outline k. The edge crosses row y at ceil((row_0 + per_row y) inverse), see
+  // cut(). The inverse is -1 / |a| for edges on the left, 1 / |a| on the right, and 0 for edges along rows.
   std::array<double, 4 * kBlock> row_0_{}, per_row_{}, inverse_{};
 
-  size_t next_outline_ = 0;
-  int32_t next_row_ = 0;  // of that outline, where some of its rows have been cut
+  size_t next_outline_ = 0;  // the outline with which the next call of cut() begins
+  int32_t next_row_ = 0;     // the row of next_outline_ with which it begins, INT32_MIN for the first
   std::array<uint32_t, kCuts + kFewRows> cut_outlines_{};
   std::array<int32_t, kCuts + kFewRows> cut_rows_{}, cut_low_{}, cut_high_{};
 };

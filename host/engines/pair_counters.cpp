@@ -12,7 +12,7 @@ namespace viewpeel {
 namespace {
 
 constexpr uint32_t kFirstCapacity = 1u << 20, kMostCapacity = 1u << 31;
-constexpr uint64_t kReadBytes = 32u << 20;  // at a time
+constexpr uint64_t kReadBytes = 32u << 20;  // bytes of counters that are read from the device at a time
 constexpr uint64_t kMostBlocks = 1024;
 
 }  // namespace
@@ -42,7 +42,7 @@ uint64_t PairCounters::sizeBytes() const { return counters_.sizeBytes() + kReadB
 
 void PairCounters::allocate() {
   if (isSparse()) counter_count_ = capacity_;
-  counters_ = Buffer();  // room for the next
+  counters_ = Buffer();  // frees the old counters before the new ones are made
   counters_ = Buffer(device_, blocks_ * blockBytes(), MemoryUse::device);
 }
 
@@ -64,7 +64,7 @@ void PairCounters::makeRoom(Commands& commands) {
   try {
     enlarge();
   } catch (const Error&) {
-    allocate();  // as it was
+    allocate();  // of the old size
   }
   clear(commands);
 }
@@ -96,7 +96,8 @@ std::vector<PairCounts> PairCounters::finishBlocks(Commands& commands) {
   return blocks;
 }
 
-// Subtracts facing lines from all lines on which two face each other: the rest are blocked.
+// Makes `blocked` the number of blocked lines. The device counts, in its place, all lines on which two fronts look at
+// each other; the facing ones of them are subtracted here.
 void PairCounters::takeBlocked(PairCounts& counts) const {
   for (PairCount& count : counts)
     if (counts_blocked_ && count.j < kEnvironment) count.blocked -= count.count;
@@ -114,7 +115,7 @@ std::vector<PairCounts> PairCounters::read(Commands& commands) {
   const std::span<uint64_t> words = read_back_.mapped<uint64_t>();
   const uint64_t words_each = wordsEach(), bytes_each = words_each * sizeof(uint64_t),
                  at_once = kReadBytes / bytes_each;
-  uint32_t i = 0, column = 0, block = 0;  // of the dense counter next in order
+  uint32_t i = 0, column = 0, block = 0;  // the next dense counter's row, column and block of directions
   const uint64_t all = blocks_ * counter_count_;
   for (uint64_t first = 0; first < all; first += at_once) {
     const uint64_t count = std::min(at_once, all - first);

@@ -1,4 +1,4 @@
-// PairCounters holds counters of pairs on the device: a dense table, or a hash table where a dense one does not fit.
+// PairCounters holds the counters of pairs on a device, for engines `compute` and `graphics`.
 #pragma once
 #include <vector>
 
@@ -7,13 +7,14 @@
 
 namespace viewpeel {
 
-// PairCounters are counters of all pairs of ids on the device, 64 bits each: dense, or a hash table of the pairs with
-// counts. A pair has one of facing lines, or two: the second counts all lines on which the two face each other, blocked
-// or not. Blocks of directions may have dense counters of their own.
+// PairCounters are counters of pairs of ids on a device, 64 bits each. They are dense, for all pairs, or a hash table
+// of the pairs with counts. A pair has one counter, of facing lines. Where blocked pairs are counted it has a second
+// one, of all lines on which the two fronts look at each other, blocked or not. Blocks of directions may have dense
+// counters of their own.
 class PairCounters {
  public:
-  // Makes dense counters where their bytes fit the budget (0: 1 GiB), else, if `may_be_sparse`, a hash table of
-  // `table_capacity` places at first (0 chooses).
+  // Makes dense counters where they fit the budget (0: 1 GiB). Otherwise, if `may_be_sparse`, it makes a hash table of
+  // `table_capacity` places (0: chosen by the number of ids), which may grow.
   //   Throws: Error limit where dense counters are needed and do not fit.
   PairCounters(const Device& device, uint32_t id_count, bool counts_blocked, uint64_t budget_bytes, bool may_be_sparse,
                uint32_t table_capacity = 0);
@@ -26,28 +27,28 @@ class PairCounters {
 
   // Returns how many blocks of directions can have counters of their own: more than one where they are dense and small.
   uint32_t mostBlocks() const;
-  // Returns the size of the dense counters of one block; the next block's follow.
+  // Returns the size of the dense counters of one block, after which the next block's follow.
   uint64_t blockBytes() const { return counter_count_ * wordsEach() * sizeof(uint64_t); }
 
-  // Empties everything, and makes room for this many blocks, mostBlocks() at most.
+  // Empties all counters, and makes room for this many blocks, at most mostBlocks().
   void start(Commands& commands, uint32_t blocks = 1);
-  // Adds to the number of pairs that entered the table.
+  // Notes how many pairs a batch has added to the hash table.
   void notePairs(uint64_t pairs) {
     pairs_ += pairs;
     last_pairs_ = pairs;
   }
-  // Returns whether the table may be more than half full after two more batches like the last.
+  // Returns whether the hash table may be more than half full after two more batches like the last one.
   bool isCrowded() const { return isSparse() && pairs_ > 0 && pairs_ + 2 * last_pairs_ > capacity_ / 2; }
-  // Empties the table into the host's sums and makes it larger, where the device has room for it; nothing is lost.
-  // The device must be idle.
+  // Moves the counts of the hash table to the host and makes the table larger, where the device has room for it. No
+  // count is lost. The device must be idle.
   void makeRoom(Commands& commands);
-  // Makes the table larger; start() has to follow.
-  //   Throws: Error limit where it has too many places; Error memory where the device has no room for them: then
-  //   start() makes the table that was.
+  // Makes the hash table larger; its counts are lost, and start() has to follow.
+  //   Throws: Error limit where it would have too many places; Error memory where the device has no room for them.
+  //     After this, start() makes a table of the old size.
   void enlarge();
-  // Returns all that was counted since start(), of one block.
+  // Returns all counts since start(), where there is one block.
   PairCounts finish(Commands& commands);
-  // Returns the same counts of each block.
+  // Returns all counts since start(), of each block.
   std::vector<PairCounts> finishBlocks(Commands& commands);
 
  private:
@@ -60,13 +61,14 @@ class PairCounters {
   const Device& device_;
   uint32_t id_count_;
   bool counts_blocked_;
-  uint32_t capacity_ = 0;   // of the hash table, a power of 2; 0 where counters are dense
-  uint64_t counter_count_;  // of a block, or places in the table
+  uint32_t capacity_ = 0;   // places of the hash table, a power of 2; 0 where counters are dense
+  uint64_t counter_count_;  // dense counters of a block, or places of the hash table
   uint32_t blocks_ = 1;
-  uint64_t pairs_ = 0;       // in the table
-  uint64_t last_pairs_ = 0;  // of them, from the last batch
+  uint64_t pairs_ = 0;       // pairs in the hash table
+  uint64_t last_pairs_ = 0;  // pairs that the last batch has added to it
   Buffer counters_, read_back_;
-  PairCounts drained_;  // from tables before this one; `blocked` holds all lines on which the two face each other
+  PairCounts
+      drained_;  // counts of smaller hash tables before; `blocked` has facing and blocked lines, as on the device
 };
 
 }  // namespace viewpeel

@@ -13,13 +13,14 @@ namespace viewpeel {
 namespace {
 
 constexpr uint64_t kFirstPlaces = 1024;
-constexpr size_t kAhead = 8;  // additions whose places are on their way from memory
+constexpr size_t kAhead = 8;  // places are fetched from memory this many additions ahead
 
 uint64_t denseWords(uint32_t id_count, bool counts_blocked) {
   return device_data::counterCount(id_count) * (counts_blocked ? 2 : 1);
 }
 
-// Moves counts to the places of their keys; counts of one key keep their order.
+// Returns the counts sorted by key (a counting sort). Counts of one key keep their order.
+//   In: keys: keyOf returns numbers below this one
 template <class KeyOf>
 PairCounts inOrderOf(const PairCounts& counts, size_t keys, KeyOf keyOf) {
   std::vector<uint32_t> places(keys + 1, 0);
@@ -30,7 +31,8 @@ PairCounts inOrderOf(const PairCounts& counts, size_t keys, KeyOf keyOf) {
   return sorted;
 }
 
-// Sorts by i and j: where there are many, first by j and then by i, of which a part has few.
+// Sorts the counts of a part by i and j. Where there are many, counting sorts do it: by j, then by i, of which a part
+// has few.
 void sortPart(PairCounts& counts, uint32_t id_count) {
   if (8 * counts.size() < id_count) return std::sort(counts.begin(), counts.end(), isBefore);
   const auto [first, last] = std::minmax_element(counts.begin(), counts.end(),
@@ -51,7 +53,7 @@ SharedPairs::SharedPairs(uint32_t id_count, bool counts_blocked, uint64_t most_b
       most_bytes_(most_bytes),
       parts_(kParts) {}
 
-// Returns the counters of a key, which are new where there were none.
+// Returns the counters of a key, and takes a free place for it where it has none.
 uint64_t* SharedPairs::find(Part& part, uint64_t key) const {
   uint64_t place = placeOf(key, part.words.size() / stride_);
   while (part.words[place] != key) {
@@ -65,7 +67,7 @@ uint64_t* SharedPairs::find(Part& part, uint64_t key) const {
   return &part.words[place + 1];
 }
 
-// Makes room for `more` pairs, so that the table is no more than half full.
+// Enlarges a part's table where `more` further pairs would make it more than half full.
 void SharedPairs::makeRoom(Part& part, uint64_t more) {
   const uint64_t places = part.words.size() / stride_;
   if (2 * (part.used + more) <= places) return;
@@ -96,8 +98,8 @@ void SharedPairs::add(uint32_t part_index, const Addition* additions, size_t cou
   }
 }
 
-// Returns the counts of a part, in order, and empties it. The counts of all parts, one part after the other, are in
-// order.
+// Returns the counts of a part in order, and empties it. Parts hold ranges of i, so the counts of all parts, one after
+// the other, are in order, too.
 PairCounts SharedPairs::take(uint32_t part_index) {
   Part& part = parts_[part_index];
   PairCounts counts;
@@ -141,7 +143,7 @@ uint64_t PairTable::denseBytes(uint32_t id_count, bool counts_blocked) {
   return denseWords(id_count, counts_blocked) * sizeof(uint64_t);
 }
 
-// Adds the counts that are still on their way.
+// Adds the weights whose counters are still on their way from memory.
 void PairTable::settle() {
   for (Coming& coming : coming_) {
     if (coming.weight) *coming.counter += coming.weight;

@@ -22,16 +22,17 @@ using namespace device_data;
 
 namespace {
 
-constexpr uint32_t kSceneTexels = 3, kTileTexels = 5;  // bindings
+constexpr uint32_t kSceneTexels = 3, kTileTexels = 5;  // texel buffers of passes over the scene, and over tiles
 
+// PassGroups are the workgroups of a dispatch: x by y, or those that earlier passes have written into BatchStatus.
 struct PassGroups {
   uint32_t x = 0, y = 1;
-  std::optional<size_t> in_status = std::nullopt;  // where earlier passes write them: offset in BatchStatus
+  std::optional<size_t> in_status = std::nullopt;  // offset in BatchStatus, in bytes
 };
 
 struct Pass {
   const char* name;
-  const Kernel& kernel;  // one that was not made is passed over
+  const Kernel& kernel;  // a pass whose kernel was not made is left out
   std::variant<ProjectArgs, BinArgs, SortArgs, PeelArgs, MeetArgs> args;
   std::vector<VkBufferView> texels;  // at bindings 0, 1, ...
   PassGroups groups;
@@ -125,7 +126,7 @@ MeetArgs meetArgs(const PassSettings& settings, const Batch& batch) {
   };
 }
 
-// Bindings 0 to 4 of every pass over tiles (shaders/texels.glsl).
+// Returns the texel buffers at bindings 0 to 4 of every pass over tiles (shaders/texels.glsl).
 std::vector<VkBufferView> tileTexels(const PassSettings& settings, const BatchBuffers& buffers, const Buffer& lists) {
   return {buffers.snapped_corners.texels(), buffers.projected.texels(), settings.scene.polygons.texels(),
           lists.texels(), buffers.active_tiles.texels()};
@@ -134,7 +135,7 @@ std::vector<VkBufferView> tileTexels(const PassSettings& settings, const BatchBu
 std::vector<VkBufferView> peelTexels(const PassSettings& settings, const Batch& batch) {
   const BatchBuffers& buffers = batch.buffers;
   std::vector<VkBufferView> texels = tileTexels(settings, buffers, buffers.lists);
-  const bool has = batch.shape.enters;  // else the shader reads none, but bindings want a buffer
+  const bool has = batch.shape.enters;  // without fragments any buffer will do: the shader reads none of it
   texels.push_back((has ? buffers.fragments : buffers.snapped_corners).texels());
   texels.push_back((has ? buffers.fragment_counts : buffers.snapped_corners).texels());
   return texels;
@@ -149,7 +150,7 @@ void runPass(Commands& commands, const Buffer& status, const Pass& pass) {
   std::visit(dispatch, pass.args);
 }
 
-// Empties the counters of the passes.
+// Records commands that reset the status and set to 0 the buffers in which passes count.
 void recordClearing(Batch& batch) {
   BatchStatus none{};
   none.project_groups = {0, 1, 1};
@@ -254,7 +255,7 @@ void recordPasses(const PassSettings& settings, const PassKernels& kernels, Batc
       {"meet", kernels.meet, meet, meet_texels, by_meeting},
   };
   static_assert(std::size(passes) == kMostPasses);
-  const size_t pass_count = batch.shape.meets ? kMostPasses : kMostPasses - 2;  // without cover and meet
+  const size_t pass_count = batch.shape.meets ? kMostPasses : kMostPasses - 2;  // the last two are cover and meet
 
   batch.commands.begin();
   batch.timestamps.reset(batch.commands.handle());

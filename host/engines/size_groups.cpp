@@ -45,7 +45,8 @@ Box boxOf(const Scene& scene, const std::vector<uint32_t>& polygons) {
   return box;
 }
 
-// Halves the polygons by place until their windows are small enough, or hold one polygon.
+// Halves the polygons by place until each half has a window of at most kUsualWindowPoints, or is one polygon. Appends a
+// group for each.
 void split(const Scene& scene, std::vector<uint32_t> polygons, int resolution, std::vector<SizeGroup>& groups) {
   const Box box = boxOf(scene, polygons);
   if (box.radius() * resolution <= kUsualWindowPoints || polygons.size() == 1) {
@@ -147,11 +148,12 @@ class GroupedEngine : public Engine {
     std::unique_ptr<Engine> engine;
     int resolution;
     size_t polygons;
-    uint64_t weight;  // of its counts, in counts of the finest
+    uint64_t weight;  // one of its counts is worth this many counts of the finest lattice
   };
   void weigh(PairCounts& counts, const Part& part, size_t directions) const {
     for (PairCount& count : counts) {
-      // Of all windows together a pair has little more than of the coarsest alone: twice that is within 64 bits.
+      // In counts of the finest lattice, the windows' counts of a pair add up to little more than the coarsest lattice
+      // alone would count. So the sum fits 64 bits where each of them fits 63.
       if (std::max(count.count, count.blocked) > UINT64_MAX / 2 / part.weight)
         throw Error(ErrorCode::bad_usage, fmt::format("{} directions at resolutions of {} and {} are too many to count "
                                                       "in 64 bits; ask for fewer --directions and more --replicates, "

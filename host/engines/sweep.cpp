@@ -18,7 +18,7 @@ using device_data::kDepthBits, device_data::kScanlineCell;
 
 constexpr std::array<const char*, 3> kPasses = {"project", "slice", "sweep"};
 
-constexpr size_t kAhead = 8;  // spans whose surfaces are on their way from memory
+constexpr size_t kAhead = 8;  // surfaces are fetched from memory this many spans ahead
 
 double secondsNow() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -103,8 +103,8 @@ const Sweep::DepthPlane& Sweep::depthPlane(uint32_t plane_index, const Direction
   return plane;
 }
 
-// Makes spans by row. Where only some polygons emit, emitters come first, and other polygons have spans only where they
-// share a column with them.
+// Finds the spans of all rows. Where only some polygons emit, these come first. Other polygons then get spans in a row
+// only where they reach a column between the row's first and last column with an emitter.
 template <bool kAllCount>
 void Sweep::slice(const Direction& direction) {
   ++turn_;
@@ -113,7 +113,7 @@ void Sweep::slice(const Direction& direction) {
   if (!kAllCount) emitting_.assign(rows_.size(), {INT_MAX, INT_MIN});
   for (size_t first = 0; first < scene_.polygons.size(); first += Outlines::kBlock) {
     outlines_.find(first);
-    uint32_t entered = UINT32_MAX;  // the outline whose polygon is the last of the surfaces
+    uint32_t entered = UINT32_MAX;  // the outline whose polygon was added to surfaces_ last
     for (Outlines::Cuts cuts = outlines_.cut(); cuts.count; cuts = outlines_.cut())
       for (size_t k = 0; k < cuts.count; ++k) {
         const int32_t low = cuts.low[k], high = cuts.high[k];
@@ -136,8 +136,8 @@ void Sweep::slice(const Direction& direction) {
   }
 }
 
-// Adds a polygon's depths along the direction.
-//   In: place: of the polygon in the scene of sweeps
+// Adds a polygon's depth along the direction to surfaces_.
+//   In: place: index in SweepScene::polygons
 void Sweep::addSurface(uint32_t place, bool front_up, const Direction& direction) {
   const SweepScene::Polygon& polygon = scene_.polygons[place];
   const DepthPlane& plane = depthPlane(polygon.plane, direction);
@@ -179,8 +179,8 @@ Sweep::Layer Sweep::enter(const Span& span, int row) const {
           scene_.two_sided || !surface.front_up};
 }
 
-// Returns the order along the line through a column: depth, place at ties, then the polygon's number (Layer in
-// shaders/shared.h).
+// Returns a number that orders layers along the line through a column: by depth, then by place at ties, then by polygon
+// index, as Layer in shaders/shared.h.
 uint64_t Sweep::keyAt(const Layer& layer, int32_t column) const {
   const int64_t depth = layer.depth + layer.whole * column + (layer.rest * column >> column_bits_);
   const auto clamped =
@@ -188,7 +188,8 @@ uint64_t Sweep::keyAt(const Layer& layer, int32_t column) const {
   return (clamped << kTieBits | layer.place_at_tie) << 32 | layer.polygon;
 }
 
-// Sorts by whole columns first, each with places of its own. Within a column few are left to put in order.
+// Sorts spans by `low`. Many spans are first sorted by whole lattice columns (a counting sort). Within a column few are
+// left to put in order.
 void Sweep::sortByLow(std::span<Span> spans) {
   const auto columns = 2 * static_cast<size_t>(reach_);
   if (spans.size() < columns / 4)
@@ -211,18 +212,19 @@ void Sweep::sortByLow(std::span<Span> spans) {
   }
 }
 
-// Goes from one end of a span to the next. Between them the order of the polygons does not change, but for rounding: it
-// is decided in the middle of every sample. A sample is a lattice point or, with scanlines, the interval between two
-// ends in a cell of kScanlineCell columns.
+// Counts one row. It goes from one end of a span to the next; between two ends the order of the polygons is constant,
+// but for rounding. A sample is a lattice point or, with scanlines, the interval between two ends within a cell of
+// kScanlineCell lattice columns. The order of layers on a sample is that in its middle.
 template <bool kAllCount, bool kBlocked>
 void Sweep::sweepRow(int row, std::span<Span> spans, uint64_t weight, PairTable& table) {
   sortByLow(spans);
   if (layers_.size() < spans.size()) layers_.resize(spans.size());
   open_.clear();
   const int32_t cell_bits = column_bits_ + std::countr_zero(kScanlineCell);
-  uint32_t emitters = 0;  // among those open
+  uint32_t emitters = 0;  // layers of open_ whose polygons emit
   int32_t column = 0, first_end = INT_MAX;
-  uint64_t waiting = 0;  // columns of open_ whose gaps have not been added yet
+  uint64_t waiting =
+      0;  // length, in columns, over which open_ had its present order and whose gaps are still to be added
   const auto settle = [&] {
     if (waiting) addGaps<kAllCount, kBlocked>(waiting * weight, table);
     waiting = 0;

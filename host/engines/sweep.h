@@ -1,6 +1,7 @@
-// A Sweep counts one direction for engine `host`: lattice rows cut the projected scene into spans. It goes along each
-// row and sorts the polygons between any two ends of spans by depth. The source are the scan-line algorithms: Watkins,
-// "A real time visible surface algorithm" (1970).
+// A Sweep counts the facing pairs along a direction for engine `host`. A span is the part of a lattice row that a
+// projected polygon covers. The sweep goes along each row and sorts the polygons between any two ends of spans by
+// depth.
+//   Source: the scan-line algorithms, as G. S. Watkins, A real time visible surface algorithm, 1970.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -15,51 +16,55 @@
 
 namespace viewpeel {
 
-// A Sweep is of one thread. It counts as the compute engine does, to the last bit.
+// A Sweep serves one thread. Its counts are those of the compute engine, to the last bit.
 //   Cost: per direction, O(polygons + spans log (spans of a row) + samples x layers).
 class Sweep {
  public:
   //   Throws: Error bad_usage where the resolution is out of range, or too fine for scanlines.
   Sweep(const SweepScene& scene, const LatticeOptions& options);
 
-  // Adds all gaps between consecutive layers of a direction's lines, and blocked pairs where the options want them.
+  // Adds to the table the gaps between consecutive layers on all samples of a direction, and blocked pairs where the
+  // options ask for them.
   void count(const Direction& direction, PairTable& table);
 
-  const Work& work() const { return work_; }  // but for directions and memory
+  // Returns the work done so far, without Work::directions and memory_bytes.
+  const Work& work() const { return work_; }
   uint64_t memoryBytes() const;
 
  private:
-  // A DepthPlane is the depth over the lattice, as in ProjectedPolygon (shaders/shared.h), of the direction of that
-  // turn.
+  // A DepthPlane is the depth of a scene's plane over the lattice, as in ProjectedPolygon (shaders/shared.h), in the
+  // direction number `turn`.
   struct DepthPlane {
     uint64_t turn = 0;
     int64_t at_origin, per_column, per_row;
-    double slack;
+    double slack;  // depth_min and depth_max of its polygons are this much wider than their corners' depths
     int shift;
-    bool is_edge_on;  // then every polygon has a depth of its own
+    bool is_edge_on;  // the plane contains the direction; then each of its polygons gets a constant depth of its own
   };
-  // A row reads these data of a polygon that enters it, in one line of the processor's cache.
+  // A Surface is a polygon in the present direction, in one line of the processor's cache.
   struct alignas(64) Surface {
-    int64_t at_origin, per_column, per_row;  // its depth
+    int64_t at_origin, per_column, per_row;  // its depth before the shift, see DepthPlane
     int32_t depth_min, depth_max, shift;
     uint32_t polygon, id, roles;
     bool front_up;
     uint8_t place_at_tie;
   };
   struct Span {
-    int32_t low, high;  // columns [low, high), in units of 2^-column_bits
-    uint32_t surface;
+    int32_t low, high;  // columns [low, high), in units of 2^-column_bits_ spacings
+    uint32_t surface;   // index in surfaces_
   };
-  // A Layer is a span that the row has entered.
+  // A Layer is a span that the sweep has reached in its row.
   struct Layer {
-    int64_t depth, whole, rest;  // depth in column X: depth + whole X + (rest X >> column_bits), before the shift
+    int64_t depth, whole,
+        rest;  // before the shift, the depth is depth + whole X + (rest X >> column_bits_) in column X
     int32_t depth_min, depth_max, shift, high;
     uint32_t polygon, id, roles;
     uint8_t place_at_tie;
-    bool sees_up, sees_down;
+    bool sees_up, sees_down;  // whether a front faces +u, and -u; both hold of two-sided polygons
   };
+  // An Open is a layer over the present column.
   struct Open {
-    uint64_t key;
+    uint64_t key;  // what keyAt returns
     const Layer* layer;
   };
 
@@ -84,13 +89,12 @@ class Sweep {
 
   Outlines outlines_;
   std::vector<DepthPlane> planes_;
-  glm::dvec2 origin_{0};  // of the lattice, in the direction at hand
-  uint64_t turn_ = 0;     // directions so far
+  glm::dvec2 origin_{0};  // latticeOrigin of the present direction
+  uint64_t turn_ = 0;     // number of the present direction, from 1
   std::vector<Surface> surfaces_;
-  std::vector<std::vector<Span>> rows_;  // row -reach first
-  std::vector<std::pair<int32_t, int32_t>>
-      emitting_;                  // columns between the first and the last that emits, of every row
-  std::vector<uint32_t> places_;  // of a row's spans, by their first column
+  std::vector<std::vector<Span>> rows_;                // spans of row -reach_ first
+  std::vector<std::pair<int32_t, int32_t>> emitting_;  // for each row, its columns with emitters lie in [first, second)
+  std::vector<uint32_t> places_;                       // for each column, where sortByLow puts the next span
   std::vector<Span> unsorted_;
   std::vector<Layer> layers_;
   std::vector<Open> open_;

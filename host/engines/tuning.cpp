@@ -15,14 +15,13 @@ using namespace device_data;
 
 namespace {
 
-constexpr uint32_t kFewPoints = 64;  // in boxes, which hold up to three times the points of a polygon
-constexpr double kFewAcross = 5;     // such a polygon, on the average over directions, as a square
+constexpr uint32_t kFewPoints = 64;  // lattice points in a polygon's box, which holds up to three times its own points
+constexpr double kFewAcross = 5;     // polygons have such boxes if squares of their mean projected area are this wide
 
-constexpr uint32_t kLongList = 48;    // polygons over a tile, on the average, from which on smaller tiles are faster
-constexpr double kManyRounds = 1.5;   // a tile, from which on more layers are kept
-constexpr uint32_t kSortedList = 16;  // polygons over such a tile, on the average, from which on lists are sorted
-constexpr uint32_t kDeepList =
-    16;  // polygons over a tile of scanlines, on the average, from which on more layers are kept
+constexpr uint32_t kLongList = 48;    // tiles are made smaller where they have this many polygons on average
+constexpr double kManyRounds = 1.5;   // more layers are kept where tiles take more rounds than this on average
+constexpr uint32_t kSortedList = 16;  // lists are then sorted where tiles have this many polygons on average
+constexpr uint32_t kDeepList = 16;    // with scanlines, more layers are kept where tiles have this many on average
 
 }  // namespace
 
@@ -39,14 +38,14 @@ Tuning tune(const Device& device, const LatticeOptions& options) {
   const auto choose = [](uint32_t requested, uint32_t otherwise) { return requested ? requested : otherwise; };
   const uint32_t subgroup_size = subgroup.subgroupSize, layers_kept = choose(options.layers_kept, 4),
                  most_blocks = choose(options.most_blocks, on_cpu ? 1000 : 1u << 30);
-  // Every row of a tile is cut from the tile's whole list with scanlines: there smaller tiles are faster.
+  // With scanlines the spans of every row are found among all polygons of the tile, so smaller tiles are faster.
   const uint32_t default_rows = options.sampling == Sampling::lattice ? kMostTileRows
                                 : options.resolution < 128            ? 2
                                                                       : 4;
   const uint32_t tile_rows = std::min(std::bit_ceil(choose(options.tile_rows, default_rows)), kMostTileRows);
   if (options.sampling == Sampling::scanline)
     return {subgroup_size, kScanlineCell, tile_rows, 1, layers_kept, most_blocks, false};
-  // Lattice points take as many columns as divide a subgroup, and the rows in steps.
+  // With lattice points the tile's width divides the subgroup's size, and a subgroup takes some rows at each step.
   const uint32_t tile_width = std::min(std::bit_ceil(choose(options.tile_width, 8)), kMostTileWidth);
   return {subgroup_size, tile_width,  tile_rows,   std::max(1u, tile_width * tile_rows / subgroup_size),
           layers_kept,   most_blocks, options.sort};
@@ -65,16 +64,16 @@ void adaptOptions(const BatchStatus& found, LatticeOptions& options) {
   }
 }
 
-// Adding to dense counters is quicker than to a hash table, reading them after every replicate takes longer: they pay
-// where a direction adds much.
+// It is quicker to add to dense counters than to a hash table, but takes longer to read them after every replicate. So
+// dense counters may be larger on finer lattices, where a direction adds more.
 uint64_t counterBudget(const LatticeOptions& options) {
   const uint64_t chosen = options.resolution < 128 ? 256ull << 20 : 512ull << 20;
   return options.counter_budget_bytes ? options.counter_budget_bytes : options.count_blocked ? 2 * chosen : chosen;
 }
 
-// Entering spares tiles' lists the polygons over few lattice points, each of which is tested for every point of the
-// tile. Where they are not most of the lists, making room for fragments costs more than it spares. Tiles are 8 x 8, and
-// a polygon's mean projection is half its area.
+// Polygons that become fragments leave the tiles' lists, whose polygons are tested against every point of the tile.
+// Unless they are most of the lists' entries, room for fragments costs more than this saves. The number of a polygon's
+// entries is estimated for tiles of 8 x 8 points and its mean projection, which is half its area.
 uint32_t chooseFewPoints(const Scene& scene, int resolution) {
   double entries = 0, spared = 0;
   for (const Polygon& polygon : scene.polygons) {

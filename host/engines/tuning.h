@@ -1,4 +1,4 @@
-// The compute engine chooses these values by device, scene and options. None of them changes a result.
+// A Tuning has the sizes that the compute engine chooses by device, scene and options. None of them changes a result.
 #pragma once
 #include <cstdint>
 
@@ -12,22 +12,23 @@ namespace device_data {
 struct BatchStatus;
 }
 
+// Options of the same names are in LatticeOptions. `steps` is the number of samples of an invocation of peel.
 struct Tuning {
   uint32_t subgroup_size, tile_width, tile_rows, steps, layers_kept, most_blocks;
   bool sorts;
 };
 
-// Takes the options' values, or the best for the device.
-//   Throws: Error device where its subgroups are of no use.
+// Returns the values that the options give and, for the others, the best ones for the device.
+//   Throws: Error device where the device's subgroups have no shuffles, or fewer than 8 or more than 64 invocations.
 Tuning tune(const Device& device, const LatticeOptions& options);
 
-// Chooses open options by the first batch's figures over its active tiles, of which there is at least one.
+// Sets options that the caller left at 0, by the status of the first batch, which must have an active tile.
 void adaptOptions(const device_data::BatchStatus& found, LatticeOptions& options);
 
-// Returns the budget of dense counters, beyond which they are kept in a hash table.
+// Returns how many bytes dense counters may take; beyond them the engine has a hash table.
 uint64_t counterBudget(const LatticeOptions& options);
 
-// Returns the most lattice points of a polygon that enters itself, see LatticeOptions; 0 where none should.
+// Returns LatticeOptions::few_points for a scene: 0 where it is better that no polygon becomes fragments.
 uint32_t chooseFewPoints(const Scene& scene, int resolution);
 
 }  // namespace viewpeel

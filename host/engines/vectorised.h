@@ -1,8 +1,8 @@
-// Compiles loops over arrays again for processors of the last ten years. Programs for any x86-64 are built for the
-// vectors of 2003.
+// runVectorised compiles a loop over arrays several times: for AVX-512, for AVX2, and for any x86-64 processor, whose
+// vectors are those of 2003. At run time it takes the version for the widest vectors that the processor has.
 #pragma once
 
-// The macro stands before a loop whose turns neither read nor write the results of others.
+// This macro stands before a loop whose iterations do not depend on each other.
 #if defined(__clang__)
 #define VIEWPEEL_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
 #else
@@ -13,7 +13,7 @@ namespace viewpeel {
 
 enum class Vectors { plain, avx2, avx512 };
 
-// Returns the widest vectors of this processor.
+// Returns the widest vectors that this processor has.
 inline Vectors widestVectors() {
 #if defined(__x86_64__)
   if (__builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw"))
@@ -35,9 +35,10 @@ template <class Loops>
 }
 #endif
 
-// The argument `loops` is called without arguments; it and all that it calls must be inlined, which
-// [[gnu::always_inline]] sees to. Results are the same bits with all vectors: without contraction every operation is
-// rounded.
+// Calls `loops`, compiled for the given vectors. `loops` and all functions that it calls have to be inlined, which
+// [[gnu::always_inline]] makes sure of. All vectors give the same bits: without contraction (-ffp-contract=off) every
+// operation is rounded by itself.
+//   In: loops: callable without arguments
 template <class Loops>
 void runVectorised(Vectors vectors, const Loops& loops) {
 #if defined(__x86_64__)

@@ -5,7 +5,7 @@
 namespace viewpeel {
 
 void addWork(const Work& part, Work& sum) {
-  sum.directions = std::max(sum.directions, part.directions);  // every part takes all of them
+  sum.directions = std::max(sum.directions, part.directions);  // engines of several windows count the same directions
   for (uint64_t Work::*member : {&Work::lattice_points, &Work::tiles, &Work::active_tiles, &Work::list_entries,
                                  &Work::rows, &Work::spans, &Work::samples, &Work::rounds, &Work::tests,
                                  &Work::fragments, &Work::gaps, &Work::repeats, &Work::resumed, &Work::memory_bytes})

@@ -1,10 +1,11 @@
-// An engine counts its work where LatticeOptions::measure_work is set.
+// Engines count their work where LatticeOptions::measure_work is set; addWork adds up the work of their parts.
 #pragma once
 #include <viewpeel/engine.h>
 
 namespace viewpeel {
 
-// Adds the work of one engine, or thread, to the sum. All parts count the same directions, which are added once.
+// Adds the work of a part, which is an engine or a thread, to the sum. The number of directions is not added up,
+// because all parts count the same directions.
 void addWork(const Work& part, Work& sum);
 
 }  // namespace viewpeel
