@@ -1,5 +1,6 @@
-// Reads CalculiX's input deck, as far as radiation between faces goes: *NODE, *ELEMENT, *ELSET, *INCLUDE and *RADIATE.
-//   Source: G. Dhondt, CalculiX CrunchiX User's Manual, version 2.20: keywords of these names; element faces.
+// readCcxDeck() reads from CalculiX's input deck what radiation between faces needs: *NODE, *ELEMENT, *ELSET, *INCLUDE
+// and *RADIATE.
+//   Source: G. Dhondt, CalculiX CrunchiX User's Manual, version 2.20: the keywords of these names; element faces.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -9,13 +10,13 @@
 
 namespace viewpeel {
 
-// A label R<face>CR of *RADIATE makes a face exchange radiation.
+// A CcxFace is a face of an element that exchanges radiation: *RADIATE gives it the label R<face>CR.
 struct CcxFace {
   uint64_t element = 0;
-  uint32_t face = 0;                // from 1
-  std::vector<glm::dvec3> corners;  // counter-clockwise from outside the solid, mid nodes included
-  int cavity = 0;                   // number of CAVITY=, by which CalculiX tells cavities apart
-  bool is_closed = false;           // its sink temperature is negative: nothing leaves the cavity
+  uint32_t face = 0;                // number of the face within its element, from 1
+  std::vector<glm::dvec3> corners;  // counter-clockwise seen from outside the solid, with mid nodes
+  int cavity = 0;                   // value of CAVITY=: only faces of one cavity exchange radiation
+  bool is_closed = false;           // the sink temperature is negative, which means that nothing leaves the cavity
   uint32_t line = 0;
 };
 
@@ -26,7 +27,7 @@ struct CcxDeck {
 };
 
 // Reads a deck and the files it includes.
-//   Out: faces by element number; those of one element in the reverse of the deck's order, as CalculiX 2.20 has them
+//   Out: faces by element number. Faces of one element are in the reverse of the deck's order, as in CalculiX 2.20.
 //   Throws: Error bad_input naming file and line.    Cost: O(size of the files).
 CcxDeck readCcxDeck(const std::filesystem::path& file);
 

@@ -1,4 +1,4 @@
-// Cuts parts that other polygons of its plane cover away from a polygon.
+// cutAway() removes from a polygon the parts that other polygons of its plane cover.
 #pragma once
 #include <vector>
 
@@ -7,14 +7,15 @@
 namespace viewpeel {
 
 // Cuts convex polygons out of a convex polygon of the same plane.
-//   In: corners: counter-clockwise about `normal`, which has unit length; holes: convex, either way round
-//   Out: convex pieces with the same front, of more than 1e-14 of the polygon's area each; none where nothing is left
-//   Error: corners to a few ulps of the polygon's size.    Cost: O(pieces x holes).
+//   In: corners: of the polygon, counter-clockwise about `normal`, a unit vector; holes: convex polygons, whose corners
+//     run either way round
+//   Out: convex pieces of what is left, with the same front. Pieces below 1e-14 of the polygon's area are dropped.
+//   Error: corners are good to a few ulps of the polygon's size.    Cost: O(pieces x holes).
 //   Source: I. E. Sutherland & G. W. Hodgman, Reentrant polygon clipping, Communications of the ACM 17(1), 1974, 32-42.
 std::vector<std::vector<glm::dvec3>> cutAway(const std::vector<glm::dvec3>& corners, const glm::dvec3& normal,
                                              const std::vector<std::vector<glm::dvec3>>& holes);
 
-// Returns the normal of a polygon by its corners (Newell), its length twice the area.    Cost: O(corners).
+// Returns the normal of a polygon by Newell's formula. Its length is twice the polygon's area.    Cost: O(corners).
 glm::dvec3 twiceAreaNormal(const std::vector<glm::dvec3>& corners);
 
 }  // namespace viewpeel

@@ -1,4 +1,5 @@
-// Names of faces in messages, options and results: "desk[3]" is the third face of surface desk in the file.
+// These functions map names to faces. Messages, options and results use the names: "desk[3]" is the third face of
+// surface desk in the file.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -8,20 +9,20 @@
 
 namespace viewpeel {
 
-// Returns the faces of the surface of this name, or the one face.
-//   In: option: named in the message    Out: indices into InputScene::faces
-//   Throws: Error bad_usage where there is none.    Cost: O(faces).
+// Returns the faces of a surface, or a single face, by name.
+//   In: option: the program's option that the error message names    Out: indices into InputScene::faces
+//   Throws: Error bad_usage where nothing has this name.    Cost: O(faces).
 std::vector<uint32_t> findFaces(const InputScene& input, const std::string& name, const char* option);
 
-// Returns the surface in a name as faceName makes them for surfaces of several faces: "desk" of "desk[3]", and any
-// other name as it is.    Cost: O(length).
+// Returns the name of the surface in the name of a face: "desk" for "desk[3]". Any other name is returned unchanged.
+//   Cost: O(length).
 std::string surfaceOfName(const std::string& name);
 
-// Names of all faces of a file, as faceName gives them.    Cost: O(faces).
+// Returns the names of all faces of a file, as faceName() makes them.    Cost: O(faces).
 std::vector<std::string> nameFaces(const InputScene& input);
 
-//   Throws: Error bad_input where a surface has the name of another one's face, as "desk[3]" beside a desk of three
-//   faces.
+// Refuses files in which a surface has the name of a face: a surface "desk[3]" beside a surface "desk" of three faces.
+//   Throws: Error bad_input.
 //   Cost: O(faces + surfaces log surfaces).
 void requireDistinctNames(const InputScene& input);
 

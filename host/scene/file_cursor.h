@@ -1,4 +1,4 @@
-// A FileCursor is a place in a file that is text in one part and binary in another.
+// A FileCursor reads a file that is text in one part and binary in another.
 #pragma once
 #include <algorithm>
 #include <bit>
@@ -16,7 +16,8 @@ namespace viewpeel {
 
 static_assert(std::endian::native == std::endian::little, "binary parts are little-endian and copied as they are");
 
-// Reads words, lines and numbers one after the other. Messages name the line as long as all before it was text.
+// A FileCursor reads words, lines and numbers one after the other. Its messages name the line, until it has read a
+// binary part.
 class FileCursor {
  public:
   explicit FileCursor(const std::filesystem::path& file) : file_(file.string()) {
@@ -31,13 +32,13 @@ class FileCursor {
   }
 
   bool isAtEnd() const { return bytes_.find_first_not_of(" \t\r\n", at_) == std::string::npos; }
-  // Returns the next word, of this line or a later one; empty at the end.
+  // Returns the next word, from this line or a later one. It is empty at the end of the file.
   std::string_view word() {
     word_ = std::min(bytes_.find_first_not_of(" \t\r\n", at_), bytes_.size());
     at_ = std::min(bytes_.find_first_of(" \t\r\n", word_), bytes_.size());
     return std::string_view(bytes_).substr(word_, at_ - word_);
   }
-  // Returns the rest of the line, and goes to the next one.
+  // Returns the rest of the line, and moves to the next line.
   std::string_view line() {
     word_ = at_;
     const size_t end = std::min(bytes_.find('\n', at_), bytes_.size());
@@ -46,7 +47,7 @@ class FileCursor {
     while (!text.empty() && (text.back() == '\r' || text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
     return text;
   }
-  // Goes behind the next place where a text stands.
+  // Moves behind the next occurrence of a text.
   void skipPast(std::string_view text) {
     word_ = at_;
     const size_t found = bytes_.find(text, at_);

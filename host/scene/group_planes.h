@@ -1,18 +1,19 @@
-// Coplanar polygons share one plane, so that their depths along a line are equal to the last bit.
+// groupPlanes() lets coplanar polygons share one plane, so that their depths along a line are equal to the last bit.
 #pragma once
 #include <viewpeel/scene.h>
 
 namespace viewpeel {
 
-// Corners within this distance of a larger polygon's plane make a polygon coplanar with it, in unit-ball units. It is a
-// hundred times the rounding of coordinates that a rotation in double precision leaves, and about one unit of the
-// engines' depth.
+// A polygon is coplanar with a larger one if its corners are within this distance of the larger polygon's plane, in
+// unit-ball units. The distance is a hundred times the rounding that a rotation in double precision leaves, and about
+// one unit of the engines' depth.
 constexpr double kCoplanarTolerance = 1e-8;
 
-// The plane of a polygon's own corners, through their mean; its normal is the front's.    Cost: O(1).
+// Returns the plane through the mean of a polygon's own corners, with the normal of its front.    Cost: O(1).
 Plane planeOf(const Scene& scene, const Polygon& polygon);
 
-// Fills Scene::planes and each polygon's plane and front_along_plane_normal. The largest polygon of a plane defines it.
+// Sets Scene::planes, and each polygon's `plane` and `front_along_plane_normal`. The largest polygon of a plane defines
+// the plane.
 //   Cost: O(n log n) where few planes are nearly parallel and nearly coincident.
 void groupPlanes(Scene& scene);
 

@@ -1,5 +1,6 @@
-// Polygons that pass through one another are found here. The exact path refuses such scenes, for no order along a line
-// holds over a region. Scanlines cannot count them, for they take the order for constant between the ends of spans.
+// findInterpenetrations() finds polygons that pass through one another. The exact path refuses such scenes, because no
+// order along a line holds over a region. Scanlines cannot count them either: they assume one order between the ends of
+// spans.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -11,39 +12,39 @@
 
 namespace viewpeel {
 
-// Contact up to this depth, in unit-ball units, is touching. It is far above the rounding of corners (1e-16), far below
-// anything a model means.
+// Polygons that enter each other by up to this depth, in unit-ball units, only touch. The depth is far above the
+// rounding of corners (1e-16), and far below every dimension of a model.
 constexpr double kTouchingDepth = 1e-9;
 
-// Scanlines have a larger depth: coordinates in single precision differ by less where polygons are meant to touch, and
-// lines so near to a crossing are few.
+// Scanlines tolerate this larger depth. It is more than the rounding of single precision, where polygons are meant to
+// touch, and few lines pass so near to a crossing.
 constexpr double kCrossingDepth = 1e-6;
 
 struct Interpenetration {
   uint32_t a, b;     // polygons, a < b
-  glm::dvec3 place;  // input units: the middle of the segment that they share
-  double length;     // of that segment, unit-ball units
+  glm::dvec3 place;  // middle of the segment that they share, input units
+  double length;     // length of this segment, unit-ball units
 };
 
 // Finds all pairs of polygons that pass through one another.
-//   Each has corners on both sides of the other's plane, further from it than `touching_depth`. The chords that they
-//     cut from the common line of the planes overlap by more than `touching_depth`. Touching in corners, in edges, of
-//     an edge with an interior, and overlap within one plane do not count.
-//   In: scene, unit-ball units; touching_depth in unit-ball units, at least 1e-14.
+//   Each polygon has corners on both sides of the other's plane, farther from it than `touching_depth`. Both polygons
+//   cut a
+//     chord from the line where the planes meet, and the two chords overlap by more than `touching_depth`. Polygons
+//     that only touch, at a corner, along an edge or inside, or that overlap within one plane, do not count.
+//   In: touching_depth: in unit-ball units, at least 1e-14
 //   Out: sorted by (a, b).
-//   Error: decided in double, whose error (1e-15) is far below touching_depth; tests/unit/interpenetration_test.cpp.
-//   Throws: nothing of its own.
+//   Error: none in practice: double has an error of 1e-15, far below touching_depth. Tests:
+//     tests/unit/interpenetration_test.cpp.
 //   Cost: O(n log n + overlapping boxes) work, O(n) memory.
-//   Source: T. Moeller, A fast triangle-triangle intersection test (1997), for convex polygons; boxes: PolygonTree.
+//   Source: T. Moeller, A fast triangle-triangle intersection test, 1997, extended to convex polygons.
 std::vector<Interpenetration> findInterpenetrations(const Scene& scene, double touching_depth = kTouchingDepth);
 
 // Returns one line for a message: `scene.obj: desk[3] and wall pass through each other at (1.5, 2, 0)`.
 std::string describe(const Scene& scene, const Interpenetration& found);
 
-// Returns where the scene has no interpenetration.
+// Refuses a scene in which polygons pass through one another.
 //   In, Error, Cost: as findInterpenetrations.
-//   Out: none.
-//   Throws: Error bad_input, the first pair described, the number of further ones and the remedy.
+//   Throws: Error bad_input, which describes the first pair, counts the others, and names the remedy.
 void requireDisjoint(const Scene& scene, double touching_depth = kTouchingDepth);
 
 }  // namespace viewpeel

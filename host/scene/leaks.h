@@ -1,5 +1,5 @@
-// A leak is a line that leaves a front and ends on a back. Rays find the two polygons and, as far as they can, the
-// cause.
+// A leak is a line that leaves the front of one polygon and ends on the back of another. The functions here find leaks
+// by casting rays, and guess their cause.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -11,43 +11,46 @@ namespace viewpeel {
 
 // A LeakCause says why lines of one surface end on the backs of another.
 enum class LeakCause {
-  flipped,    // one of the two, or its shell, is turned the wrong way
-  overlap,    // the two lie over each other in one plane and look the same way
-  enclosed,   // part of the one lies inside a closed solid
-  no_bottom,  // part of the one lies under a shell that is open towards it
-  one_sided,  // the other one is a sheet that is seen from both sides
-  gap,        // none of the other causes
+  flipped,    // one of the two surfaces, or its shell, is turned the wrong way
+  overlap,    // the two surfaces overlap in one plane and look the same way
+  enclosed,   // a part of `from` lies inside a closed solid
+  no_bottom,  // a part of `from` lies under a shell that is open towards it
+  one_sided,  // `onto` is a sheet that is visible from both sides
+  gap,        // none of the other causes fits
 };
 
 struct Leak {
-  uint32_t from, onto;  // Scene::surfaces
+  uint32_t from, onto;  // indices into Scene::surfaces
   LeakCause cause;
-  uint32_t culprit;    // the one of the two to change
-  double share;        // of all rays that ended on backs
-  double hidden_area;  // of `from`, from which rays to all sides end on backs, input units squared
+  uint32_t culprit;    // the surface, `from` or `onto`, that the user should change
+  double share;        // share of this leak in all rays that ended on backs
+  double hidden_area;  // area of `from` from which the rays to all sides end on backs, input units squared
 };
 
-// FrontRays counts the ends of rays from fronts.
+// FrontRays says where rays from fronts ended.
 struct FrontRays {
   uint64_t rays = 0, backs = 0, escaped = 0;
   std::vector<Leak> leaks;  // largest share first
   double backShare() const { return rays ? double(backs) / double(rays) : 0; }
 };
 
-// Follows rays from fronts: uniform over them by area, or by weights, such as the counts of leaking lines.
-//   In: weights: of Scene::polygons; areas where empty
-//   Error: of shares some 1e-2; leaks of less than some 1e-4 of the lines are not found. The same in every run.
+// Casts rays from the fronts of all polygons.
+//   In: weights: double[polygon], the share of rays that start on each polygon, such as its count of leaking lines;
+//     empty: rays start uniformly over the area
+//   Error: shares are good to about 1e-2. A leak of less than about 1e-4 of all lines is not found. Every run casts the
+//     same rays.
 //   Cost: O(edges log edges) and some 10^4 rays.
 FrontRays followFronts(const Scene& scene, const std::vector<double>& weights = {});
 
-// Describes each cause and culprit in a line, with the option or change that mends it, the largest first.
+// Returns a line for each cause and culprit, with the option or change that mends it. The largest leak comes first.
 std::vector<std::string> describeLeaks(const Scene& scene, const std::vector<Leak>& leaks);
 
-// Warns about backs that fronts see, before anything is computed. It warns, too, where no front sees another one. Empty
-// where all is well.
+// Returns warnings, one line each, about backs that fronts see, or about a scene in which no front sees another one.
+// Callers use it before anything is computed.    Out: empty where all is well
 std::vector<std::string> warnOfBacks(const Scene& scene);
 
-// Returns "closed" or "open" and "leaking" by a few hundred rays from fronts, and whether edges say otherwise.
+// Describes the scene as "closed" or "open", and as "leaking", from a few hundred rays from fronts. It adds a remark
+// where the edges of the polygons suggest something else (isClosed).
 //   Cost: O(edges log edges).
 std::string describeClosedness(const Scene& scene);
 

@@ -1,4 +1,5 @@
-// Faces that overlap in one plane and look the same way: the same face twice in a file, or tiles laid over each other.
+// These functions report faces that overlap in one plane and look the same way. Either the file has a face twice, or
+// different faces lie over each other.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -11,17 +12,17 @@ namespace viewpeel {
 
 // A Duplicate is a face that repeats an earlier one, corner for corner.
 struct Duplicate {
-  uint32_t face, of;  // into InputScene::faces, of < face
+  uint32_t face, of;  // indices into InputScene::faces: `face` repeats `of`, and of < face
 };
 
-// Finds the faces that overlap and have the very same corners in the same order, wherever they begin.
-//   In: alike: of the scene that was built from the input; rounding: of coordinates, input units
-//   Out: sorted by face, every face once, `of` never a duplicate itself
+// Finds faces that overlap and have the same corners in the same order. The first corner may be a different one.
+//   In: alike: the overlaps in the scene that buildScene() made of the input; rounding: of coordinates, input units
+//   Out: sorted by face. Every face occurs once, and `of` is never a duplicate itself.
 //   Cost: O(overlaps corners^2).
 std::vector<Duplicate> findDuplicates(const InputScene& input, const Scene& scene,
                                       const std::vector<AlikeOverlap>& alike, double rounding);
 
-// The warning about overlaps that are no duplicates; empty without any.
+// Returns a warning about overlaps that are not duplicates; empty where there are none.
 //   Cost: O(overlaps log overlaps).
 std::string describeOverlaps(const Scene& scene, const std::vector<AlikeOverlap>& alike);
 

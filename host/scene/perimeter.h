@@ -1,4 +1,4 @@
-// Measures perimeters of polygons: rules for narrow faces, fineness of ids and bounds of lattice counts need them.
+// perimeterOf() measures the perimeter of a polygon.
 #pragma once
 #include <span>
 
@@ -8,8 +8,8 @@
 
 namespace viewpeel {
 
-// Returns the sum over k of |corners[(k + 1) % n] - corners[k]|, in that order, in the corners' unit; 0 where there are
-// none.
+// Returns the sum over k of |corners[(k + 1) % n] - corners[k]|, added up in this order. It has the unit of the
+// corners.
 inline double perimeterOf(std::span<const glm::dvec3> corners) {
   double perimeter = 0;
   for (size_t k = 0; k < corners.size(); ++k) perimeter += glm::length(corners[(k + 1) % corners.size()] - corners[k]);

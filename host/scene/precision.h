@@ -1,4 +1,4 @@
-// These functions judge how finely a file gives coordinates.
+// These functions judge the precision of the coordinates in a file.
 #pragma once
 #include <string>
 
@@ -6,13 +6,14 @@
 
 namespace viewpeel {
 
-// Returns a bound on the distance by which rounding has moved faces, input units. It is a few units in the last place
-// of the largest coordinate, in the precision that holds all of them.    Cost: O(corners).
+// Returns a bound on the distance by which rounding has moved corners, input units. It is a few units in the last place
+// of the largest coordinate, in single or double precision, whichever the coordinates have.    Cost: O(corners).
 double roundingOf(const InputScene& input);
 
-// Warns about coordinates in single precision so far from the origin that their steps are coarse beside edges.
-//   Out: empty where precision does not limit them: at most 1 % of the edges are shorter than 16 steps, or coordinates
-//     do not use up the steps (whole metres, say).
+// Returns a warning where coordinates in single precision lie so far from the origin that the steps between them are
+// coarse beside the edges.
+//   Out: empty where at most 1 % of the edges are shorter than 16 steps, or where the coordinates are round numbers,
+//     such as whole metres, that rounding has not moved
 //   Cost: O(corners).
 std::string describeCoarseSteps(const InputScene& input);
 

@@ -1,4 +1,4 @@
-// The ranks are an order in which ids of about the same place and orientation come one after the other.
+// rankByPlace() orders ids so that ids of about the same place and orientation follow each other.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -7,11 +7,13 @@
 
 namespace viewpeel {
 
-// Ranks ids by place: any 2^k ids whose ranks differ in the last k bits alone are near each other. Ids are halved at
-// the median of the coordinate in which they differ most, again and again. The coordinates are their middles in
-// unit-ball units, and twice their normals.
-//   In: id_of_polygon: of each Scene::polygons entry, 0..count-1
-//   Out: the rank of each id.    Cost: O(n log^2 n).
+// Returns the rank of each id: uint32_t[id]. Any 2^k ids whose ranks differ only in the last k bits are near each
+// other.
+//   The ids are split at the median of the coordinate in which they differ most, and so is each half, down to single
+//   ids.
+//     An id has six coordinates: its centroid in unit-ball units, and its normal times 2.
+//   In: id_of_polygon: the id of each polygon of Scene::polygons, from 0 to count - 1
+//   Cost: O(n log^2 n).
 std::vector<uint32_t> rankByPlace(const Scene& scene, const std::vector<uint32_t>& id_of_polygon, uint32_t count);
 
 }  // namespace viewpeel

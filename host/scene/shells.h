@@ -1,4 +1,5 @@
-// Shells are faces that hang together by their edges, and which of them are turned the wrong way.
+// findShells() finds the shells of a scene: sets of faces that share edges. findFlipped() finds the faces that are
+// turned the wrong way.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -9,24 +10,27 @@
 namespace viewpeel {
 
 struct Shell {
-  std::vector<uint32_t> faces;   // of Scene::faces, ascending
-  std::vector<bool> is_against;  // of each: its front is on the other side than most of the shell's area
-  bool is_closed = false;        // every edge has others of the shell, once in each direction after turning
-  bool is_twisted = false;       // faces cannot all be turned to one side, as in a Moebius strip
+  std::vector<uint32_t> faces;   // indices into Scene::faces, ascending
+  std::vector<bool> is_against;  // for each face: its front is not on the side where most of the shell's fronts are
+  bool is_closed = false;   // every edge belongs to two faces of the shell, which run along it in opposite directions
+  bool is_twisted = false;  // faces cannot all be turned to one side, as in a Moebius strip
 };
 
-// Finds shells: two faces at an edge hang together. Of more than two at an edge the faces of one surface do, then faces
-// with the smallest wedge of space or solid between them. T-junctions are cut where fewer than 4,000 edges are open.
+// Finds the shells. Two faces that share an edge belong to one shell. Where more than two faces share an edge, faces of
+// one surface are joined first, then faces with the smallest wedge between them. Where fewer than 4,000 edges are open,
+// edges are cut at T-junctions before they are compared.
 //   Cost: O(edges log edges).
 std::vector<Shell> findShells(const Scene& scene);
 
-// Finds the faces to turn over so that lines hit fronts.
-//   They are faces against their shells, and whole shells of three kinds. Closed shells turn whose backs other fronts
-//     see while their own fronts see (almost) no others: a solid inside out, a room with its normals outward. Open
-//     shells turn whose backs end (almost) all rays on other fronts, while their fronts see none. So does the one
-//     closed shell of a scene in which no front sees anything.
-//   Error: from some thousand rays, the same in every run; shells that fewer than 4 rays hit stay as they are.
-//   Out: ascending, Scene::faces
+// Finds the faces that have to be turned over so that lines hit fronts.
+//   These are faces that are against their shell, and all faces of three kinds of shells. The first kind is a closed
+//   shell
+//     whose backs other fronts see, while its own fronts see almost nothing: a solid inside out, or a room with its
+//     normals outward. The second kind is an open shell whose backs see almost only fronts, while its fronts see none.
+//     The third kind is the only closed shell of a scene in which no front sees anything.
+//   Error: the answer rests on some thousand rays, the same in every run. A shell that fewer than 4 rays hit is not
+//     turned.
+//   Out: indices into Scene::faces, ascending
 //   Cost: O(edges log edges) and at most 2^18 rays, 8 for each side of a shell at least, for each of 4 turns.
 std::vector<uint32_t> findFlipped(const Scene& scene, const std::vector<Shell>& shells, Sight& sight);
 

@@ -1,5 +1,5 @@
-// Sight follows rays through a scene: it finds the polygons that a point of a polygon sees. It is slow beside the
-// engines, and serves messages only.
+// A Sight casts rays through a scene, and finds the polygon that a point of a polygon sees in a direction. It is slow
+// beside the engines, and only messages and repairs of the input use it.
 #pragma once
 #include <cstdint>
 #include <random>
@@ -18,18 +18,17 @@ class Sight {
     bool is_front = false;
   };
 
-  // Keeps a reference to the scene.    Cost: O(n log n).
+  // Builds a tree over the polygons. The scene must outlive this object.    Cost: O(n log n).
   explicit Sight(const Scene& scene);
 
-  // Every run casts the same rays.
+  // Return the next random numbers. The seed is fixed, so that every run casts the same rays.
   uint64_t next() { return random_(); }
   double uniform() { return double(random_() >> 11) * 0x1p-53; }
   // Draws a point uniformly over the polygon.
   glm::dvec3 pointOn(uint32_t polygon);
-  // Draws a direction by the cosine, on the side of the polygon's front, or of its back.
+  // Draws a direction of the cosine law, on the side of the polygon's front or of its back.
   glm::dvec3 directionFrom(uint32_t polygon, bool from_front);
-  // Finds the first polygon on a ray from a point of the polygon. Coincident polygons are in the order of their tie
-  // ranks.
+  // Finds the first polygon that a ray from a point of `polygon` hits. Tie ranks order coincident polygons.
   //   Cost: O(log n + boxes hit).
   End look(uint32_t polygon, const glm::dvec3& point, const glm::dvec3& direction) const;
   End look(uint32_t polygon, bool from_front = true) {
@@ -39,12 +38,12 @@ class Sight {
  private:
   const Scene& scene_;
   PolygonTree tree_;
-  std::vector<glm::dvec3> normals_;  // of fronts
+  std::vector<glm::dvec3> normals_;  // front normal of each polygon
   std::mt19937_64 random_{1};
 };
 
-// Returns the entry into whose share of the sums a number falls, from 0 to the last sum.
-//   In: sums: of entries 0 to k, ascending
+// Returns the first entry whose cumulative sum is above `at`.
+//   In: sums: cumulative sums of weights, ascending; at: from 0 to the last sum
 uint32_t pickBySums(const std::vector<double>& sums, double at);
 
 }  // namespace viewpeel

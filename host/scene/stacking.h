@@ -1,5 +1,6 @@
-// A Stacking puts the coincident polygons of a scene in their order (coincident.h): it finds overlaps
-// (find_overlaps.cpp), orders opposite ones by rays (order_overlaps.cpp), and ranks polygons (coincident.cpp).
+// A Stacking orders the coincident polygons of a scene (coincident.h). It finds their overlaps (find_overlaps.cpp),
+// orders polygons that look opposite ways by rays (order_overlaps.cpp), and gives every polygon its tie rank
+// (coincident.cpp).
 #pragma once
 #include <cmath>
 #include <optional>
@@ -17,30 +18,30 @@
 
 namespace viewpeel {
 
-// An Overlap is two polygons of nearly one plane and the part that they have in common.
+// An Overlap is a pair of polygons of nearly the same plane, with the region that both cover.
 struct Overlap {
   uint32_t a, b;
-  bool is_opposite;                 // they look opposite ways
-  double gap;                       // mean height of b over a's front
-  double low, high;                 // least and greatest such height
-  std::vector<glm::dvec3> corners;  // of the common part, in a's plane
-  double area;
-  // For opposite polygons it is 1 where they face each other, -1 where they are back to back, 0 while that is open.
+  bool is_opposite;                 // the two look opposite ways
+  double gap;                       // mean height of b over the front of a, unit-ball units
+  double low, high;                 // least and greatest height of b over the front of a
+  std::vector<glm::dvec3> corners;  // of the common region, in a's plane
+  double area;                      // of the common region
+  // For polygons that look opposite ways: 1 if they face each other, -1 if they are back to back, 0 while undecided.
   int side = 0;
-  bool is_forced = false;
+  bool is_forced = false;  // the user's options decide `side`
 };
 
-// Votes come from the rays to one side of a place.
+// Votes counts what the rays to one side of a place found.
 struct Votes {
-  double free = 0, solid = 0;
-  int missed = 0, waiting = 0;
+  double free = 0, solid = 0;   // weight of rays that started in free space, and inside a solid
+  int missed = 0, waiting = 0;  // rays that hit nothing, and rays that wait for coincident polygons to be ordered
   double total() const { return free + solid; }
   double score() const { return free - solid; }
 };
 
-// A Place is a point of an overlap, and all polygons that coincide there.
+// A Place is a point of an overlap, with all polygons that coincide there.
 struct Place {
-  glm::dvec3 point, normal;  // of the front of overlap's a
+  glm::dvec3 point, normal;  // normal: of the front of the overlap's polygon a
   std::vector<uint32_t> polygons;
 };
 
@@ -50,7 +51,7 @@ class Stacking {
  public:
   Stacking(Scene& scene, const SceneOptions& options, double rounding);
   void order();
-  // Once they are ordered.
+  // Returns the overlaps of polygons that look the same way. Call it after order().
   std::vector<AlikeOverlap> listAlike() const;
 
  private:
@@ -83,15 +84,15 @@ class Stacking {
   void findAlike();
 
   Scene& scene_;
-  const double rounding_;            // gaps up to this are rounding of coordinates
-  std::vector<glm::dvec3> normals_;  // of fronts
+  const double rounding_;            // gaps up to this may be rounding of coordinates
+  std::vector<glm::dvec3> normals_;  // front normal of each polygon
   PolygonTree tree_;
-  std::set<uint32_t> sheets_, solids_;  // surfaces
+  std::set<uint32_t> sheets_, solids_;  // surfaces that the user's options name
   std::vector<Overlap> overlaps_;
-  std::unordered_map<uint32_t, std::vector<uint32_t>> overlaps_of_;  // of polygons
-  std::vector<Place> places_;  // of overlaps, in their order; only of opposite ones
-  std::vector<uint32_t> place_of_;
-  std::vector<uint32_t> alike_;  // overlaps of different faces that look the same way, with nothing between
+  std::unordered_map<uint32_t, std::vector<uint32_t>> overlaps_of_;  // indices into overlaps_ of each polygon
+  std::vector<Place> places_;  // places of the overlaps of polygons that look opposite ways, in the order of overlaps_
+  std::vector<uint32_t> place_of_;  // index into places_ of each overlap
+  std::vector<uint32_t> alike_;     // overlaps of different faces that look the same way, with nothing between the two
   std::mt19937_64 random_{1};
   uint64_t in_doubt_ = 0, contradictions_ = 0;
   std::string first_contradiction_;

@@ -1,4 +1,4 @@
-// Reads arrays of VTK's XML files: text, base64 and appended, plain and compressed by zlib.
+// A VtkFile reads the arrays of a VTK XML file. They may be text, base64 or appended, and plain or compressed by zlib.
 //   Source: Kitware, The VTK User's Guide, 11th edition, VTK file formats.
 #pragma once
 #include <cstdint>
@@ -13,11 +13,12 @@
 
 namespace viewpeel {
 
-// A VtkFile is the XML of a file, and the bytes appended to it.
+// A VtkFile holds the XML of a file, and the bytes appended to it.
 class VtkFile {
  public:
-  // In: kind: the root's type, "PolyData" or "UnstructuredGrid"
-  // Throws: Error bad_input where the file is no such VTK file, or is big-endian.
+  // Reads the file.
+  //   In: kind: the type of data set, "PolyData" or "UnstructuredGrid"
+  //   Throws: Error bad_input where the file is no VTK file of this kind, or is big-endian.
   VtkFile(const std::filesystem::path& file, const char* kind);
 
   // Returns the node that holds the pieces.

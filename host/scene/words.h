@@ -1,4 +1,4 @@
-// The readers share these functions for words and numbers of text formats.
+// These functions read the words and numbers of text formats. All readers share them.
 #pragma once
 #include <algorithm>
 #include <charconv>
@@ -12,7 +12,7 @@
 
 namespace viewpeel {
 
-// Splits off the next word; empty at the end.
+// Removes the next word from the text and returns it; empty at the end of the text.
 inline std::string_view nextWord(std::string_view& rest) {
   const size_t start = rest.find_first_not_of(" \t\r");
   if (start == std::string_view::npos) return rest = {};
@@ -22,7 +22,7 @@ inline std::string_view nextWord(std::string_view& rest) {
   return word;
 }
 
-// Returns all words that are left, one blank between them.
+// Returns the remaining words, with one blank between them.
 inline std::string joinWords(std::string_view rest) {
   std::string joined;
   for (std::string_view word = nextWord(rest); !word.empty(); word = nextWord(rest)) {
@@ -32,13 +32,14 @@ inline std::string joinWords(std::string_view rest) {
   return joined;
 }
 
-// Returns the text without the mark that some editors begin UTF-8 files with.
+// Returns the text without the byte order mark that some editors put at the beginning of UTF-8 files.
 inline std::string_view skipByteOrderMark(std::string_view text) {
   constexpr std::string_view kMark = "\xEF\xBB\xBF";
   return text.substr(text.starts_with(kMark) ? kMark.size() : 0);
 }
 
-// Returns the text short and without control characters, for messages. UTF-8 is not cut within a character.
+// Returns the first 20 bytes of a text for messages, with '?' in place of control characters. It does not cut within a
+// UTF-8 character.
 inline std::string printable(std::string_view text) {
   size_t length = std::min<size_t>(text.size(), 20);
   while (length > 0 && length < text.size() && (text[length] & 0xC0) == 0x80) --length;
@@ -48,7 +49,7 @@ inline std::string printable(std::string_view text) {
   return out;
 }
 
-// Where in a file something is wrong; line 0 stands for a binary part.
+// A FilePlace is a line of a file, for messages. Line 0 means that the place has no line, as in a binary part.
 struct FilePlace {
   std::string file;
   uint32_t line = 0;
@@ -59,7 +60,7 @@ struct FilePlace {
   }
 };
 
-// Throws: Error bad_input where the word is not a finite number.
+// Returns the number that a word spells.    Throws: Error bad_input where the word is not a finite number.
 inline double parseFinite(std::string_view word, const FilePlace& place) {
   std::string_view digits = word;
   if (!digits.empty() && digits.front() == '+') digits.remove_prefix(1);

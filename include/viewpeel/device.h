@@ -26,7 +26,7 @@ std::vector<DeviceDescription> listDevices();
 struct DeviceOptions {
   // The selector is an index of listDevices(), part of a name, "cpu" or "gpu". Where it is empty, the environment
   // variable VIEWPEEL_DEVICE is the selector. Where that is empty, too, the first device of the best kind is chosen:
-  // discrete gpu, integrated gpu, virtual gpu, cpu.
+  // discrete gpu, integrated gpu, virtual gpu, other, cpu.
   std::string selector;
   // The validation layer runs with synchronisation validation. The environment variable VIEWPEEL_VALIDATION=1 switches
   // it on, too.
