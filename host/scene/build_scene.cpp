@@ -21,15 +21,15 @@
 namespace viewpeel {
 namespace {
 
-// Between these radii in input units areas, and squares of areas, are doubles with room to spare, for polygons of
-// 1e-32 of the radius squared, too.
+// With a radius in this range, input units, areas and their squares neither overflow nor vanish in double. This holds
+// even for polygons of 1e-32 of the radius squared.
 constexpr double kLargestRadius = 1e60, kSmallestRadius = 1e-60;
 
 std::string place(const InputScene& input, const InputFace& face) {
   return face.line ? fmt::format("{}:{}", input.file, face.line) : input.file;
 }
 
-// Centre and radius of the bounding box's own ball, which holds every corner.
+// Sets the centre and the scale of the scene: the ball around the bounding box, which holds every corner.
 void fitUnitBall(const InputScene& input, Scene& scene) {
   glm::dvec3 low(INFINITY), high(-INFINITY);
   for (const InputFace& face : input.faces)
@@ -60,7 +60,7 @@ void fitUnitBall(const InputScene& input, Scene& scene) {
                                                   input.file, scene.scale, kSmallestRadius, kLargestRadius));
 }
 
-// Returns the corners without any that repeats the one before.
+// Returns the corners of a face, without corners that repeat the corner before.
 std::vector<glm::dvec3> distinctCorners(const InputFace& face, const Scene& scene) {
   std::vector<glm::dvec3> corners;
   for (const glm::dvec3& input : face.corners) {
@@ -71,19 +71,19 @@ std::vector<glm::dvec3> distinctCorners(const InputFace& face, const Scene& scen
   return corners;
 }
 
-// A face has no area where it is narrower than the rounding of its coordinates in the unit ball (2^-53 each, in a cross
-// product of edges).
+// Returns whether a face is wider than the rounding of its coordinates in the unit ball: 2^-53 for each coordinate, in
+// a cross product of edges.
 bool hasArea(const std::vector<glm::dvec3>& corners) {
   return glm::length(twiceVectorArea(corners)) > 8 * 0x1p-53 * perimeterOf(corners);
 }
 
-// Why a face has an empty row; nullptr where it has none.
+// Returns why a face takes no part, and gets an empty row; nullptr where it takes part.
 const char* reasonToDrop(const std::vector<glm::dvec3>& corners) {
   if (corners.size() < 3) return "fewer than three different corners";
   return hasArea(corners) ? nullptr : "zero area";
 }
 
-// Dropped collects warnings about faces that are left out.
+// Dropped collects the warnings about faces that are left out.
 class Dropped {
  public:
   void count(const char* reason, const std::string& where) {
@@ -105,8 +105,8 @@ class Dropped {
   std::map<std::string, std::pair<uint64_t, std::string>> reasons_;
 };
 
-// Makes rows of the faces and surfaces of the file, empty ones too.
-//   In: is_left_out: of each face
+// Gives every face and surface of the file its row. Those that take no part get empty rows.
+//   In: is_left_out: bool[face of the file]
 void addRows(const InputScene& input, const std::vector<bool>& is_left_out, Scene& scene) {
   constexpr uint32_t kNone = UINT32_MAX;
   const std::vector<std::string> names = nameFaces(input);
@@ -131,12 +131,12 @@ void addRows(const InputScene& input, const std::vector<bool>& is_left_out, Scen
   }
 }
 
-// A convex piece becomes triangles and quadrilaterals about its first corner.
+// Adds a convex piece of a face to the scene, as quadrilaterals and triangles that share its first corner.
 void addPiece(const std::vector<glm::dvec3>& corners, const std::vector<uint32_t>& piece, uint32_t face, Scene& scene) {
   for (size_t k = 1; k + 1 < piece.size(); k += 2) {
     std::vector<glm::dvec3> polygon_corners = {corners[piece[0]], corners[piece[k]], corners[piece[k + 1]]};
     if (k + 2 < piece.size()) polygon_corners.push_back(corners[piece[k + 2]]);
-    if (piece.size() > 4 && !hasArea(polygon_corners)) continue;  // corners in the middle of an edge
+    if (piece.size() > 4 && !hasArea(polygon_corners)) continue;  // its corners lie on one edge
     Polygon polygon;
     polygon.first_corner = static_cast<uint32_t>(scene.corners.size());
     polygon.corner_count = static_cast<uint32_t>(polygon_corners.size());
@@ -147,8 +147,8 @@ void addPiece(const std::vector<glm::dvec3>& corners, const std::vector<uint32_t
   }
 }
 
-// Makes a scene, but for the order of coincident polygons.
-//   In: repeats: faces that repeat others
+// Makes a scene in which coincident polygons have no order yet.
+//   In: repeats: faces that repeat others, and are left out
 Scene splitFaces(const InputScene& input, const std::vector<Duplicate>& repeats) {
   Scene scene;
   scene.file = input.file;
@@ -212,7 +212,7 @@ Scene assemble(const InputScene& input, const SceneOptions& options) {
     const std::vector<AlikeOverlap> alike = orderCoincidentPolygons(scene, options, rounding / scene.scale);
     const std::vector<Duplicate> more = findDuplicates(input, scene, alike, rounding);
     repeats.insert(repeats.end(), more.begin(), more.end());
-    if (!more.empty()) continue;  // the rest is ordered without them
+    if (!more.empty()) continue;  // the scene is made again without these duplicates
     if (!repeats.empty()) scene.warnings.push_back(describeRepeats(input, repeats));
     if (!alike.empty()) scene.warnings.push_back(describeOverlaps(scene, alike));
     return scene;
@@ -275,7 +275,7 @@ Scene buildInFileUnits(const InputScene& input, const SceneOptions& options) {
 
 }  // namespace
 
-// What is computed is in the unit ball: only the way back to lengths has a unit.
+// A unit changes only `centre` and `scale`, because all computation happens in unit-ball units.
 Scene buildScene(const InputScene& input, const SceneOptions& given) {
   SceneOptions options = given;
   options.solids.insert(options.solids.end(), input.solids.begin(), input.solids.end());

@@ -20,11 +20,12 @@
 namespace viewpeel {
 namespace {
 
-constexpr int kMostIncludes = 16;   // inside each other
-constexpr double kFlatness = 1e-6;  // distance from the mean plane over the face's size, beyond which a face is curved
+constexpr int kMostIncludes = 16;  // depth to which included files may include others
+constexpr double kFlatness =
+    1e-6;  // a face is curved if a corner is farther from its mean plane than this times its size
 constexpr uint64_t kMostGenerated = 1u << 30;
 
-// Splits at commas; blanks around and within the parts go, and letters become capital, as CalculiX does it.
+// Splits a line at commas. As CalculiX does, it removes all blanks and turns letters into capitals.
 std::vector<std::string> splitParts(std::string_view line) {
   std::vector<std::string> parts(1);
   for (char c : line) {
@@ -47,11 +48,11 @@ class DeckReader {
 
  private:
   struct Element {
-    uint32_t node_count = 0;  // 0: no solid
+    uint32_t node_count = 0;  // 0: the type is not a solid element
     std::vector<uint64_t> nodes;
     FilePlace place;
   };
-  // A line of *RADIATE, until the elements of its set are known.
+  // A Radiating is a line of *RADIATE. It is kept until the whole deck is read, because its element set may come later.
   struct Radiating {
     std::string name;
     uint32_t face;
@@ -95,7 +96,7 @@ class DeckReader {
     if (keyword_ == "*RADIATE" && parameters_["OP"] == "NEW") radiating_.clear();
   }
 
-  // Returns the name as it is written: letters are not made capital.
+  // Returns the name of the included file as it is written, without turning letters into capitals.
   std::filesystem::path includedFile(std::string_view line, const std::filesystem::path& file) const {
     const size_t equals = line.find('=');
     if (equals == std::string_view::npos) place_.refuse("*INCLUDE has no INPUT=; complete it");
@@ -122,7 +123,7 @@ class DeckReader {
     else if (keyword_ == "*RADIATE") readRadiate(parts);
   }
 
-  // Coordinates that are left out are 0.
+  // Adds a node. A coordinate that the line leaves out is 0.
   void readNode(const std::vector<std::string>& parts) {
     glm::dvec3 point(0);
     for (size_t axis = 0; axis < 3 && axis + 1 < parts.size(); ++axis)
@@ -130,13 +131,13 @@ class DeckReader {
     nodes_[whole(parts[0])] = point;
   }
 
-  // Exponents may be Fortran's: 1.D3.
+  // Returns the number that a word spells. The exponent may have Fortran's D: 1.D3.
   double parseNumber(std::string word) const {
     std::replace(word.begin(), word.end(), 'D', 'E');
     return parseFinite(word, place_);
   }
 
-  // An element's nodes go over as many lines as they need.
+  // Reads a line of an element, whose nodes may take several lines.
   void readElement(const std::vector<std::string>& parts) {
     size_t k = 0;
     if (!is_inside_element_) {
@@ -146,7 +147,8 @@ class DeckReader {
     }
     for (; k < parts.size(); ++k)
       if (!parts[k].empty()) element_.nodes.push_back(whole(parts[k]));
-    // Without a known number of nodes a line that ends in a comma goes on.
+    // Where the number of nodes is unknown, a comma at the end of a line means that the next line belongs to the
+    // element.
     if (node_count_ ? element_.nodes.size() >= node_count_ : !parts.back().empty()) finishElement();
   }
 
@@ -167,7 +169,7 @@ class DeckReader {
       const uint64_t step = parts.size() > 2 && !parts[2].empty() ? whole(parts[2]) : 1;
       if (step == 0 || last < first || (last - first) / step > kMostGenerated)
         place_.refuse("the range of GENERATE is not one; correct it");
-      // Numbers without an element would fill the memory.
+      // Only numbers of existing elements are kept. A range of a billion numbers would not fit into memory.
       for (auto at = elements_.lower_bound(first); at != elements_.end() && at->first <= last; ++at)
         if ((at->first - first) % step == 0) set.insert(at->first);
       return;

@@ -15,7 +15,8 @@ namespace {
 
 using glm::dvec3;
 
-constexpr double kResolvedGap = 5e-8;  // engines order wider gaps for certain: some units of depth, 2^-27 each
+// Engines certainly order polygons with a wider gap, in unit-ball units: it is some steps of depth, 2^-27 each.
+constexpr double kResolvedGap = 5e-8;
 
 std::set<uint32_t> findSurfaces(const Scene& scene, const std::vector<std::string>& names, const char* option) {
   std::set<uint32_t> found;
@@ -47,13 +48,13 @@ Stacking::Stacking(Scene& scene, const SceneOptions& options, double rounding)
   for (const Polygon& polygon : scene.polygons) normals_.push_back(frontNormal(scene, polygon));
 }
 
-// Returns whether the gap between the two keeps them in their order by itself.
+// Returns whether the gap between the two polygons is wide enough for engines to order them by depth.
 bool Stacking::isResolved(const Overlap& overlap) const {
   if (scene_.polygons[overlap.a].plane == scene_.polygons[overlap.b].plane) return false;
   return overlap.side > 0 ? overlap.low > kResolvedGap : overlap.high < -kResolvedGap;
 }
 
-// Moves polygons whose gaps do not show their order into the plane of the largest of them.
+// Moves coincident polygons that engines could not order by depth into the plane of the largest of them.
 void Stacking::joinPlanes() {
   std::map<uint32_t, uint32_t> parents;
   const auto rootOf = [&](uint32_t polygon) {
@@ -138,13 +139,15 @@ void Stacking::report() {
                     scene_.file, contradictions_, found.sheets + found.contacts, first_contradiction_));
 }
 
-// Returns whether an opposite polygon faces one of two that look alike and turns its back to the other one.
+// Returns whether `other` lies between two polygons that look the same way: it looks the opposite way, faces one of
+// them and turns its back to the other.
 bool Stacking::isBetween(uint32_t other, const Overlap& alike) const {
   const Overlap *to_a = overlapOf(alike.a, other), *to_b = overlapOf(alike.b, other);
   return to_a && to_b && to_a->is_opposite && to_b->is_opposite && to_a->side * to_b->side < 0;
 }
 
-// Returns whether two sheets lie on each other: the upper one's back is then between their upper sides.
+// Returns whether something lies between two polygons that look the same way. Where two sheets lie on each other, the
+// back of the upper sheet lies between their upper sides.
 bool Stacking::isSeparated(const Overlap& alike) const {
   const std::vector<dvec3>& c = alike.corners;
   const dvec3 middle = std::accumulate(c.begin(), c.end(), dvec3(0)) / double(c.size());

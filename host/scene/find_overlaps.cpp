@@ -1,4 +1,4 @@
-// Overlaps are found pair by pair, and each gets a place that its rays start from.
+// The functions here find overlaps pair by pair, and choose the place from which the rays of an overlap start.
 #include <algorithm>
 #include <numeric>
 
@@ -12,9 +12,10 @@ namespace {
 
 using glm::dvec3;
 
-constexpr double kThinGap = 0.01;  // of an overlap's width: a thicker gap is a solid or a room of its own
+// A gap wider than this share of the overlap's width is no rounding. The two polygons bound a solid or a room.
+constexpr double kThinGap = 0.01;
 constexpr size_t kMostOverlaps = 2'000'000;
-constexpr uint32_t kMostPlaces = 8;  // looked at in an overlap for one where no third polygon lies
+constexpr uint32_t kMostPlaces = 8;  // places tried in an overlap, to find one without a third polygon
 
 double areaOf(const std::vector<dvec3>& corners) {
   dvec3 twice(0);
@@ -31,8 +32,8 @@ std::vector<dvec3> Stacking::cornersOf(uint32_t polygon) const {
   return {corners, corners + p.corner_count};
 }
 
-// Returns b's corners moved along a's normal into a's plane, clipped by a's edges (I. Sutherland and G. Hodgman,
-// Reentrant polygon clipping, 1974).
+// Returns the region that both polygons cover. The corners of b are moved along a's normal into a's plane, and then
+// clipped by a's edges (I. Sutherland and G. Hodgman, Reentrant polygon clipping, 1974).
 std::vector<dvec3> Stacking::commonPart(uint32_t a, uint32_t b) const {
   const std::vector<dvec3> frame = cornersOf(a);
   const dvec3& normal = normals_[a];
@@ -61,7 +62,8 @@ bool Stacking::isInside(uint32_t polygon, const dvec3& point) const {
   return true;
 }
 
-// The pieces of a face tile it and are left out: a face of thousands of corners would have millions of pairs.
+// Finds the overlaps of all polygons. Pairs of pieces of one face are left out, because pieces tile their face. A face
+// of thousands of corners would have millions of such pairs.
 void Stacking::findOverlaps() {
   for (uint32_t a = 0; a < scene_.polygons.size(); ++a)
     tree_.forEachNear(a, kCoincidenceReach, [&](uint32_t b) {
@@ -82,7 +84,7 @@ void Stacking::findOverlap(uint32_t a, uint32_t b) {
     overlap.high = std::max(overlap.high, height);
   }
   if (std::max(overlap.high, -overlap.low) > kCoincidenceReach) return;
-  // Neighbours that share an edge overlap by a sliver as wide as their corners' rounding.
+  // Neighbours that share an edge may overlap by a sliver, as wide as the rounding of their corners. It does not count.
   const std::vector<dvec3> of_a = cornersOf(a), of_b = cornersOf(b);
   const double least_width =
       std::min({2 * kCoincidenceReach, 1e-3 * widthOf(of_a, areaOf(of_a)), 1e-3 * widthOf(of_b, areaOf(of_b))});
@@ -111,7 +113,7 @@ void Stacking::forceOrder(Overlap& overlap) const {
   overlap.is_forced = true;
 }
 
-// Returns the middle of the common part, then points at random.
+// Returns a point of the overlap: its middle for trial 0, then random points.
 dvec3 Stacking::pointOf(const Overlap& overlap, uint32_t trial) {
   const std::vector<dvec3>& c = overlap.corners;
   if (trial == 0) return std::accumulate(c.begin(), c.end(), dvec3(0)) / double(c.size());

@@ -13,13 +13,13 @@
 namespace viewpeel {
 namespace {
 
-// A PlaneIndex has planes by normal, in cells wide enough that nearly parallel ones lie in the same or neighbouring
-// cells, then by offset.
+// A PlaneIndex finds planes by normal and offset. It keeps them in cells of normals, and within a cell sorted by
+// offset. Cells are so wide that nearly parallel planes lie in the same cell or in neighbouring cells.
 class PlaneIndex {
  public:
   void add(const Plane& plane, uint32_t index) { cells_[cellOf(plane.normal)].emplace(plane.offset, index); }
 
-  // Calls use(index) for all planes whose normals are within half a cell of `normal` and offsets within `reach` of
+  // Calls use(index) for all planes with a normal within half a cell of `normal` and an offset within `reach` of
   // `offset`.
   template <class Use>
   void forEachNear(const glm::dvec3& normal, double offset, double reach, Use use) const {
@@ -44,7 +44,7 @@ class PlaneIndex {
   std::map<Cell, std::multimap<double, uint32_t>> cells_;
 };
 
-// Returns the distance of the corner furthest from the plane.
+// Returns the largest distance of a corner from the plane.
 double distanceFrom(const Plane& plane, const Scene& scene, const Polygon& polygon) {
   double distance = 0;
   for (uint32_t k = 0; k < polygon.corner_count; ++k)
@@ -72,7 +72,8 @@ void groupPlanes(Scene& scene) {
   for (uint32_t polygon_index : by_area) {
     Polygon& polygon = scene.polygons[polygon_index];
     const Plane polygon_plane = planeOf(scene, polygon);
-    // A polygon of width w within the tolerance of a plane is turned against it by up to twice the tolerance over w.
+    // A polygon of width w whose corners are within the tolerance of a plane may be tilted by twice the tolerance over
+    // w.
     const double width = polygon.area / perimeterOf(scene, polygon);
     const double reach = kCoplanarTolerance + std::min(2 * kCoplanarTolerance / width, 1e-3);
     uint32_t found = UINT32_MAX;

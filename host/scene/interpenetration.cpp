@@ -22,7 +22,8 @@ const glm::dvec3& corner(const Scene& scene, const Polygon& polygon, uint32_t k)
   return scene.corners[polygon.first_corner + k % polygon.corner_count];
 }
 
-// Where the polygon meets the plane, if it has corners further than depth on both sides of it.
+// Returns the chord that a plane cuts from a polygon; an empty chord unless the polygon has corners farther than
+// `depth` on both sides of the plane.
 Chord cutByPlane(const Scene& scene, const Polygon& polygon, const Plane& plane, double depth) {
   double lowest = 0, highest = 0;
   for (uint32_t k = 0; k < polygon.corner_count; ++k) {
@@ -47,8 +48,8 @@ Chord cutByPlane(const Scene& scene, const Polygon& polygon, const Plane& plane,
 }  // namespace
 
 std::vector<Interpenetration> findInterpenetrations(const Scene& scene, double touching_depth) {
-  // Planes are of the polygons' own corners. A plane shared with others may be off them by kCoplanarTolerance, so that
-  // neighbours that touch would seem to pass through each other.
+  // The planes here come from each polygon's own corners. A shared plane (Scene::planes) may be off by
+  // kCoplanarTolerance, and neighbours that touch would then seem to pass through each other.
   std::vector<Plane> planes;
   planes.reserve(scene.polygons.size());
   for (const Polygon& polygon : scene.polygons) planes.push_back(planeOf(scene, polygon));
@@ -61,7 +62,7 @@ std::vector<Interpenetration> findInterpenetrations(const Scene& scene, double t
     if (!of_a.exists) return;
     const Chord of_b = cutByPlane(scene, polygon_b, plane_a, touching_depth);
     if (!of_b.exists) return;
-    // Both chords lie on the common line of the planes.
+    // Both chords lie on the line where the two planes meet.
     const glm::dvec3 along = glm::normalize(glm::cross(plane_a.normal, plane_b.normal));
     const auto [a_begin, a_end] = std::minmax({glm::dot(along, of_a.begin), glm::dot(along, of_a.end)});
     const auto [b_begin, b_end] = std::minmax({glm::dot(along, of_b.begin), glm::dot(along, of_b.end)});

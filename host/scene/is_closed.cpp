@@ -11,8 +11,8 @@ namespace viewpeel {
 namespace {
 
 using Key = std::tuple<double, double, double>;
-using EdgeCounts =
-    std::map<std::pair<Key, Key>, int>;  // uses of an edge from the lesser end, less uses from the greater
+using EdgeCounts = std::map<std::pair<Key, Key>,
+                            int>;  // polygons that run along an edge from its smaller end, minus those that run back
 
 Key keyOf(const glm::dvec3& p) { return {p.x, p.y, p.z}; }
 glm::dvec3 pointOf(const Key& k) { return {std::get<0>(k), std::get<1>(k), std::get<2>(k)}; }
@@ -27,7 +27,7 @@ EdgeCounts unmatched(EdgeCounts counts) {
   return counts;
 }
 
-// Returns whether p lies inside the segment, to within the rounding of coordinates.
+// Returns whether p lies on the segment between its ends, within the rounding of coordinates.
 bool splits(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& p) {
   const double along = glm::dot(p - a, b - a) / glm::dot(b - a, b - a);
   return along > 1e-12 && along < 1 - 1e-12 && glm::length(a + along * (b - a) - p) < 1e-12;
@@ -44,8 +44,8 @@ bool isClosed(const Scene& scene) {
   const EdgeCounts open = unmatched(std::move(counts));
   if (open.empty()) return true;
 
-  // T-junctions cut the remaining open edges at one another's ends. The work is quadratic, so it is done only where few
-  // are left.
+  // The edges that are still open are cut where the end of another open edge lies on them (T-junctions). The work is
+  // quadratic, so it is done only for few edges.
   constexpr size_t kMostOpenEdges = 4000;
   if (open.size() > kMostOpenEdges) return false;
   std::vector<Key> ends;

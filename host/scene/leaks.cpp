@@ -13,14 +13,14 @@
 namespace viewpeel {
 namespace {
 
-constexpr uint64_t kRays = 1 << 14, kEnough = 2000;  // rays; of them on backs
+constexpr uint64_t kRays = 1 << 14, kEnough = 2000;  // most rays; fewer where this many have ended on backs
 constexpr uint64_t kQuickRays = 512;
-constexpr uint32_t kAround = 6;  // rays that decide whether a point is hidden
+constexpr uint32_t kAround = 6;  // rays around a point: if all end on backs, the point is hidden
 constexpr size_t kMostNamed = 5;
 
 struct Tally {
   uint64_t count = 0;
-  double hidden = 0;  // sum of area over density
+  double hidden = 0;  // sum over hidden points of the area that each point stands for
 };
 
 class LeakFinder {
@@ -90,7 +90,7 @@ class LeakFinder {
     return is_closed ? LeakCause::gap : LeakCause::one_sided;
   }
 
-  // Returns whether the polygon to change is the one that lines leave.
+  // Returns whether the user should change the polygon that the lines leave, rather than the one that they end on.
   bool leavesCulprit(uint32_t onto, LeakCause cause) const {
     if (cause == LeakCause::flipped) return !is_flipped_[scene_.polygons[onto].face];
     return cause == LeakCause::overlap || cause == LeakCause::enclosed || cause == LeakCause::no_bottom;
@@ -99,11 +99,12 @@ class LeakFinder {
   const Scene& scene_;
   Sight sight_;
   std::vector<Shell> shells_;
-  std::vector<uint32_t> shell_of_;  // of faces
-  std::vector<bool> is_flipped_;    // of faces
+  std::vector<uint32_t> shell_of_;  // shell of each face
+  std::vector<bool> is_flipped_;    // whether each face has to be turned over
 };
 
-// A Group has the leaks of one cause and culprit. All flipped surfaces share one group, for one remedy turns them all.
+// A Group holds the leaks of one cause and culprit. All flipped surfaces are one group, because one option turns them
+// all.
 struct Group {
   LeakCause cause;
   double share = 0, hidden_area = 0;
@@ -174,7 +175,7 @@ FrontRays followFronts(const Scene& scene, const std::vector<double>& weights) {
 }
 
 std::vector<std::string> describeLeaks(const Scene& scene, const std::vector<Leak>& leaks) {
-  constexpr double kLeastNamed = 0.01;  // of the leak
+  constexpr double kLeastNamed = 0.01;  // share of the leak from which on a group gets a line
   std::vector<std::string> lines;
   double rest = 0;
   for (const Group& group : groupLeaks(leaks)) {

@@ -43,7 +43,7 @@ Scene loadScene(const fs::path& file, const SceneOptions& options) {
   const fs::file_status status = fs::status(file, failure);
   if (status.type() == fs::file_type::not_found) refuse(file, "no such file; check the name");
   if (status.type() == fs::file_type::directory) return buildScene(readFoam(file), options);
-  // Readers open a file anew, and a pipe would wait for ever.
+  // Readers open a file more than once, and would wait for ever on a pipe.
   if (fs::exists(status) && !fs::is_regular_file(status)) refuse(file, "is not a regular file; write the scene to one");
   errno = 0;
   std::ifstream in(file, std::ios::binary);

@@ -1,4 +1,4 @@
-// Rays from places order the polygons that coincide there, first pairs, then stacks of more.
+// Rays from places decide the order of the polygons that coincide there. Pairs are ordered first, then larger stacks.
 #include <algorithm>
 #include <array>
 #include <numbers>
@@ -12,21 +12,21 @@ namespace {
 
 using glm::dvec3;
 
-constexpr uint32_t kRays = 8;         // to either side of a place
-constexpr size_t kMostPermuted = 6;   // polygons of a place whose orders are all tried
-constexpr size_t kMostInserted = 16;  // put in one by one
+constexpr uint32_t kRays = 8;         // rays to each side of a place
+constexpr size_t kMostPermuted = 6;   // up to this number of polygons at a place, all their orders are tried
+constexpr size_t kMostInserted = 16;  // up to this number, polygons are inserted one by one where they cost least
 
 }  // namespace
 
-// Casts the rays of one side and counts their votes.
-//   In: side: 1 for rays ahead of the place's normal, -1 for rays behind
+// Casts rays to one side of a place, and counts their votes.
+//   In: side: 1 for the side to which the place's normal points, -1 for the other side
 Votes Stacking::castRays(const Place& place, double side) {
   Votes votes;
   const dvec3 axis = side * place.normal;
   const dvec3 across = glm::normalize(glm::cross(axis, std::abs(axis.x) < 0.6 ? dvec3(1, 0, 0) : dvec3(0, 1, 0)));
   const double turn = uniform();
   for (uint32_t k = 0; k < kRays; ++k) {
-    // Each ray has one of kRays parts of a hemisphere without its rim, by the golden angle.
+    // The hemisphere without its rim is cut into kRays zones. Each ray gets a zone, and turns by the golden angle.
     const double height = 0.25 + 0.75 * (k + uniform()) / kRays,
                  angle = 2 * std::numbers::pi * (turn + k * std::numbers::phi);
     const double radius = std::sqrt(1 - height * height);
@@ -37,8 +37,8 @@ Votes Stacking::castRays(const Place& place, double side) {
   return votes;
 }
 
-// Returns how the polygon that was hit and an opposite one that coincides with it there are ordered: nothing without
-// such a one.
+// Returns Overlap::side of the polygon that a ray hit and a polygon that coincides with it there and looks the opposite
+// way; nullopt where there is none.
 std::optional<int> Stacking::sideAt(const PolygonTree::Hit& hit) const {
   const auto at = overlaps_of_.find(hit.polygon);
   if (at == overlaps_of_.end()) return std::nullopt;
@@ -50,8 +50,8 @@ std::optional<int> Stacking::sideAt(const PolygonTree::Hit& hit) const {
   return std::nullopt;
 }
 
-// Counts fronts less backs along a ray. Where the count falls below 0 the ray has left a solid that its origin lies in.
-// The first hit weighs most: farther off, open surfaces mislead.
+// Counts the fronts minus the backs along a ray. If the count falls below 0, the ray has left a solid that its origin
+// lies in. The first hit has the largest weight, because open surfaces farther away mislead.
 void Stacking::follow(const std::vector<PolygonTree::Hit>& hits, Votes& votes) const {
   int count = 0;
   for (size_t k = 0, next = 0; k < hits.size(); k = next) {
@@ -64,7 +64,7 @@ void Stacking::follow(const std::vector<PolygonTree::Hit>& hits, Votes& votes) c
       ++votes.waiting;
       return;
     }
-    const bool backs_first = side > 0;  // of touching solids the ray leaves one, then enters the other
+    const bool backs_first = side > 0;  // touching solids: the ray leaves one, then enters the other
     if (count + (backs_first ? 0 : fronts) - backs < 0) {
       votes.solid += k == 0 ? 1 : 0.5;
       return;
@@ -75,8 +75,8 @@ void Stacking::follow(const std::vector<PolygonTree::Hit>& hits, Votes& votes) c
   else ++votes.free;
 }
 
-// Orders pairs that lie somewhere without a third polygon. Rays that end on coincident polygons decide more in the next
-// round.
+// Orders the pairs that have a place without a third polygon. A ray that ends on coincident polygons waits for a later
+// round, in which these are ordered.
 void Stacking::orderPairs() {
   std::vector<uint32_t> open;
   for (uint32_t k = 0; k < overlaps_.size(); ++k)
@@ -86,7 +86,8 @@ void Stacking::orderPairs() {
     const size_t before = open.size();
     std::erase_if(open, [&](uint32_t k) { return orderPair(overlaps_[k], false); });
     if (open.size() < before || open.empty()) continue;
-    // All wait for one another. The votes so far decide, or else the first one's gap.
+    // All remaining pairs wait for one another. The votes so far decide some of them, or else the gap of the first
+    // pair.
     std::erase_if(open, [&](uint32_t k) { return orderPair(overlaps_[k], true); });
     if (open.size() < before) continue;
     decideByGap(overlaps_[open.front()]);
@@ -97,7 +98,7 @@ void Stacking::orderPairs() {
 
 void Stacking::decideByGap(Overlap& overlap) const { overlap.side = overlap.gap > rounding_ ? 1 : -1; }
 
-// Returns false where rays have to wait for other pairs.    In: takes_any: one ray's word is enough
+// Orders a pair. Returns false where its rays wait for other pairs.    In: takes_any: a single vote is enough
 bool Stacking::orderPair(Overlap& overlap, bool takes_any) {
   const Place& place = places_[place_of_[static_cast<size_t>(&overlap - overlaps_.data())]];
   const Votes ahead = castRays(place, 1), behind = castRays(place, -1);
@@ -110,7 +111,7 @@ bool Stacking::orderPair(Overlap& overlap, bool takes_any) {
     return true;
   }
   if (waiting > 0) return false;
-  // Rays that all leave the scene have hit nothing: a sheet in space, unless its sides face each other across a gap.
+  // Without a vote the pair is a sheet in free space, unless its polygons face each other across a gap.
   if (total > 0) ++in_doubt_;
   if (total > 0 && contradictions_++ == 0) {
     const Face& face = scene_.faces[scene_.polygons[overlap.a].face];
@@ -125,8 +126,8 @@ void Stacking::orderPlaces() {
     if (overlaps_[k].is_opposite && overlaps_[k].side == 0) orderPlace(places_[place_of_[k]]);
 }
 
-// Returns how much an order of the polygons of a place along its normal contradicts. It may contradict the space on
-// either side, the rule that free space and solids take turns, the order of pairs elsewhere, and gaps.
+// Returns how much contradicts an order of the polygons of a place along its normal. The votes of the space on either
+// side may, the rule that free space and solids alternate, the order of pairs elsewhere, and gaps.
 double Stacking::costOf(const Place& place, const std::vector<uint32_t>& order, const Votes& below,
                         const Votes& above) const {
   const auto looksUp = [&](uint32_t polygon) { return glm::dot(normals_[polygon], place.normal) > 0; };
@@ -135,7 +136,7 @@ double Stacking::costOf(const Place& place, const std::vector<uint32_t>& order, 
   };
   double cost = 4 * against(below, !looksUp(order.front())) + 4 * against(above, looksUp(order.back()));
   for (size_t k = 0; k + 1 < order.size(); ++k)
-    if (looksUp(order[k]) == looksUp(order[k + 1])) cost += 3;  // as nested solids do
+    if (looksUp(order[k]) == looksUp(order[k + 1])) cost += 3;  // only nested solids have two such polygons in a row
   for (size_t k = 0; k < order.size(); ++k)
     for (size_t m = k + 1; m < order.size(); ++m) {
       const uint32_t lower = order[k], upper = order[m];
@@ -147,7 +148,7 @@ double Stacking::costOf(const Place& place, const std::vector<uint32_t>& order, 
       if (overlap->side != 0) continue;
       const double height = overlap->a == lower || overlap->is_opposite ? overlap->gap : -overlap->gap;
       if (std::abs(height) > rounding_ && (height > 0) != (upper_side > 0)) cost += 0.25;
-      // The same outline twice is two sides of one sheet rather than a contact.
+      // Two polygons of the same outline are more likely the two sides of a sheet than a contact.
       const bool is_same = overlap->is_opposite &&
                            overlap->area > 0.999 * std::max(scene_.polygons[lower].area, scene_.polygons[upper].area);
       if (is_same && upper_side > 0) cost += 2;
@@ -155,8 +156,8 @@ double Stacking::costOf(const Place& place, const std::vector<uint32_t>& order, 
   return cost;
 }
 
-// Returns the order of least cost. All orders are tried where they are few; else polygons are put in one by one, each
-// where it costs least. Of very many, polygons that look down and up take turns.
+// Returns the order of least cost. For few polygons all orders are tried. For more, polygons are inserted one by one
+// where they cost least. For very many, polygons that look down and polygons that look up alternate.
 std::vector<uint32_t> Stacking::cheapestOrder(const Place& place, const Votes& below, const Votes& above) const {
   std::vector<uint32_t> best;
   double best_cost = INFINITY;
@@ -198,7 +199,7 @@ void Stacking::orderPlace(const Place& place) {
   for (size_t k = 0; k < order.size(); ++k)
     for (size_t m = k + 1; m < order.size(); ++m) {
       Overlap* overlap = overlapOf(order[k], order[m]);
-      // Where two look the same way, one hides the other: rankPolygons() says which.
+      // Of two polygons that look the same way, rankPolygons() decides which one hides the other.
       if (!overlap || !overlap->is_opposite || overlap->side != 0) continue;
       overlap->side = glm::dot(normals_[order[k]], place.normal) > 0 ? 1 : -1;
     }

@@ -14,7 +14,7 @@
 namespace viewpeel {
 namespace {
 
-// Returns the corners without any that repeats the one before.
+// Returns the corners of a face, without corners that repeat the corner before.
 std::vector<glm::dvec3> cornersOf(const InputFace& face) {
   std::vector<glm::dvec3> corners;
   for (const glm::dvec3& corner : face.corners)
@@ -40,7 +40,7 @@ bool areSame(const InputFace& a, const InputFace& b, double rounding) {
 
 std::vector<Duplicate> findDuplicates(const InputScene& input, const Scene& scene,
                                       const std::vector<AlikeOverlap>& alike, double rounding) {
-  std::map<uint32_t, uint32_t> first_of;  // faces to the first one that each repeats
+  std::map<uint32_t, uint32_t> first_of;  // the first face that each duplicate repeats
   std::set<std::pair<uint32_t, uint32_t>> looked_at;
   for (const AlikeOverlap& overlap : alike) {
     const uint32_t rows[] = {scene.faces[scene.polygons[overlap.a].face].row,
@@ -61,7 +61,7 @@ std::vector<Duplicate> findDuplicates(const InputScene& input, const Scene& scen
 std::string describeOverlaps(const Scene& scene, const std::vector<AlikeOverlap>& alike) {
   if (alike.empty()) return "";
   double area = 0;
-  std::map<std::pair<uint32_t, uint32_t>, double> area_of;  // of pairs of faces
+  std::map<std::pair<uint32_t, uint32_t>, double> area_of;  // overlap area of each pair of faces
   for (const AlikeOverlap& overlap : alike) {
     area += overlap.area;
     const uint32_t a = scene.polygons[overlap.a].face, b = scene.polygons[overlap.b].face;
