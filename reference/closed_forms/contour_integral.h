@@ -1,4 +1,4 @@
-// This header has the form factor of two convex polygons with nothing between them.
+// formFactor() computes the form factor of two convex polygons with nothing between them, by contour integrals.
 #pragma once
 #include <span>
 
@@ -6,9 +6,9 @@
 
 namespace viewpeel::reference {
 
-constexpr double kContourError = 1e-11;      // absolute, of every form factor
-constexpr double kFarRelativeError = 1e-10;  // of pairs further apart than kFarDistance
-constexpr double kFarDistance = 4;           // distance of the mean corners / sum of the radii about them
+constexpr double kContourError = 1e-11;      // absolute error of every form factor
+constexpr double kFarRelativeError = 1e-10;  // relative error for pairs farther apart than kFarDistance
+constexpr double kFarDistance = 4;           // distance of the mean corners over the sum of the radii about them
 
 // Returns F from polygon a to polygon b, fronts only:
 //   F = 1/(2 pi A) oint_a oint_b ln r ds . dt,
@@ -19,16 +19,14 @@ constexpr double kFarDistance = 4;           // distance of the mean corners / s
 //   disjoint.
 //       They may share an edge, a corner, a part of an edge, or all but touch.
 //   Out: F from a to b, 1; 0 where one lies behind, or within rounding of, the other's plane.
-//   Error: kContourError absolute; also kFarRelativeError relative for pairs further apart than kFarDistance. Both by
-//   the
-//          rules' own estimates, which bound the error of the worse of two rules. The corners are taken as exact: what
-//          their rounding does to F comes on top. tests/unit/contour_integral_test.cpp.
-//   Throws: Error bad_input (a polygon is degenerate, not convex or not planar); Error limit (the estimated error is
-//   above
-//           the bounds, as for a square 1e-7 times the size of the scene, or a sliver 1e-8 wide: move it, split the
-//           other).
-//   Cost: O(corners_a corners_b) outer integrals of 26 logarithms per interval; near-singular ones take about 40
-//   intervals.
+//   Error: kContourError absolute; for pairs farther apart than kFarDistance also kFarRelativeError relative. Two rules
+//     are compared, and their difference estimates the error of the worse one. The corners are taken as exact: the
+//     effect of their rounding on F comes on top. Tests: tests/unit/contour_integral_test.cpp.
+//   Throws: Error bad_input (a polygon is degenerate, not convex or not planar); Error limit where the estimated error
+//     is above these bounds, as for a square of 1e-7 times the size of the scene, or a sliver 1e-8 wide (move it, or
+//     split the other polygon).
+//   Cost: O(corners_a corners_b) outer integrals, with 26 logarithms for each interval. A nearly singular integral
+//     takes about 40 intervals.
 //   Source: E. M. Sparrow, A new and simpler formulation for radiative angle factors, J. Heat Transfer 85(2), 1963,
 //     81-87; J. R. Howell, R. Siegel, M. P. Menguc, Thermal Radiation Heat Transfer, on contour integration.
 double formFactor(std::span<const glm::dvec3> a, std::span<const glm::dvec3> b);

@@ -1,4 +1,4 @@
-// Discs have form factors in closed form.
+// coaxialDiscs() has the closed form of the form factor between two discs.
 #pragma once
 
 namespace viewpeel::reference {

@@ -1,4 +1,4 @@
-// This header has the form factor of two convex polygons past a third.
+// formFactorPastBlocker() integrates the form factor of two convex polygons of which a third one blocks the view.
 #pragma once
 #include <span>
 
@@ -13,16 +13,18 @@ constexpr double kPastBlockerError = 1e-7;
 // Returns F from polygon a to polygon b, fronts only, with one blocker that stops light on both of its sides:
 //   F = 1/A int_a (f(x, b) - f(x, b within the blocker's shadow from x)) dx,
 //   2 pi f(x, polygon) = - sum_k angle(r_k, r_k+1) n . (r_k x r_k+1) / |r_k x r_k+1|,   r_k = corner_k - x (Lambert).
-// a is first cut along every line where a corner of b passes an edge of the blocker, or the other way round. It is cut
-// along the blocker's plane, too: on each piece the integrand is analytic. Under edges close to a it still changes
-// within their height, so a is cut there in growing strips too. Triangles of the pieces are halved, the worst first.
-//   In: three convex planar polygons of 3 or more corners, one unit; a and b counter-clockwise seen from the front. The
-//       blocker may touch or cross either; the part of it behind the plane of a or b stops nothing, nor does one within
-//       the plane of a; within the plane of b it covers b.
-//   Out: F from a to b, 1, and the sum of |5 x 5-point - 3 x 3-point rule| over the triangles plus the area lost in
-//   cuts.
-//   Error: at most `error`, which is below kPastBlockerError: the difference bounds the error of the worse rule. Gaps
-//     down to 1e-12 of the size included. tests/unit/past_blocker_test.cpp.
+// First a is cut along every line from which a corner of b and an edge of the blocker are seen in one place, or a
+// corner of the blocker and an edge of b. It is also cut along the blocker's plane. On each piece the integrand is
+// analytic. Below an edge close to a, the integrand changes over a distance of the edge's height. So a is cut there
+// into strips of growing width. The pieces are cut into triangles, and the triangle of largest error is halved again
+// and again.
+//   In: three convex planar polygons of 3 or more corners, in one unit; a and b counter-clockwise seen from the front.
+//     The blocker may touch or cross a or b. The part of the blocker behind the plane of a or b blocks nothing, and
+//     neither does a blocker within the plane of a. A blocker within the plane of b covers b.
+//   Out: F from a to b, without unit. Its `error` is the sum of |5 x 5-point - 3 x 3-point rule| over the triangles,
+//     and the area that cuts have lost.
+//   Error: at most `error`, which is below kPastBlockerError, because the difference of the rules estimates the error
+//     of the worse one. This holds for gaps down to 1e-12 of the size. Tests: tests/unit/past_blocker_test.cpp.
 //   Throws: Error bad_input (a degenerate polygon); Error limit (kPastBlockerError not reached in 200,000 triangles).
 //   Cost: m = 2 corners_b corners_blocker + 1 cuts, so O(m^2) pieces of 34 evaluations, O(corners_b corners_blocker)
 //   each.

@@ -1,4 +1,4 @@
-// This header has Gauss-Legendre rules, and adaptive integration over an interval.
+// gaussRule() makes Gauss-Legendre rules. integrate() integrates adaptively over an interval.
 #pragma once
 #include <functional>
 #include <vector>
@@ -8,7 +8,7 @@ namespace viewpeel::reference {
 // An Approximation is a number and a bound on its error.
 struct Approximation {
   double value = 0;
-  double error = 0;  // see the function that returns it: a bound or an estimate
+  double error = 0;  // bound or estimate, as the function that returns it says
 };
 
 struct GaussRule {
@@ -18,7 +18,7 @@ struct GaussRule {
 // Returns the Gauss-Legendre rule of n points on (0, 1): sum_k weight_k f(node_k), exact for polynomials of degree 2n -
 // 1.
 //   In: n, 1..64.
-//   Out: the rule; the same object on every call, safe from several threads.
+//   Out: the rule: every call returns the same object. Several threads may call the function at once.
 //   Error: nodes and weights to 4 ulp of long double; tests/unit/quadrature_test.cpp (monomials).
 //   Throws: nothing.
 //   Cost: O(n^2) once per n.
@@ -31,15 +31,15 @@ struct LineIntegral {
   long double error = 0;  // sum of |16-point - 10-point| over the leaves
 };
 
-// Returns the integral of f over [low, high], halving until the 10-point and the 16-point Gauss rule agree.
-//   In: f, finite on (low, high), singular at most like x ln x at the ends; tolerance, absolute; noise, the rounding
-//   error
-//       of one value of f, absolute.
-//   Out: the integral by the 16-point rules and the sum of the differences, which bounds the error of the worse rule.
-//   Error: `error`, as soon as the integrand is resolved; halving stops at tolerance, at the noise or the rounding of
-//   the
-//          sum, after 60 halvings of one place or 10,000 intervals in all. tests/unit/quadrature_test.cpp.
-//   Throws: what f throws.
+// Returns the integral of f over [low, high]. Intervals are halved until the 10-point and the 16-point Gauss rule
+// agree.
+//   In: f: finite on (low, high), and singular at most like x ln x at the ends; tolerance: absolute; noise: the
+//     absolute rounding error of one value of f
+//   Out: the integral by the 16-point rules. Its `error` is the sum of the differences of the two rules.
+//   Error: `error`, once the intervals resolve the integrand. Halving stops at the tolerance, at the noise, at the
+//     rounding of the sum, after 60 halvings at one place, or at 10,000 intervals. Tests:
+//     tests/unit/quadrature_test.cpp.
+//   Throws: whatever f throws.
 //   Cost: 26 calls of f per interval visited; O(log(1/distance of a singularity)) intervals per singularity.
 //   Source: the usual adaptive scheme, e.g. Davis & Rabinowitz, Methods of Numerical Integration, 6.2.
 LineIntegral integrate(const std::function<long double(long double)>& f, long double low, long double high,

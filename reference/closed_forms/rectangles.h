@@ -1,4 +1,5 @@
-// Axis-parallel rectangles have form factors in closed form.
+// parallelRectangles() and perpendicularRectangles() have the closed forms of form factors between axis-parallel
+// rectangles.
 #pragma once
 
 namespace viewpeel::reference {

@@ -1,4 +1,4 @@
-// Where the line of a projected edge enters and leaves the other outlines.
+// EdgeCuts finds where a projected edge enters and leaves the other outlines.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -10,8 +10,8 @@
 
 namespace viewpeel::reference {
 
-// An EdgeCut is the point a + t (b - a) of an edge a -> b on the line from vertex c to vertex d, or at vertex c if
-// c = d.
+// A Cut is the point a + t (b - a) where an edge a -> b meets the line from vertex c to vertex d. If c = d, it is
+// vertex c.
 struct Cut {
   Ball t;
   uint32_t c = 0, d = 0;
@@ -26,7 +26,7 @@ struct Span {
   Cut enter, leave;
 };
 
-// Cuts of one edge a -> b, a and b different vertices.
+// EdgeCuts computes the cuts of one edge a -> b between two different vertices.
 class EdgeCuts {
  public:
   EdgeCuts(const Projection& projection, uint32_t a, uint32_t b) : projection_(projection), a_(a), b_(b) {}

@@ -1,4 +1,4 @@
-// The check of the discretisation: lattice counts against exact areas, direction by direction.
+// checkLattice() checks the discretisation: it compares lattice counts with exact areas, direction by direction.
 #pragma once
 #include <functional>
 
@@ -8,27 +8,29 @@
 
 namespace viewpeel::reference {
 
-// A lattice with uniformly random offset and rotation has a variance of h^2 x (number of its points in a region of
-// perimeter P): kLatticeVariance h^3 P for h small against the region. The constant is the sum over integer pairs (m,
-// n) != 0 of (m^2 + n^2)^(-3/2), over 4 pi^3. For the mean of the region's squared Fourier transform at distance rho
-// from 0 is P / (4 pi^3 rho^3) (Kendall & Moran 1963, chapter 5).
+// Take a lattice with uniformly random offset and rotation, and a region of perimeter P, large against the spacing h.
+// The area that its lattice points measure, h^2 times their number, has the variance kLatticeVariance h^3 P. The
+// constant is the sum over integer pairs (m, n) != 0 of (m^2 + n^2)^(-3/2), divided by 4 pi^3. The reason is that the
+// mean of the region's squared Fourier transform at distance rho from 0 is P / (4 pi^3 rho^3) (Kendall & Moran 1963,
+// chapter 5).
 constexpr double kLatticeVariance = 0.0728370;
 
-// Lattice rows have this constant for h x (length of rows in the region): only the pairs (0, n) remain, 2 zeta(3) / (4
-// pi^3). It is the mean over rotations. A rotation at which no edge runs along the rows has a variance of order h^4,
-// from corners alone. The few that have an edge nearly along them bring the h^3.
+// This is the same constant for lattice rows, which measure h times their length in the region. Only the pairs (0, n)
+// of the sum remain: 2 zeta(3) / (4 pi^3). It is a mean over rotations. Where no edge of the region runs along the
+// rows, the variance is of order h^4. The few rotations with an edge nearly along the rows bring the h^3.
 constexpr double kScanlineVariance = 0.0193841;
 
 struct CheckOptions {
   std::vector<int> resolutions = {32, 64, 128};
-  uint32_t directions = 6;  // iid
+  uint32_t directions = 6;  // independent directions
   uint32_t lattices = 64;   // random offsets and rotations per direction
   uint64_t seed = 1;
-  bool blocked = false;                // blocked pairs, too: their regions are tested like the others
-  double counts_per_point = 1;         // 1 / h^2 of the area of one count
+  bool blocked = false;                // test the regions of blocked pairs, too
+  double counts_per_point = 1;         // h^2 over the area of one count
   double variance = kLatticeVariance;  // or kScanlineVariance
-  double false_alarm_rate =
-      1e-4;  // that a right discretisation fails the test of unbiasedness, over all regions and resolutions together
+  // This is the probability that a correct discretisation fails the test of unbiasedness, over all regions and
+  // resolutions together.
+  double false_alarm_rate = 1e-4;
 };
 
 // Returns the counts of one random lattice, at a resolution.
@@ -36,17 +38,17 @@ using CountLattice = std::function<PairCounts(const Direction&, int resolution)>
 
 struct CheckRow {
   int resolution = 0;
-  uint64_t regions_tested = 0;   // visible, or blocked, regions of pairs, one direction each, tested one by one
-  uint64_t regions_pooled = 0;   // small or thin ones, tested together
+  uint64_t regions_tested = 0;   // regions that were tested one by one; a region belongs to a pair and a direction
+  uint64_t regions_pooled = 0;   // small or thin regions that were tested together
   double largest_deviation = 0;  // |mean counted area - exact area| in standard errors
   double allowed_deviation = 0;  // from the false-alarm rate
-  std::string worst_pair;        // where the deviation is largest
+  std::string worst_pair;        // pair with the largest deviation
   double worst_difference = 0;   // its mean difference, unit-ball units squared
   double worst_standard_error = 0;
-  uint64_t spread_regions = 0;  // wide enough for the asymptotic variance
-  double spread_ratio = 1;      // measured over predicted variance, summed over them
-  double total_counted = 0,
-         total_exact = 0;  // area of all pairs, environment and leak, mean over lattices, summed over directions
+  uint64_t spread_regions = 0;  // regions that are wide enough for the asymptotic variance
+  double spread_ratio = 1;      // measured over predicted variance, each summed over these regions
+  // Areas of all pairs, environment and leak: the mean over lattices, summed over directions.
+  double total_counted = 0, total_exact = 0;
   double leak_counted = 0, leak_exact = 0;
   bool unbiased = true;
   bool spread_as_predicted = true;

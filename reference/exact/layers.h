@@ -1,4 +1,4 @@
-// Layers is the order of the outlines that a point of a projected edge lies in.
+// Layers orders the outlines that a point of a projected edge lies in.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -9,27 +9,28 @@ namespace viewpeel::reference {
 
 constexpr uint32_t kNoOutline = 0xFFFFFFFFu;
 
-// A LayerChange is the change at an edge of `outline`: layers `lower`, `outline`, `upper` follow each other on its
-// inner side, `lower` and `upper` on the outer.
+// A LayerChange says how the layers change at an edge of `outline`. On the inner side of the edge the layers `lower`,
+// `outline` and `upper` follow each other. On the outer side `lower` and `upper` do.
 struct LayerChange {
   uint32_t lower = kNoOutline, outline = kNoOutline, upper = kNoOutline;
-  bool is_cyclic = false;  // the pairwise order, by rounding: `lower` and `upper` say nothing
-  // These hold all layers of both sides between two kNoOutline, where the order is cyclic or the caller wants them.
+  bool is_cyclic = false;  // rounding has made the pairwise order cyclic, and `lower` and `upper` mean nothing
+  // These list all layers of each side, with kNoOutline before and after them. They are set where the order is cyclic,
+  // or where the caller wants them.
   std::vector<uint32_t> inside, outside;
 
   bool operator==(const LayerChange&) const = default;
 };
 
-// Layers sorts outlines by the number of others below them. This is the pairwise order wherever it has no cycle, and it
-// depends on nothing but the set of outlines. So the layers of one face look the same from all its edges, and the
-// boundary of a pair's regions closes. It does so even within slivers of width 1e-16 where polygons that meet at an
-// edge have no meaningful order.
+// Layers sorts outlines by the number of outlines below them. Wherever the pairwise order has no cycle, this is the
+// same order. It depends only on the set of outlines. So the layers of one face of the arrangement look the same from
+// all its edges, and the boundary of a pair's regions closes. This holds even in slivers of width 1e-16, where polygons
+// that meet at an edge have no meaningful order.
 class Layers {
  public:
-  // Keeps a reference. lists_all: all layers of every change.
+  // The order must outlive this object.    In: lists_all: list all layers of every change
   Layers(HeightOrder& order, bool lists_all) : order_(order), lists_all_(lists_all) {}
 
-  void assign(uint32_t outline);  // the inner side of an edge of `outline`, and nothing else
+  void assign(uint32_t outline);  // starts with the inner side of an edge of `outline`, which lies in no other outline
   // Inserts an outline.    Cost: O(layers).
   void insert(uint32_t outline);
   void erase(uint32_t outline);

@@ -1,4 +1,4 @@
-// Finds the outlines near an edge.
+// An OutlineGrid finds the outlines near an edge.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -10,7 +10,8 @@ namespace viewpeel::reference {
 // An OutlineGrid is a square grid over the projection; each cell lists the outlines whose bounds touch it.
 class OutlineGrid {
  public:
-  // Keeps a reference. Cost: O(outlines + cells covered by their bounds), about 4 cells per outline.
+  // The projection must outlive this object. Cost: O(outlines + cells that their bounds cover), about 4 cells an
+  // outline.
   explicit OutlineGrid(const Projection& projection);
 
   // Finds every outline that the edge a -> b meets, and others near it; each once, in no particular order.
@@ -24,7 +25,7 @@ class OutlineGrid {
   glm::dvec2 low_{0}, cell_{1};
   int cells_per_side_ = 1;
   std::vector<uint32_t> first_, listed_;
-  std::vector<uint32_t> seen_;  // the last query that found an outline
+  std::vector<uint32_t> seen_;  // number of the last query that found each outline
   uint32_t query_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// Adds pieces of edges up to areas of pairs.
+// PairSums adds pieces of edges up to the areas of pairs.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace viewpeel::reference {
 
-// A piece of an edge is given as it enters boundary integrals.
+// A Piece is a part of an edge, with what it adds to boundary integrals.
 struct Piece {
   Ball twice_area;          // cross(from, to) in Vertex::rounded coordinates
   double from = 0, to = 0;  // parameters along the edge
@@ -28,7 +28,7 @@ struct Piece {
   Piece operator-() const;
 };
 
-// RegionSums adds up the regions of pairs a < b of polygons, by their boundary.
+// RegionSums computes the area of the regions of each pair a < b of polygons, from pieces of their boundary.
 class RegionSums {
  public:
   struct Sum {
@@ -51,7 +51,7 @@ class RegionSums {
  private:
   struct Step {
     double at;
-    int change;  // pieces that run one way less pieces that run the other
+    int change;  // pieces that run one way, minus pieces that run the other way
   };
 
   const ExactOptions& options_;
@@ -64,13 +64,14 @@ class PairSums {
   // Keeps references.
   PairSums(const Projection& projection, const ExactOptions& options);
 
-  // Adds the piece to the pair that the gap between two consecutive outlines belongs to, by facing.h. kNoOutline: none.
+  // Adds the piece to the pair that the gap between two consecutive outlines belongs to (facing.h).    In: lower,
+  // upper: the outlines; kNoOutline where there is none
   void addGap(uint32_t lower, uint32_t upper, const Piece& piece);
   // Adds it to the blocked pair of two outlines with others between them, where they face each other.
   void addBlocked(uint32_t lower, uint32_t upper, const Piece& piece);
 
-  // Ends an edge of this length in P(u), on which the pieces since the last call lie: the rest of them bounds the
-  // regions.
+  // Ends an edge, whose length in P(u) is `length`, and on which all pieces since the last call lie. Pieces that run
+  // both ways cancel; the remaining pieces bound the regions.
   void closeEdge(double length);
 
   // Returns all areas.    Cost: O(pairs log pairs).
