@@ -1,5 +1,5 @@
-// Makes scenes whose faces overlap in one plane and look the same way. Each can be drawn with the hidden parts cut
-// away, which leaves no doubt which face counts.
+// alikeScenes() makes scenes in which faces overlap in one plane and look the same way. Each scene can also be made
+// with the hidden parts cut away, so that no doubt is left which face a line must hit.
 #pragma once
 #include <functional>
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace viewpeel::test_scenes {
 
-// Returns the same lines the other way: lattice points are mirrored in their rows.
+// Returns the opposite direction with the same lines. The lattice points of each row are mirrored.
 inline Direction reversed(Direction direction) {
   direction.u = -direction.u;
   direction.x_axis = -direction.x_axis;
@@ -20,15 +20,15 @@ inline Direction reversed(Direction direction) {
 
 struct AlikeScene {
   std::string name;
-  std::function<InputScene(bool cut)> make;  // cut: without parts that another face hides
+  std::function<InputScene(bool cut)> make;  // cut: leaves out the parts that another face hides
 };
 
-// Adds a tile of the floor z = 0, 1 deep.
+// Adds a tile to the floor z = 0: from x = low to x = high, and from y = 0 to y = 1.
 inline void addTile(InputScene& scene, const std::string& name, double low, double high) {
   addFace(scene, name, parallelogram({low, 0, 0}, {high - low, 0, 0}, {0, 1, 0}));
 }
 
-// Adds a room 1 deep and 1 high, without a floor.
+// Adds the walls and the ceiling of a room that is 1 deep and 1 high. It has no floor.
 inline void addWalls(InputScene& scene, double length) {
   InputScene room{"", {}, {}};
   addRoom(room, "room", {0, 0, 0}, {length, 1, 1});

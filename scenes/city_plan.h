@@ -1,4 +1,5 @@
-// Plans a city: plots between streets, buildings in parts under roofs, trees. Lengths are metres.
+// These functions plan a city: plots between streets, buildings whose parts have roofs of their own, and trees. Lengths
+// are in metres.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -10,8 +11,8 @@
 
 namespace viewpeel::bench::city_plan {
 
-using Side = std::vector<glm::dvec2>;  // from a corner to the next, both included
-using Sides = std::vector<Side>;       // all around
+using Side = std::vector<glm::dvec2>;  // points from one corner to the next, with both corners
+using Sides = std::vector<Side>;       // all sides of a polygon, in order
 
 struct Box {
   PlanPolygon outline;
@@ -20,8 +21,8 @@ struct Box {
 
 struct Tree {
   size_t plot;
-  Box crown;          // a hedge is one that stands on the pavement
-  PlanPolygon trunk;  // none of a hedge
+  Box crown;          // the crown of a hedge stands on the pavement
+  PlanPolygon trunk;  // empty for a hedge
 };
 
 struct Wall {
@@ -29,11 +30,11 @@ struct Wall {
   std::vector<double> levels;
 };
 
-struct Part {  // of a building, under one roof
+struct Part {  // a part of a building, under one roof
   std::vector<Wall> walls;
   PlanPolygon eaves;
-  double height;  // of the eaves above the sea
-  double apex;    // of a tent above its eaves; 0: a flat roof
+  double height;  // height of the eaves above z = 0
+  double apex;    // height of a tent roof above its eaves; 0: a flat roof
   std::vector<Box> boxes;
 };
 
@@ -45,8 +46,8 @@ struct Building {
 struct CityPlan {
   PlanPolygon rim;
   std::vector<PlanPolygon> plots;
-  std::vector<double> pavements;    // heights, by plot
-  std::vector<Building> buildings;  // by plot; parks have no parts
+  std::vector<double> pavements;    // height of the pavement of each plot
+  std::vector<Building> buildings;  // building of each plot; a park has no parts
   std::vector<Tree> trees;
   std::vector<double> heights;
 };
@@ -56,13 +57,13 @@ double rounded(double x);
 glm::dvec2 rounded(glm::dvec2 p);
 PlanPolygon rounded(PlanPolygon polygon);
 
-// Returns the sides of a polygon, cut into columns of walls or whole.
+// Returns the sides of a polygon.    In: in_columns: whether a side is cut into the columns of a wall
 Sides makeSides(const PlanPolygon& corners, bool in_columns);
 
 // Lays out streets, plots and buildings: about `cells` plots.
 void layOut(CityPlan& plan, uint32_t cells, SceneRandom& random);
 
-// Plants trees and hedges where there is room for them, at most so many.
+// Plants up to `most` trees and hedges where there is room for them.
 void plant(CityPlan& plan, size_t most, SceneRandom& random);
 
 }  // namespace viewpeel::bench::city_plan

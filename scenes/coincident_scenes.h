@@ -1,5 +1,5 @@
-// These scenes have coincident faces as users draw them: thin walls, and solids that touch. Each can be drawn with a
-// gap in place of every coincidence, which leaves no doubt which of the two is meant.
+// coincidentScenes() makes scenes with coincident faces, as users draw them: thin walls, and solids that touch. Each
+// scene can also be made with a gap in place of every coincidence, so that no doubt is left which of the two is meant.
 #pragma once
 #include <functional>
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace viewpeel::test_scenes {
 
-// Adds two faces back to back about the parallelogram: `gap` apart, the first turned to a x b.
+// Adds two faces back to back, `gap` apart, on either side of a parallelogram. The first face looks along a x b.
 inline void addSheet(InputScene& scene, const std::string& name, glm::dvec3 origin, glm::dvec3 a, glm::dvec3 b,
                      double gap) {
   const glm::dvec3 half = glm::normalize(glm::cross(a, b)) * (gap / 2);
@@ -27,12 +27,12 @@ inline void addRoom(InputScene& scene, const std::string& name, glm::dvec3 low, 
 struct CoincidentScene {
   std::string name;
   bool is_closed;
-  // A negative gap would mean something else, for nothing but the gap decides.
+  // Only the gap decides what this scene means, so that a gap of 0 is in doubt and a negative gap means something else.
   bool needs_gap;
   std::function<InputScene(double gap)> make;
 };
 
-// The list is longer than a screen: a scene stands beside its name and its flags.
+// The function is long because each scene is written beside its name and its flags.
 inline std::vector<CoincidentScene> coincidentScenes() {
   const auto named = [](const char* name) { return InputScene{name, {}, {}}; };
   return {
@@ -51,7 +51,7 @@ inline std::vector<CoincidentScene> coincidentScenes() {
          return s;
        }},
       {"three rooms in a row", true, false,
-       [=](double gap) {  // only rays through ordered walls decide about the middle one
+       [=](double gap) {  // the middle room's walls are decided by rays that pass walls decided before
          InputScene s = named("row");
          for (int k = 0; k < 3; ++k)
            addRoom(s, std::string("room") + "abc" [k], { k + gap / 2, 0, 0 }, {k + 1 - gap / 2, 1, 1});
@@ -124,14 +124,14 @@ inline std::vector<CoincidentScene> coincidentScenes() {
          return s;
        }},
       {"panel on a box", false, false,
-       [=](double gap) {  // U, D, U: the box's face, the panel's back and front
+       [=](double gap) {  // three coincident faces: the box's top looks up, the panel's back down, its front up
          InputScene s = named("radiator");
          addSolid(s, "box", {-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5});
          addSheet(s, "panel", {-0.3, -0.2, 0.5 + 1.5 * gap}, {0.5, 0, 0}, {0, 0.4, 0}, gap);
          return s;
        }},
       {"panel on a sheet", true, true,
-       [=](double gap) {  // either side of the sheet would do: the later in the file is taken to lie on it
+       [=](double gap) {  // the panel could lie on either side of the sheet; the later face of the file lies on top
          InputScene s = named("panel on a sheet");
          addRoom(s, "room", {0, 0, 0}, {1, 1, 1});
          addSheet(s, "sheet", {0.2, 0.2, 0.5}, {0.6, 0, 0}, {0, 0.6, 0}, gap);
@@ -160,7 +160,7 @@ inline std::vector<CoincidentScene> coincidentScenes() {
   };
 }
 
-// Returns the scene turned by angles that are no fractions of a circle, and moved.
+// Returns the scene turned about two axes and moved, so that no coordinate stays a round number.
 inline InputScene turnedAndMoved(InputScene scene) {
   const auto turn = [](glm::dvec3 x) {
     const double a = 0.7, b = 1.9;

@@ -1,4 +1,4 @@
-// The tests of the exact path use small scenes in unit-ball units, written down corner by corner.
+// The tests of the exact path use these small scenes. Their corners are written down in unit-ball units.
 #pragma once
 #include <string>
 #include <vector>
@@ -20,11 +20,11 @@ struct SceneBuilder {
   void addBox(const std::string& name, const glm::dvec3& low, const glm::dvec3& high, bool inwards = false);
 };
 
-// Returns the scene turned: every corner is rounded, so corners leave their planes and edges their neighbours by about
+// Returns the scene rotated. Rounding then moves corners off their planes, and edges off their neighbours, by about
 // 1e-16.
 Scene turn(const Scene& scene, const glm::dmat3& rotation);
 
-// Returns the scene with the polygon's corners in reverse: its front is its back.
+// Returns the scene with the corners of one polygon in reverse order, so that its front becomes its back.
 Scene flip(const Scene& scene, uint32_t polygon_index);
 
 Scene makeRoom();                                        // the inside of a cube

@@ -1,4 +1,4 @@
-// Cuts and measures polygons in plan, of which generated cities are made. Corners run counter-clockwise; lengths in
+// These functions cut and measure the plan polygons of generated cities. Corners run counter-clockwise; lengths are in
 // metres.
 #pragma once
 #include <array>
@@ -22,19 +22,20 @@ PlanPolygon inset(const PlanPolygon& polygon, double distance);
 // Returns a rectangle about a centre, turned.
 PlanPolygon rectangle(glm::dvec2 centre, glm::dvec2 half_size, double turned_rad);
 
-// Cuts corner k off between shares a and b of the sides before and after it.
+// Cuts off corner k. The cut meets the side before the corner at share a of its length, and the side after it at share
+// b.
 PlanPolygon cutCorner(const PlanPolygon& polygon, size_t k, double a, double b);
 
-// Takes a parallelogram out of corner k: an L where the polygon is a quadrilateral and shares are below 1/2.
+// Takes a parallelogram out of corner k, with shares a and b of the two sides. A quadrilateral becomes an L.
 PlanPolygon notchCorner(const PlanPolygon& polygon, size_t k, double a, double b);
 
-// Replaces every corner by `sides` sides of the length given, as kerbs go round corners.
+// Rounds every corner, as kerbs do: it becomes `sides` short sides of this length.
 PlanPolygon roundCorners(const PlanPolygon& polygon, uint32_t sides, double length);
 
 // Returns constrained Delaunay triangles of the region inside the first loop and outside the others. Triangles larger
 // than most_area are divided at their centroids; sides of loops are never divided, so that neighbours fit.
-//   In: points; loops: indices into them, that neither cross nor touch    Out: counter-clockwise triples; points, with
-//   those added behind
+//   In: points, and loops as indices into them; loops neither cross nor touch    Out: triangles, counter-clockwise; new
+//     points are appended to `points`
 //   Throws: CGAL's exception where loops cross.    Cost: O(n log n).
 //   Source: CGAL, Constrained_Delaunay_triangulation_2.
 std::vector<std::array<uint32_t, 3>> triangulate(PlanPolygon& points, const std::vector<std::vector<uint32_t>>& loops,

@@ -1,5 +1,5 @@
-// Draws random numbers for generated scenes. Distributions of the standard library differ between platforms, its
-// engines do not.
+// A SceneRandom draws the random numbers of generated scenes. It uses an engine of the standard library, which is the
+// same on every platform, but none of its distributions, which are not.
 #pragma once
 #include <cmath>
 #include <cstdint>

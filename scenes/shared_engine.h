@@ -1,4 +1,4 @@
-// A SharedEngine is one engine for the samplers of many seeds, each of which owns engines.
+// A SharedEngine lets many samplers use one engine, although each sampler owns its engines.
 #pragma once
 #include <viewpeel/engine.h>
 

@@ -1,4 +1,4 @@
-// Makes city models as users of urban climate have them.
+// triangulatedCity() makes city models like those of urban climate.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -8,10 +8,10 @@
 
 namespace viewpeel::bench {
 
-// A plot has on its ground behind one kerb a building, two under one wall, or a park.
+// A plot is the ground behind one kerb. It carries a building, two buildings that share a wall, or a park.
 struct CityPlot {
   PlanPolygon outline;
-  std::vector<PlanPolygon> footprints;  // of buildings, trunks and hedges, under which there is no pavement
+  std::vector<PlanPolygon> footprints;  // footprints of buildings, trunks and hedges; there is no pavement below them
 };
 
 struct TriangulatedCity {
@@ -31,7 +31,8 @@ constexpr double kLeastCityArea = 5e-3;
 // number of single precision, so that walls in pieces are not quite plane. Walls, roofs and pavements are constrained
 // Delaunay triangles of 0.005 to 70 m2; streets are one constrained triangulation without further points. Triangles
 // meet edge to edge, every edge in two of them but for the rim's: no line leaks.
-//   In: n: 1,000 or more; seed: another city    Out: the same on every machine but for the last bit of sines
+//   In: n: 1,000 or more; seed: every seed makes another city    Out: the same scene on every machine, except for the
+//     last bit of sines
 //   Throws: Error check where trees to make up n find no place.    Cost: O(n) memory, some milliseconds
 TriangulatedCity triangulatedCity(uint32_t n, uint64_t seed = 1);
 

@@ -6,11 +6,11 @@
 
 namespace viewpeel::bench {
 
-// Binary PLY in double precision, equal corners written once; surfaces have no names in PLY.
+// Writes binary PLY in double precision. Equal corners are written once. PLY cannot name surfaces.
 //   Throws: Error output where the file cannot be written.    Cost: O(corners).
 void writePly(const InputScene& scene, const std::string& file);
 
-// Writes binary STL, which is in single precision and one surface.
+// Writes binary STL, which has single precision, and only one surface.
 //   In: triangles    Throws: Error bad_input for other faces, output where the file cannot be written.
 //   Cost: O(triangles).
 void writeStl(const InputScene& scene, const std::string& file);
