@@ -67,8 +67,8 @@ class PairCounters {
   uint64_t pairs_ = 0;       // pairs in the hash table
   uint64_t last_pairs_ = 0;  // pairs that the last batch has added to it
   Buffer counters_, read_back_;
-  PairCounts
-      drained_;  // counts of smaller hash tables before; `blocked` has facing and blocked lines, as on the device
+  // Counts of earlier, smaller hash tables. As on the device, `blocked` includes the facing lines.
+  PairCounts drained_;
 };
 
 }  // namespace viewpeel

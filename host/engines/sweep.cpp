@@ -223,8 +223,7 @@ void Sweep::sweepRow(int row, std::span<Span> spans, uint64_t weight, PairTable&
   const int32_t cell_bits = column_bits_ + std::countr_zero(kScanlineCell);
   uint32_t emitters = 0;  // layers of open_ whose polygons emit
   int32_t column = 0, first_end = INT_MAX;
-  uint64_t waiting =
-      0;  // length, in columns, over which open_ had its present order and whose gaps are still to be added
+  uint64_t waiting = 0;  // columns over which open_ had its present order, and whose gaps have not been added yet
   const auto settle = [&] {
     if (waiting) addGaps<kAllCount, kBlocked>(waiting * weight, table);
     waiting = 0;

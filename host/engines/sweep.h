@@ -55,8 +55,8 @@ class Sweep {
   };
   // A Layer is a span that the sweep has reached in its row.
   struct Layer {
-    int64_t depth, whole,
-        rest;  // before the shift, the depth is depth + whole X + (rest X >> column_bits_) in column X
+    // In column X the depth before the shift is depth + whole X + (rest X >> column_bits_).
+    int64_t depth, whole, rest;
     int32_t depth_min, depth_max, shift, high;
     uint32_t polygon, id, roles;
     uint8_t place_at_tie;
@@ -93,7 +93,7 @@ class Sweep {
   uint64_t turn_ = 0;     // number of the present direction, from 1
   std::vector<Surface> surfaces_;
   std::vector<std::vector<Span>> rows_;                // spans of row -reach_ first
-  std::vector<std::pair<int32_t, int32_t>> emitting_;  // for each row, its columns with emitters lie in [first, second)
+  std::vector<std::pair<int32_t, int32_t>> emitting_;  // of each row: its emitters lie in columns [first, second)
   std::vector<uint32_t> places_;                       // for each column, where sortByLow puts the next span
   std::vector<Span> unsorted_;
   std::vector<Layer> layers_;

@@ -4,8 +4,8 @@
 
 namespace viewpeel {
 
-// Adds the work of a part, which is an engine or a thread, to the sum. The number of directions is not added up,
-// because all parts count the same directions.
+// Adds the work of a part, which is an engine or a thread, to the sum. Of Work::directions it keeps the larger number,
+// because engines of several windows count the same directions.
 void addWork(const Work& part, Work& sum);
 
 }  // namespace viewpeel

@@ -1,4 +1,5 @@
-// These functions add sorted lists of pairs in place, or merge their ids to coarser ones.
+// These functions add sorted lists of pairs of ids to others in place, or map the ids to coarser ones (faces to
+// surfaces).
 #pragma once
 #include <algorithm>
 #include <cstddef>
@@ -10,15 +11,16 @@
 
 namespace viewpeel {
 
-// Lists are sorted by this key.
+// Returns the key by which all lists of pairs are sorted.
 template <class Pair>
 std::pair<uint32_t, uint32_t> keyOf(const Pair& pair) {
   return {pair.i, pair.j};
 }
 
-// Calls add_to(sum, pair) for each of `pairs`, in any order. A pair without a sum gets Sum{i, j} first.
-//   In: sums and pairs sorted by (i, j), every pair at most once    Cost: O(sums + pairs); memory for the new sums
-//     alone.
+// Calls add_to(sum, pair) for each of `pairs`, in any order, with the sum that has the pair's key. A pair without a sum
+// gets a new one, Sum{i, j}, first.
+//   In: sums, pairs: sorted by (i, j), every pair at most once
+//   Cost: O(sums + pairs) work; memory only for the new sums.
 template <class Sum, class Pairs, class AddTo>
 void addPairs(std::vector<Sum>& sums, const Pairs& pairs, AddTo add_to) {
   size_t fresh = 0, from = 0;
@@ -27,7 +29,7 @@ void addPairs(std::vector<Sum>& sums, const Pairs& pairs, AddTo add_to) {
     if (from < sums.size() && keyOf(sums[from]) == keyOf(pair)) add_to(sums[from], pair);
     else ++fresh;
   }
-  // The sums that are there make room from the last one on.
+  // Old sums move to their new places from the last one on, and new sums are put between them.
   from = sums.size();
   size_t to = from + fresh;
   sums.resize(to);
@@ -39,8 +41,8 @@ void addPairs(std::vector<Sum>& sums, const Pairs& pairs, AddTo add_to) {
   }
 }
 
-// Returns the pairs of a coarser set of ids, in order: id k becomes id_map[k], and add_to(sum, pair) joins a pair to a
-// sum that is there.
+// Returns the pairs with their ids mapped to coarser ones, sorted: id k becomes id_map[k]. Where several pairs get the
+// same key, the first is kept and add_to(first, pair) adds each further one to it.
 //   Cost: O(pairs) where there are few coarse ids, else O(pairs log pairs).
 template <class Pair, class AddTo>
 std::vector<Pair> mergePairs(const std::vector<Pair>& pairs, const std::vector<uint32_t>& id_map, AddTo add_to) {
@@ -53,7 +55,7 @@ std::vector<Pair> mergePairs(const std::vector<Pair>& pairs, const std::vector<u
   std::vector<Pair> merged;
   const size_t count = id_map.empty() ? 0 : size_t(*std::max_element(id_map.begin(), id_map.end())) + 1;
   if (count * (count + 2) <= 4 * pairs.size()) {
-    std::vector<uint32_t> places(count * (count + 2), 0);  // among the merged, 1 for the first
+    std::vector<uint32_t> places(count * (count + 2), 0);  // 1 + index in `merged` of each coarse pair, or 0
     for (const Pair& fine : pairs) {
       const Pair pair = mapped(fine);
       uint32_t& place =

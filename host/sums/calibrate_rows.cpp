@@ -12,10 +12,11 @@ using Entry = FormFactors::Entry;
 using Rows = std::vector<double>;
 
 constexpr int kMostPasses = 40;
-constexpr double kTolerance = 0.01;  // of the standard error of a row's missing part
-constexpr double kMostTilt = 8;      // |y|: odds change by less than e^16
-// ^Guesses take up this part of the room that visibilities from 0 to 1 leave a row. The rest would take odds without
-// end.
+// A row's gain may miss its goal by this share of the standard error of its guesses.
+constexpr double kTolerance = 0.01;
+constexpr double kMostTilt = 8;  // greatest |y|, so odds change by a factor of at most e^16
+// A row's gain is at most this share of what it would gain if all its guessed visibilities were 1 (or 0). The whole of
+// it would take infinite odds.
 constexpr double kMostOfRoom = 0.98;
 
 void addToRows(Rows& rows, const Entry& entry, double value) {
@@ -23,13 +24,14 @@ void addToRows(Rows& rows, const Entry& entry, double value) {
   if (entry.j < kEnvironment && entry.j != entry.i) rows[entry.j] += value;
 }
 
+// Returns the visibility whose odds are odds_factor times those of `visibility`, eq. (40).
 double tilt(double visibility, double odds_factor) {
   return visibility * odds_factor / (1 - visibility + visibility * odds_factor);
 }
 
-// Pass is the result of one pass over the guesses, by row.
+// A Pass holds what one pass over the guesses finds for each row.
 struct Pass {
-  Rows gain, slope;  // sum of w X (t - s), and its derivative by y
+  Rows gain, slope;  // sum of w_ij X_ij (t - s_ij) over a row's guesses, and its derivative by y_i
 };
 
 class Calibration {
@@ -58,7 +60,7 @@ class Calibration {
     }
   }
 
-  // Every row takes half of Newton's step at once, for a guess moves with both of its rows.
+  // Finds y by Newton's method, in all rows at once. Each row takes half a step, because both rows of a guess move it.
   void solve() {
     for (int pass = 0; pass < kMostPasses; ++pass) {
       const Pass found = evaluate();
@@ -80,7 +82,8 @@ class Calibration {
   }
 
  private:
-  // The number of parts does not depend on the number of threads: their sums are added up in one order.
+  // Finds gains and slopes for the present y. Guesses are divided into parts, whose number does not depend on the
+  // number of threads. Their sums are added in one order, so the result has the same bits for any number of threads.
   Pass evaluate() const {
     constexpr size_t kLeast = size_t(1) << 16, kMostParts = 32;
     const size_t n = y_.size(), parts = std::clamp<size_t>(guesses_.size() / kLeast, 1, kMostParts);

@@ -40,7 +40,8 @@ PairCounts withRows(PairCounts counts, std::span<const PairVisibility> others) {
       missing.push_back({pair.i, pair.j, 0, rows[pair.i]});
   PairCounts all;
   all.reserve(counts.size() + missing.size());
-  std::ranges::set_union(counts, missing, std::back_inserter(all), isBefore);  // of both, the one counted
+  // A pair that is in both lists is taken from `counts`.
+  std::ranges::set_union(counts, missing, std::back_inserter(all), isBefore);
   return all;
 }
 
@@ -72,7 +73,7 @@ std::vector<ControlVariate> takeControlVariates(const PairCounts& counts,
     const auto control =
         static_cast<int64_t>(count.count * (kVisibilityOne - b)) - static_cast<int64_t>(count.blocked * b);
     const uint64_t line = lineOf(lines, count.i, count.j);
-    // count / line lines, each of which adds `line` times 1 - b
+    // V / line lines are facing, and each adds line (1 - b); O / line lines are blocked, and each takes off line b.
     const ControlVariate::Wide squares =
         (ControlVariate::Wide(count.count) * (kVisibilityOne - b) * (kVisibilityOne - b) +
          ControlVariate::Wide(count.blocked) * b * b) *
@@ -90,8 +91,7 @@ std::vector<ControlVariate> mergeIds(const std::vector<ControlVariate>& controls
   });
 }
 
-// Returns the lines that come at a time: the variance over the variance of independent lines, at least one.
-// docs/method.md, eq. (12) has D.
+// `surplus` is D of docs/method.md, eq. (12), and at_a_time is D_1, the number of lines that come together.
 double errorOfSum(double variance, double squares, double line, double most) {
   double surplus = line;
   if (squares > 0) {
@@ -110,7 +110,7 @@ Measured allowForUnmet(Measured exchange, const PriorExchange& prior, double dir
 }
 
 void ControlVariateSums::add(const std::vector<ControlVariate>& controls) {
-  ++replicate_count_;  // first: what ends early is seen (RunSums::isWhole)
+  ++replicate_count_;  // comes first, so that RunSums::isWhole notices where an exception ends this call
   addPairs(pairs_, controls, [](PairSum& sum, const ControlVariate& control) {
     sum.line = std::max(sum.line, control.line);
     sum.sum += control.control;
@@ -146,7 +146,7 @@ Measured ControlVariateSums::measure(const PairSum& pair, double measure_area, c
   Measured exchange{static_cast<double>(mean / kOne) * scale + (prior ? prior->area : 0), INFINITY};
   exchange.value = std::clamp(exchange.value, 0.0, most);
   if (replicate_count_ < 2) return exchange;
-  // R s^2, the variance of the sum over replicates
+  // This is R s^2, the variance of the sum over R replicates.
   const long double variance =
       std::max(0.0L, (static_cast<long double>(pair.sum_of_squares) - mean * static_cast<long double>(pair.sum)) *
                          replicates / (replicates - 1));

@@ -9,14 +9,15 @@
 namespace viewpeel {
 namespace {
 
-constexpr double kBeyondDoubt = 3;  // standard errors of a row's pairs
+// A row that lacks more than this number of standard errors surely sees the environment.
+constexpr double kBeyondDoubt = 3;
 
-// Adds the entries of faces up to entries of surfaces. Their errors are independent.
+// Returns entries between surfaces: sums of the entries between their faces, whose errors are independent.
 std::vector<FormFactors::Entry> mergeBySurface(std::vector<FormFactors::Entry> entries,
                                                const std::vector<uint32_t>& surface) {
   for (FormFactors::Entry& entry : entries) {
     const auto [i, j] = std::minmax({surface[entry.i], entry.j < kEnvironment ? surface[entry.j] : entry.j});
-    // Two faces of one surface exchange both ways within it.
+    // A surface's exchange with itself has each pair of its faces twice, once in either direction.
     const double ways = i == j ? 2 : 1;
     entry = {i, j, {ways * entry.exchange_area.value, ways * entry.exchange_area.standard_error}};
   }
@@ -34,7 +35,8 @@ std::vector<FormFactors::Entry> mergeBySurface(std::vector<FormFactors::Entry> e
   return merged;
 }
 
-// Adds environment to the rows that see it, and leak where only common directions have counted it.
+// Adds entries of the environment to the rows that see it, and entries of leak that only common directions have
+// counted.
 void addEnvironmentAndLeak(std::vector<FormFactors::Entry>& entries, const ReplicateSums& counted, double measure_area,
                            double count_area) {
   const Ids& ids = counted.ids();
@@ -46,7 +48,7 @@ void addEnvironmentAndLeak(std::vector<FormFactors::Entry>& entries, const Repli
     (pair.j == kLeak ? leak : environment)[pair.i] = counted.exchangeArea(pair, measure_area, count_area);
   }
   for (const FormFactors::Entry& entry : entries)
-    if (entry.j == kLeak) leak[entry.i] = {};  // lines have found it
+    if (entry.j == kLeak) leak[entry.i] = {};  // the entries have this leak already
   const std::vector<Measured> rows = sumRows(entries, ids.areas);
   const auto pair_count = static_cast<std::ptrdiff_t>(entries.size());
   for (uint32_t i = 0; i < ids.count(); ++i) {

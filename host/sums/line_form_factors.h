@@ -1,4 +1,4 @@
-// Makes the form factors of a run with pair lines.
+// lineFormFactors makes form factors from the pair lines and the common directions of a run.
 #pragma once
 #include <viewpeel/form_factors.h>
 #include "sums/line_sums.h"
@@ -6,18 +6,20 @@
 
 namespace viewpeel {
 
-// Returns the form factors between ids, and of each with environment and leak.
-//   In: lines: of pairs of faces; by: of the result; counted: lines of common directions, by the result's ids: faces
-//   or surfaces; measure_area, count_area: as in ReplicateSums
-//   Out: pairs by pair lines. Environment is 1 less the row's pairs and less the leak that common directions counted.
-//   A row has it where these directions saw a line leave the scene, or where it is beyond doubt. Rows of a scene in
-//   which no line leaves or leaks are as they add up.
-//   Error: environment has the errors of the row's pairs and of the leak together.
+// Returns the form factors between all rows, and from each row to environment and leak.
+//   In: lines: pair lines of pairs of faces; by: whether rows of the result are faces or surfaces; counted: counts
+//     along common directions, by these rows; measure_area, count_area: as in ReplicateSums
+//   Out: Entries between rows come from pair lines. So does leak, or from common directions where no pair lines found
+//     it. The environment of a row is 1 less its pairs and its leak. A row has an environment if a common direction saw
+//     one of its lines leave the scene. It also has one if it lacks more than three standard errors and any line left
+//     the scene. Other rows have none, and need not add up to 1.
+//   Error: the variance of environment is that of the row's pairs and of its leak together.
 FormFactors lineFormFactors(const LineSums& lines, By by, const ReplicateSums& counted, double measure_area,
                             double count_area);
 
-// Makes the same of exchange areas between faces, and of faces with kLeak, however they were found.
-//   In: entries: of independent errors, sorted; surface: of each face
+// Returns the same from given exchange areas of pairs of faces, and of faces with kLeak.
+//   In: entries: sorted, with independent errors, input units squared; surface: uint32_t[faces], the surface of each
+//     face
 FormFactors lineFormFactors(std::vector<FormFactors::Entry> entries, const std::vector<uint32_t>& surface, By by,
                             const ReplicateSums& counted, double measure_area, double count_area);
 

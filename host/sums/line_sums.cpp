@@ -10,13 +10,14 @@
 namespace viewpeel {
 namespace {
 
-constexpr double kUnoccludedError = 1e-6;  // relative, of exchange areas: kUnoccludedRelativeError
-// N scrambled Sobol' points have this share of the variance of N independent lines, times (N / 16)^-1/4. Measured:
-// docs/accuracy.md.
+constexpr double kUnoccludedError = 1e-6;  // relative error of unoccluded exchange areas, kUnoccludedRelativeError
+// The variance from N scrambled Sobol' points is this factor times (N / 16)^-1/4 of that from N independent lines. It
+// was measured: docs/accuracy.md.
 constexpr double kEvenness = 1;
-// The variance of independent lines counts as so many degrees of freedom beside the variance of replicates.
+// In eq. (47) the variance expected by chance has this many degrees of freedom, beside those of the replicates.
 constexpr double kChanceDegrees = 5;
 
+// Returns a b / 2^8, with both rounded down to multiples of 2^4; see PairSum.
 uint64_t squareUnits(uint64_t a, uint64_t b) { return (a >> 4) * (b >> 4); }
 
 }  // namespace
@@ -73,13 +74,13 @@ Visibility visibilityOf(const LineSums::PairSum& sum, uint32_t planned_blocks) {
   const double facing = double(sum.facing), all = double(sum.all), lines = double(sum.effective) / kEffectiveUnit;
   Visibility found;
   found.value = facing / all;
-  // Half a line of either kind is added, for no number of lines says that the other kind is not there.
+  // Half a facing and half a blocked line are added, eq. (46): however many lines agree, others may not.
   const double likely = (lines * found.value + 0.5) / (lines + 1);
   const double by_chance = likely * (1 - likely) / (lines + 1), half_a_line = 0.25 / ((lines + 1) * (lines + 1));
-  // Where less weight came than is expected, few heavy lines are missing, and nothing says whether they were blocked.
+  // Where the lines have less weight than expected, a few heavy lines are missing, which may be blocked or not.
   const double missing = std::max(0.0, 1 - all * planned_blocks / (kLineUnit * double(sum.blocks)));
   const double unknown = half_a_line + 0.25 * missing * missing;
-  // Replicates of different size count as so many of one size.
+  // Replicates of different sizes count as this number of replicates of one size.
   const double sizes = all * all / (256 * double(sum.all_squares)),
                replicates = std::min(double(sum.replicates), sizes);
   if (!(replicates > 1)) {

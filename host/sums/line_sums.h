@@ -1,8 +1,9 @@
-// LineSums add up pair lines over replicates and make exchange areas of the sums.
+// LineSums adds up pair lines over replicates and makes exchange areas of the sums.
 //
-// A pair's lines carry weights whose expectation is the unoccluded form factor. The visibility b is the weight of lines
-// that nothing blocks over the weight of all lines, a ratio estimator as in visibility_sums.h. A pair that nothing can
-// block has no lines, and no error but its unoccluded form factor's. Derivation: docs/method.md, section 13.
+// A pair's lines have weights. Its visibility b is the weight of the lines that nothing blocks over the weight of all
+// lines, a ratio estimator as in visibility_sums.h; the exchange area is b times the unoccluded one. A pair that
+// nothing can block has no lines, and only the error of its unoccluded form factor. Derivation: docs/method.md, section
+// 13.
 #pragma once
 #include <cstdint>
 #include <utility>
@@ -13,65 +14,71 @@
 namespace viewpeel {
 
 // A LinePair is a pair of faces with an unoccluded form factor above 0, and the number of its lines, which is fixed
-// before the first replicate. Where lines leak a face and a back make a pair, too: j is then the number of faces plus
-// the back's face.
+// before the first replicate. Where lines leak, a face and the back of another make a pair, too. Its j is the number of
+// faces plus the number of the face whose back it is.
 struct LinePair {
   uint32_t i, j;           // i < j
-  double exchange = 0;     // A_i F_ij with nothing in between, input units squared
-  double clear = 0;        // the part of it that nothing can block
-  uint32_t blocks = 0;     // of 16 lines, in a replicate of those planned with lines; 0 where all is clear
-  uint32_t period = 1;     // one of so many replicates
-  bool by_angles = false;  // how lines are drawn (draw_lines.h)
+  double exchange = 0;     // unoccluded exchange area, input units squared
+  double clear = 0;        // the part of `exchange` that nothing can block, input units squared
+  uint32_t blocks = 0;     // blocks of 16 lines in each replicate in which the pair has lines; 0 where it needs none
+  uint32_t period = 1;     // the pair has lines in one of this many replicates
+  bool by_angles = false;  // whether lines are drawn by angles, not by points (draw_lines.h)
 
   bool operator==(const LinePair&) const = default;
 
-  // Returns how many lines are planned for so many replicates.
+  // Returns how many lines are planned for this number of replicates, on average.
   double linesIn(uint32_t replicates) const { return 16.0 * blocks * replicates / period; }
-  // Returns whether the pair has lines in a replicate. Pairs take turns.
+  // Returns whether the pair has lines in the replicate of this number. Different pairs have them in different ones.
   bool hasLines(uint64_t replicate) const {
     return blocks && (replicate + i * 0x9E3779B9u + j * 0x85EBCA6Bu) % period == 0;
   }
 };
 
-// Returns the entry of the result that a pair of faces, or of a face and a back, is a part of.
+// Returns the key (i, j) of the entry to which a pair of faces, or of a face and a back, belongs in the result.
+//   In: by: whether rows of the result are faces or surfaces
 std::pair<uint32_t, uint32_t> entryOf(const LinePair& pair, const Ids& face_ids, By by);
 
-// A LineCount has the weights of a pair's lines in one replicate.
+// A LineCount holds the sums of a pair's lines in one replicate.
 struct LineCount {
-  uint32_t pair;         // index
-  uint32_t blocks;       // of 16 lines that were drawn
-  uint32_t facing, all;  // weights of lines that nothing blocks, and of all; kLineUnit for LinePair::blocks
-  uint32_t effective;    // number of lines of equal weight with the same variance, in units of 1/256
+  uint32_t pair;    // index of the pair
+  uint32_t blocks;  // blocks of 16 lines that were drawn
+  // Weight of the lines that nothing blocks, and of all lines. Of LinePair::blocks blocks `all` is kLineUnit on
+  // average.
+  uint32_t facing, all;
+  uint32_t effective;  // number of lines of equal weight that carry as much information, in units of 1/256
 
   bool operator==(const LineCount&) const = default;
 };
 using LineCounts = std::vector<LineCount>;
 
-constexpr double kLineUnit = 1 << 20;        // the expectation of LineCount::all
-constexpr double kMostLineUnits = 1u << 30;  // weights are scaled down to it
-constexpr double kEffectiveUnit = 256;
-constexpr uint32_t kMostLineBlocks = 1 << 16;  // of a pair in a replicate
+constexpr double kLineUnit = 1 << 20;          // expectation of LineCount::all of LinePair::blocks blocks
+constexpr double kMostLineUnits = 1u << 30;    // weights of a replicate are scaled down where they exceed this number
+constexpr double kEffectiveUnit = 256;         // LineCount::effective is in units of 1 / 256 lines
+constexpr uint32_t kMostLineBlocks = 1 << 16;  // most blocks of a pair in one replicate
 
 class LineSums {
  public:
-  // A PairSum is of one pair. Squares are of counts without their last 4 bits: 4,096 replicates stay below 2^64.
+  // A PairSum holds one pair's sums over replicates. Squares and products are of counts without their last 4 bits, so
+  // that the sums of 4,096 replicates stay below 2^64.
   struct PairSum {
-    uint64_t facing = 0, all = 0, effective = 0;
-    uint64_t facing_squares = 0, products = 0, all_squares = 0;  // over replicates
-    uint64_t blocks = 0;                                         // of 16 lines
-    uint32_t replicates = 0;                                     // with lines
+    uint64_t facing = 0, all = 0, effective = 0;                 // sums of the members of LineCount
+    uint64_t facing_squares = 0, products = 0, all_squares = 0;  // sums of facing^2, facing x all and all^2, over 2^8
+    uint64_t blocks = 0;                                         // blocks of 16 lines
+    uint32_t replicates = 0;                                     // replicates in which the pair had lines
 
     bool operator==(const PairSum&) const = default;
   };
 
-  // Begins without replicates.
-  //   In: ids by face; by: of the result; pairs sorted by (i, j), every pair at most once
+  // Makes sums of no replicates.
+  //   In: ids: of faces; by: whether rows of the result are faces or surfaces; pairs: sorted by (i, j), every pair at
+  //     most once
   LineSums(Ids ids, By by, std::vector<LinePair> pairs);
-  // Restores sums from a checkpoint.    In: sums: one for each pair
+  // Restores sums from a checkpoint.    In: sums: PairSum[pairs]
   LineSums(Ids ids, By by, std::vector<LinePair> pairs, std::vector<PairSum> sums, uint64_t replicate_count);
 
   // Adds one replicate.
   void add(const LineCounts& counts);
+  // Adds one pair's lines in one replicate to its sums.
   static void addTo(PairSum& sum, const LineCount& count);
   // Adds the sums of other replicates of the same pairs.
   void add(const LineSums& others);
@@ -81,22 +88,22 @@ class LineSums {
   const std::vector<LinePair>& pairs() const { return pairs_; }
   const std::vector<PairSum>& sums() const { return sums_; }
   uint64_t replicateCount() const { return replicate_count_; }
-  // Returns the lines of all pairs, in all replicates so far.
+  // Returns the number of lines of all pairs in all replicates so far.
   uint64_t lineCount() const;
 
-  // Returns whether a pair is one of a face and a back, and whether any is.
+  // Return whether a pair is one of a face and a back, and whether any pair is.
   bool hasBack(size_t pair) const { return pairs_[pair].j >= ids_.count(); }
   bool hasBacks() const;
-  // Returns the area of a pair's smaller face, or of the face where the other is a back; input units squared.
+  // Returns the area of the smaller face of a pair, or of the face in a pair with a back, in input units squared.
   double smallerArea(const LinePair& pair) const;
-  // Returns exchange areas of all pairs, and of faces with kLeak as sums over their pairs with backs, sorted; input
-  // units squared.
-  //   Error: the variances of replicates and of independent lines are taken together; see docs/method.md. Coverage:
-  //   bench/programs/coverage.cpp.
+  // Returns the exchange areas of all pairs of faces, and of each face with kLeak, which is the sum over the face's
+  // pairs with backs. They are sorted, and in input units squared.
+  //   Error: docs/method.md, eq. (47); bench/programs/coverage.cpp measures how often intervals hold the truth.
   std::vector<FormFactors::Entry> entries() const;
-  // Returns the exchange area of one pair, as entries() has it.
+  // Returns the exchange area of one pair, computed as in entries(), in input units squared.
   Measured exchangeArea(size_t pair) const;
-  // Returns whether two runs have the same pairs with the same lines. Unoccluded form factors may differ in rounding.
+  // Returns whether the other sums have the same pairs, with as many lines drawn the same way, so that the two can be
+  // added. Unoccluded form factors may differ by rounding.
   bool goesWith(const LineSums& others) const;
 
  private:
@@ -107,10 +114,11 @@ class LineSums {
   uint64_t replicate_count_ = 0;
 };
 
-// Returns the visibility that follows from lines, and its variance.    In: planned_blocks: LinePair::blocks
+// A Visibility is an estimate with its variance. Without lines it is 1/2, with the variance of a number that is 0 or 1.
 struct Visibility {
   double value = 0.5, variance = 0.25;
 };
+// Returns the visibility of a pair, eq. (44), and its variance, eq. (47).    In: planned_blocks: LinePair::blocks
 Visibility visibilityOf(const LineSums::PairSum& sum, uint32_t planned_blocks);
 
 }  // namespace viewpeel

@@ -5,15 +5,17 @@
 namespace viewpeel {
 namespace {
 
-// This part of a line of either kind joins the lines that there are. As measured, intervals of 95 % then hold in 95 to
-// 97 %.
+// A tenth of a facing and of a blocked line are added in s of eq. (20). As measured, 95 % intervals then hold the truth
+// in 95 to 97 % of cases.
 constexpr float kBeside = 0.1f;
 
+// Lines are the weighted numbers of facing lines, V, and of all lines, L, in eq. (19).
 struct Lines {
   float facing = 0, all = 0;
 };
 
-// Blocks of ids form a square; blocks below the diagonal are empty.
+// A Level divides ranks into `side` groups. Block a side + b holds the lines between the ids of groups a and b >= a;
+// the others stay empty.
 struct Level {
   size_t side;
   std::vector<Lines> blocks;
@@ -30,7 +32,7 @@ NeighbourVisibility::NeighbourVisibility(const VisibilitySums& sums, const std::
     const double all = double(pair.facing) + double(pair.blocked),
                  effective = effectiveLines(pair, sums.squaresOf(pair), double(lineOf(lines, pair.i, pair.j)));
     const double weight = (1 + kNeighbours) * effective / (effective + kNeighbours),
-                 visibility = double(pair.facing) / all;  // 1 where all are facing
+                 visibility = double(pair.facing) / all;  // exactly 1 where all lines are facing
     Lines& block = levels[0].blocks[blockOf(ranks[pair.i], ranks[pair.j])];
     block.facing += static_cast<float>(weight * visibility);
     block.all += static_cast<float>(weight);
@@ -48,8 +50,8 @@ NeighbourVisibility::NeighbourVisibility(const VisibilitySums& sums, const std::
     levels.push_back(std::move(coarse));
   }
   const Lines& scene = levels.back().blocks[0];
-  std::vector<float> means{scene.all > 0 ? scene.facing / scene.all
-                                         : 0.5f};  // of blocks of the level before, coarser by kStep
+  // Visibilities m of the blocks of the next coarser level; the first is that of the whole scene.
+  std::vector<float> means{scene.all > 0 ? scene.facing / scene.all : 0.5f};
   for (size_t k = levels.size(); k-- > 0;) {
     const auto& [side, blocks] = levels[k];
     const size_t coarse_side = ((side - 1) >> kStep) + 1;

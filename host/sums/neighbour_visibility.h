@@ -1,9 +1,10 @@
-// A pair that no line hit takes the visibility of its neighbours' lines. Derivation: docs/method.md, section 7.
+// NeighbourVisibility guesses the visibility of pairs that no line met from lines between neighbouring pairs.
+// Derivation: docs/method.md, section 7.
 //
-// Most runs miss a pair that few lines are expected to hit. An exchange area of 0 would then nearly always be wrong:
-// most pairs of a room see each other whole. Lines between the faces around either one see nearly the same, so their
-// share of facing lines stands for the pair's. It is a guess, and the spread of visibilities among neighbours is its
-// standard error. Where a pair has few lines, its visibility is made of theirs and its neighbours'.
+// In most runs no line meets a pair of small, distant faces. An exchange area of 0 would then nearly always be wrong,
+// because most pairs of a room see each other whole. Lines between the faces around i and the faces around j see nearly
+// the same, so the share of them that is facing is taken for the pair's visibility. This is a guess; its standard error
+// is the spread of visibilities among neighbours. The visibility of a pair with few lines is a mean of both, eq. (21).
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -18,25 +19,29 @@ namespace viewpeel {
 
 class NeighbourVisibility {
  public:
+  // A Value is the visibility of a pair's neighbours.
   struct Value {
-    float mean, smoothed;  // of() has both
+    float mean, smoothed;  // m of eq. (19) and s of eq. (20)
 
+    // Returns the standard error of m as a guess of the pair's visibility.
     float deviation() const { return std::sqrt(smoothed * (1 - smoothed)); }
   };
 
-  // Computes the visibilities of all blocks.
-  //   In: lines: as in lineOf; ranks: of ids, as rankByPlace makes them; referred to
-  //   Cost: O(pairs + (n / 4)^2) work, 16 bytes for each of the latter.
+  // Computes the visibilities between all groups of 4 ids.
+  //   In: sums: the counted lines; lines: as in lineOf; ranks: rank of each id by place, as rankByPlace() returns it;
+  //     the caller keeps it alive
+  //   Cost: O(pairs + (n / 4)^2) work and 16 (n / 4)^2 bytes for n ids.
   NeighbourVisibility(const VisibilitySums& sums, const std::vector<uint64_t>& lines,
                       const std::vector<uint32_t>& ranks);
 
-  // Returns m of eq. (19) and s of eq. (20), from the lines between the 4 ids around i and the 4 around j, by rank.
-  // However many lines one pair has, they say little about its neighbours: n count as 1.5 n / (n + 0.5).
-  //   Error: m may be off by the root of s (1 - s): no visibility spreads more about its mean s. Measured:
-  //     tests/unit/neighbour_visibility_test.cpp.
+  // Returns the visibility of the neighbours of a pair (i, j), from the lines between the 4 ids around i and the 4 ids
+  // around j by rank. However many lines n one pair has, they say little about other pairs, so they count as
+  // 1.5 n / (n + 0.5).
+  //   Error: the standard error of m is the root of s (1 - s), for numbers from 0 to 1 with the mean s spread no more.
+  //     Measured: tests/unit/neighbour_visibility_test.cpp.
   Value of(uint32_t i, uint32_t j) const { return visibilities_[blockOf(ranks_[i], ranks_[j])]; }
 
-  // The neighbours' m counts as this many lines beside a pair's own.
+  // The neighbours' m counts as much as this number of lines of the pair itself, eq. (21).
   static constexpr float kNeighbours = 0.5f;
 
  private:
@@ -45,11 +50,11 @@ class NeighbourVisibility {
     return size_t(a) * side_ + b;
   }
 
-  static constexpr uint32_t kStep = 2;  // bits of a rank from one size of blocks to the next
+  static constexpr uint32_t kStep = 2;  // each level has groups 2^kStep times as large as the level before
 
   std::span<const uint32_t> ranks_;
   size_t side_;
-  std::vector<Value> visibilities_;  // of blocks of 4 x 4 ids; blocks below the diagonal are not used
+  std::vector<Value> visibilities_;  // Value[side_][side_], of groups a and b of 4 ids; unused where a > b
 };
 
 }  // namespace viewpeel

@@ -5,7 +5,7 @@
 
 namespace viewpeel {
 
-// Counts first go to their i, for the counts of one i are few.
+// Counts are first distributed by i (a counting sort). Then the few counts of each i are sorted by j.
 PairCounts sortAndJoin(const PairCounts& counts, uint32_t id_count) {
   std::vector<size_t> ends(id_count + 1, 0);
   for (const PairCount& count : counts) ++ends[count.i + 1];

@@ -1,19 +1,20 @@
-// Lists of counts of facing pairs have one order, and add up.
+// These functions sort and add up lists of counts of pairs.
 #pragma once
 #include <viewpeel/engine.h>
 
 namespace viewpeel {
 
-// Lists are in this order. It is no function, so that sorting inlines it.
+// Says whether pair a comes before pair b: by i, then by j. It is a lambda, not a function, so that std::sort inlines
+// it.
 inline constexpr auto isBefore = [](const PairCount& a, const PairCount& b) {
   return a.i != b.i ? a.i < b.i : a.j < b.j;
 };
 
-// Returns the sum of two sorted lists of counts.
+// Returns the sums of two sorted lists of counts, sorted.
 PairCounts addCounts(const PairCounts& a, const PairCounts& b);
 
-// Sorts counts and adds equal pairs.
-//   In: counts in any order, i < id_count    Cost: O(n) and the sorting of each i's own.
+// Returns the counts sorted, with counts of the same pair added up.
+//   In: counts: in any order, with i < id_count    Cost: O(n) for n counts, plus sorting the counts of each i.
 PairCounts sortAndJoin(const PairCounts& counts, uint32_t id_count);
 
 }  // namespace viewpeel

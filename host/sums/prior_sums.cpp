@@ -14,14 +14,14 @@
 namespace viewpeel {
 namespace {
 
-// Returns exchanges between surfaces: sums over their faces, at most the areas of the two.
+// Returns the prior exchange areas between surfaces: sums over the pairs of their faces, at most the surfaces' areas.
 std::vector<PriorExchange> mergeBySurface(const std::vector<PriorExchange>& exchanges, bool has_all_pairs,
                                           const std::vector<uint32_t>& surface, const std::vector<double>& areas) {
   std::vector<PriorExchange> mapped;
   mapped.reserve(exchanges.size());
   for (const PriorExchange& e : exchanges) {
     const uint32_t i = surface[e.i], j = e.j < kEnvironment ? surface[e.j] : e.j;
-    // Two faces of one surface exchange both ways within it.
+    // A surface's exchange with itself has each pair of its faces twice, once in either direction.
     const double ways = i == j ? 2 : 1;
     mapped.push_back({std::min(i, j), std::max(i, j), ways * e.area, ways * e.most, e.line});
   }
@@ -88,7 +88,7 @@ void PriorSums::prepare() {
       for_surfaces.push_back({pair.i, pair.j, 0, 0, lineOf(prior_.lines, pair.i, pair.j)});
       continue;
     }
-    // The run added this pair: it is no part of the prior that was fixed beforehand.
+    // A pair that the run itself added is no part of the prior, which must be fixed before the run.
     const bool is_learnt = !prior_.has_all_pairs && pair.visibility == 0 && pair.surface_visibility == 0;
     if (!is_learnt) for_surfaces.push_back(exchangeOf(pair, pair.surface_visibility, areas, prior_.lines));
   }
@@ -147,7 +147,7 @@ void PriorSums::add(const PriorSums& others, bool others_are_first) {
     surface_exchanges_ = others.surface_exchanges_;
     directed_exchanges_ = others.directed_exchanges_;
   }
-  // Pairs that only one of them has are added.
+  // Pairs that only the second prior has are added to the first.
   std::vector<PairPrior> missing;
   std::ranges::set_difference(second.pairs, prior_.pairs, std::back_inserter(missing),
                               [](const PairPrior& a, const PairPrior& b) { return keyOf(a) < keyOf(b); });
@@ -192,8 +192,9 @@ VisibilitySums::Found PriorSums::find(double measure_area, double count_area, co
   VisibilitySums::Found found =
       by_face_.find(prior_.pairs, prior_.lines, measure_area, count_area, counted.rowSums(), sampled,
                     neighbours ? &*neighbours : nullptr, neighbours ? row : ExchangeRow{});
-  std::vector<uint32_t> measured;                                 // entries of pairs with directions of their own
-  for (const FormFactors::Entry& directed : directedEntries()) {  // among the prior's pairs, so there
+  // The prior has all directed pairs, so `found` has entries for them. Their indices:
+  std::vector<uint32_t> measured;
+  for (const FormFactors::Entry& directed : directedEntries()) {
     const auto at = std::ranges::lower_bound(found.entries, keyOf(directed), {}, keyOf<FormFactors::Entry>);
     at->exchange_area = directed.exchange_area;
     measured.push_back(static_cast<uint32_t>(at - found.entries.begin()));
@@ -218,7 +219,7 @@ std::vector<FormFactors::Entry> PriorSums::ofPriorPairs(double measure_area, dou
 }
 
 FormFactors PriorSums::bySurface(double measure_area, double count_area, const FormFactors& sampled) const {
-  // Directed pairs have random numbers of their own, so their variances and the others' add up.
+  // Directed pairs have random numbers of their own, so their variances are added to those of the other pairs.
   const FormFactors others =
       by_surface_.allowForUnmet(by_surface_.formFactors(measure_area, surface_exchanges_, count_area), measure_area,
                                 surface_exchanges_, count_area);

@@ -1,5 +1,5 @@
-// PriorSums adds up a run that uses unoccluded form factors: visibilities by polygon, control variates between
-// surfaces, and the pilots' prior.
+// PriorSums adds up the counts of a run that uses unoccluded form factors. By polygon it estimates visibilities,
+// between surfaces it uses control variates. What pilots have found before the run is the prior.
 #pragma once
 #include <vector>
 
@@ -7,34 +7,35 @@
 
 namespace viewpeel {
 
-// A DirectedPair is a pair of faces with separate directions on a separate lattice. Lines of the common directions do
-// not enter its form factor.
+// A DirectedPair is a pair of faces with directions of its own on a lattice of its own (docs/method.md, section 8). Its
+// form factor does not use the lines of common directions.
 struct DirectedPair {
-  uint32_t i, j;            // i < j, one of Prior::pairs
-  uint32_t directions = 0;  // per replicate
-  uint32_t resolution = 0;  // of the lattice
-  uint32_t visibility = 0;  // in its controls; units of 2^-kVisibilityBits
+  uint32_t i, j;            // i < j; the pair is also in Prior::pairs
+  uint32_t directions = 0;  // directions of its own in each replicate
+  uint32_t resolution = 0;  // lattice spacings across the unit ball's diameter
+  uint32_t visibility = 0;  // visibility in its control variates, in units of 2^-kVisibilityBits
   uint32_t line = 1;        // counts that one line adds
-  double measure_area = 0;  // input units squared of one count, as RunSums has it for common directions
-  double count_area = 0;    // the same along its direction
+  double measure_area = 0;  // as in ReplicateSums, along its own directions, input units squared
+  double count_area = 0;    // as in ReplicateSums, along its own directions, input units squared
 
   bool operator==(const DirectedPair&) const = default;
 };
 
-// Takes control variates of pairs with separate directions.    In: both sorted    Throws: as takeControlVariates.
+// Returns the control variates of directed pairs in one replicate.
+//   In: counts, directed: sorted by (i, j); counts has no other pairs    Throws: as takeControlVariates.
 std::vector<ControlVariate> takeDirectedControlVariates(const PairCounts& counts,
                                                         const std::vector<DirectedPair>& directed);
 
-// A Prior holds unoccluded exchange areas and visibilities, fixed before the first replicate of its run.
+// A Prior holds the unoccluded exchange areas and visibilities of pairs, fixed before the first replicate of the run.
 struct Prior {
-  // The pairs are sorted. Without has_all_pairs they are the pairs that pilots hit, and those added when the run saw
-  // them.
+  // Pairs of faces, sorted by (i, j). Without has_all_pairs they are the pairs that pilots met, and further pairs that
+  // learn() adds during the run.
   std::vector<PairPrior> pairs;
-  std::vector<uint64_t> lines;           // of faces: counts that one line adds (takeControlVariates)
-  bool has_all_pairs = false;            // pairs without an entry cannot see each other
-  std::vector<DirectedPair> directed{};  // sorted
-  // Faces have these ranks by place (rankByPlace). Where it is empty, pairs that no line hit are not compared with
-  // their neighbours.
+  std::vector<uint64_t> lines;           // as in lineOf, by face
+  bool has_all_pairs = false;            // whether pairs that are not in `pairs` cannot see each other
+  std::vector<DirectedPair> directed{};  // sorted by (i, j)
+  // Rank of each face by place, as rankByPlace() returns it. Where it is empty, pairs that no line met get no
+  // visibility of their neighbours.
   std::vector<uint32_t> ranks{};
 
   bool operator==(const Prior&) const = default;
@@ -42,51 +43,59 @@ struct Prior {
 
 class PriorSums {
  public:
-  // Starts without replicates.
-  //   In: ids by face and by surface; by: which of the two the form factors are for
+  // Makes sums of no replicates.
+  //   In: face_ids, surface_ids: rows by face and by surface; by: which of the two the result has
   PriorSums(const Ids& face_ids, const Ids& surface_ids, By by, Prior prior);
   // Restores sums from a checkpoint.
   PriorSums(By by, Prior prior, VisibilitySums by_face, ControlVariateSums by_surface, ControlVariateSums directed);
 
   // Adds one replicate.
-  //   In: counts: of common directions; directed: of the separate directions of Prior::directed
-  //   Throws: as takeControlVariates.    Cost: O(nonzeros log nonzeros).
+  //   In: counts: counts of pairs of faces along common directions; directed: counts of each of Prior::directed along
+  //     its own directions
+  //   Throws: as takeControlVariates.    Cost: O(n log n) for n counts.
   void add(const PairCounts& counts, const PairCounts& directed);
-  // Lists pairs of faces that saw each other on `least_lines` lines or more and have no entry in the prior yet.
+  // Returns the pairs of faces that are not in the prior, with a facing line and `least_lines` lines or more, facing or
+  // blocked. Their exchange areas are 0 still.
   std::vector<PairPrior> pairsOutsidePrior(uint64_t least_lines = 0) const;
-  // Adds unoccluded exchange areas of pairsOutsidePrior to the prior.    In: sorted, none of them in the prior
+  // Adds pairs to the prior, with the unoccluded exchange areas that the caller has computed.
+  //   In: pairs: sorted by (i, j), none of them in the prior
   void learn(const std::vector<PairPrior>& pairs);
-  // Adds other replicates of the same run. Exchange areas may differ in rounding between devices. The areas of the part
-  // with the first replicate stay.
+  // Adds other replicates of the same run. Exchange areas of the two priors may differ by rounding, where they come
+  // from different devices; those of the part with the first replicate are kept.
+  //   In: others_are_first: whether `others` has the first replicate
   void add(const PriorSums& others, bool others_are_first);
 
   By by() const { return by_; }
   const Prior& prior() const { return prior_; }
-  const VisibilitySums& byFace() const { return by_face_; }  // empty where the rows are surfaces
+  const VisibilitySums& byFace() const { return by_face_; }  // without pairs where the result has surfaces
   const ControlVariateSums& surfaceControls() const { return by_surface_; }
-  const ControlVariateSums& directed() const { return directed_; }  // by face
-  // Returns true where both have the same visibilities in their prior, to the last bit.
+  const ControlVariateSums& directed() const { return directed_; }  // of directed pairs of faces
+  // Returns whether the priors of both have the same visibilities, to the last bit, so that the two can be added.
   bool goesWith(const PriorSums& others) const;
-  // Returns true where the same pairs have as many separate directions in both.
+  // Returns whether both have the same directed pairs, with as many directions on the same lattices.
   bool directsAs(const PriorSums& others) const;
 
-  // Finds form factors by polygon and their row sums.
-  //   In: measure_area, count_area: as in ReplicateSums; counted: all lines of each row, of the same replicates
-  //   sampled: entries of the pairs for which isCountedAlone holds
-  //   row: exchange areas of pairs outside the prior; empty: such pairs are counted, or left out
+  // Returns form factors by polygon, with their row sums, after calibrateRows.
+  //   In: measure_area, count_area: as in ReplicateSums; counted: sums of the same replicates, whose row sums are used;
+  //     sampled: entries of the pairs outside the prior and of those for which isCountedAlone holds, from counts alone;
+  //     row: computes exchange areas of pairs outside the prior; where it is empty such pairs have their `sampled`
+  //       entry
+  //     or none
   FormFactors byPolygon(double measure_area, double count_area, const ReplicateSums& counted,
                         const std::vector<FormFactors::Entry>& sampled, const ExchangeRow& row = {}) const;
-  // Returns entries of the prior's pairs alone, one for each, before guesses are made to fit their rows.
+  // Returns one entry for each pair of the prior, before calibrateRows.
   std::vector<FormFactors::Entry> ofPriorPairs(double measure_area, double count_area,
                                                const ReplicateSums& counted) const;
-  // Finds form factors between surfaces.
-  //   In: sampled: counted form factors of the same replicates, which stand where control variates add noise
+  // Returns form factors between surfaces, from control variates.
+  //   In: sampled: form factors of the same replicates from counts alone, which chooseBetter takes where control
+  //     variates add noise
   FormFactors bySurface(double measure_area, double count_area, const FormFactors& sampled) const;
-  // Returns true where counts alone are the estimate of a pair of the prior (docs/method.md, eq. (42)).
+  // Returns whether a pair of the prior is estimated by its counts alone (docs/method.md, eq. (42)).
   //   In: directions: of all replicates; count_area: as in ReplicateSums
   bool isCountedAlone(const PairPrior& pair, double directions, double count_area) const;
-  // Returns control variates of faces, with the visibilities of the prior.
+  // Returns the sums of the control variates of pairs of faces, with the visibilities of the prior.
   ControlVariateSums faceControls() const { return by_face_.controls(visibilities_, prior_.lines); }
+  // Returns form factors between faces from these control variates, with the row sums of `sampled`.
   FormFactors controlledFormFactors(double measure_area, const FormFactors& sampled) const;
 
  private:
@@ -100,9 +109,9 @@ class PriorSums {
   Prior prior_;
   VisibilitySums by_face_;
   ControlVariateSums by_surface_, directed_;
-  // All four lists follow from prior_.
+  // prepare() makes these five lists from prior_.
   std::vector<PairVisibility> visibilities_, surface_visibilities_;
-  std::vector<PairVisibility> row_visibilities_;  // of environment and leak
+  std::vector<PairVisibility> row_visibilities_;  // of the prior's pairs with environment and leak
   std::vector<PriorExchange> surface_exchanges_, directed_exchanges_;
 };
 

@@ -1,5 +1,5 @@
-// Counts become form factors by docs/method.md, eq. (7). An id of several polygons can see itself; each unordered pair
-// of its polygons then exchanges both ways, so A_i F_ii = 4 C_ii.
+// Counts become form factors by docs/method.md, eq. (7). A row of several polygons can see itself. Each pair of its
+// polygons then exchanges radiation in both directions within the row, so A_i F_ii = 4 C_ii.
 #include "sums/replicate_sums.h"
 
 #include <algorithm>
@@ -12,6 +12,7 @@
 namespace viewpeel {
 namespace {
 
+// Returns the factor by which the mean count, times measure_area, is the exchange area A_i F_ij.
 double exchangesPerLine(uint32_t i, uint32_t j) { return i == j ? 4 : 2; }
 
 }  // namespace
@@ -21,17 +22,17 @@ void ReplicateSums::add(const PairCounts& counts) {
   const auto addTo = [](PairSum& sum, const PairCount& count) { sum.sum.add(count.count); };
   const auto is_seen = [](const PairCount& count) { return count.count > 0; };
   if (std::all_of(counts.begin(), counts.end(), is_seen)) return addPairs(pairs_, counts, addTo);
-  PairCounts seen;  // pairs of which all lines were blocked are left out
+  PairCounts seen;  // the pairs of which any line is facing
   std::copy_if(counts.begin(), counts.end(), std::back_inserter(seen), is_seen);
   addPairs(pairs_, seen, addTo);
 }
 
 void ReplicateSums::addRows(const PairCounts& counts) {
-  ++replicate_count_;  // first: what ends early is seen (RunSums::isWhole)
+  ++replicate_count_;  // comes first, so that RunSums::isWhole notices where an exception ends this call
   std::vector<uint64_t> rows(ids_.count(), 0);
   for (const PairCount& count : counts) {
     rows[count.i] += count.count;
-    if (count.j < kEnvironment) rows[count.j] += count.count;  // a pair within one id counts twice
+    if (count.j < kEnvironment) rows[count.j] += count.count;  // a pair (i, i) counts twice
   }
   for (size_t k = 0; k < rows.size(); ++k) row_sums_[k].add(rows[k]);
 }
@@ -42,8 +43,9 @@ void ReplicateSums::add(const ReplicateSums& others) {
   for (size_t k = 0; k < row_sums_.size(); ++k) row_sums_[k].add(others.row_sums_[k]);
 }
 
-// Returns the standard error of eq. (12), docs/method.md, section 5, where every term is derived. It is infinite from a
-// single replicate. The bound on pairs without a line is eq. (13).
+// Returns the mean count of a replicate with the standard error of docs/method.md, eq. (12), which is infinite from a
+// single replicate.
+//   In: most_counts: the most counts that a direction adds, A / h^2 in eq. (12)
 Measured ReplicateSums::measure(const Sum& sum, double most_counts) const {
   const Wide replicates = replicate_count_;
   Measured measured;
@@ -52,7 +54,7 @@ Measured ReplicateSums::measure(const Sum& sum, double most_counts) const {
     measured.standard_error = INFINITY;
     return measured;
   }
-  // spread = R (R - 1) s^2, exactly
+  // The spread is R (R - 1) s^2, without rounding.
   const Wide spread = replicates * sum.sum_of_squares - sum.sum * sum.sum;
   const double r = double(replicate_count_), variance = double(spread) / (r - 1);
   const double counted = double(sum.sum), at_a_time = spread ? std::max(1.0, variance / counted) : 1;
@@ -91,7 +93,7 @@ double ReplicateSums::largestStandardError(double measure_area, double count_are
 double ReplicateSums::largestRelativeError(double measure_area, double floor, double count_area) const {
   double largest = 0;
   for (const PairSum& pair : pairs_) {
-    // The relative error is the same both ways, and counts if one of the two reaches the floor.
+    // F_ij and F_ji have the same relative error, which counts if the larger of the two reaches the floor.
     const Measured exchange = exchangeArea(pair, measure_area, count_area);
     if (exchange.value / ids_.smallerArea(pair.i, pair.j) >= floor)
       largest = std::max(largest, exchange.standard_error / exchange.value);

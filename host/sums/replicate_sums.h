@@ -1,4 +1,4 @@
-// ReplicateSums adds up counts over replicates, and estimates form factors from them.
+// ReplicateSums adds up the counts of pairs over replicates and makes form factors of the sums.
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -11,10 +11,11 @@
 
 namespace viewpeel {
 
-// All sums are exact, in 128-bit integers.
+// A ReplicateSums holds exact sums, in 128-bit integers.
 class ReplicateSums {
  public:
   __extension__ using Wide = unsigned __int128;
+  // A Sum holds the sum of a replicate's counts, and of their squares, over replicates.
   struct Sum {
     Wide sum = 0, sum_of_squares = 0;
     void add(uint64_t count) {
@@ -32,18 +33,18 @@ class ReplicateSums {
   };
 
   explicit ReplicateSums(Ids ids) : ids_(std::move(ids)), row_sums_(ids_.count()) {}
-  // Restores sums from a checkpoint.    In: pairs sorted by (i, j), every pair at most once; row_sums: one for each id
+  // Restores sums from a checkpoint.    In: pairs: sorted by (i, j), every pair at most once; row_sums: Sum[ids]
   ReplicateSums(Ids ids, uint64_t replicate_count, std::vector<PairSum> pairs, std::vector<Sum> row_sums)
       : ids_(std::move(ids)),
         pairs_(std::move(pairs)),
         row_sums_(std::move(row_sums)),
         replicate_count_(replicate_count) {}
 
-  // Adds one replicate.    Cost: O(nonzeros).
+  // Adds one replicate.    Cost: O(pairs).
   void add(const PairCounts& counts);
-  // Adds one replicate to the row sums alone, where others sum its pairs.
+  // Adds one replicate to the row sums alone, for runs whose pairs are summed elsewhere.
   void addRows(const PairCounts& counts);
-  // Adds sums of other replicates.    In: others of the same ids    Cost: O(nonzeros).
+  // Adds sums of other replicates.    In: others: of the same ids    Cost: O(pairs).
   void add(const ReplicateSums& others);
 
   const Ids& ids() const { return ids_; }
@@ -51,25 +52,25 @@ class ReplicateSums {
   const std::vector<Sum>& rowSums() const { return row_sums_; }
   uint64_t replicateCount() const { return replicate_count_; }
 
-  // Finds the form factors of all pairs that a line hit.
-  //   In: measure_area: input units squared of one count, which is unitArea() scale^2 / directions per replicate
-  //   count_area: of one count along its direction, measure_area x directions per replicate where directions are over
-  //     the whole sphere; infinite where it is unknown
-  //   Error: none but rounding: counts and their squares are summed in 128-bit integers. Standard errors:
-  //     docs/method.md, eq. (12); tests/unit/form_factors_test.cpp.
+  // Returns the form factors of all pairs with a facing line: A_i F_ij = 2 measure_area x (mean count of a replicate),
+  // or twice as much for i = j.
+  //   In: measure_area: C_ij per count of a replicate, unitArea() scale^2 / directions of a replicate; count_area: area
+  //     in the plane orthogonal to the direction that one count stands for, unitArea() scale^2; infinite where it is
+  //     unknown. Both are in input units squared.
+  //   Error: values have rounding alone; standard errors: docs/method.md, eq. (12); tests/unit/form_factors_test.cpp.
   FormFactors formFactors(double measure_area, double count_area = INFINITY) const;
-  // Finds the exchange area of one pair, whose counts were summed elsewhere.
+  // Returns the exchange area of one pair, which may have been summed elsewhere, in input units squared.
   Measured exchangeArea(const PairSum& pair, double measure_area, double count_area) const;
 
-  // Calls f(i, j, A_i F_ij) for every pair with an entry, and for environment and leak.
+  // Calls f(i, j, A_i F_ij) for every pair with a facing line, those with environment and leak included.
   template <class F>
   void forEachPair(double measure_area, F f) const {
     for (const PairSum& pair : pairs_) f(pair.i, pair.j, exchangeArea(pair, measure_area, INFINITY));
   }
 
-  // Returns the largest standard error over all form factors of the request's rows.
+  // Returns the largest standard error over all form factors of the requested rows.
   double largestStandardError(double measure_area, double count_area = INFINITY) const;
-  // Returns the largest relative to the form factor, over form factors of at least `floor`.
+  // Returns the largest standard error relative to its form factor, over form factors of at least `floor`.
   double largestRelativeError(double measure_area, double floor, double count_area = INFINITY) const;
 
  private:
@@ -81,11 +82,12 @@ class ReplicateSums {
   uint64_t replicate_count_ = 0;
 };
 
-// Returns a bound on the form factor of a pair that none of `directions` hit, with 95 % confidence: docs/method.md, eq.
-// (13).    In: area: of the smaller id of its pair
+// Returns a bound on the form factor of a pair that no line met, with 95 % confidence: docs/method.md, eq. (13).
+//   In: area: the smaller area of the two ids, count_area: as above, both in input units squared; directions: of all
+//     replicates
 double unmetBound(double area, double count_area, double directions);
 
-// Sums the counts by a coarser set of ids: id k becomes id_map[k].
+// Returns the counts added up by a coarser set of ids: id k becomes id_map[k].
 PairCounts mergeIds(const PairCounts& counts, const std::vector<uint32_t>& id_map);
 
 }  // namespace viewpeel

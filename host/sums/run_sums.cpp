@@ -10,7 +10,7 @@
 namespace viewpeel {
 namespace {
 
-// Sorts and joins ranges that touch.
+// Returns the ranges sorted, with those joined that follow each other without a gap.
 std::vector<ReplicateRange> joinRanges(std::vector<ReplicateRange> ranges) {
   std::sort(ranges.begin(), ranges.end(),
             [](const ReplicateRange& a, const ReplicateRange& b) { return a.first < b.first; });
@@ -94,7 +94,7 @@ FormFactors RunSums::formFactors(const ExchangeRow& row) const {
     return lineFormFactors(*lines, By::polygon, by_id, measure_area, countArea());
   if (lines || (prior_sums && prior_sums->by() == By::surface)) return betweenSurfaces();
   if (!prior_sums) return by_id.formFactors(measure_area, countArea());
-  // The counts of other pairs are not looked at.
+  // Only pairs that are estimated by counts alone need these entries.
   const std::vector<VisibilitySums::PairSum>& pairs = prior_sums->byFace().pairs();
   std::vector<FormFactors::Entry> sampled;
   sampled.reserve(pairs.size());
@@ -112,7 +112,7 @@ FormFactors RunSums::formFactors(const ExchangeRow& row) const {
 
 FormFactors RunSums::priorFormFactors() const {
   std::vector<FormFactors::Entry> entries = prior_sums->ofPriorPairs(measure_area, countArea(), by_id);
-  auto at = prior_sums->prior().pairs.begin();  // one of each pair
+  auto at = prior_sums->prior().pairs.begin();  // entries has one entry for each of these pairs
   std::erase_if(entries, [&](const FormFactors::Entry&) {
     return prior_sums->isCountedAlone(*at++, double(directions), countArea());
   });

@@ -1,4 +1,5 @@
-// RunSums holds the counts of a run. A checkpoint keeps it, and RunSums of several runs add up.
+// RunSums holds all sums of a run: a result, or a run that goes on, needs nothing else of the replicates done.
+// Checkpoints keep it, and RunSums of several parts of a run add up.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -11,60 +12,61 @@
 
 namespace viewpeel {
 
-// The range has the replicates first to end - 1.
+// A ReplicateRange stands for the replicates with the numbers `first` to end - 1.
 struct ReplicateRange {
   uint64_t first = 0, end = 0;
 
   bool operator==(const ReplicateRange&) const = default;
 };
 
-// A result, and a run that goes on towards it, needs no more of the replicates done. Integers throughout: the order of
-// replicates does not matter.
+// All sums are integers, so they do not depend on the order of replicates.
 struct RunSums {
-  ReplicateSums by_id;                     // row sums alone where prior_sums has the pairs (hasPairsInVisible)
-  ReplicateSums by_surface;                // the same counts summed by surface
-  std::vector<ReplicateRange> replicates;  // sorted; a gap between each and the next
-  uint64_t directions = 0;                 // in all, without directions of directed pairs
-  double measure_area = 0;                 // input units squared of one count; 0 before the first replicate
-  std::optional<PriorSums> prior_sums{};   // with unoccluded form factors: by_id is by face then
-  std::optional<LineSums>
-      lines{};  // where all pairs have lines of their own: by_id is by face, for environment and leak
+  ReplicateSums by_id;                     // counts by id; only their row sums where hasPairsInVisible() holds
+  ReplicateSums by_surface;                // the same counts added up by surface
+  std::vector<ReplicateRange> replicates;  // replicates done: sorted ranges, with a gap between each and the next
+  uint64_t directions = 0;                 // common directions of all replicates
+  double measure_area = 0;                 // as in ReplicateSums, input units squared; 0 before the first replicate
+  std::optional<PriorSums> prior_sums{};   // of runs that use unoccluded form factors; ids of by_id are faces then
+  // Sums of pair lines, in runs with pair lines. Ids of by_id are faces then, counted for environment and leak.
+  std::optional<LineSums> lines{};
 
   uint64_t replicateCount() const { return by_id.replicateCount(); }
-  // Returns true with unoccluded form factors by polygon: their visibilities contain the counts of pairs.
+  // Returns whether PriorSums::byFace has the counts of all pairs: in runs by polygon that use unoccluded form factors.
   bool hasPairsInVisible() const { return prior_sums && prior_sums->by() == By::polygon; }
-  // Returns input units squared of one count along its direction. It is infinite, for unknown, where the request has
-  // only some rows and directions are drawn for them.
+  // Returns count_area as in ReplicateSums, in input units squared. It is infinite, which stands for unknown, where
+  // only some rows are requested, because directions may then be drawn for these rows.
   double countArea() const;
-  // Returns false where something ended a call of add early, and for sums that do not go with each other.
+  // Returns whether all sums have the same replicates. They have not where an exception has ended a call of add early.
   bool isWhole() const;
 
   // Adds one replicate.
-  //   In: a replicate that is not there yet; counts by id; of directed pairs (PriorSums) the counts along their own
-  //     directions
-  //   Cost: O(nonzeros log nonzeros).
+  //   In: replicate: its number, not among `replicates`; counts: along common directions, by id; direction_count:
+  //     number of these directions; directed: counts of directed pairs along their own directions
+  //   Cost: O(n log n) for n counts.
   void add(uint64_t replicate, const PairCounts& counts, uint64_t direction_count, const PairCounts& directed = {});
-  // Adds one replicate of a run with lines.
+  // Adds one replicate of a run with pair lines.    In: as in add; line_counts: sums of the pair lines
   void addLines(uint64_t replicate, const PairCounts& counts, uint64_t direction_count, const LineCounts& line_counts);
   // Adds other replicates of the same run.
-  //   In: replicates that are not there yet; the same ids, the same measure_area, the same visibilities
-  //   Cost: O(nonzeros).
+  //   In: others: with none of this one's replicates; with the same ids, measure_area and prior visibilities
+  //   Cost: O(pairs).
   void add(const RunSums& others);
 
-  // Finds the form factors of all counts. With prior_sums they are of the ids of PriorSums::by, and have entries of 0
-  // for pairs never seen; else they are of by_id.
-  //   In: row: as in PriorSums
+  // Returns the form factors of the run, by the rows of the result. With prior_sums, pairs that no line met have
+  // entries, too.
+  //   In: row: as in PriorSums::byPolygon
   FormFactors formFactors(const ExchangeRow& row = {}) const;
-  // Finds only the form factors by polygon of the prior's pairs, as they are among all; needs PriorSums.
+  // Returns the form factors by polygon of only those pairs of the prior that are not estimated by counts alone, before
+  // guesses are made to fit their rows. Needs prior_sums.
   FormFactors priorFormFactors() const;
+  // Returns the form factors between surfaces.
   FormFactors betweenSurfaces() const;
 };
 
-// Makes sums of no replicates.
+// Makes the sums of a run without replicates.
 RunSums makeRunSums(const Scene& scene, const Ids& ids);
 
-// Returns the first range of `b` that shares a replicate with `a`; an empty range where there is none.    In: both
-// sorted
+// Returns the replicates that a range of `b` shares with a range of `a`, for the first such range of `b`; an empty
+// range where there are none.    In: a, b: sorted
 ReplicateRange findShared(const std::vector<ReplicateRange>& a, const std::vector<ReplicateRange>& b);
 
 }  // namespace viewpeel

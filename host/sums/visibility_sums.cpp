@@ -16,9 +16,10 @@
 namespace viewpeel {
 namespace {
 
-// Returns (1.96 / t)^2 with Student's t of R - 1 degrees of freedom at 95 %. Intervals are t standard errors long, for
-// R replicates give their own spread only roughly. A variance from other sources needs no such length. R is 8 at least:
-// with fewer, standard errors would be far less than errors, and intervals longer than they need be.
+// Returns (1.96 / t)^2 of eq. (22), with Student's t of R - 1 degrees of freedom at 95 %. Intervals are t standard
+// errors long, because R replicates show their own spread only roughly. A variance that is known without replicates is
+// multiplied by this factor, so that intervals are 1.96 times its root. R is taken as 8 at least: with fewer, standard
+// errors would be far less than errors, and intervals longer than they need be.
 double besideReplicates(uint64_t replicates) {
   const double degrees = static_cast<double>(std::max<uint64_t>(replicates, 8) - 1), beyond = 0.025;
   const double ratio = quantile(complement(boost::math::normal(), beyond)) /
@@ -52,7 +53,7 @@ VisibilitySums::Squares VisibilitySums::squaresOf(const PairSum& pair) const {
 }
 
 void VisibilitySums::add(const PairCounts& counts) {
-  ++replicate_count_;  // first: what ends early is seen (RunSums::isWhole)
+  ++replicate_count_;  // comes first, so that RunSums::isWhole notices where an exception ends this call
   addPairs(pairs_, counts, [&](PairSum& sum, const PairCount& count) {
     requireCountsForVisibilities(count);
     sum.facing += count.count;
@@ -71,7 +72,8 @@ void VisibilitySums::add(const VisibilitySums& others) {
   });
 }
 
-// Entries makes the entries of some rows. Its pairs are in one order with the prior's pairs and with the pairs sampled.
+// Entries makes the entries of some rows. It goes through three lists in the order of (i, j) at the same time: the
+// pairs of the prior, the pairs with lines, and the sampled entries.
 class VisibilitySums::Entries {
   template <class Pairs>
   static auto firstOf(const Pairs& pairs, uint32_t i) {
@@ -92,14 +94,15 @@ class VisibilitySums::Entries {
         count_area_(count_area),
         beside_replicates_(besideReplicates(sums.replicate_count_)) {}
 
+  // Returns the entries and guesses of rows first_row to end_row - 1.
   Found of(uint32_t first_row, uint32_t end_row, const ExchangeRow& row) {
     prior_ = firstOf(prior_pairs_, first_row);
     counted_ = firstOf(sums_.pairs_, first_row);
     sampled_ = firstOf(sampled_entries_, first_row);
     std::vector<BoundedExchange> later;
     if (row)
-      found_.entries.reserve(size_t(end_row - first_row) *
-                             (sums_.ids_.count() - first_row));  // no memory before it is written to
+      // Reserved memory costs nothing before it is written to.
+      found_.entries.reserve(size_t(end_row - first_row) * (sums_.ids_.count() - first_row));
     for (uint32_t i = first_row; i < end_row; ++i) {
       if (row) {
         later.assign(sums_.ids_.count() - i - 1, {});
@@ -108,7 +111,7 @@ class VisibilitySums::Entries {
         row(i, later);
       }
       for (uint32_t j = i + 1, end = static_cast<uint32_t>(i + 1 + later.size()); j < end; ++j) {
-        // The next entry of the prior, of the lines or of the samples ends the run of guesses.
+        // All pairs before the next one of the three lists are guesses.
         for (const uint32_t next = std::min(nextAfter(i, j), end); j < next; ++j)
           if (const BoundedExchange& exchange = later[j - i - 1]; exchange.area > 0 || exchange.error > 0)
             guess(i, j, exchange.area, exchange.error);
@@ -116,7 +119,7 @@ class VisibilitySums::Entries {
         addBefore(i, j);
         const BoundedExchange& exchange = later[j - i - 1];
         if (isAt(prior_, prior_pairs_, i, j)) {
-          // Guesses come before the entry.
+          // The pair is in the prior: addBefore adds it.
           addBefore(i, j + 1);
           continue;
         }
@@ -136,15 +139,16 @@ class VisibilitySums::Entries {
     return at != pairs.end() && keyOf(*at) == std::pair(i, j);
   }
 
-  // Returns the sums of a pair, 0 where no line hit it.
+  // Returns the sums of a pair, which are 0 where no line met it.
   PairSum take(uint32_t i, uint32_t j) {
     while (counted_ != sums_.pairs_.end() && keyOf(*counted_) < std::pair(i, j)) ++counted_;
     return isAt(counted_, sums_.pairs_, i, j) ? *counted_ : PairSum{i, j};
   }
 
-  // All lines of the row that do not reach environment or leak count as blocked for it, also in replicates in which
-  // none reached it. With L lines of the row in a replicate V + O = L where V > 0, so
+  // Returns the sums of a pair with environment or leak, with O = L - V. L is the number of all lines of its row in a
+  // replicate. The sums of `pair` lack replicates with V = 0; in the others V + O = L. So over all replicates
   //   sum O^2 = sum (L - V)^2 = sum L^2 - 2 sum V (V + O) + sum V^2.
+  // Other pairs are returned as they are.
   std::pair<PairSum, Squares> withRow(PairSum pair) const {
     Squares squares = sums_.squaresOf(pair);
     if (pair.j < kEnvironment || rows_.empty()) return {pair, squares};
@@ -154,7 +158,7 @@ class VisibilitySums::Entries {
     return {pair, squares};
   }
 
-  // Returns the least j of row i, of at least `from`, of a pair of the prior, of the lines or of the samples.
+  // Returns the least j >= from such that (i, j) is in one of the three lists, or UINT32_MAX.
   uint32_t nextAfter(uint32_t i, uint32_t from) {
     while (counted_ != sums_.pairs_.end() && keyOf(*counted_) < std::pair(i, from)) ++counted_;
     uint32_t next = UINT32_MAX;
@@ -164,7 +168,8 @@ class VisibilitySums::Entries {
     return next;
   }
 
-  // Adds a pair that no line hit.
+  // Adds the guess of a pair that no line met.
+  //   In: area: its unoccluded exchange area; error: a bound on the error of `area`
   void guess(uint32_t i, uint32_t j, double area, double error) {
     const NeighbourVisibility::Value visibility = neighbours_->of(i, j);
     const double most = std::min({area, sums_.ids_.areas[i], sums_.ids_.areas[j]});
@@ -177,7 +182,7 @@ class VisibilitySums::Entries {
           sums_.replicate_count_ < 2 ? INFINITY : visibility.deviation() * most + visibility.mean * error}});
   }
 
-  // Adds pairs of the prior, and those sampled alone.
+  // Adds the pairs before (i, j) of the prior and of the sampled entries. A pair in both lists gets its sampled entry.
   void addBefore(uint32_t i, uint32_t j) {
     const std::pair key(i, j);
     for (;;) {
@@ -196,7 +201,8 @@ class VisibilitySums::Entries {
     }
   }
 
-  // Adds a pair by its lines, or guesses it where it has none.    In: error: of the exchange area
+  // Adds a pair from its lines, or as a guess where it has none.
+  //   In: error: a bound on the error of its unoccluded exchange area
   void add(const PairSum& lines_of_pair, const PairPrior& pair, double error) {
     const PriorExchange prior = exchangeOf(pair, pair.visibility, sums_.ids_.areas, lines_);
     const auto [sum, squares] = withRow(lines_of_pair);
@@ -205,7 +211,8 @@ class VisibilitySums::Entries {
     found_.entries.push_back({pair.i, pair.j, measure(sum, squares, prior, error)});
   }
 
-  // Adds a pair that lines hit, or without an exchange area or neighbours.    In: error: of prior.most
+  // Returns the exchange area of a pair with lines, or of one that cannot be guessed: with environment or leak, with an
+  // unknown unoccluded exchange area, or in a run without neighbours.    In: error: a bound on the error of prior.most
   Measured measure(const PairSum& pair, const Squares& squared, const PriorExchange& prior, double error) {
     const auto replicates = static_cast<double>(sums_.replicate_count_), facing = double(pair.facing),
                blocked = double(pair.blocked), lines = facing + blocked;
@@ -214,8 +221,8 @@ class VisibilitySums::Entries {
     Measured exchange{has_visibility ? b * prior.most : prior.area, INFINITY};
     if (sums_.replicate_count_ < 2) return exchange;
     const double area = std::min(sums_.ids_.areas[pair.i], pair.j < kEnvironment ? sums_.ids_.areas[pair.j] : INFINITY);
-    // The replicates' variance is in units of counts: of residuals (1 - b) V_r - b O_r, whose sum is 0. The variance of
-    // lines takes each as blocked by chance of its own.
+    // `variance` is that of the sum of the residuals (16) over replicates, in counts. `squares` is what it would be if
+    // each line were blocked independently.
     const double residuals = (1 - b) * (1 - b) * double(squared.facing) - 2 * b * (1 - b) * double(squared.product) +
                              b * b * double(squared.blocked);
     const double variance = std::max(0.0, residuals) * replicates / (replicates - 1),
@@ -240,19 +247,21 @@ class VisibilitySums::Entries {
     exchange.standard_error = errorOfSum(variance, squares, double(prior.line), area / count_area_) * count_exchange;
     exchange.standard_error = std::min(exchange.standard_error, std::max(exchange.value, prior.most - exchange.value));
     if (squares == 0) exchange = allowForUnmet(exchange, prior, replicates * count_area_ / measure_area_, area);
-    exchange.standard_error += b * error;  // a bound, whatever the lines show
+    exchange.standard_error += b * error;  // added, not in squares, because `error` is a bound
     return exchange;
   }
 
-  // Returns the visibility of a pair with few lines, joined by a visibility m of its neighbours: eq. (21).
+  // A pair with fewer lines than this number is drawn to the visibility m of its neighbours, eq. (21).
   static constexpr double kFewLines = 4;
   static double withNeighbours(double lines_of_pair, double b, double m) {
     return (lines_of_pair * b + NeighbourVisibility::kNeighbours * m) /
            (lines_of_pair + NeighbourVisibility::kNeighbours);
   }
 
-  // Returns the variance of the visibility b of lines, of which a direction adds up to most_counts: docs/method.md, eq.
-  // (22). Its factors were measured in five scenes (bench/programs/coverage.cpp, docs/accuracy.md).
+  // Returns the variance of a pair's visibility b: docs/method.md, eq. (22), whose factors were measured in five scenes
+  // (bench/programs/coverage.cpp, docs/accuracy.md).
+  //   In: of_replicates: variance of b from replicates; most_counts: the most counts that a direction adds; line:
+  //     counts that one line adds
   double varianceOfVisibility(const PairSum& pair, const Squares& squared, double b, double of_replicates,
                               double most_counts, double line) const {
     const double n = effectiveLines(pair, squared, line + 8 / 27.0 * most_counts),
@@ -282,13 +291,13 @@ VisibilitySums::Found VisibilitySums::find(const std::vector<PairPrior>& prior, 
                                            std::span<const ReplicateSums::Sum> rows,
                                            const std::vector<FormFactors::Entry>& sampled,
                                            const NeighbourVisibility* neighbours, const ExchangeRow& row) const {
-  // Some rows are made at a time: the first have the most pairs.
+  // The rows are divided into parts of about as many pairs each; the first rows have the most pairs.
   constexpr size_t kParts = 64;
   const size_t n = ids_.count(), part_count = std::min(n, kParts);
   std::vector<std::optional<Found>> parts(part_count);
   Found all;
-  all.entries.reserve((row ? size_t(pairCount(n)) : prior.size()) + sampled.size() +
-                      2 * n);  // no memory before it is written to
+  // Reserved memory costs nothing before it is written to.
+  all.entries.reserve((row ? size_t(pairCount(n)) : prior.size()) + sampled.size() + 2 * n);
   std::mutex mutex;
   size_t added = 0;
   const auto firstRow = [&](size_t part) {
@@ -300,8 +309,8 @@ VisibilitySums::Found VisibilitySums::find(const std::vector<PairPrior>& prior, 
         Entries(*this, prior, lines, measure_area, count_area, rows, sampled, neighbours).of(firstRow(part), end, row);
     const std::lock_guard lock(mutex);
     parts[part] = std::move(made);
-    for (; added < part_count && parts[added];
-         ++added) {  // in order, and gone: lists of all pairs are not to be there twice
+    // Parts are added in order and freed at once, so that the list of all pairs is never in memory twice.
+    for (; added < part_count && parts[added]; ++added) {
       for (Guess& guess : parts[added]->guesses) guess.entry += static_cast<uint32_t>(all.entries.size());
       all.guesses.insert(all.guesses.end(), parts[added]->guesses.begin(), parts[added]->guesses.end());
       all.entries.insert(all.entries.end(), parts[added]->entries.begin(), parts[added]->entries.end());
