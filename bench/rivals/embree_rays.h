@@ -1,5 +1,5 @@
-// Two rivals run on Embree, both on all cores: ray shooting, and the double area integral with one visibility ray a
-// sample.
+// Two rivals run on Embree, both on all cores. One shoots rays. The other samples the double area integral, with one
+// visibility ray for each sample.
 #pragma once
 #include <vector>
 

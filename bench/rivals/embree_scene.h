@@ -1,4 +1,5 @@
-// Keeps a scene as Embree 3 has it, and traces groups of rays through it in each of Embree's forms.
+// An EmbreeScene holds a scene for Embree 3, and traces groups of rays through it: one by one, in packets, or in
+// streams.
 #pragma once
 #include <cstdint>
 #include <span>

@@ -1,4 +1,5 @@
-// Runs the methods that error_time compares, viewpeel's and its rivals': each is ladders of runs of growing work.
+// makeLadders() makes the methods that error_time compares, viewpeel's and its rivals'. A ladder is a row of runs of
+// growing work.
 #pragma once
 #include <functional>
 #include <optional>

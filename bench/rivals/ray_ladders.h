@@ -1,4 +1,5 @@
-// Rivals that trace rays, where Embree is there: ray_ladders.cpp. Where it is not, without_embree.cpp adds none.
+// These functions make the rivals that trace rays. Where Embree is installed they are in ray_ladders.cpp, else
+// without_embree.cpp makes none.
 #pragma once
 #include <cstdint>
 #include <functional>

@@ -1,4 +1,4 @@
-// Errors are measured against a reference matrix.
+// The bench measures errors against a ReferenceMatrix.
 #pragma once
 #include <optional>
 #include <string>

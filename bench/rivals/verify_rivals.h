@@ -1,4 +1,4 @@
-// Rivals that are wrong would make a dishonest bench: each is held against closed forms first.
+// A wrong rival would make the bench dishonest. So each rival is compared with closed forms first.
 #pragma once
 #include "vulkan/device.h"
 

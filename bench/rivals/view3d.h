@@ -1,5 +1,5 @@
-// View3D is a rival (G. N. Walton, Calculation of obstructed view factors by adaptive integration, NISTIR 6925, 2002):
-// its input, its program, its output.
+// View3D is a rival (G. N. Walton, Calculation of obstructed view factors by adaptive integration, NISTIR 6925, 2002).
+// These functions write its input, run its program, and read its output.
 #pragma once
 #include <iosfwd>
 #include <string>

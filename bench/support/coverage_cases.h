@@ -1,4 +1,4 @@
-// Makes the scenes of the bench coverage, with the true form factors of their pairs.
+// makeCase() makes the scenes of the bench coverage, with the true form factors of their pairs.
 #pragma once
 #include <cstdint>
 #include <map>

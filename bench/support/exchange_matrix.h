@@ -1,4 +1,5 @@
-// An ExchangeMatrix has A_i F_ij of all pairs of polygons, and how far one such matrix is from another.
+// An ExchangeMatrix holds A_i F_ij of all pairs of polygons. errorOf() measures how far one such matrix is from
+// another.
 #pragma once
 #include <cmath>
 #include <cstdint>

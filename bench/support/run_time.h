@@ -1,4 +1,4 @@
-// Elapsed time and CPU time of a run.
+// timeOf() measures the elapsed time and the CPU time of a run.
 #pragma once
 #include <sys/resource.h>
 

@@ -1,5 +1,5 @@
-// Pairs that common directions hardly meet get directions of their own: unbiased, honest, quicker, and always the same
-// bits.
+// Pairs that common directions hardly hit get directions of their own. These tests show that their form factors are
+// unbiased, their errors honest, their bits always the same, and that they take less time.
 #include <cmath>
 #include <numbers>
 

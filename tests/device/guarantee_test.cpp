@@ -1,4 +1,5 @@
-// Guarantee mode: the bounds by hand, ranges that single directions keep to, and how often a guarantee fails.
+// These tests compare the bounds of guarantee mode with bounds computed by hand, check that no single direction exceeds
+// its range, and count how often a guarantee fails.
 #include <cmath>
 #include <numeric>
 

@@ -1,4 +1,4 @@
-// `viewpeel check`: right lattices pass, planted faults do not.
+// `viewpeel check` accepts correct lattices, and finds planted faults.
 #include "reference/exact/lattice_check.h"
 
 #include <map>

@@ -1,4 +1,5 @@
-// Plans: what pilots predict, and that nothing goes unseen.
+// These tests compare what a plan predicts with what the run finds, and check that a plan reports every id that it
+// hardly covers.
 #include <cmath>
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Polygons of very different sizes, each at the resolution it needs.
+// Polygons of very different sizes get the resolution that each needs, and every pair is counted once.
 #include <cmath>
 #include <set>
 

@@ -1,5 +1,5 @@
-// These tests look at sides, rows that add up to 1, chunks, and what cannot be reached or asked for.
-// unoccluded_test.cpp says where these tests run.
+// These tests look at sides, at rows that sum to 1, at chunks, and at pairs that the library refuses or cannot compute
+// accurately. unoccluded_test.cpp says on which devices they run.
 #include <algorithm>
 #include <cmath>
 

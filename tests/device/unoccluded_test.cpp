@@ -1,4 +1,4 @@
-// Exchange areas of pairs with nothing in between, against the reference's closed forms.
+// These tests compare exchange areas of pairs with nothing in between with the closed forms of reference/.
 #include <algorithm>
 #include <cmath>
 

@@ -1,4 +1,4 @@
-// CalculiX: decks read, and .vwf files that ccx 2.20 solves six walls with.
+// These tests read CalculiX decks, and let ccx 2.20 solve six walls with the .vwf files that we write.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <glm/glm.hpp>

@@ -1,4 +1,4 @@
-// EnergyPlus: zones read from IDF and epJSON, and the objects that its enclosures take.
+// These tests read zones from IDF and epJSON, and check the objects that we write for EnergyPlus.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <glm/glm.hpp>

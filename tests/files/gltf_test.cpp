@@ -1,4 +1,5 @@
-// glTF: scenes that assimp writes, and what the format says of transforms, strips and errors.
+// These tests read glTF scenes that assimp has written, and small scenes with transforms, strips and errors as the
+// format describes them.
 #include <cmath>
 
 #include <fmt/format.h>

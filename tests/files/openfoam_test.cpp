@@ -1,4 +1,5 @@
-// OpenFOAM: meshes of v1912 read in all its formats, and its solver run with our view factors on one rank and on two.
+// These tests read OpenFOAM v1912's meshes in all its formats, and run its solver with our view factors, on one rank
+// and on two.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <glm/glm.hpp>

@@ -1,4 +1,5 @@
-// Files of one matrix: Elmer's read by Fortran as Elmer reads them, SYRTHES's by SYRTHES itself, MOOSE's as its text.
+// A Fortran program reads our Elmer files as Elmer does, SYRTHES itself reads its file, and MOOSE's text is compared as
+// text.
 #include <array>
 #include <cmath>
 #include <cstring>

@@ -1,4 +1,5 @@
-// View3D's files: its input read, its output in all layouts as its readers and uDALES's take it, its program's place.
+// These tests read View3D's input, read its output in all layouts as View3D's readers and uDALES do, and run the
+// program in View3D's place.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <glm/glm.hpp>

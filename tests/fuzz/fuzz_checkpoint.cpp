@@ -1,4 +1,4 @@
-// A checkpoint whose columns are not what they should be, with a check sum that is right.
+// This target reads a checkpoint whose columns hold wrong values, though its check sum is right.
 #include <cstdio>
 #include <cstdlib>
 #include <sstream>

@@ -1,4 +1,5 @@
-// An OpenFOAM case: its four files in one input, with lines of %%%% between boundary, points, faces and finalAgglom.
+// This target reads an OpenFOAM case. The input holds its four files, boundary, points, faces and finalAgglom, with
+// lines of %%%% between them.
 #include <cstdlib>
 #include <fstream>
 #include <string_view>

@@ -1,4 +1,4 @@
-// A .h5 of a result whose columns are not what they should be, with a check sum that is right.
+// This target reads a .h5 of results whose columns hold wrong values, though its check sum is right.
 #include <cstdio>
 #include <cstdlib>
 #include <sstream>

@@ -1,4 +1,4 @@
-// Whole estimates against closed forms.
+// These tests compare whole estimates with closed forms.
 #include <gtest/gtest.h>
 
 #include "tests/support/compare.h"

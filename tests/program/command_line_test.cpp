@@ -1,4 +1,4 @@
-// One line says what is wrong with a command line, with the word that was meant.
+// A wrong command line is refused in one line, which suggests the word that the user may have meant.
 #include <fmt/format.h>
 
 #include "tests/support/program.h"

@@ -1,4 +1,4 @@
-// The program says on stderr what is odd in users' meshes, and rows keep their numbers.
+// The program reports faults in users' meshes on stderr, and rows keep their numbers.
 #include <algorithm>
 #include <cmath>
 #include <map>

@@ -1,4 +1,4 @@
-// Runs in parts, on one machine or several: `merge` makes of them the bytes of one run.
+// A run may be split into parts, on one machine or several. `merge` makes the bytes of one run of them.
 #include <fmt/format.h>
 
 #include "tests/support/running.h"

@@ -1,4 +1,5 @@
-// viewpeel solve as users type it: answers, their sources, and what is refused in one line.
+// These tests run `viewpeel solve` as users type it. They check its answers, where the form factors come from, and what
+// it refuses in one line.
 #include <algorithm>
 #include <map>
 #include <sstream>

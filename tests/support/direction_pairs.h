@@ -1,4 +1,4 @@
-// These pairs of polygons, and their scenes, are hard on drawn directions.
+// These pairs of polygons are hard cases for directions that are drawn for one pair.
 #pragma once
 #include <array>
 #include <cmath>

@@ -1,4 +1,4 @@
-// Enclosures with form factors in closed form, for tests of heat.
+// These enclosures have form factors in closed form. Tests of heat use them.
 #pragma once
 #include <cmath>
 #include <string>

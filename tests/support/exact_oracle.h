@@ -1,4 +1,4 @@
-// The oracle has slow, plain ways to the areas of pairs, which share nothing with the exact path but the facing rules.
+// The oracle computes the areas of pairs in slow, plain ways, which share only the facing rules with the exact path.
 #pragma once
 #include <cstdint>
 #include <map>

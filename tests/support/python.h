@@ -1,4 +1,4 @@
-// Debian's Python reads what the library wrote, with the lines that the documents show.
+// These functions let Debian's Python read files that the library wrote, with the lines that the documents show.
 #pragma once
 #include <sys/wait.h>
 

@@ -1,5 +1,6 @@
-// Where faces overlap in one plane and look the same way, one counts, the same one from both sides. The scene means
-// what it means with the hidden parts cut away. Engines with a device: Peel.AlikeFacesEqualTheCpuTwin.
+// Where faces overlap in one plane and look the same way, lines hit one of them, the same one from both sides. The
+// counts are those of the scene with the hidden parts cut away. Peel.AlikeFacesEqualTheCpuTwin tests the same for
+// engines on a device.
 #include <algorithm>
 #include <functional>
 #include <map>

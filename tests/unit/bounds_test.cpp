@@ -1,4 +1,4 @@
-// Ranges of one direction: never exceeded, and not much larger than they have to be.
+// No direction exceeds its range, and no range is much larger than it has to be.
 #include "estimator/bounds.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Makes scenes of faces: splitting, dropping, normalising, grouping.
+// These tests make scenes of faces: they split, drop, scale and group them.
 #include <cmath>
 #include <numbers>
 #include <random>

@@ -1,5 +1,5 @@
-// Guesses that fit their rows: rows gain what they miss, shares stay between 0 and 1, measured entries stay as they
-// are.
+// Guesses are adjusted so that their rows add up. Rows gain what they miss, visibilities stay between 0 and 1, and
+// measured entries do not change.
 #include "sums/calibrate_rows.h"
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// Chernoff's bounds against exact binomial tails.
+// These tests compare Chernoff's bounds with exact binomial tails.
 #include <cmath>
 
 #include <gtest/gtest.h>

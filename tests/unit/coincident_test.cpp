@@ -1,5 +1,5 @@
-// Coincident faces mean what the same scene with gaps means, in the exact path; that engines agree with it, to the bit
-// with the CPU twin, is tested in peel_test.cpp.
+// In the exact path a scene with coincident faces has the form factors of the same scene with gaps. peel_test.cpp shows
+// that the engines agree with the exact path, to the bit with the CPU twin.
 #include <algorithm>
 #include <cmath>
 #include <map>

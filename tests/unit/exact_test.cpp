@@ -1,4 +1,5 @@
-// The exact path against slabs of rational numbers, clipping and sampling, and its own exact closure.
+// These tests compare the exact path with slabs of rational numbers, with clipping, with sampling, and with its own
+// exact closure.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,5 +1,5 @@
-// Pairs that clusters decide at once against each pair by itself, in scenes as users draw them: thin walls, boxes that
-// stand on a floor, slivers, triangles of single precision.
+// The search decides many pairs at once, by clusters. These tests compare it with a decision for each single pair, in
+// scenes as users draw them: thin walls, boxes on a floor, slivers, triangles in single precision.
 #include <map>
 #include <set>
 

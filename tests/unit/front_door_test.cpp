@@ -1,4 +1,5 @@
-// The one call behind program and library: against closed forms, in steps, stopped, gone on with, refused.
+// These tests call computeFormFactors() and FormFactorRun, which stand behind program and library. They compare results
+// with closed forms, go step by step, stop, continue, and check what is refused.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>

@@ -1,4 +1,5 @@
-// Meshes are not always clean: faces are there twice, overlap, or have no area, and names collide.
+// These meshes have the faults that users' meshes have: faces that occur twice, overlap or have no area, and names that
+// collide.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>

@@ -1,4 +1,4 @@
-// Ranks by place, and the visibilities of neighbours.
+// These tests check the ranks of ids by place, and the visibilities that neighbours lend to a pair of few lines.
 #include "sums/neighbour_visibility.h"
 
 #include <algorithm>

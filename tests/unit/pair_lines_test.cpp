@@ -1,5 +1,5 @@
-// Pair lines: what is found to be between two polygons against exact areas, visibilities against integrals past one
-// blocker, and sums that do not depend on threads, vectors or order.
+// These tests compare the blockers found between two polygons with exact areas, and visibilities with integrals past
+// one blocker. Sums do not depend on threads, vector width or order.
 #include <cmath>
 #include <map>
 

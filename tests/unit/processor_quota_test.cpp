@@ -1,5 +1,5 @@
-// Control groups limit the time of processors, not their number: version 2 and version 1, the group itself and those
-// above it.
+// A control group limits the time of processors, not their number. These tests cover versions 1 and 2, and limits of
+// the group itself and of the groups above it.
 #include <cmath>
 #include <filesystem>
 #include <fstream>

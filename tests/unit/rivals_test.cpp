@@ -1,4 +1,4 @@
-// The rivals of the bench are made of points, weights of pixels, errors of matrices.
+// These tests check the parts of the bench's rivals: points, weights of pixels, and errors of matrices.
 #include <algorithm>
 
 #include <gtest/gtest.h>

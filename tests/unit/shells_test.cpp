@@ -1,4 +1,4 @@
-// Shells and flipped faces: what hangs together, and which way it is turned.
+// These tests check which faces belong to one shell, and which faces are turned the wrong way.
 #include <algorithm>
 #include <cmath>
 #include <numeric>

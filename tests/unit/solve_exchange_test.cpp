@@ -1,4 +1,5 @@
-// Exchange factors: against solveHeat on the same form factors, against closed forms, and cut short.
+// These tests compare exchange factors with solveHeat() on the same form factors and with closed forms, and check what
+// is left out below a limit.
 #include <random>
 #include <sstream>
 

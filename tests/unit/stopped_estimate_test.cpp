@@ -1,4 +1,4 @@
-// Estimates that are stopped and go on, with an engine that needs no device.
+// These tests stop estimates and continue them, with an engine that needs no device.
 #include <cmath>
 #include <numeric>
 #include <optional>

@@ -1,5 +1,5 @@
-// There are as many threads as processors allowed, and results do not depend on them. ThreadSanitizer watches (preset
-// tsan).
+// The library starts as many threads as it may use processors, and results do not depend on their number.
+// ThreadSanitizer watches these tests in the preset tsan.
 #include <sched.h>
 
 #include <cmath>

@@ -1,5 +1,5 @@
-// Uniform lines: how many candidates become lines against exchange areas, moments against quadrature, visibilities
-// against integrals past one blocker, and decisions that rounding must not make.
+// These tests compare the share of candidates that become lines with exchange areas, moments of lines with quadrature,
+// and visibilities with integrals past one blocker. They also check that rounding decides nothing.
 #include <cmath>
 #include <numbers>
 

@@ -1,4 +1,5 @@
-// The visibility of an unoccluded form factor: exact sums, small bias, honest errors.
+// These tests check the visibility that multiplies an unoccluded form factor: its sums are exact, its bias is small,
+// and its errors are honest.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,4 +1,4 @@
-// Files are written beside others, in folders that others may write to.
+// Files are written under another name in the same folder and then renamed. Others may be able to write to this folder.
 #include <filesystem>
 #include <fstream>
 #include <set>
