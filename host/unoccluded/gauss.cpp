@@ -29,7 +29,8 @@ std::vector<GaussPoint> gaussPoints(int n) {
 }
 
 double largestMonomialError(int n) {
-  // Both the mean and the rule's value fall with k. Beyond this k neither reaches the remainder of smaller ones.
+  // The mean of x^k and the rule's value both decrease with k. Beyond this power both are smaller than the largest
+  // error.
   constexpr int kLastPower = 400;
   const std::vector<GaussPoint> points = gaussPoints(n);
   double largest = 0;

@@ -19,26 +19,28 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr uint32_t kGradedRule = kLineRules - 1;
-constexpr uint32_t kMostPieces = 4;  // of an edge, between places where the inner integral is singular
-constexpr double kUnit = 2.2e-16;    // rounding of double
-constexpr double kLeast = 1e-290;    // stands for 0 where a logarithm or an angle is multiplied by it
+constexpr uint32_t kMostPieces = 4;  // pieces of an edge between places where the inner integral is singular
+constexpr double kUnit = 2.2e-16;    // relative rounding of double precision
+constexpr double kLeast = 1e-290;    // replaces 0 in arguments of logarithms and angles, whose factor is then 0 as well
 constexpr size_t kChunk = 256;       // pairs that a thread takes at once
 
 double leastOf(const std::array<double, 4>& v) { return std::min(std::min(v[0], v[1]), std::min(v[2], v[3])); }
 double greatestOf(const std::array<double, 4>& v) { return std::max(std::max(v[0], v[1]), std::max(v[2], v[3])); }
 
-// Returns the depths of a shape's corners over another's plane.
+// Returns the depths of the four corners of `shape` over the plane of `plane`.
+//   In: normal: the unit normal of the side that spans the plane
 std::array<double, 4> depthsOf(const ShapeData& shape, const ShapeData& plane, const dvec3& normal) {
   std::array<double, 4> depths;
   for (size_t k = 0; k < 4; ++k) depths[k] = dot(normal, shape.corners[k] - plane.corners[0]);
   return depths;
 }
 
-// Returns how far a depth over the plane of `plane` may be off by the rounding of its corners.
+// Returns how far a depth over the plane of a shape may be off, because the shape's corners are rounded.
+//   In: distance: from the shape's middle
 double depthRounding(const ShapeData& plane, double distance) { return kFrontRounding + plane.tilt * distance; }
 
-// Returns the largest |slope| / value at the middle of an edge of the square, of a bilinear function given at its
-// corners.
+// Returns the largest |slope| / value that a bilinear function on the square has at the middle of an edge, at most 1.
+//   In: at: its values at the corners, where the sum of two neighbours is not negative
 float slopeOf(const std::array<double, 4>& at) {
   float slope = 0;
   for (size_t k = 0; k < 4; ++k) {
@@ -49,11 +51,11 @@ float slopeOf(const std::array<double, 4>& at) {
   return slope;
 }
 
-// Coordinates holds the terms of the bound on the relative error over a polygon's two coordinates
-// (unoccluded/classify.comp).
+// Coordinates holds the terms of the bound (37) that a polygon's two coordinates share, as in
+// shaders/unoccluded/classify.comp.
 struct Coordinates {
-  float t, square, power;  // t, t^2, t^(2n - 2)
-  float slopes, product;   // s + j, s j
+  float t, square, power;  // t, t^2 and, for a rule of n points, t^(2n - 2)
+  float slopes, product;   // s + j and s j
   float factor;            // 2 (1 + t)^4 / (1 - s j / 3)
 };
 
@@ -75,11 +77,11 @@ float errorOf(const FarBound& rule, const Coordinates& c) {
   return rest < 0.5f ? c.factor * c.power * series * (1 + 2 * rest) : 1.0f;
 }
 
-// A Patch is of the square, as a polynomial: a position, and the weight of its points.
+// A Patch is a polygon as polynomials of the coordinates u and v of the square, see ShapeData.
 struct Patch {
-  Stretch along;
-  std::array<double, 4> depth;  // 1, u, v, uv: over the other's plane
-  std::array<double, 3> density;
+  Stretch along;                  // position
+  std::array<double, 4> depth;    // depth over the other polygon's plane: coefficients of 1, u, v and u v
+  std::array<double, 3> density;  // area per du dv: coefficients of 1, u and v
 };
 
 Patch patchOf(const ShapeData& shape, const std::array<double, 4>& d) {
@@ -89,7 +91,9 @@ Patch patchOf(const ShapeData& shape, const std::array<double, 4>& d) {
           {shape.density, shape.density_u, shape.density_v}};
 }
 
-// Returns the inner integral, over the edge q; magnitude: of its terms, which may cancel.
+// Returns the inner integral over the edge q, for one point of p.
+//   In: from: the point less the start of q; direction: of q, unit length
+//   Out: magnitude: raised to the sum of the sizes of its terms, which may cancel
 double innerIntegral(const dvec3& from, const dvec3& direction, double length_q, double& magnitude) {
   const double along = dot(from, direction), rest = length_q - along;
   const dvec3 across = cross(from, direction);
@@ -101,7 +105,8 @@ double innerIntegral(const dvec3& from, const dvec3& direction, double length_q,
   return first + last + turn;
 }
 
-// Returns where the inner integral over q is singular above p, in shares of p, in order (unoccluded_line.comp).
+// Returns the ends of the pieces of p, as fractions of p: 0, the places where the inner integral over q is singular or
+// nearly so, and 1. See cutsOf in shaders/unoccluded/line.comp.
 std::array<double, kMostPieces + 1> cutsOf(const dvec3& p_start, const dvec3& p_along, const dvec3& q_start,
                                            const dvec3& q_along) {
   const dvec3 from = q_start - p_start, across = cross(p_along, q_along);
@@ -128,17 +133,18 @@ void addWork(const UnoccludedWork& part, UnoccludedWork& sum) {
 
 }  // namespace
 
-// Sides are two sides, the lower number first, so that the order of a pair does not matter.
+// Sides are the two sides of a pair, the one with the lower number first, so that (i, j) and (j, i) have the same
+// result.
 struct HostUnoccluded::Sides {
   const ShapeData &a, &b;
-  dvec3 normal_a, normal_b;  // of the sides
-  uint32_t plane_a, plane_b, tie_rank_a, tie_rank_b;
-  bool is_flipped;  // exactly one of them is a back
-  double distance;  // of the mean corners
-  Depths depths_a, depths_b;
-  double rounding_a, rounding_b;
+  dvec3 normal_a, normal_b;                           // unit normals of the sides
+  uint32_t plane_a, plane_b, tie_rank_a, tie_rank_b;  // ShapeData::plane and tie_rank, of the sides
+  bool is_flipped;                                    // exactly one of the sides is a back
+  double distance;                                    // between the mean corners
+  Depths depths_a, depths_b;                          // of each polygon's corners over the other's plane
+  double rounding_a, rounding_b;                      // what rounding may change of these depths
 
-  // Returns whether sides lie in one plane and face to face, as touching solids do.
+  // Returns whether the sides lie in one plane, face to face, as the faces of touching solids do.
   bool areTouching() const { return (plane_a ^ plane_b) == 1 && tie_rank_a + tie_rank_b < kLastTieRank; }
 };
 
@@ -194,7 +200,8 @@ HostUnoccluded::Sides HostUnoccluded::sidesOf(const SidePair& pair) const {
   return sides;
 }
 
-// Returns the list of the kernels' that the pair would be in: its product rule, or kNearList; or `unseen`.
+// Returns how a pair is integrated: the number of its product rule, kNearList where it is integrated along its
+// contours, or `unseen`. The kernels would put it into the list of the same number.
 uint32_t HostUnoccluded::classify(const Sides& sides) const {
   const ShapeData &a = sides.a, &b = sides.b;
   bool is_seen = greatestOf(sides.depths_a) > sides.rounding_a && greatestOf(sides.depths_b) > sides.rounding_b;
@@ -212,7 +219,7 @@ uint32_t HostUnoccluded::classify(const Sides& sides) const {
   return kNearList;
 }
 
-// Integrates by a product Gauss rule: docs/method.md, eq. (35).
+// Returns the exchange area by a product Gauss rule: docs/method.md, eq. (35).
 double HostUnoccluded::integrateFar(const Sides& sides, uint32_t rule) const {
   struct Points {
     std::array<double, kMostFar * kMostFar> x, y, z, weight;
@@ -250,12 +257,13 @@ double HostUnoccluded::integrateFar(const Sides& sides, uint32_t rule) const {
   return sum / kPi;
 }
 
-// Returns int_p int_q ln r ds . dt, the outer integral, over the shorter edge, by a Gauss rule. Adds its error, bound
-// and rounding.
+// Returns int_p int_q ln r ds . dt, eq. (38). The outer integral, over the shorter edge, is by a Gauss rule.
+//   Out: error: raised by a bound on the error of the rule, and by rounding
 double HostUnoccluded::integrateLine(Edge p, Edge q, size_t round, double& error) const {
   const double together = dot(p.along, q.along);
   if (dot(p.along, p.along) > dot(q.along, q.along)) std::swap(p, q);
-  // The inner integral is analytic within this distance of p's middle, in halves of p (unoccluded_edges.comp).
+  // The inner integral is analytic up to this distance (`clear`) from the middle of p, in units of half the length of p
+  // (shaders/unoccluded/edges.comp).
   const double square_p = dot(p.along, p.along), square_q = dot(q.along, q.along);
   const dvec3 middle = p.start + 0.5 * p.along - q.start,
               off = middle - q.along * std::clamp(dot(middle, q.along) / square_q, 0.0, 1.0);
@@ -287,7 +295,9 @@ double HostUnoccluded::integrateLine(Edge p, Edge q, size_t round, double& error
   return factor * sum;
 }
 
-// Integrates along the contours of the parts that see each other:  A_i F_ij = 1 / (2 pi) oint_i oint_j ln r ds . dt.
+// Returns the exchange area by integrals along the contours of the two parts in front of each other's planes:
+//   A_i F_ij = 1 / (2 pi) oint_i oint_j ln r ds . dt.
+//   Out: error: a bound on the error; work: raised
 double HostUnoccluded::integrateNear(const Sides& sides, size_t round, double& error, UnoccludedWork& work) const {
   const dvec3 origin = meanCorner(sides.a);
   const auto frontEdges = [&](const ShapeData& shape, const Depths& depths, double rounding) {
@@ -307,7 +317,7 @@ double HostUnoccluded::integrateNear(const Sides& sides, size_t round, double& e
     edges[4] = {leaves, enters - leaves};
     return edges;
   };
-  constexpr Depths kWhole{1, 1, 1, 1};  // touching: the limit of a narrow gap, nothing behind
+  constexpr Depths kWhole{1, 1, 1, 1};  // of touching sides, as across a narrow gap: nothing is cut off
   const auto edges_a = frontEdges(sides.a, sides.areTouching() ? kWhole : sides.depths_a, sides.rounding_a);
   const auto edges_b = frontEdges(sides.b, sides.areTouching() ? kWhole : sides.depths_b, sides.rounding_b);
   double sum = 0;

@@ -10,22 +10,23 @@
 
 namespace viewpeel {
 
-// It takes each pair through the steps that the kernels shaders/unoccluded/*.comp take in passes, where each step has
-// its reason.
+// A HostUnoccluded takes each pair through the same steps that the kernels in shaders/unoccluded take in passes. The
+// comments there give the reasons of each step.
 class HostUnoccluded {
  public:
   // Prepares the shapes of all polygons and the rules.
-  //   In: thread_count: 0: one per core
+  //   In: scene: copied; thread_count: 0 for one a core
   explicit HostUnoccluded(const Scene& scene, size_t thread_count = 0);
 
-  // Computes as UnoccludedExchange::compute, of sides that the scene has.
+  // Does what UnoccludedExchange::compute does, but does not check that the scene has these sides.
   std::vector<UnreachedPair> compute(std::span<const SidePair> pairs, std::span<double> areas);
 
+  // Found is the exchange area of a pair, with an estimate of its error that is 0 for far pairs.
   struct Found {
-    double area = 0, error = 0;  // unit-ball units squared; error: estimated, 0 for far pairs
-    bool is_reached = true;
+    double area = 0, error = 0;  // unit-ball units squared
+    bool is_reached = true;      // whether the error is within kUnoccludedRelativeError or kUnoccludedAbsoluteError
   };
-  // Computes one pair; several threads may call it at once.    Out: work: added to
+  // Computes the exchange area of one pair. Several threads may call it at once.    Out: work: raised
   Found find(const SidePair& pair, UnoccludedWork& work) const;
 
   uint64_t sideCount() const { return 2 * shapes_.size(); }
@@ -39,7 +40,7 @@ class HostUnoccluded {
   };
   using Depths = std::array<double, 4>;
   static constexpr size_t kMostFar = unoccluded_data::kMostFarPoints;
-  static constexpr uint32_t unseen = unoccluded_data::kPairLists;  // beside the numbers of pair lists
+  static constexpr uint32_t unseen = unoccluded_data::kPairLists;  // what classify returns where nothing is exchanged
 
   Sides sidesOf(const SidePair& pair) const;
   uint32_t classify(const Sides& sides) const;

@@ -14,13 +14,15 @@
 namespace viewpeel {
 namespace {
 
-constexpr float kMostError = 0.05f;  // of a far pair, relative; nearer ones are computed in double precision
-constexpr float kRounding = 5e-7f;  // of a depth: coordinates up to 1 and a normal, three products, in single precision
-// The rule's mean of max(0, depth) over a polygon is off by at most this, in radii (see addPolygon).
+constexpr float kMostError = 0.05f;  // pairs with a larger relative error are computed in double precision
+// Rounding of a depth in unit-ball units: a normal times coordinates of up to 1, three products in single precision.
+constexpr float kRounding = 5e-7f;
+// The rule's mean of max(0, depth) over a polygon is off by at most this many radii of the polygon (see addPolygon).
 constexpr float kCutError = 0.1f;
 
-// A pair is integrated in one of these ways.
 constexpr size_t kLanes = RowExchange::kLanes;
+// A pair is integrated in one of these ways: not at all, by the product rule, by the product rule although a plane cuts
+// a polygon, or by HostUnoccluded.
 constexpr int32_t kUnseen = 0, kFar = 1, kCut = 2, kNear = 4;
 
 using Floats = RowExchange::Floats;
@@ -78,7 +80,7 @@ RowExchange::RowExchange(const Scene& scene, const Ids& ids)
       weights_[p].push_back(static_cast<float>(s.density + s.density_u * u + s.density_v * v));
     }
   }
-  // Vector instructions read beyond the last polygon.
+  // Arrays are padded, because vector instructions read beyond the last polygon.
   const size_t padded = id_.size() + kLanes;
   plane_.resize(padded);
   for (std::vector<float>* column : {&radius_, &reach_, &skew_, &area_}) column->resize(padded);
@@ -95,10 +97,12 @@ void RowExchange::compute(uint32_t i, std::span<BoundedExchange> later) const {
   for (uint32_t a = first_[i]; a < first_[i + 1]; ++a) addPolygon(a, first_[i + 1], later, i + 1);
 }
 
-// Adds the pairs of polygon a. The error of a cut pair is kCutError. The rule's mean of max(0, depth) along a line,
-// depth linear, is off by at most 0.045 of the depth's half range. The worst zero is at a point of the rule. Over the
-// square the error is no more than twice as much: over one coordinate at a time. kCutError allows for weights that are
-// not constant, too.
+// Adds the exchange areas of polygon a with all polygons from place `first` on.
+//
+// Where a plane cuts a polygon, its depth is max(0, depth). Along a line, where depth is linear, the rule's mean of it
+// is off by at most 0.045 of half the range of the depth; this happens where the zero is at a point of the rule. Over
+// the square, one coordinate after the other, the error is at most twice as much. kCutError is larger, because weights
+// need not be constant.
 void RowExchange::addPolygon(uint32_t a, uint32_t first, std::span<BoundedExchange> later, uint32_t first_id) const {
   for (size_t start = first; start < id_.size(); start += kLanes) {
     Floats errors;
@@ -126,17 +130,18 @@ void RowExchange::addPolygon(uint32_t a, uint32_t first, std::span<BoundedExchan
   }
 }
 
-// Chooses the rule of each pair. errors: relative, or of a cut pair the cut's own, unit-ball units squared.
+// Returns how polygon a is integrated with each of kLanes polygons from place `start` on (kUnseen, kFar, kCut, kNear).
+//   Out: errors: bounds on the relative errors; for kCut, bounds on the error from the cut, unit-ball units squared
 RowExchange::Flags RowExchange::classify(uint32_t a, size_t start, Floats& errors) const {
-  // Returns the relative error of the rule over a polygon's coordinates (unoccluded_classify.comp); a slope is at most
-  // the reach over the least depth.
+  // Returns the bound on the rule's relative error over a polygon's two coordinates, as errorOf in
+  // shaders/unoccluded/classify.comp. The slope of the depth is at most the reach over the least depth.
   const auto errorOf = [this](Floats reach, Floats other_radius, Floats skew, Floats distance, Floats depth) {
     const Floats t = reach / greater(distance - reach - other_radius, reach), square = t * t,
                  slope = reach / greater(depth - reach, reach), product = slope * skew;
     const Floats stretch = (1 + t) * (1 + t), rest = bound_.tail * square,
                  series = bound_.even * square + bound_.odd * (slope + skew) * t + bound_.skew * product;
-    const Floats error = 2 * stretch * stretch * (1 + product / 2) * square * series *
-                         (1 + 2 * rest);  // 1 / (1 - x / 3) <= 1 + x / 2 up to 1
+    // 1 / (1 - x / 3) is at most 1 + x / 2 for x <= 1.
+    const Floats error = 2 * stretch * stretch * (1 + product / 2) * square * series * (1 + 2 * rest);
     return rest < 0.5f ? error : lanesOf(1);
   };
   const Floats none{}, x = load(middle_[0], start) - middle_[0][a], y = load(middle_[1], start) - middle_[1][a],
@@ -171,7 +176,8 @@ RowExchange::Flags RowExchange::classify(uint32_t a, size_t start, Floats& error
   return is_behind ? Flags{} + kUnseen : way;
 }
 
-// Integrates areas of pairs, whatever their rule, unit-ball units squared.
+// Returns the exchange areas of polygon a with kLanes polygons from place `start` on by the product rule, in unit-ball
+// units squared.
 RowExchange::Floats RowExchange::integrate(uint32_t a, size_t start) const {
   const auto cosineOf = [this](Floats depth) { return greater(depth, two_sided_ ? -depth : Floats{}); };
   std::array<Floats, 4> over_b;

@@ -1,9 +1,9 @@
-// A RowExchange computes exchange areas of one face with all that follow it, nothing in between: many at once, in
-// single precision, each with a bound on its error.
+// A RowExchange computes the unoccluded exchange areas of one face with all later faces: many at once, in single
+// precision, each with a bound on its error.
 //
-// It serves pairs with few lines, whose error is their visibility's. Far pairs take the product rule of 2 points
-// a coordinate. Where a plane cuts the other polygon, points behind the plane count as 0. Near pairs are left to
-// HostUnoccluded.
+// It serves pairs with few lines, whose visibility has a larger error. Far pairs are integrated by the product rule of
+// 2 points a coordinate. Where one polygon's plane cuts the other polygon, points behind the plane count as 0. Near
+// pairs are left to HostUnoccluded.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -18,20 +18,21 @@ namespace viewpeel {
 
 class RowExchange {
  public:
-  // This many pairs are computed at once.
-  static constexpr size_t kLanes = 4;
+  static constexpr size_t kLanes = 4;  // pairs that are computed at once
   using Floats = float __attribute__((vector_size(4 * kLanes)));
-  using Flags = int32_t __attribute__((vector_size(4 * kLanes)));  // all bits or none
+  using Flags = int32_t __attribute__((vector_size(4 * kLanes)));  // comparisons set all bits of a number, or none
 
-  //   In: ids: by face. Neither is referred to afterwards.
+  //   In: scene: copied; ids: of its faces, copied
   RowExchange(const Scene& scene, const Ids& ids);
 
-  // May be called by several threads at once.
-  //   In: later: one for each of i + 1, i + 2, ...; 0 and 0, or an error below 0: it is not wanted
-  //   Out: later: exchange areas with id i, input units squared; 0 and 0 where the two cannot see each other
-  //   Error: at most that given: where it is more than 5 % of an exchange area, one polygon is cut by the other's
-  //   plane. tests/unit/row_exchange_test.cpp.
-  //   Cost: O(n).
+  // Computes the unoccluded exchange areas of id i with ids i + 1, i + 2, ... Several threads may call it at once.
+  //   In: later: BoundedExchange[ids - i - 1], each with area 0 and error 0, or with an error below 0 where it is not
+  //     wanted
+  //   Out: later: exchange areas and bounds on their errors, input units squared; 0 and 0 where the two cannot see each
+  //     other; unchanged where it is not wanted
+  //   Error: within the bounds; tests/unit/row_exchange_test.cpp. A bound exceeds 5 % of its exchange area only where
+  //     one polygon is cut by the other's plane.
+  //   Cost: O(n) for n ids.
   void compute(uint32_t i, std::span<BoundedExchange> later) const;
 
  private:
@@ -41,14 +42,14 @@ class RowExchange {
 
   HostUnoccluded near_;
   bool two_sided_;
-  double unit_;                       // input units squared of a unit-ball area
-  std::vector<uint32_t> polygon_;     // Scene::polygons, by id
-  std::vector<uint32_t> id_, plane_;  // of each polygon, as all that follows
-  std::vector<uint32_t> first_;       // of an id among them, and one more
-  // Coordinates are in single precision, one array after the other, for all polygons.
+  double unit_;                       // input units squared in one unit-ball unit squared
+  std::vector<uint32_t> polygon_;     // indices in Scene::polygons, sorted by id; all arrays below are in this order
+  std::vector<uint32_t> id_, plane_;  // id and ShapeData::plane of each polygon
+  std::vector<uint32_t> first_;       // the first place of each id's polygons, and at last the number of polygons
+  // Coordinates are in single precision, in an array for each axis, unit-ball units.
   std::array<std::vector<float>, 3> middle_, normal_;
-  std::array<std::array<std::vector<float>, 3>, 4> points_;  // of the product rule
-  std::array<std::vector<float>, 4> weights_;                // sum: the area
+  std::array<std::array<std::vector<float>, 3>, 4> points_;  // the four points of the product rule
+  std::array<std::vector<float>, 4> weights_;                // their weights, which add up to the polygon's area
   std::vector<float> radius_, reach_, skew_, area_;
   unoccluded_data::FarBound bound_;
 };

@@ -12,7 +12,8 @@ namespace {
 
 using unoccluded_data::ShapeData;
 
-// Returns the largest |slope| / value, at the middle of an edge of the square, of the density given at its corners.
+// Returns the largest |slope| / value that the density has at the middle of an edge of the square, at most 1.
+//   In: density: at the square's corners
 double skewOf(const std::array<double, 4>& density) {
   double skew = 0;
   for (size_t k = 0; k < 4; ++k) {
@@ -35,7 +36,7 @@ ShapeData makeShape(const Scene& scene, const Polygon& polygon) {
   shape.density = glm::dot(shape.normal, glm::cross(along_u, along_v));
   shape.density_u = glm::dot(shape.normal, glm::cross(along_u, along_uv));
   shape.density_v = glm::dot(shape.normal, glm::cross(along_uv, along_v));
-  // A density that rounding alone keeps from 0 at a collapsed edge is none.
+  // At a collapsed edge the density is 0, which rounding may hide.
   std::array<double, 4> density{};
   for (size_t k = 0; k < 4; ++k) {
     const double u = k == 1 || k == 2 ? 1 : -1, v = k >= 2 ? 1 : -1;
@@ -47,7 +48,7 @@ ShapeData makeShape(const Scene& scene, const Polygon& polygon) {
     shape.reach =
         std::max({shape.reach, glm::length(along_u + sign * along_uv), glm::length(along_v + sign * along_uv)});
   for (const glm::dvec3& corner : c) shape.radius = std::max(shape.radius, glm::length(corner - mean));
-  // Area / diameter is the least width to a factor of 2; each corner is rounded by at most 2^-53 a coordinate.
+  // Area / diameter is the least width, to a factor of 2. Each coordinate of a corner is rounded by at most 2^-53.
   shape.tilt = 4 * std::numeric_limits<double>::epsilon() * shape.radius / shape.area;
   shape.tie_rank = polygon.tie_rank;
   shape.plane = 2 * polygon.plane + (polygon.front_along_plane_normal ? 0 : 1);

@@ -1,4 +1,5 @@
-// Shapes are polygons of a scene in the form that the kernels of unoccluded form factors read.
+// A shape is a polygon of a scene in the form that the kernels of unoccluded form factors read, see ShapeData in
+// shaders/unoccluded/unoccluded.h.
 #pragma once
 #include <vector>
 
@@ -9,18 +10,19 @@
 
 namespace viewpeel {
 
-// Returns the scene's polygons as the kernels of unoccluded form factors read them, see ShapeData.
-//   In: a scene as buildScene makes it.     Out: a shape a polygon, in order.
-//   Error: rounding of double.
+// Returns the shapes of a scene's polygons.
+//   In: scene: as buildScene makes it     Out: ShapeData[polygons], in the order of Scene::polygons
+//   Error: rounding of double precision.
 //   Throws: nothing.     Cost: O(polygons).     Source: none.
 std::vector<unoccluded_data::ShapeData> makeShapes(const Scene& scene);
 
-// Returns the middle of the four corners, which is not the middle of the area.
+// Returns the mean of the four corners, which need not be the centroid.
 inline glm::dvec3 meanCorner(const unoccluded_data::ShapeData& shape) {
   return 0.25 * ((shape.corners[0] + shape.corners[1]) + (shape.corners[2] + shape.corners[3]));
 }
 
-// A shape is here an image of the square -1 <= u, v <= 1: mean corner + u along_u + v along_v + u v along_uv.
+// A Stretch has the coefficients of a shape as an image of the square -1 <= u, v <= 1: its points are
+// mean corner + u along_u + v along_v + u v along_uv.
 struct Stretch {
   glm::dvec3 along_u, along_v, along_uv;
 };

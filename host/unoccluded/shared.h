@@ -1,4 +1,5 @@
-// C++ gets from here the structs that the unoccluded form factors' shaders share, for C++.
+// This header includes shaders/unoccluded/unoccluded.h as C++: the structs and constants of unoccluded form factors
+// that host and shaders share.
 #pragma once
 #include <cstdint>
 

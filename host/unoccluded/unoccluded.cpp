@@ -1,10 +1,11 @@
-// A chunk of pairs takes these passes, in order:
-//   classify   finds the pairs that see each other, and the rule of each
-//   far        product Gauss rules, a dispatch for each number of points
-// and then, for some of the near pairs at a time:
-//   edges      the edges of the parts that see each other, and a rule for each pair of them
-//   line       the line integrals, a dispatch for each rule
-//   sum        adds them up; pairs whose bound on the error is too large go round again with more points
+// A chunk of pairs goes through these passes, in order:
+//   classify   finds the pairs that can see each other, and the rule of each
+//   far        integrates far pairs by product Gauss rules, in one dispatch for each number of points
+// Then the near pairs go through these passes, some of them at a time:
+//   edges      finds the edges of the two parts that see each other, and a rule for each pair of edges
+//   line       integrates over pairs of edges, in one dispatch for each rule
+//   sum        adds the integrals up
+// Near pairs whose bound on the error is too large go through the last three again, with more points.
 #include "unoccluded/unoccluded.h"
 
 #include <algorithm>
@@ -41,7 +42,7 @@ constexpr uint32_t groupsFor(uint64_t invocations) {
   return static_cast<uint32_t>((invocations + kUnoccludedGroupSize - 1) / kUnoccludedGroupSize);
 }
 
-// Writes values into a buffer that is read as texels.
+// Makes a device buffer of these values that shaders read as texels of 16 bytes.
 template <class T>
 void upload(Commands& commands, const Device& device, const std::vector<T>& values, Buffer& buffer) {
   buffer = Buffer(device, values.size() * sizeof(T), MemoryUse::device, VK_FORMAT_R32G32B32A32_UINT);
@@ -78,7 +79,7 @@ struct UnoccludedExchange::State {
   Buffer shapes, line_points;
   std::array<std::array<uint32_t, kLineRules>, kLineRounds.size()> first_points{};
   Buffer pairs_written, pairs, areas, areas_read, pair_lists, status, status_read, unreached, unreached_read;
-  std::array<Buffer, 2> again_lists;  // near pairs of the second round and of the third
+  std::array<Buffer, 2> again_lists;  // near pairs that go on to the second, and to the third round
   Buffer edge_parts, values, line_lists;
   UnoccludedWork work;
 };
@@ -154,7 +155,8 @@ void UnoccludedExchange::State::addSeconds(std::span<const char* const> passes) 
   }
 }
 
-// `count` near pairs of a round, from their place in its list: to their areas.
+// Records the passes edges, line and sum over some near pairs.
+//   In: round: 0, 1 or 2; near: device address of the first of these pairs in the round's list; count: number of pairs
 void UnoccludedExchange::State::recordRound(size_t round, VkDeviceAddress near, uint32_t count) {
   std::array<WorkList, kLineRules> none{};
   none.fill({0, 1, 1, 0});
