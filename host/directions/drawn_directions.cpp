@@ -14,8 +14,8 @@
 namespace viewpeel {
 namespace {
 
-// A ShiftedLattice has points of the unit square, each uniform in it: a lattice under one random shift, periodic in
-// `around`, folded (t and 1 - t alike) in `outwards`.
+// A ShiftedLattice is a lattice of points in the unit square under one random shift, so each point is uniform in the
+// square. It is periodic in the coordinate `around` and folded in `outwards`, where t and 1 - t give the same value.
 class ShiftedLattice {
  public:
   ShiftedLattice(uint32_t count, Random& random) : count_(count), shift_(random.uniform()), turn_(random.uniform()) {}
@@ -39,8 +39,8 @@ DirectionRegion DirectionRegion::hemisphere(const glm::dvec3& pole) {
   return region;
 }
 
-// Clips the cone of the region: Sutherland & Hodgman, Reentrant polygon clipping, 1974. Corners outside by no more than
-// rounding stay.
+// Source: I. E. Sutherland & G. W. Hodgman, Reentrant polygon clipping, CACM 17(1), 1974. Corners outside by no more
+// than rounding are kept.
 void DirectionRegion::clip(const glm::dvec3& inner_normal) {
   std::vector<Arc> kept;
   for (size_t k = 0; k < arcs_.size(); ++k) {
@@ -53,7 +53,7 @@ void DirectionRegion::clip(const glm::dvec3& inner_normal) {
                  to_a = std::max(0.0, b_inside ? height_b : -height_b);
     kept.push_back({glm::normalize(a * to_a + b * to_b), a_inside ? inner_normal : arcs_[k].inner_normal});
   }
-  // The new arc may be half a circle long: cut it a quarter from its start.
+  // The new arc may be half a circle long. It is then cut in two, a quarter of a circle from its start.
   for (size_t k = 0; k < kept.size(); ++k) {
     const glm::dvec3 &a = kept[k].from, &b = kept[(k + 1) % kept.size()].from;
     if (glm::dot(a, b) < 0 && kept[k].inner_normal == inner_normal) {
@@ -68,14 +68,15 @@ void DirectionRegion::close() {
   if (arcs_.empty()) return;
   centre_ = glm::dvec3(0);
   for (const Arc& arc : arcs_) centre_ += arc.from;
-  // Only the vertices of a half sphere have no mean direction.
+  // The sum of the corners is 0 only for a half sphere, whose centre is the normal of any arc.
   centre_ = glm::length(centre_) > 1e-6 ? glm::normalize(centre_) : arcs_[0].inner_normal;
   double solid_angle = 0;
   for (size_t k = 0; k < arcs_.size(); ++k) {
     Arc& arc = arcs_[k];
     const glm::dvec3 across = glm::cross(arc.inner_normal, centre_);
     const double sine = std::max(0.0, glm::dot(arc.inner_normal, centre_)), cosine = glm::length(across);
-    // At the circle's pole any point is nearest. Elsewhere the first product's rounding is taken out again.
+    // Where the centre is the circle's pole, all points of the circle are equally near, and any will do. The second
+    // line removes the part along the normal that rounding has left.
     arc.along = glm::normalize(cosine > 1e-14 ? across : glm::cross(arc.inner_normal, arc.from));
     arc.along = glm::normalize(arc.along - arc.inner_normal * glm::dot(arc.inner_normal, arc.along));
     arc.foot = glm::cross(arc.along, arc.inner_normal);
@@ -89,7 +90,7 @@ void DirectionRegion::close() {
     const double first_rad = distanceTo(arc.from), last_rad = distanceTo(arcs_[(k + 1) % arcs_.size()].from);
     arc.first_area = areaTo(first_rad);
     double area = areaTo(last_rad) - arc.first_area;
-    if (first_rad > kPi / 4 && last_rad < -kPi / 4) area += 2 * kPi;  // past the point opposite the foot
+    if (first_rad > kPi / 4 && last_rad < -kPi / 4) area += 2 * kPi;  // the arc runs past the point opposite the foot
     solid_angle += std::max(0.0, area);
     arc.solid_angle_to_here = solid_angle;
   }
@@ -108,10 +109,10 @@ glm::dvec3 DirectionRegion::map(double around, double outwards) const {
   if (arc == arcs_.end()) --arc;
   const double before = arc == arcs_.begin() ? 0 : std::prev(arc)->solid_angle_to_here;
   const double area = arc->first_area + (target - before);
-  const double half =
-      std::atan2(std::sin(area / 2), arc->half_tangent * std::cos(area / 2));  // of the way from the foot
+  // Half the angle from the foot to the point on the boundary.
+  const double half = std::atan2(std::sin(area / 2), arc->half_tangent * std::cos(area / 2));
   const glm::dvec3 edge = std::cos(2 * half) * arc->foot + std::sin(2 * half) * arc->along;
-  // 1 - cos of the distance from the centre, half its chord squared, is uniform.
+  // Along the arc from the centre to the boundary, 1 - cos(distance) is uniform. It is half the square of the chord.
   const glm::dvec3 out = edge - centre_, tangent = out - centre_ * glm::dot(centre_, out);
   if (!(glm::length(tangent) > 0)) return centre_;
   const double chord_squared = outwards * glm::dot(out, out);
@@ -143,7 +144,7 @@ DrawnDirections sampleEmitter(const Scene& scene, std::span<const uint32_t> emit
   requested.weights.reserve(count);
   constexpr double e = kUniformShare;
   for (uint32_t k = 0; k < count; ++k) {
-    // (1 - e) cos^2 + e cos is uniform.
+    // The density (11) is drawn by inversion: (1 - e) cos^2 + e cos is uniform in [0, 1].
     const double share = lattice.outwards(k), cosine = 2 * share / (e + std::sqrt(e * e + 4 * (1 - e) * share));
     const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine)), azimuth_rad = 2 * kPi * lattice.around(k);
     const glm::dvec3 across = std::cos(azimuth_rad) * frame.x + std::sin(azimuth_rad) * frame.y;

@@ -1,5 +1,5 @@
-// The region of a pair holds the directions along which a line can leave a front of one polygon and arrive at the
-// other's.
+// findPairRegion finds the directions along which a line can leave a front of one polygon and arrive at a front of
+// another.
 #include <algorithm>
 #include <cmath>
 
@@ -12,15 +12,17 @@
 namespace viewpeel {
 namespace {
 
-constexpr double kOpenCone = 0.02;  // cosine from the axis below which a cone of directions counts as a half sphere
-constexpr size_t kMostDifferences = 1u << 20;
+// A cone of directions counts as a half sphere if the cosine between its axis and any of them is at most this number.
+constexpr double kOpenCone = 0.02;
+constexpr size_t kMostDifferences = 1u << 20;  // surfaces with more pairs of corners are replaced by bounding boxes
 
 using Corners = std::vector<glm::dvec3>;
 
+// A Plate is a polygon about an origin near it, or a part of the polygon.
 struct Plate {
   Corners corners;
-  Corners given;  // before clipping
-  glm::dvec3 front{0};
+  Corners given;        // the polygon's corners before clipping
+  glm::dvec3 front{0};  // unit normal of the front
 };
 
 Plate plateOf(const Scene& scene, uint32_t polygon_index, const glm::dvec3& origin) {
@@ -39,7 +41,7 @@ double extentOf(const Plate& plate) {
   return extent;
 }
 
-// Returns how far the corners are off the plane of the first.
+// Returns how far the corners are off the plane through the first corner.
 double roughnessOf(const Plate& plate) {
   double roughness = 0;
   for (const glm::dvec3& corner : plate.corners)
@@ -47,8 +49,8 @@ double roughnessOf(const Plate& plate) {
   return roughness;
 }
 
-// Returns the part of `corners` in front of the plate's plane; corners within `slack` of it stay as they are. Empty
-// where none is further in front.
+// Returns the corners of the part of a polygon in front of the plate's plane. Corners within `slack` of the plane are
+// kept. It returns none where no corner is farther in front than `slack`.
 Corners clipToFront(const Corners& corners, const Plate& plate, double slack) {
   const auto heightOf = [&](const glm::dvec3& corner) { return glm::dot(plate.front, corner - plate.corners[0]); };
   Corners kept;
@@ -65,8 +67,8 @@ Corners clipToFront(const Corners& corners, const Plate& plate, double slack) {
   return kept;
 }
 
-// Returns whether polygons of one plane overlap by more than `slack`: no edge of one has all of the other outside
-// (separating axes).
+// Returns whether two polygons of one plane overlap by more than `slack`. They do unless, for some edge of one, all of
+// the other lies outside (separating axes).
 bool overlapInPlane(const Plate& a, const Plate& b, double slack) {
   for (const auto& [one, other] : {std::pair(&a, &b), std::pair(&b, &a)})
     for (size_t k = 0; k < one->corners.size(); ++k) {
@@ -80,12 +82,11 @@ bool overlapInPlane(const Plate& a, const Plate& b, double slack) {
   return true;
 }
 
-// A SeenPair is the part of two convex polygons that enters a region: the corners that fronts of the other see, and a
-// bound on their movement by rounding.
+// A SeenPair holds the parts of two convex polygons that the front of the other can see.
 struct SeenPair {
   Plate a, b;
-  double slack = 0;
-  bool in_contact = false;  // one plane, facing, overlapping
+  double slack = 0;         // rounding may have moved corners by this much
+  bool in_contact = false;  // whether the polygons lie in one plane, face each other and overlap
   bool isEmpty() const { return a.corners.empty() || b.corners.empty(); }
 };
 
@@ -115,9 +116,9 @@ SeenPair clipPair(const Scene& scene, uint32_t a_index, uint32_t b_index, bool t
   return seen;
 }
 
-// Appends normals of planes that separate the two plates, one for every edge of `near`. The plane is turned about the
-// edge from near's own plane, away from near, until it touches `far`. So near lies on one side of it and far on the
-// other, and the normal points towards far. An edge whose plane rounding makes doubtful is left out.
+// Appends normals of planes that separate the two plates, one for every edge of `near`. The plane of `near` is turned
+// about the edge, away from `near`, until it touches `far`. Then `near` lies on one side of it and `far` on the other,
+// to which the normal points. Edges for which rounding makes this doubtful are left out.
 void appendSeparatingNormals(const Plate& near, const Plate& far, double slack, std::vector<glm::dvec3>& normals) {
   for (size_t k = 0; k < near.corners.size(); ++k) {
     const glm::dvec3 start = near.corners[k], edge = near.corners[(k + 1) % near.corners.size()] - start;
@@ -141,13 +142,14 @@ void appendSeparatingNormals(const Plate& near, const Plate& far, double slack, 
   }
 }
 
+// A Difference is the direction from a corner of one plate to a corner of the other.
 struct Difference {
   glm::dvec3 d;  // unit length
   double error_rad = 0;
 };
 
-// Returns whether a corner made by clipping is too close to another one for the direction between them to mean
-// anything.
+// Appends the differences of all corners of `b` and `a`. Returns whether a corner made by clipping is so near to a
+// corner of the other plate that rounding leaves the direction between them open.
 bool appendDifferences(const Plate& a, const Plate& b, double slack, std::vector<Difference>& differences) {
   const auto errorOf = [slack](const Plate& plate, const glm::dvec3& corner) {
     return std::ranges::find(plate.given, corner) == plate.given.end() ? slack : 0;
@@ -162,8 +164,8 @@ bool appendDifferences(const Plate& a, const Plate& b, double slack, std::vector
   return in_doubt;
 }
 
-// Returns the axis of a narrow cone around all differences: steps towards the furthest (M. Badoiu & K. L. Clarkson,
-// Smaller core-sets for balls, 2003).
+// Returns the axis of a narrow cone around all differences, found by steps towards the farthest of them (M. Badoiu & K.
+// L. Clarkson, Smaller core-sets for balls, 2003).
 glm::dvec3 axisOf(const std::vector<Difference>& differences) {
   glm::dvec3 axis = differences[0].d;
   for (int step = 0; step < 256; ++step) {
@@ -188,7 +190,7 @@ DirectionRegion regionOfConvexPair(const SeenPair& seen) {
   return region;
 }
 
-// Returns the convex hull, counter-clockwise, without its last point (A. M. Andrew's monotone chains, 1979).
+// Returns the corners of the convex hull, counter-clockwise, each once (A. M. Andrew's monotone chains, 1979).
 std::vector<glm::dvec2> hullOf(std::vector<glm::dvec2> points) {
   std::ranges::sort(points,
                     [](const glm::dvec2& a, const glm::dvec2& b) { return a.x < b.x || (a.x == b.x && a.y < b.y); });
@@ -209,8 +211,9 @@ std::vector<glm::dvec2> hullOf(std::vector<glm::dvec2> points) {
   return hull;
 }
 
-// Returns the convex hull of directions that fit in a half sphere about the axis, through its central projection on the
-// plane dot(axis, x) = 1. A direction enters as the corners of a square around it, of its error and a margin.
+// Returns the convex hull of directions that fit in a half sphere about the axis. It is found in their central
+// projection on the plane dot(axis, x) = 1. Each direction is replaced by the corners of a square around it, as wide as
+// its error and a margin.
 DirectionRegion hullRegion(const std::vector<Difference>& differences, const glm::dvec3& axis) {
   const Frame frame = frameAbout(axis);
   std::vector<glm::dvec2> points;
@@ -232,7 +235,7 @@ DirectionRegion hullRegion(const std::vector<Difference>& differences, const glm
   return region;
 }
 
-// Returns the corners of the bounding box.
+// Returns the eight corners of the bounding box of polygons.
 Plate boxAround(const Scene& scene, std::span<const uint32_t> polygons) {
   glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
   for (uint32_t polygon : polygons)
@@ -267,7 +270,7 @@ DirectionRegion findPairRegion(const Scene& scene, std::span<const uint32_t> a, 
                                bool two_sided) {
   if (a.empty() || b.empty()) return {};
   std::vector<Difference> differences;
-  bool is_open = false;  // the differences do not decide about the cone
+  bool is_open = false;  // whether the differences leave it open how wide the cone is
   if (cornerCount(scene, a) * cornerCount(scene, b) > kMostDifferences) {
     const Plate box_a = boxAround(scene, a), box_b = boxAround(scene, b);
     is_open = appendDifferences(box_a, box_b, 0, differences) || differences.empty();

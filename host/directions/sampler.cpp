@@ -28,12 +28,13 @@ glm::dvec3 fromHeightAndAzimuth(double z, double azimuth_rad) {
   return {r * std::cos(azimuth_rad), r * std::sin(azimuth_rad), z};
 }
 
-// Cells of equal area: zones about as high as their cells are wide, each cut at equal azimuths.
+// Appends one direction in each of `count` cells of equal area. The sphere is cut into zones about as high as their
+// cells are wide, and each zone at equal azimuths into cells.
 void addJittered(uint32_t count, const glm::dmat3& rotation, Random& random, std::vector<Direction>& directions) {
   const double side_rad = std::sqrt(4 * std::numbers::pi / count);
   const auto zones = std::max<uint32_t>(1, static_cast<uint32_t>(std::lround(std::numbers::pi / side_rad)));
   for (uint32_t zone = 0, done = 0; zone < zones; ++zone) {
-    // A zone ends at the number of cells that is nearest to its share of the sphere.
+    // The zones up to this one have the whole number of cells that is nearest to their share of the sphere.
     const double share = (1 - std::cos(std::numbers::pi * (zone + 1) / zones)) / 2;
     const auto end =
         zone + 1 == zones ? count : std::max<uint32_t>(done, static_cast<uint32_t>(std::lround(share * count)));
@@ -47,14 +48,15 @@ void addJittered(uint32_t count, const glm::dmat3& rotation, Random& random, std
   }
 }
 
-// Returns a bit that depends on all of the key.
+// Returns a bit that depends on all bits of the key.
 uint32_t randomBit(uint64_t key) {
   key = (key ^ key >> 31) * 0x7FB5D329728EA185ull;
   key = (key ^ key >> 27) * 0x81DADEF4BC2DD44Dull;
   return static_cast<uint32_t>(key >> 63);
 }
 
-// Scrambles as Owen does: every bit is flipped at random, by a coin of its own for each value of the bits before it.
+// Returns a number in [0, 1) from 32 binary digits that are scrambled as Owen does. Each digit is flipped or not by a
+// random bit that depends on the digits before it.
 double scramble(uint32_t bits, uint64_t seed) {
   uint32_t scrambled = 0;
   for (uint32_t level = 0; level < 32; ++level) {
@@ -72,7 +74,8 @@ uint32_t reverseBits(uint32_t x) {
   return reversed;
 }
 
-// Returns the second dimension of Sobol's sequence: direction numbers of the polynomial x + 1.
+// Returns the second coordinate of a point of Sobol's sequence, times 2^32. Its direction numbers are those of the
+// polynomial x + 1.
 uint32_t sobolSecond(uint32_t index) {
   uint32_t x = 0;
   for (uint32_t direction = 1u << 31; index; index >>= 1, direction ^= direction >> 1)

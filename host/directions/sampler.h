@@ -1,4 +1,4 @@
-// Sets of random directions, every one of them uniform on the sphere by itself.
+// sampleDirections draws sets of random directions, each of which is uniform on the sphere by itself.
 #pragma once
 #include <vector>
 
@@ -9,13 +9,14 @@ namespace viewpeel {
 
 // Draws the directions of one replicate, each with a lattice offset uniform in [0, 1)^2 and a lattice rotation uniform
 // about u.
-//   In: count > 0; seed, replicate: any    Out: count directions, a function of the arguments only
-//   Error: axes orthonormal to 1e-15; uniformity tested in tests/unit/directions_test.cpp.
+//   In: count: number of directions, above 0; seed, replicate: any
+//   Out: count directions. The same arguments give the same bits.
+//   Error: axes are orthonormal to 1e-15; tests/unit/directions_test.cpp tests uniformity.
 //   Cost: O(count).
 std::vector<Direction> sampleDirections(Sampler sampler, uint32_t count, uint64_t seed, uint64_t replicate);
 
-// Draws independent random lattices, offset and rotation, along one direction.
-//   In: u of unit length    Out: count directions that differ in axes and offset only
+// Draws lattices of independent random offset and rotation along one direction.
+//   In: u: of unit length; count: number of lattices    Out: count directions that differ only in axes and offset
 std::vector<Direction> sampleLattices(const glm::dvec3& u, uint32_t count, uint64_t seed);
 
 }  // namespace viewpeel
