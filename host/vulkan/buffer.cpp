@@ -35,7 +35,7 @@ VkDeviceSize texelBytes(VkFormat format) {
 
 }  // namespace
 
-// The delegated constructor runs first, so an error later destroys all that was made.
+// The delegated constructor has finished before this body runs, so the destructor is called if the body throws.
 Buffer::Buffer(const Device& device, VkDeviceSize size_bytes, MemoryUse use, VkFormat texels) : Buffer() {
   device_ = device.handle();
   size_bytes_ = std::max<VkDeviceSize>(size_bytes, 16);

@@ -7,15 +7,16 @@
 
 namespace viewpeel {
 
-// A buffer lives on the device only, or is mapped for the host to write (upload) or to read (readback).
+// The memory of a buffer is the device's own, or is mapped for the host to write (upload) or to read (readback).
 enum class MemoryUse { device, upload, readback };
 
-// A buffer with memory of its own, reached by device address and, where it has a texel format, read as texels. Not for
-// many small buffers.
+// A Buffer is reached by its device address and, where it has a texel format, read as texels. Each has a memory
+// allocation of its own, so it does not suit many small buffers.
 class Buffer {
  public:
   Buffer() = default;
-  // Throws: Error memory where it cannot be had, or has more texels than the device reads, naming the size.
+  // Makes a buffer of at least size_bytes.    In: texels: format of its texels, if shaders read it as texels
+  //   Throws: Error memory, which names the size, where the device has no room or allows fewer texels.
   Buffer(const Device& device, VkDeviceSize size_bytes, MemoryUse use, VkFormat texels = VK_FORMAT_UNDEFINED);
   ~Buffer();
   Buffer(Buffer&& other) noexcept;

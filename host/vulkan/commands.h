@@ -1,4 +1,4 @@
-// A command buffer with one barrier, typed push constants, and a fence to wait for.
+// Commands wraps a Vulkan command buffer, with typed push constants and a fence to wait for.
 #pragma once
 #include <span>
 
@@ -8,7 +8,7 @@
 
 namespace viewpeel {
 
-// Commands is a command buffer that is recorded, submitted and waited for, again and again.
+// A Commands is a command buffer that is recorded, submitted and waited for, again and again.
 class Commands {
  public:
   explicit Commands(const Device& device);
@@ -17,8 +17,10 @@ class Commands {
   Commands& operator=(Commands&& other) noexcept;
 
   VkCommandBuffer handle() const { return commands_; }
+  // Begins to record; the commands recorded before are dropped.
   void begin();
-  // Everything before is finished and visible to everything after.
+  // Records a barrier: all commands before it are finished, and what they wrote is visible, before any command after
+  // it.
   void barrier();
   void bind(const Kernel& kernel, VkPipelineBindPoint point);
   template <class Args>
@@ -41,7 +43,7 @@ class Commands {
   }
   void copy(const Buffer& from, const Buffer& to, VkDeviceSize size_bytes, VkDeviceSize from_offset = 0,
             VkDeviceSize to_offset = 0);
-  // Prepares an image for its first use; its contents are lost.
+  // Records the transition of an image to the layout GENERAL, before its first use. Its contents are lost.
   void prepare(const Image& image);
   void fill(const Buffer& buffer, uint32_t word, VkDeviceSize size_bytes = VK_WHOLE_SIZE);
   // Throws: Error device where the device is lost.

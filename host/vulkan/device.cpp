@@ -18,13 +18,14 @@ namespace {
 
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
 
-// Features lists the needed features once: the same table checks a device and enables them.
+// Features has the structs in which Vulkan reports and enables the features of a device. kNeededFeatures names those
+// that a device must have; the same table checks a device and enables them.
 struct Features {
   VkPhysicalDeviceVulkan13Features v13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES, nullptr};
   VkPhysicalDeviceVulkan12Features v12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, &v13};
   VkPhysicalDeviceFeatures2 v10{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &v12};
   Features() = default;
-  Features(const Features&) = delete;  // the chain points into itself
+  Features(const Features&) = delete;  // its structs point to each other
 };
 
 constexpr const char* kNeededExtension = VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME;
@@ -126,7 +127,7 @@ std::string versionName(uint32_t version) {
                      VK_API_VERSION_PATCH(version));
 }
 
-// Returns the index of a queue family that does everything, or -1.
+// Returns the index of a queue family for both graphics and compute, or -1.
 int findQueueFamily(VkPhysicalDevice device) {
   uint32_t count = 0;
   vkGetPhysicalDeviceQueueFamilyProperties(device, &count, nullptr);

@@ -1,4 +1,5 @@
-// A Vulkan device, chosen by the user or by rank, with one queue for compute, graphics and transfers.
+// A Device is a Vulkan device with one queue for compute, graphics and transfers. The user chooses it, or its kind
+// does: a discrete GPU before an integrated one, a CPU last.
 #pragma once
 #include <memory>
 #include <string>
@@ -12,7 +13,7 @@ namespace viewpeel {
 
 class Device {
  public:
-  // Throws: Error device, naming every device and why it was refused.
+  // Throws: Error device where no device will do; it names every device and why it was refused.
   explicit Device(const DeviceOptions& options = {});
   ~Device();
   Device(Device&&) noexcept;
@@ -26,9 +27,10 @@ class Device {
   const VkPhysicalDeviceProperties& properties() const { return properties_; }
   // Returns the size of the largest single buffer or image allocation.
   VkDeviceSize maxAllocationBytes() const { return max_allocation_bytes_; }
-  // Returns the memory of the device, or of the machine where the device is its CPU.
+  // Returns the size of the device's memory, or of the machine's memory where the device is a CPU.
   uint64_t memoryBytes() const;
-  // Returns the index of a memory type among `allowed` that has all of `flags`.
+  // Returns the index of a memory type that has all of `flags`.
+  //   In: allowed: bit k is set where type k may be taken    Throws: Error device where there is none.
   uint32_t memoryType(uint32_t allowed, VkMemoryPropertyFlags flags) const;
 
   // Returns the validation layer's errors since the device was made: none when validation is off.
@@ -48,7 +50,8 @@ class Device {
   std::unique_ptr<std::vector<std::string>> validation_errors_;
 };
 
-// Throws Error device naming the call where result is an error.
+// Checks the result of a Vulkan call.
+//   Throws: Error memory where the device is out of memory, Error device for other errors; both name the call.
 void check(VkResult result, const char* call);
 
 }  // namespace viewpeel

@@ -1,10 +1,10 @@
-// An Image is a Vulkan image that owns its memory, for the graphics engine.
+// The graphics engine draws into an Image, a Vulkan image that owns its memory.
 #pragma once
 #include "vulkan/device.h"
 
 namespace viewpeel {
 
-// An Image is two-dimensional, used as an attachment and copied from, and stays in the layout GENERAL.
+// An Image has two dimensions. It is drawn into as an attachment and copied from, always in the layout GENERAL.
 class Image {
  public:
   Image() = default;

@@ -7,7 +7,7 @@
 
 namespace viewpeel {
 
-// A ShaderModule is made from embedded SPIR-V.
+// A ShaderModule is a Vulkan shader module made of SPIR-V.
 class ShaderModule {
  public:
   ShaderModule(const Device& device, std::span<const uint32_t> spirv);
@@ -21,17 +21,20 @@ class ShaderModule {
   VkShaderModule module_ = VK_NULL_HANDLE;
 };
 
-// A pipeline, compute or graphics, whose input is one push-constant struct and, where it reads texels, buffers at
-// bindings 0, 1, ...
+// A Kernel is a compute or graphics pipeline. Its input is one push-constant struct and, where it reads texels, texel
+// buffers at bindings 0, 1, ...
 class Kernel {
  public:
   Kernel() = default;
-  // A compute kernel. constants: specialisation constants 0, 1, ... of the shader.
+  // Makes a compute kernel.
+  //   In: push_bytes: size of the push-constant struct; constants: specialisation constants 0, 1, ... of the shader;
+  //     texel_buffers: number of texel buffers
   Kernel(const Device& device, std::span<const uint32_t> spirv, uint32_t push_bytes,
          const std::vector<uint32_t>& constants = {}, uint32_t texel_buffers = 0);
-  // Makes a graphics kernel without vertex buffers: triangle strips, one colour and one depth attachment of these
-  // formats, as dynamic rendering.
-  //   In: nearer: how a fragment's depth compares to the depth it replaces
+  // Makes a graphics kernel for dynamic rendering. It draws triangle strips without vertex buffers into one colour and
+  // one depth attachment.
+  //   In: colour, depth: formats of the attachments; nearer: a fragment is drawn where its depth compares to the depth
+  //     there in this way
   Kernel(const Device& device, std::span<const uint32_t> vertex_spirv, std::span<const uint32_t> fragment_spirv,
          VkFormat colour, VkFormat depth, uint32_t push_bytes, VkCompareOp nearer = VK_COMPARE_OP_LESS);
   ~Kernel();

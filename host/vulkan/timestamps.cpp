@@ -10,7 +10,7 @@ Timestamps::Timestamps(const Device& device, uint32_t count) : device_(device.ha
   std::vector<VkQueueFamilyProperties> families(family_count);
   vkGetPhysicalDeviceQueueFamilyProperties(device.physical(), &family_count, families.data());
   const uint32_t bits = families[device.queueFamily()].timestampValidBits;
-  if (bits == 0) return;  // the device has no clock: no marks, no times
+  if (bits == 0) return;  // without a clock on the device mark() does nothing
   valid_ = bits >= 64 ? ~0ull : (1ull << bits) - 1;
   seconds_per_tick_ = double(device.properties().limits.timestampPeriod) * 1e-9;
   VkQueryPoolCreateInfo info{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};

@@ -1,4 +1,4 @@
-// Times of passes on the device.
+// Timestamps measures how long passes take on the device.
 #pragma once
 #include <vector>
 
@@ -6,19 +6,22 @@
 
 namespace viewpeel {
 
-// Timestamps measure the device's time between marks in a command buffer.
+// A Timestamps records marks in a command buffer and measures the time between them.
 class Timestamps {
  public:
   Timestamps() = default;
+  //   In: count: most marks
   Timestamps(const Device& device, uint32_t count);
   ~Timestamps();
   Timestamps(Timestamps&& other) noexcept;
   Timestamps& operator=(Timestamps&& other) noexcept;
 
-  // Forgets all marks. It is called before the first mark.
+  // Forgets all marks; it must be recorded before the first mark.
   void reset(VkCommandBuffer commands);
+  // Records a mark after all commands so far. Beyond `count` marks, or without a clock, it does nothing.
   void mark(VkCommandBuffer commands);
-  // Returns the seconds between consecutive marks; the commands must have finished.
+  // Returns the seconds between consecutive marks: double[marks - 1], or none without a clock. The commands must have
+  // finished.
   std::vector<double> seconds() const;
 
  private:
