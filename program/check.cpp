@@ -130,12 +130,8 @@ void addCheck(CLI::App& app, Run& chosen) {
   auto options = std::make_shared<CheckCommand>();
   CLI::App* command =
       app.add_subcommand("check", "Check lattice counts against exact areas; exit status 1 where they do not agree");
-  command
-      ->add_option("SCENE", options->scene,
-                   "Scene file: .obj, .stl, .ply, .gltf, .glb, .vs3, .inp, .msh, .vtp, .vtu, .idf or .epJSON, or the "
-                   "folder of an "
-                   "OpenFOAM case")
-      ->required();
+  command->add_option("SCENE", options->scene, kSceneText)->required();
+  startGroup(command, kHowExact);
   command->add_option("--directions", options->check.directions, "Random directions")
       ->type_name("N")
       ->check(CLI::Range(1u, 1u << 20).description(""))
@@ -144,28 +140,31 @@ void addCheck(CLI::App& app, Run& chosen) {
       ->type_name("M")
       ->check(CLI::Range(8u, 1u << 20).description(""))
       ->capture_default_str();
-  command
-      ->add_option("--resolution", options->check.resolutions,
-                   "Lattice spacings across the scene's diameter; may be given several times")
+  command->add_option("--resolution", options->check.resolutions, "Lattice spacings across the scene's diameter")
       ->type_name("PX")
       ->check(CLI::Range(1, kMaxResolution).description(""))
       ->allow_extra_args(false)
       ->capture_default_str();
+  startGroup(command, kMachine);
   addChoice(command, "--engine", options->engine,
             {{"compute", EngineKind::compute}, {"host", EngineKind::host}, {"graphics", EngineKind::graphics}},
             "The engine to check");
+  startGroup(command, kMethod);
   addChoice(command, "--sampling", options->sampling,
             {{"lattice", Sampling::lattice}, {"scanline", Sampling::scanline}}, "The samples to check");
   command->add_option("--seed", options->check.seed, "Of directions and lattices")
       ->type_name("K")
       ->check(isWholeNumber)
       ->capture_default_str();
+  startGroup(command, kWhat);
   command->add_flag("--blocked", options->check.blocked, "Pairs whose fronts look at each other past something, too");
   addSceneOptions(command, options->scene_options);
   command->add_flag("--two-sided", options->two_sided, "Every polygon emits and receives on both sides");
+  startGroup(command, kMachine);
   addThreadsOption(command);
   command->add_option("--device", options->device.selector, "Vulkan device: index, part of its name, cpu or gpu")
       ->type_name("DEVICE");
+  startGroup(command, kOutput);
   command->add_flag("--json", options->json, "Print the report as JSON");
   command->callback([options, &chosen] { chosen = [options] { return runCheck(*options); }; });
 }

@@ -21,5 +21,6 @@ void addDevices(CLI::App& app, Run& chosen);
 void addMerge(CLI::App& app, Run& chosen);
 void addSolve(CLI::App& app, Run& chosen);
 void addReport(CLI::App& app, Run& chosen);
+void addCompletion(CLI::App& app, Run& chosen);
 
 }  // namespace viewpeel::program

@@ -222,12 +222,15 @@ void addCompute(CLI::App& app, Run& chosen) {
   CLI::App* command = app.add_subcommand("compute", "Compute the form factors of a scene");
   const auto request_options = addRequestOptions(command);
   const auto options = std::make_shared<ComputeOptions>();
+  startGroup(command, kOutput);
   addOutputOptions(command, options->outputs, options->shown, options->ccx_version);
   command->add_flag("--balance", request_options->request.balance,
                     "Closed scenes: also the nearest form factors whose rows sum to 1, beside those measured");
   command->add_flag("--closure", options->older_names,
                     "The older name of --balance, until 0.3: its .csv column has its older name, closed_form_factor");
+  startGroup(command, kLongRuns);
   addCheckpointOptions(command, options->checkpoint);
+  startGroup(command, kOutput);
   CLI::Option* quiet = command->add_flag("--quiet", options->quiet, "Print nothing but errors and warnings");
   CLI::Option* verbose =
       command->add_flag("--verbose", options->verbose, "Print how work and memory are divided, too")->excludes(quiet);

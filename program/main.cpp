@@ -10,6 +10,7 @@
 
 #include "program/command_line.h"
 #include "program/commands.h"
+#include "program/help.h"
 #include "program/mistakes.h"
 #include "program/view3d.h"
 #include <viewpeel/error.h>
@@ -49,6 +50,8 @@ int main(int argc, char** argv) {
   viewpeel::program::addMerge(app, chosen);
   viewpeel::program::addReport(app, chosen);
   viewpeel::program::addDevices(app, chosen);
+  viewpeel::program::addCompletion(app, chosen);
+  viewpeel::program::setHelp(app);
   std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
   try {
     const bool is_view3d = viewpeel::program::isView3d(argv[0]);

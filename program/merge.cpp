@@ -56,6 +56,7 @@ void addMerge(CLI::App& app, Run& chosen) {
   CLI::App* command = app.add_subcommand(
       "merge", "Add up checkpoints of different replicates of one run; of one alone, show it and write its results");
   command->add_option("CHECKPOINT", options->inputs, "Files of --checkpoint, in any order")->required();
+  startGroup(command, kOutput);
   addOutputOptions(command, options->outputs, options->shown, options->ccx_version);
   command
       ->add_option(

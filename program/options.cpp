@@ -9,17 +9,15 @@ namespace viewpeel::program {
 void addSceneOptions(CLI::App* command, SceneOptions& options) {
   command
       ->add_option("--sheets", options.sheets,
-                   "Coincident faces of this surface are a thin sheet, back to back, whatever lies around; may be "
-                   "given several times")
+                   "Coincident faces of this surface are a thin sheet, back to back, whatever lies around")
       ->type_name("NAME")
       ->allow_extra_args(false);
   command
       ->add_option("--solids", options.solids,
-                   "Coincident faces of this surface are of touching solids, face to face, whatever lies around; may "
-                   "be given several times")
+                   "Coincident faces of this surface are of touching solids, face to face, whatever lies around")
       ->type_name("NAME")
       ->allow_extra_args(false);
-  command->add_option("--flip", options.flip, "Turn this surface or face over; may be given several times")
+  command->add_option("--flip", options.flip, "Turn this surface or face over")
       ->type_name("NAME")
       ->allow_extra_args(false);
   command->add_flag("--fix-normals", options.fix_normals,

@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "program/option_table.h"
 #include <viewpeel/engine.h>
 #include "engines/lattice_options.h"
 #include <viewpeel/ids.h>
@@ -46,6 +47,11 @@ void addChoice(CLI::App* command, const std::string& name, T& value,
   };
   command->add_option_function<std::string>(name, choose, text)->default_str(choices.front().first)->type_name(words);
 }
+
+// What SCENE is.
+inline constexpr const char* kSceneText =
+    "Scene file: .obj, .stl, .ply, .gltf, .glb, .vs3, .inp, .msh, .vtp, .vtu, .idf or .epJSON, or the folder of an "
+    "OpenFOAM case";
 
 // Adds the options for questions that a file leaves open: --sheets, --solids, --flip and --fix-normals.
 void addSceneOptions(CLI::App* command, SceneOptions& options);

@@ -71,13 +71,12 @@ void addOutputOptions(CLI::App* command, std::vector<std::string>& outputs, std:
       ->add_option(
           "-o,--output", outputs,
           "Write the matrix: .csv, .mtx, .npz, .h5 or .vtp, a page: .html, or files of other programs: .vwf, .idf, "
-          ".epJSON, .fdf, .dat, .i, or the folder of an OpenFOAM case; may be given several times")
+          ".epJSON, .fdf, .dat, .i, or the folder of an OpenFOAM case")
       ->type_name("FILE")
       ->allow_extra_args(false);
   command
       ->add_option("--show", shown,
-                   "In .vtp: the form factors from this surface or face to every polygon, as an array 'from NAME'; may "
-                   "be given several times")
+                   "In .vtp: the form factors from this surface or face to every polygon, as an array 'from NAME'")
       ->type_name("NAME")
       ->allow_extra_args(false);
   command

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "program/commands.h"
+#include "program/option_table.h"
 #include "io/read_report.h"
 #include "io/write_file.h"
 #include "report/write_page.h"
@@ -35,6 +36,7 @@ void addReport(CLI::App& app, Run& chosen) {
       "report",
       "Show a result: one page for a browser, which needs no network, with the scene, colours, tables and charts");
   command->add_option("RESULT", options->result, "File .h5 that compute, solve or merge wrote")->required();
+  startGroup(command, kOutput);
   command->add_option("-o,--output", options->output, "Write the page: .html")->type_name("FILE")->required();
   command->add_flag("--quiet", options->quiet, "Print nothing but errors");
   command->callback([options, &chosen] { chosen = [options] { return runReport(*options); }; });

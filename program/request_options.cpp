@@ -85,8 +85,7 @@ void addAmountOptions(CLI::App* command, Amount& amount) {
 
 void addMethodOptions(CLI::App* command, const std::shared_ptr<RequestOptions>& options) {
   Request& request = options->request;
-  addChoice(command, "--by", request.by, {{"polygon", By::polygon}, {"surface", By::surface}},
-            "One row per polygon or per named surface");
+  startGroup(command, kMachine);
   addChoice(command, "--engine", request.engine,
             {{"auto", EngineKind::automatic},
              {"compute", EngineKind::compute},
@@ -96,6 +95,7 @@ void addMethodOptions(CLI::App* command, const std::shared_ptr<RequestOptions>& 
             "Depth peeling on a Vulkan device, in compute shaders or by its raster pipeline; the same counts on the "
             "processor's threads (host); or exact areas there. "
             "auto: compute on a GPU, or on the --device named, else host");
+  startGroup(command, kMethod);
   addChoice<std::optional<Sampling>>(
       command, "--sampling", request.sampling,
       {{"auto", std::nullopt}, {"lattice", Sampling::lattice}, {"scanline", Sampling::scanline}},
@@ -124,14 +124,17 @@ void addMethodOptions(CLI::App* command, const std::shared_ptr<RequestOptions>& 
       ->check(CLI::IsMember({"on", "off"}).description(""));
 }
 
-void addQuestionOptions(CLI::App* command, Question& question) {
-  command->add_option("--from", question.from, "Only the rows of this surface or face; may be given several times")
+void addQuestionOptions(CLI::App* command, Request& request) {
+  Question& question = request.question;
+  addChoice(command, "--by", request.by, {{"polygon", By::polygon}, {"surface", By::surface}},
+            "One row per polygon or per named surface");
+  command->add_option("--from", question.from, "Only the rows of this surface or face")
       ->type_name("NAME")
       ->allow_extra_args(false);
   command->add_option("--pair", question.pair, "Only the form factors between two surfaces or faces")
       ->type_name("A B")
       ->expected(0, 2);
-  command->add_option("--blocker", question.blockers, "A surface or face that only blocks; may be given several times")
+  command->add_option("--blocker", question.blockers, "A surface or face that only blocks")
       ->type_name("NAME")
       ->allow_extra_args(false);
 }
@@ -141,17 +144,16 @@ void addQuestionOptions(CLI::App* command, Question& question) {
 std::shared_ptr<RequestOptions> addRequestOptions(CLI::App* command) {
   auto options = std::make_shared<RequestOptions>();
   Request& request = options->request;
-  command
-      ->add_option("SCENE", options->scene,
-                   "Scene file: .obj, .stl, .ply, .gltf, .glb, .vs3, .inp, .msh, .vtp, .vtu, .idf or .epJSON, or the "
-                   "folder of an "
-                   "OpenFOAM case")
-      ->required();
+  command->add_option("SCENE", options->scene, kSceneText)->required();
+  startGroup(command, kHowExact);
   addGoalOptions(command, options);
+  startGroup(command, kMethod);
   addAmountOptions(command, request.amount);
+  startGroup(command, kWhat);
+  addQuestionOptions(command, request);
   addSceneOptions(command, request.scene_options);
   addMethodOptions(command, options);
-  addQuestionOptions(command, request.question);
+  startGroup(command, kLongRuns);
   CLI::Option* first =
       command
           ->add_option("--first-replicate", request.first_replicate,
@@ -164,11 +166,14 @@ std::shared_ptr<RequestOptions> addRequestOptions(CLI::App* command) {
                    "Count part K of N of a run, exactly --replicates each, whatever the goal: for viewpeel merge")
       ->type_name("K/N")
       ->excludes(first);
+  startGroup(command, kMethod);
   command->add_option("--seed", request.seed, "The same seed and plan give the same bits")
       ->type_name("K")
       ->check(isWholeNumber)
       ->capture_default_str();
+  startGroup(command, kWhat);
   command->add_flag("--two-sided", request.two_sided, "Every polygon emits and receives on both sides");
+  startGroup(command, kMachine);
   addThreadsOption(command);
   command->add_option("--device", request.device.selector, "Vulkan device: index, part of its name, cpu or gpu")
       ->type_name("DEVICE");

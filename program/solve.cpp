@@ -218,6 +218,7 @@ int runSolve(const SolveCommand& command) {
 }
 
 void addComputing(CLI::App* command, SolveCommand& options) {
+  startGroup(command, kHowExact);
   std::vector<CLI::Option*> computing;
   computing.push_back(command
                           ->add_option_function<std::string>(
@@ -258,11 +259,13 @@ void addComputing(CLI::App* command, SolveCommand& options) {
                           ->type_name("K")
                           ->check(isWholeNumber)
                           ->capture_default_str());
+  startGroup(command, kWhat);
   addSceneOptions(command, options.request.scene_options);
   for (const char* name : {"--sheets", "--solids", "--flip", "--fix-normals"})
     computing.push_back(command->get_option(name));
   computing.push_back(
       command->add_flag("--two-sided", options.request.two_sided, "Every polygon emits and receives on both sides"));
+  startGroup(command, kMachine);
   computing.push_back(command
                           ->add_option("--device", options.request.device.selector,
                                        "Vulkan device: index, part of its name, cpu or gpu")
@@ -277,20 +280,18 @@ void addSolve(CLI::App& app, Run& chosen) {
   options->request.by = By::surface;
   CLI::App* command = app.add_subcommand(
       "solve", "Compute radiative heat flows and temperatures of a scene from the materials of its surfaces");
-  command->add_option(
-      "SCENE", options->scene,
-      "Scene file: .obj, .stl, .ply, .gltf, .glb, .vs3, .inp, .msh, .vtp, .vtu, .idf or .epJSON, or the folder of an "
-      "OpenFOAM case; in metres unless --units says so");
+  command->add_option("SCENE", options->scene, std::string(kSceneText) + "; in metres unless --units says so");
+  startGroup(command, kWhat);
   command
       ->add_option("--materials", options->materials,
                    "File .csv with the header surface,emissivity,temperature,heat_flux: K, or W/m2 or adiabatic; names "
                    "with wildcards, default, environment")
       ->type_name("FILE")
       ->required();
+  startGroup(command, kOutput);
   command
-      ->add_option(
-          "-o,--output", options->outputs,
-          "Write the answers: .csv; with the form factors: .h5, .vtp, or a page: .html; may be given several times")
+      ->add_option("-o,--output", options->outputs,
+                   "Write the answers: .csv; with the form factors: .h5, .vtp, or a page: .html")
       ->type_name("FILE")
       ->allow_extra_args(false);
   CLI::Option* exchange =
@@ -312,16 +313,19 @@ void addSolve(CLI::App& app, Run& chosen) {
       ->type_name("X")
       ->check([](const std::string& text) { return isNumber(text, 0, 0.999); })
       ->needs(exchange);
+  startGroup(command, kWhat);
   addChoice(command, "--by", options->request.by, {{"surface", By::surface}, {"polygon", By::polygon}},
             "One radiosity for each named surface, or for each polygon");
   command
       ->add_option("--from-result", options->stored,
                    "Take form factors from this checkpoint in place of computing them; SCENE is needed only as of "
-                   "merge --scene; may be given several times")
+                   "merge --scene")
       ->type_name("FILE")
       ->allow_extra_args(false);
+  startGroup(command, kMachine);
   addThreadsOption(command);
   addComputing(command, *options);
+  startGroup(command, kOutput);
   command->add_flag("--quiet", options->quiet, "Print nothing but errors and warnings");
   command->callback([options, &chosen] { chosen = [options] { return runSolve(*options); }; });
 }

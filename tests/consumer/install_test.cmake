@@ -24,6 +24,14 @@ if(headers OR count GREATER 17)
   message(FATAL_ERROR "installed beside the public headers: ${headers}, ${count} in all")
 endif()
 
+# The man page is installed, and completion for three shells.
+foreach(text man/man1/viewpeel.1 bash-completion/completions/viewpeel zsh/site-functions/_viewpeel fish/vendor_completions.d/viewpeel.fish)
+  file(STRINGS ${WORK}/installed/share/${text} options REGEX "tolerance")
+  if(NOT options)
+    message(FATAL_ERROR "${text} is not installed, or has no option --tolerance")
+  endif()
+endforeach()
+
 # The program's second name takes the place of View3D, which writes its log where it runs.
 file(WRITE ${WORK}/plates.vs3 "F 3\nV 1 0 0 0\nV 2 1 0 0\nV 3 1 1 0\nV 4 0 1 0\nV 5 0 0 1\nV 6 1 0 1\nV 7 1 1 1\nV 8 0 1 1\n"
   "S 1 1 2 3 4 0 0 .9 low\nS 2 8 7 6 5 0 0 .9 high\nEnd\n")

@@ -23,6 +23,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t count) {
   program::addCheck(app, chosen);
   program::addMerge(app, chosen);
   program::addDevices(app, chosen);
+  program::addCompletion(app, chosen);
   try {
     app.parse(static_cast<int>(argv.size()), argv.data());
     if (!chosen) std::abort();  // accepted, with nothing to do
