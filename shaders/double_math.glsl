@@ -23,7 +23,7 @@ double logOf(double x) {
 // Returns the angle between (x, y) and the x axis, 0 to pi, for y >= 0 and (x, y) other than (0, 0).
 double angleOf(double x, double y) {
   double size = abs(x), low = min(y, size), high = max(y, size);
-  bool turned = low > 0.41421356237309503LF * high;  // tan(pi/8); beyond it t is from the diagonal
+  bool turned = low > 0.41421356237309503LF * high;  // tan(pi/8): beyond it, t is the tangent from the diagonal
   double t = (turned ? low - high : low) / (turned ? low + high : high), z = t * t;
   double r = z * (3.33333333333329318027e-01LF +
                   z * (-1.99999999998764832476e-01LF +

@@ -25,7 +25,7 @@ void main() {
 
   // All covered points of the box are found before the first fragment is stored, because storing takes far longer than
   // testing. Bit row * kMostTileWidth + column of `covered` is set where the polygon covers the point.
-  ivec4 a, b, row;  // of the four edges: change per column, change per row, value at the row's first point
+  ivec4 a, b, row;  // values of the four edges: change per column, change per row, value at the row's first point
   for (uint k = 0u; k < 4u; ++k) {
     a[k] = found.edges[k].a;
     b[k] = found.edges[k].b;

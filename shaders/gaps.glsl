@@ -87,9 +87,9 @@ uint addGaps(inout uint64_t before, uint64_t layers[kLayersKept], uint64_t bound
   return added;
 }
 
-// Adds the gaps of all samples of the invocation, up to the layer `bound`. No layer that is still to come can lie in
-// one of these gaps. With sorted lists it then removes the added layers from `nearest`, to make room. Returns the
-// number of gaps that were counted.
+// Adds the gaps of all samples of the invocation, as addGaps does, below all layers that are nearer than `bound`. No
+// layer that is still to come can lie in one of these gaps. With sorted lists it then removes the added layers from
+// `nearest`, to make room. Returns the number of gaps that were counted.
 uint flush(uint64_t bound, bool at_end, uint weight, uint lane, inout bool cut) {
   uint gaps = 0u;
   int s = 0;

@@ -5,7 +5,7 @@
 // Returns the depth of a polygon at a position in the rows.
 uint depthInRow(DepthPlane plane, uint position) {
   int column = int(position % kRowWidth), row = int(position / kRowWidth);
-  // The depth grows by per_column column / 2^kColumnBits, rounded down. The product per_column column may need more
+  // The depth grows by per_column x column / 2^kColumnBits, rounded down. The product per_column x column may need more
   // than 64 bits, so per_column is divided first, with remainder.
   int64_t whole = plane.per_column >> kColumnBits, rest = plane.per_column - (whole << kColumnBits);
   int64_t depth = plane.at_corner + plane.per_row * int64_t(row) + whole * int64_t(column) +
@@ -45,7 +45,7 @@ uint countInOrder(uvec2 samples, uvec2 others, DepthPlane nearer, DepthPlane far
   return count;
 }
 
-// See peel.glsl.
+// peel.glsl says what this function does.
 uint meetSpans(Tile tile, uint from, uint ups, uint span_count, inout uint blocks_done, inout bool cut) {
   const uint lanes = gl_WorkGroupSize.x;
   Parties parties;

@@ -16,7 +16,7 @@ struct Party {
 struct Parties {
   uint nearer, nearer_end;  // no more than there are invocations
   uint farther, farther_end;
-  uint direction, weight;  // of the tile's direction
+  uint direction, weight;  // index and weight of the tile's direction
   ivec2 corner;            // the tile's least lattice column and row
 };
 
@@ -42,7 +42,7 @@ Party fetchPartyBefore(uint place, uint end, uint direction, ivec2 corner) {
 // in common with the nearer one and its keys are greater on all of them. With `doubtful` it is set instead where the
 // keys may be greater on some samples, but need not be on all. For two-sided polygons, whose order does not matter, it
 // is set where the farther polygon stands behind the nearer one in the list.
-//   In: place: of the nearer polygon; farther_place: of lane 0's farther polygon
+//   In: place: the nearer polygon's place; farther_place: the place of lane 0's farther polygon
 uint findMeeting(Party nearer, Party farther, uint eight, uint place, uint farther_place, bool doubtful) {
   uint meeting = 0u;
   [[unroll]] for (uint t = 0u; t < 8u; ++t) {

@@ -59,7 +59,7 @@ void takeFragments(Tile tile, inout bool cut) {
 // A Loaded is the polygon that an invocation has loaded for all invocations of the subgroup. Numbers of 64 bits are
 // held as two words, the lower first.
 struct Loaded {
-  ivec4 a, b, c;  // with lattice points, of each edge: change per column and per row, value at the tile's corner
+  ivec4 a, b, c;  // with lattice points: changes of its edges per column and row, and values at the tile's corner
   uint columns;   // with scanlines: its span, see spanOf
   uvec4 plane;    // depth before the shift at the tile's corner (with scanlines: in the span's row); depth per column
   uvec2 plane_y;  // depth per row
@@ -96,8 +96,8 @@ Loaded loadPolygon(Tile tile, uint entry, uint list_end) {
   }
   int64_t z_x = depthXOf(longFrom(depth_01.zw)), depth = longFrom(depth_01.xy) + z_x * int64_t(tile.corner.x) +
                                                          longFrom(depth_2.xy) * int64_t(tile.corner.y + span_row);
-  // With scanlines the depth grows by z_x column / 2^kColumnBits, rounded down. The product z_x column may need more
-  // than 64 bits, so z_x is divided first, with remainder.
+  // With scanlines the depth grows by z_x x column / 2^kColumnBits, rounded down. The product z_x x column may need
+  // more than 64 bits, so z_x is divided first, with remainder.
   int64_t whole = kScanlines ? z_x >> kColumnBits : z_x;
   uint part = kScanlines ? uint(z_x - (whole << kColumnBits)) : 0u;
   loaded.plane = uvec4(unpackUint2x32(uint64_t(depth)), unpackUint2x32(uint64_t(whole)));

@@ -55,9 +55,10 @@ uint64_t lost[kMostSteps];                  // the nearest layer of this round f
 uint64_t farthest_emitter[kMostSteps], farthest_receiver[kMostSteps];
 uint block;  // DirectionData::block of the tile's direction
 
-// The Place of an invocation's first sample. With lattice points each further sample lies rowsPerStep() rows on.
+// A Place says where an invocation's first sample lies. With lattice points each further sample lies rowsPerStep() rows
+// on.
 struct Place {
-  int column, row;  // in the tile; the column in spacings, with scanlines in units of 2^-kColumnBits spacings
+  int column, row;  // its column and row in the tile; with scanlines columns are in units of 2^-kColumnBits spacings
   uint position;    // with scanlines: position of the sample's middle
   uint weight;      // what a gap on this sample adds to a counter
 };

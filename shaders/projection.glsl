@@ -33,7 +33,7 @@ double dotInOrder(dvec3 a, dvec3 b) {
   return sum;
 }
 
-// Returns floor(log2(x)) of a normal x > 0.
+// Returns floor(log2(x)) for a normal number x > 0.
 int exponentOf(double x) { return int((unpackDouble2x32(x).y >> 20) & 0x7FFu) - 1023; }
 
 // Returns a corner's lattice coordinates in units of 1 / fixed_one spacings, rounded to the nearest.

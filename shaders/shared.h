@@ -8,7 +8,7 @@ struct DirectionData {
   dvec3 x_axis;
   dvec3 y_axis;
   dvec3 u;
-  dvec2 offset;  // of the lattice, in spacings
+  dvec2 offset;  // offset of the lattice, in spacings
   uint weight;   // what one sample of this direction adds to a counter
   uint block;    // number of the block of directions to whose counters this direction adds
 };
@@ -16,7 +16,7 @@ struct DirectionData {
 struct PolygonData {
   uint first_corner;
   uint corner_count;
-  uint id;        // of the polygon's counters, and its roles << kRolesShift
+  uint id;        // the polygon's id | its roles << kRolesShift
   uint tie_rank;  // see placeAtTie
   dvec3 plane_normal;
   double plane_offset;
@@ -90,6 +90,7 @@ struct ProjectArgs {
   uint cell_size;     // see DrawArgs
   int window;         // the window reaches from lattice point -window to window - 1 in x and y
   // The compute engine alone sets the members from here on.
+
   // uint[direction_count * polygon_count]: places in `projected` of the polygons that go on to the passes over tiles.
   uint64_t listed;
   uint64_t status;  // BatchStatus
@@ -145,7 +146,7 @@ const uint kGroupsPerRow = 32768u;  // a dispatch over tiles has at most this ma
 const uint kMostSpans = 1024u;      // spans of the rows that peel takes at once, with scanlines
 const uint kScanlineCell = 32u;     // with scanlines, samples also end at every multiple of this many lattice columns
 const uint kMostRowsAtOnce = 4u;
-const uint kFewSpans = 128u;  // measured: the fastest of 32 to 512 on lavapipe
+const uint kFewSpans = 128u;  // see rowsAtOnce; measured on lavapipe as the fastest of 32 to 512
 
 // Returns how many rows of a tile one workgroup of peel takes at once with scanlines. It takes several rows where the
 // tile's list is short: one row would then have fewer spans than there are invocations.
@@ -318,7 +319,7 @@ struct PeelArgs {
   uint64_t counters;
   uint polygon_count;
   uint id_count;
-  uint counter_mask;        // of a hash table: places - 1
+  uint counter_mask;        // places of the hash table - 1
   uint counts_environment;  // whether lines that leave the scene or end on backs are counted
   uint most_blocks;         // one invocation goes through this many blocks of polygons, of a subgroup's size each
   uint point_count;         // see ProjectArgs

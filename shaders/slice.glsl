@@ -2,7 +2,7 @@
 
 // Returns the span of a polygon in a row, first | (last - first) << kPositionBits, with the first and last position
 // that it covers; kNoColumns where it covers none.
-//   In: corner: the tile's least lattice column and row; row: in the tile
+//   In: corner: the tile's least lattice column and row; row: its row in the tile
 uint spanOf(ivec2 corner, uint row, SnappedCorners corners) {
   int low = 0, high = int(kRowWidth);
   [[unroll]] for (uint k = 0u; k < 4u; ++k) {

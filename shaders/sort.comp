@@ -1,8 +1,8 @@
 #version 460
 // One workgroup, which has to be one subgroup, sorts the list of one tile by the polygons' nearest depths in the tile.
 // Peel can then settle layers before it has seen the whole list. Each invocation finds the ranks of kRanked entries at
-// a time, by comparing them with all entries. Lists of more than kMostSorted entries are copied unsorted; is_sorted
-// says which.
+// a time, by comparing them with all entries. Lists of more than kMostSorted entries are copied unsorted, and their
+// is_sorted is 0.
 //   In: lists, projected     Out: sorted_lists; active_tiles: is_sorted
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require

@@ -16,10 +16,10 @@ class DirectionRegion {
  public:
   // Makes a region without directions.
   DirectionRegion() = default;
-  // Returns the half sphere dot(pole, u) >= 0, which serves any pair.    In: pole: of unit length
+  // Returns the half sphere dot(pole, u) >= 0, which serves any pair.    In: pole: a unit vector
   static DirectionRegion hemisphere(const glm::dvec3& pole);
 
-  // Removes the part with dot(inner_normal, u) < 0.    In: inner_normal: of unit length
+  // Removes the part with dot(inner_normal, u) < 0.    In: inner_normal: a unit vector
   void clip(const glm::dvec3& inner_normal);
   // Prepares solidAngle() and map(). It must be called after the last clip().
   void close();
@@ -33,7 +33,7 @@ class DirectionRegion {
   // Maps the unit square onto the region, so that solid angles are in proportion to areas.
   //   The coordinate `around` runs along the boundary, and `outwards` from the centre to it. So map(0, t) = map(1, t),
   //     map(s, 0) is the centre for all s, and map(s, 1) is the boundary.
-  //   In: around, outwards: in [0, 1]; the region must be closed and not empty    Out: a unit vector
+  //   In: around, outwards: numbers in [0, 1]; the region must be closed and not empty    Out: a unit vector
   //   Error: 1e-15 rad of directions; shares of area to 1e-15 / solidAngle(). tests/unit/drawn_directions_test.cpp.
   //   Cost: O(log corners).
   //   Source: J. Arvo, Stratified sampling of spherical triangles, SIGGRAPH 1995, with every triangle cut by the

@@ -22,7 +22,7 @@ struct Frame {
   glm::dvec3 x, y;
 };
 
-// Returns a frame such that (x, y, along) is orthonormal and right-handed.    In: along: of unit length
+// Returns a frame such that (x, y, along) is orthonormal and right-handed.    In: along: a unit vector
 inline Frame frameAbout(const glm::dvec3& along) {
   const glm::dvec3 helper = std::abs(along.z) < 0.9 ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0);
   const glm::dvec3 x = glm::normalize(glm::cross(helper, along));

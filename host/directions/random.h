@@ -25,7 +25,7 @@ class Random {
 };
 
 // Returns the direction along a vector, with a lattice whose rotation about it and offset are uniform.
-//   In: along: not zero
+//   In: along: a vector of any length above 0
 Direction directionAlong(const glm::dvec3& along, Random& random);
 
 }  // namespace viewpeel

@@ -17,9 +17,11 @@ inline constexpr ReplicateNumbers kTrialReplicates{kRunReplicates.end, uint64_t(
 inline constexpr ReplicateNumbers kPlanReplicates{uint64_t(1) << 40, uint64_t(2) << 40};
 // The second lattice of every direction of a plan's pilots.
 inline constexpr ReplicateNumbers kPlanLatticeReplicates{uint64_t(2) << 40, uint64_t(3) << 40};
-// The pilot of the prior, then pilots of directed pairs, then pilots of pair lines.
+// Pilots that find the prior.
 inline constexpr ReplicateNumbers kPriorReplicates{uint64_t(3) << 40, uint64_t(4) << 40};
+// Pilots that choose directed pairs.
 inline constexpr ReplicateNumbers kDirectedReplicates{uint64_t(4) << 40, uint64_t(5) << 40};
+// Pilots that choose the numbers of pair lines.
 inline constexpr ReplicateNumbers kLineReplicates{uint64_t(5) << 40, uint64_t(6) << 40};
 
 // The list has all ranges in the order of their numbers. A test requires that none overlap.

@@ -16,7 +16,7 @@ namespace viewpeel {
 std::vector<Direction> sampleDirections(Sampler sampler, uint32_t count, uint64_t seed, uint64_t replicate);
 
 // Draws lattices of independent random offset and rotation along one direction.
-//   In: u: of unit length; count: number of lattices    Out: count directions that differ only in axes and offset
+//   In: u: a unit vector; count: number of lattices    Out: count directions that differ only in axes and offset
 std::vector<Direction> sampleLattices(const glm::dvec3& u, uint32_t count, uint64_t seed);
 
 }  // namespace viewpeel

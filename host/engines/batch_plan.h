@@ -11,7 +11,7 @@
 namespace viewpeel {
 
 constexpr uint32_t kGroupSize = 64;           // local_size_x of project, bin and allocate
-constexpr uint64_t kMemoryBudget = 1u << 30;  // of all batches in flight, unless options say otherwise
+constexpr uint64_t kMemoryBudget = 1u << 30;  // memory of all batches in flight, unless options say otherwise
 constexpr uint32_t kTrialDirections = 4;      // directions of the first batch, from which the tuning is chosen
 
 // A BatchPlan is the shape of all batches, and how many of them the device works on at once.

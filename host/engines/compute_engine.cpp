@@ -60,7 +60,7 @@ class ComputeEngine : public Engine {
   BatchPlan plan_;
   uint32_t fragment_capacity_;  // most fragments of a lattice point, in batches that are planned next
   std::vector<Batch> batches_;
-  Commands commands_;              // for work on the counters, between batches
+  Commands commands_;              // commands for work on the counters, between batches
   bool must_grow_ = false;         // the hash table has to be enlarged before counting goes on
   bool must_refit_ = false;        // batches have to be planned again: for more fragments, or with less memory
   bool tuned_ = false;             // whether the first batch's figures have been used to choose the tuning

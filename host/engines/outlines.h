@@ -16,7 +16,7 @@ namespace viewpeel {
 // polygons share it. Polygons that emit come first.
 struct SweepScene {
   struct Polygon {
-    uint32_t index;  // in Scene::polygons
+    uint32_t index;  // index in Scene::polygons
     uint32_t plane, id, roles, tie_rank;
   };
   std::vector<double> x, y, z;                               // coordinates of each corner, unit-ball units
@@ -84,8 +84,8 @@ class Outlines {
 
   size_t first_ = 0, outline_count_ = 0;
   OfBlock<int32_t> polygon_first_row_{}, polygon_last_row_{};  // rows that each polygon of the block may reach
-  OfBlock<uint32_t> reaching_{};                               // for each outline, its polygon's number in the block
-  OfBlock<int32_t> first_row_{}, last_row_{}, front_up_{};     // of each outline
+  OfBlock<uint32_t> reaching_{};                               // number in the block of each outline's polygon
+  OfBlock<int32_t> first_row_{}, last_row_{}, front_up_{};     // rows of each outline, and whether its front faces +u
   // Element e kBlock + k is of edge e of outline k. The edge crosses row y at ceil((row_0 + per_row y) inverse), see
   // cut(). The inverse is -1 / |a| for edges on the left, 1 / |a| on the right, and 0 for edges along rows.
   std::array<double, 4 * kBlock> row_0_{}, per_row_{}, inverse_{};

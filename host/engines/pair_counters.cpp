@@ -64,7 +64,7 @@ void PairCounters::makeRoom(Commands& commands) {
   try {
     enlarge();
   } catch (const Error&) {
-    allocate();  // of the old size
+    allocate();  // makes counters of the old size
   }
   clear(commands);
 }

@@ -34,7 +34,7 @@ struct Pass {
   const char* name;
   const Kernel& kernel;  // a pass whose kernel was not made is left out
   std::variant<ProjectArgs, BinArgs, SortArgs, PeelArgs, MeetArgs> args;
-  std::vector<VkBufferView> texels;  // at bindings 0, 1, ...
+  std::vector<VkBufferView> texels;  // the buffers at bindings 0, 1, ...
   PassGroups groups;
 };
 

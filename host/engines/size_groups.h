@@ -40,8 +40,8 @@ std::vector<SizeGroup> groupAsOne(const Scene& scene, int resolution);
 //   Cost: O(n log n).
 size_t countWindows(const Scene& scene, std::vector<uint32_t> polygons, int resolution);
 
-// Returns a window around polygons: the ball around their common box, a little larger because corners are rounded.
-// Where this is not smaller than the whole scene's ball, it returns that.
+// Returns a window around polygons: the ball around their common box, a little larger because corners are rounded. It
+// returns the unit ball, which holds the whole scene, where the window would not be smaller.
 Window windowAround(const Scene& scene, const std::vector<uint32_t>& polygons);
 
 // Returns half the diagonal of a polygon's box, in unit-ball units. A window can hold the polygon at a resolution where

@@ -18,7 +18,7 @@ struct Tuning {
   bool sorts;
 };
 
-// Returns the values that the options give and, for the others, the best ones for the device.
+// Returns the values that the options give, and the best values for the device where options are 0.
 //   Throws: Error device where the device's subgroups have no shuffles, or fewer than 8 or more than 64 invocations.
 Tuning tune(const Device& device, const LatticeOptions& options);
 

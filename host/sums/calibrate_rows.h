@@ -27,8 +27,8 @@ struct Guess {
 //   with X_ij, s_ij, w_ij a guess's `most`, `visibility` and `weight`. Row i gains g_i of eq. (41), so rows whose
 //     guesses
 //   matter little keep their measured sums.
-//   In: entries: of all pairs, environment and leak, sorted; guesses: sorted by entry; areas: double[rows], emitting
-//     area of each row, input units squared
+//   In: entries: exchange areas of all pairs, environment and leak, sorted by (i, j); guesses: guessed parts of
+//     entries, sorted by entry; areas: double[rows], emitting area of each row, input units squared
 //   Out: entries: with moved values and the same standard errors. Reciprocity still holds, for x_ij is one number. The
 //     same bits for any number of threads.
 //   Error: a row gains g_i to within 1 % of the root of E_i^2 + V_i, or as near to it as visibilities from 0 to 1

@@ -30,7 +30,7 @@ PairCounts withRows(PairCounts counts, std::span<const PairVisibility> others) {
   };
   for (const PairCount& count : counts) {
     addTo(count.i, count.count);
-    if (count.j < kEnvironment) addTo(count.j, count.count);  // a pair within one id counts twice
+    if (count.j < kEnvironment) addTo(count.j, count.count);  // a pair (i, i) counts twice in its row
   }
   for (PairCount& count : counts)
     if (count.j >= kEnvironment) count.blocked = rows[count.i] - count.count;

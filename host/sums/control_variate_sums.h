@@ -79,7 +79,7 @@ double errorOfSum(double variance, double squares, double line, double most);
 
 // Returns the exchange area with its standard error raised to eq. (18) times `most`, for a pair whose lines all agree
 // with the prior. Eq. (18) bounds the probability that none of the directions met the pair.
-//   In: directions: of all replicates; area: the smaller area of the two ids, input units squared
+//   In: directions: number of directions in all replicates; area: the smaller area of the two ids, input units squared
 Measured allowForUnmet(Measured exchange, const PriorExchange& prior, double directions, double area);
 
 // A ControlVariateSums holds the sums of control variates over replicates, in exact integers.
@@ -148,7 +148,8 @@ class ControlVariateSums {
 // less than half as large. Control variates add noise where their visibilities come from too few lines. The factor 2
 // makes it unlikely that chance chooses: of two equal standard errors from 8 replicates, one comes out below half the
 // other in 1 of 25 cases.
-//   In: controlled, sampled: of the same ids and replicates    Out: with the row sums of `sampled`
+//   In: controlled, sampled: form factors of the same ids and replicates    Out: form factors with the row sums of
+//     `sampled`
 FormFactors chooseBetter(const FormFactors& controlled, const FormFactors& sampled);
 
 // Returns the largest standard error over all form factors of the requested rows.

@@ -70,8 +70,8 @@ class LineSums {
   };
 
   // Makes sums of no replicates.
-  //   In: ids: of faces; by: whether rows of the result are faces or surfaces; pairs: sorted by (i, j), every pair at
-  //     most once
+  //   In: ids: ids of all faces; by: whether rows of the result are faces or surfaces; pairs: sorted by (i, j), every
+  //     pair at most once
   LineSums(Ids ids, By by, std::vector<LinePair> pairs);
   // Restores sums from a checkpoint.    In: sums: PairSum[pairs]
   LineSums(Ids ids, By by, std::vector<LinePair> pairs, std::vector<PairSum> sums, uint64_t replicate_count);

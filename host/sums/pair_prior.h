@@ -28,8 +28,8 @@ struct PairPrior {
 // Returns whether the form factor of a pair that no pilot met is estimated as visibility times unoccluded form factor.
 // It is where nearly every run meets the pair, docs/method.md, eq. (42). Otherwise its counts alone are the estimate:
 // the visibility would leave its row too low on average, because runs that miss the pair have no entry for it.
-//   In: directions: of all replicates; count_area: as in ReplicateSums; exchange: unoccluded exchange area; area: the
-//     smaller area of the two faces; all three in input units squared
+//   In: directions: number of directions in all replicates; count_area: as in ReplicateSums; exchange: unoccluded
+//     exchange area; area: the smaller area of the two faces; all three in input units squared
 inline bool isEstimatedByVisibility(double directions, double count_area, double exchange, double area) {
   constexpr double kLeastLines = 64, kLeastDirections = 16;
   const double lines = directions * exchange / (2 * count_area);
@@ -42,10 +42,11 @@ struct BoundedExchange {
 };
 
 // Returns the known part b A_i F0_ij of a pair's exchange area.
-//   In: visibility: b, in units of 2^-kVisibilityBits; areas: of faces, input units squared; lines: as in lineOf
+//   In: visibility: b, in units of 2^-kVisibilityBits; areas: area of each face, input units squared; lines: as in
+//     lineOf
 inline PriorExchange exchangeOf(const PairPrior& pair, uint32_t visibility, const std::vector<double>& areas,
                                 const std::vector<uint64_t>& lines) {
-  // Rounding may make an unoccluded exchange area larger than an area.
+  // By rounding, an unoccluded exchange area may exceed the area of a face, which bounds it.
   const double most = std::min({pair.exchange, areas[pair.i], pair.j < kEnvironment ? areas[pair.j] : INFINITY});
   return {pair.i, pair.j, most * visibility / kVisibilityOne, std::isinf(pair.exchange) ? INFINITY : most,
           lineOf(lines, pair.i, pair.j)};

@@ -67,9 +67,9 @@ class PriorSums {
 
   By by() const { return by_; }
   const Prior& prior() const { return prior_; }
-  const VisibilitySums& byFace() const { return by_face_; }  // without pairs where the result has surfaces
+  const VisibilitySums& byFace() const { return by_face_; }  // has no pairs where rows of the result are surfaces
   const ControlVariateSums& surfaceControls() const { return by_surface_; }
-  const ControlVariateSums& directed() const { return directed_; }  // of directed pairs of faces
+  const ControlVariateSums& directed() const { return directed_; }  // sums of directed pairs of faces
   // Returns whether the priors of both have the same visibilities, to the last bit, so that the two can be added.
   bool goesWith(const PriorSums& others) const;
   // Returns whether both have the same directed pairs, with as many directions on the same lattices.
@@ -91,7 +91,7 @@ class PriorSums {
   //     variates add noise
   FormFactors bySurface(double measure_area, double count_area, const FormFactors& sampled) const;
   // Returns whether a pair of the prior is estimated by its counts alone (docs/method.md, eq. (42)).
-  //   In: directions: of all replicates; count_area: as in ReplicateSums
+  //   In: directions: number of directions in all replicates; count_area: as in ReplicateSums
   bool isCountedAlone(const PairPrior& pair, double directions, double count_area) const;
   // Returns the sums of the control variates of pairs of faces, with the visibilities of the prior.
   ControlVariateSums faceControls() const { return by_face_.controls(visibilities_, prior_.lines); }
@@ -111,7 +111,7 @@ class PriorSums {
   ControlVariateSums by_surface_, directed_;
   // prepare() makes these five lists from prior_.
   std::vector<PairVisibility> visibilities_, surface_visibilities_;
-  std::vector<PairVisibility> row_visibilities_;  // of the prior's pairs with environment and leak
+  std::vector<PairVisibility> row_visibilities_;  // the prior's pairs with environment and leak
   std::vector<PriorExchange> surface_exchanges_, directed_exchanges_;
 };
 

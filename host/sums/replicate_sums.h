@@ -44,7 +44,7 @@ class ReplicateSums {
   void add(const PairCounts& counts);
   // Adds one replicate to the row sums alone, for runs whose pairs are summed elsewhere.
   void addRows(const PairCounts& counts);
-  // Adds sums of other replicates.    In: others: of the same ids    Cost: O(pairs).
+  // Adds sums of other replicates.    In: others: sums of the same ids    Cost: O(pairs).
   void add(const ReplicateSums& others);
 
   const Ids& ids() const { return ids_; }
@@ -54,9 +54,9 @@ class ReplicateSums {
 
   // Returns the form factors of all pairs with a facing line: A_i F_ij = 2 measure_area x (mean count of a replicate),
   // or twice as much for i = j.
-  //   In: measure_area: C_ij per count of a replicate, unitArea() scale^2 / directions of a replicate; count_area: area
-  //     in the plane orthogonal to the direction that one count stands for, unitArea() scale^2; infinite where it is
-  //     unknown. Both are in input units squared.
+  //   In: measure_area: the C_ij of eq. (2) for which a mean count of 1 stands, unitArea() scale^2 / directions of a
+  //     replicate; count_area: the area in the plane orthogonal to its direction for which one count stands,
+  //     unitArea() scale^2; infinite where it is unknown. Both are in input units squared.
   //   Error: values have rounding alone; standard errors: docs/method.md, eq. (12); tests/unit/form_factors_test.cpp.
   FormFactors formFactors(double measure_area, double count_area = INFINITY) const;
   // Returns the exchange area of one pair, which may have been summed elsewhere, in input units squared.
@@ -83,8 +83,8 @@ class ReplicateSums {
 };
 
 // Returns a bound on the form factor of a pair that no line met, with 95 % confidence: docs/method.md, eq. (13).
-//   In: area: the smaller area of the two ids, count_area: as above, both in input units squared; directions: of all
-//     replicates
+//   In: area: the smaller area of the two ids, count_area: as above, both in input units squared; directions: number of
+//     directions in all replicates
 double unmetBound(double area, double count_area, double directions);
 
 // Returns the counts added up by a coarser set of ids: id k becomes id_map[k].

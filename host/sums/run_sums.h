@@ -26,7 +26,7 @@ struct RunSums {
   std::vector<ReplicateRange> replicates;  // replicates done: sorted ranges, with a gap between each and the next
   uint64_t directions = 0;                 // common directions of all replicates
   double measure_area = 0;                 // as in ReplicateSums, input units squared; 0 before the first replicate
-  std::optional<PriorSums> prior_sums{};   // of runs that use unoccluded form factors; ids of by_id are faces then
+  std::optional<PriorSums> prior_sums{};   // in runs that use unoccluded form factors; ids of by_id are faces then
   // Sums of pair lines, in runs with pair lines. Ids of by_id are faces then, counted for environment and leak.
   std::optional<LineSums> lines{};
 
@@ -36,7 +36,7 @@ struct RunSums {
   // Returns count_area as in ReplicateSums, in input units squared. It is infinite, which stands for unknown, where
   // only some rows are requested, because directions may then be drawn for these rows.
   double countArea() const;
-  // Returns whether all sums have the same replicates. They have not where an exception has ended a call of add early.
+  // Returns whether all sums have the same replicates. They differ where an exception has ended a call of add early.
   bool isWhole() const;
 
   // Adds one replicate.

@@ -247,7 +247,7 @@ class VisibilitySums::Entries {
     exchange.standard_error = errorOfSum(variance, squares, double(prior.line), area / count_area_) * count_exchange;
     exchange.standard_error = std::min(exchange.standard_error, std::max(exchange.value, prior.most - exchange.value));
     if (squares == 0) exchange = allowForUnmet(exchange, prior, replicates * count_area_ / measure_area_, area);
-    exchange.standard_error += b * error;  // added, not in squares, because `error` is a bound
+    exchange.standard_error += b * error;  // not added in squares, because `error` is a bound and no standard error
     return exchange;
   }
 

@@ -5,7 +5,7 @@
 namespace viewpeel {
 
 struct GaussPoint {
-  long double node = 0;    // in [-1, 1]
+  long double node = 0;    // place in [-1, 1]
   long double weight = 0;  // weights of a rule add up to 2
 };
 

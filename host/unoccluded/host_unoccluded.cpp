@@ -92,7 +92,7 @@ Patch patchOf(const ShapeData& shape, const std::array<double, 4>& d) {
 }
 
 // Returns the inner integral over the edge q, for one point of p.
-//   In: from: the point less the start of q; direction: of q, unit length
+//   In: from: the point less the start of q; direction: unit vector along q
 //   Out: magnitude: raised to the sum of the sizes of its terms, which may cancel
 double innerIntegral(const dvec3& from, const dvec3& direction, double length_q, double& magnitude) {
   const double along = dot(from, direction), rest = length_q - along;
@@ -141,7 +141,7 @@ struct HostUnoccluded::Sides {
   uint32_t plane_a, plane_b, tie_rank_a, tie_rank_b;  // ShapeData::plane and tie_rank, of the sides
   bool is_flipped;                                    // exactly one of the sides is a back
   double distance;                                    // between the mean corners
-  Depths depths_a, depths_b;                          // of each polygon's corners over the other's plane
+  Depths depths_a, depths_b;                          // depths of each polygon's corners over the other's plane
   double rounding_a, rounding_b;                      // what rounding may change of these depths
 
   // Returns whether the sides lie in one plane, face to face, as the faces of touching solids do.
@@ -350,7 +350,8 @@ HostUnoccluded::Found HostUnoccluded::find(const SidePair& pair, UnoccludedWork&
     work.again_pairs += round > 0;
     found.area = integrateNear(sides, round, found.error, work);
     found.is_reached = found.error <= std::max(least, kUnoccludedRelativeError * found.area);
-    if (sides.areTouching() && found.area <= least) found.area = 0;  // polygons of one plane that do not overlap
+    // Polygons of one plane that do not overlap exchange nothing.
+    if (sides.areTouching() && found.area <= least) found.area = 0;
     found.area = std::max(found.area, 0.0);
     if (found.is_reached) break;
   }

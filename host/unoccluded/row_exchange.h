@@ -22,7 +22,7 @@ class RowExchange {
   using Floats = float __attribute__((vector_size(4 * kLanes)));
   using Flags = int32_t __attribute__((vector_size(4 * kLanes)));  // comparisons set all bits of a number, or none
 
-  //   In: scene: copied; ids: of its faces, copied
+  //   In: scene: as buildScene makes it; ids: ids of its faces. Neither needs to be kept.
   RowExchange(const Scene& scene, const Ids& ids);
 
   // Computes the unoccluded exchange areas of id i with ids i + 1, i + 2, ... Several threads may call it at once.

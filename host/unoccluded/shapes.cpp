@@ -13,7 +13,7 @@ namespace {
 using unoccluded_data::ShapeData;
 
 // Returns the largest |slope| / value that the density has at the middle of an edge of the square, at most 1.
-//   In: density: at the square's corners
+//   In: density: its values at the square's corners
 double skewOf(const std::array<double, 4>& density) {
   double skew = 0;
   for (size_t k = 0; k < 4; ++k) {
@@ -36,7 +36,7 @@ ShapeData makeShape(const Scene& scene, const Polygon& polygon) {
   shape.density = glm::dot(shape.normal, glm::cross(along_u, along_v));
   shape.density_u = glm::dot(shape.normal, glm::cross(along_u, along_uv));
   shape.density_v = glm::dot(shape.normal, glm::cross(along_uv, along_v));
-  // At a collapsed edge the density is 0, which rounding may hide.
+  // A triangle's last edge is collapsed, and the density is 0 there. What rounding leaves of it is set to 0.
   std::array<double, 4> density{};
   for (size_t k = 0; k < 4; ++k) {
     const double u = k == 1 || k == 2 ? 1 : -1, v = k >= 2 ? 1 : -1;

@@ -56,7 +56,7 @@ class HostUnoccluded;
 class UnoccludedExchange {
  public:
   // Makes an object that computes on a device.
-  //   In: device: the caller keeps it alive; scene: as buildScene makes it, copied
+  //   In: device: the caller keeps it alive; scene: as buildScene makes it, need not be kept
   //   Throws: Error memory where the device has too little; Error limit for 2^31 polygons or more; Error device.
   //   Cost: 192 bytes a polygon on the device; compiling kernels takes 0.3 s on lavapipe.
   UnoccludedExchange(const Device& device, const Scene& scene, const UnoccludedOptions& options = {});
@@ -86,7 +86,7 @@ class UnoccludedExchange {
 
  private:
   struct State;
-  std::unique_ptr<State> state_;  // on a device
+  std::unique_ptr<State> state_;  // empty where the processor computes
   std::unique_ptr<HostUnoccluded> host_;
 };
 

@@ -95,7 +95,7 @@ void Commands::bindTexels(const Kernel& kernel, std::span<const VkBufferView> vi
 }
 
 void Commands::submit() {
-  // The host reads mapped memory after the fence.
+  // This barrier makes writes visible to the host, which reads mapped memory after it has waited for the fence.
   VkMemoryBarrier2 host{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
   host.srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
   host.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;

@@ -46,8 +46,9 @@ class Commands {
   // Records the transition of an image to the layout GENERAL, before its first use. Its contents are lost.
   void prepare(const Image& image);
   void fill(const Buffer& buffer, uint32_t word, VkDeviceSize size_bytes = VK_WHOLE_SIZE);
-  // Throws: Error device where the device is lost.
+  // Ends recording and submits the commands to the queue.    Throws: Error device where the device is lost.
   void submit();
+  // Waits until the submitted commands have finished.    Throws: Error device where the device is lost.
   void wait();
   void submitAndWait() {
     submit();

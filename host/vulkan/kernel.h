@@ -1,4 +1,4 @@
-// A Kernel is a pipeline made of embedded SPIR-V, with its layout.
+// A Kernel is a Vulkan pipeline, made of the SPIR-V that the build has embedded in the library.
 #pragma once
 #include <span>
 #include <vector>

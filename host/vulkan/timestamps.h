@@ -10,7 +10,7 @@ namespace viewpeel {
 class Timestamps {
  public:
   Timestamps() = default;
-  //   In: count: most marks
+  //   In: count: the number of marks that it can record
   Timestamps(const Device& device, uint32_t count);
   ~Timestamps();
   Timestamps(Timestamps&& other) noexcept;

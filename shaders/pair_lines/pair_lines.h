@@ -118,17 +118,18 @@ const uint kByPoints = 0u, kByAngles = 1u, kByContact = 2u;
 const uint kBetween = 0u, kOverFirst = 1u, kOverSecond = 2u;
 
 // Nine digits determine a number in single precision, so C++ and GLSL read the same constants.
-const float kLeast = 9.09494702e-13f;           // 2^-40: lengths below it count as 0
-const float kLeastSquare = 7.88860905e-31f;     // 2^-100: squares are raised to it before they divide
-const float kFarAway = 1.09951163e+12f;         // 2^40: greater than any length
-const float kMostWeight = 1.12589991e+15f;      // 2^50: weights are cut to it, so that sums of squares stay finite
-const float kDigit = 5.96046448e-08f;           // 2^-24: random numbers in [0, 1) are multiples of it
-const float kParallelSquare = 9.99999996e-13f;  // planes are parallel where the square of their angle's sine is below
+const float kLeast = 9.09494702e-13f;        // 2^-40: lengths below it count as 0
+const float kLeastSquare = 7.88860905e-31f;  // 2^-100: squares are raised to it before they divide
+const float kFarAway = 1.09951163e+12f;      // 2^40: greater than any length
+const float kMostWeight = 1.12589991e+15f;   // 2^50: weights are cut to it, so that sums of squares stay finite
+const float kDigit = 5.96046448e-08f;        // 2^-24: random numbers in [0, 1) are multiples of it
+// Planes count as parallel where the square of the sine of their angle is below this number.
+const float kParallelSquare = 9.99999996e-13f;
 // A warp spreads this share of the points evenly over its bins, and the rest in proportion to their form factors.
 const float kEvenShare = 0.150000006f, kUnevenShare = 0.850000024f;
 const float kEighthTurn = 0.785398185f, kQuarterTurn = 1.57079637f, kHalfTurn = 3.14159274f;  // radians
 const float kInverseTurn = 0.159154937f;                                                      // 1 / (2 pi)
-const float kLargeTangent = 2.41421366f, kMiddleTangent = 0.414213568f;                       // of 3 pi / 8 and pi / 8
+const float kLargeTangent = 2.41421366f, kMiddleTangent = 0.414213568f;  // tangents of 3 pi / 8 and pi / 8
 // The polynomials of the tangent and the arc tangent have these coefficients of x^3, x^5 and so on.
 const float kTangent3 = 0.333333343f, kTangent5 = 0.13333334f, kTangent7 = 0.0539682545f, kTangent9 = 0.0218694881f,
             kTangent11 = 0.00886323582f, kTangent13 = 0.00359212793f;

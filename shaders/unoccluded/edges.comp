@@ -13,7 +13,7 @@ EdgesArgs args;
 // Returns the edges of the part of a polygon in front of a plane: what is left of each of its own edges, then the edge
 // along the plane. They run around the part as the polygon's corners do. Corners within `rounding` of the plane are
 // kept.
-//   In: depths: of the corners over the plane; origin: of the coordinates of the edges
+//   In: depths: the corners' depths over the plane; origin: the edges are in coordinates about this point
 EdgeData[kMostEdges] frontEdges(ShapeData shape, dvec4 depths, double rounding, dvec3 origin) {
   EdgeData edges[kMostEdges];
   dvec3 leaves = dvec3(0.0LF), enters = dvec3(0.0LF);

@@ -17,7 +17,7 @@ dvec4 bilinear(dvec4 at) {
                         at.x + at.z - at.y - at.w);
 }
 
-// A Patch is a polygon as functions of u and v, see ShapeData, about its middle.
+// A Patch is a polygon as functions of the square's coordinates u and v (see ShapeData), about the polygon's middle.
 struct Patch {
   dvec3 along_u, along_v, along_uv;  // a point is u along_u + v along_v + u v along_uv
   dvec4 depth;                       // depth over the other polygon's plane, as `bilinear` returns it

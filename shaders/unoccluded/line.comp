@@ -2,7 +2,7 @@
 // One invocation integrates ln r over one pair of edges p and q, docs/method.md, eq. (38). The inner integral, over the
 // longer edge q, has a closed form; the outer one takes a Gauss rule. Where the edges are close (kIsGraded), p is cut
 // at the points where the inner integral is singular, and the rule is graded towards both ends of each piece.
-//   In: edges, list: of pairs of edges, points     Out: values: value; error, to which rounding is added
+//   In: edges; list: pairs of edges; points     Out: values: value, and error, to which rounding is added
 //   Source: E. M. Sparrow, A new and simpler formulation for radiative angle factors, J. Heat Transfer 85(2), 1963,
 //     81-87.
 #extension GL_GOOGLE_include_directive : require
@@ -19,7 +19,7 @@ const double kUnit = 2.2e-16LF;  // relative rounding of double precision
 const double kLeast = 1e-290LF;  // replaces 0 in arguments of logarithms and angles, whose factor is then 0 as well
 
 // Returns the inner integral over q for one point of p.
-//   In: from: the point less the start of q; direction: of q, unit length
+//   In: from: the point less the start of q; direction: unit vector along q
 //   Out: magnitude: the sum of the sizes of its terms, which may cancel
 double innerIntegral(dvec3 from, dvec3 direction, double length_q, out double magnitude) {
   double along = dot(from, direction), rest = length_q - along;

@@ -4,7 +4,7 @@
 // A ShapeData is a polygon as a bilinear image of the square of coordinates u and v from -1 to 1. A triangle's last
 // corner stands twice. Lengths are in unit-ball units.
 struct ShapeData {
-  dvec3 corners[4];  // images of (-1, -1), (1, -1), (1, 1), (-1, 1)
+  dvec3 corners[4];  // images of the square's corners (-1, -1), (1, -1), (1, 1), (-1, 1)
   dvec3 normal;      // unit normal of the front
   double density;    // area per du dv is density + density_u u + density_v v
   double density_u;
@@ -97,7 +97,7 @@ struct FarArgs {
   uint64_t areas;                  // double[pair_count]: exchange areas, unit-ball units squared
   uint64_t list;                   // uint[work.count]
   uint64_t work;                   // WorkList
-  double nodes[kMostFarPoints];    // of the Gauss rule on [-1, 1]
+  double nodes[kMostFarPoints];    // nodes of the Gauss rule on [-1, 1]
   double weights[kMostFarPoints];  // their sum is 2
 };
 
