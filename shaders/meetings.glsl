@@ -12,7 +12,7 @@ struct Party {
   uint id;  // as in PolygonData::id
 };
 
-// Parties are two ranges of parties, without their ends, and their tile.
+// Parties are the places [nearer, nearer_end) and [farther, farther_end) of two groups of parties, and their tile.
 struct Parties {
   uint nearer, nearer_end;  // no more than there are invocations
   uint farther, farther_end;

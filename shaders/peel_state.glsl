@@ -64,7 +64,7 @@ struct Place {
 };
 Place sample_at;
 
-// A Tally counts work, see BatchStatus. The last three are of this invocation, the others of the subgroup.
+// A Tally counts work, see BatchStatus. The last three members count this invocation's work, the others the subgroup's.
 struct Tally {
   uint rounds, tested;  // tested: polygons that the samples were tested against, in all rounds
   uint samples, fragments, gaps;

@@ -138,7 +138,7 @@ struct AccumulateArgs {
   uint two_sided;
   uint instance_count;
   uint group_count;
-  uint layer;       // k
+  uint layer;       // the number k of the upper layer
   uint64_t layers;  // uint64_t[]: addresses of layers 0, 1, ..., where blocked pairs are counted, else 0
 };
 
@@ -276,8 +276,8 @@ struct Cover {
   uint nearest, farthest;  // the least and the greatest Layer::key of the polygon's plane over the tile
 };
 
-// A Meeting is a task of meet: it compares some polygons of a tile, as the nearer one of a pair, with all polygons that
-// may be the farther one. Both are given as ranges in MeetArgs::covers, without their ends.
+// A Meeting is a task of the pass meet. It compares some polygons of a tile, as the nearer one of a pair, with all
+// polygons that may be the farther one. Their covers have the places [nearer, nearer_end) and [farther, farther_end).
 struct Meeting {
   uint tile;  // index in the list of active tiles
   uint nearer, nearer_end;
@@ -310,7 +310,7 @@ struct UnfinishedTile {
 
 struct PeelArgs {
   uint64_t tiles;  // UnfinishedTile[resumes]: tiles that this dispatch resumes
-  // uint64_t[]: the last layer that has been added of each sample that the workgroups of these tiles had begun; ~0
+  // uint64_t[]: for each sample that the workgroups of these tiles had begun, the last layer that has been added; ~0
   // where no layers are left.
   uint64_t reached;
   uint64_t unfinished;    // UnfinishedTile[]: tiles that this dispatch leaves unfinished

@@ -58,19 +58,18 @@ class DirectionRegion {
 };
 
 // Returns a region that holds all directions along which a line can leave a front of `a` and arrive at a front of `b`.
-//   For two convex polygons it is the cone of all q - p with p in a and q in b, where each polygon is clipped to the
-//     front of the other's plane. This is the paper's anti-convex hull. One great circle for each edge cuts it out of
-//     the wedge of the two planes.
+//   For two convex polygons, each clipped to the front of the other's plane, it is the cone of all q - p with p in a
+//     and q in b. This is the paper's anti-convex hull. One great circle for each edge cuts it out of the wedge of the
+//     two planes.
 //   For several polygons, or two-sided ones, it is the convex hull of such cones, if they fit in a half sphere.
 //     Otherwise it is the wedge of the planes of a and b if each is planar, or a half sphere.
 //   It is empty where no front of one can see a front of the other, so that F = 0. Polygons of one plane that face each
 //     other and overlap have F > 0 by the rules of facing.h; their region is a half sphere.
 //   In: a, b: indices of Scene::polygons, any number; two_sided: as in Ids
 //   Out: the region, closed. F_ab = solidAngle / (2 pi) x mean of 2 A'_ab(u) / A_a over u uniform in it.
-//   Error: it lacks at most slivers of grazing lines, of an area of less than 1e-14 of the pair's extent squared (1e-7
-//     where corners are off their plane by the tolerance of group_planes.h). For two convex polygons that are at least
-//       as
-//     far apart as this it is too large by at most 1e-13 rad for each unit of extent / distance.
+//   Error: it lacks at most slivers of grazing lines, of an area of less than 1e-14 of the pair's extent squared. The
+//     factor is 1e-7 where corners are off their plane by the tolerance of group_planes.h. For two convex polygons that
+//     are at least as far apart as this, it is too large by at most 1e-13 rad for each unit of extent / distance.
 //     tests/unit/drawn_directions_test.cpp.
 //   Throws: nothing.
 //   Cost: O(c_a c_b) for two convex polygons of c_a and c_b corners; otherwise O(c log c) with c = min(c_a c_b, 2^20),

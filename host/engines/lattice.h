@@ -26,8 +26,8 @@ int chooseFractionBits(int resolution, const Window& window = {});
 // With scanlines, columns are in units of 2^-10 spacings: the ends of spans are rounded to them.
 constexpr int kScanlineBits = 10;
 
-// Returns a number of lattice points: a window, wherever the lattice's offset puts it, lies between the points minus
-// this number and this number less 1, in x and y.
+// Returns the number n such that a window, wherever the lattice's offset puts it, lies between the lattice points -n
+// and n - 1 in x and y.
 int windowReach(int resolution, const Window& window = {});
 
 // Returns the area that one lattice point stands for, h^2 with h = 2 / resolution, in unit-ball units squared.

@@ -37,8 +37,8 @@ class NeighbourVisibility {
   // Returns the visibility of the neighbours of a pair (i, j), from the lines between the 4 ids around i and the 4 ids
   // around j by rank. However many lines n one pair has, they say little about other pairs, so they count as
   // 1.5 n / (n + 0.5).
-  //   Error: the standard error of m is the root of s (1 - s), for numbers from 0 to 1 with the mean s spread no more.
-  //     Measured: tests/unit/neighbour_visibility_test.cpp.
+  //   Error: the standard error of m is the root of s (1 - s). Numbers between 0 and 1 whose mean is s have no larger
+  //     standard deviation. Measured: tests/unit/neighbour_visibility_test.cpp.
   Value of(uint32_t i, uint32_t j) const { return visibilities_[blockOf(ranks_[i], ranks_[j])]; }
 
   // The neighbours' m counts as much as this number of lines of the pair itself, eq. (21).

@@ -33,8 +33,9 @@ double innerIntegral(dvec3 from, dvec3 direction, double length_q, out double ma
 }
 
 // Returns 0, three places in order, and 1, as fractions of p: the ends of the pieces of p. At the places the inner
-// integral is singular, or nearly so. They are the feet of q's ends on the line of p, and the point of this line that
-// is nearest to the line of q, if the nearest point there lies within q. Places beyond p are moved to its ends.
+// integral is singular, or nearly so. Two of them are the feet of q's ends on the line of p. The third is the point of
+// this line that is nearest to the line of q, if the nearest point there lies within q. Places beyond p are moved to
+// its ends.
 double[kMostPieces + 1u] cutsOf(EdgeData p, EdgeData q) {
   dvec3 from = q.start - p.start, across = cross(p.along, q.along);
   double per_p = 1.0LF / dot(p.along, p.along), first = dot(from, p.along) * per_p,
