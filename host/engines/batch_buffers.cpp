@@ -27,7 +27,7 @@ std::vector<BufferSize> listBuffers(const BatchShape& shape) {
                  entries = shape.list_capacity;
   const uint64_t points = shape.enters ? directions * shape.pointsPerDirection() : 0;
   const uint64_t covers = shape.meets ? entries : 0;
-  // A tile has one meeting for each subgroup's size of its polygons; the last meeting may have fewer.
+  // A tile has one meeting for every subgroup_size of its polygons; the last meeting may have fewer.
   const uint64_t meetings = shape.meets ? tiles + entries / shape.subgroup_size : 0;
   return {
       {&B::directions, directions * sizeof(DirectionData), control, kFourWords, MemoryUse::upload},
