@@ -1,5 +1,5 @@
-// Users get scene files, options and outputs wrong; the program says so. One line that says what and where, an exit
-// status, and no half-written file. Scenes are computed by exact areas here, which need no device.
+// Users get scene files, options and outputs wrong. The program says so in one line with file and place, exits with a
+// status, and leaves no half-written file. Runs use the exact engine, which needs no device.
 #include <fmt/format.h>
 #include <sys/stat.h>
 
@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 const std::string kPlates = "compute " VIEWPEEL_SCENES "/plates.obj ";
 const std::string kExact = " --quiet --engine exact --directions 1 --replicates 2 ";
 const std::string kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
-// Root may read and write everything, but not without these capabilities.
+// Root may read and write every file, unless setpriv takes these capabilities away.
 const std::string kWithoutRights = ::geteuid() == 0 ? "setpriv --bounding-set -dac_override,-dac_read_search" : "";
 
 class BadInput : public Program {
@@ -81,7 +81,7 @@ TEST_F(BadInput, FilesThatAreNone) {
     expectOneLine(run("compute " + file(name) + kExact, kWithoutRights), 2, file(name) + ": ", part);
 }
 
-// These files are odd, but clear.
+// These files are unusual but valid, and give the results of the usual file.
 TEST_F(BadInput, OddScenesAreRead) {
   const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\no Tür \"süd\"\nf 1 2 3 4\n";
   std::string windows = square;
@@ -102,7 +102,7 @@ TEST_F(BadInput, OddScenesAreRead) {
   }
 }
 
-// Scenes that are no solids are computed, and the summary shows what is wrong with them.
+// Scenes that are not closed solids are computed, and the summary shows their faults.
 TEST_F(BadInput, OpenAndInsideOutScenesShowInTheSummary) {
   const std::string cube = readFile(VIEWPEEL_SCENES "/cube.obj");
   const auto replaced = [&](const std::string& old, const std::string& text) {
@@ -113,12 +113,12 @@ TEST_F(BadInput, OpenAndInsideOutScenesShowInTheSummary) {
     EXPECT_EQ(r.status, 0) << r.output;
     return r.output;
   };
-  const std::string flipped = shown(
-      "flipped.obj", replaced("f 1 2 3 4", "f 4 3 2 1"));  // its sixth of the emission leaves, a sixth meets its back
+  const std::string flipped =
+      shown("flipped.obj", replaced("f 1 2 3 4", "f 4 3 2 1"));  // a sixth leaves the scene, a sixth meets its back
   EXPECT_NE(flipped.find("surfaces, open"), std::string::npos) << flipped;
   EXPECT_NE(flipped.find("16.7 % of all emitted radiation leaves the scene, 16.7 % ends on backs"), std::string::npos)
       << flipped;
-  const std::string fin = shown("fin.obj", cube + "o fin\nv -1 0.5 -1\nf 1 2 9\n");  // an edge of three faces
+  const std::string fin = shown("fin.obj", cube + "o fin\nv -1 0.5 -1\nf 1 2 9\n");  // three faces share an edge
   EXPECT_NE(fin.find("surfaces, open"), std::string::npos) << fin;
 }
 
@@ -171,18 +171,18 @@ TEST_F(BadInput, OutputsThatCannotBeWrittenAreFoundFirst) {
                                    {"kept.csv/a.csv", "Not a directory"}}) {
     const std::string options = " --engine exact --directions 1 -o " + file("kept.csv") + " -o " + file(name);
     expectOneLine(run(kPlates + options, kWithoutRights), 2, file(name) + ": cannot write: ", part);
-    if (name != "device.csv")  // which is taken for a checkpoint that is there already
+    if (name != "device.csv")  // it would count as a checkpoint that exists
       expectOneLine(run(kPlates + "--engine exact --checkpoint " + file(name), kWithoutRights), 2,
                     file(name) + ": cannot write: ", part);
   }
-  // A limit of 2 KiB on files stands for a disk with room for less than a block.
+  // A limit of 2 KiB for each file stands for a disk with less room than one block.
   expectOneLine(run(kPlates + kExact + "-o " + file("kept.csv"), "trap '' XFSZ; ulimit -f 4;"), 2,
                 file("kept.csv") + ": cannot write: ", "File too large");
   EXPECT_EQ(files(), before);
   EXPECT_EQ(readFile(file("kept.csv")), "old\n");
 }
 
-// The disk is full halfway: what was there is still there, nothing half-written is, and the other outputs are written.
+// The disk is full halfway. The old file stays, no half-written file remains, and the other outputs are written.
 TEST_F(BadInput, FullDiskKeepsTheOldFileAndTheOtherOutputs) {
   const std::string office = "compute " VIEWPEEL_SCENES "/office.obj --by surface" + kExact;
   ASSERT_EQ(run(office + "-o " + file("a.csv") + " -o " + file("a.mtx")).status, 0);

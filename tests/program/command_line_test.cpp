@@ -57,7 +57,7 @@ TEST_F(Program, FilesThatWereThereAreSaidToBeReplaced) {
   EXPECT_NE(run(kCube + " --directions 16").output.find("\nkept       nothing but this summary"), std::string::npos);
 }
 
-// Scripts learn from the status and from --json whether the result is as good as they asked for.
+// Exit status 3 and "goal_reached" in --json tell scripts that a run ended before its goal.
 TEST_F(Program, AMissedGoalIsNoSuccess) {
   const std::string office = VIEWPEEL_SCENES "/office.obj --by surface --pair-lines off --replicates 2 ";
   const Result missed = run(office + "--tolerance 1e-9 --seconds 0.5 --quiet -o " + file("a.csv"));

@@ -1,4 +1,4 @@
-// This Vulkan layer fails on purpose, for tests of what the program does then. VIEWPEEL_FAULT says how:
+// This Vulkan layer fails on purpose, so that tests see how the program ends. VIEWPEEL_FAULT chooses the failure:
 //   lost:N      the device is lost at the N-th submission, from 1, and stays lost
 //   memory:N    no memory is left at the N-th allocation and after it
 //   space:N     the device has N KiB of memory in all
@@ -19,7 +19,7 @@
 
 namespace {
 
-// One instance and one device at a time is all that the program has.
+// The program has one instance and one device at a time.
 PFN_vkGetInstanceProcAddr next_instance_proc = nullptr;
 PFN_vkGetDeviceProcAddr next_device_proc = nullptr;
 VkInstance the_instance = VK_NULL_HANDLE;
@@ -46,8 +46,8 @@ bool hasSpace(VkDeviceSize size_bytes) {
          allocated_bytes + size_bytes <= std::strtoull(requested.c_str() + 6, nullptr, 10) << 10;
 }
 
-// Next holds the functions of the next layer below. They are looked up early, for later the loader answers with the top
-// of its layers.
+// Next holds the functions of the layer below. They are looked up when instance and device are created, for later the
+// loader returns the functions of the topmost layer.
 struct Next {
   PFN_vkEnumeratePhysicalDevices enumeratePhysicalDevices;
   PFN_vkGetPhysicalDeviceProperties2 getProperties2;

@@ -1,4 +1,5 @@
-// Failures of driver, device, memory, another run or the user's patience end in one line, and what was counted is kept.
+// These tests make the driver, the device or memory fail, start a second run, or interrupt the program. It ends with
+// one line, and keeps the replicates that it counted.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -10,8 +11,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Uses the layer of fault_layer.cpp with these failures. Validation is off: the layer breaks what it would watch; so is
-// Mesa's device selection, which does not survive that there are no devices.
+// Returns environment variables that load the layer of fault_layer.cpp, which makes `fault` happen. Validation is off,
+// for the layer breaks its rules on purpose. Mesa's device selection is off too, for it crashes without devices.
 std::string withFault(const std::string& fault) {
   return "NODEVICE_SELECT=1 VK_LAYER_PATH=" VIEWPEEL_FAULT_LAYER
          " VK_INSTANCE_LAYERS=VK_LAYER_VIEWPEEL_faults VIEWPEEL_VALIDATION=0 VIEWPEEL_FAULT=" +
@@ -40,7 +41,7 @@ class Fault : public Program {
       out << fmt::format("v 0 0 {0}\nv 1 0 {0}\nv 1 1 {0}\nv 0 1 {0}\nf -4 -3 -2 -1\n", 0.01 * k);
     return file("sheets.obj");
   }
-  // Returns the directions on the device at once, as planned and, where lists grew, in the end.
+  // Returns the number of directions that are on the device at once, from the line `plan` that follows `after`.
   static unsigned atOnce(const Result& result, const char* after) {
     unsigned batches = 0, directions = 0;
     std::string word;
@@ -49,8 +50,8 @@ class Fault : public Program {
     EXPECT_TRUE(plan >> word >> batches >> word >> directions) << result.output;
     return batches * directions;
   }
-  // Squares of random place and size above one another: every direction takes a device some time, and reading them,
-  // too.
+  // Writes squares of random size at random places. A device takes some time for every direction of such a scene, and
+  // so does reading the file.
   std::string writeLargeScene(int count) const {
     std::ofstream out(file("large.obj"));
     uint64_t state = 1;
@@ -66,7 +67,7 @@ class Fault : public Program {
   }
 };
 
-// The tests below mean something only where the layer is there and can be told to do nothing.
+// The tests below need the layer: it is loaded, and without a fault it changes no result.
 TEST_F(Fault, LayerIsUsed) {
   const Result listed = run("devices", withFault("version"));
   EXPECT_NE(listed.output.find("needs Vulkan 1.3"), std::string::npos) << listed.output;
@@ -85,8 +86,8 @@ TEST_F(Fault, NoUsableDeviceIsReportedWithTheReason) {
   expectOneLine(run(plates, withFault("feature")), 1, {"no usable device: 0: ", "lacks shaderInt64"});
 }
 
-// The device is lost at any submission: at the first, while planning, or later. What is in the checkpoint then goes on
-// to the bits of a run without fault.
+// The device is lost at the first submission, while planning, or later. A run that goes on from the checkpoint then
+// writes the bytes of a run without fault.
 TEST_F(Fault, LostDeviceKeepsTheCheckpoint) {
   ASSERT_EQ(run(kSteady + "-o " + file("whole.csv")).status, 0);
   uint64_t most = 0;
@@ -102,14 +103,14 @@ TEST_F(Fault, LostDeviceKeepsTheCheckpoint) {
     fs::remove(file("a.csv"));
     fs::remove(file("a.h5"));
   }
-  EXPECT_GE(most, 1u);  // some were lost in the middle
+  EXPECT_GE(most, 1u);  // at least one run had kept a replicate
   for (const std::string planned : {"--tolerance 1e-3 --engine compute", "--epsilon 0.1 --engine compute",
                                     "--unoccluded on --engine compute", "--engine graphics --directions 20"})
     expectOneLine(run(kOffice + planned, withFault("lost:8")), 1, {"the device was lost"});
 }
 
-// A device is lost while it draws pair lines; others have less and less memory. The engine for common directions takes
-// some; where lines have none left the processor draws them.
+// The device is lost while it draws pair lines, or has less and less memory. The engine for common directions takes
+// some of the memory. Where none is left for pair lines, the processor draws them, to the same bytes.
 TEST_F(Fault, PairLinesOutliveTheDevice) {
   const std::string street =
       "compute " VIEWPEEL_SCENES
@@ -147,9 +148,9 @@ TEST_F(Fault, LackOfDeviceMemoryIsAClearError) {
                     {"cannot allocate", "try a smaller"});
 }
 
-// Devices have less and less memory: enough for the plan; for smaller batches; for still smaller ones, once the lists
-// of tiles grow, as sheets above one another make them; and not for one direction. What is computed has the same
-// bits.
+// The device's memory shrinks from run to run. It holds the planned batches, then only smaller ones, then still smaller
+// ones once the lists of tiles grow, and at last not even one direction. Sheets above one another make the lists long.
+// Every run that ends writes the same bytes.
 TEST_F(Fault, LackOfDeviceMemoryMakesBatchesSmaller) {
   const std::string options =
       "compute --engine compute " + writeSheets() +
@@ -158,7 +159,7 @@ TEST_F(Fault, LackOfDeviceMemoryMakesBatchesSmaller) {
   ASSERT_EQ(run(options, withFault("")).status, 0);
   const std::string whole = readFile(file("a.csv"));
   int as_planned = 0, smaller = 0, smaller_later = 0, refused = 0;
-  // The 32 MiB in which counters are read back come on top: they are there before batches.
+  // The 32 MiB buffer in which counters are read back is added, for it exists before any batch.
   for (double mib = 20; mib > 0.3; mib = mib / 1.5 - 0.1) {
     fs::remove(file("a.csv"));
     const Result result = run(options, withFault(fmt::format("space:{}", int((32 + mib) * 1024))));
@@ -181,7 +182,8 @@ TEST_F(Fault, LackOfDeviceMemoryMakesBatchesSmaller) {
   EXPECT_GT(refused, 0);
 }
 
-// Devices that address shorter and shorter lists do the same: that too depends on the batch.
+// The number of texels that a device can address shrinks from run to run. Batches shrink as well, for the length of
+// lists depends on the batch.
 TEST_F(Fault, ListsTooLongToAddressMakeBatchesSmaller) {
   const std::string options =
       "compute --engine compute " + writeSheets() +
@@ -212,7 +214,8 @@ TEST_F(Fault, ListsTooLongToAddressMakeBatchesSmaller) {
   EXPECT_GT(refused, 0);
 }
 
-// A signal ends whatever goes on: a scene being read, a plan, unoccluded form factors, one long batch of either engine.
+// A signal ends the program within two seconds while it reads a scene, plans, integrates unoccluded form factors, or
+// counts one long batch of any engine.
 TEST_F(Fault, SignalEndsALargeRunWithinTwoSeconds) {
   const std::string large = "compute " + writeLargeScene(100'000) + " --quiet ";
   const std::pair<std::string, double> runs[] = {
@@ -232,13 +235,14 @@ TEST_F(Fault, SignalEndsALargeRunWithinTwoSeconds) {
     running.send(SIGINT);
     EXPECT_EQ(running.wait(), 130) << options << readFile(file("messages"));
     EXPECT_LT(secondsSince(start), kSoon) << options;
-    // Before it stands, of so many squares at random heights, that some lie in one plane.
+    // Warnings may stand before this line: some of so many squares lie in one plane by chance.
     EXPECT_NE(readFile(file("messages")).find("viewpeel: stopped by SIGINT, "), std::string::npos)
         << readFile(file("messages"));
   }
 }
 
-// One batch takes longer than a signal may: what was counted before it is written by the time.
+// One batch here takes longer than a run may take to stop. The replicates counted before it are written within that
+// time.
 TEST_F(Fault, SignalInALongBatchKeepsTheReplicatesBefore) {
   const std::string options =
       "compute " + writeLargeScene(15'000) +
@@ -255,12 +259,13 @@ TEST_F(Fault, SignalInALongBatchKeepsTheReplicatesBefore) {
   EXPECT_EQ(readFile(file("a.csv")), readFile(file("b.csv")));
 }
 
-// The second of two runs with one checkpoint is refused, or told that its own is not kept, whichever came first;
-// nothing is mixed.
+// Two runs share one checkpoint. One of them is refused, or told that its checkpoint was not kept. The file never mixes
+// replicates of both.
 TEST_F(Fault, TwoRunsDoNotDisturbEachOther) {
   const std::string options = kSteady + "--checkpoint-seconds 0 --checkpoint " + file("a.h5") + " --replicates ";
   {
-    Running first(options + "60", file("first")), second(options + "60", file("second"));  // both find no file
+    Running first(options + "60", file("first")),
+        second(options + "60", file("second"));  // both start without a checkpoint
     const int a = first.wait(), b = second.wait();
     EXPECT_EQ(std::min(a, b), 0) << readFile(file("first")) << readFile(file("second"));
     EXPECT_GE(std::max(a, b), 1) << readFile(file("first")) << readFile(file("second"));
@@ -277,7 +282,7 @@ TEST_F(Fault, TwoRunsDoNotDisturbEachOther) {
     first.send(SIGTERM);
     EXPECT_EQ(first.wait(), 143);
   }
-  // Outputs are written as a whole: of two runs with one name for them the last remains.
+  // Each output is written whole: where two runs write one file, the later one's remains.
   Running first(kSteady + "-o " + file("a.csv"), file("first")),
       second(kSteady + "-o " + file("a.csv"), file("second"));
   EXPECT_EQ(first.wait(), 0);

@@ -1,4 +1,5 @@
-// Long runs lose nothing: the program is killed, interrupted, split, and ends with the same bytes.
+// Long runs lose no replicate: the program is killed or interrupted, goes on, and writes the bytes of an undisturbed
+// run.
 #include <random>
 
 #include <fmt/format.h>
@@ -13,7 +14,7 @@ const std::string kOffice = "compute " VIEWPEEL_SCENES "/office.obj --quiet --by
 
 class LongRun : public Program {};
 
-// Kills fall at random within a replicate, a write of the checkpoint, or the start of the program.
+// These tests kill the program at random times: within a replicate, while it writes the checkpoint, or while it starts.
 class KilledRun : public LongRun, public testing::WithParamInterface<const char*> {};
 
 INSTANTIATE_TEST_SUITE_P(LongRun, KilledRun, testing::Values("off", "on"),
@@ -36,20 +37,21 @@ TEST_P(KilledRun, AnywhereAndResumedIsTheSameRun) {
   while (kills < 7) {
     const std::string old = readFile(file("a.h5"));
     Running running(resumed, file("messages"));
-    // Every third at any time after its start; the others after a replicate, so that the run gets on.
+    // Every third kill comes at any time after the start. The others wait for a new checkpoint, so that the run gets
+    // on.
     if (kills % 3 == 2) waitFor(std::uniform_real_distribution(0.0, 0.4)(random));
     else waitForCheckpoint(running, old);
     waitFor(std::uniform_real_distribution(0.0, 0.15)(random));
     if (running.hasEnded()) break;
     running.send(SIGKILL);
     const int status = running.wait();
-    if (status == 0) break;  // done before the signal came
+    if (status == 0) break;  // the run ended before the signal came
     EXPECT_EQ(status, -SIGKILL);
     ++kills;
     EXPECT_FALSE(fs::exists(file("a.csv")));
   }
   EXPECT_GE(kills, 2);
-  EXPECT_EQ(replicatesOf("a.h5").find("0 to "), 0u) << replicatesOf("a.h5");  // there was something to go on with
+  EXPECT_EQ(replicatesOf("a.h5").find("0 to "), 0u) << replicatesOf("a.h5");  // the killed runs kept a checkpoint
   const Result last = run(resumed);
   EXPECT_EQ(last.status, 0) << last.output;
   EXPECT_EQ(replicatesOf("a.h5"), "0 to 39");
@@ -57,7 +59,7 @@ TEST_P(KilledRun, AnywhereAndResumedIsTheSameRun) {
   EXPECT_EQ(readFile(file("a.h5")), readFile(file("whole.h5")));
 }
 
-// A replicate takes minutes here: the program does not wait for its end.
+// A replicate takes minutes here. The program stops within seconds all the same.
 TEST_F(LongRun, SignalsStopItWithinSeconds) {
   for (const auto& [signal, name] :
        {std::pair(SIGINT, "SIGINT"), std::pair(SIGTERM, "SIGTERM"), std::pair(SIGHUP, "SIGHUP")}) {
@@ -91,7 +93,7 @@ TEST_F(LongRun, InterruptedIsWrittenAndResumed) {
               std::string::npos)
         << messages;
     EXPECT_EQ(std::count(messages.begin(), messages.end(), '\n'), 1) << messages;
-    // The results are as of as many replicates in one run.
+    // The results equal those of one run with as many replicates.
     EXPECT_EQ(run("merge --quiet " + file(engine + ".h5") + " -o " + file("merged.csv")).status, 0);
     EXPECT_EQ(readFile(file("a.csv")), readFile(file("merged.csv")));
     const std::string replicates = replicatesOf(engine + ".h5");
@@ -104,7 +106,8 @@ TEST_F(LongRun, InterruptedIsWrittenAndResumed) {
   }
 }
 
-// Slurm warns of a job's end by SIGUSR1. The run writes what there is and goes on to the same bytes.
+// Slurm announces the end of a job by SIGUSR1. The run then writes the results so far, goes on, and ends with the bytes
+// of an undisturbed run.
 TEST_F(LongRun, ResultsAreWrittenOnRequestAndTheRunGoesOn) {
   const std::string options = kOffice + "--directions 20 --replicates 400 ";
   ASSERT_EQ(run(options + "-o " + file("whole.csv")).status, 0);
@@ -124,7 +127,7 @@ TEST_F(LongRun, ResultsAreWrittenOnRequestAndTheRunGoesOn) {
   EXPECT_EQ(readFile(file("a.csv")), readFile(file("whole.csv")));
 }
 
-// A run under nohup outlives its terminal.
+// A run under nohup ignores the hang-up signal of its terminal.
 TEST_F(LongRun, AnIgnoredHangUpStaysIgnored) {
   Running running(kOffice + "--directions 20 --replicates 300 -o " + file("a.csv") + " --checkpoint-seconds 0 " +
                       "--checkpoint " + file("a.h5"),
@@ -135,8 +138,8 @@ TEST_F(LongRun, AnIgnoredHangUpStaysIgnored) {
   EXPECT_TRUE(fs::exists(file("a.csv")));
 }
 
-// What a plan chose from measured times is kept with the checkpoint: the rest of the run is that plan's, whatever
-// another plan would be. Lines of pairs are planned without times, and kept as well.
+// A plan depends on measured times, so a second plan may differ. The checkpoint keeps the plan, and the resumed run
+// follows it. The plan of pair lines does not depend on times, and is kept as well.
 TEST_F(LongRun, PlansAndGuaranteesAreGoneOnWith) {
   const std::pair<std::string, std::vector<std::string>> runs[] = {
       {kOffice + "--tolerance 2e-3 ", {"--pair-lines"}},
@@ -167,7 +170,7 @@ TEST_F(LongRun, PlansAndGuaranteesAreGoneOnWith) {
   }
 }
 
-// One line, status 2, and the file stays what it was.
+// A checkpoint that does not fit is refused in one line with status 2, and the file does not change.
 TEST_F(LongRun, WrongCheckpointsAreRefused) {
   std::ofstream(file("scene.obj"))
       << "o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no b\nv 0 0 1\nv 0 1 1\nv 1 0 1\nf 4 5 6\n";
@@ -219,7 +222,7 @@ TEST_F(LongRun, WrongCheckpointsAreRefused) {
     EXPECT_EQ(std::count(r.output.begin(), r.output.end(), '\n'), 1) << arguments << "\n" << r.output;
     EXPECT_EQ(r.output.find("viewpeel: "), 0u) << r.output;
   }
-  // Before anything is planned: a plan for another goal would take its time first.
+  // The refusal comes before the plan: a plan for another goal would take its time first.
   for (const char* other : {"--seed 2", "--two-sided", "--epsilon 0.5 --pair-lines off"}) {
     const Result r = run("compute " + file("scene.obj") + " --resume --checkpoint " + file("planned.h5") + " " + other);
     EXPECT_EQ(r.status, 2) << r.output;
@@ -229,12 +232,13 @@ TEST_F(LongRun, WrongCheckpointsAreRefused) {
   EXPECT_EQ(readFile(file("a.h5")), before);
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()),
             8);  // two scenes, six checkpoints, and no leftovers
-  // The same options do go on.
+  // With the same options the run goes on.
   EXPECT_EQ(run(scene + " --resume --replicates 10").status, 0);
   EXPECT_EQ(replicatesOf("a.h5"), "0 to 9");
 }
 
-// Files may grow to 40 x 512 bytes only: the old checkpoint stays, the results are written, and the status tells.
+// No file may grow beyond 40 x 512 bytes here. The old checkpoint stays, the results are written, and the exit status
+// is 1.
 TEST_F(LongRun, FullDiskCostsTheCheckpointAlone) {
   const std::string options = "compute " VIEWPEEL_SCENES
                               "/office.obj --by surface --quiet --engine exact --directions 5 --checkpoint " +

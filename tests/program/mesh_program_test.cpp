@@ -1,4 +1,4 @@
-// The program reports faults in users' meshes on stderr, and rows keep their numbers.
+// The program reports faults of a mesh on stderr, and the numbers of rows stay those of the file.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -15,7 +15,8 @@ std::string facet(const std::string& a, const std::string& b, const std::string&
   return kFacet + a + "\nvertex " + b + "\nvertex " + c + "\nendloop\nendfacet\n";
 }
 
-// Rows and columns of the matrix are the file's facets, with and without a checkpoint between.
+// Rows and columns of the matrix are the facets of the file, also where one has no area and where results come from a
+// checkpoint.
 TEST_F(Program, AFacetWithoutAreaHasAnEmptyRow) {
   const std::string lower = facet("0 0 0", "1 0 0", "1 1 0"), upper = facet("0 0 1", "1 1 1", "1 0 1"),
                     gone = facet("0 0 0", "0.5 0.5 0", "1 1 0");
@@ -54,7 +55,7 @@ TEST_F(Program, NamesThatCollideAreSaidInOneLine) {
                 ":9: a surface is called 'a[1]', as face 1 of surface 'a' is in the results; rename one of the two\n");
 }
 
-// About scenes that nothing is wrong with there is not a word.
+// The program prints no warning about scenes without faults.
 TEST_F(Program, CleanScenesAreQuiet) {
   for (const char* scene : {"office", "street", "cube", "plates"})
     EXPECT_EQ(run(std::string("compute " VIEWPEEL_SCENES "/") + scene +
@@ -64,14 +65,14 @@ TEST_F(Program, CleanScenesAreQuiet) {
         << scene;
 }
 
-// Writes a room of unit walls, fronts inward: v, then w, e, s, n, floor, ceiling.
+// Returns a room of six unit squares whose fronts look inward, in .obj format: 8 corners, 6 surfaces, then `more`.
 std::string roomWith(const std::string& more, const std::string& west = "1 2 3 4") {
   return "v 0 0 0\nv 0 1 0\nv 0 1 1\nv 0 0 1\nv 1 0 0\nv 1 1 0\nv 1 1 1\nv 1 0 1\no west\nf " + west +
          "\no east\nf 5 8 7 6\no south\nf 1 4 8 5\no north\nf 2 6 7 3\no floor\nf 1 5 6 2\no ceiling\nf 4 3 7 8\n" +
          more;
 }
 
-// Writes a box without a bottom, fronts outward.
+// Returns a box without a bottom whose fronts look outward. Its corners are numbers 9 to 16.
 std::string boxFrom(const std::string& bottom) {
   const std::string low = " " + bottom + "\n", high = " 0.5\n";
   return "v 0.3 0.3" + low + "v 0.7 0.3" + low + "v 0.7 0.7" + low + "v 0.3 0.7" + low + "v 0.3 0.3" + high +
@@ -79,14 +80,14 @@ std::string boxFrom(const std::string& bottom) {
          "o box\nf 9 10 14 13\nf 10 11 15 14\nf 11 12 16 15\nf 12 9 13 16\nf 13 14 15 16\n";
 }
 
-// Where lines end on backs the program says whose, why, and what mends it; as it said, it is mended.
+// Where lines end on backs the program names the surfaces, the cause and the remedy. With this remedy the leak is gone.
 TEST_F(Program, LeaksAreExplainedAndMended) {
   const std::string bottom = "f 12 11 10 9\n";
   struct Case {
     const char* name;
     std::string text;
     std::vector<const char*> messages;
-    const char* remedy;  // an option, where one mends it
+    const char* remedy;  // the option that mends it; empty where there is none
   };
   const Case cases[] = {
       {"clean", roomWith(boxFrom("0") + bottom), {}, ""},
@@ -128,7 +129,8 @@ TEST_F(Program, LeaksAreExplainedAndMended) {
   }
 }
 
-// A box as CAD exports it has no wall that sees another one, until it is turned. A room stays a room.
+// CAD programs export a room as a box whose fronts look outward, so that no wall sees another one. --fix-normals turns
+// it. A room whose fronts look inward is left as it is.
 TEST_F(Program, ABoxWithItsNormalsOutwardIsSaidAndTurned) {
   std::ofstream(file("in.obj")) << roomWith("");
   std::ofstream(file("out.obj"))
@@ -157,8 +159,8 @@ TEST_F(Program, ABoxWithItsNormalsOutwardIsSaidAndTurned) {
                 " has no surface or face 'wall'; name one of them, as desk or desk[3]\n");
 }
 
-// `check` says before anything is computed which surface is flipped and who sees its back; checkpoints keep the
-// options.
+// `check` names the flipped surface and the surfaces that see its back, before it counts. Checkpoints keep --flip: a
+// run without it may not go on from them.
 TEST_F(Program, CheckNamesFlippedSurfacesAndCheckpointsKeepFlips) {
   std::ofstream(file("flipped.obj")) << roomWith("", "4 3 2 1");
   const std::string check = "check --engine host --directions 2 --lattices 8 --resolution 16 ";
@@ -178,14 +180,14 @@ TEST_F(Program, CheckNamesFlippedSurfacesAndCheckpointsKeepFlips) {
   EXPECT_EQ(readFile(file("m.csv")).find("leak"), std::string::npos);
 }
 
-// The room's floor is two tiles; the second one goes on under the first, 0.2 wide.
+// The floor of the room is two tiles. The second one goes on under the first for 0.2.
 std::string roomOnTiles() {
   return "v 0 0 0\nv 0 1 0\nv 0 1 1\nv 0 0 1\nv 1 0 0\nv 1 1 0\nv 1 1 1\nv 1 0 1\no west\nf 1 2 3 4\no east\nf 5 8 7 6"
          "\no south\nf 1 4 8 5\no north\nf 2 6 7 3\no ceiling\nf 4 3 7 8\n"
          "v 0.6 0 0\nv 0.6 1 0\nv 0.4 0 0\nv 0.4 1 0\no first\nf 1 9 10 2\no second\nf 11 5 6 12\n";
 }
 
-// The largest difference of a row of the .csv file's form factors from 1, environment and leak included.
+// Returns the largest difference between a row's sum in the .csv file and 1, environment and leak included.
 double worstRow(const std::string& csv) {
   std::istringstream lines(csv);
   std::string line;
@@ -200,15 +202,16 @@ double worstRow(const std::string& csv) {
   return worst;
 }
 
-// Returns the error that the summary states of the row that is farthest off.
+// Returns the standard error that the summary states for the row whose sum is farthest from 1.
 double statedRowError(const std::string& summary) {
   const size_t at = summary.find("+- ", summary.find("closure    row sums differ from 1"));
   return at == std::string::npos ? 0 : std::stod(summary.substr(at + 3));
 }
 
-// Rows add up at a loose goal and at one for which pairs get directions of their own. Of 8 replicates a row is beyond 8
-// standard errors in 1 of 10,000 cases; there are 70 here, and the seeds are fixed. Where directions decided which tile
-// a line counts for, rows were off by 12 to 144 of them at the finer goal.
+// Rows add up to 1 at a loose goal, and at a finer goal for which some pairs get directions of their own. With 8
+// replicates a row differs by more than 8 standard errors in 1 of 10,000 cases. There are 70 rows, and the seeds are
+// fixed. An older rule chose by direction which tile a line counts for. Rows then differed by 12 to 144 standard errors
+// at the finer goal.
 TEST_F(Program, RowsOfOverlappingTilesAddUp) {
   std::ofstream(file("tiles.obj")) << roomOnTiles();
   int directed = 0;
@@ -225,7 +228,7 @@ TEST_F(Program, RowsOfOverlappingTilesAddUp) {
       EXPECT_GT(allowed, 0) << r.output;
       EXPECT_LT(allowed, 0.03) << r.output;
       EXPECT_LE(worstRow(csv), allowed) << "tolerance " << goal << ", seed " << seed << "\n" << r.output;
-      // A tile without one of its walls is noticed.
+      // Negative control: a row that lacks one entry is farther from 1 than is allowed.
       const size_t line = csv.find("first,west,");
       ASSERT_NE(line, std::string::npos);
       EXPECT_GT(worstRow(csv.substr(0, line) + csv.substr(csv.find('\n', line) + 1)), allowed);

@@ -16,13 +16,13 @@ struct Box {
   bool inward = false;
 };
 
-// The six faces of a box, in the order x0, x1, y0, y1, z0, z1.
+// Writes the six faces of a box, in the order x0, x1, y0, y1, z0, z1. A face with an empty name is left out.
 void addBox(std::ostream& obj, int& corners, const std::array<std::string, 6>& names, const Box& box) {
   for (int k = 0; k < 8; ++k)
     obj << fmt::format("v {} {} {}\n", k & 1 ? box.high[0] : box.low[0], k & 2 ? box.high[1] : box.low[1],
                        k & 4 ? box.high[2] : box.low[2]);
   const int faces[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},
-                           {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};  // outward
+                           {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};  // fronts look outward
   for (int f = 0; f < 6; ++f) {
     if (names[f].empty()) continue;
     obj << "o " << names[f] << "\nf";
@@ -42,7 +42,7 @@ const std::array<std::string, 6> kRoom = {"west", "east", "south", "north", "flo
 
 bool isOpen(const std::string& scene) { return scene == "plates" || scene == "sliver"; }
 
-// Returns whether a guarantee is by pair lines: nothing asks for directions.
+// Returns whether pair lines give the guarantee. They do unless an option asks for directions.
 bool isByLines(const Choices& run) {
   return has(run, "goal", "--epsilon 0.2") && choiceOf(run, "sampler").empty() && choiceOf(run, "sampling").empty() &&
          choiceOf(run, "unoccluded").empty() && !has(run, "engine", "exact");
@@ -50,7 +50,7 @@ bool isByLines(const Choices& run) {
 
 struct Contradiction {
   std::function<bool(const Choices&)> holds;
-  std::string says;  // a part of the line, which names what to change
+  std::string says;  // a part of the message, which names the option to change
 };
 
 const std::vector<Contradiction> kContradictions = {

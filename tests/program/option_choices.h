@@ -1,5 +1,5 @@
-// Lists options and scenes of option_pairs_test, and which choices contradict each other; makes runs of all pairs of
-// choices.
+// These are the options and scenes of option_pairs_test, the contradictions between options, and the runs that cover
+// all pairs of choices.
 #pragma once
 #include <cstddef>
 #include <string>
@@ -7,22 +7,23 @@
 
 namespace viewpeel {
 
-// The first choice of every option contradicts no choice of another.
+// An axis is an option with its choices. The first choice contradicts no choice of another axis.
 struct Axis {
   std::string name;
   std::vector<std::string> choices;
 };
 
 extern const std::vector<Axis> kAxes;
-constexpr size_t kOfCompute = 4;  // the last, which `plan` does not have
+constexpr size_t kOfCompute = 4;  // number of axes, the last ones, that `plan` does not have
 
-using Choices = std::vector<size_t>;  // a choice of every axis
+using Choices = std::vector<size_t>;  // for each axis the index of its choice
 
-// Returns the choice of an axis by its name, and whether it has this part.
+// choiceOf returns the choice of the axis with this name. has says whether that choice contains `part`.
 const std::string& choiceOf(const Choices& run, const std::string& axis);
 bool has(const Choices& run, const std::string& axis, const std::string& part);
 
-// Returns a part of each line that may refuse the run, for it contradicts itself: none for most.
+// Returns the messages, in part, by one of which the program may refuse the run. The list is empty where no options
+// contradict each other.
 std::vector<std::string> refusalsOf(const Choices& run);
 
 struct Pair {
@@ -30,8 +31,8 @@ struct Pair {
   auto operator<=>(const Pair&) const = default;
 };
 
-// Returns runs of the first `axes` axes. Runs without contradictions hold every pair of choices which has such a run;
-// every other pair has one run.
+// Returns runs of the first `axes` axes that cover all pairs of choices. A pair lies in a run without contradictions if
+// there is such a run. Every other pair has one run to itself.
 std::vector<Choices> coverPairs(size_t axes);
 
 // Returns the text of an .obj file.    In: name: a choice of the axis `scene`

@@ -1,10 +1,9 @@
-// Options are tested in pairs: any two values of two options meet in some run, on scenes as users have them.
+// Options are tested in pairs: any two values of two options occur together in some run, on scenes like those of users.
 //
 // Runs are the rows of a covering array, which a greedy search makes (Cohen, Dalal, Fredman, Patton, IEEE Transactions
-// on Software Engineering 23 (7), 1997). A run ends with status 0, and then its form factors are the scene's
-// within their stated error; or with status 2 and one line on stderr, where its options contradict each other in one of
-// the ways that option_choices.cpp lists. Nothing else is allowed: no signal, no other status, no refusal that is not
-// listed.
+// on Software Engineering 23 (7), 1997). A run may end with status 0, and then its form factors are the scene's within
+// their stated error. It may end with status 2 and one line on stderr, where its options contradict each other in a way
+// that option_choices.cpp lists. No signal, other status or other refusal is allowed.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -43,22 +42,24 @@ Matrix readCsv(const std::string& text) {
   return matrix;
 }
 
-// Stated says how far a run's errors may go by its own words.
+// Stated holds the largest errors that a run allows itself.
 struct Stated {
-  double quantile = 0;          // standard errors that an error exceeds with probability kFalseAlarm at most
-  std::optional<double> bound;  // of a guarantee
+  double quantile = 0;          // an error exceeds so many standard errors with probability kFalseAlarm at most
+  std::optional<double> bound;  // on every form factor, where the run gives a guarantee
 };
 
-// Some 10,000 form factors and row sums are looked at in all: one run of these tests in 1,000 raises a false alarm.
+// All runs together compare some 10,000 form factors and row sums, so that one run of these tests in 1,000 raises a
+// false alarm.
 constexpr double kFalseAlarm = 1e-7;
-constexpr double kRounding = 1e-9;  // of sums of a hundred, and of lattices snapped to 2^-15 of a spacing
+constexpr double kRounding = 1e-9;  // of a sum of 100 entries, and of corners snapped to 2^-15 of a spacing
 
 double studentQuantile(uint64_t replicates) {
   return boost::math::quantile(
       boost::math::complement(boost::math::students_t(double(replicates) - 1), kFalseAlarm / 2));
 }
 
-// Returns the requested form factors that differ from the truth by more than is stated.
+// Returns a line for each form factor that differs from the truth by more than `stated` allows, and for each that was
+// not requested.
 std::vector<std::string> findDifferences(
     const Matrix& found, const Matrix& truth, const Stated& stated,
     const std::function<bool(const std::string&, const std::string&)>& is_requested) {
@@ -82,7 +83,8 @@ std::vector<std::string> findDifferences(
   return differences;
 }
 
-// Returns rows that do not add up to 1 within the errors of their form factors, which may all err together.
+// Returns a line for each row whose sum differs from 1 by more than the sum of its entries' allowed errors, which may
+// all have one sign.
 std::vector<std::string> findOpenRows(const Matrix& found, const Stated& stated) {
   std::map<std::string, Entry> rows;
   for (const auto& [pair, entry] : found) {
@@ -117,8 +119,8 @@ class OptionPairs : public Program {
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, readFile(file("out")), readFile(file("err"))};
   }
 
-  // The truth is the exact engine's, which shares neither lattice nor shaders with the others. Checked against closed
-  // forms by TruthEqualsTheClosedForm.
+  // Returns the exact engine's form factors. The exact engine shares neither lattice nor shaders with the other
+  // engines. The test TruthEqualsTheClosedForm checks it against closed forms.
   const Matrix& truthOf(const std::string& scene, bool by_surface, bool two_sided) {
     const auto [at, is_new] = truths_.try_emplace({scene, by_surface, two_sided});
     if (!is_new) return at->second;
@@ -182,7 +184,7 @@ class OptionPairs : public Program {
     checkErrors(run, found, r.out);
   }
 
-  // Values and row names are as in the .csv file.
+  // The .mtx file has the values and row names of the .csv file.
   void checkMatrix(const std::string& text, const Matrix& found) {
     std::istringstream in(text);
     std::vector<std::string> names;
@@ -217,7 +219,7 @@ class OptionPairs : public Program {
     if (has(run, "goal", "--epsilon 0.5")) stated.bound = 0.5;
     if (has(run, "goal", "--seconds")) {
       const std::optional<uint64_t> replicates = replicatesIn(out);
-      if (!replicates) return;  // --quiet: nobody says how many there were
+      if (!replicates) return;  // --quiet hides the number of replicates
       stated.quantile = std::max(stated.quantile, studentQuantile(*replicates));
     }
     const Matrix& truth = truthOf(choiceOf(run, "scene"), has(run, "by", "surface"), has(run, "sides", "two"));
@@ -266,7 +268,8 @@ TEST_F(OptionPairs, WithARelativeError) { checkGoal("--relative"); }
 TEST_F(OptionPairs, WithATime) { checkGoal("--seconds"); }
 TEST_F(OptionPairs, WithAGuarantee) { checkGoal("--epsilon"); }
 
-// Tries more than pairs, for whoever changes options: five minutes. Run it with --gtest_also_run_disabled_tests.
+// Tries random combinations of options, for whoever changes options. It takes five minutes. Run it with
+// --gtest_also_run_disabled_tests.
 TEST_F(OptionPairs, DISABLED_AtRandom) {
   std::mt19937 random(1);
   for (int count = 0; count < 600;) {
@@ -287,8 +290,8 @@ TEST_F(OptionPairs, OfAPlan) {
   }
 }
 
-// What runs are compared with has the closed forms that are known: opposite and adjacent faces of a cube (Howell, C-11
-// and C-14), and a wall that nothing passes.
+// The exact engine, which all runs are compared with, agrees with closed forms: of opposite and adjacent faces of a
+// cube (Howell, C-11 and C-14), and of a wall that no line passes.
 TEST_F(OptionPairs, TruthEqualsTheClosedForm) {
   const double opposite = 0.199824895698, adjacent = (1 - opposite) / 4;
   for (const std::string scene : {"cube", "junctions", "plates"}) {
@@ -306,8 +309,8 @@ TEST_F(OptionPairs, TruthEqualsTheClosedForm) {
   EXPECT_FALSE(truthOf("wall", false, false).contains({"partition_west", "east"}));
 }
 
-// The comparison finds what is wrong: a form factor off by 0.05, one that is missing, one too many, and a row that was
-// scaled.
+// Negative controls: the comparison finds a form factor that is off by 0.05, a missing one, one too many, and a row
+// whose sum is off.
 TEST_F(OptionPairs, WrongFormFactorsAreFound) {
   const Matrix truth = truthOf("box", false, false);
   const Stated stated{studentQuantile(16), {}};

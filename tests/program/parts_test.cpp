@@ -1,4 +1,4 @@
-// A run may be split into parts, on one machine or several. `merge` makes the bytes of one run of them.
+// A run may be split into parts, on one machine or several. `merge` turns the parts into the bytes of one whole run.
 #include <fmt/format.h>
 
 #include "tests/support/running.h"
@@ -43,15 +43,15 @@ TEST_P(PartsOfARun, MergeToOneRun) {
           << kind << " of " << order;
     }
   }
-  // A run goes on from merged replicates 0 to 5, and ends with the bytes of a run without parts.
+  // A run goes on from the merged replicates 0 to 5, and ends with the bytes of a run without parts.
   EXPECT_EQ(run("merge --quiet " + file("p2.h5") + " " + file("p0.h5") + " --checkpoint " + file("q.h5")).status, 0);
   EXPECT_EQ(run(options + "--replicates 12 --resume --checkpoint " + file("q.h5") + " -o " + file("q.csv")).status, 0);
   EXPECT_EQ(run(options + "--replicates 12 -o " + file("r.csv")).status, 0);
   EXPECT_EQ(readFile(file("q.csv")), readFile(file("r.csv")));
 }
 
-// A pair with directions of its own has the same bits whatever the batches, and whether the run is whole or in parts.
-// Parts with the same goal choose the same pairs.
+// A pair with directions of its own has the same bits for every batch size, and in one run or in parts. Parts with the
+// same goal choose the same pairs; parts with another goal are refused.
 TEST_F(Parts, DirectedPairsGoOnAndMerge) {
   const std::string all = "compute " VIEWPEEL_SCENES
                           "/past_edge.obj --directions 512 --resolution 64 --unoccluded on --floor 1e-4 ",
@@ -77,7 +77,7 @@ TEST_F(Parts, DirectedPairsGoOnAndMerge) {
   EXPECT_NE(refused.output.find("give all parts of a run the same goal"), std::string::npos) << refused.output;
 }
 
-// Parts never overlap, whatever the goal. Merged they have the bits of one run.
+// A part counts exactly its replicates, whatever the goal. Merged parts have the bits of one run.
 TEST_F(Parts, PartsCountExactlyTheirReplicates) {
   const std::string directions = kOffice + "--directions 30 ";
   ASSERT_EQ(run(directions + "--replicates 9 -o " + file("whole.csv")).status, 0);
@@ -91,7 +91,7 @@ TEST_F(Parts, PartsCountExactlyTheirReplicates) {
   ASSERT_EQ(run("merge --quiet" + inputs + " -o " + file("merged.csv")).status, 0);
   EXPECT_EQ(readFile(file("merged.csv")), readFile(file("whole.csv")));
 
-  // A goal out of reach adds no replicates to a part: neither by common directions nor by pair lines.
+  // A goal out of reach adds no replicates to a part, with common directions or with pair lines.
   for (const std::string method : {"--pair-lines off", "--pair-lines on"}) {
     const std::string goal = "compute " VIEWPEEL_SCENES "/cube.obj --two-sided --quiet --tolerance 1e-5 " + method;
     const std::string first = goal + " --replicates 3 --part 1/2 --checkpoint " + file("a.h5"),
@@ -111,8 +111,9 @@ TEST_F(Parts, PartsCountExactlyTheirReplicates) {
   }
 }
 
-// A checkpoint of this many polygons leaves out the unoccluded form factors of pairs that few lines hit. `merge`
-// computes them again from the scene. Without the scene it samples these pairs alone, and warns.
+// This scene has so many polygons that its checkpoint leaves out the unoccluded form factors of pairs that few lines
+// met. `merge` computes them again from the scene. Without the scene it takes the plain counts of these pairs, and
+// warns.
 TEST_F(Parts, PartsOfManyPolygonsMergeWithTheirScene) {
   constexpr int kCuts = 54;
   const auto writeScene = [&](const std::string& name, double height) {

@@ -1,4 +1,4 @@
-// Tests the program as a user meets it: exit status, messages, files.
+// These tests run the program as users do, and check its exit status, messages and files.
 #include <map>
 
 #include "tests/support/program.h"
@@ -31,7 +31,7 @@ TEST_F(Program, SameSeedSameFileWhateverBatchAndThreads) {
   EXPECT_NE(readFile(file("a.csv")), readFile(file("c.csv")));
 }
 
-// A polygon that no line met is told from one that sees nothing.
+// The summary distinguishes a polygon that no line met from one that sees no other polygon.
 TEST_F(Program, UnmetRowsAreNamed) {
   std::ofstream(file("speck.obj")) << "o floor\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no speck\nv 0.3 0.3 1\nv 0.3 "
                                       "0.30001 1\nv 0.30001 0.3 1\nf 4 5 6\n";
@@ -42,7 +42,8 @@ TEST_F(Program, UnmetRowsAreNamed) {
             std::string::npos);
 }
 
-// No form factor is looked at by --relative: that is said, not taken for success in silence.
+// Where no form factor reaches --floor, --relative has nothing to judge. The program says so and does not report
+// success.
 TEST_F(Program, AFloorThatNothingReachesIsSaid) {
   const std::string plates =
       "compute " VIEWPEEL_SCENES "/plates.obj --directions 20 --resolution 16 --quiet --relative 0.5 --floor ";
@@ -50,7 +51,7 @@ TEST_F(Program, AFloorThatNothingReachesIsSaid) {
   EXPECT_EQ(run(plates + "0.1").output, "");
 }
 
-// Time is said of every plan, and what its goal takes where its replicates do not do.
+// Every plan states its time, and where its replicates do not reach the goal also the time that the goal takes.
 TEST_F(Program, PlansSayWhatARunTakes) {
   const std::string plates = "plan " VIEWPEEL_SCENES "/plates.obj ";
   for (const char* options : {"--engine exact", "--directions 10 --resolution 16", "--directions 10 --pair lower upper",
@@ -70,8 +71,8 @@ TEST_F(Program, PlansSayWhatARunTakes) {
   EXPECT_EQ(run(plates + "--tolerance 0.1").output.find("takes about"), std::string::npos);
 }
 
-// The oldest published case with a wall without thickness (FACET, UCID-19887, 1983): its two sides are a sheet unless
-// the user says otherwise.
+// This is the oldest published case with a wall without thickness (FACET, UCID-19887, 1983). Its two sides are a sheet
+// unless the user says otherwise.
 TEST_F(Program, TwoSidesOfAWallDoNotSeeEachOther) {
   std::ofstream(file("facet.obj"))
       << "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
@@ -95,7 +96,7 @@ TEST_F(Program, TwoSidesOfAWallDoNotSeeEachOther) {
   EXPECT_NE(wrong.output.find("has no surface 's9'"), std::string::npos) << wrong.output;
 }
 
-// The plan looks at surfaces as the run does: ids of 576 faces in arrays of 18 surfaces crashed it.
+// The plan works by surface as the run does. It once crashed here, with ids of 576 faces in arrays of 18 surfaces.
 TEST_F(Program, PlansUnoccludedFormFactorsBySurface) {
   const std::string office = " " VIEWPEEL_SCENES "/office.obj --by surface --tolerance 2e-4";
   for (const char* command : {"plan", "compute --quiet"}) {
@@ -110,7 +111,7 @@ TEST_F(Program, QuietPrintsNothing) {
   EXPECT_EQ(r.output, "");
 }
 
-// Wrong usage and wrong input: status 2, one line, and it says what to do.
+// Wrong usage and wrong input end with status 2 and one line, which names the remedy.
 TEST_F(Program, BadUsageAndInputEndWithOneLineAndStatus2) {
   std::ofstream(file("broken.obj")) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n";
   std::ofstream(file("taken.obj")) << "o environment\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
@@ -149,7 +150,7 @@ TEST_F(Program, BadUsageAndInputEndWithOneLineAndStatus2) {
   }
 }
 
-// Row sums of the last column, by the first.
+// Returns for each row of the .csv file, by its first column, the sum of the last column.
 std::map<std::string, double> sumRows(const std::string& csv) {
   std::map<std::string, double> sums;
   std::istringstream in(csv);
@@ -178,19 +179,20 @@ TEST_F(Program, BalanceIsWrittenBesideWhatWasMeasured) {
   }
   const auto sums = sumRows(readFile(file("c.csv")));
   EXPECT_EQ(sums.size(), 576u);
-  for (const auto& [row, sum] : sums) EXPECT_NEAR(sum, 1, 1.1e-12) << row;  // kBalanceTolerance, and 576 roundings
+  for (const auto& [row, sum] : sums)
+    EXPECT_NEAR(sum, 1, 1.1e-12) << row;  // kBalanceTolerance, and rounding of 576 terms
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 5);
   const Result json = run("compute " VIEWPEEL_SCENES "/cube.obj --directions 20 --balance --json");
   EXPECT_NE(json.output.find("\"balanced\": {\"largest\": "), std::string::npos) << json.output;
 }
 
-// The scene is open: found after the computation, whose result is kept.
+// Options keep their names of older versions as aliases.
 TEST_F(Program, OlderNamesOfOptionsWork) {
   const std::string cube = "compute " VIEWPEEL_SCENES "/cube.obj --quiet --directions 20 --resolution 32 ";
   EXPECT_EQ(run(cube + "--unoccluded on --balance -o " + file("new.csv")).status, 0);
   EXPECT_EQ(run(cube + "--closed-forms on --closure -o " + file("old.csv")).status, 0);
   EXPECT_EQ(run(cube + "--unoccluded off --balance -o " + file("off.csv")).status, 0);
-  // A reader of the older version finds his column.
+  // With the older option the column has its older name.
   std::string renamed = readFile(file("new.csv"));
   const size_t column = renamed.find("balanced_form_factor\n");
   ASSERT_NE(column, std::string::npos);
@@ -215,7 +217,7 @@ TEST_F(Program, UnknownDeviceIsRefusedWithReasons) {
   EXPECT_NE(r.output.find("not asked for"), std::string::npos) << r.output;
 }
 
-// Where nothing but a Vulkan driver will do.
+// These options need a Vulkan driver.
 TEST_F(Program, NoDriverIsAClearError) {
   for (const char* options : {"--engine compute", "--engine graphics", "--device cpu"}) {
     const Result r = run(std::string("compute " VIEWPEEL_SCENES "/plates.obj --quiet ") + options,
@@ -233,7 +235,7 @@ TEST_F(Program, HostEngineComputesWithoutADevice) {
   EXPECT_EQ(readFile(file("planned.csv")).find("from,to,"), 0u);
 }
 
-// Engines are chosen for speed: what is counted is the same.
+// The host engine and the compute engine write the same bytes. They differ in speed only.
 TEST_F(Program, EnginesWriteTheSameFiles) {
   for (const char* options :
        {"--sampling lattice", "--sampling scanline", "--sampling scanline --resolution 32 --finest 512",
@@ -247,7 +249,8 @@ TEST_F(Program, EnginesWriteTheSameFiles) {
   }
 }
 
-// Pair lines are the same on a device: whole runs, parts that are merged, and runs that one begins and the other ends.
+// Pair lines drawn on a device have the bits of the processor's, in whole runs and in runs that one begins and the
+// other goes on with.
 TEST_F(Program, PairLinesAreTheSameOnADevice) {
   const std::string street = "compute " VIEWPEEL_SCENES
                              "/street.obj --quiet --tolerance 2e-2 --sampling lattice "
@@ -284,7 +287,7 @@ TEST_F(Program, CheckPassesOnAGoodScene) {
   EXPECT_EQ(json.output.find("{\n  \"passes\": true,"), 0u) << json.output;
 }
 
-// Polygons that pass through each other: `check` warns and fails, the exact engine refuses, both name the place.
+// Where polygons pass through each other `check` warns and fails, and the exact engine refuses. Both name the place.
 TEST_F(Program, InterpenetrationIsNamed) {
   std::ofstream(file("crossing.obj"))
       << "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 0.5 -1\nv 1 1.5 -1\nv 1 1.5 1\nv 1 0.5 1\n"

@@ -1,5 +1,5 @@
-// These tests run `viewpeel solve` as users type it. They check its answers, where the form factors come from, and what
-// it refuses in one line.
+// These tests run `viewpeel solve` as users type it. They check its answers, the sources of its form factors, and its
+// refusals in one line.
 #include <algorithm>
 #include <map>
 #include <sstream>
@@ -32,7 +32,7 @@ class SolveProgram : public Program {
     EXPECT_NE(r.output.find(part), std::string::npos) << r.output << "does not say " << part;
     EXPECT_EQ(std::count(r.output.begin(), r.output.end(), '\n'), 1) << r.output;
   }
-  // The fields of each row by the name in its first one.
+  // Returns the fields of each line after the first one, by the first field.
   static std::map<std::string, std::vector<std::string>> rowsOf(const std::string& text) {
     std::map<std::string, std::vector<std::string>> rows;
     std::istringstream in(text);
@@ -71,7 +71,7 @@ TEST_F(SolveProgram, TheOfficeBySurfaceAndByPolygon) {
   }
 }
 
-// The same form factors by compute and its checkpoint: the same bits.
+// The checkpoint of `compute` gives `solve` the same form factors, and so the same bits.
 TEST_F(SolveProgram, CheckpointsGiveTheSameAnswers) {
   const std::string materials = officeMaterials(), checkpoint = file("office.vpk");
   for (const std::string by : {"surface", "polygon"}) {

@@ -1,5 +1,5 @@
-// Guarantees by pair lines: intervals against integrals past blockers over many seeds and in scenes made to deceive,
-// what geometry alone proves, environment, and sums over surfaces.
+// Tests guarantees by pair lines. Intervals hold integrals past blockers, over many seeds and in scenes made to
+// deceive. Geometry alone proves some bounds. The environment and sums over surfaces have intervals too.
 #include <cmath>
 
 #include <glm/glm.hpp>
@@ -34,7 +34,7 @@ Request guaranteeOf(double epsilon, double delta, uint64_t seed = 1) {
 const rt::Corners kFloor = rt::rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}),
                   kCeiling = rt::rectangle({0, 0, 1}, {0, 1, 0}, {1, 0, 0});
 
-// Returns F from floor to ceiling past slats of one plane, whose shadows do not overlap.
+// Returns F from a to b past slats in one plane. Each slat takes away its own share, for their shadows do not overlap.
 double pastSlats(const rt::Corners& a, const rt::Corners& b, const std::vector<rt::Corners>& slats) {
   const double clear = reference::formFactorPastBlocker(a, b, rt::moved(slats[0], 1, {90, 0, 0})).value;
   double past = clear;
@@ -46,8 +46,9 @@ Result guarantee(const std::vector<rt::Corners>& faces, double epsilon, double d
   return computeFormFactors(sceneOf(faces), guaranteeOf(epsilon, delta, seed));
 }
 
-// Over 1,000 seeds at most delta of the runs fail: of a binomial law with that chance more than 3.9 standard deviations
-// above it happen once in 20,000. The control: intervals a fifth as wide, about the same values, fail far more often.
+// Of 1,000 runs with different seeds a share of at most delta may fail. A binomial count exceeds its mean by 3.9
+// standard deviations once in 20,000 tests. Negative control: intervals a fifth as wide about the same values fail far
+// more often.
 TEST(LineGuarantee, FailsNoMoreOftenThanItMay) {
   constexpr double kDelta = 0.2, kEpsilon = 0.05;
   constexpr int kSeeds = 1000;
@@ -78,7 +79,8 @@ TEST(LineGuarantee, FailsNoMoreOftenThanItMay) {
   EXPECT_GT(narrow_failures, most);
 }
 
-// Scenes in which evenly spread points are all wrong together, or a rule that stops early is caught.
+// In these scenes evenly spread points all err together (comb, slit), or a rule that stops early misses the blocker
+// (thin blocker, fin).
 TEST(LineGuarantee, HoldsWhereScenesDeceive) {
   std::vector<rt::Corners> comb, grid;
   constexpr int kSlats = 128;
@@ -102,7 +104,7 @@ TEST(LineGuarantee, HoldsWhereScenesDeceive) {
     std::vector<rt::Corners> faces{kFloor, second};
     faces.insert(faces.end(), blockers.begin(), blockers.end());
     for (uint64_t seed = 1; seed <= 5; ++seed) {
-      // 20 runs at 1e-4: one fails once in 500.
+      // Of 20 runs with delta = 1e-4 one fails by chance in one of 500 tests.
       const Result result = guarantee(faces, 5e-3, 1e-4, seed);
       const Interval interval = result.form_factors.interval(0, 1);
       EXPECT_LE(interval.lower, truth + 1e-6) << name;
@@ -139,7 +141,7 @@ TEST(LineGuarantee, GeometryAloneProvesWhatNothingBlocks) {
   EXPECT_EQ(cube.lines, 0u);
   EXPECT_LT(cube.guarantee->bound, 1e-5);
   EXPECT_NEAR(cube.form_factors.formFactor(0, 1).value, 0.2, 1e-3);
-  // With delta 0 intervals are those of geometry, however wide.
+  // With delta = 0 the intervals follow from geometry alone, however wide they are.
   const rt::Corners half = rt::rectangle({0.5, -1, 0.5}, {3, 0, 0}, {0, 3, 0});
   const Result certain = guarantee({kFloor, kCeiling, half}, 1e-3, 0);
   const double clear = reference::formFactorPastBlocker(kFloor, kCeiling, rt::moved(half, 1, {90, 0, 0})).value;
@@ -150,12 +152,12 @@ TEST(LineGuarantee, GeometryAloneProvesWhatNothingBlocks) {
   Request rows = guaranteeOf(1e-3, 0);
   std::get<EpsilonDelta>(rows.goal).rows = true;
   EXPECT_EQ(computeFormFactors(sceneOf({kFloor, kCeiling, half}), rows).guarantee->delta, 0);
-  // Geometry bounds all pairs to 0.5, but the environment's interval follows from lines.
+  // With epsilon = 0.5 geometry bounds all pairs, but the interval of the environment follows from lines.
   EXPECT_EQ(guarantee({kFloor, kCeiling, half}, 0.5, 0.01).guarantee->delta, 0.01);
 }
 
-// A box in a room of which one wall is open: environment from the whole row's lines, narrower than the sum of its
-// entries' intervals; with rows within epsilon.
+// One wall of a room with boxes is missing. The interval of the environment follows from all lines of its row. It holds
+// the truth, and is at most 2 epsilon wide where the request has `rows`.
 TEST(LineGuarantee, TheEnvironmentHasASeparateBound) {
   InputScene input = ts::roomWithTouchingBoxes();
   std::erase_if(input.faces, [&](const auto& face) { return &face == &input.faces.front(); });
@@ -176,7 +178,7 @@ TEST(LineGuarantee, TheEnvironmentHasASeparateBound) {
       if (!(expected.value > 0)) continue;
       sees_environment = true;
       const Interval interval = found.interval(i, kEnvironment);
-      // The reference is off by its goal at most but for a chance that the estimator's tests measure.
+      // The largest error of the reference is about its goal, 2e-4. The slack is five times this goal.
       EXPECT_LE(interval.lower, expected.value + 1e-3) << found.ids().names[i];
       EXPECT_GE(interval.upper, expected.value - 1e-3) << found.ids().names[i];
       EXPECT_LE(interval.upper - interval.lower, rows ? 2 * 0.02 + 1e-9 : 1) << found.ids().names[i];
@@ -203,7 +205,8 @@ TEST(LineGuarantee, SumsOverSurfacesHaveFewerLines) {
   }
 }
 
-// Slivers side by side: f has no useful bound and their form factor is tiny, so that hardly a candidate is a line.
+// Two slivers touch along an edge. Density f has no useful bound between them and their form factor is tiny, so that
+// nearly all candidates are rejected. The run ends all the same, and its intervals hold.
 TEST(LineGuarantee, SliversEndSoon) {
   const rt::Corners sliver = rt::rectangle({0, 0, 0}, {1, 0, 0}, {0, 1e-5, 0}),
                     wall = rt::rectangle({0, -1e-5, 0}, {1e-5, 0, 1e-5}, {0, 0, 1}),

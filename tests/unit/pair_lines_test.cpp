@@ -1,5 +1,5 @@
 // These tests compare the blockers found between two polygons with exact areas, and visibilities with integrals past
-// one blocker. Sums do not depend on threads, vector width or order.
+// one blocker. They also check that sums do not depend on threads, vector width or order.
 #include <cmath>
 #include <map>
 
@@ -42,7 +42,7 @@ TEST(Blockers, AGridOfTilesIsOne) {
   EXPECT_EQ(makeBlockers(scene, false).size(), 72u);
 }
 
-// The union of blockers is the union of polygons: the areas add up, plane by plane.
+// Blockers cover the area that polygons cover: on each plane and level their areas have the same sum.
 TEST(Blockers, CoverWhatPolygonsCover) {
   for (const stress::Kind kind : stress::kKinds)
     for (uint64_t seed = 0; seed < 5; ++seed) {
@@ -60,12 +60,11 @@ TEST(Blockers, CoverWhatPolygonsCover) {
     }
 }
 
-// --- what is between
-// --------------------------------------------------------------------------------------------------
+// --- which blockers are between two polygons -------------------------------------------------------------------------
 
-// Nothing that shafts say is against exact areas along directions: a pair that is left out is hidden, and a clear one
-// is never blocked. Blockers that reach less than kTouchingShaft into a shaft may be overlooked. They are strips of
-// this width and of the length of a scene, 2, so that areas along a direction may be off by some 1e-8 with several.
+// Shafts agree with exact areas along directions: a pair that the finder leaves out is hidden, and a pair without
+// blockers is never blocked. Blockers that reach less than kTouchingShaft into a shaft may be overlooked. They are
+// strips of this width, and at most 2 long, the scene's diameter. A few of them change an area by some 1e-8.
 TEST(PairFinder, ExactAreasAgreeWithWhatIsHiddenAndClear) {
   constexpr double kStrips = 1e-8;
   uint64_t scene_count = 0, pair_count = 0, clear_count = 0, hidden_count = 0;
@@ -82,7 +81,7 @@ TEST(PairFinder, ExactAreasAgreeWithWhatIsHiddenAndClear) {
         continue;
       }
       ++scene_count;
-      std::map<std::pair<uint32_t, uint32_t>, bool> is_clear;  // of face pairs that may see each other
+      std::map<std::pair<uint32_t, uint32_t>, bool> is_clear;  // by pair of faces; true if nothing blocks it
       for (const PatchPair& pair : findAll(finder).pairs) {
         const auto key = std::minmax(
             {ids.of_polygon[finder.patches()[pair.a].side / 2], ids.of_polygon[finder.patches()[pair.b].side / 2]});
@@ -113,7 +112,8 @@ TEST(PairFinder, ExactAreasAgreeWithWhatIsHiddenAndClear) {
   EXPECT_GT(pair_count, clear_count + hidden_count);
 }
 
-// The check above can fail: a plate that hides one square from another, taken for absent.
+// Negative control of the test above: a plate that hides one square from the other is found, and so is one that hides
+// half.
 TEST(PairFinder, APlateIsSeen) {
   const rt::Corners floor = rt::rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}),
                     ceiling = rt::rectangle({0, 0, 1}, {0, 1, 0}, {1, 0, 0}),
@@ -133,10 +133,10 @@ TEST(PairFinder, APlateIsSeen) {
   EXPECT_EQ(between({floor, ceiling, plate}), -1);
 }
 
-// --- lines
-// ------------------------------------------------------------------------------------------------------------
+// --- lines -----------------------------------------------------------------------------------------------------------
 
-// There are 16 scramblings, of 2^14 lines each.
+// Returns the visibility between the first two faces and its standard error, from 16 scramblings of 2^14 lines each.
+// mean_weight gets the mean weight of a line, and stays as it is where the pair is hidden.
 std::pair<double, double> visibilityOfLines(const std::vector<rt::Corners>& faces, LineWay way, double& mean_weight) {
   const Scene scene = sceneOf(faces);
   const Ids ids = makeIds(scene, By::polygon, false);
@@ -161,8 +161,9 @@ std::pair<double, double> visibilityOfLines(const std::vector<rt::Corners>& face
   return {0, 0};
 }
 
-// F past one blocker is the unoccluded form factor times the visibility. Within 6 standard errors of 16 replicates, and
-// rounding of single precision; the mean weight is 1 but for what 2^18 lines leave.
+// The visibility past one blocker is the quotient of two integrals, with and without the blocker. The tolerance is 6
+// standard errors of 16 replicates, and 1e-5 for single precision. The mean weight is 1 up to the error that 2^18 lines
+// leave.
 TEST(DrawLines, VisibilityPastOneBlockerIsTheIntegral) {
   rt::Random random(7);
   int tried = 0;
@@ -191,7 +192,8 @@ TEST(DrawLines, VisibilityPastOneBlockerIsTheIntegral) {
   EXPECT_GE(tried, 20);
 }
 
-// Squares touch along an edge: weights of points have no variance there, so that angles must do.
+// Two squares touch along an edge. Weights of uniform points have infinite variance there, so lines are drawn by
+// angles.
 TEST(DrawLines, AnglesOfTouchingSquaresPastABlocker) {
   const rt::Corners floor = rt::rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}),
                     wall = rt::rectangle({0, 0, 0}, {0, 1, 0}, {0, 0, 1}),
@@ -204,7 +206,8 @@ TEST(DrawLines, AnglesOfTouchingSquaresPastABlocker) {
   EXPECT_NEAR(mean_weight, 1, 0.01);
 }
 
-// Three steps of Newton's bring the guesses, off by 0.13 and 0.035, to 3e-7 with rounding. Sums by halves are exact.
+// The first guesses are off by 0.13 (reciprocal) and 0.035 (root). Three of Newton's steps leave 3e-7, rounding
+// included. sumOf adds powers of two without rounding.
 TEST(Lanes, ReciprocalsAndRootsAreTo3e7) {
   rt::Random random(3);
   for (int trial = 0; trial < 20000; ++trial) {
@@ -243,8 +246,7 @@ TEST(DrawLines, AllVectorsGiveTheSameBits) {
   EXPECT_GT(compared, 20);
 }
 
-// --- sums
-// -------------------------------------------------------------------------------------------------------------
+// --- sums ------------------------------------------------------------------------------------------------------------
 
 struct Office {
   Scene scene = loadScene(VIEWPEEL_SCENES "/street.obj");
@@ -296,17 +298,18 @@ TEST(LineSums, OrderOfReplicatesDoesNotMatter) {
   EXPECT_NE(forwards.sums(), first.sums());
 }
 
-// Lines that all agree leave room for others: one of 16 lines of equal weight.
+// Sixteen lines that all arrive do not prove a visibility of 1. The variance counts half a line of the other kind.
 TEST(LineSums, LinesThatAgreeHaveAnError) {
   LineSums::PairSum sum;
   LineSums::addTo(sum, {0, 1, uint32_t(kLineUnit), uint32_t(kLineUnit), 16 * 256});
   const Visibility visibility = visibilityOf(sum, 1);
   EXPECT_EQ(visibility.value, 1);
-  // Half a line of the other kind among 17, and half a line, give sqrt(0.5 * 16.5 / 17^3 + 0.25 / 17^2).
+  // The value is the root of (46) and (47) in docs/method.md with n = 16: sqrt(0.5 * 16.5 / 17^3 + 0.25 / 17^2).
   EXPECT_NEAR(std::sqrt(visibility.variance), 0.05044, 1e-5);
 }
 
-// Weight that is missing is unknown, however many lines came.
+// Lines of half the expected weight are missing. Nothing is known of them, so the standard error is at least m / 2 =
+// 0.25, eq. (47), whatever the number of lines.
 TEST(LineSums, MissingWeightIsUnknown) {
   LineSums::PairSum sum;
   for (int replicate = 0; replicate < 8; ++replicate)
@@ -314,18 +317,19 @@ TEST(LineSums, MissingWeightIsUnknown) {
   EXPECT_GE(std::sqrt(visibilityOf(sum, 64).variance), 0.25);
 }
 
-// A replicate of hardly any weight says nothing of the spread: the variance is that of the other two.
+// A replicate of hardly any weight tells nothing about the spread, so the variance stays that of the other two.
 TEST(LineSums, ReplicatesCountByTheirWeight) {
   LineSums::PairSum two;
   LineSums::addTo(two, {0, 1, uint32_t(0.6 * kLineUnit), uint32_t(kLineUnit), 16 * 256});
   LineSums::addTo(two, {0, 1, uint32_t(0.4 * kLineUnit), uint32_t(kLineUnit), 16 * 256});
   LineSums::PairSum three = two;
   LineSums::addTo(three, {0, 0, 512, 1024, 4});
-  // The weights of the third are a thousandth: nothing changes by more than some thousandths.
+  // The third weight is about a thousandth of the others, so that the variance changes by some thousandths at most.
   EXPECT_NEAR(visibilityOf(three, 1).variance / visibilityOf(two, 1).variance, 1, 0.005);
 }
 
-// Pairs whose 16 lines do for any visibility get no pilot, and one turn in eight; others may have more.
+// Where 16 lines reach the goal whatever the visibility is, the pair gets no pilot, and 16 lines once in 8 replicates.
+// Other pairs may get more.
 TEST(PairLines, SmallPairsGetSixteenLinesWithoutAPilot) {
   Office office;
   PairLines lines = office.planned(8);

@@ -1,4 +1,5 @@
-// Bounds of heat from intervals of form factors hold for every matrix within the intervals.
+// Tests bounds of heat flows and temperatures that follow from intervals of form factors. They hold for every matrix
+// within the intervals.
 #include <random>
 
 #include <gtest/gtest.h>
@@ -14,14 +15,15 @@ namespace ts = test_scenes;
 using Entry = FormFactors::Entry;
 
 constexpr uint32_t kRows = 8;
-constexpr double kRounding = 1e-9;  // W/m2 of some 1,000
+constexpr double kRounding = 1e-9;  // W/m2; fluxes are some 1,000
 
 struct Drawn {
   std::vector<double> areas = std::vector<double>(kRows);
   std::vector<Entry> entries;
 };
 
-// True exchange areas; the environment, where there is one, is the rest.
+// Draws symmetric exchange areas at random. The areas of rows are their sums, plus a random share for the environment
+// in an open scene.
 Drawn drawTruth(std::mt19937_64& random, bool is_open) {
   std::uniform_real_distribution<double> uniform(0.1, 1);
   Drawn drawn;
@@ -36,7 +38,7 @@ Drawn drawTruth(std::mt19937_64& random, bool is_open) {
   return drawn;
 }
 
-// Adds the environment that is left to the entries.
+// Adds to each row the exchange area with the environment that its other entries leave.
 std::vector<Entry> withRest(const std::vector<double>& areas, std::vector<Entry> entries) {
   std::vector<double> rest = areas;
   for (const Entry& entry : entries) {
@@ -55,8 +57,8 @@ std::vector<Material> materials() {
   return found;
 }
 
-// Matrices at the corners of the intervals around a measured one: the measured one's bounds hold for each, and a tenth
-// of them does not for some.
+// Draws matrices at the corners of the intervals around a measured matrix. The bounds of the measured one hold for each
+// of them. Negative control: a tenth of a bound does not hold for some.
 TEST(SolveBounds, HoldForEveryMatrixWithinTheIntervals) {
   std::mt19937_64 random(9);
   for (const bool is_open : {false, true}) {
@@ -73,7 +75,7 @@ TEST(SolveBounds, HoldForEveryMatrixWithinTheIntervals) {
     double nearest = INFINITY;
     for (int draw = 0; draw < 200; ++draw) {
       std::vector<Entry> moved = centre.entries;
-      // In a closed scene the diagonal takes what pairs lose: areas stay.
+      // In a closed scene the diagonal entry stays: what a row's sum gets short of 1 returns to the row. Areas stay.
       for (Entry& entry : moved)
         if (is_open || entry.i != entry.j) entry.exchange_area.value += random() % 2 ? width : -width;
       const FormFactors truth = te::formFactors(centre.areas, is_open ? withRest(centre.areas, moved) : moved);
@@ -93,11 +95,11 @@ TEST(SolveBounds, HoldForEveryMatrixWithinTheIntervals) {
             std::min(nearest, row.bounds->irradiation / std::abs(row.irradiation.value - true_row.irradiation.value));
       }
     }
-    EXPECT_LT(nearest, 10);  // a tenth of the bounds does not hold
+    EXPECT_LT(nearest, 10);  // a tenth of the bounds would not hold
   }
 }
 
-// Intervals as wide as form factors give no bound, and none is claimed.
+// Intervals as wide as the form factors themselves give no bound, so the bound is infinite.
 TEST(SolveBounds, AreInfiniteWhereIntervalsAreWide) {
   std::vector<Entry> entries{{0, 1, {1, 0}}, {1, 1, {0.5, 0}}};
   const FormFactors plain = te::formFactors({1, 1.5}, entries);
@@ -107,7 +109,7 @@ TEST(SolveBounds, AreInfiniteWhereIntervalsAreWide) {
   EXPECT_EQ(found.rows[0].bounds->temperature, 0);
 }
 
-// A guarantee of form factors past a sheet becomes bounds that hold closed forms.
+// A guarantee of form factors past a sheet becomes bounds of heat. They hold the values that follow from closed forms.
 TEST(SolveBounds, AGuaranteeHoldsClosedForms) {
   const InputScene input = ts::squaresPastASheet(2);
   const Scene scene = buildScene(input);

@@ -1,4 +1,5 @@
-// Compares standard errors of heat with finite differences, spread and coverage.
+// Compares standard errors of heat flows and temperatures with finite differences, with the spread of random draws, and
+// with the coverage of intervals.
 #include <random>
 
 #include <gtest/gtest.h>
@@ -18,7 +19,8 @@ using Entry = FormFactors::Entry;
 
 constexpr uint32_t kRows = 12;
 
-// Rows at random exchange areas that add up, open or closed, with random standard errors.
+// RandomRows has random exchange areas with random standard errors of `error` at most. Rows sum to 1, in an open scene
+// together with an environment.
 struct RandomRows {
   std::vector<double> areas = std::vector<double>(kRows);
   std::vector<Entry> entries;
@@ -46,7 +48,8 @@ struct RandomRows {
     std::ranges::sort(entries, {}, [](const Entry& entry) { return std::pair(entry.i, entry.j); });
   }
   FormFactors formFactors() const { return te::formFactors(areas, entries); }
-  // With one entry changed by a share of its standard error; the environment takes the rest where it is that.
+  // Changes entry k by `share` standard errors. Where the environment is the rest of its row, it changes by as much the
+  // other way.
   void change(size_t k, double share) {
     const double by = share * entries[k].exchange_area.standard_error;
     entries[k].exchange_area.value += by;
@@ -67,7 +70,7 @@ std::vector<Material> mixedMaterials() {
   return materials;
 }
 
-// All answers of a solution in one list.
+// Returns all measured values of a solution in one list.
 std::vector<Measured> answersOf(const HeatSolution& solution) {
   std::vector<Measured> answers{solution.to_environment};
   for (const auto* rows : {&solution.rows, &solution.surfaces})
@@ -77,7 +80,7 @@ std::vector<Measured> answersOf(const HeatSolution& solution) {
   return answers;
 }
 
-// There are three surfaces of four rows each.
+// Solves for heat with three surfaces of four rows each.
 HeatSolution solve(const FormFactors& f) {
   Ids ids = f.ids();
   for (uint32_t i = 0; i < kRows; ++i) ids.surface[i] = i / 4;
@@ -87,12 +90,12 @@ HeatSolution solve(const FormFactors& f) {
 
 class SolveErrors : public testing::TestWithParam<std::tuple<bool, bool>> {};
 
-// Each entry moved by its standard error, both ways: central differences leave third-order terms alone, 1e-6 of the
-// first, and the rounding of a solution, 1e-12 / 1e-4.
+// The standard errors equal those of central differences, where each entry moves by its standard error both ways.
+// Central differences leave third-order terms, 1e-6 of the first order, and the rounding of a solution, 1e-12 / 1e-4.
 TEST_P(SolveErrors, EqualCentralDifferences) {
   const auto [is_open, is_rest] = GetParam();
   const RandomRows rows(is_open, is_rest, 1e-4);
-  // Rows whose sum is not quite 1 have an environment of its own error.
+  // Here the sum of a row is not quite 1, so that the environment counts as measured, with an error of its own.
   RandomRows measured = rows;
   if (is_open && !is_rest)
     for (Entry& entry : measured.entries)
@@ -122,8 +125,8 @@ TEST_P(SolveErrors, EqualCentralDifferences) {
 INSTANTIATE_TEST_SUITE_P(Rows, SolveErrors,
                          testing::Values(std::tuple(false, false), std::tuple(true, false), std::tuple(true, true)));
 
-// Probes against the inverse: 128 random signs tell a standard error to 1/16 of itself. Five times this is passed by
-// chance in fewer than 1 of 10^5 comparisons.
+// 128 random sign vectors estimate a standard error to 1/16 of itself; the inverse matrix gives it exactly. A deviation
+// of five times this happens in fewer than 1 of 10^5 comparisons.
 TEST(SolveErrors, ProbesComeToTheInverse) {
   for (const bool is_open : {false, true}) {
     const RandomRows rows(is_open, is_open, 1e-3);
@@ -144,7 +147,7 @@ TEST(SolveErrors, ProbesComeToTheInverse) {
   }
 }
 
-// Conjugate gradients and the inverse solve the same equations.
+// Conjugate gradients and the inverse matrix give the same solution of the same equations.
 TEST(SolveErrors, TheInverseIsTheSolution) {
   const RandomRows rows(true, true, 1e-3);
   const FormFactors f = rows.formFactors();
@@ -157,10 +160,10 @@ TEST(SolveErrors, TheInverseIsTheSolution) {
   EXPECT_LE((irradiation.inverse() * b - h).norm(), 1e-12 * h.norm());
 }
 
-// Entries with normal errors of their standard errors: each answer's 95 % interval holds the truth in 95 % of 400
-// draws, within 4.5 standard deviations of the binomial distribution, 0.049. Over 61 answers and three kinds of rows
-// chance passes this bound once in 800 runs; seeds are fixed. First order suffices: second-order terms are 1e-3 of the
-// first.
+// Entries get normal errors of their standard error in 400 draws. The 95 % interval of each answer holds the truth in
+// 95 % of them, within 0.049: 4.5 standard deviations of the binomial distribution. There are 61 answers and three
+// kinds of rows, so chance passes this bound in one of 800 runs; seeds are fixed. Second-order terms are 1e-3 of the
+// first and are left out.
 TEST_P(SolveErrors, IntervalsHoldTheTruth) {
   const auto [is_open, is_rest] = GetParam();
   constexpr uint32_t kDraws = 400;
@@ -176,7 +179,7 @@ TEST_P(SolveErrors, IntervalsHoldTheTruth) {
       if (rows.isFree(k)) drawn.change(k, normal(random));
     if (is_open && !is_rest)
       for (Entry& entry : drawn.entries)
-        if (entry.i == entry.j) entry.exchange_area.value += 1e-9;  // as above
+        if (entry.i == entry.j) entry.exchange_area.value += 1e-9;  // as in EqualCentralDifferences
     const std::vector<Measured> answers = answersOf(solve(drawn.formFactors()));
     for (size_t a = 0; a < truth.size(); ++a) {
       const double off = std::abs(answers[a].value - truth[a].value);
@@ -194,9 +197,9 @@ TEST_P(SolveErrors, IntervalsHoldTheTruth) {
   EXPECT_GE(compared, 40u);
 }
 
-// Compares pair lines between parts of two squares past a sheet with closed forms. With t of 7 degrees of freedom
-// intervals hold the truth in 95 % or more of all cases. If all answers of a run stood or fell together, fewer than 48
-// of 60 runs would hold with a chance of 1e-5.
+// Compares heat from pair lines past a sheet with closed forms, for 60 seeds. With Student's t of 7 degrees of freedom
+// intervals hold the truth in 95 % of cases or more. Even if all answers of a run held or failed together, fewer than
+// 48 of 60 runs would hold with a chance of 1e-5.
 TEST(SolveErrors, PairLinesHoldClosedForms) {
   constexpr uint32_t kSeeds = 60;
   constexpr double kQuantile = 2.365;
@@ -223,7 +226,7 @@ TEST(SolveErrors, PairLinesHoldClosedForms) {
   EXPECT_GT(compared, 8 * kSeeds);
   EXPECT_GE(held, 0.8 * compared);
   EXPECT_LT(held_by_quarter, 0.8 * compared);     // negative control
-  EXPECT_GE(std::sqrt(squares / compared), 0.5);  // errors are not overstated by more than twice
+  EXPECT_GE(std::sqrt(squares / compared), 0.5);  // standard errors are at most twice the actual ones
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// These tests compare exchange factors with solveHeat() on the same form factors and with closed forms, and check what
-// is left out below a limit.
+// These tests compare exchange factors with solveHeat() on the same form factors and with closed forms. They also check
+// that small exchange factors can be dropped without loss of energy.
 #include <random>
 #include <sstream>
 
@@ -16,7 +16,8 @@ namespace te = test_enclosures;
 namespace ts = test_scenes;
 using reference::test::isWithin;
 
-// Makes rows at random, whose sums are off 1 by as much as sampling leaves; half of them see the environment.
+// Returns random rows whose sums differ from 1 by as much as sampling errors do. In an open scene half of them see the
+// environment.
 FormFactors randomRows(uint32_t n, bool is_open) {
   std::mt19937_64 random(11);
   std::uniform_real_distribution<double> uniform(0, 1);
@@ -24,7 +25,7 @@ FormFactors randomRows(uint32_t n, bool is_open) {
   std::vector<FormFactors::Entry> entries;
   for (uint32_t i = 0; i < n; ++i) {
     for (uint32_t j = i; j < n; ++j) {
-      const double exchange = std::pow(uniform(random), 8);  // few large, many small
+      const double exchange = std::pow(uniform(random), 8);  // a few entries are large, most are small
       entries.push_back({i, j, {exchange, 0}});
       areas[i] += exchange;
       if (j != i) areas[j] += exchange;
@@ -44,7 +45,7 @@ std::vector<Material> materialsOf(uint32_t n) {
   return materials;
 }
 
-// Returns heat flows of rows, and the sizes of their terms.
+// Returns for each row the heat flow, W, and the sum of the absolute values of its terms.
 std::vector<std::pair<double, double>> flowsOf(const ExchangeFactors& factors, const Enclosure& enclosure) {
   std::vector<std::pair<double, double>> flows(factors.names.size());
   const auto powerOf = [&](uint32_t i) {
@@ -85,7 +86,8 @@ TEST(ExchangeFactors, GiveTheFlowsOfSolveHeat) {
   }
 }
 
-// Two rows: of what the inner one emits, e_2 / (1 - (1 - e_2) F_22 - (1 - e_1) (1 - e_2) F_21) is absorbed outside.
+// Of the emission of the inner of two rows the outer one absorbs the share e_2 / (1 - (1 - e_2) F_22 - (1 - e_1) (1 -
+// e_2) F_21).
 TEST(ExchangeFactors, OfTwoSurfaces) {
   const FormFactors f = te::formFactors({1, 2.5}, {{0, 1, {1, 0}}, {1, 1, {1.5, 0}}});
   for (const double inner : {1.0, 0.3, 1e-3})
@@ -99,8 +101,8 @@ TEST(ExchangeFactors, OfTwoSurfaces) {
     }
 }
 
-// A cut keeps symmetry, which storage has, and row sums. A row loses what is cut and the rest of it gains as much,
-// which changes its flow by twice the share at most; partners that pass on what they gain may double this.
+// Dropping small conductors keeps symmetry and the sums of rows. The rest of a row gains as much as was dropped, which
+// changes its heat flow by at most twice that share. Partners may pass on what they gain, which may double the change.
 TEST(ExchangeFactors, ACutKeepsEnergy) {
   for (const bool is_open : {false, true}) {
     const FormFactors f = randomRows(60, is_open);
@@ -125,7 +127,8 @@ TEST(ExchangeFactors, ACutKeepsEnergy) {
 }
 
 TEST(ExchangeFactors, ACutThatLeavesTooLittleIsRefused) {
-  // Without the pair (0, 2) and (2, 2) rows 0 and 2 have row 1 alone, which is smaller than the two.
+  // Without the pairs (0, 2) and (2, 2), rows 0 and 2 exchange with row 1 alone, whose area is smaller than theirs
+  // together. So no matrix balances, and the cut is refused.
   const FormFactors f =
       te::formFactors({1, 1.02, 0.95}, {{0, 1, {0.61, 0}}, {0, 2, {0.39, 0}}, {1, 2, {0.41, 0}}, {2, 2, {0.15, 0}}});
   const Enclosure enclosure = te::enclosureOf(f, {te::hot(1, 1), te::hot(1, 1), te::hot(1, 1)});
@@ -135,7 +138,7 @@ TEST(ExchangeFactors, ACutThatLeavesTooLittleIsRefused) {
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("lower --drop-below"), std::string::npos) << error.what();
   }
-  // Each row keeps its largest partner.
+  // The largest conductor of each row is never dropped.
   const FormFactors g = te::formFactors({1, 0.5, 1.5}, {{0, 2, {1, 0}}, {1, 2, {0.5, 0}}});
   EXPECT_EQ(findExchangeFactors(g, te::enclosureOf(g, {te::hot(1, 1), te::hot(1, 1), te::hot(1, 1)}), 0.7).dropped, 0u);
 }

@@ -1,4 +1,4 @@
-// Compares heat with closed forms, from exact form factors and from computed ones.
+// Compares heat flows and temperatures with closed forms, from exact form factors and from computed ones.
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
@@ -18,7 +18,8 @@ namespace ts = test_scenes;
 using reference::test::isEstimateOf;
 using reference::test::isWithin;
 
-// The equations hold to 1e-13 of their right side, and sums of a few terms to some 1e-15.
+// Solutions satisfy the equations to 1e-13 of the right side, and sums of a few terms are rounded by 1e-15. The
+// tolerance is 100 times as wide, relative to the values compared.
 constexpr double kSolved = 1e-11;
 
 // Returns the form factor between two unit squares that face each other.
@@ -26,7 +27,7 @@ double unitSquares(double distance) { return reference::parallelRectangles({0, 1
 
 const std::vector<double> kEmissivities{1, 0.9, 0.3, 1e-3};
 
-// Makes an inner row of area 1 that sees the outer one alone, of area 2.5.
+// Returns the form factors of an inner row of area 1 that sees only the outer one, of area 2.5.
 FormFactors nested() { return te::formFactors({1, 2.5}, {{0, 1, {1, 0}}, {1, 1, {1.5, 0}}}); }
 
 TEST(SolveHeat, TwoSurfaces) {
@@ -42,15 +43,16 @@ TEST(SolveHeat, TwoSurfaces) {
       EXPECT_FALSE(isWithin(found.rows[0].heat_flow.value, truth * (1 + 1e-9), kSolved * truth));  // negative control
       EXPECT_FALSE(found.is_open);
       EXPECT_EQ(found.rows[0].heat_flow.standard_error, 0);
-      // The same heat given in place of the inner temperature gives the temperature.
+      // With this heat flow given instead of the inner temperature, the solution is that temperature.
       const HeatSolution back = solveHeat(f, te::enclosureOf(f, {te::flux(inner, truth), te::hot(outer, 300)}));
       EXPECT_TRUE(isWithin(back.rows[0].temperature.value, 400, 400 * kSolved / inner));
     }
 }
 
-// Oppenheim's network of two rows at temperatures and an adiabatic one, whose emissivity does not matter.
+// The closed form is Oppenheim's network of two rows with given temperatures and an adiabatic one, whose emissivity
+// does not matter.
 TEST(SolveHeat, ThreeSurfacesOneAdiabatic) {
-  // Makes a triangular duct with sides 3, 4, 5: A_i F_ij by crossed strings.
+  // The rows are the sides, 3, 4 and 5 long, of a triangular duct; crossed strings give A_i F_ij.
   const double x01 = (3 + 4 - 5) / 2.0, x02 = (3 + 5 - 4) / 2.0, x12 = (4 + 5 - 3) / 2.0;
   const FormFactors f = te::formFactors({3, 4, 5}, {{0, 1, {x01, 0}}, {0, 2, {x02, 0}}, {1, 2, {x12, 0}}});
   const double through = x01 + 1 / (1 / x02 + 1 / x12);
@@ -65,7 +67,7 @@ TEST(SolveHeat, ThreeSurfacesOneAdiabatic) {
         EXPECT_TRUE(isWithin(found.rows[0].heat_flow.value, truth, kSolved * te::power(500)));
         EXPECT_TRUE(isWithin(found.rows[1].heat_flow.value, -truth, kSolved * te::power(500)));
         EXPECT_EQ(found.rows[2].heat_flow.value, 0);
-        // The adiabatic row has the radiosity between those of the others.
+        // The radiosity of the adiabatic row is the mean of the others', weighted by its exchange areas.
         const double b0 = te::power(500) - truth * (1 - first) / (3 * first),
                      b1 = te::power(300) + truth * (1 - second) / (4 * second),
                      b2 = (x02 * b0 + x12 * b1) / (x02 + x12);
@@ -74,7 +76,7 @@ TEST(SolveHeat, ThreeSurfacesOneAdiabatic) {
     }
 }
 
-// One hot plate stands before the environment, another gives a known heat to it.
+// Two plates see only the environment. One has a temperature, the other a heat flux.
 TEST(SolveHeat, TheEnvironmentIsBlack) {
   const FormFactors f = te::formFactors({2, 1}, {{0, kEnvironment, {2, 0}}, {1, kEnvironment, {1, 0}}});
   Enclosure enclosure = te::enclosureOf(f, {te::hot(0.7, 350), te::flux(0.4, 100)});
@@ -90,7 +92,8 @@ TEST(SolveHeat, TheEnvironmentIsBlack) {
   EXPECT_TRUE(isWithin(solveHeat(f, enclosure).rows[0].heat_flow.value, 1.4 * te::power(350), kSolved * 1000));
 }
 
-// The radiosity equation of the paper, (I - R F) B = E, by LU, in a box with one row a side.
+// The solution equals that of the radiosity equation (I - R F) B = E by LU decomposition, in a box with one row for
+// each side.
 TEST(SolveHeat, EqualsTheRadiosityEquation) {
   const double opposite = unitSquares(1), adjacent = (1 - opposite) / 4;
   std::vector<FormFactors::Entry> entries;
@@ -120,7 +123,8 @@ TEST(SolveHeat, EqualsTheRadiosityEquation) {
   }
 }
 
-// What rows lack returns to them, whatever errors form factors have.
+// Where all temperatures are equal no heat flows, even if form factors have errors: the lack of a row's sum returns to
+// the row.
 TEST(SolveHeat, OneTemperatureMeansNoHeat) {
   const FormFactors f =
       te::formFactors({1, 2, 3}, {{0, 1, {0.4, 0.01}}, {0, 2, {0.7, 0.01}}, {1, 2, {1.3, 0.02}}, {2, 2, {0.5, 0.1}}});
@@ -156,7 +160,7 @@ TEST(SolveHeat, RefusesWhatHasNoAnswer) {
   const FormFactors leaking = te::formFactors({1, 1}, {{0, 1, {0.9, 0}}, {0, kLeak, {0.1, 0}}});
   EXPECT_NE(refusal(leaking, {te::hot(0.5, 300), te::hot(0.5, 300)}).find("5 % of all emitted radiation ends on backs"),
             std::string::npos);
-  // Two pairs of rows do not see each other, and one of them has no temperature.
+  // Rows 0 and 1 do not see rows 2 and 3, none of which has a temperature.
   const FormFactors apart = te::formFactors({1, 1, 1, 1}, {{0, 1, {1, 0}}, {2, 3, {1, 0}}});
   EXPECT_NE(
       refusal(apart, {te::hot(0.5, 300), te::hot(0.5, 300), te::flux(1, 0), te::flux(1, 0)}).find("'row2' has no"),
@@ -176,7 +180,7 @@ HeatSolution solveScene(const InputScene& input, std::vector<Material> materials
   return solveHeat(result.form_factors, {of_rows, environment, result.between_surfaces.ids().names});
 }
 
-// A box in a box: the inner one sees the outer one alone.
+// The inner of two nested boxes sees the outer one alone, for which there is a closed form.
 TEST(SolveHeat, ConcentricBoxes) {
   const double truth = te::betweenTwo(1.5, 0.6, 400, 6, 0.4, 300);
   const HeatSolution found = solveScene(ts::cubeInCube(0.5), {te::hot(0.4, 300), te::hot(0.6, 400)});
@@ -208,7 +212,7 @@ InputScene spheres(double inner, double outer) {
   return scene;
 }
 
-// Spheres in facets, with the facets' own areas.
+// Concentric spheres are approximated by facets. The closed form takes the areas of the facets.
 TEST(SolveHeat, ConcentricSpheres) {
   const HeatSolution found = solveScene(spheres(1, 2), {te::hot(0.3, 350), te::hot(0.8, 280)});
   const HeatRow &inner = found.surfaces[0], &outer = found.surfaces[1];
@@ -231,8 +235,8 @@ TEST(SolveHeat, Hohlraum) {
   }
 }
 
-// Two plates nearly touch. Less than 1e-5 of all radiation leaves through the gaps from 4e-6 on, which counts as lines
-// that graze an edge, and returns. Plates 1e-6 apart coincide.
+// Two plates are a small gap apart. From a gap of 4e-6 down less than 1e-5 of the radiation leaves through it. Such a
+// share may come from lines that graze an edge, so it returns to the rows. Plates 1e-6 apart coincide.
 TEST(SolveHeat, PlatesWithASmallGap) {
   for (const double gap : {1e-2, 1e-4, 4e-6, 1e-6}) {
     InputScene plates{"plates", {}, {}};
@@ -240,17 +244,18 @@ TEST(SolveHeat, PlatesWithASmallGap) {
     ts::addFace(plates, "upper", ts::parallelogram({0, 0, gap}, {0, 1, 0}, {1, 0, 0}));
     const HeatSolution found = solveScene(plates, {te::hot(0.8, 400), te::hot(0.5, 300)}, By::surface, 300);
     const double f = unitSquares(gap);
-    // Rows have B_0 = 0.8 E_0 + 0.2 H_0, B_1 = 0.5 E_1 + 0.5 H_1, all less the environment's.
+    // The closed form solves B_0 = 0.8 E_0 + 0.2 H_0 and B_1 = 0.5 E_1 + 0.5 H_1, where the environment's emission is
+    // taken from every term.
     const double hot = te::power(400) - te::power(300), b1_of_b0 = 0.5 * f, b0 = 0.8 * hot / (1 - 0.2 * f * b1_of_b0);
     const double truth = b0 - f * b1_of_b0 * b0;
     EXPECT_EQ(found.is_open, 1 - f > kGrazingShare);
-    // Unoccluded form factors are exact to 1e-6. Both rows' errors count.
+    // Unoccluded form factors are exact to 1e-6, and the errors of both rows add up.
     const double error = 2e-6 + (found.is_open ? 0 : 1 - f);
     EXPECT_TRUE(isWithin(found.rows[0].heat_flux.value, truth, error * hot)) << gap;
   }
 }
 
-// Sheets between two plates: black ones of one row for both sides, with no heat of their own, divide the heat flow by
+// Black sheets between two plates have no heat of their own, and one row for both sides. They divide the heat flow by
 // their number plus 1.
 TEST(SolveHeat, BlackShields) {
   constexpr double kGap = 1e-3;
@@ -263,13 +268,13 @@ TEST(SolveHeat, BlackShields) {
     }
     const HeatSolution found = solveScene(scene, materials, By::surface, 350, true);
     const double f = unitSquares(kGap), between = te::power(400) - te::power(300);
-    // Outer sides exchange with the surroundings. Rims lose 2 (1 - f) of what a sheet emits.
+    // The outer sides exchange with the environment. A sheet loses 2 (1 - f) of its emission through the rims.
     const double outside = te::power(400) - te::power(350), truth = outside + between / (shields + 1);
     EXPECT_TRUE(isWithin(found.rows[0].heat_flow.value, truth, 4 * (shields + 1) * (1 - f) * between)) << shields;
   }
 }
 
-// Compares two squares past a sheet with closed forms, and with the exact engine's areas along random directions.
+// Two squares exchange past a sheet. The exact engine along random directions agrees with closed forms.
 TEST(SolveHeat, TheExactEngineAgrees) {
   const InputScene input = ts::squaresPastASheet(1);
   const Scene scene = buildScene(input);
@@ -288,7 +293,7 @@ TEST(SolveHeat, TheExactEngineAgrees) {
   }
 }
 
-// Rows by polygon add up to their surfaces.
+// The values of a surface are the sums, or the means by area, of its polygons'.
 TEST(SolveHeat, SurfacesSumTheirPolygons) {
   const HeatSolution found = solveScene(ts::cubeInCube(0.5), {te::hot(0.4, 300), te::flux(0.6, 50)}, By::polygon);
   ASSERT_EQ(found.rows.size(), 12u);

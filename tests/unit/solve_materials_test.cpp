@@ -1,4 +1,4 @@
-// Tests what a file of materials says, which row has which, what is refused, and the file of the answers.
+// Tests the reader of material files, which row gets which material, refusals, and the file of answers.
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -25,7 +25,7 @@ class SolveMaterials : public testing::Test {
     std::ofstream(file_, std::ios::binary) << text;
     return readMaterials(file_);
   }
-  // Returns the message, without the file's name.
+  // Returns the error message of reading `text`, without the file's name; empty where nothing is refused.
   std::string refusal(const std::string& text) const {
     try {
       read(text);
@@ -51,7 +51,7 @@ TEST_F(SolveMaterials, LinesAreRead) {
   EXPECT_EQ(table.lines[2].material.heat_flux, 0);
   EXPECT_EQ(table.lines[3].material.temperature, 0);
   EXPECT_EQ(table.environment_temperature, 263);
-  // Columns in another order.
+  // Columns may stand in any order.
   const MaterialTable turned = read("heat_flux,temperature,surface,emissivity\n-3,,a,0.25");
   EXPECT_EQ(turned.lines[0].material.heat_flux, -3);
   EXPECT_EQ(turned.lines[0].material.emissivity, 0.25);
@@ -107,12 +107,12 @@ TEST_F(SolveMaterials, RowsFindTheirLines) {
   const Enclosure enclosure = assignMaterials(table, ids, names);
   std::vector<double> emissivities;
   for (const Material& material : enclosure.materials) emissivities.push_back(material.emissivity);
-  // The surface that is called w* has its own line, which fits walls as well and is the last that does.
+  // The surface named w* has its own line. That line also fits the walls as a wildcard, and is the last that does.
   EXPECT_EQ(emissivities, (std::vector<double>{0.5, 0.6, 0.6, 0.6, 0.1}));
   const MaterialTable faces = read(kHeader + "*[2],0.4,1,\nwall_south,0.3,1,\nwall_south[1],0.2,1,\n*,0.1,1,\n");
   const Enclosure of_faces = assignMaterials(faces, ids, names);
-  EXPECT_EQ(of_faces.materials[1].emissivity, 0.2);  // its own name
-  EXPECT_EQ(of_faces.materials[2].emissivity, 0.3);  // its surface's, before wildcards
+  EXPECT_EQ(of_faces.materials[1].emissivity, 0.2);  // the line with the face's own name
+  EXPECT_EQ(of_faces.materials[2].emissivity, 0.3);  // the line of its surface, which wins over wildcards
   EXPECT_EQ(of_faces.materials[4].emissivity, 0.1);
 }
 

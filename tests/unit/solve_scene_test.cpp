@@ -1,4 +1,4 @@
-// Goes from a scene to heat in one call, with tolerances of the answers.
+// Tests solveScene(), which goes from a scene to heat in one call, and its tolerances of answers.
 #include <gtest/gtest.h>
 
 #include "scenes/named_scenes.h"
@@ -18,7 +18,7 @@ MaterialTable tableOf(std::vector<MaterialTable::Line> lines, std::optional<doub
 
 Request onHost(By by) { return {.by = by, .engine = EngineKind::host}; }
 
-// A cube in a cube, with a plate between: form factors have errors.
+// Returns a cube in a cube with a two-sided plate between them, so that form factors have sampling errors.
 InputScene boxesAndPlate() {
   InputScene scene = ts::cubeInCube(0.4);
   ts::addFace(scene, "plate", ts::parallelogram({0.2, 0.2, 0.1}, {0.6, 0, 0}, {0, 0.5, 0}));
@@ -55,12 +55,13 @@ TEST(SolveScene, TolerancesAreReached) {
     EXPECT_TRUE(found.is_reached);
     EXPECT_TRUE(found.runs == 1 || found.form_factor_tolerance < 0.02);
   }
-  // Nothing is between two squares: unoccluded form factors have standard errors of 1e-6, and no lines for less.
+  // Nothing is between these two squares. Their form factors have standard errors of 1e-6, which no lines can reduce,
+  // so a finer tolerance is refused.
   const Scene squares = buildScene(ts::parallelSquares());
   EXPECT_THROW(solveScene(squares, tableOf({{"lower", te::hot(0.5, 300), 2}, {"upper", te::flux(0.8, 200), 3}}, 280),
                           onHost(By::surface), HeatTolerance{1e-9, Of::temperature}),
                Error);
-  // With no time left the first run is what there is.
+  // Where time runs out after the first run, its answers are returned and is_reached is false.
   Request hurried = onHost(By::surface);
   hurried.time_limit_s = 1e-3;
   EXPECT_FALSE(solveScene(scene, tableOf(kLines), hurried, HeatTolerance{1e-6, Of::temperature}).is_reached);
