@@ -15,7 +15,7 @@ struct Total {
 
 using Pairs = std::vector<std::pair<std::pair<uint32_t, uint32_t>, uint64_t>>;
 
-// Lists that share few pairs, many or all, and empty ones, add up to what a map of them holds.
+// addPairs() is compared with a std::map, on lists that share few pairs, many, all or none, and on empty lists.
 TEST(AddPairs, SumsEqualAMap) {
   std::mt19937_64 random(5);
   for (int run = 0; run < 200; ++run) {

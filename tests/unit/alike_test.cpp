@@ -1,6 +1,6 @@
-// Where faces overlap in one plane and look the same way, lines hit one of them, the same one from both sides. The
-// counts are those of the scene with the hidden parts cut away. Peel.AlikeFacesEqualTheCpuTwin tests the same for
-// engines on a device.
+// Faces may overlap in one plane and look the same way. Then lines hit only one of them, and the same one from both
+// sides. The counts are those of a scene in which the hidden parts are cut away. Peel.AlikeFacesEqualTheCpuTwin tests
+// this for engines on a device.
 #include <algorithm>
 #include <functional>
 #include <map>
@@ -59,7 +59,7 @@ CountsByName countByName(const Scene& scene, const Counter& counter, const std::
   return counts;
 }
 
-// Returns nothing where no two counts differ by more than `allowed`.
+// Returns an empty string where no two counts differ by more than `allowed`, else the first pair that does.
 std::string firstDifference(const CountsByName& a, const CountsByName& b, uint64_t allowed) {
   CountsByName both = a;
   both.insert(b.begin(), b.end());
@@ -72,7 +72,8 @@ std::string firstDifference(const CountsByName& a, const CountsByName& b, uint64
   return "";
 }
 
-// Lattices count the same points. An exact area is rounded to its unit, for every direction and polygon of a surface.
+// Lattices count the same points, so no difference is allowed. The exact engine rounds areas to its unit, once for each
+// direction and for each of the two polygons of a surface.
 uint64_t allowedDifference(const Counter& counter, size_t directions) { return counter.is_exact ? 2 * directions : 0; }
 
 std::vector<Direction> someDirections() { return sampleDirections(Sampler::iid, 12, 7, 0); }
@@ -81,7 +82,7 @@ std::vector<Direction> reversed(std::vector<Direction> directions) {
   return directions;
 }
 
-// As if nothing were known of how coincident polygons lie.
+// Returns the scene as if the order of coincident polygons were unknown.
 Scene withoutRanks(Scene scene) {
   for (Polygon& polygon : scene.polygons) polygon.tie_rank = kContactRank;
   return scene;
@@ -101,14 +102,15 @@ TEST(Alike, TheSameFaceCountsFromBothSides) {
       for (const Counter& counter : counters()) {
         SCOPED_TRACE(of.name + ", " + counter.name);
         if (counter.name == std::string("host, scanlines"))
-          continue;  // spans end at columns to the right of their edge
+          continue;  // the scanline of the reversed direction rounds span ends to the other side
         EXPECT_EQ(differenceOfBothWays(scene, counter), "");
         EXPECT_NE(differenceOfBothWays(withoutRanks(scene), counter), "");
       }
     }
 }
 
-// What a hidden part loses is leak in place of nothing; all else is the same, for directions of one side alone, too.
+// A hidden part radiates into the back of the face above it, which counts as leak. In the cut scene this leak is
+// absent. All other counts are equal, also where all directions lie in one hemisphere.
 TEST(Alike, IsWhatTheCutSceneMeans) {
   const auto difference = [](const Scene& scene, const Scene& cut, const Counter& counter,
                              const std::vector<Direction>& directions) {
@@ -132,14 +134,14 @@ TEST(Alike, IsWhatTheCutSceneMeans) {
         SCOPED_TRACE(of.name + ", " + counter.name);
         EXPECT_EQ(difference(scene, cut, counter, directions), "");
       }
-    // Another face in front is noticed.
+    // Negative control: with the other face in front the counts differ.
     Scene other = scene;
     for (Polygon& polygon : other.polygons) polygon.tie_rank = kTieRanks - 1 - polygon.tie_rank;
     EXPECT_NE(difference(other, cut, counters()[0], upward), "") << of.name;
   }
 }
 
-// Along directions of its own, which are of one side, a pair counts what it counts in the cut scene.
+// A pair with directions of its own, which lie in one hemisphere, has the count of the cut scene.
 TEST(Alike, PairsWithSeparateDirectionsSeeTheSameFace) {
   const auto countOf = [](const Scene& scene, const char* a, const char* b) {
     const Ids ids = makeIds(scene, By::polygon, false);
@@ -162,12 +164,12 @@ TEST(Alike, PairsWithSeparateDirectionsSeeTheSameFace) {
     EXPECT_EQ(counted, meant) << of.name;
     noticed += countOf(withoutRanks(scene), "first", "roomz1") != meant;
   }
-  EXPECT_EQ(noticed, 1u);  // by index the first one counts along one of the two directions
+  EXPECT_EQ(noticed, 1u);  // without ranks the lower index wins, which is wrong in one of the two scenes
 }
 
-// Row sums err as Student's t of seven degrees of freedom allows, for a run has eight replicates or a few more. A row
-// beyond the quantile of 1e-3 comes in at most 0.7 % of seeds. More than 6 such seeds of 100 have a probability below
-// 1e-5, so a single row of 7.6 standard errors, as with seed 1, is no fault.
+// A run has eight replicates or a few more, so that errors of row sums follow Student's t of seven degrees of freedom.
+// With seven rows at most 0.7 % of seeds have a row beyond the quantile of 1e-3. More than 6 such seeds of 100 have a
+// probability below 1e-5. A single row of 7.6 standard errors, as with seed 1, is therefore no fault.
 TEST(Alike, RowsOfPairsWithSeparateDirectionsErrAsStated) {
   constexpr double kQuantile = 5.408;
   const Scene scene = buildScene(ts::alikeScenes()[1].make(false));
@@ -192,11 +194,11 @@ TEST(Alike, RowsOfPairsWithSeparateDirectionsErrAsStated) {
     beyond += worst > kQuantile, beyond_a_third += worst > kQuantile / 3;
   }
   EXPECT_LE(beyond, 6);
-  EXPECT_GT(beyond_a_third, 6);                // a third of the stated error is noticed
-  EXPECT_GT(std::sqrt(squares / 700.0), 0.5);  // and so are errors stated twice as large
+  EXPECT_GT(beyond_a_third, 6);  // negative control: with a third of the stated error more seeds are beyond
+  EXPECT_GT(std::sqrt(squares / 700.0), 0.5);  // negative control: errors stated twice as large fail here
 }
 
-// More faces on each other than there are ranks: contacts keep their order, and no pair gets directions of its own.
+// More faces lie on each other than there are ranks. Contacts keep their order, and no pair gets directions of its own.
 TEST(Alike, HighStacksAreUnordered) {
   const auto stack = [](int count) {
     InputScene s{"stack", {}, {}};
@@ -211,14 +213,14 @@ TEST(Alike, HighStacksAreUnordered) {
     PairSampler sampler(scene, ids, 3, latticeEngines(EngineKind::host, nullptr));
     return sampler.direct(0, 1, 64).directions;
   };
-  for (int count : {7, 8}) {  // and the box
+  for (int count : {7, 8}) {  // tiles in the plane of the floor; the bottom of the box comes on top
     const Scene scene = stack(count);
     const bool has_order = count + 1 <= int(kTieRanks);
     EXPECT_EQ(scene.coincidences.alike_unordered > 0, !has_order) << count;
     EXPECT_EQ(directionsOf(scene), has_order ? 64u : 0u) << count;
     EXPECT_EQ(scene.warnings.size(), has_order ? 1u : 2u) << count;
     EXPECT_EQ(scene.coincidences.contacts, static_cast<uint64_t>(count));
-    // The box stands in front of all of them.
+    // The box covers all tiles, so that its bottom touches a front and nothing leaks.
     const Counter host = counters()[0];
     uint64_t on_faces = 0, leak = 0;
     for (const auto& [pair, lines] : countByName(scene, host, someDirections())) {
@@ -230,7 +232,8 @@ TEST(Alike, HighStacksAreUnordered) {
   }
 }
 
-// Rounding has parted these planes: their order, where they cross, may depend on the direction.
+// Rounding has made these two planes cross. Which one is in front may depend on the direction, so the pair counts as
+// unordered.
 TEST(Alike, CrossingPlanesAreUntold) {
   const auto untold = [](double lift, double tilt) {
     InputScene s{"crossing", {}, {}};
@@ -243,8 +246,8 @@ TEST(Alike, CrossingPlanesAreUntold) {
   EXPECT_EQ(untold(0, 0), 0u);
   EXPECT_EQ(untold(1e-9, 0), 0u);  // one plane
   EXPECT_EQ(untold(0, 1e-6), 1u);
-  EXPECT_EQ(untold(2e-8, 0), 1u);  // nearer than engines tell for certain
-  EXPECT_EQ(untold(1e-6, 0), 0u);  // one lies in front
+  EXPECT_EQ(untold(2e-8, 0), 1u);  // too near for engines to order with certainty
+  EXPECT_EQ(untold(1e-6, 0), 0u);  // one face lies clearly in front
   EXPECT_EQ(untold(1e-6, 1e-6), 0u);
 }
 

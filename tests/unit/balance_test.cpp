@@ -1,4 +1,5 @@
-// These tests compare balanced form factors with solutions by hand, conditions of the minimum and an enumeration.
+// These tests compare balanced form factors with solutions by hand, with the conditions of the minimum, and with an
+// enumeration of all sets of nonzero pairs.
 #include <viewpeel/balance.h>
 
 #include <bit>
@@ -36,7 +37,8 @@ std::string refusalOf(const FormFactors& measured) {
 
 // --- by hand -----------------------------------------------------------------------------------------------------
 
-// Three rows without self views have one solution, whatever was measured: x_01 = (A_0 + A_1 - A_2) / 2 and so on.
+// Three rows that do not see themselves have only one solution, whatever the measured values are: x_01 = (A_0 + A_1 -
+// A_2) / 2 and so on.
 TEST(Balance, ThreePlanarRowsAreDetermined) {
   const BalancedFormFactors balanced =
       balanceRows(matrixOf({3, 4, 5}, {{0, 1, {1.1, 0.1}}, {0, 2, {1.7, 0.1}}, {1, 2, {3.5, 0.1}}}));
@@ -50,7 +52,7 @@ TEST(Balance, ThreePlanarRowsAreDetermined) {
   EXPECT_EQ(balanced.to, 2u);
 }
 
-// The third row sees itself: t = x_22 is free, and setting the derivative of the sum of squares to 0 gives it.
+// The third row sees itself, so t = x_22 is free. The derivative of the sum of squares vanishes at the solution.
 TEST(Balance, ThreeRowsWithASelfView) {
   const double c01 = 1.1, c02 = 1.7, c12 = 3.2, c22 = 0.8, s01 = 0.1, s02 = 0.2, s12 = 0.05, A0 = 3, A1 = 4, A2 = 6;
   const BalancedFormFactors balanced = balanceRows(
@@ -65,8 +67,8 @@ TEST(Balance, ThreeRowsWithASelfView) {
   EXPECT_NEAR(balanced.form_factors.exchangeArea(1, 2).value, (A1 + A2 - A0 - t) / 2, 1e-10);
 }
 
-// A pair that is known much better than what it shares its rows with hardly moves: x_01 = t, x_00 = A0 - t, x_11 = A1 -
-// t.
+// One pair has a far smaller standard error than the other pairs of its rows, and hardly moves. With x_01 = t the
+// others are x_00 = A0 - t and x_11 = A1 - t.
 TEST(Balance, MostCertainPairsStay) {
   const double c00 = 2.2, c01 = 0.9, c11 = 1.3, s00 = 0.1, s01 = 1e-6, s11 = 0.2, A0 = 3, A1 = 2;
   const BalancedFormFactors balanced =
@@ -78,7 +80,7 @@ TEST(Balance, MostCertainPairsStay) {
   EXPECT_NEAR(balanced.form_factors.exchangeArea(0, 0).value, A0 - t, 1e-11);
 }
 
-// What is closed already stays as it is, to the last bit.
+// Rows that already sum to 1 keep every bit.
 TEST(Balance, BalancedRowsStay) {
   const FormFactors measured = matrixOf({3, 4, 5}, {{0, 1, {1, 0.1}}, {0, 2, {2, 0.1}}, {1, 2, {3, 0.1}}});
   const BalancedFormFactors balanced = balanceRows(measured);
@@ -87,7 +89,7 @@ TEST(Balance, BalancedRowsStay) {
   EXPECT_EQ(balanced.rms_change, 0);
 }
 
-// Two plates see nothing else: the rows are one equation, and the Hessian is singular.
+// Two plates see only each other. Both rows give the same equation, so the Hessian is singular.
 TEST(Balance, TwoPlates) {
   const FormFactors balanced = balanceRows(matrixOf({2, 2}, {{0, 1, {1.9, 0.1}}})).form_factors;
   EXPECT_NEAR(balanced.formFactor(0, 1).value, 1, kBalanceTolerance);
@@ -101,8 +103,8 @@ struct Instance {
   std::string name;
 };
 
-// Rows of `count` ids, a share of all pairs met; the areas are row sums of a feasible x, a part of whose entries is 0,
-// and what was measured differs from it by factors up to exp(spread).
+// Makes `count` rows of which a share `density` of all pairs was met. Areas are row sums of a feasible x, 30 % of whose
+// entries are 0. Measured values differ from x by factors up to exp(spread).
 Instance randomInstance(uint32_t count, double density, double spread, bool self_views, uint64_t seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> uniform(0, 1);
@@ -121,7 +123,8 @@ Instance randomInstance(uint32_t count, double density, double spread, bool self
           "count " + std::to_string(count) + ", spread " + std::to_string(spread) + ", seed " + std::to_string(seed)};
 }
 
-// A convex problem is solved where its rows sum to the areas and one multiplier per row explains every entry.
+// The problem is convex, so x is its solution if rows sum to their areas and one multiplier for each row explains every
+// entry.
 TEST(Balance, ConditionsOfTheMinimum) {
   size_t zeros = 0, positive = 0;
   for (uint64_t seed = 1; seed <= 60; ++seed) {
@@ -153,15 +156,15 @@ TEST(Balance, ConditionsOfTheMinimum) {
   EXPECT_GT(positive, 10 * zeros);
 }
 
-// Looks at all sets of pairs that stay positive, and returns the least change that keeps the rows and is nowhere
-// negative.
+// Enumerates all sets of pairs that may be positive. Returns the solution of least change that keeps the row sums and
+// has no negative entry.
 std::vector<double> enumerateBalanced(const FormFactors& measured) {
   const Eigen::Index n = measured.ids().count();
   const size_t count = measured.entries().size();
   const Eigen::VectorXd areas = Eigen::Map<const Eigen::VectorXd>(measured.ids().areas.data(), n);
   std::vector<double> best;
   for (uint32_t set = 1; set < 1u << count; ++set) {
-    // Minimum-norm solution of B D z = A - B c over the set, with x = c + D z and D^2 = w.
+    // z is the minimum-norm solution of B D z = A - B c over the set, with x = c + D z and D^2 = w.
     Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(n, std::popcount(set));
     Eigen::VectorXd missing = areas;
     std::vector<size_t> members;
@@ -194,7 +197,8 @@ TEST(Balance, AgreesWithEnumeration) {
     const std::vector<double> x = valuesOf(balanceRows(instance.measured).form_factors),
                               best = enumerateBalanced(instance.measured);
     ASSERT_EQ(best.size(), x.size());
-    // The enumeration keeps rows to 1e-9 at worst, the solver to 1e-12; entries answer to rows through ratios of w.
+    // The enumeration keeps row sums to 1e-9 and the solver to 1e-12. Ratios of weights w amplify these errors in
+    // single entries.
     for (size_t k = 0; k < x.size(); ++k) EXPECT_NEAR(x[k], best[k], 1e-6) << "entry " << k;
     zeros += std::count(x.begin(), x.end(), 0.0);
   }
@@ -212,7 +216,8 @@ TEST(Balance, EnumerationFindsAWrongWeight) {
   EXPECT_GT(difference, 1e-4);
 }
 
-// Rows of one side see only the other: no self views, no cycles of odd length. The Hessian is singular at every point.
+// Rows of one half see only rows of the other half, so there are no self views and no odd cycles. The Hessian is
+// singular at every point.
 TEST(Balance, TwoSidesOfManyRows) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> uniform(0.5, 2);
@@ -232,7 +237,7 @@ TEST(Balance, TwoSidesOfManyRows) {
   EXPECT_NE(refusalOf(matrixOf(areas, entries)).find("met only rows of area"), std::string::npos);
 }
 
-// Units of length and areas that differ by 10^8 change nothing.
+// Neither the unit of length nor areas that differ by 10^8 change the result.
 TEST(Balance, ScalesAndSmallRows) {
   Instance instance = randomInstance(60, 0.5, 0.3, true, 11);
   const std::vector<double> x = valuesOf(balanceRows(instance.measured).form_factors);
@@ -273,7 +278,7 @@ TEST(Balance, RefusesWhatCannotBeBalanced) {
   EXPECT_NE(refusalOf(matrixOf({3, 4, 5}, {{0, 1, {1, 0.1}}, {0, 0, {2, 0.1}}, {1, 2, {3, 0.1}}}))
                 .find("'id2' of area 5 met only rows of area 4"),
             std::string::npos);
-  // Three rows that met one, larger than each but not than all.
+  // Three rows met only one row. It is larger than each of them, but smaller than all together.
   EXPECT_NE(refusalOf(matrixOf({4, 2, 2, 2}, {{0, 0, {1, 0.1}}, {0, 1, {1, 0.1}}, {0, 2, {1, 0.1}}, {0, 3, {1, 0.1}}}))
                 .find("and 2 more rows of area 6 met only rows of area 4"),
             std::string::npos);
@@ -284,7 +289,8 @@ TEST(Balance, RefusesWhatCannotBeBalanced) {
   EXPECT_NE(refusalOf({some, three, {{}, {}, {}}}).find("--from"), std::string::npos);
 }
 
-// A line in 10^8 that grazes an edge is no opening: its radiation goes to what the row was measured to see.
+// Where one line in 10^7 leaves a row by grazing an edge, the row is not open. Its radiation goes to the rows that it
+// was measured to see.
 TEST(Balance, GrazingLinesAreNoOpening) {
   const BalancedFormFactors balanced = balanceRows(matrixOf({3, 4, 5}, {{0, 1, {1.1, 0.1}},
                                                                         {0, 2, {1.7, 0.1}},

@@ -1,4 +1,4 @@
-// No direction exceeds its range, and no range is much larger than it has to be.
+// The contribution of a direction never exceeds its range, and no range is much larger than necessary.
 #include "estimator/bounds.h"
 
 #include <gtest/gtest.h>
@@ -36,11 +36,12 @@ uint64_t totalOf(const PairCounts& counts) {
   return total;
 }
 
-// A lone polygon of some shape and size is seen from everywhere and along its normal, under lattices that fit it well.
+// A single polygon is seen along random directions and along its normal, on lattices whose spacing divides its sides.
+// Its counts stay within the ranges (27) and (28) of docs/method.md.
 TEST(Bounds, RangesHoldForEveryDirectionAndLattice) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> uniform(0.02, 1);
-  double most_points = 0, most_rows = 0;  // relative to the range
+  double most_points = 0, most_rows = 0;  // largest sums in units of twice the area
   for (int trial = 0; trial < 60; ++trial) {
     InputScene input{"polygon", {}, {}};
     const double width = trial % 3 == 0 ? 1 : uniform(random), skew = trial % 3 == 0 ? 0 : uniform(random) - 0.5;
@@ -57,26 +58,26 @@ TEST(Bounds, RangesHoldForEveryDirectionAndLattice) {
         directions.push_back({{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}, {offset, offset}});
       }
       for (const Direction& direction : directions) {
-        // A line through a two-sided polygon counts twice: as much as 2 h^2 per point.
+        // A line through a two-sided polygon counts on both sides, so a point stands for 2 h^2.
         const double points = h * h * double(totalOf(countPairsOnCpu(scene, ids, {direction}, resolution)));
         const double rows = h * h / 1024 * double(totalOf(countIntervalsOnCpu(scene, ids, {direction}, resolution)));
-        EXPECT_LE(points, latticeRange(size, h) * (1 + 1e-6));  // corners are snapped to 2^-24 and finer
+        EXPECT_LE(points, latticeRange(size, h) * (1 + 1e-6));  // snapping moves corners by 2^-24 or less
         EXPECT_LE(rows, scanlineRange(size, h) * (1 + 1e-6));
         most_points = std::max(most_points, points / (2 * size.area));
         most_rows = std::max(most_rows, rows / (2 * size.area));
       }
     }
   }
-  // Without the terms in h both would fail.
+  // Negative control: bounds without the terms in h would fail.
   EXPECT_GT(most_points, 1.5);
   EXPECT_GT(most_rows, 1.5);
 }
 
 TEST(Bounds, ALatticeThatFitsASquareNearlyReachesTheRange) {
-  // (n + 1)^2 points lie on a closed square of side n h: A / h^2 + p / (2 h) + 1 of them.
+  // A closed square of side n h holds (n + 1)^2 points, which is A / h^2 + p / (2 h) + 1.
   const ConvexSize square{9, 12, 3 * std::sqrt(2.0)};
   EXPECT_DOUBLE_EQ(latticeRange(square, 1), 2 * 16);
-  // Four rows of length 3 lie on it, 12 in all, where the range allows 9 + 3 sqrt 2.
+  // Four rows of length 3 lie on the square, 12 in all. The range allows 9 + 3 sqrt 2.
   EXPECT_GE(scanlineRange(square, 1), 2 * 12);
   EXPECT_LE(scanlineRange(square, 1), 2 * 13.26);
 }

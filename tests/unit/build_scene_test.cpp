@@ -1,4 +1,5 @@
-// These tests make scenes of faces: they split, drop, scale and group them.
+// Tests buildScene(): it splits faces into convex polygons, drops faces without area, scales to the unit ball, and
+// groups planes.
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -25,7 +26,7 @@ double areaOf(const ts::Corners& corners) {
   return glm::length(sum) / 2;
 }
 
-// Every polygon is convex and planar; all together have the face's area and its front.
+// Expects that the face is split into convex planar polygons, at most `most_pieces`, with the face's area and front.
 void expectSplitsWell(const ts::Corners& corners, size_t most_pieces) {
   const Scene scene = buildScene(oneFace(corners));
   EXPECT_LE(scene.polygons.size(), most_pieces);
@@ -80,14 +81,14 @@ TEST(BuildScene, NonConvexFacesAreCutIntoFewConvexOnes) {
   for (int k = 40; k >= 0; --k)
     spiral.push_back({(1.3 + 0.1 * k) * std::cos(0.4 * k), (1.3 + 0.1 * k) * std::sin(0.4 * k), 1});
   expectSplitsWell(spiral, 80);
-  // A bridge that is walked both ways reaches the square hole.
+  // The outline reaches the square hole along a bridge that it follows both ways.
   expectSplitsWell(
       {{0, 0, 0}, {3, 0, 0}, {3, 3, 0}, {0, 3, 0}, {0, 0, 0}, {1, 1, 0}, {1, 2, 0}, {2, 2, 0}, {2, 1, 0}, {1, 1, 0}},
       8);
 }
 
-// Star-shaped polygons with random radii are simple, and anything but convex. Splitting takes seconds or is refused. A
-// comb has ears that only a search through many corners finds.
+// Stars are simple polygons and far from convex. Faces of many corners are split within seconds or refused. An ear of a
+// comb is found only by a search through many corners.
 TEST(BuildScene, FacesOfManyCornersAreSplitOrRefused) {
   const auto star = [](int m) {
     ts::Corners corners;
@@ -156,20 +157,20 @@ TEST(BuildScene, DegenerateFacesAreDroppedWithOneCountedWarningEach) {
   ts::addFace(input, "repeated", {{0, 0, 0.5}, {0, 0, 0.5}, {1, 0, 0.5}});
   const Scene scene = buildScene(input);
   EXPECT_EQ(scene.polygons.size(), 2u);
-  EXPECT_EQ(scene.surfaces.size(), 2u);  // surfaces left without polygons vanish
+  EXPECT_EQ(scene.surfaces.size(), 2u);  // surfaces without polygons are removed
   ASSERT_EQ(scene.warnings.size(), 2u);
   EXPECT_NE(scene.warnings[0].find("1 face dropped: fewer than three"), std::string::npos) << scene.warnings[0];
   EXPECT_NE(scene.warnings[1].find("3 faces"), std::string::npos) << scene.warnings[1];
 }
 
-// A polygon of area 1e-12 beside one of area 1 is kept: smallness alone is no reason.
+// A polygon of area 5e-13 beside polygons of area 1 is kept: a small area is no reason to drop a polygon.
 TEST(BuildScene, TinyPolygonsAreKept) {
   InputScene input = ts::parallelSquares();
   ts::addFace(input, "tiny", {{0.5, 0.5, 0.5}, {0.500001, 0.5, 0.5}, {0.5, 0.500001, 0.5}});
   const Scene scene = buildScene(input);
   ASSERT_EQ(scene.polygons.size(), 3u);
   EXPECT_NEAR(scene.polygons[2].area * scene.scale * scene.scale, 5e-13,
-              5e-13 * 1e-9);  // corners rounded to 1e-16 of a side of 1e-6
+              5e-13 * 1e-9);  // corners are rounded by 1e-16, a side is 1e-6 long
 }
 
 TEST(BuildScene, EveryCornerLiesInTheUnitBall) {
@@ -184,7 +185,7 @@ TEST(BuildScene, EveryCornerLiesInTheUnitBall) {
   }
 }
 
-// The normalised scene does not depend on units or place. Coordinates of size L carry errors of L 2^-53 each.
+// The normalised scene does not depend on units or place. Coordinates of size L have rounding errors of L 2^-53.
 TEST(BuildScene, ScaleAndOffsetVanish) {
   const InputScene input = ts::cubeInCube(0.3);
   const Scene expected = buildScene(input);
@@ -199,8 +200,8 @@ TEST(BuildScene, ScaleAndOffsetVanish) {
 
 TEST(BuildScene, CoplanarPolygonsShareAPlaneWhicheverWayTheyFace) {
   const Scene scene = buildScene(ts::roomWithTouchingBoxes());
-  // The tops and bottoms at heights 0, 1, 1.5, 2, 3; walls and sides at x = 0, 0.5, 0.75, 1.5, 2, 3, 4 and y = 0, 0.5,
-  // 0.75, 1.5, 1.75, 2, 3, 4.
+  // There are horizontal planes at heights 0, 1, 1.5, 2, 3. Upright ones are at x = 0, 0.5, 0.75, 1.5, 2, 3, 4 and y =
+  // 0, 0.5, 0.75, 1.5, 1.75, 2, 3, 4.
   EXPECT_EQ(scene.planes.size(), 5u + 7u + 8u);
   for (const Polygon& polygon : scene.polygons) {
     const Plane& plane = scene.planes[polygon.plane];
@@ -210,7 +211,7 @@ TEST(BuildScene, CoplanarPolygonsShareAPlaneWhicheverWayTheyFace) {
   }
 }
 
-// Turned by any angle, coplanar faces stay grouped, and a gap of 1e-7 stays a gap.
+// Coplanar faces share a plane however the scene is turned, and faces 1e-7 apart do not.
 TEST(BuildScene, PlanesAreFoundAtAnyAngle) {
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> angle(0, 6.28);
@@ -225,7 +226,7 @@ TEST(BuildScene, PlanesAreFoundAtAnyAngle) {
 
 TEST(BuildScene, ClosedAndOpenScenesDiffer) {
   EXPECT_TRUE(isClosed(buildScene(ts::insideOfCube())));
-  EXPECT_TRUE(isClosed(buildScene(ts::roomWithTouchingBoxes())));  // has T-junctions
+  EXPECT_TRUE(isClosed(buildScene(ts::roomWithTouchingBoxes())));  // closed although it has T-junctions
   InputScene open = ts::roomWithTouchingBoxes();
   open.faces.erase(open.faces.begin() + 3);
   EXPECT_FALSE(isClosed(buildScene(open)));

@@ -1,5 +1,5 @@
-// Guesses are adjusted so that their rows add up. Rows gain what they miss, visibilities stay between 0 and 1, and
-// measured entries do not change.
+// calibrateRows() adjusts guesses so that rows sum to 1. Visibilities stay between 0 and 1, and measured entries do not
+// change.
 #include "sums/calibrate_rows.h"
 
 #include <cmath>
@@ -18,7 +18,8 @@ struct Matrix {
   std::vector<double> areas;
 };
 
-// Every third pair is measured to `error`, the others are guessed with 0.7 of what is true: all guesses err alike.
+// Makes a matrix in which every third pair is measured with standard error `error` times F0. Every other pair has a
+// guess of 0.7 of its true value, so that all guesses err alike.
 Matrix makeGuessed(uint32_t count, double error, uint64_t seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> uniform(0, 1);
@@ -55,7 +56,8 @@ TEST(CalibrateRows, GuessesThatErrTogetherAreMended) {
     const Matrix before = matrix;
     ASSERT_GT(largestMiss(before), 0.15);
     calibrateRows(matrix.entries, matrix.guesses, matrix.areas);
-    // 1 % of the guesses' errors together, less than 1, and the measured entries' share of what is missing.
+    // The remaining difference is 1 % of the sum of the guesses' errors, which is below 1, and the share of the
+    // measured entries.
     EXPECT_LT(largestMiss(matrix), 0.012) << "seed " << seed;
     size_t guess = 0;
     double off_before = 0, off = 0;
@@ -72,11 +74,12 @@ TEST(CalibrateRows, GuessesThatErrTogetherAreMended) {
       }
       EXPECT_EQ(value, before.entries[k].exchange_area.value) << "a measured entry moved, seed " << seed;
     }
-    EXPECT_LT(off, 0.1 * off_before) << "seed " << seed;  // the error that all have alike is gone
+    EXPECT_LT(off, 0.1 * off_before) << "seed " << seed;  // the common error of all guesses is gone
   }
 }
 
-// Measured entries of large errors explain what a row misses: guesses that are nearly sure stay.
+// The large errors of measured entries explain why the row's sum is not 1. A guess that is nearly certain does not
+// move.
 TEST(CalibrateRows, WhatMeasuredEntriesMissIsNotForcedOnGuesses) {
   Matrix matrix{{{0, 1, {0.5, 0.1}}, {0, 2, {0.3, 1e-4}}}, {{1, 0.3001f, 0.9996f, 1}}, {1, 0.5, 0.3}};
   calibrateRows(matrix.entries, matrix.guesses, matrix.areas);

@@ -1,4 +1,4 @@
-// Checkpoints are files that read back to every bit, or are refused.
+// Checkpoints are read back to the same bits, and damaged or foreign files are refused.
 #include "io/checkpoint.h"
 
 #include <cmath>
@@ -70,7 +70,7 @@ TEST_F(CheckpointFile, ReadsBackEveryBit) {
   EXPECT_TRUE(passes_64_bits);
 }
 
-// Older checkpoints name the setting --unoccluded by its older name.
+// Older checkpoints hold the setting --unoccluded under its older name.
 TEST_F(CheckpointFile, OlderNamesOfSettingsAreRead) {
   writeCheckpoint({{"--closed-forms", "on"}}, makeRunSums(scene_, ids_), file("old.h5"));
   EXPECT_EQ(readCheckpoint(file("old.h5")).settings, (Settings{{"--unoccluded", "on"}}));
@@ -89,7 +89,7 @@ TEST_F(CheckpointFile, PartsInAnyOrderAddUpToOneRun) {
     EXPECT_EQ(bytesOf(merged.sums), whole) << files[0] << files[1] << files[2] << files[3];
     EXPECT_EQ(merged.sums.replicates, (std::vector<ReplicateRange>{{0, 7}}));
   } while (std::next_permutation(files.begin(), files.end()));
-  EXPECT_NE(bytesOf(sumsOf({0, 1, 2, 3, 4, 5, 7})), whole);  // other counts
+  EXPECT_NE(bytesOf(sumsOf({0, 1, 2, 3, 4, 5, 7})), whole);  // negative control: another replicate gives other bytes
 }
 
 TEST_F(CheckpointFile, WhatDoesNotBelongTogetherIsRefused) {
@@ -107,7 +107,7 @@ TEST_F(CheckpointFile, WhatDoesNotBelongTogetherIsRefused) {
   EXPECT_NE(merge("e.h5").find("areas"), std::string::npos) << merge("e.h5");
 }
 
-// Parts of a cluster's job that ran twice add nothing: the bytes are those of the file that has all replicates.
+// A replicate that two files hold counts once. The merged file has the bytes of the file with all replicates.
 TEST_F(CheckpointFile, ReplicatesInTwoFilesCountOnce) {
   const std::string whole = bytesOf(sumsOf({0, 1, 2, 3}));
   writeCheckpoint(kSettings, sumsOf({0, 1, 2, 3}), file("all.h5"));
@@ -125,8 +125,9 @@ TEST_F(CheckpointFile, ReplicatesInTwoFilesCountOnce) {
   EXPECT_THROW(mergeCheckpoints({file("all.h5"), file("beyond.h5")}), Error);
 }
 
-// Sums of pair lines, of a pair and of a face with a back, are the same after writing and reading. Parts add up to the
-// bytes of the whole in any order. Other lines of a pair are another run.
+// Sums of pair lines, between two faces or from a face to a back, are the same after writing and reading. Parts add up
+// to the bytes of the whole in any order. A file in which a pair has another number of lines belongs to another run and
+// is refused.
 TEST_F(CheckpointFile, PairLinesAddUpToOneRun) {
   const auto sumsWithLines = [&](const std::vector<uint64_t>& replicates, uint32_t blocks = 3) {
     const std::vector<LinePair> pairs = {
@@ -161,8 +162,9 @@ TEST_F(CheckpointFile, PairLinesAddUpToOneRun) {
   EXPECT_THROW(mergeCheckpoints({file("a.h5"), file("c.h5")}), Error);
 }
 
-// With unoccluded form factors: controls are integers, too, and visibilities are the same in all parts. Unoccluded
-// form factors may differ in the last bits from device to device: in any order of files the first replicate's stay.
+// Sums of a run with priors add up to the bytes of one run: control variates are integers, and all parts have the same
+// visibilities. Unoccluded form factors may differ in the last bits from device to device. In any order of files those
+// of the first replicate are kept.
 TEST_F(CheckpointFile, ControlsAddUpToOneRun) {
   const auto sumsWithPrior = [&](const std::vector<uint64_t>& replicates, uint32_t one_visibility = 0,
                                  uint32_t directions = 16) {
@@ -231,7 +233,7 @@ TEST_F(CheckpointFile, ControlsAddUpToOneRun) {
   }
 }
 
-// Cut off anywhere, or with any bit wrong.
+// A file that is cut off anywhere, or has any bit changed, is refused.
 TEST_F(CheckpointFile, DamageIsFound) {
   const std::string whole = bytesOf(sumsOf({0, 1}));
   constexpr uint64_t kSeed = 5;

@@ -8,7 +8,7 @@
 namespace viewpeel {
 namespace {
 
-// Returns P(X <= k) of n coins with chance s, by summing logarithms.
+// Returns P(X <= k) for the number X of successes in n trials of probability s, as a sum of exponentials of logarithms.
 double binomialTail(int n, int k, double s) {
   double sum = 0;
   for (int m = 0; m <= k; ++m)
@@ -18,8 +18,8 @@ double binomialTail(int n, int k, double s) {
 }
 
 TEST(Chernoff, ExactTailsAreBelowTheProbabilityOfTheBound) {
-  // Were s the upper bound that k of n gives, k or fewer would come with probability p / 2 at most: so the bound fails
-  // with that probability at most, whatever s is.
+  // Let s be the upper bound that k of n successes give. If s were the true probability, k or fewer successes would
+  // occur with probability p / 2 at most. So the bound fails with at most this probability.
   for (const double p : {0.05, 1e-3, 1e-8}) {
     const double l = std::log(2 / p);
     for (const int n : {1, 5, 40, 1000})
@@ -36,7 +36,7 @@ TEST(Chernoff, ExactTailsAreBelowTheProbabilityOfTheBound) {
 }
 
 TEST(Chernoff, ABoundThatIsATenthTooSmallFails) {
-  // A negative control: for coins that are often on one side the bound has little to spare.
+  // Negative control: nine tenths of the bound fail with more than p / 2 where no trial succeeds.
   const double p = 0.05, l = std::log(2 / p);
   const int n = 40;
   const double upper = chernoffBounds(0, 0, n, l).upper;

@@ -1,5 +1,5 @@
-// In the exact path a scene with coincident faces has the form factors of the same scene with gaps. peel_test.cpp shows
-// that the engines agree with the exact path, to the bit with the CPU twin.
+// A scene with coincident faces has the exact areas of the same scene with small gaps between them. peel_test.cpp
+// compares the engines with the exact path and with the CPU twin.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -17,11 +17,11 @@ namespace {
 
 namespace ts = test_scenes;
 
-using Areas = std::map<std::pair<uint32_t, uint32_t>, double>;  // input units squared, summed over directions
+using Areas = std::map<std::pair<uint32_t, uint32_t>, double>;  // input units squared, over all directions
 
 Areas areasOf(const Scene& scene, const std::vector<glm::dvec3>& directions) {
   Areas areas;
-  // Faces moved by rounding pass through their neighbours by as little.
+  // Faces that rounding has moved may pass through their neighbours by this depth.
   for (const auto& found : reference::computeExactPairAreas(scene, directions, {.touching_depth = 1e-5}))
     for (const auto& pair : found.pairs)
       areas[{scene.polygons[pair.a].face, pair.b < kEnvironment ? scene.polygons[pair.b].face : pair.b}] +=
@@ -43,7 +43,7 @@ double perimeters(const InputScene& scene) {
   return sum;
 }
 
-// Returns nothing where no pair's area differs by more than `allowed`.
+// Returns an empty string where no pair's area differs by more than `allowed`, else the first pair that does.
 std::string firstDifference(const InputScene& input, const Areas& areas, const Areas& meant, double allowed) {
   const auto nameOf = [&](uint32_t face) -> std::string {
     return face == kEnvironment ? "environment"
@@ -89,7 +89,7 @@ TEST_P(Coincident, IsWhatAGapWouldMean) {
   compare(ts::turnedAndMoved(GetParam().make(0)), ts::turnedAndMoved(meant), 0);
 }
 
-// A negative gap is what rounding makes of none: faces that have passed through each other.
+// Rounding may turn a gap of 0 into a negative one: the faces have passed through each other.
 TEST_P(Coincident, AtGapsOfRounding) {
   for (double gap : {1e-12, 1e-9, 1e-8, 1e-7, 1e-6})
     for (double sign : {1.0, -1.0}) {
@@ -100,7 +100,7 @@ TEST_P(Coincident, AtGapsOfRounding) {
 }
 
 TEST_P(Coincident, InSinglePrecision) {
-  const double rounding = 0x1p-22;  // of coordinates below 4
+  const double rounding = 0x1p-22;  // largest rounding of coordinates below 4
   for (double gap : {0.0, 1e-7}) {
     SCOPED_TRACE(gap);
     compare(ts::roundedToSingle(ts::turnedAndMoved(GetParam().make(gap))),
@@ -108,7 +108,7 @@ TEST_P(Coincident, InSinglePrecision) {
   }
 }
 
-// The comparison sees the wrong order.
+// Negative control: with reversed ranks the areas differ.
 TEST_P(Coincident, TheOtherOrderIsNoticed) {
   Scene scene = buildScene(GetParam().make(0));
   const auto directions = someDirections();
@@ -141,8 +141,8 @@ TEST(CoincidentPairs, AreCounted) {
   EXPECT_EQ(countsOf("three rooms in a row").in_doubt, 0u);
 }
 
-// Makes boxes with corners in whole numbers, and the same solid as the faces of the unit cubes at its surface. Faces
-// are named by the plane that they lie in and the way they look, so that both scenes have the same surfaces.
+// Boxes holds random boxes with whole corners, and the union of them as a grid of unit cubes. Faces are named by their
+// plane and by the way they look, so that both forms of the solid have the same surfaces.
 struct Boxes {
   static constexpr int kWidth = 24;
   std::vector<std::pair<glm::ivec3, glm::ivec3>> boxes;
@@ -157,7 +157,7 @@ struct Boxes {
   Boxes(size_t count, bool disjoint, uint32_t seed) {
     std::mt19937 random(seed);
     const auto below = [&](int most) { return static_cast<int>(random() % static_cast<uint32_t>(most)); };
-    // Adds two far corners, so that the ball around the scene does not depend on what is between.
+    // Adds boxes at two opposite corners, so that the ball around the scene does not depend on the other boxes.
     const auto add = [&](glm::ivec3 low, glm::ivec3 high) {
       boxes.emplace_back(low, high);
       forEachCube(low, high,
@@ -181,7 +181,7 @@ struct Boxes {
         for (int z = low.z; z < high.z; ++z) use(glm::ivec3(x, y, z));
   }
 
-  // All names in one order.
+  // Returns a scene without faces that has the names of all possible surfaces, in a fixed order.
   static InputScene empty(const char* file) {
     InputScene scene{file, {}, {}};
     for (int axis = 0; axis < 3; ++axis)
@@ -217,7 +217,7 @@ struct Boxes {
   }
 };
 
-// By name, so that surfaces that only one of the scenes has do not matter.
+// Counts are keyed by name, for a surface may exist in one of the scenes only.
 using CountsByName = std::map<std::pair<std::string, std::string>, uint64_t>;
 CountsByName countsByName(const InputScene& input) {
   const Scene scene = buildScene(input);
@@ -234,7 +234,7 @@ CountsByName countsByName(const InputScene& input) {
   return counts;
 }
 
-// Counts lines that one of the two has and the other has not.
+// Returns the sum of all differences between the counts of two scenes.
 uint64_t differenceOf(const CountsByName& a, const CountsByName& b) {
   CountsByName all = a;
   all.insert(b.begin(), b.end());
@@ -253,29 +253,31 @@ uint64_t sumOf(const CountsByName& counts) {
   return sum;
 }
 
-// Lines within rounding of an edge may be counted otherwise. Corners are snapped to 2^-18 of a spacing; the edges of
-// 1,000 boxes are some 8e4 spacings long, so that 0.3 lattice points of a direction's 25,000 lie within rounding of
-// one.
+// Lines that rounding moves across an edge may count for another pair. Corners are snapped to 2^-18 of a spacing, and
+// the edges of 1,000 boxes are some 8e4 spacings long. So 0.3 of the 25,000 lattice points of a direction are that near
+// to an edge.
 constexpr double kGrazing = 2e-5;
 
-// Every line meets the same solid: the same lattice points, the same counts, but for what touching boxes show each
-// other and nobody else.
+// The boxes together and their union give the same counts, for they are one solid on one lattice. Only the contacts of
+// touching boxes count in addition, and are taken out.
 TEST(CoincidentPairs, TouchingBoxesAreTheirUnion) {
   for (uint32_t seed : {1u, 2u}) {
     const Boxes boxes(1000, true, seed);
     auto counted = countsByName(boxes.asBoxes());
     const auto meant = countsByName(boxes.cut());
-    std::erase_if(counted, [&](const auto& entry) {  // x+5 and x-5 face each other nowhere but in a contact
+    std::erase_if(counted, [&](const auto& entry) {  // x+5 and x-5 face each other in contacts only
       const auto& [a, b] = entry.first;
       return b != "environment" && b != "leak" && a[0] == b[0] && a.substr(2) == b.substr(2);
     });
     EXPECT_LE(double(differenceOf(counted, meant)), kGrazing * double(sumOf(meant))) << "seed " << seed;
-    EXPECT_GT(differenceOf(counted, countsByName(boxes.asBoxes())), 0.1 * double(sumOf(meant)));  // with contacts
+    EXPECT_GT(differenceOf(counted, countsByName(boxes.asBoxes())),
+              0.1 * double(sumOf(meant)));  // negative control: with the contacts counts differ
     EXPECT_GT(boxes.boxes.size(), 500u);
   }
 }
 
-// Boxes overlap, are nested, or have coplanar faces: what leaves the union is the same. What lies inside of it is leak.
+// Boxes overlap, are nested, or have coplanar faces. The radiation to the environment equals that of their union. Parts
+// inside the union count as leak and are not compared.
 TEST(CoincidentPairs, OverlappingBoxesShowTheirUnion) {
   const Boxes boxes(1000, false, 3);
   auto counted = countsByName(boxes.asBoxes());
@@ -287,7 +289,8 @@ TEST(CoincidentPairs, OverlappingBoxesShowTheirUnion) {
   EXPECT_GT(meant.size(), 50u);
 }
 
-// A floor whose lower side is free, and whose upper side is the inside of a solid, is told; options decide.
+// The scene decides by default that the two faces are a sheet. The options `sheets` and `solids` overrule it, and
+// contradictions are refused.
 TEST(CoincidentPairs, OptionsDecide) {
   InputScene input{"flipped", {}, {}};
   ts::addRoom(input, "room", {-2, -2, -2}, {2, 2, 2});
@@ -304,12 +307,12 @@ TEST(CoincidentPairs, ContradictionsAreSaid) {
   InputScene input{"half", {}, {}};
   ts::addRoom(input, "room", {-2, -2, -2}, {2, 2, 2});
   ts::addSheet(input, "wall", {-1.5, -1.5, 0}, {3, 0, 0}, {0, 3, 0}, 0);
-  ts::addRoom(input, "shell", {-1.6, -1.6, -0.1}, {1.6, 1.6, 0.5});  // its fronts see the sheet's upper side
+  ts::addRoom(input, "shell", {-1.6, -1.6, -0.1}, {1.6, 1.6, 0.5});  // turned below
   for (InputFace& face : input.faces)
     if (input.surface_names[face.surface].starts_with("shell")) std::reverse(face.corners.begin(), face.corners.end());
-  const Scene scene = buildScene(input);  // turned: all that the sheet sees is backs
+  const Scene scene = buildScene(input);  // both sides of the wall see only backs, so it lies inside a solid
   EXPECT_EQ(scene.coincidences.contacts, 1u);
-  // One side is free, the other solid.
+  // Now one side of the wall is free and the other lies in a solid, which is warned of.
   input.faces.erase(
       std::remove_if(input.faces.begin(), input.faces.end(),
                      [&](const InputFace& face) { return input.surface_names[face.surface] == "shellz0"; }),

@@ -20,7 +20,7 @@ using test::rectangle;
 
 constexpr Interval kUnit{0, 1};
 constexpr double kPi = std::numbers::pi;
-// Input corners are doubles: what 2^-52 of a unit in them does to the form factor of polygons of about that size.
+// Corners are doubles. This is the error of a form factor of polygons of size 1 if corners are off by 2^-52.
 constexpr double kCornerRounding = 64 * 0x1p-52;
 
 Corners unitSquare() { return rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}); }
@@ -75,8 +75,8 @@ TEST(Contour, RandomTetrahedraClose) {
   }
 }
 
-// Two sides of width 1 with a common edge, the third side opposite, two triangles as ends: every angle is a common
-// edge.
+// A wedge is closed by its two sides of width 1, the third side opposite the edge, and two triangles at the ends. All
+// of them have edges in common, and every row must sum to 1.
 TEST(Contour, WedgesFrom1To179DegreesClose) {
   for (double angle_deg : {1.0, 5.0, 30.0, 60.0, 90.0, 120.0, 150.0, 175.0, 179.0})
     for (double length : {0.5, 20.0}) {
@@ -87,7 +87,7 @@ TEST(Contour, WedgesFrom1To179DegreesClose) {
     }
 }
 
-// Long strips: 1 - sin(angle / 2) less the loss at the ends, which is at most width / length (one width at each end).
+// Infinite strips have 1 - sin(angle / 2). The ends lose at most width / length, one width at each end.
 TEST(Contour, LongWedgeIsAlmostTheInfiniteStrip) {
   for (double angle_deg : {1.0, 45.0, 90.0, 135.0, 179.0}) {
     const double angle_rad = angle_deg * kPi / 180;
@@ -149,7 +149,8 @@ TEST(Contour, BacksAndCoplanarSeeNothing) {
   EXPECT_EQ(formFactor(unitSquare(), flipped(moved(unitSquare(), 1, {1.5, 0, 0}))), 0);
 }
 
-// A wall through the middle of the floor: only the half of the floor in front and the wall above the floor count.
+// A wall crosses the middle of the floor. Only the half of the floor in front of the wall and the half of the wall
+// above the floor exchange.
 TEST(Contour, ClipsWhatReachesBehind) {
   const Corners wall = rectangle({0.5, 0, -1}, {0, 1, 0}, {0, 0, 2});  // looks along +x
   const double half = perpendicularRectangles({0, 0.5}, kUnit, kUnit, kUnit);
@@ -178,8 +179,8 @@ TEST(Contour, NearTouching) {
   }
 }
 
-// Unit squares at distance z: 1/(pi z^2) (1 - 2 m2/z^2 + 3 m4/z^4 - ...), m2 = 1/3 and m4 <= 4 the mean square and
-// fourth power of the sideways offset; the series alternates.
+// Unit squares at distance z have the alternating series 1 / (pi z^2) (1 - 2 m2 / z^2 + 3 m4 / z^4 - ...). The mean
+// square m2 of the sideways offset is 1/3, and its mean fourth power m4 is at most 4.
 TEST(Contour, FarPairsToRelativeError) {
   for (double z : {1e3, 1e4, 1e6}) {
     const double truth = (1 - 2 / (3 * z * z)) / (kPi * z * z);
@@ -189,7 +190,8 @@ TEST(Contour, FarPairsToRelativeError) {
   }
 }
 
-// Where the two ways meet, distance = kFarDistance x (2 / sqrt 2 of the sides), both must hold.
+// The rules for near and far pairs meet at a distance of kFarDistance times the sum of the half diagonals, 5.66. Both
+// have their accuracy on either side.
 TEST(Contour, BothWaysAgreeWhereTheyMeet) {
   for (double z : {5.6, 5.7, 8.0, 16.0}) {
     const double truth = parallelRectangles(kUnit, kUnit, kUnit, kUnit, z);
@@ -199,14 +201,15 @@ TEST(Contour, BothWaysAgreeWhereTheyMeet) {
   }
 }
 
-// Form factor from a point to a parallel rectangle with one corner above the point: Howell's catalogue, section B.
+// Returns the form factor from a point to a parallel rectangle, one corner of which is above the point (Howell's
+// catalogue, section B).
 double pointToCornerRectangle(double x, double y, double z) {
   const double rx = std::hypot(x, z), ry = std::hypot(y, z);
   return (x / rx * std::atan(y / rx) + y / ry * std::atan(x / ry)) / (2 * kPi);
 }
 
-// Small squares under a large one are held against the mean of 12 x 12 points' form factors. The mean is exact to
-// rounding, since the integrand is analytic to 2 or more sides' distance from the square.
+// A small square lies under a large one. The reference is the mean of the form factors from 12 x 12 Gauss points of the
+// small square. It is exact to rounding, since the integrand is analytic within two sides of the square.
 TEST(Contour, SmallNextToLarge) {
   for (double side : {1e-1, 1e-3, 1e-5, 1e-6}) {
     const Interval small{0.3, 0.3 + side};

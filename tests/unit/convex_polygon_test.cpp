@@ -20,7 +20,7 @@ TEST(Clip, HalvesASquare) {
 TEST(Clip, KeepsWhatLiesOnTheBoundary) {
   EXPECT_EQ(clip(square(), {{1, 0, 0}, 0}, 0).size(), 4u);
   EXPECT_EQ(clip(square(), {{1, 0, 0}, 1e-17L}, 1e-16L).size(), 4u);
-  EXPECT_TRUE(clip(square(), {{1, 0, 0}, 1}, 1e-16L).empty());  // an edge alone
+  EXPECT_TRUE(clip(square(), {{1, 0, 0}, 1}, 1e-16L).empty());  // only an edge is left
   EXPECT_TRUE(clip({}, {{1, 0, 0}, 0}, 0).empty());
 }
 
@@ -32,7 +32,7 @@ TEST(Clip, RandomPartsAddUp) {
     const Vec3 normal(random.direction());
     const HalfSpace side{normal, random.uniform(-0.3, 0.3)};
     const long double parts = area(clip(polygon, side, 0)) + area(clip(polygon, {-normal, -side.offset}, 0));
-    // New corners are off along their edge only, which moves area from one part to the other.
+    // New corners are rounded along their edge only, which moves area from one part to the other.
     EXPECT_NEAR((double)parts, (double)area(polygon), 1e-17) << "trial " << trial;
   }
 }
@@ -67,8 +67,8 @@ TEST(ToUnitFrame, RefusesBadPolygons) {
       {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}},                                              // no area
       {{0, 0, 0}, {1, 1, 1}, {0, 0, 0}},                                              // no area
       {{0, 0, 0}, {1, 0, 0}, {1, 1, 1e-3}, {0, 1, 0}},                                // not planar
-      {{0, 0, 0}, {2, 0, 0}, {0.5, 0.5, 0}, {0, 2, 0}},                               // dent
-      {{1, 0, 0}, {-0.8, 0.6, 0}, {0.3, -0.95, 0}, {0.3, 0.95, 0}, {-0.8, -0.6, 0}},  // star
+      {{0, 0, 0}, {2, 0, 0}, {0.5, 0.5, 0}, {0, 2, 0}},                               // not convex
+      {{1, 0, 0}, {-0.8, 0.6, 0}, {0.3, -0.95, 0}, {0.3, 0.95, 0}, {-0.8, -0.6, 0}},  // crosses itself
   };
   for (const Corners& corners : bad) try {
       toUnitFrame({corners});

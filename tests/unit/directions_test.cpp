@@ -22,7 +22,8 @@ TEST(Directions, FramesAreOrthonormalAndRightHanded) {
     }
 }
 
-// Directions lie along the axes, where heights and azimuths have their poles, and beside them, where frames change.
+// Directions lie along the axes, where spherical coordinates have poles, and beside them, where the choice of the axes
+// changes.
 TEST(Directions, FramesAtPolesAreOrthonormal) {
   for (int axis = 0; axis < 3; ++axis)
     for (const double sign : {1.0, -1.0})
@@ -47,9 +48,8 @@ TEST(Directions, AreAFunctionOfSeedAndReplicate) {
   EXPECT_NE(a[5].u, d[5].u);
 }
 
-// The mean of each of the functions below over `samples` independent values is within z standard errors of its
-// expectation; z = 5 on 2 x (9 + 9 + 4) functions of four samplers: false-alarm rate 1e-4 for right code, none with
-// this seed.
+// MeanTest compares the mean of several functions over independent samples with the expectation, in standard errors.
+// Tests allow 5 of them. For 2 x (9 + 9 + 4) functions of four samplers the false-alarm rate is 1e-4; seeds are fixed.
 struct MeanTest {
   std::vector<double> sum, sum_of_squares;
   uint64_t samples = 0;
@@ -68,14 +68,14 @@ struct MeanTest {
   }
 };
 
-// Functions of a unit vector with their means over the sphere: all monomials to degree 2, two of degree 4.
+// Returns monomials of a unit vector to degree 2, and one of degree 4. kMomentMeans are their means over the sphere.
 std::vector<double> moments(const glm::dvec3& v) {
   return {v.x, v.y, v.z, v.x * v.y, v.y * v.z, v.z * v.x, v.x * v.x, v.y * v.y, v.x * v.x * v.z * v.z};
 }
 const std::vector<double> kMomentMeans = {0, 0, 0, 0, 0, 0, 1 / 3.0, 1 / 3.0, 1 / 15.0};
 
-// Each direction by itself is uniform on the sphere, the first and the last of a Fibonacci set as well; and so are the
-// lattice's axes, which a fixed rotation would leave on circles.
+// Each direction of a set is uniform on the sphere, also the first and the last one. The axes of its lattice are
+// uniform too; without random rotation they would lie on circles.
 TEST(Directions, EveryDirectionIsUniform) {
   for (Sampler sampler : kSamplers)
     for (int which : {0, 6}) {
@@ -104,8 +104,8 @@ TEST(Directions, UniformityTestSeesABias) {
   EXPECT_GT(u.deviation(2, kMomentMeans[2]), 5);
 }
 
-// What sets are for: a smooth function's mean over one set is far nearer than over as many independent directions. One
-// in each of n cells leaves an error of order 1 / n, against 1 / sqrt(n); the others less.
+// The mean of a smooth function over one set is far nearer to its integral than over independent directions. One
+// direction in each of n cells has an error of order 1 / n, against 1 / sqrt(n). Other sets have less.
 TEST(Directions, SetsIntegrateSmoothFunctions) {
   const uint32_t count = 1000;
   const double independent =
@@ -122,8 +122,8 @@ TEST(Directions, SetsIntegrateSmoothFunctions) {
   }
 }
 
-// Sets of any size have the number requested, and their mean vector and second moments are the sphere's on the average
-// over replicates.
+// Sets of any size have the requested number of directions. Their mean vector and second moments are those of the
+// sphere, in the mean over replicates.
 TEST(Directions, SetsOfAnySizeAreUnbiased) {
   for (Sampler sampler : {Sampler::jittered, Sampler::sobol})
     for (uint32_t count : {1u, 2u, 3u, 5u, 17u, 100u}) {
@@ -144,13 +144,13 @@ TEST(Directions, SetsOfAnySizeAreUnbiased) {
     }
 }
 
-// Pilots are independent of runs, and of each other, as long as no two kinds have a number in common.
+// Pilots are independent of runs and of each other, since no two kinds share a replicate number.
 TEST(Replicates, KindsHaveNoNumberInCommon) {
   for (size_t k = 0; k < kReplicateNumbers.size(); ++k) {
     EXPECT_LT(kReplicateNumbers[k].first, kReplicateNumbers[k].end);
     EXPECT_EQ(kReplicateNumbers[k].first, k > 0 ? kReplicateNumbers[k - 1].end : 0);
   }
-  EXPECT_GT(kRunReplicates.end, uint64_t(1) << 39);  // what --first-replicate may be
+  EXPECT_GT(kRunReplicates.end, uint64_t(1) << 39);  // largest --first-replicate
 }
 
 }  // namespace

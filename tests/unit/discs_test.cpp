@@ -10,8 +10,8 @@ namespace {
 
 using test::isWithin;
 
-// Mean over the first disc of the form factor of a point of it, at distance r from the axis, to the second: Howell's
-// catalogue, section B.
+// Returns the mean over the first disc, of radius a, of the form factor from a point at distance r from the axis to the
+// second disc (Howell's catalogue, section B).
 LineIntegral integralOfPoints(double a, double b, double h) {
   return integrate(
       [=](long double r) {
@@ -40,7 +40,7 @@ test::Corners ring(double radius, double z, int corner_count) {
   return corners;
 }
 
-// area x F grows with both sets, so polygons inside and outside the discs bracket it.
+// The exchange area grows with both regions, so polygons inside and outside the discs bracket it.
 TEST(Discs, BetweenInnerAndOuterPolygons) {
   constexpr int kCorners = 32;
   const double a = 1, b = 0.7, h = 0.6, grown = 1 / std::cos(std::numbers::pi / kCorners);
@@ -54,7 +54,7 @@ TEST(Discs, BetweenInnerAndOuterPolygons) {
   EXPECT_LT(outer - inner, 0.03 * discs);
 }
 
-// b^2 / (h^2 + b^2 + a^2) (1 + O(a^2 b^2 / h^4)): no cancellation far away.
+// Far away the form factor is b^2 / (h^2 + b^2 + a^2) (1 + O(a^2 b^2 / h^4)). The formula must not lose digits there.
 TEST(Discs, FarAndSmallToRelativeError) {
   EXPECT_TRUE(isWithin(coaxialDiscs(1, 1, 1e9) * (1e18 + 2), 1, 32 * 0x1p-52));
   EXPECT_TRUE(isWithin(coaxialDiscs(1, 1e-9, 1) * 2e18, 1, 32 * 0x1p-52));

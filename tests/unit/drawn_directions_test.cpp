@@ -1,5 +1,5 @@
-// Directions drawn for one pair or one emitter have expectations that are form factors. Pair areas are the exact
-// path's, so that only the directions err.
+// The expectation over directions drawn for one pair, or for one emitter, is the form factor. Areas along directions
+// are exact, so that only the choice of directions errs.
 #include "directions/drawn_directions.h"
 
 #include <algorithm>
@@ -32,7 +32,7 @@ double pairArea(const reference::ExactPairAreas& found, const std::vector<bool>&
   return sum;
 }
 
-// Returns F of one replicate, for surfaces of several polygons that do not see themselves.
+// Returns the form factor of one replicate, between two surfaces of several polygons that do not see themselves.
 double formFactorOf(const Scene& scene, const DrawnDirections& drawn, std::span<const uint32_t> a,
                     std::span<const uint32_t> b) {
   if (drawn.directions.empty()) return 0;
@@ -69,7 +69,7 @@ Measured measurePair(const Scene& scene, const DirectionRegion& region, uint32_t
                  [&](uint64_t replicate) { return sampleRegion(region, directions, 4, replicate); });
 }
 
-// Rounding of the unit-ball corners, and the exact path's areas, may add this to a form factor.
+// Rounding of corners and of exact areas may add this to a form factor.
 constexpr double kAreaRounding = 1e-12;
 
 TEST(PairDirections, MeansAreFormFactors) {
@@ -82,12 +82,12 @@ TEST(PairDirections, MeansAreFormFactors) {
       try {
         truth = reference::formFactor(pair.a, pair.b);
       } catch (const std::exception&) {
-        continue;  // beyond the reference
+        continue;  // the contour integral cannot compute this pair
       }
       const Measured found = measurePair(placed.scene, regionOf(placed.scene), 16, replicates);
       double truth_error = truth < 1e-9 ? 1e-8 * truth : kAreaRounding + reference::kContourError;
-      // Nearly folded flat, only directions within some 1e-6 rad of the planes see less than everything, by half: the
-      // sample has none.
+      // These polygons are nearly folded flat. Only directions within 1e-6 rad of their planes see less than all, by
+      // half, and the sample has none of them.
       if (pair.name == "common edge, 1e-6 rad") truth_error += 1e-8;
       EXPECT_TRUE(isEstimateOf(found, truth, replicates, truth_error)) << pair.name << ", seed " << seed;
     }
@@ -103,7 +103,7 @@ TEST(PairDirections, MeansAreTheClosedFormsOfRectangles) {
     EXPECT_TRUE(isEstimateOf(found, truth, replicates, kAreaRounding)) << name;
     EXPECT_LT(found.standard_error, 3e-3 * truth) << name;
     EXPECT_FALSE(isEstimateOf(found, truth * 1.03, replicates, kAreaRounding)) << name;
-    // One region misses a third of the lines, another is taken for larger than it is.
+    // Negative control: the region is cut, so that it misses a part of the lines.
     DirectionRegion part = region;
     part.clip(glm::normalize(glm::cross(region.map(0, 0.1), region.map(0.4, 0.5))));
     part.close();
@@ -117,7 +117,8 @@ TEST(PairDirections, MeansAreTheClosedFormsOfRectangles) {
   check("part of an edge in common", reference::perpendicularRectangles(unit, unit, {0.3, 1.6}, {0, 0.4}));
 }
 
-// Surfaces of several polygons, two-sided or occluded, or by their boxes, agree with the whole sphere.
+// Directions from the region of two surfaces and from the whole sphere have the same expectation. Surfaces have one or
+// several polygons, and the cube may be between them.
 TEST(PairDirections, MeansAgreeWithTheWholeSphere) {
   Random random(2);
   const Scene room = tests::turn(tests::makeCubeInCube(), randomRotation(random));
@@ -130,7 +131,8 @@ TEST(PairDirections, MeansAgreeWithTheWholeSphere) {
     const Measured all = measure(room, a, b, replicates, [&](uint64_t k) { return wholeSphere(64, 6, k); });
     EXPECT_TRUE(areEstimatesOfTheSame(drawn, all, replicates)) << name;
   };
-  // The room's polygons are 0 low z, 1 high z, 2 low y, 3 high y, 4 low x, 5 high x; then comes the cube.
+  // Polygons 0 to 5 of the room are low z, high z, low y, high y, low x, high x. Those of the cube follow in this
+  // order.
   check("floor and ceiling, the cube between", {0}, {1}, 1);
   check("floor and two walls", {0}, {2, 4}, 1);
   check("ceiling and the cube", {1}, {6, 7, 8, 9, 10, 11}, 0.9);
@@ -152,7 +154,7 @@ TEST(PairDirections, LargeSurfacesEnterByTheirBoxes) {
     }
   const DirectionRegion region = findPairRegion(builder.scene, a, b);
   EXPECT_NEAR(region.solidAngle(), 4 * std::asin(0.16 / 1.16), 1e-10);
-  const DirectionRegion same = findPairRegion(builder.scene, a, a);  // boxes that overlap
+  const DirectionRegion same = findPairRegion(builder.scene, a, a);  // overlapping boxes need the whole half sphere
   EXPECT_NEAR(same.solidAngle(), 2 * kPi, 1e-12);
 }
 
@@ -194,13 +196,13 @@ TEST(DrawnDirections, AreAFunctionOfSeedAndReplicate) {
 
 // --- the emitter -----------------------------------------------------------------------------------------------------
 
-// The mean over a set of weight x f has the expectation of f over the half sphere. 5 standard errors on 5 means:
-// false-alarm rate 3e-6.
+// The mean of weight x f over a set has the mean of f over the half sphere as its expectation. The tolerance is 5
+// standard errors; for 5 means the false-alarm rate is 3e-6.
 TEST(EmitterDirections, WeightsHaveTheRightExpectation) {
   const PairScene placed = sceneOf(cases()[0], 2);
   const glm::dvec3 normal = placed.scene.planes[placed.scene.polygons[0].plane].normal;
   const uint64_t replicates = 20000;
-  // E[1] = 1, E[cos] = 1/2, E[cos^2] = 1/3, E[u_x^2] = 1/3; and the rounding's mean is 0.
+  // The means are E[1] = 1, E[cos] = 1/2, E[cos^2] = 1/3, E[u_x^2] = 1/3, and 0 for the rounding of the weight.
   const double expected[5] = {1, 0.5, 1 / 3.0, 1 / 3.0, 0};
   double sum[5] = {}, squares[5] = {};
   for (uint64_t replicate = 0; replicate < replicates; ++replicate) {
@@ -249,7 +251,7 @@ TEST(EmitterDirections, MeansAreFormFactors) {
     const double truth = reference::formFactor(pair.a, pair.b);
     const Measured found = measure(placed.scene, std::array{0u}, std::array{1u}, replicates,
                                    [&](uint64_t k) { return sampleEmitter(placed.scene, std::array{0u}, 64, 3, k); });
-    // Too few directions meet a pair seen under a small angle for its mean to be near normal.
+    // For smaller form factors so few directions meet the pair that the mean is not near normal.
     if (truth > 0.01) {
       EXPECT_TRUE(isEstimateOf(found, truth, replicates, kAreaRounding + reference::kContourError)) << pair.name;
       EXPECT_FALSE(isEstimateOf(found, truth * 2, replicates)) << pair.name;
@@ -267,8 +269,8 @@ TEST(EmitterDirections, SeveralNormalsGetTheWholeSphere) {
 
 // --- the gain --------------------------------------------------------------------------------------------------------
 
-// Not a test: prints the rms error of a replicate, whole sphere against asked directions. Run with
-// --gtest_also_run_disabled_tests.
+// This is no test. It prints the rms error of a replicate by directions over the whole sphere and by drawn directions.
+// Run it with --gtest_also_run_disabled_tests.
 TEST(DrawnDirections, DISABLED_Gain) {
   const uint64_t replicates = 40;
   const auto print = [&](const std::string& name, uint32_t count, const Measured& all, const Measured& drawn) {

@@ -1,4 +1,4 @@
-// Engine `exact` runs the estimator on exact areas.
+// Tests the engine `exact`, which feeds exact areas to the estimator.
 #include "reference/exact/exact_engine.h"
 
 #include <gtest/gtest.h>
@@ -33,7 +33,7 @@ TEST(ExactEngine, EstimatesEqualTheClosedForm) {
   EXPECT_LT(e.largest_standard_error, 1e-3);
 }
 
-// Compares the estimator with quadrature for a polygon past a convex blocker.
+// Compares form factors past a convex blocker with quadrature.
 TEST(ExactEngine, SeesPastABlocker) {
   InputScene input = ts::parallelSquares();
   const std::vector<glm::dvec3> blocker{{0.2, 0.3, 0.4}, {0.9, 0.4, 0.6}, {0.3, 0.8, 0.5}};
@@ -45,10 +45,11 @@ TEST(ExactEngine, SeesPastABlocker) {
   const Approximation exact = formFactorPastBlocker(input.faces[0].corners, input.faces[1].corners, blocker);
   EXPECT_TRUE(isEstimateOf(e.form_factors.formFactor(0, 1), exact.value, e.replicates, exact.error));
   EXPECT_GT(e.form_factors.formFactor(1, 2).value + e.form_factors.formFactor(1, kLeak).value,
-            0.01);  // it is in the way
+            0.01);  // the blocker hides something
 }
 
-// Perimeters: of a square seen face to face, and of what a smaller square in front of it leaves over: both outlines.
+// Region perimeters: the smaller square has its own. The part of the large square that it leaves visible has both
+// outlines.
 TEST(ExactPairAreas, PerimetersMatchTheRegions) {
   InputScene input = ts::parallelSquares();
   ts::addFace(input, "screen",
@@ -58,7 +59,7 @@ TEST(ExactPairAreas, PerimetersMatchTheRegions) {
   options.perimeters = true;
   for (const PairArea& pair : computeExactPairAreas(scene, {0, 0, 1}, options).pairs) {
     const bool is_screen = pair.a == 0 && pair.b == 2;
-    const double expected = is_screen ? 2 : pair.a == 0 ? 6 : 2;  // the upper square's leak lies behind the screen
+    const double expected = is_screen ? 2 : pair.a == 0 ? 6 : 2;  // the leak of the upper square lies behind the screen
     EXPECT_NEAR(pair.perimeter * scene.scale, expected, 1e-13) << pair.a << " " << pair.b;
     EXPECT_NEAR(pair.area * scene.scale * scene.scale, pair.a == 0 && !is_screen ? 0.75 : 0.25, 1e-13);
   }
@@ -74,8 +75,8 @@ TEST(ExactEngine, ThreadsNeverChangeTheCounts) {
   for (size_t k = 0; k < one.size(); ++k) EXPECT_EQ(one[k].count, three[k].count);
 }
 
-// Lines through a smaller square between two: each square faces the screen's front or its back, and the other through
-// it.
+// A smaller square lies between two. Each of them faces the screen's front or back, and the other one past it as a
+// blocked pair.
 TEST(ExactEngine, CountsBlockedPairsOnRequest) {
   InputScene input = ts::parallelSquares();
   ts::addFace(input, "screen",

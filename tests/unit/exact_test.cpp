@@ -1,5 +1,5 @@
-// These tests compare the exact path with slabs of rational numbers, with clipping, with sampling, and with its own
-// exact closure.
+// These tests compare exact areas with slabs in rational numbers, with clipping, and with random lines. They also check
+// that areas add up without any error.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -37,7 +37,7 @@ const std::vector<NamedScene>& smallScenes() {
   return scenes;
 }
 
-// Makes a rotation of four normal variates: a random unit quaternion.
+// Returns a uniform random rotation, from a quaternion of four normal numbers.
 glm::dmat3 randomRotation(std::mt19937& random) {
   std::normal_distribution<double> normal;
   const double w = normal(random), x = normal(random), y = normal(random), z = normal(random);
@@ -47,7 +47,7 @@ glm::dmat3 randomRotation(std::mt19937& random) {
           s * (x * z + w * y),     s * (y * z - w * x),     1 - s * (x * x + y * y)};
 }
 
-// Along the axes, in face planes, along edges and diagonals, at grazing angles, and anywhere.
+// Returns directions along axes, in planes of faces, along edges and diagonals, at grazing angles, and three at random.
 std::vector<glm::dvec3> hardDirections(const Scene& scene) {
   std::vector<glm::dvec3> directions = {{0, 0, 1},  {0, -1, 0},  {1, 0, 0},     {1, 1, 0},       {0, 0.25, -1},
                                         {-1, 1, 1}, {1, 0, 0.5}, {1e-9, 0, -1}, {0.3, 1e-16, 1}, {0.4, 0.7, 0.59}};
@@ -60,7 +60,7 @@ std::vector<glm::dvec3> hardDirections(const Scene& scene) {
   return directions;
 }
 
-// Returns nothing where both agree within `bound` in every pair, else the first disagreement.
+// Returns an empty string where both agree within `bound` in every pair, else the first difference.
 std::string disagreement(const std::vector<PairArea>& found, const AreaMap& expected, double bound) {
   AreaMap rest = expected;
   for (const PairArea& pair : found) rest[{pair.a, pair.b}] -= pair.area;
@@ -77,7 +77,7 @@ std::string text(const glm::dvec3& u) {
   return "u = (" + std::to_string(u.x) + ", " + std::to_string(u.y) + ", " + std::to_string(u.z) + ")";
 }
 
-// Slabs round once per trapezoid: fewer than 1e4 trapezoids a pair, 1e-16 each.
+// The slabs round once for each trapezoid. A pair has fewer than 1e4 trapezoids, each rounded by 1e-16.
 constexpr double kSlabBound = 1e-12;
 
 void expectExact(const Scene& scene, const glm::dvec3& u, bool two_sided) {
@@ -138,8 +138,7 @@ TEST(ExactPairAreas, SlabsAgreeAndSumsCloseOnRoundedCorners) {
   }
 }
 
-// A desk whose sides and legs share planes and touch: edges that coincide up to rounding, faces of width 1e-17 beside
-// them.
+// The sides and legs of a desk share planes and touch. Edges coincide up to rounding, beside faces of width 1e-17.
 TEST(ExactPairAreas, SlabsAgreeAndSumsCloseInAnOffice) {
   std::mt19937 random(77);
   const Scene office = makeOffice(1, 1);
@@ -150,7 +149,8 @@ TEST(ExactPairAreas, SlabsAgreeAndSumsCloseInAnOffice) {
   }
 }
 
-// Half a degree off a plane and less, by powers of ten, makes slivers of every width, down to the width of rounding.
+// Directions are half a degree off a plane, or less by powers of ten. They make slivers of every width down to
+// rounding.
 TEST(ExactPairAreas, SlabsAgreeAndSumsCloseAtGrazingAngles) {
   std::mt19937 random(13);
   for (const Scene& scene : {makeCubeInCube(), makeCreases()}) {
@@ -181,9 +181,9 @@ TEST(ExactPairAreas, SlabComparatorSeesWrongAnswers) {
   }
 }
 
-// Blocked or not: two fronts look at each other over the whole common part of their projections. By clipping, which
-// knows of no other polygon. A clipped corner is off by some 1e-16 along its edge and heights by as little, but for
-// planes within 1e-3 of u, which these directions avoid.
+// Facing and blocked area of a pair together are the common part of two projections. Clipping computes this part
+// without regard to other polygons. A clipped corner is off by some 1e-16 along its edge, and heights by as much. These
+// directions avoid planes within 1e-3 of u, where the error would be larger.
 TEST(ExactPairAreas, FacingAndBlockedTogetherAreTheCommonPartOfTwoProjections) {
   constexpr double kBound = 1e-12;
   const auto compare = [&](const Scene& scene, const glm::dvec3& u, const ExactPairAreas& areas, bool two_sided) {
@@ -221,7 +221,7 @@ TEST(ExactPairAreas, FacingAndBlockedTogetherAreTheCommonPartOfTwoProjections) {
         EXPECT_NE(compare(scene, u, areas, two_sided), "");
         ++directions_with_blocked;
       }
-  EXPECT_GT(directions_with_blocked, 50u);  // half of them
+  EXPECT_GT(directions_with_blocked, 50u);  // at least half of the directions
 }
 
 TEST(ExactPairAreas, ConvexRoomIsIntersectionOfProjections) {
@@ -232,7 +232,7 @@ TEST(ExactPairAreas, ConvexRoomIsIntersectionOfProjections) {
     AreaMap expected;
     for (uint32_t a = 0; a < 6; ++a)
       for (uint32_t b = a + 1; b < 6; ++b) {
-        // Both face the gap: one front towards +u, the other against it.
+        // Both fronts face the gap: one looks along +u, the other along -u.
         const auto facing = [&](uint32_t p) {
           const Polygon& polygon = room.polygons[p];
           return (glm::dot(room.planes[polygon.plane].normal, u) > 0) == polygon.front_along_plane_normal;
@@ -246,7 +246,7 @@ TEST(ExactPairAreas, ConvexRoomIsIntersectionOfProjections) {
   }
 }
 
-// The largest deviation of a pair from the samples, in standard deviations of the estimate.
+// Returns the largest deviation of a pair's area from the sampled one, in standard deviations of the sample.
 double worstDeviation(const ExactPairAreas& found, const Samples& samples, uint32_t sample_count) {
   AreaMap areas;
   for (const PairArea& pair : found.pairs) areas[{pair.a, pair.b}] = pair.area;
@@ -255,15 +255,15 @@ double worstDeviation(const ExactPairAreas& found, const Samples& samples, uint3
   for (const auto& [key, area] : areas) {
     const auto sampled = samples.areas.find(key);
     const double difference = (sampled == samples.areas.end() ? 0 : sampled->second) - area;
-    // One sample more than expected is no deviation where less than one is expected.
+    // The added term keeps one extra sample from counting as a deviation where less than one is expected.
     const double variance = samples.square * (area + samples.square / sample_count) / sample_count;
     worst = std::max(worst, std::abs(difference) / std::sqrt(variance));
   }
   return worst;
 }
 
-// There are about 2e3 pairs in all. A count of mean m is off by more than 9 (m + 1)^1/2 with probability below 3e-10,
-// by Chernoff's bound exp(k - m - k log(k / m)) at k = m +- 9 (m + 1)^1/2. A false alarm has probability below 1e-6.
+// There are some 2e3 pairs. By Chernoff's bound exp(k - m - k log(k / m)) at k = m +- 9 (m + 1)^1/2, a count of mean m
+// is off by more with probability below 3e-10. The false-alarm rate is below 1e-6.
 TEST(ExactPairAreas, RandomLinesAgree) {
   constexpr uint32_t kSampleCount = 100'000;
   const Scene soup = makeSoup(150, 1), office = makeOffice(2, 1);
@@ -291,8 +291,8 @@ TEST(ExactPairAreas, LargerScenesCloseExactly) {
     }
 }
 
-// The lower plate alone: its boundary as one piece closes, the same area with an open boundary or a part of it does
-// not.
+// A whole boundary closes, and so the exact sums are 0. The same boundary with area missing, or with a gap, is reported
+// as open.
 TEST(ExactPairAreas, ClosureSeesMissingPieces) {
   SceneBuilder builder;
   builder.addPolygon("plate", {{0, 0, 0}, {0.5, 0, 0}, {0.5, 0.5, 0}, {0, 0.5, 0}});
@@ -323,7 +323,7 @@ TEST(ExactPairAreas, EdgeOnPolygonsContributeNothing) {
 }
 
 TEST(ExactPairAreas, TouchingSolidsFaceEachOther) {
-  // Boxes bottom and middle of the stack share 0.3 x 0.4 of the plane z = -0.2.
+  // The boxes `bottom` and `middle` touch over 0.3 x 0.4 in the plane z = -0.2.
   const ExactPairAreas areas = computeExactPairAreas(makeStack(), {0, 0, 1});
   const uint32_t top_of_bottom = 7, bottom_of_middle = 12;
   double area = 0;

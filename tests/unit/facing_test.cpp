@@ -6,7 +6,7 @@ namespace viewpeel {
 namespace {
 
 TEST(Facing, SideIsFrontWhereThePolygonIsTurnedToTheGap) {
-  EXPECT_EQ(sideTowardsGap(true, false, true), kSideFront);  // front up, the gap above it
+  EXPECT_EQ(sideTowardsGap(true, false, true), kSideFront);  // the front looks up and the gap is above
   EXPECT_EQ(sideTowardsGap(true, false, false), kSideBack);
   EXPECT_EQ(sideTowardsGap(false, false, true), kSideBack);
   EXPECT_EQ(sideTowardsGap(false, false, false), kSideFront);

@@ -1,5 +1,5 @@
-// The search decides many pairs at once, by clusters. These tests compare it with a decision for each single pair, in
-// scenes as users draw them: thin walls, boxes on a floor, slivers, triangles in single precision.
+// The search decides many pairs at once, by clusters. These tests compare it with separate decisions for single pairs.
+// The scenes have thin walls, boxes on a floor, slivers, and triangles in single precision.
 #include <map>
 #include <set>
 
@@ -46,7 +46,7 @@ bool isInFront(const Patch& a, const Patch& b) {
   return false;
 }
 
-// Lines between points of two patches, with both ends in front of the other patch: a grid of 9 by 9.
+// Returns the lines from 9 points of one patch to 9 of the other. Both ends of a line lie in front of the other patch.
 std::vector<std::pair<glm::dvec3, glm::dvec3>> linesBetween(const Patch& a, const Patch& b) {
   const auto pointOf = [](const Patch& patch, int k) {
     const double s = (k % 3) / 2.0, t = (k / 3) / 2.0;
@@ -76,14 +76,14 @@ double depthThrough(const Blocker& blocker, const std::pair<glm::dvec3, glm::dve
   return depth;
 }
 
-// Returns how many of some lines between two patches pass through a blocker, more than a strip from its edges.
+// Returns how many of these lines pass through the blocker, more than kStrip from its edges.
 int linesThrough(const Blocker& blocker, const Patch& a, const Patch& b) {
   int count = 0;
   for (const auto& line : linesBetween(a, b)) count += depthThrough(blocker, line) > kStrip;
   return count;
 }
 
-// Returns how many of some lines between two patches pass all blockers, more than a strip from their edges.
+// Returns how many of these lines pass all blockers, more than kStrip from their edges.
 int freeLines(const std::vector<Blocker>& blockers, std::span<const uint32_t> between, const Patch& a, const Patch& b) {
   int count = 0;
   for (const auto& line : linesBetween(a, b))
@@ -91,8 +91,8 @@ int freeLines(const std::vector<Blocker>& blockers, std::span<const uint32_t> be
   return count;
 }
 
-// A pair that is left out is hidden by a blocker of its own, or no line gets past several that share edges. Blockers
-// that clusters leave out stop no line.
+// Where the search leaves out a pair, one blocker hides it, or several that share edges do and no line gets past them.
+// Where the search leaves out a blocker, it stops no line of the pair.
 TEST(PairFinder, ClustersDecideAsSinglePairs) {
   uint64_t found_count = 0, hidden_count = 0, left_out_count = 0, stopped_count = 0, curtain_count = 0, free_count = 0;
   for (const auto& [name, scene] : awkwardScenes()) {
@@ -110,7 +110,7 @@ TEST(PairFinder, ClustersDecideAsSinglePairs) {
     const HostUnoccluded unoccluded(scene);
     UnoccludedWork work;
     std::vector<uint32_t> between;
-    // Looks at every pair of a small scene, and some of a large one.
+    // Every pair of a small scene is compared, and some pairs of a large one.
     const auto count = static_cast<uint32_t>(finder.patches().size()), step = 1 + count / 60;
     for (uint32_t p = 0; p < count; p += step)
       for (uint32_t q = p + 1; q < count; ++q) {
@@ -122,7 +122,7 @@ TEST(PairFinder, ClustersDecideAsSinglePairs) {
         const auto at = by_patches.find({p, q});
         if (at == by_patches.end()) {
           ++hidden_count;
-          // A face right in front hides a patch, too; then nothing sees it.
+          // A patch may be covered by a face right in front of it. Then no pair has it.
           const auto isSeen = [&](uint32_t patch) {
             return std::ranges::any_of(found.pairs, [&](const PatchPair& pair) {
               const Patch &one = finder.patches()[pair.a], &other = finder.patches()[pair.b];
@@ -155,17 +155,17 @@ TEST(PairFinder, ClustersDecideAsSinglePairs) {
   }
   EXPECT_GT(found_count, 10'000u);
   EXPECT_GT(hidden_count, 1'000u);
-  EXPECT_GT(left_out_count, 100u);  // clusters know better now and then
+  EXPECT_GT(left_out_count, 100u);  // clusters may leave out more blockers than single pairs do
   EXPECT_GT(curtain_count, 500u);
-  EXPECT_GT(stopped_count, 1'000u);  // lines that are stopped are seen to be,
-  EXPECT_GT(free_count, 1'000u);     // and lines that are free
+  EXPECT_GT(stopped_count, 1'000u);  // the lines find pairs that blockers stop,
+  EXPECT_GT(free_count, 1'000u);     // and pairs with free lines
 }
 
-// Two walls that meet at a corner hide what neither hides alone; with a gap between them they do not.
+// Two walls that meet at a corner hide together what neither hides alone. With a gap between them they do not.
 TEST(PairFinder, WallsThatMeetHideTogether) {
   const auto isFound = [](double gap) {
     InputScene input{"walls", {}, {}};
-    // Two squares that face each other, and between them a wall in two halves with an angle.
+    // A bent wall of two halves stands between two squares that face each other.
     ts::addFace(input, "left", ts::parallelogram({0, 0, 0}, {0, 1, 0}, {0, 0, 1}));
     ts::addFace(input, "right", ts::parallelogram({4, 0, 0}, {0, 0, 1}, {0, 1, 0}));
     ts::addFace(input, "first", ts::parallelogram({2.5, -3, -2}, {-0.5, 3.5 - gap, 0}, {0, 0, 5}));
@@ -200,7 +200,7 @@ TEST(PairFinder, ThreadsDoNotMatter) {
   EXPECT_FALSE(areAlike(one, finder.find(3, {}, 1e-3)));
 }
 
-// A least form factor takes out the pairs below it and no others.
+// A least form factor leaves out the pairs below it, and no others.
 TEST(PairFinder, ALeastFormFactorLeavesOutSmallPairs) {
   for (const auto& [name, scene] : awkwardScenes()) {
     SCOPED_TRACE(name);
@@ -224,9 +224,10 @@ TEST(PairFinder, ALeastFormFactorLeavesOutSmallPairs) {
   }
 }
 
-// Parts of one face add up: a pair of faces in parts is kept though each pair of parts is below the least.
+// The sum over the parts of a face decides: a pair of faces stays even if each pair of their parts is below the least
+// form factor.
 TEST(PairFinder, PartsOfAFaceAreKept) {
-  // A star, which is cut into several convex parts, lies over a square.
+  // The star over the square is cut into several convex parts.
   InputScene input{"star", {}, {}};
   ts::addFace(input, "square", ts::parallelogram({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}));
   ts::Corners star;

@@ -23,8 +23,8 @@ TEST(ReplicateSums, MeanAndStandardErrorOfThree) {
   sums.add({{0, 1, 14}});
   sums.add({{0, 1, 18}});
   const FormFactors f = sums.formFactors(0.5);
-  // The sum is 42, the sample variance 16, and the variance of the sum 48. So 48 / 42 counts come at a time, 36.75
-  // times, and once 1. The mean's standard error is sqrt(48 + (43 / 37.75)^2) / 3. A_i F_ij = 2 C_ij.
+  // By eq. (12) of docs/method.md: the sum K is 42, the sample variance 16, and R s^2 = 48. So D_1 = 48 / 42 and D = 43
+  // / 37.75. The mean's standard error is sqrt(48 + (43 / 37.75)^2) / 3, and A_i F_ij = 2 C_ij.
   const double standard_error = std::hypot(std::sqrt(48.0), 43 / 37.75) / 3;
   EXPECT_DOUBLE_EQ(f.exchangeArea(0, 1).value, 14);
   EXPECT_DOUBLE_EQ(f.exchangeArea(1, 0).standard_error, standard_error);
@@ -33,7 +33,7 @@ TEST(ReplicateSums, MeanAndStandardErrorOfThree) {
   EXPECT_DOUBLE_EQ(sums.largestStandardError(0.5), standard_error / 2);
 }
 
-// An entry that some replicates never met counts as zero in them.
+// An entry that some replicates never met counts as zero in these replicates.
 TEST(ReplicateSums, MissingEntriesAreZeros) {
   ReplicateSums sums(twoIds(1, 1));
   sums.add({{0, 0, 3}, {1, kEnvironment, 5}});
@@ -44,11 +44,11 @@ TEST(ReplicateSums, MissingEntriesAreZeros) {
   EXPECT_DOUBLE_EQ(f.exchangeArea(0, 1).value, 2 * 2);
   EXPECT_DOUBLE_EQ(f.formFactor(1, kEnvironment).value, 2 * 2.5);
   EXPECT_EQ(f.formFactor(0, kLeak).value, 0);
-  // Rows: id 0 has 6 lines, then 4; id 1 has 5, then 4.
+  // Row 0 has 6 lines in the first replicate and 4 in the second, row 1 has 5 and 4.
   EXPECT_DOUBLE_EQ(f.rowSums()[0].value, 2 * 5);
   EXPECT_DOUBLE_EQ(f.rowSums()[1].value, 2 * 4.5);
   EXPECT_DOUBLE_EQ(f.rowSums()[1].standard_error,
-                   2 * std::hypot(1.0, 1.0) / 2);  // of 5 + 4: variance 1, dispersion 1/9, but at least 1
+                   2 * std::hypot(1.0, 1.0) / 2);  // K = 9: R s^2 = 1; D_1 would be 1/9, but is 1 at least
 }
 
 TEST(ReplicateSums, HugeCountsKeepTheirSpread) {
@@ -56,19 +56,20 @@ TEST(ReplicateSums, HugeCountsKeepTheirSpread) {
   ReplicateSums sums(twoIds(1, 1));
   for (uint64_t k : {0, 2, 4}) sums.add({{0, 1, base + k}});
   EXPECT_DOUBLE_EQ(sums.formFactors(1).exchangeArea(0, 1).standard_error,
-                   2 * std::sqrt(13.0) / 3);  // of the sum: variance 12, and 1
+                   2 * std::sqrt(13.0) / 3);  // R s^2 = 12, and D = 1
 }
 
-// They seem exact, but one of them might as well have counted one more.
+// Replicates that agree seem exact. One of them might as well have counted one more, so the error is that of one count.
 TEST(ReplicateSums, ReplicatesThatAgreeHaveTheErrorOfOneCount) {
   ReplicateSums sums(twoIds(1, 1));
   for (int k = 0; k < 4; ++k) sums.add({{0, 1, 7}});
   EXPECT_DOUBLE_EQ(sums.formFactors(1).exchangeArea(0, 1).standard_error, 2 / 4.0);
 }
 
-// How often, of 4000 runs of 8 replicates, the 95 % interval holds the expectation of lines that come in bunches.
+// Coverages are the shares of 4000 runs, of 8 replicates each, whose 95 % interval holds the expectation. Lines come in
+// bunches of equal size.
 struct Coverages {
-  double printed = 0, by_spread_alone = 0;  // printed: where it is known how large a bunch is
+  double printed = 0, by_spread_alone = 0;  // printed: by (12), where D_0 tells the size of a bunch
 };
 
 Coverages coverBunches(double bunches, uint64_t bunch) {
@@ -76,7 +77,7 @@ Coverages coverBunches(double bunches, uint64_t bunch) {
   constexpr double kStudent = 2.364624;  // 97.5 %, 7 degrees of freedom
   std::mt19937_64 bits(1);
   const auto poisson =
-      [&bits](double expectation) {  // how many uniform factors keep the product above exp(-expectation)
+      [&bits](double expectation) {  // counts uniform factors whose product stays above exp(-expectation)
         uint64_t count = 0;
         for (double product = 1; (product *= double(bits() >> 11) * 0x1p-53) > std::exp(-expectation);) ++count;
         return count;
@@ -99,11 +100,11 @@ Coverages coverBunches(double bunches, uint64_t bunch) {
   return coverages;
 }
 
-// 95 % are seen within 4 standard errors of 0.34 %, but for one seed in 16,000.
+// The share of 4000 runs has a standard error of 0.34 %. It falls 4 of them short of 95 % for one seed in 16,000.
 TEST(ReplicateSums, IntervalsOfFewCountsHoldTheTruth) {
   constexpr double kLeast = 0.95 - 4 * 0.0034;
   for (double lines : {4.0, 8.0, 16.0}) EXPECT_GT(coverBunches(lines, 1).printed, kLeast) << lines << " lines";
-  EXPECT_LT(coverBunches(4, 1).by_spread_alone, kLeast);  // the comparison means something
+  EXPECT_LT(coverBunches(4, 1).by_spread_alone, kLeast);  // negative control: the spread alone fails
   for (double bunches : {4.0, 8.0, 16.0}) {
     const Coverages coverages = coverBunches(bunches, 5);
     EXPECT_GT(coverages.printed, kLeast) << bunches << " bunches";
@@ -111,9 +112,9 @@ TEST(ReplicateSums, IntervalsOfFewCountsHoldTheTruth) {
   }
 }
 
-// A pair met by one direction at one line: others might have seen it with as many lines as its smaller polygon has room
-// for. Area 2, lines of 0.1: 1 + 8/27 20 = 6.93 at a time, half of them beside the one that was seen. Where many met
-// the pair that is nothing.
+// One direction met the pair, with one line. Other directions might have seen it with as many lines as its smaller
+// polygon has room for. For an area of 2 and lines of 0.1 that is D_0 = 1 + 8/27 20 = 6.93, eq. (12). Where many
+// directions met the pair D_0 changes nothing.
 TEST(ReplicateSums, OneDirectionDoesNotTellHowManyLinesOthersSee) {
   const auto errorOf = [](uint64_t count, double count_area) {
     ReplicateSums sums(twoIds(2, 4));
@@ -127,7 +128,8 @@ TEST(ReplicateSums, OneDirectionDoesNotTellHowManyLinesOthersSee) {
   EXPECT_NEAR(errorOf(1000, 0.1), errorOf(1000, INFINITY), 1e-3 * errorOf(1000, INFINITY));
 }
 
-// With one line at a time at most the bound is of the lines' probability; larger polygons are met at many at once.
+// With at most one line at a time, (13) bounds the probability of a line. For larger polygons the bound no longer
+// depends on the area, since a direction meets them with many lines at once.
 TEST(ReplicateSums, UnmetPairsAreBounded) {
   // (1 - p)^n = 5 % for p = 1 - 0.05^(1/n).
   EXPECT_NEAR(unmetBound(0.5, 2, 1000), 2 * 4 * (1 - std::pow(0.05, 1e-3)), 2e-3 * unmetBound(0.5, 2, 1000));

@@ -1,5 +1,5 @@
 // These tests call computeFormFactors() and FormFactorRun, which stand behind program and library. They compare results
-// with closed forms, go step by step, stop, continue, and check what is refused.
+// with closed forms, take single steps, stop and go on, and check refusals.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -38,9 +38,9 @@ void expectSameBits(const FormFactors& a, const FormFactors& b) {
   }
 }
 
-// Each goal comes to the closed form, with what it promises. Squares that nothing blocks are exact by default; without
-// unoccluded form factors they lie within 6 standard errors of 8 or more replicates, which chance passes in less than 1
-// of 1,000 runs (Student, 7 degrees of freedom).
+// Each goal gives the closed form within its error. Squares that nothing blocks are exact by default. Without
+// unoccluded form factors they lie within 6 standard errors of 8 or more replicates, which chance exceeds in less than
+// 1 of 1,000 runs (Student, 7 degrees of freedom).
 TEST(FrontDoor, EveryGoalIsReached) {
   const Scene scene = buildScene(ts::parallelSquares());
   for (const Goal& goal : {Goal(Tolerance{2e-3}), Goal(Tolerance{1e-2, 0.05}), Goal(Relative{0.05}), Goal(Seconds{0.5}),
@@ -64,7 +64,7 @@ TEST(FrontDoor, EveryGoalIsReached) {
   }
 }
 
-// The library has no options that refuse such numbers one by one.
+// checkRequest() refuses numbers without meaning, for the library has no option parser that would do so.
 TEST(FrontDoor, NumbersThatMeanNothingAreRefused) {
   const auto refuses = [](Goal goal, auto change) {
     Request request = onHost(goal);
@@ -103,7 +103,7 @@ TEST(FrontDoor, AGuaranteeSaysWhatHolds) {
     const Interval interval = result.form_factors.interval(0, 1);
     EXPECT_LE(interval.lower, kParallelSquares + 1e-6);
     EXPECT_GE(interval.upper, kParallelSquares - 1e-6);
-    // Nothing is said of a pair without an entry but by the bound: each square with itself.
+    // A pair without an entry has the bound alone. Here this is a square with itself.
     EXPECT_EQ(result.form_factors.interval(0, 0).upper, pair_lines ? 0 : result.guarantee->bound);
     EXPECT_EQ(result.plan.guarantee.has_value(), !pair_lines);
     EXPECT_EQ(result.plan.line_guarantee.has_value(), pair_lines);
@@ -112,7 +112,7 @@ TEST(FrontDoor, AGuaranteeSaysWhatHolds) {
   }
 }
 
-// The caller's exact engine makes 2 x 400 exact projections, without a lattice. Without one the kind is refused.
+// The closure describes the form factors that are returned.
 TEST(FrontDoor, ClosureIsOfTheMatrixDelivered) {
   Ids ids;
   ids.names = {"a", "b", "c"};
@@ -133,6 +133,8 @@ TEST(FrontDoor, ClosureIsOfTheMatrixDelivered) {
   EXPECT_GT(result.closure.largest_error, 0);
 }
 
+// The caller hands in the exact engine, which computes 2 x 400 directions without a lattice. Without it, this engine is
+// refused.
 TEST(FrontDoor, TheExactEngineIsBrought) {
   const Scene scene = buildScene(ts::parallelSquares());
   Request request{.goal = FixedAmount{.directions = 400}, .engine = EngineKind::exact};
@@ -144,7 +146,8 @@ TEST(FrontDoor, TheExactEngineIsBrought) {
   EXPECT_EQ(result.plan.device, "none");
 }
 
-// Four replicates, kept, and four more are eight; with the plan of the first, though the second has no amounts.
+// A run stops after four replicates and goes on from its checkpoint to eight. It follows the plan of the first run,
+// although the second request has no amounts.
 TEST(FrontDoor, GoesOnFromACheckpoint) {
   const Scene scene = buildScene(ts::squaresPastAnEdge());
   const std::filesystem::path file = testing::TempDir() + "front_door.h5";
@@ -173,7 +176,7 @@ TEST(FrontDoor, GoesOnFromACheckpoint) {
   std::filesystem::remove(file);
 }
 
-// Whenever the observer says so: before anything is counted there is nothing, afterwards what was counted.
+// A run stops when the observer asks. Before the first replicate it has no result, later that of the replicates so far.
 TEST(FrontDoor, StopsOnRequest) {
   const Scene scene = buildScene(ts::parallelSquares());
   for (const uint64_t replicates : {0, 3}) {
@@ -196,7 +199,7 @@ TEST(FrontDoor, StopsOnRequest) {
   }
 }
 
-// Closed scenes have balanced form factors; open ones a refusal beside what was measured.
+// A closed scene has balanced form factors. An open one has a refusal beside its measured form factors.
 TEST(FrontDoor, BalanceOrWhyThereIsNone) {
   Request request = onHost(FixedAmount{.directions = 200, .resolution = 64});
   request.balance = true;
@@ -219,8 +222,9 @@ Result byPairLines(const Scene& scene, Goal goal, uint64_t seed) {
   return computeFormFactors(scene, request);
 }
 
-// Compares a plate between two squares with the integral past one blocker. No form factor is off by more than the
-// tolerance, which is 4.25 standard errors. 40 of the 80 errors are above a hundredth of it.
+// The truth is the integral past one blocker, a plate between two squares. No form factor is off by more than the
+// tolerance, which is 4.25 standard errors. At least 40 of the 80 errors are above a hundredth of it, so the tolerance
+// is not far too wide.
 TEST(PairLineRuns, ErrorsAreBelowTheTolerance) {
   namespace rt = reference::test;
   const rt::Corners lower = rt::rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}),
@@ -240,7 +244,7 @@ TEST(PairLineRuns, ErrorsAreBelowTheTolerance) {
       const double error = std::abs(result.form_factors.formFactor(0, 1).value - truth);
       EXPECT_LE(error, tolerance) << seed;
       larger += error > 0.01 * tolerance;
-      // The back of the plate hides nothing from the lower square but itself: leak is exact, and rows add up.
+      // From the lower square nothing hides the back of the plate, so leak is exact, and rows add up.
       EXPECT_NEAR(result.form_factors.formFactor(0, kLeak).value, to_back, 1e-6);
       EXPECT_NEAR(result.form_factors.rowSums()[0].value, 1, 1e-12);
       EXPECT_NEAR(result.form_factors.formFactor(0, kEnvironment).value, 1 - truth - to_back, tolerance);
@@ -248,8 +252,8 @@ TEST(PairLineRuns, ErrorsAreBelowTheTolerance) {
   EXPECT_GE(larger, 40);
 }
 
-// Rows of closed rooms add up to 1 by lines alone: nothing forces them. Of the rows of 20 rooms with boxes in them
-// hardly any is beyond 4 standard errors of its own (1 of 16,000 if they were normal).
+// Pair lines alone make the rows of closed rooms sum to 1; no step forces them. In 20 rooms with boxes one row of
+// 16,000 would be beyond 4 of its standard errors, if errors were normal. At most one of 200 may be.
 TEST(PairLineRuns, RowsOfClosedScenesAddUp) {
   int rows = 0, beyond = 0;
   double worst = 0;
@@ -264,10 +268,11 @@ TEST(PairLineRuns, RowsOfClosedScenesAddUp) {
     }
   EXPECT_GT(rows, 200);
   EXPECT_LE(beyond, rows / 200);
-  EXPECT_GT(worst, 1e-5);  // they are not made to
+  EXPECT_GT(worst, 1e-5);  // sums are not forced to 1
 }
 
-// Two ways to the same matrix share neither lines nor rules of visibility.
+// Pair lines and common directions give the same matrix within their errors. They share neither lines nor rules of
+// visibility.
 TEST(PairLineRuns, AgreeWithCommonDirections) {
   const Scene scene = loadScene(VIEWPEEL_SCENES "/street.obj");
   for (const bool two_sided : {false, true})
@@ -329,7 +334,7 @@ TEST(PairLineRuns, GoOnFromACheckpoint) {
   std::filesystem::remove(file);
 }
 
-// Only pairs of the question get lines, and rows are as in the whole matrix.
+// Only the requested rows get lines, and their values are those of the whole matrix.
 TEST(PairLineRuns, AnswerQuestions) {
   const Scene scene = loadScene(VIEWPEEL_SCENES "/street.obj");
   Request request = onHost(Tolerance{5e-3});

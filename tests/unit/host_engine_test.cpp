@@ -1,5 +1,5 @@
-// Engine `host` counts the CPU twin's bits, whatever its threads and counters. Other tests compare it with the other
-// engines (countPairs).
+// The host engine has the counts of the CPU twin to the bit, for any number of threads and both kinds of counters.
+// Other tests compare it with the other engines.
 #include <gtest/gtest.h>
 
 #include "tests/support/test_device.h"
@@ -71,7 +71,7 @@ TEST(HostEngine, RolesAndWindowsCountAsInTheTwin) {
                 blocked ? intervals : withoutBlocked(intervals));
     }
   }
-  // A window lies around the last surface, which alone emits: what is outside of it does not count.
+  // A window lies around the last surface, the only one that emits. Lines outside the window do not count.
   Ids ids = makeIds(scene, By::polygon, false);
   ids.roles.assign(scene.polygons.size(), kReceives);
   Window window{glm::dvec3(0), 0};
@@ -93,8 +93,8 @@ TEST(HostEngine, RolesAndWindowsCountAsInTheTwin) {
   }
 }
 
-// Threads share directions out as they come; counters are dense, or in a table that starts too small for all pairs and
-// grows.
+// Threads take directions as they become free. Counters are a dense array, or a hash table that starts too small for
+// all pairs and grows. Neither changes a count.
 TEST(HostEngine, NeitherThreadsNorCountersChangeTheCounts) {
   const Scene scene = buildScene(ts::triangleSoup(1000, 0.3, 5));
   const Ids ids = makeIds(scene, By::polygon, true);
@@ -131,7 +131,7 @@ TEST(HostEngine, BlocksAreCountedApart) {
   }
 }
 
-// What on_batch throws ends the call, and the next call counts as if nothing had been.
+// An exception from on_batch ends the call. The next call counts as if the first one had not been.
 TEST(HostEngine, AStoppedCallLeavesNothingBehind) {
   const Scene scene = buildScene(ts::roomWithTouchingBoxes());
   const Ids ids = makeIds(scene, By::polygon, false);

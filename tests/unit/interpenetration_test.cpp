@@ -15,7 +15,8 @@ namespace {
 using namespace reference;
 namespace ts = test_scenes;
 
-// Makes a square in z = 0 and an upright one in y = height that crosses it from x = -0.1 to 0.3 where `low` < 0.
+// Makes a square in z = 0 and an upright one in y = 0.1. The upright one begins at height `low`, and crosses the other
+// from x = -0.1 to 0.3 where `low` is negative.
 Scene makeCross(double low) {
   SceneBuilder builder;
   builder.addPolygon("desk", {{-0.4, -0.4, 0}, {0.4, -0.4, 0}, {0.4, 0.4, 0}, {-0.4, 0.4, 0}});
@@ -61,8 +62,8 @@ TEST(Interpenetration, TouchingIsNone) {
   }
 }
 
-// Two pieces of a wall, bent by 9e-9 where they meet and so in one plane, and a triangle that touches the corner of the
-// smaller one from behind. Its tip goes past the shared plane, but not past the smaller piece.
+// Two pieces of a wall are bent by 9e-9 where they meet, and so share a plane. A triangle touches the corner of the
+// smaller piece from behind. Its tip passes the shared plane, but not the piece itself.
 TEST(Interpenetration, NeighbourOfAPieceOffItsSharedPlaneIsNone) {
   constexpr double kOff = 9e-9;
   InputScene input{"walls", {}, {}};
@@ -77,7 +78,7 @@ TEST(Interpenetration, NeighbourOfAPieceOffItsSharedPlaneIsNone) {
 TEST(Interpenetration, OverlapOfPlanesOutsideThePolygonsIsNone) {
   SceneBuilder builder;
   builder.addPolygon("one", {{-0.4, -0.4, 0}, {0, -0.4, 0}, {0, 0.4, 0}, {-0.4, 0.4, 0}});
-  builder.addPolygon("two", {{0, 0, -0.2}, {0.3, 0, -0.2}, {0.3, 0, 0.2}, {0, 0, 0.2}});  // touches in one point
+  builder.addPolygon("two", {{0, 0, -0.2}, {0.3, 0, -0.2}, {0.3, 0, 0.2}, {0, 0, 0.2}});  // edges touch in one point
   EXPECT_TRUE(findInterpenetrations(builder.scene).empty());
 }
 

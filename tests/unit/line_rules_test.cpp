@@ -1,4 +1,4 @@
-// Compares the rules of the unoccluded form factors' line integrals with adaptive integration.
+// Compares the quadrature rules for line integrals of unoccluded form factors with adaptive integration.
 #include "unoccluded/line_rules.h"
 
 #include <algorithm>
@@ -30,11 +30,11 @@ TEST(Gauss, IntegratesMonomials) {
 }
 
 TEST(Gauss, LargestMonomialErrorIsFirstOrSeen) {
-  // 1/5 - 1/9 and 1/7 - 1/27 of the two-point rule's +-1/sqrt 3.
+  // The two-point rule at +-1/sqrt 3 has errors 1/5 - 1/9 on x^4 and 1/7 - 1/27 on x^6.
   EXPECT_NEAR(largestMonomialError(2), 1.0 / 7 - 1.0 / 27, 1e-15);
 }
 
-// p is the x axis from 0 to 1.
+// Piece is the segment q of (38) in docs/method.md; p is the x axis from 0 to 1. inner() is the integral over q from x.
 struct Piece {
   Vec3 start, end;
 
@@ -54,21 +54,21 @@ long double sumOf(const std::vector<GaussPoint>& points, const Piece& q) {
   return sum;
 }
 
-// Nodes and weights are doubles, which the last round notices. Per |q|, as unoccluded_line.comp adds it.
+// Returns the rounding of a sum, per length of q as unoccluded_line.comp adds it. Nodes and weights are doubles.
 double roundingOf(const std::vector<GaussPoint>& points, const Piece& q) {
   long double greatest = 0;
   for (const GaussPoint& point : points) greatest = std::max(greatest, std::abs(q.inner(point.node)));
   return 2.2e-16 * double(greatest / q.length());
 }
 
-// A segment at least as long as p, its distance from one of p's ends or from near beyond it 1e-9 to `most`,
-// log-uniform.
+// Returns a random segment at least as long as p. Its distance from the start of p, or from a place up to e before it,
+// is log-uniform from 1e-9 to `most`.
 Piece randomPiece(Random& random, double most) {
   const double distance = std::exp(random.uniform(std::log(1e-9), std::log(most))),
                beyond = random.uniform() < 0.5 ? std::exp(random.uniform(-20, 1)) : 0;
   const glm::dvec3 side = glm::normalize(glm::cross(random.direction(), {1, 0, 0})),
                    foot = glm::dvec3(-beyond, 0, 0) + distance * side;
-  const bool passes = random.uniform() < 0.5;  // rather than ends there
+  const bool passes = random.uniform() < 0.5;  // the segment passes the nearest point or begins there
   glm::dvec3 along = random.direction();
   if (passes) along -= side * glm::dot(side, along);
   along = glm::normalize(along) * std::exp(random.uniform(0, 4));
@@ -76,7 +76,7 @@ Piece randomPiece(Random& random, double most) {
   return {Vec3(start), Vec3(start + along)};
 }
 
-// Returns whether the inner integral is singular above p's inside.
+// Returns whether the inner integral is singular at a point between the ends of p.
 bool needsCut(const Piece& q) {
   const auto isInside = [](long double x) { return x > 0 && x < 1; };
   if (isInside(q.start.x) || isInside(q.end.x)) return true;
@@ -111,8 +111,8 @@ TEST(LineRules, GradedErrorIsBoundedWhereverTheSingularityLies) {
     }
   }
   EXPECT_GT(tried, 2000);
-  EXPECT_GT(worst[0], 0.3);                          // the bound says something
-  for (double share : worst) EXPECT_LT(share, 0.7);  // as line_rules.h says
+  EXPECT_GT(worst[0], 0.3);                          // the bound is not far too wide
+  for (double share : worst) EXPECT_LT(share, 0.7);  // stated in line_rules.h
 }
 
 TEST(LineRules, PlainErrorIsBoundedByTheEllipse) {
@@ -122,7 +122,7 @@ TEST(LineRules, PlainErrorIsBoundedByTheEllipse) {
   std::array<double, 3> worst{};
   for (int trial = 0; trial < 4000; ++trial) {
     const int rule = trial % 3;
-    // The segment is tangent to the sphere around p's middle in which nothing may lie, or ends on it.
+    // No segment may enter the sphere around the middle of p. This segment touches it, or begins on it.
     const double clear = kClear[rule] * std::exp(random.uniform(0, 0.5));
     const glm::dvec3 out = random.direction(), nearest = glm::dvec3(0.5, 0, 0) + 0.5 * clear * out;
     const glm::dvec3 along = glm::normalize(glm::cross(out, random.direction())) * std::exp(random.uniform(0, 3));

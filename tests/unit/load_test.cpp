@@ -1,4 +1,4 @@
-// Reads scene files, and says how broken ones are refused.
+// Tests the readers of scene files, and the refusal of broken files.
 #include <filesystem>
 #include <fstream>
 
@@ -29,7 +29,7 @@ class Load : public testing::Test {
   }
   Scene load(const std::string& name, const std::string& text) { return loadScene(write(name, text)); }
 
-  // The file is refused in one line that starts with `where` (after the folder) and contains `what`.
+  // Expects that the file is refused in one line that starts with `where`, after the folder, and contains `what`.
   void expectRefused(const std::string& name, const std::string& text, const std::string& where,
                      const std::string& what) {
     try {
@@ -56,7 +56,7 @@ TEST_F(Load, ObjNamesAreSurfacesAndPolygonsStayWhole) {
                         "g tri\nf -6 -5 -2\no floor one\nf 1 3 5\n");
   ASSERT_EQ(scene.surfaces.size(), 2u);
   EXPECT_EQ(scene.surfaces[0].name, "floor one");
-  EXPECT_EQ(scene.surfaces[0].face_count, 2u);  // a name that comes back is the same surface
+  EXPECT_EQ(scene.surfaces[0].face_count, 2u);  // the same name later means the same surface
   EXPECT_EQ(scene.surfaces[1].name, "tri");
   ASSERT_EQ(scene.polygons.size(), 3u);
   EXPECT_EQ(scene.polygons[0].corner_count, 4u);
@@ -68,7 +68,7 @@ TEST_F(Load, ObjNamesAreSurfacesAndPolygonsStayWhole) {
 TEST_F(Load, ObjNegativeIndicesCountBack) {
   const Scene scene = load("a.obj", kSquare + "f -4 -3 -2 -1\nv 9 9 9\n");
   EXPECT_EQ(scene.polygons[0].corner_count, 4u);
-  EXPECT_EQ(scene.surfaces[0].name, "a");  // without a name, the file's
+  EXPECT_EQ(scene.surfaces[0].name, "a");  // the file's name stands for a missing one
 }
 
 TEST_F(Load, ObjTakesWindowsLinesContinuationsAndUtf8) {
@@ -77,7 +77,7 @@ TEST_F(Load, ObjTakesWindowsLinesContinuationsAndUtf8) {
   EXPECT_EQ(scene.polygons.size(), 1u);
 }
 
-// Names: the latest of o and g; an empty g falls back to the object.
+// The latest of the statements o and g gives the name. An empty g goes back to the object's name.
 TEST_F(Load, ObjGroupWithoutNameFallsBackToObject) {
   const Scene scene = load("a.obj", kSquare + "o thing\ng part\nf 1 2 3\ng\nf 1 3 4\n");
   ASSERT_EQ(scene.surfaces.size(), 2u);
@@ -86,7 +86,7 @@ TEST_F(Load, ObjGroupWithoutNameFallsBackToObject) {
 }
 
 TEST_F(Load, ObjKeepsDoubles) {
-  // Unit squares a million away, 1e-6 apart: single precision would merge them.
+  // These unit squares lie a million units away and 1e-6 apart. Single precision would merge them.
   const Scene scene = load("far.obj",
                            "v 1000000 0 0\nv 1000001 0 0\nv 1000001 1 0\nv 1000000 1 0\n"
                            "v 1000000 0 0.000001\nv 1000001 0 0.000001\nv 1000001 1 0.000001\nf 1 2 3 4\nf 7 6 5\n");
@@ -131,17 +131,17 @@ std::string asciiPly(const std::string& face, const std::string& x = "0") {
          x + " 0 0\n1 0 0\n1 1 0\n0 1 0\n" + face + "\n";
 }
 
-// The mark some editors begin UTF-8 with is no part of the first word.
+// Some editors begin UTF-8 files with a byte order mark, which is not part of the first word.
 TEST_F(Load, ByteOrderMarkIsSkipped) {
   const std::string mark = "\xEF\xBB\xBF";
   EXPECT_EQ(load("a.obj", mark + kSquare + "f 1 2 3 4\n").polygons.size(), 1u);
   EXPECT_EQ(load("a.obj", mark + "# comment\n" + kSquare + "f 1 2 3 4\n").polygons.size(), 1u);
   EXPECT_EQ(load("a.stl", mark + asciiStl("part")).surfaces[0].name, "part");
   EXPECT_EQ(load("a.ply", mark + asciiPly("4 0 1 2 3")).polygons.size(), 1u);
-  expectRefused("a.obj", kSquare + mark + "f 1 2 3 4\n", "a.obj:5", "not a statement");  // anywhere else it is
+  expectRefused("a.obj", kSquare + mark + "f 1 2 3 4\n", "a.obj:5", "not a statement");  // elsewhere it is an error
 }
 
-// What a message quotes is cut between characters, and cannot steer a terminal.
+// Messages cut quoted text between characters, and replace control characters, which could steer a terminal.
 TEST_F(Load, MessagesQuoteWholePrintableCharacters) {
   expectRefused("a.obj", "aaaaaaaaaaaaaaaaaaa\u00FC\n", "a.obj:1", "'aaaaaaaaaaaaaaaaaaa' is not");
   expectRefused("a.obj", "aaaaaaaaaaaaaaaaaa\u00FCb\n", "a.obj:1", "'aaaaaaaaaaaaaaaaaa\u00FC' is not");
@@ -195,7 +195,7 @@ TEST_F(Load, StlRefusesWhatIsBroken) {
   expectRefused("a.stl", "nonsense", "a.stl", "header");
 }
 
-// A sparse file of 2 GB, whose header names 4 billion facets, costs no memory: only the header is read.
+// The header of a sparse 2 GB file announces 4 billion facets. Only the header is read, so memory does not grow.
 TEST_F(Load, StlWhoseSizeBeliesItsHeaderIsNotRead) {
   const fs::path file = folder_ / "sparse.stl";
   std::string head(80, ' ');
@@ -214,7 +214,7 @@ TEST_F(Load, StlWhoseSizeBeliesItsHeaderIsNotRead) {
   } catch (const Error& error) {
     message = error.what();
   }
-  EXPECT_LT(largestResidentKiB() - before, 100'000);  // reading it took 2 GB at least
+  EXPECT_LT(largestResidentKiB() - before, 100'000);  // reading the whole file would need 2 GB
   EXPECT_NE(message.find("neither STL text nor 4009754606 binary facets"), std::string::npos) << message;
 }
 
@@ -242,7 +242,7 @@ TEST_F(Load, PlyRefusesWhatIsBroken) {
                 "a.ply:7", "no property 'y'");
   expectRefused("a.ply", head + "element face 1\nproperty list uchar int vertices\n" + end, "a.ply:5",
                 "no list 'vertex_indices'");
-  // Records of no bytes: 4e9 of them fit into any file, but not into memory.
+  // Records without properties have no bytes. 4e9 of them fit into any file, but not into memory.
   expectRefused("a.ply", head + "element edge 4000000000\nelement vertex 4000000000\n" + xyz + end, "a.ply:8",
                 "element 'edge' has no property");
 }
@@ -270,7 +270,7 @@ TEST_F(Load, PlyBinaryOfEitherByteOrder) {
   }
 }
 
-// Cut short anywhere, a file is refused: never read in part.
+// A file that is cut short anywhere is refused, and never read in part.
 TEST_F(Load, TruncatedFilesAreRefused) {
   for (const auto& [name, text] : {std::pair<std::string, std::string>("a.ply", asciiPly("4 0 1 2 3")),
                                    {"a.ply", binaryPly(true)},

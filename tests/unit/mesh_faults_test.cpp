@@ -45,7 +45,7 @@ std::string messageOf(const InputScene& input, const SceneOptions& options = {})
 
 TEST(MeshFaults, AFaceThatIsThereTwiceCountsOnceAndKeepsItsRow) {
   InputScene input = ts::parallelSquares();
-  // Adds the same square again, from another corner on and with a corner said twice.
+  // Adds the same square again, starting at another corner and with one corner twice.
   ts::addFace(input, "again", {{1, 1, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 0}, {1, 0, 0}});
   ts::addFace(input, "last", {{3, 0, 0}, {4, 0, 0}, {4, 1, 0}});
   const Scene scene = buildScene(input);
@@ -66,7 +66,7 @@ TEST(MeshFaults, AFaceThatIsThereTwiceCountsOnceAndKeepsItsRow) {
   }
 }
 
-// A whole mesh is appended to itself three times, turned and rounded.
+// A mesh contains all its faces three times. Each counts once, also after a turn and in single precision.
 TEST(MeshFaults, AMeshThatIsThereThreeTimesCountsOnce) {
   InputScene input = ts::cubeInCube(0.3);
   const std::vector<InputFace> once = input.faces;
@@ -93,7 +93,7 @@ TEST(MeshFaults, TilesThatOverlapAreNamedWithTheirArea) {
                 "1 pair of faces overlaps in one plane and faces the same way: left and right, 0.2 of area"),
             std::string::npos)
       << scene.warnings[0];
-  // A square and its two triangles: the same area twice, but no face is another one.
+  // A square and its two triangles cover the same area twice, but no two faces are equal.
   InputScene halves = named("halves");
   ts::addFace(halves, "whole", ts::parallelogram({0, 0, 0}, {1, 0, 0}, {0, 1, 0}));
   ts::addFace(halves, "half", {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}});
@@ -102,7 +102,7 @@ TEST(MeshFaults, TilesThatOverlapAreNamedWithTheirArea) {
   EXPECT_EQ(countWith(buildScene(halves), "1 in all"), 1u) << all(buildScene(halves));
 }
 
-// Nothing is said of what users mean: tiles that share edges, T-junctions, sheets, solids that touch, sheets on sheets.
+// Intended shapes give no warnings: tiles that share edges, T-junctions, sheets, touching solids, sheets on sheets.
 TEST(MeshFaults, CleanScenesWarnOfNothing) {
   for (const ts::CoincidentScene& of : ts::coincidentScenes())
     for (const InputScene& input : {of.make(0), ts::turnedAndMoved(of.make(0)),
@@ -121,7 +121,7 @@ TEST(MeshFaults, CleanScenesWarnOfNothing) {
   EXPECT_EQ(countWith(buildScene(stack), "same way"), 0u) << all(buildScene(stack));
 }
 
-// Buildings 4,500 km from the origin in single precision are cut to steps of half a metre.
+// In single precision, coordinates 4,500 km from the origin come in steps of half a metre, which is warned of.
 TEST(MeshFaults, CoarseCoordinatesAreSaid) {
   InputScene city = named("city");
   for (int k = 0; k < 20; ++k) ts::addBox(city, "box", {3.1 * k, 0.7, 0}, {3.1 * k + 2.3, 3.4, 5.2}, false);
@@ -133,13 +133,13 @@ TEST(MeshFaults, CoarseCoordinatesAreSaid) {
   for (const InputScene& fine : {city, moved(4.5e6, 1), ts::roundedToSingle(city), ts::roundedToSingle(moved(1e3, 1)),
                                  ts::roundedToSingle(moved(4.5e6, 100))})
     EXPECT_EQ(countWith(buildScene(fine), "come in steps of"), 0u) << all(buildScene(fine));
-  InputScene whole = named("whole metres");  // exact, single precision or not
+  InputScene whole = named("whole metres");  // whole numbers are exact in single precision
   for (int k = 0; k < 20; ++k)
     ts::addBox(whole, "box", {4.5e6 + 4 * k, 5.1e5, 0}, {4.5e6 + 4 * k + 2, 5.1e5 + 3, 5}, false);
   EXPECT_EQ(countWith(buildScene(whole), "come in steps of"), 0u);
 }
 
-// Facets of a dish, each of two triangles, lie in one plane but for rounding: nothing is wrong.
+// The two triangles of each facet of a dish lie in one plane up to rounding. No warning is given.
 TEST(MeshFaults, FacetsOfADishAreNoNarrowGaps) {
   InputScene dish = named("dish");
   const int across = 20, around = 48;
@@ -155,7 +155,7 @@ TEST(MeshFaults, FacetsOfADishAreNoNarrowGaps) {
     }
   for (const InputScene& input : {dish, ts::roundedToSingle(dish), ts::roundedToSingle(ts::turnedAndMoved(dish))})
     EXPECT_TRUE(buildScene(input).warnings.empty()) << all(buildScene(input));
-  // A true one stays: the same dish again, too near to be told apart.
+  // A real overlap is still warned of: the same dish 1e-9 above itself.
   InputScene twice = dish;
   for (InputFace face : dish.faces) {
     for (glm::dvec3& corner : face.corners) corner.z += 1e-9;
@@ -180,13 +180,14 @@ TEST(MeshFaults, FacesWithoutAreaKeepTheirNumbers) {
   EXPECT_EQ(makeIds(scene, By::surface, false).rows(), (std::vector<uint32_t>{1}));
   EXPECT_EQ(countWith(scene, "its row stays, empty, and later numbers do not shift"), 2u) << all(scene);
   EXPECT_EQ(findPolygons(scene, "a[3]"), (std::vector<uint32_t>{1}));
-  EXPECT_THROW(findPolygons(scene, "a[2]"), Error);  // has no polygon to compute from
+  EXPECT_THROW(findPolygons(scene, "a[2]"), Error);  // the face has no area and so no polygon
   Scene shifted = scene;
   shifted.empty_faces[1].row = 1;
   EXPECT_NE(fingerprint(shifted), fingerprint(scene));
 }
 
-// Three squares with a common edge, and a sliver of 1e-6 of its length: closed forms hold, and nothing is said.
+// Three squares share an edge, and a sliver has a width of 1e-6. Form factors equal closed forms, and no warning is
+// given.
 TEST(MeshFaults, EdgesOfThreeFacesAndSliversAreQuiet) {
   InputScene input = named("edge of three");
   ts::addFace(input, "floor", {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
@@ -199,8 +200,8 @@ TEST(MeshFaults, EdgesOfThreeFacesAndSliversAreQuiet) {
   EXPECT_TRUE(result.warnings.empty());
   EXPECT_NEAR(result.form_factors.formFactor(0, 1).value, 0.2000437761, 1e-6);
   EXPECT_EQ(result.form_factors.formFactor(1, 2).value, 0);
-  // The strip lies over the middle of a unit square at a distance of 1. Its form factor is the mean along the strip of
-  // an element's to four rectangles below it (Howell, B-3).
+  // The sliver lies over the middle of the unit square, at a distance of 1. Its form factor is the mean along it of the
+  // form factor from an element to four rectangles (Howell, B-3).
   double truth = 0;
   constexpr int kParts = 2000;
   for (int k = 0; k < kParts; ++k) {
@@ -217,7 +218,7 @@ TEST(MeshFaults, NamesThatCollideAreRefused) {
   InputScene input = named("names");
   ts::addFace(input, "a[2]", {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}});
   ts::addFace(input, "a", {{0, 0, 1}, {1, 0, 1}, {1, 1, 1}});
-  EXPECT_EQ(messageOf(input), "accepted");  // a has no second face
+  EXPECT_EQ(messageOf(input), "accepted");  // surface a has only one face
   ts::addFace(input, "a", {{0, 0, 2}, {1, 0, 2}, {1, 1, 2}});
   EXPECT_EQ(messageOf(input),
             "names: a surface is called 'a[2]', as face 2 of surface 'a' is in the results; rename one of the two");
@@ -255,7 +256,7 @@ TEST_F(ObjNames, GroupsOfOneNameInDifferentObjectsStaySeparate) {
   EXPECT_EQ(surfacesOf("o box1;g side;f;o box2;g side;f"), (Names{"box1/side", "box2/side"}));
   EXPECT_EQ(countWith(load("o box1;g side;f;o box2;g side;f"), "2 groups share their names"), 1u);
   EXPECT_EQ(surfacesOf("o desk;f;o lamp;g desk;f"), (Names{"desk", "lamp/desk"}));
-  // These names are different already, or go on with the same surface.
+  // These names differ already, or continue one surface.
   EXPECT_EQ(surfacesOf("o box1;g side;f;o box2;g top;f"), (Names{"side", "top"}));
   EXPECT_EQ(surfacesOf("o box;g box;f;o other;g other;f"), (Names{"box", "other"}));
   EXPECT_EQ(surfacesOf("g side;f;g top;f;g side"), (Names{"side", "top"}));
@@ -263,7 +264,7 @@ TEST_F(ObjNames, GroupsOfOneNameInDifferentObjectsStaySeparate) {
   EXPECT_THROW(load("o a;g s;f;o b;g s;f;o a/s;f"), Error);
 }
 
-// Materials name surfaces where neither objects nor groups do.
+// Materials name surfaces where the file has neither objects nor groups.
 TEST_F(ObjNames, MaterialsNameSurfacesWhereNothingElseDoes) {
   using Names = std::vector<std::string>;
   EXPECT_EQ(surfacesOf("usemtl brick;f;usemtl glass;f;usemtl brick;f"), (Names{"brick", "glass"}));
@@ -274,7 +275,7 @@ TEST_F(ObjNames, MaterialsNameSurfacesWhereNothingElseDoes) {
   EXPECT_TRUE(load("usemtl brick;f;usemtl glass;f").warnings.empty());
 }
 
-// Solids of one name are different surfaces, with numbers after their names.
+// Several solids of one name become surfaces of their own, with numbers after the name.
 TEST(StlNames, SolidsOfOneNameStaySeparate) {
   const std::filesystem::path file =
       std::filesystem::temp_directory_path() / ("viewpeel_stl_names_" + std::to_string(::getpid()) + ".stl");

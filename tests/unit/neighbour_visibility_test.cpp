@@ -1,4 +1,5 @@
-// These tests check the ranks of ids by place, and the visibilities that neighbours lend to a pair of few lines.
+// These tests check that ids are ranked by place, and that pairs with few lines borrow visibility from their
+// neighbours.
 #include "sums/neighbour_visibility.h"
 
 #include <algorithm>
@@ -36,8 +37,8 @@ std::vector<uint32_t> inOrder(uint32_t count) {
   return ranks;
 }
 
-// Every rank is given once. The 64 ids of any block of ranks lie in one of 64 squares of 8 x 8 parts, or their mirror
-// images above: ids of other places or directions come elsewhere.
+// Every rank is given once. Each block of 64 ranks holds one of 64 squares of 8 x 8 parts, on one of the two large
+// squares. So ids at other places, or with other normals, are in other blocks.
 TEST(RankByPlace, BlocksOfRanksLieTogether) {
   constexpr uint32_t kCuts = 64;
   const Scene scene = buildScene(ts::squaresInParts(kCuts, 1, 10));
@@ -55,16 +56,16 @@ TEST(RankByPlace, BlocksOfRanksLieTogether) {
   }
 }
 
-// Blocks of 4, 16 and 64 ids in order are computed by hand. Lines of one pair count as 1.5 n / (n + 0.5), and m = (V +
-// m') / (L + 1) with the m' of the next larger blocks.
+// The values of blocks of 4, 16 and 64 ids follow by hand from (19) in docs/method.md. The n lines of one pair count as
+// 1.5 n / (n + 0.5), and m = (V + m') / (L + 1) with m' of the next larger blocks.
 TEST(NeighbourVisibility, LinesOfBlocksGoWithLargerBlocks) {
   const Ids ids = namelessIds(64);
   VisibilitySums sums(ids);
-  // Pair (0, 4) has 6 of 8 lines facing, (1, 5) 0 of 1, (2, 12) 1 of 1, (2, 30) 1 of 4.
+  // Of the lines of pair (0, 4) 6 of 8 are facing, of (1, 5) 0 of 1, of (2, 12) 1 of 1, of (2, 30) 1 of 4.
   sums.add(PairCounts{{0, 4, 6, 2}, {1, 5, 0, 1}, {2, 12, 1, 0}, {2, 30, 1, 3}});
   const std::vector<uint32_t> ranks = inOrder(64);
   const NeighbourVisibility shares(sums, {}, ranks);
-  const double of_eight = 1.5 * 8 / 8.5, of_four = 1.5 * 4 / 4.5;  // of one: 1
+  const double of_eight = 1.5 * 8 / 8.5, of_four = 1.5 * 4 / 4.5;  // one line counts as 1
   const auto isValue = [&](uint32_t i, uint32_t j, double facing, double all, double mean_around) {
     const NeighbourVisibility::Value visibility = shares.of(i, j);
     EXPECT_NEAR(visibility.mean, (facing + mean_around) / (all + 1), 1e-6) << i << " " << j;
@@ -72,7 +73,8 @@ TEST(NeighbourVisibility, LinesOfBlocksGoWithLargerBlocks) {
     EXPECT_NEAR(visibility.deviation(), std::sqrt(smoothed * (1 - smoothed)), 1e-6) << i << " " << j;
     EXPECT_EQ(shares.of(j, i).mean, visibility.mean);
   };
-  // All 64 around each count, and the 16 around (0, 4), which are the ones around (2, 12), and around (2, 30).
+  // scene is m of all 64 ids. near is m of the blocks of 16 with pairs (0, 4) and (2, 12), far of those with pair (2,
+  // 30).
   const double scene = (0.75 * of_eight + 1 + 0.25 * of_four) / (of_eight + 2 + of_four);
   const double near = (0.75 * of_eight + 1 + scene) / (of_eight + 2 + 1),
                far = (0.25 * of_four + scene) / (of_four + 1);
@@ -81,14 +83,14 @@ TEST(NeighbourVisibility, LinesOfBlocksGoWithLargerBlocks) {
   isValue(6, 9, 0, 0, near);
   isValue(1, 29, 0.25 * of_four, of_four, far);
   isValue(5, 20, 0, 0, far);
-  isValue(40, 50, 0, 0, scene);  // nothing between 32..47 and 48..63
+  isValue(40, 50, 0, 0, scene);  // no line between 32..47 and 48..63
 }
 
-// Parts of lines, and lines that come together, count as the replicates that they come from.
+// Counts smaller than a line, and lines of one replicate, count as one line for each replicate.
 TEST(NeighbourVisibility, LinesThatComeTogetherAreOne) {
   const Ids ids = namelessIds(4);
   VisibilitySums sums(ids);
-  sums.add(PairCounts{{0, 1, 30, 0}});  // less than a line
+  sums.add(PairCounts{{0, 1, 30, 0}});  // a line is 100
   sums.add(PairCounts{{0, 1, 0, 30}});
   sums.add(PairCounts{{0, 1, 30, 0}});
   const std::vector<uint32_t> ranks = inOrder(4);
@@ -99,7 +101,8 @@ TEST(NeighbourVisibility, LinesThatComeTogetherAreOne) {
   EXPECT_NEAR(shares.of(2, 3).deviation(), std::sqrt(smoothed * (1 - smoothed)), 1e-6);
 }
 
-// A visibility that one line tells is drawn to the neighbours' by half a line; one that four tell is its own.
+// The visibility of a pair with fewer than four lines is drawn to its neighbours' by half a line, eq. (21). A pair with
+// four lines keeps its own.
 TEST(NeighbourVisibility, FewLinesGoWithTheirNeighbours) {
   const Ids ids = namelessIds(4);
   VisibilitySums sums(ids);
@@ -120,9 +123,9 @@ TEST(NeighbourVisibility, FewLinesGoWithTheirNeighbours) {
   EXPECT_DOUBLE_EQ(alone.entries()[1].exchange_area.value, 0.125);
 }
 
-// Parts of two squares lie past a blocker. Over pairs that no line met, and over pairs that few lines met, errors are
-// no larger than stated, in the mean of squares, nor less than a third. Errors of pairs that no line met are at most
-// half of the errors that values of 0 would have.
+// Parts of two squares exchange past a blocker. For pairs that no line met, and for pairs that few lines met, the mean
+// squared error is at most the stated one. The root is not below a third of the stated one. Errors of pairs that no
+// line met are at most half of those of a value of 0.
 TEST(NeighbourVisibility, ErrorsAreAsStated) {
   constexpr uint32_t kCuts = 8;
   InputScene input = ts::squaresInParts(kCuts, 1.0 / kCuts, 1);

@@ -11,12 +11,12 @@
 namespace viewpeel {
 namespace {
 
-constexpr int kReach = 20;  // rows and whole columns on either side of the origin
+constexpr int kReach = 20;  // rows and columns on either side of the origin
 constexpr int kFractionBits = 12;
 constexpr int32_t kOne = 1 << kFractionBits;
 
 using Columns = std::pair<int32_t, int32_t>;                  // [first, second)
-using Covered = std::map<std::pair<uint32_t, int>, Columns>;  // by polygon and row
+using Covered = std::map<std::pair<uint32_t, int>, Columns>;  // columns by polygon and row
 
 struct Snapped {
   int32_t x, y;
@@ -24,8 +24,8 @@ struct Snapped {
 
 int64_t divideDown(int64_t value, int64_t by) { return value >= 0 ? value / by : -((-value + by - 1) / by); }
 
-// The columns where a X 2^cut_bits + b y 2^fraction_bits + c >= 0 for all edges, in integers; points on an edge are
-// inside where it is a right or a lower one.
+// Returns the columns X of row y where a X 2^cut_bits + b y 2^fraction_bits + c >= 0 for all edges, in integers. A
+// point on an edge is inside where this is a right or a lower edge.
 Covered coveredByEdges(const std::vector<std::vector<Snapped>>& polygons, int column_bits) {
   Covered covered;
   const int32_t column = kOne >> column_bits, border = kReach << column_bits;
@@ -44,7 +44,7 @@ Covered coveredByEdges(const std::vector<std::vector<Snapped>>& polygons, int co
         const Snapped &from = corners[k], &to = corners[(k + 1) % corners.size()];
         const int64_t a = from.y - int64_t(to.y), b = to.x - int64_t(from.x);
         if (a == 0 && b == 0) continue;
-        const bool is_right = a < 0, is_lower = a == 0 && b > 0;  // counter-clockwise, right edges go up
+        const bool is_right = a < 0, is_lower = a == 0 && b > 0;  // corners run counter-clockwise, so right edges go up
         const int64_t rest = b * y * kOne - (a * from.x + b * from.y) - (is_right || is_lower ? 0 : 1);
         const int64_t step = std::abs(a) * column;
         if (a > 0) low = std::max(low, -divideDown(rest, step));
@@ -57,7 +57,7 @@ Covered coveredByEdges(const std::vector<std::vector<Snapped>>& polygons, int co
   return covered;
 }
 
-// The direction is +z, the lattice's spacing 1.
+// Returns the columns that Outlines finds, along +z on a lattice of spacing 1.
 Covered coveredByOutlines(const std::vector<std::vector<Snapped>>& polygons, int column_bits, Vectors vectors) {
   Scene scene;
   Ids ids;
@@ -83,8 +83,8 @@ Covered coveredByOutlines(const std::vector<std::vector<Snapped>>& polygons, int
   return covered;
 }
 
-// Triangles and parallelograms, either way round: large ones beyond the border, small ones between rows, slivers, with
-// corners on rows and columns, edges along them, and corners that coincide.
+// Returns random triangles and parallelograms of either orientation. Some reach beyond the border, some lie between
+// rows, some are slivers. Corners may lie on rows and columns or coincide, and edges may lie along rows.
 std::vector<std::vector<Snapped>> drawPolygons(uint64_t seed, size_t count) {
   std::mt19937_64 random(seed);
   const auto draw = [&](int32_t size) {
@@ -112,7 +112,7 @@ std::vector<std::vector<Snapped>> drawPolygons(uint64_t seed, size_t count) {
 TEST(Outlines, CutsMatchTheEdges) {
   for (const int column_bits : {0, 10})
     for (uint64_t seed = 1; seed <= 4; ++seed) {
-      const auto polygons = drawPolygons(seed, 1000 + 100 * seed);  // the last block is not full
+      const auto polygons = drawPolygons(seed, 1000 + 100 * seed);  // a number that leaves the last block unfilled
       const Covered expected = coveredByEdges(polygons, column_bits);
       ASSERT_GT(expected.size(), 3000u);
       for (const Vectors vectors : {Vectors::plain, Vectors::avx2, Vectors::avx512}) {
@@ -125,7 +125,7 @@ TEST(Outlines, CutsMatchTheEdges) {
     }
 }
 
-// A corner on a lattice point that a right edge ends in: the polygon without it is another.
+// Negative control: a right edge ends in a lattice point. If its corner moves by one bit, other points are covered.
 TEST(Outlines, OneBitLessIsNoticed) {
   std::vector<std::vector<Snapped>> polygons = {{{-kOne, -kOne}, {kOne, -kOne}, {kOne, kOne}}};
   const Covered expected = coveredByEdges(polygons, 0);

@@ -62,7 +62,7 @@ TEST(Output, BalancedFormFactorsAreAColumnMore) {
   EXPECT_EQ(std::stod(lines[3].substr(lines[3].rfind(',') + 1)), 0.3 / 0.7);
 }
 
-// Text gives back the same doubles.
+// Numbers in text are read back as the same doubles.
 TEST(Output, NumbersReadBackToTheSameBits) {
   const FormFactors f = exampleMatrix();
   std::ostringstream out;

@@ -1,4 +1,4 @@
-// The region of directions that one pair needs misses no line and draws none in vain.
+// The region of directions of a pair holds every line between its polygons, and no direction along which there is none.
 #include "directions/drawn_directions.h"
 
 #include <algorithm>
@@ -24,7 +24,7 @@ namespace {
 
 using Vec3 = glm::vec<3, long double>;
 
-// Returns a point anywhere in the polygon, often at its border or near a corner.
+// Returns a random point of the polygon, often near its border or a corner.
 Vec3 pointIn(const Corners& corners, Random& random) {
   const double sharpness = std::array{1.0, 3.0, 20.0, 100.0}[(size_t)random.uniform(0, 4)];
   Vec3 point(0);
@@ -37,7 +37,7 @@ Vec3 pointIn(const Corners& corners, Random& random) {
   return point / sum;
 }
 
-// The region holds every line from a front to a front that is not grazing within the rounding of the corners.
+// The region holds every line from front to front, unless the line grazes a front within the rounding of corners.
 TEST(PairRegion, MissesNoLine) {
   for (const Case& pair : cases())
     for (uint64_t seed : {0, 7}) {
@@ -52,7 +52,7 @@ TEST(PairRegion, MissesNoLine) {
         if (glm::length(d) < 1e-9L) continue;
         const Vec3 u = glm::normalize(d);
         if (glm::dot(front_a, u) <= 1e-14L || glm::dot(front_b, u) >= -1e-14L) continue;
-        // Rounding of touching corners moves lines that are short.
+        // Rounding of touching corners turns short lines.
         if (seed != 0 && glm::length(d) < 0.1L) continue;
         ++lines;
         missed += !region.contains(glm::dvec3(u));
@@ -76,11 +76,11 @@ TEST(PairRegion, CheckSeesMissedLines) {
   EXPECT_GT(missed, 0);
 }
 
-// A line meets both exactly where the region, or its opposite, holds the direction.
+// Some line along a direction meets both polygons if and only if the region holds the direction or its opposite.
 TEST(PairRegion, IsWhereThePairAreaIsPositive) {
   int inside = 0, outside = 0;
   for (const Case& pair : cases()) {
-    if (pair.name == "squares at distance 1e-9") continue;  // touches, within the exact path's tolerance
+    if (pair.name == "squares at distance 1e-9") continue;  // the exact path takes these squares as touching
     const PairScene placed = sceneOf(pair, 3);
     const DirectionRegion region = regionOf(placed.scene);
     std::vector<glm::dvec3> directions;
@@ -99,7 +99,8 @@ TEST(PairRegion, IsWhereThePairAreaIsPositive) {
   EXPECT_GT(outside, 1000);
 }
 
-// Closed forms are a half sphere, a lune, and the pyramid of two squares of half width 1 at distance 1: 4 asin(1/2) sr.
+// Solid angles equal closed forms: of a half sphere, of a lune, and of the pyramid between two squares, 4 asin(1/2) sr
+// at distance 1.
 TEST(PairRegion, SolidAngleOfSimpleRegions) {
   const auto solidAngleOf = [](const char* name, uint64_t seed) {
     const auto pair = std::ranges::find(cases(), name, &Case::name);
@@ -109,9 +110,9 @@ TEST(PairRegion, SolidAngleOfSimpleRegions) {
   for (uint64_t seed : {0, 1, 2}) {
     EXPECT_NEAR(solidAngleOf("squares at distance 1", seed), 4 * std::asin(0.5), 1e-12);
     EXPECT_NEAR(solidAngleOf("squares at distance 10", seed), 4 * std::asin(1 / 101.0), 1e-13);
-    // 1e-3 apart: half width 1000.
+    // At distance 1e-3 the half width is 1000 distances.
     EXPECT_NEAR(solidAngleOf("squares at distance 1e-3", seed), 4 * std::asin(1e6 / (1e6 + 1)), 1e-9);
-    // Between points near a common edge lines go all ways that the planes allow: a lune.
+    // Near a common edge lines go all ways that the two planes allow, which is a lune.
     EXPECT_NEAR(solidAngleOf("common edge, 90 degrees", seed), kPi, 1e-12);
     EXPECT_NEAR(solidAngleOf("common edge, 1 degree", seed), 2 * kPi * 179 / 180, 1e-12);
     EXPECT_NEAR(solidAngleOf("common edge, 179 degrees", seed), 2 * kPi / 180, 1e-12);
@@ -119,7 +120,8 @@ TEST(PairRegion, SolidAngleOfSimpleRegions) {
   EXPECT_EQ(DirectionRegion().solidAngle(), 0);
 }
 
-// Against uniform directions: 5 standard errors of a share; 58 comparisons, false alarms 3e-5.
+// The share of uniform directions that lie in the region gives its solid angle, within 5 standard errors. The
+// false-alarm rate of 58 comparisons is 3e-5.
 TEST(PairRegion, SolidAngleIsTheShareOfUniformDirections) {
   const int count = 100000;
   for (const Case& pair : cases()) {
@@ -132,7 +134,7 @@ TEST(PairRegion, SolidAngleIsTheShareOfUniformDirections) {
   }
 }
 
-// Halves, quarters and so on of the region hold their share of what map() makes of an even grid.
+// map() keeps areas: a part of the region, cut off by a plane, receives its share of an even grid.
 TEST(PairRegion, MapKeepsAreas) {
   for (const Case& pair : cases()) {
     const DirectionRegion region = regionOf(sceneOf(pair, 13).scene);
@@ -141,7 +143,7 @@ TEST(PairRegion, MapKeepsAreas) {
     Random random(31);
     const glm::dvec3 centre = region.map(0, 0);
     for (int cut = 0; cut < 4; ++cut) {
-      // Through the region's middle, tilted off it.
+      // The plane passes near the middle of the region.
       const glm::dvec3 point = region.map(random.uniform(), random.uniform(0, 0.3));
       DirectionRegion part = region;
       const glm::dvec3 normal = glm::normalize(glm::cross(point, glm::cross(centre, random.direction())));
@@ -157,8 +159,8 @@ TEST(PairRegion, MapKeepsAreas) {
           }
           inside += glm::dot(normal, u) >= 0;
         }
-      // The cut crosses at most as many cells as a curve that meets every row and column four times; cells of slivers
-      // are folded unevenly, which doubles the number.
+      // The cut is a curve that meets every row and column of the grid at most four times, and crosses as many cells.
+      // In slivers cells are folded unevenly, which doubles the number.
       const double bound = 8.0 * (around + outwards) / count;
       EXPECT_NEAR(double(inside) / count, part.solidAngle() / region.solidAngle(), bound) << pair.name;
     }
@@ -191,7 +193,7 @@ TEST(PairRegion, IsEmptyWhereFrontsDoNotFace) {
     }
 }
 
-// In contact, two fronts see each other across no distance: every direction matters.
+// Two fronts in contact see each other at distance 0, along every direction of a half sphere.
 TEST(PairRegion, OfPolygonsInContactIsAHalfSphere) {
   const Corners square = rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
   for (uint64_t seed : {0, 1}) {

@@ -23,7 +23,7 @@ Corners level(Interval x, Interval y, double z) {
 }
 Corners outOfTheWay() { return level({5, 6}, {5, 6}, 0.5); }
 
-// The value within its own error, and its own error within the promise.
+// Returns whether the value lies within its own error bound, and this bound within kPastBlockerError.
 testing::AssertionResult isGood(const Approximation& result, double truth, double truth_error = kContourError) {
   if (!(result.error <= kPastBlockerError)) return testing::AssertionFailure() << "error " << result.error;
   return isWithin(result.value, truth, result.error + truth_error);
@@ -46,7 +46,8 @@ TEST(PastBlocker, RandomPairsWithNothingBetweenAgreeWithContourIntegral) {
 
 TEST(PastBlocker, BlockerThatHidesAll) {
   EXPECT_TRUE(isGood(formFactorPastBlocker(floorSquare(), ceilingSquare(), level({-1, 2}, {-1, 2}, 0.5)), 0));
-  EXPECT_TRUE(isGood(formFactorPastBlocker(floorSquare(), ceilingSquare(), level({0, 1}, {0, 1}, 0.5)), 0));  // just
+  // This blocker is as large as the squares, and just suffices.
+  EXPECT_TRUE(isGood(formFactorPastBlocker(floorSquare(), ceilingSquare(), level({0, 1}, {0, 1}, 0.5)), 0));
 }
 
 TEST(PastBlocker, FrontOfTheBlockerDoesNotMatter) {
@@ -56,7 +57,8 @@ TEST(PastBlocker, FrontOfTheBlockerDoesNotMatter) {
   EXPECT_TRUE(isGood(one, other.value, other.error));
 }
 
-// Every line from floor to ceiling crosses the middle level in exactly one of 9 tiles.
+// Every line from floor to ceiling crosses the middle level in exactly one of 9 tiles, so the losses behind them add up
+// to the whole.
 TEST(PastBlocker, WhatTheTilesOfALevelHideAddsUp) {
   const double ends[] = {-0.5, 0.3, 0.45, 1.5};
   const double open = parallelRectangles(kUnit, kUnit, kUnit, kUnit, 1);
@@ -77,7 +79,7 @@ TEST(PastBlocker, HalfALevelHidesHalfBySymmetry) {
   EXPECT_TRUE(isGood(seen, 0.1998248957 / 2, 5e-11));
 }
 
-// In contact with the ceiling: what it covers is subtracted.
+// The blocker touches the ceiling. The part of the ceiling that it covers drops out.
 TEST(PastBlocker, BlockerWithinThePlaneOfB) {
   const double covered = parallelRectangles(kUnit, kUnit, {0.2, 0.7}, {0.5, 1}, 1),
                open = parallelRectangles(kUnit, kUnit, kUnit, kUnit, 1);
@@ -92,15 +94,16 @@ TEST(PastBlocker, BlockerBehindEitherOrWithinThePlaneOfAStopsNothing) {
         << z;
 }
 
-// Just above the floor the blocker covers the part of the floor under it. Only some light slips in at its rim: from a
-// strip as wide as the gap, to O(gap) of the floor's area.
+// A blocker just above the floor covers the part of the floor below it. Light enters at its rim, from a strip as wide
+// as the gap. This changes the result by O(gap).
 TEST(PastBlocker, BlockerJustAboveACoversIt) {
   const double gap = 1e-9, rest = parallelRectangles({0.4, 1}, kUnit, kUnit, kUnit, 1);
   EXPECT_TRUE(isGood(formFactorPastBlocker(floorSquare(), ceilingSquare(), level({-1, 0.4}, {-1, 2}, gap)), 0.6 * rest,
                      kContourError + 20 * gap));
 }
 
-// A partition from below the floor to above the ceiling: each half sees the half opposite.
+// A partition reaches from below the floor to above the ceiling. Each half of the floor sees only the opposite half of
+// the ceiling.
 TEST(PastBlocker, PartitionThroughBoth) {
   for (double x : {0.5, 0.3}) {
     const Interval left{0, x}, right{x, 1};
@@ -111,7 +114,7 @@ TEST(PastBlocker, PartitionThroughBoth) {
   }
 }
 
-// A partition that stands on the floor, of the room's depth, hides nothing of the wall behind it from in front.
+// The partition stands on the floor. It hides the wall from the far half of the floor, and nothing from the near half.
 TEST(PastBlocker, PartitionHidesTheWallFromTheFarFloor) {
   const Corners partition = rectangle({0.5, -20, 0}, {0, 41, 0}, {0, 0, 40});
   const double truth = 0.5 * perpendicularRectangles({0, 0.5}, kUnit, kUnit, kUnit);
@@ -135,8 +138,7 @@ TEST(PastBlocker, RandomTriplesReciprocal) {
   EXPECT_GE(hidden_in_part, 4);
 }
 
-// A blocker just above a makes a thin layer of half shadow on a, but none on b: integrating over b is an independent
-// way.
+// A blocker just above a casts a thin half shadow on a, but none on b. So integrating over b is an independent check.
 TEST(PastBlocker, ThinGapsReciprocal) {
   for (double gap : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9, 1e-12}) {
     const Corners flap = rectangle({0, 0, 0}, {0, 1, 0}, {0.5, 0, gap}), low = level({0.3, 0.7}, {0.3, 0.7}, gap),
@@ -161,8 +163,8 @@ bool isOver(const Corners& polygon, glm::dvec3 origin, glm::dvec3 direction, dou
   return true;
 }
 
-// Rays from uniform points of a triangle, cosine-distributed about its normal: 8 comparisons at 4.5 standard errors,
-// one false alarm in 18,000 choices of the seed.
+// Rays start at uniform points of a, with directions of Lambert's cosine law. The 8 comparisons allow 4.5 standard
+// errors, so one choice of the seed in 18,000 raises a false alarm.
 TEST(PastBlocker, RandomTriplesAgreeWithRays) {
   test::Random random(33);
   int hidden_in_part = 0;

@@ -1,5 +1,5 @@
-// A control group limits the time of processors, not their number. These tests cover versions 1 and 2, and limits of
-// the group itself and of the groups above it.
+// A control group (cgroup) limits processor time, not the number of processors. These tests cover versions 1 and 2, and
+// limits of the group itself and of its parents.
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -34,7 +34,7 @@ TEST_F(ProcessorQuota, IsTheLeastOfAGroupAndItsParents) {
   EXPECT_EQ(processorQuota(groups_, "0::/other\n"), INFINITY);
   write("cpu.max", "50000 100000\n");
   EXPECT_EQ(processorQuota(groups_, "0::/job/step\n"), 0.5);
-  EXPECT_EQ(processorQuota(groups_, "0::/\n"), 0.5);  // as a container sees its own group
+  EXPECT_EQ(processorQuota(groups_, "0::/\n"), 0.5);  // a container sees its own group as the root
 }
 
 TEST_F(ProcessorQuota, OfVersion1IsThatOfTheProcessorsController) {

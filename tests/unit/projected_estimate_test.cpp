@@ -15,8 +15,8 @@ using test::rectangle;
 
 constexpr uint64_t kDirections = 40'000;
 
-// These are 30 comparisons at 4.5 standard errors: a false alarm in 5,000 choices of the seed. A pair so small that
-// fewer than 100 directions count has no normal mean and is passed over.
+// The 30 comparisons allow 4.5 standard errors: a false alarm in 5,000 choices of the seed. Pairs so small that fewer
+// than 100 directions count are left out, for their mean is not normal.
 TEST(ProjectedEstimate, RandomPairsAgreeWithContourIntegral) {
   test::Random random(21);
   int compared = 0;
@@ -34,8 +34,8 @@ TEST(ProjectedEstimate, RandomPairsAgreeWithContourIntegral) {
   }
 }
 
-// Rounding moves a region's boundary by some 1e-15 of the unit ball, and its area by at most that times its
-// perimeter, 6.3.
+// The area along one direction is exact. Rounding moves the boundary of a region by some 1e-15 of the unit ball. Its
+// area changes by at most that times its perimeter, 6.3.
 TEST(ProjectedPair, OneDirectionIsTheExactArea) {
   InputScene slanted{"slanted", {}, {}};
   test_scenes::addFace(slanted, "a", {{0, 0, 0}, {1, 0.1, 0}, {0.2, 0.9, 0.3}});
@@ -56,7 +56,7 @@ TEST(ProjectedPair, OneDirectionIsTheExactArea) {
       seen += exact > 0;
     }
   }
-  EXPECT_GT(seen, 30);  // the comparison means something
+  EXPECT_GT(seen, 30);  // enough directions see the pair
 }
 
 TEST(ProjectedEstimate, PublishedValues) {
@@ -66,7 +66,7 @@ TEST(ProjectedEstimate, PublishedValues) {
                           to_wall = estimateFormFactor(floor, wall, 200'000, 2);
   EXPECT_TRUE(isEstimateOf(to_ceiling.value, to_ceiling.standard_error, 0.1998248957, 5e-11));
   EXPECT_TRUE(isEstimateOf(to_wall.value, to_wall.standard_error, 0.2000437761, 5e-11));
-  EXPECT_LT(to_wall.standard_error, 1.5e-3);  // the comparison means something
+  EXPECT_LT(to_wall.standard_error, 1.5e-3);  // the comparison is not too weak
 }
 
 TEST(ProjectedEstimate, SpreadIsTheStandardError) {
@@ -78,7 +78,8 @@ TEST(ProjectedEstimate, SpreadIsTheStandardError) {
     const double z = (estimate.value - 0.2000437761) / estimate.standard_error;
     squares += z * z;
   }
-  // A mean of kRuns squares of almost normal numbers: 1, standard deviation sqrt(2 / kRuns) = 0.07; 4.5 of them.
+  // The mean of kRuns squares of nearly normal numbers is 1 with a standard deviation of sqrt(2 / kRuns) = 0.07. The
+  // tolerance is 4.5 of them.
   EXPECT_TRUE(test::isWithin(squares / kRuns, 1, 4.5 * std::sqrt(2.0 / kRuns)));
 }
 
