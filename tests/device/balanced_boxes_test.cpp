@@ -1,4 +1,5 @@
-// Balanced form factors of boxes in patches are never farther from the closed forms than what was measured.
+// Balanced form factors of boxes whose walls are cut into patches are never farther from closed forms than the measured
+// ones.
 #include <viewpeel/balance.h>
 
 #include <cmath>
@@ -24,10 +25,10 @@ namespace ts = test_scenes;
 
 struct Patch {
   int axis = 0, side = 0;
-  reference::Interval range[3];  // per axis; not of its own
+  reference::Interval range[3];  // for the two axes other than `axis`
 };
 
-// The inside of a box [0, size], every face cut at the same shares of its sides.
+// Returns the inside of a box [0, size], with every face cut at the same shares of its sides.
 std::vector<Patch> cutBox(const std::vector<double>& cuts, glm::dvec3 size) {
   std::vector<Patch> patches;
   for (int axis = 0; axis < 3; ++axis)
@@ -87,7 +88,7 @@ const std::vector<Box> kBoxes = {{"cube, 6 faces", {0, 1}, glm::dvec3(1)},
                                  {"cube, 96 patches of 1:16 in area", {0, 0.1, 0.3, 0.6, 1}, glm::dvec3(1)},
                                  {"box 2 x 1 x 0.5, 54 patches", {0, 0.3, 0.7, 1}, {2, 1, 0.5}}};
 
-using Exchange = std::map<std::pair<uint32_t, uint32_t>, double>;  // i < j, nonzero
+using Exchange = std::map<std::pair<uint32_t, uint32_t>, double>;  // nonzero exchange areas by i < j
 
 Exchange exactExchange(const Box& box) {
   const std::vector<Patch> patches = box.patches();
@@ -110,7 +111,7 @@ Estimate estimateBox(const Box& box, uint64_t seed, uint32_t directions, int res
   return estimateScene(sceneOf(box.patches(), box.size), run);
 }
 
-// The mean square error of form factors over all ordered pairs.
+// Returns the mean square error of form factors over all ordered pairs.
 double meanSquareError(const FormFactors& form_factors, const Exchange& truth) {
   const std::vector<double>& areas = form_factors.ids().areas;
   double squares = 0;
@@ -122,7 +123,7 @@ double meanSquareError(const FormFactors& form_factors, const Exchange& truth) {
   return squares / (double(areas.size()) * double(areas.size() - 1));
 }
 
-// sum (value - truth)^2 / w over pairs that were met.
+// Returns sum (value - truth)^2 / w over the pairs that were met.
 double weightedError(const FormFactors& form_factors, const FormFactors& measured, const Exchange& truth) {
   double sum = 0;
   for (size_t k = 0; k < measured.entries().size(); ++k) {
@@ -135,9 +136,9 @@ double weightedError(const FormFactors& form_factors, const FormFactors& measure
   return sum;
 }
 
-// The result x is the nearest point to c of a convex set that holds the truth t. So in the norm minimised
-// |c - t|^2 >= |c - x|^2 + |x - t|^2, on every run. The truth is known to ten digits, which is far below the
-// statistical errors.
+// The balanced matrix x is the point of a convex set nearest to the measured c, and the truth t lies in this set. So |c
+// - t|^2 >= |c - x|^2 + |x - t|^2 in the norm of (33), in every run. The truth is known to ten digits, far better than
+// the statistical errors.
 TEST(Balance, NeverFartherFromTheClosedForms) {
   for (const Box& box : kBoxes) {
     SCOPED_TRACE(box.name);
@@ -157,14 +158,15 @@ TEST(Balance, NeverFartherFromTheClosedForms) {
         for (uint32_t j = 0; j < measured.ids().count(); ++j) sum += balanced.form_factors.formFactor(i, j).value;
         EXPECT_NEAR(sum, 1, kBalanceTolerance + 1e-14);
       }
-      // x - c is a part of c - t, which has about the size of its standard errors; with 7 degrees of freedom each, over
-      // a dozen pairs at least.
+      // x - c is smaller than c - t, which is about a standard error in each pair. These have 7 degrees of freedom,
+      // over a dozen pairs at least.
       EXPECT_LT(balanced.rms_change, 3);
     }
   }
 }
 
-// Not a test: prints rms errors of form factors before and after balancing. Run with --gtest_also_run_disabled_tests.
+// This is no test. It prints rms errors of form factors before and after balancing. Run it with
+// --gtest_also_run_disabled_tests.
 void printGain(const std::string& name, const Exchange& truth, int seeds,
                const std::function<Estimate(uint64_t seed, uint32_t directions, int resolution)>& estimateOnce) {
   for (const auto& [directions, resolution] : {std::pair(100u, 32), std::pair(400u, 64), std::pair(100u, 128)}) {
@@ -193,7 +195,7 @@ TEST(Balance, DISABLED_Gain) {
     printGain(box.name, exactExchange(box), 20, [&](uint64_t seed, uint32_t directions, int resolution) {
       return estimateBox(box, seed, directions, resolution);
     });
-  // Occluded, so against a run of 80 times as many directions and more.
+  // The office is occluded and has no closed form. The reference is a run of 80 times as many directions or more.
   const Scene office = loadScene(VIEWPEEL_SCENES "/office.obj");
   const Ids faces = makeIds(office, By::polygon, false);
   for (By by : {By::surface, By::polygon}) {

@@ -1,4 +1,5 @@
-// These tests add up facing and blocked lines with visibilities fixed beforehand, and say how far the sum may be off.
+// These tests add up facing and blocked lines with visibilities fixed beforehand, and check the standard errors of the
+// sums.
 #include <cmath>
 #include <random>
 
@@ -31,7 +32,7 @@ TEST(ControlVariateSums, WithoutVisibilityTheyAreReplicateSums) {
   for (size_t k = 0; k < a.entries().size(); ++k) {
     EXPECT_EQ(a.entries()[k].i, b.entries()[k].i);
     EXPECT_EQ(a.entries()[k].j, b.entries()[k].j);
-    // Rounding differs by a dozen operations in double on one side, in long double on the other.
+    // Both sides round a dozen operations, one in double, the other in long double.
     EXPECT_NEAR(a.entries()[k].exchange_area.value, b.entries()[k].exchange_area.value,
                 1e-14 * a.entries()[k].exchange_area.value);
   }
@@ -56,21 +57,21 @@ TEST(ControlVariateSums, ByHand) {
   ControlVariateSums sums(ids);
   sums.add(controls);
   sums.add(takeControlVariates(second, visibilities));
-  // Controls of (0, 1): 1 and -2, mean -0.5; variance of the sum 2 x 4.5 = 9; squares 2 + 1.25 lines, so 9 / 3.25 lines
-  // at a time, and one more.
+  // The control variates of (0, 1) are 1 and -2, with a mean of -0.5 and a variance of the sum of 2 x 4.5 = 9. Squares
+  // are 2 + 1.25 lines, so that lines come 9 / 3.25 at a time in (12), and D_0 = 1.
   const Measured f = sums.formFactors(0.5, {{0, 1, 4, 16}}).exchangeArea(0, 1);
   EXPECT_DOUBLE_EQ(f.value, 3.5);
   EXPECT_DOUBLE_EQ(f.standard_error, std::hypot(3, 4.25 / (3.25 * 3.25 / 9 + 1)) / 2);
-  // What is visible is not less than nothing, nor more than all.
+  // The value is moved into [0, F0].
   EXPECT_EQ(sums.formFactors(0.5, {{0, 1, 0.25, 16}}).exchangeArea(0, 1).value, 0);
   EXPECT_EQ(sums.formFactors(0.5, {{0, 1, 17, 16}}).exchangeArea(0, 1).value, 16);
-  // A pair known and never met is there, with one line's standard error.
+  // A pair with a prior that no line met has an entry, with the standard error of one line.
   const Measured unmet = sums.formFactors(0.5, {{1, 2, 4, 4}}).exchangeArea(1, 2);
   EXPECT_EQ(unmet.value, 4);
   EXPECT_EQ(unmet.standard_error, 0.5);
 }
 
-// What leaves the scene is a share of its row, whose lines are known in number, too.
+// Environment is a share of all lines of its row, so withRows() counts the other lines of the row as blocked.
 TEST(ControlVariateSums, RowsHaveAllTheirLines) {
   const PairCounts counts = withRows({{0, 1, 3, 5}, {0, kEnvironment, 6}, {1, 2, 4}, {1, kLeak, 1}});
   ASSERT_EQ(counts.size(), 4u);
@@ -78,8 +79,8 @@ TEST(ControlVariateSums, RowsHaveAllTheirLines) {
   EXPECT_EQ(counts[1].blocked, 3u);
   EXPECT_EQ(counts[2].blocked, 0u);
   EXPECT_EQ(counts[3].blocked, 7u);
-  // A replicate in which no line of the row leaves the scene has all of them as blocked, where other replicates saw
-  // one; a row without lines has none.
+  // No line leaves row 0 in this replicate, but other replicates saw one. All lines of the row then count as blocked. A
+  // row without lines gets no entry.
   const std::vector<PairVisibility> others{{0, kEnvironment, 7}, {0, kLeak, 7}, {1, 2, 7}, {3, kLeak, 7}};
   const PairCounts filled = withRows({{0, 1, 3, 5}, {0, kEnvironment, 6}, {1, 2, 4}}, others);
   ASSERT_EQ(filled.size(), 4u);
@@ -89,7 +90,8 @@ TEST(ControlVariateSums, RowsHaveAllTheirLines) {
   EXPECT_EQ(filled[2].blocked, 9u);
 }
 
-// On a coarse lattice, and with scanlines, one line adds several counts: then errors are no less than of as many lines.
+// On a coarse lattice, and with scanlines, one line adds several counts. Errors are then no less than for that number
+// of lines.
 TEST(ControlVariateSums, LinesOfSeveralCounts) {
   const auto controls = takeControlVariates({{0, 1, 64}, {0, 2, 64}, {1, kEnvironment, 16}}, {}, {16, 1, 64});
   EXPECT_EQ(controls[0].line, 1u);  // the finer of the two lattices
@@ -105,16 +107,16 @@ TEST(ControlVariateSums, LinesOfSeveralCounts) {
   sums.add(controls);
   EXPECT_EQ(sums.formFactors(0.5, {}).exchangeArea(0, 1).standard_error, 0.5);
   EXPECT_EQ(sums.formFactors(0.5, {}).exchangeArea(0, 2).standard_error, 8);
-  // Nothing that is known to be less than a line is uncertain by more than itself.
+  // A pair whose F0 is below one line has no standard error above F0.
   EXPECT_EQ(sums.formFactors(0.5, {{1, 2, 0, 3, 16}}).exchangeArea(1, 2).standard_error, 3);
   EXPECT_THROW(takeControlVariates({{0, 1, uint64_t(1) << 51}}, {}), Error);
 }
 
-// Zero spread is not zero error. The visibility b of a pair is 1 (never blocked) or 0 (never seen) in a pilot. Of
-// `lines` lines in eight replicates some are blocked, or seen, all the same: as many as Poisson's law has with mean m.
-// Intervals of 95 % are t = 2.36 standard errors of at least one line. They miss the truth where no line shows it and
-// m > 2.36, with a probability of e^-2.36 = 9.4 % at most. They also miss it where the spread of few lines is too
-// small, as for plain counts (docs/accuracy.md, coverage).
+// Replicates without spread still have an error. In the pilot the visibility b was 1 (never blocked) or 0 (never seen).
+// In eight replicates some of `lines` lines are blocked, or seen, all the same: a number of Poisson's law with mean m.
+// Intervals of 95 % are t = 2.36 standard errors of at least one line. They miss the truth if no line shows it and m >
+// 2.36, with a probability of at most e^-2.36 = 9.4 %. They also miss it where the spread of few lines is too small, as
+// for plain counts (docs/accuracy.md, coverage).
 TEST(ControlVariateSums, NothingSeenIsNotNothingThere) {
   std::mt19937_64 random(6);
   constexpr int kTrials = 4000, kReplicates = 8;
@@ -139,14 +141,15 @@ TEST(ControlVariateSums, NothingSeenIsNotNothingThere) {
         const Measured f = sums.formFactors(1, {{0, 1, never_blocked ? all : 0, all}}).exchangeArea(0, 1);
         held += std::abs(f.value - truth) <= t * f.standard_error;
       }
-      // The bound is four standard deviations of the binomial law.
+      // The bound leaves four standard deviations of the binomial law.
       EXPECT_GE(held, kTrials * 0.88 - 4 * std::sqrt(0.88 * 0.12 * kTrials)) << never_blocked << " " << m;
       if (m < 16) continue;
       EXPECT_GE(held, kTrials * 0.94 - 4 * std::sqrt(0.94 * 0.06 * kTrials)) << never_blocked << " " << m;
     }
 }
 
-// Squares of 2^62 add up 15 times within 128 bits, 16 times not: by one replicate after another, and by sums of others.
+// Squares of counts of 2^62 fit into 128 bits 15 times, and not 16 times. The sum is refused then, whether replicates
+// or sums are added.
 TEST(ControlVariateSums, SquaresBeyond128BitsAreRefused) {
   Ids ids;
   ids.names = {"a", "b"};

@@ -46,13 +46,13 @@ TEST(Device, RefusalNamesTheDevicesAndTheReasons) {
   }
 }
 
-// The check that all device tests lean on can fail: misuse is reported.
+// Negative control of all device tests: the validation layer reports misuse.
 TEST(Device, ValidationSeesMisuse) {
   const Device device({.selector = "", .validation = true});
   ASSERT_TRUE(device.validationEnabled());
   EXPECT_TRUE(device.validationErrors().empty());
   VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
-  info.size = 0;  // not allowed
+  info.size = 0;  // an invalid size
   info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
   VkBuffer buffer = VK_NULL_HANDLE;
   if (vkCreateBuffer(device.handle(), &info, nullptr, &buffer) == VK_SUCCESS)
@@ -60,8 +60,8 @@ TEST(Device, ValidationSeesMisuse) {
   EXPECT_FALSE(device.validationErrors().empty());
 }
 
-// So can its part that watches over barriers: two transfers to one buffer with nothing between them. It does not see
-// what shaders reach by device address.
+// Negative control: two transfers to one buffer without a barrier are reported. Accesses of shaders by device address
+// are not watched.
 TEST(Device, ValidationSeesAMissingBarrier) {
   for (bool waits : {true, false}) {
     const Device device({.selector = "", .validation = true});
@@ -83,7 +83,7 @@ TEST(Buffer, ImpossibleSizeIsAnErrorThatNamesIt) {
     Buffer buffer(testDevice(), VkDeviceSize(1) << 46, MemoryUse::device);
     FAIL() << "accepted";
   } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("67108864"), std::string::npos) << error.what();  // MiB
+    EXPECT_NE(std::string(error.what()).find("67108864"), std::string::npos) << error.what();  // the size in MiB
   }
 }
 

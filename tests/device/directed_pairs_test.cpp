@@ -1,5 +1,5 @@
-// Pairs that common directions hardly hit get directions of their own. These tests show that their form factors are
-// unbiased, their errors honest, their bits always the same, and that they take less time.
+// Pairs that common directions hardly meet get directions of their own. These tests show that their form factors are
+// unbiased, their errors right and their bits reproducible, and that runs take less time.
 #include <cmath>
 #include <numbers>
 
@@ -27,7 +27,7 @@ struct Directed {
   LatticeOptions lattice;
   std::unique_ptr<Engine> engine;
   std::vector<SizeGroup> groups;
-  std::map<std::pair<int, double>, std::unique_ptr<Engine>> pair_engines;  // of pairs
+  std::map<std::pair<int, double>, std::unique_ptr<Engine>> pair_engines;  // by resolution and radius of the window
 
   explicit Directed(const InputScene& input, const LatticeOptions& options = {.resolution = 64})
       : scene(buildScene(input)), ids(makeIds(scene, By::polygon, false)), lattice(options) {
@@ -40,7 +40,7 @@ struct Directed {
         scene, ids, seed,
         [this](const Scene& of, const Ids& pair_ids, const LatticeOptions& options) {
           std::unique_ptr<Engine>& made =
-              pair_engines[{options.resolution, options.window.radius}];  // tells scenes of one pair's engines apart
+              pair_engines[{options.resolution, options.window.radius}];  // differs between engines of different pairs
           if (!made) made = makeComputeEngine(testDevice(), of, pair_ids, options);
           return std::make_unique<SharedEngine>(*made);
         },
@@ -65,9 +65,9 @@ double truthPastTheEdge() {
 
 const EstimateOptions kGoal{.directions = 256, .relative = 0.05, .relative_floor = 1e-5};
 
-// Facing points weighed by solid angle come to the form factor, and all points to the unoccluded form factor, whatever
-// share and number of directions. Means over 400 replicates, within allowedStandardErrors of them. A pair engine of
-// exact areas has nothing of a lattice, and comes to the same.
+// Facing lattice points times the solid angle of (25) give the form factor, and all points the unoccluded one. Means
+// over 400 replicates are compared within allowedStandardErrors of them. An engine with exact areas has no lattice, and
+// gives the same.
 TEST(DirectedPairs, CountsStandForTheirSolidAngle) {
   Directed made(ts::squaresPastAnEdge());
   const double truth = truthPastTheEdge(), area = made.ids.areas[0];
@@ -98,9 +98,9 @@ TEST(DirectedPairs, CountsStandForTheirSolidAngle) {
   }
 }
 
-// From pilot to result, over seeds: the pilot chooses the pair, and nothing else; the mean is the truth within four
-// standard errors, and 95 % intervals hold it but for four standard deviations of the binomial law.
-// bench/programs/coverage.cpp has 200 seeds. Laws hold for all.
+// These runs go from pilot to result, over 24 seeds. The pilot chooses this pair alone. The mean is the truth within
+// four standard errors. The number of 95 % intervals that hold it is within four standard deviations of the binomial
+// law. bench/programs/coverage.cpp has 200 seeds.
 TEST(DirectedPairs, AgreeWithTheTruthOverSeeds) {
   Directed made(ts::squaresPastAnEdge());
   const double truth = truthPastTheEdge(), t = quantile(complement(boost::math::students_t(7), 0.025));
@@ -130,7 +130,7 @@ TEST(DirectedPairs, AgreeWithTheTruthOverSeeds) {
   EXPECT_LE(std::abs(sum / kSeeds), 4 * std::sqrt(squares) / kSeeds);
 }
 
-// The goal is reached with a fifth of the directions, at most, that common ones alone take.
+// The run reaches its goal with at most a fifth of the directions that it takes without directions for single pairs.
 TEST(DirectedPairs, ReachTheGoalSooner) {
   Directed made(ts::squaresPastAnEdge());
   EstimateOptions goal = kGoal;
@@ -143,15 +143,15 @@ TEST(DirectedPairs, ReachTheGoalSooner) {
   EXPECT_LT(5 * (with.directions + with.directed_directions), without.directions);
   EXPECT_TRUE(areEstimatesOfTheSame(with.form_factors.formFactor(0, 1), without.form_factors.formFactor(0, 1),
                                     with.replicates));
-  // Those between surfaces, of one polygon each, are the same.
+  // Each surface is one polygon, so the values between surfaces are the same.
   EXPECT_EQ(with.form_factors.exchangeArea(0, 1).value, with.between_surfaces.exchangeArea(0, 1).value);
   EXPECT_EQ(with.form_factors.exchangeArea(0, 1).standard_error,
             with.between_surfaces.exchangeArea(0, 1).standard_error);
-  // Row sums are of common directions, so that they differ from 1 by the error of these directions.
+  // Row sums come from common directions, and differ from 1 by the error of these.
   EXPECT_TRUE(isEstimateOf(with.form_factors.rowSums()[0], 1, with.replicates));
 }
 
-// Pairs that share the emitter share its engine, and are counted as if each had its own.
+// Pairs of one emitter share an engine. Their counts are those of separate engines.
 TEST(DirectedPairs, PairsOfOneEmitterShareAnEngine) {
   InputScene input = ts::squaresPastAnEdge();
   ts::addFace(input, "beside", {{1, 0, 6}, {1, 0.6, 6}, {1.6, 0.6, 6}, {1.6, 0, 6}});
@@ -181,15 +181,15 @@ TEST(DirectedPairs, PairsOfOneEmitterShareAnEngine) {
     other_seed.prepare({&pair, 1});
     EXPECT_NE(other_seed.count(pair, 7), counts[k]);
   }
-  // Where engines have no finer lattices, the pair makes do.
+  // Where engines have no finer lattice the pair takes the finest one.
   EXPECT_GT(pairs[0].resolution, 50u);
   EXPECT_EQ(PairSampler(scene, ids, 5, make, {}, 50).direct(0, 3, 20).resolution, 50u);
-  // Nothing tells of squares that face alike.
+  // Squares that look the same way do not see each other, and get no directions.
   EXPECT_EQ(together.direct(1, 3, 10).directions, 0u);
 }
 
-// A pair never blocked has its unoccluded form factor, a pair always blocked 0. Both have the error of one line of the
-// pair's own lattice: h^2 |W| / (2 pi) / (all directions) a line.
+// A pair that is never blocked has its unoccluded form factor, and a pair that is always blocked has 0. Both have the
+// error of one line on their own lattice, h^2 |W| / (2 pi) over the number of directions.
 TEST(DirectedPairs, NeverAndAlwaysBlockedAreExact) {
   for (const bool is_blocked : {false, true}) {
     Directed made(is_blocked ? ts::squaresPastAnEdge(0.9) : ts::stackOfSheets({0, 9}));
@@ -216,7 +216,8 @@ TEST(DirectedPairs, NeverAndAlwaysBlockedAreExact) {
   }
 }
 
-// Gone on with, or in parts, a run has the bits of one that was never stopped; parts that chose alike go together.
+// A run that goes on, or is merged from parts, has the bits of a run without a stop. Parts merge if they chose the same
+// pairs.
 TEST(DirectedPairs, AreSumsLikeAnyOther) {
   Directed made(ts::squaresPastAnEdge());
   PairSampler pairs = made.sampler(1);
@@ -249,7 +250,7 @@ TEST(DirectedPairs, AreSumsLikeAnyOther) {
   EXPECT_THROW(run(0, 6, &begun, nullptr), Error);
 }
 
-// Without a goal, and where all pairs are met by many directions, no pair has its own.
+// No pair gets directions of its own without a goal, or where many directions meet every pair.
 TEST(DirectedPairs, OnlyWhereTheyPay) {
   Directed made(ts::squaresPastAnEdge());
   PairSampler pairs = made.sampler(1);

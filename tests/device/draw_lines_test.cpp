@@ -1,4 +1,4 @@
-// The device draws the same lines as the processor, to the last bit.
+// Lines drawn on the device equal those of the processor to the last bit.
 #include <set>
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@
 namespace viewpeel {
 namespace {
 
-// A Found holds the pairs of a scene, and tasks of all ways to draw lines between them.
+// Found holds the pairs of a scene, and tasks for each way to draw lines between them.
 struct Found {
   Scene scene;
   PairFinder finder;
@@ -52,7 +52,7 @@ struct Found {
   }
 };
 
-// Returns how many tasks the two differ in; of the first it says what differs.
+// Returns the number of tasks in which device and host differ. `first` gets a description of the first one.
 size_t countDifferences(const std::vector<DrawnLines>& device, const std::vector<DrawnLines>& host, const Found& found,
                         std::string* first = nullptr) {
   size_t count = 0;
@@ -69,7 +69,7 @@ size_t countDifferences(const std::vector<DrawnLines>& device, const std::vector
   return count;
 }
 
-// Scenes with near and touching pairs, thin plates, slivers, coincident faces and huge offsets are among the kinds.
+// The kinds of scenes include near and touching pairs, thin plates, slivers, coincident faces and huge offsets.
 TEST(DrawLines, DeviceDrawsTheLinesOfTheProcessor) {
   size_t of_way[3] = {}, with_many = 0, in_part = 0;
   const auto compare = [&](const Found& found, const std::string& name) {
@@ -93,7 +93,7 @@ TEST(DrawLines, DeviceDrawsTheLinesOfTheProcessor) {
   EXPECT_GT(in_part, 300u);
 }
 
-// The comparison above can fail: blockers moved by 1e-4 of the radius, and a random number with another seed.
+// Negative controls: blockers moved by 1e-4 of the radius, and a random number with another seed, change lines.
 TEST(DrawLines, PlantedFaultsAreFound) {
   const Found found(loadScene(VIEWPEEL_SCENES "/office.obj"));
   std::vector<Blocker> moved = found.finder.blockers();
@@ -131,10 +131,10 @@ TEST(DrawLines, BatchesDoNotMatter) {
   }
 }
 
-// --- what may be rounded otherwise ----------------------------------------------------------------------------------
+// --- which instructions a device may round as it likes --------------------------------------------------------------
 
-// Returns the instructions of a shader that a device may round as it likes: arithmetic that may be contracted,
-// quotients, and functions of floating point.
+// Returns the operations in a shader whose rounding Vulkan leaves to the device: arithmetic that may be contracted,
+// quotients, and floating-point functions.
 std::set<uint32_t> freelyRounded(std::span<const uint32_t> spirv) {
   constexpr uint32_t kExtInst = 12, kDecorate = 71, kNoContraction = 42, kFAdd = 129, kFSub = 131, kFMul = 133,
                      kFDiv = 136, kFRem = 140, kFMod = 141, kVectorTimesScalar = 142, kMatrixFirst = 143, kDot = 148;
@@ -182,7 +182,7 @@ TEST(PairLines, CountsOnDeviceAndProcessorAreTheSame) {
   plan(host);
   ASSERT_EQ(pairs, planned);
   for (const uint64_t replicate : {0, 3}) EXPECT_EQ(host.count(pairs, replicate), device.count(pairs, replicate));
-  // Further lines: a third of the pairs, as often as planned or four times.
+  // A third of the pairs get further lines, as many as planned or four times as many.
   std::vector<uint32_t> once(pairs.size()), four_times(pairs.size());
   for (size_t k = 0; k < pairs.size(); k += 3) {
     once[k] = 1;

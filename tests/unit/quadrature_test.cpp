@@ -16,7 +16,7 @@ TEST(GaussRule, ExactForMonomialsUpToItsDegree) {
       const GaussRule& rule = gaussRule(n);
       long double sum = 0;
       for (int k = 0; k < n; ++k) sum += rule.weights[k] * std::pow(rule.nodes[k], (long double)degree);
-      // Weights and nodes to 4 ulp; a node's ulp counts `degree` times.
+      // Weights and nodes are off by up to 4 ulp, and the error of a node counts `degree` times.
       EXPECT_LE(std::abs(sum * (degree + 1) - 1), 4 * (degree + 2) * kUlp) << n << " points, degree " << degree;
     }
 }
@@ -44,11 +44,12 @@ TEST(Integrate, NearSingularityWithinItsError) {
 }
 
 TEST(Integrate, SaysSoWhereItStops) {
-  // 1/x is not integrable: 60 halvings end with an error as large as the value's last step.
+  // 1/x is not integrable. After 60 halvings the reported error is as large as the last change of the value.
   EXPECT_GT(integrate([](long double x) { return 1 / x; }, 0, 1, 1e-15L).error, 1e-3L);
 }
 
-// Values that are all rounding are not resolved by halving; it must end, and own up.
+// Halving cannot resolve an integrand that is all rounding. The integration must end all the same, and report the
+// error.
 TEST(Integrate, EndsAtTheNoise) {
   int calls = 0;
   const auto noisy = [&calls](long double x) { return ++calls, 1e-18L * std::sin(1e20L * x); };

@@ -28,7 +28,7 @@ Interval randomInterval(test::Random& random, double low, double high) {
   return a < b ? Interval{a, b + 0.05} : Interval{b, a + 0.05};
 }
 
-// Corners of the contour integral's rectangles are rounded sums: 4 corners off by 2^-52 of a coordinate of at most 4.
+// The contour integral takes corners that are rounded sums: 4 corners are off by 2^-52 of coordinates of at most 4.
 constexpr double kBound = kContourError + 64 * 0x1p-52;
 
 TEST(Rectangles, PublishedValues) {
@@ -71,7 +71,8 @@ TEST(Rectangles, Reciprocity) {
   EXPECT_TRUE(isWithin(2 * perpendicularRectangles(x, y, eta, xi), 24 * perpendicularRectangles(xi, eta, y, x), 1e-15));
 }
 
-// Far squares: 1/(pi z^2) (1 - 2 m2/z^2 + 3 m4/z^4 - ...), m2 = 1/3 the mean square offset, m4 <= 4; alternating.
+// Far unit squares have the alternating series 1 / (pi z^2) (1 - 2 m2 / z^2 + 3 m4 / z^4 - ...). The mean square offset
+// m2 is 1/3, and the mean fourth power m4 is at most 4.
 TEST(Rectangles, FarSquaresToTheStatedError) {
   for (double z : {30.0, 100.0, 300.0}) {
     const double leading = (1 - 2 / (3 * z * z)) / (std::numbers::pi * z * z);

@@ -1,4 +1,4 @@
-// The comparators refuse wrong answers.
+// Negative controls: isWithin() and isEstimateOf() refuse wrong values.
 #include "tests/support/reference_shapes.h"
 
 namespace viewpeel::reference::test {

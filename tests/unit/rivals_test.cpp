@@ -1,4 +1,5 @@
-// These tests check the parts of the bench's rivals: points, weights of pixels, and errors of matrices.
+// These tests check parts of the rival methods in the bench: sample points, weights of hemicube pixels, and errors of
+// matrices.
 #include <algorithm>
 
 #include <gtest/gtest.h>
@@ -11,8 +12,8 @@
 namespace viewpeel::bench {
 namespace {
 
-// 2^m Sobol' points, scrambled or not, are a (0, m, 2)-net: each of the 2^m elementary intervals of dimensions 1 and 2
-// holds one. Each dimension has one in every 2^-m.
+// Of 2^m Sobol' points, scrambled or not, each elementary interval of area 2^-m in dimensions 1 and 2 holds one: they
+// are a (0, m, 2)-net. Every dimension by itself has one point in each interval of length 2^-m.
 TEST(Points, SobolPointsAreStratified) {
   constexpr uint32_t kBits = 8;
   PointSource source(Points::sobol, 3, 5);
@@ -39,13 +40,13 @@ TEST(Points, ASourceGoesOnWhereAnotherEnds) {
     for (int k = 0; k < 64; ++k) {
       const auto expected = whole.next();
       EXPECT_EQ(part.next(), expected);
-      EXPECT_NE(other.next(), expected);  // of 128 bits
+      EXPECT_NE(other.next(), expected);  // equal by chance once in 2^128
     }
   }
 }
 
-// Uniform in every coordinate: of 4096 points the mean of x^2 is 1/3 to within 5 of its standard errors, sqrt(4/45 /
-// 4096); far nearer for Sobol' points.
+// Points are uniform in every coordinate. The mean of x^2 over 4096 points is 1/3 within 5 standard errors of sqrt(4/45
+// / 4096). Sobol' points are far nearer.
 TEST(Points, AreUniform) {
   for (const Points points : {Points::random, Points::sobol}) {
     PointSource source(points, 1, 1);
@@ -66,10 +67,10 @@ TEST(HemicubeWeights, AddUpToOneAndMatchTheirPixels) {
       EXPECT_GT(w, 0);
       sum += w;
     }
-    EXPECT_NEAR(sum, 1, 1e-10) << resolution;  // 3 x 256^2 pixels of 4 integrals below 1/4, each good to 1e-16
+    EXPECT_NEAR(sum, 1, 1e-10) << resolution;  // 3 x 256^2 pixels, each of 4 integrals good to 1e-16
   }
-  // Cohen & Greenberg's own weights are at a pixel's middle. The next term of the midpoint rule is below (second
-  // derivative) p^2 / 12, at most 4 p^2 / 12 of the weight.
+  // Cohen & Greenberg take the weight at the middle of a pixel. The next term of the midpoint rule is the second
+  // derivative times p^2 / 12, at most 4 p^2 / 12 of the weight.
   constexpr uint32_t kResolution = 64;
   const std::vector<double> weights = hemicubeWeights(kResolution);
   const double p = 2.0 / kResolution, area = p * p;
@@ -90,7 +91,7 @@ TEST(ExchangeMatrix, ErrorsCombineBothFormFactors) {
   reference.at(0, 1) = 0.5;
   measured.at(1, 0) = 0.7;
   reference.at(0, 2) = measured.at(2, 0) = 0.25;
-  measured.at(1, 2) = 0.1;  // the reference has 0: no weight
+  measured.at(1, 2) = 0.1;  // the reference is 0 here, so this pair has no weight
   const MatrixError error = errorOf(measured, reference, {1, 2, 4});
   const double e01 = 0.2, e10 = 0.1, e12 = 0.05, e21 = 0.025;
   EXPECT_NEAR(error.rms, std::sqrt((e01 * e01 + e10 * e10 + e12 * e12 + e21 * e21) / 6), 1e-15);
@@ -111,12 +112,12 @@ TEST(Generate, RefinedScenesCoverTheSame) {
   for (const Polygon& polygon : refined_scene.polygons) {
     area += polygon.area * refined_scene.scale * refined_scene.scale;
     EXPECT_NEAR(polygon.area * refined_scene.scale * refined_scene.scale, 1 / 9.0,
-                1e-14);  // all three faces have area 1
+                1e-14);  // all faces have area 1, cut into 9
   }
   EXPECT_NEAR(area, 3, 1e-13);
 }
 
-// Three polygons of areas 2, 1 and 4 with exchange areas 0.5, 0.25 and 0.125 keep 1.25, 0.375 and 3.625.
+// Of the areas 2, 1 and 4 exchange areas of 0.5, 0.25 and 0.125 leave 1.25, 0.375 and 3.625.
 TEST(ExchangeMatrix, RowsLeaveTheirAreaLessWhatPairsTake) {
   ExchangeMatrix exchange(3);
   exchange.at(0, 1) = 0.5;

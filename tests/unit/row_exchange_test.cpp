@@ -1,4 +1,5 @@
-// Unoccluded form factors of whole rows are held against pairs in double precision: the bound on every error holds.
+// Unoccluded form factors of whole rows, in single precision, are compared with those of pairs in double precision.
+// They differ by no more than their stated bound.
 #include "unoccluded/row_exchange.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +16,7 @@ struct Seen {
   size_t pairs = 0, far = 0, cut = 0, near = 0;
 };
 
-// Compares what rows say of all pairs of ids with the sums of their polygons' pairs.
+// Compares whole rows with the sums over pairs of polygons. Returns the number of pairs that each rule computed.
 Seen compareRows(const Scene& scene, bool two_sided) {
   const Ids ids = makeIds(scene, By::polygon, two_sided);
   const RowExchange rows(scene, ids);
@@ -39,7 +40,7 @@ Seen compareRows(const Scene& scene, bool two_sided) {
       double truth = 0;
       for (double area : areas) truth += area * unit;
       const BoundedExchange& bounded = later[j - i - 1];
-      // The comparison allows, beside the bound, the accuracy of the other side.
+      // The tolerance is the bound and the accuracy of the pairs in double precision.
       const double least = double(sides.size()) * kUnoccludedAbsoluteError * std::min(ids.areas[i], ids.areas[j]);
       EXPECT_NEAR(bounded.area, truth, bounded.error + 2 * kUnoccludedRelativeError * truth + least)
           << scene.file << " " << i << " " << j;
@@ -63,8 +64,8 @@ TEST(RowExchange, BoundsHold) {
     }
 }
 
-// Parts of walls far from each other, of a wall beside them, and of one that a floating square's plane cuts: each way
-// of computing is taken.
+// Some parts of the floor are far from parts of the wall, some touch them, and the plane of a floating square cuts
+// some. So each rule computes some pairs.
 TEST(RowExchange, EveryWayIsTaken) {
   InputScene room{"walls in parts", {"floor", "wall", "square"}, {}};
   constexpr int kParts = 12;
@@ -77,11 +78,11 @@ TEST(RowExchange, EveryWayIsTaken) {
   ts::addFace(room, "square", ts::parallelogram({0.8, 0.5, 0.53}, {0.05, 0, 0}, {0, 0.05, 0}));
   const Seen seen = compareRows(buildScene(room), false);
   EXPECT_GT(seen.far, 15'000u);
-  EXPECT_GE(seen.cut, size_t(kParts));   // the wall's parts that the square's plane cuts
-  EXPECT_GE(seen.near, size_t(kParts));  // those along the common edge
+  EXPECT_GE(seen.cut, size_t(kParts));   // parts of the wall that the square's plane cuts
+  EXPECT_GE(seen.near, size_t(kParts));  // parts along the common edge
 }
 
-// A face of several polygons is the sum of its polygons: an L of two rectangles, and a face of eight corners.
+// The exchange area of a face is the sum over its polygons: here an L of two rectangles and a face of eight corners.
 TEST(RowExchange, FacesAreSumsOfTheirPolygons) {
   InputScene input{"faces", {"l", "octagon", "square"}, {}};
   ts::addFace(input, "l", {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}});

@@ -30,7 +30,7 @@ std::set<uint32_t> flippedIn(const InputScene& input) {
   return {faces.begin(), faces.end()};
 }
 
-// Solids and rooms that touch are shells of their own, whether they share corners, edges in part or whole faces.
+// Solids and rooms that touch are separate shells, even if they share corners, parts of edges or whole faces.
 TEST(Shells, TouchingSolidsAreSeparateShells) {
   const Scene room = buildScene(ts::roomWithTouchingBoxes());
   const std::vector<Shell> shells = findShells(room);
@@ -58,7 +58,7 @@ TEST(Shells, AMoebiusStripCannotBeTurned) {
     return glm::dvec3(r * std::cos(a), r * std::sin(a), side * std::sin(half));
   };
   for (int k = 0; k < count; ++k) {
-    const bool last = k + 1 == count;  // the same corners as the first, the other way up
+    const bool last = k + 1 == count;  // the corners of the first, upside down
     const glm::dvec3 p = last ? at(0, 0.5) : at(k + 1, -0.5), q = last ? at(0, -0.5) : at(k + 1, 0.5);
     ts::addFace(strip, "strip", {at(k, -0.5), p, at(k, 0.5)});
     ts::addFace(strip, "strip", {p, q, at(k, 0.5)});
@@ -68,7 +68,7 @@ TEST(Shells, AMoebiusStripCannotBeTurned) {
   EXPECT_TRUE(shells[0].is_twisted);
 }
 
-// Nothing is turned where lines meet fronts: rooms, solids, sheets, contacts, in their places or turned and rounded.
+// No face is turned in correct scenes: rooms, solids, sheets and contacts, also moved and in single precision.
 TEST(Shells, WhatIsRightStays) {
   for (const ts::CoincidentScene& of : ts::coincidentScenes())
     for (const InputScene& input : {of.make(0), of.make(1e-3), ts::roundedToSingle(ts::turnedAndMoved(of.make(0)))})
@@ -78,9 +78,9 @@ TEST(Shells, WhatIsRightStays) {
     EXPECT_TRUE(flippedIn(input).empty()) << input.file;
 }
 
-// Whatever faces or shells are turned over in a clean scene, they are found, and no others.
+// Exactly the faces or shells that were turned over in a clean scene are found.
 TEST(Shells, WhatWasTurnedIsFound) {
-  const InputScene clean = ts::cubeInCube(0.3);  // outer 0 to 5, inner 6 to 11
+  const InputScene clean = ts::cubeInCube(0.3);  // faces 0 to 5 are the outer cube, 6 to 11 the inner one
   const std::vector<std::set<uint32_t>> cases = {
       {0}, {7}, {2, 9}, {0, 1}, {6, 7, 8, 9, 10, 11}, {0, 1, 2, 3, 4, 5}, {0, 1, 2, 3, 4, 5, 8}};
   for (const std::set<uint32_t>& turned : cases) {
@@ -93,7 +93,8 @@ TEST(Shells, WhatWasTurnedIsFound) {
       EXPECT_NEAR(glm::dot(frontNormal(fixed, fixed.polygons[k]), frontNormal(expected, expected.polygons[k])), 1,
                   1e-12);
   }
-  // A lone box with its fronts outward is a room drawn by CAD; one that has something to see is a solid.
+  // A single box whose fronts look outward counts as a room that CAD drew inside out. With a ground to see it counts as
+  // a solid.
   InputScene box = named("box");
   ts::addSolid(box, "box", {0, 0, 0}, {1, 1, 1});
   EXPECT_EQ(flippedIn(box).size(), 6u);
@@ -111,7 +112,7 @@ TEST(Leaks, HiddenAreaIsMeasured) {
   ASSERT_EQ(found.leaks.size(), 1u);
   EXPECT_EQ(found.leaks[0].cause, LeakCause::no_bottom);
   EXPECT_EQ(scene.surfaces[found.leaks[0].from].name, "roomz0");
-  // 0.16 of 6.8: in 16,384 rays 386 +- 19.
+  // The hidden area is 0.16 of 6.8, so that 386 +- 19 of 16,384 rays hit it.
   EXPECT_NEAR(found.leaks[0].hidden_area, 0.16, 0.16 * 4 / std::sqrt(386));
   EXPECT_EQ(followFronts(buildScene(ts::roomWithTouchingBoxes())).backs, 0u);
   EXPECT_EQ(describeClosedness(scene).find("closed, but leaking"), 0u);
@@ -124,7 +125,8 @@ TEST(Leaks, HiddenAreaIsMeasured) {
   }
 }
 
-// A leak is a warning from a millionth on where all edges meet another, and from a thousandth on elsewhere.
+// A leak is warned of from a millionth of the radiation on where all edges meet another, elsewhere from a thousandth
+// on.
 TEST(Leaks, WarningsBeginAtTheirShares) {
   InputScene open = named("open");
   ts::addRoom(open, "room", {0, 0, 0}, {1, 1, 1});

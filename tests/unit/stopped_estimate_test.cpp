@@ -1,4 +1,4 @@
-// These tests stop estimates and continue them, with an engine that needs no device.
+// These tests stop estimates and go on with them. Their engine needs no device.
 #include <cmath>
 #include <numeric>
 #include <optional>
@@ -14,7 +14,7 @@
 namespace viewpeel {
 namespace {
 
-// Estimates that are stopped and go on.
+// StoppedEstimate stops runs, and goes on from the sums that the last call of on_sums had.
 class StoppedEstimate : public CheckpointFile {
  protected:
   EstimateOptions options_{.directions = 10, .replicates = 7, .seed = 3};
@@ -63,7 +63,8 @@ TEST_F(StoppedEstimate, GoesOnToTheSameBits) {
   }
 }
 
-// A goal is met after as many replicates, too: errors are known before the first of the new ones.
+// A run that goes on ends after as many replicates as a run without a stop. It knows the errors of the earlier
+// replicates before it counts new ones.
 TEST_F(StoppedEstimate, StopsWhereOneRunWouldHave) {
   options_.replicates = 2;
   std::vector<double> errors;
@@ -112,7 +113,8 @@ TEST_F(StoppedEstimate, RangesOfReplicatesEqualOneRun) {
   EXPECT_EQ(bytesOf(sums), whole);
 }
 
-// What earlier runs took does not count towards the time allowed, nor does it make a replicate seem short.
+// Only the time of this run counts towards the limit. Neither the limit nor the expected time of a replicate depends on
+// earlier runs.
 TEST_F(StoppedEstimate, TimeIsThatOfTheRunAtHand) {
   std::vector<uint64_t> replicates(90);
   std::iota(replicates.begin(), replicates.end(), 0);
@@ -120,7 +122,7 @@ TEST_F(StoppedEstimate, TimeIsThatOfTheRunAtHand) {
   options_.resumed = &resumed;
   options_.seconds = 0.05;
   engine_.on_count = [] { std::this_thread::sleep_for(std::chrono::milliseconds(60)); };
-  EXPECT_EQ(estimate().replicates, 91u);  // its first is past the limit already
+  EXPECT_EQ(estimate().replicates, 91u);  // its first replicate exceeds the limit
 }
 
 }  // namespace

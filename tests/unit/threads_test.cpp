@@ -1,4 +1,4 @@
-// The library starts as many threads as it may use processors, and results do not depend on their number.
+// The library starts as many threads as the processors it may use, and results do not depend on their number.
 // ThreadSanitizer watches these tests in the preset tsan.
 #include <sched.h>
 
@@ -36,7 +36,7 @@ cpu_set_t firstOf(const cpu_set_t& set) {
   return one;
 }
 
-// Runs the work in a thread of its own. This thread, and all that it starts, may use these processors only.
+// Runs the work in a new thread. That thread and those it starts may use only the processors of `set`.
 void runOn(const cpu_set_t& set, const std::function<void()>& work) {
   std::jthread([&] {
     ASSERT_EQ(::sched_setaffinity(0, sizeof set, &set), 0);
@@ -44,7 +44,7 @@ void runOn(const cpu_set_t& set, const std::function<void()>& work) {
   });
 }
 
-// Under `taskset -c 0` there is one.
+// Under `taskset -c 0` there is one thread.
 TEST(Threads, AreAsManyAsProcessorsAllowed) {
   const cpu_set_t set = allowed();
   EXPECT_EQ(threadCount(), static_cast<size_t>(CPU_COUNT(&set)));
@@ -65,7 +65,7 @@ bool isAlone() {
   return threads < 2;
 }
 
-// 972 faces.
+// Returns a cube in a cube, cut into 972 faces.
 InputScene cubeInCubeInParts() {
   constexpr int kCuts = 9;
   InputScene input{"cube in cube, cut", {}, {}};
@@ -90,9 +90,8 @@ void expectSameBits(const FormFactors& one, const FormFactors& other) {
   }
 }
 
-// A run with unoccluded form factors has the same bits on one processor and on all of the machine's: lattices, pilots,
-// pairs with nothing in between, sums by polygon and by surface, form factors. Lists are longer than what is left to
-// one thread.
+// A run with unoccluded form factors has the same bits on one processor and on all. It goes through lattices, pilots,
+// pairs, sums by polygon and by surface, and form factors. The lists are long enough that several threads share them.
 TEST(Threads, NeverChangeARunWithUnoccludedFormFactors) {
   if (isAlone()) GTEST_SKIP() << "there is one processor";
   const Scene scene = buildScene(cubeInCubeInParts());
@@ -123,7 +122,8 @@ TEST(Threads, NeverChangeARunWithUnoccludedFormFactors) {
   }
 }
 
-// Form factors of all pairs, most of them met by no line: rows of unoccluded form factors times shares of neighbours.
+// Most pairs here have no line. Their form factors are unoccluded form factors of whole rows times the visibility of
+// neighbours.
 TEST(Threads, NeverChangeRowsOfUnoccludedFormFactors) {
   if (isAlone()) GTEST_SKIP() << "there is one processor";
   const Scene scene = buildScene(cubeInCubeInParts());

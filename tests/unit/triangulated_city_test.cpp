@@ -1,4 +1,5 @@
-// City models are what their header says: conforming, in single precision, of the sizes and areas that are asked for.
+// City models keep the promises of scenes/triangulated_city.h: edges match, corners are in single precision, and counts
+// and areas are as requested.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -19,14 +20,15 @@
 namespace viewpeel::bench {
 namespace {
 
-constexpr uint64_t kBeyondSingle = (1u << (52 - 23)) - 1;  // bits of a double's fraction that a float does not have
+constexpr uint64_t kBeyondSingle = (1u << (52 - 23)) - 1;  // bits of a double's fraction that a float lacks
 
 struct Case {
   uint32_t n;
   uint64_t seed;
 };
 
-// Returns edges without exactly one opposite edge, which the rim's are in a city without a hole.
+// Returns the edges that do not have exactly one opposite edge. In a city without a hole these are the edges of the
+// rim.
 using Edge = std::array<double, 6>;
 std::vector<Edge> findOpenEdges(const InputScene& scene) {
   const auto edgeOf = [](glm::dvec3 a, glm::dvec3 b) { return Edge{a.x, a.y, a.z, b.x, b.y, b.z}; };
@@ -45,7 +47,7 @@ double areaOfFace(const InputFace& face) {
   return glm::length(glm::cross(face.corners[1] - face.corners[0], face.corners[2] - face.corners[0])) / 2;
 }
 
-// Returns the area of a face's shadow on the ground, positive where the face looks up.
+// Returns the area of a face projected on the ground, positive where the face looks up.
 double shadowOf(const InputFace& face) {
   return glm::cross(face.corners[1] - face.corners[0], face.corners[2] - face.corners[0]).z / 2;
 }
@@ -76,7 +78,7 @@ TEST_P(TriangulatedCity, AreasAndHeightsAreAsPromised) {
   }
   EXPECT_GE(least, kLeastCityArea) << where_;
   EXPECT_LE(least, 4 * kLeastCityArea) << where_;
-  EXPECT_LE(largest, kMostCityArea * (1 + 1e-5)) << where_;  // divided before its new corners are rounded
+  EXPECT_LE(largest, kMostCityArea * (1 + 1e-5)) << where_;  // faces are divided before new corners are rounded
   EXPECT_GE(largest, kMostCityArea / 2) << where_;
   EXPECT_GE(largest_ground, kMostCityArea * 0.9) << where_;
   const auto [lowest, highest] = std::minmax_element(city_.heights.begin(), city_.heights.end());
@@ -92,7 +94,7 @@ TEST_P(TriangulatedCity, MeetsEdgeToEdge) {
 }
 
 TEST_P(TriangulatedCity, GroundAndFootprintsFillThePlot) {
-  const double whole = areaOf(city_.rim), sums = 1e-12 * whole;  // corners are the same, so that only sums round
+  const double whole = areaOf(city_.rim), sums = 1e-12 * whole;  // corners are shared, so only sums round
   double ground = 0, outlines = 0, all = 0;
   for (const InputFace& face : city_.scene.faces) all += shadowOf(face);
   std::map<std::string, double> of_surface;

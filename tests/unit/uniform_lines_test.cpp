@@ -1,5 +1,5 @@
-// These tests compare the share of candidates that become lines with exchange areas, moments of lines with quadrature,
-// and visibilities with integrals past one blocker. They also check that rounding decides nothing.
+// These tests compare the share of accepted candidates with exchange areas, and visibilities with quadrature. They also
+// check that streams are independent and that rounding decides no line.
 #include <cmath>
 #include <numbers>
 
@@ -20,7 +20,7 @@ namespace ts = test_scenes;
 namespace rt = reference::test;
 using glm::dvec3;
 
-// At 5.5 standard errors a true figure fails once in 2.6e7.
+// A correct value fails at 5.5 standard errors once in 2.6e7.
 constexpr double kStandardErrors = 5.5;
 
 Scene sceneOf(const std::vector<rt::Corners>& faces) {
@@ -53,7 +53,7 @@ const rt::Corners kFloor = rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
 const rt::Corners kCeiling = rectangle({0, 0, 1}, {0, 1, 0}, {1, 0, 0});
 
 TEST(UniformLines, CandidatesBecomeLinesAsOftenAsTheExchangeAreaSays) {
-  // The share of candidates that are lines is an integral of f, which closed forms have computed independently.
+  // The share of accepted candidates is an integral of f, which pair.exchange states independently.
   const std::vector<std::pair<const char*, rt::Corners>> seconds = {
       {"opposite", kCeiling},
       {"far", rectangle({3, 2, 9}, {0, 1, 0}, {1, 0, 0})},
@@ -71,30 +71,30 @@ TEST(UniformLines, CandidatesBecomeLinesAsOftenAsTheExchangeAreaSays) {
     EXPECT_EQ(count.lines, 1'000'000u) << name;
     EXPECT_EQ(count.open, 0u) << name;
     EXPECT_EQ(count.facing, count.lines) << name;
-    // Stopping at a number of lines biases the share by its variance over that number: far below the error.
+    // Drawing stops at a number of lines. This biases the share by its variance over that number, far below the
+    // standard error.
     const double share = double(count.lines) / double(count.candidates), e = lines.efficiency();
     EXPECT_NEAR(share, e, kStandardErrors * std::sqrt(e * (1 - e) / double(count.candidates)) + 2e-6 * e) << name;
     EXPECT_GT(e, 0.01) << name;
   }
 }
 
-// A blocker above half of the floor cuts off lines; how many is an integral over points.
+// Returns the visibility from floor to ceiling of the unit cube past a blocker at `height` over x < edge. The rule has
+// 60 midpoints in x and u, and 2000 in the difference of y, exact in the cells that the edge cuts.
 double visibilityByQuadrature(double edge, double height) {
-  // Makes floor and ceiling of the unit cube, and a blocker at `height` over x < edge. Midpoints, 60 in each of four
-  // coordinates.
   constexpr int kSteps = 60;
   double seen = 0, all = 0;
   for (int i = 0; i < kSteps; ++i)
     for (int j = 0; j < kSteps; ++j) {
       const double x = (i + 0.5) / kSteps, u = (j + 0.5) / kSteps;
-      // In y only the difference counts.
+      // Only the difference of the y coordinates matters.
       double of_y = 0;
       for (int k = 0; k < 2000; ++k) {
         const double dy = (k + 0.5) / 2000, r2 = 1 + dy * dy + (u - x) * (u - x);
         of_y += 2 * (1 - dy) / (r2 * r2) / 2000;
       }
       all += of_y;
-      // The share of this cell's lines that passes the edge: x (1 - height) + u height > edge.
+      // This is the share of the cell's lines that pass the edge: x (1 - height) + u height > edge.
       const double at = x * (1 - height) + u * height, half = 0.5 / kSteps;
       seen += of_y * std::clamp(0.5 + (at - edge) / (2 * half), 0.0, 1.0);
     }
@@ -106,10 +106,10 @@ TEST(UniformLines, VisibilitiesAgreeWithQuadrature) {
     const Pair pair({kFloor, kCeiling, rectangle({-2, -5, 0.3}, {edge + 2, 0, 0}, {0, 11, 0})});
     const UniformLineCount count = pair.lines(pair.between(0, 1)).draw(11, 10'000'000, widestVectors());
     const double seen = double(count.facing) / double(count.lines), truth = visibilityByQuadrature(edge, 0.3);
-    // The quadrature's error is that of its 60 steps, some 1 / 60^2 of curvature: below 1e-4.
+    // The quadrature with 60 steps has an error of some 1 / 60^2 times the curvature, below 1e-4.
     EXPECT_NEAR(seen, truth, kStandardErrors * std::sqrt(truth * (1 - truth) / double(count.lines)) + 1e-4) << edge;
     EXPECT_EQ(count.open, 0u);
-    // A wrong blocker is found: the same one, higher.
+    // Negative control: the same blocker at another height differs. At edge 0.5 the visibility is 1/2 at any height.
     EXPECT_GT(std::abs(seen - visibilityByQuadrature(edge, 0.35)), edge == 0.5 ? 0.0 : 2e-3) << edge;
   }
 }
@@ -120,7 +120,8 @@ TEST(UniformLines, StreamsAreIndependentAndRepeatable) {
   const UniformLineCount one = lines.draw(1, 1000, widestVectors()), same = lines.draw(1, 1000, Vectors::plain);
   EXPECT_EQ(one.facing, same.facing);
   EXPECT_EQ(one.candidates, same.candidates);
-  // Of 4,000 streams of 256 lines the counts vary as coins do: chi-squared of 3,999 degrees, 5.5 sigma.
+  // The counts of 4,000 streams of 256 lines vary like binomial counts: chi-squared with 4,000 degrees of freedom,
+  // within 5.5 standard deviations.
   const double s = double(lines.draw(2, 4'000'000, widestVectors()).facing) / 4e6;
   double squares = 0;
   constexpr int kStreams = 4000, kLines = 256;
@@ -132,12 +133,12 @@ TEST(UniformLines, StreamsAreIndependentAndRepeatable) {
 }
 
 TEST(UniformLines, WhatRoundingMayDecideIsDecidedAgain) {
-  // A blocker's edge lies 1e-7 of the scene's size beside the edge of what the two patches see: single precision alone
-  // would count lines on either side.
+  // The blocker reaches 1e-7 into the space between the two patches. Single precision alone would count lines on either
+  // side of its edge.
   const double gap = 1e-7;
   const Pair pair({kFloor, kCeiling, rectangle({-3, -5, 0.5}, {3 + gap, 0, 0}, {0, 11, 0})});
   const UniformLineCount count = pair.lines(pair.between(0, 1)).draw(3, 2'000'000, widestVectors());
-  // Blocked are lines with x + u < 2 gap: a share below (2 gap)^2 of some 1e-14.
+  // Lines with x + u < 2 gap are blocked. Their share is below (2 gap)^2, some 1e-14.
   EXPECT_EQ(count.facing + count.open, count.lines);
   EXPECT_LE(count.open, 1u);
 }
@@ -149,7 +150,7 @@ TEST(UniformLines, LeastDistanceIsALowerBoundAndSharp) {
   const double unit = pair.scene.scale;
   EXPECT_NEAR(leastDistance(patches[0], patches[1]) * unit, 0.25, 1e-9);
   EXPECT_LE(leastDistance(patches[0], patches[1]) * unit, 0.25 + 1e-12);
-  // From the corner (1, 1, 0) to the line between (2, 2) and (1.5, 2.5): 1.5 across both corners' diagonal.
+  // The nearest points are the corners (1, 1, 0) and (2, 2, 0), sqrt(2) apart.
   EXPECT_NEAR(leastDistance(patches[0], patches[2]) * unit, std::sqrt(2.0), 2e-3);
   EXPECT_LE(leastDistance(patches[0], patches[2]) * unit, std::sqrt(2.0) + 1e-12);
 }

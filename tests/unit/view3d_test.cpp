@@ -1,4 +1,4 @@
-// Tests View3D as a rival of the bench: its input as written, its output as read.
+// Tests the adapter for View3D, a rival in the bench: the input file that it writes and the output file that it reads.
 #include "bench/rivals/view3d.h"
 
 #include <filesystem>
@@ -35,13 +35,13 @@ TEST(View3d, SurfacesAreWrittenWithTheirCornersInOrder) {
   ASSERT_EQ(surfaces.size(), 2u);
   for (size_t k = 0; k < 2; ++k) {
     ASSERT_EQ(surfaces[k].corners.size(), input.faces[k].corners.size());
-    // Moved to the unit ball and back, of radius and offset below 2: a few ulps.
+    // Corners were moved to the unit ball and back, whose radius and offset are below 2, which costs a few ulps.
     for (size_t c = 0; c < surfaces[k].corners.size(); ++c)
       EXPECT_LT(glm::length(surfaces[k].corners[c] - input.faces[k].corners[c]), 1e-15);
   }
 }
 
-// The file is composed after the format: three surfaces, of areas 2, 1 and 4.
+// This file follows View3D's output format, for three surfaces of areas 2, 1 and 4.
 constexpr const char* kOutput =
     "View3D 4.0.0 0 0 0 3          \n2 1 4\n"
     "0.000000 0.250000 0.5\n0.5 0.000000 1.25e-1\n0.25 0.030 0.000000\n0.900 0.900 0.900\n";
@@ -78,7 +78,7 @@ TEST(View3d, WhatIsNoOutputIsRefused) {
             "out.txt: an emissivity is missing or no number; give View3D's own text output");
 }
 
-// A program in the place of View3D.
+// Writes a shell script that takes the place of View3D.
 std::string writeProgram(const std::string& body) {
   std::string file = testing::TempDir() + "viewpeel_view3d_program";
   std::ofstream(file) << "#!/bin/sh\n" << body;
@@ -93,7 +93,7 @@ TEST(View3d, ItsProgramTakesInputAndOutput) {
   const View3dRun run = runView3d(program, scene, 1e-4, testing::TempDir());
   EXPECT_DOUBLE_EQ(run.exchange.at(0, 1), 0.5);
   EXPECT_GT(run.time.seconds, 0);
-  EXPECT_GT(run.time.cpu_seconds, 0);  // of a shell and grep
+  EXPECT_GT(run.time.cpu_seconds, 0);  // of the shell and grep
   try {
     runView3d(writeProgram("exit 3\n"), scene, 1e-4, testing::TempDir());
     FAIL() << "a program that fails is taken";

@@ -1,5 +1,5 @@
-// These tests check the visibility that multiplies an unoccluded form factor: its sums are exact, its bias is small,
-// and its errors are honest.
+// These tests check the visibility by which an unoccluded form factor is multiplied. Its sums are exact, its bias is
+// small, and its standard errors are right.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -32,20 +32,20 @@ TEST(VisibilitySums, ByHand) {
   VisibilitySums sums(idsOf({20, 20, 20}));
   sums.add({{0, 1, 3, 5}, {0, 2, 4, 0}});
   sums.add({{0, 1, 1, 11}, {0, 2, 6, 0}});
-  // 4 of 20 lines are facing; residuals are 0.8 x 3 - 0.2 x 5 = 1.4 and -1.4, R s^2 = 2 x 3.92; squares 0.64 x 4 + 0.04
-  // x 16 = 3.2 lines, so 7.84 / 3.2 at a time.
+  // Of 20 lines 4 are facing, so b = 0.2. Residuals (16) are 0.8 x 3 - 0.2 x 5 = 1.4 and -1.4, and R s^2 = 2 x 3.92 =
+  // 7.84. Squares are 0.64 x 4 + 0.04 x 16 = 3.2 lines, so that lines come 7.84 / 3.2 at a time in (12).
   const Measured f = exchangeOf(sums, 0.5, {0, 1, 0, 0, 16});
   EXPECT_DOUBLE_EQ(f.value, 3.2);
   EXPECT_DOUBLE_EQ(f.standard_error, 0.8 * std::hypot(std::sqrt(7.84), 4.2 / (3.2 * 3.2 / 7.84 + 1)));
-  // A pair that is never blocked has all of it, but for one line of ten.
+  // A pair without blocked lines has its whole unoccluded form factor. Its error is one line of ten.
   const Measured whole = exchangeOf(sums, 0.5, {0, 2, 0, 0, 8});
   EXPECT_EQ(whole.value, 8);
   EXPECT_DOUBLE_EQ(whole.standard_error, 0.8);
-  // Without a line there is what was said beforehand, with one line's error, 2 x 0.5 / 2.
+  // A pair without lines has the visibility from before the run. Its error is that of one line, 2 x 0.5 / 2.
   const Measured unmet = exchangeOf(sums, 0.5, {1, 2, kVisibilityOne / 4 * 3, 0, 4});
   EXPECT_EQ(unmet.value, 3);
   EXPECT_EQ(unmet.standard_error, 0.5);
-  // Outside the prior a pair is as it was sampled.
+  // A pair without prior keeps its sampled value.
   const FormFactors sampled({}, {{0, 1, {5, 2}}, {1, 2, {7, 3}}}, {});
   const FormFactors all = FormFactors(
       sums.ids(),
@@ -58,8 +58,8 @@ TEST(VisibilitySums, ByHand) {
   EXPECT_THROW(large.add({{0, 1, 0, uint64_t(1) << 51}}), Error);
 }
 
-// Few lines: their spread counts for as much as they have of the rarer kind, beside what neighbours and they tell
-// together.
+// With few lines the spread of replicates has the weight w of (22) in docs/method.md, and the neighbours' visibility
+// has the rest.
 TEST(VisibilitySums, FewLinesByHand) {
   VisibilitySums sums(idsOf({20, 20, 20}));
   sums.add({{0, 1, 3, 5}, {0, 2, 4, 0}});
@@ -70,21 +70,22 @@ TEST(VisibilitySums, FewLinesByHand) {
       sums.ids(),
       sums.find({{0, 1, 0, 0, 16}, {0, 2, 0, 0, 8}, {1, 2, 0, 0, 4}}, {}, 0.5, INFINITY, {}, {}, &neighbours).entries,
       {});
-  // All are neighbours: 20 lines of one pair count as 1.4634, 10 as 1.4286. Of these L = 2.8920 lines V = 1.7213 are
-  // facing. So m = V / L = 0.595181, and s = (V + m + 0.1) / (L + 1.2) = 0.590529. Of 20, two more and a tenth of
-  // either kind p = (4 + 2 s + 0.1) / 22.2 = 0.237885 are facing, 3.62592 of the rarer kind, which are trusted
-  // to 3.62592^2 / (3.62592^2 + 1/4). R s^2 / 20^2 = 0.0196, 2 / 23 of p (1 - p) / 20.5 is 0.000769019, and (1.959964
-  // / 2.364624)^2 of that, t of 8 replicates: the root of 0.981340 x 0.0196 + 0.018660 x 0.000528334, times 16.
+  // All pairs are neighbours: 20 lines of one pair count as 1.4634, and 10 as 1.4286. Of these L = 2.8920 lines V =
+  // 1.7213 are facing. So m = V / L = 0.595181 and s = (V + m + 0.1) / (L + 1.2) = 0.590529. In (22) p = (4 + 2 s +
+  // 0.1) / 22.2 = 0.237885, r = 3.62592 and w = r^2 / (r^2 + 1/4) = 0.981340. The spread is R s^2 / 20^2 = 0.0196. The
+  // other term is q = 2 / 23 of p (1 - p) / 20.5, which is 0.000769019, times (1.959964 / 2.364624)^2 with t of 8
+  // replicates. The error is 16 times the root of 0.981340 x 0.0196 + 0.018660 x 0.000528334.
   EXPECT_EQ(all.exchangeArea(0, 1).value, 3.2);
   EXPECT_NEAR(all.exchangeArea(0, 1).standard_error, 2.219570, 1e-5);
-  // All of 10: p = (10 + 2 s + 0.1) / 12.2, and p (1 - p) / 10.5 is left whole.
+  // All 10 lines are facing, so q = 1: p = (10 + 2 s + 0.1) / 12.2, and the term is p (1 - p) / 10.5.
   EXPECT_EQ(all.exchangeArea(0, 2).value, 8);
   EXPECT_NEAR(all.exchangeArea(0, 2).standard_error, 0.314946, 1e-5);
   EXPECT_NEAR(all.exchangeArea(1, 2).value, 4 * 0.5951807, 1e-6);  // in single precision
 }
 
-// With rows of unoccluded form factors every pair is as it is alone, whether its unoccluded form factor was known, or a
-// row has it; what no row has is as it was sampled, and pairs that no line met have their neighbours' visibility.
+// The search over all pairs gives each pair the value that it has alone. A pair's unoccluded form factor comes from the
+// prior or from a row. A pair with neither keeps its sampled value, and a pair without lines has its neighbours'
+// visibility.
 TEST(VisibilitySums, RowsAndPriorPairsAndSampledOnesGoTogether) {
   constexpr uint32_t n = 40;
   const Ids ids = idsOf(std::vector<double>(n, 100.0));
@@ -153,7 +154,7 @@ TEST(VisibilitySums, RowsAndPriorPairsAndSampledOnesGoTogether) {
   for (const size_t count : kinds) EXPECT_GT(count, 50u);
 }
 
-// With visibilities fixed beforehand they are what ControlVariateSums add up, to the last bit; in any order, and in
+// With visibilities fixed beforehand the sums are those of ControlVariateSums, to the last bit, in any order and in
 // parts.
 TEST(VisibilitySums, MakeControlVariatesOfAnyVisibility) {
   constexpr uint32_t n = 12;
@@ -195,8 +196,8 @@ TEST(VisibilitySums, MakeControlVariatesOfAnyVisibility) {
   }
 }
 
-// More pairs than one thread takes at once, a whole multiple of them too: each is what it is alone, and pairs not known
-// stand in their places.
+// There are more pairs than one thread takes at once, also exactly a multiple. Each has the value that it has alone,
+// and pairs without prior stand at their places.
 TEST(VisibilitySums, ManyPairsAreEachWhatTheyAreAlone) {
   constexpr uint32_t n = 520;
   const Ids ids = idsOf(std::vector<double>(n, 100.0));
@@ -226,9 +227,9 @@ TEST(VisibilitySums, ManyPairsAreEachWhatTheyAreAlone) {
   }
 }
 
-// Lines are as many as Poisson's law has, each facing with probability b. There is no bias, however few lines there
-// are. Where a line met the pair 95 % intervals hold the truth as often as plain counts' do, at least 88 times in 100
-// (docs/accuracy.md).
+// The number of lines follows Poisson's law, and each is facing with probability b. The estimate has no bias however
+// few lines there are. Where a line met the pair, 95 % intervals hold the truth as often as those of plain counts: in
+// 88 % of cases at least (docs/accuracy.md).
 TEST(VisibilitySums, LinesByChanceHaveNoBias) {
   constexpr int kTrials = 4000, kReplicates = 8;
   const double t = quantile(complement(boost::math::students_t(kReplicates - 1), 0.025));
@@ -260,8 +261,8 @@ TEST(VisibilitySums, LinesByChanceHaveNoBias) {
     }
 }
 
-// Where facing and blocked lines vary each on their own the bias is below the standard error times the relative
-// standard error of all lines (Hartley & Ross 1954).
+// Facing and blocked lines vary independently here. The bias is below the standard error times the relative standard
+// error of all lines (Hartley & Ross 1954).
 TEST(VisibilitySums, BiasIsBounded) {
   constexpr int kTrials = 20'000, kReplicates = 4;
   std::mt19937_64 random(8);
@@ -289,15 +290,15 @@ TEST(VisibilitySums, BiasIsBounded) {
   }
 }
 
-// One line of 80 of a row leaves the scene, in one replicate of eight. Its visibility is 1 / 80, by polygon and by
-// surface, whatever pilots have seen. It is not 1 / 10, as in the one replicate that saw it.
+// One of the 80 lines of a row leaves the scene, in one replicate of eight. The environment's share is 1 / 80, by
+// polygon and by surface, whatever the pilots saw. It is not 1 / 10, the share in that replicate.
 TEST(VisibilitySums, EnvironmentSeenInOneReplicateOfEight) {
   Ids ids;
   ids.names = {"a", "b"};
   ids.areas = {10, 10};
   ids.surface = {0, 1};
   ids.of_polygon = {0, 1};
-  constexpr double kMeasureArea = 0.5;  // a row of 10 lines then makes 10 = 2 * 0.5 * 10 input units squared
+  constexpr double kMeasureArea = 0.5;  // so a row of 10 lines has 2 * 0.5 * 10 = 10 input units squared
   for (const uint32_t visibility : {0u, kVisibilityOne / 3}) {
     Prior prior;
     if (visibility) prior.pairs = {{0, kEnvironment, visibility, visibility, ids.areas[0]}};
@@ -314,11 +315,11 @@ TEST(VisibilitySums, EnvironmentSeenInOneReplicateOfEight) {
     EXPECT_NEAR(by_polygon.formFactor(0, kEnvironment).value, 1 / 80.0, 1e-12) << visibility;
     const FormFactors by_surface = prior_sums.bySurface(kMeasureArea, INFINITY, counted.formFactors(kMeasureArea));
     EXPECT_NEAR(by_surface.formFactor(0, kEnvironment).value, 1 / 80.0, 1e-6)
-        << visibility;  // visibilities in units of 2^-12 are exact, areas are rounded
+        << visibility;  // visibilities are multiples of 2^-12, areas are rounded
   }
 }
 
-// Leak that pilots saw and the run did not is no leak.
+// If pilots saw leak and the run did not, the result has none.
 TEST(VisibilitySums, WhatOnlyPilotsSawIsNotStated) {
   Ids ids;
   ids.names = {"a", "b"};
@@ -335,7 +336,7 @@ TEST(VisibilitySums, WhatOnlyPilotsSawIsNotStated) {
   }
   const Measured leak = prior_sums.byPolygon(0.005, INFINITY, counted, {}).formFactor(0, kLeak);
   EXPECT_EQ(leak.value, 0);
-  EXPECT_NEAR(leak.standard_error, 1 / 8000.0, 1e-12);  // one line
+  EXPECT_NEAR(leak.standard_error, 1 / 8000.0, 1e-12);  // the error of one line
   EXPECT_NEAR(prior_sums.bySurface(0.005, INFINITY, counted.formFactors(0.005)).formFactor(0, kLeak).value, 0, 1e-6);
 }
 

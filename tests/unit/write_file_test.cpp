@@ -1,4 +1,5 @@
-// Files are written under another name in the same folder and then renamed. Others may be able to write to this folder.
+// Files are written under a temporary name in the same folder and then renamed. Other users may be able to write to
+// this folder.
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -80,8 +81,8 @@ TEST_F(WriteFile, ASymbolicLinkStaysAndItsTargetIsReplaced) {
   }
 }
 
-// Whoever guesses the temporary name could put a link there, which must not lead to a file being overwritten. The name
-// was FILE.PID.part once.
+// Another user who guesses the temporary name could put a link there, so that a file elsewhere is overwritten. The name
+// once was FILE.PID.part. Now it is random, and links are not followed.
 TEST_F(WriteFile, TemporaryNamesDifferAndAreNotFollowed) {
   const fs::path file = folder_ / "a.csv", victim = folder_ / "victim";
   std::ofstream(victim) << "precious";
@@ -95,7 +96,7 @@ TEST_F(WriteFile, TemporaryNamesDifferAndAreNotFollowed) {
     });
   checkWritable(file);
   EXPECT_EQ(textOf(victim), "precious");
-  EXPECT_EQ(names.size(), 8u);  // 62^6 names: eight alike ones of chance are out of the question
+  EXPECT_EQ(names.size(), 8u);  // all differ, of 62^6 possible names
 }
 
 TEST_F(WriteFile, NothingIsLeftBehind) {
