@@ -1,4 +1,5 @@
-/* Two unit squares face each other at distance 1: the form factor is printed, written, read back; a mistake is told. */
+/* Two unit squares face each other at distance 1. The form factor is printed, written and read back; bad input is
+   refused. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

@@ -1,4 +1,5 @@
-// Unoccluded form factors times visibilities are exact where nothing is in between, and honest where something is.
+// Form factors that are unoccluded form factors times visibilities are exact where nothing is between two polygons.
+// Elsewhere their standard errors are right.
 #include <cmath>
 #include <map>
 #include <optional>
@@ -57,11 +58,11 @@ PriorScene makePriorScene(const InputScene& input, int resolution, Sampling samp
   return made;
 }
 
-// Returns the standard error of a pair whose lines are all facing, or all blocked, over the most that it exchanges. Of
-// n directions that see it the variance is p (1 - p) / (n + 1/2). Here p has two lines more with the visibility s
-// around the pair, and a tenth of a line of either kind. Replicates, which do not differ, are trusted as far as the
-// square of n p (1 - p) goes beside 1/4. The variance is better determined than by R replicates, 8 at least, so that t
-// standard errors are an interval of it (VisibilitySums).
+// Returns the standard error of the visibility of a pair whose lines are all facing or all blocked, by (22) in
+// docs/method.md with q = 1. The variance is p (1 - p) / (n + 1/2) of the n directions that see the pair. Here p joins
+// two lines of the neighbours' visibility s and a tenth of a line of either kind. The spread of replicates is 0. It has
+// the weight r^2 / (r^2 + 1/4) with r = n p (1 - p). The rest has more degrees of freedom than R replicates, at least
+// 8, and is scaled so that t standard errors are an interval.
 double deviationOfOneKind(const RunSums& sums, uint32_t i, uint32_t j) {
   const VisibilitySums& by_face = sums.prior_sums->byFace();
   const Prior& prior = sums.prior_sums->prior();
@@ -80,7 +81,7 @@ double deviationOfOneKind(const RunSums& sums, uint32_t i, uint32_t j) {
          quantile(complement(boost::math::normal(), 0.025)) / t;
 }
 
-// Pairs never blocked are their unoccluded form factors, on any lattice and with any number of directions.
+// Pairs that are never blocked have their unoccluded form factor, on any lattice and with any number of directions.
 TEST(FindPrior, UnblockedPairsAreExact) {
   for (const auto& [input, truth] : {std::pair(ts::parallelSquares(), kParallelSquares),
                                      std::pair(ts::perpendicularSquares(), kPerpendicularSquares)}) {
@@ -93,10 +94,10 @@ TEST(FindPrior, UnblockedPairsAreExact) {
       };
       const Measured f = made.estimate(options).form_factors.formFactor(0, 1);
       EXPECT_NEAR(f.value, truth, kUnoccludedRelativeError * truth + kTenDigits);
-      // Nothing says that no blocker is there.
+      // Lines cannot prove that no blocker is there, so the error is not 0.
       EXPECT_GT(deviation, 0);
       EXPECT_NEAR(f.standard_error, deviation * f.value,
-                  1e-11 * deviation);  // 1 - p is rounded to 2^-53, and no less than 0.1 / n for n of 1e4 at most
+                  1e-11 * deviation);  // 1 - p is rounded to 2^-53, and is 0.1 / n or more with n up to 1e4
     }
   }
   const Estimate cube = makePriorScene(ts::insideOfCube(), 16).estimate({.directions = 24, .replicates = 4});
@@ -107,7 +108,7 @@ TEST(FindPrior, UnblockedPairsAreExact) {
     }
 }
 
-// Where pilots saw nothing blocked all pairs are exact, those too that few lines or none told.
+// Where pilots saw no blocked line all pairs are exact, also pairs that few lines or none met.
 TEST(FindPrior, NothingInBetweenIsExactForEveryPair) {
   const PriorScene made = makePriorScene(ts::squaresInParts(2, 1, 4), 4);
   const EstimateOptions options{.directions = 8, .replicates = 2};
@@ -127,8 +128,8 @@ double truthPastTheBlocker() {
   return reference::formFactorPastBlocker(input.faces[0].corners, input.faces[1].corners, input.faces[2].corners).value;
 }
 
-// Partly blocked pairs are unbiased, with less error than counting alone. Their 95 % intervals hold the truth 95 times
-// in 100, within four standard deviations of the binomial law.
+// Partly blocked pairs are unbiased, and have less error than by counts alone. Their 95 % intervals hold the truth in
+// 95 of 100 runs, within four standard deviations of the binomial law.
 TEST(FindPrior, PartlyBlockedPairsAreSampledWell) {
   const PriorScene made = makePriorScene(ts::squaresPastABlocker(), 24);
   const double truth = truthPastTheBlocker();
@@ -148,11 +149,12 @@ TEST(FindPrior, PartlyBlockedPairsAreSampledWell) {
   }
   EXPECT_LE(std::abs(held - 0.95 * kSeeds), 4 * std::sqrt(0.95 * 0.05 * kSeeds));
   EXPECT_LE(std::abs(sum / kSeeds), 5 * std::sqrt(squares) / kSeeds);
-  // Of one variance, F(60, 60) stays below 2.3 with probability 0.999: it is smaller indeed.
+  // If both variances were equal, their quotient F(60, 60) would stay below 2.3 with probability 0.999. So the variance
+  // is smaller indeed.
   EXPECT_LT(2.3 * squares, plain_squares);
 }
 
-// Scanlines count lengths, the same way.
+// The same holds for scanlines, which count lengths.
 TEST(FindPrior, PartlyBlockedPairsByScanlines) {
   const PriorScene made = makePriorScene(ts::squaresPastABlocker(), 24, Sampling::scanline);
   const double truth = truthPastTheBlocker();
@@ -166,12 +168,12 @@ TEST(FindPrior, PartlyBlockedPairsByScanlines) {
         estimateFormFactors(*made.engine, made.scene, made.ids, options).form_factors.formFactor(0, 1).value - truth,
         2);
   }
-  // Of one variance, F(12, 12) stays below 7.0 with probability 0.999; lattice points gain a factor of more than 2.3
-  // (above), directions being what is left with scanlines.
+  // The test asks only for a smaller error: for F(12, 12) a factor of 7.0 would be needed to prove one with probability
+  // 0.999. With scanlines directions err most, and they gain less than lattice points do above.
   EXPECT_LT(squares, plain_squares);
 }
 
-// Two squares see each other and nothing else: what leaves is the rest of the row, and as exact.
+// Two squares see only each other. The environment is the rest of the row, and more exact than by counts alone.
 TEST(FindPrior, WhatLeavesTheSceneIsExactBesideExactPairs) {
   const PriorScene made = makePriorScene(ts::parallelSquares(), 16);
   const EstimateOptions options{.directions = 400};
@@ -183,8 +185,8 @@ TEST(FindPrior, WhatLeavesTheSceneIsExactBesideExactPairs) {
   EXPECT_LT(f.standard_error, plain.standard_error);
 }
 
-// Pairs that no line met are there with what their neighbours tell, and its spread; blocked ones with what they may be
-// at most: with eight lines in all, most are not met.
+// With eight lines in all most pairs are not met. A pair without lines has the neighbours' visibility with its spread.
+// A pair with blocked lines alone has a standard error of at most what it may be.
 TEST(FindPrior, UnmetPairsAreUncertain) {
   const PriorScene made = makePriorScene(ts::roomWithTouchingBoxes(), 4);
   const EstimateOptions options{.directions = 1, .replicates = 2};
@@ -196,7 +198,7 @@ TEST(FindPrior, UnmetPairsAreUncertain) {
     if (last) counted = sums;
   };
   const Estimate few = made.estimate(watched);
-  // Before guesses are made to fit their rows.
+  // These values are from before guesses are adjusted to their rows.
   const FormFactors with_unseen(
       made.ids, counted->prior_sums->ofPriorPairs(counted->measure_area, counted->countArea(), counted->by_id), {});
   const NeighbourVisibility neighbours(counted->prior_sums->byFace(), counted->prior_sums->prior().lines,
@@ -210,7 +212,7 @@ TEST(FindPrior, UnmetPairsAreUncertain) {
     EXPECT_GE(few.largest_standard_error, f.standard_error / area);
     if (counts.blocked > 0) {
       ++blocked_pairs;
-      const auto lines = double(counts.blocked);  // one count each
+      const auto lines = double(counts.blocked);  // a line is one count here
       EXPECT_NEAR(f.value, lines < 4 ? 0.5 * neighbours.of(pair.i, pair.j).mean / (lines + 0.5) * most : 0,
                   1e-14 * most);  // rounding
       is_zero += f.value == 0;
@@ -230,7 +232,7 @@ TEST(FindPrior, UnmetPairsAreUncertain) {
   EXPECT_GE(few.unseen_pairs, is_zero);
   EXPECT_TRUE(std::none_of(few.form_factors.entries().begin(), few.form_factors.entries().end(),
                            [](const auto& entry) { return entry.exchange_area.value == 0; }));
-  // Guesses are made to fit: all rows together are nearer to 1 than guesses alone leave them, and standard errors stay.
+  // Adjusted guesses bring row sums nearer to 1, and keep standard errors.
   const FormFactors fitted = counted->formFactors();
   const std::vector<Measured> before = sumRows(with_unseen.entries(), made.ids.areas);
   double off_before = 0, off = 0;
@@ -240,7 +242,7 @@ TEST(FindPrior, UnmetPairsAreUncertain) {
     EXPECT_DOUBLE_EQ(fitted.rowSums()[i].standard_error, before[i].standard_error);
   }
   EXPECT_LT(off, 0.5 * off_before);
-  // Every pair that counts see is among those known.
+  // Every pair that lines meet has a prior.
   const Estimate many = estimateFormFactors(*made.engine, made.scene, made.ids, {.directions = 2000});
   for (const auto& entry : many.form_factors.entries()) {
     if (entry.j >= kEnvironment) continue;
@@ -250,13 +252,14 @@ TEST(FindPrior, UnmetPairsAreUncertain) {
   }
 }
 
-// Form factors between surfaces are sums over their polygons of the same lines, and agree with counting alone.
+// Form factors between surfaces are sums over polygons of the same lines. They agree with counts alone.
 TEST(FindPrior, SurfacesAndClosedRooms) {
   const PriorScene made = makePriorScene(ts::roomWithTouchingBoxes(), 48);
   const EstimateOptions options{.directions = 400};
   const Estimate by_surface = made.estimate(options, By::surface),
                  plain = estimateFormFactors(*made.engine, made.scene, made.ids, options);
-  // What unoccluded form factors leave out cannot see each other; without them it may only not have been met.
+  // With unoccluded form factors pairs without an entry cannot see each other. Without them, a pair without an entry
+  // may not have been met.
   EXPECT_TRUE(std::isinf(by_surface.unmet_bound));
   EXPECT_LT(plain.unmet_bound, 1);
   const uint32_t n = by_surface.form_factors.ids().count();

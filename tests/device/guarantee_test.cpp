@@ -1,5 +1,5 @@
-// These tests compare the bounds of guarantee mode with bounds computed by hand, check that no single direction exceeds
-// its range, and count how often a guarantee fails.
+// These tests compare bounds of guarantees with bounds computed by hand. They check that no direction exceeds its
+// range, and count how often a guarantee fails.
 #include <cmath>
 #include <numeric>
 
@@ -23,19 +23,19 @@ constexpr double kParallelSquares = 0.1998248957;  // Howell, C-11
 Lattices latticesWithWindows() { return {enginesOf(EngineKind::compute), {}, 0, true}; }
 
 TEST(Guarantee, HoeffdingsDirections) {
-  // One bound: 2 exp(-2 N e^2 / M^2) <= d.
+  // A single bound has 2 exp(-2 N e^2 / M^2) <= d.
   for (double range : {2.0, 3.7})
     for (double epsilon : {0.1, 1e-3})
       EXPECT_EQ(hoeffdingDirections({range}, {1}, epsilon, 0.01),
                 std::ceil(range * range * std::log(2 / 0.01) / (2 * epsilon * epsilon)));
-  // Equal ranges: the bounds count together.
+  // With equal ranges the numbers of bounds add up.
   EXPECT_EQ(hoeffdingDirections({2, 2, 2}, {4, 3, 2}, 0.01, 0.01), std::ceil(4 * std::log(2 * 9 / 0.01) / (2e-4)));
-  // A larger range decides alone where the others' terms vanish beside it.
+  // A much larger range decides alone, for the terms of the others vanish beside it.
   EXPECT_EQ(hoeffdingDirections({2, 20}, {1000, 1}, 0.1, 0.01), std::ceil(400 * std::log(2 / 0.01) / 0.02));
 }
 
 TEST(Guarantee, BernsteinsBound) {
-  // By hand L = ln(4 / 0.04) is 4.60517, sqrt(2 0.5 L / 101) is 0.213532 and 7 2 L / 300 is 0.214908.
+  // By hand, L = ln(4 / 0.04) = 4.60517, sqrt(2 0.5 L / 101) = 0.213532 and 7 2 L / 300 = 0.214908.
   EXPECT_NEAR(bernsteinBound(0.5, 2, 101, 0.04), 0.213532 + 0.214908, 2e-6);
 }
 
@@ -52,7 +52,7 @@ TEST(Guarantee, EveryFormFactorHasItsBound) {
   }
 }
 
-// Where an id has polygons of two resolutions, one of another id is counted on both lattices.
+// If the polygons of a surface lie on two lattices, its pairs are counted on both, and ranges add up.
 TEST(Guarantee, RangesAddUpOverLattices) {
   InputScene input{"floor and two plates", {}, {}};
   ts::addFace(input, "floor", {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
@@ -71,12 +71,12 @@ TEST(Guarantee, RangesAddUpOverLattices) {
   EXPECT_DOUBLE_EQ(one[0], range(8));
   EXPECT_DOUBLE_EQ(one[1], range(32));
   EXPECT_DOUBLE_EQ(two[0], range(8) + range(32));
-  EXPECT_DOUBLE_EQ(two[1], (range(8) + range(32)) / 2 + range(32) / 2);  // the plates among themselves
+  EXPECT_DOUBLE_EQ(two[1], (range(8) + range(32)) / 2 + range(32) / 2);  // of the plates with each other
   EXPECT_DOUBLE_EQ(each[0], range(8));
 }
 
-// No direction adds more than the range, and some a fair part of it: on coarse and fine lattices, in windows, with
-// scanlines, on both sides, by surface.
+// No direction adds more than its range, and some add a tenth of it or more. This holds on coarse and fine lattices, in
+// windows, with scanlines, on both sides, and by surface.
 TEST(Guarantee, SingleDirectionsKeepToTheirRanges) {
   const auto directions = sampleDirections(Sampler::iid, 24, 5, 0);
   for (const InputScene& input : {ts::parallelSquares(), ts::roomWithTouchingBoxes(), ts::triangleSoup(30, 0.6, 2)})
@@ -103,19 +103,19 @@ TEST(Guarantee, SingleDirectionsKeepToTheirRanges) {
               EXPECT_LE(share, 1) << input.file << " " << base;
               largest_share = std::max(largest_share, share);
             }
-          EXPECT_GT(largest_share, 0.1) << input.file << " " << base;  // the comparison means something
+          EXPECT_GT(largest_share, 0.1) << input.file << " " << base;  // ranges are not far too wide
         }
 }
 
-// An engine that knows no geometry: every direction adds all of its range or nothing to F_01, the most variable there
-// is.
+// CoinEngine has no geometry. Each direction adds its whole range to F_01 or nothing, which is the largest variance
+// possible.
 class CoinEngine : public Engine {
  public:
   CoinEngine(double share, double area) : share_(share), area_(area) {}
   PairCounts count(std::span<const Direction> directions) override {
     uint64_t heads = 0;
     for (const Direction& direction : directions)
-      heads += direction.offset.x < share_;  // uniform, and independent of all else
+      heads += direction.offset.x < share_;  // uniform and independent of all other numbers
     return heads ? PairCounts{{0, 1, heads}} : PairCounts{};
   }
   double unitArea() const override { return area_; }
@@ -124,8 +124,8 @@ class CoinEngine : public Engine {
   double share_, area_;
 };
 
-// At most delta of many seeds fail, but for chance: within four standard deviations of the binomial law. The bounds are
-// not sharp: there are far fewer.
+// Returns the number of failures over many seeds. At most a share of delta may fail, within four standard deviations of
+// the binomial law. Bounds are not sharp, so far fewer do.
 int failures(double share, double epsilon, double delta, int seeds, bool expect_bernstein) {
   const Scene scene = buildScene(ts::parallelSquares());
   const Ids ids = makeIds(scene, By::polygon, false);
@@ -161,16 +161,17 @@ TEST(Guarantee, FailsNoMoreOftenThanItMay) {
   EXPECT_LE(failures(0.002, 0.04, 0.2, kSeeds, true), allowed);
 }
 
-// By hand l = ln(2 / 0.02) is 4.60517 and M l / 3 is 3.07011: (3.07011 + sqrt(3.07011^2 + 2 1000 0.05 l)) / 1000.
+// By hand, l = ln(2 / 0.02) = 4.60517 and M l / 3 = 3.07011. The bound is (3.07011 + sqrt(3.07011^2 + 2 1000 0.05 l)) /
+// 1000.
 TEST(Guarantee, BernsteinsBoundOfAGivenVariance) {
   EXPECT_NEAR(givenVarianceBound(0.05, 2, 1000, 0.02), (3.07011 + std::sqrt(3.07011 * 3.07011 + 460.517)) / 1000, 1e-7);
-  // The variance is at most M^2 / 4 of the range M. At this variance Hoeffding's bound takes twice as many directions,
-  // up to the term in the range.
+  // The variance is at most M^2 / 4. There Bernstein's bound is twice Hoeffding's or more, for its term in the range is
+  // added.
   EXPECT_GT(givenVarianceBound(1, 2, 1e6, 0.02), 2 * std::sqrt(std::log(2 / 0.02) / 2e6));
 }
 
-// There is no geometry here. A direction has all of the range of T = V + O or none of it, and all of T is visible or
-// none: nothing varies more, given F0 and F.
+// TwoCoinEngine has no geometry. A direction has its whole range as T = V + O or nothing, and all of T is visible or
+// nothing. This is the largest variance for given F0 and F.
 class TwoCoinEngine : public Engine {
  public:
   TwoCoinEngine(double lines, double prior_sums, double area) : lines_(lines), visible_(prior_sums), area_(area) {}
@@ -216,13 +217,13 @@ VisibilityOutcome visibilityFailures(double lines, double prior_sums, double b, 
     const Estimate estimate = guaranteeFormFactors(scene, ids, options, plan);
     outcome.failed += std::abs(estimate.form_factors.formFactor(0, 1).value - 2 * lines * prior_sums) > epsilon;
     outcome.directions += estimate.directions;
-    EXPECT_TRUE(by == GuaranteedBy::bernstein || estimate.guarantee->by == by);  // else what comes first
+    EXPECT_TRUE(by == GuaranteedBy::bernstein || estimate.guarantee->by == by);  // bernstein: either bound may end it
     EXPECT_LE(estimate.guarantee->bound, epsilon);
   }
   return outcome;
 }
 
-// A guarantee holds whatever the visibility from the pilot: the right one, none, or one far off, by either bound.
+// A guarantee holds for any visibility from the pilot, right or far off, and by either bound.
 TEST(Guarantee, WithUnoccludedFormFactorsItFailsNoMoreOftenThanItMay) {
   constexpr int kSeeds = 30;
   const double allowed = 0.2 * kSeeds + 4 * std::sqrt(0.2 * 0.8 * kSeeds);
@@ -234,15 +235,15 @@ TEST(Guarantee, WithUnoccludedFormFactorsItFailsNoMoreOftenThanItMay) {
       }
 }
 
-// A visibility that is right ends a run sooner than none.
+// The right visibility ends a run sooner than a visibility of 0.
 TEST(Guarantee, VisibilitiesEndItSooner) {
   const uint64_t without = visibilityFailures(0.4, 0.98, 0, 0.08, 0.2, 10, GuaranteedBy::bernstein).directions,
                  with = visibilityFailures(0.4, 0.98, 1, 0.08, 0.2, 10, GuaranteedBy::bernstein).directions;
   EXPECT_LT(with, without);
 }
 
-// Numbers of directions: of Hoeffding's bound for what leaves the scene, but not for pairs that see little of each
-// other.
+// Only environment and leak need as many directions as Hoeffding's bound asks for. Pairs with small unoccluded form
+// factors need fewer.
 TEST(Guarantee, UnoccludedFormFactorsNeedNoMoreDirectionsThanHoeffding) {
   Ids ids;
   constexpr uint32_t kIds = 200;
@@ -255,12 +256,13 @@ TEST(Guarantee, UnoccludedFormFactorsNeedNoMoreDirectionsThanHoeffding) {
     for (uint32_t j = i + 1; j < kIds; ++j) prior.pairs.push_back({i, j, kVisibilityOne, 0, 0.005});
   const uint64_t plain = hoeffdingDirections(ranges, countBounds(ids), 0.01, 0.005),
                  with = VisibilityBounds(ids, ranges, prior).directionsFor(0.01, 0.005);
-  // 400 bounds in the place of 20,300: ln(2 400 / 0.005) / ln(2 20300 / 0.005).
+  // 400 bounds take the place of 20,300, which divides the number of directions by ln(2 20300 / 0.005) / ln(2 400 /
+  // 0.005).
   EXPECT_NEAR(double(with) / double(plain), std::log(800 / 0.005) / std::log(40600 / 0.005), 1e-3);
   EXPECT_THROW(VisibilityBounds(ids, ranges, prior).directionsFor(1e-6, 0.005), Error);
 }
 
-// No direction adds more than the range to V + O either, which is what the bounds rest on.
+// No direction adds more than its range to V + O, an assumption of the bounds.
 TEST(Guarantee, BlockedLinesKeepToTheRangesToo) {
   const auto directions = sampleDirections(Sampler::iid, 24, 5, 0);
   for (const InputScene& input : {ts::roomWithTouchingBoxes(), ts::triangleSoup(30, 0.6, 2)})
@@ -285,7 +287,8 @@ TEST(Guarantee, BlockedLinesKeepToTheRangesToo) {
     }
 }
 
-// Planned, and carried out, past a blocker: the truth is within epsilon, and the same bits come after a stop.
+// A guarantee with unoccluded form factors is planned, run, stopped and continued. Its value is within epsilon, and
+// continuing gives the same bits.
 TEST(Guarantee, WithUnoccludedFormFactorsTheWholeChainHolds) {
   const Scene scene = buildScene(ts::perpendicularSquares());
   const Ids ids = makeIds(scene, By::polygon, false);
@@ -300,7 +303,7 @@ TEST(Guarantee, WithUnoccludedFormFactorsTheWholeChainHolds) {
     if (sums.replicateCount() == plan.least_blocks / 2) half = sums;
   };
   const Estimate whole = guaranteeFormFactors(scene, ids, options, plan);
-  // Nothing is in between, and the pilot knows it: all visibilities are 1, so that what is left is rounding.
+  // Nothing is between the squares and the pilot finds a visibility of 1, so that only rounding is left.
   EXPECT_NEAR(whole.form_factors.formFactor(0, 1).value, 0.2000437761, 1e-6);
   EXPECT_LE(whole.guarantee->bound, options.epsilon);
   ASSERT_TRUE(half);
@@ -312,7 +315,7 @@ TEST(Guarantee, WithUnoccludedFormFactorsTheWholeChainHolds) {
     EXPECT_EQ(resumed.form_factors.exchangeArea(0, j).value, whole.form_factors.exchangeArea(0, j).value);
 }
 
-// Runs the whole chain, planned for the scene.
+// A guarantee is planned for the scene and run over 12 seeds. It holds the closed form.
 TEST(Guarantee, HoldsForTheClosedForm) {
   const Scene scene = buildScene(ts::parallelSquares());
   const Ids ids = makeIds(scene, By::polygon, false);
@@ -336,7 +339,8 @@ TEST(Guarantee, TheMedianOfRunsHoldsToo) {
   GuaranteeOptions options{.epsilon = 0.1, .delta = 0.1, .statistic = Statistic::median, .sampler = Sampler::iid};
   const Lattices exact{reference::exactEngines(), {}, 1, false};
   const GuaranteePlan plan = planGuarantee(scene, ids, options, exact, true);
-  // Pellegrini 1997, section 5.3, for five form factors at once: Q = 8 ln(5 / delta) runs of 4 / epsilon^2.
+  // Pellegrini 1997, section 5.3, takes Q = 8 ln(5 / delta) runs of 4 / epsilon^2 directions for five form factors at
+  // once.
   EXPECT_EQ(plan.run_directions, 400u);
   EXPECT_EQ(plan.runs, 33u);
   const Estimate estimate = guaranteeFormFactors(scene, ids, options, plan);
@@ -346,7 +350,7 @@ TEST(Guarantee, TheMedianOfRunsHoldsToo) {
   EXPECT_NEAR(f.value, kParallelSquares, options.epsilon);
   EXPECT_NEAR(f.value, kParallelSquares, 5 * f.standard_error);
   EXPECT_EQ(estimate.form_factors.exchangeArea(0, 1).value, estimate.form_factors.exchangeArea(1, 0).value);
-  EXPECT_EQ(estimate.between_surfaces.formFactor(0, 1).value, f.value);  // surfaces of one polygon
+  EXPECT_EQ(estimate.between_surfaces.formFactor(0, 1).value, f.value);  // each surface is one polygon
 }
 
 TEST(Guarantee, WhatCannotBeKeptIsRefused) {

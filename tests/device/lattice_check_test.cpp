@@ -24,7 +24,7 @@ CheckOptions smallCheck(uint64_t seed = 1) {
   return options;
 }
 
-// Counts of the compute engine, one engine for each resolution.
+// Returns a function that counts with the compute engine, with one engine for each resolution.
 CountLattice countOnDevice(const Scene& scene, const Ids& ids, Sampling sampling, bool blocked = false) {
   const auto engines = std::make_shared<std::map<int, std::unique_ptr<Engine>>>();
   return [&scene, &ids, sampling, blocked, engines](const Direction& direction, int resolution) {
@@ -61,7 +61,7 @@ TEST(LatticeCheck, ScanlinesBehaveAsClaimed) {
         << row.resolution << ": " << row.worst_pair << " deviates by " << row.largest_deviation << ", allowed "
         << row.allowed_deviation << "; spread " << row.spread_ratio;
   EXPECT_GT(report.rows[1].spread_regions, 10u);
-  // Lattice points spread nearly four times as much: what is predicted for scanlines does not fit them.
+  // Negative control: lattice points have nearly four times the variance of scanlines, and do not fit their prediction.
   options.counts_per_point = 1;
   EXPECT_FALSE(checkLattice(scene, ids, countOnDevice(scene, ids, Sampling::lattice), options).passes());
 }
@@ -81,7 +81,7 @@ TEST(LatticeCheck, ComputeEngineBehavesAsClaimed) {
   }
 }
 
-// Blocked pairs are counted without bias, too, and spread as much. One that is not counted is noticed.
+// Counts of blocked pairs have no bias and the stated variance. A blocked pair that is not counted is found.
 TEST(LatticeCheck, BlockedPairsBehaveAsClaimed) {
   const CheckedScene checked;
   CheckOptions options = smallCheck();
@@ -102,7 +102,7 @@ TEST(LatticeCheck, BlockedPairsBehaveAsClaimed) {
   }
 }
 
-// Ten seeds, each with a false-alarm rate of 1e-4.
+// A correct lattice passes for ten seeds. The false-alarm rate of each is 1e-4.
 TEST(LatticeCheck, RightLatticePassesWhateverTheSeed) {
   const CheckedScene checked;
   for (uint64_t seed = 1; seed <= 10; ++seed) {
@@ -127,7 +127,7 @@ TEST(LatticeCheck, CatchesALatticeWithoutRandomness) {
   EXPECT_FALSE(checked.check(count).passes());
 }
 
-// The rotation alone is not enough: with a corner of the lattice always at the centre the mean is off.
+// A random rotation alone is not enough: with a lattice point always at the centre the mean has a bias.
 TEST(LatticeCheck, CatchesALatticeWithoutRandomOffset) {
   const CheckedScene checked;
   const auto count = [&](Direction d, int resolution) {

@@ -1,5 +1,5 @@
-// Buffers, tables and batches of depth peeling grow where they are too small; neither tuning nor memory is seen in
-// counts.
+// Buffers, tables and batches of depth peeling grow where they are too small. Neither tuning nor memory changes a
+// count.
 #include <cstdlib>
 
 #include <gtest/gtest.h>
@@ -23,7 +23,8 @@ uint64_t totalBlocked(const PairCounts& counts) {
   return total;
 }
 
-// Neither tiles nor layers kept nor how contributions are gathered, sorted, resumed or stored is seen in a count.
+// No count depends on the size of tiles, on the layers kept in a round, or on how contributions are gathered, sorted,
+// resumed or stored.
 TEST(Peel, NoTuningChangesTheCounts) {
   const auto directions = sampleDirections(Sampler::fibonacci, 9, 11, 0);
   for (const auto& [input, two_sided] :
@@ -66,7 +67,7 @@ TEST(Peel, NoTuningChangesTheCounts) {
   }
 }
 
-// What is too small grows and the batch is done again; each kind of growth is seen to happen.
+// A buffer that is too small grows, and the batch is repeated. Every kind of growth happens in this test.
 TEST(Peel, BuffersGrowAndRepeat) {
   const Scene scene = buildScene(ts::triangleSoup(300, 0.6, 5));
   const Ids ids = makeIds(scene, By::polygon, false);
@@ -122,7 +123,7 @@ TEST(Peel, CountsWhatWasRequested) {
       }
 }
 
-// The table of counters grows in the middle of a run, too, not only by repeating.
+// The hash table of counters is emptied when it is half full, in the middle of a run, so that no batch is repeated.
 TEST(Peel, HashTableIsEmptiedWhenHalfFull) {
   const Scene scene = buildScene(ts::triangleSoup(300, 0.6, 5));
   const Ids ids = makeIds(scene, By::polygon, true);
@@ -147,7 +148,8 @@ TEST(Peel, HashTableIsEmptiedWhenHalfFull) {
   EXPECT_EQ(work.repeats, 0u);
 }
 
-// Batches shrink to what memory holds; what not even one direction fits into is refused with the size that it needs.
+// Batches shrink to the memory that there is. Where not even one direction fits, the error states the size that it
+// needs.
 TEST(Peel, MemoryIsPlanned) {
   const Scene scene = buildScene(ts::triangleSoup(300, 0.6, 5));
   const Ids ids = makeIds(scene, By::polygon, false);
@@ -165,7 +167,7 @@ TEST(Peel, MemoryIsPlanned) {
   }
 }
 
-// An error of one batch while the other is on the device leaves the other batch whole.
+// Two batches are in flight. An error of one of them waits until the other has ended.
 TEST(Peel, ErrorsWaitForTheOtherBatch) {
   std::vector<double> heights;
   for (int k = 0; k < 1100; ++k) heights.push_back(0.004 * k);
@@ -182,8 +184,8 @@ TEST(Peel, ErrorsWaitForTheOtherBatch) {
   }
 }
 
-// A callback may end a call between two batches: the next one starts from nothing. Lists too short make the other batch
-// want to be repeated.
+// A callback may end a call between two batches by an exception. The next call starts from nothing, even if short lists
+// make the other batch want a repetition.
 TEST(Peel, EnginesCountAgainAfterACallbackThrew) {
   const Scene scene = buildScene(ts::roomWithTouchingBoxes());
   const Ids ids = makeIds(scene, By::polygon, false);

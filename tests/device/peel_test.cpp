@@ -1,4 +1,4 @@
-// Depth peeling counts the CPU twin's bits, and loses no layer.
+// Depth peeling has the counts of the CPU twin to the bit, and loses no layer.
 #include <cstdlib>
 
 #include <gtest/gtest.h>
@@ -51,7 +51,8 @@ TEST(Peel, CountsEqualTheCpuTwin) {
   }
 }
 
-// Blocks with counters of their own on the device, more than fit at once, too; hashed counters take them one by one.
+// Blocks of directions have counters of their own on the device, and may be more than fit at once. With a hash table
+// they are counted one after another.
 TEST(Peel, BlocksAreCountedApart) {
   const Scene scene = buildScene(ts::triangleSoup(60, 0.5, 3));
   const Ids ids = makeIds(scene, By::polygon, false);
@@ -85,7 +86,7 @@ TEST(Peel, CountsEqualTheCpuTwinAlongAxesAndEdges) {
   }
 }
 
-// The scenes have sheets, contacts and stacks of both, with scanlines, too.
+// These scenes have sheets, contacts and stacks of both, and are also counted with scanlines.
 TEST(Peel, CoincidentFacesEqualTheCpuTwin) {
   const auto directions = sampleDirections(Sampler::iid, 6, 11, 0);
   for (const ts::CoincidentScene& of : ts::coincidentScenes()) {
@@ -98,14 +99,14 @@ TEST(Peel, CoincidentFacesEqualTheCpuTwin) {
     const LatticeOptions scanlines{.resolution = 9, .sampling = Sampling::scanline, .count_blocked = true};
     EXPECT_EQ(makeComputeEngine(testDevice(), scene, ids, scanlines)->count(directions), twin);
     EXPECT_EQ(makeHostEngine(scene, ids, scanlines)->count(directions), twin);
-    // In a closed scene lines that leave a front end on one.
+    // In a closed scene every line that leaves a front ends on a front.
     if (!of.is_closed) continue;
     for (const PairCount& pair : counts) EXPECT_LT(pair.j, kEnvironment) << pair.i;
   }
 }
 
-// Faces that overlap and look the same way, along lines of both signs: the same one counts (tests/unit/alike_test.cpp
-// says which).
+// Of faces that overlap and look the same way, the same one counts along lines of either sign.
+// tests/unit/alike_test.cpp tests which one.
 TEST(Peel, AlikeFacesEqualTheCpuTwin) {
   const auto directions = sampleDirections(Sampler::iid, 6, 11, 0);
   std::vector<Direction> other_way = directions;
@@ -136,7 +137,7 @@ TEST(Peel, TwinComparisonFailsOnOneWrongCount) {
   EXPECT_NE(wrong, countPairsOnCpu(scene, makeIds(scene, By::polygon, false), directions, 16));
 }
 
-// Every line through a stack of 100 sheets at nearly one height meets all of them, whatever their distance, 0 included.
+// Every line through a stack of 100 sheets meets all of them, whatever their distance, also 0.
 TEST(Peel, KeepsEveryLayerOfAStackOfSheets) {
   for (double gap : {1e-3, 1e-9, 0.0}) {
     std::vector<double> heights;
@@ -147,7 +148,7 @@ TEST(Peel, KeepsEveryLayerOfAStackOfSheets) {
     uint64_t facing = 0, through = 0;
     for (const PairCount& c : counts) {
       if (c.j < kEnvironment) facing += c.count;
-      through += c.count * (c.j < kEnvironment ? 2 : 1);  // of 100 fronts each is met once by every line
+      through += c.count * (c.j < kEnvironment ? 2 : 1);  // every line meets each of 100 fronts once
     }
     uint64_t lines = 0;
     for (int y = -10; y <= 10; ++y)
@@ -159,12 +160,13 @@ TEST(Peel, KeepsEveryLayerOfAStackOfSheets) {
     if (gap > 1e-6) {
       EXPECT_EQ(facing, 50 * lines);
     } else {
-      EXPECT_EQ(scene.warnings.size(), 1u);  // so many cannot be told apart
+      EXPECT_EQ(scene.warnings.size(), 1u);  // so many coincident faces have no order
     }
   }
 }
 
-// Lattice points on shared edges belong to exactly one side: tiles of a square are covered as the square is.
+// A lattice point on a shared edge belongs to exactly one side, so that the tiles of a square have the counts of the
+// square.
 TEST(Peel, SharedEdgeCoveredOnce) {
   InputScene tiles{"tiles", {}, {}};
   for (int x = 0; x < 8; ++x)
@@ -172,8 +174,8 @@ TEST(Peel, SharedEdgeCoveredOnce) {
   InputScene whole{"whole", {}, {}};
   ts::addFace(whole, "whole", ts::parallelogram({0, 0, 0}, {8, 0, 0}, {0, 8, 0}));
   std::vector<Direction> directions = sampleDirections(Sampler::iid, 40, 5, 0);
-  // Here the lattice lies on the tiles' edges and corners: the window is 8 sqrt(2) wide, so 1 / h = 8 / sqrt(2) makes a
-  // tile one step.
+  // Along this direction lattice points lie on edges and corners of tiles: the scene's diameter is 8 sqrt(2), so 1 / h
+  // = 8 / sqrt(2) gives one spacing for each tile.
   directions.push_back({{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0}});
   for (int resolution : {12, 64}) {
     const PairCounts a =
@@ -185,7 +187,7 @@ TEST(Peel, SharedEdgeCoveredOnce) {
   }
 }
 
-// Two blocks that touch face each other over the contact and nowhere leak.
+// Two boxes that touch face each other in the contact, and nothing leaks.
 TEST(Peel, TouchingSolidsDoNotLeak) {
   const Scene scene = buildScene(ts::roomWithTouchingBoxes());
   const PairCounts counts = countPairs(scene, sampleDirections(Sampler::fibonacci, 500, 9, 0),
@@ -197,7 +199,7 @@ TEST(Peel, TouchingSolidsDoNotLeak) {
 }
 
 TEST(Peel, BackOfAPolygonIsLeak) {
-  // Both face up: the lower one looks at the back of the upper one, which sees the environment.
+  // Both plates look up. The lower one sees the back of the upper one, which sees the environment.
   InputScene input{"flipped", {}, {}};
   ts::addFace(input, "lower", ts::parallelogram({0, 0, 0}, {1, 0, 0}, {0, 1, 0}));
   ts::addFace(input, "upper", ts::parallelogram({0, 0, 1}, {1, 0, 0}, {0, 1, 0}));
@@ -220,7 +222,7 @@ TEST(Peel, BatchSizeNeverChangesTheCounts) {
         << "batch " << batch;
 }
 
-// Lists that are too small for a batch grow, whatever they started with, and nothing is counted twice.
+// Lists that are too small for a batch grow, whatever their first size is, and no line counts twice.
 TEST(Peel, TileListsGrowAndLoseNothing) {
   const Scene scene = buildScene(ts::roomWithTouchingBoxes());
   const auto directions = sampleDirections(Sampler::fibonacci, 30, 11, 0);
@@ -230,7 +232,8 @@ TEST(Peel, TileListsGrowAndLoseNothing) {
         << "capacity " << capacity;
 }
 
-// Software devices end loops after 65,535 iterations: a polygon over tens of thousands of tiles is binned in parts.
+// Software devices end loops after 65,535 turns. A polygon over tens of thousands of tiles is therefore binned in
+// parts.
 TEST(Peel, LargePolygonsOnFineLattices) {
   const Scene scene = buildScene(ts::insideOfCube());
   const auto directions = sampleDirections(Sampler::iid, 1, 4, 0);
@@ -238,7 +241,7 @@ TEST(Peel, LargePolygonsOnFineLattices) {
     EXPECT_LT(c.j, kEnvironment) << c.i << ": " << c.count;
 }
 
-// Thousands of layers over one tile are more than one invocation can go through: the rest goes to further dispatches.
+// One invocation cannot go through thousands of layers over a tile, so that further dispatches take the rest.
 TEST(Peel, ThousandsOfLayersTakeMoreDispatches) {
   std::vector<double> heights;
   for (int k = 0; k < 3000; ++k) heights.push_back(1e-3 * k);
@@ -248,7 +251,7 @@ TEST(Peel, ThousandsOfLayersTakeMoreDispatches) {
   const PairCounts expected = countPairsOnCpu(scene, ids, up, 4);
   EXPECT_EQ(makeHostEngine(scene, ids, {.resolution = 4})->count(up), expected);
   Work work;
-  for (uint32_t few_points : {0u, 64u}) {  // in lists, and as fragments of their points
+  for (uint32_t few_points : {0u, 64u}) {  // with lists, and with fragments of lattice points
     EXPECT_EQ(countWith(scene, ids, up, {.resolution = 4, .few_points = few_points}, &work), expected);
     EXPECT_GT(work.resumed, 0u) << few_points;
     EXPECT_EQ(
@@ -257,10 +260,10 @@ TEST(Peel, ThousandsOfLayersTakeMoreDispatches) {
   }
 }
 
-// A meeting has more to go through than one invocation may, and a tile has more meetings than one workgroup takes.
+// A meeting has more layers than one invocation may go through, and a tile has more meetings than one workgroup takes.
 TEST(Peel, HundredsOfLayersMeet) {
   std::vector<double> heights;
-  for (int k = 0; k < 1000; k += 2) heights.insert(heights.end(), 2, 1e-3 * k);  // two each at one height
+  for (int k = 0; k < 1000; k += 2) heights.insert(heights.end(), 2, 1e-3 * k);  // two sheets at each height
   const Scene scene = buildScene(ts::stackOfSheets(heights));
   const std::vector<Direction> up = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.3, 0.6}}};
   for (bool two_sided : {false, true}) {

@@ -1,5 +1,5 @@
-// These tests compare what a plan predicts with what the run finds, and check that a plan reports every id that it
-// hardly covers.
+// These tests compare predictions of a plan with the run. They also check that a plan names every row that it hardly
+// covers.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -17,9 +17,9 @@ namespace ts = test_scenes;
 
 Lattices latticesWithWindows() { return {enginesOf(EngineKind::compute), {}, 0, true}; }
 
-// A run reaches about what its plan promised. The largest standard error of 8 replicates is predicted from 8 others.
-// Squares of both have 7 degrees of freedom, and F(7, 7) stays below 10^2 with probability 1 - 1e-6.
-// Interpolation between pilots may add a factor of 2.
+// A run reaches about the planned error. The largest standard error of 8 replicates is predicted from 8 others. Both
+// squares have 7 degrees of freedom, and F(7, 7) stays below 10^2 with probability 1 - 1e-6. Interpolation between
+// pilots may add a factor of 2.
 TEST(Plan, PredictsTheStandardError) {
   for (const InputScene& input : {ts::parallelSquares(), ts::insideOfCube(), ts::roomWithTouchingBoxes()})
     for (double tolerance : {0.02, 0.002}) {
@@ -38,8 +38,8 @@ TEST(Plan, PredictsTheStandardError) {
 }
 
 // Few lines meet each pair of small parts of a room. With unoccluded form factors the run reaches about the planned
-// error. The largest of many standard errors that lines give as chance has them, not replicates, spreads by less than
-// 2; interpolation may add 2.
+// error. These standard errors follow from lines by chance and not from the spread of replicates, so the largest of
+// many varies by less than a factor of 2. Interpolation may add another 2.
 TEST(Plan, PredictsErrorsOfVisibilitiesFromFewLines) {
   InputScene input{"room in parts", {"room"}, {}};
   constexpr int kCuts = 5;
@@ -70,9 +70,10 @@ TEST(Plan, PredictsErrorsOfVisibilitiesFromFewLines) {
   }
 }
 
-// A strip that the first pilot's lattice hardly meets: what directions add to its variance shows on a finer one only,
-// and a run planned without it took 3,062 replicates. Variances from 6 degrees of freedom are above a 20th of
-// themselves with probability 1 - 1e-4, so errors below 4.5 times those predicted; interpolation may add 2.
+// The lattice of the first pilot hardly meets this strip. Only a finer lattice shows the variance that directions add.
+// A run planned without it took 3,062 replicates. With 6 degrees of freedom a variance is estimated below a 20th of its
+// value with probability 1e-4. So errors are below 4.5 times the predicted ones, and interpolation may add a factor of
+// 2.
 TEST(Plan, CoarseLatticesDoNotHideWhatDirectionsAdd) {
   InputScene input{"strip over a square", {}, {}};
   ts::addFace(input, "square", {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
@@ -88,11 +89,11 @@ TEST(Plan, CoarseLatticesDoNotHideWhatDirectionsAdd) {
       findPrior(*plan.engine, exchanges, scene, ids, plan.groups, options, {choosePriorPilot(options).directions});
   options.prior = &found.prior;
   const double reached =
-      2 * estimateFormFactors(*plan.engine, scene, ids, options).largest_standard_error;  // of 8 replicates
+      2 * estimateFormFactors(*plan.engine, scene, ids, options).largest_standard_error;  // scaled to 8 replicates
   EXPECT_LT(reached, 9 * plan.standard_error) << plan.directions << " directions, " << plan.finest << " across";
 }
 
-// A finer tolerance asks for more.
+// A finer tolerance is planned with more lattice points.
 TEST(Plan, WorkGrowsWithTheTolerance) {
   const Scene scene = buildScene(ts::roomWithTouchingBoxes());
   const Ids ids = makeIds(scene, By::polygon, false);
@@ -105,7 +106,8 @@ TEST(Plan, WorkGrowsWithTheTolerance) {
   }
 }
 
-// Where time does for no plan, with a goal or without, the quickest is taken, and found without long pilots.
+// Where the time is too short for any plan, the quickest one is taken, with a goal or without. No long pilot runs
+// before.
 TEST(Plan, TooLittleTimeGetsTheQuickest) {
   const Scene scene = buildScene(ts::parallelSquares());
   const Ids ids = makeIds(scene, By::polygon, false);
@@ -113,7 +115,7 @@ TEST(Plan, TooLittleTimeGetsTheQuickest) {
     EstimateOptions options;
     options.tolerance = tolerance;
     options.seconds = 1e-9;
-    EXPECT_EQ(planEstimate(scene, ids, options, latticesWithWindows()).directions, 16u);  // the fewest that are tried
+    EXPECT_EQ(planEstimate(scene, ids, options, latticesWithWindows()).directions, 16u);  // fewest directions of a plan
   }
 }
 
@@ -125,8 +127,8 @@ InputScene speckOverFloor(double edge) {
   return input;
 }
 
-// A square of 1e-8 of the area of the floor that it looks at would be hit by one lattice point in 1e4 directions: it
-// gets a window.
+// This square has 1e-8 of the area of the floor that it looks at. One lattice point in 1e4 directions would meet it, so
+// it gets a window.
 TEST(Plan, SmallPolygonsAreSeen) {
   const Scene scene = buildScene(speckOverFloor(1e-4));
   const Ids ids = makeIds(scene, By::polygon, false);
@@ -137,8 +139,8 @@ TEST(Plan, SmallPolygonsAreSeen) {
   const Estimate estimate = estimateFormFactors(*plan.engine, scene, ids, options);
   EXPECT_LE(estimate.largest_standard_error, 0.02);
   EXPECT_LT(estimate.replicates, 100u);
-  // A differential element in the middle of a square, at a tenth of its edge: four times Howell's B-4 with both ratios
-  // 1/2 / 0.1.
+  // The reference is a differential element over the middle of a square, at a tenth of its edge: four times Howell's
+  // B-4 with both ratios 1/2 / 0.1.
   const double x = 0.5 / 0.1, r = std::sqrt(1 + x * x);
   const double truth = 4 / (2 * M_PI) * 2 * x / r * std::atan(x / r);
   const Measured f = estimate.form_factors.formFactor(1, 0);
@@ -146,8 +148,8 @@ TEST(Plan, SmallPolygonsAreSeen) {
   EXPECT_GT(truth, 0.9);
 }
 
-// With unoccluded form factors a row's counts of a replicate stay below 2^50. They do so where a small polygon has a
-// fine window and the tolerance is small, too: replicates do the rest, or the plan says so.
+// With unoccluded form factors a row's counts of one replicate must stay below 2^50. This holds for a fine window
+// around a small polygon and a small tolerance too: replicates take over, or the plan says that counts are too large.
 TEST(Plan, CountsAreNotTooLargeForUnoccludedFormFactors) {
   const Scene scene = buildScene(speckOverFloor(1e-5));
   const Ids ids = makeIds(scene, By::polygon, false);
@@ -155,26 +157,26 @@ TEST(Plan, CountsAreNotTooLargeForUnoccludedFormFactors) {
     Lattices lattices = latticesWithWindows();
     lattices.lattice.count_blocked = unoccluded;
     if (unoccluded) lattices.face_ids = &ids;
-    const Plan plan = planEstimate(scene, ids, {.tolerance = 1e-5, .seconds = 60}, lattices);  // pilots of 6 s at most
+    const Plan plan = planEstimate(scene, ids, {.tolerance = 1e-5, .seconds = 60}, lattices);  // pilots: 6 s at most
     const double of_row = plan.directions * ids.areas[0] / 2 / (scene.scale * scene.scale) / plan.engine->unitArea();
     EXPECT_EQ(of_row > double(kMostCounts), !unoccluded) << of_row;
     EXPECT_EQ(plan.counts_too_large, unoccluded);
   }
 }
 
-// A square of 2.5e-17 of the scene's area has less than one point of the finest lattice there is in a run of this
-// length. The plan says so, and of no other polygon.
+// This square has 2.5e-17 of the scene's area. In a run of this length the finest lattice meets it with less than one
+// point. The plan names it, and no other polygon.
 TEST(Plan, WhatMayGoUnmetIsNamed) {
   InputScene input{"speck", {}, {}};
   ts::addFace(input, "floor", {{0, 0, 0}, {2000, 0, 0}, {2000, 2000, 0}, {0, 2000, 0}});
   ts::addFace(input, "speck", {{900, 900, 1}, {900, 900.00001, 1}, {900.00001, 900.00001, 1}, {900.00001, 900, 1}});
   const Scene scene = buildScene(input);
   const Ids ids = makeIds(scene, By::polygon, false);
-  EstimateOptions options{.seconds = 1e-9};  // the fewest directions
+  EstimateOptions options{.seconds = 1e-9};  // so that the plan has the fewest directions
   EXPECT_EQ(planEstimate(scene, ids, options, latticesWithWindows()).barely_covered, std::vector<uint32_t>{1});
 }
 
-// The figures that a plan prints make the same lattices again.
+// The values that a plan prints give the same lattices again.
 TEST(Plan, CanBeRepeated) {
   const Scene scene = buildScene(ts::triangleSoup(40, 0.4, 9));
   const Ids ids = makeIds(scene, By::polygon, false);

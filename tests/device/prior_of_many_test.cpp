@@ -1,4 +1,4 @@
-// Scenes have so many polygons that not all pairs get an unoccluded form factor before the run.
+// These scenes have so many polygons that not all pairs get an unoccluded form factor before the run.
 #include <cmath>
 #include <map>
 #include <optional>
@@ -15,8 +15,8 @@ namespace {
 
 namespace ts = test_scenes;
 
-// ManyPolygons has more pairs than all get an unoccluded form factor before the run. Nothing is blocked, so neighbours
-// give the true visibility of a pair that no line hits.
+// ManyPolygons has more pairs than get an unoccluded form factor before the run. Nothing is blocked, so that the
+// visibility of neighbours is right for a pair that no line met.
 class ManyPolygons {
  public:
   static constexpr uint32_t kCuts = 40;
@@ -31,7 +31,7 @@ class ManyPolygons {
 
   Estimate estimate(const EstimateOptions& run) { return estimateFormFactors(*engine, scene, ids, run); }
 
-  // Returns the unoccluded exchange area of a pair to the last digit.
+  // Returns the unoccluded exchange area of a pair in double precision.
   double exchangeOf(uint32_t i, uint32_t j) {
     PairPrior alone{i, j};
     exchanges.compute(std::span(&alone, 1));
@@ -40,7 +40,7 @@ class ManyPolygons {
 
   const Scene scene = [] {
     InputScene input = ts::squaresInParts(kCuts, 1.0 / kCuts, 1);
-    // Many lines connect the wall and each part.
+    // Many lines meet the wall and each part.
     ts::addFace(input, "wall", ts::parallelogram({-0.5, 0, 0}, {0, 1, 0}, {0, 0, 1}));
     return buildScene(input);
   }();
@@ -50,11 +50,11 @@ class ManyPolygons {
   FaceExchanges exchanges{nullptr, scene, ids};
   const FoundPrior found =
       findPrior(*engine, exchanges, scene, ids, groupAsOne(scene, 64), options, {choosePriorPilot(options).directions});
-  std::vector<RunSums> after;  // each replicate
+  std::vector<RunSums> after;  // sums after each replicate
 };
 
-// Every pair of many polygons gets its unoccluded form factor. Pairs with many lines have it to the last digit, whether
-// pilots hit them or not.
+// Every pair of many polygons gets its unoccluded form factor in the end. Pairs with many lines have it in double
+// precision, whether pilots met them or not.
 TEST(FindPrior, EveryPairOfManyPolygonsGetsItsUnoccludedFormFactor) {
   ManyPolygons run;
   constexpr size_t kCuts = ManyPolygons::kCuts;
@@ -88,15 +88,15 @@ TEST(FindPrior, EveryPairOfManyPolygonsGetsItsUnoccludedFormFactor) {
     }
     const BoundedExchange& bounded = later[entry.j - entry.i - 1];
     EXPECT_NEAR(entry.exchange_area.value, exchange, bounded.error + kUnoccludedRelativeError * exchange);
-    EXPECT_LT(bounded.error, 0.01 * exchange);  // a part of 1/40 at a distance of 1 at least: far
+    EXPECT_LT(bounded.error, 0.01 * exchange);  // parts of edge 1/40 at a distance of 1 or more are far pairs
   }
   EXPECT_EQ(all, kCuts * kCuts * (kCuts * kCuts + 2));
   EXPECT_EQ(whole.unmet_pairs, unmet);
-  EXPECT_GT(learnt, 0u);  // pilots hit nearly all pairs
+  EXPECT_GT(learnt, 0u);  // few, for pilots met nearly all such pairs
   for (const size_t count : {counted, guessed}) EXPECT_GT(count, 500u);
 }
 
-// A run of many polygons that goes on with sums, and sums of parts, come to the same bits as the whole run.
+// A run of many polygons that goes on from sums, and sums of parts, give the bits of the whole run.
 TEST(FindPrior, PartsOfARunOfManyPolygonsComeToTheSameBits) {
   ManyPolygons run;
   const Estimate whole = run.estimate(run.options);
@@ -127,8 +127,8 @@ TEST(FindPrior, PartsOfARunOfManyPolygonsComeToTheSameBits) {
   }
 }
 
-// A goal is reached with the first replicate after which all standard errors are small enough, also of rough unoccluded
-// form factors and of pairs that no line met.
+// A run ends with the first replicate after which all standard errors reach the goal. They include those of unoccluded
+// form factors in single precision, and of pairs that no line met.
 TEST(FindPrior, GoalsAreReachedByEveryPairOfManyPolygons) {
   constexpr uint32_t kCuts = 55;
   InputScene input{"a floor in 3025 parts below a lamp and a screen", {}, {}};

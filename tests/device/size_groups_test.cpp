@@ -1,4 +1,4 @@
-// Polygons of very different sizes get the resolution that each needs, and every pair is counted once.
+// Polygons of very different sizes get lattices as fine as they need, and every pair is counted once.
 #include <cmath>
 #include <set>
 
@@ -16,7 +16,8 @@ namespace {
 
 namespace ts = test_scenes;
 
-// Squares of edges from 1 to 1e-4 lie above a large one, face it and, in pairs, each other, and are scattered.
+// Squares with edges from 1 to 1e-4 lie at different places above a large one. They face it, and all but the first face
+// a partner of their size.
 InputScene squaresOfAllSizes() {
   InputScene scene{"squares of all sizes", {}, {}};
   ts::addFace(scene, "floor", {{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}});
@@ -26,7 +27,7 @@ InputScene squaresOfAllSizes() {
     const std::string name = fmt::format("k{}", k);
     ts::addFace(scene, name + "_down",
                 {{x, 0.5, z}, {x, 0.5 + edge, z}, {x + edge, 0.5 + edge, z}, {x + edge, 0.5, z}});
-    if (k > 0)  // a partner that looks up at it, at a distance of its own edge
+    if (k > 0)  // the partner below looks up at it, one edge length away
       ts::addFace(
           scene, name + "_up",
           {{x, 0.5, z - edge}, {x + edge, 0.5, z - edge}, {x + edge, 0.5 + edge, z - edge}, {x, 0.5 + edge, z - edge}});
@@ -62,7 +63,7 @@ TEST(SizeGroups, EveryPolygonIsInOneWindowThatHoldsIt) {
           EXPECT_LE(glm::length(corner - group.window.centre), group.window.radius + 1e-12);
           radius = std::max(radius, glm::length(corner - scene.corners[polygon.first_corner]));
         }
-        // A polygon gets the lattice it needs, within a step of 4 unless its own window would be too large.
+        // A polygon gets the resolution that it needs, unless a window four times as fine would be too large.
         const bool fits = group.resolution >= needed[k] || radius * group.resolution * 4 > kMostWindowPoints / 2.0;
         EXPECT_TRUE(fits) << group.resolution << " " << needed[k];
       }
@@ -71,7 +72,7 @@ TEST(SizeGroups, EveryPolygonIsInOneWindowThatHoldsIt) {
   }
 }
 
-// Specks all over the place would be a window each: they get fewer, coarser ones.
+// Specks all over the scene would need a window each. They share fewer, coarser windows.
 TEST(SizeGroups, WindowsAreFew) {
   InputScene input{"specks", {}, {}};
   ts::addFace(input, "floor", {{0, 0, 0}, {20, 0, 0}, {20, 20, 0}, {0, 20, 0}});
@@ -89,7 +90,7 @@ TEST(SizeGroups, WindowsAreFew) {
   EXPECT_EQ(polygons, scene.polygons.size());
 }
 
-// The counts of a window are the twin's, for the polygons that the group owns.
+// Counts in a window are those of the CPU twin, for the polygons of its group.
 TEST(SizeGroups, CountsEqualTheCpuTwin) {
   const auto directions = sampleDirections(Sampler::iid, 6, 11, 0);
   for (By by : {By::polygon, By::surface})
@@ -121,8 +122,8 @@ TEST(SizeGroups, CountsEqualTheCpuTwin) {
     }
 }
 
-// A window shows a part of the whole scene's lattice, point by point. Both snap alike here: their coordinates stay
-// below 512 spacings.
+// The lattice of a window is a part of the whole scene's lattice, point by point. Both snap alike here, for coordinates
+// stay below 512 spacings.
 TEST(SizeGroups, WindowsAreOnOneLattice) {
   const Scene scene = buildScene(squaresOfAllSizes());
   Ids ids = makeIds(scene, By::polygon, false);
@@ -148,8 +149,8 @@ TEST(SizeGroups, WindowsAreOnOneLattice) {
   }
 }
 
-// Strips leave most tiles of a fine window empty, which the compute engine skips row by row. One is a sliver of a
-// triangle.
+// Strips leave most tiles of a fine window empty, and the compute engine skips these row by row. One of the strips is a
+// sliver of a triangle.
 TEST(SizeGroups, EmptyTilesOfAWindowHideNothing) {
   InputScene input{"strips over a square", {}, {}};
   ts::addFace(input, "square", {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
@@ -173,7 +174,7 @@ TEST(SizeGroups, EmptyTilesOfAWindowHideNothing) {
     }
 }
 
-// The group of all polygons is what equal needs make, and the plain engine.
+// Equal needs give one group of all polygons, and the engine of one group counts like the plain engine.
 TEST(SizeGroups, OneGroupIsTheWholeMatrix) {
   const Scene scene = buildScene(ts::roomWithTouchingBoxes());
   const Ids ids = makeIds(scene, By::polygon, false);
@@ -190,8 +191,8 @@ TEST(SizeGroups, OneGroupIsTheWholeMatrix) {
   EXPECT_EQ(engine->unitArea(), 4.0 / (33 * 33));
 }
 
-// Areas go from 1 to 1e-8, with pairs of equal squares at a distance of their own edge. All are within five standard
-// errors, which are as of polygons well above the spacing.
+// Areas range from 1 to 1e-8, and pairs of equal squares are an edge length apart. All form factors are within five
+// standard errors, which are no larger for small squares than for large ones.
 TEST(SizeGroups, SmallPolygonsHaveTheirClosedForms) {
   const Scene scene = buildScene(squaresOfAllSizes());
   const Ids ids = makeIds(scene, By::polygon, false);
@@ -207,15 +208,15 @@ TEST(SizeGroups, SmallPolygonsHaveTheirClosedForms) {
     for (int k = 1; k < 5; ++k) {
       const std::string name = fmt::format("k{}", k);
       const Measured f = estimate.form_factors.formFactor(indexOf(name + "_up"), indexOf(name + "_down"));
-      // Two equal squares at a distance of their edge (Howell, C-11).
+      // Two equal squares are an edge length apart (Howell, C-11).
       EXPECT_NEAR(f.value, 0.199824895698, 5 * f.standard_error) << name;
-      // Scanlines end at 2^14 rows, some 15 times too few for the smallest squares: of rows that seldom meet one the
-      // variance is as their spacing.
+      // Scanlines have at most 2^14 rows, some 15 times too few for the smallest squares. Where rows seldom meet a
+      // square, the variance grows with their spacing.
       EXPECT_LT(f.standard_error, run.lattice.sampling == Sampling::scanline && k == 4 ? 8e-3 : 2e-3) << name;
       EXPECT_EQ(estimate.form_factors.exchangeArea(indexOf(name + "_up"), indexOf(name + "_down")).value,
                 estimate.form_factors.exchangeArea(indexOf(name + "_down"), indexOf(name + "_up")).value);
     }
-    // All that leaves a polygon is accounted for.
+    // Every row sums to 1.
     for (uint32_t k = 0; k < ids.count(); ++k)
       EXPECT_NEAR(estimate.form_factors.rowSums()[k].value, 1,
                   6 * estimate.form_factors.rowSums()[k].standard_error + 1e-12)

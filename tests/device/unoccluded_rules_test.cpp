@@ -1,5 +1,5 @@
-// These tests look at sides, at rows that sum to 1, at chunks, and at pairs that the library refuses or cannot compute
-// accurately. unoccluded_test.cpp says on which devices they run.
+// These tests check sides, sums of rows, chunks, and pairs that the library refuses or cannot compute accurately.
+// unoccluded_test.cpp says on which devices they run.
 #include <algorithm>
 #include <cmath>
 
@@ -18,14 +18,14 @@ TEST_P(Unoccluded, PairsThatDoNotSeeEachOtherAreExactlyZero) {
   std::vector<CornerPair> pairs{
       {square, flipped(above)},
       {flipped(square), above},
-      {square, moved(square, 1, {1, 0, 0})},  // coplanar, one way
+      {square, moved(square, 1, {1, 0, 0})},  // coplanar, looking the same way
       {square, moved(square, 0.5, {0.2, 0.2, 0})},
-      {square, flipped(moved(square, 1, {1, 0, 0}))},  // coplanar, face to face, with a common edge
+      {square, flipped(moved(square, 1, {1, 0, 0}))},  // coplanar, opposite fronts, with a common edge
       {square, flipped(moved(square, 1, {1.5, 0, 0}))},
-      {square, rectangle({0, 0, 0}, {0, 0, 1}, {0, 1, 0})},   // a common edge, the wall looks away
-      {square, rectangle({0, 0, -1}, {0, 1, 0}, {0, 0, 1})},  // a common edge from below
+      {square, rectangle({0, 0, 0}, {0, 0, 1}, {0, 1, 0})},   // a common edge; the wall looks away
+      {square, rectangle({0, 0, -1}, {0, 1, 0}, {0, 0, 1})},  // a common edge; the wall is below
       {square, rectangle({0.5, 0, -2}, {0, 1, 0}, {0, 0, 1})}};
-  for (int k = 0; k < 50; ++k) {  // backs of a convex solid's neighbours, turned at random
+  for (int k = 0; k < 50; ++k) {  // neighbouring faces of a convex solid, turned at random
     const glm::dvec3 x = random.direction(), y = glm::normalize(glm::cross(x, random.direction())),
                      z = glm::cross(x, y);
     pairs.push_back({rectangle({0, 0, 0}, x, y), rectangle({0, 0, 0}, y, -z)});
@@ -58,14 +58,14 @@ TEST_P(Unoccluded, SidesEqualFlippedPolygons) {
   EXPECT_TRUE(makeExchange(scene).compute(requested, areas).empty());
   for (size_t k = 0; k < requested.size(); ++k) {
     const double area_a = scene.polygons[requested[k].i / 2].area, area_b = scene.polygons[requested[k].j / 2].area;
-    // The reference's F is from a.
+    // The reference is the form factor from a.
     const double allowed =
         std::max(kUnoccludedRelativeError * truths[k] * area_a, kUnoccludedAbsoluteError * std::min(area_a, area_b));
     EXPECT_LE(std::abs(areas[k] - truths[k] * area_a), allowed + reference::kContourError * area_a) << "pair " << k;
   }
 }
 
-// Every polygon of a closed, convex room: its form factors add up to 1, over all classes of pairs at once.
+// In a closed convex room the form factors of every polygon sum to 1, over all classes of pairs at once.
 TEST_P(Unoccluded, RoomCloses) {
   constexpr int kCuts = 6;
   Random random(47);
@@ -93,8 +93,8 @@ TEST_P(Unoccluded, RoomCloses) {
   EXPECT_TRUE(exchange.compute(pairs, areas).empty());
   for (size_t k = 0; k < pairs.size(); ++k)
     for (uint32_t side : {pairs[k].i, pairs[k].j}) sums[side / 2] += areas[k];
-  // Corners on a cut are rounded alike on both sides; the planes of walls to 2^-52, which moves a share of 1e-13 of
-  // what leaves a patch.
+  // Corners on a cut are rounded alike on both sides. Planes of walls are rounded to 2^-52, which changes a sum by
+  // 1e-13.
   for (uint32_t i = 0; i < n; ++i)
     EXPECT_NEAR(sums[i] / scene.polygons[i].area, 1, kUnoccludedRelativeError + n * kUnoccludedAbsoluteError + 1e-12)
         << "polygon " << i;
@@ -123,7 +123,8 @@ TEST_P(Unoccluded, ChunksDoNotMatter) {
   EXPECT_GT(small.work().far_pairs[1], 0u);
 }
 
-// Strips are so thin that rounding alone is more than the error allowed: the value is there, and so is the report.
+// These strips are so thin that rounding alone exceeds the allowed error. The value is computed, and the pair is
+// reported.
 TEST_P(Unoccluded, ReportsWhatItCannotReach) {
   constexpr double kWidth = 1e-10;
   const Scene scene =
@@ -150,7 +151,7 @@ TEST_P(Unoccluded, RefusesWhatIsNotThere) {
   EXPECT_TRUE(exchange.compute({}, {}).empty());
 }
 
-// The comparator notices a wrong value.
+// Negative control: isAccurate() refuses wrong values.
 TEST_P(Unoccluded, WrongValuesAreNoticed) {
   EXPECT_TRUE(isAccurate(0.25, 0.25 * (1 + 9e-7), 0));
   EXPECT_FALSE(isAccurate(0.25, 0.25 * (1 + 1.1e-6), 0));

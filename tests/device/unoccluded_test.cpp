@@ -1,4 +1,5 @@
-// These tests compare exchange areas of pairs with nothing in between with the closed forms of reference/.
+// These tests compare exchange areas of pairs with nothing between them with the contour integrals and closed forms of
+// reference/.
 #include <algorithm>
 #include <cmath>
 
@@ -44,10 +45,10 @@ TEST_P(Unoccluded, CommonEdgesFrom1To179Degrees) {
       const double angle_rad = angle_deg * kPi / 180;
       const glm::dvec3 o(0), p(1, 0, 0), q(std::cos(angle_rad), std::sin(angle_rad), 0), z(0, 0, length);
       pairs.push_back({rectangle(o, z, p), rectangle(o, q, z)});
-      pairs.push_back({{o, z, p}, {o, q, z}});                                 // triangles on the same edge
-      pairs.push_back({rectangle(o, z, p), rectangle(0.3 * z, q, z)});         // part of the edge
-      pairs.push_back({rectangle(o, z, p), rectangle(0.25 * z, q, 0.5 * z)});  // within the edge
-      pairs.push_back({rectangle(o, z, p), rectangle(z, q, z)});               // a corner only
+      pairs.push_back({{o, z, p}, {o, q, z}});                                 // triangles at the same edge
+      pairs.push_back({rectangle(o, z, p), rectangle(0.3 * z, q, z)});         // a part of the edge in common
+      pairs.push_back({rectangle(o, z, p), rectangle(0.25 * z, q, 0.5 * z)});  // an edge within the other
+      pairs.push_back({rectangle(o, z, p), rectangle(z, q, z)});               // only a corner in common
       pairs.push_back({rectangle(o, z, p), rectangle(o, 0.1 * q, z)});
     }
   expectReference(pairs, "common edges");
@@ -55,11 +56,11 @@ TEST_P(Unoccluded, CommonEdgesFrom1To179Degrees) {
 
 struct ExpectedPair {
   CornerPair pair;
-  double truth;  // F from a, which must be the smaller
+  double truth;  // form factor from a, which must be the smaller polygon
 };
 
-// Closed forms of rectangles; corners are scaled to the unit ball, which rounds them: corner_rounding bounds what that
-// does to F.
+// Compares pairs with closed forms. Corners are scaled to the unit ball and rounded; truth_error bounds the effect on
+// the form factor.
 void expectFactors(const std::vector<ExpectedPair>& expected, const std::string& what, double truth_error) {
   std::vector<CornerPair> pairs;
   for (const ExpectedPair& one : expected) pairs.push_back(one.pair);
@@ -94,7 +95,7 @@ TEST_P(Unoccluded, Slivers) {
   }
 }
 
-// Triangles and quadrilaterals are 1e4 to 1e6 times as long as wide, near each other in any position.
+// These polygons are 1e4 to 1e6 times as long as wide, and near each other in any position.
 TEST_P(Unoccluded, RandomSlivers) {
   constexpr uint64_t kSeed = 49;
   Random random(kSeed);
@@ -110,8 +111,8 @@ TEST_P(Unoccluded, RandomSlivers) {
   expectReference(pairs, fmt::format("seed {}, slivers", kSeed));
 }
 
-// Gaps go down to less than what makes polygons coplanar: such polygons exchange the area of their overlap, the limit.
-// Each pair is a scene of its own, for piled plates would coincide with each other.
+// Gaps go down to widths at which polygons count as coplanar. Such polygons exchange the area of their overlap, which
+// is the limit. Each pair is a scene of its own, for stacked plates would coincide with each other.
 TEST_P(Unoccluded, ParallelPlatesCloseTogether) {
   for (double gap : {1e-1, 1e-2, 1e-3, 1e-5, 1e-7, 1e-9, 0.0})
     for (double shift : {0.0, 0.3, 0.999}) {
@@ -120,10 +121,10 @@ TEST_P(Unoccluded, ParallelPlatesCloseTogether) {
                     above = rectangle({shift, 0.1, gap}, {0, 1, 0}, {1, 0, 0});
       const double truth =
           reference::parallelRectangles({0, 1}, {0, 1}, {shift, 1 + shift}, {0.1, 1.1}, std::max(gap, 1e-13));
-      // Unit squares lie in a ball of about their size: a corner's rounding moves the plates by no more than 2^-53, and
-      // F with the gap's size.
+      // Rounding of corners moves the plates by at most 2^-53, for the ball is about as large as they are. The form
+      // factor changes with the gap.
       constexpr double kRounding = 1e-10;
-      // Without a gap plates alone in space are the two sides of a sheet, unless the user says that they are faces of
+      // Two plates without a gap, alone in space, are the sides of a sheet unless the user says that they belong to
       // solids.
       const SceneOptions solids{.solids = {"all"}};
       const Outcome between = computeBothWays(sceneOf({{floor, above}}, gap > 0 ? SceneOptions{} : solids), "plates");
@@ -143,12 +144,12 @@ TEST_P(Unoccluded, NearlyCoplanar) {
     pairs.push_back({rectangle({0, 0, 0}, y, p), rectangle({0, 1, 0}, q, y)});     // a common corner
     if (angle_deg > 5e-3)
       pairs.push_back({rectangle({-1, 0, 0}, {3, 0, 0}, y),
-                       rectangle({0, 0.2, angle_rad}, {0.3, 0, 0}, {0, 0, angle_rad})});  // a low step
+                       rectangle({0, 0.2, angle_rad}, {0.3, 0, 0}, {0, 0, angle_rad})});  // a step of small height
   }
   expectReference(pairs, "nearly coplanar");
 }
 
-// Random planes through each other's neighbourhood: most reach behind.
+// Polygons lie near each other in random planes, and most reach behind the plane of the other.
 TEST_P(Unoccluded, ClipsWhatReachesBehind) {
   Random random(43);
   std::vector<CornerPair> pairs;
@@ -157,14 +158,14 @@ TEST_P(Unoccluded, ClipsWhatReachesBehind) {
     pairs.push_back({random.convexPolygon(glm::dvec3(0), random.direction(), 3 + k % 2),
                      random.convexPolygon(apart, random.direction(), 3 + k / 2 % 2)});
   }
-  // A wall stands in the middle of a floor, at a corner of it, along its edge.
+  // A wall stands in the middle of a floor, along its edges, and across a corner.
   const Corners floor = rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
   for (double x : {0.0, 0.5, 1.0}) pairs.push_back({floor, rectangle({x, 0, -1}, {0, 1, 0}, {0, 0, 2})});
   pairs.push_back({floor, rectangle({1, 0, -1}, {-1, 1, 0}, {0, 0, 2})});
   expectReference(pairs, "seed 43, any directions");
 }
 
-// Returns whether all corners of either lie before the other.
+// Returns whether each polygon lies wholly in front of the other.
 bool areWhole(const CornerPair& pair) {
   const auto isBefore = [](const Corners& plane, const Corners& corners) {
     const glm::dvec3 normal = glm::cross(plane[1] - plane[0], plane[2] - plane[0]);
@@ -174,7 +175,7 @@ bool areWhole(const CornerPair& pair) {
   return isBefore(pair.a, pair.b) && isBefore(pair.b, pair.a);
 }
 
-// The bound on a product rule's error is relative, and holds in every direction, for thin, skew and grazing shapes too.
+// The bound of the product rule is relative. It holds in every direction, also for thin, skew and grazing shapes.
 TEST_P(Unoccluded, FarPairsToRelativeError) {
   constexpr uint64_t kSeed = 44;
   Random random(kSeed);
@@ -189,13 +190,13 @@ TEST_P(Unoccluded, FarPairsToRelativeError) {
     const glm::dvec3 side = glm::normalize(a[1] - a[0]);
     if (k % 5 == 0)  // thin
       for (glm::dvec3& corner : a) corner -= 0.99 * glm::dot(corner, side) * side;
-    // Pairs lie apart, for polygons across one another might coincide where they cross at a small angle.
+    // Pairs are placed apart, for polygons that cross at a small angle might coincide.
     const glm::dvec3 place = 5.0 * glm::dvec3(k % 12, k / 12 % 12, k / 144);
     const double distance = std::exp(random.uniform(std::log(9.0), std::log(k % 10 == 0 ? 1e4 : 100.0)));
     const CornerPair pair{moved(a, 1, place), moved(b, 1, place + towards * distance)};
     if (areWhole(pair)) pairs.push_back(pair);
   }
-  // Edges that point at each other: where the bound is close.
+  // Where edges point at each other the bound is close.
   const Corners square = rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
   for (int k = 0; k < 200; ++k) pairs.push_back({square, flipped(moved(square, 1, {4 * std::pow(1.02, k), 0, 0.3}))});
   const Scene scene = sceneOf(pairs);
@@ -210,7 +211,7 @@ TEST_P(Unoccluded, FarPairsToRelativeError) {
         << "seed " << kSeed << ", pair " << k;
     worst = std::max(worst, std::abs(outcome.factors[k] / truth - 1));
   }
-  EXPECT_GT(worst, 0.1 * kUnoccludedRelativeError);  // the rules are no finer than they need be
+  EXPECT_GT(worst, 0.1 * kUnoccludedRelativeError);  // the rules are not far too fine
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Counted work shows that a scene costs no more than it needs.
+// These tests count the work of a run, and show that a scene costs no more than it needs.
 #include <gtest/gtest.h>
 
 #include "scenes/named_scenes.h"
@@ -28,7 +28,7 @@ TEST(Work, OneRoundWhereNoLineMeetsMoreThanIsKept) {
   for (uint32_t layers : {2u, 4u}) {
     const Work work = workOf(ts::insideOfCube(), directions, {.resolution = 64, .layers_kept = layers});
     EXPECT_EQ(work.rounds, work.active_tiles) << layers << " layers kept";
-    EXPECT_EQ(work.fragments, 2 * work.gaps);  // every line meets two walls, which face each other
+    EXPECT_EQ(work.fragments, 2 * work.gaps);  // every line meets two walls that face each other
     EXPECT_EQ(work.directions, 50u);
     EXPECT_GT(work.memory_bytes, 0u);
     EXPECT_EQ(work.pass_seconds.size(), 9u);
@@ -41,7 +41,7 @@ TEST(Work, EmptyTilesAreNotPeeled) {
   ts::addFace(corners, "b", ts::parallelogram({40, 40, 5}, {0, 1, 0}, {1, 0, 0}));
   const Work work = workOf(corners, kUp, {.resolution = 256});
   EXPECT_GE(work.active_tiles, 2u);
-  EXPECT_LE(work.active_tiles, 8u);  // a square is four spacings wide: at most two tiles either way
+  EXPECT_LE(work.active_tiles, 8u);  // a square is four spacings wide and lies on two tiles or fewer either way
   EXPECT_GT(work.tiles, 1000u);
 }
 
@@ -49,7 +49,8 @@ TEST(Work, EdgeOnPolygonsEnterNoTile) {
   const auto along = kUp;
   const Work floor_and_wall = workOf(ts::perpendicularSquares(), along, {.resolution = 64});
   const Work cube = workOf(ts::insideOfCube(), along, {.resolution = 64});
-  // A cube seen along an axis has four faces edge-on: two layers at every point, and every entry is of the two others.
+  // Four faces of a cube are edge-on along an axis. Two layers are at every point, and all entries are of these two
+  // faces.
   EXPECT_EQ(cube.list_entries, 2 * cube.active_tiles);
   EXPECT_EQ(floor_and_wall.list_entries, floor_and_wall.active_tiles);
 }
@@ -62,7 +63,7 @@ TEST(Work, OnlyTheWindowOfWhatWasRequested) {
   const Work row = workOf(room, directions, lattice, {.from = {"upper box"}});
   const Work pair = workOf(room, directions, lattice, {.pair = {"upper box", "floor[16]"}});
   EXPECT_LT(row.active_tiles, all.active_tiles / 2);
-  EXPECT_LT(pair.active_tiles, row.active_tiles);  // a tile needs both
+  EXPECT_LT(pair.active_tiles, row.active_tiles);  // a tile needs both polygons
   EXPECT_LT(row.gaps, all.gaps / 4);
   EXPECT_LT(pair.gaps, row.gaps / 4);
   EXPECT_GT(pair.gaps, 0u);
@@ -85,7 +86,7 @@ TEST(Work, NothingIsPeeledBehindTheLastPolygonThatMatters) {
   EXPECT_GE(back.rounds, 25 * back.active_tiles);
 }
 
-// Work is counted once, however often a batch was done again and whether lists were sorted.
+// Work is counted once, even if a batch was repeated or lists were sorted.
 TEST(Work, IsCountedOnce) {
   const InputScene soup = ts::triangleSoup(300, 0.6, 5);
   const auto directions = sampleDirections(Sampler::fibonacci, 20, 3, 0);
@@ -105,8 +106,8 @@ TEST(Work, IsCountedOnce) {
   }
 }
 
-// Small polygons are tested for the lattice points of their boxes only, boxes between lattice points for none. Large
-// polygons stay as they are.
+// Small polygons are tested only for the lattice points in their boxes, and polygons between lattice points for none.
+// Large polygons are tested as before.
 TEST(Work, SmallPolygonsAreNotTestedAllOverTheirTiles) {
   const auto directions = sampleDirections(Sampler::fibonacci, 12, 3, 0);
   const InputScene soup = ts::triangleSoup(4000, 0.05, 5), room = ts::roomWithTouchingBoxes();
@@ -122,7 +123,7 @@ TEST(Work, SmallPolygonsAreNotTestedAllOverTheirTiles) {
       << "large polygons are left to lists";
 }
 
-// Blocked pairs of lattice points take passes of their own, and change no other's work.
+// Blocked pairs are counted in passes of their own, which do not change the work of the others.
 TEST(Work, BlockedPairsAreCountedApart) {
   const auto directions = sampleDirections(Sampler::fibonacci, 20, 3, 0);
   const Work without = workOf(ts::roomWithTouchingBoxes(), directions, {.resolution = 40, .few_points = 0});

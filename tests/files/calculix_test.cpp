@@ -1,4 +1,4 @@
-// These tests read CalculiX decks, and let ccx 2.20 solve six walls with the .vwf files that we write.
+// These tests read CalculiX decks, and let ccx 2.20 solve six walls with the .vwf files that viewpeel writes.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <glm/glm.hpp>
@@ -18,8 +18,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Six slabs around a room of 1 x 2 x 3; nodes 5 to 8 of each are its inner face, R2. Outer nodes are held at the
-// temperatures. Conduction and controls are such that the fluxes of the outer nodes are the net radiation of the walls.
+// Six slabs surround a room of 1 x 2 x 3. Nodes 5 to 8 of each are its inner face, R2, and its outer nodes have given
+// temperatures. Conduction and control parameters are such that the fluxes at the outer nodes are the net radiation of
+// the walls.
 constexpr double kTemperatures[6] = {1000, 300, 400, 500, 600, 700}, kEmissivities[6] = {.9, .8, .7, .6, .5, .4};
 constexpr double kSinks[6] = {300, 350, 400, 450, 500, 550};
 
@@ -60,14 +61,15 @@ std::string deck(const std::string& radiate) {
   return text + "*END STEP\n";
 }
 
-// Elements 1 to 6 by their sets, backwards; the rows are by element all the same.
+// The deck names elements 1 to 6 in descending order. Rows are by element all the same.
 std::string radiating() {
   std::string lines = "*RADIATE\n";
   for (int k = 5; k >= 0; --k) lines += fmt::format("E{}, R2CR, {}, {}\n", k + 1, kSinks[k], kEmissivities[k]);
   return lines;
 }
 
-// Compares the radiosity of gray walls with the powers that ccx found. `F` and `areas` come before it.
+// The script compares the radiosity of grey walls with the powers that ccx found. `F` and `areas` must be set before
+// it.
 constexpr const char* kCompare =
     "import re, numpy as np\n"
     "T, eps, sink = np.array(T), np.array(eps), np.array(sink)\nsigma = 5.669e-8\n"
@@ -118,8 +120,8 @@ TEST_F(CalculiX, CcxSolvesSixWallsWithAnyMatrix) {
   EXPECT_NE(result.output.find("passed"), std::string::npos) << result.output;
 }
 
-// The user's own way: the program computes, ccx solves. Walls of a box have closed forms; what is compared is ccx with
-// the radiosity of the form factors written, and their error with the one asked for.
+// As a user does it, the program computes and ccx solves. The test compares ccx with the radiosity of the form factors
+// in the file. It also compares the error of these with the tolerance, for walls of a box have closed forms.
 TEST_F(CalculiX, ProgramComputesWhatCcxReads) {
   write("job.inp", deck(radiating()));
   const std::string command =
@@ -135,7 +137,7 @@ TEST_F(CalculiX, ProgramComputesWhatCcxReads) {
   EXPECT_NE(result.output.find("passed"), std::string::npos) << result.output;
 }
 
-// ccx compares the version, and old ones know no such record.
+// ccx compares the version in the file with its own. Older versions do not know this record.
 TEST_F(CalculiX, OtherVersionsAreRefusedByCcx) {
   const Scene scene = buildScene(readInp(write("job.inp", deck(radiating()))));
   OutputContent content{randomFormFactors(makeIds(scene, By::polygon, false), 11, 1, false), nullptr, &scene};
@@ -146,7 +148,7 @@ TEST_F(CalculiX, OtherVersionsAreRefusedByCcx) {
   }
 }
 
-// Pairs of different cavities are not in the file; what faces of a closed cavity lack to 1 does not leave.
+// The file has no pairs of different cavities. What the rows of a closed cavity lack does not leave it.
 TEST_F(CalculiX, CavitiesAreKeptApart) {
   std::string lines = "*RADIATE, CAVITY=1\n";
   for (int k = 1; k <= 4; ++k) lines += fmt::format("{},R2CR,300.,.9\n", k);
@@ -178,7 +180,7 @@ TEST_F(CalculiX, CavitiesAreKeptApart) {
   runCcx();
 }
 
-// Rows of one element are the deck's lines backwards; a face that is given twice keeps its place.
+// Rows of one element follow the deck's lines in reverse order, and a face that is given twice keeps its place.
 TEST_F(CalculiX, RowsAndFacesAreInTheOrderOfCcx) {
   write("nodes.inc", "*NODE\n1,0,0,0\n2,1,0,0\n3,1,1,0\n4,0,1,0\n5,0,0,1.D0\n6,1,0,1\n7,1,1,1\n8,0,1,1\n9,5,5,5\n");
   const CcxDeck deck =
@@ -192,7 +194,7 @@ TEST_F(CalculiX, RowsAndFacesAreInTheOrderOfCcx) {
   EXPECT_EQ(rows, "3.R4 5.R1 7.R1 7.R3 ");
   EXPECT_EQ(deck.faces[3].cavity, 12);
   EXPECT_TRUE(deck.faces[0].is_closed);
-  // All faces look out of their solids.
+  // All faces look outward from their solids.
   const std::vector<glm::dvec3> bottom = {{0, 1, 0}, {1, 1, 0}, {1, 0, 0}, {0, 0, 0}};
   EXPECT_EQ(deck.faces[2].corners, bottom);
   const std::vector<glm::dvec3> front = {{0, 0, 0}, {1, 0, 0}, {1, 0, 1}, {0, 0, 1}};
@@ -220,7 +222,7 @@ TEST_F(CalculiX, QuadraticFacesHaveTheirMidNodes) {
   const Scene scene = buildScene(input);
   const Ids ids = makeIds(scene, By::polygon, false);
   for (double area : ids.areas) EXPECT_NEAR(area, 4, 1e-14);
-  text.replace(text.find("\n9,1,"), 5, "\n9,1.5,");  // along the edge: still flat
+  text.replace(text.find("\n9,1,"), 5, "\n9,1.5,");  // the node moves along its edge, so the face stays flat
   EXPECT_TRUE(readInp(write("flat.inp", text)).warnings.empty());
   text.replace(text.find("\n13,1,0,2"), 9, "\n13,1,-0.3,2");
   ASSERT_EQ(readInp(write("curved.inp", text)).warnings.size(), 1u);

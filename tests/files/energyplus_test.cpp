@@ -1,4 +1,4 @@
-// These tests read zones from IDF and epJSON, and check the objects that we write for EnergyPlus.
+// These tests read zones from IDF and epJSON files, and check the objects that viewpeel writes for EnergyPlus.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <glm/glm.hpp>
@@ -24,7 +24,8 @@ struct Wall {
   Corners corners;  // counter-clockwise seen from outside
 };
 
-// A vertical wall between two points of the floor, seen from the right of the way from one to the other.
+// Returns a vertical wall between two points of the floor. Its outside is on the right of the way from the first point
+// to the second.
 Wall wallBetween(const std::string& name, const std::string& zone, double x0, double y0, double x1, double y1,
                  double height) {
   return {name, zone, "", {{x0, y0, 0}, {x1, y1, 0}, {x1, y1, height}, {x0, y0, height}}};
@@ -36,7 +37,7 @@ Wall slab(const std::string& name, const std::string& zone, Corners outline, dou
   return {name, zone, "", outline};
 }
 
-// The two squares of the L-shaped zone of EnergyPlus's example UserInputViewFactorFile-LshapedZone, 12.192 m long.
+// Returns the L-shaped zone of EnergyPlus's example UserInputViewFactorFile-LshapedZone, 12.192 m long.
 std::vector<Wall> lShape() {
   const double a = 12.192, b = 6.096, h = 3.048;
   return {wallBetween("South Wall", "L", 0, 0, a, 0, h),
@@ -51,7 +52,7 @@ std::vector<Wall> lShape() {
           slab("Floor-2", "L", {{b, b, 0}, {a, b, 0}, {a, a, 0}, {b, a, 0}}, 0)};
 }
 
-// View3D's view factors of that zone, as the example has them, i < j in the order above.
+// These are View3D's view factors of lShape() from the example file, for i < j in the order of its walls.
 constexpr double kExample[10][10] = {
     {0, 0.10131, 0.024387, 0.009005, 0.082639, 0.083659, 0.333727, 0.015772, 0.333728, 0.015772},
     {0, 0, 0.08366, 0.082633, 0.009005, 0.024383, 0.182649, 0.166856, 0.182648, 0.166856},
@@ -64,7 +65,7 @@ constexpr double kExample[10][10] = {
     {0, 0, 0, 0, 0, 0, 0, 0, 0, 0},
     {0, 0, 0, 0, 0, 0, 0, 0, 0, 0}};
 
-// Two rooms of 3 x 4 x 2.5 m with a wall between them, which has a door; one has a window.
+// Returns two rooms of 3 x 4 x 2.5 m with a wall between them that has a door. One room has a window.
 std::vector<Wall> twoRooms() {
   std::vector<Wall> walls;
   for (const auto& [zone, x] : {std::pair<std::string, double>("West", 0), {"East", 3}}) {
@@ -88,7 +89,7 @@ std::string coordinates(const Corners& corners) {
   return text + ";\n";
 }
 
-// In: space: with the field of version 9.6
+// In: space: whether to write the field `space name`, new in version 9.6
 std::string idf(const std::vector<Wall>& walls, const std::vector<std::string>& zones, bool space = false) {
   std::string text = "! a building\nVersion,9.6;\nGlobalGeometryRules, UpperLeftCorner, CounterClockwise, World;\n";
   for (const std::string& zone : zones) text += fmt::format("Zone,\n  {},  !- Name\n  0, 0, 0, 0;\n", zone);
@@ -140,8 +141,8 @@ class EnergyPlus : public TestFolder {
   }
 };
 
-// The example's own figures are View3D's, whose eps is 1e-4 by default. South Wall and East Wall, with nothing between
-// them, have a closed form, 0.101359; the example has 0.101310.
+// The example's figures come from View3D with its default eps of 1e-4. South Wall and East Wall see each other whole
+// and have a closed form, 0.101359, where the example has 0.101310.
 TEST_F(EnergyPlus, ExampleHasTheViewFactorsOfItsFile) {
   const Scene scene = loadScene(write("l.idf", idf(lShape(), {"L"})));
   Request request;
@@ -160,7 +161,10 @@ TEST_F(EnergyPlus, ExampleHasTheViewFactorsOfItsFile) {
   EXPECT_EQ(f.ids().names[3], "West Wall-1");
   EXPECT_NEAR(f.formFactor(0, 1).value, 0.101359, 5e-7);
   EXPECT_LT(offBy([](uint32_t k) { return k; }), 1e-4);
-  EXPECT_GT(offBy([](uint32_t k) { return k == 2 ? 3u : k == 3 ? 2u : k; }), 1e-2);  // two rows swapped
+  EXPECT_GT(offBy([](uint32_t k) { return k == 2   ? 3u
+                                          : k == 3 ? 2u
+                                                   : k; }),
+            1e-2);  // negative control: two rows swapped
   for (uint32_t i = 0; i < 10; ++i)
     EXPECT_LE(f.formFactor(i, kEnvironment).value, 5 * f.formFactor(i, kEnvironment).standard_error) << i;
 }
@@ -175,11 +179,11 @@ TEST_F(EnergyPlus, FormatsAndVersionsAreOneScene) {
     ASSERT_EQ(other.faces.size(), plain.faces.size());
     for (size_t k = 0; k < plain.faces.size(); ++k) EXPECT_EQ(other.faces[k].corners, plain.faces[k].corners);
   }
-  // Clockwise corners in a zone's own coordinates.
+  // The same rooms, with clockwise corners in coordinates relative to their zone, are the same scene.
   std::vector<Wall> turned = twoRooms();
   for (Wall& wall : turned) {
     std::reverse(wall.corners.begin(), wall.corners.end());
-    for (glm::dvec3& p : wall.corners) p = {p.y, -p.x + 8, p.z - 1};  // turned back by 90 degrees, and from an origin
+    for (glm::dvec3& p : wall.corners) p = {p.y, -p.x + 8, p.z - 1};  // inverse of the zone's turn and origin
   }
   std::string text = idf(turned, zones);
   text.replace(text.find("CounterClockwise, World"), 23, "Clockwise, Relative");
@@ -191,7 +195,7 @@ TEST_F(EnergyPlus, FormatsAndVersionsAreOneScene) {
       EXPECT_LT(glm::distance(other.faces[k].corners[c], plain.faces[k].corners[c]), 1e-14) << k << " " << c;
 }
 
-// Windows are cut out of their walls, fronts look into the rooms, and no room sees the other one.
+// Windows are cut out of their walls, fronts look into the rooms, and the rooms do not see each other.
 TEST_F(EnergyPlus, RoomsAreClosedAndApart) {
   const Scene scene = loadScene(write("a.idf", idf(twoRooms(), {"West", "East"})));
   Request request;
@@ -218,7 +222,7 @@ TEST_F(EnergyPlus, RoomsAreClosedAndApart) {
   EXPECT_GT(f.formFactor(id("window"), id("West north")).value, 0.05);
 }
 
-// What EnergyPlus reads: names and numbers of each zone, every pair of its surfaces once.
+// The objects hold the names of each zone, and every pair of its surfaces once, as EnergyPlus reads them.
 TEST_F(EnergyPlus, ObjectsHoldAnyMatrix) {
   const Scene scene = loadScene(write("building.idf", idf(twoRooms(), {"West", "East"})));
   const FormFactors f = randomFormFactors(makeIds(scene, By::surface, false), 8);

@@ -1,5 +1,5 @@
-// These tests read glTF scenes that assimp has written, and small scenes with transforms, strips and errors as the
-// format describes them.
+// These tests read glTF scenes that assimp has written, and small scenes with transforms, strips and errors that follow
+// the specification.
 #include <cmath>
 
 #include <fmt/format.h>
@@ -46,7 +46,7 @@ TEST_F(Gltf, AssimpWritesThem) {
   }
 }
 
-// One triangle by single-precision positions and 16-bit indices, in a buffer within the file.
+// The file's own buffer holds one triangle, with single-precision positions and 16-bit indices.
 constexpr const char* kBuffer =
     "\"buffers\":[{\"byteLength\":42,\"uri\":\"data:application/octet-stream;base64,"
     "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAABAAIA\"}],"
@@ -62,7 +62,8 @@ std::string document(const std::string& nodes, const std::string& rest = "",
       kBuffer, kAccessors, primitive, rest, nodes);
 }
 
-// A node's own transform comes first, then its parents'. A mirror turns corners round, so that fronts stay outside.
+// The transform of a node comes first, then those of its parents. A mirroring transform reverses corners, so that
+// fronts stay outside.
 TEST_F(Gltf, NodesHaveTransformsAndNames) {
   const InputScene scene = readGltf(write(
       "a.gltf",
@@ -77,7 +78,7 @@ TEST_F(Gltf, NodesHaveTransformsAndNames) {
       {{10, 0, 0}, {10, 2, 0}, {9, 0, 0}}, {{10, 0, 0}, {10, 1, 0}, {11, 0, 0}}, {{0, 0, 5}, {1, 0, 5}, {0, 1, 5}}};
   for (size_t k = 0; k < 3; ++k)
     for (size_t c = 0; c < 3; ++c) EXPECT_LT(glm::distance(scene.faces[k].corners[c], expected[k][c]), 1e-14) << k << c;
-  // The scene that is shown has node 3 alone.
+  // The file's default scene has node 3 alone.
   EXPECT_EQ(readGltf(write("b.gltf", document("[{},{},{},{\"name\":\"shown\",\"mesh\":0}]",
                                               "\"scene\":1,\"scenes\":[{\"nodes\":[0]},{\"nodes\":[3]}],")))
                 .surface_names,
@@ -97,7 +98,7 @@ TEST_F(Gltf, StripsAndFansAreTriangles) {
                                     "\"POSITION\":0}},\"indices\":1}},{{\"mode\":1}}]}}],\"nodes\":[{{\"mesh\":0}}]}}",
                                     indices, mode)));
     ASSERT_EQ(scene.faces.size(), 2u);
-    EXPECT_EQ(scene.warnings.size(), 1u);  // the lines
+    EXPECT_EQ(scene.warnings.size(), 1u);  // about the lines
     EXPECT_EQ(scene.surface_names, std::vector<std::string>{"node 0"});
     const glm::dvec3 a(0, 0, 0), b(1, 0, 0), c(0, 1, 0), d(1, 1, 0);
     EXPECT_EQ(scene.faces[0].corners, (std::vector<glm::dvec3>{a, b, c}));

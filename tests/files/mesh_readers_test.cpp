@@ -1,4 +1,4 @@
-// Reads meshes of other programs, as these programs write them.
+// These tests read meshes that other programs have written: Gmsh, VTK, and viewpeel itself.
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -29,7 +29,8 @@ class Meshes : public TestFolder {
   }
 };
 
-// The room has 1 x 2 x 3 m, in millimetres, and a volume, so that there are points, edges and tetrahedra to pass over.
+// The room is 1 x 2 x 3 m, in millimetres. It has a volume, so that the reader meets points, edges and tetrahedra and
+// skips them.
 constexpr const char* kRoom =
     "SetFactory(\"OpenCASCADE\");\nBox(1) = {0,0,0, 1000,2000,3000};\nMesh.MeshSizeMax = 900;\n"
     "Physical Surface(\"walls x\") = {1, 2};\nPhysical Surface(\"walls y\") = {3, 4};\nPhysical Surface(7) = {5, 6};\n"
@@ -85,7 +86,7 @@ TEST_F(Meshes, GmshFilesThatAreNoneAreRefused) {
             ": the mesh is big-endian; save it as text");
 }
 
-// VTK's own writers, in every encoding, of a square and a triangle; a line before them counts as a cell, too.
+// VTK's own writers write a square and a triangle in every encoding. A line before them is a cell as well.
 constexpr const char* kWriteVtk = R"(
 import vtk
 points = vtk.vtkPoints()
@@ -145,14 +146,14 @@ TEST_F(Meshes, VtkWritesThemInEveryEncoding) {
     const std::vector<glm::dvec3> square = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
     EXPECT_EQ(input.faces[0].corners, square) << entry.path();
     ASSERT_EQ(input.faces[1].corners.size(), 3u);
-    // Text has as many digits as the numbers.
+    // Text has as many digits as a double.
     EXPECT_NEAR(input.faces[1].corners[2].z, 1 / 3.0, 1e-15) << entry.path();
-    EXPECT_EQ(input.warnings.size(), 1u) << entry.path();  // the line
+    EXPECT_EQ(input.warnings.size(), 1u) << entry.path();  // about the line
   }
   EXPECT_EQ(count, 48);
 }
 
-// What is written with results is read again as the scene that it was.
+// The .vtp of a result is read again as the same scene.
 TEST_F(Meshes, AVtpOfResultsIsAScene) {
   const fs::path file = write("two.obj", "o a\nv 0 0 0\nv 3 0 0\nv 3 2 0\nv 0 2 0\nf 1 2 3 4\no b\nf 4 3 2\n");
   const std::string command = fmt::format("'{}' compute '{}' --quiet --directions 8 -o '{}'", VIEWPEEL_PROGRAM,
@@ -194,7 +195,7 @@ TEST_F(Meshes, VtkFilesThatAreNoneAreRefused) {
             ": an array is cut off; export the file again");
 }
 
-// Areas are in metres; everything else is as without a unit.
+// With a unit areas are in square metres. Corners, which have no unit, stay the same.
 TEST_F(Meshes, UnitsScaleAreasAlone) {
   const fs::path file = write("two.obj", "o a\nv 0 0 0\nv 300 0 0\nv 300 200 0\nv 0 200 0\nf 1 2 3 4\n");
   SceneOptions millimetres;

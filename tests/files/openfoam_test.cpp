@@ -1,5 +1,5 @@
-// These tests read OpenFOAM v1912's meshes in all its formats, and run its solver with our view factors, on one rank
-// and on two.
+// These tests read meshes of OpenFOAM v1912 in all its formats, and run its solver with viewpeel's view factors, on one
+// rank and on two.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <glm/glm.hpp>
@@ -19,17 +19,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// v1912 makes sigma of rounded k, h and c (etc/controlDict).
+// v1912 computes sigma from rounded values of k, h and c (etc/controlDict).
 constexpr const char* kRadiosity =
     "import re, numpy as np\n"
     "T = dict(zip('west east south north floor ceiling'.split(), (1000., 300., 400., 500., 600., 700.)))\n"
     "E = dict(zip('west east south north floor ceiling'.split(), (.9, .8, .7, .6, .5, .4)))\n"
     "sigma = np.pi**2 / 60 * 1.38065e-23**4 / ((6.62607e-34 / (2 * np.pi))**3 * 2.99792e8**2)\n"
-    "def net_flux(F, walls):\n"  // what a row lacks to 1 sees 0 K
+    "def net_flux(F, walls):\n"  // the lack of a row sees 0 K
     "    t, e = np.array([T[w] for w in walls]), np.array([E[w] for w in walls])\n"
     "    J = np.linalg.solve(np.eye(len(F)) - (1 - e)[:, None] * F, e * sigma * t**4)\n"
     "    return J - F @ J\n"
-    // qr of the fine faces of a wall, positive into it; a wall of one value has it once.
+    // found() returns qr of the fine faces of a wall, positive into it. A wall with one value has it once in the file.
     "def found(folder, wall, count):\n"
     "    text = open(folder + '/1/qr').read()\n"
     "    text = text[text.index('boundaryField'):]\n"
@@ -121,10 +121,10 @@ class OpenFoam : public testing::Test {
   fs::path folder_;
 };
 
-// Text, binary and gzip are one scene. All walls look into the room, and a coarse face is a surface.
+// Text, binary and gzip files give the same scene. All walls look into the room, and each coarse face is a surface.
 TEST_F(OpenFoam, MeshesInEveryFormatAreOneScene) {
   std::vector<InputScene> scenes;
-  // v1912 compresses text alone.
+  // v1912 compresses text only.
   for (const auto& [format, compression] : {std::pair("ascii", "off"), {"ascii", "on"}, {"binary", "off"}}) {
     fs::remove_all(folder_);
     fs::copy(VIEWPEEL_TEST_FILES "/openfoam_room", folder_, fs::copy_options::recursive);
@@ -143,7 +143,7 @@ TEST_F(OpenFoam, MeshesInEveryFormatAreOneScene) {
     ASSERT_EQ(scene.faces.size(), 24u);
     for (size_t k = 0; k < 24; ++k) {
       EXPECT_EQ(scene.faces[k].surface, scenes[0].faces[k].surface);
-      EXPECT_EQ(scene.faces[k].corners, scenes[0].faces[k].corners);  // halves: text has all their digits
+      EXPECT_EQ(scene.faces[k].corners, scenes[0].faces[k].corners);  // multiples of 1/2 are exact in text
     }
   }
   const Scene scene = buildScene(scenes[0]);
@@ -167,7 +167,7 @@ TEST_F(OpenFoam, SolverOnTwoRanksTakesAnyMatrix) {
   runFoam("decomposePar");
   runFoam("faceAgglomerate", 2);
   const Scene scene = buildScene(readFoam(folder_));
-  // A sparse matrix, so that rows differ in length.
+  // The matrix is sparse, so that rows differ in length.
   const FormFactors f = randomFormFactors(makeIds(scene, By::surface, false), 4, 0.6);
   EXPECT_EQ(f.ids().names[0], "processor0/west.0");
   EXPECT_EQ(filesOf(folder_, false).size(), 12u);
@@ -176,7 +176,7 @@ TEST_F(OpenFoam, SolverOnTwoRanksTakesAnyMatrix) {
   expectSolved(dense(f));
 }
 
-// The user's own way: the program computes in the case's folder, and OpenFOAM solves.
+// As a user does it, the program computes in the case's folder, and OpenFOAM solves.
 TEST_F(OpenFoam, ProgramComputesWhatTheSolverReads) {
   runFoam("blockMesh");
   runFoam("faceAgglomerate");
@@ -192,7 +192,8 @@ TEST_F(OpenFoam, ProgramComputesWhatTheSolverReads) {
   EXPECT_NE(result.output.find("passed"), std::string::npos) << result.output;
 }
 
-// The Foundation's maps say what mapDist says; no version of theirs is in Debian, so that only the text is compared.
+// Files of the OpenFOAM Foundation's versions hold the same maps as mapDist. Debian has none of these versions, so only
+// the text is compared.
 TEST_F(OpenFoam, FoundationsMapsAreThoseOfMapDist) {
   runFoam("blockMesh");
   runFoam("decomposePar");
@@ -212,7 +213,7 @@ TEST_F(OpenFoam, FoundationsMapsAreThoseOfMapDist) {
                                                   bodyOf(at + "subMap"), bodyOf(at + "constructMap")));
     EXPECT_EQ(bodyOf(at + "constructMapDim"), fmt::format("1({})\n", counts[0] + counts[1]));
   }
-  // Rank 1 has its own first, then those of rank 0.
+  // Rank 1 has its own faces first, then those of rank 0.
   const std::string map = bodyOf("processor1/constant/constructMap");
   EXPECT_NE(map.find(fmt::format("{}({} ", counts[0], counts[1])), std::string::npos) << map;
 }
@@ -235,7 +236,7 @@ TEST_F(OpenFoam, OtherRowsAreRefused) {
 TEST_F(OpenFoam, ErrorsNameFileAndLine) {
   EXPECT_NE(refusal().find("is a directory without constant/polyMesh"), std::string::npos);
   runFoam("blockMesh");
-  EXPECT_EQ(readFoam(folder_).surface_names.size(), 24u);  // every face a coarse one
+  EXPECT_EQ(readFoam(folder_).surface_names.size(), 24u);  // every face is a coarse face
   runFoam("faceAgglomerate");
   const fs::path boundary = folder_ / "constant/polyMesh/boundary", agglom = folder_ / "constant/finalAgglom";
   const auto with = [&](const fs::path& file, const std::string& old, const std::string& text) {

@@ -1,4 +1,4 @@
-// SciPy, h5py, xarray and VTK of Debian read files of results, with the lines of docs/formats.md.
+// Debian's SciPy, h5py, xarray and VTK read files of results by the code in docs/formats.md.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <gtest/gtest.h>
@@ -18,8 +18,8 @@ namespace {
 namespace fs = std::filesystem;
 namespace ts = test_scenes;
 
-// Names that need escapes; a face of no area, so that rows are not ids; a face of five corners, so that polygons are
-// not faces.
+// Returns a scene in which names need escapes. One face has no area, so rows are not ids. One face has five corners, so
+// polygons are not faces.
 InputScene unequalScene() {
   InputScene input{"unequal", {}, {}};
   ts::addFace(input, "Tür & <süd> \"1\"", {{0, 0, 0}, {2, 0, 0}, {2, 3, 0}, {0, 3, 0}});
@@ -34,7 +34,8 @@ constexpr uint32_t kRows = 5;
 
 class OutputFiles : public TestFolder {
  protected:
-  // The script sees `truth`, `errors` (rows x rows), `areas`, `environment`, `leak` of all rows of the file.
+  // Returns Python code that sets `truth` and `errors` (rows x rows), `areas`, `environment` and `leak` for all rows of
+  // the file.
   std::string expected() const {
     const auto rows = form_factors_.ids().rows();
     std::vector<std::vector<double>> f(kRows, std::vector<double>(kRows, 0)), e = f;
@@ -53,7 +54,7 @@ class OutputFiles : public TestFolder {
         "for x in ({}, {}, {})]\nn = {}\n",
         f, e, areas, environment, leak, kRows);
   }
-  // Runs a block of the documents, and then the checks.
+  // Runs a code block of the documents, and then the checks.
   void check(const std::string& block, const std::string& checks) {
     const std::string lines = pythonBlock(VIEWPEEL_DOCS "/formats.md", block);
     ASSERT_FALSE(lines.empty()) << "docs/formats.md has no block '# " << block << "'";
@@ -67,7 +68,7 @@ class OutputFiles : public TestFolder {
   FormFactors form_factors_ = randomFormFactors(ids_, 7, 0.7);
 };
 
-// Numbers are the same doubles. A matrix with two rows swapped, or transposed, is another one.
+// The file has the same doubles. Negative controls: a matrix with two rows swapped, or transposed, differs.
 constexpr const char* kSameMatrix =
     "dense = F.toarray()\n"
     "assert (dense == truth).all(), dense - truth\n"
@@ -156,7 +157,7 @@ TEST_F(OutputFiles, VtkReadsPolygonsAndTheirValues) {
         "assert abs(numpy.array(point) - [2, 3, 0]).max() < 1e-14\n");
 }
 
-// Rows of the answers are rows of the form factors; a polygon has those of its row.
+// Each polygon in the .vtp has the heat flux and temperature of its row.
 TEST_F(OutputFiles, VtpHasTheAnswersOfSolve) {
   HeatSolution heat;
   for (uint32_t id = 0; id < form_factors_.ids().count(); ++id) {
@@ -171,7 +172,7 @@ TEST_F(OutputFiles, VtpHasTheAnswersOfSolve) {
   content.shown = {"wall"};
   content.heat = &heat;
   writeFormFactors(content, folder_ / "office.vtp");
-  // Row 2 of the file is empty, so that rows 3 and 4 are the third and fourth of the answers.
+  // Row 2 of the file has no area, so that rows 3 and 4 are the third and fourth of the answers.
   check("VTK",
         "cells = mesh.GetCellData()\n"
         "def values(name):\n"
@@ -203,7 +204,7 @@ TEST_F(OutputFiles, VtpNeedsTheSceneOfItsFormFactors) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 0);
 }
 
-// Rows that were not requested have no entries, but keep their places.
+// Rows that were not requested have no entries, but keep their numbers.
 TEST_F(OutputFiles, RowsThatWereNotRequestedStayEmpty) {
   Ids ids = ids_;
   restrictToQuestion({.from = {"wall"}, .pair = {}, .blockers = {}}, scene_, ids);

@@ -1,4 +1,4 @@
-// What writeFormFactors puts into a .h5 comes back by readResult.
+// readResult() returns what writeFormFactors() has stored in a .h5 file.
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -23,7 +23,8 @@ namespace {
 namespace fs = std::filesystem;
 namespace ts = test_scenes;
 
-// Rows are not ids: a face has no area. "desk[2]" is the name of a face, and "solo" that of a surface of one face.
+// Returns a scene in which a face without area makes rows differ from ids. "desk[2]" is the name of a face, and "solo"
+// that of a surface of one face.
 InputScene deskScene() {
   InputScene input{"desks", {}, {}};
   ts::addFace(input, "desk", {{0, 0, 0}, {2, 0, 0}, {2, 3, 0}, {0, 3, 0}});
@@ -40,7 +41,7 @@ class ReadResult : public TestFolder {
   FormFactors form_factors_ = randomFormFactors(makeIds(scene_, By::polygon, false), 7, 0.7);
 };
 
-// F is stored, A F wanted: a rounding there and one back, 2^-53 of the value each.
+// The file stores F, and exchangeArea() is A F. This rounds twice, by 2^-53 of the value each.
 void expectSame(double a, double b) { EXPECT_NEAR(a, b, 2 * 0x1p-52 * std::abs(b)); }
 
 void expectSame(const FormFactors& read, const FormFactors& written) {
@@ -79,7 +80,7 @@ TEST_F(ReadResult, BringsBackWhatWasWritten) {
   }
 }
 
-// A question leaves rows out; the form factors to them stand in the rows asked for alone.
+// A question leaves out rows. Only requested rows have form factors to these.
 TEST_F(ReadResult, BringsBackTheRowsOfAQuestion) {
   Ids ids = form_factors_.ids();
   ids.requested = {false, true, false, true};
@@ -88,7 +89,7 @@ TEST_F(ReadResult, BringsBackTheRowsOfAQuestion) {
   expectSame(readResult(folder_ / "asked.h5").form_factors, asked);
 }
 
-// Pairs without an entry keep their bound.
+// The bound on pairs without an entry is stored as well.
 TEST_F(ReadResult, BringsBackIntervalsAndBalancedFormFactors) {
   std::vector<Interval> intervals;
   for (const FormFactors::Entry& entry : form_factors_.entries())
@@ -104,7 +105,7 @@ TEST_F(ReadResult, BringsBackIntervalsAndBalancedFormFactors) {
     expectSame(stored.balanced->formFactor(1, j).value, form_factors_.formFactor(1, j).value);
 }
 
-// What a run writes is what is read, whole rows and all.
+// The result of a run is read back, with whole rows.
 TEST_F(ReadResult, BringsBackARun) {
   const Scene scene = buildScene(ts::parallelSquares());
   Request request;
@@ -151,7 +152,8 @@ TEST_F(ReadResult, RefusesOtherFiles) {
   EXPECT_NE(refusal(folder_ / "run.h5").find("checkpoint"), std::string::npos);
 }
 
-// An Edit is made by h5py, with the check sum of host/io/hdf5_file.h. The page does not show all of a file.
+// An Edit changes a file by h5py, and then renews the check sum of host/io/hdf5_file.h. `why` is the message of the
+// refusal. `is_shown` is false where a page does not read what was changed.
 struct Edit {
   const char *code, *why;
   bool is_shown = true;
@@ -186,7 +188,7 @@ const Edit kEdits[] = {
     {"f['geometry/corner_count'][0] = 2", "other corners than there are"},
 };
 
-// Programs end with status 2 and one line: file, what, remedy.
+// Readers refuse such files with status 2 and one line that names file, fault and remedy.
 TEST_F(ReadResult, RefusesColumnsThatDoNotFit) {
   std::vector<Interval> intervals;
   for (const FormFactors::Entry& entry : form_factors_.entries())

@@ -1,5 +1,5 @@
-// A Fortran program reads our Elmer files as Elmer does, SYRTHES itself reads its file, and MOOSE's text is compared as
-// text.
+// A Fortran program reads viewpeel's Elmer files as Elmer does, and SYRTHES itself reads its file. MOOSE's text is
+// compared as text.
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -43,7 +43,7 @@ class SmallFormats : public TestFolder {
   }
 };
 
-// Elmer reads text by list-directed READ and bytes by access='stream'; this program does the same and prints the
+// Elmer reads text by list-directed READ, and bytes by access='stream'. This program does the same and prints the
 // matrix.
 constexpr const char* kReader = R"(program reader
   implicit none
@@ -120,7 +120,7 @@ TEST_F(SmallFormats, MooseHasRowsInTheOrderOfItsBoundaries) {
   EXPECT_THROW(checkRows(folder_ / "vf.i", scene, ids), Error);
 }
 
-// The case of two plates that SYRTHES comes with, and the file of form factors that it has computed for it.
+// This is SYRTHES's example of two plates, with the file of form factors that SYRTHES computed.
 constexpr const char* kCase = "/usr/share/syrthes/tests/cas_plates3d_salome";
 
 FormFactors readFdf(const fs::path& file) {
@@ -156,7 +156,8 @@ FormFactors readFdf(const fs::path& file) {
   return {ids, std::move(entries), std::move(sums)};
 }
 
-// SYRTHES's own file read and written again solves alike; with two halves of the rows swapped it does not.
+// SYRTHES's own file, read and written again, gives the same solution. Negative control: with the two halves of the
+// rows swapped it does not.
 TEST_F(SmallFormats, SyrthesSolvesWithItsOwnFactorsWrittenHere) {
   const FormFactors own = readFdf(fs::path(kCase) / "syrthes/mesh.fdf");
   ASSERT_EQ(own.ids().count(), 2617u);
@@ -213,7 +214,7 @@ assert found[0] < 0.01 < 1 < found[1], found
 )");
 }
 
-// What leaves an open scene is not on the diagonal; what a row lacks otherwise is.
+// The diagonal takes the lack of a row, but not what leaves an open scene.
 TEST_F(SmallFormats, SyrthesDiagonalIsWithoutTheEnvironment) {
   const FormFactors f = randomFormFactors(unequalRows(4), 23);
   writeFormFactors(f, folder_ / "mesh.fdf");

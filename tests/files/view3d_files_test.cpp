@@ -1,5 +1,5 @@
-// These tests read View3D's input, read its output in all layouts as View3D's readers and uDALES do, and run the
-// program in View3D's place.
+// These tests read View3D's input. They read its output in all layouts by the rules of View3D's readers and of uDALES,
+// and run `view3d` in View3D's place.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <glm/glm.hpp>
@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The cube of side 4 has a window, a null surface and a mask in its wall y = 0, and a ceiling of two merged halves.
+// The cube of side 4 has a window, a null surface and a mask in its wall y = 0. Its ceiling is merged from two halves.
 constexpr const char* kRoom =
     "T a room\n! comment\nC out=0 eps=1e-4\nF 3\n"
     "V 1 0 0 0\nV 2 4 0 0\nV 3 4 4 0\nV 4 0 4 0\nV 5 0 0 4\nV 6 4 0 4\nV 7 4 4 4\nV 8 0 4 4\n"
@@ -82,7 +82,7 @@ TEST_F(View3dFiles, SurfacesBasesMergesMasksAndHolesAreRead) {
   EXPECT_EQ(makeScene(file, false).input.surface_names.size(), 10u);
 }
 
-// The same cube is made of rectangles, a quadrilateral and a triangle placed by azimuth and tilt.
+// A rectangle, a quadrilateral and a triangle are placed by azimuth and tilt.
 TEST_F(View3dFiles, PlacedSurfacesAreRead) {
   const Vs3File file =
       parseVs3(write("placed.vs3",
@@ -95,13 +95,13 @@ TEST_F(View3dFiles, PlacedSurfacesAreRead) {
     for (size_t c = 0; c < corners.size(); ++c)
       EXPECT_LT(glm::distance(file.surfaces[k].corners[c], corners[c]), 1e-15) << k << " " << c;
   };
-  // Azimuth 0 looks north, along +y turned by 180 degrees: the plane's x runs along -x.
+  // Azimuth 0 looks along +y, so azimuth 180 degrees turns the plane's x axis to -x.
   expect(0, {{2, 0, 3}, {2, 0, 0}, {0, 0, 0}, {0, 0, 3}});
   expect(1, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
   expect(2, {{0, 0, 1}, {0, 1, 1}, {0, 1, 3}, {0, 0, 3}});
   expect(3, {{0, 5, 1}, {0, 5, 0}, {1, 5, 0}, {1, 5, 1}});
   const glm::dvec3 up = twiceAreaNormal(file.surfaces[1].corners);
-  EXPECT_GT(up.z, 0);  // tilt 0 faces up
+  EXPECT_GT(up.z, 0);  // tilt 0 looks up
 }
 
 TEST_F(View3dFiles, ErrorsNameFileAndLine) {
@@ -157,8 +157,8 @@ std::string asPython(const View3dMatrix& matrix) {
       f, matrix.areas, matrix.emissivities, matrix.rowCount());
 }
 
-// The test reads each layout by uDALES's rules, and the rest by View3D's own. Bounds are half a last digit, or
-// float32's.
+// Each layout is read by the rules of its reader: uDALES's, or View3D's own. Bounds are half a unit in the last digit,
+// or float32's rounding.
 TEST_F(View3dFiles, LayoutsAreReadByTheirReadersRules) {
   const View3dMatrix matrix = randomMatrix(7);
   const auto stream = [&](const char* name) { return std::ofstream(folder_ / name, std::ios::binary); };
@@ -218,11 +218,11 @@ TEST_F(View3dFiles, ClosedRowsSumToOneAndStayReciprocal) {
   }
   for (double sum : sums) EXPECT_NEAR(sum, 1, 1e-7);
   View3dMatrix lonely{{1, 9}, {0.5, 0.5}, {{0, 1, 0.4}}};
-  EXPECT_FALSE(closeRows(lonely, {1, 1}));  // no enclosure: 9 F_21 = F_12
+  EXPECT_FALSE(closeRows(lonely, {1, 1}));  // rows cannot sum to 1, for 9 F_21 = F_12
 }
 
-// The room is closed but for its hole, which blocks: what a row lacks to 1 is its form factor to hole. The mask faces
-// the wall alone, whose hidden part faces nothing else.
+// The room is closed except for its hole, which blocks: the lack of a row is its form factor to the hole. The mask sees
+// only the wall, and the part of the wall behind it sees only the mask.
 TEST_F(View3dFiles, ProgramTakesThePlaceOfView3d) {
   write("room.vs3", kRoom);
   std::string said;
@@ -258,7 +258,7 @@ TEST_F(View3dFiles, ProgramWritesOneRowOrLogsOneEntry) {
   std::istringstream lines(textOf("row.txt"));
   std::vector<double> values;
   for (double value; lines >> value;) values.push_back(value);
-  ASSERT_EQ(values.size(), 9u);  // every surface but the merged one
+  ASSERT_EQ(values.size(), 9u);  // all surfaces but the merged one
   EXPECT_NEAR(values[1], 0.199825, 5e-4);
   room.replace(room.find("row=1"), 5, "row=1 col=7");
   write("column.vs3", room);
@@ -267,9 +267,9 @@ TEST_F(View3dFiles, ProgramWritesOneRowOrLogsOneEntry) {
   EXPECT_NE(textOf("View3D.log").find("F[1][7] = 2.00"), std::string::npos) << textOf("View3D.log");
 }
 
-// View3D's sample cases (public domain) against a longer run of our own by exact areas, which shares no lattice, pair
-// lines or closed form with the program. Five and a half standard errors of 64 replicates are exceeded by one of 164
-// entries in 1e-4 of all seeds; this one is fixed.
+// View3D's sample cases (public domain) are compared with a longer run by exact areas, which shares no lattice, pair
+// lines or closed form with the program. One of 164 entries exceeds 5.5 standard errors of 64 replicates for 1e-4 of
+// all seeds; this seed is fixed.
 TEST_F(View3dFiles, SampleCasesAgreeWithExactAreas) {
   for (const char* name : {"facet", "wdwdoor"}) {
     fs::copy_file(fmt::format("{}/view3d_cases/{}.vs3", VIEWPEEL_TEST_FILES, name), folder_ / "case.vs3",

@@ -1,5 +1,5 @@
-// Fuzz targets of .h5 files say column by column what is stored. HDF5 itself gets sound files, for it is not made to
-// survive others, and the check sum keeps damaged ones from it (host/io/hdf5_file.h).
+// Fuzz targets of .h5 files decide column by column what is stored. HDF5 itself gets sound files: it is not made to
+// survive damaged ones, and the check sum keeps these from it (host/io/hdf5_file.h).
 #pragma once
 #include <cstring>
 #include <filesystem>
@@ -14,7 +14,7 @@
 
 namespace viewpeel::fuzz {
 
-// Bytes are taken one after the other; behind the end are zeros.
+// Bytes hands out the input from front to back, and zeros after its end.
 class Bytes {
  public:
   Bytes(const uint8_t* bytes, size_t count) : at_(bytes), end_(bytes + count) {}
@@ -43,7 +43,7 @@ class Bytes {
   const uint8_t *at_, *end_;
 };
 
-// Writes a whole column, where the bytes have nothing to say, or another one in its place, or none.
+// Writes the whole column where no bytes are left. Otherwise it may write another column in its place, or none.
 template <class T>
 void writeColumn(Hdf5Output& out, Bytes& bytes, const std::string& name, const std::vector<T>& whole) {
   switch (bytes.take<uint8_t>() % 9) {
@@ -60,7 +60,7 @@ void writeColumn(Hdf5Output& out, Bytes& bytes, const std::string& name, const s
     case 5:
       return out.write(name, bytes.takeTexts());
     case 6:
-      return;  // missing
+      return;  // the column is missing
     case 7:
       return out.write(name, bytes.takeColumn<int32_t>());
     default:
@@ -68,7 +68,7 @@ void writeColumn(Hdf5Output& out, Bytes& bytes, const std::string& name, const s
   }
 }
 
-// A NamedFile has a name of its own, for HDF5 opens no file that has none left. It is the same one for every call.
+// NamedFile has a name in the file system, for HDF5 cannot open a file without one. Every call uses the same name.
 class NamedFile {
  public:
   explicit NamedFile(const char* kind)

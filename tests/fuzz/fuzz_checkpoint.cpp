@@ -1,4 +1,4 @@
-// This target reads a checkpoint whose columns hold wrong values, though its check sum is right.
+// This target reads a checkpoint whose columns may hold wrong values, with a right check sum.
 #include <cstdio>
 #include <cstdlib>
 #include <sstream>
@@ -15,8 +15,8 @@ namespace {
 
 using fuzz::writeColumn;
 
-// Writes two ids, two replicates, one pair and the environment; by_id without pair and environment, which unoccluded
-// form factors sum by polygon.
+// Writes sums of two replicates for two ids, one pair and the environment. With priors by polygon, by_id has neither
+// pair nor environment.
 void writeSums(Hdf5Output& out, fuzz::Bytes& bytes, const std::string& group) {
   using U8 = std::vector<uint8_t>;
   using U32 = std::vector<uint32_t>;
@@ -46,7 +46,7 @@ void writeSums(Hdf5Output& out, fuzz::Bytes& bytes, const std::string& group) {
   }
 }
 
-// Adds lines of that pair, and of the first id and a back.
+// Adds pair lines of this pair, and of the first id and a back.
 void writeLineSums(Hdf5Output& out, fuzz::Bytes& bytes) {
   using U8 = std::vector<uint8_t>;
   using U32 = std::vector<uint32_t>;
@@ -65,7 +65,7 @@ void writeLineSums(Hdf5Output& out, fuzz::Bytes& bytes) {
   writeColumn(out, bytes, "lines/replicates", U32{2, 1});
 }
 
-// Adds the unoccluded form factor of that pair, lines that end in the environment, and directions of the pair's own.
+// Adds the unoccluded form factor of this pair, lines that end in the environment, and directions of the pair's own.
 void writePriorSums(Hdf5Output& out, fuzz::Bytes& bytes) {
   using U8 = std::vector<uint8_t>;
   using U32 = std::vector<uint32_t>;
@@ -121,11 +121,11 @@ Checkpoint readBytes(const uint8_t* data, size_t count) {
   writeSums(out, bytes, "by_id");
   writeSums(out, bytes, "by_surface");
   writePriorSums(out, bytes);
-  if (bytes.take<uint8_t>() % 2) writeLineSums(out, bytes);  // then results are made of these lines
+  if (bytes.take<uint8_t>() % 2) writeLineSums(out, bytes);  // results then follow from pair lines
   return readCheckpoint(file.write(out.finish()));
 }
 
-// Does with a checkpoint what the program does: report, merge, go on.
+// Does what the program does with a checkpoint: report, merge, go on.
 void use(Checkpoint checkpoint) {
   requireSameSettings(checkpoint.settings, checkpoint.settings, "again");
   describeReplicates(checkpoint.sums.replicates);
@@ -153,7 +153,8 @@ void use(Checkpoint checkpoint) {
 }  // namespace
 }  // namespace viewpeel
 
-// Nothing left to say is read, and with unoccluded form factors, or what the target finds means nothing.
+// Empty input must give a valid checkpoint with priors. Otherwise all inputs would be refused, and the target would
+// test nothing.
 extern "C" int LLVMFuzzerInitialize(int*, char***) {
   try {
     if (viewpeel::readBytes(nullptr, 0).sums.prior_sums) return 0;

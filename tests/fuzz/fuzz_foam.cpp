@@ -1,4 +1,4 @@
-// This target reads an OpenFOAM case. The input holds its four files, boundary, points, faces and finalAgglom, with
+// This target reads an OpenFOAM case. The input holds the four files boundary, points, faces and finalAgglom, with
 // lines of %%%% between them.
 #include <cstdlib>
 #include <fstream>

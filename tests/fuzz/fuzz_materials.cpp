@@ -1,4 +1,4 @@
-// Reads the bytes as a file of materials, for a scene of three rows.
+// This target reads the bytes as a file of materials, for a scene of three rows.
 #include "input_file.h"
 #include <viewpeel/error.h>
 #include <viewpeel/solve.h>

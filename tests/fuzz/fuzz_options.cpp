@@ -1,4 +1,4 @@
-// Reads the bytes as a command line, an argument a line. What it asks for is not run.
+// This target parses the bytes as a command line, one argument a line, and does not run it.
 #include <cstdlib>
 #include <sstream>
 
@@ -11,7 +11,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t count) {
   std::istringstream in(std::string(bytes, bytes + count));
   std::vector<std::string> arguments = {"viewpeel"};
   for (std::string line; std::getline(in, line);)
-    arguments.push_back(line.substr(0, line.find('\0')));  // as a program gets them
+    arguments.push_back(line.substr(0, line.find('\0')));  // C strings end at a NUL
   std::vector<const char*> argv;
   for (const std::string& argument : arguments) argv.push_back(argument.c_str());
   CLI::App app;
@@ -26,7 +26,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t count) {
   program::addCompletion(app, chosen);
   try {
     app.parse(static_cast<int>(argv.size()), argv.data());
-    if (!chosen) std::abort();  // accepted, with nothing to do
+    if (!chosen) std::abort();  // accepted, but no command was chosen
   } catch (const CLI::ParseError&) {
   } catch (const Error& error) {
     fuzz::requireOneLine(error.what());

@@ -1,4 +1,4 @@
-// This target reads a .h5 of results whose columns hold wrong values, though its check sum is right.
+// This target reads a .h5 of results whose columns may hold wrong values, with a right check sum.
 #include <cstdio>
 #include <cstdlib>
 #include <sstream>
@@ -26,7 +26,7 @@ void writeTexts(Hdf5Output& out, fuzz::Bytes& bytes, const std::string& name, co
     case 1:
       return out.writeTexts(name, bytes.takeTexts());
     default:
-      return writeColumn(out, bytes, name, whole);  // at best of one width, which no result has
+      return writeColumn(out, bytes, name, whole);  // one width for all, which no result has
   }
 }
 
@@ -42,11 +42,11 @@ void setAttribute(Hdf5Output& out, fuzz::Bytes& bytes, const std::string& name, 
     case 3:
       return out.setAttribute("/", name, bytes.take<int64_t>());
     default:
-      return;  // missing
+      return;  // the column is missing
   }
 }
 
-// Three rows, of which the second is empty, as matrices in compressed rows.
+// Writes matrices of three rows in compressed rows; the second row is empty.
 void writeMatrices(Hdf5Output& out, fuzz::Bytes& bytes, bool has_intervals, bool is_balanced) {
   writeColumn(out, bytes, "form_factors/indptr", std::vector<int64_t>{0, 2, 2, 3});
   writeColumn(out, bytes, "form_factors/indices", Numbers{0, 2, 0});
@@ -67,7 +67,7 @@ void writeRows(Hdf5Output& out, fuzz::Bytes& bytes, bool has_intervals) {
   for (const std::string& name : names) writeColumn(out, bytes, name, Doubles{0.3, 0, 0.7});
 }
 
-// The desk's first face is a triangle, the wall a quadrilateral.
+// Writes the geometry: the first face of the desk is a triangle, the wall a quadrilateral.
 void writeGeometry(Hdf5Output& out, fuzz::Bytes& bytes) {
   for (const char* name : {"geometry/x", "geometry/y", "geometry/z"})
     writeColumn(out, bytes, name, Doubles{0, 1, 2, 3, 4, 5, 6});
@@ -82,7 +82,7 @@ void writeGeometry(Hdf5Output& out, fuzz::Bytes& bytes) {
 std::vector<char> fileOf(const uint8_t* data, size_t count) {
   fuzz::Bytes bytes(data, count);
   Hdf5Output out;
-  const uint8_t parts = bytes.take<uint8_t>();  // 0: all of them
+  const uint8_t parts = bytes.take<uint8_t>();  // 0: all parts
   const bool has_intervals = !(parts & 1), is_balanced = !(parts & 2), has_geometry = !(parts & 4);
   writeMatrices(out, bytes, has_intervals, is_balanced);
   writeRows(out, bytes, has_intervals);
@@ -94,7 +94,7 @@ std::vector<char> fileOf(const uint8_t* data, size_t count) {
   return out.finish();
 }
 
-// Does with a result what programs do that read one: write it again, and make a page of it.
+// Does what programs do that read a result: write it again, and make a page of it.
 void use(const std::filesystem::path& file) {
   const StoredResult stored = readResult(file);
   std::ostringstream text;
@@ -124,7 +124,7 @@ void requireRefusal(Use use_of, const std::filesystem::path& file) {
 }  // namespace
 }  // namespace viewpeel
 
-// A whole file is read, or what the target finds means nothing.
+// Empty input must give a valid file. Otherwise all inputs would be refused, and the target would test nothing.
 extern "C" int LLVMFuzzerInitialize(int*, char***) {
   const viewpeel::fuzz::NamedFile file("whole_result");
   try {

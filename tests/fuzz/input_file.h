@@ -1,4 +1,5 @@
-// The fuzz targets share a file in memory, for readers take files and libFuzzer makes bytes.
+// The fuzz targets share a file in memory, for readers take files and libFuzzer makes bytes. The readers here are those
+// of scenes.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -8,11 +9,11 @@
 
 namespace viewpeel::fuzz {
 
-// Returns the bytes as a file in memory, the same one for every call.
+// Returns the path of a file in memory with these bytes. Every call uses the same file.
 std::filesystem::path makeFile(const uint8_t* bytes, size_t count);
 
-// Reads the bytes as a scene and does with it what every run does before the first direction: split, group, name, look
-// for openings. Error is the one way in which a scene may be refused, in one line.
+// Reads the bytes as a scene and does what every run does before the first direction: split, group, name, look for
+// openings. A scene may be refused only by an Error of one line.
 void loadBytes(InputScene (*read)(const std::filesystem::path&), const uint8_t* bytes, size_t count);
 
 // Aborts unless the message is one line of printable text.

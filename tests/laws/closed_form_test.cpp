@@ -13,7 +13,8 @@ namespace ts = test_scenes;
 // The values are C-11 and C-14 of Howell, A Catalog of Radiation Heat Transfer Configuration Factors, to ten digits.
 constexpr double kParallelSquares = 0.1998248957, kPerpendicularSquares = 0.2000437761, kTenDigits = 5e-11;
 
-// A square is only a few spacings wide, with both samplers and both engines: resolution costs variance, never bias.
+// Returns runs with several engines, samplers and samplings. On the coarsest lattice a square is only a few spacings
+// wide: a coarse lattice adds variance, never bias.
 std::vector<TestRun> runsToTry() {
   std::vector<TestRun> runs(8);
   runs[1].lattice.resolution = 6;
@@ -35,7 +36,7 @@ void expectFactor(const InputScene& scene, double truth) {
           << scene.file << " F[" << i << "][" << j << "], resolution " << run.lattice.resolution << ", seed "
           << run.estimate.seed;
     EXPECT_LT(e.largest_standard_error,
-              run.estimate.sampler == Sampler::iid ? 0.02 : 0.005);  // the comparison means something
+              run.estimate.sampler == Sampler::iid ? 0.02 : 0.005);  // the comparison is not too weak
   }
 }
 
@@ -62,7 +63,8 @@ TEST(ClosedForm, SixFacesOfACube) {
   }
 }
 
-// The inner cube sees only the outer one; the outer one sees the inner one by the ratio of areas, and itself past it.
+// The inner cube sees only the outer one. The outer cube sees the inner one by the ratio of areas, and itself with the
+// rest.
 TEST(ClosedForm, CubeInsideALargerCube) {
   constexpr double kInner = 0.4;
   TestRun run;
@@ -106,8 +108,8 @@ Estimate estimateDrawn(const InputScene& input, const Question& question, const 
   return estimateFormFactors(*makeComputeEngine(testDevice(), scene, ids, lattice), scene, ids, options);
 }
 
-// Directions in the anti-convex hull, or by the emitter's cosine, are unbiased, and better than as many over the
-// sphere.
+// Directions from the region of one pair, or by the emitter's cosine, give unbiased form factors. Their error is
+// smaller than that of as many directions over the sphere.
 TEST(ClosedForm, DirectionsDrawnForAPairOrAnEmitter) {
   TestRun whole;
   whole.estimate.directions = 100;
@@ -129,7 +131,7 @@ TEST(ClosedForm, DirectionsDrawnForAPairOrAnEmitter) {
   }
 }
 
-// A cube's face and what it sees, past a blocker that gets no row.
+// The outer cube has a row, and the inner cube blocks lines without a row of its own.
 TEST(ClosedForm, BlockersTakeWhatTheyHide) {
   const InputScene scene = ts::cubeInCube(0.4);
   const Estimate e = estimateDrawn(scene, {.from = {"outer"}, .blockers = {"inner"}}, {}, By::surface);
@@ -137,7 +139,7 @@ TEST(ClosedForm, BlockersTakeWhatTheyHide) {
   EXPECT_EQ(e.form_factors.entries().size(), 1u);
 }
 
-// One face of a surface has a row of its own, or none.
+// A question may name one face of a surface by polygon, but not by surface.
 TEST(ClosedForm, AFaceOfASurface) {
   const Scene scene = buildScene(ts::roomWithTouchingBoxes());
   Ids ids = makeIds(scene, By::polygon, false);

@@ -1,4 +1,5 @@
-// These laws hold whatever the scene: reciprocity, closure, rigid motion, scale, corner order, subdivision, same bits.
+// These tests check laws that hold for every scene: reciprocity, closure, rigid motion, scale, order of corners,
+// subdivision, and equal bits for equal seeds.
 #include <cstdlib>
 
 #include <fmt/format.h>
@@ -21,14 +22,14 @@ TEST(Laws, ReciprocityToTheLastBit) {
   for (uint32_t i = 0; i < f.ids().count(); ++i)
     for (uint32_t j = 0; j < f.ids().count(); ++j) {
       EXPECT_EQ(f.exchangeArea(i, j).value, f.exchangeArea(j, i).value);
-      // The factors themselves are the nearest doubles to that one number over the areas.
+      // Form factors are the nearest doubles to this number over the areas.
       EXPECT_EQ(f.formFactor(i, j).value, f.exchangeArea(j, i).value / areas[i]);
     }
 }
 
-// Lines can be lost in cracks. A corner in the middle of another's edge is snapped off it by 2^-24 of the scene's
-// diameter at most. The crack's area is below this distance times its length. A_i F_i,leak is twice the mean area in
-// which i meets a back.
+// Returns a bound on the exchange area that is lost in cracks. A corner in the middle of another edge is snapped off it
+// by at most 2^-24 of the scene's diameter. The area of the crack is below this distance times its length. A_i F_i,leak
+// is twice the mean area in which i meets a back.
 double mostLost(const InputScene& scene) {
   double edges = 0;
   for (const InputFace& face : scene.faces)
@@ -43,7 +44,8 @@ double exchangeOfAll(const FormFactors& form_factors, uint32_t with) {
   return sum;
 }
 
-// Lattice points fall into no crack here; the ends of scanlines tell cracks, where there are any.
+// Closed scenes have neither leak nor environment, and rows sum to 1. No lattice point falls into a crack here. The
+// ends of scanlines may, in the scene with T-junctions.
 TEST(Laws, ClosedSceneClosesAndDoesNotLeak) {
   for (const InputScene& scene : {ts::insideOfCube(), ts::cubeInCube(0.3), ts::roomWithTouchingBoxes()})
     for (const TestRun& run : withEngines()) {
@@ -69,7 +71,7 @@ TEST(Laws, OfficeClosesAndDoesNotLeak) {
   }
 }
 
-// Compares all entries of two estimates of the same matrix.
+// Expects that two estimates of one matrix agree in all entries.
 void expectSame(const Estimate& a, const Estimate& b, const std::string& what) {
   ASSERT_EQ(a.form_factors.ids().count(), b.form_factors.ids().count());
   uint64_t compared = 0;
@@ -97,8 +99,8 @@ TEST(Laws, RigidMotionAndScaleLeaveFactorsAlone) {
   }
 }
 
-// Coordinates are then rounded to 1.5e-8 of the scene's size, more than planes may differ and be one. Form factors
-// stay, no line is lost, and a warning says where planes are in doubt.
+// The scene is moved so far that coordinates are rounded to 1.5e-8 of its size, more than planes may differ and count
+// as one. Form factors stay, no line is lost, and a warning says where planes are in doubt.
 TEST(Laws, MovedFarAwayFactorsStay) {
   TestRun run;
   run.estimate.directions = 150;
@@ -121,7 +123,7 @@ TEST(Laws, ReflectionLeavesFactorsAlone) {
   const InputScene scene = ts::roomWithTouchingBoxes();
   InputScene mirrored = ts::transformed(scene, glm::dmat3(-1, 0, 0, 0, 1, 0, 0, 0, 1), 1, {0, 0, 0});
   for (InputFace& face : mirrored.faces)
-    std::reverse(face.corners.begin(), face.corners.end());  // a mirror turns fronts to backs
+    std::reverse(face.corners.begin(), face.corners.end());  // mirroring turns fronts into backs
   TestRun run;
   run.estimate.directions = 150;
   const Estimate expected = estimateScene(scene, run);
@@ -132,7 +134,7 @@ TEST(Laws, ReflectionLeavesFactorsAlone) {
   }
 }
 
-// Order of polygons decides nothing but ties; here is none, and the counts are the same to the last bit.
+// The order of polygons decides ties only. There is no tie here, so counts have the same bits.
 TEST(Laws, OrderOfPolygonsDoesNotMatter) {
   const InputScene scene = ts::cubeInCube(0.5);
   InputScene reversed{"reversed", {}, {}};
@@ -149,7 +151,7 @@ TEST(Laws, OrderOfPolygonsDoesNotMatter) {
   }
 }
 
-// Each quadrilateral cut into 3 x 5: factors between surfaces stay.
+// Each quadrilateral is cut into 3 x 5. Form factors between surfaces stay.
 TEST(Laws, SubdivisionLeavesFactorsBetweenSurfacesAlone) {
   const InputScene scene = ts::roomWithTouchingBoxes();
   InputScene fine{"fine", scene.surface_names, {}};
@@ -185,7 +187,8 @@ TEST(Laws, ComparisonOfMatricesRejectsAnotherScene) {
   EXPECT_GT(rejected, 0);
 }
 
-// Where its corners start does not matter to the last bit: the same points are snapped, the same plane is found.
+// It does not matter with which corner a polygon starts: the same points are snapped and the same plane is found.
+// Entries agree within their errors.
 TEST(Laws, FirstCornerDoesNotMatter) {
   InputScene scene = ts::insideOfCube();
   const Estimate a = estimateScene(scene);
@@ -206,7 +209,7 @@ TEST(Laws, SplittingAPolygonLeavesSumsAlone) {
   const Estimate a = estimateScene(whole), b = estimateScene(split, run);
   EXPECT_TRUE(
       areEstimatesOfTheSame(a.between_surfaces.formFactor(0, 1), b.between_surfaces.formFactor(0, 1), a.replicates));
-  // By polygon, the wall's factors to the two pieces add up to its factor to the floor, exactly: they are the same
+  // By polygon, the wall's form factors to the two pieces add up to its form factor to the floor, for they are the same
   // counts.
   EXPECT_NEAR(b.form_factors.formFactor(2, 0).value + b.form_factors.formFactor(2, 1).value,
               b.between_surfaces.formFactor(1, 0).value, 4e-16);
@@ -242,7 +245,7 @@ TEST(Laws, ToleranceIsKept) {
   run.estimate.replicates = 4;
   run.estimate.tolerance = 1.5e-3;
   const Estimate e = estimateScene(ts::insideOfCube(), run);
-  EXPECT_GT(e.replicates, 4u);  // four replicates alone miss it
+  EXPECT_GT(e.replicates, 4u);  // four replicates are not enough
   double largest = 0;
   for (uint32_t i = 0; i < 6; ++i)
     for (uint32_t j = 0; j < 6; ++j) largest = std::max(largest, e.form_factors.formFactor(i, j).standard_error);
@@ -250,7 +253,7 @@ TEST(Laws, ToleranceIsKept) {
   EXPECT_DOUBLE_EQ(largest, e.largest_standard_error);
 }
 
-// Goals are reached and not overshot by much; time is kept.
+// Runs reach their goals without many replicates too many, and keep their time limit.
 TEST(Laws, GoalsStopTheReplicates) {
   TestRun run;
   run.estimate = {.directions = 50, .replicates = 2};
@@ -268,7 +271,7 @@ TEST(Laws, GoalsStopTheReplicates) {
   run.estimate = {.directions = 50, .replicates = 1000};
   run.estimate.seconds = 1e-6;
   EXPECT_EQ(estimateScene(test_scenes::insideOfCube(), run).replicates, 2u);
-  run.estimate.tolerance = 1e-9;  // out of reach in a moment
+  run.estimate.tolerance = 1e-9;  // out of reach in this time
   run.estimate.seconds = 0.2;
   EXPECT_GT(estimateScene(test_scenes::insideOfCube(), run).largest_standard_error, 1e-9);
 }

@@ -1,4 +1,4 @@
-// Runs a quick part of bench/stress, and compares extreme scenes with closed forms.
+// These tests run a small part of bench/stress, and compare extreme scenes with closed forms.
 #include "scenes/stress.h"
 
 #include <cmath>
@@ -38,7 +38,7 @@ TEST_P(HardScenes, OneWrongPolygonIsNoticed) { EXPECT_GT(stress::judge(testDevic
 INSTANTIATE_TEST_SUITE_P(Kinds, HardScenes, testing::ValuesIn(stress::kKinds),
                          [](const auto& kind) { return stress::nameOf(kind.param); });
 
-// The graphics engine orders two coincident polygons; more would be counted in a wrong order.
+// The graphics engine can order two coincident polygons, but would count more of them in a wrong order, so it refuses.
 TEST(Stress, GraphicsEngineRefusesThreeCoincidentPolygons) {
   InputScene input{"three", {}, {}};
   for (bool up : {true, false, true}) {
@@ -60,8 +60,8 @@ InputScene plates(double gap, bool facing) {
   return scene;
 }
 
-// Gaps go down to 1e-8 of the plates' size, 1.4e-8 of the scene's radius. The environment, 1 - F, is what a gap lets
-// out: it has to be there, and nothing else.
+// Gaps between two plates go down to 1e-8 of their size, 1.4e-8 of the scene's radius. The environment gets what leaves
+// through the gap, 1 - F, and no more.
 TEST(Stress, GapsBetweenPlates) {
   std::vector<TestRun> runs =
       withEngines({.lattice = {.resolution = 32}, .estimate = {.directions = 200, .replicates = 8}});
@@ -72,7 +72,7 @@ TEST(Stress, GapsBetweenPlates) {
   for (double gap : {1.0, 1e-2, 1e-4, 1e-6, 1e-7, 1e-8})
     for (const TestRun& run : runs) {
       const bool draws = run.engine == EngineKind::graphics;
-      if (draws && gap < 0.5 && gap > 2e-7) continue;  // its counts are the other's, see Peel
+      if (draws && gap < 0.5 && gap > 2e-7) continue;  // it has the counts of the others, see peel_test.cpp
       SCOPED_TRACE(fmt::format("gap {}, {}", gap, run.name));
       const Estimate facing = estimateScene(plates(gap, true), run), apart = estimateScene(plates(gap, false), run);
       const double truth = reference::parallelRectangles({0, 1}, {0, 1}, {0, 1}, {0, 1}, gap);
@@ -80,13 +80,13 @@ TEST(Stress, GapsBetweenPlates) {
       EXPECT_EQ(facing.form_factors.formFactor(0, kLeak).value, 0);
       EXPECT_TRUE(isEstimateOf(apart.form_factors.formFactor(0, kEnvironment), 1, apart.replicates));
       EXPECT_EQ(apart.form_factors.formFactor(0, 1).value, 0);
-      if (gap > 1e-2 && !draws) {  // below, too few lines pass to tell an error
+      if (gap > 1e-2 && !draws) {  // through narrower gaps too few lines pass for an error
         EXPECT_TRUE(isEstimateOf(facing.form_factors.formFactor(0, kEnvironment), 1 - truth, facing.replicates, 1e-10));
       }
     }
 }
 
-// Two plates alone in space keep the order of their gap, also where it is narrower than depths resolve.
+// Two plates alone in space keep their order, also where the gap is narrower than depths resolve.
 TEST(Stress, GapsTooNarrowForDepths) {
   for (double gap : {6e-9, 1e-9, 1e-11})
     for (const TestRun& run :
@@ -94,14 +94,14 @@ TEST(Stress, GapsTooNarrowForDepths) {
       SCOPED_TRACE(fmt::format("gap {}, {}", gap, run.name));
       const Estimate facing = estimateScene(plates(gap, true), run), apart = estimateScene(plates(gap, false), run);
       EXPECT_TRUE(isEstimateOf(facing.form_factors.formFactor(0, 1), 1, facing.replicates, 1e-10));
-      // The allowance is for what passes between their edges, and corners snapped to 2^-24.
+      // The allowance is for lines that leave between the edges, and for corners snapped to 2^-24.
       EXPECT_LE(facing.form_factors.formFactor(0, kEnvironment).value, 4 * gap + 8 * 0x1p-24);
       EXPECT_TRUE(isEstimateOf(apart.form_factors.formFactor(0, kEnvironment), 1, apart.replicates));
       EXPECT_EQ(apart.form_factors.formFactor(0, 1).value, 0);
     }
 }
 
-// Areas are exact, so that every direction meets a strip 1e-6 wide.
+// The exact engine meets a strip of width 1e-6 along every direction, so the estimate has the closed form.
 TEST(Stress, SliversHaveTheirClosedForm) {
   for (double width : {1e-3, 1e-6}) {
     InputScene input{"sliver", {}, {}};
@@ -117,8 +117,7 @@ TEST(Stress, SliversHaveTheirClosedForm) {
   }
 }
 
-// Seven pairs of equal squares that face each other at a distance of their edge, beside one another: areas from 1 to
-// 1e-12.
+// Returns seven pairs of equal squares that face each other, an edge length apart, with areas from 1 to 1e-12.
 constexpr int kSizes = 7;
 InputScene pairsOfAllSizes() {
   InputScene scene{"pairs of all sizes", {}, {}};
@@ -132,8 +131,8 @@ InputScene pairsOfAllSizes() {
   return scene;
 }
 
-// In windows up to 2^20 spacings fine, half of which the smallest squares are wide; of points, as scanlines, at most
-// 2^14, are left out where there are such specks (chooseSampling).
+// Windows are up to 2^20 spacings fine, and the smallest squares are half a spacing wide there. Lattice points are
+// used, for scanlines have at most 2^14 rows, so that chooseSampling() leaves them out with such small polygons.
 TEST(Stress, AreasFromOneToATrillionth) {
   const Scene scene = buildScene(pairsOfAllSizes());
   const Ids ids = makeIds(scene, By::polygon, false);
@@ -151,9 +150,9 @@ TEST(Stress, AreasFromOneToATrillionth) {
     for (uint32_t k = 0; k < kSizes; ++k) {
       const Measured f = e.form_factors.formFactor(2 * k, 2 * k + 1);
       EXPECT_TRUE(isEstimateOf(f, kTruth, e.replicates)) << k;
-      // Independent directions have Var F <= v(F) = 4/3 (1 - (1 - F)^3/2) - F^2 (Pellegrini 1997); points add 2 h^2 F /
-      // A. From 16 replicates a standard error comes out twice as large in 2 of 10^7 cases (chi-squared of 15 degrees
-      // above 60).
+      // Independent directions have Var F <= v(F) = 4/3 (1 - (1 - F)^3/2) - F^2 (Pellegrini 1997), and lattice points
+      // add 2 h^2 F / A. The standard error from 16 replicates is twice the true one in 2 of 10^7 cases (chi-squared of
+      // 15 degrees of freedom above 60).
       int resolution = 0;
       for (const SizeGroup& group : groups)
         if (std::ranges::count(group.polygons, 2 * k)) resolution = group.resolution;
@@ -166,8 +165,8 @@ TEST(Stress, AreasFromOneToATrillionth) {
   }
 }
 
-// All engines count the one line through the middle of a square of 1e-6 of the scene's size, and none that passes
-// beside it. The graphics engine does so, too, which has no windows.
+// All engines count the line through the middle of a square of 1e-6 of the scene's size, and no line beside it. This
+// includes the graphics engine, which has no windows.
 TEST(Stress, ALineThroughASpeckMeetsIt) {
   const Scene scene = buildScene(pairsOfAllSizes());
   const Ids ids = makeIds(scene, By::polygon, false);
@@ -180,7 +179,7 @@ TEST(Stress, ALineThroughASpeckMeetsIt) {
     const glm::dvec3 middle = (scene.corners[low.first_corner] + scene.corners[low.first_corner + 2] +
                                scene.corners[high.first_corner] + scene.corners[high.first_corner + 2]) /
                               4.0;
-    // Directions lie 0.1 rad from the normals, so that plates overlap by nine tenths.
+    // The direction lies 0.1 rad from the normals, so that the two plates overlap by nine tenths.
     const glm::dvec3 u(std::sin(0.1), 0, std::cos(0.1)), x = glm::normalize(glm::dvec3(0.3, 1, -0.3 * std::tan(0.1))),
                                                          y = glm::cross(u, x);
     const auto through = [&](double spacings_beside) {
@@ -199,10 +198,10 @@ TEST(Stress, ALineThroughASpeckMeetsIt) {
           << k << ": compute " << counts[0] << ", graphics " << counts[1] << ", host " << counts[2];
       return counts[0];
     };
-    const double across = std::sqrt(low.area) * kResolution / 2;  // spacings
+    const double across = std::sqrt(low.area) * kResolution / 2;  // width of the square in spacings
     if (across > 0.5) {
-      // A convex region of area A and perimeter P in spacings has between A - P / 2 and A + P / 2 + 1 points
-      // (Nosarzewska 1948); one more for snapped corners.
+      // A convex region of area A and perimeter P, in spacings, has between A - P / 2 and A + P / 2 + 1 lattice points
+      // (Nosarzewska 1948). Snapping may add one.
       EXPECT_NEAR(double(countOf(through(0))), (1 - std::tan(0.1)) * std::cos(0.1) * across * across, 2 * across + 2)
           << k;
     } else {
@@ -221,12 +220,12 @@ ts::Corners regularPolygon(uint32_t corner_count, double z, bool up) {
   return corners;
 }
 
-// Two polygons face to face; one corner of the lower moved in by so much, beyond the chord of its neighbours, so that
-// it is not convex, or up, so that it is not planar.
+// Returns two polygons face to face. One corner of the lower one is moved: in, beyond the chord of its neighbours, so
+// that the polygon is not convex, or up, so that it is not planar.
 enum class Way { in, up };
 InputScene polygonsFaceToFace(uint32_t corner_count, double moved, Way way) {
   ts::Corners lower = regularPolygon(corner_count, 0, true);
-  // A corner of a polygon of 64 stands out by 0.005.
+  // A corner of a polygon of 64 corners stands out by 0.005 beyond the chord.
   if (moved > 0 && way == Way::in) lower[1] = (lower[0] + lower[2]) / 2.0 * (1 - moved);
   if (moved > 0 && way == Way::up) lower[1].z += moved;
   InputScene scene{"polygons", {}, {}};
@@ -235,7 +234,8 @@ InputScene polygonsFaceToFace(uint32_t corner_count, double moved, Way way) {
   return scene;
 }
 
-// Polygons have 3 to 64 corners. One corner is moved in or up by 1e-12 to 1e-3, and F moves by no more.
+// Polygons have 3 or 64 corners. A corner is moved in or up by 1e-12 or 1e-3, and F changes by no more than the bound
+// below.
 TEST(Stress, PolygonsOfManyCorners) {
   for (uint32_t corner_count : {3u, 64u}) {
     const ts::Corners lower = regularPolygon(corner_count, 0, true), upper = regularPolygon(corner_count, 0.7, false);
@@ -243,7 +243,7 @@ TEST(Stress, PolygonsOfManyCorners) {
     for (double moved : {0.0, 1e-12, 1e-3})
       for (const Way way : {Way::in, Way::up}) {
         if (moved == 0 ? way == Way::up : corner_count == 3)
-          continue;  // the same scene again; a triangle stays convex and planar
+          continue;  // this is the same scene again, or a triangle that stays convex and planar
         const InputScene scene = polygonsFaceToFace(corner_count, moved, way);
         const double missing =
             way == Way::in && moved > 0 ? glm::length(glm::cross(lower[1] - lower[0], lower[2] - lower[0])) / 2 : 0;
@@ -252,8 +252,8 @@ TEST(Stress, PolygonsOfManyCorners) {
           SCOPED_TRACE(fmt::format("{} corners, moved {}, {}", corner_count, moved, run.name));
           const Estimate e = estimateScene(scene, run);
           const double area = e.form_factors.ids().areas[1];
-          // A_2 F_21 = A_1 F_12 changes by no more than the area that is missing below, and the lines from aside that a
-          // corner raised by `moved` can hide: its two edges, shorter than 2 each, times `moved`.
+          // A_2 F_21 = A_1 F_12 changes by no more than two areas. One is missing from the lower polygon. The other is
+          // `moved` times the two edges of a raised corner, each shorter than 2, which may hide lines.
           EXPECT_TRUE(
               isEstimateOf(e.form_factors.formFactor(1, 0), truth, e.replicates, (missing + 4 * moved) / area + 1e-9));
           EXPECT_EQ(e.form_factors.formFactor(1, kLeak).value, 0);
@@ -262,8 +262,8 @@ TEST(Stress, PolygonsOfManyCorners) {
   }
 }
 
-// The graphics engine counts the same where other tests have estimates of compute and host engine. Directions are the
-// axes, which are the poles of the maps of directions, the nearest doubles beside them, and random ones.
+// The graphics engine has the counts of compute and host engine, whose estimates other tests check. Directions are the
+// axes, which are poles of the maps of directions, the nearest doubles beside them, and random ones.
 TEST(Stress, GraphicsCountsAsTheOthers) {
   std::vector<Direction> directions = sampleDirections(Sampler::iid, 8, 5, 0);
   for (const glm::dvec3& pole : {glm::dvec3(0, 0, 1), glm::dvec3(0, 0, -1), glm::dvec3(0, 1, 0), glm::dvec3(1, 0, 0)})

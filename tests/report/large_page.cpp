@@ -1,6 +1,6 @@
 // Writes a page of 20,000 polygons and 4 million form factors, as large as pages are meant to be, and one row of it.
 //   viewpeel_large_page PAGE.html ROW.csv
-// The numbers are made up: the page shows them whatever they are. Form factors are symmetric, as areas are equal.
+// The values are made up, for the page shows any. All areas are equal, so form factors are symmetric.
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -15,10 +15,10 @@ namespace {
 using viewpeel::ReportContent;
 
 constexpr int kAcross = 100, kDown = 200, kRows = kAcross * kDown;
-constexpr int kNeighbours = 110;  // on each side of a row, at growing distances
+constexpr int kNeighbours = 110;  // on either side of a row, at growing distances
 constexpr int kShownRow = 12345;
 
-// In [0, 1), the same for (i, j) and (j, i).
+// Returns a number in [0, 1) that is the same for (i, j) and (j, i).
 double scatter(int i, int j) {
   const auto a = static_cast<uint64_t>(std::min(i, j)), b = static_cast<uint64_t>(std::max(i, j));
   const uint64_t mixed = (a * 0x9E3779B97F4A7C15u ^ b * 0xC2B2AE3D27D4EB4Fu) * 0x165667B19E3779F9u;

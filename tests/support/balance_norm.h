@@ -1,4 +1,5 @@
-// Balancing minimises this norm: the sum of (x - c)^2 / w over pairs, w = min(c, its standard error).
+// objective() is the norm that balancing minimises: the sum of (x - c)^2 / w over pairs, with w = min(c, its standard
+// error).
 #pragma once
 #include <algorithm>
 #include <vector>

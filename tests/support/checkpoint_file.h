@@ -1,4 +1,4 @@
-// Tests of checkpoints share a folder, sums of a room, and an engine that needs no device.
+// CheckpointFile is a test with a folder of its own, sums of a room, and an engine that needs no device.
 #pragma once
 #include <algorithm>
 #include <filesystem>
@@ -32,7 +32,8 @@ inline std::string readFile(const fs::path& file) {
   return bytes.str();
 }
 
-// Counts so large that sums of squares pass 64 bits, of a third of all pairs, others for every replicate.
+// Returns random counts for a third of all pairs, different for every replicate. They are so large that sums of squares
+// exceed 64 bits.
 inline PairCounts randomCounts(const Ids& ids, uint64_t replicate) {
   std::mt19937_64 random(replicate);
   PairCounts counts;
@@ -47,7 +48,7 @@ inline PairCounts randomCounts(const Ids& ids, uint64_t replicate) {
   return counts;
 }
 
-// A RandomEngine has randomCounts for counts of a replicate, which it knows by the first direction.
+// RandomEngine returns randomCounts(). It recognises the replicate by its first direction.
 class RandomEngine : public Engine {
  public:
   RandomEngine(const Ids& ids, uint64_t seed) : ids_(ids) {
@@ -82,7 +83,7 @@ class CheckpointFile : public testing::Test {
     for (uint64_t replicate : replicates) sums.add(replicate, randomCounts(ids_, replicate), 10);
     return sums;
   }
-  // The sums as one string: the bytes of the file they make.
+  // Returns the bytes of the checkpoint file that the sums make.
   std::string bytesOf(const RunSums& sums) const {
     writeCheckpoint(kSettings, sums, file("bytes.h5"));
     return readFile(file("bytes.h5"));

@@ -1,4 +1,4 @@
-// These functions compare estimates with their truths, each with its false-alarm rate.
+// These functions compare estimates with the truth, at a stated false-alarm rate.
 #pragma once
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
@@ -8,20 +8,20 @@
 
 namespace viewpeel {
 
-// A right estimate fails one comparison with this chance. About a thousand are made in a run of all tests, with seeds
-// fixed. A failure after a change is a fault with odds of a million to one for each comparison.
+// A correct estimate fails one comparison with this probability. A run of all tests makes about a thousand comparisons,
+// with fixed seeds. A failure after a change is a fault with odds of a million to one for each comparison.
 constexpr double kFalseAlarmRate = 1e-6;
 
-// A mean over replicates differs from its expectation by at most this many of its standard errors, but for
-// kFalseAlarmRate: Student's distribution with replicates - 1 degrees of freedom. Replicates are sums over many
-// directions, so that they are close to normal.
+// Returns the number of standard errors by which a mean over replicates differs from its expectation, at most, but for
+// kFalseAlarmRate. It is Student's quantile with replicates - 1 degrees of freedom. Replicates are sums over many
+// directions, and so close to normal.
 inline double allowedStandardErrors(uint64_t replicates) {
   const boost::math::students_t distribution(double(replicates - 1));
   return quantile(complement(distribution, kFalseAlarmRate / 2));
 }
 
-// Returns whether `measured` may be an estimate of `truth`. `truth_error` bounds the error of truth itself. A pair
-// without a line has standard error 0.
+// Returns whether `measured` may be an estimate of `truth`, which itself is off by truth_error at most. A pair without
+// a line has a standard error of 0.
 inline testing::AssertionResult isEstimateOf(const Measured& measured, double truth, uint64_t replicates,
                                              double truth_error = 0) {
   const double bound =
@@ -32,8 +32,8 @@ inline testing::AssertionResult isEstimateOf(const Measured& measured, double tr
                                      << bound;
 }
 
-// Returns whether two independent estimates may be of the same truth. Welch's number of degrees of freedom is at least
-// as large as of either alone.
+// Returns whether two independent estimates may have one truth. Welch's degrees of freedom are at least those of either
+// estimate.
 inline testing::AssertionResult areEstimatesOfTheSame(const Measured& a, const Measured& b, uint64_t replicates) {
   return isEstimateOf({a.value, std::hypot(a.standard_error, b.standard_error)}, b.value, replicates);
 }

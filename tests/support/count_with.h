@@ -1,4 +1,4 @@
-// Counts pairs by a compute engine with given options, once.
+// countWith() counts pairs once, with a compute engine of the given options.
 #pragma once
 #include "engines/compute_engine.h"
 #include "tests/support/test_device.h"

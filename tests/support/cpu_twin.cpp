@@ -21,7 +21,7 @@ int64_t cross(Point a, Point b, Point c) { return (b.x - a.x) * (c.y - a.y) - (b
 struct Flat {
   std::vector<Point> corners;  // snapped, counter-clockwise
   bool front_up = false;
-  int place_at_tie = 0;  // along +u, of polygons at one depth
+  int place_at_tie = 0;  // order along +u among polygons of equal depth
   double z_min = 2, z_max = -2;
   int64_t z0 = 0, zx = 0, zy = 0;
   int shift = 0;
@@ -102,7 +102,7 @@ class Counters {
  public:
   Counters(const Ids& ids, bool blocked) : ids_(ids), blocked_(blocked) {}
 
-  // Adds the gaps of one line, and the pairs that they keep apart.
+  // Adds the gaps of one line, and the pairs that the line counts as blocked.
   void add(const Layers& layers, uint64_t weight) {
     for (size_t a = 0; blocked_ && a < layers.size(); ++a)
       for (size_t b = a + 2; b < layers.size(); ++b) {
@@ -147,12 +147,12 @@ class Counters {
   std::map<std::pair<uint32_t, uint32_t>, std::pair<uint64_t, uint64_t>> counters_;  // facing, blocked
 };
 
-// Returns the columns [low, high) of row y that a polygon covers, in units of 2^-column_bits of a spacing. Bisection of
-// the covering test from a column inside finds each bound.
+// Returns the columns [low, high) of row y that a polygon covers, in units of 2^-column_bits of a spacing. Bisection
+// from a column inside finds both ends, by the covering test.
 std::pair<int64_t, int64_t> spanOf(const Flat& flat, int64_t y, int column_bits, int bits) {
   const int64_t unit = int64_t(1) << (bits - column_bits);
   const auto covers = [&](int64_t column) { return flat.covers({column * unit, y << bits}); };
-  // Where the row crosses the edges, so where some column inside must be.
+  // A column inside must lie near one of the places where the row crosses edges.
   std::vector<int64_t> crossings;
   for (size_t k = 0; k < flat.corners.size(); ++k) {
     const Point a = flat.corners[k], b = flat.corners[(k + 1) % flat.corners.size()];
@@ -182,7 +182,7 @@ Layers layersAt(const std::vector<Flat>& flats, const std::vector<uint32_t>& cov
                 int column_bits) {
   Layers layers;
   for (uint32_t k : covering) {
-    // Columns count from the cell's first.
+    // Depth is computed from the first column of its cell.
     const int64_t cell = column >> (column_bits + 3) << 3, in_cell = column - (cell << column_bits);
     const int64_t z =
         (flats[k].z0 + flats[k].zx * cell + flats[k].zy * y + int64_t(Wide(flats[k].zx) * in_cell >> column_bits)) >>

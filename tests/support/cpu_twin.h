@@ -1,4 +1,4 @@
-// This is a second writing of the engines' rules, slow and plain, whose counts every engine must equal.
+// The CPU twin is a second writing of the engines' rules, slow and plain. Every engine must have its counts.
 #pragma once
 #include <viewpeel/engine.h>
 #include "engines/lattice_options.h"
@@ -7,21 +7,21 @@
 
 namespace viewpeel {
 
-// Tests plant these faults, which comparisons must notice.
+// Tests plant these faults in the twin, and comparisons must find them.
 enum class Fault { none, last_layer_dropped, two_depths_swapped };
 
-// Returns the counts that an engine must have, to the last bit. It is a second writing of the raster rules of
-// shaders/geometry.glsl and project.comp and of the facing rules, without any of the engines' passes. Every lattice
-// point of the window sorts all polygons that cover it. With `blocked` every two of them are looked at.
+// Returns the counts that every engine must have, to the last bit. It has the raster rules of shaders/geometry.glsl and
+// project.comp and the facing rules, but none of the engines' passes. At every lattice point of the window it sorts all
+// polygons that cover the point. With `blocked` it also counts blocked pairs.
 PairCounts countPairsOnCpu(const Scene& scene, const Ids& ids, const std::vector<Direction>& directions, int resolution,
                            bool blocked = false, Fault fault = Fault::none, const Window& window = {});
 
-// Returns the same with scanlines: every interval between consecutive ends of spans sorts all polygons that hold its
+// Returns the counts by scanlines. In every interval between consecutive span ends it sorts all polygons that cover the
 // middle.
 PairCounts countIntervalsOnCpu(const Scene& scene, const Ids& ids, const std::vector<Direction>& directions,
                                int resolution, bool blocked = false);
 
-// Returns the counts of an engine that counts no blocked pairs.
+// Returns the counts without blocked pairs, as of an engine that does not count these.
 inline PairCounts withoutBlocked(PairCounts counts) {
   for (PairCount& c : counts) c.blocked = 0;
   std::erase_if(counts, [](const PairCount& c) { return c.count == 0; });

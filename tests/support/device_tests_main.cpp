@@ -8,7 +8,7 @@
 namespace viewpeel {
 namespace {
 
-// Fails a test in which the validation layer reported an error.
+// ValidationListener fails every test in which the validation layer reports an error.
 class ValidationListener : public testing::EmptyTestEventListener {
   void OnTestStart(const testing::TestInfo&) override { seen_ = testDevice().validationErrors().size(); }
   void OnTestEnd(const testing::TestInfo&) override {
@@ -50,7 +50,7 @@ PairCounts countPairs(const Scene& scene, const std::vector<Direction>& directio
   };
   if (std::any_of(scene.polygons.begin(), scene.polygons.end(), isStacked)) {
     EXPECT_THROW(makeGraphicsEngine(testDevice(), scene, ids, run.lattice),
-                 Error);  // orders two coincident polygons, not three
+                 Error);  // it can order two coincident polygons only
   } else {
     EXPECT_EQ(counts, makeGraphicsEngine(testDevice(), scene, ids, run.lattice)->count(directions))
         << scene.file << ": compute and graphics differ";

@@ -35,7 +35,8 @@ struct Case {
 };
 
 inline Corners squareAbove(double z, double side = 1) { return rectangle({0, 0, z}, {0, side, 0}, {side, 0, 0}); }
-// Shares the edge from (0, 0, 0) to (0, 1, 0) with the unit square; the fronts make this angle.
+// Returns a square that shares the edge from (0, 0, 0) to (0, 1, 0) with the unit square. The fronts enclose this
+// angle.
 inline Corners hinged(double angle_rad) {
   return rectangle({0, 0, 0}, {0, 1, 0}, {std::cos(angle_rad), 0, std::sin(angle_rad)});
 }
@@ -66,7 +67,7 @@ inline const std::vector<Case>& cases() {
         {"triangle and pentagon",
          {{0, 0, 0}, {1, 0.1, 0}, {0.3, 0.8, 0}},
          {{0.2, 0.2, 0.5}, {0, 0.6, 0.7}, {0.3, 0.9, 0.7}, {0.7, 0.8, 0.5}, {0.65, 0.4, 0.4}}}};
-    // Moves the pentagon's corners into one plane.
+    // All corners of the pentagon are moved into one plane.
     for (glm::dvec3& corner : list.back().b) corner.z = 0.6 + 0.2 * corner.x - 0.3 * corner.y;
     Random random(99);
     while (list.size() < 58) {
@@ -84,11 +85,12 @@ inline const std::vector<Case>& cases() {
 
 struct PairScene {
   Scene scene;
-  double scale = 1;  // from the case's unit to the scene's
-  Corners a, b;      // in the scene's unit
+  double scale = 1;  // length in the scene over length in the case
+  Corners a, b;      // in units of the scene
 };
 
-// Places the case in the unit ball, turned so that nothing is along an axis, unless rounding would open what touches.
+// Places the case in the unit ball. A seed other than 0 turns it, so that no edge lies along an axis; rounding may then
+// open contacts.
 inline PairScene sceneOf(const Case& pair, uint64_t seed = 0) {
   glm::dvec3 low(1e9), high(-1e9);
   for (const Corners& corners : {pair.a, pair.b})

@@ -1,4 +1,4 @@
-// These enclosures have form factors in closed form. Tests of heat use them.
+// Tests of heat use these enclosures, whose form factors are closed forms.
 #pragma once
 #include <cmath>
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace viewpeel::test_enclosures {
 
-// Returns form factors with these exchange areas and standard errors; rows add up as the entries do.
+// Returns form factors with these exchange areas and standard errors. Row sums are those of the entries.
 inline FormFactors formFactors(const std::vector<double>& areas, std::vector<FormFactors::Entry> entries) {
   Ids ids;
   ids.areas = areas;
@@ -29,7 +29,8 @@ inline Material flux(double emissivity, double heat_flux) { return {emissivity, 
 
 inline double power(double temperature) { return kStefanBoltzmann * std::pow(temperature, 4); }
 
-// Returns the heat flow from a surface to one around it that see only each other, and the outer one itself (Oppenheim).
+// Returns the heat flow, W, from a surface to one around it. The inner one sees only the outer one, which also sees
+// itself (Oppenheim).
 inline double betweenTwo(double area, double emissivity, double temperature, double outer_area, double outer_emissivity,
                          double outer_temperature) {
   return (power(temperature) - power(outer_temperature)) /

@@ -21,8 +21,7 @@ struct Layer {
   bool front_up;
 };
 
-// Calls add(a, b) for every gap of a line that counts, and block(a, b) for every two that face each other across more
-// than a gap.
+// Calls add(a, b) for every gap of a line that counts, and block(a, b) for every blocked pair.
 template <class Layers, class Add, class Block>
 void classifyLine(const Layers& layers, bool two_sided, const Add& add, const Block& block) {
   for (size_t k = 0; k <= layers.size(); ++k) {
@@ -69,7 +68,7 @@ struct Outline {
   std::vector<Point> corners;
 };
 
-struct Frame {  // u = (u_i, u_j, u_k) along axes i, j, k; k the largest
+struct Frame {  // u has components u_i, u_j, u_k along axes i, j, k; k has the largest
   int i, j, k;
   explicit Frame(const glm::dvec3& u) {
     k = std::abs(u.x) > std::abs(u.y) ? 0 : 1;
@@ -169,7 +168,7 @@ SlabAreas cutIntoSlabs(const Scene& scene, const glm::dvec3& u, bool two_sided) 
 
 namespace {
 
-// Returns right-handed axes across u.
+// Returns two unit vectors that are orthogonal to u and right-handed with it.
 std::pair<glm::dvec3, glm::dvec3> axesAcross(const glm::dvec3& u) {
   const glm::dvec3 other = std::abs(u.x) < 0.7 * glm::length(u) ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
   const glm::dvec3 x = glm::normalize(glm::cross(other, u));

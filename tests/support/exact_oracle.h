@@ -1,4 +1,4 @@
-// The oracle computes the areas of pairs in slow, plain ways, which share only the facing rules with the exact path.
+// The oracle computes areas of pairs in slow, plain ways. It shares only the facing rules with the exact path.
 #pragma once
 #include <cstdint>
 #include <map>
@@ -12,9 +12,9 @@ namespace viewpeel::tests {
 
 using AreaMap = std::map<std::pair<uint32_t, uint32_t>, double>;  // (a, b), a < b -> area in P(u)
 
-// SlabAreas has the plane cut into slabs between all x of end points and crossings, the slabs into trapezoids by all
-// edges; each trapezoid's layers sorted by exact height at its middle. Rational numbers throughout, rounded once per
-// trapezoid.
+// SlabAreas are areas of facing and of blocked pairs. The plane is cut into slabs between the x coordinates of all end
+// points and crossings, and edges cut the slabs into trapezoids. In each trapezoid layers are sorted by their exact
+// height in its middle. All numbers are rational, and are rounded once for each trapezoid.
 //   Error: 1e-15 per trapezoid of a pair.
 //   Cost: O(crossings x edges x polygons) rational operations: small scenes only.
 struct SlabAreas {
@@ -22,13 +22,13 @@ struct SlabAreas {
 };
 SlabAreas cutIntoSlabs(const Scene& scene, const glm::dvec3& u, bool two_sided = false);
 
-// Samples does the same at random lines along u through a square that covers the projection: the share of lines times
-// its area.
+// Samples are areas of facing pairs from random lines along u through a square that covers the projection: the share of
+// lines times the area of the square.
 //   Error: standard deviation sqrt(area (square - area) / samples).
 //   Cost: O(samples x polygons), double.
 struct Samples {
   AreaMap areas;
-  double square = 0;  // area that was sampled
+  double square = 0;  // area of the square
 };
 Samples sampleLines(const Scene& scene, const glm::dvec3& u, uint32_t sample_count, uint32_t seed);
 

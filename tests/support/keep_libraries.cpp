@@ -1,3 +1,3 @@
-// Programs under a sanitizer link this file: libraries stay loaded, or leaks in a driver would have no name for
-// tests/support/lsan.supp.
+// Programs under a sanitizer link this file, which keeps libraries loaded. Otherwise leaks in a driver would have no
+// name that tests/support/lsan.supp could match.
 extern "C" int dlclose(void*) { return 0; }

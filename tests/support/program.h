@@ -1,4 +1,4 @@
-// Runs the program as a user does.
+// The fixture Program runs the program as a user does.
 #pragma once
 #include <array>
 #include <cstdio>
@@ -36,8 +36,8 @@ inline std::string readFile(const std::filesystem::path& file) {
   return text.str();
 }
 
-// Returns what the program shows after a label: the rest of the first line that begins with it, without the spaces
-// between. Where no line does, the text is returned whole, so that a failing test shows it.
+// Returns the rest of the first output line that begins with the label, without the spaces between. Without such a line
+// it returns the whole output, so that a failing test shows it.
 inline std::string shownValue(const std::string& output, const std::string& label) {
   const size_t line = ("\n" + output).find("\n" + label + " ");
   if (line == std::string::npos) return output;
@@ -45,7 +45,7 @@ inline std::string shownValue(const std::string& output, const std::string& labe
   return output.substr(value, output.find('\n', value) - value);
 }
 
-// Each test has a folder of its own.
+// Program is a test with a folder of its own.
 class Program : public testing::Test {
  protected:
   void SetUp() override {

@@ -1,4 +1,4 @@
-// These functions let Debian's Python read files that the library wrote, with the lines that the documents show.
+// These functions run Debian's Python on files that the library wrote, with the code blocks of the documents.
 #pragma once
 #include <sys/wait.h>
 
@@ -16,7 +16,7 @@ struct PythonResult {
   std::string output;  // stdout and stderr
 };
 
-// Runs a script with Debian's interpreter, which sees Debian's modules, in a folder.
+// Runs a script in the folder, with Debian's interpreter, which finds Debian's modules.
 inline PythonResult runPython(const std::filesystem::path& folder, const std::string& script) {
   const std::filesystem::path file = folder / "script.py";
   std::ofstream(file) << script;
@@ -30,7 +30,7 @@ inline PythonResult runPython(const std::filesystem::path& folder, const std::st
   return result;
 }
 
-// Returns the Python block of a document whose first line is `# TITLE`; empty where there is none.
+// Returns the Python block of a document that begins with `# TITLE`, or an empty string.
 inline std::string pythonBlock(const std::string& document, const std::string& title) {
   std::ifstream in(document);
   std::string block;

@@ -1,4 +1,4 @@
-// Makes a matrix in which every transposition and permutation of rows shows: unequal areas, random form factors.
+// randomFormFactors() has unequal areas and random values, so that swapped rows and transpositions change the matrix.
 #pragma once
 #include <random>
 #include <vector>

@@ -15,7 +15,7 @@ namespace viewpeel::reference::test {
 
 using Corners = std::vector<glm::dvec3>;
 
-// Returns the parallelogram origin, + u, + u + v, + v; its front looks along u x v.
+// Returns the parallelogram with corners origin, origin + u, origin + u + v, origin + v. Its front looks along u x v.
 inline Corners rectangle(glm::dvec3 origin, glm::dvec3 u, glm::dvec3 v) {
   return {origin, origin + u, origin + u + v, origin + v};
 }
@@ -51,7 +51,8 @@ struct Random {
     return {ring * std::cos(angle_rad), ring * std::sin(angle_rad), z};
   }
 
-  // Corners on an ellipse with axes 0.3 to 1, one in each of corner_count equal sectors.
+  // Returns a convex polygon. Its corners lie on an ellipse with half axes 0.3 to 1, one in each of corner_count equal
+  // sectors.
   Corners convexPolygon(glm::dvec3 centre, glm::dvec3 normal, int corner_count) {
     const glm::dvec3 x = glm::normalize(glm::cross(normal, direction())), y = glm::cross(normal, x);
     const double rx = uniform(0.3, 1), ry = uniform(0.3, 1);
@@ -68,8 +69,7 @@ struct Pair {
   Corners a, b;
 };
 
-// Returns two polygons of three to seven corners each, within 5 of each other; about a third reach behind the other's
-// plane.
+// Returns two polygons of three to seven corners, at most 5 apart. About a third reach behind the plane of the other.
 inline Pair randomPair(Random& random) {
   const glm::dvec3 towards = random.direction();
   const auto facing = [&random](glm::dvec3 d) { return glm::normalize(d + 0.8 * random.direction()); };
@@ -78,14 +78,14 @@ inline Pair randomPair(Random& random) {
   return {a, random.convexPolygon(random.uniform(1.2, 5) * towards, facing(-towards), count_b)};
 }
 
-// Compares a value with the truth, with a derived bound.
+// Returns whether the value differs from the truth by at most the bound.
 inline testing::AssertionResult isWithin(double value, double truth, double bound) {
   if (std::abs(value - truth) <= bound) return testing::AssertionSuccess();
   return testing::AssertionFailure() << std::scientific << value << " is off " << truth << " by "
                                      << std::abs(value - truth) << " > " << bound;
 }
 
-// An estimate against the truth. 4.5 standard errors of a normal mean: one false alarm in 147,000 comparisons.
+// A normal mean differs by more than 4.5 standard errors once in 147,000 comparisons.
 constexpr double kStandardErrors = 4.5;
 
 inline testing::AssertionResult isEstimateOf(double value, double standard_error, double truth,

@@ -1,4 +1,4 @@
-// Running is the program in the background.
+// Running is the program as a background process.
 #pragma once
 #include <chrono>
 #include <csignal>
@@ -11,8 +11,8 @@ namespace viewpeel {
 
 inline void waitFor(double seconds) { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
 
-// A program that is stopped ends in this time: 2 s, and some for a busy machine, or for a sanitizer's ten times slower
-// program on one.
+// A program that is asked to stop ends within this time, s: 2 s, and a margin for a busy machine. Under a sanitizer it
+// is ten times slower.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr double kSoon = 60;
 #else
@@ -21,7 +21,7 @@ constexpr double kSoon = 5;
 
 class Running {
  public:
-  // In: before: shell commands that go before the program
+  // In: before: shell commands that run before the program
   Running(const std::string& arguments, const std::string& messages, const std::string& before = "") {
     pid_ = ::fork();
     if (pid_ == 0) {
@@ -39,7 +39,7 @@ class Running {
   }
   void send(int signal) { ::kill(pid_, signal); }
   bool hasEnded() { return ended_ || (ended_ = ::waitpid(pid_, &status_, WNOHANG) == pid_); }
-  // Returns its exit status, or minus the signal that ended it.
+  // Returns the exit status, or minus the number of the signal that ended the program.
   int wait() {
     if (!ended_) ::waitpid(pid_, &status_, 0);
     ended_ = true;

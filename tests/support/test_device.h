@@ -1,4 +1,4 @@
-// Here are the device that all device tests share, and runs of the estimator on it.
+// All device tests share this device, and these functions that run the estimator on it.
 #pragma once
 #include <ostream>
 
@@ -11,7 +11,7 @@
 
 namespace viewpeel {
 
-// Failure messages and == need these operators.
+// Comparisons and failure messages need these operators.
 inline bool operator==(const PairCount& a, const PairCount& b) {
   return a.i == b.i && a.j == b.j && a.count == b.count && a.blocked == b.blocked;
 }
@@ -19,11 +19,11 @@ inline void PrintTo(const PairCount& c, std::ostream* out) {
   *out << "(" << c.i << ", " << c.j << "): " << c.count << ", blocked " << c.blocked;
 }
 
-// Returns the device all tests share, with validation and synchronisation validation on. Any error message fails the
-// test in which it came.
+// Returns the device that all tests share. Validation and synchronisation validation are on, and a test fails if it
+// causes an error message.
 const Device& testDevice();
 
-// Returns engines of a kind, on that device where they need one.
+// Returns a factory for engines of this kind, which use the shared device if they need one.
 EngineFactory enginesOf(EngineKind kind);
 
 struct TestRun {
@@ -35,20 +35,20 @@ struct TestRun {
   const char* name = "compute";
 };
 
-// The same run with lattice points of the compute and the host engine, whose counts are the same, and with the host
-// engine's scanlines.
+// Returns three variants of the run: lattice points of the compute engine and of the host engine, whose counts are
+// equal, and scanlines of the host engine.
 std::vector<TestRun> withEngines(const TestRun& run = {});
 
 Estimate estimateScene(const InputScene& input, const TestRun& run = {});
 
-// A CountRun says how counts of one set of directions are made.
+// CountRun has the settings for counting one set of directions.
 struct CountRun {
   LatticeOptions lattice;
   bool two_sided = false;
   By by = By::polygon;
 };
 
-// The counts of the compute engine; graphics and host engine have to agree to the last bit.
+// Returns the counts of the compute engine. Expects the same bits from the graphics and host engines.
 PairCounts countPairs(const Scene& scene, const std::vector<Direction>& directions, const CountRun& run);
 
 }  // namespace viewpeel

@@ -20,7 +20,7 @@ class TestFolder : public testing::Test {
     std::ofstream(folder_ / name, std::ios::binary) << text;
     return folder_ / name;
   }
-  // Returns the message of the bad_input that reading refuses; "none" where it refuses nothing.
+  // Returns the message of the Error bad_input that `read` throws, or "none" if it throws nothing.
   static std::string refusalOf(const std::function<void()>& read) {
     try {
       read();
@@ -30,7 +30,7 @@ class TestFolder : public testing::Test {
     }
     return "none";
   }
-  // Returns a message without the first characters, which name the file; "none" stays.
+  // Returns the message without its first `length` characters, which name the file. "none" stays.
   static std::string withoutPlace(const std::string& message, size_t length) {
     return message == "none" ? message : message.substr(length);
   }

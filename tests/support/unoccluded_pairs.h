@@ -1,4 +1,4 @@
-// Tests of unoccluded form factors share scenes of many pairs, and run on the device and on the processor.
+// Tests of unoccluded form factors share these scenes of many pairs. They run on the device and on the processor.
 #pragma once
 #include "scene/group_planes.h"
 #include "unoccluded/unoccluded.h"
@@ -31,8 +31,8 @@ struct CornerPair {
   Corners a, b;
 };
 
-// Polygons 2k and 2k + 1 are a pair, each pair built as a scene of its own. Polygons of different pairs may lie
-// anywhere, across each other or in one place: no pair depends on another one.
+// Returns a scene whose polygons 2k and 2k + 1 are pair k, built as a scene of its own. Polygons of different pairs may
+// cross or coincide, for no pair depends on another.
 inline Scene sceneOf(const std::vector<CornerPair>& pairs, const SceneOptions& options = {}) {
   Scene all;
   all.file = "pairs";
@@ -65,7 +65,7 @@ inline Corners cornersOf(const Scene& scene, uint32_t polygon) {
   return {scene.corners.begin() + p.first_corner, scene.corners.begin() + p.first_corner + p.corner_count};
 }
 
-// Returns F from the smaller polygon.
+// Returns the form factor from the smaller polygon.
 inline double largerFactor(const Scene& scene, uint32_t i, uint32_t j, double exchange_area) {
   return exchange_area / std::min(scene.polygons[i].area, scene.polygons[j].area);
 }
@@ -80,7 +80,7 @@ inline testing::AssertionResult isAccurate(double form_factor, double truth, dou
                                                     form_factor - truth, allowedError(truth) + truth_error);
 }
 
-inline bool on_host = false;  // whether this run of a test is about the processor
+inline bool on_host = false;  // true while a test runs on the processor
 
 inline UnoccludedExchange makeExchange(const Scene& scene, const UnoccludedOptions& options = {}) {
   return on_host ? UnoccludedExchange(scene, options) : UnoccludedExchange(testDevice(), scene, options);
@@ -92,11 +92,11 @@ class Unoccluded : public testing::TestWithParam<bool> {
 };
 
 struct Outcome {
-  std::vector<double> factors;  // from the smaller polygon
+  std::vector<double> factors;  // form factors from the smaller polygon of each pair
   UnoccludedWork work;
 };
 
-// All pairs in both orders: the same bits, none short of the accuracy.
+// Computes all pairs in both orders. Expects equal bits, and that all pairs reach the accuracy.
 inline Outcome computeBothWays(const Scene& scene, const std::string& what) {
   UnoccludedExchange exchange = makeExchange(scene);
   std::vector<SidePair> pairs, reversed;
@@ -113,7 +113,8 @@ inline Outcome computeBothWays(const Scene& scene, const std::string& what) {
   return outcome;
 }
 
-// Makes triangles and quadrilaterals at a distance of 0.3 to `most` sizes, log-uniform; sizes in a ratio up to `ratio`.
+// Returns two triangles or quadrilaterals. The first has size 1; the second is smaller by a factor up to `ratio`. Their
+// distance is 0.3 to `most`, log-uniform.
 inline CornerPair randomPair(Random& random, double most, double ratio) {
   const glm::dvec3 towards = random.direction();
   const auto facing = [&random](glm::dvec3 d) { return glm::normalize(d + 0.9 * random.direction()); };
