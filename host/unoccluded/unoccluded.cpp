@@ -147,6 +147,7 @@ void UnoccludedExchange::State::endPass() {
 
 void UnoccludedExchange::State::addSeconds(std::span<const char* const> passes) {
   const std::vector<double> seconds = timestamps.seconds();
+  if (seconds.empty()) return;  // the device has no timestamps
   for (size_t k = 0; k < passes.size(); ++k) {
     const auto entry = std::find_if(work.pass_seconds.begin(), work.pass_seconds.end(),
                                     [&](const auto& one) { return one.first == passes[k]; });

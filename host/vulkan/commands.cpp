@@ -5,7 +5,9 @@
 
 namespace viewpeel {
 
-Commands::Commands(const Device& device) : device_(device.handle()), queue_(device.queue()) {
+Commands::Commands(const Device& device) : Commands() {  // so that the destructor frees what there is after a failure
+  device_ = device.handle();
+  queue_ = device.queue();
   VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
   pool.queueFamilyIndex = device.queueFamily();
   check(vkCreateCommandPool(device_, &pool, nullptr, &pool_), "vkCreateCommandPool");

@@ -56,6 +56,8 @@ class Commands {
   }
 
  private:
+  Commands() = default;
+
   VkDevice device_ = VK_NULL_HANDLE;
   VkQueue queue_ = VK_NULL_HANDLE;
   VkCommandPool pool_ = VK_NULL_HANDLE;

@@ -10,7 +10,9 @@ namespace viewpeel {
 
 Image::Image(const Device& device, uint32_t width, uint32_t height, VkFormat format, VkImageUsageFlags usage,
              VkImageAspectFlags aspect)
-    : device_(device.handle()), aspect_(aspect) {
+    : Image() {  // so that the destructor frees what there is when a later step throws
+  device_ = device.handle();
+  aspect_ = aspect;
   VkImageCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
   info.imageType = VK_IMAGE_TYPE_2D;
   info.format = format;
@@ -25,12 +27,10 @@ Image::Image(const Device& device, uint32_t width, uint32_t height, VkFormat for
   allocation.allocationSize = needs.size;
   allocation.memoryTypeIndex = device.memoryType(needs.memoryTypeBits, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
   if (needs.size > device.maxAllocationBytes() ||
-      vkAllocateMemory(device_, &allocation, nullptr, &memory_) != VK_SUCCESS) {
-    vkDestroyImage(device_, image_, nullptr);
+      vkAllocateMemory(device_, &allocation, nullptr, &memory_) != VK_SUCCESS)
     throw Error(ErrorCode::memory,
                 fmt::format("{}: cannot allocate an image of {} x {} pixels; try a smaller --resolution",
                             device.description().name, width, height));
-  }
   check(vkBindImageMemory(device_, image_, memory_, 0), "vkBindImageMemory");
   VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
   view.image = image_;

@@ -51,7 +51,9 @@ VkPipelineShaderStageCreateInfo ShaderModule::stage(VkShaderStageFlagBits stage)
 
 Kernel::Kernel(const Device& device, std::span<const uint32_t> spirv, uint32_t push_bytes,
                const std::vector<uint32_t>& constants, uint32_t texel_buffers)
-    : device_(device.handle()), stages_(VK_SHADER_STAGE_COMPUTE_BIT) {
+    : Kernel() {  // so that the destructor frees what there is when a later step throws
+  device_ = device.handle();
+  stages_ = VK_SHADER_STAGE_COMPUTE_BIT;
   const ShaderModule module(device, spirv);
   if (texel_buffers) texels_ = createTexelLayout(device_, texel_buffers);
   layout_ = createLayout(device_, stages_, push_bytes, texels_);
@@ -68,7 +70,9 @@ Kernel::Kernel(const Device& device, std::span<const uint32_t> spirv, uint32_t p
 
 Kernel::Kernel(const Device& device, std::span<const uint32_t> vertex_spirv, std::span<const uint32_t> fragment_spirv,
                VkFormat colour, VkFormat depth, uint32_t push_bytes, VkCompareOp nearer)
-    : device_(device.handle()), stages_(VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT) {
+    : Kernel() {
+  device_ = device.handle();
+  stages_ = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
   const ShaderModule vertex(device, vertex_spirv), fragment(device, fragment_spirv);
   const std::array stages = {vertex.stage(VK_SHADER_STAGE_VERTEX_BIT), fragment.stage(VK_SHADER_STAGE_FRAGMENT_BIT)};
   layout_ = createLayout(device_, stages_, push_bytes);

@@ -5,6 +5,7 @@
 //   texels:N    devices address N texels of a buffer
 //   version     devices speak Vulkan 1.2 only
 //   feature     devices lack 64-bit integers in shaders
+//   clock       no queue takes timestamps
 //   none        there are no devices
 // Protocol: Khronos, Vulkan-Loader, LoaderLayerInterface.md, version 2.
 #include <vulkan/vk_layer.h>
@@ -52,6 +53,7 @@ struct Next {
   PFN_vkEnumeratePhysicalDevices enumeratePhysicalDevices;
   PFN_vkGetPhysicalDeviceProperties2 getProperties2;
   PFN_vkGetPhysicalDeviceFeatures2 getFeatures2;
+  PFN_vkGetPhysicalDeviceQueueFamilyProperties getQueueFamilies;
   PFN_vkQueueSubmit2 queueSubmit2;
   PFN_vkWaitForFences waitForFences;
   PFN_vkAllocateMemory allocateMemory;
@@ -88,6 +90,7 @@ VKAPI_ATTR VkResult VKAPI_CALL createInstance(const VkInstanceCreateInfo* info, 
   findOfInstance("vkEnumeratePhysicalDevices", next.enumeratePhysicalDevices);
   findOfInstance("vkGetPhysicalDeviceProperties2", next.getProperties2);
   findOfInstance("vkGetPhysicalDeviceFeatures2", next.getFeatures2);
+  findOfInstance("vkGetPhysicalDeviceQueueFamilyProperties", next.getQueueFamilies);
   return result;
 }
 
@@ -129,6 +132,13 @@ VKAPI_ATTR void VKAPI_CALL getProperties2(VkPhysicalDevice device, VkPhysicalDev
 VKAPI_ATTR void VKAPI_CALL getFeatures2(VkPhysicalDevice device, VkPhysicalDeviceFeatures2* features) {
   next.getFeatures2(device, features);
   if (fault() == "feature") features->features.shaderInt64 = VK_FALSE;
+}
+
+VKAPI_ATTR void VKAPI_CALL getQueueFamilies(VkPhysicalDevice device, uint32_t* count,
+                                            VkQueueFamilyProperties* families) {
+  next.getQueueFamilies(device, count, families);
+  if (families && fault() == "clock")
+    for (uint32_t k = 0; k < *count; ++k) families[k].timestampValidBits = 0;
 }
 
 VKAPI_ATTR VkResult VKAPI_CALL queueSubmit2(VkQueue queue, uint32_t count, const VkSubmitInfo2* submits,
@@ -184,6 +194,7 @@ PFN_vkVoidFunction find(const char* name) {
               {"vkEnumeratePhysicalDevices", reinterpret_cast<PFN_vkVoidFunction>(enumeratePhysicalDevices)},
               {"vkGetPhysicalDeviceProperties2", reinterpret_cast<PFN_vkVoidFunction>(getProperties2)},
               {"vkGetPhysicalDeviceFeatures2", reinterpret_cast<PFN_vkVoidFunction>(getFeatures2)},
+              {"vkGetPhysicalDeviceQueueFamilyProperties", reinterpret_cast<PFN_vkVoidFunction>(getQueueFamilies)},
               {"vkQueueSubmit2", reinterpret_cast<PFN_vkVoidFunction>(queueSubmit2)},
               {"vkWaitForFences", reinterpret_cast<PFN_vkVoidFunction>(waitForFences)},
               {"vkAllocateMemory", reinterpret_cast<PFN_vkVoidFunction>(allocateMemory)},

@@ -30,10 +30,10 @@ class Fault : public Program {
     EXPECT_EQ(result.output.find("viewpeel: "), 0u) << result.output;
     for (const std::string& part : parts) EXPECT_NE(result.output.find(part), std::string::npos) << result.output;
   }
-  uint64_t replicatesOf(const std::string& name) const {
-    const std::string shown = run("merge " + file(name)).output;
-    const size_t at = shown.find("\nreplicates     0 to ");
-    return at == std::string::npos ? 0 : std::stoul(shown.substr(at + 21)) + 1;
+  // Returns the number of replicates in a checkpoint that begins with replicate 0; 0 without a checkpoint.
+  uint64_t replicateCountOf(const std::string& name) const {
+    const std::string kFirst = "0 to ", held = replicatesOf(name);
+    return held.starts_with(kFirst) ? std::stoul(held.substr(kFirst.size())) + 1 : 0;
   }
   std::string writeSheets() const {
     std::ofstream out(file("sheets.obj"));
@@ -86,6 +86,16 @@ TEST_F(Fault, NoUsableDeviceIsReportedWithTheReason) {
   expectOneLine(run(plates, withFault("feature")), 1, {"no usable device: 0: ", "lacks shaderInt64"});
 }
 
+// A device without timestamps cannot say how long its passes take. The counts are the same.
+TEST_F(Fault, ADeviceWithoutAClockCountsTheSame) {
+  for (const char* options :
+       {"--engine compute --directions 20 ", "--engine compute --unoccluded on --directions 20 "}) {
+    ASSERT_EQ(run(kOffice + options + "-o " + file("with.csv")).status, 0);
+    ASSERT_EQ(run(kOffice + options + "-o " + file("without.csv"), withFault("clock")).status, 0) << options;
+    EXPECT_EQ(readFile(file("without.csv")), readFile(file("with.csv"))) << options;
+  }
+}
+
 // The device is lost at the first submission, while planning, or later. A run that goes on from the checkpoint then
 // writes the bytes of a run without fault.
 TEST_F(Fault, LostDeviceKeepsTheCheckpoint) {
@@ -97,7 +107,7 @@ TEST_F(Fault, LostDeviceKeepsTheCheckpoint) {
     expectOneLine(run(options, withFault(fmt::format("lost:{}", submission))), 1,
                   {"the device was lost; run again, or choose another with --device"});
     EXPECT_FALSE(fs::exists(file("a.csv")));
-    most = std::max(most, replicatesOf("a.h5"));
+    most = std::max(most, replicateCountOf("a.h5"));
     ASSERT_EQ(run(options + " --resume").status, 0) << submission;
     EXPECT_EQ(readFile(file("a.csv")), readFile(file("whole.csv"))) << submission;
     fs::remove(file("a.csv"));
@@ -123,7 +133,7 @@ TEST_F(Fault, PairLinesOutliveTheDevice) {
   for (int submission : {8, 20, 26}) {
     fs::remove(file("a.csv"));
     expectOneLine(run(kept, withFault(fmt::format("lost:{}", submission))), 1, {"the device was lost"});
-    most = std::max(most, replicatesOf("a.h5"));
+    most = std::max(most, replicateCountOf("a.h5"));
     ASSERT_EQ(run(kept + " --resume").status, 0) << submission;
     EXPECT_TRUE(readFile(file("a.csv")) == whole) << submission;
     fs::remove(file("a.h5"));
@@ -249,7 +259,7 @@ TEST_F(Fault, SignalInALongBatchKeepsTheReplicatesBefore) {
       " --quiet --by surface --two-sided --engine graphics --directions 1 --resolution 8 --replicates 100000 ";
   Running running(options + "--checkpoint-seconds 0 -o " + file("a.csv") + " --checkpoint " + file("a.h5"),
                   file("messages"));
-  while (!running.hasEnded() && replicatesOf("a.h5") < 2) waitFor(0.2);
+  while (!running.hasEnded() && replicateCountOf("a.h5") < 2) waitFor(0.2);
   const auto start = Clock::now();
   running.send(SIGTERM);
   EXPECT_EQ(running.wait(), 143) << readFile(file("messages"));
@@ -273,11 +283,11 @@ TEST_F(Fault, TwoRunsDoNotDisturbEachOther) {
     EXPECT_TRUE(message.find("another run has put its own there") != std::string::npos ||
                 message.find("there is a checkpoint already") != std::string::npos)
         << message;
-    EXPECT_EQ(replicatesOf("a.h5"), 60u);
+    EXPECT_EQ(replicateCountOf("a.h5"), 60u);
   }
   {
     Running first(options + "100000 --resume", file("first"));
-    while (!first.hasEnded() && replicatesOf("a.h5") < 62) waitFor(0.1);
+    while (!first.hasEnded() && replicateCountOf("a.h5") < 62) waitFor(0.1);
     expectOneLine(run(options + "70 --resume"), 2, {"another run is keeping its checkpoint there"});
     first.send(SIGTERM);
     EXPECT_EQ(first.wait(), 143);

@@ -96,7 +96,7 @@ TEST_F(WriteFile, TemporaryNamesDifferAndAreNotFollowed) {
     });
   checkWritable(file);
   EXPECT_EQ(textOf(victim), "precious");
-  EXPECT_EQ(names.size(), 8u);  // all differ, of 62^6 possible names
+  EXPECT_EQ(names.size(), 8u);  // all differ, of 2^64 possible names
 }
 
 TEST_F(WriteFile, NothingIsLeftBehind) {
