@@ -1,4 +1,4 @@
-// A Hash has 64 bits, for fingerprints of scenes and for tables of corners.
+// Hash is a 64-bit hash for fingerprints of scenes and for tables of corners.
 #pragma once
 #include <bit>
 #include <concepts>
@@ -7,14 +7,14 @@
 
 namespace viewpeel {
 
-// A Hash has 64 bits that depend on all added values, in order. Two inputs that differ by accident have the same hash
-// with a chance of 2^-64, and never where they differ in one number alone. It does not withstand intent.
+// Hash depends on all added values and their order. Two inputs that differ by accident have equal hashes with
+// probability 2^-64, and never if they differ in a single number. It does not withstand attacks.
 class Hash {
  public:
   template <std::unsigned_integral T>
   void add(T number) {
     value_ = (value_ ^ number) *
-             0x9E3779B97F4A7C15u;  // odd: every step can be undone, so that different numbers stay different
+             0x9E3779B97F4A7C15u;  // odd, so every step is invertible and different numbers stay different
     value_ ^= value_ >> 32;
   }
   void add(double number) { add(std::bit_cast<uint64_t>(number)); }

@@ -1,4 +1,4 @@
-// The program allocates memory in its own way: freed memory is kept, and new memory comes in huge pages.
+// keepFreedMemory() makes the process keep freed memory, and take new memory in huge pages.
 #pragma once
 #include <malloc.h>
 #include <sys/mman.h>
@@ -17,7 +17,7 @@ namespace viewpeel {
 // sanitizer, pages stay small. A program calls this once, before it allocates much.
 inline void keepFreedMemory() {
   ::mallopt(M_MMAP_MAX, 0);
-  ::mallopt(M_TRIM_THRESHOLD, -1);  // never
+  ::mallopt(M_TRIM_THRESHOLD, -1);  // never return memory to the system
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
   const size_t bytes = size_t(::sysconf(_SC_PHYS_PAGES)) * size_t(::sysconf(_SC_PAGESIZE)) / 2;
   char* const ahead = static_cast<char*>(std::malloc(bytes));

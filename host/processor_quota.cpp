@@ -10,7 +10,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Reads "max 100000", or "150000 100000": microseconds of processor time in each period.
+// Returns the number of processors that a limit allows. The text is "max 100000" or "150000 100000": microseconds of
+// processor time, and of the period.
 double quotaOf(std::istream&& text) {
   double quota = 0, period = 0;
   return text >> quota >> period && quota > 0 && period > 0 ? quota / period : INFINITY;
@@ -30,7 +31,7 @@ double processorQuota(const fs::path& groups, const std::string& membership) {
   double least = INFINITY;
   std::istringstream lines(membership);
   for (std::string line; std::getline(lines, line);) {
-    // A line is "0::/user.slice/run" in version 2, "4:cpu,cpuacct:/job" in version 1.
+    // A line of /proc/self/cgroup is "0::/user.slice/run" in version 2, "4:cpu,cpuacct:/job" in version 1.
     const size_t first = line.find(':'), second = line.find(':', first + 1);
     if (second == std::string::npos) continue;
     const std::string controllers = line.substr(first + 1, second - first - 1);

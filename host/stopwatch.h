@@ -1,4 +1,4 @@
-// A stopwatch measures the time since a moment.
+// secondsSince() returns the seconds since an earlier moment.
 #pragma once
 #include <chrono>
 

@@ -43,7 +43,7 @@ size_t threadCount() {
 void limitThreads(size_t most) { most_threads = most; }
 
 size_t threadsFor(size_t entries) {
-  constexpr size_t kFew = 20'000;  // about 0.1 ms
+  constexpr size_t kFew = 20'000;  // entries that take about 0.1 ms
   return entries < kFew ? 1 : threadCount();
 }
 

@@ -1,9 +1,9 @@
-// What does it cost to count blocked pairs beside facing pairs? The bench prints processor time per direction without
-// and with them, as CSV on stdout.
+// This bench measures the cost of counting blocked pairs beside facing pairs. It prints processor time for a direction
+// without and with blocked pairs, as CSV on stdout.
 //   blocked_cost [--scene room|room4|triangles|FILE]... [--sampling lattice|scanline]... [--resolution PX]...
 //   [--directions N] [--rounds N]
-// One round counts the same directions without and with them, one after the other; ratios are of one round. Reading the
-// counters, once a call, is included.
+// A round counts the same directions first without and then with blocked pairs, and a ratio is of one round. The time
+// includes reading the counters once for each call.
 #include <ctime>
 
 #include <CLI/CLI.hpp>
@@ -55,7 +55,7 @@ void measure(const std::string& name, const Scene& scene, const std::string& sam
                                           .sampling = sampling == "lattice" ? Sampling::lattice : Sampling::scanline,
                                           .count_blocked = blocked == 1,
                                           .measure_work = options.verbose});
-    run(blocked);  // the first dispatch compiles, lists grow, and the tuning is settled
+    run(blocked);  // compiles, grows lists, settles the tuning
   }
   uint64_t facing = 0, in_all = 0;
   size_t facing_pairs = 0;

@@ -1,21 +1,22 @@
-// Are the standard errors honest? This bench answers: it counts how often the 95 % interval, mean +- t_0.975(R - 1)
-// standard errors, holds the true form factor, over many seeds. It prints CSV on stdout, one row for each scene,
-// setting, rule when to stop and class of entries.
+// This bench tests standard errors of form factors. Over many seeds it counts how often the 95 % interval, value +-
+// t_0.975(R - 1) standard errors, holds the true form factor. It prints CSV on stdout, with a row for each scene,
+// setting, rule when to stop, and class of entries.
 //   coverage [--scene facing|edge|far|cube|blocked|parts|gap|office|room|city]... [--unoccluded] [--host]
 //     [--directed R] [--sampler fibonacci|jittered|sobol|iid]... [--setting PXxN]... [--rule RULE]... [--seeds K]
 //     [--device D]
 //
-// The truth of office, room and city is a long run, of 16,384 directions and 256 scanlines. With --host the host engine
-// counts scanlines, in place of the compute engine's points. With --directed pairs have directions of their own where
-// pilots predict that they keep a run from a relative error of R. A rule is R, a fixed number of replicates, or R:G: at
-// least R, and on until the largest standard error reaches the tolerance that takes G on the average.
+// The truth of office, room and city is a long run of 16,384 directions on 256 scanlines. --host counts scanlines with
+// the host engine, not lattice points with the compute engine. With --directed some pairs have directions of their own:
+// the pairs that, as pilots predict, keep a run from a relative error of R. Rule R is a fixed number of replicates.
+// Rule R:G counts at least R replicates, and goes on until the largest standard error reaches a tolerance. The
+// tolerance is such that runs take G replicates in the mean.
 //
-// Entries fall into classes by the lattice points that a replicate is expected to count for them. With unoccluded form
-// factors entries that something blocks in part are a class, too: a pair with nothing or everything in between is exact
-// once a line hits it. The last class has all entries that some replicate hit. Entries of one run are correlated, so
-// the standard error of a coverage comes from the spread between seeds. An entry without a line is covered where
-// unmetBound holds the truth. Where all pairs have a truth there are two classes more: rows, the row sums written,
-// whose truth is 1, and groups, form factors between surfaces.
+// Entries are classed by the number of lattice points that a replicate is expected to count for them. With unoccluded
+// form factors there is also a class of entries that something blocks in part, for other pairs are exact once a line
+// met them. The class `met` has all entries that some replicate met. Entries of one run are correlated, so the standard
+// error of a coverage comes from the spread between seeds. An entry without a line counts as covered where unmetBound()
+// holds the truth. Where all pairs have a truth there are two more classes: `rows` are row sums, whose truth is 1, and
+// `groups` are form factors between surfaces.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -43,8 +44,9 @@ namespace {
 constexpr double kConfidence = 0.95, kNormalQuantile = 1.959964;
 constexpr uint64_t kPilotSeed = 1'000'000'000;
 constexpr uint32_t kPilots = 20, kPilotReplicates = 16;
-constexpr std::array<double, 5> kCountEnds{0.3, 1, 3, 10, INFINITY};  // expected per replicate
-// At least this share of an unoccluded form factor is seen, and as much is blocked.
+constexpr std::array<double, 5> kCountEnds{0.3, 1, 3, 10, INFINITY};  // expected counts of a replicate
+// A pair is blocked in part if more than this share of its unoccluded form factor is visible, and more than this share
+// is blocked.
 constexpr double kBlockedInPart = 1e-3;
 const std::map<std::string, Sampler> kSamplers(kSamplerNames.begin(), kSamplerNames.end());
 
@@ -58,7 +60,7 @@ struct Options {
   DeviceOptions device;
 };
 
-// Counts each replicate once, however many rules look at it.
+// RememberingEngine counts each replicate once, although several rules ask for it.
 class RememberingEngine : public Engine {
  public:
   explicit RememberingEngine(Engine& engine) : engine_(engine) {}
@@ -78,7 +80,7 @@ class RememberingEngine : public Engine {
 };
 
 struct Rule {
-  uint32_t replicates = 0, goal_replicates = 0;  // goal 0: none
+  uint32_t replicates = 0, goal_replicates = 0;  // goal_replicates 0: no goal
 };
 
 // Reads two numbers with a separator between them.
@@ -97,21 +99,21 @@ Rule ruleOf(const std::string& text) {
   return rule;
 }
 
-// An Entry is a form factor, and how often a replicate is expected to count it.
+// Entry is a form factor, with the expected number of counts of a replicate.
 struct Entry {
-  double truth, expected_count, area;  // the smaller of the two
+  double truth, expected_count, area;  // area: the smaller of the two, input units squared
   bool is_blocked_in_part = false;
 };
 
 struct RunOutcome {
-  std::vector<Measured> factors;  // of the entries
-  std::vector<Measured> rows;     // row sums; empty where not all pairs are looked at
-  std::vector<Measured> groups;   // between surfaces, of sumBySurface
+  std::vector<Measured> factors;  // form factors of the entries
+  std::vector<Measured> rows;     // row sums; empty where not all pairs have a truth
+  std::vector<Measured> groups;   // between surfaces, as in sumBySurface
   std::vector<double> unmet_bounds;
   uint64_t replicates = 0;
 };
 
-// A Tally counts the covered entries of one class.
+// Tally counts the covered entries of one class.
 class Tally {
  public:
   void startRun() { runs_.push_back({}); }
@@ -181,7 +183,7 @@ void report(const std::string& key, const std::vector<Entry>& entries, const Tru
   std::fflush(stdout);
 }
 
-// A Setting is an engine for one PXxN, and the entries whose intervals are judged.
+// Setting is an engine for one PXxN, with the entries whose intervals are judged.
 struct Setting {
   Setting(const Case& scene_case, const Ids& ids, const std::string& text, const Device& device,
           const Options& options);
@@ -208,7 +210,7 @@ Setting::Setting(const Case& scene_case, const Ids& ids, const std::string& text
          std::min(ids.areas[pair.first], pair.second < kEnvironment ? ids.areas[pair.second] : INFINITY)});
 }
 
-// SamplerRuns makes the runs of one scene, setting and sampler, all with one engine.
+// SamplerRuns makes the runs of one scene, setting and sampler with one engine.
 class SamplerRuns {
  public:
   SamplerRuns(const Case& scene_case, const Ids& ids, const Setting& setting, Sampler sampler, const Device& device,
@@ -224,7 +226,7 @@ class SamplerRuns {
   }
   SamplerRuns(const SamplerRuns&) = delete;
 
-  // Returns the largest standard error of one replicate, nearly: from pilot runs with seeds of their own.
+  // Returns the largest standard error of one replicate, estimated from pilot runs with seeds of their own.
   double largestErrorOfReplicate() {
     double largest = 0;
     for (uint32_t pilot = 0; pilot < kPilots; ++pilot) {
@@ -235,7 +237,7 @@ class SamplerRuns {
     return largest;
   }
 
-  // Returns the outcome of a seed for each of the program's rules.
+  // Returns the outcomes of one seed, one for each rule of the command line.
   std::vector<RunOutcome> outcomesOf(uint64_t seed, double largest_error, const Truths& group_truths) {
     engine_.forget();
     std::vector<RunOutcome> outcomes;
@@ -307,7 +309,7 @@ class SamplerRuns {
     directed_runs_ += !found_.prior.directed.empty();
   }
 
-  // Resolution and window tell the engines of pairs apart in these scenes, so each is made once for all seeds.
+  // Resolution and window identify the engine of a pair in these scenes, so each engine is made once for all seeds.
   std::unique_ptr<Engine> pairEngine(const Scene& scene, const Ids& pair_ids, const LatticeOptions& lattice) {
     std::unique_ptr<Engine>& made = pair_engines_[{lattice.resolution, lattice.window.radius}];
     if (!made) made = makeComputeEngine(device_, scene, pair_ids, lattice);

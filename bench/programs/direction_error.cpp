@@ -1,10 +1,10 @@
-// How does the error of a form factor fall with the number N of directions, for each way of drawing them? Scenes are
-// two squares with closed forms. CSV on stdout has the rms error over independent replicates of N directions, with
+// This bench measures how the error of a form factor falls with the number N of directions, for each sampler. Scenes
+// are two squares with closed forms. CSV on stdout has the rms error over independent replicates of N directions, with
 // exact areas along each direction and with lattice points. Comments have the exponent a of rms ~ N^-a by least
 // squares, with its standard error.
 //   direction_error [--scene facing|edge|distant]... [--sampler S]... [--directions N]... [--replicates K]
 //                   [--resolution PX]... [--lattice-directions N]... [--lattice-replicates K] [--device D]
-// The fit takes every N of which kFewestSeen directions or more see the pair on the average. Below it every sampler is
+// The fit takes every N at which kFewestSeen directions or more see the pair in the mean. With fewer, every sampler is
 // as good as independent directions.
 #include <cmath>
 #include <map>
@@ -37,11 +37,11 @@ struct Options {
   DeviceOptions device;
 };
 
-// A Spread has the errors of replicates of N directions each.
+// Spread describes the errors of replicates of N directions each.
 struct Spread {
   uint32_t directions = 0;
   double rms = 0, rms_standard_error = 0;
-  double bias = 0;  // mean error in its standard errors
+  double bias = 0;  // mean error over its standard error
 };
 
 Spread spreadOf(uint32_t directions, const std::vector<double>& errors) {
@@ -61,8 +61,8 @@ void printRow(const std::string& key, uint32_t replicates, const Spread& spread)
   std::fflush(stdout);
 }
 
-// error(directions, replicate) is one replicate's. The number of directions is the seed, too: the points of a fit are
-// independent.
+// Measures and fits one sampler. error(directions, replicate) returns the error of one replicate. It takes the number
+// of directions as seed too, so that the points of a fit are independent.
 template <class Error>
 void measure(const std::string& key, const std::vector<uint32_t>& direction_counts, uint32_t replicates,
              double seen_share, Error error) {

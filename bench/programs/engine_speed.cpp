@@ -1,13 +1,13 @@
-// How fast are the compute and the host engine beside Embree on the same cores? Rounds are interleaved, CSV is on
-// stdout.
+// This bench compares the speed of the compute and the host engine with Embree on the same cores. It interleaves
+// rounds, and prints CSV on stdout.
 //   engine_speed [--scene NAME] [--resolution PX] [--by polygon|surface] [--rounds N] [--seconds S]
-// Methods: `viewpeel` is the compute engine, `host` the same lattices by the host engine, and `host_scanlines` its
-// scanlines. Of a scanline a sample is counted where a lattice point would be. Embree traces and sorts the lines of the
-// same lattices in `embree_lines_*`, and shoots rays from the surfaces in `embree_rays_*`. A sample is a facing pair
-// seen by a line, or a ray that ends on a front; other rays cost time and count for nothing. All are timed from
-// directions or rays to all counts in the order of pairs. The fixed cost, reading and emptying counters without counts,
-// is timed in every round and left out. Debian builds its Embree with assertions on: Embree's own release build may be
-// faster than this one.
+// Methods: `viewpeel` is the compute engine on lattices, `host` the host engine on the same lattices, and
+// `host_scanlines` its scanlines. A scanline counts one sample for every lattice point of its length. `embree_lines_*`
+// trace and sort the lines of the same lattices. `embree_rays_*` shoot rays from the surfaces.
+// A sample is a facing pair on a line, or a ray that ends on a front. Other rays cost time and count nothing. The time
+// goes from directions or rays to all counts in the order of pairs. It leaves out the fixed cost of reading and
+// emptying the counters, which every round measures. Debian builds Embree with assertions on, so Embree's own release
+// build may be faster.
 #include <cmath>
 #include <functional>
 #include <optional>
@@ -38,8 +38,8 @@ struct Options {
   DeviceOptions device;
 };
 
-// A Method is one way to count. count(n) works through n directions, or n groups of rays, and returns samples; count(0)
-// has only the fixed cost.
+// Method is one way to count. count(n) counts n directions, or n groups of rays, and returns samples. count(0) has only
+// the fixed cost.
 struct Method {
   std::string name;
   bool has_directions;
@@ -50,7 +50,7 @@ struct Method {
   double fixedSeconds() const {
     return secondsOf([&] { count(0); });
   }
-  // Counts samples, and seconds without the fixed ones.
+  // Returns the samples and the seconds without the fixed cost.
   std::pair<uint64_t, double> run(uint64_t n) const {
     const double fixed_s = fixedSeconds();
     uint64_t samples = 0;
@@ -59,8 +59,8 @@ struct Method {
   }
 };
 
-// Chooses the amount of work, and warms up: the first dispatch on a device may compile. A method that leaves out a
-// fixed cost runs for at least as long as the cost: a small difference of two long times is noise.
+// Chooses the amount of work for least_seconds, and warms up: the first dispatch on a device may compile. A method with
+// a fixed cost runs at least as long as this cost, for a small difference of two long times is noise.
 void calibrate(Method& method, double least_seconds) {
   const uint64_t most = method.has_directions ? kMostDirections : 1u << 30;
   method.run(1);
@@ -106,7 +106,7 @@ void verify(Engine& engine, EmbreeRivals& embree, std::span<const Direction> dir
       double(distance(ours, theirs)) / pairs);
 }
 
-// MeasuredCase is one scene at one resolution, with all methods that count it.
+// MeasuredCase is one scene at one resolution, with all methods that can count it.
 class MeasuredCase {
  public:
   MeasuredCase(const std::string& name, const Scene& scene, const Ids& ids, EmbreeRivals& embree, const Device& device,
@@ -157,11 +157,11 @@ class MeasuredCase {
   static double samplesOf(const Method& method) { return median(method.samples_per_second); }
   std::span<const Direction> first(uint64_t count) const { return std::span(directions_).first(count); }
 
-  // Adds an engine, verified where it counts lattice points, or prints why it refuses the scene.
+  // Adds an engine, and verifies it if it counts lattice points. Prints the reason if it refuses the scene.
   void addEngine(const std::string& method, const std::function<std::unique_ptr<Engine>()>& make) {
     try {
       const std::shared_ptr<Engine> engine = make();
-      const double points_each = engine->unitArea() / pointArea(resolution_);  // lattice points' worth of a count
+      const double points_each = engine->unitArea() / pointArea(resolution_);  // lattice points that a count stands for
       if (points_each == 1) verify(*engine, embree_, first(4), resolution_);
       methods_.push_back({method, true, [=, this](uint64_t count) {
                             return static_cast<uint64_t>(double(facingPairs(engine->count(first(count)))) *
@@ -213,7 +213,7 @@ class MeasuredCase {
   int resolution_;
   EmbreeRivals& embree_;
   std::vector<Direction> directions_ = sampleDirections(Sampler::iid, kMostDirections, kSeed, 0);
-  std::vector<Method> methods_;  // engines first
+  std::vector<Method> methods_;  // engines come first
   size_t engine_count_ = 0;
   uint64_t seed_ = kSeed, rays_ = 0, ray_samples_ = 0;
 };

@@ -1,22 +1,24 @@
-// What error does each method have after what time? All form factors of a scene by viewpeel and by what users would
-// pick instead, in one run on one machine. CSV on stdout.
+// This bench measures the error that each method reaches in a given time. All methods compute all form factors of a
+// scene, viewpeel and its rivals, in one run on one machine. It prints CSV on stdout.
 //   error_time [--scene NAME]... [--method NAME]... [--full] [--seconds S] [--reference-seconds S]
 //   [--reference-method M [--reference-amount A]] [--rounds K] [--repeats K] [--view3d PROGRAM] [--view3d-most N]
 //   [--cache DIR] [--device D]
-// Methods (methods.cpp): planned (the program's default), planned_directions (without pair lines) and fixed (without a
-// plan), all three with all that a start takes; fibonacci, jittered, iid and the same with unoccluded form factors,
-// scanline, host and host_unoccluded (scanlines on the processor), graphics, exact; rays_random and rays_sobol,
-// double_area_random and double_area_sobol (embree_rays.h; without Embree none), hemicube (hemicube.h), view3d
-// (view3d.h). Rivals are verified first (verify_rivals.h). Each method climbs a ladder of growing work until its next
-// run would take longer than --seconds; short runs are repeated with other seeds, and rounds of all ladders follow each
-// other. seconds: from a method made ready to its result; setup_seconds: to make it ready (kernels compiled, trees
-// built). Errors: exchange_matrix.h; environment_*: of what rows leave for environment and leaks, by the method's own
-// word or as one less the row. References are by directions without pair lines; --reference-method says another
-// method. Embree's rays are no reference below 3e-3: rays of two triangles that share an edge start off the edge, so
-// that kerbs in city1000 are off by 2.3e-3 however many rays there are. reference_error is the reference's own rms
-// error (a reference kept in --cache from a busy machine is a poor one: delete it). chosen: parameters that a method
-// chose itself. waiting_share: of seconds, what the calling thread does not compute. passes: shares of the time on the
-// device, over other directions. bench/plot makes tables of times to errors.
+// Methods are made in methods.cpp. `planned` is the program's default, planned_directions leaves out pair lines, and
+// fixed leaves out the plan. The time of these three includes the whole start. fibonacci, jittered and iid also exist
+// with unoccluded form factors. host and host_unoccluded are scanlines on the processor; there are scanline, graphics
+// and exact too. Rivals are rays_random, rays_sobol, double_area_random and double_area_sobol (embree_rays.h, where
+// Embree is installed), hemicube (hemicube.h) and view3d (view3d.h). Rivals are verified first (verify_rivals.h).
+// Each method climbs a ladder of growing work until its next run would take longer than --seconds. Short runs are
+// repeated with other seeds. A round climbs all ladders.
+// Columns: `seconds` is the time from a method that is ready to its result. setup_seconds is the time that makes it
+// ready (kernels compiled, trees built). Errors are explained in exchange_matrix.h. environment_* are errors of
+// environment and leak together, as the method states them, or as 1 less the row. reference_error is the rms error of
+// the reference. `chosen` lists parameters that a method chose itself. waiting_share is the share of `seconds` in which
+// the calling thread does not compute. `passes` are shares of the time on the device, measured over other directions.
+// The reference is a run by directions without pair lines, or by --reference-method. Embree's rays are no reference
+// below 3e-3: rays start a little off the edge that two triangles share, so that kerbs in city1000 are off by 2.3e-3
+// for any number of rays. A reference in --cache that was made on a busy machine is poor and should be deleted.
+// bench/plot makes tables of times to errors.
 #include <algorithm>
 #include <fstream>
 #include <optional>
@@ -38,22 +40,21 @@ namespace viewpeel::bench {
 namespace {
 
 constexpr uint64_t kMostRepeats = 8;
-constexpr double kHopeless =
-    20;  // times --seconds: from a run on that took longer, a method's finer lattices are left out
+constexpr double kHopeless = 20;  // times --seconds; a method whose shortest run takes longer gets no finer lattices
 
 struct Options {
   std::vector<std::string> scenes{"plates", "cube", "office"}, methods;
-  std::string reference_method;  // empty: viewpeel
+  std::string reference_method;  // empty: viewpeel itself
   double seconds = 0.5, reference_seconds = 20;
   std::optional<double> reference_amount;
   uint32_t rounds = 1;
-  uint64_t repeats = kMostRepeats;  // of a short run within a round
+  uint64_t repeats = kMostRepeats;  // repeats of a short run within a round
   std::string cache = "build/references";
   MethodOptions method;
   DeviceOptions device;
 };
 
-// Faces and polygons are the same, and all are quadrilaterals or triangles.
+// Returns a named scene. Its faces are quadrilaterals or triangles, so that faces are polygons.
 Scene makeScene(const std::string& name) {
   const auto office = [](uint32_t refine) {
     return buildScene(refined(loadScene(VIEWPEEL_SOURCE "/scenes/office.obj"), refine));
@@ -78,7 +79,7 @@ const std::vector<std::string> kScenes{"plates", "cube",  "sizes", "office",   "
 
 bool hasClosedForms(const std::string& scene) { return scene == "plates" || scene == "cube"; }
 
-// Forgets the peak so far, where the system lets it.
+// Resets the peak of memory, where the system allows it.
 void resetPeak() { std::ofstream("/proc/self/clear_refs") << "5"; }
 
 double peakMib() {
@@ -101,7 +102,7 @@ struct Place {
   std::string commit, device, driver;
 };
 
-// Returns the first four columns.
+// Returns the first four columns of a row: commit, device, driver, number of processors.
 std::string describe(const Place& place, const Ladder& ladder) {
   const std::string device = ladder.on_device ? place.device : "CPU";
   const std::string driver =
@@ -112,7 +113,7 @@ std::string describe(const Place& place, const Ladder& ladder) {
                      std::thread::hardware_concurrency());
 }
 
-// Returns the seconds of the first run; 0 where it was refused.
+// Climbs a ladder and prints its rows. Returns the seconds of the first run, 0 where it was refused.
 double climb(const Ladder& ladder, const std::string& scene_name, const std::vector<double>& areas,
              const ReferenceMatrix& reference, uint64_t round, const Place& place, const Options& options) {
   double first_seconds = 0;
@@ -121,7 +122,7 @@ double climb(const Ladder& ladder, const std::string& scene_name, const std::vec
     double least_s_per_cost = INFINITY;
     for (size_t k = 0; k < ladder.rungs.size(); ++k) {
       const Ladder::Rung& rung = ladder.rungs[k];
-      // The first runs have fixed costs, which do not grow.
+      // The first runs have fixed costs, which do not grow with the amount.
       if (k > 0 && rung.cost * least_s_per_cost > (k < 3 ? 4 : 1) * options.seconds) break;
       double spent_s = 0;
       for (uint64_t repeat = 0;

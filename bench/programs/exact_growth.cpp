@@ -1,6 +1,7 @@
-// How does the time of exact areas grow with polygons and cuts? One core, random directions, CSV on stdout.
+// This bench measures how the time of exact areas grows with polygons and cuts, on one core, for random directions. It
+// prints CSV on stdout.
 //   viewpeel_exact_growth [SCENE]...     built-in offices and triangle soups without arguments
-// Every direction is verified before it is timed where exact sums are affordable (up to 1,000 polygons).
+// Up to 1,000 polygons exact sums are affordable, and verify every direction before it is timed.
 #include <algorithm>
 #include <cmath>
 #include <random>

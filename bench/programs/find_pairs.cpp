@@ -1,9 +1,10 @@
-// How long does it take to find which pairs see each other, and past what? CSV on stdout.
+// This bench measures the search for the pairs that see each other and for the blockers between them. It prints CSV on
+// stdout.
 //   find_pairs FILE... [--threads N] [--repeats N] [--least F]
 //
-// A row has CPU seconds of the three steps: blockers joined, pairs found, unoccluded form factors of the pairs found
-// (again: they are a part of the second). `between` is how many blockers a pair has that something may block. The last
-// column is a hash of all pairs and blockers: equal hashes are equal results.
+// A row has CPU seconds of three steps: join blockers, find pairs, and integrate the unoccluded form factors of the
+// pairs found. The second step contains the third, which is repeated alone. `between` is the mean number of blockers of
+// a pair that something may block. The last column is a hash of all pairs and blockers, equal for equal results.
 #include <algorithm>
 #include <optional>
 

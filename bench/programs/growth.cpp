@@ -1,10 +1,10 @@
-// How does the compute engine's time per direction grow with polygons and with lattice points? CSV on stdout, exponents
-// fitted in comments.
+// This bench measures how the compute engine's time for a direction grows with polygons and with lattice points. It
+// prints CSV on stdout, and fitted exponents in comments.
 //   growth [--series polygons|points]... [--most-polygons N] [--most-resolution PX] [--by polygon|surface]... [--rounds
 //   N] [--seconds S]
-// Polygons: cities, the same streets over a larger ground, at one lattice. Points: one room under finer and finer
-// lattices. The engine's fixed cost, a call without directions, is timed in every round, left out of the time per
-// direction and printed beside it.
+// The series `polygons` has cities: the same streets over larger and larger ground, on one lattice. The series `points`
+// has one room on finer and finer lattices. The fixed cost is the time of a call without directions. It is measured in
+// every round, taken off the time for a direction, and printed beside it.
 #include <cmath>
 #include <map>
 #include <span>
@@ -44,8 +44,8 @@ double fitExponent(std::span<const Point> points) {
 
 void printExponents(const std::string& what, const std::vector<Point>& points) {
   if (points.size() < 2) return;
-  // Sizes are only near the sizes of the options, and grow in steps. The exponent starts from the last size that is a
-  // factor of 8 or more below the largest.
+  // Sizes only approximate those of the options, and grow in steps. So the exponent over the last decade starts from
+  // the last size that is smaller than the largest by a factor of 8 or more.
   auto decade = points.end() - 1;
   while (decade != points.begin() && decade->x * 8 > points.back().x) --decade;
   const std::span<const Point> last(decade, points.end());
@@ -57,7 +57,7 @@ void printExponents(const std::string& what, const std::vector<Point>& points) {
   std::fflush(stdout);
 }
 
-// Adds to `points` where the engine takes the scene.
+// Measures the scene and adds the result to `points`, unless the engine refuses it.
 void measure(const std::string& series, const std::string& by, const Scene& scene, const Device& device, int resolution,
              const Options& options, double x, std::vector<Point>& points) {
   const Ids ids = makeIds(scene, kBy.at(by), false);
@@ -70,7 +70,7 @@ void measure(const std::string& series, const std::string& by, const Scene& scen
     };
     secondsFor(1);  // the first dispatch may compile, and lists may grow
     const double fixed_first_s = secondsFor(0),
-                 seconds = std::max(options.seconds, fixed_first_s);  // a small difference of two long times is noise
+                 seconds = std::max(options.seconds, fixed_first_s);  // small differences of long times are noise
     uint32_t count = 1;
     for (;;) {
       const double spent_s = secondsFor(count) - fixed_first_s;

@@ -1,13 +1,12 @@
-// Are the standard errors of heat honest? This bench answers: it counts how often the interval, answer +- t_0.975(R -
-// 1) standard errors, holds the true answer, over many seeds. It prints CSV on stdout, one row for each scene, way to
-// count and kind of answer.
+// This bench tests standard errors of heat flows and temperatures. Over many seeds it counts how often the 95 %
+// interval, value +- t_0.975(R - 1) standard errors, holds the true value. It prints CSV on stdout, with a row for each
+// scene, way to count, and kind of value.
 //   heat_coverage [--scene sheet|office]... [--seeds K]
 //
-// The scene `sheet` has parts of two squares past a sheet, whose form factors have closed forms. The truth of the
-// office, by surface, is a run by pair lines to 5e-5. Ways to count: pair lines, visibilities along common directions,
-// and common directions alone. A column has the error in standard errors, rms; it is 1 where these are neither too
-// large nor too small. Answers of one run are correlated, so the standard error of a coverage comes from the spread
-// between seeds.
+// The scene `sheet` has parts of two squares past a sheet, with form factors in closed form. The truth of the office,
+// by surface, is a run by pair lines to 5e-5. There are three ways to count: pair lines, visibilities along common
+// directions, and common directions alone. A column has the rms error in standard errors; it is 1 where these are
+// right. Values of one run are correlated, so the standard error of a coverage comes from the spread between seeds.
 #include <cmath>
 #include <map>
 

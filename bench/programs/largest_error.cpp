@@ -1,9 +1,9 @@
-// Does `--tolerance T` mean what a user hears? This bench counts the seeds whose largest true error is above T.
-// It looks at all form factors, environment and leak among them, and prints CSV on stdout.
+// This bench tests `--tolerance T`: it counts the seeds with an error above T in any form factor, environment and leak
+// included. It prints CSV on stdout.
 //   largest_error [--scene office|room|street|city1000|two_sided|touching]... [--tolerance T]... [--seeds K]
 //
-// The truth is one run of each scene at T / 20 from another seed; reference_error is its own largest standard error.
-// Seconds are processor time of all threads, all that a start takes included but the loading of the scene.
+// The truth is one run of each scene at T / 20 with another seed, and reference_error is its largest standard error.
+// Seconds are processor time of all threads, and include the start but not the loading of the scene.
 #include <algorithm>
 #include <ctime>
 #include <map>
@@ -22,7 +22,7 @@ namespace viewpeel::bench {
 namespace {
 
 constexpr uint64_t kReferenceSeed = 1'000'000;
-constexpr double kFiner = 20;  // the reference's tolerance
+constexpr double kFiner = 20;  // the reference has the tolerance T / kFiner
 
 struct Options {
   std::vector<std::string> scenes{"office", "room", "street", "city1000", "two_sided", "touching"};
@@ -46,7 +46,7 @@ FormFactors compute(const Scene& scene, const std::string& name, double toleranc
   return computeFormFactors(scene, request).form_factors;
 }
 
-// Returns the largest difference of all form factors, from the smaller id of each pair.
+// Returns the largest difference of two sets of form factors, taken from the smaller id of each pair.
 double largestError(const FormFactors& found, const FormFactors& truth) {
   std::map<std::pair<uint32_t, uint32_t>, double> differences;
   for (const FormFactors::Entry& entry : truth.entries()) differences[{entry.i, entry.j}] -= entry.exchange_area.value;

@@ -1,12 +1,12 @@
-// Which samples of a direction, lattice points or scanlines, give the smaller error for the same time, on which engine?
-// How does the error fall with their number? CSV on stdout has the rms error over all ordered pairs of polygons, of
-// single replicates of rotated Fibonacci directions. Comments have, for each engine and sampling, the exponent a of rms
-// ~ T^-a, and the time to given errors. T samples (lattice points, or scanlines) are split best between directions and
-// spacing.
+// This bench compares lattice points with scanlines: which give the smaller error in the same time, on which engine,
+// and how does the error fall with their number? CSV on stdout has the rms error of single replicates of rotated
+// Fibonacci directions, over all ordered pairs of polygons. Comments have, for each engine and sampling, the exponent a
+// of rms ~ T^-a and the time to given errors. T is the number of lattice points or scanlines, in the best split between
+// directions and spacing.
 //   sampling_error [--scene plates|cube|office|room4]... [--resolution PX]... [--directions N]... [--repeats K]
 //     [--reference N] [--engine compute|host]...
-// The reference is the closed form by contour integrals for plates and the inside of a cube of 96 patches. For scenes
-// with occlusion it is a long run with scanlines, whose own error is printed.
+// The reference of plates, and of the inside of a cube of 96 patches, is the closed form by contour integrals. For
+// scenes with occlusion it is a long run with scanlines, whose own error is printed.
 #include <cmath>
 #include <map>
 
@@ -31,11 +31,11 @@ struct Options {
   DeviceOptions device;
 };
 
-using Factors = std::map<std::pair<uint32_t, uint32_t>, double>;  // F_ij, i != j, nonzero ones
+using Factors = std::map<std::pair<uint32_t, uint32_t>, double>;  // nonzero F_ij by (i, j), i != j
 
 struct Reference {
   Factors factors;
-  double rms_error = 0;  // over all ordered pairs
+  double rms_error = 0;  // rms over all ordered pairs
 };
 
 struct Run {
@@ -74,8 +74,8 @@ double measureArea(const Engine& engine, const Scene& scene, uint32_t directions
   return engine.unitArea() * scene.scale * scene.scale / directions;
 }
 
-// Returns closed forms where nothing is in the way; else the mean of two long runs, and half their difference as its
-// error.
+// Returns closed forms where nothing blocks a line. Elsewhere returns the mean of two long runs, with half their
+// difference as its error.
 Reference makeReference(const std::string& name, const Scene& scene, const Ids& ids, uint32_t directions) {
   Reference reference;
   const double pairs = double(ids.count()) * (ids.count() - 1);
@@ -101,7 +101,7 @@ Reference makeReference(const std::string& name, const Scene& scene, const Ids& 
   return reference;
 }
 
-// Through the runs that no other beats in both `cost` and error.
+// Fits a power law to the runs that no other run beats in both `cost` and error.
 PowerLaw fitEnvelope(std::vector<Run> runs, double Run::*cost) {
   std::sort(runs.begin(), runs.end(), [&](const Run& a, const Run& b) { return a.*cost < b.*cost; });
   std::vector<double> costs, errors;
@@ -120,7 +120,7 @@ void measureSampling(const std::string& name, const std::string& kind, Sampling 
     const auto engine =
         kind == "host" ? makeHostEngine(scene, ids, lattice) : makeComputeEngine(device, scene, ids, lattice);
     engine->count(sampleDirections(Sampler::fibonacci, 64, 5, 0));  // compiles and tunes
-    const double fixed = secondsOf([&] { engine->count({}); });     // counters read back, once a replicate
+    const double fixed = secondsOf([&] { engine->count({}); });     // reading of counters, once for each replicate
     for (uint32_t directions : options.directions) {
       double squares = 0, seconds = 0;
       for (uint32_t repeat = 0; repeat < options.repeats; ++repeat) {

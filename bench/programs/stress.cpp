@@ -1,5 +1,5 @@
-// The bench judges thousands of random hard scenes by exact areas; see scenes/stress.h. CSV on stdout, exit status 1
-// where something is off.
+// This bench checks thousands of random hard scenes against exact areas, as scenes/stress.h says. It prints CSV on
+// stdout, and its exit status is 1 if a check fails.
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
 

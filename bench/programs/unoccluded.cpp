@@ -1,10 +1,11 @@
-// How fast are exchange areas of all pairs of a scene's polygons, and how accurate? CSV on stdout.
+// This bench measures speed and accuracy of the exchange areas of all pairs of a scene's polygons. It prints CSV on
+// stdout.
 //   unoccluded [--refine N] [--triangles N] [--drawn PAIRS] [--checked PAIRS] [--chunk PAIRS] [--near PAIRS]
 //     [--device D]
 //
-// Pairs are of the fronts of a room with boxes, or of N random triangles. They are all, or as many as --drawn
-// says at random, in calls of about a million. A random sample of them is compared with the reference. cpu_seconds do
-// not include waiting where other work shares the cores.
+// Pairs are the fronts of a room with boxes, or of N random triangles. The bench computes all pairs, or with --drawn a
+// given number of random ones, in calls of about a million. It compares a random sample with the reference. cpu_seconds
+// exclude time in which other work has the cores.
 #include <sys/resource.h>
 
 #include <cmath>
@@ -59,7 +60,7 @@ void forAllPairs(uint32_t polygon_count, Use use) {
   if (!pairs.empty()) use(pairs);
 }
 
-// Does the same with pairs drawn at random.
+// Calls use(pairs) with pair_count random pairs of fronts, some at a time.
 template <class Use>
 void forDrawnPairs(uint32_t polygon_count, uint64_t pair_count, Use use) {
   std::mt19937_64 random(kSeed + 1);
@@ -78,7 +79,7 @@ std::vector<glm::dvec3> cornersOf(const Scene& scene, uint32_t polygon_index) {
           scene.corners.begin() + polygon.first_corner + polygon.corner_count};
 }
 
-// A Sample has pairs drawn from all, and their areas.
+// Sample has random pairs and their exchange areas.
 struct Sample {
   std::vector<SidePair> pairs;
   std::vector<double> areas;
@@ -104,8 +105,8 @@ void check(const Scene& scene, const Sample& sample) {
              sample.pairs.size(), unsettled, worst, relative);
 }
 
-// cpu_s is divided as the passes' times on the device are: those alone include waiting where other work shares the
-// cores.
+// Prints the cost of each pass. cpu_s is divided in proportion to the times on the device, which themselves include
+// waiting for other work.
 void printClasses(const UnoccludedWork& work, double cpu_s) {
   double all_s = 0, near_s = 0;
   fmt::print("pass,pairs,device_seconds,cpu_ns_per_pair\n");

@@ -9,16 +9,16 @@
 namespace viewpeel::bench {
 namespace {
 
-// A ray starts and ends at this distance, unit-ball units from its polygons: beyond rounding to 32 bits, and short
-// beside the distance of small ones.
+// A ray starts and ends at this distance from its polygons, unit-ball units. It exceeds rounding to 32 bits, and is
+// short beside the distance of small polygons.
 constexpr float kMostAway = 1e-5f, kLeastAway = 2e-7f, kAwayPerSize = 0.01f;
 constexpr uint64_t kRaysAtOnce = 1u << 14;
 constexpr uint32_t kAngles = 4096;
 
 float toUnit(uint32_t word) { return float(word >> 8) * 0x1p-24f; }
 
-// A Circle has cosine and sine of 2 pi times 2^-32 times a word. It is a table and a series for the rest of the angle,
-// which is below 2 pi / kAngles, so that its third power is below 4e-9.
+// Circle returns cosine and sine of the angle 2 pi 2^-32 x word. It adds to a table a series for the rest of the angle.
+// The rest is below 2 pi / kAngles, and its third power below 4e-9.
 class Circle {
  public:
   Circle() {
@@ -38,7 +38,8 @@ class Circle {
 
 const Circle kCircle;
 
-// Where both lie in front of each other at least in part. Corners on the other's plane, to rounding, are not.
+// Returns whether each polygon reaches in front of the other's plane. Corners on the plane, up to rounding, do not
+// count as in front.
 bool faceEachOther(const Scene& scene, uint32_t i, uint32_t j) {
   const auto reachesInFront = [&](uint32_t of, uint32_t other) {
     const Polygon &polygon = scene.polygons[of], &plane_of = scene.polygons[other];
@@ -71,8 +72,8 @@ EmbreeRays::EmbreeRays(const Scene& scene) : scene_(scene), embree_(scene) {
 glm::vec3 EmbreeRays::pointOn(const Emitter& emitter, uint32_t s, uint32_t t) {
   float u = toUnit(s), v = toUnit(t);
   if (emitter.parallelogram) return emitter.origin + u * emitter.a + v * emitter.c;
-  // One coordinate also chooses the triangle and is stretched back; a square becomes a triangle without a fold, which
-  // would break strata.
+  // Coordinate u also chooses the triangle, and is then stretched to [0, 1) again. The map from square to triangle has
+  // no fold, which would break strata.
   const bool first = u < emitter.share;
   u = first ? u / emitter.share : (u - emitter.share) / (1 - emitter.share);
   const float root = std::sqrt(u);

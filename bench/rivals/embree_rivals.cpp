@@ -18,12 +18,12 @@
 namespace viewpeel::bench {
 namespace {
 
-constexpr float kStart = -1.001f;          // of a line, outside the unit ball
-constexpr float kAwayFromPolygon = 1e-5f;  // a ray's start, unit-ball units off its polygon
+constexpr float kStart = -1.001f;          // start of a line, outside the unit ball
+constexpr float kAwayFromPolygon = 1e-5f;  // distance of a ray's start from its polygon, unit-ball units
 constexpr uint32_t kCosineCount = 4096;
-constexpr uint64_t kMostDenseBytes = 16u << 20;  // as the host engine has it
+constexpr uint64_t kMostDenseBytes = 16u << 20;  // the limit of the host engine
 
-struct Random {  // splitmix64: costs next to nothing beside a ray
+struct Random {  // splitmix64, far cheaper than a ray
   uint64_t state;
   uint64_t next() {
     uint64_t z = state += 0x9E3779B97F4A7C15ull;
@@ -44,7 +44,7 @@ std::array<glm::vec3, kCosineCount> cosineDirections() {
   return table;
 }
 
-// An Emitter is a parallelogram or triangle that rays start from.
+// Emitter is a parallelogram or triangle from which rays start.
 struct Emitter {
   glm::vec3 origin, a, b;  // sides
   glm::vec3 x, y, normal;  // orthonormal
@@ -52,8 +52,8 @@ struct Emitter {
   bool triangle;
 };
 
-// A filter fills these hits of the lines of a group. A hit is its distance and its primitive in one word: positive
-// floats sort as integers do.
+// LineContext collects the hits of a group of lines, by a filter. A hit has distance and primitive in one word, for
+// positive floats sort like integers.
 struct LineContext {
   RTCIntersectContext context;
   std::array<std::vector<uint64_t>, kRayGroup> hits;
@@ -76,9 +76,9 @@ void recordHit(const RTCFilterFunctionNArguments* args) {
 struct EmbreeRivals::State {
   const Ids& ids;
   EmbreeScene scene;
-  std::vector<Emitter> emitters;  // of polygons
+  std::vector<Emitter> emitters;  // one for each polygon
   std::optional<SharedPairs> shared;
-  std::vector<PairTable> tables;  // of threads
+  std::vector<PairTable> tables;  // one for each thread
   std::array<glm::vec3, kCosineCount> cosine_directions = cosineDirections();
   uint64_t polygons_shot = 0;
 
@@ -97,7 +97,7 @@ struct EmbreeRivals::State {
     std::sort(hits.begin(), hits.end());
     uint32_t lower_side = kSideNone, lower = 0, last = UINT32_MAX, pairs = 0;
     for (const uint64_t hit : hits) {
-      // A polygon that the tree holds twice, or that is hit on the diagonal where it was cut, comes twice.
+      // A polygon may occur twice, if the tree holds it twice or a line hits the diagonal along which it was cut.
       const uint32_t polygon = scene.polygonOf(static_cast<uint32_t>(hit));
       if (polygon == last) continue;
       last = polygon;
@@ -157,7 +157,7 @@ uint64_t EmbreeRivals::countLines(Trace trace, std::span<const Direction> direct
     lines.context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     lines.context.filter = recordHit;
     std::vector<Ray> rays;
-    std::array<bool, kRayGroup> blocked;  // none: every hit is rejected
+    std::array<bool, kRayGroup> blocked;  // stays false, for every hit is rejected
     uint64_t local_pairs = 0;
     for (uint64_t row; (row = next_row++) < rows;) {
       const Direction& direction = directions[row / tiles_per_side];

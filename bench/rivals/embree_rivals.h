@@ -1,6 +1,5 @@
-// Embree 3 counts the same facing pairs in two ways: rays from the surfaces, and whole lines through a lattice. Both
-// use all cores, count into the host engine's tables, and answer the same question on the same scene. So their speed
-// can be set beside viewpeel's.
+// EmbreeRivals counts facing pairs by Embree 3 in two ways: rays from the surfaces, and whole lines through a lattice.
+// Both use all cores, the host engine's counters and the same scene as viewpeel, so that speeds can be compared.
 #pragma once
 #include <memory>
 #include <span>
@@ -14,7 +13,7 @@ namespace viewpeel::bench {
 
 struct RayCount {
   uint64_t rays = 0;
-  uint64_t samples = 0;  // rays that ended on a front, of either side where both are fronts
+  uint64_t samples = 0;  // rays that ended on a front; of two-sided polygons on either side
 };
 
 class EmbreeRivals {
@@ -23,16 +22,16 @@ class EmbreeRivals {
   EmbreeRivals(const Scene& scene, const Ids& ids);
   ~EmbreeRivals();
 
-  // Counts global lines: all hits of the lattice's lines along every direction, sorted, and every gap by
-  // shaders/facing.h. The lines are viewpeel's lattice, to rounding in 32-bit floats, without lines that pass
-  // the unit ball by. Returns the number of facing pairs.
+  // Counts lines: finds all hits of the lattice's lines along every direction, sorts them, and classifies every gap by
+  // shaders/facing.h. The lattice is viewpeel's, up to rounding in 32-bit floats, without lines outside the unit ball.
+  // Returns the number of facing pairs.
   uint64_t countLines(Trace trace, std::span<const Direction> directions, int resolution);
 
-  // Shoots rays from uniform points on all polygons in turn, 64 from each, by the cosine law, and counts the first
+  // Shoots rays from uniform points on all polygons in turn, 64 from each, by Lambert's cosine law. Counts the first
   // polygon that each hits.
   RayCount shootRays(Trace trace, uint64_t ray_count, uint64_t seed);
 
-  // Returns the counts of both since the last call, in order.
+  // Returns the counts of lines and rays since the last call, in the order of pairs.
   PairCounts takeCounts();
 
  private:

@@ -33,7 +33,8 @@ void fill(RTCRay8& to, uint32_t lane, const Ray& from, uint32_t id) {
   to.flags[lane] = 0;
 }
 
-// Fills packets with the rays, those past the last with copies that are not traced; trace(first, valid, packet).
+// Fills packets with the rays and calls trace(first, valid, packet) for each. Lanes after the last ray hold copies that
+// are not traced.
 template <class Packet, class Fill, class TracePacket>
 void inPackets(std::span<const Ray> rays, Fill fill_lane, TracePacket trace) {
   const auto count = static_cast<uint32_t>(rays.size());
@@ -48,7 +49,7 @@ void inPackets(std::span<const Ray> rays, Fill fill_lane, TracePacket trace) {
   }
 }
 
-bool isBlocked(float far) { return far < 0; }  // as Embree marks it: minus infinity
+bool isBlocked(float far) { return far < 0; }  // Embree sets tfar to minus infinity
 
 }  // namespace
 

@@ -1,5 +1,4 @@
-// An EmbreeScene holds a scene for Embree 3, and traces groups of rays through it: one by one, in packets, or in
-// streams.
+// EmbreeScene holds a scene for Embree 3 and traces groups of rays through it: one by one, in packets, or in streams.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -16,7 +15,7 @@ namespace viewpeel::bench {
 
 enum class Trace { single, packets_of_8, streams };
 
-constexpr uint32_t kRayGroup = 64;  // traced together: a stream, or 8 packets
+constexpr uint32_t kRayGroup = 64;  // rays traced together: a stream, or 8 packets
 
 struct Ray {
   glm::vec3 origin, direction;
@@ -25,8 +24,7 @@ struct Ray {
 
 class EmbreeScene {
  public:
-  // Builds with RTC_BUILD_QUALITY_HIGH: quads where all polygons have four corners, else triangles.
-  //   Throws: Error device.
+  // Builds the tree with RTC_BUILD_QUALITY_HIGH, of quads where all polygons have four corners, else of triangles.
   explicit EmbreeScene(const Scene& scene);
   ~EmbreeScene();
   EmbreeScene(const EmbreeScene&) = delete;
@@ -38,15 +36,15 @@ class EmbreeScene {
   // Finds the first polygon on each ray.
   //   In: at most kRayGroup rays    Out: the polygon that each hits first, or UINT32_MAX
   void findFirst(Trace trace, RTCIntersectContext& context, std::span<const Ray> rays, std::span<uint32_t> hit) const;
-  // Finds whether anything is in the way of each; a filter of the context is called for every hit, with the ray's
-  // number as its id.
+  // Finds whether something blocks each ray. A filter in the context is called for every hit, with the index of the ray
+  // as its id.
   void findBlocked(Trace trace, RTCIntersectContext& context, std::span<const Ray> rays, std::span<bool> blocked) const;
 
  private:
   RTCDevice device_ = nullptr;
   RTCScene scene_ = nullptr;
   std::vector<uint32_t> polygon_of_primitive_;
-  std::vector<glm::vec3> normals_;  // of polygons
+  std::vector<glm::vec3> normals_;  // by polygon index
 };
 
 inline uint32_t threadCount() { return std::max(1u, std::thread::hardware_concurrency()); }
@@ -59,7 +57,7 @@ void runOnAllCores(Run run) {
   for (std::thread& thread : threads) thread.join();
 }
 
-// Returns the version of Embree: "3.13.5".
+// Returns the version of Embree, as "3.13.5".
 std::string embreeVersion();
 
 }  // namespace viewpeel::bench

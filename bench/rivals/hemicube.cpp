@@ -27,8 +27,8 @@ static_assert(sizeof(HemicubeDraw) <= 128 && sizeof(HemicubeSum) <= 128);
 
 constexpr VkFormat kPixelFormat = VK_FORMAT_R32_UINT, kDepthFormat = VK_FORMAT_D32_SFLOAT;
 constexpr uint64_t kImagePixels = 1u << 20, kSumBytes = 64u << 20;
-constexpr uint32_t kGroupSize = 64;    // of hemicube_sum.comp
-constexpr double kWeightOne = 0x1p31;  // a hemicube's weights add up to this
+constexpr uint32_t kGroupSize = 64;    // invocations of a workgroup of hemicube_sum.comp
+constexpr double kWeightOne = 0x1p31;  // sum of the weights of a hemicube
 
 struct Eye {
   uint32_t polygon;
@@ -36,7 +36,8 @@ struct Eye {
   glm::vec3 normal, x, y;
 };
 
-// Returns a point of a convex polygon: points of the unit square go to its two triangles by area.
+// Returns a point of a convex polygon. (s, t) in the unit square chooses one of its two triangles by area, and a point
+// in it.
 glm::dvec3 pointOn(const Scene& scene, const Polygon& polygon, double s, double t) {
   const glm::dvec3* p = &scene.corners[polygon.first_corner];
   const glm::dvec3 a = p[1] - p[0], b = p[2] - p[0], c = p[polygon.corner_count - 1] - p[0];
@@ -113,7 +114,7 @@ struct Hemicube::State {
     vkCmdDraw(commands.handle(), 4, polygon_count, 0, 0);
   }
 
-  // Leaves the sums of each eye in host_sums.
+  // Draws the hemicubes of these eyes, and leaves their sums in host_sums.
   void look(std::span<const Eye> eyes) {
     const uint32_t width = cells_per_row * cell_width, height = divideUp(eyes.size(), cells_per_row) * cell_height;
     commands.begin();

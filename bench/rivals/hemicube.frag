@@ -1,5 +1,5 @@
 #version 460
-// The shader writes the nearest polygon of a pixel.
+// The shader writes the polygon that the vertex shader named; the depth test leaves the nearest one of each pixel.
 layout(location = 0) flat in uint seen;
 layout(location = 0) out uint pixel;
 

@@ -1,4 +1,4 @@
-// The hemicube is a rival on the same Vulkan device, by its raster pipeline (M. F. Cohen & D. P. Greenberg, The
+// The hemicube is a rival that uses the raster pipeline of the same Vulkan device (M. F. Cohen & D. P. Greenberg, The
 // hemi-cube, SIGGRAPH 1985).
 #pragma once
 #include <memory>
@@ -11,13 +11,13 @@ namespace viewpeel::bench {
 
 class Hemicube {
  public:
-  //   In: resolution: pixels along an edge, even; the scene and the device stay the caller's
+  //   In: resolution: pixels along an edge, even; scene and device have to outlive this object
   //   Throws: Error device.
   Hemicube(const Device& device, const Scene& scene, uint32_t resolution);
   ~Hemicube();
 
-  // Computes hemicubes on points of every polygon, each turned at random about the normal: one at the middle, several
-  // at scrambled Sobol' points.
+  // Computes hemicubes at points of every polygon, each turned at random about the normal. One point is the middle;
+  // several are scrambled Sobol' points.
   //   Out: A_i F_ij = (F_ij / A_i^(1/2) + F_ji / A_j^(1/2)) / (A_i^(-3/2) + A_j^(-3/2)), unit-ball units squared: both
   //   directions, weighted by A^(-3/2). Few points of a
   //     large polygon meet a small one's neighbourhood by chance, or never, which with rays' 1 / A (embree_rays.h) is
@@ -25,7 +25,7 @@ class Hemicube {
   //     office: 4.85e-3, 3.89e-3, 3.96e-3 with one point.
   //   Cost: points x polygons hemicubes of 5 draws of the whole scene.
   ExchangeMatrix compute(uint32_t points_per_polygon, uint64_t seed);
-  // Draws one hemicube, for nothing: the first draw compiles.
+  // Draws one hemicube without use, for the first draw compiles.
   void lookOnce();
 
  private:

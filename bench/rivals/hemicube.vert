@@ -1,6 +1,6 @@
 #version 460
-// One instance is one polygon, a strip of four vertices, seen from the eye in one face of a hemicube. Depth is near /
-// distance, 0 at infinity.
+// One instance is one polygon, a strip of four vertices, seen from the eye in one face of a hemicube. Its depth is near
+// / distance, which is 0 at infinity.
 #extension GL_GOOGLE_include_directive : require
 #define SHARED_FUNCTION
 #include "common.glsl"
@@ -10,7 +10,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Cor
 layout(push_constant, scalar) uniform Args { HemicubeDraw args; };
 layout(location = 0) flat out uint seen;  // 1 + the polygon whose front this is; kBack
 
-const float kNear = 1e-8;  // unit-ball units; of depths that are floats near 0, so that none is lost
+const float kNear = 1e-8;  // unit-ball units; depths are floats near 0, so that none is lost
 const uint kBack = 0xFFFFFFFFu;
 
 void main() {
@@ -21,7 +21,7 @@ void main() {
       cross(corners.at[polygon.first_corner + 1u].at - first, corners.at[polygon.first_corner + 2u].at - first);
   seen = dot(front, args.eye - first) > 0.0lf ? uint(gl_InstanceIndex) + 1u : kBack;
   uint corner = min(gl_VertexIndex < 2 ? gl_VertexIndex : 5 - gl_VertexIndex,
-                    polygon.corner_count - 1u);  // 0 1 3 2, of a triangle 0 1 2 2
+                    polygon.corner_count - 1u);  // corners 0 1 3 2, or 0 1 2 2 of a triangle
   vec3 line = vec3(corners.at[polygon.first_corner + corner].at - args.eye);
   float depth = dot(args.forward, line);
   gl_Position = vec4(dot(args.right, line), args.up_scale * dot(args.up, line) - args.up_shift * depth, kNear, depth);

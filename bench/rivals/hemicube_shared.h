@@ -1,6 +1,6 @@
-// The host and the hemicube's shaders share these structs, which are written once, as in shaders/shared.h.
+// The host and the hemicube's shaders share these structs, as in shaders/shared.h.
 
-// A HemicubeDraw is one face of a hemicube: its eye sees a pyramid, above the horizon only where it is a side.
+// HemicubeDraw is one face of a hemicube, which its eye sees in a pyramid. A side sees only what is above the horizon.
 struct HemicubeDraw {
   uint64_t polygons;  // PolygonData[polygon_count]
   uint64_t corners;   // CornerData[]
@@ -10,8 +10,8 @@ struct HemicubeDraw {
 };
 
 struct HemicubeSum {
-  uint64_t pixels;   // uint[], of the image
-  uint64_t weights;  // uint[], of a cell
+  uint64_t pixels;   // uint[image pixels]
+  uint64_t weights;  // uint[cell pixels]
   uint64_t sums;     // uint[hemicubes x polygon_count]
   uint polygon_count;
   uint cell_width, cell_height, cells_per_row, image_width, hemicubes;

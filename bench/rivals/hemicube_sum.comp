@@ -1,5 +1,5 @@
 #version 460
-// One invocation adds one pixel's weight to what its hemicube sees there.
+// One invocation adds the weight of one pixel to the sum of the polygon seen there.
 #extension GL_GOOGLE_include_directive : require
 #define SHARED_FUNCTION
 #include "common.glsl"

@@ -1,5 +1,5 @@
-// A hemicube's pixels have delta form factors: the part of a point's radiation through each pixel, integrated over it
-// (M. F. Cohen & D. P. Greenberg, The hemi-cube, SIGGRAPH 1985).
+// The pixels of a hemicube have delta form factors as weights: the part of a point's radiation that passes each pixel,
+// integrated over the pixel (M. F. Cohen & D. P. Greenberg, The hemi-cube, SIGGRAPH 1985).
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -8,8 +8,8 @@
 
 namespace viewpeel::bench {
 
-// The faces of a hemicube lie in a cell of 3 R x R pixels. The top has R x R. Beside it in two rows are the four sides,
-// R x R / 2 each, the horizon at the lower y.
+// The faces of a hemicube of resolution R lie in a cell of 3 R x R pixels. The top has R x R pixels. Beside it the four
+// sides lie in two rows, R x R / 2 each, with the horizon at the lower y.
 struct HemicubeFace {
   uint32_t x, y, width, height;
 };
@@ -18,9 +18,9 @@ inline HemicubeFace hemicubeFace(uint32_t face, uint32_t resolution) {
   return {resolution * (1 + (face - 1) % 2), (face - 1) / 2 * (resolution / 2), resolution, resolution / 2};
 }
 
-// Returns the weights of the pixels of a cell; they add up to 1.    In: resolution even
+// Returns the weights of the pixels of a cell; they sum to 1.    In: resolution: even
 inline std::vector<double> hemicubeWeights(uint32_t resolution) {
-  // The integrals are of 1 / (pi (1 + x^2 + y^2)^2) over the top, of z / (pi (1 + y^2 + z^2)^2) over a side.
+  // The integrands are 1 / (pi (1 + x^2 + y^2)^2) over the top and z / (pi (1 + y^2 + z^2)^2) over a side.
   const auto top = [](double x, double y) {
     const double p = std::sqrt(1 + x * x), q = std::sqrt(1 + y * y);
     return (x / p * std::atan(y / p) + y / q * std::atan(x / q)) / (2 * std::numbers::pi);

@@ -23,8 +23,8 @@ namespace {
 
 constexpr uint32_t kReplicates = 8;  // the program's default
 constexpr uint32_t kProfileDirections = 64, kProfileRepeats = 5;
-constexpr size_t kManyPolygons = 5000;       // beyond which hemicubes take minutes even once
-constexpr uint64_t kLongRunSeed = 1u << 20;  // no run of a ladder has it
+constexpr size_t kManyPolygons = 5000;       // in larger scenes one run of hemicubes takes minutes
+constexpr uint64_t kLongRunSeed = 1u << 20;  // different from the seeds of all ladders
 
 void addUp(const FormFactors& form_factors, const Scene& scene, ExchangeMatrix& exchange, std::vector<double>& rest,
            double* rms, LongRun* errors) {
@@ -53,25 +53,26 @@ Outcome outcomeOf(const Estimate& estimate, const Scene& scene, RunTime time) {
   return outcome;
 }
 
-// The first call compiles and tunes; the next compiles what was tuned.
+// Counts twice: the first call compiles and tunes, and the second compiles the tuned kernels.
 void warmUp(Engine& engine) {
   for (uint64_t replicate = 0; replicate < 2; ++replicate)
     engine.count(sampleDirections(Sampler::fibonacci, 16, 5, replicate));
 }
 
-// These are viewpeel's own methods, all by polygon.
+// Viewpeel makes viewpeel's own methods, all by polygon.
 class Viewpeel {
  public:
   Viewpeel(const Device& device, const Scene& scene)
       : device_(device), scene_(scene), ids_(makeIds(scene, By::polygon, false)) {}
 
-  // Whose work is measured by the engine that a runner makes for it.
+  // Engines are the settings of the engine that a runner makes.
   struct Engines {
     EngineKind kind = EngineKind::compute;
     LatticeOptions lattice;
   };
 
-  // Amounts are directions of a replicate. unoccluded: the lattice's resolution with them, 0 without.
+  // Returns a runner whose amounts are directions of a replicate.    In: unoccluded: resolution of the lattice with
+  // unoccluded form factors, 0 without these
   Runner runner(const Engines& engines, Sampler sampler, int unoccluded) const {
     const auto make = [this, engines](const Device& device, bool measure_work) {
       LatticeOptions lattice = engines.lattice;
@@ -85,7 +86,8 @@ class Viewpeel {
       engine = make(device_, false);
       warmUp(*engine);
     });
-    // It runs on a queue of its own: where one has drawn, lavapipe takes the times of what is dispatched a pass late.
+    // The profile runs on a device object of its own. On a queue that has drawn, lavapipe reports times of dispatches
+    // one pass late.
     const Device apart({.selector = std::to_string(device_.description().index)});
     if (const std::unique_ptr<Engine> measured = make(apart, true); measured->work())
       runner.profile = profileOf(*measured);
@@ -105,18 +107,18 @@ class Viewpeel {
     return runner;
   }
 
-  // Runs as the program does by default: engine, device and kernels, plan and prior are all in the time. Amounts are
-  // tolerances. pair_lines: as the plan decides, or not
+  // Returns a runner that computes as the program does by default. Engine, device, kernels, plan and prior are all in
+  // its time. Amounts are tolerances.    In: pair_lines: empty: as the plan decides
   Runner planned(std::optional<bool> pair_lines) const {
     return throughTheFrontDoor([](double amount) { return Goal(Tolerance{amount}); }, pair_lines);
   }
 
-  // The same without a plan. Amounts are directions of a replicate.
+  // Returns such a runner without a plan. Amounts are directions of a replicate.
   Runner fixed() const {
     return throughTheFrontDoor([](double amount) { return Goal(FixedAmount{static_cast<uint32_t>(amount)}); }, {});
   }
 
-  // Runs by directions for all pairs alone, so that pair lines have another method to be held against.
+  // Runs by common directions alone, so that pair lines are judged by another method.
   Result runLong(double seconds) const {
     return computeFormFactors(scene_, requestOf(Seconds{seconds}, kLongRunSeed, false));
   }
@@ -152,7 +154,7 @@ class Viewpeel {
 
   static Profile profileOf(Engine& engine) {
     warmUp(engine);
-    // The least of a few: other work that takes a core for a moment would fill one pass or another.
+    // The least of a few repeats counts, for other work may take a core during a pass.
     std::vector<double> passes;
     for (uint64_t repeat = 0; repeat < kProfileRepeats; ++repeat) {
       const Work before = *engine.work();
@@ -186,7 +188,7 @@ void addRivals(const Device& device, const Scene& scene, const MethodOptions& op
                          std::shared_ptr<Hemicube> hemicube;
                          runner.setup_seconds = secondsOf([&] {
                            hemicube = std::make_shared<Hemicube>(device, scene, resolution);
-                           hemicube->lookOnce();  // compiles
+                           hemicube->lookOnce();  // the first draw compiles
                          });
                          runner.run = [hemicube](double amount, uint64_t seed) {
                            ExchangeMatrix exchange;
@@ -197,7 +199,7 @@ void addRivals(const Device& device, const Scene& scene, const MethodOptions& op
                          return runner;
                        }});
   if (options.view3d.empty()) return;
-  std::vector<Ladder::Rung> rungs;  // time about doubles from one eps to the next
+  std::vector<Ladder::Rung> rungs;  // time about doubles with each smaller eps
   for (int k = 2; k <= 9; ++k) rungs.push_back({std::pow(10.0, -k), std::pow(2.0, k)});
   ladders.push_back({"view3d", "", "eps", false, rungs, [&scene, options] {
                        if (scene.polygons.size() > options.view3d_most_polygons)
@@ -228,10 +230,10 @@ std::vector<Ladder> makeLadders(const Device& device, const Scene& scene, const 
     ladders.push_back({method, parameters, "directions", method != "exact" && !method.starts_with("host"),
                        climbBy(first, 4, 1u << 22), [=] { return viewpeel->runner(engines, sampler, unoccluded); }});
   };
-  std::vector<Ladder::Rung> tolerances;  // the lattice's error falls as the square root of time
+  std::vector<Ladder::Rung> tolerances;  // the error of lattices falls as the square root of time
   for (const double tolerance : {1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5})
     tolerances.push_back({tolerance, 1 / tolerance});
-  // Rougher ones take common directions, and longer in many scenes than the first by pair lines.
+  // Rougher tolerances take common directions, and in many scenes longer than the first one by pair lines.
   std::vector<Ladder::Rung> by_lines(tolerances.begin() + 2, tolerances.end());
   ladders.push_back({"planned", "", "tolerance", true, by_lines, [viewpeel] { return viewpeel->planned({}); }});
   ladders.push_back(

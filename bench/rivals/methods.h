@@ -1,4 +1,4 @@
-// makeLadders() makes the methods that error_time compares, viewpeel's and its rivals'. A ladder is a row of runs of
+// makeLadders() makes the methods that error_time compares, viewpeel's and its rivals'. A ladder is a list of runs of
 // growing work.
 #pragma once
 #include <functional>
@@ -15,59 +15,59 @@ namespace viewpeel::bench {
 
 struct Outcome {
   ExchangeMatrix exchange;               // unit-ball units squared
-  std::optional<double> standard_error;  // rms over all ordered pairs, where the method states one
+  std::optional<double> standard_error;  // rms over all ordered pairs, if the method states one
   RunTime time;
   std::string chosen;  // parameters that the method chose itself: "directions=64 resolution=32"
-  // Each polygon has here the exchange area to environment and leak; empty where a method says nothing of the two,
-  // so that users take one less the row's form factors.
+  // Exchange area with environment and leak by polygon. Empty where a method states none, so that users take 1 less the
+  // sum of a row.
   std::vector<double> rest{};
 };
 
 struct Profile {
   uint64_t device_bytes = 0;
-  std::string passes;  // shares of the time on the device: "project 0.12 peel 0.70"
+  std::string passes;  // shares of device time, as "project 0.12 peel 0.70"
 };
 
-// A Runner is a method made ready for a scene. It is not to be used after its ladder.
+// Runner is a method that is ready for a scene. It must not outlive its ladder.
 struct Runner {
   std::function<Outcome(double amount, uint64_t seed)> run;
-  double setup_seconds = 0;  // to build what every run needs, kernels compiled
+  double setup_seconds = 0;  // time to make the method ready, kernels compiled
   Profile profile;
-  std::string chosen;  // parameters chosen when it was made ready
+  std::string chosen;  // parameters that were chosen in this time
 };
 
 struct Ladder {
   struct Rung {
-    double amount = 0, cost = 0;  // time grows about as the cost does
+    double amount = 0, cost = 0;  // time is about proportional to cost
   };
   std::string method, parameters, amount_name;
-  bool on_device = true;    // of Vulkan
-  std::vector<Rung> rungs;  // by cost
+  bool on_device = true;    // uses the Vulkan device
+  std::vector<Rung> rungs;  // in the order of cost
   std::function<Runner()> set_up;
 };
 
 struct MethodOptions {
-  bool full = false;                   // every resolution, not two
-  std::string view3d;                  // its program; none where empty
-  size_t view3d_most_polygons = 5000;  // in larger scenes it takes minutes even once
+  bool full = false;                   // try all resolutions, not two
+  std::string view3d;                  // View3D's program; empty: leave it out
+  size_t view3d_most_polygons = 5000;  // larger scenes take View3D minutes
   std::string work_directory = ".";
 };
 
-// Makes all ladders for a scene whose polygons are faces. Both have to outlive the ladders.
+// Makes all ladders for a scene whose polygons are its faces. Device and scene have to outlive the ladders.
 std::vector<Ladder> makeLadders(const Device& device, const Scene& scene, const MethodOptions& options);
 
-// Returns the methods that verifyRivals is about.
+// Returns the names of the rivals that verifyRivals() checks.
 std::vector<std::string> rivalNames();
 
-// Amounts, and costs, from `first` to `last`, each `factor` times the one before.
+// Returns rungs whose amounts and costs go from `first` to `last` by factors of `factor`.
 std::vector<Ladder::Rung> climbBy(double first, double factor, double last);
 
-// The exchange areas and standard errors of all pairs by viewpeel with unoccluded form factors, as a reference: as many
-// directions as a time allows; specks in windows.
+// LongRun is a reference: exchange areas and standard errors of all pairs by viewpeel with unoccluded form factors. It
+// has as many directions as the time allows, and small polygons in windows.
 struct LongRun {
   ExchangeMatrix exchange, standard_errors;
-  std::vector<double> rest;       // as in Outcome
-  double largest_rest_error = 0;  // standard error, of form factors
+  std::vector<double> rest;       // as Outcome::rest
+  double largest_rest_error = 0;  // largest standard error of `rest`, as form factors
 };
 LongRun runLong(const Device& device, const Scene& scene, double seconds);
 

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::pair<Points, const char*> kPoints[] = {{Points::random, "random"}, {Points::sobol, "sobol"}};
 
-// Returns the form of tracing that is fastest on a small share of the work.
+// Returns the way of tracing that is fastest on a small share of the work.
 template <class Run>
 std::pair<Trace, std::string> fastestTrace(Run run) {
   std::pair<Trace, std::string> best;

@@ -13,9 +13,9 @@
 namespace viewpeel::bench {
 namespace {
 
-constexpr uint64_t kReferenceSeed = 1u << 21;  // no run of a ladder has it
+constexpr uint64_t kReferenceSeed = 1u << 21;  // different from the seeds of all ladders
 
-// A kept file starts with this header; the values follow, and what rows leave.
+// A kept file starts with this header. Exchange areas follow, and then the exchange areas with environment and leak.
 struct Header {
   uint64_t version = 2, fingerprint = 0, count = 0;
   double seconds = 0;
@@ -62,8 +62,8 @@ void keep(const std::string& file, const std::string& directory, uint64_t scene_
     throw Error(ErrorCode::output, fmt::format("{}: cannot be written; choose another --cache directory", file));
 }
 
-// The mean of some runs and the standard error of this mean, value by value. By B. P. Welford's recurrence (1962), so
-// that runs that do not differ have an error of exactly 0.
+// Mean has the mean of runs and its standard error, value by value. By B. P. Welford's recurrence (1962) runs that do
+// not differ have an error of exactly 0.
 class Mean {
  public:
   explicit Mean(size_t count) : means_(count), squares_(count) {}
@@ -83,7 +83,7 @@ class Mean {
   std::vector<double> means_, squares_;
 };
 
-// Eight runs that take as long together as is left for them, or of the amount that is given.
+// Sets the reference to the mean of eight runs. Together they take effort.seconds, or each has the given amount.
 void averageRuns(const Ladder& ladder, const Scene& scene, const ReferenceEffort& effort, ReferenceMatrix& reference) {
   constexpr uint32_t kRuns = 8;
   const std::vector<double> areas = areasOf(scene);

@@ -1,4 +1,4 @@
-// The bench measures errors against a ReferenceMatrix.
+// ReferenceMatrix is the truth against which error_time measures errors.
 #pragma once
 #include <optional>
 #include <string>
@@ -12,28 +12,28 @@ namespace viewpeel::bench {
 
 struct ReferenceMatrix {
   ExchangeMatrix exchange;        // unit-ball units squared
-  MatrixError error;              // its own: bounds of closed forms, or standard errors
+  MatrixError error;              // error of the reference: bounds of closed forms, or standard errors
   std::vector<double> rest;       // as in Outcome
   double largest_rest_error = 0;  // standard error, of form factors
-  double seconds = 0;             // of the long run that it comes from; 0 for closed forms
+  double seconds = 0;             // time of the long run; 0 for closed forms
   std::string source;
 };
 
-// Returns closed forms by contour integrals, for scenes in which nothing is in the way.
+// Returns closed forms by contour integrals, for scenes in which nothing blocks a line.
 ReferenceMatrix referenceByClosedForms(const Scene& scene);
 
-// viewpeel's longest run (runLong in methods.h), from another seed than every method. Kept in `directory` by the
-// scene's fingerprint, and taken from there where that run had as long.
+// Returns viewpeel's longest run (runLong in methods.h), with a seed that no method has. The run is kept in `directory`
+// by the scene's fingerprint, and used again if it had at least this time.
 //   Throws: Error output.
 ReferenceMatrix referenceByLongRun(const Device& device, const Scene& scene, const std::string& name, double seconds,
                                    const std::string& directory);
 
-// The mean of eight long runs of another method than the one judged, from seeds of their own; its error is the spread
-// of their mean. Kept as above, by method.
+// Returns the mean of eight long runs of another method than the one judged, with seeds of their own. Its error is the
+// standard error of this mean. It is kept as in referenceByLongRun, by method.
 //   Throws: Error output.
 struct ReferenceEffort {
-  double seconds = 0;            // of all eight
-  std::optional<double> amount;  // of each, as the ladder's; in place of seconds
+  double seconds = 0;            // time of all eight runs
+  std::optional<double> amount;  // amount of each run, in the ladder's unit; replaces `seconds`
 };
 ReferenceMatrix referenceByMethod(const Ladder& ladder, const Scene& scene, const std::string& name,
                                   const ReferenceEffort& effort, const std::string& directory);

@@ -63,7 +63,7 @@ View3dRun runView3d(const std::string& program, const Scene& scene, double epsil
       throw Error(ErrorCode::output, fmt::format("{}: cannot be written; choose another --work directory", input));
   }
   std::remove(output.c_str());
-  // It leaves a log where it runs.
+  // View3D leaves a log in its working directory.
   const auto absolute = [](const std::string& file) { return std::filesystem::absolute(file).string(); };
   const std::string command = fmt::format("cd '{}' && '{}' '{}' '{}' >/dev/null 2>&1", directory,
                                           program.find('/') == std::string::npos ? program : absolute(program),

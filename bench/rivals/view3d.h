@@ -10,8 +10,8 @@
 
 namespace viewpeel::bench {
 
-// Writes a scene as .vs3: vertices in input units with 17 digits, so that they are read back as they are. Every polygon
-// is a surface, its corners counter-clockwise seen from the front.
+// Writes a scene as .vs3. Vertices are in input units with 17 digits, so that the same doubles are read back. Every
+// polygon is a surface, with corners counter-clockwise seen from its front.
 //   In: epsilon: View3D's own eps, its convergence criterion
 void writeView3d(const Scene& scene, double epsilon, std::ostream& out);
 
@@ -23,7 +23,7 @@ ExchangeMatrix readView3d(std::istream& in, uint32_t polygon_count, const std::s
 
 struct View3dRun {
   ExchangeMatrix exchange;  // input units squared
-  RunTime time;             // of the program, with its reading and writing
+  RunTime time;             // time of the program, its reading and writing included
 };
 
 // Runs `program IN OUT` in `directory`.    Throws: Error bad_usage where the program fails; errors of readView3d.

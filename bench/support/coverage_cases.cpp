@@ -22,7 +22,7 @@ Case twoSquares(const InputScene& input, double factor) {
 
 struct Patch {
   int axis, side;
-  std::array<reference::Interval, 3> extent;  // along each axis but its own
+  std::array<reference::Interval, 3> extent;  // along the axes other than `axis`
 };
 
 reference::Interval distances(reference::Interval interval, int side) {
@@ -65,14 +65,14 @@ Case cutCube(int cuts) {
   return cube;
 }
 
-// Returns two squares, first in the scene, that see each other past a third one.
+// Returns a case of three squares: the first two see each other past the third.
 Case pastABlocker(const InputScene& input) {
   const double factor =
       reference::formFactorPastBlocker(input.faces[0].corners, input.faces[1].corners, input.faces[2].corners).value;
   return {buildScene(input), {{{0, 1}, factor}}};
 }
 
-// Returns 8 x 8 parts each of two facing squares past a blocker: few lines hit most pairs, or none.
+// Returns two facing squares of 8 x 8 parts past a blocker. Few lines or none meet most pairs.
 Case partsPastABlocker() {
   InputScene input = test_scenes::squaresInParts(8, 1.0 / 8, 1);
   const auto count = static_cast<uint32_t>(input.faces.size());
@@ -83,12 +83,12 @@ Case partsPastABlocker() {
     for (uint32_t j = i + 1; j < count; j += 2) {
       const reference::Approximation factor =
           reference::formFactorPastBlocker(input.faces[i].corners, input.faces[j].corners, blocker);
-      parts.truths[{i, j}] = factor.value > 1e-12 ? factor.value : 0;  // less is rounding
+      parts.truths[{i, j}] = factor.value > 1e-12 ? factor.value : 0;  // smaller values are rounding
     }
   return parts;
 }
 
-// Returns all pairs that see each other, as a long run of the host engine has them.
+// Returns a case whose truth is a long run of the host engine.
 Case byLongRun(Scene scene) {
   constexpr int kResolution = 256;
   const Ids ids = makeIds(scene, By::polygon, false);

@@ -1,4 +1,4 @@
-// makeCase() makes the scenes of the bench coverage, with the true form factors of their pairs.
+// makeCase() returns the scenes of the bench `coverage`, with the true form factors of their pairs.
 #pragma once
 #include <cstdint>
 #include <map>
@@ -11,7 +11,7 @@
 namespace viewpeel::bench {
 
 using Pair = std::pair<uint32_t, uint32_t>;
-using Truths = std::map<Pair, double>;  // F_ij, i < j, of the pairs that are looked at; j may be kEnvironment
+using Truths = std::map<Pair, double>;  // F_ij by (i, j), i < j, of the pairs that are judged; j may be kEnvironment
 
 struct Case {
   Scene scene;
@@ -19,11 +19,11 @@ struct Case {
   bool has_all_pairs = false;
 };
 
-// Returns the truth between surfaces, F_IJ = sum_ij A_i F_ij / A_I.
+// Returns the true form factors between surfaces, F_IJ = sum_ij A_i F_ij / A_I.
 Truths sumBySurface(const Truths& truths, const Ids& ids, const Ids& surface_ids);
 
-// Makes a case by its name: facing, edge, far, cube, blocked, parts and gap have closed forms or integrals as truth;
-// office, room and city have a long run.
+// Returns a case by its name. The truths of facing, edge, far, cube, blocked, parts and gap are closed forms or
+// integrals; those of office, room and city are long runs.
 Case makeCase(const std::string& name);
 
 }  // namespace viewpeel::bench

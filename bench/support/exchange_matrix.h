@@ -1,5 +1,4 @@
-// An ExchangeMatrix holds A_i F_ij of all pairs of polygons. errorOf() measures how far one such matrix is from
-// another.
+// ExchangeMatrix holds A_i F_ij of all pairs of polygons. errorOf() measures the difference of two such matrices.
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -10,7 +9,7 @@
 
 namespace viewpeel::bench {
 
-// The matrix is symmetric, zero on the diagonal; dense: n (n - 1) / 2 doubles.
+// ExchangeMatrix is symmetric, with zeros on the diagonal, and stored densely as n (n - 1) / 2 doubles.
 class ExchangeMatrix {
  public:
   explicit ExchangeMatrix(uint32_t count = 0) : count_(count), values_(pairCount(count)) {}
@@ -31,17 +30,17 @@ class ExchangeMatrix {
   std::vector<double> values_;
 };
 
-// A MatrixError is the error of form factors over all ordered pairs i != j. The weighted ones give each pair the weight
-// w_ij = C_ij = A_i F_ij / 2 that it has in the exchange of radiation. So rms = sqrt(sum w e^2 / sum w), largest = max
-// sqrt(w / max w) |e|.
+// MatrixError is the error e of form factors over all ordered pairs i != j. The weighted errors give each pair the
+// weight w_ij = C_ij = A_i F_ij / 2 that it has in the exchange of radiation: rms = sqrt(sum w e^2 / sum w), largest =
+// max sqrt(w / max w) |e|.
 struct MatrixError {
   double rms = 0, largest = 0, weighted_rms = 0, weighted_largest = 0;
 };
 
 class ErrorSums {
  public:
-  // Adds the errors of a pair, both ways.    In: the reference's exchange area, the error of the exchange area, the
-  // areas of both
+  // Adds the errors of a pair in both directions.    In: exchange area of the reference, error of the exchange area,
+  // areas of both polygons
   void add(double reference, double error, double area_i, double area_j) {
     const double e_i = error / area_i, e_j = error / area_j, largest = std::fmax(std::abs(e_i), std::abs(e_j));
     squares_ += e_i * e_i + e_j * e_j;
@@ -61,7 +60,7 @@ class ErrorSums {
   double squares_ = 0, weighted_squares_ = 0, weights_ = 0, most_weight_ = 0, largest_ = 0, weighted_largest_ = 0;
 };
 
-// Returns the error of a matrix.    In: both of the same polygons; areas in the unit of both
+// Returns the error of a matrix.    In: matrices of the same polygons; areas in the unit of both
 inline MatrixError errorOf(const ExchangeMatrix& measured, const ExchangeMatrix& reference,
                            const std::vector<double>& areas) {
   ErrorSums sums;
@@ -71,7 +70,7 @@ inline MatrixError errorOf(const ExchangeMatrix& measured, const ExchangeMatrix&
   return sums.over(measured.count());
 }
 
-// Returns what a row leaves for environment and leaks: the polygon's area less its exchange areas.
+// Returns for each row the exchange area with environment and leak: the polygon's area less its exchange areas.
 inline std::vector<double> restOf(const ExchangeMatrix& exchange, const std::vector<double>& areas) {
   std::vector<double> rest = areas;
   for (uint32_t i = 0; i < exchange.count(); ++i)
@@ -79,7 +78,7 @@ inline std::vector<double> restOf(const ExchangeMatrix& exchange, const std::vec
   return rest;
 }
 
-// Returns errors of what rows leave, as form factors: rms and largest.
+// RestError is the rms and largest error of restOf(), as form factors.
 struct RestError {
   double rms = 0, largest = 0;
 };

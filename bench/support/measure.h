@@ -1,4 +1,4 @@
-// The benches share these functions: time, medians, and the lines that name device, driver and commit.
+// The benches share these functions for time, medians, power laws, and the lines that name device, driver and commit.
 #pragma once
 #include <algorithm>
 #include <chrono>
@@ -28,7 +28,7 @@ inline double median(std::vector<double> values) {
   return (values[(values.size() - 1) / 2] + values[values.size() / 2]) / 2;
 }
 
-// A PowerLaw is y = exp(intercept) x^exponent, by least squares on logarithms. The standard error is of the exponent,
+// PowerLaw is y = exp(intercept) x^exponent, by least squares on logarithms. standard_error is that of the exponent,
 // from the residuals.
 struct PowerLaw {
   double exponent = 0, intercept = 0, standard_error = 0;

@@ -1,8 +1,8 @@
-// Points lie in the unit hypercube of four dimensions, for rivals that sample: independent, or Sobol's sequence,
-// scrambled.
+// PointSource makes points in the four-dimensional unit cube for rivals that sample. Points are independent, or a
+// scrambled Sobol' sequence.
 //
-// Sobol' points with the direction numbers of S. Joe & F. Y. Kuo, Constructing Sobol sequences with better
-// two-dimensional projections, SIAM J. Sci. Comput. 30, 2008; nested uniform scrambling (A. B. Owen 1995) by the hash
+// The Sobol' sequence has the direction numbers of S. Joe & F. Y. Kuo, Constructing Sobol sequences with better
+// two-dimensional projections, SIAM J. Sci. Comput. 30, 2008. Nested uniform scrambling (A. B. Owen 1995) uses the hash
 // of S. Laine & T. Karras, Stratified sampling for stochastic transparency, 2011, on reversed bits.
 #pragma once
 #include <array>
@@ -17,7 +17,7 @@ constexpr uint32_t kDimensions = 4;
 
 constexpr uint64_t kSplitMixStep = 0x9E3779B97F4A7C15ull;
 
-struct SplitMix {  // a random word costs next to nothing beside a ray
+struct SplitMix {  // splitmix64, far cheaper than a ray
   uint64_t state;
   uint64_t next() {
     uint64_t z = state += kSplitMixStep;
@@ -37,7 +37,7 @@ constexpr uint32_t reverseBits(uint32_t x) {
 
 using DirectionNumbers = std::array<std::array<uint32_t, 32>, kDimensions>;
 
-// Makes direction numbers with bits reversed: bit k of a number is the k-th binary digit after the point.
+// Returns direction numbers with reversed bits: bit k of a number is the k-th binary digit after the point.
 constexpr DirectionNumbers makeDirectionNumbers() {
   struct Polynomial {
     uint32_t degree, coefficients;
@@ -67,15 +67,15 @@ constexpr DirectionNumbers makeDirectionNumbers() {
 
 inline constexpr DirectionNumbers kReversedNumbers = makeDirectionNumbers();
 
-// A PointSource has points in order. The first 2^m points of a Sobol' source are stratified; two sources of one seed
-// and stream are the same.
+// PointSource returns points in order. The first 2^m points of a Sobol' source are stratified. Two sources of one seed
+// and stream are equal.
 class PointSource {
  public:
   //   In: stream: every one has points of its own; first: the first point's index
   PointSource(Points points, uint64_t seed, uint64_t stream, uint64_t first = 0)
       : points_(points), random_{mix(seed, stream)} {
     if (points == Points::random) {
-      random_.state += 2 * first * kSplitMixStep;  // two words a point
+      random_.state += 2 * first * kSplitMixStep;  // each point takes two words
       return;
     }
     for (uint32_t& s : scrambles_) s = static_cast<uint32_t>(random_.next());
@@ -86,7 +86,7 @@ class PointSource {
         if (gray >> k & 1) reversed_[d] ^= kReversedNumbers[d][k];
   }
 
-  // Each coordinate is a multiple of 2^-32.
+  // Returns the next point, with coordinates in units of 2^-32.
   std::array<uint32_t, kDimensions> next() {
     if (points_ == Points::random) {
       const uint64_t a = random_.next(), b = random_.next();
@@ -104,7 +104,7 @@ class PointSource {
     return SplitMix{SplitMix{seed}.next() ^ stream * 0xD1342543DE82EF95ull}.next();
   }
 
-  // A bit depends on those below it alone.
+  // Each bit of the result depends on lower bits only.
   static uint32_t scramble(uint32_t x, uint32_t seed) {
     x += seed;
     x ^= x * 0x6C50B47Cu;

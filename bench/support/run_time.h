@@ -6,11 +6,12 @@
 
 namespace viewpeel::bench {
 
-// These times are of the part that counts: until a method has its result, before that becomes a matrix to compare.
+// RunTime covers a method until it has its result, without the conversion to a matrix for comparison. All times are in
+// seconds.
 struct RunTime {
   double seconds = 0;
-  double cpu_seconds = 0;   // of all threads, and of processes that were waited for
-  double host_seconds = 0;  // of the calling thread: the rest of `seconds` it waits
+  double cpu_seconds = 0;   // of all threads, and of child processes
+  double host_seconds = 0;  // of the calling thread, which waits for the rest
 };
 
 inline double cpuSecondsOf(int who) {

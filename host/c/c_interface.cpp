@@ -1,4 +1,4 @@
-// The C interface: each function catches what the library throws, and keeps its line for viewpeel_last_error.
+// The C interface. Each function catches exceptions of the library, and keeps their message for viewpeel_last_error().
 #include <viewpeel/c.h>
 
 #include <algorithm>
@@ -22,10 +22,10 @@ struct viewpeel_scene {
 
 struct viewpeel_result {
   viewpeel::StoredResult stored;
-  std::shared_ptr<const viewpeel::Scene> scene;  // none where it was read
+  std::shared_ptr<const viewpeel::Scene> scene;  // null for a result that was read from a file
   viewpeel::SparseRows rows;
   std::vector<std::string> names;
-  std::vector<uint32_t> id_of_row;  // kNone of empty rows
+  std::vector<uint32_t> id_of_row;  // kNone for empty rows
 };
 
 namespace {
@@ -57,12 +57,12 @@ viewpeel_status fail(viewpeel_status status, const char* line) noexcept {
   try {
     last_error = line;
   } catch (...) {
-    last_error.clear();  // no memory for the line: the status has to do
+    last_error.clear();  // there is no memory for the message; the status remains
   }
   return status;
 }
 
-// Does the work, which may throw.
+// Runs the work and turns its exceptions into statuses.
 template <class Work>
 viewpeel_status attempt(const Work& work) noexcept {
   try {

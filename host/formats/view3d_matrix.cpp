@@ -19,7 +19,8 @@ constexpr int kMostSweeps = 100;
 constexpr uint32_t kMostReflectingRows = 20000;
 constexpr size_t kHeaderBytes = 30;
 
-// Returns the entries of every row, both ways, columns ascending.
+// Returns for every row its columns in ascending order, each with the index of its entry. Both directions of a pair are
+// present.
 std::vector<std::vector<std::pair<uint32_t, uint32_t>>> rowsOf(const View3dMatrix& matrix) {
   std::vector<std::vector<std::pair<uint32_t, uint32_t>>> rows(matrix.rowCount());
   for (uint32_t k = 0; k < matrix.entries.size(); ++k)
@@ -28,7 +29,7 @@ std::vector<std::vector<std::pair<uint32_t, uint32_t>>> rowsOf(const View3dMatri
   return rows;
 }
 
-// Calls use(i, F_i) for every dense row.
+// Calls use(i, F_i) for every row i, where F_i is dense.
 template <class Use>
 void forEachRow(const View3dMatrix& matrix, Use use) {
   const auto rows = rowsOf(matrix);
@@ -128,7 +129,7 @@ void includeReflections(View3dMatrix& matrix) {
   Eigen::MatrixXd m = Eigen::MatrixXd::Zero(n, n);
   for (uint32_t i = 0; i < n; ++i) {
     const double reflectivity = 1 - matrix.emissivities[i];
-    // A row without area takes part in nothing.
+    // A row without area exchanges nothing.
     const double area = matrix.areas[i] > 0 ? matrix.areas[i] : 1.0;
     a[i] = matrix.areas[i] * matrix.emissivities[i] / reflectivity;
     m(i, i) = area / reflectivity;

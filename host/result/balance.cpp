@@ -1,10 +1,11 @@
-// Balanced exchange areas have one multiplier y_i per row, which minimises phi of docs/method.md, eq. (34), with
-// section 10's x_ij(y). (For i = j, y_i stands in place of y_i + y_j.)
+// Balanced exchange areas have one multiplier y_i for each row. The multipliers minimise phi of docs/method.md, eq.
+// (34), with x_ij(y) of its section 10. (For i = j, y_i stands in place of y_i + y_j.)
 //
-// Newton's method takes the Hessian of the present piece. It is regularised by the present error, since it may be
-// singular (two plates that see nothing else). Conjugate gradients solve it to this error, and Armijo's rule chooses
-// the step. It is the dual Newton method of H. Qi & D. Sun, A quadratically convergent Newton method for computing the
-// nearest correlation matrix, SIAM J. Matrix Anal. Appl. 28(2), 2006, 360-385, for rows in place of a diagonal.
+// Newton's method takes the Hessian of the present piece. The Hessian may be singular, as for two plates that see only
+// each other, and is therefore regularised by the present error. Conjugate gradients solve it to this error, and
+// Armijo's rule chooses the step. This is the dual Newton method of H. Qi & D. Sun, A quadratically convergent Newton
+// method for computing the nearest correlation matrix, SIAM J. Matrix Anal. Appl. 28(2), 2006, 360-385, for rows in
+// place of a diagonal.
 #include <viewpeel/balance.h>
 
 #include <algorithm>
@@ -28,7 +29,7 @@ constexpr uint32_t kMostSteps = 200, kMostHalvings = 50;
 
 struct Point {
   VectorXd y;
-  std::vector<double> x;  // per entry; environment and leak stay 0
+  std::vector<double> x;  // by entry; environment and leak stay 0
   VectorXd residual;      // row sums of x, less the areas: the gradient of phi
 };
 
@@ -99,8 +100,8 @@ class Dual {
     return at;
   }
 
-  // Returns true where the step passes Armijo's rule. Changes of phi are summed term by term from the step itself: near
-  // the minimum they are far below the rounding of phi.
+  // Returns whether the step satisfies Armijo's rule. The change of phi is summed term by term from the step itself,
+  // for near the minimum it is far below the rounding of phi.
   bool decreases(const Point& at, const Point& next, const VectorXd& direction, double length, double slope) const {
     double change = 0, size = 0;
     const auto add = [&](double term) {
@@ -118,7 +119,7 @@ class Dual {
     return change <= kShare * length * slope + kRounding * size;
   }
 
-  // Makes places for the diagonal and the pairs, both upper: the order in which findDirection fills in values.
+  // Reserves the diagonal and the pairs of the upper triangle, in the order in which findDirection() fills in values.
   void makePattern() {
     hessian_.reserve(static_cast<Eigen::Index>(entries_.size()) + ids_.count());
     auto entry = entries_.begin();
@@ -131,8 +132,8 @@ class Dual {
     hessian_.finalize();
   }
 
-  // Solves (H + inexactness D) d = -residual, D the row sums of w, in variables scaled by D^(1/2): H's entries are w_ij
-  // where x_ij > 0.
+  // Solves (H + inexactness D) d = -residual, where D has the row sums of w on its diagonal. Entries of H are w_ij
+  // where x_ij > 0. Variables are scaled by D^(1/2).
   VectorXd findDirection(const Point& at, double inexactness) {
     VectorXd diagonal = inexactness * row_weights_;
     for (size_t k = 0; k < entries_.size(); ++k)
@@ -152,9 +153,9 @@ class Dual {
     return scale.cwiseProduct(solver.solve(right_side));
   }
 
-  // Refuses rows that no x can balance. No x exists if and only if a set of rows is larger in area than all its
-  // partners. Then y grows without bound along a direction d with d_i + d_j <= 0 for every pair. One of the sets of
-  // rows with the largest y is such a set.
+  // Throws the refusal of rows that no x can balance. No x exists if and only if a set of rows is larger in area than
+  // all its partners. Then y grows without bound along a direction d with d_i + d_j <= 0 for every pair. One of the
+  // sets of rows with the largest y is such a set.
   void refuseImpossible(const VectorXd& y) const {
     const uint32_t n = ids_.count();
     std::vector<uint32_t> rows(n), rank(n), joins(n, n);
@@ -185,8 +186,8 @@ class Dual {
   const std::vector<Entry>& entries_;
   const Ids& ids_;
   VectorXd areas_;
-  std::vector<double> weights_;  // per entry
-  VectorXd row_weights_;         // sums of rows
+  std::vector<double> weights_;  // w by entry
+  VectorXd row_weights_;         // sums of w over each row
   Eigen::SparseMatrix<double, Eigen::RowMajor> hessian_;
 };
 

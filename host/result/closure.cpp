@@ -27,7 +27,7 @@ Closure measureClosure(const FormFactors& form_factors) {
 
 StandardErrors measureStandardErrors(const FormFactors& form_factors, size_t worst) {
   StandardErrors errors;
-  std::vector<std::pair<double, std::pair<uint32_t, uint32_t>>> largest;  // sorted, at most `worst`
+  std::vector<std::pair<double, std::pair<uint32_t, uint32_t>>> largest;  // sorted, at most `worst` entries
   double squares = 0;
   const auto add = [&](uint32_t from, uint32_t to, const Measured& exchange) {
     if (!form_factors.ids().isRequested(from)) return;

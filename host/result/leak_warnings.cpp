@@ -11,9 +11,9 @@ namespace viewpeel {
 namespace {
 
 constexpr size_t kMostSurfaces = 3;
-constexpr double kLeastNamed = 0.01;  // of the leak
+constexpr double kLeastNamed = 0.01;  // surfaces with less than this share of the leak are not named
 
-// LeakAreas has exchange areas of leaks, of rows and of the surfaces that they belong to.
+// LeakAreas has the exchange areas of leak, by row and by surface, and the areas of surfaces.
 struct LeakAreas {
   std::vector<double> of_id, of_surface, area_of_surface;
   double total = 0, emitted = 0;
@@ -35,9 +35,9 @@ LeakAreas sumLeaks(const Scene& scene, const FormFactors& form_factors) {
   return sums;
 }
 
-// Returns weights of Scene::polygons: the exchange area of its row's leak, shared out by area.
+// Returns a weight for each of Scene::polygons: its share by area of the exchange area of its row's leak.
 std::vector<double> weightPolygons(const Scene& scene, const Ids& ids, const LeakAreas& leaks) {
-  const bool by_polygon = ids.count() == scene.faces.size();  // where every surface is one face the two are the same
+  const bool by_polygon = ids.count() == scene.faces.size();  // if every surface has one face both are the same
   std::vector<double> weights;
   for (const Polygon& polygon : scene.polygons) {
     const uint32_t id = by_polygon ? polygon.face : scene.faces[polygon.face].surface;
@@ -76,7 +76,7 @@ std::vector<std::string> warnOfLeaks(const Scene& scene, const FormFactors& form
         fmt::format("{}: no front sees another one: every line leaves the scene; turn a room whose normals look "
                     "outward by --fix-normals, or surfaces by --flip NAME",
                     scene.file)};
-  if (!(share > kClosedLeak)) return {};  // before edges are looked at: kOpenLeak is larger
+  if (!(share > kClosedLeak)) return {};  // checked before isClosed(), for kOpenLeak is larger
   const bool is_closed = isClosed(scene);
   if (!(share > (is_closed ? kClosedLeak : kOpenLeak))) return {};
   std::vector<std::string> lines = {

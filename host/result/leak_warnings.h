@@ -1,4 +1,4 @@
-// These warnings are about results whose lines end on backs.
+// warnOfLeaks() explains results in which lines end on backs.
 #pragma once
 #include <string>
 #include <vector>
@@ -8,13 +8,13 @@
 
 namespace viewpeel {
 
-// A leak from this share of the lines of all rows on is worth a warning. In a closed scene it is above the rounding of
-// edges that touch in part, in an open one it starts to matter.
+// A leak of at least this share of the lines of all rows gives a warning. In a closed scene the share is above the
+// rounding of edges that touch in part. In an open scene it begins to matter.
 constexpr double kClosedLeak = 1e-6, kOpenLeak = 1e-3;
 
-// Warns, one line each, about leaks: the share of radiation that ends on backs, the surfaces whose rows lose it, and
-// the surfaces whose backs get it. Each names the likely cause and the remedy. It warns, too, where no front sees
-// another one at all. Empty where nothing is wrong.
+// Returns warnings about leaks, one line each. They state the share of radiation that ends on backs, the surfaces whose
+// rows lose it, and the surfaces whose backs get it. Each names the likely cause and the remedy. There is also a
+// warning if no front sees another one. The list is empty if nothing is wrong.
 //   In: form_factors of the scene, by polygon or by surface
 //   Cost: O(entries); above the shares kClosedLeak and kOpenLeak also followFronts.
 std::vector<std::string> warnOfLeaks(const Scene& scene, const FormFactors& form_factors);
