@@ -184,8 +184,7 @@ void measureScene(const std::string& name, const Device& device, const Place& pl
   fmt::print("# {}: {} polygons; reference: {}; its own error: rms {:.1e}, largest {:.1e}\n", name,
              scene.polygons.size(), reference.source, reference.error.rms, reference.error.largest);
   std::fflush(stdout);
-  std::set<std::string> too_slow;  // methods whose shortest run takes far longer than is asked for: finer lattices of
-                                   // theirs take longer still
+  std::set<std::string> too_slow;  // methods whose shortest run takes too long; their finer lattices take longer still
   for (uint64_t round = 0; round < options.rounds; ++round)
     for (const Ladder& ladder : ladders) {
       if (!isRequested(ladder.method, options)) continue;

@@ -1,6 +1,6 @@
 // The host and the hemicube's shaders share these structs, as in shaders/shared.h.
 
-// HemicubeDraw is one face of a hemicube, which its eye sees in a pyramid. A side sees only what is above the horizon.
+// HemicubeDraw is one face of a hemicube, which its eye sees in a pyramid. A side sees only the part above the horizon.
 struct HemicubeDraw {
   uint64_t polygons;  // PolygonData[polygon_count]
   uint64_t corners;   // CornerData[]

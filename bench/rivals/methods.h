@@ -63,7 +63,7 @@ std::vector<std::string> rivalNames();
 std::vector<Ladder::Rung> climbBy(double first, double factor, double last);
 
 // LongRun is a reference: exchange areas and standard errors of all pairs by viewpeel with unoccluded form factors. It
-// has as many directions as the time allows, and small polygons in windows.
+// counts directions until the time is spent, with small polygons in windows.
 struct LongRun {
   ExchangeMatrix exchange, standard_errors;
   std::vector<double> rest;       // as Outcome::rest

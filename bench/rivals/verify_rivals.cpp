@@ -19,8 +19,8 @@ constexpr uint32_t kSeeds = 16;
 // A Student's t of 15 degrees of freedom is beyond 6 in 1 of 40,000 cases. So one of the 18 comparisons fails by chance
 // in one of 2,000 sets of seeds, and the seeds are fixed.
 constexpr double kMostStandardErrors = 6;
-// With independent samples four times as many halve the error, and sixteen times as many leave 1/4. The ratio of two
-// rms errors from 16 seeds each has a relative spread of 1 / sqrt(16), so 1/4 (1 +- 0.25). The bound of 1/2 is four
+// Four times the number of independent samples halve the error, and sixteen times the number leave 1/4. The ratio of
+// two rms errors from 16 seeds each has a relative spread of 1 / sqrt(16), so 1/4 (1 +- 0.25). The bound of 1/2 is four
 // spreads away. Rivals that converge faster leave less.
 constexpr double kMostLeft = 0.5;
 constexpr double kMoreWork = 16;
@@ -64,9 +64,9 @@ std::vector<glm::dvec3> cornersOf(const Scene& scene, uint32_t polygon_index) {
 }
 
 // Returns a bound on the mean error of a hemicube. It decides coverage at the middle of a pixel and counts the whole
-// weight. Where an edge crosses a pixel at random, the mean error of the weight is at most its change across the pixel:
-// |grad w| p^2 / 12 per length of edge, with p = 2 / resolution and |grad w| <= 0.33. The outline of a convex polygon
-// on the faces of a hemicube of half width 1 is at most 16 long. There are two outlines, of plate and blocker.
+// weight. Where an edge crosses a pixel at random, the mean error of the weight is at most its change across the pixel.
+// This is |grad w| p^2 / 12 per length of edge, with p = 2 / resolution and |grad w| <= 0.33. The outline of a convex
+// polygon on the faces of a hemicube of half width 1 is at most 16 long. There are two outlines, of plate and blocker.
 double hemicubeBias(uint32_t resolution) { return 2 * 16 * 0.33 * 4 / (12.0 * resolution * resolution); }
 
 void verifyOn(const Device& device, const std::string& name, const Scene& scene, double truth) {

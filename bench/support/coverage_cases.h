@@ -23,7 +23,7 @@ struct Case {
 Truths sumBySurface(const Truths& truths, const Ids& ids, const Ids& surface_ids);
 
 // Returns a case by its name. The truths of facing, edge, far, cube, blocked, parts and gap are closed forms or
-// integrals; those of office, room and city are long runs.
+// integrals. The truths of office, room and city are long runs.
 Case makeCase(const std::string& name);
 
 }  // namespace viewpeel::bench

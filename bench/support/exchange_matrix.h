@@ -31,8 +31,8 @@ class ExchangeMatrix {
 };
 
 // MatrixError is the error e of form factors over all ordered pairs i != j. The weighted errors give each pair the
-// weight w_ij = C_ij = A_i F_ij / 2 that it has in the exchange of radiation: rms = sqrt(sum w e^2 / sum w), largest =
-// max sqrt(w / max w) |e|.
+// weight w_ij = C_ij = A_i F_ij / 2 that it has in the exchange of radiation. Then rms = sqrt(sum w e^2 / sum w), and
+// largest = max sqrt(w / max w) |e|.
 struct MatrixError {
   double rms = 0, largest = 0, weighted_rms = 0, weighted_largest = 0;
 };

@@ -151,7 +151,7 @@ TEST(DirectedPairs, ReachTheGoalSooner) {
   EXPECT_TRUE(isEstimateOf(with.form_factors.rowSums()[0], 1, with.replicates));
 }
 
-// Pairs of one emitter share an engine. Their counts are those of separate engines.
+// Pairs of one emitter share an engine. Their counts equal the counts of separate engines.
 TEST(DirectedPairs, PairsOfOneEmitterShareAnEngine) {
   InputScene input = ts::squaresPastAnEdge();
   ts::addFace(input, "beside", {{1, 0, 6}, {1, 0.6, 6}, {1.6, 0.6, 6}, {1.6, 0, 6}});
@@ -216,7 +216,7 @@ TEST(DirectedPairs, NeverAndAlwaysBlockedAreExact) {
   }
 }
 
-// A run that goes on, or is merged from parts, has the bits of a run without a stop. Parts merge if they chose the same
+// A resumed run, or one merged from parts, has the bits of a run without a stop. Parts merge if they chose the same
 // pairs.
 TEST(DirectedPairs, AreSumsLikeAnyOther) {
   Directed made(ts::squaresPastAnEdge());

@@ -1,4 +1,4 @@
-// Lines drawn on the device equal those of the processor to the last bit.
+// Lines drawn on the device equal the processor's lines to the last bit.
 #include <set>
 
 #include <gtest/gtest.h>
@@ -182,7 +182,7 @@ TEST(PairLines, CountsOnDeviceAndProcessorAreTheSame) {
   plan(host);
   ASSERT_EQ(pairs, planned);
   for (const uint64_t replicate : {0, 3}) EXPECT_EQ(host.count(pairs, replicate), device.count(pairs, replicate));
-  // A third of the pairs get further lines, as many as planned or four times as many.
+  // A third of the pairs get further lines: the planned number, or four times this number.
   std::vector<uint32_t> once(pairs.size()), four_times(pairs.size());
   for (size_t k = 0; k < pairs.size(); k += 3) {
     once[k] = 1;

@@ -186,7 +186,7 @@ TEST(FindPrior, WhatLeavesTheSceneIsExactBesideExactPairs) {
 }
 
 // With eight lines in all most pairs are not met. A pair without lines has the neighbours' visibility with its spread.
-// A pair with blocked lines alone has a standard error of at most what it may be.
+// If a pair has blocked lines alone, its standard error is at most the distance to its unoccluded form factor.
 TEST(FindPrior, UnmetPairsAreUncertain) {
   const PriorScene made = makePriorScene(ts::roomWithTouchingBoxes(), 4);
   const EstimateOptions options{.directions = 1, .replicates = 2};

@@ -242,7 +242,7 @@ TEST(Guarantee, VisibilitiesEndItSooner) {
   EXPECT_LT(with, without);
 }
 
-// Only environment and leak need as many directions as Hoeffding's bound asks for. Pairs with small unoccluded form
+// Only environment and leak need the number of directions of Hoeffding's bound. Pairs with small unoccluded form
 // factors need fewer.
 TEST(Guarantee, UnoccludedFormFactorsNeedNoMoreDirectionsThanHoeffding) {
   Ids ids;

@@ -174,8 +174,8 @@ TEST(Peel, SharedEdgeCoveredOnce) {
   InputScene whole{"whole", {}, {}};
   ts::addFace(whole, "whole", ts::parallelogram({0, 0, 0}, {8, 0, 0}, {0, 8, 0}));
   std::vector<Direction> directions = sampleDirections(Sampler::iid, 40, 5, 0);
-  // Along this direction lattice points lie on edges and corners of tiles: the scene's diameter is 8 sqrt(2), so 1 / h
-  // = 8 / sqrt(2) gives one spacing for each tile.
+  // Along this direction lattice points lie on edges and corners of tiles. The scene's diameter is 8 sqrt(2), so 1 / h
+  // = 8 / sqrt(2) makes a tile one spacing wide.
   directions.push_back({{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0}});
   for (int resolution : {12, 64}) {
     const PairCounts a =

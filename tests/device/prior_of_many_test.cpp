@@ -96,7 +96,7 @@ TEST(FindPrior, EveryPairOfManyPolygonsGetsItsUnoccludedFormFactor) {
   for (const size_t count : {counted, guessed}) EXPECT_GT(count, 500u);
 }
 
-// A run of many polygons that goes on from sums, and sums of parts, give the bits of the whole run.
+// A run of many polygons that is resumed from sums, or merged from parts, has the bits of the whole run.
 TEST(FindPrior, PartsOfARunOfManyPolygonsComeToTheSameBits) {
   ManyPolygons run;
   const Estimate whole = run.estimate(run.options);
@@ -127,8 +127,8 @@ TEST(FindPrior, PartsOfARunOfManyPolygonsComeToTheSameBits) {
   }
 }
 
-// A run ends with the first replicate after which all standard errors reach the goal. They include those of unoccluded
-// form factors in single precision, and of pairs that no line met.
+// A run ends with the first replicate after which all standard errors reach the goal. These errors include the bound of
+// unoccluded form factors in single precision, and the errors of pairs that no line met.
 TEST(FindPrior, GoalsAreReachedByEveryPairOfManyPolygons) {
   constexpr uint32_t kCuts = 55;
   InputScene input{"a floor in 3025 parts below a lamp and a screen", {}, {}};

@@ -90,7 +90,7 @@ TEST(SizeGroups, WindowsAreFew) {
   EXPECT_EQ(polygons, scene.polygons.size());
 }
 
-// Counts in a window are those of the CPU twin, for the polygons of its group.
+// Counts in a window equal the CPU twin's, for the polygons of its group.
 TEST(SizeGroups, CountsEqualTheCpuTwin) {
   const auto directions = sampleDirections(Sampler::iid, 6, 11, 0);
   for (By by : {By::polygon, By::surface})

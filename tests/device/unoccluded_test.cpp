@@ -1,4 +1,4 @@
-// These tests compare exchange areas of pairs with nothing between them with the contour integrals and closed forms of
+// These tests compare exchange areas of pairs that nothing blocks with contour integrals and closed forms of
 // reference/.
 #include <algorithm>
 #include <cmath>

@@ -148,7 +148,7 @@ TEST_F(CalculiX, OtherVersionsAreRefusedByCcx) {
   }
 }
 
-// The file has no pairs of different cavities. What the rows of a closed cavity lack does not leave it.
+// The file has no pairs of different cavities. The lack of the rows of a closed cavity does not leave the cavity.
 TEST_F(CalculiX, CavitiesAreKeptApart) {
   std::string lines = "*RADIATE, CAVITY=1\n";
   for (int k = 1; k <= 4; ++k) lines += fmt::format("{},R2CR,300.,.9\n", k);

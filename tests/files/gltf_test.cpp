@@ -62,7 +62,7 @@ std::string document(const std::string& nodes, const std::string& rest = "",
       kBuffer, kAccessors, primitive, rest, nodes);
 }
 
-// The transform of a node comes first, then those of its parents. A mirroring transform reverses corners, so that
+// The transform of a node comes first, then its parents' transforms. A mirroring transform reverses corners, so that
 // fronts stay outside.
 TEST_F(Gltf, NodesHaveTransformsAndNames) {
   const InputScene scene = readGltf(write(

@@ -213,7 +213,7 @@ TEST_F(OpenFoam, FoundationsMapsAreThoseOfMapDist) {
                                                   bodyOf(at + "subMap"), bodyOf(at + "constructMap")));
     EXPECT_EQ(bodyOf(at + "constructMapDim"), fmt::format("1({})\n", counts[0] + counts[1]));
   }
-  // Rank 1 has its own faces first, then those of rank 0.
+  // Rank 1 has its own faces first, then rank 0's.
   const std::string map = bodyOf("processor1/constant/constructMap");
   EXPECT_NE(map.find(fmt::format("{}({} ", counts[0], counts[1])), std::string::npos) << map;
 }

@@ -1,4 +1,4 @@
-// readResult() returns what writeFormFactors() has stored in a .h5 file.
+// readResult() returns the results that writeFormFactors() has stored in a .h5 file.
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -153,7 +153,7 @@ TEST_F(ReadResult, RefusesOtherFiles) {
 }
 
 // An Edit changes a file by h5py, and then renews the check sum of host/io/hdf5_file.h. `why` is the message of the
-// refusal. `is_shown` is false where a page does not read what was changed.
+// refusal. `is_shown` is false where a page does not read the changed data.
 struct Edit {
   const char *code, *why;
   bool is_shown = true;

@@ -1,4 +1,4 @@
-// The fuzz targets share a file in memory, for readers take files and libFuzzer makes bytes. The readers here are those
+// The fuzz targets share a file in memory, for readers take files and libFuzzer makes bytes. loadBytes() tests a reader
 // of scenes.
 #pragma once
 #include <cstdint>

@@ -109,7 +109,7 @@ Estimate estimateDrawn(const InputScene& input, const Question& question, const 
 }
 
 // Directions from the region of one pair, or by the emitter's cosine, give unbiased form factors. Their error is
-// smaller than that of as many directions over the sphere.
+// smaller than with the same number of directions over the sphere.
 TEST(ClosedForm, DirectionsDrawnForAPairOrAnEmitter) {
   TestRun whole;
   whole.estimate.directions = 100;

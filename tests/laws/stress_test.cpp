@@ -60,8 +60,8 @@ InputScene plates(double gap, bool facing) {
   return scene;
 }
 
-// Gaps between two plates go down to 1e-8 of their size, 1.4e-8 of the scene's radius. The environment gets what leaves
-// through the gap, 1 - F, and no more.
+// Gaps between two plates go down to 1e-8 of their size, 1.4e-8 of the scene's radius. The environment gets the
+// radiation that leaves through the gap, 1 - F, and no more.
 TEST(Stress, GapsBetweenPlates) {
   std::vector<TestRun> runs =
       withEngines({.lattice = {.resolution = 32}, .estimate = {.directions = 200, .replicates = 8}});

@@ -245,7 +245,7 @@ TEST_F(Fault, SignalEndsALargeRunWithinTwoSeconds) {
     running.send(SIGINT);
     EXPECT_EQ(running.wait(), 130) << options << readFile(file("messages"));
     EXPECT_LT(secondsSince(start), kSoon) << options;
-    // Warnings may stand before this line: some of so many squares lie in one plane by chance.
+    // A warning may come before this line, for some of the squares lie in one plane by chance.
     EXPECT_NE(readFile(file("messages")).find("viewpeel: stopped by SIGINT, "), std::string::npos)
         << readFile(file("messages"));
   }
@@ -269,8 +269,8 @@ TEST_F(Fault, SignalInALongBatchKeepsTheReplicatesBefore) {
   EXPECT_EQ(readFile(file("a.csv")), readFile(file("b.csv")));
 }
 
-// Two runs share one checkpoint. One of them is refused, or told that its checkpoint was not kept. The file never mixes
-// replicates of both.
+// Two runs share one checkpoint. One of them is refused, or warns that its checkpoint was not kept. The file never
+// mixes replicates of both.
 TEST_F(Fault, TwoRunsDoNotDisturbEachOther) {
   const std::string options = kSteady + "--checkpoint-seconds 0 --checkpoint " + file("a.h5") + " --replicates ";
   {

@@ -93,7 +93,7 @@ TEST_F(LongRun, InterruptedIsWrittenAndResumed) {
               std::string::npos)
         << messages;
     EXPECT_EQ(std::count(messages.begin(), messages.end(), '\n'), 1) << messages;
-    // The results equal those of one run with as many replicates.
+    // The results equal the results of one run with this number of replicates.
     EXPECT_EQ(run("merge --quiet " + file(engine + ".h5") + " -o " + file("merged.csv")).status, 0);
     EXPECT_EQ(readFile(file("a.csv")), readFile(file("merged.csv")));
     const std::string replicates = replicatesOf(engine + ".h5");

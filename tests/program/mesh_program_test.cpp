@@ -1,4 +1,4 @@
-// The program reports faults of a mesh on stderr, and the numbers of rows stay those of the file.
+// The program reports faults of a mesh on stderr, and rows keep the numbers that they have in the file.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -180,7 +180,7 @@ TEST_F(Program, CheckNamesFlippedSurfacesAndCheckpointsKeepFlips) {
   EXPECT_EQ(readFile(file("m.csv")).find("leak"), std::string::npos);
 }
 
-// The floor of the room is two tiles. The second one goes on under the first for 0.2.
+// The floor of the room is two tiles. A strip of the second one, 0.2 wide, lies under the first.
 std::string roomOnTiles() {
   return "v 0 0 0\nv 0 1 0\nv 0 1 1\nv 0 0 1\nv 1 0 0\nv 1 1 0\nv 1 1 1\nv 1 0 1\no west\nf 1 2 3 4\no east\nf 5 8 7 6"
          "\no south\nf 1 4 8 5\no north\nf 2 6 7 3\no ceiling\nf 4 3 7 8\n"

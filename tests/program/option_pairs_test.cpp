@@ -1,4 +1,4 @@
-// Options are tested in pairs: any two values of two options occur together in some run, on scenes like those of users.
+// Options are tested in pairs: any two values of two options occur together in some run, on scenes like users' scenes.
 //
 // Runs are the rows of a covering array, which a greedy search makes (Cohen, Dalal, Fredman, Patton, IEEE Transactions
 // on Software Engineering 23 (7), 1997). A run may end with status 0, and then its form factors are the scene's within
@@ -44,7 +44,7 @@ Matrix readCsv(const std::string& text) {
 
 // Stated holds the largest errors that a run allows itself.
 struct Stated {
-  double quantile = 0;          // an error exceeds so many standard errors with probability kFalseAlarm at most
+  double quantile = 0;          // number of standard errors that an error exceeds with probability kFalseAlarm
   std::optional<double> bound;  // on every form factor, where the run gives a guarantee
 };
 
@@ -290,8 +290,8 @@ TEST_F(OptionPairs, OfAPlan) {
   }
 }
 
-// The exact engine, which all runs are compared with, agrees with closed forms: of opposite and adjacent faces of a
-// cube (Howell, C-11 and C-14), and of a wall that no line passes.
+// All runs are compared with the exact engine, which agrees with closed forms here. They are opposite and adjacent
+// faces of a cube (Howell, C-11 and C-14), and a wall that no line passes.
 TEST_F(OptionPairs, TruthEqualsTheClosedForm) {
   const double opposite = 0.199824895698, adjacent = (1 - opposite) / 4;
   for (const std::string scene : {"cube", "junctions", "plates"}) {

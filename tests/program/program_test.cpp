@@ -249,8 +249,8 @@ TEST_F(Program, EnginesWriteTheSameFiles) {
   }
 }
 
-// Pair lines drawn on a device have the bits of the processor's, in whole runs and in runs that one begins and the
-// other goes on with.
+// Pair lines drawn on a device have the bits of the processor's, in whole runs and in runs that one of them begins and
+// the other ends.
 TEST_F(Program, PairLinesAreTheSameOnADevice) {
   const std::string street = "compute " VIEWPEEL_SCENES
                              "/street.obj --quiet --tolerance 2e-2 --sampling lattice "

@@ -32,8 +32,8 @@ inline testing::AssertionResult isEstimateOf(const Measured& measured, double tr
                                      << bound;
 }
 
-// Returns whether two independent estimates may have one truth. Welch's degrees of freedom are at least those of either
-// estimate.
+// Returns whether two independent estimates may have one truth. Welch's number of degrees of freedom is at least that
+// of either estimate.
 inline testing::AssertionResult areEstimatesOfTheSame(const Measured& a, const Measured& b, uint64_t replicates) {
   return isEstimateOf({a.value, std::hypot(a.standard_error, b.standard_error)}, b.value, replicates);
 }

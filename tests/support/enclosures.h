@@ -8,7 +8,7 @@
 
 namespace viewpeel::test_enclosures {
 
-// Returns form factors with these exchange areas and standard errors. Row sums are those of the entries.
+// Returns form factors with these exchange areas and standard errors. Row sums are the sums of entries.
 inline FormFactors formFactors(const std::vector<double>& areas, std::vector<FormFactors::Entry> entries) {
   Ids ids;
   ids.areas = areas;

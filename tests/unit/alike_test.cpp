@@ -1,6 +1,6 @@
 // Faces may overlap in one plane and look the same way. Then lines hit only one of them, and the same one from both
-// sides. The counts are those of a scene in which the hidden parts are cut away. Peel.AlikeFacesEqualTheCpuTwin tests
-// this for engines on a device.
+// sides. The counts equal the counts of a scene in which the hidden parts are cut away. Peel.AlikeFacesEqualTheCpuTwin
+// tests this for engines on a device.
 #include <algorithm>
 #include <functional>
 #include <map>

@@ -163,8 +163,8 @@ TEST_F(CheckpointFile, PairLinesAddUpToOneRun) {
 }
 
 // Sums of a run with priors add up to the bytes of one run: control variates are integers, and all parts have the same
-// visibilities. Unoccluded form factors may differ in the last bits from device to device. In any order of files those
-// of the first replicate are kept.
+// visibilities. Unoccluded form factors may differ in the last bits from device to device. In any order of files the
+// first replicate's values are kept.
 TEST_F(CheckpointFile, ControlsAddUpToOneRun) {
   const auto sumsWithPrior = [&](const std::vector<uint64_t>& replicates, uint32_t one_visibility = 0,
                                  uint32_t directions = 16) {

@@ -122,8 +122,8 @@ TEST(Directions, SetsIntegrateSmoothFunctions) {
   }
 }
 
-// Sets of any size have the requested number of directions. Their mean vector and second moments are those of the
-// sphere, in the mean over replicates.
+// Sets of any size have the requested number of directions. In the mean over replicates, their mean vector and second
+// moments equal the sphere's.
 TEST(Directions, SetsOfAnySizeAreUnbiased) {
   for (Sampler sampler : {Sampler::jittered, Sampler::sobol})
     for (uint32_t count : {1u, 2u, 3u, 5u, 17u, 100u}) {

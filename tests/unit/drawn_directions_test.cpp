@@ -131,7 +131,7 @@ TEST(PairDirections, MeansAgreeWithTheWholeSphere) {
     const Measured all = measure(room, a, b, replicates, [&](uint64_t k) { return wholeSphere(64, 6, k); });
     EXPECT_TRUE(areEstimatesOfTheSame(drawn, all, replicates)) << name;
   };
-  // Polygons 0 to 5 of the room are low z, high z, low y, high y, low x, high x. Those of the cube follow in this
+  // Polygons 0 to 5 of the room are low z, high z, low y, high y, low x, high x. The cube's polygons follow in the same
   // order.
   check("floor and ceiling, the cube between", {0}, {1}, 1);
   check("floor and two walls", {0}, {2, 4}, 1);

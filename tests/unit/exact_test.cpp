@@ -262,8 +262,8 @@ double worstDeviation(const ExactPairAreas& found, const Samples& samples, uint3
   return worst;
 }
 
-// There are some 2e3 pairs. By Chernoff's bound exp(k - m - k log(k / m)) at k = m +- 9 (m + 1)^1/2, a count of mean m
-// is off by more with probability below 3e-10. The false-alarm rate is below 1e-6.
+// There are some 2e3 pairs. A count of mean m differs from m by more than 9 (m + 1)^1/2 with probability below 3e-10.
+// This is Chernoff's bound exp(k - m - k log(k / m)) at k = m +- 9 (m + 1)^1/2. The false-alarm rate is below 1e-6.
 TEST(ExactPairAreas, RandomLinesAgree) {
   constexpr uint32_t kSampleCount = 100'000;
   const Scene soup = makeSoup(150, 1), office = makeOffice(2, 1);

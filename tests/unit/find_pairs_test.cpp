@@ -161,7 +161,7 @@ TEST(PairFinder, ClustersDecideAsSinglePairs) {
   EXPECT_GT(free_count, 1'000u);     // and pairs with free lines
 }
 
-// Two walls that meet at a corner hide together what neither hides alone. With a gap between them they do not.
+// Two walls that meet at a corner hide together a square that neither hides alone. With a gap between them they do not.
 TEST(PairFinder, WallsThatMeetHideTogether) {
   const auto isFound = [](double gap) {
     InputScene input{"walls", {}, {}};

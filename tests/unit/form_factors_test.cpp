@@ -69,7 +69,7 @@ TEST(ReplicateSums, ReplicatesThatAgreeHaveTheErrorOfOneCount) {
 // Coverages are the shares of 4000 runs, of 8 replicates each, whose 95 % interval holds the expectation. Lines come in
 // bunches of equal size.
 struct Coverages {
-  double printed = 0, by_spread_alone = 0;  // printed: by (12), where D_0 tells the size of a bunch
+  double printed = 0, by_spread_alone = 0;  // printed: by (12), where D_0 is the size of a bunch
 };
 
 Coverages coverBunches(double bunches, uint64_t bunch) {
@@ -112,7 +112,7 @@ TEST(ReplicateSums, IntervalsOfFewCountsHoldTheTruth) {
   }
 }
 
-// One direction met the pair, with one line. Other directions might have seen it with as many lines as its smaller
+// One direction met the pair, with one line. Another direction might have met it with all the lines that its smaller
 // polygon has room for. For an area of 2 and lines of 0.1 that is D_0 = 1 + 8/27 20 = 6.93, eq. (12). Where many
 // directions met the pair D_0 changes nothing.
 TEST(ReplicateSums, OneDirectionDoesNotTellHowManyLinesOthersSee) {

@@ -334,7 +334,7 @@ TEST(PairLineRuns, GoOnFromACheckpoint) {
   std::filesystem::remove(file);
 }
 
-// Only the requested rows get lines, and their values are those of the whole matrix.
+// Only the requested rows get lines, and their values equal the whole matrix's.
 TEST(PairLineRuns, AnswerQuestions) {
   const Scene scene = loadScene(VIEWPEEL_SCENES "/street.obj");
   Request request = onHost(Tolerance{5e-3});

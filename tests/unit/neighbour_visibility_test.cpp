@@ -73,8 +73,8 @@ TEST(NeighbourVisibility, LinesOfBlocksGoWithLargerBlocks) {
     EXPECT_NEAR(visibility.deviation(), std::sqrt(smoothed * (1 - smoothed)), 1e-6) << i << " " << j;
     EXPECT_EQ(shares.of(j, i).mean, visibility.mean);
   };
-  // scene is m of all 64 ids. near is m of the blocks of 16 with pairs (0, 4) and (2, 12), far of those with pair (2,
-  // 30).
+  // scene is m of all 64 ids. near is m of the blocks of 16 with pairs (0, 4) and (2, 12), and far is m of the blocks
+  // with pair (2, 30).
   const double scene = (0.75 * of_eight + 1 + 0.25 * of_four) / (of_eight + 2 + of_four);
   const double near = (0.75 * of_eight + 1 + scene) / (of_eight + 2 + 1),
                far = (0.25 * of_four + scene) / (of_four + 1);
@@ -124,8 +124,8 @@ TEST(NeighbourVisibility, FewLinesGoWithTheirNeighbours) {
 }
 
 // Parts of two squares exchange past a blocker. For pairs that no line met, and for pairs that few lines met, the mean
-// squared error is at most the stated one. The root is not below a third of the stated one. Errors of pairs that no
-// line met are at most half of those of a value of 0.
+// squared error is at most the stated one. The root is not below a third of the stated one. For pairs that no line met,
+// errors are at most half of the errors that values of 0 would have.
 TEST(NeighbourVisibility, ErrorsAreAsStated) {
   constexpr uint32_t kCuts = 8;
   InputScene input = ts::squaresInParts(kCuts, 1.0 / kCuts, 1);

@@ -136,7 +136,7 @@ TEST(PairFinder, APlateIsSeen) {
 // --- lines -----------------------------------------------------------------------------------------------------------
 
 // Returns the visibility between the first two faces and its standard error, from 16 scramblings of 2^14 lines each.
-// mean_weight gets the mean weight of a line, and stays as it is where the pair is hidden.
+// mean_weight gets the mean weight of a line. A hidden pair leaves mean_weight as it is.
 std::pair<double, double> visibilityOfLines(const std::vector<rt::Corners>& faces, LineWay way, double& mean_weight) {
   const Scene scene = sceneOf(faces);
   const Ids ids = makeIds(scene, By::polygon, false);

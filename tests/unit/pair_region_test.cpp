@@ -159,8 +159,8 @@ TEST(PairRegion, MapKeepsAreas) {
           }
           inside += glm::dot(normal, u) >= 0;
         }
-      // The cut is a curve that meets every row and column of the grid at most four times, and crosses as many cells.
-      // In slivers cells are folded unevenly, which doubles the number.
+      // The cut is a curve that meets every row and column of the grid at most four times, so it crosses at most 4
+      // cells in each. In slivers cells are folded unevenly, which doubles the number.
       const double bound = 8.0 * (around + outwards) / count;
       EXPECT_NEAR(double(inside) / count, part.solidAngle() / region.solidAngle(), bound) << pair.name;
     }

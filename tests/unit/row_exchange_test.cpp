@@ -1,5 +1,5 @@
-// Unoccluded form factors of whole rows, in single precision, are compared with those of pairs in double precision.
-// They differ by no more than their stated bound.
+// Unoccluded form factors of whole rows are in single precision. They differ from pairs in double precision by no more
+// than their stated bound.
 #include "unoccluded/row_exchange.h"
 
 #include <gtest/gtest.h>

@@ -75,7 +75,8 @@ TEST(SolveBounds, HoldForEveryMatrixWithinTheIntervals) {
     double nearest = INFINITY;
     for (int draw = 0; draw < 200; ++draw) {
       std::vector<Entry> moved = centre.entries;
-      // In a closed scene the diagonal entry stays: what a row's sum gets short of 1 returns to the row. Areas stay.
+      // In a closed scene the diagonal entry and the areas stay. The row's sum is then not 1, and its lack returns to
+      // the row.
       for (Entry& entry : moved)
         if (is_open || entry.i != entry.j) entry.exchange_area.value += random() % 2 ? width : -width;
       const FormFactors truth = te::formFactors(centre.areas, is_open ? withRest(centre.areas, moved) : moved);

@@ -90,8 +90,8 @@ HeatSolution solve(const FormFactors& f) {
 
 class SolveErrors : public testing::TestWithParam<std::tuple<bool, bool>> {};
 
-// The standard errors equal those of central differences, where each entry moves by its standard error both ways.
-// Central differences leave third-order terms, 1e-6 of the first order, and the rounding of a solution, 1e-12 / 1e-4.
+// The standard errors equal central differences, for which each entry moves by its standard error both ways. Central
+// differences leave third-order terms, 1e-6 of the first order, and the rounding of a solution, 1e-12 / 1e-4.
 TEST_P(SolveErrors, EqualCentralDifferences) {
   const auto [is_open, is_rest] = GetParam();
   const RandomRows rows(is_open, is_rest, 1e-4);

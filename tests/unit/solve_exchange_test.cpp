@@ -86,8 +86,8 @@ TEST(ExchangeFactors, GiveTheFlowsOfSolveHeat) {
   }
 }
 
-// Of the emission of the inner of two rows the outer one absorbs the share e_2 / (1 - (1 - e_2) F_22 - (1 - e_1) (1 -
-// e_2) F_21).
+// Two rows see each other, and the outer one itself. The outer row absorbs the share e_2 / (1 - (1 - e_2) F_22 - (1 -
+// e_1) (1 - e_2) F_21) of the inner row's emission.
 TEST(ExchangeFactors, OfTwoSurfaces) {
   const FormFactors f = te::formFactors({1, 2.5}, {{0, 1, {1, 0}}, {1, 1, {1.5, 0}}});
   for (const double inner : {1.0, 0.3, 1e-3})
@@ -102,7 +102,7 @@ TEST(ExchangeFactors, OfTwoSurfaces) {
 }
 
 // Dropping small conductors keeps symmetry and the sums of rows. The rest of a row gains as much as was dropped, which
-// changes its heat flow by at most twice that share. Partners may pass on what they gain, which may double the change.
+// changes its heat flow by at most twice that share. Partners may pass on their gain, which may double the change.
 TEST(ExchangeFactors, ACutKeepsEnergy) {
   for (const bool is_open : {false, true}) {
     const FormFactors f = randomRows(60, is_open);

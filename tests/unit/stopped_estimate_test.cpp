@@ -14,7 +14,7 @@
 namespace viewpeel {
 namespace {
 
-// StoppedEstimate stops runs, and goes on from the sums that the last call of on_sums had.
+// StoppedEstimate keeps the sums of the last call of on_sums, from which a stopped run is resumed.
 class StoppedEstimate : public CheckpointFile {
  protected:
   EstimateOptions options_{.directions = 10, .replicates = 7, .seed = 3};
@@ -63,8 +63,8 @@ TEST_F(StoppedEstimate, GoesOnToTheSameBits) {
   }
 }
 
-// A run that goes on ends after as many replicates as a run without a stop. It knows the errors of the earlier
-// replicates before it counts new ones.
+// A resumed run ends after the same replicate as a run without a stop. It knows the errors of the earlier replicates
+// before it counts new ones.
 TEST_F(StoppedEstimate, StopsWhereOneRunWouldHave) {
   options_.replicates = 2;
   std::vector<double> errors;

@@ -1,4 +1,4 @@
-// The library starts as many threads as the processors it may use, and results do not depend on their number.
+// The library starts one thread for each processor that it may use, and results do not depend on their number.
 // ThreadSanitizer watches these tests in the preset tsan.
 #include <sched.h>
 
@@ -36,7 +36,7 @@ cpu_set_t firstOf(const cpu_set_t& set) {
   return one;
 }
 
-// Runs the work in a new thread. That thread and those it starts may use only the processors of `set`.
+// Runs the work in a new thread. That thread, and all threads that it starts, may use only the processors of `set`.
 void runOn(const cpu_set_t& set, const std::function<void()>& work) {
   std::jthread([&] {
     ASSERT_EQ(::sched_setaffinity(0, sizeof set, &set), 0);

@@ -154,8 +154,7 @@ TEST(VisibilitySums, RowsAndPriorPairsAndSampledOnesGoTogether) {
   for (const size_t count : kinds) EXPECT_GT(count, 50u);
 }
 
-// With visibilities fixed beforehand the sums are those of ControlVariateSums, to the last bit, in any order and in
-// parts.
+// With visibilities fixed beforehand the sums equal ControlVariateSums to the last bit, in any order and in parts.
 TEST(VisibilitySums, MakeControlVariatesOfAnyVisibility) {
   constexpr uint32_t n = 12;
   const Ids ids = idsOf(std::vector<double>(n, 1.0));
@@ -228,8 +227,8 @@ TEST(VisibilitySums, ManyPairsAreEachWhatTheyAreAlone) {
 }
 
 // The number of lines follows Poisson's law, and each is facing with probability b. The estimate has no bias however
-// few lines there are. Where a line met the pair, 95 % intervals hold the truth as often as those of plain counts: in
-// 88 % of cases at least (docs/accuracy.md).
+// few lines there are. Where a line met the pair, 95 % intervals hold the truth as often as intervals of plain counts
+// do: in 88 % of cases at least (docs/accuracy.md).
 TEST(VisibilitySums, LinesByChanceHaveNoBias) {
   constexpr int kTrials = 4000, kReplicates = 8;
   const double t = quantile(complement(boost::math::students_t(kReplicates - 1), 0.025));
