@@ -4,8 +4,8 @@
 // Methods: `viewpeel` is the compute engine on lattices, `host` the host engine on the same lattices, and
 // `host_scanlines` its scanlines. A scanline counts one sample for every lattice point of its length. `embree_lines_*`
 // trace and sort the lines of the same lattices. `embree_rays_*` shoot rays from the surfaces.
-// A sample is a facing pair on a line, or a ray that ends on a front. Other rays cost time and count nothing. The time
-// goes from directions or rays to all counts in the order of pairs. It leaves out the fixed cost of reading and
+// A sample is a facing pair on a line, or a ray that ends on a front. Other rays cost time and are not counted. The
+// time goes from directions or rays to all counts in the order of pairs. It leaves out the fixed cost of reading and
 // emptying the counters, which every round measures. Debian builds Embree with assertions on, so Embree's own release
 // build may be faster.
 #include <cmath>

@@ -51,7 +51,7 @@ class EmbreeRays {
   // choice.
   struct Emitter {
     glm::vec3 origin, a, b,
-        c;            // a triangle origin, a, b, and where it has four corners one of b, c: sides from the origin
+        c;            // sides from the origin; triangles are (origin, a, b) and, with four corners, (origin, b, c)
     float share = 1;  // share of the first triangle in the area
     bool parallelogram = false;
     glm::vec3 x, y, normal;  // orthonormal

@@ -33,7 +33,7 @@ struct Random {  // splitmix64, far cheaper than a ray
   }
 };
 
-// Returns cosine directions; tables of them spare every ray two square roots, a sine and a cosine.
+// Returns directions of Lambert's cosine law. The table spares every ray two square roots, a sine and a cosine.
 std::array<glm::vec3, kCosineCount> cosineDirections() {
   std::array<glm::vec3, kCosineCount> table;
   const double golden_angle_rad = std::numbers::pi * (3 - std::sqrt(5.0));

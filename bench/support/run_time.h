@@ -11,7 +11,7 @@ namespace viewpeel::bench {
 struct RunTime {
   double seconds = 0;
   double cpu_seconds = 0;   // of all threads, and of child processes
-  double host_seconds = 0;  // of the calling thread, which waits for the rest
+  double host_seconds = 0;  // CPU time of the calling thread
 };
 
 inline double cpuSecondsOf(int who) {

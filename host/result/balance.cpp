@@ -153,9 +153,9 @@ class Dual {
     return scale.cwiseProduct(solver.solve(right_side));
   }
 
-  // Throws the refusal of rows that no x can balance. No x exists if and only if a set of rows is larger in area than
-  // all its partners. Then y grows without bound along a direction d with d_i + d_j <= 0 for every pair. One of the
-  // sets of rows with the largest y is such a set.
+  // Throws the Error that names rows which no x can balance. No x exists if and only if a set of rows is larger in area
+  // than all its partners. Then y grows without bound along a direction d with d_i + d_j <= 0 for every pair. One of
+  // the sets of rows with the largest y is such a set.
   void refuseImpossible(const VectorXd& y) const {
     const uint32_t n = ids_.count();
     std::vector<uint32_t> rows(n), rank(n), joins(n, n);

@@ -1,4 +1,4 @@
-# Installs the build into an empty folder, builds the program in tests/consumer against it, and runs it. What the library computes in one call is what the program writes, byte for byte.
+# Installs the build into an empty folder, builds the program in tests/consumer against it, and runs it. The library's one call and the program write the same bytes.
 file(REMOVE_RECURSE ${WORK})
 file(MAKE_DIRECTORY ${WORK})
 function(run)
@@ -16,7 +16,7 @@ run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${WORK}/installed)
 run(${CMAKE_COMMAND} -G Ninja -S ${CONSUMER} -B ${WORK}/build -DCMAKE_PREFIX_PATH=${WORK}/installed -DCMAKE_BUILD_TYPE=Release ${link_flags})
 run(${CMAKE_COMMAND} --build ${WORK}/build)
 
-# Nothing but the public headers is installed.
+# Only the public headers are installed.
 file(GLOB_RECURSE headers RELATIVE ${WORK}/installed/include ${WORK}/installed/include/*)
 list(LENGTH headers count)
 list(FILTER headers EXCLUDE REGEX "^viewpeel/[a-z_]+[.]h$")
@@ -42,7 +42,7 @@ if(NOT row STREQUAL "0.000000 0.199825" OR NOT EXISTS ${WORK}/View3D.log)
   message(FATAL_ERROR "view3d has written '${row}' for two opposite squares")
 endif()
 
-# A plan depends on the time that directions take: the program gets the consumer's.
+# A plan depends on measured times, so the program gets the options of the consumer's plan.
 execute_process(COMMAND ${WORK}/build/consumer ${SCENE} ${WORK}/consumer.csv OUTPUT_VARIABLE plan RESULT_VARIABLE status)
 if(NOT status EQUAL 0)
   message(FATAL_ERROR "consumer failed with ${status}")
@@ -50,7 +50,7 @@ endif()
 separate_arguments(plan)
 run(${WORK}/installed/bin/viewpeel compute ${SCENE} ${plan} --tolerance 1e-3 -o ${WORK}/program.csv)
 run(${CMAKE_COMMAND} -E compare_files ${WORK}/consumer.csv ${WORK}/program.csv)
-# Another seed is another result: the comparison can fail.
+# Negative control: another seed gives another result.
 run(${WORK}/installed/bin/viewpeel compute ${SCENE} ${plan} --tolerance 1e-3 --seed 2 --quiet -o ${WORK}/other.csv)
 execute_process(COMMAND ${CMAKE_COMMAND} -E compare_files ${WORK}/consumer.csv ${WORK}/other.csv RESULT_VARIABLE differs ERROR_QUIET)
 if(NOT differs)

@@ -14,11 +14,11 @@ struct Axis {
 };
 
 extern const std::vector<Axis> kAxes;
-constexpr size_t kOfCompute = 4;  // number of axes, the last ones, that `plan` does not have
+constexpr size_t kOfCompute = 4;  // number of axes at the end that `plan` does not have
 
 using Choices = std::vector<size_t>;  // for each axis the index of its choice
 
-// choiceOf returns the choice of the axis with this name. has says whether that choice contains `part`.
+// `choiceOf` returns the choice of the axis with this name. `has` returns whether that choice contains `part`.
 const std::string& choiceOf(const Choices& run, const std::string& axis);
 bool has(const Choices& run, const std::string& axis, const std::string& part);
 

@@ -200,6 +200,7 @@ TEST_F(Program, OlderNamesOfOptionsWork) {
   EXPECT_NE(readFile(file("off.csv")), readFile(file("new.csv")));
 }
 
+// The scene is open, which the program finds after the computation. The measured form factors are written all the same.
 TEST_F(Program, RefusedBalanceKeepsWhatWasMeasured) {
   const std::string plates = "compute " VIEWPEEL_SCENES "/plates.obj --quiet --directions 20 ";
   const Result r = run(plates + "--balance -o " + file("p.csv"));

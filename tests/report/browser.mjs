@@ -1,4 +1,4 @@
-// Pages in Debian's Chromium, without a display and with software GL. Whatever a page prints or asks for is a failure.
+// These functions open pages in Debian's Chromium, without a display and with software GL. A page that prints or requests anything fails its test.
 import assert from 'node:assert/strict';
 import { execFileSync, spawnSync } from 'node:child_process';
 import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
@@ -34,7 +34,7 @@ export const launch = (...more) => {
   return chromium.launch({ executablePath, args: ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', ...more] });
 };
 
-// An OpenPage is a page that is ready, or has said why not.
+// Returns a page that is ready, or shows its fault.
 export async function openPage(browser, file, { width = 1024, height = 768, colorScheme = 'light', clipboard = true } = {}) {
   const context = await browser.newContext({ viewport: { width, height }, colorScheme });
   if (clipboard) await context.grantPermissions(['clipboard-read', 'clipboard-write']);
@@ -51,12 +51,12 @@ export async function openPage(browser, file, { width = 1024, height = 768, colo
     fault: () => tab.locator('#fault').evaluate((fault) => (fault.hidden ? '' : fault.textContent)),
     selected: () => tab.locator('#panel-0 h2').textContent(),
     choose: (name) => tab.locator('#unit').selectOption(name),
-    // The tab's panel, shown.
+    // Shows the panel of this tab and returns it.
     panel: async (name) => {
       await tab.getByRole('tab', { name }).click();
       return tab.getByRole('tabpanel', { name });
     },
-    // Colours of the scene on a grid of pixels.
+    // Returns the colours of the scene on a grid of pixels.
     colours: async () => {
       await tab.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
       const shot = await tab.locator('#scene').screenshot();
@@ -70,7 +70,7 @@ export async function openPage(browser, file, { width = 1024, height = 768, colo
         return colours;
       }, shot.toString('base64'));
     },
-    // A place of the window where the polygon under it is of this row or surface.
+    // Returns a place in the window over a polygon of this row or surface, or null.
     placeOf: (name) => tab.evaluate((wanted) => {
       const box = document.getElementById('scene').getBoundingClientRect();
       for (let y = box.top + 5; y < box.bottom; y += 6)
@@ -88,7 +88,7 @@ export async function openPage(browser, file, { width = 1024, height = 768, colo
   };
 }
 
-// CPU seconds of this process and all that it started and that still run: the browser's processes.
+// Returns the CPU seconds of this process and of its children that still run, the browser's processes.
 export function cpuSeconds() {
   const list = execFileSync('ps', ['-eo', 'pid=,ppid=,cputimes='], { encoding: 'utf8' }).trim().split('\n').map((line) => line.trim().split(/\s+/).map(Number));
   const family = new Set([process.pid]);

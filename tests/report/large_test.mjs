@@ -1,4 +1,4 @@
-// A page of 20,000 polygons and 4 million form factors: its size, time to load, frames a second, and numbers.
+// These tests check a page of 20,000 polygons and 4 million form factors: its size, time to load, frames per second, and numbers.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import { statSync } from 'node:fs';
@@ -17,7 +17,7 @@ test('a large page loads, turns, and has the numbers that were written', async (
     const seconds = (performance.now() - before) / 1000, cpu = cpuSeconds() - cpuBefore;
     console.log(`${(size / 1e6).toFixed(1)} MB; loaded in ${seconds.toFixed(2)} s, ${cpu.toFixed(2)} CPU s`);
 
-    // Turns for two seconds; a frame is drawn for each step.
+    // Turns the scene for two seconds; each step draws a frame.
     const cpuTurning = cpuSeconds();
     const turned = await page.tab.evaluate(async () => {
       const { scene } = window.viewpeelPage, frames = scene.frames, begin = performance.now();
@@ -42,7 +42,7 @@ test('a large page loads, turns, and has the numbers that were written', async (
     const shown = new Map((await page.clipboard()).trim().split('\n').slice(1).map((line) => line.split(',')).map(([to, f, error]) => [to, [Number(f), Number(error)]]));
     assert.equal(shown.size, expected.length);
     for (const [, to, f, error] of expected) {
-      // The page says that it has floats here.
+      // This page has single-precision numbers, as its warning says.
       assert.equal(shown.get(to)[0], Math.fround(Number(f)), to);
       assert.equal(shown.get(to)[1], Math.fround(Number(error)), to);
     }

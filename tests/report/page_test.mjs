@@ -1,4 +1,4 @@
-// The page of a result in Debian's Chromium: clicks, colours, numbers, keys, damage, and no word from the browser.
+// These tests check the page of a result in Debian's Chromium: clicks, colours, numbers, keys, damaged pages. The browser must print nothing.
 import assert from 'node:assert/strict';
 import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
@@ -14,7 +14,7 @@ before(async () => {
   viewpeel('compute', scene('office.obj'), '--tolerance', '1e-2', '--quiet', '-o', folder.path('office.h5'), '-o', folder.path('office.csv'));
   viewpeel('report', folder.path('office.h5'), '-o', polygons);
   viewpeel('solve', scene('office.obj'), '--materials', scene('office_materials.csv'), '--quiet', '-o', surfaces, '-o', folder.path('heat.csv'));
-  // A room whose floor looks down, with names that would be markup.
+  // The floor of this room looks down, and names contain markup.
   const room = readFileSync(scene('cube.obj'), 'utf8').replace(/^o .*/m, `o ${HOSTILE}`);
   writeFileSync(folder.path('hostile.obj'), room);
   viewpeel('compute', folder.path('hostile.obj'), '--tolerance', '1e-2', '--flip', HOSTILE, '--quiet', '-o', hostile);
@@ -36,7 +36,7 @@ test('a click selects, and all other colours change', async () => {
   assert.ok(changed > 0.2 * colours.length, `${changed} of ${colours.length} places have another colour`);
   await page.tab.mouse.move(place.x + 1, place.y);
   await page.tab.waitForFunction(() => /F from (desk\[1\]|floor\[40\]): .*area /.test(document.getElementById('tip').textContent));
-  // A negative control: what does not change the scene changes no colour.
+  // Negative control: an action that does not change the scene changes no colour.
   await page.tab.mouse.move(1500, 20);
   const before = await page.colours();
   await page.panel('Run');
@@ -55,7 +55,7 @@ test('numbers are the file\'s, to the last bit', async () => {
   assert.equal(shown.size, expected.length);
   for (const [, to, f, error] of expected) assert.deepEqual(shown.get(to), [Number(f), Number(error)], to);
 
-  // One row alone, and the head of the table of the largest.
+  // A row alone, and the first lines of the table of largest form factors, have the file's numbers.
   const all = readCsv(folder.path('office.csv')).slice(1).filter(([, to]) => to !== 'environment' && to !== 'leak');
   const largest = all.reduce((most, [, , f]) => Math.max(most, Number(f)), 0);
   await (await page.panel('Largest')).getByRole('button', { name: 'Copy this row as CSV' }).first().click();
@@ -98,7 +98,7 @@ test('heat is there, and keys do what the mouse does', async () => {
   await page.tab.getByRole('tab', { name: 'Selection' }).focus();
   await page.tab.keyboard.press('ArrowRight');
   assert.equal(await page.tab.getByRole('tab', { name: 'Largest' }).getAttribute('aria-selected'), 'true');
-  // Whatever can be used has a name for screen readers.
+  // Every control has a name for screen readers.
   const nameless = await page.tab.evaluate(() => [...document.querySelectorAll('button, select, input, canvas, svg')]
     .filter((part) => !(part.getAttribute('aria-label') || part.textContent.trim() || part.labels?.length)).map((part) => part.outerHTML));
   assert.deepEqual(nameless, []);

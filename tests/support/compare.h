@@ -12,9 +12,9 @@ namespace viewpeel {
 // with fixed seeds. A failure after a change is a fault with odds of a million to one for each comparison.
 constexpr double kFalseAlarmRate = 1e-6;
 
-// Returns the number of standard errors by which a mean over replicates differs from its expectation, at most, but for
-// kFalseAlarmRate. It is Student's quantile with replicates - 1 degrees of freedom. Replicates are sums over many
-// directions, and so close to normal.
+// Returns a number of standard errors. A mean over replicates differs from its expectation by more than this with
+// probability kFalseAlarmRate. It is Student's quantile with replicates - 1 degrees of freedom. Replicates are sums
+// over many directions, and so close to normal.
 inline double allowedStandardErrors(uint64_t replicates) {
   const boost::math::students_t distribution(double(replicates - 1));
   return quantile(complement(distribution, kFalseAlarmRate / 2));

@@ -141,18 +141,18 @@ TEST(Balance, ConditionsOfTheMinimum) {
       const double rounding =
           4e-16 * (c + w * (std::abs(balanced.row_corrections[i]) + std::abs(balanced.row_corrections[j])));
       ASSERT_GE(x.value, 0);
-      if (x.value > 0) ASSERT_NEAR((x.value - c), w * pull, rounding);  // stationary
-      else ASSERT_LE(c + w * pull, rounding);                           // pushed against 0
+      if (x.value > 0) ASSERT_NEAR((x.value - c), w * pull, rounding);  // the derivative is 0
+      else ASSERT_LE(c + w * pull, rounding);                           // the derivative pushes the entry to 0
       (x.value > 0 ? positive : zeros)++;
       sums[i] += x.value;
       if (i != j) sums[j] += x.value;
     }
-    // Summed in another order: n roundings more.
+    // These sums are in another order, so they differ by n more roundings.
     const double rounding = 1.2e-16 * double(sums.size());
     for (size_t i = 0; i < sums.size(); ++i)
       ASSERT_NEAR(sums[i] / measured.ids().areas[i], 1, kBalanceTolerance + rounding) << "row " << i;
   }
-  EXPECT_GT(zeros, 100u);  // the bound was met, and is the exception
+  EXPECT_GT(zeros, 100u);  // the bound 0 is reached, in few entries
   EXPECT_GT(positive, 10 * zeros);
 }
 

@@ -56,8 +56,8 @@ TEST(CalibrateRows, GuessesThatErrTogetherAreMended) {
     const Matrix before = matrix;
     ASSERT_GT(largestMiss(before), 0.15);
     calibrateRows(matrix.entries, matrix.guesses, matrix.areas);
-    // The remaining difference is 1 % of the sum of the guesses' errors, which is below 1, and the share of the
-    // measured entries.
+    // The tolerance is 1 % of the sum of the guesses' errors, which is below 1, and the share that measured entries
+    // take.
     EXPECT_LT(largestMiss(matrix), 0.012) << "seed " << seed;
     size_t guess = 0;
     double off_before = 0, off = 0;

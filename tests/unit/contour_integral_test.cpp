@@ -209,7 +209,8 @@ double pointToCornerRectangle(double x, double y, double z) {
 }
 
 // A small square lies under a large one. The reference is the mean of the form factors from 12 x 12 Gauss points of the
-// small square. It is exact to rounding, since the integrand is analytic within two sides of the square.
+// small square. It is exact to rounding, since the integrand is analytic up to a distance of two sides or more from the
+// square.
 TEST(Contour, SmallNextToLarge) {
   for (double side : {1e-1, 1e-3, 1e-5, 1e-6}) {
     const Interval small{0.3, 0.3 + side};

@@ -48,8 +48,8 @@ TEST(ExactEngine, SeesPastABlocker) {
             0.01);  // the blocker hides something
 }
 
-// Region perimeters: the smaller square has its own. The part of the large square that it leaves visible has both
-// outlines.
+// The region in which the screen is seen has the screen's perimeter. The region of the large square around it has the
+// perimeter of both outlines.
 TEST(ExactPairAreas, PerimetersMatchTheRegions) {
   InputScene input = ts::parallelSquares();
   ts::addFace(input, "screen",
@@ -75,8 +75,8 @@ TEST(ExactEngine, ThreadsNeverChangeTheCounts) {
   for (size_t k = 0; k < one.size(); ++k) EXPECT_EQ(one[k].count, three[k].count);
 }
 
-// A smaller square lies between two. Each of them faces the screen's front or back, and the other one past it as a
-// blocked pair.
+// A screen lies between two larger squares. Lines through it count for a square and the screen, and as blocked for the
+// two squares.
 TEST(ExactEngine, CountsBlockedPairsOnRequest) {
   InputScene input = ts::parallelSquares();
   ts::addFace(input, "screen",

@@ -291,8 +291,8 @@ TEST(ExactPairAreas, LargerScenesCloseExactly) {
     }
 }
 
-// A whole boundary closes, and so the exact sums are 0. The same boundary with area missing, or with a gap, is reported
-// as open.
+// The boundary of a plate closes exactly. If 2^-300 of its area is missing the polygon is reported as open, and if as
+// much of its boundary is missing the pair is.
 TEST(ExactPairAreas, ClosureSeesMissingPieces) {
   SceneBuilder builder;
   builder.addPolygon("plate", {{0, 0, 0}, {0.5, 0, 0}, {0.5, 0.5, 0}, {0, 0.5, 0}});

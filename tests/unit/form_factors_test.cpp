@@ -59,7 +59,8 @@ TEST(ReplicateSums, HugeCountsKeepTheirSpread) {
                    2 * std::sqrt(13.0) / 3);  // R s^2 = 12, and D = 1
 }
 
-// Replicates that agree seem exact. One of them might as well have counted one more, so the error is that of one count.
+// Replicates that agree seem exact. One of them might as well have counted one more, so they have the error of one
+// count.
 TEST(ReplicateSums, ReplicatesThatAgreeHaveTheErrorOfOneCount) {
   ReplicateSums sums(twoIds(1, 1));
   for (int k = 0; k < 4; ++k) sums.add({{0, 1, 7}});

@@ -176,7 +176,8 @@ TEST(FrontDoor, GoesOnFromACheckpoint) {
   std::filesystem::remove(file);
 }
 
-// A run stops when the observer asks. Before the first replicate it has no result, later that of the replicates so far.
+// A run stops when the observer asks. Before the first replicate it has no result, later the result of the replicates
+// so far.
 TEST(FrontDoor, StopsOnRequest) {
   const Scene scene = buildScene(ts::parallelSquares());
   for (const uint64_t replicates : {0, 3}) {

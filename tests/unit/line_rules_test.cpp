@@ -112,7 +112,7 @@ TEST(LineRules, GradedErrorIsBoundedWhereverTheSingularityLies) {
   }
   EXPECT_GT(tried, 2000);
   EXPECT_GT(worst[0], 0.3);                          // the bound is not far too wide
-  for (double share : worst) EXPECT_LT(share, 0.7);  // stated in line_rules.h
+  for (double share : worst) EXPECT_LT(share, 0.7);  // the share that line_rules.h states
 }
 
 TEST(LineRules, PlainErrorIsBoundedByTheEllipse) {

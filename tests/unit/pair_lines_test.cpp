@@ -317,7 +317,7 @@ TEST(LineSums, MissingWeightIsUnknown) {
   EXPECT_GE(std::sqrt(visibilityOf(sum, 64).variance), 0.25);
 }
 
-// A replicate of hardly any weight tells nothing about the spread, so the variance stays that of the other two.
+// A replicate of hardly any weight does not change the variance of the other two.
 TEST(LineSums, ReplicatesCountByTheirWeight) {
   LineSums::PairSum two;
   LineSums::addTo(two, {0, 1, uint32_t(0.6 * kLineUnit), uint32_t(kLineUnit), 16 * 256});
