@@ -22,7 +22,7 @@ namespace viewpeel::bench {
 namespace {
 
 constexpr uint64_t kReferenceSeed = 1'000'000;
-constexpr double kFiner = 20;  // the reference has the tolerance T / kFiner
+constexpr double kFiner = 20;  // the tolerance of the reference is T / kFiner
 
 struct Options {
   std::vector<std::string> scenes{"office", "room", "street", "city1000", "two_sided", "touching"};

@@ -71,7 +71,7 @@ inline constexpr DirectionNumbers kReversedNumbers = makeDirectionNumbers();
 // and stream are equal.
 class PointSource {
  public:
-  // In: stream: different streams have independent points; first: index of the first point
+  //   In: stream: different streams have independent points; first: index of the first point
   PointSource(Points points, uint64_t seed, uint64_t stream, uint64_t first = 0)
       : points_(points), random_{mix(seed, stream)} {
     if (points == Points::random) {

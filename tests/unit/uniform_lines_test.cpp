@@ -80,7 +80,7 @@ TEST(UniformLines, CandidatesBecomeLinesAsOftenAsTheExchangeAreaSays) {
 }
 
 // Returns the visibility from floor to ceiling of the unit cube past a blocker at `height` over x < edge. The rule has
-// 60 midpoints in x and u, and 2000 in the difference of y, exact in the cells that the edge cuts.
+// 60 midpoints in x and u, and 2000 in the difference of y. Cells that the edge cuts count in part.
 double visibilityByQuadrature(double edge, double height) {
   constexpr int kSteps = 60;
   double seen = 0, all = 0;
