@@ -158,7 +158,7 @@ TEST_P(Unoccluded, ClipsWhatReachesBehind) {
     pairs.push_back({random.convexPolygon(glm::dvec3(0), random.direction(), 3 + k % 2),
                      random.convexPolygon(apart, random.direction(), 3 + k / 2 % 2)});
   }
-  // A wall stands in the middle of a floor, along its edges, and across a corner.
+  // A wall stands along two edges of a floor, in its middle, or along its diagonal.
   const Corners floor = rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
   for (double x : {0.0, 0.5, 1.0}) pairs.push_back({floor, rectangle({x, 0, -1}, {0, 1, 0}, {0, 0, 2})});
   pairs.push_back({floor, rectangle({1, 0, -1}, {-1, 1, 0}, {0, 0, 2})});

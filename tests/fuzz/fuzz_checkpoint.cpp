@@ -15,8 +15,8 @@ namespace {
 
 using fuzz::writeColumn;
 
-// Writes sums of two replicates for two ids, one pair and the environment. With priors by polygon, by_id has neither
-// pair nor environment.
+// Writes sums of two replicates for two ids, one pair and the environment. The group by_id has neither, for with priors
+// by polygon other sums hold them.
 void writeSums(Hdf5Output& out, fuzz::Bytes& bytes, const std::string& group) {
   using U8 = std::vector<uint8_t>;
   using U32 = std::vector<uint32_t>;

@@ -1,5 +1,5 @@
-// Users get scene files, options and outputs wrong. The program says so in one line with file and place, exits with a
-// status, and leaves no half-written file. Runs use the exact engine, which needs no device.
+// Users get scene files, options and outputs wrong. The program says so in one line with file and place, exits with
+// status 2 or 1, and leaves no half-written file. Runs use the exact engine, which needs no device.
 #include <fmt/format.h>
 #include <sys/stat.h>
 

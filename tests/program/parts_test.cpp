@@ -112,8 +112,8 @@ TEST_F(Parts, PartsCountExactlyTheirReplicates) {
 }
 
 // This scene has so many polygons that its checkpoint leaves out the unoccluded form factors of pairs that few lines
-// met. `merge` computes them again from the scene. Without the scene it takes the plain counts of these pairs, and
-// warns.
+// met. `merge` computes them again from the scene. Without the scene it takes the plain counts of pairs with few lines,
+// leaves out pairs without lines, and warns.
 TEST_F(Parts, PartsOfManyPolygonsMergeWithTheirScene) {
   constexpr int kCuts = 54;
   const auto writeScene = [&](const std::string& name, double height) {

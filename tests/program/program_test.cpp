@@ -42,8 +42,7 @@ TEST_F(Program, UnmetRowsAreNamed) {
             std::string::npos);
 }
 
-// Where no form factor reaches --floor, --relative has nothing to judge. The program says so and does not report
-// success.
+// Where no form factor reaches --floor, --relative has nothing to judge. The program warns of it.
 TEST_F(Program, AFloorThatNothingReachesIsSaid) {
   const std::string plates =
       "compute " VIEWPEEL_SCENES "/plates.obj --directions 20 --resolution 16 --quiet --relative 0.5 --floor ";

@@ -1,5 +1,5 @@
-// A scene with coincident faces has the exact areas of the same scene with small gaps between them. peel_test.cpp
-// compares the engines with the exact path and with the CPU twin.
+// Exact areas of a scene with coincident faces equal the areas of the same scene with small gaps between the faces. The
+// test peel_test.cpp compares the engines with the exact path and with the CPU twin.
 #include <algorithm>
 #include <cmath>
 #include <map>

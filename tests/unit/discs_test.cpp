@@ -10,8 +10,8 @@ namespace {
 
 using test::isWithin;
 
-// Returns the mean over the first disc, of radius a, of the form factor from a point at distance r from the axis to the
-// second disc (Howell's catalogue, section B).
+// Returns the mean of the form factor from a point of the first disc, of radius a, to the second disc. The point is at
+// distance r from the axis (Howell's catalogue, section B).
 LineIntegral integralOfPoints(double a, double b, double h) {
   return integrate(
       [=](long double r) {
