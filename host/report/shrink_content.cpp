@@ -1,6 +1,7 @@
 #include "report/shrink_content.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <functional>
 #include <utility>
@@ -79,6 +80,16 @@ class SurfaceRow {
 
 }  // namespace
 
+double unlistedBound(const ReportContent& content) {
+  for (const auto& [name, value] : content.parameters)
+    if (name == "unlisted_bound") {
+      double bound = INFINITY;  // of a text that is no number nothing is sure
+      std::from_chars(value.data(), value.data() + value.size(), bound);
+      return bound;
+    }
+  return 0;
+}
+
 size_t pageBytesOfEntries(const ReportContent& content, size_t width) {
   size_t bytes = 0;
   for (int64_t row = 0; row < content.rowCount(); ++row) {
@@ -92,6 +103,7 @@ size_t pageBytesOfEntries(const ReportContent& content, size_t width) {
 }
 
 ReportContent addUpBySurface(const ReportContent& content) {
+  const bool has_intervals = content.hasIntervals() && unlistedBound(content) == 0;
   const std::vector<int32_t> surface_of_row = surfacesOfRows(content);
   const size_t surface_count = content.geometry.surface_names.size();
   ReportContent sums;
@@ -114,7 +126,7 @@ ReportContent addUpBySurface(const ReportContent& content) {
     for (int64_t row : rows_of_surface[surface])
       surface_row.add(content, row, sums.areas[surface] > 0 ? content.areas[row] / sums.areas[surface] : 0,
                       surface_of_row);
-    surface_row.appendTo(sums, content.hasIntervals());
+    surface_row.appendTo(sums, has_intervals);
   }
   sums.geometry = content.geometry;
   sums.geometry.row_of_polygon = content.geometry.surface_of_polygon;

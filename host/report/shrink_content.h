@@ -8,10 +8,14 @@ namespace viewpeel {
 //   In: width: bytes of a value, 4 or 8    Cost: O(entries).
 size_t pageBytesOfEntries(const ReportContent& content, size_t width);
 
+// Returns the bound of a guarantee on form factors without an entry, 0 where there is none.
+double unlistedBound(const ReportContent& content);
+
 // Adds up rows by surface: F_IJ = sum over i in I, j in J of A_i F_ij / A_I.
 //   In: content: with a geometry    Out: a row for each surface that has rows, and a note
 //   Error: standard errors become the same sums of standard errors, upper bounds whatever the errors have to do with
-//     each other. Shares of rows become means over the area. Temperatures are left out, for means of them say little.
+//     each other. Intervals are left out where pairs without an entry may have form factors above 0. Shares of rows
+//     become means over the area. Temperatures are left out, for means of them say little.
 //   Cost: O(entries + surfaces^2).
 ReportContent addUpBySurface(const ReportContent& content);
 

@@ -44,23 +44,30 @@ Middles middlesOfRows(const ReportContent& content) {
 
 }  // namespace
 
-ReportSurvey surveyErrors(const ReportContent& content) {
+std::vector<double> statedErrors(const ReportContent& content) {
+  if (!content.hasIntervals()) return content.standard_errors;
+  std::vector<double> bounds(content.form_factors.size());
+  for (size_t k = 0; k < bounds.size(); ++k)
+    bounds[k] = std::max(content.form_factors[k] - content.lower[k], content.upper[k] - content.form_factors[k]);
+  return bounds;
+}
+
+ReportSurvey surveyErrors(const std::vector<double>& errors) {
   ReportSurvey survey;
   double squares = 0, least = INFINITY;
-  for (double error : content.standard_errors) {
+  for (double error : errors) {
     squares += error * error;
     survey.largest_error = std::max(survey.largest_error, error);
     if (error > 0) least = std::min(least, error);
     else ++survey.without_error;
   }
-  if (!content.standard_errors.empty())
-    survey.rms_error = std::sqrt(squares / static_cast<double>(content.standard_errors.size()));
+  if (!errors.empty()) survey.rms_error = std::sqrt(squares / static_cast<double>(errors.size()));
   if (!std::isfinite(least) || !std::isfinite(survey.largest_error)) return survey;
   const auto binOf = [&](double error) { return std::floor(std::log10(error) / survey.step); };
   const double first = binOf(least);
   survey.first = first * survey.step;
   survey.error_bins.assign(static_cast<size_t>(binOf(survey.largest_error) - first) + 1, 0.0);
-  for (double error : content.standard_errors)
+  for (double error : errors)
     if (error > 0) ++survey.error_bins[static_cast<size_t>(binOf(error) - first)];
   return survey;
 }

@@ -5,17 +5,22 @@
 namespace viewpeel {
 
 struct ReportSurvey {
-  // Entries with a standard error above 0, by its logarithm to the base 10: bin k is from first + k step.
+  // Entries with an error above 0, by its logarithm to the base 10: bin k is from first + k step.
   double first = 0, step = 0.25;
   std::vector<double> error_bins;
-  double without_error = 0;  // entries with a standard error of 0
+  double without_error = 0;  // entries with an error of 0
   double largest_error = 0, rms_error = 0;
 };
 
-// Cost: O(entries).
-ReportSurvey surveyErrors(const ReportContent& content);
+// Returns what is stated about the error of each entry: with intervals its error bound, the distance to the farther
+// end, else its standard error.
+//   Cost: O(entries).
+std::vector<double> statedErrors(const ReportContent& content);
 
-// Returns the indices of the entries that come first, by one of the vectors of the content, the largest first.
+// In: errors: of all entries    Cost: O(entries).
+ReportSurvey surveyErrors(const std::vector<double>& errors);
+
+// Returns the indices of the entries that come first, by a value of each, the largest first.
 //   Cost: O(entries).
 std::vector<int64_t> largestEntries(const std::vector<double>& values, size_t count);
 

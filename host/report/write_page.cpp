@@ -24,7 +24,7 @@ constexpr size_t kGeometryBytes = 30'000'000;  // of polygons
 constexpr size_t kSpareBytes = 1'000'000;      // for tables and the survey
 constexpr int64_t kBlockEntries = 1 << 15;     // that the page decodes together
 constexpr size_t kListed = 2000;               // of the largest form factors
-constexpr size_t kWorst = 200;                 // form factors with the largest errors
+constexpr size_t kWorst = 200;                 // of the largest errors
 constexpr size_t kPictureSize = 256;
 
 // JSON has no infinities.
@@ -175,7 +175,7 @@ void requirePage(const std::string& file) {
 }
 
 void writePage(ReportContent content, std::ostream& out) {
-  const ReportSurvey survey = surveyErrors(content);
+  const ReportSurvey survey = surveyErrors(statedErrors(content));
   const int64_t entries_of_file = content.entryCount(), rows_of_file = content.rowCount();
   const std::array<double, 3> middle = middleOf(content.geometry);
   PageBlocks blocks;
@@ -196,7 +196,7 @@ void writePage(ReportContent content, std::ostream& out) {
   }
   addColumns(content, blocks);
   addList(content, "largest", largestEntries(content.form_factors, kListed), blocks);
-  addList(content, "worst", largestEntries(content.standard_errors, kWorst), blocks);
+  addList(content, "worst", largestEntries(statedErrors(content), kWorst), blocks);
   size_t picture_size = 0;
   addPicture(content, blocks, picture_size);
   addRows(content, width, blocks);
@@ -210,14 +210,14 @@ void writePage(ReportContent content, std::ostream& out) {
   const std::string elements = blocks.elements();
   const std::string contents = fmt::format(
       R"(<script type="application/json" id="contents">{{"format":1,"rows":{},"entries":{},"rows_of_file":{},)"
-      R"("entries_of_file":{},"has_scene":{},"has_intervals":{},"is_bounded":{},"is_rounded":{},"middle":[{}],)"
+      R"("entries_of_file":{},"has_scene":{},"has_intervals":{},"unlisted_bound":{},"is_bounded":{},"is_rounded":{},"middle":[{}],)"
       R"("picture_size":{},"errors":{{"first":{},"step":{},"without":{},"largest":{},"rms":{},"bins":[{}]}},)"
       R"("columns":[{}],"arrays":{}}}</script>)"
       "\n",
       content.rowCount(), content.entryCount(), rows_of_file, entries_of_file, has_scene, content.hasIntervals(),
-      content.is_bounded, width == 4, fmt::join(middle, ","), picture_size, survey.first, survey.step,
-      survey.without_error, asJson(survey.largest_error), asJson(survey.rms_error), fmt::join(bins, ","),
-      fmt::join(columns, ","), blocks.list());
+      asJson(unlistedBound(content)), content.is_bounded, width == 4, fmt::join(middle, ","), picture_size,
+      survey.first, survey.step, survey.without_error, asJson(survey.largest_error), asJson(survey.rms_error),
+      fmt::join(bins, ","), fmt::join(columns, ","), blocks.list());
   if (gap == std::string_view::npos) throw Error(ErrorCode::bad_usage, "this viewpeel was built without the page");
   if (kPageText.size() + contents.size() + elements.size() > kPageBytes)
     throw Error(ErrorCode::limit, "a page has 60 MB at most, and names and polygons take more; try --by surface");

@@ -93,7 +93,7 @@ export function drawPicture(values: Float32Array, size: number, describe: (down:
   const key = element('p', { class: 'key' }, `${inDigits(scale.least, 2)} `);
   const bar = element('span', { class: 'ramp' });
   bar.style.background = gradient(scale);
-  key.append(bar, ` ${inDigits(scale.greatest, 3)}; blank: none`);
+  key.append(bar, ` ${inDigits(scale.greatest, 3)}; blank: 0 or none`);
   return element('figure', { class: 'chart' }, element('figcaption', {}, 'Row down, column across; rows in the order of their places'), canvas, key, said);
 }
 

@@ -12,10 +12,12 @@ interface Head {
   entries_of_file: number;
   has_scene: boolean;
   has_intervals: boolean;
+  unlisted_bound: number; // of an interval: form factors without an entry are at most so large
   is_bounded: boolean;
   is_rounded: boolean;
   middle: [number, number, number];
   picture_size: number;
+  // Of intervals error bounds, else standard errors.
   errors: { first: number; step: number; without: number; largest: number | null; rms: number | null; bins: number[] };
   columns: { name: string; unit: string }[];
   arrays: { name: string; type: keyof typeof TYPES; count: number }[];

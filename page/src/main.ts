@@ -6,7 +6,7 @@ import { asError, byId, counted, element, inDigits } from './format';
 import { type Goal, LEAK_THAT_COUNTS, makeErrorsPanel, makeLargestPanel, makeMatrixPanel, makeRunPanel, makeSelectionPanel, makeSurfacesPanel, makeTabs, valueInWords } from './panels';
 import { loadQuantities, type Quantity } from './quantities';
 import { type Backs, Scene } from './scene';
-import { type Rows, select, type Selection } from './selection';
+import { boundsOf, type Rows, select, type Selection } from './selection';
 
 class Page {
   private selection?: Selection;
@@ -35,11 +35,13 @@ class Page {
     this.showSelection();
     makeSurfacesPanel(panels[2], this.rows, this.quantities, actions);
     makeRunPanel(panels[5], this.parameters, this.notes, actions);
-    await makeLargestPanel(panels[1], this.contents, this.rows, actions);
-    await makeErrorsPanel(panels[3], this.contents, this.rows, this.quantities, this.goal(), actions);
-    await makeMatrixPanel(panels[4], this.contents, this.rows, actions);
     this.listen();
-    await this.choose([this.firstRow()], this.rows.names[this.firstRow()]);
+    await Promise.all([
+      this.choose([this.firstRow()], this.rows.names[this.firstRow()]),
+      makeLargestPanel(panels[1], this.contents, this.rows, actions),
+      makeErrorsPanel(panels[3], this.contents, this.rows, this.quantities, this.goal(), actions),
+      makeMatrixPanel(panels[4], this.contents, this.rows, actions),
+    ]);
   }
 
   // Returns the name of the row under a place of the window.
@@ -86,7 +88,7 @@ class Page {
       ...(this.rowOfPolygon.length ? [counted(this.rowOfPolygon.length, 'polygon')] : []),
       ...(this.rows.surfaceNames.length ? [counted(this.rows.surfaceNames.length, 'surface')] : []),
       counted(head.entries_of_file, 'form factor'),
-      `largest standard error ${asError(head.errors.largest ?? NaN)}`,
+      `largest ${head.has_intervals ? 'error bound' : 'standard error'} ${asError(head.errors.largest ?? NaN)}`,
       ...(this.parameters.has('closure_largest') ? [`rows within ${asError(Number(this.parameters.get('closure_largest')))} of 1`] : []),
       this.leaks() ? 'some surfaces leak' : 'no leak',
     ];
@@ -178,7 +180,9 @@ class Page {
 
   private valuesShown(): Float64Array | undefined {
     if (!this.quantity.ofSelection) return this.quantity.values;
-    return this.quantity.key === 'form_factor' ? this.selection?.formFactor : this.selection?.standardError;
+    if (!this.selection) return undefined;
+    const { key } = this.quantity;
+    return key === 'form_factor' ? this.selection.formFactor : key === 'error_bound' ? boundsOf(this.selection) : this.selection.standardError;
   }
 
   private paint(): void {
@@ -204,7 +208,7 @@ class Page {
       if (values.some((value) => value > 0 && value < scale.least)) notes.push(`smaller ones as ${inDigits(scale.least, 2)}`);
       notes.push('grey: 0 or none');
     }
-    if (!values) notes.push('nothing is selected');
+    if (!values) notes.push(this.selection ? 'sums of these form factors have no intervals' : 'nothing is selected');
     byId('legend-notes').textContent = notes.join('; ');
     byId('scene').setAttribute('aria-label', `Scene, coloured by ${byId('legend-title').textContent}, from ${inDigits(scale.least, 3)} to ${inDigits(scale.greatest, 3)}`);
   }
@@ -245,11 +249,9 @@ function showFault(error: unknown): void {
 }
 
 async function loadRows(contents: Contents, rowOfPolygon: Int32Array, surfaceOfPolygon: Int32Array): Promise<Rows> {
-  const names = await contents.texts('name');
+  const [names, areas, surfaceNames] = await Promise.all([contents.texts('name'), contents.array('area'), contents.head.has_scene ? contents.texts('surface_name') : []]);
   const rows: Rows = {
-    names,
-    areas: (await contents.array('area')) as Float64Array,
-    surfaceNames: contents.head.has_scene ? await contents.texts('surface_name') : [],
+    names, areas: areas as Float64Array, surfaceNames,
     surfaceOfRow: new Int32Array(names.length).fill(-1),
     polygonsOfRow: new Map(),
   };
@@ -284,13 +286,15 @@ async function open(): Promise<void> {
   await contents.open();
   byId('app').hidden = false;
   const none = new Int32Array(0);
-  const rowOfPolygon = contents.head.has_scene ? await contents.integers('row_of_polygon') : none;
-  const surfaceOfPolygon = contents.head.has_scene ? await contents.integers('surface_of_polygon') : none;
+  // What does not need each other is read together.
+  const [rowOfPolygon, surfaceOfPolygon, words, notes, quantities, scene] = await Promise.all([
+    contents.head.has_scene ? contents.integers('row_of_polygon') : none, contents.head.has_scene ? contents.integers('surface_of_polygon') : none,
+    contents.texts('parameters'), contents.texts('notes'), loadQuantities(contents), makeScene(contents),
+  ]);
   const rows = await loadRows(contents, rowOfPolygon, surfaceOfPolygon);
-  const words = await contents.texts('parameters'), parameters = new Map<string, string>();
+  const parameters = new Map<string, string>();
   for (let k = 0; k + 1 < words.length; k += 2) parameters.set(words[k], words[k + 1]);
-  const scene = await makeScene(contents);
-  const page = new Page(contents, rows, await loadQuantities(contents), parameters, await contents.texts('notes'), rowOfPolygon, surfaceOfPolygon, scene);
+  const page = new Page(contents, rows, quantities, parameters, notes, rowOfPolygon, surfaceOfPolygon, scene);
   await page.start();
   byId('waiting').hidden = true;
   document.body.dataset.state = 'ready';

@@ -3,7 +3,7 @@ import { drawBars, drawPicture, powerOfTen } from './chart';
 import type { Contents } from './contents';
 import { asError, byId, copy, counted, element, inDigits } from './format';
 import type { Quantity } from './quantities';
-import { meanBySurface, type Rows, type Selection } from './selection';
+import { meanBySurface, type Rows, type Selection, sumsHaveIntervals } from './selection';
 import { type Column, Table } from './table';
 
 // Panels ask for these.
@@ -22,6 +22,11 @@ interface Entry {
   standardError: number;
   lower?: number;
   upper?: number;
+}
+
+// How far a form factor may be from the ends of its interval.
+function boundOf({ formFactor, lower, upper }: Entry): number {
+  return Math.max(formFactor - (lower ?? 0), (upper ?? 0) - formFactor);
 }
 
 // Makes tabs: one panel is shown, arrow keys move between tabs.
@@ -54,34 +59,40 @@ export function makeTabs(titles: string[]): HTMLElement[] {
   return panels;
 }
 
-function entryColumns(contents: Contents): Column<Entry>[] {
+// Columns have the order and the names that they have in a file.
+function entryColumns({ hasIntervals, isBounded }: { hasIntervals: boolean; isBounded: boolean }): Column<Entry>[] {
+  const number = (key: string, title: string, value: (entry: Entry) => number, inWords = (entry: Entry) => inDigits(value(entry))): Column<Entry> => ({ key, title, isNumber: true, value, text: inWords });
   const columns: Column<Entry>[] = [
-    { title: 'From', isNumber: false, value: (entry) => entry.from, text: (entry) => entry.from },
-    { title: 'To', isNumber: false, value: (entry) => entry.to, text: (entry) => entry.to },
-    { title: 'Form factor', isNumber: true, value: (entry) => entry.formFactor, text: (entry) => inDigits(entry.formFactor) },
-    { title: contents.head.is_bounded ? 'Standard error, at most' : 'Standard error', isNumber: true, value: (entry) => entry.standardError, text: (entry) => asError(entry.standardError) },
+    { key: 'from', title: 'From', isNumber: false, value: (entry) => entry.from, text: (entry) => entry.from },
+    { key: 'to', title: 'To', isNumber: false, value: (entry) => entry.to, text: (entry) => entry.to },
+    number('form_factor', 'Form factor', (entry) => entry.formFactor),
+    number(isBounded ? 'standard_error_at_most' : 'standard_error', hasIntervals ? '' : isBounded ? 'Standard error, at most' : 'Standard error', (entry) => entry.standardError, (entry) => asError(entry.standardError)),
   ];
-  if (!contents.head.has_intervals) return columns;
-  columns.splice(3, 1,
-    { title: 'Lower', isNumber: true, value: (entry) => entry.lower ?? 0, text: (entry) => inDigits(entry.lower ?? 0) },
-    { title: 'Upper', isNumber: true, value: (entry) => entry.upper ?? 0, text: (entry) => inDigits(entry.upper ?? 0) });
+  if (hasIntervals) columns.push(number('lower', 'Lower', (entry) => entry.lower ?? 0), number('upper', 'Upper', (entry) => entry.upper ?? 0));
   return columns;
+}
+
+function columnsOf({ head }: Contents): Column<Entry>[] {
+  return entryColumns({ hasIntervals: head.has_intervals, isBounded: head.is_bounded });
 }
 
 // --- the selection ---
 export function makeSelectionPanel(panel: HTMLElement, contents: Contents, rows: Rows, quantities: Quantity[], actions: Actions): (selection?: Selection) => void {
-  const columns = entryColumns(contents).slice(1);
-  const table = new Table<Entry>(columns, 'Form factors from what is selected', { sorted: 1, choose: (entry) => actions.chooseRow(entry.toRow), say: actions.say });
+  const choose = (entry: Entry) => actions.chooseRow(entry.toRow);
+  const make = (columns: Column<Entry>[]) => new Table<Entry>(columns.slice(1), 'Form factors from what is selected', { sorted: 'form_factor', choose, say: actions.say });
+  const ofRow = make(columnsOf(contents)), ofSum = make(entryColumns({ hasIntervals: sumsHaveIntervals(contents), isBounded: true }));
   const title = element('h2'), facts = element('dl', { class: 'facts' });
   const hint = element('p', { class: 'hint' }, 'Click a polygon of the scene, or a name in a table.');
-  panel.append(title, facts, hint, table.root);
+  panel.append(title, facts, hint, ofRow.root, ofSum.root);
   return (selection) => {
     hint.hidden = selection !== undefined;
-    table.root.hidden = facts.hidden = selection === undefined;
+    facts.hidden = selection === undefined;
+    ofRow.root.hidden = selection === undefined || selection.isSum;
+    ofSum.root.hidden = !selection?.isSum;
     title.textContent = selection ? `From ${selection.name}` : 'Nothing is selected';
     if (!selection) return;
     const lines: [string, string][] = [['Area', inDigits(selection.area)]];
-    if (selection.isSum) lines.push(['Rows', `${selection.rows.length}, added up; standard errors are at most as stated`]);
+    if (selection.isSum) lines.push(['Rows', `${selection.rows.length}, added up${selection.lower ? '' : '; standard errors are at most as stated'}`]);
     else
       for (const quantity of quantities)
         if (quantity.values) lines.push([quantity.title, valueInWords(quantity, selection.rows[0])]);
@@ -92,7 +103,7 @@ export function makeSelectionPanel(panel: HTMLElement, contents: Contents, rows:
       entries.push({ from: selection.name, fromRow: selection.rows[0], to: rows.names[row], toRow: row, formFactor: selection.formFactor[row],
         standardError: selection.standardError[row], lower: selection.lower?.[row], upper: selection.upper?.[row] });
     });
-    table.show(entries);
+    (selection.isSum ? ofSum : ofRow).show(entries);
   };
 }
 
@@ -115,7 +126,7 @@ async function loadEntries(contents: Contents, rows: Rows, list: string): Promis
 export async function makeLargestPanel(panel: HTMLElement, contents: Contents, rows: Rows, actions: Actions): Promise<void> {
   const entries = await loadEntries(contents, rows, 'largest');
   const all = contents.head.entries;
-  const table = new Table<Entry>(entryColumns(contents), 'Largest form factors', { sorted: 2, choose: (entry) => actions.chooseRow(entry.fromRow), say: actions.say });
+  const table = new Table<Entry>(columnsOf(contents), 'Largest form factors', { sorted: 'form_factor', choose: (entry) => actions.chooseRow(entry.fromRow), say: actions.say });
   table.show(entries);
   panel.append(element('h2', {}, 'Largest form factors'));
   if (entries.length < all) panel.append(element('p', { class: 'hint' }, `These are the largest ${counted(entries.length, 'form factor')} of ${all.toLocaleString('en-US')}. A click on a name shows all of its own.`));
@@ -143,16 +154,16 @@ export function makeSurfacesPanel(panel: HTMLElement, rows: Rows, quantities: Qu
   const areas = bySurface ? new Float64Array(names.length) : rows.areas;
   if (bySurface) rows.surfaceOfRow.forEach((surface, row) => surface >= 0 && (areas[surface] += rows.areas[row]));
   const parts: Part[] = names.map((name, index) => ({ index, name, area: areas[index], leak: leak?.[index] ?? 0, environment: environment?.[index] ?? 0, off: sums && areas[index] > 0 && sums[index] > 0 ? sums[index] - 1 : 0 }));
-  const number = (title: string, value: (part: Part) => number, text = (part: Part) => inDigits(value(part), 4)): Column<Part> => ({ title, isNumber: true, value, text });
+  const number = (key: string, title: string, value: (part: Part) => number, text = (part: Part) => inDigits(value(part), 4)): Column<Part> => ({ key, title, isNumber: true, value, text });
   const columns: Column<Part>[] = [
-    { title: bySurface ? 'Surface' : 'Row', isNumber: false, value: (part) => part.name, text: (part) => part.name },
-    number('Leak', (part) => part.leak),
-    number('Environment', (part) => part.environment),
-    number('Row sum less 1', (part) => part.off, (part) => asError(part.off)),
-    number('Area', (part) => part.area),
+    { key: bySurface ? 'surface' : 'row', title: bySurface ? 'Surface' : 'Row', isNumber: false, value: (part) => part.name, text: (part) => part.name },
+    number('leak', 'Leak', (part) => part.leak),
+    number('environment', 'Environment', (part) => part.environment),
+    number('row_sum_less_1', 'Row sum less 1', (part) => part.off, (part) => asError(part.off)),
+    number('area', 'Area', (part) => part.area),
   ];
   const choose = (part: Part) => (bySurface ? actions.chooseSurface(part.index) : actions.chooseRow(part.index));
-  const table = new Table<Part>(columns, 'Surfaces, those that leak first', { sorted: 1, choose, say: actions.say });
+  const table = new Table<Part>(columns, 'Surfaces, those that leak first', { sorted: 'leak', choose, say: actions.say });
   table.show(parts);
   const leaking = parts.filter((part) => part.leak > LEAK_THAT_COUNTS).length;
   const sentence = leaking
@@ -166,11 +177,12 @@ export const LEAK_THAT_COUNTS = 1e-6;
 
 // --- errors and closure ---
 export async function makeErrorsPanel(panel: HTMLElement, contents: Contents, rows: Rows, quantities: Quantity[], goal: Goal | undefined, actions: Actions): Promise<void> {
-  const { errors } = contents.head;
-  panel.append(element('h2', {}, 'Standard errors'));
+  const { errors, has_intervals: hasIntervals } = contents.head;
+  panel.append(element('h2', {}, hasIntervals ? 'Error bounds' : 'Standard errors'));
+  if (hasIntervals) panel.append(element('p', { class: 'hint' }, 'An error bound is the distance of a form factor from the farther end of its interval.'));
   const marks = goal ? [{ at: Math.log10(goal.value), text: `goal ${inDigits(goal.value, 3)}` }] : [];
   if (errors.bins.length)
-    panel.append(drawBars({ title: 'Form factors by the power of ten of their standard error', first: errors.first, step: errors.step, counts: errors.bins, noun: 'form factor', tick: powerOfTen, marks }));
+    panel.append(drawBars({ title: `Form factors by the power of ten of their ${hasIntervals ? 'error bound' : 'standard error'}`, first: errors.first, step: errors.step, counts: errors.bins, noun: 'form factor', tick: powerOfTen, marks }));
   const lines: [string, string][] = [['Largest', asError(errors.largest ?? NaN)], ['Root mean square', asError(errors.rms ?? NaN)]];
   if (errors.without) lines.push(['Without error', counted(errors.without, 'form factor')]);
   if (goal) lines.push([goal.name, inDigits(goal.value)]);
@@ -185,9 +197,12 @@ export async function makeErrorsPanel(panel: HTMLElement, contents: Contents, ro
   else drawClosure(panel, sums, counting, rows, actions);
 
   const worst = await loadEntries(contents, rows, 'worst');
-  const table = new Table<Entry>(entryColumns(contents), 'Form factors with the largest standard errors', { sorted: 3, choose: (entry) => actions.chooseRow(entry.fromRow), say: actions.say });
+  const noun = hasIntervals ? 'error bound' : 'standard error', columns = columnsOf(contents);
+  if (hasIntervals) columns.push({ key: 'error_bound', title: 'Error bound', isNumber: true, value: boundOf, text: (entry) => asError(boundOf(entry)) });
+  const sorted = hasIntervals ? 'error_bound' : columns[3].key;
+  const table = new Table<Entry>(columns, `Form factors with the largest ${noun}s`, { sorted, choose: (entry) => actions.chooseRow(entry.fromRow), say: actions.say });
   table.show(worst);
-  panel.append(element('h2', {}, `The ${worst.length} largest standard errors`), table.root);
+  panel.append(element('h2', {}, worst.length === 1 ? `The ${noun}` : `The ${counted(worst.length, `largest ${noun}`)}`), table.root);
 }
 
 export interface Goal {
@@ -207,12 +222,12 @@ function drawClosure(panel: HTMLElement, sums: Quantity, counting: number[], row
   const worst = counting.slice().sort((a, b) => Math.abs(values[b] - 1) - Math.abs(values[a] - 1)).slice(0, 100);
   const table = new Table<number>(
     [
-      { title: 'Row', isNumber: false, value: (row) => rows.names[row], text: (row) => rows.names[row] },
-      { title: 'Sum less 1', isNumber: true, value: (row) => values[row] - 1, text: (row) => asError(values[row] - 1) },
-      { title: 'Size', isNumber: true, value: (row) => Math.abs(values[row] - 1), text: (row) => asError(Math.abs(values[row] - 1)) },
-      { title: 'Standard error', isNumber: true, value: (row) => sums.errors?.[row] ?? 0, text: (row) => asError(sums.errors?.[row] ?? 0) },
+      { key: 'row', title: 'Row', isNumber: false, value: (row) => rows.names[row], text: (row) => rows.names[row] },
+      { key: 'row_sum_less_1', title: 'Sum less 1', isNumber: true, value: (row) => values[row] - 1, text: (row) => asError(values[row] - 1) },
+      { key: 'distance', title: 'Distance', isNumber: true, value: (row) => Math.abs(values[row] - 1), text: (row) => asError(Math.abs(values[row] - 1)) },
+      { key: 'standard_error', title: 'Standard error', isNumber: true, value: (row) => sums.errors?.[row] ?? 0, text: (row) => asError(sums.errors?.[row] ?? 0) },
     ],
-    'Rows whose sums are farthest from 1', { sorted: 2, choose: actions.chooseRow, say: actions.say });
+    'Rows whose sums are farthest from 1', { sorted: 'distance', choose: actions.chooseRow, say: actions.say });
   table.show(worst);
   panel.append(table.root);
 }
@@ -232,7 +247,7 @@ export async function makeMatrixPanel(panel: HTMLElement, contents: Contents, ro
     const { first, others } = rowsOf(cell);
     return rows.names[first] + (others > 0 ? ` and ${counted(others, 'row')}` : '');
   };
-  const describe = (down: number, across: number) => `${inWords(down)} to ${inWords(across)}: ${values[down * size + across] > 0 ? `${size < ranks.length ? 'up to ' : ''}${inDigits(values[down * size + across], 4)}` : 'none'}`;
+  const describe = (down: number, across: number) => `${inWords(down)} to ${inWords(across)}: ${values[down * size + across] > 0 ? `${size < ranks.length ? 'up to ' : ''}${inDigits(values[down * size + across], 4)}` : '0 or none'}`;
   const { entries } = contents.head, share = (100 * entries) / Math.max(1, rows.names.length ** 2);
   panel.append(element('h2', {}, 'Matrix'), element('p', { class: 'hint' }, `${counted(entries, 'nonzero form factor')}, ${inDigits(share, 3)} % of ${rows.names.length} x ${rows.names.length}. A click selects the row.`),
     drawPicture(values, size, describe, (down) => actions.chooseRow(rowsOf(down).first)));

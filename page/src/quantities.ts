@@ -33,6 +33,7 @@ export async function loadQuantities(contents: Contents): Promise<Quantity[]> {
     { key: 'standard_error', title: contents.head.is_bounded ? 'Standard error, at most' : 'Standard error', unit: '', kind: 'logarithmic', centre: 0, ofSelection: true },
   ];
   const column = async (name: string) => (contents.has(`column.${name}`) ? ((await contents.array(`column.${name}`)) as Float64Array) : undefined);
+  if (contents.head.has_intervals) found.splice(1, 0, { key: 'error_bound', title: 'Error bound', unit: '', kind: 'logarithmic', centre: 0, ofSelection: true });
   for (const { name, title, unit, kind, centre } of COLUMNS) {
     const values = await column(name);
     if (!values) continue;

@@ -1,6 +1,6 @@
 // The scene in three dimensions: polygons in colours, the outline of what is selected, picking.
 import {
-  BufferAttribute, BufferGeometry, Color, DoubleSide, FrontSide, LineSegments, Mesh, PerspectiveCamera, Ray, Raycaster, Scene as World, ShaderMaterial, Sphere, Spherical, Vector2,
+  BufferAttribute, BufferGeometry, Color, DoubleSide, FrontSide, LineSegments, Matrix4, Mesh, PerspectiveCamera, Ray, Raycaster, Scene as World, ShaderMaterial, Sphere, Spherical, Vector2,
   Vector3, WebGLRenderer,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
@@ -10,22 +10,23 @@ import { LineSegmentsGeometry } from 'three/examples/jsm/lines/LineSegmentsGeome
 import { MeshBVH } from 'three-mesh-bvh';
 import { type Colour, palette } from './colours';
 import type { Contents } from './contents';
+import { Pace } from './pace';
 
 export type Backs = 'dotted' | 'hatched' | 'hidden' | 'solid';
 const MOST_EDGES = 40000; // beyond these the lines between polygons would hide their colours, and take time
 const STILL_MS = 180; // after the last move the scene is drawn sharp
-const MOVING_RATIO = 0.5; // of a large scene's pixels, across and down, while it moves
+const MOVING_SHARE = 0.5; // of a large scene's pixels, across and down, at most while it moves
 
 // Faces look a little darker from the side. A back is dotted or hatched, so that what lies behind is seen.
 const FACE_VERTEX = `
 in vec3 tint;
+uniform mat4 to_screen;
 out vec3 colour;
 out vec3 place;
 void main() {
   colour = tint;
-  vec4 seen = modelViewMatrix * vec4(position, 1.0);
-  place = seen.xyz;
-  gl_Position = projectionMatrix * seen;
+  place = position - cameraPosition;
+  gl_Position = to_screen * vec4(position, 1.0);
 }`;
 const FACE_FRAGMENT = `
 in vec3 colour;
@@ -65,10 +66,10 @@ void main() {
 }`;
 
 interface Shapes {
-  positions: Float32Array; // three corners a triangle
-  polygonOfTriangle: Int32Array;
-  firstCorner: Int32Array; // of polygons, and the end
   corners: Float32Array; // three coordinates each
+  firstCorner: Int32Array; // of polygons, and the end
+  triangles: Uint32Array; // three corners each
+  polygonOfTriangle: Int32Array;
 }
 
 async function loadShapes(contents: Contents): Promise<Shapes> {
@@ -78,13 +79,13 @@ async function loadShapes(contents: Contents): Promise<Shapes> {
   const corners = new Float32Array(3 * x.length);
   for (let c = 0; c < x.length; ++c) corners.set([x[c], y[c], z[c]], 3 * c);
   const triangleCount = x.length - 2 * counts.length;
-  const positions = new Float32Array(9 * triangleCount), polygonOfTriangle = new Int32Array(triangleCount);
+  const triangles = new Uint32Array(3 * triangleCount), polygonOfTriangle = new Int32Array(triangleCount);
   for (let k = 0, triangle = 0; k < counts.length; ++k)
     for (let c = 1; c + 1 < counts[k]; ++c, ++triangle) {
       polygonOfTriangle[triangle] = k;
-      [0, c, c + 1].forEach((corner, place) => positions.set(corners.subarray(3 * (firstCorner[k] + corner), 3 * (firstCorner[k] + corner) + 3), 9 * triangle + 3 * place));
+      triangles.set([firstCorner[k], firstCorner[k] + c, firstCorner[k] + c + 1], 3 * triangle);
     }
-  return { positions, polygonOfTriangle, firstCorner, corners };
+  return { corners, firstCorner, triangles, polygonOfTriangle };
 }
 
 export class Scene {
@@ -94,6 +95,7 @@ export class Scene {
   private controls: OrbitControls;
   private readonly geometry = new BufferGeometry();
   private readonly tints: BufferAttribute;
+  private readonly toScreen = new Matrix4();
   private readonly face: ShaderMaterial;
   private readonly edge: ShaderMaterial;
   private readonly outlines: LineSegments2[] = [];
@@ -102,7 +104,9 @@ export class Scene {
   private isAsked = false;
   private readonly isLarge: boolean;
   private isMoving = false;
+  private isPlacing = false; // the camera is put somewhere, once
   private stillTimer = 0;
+  private readonly pace: Pace;
   frames = 0;
   onHover: (polygon: number | undefined, x: number, y: number) => void = () => {};
   onPick: (polygon: number | undefined) => void = () => {};
@@ -113,21 +117,24 @@ export class Scene {
 
   private constructor(private readonly shapes: Shapes, private readonly canvas: HTMLCanvasElement) {
     this.isLarge = shapes.corners.length / 3 > MOST_EDGES;
+    this.pace = new Pace(this.isLarge ? MOVING_SHARE : 1);
     this.renderer = new WebGLRenderer({ canvas, antialias: !this.isLarge, alpha: true });
-    const corners = shapes.positions.length / 3;
-    this.tints = new BufferAttribute(new Uint8Array(3 * corners), 3, true);
-    this.geometry.setAttribute('position', new BufferAttribute(shapes.positions, 3));
+    this.tints = new BufferAttribute(new Uint8Array(shapes.corners.length), 3, true);
+    this.geometry.setAttribute('position', new BufferAttribute(shapes.corners, 3));
     this.geometry.setAttribute('tint', this.tints);
+    this.geometry.setIndex(new BufferAttribute(shapes.triangles, 1));
     this.geometry.computeBoundingSphere();
     this.sphere = this.geometry.boundingSphere as Sphere;
     if (!(this.sphere.radius > 0)) this.sphere.radius = 1;
     const glsl3 = { glslVersion: '300 es' as const };
     this.face = new ShaderMaterial({
       ...glsl3, vertexShader: FACE_VERTEX, fragmentShader: FACE_FRAGMENT, side: DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1,
-      uniforms: { back: { value: sRgb(palette.back) }, spacing: { value: 13 }, is_solid: { value: false }, is_dotted: { value: false } },
+      uniforms: { to_screen: { value: this.toScreen }, back: { value: sRgb(palette.back) }, spacing: { value: 13 }, is_solid: { value: false }, is_dotted: { value: false } },
     });
     this.edge = new ShaderMaterial({ ...glsl3, vertexShader: EDGE_VERTEX, fragmentShader: EDGE_FRAGMENT, transparent: true, depthWrite: false, uniforms: { ink: { value: sRgb(palette.light.ink) } } });
-    this.world.add(new Mesh(this.geometry, this.face));
+    const mesh = new Mesh(this.geometry, this.face);
+    mesh.onBeforeRender = () => this.toScreen.multiplyMatrices(this.camera.projectionMatrix, this.camera.matrixWorldInverse);
+    this.world.add(mesh);
     this.addEdges();
     for (const isFront of [false, true]) {
       const material = new LineMaterial({ color: palette.selected, linewidth: isFront ? 3.5 : 2, transparent: true, opacity: isFront ? 1 : 0.45, depthTest: isFront });
@@ -147,12 +154,10 @@ export class Scene {
 
   // In: colourOf: of a polygon
   paint(colourOf: (polygon: number) => Colour): void {
-    const bytes = this.tints.array, { polygonOfTriangle } = this.shapes;
-    let last = -1, colour: Colour = [0, 0, 0];
-    for (let triangle = 0, at = 0; triangle < polygonOfTriangle.length; ++triangle) {
-      const polygon = polygonOfTriangle[triangle];
-      if (polygon !== last) [last, colour] = [polygon, colourOf(polygon)];
-      for (let corner = 0; corner < 3; ++corner) for (let axis = 0; axis < 3; ++axis) bytes[at++] = colour[axis];
+    const bytes = this.tints.array, { firstCorner } = this.shapes;
+    for (let polygon = 0; polygon + 1 < firstCorner.length; ++polygon) {
+      const [red, green, blue] = colourOf(polygon);
+      for (let at = 3 * firstCorner[polygon]; at < 3 * firstCorner[polygon + 1]; at += 3) [bytes[at], bytes[at + 1], bytes[at + 2]] = [red, green, blue];
     }
     this.tints.needsUpdate = true;
     this.draw();
@@ -210,7 +215,9 @@ export class Scene {
     this.camera.near = this.sphere.radius / 500;
     this.camera.far = distance + 60 * this.sphere.radius;
     this.camera.updateProjectionMatrix();
+    this.isPlacing = true;
     this.controls.update();
+    this.isPlacing = false;
     this.draw();
   }
 
@@ -263,31 +270,32 @@ export class Scene {
   draw(): void {
     if (this.isAsked) return;
     this.isAsked = true;
-    requestAnimationFrame(() => {
+    requestAnimationFrame((time) => {
       this.isAsked = false;
       this.renderer.render(this.world, this.camera);
       ++this.frames;
+      if (!this.isMoving) return;
+      clearTimeout(this.stillTimer);
+      this.stillTimer = window.setTimeout(() => this.setMoving(false), STILL_MS);
+      if (this.pace.addFrame(time)) this.resize();
     });
   }
 
-  // Draws a scene that is moving: a large one coarser, and sharp again when it is still.
+  // Draws a scene that is moving, coarser where its pace says so, and sharp again when it is still.
   private drawMoving(): void {
-    if (this.isLarge) {
-      clearTimeout(this.stillTimer);
-      this.stillTimer = window.setTimeout(() => this.setMoving(false), STILL_MS);
-      if (!this.isMoving) this.setMoving(true);
-    }
+    if (!this.isMoving) this.setMoving(true);
     this.draw();
   }
 
   private setMoving(isMoving: boolean): void {
     this.isMoving = isMoving;
-    this.resize();
+    if (isMoving) this.pace.begin();
+    if (this.pace.share < 1) this.resize();
   }
 
   private makeControls(): OrbitControls {
     const controls = new OrbitControls(this.camera, this.canvas);
-    controls.addEventListener('change', () => this.drawMoving());
+    controls.addEventListener('change', () => (this.isPlacing ? this.draw() : this.drawMoving()));
     return controls;
   }
 
@@ -317,9 +325,8 @@ export class Scene {
   private resize(): void {
     const { clientWidth, clientHeight } = this.canvas.parentElement as HTMLElement;
     if (clientWidth === 0 || clientHeight === 0) return;
-    const ratio = Math.min(2, window.devicePixelRatio) * (this.isMoving ? MOVING_RATIO : 1);
-    this.renderer.setPixelRatio(ratio);
-    this.renderer.setSize(clientWidth, clientHeight, false);
+    const ratio = Math.min(2, window.devicePixelRatio) * (this.isMoving ? this.pace.share : 1);
+    this.renderer.setDrawingBufferSize(clientWidth, clientHeight, ratio);
     this.face.uniforms.spacing.value = 13 * ratio;
     this.camera.aspect = clientWidth / clientHeight;
     this.camera.updateProjectionMatrix();

@@ -22,15 +22,26 @@ export interface Selection {
   has: Uint8Array; // rows with an entry
 }
 
+// Pairs without an entry may have form factors up to a bound of the file; sums with a 0 in place of them have no interval.
+export function sumsHaveIntervals({ head }: Contents): boolean {
+  return head.has_intervals && head.unlisted_bound === 0;
+}
+
+// Returns how far each form factor is from the farther end of its interval.
+export function boundsOf({ formFactor, lower, upper }: Selection): Float64Array | undefined {
+  return lower && upper && formFactor.map((value, row) => Math.max(value - lower[row], upper[row] - value));
+}
+
 // Adds up: F_Ij = sum over i in I of A_i F_ij / A_I. Errors are added as if each were as large as it can be.
 export async function select(contents: Contents, rows: Rows, chosen: number[], name: string): Promise<Selection> {
   const count = rows.names.length;
   const area = chosen.reduce((sum, row) => sum + rows.areas[row], 0);
+  const hasIntervals = chosen.length > 1 ? sumsHaveIntervals(contents) : contents.head.has_intervals;
   const selection: Selection = {
     rows: chosen, name, area, isSum: chosen.length > 1,
     formFactor: new Float64Array(count), standardError: new Float64Array(count), has: new Uint8Array(count),
-    lower: contents.head.has_intervals ? new Float64Array(count) : undefined,
-    upper: contents.head.has_intervals ? new Float64Array(count) : undefined,
+    lower: hasIntervals ? new Float64Array(count) : undefined,
+    upper: hasIntervals ? new Float64Array(count) : undefined,
   };
   for (const row of chosen) {
     const entries: Row = await contents.row(row);

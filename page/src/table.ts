@@ -2,7 +2,8 @@
 import { asCsv, copy, counted, element } from './format';
 
 export interface Column<T> {
-  title: string;
+  key: string; // in CSV
+  title: string; // '' in CSV alone
   isNumber: boolean;
   value(item: T): string | number; // to sort by, and for CSV
   text(item: T): string;
@@ -22,16 +23,18 @@ export class Table<T> {
   private readonly body = element('tbody');
   private readonly count = element('p', { class: 'count', role: 'status' });
   private readonly more = element('button', { type: 'button', class: 'more' }, 'Show more');
+  private readonly columns: Column<T>[]; // that are seen
 
   constructor(
-    private readonly columns: Column<T>[], caption: string,
-    private readonly options: { sorted: number; choose?: (item: T) => void; say: (text: string) => void },
+    private readonly all: Column<T>[], caption: string,
+    private readonly options: { sorted: string; choose?: (item: T) => void; say: (text: string) => void },
   ) {
-    this.sorted = options.sorted;
-    this.isDescending = columns[options.sorted].isNumber;
+    const columns = (this.columns = all.filter(({ title }) => title !== ''));
+    this.sorted = columns.findIndex(({ key }) => key === options.sorted);
+    this.isDescending = columns[this.sorted].isNumber;
     this.search = element('input', { type: 'search', placeholder: 'Search names', 'aria-label': `Search: ${caption}` });
-    const all = element('button', { type: 'button', class: 'copy-all' }, 'Copy as CSV');
-    all.addEventListener('click', () => this.copyLines(this.matching(), 'the table'));
+    const copyAll = element('button', { type: 'button', class: 'copy-all' }, 'Copy as CSV');
+    copyAll.addEventListener('click', () => this.copyLines(this.matching(), 'the table'));
     this.more.addEventListener('click', () => {
       this.shown += PAGE;
       this.draw();
@@ -47,7 +50,7 @@ export class Table<T> {
     });
     this.head.append(element('th', { scope: 'col' }, element('span', { class: 'unseen' }, 'Copy')));
     const table = element('table', {}, element('caption', { class: 'unseen' }, caption), element('thead', {}, this.head), this.body);
-    this.root = element('div', { class: 'table' }, element('div', { class: 'bar' }, this.search, all), this.count, element('div', { class: 'scroll' }, table), this.more);
+    this.root = element('div', { class: 'table' }, element('div', { class: 'bar' }, this.search, copyAll), this.count, element('div', { class: 'scroll' }, table), this.more);
   }
 
   show(items: T[]): void {
@@ -77,8 +80,8 @@ export class Table<T> {
   }
 
   private copyLines(items: T[], what: string): void {
-    const lines = items.map((item) => this.columns.map((column) => column.value(item)));
-    void copy(asCsv([this.columns.map((column) => column.title.toLowerCase().replace(/[^a-z]+/g, '_').replace(/^_|_$/g, '')), ...lines])).then((done) =>
+    const lines = items.map((item) => this.all.map((column) => column.value(item)));
+    void copy(asCsv([this.all.map(({ key }) => key), ...lines])).then((done) =>
       this.options.say(done ? `Copied ${what} as CSV.` : 'The browser does not allow copying here.'),
     );
   }

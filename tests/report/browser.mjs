@@ -6,7 +6,7 @@ import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 
-const { VIEWPEEL_PROGRAM: program, VIEWPEEL_PAGE: page, VIEWPEEL_SCENES: scenes } = process.env;
+export const { VIEWPEEL_PROGRAM: program, VIEWPEEL_PAGE: page, VIEWPEEL_SCENES: scenes } = process.env;
 const { chromium } = createRequire(join(page, 'package.json'))('playwright-core');
 
 export const pictures = join(page, 'pictures');
@@ -26,13 +26,18 @@ export const viewpeelFails = (...words) => {
 };
 
 // Reads lines of CSV as `viewpeel compute -o` writes them; no name has a comma here.
-export const readCsv = (file) => readFileSync(file, 'utf8').trim().split('\n').map((line) => line.split(','));
+export const readCsv = (file) => parseCsv(readFileSync(file, 'utf8'));
+export const parseCsv = (text) => text.trim().split('\n').map((line) => line.split(','));
 
+// Starts Chromium as it is on a machine without a GPU: WebGL by SwiftShader, the rest of the page by the processor, too.
 export const launch = (...more) => {
   const executablePath = '/usr/bin/chromium';
   assert.ok(existsSync(executablePath), `${executablePath} is missing: scripts/test installs it`);
-  return chromium.launch({ executablePath, args: ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', ...more] });
+  return chromium.launch({ executablePath, args: ['--no-sandbox', '--disable-gpu', '--enable-unsafe-swiftshader', ...more] });
 };
+
+// Chromium notes for itself that it copies the scene from SwiftShader: it would for any page.
+const isOwnNote = (text) => /GL Driver Message \(OpenGL, Performance, .*GPU stall due to ReadPixels/.test(text);
 
 // Returns a page that is ready, or shows its fault.
 export async function openPage(browser, file, { width = 1024, height = 768, colorScheme = 'light', clipboard = true } = {}) {
@@ -40,7 +45,7 @@ export async function openPage(browser, file, { width = 1024, height = 768, colo
   if (clipboard) await context.grantPermissions(['clipboard-read', 'clipboard-write']);
   const tab = await context.newPage();
   const heard = [];
-  tab.on('console', (message) => ['error', 'warning'].includes(message.type()) && heard.push(`console: ${message.text()}`));
+  tab.on('console', (message) => ['error', 'warning'].includes(message.type()) && !isOwnNote(message.text()) && heard.push(`console: ${message.text()}`));
   tab.on('pageerror', (error) => heard.push(`error: ${error.message}`));
   tab.on('request', (request) => /^(file|data|blob):/.test(request.url()) || heard.push(`request: ${request.url()}`));
   tab.on('dialog', (dialog) => heard.push(`dialog: ${dialog.message()}`));
