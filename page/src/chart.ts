@@ -3,7 +3,7 @@ import { css, Scale } from './colours';
 import { asError, counted, element, inDigits, inThousands } from './format';
 
 const SVG = 'http://www.w3.org/2000/svg';
-const WIDTH = 360, HEIGHT = 170, LEFT = 8, BOTTOM = 26, TOP = 22;
+const WIDTH = 360, HEIGHT = 170, LEFT = 8, BOTTOM = 26, TOP = 22, TICK_WIDTH = 38;
 
 function shape(tag: string, attributes: Record<string, string | number>, text = ''): SVGElement {
   const made = document.createElementNS(SVG, tag);
@@ -41,9 +41,14 @@ export function drawBars({ title, first, step, counts, noun, tick, marks }: Bars
     svg.append(bar);
   });
   svg.append(shape('line', { class: 'axis', x1: LEFT, x2: WIDTH - LEFT, y1: HEIGHT - BOTTOM, y2: HEIGHT - BOTTOM }));
+  const ticks: { at: number; text: string }[] = [];
   for (let at = Math.ceil(from / step - 1e-9) * step; at <= to + step / 2; at += step) {
     const text = tick(at);
-    if (text === undefined) continue;
+    if (text !== undefined) ticks.push({ at, text });
+  }
+  // Texts must not overlap: every second or third one stands where there is no room for all.
+  const every = ticks.length < 2 ? 1 : Math.ceil(TICK_WIDTH / (across(ticks[1].at) - across(ticks[0].at)));
+  for (const { at, text } of ticks.filter((_, k) => (ticks.length - 1 - k) % every === 0)) {
     svg.append(shape('line', { class: 'axis', x1: across(at), x2: across(at), y1: HEIGHT - BOTTOM, y2: HEIGHT - BOTTOM + 4 }));
     const place = Math.min(WIDTH - 22, Math.max(22, across(at)));
     svg.append(shape('text', { class: 'tick', x: place, y: HEIGHT - BOTTOM + 17, 'text-anchor': 'middle' }, text));

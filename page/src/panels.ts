@@ -167,7 +167,7 @@ export function makeSurfacesPanel(panel: HTMLElement, rows: Rows, quantities: Qu
   table.show(parts);
   const leaking = parts.filter((part) => part.leak > LEAK_THAT_COUNTS).length;
   const sentence = leaking
-    ? `${counted(leaking, 'surface')} ${leaking === 1 ? 'loses' : 'lose'} radiation to the backs of others (leak). A face that looks the wrong way shows its back, hatched, where a front should be.`
+    ? `${counted(leaking, 'surface')} ${leaking === 1 ? 'loses' : 'lose'} radiation to the backs of others (leak). A face that looks the wrong way shows its back, hatched, where a front should be; it is solid where another back is before it.`
     : 'No surface leaks: no radiation ends on a back.';
   panel.append(element('h2', {}, 'Surfaces'), element('p', { class: leaking ? 'hint warn' : 'hint' }, sentence), table.root);
 }
@@ -223,11 +223,10 @@ function drawClosure(panel: HTMLElement, sums: Quantity, counting: number[], row
   const table = new Table<number>(
     [
       { key: 'row', title: 'Row', isNumber: false, value: (row) => rows.names[row], text: (row) => rows.names[row] },
-      { key: 'row_sum_less_1', title: 'Sum less 1', isNumber: true, value: (row) => values[row] - 1, text: (row) => asError(values[row] - 1) },
-      { key: 'distance', title: 'Distance', isNumber: true, value: (row) => Math.abs(values[row] - 1), text: (row) => asError(Math.abs(values[row] - 1)) },
+      { key: 'row_sum_less_1', title: 'Sum less 1', isNumber: true, value: (row) => values[row] - 1, text: (row) => asError(values[row] - 1), rank: (row) => Math.abs(values[row] - 1) },
       { key: 'standard_error', title: 'Standard error', isNumber: true, value: (row) => sums.errors?.[row] ?? 0, text: (row) => asError(sums.errors?.[row] ?? 0) },
     ],
-    'Rows whose sums are farthest from 1', { sorted: 'distance', choose: actions.chooseRow, say: actions.say });
+    'Rows whose sums are farthest from 1', { sorted: 'row_sum_less_1', choose: actions.chooseRow, say: actions.say });
   table.show(worst);
   panel.append(table.root);
 }
@@ -260,7 +259,7 @@ export function makeRunPanel(panel: HTMLElement, parameters: Map<string, string>
   if (command) {
     const button = element('button', { type: 'button' }, 'Copy');
     button.addEventListener('click', () => void copy(command).then((done) => actions.say(done ? 'Copied the command.' : 'The browser does not allow copying here.')));
-    panel.append(element('p', { class: 'hint' }, 'This command repeats the run, to the same bits on any device:'), element('div', { class: 'command' }, element('code', {}, command), button));
+    panel.append(element('p', { class: 'hint' }, 'This command repeats the run, to the same bits on any device:'), element('div', { class: 'command' }, element('code', {}, ...command.split(/(?<= )/).map((word) => element('span', {}, word))), button));
   } else panel.append(element('p', { class: 'hint' }, 'The file does not say which command made it.'));
   for (const note of notes) panel.append(element('p', { class: 'hint warn' }, note));
   const lines = [...parameters].filter(([name]) => name !== 'command' && name !== 'viewpeel_result_format');

@@ -1,6 +1,6 @@
 // The scene in three dimensions: polygons in colours, the outline of what is selected, picking.
 import {
-  BufferAttribute, BufferGeometry, Color, DoubleSide, FrontSide, LineSegments, Matrix4, Mesh, PerspectiveCamera, Ray, Raycaster, Scene as World, ShaderMaterial, Sphere, Spherical, Vector2,
+  BackSide, BufferAttribute, BufferGeometry, Color, DoubleSide, FrontSide, IncrementStencilOp, LessEqualStencilFunc, LineSegments, Matrix4, Mesh, PerspectiveCamera, Ray, Raycaster, Scene as World, ShaderMaterial, Sphere, Spherical, Vector2,
   Vector3, WebGLRenderer,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
@@ -48,6 +48,13 @@ void main() {
   if (!is_line && !is_solid) discard;
   result = vec4(is_line ? back : mix(back, vec3(0.5), 0.55) * shade, 1.0);
 }`;
+const WRONG_VERTEX = `
+uniform mat4 to_screen;
+void main() { gl_Position = to_screen * vec4(position, 1.0); }`;
+const WRONG_FRAGMENT = `
+uniform vec3 back;
+out vec4 result;
+void main() { result = vec4(back, 1.0); }`;
 // Edges are drawn around fronts alone.
 const EDGE_VERTEX = `
 out float front;
@@ -98,6 +105,7 @@ export class Scene {
   private readonly toScreen = new Matrix4();
   private readonly face: ShaderMaterial;
   private readonly edge: ShaderMaterial;
+  private readonly wrongFaces: Mesh[] = [];
   private readonly outlines: LineSegments2[] = [];
   private readonly sphere: Sphere;
   private tree?: MeshBVH;
@@ -118,7 +126,7 @@ export class Scene {
   private constructor(private readonly shapes: Shapes, private readonly canvas: HTMLCanvasElement) {
     this.isLarge = shapes.corners.length / 3 > MOST_EDGES;
     this.pace = new Pace(this.isLarge ? MOVING_SHARE : 1);
-    this.renderer = new WebGLRenderer({ canvas, antialias: !this.isLarge, alpha: true });
+    this.renderer = new WebGLRenderer({ canvas, antialias: !this.isLarge, alpha: true, stencil: true });
     this.tints = new BufferAttribute(new Uint8Array(shapes.corners.length), 3, true);
     this.geometry.setAttribute('position', new BufferAttribute(shapes.corners, 3));
     this.geometry.setAttribute('tint', this.tints);
@@ -135,6 +143,7 @@ export class Scene {
     const mesh = new Mesh(this.geometry, this.face);
     mesh.onBeforeRender = () => this.toScreen.multiplyMatrices(this.camera.projectionMatrix, this.camera.matrixWorldInverse);
     this.world.add(mesh);
+    this.addWrongFaces(glsl3);
     this.addEdges();
     for (const isFront of [false, true]) {
       const material = new LineMaterial({ color: palette.selected, linewidth: isFront ? 3.5 : 2, transparent: true, opacity: isFront ? 1 : 0.45, depthTest: isFront });
@@ -191,6 +200,7 @@ export class Scene {
     this.face.uniforms.is_solid.value = backs === 'solid';
     this.face.uniforms.is_dotted.value = backs === 'dotted';
     this.face.needsUpdate = true;
+    for (const mesh of this.wrongFaces) mesh.visible = backs === 'hatched';
     this.draw();
   }
 
@@ -297,6 +307,23 @@ export class Scene {
     const controls = new OrbitControls(this.camera, this.canvas);
     controls.addEventListener('change', () => (this.isPlacing ? this.draw() : this.drawMoving()));
     return controls;
+  }
+
+  // Behind a back comes a front: a line of sight that meets two backs before it has met a face that looks the wrong
+  // way. Backs before the nearest front are counted in the stencil, and drawn solid where there are two.
+  private addWrongFaces(glsl3: { glslVersion: '300 es' }): void {
+    const material = (rule: object) => new ShaderMaterial({
+      ...glsl3, ...rule, vertexShader: WRONG_VERTEX, fragmentShader: WRONG_FRAGMENT, side: BackSide, depthWrite: false, stencilWrite: true,
+      uniforms: { to_screen: { value: this.toScreen }, back: { value: sRgb(palette.back) } },
+    });
+    const rules = [{ colorWrite: false, stencilZPass: IncrementStencilOp }, { stencilRef: 2, stencilFunc: LessEqualStencilFunc }];
+    rules.forEach((rule, k) => {
+      const mesh = new Mesh(this.geometry, material(rule));
+      mesh.renderOrder = k + 1;
+      mesh.visible = false;
+      this.wrongFaces.push(mesh);
+      this.world.add(mesh);
+    });
   }
 
   private addEdges(): void {

@@ -7,6 +7,7 @@ export interface Column<T> {
   isNumber: boolean;
   value(item: T): string | number; // to sort by, and for CSV
   text(item: T): string;
+  rank?(item: T): number; // to sort by, where it is not the value
 }
 
 const PAGE = 200; // rows shown at once
@@ -74,9 +75,9 @@ export class Table<T> {
           return words.every((word) => text.includes(word));
         })
       : this.items.slice();
-    const { value, isNumber } = this.columns[this.sorted];
+    const { isNumber, value, rank = value } = this.columns[this.sorted];
     const sign = this.isDescending ? -1 : 1;
-    return matches.sort((a, b) => sign * (isNumber ? Number(value(a)) - Number(value(b)) : String(value(a)).localeCompare(String(value(b)), 'en', { numeric: true })));
+    return matches.sort((a, b) => sign * (isNumber ? Number(rank(a)) - Number(rank(b)) : String(value(a)).localeCompare(String(value(b)), 'en', { numeric: true })));
   }
 
   private copyLines(items: T[], what: string): void {

@@ -1,8 +1,12 @@
 """Result: matrices, arrays, tables, pictures, files."""
 
+import base64
+import json
 import os
+import re
 import tempfile
 import unittest
+import zlib
 
 import numpy
 import scipy.sparse
@@ -107,6 +111,22 @@ class Results(unittest.TestCase):
         shown = figure.axes[0].images[0].get_array()
         dense = self.result.form_factors.toarray()
         numpy.testing.assert_array_equal(numpy.ma.filled(shown, 0), dense)
+
+    def test_the_report_is_a_page_of_the_result(self):
+        self.result.report(self.path("office.html"))
+        page = open(self.path("office.html")).read()
+        head = json.loads(re.search(r'<script type="application/json" id="contents">(.*?)</script>', page, re.S).group(1))
+        self.assertEqual(head["rows"], len(self.result))
+        self.assertEqual(head["entries"], self.result.form_factors.nnz)
+        self.assertTrue(head["has_scene"])
+        # An array's bytes stand shuffled, deflated, in base64: all first bytes, then all second bytes, ...
+        place = [part["name"] for part in head["arrays"]].index("form_factor.0")
+        packed = re.search(f'id="block-{place}">(.*?)</script>', page).group(1)
+        shuffled = numpy.frombuffer(zlib.decompress(base64.b64decode(packed)), dtype=numpy.uint8)
+        values = numpy.ascontiguousarray(shuffled.reshape(8, -1).T).view("<f8").ravel()
+        numpy.testing.assert_array_equal(values, self.result.form_factors.data)
+        with self.assertRaisesRegex(ValueError, "ends in .html"):
+            self.result.report(self.path("office.csv"))
 
     def test_the_table_of_a_notebook(self):
         text = self.result._repr_html_()

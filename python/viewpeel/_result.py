@@ -170,13 +170,24 @@ class Result:
         return pandas.concat(frames, ignore_index=True)
 
     def save(self, file: Union[str, "os.PathLike[str]"], show: Sequence[str] = ()) -> None:
-        """Writes a file by its extension: .csv, .mtx, .npz, .h5, .vtp or .vwf (docs/formats.md). It is whole at any
-        time, or untouched.
+        """Writes a file by its extension: .csv, .mtx, .npz, .h5, .vtp, .html or .vwf (docs/formats.md). It is whole at
+        any time, or untouched.
 
         In: show: surfaces or polygons whose form factors to everything are arrays of .vtp
         Raises: ValueError for an unknown extension or name, and for .vtp of a result that was read; OSError
         """
         self._held.save(os.fspath(file), list(show))
+
+    def report(self, file: Union[str, "os.PathLike[str]"]) -> None:
+        """Writes one page for a browser, which needs no network: the scene in colours, tables and charts.
+
+        In: file: a name that ends in .html. The page of a result that was read has no scene: `viewpeel report` makes
+        one of a .h5
+        Raises: ValueError for another name, or where viewpeel was built without the page; OSError
+        """
+        if not os.fspath(file).endswith(".html"):
+            raise ValueError(f"{os.fspath(file)}: a page needs a name that ends in .html")
+        self.save(file)
 
     def plot(self) -> Any:
         """matplotlib.figure.Figure: the matrix, F_ij in logarithmic colours, and a histogram of standard errors."""

@@ -75,6 +75,25 @@ export async function openPage(browser, file, { width = 1024, height = 768, colo
         return colours;
       }, shot.toString('base64'));
     },
+    // Returns whether the scene has a square of pixels that are all of one colour.
+    hasBlock: async (colour, size) => {
+      await tab.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+      const shot = await tab.locator('#scene').screenshot();
+      return tab.evaluate(async ([base64, [red, green, blue], side]) => {
+        const image = await createImageBitmap(new Blob([Uint8Array.from(atob(base64), (digit) => digit.charCodeAt(0))], { type: 'image/png' }));
+        const { width, height } = image, context = new OffscreenCanvas(width, height).getContext('2d');
+        context.drawImage(image, 0, 0);
+        const { data } = context.getImageData(0, 0, width, height);
+        const is = (x, y) => data[4 * (y * width + x)] === red && data[4 * (y * width + x) + 1] === green && data[4 * (y * width + x) + 2] === blue;
+        for (let y = 0; y + side <= height; ++y)
+          for (let x = 0; x + side <= width; ++x) {
+            let at = 0;
+            while (at < side * side && is(x + (at % side), y + Math.floor(at / side))) ++at;
+            if (at === side * side) return true;
+          }
+        return false;
+      }, [shot.toString('base64'), colour, size]);
+    },
     // Returns a place in the window over a polygon of this row or surface, or null.
     placeOf: (name) => tab.evaluate((wanted) => {
       const box = document.getElementById('scene').getBoundingClientRect();

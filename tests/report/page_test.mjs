@@ -116,6 +116,21 @@ test('names are text, and surfaces that leak come first', async () => {
   await page.close();
 });
 
+test('a flipped surface is seen at once', async () => {
+  const PINK = [0xd6, 0x33, 0x6c]; // backs, in page/palette.json
+  viewpeel('compute', scene('office.obj'), '--by', 'surface', '--tolerance', '3e-2', '--flip', 'desk', '--quiet', '-o', folder.path('flipped.html'));
+  const flipped = await openPage(browser, folder.path('flipped.html'));
+  assert.ok(await flipped.hasBlock(PINK, 8));
+  await flipped.tab.locator('#backs').selectOption('dotted');
+  assert.ok(!(await flipped.hasBlock(PINK, 8)));
+  await flipped.close();
+  // Walls seen from behind, with all faces as they should be, are hatched by lines of two pixels.
+  const whole = await openPage(browser, surfaces);
+  await whole.tab.locator('#backs').selectOption('hatched');
+  assert.ok((await whole.hasBlock(PINK, 1)) && !(await whole.hasBlock(PINK, 8)));
+  await whole.close();
+});
+
 test('damage is said in a sentence', async () => {
   const whole = readFileSync(polygons, 'utf8');
   const middle = whole.indexOf('id="block-9"') + 40;
