@@ -210,8 +210,8 @@ void writePage(ReportContent content, std::ostream& out) {
   const std::string elements = blocks.elements();
   const std::string contents = fmt::format(
       R"(<script type="application/json" id="contents">{{"format":1,"rows":{},"entries":{},"rows_of_file":{},)"
-      R"("entries_of_file":{},"has_scene":{},"has_intervals":{},"unlisted_bound":{},"is_bounded":{},"is_rounded":{},"middle":[{}],)"
-      R"("picture_size":{},"errors":{{"first":{},"step":{},"without":{},"largest":{},"rms":{},"bins":[{}]}},)"
+      R"("entries_of_file":{},"has_scene":{},"has_intervals":{},"unlisted_bound":{},"is_bounded":{},"is_rounded":{},)"
+      R"("middle":[{}],"picture_size":{},"errors":{{"first":{},"step":{},"without":{},"largest":{},"rms":{},"bins":[{}]}},)"
       R"("columns":[{}],"arrays":{}}}</script>)"
       "\n",
       content.rowCount(), content.entryCount(), rows_of_file, entries_of_file, has_scene, content.hasIntervals(),
