@@ -211,8 +211,8 @@ void writePage(ReportContent content, std::ostream& out) {
   const std::string contents = fmt::format(
       R"(<script type="application/json" id="contents">{{"format":1,"rows":{},"entries":{},"rows_of_file":{},)"
       R"("entries_of_file":{},"has_scene":{},"has_intervals":{},"unlisted_bound":{},"is_bounded":{},"is_rounded":{},)"
-      R"("middle":[{}],"picture_size":{},"errors":{{"first":{},"step":{},"without":{},"largest":{},"rms":{},"bins":[{}]}},)"
-      R"("columns":[{}],"arrays":{}}}</script>)"
+      R"("middle":[{}],"picture_size":{},"errors":{{"first":{},"step":{},"without":{},"largest":{},"rms":{},)"
+      R"("bins":[{}]}},"columns":[{}],"arrays":{}}}</script>)"
       "\n",
       content.rowCount(), content.entryCount(), rows_of_file, entries_of_file, has_scene, content.hasIntervals(),
       asJson(unlistedBound(content)), content.is_bounded, width == 4, fmt::join(middle, ","), picture_size,
