@@ -35,6 +35,13 @@ struct ComputeOptions {
   bool keepsCheckpoint() const { return !checkpoint.file.empty(); }
 };
 
+// Checkpoints keep estimates.
+void leaveOutPromise(Request& request) {
+  if (request.promise.value_or(false))
+    throw Error(ErrorCode::bad_usage, "--checkpoint keeps no promise; leave out one of --checkpoint and --promise on");
+  if (!std::holds_alternative<EpsilonDelta>(request.goal)) request.promise = false;
+}
+
 std::vector<PlannedFile> planOutputs(const std::vector<std::string>& outputs, bool with_balance) {
   std::vector<std::string> names;
   for (const std::string& output : outputs)
@@ -240,6 +247,7 @@ void addCompute(CLI::App& app, Run& chosen) {
   command->callback([=, &chosen] {
     options->scene = request_options->scene;
     options->request = requestOf(command, *request_options);
+    if (options->keepsCheckpoint()) leaveOutPromise(options->request);
     options->request.balance |= options->older_names;
     options->request.measure_work = options->json;
     chosen = [options] {

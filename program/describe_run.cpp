@@ -21,7 +21,8 @@ std::string describeLattices(const PlanSummary& plan) {
 std::string describeGuarantee(const Request& request, const PlanSummary& plan) {
   const GuaranteeFigures& g = *plan.guarantee;
   std::string text = fmt::format(
-      "goal       every form factor within {} with probability {}: {} at once, a direction adds at most {:.2f}\n",
+      "goal       a promise: every form factor within {} with probability {}: {} at once, a direction adds at most "
+      "{:.2f}\n",
       g.epsilon, 1 - g.delta, counted(static_cast<uint64_t>(g.bounds), "bound"), g.largest_range);
   text += fmt::format("sampling   {} directions; {}; seed {}\n", plan.sampler, describeLattices(plan), request.seed);
   if (std::get<EpsilonDelta>(request.goal).statistic == Statistic::median)
@@ -49,12 +50,12 @@ std::string describeGuarantee(const Request& request, const PlanSummary& plan) {
 std::string describeLineGuarantee(const Request& request, const PlanSummary& plan) {
   const LineGuaranteeFigures& g = *plan.line_guarantee;
   const char* what = std::get<EpsilonDelta>(request.goal).rows ? "form factor, environment too," : "form factor";
-  std::string text =
-      g.delta > 0 ? fmt::format("goal       every {} within {} with probability {}\n", what, g.epsilon, 1 - g.delta)
-                  : fmt::format(
-                        "goal       intervals that geometry alone proves, within {} where it "
-                        "does\n",
-                        g.epsilon);
+  std::string text = g.delta > 0 ? fmt::format("goal       a promise: every {} within {} with probability {}\n", what,
+                                               g.epsilon, 1 - g.delta)
+                                 : fmt::format(
+                                       "goal       intervals that geometry alone proves, within {} where it "
+                                       "does\n",
+                                       g.epsilon);
   text += fmt::format(
       "pairs      {} nothing can block, so that they are exact; {} geometry alone bounds to {}; {} need lines\n",
       g.exact, g.bounded, g.epsilon, g.drawn);
@@ -125,8 +126,11 @@ std::string describePlan(const FormFactorRun& run) {
   const PlanSummary& plan = run.plan();
   if (plan.guarantee) return describeGuarantee(request, plan);
   if (plan.line_guarantee) return describeLineGuarantee(request, plan);
-  if (plan.pair_lines) return describePairLines(*plan.pair_lines, plan, request.seed);
-  return fmt::format("sampling   {} a replicate, {}; {}; seed {}\n", counted(plan.directions, "direction"),
+  const std::string goal =
+      plan.no_promise.empty() ? "" : fmt::format("goal       an estimate, no promise: {}\n", plan.no_promise);
+  if (plan.pair_lines) return goal + describePairLines(*plan.pair_lines, plan, request.seed);
+  return goal +
+         fmt::format("sampling   {} a replicate, {}; {}; seed {}\n", counted(plan.directions, "direction"),
                      plan.sampler, describeLattices(plan), request.seed) +
          describeExpectation(request, plan);
 }

@@ -28,6 +28,13 @@ void addGoalOptions(CLI::App* command, const std::shared_ptr<RequestOptions>& op
           "Go on until the largest standard error of all form factors is at most this; 1e-3 unless another goal or "
           "--directions is given",
           "T");
+  command
+      ->add_option_function<std::string>(
+          "--promise", [options](const std::string& word) { options->request.promise = word == "on"; },
+          "Promise the --tolerance: every form factor within it with probability 0.99, and in an interval. Without it "
+          "that is done where it costs at most twice an estimate")
+      ->type_name("on|off")
+      ->check(CLI::IsMember({"on", "off"}).description(""));
   addGoal("--relative", options->relative,
           "Go on until the largest standard error is at most this share of its form factor, over those above --floor",
           "R");
@@ -219,6 +226,8 @@ Request requestOf(const CLI::App* command, const RequestOptions& options) {
         "a guarantee plans for itself: leave out --tolerance, --relative, --directions, --finest, --replicates, "
         "--part and --first-replicate");
   request.time_limit_s = options.seconds;
+  // The usual number of replicates is of an estimate, too, where it is given.
+  if (command->get_option("--replicates")->count() && !request.promise && !options.epsilon) request.promise = false;
   if (options.epsilon) {
     EpsilonDelta guarantee = options.guarantee;
     guarantee.epsilon = *options.epsilon;

@@ -250,6 +250,8 @@ std::string asJson(const std::string& scene, const Result& estimate) {
     text +=
         fmt::format(",\n  \"guarantee\": {{\"epsilon\": {}, \"delta\": {}, \"bound\": {:.6g}, \"row_bound\": {:.6g}}}",
                     g->epsilon, g->delta, g->bound, g->row_bound);
+  if (const std::string& why = estimate.plan.no_promise; !why.empty())
+    text += fmt::format(",\n  \"no_promise\": \"{}\"", escapeJson(why));
   if (f.ids().rows_sum_to_one) {
     const Closure closure = measureClosure(f);
     text += fmt::format(

@@ -55,6 +55,7 @@ Result compute(const Scene& scene, const Vs3Control& control, const Question& qu
   request.by = By::surface;
   request.goal = Tolerance{toleranceOf(control)};
   request.question = question;
+  request.promise = false;  // its files have no intervals
   Result result = computeFormFactors(scene, request);
   for (const std::string& warning : result.warnings) log.say("WARNING " + warning);
   log.say(fmt::format("{:.2f} seconds to compute form factors, largest standard error {:.1e}", result.seconds,

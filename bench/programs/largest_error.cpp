@@ -41,6 +41,7 @@ Scene makeScene(const std::string& name) {
 FormFactors compute(const Scene& scene, const std::string& name, double tolerance, uint64_t seed) {
   Request request;
   request.goal = Tolerance{tolerance};
+  request.promise = false;
   request.seed = seed;
   request.two_sided = name == "two_sided";
   return computeFormFactors(scene, request).form_factors;

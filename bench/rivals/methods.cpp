@@ -125,7 +125,7 @@ class Viewpeel {
 
  private:
   Request requestOf(Goal goal, uint64_t seed, std::optional<bool> pair_lines) const {
-    Request request{.goal = goal, .pair_lines = pair_lines, .seed = seed};
+    Request request{.goal = goal, .pair_lines = pair_lines, .promise = false, .seed = seed};
     request.engine = on_host_ ? EngineKind::host : EngineKind::compute;
     request.device.selector = std::to_string(device_.description().index);
     return request;

@@ -112,6 +112,7 @@ viewpeel::Request requestOf(const viewpeel_options& options) {
   request.two_sided = options.two_sided != 0;
   request.threads = options.threads;
   if (options.seed) request.seed = options.seed;
+  if (options.promise) request.promise = options.promise > 0;
   if (options.seconds != 0) request.time_limit_s = options.seconds;
   const bool is_guarantee = options.epsilon != 0, is_estimate = options.tolerance != 0 || options.relative != 0;
   if (is_guarantee && is_estimate) refuse("epsilon beside tolerance or relative: a guarantee is a goal of its own");

@@ -32,13 +32,15 @@ struct LineGuaranteeOptions {
 class LineGuarantee {
  public:
   // Plans: which entries need lines, and how many at most. A few lines of each say what to expect.
-  //   In: lines: before find(); scene, face_ids, ids and lines are referred to; ids: of the result
+  //   In: pairs: as lines.find() has found them; scene, face_ids, ids and lines are referred to; ids: of the result
   //   Throws: Error bad_usage where epsilon is below what rounding leaves.
-  //   Cost: as PairLines::find, and some 160,000 lines.
+  //   Cost: O(pairs), and 16 lines of each of 512 entries.
   LineGuarantee(const Scene& scene, const Ids& face_ids, const Ids& ids, PairLines& lines,
-                const LineGuaranteeOptions& options);
+                const std::vector<LinePair>& pairs, const LineGuaranteeOptions& options);
 
   const LineGuaranteeFigures& figures() const { return figures_; }
+  // Predicts the times of figures().    Cost: some 100,000 lines.
+  void measureSeconds();
   uint64_t lookCount() const { return look_; }
   // Returns the most looks that may come.
   uint64_t mostLooks() const { return most_looks_; }
@@ -84,12 +86,12 @@ class LineGuarantee {
 
   std::vector<Row> sumRows() const;
   void requireRows() const;
-  void collectEntries();
+  void collectEntries(const std::vector<LinePair>& pairs);
   void planLooks();
   void planRows();
   void predict();
-  void measureSeconds();
-  double expectedLines(const Entry& entry) const;
+  UniformLineCount drawPilot(const Entry& entry) const;
+  double expectedLines(const Entry& entry, double share) const;
   void forEach(size_t count, const std::function<void(size_t)>& work) const;
   double weightAt(const Entry& entry, uint32_t look) const;
   double mostCandidates(const Entry& entry, const Part& part) const;
@@ -108,6 +110,7 @@ class LineGuarantee {
   LineGuaranteeFigures figures_;
   std::vector<Entry> entries_;          // sorted by (i, j)
   std::vector<Part> parts_;             // of entries
+  size_t pairs_ = 0;                    // of faces
   std::vector<uint32_t> open_;          // entries
   double log_entry_ = 0, log_row_ = 0;  // ln(2 / p) of one look at one entry, of one row
   uint32_t look_ = 0, most_looks_ = 1;

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <viewpeel/error.h>
+#include "estimator/promise_cost.h"
 #include "stopwatch.h"
 #include "sums/add_pairs.h"
 
@@ -22,7 +23,7 @@ constexpr double kShareOfRowLines = 0.9;  // the same of a row, with parts that 
 constexpr double kFirstLook = 1.2;        // of the lines after which an entry without facing lines is done
 constexpr double kRowShare = 0.5;         // of delta, where rows have bounds
 constexpr uint64_t kPilotSeries = 1000;   // looks have those below
-constexpr size_t kPilots = 2048;          // entries
+constexpr size_t kPilots = 512;           // entries
 constexpr size_t kTimedEntries = 64;
 constexpr uint64_t kTimedLines = 2048;
 
@@ -35,12 +36,11 @@ double hoeffdingWeight(double blockable, double parts, double allowed, double l)
 }  // namespace
 
 LineGuarantee::LineGuarantee(const Scene& scene, const Ids& face_ids, const Ids& ids, PairLines& lines,
-                             const LineGuaranteeOptions& options)
+                             const std::vector<LinePair>& pairs, const LineGuaranteeOptions& options)
     : scene_(scene), face_ids_(face_ids), ids_(ids), lines_(lines), options_(options) {
   const auto begun = Clock::now();
   options_.rows &= options_.delta > 0;  // no number of lines proves a row's sum for certain
-  collectEntries();
-  if (lines_.hasTooMany()) return;
+  collectEntries(pairs);
   planLooks();
   if (options_.rows) planRows();
   predict();
@@ -54,11 +54,10 @@ LineGuarantee::LineGuarantee(const Scene& scene, const Ids& face_ids, const Ids&
   figures_.lemma_1 = 1 / (e * e * d), figures_.lemma_1_all = bounds / (e * e * d);
   figures_.median_directions = std::ceil(8 * std::log(bounds / d)) * 4 / (e * e);
   figures_.plan_seconds = secondsSince(begun);
-  measureSeconds();
 }
 
-void LineGuarantee::collectEntries() {
-  const std::vector<LinePair> pairs = lines_.find();
+void LineGuarantee::collectEntries(const std::vector<LinePair>& pairs) {
+  pairs_ = pairs.size();
   std::vector<std::pair<std::pair<uint32_t, uint32_t>, uint32_t>> by_key;
   by_key.reserve(pairs.size());
   for (uint32_t k = 0; k < pairs.size(); ++k) by_key.push_back({entryOf(pairs[k], face_ids_, options_.by), k});
@@ -146,17 +145,9 @@ void LineGuarantee::planRows() {
   }
 }
 
-// Returns the lines after which an entry is expected to be done, from a few of them.
-double LineGuarantee::expectedLines(const Entry& entry) const {
-  double facing = 0, all = 0;
-  for (uint32_t k = 0; k < entry.part_count; ++k) {
-    const Part& part = parts_[entry.first_part + k];
-    const uint64_t lines = k < kFewestLines ? static_cast<uint64_t>(kFewestLines) / entry.part_count + 1 : 0;
-    const UniformLineCount count =
-        lines_.drawUniform(part.index, kPilotSeries, lines, mostCandidates(entry, part), vectors_);
-    facing += double(count.facing), all += double(count.lines);
-  }
-  const double share = (facing + 1) / (all + 2), variance = share * (1 - share);
+// Returns the lines after which an entry is expected to be done, from the share of its lines that face each other.
+double LineGuarantee::expectedLines(const Entry& entry, double share) const {
+  const double variance = share * (1 - share);
   for (uint32_t look = 0; look + 1 < entry.looks; ++look) {
     const double n = linesOf(entry, look),
                  bound = entry.blockable() * (std::sqrt(2 * variance * log_entry_ / n) + log_entry_ / (3 * n));
@@ -165,11 +156,30 @@ double LineGuarantee::expectedLines(const Entry& entry) const {
   return linesOf(entry, entry.looks - 1);
 }
 
-// A pilot of some entries predicts the lines of all. Where an entry may have several looks, its chance to be in the
-// pilot is proportional to its most lines, and the sum is weighted accordingly.
+// Draws a few lines of an entry.
+UniformLineCount LineGuarantee::drawPilot(const Entry& entry) const {
+  UniformLineCount sum;
+  for (uint32_t k = 0; k < entry.part_count && k < kFewestLines; ++k) {
+    const Part& part = parts_[entry.first_part + k];
+    sum += lines_.drawUniform(part.index, kPilotSeries, static_cast<uint64_t>(kFewestLines) / entry.part_count + 1,
+                              mostCandidates(entry, part), vectors_);
+  }
+  return sum;
+}
+
+// A pilot of some entries predicts lines and cost of all. An entry's chance to be in the pilot is proportional to its
+// most lines, and sums are weighted accordingly.
 void LineGuarantee::predict() {
   std::vector<uint32_t> uncertain;
   double most_uncertain = 0;
+  PromiseCost cost(options_.epsilon, scene_.faces.size(), pairs_);
+  const auto add = [&](const Entry& entry, double lines, double candidates, double share, double weight) {
+    const std::span<const Part> parts(parts_.data() + entry.first_part, entry.part_count);
+    std::vector<double> exchanges;
+    for (const Part& part : parts) exchanges.push_back(part.exchange);
+    cost.add({exchanges, ids_.smallerArea(entry.i, entry.j), entry.j < kEnvironment, share, lines, candidates}, weight);
+    figures_.expected_lines += weight * lines;
+  };
   for (uint32_t k = 0; k < entries_.size(); ++k) {
     const Entry& entry = entries_[k];
     if (entry.part_count == 0) continue;
@@ -178,7 +188,8 @@ void LineGuarantee::predict() {
     most_looks_ = std::max(most_looks_, entry.looks);
     if (most > figures_.most_for_one)
       figures_.most_for_one = most, figures_.neediest = {ids_.names[entry.i], nameOf(entry.j)};
-    if (entry.looks == 1) figures_.expected_lines += most;
+    // Of the least lines that an entry gets each is drawn by an estimate, too.
+    if (most <= kFewestLines + entry.part_count) add(entry, most, most, 0.5, 1);
     else uncertain.push_back(k), most_uncertain += most;
   }
   // Pilots stand at even distances of most lines.
@@ -191,9 +202,15 @@ void LineGuarantee::predict() {
     if (uncertain.size() <= kPilots) pilots.emplace_back(k, 1);
     else if (turns > 0) pilots.emplace_back(k, turns * step / most);
   }
-  std::vector<double> expected(pilots.size());
-  forEach(pilots.size(), [&](size_t k) { expected[k] = expectedLines(entries_[pilots[k].first]); });
-  for (size_t k = 0; k < pilots.size(); ++k) figures_.expected_lines += pilots[k].second * expected[k];
+  std::vector<UniformLineCount> counts(pilots.size());
+  forEach(pilots.size(), [&](size_t k) { counts[k] = drawPilot(entries_[pilots[k].first]); });
+  for (size_t k = 0; k < pilots.size(); ++k) {
+    const Entry& entry = entries_[pilots[k].first];
+    const UniformLineCount& count = counts[k];
+    const double share = (double(count.facing) + 1) / (double(count.lines) + 2), lines = expectedLines(entry, share);
+    add(entry, lines, lines * double(count.candidates) / double(count.lines), share, pilots[k].second);
+  }
+  figures_.cost = cost.ofPromise(), figures_.estimate_cost = cost.ofEstimate();
 }
 
 // Predicts times from lines of the entries that have most of them.

@@ -38,9 +38,8 @@ RunSums sumsToBeginWith(const Scene& scene, const Ids& face_ids, std::vector<Lin
 
 }  // namespace
 
-std::vector<LinePair> planLines(PairLines& lines, const Ids& face_ids, const Ids& ids, const EstimateOptions& options,
-                                double most_lines) {
-  std::vector<LinePair> pairs = lines.find();
+std::vector<LinePair> planLines(PairLines& lines, std::vector<LinePair> pairs, const Ids& face_ids, const Ids& ids,
+                                const EstimateOptions& options, double most_lines) {
   // An entry between surfaces, and a row's leak, is a sum over many pairs with independent errors. Parts of the
   // variance as in eq. (48) of docs/method.md take the fewest lines.
   struct Sum {

@@ -20,12 +20,13 @@ constexpr uint32_t kLineRunDirections = 32;
 // standard errors do. Measured: docs/accuracy.md.
 constexpr double kErrorsInGoal = 4.25, kErrorsInRowGoal = 2.5;
 
-// Finds the pairs of a run and gives them lines for its goal: a tolerance, a relative error, or both.
-//   In: lines: of ids by face; ids: of the result, whose goals are meant; options: goals, replicates, by; most_lines:
-//   where the goal takes more, pairs get the lines of a rougher goal that takes about as many
-//   Cost: as PairLines::find and PairLines::plan.
-std::vector<LinePair> planLines(PairLines& lines, const Ids& face_ids, const Ids& ids, const EstimateOptions& options,
-                                double most_lines);
+// Gives the pairs of a run lines for its goal: a tolerance, a relative error, or both.
+//   In: lines: of ids by face; pairs: as lines.find() has found them; ids: of the result, whose goals are meant;
+//   options: goals, replicates, by; most_lines: where the goal takes more, pairs get the lines of a rougher goal that
+//   takes about as many
+//   Out: the pairs, with lines    Cost: as PairLines::plan.
+std::vector<LinePair> planLines(PairLines& lines, std::vector<LinePair> pairs, const Ids& face_ids, const Ids& ids,
+                                const EstimateOptions& options, double most_lines);
 
 class LineRun {
  public:

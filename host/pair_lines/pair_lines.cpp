@@ -21,15 +21,7 @@ constexpr double kLarge = 0.3;       // form factors above which angles are bett
 constexpr double kNear = 0.15;       // gap in diagonals of the smaller patch, below which they are, too,
 constexpr double kLeastNear = 1e-3;  // where the form factor is larger than this
 constexpr double kUneven = 0.2;      // effective share of points, below which angles are better, too
-constexpr uint32_t kPilots = 8;
 constexpr uint32_t kMostPeriod = 8;
-// N lines that agree leave a share of at most ln(1 / p) / N to lines that do not, but for probability p. At p = 1e-3,
-// with errors of four standard errors, N has to be this over the allowed standard error.
-constexpr double kAgreeing = 1.75;
-// 16 lines leave a visibility this standard error at most where their weights are as uneven as kUneven allows: eq. (46)
-// and (47) with b = 1/2 and n = 3.2.
-constexpr double kCertain = 0.272;
-constexpr double kRate = 0.8;  // a variance falls as N^-1.25: N lines for it are its power of -0.8
 
 bool areNear(const Patch& a, const Patch& b) {
   const glm::dvec3 gap = glm::max(glm::dvec3(0), glm::max(a.low - b.high, b.low - a.high));
@@ -264,7 +256,7 @@ bool PairLines::isPartial(const Group& group) const {
 //   In: goal: standard error of the visibility    Out: pair: by_angles
 double PairLines::findNeed(LinePair& pair, const Group& group, double goal, Vectors vectors) const {
   constexpr double kPilotLines = LineDrawer::kBlockLines;
-  if (goal >= kCertain) return kPilotLines;
+  if (goal >= kCertainError) return kPilotLines;
   LineSums::PairSum sum;
   const auto pilot = [&](uint32_t first, uint32_t end) {
     for (uint32_t p = first; p < end; ++p)
@@ -277,15 +269,15 @@ double PairLines::findNeed(LinePair& pair, const Group& group, double goal, Vect
     pilot(0, pilots);
   };
   const auto needOf = [&](double lines) {
-    return lines * std::pow(visibilityOf(sum, pair.blocks).variance / (goal * goal), kRate);
+    return lines * std::pow(visibilityOf(sum, pair.blocks).variance / (goal * goal), kLineRate);
   };
   pilot(0, 1);
   takeBetterWay(1);
   const double need = needOf(kPilotLines);
-  if (need <= kPilots * kPilotLines && sum.all > 0) return std::max(need, kAgreeing / goal);
-  pilot(1, kPilots);
-  takeBetterWay(kPilots);
-  return std::max(needOf(kPilots * kPilotLines), kAgreeing / goal);
+  if (need <= kLinePilots * kPilotLines && sum.all > 0) return std::max(need, kAgreeingLines / goal);
+  pilot(1, kLinePilots);
+  takeBetterWay(kLinePilots);
+  return std::max(needOf(kLinePilots * kPilotLines), kAgreeingLines / goal);
 }
 
 void PairLines::plan(std::span<LinePair> pairs, const std::function<double(const LinePair&)>& allowed,

@@ -16,6 +16,16 @@
 
 namespace viewpeel {
 
+// How an estimate finds the lines that a pair needs (PairLines::plan).
+constexpr uint32_t kLinePilots = 8;  // of 16 lines each
+// N lines that agree leave a share of at most ln(1 / p) / N to lines that do not, but for probability p. At p = 1e-3,
+// with errors of four standard errors, N has to be this over the allowed standard error.
+constexpr double kAgreeingLines = 1.75;
+// 16 lines leave a visibility this standard error at most where their weights are as uneven as kUneven allows: eq. (46)
+// and (47) with b = 1/2 and n = 3.2.
+constexpr double kCertainError = 0.272;
+constexpr double kLineRate = 0.8;  // a variance falls as N^-1.25: N lines for it are its power of -0.8
+
 // PairLinesFigures say how many pairs and blockers were found.
 struct PairLinesFigures {
   uint64_t clear = 0, partial = 0;  // pairs of faces

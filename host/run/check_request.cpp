@@ -21,6 +21,27 @@ bool mayUsePairLines(const Request& request) {
   return request.engine != EngineKind::exact && has_goal && !amountOf(request).directions;
 }
 
+std::string optionAgainstPromise(const Request& request) {
+  const auto* tolerance = std::get_if<Tolerance>(&request.goal);
+  if (std::holds_alternative<Seconds>(request.goal) || request.time_limit_s) return "--seconds";
+  if (std::holds_alternative<Relative>(request.goal) || (tolerance && tolerance->relative)) return "--relative";
+  const Amount amount = amountOf(request), usual;
+  if (amount.is_exact || request.first_replicate) return "--first-replicate or --part";
+  if (amount.directions) return "--directions";
+  if (amount.resolution) return "--resolution";
+  if (amount.replicates != usual.replicates) return "--replicates";
+  if (request.sampler) return "--sampler";
+  if (request.sampling) return "--sampling";
+  if (request.unoccluded) return "--unoccluded";
+  if (request.pair_lines && !(*request.pair_lines && request.promise)) return "--pair-lines";
+  const bool has_lines = request.engine == EngineKind::automatic || request.engine == EngineKind::host ||
+                         request.engine == EngineKind::compute;
+  if (!has_lines) return "--engine";
+  return request.promise.value_or(true)
+             ? ""
+             : "--promise off, --replicates or --checkpoint";  // for which the program sets it
+}
+
 void checkRequest(const Request& request) {
   const auto refuse = [](const std::string& message) { throw Error(ErrorCode::bad_usage, message); };
   requireNumbers(request);
@@ -44,6 +65,12 @@ void checkRequest(const Request& request) {
       refuse("--pair-lines on takes unoccluded form factors as they are; leave out --unoccluded");
   }
   if (request.balance && !request.question.isEverything()) refuse(kBalanceNeedsEveryRow);
+  if (request.promise) {
+    if (std::holds_alternative<EpsilonDelta>(request.goal))
+      refuse("--epsilon is a promise by itself; leave out --promise, or ask for an estimate by --tolerance");
+    if (const std::string against = optionAgainstPromise(request); *request.promise && !against.empty())
+      refuse(fmt::format("--promise on needs a goal by --tolerance alone; leave out {}", against));
+  }
   if (request.engine == EngineKind::exact && !request.exact_engine)
     refuse("there is no exact engine in this library; set Request::exact_engine, or take another engine");
   const auto* guarantee = std::get_if<EpsilonDelta>(&request.goal);

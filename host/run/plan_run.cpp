@@ -9,6 +9,7 @@
 #include <viewpeel/error.h>
 #include "directions/replicates.h"
 #include "run/observed_engine.h"
+#include "run/rules.h"
 #include "run/run_state.h"
 #include "run/settings.h"
 #include "sums/add_pairs.h"
@@ -63,20 +64,20 @@ Plan FormFactorRun::State::makePlanOfRequest() {
   return planned();
 }
 
-// Returns whether lines of a few directions leak. For an estimate a row has to lose a share that it would miss.
-bool FormFactorRun::State::leaks() {
+// Returns the largest share of a row's lines that end on backs, over a few directions.
+double FormFactorRun::State::measureLeaks() {
   const PairCounts counts = plan->engine->count(
       sampleDirections(setup.estimate().sampler, 2 * kLineRunDirections, setup.request().seed, kLineReplicates.first));
-  const double least_share = setup.guarantee() ? 0 : std::min(kGrazedShare, setup.estimate().tolerance.value_or(1));
   std::vector<double> all(setup.faceIds().count()), leaked(all.size());
   for (const PairCount& count : counts) {
     for (const uint32_t id : {count.i, count.j})
       if (id < kEnvironment) all[id] += double(count.count);
     if (count.j == kLeak) leaked[count.i] += double(count.count);
   }
+  double largest = 0;
   for (size_t k = 0; k < all.size(); ++k)
-    if (leaked[k] > least_share * all[k]) return true;
-  return false;
+    if (leaked[k] > 0) largest = std::max(largest, leaked[k] / all[k]);
+  return largest;
 }
 
 // Finds the blockers of pairs, with an engine for a few common directions.    Out: false where coincident polygons have
@@ -87,7 +88,10 @@ bool FormFactorRun::State::makePairLines() {
   const Lattices lattices = setup.lattices();
   plan->groups = groupAsOne(setup.scene(), lattices.lattice.resolution);
   plan->engine = makeEngine(lattices, setup.scene(), setup.faceIds(), plan->groups);
-  const bool with_leak = resumed ? resumed->sums.lines->hasBacks() : plan->directions > 0 && leaks();
+  leaked_share = plan->directions > 0 && !resumed ? measureLeaks() : 0;
+  // For an estimate a row has to lose a share that it would miss.
+  const double least_share = setup.guarantee() ? 0 : std::min(kGrazedShare, setup.estimate().tolerance.value_or(1));
+  const bool with_leak = resumed ? resumed->sums.lines->hasBacks() : leaked_share > least_share;
   pair_lines.emplace(
       setup.scene(), setup.faceIds(), with_leak, setup.request().seed, setup.request().threads,
       [this] { stopIfRequested(); }, setup.lineDevice());
@@ -99,23 +103,34 @@ bool FormFactorRun::State::makePairLines() {
   return !pair_lines->hasUnordered();
 }
 
-// Plans few common directions, and lines for each pair.
+// Finds the pairs.    Out: false where there are too many of them
+bool FormFactorRun::State::findLinePairs() {
+  line_pairs = pair_lines->find();
+  if (pair_lines->hasTooMany()) requireNoPairLines();
+  return !pair_lines->hasTooMany();
+}
+
+// Plans few common directions, and lines for each pair: a promise of the tolerance where it may have one.
 void FormFactorRun::State::planPairLines() {
-  const auto begun = Clock::now();
-  if (!makePairLines()) return planWithoutPairLines();
+  if (!makePairLines()) return planWithoutPairLines("coincident polygons have no order");
+  if (!findLinePairs()) return planWithoutPairLines("too many pairs of polygons see each other");
+  if (resumed || !no_promise.empty() || !planPromise()) planEstimateLines();
+}
+
+// Gives pairs the lines of an estimate.    In: line_pairs: as found
+void FormFactorRun::State::planEstimateLines() {
   const EstimateOptions& options = setup.estimate();
-  // Half of the time is left for finding pairs, and for further lines of pairs that need them.
-  const double threads = setup.request().threads ? setup.request().threads : double(threadCount()),
-               most_lines = options.seconds ? *options.seconds / 2 * threads / kSecondsOfLine : INFINITY;
-  line_pairs = resumed ? resumed->sums.lines->pairs()
-                       : planLines(*pair_lines, setup.faceIds(), setup.ids(), options, most_lines);
-  if (resumed) requireSamePairs(pair_lines->find(), line_pairs);
-  if (pair_lines->hasTooMany()) {
-    requireNoPairLines();
-    return planWithoutPairLines();
+  if (resumed) {
+    requireSamePairs(line_pairs, resumed->sums.lines->pairs());
+    line_pairs = resumed->sums.lines->pairs();
+  } else {
+    // Half of the time is left for finding pairs, and for further lines of pairs that need them.
+    const double threads = setup.request().threads ? setup.request().threads : double(threadCount()),
+                 most_lines = options.seconds ? *options.seconds / 2 * threads / kSecondsOfLine : INFINITY;
+    line_pairs = planLines(*pair_lines, std::move(line_pairs), setup.faceIds(), setup.ids(), options, most_lines);
   }
   const PairLinesFigures figures = pair_lines->figures();
-  plan->pair_lines = {figures.clear, figures.partial, 0, figures.blockers, secondsSince(begun)};
+  plan->pair_lines = {figures.clear, figures.partial, 0, figures.blockers, secondsSince(*start)};
   for (const LinePair& pair : line_pairs)
     plan->pair_lines->lines += static_cast<uint64_t>(pair.linesIn(options.replicates));
 }
@@ -128,10 +143,19 @@ void FormFactorRun::State::requireNoPairLines() const {
                                               kMostPatchPairs));
 }
 
-void FormFactorRun::State::planWithoutPairLines() {
+void FormFactorRun::State::planWithoutPairLines(const std::string& why) {
+  if (no_promise.empty()) refusePromise(why);
   pair_lines.reset();
   line_pairs.clear();
   setup.leaveOutPairLines();
+  plan = makePlanOfRequest();
+}
+
+void FormFactorRun::State::planEstimateOfDirections() {
+  if (no_promise.empty())
+    refusePromise(setup.scene().faces.size() > kMostPairLineFaces
+                      ? fmt::format("there are more than {} polygons", kMostPairLineFaces)
+                      : fmt::format("the tolerance is above {}", kPairLineTolerance));
   plan = makePlanOfRequest();
 }
 
@@ -145,40 +169,43 @@ void FormFactorRun::State::planGuarantee() {
       viewpeel::planGuarantee(setup.scene(), setup.ids(), setup.guaranteeOptions(), setup.lattices(), setup.isExact());
   if (const auto& limit = setup.request().time_limit_s; limit && guarantee->least_seconds > *limit)
     refuseGuarantee(*guarantee, *limit);
-  guarantee->engine = observed(std::move(guarantee->engine), observer.on_count);
-  summary = summarise(setup, *guarantee);
 }
 
 // Returns false where pair lines cannot do it.
 bool FormFactorRun::State::planLineGuarantee() {
-  if (!makePairLines()) return false;
-  const EpsilonDelta& goal = *setup.guarantee();
-  line_guarantee.emplace(setup.scene(), setup.faceIds(), setup.ids(), *pair_lines,
-                         LineGuaranteeOptions{goal.epsilon, goal.delta, goal.rows, setup.request().by});
-  if (pair_lines->hasTooMany()) {
-    requireNoPairLines();
-    return false;
-  }
+  if (!makePairLines() || !findLinePairs()) return false;
+  makeLineGuarantee();
+  line_guarantee->measureSeconds();
   const LineGuaranteeFigures& figures = line_guarantee->figures();
   if (const auto& limit = setup.request().time_limit_s; limit && figures.expected_seconds > *limit)
     refuseGuarantee(figures, *limit);
-  plan->engine = observed(std::move(plan->engine), observer.on_count);
-  summary = summarise(setup, *plan);
-  summary.line_guarantee = figures;
   return true;
+}
+
+void FormFactorRun::State::makeLineGuarantee() {
+  const EpsilonDelta& goal = *setup.guarantee();
+  line_guarantee.emplace(setup.scene(), setup.faceIds(), setup.ids(), *pair_lines, line_pairs,
+                         LineGuaranteeOptions{goal.epsilon, goal.delta, goal.rows, setup.request().by});
 }
 
 void FormFactorRun::State::makePlan() {
   start = Clock::now();
-  if (setup.guarantee()) {
-    planGuarantee();
-  } else {
-    if (setup.usesPairLines()) planPairLines();
-    else plan = makePlanOfRequest();
-    plan->engine = observed(std::move(plan->engine), observer.on_count);
-    summary = summarise(setup, *plan);
-  }
+  if (const std::string option = optionAgainstPromise(setup.request()); !option.empty())
+    no_promise = fmt::format("{} asks for an estimate", option);
+  if (setup.guarantee()) planGuarantee();
+  else if (setup.usesPairLines()) planPairLines();
+  else planEstimateOfDirections();
+  summariseRun();
   if (resumed) requireSameSettings(settingsOf(setup, summary), resumed->settings, resumed_file);
+}
+
+// Says what is planned, and lets the observer watch the engine.
+void FormFactorRun::State::summariseRun() {
+  std::unique_ptr<Engine>& engine = guarantee ? guarantee->engine : plan->engine;
+  engine = observed(std::move(engine), observer.on_count);
+  summary = guarantee ? summarise(setup, *guarantee) : summarise(setup, *plan);
+  if (line_guarantee) summary.line_guarantee = line_guarantee->figures();
+  if (!setup.guarantee()) summary.no_promise = no_promise;
 }
 
 }  // namespace viewpeel

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <viewpeel/compute.h>
+#include <viewpeel/error.h>
 
 #include "estimator/estimate_run.h"
 #include "estimator/find_prior.h"
@@ -42,7 +43,10 @@ struct FormFactorRun::State {
   std::vector<LinePair> line_pairs;  // as planned
   std::optional<LineRun> line_run;
   std::optional<LineGuarantee> line_guarantee;
-  std::optional<RunSums> common_sums;  // of a guarantee by lines: environment and leak
+  std::optional<RunSums> common_sums;                     // of a guarantee by lines: environment and leak
+  std::optional<std::vector<PairCounts>> promise_counts;  // of these directions, where a promise was planned
+  double leaked_share = 0;  // of a row's lines along a few directions, in the row with most
+  std::string no_promise;   // why form factors are to be estimates
   bool is_interrupted = false, is_done = false;
 
   State(const Scene& scene, Request request, Observer watching)
@@ -91,14 +95,25 @@ struct FormFactorRun::State {
   Plan makeFixedPlan() const;
   Plan makePlanOfRequest();
   void makePlan();
-  bool leaks();
+  double measureLeaks();
   bool makePairLines();
   void planPairLines();
-  void planWithoutPairLines();
+  void planEstimateLines();
+  void planEstimateOfDirections();
+  void planWithoutPairLines(const std::string& why);
   void requireNoPairLines() const;
+  bool findLinePairs();
   void planGuarantee();
   bool planLineGuarantee();
-  void countCommonDirections();
+  void makeLineGuarantee();
+  bool planPromise();
+  void refusePromise(const std::string& why);
+  void takeBackPromise();
+  void breakPromise(const std::string& why);
+  void summariseRun();
+  std::vector<PairCounts> countCommonDirections() const;
+  double commonCountArea() const;
+  void beginLineGuarantee();
   void findPrior();
   EstimateOptions estimateOptions();
   void begin();

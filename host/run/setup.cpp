@@ -78,6 +78,7 @@ Amount amountOf(const Request& request) {
 Setup::Setup(const Scene& scene, Request request, std::function<void(uint64_t)> on_batch, std::function<void()> stop)
     : scene_(scene),
       request_(withBlockersOf(scene, std::move(request))),
+      estimated_goal_(request_.goal),
       stop_(std::move(stop)),
       ids_(makeIds(scene, request_.by, request_.two_sided)),
       face_ids_(makeIds(scene, By::polygon, request_.two_sided)),
@@ -130,7 +131,8 @@ void Setup::settlePairLines() {
                         request_.engine == EngineKind::host || request_.engine == EngineKind::compute);
   const bool pays =
       scene_.faces.size() <= kMostPairLineFaces && (!estimate_.tolerance || *estimate_.tolerance <= kPairLineTolerance);
-  pair_lines_ = request_.pair_lines.value_or(is_open && pays && mayUsePairLines(request_));
+  const bool is_promise = request_.promise.value_or(false);  // on any terms
+  pair_lines_ = request_.pair_lines.value_or(is_promise || (is_open && pays && mayUsePairLines(request_)));
   if (pair_lines_) restrictToQuestion(request_.question, scene_, face_ids_);
 }
 
@@ -139,6 +141,12 @@ const Device* Setup::lineDevice() const {
   const bool is_requested = request_.engine == EngineKind::compute;
   return engine_ == EngineKind::compute && (is_requested || device_->description().kind != "cpu") ? device() : nullptr;
 }
+
+void Setup::promise(bool rows) {
+  request_.goal = EpsilonDelta{.epsilon = *estimate_.tolerance, .delta = kPromiseDelta, .rows = rows};
+}
+
+void Setup::takeBackPromise() { request_.goal = estimated_goal_; }
 
 void Setup::leaveOutPairLines() {
   pair_lines_ = false;

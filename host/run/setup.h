@@ -49,6 +49,12 @@ class Setup {
   int resolution() const { return resolution_; }
   bool usesUnoccluded() const { return unoccluded_ && !pair_lines_; }
   bool usesPairLines() const { return pair_lines_; }
+  // Takes the tolerance for a promise.    In: rows: whether it is for the environment of each row, too
+  void promise(bool rows);
+  // Returns whether the request's own goal was a tolerance that is promised now.
+  bool hasPromise() const { return guarantee() && std::holds_alternative<Tolerance>(estimated_goal_); }
+  // Takes the tolerance for an estimate's again.
+  void takeBackPromise();
   // Goes without pair lines, where coincident polygons have no order or there are too many pairs.
   void leaveOutPairLines();
   // Returns whether the request did not ask for unoccluded form factors, so that the run may go without.
@@ -70,6 +76,7 @@ class Setup {
 
   const Scene& scene_;
   Request request_;
+  Goal estimated_goal_;  // of the request as it was
   std::function<void()> stop_;
   Ids ids_, face_ids_;
   EngineKind engine_ = EngineKind::host;

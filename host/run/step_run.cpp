@@ -38,25 +38,33 @@ EstimateOptions FormFactorRun::State::estimateOptions() {
   return options;
 }
 
-// Common directions tell which rows see the environment, and where lines leak.
-void FormFactorRun::State::countCommonDirections() {
-  common_sums.emplace(makeRunSums(setup.scene(), setup.faceIds()));
-  if (plan->directions == 0) return;
-  common_sums->measure_area =
-      plan->engine->unitArea() * setup.scene().scale * setup.scene().scale / double(plan->directions);
-  for (uint64_t replicate = 0; replicate < kFewReplicates; ++replicate) {
-    PairCounts counts = plan->engine->count(
-        sampleDirections(setup.estimate().sampler, plan->directions, setup.request().seed, replicate));
-    std::erase_if(counts, [](const PairCount& count) { return count.j < kEnvironment; });
-    common_sums->add(replicate, counts, plan->directions);
+// Common directions tell which rows see the environment, and where lines leak.    Out: no counts of pairs
+std::vector<PairCounts> FormFactorRun::State::countCommonDirections() const {
+  std::vector<PairCounts> all;
+  for (uint64_t replicate = 0; plan->directions && replicate < kFewReplicates; ++replicate) {
+    all.push_back(plan->engine->count(
+        sampleDirections(setup.estimate().sampler, plan->directions, setup.request().seed, replicate)));
+    std::erase_if(all.back(), [](const PairCount& count) { return count.j < kEnvironment; });
   }
+  return all;
+}
+
+void FormFactorRun::State::beginLineGuarantee() {
+  progress.expected_blocks = progress.most_blocks = line_guarantee->mostLooks();
+  const std::vector<PairCounts> counts = promise_counts ? std::move(*promise_counts) : countCommonDirections();
+  common_sums.emplace(makeRunSums(setup.scene(), setup.faceIds()));
+  if (plan->directions) common_sums->measure_area = commonCountArea();
+  for (uint64_t replicate = 0; replicate < counts.size(); ++replicate)
+    common_sums->add(replicate, counts[replicate], plan->directions);
+}
+
+// Returns the area of one count of a common direction, input units squared over directions.
+double FormFactorRun::State::commonCountArea() const {
+  return plan->engine->unitArea() * setup.scene().scale * setup.scene().scale / double(plan->directions);
 }
 
 void FormFactorRun::State::begin() {
-  if (line_guarantee) {
-    progress.expected_blocks = progress.most_blocks = line_guarantee->mostLooks();
-    return countCommonDirections();
-  }
+  if (line_guarantee) return beginLineGuarantee();
   if (guarantee) {
     GuaranteeOptions options = setup.guaranteeOptions();
     options.resumed = resumed ? &resumed->sums : nullptr;
@@ -85,7 +93,12 @@ void FormFactorRun::State::step() {
     stopIfRequested();
   };
   if (line_guarantee) {
-    line_guarantee->step();
+    try {
+      line_guarantee->step();
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::limit || !setup.hasPromise() || setup.request().promise) throw;
+      return breakPromise(error.what());
+    }
     is_done = line_guarantee->isDone();
     report();
     return;

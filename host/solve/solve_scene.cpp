@@ -27,7 +27,10 @@ void requireUnknownTemperatures(const Enclosure& enclosure) {
 }
 
 SceneHeat solveOnce(const Scene& scene, const Enclosure& enclosure, const Request& request, const Observer& observer) {
-  Result result = computeFormFactors(scene, request, observer);
+  Request estimated = request;
+  // Answers have standard errors; a guarantee by request.goal bounds them.
+  if (!std::holds_alternative<EpsilonDelta>(request.goal)) estimated.promise = request.promise.value_or(false);
+  Result result = computeFormFactors(scene, estimated, observer);
   if (result.interrupted && result.replicates < 2)
     throw Error(ErrorCode::limit, "the run was stopped before its form factors had errors; let it run longer");
   // Those of common directions leave out pairs that no line met, which have a bound, too.

@@ -53,6 +53,7 @@ typedef struct viewpeel_options {
   /* Called often, from any thread; a run ends where it returns other than 0. May be NULL. */
   int (*should_stop)(void* context);
   void* context;
+  int promise; /* the tolerance, as viewpeel::Request::promise. 0: where it costs little; 1: on; -1: off */
 } viewpeel_options;
 
 /* Form factors as compressed sparse rows: entries of row i are from starts[i] to starts[i + 1]. */

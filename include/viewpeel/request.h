@@ -15,7 +15,8 @@
 
 namespace viewpeel {
 
-// A run with a Tolerance ends once the standard error of every form factor is at most this.
+// A run with a Tolerance ends once the standard error of every form factor is at most this. Where that costs little
+// more, it is promised in place of estimated: see Request::promise.
 struct Tolerance {
   double standard_error = 1e-3;  // above 0
   // The run may have a second goal: standard errors of all form factors of at least Request::relative_floor, as shares
@@ -100,6 +101,10 @@ struct Request {
   // They replace directions that all pairs have in common. Needs a Tolerance, Relative or
   // EpsilonDelta; unset: where it pays.
   std::optional<bool> pair_lines;
+  // A Tolerance T is promised, as EpsilonDelta{T, 0.01} with rows is: every form factor is within T with probability
+  // 0.99, and has an interval. Unset: where that costs at most twice an estimate of the same largest error, and nothing
+  // else in the request is about estimates (PlanSummary::no_promise). FormFactorRun::request() has the goal then.
+  std::optional<bool> promise;
   uint64_t seed = 1;             // the same seed and plan give the same bits
   uint64_t first_replicate = 0;  // of a part of a run, for merging
 

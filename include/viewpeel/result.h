@@ -86,6 +86,9 @@ struct LineGuaranteeFigures {
   double lemma_1 = 0, lemma_1_all = 0;  // directions of Pellegrini's Lemma 1: for one pair, and for all entries
   double median_directions = 0;         // of the median of runs (section 5.3), for all entries
   double plan_seconds = 0, expected_seconds = 0, most_seconds = 0;
+  // What this and an estimate of the same largest error cost, about: seconds of one thread, from numbers of pairs and
+  // lines alone, so that they are the same on every machine.
+  double cost = 0, estimate_cost = 0;
 };
 
 // A PairLinesSummary counts pairs of polygons that see each other with nothing in between, but for pairs that one
@@ -123,12 +126,13 @@ struct PlanSummary {
   std::optional<GuaranteeFigures> guarantee;
   std::optional<PairLinesSummary> pair_lines;
   std::optional<LineGuaranteeFigures> line_guarantee;
+  std::string no_promise;              // why form factors are estimates; empty where they have a guarantee
   uint64_t unoccluded_pairs = 0;       // of a guarantee: pairs with an unoccluded form factor
   uint64_t pairs_with_visibility = 0;  // of these pairs, with a visibility from a pilot
 };
 
 // Returns the program's options that give the same plan again: "--directions 64 --resolution 128 --unoccluded on".
-//   In: a plan of a result, of no guarantee    Cost: O(1).
+//   In: a plan of a result, of no guarantee but a promised tolerance ("--promise on")    Cost: O(1).
 std::string optionsOf(const PlanSummary& plan);
 
 // A PriorSummary says what pilots and unoccluded form factors found before the first replicate.

@@ -86,6 +86,10 @@ Request requestOf(const py::dict& given) {
   arguments.choose<Sampler>("sampler", request.sampler, {kSamplerNames.begin(), kSamplerNames.end()});
   request.unoccluded = arguments.find<bool>("unoccluded");
   request.pair_lines = arguments.find<bool>("pair_lines");
+  request.promise = arguments.find<bool>("promise");
+  // As the program: the usual number of replicates is of an estimate, too, where it is given.
+  const bool is_estimate = arguments.find<uint32_t>("replicates") && !request.promise;
+  if (is_estimate && !std::holds_alternative<EpsilonDelta>(request.goal)) request.promise = false;
   arguments.choose<EngineKind>("engine", request.engine,
                                {{"auto", EngineKind::automatic},
                                 {"compute", EngineKind::compute},

@@ -109,6 +109,11 @@ py::tuple compute(const HeldScene& held, const py::dict& arguments, const std::s
                   const py::object& tick) {
   Request request = requestOf(arguments);
   request.scene_options = held.options;
+  if (!checkpoint.empty() && !std::holds_alternative<EpsilonDelta>(request.goal)) {
+    if (request.promise.value_or(false))
+      throw Error(ErrorCode::bad_usage, "a checkpoint keeps no promise; leave out one of checkpoint and promise");
+    request.promise = false;
+  }
   std::shared_ptr<HeldResult> result;
   const auto stop =
       runWatched([&](const Observer& observer) { result = count(held, request, checkpoint, resumes, observer); }, tick);

@@ -91,7 +91,15 @@ class Options(unittest.TestCase):
         lower, upper = result.bounds
         self.assertTrue((lower.data <= result.form_factors.data).all() and (result.form_factors.data <= upper.data).all())
         self.assertTrue((upper.data - lower.data <= 0.1 + 1e-12).all())
-        self.assertIsNone(viewpeel.compute(scene_file("plates.obj")).bounds)
+        self.assertIsNone(viewpeel.compute(scene_file("plates.obj"), promise=False).bounds)
+
+    def test_a_tolerance_is_promised_where_that_costs_little(self):
+        result = viewpeel.compute(scene_file("street.obj"), tolerance=0.01)
+        lower, upper = result.bounds
+        self.assertEqual(result.parameters["epsilon"], 0.01)
+        self.assertTrue((lower.data <= result.form_factors.data).all() and (result.form_factors.data <= upper.data).all())
+        self.assertTrue((upper.data - lower.data <= 0.02 + 1e-12).all())
+        self.assertIsNone(viewpeel.compute(scene_file("street.obj"), tolerance=0.01, replicates=8).bounds)
 
     def test_a_question(self):
         result = viewpeel.compute(scene_file("office.obj"), by="surface", rows_of="radiator", tolerance=1e-2)

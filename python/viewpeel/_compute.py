@@ -91,6 +91,7 @@ def compute(
     sampler: Optional[str] = None,
     unoccluded: Optional[bool] = None,
     pair_lines: Optional[bool] = None,
+    promise: Optional[bool] = None,
     checkpoint: Union[str, "os.PathLike[str]", None] = None,
     resume: bool = False,
     progress: Union[bool, Callable[[Progress], None]] = False,
@@ -104,7 +105,8 @@ def compute(
             (points, polygons) or (points, polygons, names): n x 3 float64, in any unit of length; m sequences of
                 indices from 0, counter-clockwise seen from the front, or an m x k array; the surface of each polygon,
             a mesh of meshio, trimesh, pyvista (PolyData) or VTK
-        tolerance: largest standard error, above 0; the default goal
+        tolerance: largest error, above 0; the default goal: promised where that costs little more (see promise), else
+            estimated
         relative: largest standard error as a share of its form factor, over those of at least `floor` (0.01)
         seconds: time limit, s; with another goal: stop short of it
         epsilon, delta, rows: a guarantee: every form factor within epsilon with probability 1 - delta (0.01); with
@@ -117,6 +119,8 @@ def compute(
         balance: also the nearest form factors whose rows sum to 1, of closed scenes
         seed: the same seed and plan give the same bits
         engine, device, threads, sampling, sampler, unoccluded, pair_lines: as the program's options
+        promise: whether the tolerance is promised, with an interval for each form factor (`bounds`); by default where
+            that costs at most twice an estimate, and never with a checkpoint
         checkpoint, resume: a file that keeps the counts, written at the end, on Ctrl-C and every half minute
         progress: True for tqdm's bar, or a function of a dict of replicates, largest_standard_error, directions,
             directions_of_replicate, expected_blocks, most_blocks, called some 20 times a second; what it raises stops
@@ -133,7 +137,7 @@ def compute(
         directions=directions, replicates=replicates, resolution=resolution, floor=floor, by=by,
         rows_of=_names(rows_of), pair=_names(pair), blockers=_names(blockers), two_sided=two_sided, balance=balance,
         seed=seed, engine=engine, device=device, threads=threads, sampling=sampling, sampler=sampler,
-        unoccluded=unoccluded, pair_lines=pair_lines,
+        unoccluded=unoccluded, pair_lines=pair_lines, promise=promise,
     )  # fmt: skip
     file = None if checkpoint is None else os.fspath(checkpoint)
     _check_checkpoint(file, resume)

@@ -16,8 +16,8 @@ int main(int argc, char** argv) {
   const size_t starts[] = {0, 4, 8};
   const char* names[] = {"floor", "ceiling"};
   viewpeel_scene* scene = NULL;
-  viewpeel_result *result = NULL, *read = NULL;
-  const viewpeel_options options = {.tolerance = 1e-3};
+  viewpeel_result *result = NULL, *read = NULL, *estimated = NULL;
+  const viewpeel_options options = {.tolerance = 1e-3}, estimate = {.tolerance = 1e-3, .promise = -1};
   double f = 0, error = 0, outside = 0, again = 0;
   if (argc != 2) return 2;
 
@@ -25,6 +25,7 @@ int main(int argc, char** argv) {
   if (!strstr(viewpeel_last_error(), "polygon 1: corner 8")) return 1;
   if (check(viewpeel_build_scene(points, 8, corners, starts, 2, names, &scene))) return 1;
   if (check(viewpeel_compute(scene, &options, &result))) return 1;
+  if (check(viewpeel_compute(scene, &estimate, &estimated))) return 1;
   viewpeel_free_scene(scene);
   if (check(viewpeel_form_factor(result, 0, 1, &f, &error))) return 1;
   if (check(viewpeel_form_factor(result, 0, VIEWPEEL_ENVIRONMENT, &outside, NULL))) return 1;
@@ -33,7 +34,8 @@ int main(int argc, char** argv) {
   if (check(viewpeel_form_factor(read, 1, 0, &again, NULL))) return 1;
   const viewpeel_rows rows = viewpeel_get_rows(read);
   const int is_right = fabs(f - 0.1998248957) < 1e-7 && fabs(f + outside - 1) < 1e-6 && fabs(again - f) < 1e-15 &&
-                       rows.row_count == 2 && rows.entry_count == 2 && rows.columns[0] == 1 && !rows.lower;
-  viewpeel_free_result(result), viewpeel_free_result(read);
+                       rows.row_count == 2 && rows.entry_count == 2 && rows.columns[0] == 1 && rows.lower && rows.lower[0] <= f && f <= rows.upper[0] &&
+                       rows.upper[0] - rows.lower[0] <= 2e-3 && !viewpeel_get_rows(estimated).lower;
+  viewpeel_free_result(result), viewpeel_free_result(read), viewpeel_free_result(estimated);
   return !is_right;
 }

@@ -70,6 +70,36 @@ TEST_F(Program, PlansSayWhatARunTakes) {
   EXPECT_EQ(run(plates + "--tolerance 0.1").output.find("takes about"), std::string::npos);
 }
 
+// The first line of the plan says whether the tolerance is a promise, and files have intervals where it is.
+TEST_F(Program, SaysWhetherATolerancePromises) {
+  const std::string street = "compute " VIEWPEEL_SCENES "/street.obj -o " + file("s.csv") + " --tolerance ";
+  const std::string promise =
+                        "\ngoal       a promise: every form factor, environment too, within 0.01 with probability 0.99",
+                    estimate = "\ngoal       an estimate, no promise: ";
+  const auto expect = [&](const std::string& options, const std::string& line, bool has_intervals) {
+    const Result r = run(street + options);
+    EXPECT_EQ(r.status, 0) << r.output;
+    EXPECT_NE(r.output.find(line), std::string::npos) << options << ": " << r.output;
+    const std::string csv = readFile(file("s.csv"));
+    EXPECT_EQ(csv.find("from,to,form_factor,standard_error,lower,upper\n") == 0, has_intervals) << csv.substr(0, 80);
+  };
+  expect("1e-2", promise, true);
+  expect("1e-2 --json", "\"guarantee\": {\"epsilon\": 0.01, \"delta\": 0.01", true);
+  expect("1e-3", estimate + "it would cost ", false);
+  expect("1e-3 --json", "\"no_promise\": \"it would cost ", false);
+  expect("1e-2 --promise off", estimate + "--promise off", false);
+  expect("1e-2 --replicates 8", estimate + "--promise off, --replicates", false);
+  expect("1e-2 --checkpoint " + file("s.h5"), estimate + "--promise off, --replicates or --checkpoint", false);
+  EXPECT_NE(run("plan " VIEWPEEL_SCENES "/street.obj --tolerance 1e-2").output.find(promise), std::string::npos);
+  for (const char* against : {"--seconds 9", "--relative 0.1", "--sampler iid", "--replicates 9"}) {
+    const Result r = run(street + "1e-2 --promise on " + against);
+    EXPECT_EQ(r.status, 2) << against;
+    EXPECT_NE(r.output.find("--promise on needs a goal by --tolerance alone"), std::string::npos) << r.output;
+  }
+  EXPECT_EQ(run(street + "1e-2 --promise on --checkpoint " + file("t.h5")).status, 2);
+  EXPECT_EQ(run("compute " VIEWPEEL_SCENES "/street.obj --epsilon 0.1 --promise off").status, 2);
+}
+
 // This is the oldest published case with a wall without thickness (FACET, UCID-19887, 1983). Its two sides are a sheet
 // unless the user says otherwise.
 TEST_F(Program, TwoSidesOfAWallDoNotSeeEachOther) {

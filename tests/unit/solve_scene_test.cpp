@@ -32,7 +32,9 @@ const std::vector<MaterialTable::Line> kLines{
 TEST(SolveScene, IsComputeThenSolve) {
   const Scene scene = buildScene(boxesAndPlate());
   const SceneHeat found = solveScene(scene, tableOf(kLines), onHost(By::polygon));
-  const Result result = computeFormFactors(scene, onHost(By::polygon));
+  Request estimated = onHost(By::polygon);
+  estimated.promise = false;
+  const Result result = computeFormFactors(scene, estimated);
   const HeatSolution heat = solveHeat(
       result.form_factors, assignMaterials(tableOf(kLines), result.form_factors.ids(), {"outer", "inner", "plate"}));
   ASSERT_EQ(found.heat.rows.size(), heat.rows.size());

@@ -1,0 +1,47 @@
+#include "estimator/promise_cost.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "estimator/line_run.h"
+#include "pair_lines/pair_lines.h"
+
+namespace viewpeel {
+namespace {
+
+// Measured, in seconds of one thread.
+constexpr double kFaces = 1e-7, kPair = 1.3e-6;  // of two faces that may see each other, and where they do
+constexpr double kEstimateLine = 30e-9, kEstimatePart = 4e-6;
+constexpr double kPromiseLine = 40e-9, kCandidate = 5e-9, kPromisePart = 4e-6;
+constexpr double kFewLines = 16;  // of a part's first pilot, and in all its replicates
+
+// Returns the lines that an estimate draws of a part, pilots included (PairLines::plan).
+//   In: share: of its lines that nothing blocks; goal: standard error of that
+double estimatedLines(double share, double goal) {
+  if (goal >= kCertainError) return kFewLines;
+  // Eq. (47) with N / 16 blocks: 2 b (1 - b) N^-1.25.
+  const double need = std::max(std::pow(2 * share * (1 - share) / (goal * goal), kLineRate), kAgreeingLines / goal);
+  return (need > kLinePilots * kFewLines ? kLinePilots * kFewLines : kFewLines) + std::max(need, kFewLines);
+}
+
+}  // namespace
+
+PromiseCost::PromiseCost(double tolerance, size_t faces, size_t pairs) : tolerance_(tolerance) {
+  promise_s_ = estimate_s_ = kFaces * double(faces) * double(faces) / 2 + kPair * double(pairs);
+}
+
+void PromiseCost::add(const EntryLines& entry, double weight) {
+  const auto parts = double(entry.exchanges.size());
+  const double errors = entry.is_pair ? kErrorsInGoal : kErrorsInRowGoal,
+               allowed = tolerance_ * entry.smaller_area / errors;
+  // Eq. (48) of docs/method.md.
+  const auto partOf = [](double exchange) { return std::pow(exchange, 8.0 / 9); };
+  double sum = 0, lines = 0;
+  for (const double exchange : entry.exchanges) sum += partOf(exchange);
+  for (const double exchange : entry.exchanges)
+    lines += estimatedLines(entry.share, allowed * std::sqrt(partOf(exchange) / sum) / exchange);
+  estimate_s_ += weight * (lines * kEstimateLine + parts * kEstimatePart);
+  promise_s_ += weight * (entry.lines * kPromiseLine + entry.candidates * kCandidate + parts * kPromisePart);
+}
+
+}  // namespace viewpeel

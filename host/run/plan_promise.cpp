@@ -1,0 +1,77 @@
+// Decides whether a tolerance is promised or estimated (Request::promise).
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include <viewpeel/error.h>
+#include "estimator/promise_cost.h"
+#include "run/rules.h"
+#include "run/run_state.h"
+
+namespace viewpeel {
+namespace {
+
+// Backs may take this part of the tolerance from a row of a promise: lines that graze edges within rounding. It counts
+// as a part of the environment then.
+constexpr double kGrazedPart = 0.1;
+
+}  // namespace
+
+// Goes on without a promise, unless the request insists on it.
+void FormFactorRun::State::refusePromise(const std::string& why) {
+  if (setup.request().promise.value_or(false))
+    throw Error(ErrorCode::bad_usage,
+                fmt::format("the tolerance cannot be promised: {}; leave out --promise on for an estimate", why));
+  no_promise = why;
+}
+
+// Plans a promise.    In: line_pairs: as found    Out: false where form factors are to be estimated
+bool FormFactorRun::State::planPromise() {
+  const double tolerance = *setup.estimate().tolerance;
+  promise_counts = countCommonDirections();
+  bool is_open = false;
+  std::vector<double> leaked(setup.faceIds().count(), 0);
+  for (PairCounts& counts : *promise_counts) {
+    for (const PairCount& count : counts) {
+      is_open |= count.j == kEnvironment;
+      if (count.j == kLeak) leaked[count.i] += 2 * double(count.count) * commonCountArea();  // eq. (1)
+    }
+    std::erase_if(counts, [](const PairCount& count) { return count.j == kLeak; });
+  }
+  for (size_t k = 0; k < leaked.size(); ++k)
+    leaked_share = std::max(leaked_share, leaked[k] / setup.faceIds().areas[k] / double(promise_counts->size()));
+  setup.promise(is_open);
+  try {
+    if (leaked_share > kGrazedPart * tolerance)
+      throw Error(ErrorCode::limit, fmt::format("{:.1e} of a row's radiation ends on backs of polygons", leaked_share));
+    makeLineGuarantee();
+    const LineGuaranteeFigures& figures = line_guarantee->figures();
+    if (!setup.request().promise && figures.cost > kPromiseWorth * figures.estimate_cost)
+      throw Error(ErrorCode::limit, fmt::format("it would cost {:.2g} times as much as an estimate",
+                                                figures.cost / figures.estimate_cost));
+  } catch (const Error& error) {
+    takeBackPromise();
+    refusePromise(error.what());
+    return false;
+  }
+  line_guarantee->measureSeconds();
+  return true;
+}
+
+void FormFactorRun::State::takeBackPromise() {
+  setup.takeBackPromise();
+  line_guarantee.reset(), promise_counts.reset(), common_sums.reset();
+}
+
+// Goes on with an estimate where lines have shown that the promise cannot be kept.
+void FormFactorRun::State::breakPromise(const std::string& why) {
+  takeBackPromise();
+  no_promise = why;
+  planEstimateLines();
+  summary = summarise(setup, *plan);
+  summary.no_promise = no_promise;
+  begin();
+}
+
+}  // namespace viewpeel

@@ -1,0 +1,173 @@
+// A tolerance is promised where that costs little more than an estimate: what a promise holds, when there is none, and
+// what the run says about it.
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include <viewpeel/compute.h>
+#include <viewpeel/error.h>
+
+#include "scenes/named_scenes.h"
+#include "tests/support/reference_shapes.h"
+
+namespace viewpeel {
+namespace {
+
+namespace ts = test_scenes;
+namespace rt = reference::test;
+
+Request toleranceOf(double tolerance) {
+  Request request;
+  request.goal = Tolerance{tolerance};
+  request.engine = EngineKind::host;
+  return request;
+}
+
+Scene street() { return loadScene(VIEWPEEL_SCENES "/street.obj"); }
+
+// Every form factor, environment too, has an interval of half the promised width at most on either side of its value.
+void expectKept(const Result& result, double tolerance) {
+  ASSERT_TRUE(result.guarantee);
+  EXPECT_LE(result.guarantee->delta, 0.01);
+  EXPECT_EQ(result.plan.no_promise, "");
+  ASSERT_TRUE(result.form_factors.hasIntervals());
+  const FormFactors& f = result.form_factors;
+  for (const FormFactors::Entry& entry : f.entries())
+    for (const auto& [from, to] : {std::pair(entry.i, entry.j), std::pair(entry.j, entry.i)}) {
+      // From the smaller of the two: the other form factor is as much smaller as its area is larger.
+      if (from >= kEnvironment || (to < kEnvironment && f.ids().areas[from] > f.ids().areas[to])) continue;
+      const Interval interval = f.interval(from, to);
+      const double value = f.formFactor(from, to).value;
+      EXPECT_LE(interval.upper - value, tolerance + 1e-12) << from << " to " << to;
+      EXPECT_LE(value - interval.lower, tolerance + 1e-12) << from << " to " << to;
+    }
+}
+
+TEST(Promise, IntervalsAreWithinTheTolerance) {
+  for (const By by : {By::polygon, By::surface})
+    for (const bool two_sided : {false, true}) {
+      SCOPED_TRACE(testing::Message() << (by == By::surface ? "surfaces" : "polygons")
+                                      << (two_sided ? " on both sides" : ""));
+      Request request = toleranceOf(1e-2);
+      request.by = by;
+      request.two_sided = two_sided;
+      request.promise = true;
+      expectKept(computeFormFactors(street(), request), 1e-2);
+    }
+  // A closed scene has no environment to promise.
+  const Result office = computeFormFactors(loadScene(VIEWPEEL_SCENES "/office.obj"), toleranceOf(1e-2));
+  expectKept(office, 1e-2);
+  EXPECT_EQ(office.environment_share, 0);
+}
+
+// Of 20 seeds, each of which may fail with probability 0.01, more than 4 fail once in 40,000 runs of this test. An
+// estimate with a twentieth of the tolerance stands in for the truth.
+TEST(Promise, HoldsTheTruth) {
+  const Scene scene = street();
+  Request fine = toleranceOf(5e-4);
+  fine.promise = false;
+  const FormFactors truth = computeFormFactors(scene, fine).form_factors;
+  int failures = 0;
+  for (uint64_t seed = 1; seed <= 20; ++seed) {
+    Request request = toleranceOf(1e-2);
+    request.seed = seed;
+    const Result result = computeFormFactors(scene, request);
+    ASSERT_TRUE(result.guarantee);
+    bool fails = false;
+    for (const FormFactors::Entry& entry : truth.entries()) {
+      const Interval interval = result.form_factors.interval(entry.i, entry.j);
+      const Measured expected = truth.formFactor(entry.i, entry.j);
+      fails |= expected.value < interval.lower - 6 * expected.standard_error;
+      fails |= expected.value > interval.upper + 6 * expected.standard_error;
+    }
+    failures += fails;
+  }
+  EXPECT_LE(failures, 4);
+}
+
+// The default depends on numbers of pairs and lines alone, so that every machine decides alike.
+TEST(Promise, IsMadeWhereItCostsLittle) {
+  const Scene scene = street();
+  Request request = toleranceOf(1e-2);
+  request.threads = 1;
+  FormFactorRun one(scene, request);
+  request.threads = 3;
+  FormFactorRun three(scene, request);
+  ASSERT_TRUE(one.makePlan().line_guarantee);
+  EXPECT_EQ(one.plan().line_guarantee->cost, three.makePlan().line_guarantee->cost);
+  EXPECT_EQ(one.plan().line_guarantee->estimate_cost, three.plan().line_guarantee->estimate_cost);
+  EXPECT_LE(one.plan().line_guarantee->cost, 2 * one.plan().line_guarantee->estimate_cost);
+  EXPECT_EQ(std::get<EpsilonDelta>(one.request().goal).epsilon, 1e-2);
+  // A finer one takes as many lines as the error's inverse square; an estimate's lines grow more slowly.
+  const Result fine = computeFormFactors(scene, toleranceOf(1e-3));
+  EXPECT_FALSE(fine.guarantee);
+  EXPECT_FALSE(fine.form_factors.hasIntervals());
+  EXPECT_NE(fine.plan.no_promise.find("times as much as an estimate"), std::string::npos) << fine.plan.no_promise;
+  request.goal = Tolerance{1e-3};
+  request.promise = true;
+  expectKept(computeFormFactors(scene, request), 1e-3);
+}
+
+TEST(Promise, IsNotMadeWhereTheRequestIsAboutEstimates) {
+  const Scene scene = street();
+  const auto expectEstimate = [&](Request request, const std::string& why) {
+    const Result result = computeFormFactors(scene, request);
+    EXPECT_FALSE(result.guarantee) << why;
+    EXPECT_NE(result.plan.no_promise.find(why), std::string::npos) << result.plan.no_promise;
+    request.promise = true;
+    if (why.starts_with("--") && why != "--promise off") {
+      EXPECT_THROW(checkRequest(request), Error) << why;
+    }
+  };
+  Request request = toleranceOf(1e-2);
+  request.promise = false;
+  expectEstimate(request, "--promise off");
+  request = toleranceOf(1e-2);
+  request.amount.replicates = 9;
+  expectEstimate(request, "--replicates");
+  request = toleranceOf(1e-2);
+  request.time_limit_s = 100;
+  expectEstimate(request, "--seconds");
+  request = toleranceOf(1e-2);
+  request.sampler = Sampler::iid;
+  expectEstimate(request, "--sampler");
+  request = toleranceOf(1e-2);
+  request.pair_lines = false;
+  expectEstimate(request, "--pair-lines");
+  request = toleranceOf(1e-2);
+  request.goal = Tolerance{1e-2, 0.1};
+  expectEstimate(request, "--relative");
+  request.goal = FixedAmount{.directions = 16, .replicates = 2};
+  expectEstimate(request, "--directions");
+  expectEstimate(toleranceOf(0.05), "above 0.02");
+  request.goal = EpsilonDelta{};
+  request.promise = false;
+  EXPECT_THROW(checkRequest(request), Error);
+}
+
+// The back of a plate takes radiation: this leak has no interval, so that there is nothing to promise.
+TEST(Promise, IsNotMadeWhereLinesEndOnBacks) {
+  InputScene input{"leak", {}, {}};
+  ts::addFace(input, "lower", rt::rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}));
+  ts::addFace(input, "upper", rt::rectangle({0, 0, 1}, {0, 1, 0}, {1, 0, 0}));
+  ts::addFace(input, "plate", rt::rectangle({0.3, 0.2, 0.4}, {0.5, 0, 0.1}, {0, 0.4, 0}));
+  const Scene scene = buildScene(input);
+  Request request = toleranceOf(1e-2);
+  const Result result = computeFormFactors(scene, request);
+  EXPECT_FALSE(result.guarantee);
+  EXPECT_NE(result.plan.no_promise.find("ends on backs"), std::string::npos) << result.plan.no_promise;
+  request.promise = true;
+  EXPECT_THROW(computeFormFactors(scene, request), Error);
+}
+
+// Below what rounding leaves there is no promise, and nothing but the estimate says so.
+TEST(Promise, IsNotMadeBelowRounding) {
+  const Scene scene = buildScene(ts::parallelSquares());
+  const Result result = computeFormFactors(scene, toleranceOf(1e-6));
+  EXPECT_FALSE(result.guarantee);
+  EXPECT_NE(result.plan.no_promise.find("rounding"), std::string::npos) << result.plan.no_promise;
+}
+
+}  // namespace
+}  // namespace viewpeel
