@@ -40,6 +40,11 @@ struct HeldHeat {
   std::shared_ptr<HeldResult> form_factors;
 };
 
+// Gives Python a run's result.
+//   In: parameters: what a file of it would say of the run
+std::shared_ptr<HeldResult> hold(const HeldScene& held, Result result,
+                                 std::vector<std::pair<std::string, std::string>> parameters);
+
 // Makes a request of keyword arguments that are not None.    Throws: Error bad_usage for unknown words.
 Request requestOf(const py::dict& arguments);
 

@@ -23,11 +23,42 @@ std::shared_ptr<HeldHeat> solve(const std::shared_ptr<HeldResult>& result, const
   return std::make_shared<HeldHeat>(HeldHeat{solveHeat(stored.form_factors, enclosure), result});
 }
 
+// Computes form factors until the answers have a standard error.
+//   In: unit: K, W/m2 or %
+//   Out: (answers, whether they have it, None); (None, False, the exception) where Python stopped the run
+py::tuple solveTo(const HeldScene& held, const py::dict& arguments, const MaterialTable& materials, double tolerance,
+                  const std::string& unit, const py::object& tick) {
+  Request request = requestOf(arguments);
+  request.scene_options = held.options;
+  const HeatTolerance goal{tolerance, unit == "K"      ? HeatTolerance::Of::temperature
+                                      : unit == "W/m2" ? HeatTolerance::Of::heat_flux
+                                                       : HeatTolerance::Of::relative};
+  std::optional<SceneHeat> found;
+  const auto stop = runWatched(
+      [&](const Observer& observer) {
+        try {
+          found = solveScene(*held.scene, materials, request, goal, observer);
+        } catch (const Error&) {
+          if (!observer.should_stop()) throw;
+        }
+      },
+      tick);
+  if (!found || stop) return py::make_tuple(py::none(), false, stop ? stop->value() : py::none());
+  auto result = hold(held, std::move(found->form_factors),
+                     {{"by", request.by == By::surface ? "surface" : "polygon"},
+                      {"two-sided", request.two_sided ? "yes" : "no"},
+                      {"seed", std::to_string(request.seed)},
+                      {"tolerance", std::to_string(found->form_factor_tolerance)}});
+  return py::make_tuple(std::make_shared<HeldHeat>(HeldHeat{std::move(found->heat), std::move(result)}),
+                        found->is_reached, py::none());
+}
+
 const std::vector<HeatRow>& rowsOf(const HeldHeat& heat, bool by_surface) {
   return by_surface ? heat.solution.surfaces : heat.solution.rows;
 }
 
-// Returns names, and a pair of arrays (values, standard errors) for each answer.
+// Returns names, and for each answer arrays (values, standard errors, bounds); None for bounds where form factors have
+// no intervals.
 py::dict columnsOf(const HeldHeat& heat, bool by_surface) {
   const std::vector<HeatRow>& rows = rowsOf(heat, by_surface);
   py::dict columns;
@@ -38,16 +69,25 @@ py::dict columnsOf(const HeldHeat& heat, bool by_surface) {
   columns["name"] = names;
   columns["area"] = arrayOf(std::move(areas));
   columns["emissivity"] = arrayOf(std::move(emissivities));
-  for (const auto& [name, member] :
-       {std::pair("temperature", &HeatRow::temperature), std::pair("radiosity", &HeatRow::radiosity),
-        std::pair("irradiation", &HeatRow::irradiation), std::pair("heat_flux", &HeatRow::heat_flux),
-        std::pair("heat_flow", &HeatRow::heat_flow)}) {
-    std::vector<double> values, errors;
+  struct Answer {
+    const char* name;
+    Measured HeatRow::*measured;
+    double HeatBounds::*bound;
+  };
+  for (const Answer& answer : {Answer{"temperature", &HeatRow::temperature, &HeatBounds::temperature},
+                               Answer{"radiosity", &HeatRow::radiosity, &HeatBounds::radiosity},
+                               Answer{"irradiation", &HeatRow::irradiation, &HeatBounds::irradiation},
+                               Answer{"heat_flux", &HeatRow::heat_flux, &HeatBounds::heat_flux},
+                               Answer{"heat_flow", &HeatRow::heat_flow, &HeatBounds::heat_flow}}) {
+    std::vector<double> values, errors, bounds;
     for (const HeatRow& row : rows) {
-      const Measured& of_row = row.*member;
+      const Measured& of_row = row.*answer.measured;
       values.push_back(of_row.value), errors.push_back(of_row.standard_error);
+      if (row.bounds) bounds.push_back((*row.bounds).*answer.bound);
     }
-    columns[name] = py::make_tuple(arrayOf(std::move(values)), arrayOf(std::move(errors)));
+    const bool has_bounds = !rows.empty() && bounds.size() == rows.size();
+    columns[answer.name] = py::make_tuple(arrayOf(std::move(values)), arrayOf(std::move(errors)),
+                                          has_bounds ? py::object(arrayOf(std::move(bounds))) : py::none());
   }
   return columns;
 }
@@ -76,6 +116,8 @@ void addHeat(py::module_& module) {
           },
           py::arg("file"), py::arg("by_surface"));
   module.def("solve", &solve, py::arg("result"), py::arg("materials"));
+  module.def("solve_to", &solveTo, py::arg("scene"), py::arg("arguments"), py::arg("materials"), py::arg("tolerance"),
+             py::arg("unit"), py::arg("tick"));
 }
 
 }  // namespace viewpeel::python

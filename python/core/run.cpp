@@ -72,18 +72,6 @@ std::vector<std::string> surfaceNames(const Scene& scene) {
   return names;
 }
 
-std::shared_ptr<HeldResult> hold(const HeldScene& held, Result result,
-                                 std::vector<std::pair<std::string, std::string>> parameters) {
-  std::optional<FormFactors> balanced;
-  if (result.balanced) balanced = std::move(result.balanced->form_factors);
-  return std::make_shared<HeldResult>(HeldResult{
-      {std::move(result.form_factors), std::move(balanced), surfaceNames(*held.scene), std::move(parameters)},
-      held.scene,
-      {},
-      std::move(result.warnings),
-      result.seconds});
-}
-
 // Counts to the end or until the observer stops it.    Out: the result; none where fewer than 2 replicates are there
 std::shared_ptr<HeldResult> count(const HeldScene& held, const Request& request, const std::string& checkpoint,
                                   bool resumes, const Observer& observer) {
@@ -121,6 +109,18 @@ py::tuple compute(const HeldScene& held, const py::dict& arguments, const std::s
 }
 
 }  // namespace
+
+std::shared_ptr<HeldResult> hold(const HeldScene& held, Result result,
+                                 std::vector<std::pair<std::string, std::string>> parameters) {
+  std::optional<FormFactors> balanced;
+  if (result.balanced) balanced = std::move(result.balanced->form_factors);
+  return std::make_shared<HeldResult>(HeldResult{
+      {std::move(result.form_factors), std::move(balanced), surfaceNames(*held.scene), std::move(parameters)},
+      held.scene,
+      {},
+      std::move(result.warnings),
+      result.seconds});
+}
 
 std::optional<py::error_already_set> runWatched(const std::function<void(const Observer&)>& work,
                                                 const py::object& tick) {

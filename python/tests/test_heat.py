@@ -34,6 +34,30 @@ class Heat(unittest.TestCase):
             a, b = (numpy.genfromtxt(file, delimiter=",", skip_header=1)[:, 1:] for file in (ours, theirs))
             numpy.testing.assert_allclose(a, b, rtol=1e-9, atol=1e-9 * SIGMA * 400**4)
 
+    def test_bounds_hold_the_answers(self):
+        """A guarantee bounds every answer: an estimate's interval of 5 standard errors meets it, twice the answer does not."""
+        scene, materials = scene_file("office.obj"), scene_file("office_materials.csv")
+        bounded = viewpeel.solve(scene, materials, epsilon=2e-2)
+        estimate = viewpeel.solve(scene, materials, tolerance="0.5%")
+        self.assertGreater(bounded.heat_flow_bounds.max(), 0)
+        self.assertTrue((abs(bounded.heat_flow - estimate.heat_flow) <= bounded.heat_flow_bounds + 5 * estimate.heat_flow_standard_errors).all())
+        self.assertFalse((abs(bounded.heat_flow - 2 * estimate.heat_flow) <= bounded.heat_flow_bounds).all())
+        self.assertIn("temperature_bound", bounded.to_frame())
+        self.assertIsNone(viewpeel.solve(viewpeel.compute(scene, by="surface", directions=16), materials).heat_flow_bounds)
+
+    def test_a_tolerance_of_the_answers_is_reached(self):
+        scene, materials = scene_file("office.obj"), scene_file("office_materials.csv")
+        for text, column, limit in (("0.05K", "temperature", 0.05), ("0.5W/m2", "heat_flux", 0.5)):
+            heat = viewpeel.solve(scene, materials, tolerance=text)
+            self.assertLessEqual(getattr(heat, f"{column}_standard_errors").max(), limit)
+        for text in ("0.1", "0.1C", "0K", "-1K", "K"):
+            with self.assertRaisesRegex(ValueError, "tolerance"):
+                viewpeel.solve(scene, materials, tolerance=text)
+        with self.assertRaisesRegex(ValueError, "epsilon"):
+            viewpeel.solve(scene, materials, tolerance="1%", epsilon=1e-2)
+        with self.assertRaisesRegex(TypeError, "colour"):
+            viewpeel.solve(scene, materials, tolerance="1%", colour=1)
+
     def test_surfaces_sum_up_polygons(self):
         heat = viewpeel.solve(scene_file("office.obj"), scene_file("office_materials.csv"), by="polygon", tolerance=2e-2)
         surfaces = heat.by_surface()

@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 import os
+import re
+import warnings
 from typing import Any, Mapping, Optional, Union
 
 from . import _core
 from ._compute import compute
 from ._result import Result
+from ._scene import scene_of
 
 _QUANTITIES = ("temperature", "radiosity", "irradiation", "heat_flux", "heat_flow")
+_OF_REQUEST = {"by", "seconds", "two_sided", "seed", "engine", "device", "threads", "unoccluded", "pair_lines"}
 _OF_MATERIAL = {"emissivity", "temperature", "heat_flux"}
 
 
 class Heat:
     """Answers of an enclosure. Each of temperature (K), radiosity, irradiation, heat_flux (W/m2) and heat_flow (W where
     the unit of length is the metre) is an n float64 array, one number a row; NAME_standard_errors has the errors that
-    the form factors' errors cause. name, area and emissivity say which row it is.
+    the form factors' errors cause. name, area and emissivity say which row it is. NAME_bounds are bounds of all errors,
+    which hold together with the probability of the form factors' guarantee; None where these have no intervals.
 
     by_surface=False: rows are those of the form factors; True: sums and means over each surface.
     """
@@ -25,11 +30,11 @@ class Heat:
         self._held, self._by_surface = held, by_surface
         columns = held.columns(by_surface)
         self.name, self.area, self.emissivity = columns["name"], columns["area"], columns["emissivity"]
-        self.temperature, self.temperature_standard_errors = columns["temperature"]
-        self.radiosity, self.radiosity_standard_errors = columns["radiosity"]
-        self.irradiation, self.irradiation_standard_errors = columns["irradiation"]
-        self.heat_flux, self.heat_flux_standard_errors = columns["heat_flux"]
-        self.heat_flow, self.heat_flow_standard_errors = columns["heat_flow"]
+        self.temperature, self.temperature_standard_errors, self.temperature_bounds = columns["temperature"]
+        self.radiosity, self.radiosity_standard_errors, self.radiosity_bounds = columns["radiosity"]
+        self.irradiation, self.irradiation_standard_errors, self.irradiation_bounds = columns["irradiation"]
+        self.heat_flux, self.heat_flux_standard_errors, self.heat_flux_bounds = columns["heat_flux"]
+        self.heat_flow, self.heat_flow_standard_errors, self.heat_flow_bounds = columns["heat_flow"]
 
     @property
     def form_factors(self) -> Result:
@@ -58,6 +63,8 @@ class Heat:
         for quantity in _QUANTITIES:
             columns[quantity] = getattr(self, quantity)
             columns[f"{quantity}_standard_error"] = getattr(self, f"{quantity}_standard_errors")
+            if getattr(self, f"{quantity}_bounds") is not None:
+                columns[f"{quantity}_bound"] = getattr(self, f"{quantity}_bounds")
         return pandas.DataFrame(columns)
 
     def save(self, file: Union[str, "os.PathLike[str]"]) -> None:
@@ -94,6 +101,29 @@ def _materials_of(materials: Any, environment: Optional[float]) -> _core.Materia
     return _core.Materials(lines, environment)
 
 
+def _solve_to(scene: Any, table: _core.Materials, tolerance: str, options: dict[str, Any]) -> Heat:
+    match = re.fullmatch(r"\s*([0-9.]+(?:[eE][-+]?[0-9]+)?)\s*(K|W/m2|%)\s*", tolerance)
+    if not match or not float(match[1]) > 0:
+        raise ValueError(f"tolerance: '{tolerance}' is not a number above 0 with a unit: 0.1K, 2W/m2 or 1%")
+    for name in ("relative", "epsilon", "directions", "replicates", "checkpoint", "resume"):
+        if options.pop(name, None):
+            raise ValueError(f"{name}: form factors are computed to the tolerance of the answers; leave it out")
+    progress = options.pop("progress", False)
+    arguments = {name: options.pop(name) for name in list(options) if name in _OF_REQUEST}
+    made = scene_of(scene, options)
+    if options:
+        raise TypeError(f"solve() has no argument {', '.join(map(repr, options))}")
+    value = float(match[1]) / 100 if match[2] == "%" else float(match[1])
+    held, is_reached, stop = _core.solve_to(made, arguments, table, value, match[2], progress if callable(progress) else None)
+    if stop is not None:
+        raise stop
+    if held is None:
+        raise _core.Error("the run was stopped before it had a result")
+    if not is_reached:
+        warnings.warn(f"time was up before the tolerance of {tolerance}; give more seconds", stacklevel=3)
+    return Heat(held, False)
+
+
 def solve(
     scene: Any,
     materials: Union[str, "os.PathLike[str]", Mapping[str, Mapping[str, float]]],
@@ -108,7 +138,10 @@ def solve(
         materials: a .csv file of materials, or {name: {"emissivity": 0..1, and one of "temperature": K and
             "heat_flux": W/m2}}; names of surfaces or polygons, with wildcards * and ?, or "default"
         environment: temperature of what lies outside, K; needed for open scenes
-        options: of compute(), where scene is no Result; by="surface" unless said otherwise
+        options: of compute(), where scene is no Result; by="surface" unless said otherwise. With epsilon all answers
+            have bounds. tolerance may also be a text: largest standard error of the answers, "0.1K" of temperatures,
+            "2W/m2" of heat fluxes, "1%" of heat flows as a share of all heat; then form factors are computed until
+            the answers have it, or the time limit `seconds` is up, with a warning
     Out: Heat
     Error: standard errors of first order; of the equations 1e-11 of the largest radiosity
     Raises: ValueError with the program's line; Error; as compute()
@@ -118,4 +151,9 @@ def solve(
         if options:
             raise TypeError("solve() computes nothing of a Result: leave out the options of compute()")
         return Heat(_core.solve(scene._held, table), False)
-    return Heat(_core.solve(compute(scene, **{"by": "surface", **options})._held, table), False)
+    options = {"by": "surface", **options}
+    if isinstance(options.get("tolerance"), str):
+        return _solve_to(scene, table, options.pop("tolerance"), options)
+    if options.get("epsilon") is not None:
+        options.setdefault("pair_lines", True)  # they give an interval for each pair
+    return Heat(_core.solve(compute(scene, **options)._held, table), False)
