@@ -1,8 +1,8 @@
 #!/usr/bin/env node
 // How long a page of 20,000 polygons and 3.9 million form factors takes to load, and how many frames a second it turns.
 //   bench/page.mjs [BUILD] [ROUNDS]      BUILD: a build with viewpeel_large_page, build/release by default
-// Prints a line a round: seconds from the call to a page that can be used, frames a second over two seconds, CPU
-// milliseconds of all of Chromium's processes a frame, the pixels across, and the machine's load. Chromium is Debian's,
+// Prints a line a round: seconds from the call to a page that can be used, and CPU seconds of all of Chromium's
+// processes meanwhile, frames a second over two seconds, CPU milliseconds a frame, the pixels across, and the machine's load. Chromium is Debian's,
 // without a display and without a GPU: WebGL by SwiftShader.
 import { execFileSync } from 'node:child_process';
 import { readFileSync } from 'node:fs';
@@ -21,9 +21,10 @@ const median = (values) => values.sort((a, b) => a - b)[values.length >> 1];
 const loads = [], rates = [];
 for (let round = 0; round < rounds; ++round) {
   const browser = await launch();
-  const begin = performance.now();
+  const begin = performance.now(), cpuBefore = cpuSeconds();
   const page = await openPage(browser, file, { width: 1600, height: 900 });
   loads.push((performance.now() - begin) / 1000);
+  const cpuOfLoad = cpuSeconds() - cpuBefore;
   const turn = (seconds) => page.tab.evaluate(async (limit) => {
     const { scene } = window.viewpeelPage, frames = scene.frames, start = performance.now();
     while (performance.now() - start < 1000 * limit) {
@@ -36,7 +37,7 @@ for (let round = 0; round < rounds; ++round) {
   const before = cpuSeconds(), { frames, seconds, across } = await turn(2), cpu = (cpuSeconds() - before) / frames;
   rates.push(frames / seconds);
   const load = readFileSync('/proc/loadavg', 'utf8').split(' ')[0];
-  console.log(`loaded in ${loads.at(-1).toFixed(2)} s; ${rates.at(-1).toFixed(1)} frames a second, ${(1000 * cpu).toFixed(0)} CPU ms a frame, ${across} pixels across; load ${load}`);
+  console.log(`loaded in ${loads.at(-1).toFixed(2)} s, ${cpuOfLoad.toFixed(2)} CPU s; ${rates.at(-1).toFixed(1)} frames a second, ${(1000 * cpu).toFixed(0)} CPU ms a frame, ${across} pixels across; load ${load}`);
   await browser.close();
 }
 console.log(`median: loaded in ${median(loads).toFixed(2)} s, ${median(rates).toFixed(1)} frames a second`);

@@ -114,7 +114,8 @@ class Results(unittest.TestCase):
 
     def test_the_report_is_a_page_of_the_result(self):
         self.result.report(self.path("office.html"))
-        page = open(self.path("office.html")).read()
+        with open(self.path("office.html")) as file:
+            page = file.read()
         head = json.loads(re.search(r'<script type="application/json" id="contents">(.*?)</script>', page, re.S).group(1))
         self.assertEqual(head["rows"], len(self.result))
         self.assertEqual(head["entries"], self.result.form_factors.nnz)
