@@ -1,0 +1,131 @@
+// Intervals of guarantees by pair lines fail as rarely as they say, by the binomial law: near the chance that is allowed
+// they are still right, and intervals a tenth too small are caught. One pair among 100,000 hides behind a grid.
+#include <cmath>
+
+#include <boost/math/distributions/binomial.hpp>
+#include <glm/glm.hpp>
+#include <gtest/gtest.h>
+
+#include <viewpeel/compute.h>
+
+#include "reference/closed_forms/past_blocker.h"
+#include "scenes/named_scenes.h"
+#include "tests/support/reference_shapes.h"
+
+namespace viewpeel {
+namespace {
+
+namespace ts = test_scenes;
+namespace rt = reference::test;
+
+const rt::Corners kFloor = rt::rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}),
+                  kCeiling = rt::rectangle({0, 0, 1}, {0, 1, 0}, {1, 0, 0});
+
+constexpr double kFalseAlarm = 1e-4;
+
+// Returns the most failures of runs that fail with probability p or less, but for kFalseAlarm.
+double mostFailures(int runs, double p) {
+  return boost::math::quantile(boost::math::complement(boost::math::binomial(runs, p), kFalseAlarm));
+}
+
+rt::Corners strip(double width) { return rt::rectangle({0.4, -3, 0.5}, {width, 0, 0}, {0, 7, 0}); }
+
+double pastStrip(double width) { return reference::formFactorPastBlocker(kFloor, kCeiling, strip(width)).value; }
+
+// Returns how wide a strip leaves this share of the lines between floor and ceiling.
+double widthOf(double visibility, double clear) {
+  double narrow = 0, wide = 0.5;
+  while (wide - narrow > 1e-9) {
+    const double middle = (narrow + wide) / 2;
+    (pastStrip(middle) > visibility * clear ? narrow : wide) = middle;
+  }
+  return narrow;
+}
+
+struct Failures {
+  int intervals = 0, smaller = 0;  // lower ends above the truth, and those of intervals a tenth smaller
+};
+
+// A pair of 16 lines in one look. Where all of them face each other, the visibility is at least e^(-l / 16), with l =
+// ln(10 / delta): this bound is exact, so that a visibility just below it fails with probability delta / 10, all that it
+// may. One just above it never fails, but does so more often than it may where the interval is a tenth smaller.
+TEST(LineCoverage, IntervalsATenthTooSmallAreCaught) {
+  constexpr double kDelta = 0.9, kLines = 16;
+  const double clear = reference::formFactorPastBlocker(kFloor, kCeiling, rt::moved(strip(0.1), 1, {90, 0, 0})).value;
+  const double l = std::log(10 / kDelta), bound = std::exp(-l / kLines), smaller_bound = 1 - 0.9 * (1 - bound);
+  const auto countFailures = [&](double visibility, int runs) {
+    const double width = widthOf(visibility, clear), truth = pastStrip(width);
+    InputScene input{"strip", {}, {}};
+    ts::addFace(input, "floor", kFloor);
+    ts::addFace(input, "ceiling", kCeiling);
+    ts::addFace(input, "strip", strip(width));
+    const Scene scene = buildScene(input);
+    Request request;
+    request.goal = EpsilonDelta{.epsilon = 0.1, .delta = kDelta};
+    request.question.pair = {"floor", "ceiling"};
+    request.engine = EngineKind::host;
+    request.threads = 1;
+    Failures failures;
+    for (int run = 1; run <= runs; ++run) {
+      request.seed = static_cast<uint64_t>(run);
+      const Result result = computeFormFactors(scene, request);
+      EXPECT_EQ(double(result.lines), kLines);
+      if (double(result.lines) != kLines) break;
+      const double value = result.form_factors.formFactor(0, 1).value, lower = result.form_factors.interval(0, 1).lower;
+      failures.intervals += lower > truth;
+      failures.smaller += value - 0.9 * (value - lower) > truth;
+    }
+    return failures;
+  };
+  constexpr int kBelow = 1500, kAbove = 5000;
+  const Failures below = countFailures(bound - 1e-3, kBelow);
+  EXPECT_LE(below.intervals, mostFailures(kBelow, kDelta / 10));
+  EXPECT_GE(below.intervals, 0.75 * kBelow * kDelta / 10);  // nearly all that is allowed: the test is not an idle one
+  const Failures above = countFailures(smaller_bound - 5e-4, kAbove);
+  EXPECT_LE(above.intervals, mostFailures(kAbove, kDelta / 10));
+  EXPECT_GT(above.smaller, mostFailures(kAbove, kDelta / 10));
+}
+
+// Of 324 parts of a floor and 324 of a ceiling one pair has a grid of 64 slats between its two, finer than any lattice
+// of common directions. Its form factor is known by the integral past each slat, whose shadows do not overlap. Every
+// interval holds with probability 0.9999, so that the three seeds fail once in 3,000.
+TEST(LineCoverage, OnePairOf100000HidesBehindAGrid) {
+  constexpr uint32_t kCuts = 18, kMiddle = kCuts * kCuts / 2 + kCuts / 2, kSlats = 64;
+  constexpr double kHeight = 2, kEpsilon = 5e-3;
+  InputScene input = ts::squaresInParts(kCuts, 1, kHeight);
+  const auto cornersOf = [&](uint32_t face) { return input.faces[face].corners; };
+  const uint32_t low = 2 * kMiddle, high = low + 1;
+  const rt::Corners below = cornersOf(low), above = cornersOf(high);
+  const double x = below[0].x, y = below[0].y;
+  const auto slat = [&](uint32_t k) {
+    return rt::rectangle({x + (k + 0.25) / kSlats, y - 0.5, kHeight / 2}, {0.5 / kSlats, 0, 0}, {0, 2, 0});
+  };
+  const double clear = reference::formFactorPastBlocker(below, above, rt::moved(slat(0), 1, {90, 0, 0})).value;
+  double truth = clear;
+  for (uint32_t k = 0; k < kSlats; ++k) {
+    truth -= clear - reference::formFactorPastBlocker(below, above, slat(k)).value;
+    ts::addFace(input, "grid", slat(k));
+  }
+  ASSERT_GT(clear - truth, 4 * kEpsilon);  // the grid cannot be overlooked within what is promised
+  const Scene scene = buildScene(input);
+  for (uint64_t seed = 1; seed <= 3; ++seed) {
+    Request request;
+    request.goal = EpsilonDelta{.epsilon = kEpsilon, .delta = 1e-4};
+    request.engine = EngineKind::host;
+    request.seed = seed;
+    const Result result = computeFormFactors(scene, request);
+    ASSERT_TRUE(result.guarantee);
+    EXPECT_GT(
+        result.plan.line_guarantee->exact + result.plan.line_guarantee->bounded + result.plan.line_guarantee->drawn,
+        100'000u);
+    const Interval interval = result.form_factors.interval(low, high);
+    EXPECT_LE(interval.lower, truth) << seed;
+    EXPECT_GE(interval.upper, truth) << seed;
+    EXPECT_NEAR(result.form_factors.formFactor(low, high).value, truth, kEpsilon) << seed;
+    // The pair two columns aside is clear of it.
+    EXPECT_NEAR(result.form_factors.formFactor(low - 4, high - 4).value, clear, kEpsilon) << seed;
+  }
+}
+
+}  // namespace
+}  // namespace viewpeel
