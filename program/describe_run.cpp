@@ -59,6 +59,9 @@ std::string describeLineGuarantee(const Request& request, const PlanSummary& pla
   text += fmt::format(
       "pairs      {} nothing can block, so that they are exact; {} geometry alone bounds to {}; {} need lines\n",
       g.exact, g.bounded, g.epsilon, g.drawn);
+  if (g.least_form_factor > 0)
+    text += fmt::format("           pairs with unoccluded form factors below {:.3g} are within it without lines\n",
+                        g.least_form_factor);
   text += fmt::format("plan       {:.2g} lines at most ({}), {:.2g} expected ({}); found out in {}; seed {}\n",
                       g.most_lines, inWords(g.most_seconds), g.expected_lines, inWords(g.expected_seconds),
                       inWords(g.plan_seconds), request.seed);

@@ -27,6 +27,9 @@ struct LineGuaranteeOptions {
   double epsilon = 1e-2, delta = 1e-2;
   bool rows = false;  // whether environment, too, is to be within epsilon
   By by = By::polygon;
+  // Pairs below this unoccluded form factor are not among `pairs`; it is epsilon at most, and 0 by surface. Their form
+  // factors are those of common directions, in [0, epsilon].
+  double least_form_factor = 0;
 };
 
 class LineGuarantee {
@@ -100,6 +103,7 @@ class LineGuarantee {
   std::string nameOf(uint32_t column) const { return column < kEnvironment ? ids_.names[column] : "leak"; }
   double linesOf(const Entry& entry, uint32_t look) const;
   FormFactors withEveryEnvironment(FormFactors all) const;
+  std::vector<FormFactors::Entry> countedEntries(const RunSums& sums) const;
   std::vector<Interval> findIntervals(const FormFactors& form_factors) const;
 
   const Scene& scene_;

@@ -50,7 +50,7 @@ LineGuarantee::LineGuarantee(const Scene& scene, const Ids& face_ids, const Ids&
   std::ranges::stable_sort(open_, std::ranges::greater{},
                            [&](uint32_t k) { return linesOf(entries_[k], entries_[k].looks - 1); });
   const double e = options_.epsilon, d = options_.delta, bounds = double(std::max<size_t>(entries_.size(), 1));
-  figures_.epsilon = e, figures_.delta = d;
+  figures_.epsilon = e, figures_.delta = d, figures_.least_form_factor = options.least_form_factor;
   figures_.lemma_1 = 1 / (e * e * d), figures_.lemma_1_all = bounds / (e * e * d);
   figures_.median_directions = std::ceil(8 * std::log(bounds / d)) * 4 / (e * e);
   figures_.plan_seconds = secondsSince(begun);

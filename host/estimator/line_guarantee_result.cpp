@@ -51,7 +51,8 @@ std::vector<Interval> LineGuarantee::findIntervals(const FormFactors& form_facto
     const Row& row = rows[id];
     const double area = ids_.areas[id];
     Interval left{std::max(0.0, area - row.upper), std::max(0.0, area - row.lower)};
-    if (options_.delta == 0) return left;
+    if (options_.least_form_factor > 0) left.lower = 0;  // pairs that are left out may take the rest
+    if (options_.delta == 0 || options_.least_form_factor > 0) return left;
     const double bound = std::sqrt(log_row_ * row.squares / 2) + row.rounding;
     left.lower = std::max(left.lower, std::min(left.upper, area - row.first - row.open - bound));
     left.upper = std::max(left.lower, std::min(left.upper, area - row.first + bound));
@@ -65,8 +66,9 @@ std::vector<Interval> LineGuarantee::findIntervals(const FormFactors& form_facto
       continue;
     }
     while (at != entries_.end() && keyOf(*at) < keyOf(wanted)) ++at;
-    if (at == entries_.end() || keyOf(*at) != keyOf(wanted)) {  // leak that only common directions have counted
-      intervals.push_back({0, leftBy(wanted.i).upper});
+    if (at == entries_.end() || keyOf(*at) != keyOf(wanted)) {  // only common directions have counted it
+      const double most = wanted.j == kLeak ? INFINITY : options_.epsilon * ids_.smallerArea(wanted.i, wanted.j);
+      intervals.push_back({0, std::min(most, leftBy(wanted.i).upper)});
       continue;
     }
     Interval interval = at->interval;
@@ -100,6 +102,21 @@ FormFactors LineGuarantee::withEveryEnvironment(FormFactors all) const {
   return {ids, std::move(entries), std::move(row_sums)};
 }
 
+// Returns entries of pairs that are not among those of lines: common directions have counted them.
+std::vector<FormFactors::Entry> LineGuarantee::countedEntries(const RunSums& sums) const {
+  std::vector<FormFactors::Entry> found;
+  auto at = entries_.begin();
+  for (const ReplicateSums::PairSum& pair : sums.by_id.pairs()) {
+    if (pair.j >= kEnvironment) continue;
+    while (at != entries_.end() && keyOf(*at) < keyOf(pair)) ++at;
+    if (at != entries_.end() && keyOf(*at) == keyOf(pair)) continue;
+    Measured exchange = sums.by_id.exchangeArea(pair, sums.measure_area, sums.countArea());
+    exchange.value = std::min(exchange.value, options_.epsilon * ids_.smallerArea(pair.i, pair.j));
+    found.push_back({pair.i, pair.j, exchange});
+  }
+  return found;
+}
+
 Estimate LineGuarantee::estimate(const RunSums& sums, double relative_floor) const {
   std::vector<FormFactors::Entry> entries;
   Estimate estimate{FormFactors({}, {}, {}), FormFactors({}, {}, {})};
@@ -113,6 +130,13 @@ Estimate LineGuarantee::estimate(const RunSums& sums, double relative_floor) con
     if (entry.j == kLeak) continue;
     const double off = std::max(entry.interval.upper - entry.value, entry.value - entry.interval.lower);
     guarantee.bound = std::max(guarantee.bound, off / ids_.smallerArea(entry.i, entry.j));
+  }
+  if (options_.least_form_factor > 0) {
+    const std::vector<FormFactors::Entry> counted = countedEntries(sums);
+    const auto lined = static_cast<std::ptrdiff_t>(entries.size());
+    entries.insert(entries.end(), counted.begin(), counted.end());
+    std::ranges::inplace_merge(entries, entries.begin() + lined, {}, keyOf<FormFactors::Entry>);
+    guarantee.bound = options_.epsilon;
   }
   const bool by_polygon = options_.by == By::polygon;
   const ReplicateSums& counted = by_polygon ? sums.by_id : sums.by_surface;
@@ -143,7 +167,8 @@ Estimate LineGuarantee::estimate(const RunSums& sums, double relative_floor) con
     const double off = std::max(intervals[k].upper - value, value - intervals[k].lower) / ids.areas[found[k].i];
     guarantee.row_bound = std::max(guarantee.row_bound, off);
   }
-  estimate.form_factors = FormFactors(ids, std::move(found), std::move(row_sums), std::move(intervals));
+  const double unlisted_bound = options_.least_form_factor > 0 ? options_.epsilon : 0;
+  estimate.form_factors = FormFactors(ids, std::move(found), std::move(row_sums), std::move(intervals), unlisted_bound);
   estimate.guarantee = guarantee;
   return estimate;
 }

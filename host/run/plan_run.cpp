@@ -80,18 +80,29 @@ double FormFactorRun::State::measureLeaks() {
   return largest;
 }
 
+// Returns how many common directions a replicate has beside lines. Where they count pairs, five of all of them that a
+// pair meets whole make up epsilon, by eq. (1), so that hardly a count is cut off there.
+uint32_t FormFactorRun::State::commonDirections() const {
+  if (!(setup.leastFormFactor() > 0)) return kLineRunDirections;
+  constexpr double kMet = 5, kMostDirections = 512;
+  const double all = 2 * kMet / setup.guarantee()->epsilon;
+  return static_cast<uint32_t>(
+      std::clamp(std::ceil(all / kFewReplicates), double(kLineRunDirections), kMostDirections));
+}
+
 // Finds the blockers of pairs, with an engine for a few common directions.    Out: false where coincident polygons have
 // no order
 bool FormFactorRun::State::makePairLines() {
   plan.emplace();
-  plan->directions = setup.faceIds().counts_environment ? kLineRunDirections : 0;
+  plan->directions = setup.faceIds().counts_environment ? commonDirections() : 0;
   const Lattices lattices = setup.lattices();
   plan->groups = groupAsOne(setup.scene(), lattices.lattice.resolution);
   plan->engine = makeEngine(lattices, setup.scene(), setup.faceIds(), plan->groups);
   leaked_share = plan->directions > 0 && !resumed ? measureLeaks() : 0;
   // For an estimate a row has to lose a share that it would miss.
   const double least_share = setup.guarantee() ? 0 : std::min(kGrazedShare, setup.estimate().tolerance.value_or(1));
-  const bool with_leak = resumed ? resumed->sums.lines->hasBacks() : leaked_share > least_share;
+  const bool with_leak =
+      resumed ? resumed->sums.lines->hasBacks() : leaked_share > least_share && !(setup.leastFormFactor() > 0);
   pair_lines.emplace(
       setup.scene(), setup.faceIds(), with_leak, setup.request().seed, setup.request().threads,
       [this] { stopIfRequested(); }, setup.lineDevice());
@@ -105,7 +116,7 @@ bool FormFactorRun::State::makePairLines() {
 
 // Finds the pairs.    Out: false where there are too many of them
 bool FormFactorRun::State::findLinePairs() {
-  line_pairs = pair_lines->find();
+  line_pairs = pair_lines->find(setup.leastFormFactor());
   if (pair_lines->hasTooMany()) requireNoPairLines();
   return !pair_lines->hasTooMany();
 }
@@ -184,8 +195,9 @@ bool FormFactorRun::State::planLineGuarantee() {
 
 void FormFactorRun::State::makeLineGuarantee() {
   const EpsilonDelta& goal = *setup.guarantee();
-  line_guarantee.emplace(setup.scene(), setup.faceIds(), setup.ids(), *pair_lines, line_pairs,
-                         LineGuaranteeOptions{goal.epsilon, goal.delta, goal.rows, setup.request().by});
+  line_guarantee.emplace(
+      setup.scene(), setup.faceIds(), setup.ids(), *pair_lines, line_pairs,
+      LineGuaranteeOptions{goal.epsilon, goal.delta, goal.rows, setup.request().by, setup.leastFormFactor()});
 }
 
 void FormFactorRun::State::makePlan() {

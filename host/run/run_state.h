@@ -23,6 +23,8 @@
 
 namespace viewpeel {
 
+constexpr uint64_t kFewReplicates = 8;  // of common directions of a guarantee
+
 struct FormFactorRun::State {
   Observer observer;
   Progress progress;
@@ -113,6 +115,7 @@ struct FormFactorRun::State {
   void summariseRun();
   std::vector<PairCounts> countCommonDirections() const;
   double commonCountArea() const;
+  uint32_t commonDirections() const;
   void beginLineGuarantee();
   void findPrior();
   EstimateOptions estimateOptions();

@@ -18,6 +18,8 @@
 namespace viewpeel {
 namespace {
 
+constexpr double kLeastOfEpsilon = 0.999;  // the rest is for what unoccluded form factors are off by
+
 // Returns goals, replicates and the like. Directions and sampler are settled later.
 EstimateOptions estimateOptionsOf(const Request& request) {
   EstimateOptions estimate;
@@ -129,11 +131,18 @@ void Setup::settlePairLines() {
   const bool is_open = !request_.unoccluded && !request_.sampling && !request_.sampler && !resolution_ && plans_ &&
                        (guarantee() || request_.engine == EngineKind::automatic ||
                         request_.engine == EngineKind::host || request_.engine == EngineKind::compute);
-  const bool pays =
-      scene_.faces.size() <= kMostPairLineFaces && (!estimate_.tolerance || *estimate_.tolerance <= kPairLineTolerance);
+  const bool pays = (scene_.faces.size() <= kMostPairLineFaces || leastFormFactor() > 0) &&
+                    (!estimate_.tolerance || *estimate_.tolerance <= kPairLineTolerance);
   const bool is_promise = request_.promise.value_or(false);  // on any terms
   pair_lines_ = request_.pair_lines.value_or(is_promise || (is_open && pays && mayUsePairLines(request_)));
   if (pair_lines_) restrictToQuestion(request_.question, scene_, face_ids_);
+}
+
+double Setup::leastFormFactor() const {
+  const auto* goal = std::get_if<EpsilonDelta>(&estimated_goal_);
+  // Sums over surfaces, and rows, may be made of such pairs.
+  const bool needs_few = goal && request_.by == By::polygon && !goal->rows && !request_.pair_lines.value_or(false);
+  return needs_few && scene_.faces.size() > kMostPairLineFaces ? kLeastOfEpsilon * goal->epsilon : 0;
 }
 
 // The processor's threads draw lines sooner than a software device does, which draws them only where it is asked for.

@@ -49,6 +49,9 @@ class Setup {
   int resolution() const { return resolution_; }
   bool usesUnoccluded() const { return unoccluded_ && !pair_lines_; }
   bool usesPairLines() const { return pair_lines_; }
+  // Returns the unoccluded form factor below which pairs of a guarantee get no lines. There are too many such pairs in
+  // large scenes, and a guarantee needs none of them; 0: all pairs get lines.
+  double leastFormFactor() const;
   // Takes the tolerance for a promise.    In: rows: whether it is for the environment of each row, too
   void promise(bool rows);
   // Returns whether the request's own goal was a tolerance that is promised now.

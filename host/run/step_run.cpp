@@ -9,11 +9,6 @@
 #include "run/run_state.h"
 
 namespace viewpeel {
-namespace {
-
-constexpr uint64_t kFewReplicates = 8;  // of common directions of a guarantee
-
-}  // namespace
 
 void FormFactorRun::State::findPrior() {
   if (!setup.usesUnoccluded() || setup.guarantee() || resumed || prior_summary) return;
@@ -38,12 +33,14 @@ EstimateOptions FormFactorRun::State::estimateOptions() {
   return options;
 }
 
-// Common directions tell which rows see the environment, and where lines leak.    Out: no counts of pairs
+// Common directions tell which rows see the environment, and where lines leak.    Out: counts of pairs
+// only where some get no lines
 std::vector<PairCounts> FormFactorRun::State::countCommonDirections() const {
   std::vector<PairCounts> all;
   for (uint64_t replicate = 0; plan->directions && replicate < kFewReplicates; ++replicate) {
     all.push_back(plan->engine->count(
         sampleDirections(setup.estimate().sampler, plan->directions, setup.request().seed, replicate)));
+    if (setup.leastFormFactor() > 0) continue;
     std::erase_if(all.back(), [](const PairCount& count) { return count.j < kEnvironment; });
   }
   return all;

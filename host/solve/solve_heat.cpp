@@ -101,7 +101,9 @@ class Solver {
     h_ = irradiation_->solve(closed_.pairs * source_);
     b_ = source_ + reflectivity_.cwiseProduct(h_);
     errors_.emplace(form_factors, closed_, *irradiation_, b_);
-    if (form_factors.hasIntervals()) bounds_ = boundIrradiation(form_factors, closed_, *irradiation_, b_);
+    // Pairs without an entry have no part in bounds of answers.
+    if (form_factors.hasIntervals() && form_factors.unlistedBound() == 0)
+      bounds_ = boundIrradiation(form_factors, closed_, *irradiation_, b_);
   }
 
   HeatSolution solution() const {

@@ -89,6 +89,8 @@ struct LineGuaranteeFigures {
   // What this and an estimate of the same largest error cost, about: seconds of one thread, from numbers of pairs and
   // lines alone, so that they are the same on every machine.
   double cost = 0, estimate_cost = 0;
+  // Pairs below this unoccluded form factor are left to common directions: they are within epsilon without lines.
+  double least_form_factor = 0;
 };
 
 // A PairLinesSummary counts pairs of polygons that see each other with nothing in between, but for pairs that one

@@ -1,5 +1,5 @@
-// Intervals of guarantees by pair lines fail as rarely as they say, by the binomial law: near the chance that is allowed
-// they are still right, and intervals a tenth too small are caught. One pair among 100,000 hides behind a grid.
+// Intervals of guarantees by pair lines fail as rarely as they say, by the binomial law. Near the chance that is
+// allowed they still hold, and intervals a tenth too small are caught. One pair among 100,000 hides behind a grid.
 #include <cmath>
 
 #include <boost/math/distributions/binomial.hpp>
@@ -47,8 +47,8 @@ struct Failures {
 };
 
 // A pair of 16 lines in one look. Where all of them face each other, the visibility is at least e^(-l / 16), with l =
-// ln(10 / delta): this bound is exact, so that a visibility just below it fails with probability delta / 10, all that it
-// may. One just above it never fails, but does so more often than it may where the interval is a tenth smaller.
+// ln(10 / delta). This bound is exact: a visibility just below it fails with probability delta / 10, which is all that
+// it may. One just above it never fails, but does so more often than it may where the interval is a tenth smaller.
 TEST(LineCoverage, IntervalsATenthTooSmallAreCaught) {
   constexpr double kDelta = 0.9, kLines = 16;
   const double clear = reference::formFactorPastBlocker(kFloor, kCeiling, rt::moved(strip(0.1), 1, {90, 0, 0})).value;
@@ -125,6 +125,50 @@ TEST(LineCoverage, OnePairOf100000HidesBehindAGrid) {
     // The pair two columns aside is clear of it.
     EXPECT_NEAR(result.form_factors.formFactor(low - 4, high - 4).value, clear, kEpsilon) << seed;
   }
+}
+
+// Above 8,000 polygons pairs with an unoccluded form factor below epsilon get no lines: any value in [0, epsilon] does.
+TEST(LineCoverage, LargeScenesHaveLinesWhereEpsilonNeedsThem) {
+  constexpr uint32_t kCuts = 64, kMiddle = kCuts * kCuts / 2 + kCuts / 2;
+  constexpr double kEpsilon = 0.02;
+  InputScene input = ts::squaresInParts(kCuts, 1, 2);
+  const uint32_t low = 2 * kMiddle, high = low + 1, beside = high + 2, far = high + 40;
+  const auto cornersOf = [&](uint32_t face) { return input.faces[face].corners; };
+  const glm::dvec3 corner = cornersOf(low)[0];
+  const rt::Corners plate = rt::rectangle({corner.x + 0.2, corner.y - 1, 1}, {0.5, 0, 0}, {0, 3, 0});
+  ts::addFace(input, "plate", plate);
+  const Scene scene = buildScene(input);
+  ASSERT_GT(scene.faces.size(), 8'000u);
+  Request request;
+  request.goal = EpsilonDelta{.epsilon = kEpsilon, .delta = 1e-4};
+  request.engine = EngineKind::host;
+  const Result result = computeFormFactors(scene, request);
+  ASSERT_TRUE(result.guarantee);
+  EXPECT_EQ(result.guarantee->bound, kEpsilon);
+  const FormFactors& f = result.form_factors;
+  EXPECT_EQ(f.unlistedBound(), kEpsilon);
+  EXPECT_LT(result.line_pairs, 100'000u);  // of 16 million
+  for (const uint32_t to : {high, beside, far}) {
+    const double truth = reference::formFactorPastBlocker(cornersOf(low), cornersOf(to), plate).value;
+    const Interval interval = f.interval(low, to);
+    EXPECT_LE(interval.lower, truth) << to;
+    EXPECT_GE(interval.upper, truth) << to;
+    EXPECT_NEAR(f.formFactor(low, to).value, truth, kEpsilon) << to;
+  }
+  EXPECT_GT(f.interval(low, high).lower, 0);
+  // Values of pairs without lines come from common directions, so that rows add up but for these directions' errors.
+  int counted = 0;
+  for (size_t k = 0; k < f.entries().size(); ++k) {
+    const FormFactors::Entry& entry = f.entries()[k];
+    const Interval& interval = f.intervals()[k];
+    ASSERT_LE(interval.lower, entry.exchange_area.value) << entry.i << ", " << entry.j;
+    ASSERT_GE(interval.upper, entry.exchange_area.value) << entry.i << ", " << entry.j;
+    if (entry.j >= kEnvironment) continue;
+    ASSERT_LE(interval.upper - interval.lower, 2 * kEpsilon * f.ids().smallerArea(entry.i, entry.j) + 1e-12);
+    counted += interval.lower == 0;
+  }
+  EXPECT_GT(counted, 100'000);
+  EXPECT_NEAR(f.rowSums()[low].value, 1, 6 * f.rowSums()[low].standard_error + 1e-6);
 }
 
 }  // namespace
