@@ -4,7 +4,9 @@
 
 #include "program/commands.h"
 #include "program/options.h"
+#include "program/result_json.h"
 #include "program/summary.h"
+#include "program/warnings.h"
 #include "engines/engine_factory.h"
 #include "engines/lattice.h"
 #include <viewpeel/error.h>
@@ -48,39 +50,19 @@ std::string tabulate(const CheckReport& report) {
   return text;
 }
 
-std::string asJson(const CheckReport& report) {
-  std::string rows;
-  for (const CheckRow& row : report.rows)
-    rows += fmt::format(
-        "{}\n    {{\"resolution\": {}, \"regions_tested\": {}, \"regions_pooled\": {}, \"largest_deviation\": {}, "
-        "\"allowed_deviation\": {}, "
-        "\"worst_pair\": \"{}\", \"worst_difference\": {}, \"worst_standard_error\": {}, \"spread_regions\": {}, "
-        "\"spread_ratio\": {}, "
-        "\"total_counted\": {}, \"total_exact\": {}, \"leak_counted\": {}, \"leak_exact\": {}, \"unbiased\": {}, "
-        "\"spread_as_predicted\": {}}}",
-        rows.empty() ? "" : ",", row.resolution, row.regions_tested, row.regions_pooled, row.largest_deviation,
-        row.allowed_deviation, escapeJson(row.worst_pair), row.worst_difference, row.worst_standard_error,
-        row.spread_regions, row.spread_ratio, row.total_counted, row.total_exact, row.leak_counted, row.leak_exact,
-        row.unbiased, row.spread_as_predicted);
-  return fmt::format(
-      "{{\n  \"passes\": {},\n  \"exact_seconds\": {:.3f},\n  \"counting_seconds\": {:.3f},\n"
-      "  \"resolutions\": [{}\n  ]\n}}\n",
-      report.passes(), report.exact_seconds, report.counting_seconds, rows);
-}
-
 int runCheck(const CheckCommand& command) {
   const Scene scene = loadScene(command.scene, command.scene_options);
   fmt::print("{}", command.json ? "" : describeCoincidences(scene));
-  for (const std::string& warning : scene.warnings) fmt::print(stderr, "viewpeel: warning: {}\n", warning);
+  for (const std::string& warning : scene.warnings) warn(warning);
   if (!command.two_sided)
-    for (const std::string& warning : warnOfBacks(scene)) fmt::print(stderr, "viewpeel: warning: {}\n", warning);
+    for (const std::string& warning : warnOfBacks(scene)) warn(warning);
   // Where polygons pass through each other no order along a line exists, and nothing to compare with.
   const auto interpenetrations = findInterpenetrations(scene);
   constexpr size_t kMostNamed = 10;
   for (size_t k = 0; k < std::min(interpenetrations.size(), kMostNamed); ++k)
-    fmt::print(stderr, "viewpeel: warning: {}; split them where they meet\n", describe(scene, interpenetrations[k]));
+    warn(fmt::format("{}; split them where they meet", describe(scene, interpenetrations[k])));
   if (interpenetrations.size() > kMostNamed)
-    fmt::print(stderr, "viewpeel: warning: {} more such places\n", interpenetrations.size() - kMostNamed);
+    warn(fmt::format("{} more such places", interpenetrations.size() - kMostNamed));
   if (!interpenetrations.empty())
     throw Error(ErrorCode::check,
                 fmt::format("{}: {} pairs of polygons pass through each other; mend them and check again", scene.file,
@@ -111,7 +93,10 @@ int runCheck(const CheckCommand& command) {
   const CheckReport report = reference::checkLattice(scene, ids, count, options);
   if (device) checkValidation(*device);
   if (command.json) {
-    fmt::print("{}", asJson(report));
+    Json json = startReport();
+    addScene(json, scene);
+    json.update(jsonOf(report));
+    printReport(std::move(json));
   } else {
     fmt::print("{}{}{}", device ? describeDevice(device->description()) : describeProcessor(), describeScene(scene),
                fmt::format("check      {} directions, {} random lattices each: h^2 x counts against exact areas, "
@@ -165,7 +150,7 @@ void addCheck(CLI::App& app, Run& chosen) {
   command->add_option("--device", options->device.selector, "Vulkan device: index, part of its name, cpu or gpu")
       ->type_name("DEVICE");
   startGroup(command, kOutput);
-  command->add_flag("--json", options->json, "Print the report as JSON");
+  command->add_flag("--json", options->json, kJsonHelp);
   command->callback([options, &chosen] { chosen = [options] { return runCheck(*options); }; });
 }
 

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "program/options.h"
+#include "program/warnings.h"
 #include <viewpeel/error.h>
 #include "io/write_file.h"
 #include "sums/run_sums.h"
@@ -78,7 +79,7 @@ void CheckpointKeeper::keep(const FormFactorRun& run, bool last) {
     lock_.take(options_.file);
     is_kept_ = true;
   } catch (const std::exception& error) {
-    if (is_kept_ || last) fmt::print(stderr, "viewpeel: warning: checkpoint: {}\n", error.what());
+    if (is_kept_ || last) warn(fmt::format("checkpoint: {}", error.what()));
     is_kept_ = false;
   }
   written_ = Clock::now();

@@ -11,10 +11,13 @@
 #include "program/commands.h"
 #include "program/describe_run.h"
 #include "program/interrupts.h"
+#include "program/json_error.h"
 #include "program/outputs.h"
 #include "program/progress_line.h"
 #include "program/request_options.h"
+#include "program/result_json.h"
 #include "program/summary.h"
+#include "program/warnings.h"
 #include <viewpeel/error.h>
 #include <viewpeel/write.h>
 
@@ -55,9 +58,12 @@ int reportInterruption(const ComputeOptions& options, uint64_t replicates) {
   if (options.keepsCheckpoint() && replicates > 0)
     left = fmt::format("; {} has what was counted, go on with --resume", options.checkpoint.file);
   if (!options.outputs.empty()) left += replicates < 2 ? "; too few to write results" : "; results are written";
-  fmt::print(stderr, "viewpeel: stopped by {}, {} replicate{} done{}\n", interruptionName(), replicates,
-             replicates == 1 ? "" : "s", left);
-  return 128 + interruption();
+  const std::string message =
+      fmt::format("stopped by {}, {} done{}", interruptionName(), counted(replicates, "replicate"), left);
+  const int status = 128 + interruption();
+  complain(message);
+  if (options.json && replicates < 2) fmt::print("{}", errorAsJson(message, status));
+  return status;
 }
 
 void warnOfGoal(const Request& request, const Result& result) {
@@ -67,18 +73,17 @@ void warnOfGoal(const Request& request, const Result& result) {
                                          : only    ? std::optional(only->standard_error)
                                                    : std::nullopt;
   if (relative && !(result.largest_relative_error > 0))
-    fmt::print(stderr,
-               "viewpeel: warning: no form factor reaches --floor {}, so that --relative {} asked for nothing; lower "
-               "--floor, or ask by --tolerance\n",
-               request.relative_floor, *relative);
+    warn(
+        fmt::format("no form factor reaches --floor {}, so that --relative {} asked for nothing; lower "
+                    "--floor, or ask by --tolerance",
+                    request.relative_floor, *relative));
 }
 
 // Says on stderr that time was up before the goal was reached. Returns the exit status.
 int reportMissedGoal(const Result& result) {
-  fmt::print(stderr,
-             "viewpeel: the goal was not reached in time: largest standard error {:.1e}; give more --seconds, or a "
-             "coarser goal\n",
-             result.largest_standard_error);
+  complain(fmt::format(
+      "the goal was not reached in time: largest standard error {:.1e}; give more --seconds, or a coarser goal",
+      result.largest_standard_error));
   return kGoalMissed;
 }
 
@@ -96,8 +101,18 @@ void write(const ComputeOptions& options, const Result& result, const FormFactor
                                           options.outputs.empty() ? "" : "; form factors were written as measured"));
 }
 
+void printJson(const ComputeOptions& options, const Result& result, const FormFactorRun& run, const Scene& scene,
+               int status) {
+  Json report = startReport();
+  addScene(report, scene);
+  addResult(report, result);
+  report["settings"] = jsonOf(parametersOf(run, result));
+  report["files"] = jsonOf(options.files);
+  report["status"] = status;
+  printReport(std::move(report), result.form_factors, result.balanced ? &result.balanced->form_factors : nullptr);
+}
+
 void printResult(const ComputeOptions& options, const Result& result, const std::string& first_division) {
-  if (options.json) fmt::print("{}", asJson(options.scene, result));
   if (!options.talks()) return;
   if (options.verbose && !result.division.empty() && result.division != first_division)
     fmt::print("after a trial\n{}", result.division);
@@ -121,8 +136,9 @@ int conclude(const ComputeOptions& options, const Result& result, const FormFact
                      : !result.goal_reached ? reportMissedGoal(result)
                                             : 0;
   if (result.interrupted && result.replicates < 2) return status;
-  for (const std::string& warning : result.warnings) fmt::print(stderr, "viewpeel: warning: {}\n", warning);
+  for (const std::string& warning : result.warnings) warn(warning);
   write(options, result, run, scene);
+  if (options.json) printJson(options, result, run, scene, status);
   printResult(options, result, first_division);
   return status;
 }
@@ -138,7 +154,7 @@ void writeSoFar(const ComputeOptions& options, const FormFactorRun& run, const S
     write(options, run.resultSoFar(), run, scene);
     fmt::print(stderr, "viewpeel: SIGUSR1: the results of {} so far are written; the run goes on\n", counted_so_far);
   } catch (const Error& error) {
-    fmt::print(stderr, "viewpeel: warning: SIGUSR1: {}\n", error.what());
+    warn(fmt::format("SIGUSR1: {}", error.what()));
   }
 }
 
@@ -241,9 +257,7 @@ void addCompute(CLI::App& app, Run& chosen) {
   CLI::Option* quiet = command->add_flag("--quiet", options->quiet, "Print nothing but errors and warnings");
   CLI::Option* verbose =
       command->add_flag("--verbose", options->verbose, "Print how work and memory are divided, too")->excludes(quiet);
-  command->add_flag("--json", options->json, "Print the outcome and the work done as JSON")
-      ->excludes(quiet)
-      ->excludes(verbose);
+  command->add_flag("--json", options->json, kJsonHelp)->excludes(quiet)->excludes(verbose);
   command->callback([=, &chosen] {
     options->scene = request_options->scene;
     options->request = requestOf(command, *request_options);

@@ -11,8 +11,10 @@
 #include "program/command_line.h"
 #include "program/commands.h"
 #include "program/help.h"
+#include "program/json_error.h"
 #include "program/mistakes.h"
 #include "program/view3d.h"
+#include "program/warnings.h"
 #include <viewpeel/error.h>
 #include "memory.h"
 
@@ -24,11 +26,11 @@ int exitStatus(viewpeel::ErrorCode code) {
   return code == viewpeel::ErrorCode::bad_input || code == viewpeel::ErrorCode::bad_usage ? kBadUsage : kFailed;
 }
 
-// Prints one line on stderr, also where the message quotes control characters of a name.
-void report(std::string message) {
-  for (char& c : message)
-    if (static_cast<unsigned char>(c) < 32 || c == 127) c = '?';
-  std::fputs(fmt::format("viewpeel: {}\n", message).c_str(), stderr);  // where stderr is full, fmt::print would throw
+// Says on stderr what went wrong, and with --json on stdout, too. Returns the exit status.
+int report(const std::string& message, int status, bool as_json) {
+  viewpeel::program::complain(message);
+  if (as_json) std::fputs(viewpeel::program::errorAsJson(message, status).c_str(), stdout);
+  return status;
 }
 
 }  // namespace
@@ -53,12 +55,14 @@ int main(int argc, char** argv) {
   viewpeel::program::addCompletion(app, chosen);
   viewpeel::program::setHelp(app);
   std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
+  const bool as_json = std::ranges::find(arguments, "--json") != arguments.end();
   try {
     const bool is_view3d = viewpeel::program::isView3d(argv[0]);
     if (!is_view3d) {
       viewpeel::program::addDefaultCommand(app, arguments);
       std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());  // parse takes them from the back
       app.parse(reversed);
+      viewpeel::program::keepOptions(app);
     }
     const int status = is_view3d ? viewpeel::program::runView3d(argc, argv) : chosen();
     errno = 0;
@@ -69,16 +73,14 @@ int main(int argc, char** argv) {
     return status;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // help and version
-    report(viewpeel::program::describeMistake(app, arguments, error));
-    return kBadUsage;
+    return report(viewpeel::program::describeMistake(app, arguments, error), kBadUsage, as_json);
   } catch (const viewpeel::Error& error) {
-    report(error.what());
     // View3D knows one status for all that goes wrong.
-    return viewpeel::program::isView3d(argv[0]) ? kFailed : exitStatus(error.code());
+    if (viewpeel::program::isView3d(argv[0])) return report(error.what(), kFailed, false);
+    return report(error.what(), exitStatus(error.code()), as_json);
   } catch (const std::bad_alloc&) {
-    report("out of memory; try --by surface or a smaller scene");
+    return report("out of memory; try --by surface or a smaller scene", kFailed, as_json);
   } catch (const std::exception& error) {
-    report(error.what());
+    return report(error.what(), kFailed, as_json);
   }
-  return kFailed;
 }

@@ -6,6 +6,7 @@
 #include "program/commands.h"
 #include "program/options.h"
 #include "program/outputs.h"
+#include "program/result_json.h"
 #include "program/stored_run.h"
 #include "program/summary.h"
 #include "io/checkpoint.h"
@@ -16,7 +17,7 @@ namespace {
 struct MergeCommand {
   std::vector<std::string> inputs, outputs, shown;
   std::string checkpoint, scene, ccx_version = "2.20";
-  bool quiet = false;
+  bool quiet = false, json = false;
 };
 
 int runMerge(const MergeCommand& command) {
@@ -40,7 +41,15 @@ int runMerge(const MergeCommand& command) {
   writeOutputs({estimate.form_factors, nullptr, scene, parametersOf(merged.settings, estimate), command.shown, nullptr,
                 command.ccx_version},
                command.outputs);
-  if (command.quiet) return 0;
+  if (command.json) {
+    Json report = startReport();
+    addEstimate(report, estimate);
+    report["settings"] = jsonOf(parametersOf(merged.settings, estimate));
+    report["replicate_ranges"] = describeReplicates(merged.sums.replicates);
+    report["files"] = jsonOf(files);
+    printReport(std::move(report), estimate.form_factors);
+  }
+  if (command.quiet || command.json) return 0;
   for (const auto& [name, value] : merged.settings) fmt::print("{:<14} {}\n", name, value);
   fmt::print("{:<14} {}\n{}", "replicates", describeReplicates(merged.sums.replicates), describeResult(estimate));
   fmt::print("work       {} replicates, {} directions{}\n", estimate.replicates, estimate.directions,
@@ -68,7 +77,8 @@ void addMerge(CLI::App& app, Run& chosen) {
       ->add_option("--checkpoint", options->checkpoint,
                    "Write the sum as a checkpoint, to go on with or to merge again")
       ->type_name("FILE");
-  command->add_flag("--quiet", options->quiet, "Print nothing but errors");
+  CLI::Option* quiet = command->add_flag("--quiet", options->quiet, "Print nothing but errors");
+  command->add_flag("--json", options->json, kJsonHelp)->excludes(quiet);
   command->callback([options, &chosen] { chosen = [options] { return runMerge(*options); }; });
 }
 

@@ -56,6 +56,9 @@ inline constexpr const char* kSceneText =
 // Adds the options for questions that a file leaves open: --sheets, --solids, --flip and --fix-normals.
 void addSceneOptions(CLI::App* command, SceneOptions& options);
 
+// Of --json.
+constexpr const char* kJsonHelp = "Print one JSON object: what was done, errors too";
+
 // Adds --threads, which limits all work on the processor, also that of a Vulkan device in software.
 void addThreadsOption(CLI::App* command);
 

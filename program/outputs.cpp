@@ -68,10 +68,10 @@ void addOrigin(const Request& request, std::vector<std::pair<std::string, std::s
 void addOutputOptions(CLI::App* command, std::vector<std::string>& outputs, std::vector<std::string>& shown,
                       std::string& ccx_version) {
   command
-      ->add_option(
-          "-o,--output", outputs,
-          "Write the matrix: .csv, .mtx, .npz, .h5 or .vtp, a page: .html, or files of other programs: .vwf, .idf, "
-          ".epJSON, .fdf, .dat, .i, or the folder of an OpenFOAM case")
+      ->add_option("-o,--output", outputs,
+                   "Write the matrix: .csv, .mtx, .npz, .h5, .json or .vtp, a page: .html, or files of other programs: "
+                   ".vwf, .idf, "
+                   ".epJSON, .fdf, .dat, .i, or the folder of an OpenFOAM case")
       ->type_name("FILE")
       ->allow_extra_args(false);
   command

@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include "program/commands.h"
+#include "program/json.h"
 #include "program/option_table.h"
+#include "program/options.h"
+#include "program/outputs.h"
 #include "io/read_report.h"
 #include "io/write_file.h"
 #include "report/write_page.h"
@@ -14,7 +17,7 @@ namespace {
 
 struct ReportCommand {
   std::string result, output;
-  bool quiet = false;
+  bool quiet = false, json = false;
 };
 
 int runReport(const ReportCommand& command) {
@@ -22,9 +25,16 @@ int runReport(const ReportCommand& command) {
   if (!command.output.ends_with(".html"))
     throw Error(ErrorCode::bad_usage, fmt::format("{}: a page needs a name that ends in .html", command.output));
   checkWritable(command.output);
+  const std::vector<PlannedFile> files = planFiles({command.output});
   const ReportContent content = readReport(command.result);
   writeFile(command.output, [&](std::ostream& out) { writePage(content, out); });
-  if (!command.quiet) fmt::print("written    {}\n", command.output);
+  if (command.json) {
+    Json report = startReport();
+    report["files"] = jsonOf(files);
+    printReport(std::move(report));
+  } else if (!command.quiet) {
+    fmt::print("{}", describeWritten(files));
+  }
   return 0;
 }
 
@@ -38,7 +48,8 @@ void addReport(CLI::App& app, Run& chosen) {
   command->add_option("RESULT", options->result, "File .h5 that compute, solve or merge wrote")->required();
   startGroup(command, kOutput);
   command->add_option("-o,--output", options->output, "Write the page: .html")->type_name("FILE")->required();
-  command->add_flag("--quiet", options->quiet, "Print nothing but errors");
+  CLI::Option* quiet = command->add_flag("--quiet", options->quiet, "Print nothing but errors");
+  command->add_flag("--json", options->json, kJsonHelp)->excludes(quiet);
   command->callback([options, &chosen] { chosen = [options] { return runReport(*options); }; });
 }
 

@@ -2,6 +2,7 @@
 
 #include <charconv>
 
+#include "program/warnings.h"
 #include <viewpeel/error.h>
 #include "reference/exact/exact_engine.h"
 
@@ -248,7 +249,7 @@ Request requestOf(const CLI::App* command, const RequestOptions& options) {
 
 Scene loadSceneOf(const std::string& file, const SceneOptions& options) {
   Scene scene = loadScene(file, options);
-  for (const std::string& warning : scene.warnings) fmt::print(stderr, "viewpeel: warning: {}\n", warning);
+  for (const std::string& warning : scene.warnings) warn(warning);
   return scene;
 }
 

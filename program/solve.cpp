@@ -15,8 +15,10 @@
 #include "program/outputs.h"
 #include "program/progress_line.h"
 #include "program/request_options.h"
+#include "program/result_json.h"
 #include "program/stored_run.h"
 #include "program/summary.h"
+#include "program/warnings.h"
 #include "run/settings.h"
 #include <viewpeel/error.h>
 #include <viewpeel/write.h>
@@ -27,13 +29,16 @@ namespace {
 struct SolveCommand {
   std::string scene, materials;
   std::vector<std::string> outputs, stored;
+  std::vector<PlannedFile> files;  // of the outputs, as they are before the run
   Request request;
   std::optional<double> form_factor_tolerance, epsilon;
   double delta = EpsilonDelta{}.delta;
   std::optional<HeatTolerance> tolerance;
   std::optional<ExchangeKind> exchange;
   double drop_below = 0;
-  bool quiet = false;
+  bool quiet = false, json = false;
+
+  bool talks() const { return !quiet && !json; }
 };
 
 // Reads "0.1K", "2W/m2", "1%" or "0.01".    Throws: CLI::ValidationError.
@@ -94,7 +99,7 @@ void writeExchanges(const SolveCommand& command, const FormFactors& form_factors
   if (!command.exchange) return;
   const ExchangeFactors factors = findExchangeFactors(form_factors, enclosure, command.drop_below);
   for (const std::string& output : command.outputs) writeExchange(factors, *command.exchange, exchangeFileOf(output));
-  if (command.quiet) return;
+  if (!command.talks()) return;
   fmt::print("exchange   {}", counted(factors.entries.size(), "conductor"));
   if (factors.dropped)
     fmt::print("; {} below {} were dropped, {:.2g} of a row at most, and the rest balanced",
@@ -114,12 +119,11 @@ std::string describeMaterials(const MaterialTable& table, const HeatSolution& so
 void conclude(const SolveCommand& command, const MaterialTable& table, const HeatSolution& solution,
               const OutputContent& content) {
   if (table.environment_temperature && !solution.is_open)
-    fmt::print(stderr, "viewpeel: warning: {}: no radiation leaves the scene, so that its environment has no effect\n",
-               table.file);
+    warn(fmt::format("{}: no radiation leaves the scene, so that its environment has no effect", table.file));
   for (const std::string& output : command.outputs)
     if (isWholeResult(output)) writeFormFactors(content, output);
     else writeHeat(solution, command.request.by, output);
-  if (command.quiet) return;
+  if (!command.talks()) return;
   fmt::print("{}{}", describeMaterials(table, solution), describeHeat(solution, command.request.by));
 }
 
@@ -131,6 +135,23 @@ std::vector<PlannedFile> filesOf(const SolveCommand& command) {
     if (command.exchange) names.push_back(exchangeFileOf(output));
   }
   return planFiles(names);
+}
+
+// Prints answers, with the form factors that they come from, as JSON.
+//   In: found: of a scene; nullptr where form factors come from checkpoints
+void printJson(const SolveCommand& command, const HeatSolution& heat, const FormFactors& form_factors,
+               const Estimate& estimate, const SceneHeat* found) {
+  Json report = startReport();
+  if (found) {
+    addResult(report, found->form_factors);
+    report["runs"] = found->runs;
+    report["goal_reached"] = found->is_reached && found->form_factors.goal_reached;
+  } else {
+    addEstimate(report, estimate);
+  }
+  addHeat(report, heat, command.request.by);
+  report["files"] = jsonOf(command.files);
+  printReport(std::move(report), form_factors);
 }
 
 // Solves with the form factors of checkpoints.
@@ -152,7 +173,8 @@ int solveStored(const SolveCommand& command) {
   conclude(command, table, solution,
            {.form_factors = form_factors, .scene = run.scene(), .parameters = parameters, .heat = &solution});
   writeExchanges(command, form_factors, enclosure);
-  if (!command.quiet)
+  if (command.json) printJson(command, solution, form_factors, estimate, nullptr);
+  if (command.talks())
     fmt::print("work       form factors of {}, {}, {}{}\n", command.stored.front(),
                counted(estimate.replicates, "replicate"), counted(estimate.directions, "direction"),
                describeDirected(estimate));
@@ -169,12 +191,12 @@ int solveFile(const SolveCommand& command) {
   }
   checkRequest(request);
   const Scene scene = loadSceneOf(command.scene, request.scene_options);
-  if (!command.quiet) fmt::print("{}", describeScene(scene));
+  if (command.talks()) fmt::print("{}", describeScene(scene));
   std::fflush(stdout);
   ProgressLine progress(request, !command.quiet);
   const SceneHeat found = solveScene(scene, table, request, command.tolerance, {.on_progress = progress.listener()});
   progress.clear();
-  for (const std::string& warning : found.form_factors.warnings) fmt::print(stderr, "viewpeel: warning: {}\n", warning);
+  for (const std::string& warning : found.form_factors.warnings) warn(warning);
   const OutputContent content{.form_factors = found.form_factors.form_factors,
                               .scene = &scene,
                               .parameters = {{"version", VIEWPEEL_VERSION},
@@ -185,7 +207,7 @@ int solveFile(const SolveCommand& command) {
                                              {"command", commandLine()}},
                               .heat = &found.heat};
   conclude(command, table, found.heat, content);
-  if (const auto& guarantee = found.form_factors.guarantee; guarantee && !command.quiet)
+  if (const auto& guarantee = found.form_factors.guarantee; guarantee && command.talks())
     fmt::print("guarantee  every form factor within {:.3g}, and all answers within their bounds, with probability {}\n",
                guarantee->bound, 1 - guarantee->delta);
   const FormFactors& form_factors = found.form_factors.form_factors;
@@ -194,26 +216,26 @@ int solveFile(const SolveCommand& command) {
   if (command.tolerance) {
     const double reached = largestHeatError(found.heat, command.tolerance->of);
     const std::string text = describeTolerance(*command.tolerance, reached);
-    if (!found.is_reached)
-      fmt::print(stderr, "viewpeel: warning: time was up before the tolerance: standard errors of {}\n", text);
-    if (!command.quiet)
+    if (!found.is_reached) warn(fmt::format("time was up before the tolerance: standard errors of {}", text));
+    if (command.talks())
       fmt::print("tolerance  standard errors up to {}; form factors to {:.2g} in {}\n", text,
                  found.form_factor_tolerance, counted(found.runs, "run"));
   }
-  if (!command.quiet)
+  if (command.json) printJson(command, found.heat, form_factors, found.form_factors, &found);
+  if (command.talks())
     fmt::print("work       {}, {}{}, {}; {:.2f} s\n", counted(found.form_factors.replicates, "replicate"),
                counted(found.form_factors.directions, "direction"), describeDirected(found.form_factors),
                counted(found.heat.steps, "step") + " of conjugate gradients", found.form_factors.seconds);
   return 0;
 }
 
-int runSolve(const SolveCommand& command) {
+int runSolve(SolveCommand command) {
   if (command.scene.empty() && command.stored.empty())
     throw Error(ErrorCode::bad_usage, "solve needs a scene, or form factors by --from-result");
   checkOutputs(command);
-  const std::vector<PlannedFile> files = filesOf(command);
+  command.files = filesOf(command);
   const int status = command.stored.empty() ? solveFile(command) : solveStored(command);
-  if (!command.quiet) fmt::print("{}", describeWritten(files));
+  if (command.talks()) fmt::print("{}", describeWritten(command.files));
   return status;
 }
 
@@ -326,7 +348,8 @@ void addSolve(CLI::App& app, Run& chosen) {
   addThreadsOption(command);
   addComputing(command, *options);
   startGroup(command, kOutput);
-  command->add_flag("--quiet", options->quiet, "Print nothing but errors and warnings");
+  CLI::Option* quiet = command->add_flag("--quiet", options->quiet, "Print nothing but errors and warnings");
+  command->add_flag("--json", options->json, kJsonHelp)->excludes(quiet);
   command->callback([options, &chosen] { chosen = [options] { return runSolve(*options); }; });
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "program/warnings.h"
 #include <viewpeel/error.h>
 #include "estimator/face_exchanges.h"
 #include "run/settings.h"
@@ -34,9 +35,9 @@ StoredRun::StoredRun(const std::vector<std::string>& checkpoints, const std::str
   is_sparse_ = merged_.sums.prior_sums && merged_.sums.prior_sums->by() == By::polygon &&
                !merged_.sums.prior_sums->prior().has_all_pairs;
   if (is_sparse_ && !of_)
-    fmt::print(stderr,
-               "viewpeel: warning: pairs with few lines are sampled alone, and those that no line met left "
-               "out; for their unoccluded form factors give --scene FILE\n");
+    warn(
+        "pairs with few lines are sampled alone, and those that no line met left "
+        "out; for their unoccluded form factors give --scene FILE");
   if (is_sparse_ && of_) of_->exchanges.learn(merged_.sums);
 }
 

@@ -31,41 +31,6 @@ void checkValidation(const Device& device) {
     throw Error(ErrorCode::device, "Vulkan validation: " + device.validationErrors().front());
 }
 
-namespace {
-
-// Returns the bytes of the character of UTF-8 that begins here; 0 where there is none.
-//   Source: The Unicode Standard 15.0, table 3-7.
-size_t characterAt(const std::string& text, size_t at) {
-  const auto byteAt = [&](size_t k) { return k < text.size() ? static_cast<unsigned char>(text[k]) : 0u; };
-  const unsigned first = byteAt(at), second = byteAt(at + 1);
-  if (first < 0x80) return 1;
-  const size_t size = first >= 0xc2 && first < 0xe0   ? 2
-                      : first >= 0xe0 && first < 0xf0 ? 3
-                      : first >= 0xf0 && first < 0xf5 ? 4
-                                                      : 0;
-  for (size_t k = 1; k < size; ++k)
-    if ((byteAt(at + k) & 0xc0) != 0x80) return 0;
-  const bool is_overlong = (first == 0xe0 && second < 0xa0) || (first == 0xf0 && second < 0x90);
-  const bool is_beyond = (first == 0xed && second >= 0xa0) || (first == 0xf4 && second >= 0x90);
-  return is_overlong || is_beyond ? 0 : size;
-}
-
-}  // namespace
-
-std::string escapeJson(const std::string& text) {
-  std::string escaped;
-  for (size_t at = 0; at < text.size();) {
-    const char c = text[at];
-    const size_t size = characterAt(text, at);
-    if (c == '"' || c == '\\') escaped += '\\';
-    if (size == 0) escaped += "\\ufffd";
-    else if (static_cast<unsigned char>(c) < 32) escaped += fmt::format("\\u{:04x}", int(c));
-    else escaped += text.substr(at, size);
-    at += std::max<size_t>(size, 1);
-  }
-  return escaped;
-}
-
 std::string counted(uint64_t count, const char* noun) {
   return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
@@ -221,68 +186,6 @@ std::string describeBalance(const BalancedFormFactors& balanced) {
       "           largest change of a form factor {:.1e} ({} to {})\n",
       measureClosure(balanced.form_factors).largest_error, counted(balanced.steps, "step"), balanced.rms_change,
       balanced.largest_change, balanced.largest_form_factor_change, names[balanced.from], names[balanced.to]);
-}
-
-std::string asJson(const std::string& scene, const Result& estimate) {
-  const FormFactors& f = estimate.form_factors;
-  const std::optional<BalancedFormFactors>& balanced = estimate.balanced;
-  const std::optional<Work>& work = estimate.work;
-  const StandardErrors errors = measureStandardErrors(f, 0);
-  std::string text = fmt::format(
-      "{{\n  \"scene\": \"{}\",\n  \"device\": \"{}\",\n  \"ids\": {},\n  \"replicates\": {},\n  \"directions\": {},\n "
-      " \"seconds\": {:.6g},\n  \"goal_reached\": {},\n  \"interrupted\": {},\n"
-      "  \"largest_standard_error\": {:.6g},\n  \"rms_standard_error\": {:.6g},\n  \"nonzero_form_factors\": {}",
-      escapeJson(scene), escapeJson(estimate.plan.device), f.ids().count(), estimate.replicates, estimate.directions,
-      estimate.seconds, estimate.goal_reached, estimate.interrupted, estimate.largest_standard_error, errors.rms,
-      errors.count);
-  if (estimate.unmet_pairs)
-    text += fmt::format(",\n  \"unmet\": {{\"pairs\": {}, \"largest_standard_error\": {:.6g}}}", estimate.unmet_pairs,
-                        estimate.largest_unmet_error);
-  if (estimate.unseen_pairs)
-    text += fmt::format(",\n  \"unseen\": {{\"pairs\": {}, \"largest_standard_error\": {:.6g}}}", estimate.unseen_pairs,
-                        estimate.largest_unseen_error);
-  if (estimate.lines)
-    text += fmt::format(",\n  \"pair_lines\": {{\"pairs\": {}, \"lines\": {}}}", estimate.line_pairs, estimate.lines);
-  if (estimate.directed_pairs)
-    text += fmt::format(",\n  \"directed\": {{\"pairs\": {}, \"directions\": {}}}", estimate.directed_pairs,
-                        estimate.directed_directions);
-  if (const auto& g = estimate.guarantee)
-    text +=
-        fmt::format(",\n  \"guarantee\": {{\"epsilon\": {}, \"delta\": {}, \"bound\": {:.6g}, \"row_bound\": {:.6g}}}",
-                    g->epsilon, g->delta, g->bound, g->row_bound);
-  if (const std::string& why = estimate.plan.no_promise; !why.empty())
-    text += fmt::format(",\n  \"no_promise\": \"{}\"", escapeJson(why));
-  if (f.ids().rows_sum_to_one) {
-    const Closure closure = measureClosure(f);
-    text += fmt::format(
-        ",\n  \"closure\": {{\"largest\": {:.6g}, \"standard_error\": {:.6g}, \"rms\": {:.6g}, \"row\": \"{}\"}},\n  "
-        "\"environment_share\": {:.6g},\n  \"leak_share\": {:.6g}",
-        closure.largest_error, closure.standard_error, closure.rms_error, escapeJson(closure.row),
-        estimate.environment_share, estimate.leak_share);
-  }
-  if (balanced) {
-    const std::vector<std::string>& names = balanced->form_factors.ids().names;
-    text += fmt::format(
-        ",\n  \"balanced\": {{\"largest\": {:.6g}, \"steps\": {}, \"rms_change\": {:.6g}, \"largest_change\": {:.6g}, "
-        "\"largest_form_factor_change\": {:.6g}, \"from\": \"{}\", \"to\": \"{}\"}}",
-        measureClosure(balanced->form_factors).largest_error, balanced->steps, balanced->rms_change,
-        balanced->largest_change, balanced->largest_form_factor_change, escapeJson(names[balanced->from]),
-        escapeJson(names[balanced->to]));
-  }
-  if (work) {
-    text += fmt::format(
-        ",\n  \"work\": {{\"directions\": {}, \"lattice_points\": {}, \"tiles\": {}, \"active_tiles\": {}, "
-        "\"list_entries\": {}, \"rows\": {}, \"spans\": {}, "
-        "\"samples\": {}, \"rounds\": {}, \"tests\": {}, \"layers\": {}, \"gaps\": {}, \"repeats\": {}, \"resumed\": "
-        "{}, \"bytes\": {}, \"pass_seconds\": {{",
-        work->directions, work->lattice_points, work->tiles, work->active_tiles, work->list_entries, work->rows,
-        work->spans, work->samples, work->rounds, work->tests, work->fragments, work->gaps, work->repeats,
-        work->resumed, work->memory_bytes);
-    for (size_t k = 0; k < work->pass_seconds.size(); ++k)
-      text += fmt::format("{}\"{}\": {:.6g}", k ? ", " : "", work->pass_seconds[k].first, work->pass_seconds[k].second);
-    text += "}}";
-  }
-  return text + "\n}\n";
 }
 
 }  // namespace viewpeel::program

@@ -36,15 +36,8 @@ std::string describeErrors(const Estimate& estimate);
 // Describes the changes by balancing.
 std::string describeBalance(const BalancedFormFactors& balanced);
 
-// Returns the same and the work done, as JSON.
-std::string asJson(const std::string& scene, const Result& result);
-
 // Messages of the validation layer are our errors: there is never a result beside them.
 //   Throws: Error device.
 void checkValidation(const Device& device);
-
-// Returns the text for use between quotes. Quotes, backslashes and control characters are escaped; each byte that is
-// not UTF-8 becomes U+FFFD.
-std::string escapeJson(const std::string& text);
 
 }  // namespace viewpeel::program

@@ -18,11 +18,12 @@ namespace {
 
 // Formats stand in the order in which users are told of them.
 // Elmer's text and bytes have one extension; a name that ends in .bin.dat has bytes.
-enum class Format { csv, mtx, npz, h5, vtp, vwf, html, idf, epjson, fdf, dat, moose, foam };
-constexpr std::array<std::pair<const char*, Format>, 12> kExtensions = {{{".csv", Format::csv},
+enum class Format { csv, mtx, npz, h5, json, vtp, vwf, html, idf, epjson, fdf, dat, moose, foam };
+constexpr std::array<std::pair<const char*, Format>, 13> kExtensions = {{{".csv", Format::csv},
                                                                          {".mtx", Format::mtx},
                                                                          {".npz", Format::npz},
                                                                          {".h5", Format::h5},
+                                                                         {".json", Format::json},
                                                                          {".vtp", Format::vtp},
                                                                          {".vwf", Format::vwf},
                                                                          {".html", Format::html},
@@ -37,10 +38,11 @@ Format formatOf(const std::filesystem::path& file) {
   if (std::filesystem::is_directory(file, failure) && isFoamCase(file)) return Format::foam;
   for (const auto& [extension, format] : kExtensions)
     if (file.extension() == extension) return format;
-  throw Error(ErrorCode::bad_usage, fmt::format("{}: unknown output format; use a name that ends in .csv, .mtx, .npz, "
-                                                ".h5, .vtp, .html, .vwf, .idf, .epJSON, .fdf, .dat or .i, or the "
-                                                "folder of an OpenFOAM case",
-                                                file.string()));
+  throw Error(ErrorCode::bad_usage,
+              fmt::format("{}: unknown output format; use a name that ends in .csv, .mtx, .npz, "
+                          ".h5, .json, .vtp, .html, .vwf, .idf, .epJSON, .fdf, .dat or .i, or the "
+                          "folder of an OpenFOAM case",
+                          file.string()));
 }
 
 bool isBuilding(Format format) { return format == Format::idf || format == Format::epjson; }
@@ -53,6 +55,7 @@ void writeAs(Format format, const OutputContent& content, const std::filesystem:
   if (format == Format::mtx) writeMatrixMarket(content.form_factors, out);
   if (format == Format::npz) writeNpz(content.form_factors, out);
   if (format == Format::h5) writeHdf5(content, out);
+  if (format == Format::json) writeJson(content, out);
   if (format == Format::vtp) writeVtp(content, out);
   if (format == Format::vwf) writeVwf(content, out);
   const FormFactors& one = content.balanced ? *content.balanced : content.form_factors;

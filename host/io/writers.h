@@ -12,6 +12,12 @@ void writeNpz(const FormFactors& form_factors, std::ostream& out);
 //   Throws: Error limit where memory is short: the file is made in memory.
 void writeHdf5(const OutputContent& content, std::ostream& out);
 
+// Writes one JSON object: parameters, rows and form factors.
+void writeJson(const OutputContent& content, std::ostream& out);
+// Writes `"rows": [...], "form_factors": {...}`, the members of an object (docs/formats.md).
+//   In: balanced: nullptr where there are none
+void writeJsonMembers(const FormFactors& form_factors, const FormFactors* balanced, std::ostream& out);
+
 // Writes a page of what writeHdf5 would write, and so takes the memory of both.
 //   In: file: for messages    Throws: as writeHdf5 and writePage.
 void writeHtml(const OutputContent& content, const std::filesystem::path& file, std::ostream& out);

@@ -140,8 +140,6 @@ TEST_F(BadInput, OptionsOutOfRangeContradictoryOrRepeated) {
       {"--resume", "requires --checkpoint"},
       {"--engine exact --engine compute", "--engine"},
       {"--quiet --verbose", "excludes"},
-      {"--quiet --json", "excludes"},
-      {"--json --verbose", "excludes"},
       {"--from lower --pair lower upper", "use one of them"},
       {"--pair lower", "two names"},
       {"--by 'a\nb'", "--by: 'a?b' is not one of"},

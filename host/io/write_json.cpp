@@ -1,0 +1,89 @@
+// Writes a result as one JSON object: rows, and the nonzero form factors between them, an entry a line.
+#include <cmath>
+
+#include <fmt/ostream.h>
+#include <nlohmann/json.hpp>
+
+#include "io/each_entry.h"
+#include <viewpeel/sparse_rows.h>
+#include "io/writers.h"
+
+namespace viewpeel {
+namespace {
+
+// JSON knows no infinity.
+std::string numberOf(double value) { return std::isfinite(value) ? fmt::format("{}", value) : "null"; }
+
+// Quotes a text. Each byte that is not UTF-8 becomes U+FFFD.
+std::string quoteText(const std::string& text) {
+  return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+void writeRows(const FormFactors& form_factors, std::ostream& out) {
+  const Ids& ids = form_factors.ids();
+  const std::vector<uint32_t> rows = ids.rows();
+  const std::vector<std::string> names = rowNames(ids);
+  out << "  \"rows\": [";
+  uint32_t id = 0;
+  for (uint32_t row = 0; row < ids.rowCount(); ++row) {
+    fmt::print(out, "{}\n    {{\"name\": {}", row ? "," : "", quoteText(names[row]));
+    if (id == ids.count() || rows[id] != row) {
+      out << ", \"area\": 0, \"is_empty\": true}";
+      continue;
+    }
+    fmt::print(out, ", \"area\": {}", numberOf(ids.areas[id]));
+    for (const auto& [name, j] : {std::pair("environment", kEnvironment), std::pair("leak", kLeak)}) {
+      if (!ids.isRequested(id) || !ids.counts_environment) break;
+      const Measured f = form_factors.formFactor(id, j);
+      fmt::print(out, ", \"{}\": {}, \"{}_standard_error\": {}", name, numberOf(f.value), name,
+                 numberOf(f.standard_error));
+      if (!form_factors.hasIntervals()) continue;
+      const Interval interval = form_factors.interval(id, j);
+      fmt::print(out, ", \"{}_lower\": {}, \"{}_upper\": {}", name, interval.lower, name, interval.upper);
+    }
+    if (ids.isRequested(id) && ids.rows_sum_to_one)
+      fmt::print(out, ", \"row_sum\": {}, \"row_sum_standard_error\": {}", numberOf(form_factors.rowSums()[id].value),
+                 numberOf(form_factors.rowSums()[id].standard_error));
+    if (!ids.isRequested(id)) out << ", \"is_requested\": false";
+    out << "}";
+    ++id;
+  }
+  out << "\n  ]";
+}
+
+}  // namespace
+
+void writeJsonMembers(const FormFactors& form_factors, const FormFactors* balanced, std::ostream& out) {
+  writeRows(form_factors, out);
+  const bool has_intervals = form_factors.hasIntervals();
+  fmt::print(out,
+             ",\n  \"form_factors\": {{\n    \"columns\": [\"from\", \"to\", \"form_factor\", "
+             "\"standard_error\"{}{}],\n    \"entries\": [",
+             has_intervals ? ", \"lower\", \"upper\"" : "", balanced ? ", \"balanced_form_factor\"" : "");
+  const std::vector<uint32_t> rows = form_factors.ids().rows();
+  const char* separator = "\n";
+  forEachEntry(form_factors, [&](uint32_t i, uint32_t j, const Measured& f) {
+    if (j >= kEnvironment) return;
+    fmt::print(out, "{}      [{}, {}, {}, {}", separator, rows[i], rows[j], numberOf(f.value),
+               numberOf(f.standard_error));
+    if (has_intervals) {
+      const Interval interval = form_factors.interval(i, j);
+      fmt::print(out, ", {}, {}", interval.lower, interval.upper);
+    }
+    if (balanced) fmt::print(out, ", {}", balanced->formFactor(i, j).value);
+    out << "]";
+    separator = ",\n";
+  });
+  out << "\n    ]\n  }";
+}
+
+void writeJson(const OutputContent& content, std::ostream& out) {
+  out << "{\n";
+  for (const auto& [name, value] : content.parameters)
+    fmt::print(out, "  {}: {},\n", quoteText(name), quoteText(value));
+  if (content.scene) fmt::print(out, "  \"scene_file\": {},\n", quoteText(content.scene->file));
+  writeJsonMembers(content.form_factors, content.balanced, out);
+  out << "\n}\n";
+}
+
+}  // namespace viewpeel

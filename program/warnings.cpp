@@ -1,0 +1,46 @@
+#include "program/warnings.h"
+
+#include <cstdio>
+#include <cstdlib>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+namespace viewpeel::program {
+namespace {
+
+std::vector<std::string> kept;
+
+// Returns whether words may be coloured: on a terminal, unless the user wants none (https://no-color.org).
+bool isColoured() {
+  static const bool is_coloured = [] {
+    const char *no_color = std::getenv("NO_COLOR"), *terminal = std::getenv("TERM");
+    return ::isatty(STDERR_FILENO) && !(no_color && *no_color) && !(terminal && std::string(terminal) == "dumb");
+  }();
+  return is_coloured;
+}
+
+constexpr const char *kRed = "\033[1;31m", *kYellow = "\033[1;33m", *kPlain = "\033[0m";
+
+// Where stderr is full, fmt::print would throw.
+void print(const char* colour, const std::string& word, std::string text) {
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < 32 || c == 127) c = '?';
+  const bool is_coloured = isColoured();
+  std::fputs(
+      fmt::format("{}viewpeel: {}{}{}\n", is_coloured ? colour : "", word, is_coloured ? kPlain : "", text).c_str(),
+      stderr);
+}
+
+}  // namespace
+
+void warn(const std::string& text) {
+  kept.push_back(text);
+  print(kYellow, "warning: ", text);
+}
+
+const std::vector<std::string>& warnings() { return kept; }
+
+void complain(std::string message) { print(kRed, "", std::move(message)); }
+
+}  // namespace viewpeel::program
