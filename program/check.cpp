@@ -12,6 +12,7 @@
 #include <viewpeel/error.h>
 #include "scene/leaks.h"
 #include "scene/interpenetration.h"
+#include "scene/read_groups.h"
 #include "reference/exact/lattice_check.h"
 
 namespace viewpeel::program {
@@ -21,7 +22,7 @@ using reference::CheckReport;
 using reference::CheckRow;
 
 struct CheckCommand {
-  std::string scene;
+  std::string scene, groups;
   SceneOptions scene_options;
   reference::CheckOptions check;
   EngineKind engine = EngineKind::compute;
@@ -51,7 +52,7 @@ std::string tabulate(const CheckReport& report) {
 }
 
 int runCheck(const CheckCommand& command) {
-  const Scene scene = loadScene(command.scene, command.scene_options);
+  const Scene scene = loadGroupedScene(command.scene, command.groups, command.scene_options);
   fmt::print("{}", command.json ? "" : describeCoincidences(scene));
   for (const std::string& warning : scene.warnings) warn(warning);
   if (!command.two_sided)
@@ -144,6 +145,7 @@ void addCheck(CLI::App& app, Run& chosen) {
   startGroup(command, kWhat);
   command->add_flag("--blocked", options->check.blocked, "Pairs whose fronts look at each other past something, too");
   addSceneOptions(command, options->scene_options);
+  addGroupsOption(command, options->groups);
   command->add_flag("--two-sided", options->two_sided, "Every polygon emits and receives on both sides");
   startGroup(command, kMachine);
   addThreadsOption(command);

@@ -7,8 +7,8 @@
 
 #include <viewpeel/compute.h>
 
-#include "program/checkpoint_keeper.h"
 #include "program/commands.h"
+#include "program/compute_options.h"
 #include "program/describe_run.h"
 #include "program/interrupts.h"
 #include "program/json_error.h"
@@ -18,46 +18,20 @@
 #include "program/result_json.h"
 #include "program/summary.h"
 #include "program/warnings.h"
+#include "estimator/find_guesses.h"
+#include <viewpeel/drop_below.h>
 #include <viewpeel/error.h>
 #include <viewpeel/write.h>
 
 namespace viewpeel::program {
 namespace {
 
-struct ComputeOptions {
-  std::string scene;
-  Request request;
-  std::vector<std::string> outputs, shown;
-  std::vector<PlannedFile> files;  // of the outputs, as they are before the run
-  std::string ccx_version = "2.20";
-  CheckpointOptions checkpoint;
-  bool quiet = false, verbose = false, json = false;
-  bool older_names = false;  // of what --balance writes
-
-  bool talks() const { return !quiet && !json; }
-  bool keepsCheckpoint() const { return !checkpoint.file.empty(); }
-};
-
-// Checkpoints keep estimates.
-void leaveOutPromise(Request& request) {
-  if (request.promise.value_or(false))
-    throw Error(ErrorCode::bad_usage, "--checkpoint keeps no promise; leave out one of --checkpoint and --promise on");
-  if (!std::holds_alternative<EpsilonDelta>(request.goal)) request.promise = false;
-}
-
-std::vector<PlannedFile> planOutputs(const std::vector<std::string>& outputs, bool with_balance) {
-  std::vector<std::string> names;
-  for (const std::string& output : outputs)
-    for (const std::filesystem::path& file : filesOf(output, with_balance)) names.push_back(file.string());
-  return planFiles(names);
-}
-
 // Says on stderr, in one line, how much of a stopped run is kept. Returns the exit status.
 int reportInterruption(const ComputeOptions& options, uint64_t replicates) {
   std::string left;
   if (options.keepsCheckpoint() && replicates > 0)
     left = fmt::format("; {} has what was counted, go on with --resume", options.checkpoint.file);
-  if (!options.outputs.empty()) left += replicates < 2 ? "; too few to write results" : "; results are written";
+  if (options.keepsResults()) left += replicates < 2 ? "; too few to write results" : "; results are written";
   const std::string message =
       fmt::format("stopped by {}, {} done{}", interruptionName(), counted(replicates, "replicate"), left);
   const int status = 128 + interruption();
@@ -87,36 +61,68 @@ int reportMissedGoal(const Result& result) {
   return kGoalMissed;
 }
 
-// Where balancing is refused, form factors are written as measured.
-void write(const ComputeOptions& options, const Result& result, const FormFactorRun& run, const Scene& scene) {
+// A Delivery is what files and --json get of a result.
+struct Delivery {
+  std::optional<DroppedBelow> below;
+  std::vector<std::pair<uint32_t, uint32_t>> guesses;
+
+  Delivery(const ComputeOptions& options, const Result& result, const FormFactorRun& run)
+      : guesses(findGuesses(run.sums(), result.form_factors)) {
+    if (options.output.drop_below > 0) below = dropBelow(result.form_factors, options.output.drop_below);
+  }
+};
+
+// Refers to its arguments.
+OutputContent contentOf(const ComputeOptions& options, const Result& result, const FormFactorRun& run,
+                        const Scene& scene, const Delivery& delivery) {
   auto parameters = parametersOf(run, result);
   addOrigin(options.request, parameters);
-  writeOutputs(
-      {result.form_factors, result.balanced ? &result.balanced->form_factors : nullptr, &scene, parameters,
-       options.shown, nullptr, options.ccx_version, options.older_names ? kOlderBalancedColumn : kBalancedColumn},
-      options.outputs);
+  return {.form_factors = delivery.below ? delivery.below->kept : result.form_factors,
+          .balanced = result.balanced ? &result.balanced->form_factors : nullptr,
+          .scene = &scene,
+          .parameters = std::move(parameters),
+          .shown = options.output.shown,
+          .ccx_version = options.output.ccx_version,
+          .balanced_column = options.older_names ? kOlderBalancedColumn : kBalancedColumn,
+          .guesses = &delivery.guesses,
+          .dropped = delivery.below ? &delivery.below->dropped : nullptr};
+}
+
+// Where balancing is refused, form factors are written as measured.
+//   In: may_ask: for another place where one cannot be written
+void write(const ComputeOptions& options, const Result& result, const OutputContent& content, bool may_ask) {
+  const std::string remedy =
+      options.keepsCheckpoint()
+          ? fmt::format("; {0} has what was counted: viewpeel merge {0} -o FILE", options.checkpoint.file)
+          : "; the result is lost: a run with --checkpoint keeps it";
+  writeOutputs(content, options.output, may_ask, remedy);
+  if (content.balanced)
+    for (const std::string& file : options.older_files) writeFormFactors(OutputContent{*content.balanced}, file);
   if (!result.balance_refusal) return;
   const Error& refusal = *result.balance_refusal;
   throw Error(refusal.code(), fmt::format("{}{}", refusal.what(),
-                                          options.outputs.empty() ? "" : "; form factors were written as measured"));
+                                          options.keepsResults() ? "; form factors were written as measured" : ""));
 }
 
-void printJson(const ComputeOptions& options, const Result& result, const FormFactorRun& run, const Scene& scene,
-               int status) {
+void printJson(const ComputeOptions& options, const Result& result, const FormFactorRun& run,
+               const OutputContent& content, int status) {
   Json report = startReport();
-  addScene(report, scene);
+  addScene(report, *content.scene);
   addResult(report, result);
   report["settings"] = jsonOf(parametersOf(run, result));
   report["files"] = jsonOf(options.files);
   report["status"] = status;
-  printReport(std::move(report), result.form_factors, result.balanced ? &result.balanced->form_factors : nullptr);
+  if (content.dropped) report["dropped"] = {{"least", content.dropped->least}, {"pairs", content.dropped->pairs}};
+  printReport(std::move(report), content);
 }
 
-void printResult(const ComputeOptions& options, const Result& result, const std::string& first_division) {
+void printResult(const ComputeOptions& options, const Result& result, const OutputContent& content,
+                 const std::string& first_division) {
   if (!options.talks()) return;
   if (options.verbose && !result.division.empty() && result.division != first_division)
     fmt::print("after a trial\n{}", result.division);
   fmt::print("{}{}", describeResult(result), result.balanced ? describeBalance(*result.balanced) : "");
+  if (content.dropped) fmt::print("{}", describeDropped(result.form_factors.ids(), *content.dropped));
   const auto* guarantee = std::get_if<EpsilonDelta>(&options.request.goal);
   const char* unit = result.plan.line_guarantee                  ? "look"
                      : !guarantee                                ? "replicate"
@@ -129,7 +135,7 @@ void printResult(const ComputeOptions& options, const Result& result, const std:
 
 // Writes and prints the results. Returns the exit status.
 int conclude(const ComputeOptions& options, const Result& result, const FormFactorRun& run, const Scene& scene,
-             bool is_kept, const std::string& first_division) {
+             bool is_kept, const std::string& first_division, ProgressLine& progress) {
   warnOfGoal(options.request, result);
   const int status = result.interrupted     ? reportInterruption(options, result.replicates)
                      : !is_kept             ? kFailed
@@ -137,9 +143,13 @@ int conclude(const ComputeOptions& options, const Result& result, const FormFact
                                             : 0;
   if (result.interrupted && result.replicates < 2) return status;
   for (const std::string& warning : result.warnings) warn(warning);
-  write(options, result, run, scene);
-  if (options.json) printJson(options, result, run, scene, status);
-  printResult(options, result, first_division);
+  const Delivery delivery(options, result, run);
+  const OutputContent content = contentOf(options, result, run, scene, delivery);
+  if (options.keepsResults()) progress.begin("writing");
+  write(options, result, content, !options.quiet && !options.json);
+  progress.clear();
+  if (options.json) printJson(options, result, run, content, status);
+  printResult(options, result, content, first_division);
   return status;
 }
 
@@ -151,7 +161,9 @@ void writeSoFar(const ComputeOptions& options, const FormFactorRun& run, const S
     return;
   }
   try {
-    write(options, run.resultSoFar(), run, scene);
+    const Result result = run.resultSoFar();
+    const Delivery delivery(options, result, run);
+    write(options, result, contentOf(options, result, run, scene, delivery), false);
     fmt::print(stderr, "viewpeel: SIGUSR1: the results of {} so far are written; the run goes on\n", counted_so_far);
   } catch (const Error& error) {
     warn(fmt::format("SIGUSR1: {}", error.what()));
@@ -159,14 +171,17 @@ void writeSoFar(const ComputeOptions& options, const FormFactorRun& run, const S
 }
 
 // Plans, and says so. False where the run was stopped meanwhile.
-bool prepare(const ComputeOptions& options, FormFactorRun& run, const CheckpointKeeper* keeper) {
+bool prepare(const ComputeOptions& options, FormFactorRun& run, const CheckpointKeeper* keeper,
+             const ProgressLine& progress) {
   run.makePlan();
+  progress.clear();
   if (run.isInterrupted()) return false;
   if (options.talks()) fmt::print("{}", describePlan(run));
   if (keeper && options.talks()) fmt::print("{}", keeper->describe());
   if (options.verbose && options.talks()) fmt::print("{}", run.division());
   std::fflush(stdout);
   const PriorSummary* prior = run.findPrior();
+  progress.clear();
   if (prior && options.talks()) fmt::print("{}", describePrior(*prior));
   std::fflush(stdout);
   return !run.isInterrupted();
@@ -196,15 +211,14 @@ void count(FormFactorRun& run, CheckpointKeeper* keeper, const std::function<int
 }
 
 int runCompute(const ComputeOptions& options) {
-  checkOutputs(options.outputs, options.checkpoint.file, options.request.balance);
-  if (options.keepsCheckpoint() && !options.checkpoint.resume) requireNewCheckpoint(options.checkpoint.file);
-  const bool is_held = options.keepsCheckpoint() || !options.outputs.empty();
+  checkFiles(options);
+  const bool is_held = options.keepsCheckpoint() || options.keepsResults();
   if (is_held) holdInterrupts([&] { return reportInterruption(options, 0); });
-  const Scene scene = loadSceneOf(options.scene, options.request.scene_options);
-  const Ids ids = makeIds(scene, options.request.by, options.request.two_sided);
-  checkShown(scene, ids, options.shown);
-  for (const std::string& output : options.outputs) checkRows(output, scene, ids);
   ProgressLine progress(options.request, !options.quiet);
+  progress.begin("reading " + options.scene);
+  const Scene scene = loadSceneOf(options.scene, options.request.scene_options, options.groups);
+  progress.clear();
+  checkScene(options, scene);
   FormFactorRun run(scene, options.request,
                     {.should_stop = [] { return interruption() != 0; },
                      .on_progress = progress.listener(),
@@ -220,7 +234,7 @@ int runCompute(const ComputeOptions& options) {
     endByItself();
     return reportInterruption(options, 0);
   };
-  if (!prepare(options, run, keeper ? &*keeper : nullptr)) return endEarly();
+  if (!prepare(options, run, keeper ? &*keeper : nullptr, progress)) return endEarly();
   progress.clear();
   const std::string division = run.division();
   const auto concludeEarly = [&] {
@@ -228,7 +242,7 @@ int runCompute(const ComputeOptions& options) {
     Result result = run.resultSoFar();
     result.interrupted = true;
     progress.clear();
-    return conclude(options, result, run, scene, true, division);
+    return conclude(options, result, run, scene, true, division, progress);
   };
   count(run, keeper ? &*keeper : nullptr, concludeEarly, [&] {
     progress.clear();
@@ -236,39 +250,15 @@ int runCompute(const ComputeOptions& options) {
   });
   endByItself();
   progress.clear();
-  return conclude(options, run.result(), run, scene, !keeper || keeper->isKept(), division);
+  return conclude(options, run.result(), run, scene, !keeper || keeper->isKept(), division, progress);
 }
 
 }  // namespace
 
 void addCompute(CLI::App& app, Run& chosen) {
   CLI::App* command = app.add_subcommand("compute", "Compute the form factors of a scene");
-  const auto request_options = addRequestOptions(command);
-  const auto options = std::make_shared<ComputeOptions>();
-  startGroup(command, kOutput);
-  addOutputOptions(command, options->outputs, options->shown, options->ccx_version);
-  command->add_flag("--balance", request_options->request.balance,
-                    "Closed scenes: also the nearest form factors whose rows sum to 1, beside those measured");
-  command->add_flag("--closure", options->older_names,
-                    "The older name of --balance, until 0.3: its .csv column has its older name, closed_form_factor");
-  startGroup(command, kLongRuns);
-  addCheckpointOptions(command, options->checkpoint);
-  startGroup(command, kOutput);
-  CLI::Option* quiet = command->add_flag("--quiet", options->quiet, "Print nothing but errors and warnings");
-  CLI::Option* verbose =
-      command->add_flag("--verbose", options->verbose, "Print how work and memory are divided, too")->excludes(quiet);
-  command->add_flag("--json", options->json, kJsonHelp)->excludes(quiet)->excludes(verbose);
-  command->callback([=, &chosen] {
-    options->scene = request_options->scene;
-    options->request = requestOf(command, *request_options);
-    if (options->keepsCheckpoint()) leaveOutPromise(options->request);
-    options->request.balance |= options->older_names;
-    options->request.measure_work = options->json;
-    chosen = [options] {
-      options->files = planOutputs(options->outputs, options->request.balance);
-      return runCompute(*options);
-    };
-  });
+  const auto settle = addComputeOptions(command);
+  command->callback([=, &chosen] { chosen = [options = settle()] { return runCompute(*options); }; });
 }
 
 }  // namespace viewpeel::program

@@ -55,11 +55,11 @@ void printReport(Json report) {
   fmt::print("{}\n", textOf(report));
 }
 
-void printReport(Json report, const FormFactors& form_factors, const FormFactors* balanced) {
+void printReport(Json report, const OutputContent& content) {
   report["warnings"] = warnings();
   const std::string text = textOf(report);
   std::cout << text.substr(0, text.rfind("\n}")) << ",\n";
-  writeJsonMembers(form_factors, balanced, std::cout);
+  writeJsonMembers(content, std::cout);
   std::cout << "\n}\n" << std::flush;
 }
 

@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include <viewpeel/form_factors.h>
+#include <viewpeel/write.h>
 
 #include "program/outputs.h"
 
@@ -23,7 +23,7 @@ Json jsonOf(const std::vector<std::pair<std::string, std::string>>& settings);
 
 // Ends the object with the warnings up to now, and prints it. A byte that is not UTF-8 becomes U+FFFD.
 void printReport(Json report);
-// The same, with rows and form factors at its end (docs/formats.md).    In: balanced: nullptr where there are none
-void printReport(Json report, const FormFactors& form_factors, const FormFactors* balanced = nullptr);
+// The same, with rows and form factors at its end (docs/formats.md).
+void printReport(Json report, const OutputContent& content);
 
 }  // namespace viewpeel::program

@@ -29,6 +29,13 @@ void addSceneOptions(CLI::App* command, SceneOptions& options) {
                     "metres");
 }
 
+void addGroupsOption(CLI::App* command, std::string& groups) {
+  command
+      ->add_option("--groups", groups,
+                   "Of .stl and .ply: a .csv file that names faces, a line each: 12,wall or 12-40,wall")
+      ->type_name("FILE");
+}
+
 void addThreadsOption(CLI::App* command) {
   const auto limit = [](const uint32_t& threads) {
     limitThreads(threads);

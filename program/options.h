@@ -56,6 +56,9 @@ inline constexpr const char* kSceneText =
 // Adds the options for questions that a file leaves open: --sheets, --solids, --flip and --fix-normals.
 void addSceneOptions(CLI::App* command, SceneOptions& options);
 
+// Adds --groups, which names the faces of a scene.
+void addGroupsOption(CLI::App* command, std::string& groups);
+
 // Of --json.
 constexpr const char* kJsonHelp = "Print one JSON object: what was done, errors too";
 

@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <exception>
 #include <filesystem>
+#include <iostream>
 #include <set>
 
 #include <fmt/format.h>
 
 #include "program/command_line.h"
+#include "program/options.h"
+#include "program/rescue.h"
 #include <viewpeel/error.h>
 #include <viewpeel/write.h>
 
@@ -43,16 +46,32 @@ std::string describeWritten(const std::vector<PlannedFile>& files) {
   return text;
 }
 
-void writeOutputs(const OutputContent& content, const std::vector<std::string>& outputs) {
+void writeOutputs(const OutputContent& content, const OutputOptions& options, bool may_ask, const std::string& remedy) {
   std::exception_ptr first_failure;
-  for (const std::string& output : outputs) {
+  for (const std::string& output : options.files) {
     try {
-      writeFormFactors(content, output);
+      const std::string place = writeSomewhere(
+          output, [&](const std::string& file) { writeFormFactors(content, file); }, may_ask, remedy);
+      if (place != output) fmt::print(stderr, "viewpeel: written to {}\n", place);
     } catch (const Error&) {
       if (!first_failure) first_failure = std::current_exception();
     }
   }
+  if (options.to_stdout) {
+    writeFormFactors(content, std::cout, options.format);
+    std::cout.flush();
+  }
   if (first_failure) std::rethrow_exception(first_failure);
+}
+
+std::string describeDropped(const Ids& ids, const DroppedSums& dropped) {
+  uint32_t most = 0;
+  for (uint32_t k = 0; k < ids.count(); ++k)
+    if (ids.isRequested(k) && dropped.sums[k].value > dropped.sums[most].value) most = k;
+  if (!dropped.pairs) return fmt::format("dropped    no pair is below {}\n", dropped.least);
+  return fmt::format("dropped    {} below {}, {:.2g} of a row at most ({}); row sums and closure have them\n",
+                     dropped.pairs == 1 ? "1 pair" : fmt::format("{} pairs", dropped.pairs), dropped.least,
+                     dropped.sums[most].value, ids.names[most]);
 }
 
 void addOrigin(const Request& request, std::vector<std::pair<std::string, std::string>>& parameters) {
@@ -65,25 +84,48 @@ void addOrigin(const Request& request, std::vector<std::pair<std::string, std::s
   if (const auto* guarantee = std::get_if<EpsilonDelta>(&request.goal)) add("epsilon", guarantee->epsilon);
 }
 
-void addOutputOptions(CLI::App* command, std::vector<std::string>& outputs, std::vector<std::string>& shown,
-                      std::string& ccx_version) {
+void addOutputOptions(CLI::App* command, OutputOptions& options) {
   command
-      ->add_option("-o,--output", outputs,
-                   "Write the matrix: .csv, .mtx, .npz, .h5, .json or .vtp, a page: .html, or files of other programs: "
-                   ".vwf, .idf, "
-                   ".epJSON, .fdf, .dat, .i, or the folder of an OpenFOAM case")
+      ->add_option(
+          "-o,--output", options.files,
+          "Write the matrix: .csv, .mtx, .npz, .h5, .json or .vtp, its rows: .rows.csv, a page: .html, or files of "
+          "other programs: .vwf, .idf, .epJSON, .fdf, .dat, .i, or the folder of an OpenFOAM case; - is standard "
+          "output")
       ->type_name("FILE")
       ->allow_extra_args(false);
+  addChoice<std::string>(command, "--format", options.format,
+                         {{"csv", "csv"},
+                          {"rows.csv", "rows.csv"},
+                          {"mtx", "mtx"},
+                          {"npz", "npz"},
+                          {"h5", "h5"},
+                          {"json", "json"},
+                          {"vtp", "vtp"}},
+                         "With -o -: what goes to standard output, in place of the summary");
   command
-      ->add_option("--show", shown,
+      ->add_option("--drop-below", options.drop_below,
+                   "Leave pairs out of files whose form factors are below this both ways; .rows.csv, .h5 and .json say "
+                   "what they add up to in each row")
+      ->type_name("F")
+      ->check([](const std::string& text) { return isNumber(text, 0, 0.999); });
+  command
+      ->add_option("--show", options.shown,
                    "In .vtp: the form factors from this surface or face to every polygon, as an array 'from NAME'")
       ->type_name("NAME")
       ->allow_extra_args(false);
   command
-      ->add_option("--ccx-version", ccx_version,
+      ->add_option("--ccx-version", options.ccx_version,
                    "In .vwf: the version of CalculiX that is to read it; none for those without a version record")
       ->type_name("V")
       ->capture_default_str();
+}
+
+void settleOutputs(const CLI::App* command, OutputOptions& options) {
+  const auto count = std::erase(options.files, "-");
+  if (count > 1) throw Error(ErrorCode::bad_usage, "-o - is given twice; standard output takes one result");
+  options.to_stdout = count == 1;
+  if (!options.to_stdout && command->get_option("--format")->count())
+    throw Error(ErrorCode::bad_usage, "--format is of standard output; add -o -, or name a file by its ending");
 }
 
 }  // namespace viewpeel::program

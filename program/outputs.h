@@ -6,13 +6,25 @@
 #include <CLI/CLI.hpp>
 
 #include <viewpeel/compute.h>
+#include <viewpeel/drop_below.h>
 #include <viewpeel/write.h>
 
 namespace viewpeel::program {
 
-// Adds -o, --show and --ccx-version.
-void addOutputOptions(CLI::App* command, std::vector<std::string>& outputs, std::vector<std::string>& shown,
-                      std::string& ccx_version);
+// OutputOptions say where results go, and what of them.
+struct OutputOptions {
+  std::vector<std::string> files, shown;
+  std::string ccx_version = "2.20";
+  std::string format = "csv";  // on standard output
+  bool to_stdout = false;      // -o -
+  double drop_below = 0;
+};
+
+// Adds -o, --format, --show, --ccx-version and --drop-below.
+void addOutputOptions(CLI::App* command, OutputOptions& options);
+// Takes `-` out of the files, which stands for standard output.
+//   Throws: Error bad_usage where it is named twice, or --format is given without it.
+void settleOutputs(const CLI::App* command, OutputOptions& options);
 
 // That every file can be written, and none over another: before anything is computed.
 //   In: checkpoint: empty where there is none; has_scene: of the content
@@ -30,9 +42,13 @@ std::vector<PlannedFile> planFiles(const std::vector<std::string>& names);
 // Says of each file that it is written, or replaced; a line each.
 std::string describeWritten(const std::vector<PlannedFile>& files);
 
-// Writes all of them, also where one fails.
+// Writes all of them, also where one fails, and at last to standard output.
+//   In: may_ask: a person at the terminal may be asked for another place; remedy: as of writeSomewhere
 //   Throws: the first error of all files.
-void writeOutputs(const OutputContent& content, const std::vector<std::string>& outputs);
+void writeOutputs(const OutputContent& content, const OutputOptions& options, bool may_ask, const std::string& remedy);
+
+// Describes what --drop-below left out: nothing where it was not given.
+std::string describeDropped(const Ids& ids, const DroppedSums& dropped);
 
 // Adds the command that made a result, and its goal: tolerance or epsilon.
 void addOrigin(const Request& request, std::vector<std::pair<std::string, std::string>>& parameters);

@@ -5,6 +5,7 @@
 #include "program/warnings.h"
 #include <viewpeel/error.h>
 #include "reference/exact/exact_engine.h"
+#include "scene/read_groups.h"
 
 namespace viewpeel::program {
 namespace {
@@ -26,7 +27,8 @@ void addGoalOptions(CLI::App* command, const std::shared_ptr<RequestOptions>& op
         ->check(isPositive);
   };
   addGoal("--tolerance", options->tolerance,
-          "Go on until the largest standard error of all form factors is at most this; 1e-3 unless another goal or "
+          "For daily work: go on until the largest standard error of all form factors is at most this; 1e-3 unless "
+          "another goal or "
           "--directions is given",
           "T");
   command
@@ -45,8 +47,11 @@ void addGoalOptions(CLI::App* command, const std::shared_ptr<RequestOptions>& op
       ->check([](const std::string& text) { return isNumber(text, 0, 1); })
       ->capture_default_str();
   addGoal("--seconds", options->seconds,
-          "As many replicates as fit into this time, 2 at least; with a goal: stop short of it when time is up", "S");
-  addGoal("--epsilon", options->epsilon, "Guarantee: every form factor within E with probability 1 - D; see --delta",
+          "For a first look: as many replicates as fit into this time, 2 at least; with a goal: stop short of it when "
+          "time is up",
+          "S");
+  addGoal("--epsilon", options->epsilon,
+          "For a bound to cite: every form factor within E with probability 1 - D, and in an interval; see --delta",
           "E");
   EpsilonDelta& guarantee = options->guarantee;
   command
@@ -160,6 +165,7 @@ std::shared_ptr<RequestOptions> addRequestOptions(CLI::App* command) {
   startGroup(command, kWhat);
   addQuestionOptions(command, request);
   addSceneOptions(command, request.scene_options);
+  addGroupsOption(command, options->groups);
   addMethodOptions(command, options);
   startGroup(command, kLongRuns);
   CLI::Option* first =
@@ -247,8 +253,8 @@ Request requestOf(const CLI::App* command, const RequestOptions& options) {
   return request;
 }
 
-Scene loadSceneOf(const std::string& file, const SceneOptions& options) {
-  Scene scene = loadScene(file, options);
+Scene loadSceneOf(const std::string& file, const SceneOptions& options, const std::string& groups) {
+  Scene scene = loadGroupedScene(file, groups, options);
   for (const std::string& warning : scene.warnings) warn(warning);
   return scene;
 }

@@ -11,7 +11,7 @@
 namespace viewpeel::program {
 
 struct RequestOptions {
-  std::string scene;
+  std::string scene, groups;
   // The request has options that need no other option; the members below make the rest of it.
   Request request;
   std::optional<double> tolerance, relative, seconds, epsilon;
@@ -25,6 +25,6 @@ std::shared_ptr<RequestOptions> addRequestOptions(CLI::App* command);
 Request requestOf(const CLI::App* command, const RequestOptions& options);
 
 // Reads a scene and prints its warnings on stderr.
-Scene loadSceneOf(const std::string& file, const SceneOptions& options);
+Scene loadSceneOf(const std::string& file, const SceneOptions& options, const std::string& groups = "");
 
 }  // namespace viewpeel::program

@@ -27,7 +27,7 @@ namespace viewpeel::program {
 namespace {
 
 struct SolveCommand {
-  std::string scene, materials;
+  std::string scene, groups, materials;
   std::vector<std::string> outputs, stored;
   std::vector<PlannedFile> files;  // of the outputs, as they are before the run
   Request request;
@@ -151,13 +151,13 @@ void printJson(const SolveCommand& command, const HeatSolution& heat, const Form
   }
   addHeat(report, heat, command.request.by);
   report["files"] = jsonOf(command.files);
-  printReport(std::move(report), form_factors);
+  printReport(std::move(report), OutputContent{form_factors});
 }
 
 // Solves with the form factors of checkpoints.
 int solveStored(const SolveCommand& command) {
   const MaterialTable table = readMaterials(command.materials);
-  StoredRun run(command.stored, command.scene);
+  StoredRun run(command.stored, command.scene, command.groups);
   run.requireErrors();
   const Estimate estimate = run.estimate();
   const std::vector<std::string>& surface_names = estimate.between_surfaces.ids().names;
@@ -190,7 +190,7 @@ int solveFile(const SolveCommand& command) {
     request.pair_lines = true;  // it has an interval for each pair
   }
   checkRequest(request);
-  const Scene scene = loadSceneOf(command.scene, request.scene_options);
+  const Scene scene = loadSceneOf(command.scene, request.scene_options, command.groups);
   if (command.talks()) fmt::print("{}", describeScene(scene));
   std::fflush(stdout);
   ProgressLine progress(request, !command.quiet);
@@ -283,6 +283,7 @@ void addComputing(CLI::App* command, SolveCommand& options) {
                           ->capture_default_str());
   startGroup(command, kWhat);
   addSceneOptions(command, options.request.scene_options);
+  addGroupsOption(command, options.groups);
   for (const char* name : {"--sheets", "--solids", "--flip", "--fix-normals"})
     computing.push_back(command->get_option(name));
   computing.push_back(

@@ -6,6 +6,7 @@
 #include <viewpeel/error.h>
 #include "estimator/face_exchanges.h"
 #include "run/settings.h"
+#include "scene/read_groups.h"
 
 namespace viewpeel::program {
 
@@ -15,16 +16,16 @@ struct StoredRun::LoadedScene {
   Ids face_ids;
   FaceExchanges exchanges;
 
-  LoadedScene(const std::string& file, const SceneOptions& options, bool two_sided)
-      : scene(loadScene(file, options)),
+  LoadedScene(const std::string& file, const std::string& groups, const SceneOptions& options, bool two_sided)
+      : scene(loadGroupedScene(file, groups, options)),
         face_ids(makeIds(scene, By::polygon, two_sided)),
         exchanges(nullptr, scene, face_ids) {}
 };
 
-StoredRun::StoredRun(const std::vector<std::string>& checkpoints, const std::string& scene)
+StoredRun::StoredRun(const std::vector<std::string>& checkpoints, const std::string& scene, const std::string& groups)
     : first_file_(checkpoints.front()), merged_(mergeCheckpoints({checkpoints.begin(), checkpoints.end()})) {
   if (!scene.empty()) {
-    of_ = std::make_unique<LoadedScene>(scene, sceneOptionsOf(merged_.settings),
+    of_ = std::make_unique<LoadedScene>(scene, groups, sceneOptionsOf(merged_.settings),
                                         findSetting(merged_.settings, "--two-sided") == "yes");
     const std::string computed = findSetting(merged_.settings, "scene").value_or("");
     if (identityOf(of_->scene) != computed)

@@ -12,9 +12,9 @@ namespace viewpeel::program {
 class StoredRun {
  public:
   // Reads and adds up checkpoints.
-  //   In: scene: the file that was computed; empty where it is not at hand
+  //   In: scene: the file that was computed; empty where it is not at hand; groups: names of its faces, as of --groups
   //   Throws: as mergeCheckpoints and loadScene; Error bad_usage for another scene than the checkpoints'.
-  StoredRun(const std::vector<std::string>& checkpoints, const std::string& scene);
+  StoredRun(const std::vector<std::string>& checkpoints, const std::string& scene, const std::string& groups = "");
   ~StoredRun();
 
   const Checkpoint& merged() const { return merged_; }

@@ -11,15 +11,6 @@ namespace {
 
 std::vector<std::string> kept;
 
-// Returns whether words may be coloured: on a terminal, unless the user wants none (https://no-color.org).
-bool isColoured() {
-  static const bool is_coloured = [] {
-    const char *no_color = std::getenv("NO_COLOR"), *terminal = std::getenv("TERM");
-    return ::isatty(STDERR_FILENO) && !(no_color && *no_color) && !(terminal && std::string(terminal) == "dumb");
-  }();
-  return is_coloured;
-}
-
 constexpr const char *kRed = "\033[1;31m", *kYellow = "\033[1;33m", *kPlain = "\033[0m";
 
 // Where stderr is full, fmt::print would throw.
@@ -33,6 +24,14 @@ void print(const char* colour, const std::string& word, std::string text) {
 }
 
 }  // namespace
+
+bool isColoured() {
+  static const bool is_coloured = [] {
+    const char *no_color = std::getenv("NO_COLOR"), *terminal = std::getenv("TERM");
+    return ::isatty(STDERR_FILENO) && !(no_color && *no_color) && !(terminal && std::string(terminal) == "dumb");
+  }();
+  return is_coloured;
+}
 
 void warn(const std::string& text) {
   kept.push_back(text);

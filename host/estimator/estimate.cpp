@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sums/add_pairs.h"
+#include "estimator/find_guesses.h"
 
 namespace viewpeel {
 
@@ -24,21 +24,12 @@ Estimate makeEstimate(const RunSums& sums, double relative_floor, FormFactors al
                     sums.replicateCount(),     sums.directions,
                     largestStandardError(all), largestRelativeError(all, relative_floor)};
   const std::vector<double> areas = all.ids().areas;
-  const std::vector<VisibilitySums::PairSum> no_sums;
-  const std::vector<DirectedPair> no_pairs;
-  const bool by_face = sums.prior_sums && sums.prior_sums->by() == By::polygon;
-  const auto& counted = by_face ? sums.prior_sums->byFace().pairs() : no_sums;
-  const auto& directed = by_face ? sums.prior_sums->prior().directed : no_pairs;
-  auto at = counted.begin();
-  auto next_directed = directed.begin();
-  const auto isAmong = [](const auto& pairs, auto& next, const FormFactors::Entry& entry) {
-    while (next != pairs.end() && keyOf(*next) < keyOf(entry)) ++next;
-    return next != pairs.end() && keyOf(*next) == keyOf(entry);
-  };
+  const std::vector<std::pair<uint32_t, uint32_t>> guesses = findGuesses(sums, all);
+  auto guess = guesses.begin();
   for (const FormFactors::Entry& entry : all.entries()) {
     if (entry.j >= kEnvironment) continue;
-    const bool is_unmet =
-        by_face && entry.i != entry.j && !isAmong(counted, at, entry) && !isAmong(directed, next_directed, entry);
+    const bool is_unmet = guess != guesses.end() && *guess == std::pair(entry.i, entry.j);
+    if (is_unmet) ++guess;
     if (!is_unmet && entry.exchange_area.value > 0) continue;
     const double error = entry.exchange_area.standard_error / std::min(areas[entry.i], areas[entry.j]);
     uint64_t& pairs = is_unmet ? estimate.unmet_pairs : estimate.unseen_pairs;

@@ -5,7 +5,6 @@
 #include <fmt/ostream.h>
 
 #include <viewpeel/error.h>
-#include "io/csv.h"
 #include "io/each_entry.h"
 #include "io/shown_rows.h"
 #include "io/write_file.h"
@@ -18,7 +17,25 @@ namespace {
 
 // Formats stand in the order in which users are told of them.
 // Elmer's text and bytes have one extension; a name that ends in .bin.dat has bytes.
-enum class Format { csv, mtx, npz, h5, json, vtp, vwf, html, idf, epjson, fdf, dat, moose, foam };
+enum class Format {
+  csv,
+  rows,
+  mtx,
+  mtx_errors,
+  npz_errors,
+  npz,
+  h5,
+  json,
+  vtp,
+  vwf,
+  html,
+  idf,
+  epjson,
+  fdf,
+  dat,
+  moose,
+  foam
+};
 constexpr std::array<std::pair<const char*, Format>, 13> kExtensions = {{{".csv", Format::csv},
                                                                          {".mtx", Format::mtx},
                                                                          {".npz", Format::npz},
@@ -36,6 +53,10 @@ constexpr std::array<std::pair<const char*, Format>, 13> kExtensions = {{{".csv"
 Format formatOf(const std::filesystem::path& file) {
   std::error_code failure;
   if (std::filesystem::is_directory(file, failure) && isFoamCase(file)) return Format::foam;
+  const std::string end = file.stem().extension().string() + file.extension().string();
+  if (end == ".rows.csv") return Format::rows;
+  if (end == ".errors.mtx") return Format::mtx_errors;
+  if (end == ".errors.npz") return Format::npz_errors;
   for (const auto& [extension, format] : kExtensions)
     if (file.extension() == extension) return format;
   throw Error(ErrorCode::bad_usage,
@@ -47,13 +68,23 @@ Format formatOf(const std::filesystem::path& file) {
 
 bool isBuilding(Format format) { return format == Format::idf || format == Format::epjson; }
 
+// Returns a matrix of the standard errors, of the same entries.
+FormFactors errorsOf(const FormFactors& form_factors) {
+  std::vector<FormFactors::Entry> entries = form_factors.entries();
+  for (FormFactors::Entry& entry : entries) entry.exchange_area.value = entry.exchange_area.standard_error;
+  return {form_factors.ids(), std::move(entries), form_factors.rowSums()};
+}
+
 // Balanced form factors have a file of their own.
 bool hasBalancedFile(Format format) { return format == Format::mtx || format == Format::npz; }
 
 void writeAs(Format format, const OutputContent& content, const std::filesystem::path& file, std::ostream& out) {
-  if (format == Format::csv) writeCsv(content.form_factors, out, content.balanced, content.balanced_column);
+  if (format == Format::csv) writeCsv(content, out);
+  if (format == Format::rows) writeRows(content, out);
   if (format == Format::mtx) writeMatrixMarket(content.form_factors, out);
+  if (format == Format::mtx_errors) writeMatrixMarket(errorsOf(content.form_factors), out, "standard errors");
   if (format == Format::npz) writeNpz(content.form_factors, out);
+  if (format == Format::npz_errors) writeNpz(errorsOf(content.form_factors), out);
   if (format == Format::h5) writeHdf5(content, out);
   if (format == Format::json) writeJson(content, out);
   if (format == Format::vtp) writeVtp(content, out);
@@ -75,31 +106,13 @@ void requireContent(const std::filesystem::path& file, bool has_scene) {
 
 }  // namespace
 
-void writeCsv(const FormFactors& form_factors, std::ostream& out, const FormFactors* balanced,
-              const char* balanced_column) {
-  const auto& names = form_factors.ids().names;
-  const bool has_intervals = form_factors.hasIntervals();
-  out << "from,to,form_factor,standard_error" << (has_intervals ? ",lower,upper" : "");
-  if (balanced) out << ',' << balanced_column;
-  out << '\n';
-  forEachEntry(form_factors, [&](uint32_t i, uint32_t j, const Measured& f) {
-    const std::string to = j == kEnvironment ? "environment" : j == kLeak ? "leak" : quoteName(names[j]);
-    fmt::print(out, "{},{},{},{}", quoteName(names[i]), to, f.value, f.standard_error);
-    if (has_intervals) {
-      const Interval interval = form_factors.interval(i, j);
-      fmt::print(out, ",{},{}", interval.lower, interval.upper);
-    }
-    if (balanced) fmt::print(out, ",{}", balanced->formFactor(i, j).value);
-    out << '\n';
-  });
-}
-
 void writeMatrixMarket(const FormFactors& form_factors, std::ostream& out, const char* what) {
   const Ids& ids = form_factors.ids();
   uint64_t nonzeros = 0;
   forEachEntry(form_factors, [&](uint32_t, uint32_t j, const Measured&) { nonzeros += j < kEnvironment; });
   fmt::print(out,
-             "%%MatrixMarket matrix coordinate real general\n% {}; per row: number, area, environment share, name\n",
+             "%%MatrixMarket matrix coordinate real general\n% {}; per row: number, area, environment share, name\n"
+             "% rows and columns stand in the order of the scene file's faces, or with --by surface of its surfaces\n",
              what);
   const std::vector<uint32_t> rows = ids.rows();
   auto empty = ids.empty_rows.begin();
@@ -131,6 +144,12 @@ void writeFormFactors(const OutputContent& content, const std::filesystem::path&
     if (format == Format::mtx) writeMatrixMarket(*content.balanced, out, "balanced form factors");
     else writeNpz(*content.balanced, out);
   });
+}
+
+void writeFormFactors(const OutputContent& content, std::ostream& out, const std::string& format) {
+  const std::filesystem::path file = "output." + format;
+  requireContent(file, content.scene != nullptr);
+  writeAs(formatOf(file), content, file, out);
 }
 
 void writeFormFactors(const FormFactors& form_factors, const std::filesystem::path& file, const FormFactors* balanced) {

@@ -5,12 +5,15 @@
 #include <cmath>
 #include <limits>
 
+#include "io/guesses.h"
 #include "io/hdf5_file.h"
 #include "io/read_report.h"
+#include "io/each_entry.h"
 #include "io/shown_rows.h"
 #include <viewpeel/sparse_rows.h>
 #include "io/writers.h"
 #include "report/write_page.h"
+#include <viewpeel/drop_below.h>
 #include <viewpeel/solve.h>
 
 namespace viewpeel {
@@ -34,7 +37,8 @@ void addMatrix(Hdf5Output& out, const std::string& group, const SparseRows& rows
 }
 
 // Links the pairs to the names that xarray's users see. They are the columns of the groups, and take no room.
-void addPairs(Hdf5Output& out, const SparseRows& rows, bool with_balance) {
+void addPairs(Hdf5Output& out, const SparseRows& rows, const OutputContent& content) {
+  const bool with_balance = content.balanced != nullptr;
   std::vector<int64_t> places;
   std::vector<int32_t> from;
   for (int64_t i = 0; i < rows.rowCount(); ++i)
@@ -59,12 +63,21 @@ void addPairs(Hdf5Output& out, const SparseRows& rows, bool with_balance) {
       out.link(name, name + "_bounds/data");
       of_pairs.push_back(name);
     }
+  if (hasGuesses(content)) {
+    std::vector<uint8_t> is_guess;
+    forEachEntry(content.form_factors, [&](uint32_t i, uint32_t j, const Measured&) {
+      if (j < kEnvironment) is_guess.push_back(isGuess(content, i, j));
+    });
+    out.write("is_guess", is_guess);
+    of_pairs.push_back("is_guess");
+  }
   for (const std::string& column : of_pairs) out.useScale(column, "pair");
   for (const std::string& column : of_pairs)
     if (column != "from" && column != "to") out.setAttribute(column, "units", std::string("1"));
 }
 
-void addRows(Hdf5Output& out, const FormFactors& form_factors) {
+void addRows(Hdf5Output& out, const OutputContent& content) {
+  const FormFactors& form_factors = content.form_factors;
   const Ids& ids = form_factors.ids();
   std::vector<int32_t> numbers(ids.rowCount());
   for (size_t row = 0; row < numbers.size(); ++row) numbers[row] = static_cast<int32_t>(row);
@@ -93,6 +106,11 @@ void addRows(Hdf5Output& out, const FormFactors& form_factors) {
     if (!form_factors.hasIntervals()) continue;
     addColumn(std::string(name) + "_lower", "1", [&](uint32_t id) { return form_factors.interval(id, column).lower; });
     addColumn(std::string(name) + "_upper", "1", [&](uint32_t id) { return form_factors.interval(id, column).upper; });
+  }
+  if (content.dropped) {
+    addColumn("dropped", "1", [&](uint32_t id) { return content.dropped->sums[id].value; });
+    addColumn("dropped_standard_error", "1", [&](uint32_t id) { return content.dropped->sums[id].standard_error; });
+    out.setAttribute("/", "drop_below", content.dropped->least);
   }
   addColumn("row_sum", "1", [&](uint32_t id) { return form_factors.rowSums()[id].value; });
   addColumn("row_sum_standard_error", "1", [&](uint32_t id) { return form_factors.rowSums()[id].standard_error; });
@@ -205,11 +223,12 @@ std::vector<char> makeHdf5(const OutputContent& content) {
     addMatrix(file, "lower_bounds", rows, rows.lower);
     addMatrix(file, "upper_bounds", rows, rows.upper);
   }
-  addPairs(file, rows, content.balanced != nullptr);
-  addRows(file, form_factors);
+  addPairs(file, rows, content);
+  addRows(file, content);
   if (content.heat) addHeat(file, form_factors.ids(), *content.heat);
   if (content.scene) addGeometry(file, *content.scene, form_factors.ids());
   file.setAttribute("/", "viewpeel_result_format", kResultFormat);
+  file.setAttribute("/", "row_order", std::string("faces of the scene file, or with by=surface its surfaces"));
   if (content.scene)
     file.setAttribute("/", "scene_file", std::filesystem::path(content.scene->file).filename().string());
   for (const auto& [name, value] : content.parameters) addParameter(file, name, value);

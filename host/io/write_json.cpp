@@ -5,8 +5,10 @@
 #include <nlohmann/json.hpp>
 
 #include "io/each_entry.h"
-#include <viewpeel/sparse_rows.h>
+#include "io/guesses.h"
 #include "io/writers.h"
+#include <viewpeel/drop_below.h>
+#include <viewpeel/sparse_rows.h>
 
 namespace viewpeel {
 namespace {
@@ -19,11 +21,12 @@ std::string quoteText(const std::string& text) {
   return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-void writeRows(const FormFactors& form_factors, std::ostream& out) {
+void writeRowObjects(const OutputContent& content, std::ostream& out) {
+  const FormFactors& form_factors = content.form_factors;
   const Ids& ids = form_factors.ids();
   const std::vector<uint32_t> rows = ids.rows();
   const std::vector<std::string> names = rowNames(ids);
-  out << "  \"rows\": [";
+  out << "  \"row_order\": \"faces of the scene file, or with by surface its surfaces\",\n  \"rows\": [";
   uint32_t id = 0;
   for (uint32_t row = 0; row < ids.rowCount(); ++row) {
     fmt::print(out, "{}\n    {{\"name\": {}", row ? "," : "", quoteText(names[row]));
@@ -44,6 +47,9 @@ void writeRows(const FormFactors& form_factors, std::ostream& out) {
     if (ids.isRequested(id) && ids.rows_sum_to_one)
       fmt::print(out, ", \"row_sum\": {}, \"row_sum_standard_error\": {}", numberOf(form_factors.rowSums()[id].value),
                  numberOf(form_factors.rowSums()[id].standard_error));
+    if (content.dropped && ids.isRequested(id))
+      fmt::print(out, ", \"dropped\": {}, \"dropped_standard_error\": {}", numberOf(content.dropped->sums[id].value),
+                 numberOf(content.dropped->sums[id].standard_error));
     if (!ids.isRequested(id)) out << ", \"is_requested\": false";
     out << "}";
     ++id;
@@ -53,13 +59,15 @@ void writeRows(const FormFactors& form_factors, std::ostream& out) {
 
 }  // namespace
 
-void writeJsonMembers(const FormFactors& form_factors, const FormFactors* balanced, std::ostream& out) {
-  writeRows(form_factors, out);
-  const bool has_intervals = form_factors.hasIntervals();
+void writeJsonMembers(const OutputContent& content, std::ostream& out) {
+  const FormFactors &form_factors = content.form_factors, *balanced = content.balanced;
+  writeRowObjects(content, out);
+  const bool has_intervals = form_factors.hasIntervals(), has_guesses = hasGuesses(content);
   fmt::print(out,
              ",\n  \"form_factors\": {{\n    \"columns\": [\"from\", \"to\", \"form_factor\", "
-             "\"standard_error\"{}{}],\n    \"entries\": [",
-             has_intervals ? ", \"lower\", \"upper\"" : "", balanced ? ", \"balanced_form_factor\"" : "");
+             "\"standard_error\"{}{}{}],\n    \"entries\": [",
+             has_intervals ? ", \"lower\", \"upper\"" : "", has_guesses ? ", \"is_guess\"" : "",
+             balanced ? ", \"balanced_form_factor\"" : "");
   const std::vector<uint32_t> rows = form_factors.ids().rows();
   const char* separator = "\n";
   forEachEntry(form_factors, [&](uint32_t i, uint32_t j, const Measured& f) {
@@ -70,6 +78,7 @@ void writeJsonMembers(const FormFactors& form_factors, const FormFactors* balanc
       const Interval interval = form_factors.interval(i, j);
       fmt::print(out, ", {}, {}", interval.lower, interval.upper);
     }
+    if (has_guesses) out << (isGuess(content, i, j) ? ", true" : ", false");
     if (balanced) fmt::print(out, ", {}", balanced->formFactor(i, j).value);
     out << "]";
     separator = ",\n";
@@ -82,7 +91,7 @@ void writeJson(const OutputContent& content, std::ostream& out) {
   for (const auto& [name, value] : content.parameters)
     fmt::print(out, "  {}: {},\n", quoteText(name), quoteText(value));
   if (content.scene) fmt::print(out, "  \"scene_file\": {},\n", quoteText(content.scene->file));
-  writeJsonMembers(content.form_factors, content.balanced, out);
+  writeJsonMembers(content, out);
   out << "\n}\n";
 }
 

@@ -6,6 +6,12 @@
 
 namespace viewpeel {
 
+// The same as the public writeCsv, with a column that marks guesses.
+void writeCsv(const OutputContent& content, std::ostream& out);
+
+// A line for each row of the file, empty rows too: `row,name,area,environment,...`.
+void writeRows(const OutputContent& content, std::ostream& out);
+
 //   Throws: Error limit beyond 2^31 - 1 rows.
 void writeNpz(const FormFactors& form_factors, std::ostream& out);
 
@@ -15,8 +21,7 @@ void writeHdf5(const OutputContent& content, std::ostream& out);
 // Writes one JSON object: parameters, rows and form factors.
 void writeJson(const OutputContent& content, std::ostream& out);
 // Writes `"rows": [...], "form_factors": {...}`, the members of an object (docs/formats.md).
-//   In: balanced: nullptr where there are none
-void writeJsonMembers(const FormFactors& form_factors, const FormFactors* balanced, std::ostream& out);
+void writeJsonMembers(const OutputContent& content, std::ostream& out);
 
 // Writes a page of what writeHdf5 would write, and so takes the memory of both.
 //   In: file: for messages    Throws: as writeHdf5 and writePage.

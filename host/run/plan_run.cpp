@@ -202,6 +202,7 @@ void FormFactorRun::State::makeLineGuarantee() {
 
 void FormFactorRun::State::makePlan() {
   start = Clock::now();
+  enter(Progress::Phase::planning);
   if (const std::string option = optionAgainstPromise(setup.request()); !option.empty())
     no_promise = fmt::format("{} asks for an estimate", option);
   if (setup.guarantee()) planGuarantee();

@@ -66,6 +66,10 @@ struct FormFactorRun::State {
   void reportProgress() const {
     if (observer.on_progress) observer.on_progress(progress);
   }
+  void enter(Progress::Phase phase) {
+    progress.phase = phase;
+    reportProgress();
+  }
   void onBatch(uint64_t directions) {
     stopIfRequested();
     if (setup.guarantee()) return;  // it counts blocks

@@ -12,6 +12,7 @@ namespace viewpeel {
 
 void FormFactorRun::State::findPrior() {
   if (!setup.usesUnoccluded() || setup.guarantee() || resumed || prior_summary) return;
+  enter(Progress::Phase::unoccluded);
   EstimateOptions pilot = setup.estimate();
   pilot.directions = plan->directions;
   pilot.pairs = &pairs;
@@ -61,6 +62,8 @@ double FormFactorRun::State::commonCountArea() const {
 }
 
 void FormFactorRun::State::begin() {
+  progress.phase = Progress::Phase::counting;
+  progress.directions = 0;
   if (line_guarantee) return beginLineGuarantee();
   if (guarantee) {
     GuaranteeOptions options = setup.guaranteeOptions();

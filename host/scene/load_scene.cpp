@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <viewpeel/error.h>
+#include "scene/read_groups.h"
 #include "scene/readers.h"
 
 namespace viewpeel {
@@ -38,11 +39,11 @@ std::string extensionOf(const fs::path& file) {
 
 }  // namespace
 
-Scene loadScene(const fs::path& file, const SceneOptions& options) {
+InputScene readScene(const fs::path& file) {
   std::error_code failure;
   const fs::file_status status = fs::status(file, failure);
   if (status.type() == fs::file_type::not_found) refuse(file, "no such file; check the name");
-  if (status.type() == fs::file_type::directory) return buildScene(readFoam(file), options);
+  if (status.type() == fs::file_type::directory) return readFoam(file);
   // Readers open a file more than once, and would wait for ever on a pipe.
   if (fs::exists(status) && !fs::is_regular_file(status)) refuse(file, "is not a regular file; write the scene to one");
   errno = 0;
@@ -52,10 +53,12 @@ Scene loadScene(const fs::path& file, const SceneOptions& options) {
   in.close();
   const std::string extension = extensionOf(file);
   for (const auto& [name, read] : kReaders)
-    if (extension == name) return buildScene(read(file), options);
+    if (extension == name) return read(file);
   refuse(file,
          "unknown format; use .obj, .stl, .ply, .gltf, .glb, .vs3, .inp, .msh, .vtp, .vtu, .idf or .epJSON, or the "
          "folder of an OpenFOAM case");
 }
+
+Scene loadScene(const fs::path& file, const SceneOptions& options) { return buildScene(readScene(file), options); }
 
 }  // namespace viewpeel

@@ -23,6 +23,9 @@ using Settings = std::vector<std::pair<std::string, std::string>>;
 
 // Progress says how far a run has come.
 struct Progress {
+  // The run makes its plan, computes unoccluded form factors and a pilot of them, or counts.
+  enum class Phase { planning, unoccluded, counting };
+  Phase phase = Phase::planning;
   uint64_t replicates = 0;                   // complete replicates; for a guarantee complete blocks
   double largest_standard_error = INFINITY;  // over all form factors; infinite before it is measured
   // These are the directions counted in the current replicate, and the directions that it has in all. The second number

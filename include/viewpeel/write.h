@@ -10,6 +10,7 @@
 
 namespace viewpeel {
 
+struct DroppedSums;
 struct HeatSolution;
 
 // This is the .csv column of balanced form factors. Version 0.1 used the older name, which `--closure` keeps until 0.3.
@@ -54,11 +55,16 @@ struct OutputContent {
   // compare the name accept "none".
   std::string ccx_version = "2.20";
   const char* balanced_column = kBalancedColumn;  // column of .csv for `balanced`
+  // Pairs (i, j) with i < j, ascending, whose entries are guesses: files mark them. May be nullptr.
+  const std::vector<std::pair<uint32_t, uint32_t>>* guesses = nullptr;
+  const DroppedSums* dropped = nullptr;  // what dropBelow() left out of the form factors
 };
 
-// Writes a file by its extension: .csv, .mtx, .npz, .h5, .vtp, .html, .vwf, .idf, .epJSON, .fdf, .dat or .i, or the
+// Writes a file by its extension: .csv, .mtx, .npz, .h5, .json, .vtp, .html, .vwf, .idf, .epJSON, .fdf, .dat or .i, or the
 // files of an OpenFOAM case into its folder (docs/formats.md). The file is written under another name and then renamed,
 // so no reader ever sees a part of it.
+//   NAME.rows.csv has a line for each row: area, environment, leak, row sum and errors. NAME.errors.mtx and
+//     NAME.errors.npz have the standard errors.
 //   With balanced form factors .csv has one more column, and .h5 one more group. NAME.mtx and NAME.npz get a second
 //   file,
 //     NAME.balanced.mtx or NAME.balanced.npz. Files for other programs have only the balanced form factors. A .vtp
@@ -71,6 +77,11 @@ struct OutputContent {
 //     memory; Error output, naming the file and the system's reason.
 //   Cost: O(nonzeros + polygons). .h5, .html and .vtp are made in memory; .vwf has 8 n^2 bytes.
 void writeFormFactors(const OutputContent& content, const std::filesystem::path& file);
+
+// Writes what a file of this ending would hold.
+//   In: format: csv, rows.csv, mtx, errors.mtx, npz, errors.npz, h5, json or vtp
+//   Throws: as above; a failure to write is out's state.
+void writeFormFactors(const OutputContent& content, std::ostream& out, const std::string& format);
 
 // Writes form factors without any other content.    In: balanced: balanced form factors, or nullptr
 void writeFormFactors(const FormFactors& form_factors, const std::filesystem::path& file,

@@ -59,7 +59,7 @@ assert [r.get('is_empty', False) for r in d['rows']].count(True) == 1
 }
 
 TEST_F(Json, OfTheOtherCommands) {
-  expect(fmt::format("plan {} --tolerance 1e-2", kOffice), 0,
+  expect(fmt::format("plan {} --tolerance 1e-2 --replicates 8", kOffice), 0,
          "assert d['command'] == 'plan' and d['plan']['pair_lines']['lines'] > 0 and d['polygons'] == 576\n");
   expect("plan " VIEWPEEL_SCENES "/cube.obj --epsilon 0.1 --pair-lines off", 0,
          "assert d['plan']['guarantee']['most_blocks'] >= d['plan']['guarantee']['expected_blocks'] > 0\n");

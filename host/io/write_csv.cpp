@@ -1,0 +1,37 @@
+// Writes the nonzero form factors as comma-separated values, a line each.
+#include <fmt/ostream.h>
+
+#include "io/csv.h"
+#include "io/each_entry.h"
+#include "io/guesses.h"
+#include "io/writers.h"
+
+namespace viewpeel {
+
+void writeCsv(const FormFactors& form_factors, std::ostream& out, const FormFactors* balanced,
+              const char* balanced_column) {
+  writeCsv({.form_factors = form_factors, .balanced = balanced, .balanced_column = balanced_column}, out);
+}
+
+void writeCsv(const OutputContent& content, std::ostream& out) {
+  const FormFactors& form_factors = content.form_factors;
+  const auto& names = form_factors.ids().names;
+  const bool has_intervals = form_factors.hasIntervals(), has_guesses = hasGuesses(content);
+  out << "from,to,form_factor,standard_error" << (has_intervals ? ",lower,upper" : "");
+  if (has_guesses) out << ",is_guess";
+  if (content.balanced) out << ',' << content.balanced_column;
+  out << '\n';
+  forEachEntry(form_factors, [&](uint32_t i, uint32_t j, const Measured& f) {
+    const std::string to = j == kEnvironment ? "environment" : j == kLeak ? "leak" : quoteName(names[j]);
+    fmt::print(out, "{},{},{},{}", quoteName(names[i]), to, f.value, f.standard_error);
+    if (has_intervals) {
+      const Interval interval = form_factors.interval(i, j);
+      fmt::print(out, ",{},{}", interval.lower, interval.upper);
+    }
+    if (has_guesses) out << (isGuess(content, i, j) ? ",1" : ",0");
+    if (content.balanced) fmt::print(out, ",{}", content.balanced->formFactor(i, j).value);
+    out << '\n';
+  });
+}
+
+}  // namespace viewpeel

@@ -1,0 +1,66 @@
+// Writes a line for each row of the file: area, environment, leak, row sum and errors, which a matrix alone has not.
+#include <cmath>
+
+#include <fmt/ostream.h>
+
+#include "io/csv.h"
+#include "io/each_entry.h"
+#include "io/guesses.h"
+#include "io/writers.h"
+#include <viewpeel/drop_below.h>
+#include <viewpeel/sparse_rows.h>
+
+namespace viewpeel {
+namespace {
+
+// RowFigures are taken over the entries of a row.
+struct RowFigures {
+  double largest_standard_error = 0, guessed = 0;
+};
+
+std::vector<RowFigures> figuresOf(const OutputContent& content) {
+  std::vector<RowFigures> figures(content.form_factors.ids().count());
+  forEachEntry(content.form_factors, [&](uint32_t i, uint32_t j, const Measured& f) {
+    figures[i].largest_standard_error = std::max(figures[i].largest_standard_error, f.standard_error);
+    if (isGuess(content, i, j)) figures[i].guessed += f.value;
+  });
+  return figures;
+}
+
+}  // namespace
+
+void writeRows(const OutputContent& content, std::ostream& out) {
+  const FormFactors& form_factors = content.form_factors;
+  const Ids& ids = form_factors.ids();
+  const bool has_intervals = form_factors.hasIntervals(), has_guesses = hasGuesses(content);
+  out << "row,name,area,environment,environment_standard_error,leak,leak_standard_error,row_sum,"
+         "row_sum_standard_error,largest_standard_error";
+  if (has_intervals) out << ",environment_lower,environment_upper,leak_lower,leak_upper";
+  if (has_guesses) out << ",guessed";
+  if (content.dropped) out << ",dropped,dropped_standard_error";
+  out << '\n';
+  const std::vector<RowFigures> figures = figuresOf(content);
+  const std::vector<uint32_t> rows = ids.rows();
+  const std::vector<std::string> names = rowNames(ids);
+  uint32_t id = 0;
+  for (uint32_t row = 0; row < ids.rowCount(); ++row) {
+    const bool is_empty = id == ids.count() || rows[id] != row;
+    fmt::print(out, "{},{},{}", row + 1, quoteName(names[row]), is_empty ? 0 : ids.areas[id]);
+    const auto print = [&](const Measured& value) { fmt::print(out, ",{},{}", value.value, value.standard_error); };
+    const bool is_shown = !is_empty && ids.isRequested(id);
+    for (uint32_t j : {kEnvironment, kLeak}) print(is_shown ? form_factors.formFactor(id, j) : Measured{});
+    print(is_shown ? form_factors.rowSums()[id] : Measured{});
+    fmt::print(out, ",{}", is_shown ? figures[id].largest_standard_error : 0);
+    if (has_intervals)
+      for (uint32_t j : {kEnvironment, kLeak}) {
+        const Interval interval = is_shown ? form_factors.interval(id, j) : Interval{};
+        fmt::print(out, ",{},{}", interval.lower, interval.upper);
+      }
+    if (has_guesses) fmt::print(out, ",{}", is_shown ? figures[id].guessed : 0);
+    if (content.dropped) print(is_shown ? content.dropped->sums[id] : Measured{});
+    out << '\n';
+    if (!is_empty) ++id;
+  }
+}
+
+}  // namespace viewpeel

@@ -1,0 +1,26 @@
+// A file of groups names the faces of a scene whose format has no names: binary STL and PLY.
+#pragma once
+#include <filesystem>
+
+#include <viewpeel/scene.h>
+
+namespace viewpeel {
+
+// Gives faces the names of a .csv file: lines `face,name`, where face is a number from 1 or a range of them like 12-40.
+// A header `face,name`, empty lines and comments after # are passed over. Names with commas or quotes are quoted as in
+// RFC 4180. Faces that no line names keep their surface.
+//   In: scene: as its reader made it
+//   Throws: Error bad_input naming file and line: a face that the scene has not, or that an earlier line names; a line
+//     without a name.    Cost: O(faces + lines).
+void nameFaces(const std::filesystem::path& groups, InputScene& scene);
+
+// Reads a .stl or .ply file, names its faces, and builds the scene.
+//   In: file, options: as of loadScene; groups: empty for none
+//   Throws: as loadScene and nameFaces; Error bad_usage for groups of another format.
+Scene loadGroupedScene(const std::filesystem::path& file, const std::filesystem::path& groups,
+                       const SceneOptions& options);
+
+// Reads a file without building the scene.    Throws: as loadScene.
+InputScene readScene(const std::filesystem::path& file);
+
+}  // namespace viewpeel

@@ -1,0 +1,92 @@
+#include "program/compute_options.h"
+
+#include <filesystem>
+
+#include "program/option_table.h"
+#include "program/options.h"
+#include "program/request_options.h"
+#include <viewpeel/error.h>
+
+namespace viewpeel::program {
+namespace {
+
+// With --closure the balanced matrix is also written under the name that version 0.1 gave it.
+std::vector<std::string> olderFilesOf(const std::vector<std::string>& outputs) {
+  std::vector<std::string> files;
+  for (const std::string& output : outputs)
+    if (const std::filesystem::path file = output; file.extension() == ".mtx" && file.stem().extension() != ".errors")
+      files.push_back(std::filesystem::path(file).replace_extension(".closed.mtx").string());
+  return files;
+}
+
+std::vector<PlannedFile> filesOf(const ComputeOptions& options) {
+  std::vector<std::string> names;
+  for (const std::string& output : options.output.files)
+    for (const std::filesystem::path& file : viewpeel::filesOf(output, options.request.balance))
+      names.push_back(file.string());
+  names.insert(names.end(), options.older_files.begin(), options.older_files.end());
+  return planFiles(names);
+}
+
+// Checkpoints keep estimates.
+void leaveOutPromise(Request& request) {
+  if (request.promise.value_or(false))
+    throw Error(ErrorCode::bad_usage, "--checkpoint keeps no promise; leave out one of --checkpoint and --promise on");
+  if (!std::holds_alternative<EpsilonDelta>(request.goal)) request.promise = false;
+}
+
+void requireAgreement(const ComputeOptions& options) {
+  if (options.json && options.output.to_stdout)
+    throw Error(ErrorCode::bad_usage, "--json and -o - both print on standard output; leave out one of them");
+  if (options.output.drop_below > 0 && options.request.balance)
+    throw Error(ErrorCode::bad_usage, "--balance adjusts all form factors; leave out --drop-below");
+}
+
+}  // namespace
+
+std::function<std::shared_ptr<ComputeOptions>()> addComputeOptions(CLI::App* command) {
+  const auto request_options = addRequestOptions(command);
+  const auto options = std::make_shared<ComputeOptions>();
+  startGroup(command, kOutput);
+  addOutputOptions(command, options->output);
+  command->add_flag("--balance", request_options->request.balance,
+                    "Closed scenes: also the nearest form factors whose rows sum to 1, beside those measured");
+  command->add_flag("--closure", options->older_names,
+                    "The older name of --balance, until 0.3: its .csv column has its older name, closed_form_factor, "
+                    "and NAME.closed.mtx is written, too");
+  startGroup(command, kLongRuns);
+  addCheckpointOptions(command, options->checkpoint);
+  startGroup(command, kOutput);
+  CLI::Option* quiet = command->add_flag("--quiet", options->quiet, "Print nothing but errors and warnings");
+  CLI::Option* verbose =
+      command->add_flag("--verbose", options->verbose, "Print how work and memory are divided, too")->excludes(quiet);
+  command->add_flag("--json", options->json, kJsonHelp)->excludes(quiet)->excludes(verbose);
+  return [=] {
+    options->scene = request_options->scene;
+    options->groups = request_options->groups;
+    options->request = requestOf(command, *request_options);
+    if (options->keepsCheckpoint()) leaveOutPromise(options->request);
+    options->request.balance |= options->older_names;
+    options->request.measure_work = options->json;
+    settleOutputs(command, options->output);
+    if (options->older_names) options->older_files = olderFilesOf(options->output.files);
+    requireAgreement(*options);
+    options->files = filesOf(*options);
+    return options;
+  };
+}
+
+void checkFiles(const ComputeOptions& options) {
+  std::vector<std::string> outputs = options.output.files;
+  outputs.insert(outputs.end(), options.older_files.begin(), options.older_files.end());
+  checkOutputs(outputs, options.checkpoint.file, options.request.balance);
+  if (options.keepsCheckpoint() && !options.checkpoint.resume) requireNewCheckpoint(options.checkpoint.file);
+}
+
+void checkScene(const ComputeOptions& options, const Scene& scene) {
+  const Ids ids = makeIds(scene, options.request.by, options.request.two_sided);
+  checkShown(scene, ids, options.output.shown);
+  for (const std::string& output : options.output.files) checkRows(output, scene, ids);
+}
+
+}  // namespace viewpeel::program
