@@ -28,10 +28,10 @@ TEST(DropBelow, RowsKeepWhatWasLeftOut) {
   // F_02 is above the bound, so that the pair stays, both ways; environment and leak always stay.
   EXPECT_EQ(result.dropped.pairs, 2u);
   ASSERT_EQ(result.kept.entries().size(), 4u);
-  EXPECT_EQ(result.kept.formFactor(2, 0).value, 0.0004);
+  EXPECT_DOUBLE_EQ(result.kept.formFactor(2, 0).value, 0.0004);
   EXPECT_EQ(result.kept.formFactor(1, 2).value, 0);
   EXPECT_EQ(result.kept.formFactor(0, kEnvironment).value, 1e-5);
-  EXPECT_EQ(result.kept.formFactor(2, kLeak).value, 1e-6);
+  EXPECT_DOUBLE_EQ(result.kept.formFactor(2, kLeak).value, 1e-6);
   EXPECT_EQ(result.dropped.sums[0].value, 0);
   EXPECT_DOUBLE_EQ(result.dropped.sums[1].value, 0.002);
   EXPECT_DOUBLE_EQ(result.dropped.sums[2].value, 0.0004 + 0.001);
