@@ -94,7 +94,7 @@ void write(const ComputeOptions& options, const Result& result, const OutputCont
   const std::string remedy =
       options.keepsCheckpoint()
           ? fmt::format("; {0} has what was counted: viewpeel merge {0} -o FILE", options.checkpoint.file)
-          : "; the result is lost: a run with --checkpoint keeps it";
+          : "; a run with --checkpoint keeps what was counted";
   writeOutputs(content, options.output, may_ask, remedy);
   if (content.balanced)
     for (const std::string& file : options.older_files) writeFormFactors(OutputContent{*content.balanced}, file);

@@ -190,7 +190,7 @@ status, text = talk(limited + options, b'\n')
 assert status == 1 and 'the result was not written' in text, (status, text)
 # Without a terminal it is one line, with what to do.
 r = subprocess.run(limited + options + ['--quiet'], stdin=subprocess.DEVNULL, capture_output=True, text=True)
-assert r.returncode == 1 and r.stderr.count('\n') == 1 and 'a run with --checkpoint keeps it' in r.stderr, r
+assert r.returncode == 1 and r.stderr.count('\n') == 1 and 'a run with --checkpoint keeps what was counted' in r.stderr, r
 run = [vp, 'compute', office, '--directions', '20', '--unoccluded', 'off', '--quiet']
 subprocess.run(run + ['-o', 'free.csv', '--checkpoint', 'free.h5'], check=True)
 between = (os.path.getsize('free.csv') + os.path.getsize('free.h5')) // 2 // 512
