@@ -60,8 +60,8 @@ struct OutputContent {
   const DroppedSums* dropped = nullptr;  // what dropBelow() left out of the form factors
 };
 
-// Writes a file by its extension: .csv, .mtx, .npz, .h5, .json, .vtp, .html, .vwf, .idf, .epJSON, .fdf, .dat or .i, or the
-// files of an OpenFOAM case into its folder (docs/formats.md). The file is written under another name and then renamed,
+// Writes a file by its extension: .csv, .mtx, .npz, .h5, .json, .vtp, .html, .vwf, .idf, .epJSON, .fdf, .dat or .i, or
+// the files of an OpenFOAM case into its folder (docs/formats.md). The file is written under another name and then renamed,
 // so no reader ever sees a part of it.
 //   NAME.rows.csv has a line for each row: area, environment, leak, row sum and errors. NAME.errors.mtx and
 //     NAME.errors.npz have the standard errors.

@@ -62,7 +62,8 @@ TEST_F(DailyUse, RowsAndErrorsHaveFilesOfTheirOwn) {
 import scipy.sparse, scipy.io
 rows = list(csv.DictReader(open('a.rows.csv')))
 names = [r['name'] for r in rows]
-F, s, m = scipy.sparse.load_npz('a.npz').toarray(), scipy.sparse.load_npz('a.errors.npz').toarray(), scipy.io.mmread('a.errors.mtx').toarray()
+F, s = scipy.sparse.load_npz('a.npz').toarray(), scipy.sparse.load_npz('a.errors.npz').toarray()
+m = scipy.io.mmread('a.errors.mtx').toarray()
 assert (s == m).all() and s.max() > 0
 for r in csv.DictReader(open('a.csv')):
     i = names.index(r['from'])
@@ -72,7 +73,8 @@ for r in csv.DictReader(open('a.csv')):
     else:
         assert rows[i][r['to']] == r['form_factor'] and rows[i][r['to'] + '_standard_error'] == r['standard_error']
 for i, r in enumerate(rows):
-    assert float(r['largest_standard_error']) == max(list(s[i]) + [float(r['environment_standard_error']), float(r['leak_standard_error'])])
+    beside = [float(r['environment_standard_error']), float(r['leak_standard_error'])]
+    assert float(r['largest_standard_error']) == max(list(s[i]) + beside)
 assert float(rows[0]['area']) > 0 and '% rows and columns stand in the order' in open('a.errors.mtx').read()
 )");
 }
@@ -101,17 +103,20 @@ import struct
 def facet(a, b, c): return struct.pack('<12fH', 0, 0, 0, *a, *b, *c, 0)
 low = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
 high = [(x, y, 1) for x, y, _ in low]
-facets = [facet(low[0], low[1], low[2]), facet(low[0], low[2], low[3]), facet(high[2], high[1], high[0]), facet(high[3], high[2], high[0])]
+facets = [facet(low[0], low[1], low[2]), facet(low[0], low[2], low[3])]
+facets += [facet(high[2], high[1], high[0]), facet(high[3], high[2], high[0])]
 open('plates.stl', 'wb').write(b' ' * 80 + struct.pack('<I', 4) + b''.join(facets))
 open('groups.csv', 'w').write('face,name\n1-2,lower\n3,upper\n4,upper\n')
 def run(*more): return subprocess.run([vp, *more], capture_output=True, text=True)
-r = run('compute', 'plates.stl', '--groups', 'groups.csv', '--by', 'surface', '--tolerance', '1e-3', '--quiet', '-o', 'a.csv')
+options = ['--groups', 'groups.csv', '--by', 'surface', '--tolerance', '1e-3', '--quiet', '-o', 'a.csv']
+r = run('compute', 'plates.stl', *options)
 assert r.returncode == 0, r.stderr
 rows = {(r['from'], r['to']): float(r['form_factor']) for r in csv.DictReader(open('a.csv'))}
 assert abs(rows['lower', 'upper'] - 0.199825) < 4e-3, rows  # unit squares at distance 1
 open('groups.csv', 'a').write('9,upper\n')
 r = run('compute', 'plates.stl', '--groups', 'groups.csv')
-assert r.returncode == 2 and r.stderr == 'viewpeel: groups.csv:5: there is no face 9; the scene has faces 1 to 4\n', r.stderr
+said = 'viewpeel: groups.csv:5: there is no face 9; the scene has faces 1 to 4\n'
+assert r.returncode == 2 and r.stderr == said, r.stderr
 )");
 }
 
@@ -184,19 +189,23 @@ def talk(command, answer):
             answered = True
     return os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]), text.decode()
 status, text = talk(limited + options, b'small.npz\n')
-assert status == 0 and 'large.csv: cannot write: File too large' in text and 'written to small.npz' in text, (status, text)
+assert status == 0 and 'large.csv: cannot write: File too large' in text, (status, text)
+assert 'written to small.npz' in text, text
 assert os.path.exists('small.npz') and not os.path.exists('large.csv')
 status, text = talk(limited + options, b'\n')
 assert status == 1 and 'the result was not written' in text, (status, text)
 # Without a terminal it is one line, with what to do.
 r = subprocess.run(limited + options + ['--quiet'], stdin=subprocess.DEVNULL, capture_output=True, text=True)
-assert r.returncode == 1 and r.stderr.count('\n') == 1 and 'a run with --checkpoint keeps what was counted' in r.stderr, r
+assert r.returncode == 1 and r.stderr.count('\n') == 1, r
+assert 'a run with --checkpoint keeps what was counted' in r.stderr, r
 run = [vp, 'compute', office, '--directions', '20', '--unoccluded', 'off', '--quiet']
 subprocess.run(run + ['-o', 'free.csv', '--checkpoint', 'free.h5'], check=True)
 between = (os.path.getsize('free.csv') + os.path.getsize('free.h5')) // 2 // 512
-r = subprocess.run(['sh', '-c', f"trap '' XFSZ; ulimit -f {between}; exec \"$@\"", 'sh', *run, '-o', 'large.csv', '--checkpoint', 'c.h5'],
+limited = ['sh', '-c', f"trap '' XFSZ; ulimit -f {between}; exec \"$@\"", 'sh']
+r = subprocess.run(limited + run + ['-o', 'large.csv', '--checkpoint', 'c.h5'],
                    stdin=subprocess.DEVNULL, capture_output=True, text=True)
-assert r.returncode == 1 and r.stderr.count('\n') == 1 and 'c.h5 has what was counted: viewpeel merge c.h5 -o FILE' in r.stderr, r
+assert r.returncode == 1 and r.stderr.count('\n') == 1, r
+assert 'c.h5 has what was counted: viewpeel merge c.h5 -o FILE' in r.stderr, r
 subprocess.run([vp, 'merge', 'c.h5', '-o', 'later.csv', '--quiet'], check=True)
 assert open('later.csv').read() == open('free.csv').read()
 )");
@@ -205,7 +214,8 @@ assert open('later.csv').read() == open('free.csv').read()
 TEST_F(DailyUse, ProgressFitsATerminalAndALog) {
   judge(R"(
 import pty, re
-command = [vp, 'compute', office, '--by', 'surface', '--tolerance', '2e-3', '--pair-lines', 'off', '--unoccluded', 'on', '-o', 'a.csv']
+command = [vp, 'compute', office, '--by', 'surface', '--tolerance', '2e-3', '--pair-lines', 'off', '-o', 'a.csv']
+command += ['--unoccluded', 'on']
 def show(**environment):
     pid, terminal = pty.fork()
     if pid == 0: os.execvpe(command[0], command, {**os.environ, 'TERM': 'xterm', **environment})
@@ -224,7 +234,8 @@ assert all(len(line) < 80 for line in lines if line.startswith(phases)), lines  
 for phase in phases: assert any(line.startswith(phase) for line in lines), (phase, lines)
 assert any(re.match(r'counting +\d+ %, .* left; replicate \d+ of about \d+', line) for line in lines), lines
 assert '\x1b[32m' in text and '\x1b[32m' not in show(NO_COLOR='1')
-log = subprocess.run(command, capture_output=True, text=True, env={**os.environ, 'VIEWPEEL_PROGRESS_SECONDS': '0.05'}).stderr
+often = {**os.environ, 'VIEWPEEL_PROGRESS_SECONDS': '0.05'}
+log = subprocess.run(command, capture_output=True, text=True, env=often).stderr
 assert len(log.splitlines()) > 2 and all(line.startswith('viewpeel: ') for line in log.splitlines()), log
 assert '\x1b' not in log and 'viewpeel: counting' in log
 assert subprocess.run(command, capture_output=True, text=True).stderr == ''  # shorter than a minute

@@ -37,7 +37,8 @@ found = {(names[i], names[j]): (f, s) for i, j, f, s in d['form_factors']['entri
 for r in d['rows']:
     for to in ('environment', 'leak'):
         if r[to] or r[to + '_standard_error']: found[r['name'], to] = (r[to], r[to + '_standard_error'])
-written = {(r['from'], r['to']): (float(r['form_factor']), float(r['standard_error'])) for r in csv.DictReader(open('a.csv'))}
+lines = csv.DictReader(open('a.csv'))
+written = {(r['from'], r['to']): (float(r['form_factor']), float(r['standard_error'])) for r in lines}
 assert found == written, set(found.items()) ^ set(written.items())
 assert len(found) > 250
 )");
