@@ -61,8 +61,8 @@ struct OutputContent {
 };
 
 // Writes a file by its extension: .csv, .mtx, .npz, .h5, .json, .vtp, .html, .vwf, .idf, .epJSON, .fdf, .dat or .i, or
-// the files of an OpenFOAM case into its folder (docs/formats.md). The file is written under another name and then renamed,
-// so no reader ever sees a part of it.
+// the files of an OpenFOAM case into its folder (docs/formats.md). The file is written under another name and then
+// renamed, so no reader ever sees a part of it.
 //   NAME.rows.csv has a line for each row: area, environment, leak, row sum and errors. NAME.errors.mtx and
 //     NAME.errors.npz have the standard errors.
 //   With balanced form factors .csv has one more column, and .h5 one more group. NAME.mtx and NAME.npz get a second
