@@ -62,7 +62,12 @@ std::string describeLargest(const std::vector<HeatRow>& rows, Measured HeatRow::
 std::string describeHeat(const HeatSolution& solution, By by) {
   const std::vector<HeatRow>& rows = by == By::surface ? solution.surfaces : solution.rows;
   std::string text = tabulate(solution.surfaces);
-  if (solution.is_open) text += fmt::format("outside    {} W leave the scene\n", inDigits(solution.to_environment));
+  if (solution.is_open)
+    text += fmt::format(
+        "outside    {} W leave the scene{}\n", inDigits(solution.to_environment),
+        solution.to_up && solution.to_down
+            ? fmt::format(": {} above the horizon, {} below", inDigits(*solution.to_up), inDigits(*solution.to_down))
+            : "");
   text +=
       fmt::format("balance    all heat flows{} add up to {:.1e} W, of {:.6g} W exchanged\n",
                   solution.is_open ? " and those outside" : "", solution.balance_residual, solution.heat_flow_total);

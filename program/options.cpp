@@ -36,6 +36,21 @@ void addGroupsOption(CLI::App* command, std::string& groups) {
       ->type_name("FILE");
 }
 
+CLI::Option* addUpOption(CLI::App* command, const std::function<void(const glm::dvec3& up)>& use,
+                         const std::string& text) {
+  const auto read = [use](const std::vector<double>& numbers) {
+    const glm::dvec3 up{numbers[0], numbers[1], numbers[2]};
+    const double length = std::sqrt(up.x * up.x + up.y * up.y + up.z * up.z);
+    if (!std::isfinite(length) || !(length > 0))
+      throw CLI::ValidationError("--up", "the direction has no length, or too much of it; give one like 0,0,1");
+    use(up / length);
+  };
+  return command->add_option_function<std::vector<double>>("--up", read, text)
+      ->delimiter(',')
+      ->expected(3)
+      ->type_name("X,Y,Z");
+}
+
 void addThreadsOption(CLI::App* command) {
   const auto limit = [](const uint32_t& threads) {
     limitThreads(threads);

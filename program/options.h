@@ -2,6 +2,7 @@
 #pragma once
 #include <charconv>
 #include <cmath>
+#include <functional>
 #include <memory>
 
 #include <CLI/CLI.hpp>
@@ -10,6 +11,7 @@
 #include "program/option_table.h"
 #include <viewpeel/engine.h>
 #include "engines/lattice_options.h"
+#include <glm/vec3.hpp>
 #include <viewpeel/ids.h>
 #include "vulkan/device.h"
 
@@ -55,6 +57,10 @@ inline constexpr const char* kSceneText =
 
 // Adds the options for questions that a file leaves open: --sheets, --solids, --flip and --fix-normals.
 void addSceneOptions(CLI::App* command, SceneOptions& options);
+
+// Adds --up X,Y,Z, the direction above the horizon.
+CLI::Option* addUpOption(CLI::App* command, const std::function<void(const glm::dvec3& up)>& use,
+                         const std::string& text);
 
 // Adds --groups, which names the faces of a scene.
 void addGroupsOption(CLI::App* command, std::string& groups);

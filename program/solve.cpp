@@ -36,6 +36,7 @@ struct SolveCommand {
   std::optional<HeatTolerance> tolerance;
   std::optional<ExchangeKind> exchange;
   double drop_below = 0;
+  std::optional<glm::dvec3> up;
   bool quiet = false, json = false;
 
   bool talks() const { return !quiet && !json; }
@@ -111,6 +112,8 @@ std::string describeMaterials(const MaterialTable& table, const HeatSolution& so
   std::string text = fmt::format("materials  {}: {} for {}", table.file, counted(table.lines.size(), "line"),
                                  counted(solution.rows.size(), "row"));
   if (table.environment_temperature) text += fmt::format(", environment {} K", *table.environment_temperature);
+  if (const auto& parts = table.sky_and_ground)
+    text += fmt::format(", environment {} K above and {} K below the horizon", parts->up, parts->down);
   return text + "\n";
 }
 
@@ -118,7 +121,7 @@ std::string describeMaterials(const MaterialTable& table, const HeatSolution& so
 //   In: content: its heat is the solution
 void conclude(const SolveCommand& command, const MaterialTable& table, const HeatSolution& solution,
               const OutputContent& content) {
-  if (table.environment_temperature && !solution.is_open)
+  if ((table.environment_temperature || table.sky_and_ground) && !solution.is_open)
     warn(fmt::format("{}: no radiation leaves the scene, so that its environment has no effect", table.file));
   for (const std::string& output : command.outputs)
     if (isWholeResult(output)) writeFormFactors(content, output);
@@ -154,9 +157,33 @@ void printJson(const SolveCommand& command, const HeatSolution& heat, const Form
   printReport(std::move(report), OutputContent{form_factors});
 }
 
+MaterialTable readTable(const SolveCommand& command) {
+  MaterialTable table = readMaterials(command.materials);
+  if (command.up && !table.sky_and_ground)
+    throw Error(ErrorCode::bad_usage,
+                fmt::format("--up: {} has neither environment:up nor environment:down; leave out --up, or give them "
+                            "temperatures",
+                            command.materials));
+  if (command.up) table.up = *command.up;
+  return table;
+}
+
+// Measures sky and ground apart for the form factors of checkpoints, as exactly as these are.
+EnvironmentParts measureStoredParts(const SolveCommand& command, const StoredRun& run, const MaterialTable& table,
+                                    const Ids& ids, double standard_error) {
+  if (!run.scene())
+    throw Error(ErrorCode::bad_usage,
+                fmt::format("{}: form factors do not tell sky from ground, as {} does; give the SCENE, too",
+                            command.stored.front(), command.materials));
+  EnvironmentRequest request{.by = command.request.by, .two_sided = ids.two_sided, .up = table.up};
+  request.tolerance = standard_error > 0 ? standard_error : Tolerance{}.standard_error;
+  request.seed = command.request.seed;
+  return measureEnvironment(*run.scene(), request);
+}
+
 // Solves with the form factors of checkpoints.
 int solveStored(const SolveCommand& command) {
-  const MaterialTable table = readMaterials(command.materials);
+  const MaterialTable table = readTable(command);
   StoredRun run(command.stored, command.scene, command.groups);
   run.requireErrors();
   const Estimate estimate = run.estimate();
@@ -166,7 +193,10 @@ int solveStored(const SolveCommand& command) {
   if (!is_by_surface && findSetting(run.merged().settings, "--by") == "surface")
     throw Error(ErrorCode::bad_usage,
                 fmt::format("{}: its rows are surfaces; leave out --by polygon", command.stored.front()));
-  const Enclosure enclosure = assignMaterials(table, form_factors.ids(), surface_names);
+  Enclosure enclosure = assignMaterials(table, form_factors.ids(), surface_names);
+  if (enclosure.sky_and_ground)
+    enclosure.environment_parts =
+        measureStoredParts(command, run, table, form_factors.ids(), estimate.largest_standard_error);
   const HeatSolution solution = solveHeat(form_factors, enclosure);
   auto parameters = parametersOf(run.merged().settings, estimate);
   parameters.emplace_back("command", commandLine());
@@ -182,7 +212,20 @@ int solveStored(const SolveCommand& command) {
 }
 
 int solveFile(const SolveCommand& command) {
-  const MaterialTable table = readMaterials(command.materials);
+  const MaterialTable table = readTable(command);
+  if (command.epsilon && !table.band_limits_um.empty())
+    throw Error(ErrorCode::bad_usage,
+                fmt::format("--epsilon: there are no bounds with bands of wavelengths, which {} has; leave it out",
+                            command.materials));
+  if (command.exchange && !table.band_limits_um.empty())
+    throw Error(ErrorCode::bad_usage,
+                fmt::format("--exchange: exchange factors are of grey surfaces, and {} has bands; leave it out",
+                            command.materials));
+  if (command.epsilon && table.sky_and_ground)
+    throw Error(ErrorCode::bad_usage,
+                fmt::format("--epsilon: there are no bounds with sky and ground apart; leave it out, or give one "
+                            "temperature to 'environment' in {}",
+                            command.materials));
   Request request = command.request;
   request.goal = Tolerance{command.form_factor_tolerance.value_or(Tolerance{}.standard_error)};
   if (command.epsilon) {
@@ -308,7 +351,7 @@ void addSolve(CLI::App& app, Run& chosen) {
   command
       ->add_option("--materials", options->materials,
                    "File .csv with the header surface,emissivity,temperature,heat_flux: K, or W/m2 or adiabatic; names "
-                   "with wildcards, default, environment")
+                   "with wildcards, default, environment, environment:up, environment:down")
       ->type_name("FILE")
       ->required();
   startGroup(command, kOutput);
@@ -337,6 +380,9 @@ void addSolve(CLI::App& app, Run& chosen) {
       ->check([](const std::string& text) { return isNumber(text, 0, 0.999); })
       ->needs(exchange);
   startGroup(command, kWhat);
+  addUpOption(
+      command, [options](const glm::dvec3& up) { options->up = up; },
+      "Above the horizon is where this points, for environment:up and environment:down; 0,0,1 otherwise");
   addChoice(command, "--by", options->request.by, {{"surface", By::surface}, {"polygon", By::polygon}},
             "One radiosity for each named surface, or for each polygon");
   command

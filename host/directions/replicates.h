@@ -23,10 +23,12 @@ inline constexpr ReplicateNumbers kPriorReplicates{uint64_t(3) << 40, uint64_t(4
 inline constexpr ReplicateNumbers kDirectedReplicates{uint64_t(4) << 40, uint64_t(5) << 40};
 // Pilots that choose the numbers of pair lines.
 inline constexpr ReplicateNumbers kLineReplicates{uint64_t(5) << 40, uint64_t(6) << 40};
+// Directions that tell the parts of the environment.
+inline constexpr ReplicateNumbers kEnvironmentReplicates{uint64_t(6) << 40, uint64_t(7) << 40};
 
 // The list has all ranges in the order of their numbers. A test requires that none overlap.
-inline constexpr std::array kReplicateNumbers = {kRunReplicates,         kTrialReplicates, kPlanReplicates,
-                                                 kPlanLatticeReplicates, kPriorReplicates, kDirectedReplicates,
-                                                 kLineReplicates};
+inline constexpr std::array kReplicateNumbers = {kRunReplicates,         kTrialReplicates,      kPlanReplicates,
+                                                 kPlanLatticeReplicates, kPriorReplicates,      kDirectedReplicates,
+                                                 kLineReplicates,        kEnvironmentReplicates};
 
 }  // namespace viewpeel

@@ -16,13 +16,16 @@ struct Window {
   double radius = 1;
 };
 
-// LatticeOptions are the options of all engines that count on a lattice. Only `resolution`, `sampling`, `window` and
-// `count_blocked` change a result.
+// LatticeOptions are the options of all engines that count on a lattice. Only `resolution`, `sampling`, `window`,
+// `count_blocked` and `split_environment` change a result.
 struct LatticeOptions {
   int resolution = 64;  // lattice spacings across the unit ball's diameter, 1 to kMaxResolution
   Sampling sampling = Sampling::lattice;
-  Window window;                  // a window smaller than the scene allows resolutions up to kMaxWindowResolution
-  bool count_blocked = false;     // whether blocked pairs are counted, too: PairCount::blocked
+  Window window;               // a window smaller than the scene allows resolutions up to kMaxWindowResolution
+  bool count_blocked = false;  // whether blocked pairs are counted, too: PairCount::blocked
+  // In the host engine, lines that leave the scene along u count for kEnvironment, lines along -u for kLeak, and lines
+  // that end on backs for nothing.
+  bool split_environment = false;
   uint32_t batch_directions = 0;  // directions of a batch; 0: chosen by memory
   // Bytes of dense counters; where they would take more, the compute and host engines have hash tables. 0: chosen.
   uint64_t counter_budget_bytes = 0;

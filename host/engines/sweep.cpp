@@ -32,6 +32,7 @@ Sweep::Sweep(const SweepScene& scene, const LatticeOptions& options)
       window_(options.window),
       is_scanline_(options.sampling == Sampling::scanline),
       counts_blocked_(options.count_blocked),
+      splits_environment_(options.split_environment),
       measures_(options.measure_work),
       fraction_bits_(chooseFractionBits(options.resolution, options.window)),
       column_bits_(is_scanline_ ? kScanlineBits : 0),
@@ -305,9 +306,9 @@ void Sweep::addGaps(uint64_t weight, PairTable& table) {
     if (lower_sees && upper_sees) {
       if (areRequested(*lower, *upper)) add(std::min(lower->id, upper->id), std::max(lower->id, upper->id));
     } else if (scene_.counts_environment && lower_sees && emits(*lower)) {
-      add(lower->id, upper ? kLeak : kEnvironment);
+      if (!upper || !splits_environment_) add(lower->id, upper ? kLeak : kEnvironment);
     } else if (scene_.counts_environment && upper_sees && emits(*upper)) {
-      add(upper->id, lower ? kLeak : kEnvironment);
+      if (!lower || !splits_environment_) add(upper->id, lower || splits_environment_ ? kLeak : kEnvironment);
     }
     if (kBlocked && lower_sees)
       for (size_t m = k + 1; m < open_.size(); ++m) {

@@ -83,7 +83,7 @@ class Sweep {
   const SweepScene& scene_;
   const int resolution_;
   const Window window_;
-  const bool is_scanline_, counts_blocked_, measures_;
+  const bool is_scanline_, counts_blocked_, splits_environment_, measures_;
   const int fraction_bits_, column_bits_, reach_;
   Work work_;
 

@@ -101,6 +101,10 @@ ExchangeFactors findExchangeFactors(const FormFactors& form_factors, const Enclo
   if (enclosure.materials.size() != ids.count())
     throw Error(ErrorCode::bad_usage,
                 fmt::format("{} materials for {} rows; give one for each", enclosure.materials.size(), ids.count()));
+  if (!enclosure.band_limits_um.empty())
+    throw Error(ErrorCode::bad_usage,
+                "exchange factors are of one emissivity a row, not one for each band; leave out --exchange, or give "
+                "grey materials");
   if (ids.count() > kMostRows)
     throw Error(ErrorCode::limit,
                 fmt::format("exchange factors of {} rows, more than {}; take --by surface", ids.count(), kMostRows));

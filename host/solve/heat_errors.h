@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "solve/irradiation.h"
+#include "solve/outside.h"
 
 namespace viewpeel {
 
@@ -15,10 +16,11 @@ constexpr uint32_t kProbes = 128;
 class HeatErrors {
  public:
   //   In: measured: entries with standard errors, taken for independent; closed: of these; irradiation: of the
-  //     solution's reflectivities; radiosity: of rows, less the environment's where there is one
+  //     solution's reflectivities; radiosity: of rows, less the shift of the solution; outside: less the same; referred
+  //     to, but for measured and radiosity
   //   Cost: that of Irradiation::inverse, or kProbes times Irradiation::solve.
   HeatErrors(const FormFactors& measured, const ClosedExchange& closed, const Irradiation& irradiation,
-             const Eigen::VectorXd& radiosity, uint32_t most_exact_rows = kMostExactRows);
+             const Eigen::VectorXd& radiosity, const Outside& outside, uint32_t most_exact_rows = kMostExactRows);
 
   struct Term {
     uint32_t row;
@@ -29,23 +31,34 @@ class HeatErrors {
   //     tests/unit/solve_errors_test.cpp, against the spread of perturbed solutions.
   //   Cost: O(pairs + rows x terms), or O(kProbes x terms).
   double standardError(const std::vector<Term>& terms) const;
-  // Returns the standard error of the heat flow to the environment, sum_i x_ie (B_i - B_e).    In: reflectivity of rows
-  double environmentError(const Eigen::VectorXd& reflectivity) const;
+  // A Part of the environment is all of it, or what is above or below the horizon.
+  enum class Part { all, up, down };
+  // Returns the standard error of the heat flow to a part of the environment, sum_i x_ip (B_i - B_p).
+  //   In: reflectivity of rows
+  double environmentError(const Eigen::VectorXd& reflectivity, Part part = Part::all) const;
 
  private:
   // The error of one exchange area disturbs A_i H_i by of_i, and A_j H_j by of_j, for each standard error.
   struct Source {
     uint32_t i, j;
     double of_i, of_j;
-    double to_environment;  // directly, with B as it is
+    double x_ie, x_je;  // what it adds to the rows' exchange with the environment
   };
-  double rootOfSquares(const Eigen::VectorXd& adjoint, bool of_environment) const;
+  // A Functional is sum_k adjoint_k z_k of a disturbance z, and what it does directly: exchange with the environment
+  // counts `of_environment` for each row, and what passes from the part below to that above `of_up`.
+  struct Functional {
+    Eigen::VectorXd adjoint, of_environment, of_up;
+  };
+  double rootOfSquares(const Functional& functional) const;
+  Functional environmentFlow(const Eigen::VectorXd& reflectivity, Part part) const;
 
   const ClosedExchange& closed_;
+  const Outside& outside_;
+  Eigen::VectorXd radiosity_;
   std::vector<Source> sources_;
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> inverse_;  // empty where there are probes
-  Eigen::MatrixXd probes_;          // rows x kProbes: what each does to H
-  Eigen::VectorXd to_environment_;  // of each probe, directly
+  // Rows x kProbes, and then a column for each of the outside's errors: what each does to H, and to x_ie.
+  Eigen::MatrixXd probes_, to_environment_;
 };
 
 }  // namespace viewpeel

@@ -1,11 +1,7 @@
 #include <viewpeel/solve.h>
 
 #include <algorithm>
-#include <array>
-#include <filesystem>
-#include <fstream>
 #include <map>
-#include <set>
 
 #include <fmt/format.h>
 
@@ -16,10 +12,7 @@
 namespace viewpeel {
 namespace {
 
-constexpr std::array<const char*, 4> kColumns{"surface", "emissivity", "temperature", "heat_flux"};
-enum Column { kSurface, kEmissivity, kTemperature, kHeatFlux };
 using Line = MaterialTable::Line;
-using Fields = std::array<std::string, kColumns.size()>;
 
 // Returns whether a text fits a pattern, in which * stands for any characters and ? for one.
 bool fits(std::string_view pattern, std::string_view text) {
@@ -39,52 +32,6 @@ bool fits(std::string_view pattern, std::string_view text) {
 }
 
 bool hasWildcard(const std::string& name) { return name.find_first_of("*?") != std::string::npos; }
-
-// Returns the column of each field of the header.
-std::vector<size_t> readHeader(const std::vector<std::string>& names, const FilePlace& place) {
-  std::vector<size_t> columns;
-  for (const std::string& name : names) {
-    const auto at = std::ranges::find(kColumns, name);
-    if (at == kColumns.end())
-      place.refuse(
-          fmt::format("'{}' is not a column of materials; the header is surface,emissivity,temperature,heat_flux",
-                      printable(name)));
-    columns.push_back(static_cast<size_t>(at - kColumns.begin()));
-  }
-  for (size_t k = 0; k < kColumns.size(); ++k)
-    if (std::ranges::count(columns, k) != 1)
-      place.refuse(
-          fmt::format("the header needs the column '{}' once: surface,emissivity,temperature,heat_flux", kColumns[k]));
-  return columns;
-}
-
-double readTemperature(const std::string& field, const FilePlace& place) {
-  const double temperature = parseFinite(field, place);
-  if (temperature < 0) place.refuse(fmt::format("a temperature of {} K is below 0; give kelvins", field));
-  return temperature;
-}
-
-Material readMaterial(const Fields& fields, const FilePlace& place) {
-  Material material;
-  material.emissivity = parseFinite(fields[kEmissivity], place);
-  if (!(material.emissivity > 0 && material.emissivity <= 1))
-    place.refuse(fmt::format("an emissivity of {} is not above 0 and up to 1; correct it", fields[kEmissivity]));
-  if (fields[kTemperature].empty() == fields[kHeatFlux].empty())
-    place.refuse(fmt::format("'{}' has {} temperature {} heat_flux; give one of the two", printable(fields[kSurface]),
-                             fields[kTemperature].empty() ? "neither" : "both",
-                             fields[kTemperature].empty() ? "nor" : "and"));
-  if (!fields[kTemperature].empty()) material.temperature = readTemperature(fields[kTemperature], place);
-  else material.heat_flux = fields[kHeatFlux] == "adiabatic" ? 0 : parseFinite(fields[kHeatFlux], place);
-  return material;
-}
-
-void readEnvironment(const Fields& fields, const FilePlace& place, MaterialTable& table) {
-  if (table.environment_temperature) place.refuse("'environment' has a line already; remove one");
-  const bool is_black = fields[kEmissivity].empty() || parseFinite(fields[kEmissivity], place) == 1;
-  if (!is_black || fields[kTemperature].empty() || !fields[kHeatFlux].empty())
-    place.refuse("'environment' is black and has a temperature alone; write environment,,KELVIN,");
-  table.environment_temperature = readTemperature(fields[kTemperature], place);
-}
 
 // Names of faces and surfaces, and which of them the lines have named.
 class LineFinder {
@@ -130,52 +77,6 @@ const Line* stronger(const Line* of_face, const std::string& face, const Line* o
 
 }  // namespace
 
-MaterialTable readMaterials(const std::filesystem::path& file) {
-  MaterialTable table{file.string(), {}, {}};
-  FilePlace place{file.string(), 0};
-  std::error_code failure;
-  if (std::filesystem::is_directory(file, failure)) place.refuse("is a directory; give a file of materials");
-  std::ifstream in(file, std::ios::binary);
-  if (!in) place.refuse("cannot be read; give a file of materials");
-  std::vector<size_t> columns;
-  std::vector<std::string> fields;
-  std::map<std::string, uint32_t> lines;
-  for (std::string text; std::getline(in, text);) {
-    ++place.line;
-    const std::string_view line = place.line == 1 ? skipByteOrderMark(text) : std::string_view(text);
-    if (const size_t start = line.find_first_not_of(" \t\r"); start == std::string_view::npos || line[start] == '#')
-      continue;
-    if (!splitLine(line, fields)) place.refuse("a quote has no end; close it");
-    if (columns.empty()) {
-      columns = readHeader(fields, place);
-      continue;
-    }
-    if (fields.size() != columns.size())
-      place.refuse(fmt::format("{} fields, the header has {}; correct it", fields.size(), columns.size()));
-    Fields ordered;
-    for (size_t k = 0; k < fields.size(); ++k) ordered[columns[k]] = fields[k];
-    const std::string& name = ordered[kSurface];
-    if (name.empty()) place.refuse("the surface has no name; give one, or 'default'");
-    if (name == "environment:up" || name == "environment:down")
-      place.refuse(
-          fmt::format("'{}': form factors have one environment, not sky and ground apart; write 'environment', "
-                      "or draw sky and ground as surfaces",
-                      name));
-    if (name == "environment") {
-      readEnvironment(ordered, place, table);
-      continue;
-    }
-    if (const auto [earlier, is_new] = lines.try_emplace(name, place.line); !is_new)
-      place.refuse(fmt::format("'{}' has a material on line {} already; remove one", printable(name), earlier->second));
-    table.lines.push_back({name, readMaterial(ordered, place), place.line});
-  }
-  if (in.bad()) place.refuse("cannot be read to its end");
-  place.line = 0;
-  if (columns.empty()) place.refuse("has no header; the first line is surface,emissivity,temperature,heat_flux");
-  if (table.lines.empty()) place.refuse("has no materials; give each surface a line, or one to 'default'");
-  return table;
-}
-
 Enclosure assignMaterials(const MaterialTable& table, const Ids& ids, const std::vector<std::string>& surface_names) {
   LineFinder finder(table);
   const auto refuse = [&](uint32_t line, const std::string& what) { FilePlace{table.file, line}.refuse(what); };
@@ -185,7 +86,7 @@ Enclosure assignMaterials(const MaterialTable& table, const Ids& ids, const std:
   // Empty rows have names, too.
   for (const EmptyRow& empty : ids.empty_rows) finder.find(empty.name);
 
-  Enclosure enclosure{{}, table.environment_temperature, surface_names};
+  Enclosure enclosure{{}, table.environment_temperature, surface_names, table.sky_and_ground, table.band_limits_um};
   for (uint32_t i = 0; i < ids.count(); ++i) {
     const bool has_surface = ids.surface[i] < of_surface.size();
     const Line* line =
@@ -197,7 +98,7 @@ Enclosure assignMaterials(const MaterialTable& table, const Ids& ids, const std:
   }
   const bool has_temperature = std::ranges::any_of(
       enclosure.materials, [](const Material& material) { return material.temperature.has_value(); });
-  if (!has_temperature && !table.environment_temperature)
+  if (!has_temperature && !table.environment_temperature && !table.sky_and_ground)
     refuse(0,
            "no temperature is given to refer to, heat fluxes alone; give one surface or the environment a temperature");
   if (const Line* unused = finder.firstUnused()) {

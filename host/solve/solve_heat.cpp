@@ -2,12 +2,14 @@
 #include <viewpeel/solve.h>
 
 #include <cmath>
-#include <numeric>
 
 #include <fmt/format.h>
 
+#include "solve/banded_heat.h"
+#include "solve/check_enclosure.h"
 #include "solve/heat_bounds.h"
 #include "solve/heat_errors.h"
+#include "solve/sum_rows.h"
 #include <viewpeel/error.h>
 
 namespace viewpeel {
@@ -25,54 +27,10 @@ Measured temperatureOf(const Measured& emissive_power) {
   return {temperature, emissive_power.standard_error == 0 ? 0 : emissive_power.standard_error / slope};
 }
 
-// Refuses rows whose heat has no way to a given temperature.
-void refuseWithoutReference(const ClosedExchange& closed, const Enclosure& enclosure, const Ids& ids) {
-  std::vector<uint32_t> group(ids.count());
-  std::iota(group.begin(), group.end(), 0u);
-  const auto find = [&](uint32_t k) {
-    while (group[k] != k) k = group[k] = group[group[k]];
-    return k;
-  };
-  for (uint32_t i = 0; i < ids.count(); ++i)
-    for (decltype(closed.pairs)::InnerIterator at(closed.pairs, i); at; ++at)
-      if (at.value() > 0) group[find(static_cast<uint32_t>(at.col()))] = find(i);
-  std::vector<bool> refers(ids.count());
-  for (uint32_t i = 0; i < ids.count(); ++i)
-    if (enclosure.materials[i].temperature || closed.environment[i] > 0) refers[find(i)] = true;
-  for (uint32_t i = 0; i < ids.count(); ++i)
-    if (!refers[find(i)])
-      throw Error(
-          ErrorCode::bad_input,
-          fmt::format("'{}' has no temperature to refer to: it and all it exchanges with have heat fluxes only; "
-                      "give one of them a temperature",
-                      ids.names[i]));
-}
-
-void requireMaterials(const ClosedExchange& closed, const Enclosure& enclosure, const Ids& ids) {
-  if (enclosure.materials.size() != ids.count())
-    throw Error(ErrorCode::bad_usage,
-                fmt::format("{} materials for {} rows; give one for each", enclosure.materials.size(), ids.count()));
-  for (uint32_t i = 0; i < ids.count(); ++i) {
-    const Material& material = enclosure.materials[i];
-    if (!(material.emissivity > 0 && material.emissivity <= 1))
-      throw Error(ErrorCode::bad_usage, fmt::format("'{}' has an emissivity of {}, not above 0 and up to 1; correct it",
-                                                    ids.names[i], material.emissivity));
-    if (material.temperature.has_value() == material.heat_flux.has_value())
-      throw Error(ErrorCode::bad_usage,
-                  fmt::format("'{}' needs either a temperature or a heat flux; give one of the two", ids.names[i]));
-  }
-  if (closed.is_open && !enclosure.environment_temperature)
-    throw Error(
-        ErrorCode::bad_input,
-        fmt::format("{:.3g} % of all emitted radiation leaves the scene; give its surroundings a temperature by "
-                    "a line 'environment' in the materials (0 for empty space), or close the scene",
-                    100 * closed.environment_share));
-  refuseWithoutReference(closed, enclosure, ids);
-}
-
 // Returns the emissive power that all others are measured from: the environment's, which then drops out of the
-// equations.
+// equations, or the sky's.
 double chooseShift(const ClosedExchange& closed, const Enclosure& enclosure) {
+  if (closed.is_open && enclosure.sky_and_ground) return emissivePower(enclosure.sky_and_ground->up);
   if (closed.is_open && enclosure.environment_temperature) return emissivePower(*enclosure.environment_temperature);
   for (const Material& material : enclosure.materials)
     if (material.temperature) return emissivePower(*material.temperature);
@@ -97,10 +55,15 @@ class Solver {
                                         : *material.heat_flux;
       reflectivity_[i] = material.temperature ? 1 - material.emissivity : 1;
     }
+    outside_ = makeOutside(closed_, enclosure, [&](double temperature) { return emissivePower(temperature) - shift_; });
+    if (form_factors.hasIntervals() && !outside_.up_errors.empty())
+      throw Error(ErrorCode::bad_usage,
+                  "bounds of form factors say nothing of sky and ground apart; leave out --epsilon, or give one "
+                  "temperature to 'environment'");
     irradiation_.emplace(closed_, reflectivity_);
-    h_ = irradiation_->solve(closed_.pairs * source_);
+    h_ = irradiation_->solve(closed_.pairs * source_ + closed_.environment.cwiseProduct(outside_.power));
     b_ = source_ + reflectivity_.cwiseProduct(h_);
-    errors_.emplace(form_factors, closed_, *irradiation_, b_);
+    errors_.emplace(form_factors, closed_, *irradiation_, b_, outside_);
     // Pairs without an entry have no part in bounds of answers.
     if (form_factors.hasIntervals() && form_factors.unlistedBound() == 0)
       bounds_ = boundIrradiation(form_factors, closed_, *irradiation_, b_);
@@ -113,15 +76,16 @@ class Solver {
     found.lacking_row = ids_.count() ? ids_.names[closed_.lacking_row] : "";
     for (uint32_t i = 0; i < ids_.count(); ++i) found.rows.push_back(rowOf(i));
     sumSurfaces(found);
-    const VectorXd to_environment = closed_.environment.cwiseProduct(b_);
-    found.to_environment = {to_environment.sum(), errors_->environmentError(reflectivity_)};
-    double flow = -found.to_environment.value;
-    found.heat_flow_total = std::abs(found.to_environment.value) / 2;
-    for (const HeatRow& row : found.rows) {
-      flow += row.heat_flow.value;
-      found.heat_flow_total += std::abs(row.heat_flow.value) / 2;
+    found.to_environment = {closed_.environment.dot(b_ - outside_.power), errors_->environmentError(reflectivity_)};
+    if (closed_.is_open && enclosure_.sky_and_ground) {
+      using Part = HeatErrors::Part;
+      const VectorXd to_up = closed_.environment.cwiseProduct(outside_.up_share);
+      const VectorXd to_down = closed_.environment - to_up, ones = VectorXd::Ones(b_.size());
+      found.to_up = {to_up.dot(b_ - outside_.up_power * ones), errors_->environmentError(reflectivity_, Part::up)};
+      found.to_down = {to_down.dot(b_ - outside_.down_power * ones),
+                       errors_->environmentError(reflectivity_, Part::down)};
     }
-    found.balance_residual = flow;
+    balance(found);
     found.steps = irradiation_->steps();
     return found;
   }
@@ -226,9 +190,7 @@ class Solver {
   }
 
   void sumSurfaces(HeatSolution& found) const {
-    std::vector<std::vector<uint32_t>> rows(enclosure_.surface_names.size());
-    for (uint32_t i = 0; i < ids_.count(); ++i)
-      if (ids_.surface[i] < rows.size()) rows[ids_.surface[i]].push_back(i);
+    const auto rows = rowsOfSurfaces(ids_, enclosure_.surface_names.size());
     for (size_t k = 0; k < rows.size(); ++k) {
       if (rows[k].size() == 1) {
         found.surfaces.push_back(found.rows[rows[k].front()]);
@@ -243,6 +205,7 @@ class Solver {
   const Enclosure& enclosure_;
   ClosedExchange closed_;
   double shift_;
+  Outside outside_;
   VectorXd source_, reflectivity_, h_, b_;
   std::optional<Irradiation> irradiation_;
   std::optional<HeatErrors> errors_;
@@ -252,6 +215,7 @@ class Solver {
 }  // namespace
 
 HeatSolution solveHeat(const FormFactors& form_factors, const Enclosure& enclosure) {
+  if (!enclosure.band_limits_um.empty()) return solveBands(form_factors, enclosure);
   return Solver(form_factors, enclosure).solution();
 }
 

@@ -26,7 +26,20 @@ void requireUnknownTemperatures(const Enclosure& enclosure) {
                 "all temperatures are given, so that none has an error; ask for a tolerance in W/m2 or as a share");
 }
 
-SceneHeat solveOnce(const Scene& scene, const Enclosure& enclosure, const Request& request, const Observer& observer) {
+// Measures sky and ground apart to the tolerance of the form factors.
+void measureParts(const Scene& scene, const MaterialTable& materials, const Request& request, const Observer& observer,
+                  Enclosure& enclosure) {
+  const auto* tolerance = std::get_if<Tolerance>(&request.goal);
+  EnvironmentRequest parts{.by = request.by, .two_sided = request.two_sided, .up = materials.up};
+  if (tolerance) parts.tolerance = tolerance->standard_error;
+  parts.seed = request.seed;
+  parts.threads = request.threads;
+  parts.time_limit_s = request.time_limit_s;
+  enclosure.environment_parts = measureEnvironment(scene, parts, observer);
+}
+
+SceneHeat solveOnce(const Scene& scene, const MaterialTable& materials, Enclosure& enclosure, const Request& request,
+                    const Observer& observer) {
   Request estimated = request;
   // Answers have standard errors; a guarantee by request.goal bounds them.
   if (!std::holds_alternative<EpsilonDelta>(request.goal)) estimated.promise = request.promise.value_or(false);
@@ -36,6 +49,8 @@ SceneHeat solveOnce(const Scene& scene, const Enclosure& enclosure, const Reques
   // Those of common directions leave out pairs that no line met, which have a bound, too.
   const bool has_all_intervals = result.guarantee && result.guarantee->by == GuaranteedBy::chernoff;
   const FormFactors& found = result.form_factors;
+  if (enclosure.sky_and_ground && result.environment_share > 0)
+    measureParts(scene, materials, request, observer, enclosure);
   HeatSolution heat = has_all_intervals || !found.hasIntervals()
                           ? solveHeat(found, enclosure)
                           : solveHeat(FormFactors(found.ids(), found.entries(), found.rowSums()), enclosure);
@@ -59,8 +74,8 @@ SceneHeat solveScene(const Scene& scene, const MaterialTable& materials, Request
                      std::optional<HeatTolerance> tolerance, const Observer& observer) {
   std::vector<std::string> surface_names;
   for (const Surface& surface : scene.surfaces) surface_names.push_back(surface.name);
-  const Enclosure enclosure = assignMaterials(materials, makeIds(scene, request.by, request.two_sided), surface_names);
-  if (!tolerance) return solveOnce(scene, enclosure, request, observer);
+  Enclosure enclosure = assignMaterials(materials, makeIds(scene, request.by, request.two_sided), surface_names);
+  if (!tolerance) return solveOnce(scene, materials, enclosure, request, observer);
 
   if (!(tolerance->standard_error > 0))
     throw Error(ErrorCode::bad_usage, "the tolerance is not above 0; give a larger");
@@ -71,7 +86,7 @@ SceneHeat solveScene(const Scene& scene, const MaterialTable& materials, Request
   for (uint32_t runs = 1;; ++runs) {
     request.goal = Tolerance{of_form_factors};
     if (limit_s) request.time_limit_s = std::max(*limit_s - secondsSince(start), 1e-3);
-    SceneHeat found = solveOnce(scene, enclosure, request, observer);
+    SceneHeat found = solveOnce(scene, materials, enclosure, request, observer);
     found.runs = runs;
     const double error = largestHeatError(found.heat, tolerance->of);
     if (error <= tolerance->standard_error) return found;

@@ -40,9 +40,16 @@ void writeHeat(const HeatSolution& solution, By by, std::ostream& out) {
     out << '\n';
   }
   // What leaves the scene is what its surroundings absorb: their heat flow is below 0.
-  if (solution.is_open)
-    fmt::print(out, "environment,,1,{}{},{}{}\n", has_bounds ? ",,,,,,,,,,,," : ",,,,,,,,",
-               -solution.to_environment.value, solution.to_environment.standard_error, has_bounds ? "," : "");
+  const auto printOutside = [&](const char* name, const Measured& flow) {
+    fmt::print(out, "{},,1,{}{},{}{}\n", name, has_bounds ? ",,,,,,,,,,,," : ",,,,,,,,", -flow.value,
+               flow.standard_error, has_bounds ? "," : "");
+  };
+  if (solution.to_up && solution.to_down) {
+    printOutside("environment:up", *solution.to_up);
+    printOutside("environment:down", *solution.to_down);
+  } else if (solution.is_open) {
+    printOutside("environment", solution.to_environment);
+  }
 }
 
 void writeHeat(const HeatSolution& solution, By by, const std::filesystem::path& file) {

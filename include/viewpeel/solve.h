@@ -8,17 +8,25 @@
 #include <vector>
 
 #include <viewpeel/compute.h>
+#include <viewpeel/environment.h>
 #include <viewpeel/form_factors.h>
 
 namespace viewpeel {
 
 constexpr double kStefanBoltzmann = 5.670374419e-8;  // W m^-2 K^-4; CODATA 2018, exact to these digits
 
-// A Material is one row's emissivity, and either its temperature or its net heat flux.
+// A Material is one row's emissivity, or emissivities by wavelength, and either its temperature or its net heat flux.
 struct Material {
   double emissivity = 1;              // in (0, 1]; absorptivity is the same
   std::optional<double> temperature;  // K, 0 at least
   std::optional<double> heat_flux;    // W/m2 by which the row emits more than it absorbs; 0: adiabatic
+  // One for each band of wavelengths, each in (0, 1], in place of `emissivity`. Empty for grey rows.
+  std::vector<double> band_emissivities{};
+};
+
+// Sky and ground are the parts of the environment above and below the horizon, black, each at one temperature.
+struct SkyAndGround {
+  double up = 0, down = 0;  // K
 };
 
 // A MaterialTable is a file of materials, line by line.
@@ -31,7 +39,10 @@ struct MaterialTable {
 
   std::string file;                               // for messages
   std::vector<Line> lines;                        // all but that of the environment
-  std::optional<double> environment_temperature;  // K
+  std::optional<double> environment_temperature;  // K; unset where sky and ground are apart
+  std::optional<SkyAndGround> sky_and_ground{};
+  std::vector<double> band_limits_um{};  // as in Enclosure
+  glm::dvec3 up{0, 0, 1};                // the horizon is orthogonal to it; set by the caller, for no file has it
 };
 
 // An Enclosure has a material for each row of the form factors.
@@ -39,15 +50,23 @@ struct Enclosure {
   std::vector<Material> materials;
   std::optional<double> environment_temperature;  // K; needed where radiation leaves the scene
   std::vector<std::string> surface_names;         // of the indices in Ids::surface
+  std::optional<SkyAndGround> sky_and_ground{};   // in place of the one temperature
+  // Bands of wavelengths meet here, micrometres, ascending: the first begins at 0, and the last has no end. Empty where
+  // rows are grey.
+  std::vector<double> band_limits_um{};
+  std::optional<EnvironmentParts> environment_parts{};  // of the same rows; needed where sky and ground are apart
 };
 
 // Reads a .csv with the header `surface,emissivity,temperature,heat_flux`; columns may stand in any order.
 //   In: file: one line a name; temperature in K or heat_flux in W/m2 or `adiabatic`, the other one empty. The line
-//     `environment` has a temperature alone. Empty lines and lines that begin with # are passed over.
+//     `environment` has a temperature alone, and so have `environment:up` and `environment:down`; one of these two
+//     alone leaves the other part to `environment`. With bands of wavelengths the header has a column for each in place
+//     of `emissivity`: `emissivity:0-2.5`, `emissivity:2.5-8`, `emissivity:8-inf`, in micrometres. Empty lines
+//     and lines that begin with # are passed over.
 //   Out: the lines, in their order
 //   Error: none: numbers as the file has them. Tests: tests/unit/solve_materials_test.cpp.
 //   Throws: Error bad_input, naming file, line and remedy: an emissivity outside (0, 1], both or neither of temperature
-//     and heat flux, a name twice, `environment:up` or `environment:down` (form factors have one environment).
+//     and heat flux, a name twice, one part of the environment without the other, or both beside the whole.
 //   Cost: O(length of the file).
 MaterialTable readMaterials(const std::filesystem::path& file);
 
@@ -85,6 +104,8 @@ struct HeatSolution {
   std::vector<HeatRow> surfaces;  // sums and means over the rows of each surface; of surfaces that have rows
   bool is_open = false;           // radiation leaves the scene
   Measured to_environment;        // heat flow out of the scene
+  // Of an open scene with sky and ground apart: the heat flows to each, which add up to to_environment.
+  std::optional<Measured> to_up{}, to_down{};
   // The residual is the heat flow of all rows less that to the environment; the total half the sum of all sizes.
   double balance_residual = 0, heat_flow_total = 0;
   // Row `lacking_row` has form factors whose sum, environment included, is off 1 by the most.
@@ -93,20 +114,22 @@ struct HeatSolution {
   uint32_t steps = 0;  // of conjugate gradients
 };
 
-// Solves the enclosure: docs/solve.md, eq. (1) to (6).
+// Solves the enclosure: docs/solve.md, eq. (1) to (6), and (11) to (13) with bands of wavelengths.
 //   B_i = e_i s T_i^4 + (1 - e_i) H_i, or B_i = q_i + H_i where q_i is given;  A_i H_i = sum_j x_ij B_j + x_ie s T_e^4
 //   What a row's form factors lack of 1, or exceed it by, is taken for radiation that returns to the row. So exchange
 //     stays symmetric, energy is kept, and in a scene of one temperature all heat fluxes are 0, whatever the errors.
-//   In: form factors of all rows; enclosure: a material for each. Intervals, where there are any (of
+//   In: form factors of all rows; enclosure: a material for each, and the parts of the environment where sky and ground
+//     are apart, whose errors are carried to the answers with those of the form factors. Intervals, if any (of
 //     GuaranteedBy::chernoff), have to be of all pairs that may see each other.
 //   Out: see HeatSolution; bounds where form factors have intervals, eq. (10). They hold for scenes without leak.
 //   Error: of the equations, for emissivities from 1e-3 on: 1e-11 of the largest |B - s T_0^4|, T_0 being the
 //     environment's temperature or the first given one. Standard errors: of first order, pairs taken for independent;
 //     beyond 1,000 rows they have a standard error of 1/16 of themselves. Tests: tests/unit/solve_heat_test.cpp,
 //     solve_errors_test.cpp, solve_bounds_test.cpp.
-//   Throws: Error bad_usage for form factors of some rows only, or materials that do not go with them; bad_input where
-//     radiation ends on backs, leaves the scene without an environment, rows have no temperature to refer to, or a heat
-//     flux would need a temperature below 0; limit where conjugate gradients do not end.
+//   Throws: Error bad_usage for form factors of some rows only, or materials that do not go with them, or
+//     intervals beside sky and ground apart or bands; bad_input where radiation ends on backs, leaves the scene without
+//     an environment, rows have no temperature to refer to, or a heat flux would need a temperature below 0; limit
+//     where conjugate gradients do not end.
 //   Cost: some dozens of products with the sparse matrix, 128 times as many for standard errors beyond 1,000 rows; else
 //     O(rows^3 + rows x pairs). Memory: 32 bytes a pair, and 8 rows^2 up to 1,000 rows.
 //   Source: A. K. Oppenheim, Radiation analysis by the network method, Trans. ASME 78, 1956, 725-735.
@@ -135,7 +158,8 @@ struct SceneHeat {
   bool is_reached = true;            // false where time was up before the tolerance
 };
 
-// Computes the form factors of a scene and solves the enclosure.
+// Computes the form factors of a scene and solves the enclosure. Where sky and ground are apart, it measures the parts
+// of the environment to the tolerance of the form factors.
 //   With a tolerance form factors start at 0.02, and are computed again with a smaller tolerance until the answers have
 //     theirs. Answers average over many form factors, whose errors may be larger.
 //   In: request: rows, seed and the like; its goal counts where there is no tolerance; its time limit counts for all
@@ -192,7 +216,8 @@ void writeExchange(const ExchangeFactors& factors, ExchangeKind kind, const std:
 // followed by its `_standard_error`, and where rows have bounds by its `_bound`; the first column is `polygon` for rows
 // by polygon.
 //   In: by: HeatSolution::rows, or surfaces
-//   Out: 1 + rows lines; a last line `environment` for an open scene with its heat flow, which is what leaves it
+//   Out: 1 + rows lines; a last line `environment` for an open scene with its heat flow, which is what leaves it;
+//     two lines, `environment:up` and `environment:down`, where sky and ground are apart
 //   Error: none: numbers read back to the same bits. Tests: tests/unit/solve_materials_test.cpp.
 //   Throws: nothing; a failure is out's state.    Cost: O(rows).
 void writeHeat(const HeatSolution& solution, By by, std::ostream& out);

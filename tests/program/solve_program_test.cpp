@@ -151,6 +151,24 @@ TEST_F(SolveProgram, AnOpenSceneHasAnEnvironment) {
       << closed.output;
 }
 
+TEST_F(SolveProgram, SkyAndGroundAreApart) {
+  const std::string apart =
+      write("apart.csv", kHeader + "default,0.8,,20\nenvironment:up,,250,\nenvironment:down,,290,\n");
+  const Result r = run("solve " + kPlates + " --materials " + apart + " --up 0,1,1 -o " + file("a.csv"));
+  EXPECT_EQ(r.status, 0) << r.output;
+  EXPECT_NE(r.output.find("environment 250 K above and 290 K below the horizon"), std::string::npos) << r.output;
+  EXPECT_NE(r.output.find(" above the horizon, "), std::string::npos) << r.output;
+  const std::string answers = readFile(file("a.csv"));
+  EXPECT_NE(answers.find("\nenvironment:up,,1,"), std::string::npos) << answers;
+  EXPECT_NE(answers.find("\nenvironment:down,,1,"), std::string::npos) << answers;
+  expectRefusal(run("solve " + kPlates + " --materials " + apart + " --up 0,0,0"), "the direction has no length");
+  expectRefusal(run("solve " + kPlates + " --quiet --epsilon 0.1 --materials " + apart),
+                "no bounds with sky and ground");
+  expectRefusal(run("solve " + kPlates + " --quiet --up 0,0,1 --materials " +
+                    write("one.csv", kHeader + "default,0.8,,20\nenvironment,,280,\n")),
+                "has neither environment:up nor environment:down");
+}
+
 TEST_F(SolveProgram, MistakesAreRefusedInOneLine) {
   const auto refuse = [&](const std::string& lines, const std::string& part) {
     expectRefusal(
@@ -163,7 +181,7 @@ TEST_F(SolveProgram, MistakesAreRefusedInOneLine) {
   refuse("default,0.5,,\n", "m.csv:2: 'default' has neither temperature nor heat_flux");
   refuse("default,0.5,,adiabatic\n", "m.csv: no temperature is given to refer to");
   refuse("default,0.5,300,\nceilng,0.5,300,\n", "m.csv:3: no surface or face is called 'ceilng'");
-  refuse("environment:up,,250,\n", "draw sky and ground as surfaces");
+  refuse("default,0.5,300,\nenvironment:up,,250,\n", "'environment:up' has a temperature and 'environment:down' none");
   // A face that looks the wrong way lets radiation out, and shows its back.
   std::string cube = readFile(kCube);
   cube.replace(cube.find("f 1 2 3 4"), 9, "f 4 3 2 1");

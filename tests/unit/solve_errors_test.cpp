@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "scenes/heat_scenes.h"
+#include "solve/band_errors.h"
 #include "solve/heat_errors.h"
 #include "tests/support/enclosures.h"
 #include "tests/support/reference_shapes.h"
@@ -72,7 +73,8 @@ std::vector<Material> mixedMaterials() {
 
 // Returns all measured values of a solution in one list.
 std::vector<Measured> answersOf(const HeatSolution& solution) {
-  std::vector<Measured> answers{solution.to_environment};
+  std::vector<Measured> answers{solution.to_environment, solution.to_up.value_or(Measured{}),
+                                solution.to_down.value_or(Measured{})};
   for (const auto* rows : {&solution.rows, &solution.surfaces})
     for (const HeatRow& row : *rows)
       for (const Measured& value : {row.temperature, row.radiosity, row.irradiation, row.heat_flux, row.heat_flow})
@@ -80,12 +82,41 @@ std::vector<Measured> answersOf(const HeatSolution& solution) {
   return answers;
 }
 
+Enclosure withBands(Enclosure enclosure) {
+  enclosure.band_limits_um = {6, 15};
+  for (Material& material : enclosure.materials)
+    material.band_emissivities = {material.emissivity, 0.5 * material.emissivity, 0.9};
+  return enclosure;
+}
+
 // Solves for heat with three surfaces of four rows each.
-HeatSolution solve(const FormFactors& f) {
+HeatSolution solveRows(const FormFactors& f, const std::optional<EnvironmentParts>& parts = {},
+                       bool has_bands = false) {
   Ids ids = f.ids();
   for (uint32_t i = 0; i < kRows; ++i) ids.surface[i] = i / 4;
   FormFactors grouped(ids, f.entries(), f.rowSums());
-  return solveHeat(grouped, {mixedMaterials(), 270, {"a", "b", "c"}});
+  Enclosure enclosure{mixedMaterials(), 270, {"a", "b", "c"}};
+  if (parts) {
+    enclosure.environment_temperature.reset();
+    enclosure.sky_and_ground = {250, 290};
+    enclosure.environment_parts = parts;
+  }
+  return solveHeat(grouped, has_bands ? withBands(std::move(enclosure)) : enclosure);
+}
+
+HeatSolution solve(const FormFactors& f) { return solveRows(f); }
+
+// Returns shares of the part above with errors that rows have in common, of three replicates.
+EnvironmentParts randomParts(double error) {
+  std::mt19937_64 random(9);
+  std::uniform_real_distribution<double> uniform(0.1, 0.9);
+  EnvironmentParts parts;
+  parts.up_share_errors.assign(3, std::vector<double>(kRows));
+  for (uint32_t i = 0; i < kRows; ++i) {
+    parts.up_share.push_back({uniform(random), 0});
+    for (std::vector<double>& of_replicate : parts.up_share_errors) of_replicate[i] = error * (uniform(random) - 0.5);
+  }
+  return parts;
 }
 
 class SolveErrors : public testing::TestWithParam<std::tuple<bool, bool>> {};
@@ -122,6 +153,90 @@ TEST_P(SolveErrors, EqualCentralDifferences) {
   EXPECT_GT(largest, 1e-4);  // something was compared
 }
 
+// Sky and ground apart: entries moved by their standard errors, and shares by what each replicate has in their errors.
+// The same with bands of wavelengths.
+TEST(SolveErrors, SkyAndGroundEqualCentralDifferences) {
+  for (const int kind : {0, 1, 2, 3}) {
+    const bool is_rest = kind % 2 == 1, bands = kind / 2 == 1;
+    const auto solve = [&](const FormFactors& f, const EnvironmentParts& of) { return solveRows(f, of, bands); };
+    const RandomRows rows(true, is_rest, 1e-4);
+    RandomRows measured = rows;
+    if (!is_rest)
+      for (Entry& entry : measured.entries)
+        if (entry.i == entry.j) entry.exchange_area.value += 1e-9;  // as above
+    const EnvironmentParts parts = randomParts(1e-4);
+    const std::vector<Measured> answers = answersOf(solve(measured.formFactors(), parts));
+    std::vector<double> variances(answers.size());
+    const auto addDifferences = [&](const HeatSolution& above, const HeatSolution& below) {
+      const std::vector<Measured> up = answersOf(above), down = answersOf(below);
+      for (size_t a = 0; a < answers.size(); ++a) variances[a] += std::pow((up[a].value - down[a].value) / 2, 2);
+    };
+    for (size_t k = 0; k < rows.entries.size(); ++k) {
+      if (!rows.isFree(k)) continue;
+      RandomRows up = measured, down = measured;
+      up.change(k, 1), down.change(k, -1);
+      addDifferences(solve(up.formFactors(), parts), solve(down.formFactors(), parts));
+    }
+    for (const std::vector<double>& errors : parts.up_share_errors) {
+      EnvironmentParts up = parts, down = parts;
+      for (uint32_t i = 0; i < kRows; ++i) up.up_share[i].value += errors[i], down.up_share[i].value -= errors[i];
+      addDifferences(solve(measured.formFactors(), up), solve(measured.formFactors(), down));
+    }
+    for (size_t a = 0; a < answers.size(); ++a) {
+      const double truth = std::sqrt(variances[a]);
+      // With bands temperatures are found to 1e-10 K, which differences show, and responses to 1e-7.
+      EXPECT_TRUE(isWithin(answers[a].standard_error, truth, 1e-5 * truth + (bands ? 1e-7 : 1e-9))) << "answer " << a;
+    }
+    for (size_t a = 0; a < 3; ++a) EXPECT_GT(answers[a].standard_error, 1e-4);  // outside, above, below
+    EXPECT_TRUE(isWithin(answers[0].value, answers[1].value + answers[2].value, 1e-9 * std::abs(answers[1].value)));
+    EXPECT_LE(std::abs(solve(measured.formFactors(), parts).balance_residual), bands ? 1e-7 : 1e-9);
+  }
+}
+
+// Shares alone are uncertain: their errors need no random signs, so that probes have the inverse's to 1e-7, the
+// residual of rough solutions.
+TEST(SolveErrors, ProbesOfSkyAndGroundAreTheInverse) {
+  const FormFactors f = RandomRows(true, true, 0).formFactors();
+  const ClosedExchange closed = closeRows(f);
+  const Eigen::VectorXd reflectivity = Eigen::VectorXd::LinSpaced(kRows, 0, 0.99),
+                        radiosity = Eigen::VectorXd::LinSpaced(kRows, -100, 300);
+  Enclosure enclosure{mixedMaterials(), {}, {}};
+  enclosure.sky_and_ground = {250, 290};
+  enclosure.environment_parts = randomParts(1e-3);
+  const Outside outside =
+      makeOutside(closed, enclosure, [](double temperature) { return te::power(temperature) - 200; });
+  const Irradiation irradiation(closed, reflectivity);
+  const HeatErrors exact(f, closed, irradiation, radiosity, outside),
+      probed(f, closed, irradiation, radiosity, outside, 0);
+  for (uint32_t k = 0; k < kRows; ++k) {
+    const double truth = exact.standardError({{k, 1}});
+    EXPECT_GT(truth, 0);
+    EXPECT_TRUE(isWithin(probed.standardError({{k, 1}}), truth, 1e-5 * truth)) << k;
+  }
+  for (const auto part : {HeatErrors::Part::all, HeatErrors::Part::up, HeatErrors::Part::down}) {
+    const double truth = exact.environmentError(reflectivity, part);
+    EXPECT_TRUE(isWithin(probed.environmentError(reflectivity, part), truth, 1e-5 * truth));
+  }
+}
+
+// Bands: as ProbesComeToTheInverse.
+TEST(SolveErrors, ProbesOfBandsComeToTheirSources) {
+  const FormFactors f = RandomRows(true, true, 1e-3).formFactors();
+  const ClosedExchange closed = closeRows(f);
+  const Enclosure enclosure = withBands({mixedMaterials(), 270, {}});
+  BandSystem system(closed, enclosure);
+  system.solve(f.ids().names);
+  const BandErrors exact(f, closed, system), probed(f, closed, system, 0);
+  for (const auto answer : {BandErrors::kTemperature, BandErrors::kRadiosity, BandErrors::kIrradiation})
+    for (uint32_t k = 2; k < kRows; k += 3) {  // rows of given heat fluxes
+      const double truth = exact.standardError(answer, {{k, 1}});
+      EXPECT_GT(truth, 0);
+      EXPECT_TRUE(isWithin(probed.standardError(answer, {{k, 1}}), truth, 5.0 / 16 * truth)) << k;
+      EXPECT_FALSE(isWithin(2 * probed.standardError(answer, {{k, 1}}), truth, 5.0 / 16 * truth)) << k;
+    }
+  EXPECT_TRUE(isWithin(probed.toEnvironment(), exact.toEnvironment(), 5.0 / 16 * exact.toEnvironment()));
+}
+
 INSTANTIATE_TEST_SUITE_P(Rows, SolveErrors,
                          testing::Values(std::tuple(false, false), std::tuple(true, false), std::tuple(true, true)));
 
@@ -135,7 +250,9 @@ TEST(SolveErrors, ProbesComeToTheInverse) {
     const Eigen::VectorXd reflectivity = Eigen::VectorXd::LinSpaced(kRows, 0, 0.99),
                           radiosity = Eigen::VectorXd::LinSpaced(kRows, -100, 300);
     const Irradiation irradiation(closed, reflectivity);
-    const HeatErrors exact(f, closed, irradiation, radiosity), probed(f, closed, irradiation, radiosity, 0);
+    const Outside outside{.up_share = Eigen::VectorXd::Ones(kRows), .power = Eigen::VectorXd::Zero(kRows)};
+    const HeatErrors exact(f, closed, irradiation, radiosity, outside),
+        probed(f, closed, irradiation, radiosity, outside, 0);
     for (uint32_t k = 0; k < kRows; ++k) {
       const std::vector<HeatErrors::Term> terms{{k, 1}, {(k + 1) % kRows, 0.5}};
       const double truth = exact.standardError(terms);

@@ -57,30 +57,74 @@ TEST_F(SolveMaterials, LinesAreRead) {
   EXPECT_EQ(turned.lines[0].material.emissivity, 0.25);
 }
 
+TEST_F(SolveMaterials, SkyAndGroundAreApart) {
+  const auto partsOf = [&](const std::string& lines) { return read(kHeader + "a,1,300,\n" + lines).sky_and_ground; };
+  EXPECT_FALSE(partsOf("environment,,280,\n"));
+  const auto both = partsOf("environment:down,,290,\nenvironment:up,1,250,\n"),
+             one = partsOf("environment:down,,290,\nenvironment,,260,\n");
+  ASSERT_TRUE(both && one);
+  EXPECT_EQ(both->up, 250);
+  EXPECT_EQ(both->down, 290);
+  EXPECT_EQ(one->up, 260);
+  EXPECT_EQ(one->down, 290);
+}
+
+TEST_F(SolveMaterials, BandsAreRead) {
+  const MaterialTable table = read(
+      "emissivity:8-inf,surface,emissivity:0-2.5,temperature,emissivity:2.5-8,heat_flux\n0.9,a,0.1,300,0.5,\n"
+      ",environment,1,280,,\n");
+  EXPECT_EQ(table.band_limits_um, (std::vector<double>{2.5, 8}));
+  EXPECT_EQ(table.lines[0].material.band_emissivities, (std::vector<double>{0.1, 0.5, 0.9}));
+  EXPECT_EQ(table.environment_temperature, 280);
+  // One band is all wavelengths: grey.
+  const MaterialTable grey = read("surface,emissivity:0-inf,temperature,heat_flux\na,0.3,300,\n");
+  EXPECT_TRUE(grey.band_limits_um.empty());
+  EXPECT_EQ(grey.lines[0].material.emissivity, 0.3);
+  EXPECT_TRUE(grey.lines[0].material.band_emissivities.empty());
+}
+
 TEST_F(SolveMaterials, FaultsAreNamedWithTheirLine) {
   const struct {
     std::string text, part;
-  } cases[] = {{"", ": has no header"},
-               {kHeader, ": has no materials"},
-               {"surface,emissivity,temperature\n", ":1: the header needs the column 'heat_flux'"},
-               {"surface,emissivity,temperature,heat_flux,colour\n", ":1: 'colour' is not a column"},
-               {"surface,surface,emissivity,temperature,heat_flux\n", ":1: the header needs the column 'surface' once"},
-               {kHeader + "a,0,300,\n", ":2: an emissivity of 0 is not above 0"},
-               {kHeader + "a,1.01,300,\n", ":2: an emissivity of 1.01 is not above 0"},
-               {kHeader + "a,nan,300,\n", ":2: 'nan' is not a finite number"},
-               {kHeader + "a,,300,\n", ":2: '' is not a number"},
-               {kHeader + "a,0.5,,\n", ":2: 'a' has neither temperature nor heat_flux"},
-               {kHeader + "a,0.5,300,0\n", ":2: 'a' has both temperature and heat_flux"},
-               {kHeader + "a,0.5,-1,\n", ":2: a temperature of -1 K is below 0"},
-               {kHeader + "a,0.5,,warm\n", ":2: 'warm' is not a number"},
-               {kHeader + "a,0.5,300\n", ":2: 3 fields, the header has 4"},
-               {kHeader + "\"a,0.5,300,\n", ":2: a quote has no end"},
-               {kHeader + ",0.5,300,\n", ":2: the surface has no name"},
-               {kHeader + "a,0.5,300,\n\na,0.6,300,\n", ":4: 'a' has a material on line 2 already"},
-               {kHeader + "environment,0.9,300,\n", ":2: 'environment' is black"},
-               {kHeader + "environment,,,5\n", ":2: 'environment' is black"},
-               {kHeader + "environment,,3,\nenvironment,,4,\n", ":3: 'environment' has a line already"},
-               {kHeader + "environment:up,1,250,\n", ":2: 'environment:up': form factors have one environment"}};
+  } cases[] = {
+      {"", ": has no header"},
+      {kHeader, ": has no materials"},
+      {"surface,emissivity,temperature\n", ":1: the header needs the column 'heat_flux'"},
+      {"surface,emissivity,temperature,heat_flux,colour\n", ":1: 'colour' is not a column"},
+      {"surface,surface,emissivity,temperature,heat_flux\n", ":1: the header needs the column 'surface' once"},
+      {kHeader + "a,0,300,\n", ":2: an emissivity of 0 is not above 0"},
+      {kHeader + "a,1.01,300,\n", ":2: an emissivity of 1.01 is not above 0"},
+      {kHeader + "a,nan,300,\n", ":2: 'nan' is not a finite number"},
+      {kHeader + "a,,300,\n", ":2: '' is not a number"},
+      {kHeader + "a,0.5,,\n", ":2: 'a' has neither temperature nor heat_flux"},
+      {kHeader + "a,0.5,300,0\n", ":2: 'a' has both temperature and heat_flux"},
+      {kHeader + "a,0.5,-1,\n", ":2: a temperature of -1 K is below 0"},
+      {kHeader + "a,0.5,,warm\n", ":2: 'warm' is not a number"},
+      {kHeader + "a,0.5,300\n", ":2: 3 fields, the header has 4"},
+      {kHeader + "\"a,0.5,300,\n", ":2: a quote has no end"},
+      {kHeader + ",0.5,300,\n", ":2: the surface has no name"},
+      {kHeader + "a,0.5,300,\n\na,0.6,300,\n", ":4: 'a' has a material on line 2 already"},
+      {kHeader + "environment,0.9,300,\n", ":2: 'environment' is black"},
+      {kHeader + "environment,,,5\n", ":2: 'environment' is black"},
+      {kHeader + "environment,,3,\nenvironment,,4,\n", ":3: 'environment' has a line already"},
+      {"surface,emissivity:0-3,temperature,heat_flux\n", ":1: bands of emissivity do not follow"},
+      {"surface,emissivity:1-inf,temperature,heat_flux\n", ":1: bands of emissivity do not follow"},
+      {"surface,emissivity:0-inf,emissivity:3-inf,temperature,heat_flux\n", ":1: bands of emissivity do not follow"},
+      {"surface,emissivity:0-4,emissivity:3-inf,temperature,heat_flux\n",
+       ":1: bands of emissivity do not follow one another from 0 to inf, at 4 um"},
+      {"surface,emissivity:5-3,temperature,heat_flux\n", ":1: the band 'emissivity:5-3' does not reach"},
+      {"surface,emissivity:5,temperature,heat_flux\n", ":1: 'emissivity:5' names no band"},
+      {"surface,emissivity,emissivity:0-inf,temperature,heat_flux\n",
+       ":1: the header has the column "
+       "'emissivity' beside"},
+      {"surface,emissivity:0-3,emissivity:3-inf,temperature,heat_flux\na,0.5,0,300,\n",
+       ":2: an emissivity of 0 is not above 0"},
+      {kHeader + "environment:up,0.9,250,\n", ":2: 'environment:up' is black"},
+      {kHeader + "a,1,300,\nenvironment:up,,250,\n",
+       ": 'environment:up' has a temperature and "
+       "'environment:down' none"},
+      {kHeader + "environment:up,,2,\nenvironment:down,,3,\nenvironment,,4,\n",
+       ": 'environment:up' and 'environment:down' leave nothing to 'environment'"}};
   for (const auto& c : cases) {
     const std::string message = refusal(c.text);
     EXPECT_EQ(message.find(c.part), 0u) << c.text << "\n" << message;

@@ -1,0 +1,168 @@
+// Measures the environment above and below a horizon by the host engine.
+//
+// Every direction is turned so that it points above the horizon. Then a line that leaves the scene forwards ends in the
+// part above, and one that leaves it backwards in the part below; the engine counts the two apart.
+#include <viewpeel/environment.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/glm.hpp>
+
+#include "directions/replicates.h"
+#include "directions/sampler.h"
+#include "engines/host_engine.h"
+#include "estimator/estimate.h"
+#include "stopwatch.h"
+#include <viewpeel/error.h>
+
+namespace viewpeel {
+namespace {
+
+constexpr uint32_t kReplicates = 8, kFirstDirections = 32, kMostDirections = 1 << 16;
+// Errors fall at least with this power of the number of directions (docs/accuracy.md: 1.29 with exact areas).
+constexpr double kLeastExponent = 0.5, kUsualExponent = 0.8;
+constexpr double kMargin = 0.9, kMostGrowth = 64;
+// A polygon of the median area has two spacings to its side.
+constexpr double kSpacingsPerSide = 2;
+constexpr double kLeastResolution = 64, kFinestResolution = 1024;
+
+int chooseResolution(const Scene& scene) {
+  std::vector<double> areas;
+  areas.reserve(scene.polygons.size());
+  for (const Polygon& polygon : scene.polygons) areas.push_back(polygon.area);
+  const auto middle = areas.begin() + static_cast<ptrdiff_t>(areas.size() / 2);
+  std::nth_element(areas.begin(), middle, areas.end());
+  return static_cast<int>(std::clamp(2 * kSpacingsPerSide / std::sqrt(*middle), kLeastResolution, kFinestResolution));
+}
+
+// Counts of one replicate, by row.
+struct Counts {
+  std::vector<double> up, down;
+};
+
+class Measurement {
+ public:
+  Measurement(const Scene& scene, const EnvironmentRequest& request, const Observer& observer)
+      : request_(request), observer_(observer), ids_(makeIds(scene, request.by, request.two_sided)) {
+    if (!(glm::length(request.up) > 0))
+      throw Error(ErrorCode::bad_usage, "the direction up has no length; give one like 0,0,1");
+    if (!(request.tolerance > 0)) throw Error(ErrorCode::bad_usage, "the tolerance is not above 0; give a larger");
+    ids_.roles.assign(scene.polygons.size(), kEmits);  // nothing receives, so that no pair counts
+    LatticeOptions options;
+    options.resolution = chooseResolution(scene);
+    options.sampling = chooseSampling(scene, ids_, false);
+    options.split_environment = true;
+    options.thread_count = request.threads;
+    options.on_batch = [&](uint64_t) {
+      if (observer_.should_stop && observer_.should_stop()) throw Interrupted{};
+    };
+    engine_ = makeHostEngine(scene, ids_, options);
+    ids_.roles.clear();
+    unit_area_ = engine_->unitArea() * scene.scale * scene.scale;
+  }
+
+  EnvironmentParts measure() {
+    const auto start = Clock::now();
+    const auto isTimeUp = [&] { return request_.time_limit_s && secondsSince(start) >= *request_.time_limit_s; };
+    for (double directions = kFirstDirections;;) {
+      EnvironmentParts parts = measureOnce(static_cast<uint32_t>(directions));
+      const double excess = parts.largest_standard_error / request_.tolerance;
+      parts.is_reached = excess <= 1;
+      if (parts.is_reached || directions >= kMostDirections || isTimeUp()) return parts;
+      const double exponent = rounds_ > 2 ? kLeastExponent : kUsualExponent;
+      directions = std::min<double>(directions * std::clamp(std::pow(excess / kMargin, 1 / exponent), 1.5, kMostGrowth),
+                                    kMostDirections);
+    }
+  }
+
+ private:
+  Counts count(uint32_t directions, uint64_t replicate) {
+    std::vector<Direction> set = sampleDirections(Sampler::fibonacci, directions, request_.seed, replicate);
+    for (Direction& direction : set)
+      if (glm::dot(direction.u, request_.up) < 0) direction.u = -direction.u, direction.x_axis = -direction.x_axis;
+    Counts counts{std::vector<double>(ids_.count()), std::vector<double>(ids_.count())};
+    for (const PairCount& pair : engine_->count(set))
+      (pair.j == kEnvironment ? counts.up : counts.down)[pair.i] += double(pair.count);
+    return counts;
+  }
+
+  EnvironmentParts measureOnce(uint32_t directions) {
+    std::vector<Counts> replicates;
+    const uint64_t first = kEnvironmentReplicates.first + kReplicates * rounds_++;
+    for (uint32_t r = 0; r < kReplicates; ++r) {
+      replicates.push_back(count(directions, first + r));
+      if (observer_.on_progress)
+        observer_.on_progress({.replicates = r + 1, .directions = directions, .directions_of_replicate = directions});
+    }
+    EnvironmentParts parts{.ids = ids_, .replicates = kReplicates, .directions = uint64_t(directions) * kReplicates};
+    parts.up_share_errors.assign(kReplicates, std::vector<double>(ids_.count()));
+    const double count_area = 2 * unit_area_ / directions;
+    for (uint32_t i = 0; i < ids_.count(); ++i) {
+      const double of_count = count_area / ids_.areas[i];
+      parts.up.push_back(meanOf(
+          replicates, [&](const Counts& counts) { return counts.up[i]; }, of_count));
+      parts.down.push_back(meanOf(
+          replicates, [&](const Counts& counts) { return counts.down[i]; }, of_count));
+      parts.all.push_back(meanOf(
+          replicates, [&](const Counts& counts) { return counts.up[i] + counts.down[i]; }, of_count));
+      addShare(replicates, i, parts);
+      for (const Measured& part : {parts.up[i], parts.down[i]})
+        parts.largest_standard_error = std::max(parts.largest_standard_error, part.standard_error);
+    }
+    return parts;
+  }
+
+  template <class Of>
+  static Measured meanOf(const std::vector<Counts>& replicates, const Of& of, double form_factor_of_count) {
+    double sum = 0, squares = 0;
+    for (const Counts& counts : replicates) sum += of(counts);
+    const double mean = sum / kReplicates;
+    for (const Counts& counts : replicates) squares += std::pow(of(counts) - mean, 2);
+    return {mean * form_factor_of_count,
+            std::sqrt(squares / (kReplicates * (kReplicates - 1.0))) * form_factor_of_count};
+  }
+
+  // The share is a ratio of means; its error follows from the residuals of the ratio, in first order.
+  static void addShare(const std::vector<Counts>& replicates, uint32_t row, EnvironmentParts& parts) {
+    double up = 0, all = 0;
+    for (const Counts& counts : replicates) {
+      up += counts.up[row];
+      all += counts.up[row] + counts.down[row];
+    }
+    if (all == 0) {
+      parts.up_share.push_back({0.5, 0.5});
+      parts.up_share_errors.front()[row] = 0.5;
+      return;
+    }
+    const double share = up / all;
+    const double scale = kReplicates / all / std::sqrt(kReplicates * (kReplicates - 1.0));
+    double squares = 0;
+    for (uint32_t r = 0; r < kReplicates; ++r) {
+      const Counts& counts = replicates[r];
+      const double residual = counts.up[row] - share * (counts.up[row] + counts.down[row]);
+      parts.up_share_errors[r][row] = residual * scale;
+      squares += std::pow(residual * scale, 2);
+    }
+    parts.up_share.push_back({share, std::sqrt(squares)});
+  }
+
+  const EnvironmentRequest& request_;
+  const Observer& observer_;
+  Ids ids_;
+  std::unique_ptr<Engine> engine_;
+  double unit_area_ = 0;
+  uint64_t rounds_ = 0;
+};
+
+}  // namespace
+
+EnvironmentParts measureEnvironment(const Scene& scene, const EnvironmentRequest& request, const Observer& observer) {
+  try {
+    return Measurement(scene, request, observer).measure();
+  } catch (const Interrupted&) {
+    throw Error(ErrorCode::limit, "the run was stopped before the environment was measured; let it run longer");
+  }
+}
+
+}  // namespace viewpeel

@@ -1,0 +1,73 @@
+// The equations of all bands, and how answers change with what disturbs them.
+#pragma once
+#include <memory>
+#include <vector>
+
+#include <viewpeel/solve.h>
+#include "solve/blackbody.h"
+#include "solve/irradiation.h"
+#include "solve/outside.h"
+
+namespace viewpeel {
+
+using BandVectors = std::vector<Eigen::VectorXd>;  // one over rows for each band
+
+// A BandSystem has A H_k = X B_k + x_e E_ek, B_k = e_k E_k(T) + (1 - e_k) H_k for each band k. Rows of given heat flux
+// have the temperatures for which sum_k e_k (E_k(T) - H_k) is it.
+class BandSystem {
+ public:
+  //   In: closed, enclosure: referred to; materials sound
+  BandSystem(const ClosedExchange& closed, const Enclosure& enclosure);
+
+  // Finds the temperatures of all rows by Newton's method, and with them the irradiations.
+  //   Throws: Error bad_input where a row would have to emit less than nothing; Error limit where Newton's method, or
+  //   conjugate gradients, do not get there.
+  void solve(const std::vector<std::string>& names);
+
+  size_t bandCount() const { return bands_.size(); }
+  const Eigen::VectorXd& temperatures() const { return temperatures_; }
+  // Returns irradiations and radiosities of a band, less the shift.
+  const Eigen::VectorXd& irradiation(size_t k) const { return irradiations_[k]; }
+  Eigen::VectorXd radiosity(size_t k) const;
+  const Outside& outside(size_t k) const { return outside_[k]; }
+  const Eigen::VectorXd& emissivity(size_t k) const { return emissivities_[k]; }
+  // Returns E_k(T), less the shift, and the shift: what is emitted in the band at the temperature of reference.
+  double power(size_t k, double temperature) const { return bandPower(bands_[k], temperature) - shifts_[k]; }
+  double powerSlope(size_t k, double temperature) const { return bandPowerSlope(bands_[k], temperature); }
+  double shift(size_t k) const { return shifts_[k]; }
+  uint32_t steps() const;
+
+  // A Response says how answers change with disturbances of A H_k, in first order.
+  struct Response {
+    Eigen::VectorXd temperature;
+    BandVectors irradiation;
+  };
+  //   In: disturbances: for each band, W    Error: 1e-7 of the disturbance. Several threads may call it at once.
+  Response respond(const BandVectors& disturbances) const;
+
+ private:
+  bool isFree(Eigen::Index row) const { return is_free_[static_cast<size_t>(row)]; }
+  Eigen::VectorXd solveRoughly(size_t k, const Eigen::VectorXd& b) const;
+  void findIrradiations();
+  Eigen::VectorXd excess() const;
+  void refuseNegativeEmission(const std::vector<std::string>& names) const;
+  void guessTemperatures();
+  Eigen::VectorXd slope(size_t k) const;
+  Eigen::VectorXd changeOfFlux(const BandVectors& slopes, const Eigen::VectorXd& change) const;
+  Eigen::VectorXd solveNewton(const Eigen::VectorXd& right_side) const;
+
+  const ClosedExchange& closed_;
+  const Enclosure& enclosure_;
+  std::vector<Band> bands_;
+  std::vector<double> shifts_;
+  BandVectors emissivities_;
+  std::vector<std::shared_ptr<const Irradiation>> solvers_;  // of bands; shared by those of the same emissivities
+  using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  std::vector<std::shared_ptr<const RowMajorMatrix>> inverses_;  // of bands; none beyond kMostExactRows
+  std::vector<Outside> outside_;
+  std::vector<bool> is_free_;  // rows whose temperatures are to be found
+  Eigen::VectorXd temperatures_;
+  BandVectors irradiations_;
+};
+
+}  // namespace viewpeel

@@ -1,0 +1,24 @@
+// What a black surface emits in a band of wavelengths.
+#pragma once
+
+namespace viewpeel {
+
+// A Band of wavelengths reaches from `low` to `high`, in micrometres; `high` may be infinite.
+struct Band {
+  double low_um = 0, high_um = 0;
+};
+
+// Returns the share of black emission below a wavelength, F = (15 / pi^4) times the integral of x^3 / (e^x - 1) from
+// z = C_2 / (wavelength temperature) to infinity.
+//   In: um_K: wavelength times temperature, micrometres kelvin, from 0 to infinity
+//   Out: 0 to 1    Error: 1e-14. Tests: tests/unit/blackbody_test.cpp.    Cost: some 20 terms.
+//   Source: S. L. Chang & K. T. Rhee, Blackbody radiation functions, Int. Comm. Heat Mass Transfer 11, 1984, 451-455;
+//     below z = 2, where its series is slow, the power series with Bernoulli's numbers.
+double blackbodyShare(double um_K);
+
+// Returns what a black surface of this temperature emits in the band, W/m2.
+double bandPower(const Band& band, double temperature);
+// Returns its change with the temperature, W/m2 per kelvin.
+double bandPowerSlope(const Band& band, double temperature);
+
+}  // namespace viewpeel

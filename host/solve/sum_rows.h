@@ -1,0 +1,29 @@
+// What rows of all enclosures are summed up to.
+#pragma once
+#include <cmath>
+#include <vector>
+
+#include <viewpeel/solve.h>
+
+namespace viewpeel {
+
+// Returns the rows of each surface.    In: surface_count: surfaces that have names
+inline std::vector<std::vector<uint32_t>> rowsOfSurfaces(const Ids& ids, size_t surface_count) {
+  std::vector<std::vector<uint32_t>> rows(surface_count);
+  for (uint32_t i = 0; i < ids.count(); ++i)
+    if (ids.surface[i] < rows.size()) rows[ids.surface[i]].push_back(i);
+  return rows;
+}
+
+// Sets the balance of rows, and of the heat flow to the environment.
+inline void balance(HeatSolution& found) {
+  double flow = -found.to_environment.value;
+  found.heat_flow_total = std::abs(found.to_environment.value) / 2;
+  for (const HeatRow& row : found.rows) {
+    flow += row.heat_flow.value;
+    found.heat_flow_total += std::abs(row.heat_flow.value) / 2;
+  }
+  found.balance_residual = flow;
+}
+
+}  // namespace viewpeel

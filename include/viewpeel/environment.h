@@ -1,0 +1,55 @@
+// The environment has two parts, above and below a horizon: sky and ground. Each row has a form factor to both.
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include <viewpeel/compute.h>
+#include <viewpeel/form_factors.h>
+#include <viewpeel/ids.h>
+#include <viewpeel/scene.h>
+
+namespace viewpeel {
+
+// An EnvironmentRequest says which rows are meant, which way is up, and how exact their form factors have to be.
+struct EnvironmentRequest {
+  By by = By::polygon;
+  bool two_sided = false;
+  glm::dvec3 up{0, 0, 1};   // of any length above 0
+  double tolerance = 1e-3;  // the largest standard error of all form factors to either part, above 0
+  uint64_t seed = 1;        // the same seed gives the same bits
+  uint32_t threads = 0;     // 0: one for each core
+  std::optional<double> time_limit_s;
+};
+
+// EnvironmentParts have the form factors from each row to the parts of the environment above and below the horizon.
+// Radiation that leaves the scene along d ends in the part above where dot(d, up) > 0.
+struct EnvironmentParts {
+  Ids ids;                         // of the rows
+  std::vector<Measured> up, down;  // form factors, one for each row
+  std::vector<Measured> all;       // both together
+  // The share of the part above in all that leaves a row; 1/2 +- 1/2 where no line left it.
+  std::vector<Measured> up_share;
+  // Errors of rows are not independent, for all rows have their directions in common. Entry [r][i] is the part that
+  // replicate r has in the error of up_share[i]: its square summed over r is the square of the standard error.
+  std::vector<std::vector<double>> up_share_errors;
+  uint64_t replicates = 0, directions = 0;  // directions of all replicates together
+  double largest_standard_error = 0;        // of up and down
+  bool is_reached = true;                   // false where time or directions were up before the tolerance
+};
+
+// Measures the environment of all rows by common directions, along which environment alone is counted.
+//   F_i,up = (2 / A_i) E[A'_i,up(u)], A'_i,up being the area of the lines along u that leave i upwards
+//   In: scene; request
+//   Out: see EnvironmentParts
+//   Error: up and down are unbiased; up_share is a ratio of means, whose bias falls with the number of directions.
+//     Standard errors are those of 8 replicates. Tests: tests/unit/environment_test.cpp.
+//   Throws: Error bad_usage for a direction up of length 0 or a tolerance that is not above 0; Error limit where the
+//     observer stops the run.
+//   Cost: as many directions as the tolerance takes, up to 2^19 in all; each is a sweep of the scene.
+EnvironmentParts measureEnvironment(const Scene& scene, const EnvironmentRequest& request,
+                                    const Observer& observer = {});
+
+}  // namespace viewpeel

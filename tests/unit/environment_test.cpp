@@ -1,0 +1,135 @@
+// Compares the environment above and below a horizon with closed forms, alone and in heat.
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include <viewpeel/environment.h>
+
+#include "reference/closed_forms/rectangles.h"
+#include "scenes/named_scenes.h"
+#include "tests/support/enclosures.h"
+#include "tests/support/reference_shapes.h"
+
+namespace viewpeel {
+namespace {
+
+namespace te = test_enclosures;
+namespace ts = test_scenes;
+using reference::test::isEstimateOf;
+using reference::test::isWithin;
+
+// Returns a square whose normal is `tilt_rad` away from straight up.
+InputScene tiltedSquare(double tilt_rad) {
+  InputScene scene{"tilted square", {}, {}};
+  ts::addFace(scene, "square", ts::parallelogram({0, 0, 0}, {1, 0, 0}, {0, std::cos(tilt_rad), -std::sin(tilt_rad)}));
+  return scene;
+}
+
+// A plate sees the share (1 + cos t) / 2 of its half sphere above the horizon. Chance passes the bound of 4.5 standard
+// errors of eight replicates, t of 7 degrees of freedom, once in 360 comparisons; the seed is fixed.
+TEST(Environment, OfATiltedPlate) {
+  for (const double tilt : {0.0, 0.3, 1.2, std::numbers::pi / 2, 2.0, std::numbers::pi}) {
+    SCOPED_TRACE(tilt);
+    const Scene scene = buildScene(tiltedSquare(tilt));
+    const EnvironmentParts parts = measureEnvironment(scene, {});
+    const double truth = (1 + std::cos(tilt)) / 2;
+    EXPECT_TRUE(parts.is_reached);
+    EXPECT_LE(parts.largest_standard_error, 1e-3);
+    EXPECT_TRUE(isEstimateOf(parts.up[0].value, parts.up[0].standard_error, truth));
+    EXPECT_TRUE(isEstimateOf(parts.down[0].value, parts.down[0].standard_error, 1 - truth));
+    EXPECT_TRUE(isEstimateOf(parts.up_share[0].value, parts.up_share[0].standard_error, truth));
+    EXPECT_FALSE(isEstimateOf(parts.up[0].value, parts.up[0].standard_error, truth + 0.01));  // negative control
+  }
+  // Another way up turns the parts with it, and both sides together see as much of both parts.
+  const Scene scene = buildScene(tiltedSquare(0));
+  const EnvironmentParts side = measureEnvironment(scene, {.up = {0, 5, 0}});
+  EXPECT_TRUE(isEstimateOf(side.up[0].value, side.up[0].standard_error, 0.5));
+  const EnvironmentParts both = measureEnvironment(scene, {.two_sided = true});
+  EXPECT_TRUE(isEstimateOf(both.up[0].value, both.up[0].standard_error, 0.5));
+  EXPECT_TRUE(isEstimateOf(both.down[0].value, both.down[0].standard_error, 0.5));
+}
+
+// One square faces another above it: what passes the other goes up. In a row of all surfaces the parts are summed.
+TEST(Environment, PastAnotherPlate) {
+  const Scene scene = buildScene(ts::parallelSquares());
+  const double between = reference::parallelRectangles({0, 1}, {0, 1}, {0, 1}, {0, 1}, 1);
+  const EnvironmentParts parts = measureEnvironment(scene, {.by = By::surface, .tolerance = 3e-4});
+  EXPECT_LE(parts.largest_standard_error, 3e-4);
+  EXPECT_TRUE(isEstimateOf(parts.up[0].value, parts.up[0].standard_error, 1 - between));
+  EXPECT_EQ(parts.down[0].value, 0);
+  EXPECT_TRUE(isEstimateOf(parts.down[1].value, parts.down[1].standard_error, 1 - between));
+  EXPECT_EQ(parts.up[1].value, 0);
+}
+
+// A box and a tilted plate stand above a floor. Nothing crosses, for scanlines order what crosses by its middle.
+InputScene boxAndPlate() {
+  InputScene scene{"box and plate", {}, {}};
+  ts::addFace(scene, "floor", ts::parallelogram({-2, -2, 0}, {4, 0, 0}, {0, 4, 0}));
+  ts::addBox(scene, "box", {-1, -0.5, 0.1}, {-0.2, 0.5, 1}, false);
+  ts::addFace(scene, "plate", ts::parallelogram({0.2, -1, 0.3}, {1, 0, 0.8}, {0, 1.5, 0}));
+  return scene;
+}
+
+// The two parts add up to the environment of a run of all form factors.
+TEST(Environment, AddsUpToThatOfAllFormFactors) {
+  const Scene scene = buildScene(boxAndPlate());
+  const EnvironmentParts parts = measureEnvironment(scene, {.tolerance = 2e-3});
+  const Result all = computeFormFactors(
+      scene, {.two_sided = false, .goal = Tolerance{2e-3}, .pair_lines = false, .seed = 7, .engine = EngineKind::host});
+  double squares = 0;
+  for (uint32_t i = 0; i < parts.ids.count(); ++i) {
+    const Measured truth = all.form_factors.formFactor(i, kEnvironment);
+    const double error = std::hypot(parts.all[i].standard_error, truth.standard_error);
+    squares += std::pow((parts.all[i].value - truth.value) / error, 2);
+    EXPECT_TRUE(isWithin(parts.all[i].value, parts.up[i].value + parts.down[i].value, 1e-14));
+  }
+  // Errors of rows are t of 7 degrees of freedom at worst, with a variance of 1.4, and rows have directions in common,
+  // so that twice as much is allowed.
+  EXPECT_LE(squares / parts.ids.count(), 2.8);
+}
+
+TEST(Environment, ThreadsDoNotMatterAndTheSeedDoes) {
+  const Scene scene = buildScene(ts::triangleSoup(10, 0.5, 3));
+  const auto upOf = [&](uint64_t seed, uint32_t threads) {
+    return measureEnvironment(scene, {.tolerance = 0.01, .seed = seed, .threads = threads}).up.front().value;
+  };
+  EXPECT_EQ(upOf(1, 1), upOf(1, 3));
+  EXPECT_NE(upOf(1, 1), upOf(2, 1));
+  EXPECT_THROW(measureEnvironment(scene, {.up = {0, 0, 0}}), Error);
+  EXPECT_THROW(measureEnvironment(scene, {.tolerance = 0}), Error);
+  EXPECT_THROW(measureEnvironment(scene, {}, {.should_stop = [] { return true; }}), Error);
+}
+
+MaterialTable apart(Material material, double up, double down) {
+  MaterialTable table{"sky", {{"default", std::move(material), 0}}, {}};
+  table.sky_and_ground = {up, down};
+  return table;
+}
+
+// An adiabatic plate has the mean fourth power of what it sees, whatever its emissivity.
+TEST(Environment, AnAdiabaticPlateHasTheMeanOfSkyAndGround) {
+  const double tilt = 1.2, share = (1 + std::cos(tilt)) / 2;
+  const Scene scene = buildScene(tiltedSquare(tilt));
+  const double truth = share * te::power(250) + (1 - share) * te::power(300);
+  const Request request{.by = By::surface, .engine = EngineKind::host};
+  const SceneHeat found = solveScene(scene, apart(te::flux(0.4, 0), 250, 300), request);
+  const HeatRow& plate = found.heat.rows[0];
+  EXPECT_TRUE(isEstimateOf(plate.irradiation.value, plate.irradiation.standard_error, truth));
+  EXPECT_GT(plate.irradiation.standard_error, 0);
+  ASSERT_TRUE(found.heat.to_up && found.heat.to_down);
+  EXPECT_TRUE(
+      isEstimateOf(found.heat.to_up->value, found.heat.to_up->standard_error, share * (truth - te::power(250))));
+  EXPECT_TRUE(isEstimateOf(found.heat.to_down->value, found.heat.to_down->standard_error,
+                           (1 - share) * (truth - te::power(300))));
+  EXPECT_LE(std::abs(found.heat.balance_residual), 1e-9);
+  // At one temperature it makes no difference that they are apart.
+  MaterialTable whole = apart(te::flux(0.4, 30), 280, 280), one = whole;
+  one.sky_and_ground.reset(), one.environment_temperature = 280;
+  const HeatRow both = solveScene(scene, whole, request).heat.rows[0],
+                single = solveScene(scene, one, request).heat.rows[0];
+  EXPECT_TRUE(isWithin(both.temperature.value, single.temperature.value, 1e-11 * 280));
+  EXPECT_TRUE(isWithin(both.irradiation.standard_error, single.irradiation.standard_error, 1e-9));
+}
+
+}  // namespace
+}  // namespace viewpeel
