@@ -84,7 +84,7 @@ TEST_F(Program, SaysWhetherATolerancePromises) {
     EXPECT_EQ(csv.find("from,to,form_factor,standard_error,lower,upper\n") == 0, has_intervals) << csv.substr(0, 80);
   };
   expect("1e-2", promise, true);
-  expect("1e-2 --json", "\"guarantee\": {\"epsilon\": 0.01, \"delta\": 0.01", true);
+  expect("1e-2 --json", "\n  \"guarantee\": {\n    \"epsilon\": 0.01,\n    \"delta\": 0.01,", true);
   expect("1e-3", estimate + "it would cost ", false);
   expect("1e-3 --json", "\"no_promise\": \"it would cost ", false);
   expect("1e-2 --promise off", estimate + "--promise off", false);
