@@ -113,6 +113,8 @@ void writeResult(const ReportContent& content, const char* file) {
   out.write("geometry/surface_of_polygon", geometry.surface_of_polygon);
   out.write("geometry/polygon_area", geometry.polygon_area);
   out.writeTexts("geometry/surface_name", geometry.surface_names);
+  out.write("is_requested", std::vector<uint8_t>(content.names.size(), 1));
+  out.setAttribute("/", "viewpeel_result_format", int64_t{1});  // as write_hdf5.cpp has it
   out.setAttribute("/", "unlisted_bound", 0.0);
   const std::vector<char> bytes = out.finish();
   std::ofstream(file, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
