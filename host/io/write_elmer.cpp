@@ -1,38 +1,27 @@
 // Elmer's ViewFactors.dat: text for list-directed READ, or a stream of bytes.
 //   Source: Elmer 9, RadiationFactors.F90, ReadViewFactorsFromFile.
-#include <bit>
-
 #include <fmt/ostream.h>
 
 #include <viewpeel/sparse_rows.h>
+#include "io/put_bytes.h"
 #include "io/writers.h"
 
 namespace viewpeel {
-namespace {
-
-static_assert(std::endian::native == std::endian::little, "the stream is little-endian and copied as it is");
-
-template <class T>
-void put(std::ostream& out, T value) {
-  out.write(reinterpret_cast<const char*>(&value), sizeof value);
-}
-
-}  // namespace
 
 void writeElmer(const FormFactors& form_factors, bool is_binary, std::ostream& out) {
   const SparseRows rows = compressRows(form_factors);
-  if (is_binary) put(out, static_cast<int32_t>(rows.rowCount()));
+  if (is_binary) putBytes(out, static_cast<int32_t>(rows.rowCount()));
   for (int64_t i = 0; i < rows.rowCount(); ++i) {
     const int64_t count = rows.starts[i + 1] - rows.starts[i];
-    if (is_binary) put(out, static_cast<int32_t>(count));
+    if (is_binary) putBytes(out, static_cast<int32_t>(count));
     else fmt::print(out, "{}\n", count);
     for (int64_t k = rows.starts[i]; k < rows.starts[i + 1]; ++k) {
       if (!is_binary) {
         fmt::print(out, "{} {} {}\n", i + 1, rows.columns[k] + 1, rows.form_factors[k]);
         continue;
       }
-      put(out, rows.columns[k] + 1);
-      put(out, rows.form_factors[k]);
+      putBytes(out, rows.columns[k] + 1);
+      putBytes(out, rows.form_factors[k]);
     }
   }
 }

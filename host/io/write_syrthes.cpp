@@ -1,21 +1,10 @@
 // SYRTHES's mesh.fdf: exchange areas of a run on one rank.
 //   Source: SYRTHES 4.3.5, its own files.
-#include <bit>
-
 #include <viewpeel/sparse_rows.h>
+#include "io/put_bytes.h"
 #include "io/writers.h"
 
 namespace viewpeel {
-namespace {
-
-static_assert(std::endian::native == std::endian::little, "records are little-endian and copied as they are");
-
-template <class T>
-void put(std::ostream& out, T value) {
-  out.write(reinterpret_cast<const char*>(&value), sizeof value);
-}
-
-}  // namespace
 
 // The diagonal has what other rows and the environment leave of a row's area, as in SYRTHES's own files.
 void writeSyrthes(const FormFactors& form_factors, std::ostream& out) {
@@ -37,14 +26,14 @@ void writeSyrthes(const FormFactors& form_factors, std::ostream& out) {
     }
     diagonal[i] = areas[i] * rest;
   }
-  put(out, static_cast<int32_t>(n));
-  for (double value : diagonal) put(out, value);
-  for (int32_t count : counts) put(out, count);
+  putBytes(out, static_cast<int32_t>(n));
+  for (double value : diagonal) putBytes(out, value);
+  for (int32_t count : counts) putBytes(out, count);
   for (int64_t i = 0; i < n; ++i) {
     for (int64_t k = rows.starts[i]; k < rows.starts[i + 1]; ++k)
-      if (rows.columns[k] != i) put(out, rows.columns[k]);
+      if (rows.columns[k] != i) putBytes(out, rows.columns[k]);
     for (int64_t k = rows.starts[i]; k < rows.starts[i + 1]; ++k)
-      if (rows.columns[k] != i) put(out, areas[i] * rows.form_factors[k]);
+      if (rows.columns[k] != i) putBytes(out, areas[i] * rows.form_factors[k]);
   }
 }
 

@@ -1,19 +1,17 @@
 // Writes CalculiX's view factors, .vwf: unformatted records of Fortran, as *VIEWFACTOR,READ takes them.
 //   Sources: CalculiX 2.20, readview.f and writeview.f; GNU Fortran, File format of unformatted sequential files.
 #include <algorithm>
-#include <bit>
 
 #include <fmt/format.h>
 
 #include <viewpeel/error.h>
 #include <viewpeel/sparse_rows.h>
+#include "io/put_bytes.h"
 #include "io/writers.h"
 #include "scene/ccx_deck.h"
 
 namespace viewpeel {
 namespace {
-
-static_assert(std::endian::native == std::endian::little, "records are little-endian and copied as they are");
 
 constexpr uint64_t kLongestPiece = 2147483639;  // bytes of a record that gfortran writes in one piece
 constexpr size_t kVersionBytes = 80;
@@ -42,7 +40,7 @@ class Record {
   void add(double value) { add(reinterpret_cast<const char*>(&value), sizeof value); }
 
  private:
-  void mark(int32_t value) { out_.write(reinterpret_cast<const char*>(&value), sizeof value); }
+  void mark(int32_t value) { putBytes(out_, value); }
   void begin() {
     piece_ = piece_left_ = std::min(left_, kLongestPiece);
     left_ -= piece_;
