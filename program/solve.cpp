@@ -1,5 +1,6 @@
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -63,10 +64,15 @@ std::string describeTolerance(const HeatTolerance& tolerance, double reached) {
   return fmt::format("{:.2g}{}, {:.2g} asked for", reached, unit, tolerance.standard_error);
 }
 
-// Exchange factors go to NAME.exchange.csv beside NAME.csv.
-std::string exchangeFileOf(const std::string& output) {
-  return std::filesystem::path(output).replace_extension(".exchange.csv").string();
+// Exchange factors go to NAME.exchange.csv beside NAME.csv, and conductors to files of their own endings.
+std::string exchangeFileOf(const std::string& output, ExchangeKind kind) {
+  return std::filesystem::path(output).replace_extension(exchangeExtension(kind)).string();
 }
+
+const std::map<std::string, ExchangeKind> kExchangeKinds = {{"gebhart", ExchangeKind::gebhart},
+                                                            {"script-f", ExchangeKind::script_f},
+                                                            {"esatan", ExchangeKind::esatan},
+                                                            {"sinda", ExchangeKind::sinda}};
 
 // .h5, .html and .vtp have the form factors, too.
 bool isWholeResult(const std::string& output) {
@@ -87,11 +93,11 @@ void checkOutputs(const SolveCommand& command) {
           ErrorCode::bad_usage,
           fmt::format("{}: unknown output format of heat; use a name that ends in .csv, .h5, .vtp or .html", output));
     if (!command.exchange) continue;
-    const std::string beside = exchangeFileOf(output);
+    const std::string beside = exchangeFileOf(output, *command.exchange);
     if (!named.insert(beside).second)
       throw Error(ErrorCode::bad_usage,
                   fmt::format("{}: --exchange writes this file itself; use another name", beside));
-    checkHeatOutput(beside);
+    checkExchangeOutput(beside, *command.exchange);
   }
 }
 
@@ -99,7 +105,8 @@ void checkOutputs(const SolveCommand& command) {
 void writeExchanges(const SolveCommand& command, const FormFactors& form_factors, const Enclosure& enclosure) {
   if (!command.exchange) return;
   const ExchangeFactors factors = findExchangeFactors(form_factors, enclosure, command.drop_below);
-  for (const std::string& output : command.outputs) writeExchange(factors, *command.exchange, exchangeFileOf(output));
+  for (const std::string& output : command.outputs)
+    writeExchange(factors, *command.exchange, exchangeFileOf(output, *command.exchange));
   if (!command.talks()) return;
   fmt::print("exchange   {}", counted(factors.entries.size(), "conductor"));
   if (factors.dropped)
@@ -135,7 +142,7 @@ std::vector<PlannedFile> filesOf(const SolveCommand& command) {
   std::vector<std::string> names;
   for (const std::string& output : command.outputs) {
     names.push_back(output);
-    if (command.exchange) names.push_back(exchangeFileOf(output));
+    if (command.exchange) names.push_back(exchangeFileOf(output, *command.exchange));
   }
   return planFiles(names);
 }
@@ -363,14 +370,11 @@ void addSolve(CLI::App& app, Run& chosen) {
   CLI::Option* exchange =
       command
           ->add_option_function<std::string>(
-              "--exchange",
-              [options](const std::string& word) {
-                options->exchange = word == "gebhart" ? ExchangeKind::gebhart : ExchangeKind::script_f;
-              },
+              "--exchange", [options](const std::string& word) { options->exchange = kExchangeKinds.at(word); },
               "Also write exchange factors, reflections and all, and conductors in m2, into NAME.exchange.csv beside "
-              "NAME.csv")
-          ->type_name("gebhart|script-f")
-          ->check(CLI::IsMember({"gebhart", "script-f"}).description(""));
+              "NAME.csv; or conductors alone, as a network of ESATAN (NAME.exchange.d) or SINDA (NAME.exchange.inp)")
+          ->type_name("gebhart|script-f|esatan|sinda")
+          ->check(CLI::IsMember({"gebhart", "script-f", "esatan", "sinda"}).description(""));
   command
       ->add_option(
           "--drop-below", options->drop_below,

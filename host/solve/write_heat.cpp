@@ -57,25 +57,6 @@ void writeHeat(const HeatSolution& solution, By by, const std::filesystem::path&
   writeFile(file, [&](std::ostream& out) { writeHeat(solution, by, out); });
 }
 
-void writeExchange(const ExchangeFactors& factors, ExchangeKind kind, std::ostream& out) {
-  fmt::print(out, "from,to,{},conductor\n", kind == ExchangeKind::gebhart ? "gebhart" : "script_f");
-  std::vector<std::vector<std::pair<uint32_t, double>>> rows(factors.names.size());
-  for (const ExchangeFactors::Entry& entry : factors.entries)
-    if (entry.j < kEnvironment && entry.j != entry.i) rows[entry.j].emplace_back(entry.i, entry.conductor);
-  for (const ExchangeFactors::Entry& entry : factors.entries) rows[entry.i].emplace_back(entry.j, entry.conductor);
-  for (size_t i = 0; i < rows.size(); ++i) {
-    const double all = factors.areas[i] * (kind == ExchangeKind::gebhart ? factors.emissivities[i] : 1);
-    for (const auto& [j, conductor] : rows[i])
-      fmt::print(out, "{},{},{},{}\n", quoteName(factors.names[i]),
-                 j == kEnvironment ? "environment" : quoteName(factors.names[j]), conductor / all, conductor);
-  }
-}
-
-void writeExchange(const ExchangeFactors& factors, ExchangeKind kind, const std::filesystem::path& file) {
-  requireCsv(file);
-  writeFile(file, [&](std::ostream& out) { writeExchange(factors, kind, out); });
-}
-
 void checkHeatOutput(const std::filesystem::path& file) {
   requireCsv(file);
   checkWritable(file);

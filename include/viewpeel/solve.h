@@ -203,14 +203,29 @@ struct ExchangeFactors {
 //     Mass Transfer 3, 1961, 341-346; H. C. Hottel & A. F. Sarofim, Radiative Transfer, McGraw-Hill 1967 (script-F).
 ExchangeFactors findExchangeFactors(const FormFactors& form_factors, const Enclosure& enclosure, double drop_below = 0);
 
-enum class ExchangeKind { gebhart, script_f };
+// Exchange factors are written as tables, or as radiation conductors that thermal networks take.
+enum class ExchangeKind {
+  gebhart,   // .csv: `from,to,gebhart,conductor`, both ways, row by row; `environment` stands in `to`
+  script_f,  // .csv: `from,to,script_f,conductor`
+  esatan,    // .d: `GR(1,2) = 0.0123;`
+  sinda,     // .inp: `-1, 1, 2, 0.0123` of HEADER CONDUCTOR DATA
+};
+constexpr uint32_t kEnvironmentNode = 99'999;  // of a network; rows are nodes from 1 on
 
-// Writes `from,to,gebhart,conductor` or `from,to,script_f,conductor`, both ways, row by row; `environment` stands in
-// `to`.
-//   Throws: nothing; a failure is out's state.    Cost: O(entries).
+// Returns the ending of a file of that kind: ".exchange.csv" and so on.    Cost: O(1).
+const char* exchangeExtension(ExchangeKind kind);
+
+// Writes exchange factors. Conductors of a network are in input units squared, without the Stefan-Boltzmann constant,
+// each pair of rows once; a row's conductor to itself is left out, for no heat flows through it.
+//   Error: none: numbers read back to the same bits. Tests: tests/unit/solve_exchange_test.cpp,
+//     tests/files/conductors_test.cpp.
+//   Throws: Error limit where a network has more rows than nodes below kEnvironmentNode; a failure is out's state.
+//   Cost: O(entries).
 void writeExchange(const ExchangeFactors& factors, ExchangeKind kind, std::ostream& out);
-// Writes the same to a file, as writeHeat.
+// Writes the same to a file, as writeHeat; its name ends as exchangeExtension's last dot says.
 void writeExchange(const ExchangeFactors& factors, ExchangeKind kind, const std::filesystem::path& file);
+// Refuses a file that writeExchange would refuse, as checkHeatOutput.
+void checkExchangeOutput(const std::filesystem::path& file, ExchangeKind kind);
 
 // Writes `surface,area,emissivity,temperature,radiosity,irradiation,heat_flux,heat_flow`, each uncertain column
 // followed by its `_standard_error`, and where rows have bounds by its `_bound`; the first column is `polygon` for rows
