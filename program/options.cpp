@@ -27,6 +27,14 @@ void addSceneOptions(CLI::App* command, SceneOptions& options) {
                     {{"m", 1}, {"mm", 1e-3}, {"cm", 1e-2}, {"in", 0.0254}, {"ft", 0.3048}},
                     "Unit of length of the scene file. Form factors have none; areas and corners in results are in "
                     "metres");
+  CLI::Option* zone = command->add_option("--zone", options.zones, "Of an EnergyPlus building take this zone alone")
+                          ->type_name("NAME")
+                          ->allow_extra_args(false);
+  command
+      ->add_flag("--outside", options.outside,
+                 "Look at an EnergyPlus building from outside: surfaces outdoors and shading surfaces, in place of its "
+                 "zones")
+      ->excludes(zone);
 }
 
 void addGroupsOption(CLI::App* command, std::string& groups) {

@@ -1,4 +1,5 @@
-// EnergyPlus's ZoneProperty:UserViewFactors:BySurfaceName, one for each zone, as IDF or epJSON.
+// EnergyPlus's ZoneProperty:UserViewFactors:BySurfaceName, one for each zone, as IDF or epJSON. Versions before 9.6
+// have another name for the zone in epJSON.
 //   Source: EnergyPlus Input Output Reference; HeatBalanceIntRadExchange.cc.
 #include <set>
 
@@ -13,18 +14,24 @@
 namespace viewpeel {
 namespace {
 
-// Rows of each zone, by zone.
-std::vector<std::vector<uint32_t>> rowsOfZones(const EnergyPlusBuilding& building, const Ids& ids) {
-  const std::vector<std::string> names = rowNames(ids);
-  bool is_same = names.size() == building.surfaces.size();
-  for (size_t k = 0; is_same && k < names.size(); ++k) is_same = names[k] == building.surfaces[k].name;
-  if (!is_same)
-    throw Error(ErrorCode::bad_usage, fmt::format("{}: rows are not its {} surfaces; compute it with --by surface, and "
-                                                  "leave it as it is until the view factors are written",
-                                                  building.file, building.surfaces.size()));
+// Rows of each zone, by zone. A zone has all its surfaces, or none where it was not chosen.
+std::vector<std::vector<uint32_t>> rowsOfZones(const EnergyPlusBuilding& building,
+                                               const std::vector<std::string>& names) {
   std::vector<std::vector<uint32_t>> rows(building.zones.size());
+  std::vector<size_t> counts(building.zones.size(), 0);
   const std::vector<uint32_t> zones = zonesOf(building);
-  for (uint32_t row = 0; row < zones.size(); ++row) rows[zones[row]].push_back(row);
+  uint32_t row = 0;
+  for (size_t k = 0; k < zones.size(); ++k) {
+    ++counts[zones[k]];
+    if (row < names.size() && names[row] == building.surfaces[k].name) rows[zones[k]].push_back(row++);
+  }
+  bool is_same = row == names.size();
+  for (size_t zone = 0; zone < rows.size(); ++zone)
+    is_same = is_same && (rows[zone].empty() || rows[zone].size() == counts[zone]);
+  if (!is_same)
+    throw Error(ErrorCode::bad_usage, fmt::format("{}: rows are not surfaces of whole zones; compute it with --by "
+                                                  "surface, and leave it as it is until the view factors are written",
+                                                  building.file));
   return rows;
 }
 
@@ -36,23 +43,24 @@ std::vector<double> rowOf(const SparseRows& sparse, uint32_t row) {
   return values;
 }
 
-void writeIdf(const EnergyPlusBuilding& building, const std::vector<std::vector<uint32_t>>& rows,
-              const SparseRows& sparse, std::ostream& out) {
+void writeIdf(const EnergyPlusBuilding& building, const std::vector<std::string>& names,
+              const std::vector<std::vector<uint32_t>>& rows, const SparseRows& sparse, std::ostream& out) {
   for (size_t zone = 0; zone < rows.size(); ++zone) {
     if (rows[zone].empty()) continue;
     fmt::print(out, "ZoneProperty:UserViewFactors:BySurfaceName,\n  {},\n", building.zones[zone].name);
     for (uint32_t i : rows[zone]) {
       const std::vector<double> values = rowOf(sparse, i);
       for (uint32_t j : rows[zone])
-        fmt::print(out, "  {},{},{}{}\n", building.surfaces[i].name, building.surfaces[j].name, values[j],
-                   i == rows[zone].back() && j == i ? ";" : ",");
+        fmt::print(out, "  {},{},{}{}\n", names[i], names[j], values[j], i == rows[zone].back() && j == i ? ";" : ",");
     }
     out << '\n';
   }
 }
 
-void writeEpJson(const EnergyPlusBuilding& building, const std::vector<std::vector<uint32_t>>& rows,
-                 const SparseRows& sparse, std::ostream& out) {
+void writeEpJson(const EnergyPlusBuilding& building, const std::vector<std::string>& names,
+                 const std::vector<std::vector<uint32_t>>& rows, const SparseRows& sparse, std::ostream& out) {
+  const char* zone_key =
+      isBeforeSpaces(building) ? "zone_or_zonelist_name" : "zone_or_zonelist_or_space_or_spacelist_name";
   nlohmann::ordered_json objects = nlohmann::ordered_json::object();
   for (size_t zone = 0; zone < rows.size(); ++zone) {
     if (rows[zone].empty()) continue;
@@ -60,13 +68,10 @@ void writeEpJson(const EnergyPlusBuilding& building, const std::vector<std::vect
     for (uint32_t i : rows[zone]) {
       const std::vector<double> values = rowOf(sparse, i);
       for (uint32_t j : rows[zone])
-        factors.push_back({{"from_surface", building.surfaces[i].name},
-                           {"to_surface", building.surfaces[j].name},
-                           {"view_factor", values[j]}});
+        factors.push_back({{"from_surface", names[i]}, {"to_surface", names[j]}, {"view_factor", values[j]}});
     }
-    objects["view factors of " + building.zones[zone].name] = {
-        {"zone_or_zonelist_or_space_or_spacelist_name", building.zones[zone].name},
-        {"view_factors", std::move(factors)}};
+    objects["view factors of " + building.zones[zone].name] = {{zone_key, building.zones[zone].name},
+                                                               {"view_factors", std::move(factors)}};
   }
   out << nlohmann::ordered_json{{"ZoneProperty:UserViewFactors:BySurfaceName", std::move(objects)}}.dump(
              2, ' ', false, nlohmann::ordered_json::error_handler_t::replace)
@@ -94,11 +99,13 @@ void requireBuilding(const std::filesystem::path& file, const Scene* scene) {
 
 void writeEnergyPlus(const OutputContent& content, bool as_json, std::ostream& out) {
   const FormFactors& form_factors = content.balanced ? *content.balanced : content.form_factors;
+  if (content.scene->is_outside) return writeSurroundings(form_factors, *content.scene, as_json, out);
   const EnergyPlusBuilding building = readEnergyPlus(content.scene->file);
-  const std::vector<std::vector<uint32_t>> rows = rowsOfZones(building, form_factors.ids());
+  const std::vector<std::string> names = rowNames(form_factors.ids());
+  const std::vector<std::vector<uint32_t>> rows = rowsOfZones(building, names);
   const SparseRows sparse = compressRows(form_factors);
-  if (as_json) writeEpJson(building, rows, sparse, out);
-  else writeIdf(building, rows, sparse, out);
+  if (as_json) writeEpJson(building, names, rows, sparse, out);
+  else writeIdf(building, names, rows, sparse, out);
 }
 
 }  // namespace viewpeel

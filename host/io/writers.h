@@ -44,9 +44,15 @@ void checkMooseRows(const std::filesystem::path& file, const Ids& ids);
 // SYRTHES's form factors, for a run on one rank.
 void writeSyrthes(const FormFactors& form_factors, std::ostream& out);
 
-// EnergyPlus's view factors, an object for each zone. In: content: with the scene of a building
+// EnergyPlus's view factors: an object for each zone; of a building seen from outside its surroundings.
+//   In: content: with the scene of a building
 //   Throws: Error bad_usage where rows are not the building's surfaces.
 void writeEnergyPlus(const OutputContent& content, bool as_json, std::ostream& out);
+// EnergyPlus's surroundings: for each surface outdoors that sees another one its view factors to these, to the sky and
+// to the ground, and the object that gives them to the surface.
+//   In: scene: an EnergyPlus building seen from outside    Error: of sky and ground that of findSkyShares.
+//   Throws: as writeEnergyPlus.
+void writeSurroundings(const FormFactors& form_factors, const Scene& scene, bool as_json, std::ostream& out);
 // Refuses rows that are not surfaces; another scene than a building, or a file that is the building itself.
 //   Throws: Error bad_usage.
 void checkEnergyPlusRows(const std::filesystem::path& file, const Ids& ids);

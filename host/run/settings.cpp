@@ -21,6 +21,8 @@ void addSettings(const SceneOptions& options, Settings& settings) {
   for (const std::string& name : options.flip) settings.emplace_back("--flip", name);
   if (options.fix_normals) settings.emplace_back("--fix-normals", "yes");
   if (options.unit_m != 1) settings.emplace_back("--units", fmt::format("{}", options.unit_m));
+  for (const std::string& name : options.zones) settings.emplace_back("--zone", name);
+  if (options.outside) settings.emplace_back("--outside", "yes");
 }
 
 SceneOptions sceneOptionsOf(const Settings& settings) {
@@ -31,6 +33,8 @@ SceneOptions sceneOptionsOf(const Settings& settings) {
     if (name == "--flip") options.flip.push_back(value);
     if (name == "--fix-normals") options.fix_normals = value == "yes";
     if (name == "--units") std::from_chars(value.data(), value.data() + value.size(), options.unit_m);
+    if (name == "--zone") options.zones.push_back(value);
+    if (name == "--outside") options.outside = value == "yes";
   }
   return options;
 }

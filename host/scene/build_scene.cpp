@@ -154,6 +154,7 @@ Scene splitFaces(const InputScene& input, const std::vector<Duplicate>& repeats)
   scene.file = input.file;
   scene.warnings = input.warnings;
   scene.blockers = input.blockers;
+  scene.is_outside = input.is_outside;
   if (std::string coarse = describeCoarseSteps(input); !coarse.empty()) scene.warnings.push_back(std::move(coarse));
   fitUnitBall(input, scene);
   std::vector<bool> is_left_out(input.faces.size(), false);

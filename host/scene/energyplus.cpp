@@ -1,6 +1,7 @@
 #include "scene/energyplus.h"
 
 #include <algorithm>
+#include <charconv>
 #include <fstream>
 #include <map>
 #include <optional>
@@ -30,11 +31,26 @@ constexpr const char* kSimpleSurfaces[] = {"wall:exterior",
                                            "door:interzone",
                                            "glazeddoor:interzone"};
 
+// Shading surfaces given by lengths.
+constexpr const char* kSimpleShadings[] = {
+    "shading:site",          "shading:building", "shading:overhang", "shading:fin", "shading:overhang:projection",
+    "shading:fin:projection"};
+
 void refuseSimple(const FilePlace& place, const std::string& type) {
   place.refuse(
       fmt::format("{} is given by azimuth and length, which is not read; give it as BuildingSurface:Detailed or "
                   "FenestrationSurface:Detailed",
                   type));
+}
+
+bool isSimpleShading(const std::string& type) {
+  return std::ranges::find(kSimpleShadings, type) != std::end(kSimpleShadings);
+}
+std::optional<EnergyPlusShading::Of> shadingOf(const std::string& type) {
+  if (type == "shading:site:detailed") return EnergyPlusShading::Of::site;
+  if (type == "shading:building:detailed") return EnergyPlusShading::Of::building;
+  if (type == "shading:zone:detailed") return EnergyPlusShading::Of::zone;
+  return std::nullopt;
 }
 
 bool isSimple(const std::string& type) { return std::ranges::find(kSimpleSurfaces, type) != std::end(kSimpleSurfaces); }
@@ -87,7 +103,13 @@ void addWall(const IdfObject& object, size_t zone, EnergyPlusBuilding& building)
     object.place.refuse("there is no outside boundary condition behind the zone; correct it");
   // Condition, its object, sun, wind, view factor to ground and the number of vertices come before the coordinates.
   const size_t first = zone + (has_space ? 8 : 7);
-  EnergyPlusSurface surface{object.field(0), object.field(zone), "", cornersOf(object, first), 1, object.place.line};
+  EnergyPlusSurface surface{object.field(0),
+                            object.field(zone),
+                            "",
+                            cornersOf(object, first),
+                            1,
+                            object.place.line,
+                            lowerCase(object.field(zone + (has_space ? 2 : 1)))};
   requireCount(object.field(first - 1), surface.corners.size(), object.place);
   building.surfaces.push_back(std::move(surface));
 }
@@ -102,6 +124,15 @@ void addWindow(const IdfObject& object, EnergyPlusBuilding& building) {
   if (const std::string& multiplier = object.field(first - 2); !multiplier.empty())
     surface.multiplier = numberOf(multiplier, object.place);
   building.surfaces.push_back(std::move(surface));
+}
+
+void addShading(const IdfObject& object, EnergyPlusShading::Of of, EnergyPlusBuilding& building) {
+  // The name, of a zone's the base, a transmittance and the number of vertices come before the coordinates.
+  const size_t first = of == EnergyPlusShading::Of::zone ? 4 : 3;
+  EnergyPlusShading shading{object.field(0), of, first == 4 ? object.field(1) : "", cornersOf(object, first),
+                            object.place.line};
+  requireCount(object.field(first - 1), shading.corners.size(), object.place);
+  building.shadings.push_back(std::move(shading));
 }
 
 EnergyPlusBuilding fromIdf(const std::filesystem::path& file) {
@@ -126,6 +157,14 @@ EnergyPlusBuilding fromIdf(const std::filesystem::path& file) {
       addWindow(object, building);
     } else if (object.type == "internalmass") {
       ++building.internal_masses;
+    } else if (object.type == "version") {
+      building.version = object.field(0);
+    } else if (object.type == "building") {
+      building.north_axis_deg = numberOf(object.field(1), object.place);
+    } else if (const auto of = shadingOf(object.type)) {
+      addShading(object, *of, building);
+    } else if (isSimpleShading(object.type)) {
+      building.simple_shadings.emplace_back(object.place, object.type);
     } else if (isSimple(object.type)) {
       refuseSimple(object.place, object.type);
     }
@@ -201,14 +240,22 @@ EnergyPlusBuilding fromEpJson(const std::filesystem::path& file) {
     const std::string small = lowerCase(type);
     const bool is_wall = small == "buildingsurface:detailed" || small == "wall:detailed" ||
                          small == "roofceiling:detailed" || small == "floor:detailed";
-    const bool is_known = is_wall || small == "globalgeometryrules" || small == "zone" ||
-                          small == "fenestrationsurface:detailed" || small == "internalmass" || isSimple(small);
+    const std::optional<EnergyPlusShading::Of> shading = shadingOf(small);
+    const bool is_known = is_wall || shading || small == "globalgeometryrules" || small == "zone" ||
+                          small == "fenestrationsurface:detailed" || small == "internalmass" || small == "version" ||
+                          small == "building" || isSimple(small) || isSimpleShading(small);
     if (!is_known) continue;
     if (!classes.value().is_object()) place.refuse(fmt::format("{} is no object; correct it", printable(type)));
     for (const auto& member : classes.value().items()) {
       const JsonObject object(building.file, type, member.key(), member.value());
       if (isSimple(small)) refuseSimple(place, type);
       if (small == "internalmass") ++building.internal_masses;
+      if (small == "version") building.version = object.text("version_identifier");
+      if (small == "building") building.north_axis_deg = object.number("north_axis").value_or(0);
+      if (isSimpleShading(small)) building.simple_shadings.emplace_back(place, type);
+      if (shading)
+        building.shadings.push_back(
+            {member.key(), *shading, object.text("base_surface_name"), cornersOfWall(object, building.file)});
       if (small == "globalgeometryrules") {
         setRules(building, object.text("vertex_entry_direction", true), object.text("coordinate_system", true), place);
         has_rules = true;
@@ -219,8 +266,9 @@ EnergyPlusBuilding fromEpJson(const std::filesystem::path& file) {
                                    object.number("z_origin").value_or(0)},
                                   object.number("direction_of_relative_north").value_or(0)});
       if (is_wall)
-        building.surfaces.push_back(
-            {member.key(), object.text("zone_name", true), "", cornersOfWall(object, building.file)});
+        building.surfaces.push_back({member.key(), object.text("zone_name", true), "",
+                                     cornersOfWall(object, building.file), 1, 0,
+                                     lowerCase(object.text("outside_boundary_condition"))});
       if (small == "fenestrationsurface:detailed")
         building.surfaces.push_back({member.key(), "", object.text("building_surface_name", true),
                                      cornersOfWindow(object), object.number("multiplier").value_or(1)});
@@ -247,6 +295,7 @@ void findZones(EnergyPlusBuilding& building) {
       FilePlace{building.file, surface.line}.refuse(
           fmt::format("surface '{}' has no base '{}'; correct it", printable(surface.name), printable(surface.base)));
     surface.zone = base->second->zone;
+    surface.boundary = base->second->boundary;
   }
 }
 
@@ -267,6 +316,17 @@ EnergyPlusBuilding readEnergyPlus(const std::filesystem::path& file) {
   findZones(building);
   zonesOf(building);
   return building;
+}
+
+bool isBeforeSpaces(const EnergyPlusBuilding& building) {
+  const char *at = building.version.data(), *const end = at + building.version.size();
+  uint32_t number[2] = {0, 0};
+  for (uint32_t& part : number) {
+    const auto [next, failure] = std::from_chars(at, end, part);
+    if (failure != std::errc()) break;
+    at = next != end && *next == '.' ? next + 1 : end;
+  }
+  return number[0] > 0 && std::pair(number[0], number[1]) < std::pair(9u, 6u);
 }
 
 std::vector<uint32_t> zonesOf(const EnergyPlusBuilding& building) {

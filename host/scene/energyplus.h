@@ -5,9 +5,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <glm/vec3.hpp>
+
+#include "scene/words.h"
 
 namespace viewpeel {
 
@@ -24,14 +27,30 @@ struct EnergyPlusSurface {
   std::vector<glm::dvec3> corners;
   double multiplier = 1;
   uint32_t line = 0;
+  std::string boundary;  // outside boundary condition, in small letters; of a window its base's
+};
+
+// A shading surface stands outside: a tree, a neighbour, an overhang.
+struct EnergyPlusShading {
+  enum class Of { site, building, zone };
+  std::string name;
+  Of of = Of::site;  // the coordinates of its corners, where these are relative
+  std::string base;  // of a zone's: the surface whose zone it is
+  std::vector<glm::dvec3> corners;
+  uint32_t line = 0;
 };
 
 struct EnergyPlusBuilding {
   std::string file;
+  std::string version;        // "9.6"; empty where the file does not say
+  double north_axis_deg = 0;  // of the building, clockwise, seen from above
   bool is_clockwise = false;  // corners, seen from outside the zone
   bool is_relative = false;   // coordinates are from the zone's origin
   std::vector<EnergyPlusZone> zones;
   std::vector<EnergyPlusSurface> surfaces;  // in the order of the file
+  std::vector<EnergyPlusShading> shadings;
+  // Shading surfaces given by lengths are not read: their places and objects.
+  std::vector<std::pair<FilePlace, std::string>> simple_shadings;
   uint64_t internal_masses = 0;
 };
 
@@ -43,6 +62,9 @@ bool isEnergyPlus(const std::filesystem::path& file);
 //     length.
 //   Cost: O(size of the file).
 EnergyPlusBuilding readEnergyPlus(const std::filesystem::path& file);
+
+// Returns true for versions before 9.6, which know no spaces. Files without a version are taken for newer ones.
+bool isBeforeSpaces(const EnergyPlusBuilding& building);
 
 // Returns the index of the zone of each surface, by names without regard to case.    Cost: O(n log n).
 std::vector<uint32_t> zonesOf(const EnergyPlusBuilding& building);

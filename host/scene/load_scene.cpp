@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <viewpeel/error.h>
+#include "scene/energyplus.h"
 #include "scene/read_groups.h"
 #include "scene/readers.h"
 
@@ -14,18 +15,9 @@ namespace {
 namespace fs = std::filesystem;
 
 using Reader = InputScene (*)(const fs::path&);
-constexpr std::pair<const char*, Reader> kReaders[] = {{".obj", readObj},
-                                                       {".stl", readStl},
-                                                       {".ply", readPly},
-                                                       {".vs3", readVs3},
-                                                       {".inp", readInp},
-                                                       {".msh", readMsh},
-                                                       {".vtp", readVtp},
-                                                       {".vtu", readVtu},
-                                                       {".gltf", readGltf},
-                                                       {".glb", readGltf},
-                                                       {".idf", readEnergyPlusZones},
-                                                       {".epjson", readEnergyPlusZones}};
+constexpr std::pair<const char*, Reader> kReaders[] = {
+    {".obj", readObj}, {".stl", readStl}, {".ply", readPly}, {".vs3", readVs3},   {".inp", readInp},
+    {".msh", readMsh}, {".vtp", readVtp}, {".vtu", readVtu}, {".gltf", readGltf}, {".glb", readGltf}};
 
 [[noreturn]] void refuse(const fs::path& file, const std::string& what) {
   throw Error(ErrorCode::bad_input, fmt::format("{}: {}", file.string(), what));
@@ -39,7 +31,7 @@ std::string extensionOf(const fs::path& file) {
 
 }  // namespace
 
-InputScene readScene(const fs::path& file) {
+InputScene readScene(const fs::path& file, const SceneOptions& options) {
   std::error_code failure;
   const fs::file_status status = fs::status(file, failure);
   if (status.type() == fs::file_type::not_found) refuse(file, "no such file; check the name");
@@ -51,6 +43,12 @@ InputScene readScene(const fs::path& file) {
   if (!in) refuse(file, fmt::format("cannot be read: {}", std::strerror(errno)));
   if (in.peek() == std::ifstream::traits_type::eof()) refuse(file, "the file is empty; export the scene again");
   in.close();
+  if (isEnergyPlus(file))
+    return options.outside ? readEnergyPlusOutside(file) : readEnergyPlusZones(file, options.zones);
+  if (options.outside || !options.zones.empty())
+    throw Error(ErrorCode::bad_usage,
+                fmt::format("{}: {} is for buildings of EnergyPlus, .idf or .epJSON; leave it out", file.string(),
+                            options.outside ? "--outside" : "--zone"));
   const std::string extension = extensionOf(file);
   for (const auto& [name, read] : kReaders)
     if (extension == name) return read(file);
@@ -59,6 +57,8 @@ InputScene readScene(const fs::path& file) {
          "folder of an OpenFOAM case");
 }
 
-Scene loadScene(const fs::path& file, const SceneOptions& options) { return buildScene(readScene(file), options); }
+Scene loadScene(const fs::path& file, const SceneOptions& options) {
+  return buildScene(readScene(file, options), options);
+}
 
 }  // namespace viewpeel

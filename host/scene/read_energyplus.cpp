@@ -1,5 +1,6 @@
-// The zones of an EnergyPlus building, seen from within. Zones stay where they are: no zone sees another one, for its
-// surfaces enclose it, and two zones' surfaces in one wall are back to back.
+// An EnergyPlus building. Its zones are seen from within and stay where they are: no zone sees another one, for its
+// surfaces enclose it, and two zones' surfaces in one wall are back to back. From outside such surfaces are face to
+// face.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -25,18 +26,36 @@ constexpr double kLeastCosine = 0.999;
 // Corners nearer than this, in the unit of the wall's size, are one.
 constexpr double kSameCorner = 1e-12;
 
-// Corners in world coordinates, counter-clockwise seen from within the zone.
-Corners seenFromWithin(const EnergyPlusSurface& surface, const EnergyPlusZone& zone,
-                       const EnergyPlusBuilding& building) {
-  Corners corners = surface.corners;
-  if (building.is_relative) {
-    const double angle = -zone.relative_north_deg * std::numbers::pi / 180;
-    const double c = std::cos(angle), s = std::sin(angle);
-    for (glm::dvec3& p : corners)
-      p = zone.origin + (zone.relative_north_deg == 0 ? p : glm::dvec3(p.x * c - p.y * s, p.x * s + p.y * c, p.z));
-  }
-  if (!building.is_clockwise) std::reverse(corners.begin(), corners.end());
+// Turns corners clockwise, seen from above, about the origin, which then moves.
+Corners turned(Corners corners, double clockwise_deg, const glm::dvec3& origin = glm::dvec3(0)) {
+  const double angle = -clockwise_deg * std::numbers::pi / 180, c = std::cos(angle), s = std::sin(angle);
+  for (glm::dvec3& p : corners)
+    p = origin + (clockwise_deg == 0 ? p : glm::dvec3(p.x * c - p.y * s, p.x * s + p.y * c, p.z));
   return corners;
+}
+
+// Corners in the building's coordinates, counter-clockwise seen from within the zone, or from outside.
+Corners seenFrom(bool outside, const EnergyPlusSurface& surface, const EnergyPlusZone& zone,
+                 const EnergyPlusBuilding& building) {
+  Corners corners =
+      building.is_relative ? turned(surface.corners, zone.relative_north_deg, zone.origin) : surface.corners;
+  if (building.is_clockwise == outside) std::reverse(corners.begin(), corners.end());
+  return corners;
+}
+
+// Corners of a shading surface in the building's coordinates. A site's are the world's, in which the building's north
+// axis turns the building.
+Corners placed(const EnergyPlusShading& shading, const EnergyPlusBuilding& building) {
+  if (!building.is_relative || shading.of == EnergyPlusShading::Of::building) return shading.corners;
+  if (shading.of == EnergyPlusShading::Of::site) return turned(shading.corners, -building.north_axis_deg);
+  const std::vector<uint32_t> zones = zonesOf(building);
+  for (size_t k = 0; k < building.surfaces.size(); ++k)
+    if (lowerCase(building.surfaces[k].name) == lowerCase(shading.base)) {
+      const EnergyPlusZone& zone = building.zones[zones[k]];
+      return turned(shading.corners, zone.relative_north_deg, zone.origin);
+    }
+  FilePlace{building.file, shading.line}.refuse(fmt::format("shading surface '{}' has no base surface '{}'; correct it",
+                                                            printable(shading.name), printable(shading.base)));
 }
 
 double sizeOf(const Corners& corners) {
@@ -96,24 +115,23 @@ std::vector<Corners> piecesOf(Corners wall, const std::vector<Corners>& holes, c
   return pieces;
 }
 
-}  // namespace
-
-InputScene readEnergyPlusZones(const std::filesystem::path& file) {
-  const EnergyPlusBuilding building = readEnergyPlus(file);
+// Adds surfaces, without the windows in them, in the order of the file.
+//   In: is_there: of surfaces; a window is where its base is
+void addSurfaces(const EnergyPlusBuilding& building, bool outside, const std::vector<bool>& is_there,
+                 InputScene& scene) {
   const std::vector<uint32_t> zones = zonesOf(building);
   const auto count = static_cast<uint32_t>(building.surfaces.size());
   std::map<std::string, uint32_t> by_name;
   std::vector<Corners> corners(count);
   for (uint32_t k = 0; k < count; ++k) {
     by_name.emplace(lowerCase(building.surfaces[k].name), k);
-    corners[k] = seenFromWithin(building.surfaces[k], building.zones[zones[k]], building);
+    corners[k] = seenFrom(outside, building.surfaces[k], building.zones[zones[k]], building);
   }
-  InputScene scene{building.file, {}, {}};
   std::vector<std::vector<Corners>> holes(count);
   uint64_t moved = 0, multiplied = 0;
   for (uint32_t k = 0; k < count; ++k) {
     const EnergyPlusSurface& surface = building.surfaces[k];
-    if (surface.base.empty()) continue;
+    if (surface.base.empty() || !is_there[k]) continue;
     const uint32_t base = by_name.at(lowerCase(surface.base));
     const double off = moveIntoPlane(corners[k], corners[base], FilePlace{building.file, surface.line}, surface.name);
     moved += off > kRounding;
@@ -122,17 +140,73 @@ InputScene readEnergyPlusZones(const std::filesystem::path& file) {
   }
   for (uint32_t k = 0; k < count; ++k) {
     const EnergyPlusSurface& surface = building.surfaces[k];
+    if (!is_there[k]) continue;
+    const auto number = static_cast<uint32_t>(scene.surface_names.size());
     scene.surface_names.push_back(surface.name);
     for (Corners& piece : piecesOf(corners[k], holes[k], FilePlace{building.file, surface.line}, surface.name))
-      scene.faces.push_back({std::move(piece), k, surface.line});
+      scene.faces.push_back({std::move(piece), number, surface.line});
   }
-  scene.sheets = scene.surface_names;
   const auto warn = [&](uint64_t number, const char* what) {
     if (number) scene.warnings.push_back(fmt::format("{}: {} {}", building.file, number, what));
   };
   warn(moved, "windows were moved into the planes of their walls");
   warn(multiplied, "windows have a multiplier; each counts once here, as it is drawn");
-  warn(building.internal_masses, "InternalMass have no geometry, and get no view factors");
+  warn(outside ? 0 : building.internal_masses, "InternalMass have no geometry, and get no view factors");
+}
+
+// Returns which surfaces are in zones of these names.
+std::vector<bool> areIn(const EnergyPlusBuilding& building, const std::vector<std::string>& names) {
+  std::vector<bool> is_chosen(building.zones.size(), names.empty());
+  for (const std::string& name : names) {
+    const auto zone =
+        std::ranges::find(building.zones, lowerCase(name), [](const EnergyPlusZone& of) { return lowerCase(of.name); });
+    if (zone == building.zones.end())
+      throw Error(ErrorCode::bad_usage,
+                  fmt::format("--zone: {} has no zone '{}'; take one of its zones", building.file, printable(name)));
+    is_chosen[static_cast<size_t>(zone - building.zones.begin())] = true;
+  }
+  std::vector<bool> is_there;
+  for (const uint32_t zone : zonesOf(building)) is_there.push_back(is_chosen[zone]);
+  return is_there;
+}
+
+}  // namespace
+
+InputScene readEnergyPlusZones(const std::filesystem::path& file, const std::vector<std::string>& zones) {
+  const EnergyPlusBuilding building = readEnergyPlus(file);
+  InputScene scene{building.file, {}, {}};
+  const std::vector<bool> is_there = areIn(building, zones);
+  if (!std::ranges::count(is_there, true))
+    FilePlace{building.file}.refuse("there are no surfaces in these zones; take other ones");
+  addSurfaces(building, false, is_there, scene);
+  scene.sheets = scene.surface_names;
+  return scene;
+}
+
+InputScene readEnergyPlusOutside(const std::filesystem::path& file) {
+  const EnergyPlusBuilding building = readEnergyPlus(file);
+  for (const auto& [place, object] : building.simple_shadings)
+    place.refuse(
+        fmt::format("{} is given by lengths, which is not read; give it as Shading:Site:Detailed or "
+                    "Shading:Zone:Detailed",
+                    printable(object)));
+  InputScene scene{building.file, {}, {}};
+  scene.is_outside = true;
+  addSurfaces(building, true, std::vector<bool>(building.surfaces.size(), true), scene);
+  for (const EnergyPlusSurface& surface : building.surfaces)
+    if (surface.boundary != "outdoors") scene.blockers.push_back(surface.name);
+  if (scene.blockers.size() == building.surfaces.size())
+    FilePlace{building.file}.refuse("no surface has the outside boundary condition Outdoors; there is nothing outside");
+  scene.solids = scene.surface_names;
+  for (const EnergyPlusShading& shading : building.shadings) {
+    Corners corners = placed(shading, building);
+    const auto number = static_cast<uint32_t>(scene.surface_names.size());
+    scene.surface_names.push_back(shading.name);
+    scene.sheets.push_back(shading.name);
+    scene.faces.push_back({corners, number, shading.line});
+    std::reverse(corners.begin(), corners.end());
+    scene.faces.push_back({std::move(corners), number, shading.line});
+  }
   return scene;
 }
 

@@ -91,7 +91,7 @@ Scene loadGroupedScene(const std::filesystem::path& file, const std::filesystem:
                 fmt::format("{}: --groups names the faces of .stl and .ply files; this format has names of its own, "
                             "leave it out",
                             file.string()));
-  InputScene scene = readScene(file);
+  InputScene scene = readScene(file, options);
   nameFaces(groups, scene);
   return buildScene(scene, options);
 }

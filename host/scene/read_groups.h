@@ -20,7 +20,7 @@ void nameFaces(const std::filesystem::path& groups, InputScene& scene);
 Scene loadGroupedScene(const std::filesystem::path& file, const std::filesystem::path& groups,
                        const SceneOptions& options);
 
-// Reads a file without building the scene.    Throws: as loadScene.
-InputScene readScene(const std::filesystem::path& file);
+// Reads a file without building the scene.    In: options: zones and outside count    Throws: as loadScene.
+InputScene readScene(const std::filesystem::path& file, const SceneOptions& options);
 
 }  // namespace viewpeel

@@ -39,10 +39,15 @@ InputScene readVtu(const std::filesystem::path& file);
 //   In: folder: the case, or CASE/constant/REGION    Throws: Error bad_input naming file and line.
 InputScene readFoam(const std::filesystem::path& folder);
 
-// Reads the surfaces of all zones of an EnergyPlus building, IDF or epJSON, seen from within (energyplus.h). Windows
-// are cut out of their walls.
-//   Throws: Error bad_input, naming file and line; of epJSON the object.
-InputScene readEnergyPlusZones(const std::filesystem::path& file);
+// Reads the surfaces of an EnergyPlus building's zones, IDF or epJSON, seen from within (energyplus.h). Windows are cut
+// out of their walls.
+//   In: zones: names of zones, in either case; all where empty
+//   Throws: Error bad_input, naming file and line, of epJSON the object; bad_usage for an absent zone.
+InputScene readEnergyPlusZones(const std::filesystem::path& file, const std::vector<std::string>& zones = {});
+// Reads what stands outside, seen from outside: surfaces outdoors, and shading surfaces, which have two sides. Other
+// surfaces only block.
+//   Throws: as readEnergyPlusZones; bad_input for shading surfaces given by lengths, and where nothing is outdoors.
+InputScene readEnergyPlusOutside(const std::filesystem::path& file);
 
 // Reads the triangles of glTF 2.0, .gltf or .glb, in the scene's coordinates. Nodes are surfaces.
 //   Throws: Error bad_input naming the file.

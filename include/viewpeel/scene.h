@@ -27,6 +27,7 @@ struct InputScene {
   std::vector<std::string> solids{};
   // The file says that coincident faces of these surfaces are back to back, as SceneOptions::sheets does.
   std::vector<std::string> sheets{};
+  bool is_outside = false;  // as Scene::is_outside
 };
 
 // A line hits coplanar polygons at the same depth, and tie ranks decide their order. A rank is a position, from 0 to
@@ -102,6 +103,7 @@ struct Scene {
   std::vector<std::string> warnings;
   // The file says that these surfaces only block. Every run adds them to Question::blockers.
   std::vector<std::string> blockers;
+  bool is_outside = false;  // an EnergyPlus building seen from outside, by SceneOptions::outside
 };
 
 // SceneOptions answer questions that a file leaves open.
@@ -111,6 +113,8 @@ struct SceneOptions {
   std::vector<std::string> flip;    // surfaces ("desk") and faces ("desk[3]") to turn over
   bool fix_normals = false;         // turn over the shells whose backs lines hit (shells.h)
   double unit_m = 1;                // metres in one unit of the file; all results are then in metres
+  std::vector<std::string> zones;   // of an EnergyPlus building: these alone; all of them where empty
+  bool outside = false;             // an EnergyPlus building is seen from outside, in place of its zones
 };
 
 // Makes a scene. It checks the faces, leaves out degenerate and repeated ones, and splits the rest into convex planar

@@ -135,6 +135,7 @@ std::string epJson(const std::vector<Wall>& walls, const std::vector<std::string
 
 class EnergyPlus : public TestFolder {
  protected:
+  void expectObjects(const std::string& version);
   std::string refusal(const std::string& name, const std::string& text) const {
     const fs::path file = write(name, text);
     return withoutPlace(refusalOf([&] { loadScene(file); }), folder_.string().size() + 1);
@@ -222,9 +223,51 @@ TEST_F(EnergyPlus, RoomsAreClosedAndApart) {
   EXPECT_GT(f.formFactor(id("window"), id("West north")).value, 0.05);
 }
 
-// The objects hold the names of each zone, and every pair of its surfaces once, as EnergyPlus reads them.
+// The objects hold the names of each zone, and every pair of its surfaces once, as EnergyPlus reads them. Version 9.6
+// gave the zone's key in epJSON another name.
 TEST_F(EnergyPlus, ObjectsHoldAnyMatrix) {
-  const Scene scene = loadScene(write("building.idf", idf(twoRooms(), {"West", "East"})));
+  for (const std::string version : {"9.5", "9.6", "23.1"}) expectObjects(version);
+}
+
+// A zone alone is the same as that zone of all; the others' surfaces are not there.
+TEST_F(EnergyPlus, OneZoneIsChosenByName) {
+  const fs::path file = write("building.idf", idf(twoRooms(), {"West", "East"}));
+  SceneOptions options;
+  options.zones = {"EAST"};
+  const Scene scene = loadScene(file, options);
+  const Ids ids = makeIds(scene, By::surface, false);
+  EXPECT_EQ(ids.names, (std::vector<std::string>{"East south", "East east", "East north", "East west", "East floor",
+                                                 "East ceiling", "door back"}));
+  EXPECT_TRUE(isClosed(scene));
+  const FormFactors f = randomFormFactors(ids, 5);
+  writeFormFactors(OutputContent{f, nullptr, &scene}, folder_ / "vf.epJSON");
+  const PythonResult result = runPython(folder_, R"(
+import json
+objects = json.load(open('vf.epJSON'))['ZoneProperty:UserViewFactors:BySurfaceName']
+assert list(objects) == ['view factors of East'] and len(objects['view factors of East']['view_factors']) == 49
+print('passed')
+)");
+  EXPECT_NE(result.output.find("passed"), std::string::npos) << result.output;
+  options.zones = {"North"};
+  try {
+    loadScene(file, options);
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::bad_usage);
+    EXPECT_EQ(std::string(error.what()), "--zone: " + file.string() + " has no zone 'North'; take one of its zones");
+  }
+  // Rows of a part of a zone cannot be written.
+  const Ids all = makeIds(loadScene(file), By::surface, false);
+  Ids part = all;
+  part.names.pop_back(), part.areas.pop_back(), part.surface.pop_back();
+  EXPECT_THROW(writeFormFactors(OutputContent{randomFormFactors(part, 5), nullptr, &scene}, folder_ / "part.idf"),
+               Error);
+}
+
+void EnergyPlus::expectObjects(const std::string& version) {
+  std::string building = idf(twoRooms(), {"West", "East"});
+  building.replace(building.find("Version,9.6"), 11, "Version," + version);
+  const Scene scene = loadScene(write("building.idf", building));
   const FormFactors f = randomFormFactors(makeIds(scene, By::surface, false), 8);
   std::vector<std::vector<double>> dense(f.ids().count(), std::vector<double>(f.ids().count()));
   for (uint32_t i = 0; i < f.ids().count(); ++i)
@@ -233,9 +276,11 @@ TEST_F(EnergyPlus, ObjectsHoldAnyMatrix) {
     checkRows(folder_ / name, scene, f.ids());
     writeFormFactors(OutputContent{f, nullptr, &scene}, folder_ / name);
   }
-  const PythonResult result = runPython(folder_, fmt::format("F, names = {}, {}\n", dense, f.ids().names) +
-                                                     R"(
+  const PythonResult result =
+      runPython(folder_, fmt::format("F, names, version = {}, {}, {}\n", dense, f.ids().names, version) +
+                             R"(
 import json, re
+zone_key = 'zone_or_zonelist_name' if version < 9.6 else 'zone_or_zonelist_or_space_or_spacelist_name'
 zone = {n: 'East' if n.startswith('East') or n == 'door back' else 'West' for n in names}
 def from_idf():
     text = re.sub('!.*', '', open('vf.idf').read())
@@ -246,10 +291,10 @@ def from_idf():
             yield fields[1], fields[k], fields[k + 1], float(fields[k + 2])
 def from_json():
     for o in json.load(open('vf.epJSON'))['ZoneProperty:UserViewFactors:BySurfaceName'].values():
-        assert set(o) == {'zone_or_zonelist_or_space_or_spacelist_name', 'view_factors'}
+        assert set(o) == {zone_key, 'view_factors'}
         for v in o['view_factors']:
             assert set(v) == {'from_surface', 'to_surface', 'view_factor'}
-            yield o['zone_or_zonelist_or_space_or_spacelist_name'], v['from_surface'], v['to_surface'], v['view_factor']
+            yield o[zone_key], v['from_surface'], v['to_surface'], v['view_factor']
 def same(rows, names):
     at = {n: k for k, n in enumerate(names)}
     return all(F[at[a]][at[b]] == v and zone[a] == zone[b] == z for z, a, b, v in rows)
