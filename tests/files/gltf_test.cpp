@@ -1,10 +1,15 @@
-// These tests read glTF scenes that assimp has written, and small scenes with transforms, strips and errors that follow
-// the specification.
+// These tests read glTF scenes that assimp has written, compare tinygltf's reading of them, and read small scenes with
+// transforms, strips and errors that follow the specification.
 #include <cmath>
+#include <cstring>
 
 #include <fmt/format.h>
 #include <glm/glm.hpp>
+#include <glm/gtc/matrix_transform.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <glm/gtc/type_ptr.hpp>
 #include <gtest/gtest.h>
+#include <tiny_gltf.h>
 #include <unistd.h>
 
 #include <viewpeel/error.h>
@@ -83,6 +88,89 @@ TEST_F(Gltf, NodesHaveTransformsAndNames) {
                                               "\"scene\":1,\"scenes\":[{\"nodes\":[0]},{\"nodes\":[3]}],")))
                 .surface_names,
             std::vector<std::string>{"shown"});
+}
+
+// TinyGltfReader makes the same triangles of what tinygltf has read, whose accessors it trusts.
+struct TinyGltfReader {
+  tinygltf::Model model;
+  std::vector<std::string> names;                  // of each triangle
+  std::vector<std::vector<glm::dvec3>> triangles;  // in the scene's coordinates
+
+  explicit TinyGltfReader(const fs::path& file) {
+    tinygltf::TinyGLTF loader;
+    std::string error, warning;
+    const bool is_read = file.extension() == ".glb" ? loader.LoadBinaryFromFile(&model, &error, &warning, file.string())
+                                                    : loader.LoadASCIIFromFile(&model, &error, &warning, file.string());
+    EXPECT_TRUE(is_read) << error;
+    for (const int root : model.scenes.at(static_cast<size_t>(std::max(model.defaultScene, 0))).nodes)
+      add(root, glm::dmat4(1));
+  }
+
+ private:
+  const unsigned char* at(const tinygltf::Accessor& accessor) const {
+    const tinygltf::BufferView& view = model.bufferViews.at(static_cast<size_t>(accessor.bufferView));
+    return &model.buffers.at(static_cast<size_t>(view.buffer)).data.at(view.byteOffset + accessor.byteOffset);
+  }
+  uint32_t index(const tinygltf::Accessor& accessor, size_t k) const {
+    uint32_t value = 0;
+    const size_t size = tinygltf::GetComponentSizeInBytes(static_cast<uint32_t>(accessor.componentType));
+    std::memcpy(&value, at(accessor) + k * size, size);
+    return value;
+  }
+  glm::dvec3 point(const tinygltf::Accessor& accessor, size_t k) const {
+    const auto stride = accessor.ByteStride(model.bufferViews.at(static_cast<size_t>(accessor.bufferView)));
+    float p[3];
+    std::memcpy(p, at(accessor) + k * static_cast<size_t>(stride), sizeof p);
+    return {p[0], p[1], p[2]};
+  }
+  void add(int number, glm::dmat4 transform) {
+    const tinygltf::Node& node = model.nodes.at(static_cast<size_t>(number));
+    if (!node.matrix.empty()) transform *= glm::make_mat4(node.matrix.data());
+    const std::vector<double>&t = node.translation, &r = node.rotation, &s = node.scale;
+    if (!t.empty()) transform = glm::translate(transform, glm::dvec3(t[0], t[1], t[2]));
+    if (!r.empty()) transform *= glm::mat4_cast(glm::dquat(r[3], r[0], r[1], r[2]));
+    if (!s.empty()) transform = glm::scale(transform, glm::dvec3(s[0], s[1], s[2]));
+    if (node.mesh >= 0) {
+      const tinygltf::Mesh& mesh = model.meshes.at(static_cast<size_t>(node.mesh));
+      for (const tinygltf::Primitive& primitive : mesh.primitives) {
+        const auto& positions = model.accessors.at(static_cast<size_t>(primitive.attributes.at("POSITION")));
+        const auto& indices = model.accessors.at(static_cast<size_t>(primitive.indices));
+        for (size_t k = 0; k + 2 < indices.count; k += 3) {
+          names.push_back(node.name.empty() ? mesh.name : node.name);
+          std::vector<glm::dvec3>& corners = triangles.emplace_back();
+          for (size_t c = 0; c < 3; ++c)
+            corners.emplace_back(transform * glm::dvec4(point(positions, index(indices, k + c)), 1));
+          if (glm::determinant(glm::dmat3(transform)) < 0) std::swap(corners[1], corners[2]);
+        }
+      }
+    }
+    for (const int child : node.children) add(child, transform);
+  }
+};
+
+// A corner is a product of a few matrices: some roundings of its size, up to 16.
+TEST_F(Gltf, TinyGltfReadsTheSame) {
+  write("shed.obj",
+        "o floor\nv 0 0 0\nv 4 0 0\nv 4 3 0\nv 0 3 0\nf 1 2 3 4\n"
+        "o heater\nv 1 1 1\nv 1 2 1\nv 2 2 1\nv 2 1 1\nf 5 6 7 8\n");
+  ASSERT_EQ(std::system(fmt::format("cd '{}' && assimp export shed.obj shed.glb >said 2>&1", folder_.string()).c_str()),
+            0);
+  write("nodes.gltf",
+        document("[{\"name\":\"group\",\"translation\":[10,0,0],\"children\":[1,2]},"
+                 "{\"name\":\"wall\",\"mesh\":0,\"rotation\":[0.1,0.2,0.3,0.9273618495495703],\"scale\":[2,3,-1]},"
+                 "{\"mesh\":0,\"matrix\":[0,1,0,0, -1,0,0,0, 0,0,2,0, 3,4,5,1]}]",
+                 "\"scene\":0,\"scenes\":[{\"nodes\":[0]}],"));
+  for (const auto& [name, count] : {std::pair<const char*, size_t>("shed.glb", 4), {"nodes.gltf", 2}}) {
+    const InputScene ours = readGltf(folder_ / name);
+    const TinyGltfReader theirs(folder_ / name);
+    ASSERT_EQ(theirs.triangles.size(), count) << name;
+    ASSERT_EQ(ours.faces.size(), count) << name;
+    for (size_t k = 0; k < count; ++k) {
+      EXPECT_EQ(ours.surface_names[ours.faces[k].surface], theirs.names[k]) << name << k;
+      for (size_t c = 0; c < 3; ++c)
+        EXPECT_LT(glm::distance(ours.faces[k].corners[c], theirs.triangles[k][c]), 2e-13) << name << k << c;
+    }
+  }
 }
 
 TEST_F(Gltf, StripsAndFansAreTriangles) {

@@ -11,6 +11,7 @@
 #include <viewpeel/write.h>
 #include "scene/foam_case.h"
 #include "scene/readers.h"
+#include "tests/files/foam_case.h"
 #include "tests/support/python.h"
 #include "tests/support/random_form_factors.h"
 
@@ -44,33 +45,8 @@ constexpr const char* kRadiosity =
     "        worst = max(worst, abs(values[fine] - q[k]).max() / scale)\n"
     "    return worst\n";
 
-class OpenFoam : public testing::Test {
+class OpenFoam : public FoamCase {
  protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("viewpeel_openfoam_" + std::to_string(::getpid()));
-    fs::remove_all(folder_);
-    fs::copy(VIEWPEEL_TEST_FILES "/openfoam_room", folder_, fs::copy_options::recursive);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-  void replace(const std::string& name, const std::string& old, const std::string& text) const {
-    std::ostringstream bytes;
-    bytes << std::ifstream(folder_ / name, std::ios::binary).rdbuf();
-    std::string all = bytes.str();
-    ASSERT_NE(all.find(old), std::string::npos) << name;
-    all.replace(all.find(old), old.size(), text);
-    std::ofstream(folder_ / name, std::ios::binary) << all;
-  }
-  void runFoam(const std::string& program, int ranks = 0) const {
-    const std::string command =
-        ranks ? fmt::format("mpirun --oversubscribe -np {} {} -parallel", ranks, program) : program;
-    const int status = std::system(fmt::format("cd '{}' && WM_PROJECT_DIR=/usr/share/openfoam OMPI_ALLOW_RUN_AS_ROOT=1 "
-                                               "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 {} >said 2>&1 </dev/null",
-                                               folder_.string(), command)
-                                       .c_str());
-    std::ostringstream said;
-    said << std::ifstream(folder_ / "said").rdbuf();
-    ASSERT_EQ(status, 0) << program << said.str().substr(said.str().size() - std::min<size_t>(said.str().size(), 2000));
-  }
   // `rows`: folder, wall and fine faces within the wall of each coarse face, in the order in which OpenFOAM counts.
   std::string rowsOf(const std::string& form_factors) const {
     std::string rows = "rows = [";
@@ -94,12 +70,6 @@ class OpenFoam : public testing::Test {
     }
     return rows + "]\nF = np.array(" + form_factors + ")\n";
   }
-  static std::string dense(const FormFactors& f) {
-    std::vector<std::vector<double>> values(f.ids().count(), std::vector<double>(f.ids().count()));
-    for (uint32_t i = 0; i < f.ids().count(); ++i)
-      for (uint32_t j = 0; j < f.ids().count(); ++j) values[i][j] = f.formFactor(i, j).value;
-    return fmt::format("{}", values);
-  }
   void expectSolved(const std::string& form_factors) const {
     const PythonResult result =
         runPython(folder_, kRadiosity + rowsOf(form_factors) +
@@ -118,7 +88,6 @@ class OpenFoam : public testing::Test {
     }
     return "none";
   }
-  fs::path folder_;
 };
 
 // Text, binary and gzip files give the same scene. All walls look into the room, and each coarse face is a surface.
@@ -190,32 +159,6 @@ TEST_F(OpenFoam, ProgramComputesWhatTheSolverReads) {
                                                      "assert abs(F.sum(axis=1) - 1).max() < 1e-6\n"
                                                      "assert off(F) < 1e-9, off(F)\nprint('passed')\n");
   EXPECT_NE(result.output.find("passed"), std::string::npos) << result.output;
-}
-
-// Files of the OpenFOAM Foundation's versions hold the same maps as mapDist. Debian has none of these versions, so only
-// the text is compared.
-TEST_F(OpenFoam, FoundationsMapsAreThoseOfMapDist) {
-  runFoam("blockMesh");
-  runFoam("decomposePar");
-  runFoam("faceAgglomerate", 2);
-  const FormFactors f = randomFormFactors(makeIds(buildScene(readFoam(folder_)), By::surface, false), 4);
-  writeFormFactors(OutputContent{f}, folder_);
-  const auto bodyOf = [&](const std::string& name) {
-    std::ostringstream text;
-    text << std::ifstream(folder_ / name, std::ios::binary).rdbuf();
-    return text.str().substr(text.str().find("}\n\n") + 3);
-  };
-  std::vector<size_t> counts;
-  for (const FoamRank& rank : readFoamCase(folder_)) counts.push_back(rank.coarse_faces.size());
-  for (const char* rank : {"processor0", "processor1"}) {
-    const std::string at = std::string(rank) + "/constant/";
-    EXPECT_EQ(bodyOf(at + "mapDist"), fmt::format("{}\n{}{}0 0\n\n0()\n0()\n", counts[0] + counts[1],
-                                                  bodyOf(at + "subMap"), bodyOf(at + "constructMap")));
-    EXPECT_EQ(bodyOf(at + "constructMapDim"), fmt::format("1({})\n", counts[0] + counts[1]));
-  }
-  // Rank 1 has its own faces first, then rank 0's.
-  const std::string map = bodyOf("processor1/constant/constructMap");
-  EXPECT_NE(map.find(fmt::format("{}({} ", counts[0], counts[1])), std::string::npos) << map;
 }
 
 TEST_F(OpenFoam, OtherRowsAreRefused) {

@@ -128,7 +128,10 @@ TEST_F(OutputFiles, XarrayOpensTheSameFile) {
             "assert result.sizes['row'] == n and (result.area.values == areas).all()\n"
             "assert list(result.name.values)[4] == 'wall' and result.form_factor.attrs['units'] == '1'\n"
             "geometry = xarray.open_dataset('office.h5', engine='h5netcdf', group='geometry')\n"
-            "assert geometry.sizes['polygon'] == 5\n");
+            "assert geometry.sizes['polygon'] == 5\n"
+            "by_netcdf = xarray.open_dataset('office.h5', engine='netcdf4')\n"
+            "assert (by_netcdf.form_factor.values == result.form_factor.values).all()\n"
+            "assert list(by_netcdf.name.values) == list(result.name.values) and by_netcdf.attrs == result.attrs\n");
 }
 
 TEST_F(OutputFiles, VtkReadsPolygonsAndTheirValues) {
