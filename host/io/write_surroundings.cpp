@@ -1,6 +1,7 @@
 // EnergyPlus's SurfaceProperty:SurroundingSurfaces and SurfaceProperty:LocalEnvironment, as IDF or epJSON.
 //   Source: EnergyPlus Input Output Reference, and its schema; HeatBalanceSurfaceManager.cc, which refuses view factors
 //   that sum to more than 1.
+#include <algorithm>
 #include <limits>
 #include <set>
 
@@ -73,11 +74,13 @@ std::vector<Surroundings> findSurroundings(const FormFactors& form_factors, cons
   for (uint32_t k = 0; k < seers.size(); ++k) place[seers[k]] = k;
   for (uint32_t polygon = 0; polygon < id_of_polygon.size(); ++polygon)
     if (const uint32_t k = place[id_of_polygon[polygon]]; k != UINT32_MAX) polygons[k].push_back(polygon);
-  const std::vector<SkyShare> shares = findSkyShares(scene, polygons);
+  std::vector<double> environment;
+  for (const uint32_t id : seers)
+    environment.push_back(std::clamp(form_factors.formFactor(id, kEnvironment).value, 0.0, 1.0));
+  const std::vector<SkyShare> shares = divideEnvironment(scene, polygons, environment);
   for (uint32_t k = 0; k < seers.size(); ++k) {
-    const double environment = form_factors.formFactor(seers[k], kEnvironment).value;
-    found[k].sky = environment * shares[k].value;
-    found[k].ground = environment - found[k].sky;
+    found[k].sky = shares[k].sky;
+    found[k].ground = shares[k].ground;
     found[k].limit();
   }
   return found;

@@ -50,7 +50,7 @@ void writeSyrthes(const FormFactors& form_factors, std::ostream& out);
 void writeEnergyPlus(const OutputContent& content, bool as_json, std::ostream& out);
 // EnergyPlus's surroundings: for each surface outdoors that sees another one its view factors to these, to the sky and
 // to the ground, and the object that gives them to the surface.
-//   In: scene: an EnergyPlus building seen from outside    Error: of sky and ground that of findSkyShares.
+//   In: scene: an EnergyPlus building seen from outside    Error: of sky and ground that of divideEnvironment.
 //   Throws: as writeEnergyPlus.
 void writeSurroundings(const FormFactors& form_factors, const Scene& scene, bool as_json, std::ostream& out);
 // Refuses rows that are not surfaces; another scene than a building, or a file that is the building itself.

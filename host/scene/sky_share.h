@@ -7,22 +7,22 @@
 
 namespace viewpeel {
 
-// A SkyShare is the part of the radiation from some polygons to the environment that goes up.
+// A SkyShare divides what some polygons send to the environment.
 struct SkyShare {
-  double value = 0;           // 0 to 1; 1/2 where none gets there
-  double standard_error = 0;  // of 8 sets of rays
+  double sky = 0, ground = 0;  // form factors, whose sum is that to the environment
+  double standard_error = 0;   // of both, as far as rays go: of 8 sets of them
 };
 
-// Returns sky / (sky + ground) for polygons that look one way, n being their normal, z up. Let p_up be the share of
-// rays above the horizon that get out, and p_down the same below. Then
-//   sky = (1 + n_z) / 2 p_up,  ground = (1 - n_z) / 2 p_down
-//   In: polygons: of each surface that is asked for, in one plane
-//   Out: one for each list
-//   Error: the standard error stated; 0 where nothing stands in the way. Rays within 0.6 degrees of the plane are left
-//     out: 1e-4. Tests: tests/files/energyplus_outside_test.cpp.
+// Divides the form factor to the environment, e, of polygons that look one way, n being their normal, z up. Without
+// anything in the way it would be 1, of which (1 + n_z) / 2 goes up. Of the 1 - e that is blocked rays find the share s
+// that would go up:
+//   sky = (1 + n_z) / 2 - s (1 - e),  ground = e - sky
+//   In: polygons: of each surface that is asked for, in one plane; environment: its e, 0 to 1
+//   Out: one for each list, sky and ground from 0 to e
+//   Error: the standard error stated, and that of e; none of rays where all that blocks is on one side of the horizon.
+//     Rays within 0.6 degrees of the plane are left out: 1e-4 of 1 - e. Tests: tests/files/energyplus_outside_test.cpp.
 //   Cost: 65,536 rays a list.
-//   Source: R. Cranley & T. N. L. Patterson, Randomization of number theoretic methods for multiple integration, SIAM
-//     J. Numer. Anal. 13, 1976, 904-914: sequences with random shifts.
-std::vector<SkyShare> findSkyShares(const Scene& scene, const std::vector<std::vector<uint32_t>>& polygons);
+std::vector<SkyShare> divideEnvironment(const Scene& scene, const std::vector<std::vector<uint32_t>>& polygons,
+                                        const std::vector<double>& environment);
 
 }  // namespace viewpeel

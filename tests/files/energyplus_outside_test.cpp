@@ -76,15 +76,18 @@ TEST_F(EnergyPlusOutside, SkyAndGroundHaveClosedForms) {
     for (uint32_t which = 0; which < 3; ++which)
       if (name == (which == 0 ? "South" : which == 1 ? "North" : "East")) polygons[which].push_back(k);
   }
-  const std::vector<SkyShare> shares = findSkyShares(scene, polygons);
-  const double truth[] = {(0.5 - overhang) / (1 - overhang), 0.5, 0.5};
+  const std::vector<SkyShare> shares = divideEnvironment(scene, polygons, {1 - overhang, 1 - board, 1});
+  const double sky[] = {0.5 - overhang, (1 - board) / 2, 0.5}, ground[] = {0.5, (1 - board) / 2, 0.5};
   for (int which = 0; which < 3; ++which) {
     // Rays beside the plane are left out: 1e-4. Five standard errors of 8 sets are exceeded once in 600 times.
-    EXPECT_NEAR(shares[which].value, truth[which], 5 * shares[which].standard_error + 1e-4) << which;
+    const double bound = 5 * shares[which].standard_error + 1e-4;
+    EXPECT_NEAR(shares[which].sky, sky[which], bound) << which;
+    EXPECT_NEAR(shares[which].ground, ground[which], bound) << which;
     EXPECT_LT(shares[which].standard_error, 1e-3) << which;
   }
-  EXPECT_EQ(shares[2].standard_error, 0);  // nothing stands before the east wall
-  EXPECT_GT(std::abs(shares[0].value - truth[1]), 0.05);
+  EXPECT_EQ(shares[0].standard_error, 0);  // nothing blocks below the horizon
+  EXPECT_GT(shares[1].standard_error, 0);
+  EXPECT_GT(std::abs(shares[0].sky - sky[1]), 0.05);
 }
 
 // EnergyPlus's schema: names, required members, view factors from 0 to 1 whose sum it holds to 1 at most.
