@@ -187,14 +187,21 @@ TEST(Laws, ComparisonOfMatricesRejectsAnotherScene) {
   EXPECT_GT(rejected, 0);
 }
 
+void expectSameBits(const FormFactors& a, const FormFactors& b) {
+  ASSERT_EQ(a.entries().size(), b.entries().size());
+  for (size_t k = 0; k < a.entries().size(); ++k) {
+    EXPECT_EQ(a.entries()[k].exchange_area.value, b.entries()[k].exchange_area.value);
+    EXPECT_EQ(a.entries()[k].exchange_area.standard_error, b.entries()[k].exchange_area.standard_error);
+  }
+}
+
 // It does not matter with which corner a polygon starts: the same points are snapped and the same plane is found.
-// Entries agree within their errors.
 TEST(Laws, FirstCornerDoesNotMatter) {
   InputScene scene = ts::insideOfCube();
   const Estimate a = estimateScene(scene);
   for (InputFace& face : scene.faces) std::rotate(face.corners.begin(), face.corners.begin() + 1, face.corners.end());
   const Estimate b = estimateScene(scene);
-  expectSame(a, b, "corners rotated");
+  expectSameBits(a.form_factors, b.form_factors);
 }
 
 TEST(Laws, SplittingAPolygonLeavesSumsAlone) {
@@ -213,14 +220,6 @@ TEST(Laws, SplittingAPolygonLeavesSumsAlone) {
   // counts.
   EXPECT_NEAR(b.form_factors.formFactor(2, 0).value + b.form_factors.formFactor(2, 1).value,
               b.between_surfaces.formFactor(1, 0).value, 4e-16);
-}
-
-void expectSameBits(const FormFactors& a, const FormFactors& b) {
-  ASSERT_EQ(a.entries().size(), b.entries().size());
-  for (size_t k = 0; k < a.entries().size(); ++k) {
-    EXPECT_EQ(a.entries()[k].exchange_area.value, b.entries()[k].exchange_area.value);
-    EXPECT_EQ(a.entries()[k].exchange_area.standard_error, b.entries()[k].exchange_area.standard_error);
-  }
 }
 
 TEST(Laws, SameSeedSameBitsWhateverTheBatch) {

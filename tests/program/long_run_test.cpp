@@ -140,7 +140,7 @@ TEST_F(LongRun, AnIgnoredHangUpStaysIgnored) {
 
 // A plan depends on measured times, so a second plan may differ. The checkpoint keeps the plan, and the resumed run
 // follows it. The plan of pair lines does not depend on times, and is kept as well.
-TEST_F(LongRun, PlansAndGuaranteesAreGoneOnWith) {
+TEST_F(LongRun, PlansAndGuaranteesAreResumed) {
   const std::pair<std::string, std::vector<std::string>> runs[] = {
       {kOffice + "--tolerance 2e-3 ", {"--pair-lines"}},
       {kOffice + "--tolerance 2e-3 --pair-lines off ", {"--directions", "--resolution", "--finest"}},

@@ -45,7 +45,7 @@ TEST_F(Program, AFacetWithoutAreaHasAnEmptyRow) {
   EXPECT_EQ(readFile(file("same.mtx")), matrix);
 }
 
-TEST_F(Program, NamesThatCollideAreSaidInOneLine) {
+TEST_F(Program, NamesThatCollideAreReportedInOneLine) {
   const std::string corners = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
   std::ofstream(file("names.obj")) << corners << "o a\nf 1 2 3\nf 1 3 4\no a[1]\nf 3 2 1\n";
   const Result r = run("compute " + file("names.obj") + " --directions 10");

@@ -43,7 +43,7 @@ TEST_F(Program, UnmetRowsAreNamed) {
 }
 
 // Where no form factor reaches --floor, --relative has nothing to judge. The program warns of it.
-TEST_F(Program, AFloorThatNothingReachesIsSaid) {
+TEST_F(Program, AFloorThatNothingReachesIsReported) {
   const std::string plates =
       "compute " VIEWPEEL_SCENES "/plates.obj --directions 20 --resolution 16 --quiet --relative 0.5 --floor ";
   EXPECT_NE(run(plates + "0.9").output.find("no form factor reaches --floor 0.9"), std::string::npos);

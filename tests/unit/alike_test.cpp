@@ -234,8 +234,8 @@ TEST(Alike, HighStacksAreUnordered) {
 
 // Rounding has made these two planes cross. Which one is in front may depend on the direction, so the pair counts as
 // unordered.
-TEST(Alike, CrossingPlanesAreUntold) {
-  const auto untold = [](double lift, double tilt) {
+TEST(Alike, CrossingPlanesHaveNoOrder) {
+  const auto unorderedPairs = [](double lift, double tilt) {
     InputScene s{"crossing", {}, {}};
     ts::addWalls(s, 1);
     ts::addTile(s, "first", 0, 0.6);
@@ -243,12 +243,12 @@ TEST(Alike, CrossingPlanesAreUntold) {
     for (glm::dvec3& corner : s.faces.back().corners) corner.z += lift + tilt * (corner.x - 0.5);
     return buildScene(s).coincidences.alike_unordered;
   };
-  EXPECT_EQ(untold(0, 0), 0u);
-  EXPECT_EQ(untold(1e-9, 0), 0u);  // one plane
-  EXPECT_EQ(untold(0, 1e-6), 1u);
-  EXPECT_EQ(untold(2e-8, 0), 1u);  // too near for engines to order with certainty
-  EXPECT_EQ(untold(1e-6, 0), 0u);  // one face lies clearly in front
-  EXPECT_EQ(untold(1e-6, 1e-6), 0u);
+  EXPECT_EQ(unorderedPairs(0, 0), 0u);
+  EXPECT_EQ(unorderedPairs(1e-9, 0), 0u);  // one plane
+  EXPECT_EQ(unorderedPairs(0, 1e-6), 1u);
+  EXPECT_EQ(unorderedPairs(2e-8, 0), 1u);  // too near for engines to order with certainty
+  EXPECT_EQ(unorderedPairs(1e-6, 0), 0u);  // one face lies clearly in front
+  EXPECT_EQ(unorderedPairs(1e-6, 1e-6), 0u);
 }
 
 }  // namespace

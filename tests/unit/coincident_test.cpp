@@ -303,7 +303,7 @@ TEST(CoincidentPairs, OptionsDecide) {
   EXPECT_THROW(sheets({.sheets = {"sheet+"}, .solids = {"sheet+"}}), Error);
 }
 
-TEST(CoincidentPairs, ContradictionsAreSaid) {
+TEST(CoincidentPairs, ContradictionsAreReported) {
   InputScene input{"half", {}, {}};
   ts::addRoom(input, "room", {-2, -2, -2}, {2, 2, 2});
   ts::addSheet(input, "wall", {-1.5, -1.5, 0}, {3, 0, 0}, {0, 3, 0}, 0);

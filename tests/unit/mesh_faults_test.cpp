@@ -122,7 +122,7 @@ TEST(MeshFaults, CleanScenesWarnOfNothing) {
 }
 
 // In single precision, coordinates 4,500 km from the origin come in steps of half a metre, which is warned of.
-TEST(MeshFaults, CoarseCoordinatesAreSaid) {
+TEST(MeshFaults, CoarseCoordinatesAreReported) {
   InputScene city = named("city");
   for (int k = 0; k < 20; ++k) ts::addBox(city, "box", {3.1 * k, 0.7, 0}, {3.1 * k + 2.3, 3.4, 5.2}, false);
   const auto moved = [&](double offset, double size) {

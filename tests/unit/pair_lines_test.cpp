@@ -248,7 +248,7 @@ TEST(DrawLines, AllVectorsGiveTheSameBits) {
 
 // --- sums ------------------------------------------------------------------------------------------------------------
 
-struct Office {
+struct Street {
   Scene scene = loadScene(VIEWPEEL_SCENES "/street.obj");
   Ids ids = makeIds(scene, By::polygon, false);
   std::vector<LinePair> pairs;
@@ -263,7 +263,7 @@ struct Office {
 };
 
 TEST(PairLines, ThreadsDoNotMatter) {
-  Office one, three;
+  Street one, three;
   PairLines of_one = one.planned(1), of_three = three.planned(3);
   ASSERT_EQ(one.pairs, three.pairs);
   EXPECT_EQ(of_one.count(one.pairs, 2), of_three.count(three.pairs, 2));
@@ -271,10 +271,10 @@ TEST(PairLines, ThreadsDoNotMatter) {
 }
 
 TEST(PairLines, AnotherPairChangesNone) {
-  Office office;
-  PairLines lines = office.planned(2);
-  const LineCounts all = lines.count(office.pairs, 0);
-  std::vector<LinePair> fewer = office.pairs;
+  Street street;
+  PairLines lines = street.planned(2);
+  const LineCounts all = lines.count(street.pairs, 0);
+  std::vector<LinePair> fewer = street.pairs;
   for (size_t k = 0; k < fewer.size(); k += 2) fewer[k].blocks = 0;
   std::map<uint32_t, LineCount> by_pair;
   for (const LineCount& count : all) by_pair[count.pair] = count;
@@ -287,12 +287,12 @@ TEST(PairLines, AnotherPairChangesNone) {
 }
 
 TEST(LineSums, OrderOfReplicatesDoesNotMatter) {
-  Office office;
-  PairLines lines = office.planned(2);
-  LineSums forwards(office.ids, By::polygon, office.pairs), first = forwards, second = forwards;
-  for (uint64_t r = 0; r < 6; ++r) forwards.add(lines.count(office.pairs, r));
-  for (const uint64_t r : {5, 1, 3}) first.add(lines.count(office.pairs, r));
-  for (const uint64_t r : {4, 0, 2}) second.add(lines.count(office.pairs, r));
+  Street street;
+  PairLines lines = street.planned(2);
+  LineSums forwards(street.ids, By::polygon, street.pairs), first = forwards, second = forwards;
+  for (uint64_t r = 0; r < 6; ++r) forwards.add(lines.count(street.pairs, r));
+  for (const uint64_t r : {5, 1, 3}) first.add(lines.count(street.pairs, r));
+  for (const uint64_t r : {4, 0, 2}) second.add(lines.count(street.pairs, r));
   second.add(first);
   EXPECT_EQ(forwards.sums(), second.sums());
   EXPECT_NE(forwards.sums(), first.sums());
@@ -331,10 +331,10 @@ TEST(LineSums, ReplicatesCountByTheirWeight) {
 // Where 16 lines reach the goal whatever the visibility is, the pair gets no pilot, and 16 lines once in 8 replicates.
 // Other pairs may get more.
 TEST(PairLines, SmallPairsGetSixteenLinesWithoutAPilot) {
-  Office office;
-  PairLines lines = office.planned(8);
+  Street street;
+  PairLines lines = street.planned(8);
   size_t small = 0;
-  std::vector<LinePair> pairs = office.pairs;
+  std::vector<LinePair> pairs = street.pairs;
   lines.plan(
       pairs, [](const LinePair& pair) { return 0.3 * (pair.exchange - pair.clear); }, 8);
   for (const LinePair& pair : pairs) {

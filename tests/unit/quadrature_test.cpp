@@ -56,9 +56,9 @@ TEST(Integrate, EndsAtTheNoise) {
   const LineIntegral integral = integrate(noisy, 0, 1, 1e-25L, 1e-18L);
   EXPECT_EQ(calls, 26);
   EXPECT_GE(integral.error, 1e-19L);
-  const LineIntegral untold = integrate(noisy, 0, 1, 1e-25L);
+  const LineIntegral unresolved = integrate(noisy, 0, 1, 1e-25L);
   EXPECT_LE(calls, 3'000'000);
-  EXPECT_GE(untold.error, 1e-20L);
+  EXPECT_GE(unresolved.error, 1e-20L);
 }
 
 TEST(Integrate, EmptyInterval) {
