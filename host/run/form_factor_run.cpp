@@ -131,6 +131,10 @@ Result FormFactorRun::result() {
   Result result = state_->resultOf(estimate());
   result.division = division();
   if (!result.interrupted) result.warnings = warnOfLeaks(state_->setup.scene(), result.form_factors);
+  if (state_->is_promise_broken)
+    result.warnings.push_back(fmt::format(
+        "the promise of the plan could not be kept: {}; the form factors are estimates with standard errors",
+        state_->no_promise));
   if (const Work* work = state_->engine().work()) result.work = *work;
   return result;
 }

@@ -67,6 +67,7 @@ void FormFactorRun::State::takeBackPromise() {
 // Goes on with an estimate where lines have shown that the promise cannot be kept.
 void FormFactorRun::State::breakPromise(const std::string& why) {
   takeBackPromise();
+  is_promise_broken = true;
   no_promise = why;
   planEstimateLines();
   summary = summarise(setup, *plan);

@@ -47,8 +47,9 @@ struct FormFactorRun::State {
   std::optional<LineGuarantee> line_guarantee;
   std::optional<RunSums> common_sums;                     // of a guarantee by lines: environment and leak
   std::optional<std::vector<PairCounts>> promise_counts;  // of these directions, where a promise was planned
-  double leaked_share = 0;  // of a row's lines along a few directions, in the row with most
-  std::string no_promise;   // why form factors are to be estimates
+  double leaked_share = 0;         // of a row's lines along a few directions, in the row with most
+  std::string no_promise;          // why form factors are to be estimates
+  bool is_promise_broken = false;  // the plan promised, and the run could not keep it
   bool is_interrupted = false, is_done = false;
 
   State(const Scene& scene, Request request, Observer watching)

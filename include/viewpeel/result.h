@@ -179,7 +179,8 @@ struct Result : Estimate {
   double leak_share = 0;         // and the part that ends on the backs of polygons
   std::optional<BalancedFormFactors> balanced;  // with Request::balance
   std::optional<Error> balance_refusal;         // why there are none
-  // Each warning is one line: faces that look the wrong way, by their leaks. A run that was stopped has none.
+  // Each warning is one line: faces that look the wrong way, by their leaks (a run that was stopped has none), and a
+  // promise of the plan that the run could not keep.
   std::vector<std::string> warnings;
   PlanSummary plan;
   std::string division;      // a few lines about the engine's work and memory

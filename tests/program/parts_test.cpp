@@ -31,7 +31,7 @@ TEST_P(PartsOfARun, MergeToOneRun) {
   for (const std::string order : {"0 2 6", "6 2 0", "2 6 0"}) {
     std::string inputs;
     for (char part : order)
-      if (part != ' ') inputs += " " + file(std::string("p") + part + ".h5");
+      if (part != ' ') inputs += fmt::format(" {}", file(fmt::format("p{}.h5", part)));
     fs::remove(file("m.h5"));
     const Result merged = run("merge --quiet" + inputs + " -o " + file("m.csv") + " -o " + file("m.mtx") +
                               " --checkpoint " + file("m.h5"));
@@ -83,7 +83,7 @@ TEST_F(Parts, PartsCountExactlyTheirReplicates) {
   ASSERT_EQ(run(directions + "--replicates 9 -o " + file("whole.csv")).status, 0);
   std::string inputs;
   for (const char* part : {"1", "2", "3"}) {
-    inputs += " " + file(std::string(part) + ".h5");
+    inputs += fmt::format(" {}", file(fmt::format("{}.h5", part)));
     ASSERT_EQ(
         run(directions + "--replicates 3 --part " + part + "/3 --checkpoint " + file(std::string(part) + ".h5")).status,
         0);
