@@ -157,8 +157,8 @@ TEST(LineGuarantee, GeometryAloneProvesWhatNothingBlocks) {
 }
 
 // One wall of a room with boxes is missing. The interval of the environment follows from all lines of its row. It holds
-// the truth, and is no wider than the intervals of the row's entries together, from which it would follow as well. In some
-// rows it is narrower. Where the request has `rows` it is at most 2 epsilon wide.
+// the truth, and is no wider than the intervals of the row's entries together, from which it would follow as well. In
+// some rows it is narrower. Where the request has `rows` it is at most 2 epsilon wide.
 TEST(LineGuarantee, TheEnvironmentHasASeparateBound) {
   InputScene input = ts::roomWithTouchingBoxes();
   std::erase_if(input.faces, [&](const auto& face) { return &face == &input.faces.front(); });
