@@ -210,7 +210,8 @@ shutil.rmtree('case/30')
 for region in fluid:
     for name in ('F', 'globalFaceFaces', 'mapDist'):
         os.remove(f'case/constant/{region}/{name}')
-    run(viewpeel, 'compute', f'constant/{region}', '--by', 'surface', '--quiet', '-o', f'constant/{region}')
+    run(viewpeel, 'compute', f'constant/{region}', '--by', 'surface', '--tolerance', '2e-4', '--quiet', '-o',
+        f'constant/{region}')
 ours = answers()
 table = {}
 for line in open(docs):
@@ -227,7 +228,8 @@ assert theirs['row sums in bottomAir, 120 coarse faces'][1] > 1.1
 print('passed', theirs, ours)
 )";
 
-// Numbers of the table may be off by one in the last digit.
+// Numbers of the table may be off by one in the last digit. The goal of 2e-4 is for single entries. Their errors are
+// independent, so row sums of 120 entries, most of them far below the largest, stay within 1e-3.
 TEST_F(OpenFoamTutorial, RunsWithBoth) {
   const PythonResult result =
       runPython(folder_, fmt::format("viewpeel, docs = '{}', '{}/formats.md'\n", VIEWPEEL_PROGRAM, VIEWPEEL_DOCS) +
