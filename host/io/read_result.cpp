@@ -160,6 +160,8 @@ StoredResult readResult(const std::filesystem::path& file) {
     stored.balanced.emplace(ids, std::move(balanced_entries), std::vector<Measured>(ids.count(), Measured{1, 0}));
   stored.form_factors = FormFactors(std::move(ids), std::move(entries), sums, std::move(intervals),
                                     has_intervals ? unlistedBound(in, rows) : 0);
+  // This attribute says the same in every file, and belongs to no run.
+  std::erase_if(rows.attributes, [](const auto& attribute) { return attribute.first == "row_order"; });
   stored.parameters = std::move(rows.attributes);
   return stored;
 }
