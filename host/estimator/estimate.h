@@ -78,7 +78,8 @@ Estimate makeEstimate(const RunSums& sums, double relative_floor, FormFactors al
 //     (neighbour_visibility.h). The standard error is of independent replicates, or of the guess. Tests:
 //     tests/laws/closed_form_test.cpp.
 //   Throws: whatever the engine and the callbacks throw, except Interrupted; Error bad_usage for zero directions, fewer
-//     than 2 replicates, a goal that is not positive, or resumed directed pairs without options.pairs.
+//     than 2 replicates, a goal that is not positive, or directed pairs (directed_pairs.h) in options.resumed where
+//     options.pairs is nullptr.
 //   Cost: replicates x directions projections, and O(nonzero pairs) of memory beside the engine's.
 Estimate estimateFormFactors(Engine& engine, const Scene& scene, const Ids& ids, const EstimateOptions& options);
 

@@ -12,7 +12,7 @@
 
 namespace viewpeel {
 
-// A replicate has so many common directions.
+// A replicate has this number of common directions: directions that all pairs share, for environment and leak.
 constexpr uint32_t kLineRunDirections = 32;
 
 // A goal T asks a pair for a standard error of T / kErrorsInGoal, so that the largest error of all pairs is hardly ever

@@ -136,7 +136,8 @@ VectorXd BandSystem::solveRoughly(size_t k, const VectorXd& b) const {
   return inverses_[k] ? VectorXd(*inverses_[k] * b) : solvers_[k]->solveRoughly(b);
 }
 
-// How the heat fluxes of free rows change with their temperatures.
+// Returns how much the heat flux of each free row changes, to first order, when temperatures change by `change`. Free
+// rows are those whose temperatures are to be found.
 VectorXd BandSystem::changeOfFlux(const BandVectors& slopes, const VectorXd& change) const {
   VectorXd flux = VectorXd::Zero(change.size());
   for (size_t k = 0; k < bands_.size(); ++k) {

@@ -126,7 +126,7 @@ class FormFactorRun {
 //     values.
 //   Error, Throws: none.    Cost: O(settings).
 std::vector<std::pair<std::string, std::string>> parametersOf(const Settings& settings, const Estimate& estimate);
-// Returns the same for a run that has begun. A median, which no checkpoint can keep, has fewer settings.
+// Returns the same for a run that has begun. A guarantee by medians, which no checkpoint can keep, has fewer settings.
 std::vector<std::pair<std::string, std::string>> parametersOf(const FormFactorRun& run, const Estimate& estimate);
 
 // Computes F_ij = (2 / A_i) E[A'_ij(u)] of all pairs of the request (Pellegrini 1997, sections 4.3 and 5.1), as

@@ -40,8 +40,8 @@ struct Estimate {
   // are their neighbours'.
   uint64_t unmet_pairs = 0;
   double largest_unmet_error = 0;  // standard error, from the smaller of the two
-  // These pairs can see each other, and no line saw them. Their form factors are 0, and their standard errors count
-  // among the largest.
+  // These pairs would see each other with nothing in between, but no line found them facing. Their form factors are 0,
+  // and largest_standard_error takes in their standard errors.
   uint64_t unseen_pairs = 0;
   double largest_unseen_error = 0;
   uint64_t directed_pairs = 0, directed_directions = 0;  // pairs with directions of their own, and all these directions

@@ -26,7 +26,7 @@ struct IntegerCorners {
   long exponent = 0;
 };
 
-// A Dyadic is integer * 2^exponent, exactly x.
+// A Dyadic is the number mantissa * 2^exponent. splitDouble(x) is exactly x.
 struct Dyadic {
   mpz_class mantissa;
   long exponent = 0;

@@ -103,7 +103,7 @@ void use(const std::filesystem::path& file) {
 }
 void usePage(const std::filesystem::path& file) {
   ReportContent content = readReport(file);
-  surveyErrors(content);
+  surveyErrors(statedErrors(content));
   const std::vector<int64_t> largest = largestEntries(content.form_factors, 2);
   rowsOfEntries(content, largest);
   pictureOf(content, ranksByPlace(content), 4);
