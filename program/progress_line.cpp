@@ -119,7 +119,7 @@ void ProgressLine::clear() const {
 }
 
 void ProgressLine::show(const Progress& progress) {
-  const bool is_new_phase = std::exchange(phase_, progress.phase) != progress.phase;
+  const bool is_new_phase = std::exchange(phase_, progress.phase) != std::optional(progress.phase);
   if (is_new_phase && progress.phase == Progress::Phase::counting) counting_ = Clock::now();
   const bool is_due = secondsSince(shown_) >= seconds_apart_;
   if (!is_due && !(is_new_phase && is_terminal_)) return;

@@ -36,7 +36,7 @@ class ProgressLine {
   bool shows_, is_terminal_;
   double seconds_apart_;
   Clock::time_point start_ = Clock::now(), shown_ = start_, counting_ = start_;
-  Progress::Phase phase_ = Progress::Phase::planning;  // of the last call
+  std::optional<Progress::Phase> phase_;  // of the last call
 };
 
 }  // namespace viewpeel::program
