@@ -16,19 +16,24 @@
 
 namespace viewpeel::program {
 
-void checkOutputs(const std::vector<std::string>& outputs, const std::string& checkpoint, bool with_balance,
-                  bool has_scene) {
+void requireDistinct(const std::vector<std::filesystem::path>& files) {
   namespace fs = std::filesystem;
   std::set<fs::path> named;
-  const auto name = [&](const fs::path& file) {
-    std::error_code failure;  // a folder that cannot be looked into is refused below
+  for (const fs::path& file : files) {
+    std::error_code failure;  // a folder that cannot be looked into is refused when the file is checked
     const fs::path place = fs::weakly_canonical(fs::absolute(file, failure), failure);
     if (!named.insert(place.empty() ? file : place).second)
       throw Error(ErrorCode::bad_usage, fmt::format("{}: is to be written twice; name every file once", file.string()));
-  };
+  }
+}
+
+void checkOutputs(const std::vector<std::string>& outputs, const std::string& checkpoint, bool with_balance,
+                  bool has_scene) {
+  std::vector<std::filesystem::path> files;
   for (const std::string& output : outputs)
-    for (const fs::path& file : filesOf(output, with_balance)) name(file);
-  if (!checkpoint.empty()) name(checkpoint);
+    for (std::filesystem::path& file : filesOf(output, with_balance)) files.push_back(std::move(file));
+  if (!checkpoint.empty()) files.emplace_back(checkpoint);
+  requireDistinct(files);
   for (const std::string& output : outputs) checkOutput(output, with_balance, has_scene);
 }
 

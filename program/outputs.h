@@ -1,5 +1,6 @@
 // The options -o and --checkpoint name these files.
 #pragma once
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -26,7 +27,10 @@ void addOutputOptions(CLI::App* command, OutputOptions& options);
 //   Throws: Error bad_usage where it is named twice, or --format is given without it.
 void settleOutputs(const CLI::App* command, OutputOptions& options);
 
-// That every file can be written, and none over another: before anything is computed.
+// Refuses names of the same file, however they are written: "a.csv" and "./a.csv".    Throws: Error bad_usage.
+void requireDistinct(const std::vector<std::filesystem::path>& files);
+
+// Refuses files that cannot be written, and names of the same file, before anything is computed.
 //   In: checkpoint: empty where there is none; has_scene: of the content
 //   Throws: Error bad_usage.
 void checkOutputs(const std::vector<std::string>& outputs, const std::string& checkpoint, bool with_balance = false,

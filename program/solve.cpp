@@ -3,7 +3,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 
 #include <fmt/format.h>
 
@@ -12,6 +11,7 @@
 #include "program/command_line.h"
 #include "program/commands.h"
 #include "program/describe_heat.h"
+#include "program/heat_outputs.h"
 #include "program/options.h"
 #include "program/outputs.h"
 #include "program/progress_line.h"
@@ -64,42 +64,10 @@ std::string describeTolerance(const HeatTolerance& tolerance, double reached) {
   return fmt::format("{:.2g}{}, {:.2g} asked for", reached, unit, tolerance.standard_error);
 }
 
-// Exchange factors go to NAME.exchange.csv beside NAME.csv, and conductors to files of their own endings.
-std::string exchangeFileOf(const std::string& output, ExchangeKind kind) {
-  return std::filesystem::path(output).replace_extension(exchangeExtension(kind)).string();
-}
-
 const std::map<std::string, ExchangeKind> kExchangeKinds = {{"gebhart", ExchangeKind::gebhart},
                                                             {"script-f", ExchangeKind::script_f},
                                                             {"esatan", ExchangeKind::esatan},
                                                             {"sinda", ExchangeKind::sinda}};
-
-// .h5, .html and .vtp have the form factors, too.
-bool isWholeResult(const std::string& output) {
-  return output.ends_with(".h5") || output.ends_with(".html") || output.ends_with(".vtp");
-}
-
-void checkOutputs(const SolveCommand& command) {
-  if (command.exchange && command.outputs.empty())
-    throw Error(ErrorCode::bad_usage, "--exchange writes NAME.exchange.csv beside NAME.csv; give -o NAME.csv");
-  std::set<std::string> named;
-  for (const std::string& output : command.outputs) {
-    if (!named.insert(output).second)
-      throw Error(ErrorCode::bad_usage, fmt::format("{}: is to be written twice; name every file once", output));
-    if (isWholeResult(output)) checkOutput(output, false, !command.scene.empty());
-    else if (output.ends_with(".csv")) checkHeatOutput(output);
-    else
-      throw Error(
-          ErrorCode::bad_usage,
-          fmt::format("{}: unknown output format of heat; use a name that ends in .csv, .h5, .vtp or .html", output));
-    if (!command.exchange) continue;
-    const std::string beside = exchangeFileOf(output, *command.exchange);
-    if (!named.insert(beside).second)
-      throw Error(ErrorCode::bad_usage,
-                  fmt::format("{}: --exchange writes this file itself; use another name", beside));
-    checkExchangeOutput(beside, *command.exchange);
-  }
-}
 
 // Writes exchange factors beside the answers.
 void writeExchanges(const SolveCommand& command, const FormFactors& form_factors, const Enclosure& enclosure) {
@@ -130,21 +98,9 @@ void conclude(const SolveCommand& command, const MaterialTable& table, const Hea
               const OutputContent& content) {
   if ((table.environment_temperature || table.sky_and_ground) && !solution.is_open)
     warn(fmt::format("{}: no radiation leaves the scene, so that its environment has no effect", table.file));
-  for (const std::string& output : command.outputs)
-    if (isWholeResult(output)) writeFormFactors(content, output);
-    else writeHeat(solution, command.request.by, output);
+  writeHeatOutputs(content, command.request.by, command.outputs);
   if (!command.talks()) return;
   fmt::print("{}{}", describeMaterials(table, solution), describeHeat(solution, command.request.by));
-}
-
-// Returns the answers' files, and those of exchange factors.
-std::vector<PlannedFile> filesOf(const SolveCommand& command) {
-  std::vector<std::string> names;
-  for (const std::string& output : command.outputs) {
-    names.push_back(output);
-    if (command.exchange) names.push_back(exchangeFileOf(output, *command.exchange));
-  }
-  return planFiles(names);
 }
 
 // Prints answers, with the form factors that they come from, as JSON.
@@ -282,8 +238,8 @@ int solveFile(const SolveCommand& command) {
 int runSolve(SolveCommand command) {
   if (command.scene.empty() && command.stored.empty())
     throw Error(ErrorCode::bad_usage, "solve needs a scene, or form factors by --from-result");
-  checkOutputs(command);
-  command.files = filesOf(command);
+  checkHeatOutputs(command.outputs, command.exchange, !command.scene.empty());
+  command.files = planFiles(heatFilesOf(command.outputs, command.exchange));
   const int status = command.stored.empty() ? solveFile(command) : solveStored(command);
   if (command.talks()) fmt::print("{}", describeWritten(command.files));
   return status;

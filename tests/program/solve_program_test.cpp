@@ -125,6 +125,7 @@ TEST_F(SolveProgram, ExchangeFactorsStandBesideTheAnswers) {
   expectRefusal(run(cube + " --exchange b -o " + file("b.csv")), "not in");
   expectRefusal(run(cube + " --exchange gebhart -o " + file("b.csv") + " -o " + file("b.exchange.csv")),
                 "is to be written twice");
+  expectRefusal(run(cube + " -o " + file("b.csv") + " -o " + file("./b.csv")), "is to be written twice");
 }
 
 TEST_F(SolveProgram, AGuaranteeBoundsTheAnswers) {
