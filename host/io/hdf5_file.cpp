@@ -1,8 +1,6 @@
 #include "io/hdf5_file.h"
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -13,15 +11,13 @@
 #include <hdf5.h>
 
 #include <viewpeel/error.h>
-#include "hash.h"
+#include "io/check_sum.h"
 
 namespace viewpeel {
 namespace {
 
 static_assert(std::is_same_v<hid_t, int64_t> && std::is_same_v<H5E_auto2_t, int (*)(int64_t, void*)>);
-static_assert(std::endian::native == std::endian::little);  // of check sums
-constexpr size_t kCheckSumBytes = sizeof(uint64_t);
-constexpr size_t kGrowthBytes = 1 << 20;  // of a file in memory; read at a time
+constexpr size_t kGrowthBytes = 1 << 20;  // by this much a file in memory grows
 
 // A Handle is an HDF5 identifier that closes itself; below 0 where HDF5 failed.
 class Handle {
@@ -66,39 +62,6 @@ hid_t createFile() {
   H5Pset_obj_track_times(creation, false);
   H5Pset_fapl_core(access, kGrowthBytes, false);
   return H5Fcreate("checkpoint", H5F_ACC_TRUNC, creation, access);
-}
-
-// Returns the check sum of bytes: a Hash of words of 8, the last one filled up with zeros.
-class CheckSum {
- public:
-  //   In: bytes: of all calls but the last a multiple of 8
-  void add(const char* bytes, size_t count) {
-    for (size_t at = 0; at < count; at += kCheckSumBytes) {
-      uint64_t word = 0;
-      std::memcpy(&word, bytes + at, std::min(kCheckSumBytes, count - at));
-      hash_.add(word);
-    }
-  }
-  std::array<char, kCheckSumBytes> bytes() const {
-    return std::bit_cast<std::array<char, kCheckSumBytes>>(hash_.value());
-  }
-
- private:
-  Hash hash_;
-};
-
-bool endsInCheckSum(std::istream& file, uint64_t size) {
-  if (size < kCheckSumBytes) return false;
-  CheckSum sum;
-  std::vector<char> block(kGrowthBytes);
-  for (uint64_t left = size - kCheckSumBytes; left > 0;) {
-    const size_t count = std::min<uint64_t>(left, block.size());
-    if (!file.read(block.data(), static_cast<std::streamsize>(count))) return false;
-    sum.add(block.data(), count);
-    left -= count;
-  }
-  std::array<char, kCheckSumBytes> found;
-  return file.read(found.data(), found.size()) && found == sum.bytes();
 }
 
 [[noreturn]] void failToWrite(const std::string& what) {
