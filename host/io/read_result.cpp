@@ -118,6 +118,12 @@ double unlistedBound(Hdf5Input& in, const StoredRows& rows) {
   return bound;
 }
 
+// Returns whether write_hdf5.cpp adds this attribute to every file by itself: it is no parameter of a run.
+bool describesTheFile(const std::string& name) {
+  return name == "viewpeel_result_format" || name == "row_order" || name == "unlisted_bound" ||
+         name.starts_with("closure_");
+}
+
 }  // namespace
 
 StoredResult readResult(const std::filesystem::path& file) {
@@ -160,8 +166,7 @@ StoredResult readResult(const std::filesystem::path& file) {
     stored.balanced.emplace(ids, std::move(balanced_entries), std::vector<Measured>(ids.count(), Measured{1, 0}));
   stored.form_factors = FormFactors(std::move(ids), std::move(entries), sums, std::move(intervals),
                                     has_intervals ? unlistedBound(in, rows) : 0);
-  // This attribute says the same in every file, and belongs to no run.
-  std::erase_if(rows.attributes, [](const auto& attribute) { return attribute.first == "row_order"; });
+  std::erase_if(rows.attributes, [](const auto& attribute) { return describesTheFile(attribute.first); });
   stored.parameters = std::move(rows.attributes);
   return stored;
 }

@@ -11,7 +11,6 @@ namespace {
 
 constexpr const char* kKind = "result";
 constexpr const char* kRemedy = "take a .h5 that viewpeel wrote, or write it anew";
-constexpr const char* kResultFormat = "1";  // as write_hdf5.cpp has it
 
 void requireMatrix(Hdf5Input& in, const StoredRows& rows) {
   const auto count = static_cast<int64_t>(rows.entryCount());
@@ -55,7 +54,7 @@ StoredRows readStoredRows(Hdf5Input& in) {
   rows.attributes = in.attributes();
   const std::string format = rows.attribute("viewpeel_result_format");
   if (format.empty()) in.refuse("it is another file, perhaps a checkpoint");
-  if (format != kResultFormat) in.refuse("it is of another format");
+  if (format != std::to_string(kResultFormat)) in.refuse("it is of another format");
   rows.names = in.readTexts("name");
   rows.areas = readNumbers(in, "area", rows.count());
   if (std::ranges::any_of(rows.areas, [](double area) { return area < 0 || std::isinf(area); }))

@@ -1,6 +1,7 @@
 // The rows of a .h5 of results, as write_hdf5.cpp lays them out, for everybody who reads one. Columns that do not fit
 // each other are refused, and so are numbers that are none.
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -11,6 +12,8 @@
 #include "report/report_content.h"
 
 namespace viewpeel {
+
+constexpr int64_t kResultFormat = 1;  // attribute viewpeel_result_format of the files that are written and read
 
 // StoredRows are names, areas and compressed form factors. The entries of row i are from starts[i] to starts[i + 1].
 struct StoredRows {

@@ -12,14 +12,13 @@
 #include "io/shown_rows.h"
 #include <viewpeel/sparse_rows.h>
 #include "io/writers.h"
+#include "io/stored_rows.h"
 #include "report/write_page.h"
 #include <viewpeel/drop_below.h>
 #include <viewpeel/solve.h>
 
 namespace viewpeel {
 namespace {
-
-constexpr int64_t kResultFormat = 1;
 
 // Adds a matrix whose columns and starts are those of the form factors.
 void addMatrix(Hdf5Output& out, const std::string& group, const SparseRows& rows, const std::vector<double>& values) {

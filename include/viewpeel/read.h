@@ -15,7 +15,7 @@ struct StoredResult {
   FormFactors form_factors;                // Ids::of_polygon is empty: the file does not list polygons by id
   std::optional<FormFactors> balanced;     // balanced form factors, where the file has them
   std::vector<std::string> surface_names;  // names that Ids::surface is an index of
-  // Each is a name and a value as text: OutputContent::parameters, and the closure of the rows.
+  // Each is a name and a value as text: OutputContent::parameters, so that the result can be written again.
   std::vector<std::pair<std::string, std::string>> parameters;
 };
 

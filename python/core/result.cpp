@@ -93,15 +93,9 @@ void save(const HeldResult& held, const std::string& file, const std::vector<std
   writeFormFactors(content, file);
 }
 
-// Attributes that a file gets of its own are not among the parameters that are written again.
 Held load(const std::string& file) {
   const py::gil_scoped_release released;
-  auto held = std::make_shared<HeldResult>(HeldResult{readResult(file), nullptr});
-  std::erase_if(held->stored.parameters, [](const auto& parameter) {
-    const std::string& name = parameter.first;
-    return name == "viewpeel_result_format" || name == "unlisted_bound" || name.starts_with("closure_");
-  });
-  return held;
+  return std::make_shared<HeldResult>(HeldResult{readResult(file), nullptr});
 }
 
 }  // namespace

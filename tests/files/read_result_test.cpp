@@ -120,6 +120,20 @@ TEST_F(ReadResult, BringsBackARun) {
   EXPECT_FALSE(stored.form_factors.ids().two_sided);
 }
 
+// What was read can be written again, with the attributes that every file has, and read once more.
+TEST_F(ReadResult, CanBeWrittenAgain) {
+  std::vector<Interval> intervals;
+  for (const FormFactors::Entry& entry : form_factors_.entries())
+    intervals.push_back({0.5 * entry.exchange_area.value, 2 * entry.exchange_area.value});
+  const FormFactors bounded(form_factors_.ids(), form_factors_.entries(), form_factors_.rowSums(), intervals, 0.125);
+  writeFormFactors({bounded, nullptr, &scene_, {{"seed", "7"}}}, folder_ / "once.h5");
+  const StoredResult once = readResult(folder_ / "once.h5");
+  writeFormFactors({once.form_factors, nullptr, nullptr, once.parameters}, folder_ / "again.h5");
+  const StoredResult again = readResult(folder_ / "again.h5");
+  EXPECT_EQ(again.parameters, once.parameters);
+  expectSame(again.form_factors, once.form_factors);
+}
+
 TEST_F(ReadResult, RefusesOtherFiles) {
   const auto refusal = [](const fs::path& file) {
     try {
