@@ -45,7 +45,8 @@ uint countInOrder(uvec2 samples, uvec2 others, DepthPlane nearer, DepthPlane far
   return count;
 }
 
-// peel.glsl says what this function does.
+// Counts on which parts of the rows two polygons face each other, whatever lies between them. Its declaration in
+// peel.glsl describes the arguments and the result.
 uint meetSpans(Tile tile, uint from, uint ups, uint span_count, inout uint blocks_done, inout bool cut) {
   const uint lanes = gl_WorkGroupSize.x;
   Parties parties;

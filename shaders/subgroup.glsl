@@ -12,7 +12,7 @@ bool anyOf(bool value) {
 }
 
 // Returns the sum of the values of this invocation and of all invocations before it.
-//   Out: all: the sum over all invocations
+//   Out: all: the sum of the values of all invocations of the workgroup
 uint sumSoFar(uint value, out uint all) {
   uint lane = gl_SubgroupInvocationID;
   [[unroll]] for (uint k = 0u; k < kDoublings; ++k) if (1u << k < gl_WorkGroupSize.x) {

@@ -167,8 +167,9 @@ UniformLineCount LineGuarantee::drawPilot(const Entry& entry) const {
   return sum;
 }
 
-// A pilot of some entries predicts lines and cost of all. An entry's chance to be in the pilot is proportional to its
-// most lines, and sums are weighted accordingly.
+// Predicts the lines and the cost of all entries from a pilot, which draws lines of some. The chance that the pilot
+// takes an entry is proportional to the most lines that the entry may need. An entry of the pilot counts as one over
+// its chance, so that sums have no bias.
 void LineGuarantee::predict() {
   std::vector<uint32_t> uncertain;
   double most_uncertain = 0;
@@ -188,12 +189,12 @@ void LineGuarantee::predict() {
     most_looks_ = std::max(most_looks_, entry.looks);
     if (most > figures_.most_for_one)
       figures_.most_for_one = most, figures_.neediest = {ids_.names[entry.i], nameOf(entry.j)};
-    // Of the least lines that an entry gets each is drawn by an estimate, too.
+    // An estimate draws the least number of lines of an entry as well.
     if (most <= kFewestLines + entry.part_count) add(entry, most, most, 0.5, 1);
     else uncertain.push_back(k), most_uncertain += most;
   }
-  // Pilots stand at even distances of most lines.
-  std::vector<std::pair<uint32_t, double>> pilots;  // with weights
+  // The pilot takes entries at even distances along the running sum of their most lines.
+  std::vector<std::pair<uint32_t, double>> pilots;  // entry and weight
   const double step = most_uncertain / double(kPilots);
   double sum = 0;
   for (const uint32_t k : uncertain) {
